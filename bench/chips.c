@@ -46,7 +46,7 @@ static gboolean run(char **argv, cost *c) {
   c->seconds = (double)(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
                1e-6 * (double)(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
   c->megabytes = (double)usage.ru_maxrss / 1024;
-  /* 1: what the flow requires is not kept, but all is written */
+  /* 1: a requirement of the flow is missed, but all files are written */
   return WIFEXITED(status) && WEXITSTATUS(status) <= 1;
 }
 
@@ -71,7 +71,7 @@ static void report(const char *name, const char *what, double value,
   bench_report(full, value, unit, reach, BENCH_LOWER);
 }
 
-/* Correct it by cheap prints, `more` being further arguments of the command. */
+/* Correct it by fast simulations; `more` are further arguments. */
 static gboolean measure(const char *folder, const char *name, char **more,
                         double transistors, double area, const char *layout) {
   g_autofree char *flow = g_build_filename(folder, "bench.yaml", NULL);

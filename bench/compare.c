@@ -82,7 +82,7 @@ static double measure(const char *name, double reach, const char *store,
 
 /* ---- one parameter of one method ---- */
 
-/* Whether `opcflow explain` tells of a run that its mask was made anew. */
+/* Return whether `opcflow explain` reports a new mask of a run. */
 static int is_made(const char *path) {
   g_autofree char *text = NULL;
   const char *command = g_getenv("OPCFLOW_COMMAND");

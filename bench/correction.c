@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Whole runs of the command, as a user starts them, from file to file: our
-   NAND2, and circuits where there are test data. How long they take, beside
-   what cheap prints alone would take, how far the currents are from their
-   design values, and what a model of another kind says of that.
+/* Runs of the command from file to file: the NAND2, and circuits if test data
+   exist. The figures are the time, relative to that of fast simulations alone,
+   the deviations of the currents, and these deviations by a model of another
+   kind.
 
    bench_correction [NAME ...]: of these jobs alone; "library" are circuits by
    the masks of their cells.
@@ -24,7 +24,7 @@ enum { MAX_REPEATS = 9, MAX_SETS = 8, MAX_FIGURES = 8 };
 
 typedef struct figure {
   const char *step, *metric; /* "seconds": the step's own, of the manifest */
-  double reach;              /* 0: not told */
+  double reach;              /* 0: not reported */
   const char *unit;          /* NULL: a number */
 } figure;
 
@@ -38,13 +38,13 @@ typedef struct job {
   const char *name;           /* of its figures */
   const char *flow;           /* in flows/ */
   const char *variant;        /* of it; NULL: none */
-  const char *circuit;        /* of ISCAS'85, NULL: what the flow has */
+  const char *circuit;        /* of ISCAS'85; NULL: that of the flow */
   size_t repeats;             /* the median counts */
-  double seconds;             /* to reach; 0: not told */
+  double seconds;             /* to reach; 0: not reported */
   const char *sets[MAX_SETS]; /* STEP.PARAMETER=VALUE */
   figure figures[MAX_FIGURES];
-  /* What it is compared with, in turns: the same with cheap prints alone, or
-     the other version; and how many times its seconds it may take. */
+  /* The reference, run in turns: the same with fast simulations alone, or the
+     other version; and the allowed ratio of the times. */
   const char *cheap[MAX_SETS];
   double times;
 } job;
@@ -80,8 +80,8 @@ static const job jobs[] = {
      .figures = {{"verify", "ion_mean", 0.04, "%"},
                  {"verify", "ion_max", 0.4, "%"},
                  {"verify", "ion_change_max", 0.1, "%"}}},
-    /* Fine prints and the proof that they bring, by themselves: twice the
-       seconds of the same moves with cheap prints alone. */
+    /* Accurate simulations and the verification alone: twice the seconds of
+       the same displacements with fast simulations alone. */
     {.name = "c7552.newton_plain",
      .flow = "newton.yaml",
      .circuit = "c7552",
@@ -93,7 +93,7 @@ static const job jobs[] = {
                  {"mask", "fine_simulations", 4, NULL}},
      .cheap = {"mask.fine=off", "mask.margin=1 um"},
      .times = 2},
-    /* The default target, against cheap prints and Ion alone. */
+    /* The default target, against fast simulations and Ion alone. */
     {.name = "c7552.newton",
      .flow = "newton.yaml",
      .circuit = "c7552",
@@ -119,7 +119,7 @@ static const job jobs[] = {
                  {"mask", "ioff_mean", 3, "%"},
                  {"mask", "ioff_total", 2, "%"},
                  {"mask", "area_mean", 0.5, "%"}}},
-    /* One fine print of both layers, with what it prepares. */
+    /* One accurate simulation of both layers, with its preparation. */
     {.name = "c7552.fine",
      .flow = "newton.yaml",
      .circuit = "c7552",
@@ -166,8 +166,9 @@ static void add_sets(GPtrArray *argv, const char *const *sets) {
   }
 }
 
-/* Run a flow into `folder`, `more` set beside what the job sets; the seconds it
-   took, or -1. A run that does not keep what its flow requires is one, too. */
+/* Run a flow into `folder` with the settings of the job and `more`. Return the
+   seconds, or -1. A run that misses a requirement of its flow counts as well.
+ */
 static double run_once(const job *j, const version *v, const char *const *more,
                        const char *layout, const char *folder) {
   g_autoptr(GPtrArray) argv = g_ptr_array_new();
@@ -219,7 +220,7 @@ static gboolean read_metric(const char *folder, const figure *f,
   return FALSE;
 }
 
-/* What a figure without a reach is compared with: nothing. */
+/* A figure without a reference is not compared. */
 static void tell(const job *j, const char *what, double value, const char *unit,
                  double reach) {
   g_autofree char *name = g_strdup_printf("%s.%s", j->name, what);
@@ -274,7 +275,7 @@ static gboolean measure(const job *j, const char *folder) {
 /* ---- by a library of cells (thesis table 4.2) ---- */
 
 /* How many times as fast as the whole circuit by DPB-OPC, flat; and how far the
-   currents are, by the same referee. */
+   currents are, by the same reference model. */
 static const struct by_cells {
   const char *variant, *mask; /* of flows/library-methods.yaml; its last step */
   double times;

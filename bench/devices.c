@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Transistors from prints: the time for 14,000 of them, over that of a fixed
-   number of samples of the same fields, and where there are test data the error
-   of 12 slices against many, on masks as drawn. */
+/* Transistors from contours: the time for 14,000 of them, relative to that of a
+   fixed number of samples of the same fields. If test data exist, also the
+   error of 12 slices against many, on drawn masks. */
 #include <eda/eda.h>
 #include <glib.h>
 #include <math.h>
@@ -16,7 +16,7 @@ enum { RUNS = 5, SAMPLES = 60, FIGURES = 6 };
 
 static const opc_host *host;
 
-/* Of this process: others may be at work, too. */
+/* Time of this process: others may be at work, too. */
 static double now(void) {
   struct timespec t;
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
@@ -216,7 +216,7 @@ static void bench_time(const models *m) {
 enum { RULES = 3, CURRENTS = 2 };
 static const char *const rule_names[RULES] = {"contour", "gauss", "equal"};
 
-/* Of each rule with 12 slices: |error| of Ion and Ioff, %, of all gates. */
+/* For each rule with 12 slices: |error| of Ion and Ioff, %, of all gates. */
 typedef struct errors {
   opc_module *extract[RULES], *many;
   GArray *error[RULES][CURRENTS];

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* EPE-OPC of a metal layer of 30 x 30 um made here: 8 iterations with fragments
-   of 32 nm, on two cores. What synthesizer.epe itself takes of it is measured
-   apart. */
+   of 32 nm, on two cores. The share of synthesizer.epe itself is measured
+   separately. */
 #include <eda/eda.h>
 #include <glib.h>
 #include <math.h>
@@ -120,7 +120,7 @@ int main(void) {
   for (int i = 0; i < RUNS; i++) all[i] = correct(gates[0], "assist: 0");
   bench_report("epe.metal_30um.two_cores", bench_median(all, RUNS), "s", 2,
                BENCH_LOWER);
-  /* Bars where they find room, and other doses looked at. */
+  /* Scatter bars where space permits, and other doses. */
   for (int i = 0; i < RUNS; i++)
     all[i] = correct(gates[0],
                      "assist: 1, assist_distance: 40 nm, "

@@ -23,7 +23,7 @@ static const opc_host *host;
 
 static double now(void) { return (double)g_get_monotonic_time() / 1e6; }
 
-/* Of all threads: what one core alone takes, however busy the machine is. */
+/* Processor time of all threads: independent of other load. */
 static double processor_time(void) {
   struct timespec t;
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
@@ -34,7 +34,7 @@ static void must(int code, const opc_error *error) {
   if (code) g_error("%s", error->message);
 }
 
-/* ---- what is imaged ---- */
+/* ---- masks ---- */
 
 static eda_shapes rows_of_lines(double side) {
   size_t columns = (size_t)(side / 250), rows = (size_t)(side / 1800);
@@ -134,8 +134,8 @@ static times measure(double um, const opc_module *m, size_t systems) {
   return best;
 }
 
-/* Time per area of a large layer over that of a small one: the median of the
-   ratios of runs in turn, the small one as often as it takes as long. */
+/* Return the time per area of a large layer over that of a small one. It is the
+   median of ratios of alternate runs, the small one repeated for equal time. */
 static double growth(double small, double large, const opc_module *m) {
   enum { TURNS = 7 };
   double ratio[TURNS], area[2] = {pow(small + 2, 2), pow(large + 2, 2)};
@@ -171,7 +171,7 @@ static double two_processes(const eda_shapes *s, eda_frame f,
   return now() - start;
 }
 
-/* Two threads over one, and what this machine allows: two processes at once
+/* Two threads over one, and the limit of this machine: two processes at once
    against one. Medians of runs in turn. The processes come first, while there
    is no other thread. */
 static void bench_threads(const opc_module *m) {
@@ -365,9 +365,9 @@ static void bench_parts(void) {
 
 /* ---- error ---- */
 
-/* An image through some source points: as a scanner's band calls for, or each
-   of the raster, the grid of the fields and that of the result finer (the last
-   is never coarser than the second wants it). */
+/* Compute an image through some source points, as the band of a scanner
+   requires. Raster, grid of the fields and grid of the result can each be
+   finer; the last is never coarser than the second requires. */
 static eda_field sampled(const eda_shapes *s, eda_frame f, int raster, int grid,
                          int nodes) {
   size_t count = 16;

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Kills a flow that four ranks run, one of them or all, at random moments, and
-resumes it with another number of ranks: what it gives is that of one process,
-to the last bit. KILLS: how many; KILL_FLOW: the words behind `opcflow run`."""
+"""Kill one or all of four ranks of a flow at random moments, and continue the flow
+with another number of ranks. The result must be bit-identical to that of one
+process. KILLS: how many; KILL_FLOW: the words behind `opcflow run`."""
 import glob
 import json
 import os
@@ -28,7 +28,7 @@ def command(ranks):
 
 
 def result():
-    """What it wrote, and what is kept of its pieces and outputs."""
+    """Return the files of a run, and its kept tasks and outputs."""
     paths = [p for p in glob.glob("out/**", recursive=True) if os.path.isfile(p) and not p.endswith("manifest.json")]
     found = {}
     for path in paths + glob.glob("store/entries/*/*.piece") + glob.glob("store/entries/*/*.outputs"):

@@ -18,7 +18,7 @@
 
 enum { RECTANGLES = 10 * 1000 * 1000, LAYERS = 10, REPEATS = 3, CHECKS = 15 };
 
-/* What a process took. */
+/* Time and memory of a process. */
 typedef struct cost {
   double seconds, megabytes;
 } cost;
@@ -249,7 +249,7 @@ static gboolean read_by_klayout(const char *path, cost *c) {
   return repeat(argv, REPEATS, NULL, c);
 }
 
-/* KLayout's figures are what ours are to reach: its time, half its memory. */
+/* KLayout's figures are the reference: its time, half its memory. */
 static gboolean measure(const char *folder, const char *name,
                         const char *plugin, void (*write_file)(FILE *file),
                         gboolean klayout) {
@@ -272,7 +272,7 @@ static gboolean measure(const char *folder, const char *name,
 
 /* ---- checking ---- */
 
-/* Make the kernel forget what it has read of a folder's files. */
+/* Make the kernel drop its cache of a folder's files. */
 static void forget(const char *folder) {
   g_autoptr(GDir) dir = g_dir_open(folder, 0, NULL);
   for (const char *name; dir && (name = g_dir_read_name(dir));) {

@@ -2,6 +2,7 @@
 /* Verbs that plugins of the kind "command" bring. Their parameters are their
    options, and what they publish is shown, or is one JSON document. */
 #include <base/file.h>
+#include <base/layers.h>
 #include <base/suggest.h>
 #include <base/unit.h>
 #include <errno.h>
@@ -9,12 +10,10 @@
 #include <guard/stop.h>
 #include <string.h>
 
-#include "core/binding/layers.h"
 #include "core/cli/cli.h"
 #include "core/cli/progress.h"
 #include "core/plugin/declaration.h"
 #include "core/report/json.h"
-#include "core/run/run.h"
 #include "core/run/services.h"
 
 /* What the user wants: of each parameter of the plugin a text, or of an

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Assist features beside gates. */
+/* Implements rule-based assist features beside gates. */
 #include <correct/assists.h>
 
 #include <eda/memory.h>
@@ -9,7 +9,8 @@
 
 #include <correct/loop.h>
 
-/* The side of a gate that faces smaller or larger coordinates along L. */
+/* Return the side of a gate that faces smaller or larger coordinates along
+   L. */
 static eda_bar_edge edge_of(const eda_gates *g, size_t i, int high) {
   eda_box b = g->box[i];
   eda_bar_edge e = {.upright = g->axis[i] == EDA_X, .sign = high ? 1 : -1};
@@ -29,8 +30,8 @@ static void show(loop *l) {
       (eda_boxes){l->assists.bars.box, l->assists.bars.count});
 }
 
-/* Beyond the clear field the layout repeats: a bar that reaches past it lies
-   on the next copy, where light of one shape twice is none. */
+/* The layout repeats beyond the clear field. A bar outside the frame would
+   overlap the next copy and be counted twice. */
 int correct_assists_check(const loop *l, opc_error *error) {
   const eda_frame *f = &l->printer.frame;
   double g = l->gates->grid;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Assist bars beside the two gates of the sample, under optics by which bars of
-   8 nm and more print: those of 6 nm leave 0.68 of the light. */
+/* Tests assist bars beside the two gates of the sample. With these optics, bars
+   of 8 nm and more print; bars of 6 nm transmit 0.68 of the light. */
 #include <correct/assists.h>
 
 #include "models_test.h"
@@ -10,7 +10,7 @@ static int begin(void *self, const eda_feedback *f, opc_error *error) {
   return OPC_OK;
 }
 
-/* The first length is 60 nm and less by one for each iteration. */
+/* Set the first length to 60 nm, less 1 nm for each iteration. */
 static int update(void *self, const eda_feedback *f, eda_moves *m, int *done,
                   opc_error *error) {
   (void)self, (void)error;
@@ -59,8 +59,9 @@ static gate_bars rule(int rows, double width, double margin) {
                      .margin = margin};
 }
 
-/* Rectangles by hand: gates at y 100..300 and 600..900 of a line at x 0..60,
-   the longer one's bars first, the others cut 90 nm before them. */
+/* Compare with rectangles computed by hand: gates at y 100..300 and 600..900 of
+   a line at x 0..60. The bars of the longer gate come first, the others end 90
+   nm before them. */
 static void test_places(void) {
   static const eda_box want[] = {{-156, 480, -150, 1020},
                                  {210, 480, 216, 1020},
@@ -77,7 +78,8 @@ static void test_places(void) {
       found |= !memcmp(&bars.box[k], &want[i], sizeof want[i]);
     g_assert_true(found);
   }
-  /* They are in the mask, beside the line of which a part is 3 nm shorter. */
+  /* The bars are in the mask, beside the line that is shortened by 3 nm in one
+     part. */
   int64_t line = 60 * 1000 - 3 * 200, all = 6 * 2 * (540 + 410);
   g_assert_cmpint(eda_area2(&l.mask[EDA_POLY]), ==, 2 * (line + all));
   g_string_truncate(told, 0);
@@ -90,7 +92,7 @@ static void test_places(void) {
   correct_loop_clear(&l);
 }
 
-/* What prints, or nearly does, is in the mask no more. */
+/* Bars that print, or nearly print, are removed from the mask. */
 static void test_dropped(void) {
   loop l;
   opc_error error = {0};
@@ -125,7 +127,7 @@ static void test_refused(void) {
   g_assert_cmpint(run(&l, &mover, rule(1, 0.3, 0.02), &error), ==, OPC_INVALID);
   g_assert_nonnull(strstr(error.message, "less than the mask grid"));
   correct_loop_clear(&l);
-  /* From 150 nm beside the line to the end of 500 nm beside the active. */
+  /* From 150 nm beside the line to 500 nm beside the active. */
   g_assert_cmpint(run(&l, &mover, rule(1, 550, 0.02), &error), ==, OPC_OK);
   correct_loop_clear(&l);
   g_assert_cmpint(run(&l, &mover, rule(1, 551, 0.02), &error), ==, OPC_INVALID);

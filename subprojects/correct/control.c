@@ -1,34 +1,35 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The steps of one transistor, as thesis figure 3.3 has them, and how it is
-   taken up again when its neighbours have moved it from where it came to rest.
- */
+/* Implements thesis figure 3.3 for one transistor, extended by a restart of
+   transistors whose error changes after they reached their minimum. */
 #include <correct/control.h>
 
 #include <math.h>
 #include <stdlib.h>
 
-/* All tuned constants, ours, with what half and twice of each do. Figures are
-   moves and the largest |Ion deviation| in % of flows/dpb.yaml; as it is: SRAM
-   12, 1.43; NAND2_X1 8, 0.47; c432 19, 0.50. */
+/* Tuned constants, with results for half and twice their values: number of
+   moves and largest |Ion deviation| in % of flows/dpb.yaml. Present values:
+   SRAM 12, 1.43; NAND2_X1 8, 0.47; c432 19, 0.50. */
 static const struct {
   double widest_step, worth, rest;
   uint8_t reopenings;
 } tuned = {
-    /* nm: the widest proportional step of W, twice as much as regulator.drc
-       moves a line end at a time. Half: NAND2_X1 9, 0.23; c432 23, 0.50. Twice:
-       c432 18, 0.50. */
+    /* Widest proportional step of W, nm; twice the line-end step of
+       regulator.drc. Half: NAND2_X1 9, 0.23; c432 23, 0.50. Twice: c432 18,
+       0.50. */
     .widest_step = 20,
 
-    /* An error above this part of what a step of L or W does is worth one, and
-       a little more than half, so that it does not swing. Half: the same ends,
-       but SRAM 36 moves and c432 45. Twice: last digits of c432. */
+    /* Smallest error, as a fraction of the effect of a step of L or W, that
+       justifies the step; above one half to avoid oscillation. Half: equal
+       results with 36 moves for SRAM and 45 for c432. Twice: last digits of
+       c432. */
     .worth = 0.55,
 
-    /* A transistor at rest is looked at again if its error has changed by more
-       than `limit` over this. Half: none differs. Twice: SRAM 12, 0.61. */
+    /* A settled transistor is reconsidered if its error changes by more than
+       `limit` divided by this. Half: no difference. Twice: SRAM 12, 0.61. */
     .rest = 10,
 
-    /* It is taken up again so often at most, so that it ends. None differs. */
+    /* Largest number of restarts of a transistor, to guarantee termination.
+       Half and twice: no difference. */
     .reopenings = 8,
 };
 
@@ -40,7 +41,8 @@ control_rules correct_control_rules_for(double limit, double max_bias,
                          .proportional = proportional};
 }
 
-/* Too much current: longer or narrower; too little: shorter or wider. */
+/* Return the sign of the step of L that reduces the error, 1 for too much
+   current. */
 static int longer(double error) { return error > 0 ? 1 : -1; }
 
 static uint32_t veto_of_l(int step) {
@@ -51,7 +53,7 @@ static uint32_t veto_of_w(int step) {
   return step > 0 ? EDA_VETO_WIDER : EDA_VETO_NARROWER;
 }
 
-/* How far W may go. */
+/* Return the bound of |w|. */
 static int32_t most_w(const control_rules *r, const control_input *in) {
   int32_t half = (int32_t)(in->width / 2);
   return r->most < half ? r->most : half;
@@ -63,8 +65,8 @@ static void settle(control *c, int verdict) {
   c->l = c->w = c->rested = 0;
 }
 
-/* Did the last step go past the minimum? Every step goes the way that lowers
-   the error; one that rises with the same sign is the neighbours' doing. */
+/* Return 1 if the last step overshot the minimum. Each step reduces the error,
+   so an increase of equal sign is caused by the neighbours. */
 static int passed(const control *c, double error) {
   return (error > 0) != (c->error > 0);
 }
@@ -84,7 +86,7 @@ int correct_control_first(const control_rules *r, control *c,
   return steps != 0;
 }
 
-/* Look at what the last step of L did. 1 if it is taken back. */
+/* Evaluate the last step of L. Returns 1 if the step is reverted. */
 static int judge_length(control *c, const control_input *in, int32_t *l) {
   int32_t last = c->l;
   c->by_l = fabs(in->error - c->error) / abs(last);
@@ -92,7 +94,7 @@ static int judge_length(control *c, const control_input *in, int32_t *l) {
   if (in->veto & veto_of_l(last)) {
     c->barred |= (uint8_t)veto_of_l(last);
   } else {
-    /* Past the minimum by a first correction: on from here by single steps. */
+    /* A first correction overshot the minimum: continue with single steps. */
     if (abs(last) > 1 || !passed(c, in->error)) return 0;
     c->phase = CONTROL_FINE;
     if (fabs(in->error) <= fabs(c->error)) return 0;
@@ -102,8 +104,8 @@ static int judge_length(control *c, const control_input *in, int32_t *l) {
   return 1;
 }
 
-/* Where W may go no further, L makes room for it: one more step, not to be
-   taken back, and W comes back from its bound. Only where W does so quickly. */
+/* Move L by one irreversible step if W has reached its bound, so that W can
+   return from it. Applies to proportional steps of W only. */
 static int exchange(const control_rules *r, control *c, const control_input *in,
                     int32_t *l, int32_t w) {
   int step = longer(in->error);
@@ -120,10 +122,9 @@ static int exchange(const control_rules *r, control *c, const control_input *in,
   return 1;
 }
 
-/* Past its minimum of L or of both, a transistor is there no more when its
-   neighbours have changed its error: it goes back to where a step would still
-   help. A step of W changes the current by its part of W, one of L by what it
-   did last. */
+/* Restart a transistor whose error was changed by its neighbours, in the phase
+   in which a step still reduces the error. A step of W changes the current in
+   proportion to W; the effect of a step of L is that of its last one. */
 static void reconsider(const control_rules *r, control *c,
                        const control_input *in) {
   double error = fabs(in->error), by_w = 100 / in->width;
@@ -168,10 +169,10 @@ int correct_control_length(const control_rules *r, control *c,
   return 1;
 }
 
-/* By how much to change W: towards the smaller error, by its part of W, as the
-   current is proportional to it. One that grows by more than its line ends
-   follow at a time meets their round corners. Each change of sign halves what
-   is allowed from then on, so that it ends. */
+/* Return the step of W that reduces the error, proportional to W as the current
+   is. Widening is limited, because the line ends follow by a limited step and
+   the wider gate would reach their rounded corners. Each change of sign halves
+   the bound, which guarantees termination. */
 static int32_t width_step(const control_rules *r, control *c,
                           const control_input *in, int32_t w) {
   int way = -longer(in->error);
@@ -186,7 +187,8 @@ static int32_t width_step(const control_rules *r, control *c,
 int correct_control_width(const control_rules *r, control *c,
                           const control_input *in, int32_t *w) {
   if (c->phase != CONTROL_FINE || c->verdict != CONTROL_MOVING) return 0;
-  if (abs(c->w) == 1 && passed(c, in->error)) { /* here or one step back */
+  if (abs(c->w) == 1 && passed(c, in->error)) { /* keep this step or revert
+                                                   it */
     int back = fabs(in->error) > fabs(c->error);
     if (back) *w -= c->w;
     settle(c, CONTROL_GRID);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Prints at corners of dose, focus and mask error, and what they come to for
-   each transistor. A dose is a factor on an image that is there; a focus or
-   another mask needs images of its own. */
+/* Implements simulations at corners of dose, focus and mask error and their
+   mean for each transistor. A dose scales an existing image; a focus or mask
+   error needs images of its own. */
 #include <correct/corners.h>
 
 #include <eda/memory.h>
@@ -14,9 +14,9 @@
 
 enum { MAX_CORNERS = 100 };
 
-/* Of a normal distribution whose sqrt(3) sigma is 1. With [-1, 0, 1] that is
-   0.15, 0.69, 0.15: near the 1/6, 2/3, 1/6 of Gauss and Hermite's rule, which
-   gives means over a normal distribution from these three places. */
+/* Return the density of a normal distribution with sqrt(3) sigma = 1. For [-1,
+   0, 1] the weights are 0.15, 0.69, 0.15, close to the 1/6, 2/3, 1/6 of
+   Gauss-Hermite quadrature with these three nodes. */
 static double density(double x) { return exp(-1.5 * x * x); }
 
 /* ---- the list of corners ---- */
@@ -232,14 +232,15 @@ enum { ION, IOFF, LEQ_ION, LEQ_IOFF, WEQ, AREA, FIGURES };
 
 static int is_ratio(size_t k) { return k == ION || k == IOFF || k == AREA; }
 
-/* A figure, or the logarithm of one whose ratio to the drawn one counts. */
+/* Return a figure, or the logarithm of a figure that is compared as a ratio. */
 static double figure_of(const eda_performance *p, size_t k, size_t i) {
   double v = (&p->ion)[k][i];
   return is_ratio(k) ? log(v) : v;
 }
 
-/* How far the weighted mean of a figure, over the corners where a transistor
-   prints, is from the nominal one; 0 if it prints at none. */
+/* Return the difference of a figure's weighted mean, over the corners at which
+   the transistor prints, from the nominal figure; 0 if the transistor prints at
+   none. */
 static double pull_of(const corners *c, const eda_performance *nominal,
                       size_t k, size_t i) {
   double sum = 0, weight = 0;
@@ -254,9 +255,9 @@ static double pull_of(const corners *c, const eda_performance *nominal,
   return isfinite(pull) ? pull : 0;
 }
 
-/* What all transistors of a type have in common is what another dose does, and
-   left to it. Of the rest, each takes as much as leaves its nominal Ion within
-   the limit: as if the nominal print counted the more. */
+/* Remove the mean over all transistors of a type, which is the effect of a
+   different dose, and scale the remainder so that nominal Ion stays within the
+   limit. */
 static void bound_pulls(const loop *l, double (*pull)[FIGURES]) {
   double sum[2][FIGURES] = {{0}}, count[2] = {0};
   double most = log1p(l->corners.wish.ion_cost / 100);
@@ -275,7 +276,8 @@ static void bound_pulls(const loop *l, double (*pull)[FIGURES]) {
   }
 }
 
-/* What failed nominally keeps its figures, which tell which way to go. */
+/* Replace the measurement by the mean over the corners. A transistor that fails
+   nominally keeps its figures, which show the direction of its correction. */
 static void combine(loop *l) {
   const corners *c = &l->corners;
   eda_performance *out = &l->measured.performance;
@@ -341,8 +343,8 @@ static int put_rows(const loop *l, const row *r, opc_error *error) {
                       sizeof *r, OPC_ARRAY(columns), error);
 }
 
-/* Over all corners: means are weighted, and what is worst is of the worst one.
- */
+/* Write the table and metrics over all corners: weighted means and worst
+   cases. */
 static int put_all(const loop *l, const row *r, opc_error *error) {
   const corners *c = &l->corners;
   double mean = 0, sd = 0, worst = 0, leakage = 0, most = 0, failed = 0;
@@ -376,7 +378,8 @@ static int put_all(const loop *l, const row *r, opc_error *error) {
   return code ? code : opc_put_metrics(l->host, OPC_ARRAY(values), error);
 }
 
-/* What counts for nothing in the means is not to look as if it did. */
+/* Warn of transistors that do not print at some corner and are excluded
+   there. */
 static void tell_of_failed(const loop *l, const row *r) {
   size_t n = l->gates->count, at = 0;
   int64_t most = 0;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Corners of dose, focus and mask error, against the closed form of lines that
-   are blurred by a Gaussian. */
+/* Tests corners of dose, focus and mask error against the closed form of lines
+   blurred by a Gaussian. */
 #include <correct/corners.h>
 
 #include "models_test.h"
@@ -12,7 +12,8 @@ static const double dose_of[] = {-6, 0, 5}, focus_of[] = {0, 60},
 
 /* ---- a model with focus, and with a fine image ---- */
 
-/* The blur is wider away from the focus; what a cheap image has too much. */
+/* Return the blur, which grows with the defocus, and the error of a fast
+   image. */
 static double cut_off_at(double defocus) {
   return cut_off * (1 + defocus * defocus / 1e4);
 }
@@ -82,8 +83,8 @@ static const eda_litho with_fine = {.prepare = nothing,
 
 static double normal(double x) { return erfc(-x / sqrt(2)) / 2; }
 
-/* How wide a line prints: where dose * (1 - the part of a Gaussian that the
-   line covers)^2 is below 0.6. */
+/* Return the printed width of a line: the region where dose * (1 - the fraction
+   of a Gaussian that the line covers)^2 is below 0.6. */
 static double printed(double drawn, double dose, double defocus, double by) {
   double sigma = cut_off_at(defocus) / (M_PI * sqrt(2)), low = 0, high = drawn;
   double half = drawn / 2 + by;
@@ -176,7 +177,7 @@ static double mean_of_gate(size_t gate, const double *weight, double bias) {
   return exp(sum / all);
 }
 
-/* Single precision. */
+/* single precision */
 static const double close_to = 2e-6;
 
 static void check_figures(const loop *l, const double *weight, double bias) {
@@ -212,7 +213,7 @@ static void test_figures(void) {
   correct_loop_clear(&l);
 }
 
-/* Not given: a normal distribution along each axis. */
+/* Default weights are a normal distribution along each axis. */
 static void test_weights(void) {
   loop l;
   opc_error error = {0};
@@ -228,8 +229,8 @@ static void test_weights(void) {
   correct_loop_clear(&l);
 }
 
-/* With a limit, what two of a type have in common is not held against them, and
-   of the rest no more than the limit. Ours differ by 0.6 %. */
+/* With a bound, the deviation that two transistors of a type have in common is
+   excluded and the remainder is bounded. These two differ by 0.6 %. */
 static void test_limit(void) {
   static const double limits[] = {0, 0.2, 50};
   uint8_t same[] = {EDA_NMOS, EDA_NMOS};
@@ -254,7 +255,7 @@ static void test_limit(void) {
       check_near(l.measured.performance.ion[i],
                  l.corners.nominal.ion[i] * exp(i ? -own : own), close_to);
     correct_loop_clear(&l);
-    /* One of each type has nothing to be unlike. */
+    /* A single transistor of each type has no deviation from its mean. */
     g_assert_false(run(&l, &with_focus, w, 0, &error));
     for (size_t i = 0; i < GATES; i++)
       check_near(l.measured.performance.ion[i], l.corners.nominal.ion[i],
@@ -263,7 +264,7 @@ static void test_limit(void) {
   }
 }
 
-/* The nominal one alone is no corner at all. */
+/* The nominal corner alone equals no corners. */
 static void test_nominal(void) {
   static const double zero = 0;
   loop a, b;
@@ -281,8 +282,8 @@ static void test_nominal(void) {
   correct_loop_clear(&b);
 }
 
-/* Cheap images lack something, other in focus and away from it; the figures are
-   those of the fine ones. */
+/* Fast images have an error that differs with the focus; the figures are those
+   of the accurate images. */
 static void test_fine(void) {
   loop l;
   opc_error error = {0};
@@ -296,8 +297,8 @@ static void test_fine(void) {
     for (size_t k = 0; k < ALL; k++)
       check_near(l.corners.corner[k].measured.performance.ion[i],
                  ion_of(i, k, -6), close_to);
-  /* Two layers, each mask of each focus, at the first moves; at the end they
-     are fine already. */
+  /* Two layers, each mask at each focus, at the first displacements; the final
+     images are accurate already. */
   g_assert_cmpint(fine_images, ==, 2 * FOCI * MASKS);
   g_assert_cmpuint(l.printer.fine_simulations, ==, fine_images);
   g_assert_cmpuint(l.printer.simulations, ==, cheap_images);
@@ -305,7 +306,7 @@ static void test_fine(void) {
   correct_loop_clear(&l);
 }
 
-/* A corner at which gates are open counts for nothing in their mean. */
+/* Gates that are open at a corner are excluded from their mean there. */
 static void test_lost(void) {
   static const double doses[] = {0, 150000};
   loop l;
@@ -353,7 +354,7 @@ static void test_refused(void) {
   refused((corners_wish){.dose = {some, 1}, .weight = {some, 1}}, NULL,
           "all weights are 0");
   refused((corners_wish){.weight = {some, 1}}, NULL, "1 weights for 0 corners");
-  /* %, nm and nm: just within both ends, and just out. */
+  /* %, nm and nm: values just inside and just outside the range. */
   static const double ends[][2] = {{-100, 1e6}, {-1e6, 1e6}, {-1e3, 1e6}};
   for (int k = 0; k < 3; k++)
     for (int up = 0; up < 2; up++)

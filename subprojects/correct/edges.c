@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A layer's edges become pieces, pieces are moved outwards by whole grid steps,
-   and moved pieces are joined to polygons again. */
+/* Implements the dissection of a layer's edges into fragments, their
+   displacement by whole grid steps and the reconstruction of polygons. */
 #include <correct/edges.h>
 
 #include <eda/memory.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Places where a side's length changes: ends of parts, and of the jog. */
+/* Largest number of positions where the length of a side changes: ends of parts
+   and of the jog. */
 enum { CUTS = 2 * EDA_PARTS + 2 };
 
 /* ---- room ---- */
@@ -50,18 +51,18 @@ void correct_pieces_room(const pieces *p, eda_shapes *out) {
 
 /* ---- from the biases of gates to pieces ---- */
 
-/* What a gate's width is measured along. */
+/* Return the coordinate along a gate's width. */
 static int32_t along_w(const eda_gates *g, int32_t gate, eda_point p) {
   return g->axis[gate] == EDA_X ? p.y : p.x;
 }
 
-/* A side's part of a bias. The HIGH side takes the odd step. */
+/* Return a side's half of a bias. The HIGH side receives the odd step. */
 static int32_t part(int32_t all, int high) {
   int32_t low = all >> 1;
   return high ? all - low : low;
 }
 
-/* How far a fragment that is no side along L moves outwards. */
+/* Return the outward displacement of a fragment that is not a side along L. */
 static int32_t move_of(const eda_fragment *f, const biases *b) {
   const eda_moved *base = b->base;
   int32_t i = f->gate, by = 0;
@@ -81,16 +82,16 @@ static void put(pieces *out, uint32_t *n, eda_point from, int32_t by) {
   out->by[(*n)++] = by;
 }
 
-/* A side along L, from `low` to `high` along W, and what moves it. */
+/* A side along L, from `low` to `high` along W, and its displacements. */
 typedef struct side {
-  int32_t low, high, box; /* the gate's LOW end */
+  int32_t low, high, box; /* LOW end of the gate's box */
   int32_t l;
-  int32_t jog_from, jog_to; /* empty: the jog is in the other side */
-  int upper;                /* it takes the odd step */
+  int32_t jog_from, jog_to; /* equal: the jog is in the other side */
+  int upper;                /* 1: receives the odd step */
   const eda_part *part;
 } side;
 
-/* `flip` EDA_FLIP_*. */
+/* Return the side of a fragment; `flip` is EDA_FLIP_*. */
 static side side_of(const eda_gates *g, const eda_fragment *f, eda_point next,
                     int32_t l, int32_t jog, const eda_part *parts,
                     uint8_t flip) {
@@ -117,9 +118,8 @@ static int is_part(const side *s, int k) {
   return k < EDA_PARTS && s->part[k].from < s->part[k].to;
 }
 
-/* How far the side moves at that place: its part of the gate's bias of length
-   there, and the jog, which stays in one side whatever parts add: the sides
-   begin elsewhere. */
+/* Return the displacement at position `at`: half of the length bias and of its
+   parts there, and the jog. The jog stays in one side for all parts. */
 static int32_t move_at(const side *s, int32_t at) {
   int32_t l = s->l;
   for (int k = 0; is_part(s, k); k++)
@@ -128,7 +128,8 @@ static int32_t move_at(const side *s, int32_t at) {
   return part(l, s->upper) + (s->jog_from <= at && at < s->jog_to);
 }
 
-/* Take in a place where the length changes; the list is kept sorted. */
+/* Insert a position of changing length into the sorted list. Returns the new
+   count. */
 static int cut_at(const side *s, int32_t at, int32_t *cut, int n) {
   int k = n;
   if (at <= s->low || at >= s->high) return n;
@@ -137,7 +138,7 @@ static int cut_at(const side *s, int32_t at, int32_t *cut, int n) {
   return n + 1;
 }
 
-/* All such places of a side. */
+/* Insert all such positions of a side. Returns the new count. */
 static int cut_side(const side *s, int32_t *cut, int n) {
   for (int k = 0; is_part(s, k); k++) {
     n = cut_at(s, s->box + s->part[k].from, cut, n);
@@ -147,7 +148,7 @@ static int cut_side(const side *s, int32_t *cut, int n) {
   return cut_at(s, s->jog_to, cut, n);
 }
 
-/* A side along L, cut where its length changes. */
+/* Append a side along L, dissected where its length changes. */
 static void put_side(const eda_gates *g, const eda_fragment *f, eda_point next,
                      const biases *b, pieces *out, uint32_t *n) {
   const eda_moved *base = b->base;
@@ -196,24 +197,24 @@ void correct_pieces_follow(const eda_gates *g, size_t layer, const biases *b,
 
 /* ---- from pieces to polygons ---- */
 
-/* A piece after its move: the line it lies on. */
+/* Line of a displaced fragment. */
 typedef struct moved {
   int horizontal;
-  int32_t line; /* its y if horizontal, else its x */
+  int32_t line; /* y if horizontal, else x */
 } moved;
 
 static moved move(eda_point from, eda_point next, int32_t by) {
-  if (from.y == next.y) /* outwards is down when going right */
+  if (from.y == next.y) /* outwards is down for an edge to the right */
     return (moved){1, from.y + (next.x > from.x ? -by : by)};
   return (moved){0, from.x + (next.y > from.y ? by : -by)};
 }
 
-/* Whether b is no corner between a and c: repeated, or on their line. */
+/* Return 1 if b is a repeated or collinear point between a and c. */
 static int is_idle(eda_point a, eda_point b, eda_point c) {
   return (a.x == b.x && b.x == c.x) || (a.y == b.y && b.y == c.y);
 }
 
-/* Append a corner to a polygon of n. */
+/* Append a corner to a polygon of n corners. Returns the new count. */
 static uint32_t corner(eda_point *polygon, uint32_t n, eda_point p) {
   while (n > 1 && is_idle(polygon[n - 2], polygon[n - 1], p)) n--;
   if (n == 1 && polygon[0].x == p.x && polygon[0].y == p.y) n = 0;
@@ -221,7 +222,8 @@ static uint32_t corner(eda_point *polygon, uint32_t n, eda_point p) {
   return n + 1;
 }
 
-/* What is left of a polygon when its end is joined to its beginning. */
+/* Remove redundant corners where the end of a polygon meets its start. Returns
+   the remaining count, 0 for a polygon that vanished. */
 static uint32_t join(eda_point *polygon, uint32_t n) {
   uint32_t first = 0;
   for (int found = 1; found && n - first > 2;) {

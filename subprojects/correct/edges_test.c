@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Moved edges against polygons drawn by hand, and against their areas. */
+/* Tests displaced edges against polygons drawn by hand and against their
+   areas. */
 #include <correct/edges.h>
 
 #include <glib.h>
@@ -23,12 +24,12 @@ typedef struct moves {
   eda_part part[EDA_PARTS];
 } moves;
 
-/* The line after its moves. `across`: laid over, x and y exchanged, in the
+/* Return the line after its displacements. `across`: x and y exchanged, in the
    order that keeps the inside on the left. */
 static eda_shapes moved(moves m, int across) {
   eda_fragment laid[N];
-  for (int i = 0; i < N; i++) { /* the fragments turn round: each begins
-                                   where its mirror image ended */
+  for (int i = 0; i < N; i++) { /* the order is reversed: each fragment begins
+                                   at the end of its mirror image */
     laid[i] = line[N - 1 - i];
     eda_point from = line[(N - i) % N].from;
     laid[i].from = (eda_point){from.y, from.x};
@@ -80,7 +81,7 @@ static void test_biases(void) {
       {{-3, 0, 0, 0, {{0}}},
        "0,0 60,0 60,100 59,100 59,300 2,300 2,100 0,100 "},
       {{1, 7, 12, 0, {{0}}}, "0,0 60,0 60,100 61,100 61,312 0,312 "},
-      /* Jogs: on the high side, on the low one, over all of it, none. */
+      /* Jogs: on the high side, on the low side, over the full length, none. */
       {{0, 0, 0, 50, {{0}}},
        "0,0 60,0 60,100 61,100 61,150 60,150 60,300 0,300 "},
       {{-2, 0, 0, 159, {{0}}},
@@ -91,11 +92,11 @@ static void test_biases(void) {
       {{1, 0, 0, 900, {{0}}},
        "0,0 60,0 60,100 61,100 61,300 -1,300 -1,100 0,100 "},
       {{0, 0, 0, -7, {{0}}}, "0,0 60,0 60,300 0,300 "},
-      /* The line end comes back to where the gate begins, and past it. */
+      /* The line end is moved back to the gate's start, and beyond it. */
       {{4, 0, -200, 0, {{0}}}, "0,0 60,0 60,100 0,100 "},
       {{0, 0, -300, 0, {{0}}}, ""},
-      /* Parts, from the gate's LOW end at y = 120 on: both sides, one side,
-         as far as the side goes, and with a jog, which stays in its side. */
+      /* Parts, from the gate's LOW end at y = 120: both sides, one side, up to
+         the end of the side, and with a jog, which stays in its side. */
       {{.part = {{20, 60, 2}}},
        "0,0 60,0 60,140 61,140 61,180 60,180 60,300 0,300 0,180 -1,180 -1,140 "
        "0,140 "},
@@ -117,8 +118,8 @@ static void test_biases(void) {
   }
 }
 
-/* An active of 200 x 100 whose middle is a gate's: both ends of the gate's
-   width move by their part of w, and towards HIGH by `aside`. */
+/* An active of 200 x 100 with a gate in its middle: both ends of the gate's
+   width move by half of w, and towards HIGH by `aside`. */
 static void test_aside(void) {
   static const eda_fragment active[] = {
       {{0, 0}, -1, EDA_FIXED},     {{60, 0}, 0, EDA_W_LOW},
@@ -154,7 +155,7 @@ static void test_aside(void) {
   }
 }
 
-/* What nothing is left of can be merged all the same. */
+/* A vanished polygon can be merged. */
 static void test_nothing(void) {
   eda_shapes s = moved((moves){.high = -300}, 0), merged;
   opc_error error;
@@ -164,7 +165,7 @@ static void test_nothing(void) {
   eda_shapes_clear(&s);
 }
 
-/* All corners are corners, and none of them twice. */
+/* Check that all points are corners and none is repeated. */
 static void check_corners(const eda_shapes *s) {
   uint32_t n = s->start[1];
   for (uint32_t i = 0; i < n; i++) {
@@ -175,12 +176,12 @@ static void check_corners(const eda_shapes *s) {
   }
 }
 
-/* The area, of both ways to lay the line: a sum of rectangles. */
+/* Compare areas in both orientations of the line with a sum of rectangles. */
 static void test_areas(void) {
   for (int32_t l = -5; l <= 5; l++)
     for (int32_t jog = -1; jog <= 201; jog++)
       for (int32_t high = -20; high <= 10; high += 15) {
-        if (jog > 200 + high && jog < 200) continue; /* past the line end */
+        if (jog > 200 + high && jog < 200) continue; /* beyond the line end */
         int32_t long_for = jog >= 200 ? 200 + high : jog > 0 ? jog : 0;
         int64_t want = 60 * (300 + high) + l * (200 + high) + long_for;
         for (int across = 0; across < 2; across++) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What nobody may miss of a correction, said in words. */
+/* Implements the textual findings of a correction. */
 #include <correct/findings.h>
 
 #include <glib.h>
@@ -8,8 +8,8 @@
 
 #include <correct/report.h>
 
-/* A drawn length is near an end of the device table within this part of itself,
-   ours: about what prints are off by before they are corrected. */
+/* A drawn length within this fraction of itself from an end of the device table
+   is reported; about the deviation of lengths before correction. */
 static const double near_end = 0.1;
 
 static const char *plural(size_t n) { return n == 1 ? "" : "s"; }
@@ -50,7 +50,7 @@ static int ascending(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-/* How many of n sizes differ. */
+/* Return the number of different values among n sizes. */
 static size_t different(const double *size, size_t n) {
   double *sorted = g_new(double, n);
   size_t count = 0;
@@ -61,8 +61,8 @@ static size_t different(const double *size, size_t n) {
   return count;
 }
 
-/* Lengths are few, widths are many; transistors of 5 V may be longer than wide
-   for all that. */
+/* Layouts have few lengths and many widths. Devices for 5 V may be longer than
+   wide, so that the order alone is no evidence. */
 void correct_findings_of_drawing(const opc_host *host, const eda_gates *g,
                                  const opc_module *extractor) {
   const eda_extractor *model = extractor->functions;
@@ -80,7 +80,7 @@ void correct_findings_of_drawing(const opc_host *host, const eda_gates *g,
 
 /* ---- printed ---- */
 
-/* "XU1:3 at (120, 340) nm". */
+/* Return the name and position of a gate, "XU1:3 at (120, 340) nm". */
 static char *place_of(const eda_gates *g, size_t i) {
   eda_box b = g->box[i];
   char *name = correct_report_gate_name(g, i);

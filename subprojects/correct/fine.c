@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* From how far off an Ion may be to how good a print has to be. */
+/* Implements the choice of the simulation accuracy from the tolerance of
+   Ion. */
 #include <correct/fine.h>
 
 #include <eda/memory.h>
@@ -7,41 +8,42 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Ours. */
+/* Tuned constants. */
 static const struct {
   double limit, error, least, most, part, peak, light, larger;
   const char *margin, *near; /* natural lengths */
 } tuned = {
-    /* % of Ion, and clear field 1. Prints of 1e-4 and of 5e-5 differed from
-       those of all 1402 systems by 0.05 % of Ion in the mean and 0.27 % at
-       most, and by 0.03 and 0.15 (c432 corrected, litho.hopkins when it took 83
-       and 156 systems; it takes 105 and 221 now), so that the mean of 5e-5 is
-       within a tenth of 0.5 %. Both go with each other. */
+    /* % of Ion, and clear field 1; the error is proportional to the limit. For
+       c432 corrected by litho.hopkins, errors of 1e-4 and 5e-5 (83 and 156
+       kernels at that time, 105 and 221 now) changed Ion by 0.05 % and 0.03 %
+       in the mean and 0.27 % and 0.15 % at most, compared with all 1402
+       kernels. The mean for 5e-5 is within a tenth of 0.5 %. */
     .limit = 0.5,
     .error = 5e-5,
 
-    /* What all kernels reach; and what few of them give by themselves. */
+    /* Smallest error that all kernels reach, and largest useful error, reached
+       by few of them. */
     .least = 5e-5,
     .most = 5e-4,
 
-    /* Of `limit`: sd of Ion by the error of one layer. 0.02 % of Ion at 0.5 %,
-       as 5e-5 has it for poly of 65 nm. And how many times the sd of a print's
-       error over the places of a layout its largest is, which is what models
-       tell (litho.hopkins, README: 4 to 5). */
+    /* Standard deviation of Ion by the error of one layer, as a fraction of
+       `limit`: 0.02 % of Ion at 0.5 %, the effect of 5e-5 for poly at 65 nm.
+       `peak` is the ratio of the largest image error, which models specify, to
+       the standard deviation over a layout (litho.hopkins, README: 4 to 5). */
     .part = 0.04,
     .peak = 4,
 
-    /* Clear field 1: a little more light, which moves edges by 0.2 nm; rounding
-       is 1e-4 of that, and 1e-2 would not be in proportion any more. */
+    /* Intensity step, clear field 1; moves edges by 0.2 nm. Rounding errors are
+       1e-4 of that, and a step of 1e-2 is no longer linear. */
     .light = 1e-3,
 
-    /* Part of a length or width: half a nanometre or more. Half and double give
-       the same slope of a table within 1 %. */
+    /* Relative step of a length or width, at least half a nanometre. Half and
+       double the step change the slope of a table by less than 1 %. */
     .larger = 0.01,
 
-    /* How far the light of an edge counts, and so much where there is no fine
-       print: 3 and 1 um at 193 nm, NA 0.75. 4 um instead of 3 change Ion of
-       c432 by 0.015 % in the mean. */
+    /* Range of optical interaction for accurate and for fast simulations: 3 and
+       1 um at 193 nm, NA 0.75. A range of 4 um instead of 3 changes Ion of c432
+       by 0.015 % in the mean. */
     .margin = FINE_MARGIN,
     .near = "3.886 lambda/NA",
 };
@@ -67,8 +69,8 @@ double correct_fine_change(const char *text, double limit) {
 
 /* ---- what an error is worth ---- */
 
-/* The drawn transistors, their Ion, and that with all a little longer or wider.
- */
+/* Drawn transistors with their Ion as drawn and with a slightly larger length
+   or width. */
 typedef struct drawn {
   const eda_gates *gates;
   const opc_module *extractor;
@@ -88,7 +90,7 @@ static int make_larger(drawn *d, int layer, const opc_context *context,
   return code;
 }
 
-/* Print a layer with a little more light; the caller clears *out. */
+/* Simulate a layer at a slightly higher intensity. The caller clears *out. */
 static int print_lit(const eda_printer *p, int layer, eda_field *out,
                      opc_error *error) {
   *out = eda_field_scaled(&p->image[layer], 1);
@@ -102,16 +104,16 @@ static int ascending(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-/* Ion, % of it for an intensity of 1: how far light moves the edges in the
-   middle of a gate, and what that is worth of the drawn gate. (Not Ion of the
-   whole print: as drawn, ends of lines are about to open, which corrected ones
-   are not.) */
+/* Sensitivities of Ion to intensity, % per clear field: displacement of the
+   edges in the middle of a gate times the sensitivity of the drawn gate. Ion of
+   the entire print is not used, because drawn line ends are about to open and
+   corrected ones are not. */
 typedef struct worths {
   const eda_printer *printer;
   const drawn *drawn;
   int layer;
   const eda_field *lit;
-  double *by; /* of each gate */
+  double *by; /* [gates] */
 } worths;
 
 static void find_worth(void *data, size_t i) {
@@ -126,7 +128,8 @@ static void find_worth(void *data, size_t i) {
   w->by[i] = fabs(more / (tuned.larger * size) * (to - from) / tuned.light);
 }
 
-/* Three of four transistors have less; NAN: none prints. */
+/* Return the third quartile of the sensitivities; NAN if no transistor
+   prints. */
 static double worth(const eda_printer *p, const drawn *d, int layer,
                     const eda_field *lit) {
   size_t n = d->gates->count, count = 0;
@@ -140,7 +143,7 @@ static double worth(const eda_printer *p, const drawn *d, int layer,
   return found;
 }
 
-/* Few different ones, so that kernels are found for few. */
+/* Round to one of few errors, so that kernels are computed for few. */
 static double rounded(double error) {
   static const double steps[] = {5e-4, 2e-4, 1e-4, 5e-5};
   size_t i = 0;

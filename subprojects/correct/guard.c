@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Takes back what a loop has made worse than the drawn mask. */
+/* Implements the reversion of transistors that a loop made worse than drawn. */
 #include <correct/guard.h>
 
 #include <eda/index.h>
@@ -12,46 +12,45 @@
 
 #include <correct/loop.h>
 
-/* Ours. Lengths in nm. */
+/* Tuned constants. Lengths in nm. */
 static const struct {
   double worse, part, alike, near, reach, around;
   int rounds, trials;
 } tuned = {
-    /* %: less than tables show. */
+    /* Tolerance of |Ion deviation|, %; below the resolution of tables. */
     .worse = 0.001,
 
-    /* Of `ion_limit`: model_margin. A tenth of it is what the fine model's
-       error is chosen for. */
+    /* Fraction of `ion_limit` for model_margin; a tenth is the error for which
+       the accurate model is set up. */
     .part = 0.1,
 
-    /* %: what two prints of one gate differ by although nothing within 4 um of
-       it has changed, as the light of far edges adds up otherwise (c432, of 41
-       % drawn: 0.02). */
+    /* Difference of two simulations of a gate without changes within 4 um, %,
+       caused by distant edges (c432: 0.02 for a drawn deviation of 41 %). */
     .alike = 0.05,
 
-    /* A rule that was broken so near to here is the same one: less than the
-       width of a gate, so that its two ends are told apart. */
+    /* Violations of a rule within this distance are the same one; below the
+       width of a gate, so that its two ends are distinguished. */
     .near = 100,
 
-    /* Fragments of edges as near as this to a gate are its own, its line ends'
-       too. About a resolution at 193 nm, NA 0.75. */
+    /* Fragments within this distance belong to a gate, including its line ends.
+       About the resolution at 193 nm, NA 0.75. */
     .reach = 150,
 
-    /* How far around a gate all goes back at first; twice as far each time.
-       The first neighbours' poly is about as far away. */
+    /* First distance within which everything is reverted; doubled at each
+       level. About the distance of neighbouring poly. */
     .around = 250,
 
-    /* Prints after which all goes back to drawn. Each gate takes three for
-       itself; a cluster of a hundred lines has not needed ten. */
+    /* Simulations after which the entire mask is reverted to drawn. A gate
+       needs three; a cluster of a hundred lines needed less than ten. */
     .rounds = 30,
 
-    /* Trials of what stands in the way: the regulator's work, all within eight
-       times `around`, and within sixteen times: beyond 2 um next to no light
-       comes. */
+    /* Trials of possible causes: the regulator's work, then everything within
+       eight times `around`, then within sixteen times. Beyond 2 um the optical
+       influence is negligible. */
     .trials = 3,
 };
 
-enum { GOOD, WORSE, RULE, LOST }; /* faults */
+enum { GOOD, WORSE, RULE, LOST }; /* faults, by severity */
 
 /* ---- what was drawn ---- */
 
@@ -68,7 +67,7 @@ void correct_guard_clear(guard *g) {
   free(g->drawn);
 }
 
-/* By transistor, then from left to right. */
+/* Compare violations by transistor, then by x. */
 static int by_place(const void *a, const void *b) {
   const eda_violation *p = a, *q = b;
   if (p->gate != q->gate) return p->gate < q->gate ? -1 : 1;
@@ -87,7 +86,8 @@ int correct_guard_begin(loop *l, const eda_printed *drawn, opc_error *error) {
   return code;
 }
 
-/* What the synthesizer wants of a gate's Ion, as a factor; NAN: nothing. */
+/* Return the synthesizer's target of a gate's Ion as a factor; NAN: no
+   target. */
 static double target_of(const loop *l, size_t gate) {
   const opc_module *m = l->drivers[MAIN].module;
   const eda_synthesizer *s = m->functions;
@@ -98,7 +98,7 @@ static double target_of(const loop *l, size_t gate) {
   return target;
 }
 
-/* |Ion deviation| from what is wanted, %. */
+/* Return the |Ion deviation| from the target, %. */
 static double off(const loop *l, const eda_performance *p, size_t i,
                   double target) {
   return fabs(eda_deviation(p->ion[i], l->design.ion[i] * target));
@@ -109,8 +109,8 @@ double correct_guard_off(const loop *l, size_t i) {
   return off(l, &l->measured.performance, i, target_of(l, i));
 }
 
-/* A mask of which the line ends were others tells nothing of how good it would
-   be now. The guard's own prints are not the loop's. */
+/* A mask with other line ends is no reference for the present ones. The guard's
+   own simulations are not part of the loop. */
 void correct_guard_watch(loop *l) {
   const biases *b = &l->now.biases;
   if (l->guard.prints) return;
@@ -129,13 +129,13 @@ void correct_guard_watch(loop *l) {
 
 /* ---- what is worse ---- */
 
-/* The first word of two rules, without what is told of a place. */
+/* Compare the names of two rules without the details of the place. */
 static int same_rule(const char *a, const char *b) {
   size_t n = strcspn(a, ":;");
   return n == strcspn(b, ":;") && !strncmp(a, b, n);
 }
 
-/* Was that rule broken there as drawn? */
+/* Return 1 if the drawn mask violates the same rule at that place. */
 static int was_broken(const guard *g, const eda_violation *v) {
   size_t low = 0, high = g->rules;
   const eda_violation first = {.gate = v->gate, .x = v->x - tuned.near};
@@ -160,16 +160,16 @@ static eda_box grown(eda_box b, double by) {
   return (eda_box){b.x0 - d, b.y0 - d, b.x1 + d, b.y1 + d};
 }
 
-/* A place in nm as a box of no extent. */
+/* Return a position in nm as an empty box. */
 static eda_box place_of(const loop *l, double x, double y) {
   int32_t a = (int32_t)lround(x / l->gates->grid),
           b = (int32_t)lround(y / l->gates->grid);
   return (eda_box){a, b, a, b};
 }
 
-/* %: what two prints of one gate may differ by as the difference of the fine
-   print to the cheap one is that of another mask: that of the first moves for
-   the drawn one, where the rest is (c432) 0.02 and 0.1 at most. */
+/* Return the uncertainty of a comparison with the drawn mask, %: the difference
+   of the models is computed for the first displaced mask and applied to the
+   drawn one. The error for c432 is 0.02 in the mean and 0.1 at most. */
 static double model_margin(const loop *l) {
   return l->printer.fine > 0 ? tuned.part * l->ion_limit : 0;
 }
@@ -180,16 +180,15 @@ static int fault_of(const loop *l, size_t i, double margin) {
     return eda_print_failed(g->flags[i]) ? GOOD : LOST;
   double target = target_of(l, i);
   if (isnan(target) || eda_print_failed(g->flags[i])) return GOOD;
-  if (l->still && l->still[i]) return GOOD; /* others may move past it */
+  if (l->still && l->still[i]) return GOOD; /* neighbours may affect it */
   double drawn = off(l, &l->before, i, target) + model_margin(l);
   double most = fmax(drawn, l->ion_limit) + margin;
   return off(l, &l->measured.performance, i, target) <= most ? GOOD : WORSE;
 }
 
-/* New violations are faults of their transistors, as long as these have own
-   edges to take back for them: drawn surroundings would break more rules than
-   that one. Those that have none, as of the mask's own edges, make no
-   transistor worse. */
+/* Mark new violations as faults of their transistors, as long as those have
+   edges of their own to revert: a drawn environment would violate more rules.
+   Violations without a transistor, for example of mask edges, are ignored. */
 static int find_broken(loop *l, opc_error *error) {
   guarded *state = l->guard.state;
   eda_violation *v = NULL;
@@ -207,7 +206,7 @@ static int find_broken(loop *l, opc_error *error) {
   return code;
 }
 
-/* Of what was tried of a transistor, its best. */
+/* Record the best level of a transistor. */
 static void keep_least(loop *l, size_t i) {
   guarded *s = &l->guard.state[i];
   double now = off(l, &l->measured.performance, i, target_of(l, i));
@@ -216,8 +215,8 @@ static void keep_least(loop *l, size_t i) {
   s->pick = s->level;
 }
 
-/* How many transistors of the last print have a fault, and no cause for it that
-   is known already. */
+/* Count the transistors of the last simulation with a fault of unknown
+   cause. */
 static int find_faults(loop *l, size_t *count, opc_error *error) {
   *count = 0;
   for (size_t i = 0; i < l->gates->count; i++)
@@ -237,9 +236,9 @@ static int find_faults(loop *l, size_t *count, opc_error *error) {
 
 typedef struct hold {
   loop *l;
-  eda_index *gates;      /* their boxes */
-  eda_index **fragments; /* of each layer that is cut: their sites */
-  trial ended;           /* as the synthesizer left it */
+  eda_index *gates;      /* boxes of the gates */
+  eda_index **fragments; /* [layers], sites of dissected layers */
+  trial ended;           /* result of the synthesizer */
 } hold;
 
 static void hold_init(hold *h, loop *l) {
@@ -268,7 +267,8 @@ static void hold_clear(hold *h) {
   correct_trial_clear(&h->ended);
 }
 
-/* The fragments in a window go so far of the way to where they ended. */
+/* Scale the displacements of fragments in a window to a fraction of the
+   synthesizer's result. */
 static void set_fragments(hold *h, eda_box window, double part) {
   for (size_t k = 0; k < h->l->gates->layers; k++) {
     if (!h->fragments[k]) continue;
@@ -294,8 +294,8 @@ static void set_gate(hold *h, size_t i, const gate_moves *to) {
   memcpy(b->part + EDA_PARTS * i, to->part, sizeof to->part);
 }
 
-/* What the regulator did to a gate and within some nm of it, undone; but not in
-   layers of `edges`. */
+/* Revert the regulator's work on a gate and within a distance, except in layers
+   of `edges`. */
 static void drop_rules(hold *h, size_t gate, double nm) {
   loop *l = h->l;
   eda_box window = window_of(h, gate, nm);
@@ -309,7 +309,7 @@ static void drop_rules(hold *h, size_t gate, double nm) {
   }
 }
 
-/* All that is within some nm of a gate as drawn. */
+/* Revert everything within a distance of a gate to drawn. */
 static void set_around(hold *h, size_t gate, double nm) {
   loop *l = h->l;
   eda_box window = window_of(h, gate, nm);
@@ -325,7 +325,7 @@ static void set_around(hold *h, size_t gate, double nm) {
       correct_trial_drop_boxes(&l->next.assists[k], window);
 }
 
-/* How far around a gate all is back at a level. */
+/* Return the distance within which everything is reverted at a level. */
 static double around(int level) {
   return tuned.around * pow(2, level - GUARD_SURROUNDED);
 }
@@ -352,8 +352,8 @@ static void set_level(hold *h, size_t i) {
   }
 }
 
-/* The next mask: as it ended, but for what is back; first what goes back by
-   itself. */
+/* Build the next mask from the synthesizer's result and the levels of all
+   transistors, those with a reverted environment last. */
 static void set_all(hold *h) {
   const guarded *state = h->l->guard.state;
   correct_trial_copy(&h->l->next, &h->ended);
@@ -363,8 +363,8 @@ static void set_all(hold *h) {
         set_level(h, i);
 }
 
-/* Another try of each transistor with a fault: the next level; or, of one that
-   does print, the best of what was tried. How many there were. */
+/* Advance each transistor with a fault to the next level, or after the last to
+   the best of those tried. Returns the number of advanced transistors. */
 static size_t go_back(hold *h) {
   size_t count = 0;
   for (size_t i = 0; i < h->l->gates->count; i++) {
@@ -409,8 +409,8 @@ static void centre_of(const eda_gates *g, size_t i, double *x, double *y) {
   *y = ((double)g->box[i].y0 + g->box[i].y1) / 2 * g->grid;
 }
 
-/* The regulator's: the line end that has moved further, or else what is beside
-   the gate. */
+/* Set the cause to the regulator: the line end with the larger displacement, or
+   else a shape beside the gate. */
 static void name_rule(hold *h, size_t gate) {
   const eda_gates *g = h->l->gates;
   const int32_t *end = h->ended.biases.end + 2 * gate;
@@ -426,8 +426,8 @@ static void name_rule(hold *h, size_t gate) {
     s->x = (high ? b.x1 : b.x0) * g->grid;
 }
 
-/* The nearest transistor whose mask is another than drawn. If none is, what the
-   regulator did beside one. */
+/* Set the cause to the nearest transistor with a displaced mask, or without one
+   to the regulator. */
 static void name_neighbour(hold *h, size_t gate, double nm) {
   const eda_gates *g = h->l->gates;
   const biases *b = &h->ended.biases;
@@ -447,9 +447,9 @@ static void name_neighbour(hold *h, size_t gate, double nm) {
   }
 }
 
-/* A trial: what is worse goes back to its drawn edges, and the regulator's work
-   on it is undone (first), or all around it goes back as well. Who is as good
-   as drawn then has its cause. */
+/* Run a trial: revert each open transistor and the regulator's work on it
+   (first trial), or everything within a distance. Transistors that are then as
+   good as drawn get their cause. */
 static int try_cause(hold *h, int t, uint8_t *open, opc_error *error) {
   loop *l = h->l;
   double nm = t ? around(GUARD_SURROUNDED + 2 + t) : tuned.around;
@@ -475,8 +475,8 @@ static int try_cause(hold *h, int t, uint8_t *open, opc_error *error) {
   return code;
 }
 
-/* Find what makes transistors worse, by trials that are then undone. What none
-   of them tells must have its neighbours drawn. */
+/* Find the causes of worse transistors by trials, which are reverted
+   afterwards. A transistor without a cause requires a drawn environment. */
 static int find_causes(hold *h, opc_error *error) {
   loop *l = h->l;
   guarded *state = l->guard.state;
@@ -511,7 +511,7 @@ static int take_back(hold *h, opc_error *error) {
   return code;
 }
 
-/* The figures of the last print. */
+/* Count the faults of the last simulation. */
 void correct_guard_count(loop *l) {
   guard *g = &l->guard;
   for (size_t i = 0; i < l->gates->count; i++) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The guard, with synthesizers that follow a script of bad moves, on two
-   transistors of one poly line. A line of 60 nm prints 80 nm wide here, so that
-   a bias of -14 corrects its Ion, and one of -60 and less opens it. */
+/* Tests the guard with synthesizers that follow a script of bad displacements,
+   on two transistors of one poly line. A line of 60 nm prints 80 nm wide here:
+   a bias of -14 corrects its Ion, and one of -60 or less opens it. */
 #include "models_test.h"
 
 enum { GATES = 2, MOVES = 2 };
@@ -40,11 +40,11 @@ static const eda_synthesizer scripted = {
 
 /* ---- a regulator that finds what a test wants ---- */
 
-/* A rule that transistor 0 breaks, or nobody, if `drawn`, or if one of `moved`
-   (their bits) has a mask that is not as drawn. */
+/* A rule violated by transistor 0, or by no transistor: if `drawn`, or if one
+   of `moved` (bit mask) has a displaced mask. */
 enum { OWN = 1, OTHERS = 2 };
 static int drawn, moved, nobodys;
-static double aside[2]; /* how far from there, once masks have moved, nm */
+static double aside[2]; /* distance from there, once masks are displaced, nm */
 
 static int rule(void *self, const eda_printed *p, eda_ruling *r,
                 opc_error *error) {
@@ -70,8 +70,8 @@ static const eda_regulator finder = {.rule = rule, .violations = violations};
 
 /* ---- an extractor by which one transistor hangs on the other ---- */
 
-/* Transistor 0 has half of its current unless transistor 1 prints as it does as
-   drawn. The first call is for the design. */
+/* Transistor 0 has half of its current unless transistor 1 prints as drawn. The
+   first call measures the design. */
 static int calls;
 
 static int extract_coupled(const void *self, const eda_slices *in,
@@ -109,7 +109,7 @@ static double off(const loop *l, const eda_performance *p, size_t i) {
   return fabs(eda_deviation(p->ion[i], l->design.ion[i]));
 }
 
-/* What `gate` came to: its bias and what is said of it. */
+/* Check the bias and verdict of `gate`. */
 static void expect(const loop *l, size_t gate, int32_t bias, const char *text) {
   g_autofree char *verdict = correct_guard_verdict(&l->guard, gate);
   g_assert_cmpint(l->now.biases.l[gate], ==, bias);
@@ -129,8 +129,7 @@ static void test_good(void) {
   correct_loop_clear(&l);
 }
 
-/* A gate that opens goes back to the best mask that it has had, the other one
-   stays. */
+/* A gate that opens is reverted to its best mask; the other one is kept. */
 static void test_open(void) {
   script s = {.l = {{-12, -14}, {-62, -14}}, .moves = 2, .target = {1, 1}};
   loop l;
@@ -146,7 +145,7 @@ static void test_open(void) {
   }
 }
 
-/* Further off than drawn: the drawn mask was the best. */
+/* Deviation larger than drawn: the drawn mask is the best. */
 static void test_worse(void) {
   script s = {.l = {{40, -14}}, .moves = 1, .target = {1, 1}};
   loop l;
@@ -162,7 +161,7 @@ static void test_worse(void) {
   correct_loop_clear(&l);
 }
 
-/* Further off than drawn, but within the limit. */
+/* Deviation larger than drawn, but within the limit. */
 static void test_limit(void) {
   script s = {.l = {{-1, -14}}, .moves = 1, .target = {0.822, 1}};
   loop l;
@@ -175,7 +174,7 @@ static void test_limit(void) {
   limit_of_guard = 0.5;
 }
 
-/* A mask that was good with other line ends is none to go back to. */
+/* A mask that was good with other line ends is not restored. */
 static int move_end(void *self, const eda_printed *p, eda_ruling *r,
                     opc_error *error) {
   (void)self, (void)p, (void)error;
@@ -199,7 +198,7 @@ static void test_ends(void) {
   correct_loop_clear(&l);
 }
 
-/* What is wanted of Ion decides what is worse; NAN: nothing is wanted. */
+/* The target of Ion decides; NAN: no target. */
 static void test_target(void) {
   script s = {.l = {{-14, 40}}, .moves = 1, .target = {0.82, NAN}};
   loop l;
@@ -209,17 +208,17 @@ static void test_target(void) {
   correct_loop_clear(&l);
 }
 
-/* A rule that was kept as drawn is kept if the transistor's own edges can keep
-   it; one that was not may stay broken. */
+/* A rule that the drawn mask satisfies is restored if the transistor's own
+   edges suffice; a rule that it violates may stay violated. */
 static void test_rules(void) {
   script s = {.l = {{-14, -14}}, .moves = 1, .target = {1, 1}};
   loop l;
   drawn = 1, moved = OWN;
   run(&l, SCRIPTED(s), &extractor, MODULE(&finder, NULL), 1);
   expect(&l, 0, -14, NULL);
-  g_assert_cmpuint(l.guard.prints, ==, 0); /* nothing was to be tried */
+  g_assert_cmpuint(l.guard.prints, ==, 0); /* nothing to revert */
   correct_loop_clear(&l);
-  /* It may be a little aside then, but not elsewhere. */
+  /* The position of a violation may differ slightly. */
   static const struct {
     double aside[2];
     int is_new;
@@ -245,8 +244,8 @@ static void test_rules(void) {
   nobodys = 0;
 }
 
-/* Where they cannot, as the rule hangs on a neighbour too, nothing goes back:
-   what drawn surroundings would break is more. */
+/* If the rule depends on a neighbour too, nothing is reverted: a drawn
+   environment would violate more rules. */
 static void test_rule_of_two(void) {
   script s = {.l = {{-14, -14}}, .moves = 1, .target = {1, 1}};
   loop l;
@@ -259,8 +258,8 @@ static void test_rule_of_two(void) {
   correct_loop_clear(&l);
 }
 
-/* What opens a gate whatever its own mask is goes, and with it all around, but
-   not what lies further away. */
+/* A cut-out that opens a gate in spite of its own mask is removed with
+   everything around it, but not shapes further away. */
 static int bite_through(void *self, const eda_printed *p, eda_ruling *r,
                         opc_error *error) {
   static const eda_box all = {0, 150, 60, 250};
@@ -284,8 +283,8 @@ static void test_surrounded(void) {
   correct_loop_clear(&l);
 }
 
-/* Nothing that a transistor does itself helps: its neighbour is named, and both
-   stay as they are best. */
+/* No edge of the transistor's own helps: the verdict names the neighbour, and
+   both keep their best masks. */
 static void test_neighbour(void) {
   script s = {.l = {{-14, -14}, {-8, -14}}, .moves = 2, .target = {1, 1}};
   loop l;
@@ -299,8 +298,8 @@ static void test_neighbour(void) {
   correct_loop_clear(&l);
 }
 
-/* No transistor moved that stands in the way, but something of the regulator's
-   beside another one does. */
+/* The cause is not a displaced transistor but the regulator's work beside
+   one. */
 static int bite_neighbour(void *self, const eda_printed *p, eda_ruling *r,
                           opc_error *error) {
   static const eda_box sides[] = {{0, 600, 7, 900}, {53, 600, 60, 900}};
@@ -322,7 +321,7 @@ static void test_rule_beside(void) {
   correct_loop_clear(&l);
 }
 
-/* A layer that the synthesizer cuts itself goes back by its fragments. */
+/* Fragments of a layer that the synthesizer dissects are reverted. */
 static int cut(void *self, const eda_gates *g, int layer, eda_cuts *cuts,
                opc_error *error) {
   static const uint32_t start[] = {0, 12};
@@ -341,8 +340,7 @@ static int cut(void *self, const eda_gates *g, int layer, eda_cuts *cuts,
   return OPC_OK;
 }
 
-/* Both sides of transistor 0 too far inwards, of transistor 1 as it should be.
- */
+/* Both sides of transistor 0 too far inwards; transistor 1 correct. */
 static int update_fragments(void *self, const eda_feedback *f, eda_moves *m,
                             int *done, opc_error *error) {
   const eda_fragment *e = f->gates->edges[EDA_POLY].fragments;

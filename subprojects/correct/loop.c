@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The loop of thesis figures 2.1, 3.1 and 5.1. A mask is printed, each
-   transistor's performance taken from the print, and the mask's edges moved by
-   synthesizers, within what a regulator allows, until they are done. All boxes
-   of the figures are plugins; the loop only hands arrays from one to the
-   next. */
+/* Implements the loop of thesis figures 2.1, 3.1 and 5.1: simulate a mask,
+   extract each transistor's performance, and let synthesizers displace the
+   mask's edges within the limits of a regulator until they are done. All
+   algorithms are plugins; the loop passes arrays between them. */
 #include <correct/loop.h>
 
 #include <eda/check.h>
@@ -22,14 +21,14 @@ static int changed(const loop *l, size_t layer) {
   return correct_trial_differs(&l->now, &l->next, layer);
 }
 
-/* Of the layers that a driver moves. */
+/* Return 1 if a layer of this driver changed. */
 static int any_changed(const loop *l, int which) {
   for (size_t k = 0; k < l->gates->layers; k++)
     if (l->driver_of[k] == which && changed(l, k)) return 1;
   return 0;
 }
 
-/* Biases do not move what is cut into fragments, and are not to look so. */
+/* Clear the biases of layers that are dissected into fragments. */
 static void drop_biases(loop *l) {
   size_t n = l->gates->count * sizeof(int32_t), layers = l->gates->layers;
   biases *b = &l->next.biases;
@@ -40,7 +39,7 @@ static void drop_biases(loop *l) {
 
 /* ---- one print ---- */
 
-/* The mask of a layer as `now` has it. */
+/* Build the mask of a layer of `now`. */
 static int make_mask(loop *l, size_t layer, opc_error *error) {
   pieces *p = &l->pieces[layer];
   if (l->now.shift[layer])
@@ -55,7 +54,7 @@ static int make_mask(loop *l, size_t layer, opc_error *error) {
                             &l->mask[layer], error);
 }
 
-/* Transistors are of the first two layers. */
+/* Measure the transistors if poly or active was simulated. */
 static int measure(loop *l, const uint8_t *printed, opc_error *error) {
   int again = 0;
   for (size_t k = 0; k <= EDA_ACTIVE && k < l->gates->layers; k++)
@@ -64,14 +63,14 @@ static int measure(loop *l, const uint8_t *printed, opc_error *error) {
   int code = eda_measure(l->host->context, l->gates, l->printer.print,
                          l->extractor, &l->measured, error);
   if (code) return code;
-  /* A fine print knows better, and so do the cheap ones after it. */
+  /* An accurate simulation and the later fast ones include this. */
   if (l->base && !l->printer.fine_simulations)
     correct_start_correct(l->base, &l->measured.performance);
   return correct_corners_measure(l, error);
 }
 
-/* Of transistors that keep their masks synthesizers see what was drawn: there
-   is nothing to be done about it. */
+/* Copy the measurement for synthesizers, with drawn figures for transistors
+   that keep their masks. */
 static void show(loop *l) {
   const eda_performance *drawn = &l->design;
   eda_measurement *to = &l->shown;
@@ -85,7 +84,7 @@ static void show(loop *l) {
     }
 }
 
-/* What was moved of them all the same is undone. */
+/* Clear displacements of transistors that keep their masks. */
 static void keep_still(loop *l) {
   biases *b = &l->next.biases;
   for (size_t i = 0; l->still && i < l->gates->count; i++) {
@@ -96,7 +95,7 @@ static void keep_still(loop *l) {
   }
 }
 
-/* Take in a print of the layers that are marked. */
+/* Measure a simulation of the marked layers and record the results. */
 static int take_in(loop *l, const uint8_t *printed, int fine,
                    opc_error *error) {
   int code = measure(l, printed, error);
@@ -162,8 +161,8 @@ static int rule(loop *l, eda_ruling *ruling, opc_error *error) {
   int code = eda_call_rule(l->host->context, l->regulator, &p, ruling, error);
   if (code) return eda_blame(error, code, "regulator");
   for (size_t k = 0; k < l->gates->layers; k++) {
-    /* Patches mend the drawn edges of transistors. Where a synthesizer moves
-       every edge of theirs, the print is only looked at. */
+    /* Added shapes repair the drawn edges of transistors. Layers that a
+       synthesizer dissects are checked only. */
     if (l->gates->count && k <= EDA_ACTIVE && l->next.shift[k]) continue;
     correct_trial_set_both(&l->next.patches[k], correct_loop_begun(l, k, 0),
                            ruling->patches[k]);
@@ -173,9 +172,8 @@ static int rule(loop *l, eda_ruling *ruling, opc_error *error) {
   return OPC_OK;
 }
 
-/* There is room for more than there have ever been; what is not used costs
-   nothing. */
-/* Let the regulator set vetoes, and line ends, patches and bites of `next`. */
+/* Let the regulator set the vetoes and the line ends, added shapes and cut-outs
+   of `next`. */
 static int judge(loop *l, opc_error *error) {
   size_t layers = l->gates->layers;
   memset(l->vetoes, 0, l->gates->count * sizeof *l->vetoes);
@@ -209,7 +207,7 @@ static eda_feedback feedback(const loop *l, const driver *d) {
                         .scanner = eda_scanner_of(&l->printer.litho.module)};
 }
 
-/* Whether biases of gates move something of that layer. */
+/* Return 1 if biases of gates displace edges of that layer. */
 static int has_gates(const eda_gates *gates, size_t layer) {
   const eda_edges *e = &gates->edges[layer];
   size_t n = e->polygons ? e->start[e->polygons] : 0;
@@ -218,7 +216,7 @@ static int has_gates(const eda_gates *gates, size_t layer) {
   return 0;
 }
 
-/* Take over the fragments that a synthesizer cut a layer into. */
+/* Store the fragments into which a synthesizer dissected a layer. */
 static void take_cuts(loop *l, size_t layer, int which, const eda_cuts *cuts) {
   driver *d = &l->drivers[which];
   correct_pieces_of_cuts(cuts, &l->pieces[layer]);
@@ -231,7 +229,7 @@ static void take_cuts(loop *l, size_t layer, int which, const eda_cuts *cuts) {
   d->epe[layer] = l->sites[layer].epe;
 }
 
-/* Ask a synthesizer how it cuts a layer; it may not. */
+/* Ask a synthesizer for its dissection of a layer; synthesizers may decline. */
 static int ask_for_cuts(loop *l, size_t layer, int which, opc_error *error) {
   const opc_module *module = l->drivers[which].module;
   const eda_synthesizer *s = module ? module->functions : NULL;
@@ -247,8 +245,7 @@ static int ask_for_cuts(loop *l, size_t layer, int which, opc_error *error) {
   return OPC_OK;
 }
 
-/* The pieces of a layer: those that a synthesizer cuts, or the fragments of the
-   gates. */
+/* Dissect a layer, by a synthesizer or along its gates. */
 static int cut_layer(loop *l, size_t layer, opc_error *error) {
   const eda_gates *g = l->gates;
   if (!g->corrected[layer]) return OPC_OK;
@@ -268,8 +265,7 @@ static int cut_layer(loop *l, size_t layer, opc_error *error) {
   return OPC_OK;
 }
 
-/* A layer that nobody moves is in the mask as drawn, and `edges` that move
-   nothing are not what was meant: the user hears of both. */
+/* Warn of layers that no synthesizer moves, and of `edges` without a layer. */
 static void tell_of_idle(const loop *l) {
   const opc_host *host = l->host;
   int edges = 0;
@@ -312,7 +308,8 @@ static int begin(loop *l, opc_error *error) {
   return code;
 }
 
-/* The moves of a synthesizer into `next`; only of its own layers. */
+/* Store the displacements of a synthesizer in `next`, for its own layers
+   only. */
 static int move(loop *l, int which, eda_moves *moves, opc_error *error) {
   driver *d = &l->drivers[which];
   eda_feedback f = feedback(l, d);
@@ -325,7 +322,7 @@ static int move(loop *l, int which, eda_moves *moves, opc_error *error) {
   return OPC_OK;
 }
 
-/* Let a synthesizer write what to try next. */
+/* Let a synthesizer compute its next displacements. */
 static int update(loop *l, int which, opc_error *error) {
   size_t n = l->gates->count, layers = l->gates->layers;
   const biases *b = &l->next.biases;
@@ -357,7 +354,7 @@ static int update(loop *l, int which, opc_error *error) {
 
 /* ---- the loop ---- */
 
-/* The figure that is driven down. */
+/* Return the figure that the loop minimises. */
 static double worst(const loop *l) {
   return l->summary.gates ? l->summary.ion_max : l->summary.epe_max;
 }
@@ -380,8 +377,8 @@ static int ends_anytime(const driver *d) {
   return s->flags & EDA_SYNTHESIZER_ENDS_ANYTIME;
 }
 
-/* Let those that are not done move; one that is, also if the regulator has
-   changed its layers. */
+/* Let the synthesizers that are not done continue, and those whose layers the
+   regulator changed. */
 static int move_all(loop *l, const int *ruled, opc_error *error) {
   int code = OPC_OK;
   for (int which = 0; which < DRIVERS && !code; which++) {
@@ -389,7 +386,7 @@ static int move_all(loop *l, const int *ruled, opc_error *error) {
     if (!d->module || (d->done && !ruled[which])) continue;
     d->done = 0;
     code = update(l, which, error);
-    /* What the regulator changes now, it has not seen yet. */
+    /* The synthesizer has not seen this change yet. */
     if (ruled[which] && ends_anytime(d)) d->done = 0;
   }
   return code;
@@ -413,8 +410,8 @@ static int iterate(loop *l, opc_error *error) {
       wait |= ruled[which] && !ends_anytime(&l->drivers[which]);
     }
     if (all_done(l) && !ruled[MAIN] && !ruled[EDGES]) return OPC_OK;
-    /* Line ends first, so that their effect is not taken for that of the
-       first moves. */
+    /* Line ends first, so that their effect is not attributed to the first
+       displacements. */
     if (l->iterations == 0 && !l->base && wait && prints++ < l->max_iterations)
       continue;
     if (l->iterations == l->max_iterations) {
@@ -432,8 +429,7 @@ static int iterate(loop *l, opc_error *error) {
   return code;
 }
 
-/* Rules that the last print breaks and that the regulator names no reason for:
-   it could still do something about them. */
+/* Count violations without a reason: the regulator may still repair them. */
 static int count_open(loop *l, size_t *count, opc_error *error) {
   eda_violation *v = NULL;
   size_t n = 0;
@@ -447,7 +443,7 @@ static int count_open(loop *l, size_t *count, opc_error *error) {
   return code;
 }
 
-/* Iterate until a fine print of the end shows what the loop saw. */
+/* Iterate until an accurate simulation confirms the result. */
 static int iterate_to_proof(loop *l, opc_error *error) {
   int code = OPC_OK, holds = 0;
   for (int k = 0; k < PROOFS && !holds && !code; k++) {

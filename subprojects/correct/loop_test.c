@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The loop with models and plugins of a few lines: a synthesizer that cuts a
-   layer itself, patches, and what there is no transistor for. */
+/* Tests the loop with models and plugins of a few lines: a synthesizer that
+   dissects a layer, added shapes, and layers without transistors. */
 #include "models_test.h"
 
 /* ---- a layout without transistors: an L and a bar, grid 2 nm ---- */
@@ -27,15 +27,16 @@ static const eda_gates metal = {.name = (char *)"metal",
 enum { THIRDS = 30 };
 
 typedef struct synthesizer {
-  int layer; /* that it cuts */
+  int layer; /* layer to dissect */
   eda_point from[THIRDS];
   double site[2 * THIRDS];
   uint32_t start[3];
-  const char *spoil; /* what to do wrong */
+  const char *spoil; /* error to make */
   const eda_box *assists;
   size_t assist_count;
-  int drop;                   /* the last of them with the first moves */
-  uint32_t first_simulations; /* prints before the first moves */
+  int drop;                   /* number of bars removed with the first
+                                 displacements */
+  uint32_t first_simulations; /* simulations before the first displacements */
   int updates;
   eda_printer *printer;
 } synthesizer;
@@ -163,7 +164,7 @@ static const eda_regulator regulator = {.rule = rule,
 
 static const eda_litho *optics = &litho;
 
-/* A loop of what a correction needs; `edges` may be NULL. */
+/* Run a loop with all that a correction requires; `edges` may be NULL. */
 static int run_loop(loop *l, const eda_gates *gates, const opc_module *main_one,
                     const opc_module *edges, const opc_module *drc,
                     opc_error *error) {
@@ -178,7 +179,7 @@ static int run_loop(loop *l, const eda_gates *gates, const opc_module *main_one,
   l->printer.fine = 1e-4;
   own.printer = &l->printer;
   int code = correct_loop_run(l, error);
-  l->printer.litho.litho = NULL; /* the modules end here */
+  l->printer.litho.litho = NULL; /* end of the module list */
   return code;
 }
 
@@ -189,7 +190,7 @@ static int run(loop *l, const eda_synthesizer *s, const opc_module *drc,
 
 static int64_t drawn_area2(void) { return eda_area2(&metal.drawn[EDA_POLY]); }
 
-/* A metal layer: its print comes to lie on the drawn edges. */
+/* The printed image of a metal layer converges to the drawn edges. */
 static void test_fragments(void) {
   loop l;
   opc_error error = {0};
@@ -199,15 +200,15 @@ static void test_fragments(void) {
   g_assert_cmpuint(l.summary.sites, ==, THIRDS);
   g_assert_cmpuint(l.summary.lost, ==, 0);
   g_assert_cmpfloat(l.summary.epe_max, <, 2);
-  /* Printing too large, the mask has become smaller. */
+  /* The image was too large, so the mask is smaller. */
   g_assert_cmpint(eda_area2(&l.mask[EDA_POLY]), <, drawn_area2() * 9 / 10);
-  /* The other layer was printed once. */
+  /* The other layer was simulated once. */
   g_assert_cmpuint(l.iterations, >, 2);
   g_assert_cmpuint(l.printer.simulations, <=, 2 + l.iterations);
   correct_loop_clear(&l);
 }
 
-/* Edges that a fine print of the end finds elsewhere are moved again. */
+/* Edges that the final accurate simulation finds elsewhere are moved again. */
 static void test_proof(void) {
   const eda_litho finer = {.prepare = nothing,
                            .band = band,
@@ -236,7 +237,7 @@ static void test_patches(void) {
     g_assert_cmpint(
         run(&l, early ? &hasty : &cutter, MODULE(&regulator, NULL), &error), ==,
         OPC_OK);
-    /* Settled before the first moves, or together with them. */
+    /* Settled before the first displacements, or together with them. */
     g_assert_cmpuint(own.first_simulations, ==, early ? 2 : 3);
     eda_shapes box, outside, both;
     correct_shapes_of_boxes((boxes_lists){&(eda_boxes){&patch, 1}, 1}, &box);
@@ -245,13 +246,13 @@ static void test_patches(void) {
     g_assert_false(eda_boolean(EDA_NOT, &l.mask[EDA_POLY],
                                &l.polygons[EDA_POLY], &both, &error));
     g_assert_cmpuint(outside.count, ==, 0);
-    g_assert_cmpuint(both.count, ==, 1); /* what the patch adds */
+    g_assert_cmpuint(both.count, ==, 1); /* area of the added shape */
     eda_shapes_clear(&box);
     eda_shapes_clear(&outside);
     eda_shapes_clear(&both);
     correct_loop_clear(&l);
   }
-  /* One that is content before it has seen the patch is asked again. */
+  /* A synthesizer that finishes before the shape was added is asked again. */
   own.spoil = "at once";
   own.updates = 0;
   g_assert_cmpint(run(&l, &hasty, MODULE(&regulator, NULL), &error), ==,
@@ -271,7 +272,8 @@ static void test_patches(void) {
   correct_loop_clear(&l);
 }
 
-/* What is bitten away is gone, of a patch as of the mask, and nothing else. */
+/* Cut-outs remove area from added shapes and from the mask, and nothing
+   else. */
 static void test_bites(void) {
   static const eda_box bite = {-20, 120, 10, 160};
   loop with, without;
@@ -305,8 +307,8 @@ static void test_bites(void) {
   correct_loop_clear(&without);
 }
 
-/* Assist features are of the mask as they are, merged where they touch, and one
-   that is taken away is not. */
+/* Assist features are unchanged in the mask and merged where they touch;
+   removed ones are not in the mask. */
 static void test_assists(void) {
   static const eda_box bars[] = {
       {400, -100, 420, 400}, {410, 390, 500, 410}, {-120, 0, -100, 200}};
@@ -387,8 +389,8 @@ static void test_faults(void) {
 
 enum { METAL = 2, POWER, LAYERS };
 
-/* The sample of two transistors with the L and the bar as metal1, and with a
-   metal2 that nobody corrects. */
+/* The sample of two transistors with the L and the bar as metal1, and with an
+   uncorrected metal2. */
 static const eda_gates *stack(void) {
   static eda_shapes drawn[LAYERS];
   static eda_edges edges[LAYERS];
@@ -413,7 +415,7 @@ static const eda_gates *stack(void) {
   return &g;
 }
 
-/* A synthesizer of transistors that is content after so many moves. */
+/* A synthesizer of transistors that finishes after this many displacements. */
 static int moves_left, mover_updates;
 
 static int move_gates(void *self, const eda_feedback *f, eda_moves *m,
@@ -433,7 +435,7 @@ static int move_gates(void *self, const eda_feedback *f, eda_moves *m,
 static const eda_synthesizer mover = {
     .begin = begin, .update = move_gates, .verdict = verdict};
 
-/* What it writes of gates is not for it to say. */
+/* Displacements of gates by this synthesizer must be ignored. */
 static int update_edges(void *self, const eda_feedback *f, eda_moves *m,
                         int *done, opc_error *error) {
   g_assert_cmpint(m->l[0], ==, MIN(4 * (int)f->iteration, 8));
@@ -467,13 +469,13 @@ static size_t differences(const eda_shapes *a, const eda_shapes *b) {
   return n;
 }
 
-/* They are corrected by a synthesizer of their own, which changes nothing of
-   the transistors; without it they are as drawn. */
+/* Metal layers are corrected by their own synthesizer, without effect on the
+   transistors; without a synthesizer they stay as drawn. */
 static void test_edges(void) {
   loop with, without;
   g_assert_cmpint(run_stack(&without, 0, NULL), ==, OPC_OK);
   g_assert_cmpint(mover_updates, ==, 2);
-  /* All layers once, poly and active again with both moves. */
+  /* All layers once, poly and active again for both displacements. */
   g_assert_cmpuint(without.printer.simulations, ==, LAYERS + 2 * 2);
   for (int k = METAL; k < LAYERS; k++)
     g_assert_cmpuint(differences(&without.mask[k], &without.gates->drawn[k]),
@@ -498,8 +500,8 @@ static void test_edges(void) {
   correct_loop_clear(&without);
 }
 
-/* A patch of such a layer waits for its synthesizer as those of poly do, and is
-   none of the other one's business. */
+/* A shape added to such a layer waits for the layer's synthesizer, as in poly,
+   and does not affect the other one. */
 static const eda_box metal_patch = {-20, 180, 30, 220};
 
 static int rule_metal(void *self, const eda_printed *p, eda_ruling *r,
@@ -532,7 +534,7 @@ static void test_edges_ruled(void) {
 
 /* ---- what is told of it ---- */
 
-/* Without transistors, nothing is said of their performance. */
+/* Without transistors there are no figures of performance. */
 static void test_report(void) {
   loop l;
   opc_error error = {0};
@@ -563,7 +565,8 @@ static void test_report(void) {
   correct_loop_clear(&l);
 }
 
-/* Of deviations +1, +3 and, of what does not print, none: by hand. */
+/* Statistics of the deviations +1, +3 and one transistor that does not print,
+   by hand. */
 static void test_statistics(void) {
   double one[] = {1, 1, 1}, ion[] = {1.01, 1.03, 0}, ioff[] = {0.6, 1.2, 0},
          area[] = {0.98, 1.04, 0};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* For the tests of the loop: a host that keeps what it is told, and models of a
-   few lines. */
+/* Models of a few lines and a host that records messages, for tests of the
+   loop. */
 #ifndef CORRECT_MODELS_TEST_H
 #define CORRECT_MODELS_TEST_H
 
@@ -56,7 +56,7 @@ static const opc_host host = {.log = hear_warnings,
 
 /* ---- models ---- */
 
-/* One coherent system without edges. */
+/* A single coherent kernel of a Gaussian. */
 static const double cut_off = 60, limit = 4 / 60.0;
 
 static int nothing(void *self, opc_error *error) {
@@ -92,13 +92,13 @@ static int image(const void *self, int layer, const eda_spectrum *mask,
   return eda_coherent_sum(NULL, mask, &systems, 0, out, error);
 }
 
-/* The fine model adds to that a wave across the frame, `fine_adds[n]` high at
-   the fine print number n of poly, fine_adds[0] at any of active, and half as
-   much to all of it. */
+/* The accurate model adds a wave across the frame, of height fine_adds[n] for
+   accurate simulation n of poly, fine_adds[0] for any of active, and half of
+   that everywhere. */
 enum { FINE_PRINTS = 8 };
 static double fine_adds[FINE_PRINTS];
-static int fine_prints[2];                   /* of poly and active */
-static double fine_errors[2] = {1e-4, 1e-4}; /* that they are asked for with */
+static int fine_prints[2];                   /* poly and active */
+static double fine_errors[2] = {1e-4, 1e-4}; /* requested errors */
 
 static double wave(double height, double x, double width) {
   return height * (0.5 + sin(2 * G_PI * x / width));
@@ -140,7 +140,7 @@ static size_t slicing(const void *self, const double **p, const double **s) {
   return 1;
 }
 
-/* A current as W / L has it. */
+/* Return a current proportional to W / L. */
 static int extract(const void *self, const eda_slices *in, eda_performance *out,
                    opc_error *error) {
   (void)self, (void)error;

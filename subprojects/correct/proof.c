@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Fine prints in a loop of cheap ones. */
+/* Implements the verification of fast simulations by accurate ones. */
 #include <correct/proof.h>
 
 #include <eda/memory.h>
@@ -10,17 +10,17 @@
 
 #include <correct/loop.h>
 
-/* Ours. */
+/* Tuned constants. */
 static const struct {
   double part, edge;
 } tuned = {
-    /* Of the loop's `ion_limit`: what a fine print may change in the mean. The
-       error of the fine model itself comes to as much; more, and the loop has
-       worked on something else than what it tells. */
+    /* Largest mean change of Ion by an accurate simulation, as a fraction of
+       the loop's `ion_limit`; equal to the error of the accurate model. Beyond
+       that, the loop has optimised other figures than those it reports. */
     .part = 0.1,
 
-    /* Grid steps: an edge that prints further off than that from where the loop
-       saw it would have been moved otherwise. */
+    /* Largest deviation of a printed edge, in grid steps, that would not have
+       changed its displacement. */
     .edge = 0.5,
 };
 
@@ -62,7 +62,7 @@ static int measure_drawn(loop *l, eda_measurement *m, opc_error *error) {
   return code;
 }
 
-/* The print that the figures of the drawn mask are of now. */
+/* Store the simulation to which the figures of the drawn mask belong. */
 static void keep_print(loop *l) {
   for (size_t k = 0; k < l->gates->layers; k++) {
     if (!l->proof.image[k].coefficients) continue;
@@ -115,10 +115,10 @@ int correct_proof_is_due(const loop *l) {
 
 /* ---- the end ---- */
 
-/* What the loop saw. */
+/* Results of the loop's fast simulation. */
 typedef struct seen {
-  double *off, *ion; /* of each transistor, % */
-  double **epe;      /* of each layer's sites, nm */
+  double *off, *ion; /* [gates], % */
+  double **epe;      /* [layers][sites], nm */
 } seen;
 
 static void see(const loop *l, seen *s) {
@@ -144,8 +144,8 @@ static void seen_clear(const loop *l, seen *s) {
   free(s->off);
 }
 
-/* The loop should go on if one that it saw within the limit is not, or does not
-   print; or if the mean does not hold. */
+/* Return 0 if a transistor within the limit leaves it or no longer prints, or
+   if the mean change is too large. */
 static int transistors_hold(const loop *l, const seen *before,
                             const seen *now) {
   double sum = 0, most = 0, count = 0;

@@ -1,24 +1,24 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Fine prints in a loop of cheap ones, with a fine model that differs from the
-   cheap one by a known field. What it ends with is compared with prints of the
-   fine model that the loop has no part in. */
+/* Tests the verification by an accurate model that differs from the fast one by
+   a known field. Results are compared with independent simulations of the
+   accurate model. */
 #include <correct/fine.h>
 #include "models_test.h"
 
 /* ---- a synthesizer that seeks the drawn Ion ---- */
 
 typedef struct seeker {
-  int32_t spoil; /* bias of transistor 1, instead of what it should have */
+  int32_t spoil; /* bias of transistor 1, instead of the correct one */
 } seeker;
 
 static int begin(void *self, const eda_feedback *f, opc_error *error) {
   (void)self, (void)error;
-  g_assert_cmpfloat(*f->ion_limit, ==, 3); /* the loop's */
+  g_assert_cmpfloat(*f->ion_limit, ==, 3); /* limit of the loop */
   return OPC_OK;
 }
 
-/* The length that is missing in the print, by half of it, as a step of the mask
-   does more in the print. */
+/* Apply half of the missing printed length, as a step of the mask has a larger
+   effect in the print. */
 static int update(void *self, const eda_feedback *f, eda_moves *m, int *done,
                   opc_error *error) {
   const seeker *s = self;
@@ -43,8 +43,8 @@ static const eda_litho with_fine = {
     .prepare = nothing, .band = band, .image = image, .image_fine = image_fine};
 static const double fine_is = 1e-4;
 
-/* fine_adds[0] for the first fine print, fine_adds[1] for the second, and so
-   on; the last of them for all that follow. */
+/* Set fine_adds[n] for accurate simulation n; the last one holds for all later
+   ones. */
 static void let_add(size_t n, const double *heights) {
   for (size_t i = 0; i < FINE_PRINTS; i++)
     fine_adds[i] = heights[MIN(i, n - 1)];
@@ -55,7 +55,8 @@ static void let_add(size_t n, const double *heights) {
           (const double[]){__VA_ARGS__})
 
 static const opc_module *regulator;
-static double aim; /* sd of Ion by fine prints, %; 0: all of `fine` */
+static double aim; /* standard deviation of Ion by accurate simulations, %; 0:
+                      error `fine` */
 
 static int try_to_run(loop *l, const eda_litho *model, double fine,
                       int32_t spoil, int64_t iterations, opc_error *error) {
@@ -85,8 +86,8 @@ static void run(loop *l, const eda_litho *model, double fine, int32_t spoil,
 
 /* ---- the truth ---- */
 
-/* Ion of a mask by the model that adds `height` to poly, by a printer of its
-   own whose level sets are less by the wave. */
+/* Measure Ion of a mask by the model that adds `height` to poly, with an
+   independent printer whose level sets are less by the wave. */
 static void measure_truth(const loop *l, const eda_shapes *mask, double height,
                           double *ion) {
   opc_error error = {0};
@@ -117,7 +118,7 @@ static double off(const loop *l, const double *ion, size_t i) {
   return fabs(eda_deviation(ion[i], l->design.ion[i]));
 }
 
-/* Figures are those of a model, and of no other. */
+/* Check that the figures belong to one model and to no other. */
 static void expect(const loop *l, double height, double other) {
   double fine[2], cheap[2];
   measure_truth(l, l->mask, height, fine);
@@ -133,9 +134,9 @@ static void expect(const loop *l, double height, double other) {
 
 /* ---- the tests ---- */
 
-/* One fine print after the first moves, one at the end; the layer that nobody
-   moves needs only the first. What the drawn mask did is told by the fine
-   model, too. */
+/* One accurate simulation after the first displacements and one at the end. An
+   unmoved layer needs only the first. The drawn mask's figures are accurate,
+   too. */
 static void test_end(void) {
   loop l;
   double before[2];
@@ -145,7 +146,7 @@ static void test_end(void) {
   g_assert_cmpint(fine_prints[EDA_POLY], ==, 2);
   g_assert_cmpint(fine_prints[EDA_ACTIVE], ==, 1);
   g_assert_cmpuint(l.printer.fine_simulations, ==, 3);
-  /* A line for each mask: the drawn one, that of the first moves ... */
+  /* One line for each mask: the drawn mask, the first displaced mask ... */
   const history_line *line = l.history.line, *last = line + l.history.count - 1;
   g_assert_cmpuint(l.history.count, ==, l.printer.simulations - 1);
   for (size_t i = 0; i < l.history.count; i++)
@@ -163,18 +164,18 @@ static void test_end(void) {
 
 /* ---- how fine ---- */
 
-/* % of Ion for an intensity of 1, of a gate so long or wide (nm): an edge of
-   one Gaussian system prints where the amplitude, a normal distribution of `s`
-   nm, is the root of the threshold; the intensity's slope there tells how far
-   light moves it. */
+/* Return the sensitivity of Ion, % per clear field, of a gate of this length or
+   width in nm. An edge of one Gaussian kernel prints where the amplitude, a
+   normal distribution of `s` nm, is the root of the threshold; the slope of the
+   intensity there gives the displacement. */
 static double worth_of(double size) {
   const double s = cut_off / G_PI / sqrt(2), z = 0.754089, a = sqrt(0.6);
   double slope = 2 * a * exp(-z * z / 2) / sqrt(2 * G_PI) / s;
   return 100 * 2 / slope / size;
 }
 
-/* The larger errors that models may have are found where Ion changes by just
-   so much. */
+/* The errors of the accurate models are those that change Ion by the given
+   amount. */
 static void test_how_fine(void) {
   const eda_gates *g = eda_gates_sample();
   opc_error error = {0};
@@ -185,11 +186,12 @@ static void test_how_fine(void) {
   g_assert_cmpint(eda_printer_prepare(&p, &error), ==, OPC_OK);
   g_assert_cmpint(eda_printer_print(&p, g->corrected, g->drawn, &error), ==,
                   OPC_OK);
-  /* sd of an error: a quarter of the largest; of the gates, the narrower one */
+  /* Standard deviation of an error: a quarter of the largest. Of the gates, the
+     narrower one. */
   double poly = worth_of(60) / 4, active = worth_of(200) / 4;
   const struct {
     double change;
-    double fine[2]; /* of poly and active */
+    double fine[2]; /* poly and active */
   } cases[] = {{0, {0, 0}},
                {1.03 * 2e-4 * poly, {2e-4, 5e-4}},
                {0.97 * 2e-4 * poly, {1e-4, 5e-4}},
@@ -206,13 +208,14 @@ static void test_how_fine(void) {
       g_assert_cmpfloat(p.fine_of[k], ==, cases[i].fine[k]);
   }
   eda_printer_clear(&p);
-  /* What a flow says is for all layers; else it follows what is good. */
+  /* An error in the flow holds for all layers; without one, each layer has its
+     own. */
   g_assert_cmpfloat(correct_fine_change("1e-4", 0.5), ==, 0);
   g_assert_cmpfloat(correct_fine_change("off", 0.5), ==, 0);
   g_assert_cmpfloat(correct_fine_change(NULL, 0.5), ==, 0.02);
 }
 
-/* A loop asks for prints of each layer with the error that it found. */
+/* A loop simulates each layer with the error computed for it. */
 static void test_by_layer(void) {
   loop l;
   ADD(0.03);
@@ -227,8 +230,8 @@ static void test_by_layer(void) {
   aim = 0;
 }
 
-/* The fine model says something else at the end: the loop goes on until it is
-   content with that. Without the proof it would end before. */
+/* The accurate model changes at the end: the loop continues until it agrees.
+   Without the verification it would end earlier. */
 static void test_goes_on(void) {
   loop l, without;
   ADD(0.02);
@@ -242,7 +245,7 @@ static void test_goes_on(void) {
   g_assert_cmpuint(l.iterations, >, without.iterations);
   correct_loop_clear(&without);
   g_assert_cmpint(warnings, ==, 0);
-  /* A mask that has no moves left is told as it is. */
+  /* A mask without further displacements is reported as it is. */
   ADD(0.02, 0.25);
   run(&without, &with_fine, fine_is, 0, 2);
   correct_loop_clear(&l);
@@ -251,7 +254,7 @@ static void test_goes_on(void) {
   correct_loop_clear(&without);
 }
 
-/* A model that never says the same is not asked for ever. */
+/* A model that never agrees is not called for ever. */
 static void test_bound(void) {
   loop l;
   ADD(0.02, 0.25, 0.02, 0.25, 0.02, 0.25);
@@ -261,8 +264,9 @@ static void test_bound(void) {
   correct_loop_clear(&l);
 }
 
-/* A regulator that sees a rule broken from a certain fine print on, until it
-   has moved a line end; or that moves it after each fine print, in vain. */
+/* A regulator that reports a violation from a given accurate simulation on,
+   until it has moved a line end; or that moves the line end after each one in
+   vain. */
 enum { STAYS, MENDS, TRIES };
 static struct {
   const char *rule;
@@ -287,9 +291,9 @@ static int violations(void *self, const eda_printed *p, eda_violation *v,
   return OPC_OK;
 }
 
-/* A rule that only the fine print of the end breaks has the loop go on, if
-   something can be done for it; one that has its reason, or that was broken
-   before, does not. */
+/* The loop continues after a violation that only the final accurate simulation
+   shows, if it can be repaired; not after one with a reason or an earlier
+   one. */
 static void test_rules(void) {
   static const eda_regulator mender = {.rule = mend, .violations = violations};
   static const struct {
@@ -316,7 +320,7 @@ static void test_rules(void) {
   }
 }
 
-/* No moves: the drawn mask is proved. */
+/* Without displacements, the drawn mask is verified. */
 static void test_drawn(void) {
   loop l;
   ADD(0.03);
@@ -329,7 +333,7 @@ static void test_drawn(void) {
   correct_loop_clear(&l);
 }
 
-/* What the guard takes back is printed finely once more. */
+/* A mask that the guard reverted is simulated with the accurate model. */
 static void test_guard(void) {
   loop l;
   ADD(0.03);
@@ -341,9 +345,8 @@ static void test_guard(void) {
   correct_loop_clear(&l);
 }
 
-/* The drawn mask, to which a transistor goes back, has come out a bit worse
-   than the difference of the first moves has it: no fault of a rule or
-   neighbour. */
+/* The drawn mask, restored for a transistor, is slightly worse than predicted
+   by the first difference: not a fault of a rule or neighbour. */
 static void test_margin(void) {
   loop l;
   ADD(0.03, 0.027);
@@ -357,8 +360,8 @@ static void test_margin(void) {
   correct_loop_clear(&l);
 }
 
-/* Fine images, or the others once there was a fine one, on a grid of their
-   own. */
+/* Accurate images, or fast ones after the first accurate one, have a grid of
+   their own. */
 static int was_fine;
 
 static int image_elsewhere(const void *self, int layer,
@@ -402,7 +405,8 @@ static void test_grid(void) {
   }
 }
 
-/* Without a fine model, or if none is wanted, all is as without it. */
+/* Without an accurate model, or with "off", the loop uses fast simulations
+   only. */
 static void test_none(void) {
   loop l;
   ADD(0.03);
@@ -415,8 +419,8 @@ static void test_none(void) {
   }
 }
 
-/* The resist is calibrated with what fine prints need, which serves both, or
-   with less error if it asks for that. */
+/* The resist is calibrated with the error of accurate simulations, which serves
+   both, or with a smaller one if it requires that. */
 static double asked, given;
 
 static int image_given(const void *self, int layer, const eda_spectrum *mask,

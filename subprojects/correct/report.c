@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What a correction tells: a table of its transistors, one of their
-   statistics (thesis eq. 3.3 to 3.7), and metrics. */
+/* Implements the report of a correction: table of transistors, statistics
+   (thesis eq. 3.3 to 3.7) and metrics. */
 #include <correct/report.h>
 
 #include <eda/memory.h>
@@ -13,7 +13,7 @@
 
 #include <correct/settings.h>
 
-enum { SHORT_TABLE = 24 }; /* as many rows are shown rather than only filed */
+enum { SHORT_TABLE = 24 }; /* largest number of rows that are printed */
 
 /* ---- statistics ---- */
 
@@ -25,7 +25,7 @@ static void count(statistics *s, double x) {
   s->max = fmax(s->max, fabs(x));
 }
 
-/* Of nothing there is no figure. */
+/* Without samples there is no figure. */
 static double mean_of(const statistics *s) {
   return s->n ? s->absolute / s->n : NAN;
 }
@@ -42,7 +42,7 @@ static double rms(const statistics *s) {
   return s->n ? sqrt(s->square / s->n) : NAN;
 }
 
-/* What does not print as a transistor has no figures. */
+/* Return 1 for a transistor that does not print and has no figures. */
 static int failed(const uint32_t *flags, size_t i) {
   return flags && eda_print_failed(flags[i]);
 }
@@ -158,7 +158,7 @@ int correct_history_report(const history *h, const opc_host *host,
 
 /* ---- tables ---- */
 
-/* What may be found of a print: the failures, the gravest first, then notes. */
+/* Findings on a printed transistor: failures by severity, then notes. */
 static const struct {
   uint32_t flag;
   const char *name;
@@ -172,14 +172,15 @@ static const struct {
                 {EDA_PRINT_BITE, "bite"},
                 {EDA_PRINT_OUTSIDE, "outside the table"}};
 
-/* The first of the findings. */
+/* Return the first finding. */
 const char *correct_report_trouble(uint32_t flags) {
   for (size_t k = 0; k < G_N_ELEMENTS(findings); k++)
     if (flags & findings[k].flag) return findings[k].name;
   return "";
 }
 
-/* How many transistors have each of them; one may have several. */
+/* Write the number of transistors with each finding; a transistor may have
+   several. */
 static int finding_table(const opc_host *host, const eda_mask *m,
                          opc_error *error) {
   struct {
@@ -206,7 +207,7 @@ char *correct_report_gate_name(const eda_gates *g, size_t i) {
   return g_strdup_printf("%s:%u", where, g->number[i]);
 }
 
-/* A row of the table of transistors. */
+/* Row of the table of transistors. */
 typedef struct gate_row {
   char *name;
   const char *cell, *type, *print, *verdict;
@@ -215,7 +216,7 @@ typedef struct gate_row {
   double mask_l, mask_w, mask_jog, end[2], extension[2];
 } gate_row;
 
-/* How far the deviation of a gate's Ion is from that in the loop. */
+/* Return the difference of a gate's Ion deviation from that in the loop, %. */
 static double change(const report *r, size_t i) {
   const eda_mask *m = r->mask, *c = r->corrected;
   if (failed(m->flags, i) || failed(c->flags, i)) return NAN;
@@ -223,7 +224,8 @@ static double change(const report *r, size_t i) {
          eda_deviation(c->after.ion[i], c->design.ion[i]);
 }
 
-/* What the figures are worth comes before what the synthesizer says of them. */
+/* Return in *verdict a failure or a note on the figures, or else the
+   synthesizer's verdict. */
 static int verdict_of(const opc_context *context, const report *r, size_t gate,
                       const char **verdict, opc_error *error) {
   *verdict = failed(r->mask->flags, gate)               ? "does not print"
@@ -235,7 +237,7 @@ static int verdict_of(const opc_context *context, const report *r, size_t gate,
   return eda_blame(error, code, "synthesizer");
 }
 
-/* How far a figure of a gate is off; NAN where there is none. */
+/* Return the deviation of a figure, %; NAN without a figure. */
 static double deviation(const uint32_t *flags, size_t i, const double *printed,
                         const double *design) {
   return failed(flags, i) ? NAN : eda_deviation(printed[i], design[i]);
@@ -279,7 +281,8 @@ static gate_row row_of(const report *r, size_t i) {
   return row;
 }
 
-/* All columns that there are; of few transistors some are shown too. */
+/* Write the table of transistors with all existing columns, and print selected
+   columns of a short table. */
 static int put_gates(const opc_host *host, const report *r, const gate_row *row,
                      opc_error *error) {
   int corrects = !r->corrected, moved = r->biases != NULL;
@@ -472,7 +475,8 @@ int correct_report_mask(const opc_host *host, const report *r,
   return code;
 }
 
-/* Violations that have a reason are told once for each. How many have none. */
+/* Log each reason of violations once. Returns the number of violations without
+   a reason. */
 static size_t tell_reasons(const opc_host *host, const eda_violation *v,
                            size_t n) {
   size_t without = 0;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* How often a mask does not keep the rules of masks, and where it is worst. */
+/* Implements the count of mask rule violations and the search for the worst. */
 #include <correct/rules.h>
 
 #include <eda/memory.h>
@@ -61,7 +61,7 @@ int correct_rules_tell(const opc_host *host, const rules_row *rows, size_t n,
   return opc_put_metrics(host, OPC_ARRAY(values), error);
 }
 
-/* The rows of each layer that is corrected, side by side. */
+/* Rows of each corrected layer, computed in parallel. */
 typedef struct counting {
   const eda_gates *gates;
   const eda_shapes *mask;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Assist features where the model says that they pay. */
+/* Implements the model-based placement of assist features. */
 #include <correct/seek.h>
 
 #include <eda/memory.h>
@@ -8,19 +8,19 @@
 
 #include <correct/loop.h>
 
-/* nm: grid of the map, and of where bars are placed; a ring of the map is some
-   70 nm wide. */
+/* Grid of the map and of bar positions, nm; a ring of the map is about 70 nm
+   wide. */
 static const double map_step = 8;
 
-/* 1 / intensity: the edge of a print is taken to be so steep. Contours have a
-   slope of 0.002 / nm, so that it is some steps of the map wide. */
+/* Assumed steepness of a contour, 1 / intensity. Contours have a slope of 0.002
+   / nm, so the transition spans several steps of the map. */
 static const double steepness = 150;
 
-/* nm: what a bar that prints loses at both sides in an iteration. */
+/* Reduction of the width of a printing bar per iteration, nm at each side. */
 static const double thinner = 2;
 
-/* Iterations in which moves of the contour are made to cost nothing. Of ten
-   clips the band is 1.4 % wider with 2, and 4 % with none. */
+/* Iterations of hold_contour. Over ten clips, the band is 1.4 % wider with 2
+   iterations and 4 % wider with none. */
 static const int settles = 4;
 
 static int32_t steps(const loop *l, double nm) {
@@ -55,7 +55,7 @@ static size_t nodes(const eda_field *f) {
   return (size_t)f->nx * (size_t)f->ny;
 }
 
-/* Bars hardly print, and are looked at by themselves. */
+/* Set the weights near bars to 0: bars are checked for printing separately. */
 static void leave_out_bars(const loop *l, eda_field *f) {
   const eda_frame *r = &f->frame;
   double dx = r->width / f->nx, dy = r->height / f->ny, g = l->gates->grid;
@@ -71,9 +71,9 @@ static void leave_out_bars(const loop *l, eda_field *f) {
   }
 }
 
-/* From a level set to how the area of what prints grows with it at the nodes
-   of the map, in place: something around the contour that adds up to its
-   length over the slope. */
+/* Convert a level set in place, at the nodes of the map, to the derivative of
+   the printed area by the level: a ridge along the contour whose integral is
+   the contour's length over its slope. */
 static int find_edge(const loop *l, eda_field *f, opc_error *error) {
   int code = eda_field_resample(l->host->context, f, map_step, error);
   if (code) return code;
@@ -92,7 +92,8 @@ static int gradient(const loop *l, const eda_spectrum *mask, double defocus,
   return m->functions.gradient(m, EDA_POLY, mask, defocus, weight, out, error);
 }
 
-/* One border of the band: how its area changes with the mask. */
+/* Compute the derivative of the area within one border of the band by the
+   mask. */
 static int find_border(const loop *l, const eda_spectrum *mask, double defocus,
                        double dose, eda_field *out, opc_error *error) {
   const eda_model *m = &l->printer.litho;
@@ -111,9 +112,9 @@ static int find_border(const loop *l, const eda_spectrum *mask, double defocus,
   return code;
 }
 
-/* The area of what prints grows with the intensity where features are bright
-   and shrinks where they are dark: the borders of the band change places, and
-   the difference stays what it is. */
+/* Compute the derivative of the band's area. The printed area grows with
+   intensity for bright features and shrinks for dark ones; the borders exchange
+   roles and the difference is unchanged. */
 static int find_band(const loop *l, const eda_spectrum *mask, eda_field *out,
                      opc_error *error) {
   double dose = l->seek.dose / 100;
@@ -127,9 +128,9 @@ static int find_band(const loop *l, const eda_spectrum *mask, eda_field *out,
   return code;
 }
 
-/* The same with the nominal contour where it is: edges of features make up for
-   what a bar does to it, and for each of their moves the map must say that it
-   changes nothing. `push` is what a move of the contour costs, found by
+/* Constrain the map to a fixed nominal contour. Edges of features compensate
+   the effect of a bar on the contour, so the map must be 0 for each
+   displacement of an edge. `push`, the cost of a displacement, is computed by
    Richardson's iteration. */
 static int hold_contour(const loop *l, const eda_spectrum *mask, eda_field *map,
                         opc_error *error) {
@@ -173,7 +174,7 @@ static int make_map(const loop *l, eda_field *map, opc_error *error) {
 
 /* ---- the bars ---- */
 
-/* Those that do not pay any more, beside the others. */
+/* Remove bars that no longer reduce the band. */
 static void drop_idle(loop *l, const eda_field *map) {
   sought_bars *s = &l->seek;
   size_t kept = 0;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Printing, measuring and correcting a mask by a step's settings. */
+/* Implements simulation, measurement and the set-up of the loop from a step's
+   settings. */
 #include <correct/settings.h>
 
 #include <eda/check.h>
@@ -42,8 +43,8 @@ void correct_forecast(const correct_settings *with, const opc_host *host,
 
 /* ---- printing ---- */
 
-/* Print and measure shapes, and move the level sets to *print. Nothing is kept
-   of what the printer printed before. */
+/* Simulate and measure shapes and move the level sets to *print. Cached images
+   of the printer are discarded first. */
 static int print_shapes(const correct_settings *with, eda_printer *p,
                         const eda_gates *g, const eda_shapes *shapes,
                         eda_measurement *measured, eda_field *print,
@@ -114,7 +115,7 @@ int correct_print(const correct_settings *with, const opc_host *host, int sized,
 
 /* ---- rules of the print ---- */
 
-/* Ours: room that is hardly ever too little at first. */
+/* Initial capacity for violations, rarely exceeded. */
 enum { ROOM = 10000, ROOM_OF_GATE = 16 };
 
 int correct_violations(const opc_context *context, const opc_module *regulator,

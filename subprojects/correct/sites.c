@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Edge placement errors: from the site of each fragment along its normal, to
-   where the print has its edge. Where the site is printed, that edge lies
-   outwards, else inwards: the edge of a neighbour is not taken for it. */
+/* Implements edge placement errors: distance from each fragment's site along
+   its normal to the printed edge. The edge is searched outwards if the site is
+   printed, else inwards, so that edges of neighbours are not found. */
 #include <correct/sites.h>
 
 #include <eda/memory.h>
@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* How far from a site an edge is looked for: eda_feedback.epe. */
+/* Largest distance of an edge from its site; see eda_feedback.epe. */
 static const char reach[] = "0.389 lambda/NA";
 
 void correct_sites_init(sites *s, const eda_cuts *cuts) {
@@ -24,7 +24,7 @@ void correct_sites_init(sites *s, const eda_cuts *cuts) {
     uint32_t first = cuts->start[p], end = cuts->start[p + 1];
     for (uint32_t i = first; i < end; i++) {
       eda_point a = cuts->from[i], b = cuts->from[i + 1 < end ? i + 1 : first];
-      /* The inside is on the left. */
+      /* The inside is on the left of an edge. */
       s->axis[i] = a.y == b.y ? EDA_Y : EDA_X;
       s->out[i] = a.y == b.y ? (b.x > a.x ? -1 : 1) : (b.y > a.y ? 1 : -1);
     }

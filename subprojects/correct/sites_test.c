@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Edge placement errors against contours that are known in closed form. */
+/* Tests edge placement errors against contours in closed form. */
 #include <correct/sites.h>
 
 #include <eda/memory.h>
@@ -7,7 +7,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* A field that is positive for |x - 500| < half, in either direction. */
+/* Return a field that is positive for |x - 500| < half, along either axis. */
 static eda_field strip(double half, int axis) {
   eda_field f = {.frame = {0, 0, 1000, 1000}, .nx = 40, .ny = 40};
   f.coefficients = eda_alloc(1600, sizeof(float));
@@ -20,18 +20,18 @@ static eda_field strip(double half, int axis) {
   return f;
 }
 
-/* Two edges of a box, one to the low and one to the high side. */
+/* Two edges of a box, on the low and the high side. */
 static void test_sites(void) {
   const struct {
-    double half;    /* of the print; the drawn edges are at 500 -+ 100 */
-    double site[2]; /* where the sites of the low and high edge are */
+    double half;    /* half width of the print; drawn edges are at 500 -+ 100 */
+    double site[2]; /* positions of the low and high site */
     double epe[2];
   } cases[] = {
       {130, {400, 600}, {30, 30}},
       {90, {400, 600}, {-10, -10}},
       {199, {400, 600}, {99, 99}},
       {201, {400, 600}, {NAN, NAN}},
-      /* Just outside of the print, whose edge is near; far inside. */
+      /* Just outside of the print, near its edge; far inside. */
       {103, {360, 640}, {-37, -37}},
       {103, {460, 560}, {63, 43}},
   };

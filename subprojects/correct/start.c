@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* From a mask to the start of a correction, and back. */
+/* Implements the conversion of a mask to the start of a correction, and
+   back. */
 #include <correct/start.h>
 
 #include <eda/memory.h>
@@ -50,7 +51,7 @@ int correct_start_hold(loop *l, opc_error *error) {
   return l->host->metric(l->host, "refined", (double)refined, error);
 }
 
-/* nm, ours: as far as regulator.drc puts a patch from what it mends. */
+/* nm; the distance of a regulator.drc repair from its fault. */
 static const double beside = 150;
 
 void correct_start_prune(loop *l) {
@@ -103,8 +104,8 @@ static eda_box_list copy_of(eda_boxes from) {
   return to;
 }
 
-/* What comes upon a base, or moves more than gates, is not said in these
-   words. */
+/* A displacement on top of a base, or of fragments, cannot be represented by
+   eda_moved. */
 eda_moved *correct_moved_of(const loop *l) {
   size_t n = l->gates->count, layers = l->gates->layers;
   const trial *t = &l->now;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What each transistor did at each print. */
+/* Implements the record of each transistor in each simulation. */
 #include <correct/trace.h>
 
 #include <eda/memory.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What makes a mask, kept and compared. */
+/* Implements the storage and comparison of masks. */
 #include <correct/trial.h>
 
 #include <eda/memory.h>

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Whether the optics see a transistor alike however it lies. */
+/* Implements the test of the optics for symmetry under rotation and
+   mirroring. */
 #include <correct/ways.h>
 
 #include <eda/check.h>
@@ -8,11 +9,12 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Clear field 1: less than models are off by, more than rounding. */
+/* Tolerance of intensity, clear field 1; below the error of models and above
+   rounding. */
 static const double alike = 1e-4;
 
-/* nm. A shape that no turn and no mirror makes itself, in a frame that all
-   turns leave as it is; the period of kernels that have one. */
+/* A shape without symmetry, nm, in a frame that all rotations preserve; its
+   size is the period of periodic kernels. */
 static const eda_box shape[] = {
     {-200, -100, -120, 300}, {-120, 220, 150, 300}, {100, -250, 180, 0}};
 static const eda_frame frame = {-1024, -1024, 2048, 2048};
@@ -28,8 +30,7 @@ static void turn(int way, double *x, double *y) {
   if (way & 2) *y = -*y;
 }
 
-/* The shape lying that way, merged: its boxes touch, so that they are made one.
- */
+/* Draw the shape in an orientation. Its touching boxes are merged. */
 static int draw(int way, eda_shapes *out, opc_error *error) {
   eda_point points[4 * BOXES];
   uint32_t start[BOXES + 1] = {0};
@@ -49,7 +50,7 @@ static int draw(int way, eda_shapes *out, opc_error *error) {
   return eda_boolean(EDA_OR, &boxes, NULL, out, error);
 }
 
-/* The image at places that lie that way to the shape, too. */
+/* Sample the image of the rotated shape at equally rotated positions. */
 static int look(const opc_context *context, const opc_module *litho, int layer,
                 int way, double *out, opc_error *error) {
   enum { N = ACROSS * ACROSS };
@@ -80,7 +81,8 @@ static int look(const opc_context *context, const opc_module *litho, int layer,
 static int ways_of_layer(const opc_context *context, const opc_module *litho,
                          int layer, int *ways, opc_error *error) {
   enum { N = ACROSS * ACROSS };
-  double first[N], other[N], worst[2] = {0}; /* not swapped, swapped */
+  double first[N], other[N], worst[2] = {0}; /* without and with exchange of x
+                                                and y */
   int code = look(context, litho, layer, 0, first, error);
   for (int way = 1; way < ALL && !code; way++) {
     double *most = &worst[way >= SWAPPED];
@@ -92,7 +94,7 @@ static int ways_of_layer(const opc_context *context, const opc_module *litho,
   return code;
 }
 
-/* Both layers that print transistors have to agree. */
+/* Return the smaller number of poly and active. */
 int correct_ways_find(const opc_context *context, const opc_module *litho,
                       int *ways, opc_error *error) {
   int poly, active;

@@ -5,8 +5,8 @@
 #include <math.h>
 #include <opcflow/command.h>
 
-#include "tools/devel/testing.h"
 #include "tests/run_folder.h"
+#include "tools/devel/testing.h"
 
 static char *in_folder(const char *name) {
   return g_build_filename(opc_test_folder(), name, NULL);

@@ -6,8 +6,8 @@
 #include <eda/memory.h>
 #include <glib/gstdio.h>
 
-#include "tools/devel/testing.h"
 #include "tests/run_folder.h"
+#include "tools/devel/testing.h"
 
 /* Run report.html; its code. */
 static int write_page(const char *mapping, const char *input, void *object,

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Assist features beside gates, whatever synthesizer moves them: bars along the
-   sides of each gate where there is room, in the mask of the poly. */
+/* Rule-based sub-resolution assist features (SRAF): scatter bars along the
+   sides of each gate, placed in the poly mask wherever the spacing rules
+   permit. */
 #ifndef CORRECT_ASSISTS_H
 #define CORRECT_ASSISTS_H
 
@@ -10,25 +11,29 @@
 struct loop;
 
 typedef struct gate_bars {
-  int64_t rows;                  /* parameters; 0: none */
+  int64_t rows;                  /* number of rows; 0: no bars */
   double width, distance, space; /* nm */
   double min_length, overhang;   /* nm */
-  double margin;                 /* of the level set */
+  double margin;                 /* distance to the printing threshold, clear
+                                    field 1 */
   eda_box_list bars;
   size_t dropped;
 } gate_bars;
 
-/* Place them into the next trial; the synthesizers have begun. */
+/* Place the bars into the next trial mask. Call after the synthesizers have
+   begun. Returns OPC_OK, or OPC_INVALID if the synthesizer places bars of its
+   own or a width is below the mask grid. */
 OPC_EXPORT int correct_assists_begin(struct loop *loop, opc_error *error);
 OPC_EXPORT void correct_assists_clear(struct loop *loop);
 
-/* Whether bars of the next trial, whoever placed them, are within the frame. */
+/* Return OPC_INVALID if a bar of the next trial mask, placed by any plugin,
+   reaches beyond the simulation frame. */
 OPC_EXPORT int correct_assists_check(const struct loop *loop, opc_error *error);
 
-/* Take those out of the next trial that have printed. */
+/* Remove the bars that print from the next trial mask. */
 OPC_EXPORT void correct_assists_watch(struct loop *loop);
 
-/* Metrics. */
+/* Report the metrics "assists" and "assists_dropped". */
 OPC_EXPORT int correct_assists_report(const struct loop *loop,
                                       opc_error *error);
 

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The mask design algorithm of thesis figure 3.3, for one transistor: steps of
-   its length (coarse), then of its width (fine), each kept up while the error
-   falls and taken back when it rises. An error is a deviation in %, positive
-   where the transistor has too much current; it falls with L and rises with W.
- */
+/* Mask design algorithm of thesis figure 3.3, for one transistor. Steps of its
+   length (coarse phase) are followed by steps of its width (fine phase); a step
+   that increases the error is reverted. The error is a current deviation in %,
+   positive where the current is too high; it falls with L and rises with W. */
 #ifndef SYNTHESIZER_CONTROL_H
 #define SYNTHESIZER_CONTROL_H
 
@@ -11,7 +10,7 @@
 
 enum { CONTROL_COARSE, CONTROL_FINE, CONTROL_SETTLED };
 
-/* Why a transistor stays where it is. */
+/* Reasons for a transistor to stay as it is. */
 enum {
   CONTROL_WITHIN,
   CONTROL_GRID,
@@ -22,28 +21,29 @@ enum {
 };
 
 typedef struct control {
-  double error; /* of the last measurement, % */
-  double rest;  /* when it came to its minimum */
-  double by_l;  /* what a step of L was seen to change it by; 0: none */
+  double error; /* error of the last measurement, % */
+  double rest;  /* error at the minimum, % */
+  double by_l;  /* change of the error by the last step of L; 0: none */
   uint8_t phase;
   uint8_t verdict;
-  uint8_t barred;    /* steps of L that the regulator took back, as vetoes */
-  uint8_t reopened;  /* how often its neighbours moved it from its minimum */
-  uint8_t rested;    /* `rest` is known */
-  uint8_t exchanged; /* whether L was moved as W could go no further */
-  int32_t l, w;      /* its last step */
-  int32_t ceiling;   /* of its steps of W since it went past the minimum; 0 */
+  uint8_t barred;    /* steps of L that the regulator reverted, EDA_VETO_* */
+  uint8_t reopened;  /* number of restarts after neighbours changed the error */
+  uint8_t rested;    /* 1: `rest` is set */
+  uint8_t exchanged; /* 1: L was moved because W had reached its bound */
+  int32_t l, w;      /* last step, in grid steps */
+  int32_t ceiling;   /* largest step of W after an overshoot; 0: no bound */
 } control;
 
-/* What holds for all transistors. */
+/* Rules that are common to all transistors. */
 typedef struct control_rules {
-  double limit;     /* an error of no more than this is left alone, % */
-  int32_t most;     /* steps of L, and of W if half of W is not less */
-  int32_t widest;   /* step of W that widens, if they are proportional */
-  int proportional; /* W by as much as the error asks for, not by one step */
+  double limit;     /* largest accepted |error|, % */
+  int32_t most;     /* bound of L, and of W unless half of the width is less */
+  int32_t widest;   /* largest proportional step that widens */
+  int proportional; /* 1: steps of W are proportional to the error; 0: single */
 } control_rules;
 
-/* For a limit in %, a bound in nm, and a mask grid in nm. */
+/* Return the rules for an error limit in %, a largest bias in nm and a mask
+   grid in nm. */
 OPC_EXPORT control_rules correct_control_rules_for(double limit,
                                                    double max_bias, double grid,
                                                    int proportional);
@@ -51,23 +51,24 @@ OPC_EXPORT control_rules correct_control_rules_for(double limit,
 /* A measured transistor. */
 typedef struct control_input {
   double error;
-  double width;  /* drawn, in grid steps */
+  double width;  /* drawn width, in grid steps */
   uint32_t veto; /* EDA_VETO_* */
 } control_input;
 
-/* The first correction: `steps` of L, or, for 0, one the way that lowers the
-   error. Nothing if the error is within the limit. 1 if L moves. */
+/* Apply the first correction to *l: `steps` of L, or for 0 a single step in the
+   direction that reduces the error. Returns 1 if L moved, 0 if the error is
+   within the limit. */
 OPC_EXPORT int correct_control_first(const control_rules *r, control *c,
                                      const control_input *in, int32_t steps,
                                      int32_t *l);
 
-/* The next step of L: 1, or 0 if it stays. */
+/* Apply the next step to *l. Returns 1 if L moved, else 0. */
 OPC_EXPORT int correct_control_length(const control_rules *r, control *c,
                                       const control_input *in, int32_t *l,
                                       int32_t w);
 
-/* The next step of W, of a transistor whose L is at its minimum: 1, or 0. To be
-   called after correct_control_length, if that did not move L. */
+/* Apply the next step to *w, for a transistor whose L is at its minimum. Call
+   after correct_control_length returned 0. Returns 1 if W moved, else 0. */
 OPC_EXPORT int correct_control_width(const control_rules *r, control *c,
                                      const control_input *in, int32_t *w);
 

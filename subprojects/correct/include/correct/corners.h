@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A correction that is to stand several doses, foci and mask errors: each of
-   one with each of the others is a corner.
+/* Correction for several doses, foci and mask errors. Every combination of one
+   value of each is a corner.
 
-   What the loop judges and synthesizers see of a transistor is then the
-   weighted geometric mean of its currents and of its area over the corners.
-   Where the logarithm of a current answers to a move alike at all corners, a
-   mean that is as drawn is the least sum of squares of its logarithmic
-   deviations. Unless that is free, it is so only for what transistors of a type
-   do not have in common, and as far as nominal Ion stays within `ion_cost`.
-   Flags, prints and line ends are those of the nominal print, and so are the
-   figures of the result. */
+   The loop and the synthesizers then receive, for each transistor, the weighted
+   geometric mean of its currents and of its area over the corners. If the
+   logarithm of a current responds equally to a displacement at all corners, a
+   mean equal to the drawn value minimises the sum of squares of the logarithmic
+   deviations.
+
+   Unless `free` is set, the deviations that all transistors of a type have in
+   common are excluded, and nominal Ion stays within `ion_cost`. Flags, printed
+   images, line ends and the reported figures are nominal. */
 #ifndef CORRECT_CORNERS_H
 #define CORRECT_CORNERS_H
 
@@ -18,60 +19,64 @@
 
 struct loop;
 
-/* As the parameters say. */
+/* Parameters of the corners. */
 typedef struct corners_wish {
   opc_reals dose, focus, mask_error; /* %, nm, nm */
   opc_reals weight;
-  double ion_cost; /* %: what corners may make nominal Ion deviate, */
-  int free;        /* unless this is set */
+  double ion_cost; /* largest deviation of nominal Ion caused by the corners,
+                      % */
+  int free;        /* 1: no such bound */
 } corners_wish;
 
 typedef struct corner {
   double dose, focus, mask_error;
-  double weight; /* the sum of all is 1 */
+  double weight; /* weight; the sum over all corners is 1 */
   size_t exposure;
   eda_measurement measured;
 } corner;
 
-/* What needs images of its own: a focus and a mask error. */
+/* A focus and a mask error, which need images of their own. */
 typedef struct exposure {
-  eda_printer *printer; /* the loop's, or `own` */
+  eda_printer *printer; /* printer of the loop, or `own` */
   eda_printer own;
-  int32_t by;       /* all edges are moved out by so many grid steps */
-  eda_shapes *mask; /* [layers], of that; NULL: the loop's */
+  int32_t by;       /* outward displacement of all edges, in grid steps */
+  eda_shapes *mask; /* [layers], displaced mask; NULL: mask of the loop */
 } exposure;
 
 typedef struct corners {
   corners_wish wish;
-  size_t count, exposures; /* 0: there are none */
+  size_t count, exposures; /* 0: no corners */
   corner *corner;
   exposure *exposure;
-  eda_performance nominal; /* of the last print */
+  eda_performance nominal; /* nominal performance of the last simulation */
 } corners;
 
-/* Whether the wish can be. */
+/* Return OPC_INVALID with the parameter's name if values, weights or the number
+   of corners are not valid. */
 OPC_EXPORT int correct_corners_check(const corners_wish *wish,
                                      opc_error *error);
 
-/* How many images of a layer each print takes, 1 if there are no corners. */
+/* Return the number of images per layer and simulation; 1 without corners. */
 OPC_EXPORT size_t correct_corners_images(const corners_wish *wish);
 
-/* The printer of the loop is prepared. */
+/* Allocate the corners and their printers. The printer of the loop must have
+   been prepared. Returns OPC_INVALID if the model of the optics has one focus
+   only or a mask error is not a multiple of the grid. */
 OPC_EXPORT int correct_corners_begin(struct loop *loop, opc_error *error);
 OPC_EXPORT void correct_corners_clear(struct loop *loop);
 
-/* Print the loop's mask, those layers that are marked; with the fine model,
-   after the loop's own printer has. */
+/* Simulate the marked layers of the loop's mask at all exposures: with the fast
+   model, and with the accurate model after the loop's own printer. */
 OPC_EXPORT int correct_corners_print(struct loop *loop, const uint8_t *layers,
                                      opc_error *error);
 OPC_EXPORT int correct_corners_refine(struct loop *loop, const uint8_t *layers,
                                       opc_error *error);
 
-/* Measure at all corners: what the loop measured becomes `nominal`, and the
-   mean of all what the loop has measured. */
+/* Measure all corners. `nominal` receives the nominal measurement, and the
+   loop's measurement is replaced by the mean over the corners. */
 OPC_EXPORT int correct_corners_measure(struct loop *loop, opc_error *error);
 
-/* The table and metrics of all corners. */
+/* Report the tables "corners" and "all_corners" and their metrics. */
 OPC_EXPORT int correct_corners_report(const struct loop *loop,
                                       opc_error *error);
 

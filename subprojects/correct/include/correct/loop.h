@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* One correction: correct_loop_run, and what it leaves. */
+/* The correction loop and its results. */
 #ifndef CORRECT_LOOP_H
 #define CORRECT_LOOP_H
 
@@ -16,12 +16,12 @@
 #include <correct/trace.h>
 #include <correct/trial.h>
 
-/* Who moves a layer: the synthesizer of transistors, or the one of the edges
-   of layers that no transistor moves. */
+/* Drivers of a layer: MAIN is the synthesizer of transistors, EDGES that of
+   layers without transistors. */
 enum { MAIN, EDGES, DRIVERS };
 
-/* A synthesizer in the loop. The arrays have what it sees of each layer: NULL
-   and 0 where it cut none. */
+/* A synthesizer in the loop. The arrays are by layer, with NULL and 0 for
+   layers that it did not dissect. */
 typedef struct driver {
   const opc_module *module; /* NULL: none */
   const double **epe;
@@ -30,72 +30,74 @@ typedef struct driver {
   int done;
 } driver;
 
-/* Arrays are by layer, of gates or of pieces, made once. Set those up to
-   `ion_limit` that there are, the drivers' modules and `printer`; clear the
-   rest.
- */
+/* State of a correction. Arrays are by layer, gate or fragment. The caller sets
+   the fields up to `ion_limit`, the drivers' modules and `printer`; all others
+   start as 0. */
 typedef struct loop {
   const opc_host *host;
   const eda_gates *gates;
   const opc_module *extractor, *regulator;
   int64_t max_iterations;
-  loop_start start;      /* what it begins with besides the drawn edges */
-  const eda_moved *base; /* its moves; NULL: there are none */
-  eda_boxes *begun;      /* its patches, by layer, then its bites: those that
-                            stay */
-  uint8_t *still;        /* 1: that transistor keeps its mask; NULL: none does,
-                            or it is not known yet */
-  int prepared;          /* the extractor is */
-  int traced;            /* each print into `trace` */
-  int hold;              /* the guard takes back what is worse than drawn */
-  double
-      ion_limit;      /* %: largest allowed |Ion deviation|, for the guard, the
-                         proof   and synthesizers that have no limit of their own */
-  double fine_change; /* what correct_fine_by_layer takes */
+  loop_start start;      /* start in addition to the drawn edges */
+  const eda_moved *base; /* displacements of the start; NULL: none */
+  eda_boxes *begun;      /* [2 * layers], added shapes of the start that remain,
+                            then its cut-outs */
+  uint8_t *still;        /* [gates], 1: keeps its mask; NULL: none does, or not
+                            known yet */
+  int prepared;          /* 1: the extractor is prepared */
+  int traced;            /* 1: record each simulation in `trace` */
+  int hold;              /* 1: the guard reverts transistors worse than drawn */
+  double ion_limit;   /* largest allowed |Ion deviation|, %, of the guard, the
+                         verification and synthesizers without a limit of their
+                         own */
+  double fine_change; /* parameter of correct_fine_by_layer */
   driver drivers[DRIVERS];
   eda_printer printer;
-  uint8_t *driver_of;   /* MAIN or EDGES */
-  pieces *pieces;       /* of the edges */
-  eda_shapes *polygons; /* what they make */
-  eda_shapes *mask;     /* that, patches and assists, merged */
-  sites *sites;         /* of layers that are cut into fragments */
-  trial now, next;      /* printed and measured; to try next */
-  int32_t *unused;      /* biases that EDGES may write */
+  uint8_t *driver_of;   /* [layers], MAIN or EDGES */
+  pieces *pieces;       /* [layers], fragments of the edges */
+  eda_shapes *polygons; /* [layers], polygons of the fragments */
+  eda_shapes *mask;     /* [layers], polygons, added shapes and SRAFs, merged */
+  sites *sites;         /* [layers], sites of dissected layers */
+  trial now, next;      /* simulated and measured mask; next mask */
+  int32_t *unused;      /* scratch biases for EDGES */
   eda_measurement measured;
-  eda_performance design, before; /* as drawn: of the gates, of the print */
-  eda_measurement shown; /* what synthesizers see if `still` is there */
+  eda_performance design, before; /* figures of the drawn gates; of the drawn
+                                     mask */
+  eda_measurement shown; /* measurement passed to synthesizers if `still` is
+                            set */
   corners corners;
   gate_bars assists;
   sought_bars seek;
-  summary summary; /* of what was measured */
+  summary summary; /* statistics of the last measurement */
   history history;
   guard guard;
   proof proof;
   trace trace;
   uint32_t *vetoes;
   uint32_t iterations;
-  eda_field *drawn_print; /* of the drawn mask, as `before` has it */
+  eda_field *drawn_print; /* [layers], simulated image of the drawn mask */
 } loop;
 
-/* Set up a loop for these gates; a caller may change fields before
-   correct_loop_run. correct_loop_clear frees it. [main] */
+/* Set up a loop for these gates and settings. The caller may change fields
+   before correct_loop_run and frees the loop with correct_loop_clear. Call on
+   the main thread. */
 OPC_EXPORT void correct_loop_init(loop *loop, const opc_host *host,
                                   const eda_gates *gates,
                                   const correct_settings *with);
 OPC_EXPORT int correct_loop_run(loop *loop, opc_error *error);
 
-/* Print and measure the mask of `next`, which becomes `now`; only layers that
-   changed, if not all. */
+/* Simulate and measure the mask `next`, which becomes `now`. Simulates changed
+   layers only, unless `all` is set. */
 OPC_EXPORT int correct_loop_print(loop *loop, int all, opc_error *error);
 
-/* Print `now` again with the fine model, and measure; only layers of which
-   there is no fine print. */
+/* Simulate `now` with the accurate model and measure it. Layers that have an
+   accurate simulation are not repeated. */
 OPC_EXPORT int correct_loop_refine(loop *loop, opc_error *error);
 
-/* What is added to the mask that it begins with, or taken away. */
+/* Return the added shapes or, for `bites`, the cut-outs of the loop's start. */
 OPC_EXPORT eda_boxes correct_loop_begun(const loop *l, size_t layer, int bites);
 
-/* The last print as a regulator sees it. */
+/* Return the last simulation in the form that regulators receive. */
 OPC_EXPORT eda_printed correct_loop_printed(const loop *loop);
 
 OPC_EXPORT void correct_loop_clear(loop *loop);

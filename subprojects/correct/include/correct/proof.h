@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* How a loop of cheap prints comes to figures of the fine model.
+/* Verification of a loop of fast simulations by the accurate model.
 
-   The first fine print is that of the first moves. What it differs by from the
-   cheap print of the same mask is added to all cheap ones from then on, and the
-   drawn mask's figures are taken again with it. When the synthesizers are done,
-   a fine print of the mask proves the end, or takes the difference anew and
-   lets them go on. */
+   The first accurate simulation is that of the first displaced mask. Its
+   difference from the fast simulation of the same mask is added to all later
+   fast simulations, and the figures of the drawn mask are corrected by it. When
+   the synthesizers are done, an accurate simulation either verifies the result
+   or updates the difference and the loop continues. */
 #ifndef CORRECT_PROOF_H
 #define CORRECT_PROOF_H
 
@@ -13,33 +13,35 @@
 
 struct loop;
 
-/* The drawn mask and its intensity: what is kept of it until there is a
-   difference. */
+/* Mask and intensity of the drawn layout, kept until the difference is
+   known. */
 typedef struct proof {
   eda_shapes *mask;
-  eda_field *image; /* both [layers]; NULL: nothing is kept */
+  eda_field *image; /* both [layers]; NULL: not kept */
 } proof;
 
-/* How often the end is proved, at most. The difference changes by a fifth of
-   itself with each round of moves (the README has figures), so that a second
-   proof that fails is a loop that does not come to rest. */
+/* Largest number of verifications. The difference changes by a fifth of its
+   value in each round of the loop (see the README), so two failures in a row
+   show a loop that does not converge. */
 enum { PROOFS = 3 };
 
-/* The drawn mask was printed, cheaply. */
+/* Keep the fast simulation of the drawn mask. */
 OPC_EXPORT int correct_proof_begin(struct loop *loop, opc_error *error);
 OPC_EXPORT void correct_proof_clear(struct loop *loop);
 
-/* Whether this print, the first after moves, is to be a fine one, too. */
+/* Return 1 if the accurate simulation must follow this one, the first after
+   displacements. */
 OPC_EXPORT int correct_proof_is_early(const struct loop *loop);
 
-/* There is a fine print: take the drawn mask's figures again. */
+/* Correct the figures of the drawn mask by the accurate simulation. */
 OPC_EXPORT int correct_proof_of_drawn(struct loop *loop, opc_error *error);
 
-/* Whether something is printed of which there is no fine print yet. */
+/* Return 1 if a layer has been simulated by the fast model only. */
 OPC_EXPORT int correct_proof_is_due(const struct loop *loop);
 
-/* Print finely what is there. *holds = 0 if transistors or edges have come out
-   otherwise than the loop saw them, so that it should go on. */
+/* Simulate the mask with the accurate model. Sets *holds to 0 if transistors or
+   edges deviate from the fast simulation by so much that the loop must
+   continue. */
 OPC_EXPORT int correct_proof_of_end(struct loop *loop, int *holds,
                                     opc_error *error);
 

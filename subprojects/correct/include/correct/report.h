@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What a correction tells: statistics, tables and metrics. */
+/* Statistics, tables and metrics of a correction. */
 #ifndef CORRECT_REPORT_H
 #define CORRECT_REPORT_H
 
@@ -10,19 +10,21 @@
 #include <correct/edges.h>
 #include <correct/sites.h>
 
-/* How far a print is from the design. */
+/* Deviations of a simulated mask from the design. */
 typedef struct summary {
-  double ion_mean, ion_max, ion_stdv; /* of |deviation|, %; eq. 3.3 to 3.5 */
-  double ion_rms, ioff_rms; /* eq. 2.5 is q1 ion_rms^2 + q2 ioff_rms^2 */
+  double ion_mean, ion_max, ion_stdv; /* |deviation|, %; thesis eq. 3.3 to
+                                         3.5 */
+  double ion_rms, ioff_rms; /* %; eq. 2.5 is q1 ion_rms^2 + q2 ioff_rms^2 */
   double area_mean, area_max, ioff_mean, ioff_max;
-  double ioff_total[3]; /* sums of printed Ioff over those of drawn, minus
-                           1, %: n, p, all; NAN without such gates */
-  size_t gates, failed, outside; /* figures are of those that did not fail */
-  double epe_mean, epe_max;      /* of |edge placement error|, nm */
-  size_t sites, lost;            /* lost: those without an edge near */
+  double ioff_total[3]; /* deviation of the sum of Ioff from the drawn sum, %:
+                           n, p, all; NAN without such gates */
+  size_t gates, failed, outside; /* statistics exclude failed transistors */
+  double epe_mean, epe_max;      /* |edge placement error|, nm */
+  size_t sites, lost;            /* `lost`: sites without an edge within
+                                    reach */
 } summary;
 
-/* The same as metrics of a step. clang-format off */
+/* Metrics of the same statistics. clang-format off */
 #define REPORT_METRICS                                                        \
   {"ion_mean", "%", OPC_LOWER, 0.01, "mean of |Ion deviation|"},              \
       {"ion_max", "%", OPC_LOWER, 0.01, "largest |Ion deviation|"},           \
@@ -55,7 +57,7 @@ typedef struct summary {
     "ion_max_drawn", "%", OPC_NEUTRAL, 0,              \
         "largest |Ion deviation| of the mask as drawn" \
   }
-/* Against the mask as drawn, and the regulator's rules. */
+/* Metrics against the mask as drawn and the regulator's rules. */
 #define REPORT_JUDGED_METRICS                                              \
   {"worse", NULL, OPC_LOWER, 0,                                            \
    "transistors whose Ion is further off than drawn and than the limit"},  \
@@ -74,39 +76,43 @@ typedef struct statistics {
   double n, sum, absolute, square, max;
 } statistics;
 
-/* Deviations of transistors: n, p and all. Those that fail are not to be
-   added. */
+/* Deviations of n-, p- and all transistors. Do not add transistors that
+   failed. */
 typedef struct groups {
   statistics ion[3], area[3], ioff[3];
-  double leakage[3], leakage_drawn[3]; /* sums, A */
+  double leakage[3], leakage_drawn[3]; /* sums of Ioff, A */
 } groups;
 
 OPC_EXPORT void correct_groups_add(groups *to, int type,
                                    const eda_figures *drawn,
                                    const eda_figures *printed);
-/* The figures of a summary that are of these. */
+/* Return the statistics of these deviations; fields of sites and counts are
+   0. */
 OPC_EXPORT summary correct_groups_sum(const groups *groups);
-/* The table `summary`; `drawn`, of the mask as drawn, may be NULL. */
+/* Write the table "summary". `drawn`, the deviations of the mask as drawn, may
+   be NULL. */
 OPC_EXPORT int correct_groups_table(const opc_host *host, const groups *drawn,
                                     const groups *printed, opc_error *error);
 
-/* `sites`, [gates->layers], may be NULL. */
+/* Return the statistics of a simulated mask. `sites`, [gates->layers], may be
+   NULL. */
 OPC_EXPORT summary correct_summarize(const eda_gates *gates,
                                      const eda_performance *design,
                                      const eda_performance *printed,
                                      const uint32_t *flags, const sites *sites);
 
-/* "XU1:3", or "NAND2:3" at the top; freed with g_free. The gravest that was
-   found of a print, "" for nothing. */
+/* Return the name of a gate, "XU1:3" or at the top level "NAND2:3"; the caller
+   frees it with g_free(). Return the most severe finding of `flags`, "" without
+   one. */
 OPC_EXPORT char *correct_report_gate_name(const eda_gates *gates, size_t gate);
 OPC_EXPORT const char *correct_report_trouble(uint32_t flags);
 
-/* One line for each mask of a loop; a fine print takes the place of the cheap
-   one of the same mask. */
+/* A simulated mask of the loop; an accurate simulation replaces the fast one of
+   the same mask. */
 typedef struct history_line {
   summary print;
   int64_t iteration, simulations, fine_simulations;
-  const char *model; /* of this print: "fine" or "cheap" */
+  const char *model; /* model of this simulation: "fine" or "cheap" */
 } history_line;
 
 typedef struct history {
@@ -121,20 +127,19 @@ OPC_EXPORT void correct_history_clear(history *history);
 OPC_EXPORT int correct_history_report(const history *history,
                                       const opc_host *host, opc_error *error);
 
-/* What there is to tell of a mask that was printed. NULL for what there is
-   not. */
+/* Content of the report on a simulated mask. Missing parts are NULL. */
 typedef struct report {
   const eda_mask *mask;
   const double *extension;
   const sites *sites; /* [gates->layers] */
   const biases *biases;
   const opc_module *synthesizer;
-  char *const *held;            /* what the guard did to each; NULL: nothing */
-  const uint32_t *flags_before; /* EDA_PRINT_* of the mask as drawn */
-  const eda_mask *corrected;    /* the same one as its loop printed it */
+  char *const *held;            /* [gates], verdict of the guard; NULL: none */
+  const uint32_t *flags_before; /* [gates], EDA_PRINT_* of the mask as drawn */
+  const eda_mask *corrected;    /* the same mask as simulated in its loop */
 } report;
 
-/* Its tables and metrics. */
+/* Write the tables and metrics of a mask. */
 OPC_EXPORT int correct_report_mask(const opc_host *host, const report *report,
                                    opc_error *error);
 OPC_EXPORT int correct_report_violations(const opc_host *host,
@@ -142,8 +147,8 @@ OPC_EXPORT int correct_report_violations(const opc_host *host,
                                          const eda_violation *violations,
                                          size_t n, opc_error *error);
 
-/* Report the rules of a regulator (NULL: none) that a print does not keep, and
-   keep them in its mask. [main] */
+/* Report the violations of a regulator's rules and store them in the mask.
+   `regulator` may be NULL. Call on the main thread. */
 OPC_EXPORT int correct_report_rules(const opc_host *host,
                                     const opc_module *regulator,
                                     const eda_printed *printed, eda_mask *mask,

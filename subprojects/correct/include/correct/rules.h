@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The rules of the mask itself, of any method's mask. */
+/* Mask rules, which apply to the mask of any method. */
 #ifndef CORRECT_RULES_H
 #define CORRECT_RULES_H
 
@@ -7,8 +7,8 @@
 #include <eda/rules.h>
 #include <opcflow/follow.h>
 
-/* A rule in a layer: how many places of the drawn layer and of the mask do not
-   keep it, the least value and its place, nm; NAN if there is none. */
+/* A rule in a layer: numbers of violations in the drawn layer and in the mask,
+   the smallest value and its position, nm; NAN without violations. */
 typedef struct rules_row {
   const char *layer, *rule;
   double limit;
@@ -16,21 +16,21 @@ typedef struct rules_row {
   double least, x, y;
 } rules_row;
 
-/* The table `mask_rules` and the metrics mask_violations and mask_RULE. Of each
-   layer EDA_RULES rows, in their order. */
+/* Write the table "mask_rules" and the metrics mask_violations and mask_RULE.
+   `rows` has EDA_RULES rows for each layer, in the order of the rules. */
 OPC_EXPORT int correct_rules_tell(const opc_host *host, const rules_row *rows,
                                   size_t n, opc_error *error);
 
-/* Tell where the masks of corrected layers, [gates->layers], do not keep rules.
- */
+/* Report the rule violations in the masks of corrected layers; `mask` is
+   [gates->layers]. */
 OPC_EXPORT int correct_rules_report(const opc_host *host,
                                     const eda_gates *gates,
                                     const eda_shapes *mask,
                                     const double limit[EDA_RULES],
                                     opc_error *error);
 
-/* Rules are only counted; their sizes are with.rules of `state`.
-   clang-format off */
+/* Parameters of the rules, stored in with.rules of `state`. Violations are
+   counted, not repaired. clang-format off */
 #define RULES_PARAMETER(state, name, rule, from, tells)                       \
   OPC_PARAMETER_NAMED(name, state, with.rules[rule], .type = OPC_REAL,        \
                       .flags = OPC_AT_LEAST, .unit = "nm", .follows = (from), \

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Assist features where the model says that they pay: bars in the clear field
-   that make the band between the outermost and the innermost print narrower.
-   How the band's area changes with what is added to the mask is the gradient of
-   the images at its two borders (R. Socha and others, "Contact hole reticle
-   optimization by using interference mapping lithography", SPIE 5377, 2004,
-   have such a map for the intensity). Bars lie where it is most negative, once
-   it allows for the edges of features, which keep the nominal contour in its
-   place. */
+/* Model-based sub-resolution assist features (SRAF): scatter bars in the clear
+   field that narrow the process variability band, the band between the
+   outermost and innermost contours.
+
+   The derivative of the band's area by the mask transmission is the gradient of
+   the images at the two borders (compare R. Socha and others, "Contact hole
+   reticle optimization by using interference mapping lithography", SPIE 5377,
+   2004, for the intensity). Bars are placed where the derivative is most
+   negative, after compensation by the edges of the features, which hold the
+   nominal contour in place. */
 #ifndef CORRECT_SEEK_H
 #define CORRECT_SEEK_H
 
@@ -16,25 +18,27 @@
 struct loop;
 
 typedef struct sought_bars {
-  /* Parameters; none of them looks if `most` is 0. */
+  /* Parameters; `most` = 0 disables the search. */
   int64_t most, rounds, every;
-  double worth;                               /* nm^2 */
+  double worth;                               /* smallest reduction of the band
+                                                 by a bar, nm^2 */
   double dose, defocus;                       /* %, nm */
   double least_width, width, distance, space; /* nm */
   double min_length, length;                  /* nm */
-  double margin;                              /* of the level set */
-  /* The bars there are. */
+  double margin;                              /* distance to the printing
+                                                 threshold, clear field 1 */
+  /* Bars of the present mask. */
   eda_box_list bars;
   size_t dropped;
   int64_t round;
-  uint32_t next; /* the iteration of the next round */
+  uint32_t next; /* iteration of the next round */
 } sought_bars;
 
 OPC_EXPORT int correct_seek_begin(struct loop *loop, opc_error *error);
 OPC_EXPORT void correct_seek_clear(struct loop *loop);
 
-/* After a print: narrow what prints, and look for more when it is time, or when
-   all are `done`. */
+/* Narrow bars that print, and search for more when a round is due or all
+   synthesizers are `done`. Call after each simulation. */
 OPC_EXPORT int correct_seek_watch(struct loop *loop, int done,
                                   opc_error *error);
 

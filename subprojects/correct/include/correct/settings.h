@@ -10,55 +10,59 @@
 
 enum { CORRECT_GUARD_ON, CORRECT_GUARD_OFF };
 
-/* %: ion_limit of steps that have no such parameter. */
+/* Default of ion_limit for steps without that parameter, %. */
 #define CORRECT_USUAL_LIMIT 0.5
 
 typedef struct correct_settings {
   const opc_module *litho, *resist, *extractor;
   const opc_module *synthesizer, *regulator; /* NULL: none */
   int64_t max_iterations;
-  const char *fine_text;   /* the parameter `fine` */
-  double fine;             /* error of fine prints, clear field 1; 0: none */
+  const char *fine_text;   /* parameter `fine` */
+  double fine;             /* error of accurate simulations, clear field 1; 0:
+                              none */
   double margin;           /* clear field around the layout, nm */
   double ion_limit;        /* largest allowed |Ion deviation|, % */
-  double rules[EDA_RULES]; /* least sizes of the mask, nm */
+  double rules[EDA_RULES]; /* smallest sizes of the mask, nm */
   int guard;
 } correct_settings;
 
-/* Derive `fine` and `margin` from the parameters. OPC_INVALID with the
-   parameter `fine` if its text is no error. [main] */
+/* Derive `fine` and `margin` from the parameters. Returns OPC_INVALID with the
+   parameter `fine` if its text is not an error. Call on the main thread. */
 OPC_EXPORT int correct_settings_check(correct_settings *with,
                                       const opc_host *host, opc_error *error);
 
-/* Forecast memory and work of printing all corrected layers side by side.
-   `prints` says how many prints there are ("at most 101 prints"), and
-   `fine_prints` where the model has fine ones. */
+/* Forecast memory and work of simulating all corrected layers in parallel.
+   `prints` states the number of simulations ("at most 101 prints"),
+   `fine_prints` the same for models with accurate simulations. */
 OPC_EXPORT void correct_forecast(const correct_settings *with,
                                  const opc_host *host, const eda_gates *gates,
                                  const char *prints, const char *fine_prints,
                                  opc_forecast *out);
 
-/* Print and measure the shapes of a mask as the end of a correction is, by fine
-   prints where the model has them. Sets the mask's print, after, flags and
-   counts of simulations, and its design unless that is there already (then the
-   extractor is prepared). `sized`: the resist may calibrate itself by these
-   transistors; 0 where they are a part of more. `flags_before` (NULL: none)
-   gets EDA_PRINT_* of the drawn layers, which are printed first, and the mask
-   their print and performance. `extension`, [2 * gates], gets the printed line
-   ends. The caller frees both arrays with free(). [main] */
+/* Simulate and measure the shapes of a mask, with the accurate model if it
+   exists. Sets the mask's print, after, flags and counts of simulations, and
+   its design unless that is set (in which case the extractor must have been
+   prepared).
+
+   `sized`: 1 if the resist may calibrate itself by these transistors; 0 if they
+   are a part of a larger layout. `flags_before` (may be NULL) receives
+   EDA_PRINT_* of the drawn layers, which are then simulated first into the
+   mask's drawn_print and before. `extension`, [2 * gates], receives the printed
+   line-end extensions. The caller frees both arrays with free(). Call on the
+   main thread. */
 OPC_EXPORT int correct_print(const correct_settings *with, const opc_host *host,
                              int sized, eda_mask *mask, uint32_t **flags_before,
                              double **extension, opc_error *error);
 
-/* Find all rules of the regulator that a print does not keep; freed with
-   free(). [main] */
+/* Find all violations of the regulator's rules; the caller frees *violations
+   with free(). Call on the main thread. */
 OPC_EXPORT int correct_violations(const opc_context *context,
                                   const opc_module *regulator,
                                   const eda_printed *printed,
                                   eda_violation **violations, size_t *count,
                                   opc_error *error);
 
-/* opc_step.save of a step whose one output is a mask. */
+/* Save a mask; opc_step.save of a step with one output. */
 OPC_EXPORT int correct_save_mask(void *self, void *const *outputs,
                                  const char *folder, opc_error *error);
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Where the edge placement errors of a layer's fragments are measured. */
+/* Sites at which the edge placement errors of a layer's fragments are
+   measured. */
 #ifndef CORRECT_SITES_H
 #define CORRECT_SITES_H
 
@@ -8,12 +9,12 @@
 typedef struct sites {
   size_t count;
   double *place; /* x, y of each, nm */
-  uint8_t *axis; /* of its normal: EDA_X, EDA_Y */
-  int8_t *out;   /* +-1: outwards along it */
-  double *epe;   /* nm; NAN where there is no edge near */
+  uint8_t *axis; /* axis of the normal: EDA_X, EDA_Y */
+  int8_t *out;   /* outward direction along the axis, +-1 */
+  double *epe;   /* nm; NAN: no edge within reach */
 } sites;
 
-/* Those of checked cuts. */
+/* Set up the sites of checked cuts. */
 OPC_EXPORT void correct_sites_init(sites *sites, const eda_cuts *cuts);
 OPC_EXPORT void correct_sites_clear(sites *sites);
 OPC_EXPORT void correct_sites_measure(const opc_context *context,

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What a correction begins with besides the drawn mask, and what another one
-   can begin with after it. */
+/* Start of a correction from an earlier mask, and its inverse. */
 #ifndef CORRECT_START_H
 #define CORRECT_START_H
 
@@ -10,42 +9,45 @@
 struct loop;
 
 typedef struct loop_start {
-  const eda_mask *mask; /* NULL: the drawn edges */
-  /* %, if there is a mask: only transistors move whose |Ion deviation| is
-     greater by more in the first print than it was `before` in the mask (thesis
-     eq. 4.1), or that do not print; NAN: all do. */
+  const eda_mask *mask; /* NULL: start from the drawn edges */
+  /* Largest increase of |Ion deviation| (thesis eq. 4.1), %, from `before` of
+     the mask to the first simulation, up to which a transistor keeps its mask.
+     Transistors that do not print always move; NAN: all do. */
   double max_diff;
 } loop_start;
 
-/* OPC_INVALID if that is no start for the gates. */
+/* Return OPC_INVALID if the start does not belong to the gates or has no
+   displacements. */
 OPC_EXPORT int correct_start_check(const loop_start *start,
                                    const eda_gates *gates, opc_error *error);
 
-/* The start was printed: who keeps his mask. */
+/* Select the transistors that keep their masks (loop.still) after the first
+   simulation. */
 OPC_EXPORT int correct_start_hold(struct loop *loop, opc_error *error);
 
-/* What the regulator of the start has added beside a place where its print does
-   not keep a rule, or taken away, is given up: it was for other neighbours. The
-   rest stays, as a regulator sees what a print needs with it, and not what it
-   would need without. */
+/* Remove shapes that the start's regulator added or cut out near violations of
+   the first simulation: they were made for other neighbours. All other shapes
+   are kept, since a regulator cannot detect a fault that they already
+   repair. */
 OPC_EXPORT void correct_start_prune(struct loop *loop);
 
-/* From what the optics' own print shows of Ion to what a fine one would, as far
-   as that is known. */
+/* Correct Ion of a fast simulation towards that of an accurate one, by the
+   ratios stored in `moved`. */
 OPC_EXPORT void correct_start_correct(const eda_moved *moved,
                                       eda_performance *printed);
 
-/* The mask of a layer that moves make of the drawn edges. As of eda_boolean. */
+/* Compute the mask of a layer from the drawn edges and displacements. Returns
+   the codes of eda_boolean. */
 OPC_EXPORT int correct_start_mask(const eda_gates *gates,
                                   const eda_moved *moved, size_t layer,
                                   eda_shapes *out, opc_error *error);
 
-/* What `now` of a loop has moved; NULL if that is more than a start can have.
- */
+/* Return the displacements of the loop's mask, or NULL if they cannot be the
+   start of a correction. Free with eda_moved_free(). */
 OPC_EXPORT eda_moved *correct_moved_of(const struct loop *loop);
 
-/* Thesis eq. 4.1 of transistor i of a mask that printed so, %; NAN if it does
-   not print. */
+/* Return the disturbance of transistor i by thesis eq. 4.1, %; NAN: it does not
+   print. */
 OPC_EXPORT double correct_start_disturbance(const eda_mask *mask,
                                             const eda_performance *printed,
                                             const uint32_t *flags, size_t i);
