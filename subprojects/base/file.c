@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Looks at files and names without opening them. */
+/* Checks of files and names without opening them. */
 #include <base/file.h>
 #include <errno.h>
 #include <string.h>
