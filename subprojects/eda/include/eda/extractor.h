@@ -6,9 +6,7 @@
 
 #include <eda/gates.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 /* The slices of `count` gates, `slices` each: slice s of gate i is at [i *
    slices + s]. Lengths in nm. Slices of a gate that did not print have length
@@ -74,7 +72,5 @@ typedef struct eda_extractor {
   int (*range)(const void *self, int type, double *shortest, double *longest);
 } eda_extractor;
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

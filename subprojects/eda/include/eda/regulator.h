@@ -5,9 +5,7 @@
 
 #include <eda/synthesizer.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 /* Input of a regulator. */
 typedef struct eda_printed {
@@ -62,7 +60,5 @@ typedef struct eda_regulator {
                     opc_error *error);
 } eda_regulator;
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

@@ -6,9 +6,7 @@
 #include <eda/gates.h>
 #include <eda/litho.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 typedef struct eda_resist {
   /* Prepare once, before any print: calibrate each layer against the litho
@@ -25,7 +23,5 @@ typedef struct eda_resist {
   void (*drawn)(void *self, const eda_gates *gates);
 } eda_resist;
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

@@ -7,9 +7,7 @@
 #include <eda/gates.h>
 #include <eda/natural.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 /* Moves that the regulator forbids to a gate, as flags. */
 enum {
@@ -152,7 +150,5 @@ typedef struct eda_synthesizer {
   double (*target)(const void *self, size_t gate);
 } eda_synthesizer;
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif
