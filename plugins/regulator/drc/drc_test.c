@@ -86,7 +86,7 @@ static void test_extension(void) {
   static const double at_first[] = {13, 19.9, -30};
   for (size_t k = 0; k < G_N_ELEMENTS(at_first); k++) {
     g_autoptr(opc_module) m =
-        make("{ min_extension: 20 nm, max_growth: 90 nm }");
+        drc_make("{ min_extension: 20 nm, max_growth: 90 nm }");
     fixture f;
     int prints = 0;
     setup(&f, 1000);
@@ -106,7 +106,7 @@ static void test_extension(void) {
 /* The default of min_extension is twice the overlay; a line end without
    response stops at max_growth. */
 static void test_default_extension(void) {
-  g_autoptr(opc_module) m = make("{ overlay: 6 nm, max_growth: 25 nm }");
+  g_autoptr(opc_module) m = drc_make("{ overlay: 6 nm, max_growth: 25 nm }");
   fixture f;
   setup(&f, 1000);
   f.extension[1] = 12;
@@ -120,7 +120,7 @@ static void test_default_extension(void) {
 /* Different gates at the same address are recognized, also before their first
    iteration. */
 static void test_others(void) {
-  g_autoptr(opc_module) m = make("{ min_space: 60 nm }");
+  g_autoptr(opc_module) m = drc_make("{ min_space: 60 nm }");
   fixture f;
   for (uint64_t serial = 1; serial <= 2; serial++) {
     setup(&f, serial == 1 ? 1000 : 90);
@@ -134,7 +134,7 @@ static void test_others(void) {
 
 /* Two line ends 90 nm apart share the 30 nm that a space of 60 leaves. */
 static void test_facing(void) {
-  g_autoptr(opc_module) m = make("{ min_space: 60 nm }");
+  g_autoptr(opc_module) m = drc_make("{ min_space: 60 nm }");
   fixture f;
   setup(&f, 90);
   f.extension[1] = f.extension[2] = 0;
@@ -146,7 +146,7 @@ static void test_facing(void) {
 /* If only one of them is too short, it may use the share of the other one,
    except for the rounding of a third. */
 static void test_alone(void) {
-  g_autoptr(opc_module) m = make("{ min_space: 60 nm }");
+  g_autoptr(opc_module) m = drc_make("{ min_space: 60 nm }");
   fixture f;
   setup(&f, 90);
   f.extension[1] = 0;
@@ -162,7 +162,7 @@ static void test_alone(void) {
 static void test_turns(void) {
   guint32 seed = 1;
   for (int run = 0; run < 200; run++) {
-    g_autoptr(opc_module) m = make("{ min_space: 60 nm }");
+    g_autoptr(opc_module) m = drc_make("{ min_space: 60 nm }");
     fixture f;
     int32_t gap = 60 + run;
     setup(&f, gap);
@@ -179,7 +179,7 @@ static void test_turns(void) {
 }
 
 static void test_vetoes(void) {
-  g_autoptr(opc_module) m = make("{ min_space: 60 nm }");
+  g_autoptr(opc_module) m = drc_make("{ min_space: 60 nm }");
   fixture f;
   setup(&f, 1000);
   g_assert_cmpuint(rule(m, &f), ==, 2);
@@ -201,7 +201,7 @@ static void test_vetoes(void) {
 }
 
 static void test_violations(void) {
-  g_autoptr(opc_module) m = make("{ min_extension: 20 nm }");
+  g_autoptr(opc_module) m = drc_make("{ min_extension: 20 nm }");
   fixture f;
   setup(&f, 50);
   f.extension[1] = 12.5;
@@ -226,7 +226,8 @@ static void test_violations(void) {
 
 /* Line ends that moved until their printed ends merged move back, and stay. */
 static void test_back(void) {
-  g_autoptr(opc_module) m = make("{ min_space: 20 nm, min_extension: 30 nm }");
+  g_autoptr(opc_module) m =
+      drc_make("{ min_space: 20 nm, min_extension: 30 nm }");
   fixture f;
   boxes printed = {0}, none = {0};
   eda_field print[LAYERS] = {{{0}, 0, 0, NULL}};

@@ -30,8 +30,8 @@ static int32_t outwards(eda_box b, int side, int32_t x, int32_t y) {
 
 /* Return whether the unit square is within `beside` of the flanks. */
 static int is_along(eda_box b, int side, int32_t beside, int32_t x, int32_t y) {
-  return upright(side) ? y >= b.y0 - beside && y < b.y1 + beside
-                       : x >= b.x0 - beside && x < b.x1 + beside;
+  return side_upright(side) ? y >= b.y0 - beside && y < b.y1 + beside
+                            : x >= b.x0 - beside && x < b.x1 + beside;
 }
 
 static int has(eda_box b, int32_t x, int32_t y) {
@@ -43,7 +43,7 @@ static void test_window(void) {
     eda_box b = draw_box();
     int side = n % SIDES;
     int32_t from = draw(0, 3), to = from + draw(1, 6), beside = draw(0, 3);
-    eda_box w = window_at(b, side, from, to, beside);
+    eda_box w = box_window(b, side, from, to, beside);
     for (int32_t y = -SIZE; y < 2 * SIZE; y++)
       for (int32_t x = -SIZE; x < 2 * SIZE; x++) {
         int32_t out = outwards(b, side, x, y);
@@ -64,14 +64,14 @@ static void test_nearest(void) {
     int side = n % SIDES;
     int32_t to = draw(2, 12), beside = draw(0, 3), none = draw(1, to),
             want = none;
-    eda_box w = window_at(b, side, 0, to, beside);
+    eda_box w = box_window(b, side, 0, to, beside);
     for (int32_t y = w.y0; y < w.y1; y++)
       for (int32_t x = w.x0; x < w.x1; x++)
         for (int i = 0; i < BOXES; i++)
           if (has(box[i], x, y)) want = MIN(want, outwards(b, side, x, y));
-    int32_t got = nearest(&p, w, side, none, &which);
+    int32_t got = places_nearest(&p, w, side, none, &which);
     g_assert_cmpint(got, ==, want);
-    g_assert_cmpint(nearest(&p, w, side, none, NULL), ==, want);
+    g_assert_cmpint(places_nearest(&p, w, side, none, NULL), ==, want);
     if (want < none) {
       int is_there = 0;
       for (int32_t y = w.y0; y < w.y1; y++)
@@ -102,7 +102,7 @@ static void test_room(void) {
       memcpy(points + 4 * i, p, sizeof p);
       start[i + 1] = (uint32_t)(4 * (i + 1));
     }
-    if (upright(side))
+    if (side_upright(side))
       edge.x1 = edge.x0;
     else
       edge.y1 = edge.y0;
@@ -118,11 +118,12 @@ static void test_room(void) {
                      {box[i].x0, box[i].y0, box[i].x1, box[i].y0},
                      {box[i].x0, box[i].y1, box[i].x1, box[i].y1}};
       for (int k = 0; k < 4; k++) {
-        eda_box flank = upright(side)
+        eda_box flank = side_upright(side)
                             ? (eda_box){0, edge.y0 - SPACE, 0, edge.y1 + SPACE}
                             : (eda_box){edge.x0 - SPACE, 0, edge.x1 + SPACE, 0};
-        int beside = upright(side) ? e[k].y0 < flank.y1 && e[k].y1 > flank.y0
-                                   : e[k].x0 < flank.x1 && e[k].x1 > flank.x0;
+        int beside = side_upright(side)
+                         ? e[k].y0 < flank.y1 && e[k].y1 > flank.y0
+                         : e[k].x0 < flank.x1 && e[k].x1 > flank.x0;
         int32_t near = side == LEFT    ? edge.x0 - e[k].x1
                        : side == RIGHT ? e[k].x0 - edge.x1
                        : side == BELOW ? edge.y0 - e[k].y1
@@ -135,7 +136,7 @@ static void test_room(void) {
         want = MIN(want, MAX(0, MAX(near, 1) - SPACE));
       }
     }
-    g_assert_cmpint(room_now(&r, &print, edge, side, most), ==, want);
+    g_assert_cmpint(mask_spacing(&r, &print, edge, side, most), ==, want);
     bounded += want > 0 && want < most;
     places_clear(&r.mask);
   }

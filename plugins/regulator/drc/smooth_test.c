@@ -34,7 +34,7 @@ static eda_shapes applied(const eda_shapes *base, const eda_ruling *r) {
    its rules, differs little from the requested one, and stays constant. */
 static void test_jogs(void) {
   for (uint32_t seed = 1; seed <= 30; seed++) {
-    g_autoptr(opc_module) m = make("{}");
+    g_autoptr(opc_module) m = drc_make("{}");
     g_autoptr(GRand) rand = g_rand_new_with_seed(seed);
     enum { JOGS = 12 };
     eda_point q[2 * JOGS + 2];
@@ -53,12 +53,12 @@ static void test_jogs(void) {
     q[n++] = (eda_point){0, y};
     eda_shapes base = {1, start, q, NULL};
     add_poly(&c, 0, 0, 65, y);
-    begin(&c);
-    print(&c, wide_line);
+    chip_begin(&c);
+    chip_print(&c, wide_line);
     eda_shapes mask = applied(&base, &c.ruling);
     for (int i = 0; i < 12 && settled < 2; i++) {
       c.mask[EDA_POLY] = mask;
-      judge(m, &c);
+      chip_judge(m, &c);
       eda_shapes next = applied(&base, &c.ruling), differ;
       opc_error error;
       g_assert_cmpint(eda_boolean(EDA_XOR, &mask, &next, &differ, &error), ==,
@@ -84,11 +84,11 @@ static void test_jogs(void) {
       eda_shapes_clear(&mask);
       mask = applied(&plain, &c.ruling);
       c.mask[EDA_POLY] = mask;
-      judge(m, &c);
+      chip_judge(m, &c);
     }
     g_assert_cmpint(eda_area2(&mask), ==, eda_area2(&plain));
     eda_shapes_clear(&mask);
-    end(&c);
+    chip_end(&c);
   }
 }
 
@@ -112,18 +112,18 @@ static void notched(eda_point q[8], int bump, int32_t depth) {
 static void test_moving_jogs(void) {
   for (int bump = 0; bump < 2; bump++)
     for (int32_t depth = 5; depth <= 46; depth++) {
-      g_autoptr(opc_module) m = make("{ min_space: 40 nm }");
+      g_autoptr(opc_module) m = drc_make("{ min_space: 40 nm }");
       uint32_t start[] = {0, 8};
       eda_point q[8];
       eda_shapes base = {1, start, q, NULL};
       chip c = {0};
       eda_violation v[10];
       add_poly(&c, 0, 0, 400, 200);
-      begin(&c);
-      print(&c, bar);
+      chip_begin(&c);
+      chip_print(&c, bar);
       notched(q, bump, depth);
       c.mask[EDA_POLY] = base;
-      judge(m, &c);
+      chip_judge(m, &c);
       for (int i = 1; i < 3; i++) {
         notched(q, bump, depth + 9 * i);
         eda_shapes mask = applied(&base, &c.ruling);
@@ -133,10 +133,10 @@ static void test_moving_jogs(void) {
           wrong += g_str_has_prefix(v[k].rule, "mask");
         g_assert_cmpint(!wrong, ==, depth <= 40);
         if (!wrong) g_assert_cmpint(eda_area2(&mask), ==, 2 * 400 * 200);
-        judge(m, &c);
+        chip_judge(m, &c);
         eda_shapes_clear(&mask);
       }
-      end(&c);
+      chip_end(&c);
     }
 }
 

@@ -27,10 +27,10 @@ static const struct {
   double half_patch, corner, into, flank_step;
   double steep, ahead;
   double of_gate, beside;
-  uint32_t wishes_until, anew;
+  uint32_t extend_until, smooth_until;
   int patience;
 } tuned = {
-    /* ---- how an edge of the mask is moved: rules.c ---- */
+    /* ---- moves of a mask edge: rules.c ---- */
 
     /* nm of printed image per nm of mask, before two measurements determine it.
        Half, which moves too far: SRAM 12, 0.46, 933, 0. Twice: NAND2_X1 6,
@@ -57,7 +57,7 @@ static const struct {
        c432 8, 0.21, 8579, 1. Twice: c432 5, 0.21, 8579, 2. */
     .back = 5,
 
-    /* ---- where the print is looked at: sites.c, repairs.c ---- */
+    /* ---- sites: sites.c, repairs.c ---- */
 
     /* nm: distance of sites along lines and gaps; necks are as long as the
        optical resolution, about 100 nm. None of the three. Half: OAI 21, 11.9,
@@ -92,7 +92,7 @@ static const struct {
        8574. */
     .inset = 0.25,
 
-    /* ---- patches: repairs.c ---- */
+    /* ---- repair shapes: repairs.c ---- */
 
     /* nm: extent of the repair shape of a line along it, on either side. None
        of the three. Half: SDFF 21, 7.9, 530, 22. Twice: last digits of SDFF. */
@@ -128,9 +128,9 @@ static const struct {
        synthesizer would mistake the effect for that of its own moves. 1: SRAM
        0.14, c432 0.22, HEADS 6, 0.21, 8611. 6: c432 0.29 after one iteration
        more. */
-    .wishes_until = 3,
+    .extend_until = 3,
 
-    /* ---- edges that go back: trims.c ---- */
+    /* ---- trims: trims.c ---- */
 
     /* nm: edges within this distance before a gate belong to the gate or to its
        line end. None of the three. Half: SDFF 27, 7.8, 548, 50. Twice: C2670
@@ -150,7 +150,7 @@ static const struct {
     /* Iterations after which smoothed jogs stay even if the mask violates its
        rules, so that smoothing terminates. 12: c1908 by newton's `balanced`
        takes two iterations more on a mask that nothing else changes. */
-    .anew = 8,
+    .smooth_until = 8,
 };
 
 #endif

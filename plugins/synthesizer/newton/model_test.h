@@ -126,7 +126,7 @@ static inline double worst(const double *x, size_t n) {
   return most;
 }
 
-static inline void run(opc_module *m, model *t) {
+static inline void model_run(opc_module *m, model *t) {
   const eda_synthesizer *s = m->functions;
   double d[6][MOST], p[6][MOST] = {{0}}, long_[MOST], wide[MOST];
   eda_box box[MOST];
@@ -217,7 +217,7 @@ static inline opc_module *make_any(const char *parameters) {
 }
 
 /* Return a module whose target uses weights. */
-static inline opc_module *make(const char *parameters) {
+static inline opc_module *model_make(const char *parameters) {
   g_autofree char *all = g_strconcat("{ target: plain, ", parameters + 1, NULL);
   return make_any(all);
 }

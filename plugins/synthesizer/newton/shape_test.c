@@ -168,8 +168,9 @@ static void test_value(void) {
   }
 }
 
-/* The ripple of a shape is corrected: to a third without a price, to a half
-   with a price and fewer jogs, and for any shape without noise. */
+/* The ripple of a known mask is corrected, to less than a third without a
+   price. A higher price results in fewer jogs and more ripple, the highest in
+   no jogs. With `blocked` no part gets longer. */
 static void test_flat(void) {
   parts p = parts_here(WIDTH, &edges);
   const int by[EDA_PARTS] = {-6, -4, -2, 0, 0, 0, 3, 3, 0, 0, 0, 2};
@@ -241,12 +242,12 @@ static void test_thin_end(void) {
                /* from where no poly prints */
                {1, 140, 200, -5, 160}};
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
-    int32_t k = thin_end(&f, 0, cases[i].high, cases[i].from, cases[i].most,
-                         cases[i].least);
+    int32_t k = width_thin_end(&f, 0, cases[i].high, cases[i].from,
+                               cases[i].most, cases[i].least);
     g_assert_cmpfloat_with_epsilon(k, cases[i].want, 1.5);
   }
   f.print = NULL;
-  g_assert_cmpint(thin_end(&f, 0, 1, 0, 99, -5), ==, 0);
+  g_assert_cmpint(width_thin_end(&f, 0, 1, 0, 99, -5), ==, 0);
   g_free(print.coefficients);
 }
 

@@ -22,7 +22,7 @@ typedef struct model {
   int updates;
 } model;
 
-static void run(opc_module *m, model *t) {
+static void model_run(opc_module *m, model *t) {
   const eda_synthesizer *s = m->functions;
   double one[MOST], ion[MOST], ioff[MOST], length[MOST], width[MOST], weq[MOST];
   uint32_t flags[MOST] = {0}, vetoes[MOST] = {0};
@@ -67,7 +67,7 @@ static void follow(const char *parameters, model t, const char *trace,
   g_autoptr(opc_module) m =
       opc_test_module("synthesizer.pb", parameters, &error);
   g_assert_nonnull(m);
-  run(m, &t);
+  model_run(m, &t);
   g_assert_cmpstr(t.trace->str, ==, trace);
   const eda_synthesizer *s = m->functions;
   g_assert_cmpstr(s->verdict(m->self, 0), ==, why);
@@ -122,7 +122,7 @@ static void test_ioffion_keeps_length(void) {
   g_autoptr(opc_module) m =
       opc_test_module("synthesizer.pb", "{ mode: ioffion }", &error);
   g_assert_nonnull(m);
-  run(m, &t);
+  model_run(m, &t);
   g_assert_cmpint(t.l[0], ==, 2);
   g_assert_cmpint(t.w[0], ==, -12); /* 10 - 9.6 */
   g_string_free(t.trace, TRUE);
@@ -164,7 +164,7 @@ static void test_tolerance(void) {
   g_autoptr(opc_module) m =
       opc_test_module("synthesizer.pb", "{ current_limit: 1.5 % }", &error);
   g_assert_nonnull(m);
-  run(m, &t);
+  model_run(m, &t);
   g_assert_cmpint(t.l[0], ==, 2);
   g_assert_cmpint(t.l[1], ==, 0);
   g_assert_cmpint(t.l[2], ==, -3);
