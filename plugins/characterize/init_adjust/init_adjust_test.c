@@ -39,7 +39,7 @@ static void characterize(const char *rest) {
 
 /* Gates of a vertical transistor of L and W, with 84 nm of poly past the active
    and 98 nm of active past the gate. */
-typedef struct figure_3_5 {
+typedef struct evaluation_layout {
   eda_point points[2][4];
   uint32_t start[2];
   eda_fragment fragments[2][4];
@@ -51,9 +51,10 @@ typedef struct figure_3_5 {
   eda_shapes drawn[2];
   eda_edges edges[2];
   eda_gates gates;
-} figure_3_5;
+} evaluation_layout;
 
-static void evaluation_draw(figure_3_5 *f, int32_t l, int32_t w, int32_t grid) {
+static void evaluation_draw(evaluation_layout *f, int32_t l, int32_t w,
+                            int32_t grid) {
   int32_t length = l / grid, width = w / grid, past = 84 / grid,
           beside = 98 / grid;
   static const uint8_t roles[2][4] = {
@@ -109,7 +110,7 @@ static void evaluation_draw(figure_3_5 *f, int32_t l, int32_t w, int32_t grid) {
    number of moves in `iterations`. */
 static double by_loop(int32_t length, int32_t width, int32_t grid, int adjust,
                       double *iterations) {
-  figure_3_5 f;
+  evaluation_layout f;
   opc_error error;
   void *outputs[1] = {NULL};
   evaluation_draw(&f, length, width, grid);

@@ -10,15 +10,15 @@
 
 /* ---- the mask ---- */
 
-static int32_t steps(const row *r, double nm) {
+static int32_t bias_steps(const row *r, double nm) {
   return (int32_t)lround(nm / r->rules->grid);
 }
 
 /* Return the distance from one transistor to the next: drawn shapes and
    margins. */
 static int32_t row_pitch(const row *r) {
-  return steps(r, r->length) + 2 * steps(r, r->rules->enclosure) +
-         2 * steps(r, r->rules->margin);
+  return bias_steps(r, r->length) + 2 * bias_steps(r, r->rules->enclosure) +
+         2 * bias_steps(r, r->rules->margin);
 }
 
 static eda_frame frame_of(const row *r) {
@@ -33,9 +33,9 @@ static eda_frame frame_of(const row *r) {
    (i * pitch, 0). As in eda_moves, the high side takes the odd step. */
 static eda_box box_of(const row *r, int layer, size_t i) {
   int32_t x = (int32_t)i * row_pitch(r), l = r->l[i], w = r->w[i];
-  int32_t length = steps(r, r->length), width = steps(r, r->width);
-  int32_t past = steps(r, r->rules->extension);
-  int32_t beside = steps(r, r->rules->enclosure);
+  int32_t length = bias_steps(r, r->length), width = bias_steps(r, r->width);
+  int32_t past = bias_steps(r, r->rules->extension);
+  int32_t beside = bias_steps(r, r->rules->enclosure);
   if (layer == EDA_POLY)
     return (eda_box){x - (l >> 1), -past, x + length + l - (l >> 1),
                      width + past};

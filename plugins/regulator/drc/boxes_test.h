@@ -23,8 +23,8 @@ static inline opc_module *drc_make(const char *parameters) {
   return m;
 }
 
-static inline size_t violations(opc_module *m, const eda_printed *p,
-                                eda_violation *v, size_t room) {
+static inline size_t drc_violations(opc_module *m, const eda_printed *p,
+                                    eda_violation *v, size_t room) {
   const eda_regulator *r = m->functions;
   opc_error error;
   size_t count = 0;
@@ -72,7 +72,7 @@ static inline eda_field field_of(const boxes *b) {
   return f;
 }
 
-/* A layout without gates, its mask as drawn, and its printed image. */
+/* A layout without gates, the drawn mask, and the printed image. */
 typedef struct chip {
   boxes drawn[LAYERS], printed[LAYERS];
   eda_gates gates;

@@ -116,8 +116,8 @@ static inline void chip_judge(opc_module *m, chip *c) {
   g_assert_cmpint(r->rule(m->self, &c->p, &c->ruling, &error), ==, OPC_OK);
 }
 
-static inline size_t violations(opc_module *m, chip *c, eda_violation *v,
-                                size_t room) {
+static inline size_t drc_violations(opc_module *m, chip *c, eda_violation *v,
+                                    size_t room) {
   const eda_regulator *r = m->functions;
   opc_error error;
   size_t n = 0;

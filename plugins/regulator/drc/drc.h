@@ -158,7 +158,8 @@ typedef struct violations {
 
 eda_box box_between(eda_point a, eda_point b);
 
-/* Take ownership of `box` and index it; `nm` is the typical search distance. */
+/* Take ownership of `box` and build the index; `nm` is the typical search
+ * distance. */
 void places_init(places *p, eda_box *box, size_t n, double nm, double grid);
 void places_clear(places *p);
 
@@ -172,13 +173,13 @@ eda_box box_window(eda_box box, int side, int32_t from, int32_t to,
                    int32_t beside);
 
 /* Return the distance from the near edge of `window` to the nearest box that
-   overlaps its inside, in direction `side`, and that box in `which` (may be
+   overlaps the inside, in direction `side`, and that box in `which` (may be
    NULL); `none` if there is no nearer box. */
 int32_t places_nearest(const places *p, eda_box window, int side, int32_t none,
                        eda_box *which);
 
 /* Return the largest move of the flat box `edge` towards `side` for which poly
-   on the present mask keeps its space, if nothing else moves; at most
+   on the present mask keeps the space, if nothing else moves; at most
    `most`. */
 int32_t mask_spacing(drc *r, const eda_printed *p, eda_box edge, int side,
                      int32_t most);
@@ -200,12 +201,12 @@ int sites_find(drc *r, opc_error *error);
 /* ---- ends.c: outward moves and heads of line ends ---- */
 
 void ends_find(drc *r);
-/* Move a line end outwards if its printed extension is too short, or widen its
-   head if it cannot move. `bias` is its present move. */
+/* Move a line end outwards if its printed extension is too short, or widen the
+ * head if the line end cannot move. `bias` is the present move. */
 void ends_advance(drc *r, const eda_printed *p, size_t end, int32_t *bias);
-/* Move back the line end of the nearest gate if the failing site is before it,
-   and limit it there. `bias` has the moves of all line ends. Return whether it
-   moved. */
+/* Move back the line end of the nearest gate if the failing site is before that
+ * line end, and limit the move there. `bias` has the moves of all line ends.
+ * Return whether the line end moved. */
 int ends_revert(drc *r, const site *wrong, int32_t *bias);
 /* Add the shapes of all heads to the ruling. */
 void ends_add_heads(drc *r);

@@ -8,7 +8,7 @@
 
 /* ---- limits ---- */
 
-static int32_t steps(double limit, double most, double grid) {
+static int32_t grid_steps(double limit, double most, double grid) {
   return (int32_t)floor(fmax(0, fmin(most, limit)) / grid + 1e-9);
 }
 
@@ -25,9 +25,10 @@ static void end_find_length(const drc *r, line_end *e) {
       places_nearest(&r->edges[EDA_POLY], window, e->side, range - 1, NULL);
   double contact =
       places_nearest(&r->contacts, window, e->side, range - 1, NULL);
-  e->most = steps((contact + 1) * grid - r->min_space, r->max_growth, grid);
+  e->most =
+      grid_steps((contact + 1) * grid - r->min_space, r->max_growth, grid);
   e->share = e->limit =
-      steps(((own + 1) * grid - r->min_space) / 2, e->most * grid, grid);
+      grid_steps(((own + 1) * grid - r->min_space) / 2, e->most * grid, grid);
 }
 
 /* Return the head, `wider` beyond each flank of the line. */
@@ -41,7 +42,7 @@ static eda_box head_of(const line_end *e, int32_t by, int32_t wider) {
 }
 
 /* Compute the largest width of the head: the head begins clear of the active,
-   and owns half of the spacing beside it. */
+   and owns half of the spacing on both sides. */
 static void end_find_width(const drc *r, line_end *e, double most,
                            double extension) {
   double grid = r->grid, limit = most;
@@ -63,7 +64,7 @@ static void end_find_width(const drc *r, line_end *e, double most,
     limit = fmin(limit, fmin(((own + 1) * grid - r->min_space) / 2,
                              (other + 1) * grid - r->min_space));
   }
-  e->widest = steps(limit, most, grid);
+  e->widest = grid_steps(limit, most, grid);
 }
 
 void ends_find(drc *r) {
@@ -73,7 +74,7 @@ void ends_find(drc *r) {
   for (size_t i = 0; i < 2 * g->count; i++) {
     r->ends[i].side = -1;
     r->ends[i].most = r->ends[i].share = r->ends[i].limit =
-        steps(r->max_growth, r->max_growth, r->grid);
+        grid_steps(r->max_growth, r->max_growth, r->grid);
   }
   for (size_t p = 0; p < edges->polygons; p++)
     for (uint32_t i = edges->start[p]; i < edges->start[p + 1]; i++) {
@@ -203,7 +204,7 @@ const char *ends_reason(const drc *r, size_t end) {
   const line_end *one = &r->ends[end];
   if (one->by < one->limit || one->wider < one->widest)
     return "extension: could still move";
-  return one->by < steps(r->max_growth, r->max_growth, r->grid)
+  return one->by < grid_steps(r->max_growth, r->max_growth, r->grid)
              ? "extension; no room before the line end"
              : "extension; max_growth reached";
 }

@@ -38,7 +38,7 @@ static void test_response(void) {
 }
 
 /* Defaults follow wavelength / NA: at 248 nm, NA 0.7 the overlay is 0.039 *
-   354.3 = 14 nm, the extension of a line end 28 nm, and its largest move 0.233
+   354.3 = 14 nm, the extension of a line end 28 nm, and the largest move 0.233
    * 354.3 = 83 nm. At 193 nm, NA 0.75: 20 and 60 nm. */
 static void test_follows(void) {
   static const struct {
@@ -132,7 +132,7 @@ static void test_corners(void) {
   chip_begin(&c);
   chip_print(&c, octagon);
   chip_judge(m, &c);
-  g_assert_cmpuint(violations(m, &c, v, 4), ==, 0);
+  g_assert_cmpuint(drc_violations(m, &c, v, 4), ==, 0);
   chip_end(&c);
   g_autoptr(opc_module) n = drc_make("{ overlay: 10 nm }");
   add_poly(&d, 0, 0, 100, 100);
@@ -140,12 +140,12 @@ static void test_corners(void) {
   chip_begin(&d);
   chip_print(&d, slope);
   chip_judge(n, &d);
-  g_assert_cmpuint(violations(n, &d, v, 4), ==, 1);
+  g_assert_cmpuint(drc_violations(n, &d, v, 4), ==, 1);
   g_assert_cmpstr(v[0].rule, ==, "bridging: contact");
   chip_end(&d);
 }
 
-/* Return the level set of a pad that prints 4 nm beyond its contact on the
+/* Return the level set of a pad that prints 4 nm beyond the contact on the
    right, and follows repair shapes. */
 static double short_pad(const chip *c, double x, double y) {
   return fmin(fmin(x + 20, 104 + patch_extent(c, 106, 70) - x),
@@ -249,7 +249,7 @@ static void test_waist(void) {
     waist = cases[k].at;
     chip_print(&c, waisted);
     chip_judge(m, &c);
-    size_t n = violations(m, &c, v, MOST);
+    size_t n = drc_violations(m, &c, v, MOST);
     for (size_t i = 0; i < MIN(n, MOST); i++)
       found |= g_str_has_prefix(v[i].rule, "pinching") && v[i].y < 390;
     g_assert_cmpint(found, ==, cases[k].found);

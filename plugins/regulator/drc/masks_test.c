@@ -78,7 +78,7 @@ static void test_mask(void) {
     b.start[1] = (uint32_t)cases[i].n;
     chip_show(&c);
     c.mask[EDA_POLY] = (eda_shapes){1, b.start, b.points, NULL};
-    size_t n = violations(m, &c.p, v, 10);
+    size_t n = drc_violations(m, &c.p, v, 10);
     g_test_message("%s", cases[i].name);
     g_assert_cmpuint(n, ==, cases[i].spaces + cases[i].widths);
     g_assert_cmpuint(count_rule(v, n, "mask space", cases[i].value), ==,
@@ -152,7 +152,7 @@ static void test_klayout(void) {
     chip_show(&c);
     c.mask[EDA_POLY] = random_mask(seed, text, 300);
     g_autofree char *out = ask_klayout(text->str);
-    size_t n = violations(m, &c.p, v, ROOM);
+    size_t n = drc_violations(m, &c.p, v, ROOM);
     eda_shapes_clear(&c.mask[EDA_POLY]);
     chip_end(&c);
     if (!out) {

@@ -51,7 +51,7 @@ static void test_trims(void) {
         break;
     }
     g_assert_cmpint(rounds, <, 8);
-    size_t n = violations(m, &c, v, 40);
+    size_t n = drc_violations(m, &c, v, 40);
     if (!cases[k].rule) {
       g_assert_cmpuint(n, ==, 0);
       g_assert_cmpint(cutout_depth(&c, 200, 100, 1), >=, 12);
@@ -74,15 +74,15 @@ static void test_trims(void) {
 }
 
 /* Return the level set of the same lines, the lower one of which vanishes where
-   it loses more than 7 nm. */
+ * more than 7 nm are cut. */
 static double weak_bars(const chip *c, double x, double y) {
   if (x >= 0 && x <= 900 && cutout_depth(c, x, 100, 1) > 7)
     return fmin(y - 196, 296 - y);
   return two_bars(c, x, y);
 }
 
-/* A line pinched by a trim regains its edge, and the other side of the gap
-   moves instead. */
+/* A line pinched by a trim regains the drawn edge, and the other side of the
+   gap moves instead. */
 static void test_pinched(void) {
   g_autoptr(opc_module) m = drc_make("{}");
   chip c = {0};
@@ -96,7 +96,7 @@ static void test_pinched(void) {
   }
   g_assert_cmpint(cutout_depth(&c, 450, 100, 1), ==, 5);
   g_assert_cmpint(cutout_depth(&c, 450, 196, 0), ==, 20);
-  g_assert_cmpuint(violations(m, &c, v, 1), ==, 0);
+  g_assert_cmpuint(drc_violations(m, &c, v, 1), ==, 0);
   chip_end(&c);
 }
 
@@ -113,8 +113,8 @@ static double beside(const chip *c, double x, double y) {
   return patch_extent(c, 106, 400) > 0 ? fmax(bars, bridge) : bars;
 }
 
-/* An edge whose full length closes a gap moves outwards only beside its
-   contact. */
+/* An edge whose full length closes a gap moves outwards only beside the
+ * contact. */
 static void test_piece(void) {
   g_autoptr(opc_module) m = drc_make("{}");
   chip c = {0};
@@ -133,11 +133,11 @@ static void test_piece(void) {
   }
   g_assert_cmpint(patch_extent(&c, 106, 70), >=, 6);
   g_assert_cmpint(patch_extent(&c, 106, 200), ==, 0);
-  g_assert_cmpuint(violations(m, &c, v, 1), ==, 0);
+  g_assert_cmpuint(drc_violations(m, &c, v, 1), ==, 0);
   chip_end(&c);
 }
 
-/* Return the level set of a line that prints 5 nm less than its contact needs
+/* Return the level set of a line that prints 5 nm less than the contact needs
    on the left and below, and follows repair shapes there. */
 static double short_bar(const chip *c, double x, double y) {
   int32_t left = 0, below = 0;
@@ -176,7 +176,7 @@ static void test_corner(void) {
   chip_end(&c);
 }
 
-/* Return the level set of a pad beside a line, printed 4 nm past its contact,
+/* Return the level set of a pad beside a line, printed 4 nm past the contact,
    or as far as a repair shape. */
 static double pad(const chip *c, double x, double y) {
   int32_t top = 0;
@@ -186,7 +186,7 @@ static double pad(const chip *c, double x, double y) {
   return fmax(box, fmin(fmin(x - 100, 180 - x), fmin(y + 320, 520 - y)));
 }
 
-/* A concave corner does not reduce the spacing of an edge: its repair shape
+/* A concave corner does not reduce the spacing of an edge: the repair shape
    fills the corner and overlaps the line, which may have become narrower. */
 static void test_concave(void) {
   static const int32_t xy[8][2] = {{0, 0},      {106, 0},   {106, -300},
@@ -222,7 +222,7 @@ static double plain_bar(const chip *c, double x, double y) {
 }
 
 /* A repair shape whose corner was too near to another one on the last mask is
-   reduced, up to the need of its contact. */
+   reduced, up to the need of the contact. */
 static void test_too_near(void) {
   g_autoptr(opc_module) m = drc_make("{}");
   chip c = {0};
@@ -259,9 +259,9 @@ static double two_pads(const chip *c, double x, double y) {
   return high - low < 120 ? fmin(y + 30, 326 - y) : bars;
 }
 
-/* A repair shape that was reduced and that its contact needs again grows by
+/* A repair shape that was reduced and that the contact needs again grows by
    less each time; then edges that no contact needs move inwards. The remaining
-   violation is that of the contact, with its reason. */
+   violation is that of the contact, with the reason. */
 static void test_contested(void) {
   g_autoptr(opc_module) m = drc_make("{}");
   chip c = {0};
@@ -275,7 +275,7 @@ static void test_contested(void) {
     chip_judge(m, &c);
   }
   chip_print(&c, two_pads);
-  size_t n = violations(m, &c, v, 10);
+  size_t n = drc_violations(m, &c, v, 10);
   g_assert_cmpuint(n, ==, 1);
   g_assert_cmpstr(v[0].rule, ==, "enclosure; too near a neighbour");
   g_assert_cmpint(cutout_depth(&c, 440, 196, 0), >=, 20);

@@ -2,8 +2,8 @@
 /* Tests rules of printed images, and repairs, on synthetic images. */
 #include "boxes_test.h"
 
-/* A contact in a pad whose right side prints 4 nm past it; 10 are required. A
-   repair shape moves the whole side until the image follows. */
+/* A contact in a pad whose right side prints 4 nm past the contact; 10 are
+   required. A repair shape moves the whole side until the image follows. */
 static void test_enclosure(void) {
   g_autoptr(opc_module) m = drc_make("{ overlay: 10 nm }");
   chip c = {0};
@@ -20,7 +20,7 @@ static void test_enclosure(void) {
   g_assert_cmpint(patch.y1, ==, 140);
   g_assert_cmpint(patch.x1, >=, 112);
   g_assert_cmpint(patch.x1, <=, 116);
-  g_assert_cmpuint(violations(m, &c.p, &v, 1), ==, 1);
+  g_assert_cmpuint(drc_violations(m, &c.p, &v, 1), ==, 1);
   g_assert_cmpstr(v.rule, ==, "enclosure: could still move");
   g_assert_cmpfloat(fabs(v.value - 4), <, 0.5);
   g_assert_cmpfloat(v.limit, ==, 10);
@@ -30,7 +30,7 @@ static void test_enclosure(void) {
   chip_judge(m, &c);
   g_assert_cmpuint(c.ruling.patches[EDA_POLY].count, ==, 1); /* unchanged */
   g_assert_cmpint(c.ruling.patches[EDA_POLY].box[0].x1, ==, patch.x1);
-  g_assert_cmpuint(violations(m, &c.p, &v, 1), ==, 0);
+  g_assert_cmpuint(drc_violations(m, &c.p, &v, 1), ==, 0);
   chip_end(&c);
 }
 
@@ -50,12 +50,12 @@ static void test_near_neighbour(void) {
   g_assert_cmpint(c.ruling.patches[EDA_ACTIVE].box[0].x1, ==, 109);
   chip_judge(m, &c);
   g_assert_cmpuint(c.ruling.patches[EDA_ACTIVE].count, ==, 3);
-  violations(m, &c.p, &v, 1);
+  drc_violations(m, &c.p, &v, 1);
   g_assert_cmpstr(v.rule, ==, "enclosure: could still move");
   for (int i = 0; i < 12; i++) chip_judge(m, &c);
   for (size_t i = 0; i < 3; i++)
     g_assert_cmpint(c.ruling.patches[EDA_ACTIVE].box[i].x1, ==, 109);
-  g_assert_cmpuint(violations(m, &c.p, &v, 1), ==, 1);
+  g_assert_cmpuint(drc_violations(m, &c.p, &v, 1), ==, 1);
   g_assert_cmpstr(v.rule, ==, "enclosure; too near a neighbour");
   chip_end(&c);
 }
@@ -105,17 +105,17 @@ static void test_contact(void) {
   add_box(&c.printed[EDA_POLY], 0, -200, 104, 400);
   chip_show(&c);
   chip_judge(m, &c);
-  g_assert_cmpuint(violations(m, &c.p, &v, 1), ==, 1);
+  g_assert_cmpuint(drc_violations(m, &c.p, &v, 1), ==, 1);
   g_assert_cmpstr(v.rule, ==, "bridging: contact");
   g_assert_cmpfloat(fabs(v.value - 6), <, 0.5);
   c.printed[EDA_POLY].points[1].x = c.printed[EDA_POLY].points[2].x = 99;
   chip_show(&c);
   chip_judge(m, &c);
-  g_assert_cmpuint(violations(m, &c.p, &v, 1), ==, 0);
+  g_assert_cmpuint(drc_violations(m, &c.p, &v, 1), ==, 0);
   chip_end(&c);
 }
 
-/* A line of 60 nm with a neck of 24 nm: repair shapes widen it there on both
+/* A line of 60 nm with a neck of 24 nm: repair shapes widen the neck on both
    sides, and nowhere else. */
 static void test_neck(void) {
   g_autoptr(opc_module) m = drc_make("{ min_width: 40 nm }");
@@ -127,7 +127,7 @@ static void test_neck(void) {
   add_box(&c.printed[EDA_POLY], 0, 550, 60, 1000);
   chip_show(&c);
   chip_judge(m, &c);
-  size_t n = violations(m, &c.p, v, 4);
+  size_t n = drc_violations(m, &c.p, v, 4);
   g_assert_cmpuint(n, >=, 1);
   g_assert_cmpuint(n, <=, 2);
   for (size_t i = 0; i < n; i++) {
@@ -146,11 +146,11 @@ static void test_neck(void) {
   /* Wide enough, but off the drawn centre: no violation. */
   c.printed[EDA_POLY].points[5].x = c.printed[EDA_POLY].points[6].x = 60;
   chip_show(&c);
-  g_assert_cmpuint(violations(m, &c.p, v, 4), ==, 0);
+  g_assert_cmpuint(drc_violations(m, &c.p, v, 4), ==, 0);
   /* The line vanishes. */
   c.printed[EDA_POLY].shapes.count = 1;
   chip_show(&c);
-  g_assert_cmpuint(violations(m, &c.p, v, 4), >=, 4);
+  g_assert_cmpuint(drc_violations(m, &c.p, v, 4), >=, 4);
   g_assert_cmpfloat(v[3].value, ==, 0);
   chip_end(&c);
 }
@@ -165,10 +165,10 @@ static void test_gap(void) {
   add_box(&c.printed[EDA_POLY], 0, 0, 60, 600);
   add_box(&c.printed[EDA_POLY], 180, 0, 240, 600);
   chip_show(&c);
-  g_assert_cmpuint(violations(m, &c.p, v, 10), ==, 0);
+  g_assert_cmpuint(drc_violations(m, &c.p, v, 10), ==, 0);
   add_box(&c.printed[EDA_POLY], 0, 0, 240, 300);
   chip_show(&c);
-  size_t n = violations(m, &c.p, v, 10);
+  size_t n = drc_violations(m, &c.p, v, 10);
   g_assert_cmpuint(n, ==, 5); /* one per 60 nm */
   for (size_t i = 0; i < n; i++) {
     g_assert_cmpstr(v[i].rule, ==, "bridging: poly: could still move");
@@ -194,7 +194,7 @@ static void test_metal(void) {
   chip_judge(m, &c);
   g_assert_cmpuint(c.ruling.patches[EDA_POLY].count, ==, 0);
   g_assert_cmpuint(c.ruling.patches[METAL].count, ==, 0);
-  size_t n = violations(m, &c.p, v, 20);
+  size_t n = drc_violations(m, &c.p, v, 20);
   g_assert_cmpuint(n, ==, 3); /* one per 60 nm */
   for (size_t i = 0; i < n; i++) {
     g_assert_cmpstr(v[i].rule, ==, "bridging: metal1");
@@ -216,7 +216,7 @@ static void test_no_print(void) {
   c.p.print = NULL;
   chip_judge(m, &c);
   g_assert_cmpuint(c.ruling.patches[EDA_POLY].count, ==, 0);
-  g_assert_cmpuint(violations(m, &c.p, &v, 1), ==, 0);
+  g_assert_cmpuint(drc_violations(m, &c.p, &v, 1), ==, 0);
   chip_end(&c);
 }
 

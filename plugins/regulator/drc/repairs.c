@@ -11,7 +11,7 @@
 
 enum { BLOCK = 256, POINTS = 3 * SIDES };
 
-static eda_box widened(eda_box b, int32_t by) {
+static eda_box box_widened(eda_box b, int32_t by) {
   return (eda_box){b.x0 - by, b.y0 - by, b.x1 + by, b.y1 + by};
 }
 
@@ -188,7 +188,7 @@ static int32_t piece_into_corner(const drc *r, const repair *one, int side,
 }
 
 /* Return the repair shape on a side: the segment of the drawn edge, outwards to
-   its move, and inwards by the least mask width. Its ends move with the
+   the present move, and inwards by the least mask width. The ends move with the
    corners. */
 static eda_box repair_shape(const drc *r, const eda_printed *printed,
                             const repair *one, int side) {
@@ -408,13 +408,13 @@ static int shapes_reduce(drc *r, const eda_printed *p, const site *wrong,
     repair *one = &r->repairs[i];
     const site *of = &r->sites[one->site];
     if (of->layer != wrong->layer ||
-        !boxes_meet(widened(of->box, 3 * near), wrong->box))
+        !boxes_meet(box_widened(of->box, 3 * near), wrong->box))
       continue;
     for (int k = 0; k < SIDES; k++) {
       if (!one->grow[k]) continue;
       eda_box patch = repair_shape(r, p, one, k);
       if (!boxes_meet(facing ? box_window(patch, k, 0, near, flank)
-                             : widened(patch, near),
+                             : box_widened(patch, near),
                       wrong->box))
         continue;
       found = 1;
@@ -456,7 +456,8 @@ static void mask_repair(drc *r, const eda_printed *p, size_t layer) {
     site place = {.box = {x, y, x, y}, .layer = (uint16_t)layer};
     int32_t step = (int32_t)ceil((r->min_space - value) / 2 / r->grid);
     if (r->round < tuned.smooth_until)
-      smooth_drop(r, layer, widened(place.box, (int32_t)ceil(value / r->grid)));
+      smooth_drop(r, layer,
+                  box_widened(place.box, (int32_t)ceil(value / r->grid)));
     if (fault[i].rule == EDA_RULE_SPACE)
       shapes_reduce(r, p, &place, near, step, 1);
   }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements moves of a mask edge until a printed figure meets its limit. */
+/* Implements moves of a mask edge until a printed figure meets the limit. */
 #include <math.h>
 
 #include "drc.h"

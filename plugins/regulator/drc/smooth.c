@@ -30,7 +30,7 @@ static int is_valid_corner(const smoothing *m, eda_point end, eda_point a,
 
 /* Return whether the edge from q[1] to q[2] contains the straight edge of the
    repair. */
-static int confirms(const eda_point *q, const smoothing *m) {
+static int smoothing_confirmed_by(const eda_point *q, const smoothing *m) {
   int same_way = q[1].y == q[2].y
                      ? m->from.y == q[1].y && m->to.y == q[1].y &&
                            (m->to.x > m->from.x) == (q[2].x > q[1].x)
@@ -69,7 +69,7 @@ static void smoothings_mark(smoothings *s, const eda_shapes *mask,
       polygon_corners(mask, p, i, q);
       eda_finder f = eda_index_find(edges.index, box_between(q[1], q[2]));
       for (uint32_t k; eda_index_next(&f, &k);)
-        if (confirms(q, &s->at[k])) s->at[k].stays = 1;
+        if (smoothing_confirmed_by(q, &s->at[k])) s->at[k].stays = 1;
     }
   places_clear(&edges);
 }

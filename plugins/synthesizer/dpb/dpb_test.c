@@ -88,7 +88,7 @@ static opc_module *model_make(const char *parameters) {
   return m;
 }
 
-static const char *verdict(opc_module *m, size_t i) {
+static const char *model_verdict(opc_module *m, size_t i) {
   const eda_synthesizer *s = m->functions;
   return s->verdict(m->self, i);
 }
@@ -108,7 +108,7 @@ static void test_by_hand(void) {
   model t = {.n = 1, .offset = {7}, .by_l = {-3}, .by_w = {0.8}};
   model_run(m, &t);
   g_assert_cmpstr(t.trace->str, ==, "1,0 2,0 3,0 2,0 2,-1 2,-1 2,-1 ");
-  g_assert_cmpstr(verdict(m, 0), ==, "within limit");
+  g_assert_cmpstr(model_verdict(m, 0), ==, "within limit");
   g_string_free(t.trace, TRUE);
 }
 
@@ -227,7 +227,7 @@ static void test_exchange(void) {
   model_run(m, &t);
   g_assert_cmpint(t.l[0], ==, -1);
   g_assert_cmpint(t.w[0], ==, -10);
-  g_assert_cmpstr(verdict(m, 0), ==, "bias limit");
+  g_assert_cmpstr(model_verdict(m, 0), ==, "bias limit");
   g_string_free(t.trace, TRUE);
   model u = {.n = 1, .offset = {-4.5}, .by_l = {-10}, .by_w = {0.43}};
   u.offset[0] = -4.9;
@@ -235,7 +235,7 @@ static void test_exchange(void) {
   model_run(m,
             &u); /* +4.1 at L -1: W -10 results in -0.2, W +10 at L 0 in -0.6 */
   g_assert_cmpint(u.l[0], ==, -1);
-  g_assert_cmpstr(verdict(m, 0), ==, "within limit");
+  g_assert_cmpstr(model_verdict(m, 0), ==, "within limit");
   g_string_free(u.trace, TRUE);
 }
 
@@ -268,7 +268,7 @@ static void test_grid(void) {
   model_run(m, &t);
   g_assert_cmpint(t.l[0], ==, 2);
   g_assert_cmpint(abs(7 - 3 * t.l[0] + 2 * t.w[0]), ==, 1);
-  g_assert_cmpstr(verdict(m, 0), ==, "grid");
+  g_assert_cmpstr(model_verdict(m, 0), ==, "grid");
   g_string_free(t.trace, TRUE);
 }
 
@@ -315,7 +315,7 @@ static void test_veto_of_narrower(void) {
              .veto_from = {-100}};
   model_run(m, &t);
   g_assert_cmpint(t.w[0], ==, 0);
-  g_assert_cmpstr(verdict(m, 0), ==, "bridging");
+  g_assert_cmpstr(model_verdict(m, 0), ==, "bridging");
   g_string_free(t.trace, TRUE);
 }
 
@@ -328,7 +328,7 @@ static void test_widest(void) {
   model_run(m, &t);
   g_assert_true(
       g_str_has_prefix(t.trace->str, "-1,0 0,0 0,20 0,40 0,52 0,50 0,50 "));
-  g_assert_cmpstr(verdict(m, 0), ==, "within limit");
+  g_assert_cmpstr(model_verdict(m, 0), ==, "within limit");
   g_string_free(t.trace, TRUE);
 }
 
@@ -339,7 +339,7 @@ static void test_half_width(void) {
   model_run(m, &t);
   g_assert_cmpint(t.l[0], ==, 20);
   g_assert_cmpint(t.w[0], ==, -6);
-  g_assert_cmpstr(verdict(m, 0), ==, "bias limit");
+  g_assert_cmpstr(model_verdict(m, 0), ==, "bias limit");
   g_string_free(t.trace, TRUE);
 }
 
@@ -349,7 +349,7 @@ static void test_bias_limit(void) {
   model_run(m, &t);
   g_assert_cmpint(t.l[0], ==, 2);
   g_assert_cmpint(t.w[0], ==, -2);
-  g_assert_cmpstr(verdict(m, 0), ==, "bias limit");
+  g_assert_cmpstr(model_verdict(m, 0), ==, "bias limit");
   g_string_free(t.trace, TRUE);
 }
 
@@ -361,7 +361,7 @@ static void test_open(void) {
       .n = 1, .offset = {12}, .by_l = {-3}, .by_w = {1}, .prints_from = {3}};
   model_run(m, &t);
   g_assert_true(g_str_has_prefix(t.trace->str, "1,0 2,0 3,0 4,0 4,0 "));
-  g_assert_cmpstr(verdict(m, 0), ==, "within limit");
+  g_assert_cmpstr(model_verdict(m, 0), ==, "within limit");
   g_string_free(t.trace, TRUE);
 }
 
@@ -435,7 +435,7 @@ static void test_taken_up_often(void) {
   int n = 0;
   for (const char *c = t.trace->str; (c = strstr(c, "2,-2 ")); c++) n++;
   g_assert_cmpint(n, ==, 1 + 8);
-  g_assert_cmpstr(verdict(m, 0), ==, "grid");
+  g_assert_cmpstr(model_verdict(m, 0), ==, "grid");
   g_string_free(t.trace, TRUE);
 }
 

@@ -161,7 +161,7 @@ static int too_near(GArray *sides, int inside, int32_t limit) {
   return found;
 }
 
-static int broken(const trial *t, const eda_gates *gates) {
+static int count_broken(const trial *t, const eda_gates *gates) {
   g_autoptr(GArray) sides = sides_of(t, gates);
   return too_near(sides, 0, 40) + too_near(sides, 1, 40);
 }
@@ -173,15 +173,15 @@ static void test_rules(void) {
     g_assert_cmpuint(seed, <, 1000);
     g_autoptr(shapes) s = messy(seed);
     trial drawn = trial_correct("{ iterations: 0 }", &s->gates, nonsense);
-    if (!broken(&drawn, &s->gates)) {
+    if (!count_broken(&drawn, &s->gates)) {
       tried++;
       trial loose =
           trial_correct("{ min_width: 0 nm, min_space: 0 nm, iterations: 8 }",
                         &s->gates, nonsense);
       trial t = trial_correct("{ iterations: 8, min_jog: 3 nm }", &s->gates,
                               nonsense);
-      without += broken(&loose, &s->gates);
-      g_assert_cmpint(broken(&t, &s->gates), ==, 0);
+      without += count_broken(&loose, &s->gates);
+      g_assert_cmpint(count_broken(&t, &s->gates), ==, 0);
       int moved = 0;
       for (size_t i = 0; i < t.count; i++) moved += t.shift[i] != 0;
       g_assert_cmpint(moved, >, (int)t.count / 4);
@@ -193,7 +193,7 @@ static void test_rules(void) {
   g_assert_cmpint(without, >, 100);
 }
 
-static size_t jogs(const trial *t) {
+static size_t count_jogs(const trial *t) {
   size_t n = 0;
   for (size_t i = 0; i < t->count; i++)
     n += t->shift[i] != t->shift[piece_after(t, i)];
@@ -217,8 +217,8 @@ static void test_jogs(void) {
       if (!corner && t.shift[i] != t.shift[k])
         g_assert_cmpint(abs(t.shift[i] - t.shift[k]), >=, jog);
     }
-    g_assert_cmpuint(jogs(&t), <, last);
-    last = jogs(&t);
+    g_assert_cmpuint(count_jogs(&t), <, last);
+    last = count_jogs(&t);
     trial_clear(&t);
   }
 }

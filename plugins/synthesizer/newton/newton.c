@@ -39,7 +39,7 @@ enum { JOG, WIDTH, NONE };
 
 /* ---- work: sizes ---- */
 
-static double tolerance(const newton *t) { return t->tolerance / 100; }
+static double newton_tolerance(const newton *t) { return t->tolerance / 100; }
 static void newton_clear(void *self) {
   newton *t = self;
   free(t->state);
@@ -142,8 +142,9 @@ static biases mask_with_width(const newton *t, const eda_feedback *f, size_t i,
   double rest[ERRORS], more[MOVES], grid = f->gates->grid;
   double most = fmin(t->max_bias, f->gates->width[i] / 2) / grid;
   int any = corrects_ioff(t); /* W moves in any case */
-  double enough = any ? tolerance(t)
-                      : fmax(newton_ion_limit(t), tuned.coarse * tolerance(t));
+  double enough =
+      any ? newton_tolerance(t)
+          : fmax(newton_ion_limit(t), tuned.coarse * newton_tolerance(t));
   biases found = best;
   errors_after(s, mask_length(t, i, best), best.w, rest);
   double least = errors_size(t, rest);
@@ -303,7 +304,7 @@ static int edges_flatten(newton *t, const eda_feedback *f, size_t i) {
 /* Return the next mask to try for one transistor. */
 static biases mask_propose(newton *t, const eda_feedback *f, size_t i) {
   transistor *s = &t->state[i];
-  double enough = tolerance(t) / t->goal[i].weight;
+  double enough = newton_tolerance(t) / t->goal[i].weight;
   s->verdict = WITHIN;
   s->next = s->now;
   if (t->goal[i].weight == 0 || (!s->failed && s->size <= enough))

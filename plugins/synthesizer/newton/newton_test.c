@@ -10,14 +10,14 @@ static void test_ion(void) {
       model_make("{ tolerance: 0.05 %, ion_limit: 0 %, gain: { l: 2 } }");
   model t = made_up(MOST);
   model_run(m, &t);
-  g_assert_cmpfloat(worst(t.ion, t.n), <=, 0.05);
+  g_assert_cmpfloat(model_worst(t.ion, t.n), <=, 0.05);
   g_assert_cmpint(t.prints, <=, 6);
   for (size_t i = 0; i < t.n; i++) g_assert_cmpint(t.w[i], ==, 0);
   /* Each transistor has a different gain. */
   model u = made_up(MOST);
   u.spread = 0.5;
   model_run(m, &u);
-  g_assert_cmpfloat(worst(u.ion, u.n), <=, 0.05);
+  g_assert_cmpfloat(model_worst(u.ion, u.n), <=, 0.05);
   g_assert_cmpint(u.prints, <=, 8);
 }
 
@@ -53,7 +53,7 @@ static void test_near_resolution(void) {
           g_assert_cmpint(t.flags[i], ==, 0);
           g_assert_cmpint(abs(t.w[i]), <=, 1); /* L alone corrects the error */
         }
-        g_assert_cmpfloat(worst(t.ion, n), <=, 0.5);
+        g_assert_cmpfloat(model_worst(t.ion, n), <=, 0.5);
         g_test_message("guess %g, gain %g, %zu: %d prints", guess[k],
                        true_gain[j], n, t.prints);
         g_assert_cmpint(t.prints, <=, 16);
@@ -73,7 +73,7 @@ static void test_lost_as_drawn(void) {
   model_run(m, &t);
   g_assert_cmpint(t.flags[0], ==, 0);
   g_assert_cmpint(t.flags[1], ==, 0);
-  g_assert_cmpfloat(worst(t.ion, 2), <=, 0.5);
+  g_assert_cmpfloat(model_worst(t.ion, 2), <=, 0.5);
 }
 
 /* A line that was open only because of its short line end keeps its length
@@ -88,7 +88,7 @@ static void test_open_by_its_end(void) {
              .ends_open = 1,
              .off_l = {0, 4}};
   model_run(m, &t);
-  g_assert_cmpfloat(worst(t.ion, 2), <=, 0.5);
+  g_assert_cmpfloat(model_worst(t.ion, 2), <=, 0.5);
 }
 
 /* With a target that only an open line would reach, the result is a line that
@@ -114,7 +114,7 @@ static void test_late(void) {
   t.late = 6;
   model_run(m, &t);
   g_assert_cmpint(t.prints, >, 8);
-  g_assert_cmpfloat(worst(t.ion, t.n), <=, 1.5);
+  g_assert_cmpfloat(model_worst(t.ion, t.n), <=, 1.5);
 }
 
 /* Where no jog fits, W corrects a part of the rounding error of L. */
@@ -124,8 +124,8 @@ static void test_coarse(void) {
   model t = made_up(MOST), u = made_up(MOST);
   model_run(m, &t);
   model_run(none, &u);
-  g_assert_cmpfloat(worst(u.ion, u.n), >, 2);
-  g_assert_cmpfloat(worst(t.ion, t.n), <, 0.9 * worst(u.ion, u.n));
+  g_assert_cmpfloat(model_worst(u.ion, u.n), >, 2);
+  g_assert_cmpfloat(model_worst(t.ion, t.n), <, 0.9 * model_worst(u.ion, u.n));
   int moved = 0;
   for (size_t i = 0; i < t.n; i++) moved += t.w[i] != 0;
   g_assert_cmpint(moved, >, 0);
@@ -136,7 +136,7 @@ static void test_limit(void) {
   g_autoptr(opc_module) m = model_make("{ ion_limit: 2 % }");
   model t = made_up(MOST);
   model_run(m, &t);
-  g_assert_cmpfloat(worst(t.ion, t.n), <=, 2);
+  g_assert_cmpfloat(model_worst(t.ion, t.n), <=, 2);
   g_autoptr(opc_module) all = model_make("{ ion_limit: 0 % }");
   model u = made_up(MOST);
   model_run(all, &u);
@@ -154,11 +154,11 @@ static void test_line_ends(void) {
   t.knows_ends = 1;
   model_run(m, &t);
   g_assert_cmpfloat(t.second, <, 1.5);
-  g_assert_cmpfloat(worst(t.ion, t.n), <=, 0.5);
+  g_assert_cmpfloat(model_worst(t.ion, t.n), <=, 0.5);
   model_run(m, &u); /* without announcement by the loop: the error is the whole
                  effect */
   g_assert_cmpfloat(u.second, >, 10);
-  g_assert_cmpfloat(worst(u.ion, u.n), <=, 0.5);
+  g_assert_cmpfloat(model_worst(u.ion, u.n), <=, 0.5);
   g_assert_cmpint(t.prints, <, u.prints);
 }
 
@@ -168,13 +168,13 @@ static void test_quantum(void) {
   g_autoptr(opc_module) m = model_make("{ fine: none }");
   model t = made_up(MOST);
   model_run(m, &t);
-  g_assert_cmpfloat(worst(t.ion, t.n), >, 1);
-  g_assert_cmpfloat(worst(t.ion, t.n), <, 3.2);
+  g_assert_cmpfloat(model_worst(t.ion, t.n), >, 1);
+  g_assert_cmpfloat(model_worst(t.ion, t.n), <, 3.2);
   g_autoptr(opc_module) width = model_make("{ fine: width, ion_limit: 0 % }");
   t = made_up(MOST);
   model_run(width, &t);
   /* Half of 1.05 / 400; a fifth less does not justify a move. */
-  g_assert_cmpfloat(worst(t.ion, t.n), <, 0.131 / 0.8 + 0.01);
+  g_assert_cmpfloat(model_worst(t.ion, t.n), <, 0.131 / 0.8 + 0.01);
   for (size_t i = 0; i < t.n; i++) g_assert_cmpint(t.jog[i], ==, 0);
 }
 
@@ -184,8 +184,8 @@ static void test_area(void) {
   model t = made_up(MOST);
   model_run(m, &t);
   /* Both share the rounding error of W. */
-  g_assert_cmpfloat(worst(t.ion, t.n), <=, 0.23);
-  g_assert_cmpfloat(worst(t.area, t.n), <=, 0.23);
+  g_assert_cmpfloat(model_worst(t.ion, t.n), <=, 0.23);
+  g_assert_cmpfloat(model_worst(t.area, t.n), <=, 0.23);
 }
 
 static void test_ioff(void) {
@@ -193,8 +193,8 @@ static void test_ioff(void) {
       model_make("{ weight: { ioff: 0.01 }, ion_limit: 0 % }");
   model t = made_up(MOST);
   model_run(m, &t);
-  g_assert_cmpfloat(worst(t.ion, t.n), <=, 0.2);
-  g_assert_cmpfloat(worst(t.ioff, t.n), <=, 2);
+  g_assert_cmpfloat(model_worst(t.ion, t.n), <=, 0.2);
+  g_assert_cmpfloat(model_worst(t.ioff, t.n), <=, 2);
 }
 
 /* Leakage that L alone cannot correct, as from a ripple: L and W restore both
@@ -206,9 +206,9 @@ static void test_balanced(void) {
   t.leaky = u.leaky = 0.3;
   model_run(both, &t);
   model_run(plain, &u);
-  g_assert_cmpfloat(worst(t.ion, t.n), <=, 0.2);
-  g_assert_cmpfloat(worst(t.ioff, t.n), <=, 5);
-  g_assert_cmpfloat(worst(u.ioff, u.n), >, 30);
+  g_assert_cmpfloat(model_worst(t.ion, t.n), <=, 0.2);
+  g_assert_cmpfloat(model_worst(t.ioff, t.n), <=, 5);
+  g_assert_cmpfloat(model_worst(u.ioff, u.n), >, 30);
   g_assert_cmpint(t.prints, <=, 12);
 }
 
@@ -223,8 +223,8 @@ static void test_width_goes_on(void) {
     t.spread = spread[k >> 1];
     t.coupling = 0.25;
     model_run(both, &t);
-    g_assert_cmpfloat(worst(t.ion, t.n), <=, 0.5);
-    g_assert_cmpfloat(worst(t.ioff, t.n), <=, 12);
+    g_assert_cmpfloat(model_worst(t.ion, t.n), <=, 0.5);
+    g_assert_cmpfloat(model_worst(t.ioff, t.n), <=, 12);
     g_assert_cmpint(t.prints, <=, 11);
   }
 }
@@ -235,12 +235,12 @@ static void test_room(void) {
   g_autoptr(opc_module) m = make_any("{}");
   model t = made_up(40);
   for (size_t i = 0; i < t.n; i++) t.off_w[i] -= 15;
-  t.room = 5;
+  t.active_limit = 5;
   model_run(m, &t);
-  g_assert_cmpfloat(worst(t.ion, t.n), <=, 0.5);
+  g_assert_cmpfloat(model_worst(t.ion, t.n), <=, 0.5);
   for (size_t i = 0; i < t.n; i++) {
     g_assert_cmpuint(t.flags[i], ==, 0);
-    g_assert_cmpint(t.w[i], >=, t.room);
+    g_assert_cmpint(t.w[i], >=, t.active_limit);
   }
 }
 

@@ -96,7 +96,7 @@ void response_bend(response *r, response *first, point from, point to,
   r->slope = first->slope = slope;
 }
 
-static double within(double x, double first, double trust) {
+static double limit_response(double x, double first, double trust) {
   double part = x / first;
   return first * fmin(fmax(part, 1 / trust), trust);
 }
@@ -118,8 +118,8 @@ void response_learn(response *r, const response *first, const double dx[MOVES],
     for (int m = 0; m < MOVES; m++) {
       if (k == ION)
         doubt[m] = r->doubt[m] * sqrt(fmax(1 - part[m] * dx[m] / square, 0));
-      r->by[k][m] = within(r->by[k][m] + rest * part[m] / square,
-                           first->by[k][m], tuned.trust[m]);
+      r->by[k][m] = limit_response(r->by[k][m] + rest * part[m] / square,
+                                   first->by[k][m], tuned.trust[m]);
     }
   }
   for (int m = 0; m < MOVES; m++)
