@@ -400,7 +400,7 @@ static void newton_settle(newton *t) {
 typedef struct decision {
   newton *t;
   const eda_feedback *f;
-  int done; /* result of is_good */
+  int done; /* result of newton_is_done */
 } decision;
 
 /* Choose the next mask of transistor i. */

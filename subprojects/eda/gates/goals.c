@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Goals of transistors, parsed from the rows of a table and from the words of
-   notes. Both syntaxes have the same names, bounds and values. */
+/* Implements goals of transistors, parsed from the rows of a table and from the
+   words of notes. Both syntaxes have the same names, bounds and values. */
 #include <eda/csv.h>
 #include <eda/goals.h>
 #include <glib.h>
 #include <math.h>
 #include <string.h>
 
-/* After the weight the targets, in the order of EDA_GOAL_ION ... */
+/* Targets follow the weight, in the order of EDA_GOAL_ION ... */
 enum { TRANSISTOR, WEIGHT, TARGET, COLUMNS = TARGET + EDA_GOAL_TARGETS };
 static const eda_csv_column columns[COLUMNS] = {{"transistor", NULL, 0},
                                                 {"weight", NULL, 1},
@@ -95,7 +95,8 @@ int eda_goals_read(const char *path, const eda_gates *gates, eda_goal *out,
 
 /* ---- notes ---- */
 
-/* Letters to add, drop, change or swap until `a` is `b`; short words. */
+/* Return the edit distance of short words: letters to add, drop, change or
+   swap. */
 static int distance(const char *a, const char *b) {
   int d[12][12], n = (int)strlen(a), m = (int)strlen(b);
   if (n > 11 || m > 11) return 12;
@@ -114,8 +115,8 @@ static int distance(const char *a, const char *b) {
   return d[n][m];
 }
 
-/* Set the value that one word states. Return its fault, to be freed, or NULL.
- */
+/* Set the value that one word states. Return an error message, which the caller
+   frees, or NULL. */
 static char *goal_take_word(eda_goal *w, char *word, int *seen) {
   char *value = strchr(word, '=');
   if (value) *value++ = '\0';
