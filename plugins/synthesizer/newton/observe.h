@@ -22,7 +22,7 @@ typedef struct biases {
 enum { PLAIN, BALANCED, FULL, TARGETS };
 
 /* State of a transistor. An error is the logarithm of printed over target;
-   size_of combines the errors of a transistor into one figure. */
+   errors_size combines the errors of a transistor into one figure. */
 typedef struct transistor {
   biases now;           /* mask measured last */
   int failed;           /* 1: that mask did not print; the following figures are
