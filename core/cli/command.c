@@ -14,7 +14,6 @@
 #include "core/cli/progress.h"
 #include "core/plugin/declaration.h"
 #include "core/report/json.h"
-#include "core/run/run.h"
 #include "core/run/services.h"
 
 /* What the user wants: of each parameter of the plugin a text, or of an

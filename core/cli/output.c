@@ -10,7 +10,6 @@
 
 #include "core/cli/cli.h"
 #include "core/report/json.h"
-#include "core/run/run.h"
 
 int cli_exit_code(int code) {
   switch (code) {

@@ -8,7 +8,6 @@
 #include "core/plugin/declaration.h"
 #include "core/plugin/value.h"
 #include "core/run/publish.h"
-#include "core/run/run.h"
 #include "core/run/services.h"
 
 /* A refusal stands, whether or not the plugin passes it on. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The step `correct`: the correction loop (subprojects/correct/loop.c), its
-   result and its report. */
+/* Implements the step `correct`: runs the correction loop
+   (subprojects/correct/loop.c) and reports the result. */
 #include <eda/memory.h>
 #include <glib.h>
 #include <inttypes.h>
@@ -28,7 +28,7 @@ typedef struct correct {
   gate_bars assists;
   sought_bars seek;
   int trace;
-  int prepared; /* the extractor is */
+  int prepared; /* 1: the extractor is prepared */
 } correct;
 
 /* ---- work ---- */
@@ -44,7 +44,7 @@ static void tell_of_overlaps(const loop *l) {
     }
 }
 
-/* Move what outlives the run from the loop to its result. */
+/* Move the parts of the loop that outlive the run into the result. */
 static void hand_over(loop *l, eda_mask *out) {
   for (size_t k = 0; k < l->gates->layers; k++) {
     out->shapes[k] = l->mask[k];
@@ -53,7 +53,8 @@ static void hand_over(loop *l, eda_mask *out) {
     l->mask[k] = (eda_shapes){0};
     l->printer.print[k] = l->drawn_print[k] = (eda_field){0};
   }
-  corners *c = &l->corners; /* the result has figures of the nominal print */
+  corners *c = &l->corners; /* the result has the figures of the nominal
+                               corner */
   eda_performance *after = c->count ? &c->nominal : &l->measured.performance;
   out->design = l->design;
   out->before = l->before;
@@ -83,8 +84,8 @@ static int tell_of_guard(const loop *l, opc_error *error) {
   return opc_put_metrics(l->host, OPC_ARRAY(values), error);
 }
 
-/* All tables, metrics and findings. What the loop measured has become the
-   mask's, but for what is of no transistor. */
+/* Write all tables, metrics and findings. The loop's measurements have been
+   moved to the mask already. */
 static int tell(const correct *c, loop *l, eda_mask *mask, opc_error *error) {
   size_t n = c->gates->count;
   char **held = eda_alloc(n, sizeof *held);
@@ -121,7 +122,7 @@ static int run(void *self, void **outputs, opc_error *error) {
   l.assists = c->assists;
   l.seek = c->seek;
   eda_mask *mask = eda_mask_new(c->gates);
-  outputs[0] = mask; /* released by the host if this fails */
+  outputs[0] = mask; /* released by the host on failure */
   code = correct_loop_run(&l, error);
   if (!code) {
     tell_of_overlaps(&l);
@@ -233,7 +234,7 @@ static const opc_metric metrics[] = {
     RULES_METRICS,
 };
 
-/* What is not asked for has no lengths. */
+/* Set the lengths of features that are switched off, which have no defaults. */
 static void set_unused(correct *c, double value) {
   gate_bars *a = &c->assists;
   sought_bars *s = &c->seek;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Layers that no transistor moves, corrected together with poly and active:
-   cells with one and with two metals, through the plugins of a real flow. */
+/* Tests layers without transistors, corrected together with poly and active:
+   cells with one and two metal layers, with the plugins of a real flow. */
 #include <eda/gates.h>
 #include <eda/layout.h>
 #include <glib.h>
@@ -22,7 +22,7 @@ static opc_module *make(const char *id, const char *mapping) {
   return m;
 }
 
-/* Run a step; its first output. */
+/* Run a step. Returns its first output. */
 static void *run(opc_module *m, const char *input, void *object) {
   static void *outputs[4];
   opc_error error = {0};
@@ -36,7 +36,7 @@ static void release(opc_module *m, void *object) {
   opc_test_release(m, outputs);
 }
 
-/* The transistors of a cell with further layers. */
+/* A cell's transistors with additional layers. */
 typedef struct cell {
   opc_module *reader, *segments;
   void *layout;
@@ -74,7 +74,7 @@ static char *models(void) {
       devices);
 }
 
-/* A correction by these synthesizers. */
+/* A correction with these synthesizers. */
 typedef struct correction {
   opc_module *module;
   eda_mask *mask;
@@ -116,8 +116,8 @@ static size_t layer(const eda_gates *gates, const char *name) {
 #define NEWTON "synthesizer: { use: synthesizer.newton }"
 #define EPE "synthesizer.epe, fragment: 40 nm, iterations: 8"
 
-/* By newton, metal is as drawn and printed once; with epe for the edges, it is
-   corrected, and the transistors are to the last bit what they were. */
+/* With newton alone, metal is as drawn and simulated once. With epe for the
+   edges, metal is corrected and the transistors are bit-identical. */
 static void test_newton(void) {
   cell c;
   correction alone, both;
@@ -146,7 +146,7 @@ static void test_newton(void) {
   g_assert_cmpstr(opc_test_text("gates", "verdict", 0), !=, "");
   g_assert_cmpuint(
       differences(&both.mask->shapes[metal], &c.gates->drawn[metal]), >, 0);
-  /* Metal alone is printed where it moves alone. */
+  /* Metal alone is simulated when only metal moves. */
   double more = opc_test_metric("simulations") - simulations;
   g_assert_cmpfloat(more, >, 0);
   g_assert_cmpfloat(more, <=, opc_test_metric("iterations"));
@@ -161,8 +161,8 @@ static void test_newton(void) {
   cell_clear(&c);
 }
 
-/* A synthesizer that moves all edges needs no second one, and a second one has
-   nothing to do. */
+/* A synthesizer that moves all edges needs no second one, which then has no
+   layer. */
 static void test_epe(void) {
   cell c;
   correction one, two;
@@ -190,8 +190,8 @@ static void test_epe(void) {
   cell_clear(&c);
 }
 
-/* A fourth layer is one more word in the flow; all are verified, and in one
-   file. */
+/* A fourth layer is one more word in the flow; all layers are verified and
+   written to one file. */
 static void test_four(void) {
   cell c;
   correction four;
@@ -225,7 +225,7 @@ static void test_four(void) {
   g_autofree char *map = g_strdup_printf("{ file: '%s' }", file);
   opc_module *reader = make("read.gds", map);
   const eda_layout *layout = run(reader, NULL, NULL);
-  /* All layers, contacts too, and the drawn ones of those that changed. */
+  /* All layers including contacts, and the drawn ones of corrected layers. */
   g_assert_cmpuint(eda_layout_layers(layout), ==,
                    c.gates->layers + G_N_ELEMENTS(names));
   release(reader, (void *)layout);

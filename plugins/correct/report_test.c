@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What is told of a mask whose figures are drawn by lot, against plain sums:
-   tables, metrics, and what is said in words. */
+/* Tests the report of a mask with random figures against plain sums: tables,
+   metrics and messages. */
 #include "report.c"
 
 #include "tools/devel/testing.h"
 
-#define failed failed_by_findings /* both have one */
+#define failed failed_by_findings /* both files have one */
 #include "findings.c"
 #undef failed
 
@@ -27,8 +27,8 @@ typedef struct made {
   char *cell[GATES], *instance[GATES], *held[GATES];
   double of[4][6][GATES]; /* design, before, after, after in the loop */
   eda_gates gates;
-  eda_mask mask[2];          /* the second as its loop printed it */
-  int32_t moved[12 * GATES]; /* of the biases, and of what they come upon */
+  eda_mask mask[2];          /* the second as its loop simulated it */
+  int32_t moved[12 * GATES]; /* storage of the biases and of their base */
   eda_moved base;
   biases biases;
   double epe[SITES];
@@ -120,7 +120,7 @@ static double off(const made *d, int which, int figure, int i) {
   return 100 * (d->of[which][figure][i] / d->of[0][figure][i] - 1);
 }
 
-/* Mean and maximum of absolute values, standard deviation and rms of some. */
+/* Mean and maximum of absolute values, standard deviation and rms. */
 typedef struct plain {
   double mean, max, stdv, rms, n;
 } plain;
@@ -140,7 +140,8 @@ static plain plain_of(const double *x, int n) {
   return p;
 }
 
-/* Of the deviations of a figure of those that print; type 2: of both. */
+/* Compute the statistics of a figure over printing transistors; type 2: both
+   types. */
 static plain group(const made *d, int which, int figure, const uint32_t *flags,
                    int type) {
   double x[GATES];
@@ -320,7 +321,7 @@ static void assert_metrics(const made *d, int corrects) {
   }
 }
 
-/* The gravest is named, all are counted. */
+/* The most severe finding is named, all are counted. */
 static void assert_prints(void) {
   static const struct {
     uint32_t flag;
@@ -379,7 +380,7 @@ static void test_mask(void) {
     }
 }
 
-/* A fine print of the same mask takes the place of the cheap one. */
+/* An accurate simulation replaces the fast one of the same mask. */
 static void test_history(void) {
   static made d;
   opc_error error = {0};
@@ -472,7 +473,7 @@ static void test_drawing(void) {
   for (int i = 0; i < GATES; i++)
     if (i % 3) least = fmin(least, d.length[i]), most = fmax(most, d.length[i]);
   static const struct {
-    double low, high; /* of least and most */
+    double low, high; /* smallest and largest */
     int beyond, near;
   } cases[] = {{0.8, 1.2, 0, 0},   {0.91, 1.2, 0, 1},  {0.8, 1.09, 0, 1},
                {0.89, 1.11, 0, 0}, {1.001, 1.2, 1, 0}, {0.8, 0.999, 1, 0}};
@@ -495,7 +496,7 @@ static void test_drawing(void) {
   d.width[7] = 1;
   correct_findings_of_drawing(opc_test_host(), &d.gates, &extractor);
   said("8 of 14 transistors are drawn longer than wide", 1);
-  /* Of one length and many widths, they are right as they are. */
+  /* One length and many widths: no warning. */
   for (int i = 0; i < GATES; i++) d.length[i] = 600, d.width[i] = 300 + i;
   opc_test_forget();
   correct_findings_of_drawing(opc_test_host(), &d.gates, &extractor);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A correction for several doses and foci, through the plugins of a real flow:
-   one transistor, whose mask process.window then prints at the same places. */
+/* Tests a correction for several doses and foci with the plugins of a real
+   flow: one transistor, whose mask process.window then simulates at the same
+   corners. */
 #include <eda/print.h>
 #include <glib.h>
 #include <math.h>
@@ -21,7 +22,7 @@ static opc_module *make(const char *id, const char *mapping) {
   return m;
 }
 
-/* Run a step with an input; its first output. */
+/* Run a step with an input. Returns its first output. */
 static void *run(opc_module *m, const char *input, void *object) {
   static void *outputs[4];
   opc_error error = {0};
@@ -54,9 +55,9 @@ static char *models(void) {
       devices);
 }
 
-/* The drawn currents are the weighted mean of those at all corners, within the
-   loop's limit, as far as one step of the grid lets it; and process.window
-   finds the same currents there. */
+/* The drawn currents equal the weighted mean over all corners, within the
+   loop's limit or one grid step, and process.window computes the same
+   currents. */
 static void test_one(void) {
   g_autofree char *path = source("data/cells65/nmos.cif");
   g_autofree char *text = models();
@@ -105,7 +106,7 @@ static void test_one(void) {
   drop(reader, layout);
 }
 
-/* A list is asked for in its own unit. */
+/* A list parameter has its own unit. */
 static void test_unit(void) {
   opc_error error = {0};
   g_assert_null(
@@ -113,9 +114,9 @@ static void test_unit(void) {
   g_assert_nonnull(strstr(error.message, "as '[1 %, ...]'"));
 }
 
-/* What is not given at 248 nm, NA 0.7, where wavelength / NA is 354.3
-   nm: 11.658, 0.155 and 0.078 of it. What is given stays, also the number of
-   another wavelength; what is not asked for has no length. */
+/* Defaults at 248 nm, NA 0.7, where wavelength / NA is 354.3 nm: 11.658, 0.155
+   and 0.078 of that. Given values stay, also those in units of another
+   wavelength; lengths of unused features are unset. */
 static void test_follows(void) {
   g_autofree char *devices = source("data/devices/ptm65.yaml");
   static const struct {

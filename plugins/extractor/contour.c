@@ -294,7 +294,7 @@ static int fit(const slices *s, int moments, double *width) {
   /* In a rectangle all slices have one length, so all functions are equal. */
   for (int k = 0; k < moments; k++) a[k][k] *= 1 + 1e-12;
   if (!solve(a, r, moments)) return 1;
-  double factor[PLACES], least = 0;
+  double factor[PLACES] = {0}, least = 0;
   size_t lowest = s->n;
   for (size_t i = 0; i < s->n; i++) {
     factor[i] = 1;
@@ -359,7 +359,7 @@ static void swap(double *a, double *b) {
 static void find_idle(const slices *s, size_t n, const size_t *slice,
                       double idle[MOMENTS + 1]) {
   double a[MOMENTS][MOMENTS + 1];
-  size_t column[MOMENTS + 1], rank = 0;
+  size_t column[MOMENTS + 1] = {0}, rank = 0;
   for (size_t j = 0; j <= n; j++) {
     column[j] = j;
     for (size_t k = 0; k < n; k++) a[k][j] = s->f[slice[j]][k];
@@ -420,7 +420,7 @@ static int reduce(const contour *c, int s, const shape *h,
                   double *width) {
   slices all = {.n = (size_t)h->size + (h->from > 0) + (h->to < 1)};
   double at[PLACES], length[PLACES], share[PLACES];
-  size_t slice[PLACES], left = all.n;
+  size_t slice[PLACES] = {0}, left = all.n;
   if (left <= n) return 0;
   choose(c, s, h, all.n, all.n / 4, at, share, length);
   for (size_t i = 0; i < all.n; i++) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The step `given`: a mask that another tool has made, printed and measured as
-   the end of a correction is. */
+/* Implements the step `given`: simulates and measures a mask made by another
+   tool. */
 #include <eda/memory.h>
 #include <eda/print.h>
 #include <math.h>
@@ -24,8 +24,8 @@ typedef struct given {
 
 /* ---- work ---- */
 
-/* By the words of the guard of `correct`: transistors whose Ion is further off
-   than drawn and than the limit, and those that print no more. */
+/* Report the numbers of worse and lost transistors, as the guard of `correct`
+   defines them. */
 static int tell_of_worse(const given *s, const eda_mask *m,
                          const uint32_t *before, opc_error *error) {
   size_t worse = 0, lost = 0;
@@ -79,7 +79,7 @@ static int run(void *self, void **outputs, opc_error *error) {
   eda_mask *out = eda_mask_new(s->take.gates);
   uint32_t *before = NULL;
   double *extension = NULL;
-  outputs[0] = out; /* released by the host if this fails */
+  outputs[0] = out; /* released by the host on failure */
   s->take.host = s->host;
   s->take.margin = s->with.margin;
   int code = take_shapes(&s->take, out, error);

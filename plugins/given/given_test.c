@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A mask that is written out and given back is the mask that it was, to the
-   last bit of its figures: by a layout in memory, by the ready flows through
-   GDSII, by a contest's text file. And masks that cannot be right. */
+/* Tests that a mask that is written and read back has bit-identical figures: as
+   a layout in memory, by the ready flows through GDSII, and in a contest's text
+   file. Also tests masks that must be rejected. */
 #include <eda/eda.h>
 #include <glib.h>
 #include <math.h>
@@ -42,7 +42,7 @@ static void release(opc_module *m, void *output) {
   opc_test_module_free(m);
 }
 
-/* A layout of `unit` nm with shapes, moved and made larger, as its layers. */
+/* Return a layout of `unit` nm with shifted and scaled shapes as its layers. */
 static eda_layout *layout_of(const eda_gates *g, const eda_shapes *shapes,
                              double unit, int32_t times, int32_t by) {
   opc_error error = {0};
@@ -112,7 +112,8 @@ static void check_same(const char *fine, int before_too) {
   expect_same("area", mask->after.area, out->after.area);
   expect_same("drawn Ion", mask->design.ion, out->design.ion);
   if (before_too) expect_same("Ion before", mask->before.ion, out->before.ion);
-  for (size_t i = 0; i < g->count; i++) /* by another difference: proof.h */
+  for (size_t i = 0; i < g->count; i++) /* by another model difference:
+                                           proof.h */
     g_assert_cmpfloat(fabs(mask->before.ion[i] / out->before.ion[i] - 1), <,
                       2e-3);
   g_assert_true(opc_test_metric("ion_mean") == mean);
@@ -130,8 +131,8 @@ static void test_same(void) {
   check_same(", fine: off", 1);
 }
 
-/* What is drawn, given as a mask, prints as what is drawn; and a mask that is
-   worse is counted as such. */
+/* The drawn layout given as a mask has the drawn figures; transistors of a
+   worse mask are counted. */
 static void test_worse(void) {
   const eda_gates *g = eda_gates_sample();
   eda_layout *layout = layout_of(g, g->drawn, 1, 1, 0);
@@ -158,7 +159,7 @@ static void test_worse(void) {
 
 /* ---- what cannot be right ---- */
 
-/* Runs, and says so. */
+/* Check that the run succeeds and logs these words. */
 static void expect_told(eda_layout *layout, const char *more,
                         const char *const *words) {
   opc_module *m = given(eda_gates_sample(), layout, more);
@@ -259,7 +260,8 @@ static void opcflow(const char *first, ...) {
   if (status) g_error("%s", err);
 }
 
-/* The rows of a run's table, the first one its columns, as fields. */
+/* Return the rows of a run's table as fields, the first row with the column
+   names. */
 static GPtrArray *table(const char *run_folder, const char *name) {
   g_autofree char *path =
       g_build_filename(opc_test_folder(), run_folder, name, NULL);
@@ -274,7 +276,8 @@ static GPtrArray *table(const char *run_folder, const char *name) {
   return rows;
 }
 
-/* All columns of `a` that `b` has too; how many. */
+/* Check that all columns of `a` that `b` has are equal. Returns their
+   number. */
 static int same_columns(GPtrArray *a, GPtrArray *b, const char *but) {
   char **mine = a->pdata[0], **other = b->pdata[0];
   int same = 0;
@@ -290,7 +293,7 @@ static int same_columns(GPtrArray *a, GPtrArray *b, const char *but) {
   return same;
 }
 
-/* Our own EPE mask, written out by one flow and read back by the other. */
+/* An EPE mask, written by one flow and read back by the other. */
 static void test_flows(void) {
   g_autofree char *epe = source("flows/epe.yaml"),
                   *back = source("flows/given.yaml"),
@@ -322,7 +325,7 @@ static void test_flows(void) {
 
 /* ---- a contest's mask ---- */
 
-/* A mask as the contest writes it. */
+/* Write a mask in the contest's format. */
 static char *write_clip(const eda_gates *g, const eda_shapes *s) {
   GString *text = g_string_new("BEGIN\nEQUIV  1  1000  MICRON  +X,+Y\n");
   g_string_append_printf(text, "CNAME %s\nLEVEL M1\n\nCELL %s PRIME\n", g->name,

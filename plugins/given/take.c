@@ -1,27 +1,27 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Masks of other tools come from files that know nothing of the drawing: of
-   another cell, scale, place or grid. What cannot be the mask of these gates is
-   refused; what hardly can is told, with the likely cause. */
+/* Implements the import of masks made by other tools, whose files may have
+   another cell, scale, origin or grid. Masks that cannot belong to the gates
+   are rejected; suspicious ones are reported with the likely cause. */
 #include "take.h"
 
 #include <glib.h>
 #include <math.h>
 
-/* Ours. */
+/* Tuned constants. */
 static const struct {
   double covers, scale, place;
 } tuned = {
-    /* Of the drawing: what a mask that covers less is told for. Corrections
-       move edges by tenths of a line, which leaves more; chance leaves 0.2. */
+    /* Smallest covered fraction of the drawing without a warning. Corrections
+       move edges by tenths of a line width and cover more; unrelated shapes
+       cover 0.2. */
     .covers = 0.6,
 
-    /* How much larger or smaller a mask is than its drawing before it looks
-       like one of another scale. Assist bars at the border of a small cell add
-       as much. */
+    /* Ratio of the sizes of mask and drawing that indicates another scale;
+       larger than the effect of assist bars around a small cell. */
     .scale = 1.2,
 
-    /* nm between the middles before it looks moved: bars on one side only move
-       the middle by less. */
+    /* Distance of the centres that indicates a shift, nm; larger than the
+       effect of bars on one side. */
     .place = 20,
 };
 
@@ -31,13 +31,13 @@ static eda_box bounds(const eda_shapes *s) {
   return eda_bounds(s->points, s->count ? s->start[s->count] : 0);
 }
 
-/* "(0, 0) to (1200, 900) nm". */
+/* Return a text such as "(0, 0) to (1200, 900) nm". */
 static char *place_of(const eda_gates *g, eda_box b) {
   return g_strdup_printf("(%g, %g) to (%g, %g) nm", b.x0 * g->grid,
                          b.y0 * g->grid, b.x1 * g->grid, b.y1 * g->grid);
 }
 
-/* What may be wrong with a mask that is not where the drawing is. */
+/* Return the likely reason for a mask that does not cover the drawing. */
 static char *guess(const eda_gates *g, eda_box mask, eda_box drawn) {
   double width = ((double)mask.x1 - mask.x0) / ((double)drawn.x1 - drawn.x0);
   double height = ((double)mask.y1 - mask.y0) / ((double)drawn.y1 - drawn.y0);
@@ -59,14 +59,14 @@ static char *guess(const eda_gates *g, eda_box mask, eda_box drawn) {
 
 /* ---- one layer ---- */
 
-/* The error is about a key of `layers`. */
+/* Attribute the error to a key of `layers`. */
 static int blame(opc_error *error, const char *name) {
   (void)snprintf(error->parameter, sizeof error->parameter, "layers.%.56s",
                  name);
   return error->code;
 }
 
-/* How much of the drawing the mask covers, 0 to 1. */
+/* Compute the fraction of the drawing that the mask covers, 0 to 1. */
 static int coverage(const eda_shapes *mask, const eda_shapes *drawn,
                     double *share, opc_error *error) {
   eda_shapes both;
@@ -77,7 +77,8 @@ static int coverage(const eda_shapes *mask, const eda_shapes *drawn,
   return OPC_OK;
 }
 
-/* A mask beyond the printed frame would print as part of its other side. */
+/* Return OPC_INVALID for a mask beyond the simulated frame, which would wrap
+   around to the other side. */
 static int stays_inside(const take *t, size_t layer, eda_box mask,
                         const char *why, opc_error *error) {
   const eda_gates *g = t->gates;
@@ -113,7 +114,7 @@ static int look_at(const take *t, size_t layer, const eda_shapes *mask,
   return OPC_OK;
 }
 
-/* What the grid did to the layers. */
+/* Vertices moved by the grid. */
 typedef struct moved {
   size_t vertices;
   double worst; /* nm */
@@ -169,7 +170,7 @@ static int find_top(const take *t, int32_t *top, opc_error *error) {
   return *top < 0 ? error->code : OPC_OK;
 }
 
-/* The map names layers that are corrected. */
+/* Return OPC_INVALID if the map names a layer that is not corrected. */
 static int check_map(const take *t, opc_error *error) {
   for (size_t i = 0; i < t->layers.count; i++) {
     const char *key = t->layers.pairs[i].key;

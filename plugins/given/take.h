@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The shapes of a mask from a layout, and whether they can be that of these
-   gates. */
+/* Shapes of a mask from a layout, with checks that they belong to the gates. */
 #ifndef GIVEN_TAKE_H
 #define GIVEN_TAKE_H
 
@@ -12,15 +11,16 @@ typedef struct take {
   const opc_host *host;
   const eda_gates *gates;
   const eda_layout *layout;
-  const char *top; /* NULL: the cell that is called as the gates are, or the
-                      only one that no other places */
+  const char *top; /* NULL: the cell with the name of the gates, or else the
+                      only top cell */
   opc_map layers;  /* layer of the gates: layer of the layout */
-  double margin;   /* nm around the drawing that is printed */
+  double margin;   /* simulated margin around the drawing, nm */
 } take;
 
-/* Shapes of all corrected layers, merged, on the grid of the gates, into empty
-   mask->shapes; layers that the map does not name are as drawn. Tells of what
-   the grid moved: the metrics snapped and snapped_worst. */
+/* Read the shapes of all corrected layers, merged on the grid of the gates,
+   into mask->shapes, which must be empty. Layers missing in the map are as
+   drawn. Reports the vertices moved by the grid as the metrics snapped and
+   snapped_worst. */
 int take_shapes(const take *take, eda_mask *mask, opc_error *error);
 
 #endif

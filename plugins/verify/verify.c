@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The step `verify`: a corrected mask printed and measured by other models
-   than those of its loop. */
+/* Implements the step `verify`: simulates and measures a corrected mask with
+   models other than those of its loop. */
 #include <eda/print.h>
 #include <opcflow/step.h>
 #include <stdlib.h>
@@ -25,7 +25,7 @@ static int run(void *self, void **outputs, opc_error *error) {
   eda_mask *out = eda_mask_new(gates);
   double *extension = NULL;
   int code = OPC_OK;
-  outputs[0] = out; /* released by the host if this fails */
+  outputs[0] = out; /* released by the host on failure */
   out->iterations = v->mask->iterations;
   eda_performance_init(&out->before, gates->count);
   eda_performance_copy(&out->before, &v->mask->after);

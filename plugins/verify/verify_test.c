@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A mask printed again: by the models that made it, where nothing may change,
-   and by others, where the change is that of the figures themselves. */
+/* Tests the repeated simulation of a mask: by the same models, where nothing
+   may change, and by others, where the change equals that of the figures. */
 #include <eda/gates.h>
 #include <eda/print.h>
 #include <math.h>
@@ -72,7 +72,7 @@ static void test_again(void) {
   release(loop, mask);
 }
 
-/* Total leakage is that of the sums of what each transistor has. */
+/* Total leakage is computed from the sums over the transistors. */
 static void test_leakage(void) {
   opc_module *loop = make("correct", "litho.hopkins",
                           ", synthesizer: { use: synthesizer.dpb }, "
@@ -99,8 +99,8 @@ static void test_leakage(void) {
   release(loop, mask);
 }
 
-/* What the fine model says of a mask is what its errors allow; without it, what
-   the cheap one says. */
+/* The accurate model changes the figures by as much as its errors allow;
+   without an accurate model, the figures of the fast one are reported. */
 static void test_fine(void) {
   static const char *const fines[] = {"", ", fine: 3e-4", ", fine: off"};
   double ion[3][2];

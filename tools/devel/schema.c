@@ -11,7 +11,6 @@
 #include "core/plugin/declaration.h"
 #include "core/plugin/value.h"
 #include "core/report/json.h"
-#include "core/run/run.h"
 #include "tools/devel/opcflow-schema.h"
 #include "tools/devel/verbs.h"
 

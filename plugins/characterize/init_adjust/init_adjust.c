@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* characterize.init_adjust: the table of synthesizer.dpb's first corrections
-   (thesis 3.2.2 (2), figure 3.5). An evaluation transistor of each length and
-   width is corrected by DPB from each of a range of first corrections; the one
-   that ends nearest to the drawn current is chosen. */
+/* Implements characterize.init_adjust: the table of first corrections of
+   synthesizer.dpb (thesis 3.2.2 (2), figure 3.5). An evaluation transistor of
+   each length and width is corrected by DPB from a range of first corrections;
+   the first correction whose result is nearest to the drawn current is
+   chosen. */
 #include <eda/memory.h>
 #include <math.h>
 #include <opcflow/step.h>
@@ -14,10 +15,10 @@
 
 /* ---- state ---- */
 
-/* What became of one transistor. */
+/* Result of one transistor. */
 typedef struct trial {
-  double pde;         /* %, at the end */
-  int64_t iterations; /* moves of its mask */
+  double pde;         /* final PDE, % */
+  int64_t iterations; /* moves of the mask */
 } trial;
 
 typedef struct characterize {
@@ -30,9 +31,9 @@ typedef struct characterize {
   double grid, extension, enclosure, margin;
 } characterize;
 
-/* One run. Sizes are by length, then width. Of each there are `starts` trials,
-   first corrections of first, first + 1 ... grid steps, and one more that
-   begins with a step towards the smaller error. */
+/* State of a run. Sizes are ordered by length, then width. Each size has
+   `starts` trials, with first corrections of first, first + 1 ... grid steps,
+   and one more that begins with a step towards the smaller error. */
 typedef struct work {
   const characterize *by;
   row_rules row;
@@ -53,8 +54,8 @@ static double width_of(const work *k, size_t size) {
   return k->by->widths.values[size % k->by->widths.count];
 }
 
-/* The next step of each transistor of a row. Sets the flags of layers that
-   have changed. */
+/* Perform the next step of each transistor of a row. Set the flags of layers
+   that changed. */
 static void step_all(const work *k, row *r, control *state, trial *trials,
                      int64_t iteration, int changed[ROW_LAYERS]) {
   changed[EDA_POLY] = changed[EDA_ACTIVE] = 0;
@@ -107,7 +108,8 @@ static void try_size(void *data, size_t size) {
 
 /* ---- work: the choice ---- */
 
-/* Nearer to the design, then sooner, then by a smaller correction. */
+/* Return whether trial a is better than b: nearer to the design, then with
+   fewer moves, then with a smaller correction. */
 static int is_better(const work *k, size_t size, size_t a, size_t b) {
   const trial *t = k->trials + size * (k->starts + 1);
   double tie = k->by->tie;
@@ -125,7 +127,7 @@ static size_t choose(const work *k, size_t size) {
   return best;
 }
 
-/* What a first correction of a size led to. */
+/* Results of a first correction of a size. */
 typedef struct told {
   double l, w, init_adjust, pde, iterations, by_one;
 } told;
@@ -140,7 +142,8 @@ static told tell(const work *k, size_t size, size_t s) {
                 (double)t[k->starts].iterations};
 }
 
-/* The last column is that of the choice. */
+/* Write a table. Its last column marks the chosen first correction. Return
+   OPC_OK or an error. */
 static int publish(const work *k, const char *name, uint32_t flags,
                    const told *first, size_t rows, size_t columns,
                    opc_error *error) {
@@ -294,7 +297,7 @@ static const opc_metric metrics[] = {
      "moves if the first correction is one grid step, mean"},
 };
 
-/* Every size must lie on the grid. */
+/* Check that every size is on the grid. Return OPC_OK or an error. */
 static int check_sizes(const opc_reals *sizes, const char *name, double grid,
                        opc_error *error) {
   if (!sizes->count)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The chosen first corrections against all others by the correction loop
-   itself, on a layout with the evaluation transistor of thesis figure 3.5. */
+/* Tests the chosen first corrections against all others by the correction loop,
+   on a layout with the evaluation transistor of thesis figure 3.5. */
 #include <eda/eda.h>
 
 #include "tools/devel/testing.h"
@@ -37,8 +37,8 @@ static void characterize(const char *rest) {
 
 /* ---- the loop ---- */
 
-/* A vertical transistor of L and W, 84 nm of poly past the active, 98 nm of
-   active past the gate, as `gates`. */
+/* Gates of a vertical transistor of L and W, with 84 nm of poly past the active
+   and 98 nm of active past the gate. */
 typedef struct figure_3_5 {
   eda_point points[2][4];
   uint32_t start[2];
@@ -105,8 +105,8 @@ static void draw(figure_3_5 *f, int32_t l, int32_t w, int32_t grid) {
   }
 }
 
-/* What the step `correct` ends at from a first correction: its PDE and how
-   often it moved something. */
+/* Return the final PDE of the step `correct` from a first correction, and its
+   number of moves in `iterations`. */
 static double by_loop(int32_t length, int32_t width, int32_t grid, int adjust,
                       double *iterations) {
   figure_3_5 f;
@@ -130,9 +130,9 @@ static double by_loop(int32_t length, int32_t width, int32_t grid, int adjust,
   return pde;
 }
 
-/* Each start of L 70, W 150 by the step and by the loop: the same end. The
-   iterations of the loop count two more, which move nothing. And the chosen one
-   is the best of all of them. */
+/* All starts of L 70, W 150, by the step and by the loop: equal results. The
+   loop counts two more iterations, which move nothing. The chosen start is the
+   best. */
 static void test_brute_force(void) {
   characterize(
       "lengths: [70 nm], widths: [150 nm], w_step: proportional, "
@@ -146,7 +146,7 @@ static void test_brute_force(void) {
     double told = opc_test_number("init_adjust_trials", "pde", k), iterations;
     double steps = opc_test_number("init_adjust_trials", "iterations", k);
     if (adjust == 0)
-      continue; /* which is another thing to synthesizer.dpb: see there */
+      continue; /* synthesizer.dpb interprets 0 differently, see there */
     double pde = by_loop(70, 150, 1, adjust, &iterations);
     g_test_message("%d: %.4f in %g, %.4f in %g", adjust, told, steps, pde,
                    iterations);
@@ -167,9 +167,10 @@ static void test_brute_force(void) {
                     opc_test_number("init_adjust_trials", "iterations", 0) + 2);
 }
 
-/* Lines that stand alone print the longer, the longer they are drawn than the
-   anchor's 65 nm is: the first correction falls with L. It cannot say less than
-   the print: at W 200 the line is off by about twice as much. */
+/* The printed length of isolated lines, relative to the drawn one, increases
+   with the drawn length beyond the 65 nm of the anchor: the first correction
+   falls with L. It agrees with the printed length: at W 200 the line has about
+   twice the deviation. */
 static void test_falls_with_length(void) {
   characterize(
       "lengths: [65 nm, 70 nm, 80 nm], widths: [200 nm, 300 nm], "
@@ -186,7 +187,8 @@ static void test_falls_with_length(void) {
                     opc_test_metric("iterations_mean_by_one"));
 }
 
-/* Without a tie the nearest wins, with one the soonest among those within. */
+/* Without a tie the nearest result is chosen, with a tie the one of fewest
+   moves within the tie. */
 static void test_tie(void) {
   double pde[2], iterations[2];
   for (int k = 0; k < 2; k++) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Rows of evaluation transistors: their mask, its print, and what they draw.
-   The print is measured as the correction loop does it. */
+/* Implements rows of evaluation transistors: masks, printed images, and
+   currents. Images are measured as in the correction loop. */
 #include "row.h"
 
 #include <eda/memory.h>
@@ -14,7 +14,8 @@ static int32_t steps(const row *r, double nm) {
   return (int32_t)lround(nm / r->rules->grid);
 }
 
-/* From one transistor to the next: what both draw, and the margins. */
+/* Return the distance from one transistor to the next: drawn shapes and
+   margins. */
 static int32_t pitch(const row *r) {
   return steps(r, r->length) + 2 * steps(r, r->rules->enclosure) +
          2 * steps(r, r->rules->margin);
@@ -28,8 +29,8 @@ static eda_frame frame_of(const row *r) {
                      r->width + 2 * past};
 }
 
-/* Transistor i of a layer: its gate's low corner is at (i * pitch, 0). As in
-   eda_moves, the high side takes the odd step. */
+/* Return the box of transistor i of a layer: the low corner of its gate is at
+   (i * pitch, 0). As in eda_moves, the high side takes the odd step. */
 static eda_box box_of(const row *r, int layer, size_t i) {
   int32_t x = (int32_t)i * pitch(r), l = r->l[i], w = r->w[i];
   int32_t length = steps(r, r->length), width = steps(r, r->width);
@@ -78,7 +79,7 @@ static int print_layer(row *r, int layer, opc_error *error) {
 typedef struct printed {
   const row *row;
   double middle;    /* x */
-  double low, high; /* y of the active's printed edges */
+  double low, high; /* y of the printed edges of the active */
 } printed;
 
 static double value(const row *r, int layer, double x, double y) {
@@ -87,8 +88,8 @@ static double value(const row *r, int layer, double x, double y) {
   return v;
 }
 
-/* Where the print of a layer changes nearest to (x, y), as a coordinate along
-   `axis`; NAN if there is nothing within the drawn size. */
+/* Return the coordinate along `axis` of the printed edge of a layer nearest to
+   (x, y); NAN if there is none within the drawn size. */
 static double edge(const row *r, int layer, int axis, double x, double y) {
   double reach = axis == EDA_X ? r->length : r->width;
   return (axis == EDA_X ? x : y) +
@@ -100,7 +101,7 @@ static double length_at(const printed *p, double y) {
   if (!(value(r, EDA_POLY, p->middle, y) > 0)) return 0;
   double low = edge(r, EDA_POLY, EDA_X, p->middle - r->length / 2, y);
   double high = edge(r, EDA_POLY, EDA_X, p->middle + r->length / 2, y);
-  return high > low ? high - low : 0; /* 0: NAN as well */
+  return high > low ? high - low : 0; /* 0 also for NAN */
 }
 
 static double length_of_gate(const eda_printed_gate *gate, double place) {
@@ -113,8 +114,8 @@ static void lengths_of_gate(const eda_printed_gate *gate, size_t n,
   for (size_t k = 0; k < n; k++) length[k] = length_of_gate(gate, place[k]);
 }
 
-/* The active's printed edges, their means over the channel, as the loop takes
-   them. */
+/* Compute the printed edges of the active: means over the channel, as in the
+   loop. */
 static void measure_width(printed *p) {
   static const double place[3] = {-0.7745966692414834, 0, 0.7745966692414834};
   static const double share[3] = {5 / 18.0, 8 / 18.0, 5 / 18.0};
@@ -129,7 +130,7 @@ static void measure_width(printed *p) {
   if (!prints || !(p->high > p->low)) p->low = p->high = r->width / 2;
 }
 
-/* How far the poly prints past the active. */
+/* Return the printed extension of the poly past the active. */
 static double extension(const printed *p, int side) {
   const row *r = p->row;
   double past = r->rules->extension;
@@ -139,7 +140,8 @@ static double extension(const printed *p, int side) {
   return side ? end - p->high : p->low - end;
 }
 
-/* Its print must have values at all: two of them are looked at. */
+/* Check that the image has finite values at two points. Return OPC_OK or an
+   error. */
 static int check_print(const row *r, double middle, opc_error *error) {
   if (isfinite(value(r, EDA_POLY, middle, r->width / 2)) &&
       isfinite(value(r, EDA_ACTIVE, middle, r->width / 2)))
@@ -149,7 +151,7 @@ static int check_print(const row *r, double middle, opc_error *error) {
                   r->width);
 }
 
-/* The slices of transistor i. */
+/* Measure the slices of transistor i. Return OPC_OK or an error. */
 static int slice(row *r, size_t i, const double *place, const double *share,
                  opc_error *error) {
   const opc_module *extractor = r->rules->extractor;
@@ -202,7 +204,8 @@ static int extract(row *r, opc_error *error) {
                          .weq = r->other + 3 * n,
                          .area = r->other + 4 * n};
   int code = model->extract(extractor->self, &in, &out, error);
-  /* A gate that is open in places is none, whatever its slices carry. */
+  /* A gate that is open in places has no current, regardless of other
+     slices. */
   for (size_t i = 0; i < n && !code; i++) {
     for (size_t k = 0; k < r->slices; k++)
       if (!(in.length[i * r->slices + k] > 0)) r->ion[i] = 0;
@@ -227,7 +230,7 @@ int row_print(row *r, const int layers[ROW_LAYERS], opc_error *error) {
 
 /* ---- making one ---- */
 
-/* Ion as drawn: of the first transistor, before it is printed. */
+/* Compute Ion as drawn, of the first transistor. Return OPC_OK or an error. */
 static int measure_drawn(row *r, const double *place, const double *share,
                          opc_error *error) {
   size_t n = r->slices, all = r->count * n;

@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A row of evaluation transistors (thesis figure 3.5) of one size, far enough
-   apart to be alone, printed and measured together. */
+/* A row of isolated evaluation transistors (thesis figure 3.5) of one size,
+   imaged and measured together. */
 #ifndef SYNTHESIZER_INIT_ADJUST_ROW_H
 #define SYNTHESIZER_INIT_ADJUST_ROW_H
 
 #include <eda/extractor.h>
 #include <eda/resist.h>
 
-/* The layers that make a transistor: EDA_POLY and EDA_ACTIVE. */
+/* Layers of a transistor: EDA_POLY and EDA_ACTIVE. */
 enum { ROW_LAYERS = 2 };
 
-/* What all rows share. Lengths in nm; `grid` is the mask's. */
+/* Properties common to all rows. Lengths in nm; `grid` is that of the mask. */
 typedef struct row_rules {
   const opc_context *context;
-  const opc_module *litho, *resist, *extractor; /* prepared */
+  const opc_module *litho, *resist, *extractor; /* prepared modules */
   double grid, extension, enclosure, margin;
   uint8_t type; /* EDA_NMOS, EDA_PMOS */
 } row_rules;
@@ -22,22 +22,24 @@ typedef struct row {
   const row_rules *rules;
   double length, width; /* drawn */
   size_t count;
-  int32_t *l, *w; /* biases of each, in grid steps */
+  int32_t *l, *w; /* biases of each transistor, in grid steps */
   double design;  /* Ion as drawn, A */
-  double *ion;    /* as printed; 0 where nothing prints */
+  double *ion;    /* Ion as printed; 0 where nothing prints */
   eda_field print[ROW_LAYERS];
   size_t slices;
   double *slice; /* widths, lengths, edge distances */
-  double *own;   /* where and how wide one transistor's slices are */
+  double *own;   /* positions and widths of the slices of one transistor */
   uint8_t *type;
-  double *other; /* what is extracted beside Ion */
+  double *other; /* extracted figures other than Ion */
 } row;
 
-/* A row as drawn. Cleared with row_clear, also on failure. [any] */
+/* Initialize a row as drawn. The caller frees it with row_clear, also after
+   failure. Return OPC_OK or an error. [any] */
 int row_init(row *out, const row_rules *rules, double length, double width,
              size_t count, opc_error *error);
 
-/* Print the layers whose flag is set and take Ion from the prints. [any] */
+/* Simulate the layers whose flag is set and compute Ion from the printed
+   images. Return OPC_OK or an error. [any] */
 int row_print(row *r, const int layers[ROW_LAYERS], opc_error *error);
 
 void row_clear(row *r);

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The step `correct.chip`: a layout of any size, corrected by what is different
-   in it. Its transistors are found window by window; one of each class of equal
-   surroundings is corrected where it stands, the others take its mask; what is
-   masked alike is printed once, to prove it, and what is beyond the limit then
-   is corrected by itself. */
+/* Implements the step `correct.chip`, the correction of a layout of any size by
+   equivalence classes. Transistors are found window by window. One of each
+   class of equal drawn environments is corrected in place, and the others
+   receive its mask. One of each class of equal masked environments is simulated
+   for verification. Transistors beyond the limit are then corrected
+   individually. */
 #include <eda/memory.h>
 #include <eda/print.h>
 #include <math.h>
@@ -17,30 +18,30 @@
 #include <correct/ways.h>
 #include "work.h"
 
-/* Ours. */
+/* Tuned constants. */
 static const struct {
   double radius_error, radius, along, gap;
   const char *margin;
 } tuned = {
-    /* Clear field 1, and nm where the model does not know its band yet: what
-       lies further off changes an image by less (eda_margin), about as much as
-       few kernels do. 1.04 um at 193 nm, NA 0.75, sigma 0.75. What it does
-       change the proof measures. */
+    /* Clear field 1, and nm for models of unknown bandwidth. Shapes beyond this
+       distance change an image by less (eda_margin), about as much as a small
+       number of kernels does: 1.04 um at 193 nm, NA 0.75, sigma 0.75. The
+       verification measures the remaining error. */
     .radius_error = 1e-3,
     .radius = 1000,
 
-    /* Of the radius: neighbours within are corrected with a transistor, those
-       beyond stay as drawn. A neighbour's own correction moves edges by a few
-       nm, whose light at 1 um is far below that of the edge itself. */
+    /* Fraction of the radius within which neighbours are corrected together
+       with a transistor; others stay as drawn. A correction moves a neighbour's
+       edges by a few nm, with a negligible effect at 1 um. */
     .along = 1,
 
-    /* Where there are no fine prints: beyond is not clear field, as around a
-       whole layout, but what is cut off. At 193 nm, NA 0.75, Ion of an SRAM of
-       44 transistors is off by 1.5 % with 1 um, 0.25 with 2, which this is,
-       0.11 with 4, at most. */
+    /* Margin without accurate simulations. Beyond the margin there is omitted
+       layout, not clear field. At 193 nm, NA 0.75, the largest error of Ion in
+       an SRAM of 44 transistors is 1.5 % for 1 um, 0.25 % for 2 um (this value)
+       and 0.11 % for 4 um. */
     .margin = "7.772 lambda/NA",
 
-    /* nm, between two clips on a sheet: as much as keeps mask rules apart. */
+    /* Distance of two clips on a sheet, nm; larger than any mask rule. */
     .gap = 500,
 };
 
@@ -67,7 +68,7 @@ void work_progress(const work *w, double part) {
   w->host->progress(w->host, &at);
 }
 
-/* What else a sheet depends on was taken in earlier rounds. */
+/* Earlier rounds recorded all other dependencies. */
 static const char *sheets_key(void *data, size_t i) {
   sheets *s = data;
   g_free(s->key);
@@ -111,7 +112,7 @@ int work_sheets(sheets *s, int32_t reach, opc_pieces jobs, opc_error *error) {
   return code;
 }
 
-/* The next phase, whose share of the time is about this, ours. */
+/* Start a phase with an estimated share of the run time. */
 static int phase(work *w, double share, opc_error *error) {
   w->done += w->share;
   w->share = share;
@@ -120,7 +121,8 @@ static int phase(work *w, double share, opc_error *error) {
   return OPC_OK;
 }
 
-/* Those that are beyond the limit and were not refined yet. */
+/* Find the prints that are beyond the limit and not refined yet. Returns their
+   number. */
 static size_t find_failing(work *w, uint32_t *prints) {
   const eda_chip *c = w->chip;
   uint8_t *used = eda_alloc(c->prints, 1);
@@ -225,13 +227,14 @@ static void take_layers(const eda_gates *g, eda_chip *out) {
   }
 }
 
-/* The models before any sheet: what they publish is of no piece of work. */
+/* Prepare the models before any sheet, as their messages belong to no work
+   unit. */
 static int prepare(const chip *c, const eda_gates *g, opc_error *error) {
   eda_printer printer;
   eda_printer_init(&printer, c->host->context, g, c->with.litho, c->with.resist,
                    c->with.margin);
   printer.fine = c->with.fine;
-  printer.drawn = NULL; /* of which these are none */
+  printer.drawn = NULL; /* not the transistors for calibration */
   int code = eda_printer_prepare(&printer, error);
   eda_printer_clear(&printer);
   return code ? code
@@ -239,7 +242,7 @@ static int prepare(const chip *c, const eda_gates *g, opc_error *error) {
                                       error);
 }
 
-/* Layers as all windows have them, which an empty one tells. */
+/* Read the layers from an empty window; all windows have the same. */
 static int begin(const chip *c, eda_chip *out, opc_error *error) {
   static const eda_box nowhere = {0, 0, 1, 1};
   eda_gates *g;
@@ -273,7 +276,7 @@ static int run(void *self, void **outputs, opc_error *error) {
   const chip *c = self;
   work w;
   eda_chip *out = eda_alloc(1, sizeof *out);
-  outputs[0] = out; /* released by the host if this fails */
+  outputs[0] = out; /* released by the host on failure */
   int code = begin(c, out, error);
   if (code) return code;
   work_init(c, out, &w);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Chips of which it is known what repeats in them, against the mask made of all
-   their moves, printed flat. */
+/* Tests chips with known repetition against the flat simulation of all their
+   displacements. */
 #include <eda/chip.h>
 #include <eda/memory.h>
 #include <eda/print.h>
@@ -28,7 +28,7 @@ static void box(const drawing *d, int32_t cell, const char *layer, int32_t x0,
   g_assert_false(eda_layout_add_box(d->layout, cell, l, b, &error));
 }
 
-/* Two lines over an active: no way to turn them shows the same. */
+/* Draw two lines over an active, without any symmetry. */
 static void draw_cell(const drawing *d) {
   box(d, d->cell, "active", 0, 0, 700, 400);
   box(d, d->cell, "poly", 150, -84, 215, 484);
@@ -60,7 +60,7 @@ static void place(const drawing *d, int32_t x, int32_t y, int mirror,
       eda_layout_add_instance(d->layout, d->top, d->cell, &p, NULL, &error));
 }
 
-/* All eight ways, then some more in a row. */
+/* Return a layout with all eight orientations, then some more in a row. */
 static drawing eight_ways(void) {
   drawing d = drawing_new();
   for (int k = 0; k < 8; k++)
@@ -133,7 +133,7 @@ static eda_gates *flat(const drawing *d) {
   return g;
 }
 
-/* The mask that a chip's moves make of all gates, as a layout. */
+/* Build the mask of all gates from a chip's displacements, as a layout. */
 static eda_layout *mask_of(const eda_chip *chip, const eda_gates *g) {
   opc_error error = {0};
   eda_layout *out = eda_layout_new(1, &error);
@@ -153,8 +153,8 @@ static eda_layout *mask_of(const eda_chip *chip, const eda_gates *g) {
   return out;
 }
 
-/* %: how far the figures of a chip are, at most, from those of all its masks in
-   one flat print. */
+/* Return the largest deviation of a chip's figures from a flat simulation of
+   all its masks, %. */
 static double off_flat(const drawing *d, const eda_chip *chip,
                        const char *fine) {
   eda_gates *g = flat(d);
@@ -182,8 +182,8 @@ static double off_flat(const drawing *d, const eda_chip *chip,
 
 /* ---- tests ---- */
 
-/* However a cell lies, its transistors are the same ones; and what the moves
-   make of them prints as the chip says. */
+/* A cell's transistors are equal in all orientations, and the flat simulation
+   of the mask confirms the chip's figures. */
 static void test_ways(void) {
   drawing d = eight_ways();
   opc_module *m = chip_of(&d, CHEAP ", radius: 800 nm");
@@ -211,8 +211,8 @@ static size_t classes_with(int32_t x, const char *layer) {
   return classes;
 }
 
-/* A marker over one of the copies: its transistors are of another flavour than
-   those of like surroundings, and have no device table. */
+/* A marker over one of the copies: its transistors have another flavour than
+   those of equal environments, and no device table. */
 static void test_flavours(void) {
   drawing d = eight_ways();
   box(&d, d.top, "LVTN", -100, 8900, 1000, 9500);
@@ -239,7 +239,7 @@ static void test_flavours(void) {
 }
 
 /* A shape beside one of the copies: within the radius of its first transistor
-   (at x 150), of none, and of a layer that does not matter. */
+   (at x 150), of none, and in an unused layer. */
 static void test_radius(void) {
   g_assert_cmpuint(classes_with(0, NULL), ==, 2);
   g_assert_cmpuint(classes_with(-651 - 100, "poly"), ==, 2);
@@ -248,7 +248,7 @@ static void test_radius(void) {
   g_assert_cmpuint(classes_with(-300, "metal1"), ==, 2);
 }
 
-/* The same to the last bit by any number of threads. */
+/* Results are bit-identical for any number of threads. */
 static void test_threads(void) {
   drawing d = eight_ways();
   eda_chip *chip[2];
@@ -292,8 +292,8 @@ static eda_layout *read_sram(opc_module **reader) {
   ", regulator: { use: regulator.drc, min_extension: 30 nm, " \
   "want_extension: 60 nm }"
 
-/* As good as the flat correction, whatever the windows; and as it says itself.
- */
+/* As accurate as the flat correction for all window sizes, and as accurate as
+   reported. */
 static void test_sram(void) {
   static const char *const windows[] = {"60 um", "1200 nm"};
   opc_module *reader;
@@ -314,7 +314,7 @@ static void test_sram(void) {
                    opc_test_metric("ion_mean"), opc_test_metric("ion_max"),
                    opc_test_metric("classes"));
     g_assert_cmpuint(chip->count, ==, g->count);
-    /* Twenty classes, each within the grid's quantum, which is chance:
+    /* Twenty classes, each within the quantum of the grid, which is random:
        thresholds that differ by 5e-5 gave 0.065, 0.076 and 0.087. */
     g_assert_cmpfloat(opc_test_metric("ion_mean"), <, mean + 0.1);
     g_assert_cmpfloat(opc_test_metric("ion_max"), <, fmax(worst, 0.5));
@@ -337,8 +337,8 @@ static const char *const counts[] = {
     "mask_width",      "mask_edge",
     "mask_jog"};
 
-/* Gaps and lines that are too narrow, in each of the copies: all are told,
-   however a cell lies, as many as flat, in a row for each rule. */
+/* Narrow gaps and lines in each copy: all are reported in any orientation, as
+   many as in a flat layout, in one row for each rule. */
 static void test_faults(void) {
   const char *drawn = CHEAP REGULATOR ", max_iterations: 0";
   double all[G_N_ELEMENTS(counts)];

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Halving places until halves show less than the whole. */
+/* Implements the covering by recursive bisection, as long as the halves have a
+   smaller area than the whole. */
 #include "cover.h"
 
 #include <eda/memory.h>
@@ -27,8 +28,8 @@ static double area_of(eda_box b) {
   return ((double)b.x1 - b.x0) * ((double)b.y1 - b.y0);
 }
 
-/* Those whose middle is below the middle of the box go first, in their order;
-   how many there are. */
+/* Move the places below the middle of the box to the front, preserving order.
+   Returns their number. */
 static size_t halve(const maker *m, size_t first, size_t count, eda_box box) {
   uint32_t *place = m->out->place + first;
   int wide = (int64_t)box.x1 - box.x0 >= (int64_t)box.y1 - box.y0;
@@ -50,7 +51,7 @@ static int fits(const maker *m, eda_box b) {
   return b.x1 - b.x0 <= m->most && b.y1 - b.y0 <= m->most;
 }
 
-/* Puts the clips of some places at the end; their area. */
+/* Append the clips of some places. Returns their area. */
 static double divide(maker *m, size_t first, size_t count) {
   cover *c = m->out;
   eda_box box = around(m, first, count);

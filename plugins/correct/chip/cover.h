@@ -1,15 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Few clips of a layout that show chosen places with all that is around them.
- */
+/* Covering of selected places of a layout by few clips. */
 #ifndef CORRECT_CHIP_COVER_H
 #define CORRECT_CHIP_COVER_H
 
 #include <eda/geometry.h>
 
-/* A rectangle around some of the places. */
+/* Rectangle around some of the places. */
 typedef struct clip {
   eda_box box;
-  size_t first, count; /* of cover.place */
+  size_t first, count; /* range in cover.place */
 } clip;
 
 typedef struct cover {
@@ -18,10 +17,10 @@ typedef struct cover {
   uint32_t *place; /* numbers of the places, clip by clip */
 } cover;
 
-/* Clips that each show some of n places and `reach` around them, every place
-   once: of all ways to halve them again and again, the one of the least area,
-   as far as no side is longer than `most`, but for a place that is so itself.
-   What they are depends on nothing but that. [any] */
+/* Cover n places and `reach` around each by clips, each place once. Returns the
+   recursive bisection of least total area whose sides are at most `most`,
+   unless a single place is larger. The result depends on these arguments only.
+   Callable from any thread. */
 void cover_make(const eda_box *places, size_t n, int32_t reach, int32_t most,
                 cover *out);
 void cover_clear(cover *cover);

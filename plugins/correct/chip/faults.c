@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Rules that prints and masks do not keep. A fault belongs to the transistor
-   that is nearest, which tells it in the one print that proves it: so all those
-   that are masked alike have it, and it is told no more than that often. */
+/* Implements the collection of rule violations of printed images and masks. A
+   violation belongs to the nearest transistor and is recorded by the print that
+   verifies that transistor, so that all transistors of the class share the
+   violation. */
 #include <eda/check.h>
 #include <eda/index.h>
 #include <eda/memory.h>
@@ -13,16 +14,16 @@
 #include <correct/rules.h>
 #include "work.h"
 
-/* A kind of a fault that is no rule of masks: its text follows. */
+/* kind of a violation that is not a mask rule: text follows */
 enum { TEXT = UINT32_MAX };
 
-/* As it is kept with a piece of work. */
+/* Record of a violation in a work unit. */
 typedef struct kept {
-  uint32_t place, kind, size, unused; /* of the text */
+  uint32_t place, kind, size, unused; /* size of the text */
   double value, limit;
 } kept;
 
-/* Of a print that the chip has. */
+/* Violation of a print of the chip. */
 typedef struct fault {
   uint32_t print, kind;
   double value, limit;
@@ -30,7 +31,7 @@ typedef struct fault {
 
 struct faults {
   GArray *fault;
-  GPtrArray *rule; /* texts of kinds that come after the rules of masks */
+  GPtrArray *rule; /* texts of the kinds after the mask rules */
 };
 
 faults *faults_new(void) {
@@ -46,7 +47,8 @@ void faults_free(faults *f) {
   free(f);
 }
 
-/* Rules of masks, by layer, each as drawn and of the mask. */
+/* Return the kind of a mask rule violation, by layer, in the drawn layer or the
+   mask. */
 static uint32_t kind_of(size_t layer, int rule, int drawn) {
   return (uint32_t)((layer * EDA_RULES + (size_t)rule) * 2 + (size_t)!drawn);
 }
@@ -68,9 +70,9 @@ static double beyond(int32_t low, int32_t high, double at) {
   return fmax(fmax(low - at, at - high), 0);
 }
 
-/* The place of the nearest transistor; UINT32_MAX if it is not to be proved
-   here, or none is within half the margin: further off, what was cut away is as
-   near. */
+/* Return the place of the nearest transistor within half the margin, beyond
+   which an omitted transistor may be nearer; UINT32_MAX if there is none or it
+   is not verified here. */
 static uint32_t place_of(const finder *f, double x, double y) {
   const eda_gates *g = f->sheet->gates;
   double least = INFINITY;
@@ -171,7 +173,8 @@ void faults_take(work *w, size_t first, const char *at, const char *end) {
 
 /* ---- telling ---- */
 
-/* All faults of a kind: the transistor that has it first, and the worst. */
+/* Sum of the violations of a kind, with the first transistor and the worst
+   value. */
 typedef struct tally {
   size_t count, first;
   double value, limit;
@@ -236,7 +239,7 @@ typedef struct text_row {
   double x, y, value, limit;
 } text_row;
 
-/* In the words of a loop, but one for each rule. */
+/* Write the violations as a loop does, with one row for each rule. */
 static int tell_texts(const work *w, const tally *all, opc_error *error) {
   const GPtrArray *rule = w->faults->rule;
   text_row *row = eda_alloc(rule->len, sizeof *row);

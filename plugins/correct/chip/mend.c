@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Masks for chosen transistors, each corrected where it stands, on sheets of
-   clips. */
+/* Implements the correction of selected transistors on sheets of clips. */
 #include <eda/index.h>
 #include <eda/memory.h>
 #include <math.h>
@@ -12,13 +11,13 @@
 #include "work.h"
 
 typedef struct mend {
-  sheets on;      /* the transistors to correct */
-  int stand;      /* all others have the chip's masks, and keep them */
-  uint32_t *mask; /* of each: its new one */
-  double *better; /* of each: |Ion deviation| that it has to beat; NULL */
+  sheets on;      /* transistors to correct */
+  int stand;      /* 1: all others keep the masks of the chip */
+  uint32_t *mask; /* [count], new masks */
+  double *better; /* [count], |Ion deviation| to improve on; NULL: none */
 } mend;
 
-/* What is told of one of them: then come its parts and boxes. */
+/* Record of a corrected transistor, followed by its parts and boxes. */
 typedef struct mended {
   uint32_t place, flags_before;
   eda_chip_mask mask;
@@ -26,15 +25,15 @@ typedef struct mended {
   double off; /* |Ion deviation| with that mask, %; INFINITY: none */
 } mended;
 
-/* Before all that is of a sheet. */
+/* Header of a sheet's records. */
 typedef struct head {
   uint32_t simulations, fine_simulations;
 } head;
 
 /* ---- what the loop starts with ---- */
 
-/* The masks of all who stand, on a sheet; those to correct are as drawn. The
-   loop frees *still. */
+/* Return the masks of the fixed transistors of a sheet; those to correct are as
+   drawn. The loop frees *still. */
 static eda_mask *stand(const mend *m, const sheet *s, uint8_t **still) {
   const eda_gates *g = s->gates;
   eda_mask *mask = eda_mask_new(g);
@@ -55,8 +54,9 @@ static double off(const loop *l, size_t i) {
   return fabs(eda_deviation(l->measured.performance.ion[i], l->design.ion[i]));
 }
 
-/* The transistor that a patch or a bite belongs to: the nearest of those within
-   the radius, as only these have the same shapes there everywhere. */
+/* Return the transistor that owns an added shape or cut-out: the nearest within
+   the radius, since only these have an equal environment throughout the class.
+   UINT32_MAX: none. */
 static uint32_t owner_of(const mend *m, const eda_gates *g,
                          const eda_index *index, eda_box b) {
   int32_t r = m->on.work->radius;
@@ -73,11 +73,11 @@ static uint32_t owner_of(const mend *m, const eda_gates *g,
   return owner;
 }
 
-/* Patches and bites by their transistor, in its own coordinates. */
+/* Added shapes and cut-outs by transistor, in its coordinates. */
 typedef struct owned {
   eda_chip_box *box;
-  uint32_t *gate, *next; /* of each box; the next one of that gate + 1 */
-  uint32_t *first;       /* of each gate + 1 */
+  uint32_t *gate, *next; /* [count]; next box of that gate + 1 */
+  uint32_t *first;       /* [gates], first box + 1 */
   size_t count;
 } owned;
 
@@ -159,8 +159,8 @@ static int put_all(const mend *m, const loop *l, const sheet *s, opc_bytes *out,
 
 /* ---- a sheet ---- */
 
-/* The host of a loop: its progress is a part of ours, and what it tells of its
-   prints is of a sheet, which nobody knows. */
+/* Host of a loop on a sheet. Progress is scaled to the phase, and messages
+   about sheets, which users do not know, become debug messages. */
 typedef struct inner {
   opc_host host;
   const mend *mend;
@@ -197,7 +197,7 @@ static int correct(const mend *m, const sheet *s, opc_bytes *out,
   loop l;
   correct_loop_init(&l, &in.host, s->gates, &with);
   l.prepared = 1;
-  l.printer.drawn = NULL; /* all sheets have one resist */
+  l.printer.drawn = NULL; /* all sheets share one resist calibration */
   eda_mask *begun = m->stand ? stand(m, s, &l.still) : NULL;
   l.start.mask = begun;
   int code = correct_loop_run(&l, error);
@@ -220,7 +220,7 @@ static int mend_sheet(void *data, size_t i, opc_bytes *out, opc_error *error) {
 
 /* ---- taking them ---- */
 
-/* Room for another mask; its number. */
+/* Allocate a mask. Returns its number. */
 static uint32_t add_mask(work *w) {
   eda_chip *c = w->chip;
   size_t room = w->mask_room;
@@ -233,8 +233,8 @@ static uint32_t add_mask(work *w) {
   return (uint32_t)c->masks++;
 }
 
-/* A refined mask has what was measured of the drawn one already: its loop has
-   not seen it among drawn ones. */
+/* Store the mask of a record. A refined mask keeps the earlier figures of the
+   drawn mask, because its loop has not simulated drawn neighbours. */
 static void take_mask(mend *m, const mended *one, const char *bytes) {
   work *w = m->on.work;
   eda_chip *c = w->chip;
@@ -278,7 +278,7 @@ static int take_sheet(void *data, size_t i, const void *bytes, size_t size,
 
 /* ---- all of them ---- */
 
-/* The masks of the transistors; m->mask tells which they got. */
+/* Correct the transistors; m->mask receives the numbers of their masks. */
 static int mend_all(mend *m, opc_error *error) {
   const work *w = m->on.work;
   m->mask = eda_alloc(m->on.count, sizeof *m->mask);

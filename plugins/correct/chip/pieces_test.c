@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Clips that cover places, the sheets that they stand on, and which ways of
-   lying the optics see alike. */
+/* Tests covering by clips, placement on sheets, and the symmetry of the
+   optics. */
 #include "sheet.c"
 
 #include <correct/ways.h>
 #include "tools/devel/testing.h"
 
-#define maker halver /* both have one */
+#define maker halver /* both files have one */
 #include "cover.c"
 #undef maker
 
@@ -21,7 +21,7 @@ static int32_t by_lot(int32_t low, int32_t high) {
 
 /* ---- cover ---- */
 
-/* The box of some places and `reach` around them. */
+/* Return the box of some places with `reach` around them. */
 static eda_box box_of(const eda_box *places, unsigned set, int32_t reach) {
   eda_box b = {INT32_MAX, INT32_MAX, INT32_MIN, INT32_MIN};
   for (unsigned k = 0; k < PLACES; k++) {
@@ -34,7 +34,8 @@ static eda_box box_of(const eda_box *places, unsigned set, int32_t reach) {
   return b;
 }
 
-/* The least area of a set that is halved across its longer side, or not. */
+/* Return the smallest area of a set that is bisected across its longer side, or
+   not. */
 static double least_area(const eda_box *places, unsigned set, int32_t reach,
                          int32_t most) {
   eda_box b = box_of(places, set, reach);
@@ -140,7 +141,7 @@ static void test_ways(void) {
                {"0.5, 0, 1, -0.5, 0, 1", 4},
                {"0.4, 0.2, 1, -0.4, 0.2, 1, 0.4, -0.2, 1, -0.4, -0.2, 1", 4},
                {"0.5, 0.5, 1, -0.5, -0.5, 1", 1},
-               /* In focus, points that are opposite give the same. */
+               /* In focus, opposite source points have the same effect. */
                {"0.5, 0, 1, -0.5, 0, 1, 0, 0.5, 1", 4}};
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     opc_error error;

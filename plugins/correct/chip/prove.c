@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Prints of what is masked as nothing else is. Each transistor takes its
-   figures from one whose surroundings are masked alike: the same transistors
-   stand there as far as light counts, each with its own mask and so with its
-   own drawn surroundings. */
+/* Implements the verification of a chip: one transistor of each class of equal
+   masked environments is simulated, and the others receive its figures.
+   Environments are equal if the same transistors, each with its mask and hence
+   its drawn environment, are located within the range of optical
+   interaction. */
 #include <eda/index.h>
 #include <eda/memory.h>
 #include <eda/print.h>
@@ -23,10 +24,10 @@ typedef struct seen {
   uint8_t (*sum)[SUM_SIZE];
 } seen;
 
-/* A neighbour in the own coordinates of another. */
+/* A neighbour in the coordinates of another transistor. */
 typedef struct neighbour {
   eda_box box;
-  uint32_t mask, lies; /* axis and flip, as seen by the other */
+  uint32_t mask, lies; /* axis and flip relative to that transistor */
 } neighbour;
 
 static int by_place(const void *a, const void *b) {
@@ -35,7 +36,8 @@ static int by_place(const void *a, const void *b) {
   return (p->box.x0 > q->box.x0) - (p->box.x0 < q->box.x0);
 }
 
-/* Along its own L and W, which are another's W and L if their axes differ. */
+/* Return the orientation of a gate relative to another one; L and W are
+   exchanged if their axes differ. */
 static uint32_t lies_as(const eda_chip_gate *g, const eda_chip_gate *to) {
   uint32_t flip = to->flip;
   if (g->axis != to->axis) flip = (flip & 1) << 1 | flip >> 1;
@@ -90,7 +92,7 @@ static void add_print(work *w, const uint8_t *sum, uint32_t first) {
   g_hash_table_insert(w->prints, copy, GUINT_TO_POINTER(++c->prints));
 }
 
-/* The print of each transistor; those that are new have no figures yet. */
+/* Find the print of each transistor; new prints have no figures yet. */
 static void find_prints(work *w) {
   eda_chip *c = w->chip;
   eda_box *box = eda_alloc(c->count, sizeof *box);
@@ -112,8 +114,8 @@ static void find_prints(work *w) {
 /* ---- printing ---- */
 
 typedef struct prove {
-  sheets on;    /* the transistors to print, */
-  size_t first; /* of the prints from `first` on */
+  sheets on;    /* transistors to simulate */
+  size_t first; /* first print number */
 } prove;
 
 typedef struct proved {
@@ -121,12 +123,12 @@ typedef struct proved {
   eda_figures design, after;
 } proved;
 
-/* Before all that is of a sheet: its transistors, then their faults. */
+/* Header of a sheet's records: transistors, then violations. */
 typedef struct head {
   uint64_t transistors;
 } head;
 
-/* The transistors of a sheet with their masks, not printed yet. */
+/* Build the masks of a sheet without simulating them. */
 static int make_mask(const work *w, const sheet *s, eda_mask *m,
                      opc_error *error) {
   const eda_gates *g = s->gates;

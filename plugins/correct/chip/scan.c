@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The transistors of a layout, window by window, and which of them have the
-   same surroundings. */
+/* Implements the search for transistors window by window and their classes of
+   equal environments. */
 #include <eda/check.h>
 #include <eda/memory.h>
 #include <math.h>
@@ -9,9 +9,9 @@
 
 #include "work.h"
 
-/* Ours: as many windows side by side as keep two to eight cores busy, whatever
-   the number of threads; and how far, nm, a window sees beyond the radius at
-   first: more than most transistors are wide. */
+/* Number of windows per work unit, enough for two to eight cores and
+   independent of the number of threads; and initial view of a window beyond the
+   radius, nm, larger than most transistors. */
 enum { AT_ONCE = 8, BEYOND = 2000 };
 
 typedef struct scan {
@@ -98,7 +98,7 @@ static int take_some(void *data, size_t part, const void *bytes, size_t size,
   return OPC_OK;
 }
 
-/* All else follows from what the step is given. */
+/* All other dependencies are inputs of the step. */
 static const char *key_of(void *data, size_t part) {
   scan *s = data;
   (void)snprintf(s->key, sizeof s->key, "%zu", part);
@@ -131,8 +131,8 @@ static gboolean same_sum(gconstpointer a, gconstpointer b) {
 
 GHashTable *work_sums(void) { return g_hash_table_new(hash_sum, same_sum); }
 
-/* The first of each class, lowest and then leftmost, is whom a mask is made
-   for; the others lie as it does but for `flip`. */
+/* Group transistors into classes. The mask of a class is made for its lowest,
+   then leftmost, transistor; the others are oriented by `flip`. */
 static void find_classes(work *w) {
   eda_chip *c = w->chip;
   GHashTable *class_of = work_sums();
@@ -158,7 +158,7 @@ static void find_classes(work *w) {
   g_hash_table_destroy(class_of);
 }
 
-/* What transistors can lie in: the poly. */
+/* Compute the extent of the layers with transistors. */
 static int find_extent(work *w, opc_error *error) {
   eda_chip *c = w->chip;
   c->extent = (eda_box)EDA_BOX_EMPTY;

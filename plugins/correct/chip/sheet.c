@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Cuts clips out of a layout and puts them side by side. */
+/* Implements cutting clips out of a layout and placing them side by side. */
 #include "sheet.h"
 
 #include <eda/check.h>
@@ -10,7 +10,7 @@
 
 /* ---- where they go ---- */
 
-/* A clip to be placed. */
+/* A clip to place. */
 typedef struct item {
   uint32_t number;
   int32_t wide, high;
@@ -32,7 +32,7 @@ void pages_make(const cover *c, int32_t most, int32_t gap, pages *out) {
     all[i] = (item){(uint32_t)i, b.x1 - b.x0, b.y1 - b.y0};
   }
   if (c->count) qsort(all, c->count, sizeof *all, by_height);
-  int64_t x = 0, y = 0, row = 0; /* where the next one goes; the row's height */
+  int64_t x = 0, y = 0, row = 0; /* next position; height of the row */
   for (size_t k = 0; k < c->count; k++) {
     const item *t = &all[k];
     if (x && x + t->wide > most) {
@@ -64,8 +64,8 @@ void pages_clear(pages *p) {
 typedef struct piece {
   size_t clip;
   eda_gates *gates;
-  eda_point by;    /* from the layout to the sheet */
-  int32_t *number; /* of each of its gates on the sheet; -1: none */
+  eda_point by;    /* offset from the layout to the sheet */
+  int32_t *number; /* [gates], number on the sheet; -1: none */
 } piece;
 
 typedef struct maker {
@@ -88,7 +88,7 @@ static int cut_one(void *data, size_t i, opc_error *error) {
 
 /* ---- joining ---- */
 
-/* Something of a piece, by where it stands on the sheet. */
+/* Element of a clip with its position on the sheet. */
 typedef struct ref {
   uint32_t piece, i;
   eda_point at;
@@ -116,7 +116,7 @@ static int is_within(eda_box b, eda_box w, int32_t rim) {
          b.y1 <= w.y1 - rim;
 }
 
-/* The gates of the sheet, sorted; their numbers are told to the pieces. */
+/* Find and sort the gates of the sheet, and set their numbers in the clips. */
 static ref *find_gates(maker *m, size_t *count) {
   size_t all = 0, n = 0;
   for (size_t k = 0; k < m->count; k++) all += m->piece[k].gates->count;
@@ -238,7 +238,7 @@ static void put_layer(maker *m, size_t layer) {
   free(refs);
 }
 
-/* Which gates the places are. */
+/* Find the gates of the places. */
 static void mark_places(maker *m) {
   for (size_t k = 0; k < m->count; k++) {
     const piece *p = &m->piece[k];

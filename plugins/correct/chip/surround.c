@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A transistor's surroundings are the edges of what is drawn there, in its own
-   coordinates: each becomes a number of 64 bits. Of the four ways to look at
-   them along L and W the one is taken in which the numbers' sum of hashes is
-   least; a tie is a symmetry, by which all ways that tie look alike. Sums need
-   no order: sorting the numbers took as long as all else of a scan. */
+/* Implements checksums of environments. Each edge within the radius, in the
+   transistor's own coordinates, becomes a 64-bit number. Among the four mirror
+   images along L and W, the one with the smallest hash sum is selected; equal
+   sums indicate a symmetry. Sums do not depend on the order of edges, which
+   avoids sorting (as long as the remaining scan). */
 #include "surround.h"
 
 #include <eda/check.h>
@@ -15,22 +15,21 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Ours: the side of the index's cells, nm, about a tenth of the windows that
-   are looked for; and as many transistors at a time as make a thread's work
-   longer than its start. */
+/* Cell size of the spatial index, nm, about a tenth of a search window; and
+   number of transistors per task. */
 enum { CELL = 500, AT_ONCE = 256 };
 
-/* Of a coordinate in a number: two of them, and where the edge is. */
+/* Layout of an edge's number: three coordinates and the edge's kind. */
 enum {
   BITS = 19,
   FURTHEST = (1 << (BITS - 1)) - 1,
-  WIDEST = FURTHEST / 4, /* radius */
+  WIDEST = FURTHEST / 4, /* largest radius */
   MOST_LAYERS = 32
 };
 
 enum { FLIPS = 4 };
 
-/* An edge of merged shapes: at a constant coordinate along `across`. */
+/* Edge of merged shapes, at a constant coordinate along `across`. */
 typedef struct edge {
   int32_t at, low, high;
   uint8_t layer, across, high_side;
@@ -52,7 +51,7 @@ typedef struct seen {
 
 static edge edge_of(size_t layer, eda_point a, eda_point b) {
   edge e = {.layer = (uint8_t)layer};
-  if (a.x == b.x) { /* down on the left side of the interior, up on its right */
+  if (a.x == b.x) { /* down on the left side of the interior, up on the right */
     e.across = EDA_X;
     e.high_side = a.y < b.y;
     e.at = a.x;
@@ -96,8 +95,8 @@ static void find_edges(seen *s) {
 
 /* ---- one transistor ---- */
 
-/* What is written in its own coordinates: from the LOW ends of its box, or from
-   the HIGH ends. */
+/* Own coordinates of a transistor, counted from the LOW or from the HIGH ends
+   of its box. */
 typedef struct frame {
   eda_box box;
   uint8_t axis;
@@ -111,7 +110,7 @@ static int32_t size_of(const frame *f, int d) {
   return d == EDA_X ? f->box.x1 - f->box.x0 : f->box.y1 - f->box.y0;
 }
 
-/* `back`: [2], along x and y. */
+/* Return the number of an edge; back[2] selects mirroring along x and y. */
 static uint64_t number_of(const frame *f, const edge *e, const int *back) {
   static const uint64_t mask = ((uint64_t)1 << BITS) - 1;
   int d = e->across, other = !d;
@@ -133,7 +132,7 @@ static uint64_t number_of(const frame *f, const edge *e, const int *back) {
          ((uint64_t)low & mask) << BITS | ((uint64_t)high & mask);
 }
 
-/* As splitmix64 does it, from two starts. */
+/* Return the splitmix64 hash of a number, for one of two seeds. */
 static uint64_t mix(uint64_t x, uint64_t start) {
   x += start;
   x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9u;
@@ -141,9 +140,8 @@ static uint64_t mix(uint64_t x, uint64_t start) {
   return x ^ (x >> 31);
 }
 
-/* The edges of a transistor, seen in one of the four ways: sums of what two
-   hashes make of them, which do not ask for their order. Equal sums of 128 bits
-   are equal edges. */
+/* Edges of a transistor in one of the four mirror images: order-independent
+   sums of two hashes. Equal sums of 128 bits mean equal edges. */
 typedef struct heap {
   uint64_t sum, other, count;
 } heap;
@@ -170,7 +168,7 @@ static int too_large(const seen *s, size_t i, opc_error *error) {
       b.y1 * s->gates->grid, FURTHEST * s->gates->grid);
 }
 
-/* What is within the radius, cut off there. */
+/* Add the edges within the radius, clipped. */
 static void look(const seen *s, size_t i, heap *h) {
   frame f = {s->gates->box[i], s->gates->axis[i]};
   eda_box w = {f.box.x0 - s->radius, f.box.y0 - s->radius, f.box.x1 + s->radius,
@@ -188,7 +186,7 @@ static void digest(const seen *s, size_t i, const heap *h, uint8_t *out) {
   const eda_gates *g = s->gates;
   frame f = {g->box[i], g->axis[i]};
   eda_goal goal = eda_gates_goal(g, i);
-  /* L and W in steps of 1e-3 nm: rounding is not to part what is equal. */
+  /* L and W in steps of 1e-3 nm, to absorb rounding. */
   const int64_t head[] = {g->type[i],
                           s->ways == 8 ? EDA_X : f.axis,
                           size_of(&f, f.axis),

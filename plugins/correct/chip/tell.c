@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What is told of a chip: figures of all transistors, and tables that do not
-   grow with it. */
+/* Implements the report of a chip: figures of all transistors, in tables of
+   bounded size. */
 #include <eda/memory.h>
 #include <eda/print.h>
 #include <math.h>
@@ -12,13 +12,12 @@
 #include <correct/report.h>
 #include "work.h"
 
-/* %: of a figure that is worse than drawn, less than tables show; as of the
-   guard of a loop. */
+/* Tolerance of |Ion deviation|, %; as in guard.c. */
 static const double worse_than = 0.001;
 
 enum { SHORT_TABLE = 24 };
 
-/* How many transistors have a fault, and the first of them. */
+/* Number of transistors with a fault, and the first of them. */
 typedef struct fault {
   size_t count, first;
 } fault;
@@ -61,7 +60,7 @@ static void find(const work *w, const fault *f, const char *what) {
 
 /* ---- tables ---- */
 
-/* How many transistors the classes have: 1, 2, 3 to 4, 5 to 8 and so on. */
+/* Write a histogram of class sizes: 1, 2, 3 to 4, 5 to 8 and so on. */
 static int class_table(const work *w, const char *name, size_t n, int prints,
                        opc_error *error) {
   enum { SIZES = 34 };
@@ -94,7 +93,7 @@ static int class_table(const work *w, const char *name, size_t n, int prints,
                       error);
 }
 
-/* The prints that are furthest off, and where. */
+/* Row of the table of largest deviations. */
 typedef struct print_row {
   const char *type, *print;
   int64_t transistors;
@@ -127,7 +126,7 @@ static print_row row_of(const eda_chip *c, size_t i) {
       .off = prove_off(p)};
 }
 
-/* A thousand of them are looked at by nobody. */
+/* largest number of rows */
 enum { MOST_ROWS = 1000 };
 
 static int worst_table(const work *w, opc_error *error) {
@@ -193,7 +192,7 @@ static int put_metrics(const work *w, const sums *s, opc_error *error) {
   return opc_put_metrics(w->host, OPC_ARRAY(values), error);
 }
 
-/* Lengths and widths are those of the gates' boxes. */
+/* Check the drawn lengths and widths, given by the gates' boxes. */
 static void find_in_drawing(const work *w) {
   const eda_chip *c = w->chip;
   eda_gates g = {.count = c->count,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Lines first, in x; then lines that are equal, in y. Each takes as many as
-   follow at the distance of the first two, which finds what was an array but
-   for where two of them meet. */
+/* Implements arrays: first rows in x, then equal rows in y. Each run extends as
+   far as the distance of its first two elements continues. This restores the
+   original arrays, except where two of them meet. */
 #include "arrays.h"
 
 #include <eda/memory.h>

@@ -1,21 +1,21 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Many placements as few arrays. */
+/* Compression of placements into arrays. */
 #ifndef CORRECT_LAYOUT_ARRAYS_H
 #define CORRECT_LAYOUT_ARRAYS_H
 
 #include <eda/layout.h>
 
-/* One of a cell: `way` as of a territory. */
+/* Placement of a cell; `way` as in territory. */
 typedef struct put {
   uint32_t cell;
   eda_point at;
   uint8_t way;
 } put;
 
-/* Place n cells, whose numbers in the layout are cell[put.cell], in `top`: all
-   that stand in lines at equal distances, and such lines one above the other,
-   as arrays. The order of `puts` does not matter, and is lost. *arrays: how
-   many instances these are. [main] */
+/* Place n cells with the numbers cell[put.cell] in `top`. Equidistant
+   placements in rows, and equal rows in columns, become arrays. `puts` is
+   reordered. *arrays receives the number of instances. Call on the main
+   thread. */
 int arrays_place(eda_layout *layout, int32_t top, const int32_t *cell,
                  put *puts, size_t n, size_t *arrays, opc_error *error);
 

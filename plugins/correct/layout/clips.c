@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A mask is cut into rectangles once; each territory then takes its parts of
-   those that lie in it, so that a window costs what there is in it. What two
-   territories share belongs to the one that is placed first. */
+/* Implements the dissection of a window's mask. The mask is fractured into
+   rectangles once, and each territory takes those within it. The overlap of two
+   territories belongs to the one placed first. */
 #include "clips.h"
 
 #include <eda/formats.h>
@@ -12,10 +12,10 @@
 
 #include <correct/start.h>
 
-/* The mask of a layer. */
+/* Mask of a layer. */
 typedef struct masked {
   eda_shapes shapes;
-  eda_box *box; /* the same in rectangles */
+  eda_box *box; /* the same as rectangles */
   size_t boxes;
   eda_index *index;
 } masked;
@@ -23,9 +23,9 @@ typedef struct masked {
 typedef struct window {
   const cutter *cutter;
   eda_box core;
-  territory *near; /* that touch the core or what begins there */
+  territory *near; /* territories that touch the core or begin in it */
   size_t n_near;
-  eda_index *index; /* of these */
+  eda_index *index; /* index of `near` */
   masked *mask;     /* [layers] */
   clips *out;
   opc_error *error;
@@ -61,7 +61,7 @@ static eda_shapes shapes_of(const eda_box *box, size_t n) {
   return s;
 }
 
-/* OP of boxes, as shapes. */
+/* Combine boxes by an operation of eda_boolean. */
 static int combine(int op, const eda_box *a, size_t n, const eda_box *b,
                    size_t m, eda_shapes *out, opc_error *error) {
   eda_shapes p = shapes_of(a, n), q = shapes_of(b, m);
@@ -78,8 +78,8 @@ static int begins(const window *w, const territory *t) {
   return b.x0 >= c.x0 && b.x0 < c.x1 && b.y0 >= c.y0 && b.y0 < c.y1;
 }
 
-/* The territories that begin in the core reach as far as `see`, and those that
-   touch it are known. */
+/* Find the territories that touch the core; *see receives the core, extended to
+   the territories that begin in it. */
 static int find_territories(window *w, eda_box *see) {
   const cutter *c = w->cutter;
   *see = w->core;
@@ -126,7 +126,7 @@ static int make_mask(window *w, eda_box see) {
 
 /* ---- territories ---- */
 
-/* The box of a territory less those of earlier ones. */
+/* Compute the box of a territory minus the earlier ones. */
 static int find_own(const window *w, const territory *t, eda_box_list *out) {
   eda_box_list taken = {0};
   eda_finder f = eda_index_find(w->index, t->box);
@@ -159,7 +159,8 @@ static int write_polygon(void *data, const eda_point *points, size_t n,
   return OPC_OK;
 }
 
-/* What the territory has of a layer; a polygon of no points ends it. */
+/* Write the part of a layer in a territory, terminated by a polygon without
+   points. */
 static int write_layer(const window *w, const territory *t,
                        const eda_box_list *own, size_t layer, GByteArray *to) {
   const masked *m = &w->mask[layer];

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The mask of a window, cut up: what lies in territories, as their cells have
-   it, and what lies between them. */
+/* Dissection of a window's mask into the masks of territories, in the
+   coordinates of their cells, and the remainder between them. */
 #ifndef CORRECT_LAYOUT_CLIPS_H
 #define CORRECT_LAYOUT_CLIPS_H
 
@@ -9,16 +9,15 @@
 
 #include "outline.h"
 
-/* What all windows are cut by. */
+/* Common settings of all windows. */
 typedef struct cutter {
   const eda_chip *chip;
   const eda_layout *outline;
-  int32_t margin; /* grid units: no edge of the mask is further from where it is
-                     drawn */
+  int32_t margin; /* largest displacement of a mask edge, grid units */
 } cutter;
 
-/* Of a territory. `shapes`: of each layer the number of polygons, of points of
-   each, and the points, all int32_t, as its cell has them: equal bytes are
+/* Mask of a territory. `shapes`: for each layer, polygons as point count and
+   points, terminated by 0; all int32_t in cell coordinates. Equal bytes are
    equal masks. */
 typedef struct clip {
   GBytes *shapes;
@@ -28,12 +27,13 @@ typedef struct clip {
 } clip;
 
 typedef struct clips {
-  clip *clip; /* of territories that begin in the core and have any mask */
+  clip *clip; /* territories that begin in the core and are not empty */
   size_t count;
-  eda_shapes *rest; /* [layers]: what lies in the core and in no territory */
+  eda_shapes *rest; /* [layers], mask in the core outside of territories */
 } clips;
 
-/* Cut the window of a core. [any] */
+/* Dissect the window of a core. Callable from any thread; clips_clear frees
+ *out. */
 int clips_cut(const cutter *by, eda_box core, clips *out, opc_error *error);
 void clips_clear(clips *clips, size_t layers);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* correct.layout: the mask of a chip as a layout with cells and arrays. It is
-   made window by window and never there as a whole; what is masked alike in
-   cells that are placed is one cell. */
+/* Implements the step `correct.layout`: the mask of a chip as a layout with
+   cells and arrays. The mask is built window by window and never as a whole.
+   Placed cells with equal masks become one cell. */
 #include <eda/check.h>
 #include <eda/formats.h>
 #include <eda/memory.h>
@@ -12,11 +12,11 @@
 #include "arrays.h"
 #include "clips.h"
 
-/* Ours. Windows at a time, whatever the number of threads. */
+/* windows per batch, independent of the number of threads */
 enum { AT_ONCE = 8 };
-/* nm: the side of a window, and the most that a cell may have that is kept as
-   one. Windows are larger by their surroundings, 3 um on each side, which is
-   twice the area at 15 um; at 60 um a window of a dense layout takes 50 MB. */
+/* Side of a window and largest size of a preserved cell, nm. Windows are
+   extended by 3 um on each side, which doubles the area at 15 um. At 60 um, a
+   window of a dense layout takes 50 MB. */
 static const double side = 30000, most = 20000;
 
 /* ---- state ---- */
@@ -30,15 +30,15 @@ typedef struct work {
   cutter cutter;
   int32_t window;
   size_t columns, rows;
-  eda_box extent; /* of the mask */
+  eda_box extent; /* extent of the mask */
   eda_layout *out;
-  int32_t top, *layer; /* of each of the chip's */
-  GHashTable *known;   /* from shapes to the number of their cell + 1 */
-  int32_t *cell;       /* of each of these: that of the layout */
+  int32_t top, *layer; /* [layers of the chip], layer of the output */
+  GHashTable *known;   /* from shapes to cell number + 1 */
+  int32_t *cell;       /* [n_cells], cell of the layout */
   size_t n_cells, cell_room;
   put *put;
   size_t n_put, put_room;
-  size_t first; /* window of a batch */
+  size_t first; /* first window of the batch */
   clips clips[AT_ONCE];
 } work;
 
@@ -49,8 +49,8 @@ static int32_t larger(int32_t a, int32_t b) {
   return a > b ? a : b;
 }
 
-/* How far an edge goes from where it is drawn, at most: a total goes to one
-   side at worst. */
+/* Return the largest displacement of an edge, with all of a bias on one
+   side. */
 static int32_t find_moves(const eda_chip *c) {
   int32_t far = 0;
   for (size_t i = 0; i < c->masks; i++) {
@@ -65,8 +65,8 @@ static int32_t find_moves(const eda_chip *c) {
   return far;
 }
 
-/* How far patches and bites reach from a corner of their gate; and how far
-   before it, as what lies beyond its cell may also lie behind it. */
+/* Return the largest distance of added shapes and cut-outs from a corner of
+   their gate. *before receives the distance towards lower coordinates. */
 static int32_t find_boxes(const eda_chip *c, int32_t *before) {
   int32_t far = 0;
   *before = 0;
@@ -112,7 +112,7 @@ static int add_rest(work *w, const clips *c, opc_error *error) {
   return code;
 }
 
-/* The cell is called after one that it masks. */
+/* Create a cell named after a cell that it masks. */
 static int32_t name_cell(work *w, const clip *c, opc_error *error) {
   const eda_chip *chip = w->cutter.chip;
   int32_t of =
@@ -125,7 +125,7 @@ static int32_t name_cell(work *w, const clip *c, opc_error *error) {
   }
 }
 
-/* A cell of these shapes; its number among ours in *number. */
+/* Create a cell with these shapes; *number receives its index in `cell`. */
 static int add_cell(work *w, const clip *c, uint32_t *number,
                     opc_error *error) {
   target t = {w, name_cell(w, c, error), 0};

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Masks of chips as layouts with cells, against the mask of all of it at once:
-   nothing is left of either without the other, by our own booleans and by
-   KLayout's. */
+/* Tests masks of chips as layouts with cells against the flat mask: the
+   difference is empty, by the internal booleans and by KLayout. */
 #include <eda/chip.h>
 #include <eda/memory.h>
 #include <eda/segment.h>
@@ -37,9 +36,9 @@ static void place(eda_layout *layout, int32_t in, int32_t cell, int32_t x,
   g_assert_false(eda_layout_add_instance(layout, in, cell, &p, NULL, &e));
 }
 
-/* A cell of two transistors, whose poly leaves it; blocks of 30 x 20 of it that
-   overlap at their seams, all eight ways, a ring around a hole, a line over all
-   rows, and a cell within a cell. */
+/* Return a layout with a cell of two transistors whose poly leaves it, blocks
+   of 30 x 20 cells that overlap at their seams, all eight orientations, a ring
+   around a hole, a line over all rows, and a cell within a cell. */
 static eda_layout *draw(double unit) {
   opc_error e;
   eda_layout *layout = eda_layout_new(unit, &e);
@@ -83,8 +82,8 @@ static eda_gates *flat(const eda_layout *layout) {
   return g;
 }
 
-/* As a correction would leave it: transistors of a size have one mask, some
-   have others; patches and bites beyond the cell. */
+/* Return a corrected chip: most transistors of equal size have one mask, some
+   have others; added shapes and cut-outs extend beyond the cell. */
 static eda_chip *chip_of(const eda_layout *layout, const eda_gates *g,
                          GRand *rand) {
   enum { MASKS = 5, BOXES = 3 };
@@ -131,7 +130,7 @@ static eda_chip *chip_of(const eda_layout *layout, const eda_gates *g,
 
 /* ---- the truth ---- */
 
-/* The mask of a layer, all at once. */
+/* Compute the flat mask of a layer. */
 static eda_shapes mask_of(const eda_chip *chip, const eda_gates *g, size_t k) {
   opc_error error;
   eda_shapes s;
@@ -144,7 +143,7 @@ static eda_shapes mask_of(const eda_chip *chip, const eda_gates *g, size_t k) {
   return s;
 }
 
-/* Layers of a layout and of shapes that differ, flattened by us. */
+/* Check that the layers of a flattened layout equal these shapes. */
 static void check_same(const eda_layout *made, const eda_chip *chip,
                        const eda_gates *g) {
   opc_error error;
@@ -214,7 +213,8 @@ static eda_layout *flat_layout(const eda_chip *chip, const eda_gates *g) {
   return out;
 }
 
-/* What KLayout says of both files; NULL without it. */
+/* Compare both files with KLayout. Returns its output, or NULL without
+   KLayout. */
 static char *ask_klayout(void) {
   g_autofree char *program = g_find_program_in_path("klayout");
   g_autofree char *path = g_build_filename(opc_test_folder(), "ask.py", NULL);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Boxes of cells, flat: their corners come in a known order, by which one sees
-   how a cell lies. */
+/* Implements territories by flattening boxes of cells; the order of the corners
+   shows the orientation. */
 #include "outline.h"
 
 #include <eda/memory.h>
@@ -22,7 +22,8 @@ static int draws(const eda_layout *layout, int32_t cell, const int32_t *layers,
   return 0;
 }
 
-/* Around what the cell and those below draw; 0 if there is no such box. */
+/* Compute the bounding box of a cell with all cells below. Returns 0 for an
+   empty box. */
 static int find_box(const eda_layout *layout, int32_t cell,
                     const int32_t *layers, size_t n, eda_box *box) {
   *box = (eda_box)EDA_BOX_EMPTY;
@@ -84,14 +85,15 @@ eda_layout *outline_new(const eda_layout *layout, int32_t top,
 
 /* ---- territories ---- */
 
-/* The quarter turn that brings (1, 0) to the direction of (x, y), -1 if there
-   is none. */
+/* Return the number of quarter turns from (1, 0) to (x, y), or -1 for other
+   angles. */
 static int quarter(int64_t x, int64_t y) {
   if ((x != 0) == (y != 0)) return -1;
   return x > 0 ? 0 : y > 0 ? 1 : x < 0 ? 2 : 3;
 }
 
-/* p: where the corners have come, counter-clockwise from the low-low one. */
+/* Set the territory of a box; p: its corners after placement, counter-clockwise
+   from the original lower left one. Returns 0 for other angles. */
 static int see(const eda_point *p, uint32_t number, territory *out) {
   int along = quarter((int64_t)p[1].x - p[0].x, (int64_t)p[1].y - p[0].y);
   int up = quarter((int64_t)p[3].x - p[0].x, (int64_t)p[3].y - p[0].y);

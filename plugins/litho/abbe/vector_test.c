@@ -251,7 +251,8 @@ static void test_disks(void) {
     for (int q = 0; q < PLACES; q++) p.x[q] = (q % 10 / 18.0 - 0.5) * pitch;
     for (int i = 0; i < ACROSS * ACROSS; i++) {
       double x = (i % ACROSS + 0.5) * 2 / ACROSS - 1;
-      double y = (i / ACROSS + 0.5) * 2 / ACROSS - 1;
+      int row = i / ACROSS;
+      double y = (row + 0.5) * 2 / ACROSS - 1;
       double r = hypot(x, y) * cases[c].sigma;
       if (r > cases[c].sigma || r < cases[c].sigma_in) continue;
       add_point(&cases[c].s, cases[c].polarisation, x * cases[c].sigma,

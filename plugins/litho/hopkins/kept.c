@@ -22,12 +22,20 @@ struct kept {
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static kept *all;
 
+/* Return whether two keys are equal to the bit. */
+static int kept_is_same(const kept_key *a, const kept_key *b) {
+  uint64_t x[sizeof *a / sizeof(uint64_t)], y[sizeof *a / sizeof(uint64_t)];
+  memcpy(x, a, sizeof x);
+  memcpy(y, b, sizeof y);
+  return !memcmp(x, y, sizeof x);
+}
+
 /* Return the entry of a key and move the entry to the front of the list. The
    caller holds the lock. */
 static kept *find(const kept_key *key) {
   for (kept **at = &all; *at; at = &(*at)->next) {
     kept *k = *at;
-    if (memcmp(&k->key, key, sizeof *key) != 0) continue;
+    if (!kept_is_same(&k->key, key)) continue;
     *at = k->next;
     k->next = all;
     all = k;

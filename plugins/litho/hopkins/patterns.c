@@ -188,7 +188,7 @@ int pattern_is_lines(const kernels *k, const eda_spectrum *mask) {
   if (4 * k->cutoff * mask->frame.width + 2 > ORDERS) return 0;
   for (size_t l = 1; l < (size_t)mask->rows; l++)
     for (size_t i = 0; i < 2 * (size_t)mask->columns; i++)
-      beyond += fabs(mask->data[2 * l * (size_t)mask->columns + i]);
+      beyond += fabs((double)mask->data[2 * l * (size_t)mask->columns + i]);
   return beyond < nothing;
 }
 

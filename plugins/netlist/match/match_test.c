@@ -536,7 +536,8 @@ static void test_numbers(void) {
     if (named)
       g_assert_nonnull(c);
     else
-      g_assert_nonnull(strstr(message, "layer '14/0' has a slanted edge"));
+      g_assert_true(message &&
+                    strstr(message, "layer '14/0' has a slanted edge"));
     drop_gates(&r);
     eda_layout_free(r.layout);
   }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* For the tests of regulator.drc: layouts of boxes on a 1 nm grid, and images
-   in which these or other boxes print. */
+/* Test helpers of regulator.drc: layouts of boxes on a 1 nm grid, and images in
+   which these or other boxes print. */
 #ifndef REGULATOR_BOXES_TEST_H
 #define REGULATOR_BOXES_TEST_H
 
@@ -33,7 +33,7 @@ static inline size_t violations(opc_module *m, const eda_printed *p,
   return count;
 }
 
-/* Up to 16 boxes of a layer, as shapes and as what prints. */
+/* Up to 16 boxes of a layer, as shapes and as printed image. */
 typedef struct boxes {
   eda_point points[64];
   uint32_t start[17];
@@ -50,7 +50,8 @@ static inline void add_box(boxes *b, int32_t x0, int32_t y0, int32_t x1,
   b->shapes.points = b->points;
 }
 
-/* The level set whose contours are the boxes' sides, but for corners. */
+/* Return the level set whose contours are the sides of the boxes, except at
+   corners. */
 static inline eda_field field_of(const boxes *b) {
   enum { STEP = 8, N = 250 };
   const opc_host *host = opc_test_host();
@@ -71,7 +72,7 @@ static inline eda_field field_of(const boxes *b) {
   return f;
 }
 
-/* A layout without gates, its mask as drawn, and what prints of it. */
+/* A layout without gates, its mask as drawn, and its printed image. */
 typedef struct chip {
   boxes drawn[LAYERS], printed[LAYERS];
   eda_gates gates;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* For the tests of the regulator: a chip on a 1 nm grid that prints by a
-   function of the test, which may follow what the last ruling asks for. */
+/* Test helpers of the regulator: a chip on a 1 nm grid whose printed image is a
+   function of the test, which may follow the last ruling. */
 #ifndef REGULATOR_CHIP_TEST_H
 #define REGULATOR_CHIP_TEST_H
 
@@ -13,7 +13,7 @@
 
 enum { STEP = 8, N = 250, MOST = 8 };
 
-/* Poly, active and contacts, of which the last are not corrected. */
+/* Poly, active and contacts; contacts are not corrected. */
 enum { CONTACT = 2, LAYERS = 3 };
 static char *names[] = {"poly", "active", "contact"};
 static uint8_t corrected[] = {1, 1, 0};
@@ -86,7 +86,7 @@ static inline void begin(chip *c) {
   c->ruling = (eda_ruling){.patches = c->patches, .bites = c->bites};
 }
 
-/* Print by a function that is positive where poly is. */
+/* Set the printed image to a function that is positive inside poly. */
 static inline void print(chip *c,
                          double (*poly)(const chip *c, double x, double y)) {
   const opc_host *host = opc_test_host();
@@ -138,7 +138,7 @@ static inline void end(chip *c) {
     eda_field_clear(&c->print[layer]);
 }
 
-/* How far patches go beyond the right edge at x, at a height. */
+/* Return the extent of repair shapes beyond the right edge x at height y. */
 static inline int32_t grown(const chip *c, int32_t x, double y) {
   int32_t by = 0;
   for (size_t i = 0; i < c->ruling.patches[EDA_POLY].count; i++) {
@@ -148,8 +148,8 @@ static inline int32_t grown(const chip *c, int32_t x, double y) {
   return by;
 }
 
-/* A vertical line x 0..65, y 0..400, with a gate at y 100..300 and its line end
-   at 400; another line's end `gap` above. */
+/* Add a vertical line x 0..65, y 0..400, with a gate at y 100..300 and a line
+   end at 400; and the line end of another line `gap` above. */
 static inline void add_end(chip *c, int32_t gap) {
   add_poly(c, 0, 0, 65, 400);
   add_poly(c, 0, 400 + gap, 65, 1200);
@@ -171,14 +171,14 @@ static inline double line_ends(const chip *c, double x, double y) {
   return fmax(fmin(low, y), fmin(fmin(x, 65 - x), y - 520));
 }
 
-/* The mask as the last ruling sent the line end. */
+/* Set the mask to that of the last ruling at the line end. */
 static inline void follow(chip *c) {
   memcpy(c->moved, c->points, sizeof c->moved);
   c->moved[2].y = c->moved[3].y += c->end[1];
   c->mask[EDA_POLY].points = c->moved;
 }
 
-/* How much further a head goes out than the line, on each side; 0 for none. */
+/* Return the width of the head beyond the line on each side; 0 for none. */
 static inline int32_t head(const chip *c) {
   if (!c->ruling.patches[EDA_POLY].count) return 0;
   g_assert_cmpuint(c->ruling.patches[EDA_POLY].count, ==, 1);
@@ -189,7 +189,8 @@ static inline int32_t head(const chip *c) {
   return -b.x0;
 }
 
-/* How deep bites go from the edge y towards `down` at x. */
+/* Return the depth of cut-outs at x, from the edge y downwards (`down`) or
+   upwards. */
 static inline int32_t bitten(const chip *c, double x, int32_t y, int down) {
   int32_t depth = 0;
   for (size_t i = 0; i < c->ruling.bites[EDA_POLY].count; i++) {

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* regulator.drc: the DRC compliance regulator (thesis 3.2.2 (3), figure 3.7).
-   It takes back lengths that bridge or open a gate, lengthens line ends whose
-   print does not reach far enough past the active, enlarges what must cover a
-   contact, and lists what is left. */
+/* Implements regulator.drc: the DRC compliance regulator (thesis 3.2.2 (3),
+   figure 3.7). The regulator vetoes lengths that bridge or open a gate,
+   lengthens line ends whose printed extension past the active is too short,
+   enlarges shapes that must cover a contact, and reports remaining
+   violations. */
 #include "drc.h"
 
 #include <eda/memory.h>
@@ -14,7 +15,7 @@
 
 static void follow(drc *r, eda_scanner scanner);
 
-/* Forget the gates and all that is of them; parameters stay. */
+/* Free all data of the gates; parameters stay. */
 static void clear(void *self) {
   drc *r = self;
   for (size_t k = 0; k < r->layers; k++) {
@@ -43,8 +44,7 @@ static void clear(void *self) {
   memset(&r->gates, 0, sizeof *r - offsetof(drc, gates));
 }
 
-/* Look around among the drawn shapes, if these are other gates or another run
-   than before. */
+/* Find the sites of the drawn shapes, if the gates or the run have changed. */
 static int look_around(drc *r, const eda_printed *p, opc_error *error) {
   const eda_gates *g = p->gates;
   if (r->gates == g && r->serial == g->serial && p->iteration >= r->iteration) {
@@ -77,7 +77,7 @@ static uint32_t vetoes(const drc *r, const eda_printed *p, size_t i) {
   if (p->flags[i] & EDA_PRINT_MERGED) v |= EDA_VETO_LONGER;
   if (p->flags[i] & (EDA_PRINT_OPEN | EDA_PRINT_NO_ACTIVE))
     v |= EDA_VETO_SHORTER | EDA_VETO_NARROWER;
-  /* Mask space, should the neighbour grow as much. */
+  /* Spacing on the mask if the neighbour grows by as much. */
   double growth = p->l[i] * g->grid;
   if (fmin(g->space[2 * i], g->space[2 * i + 1]) - growth - g->grid <
       r->min_space)
@@ -149,7 +149,7 @@ static void report_extension(const drc *r, const eda_printed *p, size_t end,
   size_t i = end / 2;
   int high = end % 2;
   eda_violation v = at_gate(g, i, ends_reason(r, end));
-  eda_box b = g->box[i]; /* the place is where the gate ends */
+  eda_box b = g->box[i]; /* the violation is located at the end of the gate */
   if (g->axis[i] == EDA_Y)
     v.x = (high ? b.x1 : b.x0) * g->grid;
   else
@@ -218,7 +218,7 @@ static const opc_parameter parameters[] = {
     LENGTH(min_mask_width, 10000, "0.155 lambda/NA", "least width of the mask"),
 };
 
-/* What is not given. */
+/* Compute the defaults of parameters that are not set. */
 static void follow(drc *r, eda_scanner scanner) {
   EDA_FOLLOW(r->host, "regulator.drc", r, parameters, scanner);
   if (isnan(r->min_extension)) r->min_extension = 2 * r->overlay;

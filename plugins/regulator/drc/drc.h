@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the files of regulator.drc share. Boxes and int32_t lengths are in steps
-   of the mask grid, doubles in nm. */
+/* Interfaces between the files of regulator.drc. Boxes and int32_t lengths are
+   in steps of the mask grid, doubles in nm. */
 #ifndef REGULATOR_DRC_H
 #define REGULATOR_DRC_H
 
@@ -9,87 +9,92 @@
 #include <eda/rules.h>
 #include <opcflow/follow.h>
 
-/* The sides of a box, and of what is looked for from there. */
+/* Sides of a box; also search directions. */
 enum { LEFT, RIGHT, BELOW, ABOVE, SIDES };
 
 static inline int upright(int side) { return side == LEFT || side == RIGHT; }
 static inline int opposite(int side) { return side ^ 1; }
 
-/* Boxes and an index of them; edges are flat ones. */
+/* Boxes with an index; edges are flat boxes. */
 typedef struct places {
   eda_box *box;
   size_t n;
   eda_index *index;
 } places;
 
-/* What is known of how a print answers to a moved mask edge. */
+/* Measured response of a printed edge to moves of the mask edge. */
 typedef struct response {
-  int32_t bias; /* of the mask at the print before */
-  double value; /* what printed then */
+  int32_t bias; /* bias of the mask at the last measurement */
+  double value; /* printed figure at that bias */
   int seen;
 } response;
 
 enum {
-  SITE_ENCLOSURE, /* a contact that its layer must cover */
+  SITE_ENCLOSURE, /* a contact that the layer must cover */
   SITE_CONTACT,   /* a contact that poly must not touch */
-  SITE_LINE,      /* across a line, as long as it must be wide */
+  SITE_LINE,      /* a cross-section of a line, of the length of the least
+                     width */
   SITE_GAP        /* the middle between two edges of a layer */
 };
 
-/* A place where the print is looked at. */
+/* A place at which the printed image is checked. */
 typedef struct site {
   eda_box box;
-  int32_t gate;   /* the nearest one, -1 for none */
-  int32_t repair; /* its number (of a gap: of its pair of trims); -1: none */
+  int32_t gate;   /* nearest gate; -1: none */
+  int32_t repair; /* index of the repair (gap: of the pair of trims); -1:
+                     none */
   uint16_t layer;
   uint8_t kind;
-  uint8_t sides;   /* those that are looked at, 1 << LEFT and so on; of a gap
-                      the lower one of the two walls */
-  uint8_t failing; /* at the last look */
+  uint8_t sides;   /* checked sides, 1 << LEFT and so on; of a gap the lower one
+                      of the two walls */
+  uint8_t failing; /* sides that fail the last check */
 } site;
 
 /* Line end [2 * i + side]. */
 typedef struct line_end {
-  eda_box tip;           /* as drawn, flat */
-  int side;              /* that it faces; -1: the gate has none */
-  int32_t most, by;      /* how far it may go out, and was sent */
-  int32_t share;         /* half of what is drawn free before it */
-  int32_t room;          /* how far the others leave room now */
-  int32_t start;         /* of its head, inwards of the tip */
-  int32_t widest, wider; /* the same on each flank */
-  double asked; /* nm: what widest was found for; INFINITY: it went back
-                   and stays so */
+  eda_box tip;           /* drawn edge, flat */
+  int side;              /* direction; -1: the gate has no line end */
+  int32_t most, by;      /* largest and present outward move */
+  int32_t share;         /* half of the drawn spacing before the line end */
+  int32_t room;          /* largest move that neighbours allow at present */
+  int32_t start;         /* begin of the head, inwards of the tip */
+  int32_t widest, wider; /* largest and present width of the head on each
+                            flank */
+  double asked; /* nm: request for which `widest` was computed; INFINITY: the
+                   head was reduced and stays so */
   response length, width;
 } line_end;
 
-/* A site that failed once: by side, how far off the drawn edge is, the piece of
-   it that a patch moves (along the edge), how far the mask may go past it, how
-   far it goes, and what prints. */
+/* Repair of a site that failed at least once. By side: distance of the drawn
+   edge, segment of that edge that a repair shape moves (along the edge),
+   largest and present outward move, and measured contour. */
 typedef struct repair {
   uint32_t site;
   int32_t edge[SIDES], from[SIDES], to[SIDES];
   int32_t room[SIDES], grow[SIDES];
-  uint8_t whole[SIDES]; /* that piece is the whole edge */
-  /* What moves the corners at both ends of that piece, NULL for nothing. */
+  uint8_t whole[SIDES]; /* 1: the segment is the whole edge */
+  /* Edges of the gate width that move the corners at both ends of the segment;
+     NULL: none. */
   const eda_fragment *corner[SIDES][2];
-  uint32_t back[SIDES]; /* the round in which it last went back */
+  uint32_t back[SIDES]; /* round of the last reduction */
   double value[SIDES];  /* from the side of the box outwards to the contour */
   response response[SIDES];
-  double flanked[SIDES]; /* what printed when the sides beside last went out for
-                            it; 0: they did not */
+  double flanked[SIDES]; /* contour when the adjacent sides last moved outwards
+                            for this one; 0: never */
 } repair;
 
-/* A stretch of a drawn edge of poly that goes back. */
+/* A stretch of a drawn poly edge that moves inwards. */
 typedef struct trim {
   eda_box wall;        /* the stretch, flat */
-  int side;            /* of it, on which the gap lies */
-  int32_t room, depth; /* how far it may go back, and does */
-  int32_t front;       /* half of the gap, which patches are to leave as well */
-  uint32_t round;      /* when it last went back */
+  int side;            /* side of the stretch on which the gap is */
+  int32_t room, depth; /* largest and present inward move */
+  int32_t front;       /* half of the gap, which repair shapes must leave free
+                          too */
+  uint32_t round;      /* round of the last move */
 } trim;
 
-/* A notch or a bump, and the straight edge that is there instead, from `from`
-   to `to`, with the shape on its left. */
+/* A filled notch or removed bump, and the straight edge that replaces it, from
+   `from` to `to`, with the shape on the left. */
 typedef struct mend {
   eda_box box;
   eda_point from, to;
@@ -106,20 +111,22 @@ typedef struct drc {
   double overlay, min_extension, want_extension, max_growth, max_head;
   double min_space, min_width, min_mask_width;
 
-  const eda_gates *gates; /* all below is of these; NULL: of none yet */
+  const eda_gates *gates; /* gates to which all data below belong; NULL: none
+                             yet */
   uint64_t serial;
   double grid;
   size_t layers;
-  uint32_t iteration; /* the last one seen */
+  uint32_t iteration; /* last iteration processed */
 
-  places *edges;              /* [layers]: drawn */
-  places boxes;               /* of the gates */
-  places contacts;            /* those that poly must not touch */
+  places *edges;              /* [layers]: drawn edges */
+  places boxes;               /* boxes of the gates */
+  places contacts;            /* contacts that poly must not touch */
   places pads;                /* contacts that poly must cover */
-  places widths;              /* edges of active that a gate's width moves */
-  const eda_fragment **width; /* of each of them */
-  places mask; /* edges of the poly that is looked at, once they are needed */
-  char **bridging; /* [layers]: the rule that a gap of it breaks */
+  places widths;              /* edges of active that the width of a gate
+                                 moves */
+  const eda_fragment **width; /* fragment of each of them */
+  places mask;     /* edges of poly on the present mask, built on demand */
+  char **bridging; /* [layers]: name of the rule violated by a bridged gap */
   site *sites;
   size_t n_sites, sites_room;
 
@@ -128,17 +135,18 @@ typedef struct drc {
   size_t n_repairs, repairs_room;
   trim *trims;
   size_t n_trims, trims_room;
-  int32_t (*pairs)[2]; /* trims on both sides of a gap that failed; -1: none
-                        */
+  int32_t (*pairs)[2]; /* trims on both sides of a failed gap; -1: none */
   size_t n_pairs, pairs_room;
-  uint32_t round; /* of prints that were looked at */
+  uint32_t round; /* number of checked iterations */
   mends *mends;   /* [layers] */
-  int undone;     /* how often one of them made way for another */
+  int undone;     /* number of smoothed jogs reverted for another one */
 
-  eda_box_list *patch, *bite; /* [layers]: of the last ruling */
+  eda_box_list *patch, *bite; /* [layers]: shapes added and cut out by the last
+                                 ruling */
 } drc;
 
-/* A list of violations with room for some; all are counted. */
+/* A list of violations of limited capacity; `count` includes those that do not
+   fit. */
 typedef struct violations {
   eda_violation *v;
   size_t room, count;
@@ -148,35 +156,37 @@ typedef struct violations {
 
 eda_box box_between(eda_point a, eda_point b);
 
-/* Takes over `box`; `nm` is about how far is looked. */
+/* Take ownership of `box` and index it; `nm` is the typical search distance. */
 void places_init(places *p, eda_box *box, size_t n, double nm, double grid);
 void places_clear(places *p);
 
-/* All edges of the shapes, in the order of their points. */
+/* Return all edges of the shapes in the order of their points. The caller frees
+   the array. */
 eda_box *edges_of(const eda_shapes *shapes, size_t *n);
 
-/* The window that lies outwards from a side, from `from` steps on to `to`,
-   `beside` wider on both flanks. */
+/* Return the window outwards of a side, from `from` to `to` steps, extended by
+   `beside` on both flanks. */
 eda_box window_at(eda_box box, int side, int32_t from, int32_t to,
                   int32_t beside);
 
-/* How far from the near edge of `window` the nearest box is that it overlaps
-   inside, going to `side`, and which (may be NULL); `none` if there is none
-   nearer. */
+/* Return the distance from the near edge of `window` to the nearest box that
+   overlaps its inside, in direction `side`, and that box in `which` (may be
+   NULL); `none` if there is no nearer box. */
 int32_t nearest(const places *p, eda_box window, int side, int32_t none,
                 eda_box *which);
 
-/* How far the mask's poly could go out from `edge`, a flat box of it, towards
-   `side`, if nothing else moved; at most `most`. */
+/* Return the largest move of the flat box `edge` towards `side` for which poly
+   on the present mask keeps its space, if nothing else moves; at most
+   `most`. */
 int32_t room_now(drc *r, const eda_printed *p, eda_box edge, int side,
                  int32_t most);
 
 /* ---- rules.c ---- */
 
-/* The bias that should bring `value` of a print with `bias` to `target` and a
-   little more, `bias` or more: by the secant through the last two prints, or at
-   first by a usual response, `steep` times that of an edge. Remembers this
-   print. */
+/* Return the bias, `bias` or more, at which the printed figure `value` is
+   expected to reach `target` plus a margin: by the secant through the last two
+   measurements, initially by a typical response, `steep` times that of an edge.
+   Stores the measurement. */
 int32_t rules_advance(response *r, int32_t bias, double value, double target,
                       double steep, double grid);
 void violations_add(violations *l, eda_violation v);
@@ -188,63 +198,64 @@ int sites_find(drc *r, opc_error *error);
 /* ---- ends.c: how far line ends go out, and how wide their heads are ---- */
 
 void ends_find(drc *r);
-/* Send a line end further out if the print wants it, or else make it wider.
-   `bias` is where it is. */
+/* Move a line end outwards if its printed extension is too short, or widen its
+   head if it cannot move. `bias` is its present move. */
 void ends_advance(drc *r, const eda_printed *p, size_t end, int32_t *bias);
-/* What must not print lies before a line end of the nearest gate: it goes back,
-   and stays there. Whether it could. `bias` is that of all. */
+/* Move back the line end of the nearest gate if the failing site is before it,
+   and limit it there. `bias` has the moves of all line ends. Return whether it
+   moved. */
 int ends_back(drc *r, const site *wrong, int32_t *bias);
-/* Add the patches of all heads. */
+/* Add the shapes of all heads to the ruling. */
 void ends_heads(drc *r);
-/* Why the print of a line end is too short. */
+/* Return the reason for an extension that is too short. */
 const char *ends_reason(const drc *r, size_t end);
 
 /* ---- repairs.c: what fails, and the patches that mend it ---- */
 
-/* Look at the sites of a print. Repairs are made for those that fail and can be
-   mended. */
+/* Check the sites on a printed image. Create repairs for failing sites that can
+   be repaired. */
 void repairs_look(drc *r, const eda_printed *p);
-/* Let patches grow where the print needs it, and edges go back that made poly
-   print as one. */
+/* Enlarge repair shapes of failing sites, and reduce shapes and edges that
+   bridge. */
 void repairs_grow(drc *r, const eda_printed *p);
-/* Add the patches of all. */
+/* Add the shapes of all repairs to the ruling. */
 void repairs_patches(drc *r, const eda_printed *p);
-/* The sites that fail, with the reason where they cannot be mended. */
+/* Report the failing sites, with the reason if they cannot be repaired. */
 void repairs_report(const drc *r, const eda_printed *p, violations *out);
 
 /* ---- trims.c: edges of poly that go back where the gap before them does not
    print, those that no transistor and no contact needs ---- */
 
-/* Let both sides of a gap that fails go back a little, at most once a print.
-   Whether one could. */
+/* Move both sides of a failing gap inwards by one step, at most once per
+   iteration. Return whether a side could move. */
 int trims_deepen(drc *r, site *gap);
-/* A line is pinched where its edges went back: they come out again, and stay.
-   Whether there were any. */
+/* Move edges outwards again whose trims pinch a line, and fix them there.
+   Return whether there were any. */
 int trims_back(drc *r, const site *line);
-/* Whether a side of the gap could still go back. */
+/* Return whether a side of the gap can still move inwards. */
 int trims_could(const drc *r, const site *gap);
-/* Add what they take away. */
+/* Add the cut-outs of all trims to the ruling. */
 void trims_bites(drc *r);
 
 /* ---- smooth.c: jogs so close together that the mask's own rules do not allow
    what is between them ---- */
 
-/* Smooth the masks of a print, which have what was smoothed before: notches are
-   filled and bumps taken away that are no deeper than they must be wide. */
+/* Smooth the masks of a printed image, which include earlier smoothing: fill
+   notches and remove bumps whose depth is at most the least width. */
 void smooth_follow(drc *r, const eda_printed *p);
-/* What was smoothed at a place of the mask that does not keep its rules is
-   looked at anew. */
+/* Drop smoothed jogs at a place where the mask violates its rules; the next
+   iteration finds them anew. */
 void smooth_drop(drc *r, size_t layer, eda_box place);
-/* Add what is added to the masks and what is taken away. */
+/* Add filled notches and removed bumps to the ruling. */
 void smooth_boxes(drc *r);
 
 /* ---- mrc.c: the rules of the mask itself ---- */
 
-/* Where merged shapes are narrower than min_mask_width, or closer together than
-   min_space; `fault` is freed with free(). Their number. */
+/* Find widths below min_mask_width and spaces below min_space of merged shapes.
+   The caller frees `fault` with free(). Return the number of faults. */
 size_t mrc_faults(const drc *r, const eda_shapes *shapes,
                   eda_rule_fault **fault);
-/* The same as violations, of the masks of all layers. */
+/* Add the same, for the masks of all layers, as violations. */
 void mrc_check(const drc *r, const eda_shapes *shapes, violations *out);
 
 #endif

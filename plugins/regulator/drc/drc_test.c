@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Rulings on hand-made measurements: two vertical gates whose line ends face
-   each other, on a 1 nm grid. */
+/* Tests rulings on synthetic measurements: two vertical gates whose line ends
+   face each other, on a 1 nm grid. */
 #include "boxes_test.h"
 
 /* Lower line x 0..65, y 0..400; upper one y 400 + gap .. 900 + gap. The gates
-   are at y 100..300 and, above, at gap + 500..700. */
+   are at y 100..300 and at gap + 500..700. */
 typedef struct fixture {
   eda_point points[8], moved[8];
   uint32_t start[3];
@@ -53,7 +53,7 @@ static void setup(fixture *f, int32_t gap) {
   f->edges[EDA_POLY] = (eda_edges){2, f->start, f->fragments};
 }
 
-/* The mask has the line ends where the last ruling sent them. */
+/* Return measurements of a mask with the line ends of the last ruling. */
 static eda_printed print_of(fixture *f) {
   memcpy(f->moved, f->points, sizeof f->moved);
   f->moved[2].y = f->moved[3].y += f->end[1];
@@ -80,8 +80,8 @@ static size_t rule(opc_module *m, fixture *f) {
   return ruling.transistors;
 }
 
-/* A line end whose print follows the mask by 0.6 nm for each nm, is long enough
-   after at most three prints, hardly too long, and then stays. */
+/* A line end whose printed end moves by 0.6 nm per nm reaches the limit after
+   at most three iterations, with little excess, and then stays. */
 static void test_extension(void) {
   static const double at_first[] = {13, 19.9, -30};
   for (size_t k = 0; k < G_N_ELEMENTS(at_first); k++) {
@@ -103,8 +103,8 @@ static void test_extension(void) {
   }
 }
 
-/* Without min_extension twice the overlay is wanted; what never answers ends
-   at max_growth. */
+/* The default of min_extension is twice the overlay; a line end without
+   response stops at max_growth. */
 static void test_default_extension(void) {
   g_autoptr(opc_module) m = make("{ overlay: 6 nm, max_growth: 25 nm }");
   fixture f;
@@ -117,7 +117,7 @@ static void test_default_extension(void) {
   g_assert_cmpint(f.end[1], ==, 25);
 }
 
-/* Other gates in the same place in memory are others, also before their first
+/* Different gates at the same address are recognized, also before their first
    iteration. */
 static void test_others(void) {
   g_autoptr(opc_module) m = make("{ min_space: 60 nm }");
@@ -143,8 +143,8 @@ static void test_facing(void) {
   g_assert_cmpint(f.end[2], ==, 15);
 }
 
-/* If only one of them is too short, it gets what the other does not need, but
-   for what a third of it rounds to. */
+/* If only one of them is too short, it may use the share of the other one,
+   except for the rounding of a third. */
 static void test_alone(void) {
   g_autoptr(opc_module) m = make("{ min_space: 60 nm }");
   fixture f;
@@ -157,8 +157,8 @@ static void test_alone(void) {
   g_assert_cmpint(f.end[2], ==, 0);
 }
 
-/* Whoever needs how much and when, the space between them is kept, and nearly
-   all of it is used if both need all. */
+/* In any order and by any amount, the space between them is kept, and used
+   almost entirely if both need it. */
 static void test_turns(void) {
   guint32 seed = 1;
   for (int run = 0; run < 200; run++) {
@@ -189,8 +189,7 @@ static void test_vetoes(void) {
   g_assert_cmpuint(rule(m, &f), ==, 0);
   g_assert_cmpuint(f.vetoes[0], ==, EDA_VETO_LONGER);
   g_assert_cmpuint(f.vetoes[1], ==, EDA_VETO_SHORTER | EDA_VETO_NARROWER);
-  /* 100 nm of room: with l = 39 the next step leaves 60, with 40 it does
-     not. */
+  /* 100 nm of spacing: with l = 39 the next step leaves 60, with 40 less. */
   f.flags[0] = f.flags[1] = 0;
   f.space[0] = 100;
   f.l[0] = 39;
@@ -210,7 +209,7 @@ static void test_violations(void) {
   f.flags[1] = EDA_PRINT_MERGED | EDA_PRINT_OPEN;
   eda_printed p = print_of(&f);
   eda_violation v[3];
-  g_assert_cmpuint(violations(m, &p, v, 2), ==, 4); /* more than room */
+  g_assert_cmpuint(violations(m, &p, v, 2), ==, 4); /* more than the capacity */
   g_assert_cmpstr(v[0].rule, ==, "extension: could still move");
   g_assert_cmpint(v[0].gate, ==, 0);
   g_assert_cmpfloat(v[0].value, ==, 12.5);
@@ -219,14 +218,13 @@ static void test_violations(void) {
   g_assert_cmpfloat(v[0].y, ==, 300);
   g_assert_cmpstr(v[1].rule, ==, "bridging");
   g_assert_cmpint(v[1].gate, ==, 1);
-  for (int i = 0; i < 5; i++) rule(m, &f); /* 5 nm of room */
+  for (int i = 0; i < 5; i++) rule(m, &f); /* 5 nm of spacing */
   violations(m, &p, v, 3);
   g_assert_cmpint(f.end[1], ==, 5);
   g_assert_cmpstr(v[0].rule, ==, "extension; no room before the line end");
 }
 
-/* Line ends that were moved so far that their prints met go back, and are not
-   sent there again. */
+/* Line ends that moved until their printed ends merged move back, and stay. */
 static void test_back(void) {
   g_autoptr(opc_module) m = make("{ min_space: 20 nm, min_extension: 30 nm }");
   fixture f;
@@ -255,7 +253,8 @@ static void test_back(void) {
     g_assert_cmpint(f.end[1], <, before);
     g_assert_cmpint(f.end[1], >=, 60 - 5 * i);
   }
-  g_assert_cmpuint(f.vetoes[0], ==, 0); /* not the gate's length is to blame */
+  g_assert_cmpuint(f.vetoes[0], ==, 0); /* the length of the gate is not the
+                                           cause */
   for (int layer = 0; layer < LAYERS; layer++) eda_field_clear(&print[layer]);
 }
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Line ends: how far they go out, and how wide their heads are. */
+/* Implements line ends: outward moves and widths of heads. */
 #include <eda/memory.h>
 #include <math.h>
 
@@ -12,12 +12,13 @@ static int32_t steps(double room, double most, double grid) {
   return (int32_t)floor(fmax(0, fmin(most, room)) / grid + 1e-9);
 }
 
-/* How far it may go: contacts that poly must not touch stay. Half of what is
-   drawn free before it is its own, as another line end may come from there. */
+/* Compute the largest outward move of a line end. Contacts that poly must not
+   touch do not move. The line end owns half of the drawn spacing, as another
+   line end may move from the other side. */
 static void find_length(const drc *r, line_end *e) {
   double grid = r->grid;
   int32_t range = (int32_t)ceil((2 * r->max_growth + r->min_space) / grid) + 1;
-  /* From the next step on, without its own edge. */
+  /* From the next step on, to exclude the line end. */
   eda_box window =
       window_at(e->tip, e->side, 1, range, (int32_t)ceil(r->min_space / grid));
   double own = nearest(&r->edges[EDA_POLY], window, e->side, range - 1, NULL);
@@ -27,7 +28,7 @@ static void find_length(const drc *r, line_end *e) {
       steps(((own + 1) * grid - r->min_space) / 2, e->most * grid, grid);
 }
 
-/* The head, as wide as it goes on each flank. */
+/* Return the head, `wider` beyond each flank of the line. */
 static eda_box head_of(const line_end *e, int32_t by, int32_t wider) {
   eda_box b = window_at(e->tip, e->side, -e->start, by, 0);
   if (upright(e->side))
@@ -37,8 +38,8 @@ static eda_box head_of(const line_end *e, int32_t by, int32_t wider) {
   return b;
 }
 
-/* How wide its head may be: it begins clear of the active, and shares what is
-   free beside it with what lies there. */
+/* Compute the largest width of the head: the head begins clear of the active,
+   and owns half of the spacing beside it. */
 static void find_width(const drc *r, line_end *e, double most,
                        double extension) {
   double grid = r->grid, room = most;
@@ -89,7 +90,8 @@ void ends_find(drc *r) {
 
 /* ---- moving ---- */
 
-/* Whether nothing prints for some way before the printed line end. */
+/* Return whether nothing prints for some distance before the printed line
+   end. */
 static int is_clear(const eda_printed *p, const line_end *e) {
   double grid = p->gates->grid, value;
   double x = (e->tip.x0 + e->tip.x1) / 2.0 * grid;
@@ -97,7 +99,7 @@ static int is_clear(const eda_printed *p, const line_end *e) {
   double *along = upright(e->side) ? &x : &y;
   double out = e->side == LEFT || e->side == BELOW ? -1 : 1;
   const eda_field *print = &p->print[EDA_POLY];
-  *along -= out * e->start * grid; /* where the line does print */
+  *along -= out * e->start * grid; /* at a place where the line prints */
   for (double d = 0; d < tuned.reach; d += grid, *along += out * grid) {
     eda_field_sample(print, &x, &y, 1, &value);
     if (value <= 0) break;
@@ -109,8 +111,9 @@ static int is_clear(const eda_printed *p, const line_end *e) {
   return 1;
 }
 
-/* How far it may be now. Two that face each other may move at once: one within
-   its share takes two thirds of what is free at most, one beyond it a third. */
+/* Return the largest move that neighbours allow at present. Two opposite line
+   ends may move at once: within its share, one uses at most two thirds of the
+   spacing, beyond it a third. */
 static int32_t room_of(drc *r, const eda_printed *p, const line_end *e,
                        int32_t bias) {
   int32_t share = e->share < e->most ? e->share : e->most;
@@ -122,9 +125,9 @@ static int32_t room_of(drc *r, const eda_printed *p, const line_end *e,
   return bias + left < share ? bias + left : share;
 }
 
-/* How long it should print: what must be, and where there is room before it
-   what is wished. A synthesizer that asks for a length knows of its effect, so
-   that there is no end to that. */
+/* Return the required printed extension or, if there is spacing before the line
+   end, the desired one. A request of the synthesizer holds in all iterations,
+   as the synthesizer knows the effect. */
 static double wanted_of(const drc *r, const eda_printed *p, size_t end) {
   const line_end *one = &r->ends[end];
   double extension = p->extension[end], wish = r->min_extension;

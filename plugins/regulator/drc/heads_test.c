@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Heads of line ends, and how long line ends are wished to be, with a print
-   that follows them. */
+/* Tests heads of line ends and desired extensions, with a printed image that
+   follows them. */
 #include "chip_test.h"
 
-/* A line end that prints by 0.7 of its own length, and by 3 nm for each nm of
-   its head: length first, of the 40 nm that there are as much as thirds give,
-and as much width as is then missing. */
+/* A line end that prints 0.7 nm per nm of length and 3 nm per nm of its head:
+   first length, as much of the 40 nm of spacing as steps of a third reach, then
+   the missing amount by width. */
 static void test_heads(void) {
   static const struct {
     const char *parameters;
@@ -45,8 +45,8 @@ static void test_heads(void) {
   }
 }
 
-/* What the synthesizer asks for is given at any time: length, and a head where
-   there is no length; but not more than it asks for. */
+/* Requests of the synthesizer hold in all iterations: length, and a head where
+   length is limited; never more than requested. */
 static void test_asked(void) {
   for (int k = 0; k < 3; k++) {
     g_autoptr(opc_module) m = make("{ min_extension: 20 nm }");
@@ -74,8 +74,8 @@ static void test_asked(void) {
   }
 }
 
-/* More than `min_extension` is not striven for where a neighbour prints within
-   30 nm, and not once the synthesizer has moved its lengths. */
+/* Extensions beyond `min_extension` are not attempted if a neighbour prints
+   within 30 nm, or after the synthesizer has moved its lengths. */
 static void test_wishes(void) {
   for (int k = 0; k < 3; k++) {
     g_autoptr(opc_module) m = make(
@@ -84,10 +84,11 @@ static void test_wishes(void) {
     add_end(&c, 300);
     begin(&c);
     c.extension[0] = INFINITY;
-    c.extension[1] = k == 1 ? 195 : 25; /* 25 nm before the other's print */
+    c.extension[1] = k == 1 ? 195 : 25; /* 25 nm before the printed image of the
+                                           other line */
     if (k == 1) c.extension[1] = 39.5, c.drawn[1] = 100;
     print(&c, line_ends);
-    if (k == 1) { /* the other's print comes near */
+    if (k == 1) { /* the other line prints near */
       c.extension[1] = 195;
       print(&c, line_ends);
       c.extension[1] = 39.5;

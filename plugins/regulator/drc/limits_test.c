@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* How far the regulator goes, and where it must not: each limit against a
-   distance that the test has drawn, or against arithmetic. */
+/* Tests the limits of the regulator, each against a distance drawn in the test
+   or against arithmetic. */
 #include "chip_test.h"
 
 /* ---- line ends ---- */
@@ -12,9 +12,9 @@ static void rule_alone(opc_module *m, chip *c, double extension) {
   judge(m, c);
 }
 
-/* The first move takes 0.8 nm of print for a nm of mask, the second one what
-   the first has shown, but no less than 0.3; 1 nm more than 20 is aimed at, and
-   60 nm are the most at a time. */
+/* The first move assumes 0.8 nm of printed image per nm of mask, the second one
+   the measured response, at least 0.3. The goal is 1 nm above 20, and the
+   largest move is 60 nm. */
 static void test_response(void) {
   static const struct {
     double first, second;
@@ -37,9 +37,9 @@ static void test_response(void) {
   }
 }
 
-/* What is not given follows from wavelength / NA: at 248 nm, NA 0.7 the overlay
-   is 0.039 * 354.3 = 14 nm, a line end has to reach 28 nm past the active, and
-   goes 0.233 * 354.3 = 83 nm at most. At 193 nm, NA 0.75: 20 and 60 nm. */
+/* Defaults follow wavelength / NA: at 248 nm, NA 0.7 the overlay is 0.039 *
+   354.3 = 14 nm, the extension of a line end 28 nm, and its largest move 0.233
+   * 354.3 = 83 nm. At 193 nm, NA 0.75: 20 and 60 nm. */
 static void test_follows(void) {
   static const struct {
     eda_scanner scanner;
@@ -59,7 +59,7 @@ static void test_follows(void) {
     }
 }
 
-/* A line end stays clear of a contact by the mask's least space. */
+/* A line end keeps the least space of the mask to a contact. */
 static void test_end_before_contact(void) {
   for (int32_t d = 35; d < 90; d += 9) {
     g_autoptr(opc_module) m = make("{ min_space: 40 nm, max_growth: 60 nm }");
@@ -77,8 +77,8 @@ static double two_lines(const chip *c, double x, double y) {
   return fmax(line_ends(c, x, y), other);
 }
 
-/* A head gets as wide as contacts and active leave the least space beside it,
-   and takes half of what another line leaves. */
+/* A head keeps the least space to contacts and active, and takes half of the
+   spacing to another line. */
 static void test_head_beside(void) {
   enum { LINE, CONTACTS, ACTIVES, KINDS };
   for (int kind = 0; kind < KINDS; kind++) {
@@ -107,21 +107,21 @@ static void test_head_beside(void) {
 
 /* ---- contacts ---- */
 
-/* A pad with its corners cut off. */
+/* Return the level set of a pad with cut corners. */
 static double octagon(const chip *c, double x, double y) {
   (void)c;
   return 80 - fabs(x - 60) - fabs(y - 70);
 }
 
-/* Half of the plane, with the lower left corner of a contact 5 nm within it if
-   it lies 10 nm off. */
+/* Return the level set of a half plane whose edge is 5 nm past the lower left
+   corner of a contact that is 10 nm away. */
 static double slope(const chip *c, double x, double y) {
   (void)c;
   return (285 - x - y) / sqrt(2);
 }
 
-/* What must be covered is looked for off the corners, which are round, and what
-   must be clear at the corners, too. */
+/* Coverage is checked away from corners, which print round; clearance is
+   checked at corners too. */
 static void test_corners(void) {
   g_autoptr(opc_module) m = make("{ overlay: 10 nm }");
   eda_violation v[4];
@@ -144,13 +144,14 @@ static void test_corners(void) {
   end(&d);
 }
 
-/* A pad that prints 4 nm beyond its contact on the right, and follows. */
+/* Return the level set of a pad that prints 4 nm beyond its contact on the
+   right, and follows repair shapes. */
 static double short_pad(const chip *c, double x, double y) {
   return fmin(fmin(x + 20, 104 + grown(c, 106, 70) - x), fmin(y + 20, 160 - y));
 }
 
-/* A patch of poly keeps the least space to contacts that poly must not touch,
-   and to active. */
+/* A repair shape of poly keeps the least space to contacts that poly must not
+   touch, and to active. */
 static void test_patch_beside(void) {
   for (int active = 0; active < 2; active++)
     for (int32_t d = 38; d < 60; d += 3) {
@@ -181,7 +182,8 @@ static void test_patch_beside(void) {
 
 /* ---- edges that go back ---- */
 
-/* Bars that print as one while the mask leaves less than 120 nm. */
+/* Return the level set of lines that bridge while the mask space is below 120
+   nm. */
 static double close_bars(const chip *c, double x, double y) {
   int32_t low = 100 - bitten(c, x, 100, 1), high = 196 + bitten(c, x, 196, 0);
   double bars = fmax(fmin(y, low - y), fmin(y - high, 296 - y));
@@ -189,7 +191,7 @@ static double close_bars(const chip *c, double x, double y) {
   return high - low < 120 ? fmin(y, 296 - y) : bars;
 }
 
-/* An edge near before a gate stays, and 20 nm beside it. */
+/* Edges near before a gate, and up to 20 nm beside it, do not move. */
 static void test_before_gate(void) {
   for (int32_t top = 10; top < 100; top += 20) {
     g_autoptr(opc_module) m = make("{}");
@@ -217,14 +219,15 @@ static void test_before_gate(void) {
   }
 }
 
-/* The line of a gate, with a waist of 20 nm at some height. */
+/* Height of a waist of 20 nm in the line of a gate. */
 static double waist;
 static double waisted(const chip *c, double x, double y) {
   double half = fabs(y - waist) < 36 ? 10 : 32.5;
   return fmin(fmin(half - fabs(x - 32.5), 300 + c->extension[1] - y), y + 400);
 }
 
-/* A gate is measured by itself: it is no line that is too thin. */
+/* A gate is measured separately and does not count as a line that is too
+   narrow. */
 static void test_waist(void) {
   static const struct {
     double at;
@@ -236,7 +239,7 @@ static void test_waist(void) {
     chip c = {0};
     int found = 0;
     add_end(&c, 600);
-    for (int i = 0; i < 2; i++) /* it begins further down */
+    for (int i = 0; i < 2; i++) /* begins further down */
       c.points[i].y = c.fragments[i].from.y = -400;
     begin(&c);
     c.extension[1] = 100;

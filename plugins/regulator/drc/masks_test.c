@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Widths and spaces of masks: by hand, and against KLayout. */
+/* Tests widths and spaces of masks against hand calculations and KLayout. */
 #include "boxes_test.h"
 
 #include <stdlib.h>
@@ -138,8 +138,8 @@ static char *ask_klayout(const char *text) {
   return out;
 }
 
-/* Random rectangles: as many edges face each other at each distance as KLayout
-   says; a few corners do so at whole distances too. */
+/* Random rectangles: at each distance, the number of facing edges equals that
+   of KLayout; some corners face each other at whole distances too. */
 static void test_klayout(void) {
   static const char *const rules[] = {"mask width", "mask space"};
   enum { ROOM = 100000 };

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the regulator takes away and adds beyond a contact: lines that print as
-   one, patches that need the same place. The truth is a print that follows the
-   mask by a rule of its own. */
+/* Tests trims and repair shapes: lines that bridge, repair shapes that compete
+   for a place. The reference is a printed image that follows the mask by a
+   different formula. */
 #include "chip_test.h"
 
 /* ---- lines that print as one ---- */
 
-/* Two bars, y 0..100 and 196..296, which print as one while the mask leaves
-   less than 120 nm between them. */
+/* Return the level set of two lines, y 0..100 and 196..296, that bridge while
+   the mask space is below 120 nm. */
 static double two_bars(const chip *c, double x, double y) {
   int32_t low = 100 - bitten(c, x, 100, 1), high = 196 + bitten(c, x, 196, 0);
   double bars = fmax(fmin(y, 100 - y), fmin(y - 196, 296 - y));
@@ -15,9 +15,9 @@ static double two_bars(const chip *c, double x, double y) {
   return high - low < 120 ? fmin(y, 296 - y) : bars;
 }
 
-/* Bars that print as one go back until they do not, but not over a contact, and
-   not further than a mask may be narrow. Nothing that patches put before an
-   edge stays there without it: each takes its half of the gap. */
+/* Edges of bridged lines move inwards until the lines separate, but not past a
+   contact, and not below the least mask width. Shapes added before an edge are
+   cut too: each edge owns half of the gap. */
 static void test_trims(void) {
   static const struct {
     const char *parameters, *rule;
@@ -70,16 +70,16 @@ static void test_trims(void) {
   }
 }
 
-/* The same bars, of which the lower one is gone where it loses more than 7
-   nm. */
+/* Return the level set of the same lines, the lower one of which vanishes where
+   it loses more than 7 nm. */
 static double weak_bars(const chip *c, double x, double y) {
   if (x >= 0 && x <= 900 && bitten(c, x, 100, 1) > 7)
     return fmin(y - 196, 296 - y);
   return two_bars(c, x, y);
 }
 
-/* A line that is pinched where its edge went back gets that again, and the
-   other side of the gap makes the room. */
+/* A line pinched by a trim regains its edge, and the other side of the gap
+   moves instead. */
 static void test_pinched(void) {
   g_autoptr(opc_module) m = make("{}");
   chip c = {0};
@@ -99,8 +99,8 @@ static void test_pinched(void) {
 
 /* ---- patches ---- */
 
-/* Two bars side by side that face each other above y 300, and join there where
-   the left one grows. The contact is below. */
+/* Return the level set of two lines side by side that face each other above y
+   300 and bridge where the left one grows. The contact is below. */
 static double beside(const chip *c, double x, double y) {
   double left =
       fmin(fmin(x + 20, 104 + grown(c, 106, y) - x), fmin(y + 20, 620 - y));
@@ -110,7 +110,8 @@ static double beside(const chip *c, double x, double y) {
   return grown(c, 106, 400) > 0 ? fmax(bars, bridge) : bars;
 }
 
-/* An edge that closes a gap as a whole goes out only beside its contact. */
+/* An edge whose full length closes a gap moves outwards only beside its
+   contact. */
 static void test_piece(void) {
   g_autoptr(opc_module) m = make("{}");
   chip c = {0};
@@ -121,7 +122,8 @@ static void test_piece(void) {
   begin(&c);
   print(&c, beside);
   judge(m, &c);
-  g_assert_cmpint(grown(&c, 106, 400), >, 0); /* all of it, which is no jog */
+  g_assert_cmpint(grown(&c, 106, 400), >, 0); /* the whole edge, without a
+                                                 jog */
   for (int i = 0; i < 6; i++) {
     print(&c, beside);
     judge(m, &c);
@@ -132,8 +134,8 @@ static void test_piece(void) {
   end(&c);
 }
 
-/* A bar that prints 5 nm short of what its contact needs on its left side and
-   below, and follows the patches there. */
+/* Return the level set of a line that prints 5 nm less than its contact needs
+   on the left and below, and follows repair shapes there. */
 static double short_bar(const chip *c, double x, double y) {
   int32_t left = 0, below = 0;
   for (size_t i = 0; i < c->ruling.patches[EDA_POLY].count; i++) {
@@ -146,8 +148,8 @@ static double short_bar(const chip *c, double x, double y) {
   return fmax(bar, fmin(fmin(x + 80, 15 - x), fmin(y + 85, -45 - y)));
 }
 
-/* The piece below ends before the corner, as a neighbour is there: what is on
-   the left does not go out for it. */
+/* The segment below ends before the corner because of a neighbour, so the left
+   side does not extend around the corner. */
 static void test_corner(void) {
   g_autoptr(opc_module) m = make("{}");
   chip c = {0};
@@ -171,8 +173,8 @@ static void test_corner(void) {
   end(&c);
 }
 
-/* A pad beside a line, printed 4 nm over its contact, or as far as a patch
-   goes. */
+/* Return the level set of a pad beside a line, printed 4 nm past its contact,
+   or as far as a repair shape. */
 static double pad(const chip *c, double x, double y) {
   int32_t top = 0;
   for (size_t i = 0; i < c->ruling.patches[EDA_POLY].count; i++)
@@ -181,9 +183,8 @@ static double pad(const chip *c, double x, double y) {
   return fmax(box, fmin(fmin(x - 100, 180 - x), fmin(y + 320, 520 - y)));
 }
 
-/* An edge that ends in a concave corner is no nearer to a neighbour for that:
-   its patch fills the corner, and reaches into the line, which may have become
-   narrower. */
+/* A concave corner does not reduce the spacing of an edge: its repair shape
+   fills the corner and overlaps the line, which may have become narrower. */
 static void test_concave(void) {
   static const int32_t xy[8][2] = {{0, 0},      {106, 0},   {106, -300},
                                    {171, -300}, {171, 500}, {106, 500},
@@ -217,8 +218,8 @@ static double plain_bar(const chip *c, double x, double y) {
   return fmax(bar, fmin(fmin(x - 160, 300 - x), fmin(y - 145, 300 - y)));
 }
 
-/* A patch whose corner came too near to another one in the mask that printed
-   leaves what its contact does not need. */
+/* A repair shape whose corner was too near to another one on the last mask is
+   reduced, up to the need of its contact. */
 static void test_too_near(void) {
   g_autoptr(opc_module) m = make("{}");
   chip c = {0};
@@ -232,7 +233,7 @@ static void test_too_near(void) {
   judge(m, &c);
   g_assert_cmpint(grown(&c, 106, 135), ==, 7);
   memcpy(c.moved, c.points, sizeof c.moved);
-  c.moved[1].x = c.moved[2].x = 125; /* 35 nm from the other's corner */
+  c.moved[1].x = c.moved[2].x = 125; /* 35 nm from the other corner */
   c.mask[EDA_POLY].points = c.moved;
   judge(m, &c);
   g_assert_cmpint(grown(&c, 106, 135), ==, 0);
@@ -240,8 +241,8 @@ static void test_too_near(void) {
   end(&c);
 }
 
-/* Two bars as above, whose lower one needs a patch for a contact, while that
-   makes it print as one with the upper one. */
+/* Return the level set of two lines as above, the lower one of which needs a
+   repair shape for a contact; that shape bridges the lines. */
 static double two_pads(const chip *c, double x, double y) {
   int32_t up = 0;
   for (size_t i = 0; i < c->ruling.patches[EDA_POLY].count; i++) {
@@ -255,9 +256,9 @@ static double two_pads(const chip *c, double x, double y) {
   return high - low < 120 ? fmin(y + 30, 326 - y) : bars;
 }
 
-/* A patch that its contact wants again after it went back does so by less each
-   time, and then edges go back that the contact does not need: the rule that is
-   broken in the end is the contact's, and it has its reason. */
+/* A repair shape that was reduced and that its contact needs again grows by
+   less each time; then edges that no contact needs move inwards. The remaining
+   violation is that of the contact, with its reason. */
 static void test_contested(void) {
   g_autoptr(opc_module) m = make("{}");
   chip c = {0};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The rules of the mask itself, as violations. */
+/* Implements mask rule checks as violations. */
 #include <eda/memory.h>
 #include <stdlib.h>
 
@@ -29,7 +29,7 @@ static void tell(const drc *r, const eda_rule_fault *fault, size_t n,
   }
 }
 
-/* What is found in each layer, side by side. */
+/* Faults of each layer. */
 typedef struct found {
   const drc *r;
   const eda_shapes *shapes;

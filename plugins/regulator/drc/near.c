@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Boxes and edges near a place, by the library's index. */
+/* Implements searches of boxes and edges near a place, by an index. */
 #include <eda/memory.h>
 #include <math.h>
 #include <stdlib.h>

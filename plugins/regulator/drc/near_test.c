@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Windows beside boxes and what is nearest in them, against a look at every
-   unit square; how far an edge could go out, at every box. */
+/* Tests windows beside boxes and nearest boxes against an exhaustive search of
+   unit squares, and the capacity of edges to move outwards. */
 #include "near.c"
 
 #include <glib.h>
@@ -19,7 +19,8 @@ static eda_box draw_box(void) {
   return (eda_box){x, y, x + draw(1, 4), y + draw(1, 4)};
 }
 
-/* How far the unit square at (x, y) lies outwards from a side: 0 touches it. */
+/* Return the distance of the unit square at (x, y) outwards from a side; 0
+   touches the side. */
 static int32_t outwards(eda_box b, int side, int32_t x, int32_t y) {
   return side == LEFT    ? b.x0 - 1 - x
          : side == RIGHT ? x - b.x1
@@ -27,7 +28,7 @@ static int32_t outwards(eda_box b, int side, int32_t x, int32_t y) {
                          : y - b.y1;
 }
 
-/* Is the unit square within `beside` of the flanks? */
+/* Return whether the unit square is within `beside` of the flanks. */
 static int is_along(eda_box b, int side, int32_t beside, int32_t x, int32_t y) {
   return upright(side) ? y >= b.y0 - beside && y < b.y1 + beside
                        : x >= b.x0 - beside && x < b.x1 + beside;
@@ -84,8 +85,8 @@ static void test_nearest(void) {
   g_assert_cmpint(found, >, 80);
 }
 
-/* An edge may go out until what faces it, or lies beside it, is a space away.
- */
+/* An edge may move outwards until the boxes in front of it or beside it are a
+   space away. */
 static void test_room(void) {
   enum { SPACE = 3 };
   int bounded = 0;
@@ -109,7 +110,8 @@ static void test_room(void) {
     eda_printed print = {.shapes = &shapes};
     drc r = {.grid = 0.5, .min_space = SPACE * 0.5 - 0.1};
     int32_t most = draw(0, 6), want = most;
-    /* The edges of boxes are lines: a step after each there is one. */
+    /* The edges of boxes are lines: one step after each there is another
+       one. */
     for (int i = 0; i < BOXES; i++) {
       eda_box e[] = {{box[i].x0, box[i].y0, box[i].x0, box[i].y1},
                      {box[i].x1, box[i].y0, box[i].x1, box[i].y1},

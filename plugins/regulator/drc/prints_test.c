@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Rules of printed images, and their repair, on images made by hand. */
+/* Tests rules of printed images, and repairs, on synthetic images. */
 #include "boxes_test.h"
 
-/* A contact in a pad whose right side prints 4 nm beyond it, where 10 are
-   needed: a patch moves the whole side, by so much that the print follows. */
+/* A contact in a pad whose right side prints 4 nm past it; 10 are required. A
+   repair shape moves the whole side until the image follows. */
 static void test_enclosure(void) {
   g_autoptr(opc_module) m = make("{ overlay: 10 nm }");
   chip c = {0};
@@ -28,14 +28,14 @@ static void test_enclosure(void) {
   c.printed[EDA_POLY].points[1].x = c.printed[EDA_POLY].points[2].x = 111;
   show(&c);
   judge(m, &c);
-  g_assert_cmpuint(c.ruling.patches[EDA_POLY].count, ==, 1); /* it stays */
+  g_assert_cmpuint(c.ruling.patches[EDA_POLY].count, ==, 1); /* unchanged */
   g_assert_cmpint(c.ruling.patches[EDA_POLY].box[0].x1, ==, patch.x1);
   g_assert_cmpuint(violations(m, &c.p, &v, 1), ==, 0);
   end(&c);
 }
 
-/* The same where a neighbour is 46 nm away: 3 nm may be had, and then the sides
-   beside it take the corners along. */
+/* The same with a neighbour 46 nm away: 3 nm are available, and then the
+   adjacent sides extend the corners. */
 static void test_near_neighbour(void) {
   g_autoptr(opc_module) m = make("{ overlay: 10 nm, min_space: 40 nm }");
   chip c = {0};
@@ -60,9 +60,9 @@ static void test_near_neighbour(void) {
   end(&c);
 }
 
-/* The patch on the right side of an active whose lower and upper edges are the
-   ends of a gate's width ends with them, however far they lie aside; where they
-   have met there is none. */
+/* The lower and upper edges of an active are the ends of a gate width: the
+   repair shape on the right side ends with them at any shift, and vanishes
+   where they meet. */
 static void test_width(void) {
   static const struct {
     int32_t w, aside, low, high;
@@ -93,7 +93,7 @@ static void test_width(void) {
   }
 }
 
-/* A contact in active that poly prints 6 nm away from. */
+/* A contact in active, 6 nm away from printed poly. */
 static void test_contact(void) {
   g_autoptr(opc_module) m = make("{ overlay: 10 nm }");
   chip c = {0};
@@ -115,7 +115,7 @@ static void test_contact(void) {
   end(&c);
 }
 
-/* A line of 60 nm that has a neck of 24 nm: patches widen it there, on both
+/* A line of 60 nm with a neck of 24 nm: repair shapes widen it there on both
    sides, and nowhere else. */
 static void test_neck(void) {
   g_autoptr(opc_module) m = make("{ min_width: 40 nm }");
@@ -143,11 +143,11 @@ static void test_neck(void) {
     g_assert_cmpint(b.y1, <, 620);
     g_assert_true((b.x1 >= 69 && b.x1 <= 75) || (b.x0 <= -9 && b.x0 >= -15));
   }
-  /* As wide as it must be, but off the middle of what is drawn: good. */
+  /* Wide enough, but off the drawn centre: no violation. */
   c.printed[EDA_POLY].points[5].x = c.printed[EDA_POLY].points[6].x = 60;
   show(&c);
   g_assert_cmpuint(violations(m, &c.p, v, 4), ==, 0);
-  /* Gone. */
+  /* The line vanishes. */
   c.printed[EDA_POLY].shapes.count = 1;
   show(&c);
   g_assert_cmpuint(violations(m, &c.p, v, 4), >=, 4);
@@ -155,7 +155,7 @@ static void test_neck(void) {
   end(&c);
 }
 
-/* Two lines that print as one over half of their length. */
+/* Two lines that bridge over half of their length. */
 static void test_gap(void) {
   g_autoptr(opc_module) m = make("{}");
   chip c = {0};
@@ -169,7 +169,7 @@ static void test_gap(void) {
   add_box(&c.printed[EDA_POLY], 0, 0, 240, 300);
   show(&c);
   size_t n = violations(m, &c.p, v, 10);
-  g_assert_cmpuint(n, ==, 5); /* each 60 nm */
+  g_assert_cmpuint(n, ==, 5); /* one per 60 nm */
   for (size_t i = 0; i < n; i++) {
     g_assert_cmpstr(v[i].rule, ==, "bridging: poly: could still move");
     g_assert_cmpfloat(v[i].x, ==, 120);
@@ -178,8 +178,8 @@ static void test_gap(void) {
   end(&c);
 }
 
-/* The same of a further layer. A contact that it covers by 4 nm is not its
-   rule. */
+/* The same on a further layer. Covering a contact by 4 nm is no violation
+   there. */
 static void test_metal(void) {
   g_autoptr(opc_module) m = make("{ overlay: 10 nm }");
   chip c = {0};
@@ -195,7 +195,7 @@ static void test_metal(void) {
   g_assert_cmpuint(c.ruling.patches[EDA_POLY].count, ==, 0);
   g_assert_cmpuint(c.ruling.patches[METAL].count, ==, 0);
   size_t n = violations(m, &c.p, v, 20);
-  g_assert_cmpuint(n, ==, 3); /* each 60 nm */
+  g_assert_cmpuint(n, ==, 3); /* one per 60 nm */
   for (size_t i = 0; i < n; i++) {
     g_assert_cmpstr(v[i].rule, ==, "bridging: metal1");
     g_assert_cmpfloat(v[i].x, ==, 168);
@@ -204,7 +204,7 @@ static void test_metal(void) {
   end(&c);
 }
 
-/* Without a print only gates and line ends are judged. */
+/* Without a printed image only gates and line ends are checked. */
 static void test_no_print(void) {
   g_autoptr(opc_module) m = make("{}");
   chip c = {0};

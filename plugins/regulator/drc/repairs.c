@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What fails at the sites of a print, and the patches of the mask that mend it.
-   A look at a site is the sign of the print at a few points; only where one is
-   wrong, the contour is looked for. */
+/* Implements checks of the sites on a printed image, and the repair shapes
+   added to the mask. A check evaluates the sign of the level set at a few
+   points; the contour is located only where a sign is wrong. */
 #include <eda/memory.h>
 #include <math.h>
 #include <stdlib.h>
@@ -17,7 +17,7 @@ static eda_box widened(eda_box b, int32_t by) {
 
 /* ---- points ---- */
 
-/* Whether the layer must print there. */
+/* Return whether the layer must print at the site. */
 static int wanted(const site *s) {
   return s->kind == SITE_ENCLOSURE || s->kind == SITE_LINE;
 }
@@ -26,14 +26,15 @@ static int is_contact(const site *s) {
   return s->kind == SITE_ENCLOSURE || s->kind == SITE_CONTACT;
 }
 
-/* How far from the box the print is looked at, nm: contacts may lie as far off
-   as the overlay. */
+/* Return the distance from the box at which the image is checked, nm: contacts
+   may be misplaced by the overlay. */
 static double margin(const drc *r, const site *s) {
   return is_contact(s) ? r->overlay : 0;
 }
 
-/* What must not be there is looked for at corners too, what must be there away
-   from them: they are rounded. */
+/* Compute the checked points of a site. Return their number. Forbidden images
+   are checked at corners too, required ones away from corners, which print
+   round. */
 static int points_of(const drc *r, const site *s, double *x, double *y,
                      uint8_t *side) {
   double m = margin(r, s), grid = r->grid;
@@ -97,8 +98,8 @@ static void look_at_block(void *data, size_t block) {
   free(q);
 }
 
-/* How far the contour lies outwards from a side of the site's box, nm: the
-   least of its points. */
+/* Return the distance of the contour outwards from a side of the site's box,
+   nm: the least of its points. */
 static double contour(const drc *r, const eda_printed *p, const site *s,
                       int side) {
   double x[POINTS], y[POINTS], least = INFINITY, m = margin(r, s);
@@ -114,7 +115,7 @@ static double contour(const drc *r, const eda_printed *p, const site *s,
     int good = (value > 0) == wanted(s);
     d = out * eda_field_edge(print, axis, x[k], y[k], tuned.reach);
     if (isnan(d)) d = good ? tuned.reach : -tuned.reach;
-    /* The contour nearest to a good point may lie either way. */
+    /* The contour nearest to a point that passes may be in either direction. */
     least = fmin(least, m + (good ? fabs(d) : -fabs(d)));
   }
   return least;
@@ -130,8 +131,8 @@ static void measure(void *data, size_t i) {
 
 /* ---- what can be mended ---- */
 
-/* How far the width of a gate moves a corner outwards: half its bias, and an
-   odd step on the HIGH side, and how far both ends lie aside of that. */
+/* Return the outward move of a corner by the width of a gate: half of the bias,
+   an odd step on the HIGH side, and the shift of both ends. */
 static int32_t moved(const eda_printed *p, const eda_fragment *f) {
   if (!f) return 0;
   int32_t w = p->w[f->gate], low = w >> 1;
@@ -139,7 +140,7 @@ static int32_t moved(const eda_printed *p, const eda_fragment *f) {
   return f->role == EDA_W_LOW ? low - aside : w - low + aside;
 }
 
-/* Whether the piece on a side reaches the edge on the next one. */
+/* Return whether the segment on a side reaches the edge on the next one. */
 static int reaches(const drc *r, const repair *one, int side, int next) {
   eda_box b = r->sites[one->site].box;
   switch (next) {
@@ -154,16 +155,16 @@ static int reaches(const drc *r, const repair *one, int side, int next) {
   }
 }
 
-/* How far the end of a patch goes on because the one on the next side meets it
-   in a corner: both cover it. */
+/* Return the extension of the end of a repair shape by the shape on the next
+   side, if both cover a common corner. */
 static int32_t met(const drc *r, const repair *one, int side, int next) {
   return reaches(r, one, side, next) && reaches(r, one, next, side)
              ? one->grow[next]
              : 0;
 }
 
-/* How far the end of a patch goes on into the shape in a concave corner, where
-   the edge that it meets may lie further in than drawn. */
+/* Return the extension of the end of a repair shape into a concave corner,
+   where the adjacent edge may have moved inwards. */
 static int32_t into_corner(const drc *r, const repair *one, int side,
                            int32_t at) {
   eda_box c = r->sites[one->site].box;
@@ -185,8 +186,9 @@ static int32_t into_corner(const drc *r, const repair *one, int side,
   return 0;
 }
 
-/* The patch on a side: the piece of the drawn edge as far out as it grows, and
-   as far in as a mask may be narrow. Its ends go with the corners. */
+/* Return the repair shape on a side: the segment of the drawn edge, outwards to
+   its move, and inwards by the least mask width. Its ends move with the
+   corners. */
 static eda_box patch_of(const drc *r, const eda_printed *printed,
                         const repair *one, int side) {
   int32_t in = (int32_t)ceil(r->min_mask_width / r->grid - 1e-9);
@@ -207,8 +209,8 @@ static eda_box patch_of(const drc *r, const eda_printed *printed,
   return p;
 }
 
-/* How far the next edge of the layer itself lies before an edge. One that goes
-   out from its end is of a concave corner, which the mask may fill. */
+/* Return the distance to the next edge of the same layer. An edge that begins
+   at the window's edge belongs to a concave corner, which the mask may fill. */
 static int32_t own_space(const places *edges, eda_box window, int side,
                          int32_t none) {
   eda_finder f = eda_index_find(edges->index, window);
@@ -225,9 +227,9 @@ static int32_t own_space(const places *edges, eda_box window, int side,
   return found;
 }
 
-/* How far the mask may go past what is drawn on a side: what it faces may come
-   as far, but contacts stay that poly must not touch, and of poly and active
-   the other one. */
+/* Return the largest outward move on a side. An opposite edge may move as far;
+   contacts that poly must not touch, and poly or active as the other layer, do
+   not move. */
 static int32_t room_of(const drc *r, const site *s, const repair *one,
                        int side) {
   double grid = r->grid;
@@ -251,7 +253,8 @@ static int32_t room_of(const drc *r, const site *s, const repair *one,
   return (int32_t)floor(fmax(0, fmin(r->max_growth, most)) / grid + 1e-9);
 }
 
-/* What moves the corner at an end of the edge on `side`. */
+/* Return the edge that moves the corner at an end of the edge on `side`; NULL
+   if none does. */
 static const eda_fragment *corner_at(const drc *r, int side, int32_t x,
                                      int32_t y) {
   const eda_fragment *found = NULL;
@@ -263,14 +266,14 @@ static const eda_fragment *corner_at(const drc *r, int side, int32_t x,
   return found;
 }
 
-/* What the site needs of the edge that is drawn on a side, and its corner if
-   that is near. The edge in `edge`; whether there is one of that way. */
+/* Compute the segment of the drawn edge that the site needs, up to a corner
+   nearby. Return whether there is an edge of that direction, in `edge`. */
 static int find_piece(const drc *r, const site *s, repair *one, int side,
                       eda_box *edge) {
   double grid = r->grid;
   int32_t far = (int32_t)(2 * tuned.reach / grid), more = 0;
   eda_box b = s->box;
-  /* From one step inside, so as to see one at the side of the box. */
+  /* From one step inside, to include an edge at the side of the box. */
   one->edge[side] = nearest(&r->edges[s->layer], window_at(b, side, -1, far, 0),
                             side, far + 1, edge) -
                     1;
@@ -288,7 +291,7 @@ static int find_piece(const drc *r, const site *s, repair *one, int side,
   return 1;
 }
 
-/* What moves the corners at the ends of the piece. */
+/* Find the edges that move the corners at the ends of the segment. */
 static void find_corners(const drc *r, const site *s, repair *one, int side,
                          eda_box edge) {
   int32_t low = upright(side) ? edge.y0 : edge.x0;
@@ -300,8 +303,8 @@ static void find_corners(const drc *r, const site *s, repair *one, int side,
       one->to[side] == high ? corner_at(r, side, edge.x1, edge.y1) : NULL;
 }
 
-/* What may be moved on a side. The whole edge makes no jog; where it has less
-   room, only what the site needs of it. */
+/* Choose the segment to move on a side: the whole edge, which adds no jog, or,
+   where the whole edge is more limited, the segment that the site needs. */
 static void find_edge(const drc *r, const site *s, repair *one, int side) {
   eda_box edge = {0};
   int straight = find_piece(r, s, one, side, &edge);
@@ -317,7 +320,7 @@ static void find_edge(const drc *r, const site *s, repair *one, int side) {
   find_corners(r, s, one, side, edge);
 }
 
-/* A whole edge has closed a gap: only what the site needs of it stays. */
+/* Reduce a whole edge that closed a gap to the segment that the site needs. */
 static void leave_piece(const drc *r, const site *s, repair *one, int side) {
   eda_box edge = {0};
   find_piece(r, s, one, side, &edge);
@@ -346,15 +349,16 @@ void repairs_look(drc *r, const eda_printed *p) {
 
 /* ---- mending ---- */
 
-/* A line must be wide enough, not also in the middle. */
+/* Return the checked figure of a side; a line only needs the total width, at
+   any position. */
 static double print_at(const site *s, const repair *one, int side) {
   return s->kind == SITE_LINE
              ? (one->value[side] + one->value[opposite(side)]) / 2
              : one->value[side];
 }
 
-/* A side that may not go further out prints further if its corners do: as long
-   as that brings anything, as it disturbs what is near. */
+/* Move the corners of a side that cannot move further, by moving the adjacent
+   sides, as long as the image improves. */
 static void grow_flanks(repair *one, int side, double grid) {
   int32_t step = (int32_t)ceil(tuned.flank_step / grid);
   double value = one->value[side], before = one->flanked[side];
@@ -383,13 +387,14 @@ static void grow(const drc *r, const site *s, repair *one) {
   }
 }
 
-/* Whether the boxes touch or overlap. */
+/* Return whether the boxes touch or overlap. */
 static int meet(eda_box a, eda_box b) {
   return a.x0 <= b.x1 && b.x0 <= a.x1 && a.y0 <= b.y1 && b.y0 <= a.y1;
 }
 
-/* Patches that close a gap, or touch a contact, go back by `step` and stay
-   there: those that face it, or all that are near. Whether there were any. */
+/* Reduce repair shapes that close a gap or touch a contact by `step`, and limit
+   them there: those facing the site (`facing`), or all within `near`. Return
+   whether there were any. */
 static int take_back(drc *r, const eda_printed *p, const site *wrong,
                      int32_t near, int32_t step, int facing) {
   int32_t flank = (int32_t)(tuned.corner / r->grid);
@@ -408,7 +413,7 @@ static int take_back(drc *r, const eda_printed *p, const site *wrong,
                 wrong->box))
         continue;
       found = 1;
-      if (one->back[k] == r->round) continue; /* once a print */
+      if (one->back[k] == r->round) continue; /* once per iteration */
       one->back[k] = r->round;
       if (one->whole[k]) {
         leave_piece(r, of, one, k);
@@ -422,8 +427,8 @@ static int take_back(drc *r, const eda_printed *p, const site *wrong,
   return found;
 }
 
-/* What must not print: patches before it go back, or else edges of poly as
-   drawn, or else what is near. */
+/* Remove a forbidden image: reduce repair shapes that face the site, else trim
+   drawn edges of poly, else reduce repair shapes nearby. */
 static void clear_away(drc *r, const eda_printed *p, site *wrong) {
   int32_t near = (int32_t)(tuned.reach / r->grid);
   int32_t step = (int32_t)ceil(tuned.back / r->grid);
@@ -432,9 +437,8 @@ static void clear_away(drc *r, const eda_printed *p, site *wrong) {
   take_back(r, p, wrong, near, step, 0);
 }
 
-/* Where the mask does not keep its rules: what was smoothed there is looked at
-   anew, and patches that came too near to each other, as their corners do, go
-   back, each by half of what is missing. */
+/* Repair violations of mask rules: drop smoothed jogs there, and reduce repair
+   shapes that are too near to each other, each by half of the missing space. */
 static void mend_mask(drc *r, const eda_printed *p, size_t layer) {
   int32_t near = (int32_t)ceil(r->min_space / r->grid);
   eda_rule_fault *fault;
@@ -519,7 +523,7 @@ static void report_line(const drc *r, const site *s, eda_violation v,
   int low = s->sides & 1 << LEFT ? LEFT : BELOW;
   double box = (double)s->box.x1 - s->box.x0 + ((double)s->box.y1 - s->box.y0);
   double width = box * r->grid + one->value[low] + one->value[low + 1];
-  /* As wide as it must be, but off its middle: good. */
+  /* Wide enough, but off the drawn centre: no violation. */
   if (width >= r->min_width) return;
   v.value = fmax(0, width);
   v.limit = r->min_width;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* How a mask edge is moved until its print keeps a limit. */
+/* Implements moves of a mask edge until a printed figure meets its limit. */
 #include <math.h>
 
 #include "drc.h"

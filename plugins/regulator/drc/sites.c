@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What is drawn, by place, and the sites where each print is looked at:
-   contacts, lines outside of gates, and the gaps between them. */
+/* Implements the search for drawn shapes by place, and for the sites at which
+   each printed image is checked: contacts, lines outside of gates, and gaps
+   between lines. */
 #include <eda/memory.h>
 #include <math.h>
 #include <stdio.h>
@@ -10,7 +11,7 @@
 #include "drc.h"
 #include "tuning.h"
 
-/* Boxes are looked for within some 300 nm. */
+/* nm: typical search distance */
 static const double around = 300;
 
 static void add(drc *r, site one) {
@@ -25,7 +26,8 @@ static double apart(int32_t a0, int32_t a1, int32_t b0, int32_t b1) {
   return fmax(fmax((double)b0 - a1, (double)a0 - b1), 0);
 }
 
-/* Of equally near ones the first. -1 if there is none. */
+/* Return the nearest gate, the first of several equally near ones; -1 if there
+   is none. */
 static int32_t nearest_gate(const drc *r, eda_box b) {
   int32_t reach = (int32_t)(tuned.near_gate / r->grid), found = INT32_MAX;
   double least = reach;
@@ -45,7 +47,7 @@ static int32_t nearest_gate(const drc *r, eda_box b) {
 
 /* ---- contacts ---- */
 
-/* How a contact lies on a layer. */
+/* Position of a contact on a layer. */
 enum { OUTSIDE, PARTLY, WITHIN };
 
 static uint8_t lies(const places *common, eda_box box) {
@@ -77,7 +79,7 @@ static eda_box *bounds(const eda_shapes *s) {
   return out;
 }
 
-/* How each contact lies on a layer, in `how`. */
+/* Compute the position of each contact on a layer, in `how`. */
 static int sort_contacts(const drc *r, const eda_shapes *contacts,
                          const eda_box *box, size_t layer, uint8_t *how,
                          opc_error *error) {
@@ -93,10 +95,11 @@ static int sort_contacts(const drc *r, const eda_shapes *contacts,
   return OPC_OK;
 }
 
-/* A contact that lies wholly on poly or active must be covered by it; one that
-   does not touch poly must stay so. One that lies partly on a layer is drawn
-   so. Layers without transistors hold their own edges: a patch there would work
-   against the synthesizer that moves them. */
+/* Add the sites of a contact. A layer that contains the whole contact must
+   cover it, and poly that does not touch the contact must remain clear. A
+   contact partly on a layer is drawn so. Layers without transistors keep their
+   own edges: a repair shape there would work against the synthesizer that moves
+   them. */
 static void add_contact(drc *r, eda_box box, const uint8_t *how, size_t n,
                         eda_box_list *apart_from_poly, eda_box_list *on_poly) {
   site one = {.box = box,
@@ -140,11 +143,11 @@ static int add_contacts(drc *r, opc_error *error) {
 
 /* ---- lines and gaps ---- */
 
-/* A drawn edge, and which way it faces. */
+/* A drawn edge and its direction. */
 typedef struct wall {
   eda_point a, b;
-  int inwards;   /* the side that its shape lies on */
-  int convex[2]; /* its corners */
+  int inwards;   /* the side on which the shape is */
+  int convex[2]; /* 1 for each convex corner */
 } wall;
 
 static int64_t turn(eda_point a, eda_point b, eda_point c) {
@@ -172,12 +175,12 @@ static eda_point along(const wall *w, double t, double length) {
       w->a.y + (int32_t)lround(((double)w->b.y - w->a.y) * t / length)};
 }
 
-/* Half a line's width, or a gap's, away from the wall. */
+/* Return the point half a line width, or half a gap, away from the wall. */
 static eda_point away(eda_point p, int side, int32_t d) {
   return side == ABOVE ? (eda_point){p.x, p.y + d} : (eda_point){p.x + d, p.y};
 }
 
-/* Whether the point lies within a gate, which is measured by itself. */
+/* Return whether the point is within a gate; gates are measured separately. */
 static int in_gate(const drc *r, eda_point p) {
   eda_finder f = eda_index_find(r->boxes.index, (eda_box){p.x, p.y, p.x, p.y});
   for (uint32_t i; eda_index_next(&f, &i);) {
@@ -212,9 +215,9 @@ static void add_gap(drc *r, size_t layer, eda_point middle, int side) {
                 .sides = side == ABOVE ? 1 << BELOW : 1 << LEFT});
 }
 
-/* Look from each wall to the right and up: through the shape for lines, and
-   outwards for gaps, so that each is found once. Actives are wide: their lines
-   are not looked at. */
+/* Add sites from a wall towards the right or upwards: through the shape for
+   lines, outwards for gaps, so that each is found once. Lines of active are
+   wide and not checked. */
 static void add_wall(drc *r, double step, size_t layer, const wall *w) {
   int line = w->inwards == ABOVE || w->inwards == RIGHT;
   if (line && layer == EDA_ACTIVE) return;

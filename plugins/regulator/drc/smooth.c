@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What was mended is not there to be found again, and what mended it may stick
-   out once the edges beside it have moved: it stays while its edge is one of
-   the mask. */
+/* Implements smoothing of jogs. A repaired notch can no longer be detected, and
+   its repair may protrude once adjacent edges have moved, so a repair is kept
+   while the edge that caused it is on the mask. */
 #include <eda/memory.h>
 #include <math.h>
 #include <stdlib.h>
@@ -20,14 +20,16 @@ static int between(int32_t v, int32_t a, int32_t b) {
   return a < b ? v >= a && v <= b : v >= b && v <= a;
 }
 
-/* An end of the mended edge that is one of the mask's: what is beside it must
-   lie further out than a notch did, or further in than a bump. */
+/* Return whether an end of the straight edge is either not a corner of the
+   mask, or one that turns as the repair requires: beside it the mask is further
+   out than a notch, or further in than a bump. */
 static int good_corner(const mend *m, eda_point end, eda_point a, eda_point b,
                        eda_point c) {
   return end.x != b.x || end.y != b.y || turns_left(a, b, c) == m->bump;
 }
 
-/* Whether the edge from q[1] to q[2] has the mended edge on it. */
+/* Return whether the edge from q[1] to q[2] contains the straight edge of the
+   repair. */
 static int confirms(const eda_point *q, const mend *m) {
   int same_way = q[1].y == q[2].y
                      ? m->from.y == q[1].y && m->to.y == q[1].y &&
@@ -41,7 +43,7 @@ static int confirms(const eda_point *q, const mend *m) {
          good_corner(m, m->to, q[1], q[2], q[3]);
 }
 
-/* Four corners of a polygon, from point i on. */
+/* Copy four corners of a polygon, from point i on. */
 static void corners(const eda_shapes *mask, size_t p, uint32_t i,
                     eda_point q[4]) {
   const eda_point *at = mask->points + mask->start[p];
@@ -49,7 +51,7 @@ static void corners(const eda_shapes *mask, size_t p, uint32_t i,
   for (uint32_t k = 0; k < 4; k++) q[k] = at[(i + k) % n];
 }
 
-/* Mark those that stay. */
+/* Mark the repairs whose edges are on the mask. */
 static void look(mends *s, const eda_shapes *mask, double grid) {
   if (!s->n) return;
   places edges;
@@ -81,10 +83,10 @@ static int touch(const mend *a, const mend *b) {
          a->box.y0 <= b->box.y1 && b->box.y0 <= a->box.y1;
 }
 
-/* A bump beside a notch may be wide enough once that is filled, and the next
-   look tells. A notch beside what was a bump comes of its having gone: that
-   returns, and both are looked at again. `before`: how many there were before
-   this look. */
+/* Return whether a repair has to wait. A bump beside a notch may be wide enough
+   once the notch is filled; the next iteration decides. A notch beside a
+   removed bump is the result of the removal: undo the removal and check both
+   again. `before` is the number of repairs before this iteration. */
 static int must_wait(drc *r, mends *s, const mend *m, size_t before) {
   int wait = 0;
   for (size_t i = m->bump ? before : 0; i < s->n; i++) {
@@ -98,7 +100,8 @@ static int must_wait(drc *r, mends *s, const mend *m, size_t before) {
   return wait;
 }
 
-/* Of those that do not stay, what is found now may be the other half. */
+/* Remove repairs that are not marked, except those that touch a new repair of
+   the same kind, which may be the other half. */
 static void drop(mends *s, size_t before) {
   size_t kept = 0;
   for (size_t i = 0; i < s->n; i++) {
@@ -110,8 +113,8 @@ static void drop(mends *s, size_t before) {
   s->n = kept;
 }
 
-/* Mend from q[1] to q[2], if that is the bottom of a notch or the top of a
-   bump, as deep as both of its jogs are. */
+/* Add a repair from q[1] to q[2] if that is the bottom of a notch or the top of
+   a bump; its depth is that of the shallower jog. */
 static void find(drc *r, mends *s, const eda_point q[4], int bump,
                  size_t before) {
   double least = bump ? r->min_mask_width : r->min_space;
@@ -162,9 +165,9 @@ void smooth_drop(drc *r, size_t layer, eda_box place) {
   s->n = kept;
 }
 
-/* A mend, and as much further as the mask has of shape behind a notch or of
-   space before a bump: the edge there may still move, and is not to leave a
-   slit or a sliver. */
+/* Return the box of a repair, extended into the shape behind a notch or the
+   space before a bump by the least width or space: the edge there may still
+   move and must not leave a slit or a sliver. */
 static eda_box reach(const drc *r, const mend *m) {
   int32_t by =
       (int32_t)((m->bump ? -r->min_space : r->min_mask_width) / r->grid);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Jogs too near each other: the truth is the mask that the ruling makes. */
+/* Tests smoothing of jogs that are too near to each other; the reference is the
+   mask that the ruling produces. */
 #include "chip_test.h"
 
 static double wide_line(const chip *c, double x, double y) {
@@ -7,7 +8,7 @@ static double wide_line(const chip *c, double x, double y) {
   return fmin(x + 5, 70 - x);
 }
 
-/* The mask of the ruling, made of `base` by booleans. */
+/* Return the mask of the ruling, from `base` by boolean operations. */
 static eda_shapes applied(const eda_shapes *base, const eda_ruling *r) {
   opc_error error;
   eda_shapes now, next;
@@ -29,8 +30,8 @@ static eda_shapes applied(const eda_shapes *base, const eda_ruling *r) {
   return now;
 }
 
-/* Lines with random jogs of 1 to 3 nm: after a few prints the mask keeps its
-   own rules, differs by little from what was asked for, and stays as it is. */
+/* Lines with random jogs of 1 to 3 nm: after a few iterations the mask obeys
+   its rules, differs little from the requested one, and stays constant. */
 static void test_jogs(void) {
   for (uint32_t seed = 1; seed <= 30; seed++) {
     g_autoptr(opc_module) m = make("{}");
@@ -77,7 +78,7 @@ static void test_jogs(void) {
     }
     gint64 more = eda_area2(&mask) - eda_area2(&base);
     g_assert_cmpint(ABS(more), <, 2 * 3 * 40 * JOGS);
-    /* The jogs go, and with them what was mended. */
+    /* Without the jogs, their repairs vanish. */
     eda_shapes plain = c.shapes[EDA_POLY];
     for (int i = 0; i < 4; i++) {
       eda_shapes_clear(&mask);
@@ -96,7 +97,8 @@ static double bar(const chip *c, double x, double y) {
   return 5 + fmin(fmin(x, 400 - x), fmin(y, 200 - y));
 }
 
-/* A bar with a notch (or a bump) of 30 nm, `depth` deep, in its upper edge. */
+/* Make a bar with a notch (or a bump) of 30 nm, `depth` deep, in its upper
+   edge. */
 static void notched(eda_point q[8], int bump, int32_t depth) {
   int32_t bottom = 200 + (bump ? depth : -depth);
   const eda_point all[] = {{0, 0},        {400, 0},      {400, 200}, {230, 200},
@@ -104,9 +106,9 @@ static void notched(eda_point q[8], int bump, int32_t depth) {
   memcpy(q, all, sizeof all);
 }
 
-/* What is mended stays so while the edge within the notch moves on, by what a
-   synthesizer moves at a time: no slit opens behind it, no sliver is left. As
-   deep as it may be wide it is one, deeper it has a meaning. */
+/* A repair stays while the edge in the notch moves on by typical steps of a
+   synthesizer: no slit opens behind it, and no sliver remains. Up to the least
+   width a notch is repaired, a deeper one is intended. */
 static void test_moving_jogs(void) {
   for (int bump = 0; bump < 2; bump++)
     for (int32_t depth = 5; depth <= 46; depth++) {

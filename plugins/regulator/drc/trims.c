@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Edges of poly that go back where the gap before them does not print. */
+/* Implements trims: edges of poly that move inwards where the gap before them
+   bridges. */
 #include <eda/memory.h>
 #include <math.h>
 #include <string.h>
@@ -9,17 +10,17 @@
 
 /* ---- how far a wall may go back ---- */
 
-/* A stretch of a wall and what lies behind it. */
+/* A stretch of a wall and the boxes behind it. */
 typedef struct stretch {
   eda_box wall;
-  int behind; /* the side of it that poly lies on */
-  int32_t at; /* of the gap, along the wall */
+  int behind; /* the side of the wall on which the poly is */
+  int32_t at; /* position of the gap along the wall */
   int32_t least, beside;
   int32_t from, to, room;
 } stretch;
 
-/* Leave `keep` between the wall that went back and a box: it goes back by less,
-   or if that is too little, only beside the box. */
+/* Keep `keep` between the trimmed wall and a box: limit the depth or, if that
+   is too little, end the stretch beside the box. */
 static void shorten(stretch *s, eda_box b, int32_t keep) {
   eda_box w = s->wall;
   int32_t d = s->behind == LEFT    ? w.x0 - b.x1
@@ -40,7 +41,7 @@ static void shorten(stretch *s, eda_box b, int32_t keep) {
   }
 }
 
-/* Keep away from what lies behind the wall, by `nm`. */
+/* Keep the distance `nm` to all boxes behind the wall. */
 static void keep_away(const drc *r, stretch *s, const places *what, double nm) {
   int32_t keep = (int32_t)ceil(nm / r->grid);
   int32_t far = keep + (int32_t)(tuned.of_gate / r->grid);
@@ -49,7 +50,7 @@ static void keep_away(const drc *r, stretch *s, const places *what, double nm) {
   for (uint32_t i; eda_index_next(&f, &i);) shorten(s, what->box[i], keep);
 }
 
-/* The piece of an edge that may go back before a gap. */
+/* Return the largest trim of an edge before a gap. */
 static trim trim_of(const drc *r, eda_box wall, int side, int32_t at) {
   int behind = opposite(side), along_y = upright(side);
   int32_t far = (int32_t)(tuned.of_gate / r->grid);
@@ -69,7 +70,7 @@ static trim trim_of(const drc *r, eda_box wall, int side, int32_t at) {
     wall.x0 = s.from, wall.x1 = s.to;
   trim t = {.wall = wall, .side = side};
   if ((s.to - s.from) * r->grid < r->min_space) return t;
-  /* The other side of the line may go back as far. */
+  /* The opposite edge of the line may move inwards as far. */
   int32_t thick =
       nearest(&r->edges[EDA_POLY], window_at(wall, behind, 1, 3 * far, 0),
               behind, 3 * far, NULL) +
@@ -81,7 +82,8 @@ static trim trim_of(const drc *r, eda_box wall, int side, int32_t at) {
 
 /* ---- gaps ---- */
 
-/* The edge of poly seen from the middle of a gap. 0 if there is none. */
+/* Find the edge of poly seen from the middle of a gap. Return 0 if there is
+   none. */
 static int wall_at(const drc *r, eda_point p, int side, eda_box *wall) {
   int32_t far = (int32_t)(2 * tuned.of_gate / r->grid);
   eda_box dot = {p.x, p.y, p.x, p.y};
@@ -91,7 +93,7 @@ static int wall_at(const drc *r, eda_point p, int side, eda_box *wall) {
          (upright(side) ? wall->x0 == wall->x1 : wall->y0 == wall->y1);
 }
 
-/* The number of that trim, which may be there already. */
+/* Return the index of a trim; add the trim if it is new. */
 static int32_t number_of(drc *r, trim one) {
   for (size_t i = r->n_trims; i-- > 0;) {
     trim *t = &r->trims[i];
@@ -115,7 +117,7 @@ static void add_pair(drc *r, site *gap) {
   gap->repair = (int32_t)r->n_pairs++;
   if (!wall_at(r, p, low, &wall[0]) || !wall_at(r, p, low + 1, &wall[1]))
     return;
-  for (int i = 0; i < 2; i++) { /* as far as they face each other */
+  for (int i = 0; i < 2; i++) { /* over their common extent */
     eda_box w = wall[i], o = wall[!i];
     if (low == LEFT) {
       w.y0 = o.y0 > w.y0 ? o.y0 : w.y0;
@@ -170,7 +172,7 @@ int trims_back(drc *r, const site *line) {
 }
 
 int trims_could(const drc *r, const site *gap) {
-  if (gap->repair < 0) return 1; /* never tried */
+  if (gap->repair < 0) return 1; /* not tried yet */
   for (int i = 0; i < 2; i++) {
     int32_t number = r->pairs[gap->repair][i];
     if (number >= 0 && r->trims[number].depth < r->trims[number].room) return 1;

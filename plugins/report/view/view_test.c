@@ -206,10 +206,11 @@ static void test_image(void) {
   g_assert_cmpuint(size, ==,
                    columns * (gsize)json_object_get_int_member(o, "rows"));
   for (gsize i = 0; i < size; i += 97) {
+    gsize row = i / columns;
     double x = json_object_get_double_member(o, "x") +
                ((double)(i % columns) + 0.5) * pixel;
     double y = json_object_get_double_member(o, "y") +
-               ((double)(i / columns) + 0.5) * pixel,
+               ((double)row + 0.5) * pixel,
            v;
     eda_field_sample(&m->print[0], &x, &y, 1, &v);
     g_assert_cmpfloat_with_epsilon(grey[i], 128 + 127 * v / most, 0.51);

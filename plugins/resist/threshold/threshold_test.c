@@ -150,8 +150,8 @@ static void test_gates(void) {
   static const int rows[][3] = {
       {5, 150, 430}, {2, 150, 360}, {9, 500, 780}, {1, 150, 0}};
   static const int alone[][3] = {{1, 150, 0}, {3, 500, 780}};
-  for (uint8_t axis = EDA_X; axis <= EDA_Y; axis++)
-    check_gates(rows, 4, axis, "{ anchor: { " GATES " } }",
+  for (int axis = EDA_X; axis <= EDA_Y; axis++)
+    check_gates(rows, 4, (uint8_t)axis, "{ anchor: { " GATES " } }",
                 "{ anchor: { line: 150 nm, pitch: 430 nm } }",
                 "anchor: 150 nm lines at 430 nm, from the layout's gates (8 of "
                 "the shortest; 4 of 5 pitches between them)");

@@ -28,7 +28,7 @@ typedef struct work {
 static void window_init(window *w, double radius, double step) {
   double deviation = radius / 2, sum = 0;
   w->reach = (int)ceil(4 * deviation / step);
-  w->weight = eda_alloc((size_t)(2 * w->reach + 1), sizeof *w->weight);
+  w->weight = eda_alloc(2 * (size_t)w->reach + 1, sizeof *w->weight);
   for (int pass = 0; pass < 2; pass++)
     for (int i = -w->reach; i <= w->reach; i++) {
       double t = deviation > 0 ? i * step / deviation : 0;

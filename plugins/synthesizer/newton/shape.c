@@ -216,7 +216,7 @@ enum { MOST = 12, VALUES = 2 * MOST + 1 };
 /* Compute the whole steps v[k] up to high[k] that minimize the sum of (x[k] -
    v[k])^2 and of `jump` for each change of v. */
 static void potts(int n, const double *x, const int *high, double jump,
-                  int8_t *v) {
+                  int16_t *v) {
   double cost[EDA_PARTS][VALUES];
   int best[EDA_PARTS] = {0}, which[EDA_PARTS][VALUES];
   for (int k = 0; k < n; k++) {
@@ -233,7 +233,7 @@ static void potts(int n, const double *x, const int *high, double jump,
     }
   }
   for (int k = n - 1, s = n ? best[n - 1] : 0; k >= 0; k--) {
-    v[k] = (int8_t)(s - MOST);
+    v[k] = (int16_t)(s - MOST);
     s = which[k][s];
   }
 }

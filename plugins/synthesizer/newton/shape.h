@@ -12,7 +12,7 @@
 /* Grid steps of additional mask length in each part of the width; all 0 without
    parts. */
 typedef struct shape {
-  int8_t by[EDA_PARTS];
+  int16_t by[EDA_PARTS];
 } shape;
 
 /* Printed length along the width minus its mean, nm, at SAMPLES places of each

@@ -154,7 +154,7 @@ void cell_join(eda_pool *pool, eda_timing_cell *c, circuit *r) {
   uint32_t times = 0;
   for (size_t i = 0; i < r->parts; i++)
     times = divisor(times, r->part[i].count);
-  for (size_t i = 0; i < r->parts; i++) r->part[i].count /= times;
+  for (size_t i = 0; times && i < r->parts; i++) r->part[i].count /= times;
   r->times = times;
   /* Colours of what is simulated: those above also say how often. */
   refine(c, r->part, r->parts, same, net);

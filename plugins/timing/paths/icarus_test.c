@@ -93,7 +93,8 @@ static void test_same(void) {
       TRANSITIONS, TRANSITIONS);
   if (run_paths(t, ports, circuit, more, NULL, NULL, &error))
     g_error("%s", error.message);
-  g_autofree char *words = run(compile), *out = run(simulate);
+  g_free(run(compile));
+  g_autofree char *out = run(simulate);
   g_auto(GStrv) theirs = g_strsplit(g_strchomp(out), "\n", -1),
                 ours = our_lines();
   sort_lines(theirs);

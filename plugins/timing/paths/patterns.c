@@ -44,6 +44,7 @@ static void listed(const paths *p, size_t index, uint8_t *before,
    them changes. */
 void pattern_at(const paths *p, size_t index, uint8_t *before, uint8_t *after) {
   const size_t m = p->graph.inputs;
+  if (!m) return;
   if (p->all) {
     listed(p, index, before, after);
     return;

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* For the tests of this folder: random polygons, and shapes as bitmaps, where
-   everything can be counted. */
+/* Random polygons and shapes as bitmaps, for the tests of this folder. */
 #ifndef EDA_GEOMETRY_BITMAP_TEST_H
 #define EDA_GEOMETRY_BITMAP_TEST_H
 
@@ -15,8 +14,8 @@ typedef struct bitmap {
   uint8_t at[SIZE][SIZE]; /* [y][x] */
 } bitmap;
 
-/* Winding numbers by counting, in each row, the edges to the left: of each
-   polygon for itself, or of outlines and holes together. */
+/* Draw shapes by winding numbers: count, in each row, the edges to the left of
+   each pixel, for each polygon alone or for outlines and holes together. */
 static inline void bitmap_draw(bitmap *b, const eda_shapes *s) {
   int wind[SIZE][SIZE] = {0};
   memset(b, 0, sizeof *b);
@@ -66,7 +65,7 @@ static inline void builder_box(builder *b, int32_t x0, int32_t y0, int32_t x1,
   builder_close(b);
 }
 
-/* A view; builder_free frees it. */
+/* Return a view of the shapes; builder_free frees their arrays. */
 static inline eda_shapes builder_shapes(const builder *b) {
   return (eda_shapes){b->start->len - 1, (uint32_t *)(void *)b->start->data,
                       (eda_point *)(void *)b->points->data, NULL};
@@ -77,8 +76,8 @@ static inline void builder_free(builder *b) {
   g_array_free(b->points, TRUE);
 }
 
-/* Boxes of both orientations and closed random walks that cross themselves,
-   repeat points and go back on their own edges. */
+/* Return boxes of both orientations and closed random walks that cross
+   themselves, repeat points and reverse on their own edges. */
 static inline builder random_shapes(GRand *r, int most) {
   builder b = builder_new();
   int n = g_rand_int_range(r, 0, most + 1);
@@ -113,10 +112,10 @@ static inline builder random_shapes(GRand *r, int most) {
   return b;
 }
 
-/* Number the connected parts of all pixels of `value` in label[y][x], from 1;
-   a pixel has 4 neighbours or 8. Beyond the border lies value 0. */
+/* Number the connected parts of all pixels of `value` in label[y][x], from 1; a
+   pixel has 4 or 8 neighbours. Pixels outside the bitmap have the value 0. */
 typedef struct labels {
-  int at[SIZE + 2][SIZE + 2]; /* of pixel [y - 1][x - 1] */
+  int at[SIZE + 2][SIZE + 2]; /* number of pixel [y - 1][x - 1] */
   int count;
 } labels;
 

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Booleans of rectilinear polygons: a vertical line sweeps over the vertical
-   edges from left to right and knows, for each piece of itself, how often each
-   operand winds around it. Where an edge changes whether a piece is inside the
-   result, there is a wall of the result. O((n + k) log n), k the number of
-   places where edges cross. */
+/* Boolean operations on rectilinear polygons. A vertical line sweeps over the
+   vertical edges from left to right and stores, for each of its intervals, the
+   winding number of each operand. Where an edge changes whether an interval is
+   inside the result, the result has a wall. Takes O((n + k) log n) for k
+   crossings of edges. */
 #include <eda/memory.h>
 #include <glib.h>
 
@@ -11,21 +11,20 @@
 
 typedef struct sweep {
   int op;
-  eda_event
-      *events; /* ends of vertical edges: x, y or its rank, what changes */
+  eda_event *events; /* ends of vertical edges: x; y or its rank; change */
   size_t n, room;
-  uint32_t *y;        /* of the ranks, biased */
-  eda_rankset breaks; /* the ranks where a piece of the line begins */
-  int32_t (*wind)[2]; /* of the piece that begins at a rank */
+  uint32_t *y;        /* y of each rank, biased */
+  eda_rankset breaks; /* ranks at which an interval of the line starts */
+  int32_t (*wind)[2]; /* winding numbers of the interval above each break */
   eda_wall *walls;
   size_t n_walls, walls_room;
 } sweep;
 
-/* An end of an edge of operand b, or of a; to the right of the edge, the
-   winding number is one less above that end than below it, or one more. */
+/* Payload of an event: the end belongs to operand b, not a; the winding number
+   right of the edge is one less above this end than below, not one more. */
 enum { OPERAND = 1, MINUS = 2 };
 
-/* Each wall stands for two edges, and points are counted with 31 bits. */
+/* Each wall stands for two edges, and points are numbered with 31 bits. */
 enum { MOST_WALLS = 1 << 30 };
 
 static int inside(int op, const int32_t *wind) {
@@ -68,7 +67,7 @@ static int add_wall(sweep *s, uint32_t x, uint32_t r0, uint32_t r1, int left,
   return OPC_OK;
 }
 
-/* The winding numbers below rank r. */
+/* Return the winding numbers below rank r. */
 static void wind_below(const sweep *s, uint32_t r, int32_t *wind) {
   uint32_t below = eda_rankset_before(&s->breaks, r);
   wind[0] = below == EDA_NO_RANK ? 0 : s->wind[below][0];
@@ -81,8 +80,8 @@ static void split(sweep *s, uint32_t r) {
   eda_rankset_add(&s->breaks, r);
 }
 
-/* A break that no longer breaks anything goes. `below` becomes what is above
-   it. */
+/* Remove the break at rank r if the winding numbers on both sides are equal.
+   Set `below` to those above r. */
 static void join(sweep *s, uint32_t r, int32_t *below) {
   if (s->wind[r][0] == below[0] && s->wind[r][1] == below[1]) {
     eda_rankset_remove(&s->breaks, r);
@@ -131,7 +130,7 @@ static int run(sweep *s, opc_error *error) {
     const eda_event *e = &s->events[i];
     change[e->payload & OPERAND] += e->payload & MINUS ? -1 : 1;
     if (!change[0] && !change[1]) continue;
-    /* An edge that is open here ends later at the same x. */
+    /* The edge that is open here ends later at the same x. */
     if (e[1].minor == e->minor) continue;
     code = change_range(s, e->major, e->minor, e[1].minor, change, error);
   }
@@ -140,7 +139,7 @@ static int run(sweep *s, opc_error *error) {
 
 /* ---- operands ---- */
 
-/* The edge from y0 to y1; the interior is on its left. */
+/* Add the edge from y0 to y1; the interior is on the left of the edge. */
 static void add_edge(sweep *s, int32_t x, int32_t y0, int32_t y1,
                      uint32_t operand) {
   if (y0 == y1) return;
@@ -150,7 +149,7 @@ static void add_edge(sweep *s, int32_t x, int32_t y0, int32_t y1,
            (eda_event){eda_bias(x), eda_bias(y1), operand});
 }
 
-/* As outline (interior inside), or as hole. */
+/* Add a contour as an outline (interior inside) or as a hole. */
 static void add_contour(sweep *s, const eda_point *points, uint32_t n, int hole,
                         uint32_t operand) {
   eda_shapes one = {1, (uint32_t[]){0, n}, (eda_point *)points, NULL};
@@ -164,8 +163,9 @@ static void add_contour(sweep *s, const eda_point *points, uint32_t n, int hole,
   }
 }
 
-/* A polygon that may cross itself, so that it winds both ways: its pieces must
-   not cancel those of others. */
+/* Add a polygon that may cross itself and so wind in both directions. It is
+   merged alone first, so that its parts do not cancel those of other
+   polygons. */
 static int add_polygon(sweep *s, const eda_point *points, uint32_t n,
                        uint32_t operand, opc_error *error) {
   if (n <= 4) {

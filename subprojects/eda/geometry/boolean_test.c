@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Booleans of random shapes against bitmaps, and of known ones. */
+/* Boolean operations on random shapes, compared with bitmaps, and on known
+   shapes. */
 #include "geometry/bitmap_test.h"
 
 static int64_t outline2(const eda_shapes *s, size_t p) {
@@ -12,7 +13,8 @@ static int64_t outline2(const eda_shapes *s, size_t p) {
   return sum;
 }
 
-/* Everything that geometry.h promises of merged shapes, but for the area. */
+/* Check all properties of merged shapes that geometry.h promises, except the
+   area. */
 static void check_canonical(const eda_shapes *s) {
   for (size_t p = 0; p < s->count; p++) {
     uint32_t first = s->start[p], n = s->start[p + 1] - first;
@@ -61,7 +63,8 @@ static void check_against_bitmap(int op, const eda_shapes *a,
   g_assert_cmpmem(&got, sizeof got, &want, sizeof want);
   g_assert_cmpint(eda_area2(out), ==, 2 * area);
   check_canonical(out);
-  /* Shapes that touch in a corner stay apart, so holes that do are one. */
+  /* Shapes that touch in a corner stay separate, so holes that touch are
+     one. */
   labels l;
   size_t holes = 0;
   for (size_t p = 0; p < out->count; p++) holes += out->hole[p];
@@ -141,7 +144,7 @@ static void test_hole(void) {
   builder_box(&b, 0, 0, 3, 9);
   builder_box(&b, 6, 0, 9, 9);
   merge_is(&b, "poly 0,0 9,0 9,9 0,9; hole 3,3 3,6 6,6 6,3; ");
-  /* An outline drawn the other way round, with points to spare. */
+  /* An outline of the opposite orientation with redundant points. */
   b = builder_new();
   builder_point(&b, 0, 0);
   builder_point(&b, 0, 4);
@@ -207,8 +210,8 @@ static void test_bounds(void) {
   builder_free(&b);
 }
 
-/* Lines over bands: every crossing is in the result, and the number of its
-   pieces is known. */
+/* Cross lines with bands: the result contains every crossing, and its number of
+   polygons is known. */
 static void test_grid(void) {
   enum { N = 300 };
   builder lines = builder_new(), bands = builder_new();

@@ -1,28 +1,29 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Cut merged shapes into rectangles. A vertical line sweeps over the shapes;
-   the pieces of it that lie inside are slabs that grow to the right until an
-   edge touches them. Done for the shapes and for their transpose; each polygon
-   with its holes takes what gave fewer. O(n log n). */
+/* Dissection of merged shapes into rectangles. A vertical line sweeps over the
+   shapes. Its intervals inside the shapes are slabs, which grow to the right
+   until an edge touches them. The sweep runs for the shapes and for their
+   transpose; each polygon with its holes takes the direction with fewer
+   rectangles. Takes O(n log n). */
 #include <eda/memory.h>
 #include <glib.h>
 #include <stdlib.h>
 
 #include "geometry/scan.h"
 
-/* A vertical edge, of a contour; x and y are swapped in the transpose. */
+/* A vertical edge of a contour; x and y are swapped in the transpose. */
 typedef struct side {
   int32_t x;
-  uint32_t r0, r1; /* ranks of its ends */
+  uint32_t r0, r1; /* ranks of both ends */
   uint32_t contour;
 } side;
 
 typedef struct slab {
-  uint32_t r1; /* where it ends; it begins at the rank it is kept at */
+  uint32_t r1; /* rank of the upper end; the lower end is the index */
   int32_t x0;
-  uint32_t contour; /* one that belongs to its polygon */
+  uint32_t contour; /* a contour of the polygon that contains the slab */
 } slab;
 
-/* A slab that an edge has closed, or one that opens. */
+/* A slab closed by an edge, or a slab that opens. */
 typedef struct span {
   uint32_t r0, r1, contour;
 } span;
@@ -37,15 +38,15 @@ typedef struct fracture {
   int transpose;
   side *sides; /* sorted by x, then r0 */
   size_t n_sides;
-  int32_t *y; /* of the ranks */
+  int32_t *y; /* y of each rank */
   uint32_t ranks;
-  eda_rankset open; /* the ranks at which open slabs begin */
+  eda_rankset open; /* ranks at which open slabs start */
   slab *slabs;
-  span *closed; /* at this x; from low to high */
+  span *closed; /* slabs closed at this x, from low to high */
   uint32_t *ends;
   size_t n_closed, n_ends;
-  uint32_t *parent; /* contours of one polygon: a forest */
-  piece *pieces[2]; /* of both ways */
+  uint32_t *parent; /* union-find forest of the contours of a polygon */
+  piece *pieces[2]; /* pieces of both directions */
   size_t n_pieces[2], room[2];
 } fracture;
 
@@ -75,8 +76,8 @@ static eda_point point(const fracture *f, uint32_t i) {
   return f->transpose ? (eda_point){p.y, p.x} : p;
 }
 
-/* Both ends of each vertical edge as events; the payload is the edge, and
-   whether this is its upper end. */
+/* Write both ends of each vertical edge as events; the payload holds the number
+   of the edge and marks the upper end. Return the number of events. */
 static size_t collect(fracture *f, eda_event *events) {
   size_t n = 0;
   for (size_t c = 0; c < f->shapes->count; c++) {
@@ -147,7 +148,7 @@ static void add_piece(fracture *f, const span *s, int32_t x0, int32_t x1) {
            (piece){box, s->contour});
 }
 
-/* End the open slabs that [r0, r1] touches. */
+/* Close the open slabs that [r0, r1] touches. */
 static void close_slabs(fracture *f, uint32_t r0, uint32_t r1, int32_t x) {
   uint32_t r = eda_rankset_before(&f->open, r0);
   if (r == EDA_NO_RANK || f->slabs[r].r1 < r0)
@@ -168,8 +169,9 @@ static int by_rank(const void *a, const void *b) {
   return (p > q) - (p < q);
 }
 
-/* An edge that closes a slab belongs to its polygon. That joins each hole to
-   its outline, as the line meets a hole first where a slab ends. */
+/* Unite each edge with the polygon of the slab that the edge closes. This joins
+   each hole to its outline, because the line reaches a hole first at the end of
+   a slab. */
 static void unite_edges(fracture *f, const side *sides, size_t n) {
   for (size_t i = 0, j = 0; i < n && j < f->n_closed;) {
     const span *c = &f->closed[j];
@@ -182,8 +184,9 @@ static void unite_edges(fracture *f, const side *sides, size_t n) {
   }
 }
 
-/* It belongs to the polygon of an edge in it, or of a slab that it goes on
-   from. `edge` and `old` move on to the first of each that may be that. */
+/* Open a slab. The slab belongs to the polygon of an edge within it, or of a
+   closed slab that it continues. `edge` and `old` advance to the first
+   candidates of each kind. */
 static void open_slab(fracture *f, const side *sides, size_t n, uint32_t r0,
                       uint32_t r1, size_t *edge, size_t *old) {
   while (*edge < n && sides[*edge].r1 <= r0) ++*edge;
@@ -195,8 +198,8 @@ static void open_slab(fracture *f, const side *sides, size_t n, uint32_t r0,
   eda_rankset_add(&f->open, r0);
 }
 
-/* All edges at one x: inside to its right is what was inside to its left, but
-   for the edges. */
+/* Process all edges at one x: the inside right of x equals the inside left of
+   x, changed by the edges. */
 static void step(fracture *f, const side *sides, size_t n) {
   f->n_closed = f->n_ends = 0;
   for (size_t i = 0; i < n; i++) {

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Fractures of random shapes against bitmaps, and of known ones. */
+/* Fractures of random shapes, compared with bitmaps, and of known shapes. */
 #include "geometry/bitmap_test.h"
 
-/* How many slabs part `label` has if cut along x (0) or y (1): the runs of
-   pixels that are not also in the row before. */
+/* Return the number of slabs of part `label` if dissected along x (0) or y (1):
+   the runs of pixels that do not also occur in the previous row. */
 static size_t count_slabs(const labels *l, int label, int way) {
   size_t n = 0;
   for (int j = 1; j <= SIZE; j++)
@@ -60,7 +60,7 @@ static void test_random(void) {
   g_rand_free(r);
 }
 
-/* What is not merged is not what fracture is for, but must do no harm. */
+/* Shapes that are not merged are no valid input, but must do no harm. */
 static void test_not_merged(void) {
   GRand *r = g_rand_new_with_seed(3);
   for (int i = 0; i < 2000; i++) {

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* All edges of shapes moved outwards or inwards: what lies within a square
-   around a point of the outline is added or taken away (dilation and erosion;
-   J. Serra, "Image Analysis and Mathematical Morphology", 1982). */
+/* Growing and shrinking of shapes: dilation and erosion with a square (J.
+   Serra, "Image Analysis and Mathematical Morphology", 1982). */
 #include <eda/geometry.h>
 #include <eda/memory.h>
 #include <stdlib.h>
 
-/* A box around each edge, `by` in all directions. */
+/* Return a box around each edge, larger by `by` in all directions. */
 static eda_shapes boxes_of_edges(const eda_shapes *s, int32_t by) {
   size_t n = s->count ? s->start[s->count] : 0;
   eda_shapes out = {.count = n};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Shapes grown and shrunk, against the pixels of a bitmap and their
+/* Grown and shrunk shapes, compared with pixels of a bitmap and their
    neighbours. */
 #include "geometry/bitmap_test.h"
 
@@ -7,7 +7,7 @@ static int pixel(const bitmap *b, int x, int y) {
   return x >= 0 && y >= 0 && x < SIZE && y < SIZE && b->at[y][x];
 }
 
-/* Any, or all, of the pixels around one. */
+/* Return whether any pixel, or all pixels, around a pixel are set. */
 static int around(const bitmap *b, int x, int y, int by) {
   int any = 0, all = 1, r = ABS(by);
   for (int v = y - r; v <= y + r; v++)
@@ -18,7 +18,7 @@ static int around(const bitmap *b, int x, int y, int by) {
   return by > 0 ? any : all;
 }
 
-/* What has grown beyond the bitmap is cut off. */
+/* Draw shapes clipped to the bitmap. */
 static void draw_inside(bitmap *b, const eda_shapes *s) {
   opc_error error;
   builder frame = builder_new();
@@ -58,7 +58,7 @@ static void test_random(void) {
   g_rand_free(r);
 }
 
-/* A rectangle's sides, and nothing at all. */
+/* Grow and shrink a rectangle and empty shapes. */
 static void test_known(void) {
   opc_error error;
   builder b = builder_new();

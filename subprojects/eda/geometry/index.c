@@ -1,29 +1,30 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Boxes by the cells of a grid that they meet: first all boxes of the first
-   cell, then those of the next, row by row. */
+/* Spatial index: the numbers of the boxes that touch each cell of a grid, all
+   boxes of the first cell first, then the next cell, row by row. */
 #include <eda/index.h>
 #include <eda/memory.h>
 #include <glib.h>
 #include <math.h>
 #include <stdlib.h>
 
-/* No more cells than this for each box, however sparse they lie; and no box in
-   more cells than that on average, however large they are. */
+/* Limits: the number of cells for each box, for sparse boxes; the average
+   number of cells that contain a box, for large boxes. */
 enum { CELLS_OF_BOX = 4, PLACES_OF_BOX = 64 };
 
 struct eda_index {
   eda_box *box;
   size_t n;
-  eda_box extent; /* of all boxes */
+  eda_box extent; /* bounding box of all boxes */
   int64_t cell;
   int32_t columns, rows;
-  uint32_t *start; /* of each cell: its first item; [cells + 1] */
+  uint32_t *start; /* first item of each cell; [cells + 1] */
   uint32_t *item;  /* numbers of boxes */
 };
 
 static int is_empty(eda_box b) { return b.x0 > b.x1 || b.y0 > b.y1; }
 
-/* Which of n columns or rows from `first` on. */
+/* Return the column or row that contains a coordinate; n of them start at
+   `first`. */
 static int32_t cell_of(const eda_index *x, int32_t at, int32_t first,
                        int32_t n) {
   int64_t k = ((int64_t)at - first) / x->cell;
@@ -50,7 +51,7 @@ static void set_cell(eda_index *x, double size) {
   x->rows = (int32_t)ceil(height / size);
 }
 
-/* In how many places boxes stand. */
+/* Return the total number of items: for each box, the cells that it touches. */
 static uint64_t places(const eda_index *x) {
   uint64_t sum = 0;
   for (size_t i = 0; i < x->n; i++) {
@@ -61,8 +62,8 @@ static uint64_t places(const eda_index *x) {
   return sum;
 }
 
-/* Count the boxes of each cell, or put them there: start[k] goes from the first
-   one of cell k to that of the next. */
+/* Count the boxes of each cell, or store them: start[k] advances from the first
+   item of cell k to that of the next cell. */
 static void spread(eda_index *x) {
   for (size_t i = 0; i < x->n; i++) {
     if (is_empty(x->box[i])) continue;
@@ -153,7 +154,8 @@ int eda_index_next(eda_finder *f, uint32_t *number) {
       uint32_t i = x->item[f->at++];
       eda_box b = x->box[i];
       if (b.x0 > w.x1 || b.x1 < w.x0 || b.y0 > w.y1 || b.y1 < w.y0) continue;
-      /* It was met before if it comes from the left or from below. */
+      /* A box that continues from the left or from below was returned
+         before. */
       if ((b.x0 < f->left && f->column > f->cells.x0) ||
           (b.y0 < f->below && f->row > f->cells.y0))
         continue;

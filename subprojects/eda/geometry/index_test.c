@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The index of boxes against looking at all of them, and its order. */
+/* The index of boxes, compared with an exhaustive search, and its order. */
 #include <eda/index.h>
 #include <glib.h>
 #include <string.h>
@@ -15,8 +15,8 @@ static eda_box random_box(GRand *r, int span, int most) {
                    y + g_rand_int_range(r, 0, most + 1)};
 }
 
-/* Each box that touches the window comes once, others never, and a second time
-   in the same order. */
+/* Check that each box that touches the window is returned once, that no other
+   box is, and that a second search returns the same order. */
 static void check(const eda_index *index, const eda_box *box, size_t n,
                   eda_box window) {
   g_autofree uint8_t *found = g_new0(uint8_t, n + 1);
@@ -50,7 +50,7 @@ static void test_random(void) {
   g_rand_free(r);
 }
 
-/* By cells, row by row, and in a cell by number. */
+/* The order is by cell, row by row, and within a cell by number. */
 static void test_order(void) {
   static const eda_box box[] = {{90, 90, 90, 90}, {10, 10, 12, 12},
                                 {50, 0, 50, 100}, {5, 5, 5, 5},
@@ -67,7 +67,7 @@ static void test_order(void) {
   eda_index_free(index);
 }
 
-/* Coordinates at the ends of their range, boxes that are none, and no box. */
+/* Coordinates at the ends of their range, empty boxes, and no box. */
 static void test_extremes(void) {
   static const eda_box box[] = {{INT32_MIN, INT32_MIN, INT32_MIN, INT32_MIN},
                                 {3, 0, 2, 0},
@@ -90,7 +90,7 @@ static void test_extremes(void) {
   eda_index_free(NULL);
 }
 
-/* Many large boxes take no more memory than many small ones. */
+/* Many large boxes need no more memory than many small ones. */
 static void test_large(void) {
   enum { N = 20000 };
   g_autofree eda_box *box = g_new(eda_box, N);

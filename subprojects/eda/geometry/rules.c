@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The rules of the mask itself. From each edge the mask is looked at to the
-   right or up, for the edges that face it: through the shape if it lies there,
-   or else through the space. What is nearer covers what is behind it. */
+/* Mask rules. From each edge a search to the right or upwards finds the edges
+   that face it: through the shape if the shape is on that side, through the
+   space otherwise. Nearer edges cover those behind them. */
 #include "eda/rules.h"
 
 #include <math.h>
@@ -17,23 +17,23 @@ static int upright(int side) { return side == LEFT || side == RIGHT; }
 static int opposite(int side) { return side ^ 1; }
 
 typedef struct facing {
-  int32_t distance, low, high; /* where they overlap */
+  int32_t distance, low, high; /* interval of overlap */
 } facing;
 
 typedef struct mask {
   const eda_shapes *shapes;
-  eda_box *edge; /* of each point, to the next one: flat */
+  eda_box *edge; /* edge from each point to the next, as a flat box */
   eda_index *edges, *points;
-  uint8_t *inwards; /* of each edge, the side its shape lies on */
-  uint8_t *corner;  /* of each point, see corner_of */
+  uint8_t *inwards; /* side of each edge on which the shape is located */
+  uint8_t *corner;  /* kind of each point, see corner_of */
   double grid;
   const double *limit;
   eda_rule_fault *fault;
   size_t faults, faults_room;
 
-  /* Of the edge that is looked from. */
+  /* Edge from which the search starts. */
   eda_box from;
-  int side, shape; /* whether through the shape */
+  int side, shape; /* whether the search passes through the shape */
   facing *found;
   size_t n, room;
 } mask;
@@ -46,8 +46,8 @@ static void tell(mask *m, int rule, double x, double y, double value) {
 
 /* ---- edges ---- */
 
-/* Note edge i if it ends what is looked through: the one that ends the shape
-   faces back, the one that ends the space away. */
+/* Record edge i if it ends the searched region: the end of a shape faces back,
+   the end of a space faces away. */
 static void face(mask *m, uint32_t i) {
   eda_box e = m->edge[i], f = m->from;
   int flat = upright(m->side);
@@ -75,7 +75,7 @@ static void tell_facing(mask *m, const facing *f) {
   tell(m, m->shape, flat ? across : along, flat ? along : across, f->distance);
 }
 
-/* Tell of the parts of found[i] that nothing nearer covers. */
+/* Report the parts of found[i] that no nearer edge covers. */
 static void tell_visible(mask *m, size_t i) {
   int32_t at = m->found[i].low, end = m->found[i].high;
   while (at < end) {
@@ -100,7 +100,7 @@ static void look_from(mask *m, size_t i) {
   m->side = m->shape ? inwards : opposite(inwards);
   m->from = m->edge[i];
   m->n = 0;
-  /* Less than the limit, in whole steps. */
+  /* Search strictly below the limit, in whole steps. */
   int32_t reach = (int32_t)ceil(m->limit[m->shape] / m->grid - 1e-9) - 1;
   if (reach < 1) return;
   eda_box window = m->from;
@@ -118,9 +118,9 @@ static void look_from(mask *m, size_t i) {
 
 enum { CONVEX = 1, QUADRANT_RIGHT = 2, QUADRANT_ABOVE = 4 };
 
-/* Whether the corner is convex, and which quadrant of it the lesser part lies
-   in: the shape at a convex corner, the space at the others. `in` and `out` are
-   its edges' inwards. */
+/* Return whether a corner is convex, and the quadrant that contains the smaller
+   part: the shape at a convex corner, the space at a concave one. `in` and
+   `out` are the inward sides of the two edges. */
 static uint8_t corner_of(eda_point a, eda_point b, eda_point c, int in,
                          int out) {
   int64_t turn = ((int64_t)b.x - a.x) * ((int64_t)c.y - b.y) -
@@ -132,19 +132,20 @@ static uint8_t corner_of(eda_point a, eda_point b, eda_point c, int in,
                    (above ? QUADRANT_ABOVE : 0));
 }
 
-/* Look at corners n and i. Of two of a kind, each has its quadrant away from
-   the other: between convex ones lies space, between the others the shape. */
+/* Check corners n and i. Two corners of one kind face each other if each has
+   its quadrant away from the other: space separates convex corners, shape
+   separates concave ones. */
 static void try_corner(mask *m, size_t n, uint32_t i) {
   eda_point a = m->shapes->points[n], b = m->shapes->points[i];
   uint8_t p = m->corner[n], q = m->corner[i];
   if ((p & CONVEX) != (q & CONVEX) || i == n) return;
-  /* `a` is the left one of the two, or the lower of two above each other. */
+  /* `a` is the left corner, or the lower of two with equal x. */
   if (b.x < a.x || (b.x == a.x && b.y <= a.y)) return;
   int up = b.y >= a.y, down = b.y <= a.y;
   int away = !(p & QUADRANT_RIGHT) && (q & QUADRANT_RIGHT);
   int rises = up && !(p & QUADRANT_ABOVE) && (q & QUADRANT_ABOVE);
   int falls = down && (p & QUADRANT_ABOVE) && !(q & QUADRANT_ABOVE);
-  /* Of two above each other the left one may lie on either side. */
+  /* For equal x, the corners may face each other on either side. */
   if (b.x == a.x) away = (p ^ q) & QUADRANT_RIGHT ? 1 : 0;
   int shape = !(p & CONVEX);
   double d = hypot((double)b.x - a.x, (double)b.y - a.y);
@@ -169,7 +170,7 @@ static double length(const mask *m, size_t i) {
   return (double)e.x1 - e.x0 + ((double)e.y1 - e.y0);
 }
 
-/* Edge i, between the edges `before` and `next`. */
+/* Check edge i, located between the edges `before` and `next`. */
 static void look_at_edge(mask *m, size_t before, size_t i, size_t next) {
   double own = length(m, i), a = length(m, before), b = length(m, next);
   double x = ((double)m->edge[i].x0 + m->edge[i].x1) / 2;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Rules of masks by hand; spaces and widths of bars against all pairs of them.
-   regulator.drc compares spaces and widths of real masks with KLayout. */
+/* Mask rules, compared with results computed by hand; spaces and widths of
+   lines, compared with all pairs. regulator.drc compares spaces and widths of
+   real masks with KLayout. */
 #include "eda/rules.h"
 
 #include <glib.h>
@@ -33,7 +34,8 @@ static void add(drawing *d, const int32_t (*xy)[2], size_t n) {
     add(d, xy, G_N_ELEMENTS(xy));                 \
   } while (0)
 
-/* How many faults there are of a rule, in a grid of half a nm; the last one. */
+/* Return the number of violations of a rule on a grid of 0.5 nm, and the last
+   violation. */
 static size_t count(const drawing *d, int rule, double least,
                     eda_rule_fault *last) {
   double limit[EDA_RULES] = {0};
@@ -48,15 +50,15 @@ static size_t count(const drawing *d, int rule, double least,
   return n;
 }
 
-/* A line of 100 x 1000 steps with a bump of 30 x 4 on its right, a jog of 6 on
-   its left, and at its lower left corner a stair of 3 x 8 and 8 x 3. */
+/* Draw a line of 100 x 1000 steps with a bump of 30 x 4 at its right, a jog of
+   6 at its left, and a stair of 3 x 8 and 8 x 3 at its lower left corner. */
 static void line(drawing *d) {
   ADD(d, {0, 0}, {100, 0}, {100, 400}, {104, 400}, {104, 430}, {100, 430},
       {100, 1000}, {-6, 1000}, {-6, 500}, {0, 500}, {0, 300}, {-3, 300},
       {-3, 292}, {-11, 292}, {-11, 289}, {0, 289});
 }
 
-/* A jog's step is no short edge, what is short between two of them is one. */
+/* The step of a jog is no short edge; a short edge between two jogs is one. */
 static void test_edges(void) {
   drawing d = {0};
   eda_rule_fault f;
@@ -75,8 +77,8 @@ static void test_edges(void) {
   g_assert_cmpfloat(f.value, ==, 15);
 }
 
-/* Two jogs: of 3 nm at the left, of 2 nm at a corner of the bump there is none,
-   as both of its corners are of one kind. */
+/* Two jogs: one of 3 nm at the left, one of 2 nm at the stair. The bump has
+   none, because both of its corners are of one kind. */
 static void test_jogs(void) {
   drawing d = {0};
   eda_rule_fault f;
@@ -93,8 +95,8 @@ static void test_jogs(void) {
   g_assert_cmpuint(count(&box, EDA_RULE_JOG, 10, &f), ==, 0);
 }
 
-/* Random bars side by side: every gap and every bar is told once, and what lies
-   behind another one is not. */
+/* Random lines side by side: each space and each line is reported once; lines
+   behind another line are not reported. */
 static void test_bars(void) {
   guint32 seed = 3;
   for (int run = 0; run < 100; run++) {
@@ -118,7 +120,7 @@ static void test_bars(void) {
   }
 }
 
-/* Corners across from each other: 3 and 4 steps are 2.5 nm. */
+/* Corners diagonally across: 3 and 4 steps are 2.5 nm. */
 static void test_corners(void) {
   drawing d = {0};
   eda_rule_fault f;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the scanline algorithms of this folder share: events and their sorting,
-   an ordered set of ranks, and the vertical edges of merged shapes. */
+/* Common parts of the scanline algorithms of this folder: events and their
+   sorting, an ordered set of ranks, and the vertical edges of merged shapes. */
 #ifndef EDA_GEOMETRY_SCAN_H
 #define EDA_GEOMETRY_SCAN_H
 
@@ -8,7 +8,7 @@
 
 #define EDA_COORDINATE_LIMIT (INT32_C(1) << 30)
 
-/* Coordinates as unsigned numbers of the same order. */
+/* Return a coordinate as an unsigned number of the same order. */
 static inline uint32_t eda_bias(int32_t c) {
   return (uint32_t)c + (uint32_t)EDA_COORDINATE_LIMIT;
 }
@@ -22,18 +22,19 @@ typedef struct eda_event {
   uint32_t major, minor, payload;
 } eda_event;
 
-/* Sort by one of the two keys; equal ones keep their order. Linear in n. */
+/* Sort events by one of the two keys, in O(n); the sort is stable. */
 enum { EDA_MAJOR, EDA_MINOR };
 void eda_sort(eda_event *events, size_t n, int key);
 
-/* Replace the minor keys by their ranks 0 .. ranks-1. Leaves the events sorted
-   by it. Returns the ranks' keys (g_free). */
+/* Replace the minor keys by their ranks 0 .. ranks-1 and sort the events by
+   them. Return the key of each rank (g_free). */
 uint32_t *eda_rank_minor(eda_event *events, size_t n, uint32_t *ranks);
 
 /* ---- rankset.c ---- */
 
-/* A set of numbers below n: bits, and above them bits that tell which words
-   are not zero, and so on; every operation is O(log n) to base 64. */
+/* A set of numbers below n as levels of bits: a bit of one level marks a
+   non-zero word of the level below. Each operation takes O(log n) to base
+   64. */
 typedef struct eda_rankset {
   unsigned levels;
   uint64_t *level[6];
@@ -41,20 +42,22 @@ typedef struct eda_rankset {
 
 #define EDA_NO_RANK UINT32_MAX
 
-/* n < EDA_NO_RANK. */
+/* Initialise an empty set of numbers below n; n < EDA_NO_RANK. */
 void eda_rankset_init(eda_rankset *set, uint32_t n);
 void eda_rankset_clear(eda_rankset *set);
 int eda_rankset_has(const eda_rankset *set, uint32_t r);
 void eda_rankset_add(eda_rankset *set, uint32_t r);
 void eda_rankset_remove(eda_rankset *set, uint32_t r);
-/* The smallest member > r, the largest < r; EDA_NO_RANK if there is none. */
+/* Return the smallest member > r, or the largest member < r; EDA_NO_RANK if
+   none exists. */
 uint32_t eda_rankset_after(const eda_rankset *set, uint32_t r);
 uint32_t eda_rankset_before(const eda_rankset *set, uint32_t r);
 
 /* ---- checks, geometry.c ---- */
 
-/* Refuse what no function here takes: slanted edges, coordinates out of
-   bounds, more than 2^31 - 1 points. NULL is good. */
+/* Return OPC_INVALID and *error for shapes that no function here accepts:
+   slanted edges, coordinates out of bounds, more than 2^31 - 1 points. NULL is
+   valid. */
 int eda_shapes_check(const eda_shapes *shapes, opc_error *error);
 
 /* ---- trace.c ---- */
@@ -65,8 +68,8 @@ typedef struct eda_wall {
   int32_t left;      /* 1: the interior is to its right */
 } eda_wall;
 
-/* Join the n walls of merged shapes, sorted by x, then y0, and none that could
-   be joined to the next, to outlines. */
+/* Join n walls to outlines and holes in *out. The walls belong to merged
+   shapes, are sorted by x, then y0, and are as long as possible. */
 void eda_trace(const eda_wall *walls, size_t n, eda_shapes *out);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Sorting events by their coordinates, digit by digit. */
+/* Radix sort of events by their coordinates. */
 #include <glib.h>
 #include <string.h>
 
@@ -11,8 +11,8 @@ static uint32_t key_of(const eda_event *e, int key) {
   return key == EDA_MINOR ? e->minor : e->major;
 }
 
-/* One pass over a digit of the key; 0 if the digit is the same in all, and so
-   nothing was moved. */
+/* Sort by one digit of the key. Return 0 if the digit is equal in all events,
+   so that nothing was moved. */
 static int pass(const eda_event *from, eda_event *to, size_t n, int key,
                 unsigned shift) {
   size_t place[BUCKETS] = {0};
@@ -30,7 +30,7 @@ static int pass(const eda_event *from, eda_event *to, size_t n, int key,
   return 1;
 }
 
-/* Few are put in their places one by one, in the order that passes give too. */
+/* Sort few events by insertion; stable like the passes. */
 static void insert(eda_event *events, size_t n, int key) {
   for (size_t i = 1; i < n; i++) {
     eda_event e = events[i];

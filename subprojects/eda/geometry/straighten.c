@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Edges that are meant to lie along an axis, and do not quite. */
+/* Straightening of edges that nearly follow an axis. */
 #include <eda/geometry.h>
 #include <stdlib.h>
 
-/* A polygon's points, and its edges from each point to the next. */
+/* The points of a polygon; edge i starts at point i. */
 typedef struct ring {
   eda_point *p;
   uint32_t n;
@@ -15,7 +15,7 @@ static int64_t part(const ring *r, uint32_t i, int axis) {
   return axis == 0 ? llabs((int64_t)b.x - a.x) : llabs((int64_t)b.y - a.y);
 }
 
-/* Is edge i one of constant x (axis 0) or y (1), or nearly? */
+/* Return whether edge i has constant x (axis 0) or y (1), or nearly. */
 static int lies(const ring *r, uint32_t i, int axis) {
   int64_t off = part(r, i, axis), along = part(r, i, !axis);
   return off <= r->most && (axis == 0 ? along > off : along >= off) &&
@@ -27,8 +27,8 @@ static int32_t *coordinate(const ring *r, uint32_t i, int axis) {
   return axis == 0 ? &p->x : &p->y;
 }
 
-/* The edges from `first` on, `count` of them, get the middle one of their
-   coordinates, unless they lead further away than one may. */
+/* Move `count` edges from `first` on to the middle of their coordinates, unless
+   they deviate by more than the limit. Return the number of moved edges. */
 static size_t level(const ring *r, uint32_t first, uint32_t count, int axis) {
   int32_t low = *coordinate(r, first, axis), high = low;
   size_t slanted = 0;
@@ -44,7 +44,8 @@ static size_t level(const ring *r, uint32_t first, uint32_t count, int axis) {
   return slanted;
 }
 
-/* All runs of edges of one axis, around the polygon from where one begins. */
+/* Level all runs of edges of one axis, from the start of a run around the
+   polygon. Return the number of moved edges. */
 static size_t level_runs(const ring *r, int axis) {
   uint32_t begin = 0;
   size_t slanted = 0;

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Rectilinear polygons whose points are shaken by one unit come back as they
-   were, but for that unit; what is slanted stays. */
+/* Straightening restores rectilinear polygons whose points were displaced by
+   one unit, within one unit, and leaves slanted edges unchanged. */
 #include <eda/geometry.h>
 #include <glib.h>
 #include <stdlib.h>
 
-/* A staircase and its way back: 2 * STEPS corners that turn, then two more. */
+/* A staircase with 2 * STEPS corners, closed by two more points. */
 enum { STEPS = 12, POINTS = 2 * STEPS + 2 };
 
 static eda_shapes one(uint32_t start[2], eda_point *points, uint32_t n) {
@@ -53,7 +53,8 @@ static void test_shaken(void) {
   }
 }
 
-/* Off by more, a slope in steps of one unit, and 45 degrees. */
+/* Larger deviations, a slope in steps of one unit, and 45 degrees stay
+   unchanged. */
 static void test_stays(void) {
   static const eda_point all[][6] = {
       {{0, 0}, {100, 0}, {102, 80}, {0, 80}},
@@ -73,7 +74,8 @@ static void test_stays(void) {
   }
 }
 
-/* Two edges of one line, a unit apart at most; the larger limit takes more. */
+/* Two edges of one line, at most one unit apart; the larger limit straightens
+   more. */
 static void test_in_a_row(void) {
   eda_point p[] = {{0, 0}, {100, 0}, {101, 30}, {100, 60}, {101, 80}, {0, 80}};
   uint32_t start[2];

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* From the vertical edges of merged shapes to their outlines and holes. Along
-   each horizontal line, the ends of vertical edges are joined two by two from
-   left to right; that gives each edge its successor. O(n). */
+/* Outlines and holes of merged shapes from their vertical edges. Along each
+   horizontal line, the ends of vertical edges are joined in pairs from left to
+   right; this yields the successor of each edge. Takes O(n). */
 #include <glib.h>
 #include <string.h>
 
@@ -10,13 +10,14 @@
 typedef struct trace {
   const eda_wall *walls;
   size_t n;
-  uint32_t *next;      /* the wall that follows this one */
-  eda_event *contours; /* y and x of its first point; its first wall */
+  uint32_t *next;      /* wall that follows each wall */
+  eda_event *contours; /* y and x of the first point of each contour; its first
+                          wall */
   size_t n_contours;
 } trace;
 
-/* The interior is on the left of an edge: it goes down where the interior is
-   to the right. */
+/* Return the y at which a wall starts. The interior is on the left of an edge,
+   so a wall with the interior to its right runs downwards. */
 static int32_t tail_y(const eda_wall *w) { return w->left ? w->y1 : w->y0; }
 static int32_t head_y(const eda_wall *w) { return w->left ? w->y0 : w->y1; }
 
@@ -29,8 +30,9 @@ static void link_pair(trace *t, uint32_t p, uint32_t q) {
     t->next[b] = a;
 }
 
-/* Where two walls meet head to head in a corner, shapes touch: each of the two
-   horizontal edges goes with the wall on its own side of the interior. */
+/* Order the ends where two walls meet head to head in a corner, so that
+   touching shapes stay separate: each of the two horizontal edges joins the
+   wall on its own side of the interior. */
 static void order_corner(const trace *t, eda_event *lower) {
   if (lower[0].major != lower[1].major || lower[0].minor != lower[1].minor)
     return;
@@ -51,18 +53,19 @@ static void link_walls(trace *t) {
     events[2 * i + 1] = (eda_event){eda_bias(w->y1), x, payload | 1};
   }
   eda_sort(events, ends, EDA_MAJOR);
-  /* The second end of one pair and the first one of the next are those that
-     can share a corner. */
+  /* Only the second end of one pair and the first end of the next can share a
+     corner. */
   for (size_t i = 1; i + 1 < ends; i += 2) order_corner(t, &events[i]);
   for (size_t i = 0; i + 1 < ends; i += 2)
     link_pair(t, events[i].payload, events[i + 1].payload);
   g_free(events);
 }
 
-/* Each contour's lowest, then leftmost point, sorted by it. */
+/* Find the lowest, then leftmost point of each contour, and sort the contours
+   by it. */
 static void find_contours(trace *t) {
   uint8_t *seen = g_new0(uint8_t, t->n + 1);
-  /* A contour has two walls or more. */
+  /* A contour has at least two walls. */
   t->contours = g_new(eda_event, t->n / 2 + 1);
   for (size_t first = 0; first < t->n; first++) {
     if (seen[first]) continue;
@@ -92,7 +95,7 @@ static void write_contour(const trace *t, size_t c, eda_shapes *out) {
     i = t->next[i];
   } while (i != first);
   if (!hole) {
-    /* An outline's lowest point is the head of its first wall. */
+    /* The lowest point of an outline is the head of its first wall. */
     eda_point *p = &out->points[out->start[c]];
     size_t rest = n - out->start[c] - 1;
     eda_point tail = p[0];

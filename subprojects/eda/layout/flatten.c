@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The shapes or texts of a layer made flat, with the transforms of all
-   placements above them: all of them, or those that touch a window. Of a window
-   only what may touch it is gone through (reach.c tells). */
+/* Flattening: the shapes or texts of a layer with the transforms of all
+   placements above them, either all of them or those that touch a window. For a
+   window, only cells and array members that may touch it are traversed
+   (reach.c). */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,17 +10,18 @@
 #include "layout/reach.h"
 
 #define MAX_SHAPES ((uint64_t)1 << 28)
-/* Placements that may be gone through for each shape, and so many more: cells
-   that only place one other lie a few deep in layouts, and in a hostile file a
-   thousand. Twice of it are 0.7 s more for such a file under a sanitizer. */
+/* Placements traversed for each shape, and additional ones. Cells that only
+   place one other cell are nested a few levels deep in real layouts and a
+   thousand in a hostile file; twice this limit takes 0.7 s more for such a file
+   under a sanitizer. */
 #define STEPS_A_SHAPE 8
 #define STEPS_MORE ((uint64_t)1 << 19)
 #define MAX_POINTS ((uint64_t)1 << 30)
 #define MAX_COORDINATE 1073741824.0 /* 2^30 */
 
-/* Of a grid unit. x * unit / grid carries an error of a few 2^-53 of itself,
-   at most 1e-6 for the coordinates allowed: what comes so near below a half
-   is a half, and what comes so near a whole number has not moved. */
+/* Tolerance in grid units. x * unit / grid has a relative error of a few 2^-53,
+   at most 1e-6 for the allowed coordinates. A value less than this below a half
+   counts as a half; a value this near a whole number counts as unmoved. */
 #define EPSILON 1e-6
 
 #define BEYOND \
@@ -27,17 +29,17 @@
 
 /* ---- what is put ---- */
 
-/* A placement on the way down. The instances that lead to something are
-   useful[first] up to UINT32_MAX; next is the current one, of whose members
-   those are wanted that are in these columns, by each row. */
+/* A placement on the current path. The instances that contain wanted shapes are
+   useful[first] up to UINT32_MAX; next is the current one. Of each row of its
+   array, the members in `columns` are wanted. */
 typedef struct frame {
   transform at;
   transform child; /* the matrix of the current instance */
-  extent window;   /* as the cell sees it */
+  extent window;   /* window in the coordinates of the cell */
   int32_t cell;
   uint32_t number;
   size_t first, next;
-  bool begun; /* the current instance */
+  bool begun; /* the current instance is started */
   span rows, columns;
 } frame;
 
@@ -45,20 +47,20 @@ typedef struct flattener {
   const eda_layout *layout;
   int32_t layer;
   double ratio, grid;
-  const eda_box *window; /* NULL: all is wanted */
-  const reach *reach;    /* for a window */
-  /* Of each cell, with those below; steps are placements gone through. Of a
-     window none are known before. */
+  const eda_box *window; /* NULL: everything */
+  const reach *reach;    /* extents, for a window */
+  /* Totals of each cell and all cells below; steps are traversed placements.
+     Unknown for a window. */
   uint64_t *shapes, *points, *steps;
   uint32_t *useful; /* instances that draw on the layer */
   size_t n_useful, useful_room;
-  size_t *first; /* of each cell: its place in useful */
+  size_t *first; /* position of each cell in useful */
   eda_flat *out;
-  eda_flat_texts *texts; /* NULL: shapes are wanted */
+  eda_flat_texts *texts; /* NULL: shapes */
   uint32_t n_shapes, n_points;
   size_t start_room, placement_room, point_room, text_room, depth_room;
-  uint64_t taken; /* steps */
-  double worst2;  /* squared, in grid units */
+  uint64_t taken; /* traversed placements */
+  double worst2;  /* largest squared displacement, in grid units */
   bool outside, too_many;
 } flattener;
 
@@ -113,8 +115,8 @@ static void put_shape(flattener *f, const frame *at, const sheet *s, size_t i) {
   put_shape_end(f, at->number);
 }
 
-/* How many items a cell itself has: its shapes of the layer, or its texts of
-   all layers. */
+/* Return the number of items of a cell itself: its shapes of the layer, or its
+   texts of all layers. */
 static size_t own(const flattener *f, const cell *c, const sheet **s) {
   *s = f->texts ? NULL : eda_layout_sheet(c, f->layer);
   if (f->texts) return c->n_labels;
@@ -143,7 +145,7 @@ static void push(flattener *f, uint32_t i) {
   EDA_PUSH(f->useful, f->n_useful, f->useful_room, i);
 }
 
-/* Push those of an index that touch the window, in their order. */
+/* Push the items of an index that touch the window, in their order. */
 static void push_found(flattener *f, const eda_index *index, extent window) {
   size_t from = f->n_useful;
   eda_finder finder = eda_index_find(index, extent_box(window));
@@ -152,7 +154,7 @@ static void push_found(flattener *f, const eda_index *index, extent window) {
     qsort(f->useful + from, f->n_useful - from, sizeof *f->useful, by_number);
 }
 
-/* The instances that may reach into the window. */
+/* List the instances that may touch the window. */
 static void list_instances(flattener *f, frame *at) {
   const cell *c = &f->layout->cells[at->cell];
   at->first = at->next = f->n_useful;
@@ -165,7 +167,8 @@ static void list_instances(flattener *f, frame *at) {
   push(f, UINT32_MAX);
 }
 
-/* Room for another shape of n points; there are too many if not. */
+/* Reserve memory for another shape of n points. Return false if there are too
+   many. */
 static bool make_room(flattener *f, size_t n) {
   eda_flat *out = f->out;
   size_t points = f->n_points + n, shapes = (size_t)f->n_shapes + 1;
@@ -183,10 +186,10 @@ static bool make_room(flattener *f, size_t n) {
   return true;
 }
 
-/* Take what was put last back if it does not touch the window, now that the
-   grid has moved it. */
+/* Remove the last shape if it does not touch the window after snapping to the
+   grid. */
 static void keep_touching(flattener *f, const flattener *before, size_t moved) {
-  if (f->outside) return; /* an error, wherever it is */
+  if (f->outside) return; /* an error at any place */
   const eda_point *p = f->out->shapes.points + before->n_points;
   eda_box b = eda_bounds(p, f->n_points - before->n_points);
   const eda_box *w = f->window;
@@ -234,7 +237,8 @@ static void put_window(flattener *f, const frame *at, uint32_t depth) {
   f->n_useful = from;
 }
 
-/* Less is gone through than the limit for all that was found so far. */
+/* Return whether fewer placements were traversed than allowed for the shapes
+   found so far. */
 static bool bounded(flattener *f) {
   if (++f->taken > (uint64_t)f->n_shapes * STEPS_A_SHAPE + STEPS_MORE)
     f->too_many = true;
@@ -243,7 +247,7 @@ static bool bounded(flattener *f) {
 
 /* ---- all that there is ---- */
 
-/* What a cell itself has to be put. */
+/* Count the shapes and points of a cell itself. */
 static void count_own(const flattener *f, const cell *c, uint64_t *shapes,
                       uint64_t *points) {
   const sheet *s;
@@ -253,8 +257,8 @@ static void count_own(const flattener *f, const cell *c, uint64_t *shapes,
     *points = *shapes -= c->labels[i].layer != f->layer;
 }
 
-/* Count the shapes and points of every cell, and list the instances that
-   lead to some. */
+/* Count the shapes and points of every cell with all cells below, and list the
+   instances that contain any. */
 static void count(flattener *f) {
   size_t n_useful = 0;
   for (size_t k = 0; k < f->layout->n_cells; k++) {
@@ -274,7 +278,7 @@ static void count(flattener *f) {
       steps =
           add_product(steps, members(in), f->steps[in->child], UINT64_MAX / 2);
     }
-    f->useful[n_useful++] = UINT32_MAX; /* the end of its list */
+    f->useful[n_useful++] = UINT32_MAX; /* end of the list */
     f->shapes[number] = shapes;
     f->points[number] = points;
     f->steps[number] = steps;
@@ -313,8 +317,8 @@ static frame enter(flattener *f, int32_t to, uint32_t number,
                    const transform *at) {
   frame down = {.at = *at, .cell = to, .number = number};
   if (f->window) {
-    /* Half a unit is what the grid may move, the other half for what numbers
-       with a point have lost. */
+    /* Half a unit for the displacement by the grid, half a unit for rounding
+       errors. */
     const eda_box *w = f->window;
     extent e = {(w->x0 - 1.0) / f->ratio, (w->y0 - 1.0) / f->ratio,
                 (w->x1 + 1.0) / f->ratio, (w->y1 + 1.0) / f->ratio};
@@ -326,7 +330,7 @@ static frame enter(flattener *f, int32_t to, uint32_t number,
   return down;
 }
 
-/* The wanted members of an instance, none of them passed yet. */
+/* Start the traversal of the wanted members of an instance. */
 static void begin(const flattener *f, frame *up, const instance *in) {
   const eda_placement *p = &in->placement;
   up->begun = true;
@@ -337,8 +341,8 @@ static void begin(const flattener *f, frame *up, const instance *in) {
                  : (span){0, p->rows};
 }
 
-/* The next wanted member; columns.from and rows.from - 1 are where it is.
-   False if there is none. */
+/* Advance to the next wanted member, located at columns.from and rows.from - 1.
+   Return false after the last one. */
 static bool next_member(flattener *f, frame *up, const instance *in) {
   const eda_placement *p = &in->placement;
   while (up->columns.from == up->columns.to) {
@@ -352,8 +356,8 @@ static bool next_member(flattener *f, frame *up, const instance *in) {
   return !f->window || bounded(f);
 }
 
-/* The next member of the current or a further instance: the frame to go down
-   to. False if the placement is done. */
+/* Advance to the next member of the current or a later instance, and write its
+   frame. Return false at the end of the placement. */
 static bool next_child(flattener *f, frame *up, frame *down) {
   const cell *c = &f->layout->cells[up->cell];
   for (uint32_t i; (i = f->useful[up->next]) != UINT32_MAX; up->next++) {
@@ -417,7 +421,8 @@ static void clear(flattener *f) {
   free(f->useful);
 }
 
-/* Count and make room for all; of a window, room is made on the way. */
+/* Count and allocate everything; for a window, memory grows during the
+   traversal. */
 static int prepare(flattener *f, int32_t top, opc_error *error) {
   if (!f->window) {
     count_all(f);
@@ -444,7 +449,7 @@ static int run(flattener *f, int32_t top, opc_error *error) {
   if (f->outside)
     return opc_fail(error, OPC_INVALID, NULL, BEYOND, cell_name, layer_name,
                     f->grid);
-  if (!f->n_shapes) eda_flat_clear(f->out); /* what was taken back */
+  if (!f->n_shapes) eda_flat_clear(f->out); /* the last shape was removed */
   f->out->shapes.count = f->n_shapes;
   f->out->vertices = f->n_points;
   f->out->worst = sqrt(f->worst2) * f->grid;

@@ -59,8 +59,8 @@ static int refused(fixture *f, const char *top, const char *why) {
   return code;
 }
 
-/* A flag of three points in all eight orientations, by hand; two levels deep,
-   which must be the same as one. */
+/* A flag of three points in all eight orientations, computed by hand; two
+   levels must equal one. */
 static void test_orientations(void) {
   const eda_point flag[] = {{1, 0}, {4, 0}, {1, 2}};
   const eda_point wanted[8][3] = {
@@ -120,8 +120,8 @@ static void test_array(void) {
   tear_down(&f);
 }
 
-/* By 45 degrees and magnified by 2: (10, 0) goes to (14.14, 14.14). Twice by
-   45 degrees is 90 degrees, and exact. */
+/* Rotation by 45 degrees and magnification by 2 move (10, 0) to (14.14, 14.14).
+   Two rotations by 45 degrees are exactly 90 degrees. */
 static void test_any_angle(void) {
   fixture f;
   set_up(&f, 1);
@@ -132,7 +132,7 @@ static void test_any_angle(void) {
   const eda_point b[] = {{0, 0}, {14, 14}, {-28, 57}, {-42, 42}};
   g_assert_cmpmem(out.shapes.points, sizeof b, b, sizeof b);
   g_assert_cmpuint(out.moved, ==, 3);
-  /* (0, 30) goes to (-42.43, 42.43) */
+  /* (0, 30) becomes (-42.43, 42.43) */
   g_assert_cmpfloat_with_epsilon(out.worst, 60 - 42 * sqrt(2), 1e-9);
   eda_flat_clear(&out);
   out = flat(&f, "C", 1);
@@ -143,9 +143,9 @@ static void test_any_angle(void) {
   tear_down(&f);
 }
 
-/* 0.13 nm is no binary number: 1450 of them are 188.5 nm, 188.49999999999997
-   or 188.50000000000003 by the way it is computed; halves go up, and lengths
-   stay equal wherever they lie. */
+/* 0.13 nm is no binary number: 1450 of them are 188.5 nm, 188.49999999999997 or
+   188.50000000000003, depending on the computation. Halves are rounded up, and
+   lengths are equal at every place. */
 static void test_halves(void) {
   fixture f;
   set_up(&f, 0.13);
@@ -171,8 +171,8 @@ static void test_halves(void) {
   tear_down(&f);
 }
 
-/* Units of hundredths of nm, in integers; as doubles some of these halves come
-   out a little below and some above. */
+/* Units of hundredths of nm, compared with integer arithmetic; as doubles some
+   halves are slightly too small and others slightly too large. */
 static void test_hundredths(void) {
   static const int units[] = {7, 13, 14, 29, 35, 57, 58, 115};
   for (size_t k = 0; k < G_N_ELEMENTS(units); k++) {
@@ -182,7 +182,7 @@ static void test_hundredths(void) {
       draw(&f, "A", (eda_box){x, x, x + 1, x + 1});
     eda_flat out = flat(&f, "A", 1);
     for (int x = -5000; x < 5000; x++) {
-      int twice = 2 * units[k] * x + 100; /* of x + 1/2, in 1/200 */
+      int twice = 2 * units[k] * x + 100; /* x + 1/2, in 1/200 */
       int want = twice >= 0 ? twice / 200 : -((199 - twice) / 200);
       g_assert_cmpint(out.shapes.points[4 * (x + 5000)].x, ==, want);
     }
@@ -191,10 +191,10 @@ static void test_hundredths(void) {
   }
 }
 
-/* What flatten and path must give, the simple way. */
+/* Expected results of flattening and of paths, from a simple algorithm. */
 typedef struct reference {
   GPtrArray *paths;
-  GArray *corners; /* one of each shape: eda_point */
+  GArray *corners; /* a corner of each shape: eda_point */
   GArray *placements;
 } reference;
 
@@ -245,7 +245,7 @@ static void descend(fixture *f, int32_t number, const int m[4], int64_t dx,
   }
 }
 
-/* Cells place only later ones. */
+/* Build cells that place only later cells. */
 static void random_cells(fixture *f, GRand *rand) {
   opc_error e;
   enum { CELLS = 6 };
@@ -263,7 +263,7 @@ static void random_cells(fixture *f, GRand *rand) {
       g_assert_cmpint(eda_layout_add_box(f->layout, i, layer,
                                          (eda_box){x, y, x + 3, y + 2}, &e),
                       ==, 0);
-      char text[8]; /* at the corner; it tells its cell */
+      char text[8]; /* text at the corner; names the cell */
       g_snprintf(text, sizeof text, "%d", i);
       g_assert_cmpint(
           eda_layout_add_text(f->layout, i, layer, (eda_point){x, y}, text, &e),
@@ -287,7 +287,8 @@ static void random_cells(fixture *f, GRand *rand) {
   }
 }
 
-/* A text at the corner of every shape is where that is. */
+/* Check that the text at the corner of every shape is flattened to that
+   corner. */
 static void check_texts(fixture *f, const eda_flat *shapes) {
   opc_error e;
   eda_flat_texts t;
@@ -344,7 +345,7 @@ static void test_against_recursion(void) {
   g_rand_free(rand);
 }
 
-/* Cells that hold nothing but texts; a scale, a magnification; no texts. */
+/* Cells with texts only; a scale, a magnification; no texts. */
 static void test_texts(void) {
   fixture f;
   opc_error e;
@@ -407,7 +408,7 @@ static void test_path(void) {
   tear_down(&f);
 }
 
-/* Thousands of levels; thousands of millions of shapes; circles. */
+/* Thousands of levels; billions of shapes; circular placements. */
 static void test_hostile(void) {
   fixture f;
   set_up(&f, 1);
@@ -422,7 +423,7 @@ static void test_hostile(void) {
   g_assert_cmpuint(out.shapes.count, ==, 1);
   g_assert_cmpint(out.shapes.points[0].x, ==, 19999);
   eda_flat_clear(&out);
-  /* 10^10 of them, then more than 64 bits can count */
+  /* 10^10 members, then more than 64 bits can count */
   eda_placement many = {.columns = 100000, .rows = 100000};
   place(&f, "many", "0", many, NULL);
   place(&f, "more", "many", many, NULL);
@@ -434,7 +435,7 @@ static void test_hostile(void) {
   place(&f, "deep", "19999", (eda_placement){.columns = 100, .rows = 1}, NULL);
   g_assert_cmpint(refused(&f, "deep", "100 shapes, 400 points"), ==,
                   OPC_INVALID);
-  /* nothing is drawn in all of these */
+  /* all of these are empty */
   place(&f, "void", "hole", many, NULL);
   place(&f, "voids", "void", many, NULL);
   out = flat(&f, "voids", 1);

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Building layouts, and looking at what their cells hold. */
+/* Construction of layouts and access to the contents of their cells. */
 #include "layout/layout.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Cells with more sheets than this find them by a hash table. */
+/* Cells with more sheets use a hash table to find them. */
 enum { FEW_SHEETS = 16 };
 
 static int too_many(const char *what, opc_error *error) {
@@ -79,7 +79,7 @@ static int32_t find(GHashTable *numbers, const char *name) {
   return GPOINTER_TO_INT(g_hash_table_lookup(numbers, name)) - 1;
 }
 
-/* The last of n is called so. */
+/* Register the last of n names. Return its number. */
 static int32_t keep_number(GHashTable *numbers, char *name, size_t n) {
   g_hash_table_insert(numbers, name, GSIZE_TO_POINTER(n));
   return (int32_t)n - 1;
@@ -133,7 +133,8 @@ static int check(const eda_layout *layout, int32_t number, int32_t layer,
   return OPC_OK;
 }
 
-/* A string kept by the layout: its offset, 0 if there are too many. */
+/* Return the offset of a string copied into the layout; 0 if the strings are
+   full. */
 static uint32_t keep_string(eda_layout *layout, const char *text) {
   size_t n = strlen(text) + 1, start = MAX(layout->n_strings, 1);
   if (start + n > UINT32_MAX) return 0;
@@ -319,7 +320,7 @@ const eda_point *eda_layout_polygon(const eda_layout *layout, int32_t number,
   static __thread eda_point corners[4];
   number_polygons(layout);
   const cell *c = &layout->cells[number];
-  size_t low = 0, high = c->n_sheets; /* the last sheet with first <= i */
+  size_t low = 0, high = c->n_sheets; /* find the last sheet with first <= i */
   while (high - low > 1) {
     size_t middle = low + (high - low) / 2;
     if (c->sheets[middle].first <= i)
@@ -373,7 +374,7 @@ const char *eda_layout_instance(const eda_layout *layout, int32_t number,
 
 /* ---- dropping cells ---- */
 
-/* Mark the cells that `top` leads to, itself too. */
+/* Mark `top` and all cells below. */
 static void mark_below(const eda_layout *layout, int32_t top, uint8_t *marked) {
   int32_t *todo = eda_alloc(layout->n_cells, sizeof *todo);
   size_t n = 0;

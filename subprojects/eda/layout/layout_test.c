@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Layouts as they are built and looked at. */
+/* Construction of layouts and access to their contents. */
 #include <eda/layout.h>
 #include <glib.h>
 #include <math.h>
@@ -48,7 +48,7 @@ static void assert_polygon(const eda_layout *layout, int32_t cell, size_t i,
   g_assert_cmpmem(p, count * sizeof *p, points, n * sizeof *p);
 }
 
-/* Boxes come before the other polygons of their layer, as four points. */
+/* Boxes precede the other polygons of their layer and have four points. */
 static void test_shapes(void) {
   opc_error e;
   eda_layout *layout = new_layout();
@@ -101,7 +101,7 @@ static void test_instances(void) {
   eda_layout_free(layout);
 }
 
-/* Very many layers in one cell find their sheets by another way. */
+/* Cells with very many layers find their sheets by a hash table. */
 static void test_many_layers(void) {
   opc_error e;
   eda_layout *layout = new_layout();
@@ -172,8 +172,7 @@ static void test_top(void) {
   eda_layout_free(layout);
 }
 
-/* Of many top cells those are named that a message has room for, and the others
-   are counted. */
+/* A message lists as many top cells as fit and counts the others. */
 static void test_many_tops(void) {
   enum { MANY = 200 };
   opc_error e;
@@ -219,7 +218,7 @@ static void test_keep(void) {
   eda_layout_free(layout);
 }
 
-/* Boxes of every size keep their corners, whichever way they are stored. */
+/* Boxes of every size keep their corners in each representation. */
 static void test_box_sizes(void) {
   static const eda_box boxes[] = {
       {0, 0, 65535, 65535},

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The order of the cells, the number and the path of every placement, the top
+/* The order of the cells, the number and the path of each placement, the top
    cell.
 
-   Placements are numbered depth first, a cell before those in it, instances in
-   their order, array members row by row. Cells under which nothing is drawn
-   count for nothing, so that no work is ever spent on them. */
+   Placements are numbered depth first: a cell before the cells it places,
+   instances in their order, array members row by row. Cells without any shape
+   below them are not counted, so they take no time. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -19,7 +19,7 @@ static uint64_t drawn(const cell *c) {
   return n;
 }
 
-/* All cells below it are done: count its placements. */
+/* Count the placements of a cell after all cells below. */
 static void number_placements(eda_layout *layout, cell *c) {
   uint64_t next = 1;
   for (size_t i = 0; i < c->n_instances; i++) {
@@ -33,13 +33,13 @@ static void number_placements(eda_layout *layout, cell *c) {
 
 typedef struct visit {
   int32_t cell;
-  size_t next; /* instance */
+  size_t next; /* next instance */
 } visit;
 
 enum { NEW = 0, OPEN = 1, DONE = 2 };
 
-/* Depth first from `root`, with a stack of its own. An edge to an open cell
-   closes a circle. */
+/* Visit the cells below `root` depth first with an explicit stack. A placement
+   of an open cell is circular. */
 static void order_below(eda_layout *layout, int32_t root, uint8_t *state,
                         visit *stack, size_t *done) {
   size_t depth = 0;
@@ -96,7 +96,8 @@ void eda_layout_order(const eda_layout *layout) {
 
 /* ---- the top cell ---- */
 
-/* The names of the cells that `wanted` marks, as many as a message takes. */
+/* Append the names of the cells that `wanted` marks, as many as fit in a
+   message. */
 static void list_cells(const eda_layout *layout, const uint8_t *wanted,
                        GString *out) {
   size_t left = 0;
@@ -152,8 +153,8 @@ int32_t eda_layout_top(const eda_layout *layout, opc_error *error) {
 
 /* ---- paths ---- */
 
-/* The instance of a cell that holds its placement p > 0: the last one that
-   begins at or before p. */
+/* Return the instance of a cell that contains its placement p > 0: the last one
+   whose first placement is at most p. */
 static size_t instance_with(const cell *c, uint32_t p) {
   size_t low = 0, high = c->n_instances;
   while (high - low > 1) {

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The outline of a path.
 
-   It is walked twice, there and back, and each walk draws what lies on its
-   right. The result is the sum of a rectangle for each segment and a wedge at
-   each outer corner, so that its winding number is at least 1 wherever the
-   path covers and 0 elsewhere, however the path crosses itself: an inner
-   corner is mitred only where the mitre stays within both segments, and goes
-   through the path's own point otherwise. */
+   The path is traversed forth and back, and each traversal draws its right
+   side. The result is the union of a rectangle for each segment and a wedge at
+   each outer corner. Its winding number is at least 1 inside the path and 0
+   elsewhere, even if the path crosses itself: an inner corner is mitred only
+   where the mitre is inside both segments, and passes through the point of the
+   path otherwise. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -18,20 +18,20 @@ typedef struct vector {
   double x, y;
 } vector;
 
-/* A walk along a path. */
+/* A traversal of a path. */
 typedef struct walk {
   const vector *points;
   size_t n;
-  double half;        /* of the width */
-  double first, last; /* how far it goes on past its ends */
-  bool round;         /* its last end */
-  bool back;          /* the way back */
+  double half;        /* half of the width */
+  double first, last; /* extensions beyond both ends */
+  bool round;         /* last end is round */
+  bool back;          /* backwards */
 } walk;
 
 typedef struct outline {
   eda_point *points;
   size_t n;
-  bool outside; /* a coordinate did not fit */
+  bool outside; /* a coordinate exceeded its range */
 } outline;
 
 static void put(outline *out, double x, double y) {
@@ -44,7 +44,7 @@ static void put(outline *out, double x, double y) {
   out->points[out->n++] = (eda_point){(int32_t)x, (int32_t)y};
 }
 
-/* at + along * d + half * (the normal of d to the right) */
+/* Add the point at + along * d + half * (normal of d to the right). */
 static void put_beside(outline *out, vector at, vector d, double along,
                        double half) {
   put(out, at.x + along * d.x + half * d.y, at.y + along * d.y - half * d.x);
@@ -55,7 +55,7 @@ static vector direction(vector a, vector b, double *length) {
   return (vector){(b.x - a.x) / *length, (b.y - a.y) / *length};
 }
 
-/* The right side at a corner between segments of directions d and e. */
+/* Add the right side of a corner between segments of the directions d and e. */
 static void put_corner(outline *out, const walk *w, vector at, vector d,
                        vector e, double shorter) {
   double h = w->half;
@@ -95,7 +95,7 @@ static void put_walk(outline *out, const walk *w) {
                w->half * cos(G_PI * i / ARC));
 }
 
-/* The points without repeated ones and those on a straight line. */
+/* Copy the points without repeated and collinear ones. Return their number. */
 static size_t clean(const eda_point *points, size_t n, vector *out) {
   size_t m = 0;
   for (size_t i = 0; i < n; i++) {
@@ -119,8 +119,8 @@ static void reverse(vector *points, size_t n) {
   }
 }
 
-/* How far both ends reach: an end is drawn back by no more than its segment.
-   False if nothing is left of the path. */
+/* Compute how far both ends extend; an end is shortened by at most its segment.
+   Return false if the path vanishes. */
 static bool reach(const vector *points, size_t n, double half, int ends,
                   double *begin, double *end) {
   if (ends == 0 || ends == 1) *begin = *end = 0;
@@ -133,7 +133,7 @@ static bool reach(const vector *points, size_t n, double half, int ends,
   return n > 2 || first + *begin + *end > 0;
 }
 
-/* A path of one point lies along x. */
+/* Add the outline of a path of one point, taken as parallel to x. */
 static void put_dot(outline *out, vector at, double half, int ends,
                     double begin, double end) {
   if (ends == 1) {

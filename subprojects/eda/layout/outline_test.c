@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Outlines of paths against the area that they cover. */
+/* Outlines of paths, compared with the area that they cover. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,7 +8,7 @@
 
 enum { SIDE = 60 };
 
-/* The winding number of a polygon around (x + 1/2, y + 1/2). */
+/* Return the winding number of a polygon around (x + 1/2, y + 1/2). */
 static int winding(const eda_point *p, size_t n, int x, int y) {
   int w = 0;
   for (size_t i = 0; i < n; i++) {
@@ -43,9 +43,9 @@ static void cover(uint8_t *covered, int x0, int y0, int x1, int y1) {
     for (int x = MIN(x0, x1); x < MAX(x0, x1); x++) covered[y * SIDE + x] = 1;
 }
 
-/* What a rectilinear path covers, from a to b, then on to c if there is one:
-   the segment, `first` and `last` longer at the ends of the path, and the
-   square outside of the corner at b. */
+/* Mark the area covered by a segment of a rectilinear path from a to b and,
+   unless c is NULL, by the outer square of the corner at b. `first` and `last`
+   extend the ends of the path. */
 static void cover_segment(uint8_t *covered, eda_point a, eda_point b,
                           const eda_point *c, int half, int first, int last) {
   int dx = (b.x > a.x) - (b.x < a.x), dy = (b.y > a.y) - (b.y < a.y);
@@ -61,8 +61,8 @@ static void cover_segment(uint8_t *covered, eda_point a, eda_point b,
         b.x + last * dx + half * dy, b.y + last * dy + half * dx);
 }
 
-/* Random rectilinear paths that turn, return on themselves and cross: what
-   is covered is known without any corner. */
+/* Random rectilinear paths that turn, reverse and cross, compared with the
+   union of squares and rectangles. */
 static void test_rectilinear(void) {
   GRand *rand = g_rand_new_with_seed(1);
   for (int round = 0; round < 3000; round++) {
@@ -77,7 +77,7 @@ static void test_rectilinear(void) {
       while (*moved == old) *moved = g_rand_int_range(rand, 10, 50);
       if (g_rand_int_range(rand, 0, 8) == 0) axis = !axis;
     }
-    /* A walk on along the same line is no corner. */
+    /* A continuation along the same line is no corner. */
     for (int i = 1; i + 1 < n;) {
       int64_t dx = p[i].x - p[i - 1].x, dy = p[i].y - p[i - 1].y;
       int64_t ex = p[i + 1].x - p[i].x, ey = p[i + 1].y - p[i].y;
@@ -108,7 +108,8 @@ static void test_rectilinear(void) {
   g_rand_free(rand);
 }
 
-/* Without sharp corners, overlaps and ends the area is width times length. */
+/* The area equals width times length without sharp corners, overlaps and
+   extensions. */
 static void test_any_angle(void) {
   const eda_point p[] = {{0, 0},
                          {1000000, 0},
@@ -123,16 +124,16 @@ static void test_any_angle(void) {
   g_assert_cmpuint(n, ==, 10);
   g_assert_cmpfloat_with_epsilon(area(q, n) / (100000 * length), 1, 1e-4);
   free(q);
-  /* round: half a polygon of 32 sides at either end */
+  /* round: half a polygon of 32 sides at each end */
   q = outline(p, 5, 100000, 1, 0, 0, &n);
   double round = 16 * sin(G_PI / 16) * 50000 * 50000;
   g_assert_cmpfloat_with_epsilon(area(q, n), 100000 * length + round, 1e7);
   free(q);
 }
 
-/* A turn by 135 degrees: the corner is cut off at half a width beyond it. By
-   hand, for half a width of 1: outer points (10 + 1, -1) and, back along the
-   other segment, (10, 0) + sqrt(2) (1, 0). */
+/* A turn by 135 degrees: the corner is cut half a width beyond it. Computed by
+   hand for half a width of 1: outer points (10 + 1, -1) and, along the other
+   segment, (10, 0) + sqrt(2) (1, 0). */
 static void test_sharp(void) {
   const eda_point p[] = {{0, 0}, {10000, 0}, {0, 10000}};
   size_t n;
@@ -163,7 +164,7 @@ static void test_ends(void) {
   }
 }
 
-/* An odd width stays what it is. */
+/* An odd width is kept. */
 static void test_odd_width(void) {
   const eda_point p[] = {{0, 0}, {100, 0}, {100, 100}};
   size_t n;
@@ -188,7 +189,7 @@ static void test_degenerate(void) {
   free(q);
   const eda_point line[] = {{0, 0}, {10, 0}};
   g_assert_null(outline(line, 2, 0, 0, 0, 0, &n)); /* no width */
-  q = outline(line, 2, 4, 4, -6, -6, &n);          /* drawn back to nothing */
+  q = outline(line, 2, 4, 4, -6, -6, &n);          /* shortened to nothing */
   g_assert_cmpuint(n, ==, 0);
   free(q);
   opc_error e;

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The extents of cells and of what they place, children first, and indices
-   where a cell has many things side by side. */
+/* Extents of cells and of their instances, children first, with an index for
+   cells that have many items. */
 #include "layout/reach.h"
 
 #include <stdlib.h>
 
-/* What a look at each of so few costs less than an index. */
+/* Up to this number of items, a linear search is faster than an index. */
 enum { FEW = 32 };
 
 static const extent nothing = {INFINITY, INFINITY, -INFINITY, -INFINITY};
@@ -84,8 +84,8 @@ extent extent_of_shape(const sheet *s, size_t i) {
 
 /* ---- arrays ---- */
 
-/* Those k of `in` for which k * step lies within [low, high]. What numbers
-   cannot tell is within. */
+/* Return those k of `in` for which k * step is within [low, high]. Values that
+   are not finite count as within. */
 static span within(span in, double step, double low, double high) {
   if (step == 0) return low <= 0 && high >= 0 ? in : (span){0, 0};
   double a = low / step, b = high / step;
@@ -105,8 +105,8 @@ span extent_columns(const eda_placement *p, extent first, extent window,
                 window.y1 - first.y0 - y);
 }
 
-/* Row by row as far as each direction tells alone; and for arrays that are
-   slanted, where lines along the columns meet the window. */
+/* Restrict the rows by each direction alone, and for slanted arrays by the
+   lines along the columns that meet the window. */
 span extent_rows(const eda_placement *p, extent first, extent window) {
   double last = p->columns - 1.0;
   double ux = last > 0 ? p->column_step.x : 0;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* How far a layer reaches in each cell, so that a window of a layout is found
-   without a walk over what lies outside of it. */
+/* Extents of a layer in each cell, used to find the shapes in a window of a
+   layout without a traversal of the shapes outside. */
 #ifndef EDA_LAYOUT_REACH_H
 #define EDA_LAYOUT_REACH_H
 
@@ -9,22 +9,22 @@
 #include "layout/layout.h"
 #include "layout/transform.h"
 
-/* A box in a cell's coordinates; empty if x0 > x1. What is too large for
-   numbers reaches everywhere. */
+/* A box in the coordinates of a cell; empty if x0 > x1. Infinite where it
+   exceeds the range of numbers. */
 typedef struct extent {
   double x0, y0, x1, y1;
 } extent;
 
-/* Of a layer, shapes or texts; arrays by cell. */
+/* Extents of the shapes or texts of a layer; arrays by cell. */
 typedef struct reach {
-  extent *below; /* all that lies in the cell and below it */
-  /* What the cell itself has, shapes as sheets count them or texts, and its
-     instances; NULL where they are few. */
+  extent *below; /* extent of the cell and all cells below */
+  /* Indices of the items of the cell itself (shapes in the order of the sheet,
+     or texts) and of its instances; NULL for few. */
   eda_index **own, **instances;
 } reach;
 
-/* Made at the first question, for as long as the layout is not changed. [any]
- */
+/* Return the extents of a layer, computed on first request and valid until the
+   layout changes. [any] */
 const reach *eda_layout_reach(const eda_layout *layout, int32_t layer,
                               bool texts);
 void eda_reach_free(void *reach);
@@ -35,19 +35,20 @@ static inline bool extents_touch(extent a, extent b) {
   return a.x0 <= b.x1 && b.x0 <= a.x1 && a.y0 <= b.y1 && b.y0 <= a.y1;
 }
 
-/* The same as a box around it, as far as coordinates go. */
+/* Return an extent as a box, limited to the range of coordinates. */
 eda_box extent_box(extent e);
 
-/* The extent of what a transform makes of one; of the window that a
-   transform's results lie in. */
+/* Return the extent of a transformed extent; or the extent whose transform
+   covers the window e. */
 extent extent_through(const transform *t, extent e);
 extent extent_back(const transform *t, extent window);
 
-/* The extent of the shapes of an instance, all its members, or the first. */
+/* Return the extent of the shapes of an instance: of all members, or of the
+   first one. */
 extent extent_of_first(const reach *r, const instance *in);
 extent extent_of_all(const reach *r, const instance *in);
 
-/* Item i of what a cell has itself: its corners. */
+/* Return the extent of item i of a cell: its corners. */
 extent extent_of_shape(const sheet *s, size_t i);
 
 /* from .. to - 1 */
@@ -55,8 +56,8 @@ typedef struct span {
   uint32_t from, to;
 } span;
 
-/* The rows of an array whose members may touch a window, and the columns of a
-   row; `first` is the extent of the first member. */
+/* Return the rows of an array whose members may touch a window, or the columns
+   of a row; `first` is the extent of the first member. */
 span extent_rows(const eda_placement *p, extent first, extent window);
 span extent_columns(const eda_placement *p, extent first, extent window,
                     uint32_t row);

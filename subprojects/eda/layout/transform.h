@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What placements do to points. */
+/* Transforms of placements. */
 #ifndef EDA_LAYOUT_TRANSFORM_H
 #define EDA_LAYOUT_TRANSFORM_H
 
@@ -7,14 +7,14 @@
 #include <glib.h>
 #include <math.h>
 
-/* (x, y) -> (xx x + xy y + dx, yx x + yy y + dy). For turns by right angles
-   all of it are integers, far below 2^53, and so exact. */
+/* (x, y) -> (xx x + xy y + dx, yx x + yy y + dy). For rotations by right angles
+   all numbers are integers far below 2^53, and so exact. */
 typedef struct transform {
   double xx, xy, yx, yy, dx, dy;
 } transform;
 
-/* The cosine and sine of `angle` degrees; right angles exactly, and also what
-   is off by what a division does to it. */
+/* Compute the cosine and sine of `angle` degrees; exact for right angles, also
+   those with the rounding error of a division. */
 static inline void turn(double angle, double *cosine, double *sine) {
   static const double right[4][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
   double quarters = nearbyint(angle / 90);
@@ -29,7 +29,7 @@ static inline void turn(double angle, double *cosine, double *sine) {
   }
 }
 
-/* What a placement does to its cell, before it is moved. */
+/* Return the transform of a placement without its translation. */
 static inline transform placed(const eda_placement *p) {
   double c, s, flip = p->mirror ? -1 : 1;
   turn(p->angle, &c, &s);
@@ -38,7 +38,7 @@ static inline transform placed(const eda_placement *p) {
   return (transform){c, -s * flip, s, c * flip, 0, 0};
 }
 
-/* First `in`, moved by (x, y), then `out`. */
+/* Return `in`, translated by (x, y), followed by `out`. */
 static inline transform compose(const transform *out, const transform *in,
                                 double x, double y) {
   return (transform){

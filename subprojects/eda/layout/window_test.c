@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Windows of layouts against all shapes, of which those that touch are picked;
-   how little is gone through; what cannot be. */
+/* Windows of layouts, compared with a selection of all shapes; the number of
+   traversed placements; refusals. */
 #include <eda/layout.h>
 #include <glib.h>
 #include <stdbool.h>
@@ -48,8 +48,8 @@ static eda_placement random_placement(GRand *rand, bool right) {
   return p;
 }
 
-/* Cells place only later ones; some have many shapes and instances, so that
-   they are looked up, others few. */
+/* Build cells that place only later cells; some have enough shapes and
+   instances for an index, others few. */
 static eda_layout *random_layout(GRand *rand, bool right) {
   opc_error e;
   eda_layout *layout = eda_layout_new(right ? 1 : 0.7, &e);
@@ -85,7 +85,8 @@ static int64_t turned(eda_point a, eda_point b, int64_t x, int64_t y) {
   return ((int64_t)b.x - a.x) * (y - a.y) - ((int64_t)b.y - a.y) * (x - a.x);
 }
 
-/* Whether a line along an edge parts a convex shape from the window. */
+/* Return whether a line along an edge separates a convex shape from the
+   window. */
 static bool apart(const eda_point *p, uint32_t n, eda_box w) {
   for (uint32_t i = 0; i < n; i++)
     for (int sign = -1; sign <= 1; sign += 2) {
@@ -113,8 +114,9 @@ static bool same(const eda_flat *all, size_t i, const eda_flat *part,
                  points * sizeof(eda_point));
 }
 
-/* What is in the window is what is picked of all, in order; at other angles
-   what touches by its bounding box alone may be left out. */
+/* Check that the window returns the shapes selected from all shapes, in order.
+   At arbitrary angles, shapes that touch by their bounding box only may be
+   missing. */
 static void compare(const eda_flat *all, const eda_flat *part, eda_box w,
                     bool right) {
   size_t n = 0;
@@ -198,8 +200,8 @@ static void test_against_all(void) {
   g_rand_free(rand);
 }
 
-/* Of 10^12 shapes of a square of 10^6 x 10^6 those in a window; and what no
-   window can be found in. */
+/* Find the few of 10^12 shapes of a square of 10^6 x 10^6 that touch a window;
+   refuse impossible windows. */
 static void test_large(void) {
   opc_error e;
   eda_layout *layout = eda_layout_new(1, &e);
@@ -231,7 +233,7 @@ static void test_large(void) {
   g_assert_cmpint(bounds.x1, ==, 900000);
   g_assert_cmpint(bounds.y0, ==, -10);
   g_assert_cmpint(bounds.y1, ==, 29999 * 30);
-  /* too far away; what a change leaves of it; in a circle */
+  /* too far away; partly outside after a change; circular */
   g_assert_cmpint(eda_layout_bounds(layout, top, layer, 1e-6, &bounds, &e), ==,
                   OPC_INVALID);
   g_assert_nonnull(strstr(e.message, "2^30"));
@@ -249,7 +251,7 @@ static void test_large(void) {
   eda_layout_free(layout);
 }
 
-/* A layer that the layout has, but not below the cell that is asked for. */
+/* A layer of the layout that is not used below the given cell. */
 static void test_none_below(void) {
   opc_error e = {0};
   eda_layout *layout = eda_layout_new(1, &e);
@@ -268,8 +270,8 @@ static void test_none_below(void) {
   eda_layout_free(layout);
 }
 
-/* Cells upon cells, as many members in one place as can be, and sizes that no
-   number holds: an answer or a refusal, and soon. */
+/* Deep hierarchies, very large arrays in one place, and infinite extents: a
+   result or a refusal in short time. */
 static void test_hostile(void) {
   opc_error e;
   eda_layout *layout = eda_layout_new(1, &e);

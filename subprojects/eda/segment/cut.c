@@ -1,17 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Cut the edges of poly and active into fragments (thesis figures 2.4 and
-   3.2). A gate owns a span of the poly edge on each side, and of the active
-   edge at each end; spans on one edge are parted before any fragment is
-   made. */
+/* Fragmentation of the edges of poly and active (thesis figures 2.4 and 3.2). A
+   gate owns a span of the poly edge on each side, and of the active edge at
+   each end. Spans on one edge are separated before fragments are made. */
 #include <math.h>
 #include <stdlib.h>
 
 #include "segment/segment.h"
 
-/* A span of an edge, along it: at first what the gate itself covers, then also
-   what it owns beyond. */
+/* A span of an edge: first the part covered by the gate, then extended to the
+   part it owns. */
 typedef struct span {
-  uint32_t point; /* of the edge */
+  uint32_t point; /* first point of the edge */
   uint32_t gate;
   int32_t low, high;
   uint8_t role;
@@ -20,8 +19,8 @@ typedef struct span {
 typedef struct cutter {
   segment *s;
   int layer;
-  const edge **edges; /* the edge that begins at each point */
-  span *spans;        /* by edge, then low */
+  const edge **edges; /* edge that starts at each point */
+  span *spans;        /* sorted by edge, then low */
   size_t count;
 } cutter;
 
@@ -33,7 +32,8 @@ static int by_edge(const void *a, const void *b) {
 
 /* ---- who owns what ---- */
 
-/* The edge below the side of gate i; recognise.c has made sure of it. */
+/* Return the edge below the side of gate i; recognise.c has verified that one
+   exists. */
 static const edge *side_of(const segment *s, int layer, size_t i, int d,
                            int side) {
   const eda_box *b = &s->gates->box[i];
@@ -55,8 +55,8 @@ static void add_sides(cutter *c) {
   qsort(c->spans, c->count, sizeof *c->spans, by_edge);
 }
 
-/* The first span of the edge that begins at `point` from `low` on, or of a
-   later edge. */
+/* Return the first span of the edge that starts at `point` with a low end of at
+   least `low`, or of a later edge. */
 static size_t find_span(const span *spans, size_t count, uint32_t point,
                         int32_t low) {
   const span key = {.point = point, .low = low};
@@ -77,20 +77,20 @@ static uint32_t next_point(const eda_shapes *shapes, const edge *e) {
                                               : shapes->start[e->polygon];
 }
 
-/* The poly goes on beyond the window. */
+/* Return whether the poly continues beyond the window. */
 static int is_cut(const segment *s, const edge *e) {
   return s->window && e->at == box_side(s->window, e->across, e->side);
 }
 
-/* The edge that closes the poly of gate i on a side of its W: both of its long
-   sides end there. NULL if the poly turns or goes on. */
+/* Return the edge that closes the poly of gate i on a side along W, where both
+   long sides end; NULL if the poly turns or continues. */
 static const edge *closing_edge(const cutter *c, size_t i, int side) {
   const eda_gates *g = c->s->gates;
   int d = g->axis[i];
   const edge *low = side_of(c->s, EDA_POLY, i, d, LOW);
   const edge *high = side_of(c->s, EDA_POLY, i, d, HIGH);
-  /* Counter-clockwise, the low side of x comes before the lower end, the low
-     side of y after the left one. */
+  /* Counter-clockwise, the low side of x precedes the lower end, the low side
+     of y follows the left end. */
   int forward = (d == EDA_X) == (side == LOW);
   const edge *from = forward ? low : high, *to = forward ? high : low;
   const eda_shapes *drawn = &g->drawn[EDA_POLY];
@@ -99,7 +99,7 @@ static const edge *closing_edge(const cutter *c, size_t i, int side) {
   return next_point(drawn, end) == to->point ? end : NULL;
 }
 
-/* Poly beyond the gate belongs to another one. */
+/* Return whether the poly beyond the gate belongs to another gate. */
 static int shares_end(const cutter *c, size_t sides, size_t i, int side) {
   const edge *e = side_of(c->s, EDA_POLY, i, c->s->gates->axis[i], LOW);
   size_t k = find_span(c->spans, sides, e->point,
@@ -108,9 +108,9 @@ static int shares_end(const cutter *c, size_t sides, size_t i, int side) {
   return k + 1 < sides && c->spans[k + 1].point == e->point;
 }
 
-/* Where none is given, in gates' lengths: 84 and 200 nm are those of 65 nm
-   gates, at which they were found. Whole nm, so that a length of 1.3 * 50 is as
-   good as one of 65. */
+/* Return a length scaled by the gate length if none is given: 84 and 200 nm
+   apply to 65 nm gates, for which they were determined. Rounded to whole nm, so
+   that 1.3 * 50 equals 65. */
 static int32_t in_lengths(const segment *s, size_t i, double nm) {
   double all = round(s->gates->length[i] * nm / 65) / s->grid;
   int32_t most = s->reach / 2;
@@ -125,8 +125,8 @@ int32_t segment_line_end(const segment *s, size_t i) {
   return s->line_end != NOT_GIVEN ? s->line_end : in_lengths(s, i, 200);
 }
 
-/* The line ends, and how far they are. Such an edge is not the side of another
-   gate as well: that one would lie over the same active as this. */
+/* Add the line ends and their distances. A line end is no side of another gate,
+   which would share the active of this gate. */
 static void add_ends(cutter *c) {
   const segment *s = c->s;
   size_t sides = c->count;
@@ -151,8 +151,9 @@ static int32_t reach_of(const cutter *c, const span *a) {
   return c->layer == EDA_ACTIVE ? c->s->reach : segment_overhang(c->s, a->gate);
 }
 
-/* How far a span may go past its gate: all the way or as far as it reaches; and
-   along poly to the corner if that is not further than a line end. */
+/* Return how far a span may extend past its gate: to the end of its reach, and
+   along poly to the corner if the corner is within the distance of a line
+   end. */
 static int32_t grow(const cutter *c, const span *a, int64_t distance) {
   int32_t reach = reach_of(c, a);
   if (distance <= reach ||
@@ -161,7 +162,7 @@ static int32_t grow(const cutter *c, const span *a, int64_t distance) {
   return reach;
 }
 
-/* Two neighbours share what is between them. */
+/* Divide the interval between two neighbours equally. */
 static void part(const cutter *c, span *a, span *b) {
   int64_t gap = (int64_t)b->low - a->high, of_a = reach_of(c, a),
           of_b = reach_of(c, b);
@@ -193,10 +194,11 @@ static void put(eda_edges *out, uint32_t *n, const edge *e, int32_t at,
   f->role = owner ? owner->role : EDA_FIXED;
 }
 
-/* The fragments of one edge in the direction in which it runs. */
+/* Add the fragments of one edge in the direction of the edge. */
 static void put_edge(eda_edges *out, uint32_t *n, const edge *e,
                      const span *spans, size_t count) {
-  /* Down on the low side of x, up on its high side; the other way for y. */
+  /* Edges run downwards on the low side of x and upwards on its high side; for
+     y the directions are reversed. */
   int rising = (e->across == EDA_X) == (e->side == HIGH);
   int32_t at = rising ? e->low : e->high;
   for (size_t k = 0; k < count; k++) {

@@ -1,20 +1,20 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* L and W of each gate as they are drawn. The mask grid has moved the edges of
-   its box, so that the gates are cut out once more, on a grid that moves none:
-   the layout's own. */
+/* L and W of each gate as drawn. The mask grid has displaced the edges of the
+   gates, so the gates are computed again on the grid of the layout, which
+   displaces none. */
 #include <math.h>
 #include <stdlib.h>
 
 #include "segment/segment.h"
 
-/* Of the layout's unit. Cells that are magnified have corners between two
-   units: L and W are then 1/16 of a unit off at most. */
+/* Grid as a fraction of the layout unit. Corners of magnified cells are between
+   two units: L and W then deviate by at most 1/16 of a unit. */
 static const double part = 1.0 / 16;
 
-/* Coordinates, 2^30. */
+/* Largest coordinate, 2^30. */
 static const double most = 1073741824;
 
-/* Twice as coarse as often as the layout is too large for coordinates. */
+/* Return the grid, doubled until the layout fits the coordinates. */
 static double find_grid(const segment *s) {
   const eda_box *e = &s->bounds;
   double far = fmax(fmax(fabs((double)e->x0), fabs((double)e->x1)),
@@ -24,7 +24,7 @@ static double find_grid(const segment *s) {
   return grid;
 }
 
-/* Poly and active together. */
+/* Compute the intersection of poly and active. */
 static int cut_out(const segment *s, double grid, eda_shapes *regions) {
   eda_shapes drawn[2] = {{0}};
   int code = OPC_OK;
@@ -49,7 +49,7 @@ static int cut_out(const segment *s, double grid, eda_shapes *regions) {
   return code;
 }
 
-/* The region that contains the middle of each gate. */
+/* Return the region that contains the middle of each gate. */
 static uint32_t *find_regions(const segment *s, double grid,
                               const eda_shapes *regions) {
   const eda_gates *g = s->gates;
@@ -70,14 +70,14 @@ static double side_length(const eda_box *b, int d) {
   return (double)box_side(b, d, HIGH) - box_side(b, d, LOW);
 }
 
-/* What the grid has not moved keeps its size to the last bit, whatever it moved
-   elsewhere. */
+/* Set a size unless the grid has not displaced it, so that an unchanged size
+   keeps its exact value. */
 static void set_size(double *size, double drawn, double grid) {
   if (fabs(*size - drawn) > 1e-6 * grid) *size = drawn;
 }
 
-/* Edges that the grid has put in one line were drawn in several: then there is
-   no other W than that on the grid. */
+/* Measure gate i. Edges that the grid has aligned were drawn in several lines:
+   W is then known on the grid only. */
 static int measure(eda_gates *g, size_t i, double grid,
                    const eda_shapes *regions, uint32_t region) {
   if (region == UINT32_MAX) return 0;

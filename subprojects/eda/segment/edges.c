@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The edges of poly and active, sorted, to find the one below the side of a
+/* Sorted edges of poly and active, to find the edge below the side of a
    gate. */
 #include <stdlib.h>
 
@@ -17,7 +17,8 @@ static edge make_edge(eda_point a, eda_point b, uint32_t polygon,
                       uint32_t point) {
   edge e = {.polygon = polygon, .point = point};
   int32_t from, to;
-  if (a.x == b.x) { /* down on the left side of the interior, up on its right */
+  if (a.x == b.x) { /* downwards on the left side of the interior, upwards on
+                       its right */
     e.across = EDA_X;
     e.side = a.y > b.y ? LOW : HIGH;
     e.at = a.x;
@@ -64,7 +65,7 @@ void segment_index(segment *s) {
 const edge *segment_edge(const edge_index *index, int d, int side, int32_t at,
                          int32_t low, int32_t high) {
   size_t from = index->first[2 * d + side], to = index->first[2 * d + side + 1];
-  /* The last one that begins at or before `low`. */
+  /* Find the last edge that starts at or before `low`. */
   while (from < to) {
     size_t middle = from + (to - from) / 2;
     const edge *e = &index->edges[middle];

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Which flavour each gate is of, by the marker layers that cover it. */
+/* Transistor flavours by the marker layers that cover each gate. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,8 +10,8 @@ enum { MOST_FLAVOURS = 32 };
 
 /* ---- settings ---- */
 
-/* The next word of a text with blanks between, its length in *n; NULL at the
-   end. */
+/* Return the next word of a text separated by blanks, and its length *n; NULL
+   at the end. */
 static const char *next_word(const char *text, size_t *n) {
   text += strspn(text, " ");
   *n = strcspn(text, " ");
@@ -56,8 +56,8 @@ static int32_t layer_of(const segment *s, const char *name, size_t n) {
   return eda_layout_find_layer(s->layout, text);
 }
 
-/* In `covers`, where each region lies with respect to all markers of a flavour
-   together; how many there are. */
+/* Compute how all markers of a flavour together cover each region, in `covers`,
+   and the number of markers. */
 static int find_markers(segment *s, size_t flavour, uint8_t *covers,
                         size_t *markers) {
   const char *of = name_of(s->settings, flavour);
@@ -105,7 +105,8 @@ static int refuse(segment *s, size_t region, const char *a, const char *b) {
   return segment_refuse(s, region, text);
 }
 
-/* The flavour with most markers counts: it is the most particular. */
+/* Among matching flavours, the one with most markers applies, as the most
+   specific. */
 int segment_flavours(segment *s) {
   const eda_segment_settings *set = s->settings;
   size_t n = s->regions.count;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Layers of a layout on their way into gates. */
+/* Conversion of layout layers to layers of gates. */
 #include <math.h>
 
 #include "segment/segment.h"
@@ -14,7 +14,7 @@ int32_t eda_segment_top(const eda_layout *layout, const char *name,
   return top;
 }
 
-/* Merged, and cut off at the window. */
+/* Merge flat shapes and clip them at the window. */
 static int merge(const eda_shapes *flat, const eda_box *window,
                  eda_shapes *merged, opc_error *error) {
   if (!window) return eda_boolean(EDA_OR, flat, NULL, merged, error);

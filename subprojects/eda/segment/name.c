@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The instance of each gate, the cell that draws it, and its number there. */
+/* Instance, cell, and number within the cell of each gate. */
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The goals of gates, from the texts of the layer `notes`. A text in a cell
-   holds in each of its instances; a text of a higher cell, which knows the
-   instance, replaces it. */
+/* Goals of gates, from the texts of the layer `notes`. A text in a cell applies
+   to each of its instances; a text of a higher cell replaces it. */
 #include <eda/goals.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,7 +9,8 @@
 
 static const char layer_name[] = "notes";
 
-/* The gates with their right and upper edges, as points on them are in them. */
+/* Return the gates with their right and upper edges, because points on these
+   edges count as inside. */
 static eda_shapes get_boxes(const eda_gates *g) {
   eda_shapes out = {.count = g->count};
   out.start = eda_alloc(g->count + 1, sizeof *out.start);
@@ -27,10 +27,10 @@ static eda_shapes get_boxes(const eda_gates *g) {
   return out;
 }
 
-/* The text of each gate, until all are known. */
+/* Text found for each gate. */
 typedef struct note {
   const char *text; /* NULL: none */
-  uint32_t depth;   /* of its cell */
+  uint32_t depth;   /* depth of the cell */
 } note;
 
 static int refuse_second(segment *s, const eda_flat_texts *t, size_t i,
@@ -45,7 +45,8 @@ static int refuse_second(segment *s, const eda_flat_texts *t, size_t i,
       p.y * s->grid, t->text[i]);
 }
 
-/* Find the text of the highest cell. Two of equal rank must say the same. */
+/* Find the text of the highest cell for each gate. Two texts of equal depth
+   must be equal. */
 static int find_notes(segment *s, const eda_flat_texts *t,
                       const uint32_t *which, note *notes) {
   size_t n = t->at.shapes.count;

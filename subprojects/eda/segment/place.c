@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Which shape contains a point: the first one in their order. So it is found
-   which placement drew the active below each region: whose shape contains its
-   middle. */
+/* Search for the first shape that contains a point. Used to find the placement
+   that drew the active of each region: the shape that contains its middle. */
 #include <eda/index.h>
 #include <stdlib.h>
 
 #include "segment/segment.h"
 
-/* Each place lies in exactly one of shapes that abut. */
+/* Return whether a polygon contains a point. Each point is inside exactly one
+   of two abutting shapes. */
 static int contains(const eda_point *p, uint32_t n, doubled at) {
   int wind = 0;
   for (uint32_t i = 0; i < n; i++) {
@@ -41,8 +41,8 @@ void segment_find(const doubled *points, size_t n, const eda_shapes *shapes,
   free(boxes);
 }
 
-/* The middle of a box. Anything else (to be refused) is told by its first
-   corner, which has its interior above and to the right. */
+/* Return the middle of a box. Other shapes, which are rejected later, use the
+   first corner, whose interior is above and to the right. */
 static doubled middle_of(const eda_shapes *regions, size_t i) {
   const eda_point *p = regions->points + regions->start[i];
   uint32_t n = regions->start[i + 1] - regions->start[i];

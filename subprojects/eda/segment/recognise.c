@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Which regions where poly lies over active are transistors, along what axis,
-   and of which type. */
+/* Recognition of transistors: the regions where poly crosses active that are
+   gates, their axes and types. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -8,17 +8,17 @@
 
 /* ---- the axis ---- */
 
-/* Whether the side of a box lies on an edge of the layer, all of it. */
+/* Return whether the whole side of a box is part of an edge of the layer. */
 static int is_edge(const segment *s, int layer, const eda_box *b, int d,
                    int side) {
   return segment_edge(&s->index[layer], d, side, box_side(b, d, side),
                       box_side(b, !d, LOW), box_side(b, !d, HIGH)) != NULL;
 }
 
-/* NULL and the axis, or the fault. */
+/* Return NULL and the axis, or a description of the fault. */
 static const char *find_axis(const segment *s, const eda_box *b,
                              uint8_t *axis) {
-  int poly[2], active[2], both = 0; /* how many sides across x, across y */
+  int poly[2], active[2], both = 0; /* number of sides across x, across y */
   for (int d = 0; d < 2; d++) {
     poly[d] = active[d] = 0;
     for (int side = 0; side < 2; side++) {
@@ -82,8 +82,8 @@ static int before(eda_point a, eda_point b) {
   return a.y < b.y || (a.y == b.y && a.x < b.x);
 }
 
-/* Mark with `mark` the regions that are among `shapes` as they are. Both are
-   sorted by their first points. */
+/* Mark the regions that are equal to one of `shapes`. Both are sorted by their
+   first points. */
 static void mark_same(const segment *s, const eda_shapes *shapes, uint8_t mark,
                       uint8_t *state) {
   const eda_shapes *r = &s->regions;
@@ -118,8 +118,8 @@ int segment_cover(segment *s, const eda_shapes *layer, uint8_t *state) {
   return OPC_OK;
 }
 
-/* NULL and the type, or the fault. The implants decide, where they say
-   something; else the wells. */
+/* Return NULL and the type, or a description of the fault. Implants decide
+   first, then wells. */
 static const char *find_type(const int *has, const uint8_t *at, uint8_t *type) {
   if (at[NIMPLANT] == SEGMENT_PARTLY) return "'nimplant' covers it in part";
   if (at[PIMPLANT] == SEGMENT_PARTLY) return "'pimplant' covers it in part";
@@ -139,8 +139,8 @@ static const char *find_type(const int *has, const uint8_t *at, uint8_t *type) {
   return NULL;
 }
 
-/* A number of the wells' layer that has only texts, or a wrong one, makes all
-   transistors alike, which nothing else would tell. */
+/* Warn of a well layer that is empty, has only texts or a wrong number: all
+   transistors then have one type without any other message. */
 static void warn_of_well(const segment *s) {
   int well = s->has_doping[NWELL] ? NWELL : PWELL;
   if (s->has_doping[NIMPLANT] || s->has_doping[PIMPLANT] ||

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The transistors of a layout and the mask edges that move them (thesis 2.2.5
-   and 3.2.2), and further layers, whose edges are of no transistor: the order
-   of the work, of a whole layout. */
+/* Segmentation of a whole layout: the transistors, the mask edges that control
+   them (thesis 2.2.5 and 3.2.2), and further layers, whose edges belong to no
+   transistor. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,7 +9,7 @@
 
 #include "segment/windows.h"
 
-/* What the layout calls them, and the gates. */
+/* Layer names in the layout and in the gates. */
 static const char *const dopings[DOPINGS] = {"nwell", "pwell", "nimplant",
                                              "pimplant"};
 enum { CONTACT = 2, KNOWN = 3 };
@@ -39,14 +39,14 @@ static void get_sources(segment *s) {
   }
 }
 
-/* The error is about a key of `also`. */
+/* Set the parameter of the error to a key of `also`. */
 static int blame(opc_error *error, const char *name) {
   (void)snprintf(error->parameter, sizeof error->parameter, "also.%.58s", name);
   return error->code;
 }
 
-/* Whether files can carry the name of a further layer: one word. NAME_drawn is
-   what writers call the drawn shapes of NAME. */
+/* Return whether files can carry the name of a further layer: one word. Writers
+   use NAME_drawn for the drawn shapes of NAME. */
 static int is_layer_name(const char *name) {
   size_t n = strlen(name);
   static const char drawn[] = "_drawn";
@@ -89,7 +89,7 @@ int eda_segment_check(const eda_segment_settings *settings, opc_error *error) {
 
 /* ---- layers ---- */
 
-/* With those that there are, as far as there is room. */
+/* Report a missing layer and list the existing ones as far as they fit. */
 static int no_layer(segment *s, const char *name) {
   char all[512] = "none";
   size_t n = eda_layout_layers(s->layout), used = 0;
@@ -103,7 +103,8 @@ static int no_layer(segment *s, const char *name) {
                   name, all);
 }
 
-/* The layers must be there, but for contacts; further ones with shapes. */
+/* Check that all layers exist, except contacts, and that further layers have
+   shapes. */
 static int check_layers(segment *s) {
   for (size_t k = 0; k < s->sources; k++) {
     const char *from = s->source[k].from;
@@ -116,7 +117,7 @@ static int check_layers(segment *s) {
   return OPC_OK;
 }
 
-/* Which layers have anything drawn, and how far it all goes. */
+/* Compute which layers have shapes, and their common bounds. */
 static int find_bounds(segment *s) {
   s->bounds = (eda_box)EDA_BOX_EMPTY;
   for (size_t k = 0; k < s->sources; k++) {
@@ -140,7 +141,7 @@ static int find_bounds(segment *s) {
   return OPC_OK;
 }
 
-/* One of the layers that are made flat side by side. */
+/* A layer to flatten, one of several in parallel. */
 typedef struct task {
   const segment *s;
   const char *name;
@@ -150,7 +151,7 @@ typedef struct task {
   opc_error error;
 } task;
 
-/* Empty if the layout does not have it. */
+/* Flatten a layer; empty if the layout lacks it. */
 static void get_layer(void *data, size_t i) {
   task *t = (task *)data + i;
   const segment *s = t->s;
@@ -160,7 +161,7 @@ static void get_layer(void *data, size_t i) {
                               t->flat, t->merged, &t->error);
 }
 
-/* What the grid did to a layer of the gates. */
+/* Count the vertices of a layer displaced by the grid. */
 static void count_moved(segment *s, size_t k, const eda_flat *flat) {
   s->report.moved += flat->moved;
   s->report.worst = fmax(s->report.worst, flat->worst);
@@ -220,7 +221,7 @@ static int want_regions(segment *s) {
                   "no transistor: layers 'poly' and 'active' do not cross");
 }
 
-/* The gates, with all layers but contacts where none are drawn. */
+/* Create the gates with all their layers, except contacts if none are drawn. */
 static int make_gates(segment *s) {
   int contacts = s->source[CONTACT].drawn_at_all;
   size_t layers = s->sources - !contacts, n = 0;
@@ -270,7 +271,7 @@ int segment_finish(segment *s) {
   return go(s, steps, 3);
 }
 
-/* In grid units, within what coordinates can be. */
+/* Return a length in grid units, limited to the range of coordinates. */
 static int32_t in_units(double nm, double grid) {
   return (int32_t)fmin(floor(nm / grid + 0.5), 1073741824.0);
 }
@@ -329,8 +330,8 @@ int eda_segment(const opc_context *context, const eda_layout *layout,
   return code;
 }
 
-/* The layers made flat are there side by side, with as much again where they
-   are merged. */
+/* The flat layers exist at the same time, with as much again for their merged
+   forms. */
 double eda_segment_bytes(const eda_layout *layout, int32_t top,
                          const eda_segment_settings *settings) {
   segment s = {.settings = settings};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the files of this folder share. Coordinates are in units of the mask
+/* Common declarations of this folder. Coordinates are in units of the mask
    grid. Directions: something "across d" has a constant coordinate along d and
    extends along the other direction. */
 #ifndef EDA_SEGMENT_SEGMENT_H
@@ -14,25 +14,25 @@ enum { LOW = 0, HIGH = 1 }; /* sides */
 /* An edge of merged shapes, across `across`, on the `side` of the interior. */
 typedef struct edge {
   uint8_t across, side;
-  int32_t at, low, high;   /* its constant coordinate; its ends */
-  uint32_t polygon, point; /* from points[point] to the next of the polygon */
+  int32_t at, low, high;   /* constant coordinate; ends */
+  uint32_t polygon, point; /* from points[point] to the next point of the
+                              polygon */
 } edge;
 
-/* All edges of a layer, sorted by across, side, at, low: those of
-   [across][side] are edges[first[2 * across + side]] and on. */
+/* All edges of a layer, sorted by across, side, at, low; those of
+   [across][side] start at edges[first[2 * across + side]]. */
 typedef struct edge_index {
   edge *edges;
   size_t count;
   size_t first[5];
 } edge_index;
 
-/* A layer of the gates: where it is drawn, and its shapes on their way there.
- */
+/* A layer of the gates: its layout layer and its shapes. */
 typedef struct source {
   const char *name;
-  const char *from; /* layer of the layout */
+  const char *from; /* layer in the layout */
   eda_shapes drawn;
-  int drawn_at_all; /* anywhere in the layout */
+  int drawn_at_all; /* the layout has shapes on it */
 } source;
 
 typedef struct segment {
@@ -41,67 +41,71 @@ typedef struct segment {
   const eda_layout *layout;
   int32_t top;
   const eda_segment_settings *settings;
-  const eda_box *window; /* NULL: all is seen */
-  eda_box bounds;        /* of the layout's layers */
+  const eda_box *window; /* NULL: no window */
+  eda_box bounds;        /* bounds of the layers of the layout */
   double grid;
-  int32_t overhang, line_end; /* NOT_GIVEN: of each gate */
+  int32_t overhang, line_end; /* NOT_GIVEN: scaled by each gate */
   int32_t reach;
-  source *source; /* poly, active, contact, then those of `also` */
+  source *source; /* poly, active, contact, followed by those of `also` */
   size_t sources;
-  eda_flat active;            /* as drawn, for where gates come from */
+  eda_flat active;            /* unmerged, with placements */
   eda_shapes doping[DOPINGS]; /* merged */
-  int has_doping[DOPINGS];    /* whether the layout has that layer */
-  eda_shapes regions;         /* poly and active together */
-  edge_index index[2];        /* of poly and active */
-  uint32_t *placement;        /* of each region */
-  size_t moved;               /* vertices of poly and active, by the grid */
+  int has_doping[DOPINGS];    /* whether the layout has the layer */
+  eda_shapes regions;         /* intersection of poly and active */
+  edge_index index[2];        /* edges of poly and active */
+  uint32_t *placement;        /* placement of each region */
+  size_t moved;               /* vertices of poly and active displaced by the
+                                 grid */
   eda_segment_report report;
   eda_gates *gates;
 } segment;
 
-/* What a length is that is not given. A line end is as long as a process's
-   least gate or a little longer (its rules: 72 nm at 65, 130 at 150, 220 at
-   280, 600 at 600), and how far poly beyond the active counts goes with what
-   the optics resolve, of which the gate is half or less. */
+/* Value of a length that is not given. A line end is about as long as the
+   smallest gate of the process (72 nm at 65, 130 at 150, 220 at 280, 600 at 600
+   by design rules). The relevant overhang of poly scales with the optical
+   resolution, of which the gate is half or less. */
 enum { NOT_GIVEN = -1 };
 
 static inline int32_t box_side(const eda_box *b, int d, int side) {
   return d == EDA_X ? (side ? b->x1 : b->x0) : (side ? b->y1 : b->y0);
 }
 
-/* cut.c: how far past the active gate i owns the edges of poly, and how far
-   away a line end may be, in grid units. */
+/* cut.c: return how far beyond the active gate i owns the edges of poly, or the
+   largest distance of a line end, in grid units. */
 int32_t segment_overhang(const segment *s, size_t i);
 int32_t segment_line_end(const segment *s, size_t i);
 
-/* layers.c: a layer below a cell as drawn and merged, both empty on failure; of
-   a window what touches it as drawn, and merged what lies in it. */
+/* layers.c: compute a layer below a cell, as drawn and merged, both empty on
+   failure. For a window: the drawn shapes that touch it, and the merged shapes
+   clipped to it. */
 int segment_flatten(const eda_layout *layout, int32_t top, int32_t layer,
                     double grid, const eda_box *window, eda_flat *flat,
                     eda_shapes *merged, opc_error *error);
 
-/* Make a layer of the gates, whose shapes go to them; one fragment an edge, of
-   no transistor. */
+/* Set a layer of the gates, which takes ownership of the shapes; one fragment
+   for each edge, owned by no transistor. */
 void segment_set_layer(eda_gates *gates, size_t layer, const char *name,
                        int corrected, eda_shapes *drawn);
 void segment_cut_plain(eda_gates *gates, size_t layer);
 
-/* segment.c: a message for the user, if there is somebody to take it. */
+/* segment.c: send a message or warning to the user if the settings have a
+   receiver. */
 OPC_PRINTF(3, 4)
 void segment_tell(const segment *s, int warning, const char *format, ...);
 
-/* Those that return int give an OPC_* code, with *s->error filled. */
+/* Functions that return int return an OPC_* code with *s->error filled. */
 
-/* edges.c: the index of poly and active; the edge that covers [low, high]
-   across d at `at` on that side, NULL if none does alone. */
+/* edges.c: build the index of poly and active; return the edge that covers
+   [low, high] across d at `at` on a side, NULL if no single edge does. */
 void segment_index(segment *s);
 const edge *segment_edge(const edge_index *index, int d, int side, int32_t at,
                          int32_t low, int32_t high);
 
-/* place.c: in which placement of the active layer each region lies; and the
-   number of the first of `shapes` that contains each point, UINT32_MAX where
-   none does. Coordinates of points are doubled, so that middles are integers;
-   of two shapes that abut, the one to the right or above contains the edge. */
+/* place.c: find the placement of the active layer that contains each region;
+   and return the number of the first of `shapes` that contains each point,
+   UINT32_MAX for none. Coordinates of points are doubled, so that middles are
+   integers. Of two abutting shapes, the right or upper one contains the common
+   edge. */
 typedef struct doubled {
   int64_t x, y;
 } doubled;
@@ -109,42 +113,43 @@ void segment_locate(segment *s);
 void segment_find(const doubled *points, size_t n, const eda_shapes *shapes,
                   uint32_t *which);
 
-/* recognise.c: box and axis of each region, or why it is no transistor; then
-   its type. */
+/* recognise.c: compute box, axis and type of each region, or the reason for its
+   rejection. */
 int segment_recognise(segment *s);
 
-/* How a region lies with respect to a layer: neither touched, all within, or
-   in part. `state` has one of each region. */
+/* Relation of a region to a layer: untouched, inside, or partly covered.
+   `state` has one entry for each region. */
 enum { SEGMENT_OUTSIDE = 0, SEGMENT_INSIDE = 1, SEGMENT_PARTLY = 2 };
 int segment_cover(segment *s, const eda_shapes *layer, uint8_t *state);
 
-/* flavours.c: which of the process's transistors each gate is. */
+/* flavours.c: check the flavours of the process and select that of each
+   gate. */
 int segment_check_flavours(const eda_segment_settings *settings,
                            opc_error *error);
 int segment_flavours(segment *s);
 
-/* drawn.c: L and W of each gate as drawn, which the grid has moved. */
+/* drawn.c: compute L and W of each gate as drawn, before snapping to the
+   grid. */
 int segment_drawn(segment *s);
 
-/* cut.c: the fragments of poly and active, and how far poly goes past active.
- */
+/* cut.c: compute the fragments of poly and active, and the extension of poly
+   beyond active. */
 void segment_cut(segment *s);
 
-/* space.c: the free space beside each gate. */
+/* space.c: compute the free space beside each gate. */
 void segment_space(segment *s);
 
-/* name.c: instance, cell and number of each gate; of a window without paths
-   none. */
+/* name.c: set instance, cell and number of each gate; not for windows without
+   paths. */
 void segment_name(segment *s);
 
-/* notes.c: what is written upon each gate. */
+/* notes.c: parse the notes of each gate. */
 int segment_notes(segment *s);
 
-/* Refuse region i: OPC_INVALID with its place and the fault. */
+/* Reject region i: return OPC_INVALID with its place and the fault. */
 int segment_refuse(segment *s, size_t i, const char *fault);
 
-/* The path of a placement, freed with free(), and the cell that is there, -1
-   for none. */
+/* Return the path of a placement (free()) and its cell, -1 for none. */
 char *segment_path(const segment *s, uint32_t placement, int32_t *cell);
 
 #endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Windows of layouts put together are what the whole layout is: transistors to
-   the last bit, and who owns which edge. What transistors are, the tests of
-   segment.transistors tell. */
+/* Windows of a layout, compared with the whole layout: transistors bit by bit,
+   and owners of edges. Recognition is tested by segment.transistors. */
 #include <eda/segment.h>
 #include <glib.h>
 #include <math.h>
@@ -20,8 +19,8 @@ static void box(eda_layout *layout, int32_t cell, const char *layer, int32_t x0,
       0);
 }
 
-/* Lines over an active, with ends near and far; some with contacts, some with a
-   tail that turns, some with a note. */
+/* Add lines over an active, with near and far ends; some with contacts, with a
+   turning tail, or with a note. */
 static int32_t random_cell(eda_layout *layout, int k, GRand *rand) {
   opc_error e;
   char name[8];
@@ -49,8 +48,8 @@ static int32_t random_cell(eda_layout *layout, int k, GRand *rand) {
   return cell;
 }
 
-/* Cells and arrays of them all eight ways, one beside the other, in two levels;
-   rows of a shared active and a long line of poly. */
+/* Return a layout of cells and arrays in all eight orientations, side by side,
+   in two levels, with rows of a shared active and a long line of poly. */
 static eda_layout *random_layout(double unit, GRand *rand) {
   opc_error e;
   eda_layout *layout = eda_layout_new(unit, &e);
@@ -87,7 +86,7 @@ static bool starts_in(eda_box core, eda_box b) {
   return b.x0 >= core.x0 && b.x0 < core.x1 && b.y0 >= core.y0 && b.y0 < core.y1;
 }
 
-/* All about a gate, to the last bit. */
+/* Return all fields of a gate as text, exact to the bit. */
 static char *tell_gate(const eda_gates *g, size_t i) {
   eda_box b = g->box[i];
   eda_goal wish = eda_gates_goal(g, i);
@@ -105,7 +104,7 @@ static GPtrArray *gates_in(const eda_gates *g, eda_box core) {
   return all;
 }
 
-/* The part of an edge from a to b that is inside of the core. */
+/* Clip an edge from a to b to the core. Return whether a part remains. */
 static bool clip(eda_point *a, eda_point *b, eda_box c) {
   int *from[2] = {&a->x, &a->y}, *to[2] = {&b->x, &b->y};
   int low[2] = {c.x0, c.y0}, high[2] = {c.x1, c.y1};
@@ -122,7 +121,7 @@ static int by_text(gconstpointer a, gconstpointer b) {
   return strcmp(*(const char *const *)a, *(const char *const *)b);
 }
 
-/* The fragments within a core, with the boxes of their gates. */
+/* Return the fragments within a core, with the boxes of their gates. */
 static GPtrArray *edges_in(const eda_gates *g, eda_box core) {
   GPtrArray *all = g_ptr_array_new_with_free_func(g_free);
   for (size_t k = 0; k < g->layers; k++) {
@@ -158,7 +157,8 @@ static const char *const also[] = {"metal1", "M1"};
 static const eda_segment_settings usual = {
     .grid = 1, .overhang = 84, .line_end = 200, .also = also, .also_count = 1};
 
-/* All that is drawn; of nothing, somewhere in the core's surroundings. */
+/* Check the extent: the bounds of all shapes; without shapes, a place near the
+   core. */
 static void check_extent(const eda_gates *g) {
   eda_box all = {INT32_MAX, INT32_MAX, INT32_MIN, INT32_MIN};
   for (size_t k = 0; k < g->layers; k++) {
@@ -219,7 +219,7 @@ static void test_windows(void) {
   g_rand_free(rand);
 }
 
-/* A window cuts what lies on its edge; nothing need be in it. */
+/* A window clips the shapes at its border and may be empty. */
 static void test_cut(void) {
   opc_error error;
   eda_layout *layout = eda_layout_new(1, &error);
@@ -231,7 +231,7 @@ static void test_cut(void) {
   static const struct {
     eda_box window;
     size_t gates, polygons;
-    double extension; /* of the first gate, at its low end */
+    double extension; /* extension of the first gate at its low end */
   } cases[] = {{{-500, -500, 5000, 5000}, 2, 2, 100},
                {{-500, -500, 630, 5000}, 1, 2, 100},
                {{210, -500, 5000, 250}, 1, 2, 100},
@@ -254,7 +254,7 @@ static void test_cut(void) {
     }
     eda_gates_free(g);
   }
-  /* What is no transistor is refused where it lies whole. */
+  /* Invalid transistors are rejected if they are entirely inside the window. */
   box(layout, 0, "poly", 260, 50, 300, 100);
   eda_gates *g;
   g_assert_cmpint(

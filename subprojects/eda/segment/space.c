@@ -1,21 +1,21 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The free space beside each gate: from the middle of its side, look along L
-   for the next edge of poly, and for the end of the active. The edges that face
-   the gates are swept in the direction of the look, the latest one at each
-   place kept in a tree over the places. O(n log n). */
+/* Free space beside each gate: from the middle of its side, the distance along
+   L to the next edge of poly and to the end of the active. A sweep in that
+   direction passes the edges that face the gates and keeps the latest edge at
+   each place in a tree. Takes O(n log n). */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "segment/segment.h"
 
-/* One look: across d, towards `side`, at edges of one layer. */
+/* A sweep across d, towards `side`, over the edges of one layer. */
 typedef struct look {
-  const edge *edges; /* those that face the gates, sorted by at */
+  const edge *edges; /* edges that face the gates, sorted by at */
   size_t count;
-  int64_t *places; /* doubled: the ends of the edges, sorted, unique */
+  int64_t *places; /* ends of the edges, doubled, sorted, unique */
   size_t n_places, leaves;
-  uint32_t *latest; /* tree: the edge's number, from 1, over places */
+  uint32_t *latest; /* tree over places: number of the edge, from 1 */
 } look;
 
 static int by_value(const void *a, const void *b) {
@@ -23,7 +23,7 @@ static int by_value(const void *a, const void *b) {
   return (p > q) - (p < q);
 }
 
-/* The number of places at or before `at`. */
+/* Return the number of places at or before `at`. */
 static size_t rank(const look *l, int64_t at) {
   size_t from = 0, to = l->n_places;
   while (from < to) {
@@ -50,8 +50,9 @@ static void prepare(look *l) {
   l->latest = eda_alloc(2 * l->leaves, sizeof *l->latest);
 }
 
-/* Leaf k is what lies between the places k-1 and k. Numbers grow in the order
-   of the sweep, so that the largest one over a place is the latest. */
+/* Enter an edge into the tree. Leaf k covers the interval between the places
+   k-1 and k. Numbers grow in the order of the sweep, so the largest number over
+   a place is the latest edge. */
 static void stamp(look *l, const edge *e, uint32_t number) {
   size_t from = rank(l, 2 * (int64_t)e->low) + l->leaves;
   size_t to = rank(l, 2 * (int64_t)e->high) + l->leaves;
@@ -80,14 +81,14 @@ static int by_key(const void *a, const void *b) {
   return (p->gate > q->gate) - (p->gate < q->gate);
 }
 
-/* The distance to the next edge of the layer that each gate across d sees on
-   that side, nm, into distance[gate]; INFINITY if there is none. An edge that
-   the gate's own side lies on counts with 0. */
+/* Compute the distance from each gate across d to the next edge of the layer on
+   a side, nm, in distance[gate]; INFINITY without an edge. An edge on the side
+   of the gate itself has the distance 0. */
 static void run_look(const segment *s, int layer, int d, int side,
                      const key *keys, size_t n, double *distance) {
   const edge_index *x = &s->index[layer];
-  /* Poly beyond begins with the edge on its near side; active ends with the
-     one on its far side. */
+  /* Poly starts with the edge on its near side; active ends with the edge on
+     its far side. */
   int facing = layer == EDA_POLY ? !side : side;
   size_t first = x->first[2 * d + facing];
   look l = {.edges = x->edges + first,

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Windows of a layout. What counts for a transistor lies within the reach of
-   it, so that a window that shows that much around a core has all there is to
-   know there; only a transistor that its edge cuts may need more. */
+/* Segmentation of windows of a layout. All shapes relevant to a transistor are
+   within its reach, so a window with that margin around a core suffices; only a
+   transistor cut by the border of the window may need a larger window. */
 #include "segment/windows.h"
 
 #include <stdlib.h>
 
-/* nm that a window shows beyond the reach, as most transistors are no larger:
-   those near the core are then seen at once. Ours: at half of it every other
-   window of 65 nm circuits is done twice. */
+/* Margin of a window beyond the reach, nm: most transistors are smaller, so
+   those near the core are complete in the first window. With half of it, every
+   other window of 65 nm circuits is repeated. */
 #define BEYOND 1000.0
 
 static eda_box grown(eda_box b, int32_t by) {
@@ -23,7 +23,7 @@ static eda_box box_of(const eda_shapes *s, size_t i) {
   return eda_bounds(s->points + s->start[i], s->start[i + 1] - s->start[i]);
 }
 
-/* Beyond the layout there is nothing that could be cut. */
+/* Clip a window to the bounds of the layout, where nothing is cut. */
 static void clip(eda_box *w, eda_box bounds) {
   bounds = grown(bounds, 1);
   if (w->x0 < bounds.x0) w->x0 = bounds.x0;
@@ -32,7 +32,7 @@ static void clip(eda_box *w, eda_box bounds) {
   if (w->y1 > bounds.y1) w->y1 = bounds.y1;
 }
 
-/* Forget the regions that the edge of the window cuts. */
+/* Remove the regions cut by the border of the window. */
 static void drop_cut(segment *s) {
   eda_shapes *r = &s->regions;
   eda_box inner = grown(*s->window, -1);
@@ -74,9 +74,9 @@ int eda_segment_window(const eda_layout *layout, int32_t top,
 
 static int32_t most(int32_t a, int32_t b) { return a > b ? a : b; }
 
-/* How far what counts for a transistor is from it. */
+/* Return the largest distance of a relevant shape from a transistor. */
 static int32_t reach_of(const segment *s) {
-  /* Those of gates are half of it at most. */
+  /* The overhang and line end of a gate are at most half of the reach. */
   return most(s->reach, 2 * most(s->overhang, s->line_end));
 }
 
@@ -87,8 +87,9 @@ int32_t eda_segment_halo(const eda_segment_settings *settings) {
   return reach_of(&s) + (int32_t)(BEYOND / settings->grid) + 1;
 }
 
-/* The least window that would show what counts for region i, if it counts for
-   the core: all around those in the core, all of those near it. */
+/* Extend `wanted` to the smallest window that region i needs: with the full
+   reach for regions that touch the core, with the region itself for those
+   within reach. */
 static void want(const segment *s, eda_box core, size_t i, eda_box *wanted) {
   eda_box b = box_of(&s->regions, i);
   int32_t reach = reach_of(s);
@@ -100,7 +101,8 @@ static void want(const segment *s, eda_box core, size_t i, eda_box *wanted) {
   if (b.y1 > wanted->y1) wanted->y1 = b.y1;
 }
 
-/* Twice as far on the sides where more is wanted; 0 if none is. */
+/* Double the margin on the sides where more is wanted. Return 0 if the window
+   is sufficient. */
 static int widen(const segment *s, eda_box core, eda_box *window) {
   eda_box w = *window, wanted = w;
   for (size_t i = 0; i < s->regions.count; i++) want(s, core, i, &wanted);

@@ -1,66 +1,66 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Faults found in files and arguments, each with its place; gathered, so that
-   all of them can be told at once. */
+/* Problems found in files and arguments, each with its place; collected, so
+   that all can be reported at once. */
 #ifndef OPC_BASE_PROBLEM_H
 #define OPC_BASE_PROBLEM_H
 
 #include <glib.h>
 #include <opcflow/base.h>
 
-/* A place in a file; lines and columns (characters) from 1, line 0 for a place
-   that has none ("--set first.width"). `file` may be NULL. */
+/* A place in a file; lines and columns (characters) count from 1. Line 0: a
+   place without lines ("--set first.width"). `file` may be NULL. */
 typedef struct opc_place {
   const char *file;
   unsigned line, column;
 } opc_place;
 
 typedef struct opc_problem {
-  opc_place at; /* with a `file` of its own */
+  opc_place at; /* owns its `file` */
   int code;     /* OPC_INVALID, OPC_NO_PLUGIN, OPC_IO ... */
   char *message;
 } opc_problem;
 
 typedef struct opc_problems {
-  GPtrArray *list; /* opc_problem *, in the order they were found */
+  GPtrArray *list; /* opc_problem *, in the order of their discovery */
 } opc_problems;
 
 opc_problems *opc_problems_new(void);
 void opc_problems_free(opc_problems *problems);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_problems, opc_problems_free)
 
-/* Copies all. A NULL place has no file. Long messages are cut; of very many
-   problems only the first ones are kept. FALSE, always. */
+/* Add a copy of a problem and return FALSE. A NULL place has no file. Long
+   messages are cut; only the first problems are kept if there are very many. */
 gboolean opc_problem_add(opc_problems *problems, int code,
                          const opc_place *place, const char *format, ...)
     OPC_PRINTF(4, 5);
 
-/* Whether no more are kept: no use looking on. */
+/* Return whether no more problems are kept, so that checks may stop. */
 gboolean opc_problems_full(const opc_problems *problems);
 
-/* Add those of `from` that are not there yet, with `note` (NULL: nothing)
-   behind the message. */
+/* Add the problems of `from` that are missing, with `note` (may be NULL)
+   appended to their messages. */
 void opc_problems_merge(opc_problems *problems, const opc_problems *from,
                         const char *note);
 
-/* "file:line:column", "file" where there is no line, "" where there is no
-   file. */
+/* Return "file:line:column", "file" for line 0, "" without a file (g_free). */
 char *opc_place_text(const opc_place *place);
 
-/* Sort by place; files in the order they came first. */
+/* Sort by place; files keep the order of their first problem. */
 void opc_problems_sort(opc_problems *problems);
 
-/* "file:line:column: message" */
+/* Return "file:line:column: message" (g_free). */
 char *opc_problem_text(const opc_problem *problem);
 
-/* All of them, sorted, one a line, without a last newline; "" for none. */
+/* Return all problems, sorted, one a line, without a final newline; "" for none
+   (g_free). */
 char *opc_problems_text(opc_problems *problems);
 
-/* The one code of all problems, OPC_INVALID if they differ, OPC_OK if there
-   are none. */
+/* Return the common code of all problems, OPC_INVALID if they differ, OPC_OK
+   for none. */
 int opc_problems_code(const opc_problems *problems);
 
-/* Fill *error with the first of the sorted problems and how many more there
-   are; returns its code. */
+/* Fill *error with the first of the sorted problems and the number of others;
+   return its code. */
 int opc_problems_error(opc_problems *problems, opc_error *error);
 
 #endif

@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Texts of others, as they can be shown: messages of plugins, names of files.
-   Valid UTF-8 that does nothing to a terminal. [any] */
+/* Printable forms of foreign texts, such as messages of plugins and names of
+   files: valid UTF-8 without effect on a terminal. [any] */
 #ifndef OPC_BASE_SHOWN_H
 #define OPC_BASE_SHOWN_H
 
-/* A byte that is no UTF-8 becomes "\xNN"; a character that cannot be printed
-   "\n", "\t" or "\u{NNNN}", unless it is one of `keep`: without "\n" there, the
-   text cannot pass for several lines. Freed with g_free(). */
+/* Return a printable copy (g_free). An invalid byte becomes "\xNN"; an
+   unprintable character becomes "\n", "\t" or "\u{NNNN}" unless listed in
+   `keep`. Without "\n" in `keep`, the result is a single line. */
 char *opc_shown(const char *text, const char *keep);
 
-/* The same of a JSON document, by JSON's own rules. Freed with g_free(). */
+/* Return a printable copy of a JSON document with the escapes of JSON
+   (g_free). */
 char *opc_shown_json(const char *json);
 
 #endif

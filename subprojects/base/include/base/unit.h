@@ -7,27 +7,28 @@
 
 typedef struct opc_unit opc_unit;
 
-/* NULL if there is no such unit. */
+/* Return a unit by name, NULL if unknown. */
 const opc_unit *opc_unit_find(const char *name);
 
-/* What it measures: "a length" ... ; units of the same dimension have the same
-   pointer. */
+/* Return the quantity of a unit: "a length" ... ; units of the same dimension
+   return the same pointer. */
 const char *opc_unit_noun(const opc_unit *unit);
 
-/* Whether 0 is the same in all units of that dimension: not of temperatures. */
+/* Return whether 0 is equal in all units of the dimension; false for
+   temperatures. */
 int opc_unit_shares_zero(const opc_unit *unit);
 
-/* All names, const char *, for suggestions. */
+/* Return all names, const char *, for suggestions. */
 GPtrArray *opc_unit_names(void);
 
-/* The length of the number that `text` begins with ("12", "-.5", "1e-9"), 0 if
-   it begins with none. */
+/* Return the length of the number at the start of `text` ("12", "-.5", "1e-9"),
+   0 without a number. */
 size_t opc_number_length(const char *text);
 
-/* The number of `length` bytes at `text`, written in the unit `from`, in the
-   unit `to` of the same dimension (both NULL: as it is). Rounded once: units
-   that differ by powers of ten move the exponent of the text. +-HUGE_VAL if it
-   is too large. */
+/* Return the number written in `length` bytes at `text` in the unit `from`,
+   converted to the unit `to` of the same dimension (both NULL: unchanged).
+   Rounded once: units that differ by powers of ten change the exponent of the
+   text. Return +-HUGE_VAL on overflow. */
 double opc_number_in(const char *text, size_t length, const opc_unit *from,
                      const opc_unit *to);
 

@@ -33,15 +33,15 @@ extern "C" {
 /* Result codes. The command maps them to its exit codes. */
 enum {
   OPC_OK = 0,
-  OPC_INVALID = 1,   /* a parameter or an input does not make sense: exit 2 */
-  OPC_FAILED = 2,    /* the work could not be done: exit 4 */
+  OPC_INVALID = 1,   /* a parameter or an input is not valid: exit 2 */
+  OPC_FAILED = 2,    /* the operation failed: exit 4 */
   OPC_IO = 3,        /* a file could not be read or written: exit 5 */
   OPC_NO_PLUGIN = 4, /* a plugin is missing or incompatible: exit 3 */
-  OPC_LIMIT = 5,     /* a limit was not kept: exit 1 */
-  OPC_CANCELLED = 6  /* the user stopped it: exit 4 */
+  OPC_LIMIT = 5,     /* a required limit is exceeded: exit 1 */
+  OPC_CANCELLED = 6  /* stopped by the user: exit 4 */
 };
 
-/* Why a function failed. A function that can fail returns one of the codes
+/* Description of a failure. A function that can fail returns one of the codes
    above and fills the `opc_error *` that is its last argument, which is never
    NULL. `parameter` names the parameter at fault, or is empty. */
 typedef struct opc_error {
@@ -51,7 +51,7 @@ typedef struct opc_error {
 } opc_error;
 
 /* Fill *error and return `code`: `return opc_fail(error, OPC_FAILED, NULL,
-   "...")`. `parameter` may be NULL. Texts that are too long are cut. [any] */
+   "...")`. `parameter` may be NULL. Long texts are cut. [any] */
 OPC_UNUSED OPC_PRINTF(4, 5) static int opc_fail(opc_error *error, int code,
                                                 const char *parameter,
                                                 const char *format, ...) {
@@ -65,22 +65,22 @@ OPC_UNUSED OPC_PRINTF(4, 5) static int opc_fail(opc_error *error, int code,
   return code;
 }
 
-/* What a library may ask of the program it works in. NULL in place of a
-   context: one thread, never cancelled. All functions are [any]. */
+/* Services of the program for a library: threads and cancellation. A NULL
+   context means one thread, never cancelled. All functions are [any]. */
 typedef struct opc_context opc_context;
 struct opc_context {
-  /* Call task(data, i) for each i below n, from several threads at once; all
-     are done when it returns. Cut the work by its content, never by the number
-     of threads, and no result will depend on it. May be nested. */
+  /* Call task(data, i) for each i below n, from several threads at once; return
+     when all calls are done. Divide the work by content, never by the number of
+     threads, so that no result depends on that number. Calls may be nested. */
   void (*parallel)(const opc_context *context, size_t n,
                    void (*task)(void *data, size_t i), void *data);
 
-  /* Non-zero once the user wants to stop: clean up, return OPC_CANCELLED. */
+  /* Return non-zero after a request to stop: clean up, return OPC_CANCELLED. */
   int (*cancelled)(const opc_context *context);
 
-  /* Around each call of another module's function, so that a crash is told to
-     be that module's: `before = enter(context, id); ...; leave(context,
-     before)`. `id` outlives the call. */
+  /* Enclose each call of a function of another module, so that a crash is
+     attributed to that module: `before = enter(context, id); ...;
+     leave(context, before)`. `id` outlives the call. */
   const char *(*enter)(const opc_context *context, const char *id);
   void (*leave)(const opc_context *context, const char *before);
   OPC_MAY_GROW
@@ -110,13 +110,12 @@ OPC_UNUSED static inline void opc_leave(const opc_context *context,
   if (context) context->leave(context, before);
 }
 
-/* An object of some kind: what it can do, and what it works on. The functions
-   of a kind are a struct that the kind's header declares; each takes `self`
-   first. */
+/* An object of a kind: functions and data. The functions of a kind are a struct
+   declared in the header of the kind; each takes `self` first. */
 typedef struct opc_module {
   const void *functions;
   void *self;
-  const char *id; /* of its plugin: "litho.hopkins" */
+  const char *id; /* id of the plugin: "litho.hopkins" */
 } opc_module;
 
 #ifdef __cplusplus

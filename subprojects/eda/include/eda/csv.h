@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Small tables that users write: CSV files with a line of column names, in any
-   order and each with its unit in brackets if it likes, then rows. Empty lines
-   and lines that begin with # are skipped; blanks around a field do not count.
-   Faults carry file:line:column. */
+/* CSV files written by users: a line of column names in any order, each with an
+   optional unit in brackets, then rows. Empty lines and lines that begin with #
+   are skipped; blanks around a field are ignored. Errors carry
+   file:line:column. */
 #ifndef EDA_CSV_H
 #define EDA_CSV_H
 
@@ -12,22 +12,23 @@
 extern "C" {
 #endif
 
-/* A column that a table may have. */
+/* A column of a table. */
 typedef struct eda_csv_column {
   const char *name;
-  const char *unit; /* the only one it may be given; NULL: none */
-  int optional;     /* non-zero: the table may lack it */
+  const char *unit; /* only accepted unit; NULL: none */
+  int optional;     /* non-zero: the column may be missing */
 } eda_csv_column;
 
 enum {
-  EDA_CSV_OTHERS = 1 << 0, /* it may have other columns: they are ignored */
-  EDA_CSV_EMPTY = 1 << 1   /* it may have no rows */
+  EDA_CSV_OTHERS = 1 << 0, /* accept and ignore other columns */
+  EDA_CSV_EMPTY = 1 << 1   /* accept a table without rows */
 };
 
 typedef struct eda_csv eda_csv;
 
-/* Read a table of up to 64 MB; NULL and *error, which names `parameter`. The
-   table points to `columns`; below, a column is its number there. */
+/* Return a table of up to 64 MB; NULL and *error, which names `parameter`, on
+   failure. The table refers to `columns`, which the caller keeps. Below,
+   `column` is an index into `columns`. */
 OPC_EXPORT eda_csv *eda_csv_read(const char *path, const char *parameter,
                                  const eda_csv_column *columns, size_t n,
                                  uint32_t flags, opc_error *error);
@@ -35,22 +36,24 @@ OPC_EXPORT void eda_csv_free(eda_csv *csv);
 
 OPC_EXPORT size_t eda_csv_rows(const eda_csv *csv);
 
-/* Whether the table has that column. */
+/* Return whether the table has a column. */
 OPC_EXPORT int eda_csv_has(const eda_csv *csv, int column);
 
-/* The text of a field; "" if it is not there. */
+/* Return the text of a field; "" if the column is missing. The table owns the
+   text. */
 OPC_EXPORT const char *eda_csv_text(const eda_csv *csv, size_t row, int column);
 
-/* An error about a field: "path:line:column: what 'field'". The code. */
+/* Fill *error with "path:line:column: what 'field'" and return its code. */
 OPC_EXPORT int eda_csv_fail(const eda_csv *csv, size_t row, int column,
                             const char *what, opc_error *error);
 
-/* A finite number above `above`. */
+/* Read a finite number above `above`. Return OPC_INVALID and *error for other
+   texts. */
 OPC_EXPORT int eda_csv_number(const eda_csv *csv, size_t row, int column,
                               double above, double *value, opc_error *error);
 
-/* The type of a transistor, "n" or "nmos", "p" or "pmos": EDA_NMOS, EDA_PMOS.
- */
+/* Read a transistor type: "n" or "nmos", "p" or "pmos" set *type to EDA_NMOS or
+   EDA_PMOS. Return OPC_INVALID and *error for other texts. */
 OPC_EXPORT int eda_csv_type(const eda_csv *csv, size_t row, int column,
                             int *type, opc_error *error);
 

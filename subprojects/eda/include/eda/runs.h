@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Run folders, as `opcflow run` leaves them, read again: what a run was made
-   of, what it measured, its tables. What stands in a folder is taken for
-   anybody's: it is bounded, and what is damaged is refused with its place. */
+/* Reader of run folders written by `opcflow run`: components, metrics and
+   tables. The contents are not trusted: sizes are bounded, and errors name the
+   place of damaged data. */
 #ifndef EDA_RUNS_H
 #define EDA_RUNS_H
 
@@ -13,36 +13,37 @@ extern "C" {
 
 /* ---- tables ----------------------------------------------------------- */
 
-/* A table of a run (RFC 4180, the first line with "name (unit)"), by columns.
-   All [main] for one table: numbers are made when they are first asked for. */
+/* A table of a run (RFC 4180, the first line holds "name (unit)"), by columns.
+   All functions are [main] for one table: numbers are converted on first
+   request. */
 typedef struct eda_table eda_table;
 
-/* Read a file of up to 1 GB; NULL and *error: OPC_IO if it cannot be read,
-   OPC_INVALID with file:line:column if it is no such table. A row must have as
-   many fields as the first line. */
+/* Return a table read from a file of up to 1 GB. NULL and *error on failure:
+   OPC_IO if the file cannot be read; OPC_INVALID with file:line:column if it is
+   malformed. Each row needs as many fields as the first line. */
 OPC_EXPORT eda_table *eda_table_read(const char *path, opc_error *error);
 OPC_EXPORT void eda_table_free(eda_table *table);
 
 OPC_EXPORT size_t eda_table_rows(const eda_table *table);
 OPC_EXPORT size_t eda_table_columns(const eda_table *table);
 
-/* A column's name, and its unit, "" if it has none. */
+/* Return the name of a column, or its unit ("" without a unit). */
 OPC_EXPORT const char *eda_table_name(const eda_table *table, size_t column);
 OPC_EXPORT const char *eda_table_unit(const eda_table *table, size_t column);
 
-/* The first column of that name, -1 if there is none. */
+/* Return the first column of a name, -1 if none exists. */
 OPC_EXPORT int eda_table_find(const eda_table *table, const char *name);
 
-/* The text of a field, whatever the column holds. */
+/* Return the text of a field of any column. */
 OPC_EXPORT const char *eda_table_text(const eda_table *table, size_t row,
                                       size_t column);
 
-/* A column as numbers, of each row, the table's own; NAN where a field is
-   empty, and infinity where it says "inf" or "-inf". NULL if a field is no
-   number, or all are empty. */
+/* Return the numbers of a column, one for each row, owned by the table; NAN for
+   an empty field, infinity for "inf" or "-inf". Return NULL if a field is no
+   number or all are empty. */
 OPC_EXPORT const double *eda_table_numbers(eda_table *table, size_t column);
 
-/* An error about a field: "path:line: column 'name': what 'field'". The code:
+/* Fill *error with "path:line: column 'name': what 'field'" and return
    OPC_INVALID. */
 OPC_EXPORT int eda_table_fail(const eda_table *table, size_t row, size_t column,
                               const char *what, opc_error *error);
@@ -53,29 +54,30 @@ enum { EDA_RUN_NEUTRAL = 0, EDA_RUN_LOWER = 1, EDA_RUN_HIGHER = 2 };
 
 typedef struct eda_run_metric {
   const char *name; /* "mask.ion_max" */
-  const char *unit; /* NULL: a plain number */
-  double value;     /* NAN: none */
+  const char *unit; /* NULL: dimensionless */
+  double value;     /* NAN: no value */
   int better;       /* EDA_RUN_LOWER ... */
-  double tolerance; /* a difference up to it means nothing; same unit */
+  double tolerance; /* largest insignificant difference; same unit */
 } eda_run_metric;
 
-/* A parameter of a step or of a plugin in its slot; "mask.litho.use" is the
+/* A parameter of a step or of a plugin in a slot; "mask.litho.use" names the
    plugin. */
 typedef struct eda_run_parameter {
   const char *name;  /* "mask.litho.na" */
-  const char *value; /* as a flow writes it: "193 nm", "[1, 2]" */
-  int given;         /* 0: it is the default */
+  const char *value; /* text as in a flow file: "193 nm", "[1, 2]" */
+  int given;         /* 0: the default value */
 } eda_run_parameter;
 
 typedef struct eda_run_file {
-  const char *path; /* of an input: as the run knew it; of what the run wrote:
-                       inside its folder */
+  const char *path; /* of an input: path as recorded by the run; of an output:
+                       path inside the run folder */
   const char *sha256;
-  int64_t bytes; /* -1: not told, as of inputs */
+  int64_t bytes; /* -1: not recorded, as for inputs */
 } eda_run_file;
 
 typedef struct eda_run_plugin {
-  const char *id, *version, *sha256; /* of the shared object */
+  const char *id, *version, *sha256; /* plugin, its version, and the sum of its
+                                        shared object */
 } eda_run_plugin;
 
 typedef struct eda_run_step {
@@ -83,29 +85,29 @@ typedef struct eda_run_step {
   double seconds;
 } eda_run_step;
 
-/* What a step found that must not be missed. */
+/* An important finding reported by a step. */
 typedef struct eda_run_finding {
   const char *step, *text;
 } eda_run_finding;
 
-/* What the flow requires of a metric, and whether it was kept. */
+/* A requirement of the flow for a metric, and whether it is met. */
 typedef struct eda_run_requirement {
   const char *metric, *required, *unit; /* unit may be NULL */
-  double value;                         /* NAN: none */
+  double value;                         /* NAN: no value */
   int kept;
 } eda_run_requirement;
 
-/* All but the tables. Arrays are in the order of the files. */
+/* All facts of a run except its tables. Arrays keep the order of the files. */
 typedef struct eda_run_facts {
-  const char *folder;  /* as it was opened */
-  const char *name;    /* of the flow */
+  const char *folder;  /* path as passed to eda_run_open */
+  const char *name;    /* name of the flow */
   const char *variant; /* NULL: none */
-  const char *version; /* of opcflow, "0.2.0" */
+  const char *version; /* version of opcflow, "0.2.0" */
   const char *started; /* ISO 8601, UTC */
   const char *failure; /* NULL: the run is complete */
   double seconds;
   int64_t threads;
-  int64_t points; /* of a sweep; 0: it is none */
+  int64_t points; /* number of points of a sweep; 0: no sweep */
   size_t n_metrics;
   const eda_run_metric *metrics;
   size_t n_parameters;
@@ -126,58 +128,59 @@ typedef struct eda_run_facts {
 
 typedef struct eda_run eda_run;
 
-/* Open a run folder: its manifest.json, metrics.json and flow.yaml, of up to
-   16 MB each. NULL and *error: OPC_IO if it is no run folder or a file of it
-   cannot be read, OPC_INVALID with file:line:column if one is damaged or of a
-   format that this does not know. A run that failed is opened, too. [any] */
+/* Return a run folder: its manifest.json, metrics.json and flow.yaml, of up to
+   16 MB each. A failed run is opened, too. NULL and *error on failure: OPC_IO
+   if the folder is no run folder or a file cannot be read; OPC_INVALID with
+   file:line:column if a file is damaged or of an unknown format. [any] */
 OPC_EXPORT eda_run *eda_run_open(const char *folder, opc_error *error);
 OPC_EXPORT void eda_run_free(eda_run *run);
 
-/* What it says; the run's own. [any] */
+/* Return the facts of a run, owned by the run. [any] */
 OPC_EXPORT const eda_run_facts *eda_run_told(const eda_run *run);
 
-/* One by its name, NULL if there is none. [any] */
+/* Return a metric by name, NULL if none exists. [any] */
 OPC_EXPORT const eda_run_metric *eda_run_metric_of(const eda_run *run,
                                                    const char *name);
 OPC_EXPORT const eda_run_parameter *eda_run_parameter_of(const eda_run *run,
                                                          const char *name);
 
-/* Whether the folder has a table of that name ("gates"), and the table: the
-   run's own, read when it is first asked for. NULL and *error as of
-   eda_table_read. [main] */
+/* Return whether the folder has a table of a name ("gates"), or return the
+   table. The run owns the table, which is read on first request; NULL and
+   *error as in eda_table_read. [main] */
 OPC_EXPORT int eda_run_has_table(const eda_run *run, const char *name);
 OPC_EXPORT eda_table *eda_run_table(eda_run *run, const char *name,
                                     opc_error *error);
 
 /* ---- experiments ------------------------------------------------------ */
 
-/* One method on one case. */
+/* Result of one method on one case. */
 typedef struct eda_run_case {
   const char *name, *method;
-  const char *folder; /* of its run: the experiment's folder and below; NULL
-                         where there is none */
-  const char *result; /* "good", or what is not */
+  const char *folder; /* run folder, inside that of the experiment; NULL:
+                         none */
+  const char *result; /* "good", or the failure */
   double seconds;
 } eda_run_case;
 
-/* A folder with a table experiment.csv: columns case, method, folder, result,
-   seconds, and then metrics. */
+/* An experiment: a folder with a table experiment.csv that has the columns
+   case, method, folder, result, seconds, followed by metrics. */
 typedef struct eda_run_cases eda_run_cases;
 
-/* Whether a folder has that table. [any] */
+/* Return whether a folder holds an experiment. [any] */
 OPC_EXPORT int eda_run_is_experiment(const char *folder);
 
-/* NULL and *error as of eda_table_read; also where a folder in it leaves that
-   of the experiment, or a case has a method twice. [any] */
+/* Return the cases of an experiment. NULL and *error as in eda_table_read, also
+   if a run folder is outside the experiment or a case has a method twice.
+   [any] */
 OPC_EXPORT eda_run_cases *eda_run_cases_open(const char *folder,
                                              opc_error *error);
 OPC_EXPORT void eda_run_cases_free(eda_run_cases *cases);
 
-/* All, in the order of the table; *n: how many. [any] */
+/* Return all cases in the order of the table, and their number *n. [any] */
 OPC_EXPORT const eda_run_case *eda_run_cases_all(const eda_run_cases *cases,
                                                  size_t *n);
 
-/* The table itself, with the metrics; the cases' own. */
+/* Return the table with its metrics, owned by the cases. */
 OPC_EXPORT eda_table *eda_run_cases_table(eda_run_cases *cases);
 
 #ifdef __cplusplus

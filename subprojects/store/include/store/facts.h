@@ -6,11 +6,11 @@
 
 #include <store/store.h>
 
-/* A list, a(ysss): what a fact is about; its path; its text for people; and a
-   sum where the text is not the whole of it. */
+/* A list, a(ysss): subject of the fact; its path; its text for people; and a
+   sum where the text is incomplete. */
 #define OPC_FACTS_TYPE G_VARIANT_TYPE("a(ysss)")
 
-/* Add a fact to a list that is being built. */
+/* Add a fact to a list under construction. */
 void opc_facts_add(GVariantBuilder *facts, char about, const char *path,
                    const char *shown, const char *sum);
 
@@ -25,8 +25,8 @@ const char *opc_facts_machine(void);
 typedef char *opc_fact_text(const void *data, char about, const char *path,
                             const char *before, const char *now);
 
-/* Describe the differences between two lists (g_free): three of them, and how
-   many others. *count gets their number. */
+/* Describe the differences between two lists (g_free): three of them, and the
+   number of others. Return the text and write the total number to *count. */
 char *opc_facts_difference(GVariant *before, GVariant *now, opc_fact_text *text,
                            const void *data, guint *count);
 

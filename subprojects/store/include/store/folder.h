@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Run folders. A run is written into a hidden folder beside the place it is
-   meant for, its slot, which a lock keeps as long as the run lives; when it is
-   done it gets its name, or changes places with an earlier run, as a whole. */
+/* Run folders. A run is written into a hidden folder beside its target, its
+   slot, which a lock protects as long as the run lives. A finished run is
+   renamed to the target, or exchanged with an earlier run, as a whole. */
 #ifndef OPC_STORE_FOLDER_H
 #define OPC_STORE_FOLDER_H
 
@@ -9,33 +9,32 @@
 #include <opcflow/base.h>
 
 typedef struct opc_folder {
-  char *slot;    /* .NAME.opcflow-N, with the three below */
+  char *slot;    /* .NAME.opcflow-N, holds the three below */
   char *lock;    /* a file, locked while the run lives */
-  char *work;    /* the run; once it has its name, the one that it replaced */
-  char *old;     /* the earlier run, where two folders cannot change places */
-  int locked;    /* the lock's descriptor */
-  gboolean kept; /* the run could get no name, and stays in `work` */
+  char *work;    /* the run; after the exchange, the replaced run */
+  char *old;     /* the earlier run, where folders cannot be exchanged */
+  int locked;    /* descriptor of the lock */
+  gboolean kept; /* the run could not be renamed and stays in `work` */
 } opc_folder;
 
-/* Whether the result may go to `target`: it is not there, or `force` is set and
-   it is an empty folder or a run of which all is as it was written. OPC_IO and
-   *error. */
+/* Return OPC_OK if the result may be written to `target`: the target does not
+   exist, or `force` is set and the target is an empty folder or an unchanged
+   run. Otherwise return OPC_IO and *error. */
 int opc_folder_allowed(const char *target, gboolean force, opc_error *error);
 
-/* Make an empty folder to write into, beside `target`. What killed runs of that
-   name left behind is removed, or put back where it was. `sole`: refuse if
-   another run of that name is at work. NULL and *error. */
+/* Return a new empty folder beside `target`. Remains of killed runs of that
+   name are removed or restored. `sole`: fail if another run of that name is
+   active. NULL and *error on failure. */
 opc_folder *opc_folder_open(const char *target, gboolean sole,
                             opc_error *error);
 
-/* Give the run the name `target`, in place of an earlier run if `replace`, else
-   TARGET-2, -3 ... if that is taken; it is an error if it is, unless `number`.
-   *got is where the run is then, whatever is returned (g_free). OPC_IO and
-   *error. */
+/* Rename the run to `target`. `replace`: replace an earlier run. If the name is
+   taken, use TARGET-2, -3 ... with `number`, fail otherwise. *got is the final
+   path in any case (g_free). Return OPC_IO and *error on failure. */
 int opc_folder_close(opc_folder *folder, const char *target, gboolean replace,
                      gboolean number, char **got, opc_error *error);
 
-/* Remove what is still in the slot, and the slot. NULL is fine. */
+/* Remove the slot with its contents and free the struct (NULL: nothing). */
 void opc_folder_free(opc_folder *folder);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Files as a value of the store, a(ayay) of names and contents, and back. */
+/* Files packed into a value of the store, a(ayay) of names and contents. */
 #ifndef OPC_STORE_PACK_H
 #define OPC_STORE_PACK_H
 
@@ -8,19 +8,20 @@
 
 #define OPC_FILES_TYPE G_VARIANT_TYPE("a(ayay)")
 
-/* Add the file at `path` to a list under `name`. Return FALSE if it cannot be
-   read; a missing file is left out. */
+/* Add the file at `path` to a list under `name`; a missing file is skipped.
+   Return FALSE if the file cannot be read. */
 gboolean opc_files_add(GVariantBuilder *files, const char *path,
                        const char *name);
 
-/* Pack all files of a folder (floating); NULL if one cannot be read, or if they
-   have more than `most` bytes. */
+/* Return all files of a folder as one value (floating); NULL if a file cannot
+   be read, or if they exceed `most` bytes. */
 GVariant *opc_files_pack(const char *folder, guint64 most);
 
-/* Write a copy of a packed file's contents. OPC_IO and *error. */
+/* Write the contents of a packed file to `path`. Return OPC_IO and *error on
+   failure. */
 int opc_file_unpack(const char *path, GVariant *bytes, opc_error *error);
 
-/* Write all packed files into a folder. OPC_IO and *error. */
+/* Write all packed files into a folder. Return OPC_IO and *error on failure. */
 int opc_files_unpack(GVariant *files, const char *folder, opc_error *error);
 
 #endif
