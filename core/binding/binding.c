@@ -3,11 +3,11 @@
    instances, and finds the way back from an error to its place. */
 #include "core/binding/binding.h"
 
+#include <base/layers.h>
 #include <base/suggest.h>
 #include <guard/guard.h>
 #include <string.h>
 
-#include "core/binding/layers.h"
 #include "core/plugin/declaration.h"
 #include "core/plugin/pieces.h"
 #include "core/plugin/value.h"

@@ -2,12 +2,12 @@
 /* Expands lists, patterns and files into layers, and names these. */
 #include "core/binding/expand.h"
 
+#include <base/list.h>
+#include <base/match.h>
 #include <string.h>
 
 #include "core/binding/inner.h"
-#include "core/binding/list.h"
 #include "core/binding/lookup.h"
-#include "core/binding/match.h"
 #include "core/plugin/declaration.h"
 
 enum {

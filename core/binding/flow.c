@@ -2,12 +2,12 @@
 /* Makes a flow of a recipe and what is laid over it. */
 #include "core/binding/flow.h"
 
+#include <base/layers.h>
 #include <base/suggest.h>
 #include <string.h>
 
 #include "core/binding/connect.h"
 #include "core/binding/inner.h"
-#include "core/binding/layers.h"
 #include "core/binding/outputs.h"
 #include "core/binding/require.h"
 #include "core/plugin/declaration.h"

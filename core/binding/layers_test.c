@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What is laid over a flow: the flow that extends it, variants, sweeps, --set,
    and what is given of a default plugin. */
-#include "core/binding/layers.h"
-
+#include <base/layers.h>
 #include <glib/gstdio.h>
+#include <store/files.h>
 #include <string.h>
 
-#include <store/files.h>
 #include "core/binding/flow.h"
 #include "core/binding/resolve.h"
 #include "core/plugin/declaration.h"

@@ -2,9 +2,8 @@
 /* Reads a flow file and those it extends, from the last one to the first. */
 #include "core/binding/recipe.h"
 
+#include <base/layers.h>
 #include <string.h>
-
-#include "core/binding/layers.h"
 
 enum {
   MOST_FILES = 16,   /* that extend each other */

@@ -2,110 +2,15 @@
 /* Turns lists and ranges into the values of axes, and numbers their points. */
 #include "core/binding/sweep.h"
 
+#include <base/layers.h>
+#include <base/range.h>
 #include <base/unit.h>
-#include <math.h>
 #include <string.h>
 
 #include "core/binding/flow.h"
-#include "core/binding/layers.h"
 #include "core/plugin/value.h"
 
-static const double most_points = 100000;
-
-/* ---- ranges ---- */
-
-/* A number with what stands behind it. */
-typedef struct quantity {
-  double number; /* in the unit of `from` */
-  const char *unit;
-} quantity;
-
-static gboolean check_range_keys(const opc_node *range,
-                                 opc_problems *problems) {
-  gboolean good = TRUE;
-  if (!opc_node_get(range, "from") || !opc_node_get(range, "to") ||
-      !opc_node_get(range, "step"))
-    good = opc_wrong(problems, range,
-                     "a range needs '{ from: A, to: B, step: C }'");
-  return opc_node_check_keys(range, "from|to|step", " of a range", problems) &&
-         good;
-}
-
-/* In the unit of `from`, which is NULL for itself. */
-static gboolean read_quantity(const opc_node *range, const char *key,
-                              const quantity *from, opc_problems *problems,
-                              quantity *out) {
-  const opc_node *node = opc_node_get(range, key);
-  const char *text = node->type == OPC_NODE_TEXT ? node->text : "";
-  size_t length = opc_number_length(text);
-  if (!length)
-    return opc_wrong(problems, node, "'%s' of a range needs a number", key);
-  out->unit = text + length + strspn(text + length, " ");
-  const opc_unit *unit = opc_unit_find(out->unit);
-  if (*out->unit && !unit) return opc_unknown_unit(node, out->unit, problems);
-  const opc_unit *to = from ? opc_unit_find(from->unit) : unit;
-  if (!unit != !to || (unit && opc_unit_noun(unit) != opc_unit_noun(to)))
-    return opc_wrong(problems, node,
-                     "'%s' must be of the same dimension as 'from', not '%s'",
-                     key, text);
-  out->number = opc_number_in(text, length, unit, to);
-  return isfinite(out->number) ||
-         opc_wrong(problems, node, "'%s' of a range is too large: '%s'", key,
-                   text);
-}
-
-/* How many values a range has; 0 and a problem. */
-static guint range_count(const opc_node *range, const quantity *from,
-                         const quantity *to, const quantity *step,
-                         opc_problems *problems) {
-  double steps = (to->number - from->number) / step->number;
-  /* A step that divides the range but for rounding reaches its end. */
-  double count = floor(steps * (1 + 1e-12) + 1e-9) + 1;
-  double short_of = steps - (count - 1);
-  if (count >= 1 && count <= most_points && short_of <= steps * 1e-12 + 1e-9)
-    return (guint)count;
-  /* What it would lead to: the end may be mistyped as well as the step. */
-  double end = from->number + (count - 1) * step->number;
-  g_autofree char *last =
-      count > 1 && isfinite(end)
-          ? g_strdup_printf(", but to %.12g%s%s", end, *from->unit ? " " : "",
-                            from->unit)
-          : g_strdup("");
-  if (count > most_points && isfinite(count))
-    opc_wrong(problems, range,
-              "a range of %.0f values; at most %.0f are possible", count,
-              most_points);
-  else
-    opc_wrong(problems, opc_node_get(range, "step"),
-              "'step' does not lead from '%s' to '%s'%s",
-              opc_node_get(range, "from")->text,
-              opc_node_get(range, "to")->text, last);
-  return 0;
-}
-
-static void add_range(opc_axis *axis, const opc_node *range,
-                      opc_problems *problems) {
-  quantity from, to, step;
-  if (!check_range_keys(range, problems) ||
-      !read_quantity(range, "from", NULL, problems, &from) ||
-      !read_quantity(range, "to", &from, problems, &to) ||
-      !read_quantity(range, "step", &from, problems, &step))
-    return;
-  guint n = range_count(range, &from, &to, &step, problems);
-  for (guint i = 0; i < n; i++) {
-    /* 12 digits: 0.3, not 0.30000000000000004. */
-    char number[40];
-    g_ascii_formatd(number, sizeof number, "%.12g",
-                    from.number + i * step.number);
-    g_autofree char *text =
-        g_strdup_printf("%s%s%s", number, *from.unit ? " " : "", from.unit);
-    opc_node *node = opc_node_text_new(axis->source, text);
-    node->plain = TRUE;
-    node->at = range->at;
-    node->at.file = axis->source->name;
-    g_ptr_array_add(axis->values, node);
-  }
-}
+static const double most_points = OPC_RANGE_MOST;
 
 /* ---- axes ---- */
 
@@ -153,12 +58,15 @@ static opc_axis *axis_new(const char *path, const opc_place *at,
   axis->source = source;
   axis->at = *at;
   axis->at.file = source->name;
-  axis->values = g_ptr_array_new_with_free_func((GDestroyNotify)opc_node_free);
+  gboolean range = strchr(path, '.') && values->type == OPC_NODE_MAP;
+  axis->values =
+      range ? opc_range_values(values, source, problems)
+            : g_ptr_array_new_with_free_func((GDestroyNotify)opc_node_free);
   if (!strchr(path, '.'))
     opc_problem_add(problems, OPC_INVALID, at,
                     "'%s' is a step; a sweep needs 'step.parameter'", path);
-  else if (values->type == OPC_NODE_MAP)
-    add_range(axis, values, problems);
+  else if (range)
+    ;
   else if (values->type == OPC_NODE_LIST && values->items->len)
     for (guint i = 0; i < values->items->len; i++)
       g_ptr_array_add(axis->values,

@@ -2,6 +2,7 @@
 /* Verbs that plugins of the kind "command" bring. Their parameters are their
    options, and what they publish is shown, or is one JSON document. */
 #include <base/file.h>
+#include <base/layers.h>
 #include <base/suggest.h>
 #include <base/unit.h>
 #include <errno.h>
@@ -9,7 +10,6 @@
 #include <guard/stop.h>
 #include <string.h>
 
-#include "core/binding/layers.h"
 #include "core/cli/cli.h"
 #include "core/cli/progress.h"
 #include "core/plugin/declaration.h"

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The functions that instances call back, and the pool of threads behind
-   `parallel`. */
+/* The functions that instances call back. */
 #include "core/plugin/host.h"
 
 #include <base/shown.h>
 #include <glib.h>
 #include <guard/guard.h>
+#include <guard/pool.h>
 #include <string.h>
 
 #include "core/plugin/pieces.h"
@@ -71,99 +71,10 @@ static void leave(const opc_context *context, const char *before) {
   guard_leave(before);
 }
 
-/* ---- threads ---- */
-
-enum { TURNS = 64 }; /* of each thread at least, so that all end together */
-
-/* One call of parallel(): whoever is free takes the next indices, several if
-   there are many, as taking costs time too. The caller
-   works too and waits for tasks, never for threads, so that nested calls
-   cannot wait for each other; a helper that comes too late finds nothing to
-   do and drops its reference. */
-typedef struct batch {
-  void (*task)(void *, size_t);
-  void *data;
-  const char *inside; /* the plugin that called */
-  size_t n, step;     /* indices in all, and taken at a time */
-  size_t next;        /* atomic: the next index to take */
-  size_t done;        /* under lock */
-  gatomicrefcount references;
-  GMutex lock;
-  GCond finished;
-} batch;
-
-static void batch_work(batch *b) {
-  size_t first, mine = 0;
-  const char *before = guard_join(b->inside);
-  while ((first = __atomic_fetch_add(&b->next, b->step, __ATOMIC_RELAXED)) <
-         b->n) {
-    size_t end = MIN(first + b->step, b->n);
-    for (size_t i = first; i < end; i++) b->task(b->data, i);
-    mine += end - first;
-  }
-  guard_part(before);
-  if (!mine) return;
-  g_mutex_lock(&b->lock);
-  b->done += mine;
-  if (b->done == b->n) g_cond_signal(&b->finished);
-  g_mutex_unlock(&b->lock);
-}
-
-static void batch_release(batch *b) {
-  if (!g_atomic_ref_count_dec(&b->references)) return;
-  g_mutex_clear(&b->lock);
-  g_cond_clear(&b->finished);
-  g_free(b);
-}
-
-static void batch_help(gpointer item, gpointer unused) {
-  (void)unused;
-  batch_work(item);
-  batch_release(item);
-}
-
-static GThreadPool *pool(void) {
-  static GThreadPool *instance;
-  if (g_once_init_enter(&instance)) {
-    GThreadPool *p = g_thread_pool_new(
-        batch_help, NULL, (int)MAX(1, opc_threads() - 1), FALSE, NULL);
-    g_once_init_leave(&instance, p);
-  }
-  return instance;
-}
-
 static void parallel(const opc_context *context, size_t n,
                      void (*task)(void *, size_t), void *data) {
   (void)context;
-  size_t workers = MIN(n, opc_threads());
-  guard_gather();
-  if (workers <= 1) {
-    for (size_t i = 0; i < n; i++) task(data, i);
-    return;
-  }
-  batch *b = g_new0(batch, 1);
-  b->task = task;
-  b->data = data;
-  b->inside = guard_inside();
-  b->n = n;
-  b->step = n / (workers * TURNS) + 1;
-  g_atomic_ref_count_init(&b->references);
-  g_mutex_init(&b->lock);
-  g_cond_init(&b->finished);
-  /* Threads that the pool starts here are nobody's. */
-  const char *before = guard_enter(NULL);
-  for (size_t i = 1; i < workers; i++) {
-    g_atomic_ref_count_inc(&b->references);
-    g_thread_pool_push(pool(), b, NULL);
-  }
-  guard_leave(before);
-  batch_work(b);
-  guard_wait(1);
-  g_mutex_lock(&b->lock);
-  while (b->done < b->n) g_cond_wait(&b->finished, &b->lock);
-  g_mutex_unlock(&b->lock);
-  guard_wait(0);
-  batch_release(b);
+  pool_run(opc_threads(), n, task, data);
 }
 
 /* ---- where nothing is published ---- */

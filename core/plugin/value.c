@@ -4,6 +4,7 @@
 #include "core/plugin/value.h"
 
 #include <base/file.h>
+#include <base/range.h>
 #include <base/suggest.h>
 #include <base/unit.h>
 #include <errno.h>
@@ -136,14 +137,6 @@ static gboolean need_text(const conversion *c, const opc_node *node) {
   g_autofree char *noun = opc_setting_noun(p);
   return WRONG(c, node, "'%s' needs %s, not %s", p->name, noun,
                opc_node_noun(node));
-}
-
-gboolean opc_unknown_unit(const opc_node *node, const char *name,
-                          opc_problems *problems) {
-  g_autoptr(GPtrArray) names = opc_unit_names();
-  g_autofree char *suggestion = opc_suggestion(name, names);
-  return opc_wrong(problems, node, "unknown unit '%s' in '%s'%s", name,
-                   node->text, suggestion);
 }
 
 static gboolean number(const conversion *c, const opc_node *node,

@@ -57,10 +57,6 @@ char *opc_setting_noun(const opc_parameter *parameter);
 /* ">= 0 %, < 5 %", "" where there are no bounds (g_free). */
 char *opc_bounds_text(const opc_parameter *parameter);
 
-/* A fault of a node with a unit that is none. FALSE. */
-gboolean opc_unknown_unit(const opc_node *node, const char *name,
-                          opc_problems *problems);
-
 /* opc_number_text with the unit of a parameter behind. */
 char *opc_quantity_text(const opc_parameter *parameter, double number);
 

@@ -1,16 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Copies tables, and writes them as CSV. */
+/* Copies tables, and writes them as texts. */
 #include "core/report/table.h"
 
+#include <base/sheet.h>
 #include <base/unit.h>
 #include <inttypes.h>
-#include <math.h>
 #include <string.h>
-
-#include "core/plugin/host.h"
-#include "core/plugin/value.h"
-
-enum { MOST_DECIMALS = 20 };
 
 /* ---- keeping ---- */
 
@@ -75,18 +70,6 @@ const opc_column *opc_table_column(const opc_table *table, const char *name) {
 
 /* ---- cells ---- */
 
-static char *real_text(double value, int decimals) {
-  if (isnan(value)) return g_strdup("");
-  if (isinf(value)) return g_strdup(value < 0 ? "-inf" : "inf");
-  if (decimals < 0) return opc_number_text(value);
-  char format[16], buffer[400];
-  g_snprintf(format, sizeof format, "%%.%df", MIN(decimals, MOST_DECIMALS));
-  g_ascii_formatd(buffer, sizeof buffer, format, value);
-  /* Nothing but zeros has no sign. */
-  gboolean zero = *buffer == '-' && strspn(buffer, "-0.") == strlen(buffer);
-  return g_strdup(buffer + zero);
-}
-
 char *opc_table_cell(const opc_column *c, size_t row) {
   switch (c->type) {
     case OPC_TEXT:
@@ -94,7 +77,7 @@ char *opc_table_cell(const opc_column *c, size_t row) {
     case OPC_INT:
       return g_strdup_printf("%" PRId64, ((const int64_t *)c->data)[row]);
     default:
-      return real_text(((const double *)c->data)[row], c->decimals);
+      return opc_number_fixed(((const double *)c->data)[row], c->decimals);
   }
 }
 
@@ -103,28 +86,36 @@ char *opc_table_heading(const opc_column *c) {
                              : g_strdup(c->name);
 }
 
-/* ---- CSV ---- */
+/* ---- as text ---- */
 
-static void append_field(GString *out, const char *text) {
-  g_autoptr(GString) quoted = g_string_new(text);
-  g_string_replace(quoted, "\"", "\"\"", 0);
-  if (strpbrk(text, ",\"\r\n"))
-    g_string_append_printf(out, "\"%s\"", quoted->str);
-  else
-    g_string_append(out, text);
+/* `exact`: with all digits of numbers that have no number of decimals. */
+static opc_sheet *table_sheet(const opc_table *table, gboolean exact) {
+  opc_sheet *s = opc_sheet_new(table->n_columns);
+  for (size_t row = 0; row <= table->rows; row++)
+    for (size_t i = 0; i < table->n_columns; i++) {
+      const opc_column *c = &table->columns[i];
+      gboolean brief = row && !exact && c->type == OPC_REAL && c->decimals < 0;
+      s->left[i] = c->type == OPC_TEXT;
+      g_ptr_array_add(s->cells,
+                      !row ? opc_table_heading(c)
+                      : brief
+                          ? opc_number_short(((const double *)c->data)[row - 1])
+                          : opc_table_cell(c, row - 1));
+    }
+  return s;
 }
 
 char *opc_table_csv(const opc_table *table) {
-  GString *out = g_string_new(NULL);
-  for (size_t row = 0; row <= table->rows; row++) {
-    for (size_t i = 0; i < table->n_columns; i++) {
-      const opc_column *c = &table->columns[i];
-      g_autofree char *text =
-          row ? opc_table_cell(c, row - 1) : opc_table_heading(c);
-      if (i) g_string_append_c(out, ',');
-      append_field(out, text);
-    }
-    g_string_append(out, "\r\n");
-  }
-  return g_string_free(out, FALSE);
+  g_autoptr(opc_sheet) s = table_sheet(table, TRUE);
+  return opc_sheet_csv(s);
+}
+
+char *opc_table_text(const opc_table *table, size_t width) {
+  g_autoptr(opc_sheet) s = table_sheet(table, !width);
+  return opc_sheet_text(s, width);
+}
+
+char *opc_table_markdown(const opc_table *table) {
+  g_autoptr(opc_sheet) s = table_sheet(table, FALSE);
+  return opc_sheet_markdown(s);
 }

@@ -37,12 +37,8 @@ char *opc_table_csv(const opc_table *table);
 /* "name (unit)" (g_free) */
 char *opc_table_heading(const opc_column *column);
 
-/* Aligned columns, numbers to the right and with six digits, the first line
-   with "name (unit)". What is wider than `width`: columns that are the same in
-   all rows are told once, in a last line; if that is not enough, a table of few
-   rows is turned, so that each column is a line, and the columns of others
-   stand in blocks below each other, each with those that say what a row is. 0:
-   one line a row, and all digits. */
+/* Return the table as opc_sheet_text does (base/sheet.h); without a width with
+   all digits of numbers, else with six. */
 char *opc_table_text(const opc_table *table, size_t width);
 
 /* As a table in Markdown. */

@@ -121,3 +121,25 @@ char *opc_number_text(double number) {
   }
   return g_strdup(buffer);
 }
+
+enum { MOST_DECIMALS = 20 };
+
+char *opc_number_fixed(double number, int decimals) {
+  if (isnan(number)) return g_strdup("");
+  if (isinf(number)) return g_strdup(number < 0 ? "-inf" : "inf");
+  if (decimals < 0) return opc_number_text(number);
+  char format[16], buffer[400];
+  g_snprintf(format, sizeof format, "%%.%df", MIN(decimals, MOST_DECIMALS));
+  g_ascii_formatd(buffer, sizeof buffer, format, number);
+  /* Nothing but zeros has no sign. */
+  gboolean zero = *buffer == '-' && strspn(buffer, "-0.") == strlen(buffer);
+  return g_strdup(buffer + zero);
+}
+
+char *opc_number_short(double number) {
+  if (!isfinite(number) || (number == rint(number) && fabs(number) < 1e15))
+    return opc_number_fixed(number, -1);
+  char digits[40];
+  g_ascii_formatd(digits, sizeof digits, "%.6g", number);
+  return opc_number_text(g_ascii_strtod(digits, NULL));
+}

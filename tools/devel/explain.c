@@ -3,8 +3,8 @@
    run's manifest. */
 #include <string.h>
 
-#include "core/cli/cli.h"
 #include <store/contents.h>
+#include "core/cli/cli.h"
 #include "tools/devel/verbs.h"
 
 static gboolean json;

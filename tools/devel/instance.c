@@ -2,10 +2,10 @@
 /* Makes up the required parameters of a plugin, and an instance with them. */
 #include "tools/devel/instance.h"
 
+#include <base/layers.h>
 #include <string.h>
 
 #include "core/binding/inner.h"
-#include "core/binding/layers.h"
 #include "core/plugin/value.h"
 
 /* ---- values where there is no default ---- */

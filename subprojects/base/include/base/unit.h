@@ -35,4 +35,11 @@ double opc_number_in(const char *text, size_t length, const opc_unit *from,
 /* Return the shortest text that reads back as the same number (g_free). */
 char *opc_number_text(double number);
 
+/* Return the number with so many decimals, at most 20, or with all digits if
+   `decimals` is negative; "" for NAN (g_free). */
+char *opc_number_fixed(double number, int decimals);
+
+/* Return the number with six digits, a whole number with all (g_free). */
+char *opc_number_short(double number);
+
 #endif

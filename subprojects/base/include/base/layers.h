@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Layers: one tree laid over another. What extends a flow, a variant, --set, a
    point of a sweep and what is given of a slot's default plugin all are. */
-#ifndef OPCFLOW_CORE_LAYERS_H
-#define OPCFLOW_CORE_LAYERS_H
+#ifndef OPC_BASE_LAYERS_H
+#define OPC_BASE_LAYERS_H
 
 #include <base/node.h>
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Values that a pattern stands for: files whose names it is like, the file that
    belongs to one of these, or others that are listed. */
-#ifndef OPCFLOW_FLOW_MATCH_H
-#define OPCFLOW_FLOW_MATCH_H
+#ifndef OPC_BASE_MATCH_H
+#define OPC_BASE_MATCH_H
 
 #include <base/node.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reads a list of maps from CSV, or any list from YAML. */
-#include "core/binding/list.h"
+#include <base/list.h>
 
 #include <base/file.h>
 #include <string.h>

@@ -1,23 +1,25 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tables for people: as aligned text that fits its place, and as Markdown. */
-#include <base/unit.h>
-#include <math.h>
+/* Tables of texts: as aligned columns that fit their place, as Markdown and as
+   CSV. */
+#include <base/sheet.h>
 #include <string.h>
-
-#include "core/plugin/value.h"
-#include "core/report/table.h"
 
 /* ---- cells ---- */
 
-/* Six digits of numbers that were given all of theirs; whole ones keep them. */
-static char *short_cell(const opc_column *c, size_t row) {
-  double value = c->type == OPC_REAL ? ((const double *)c->data)[row] : NAN;
-  if (c->type != OPC_REAL || c->decimals >= 0 || !isfinite(value) ||
-      (value == rint(value) && fabs(value) < 1e15))
-    return opc_table_cell(c, row);
-  char digits[40];
-  g_ascii_formatd(digits, sizeof digits, "%.6g", value);
-  return opc_number_text(g_ascii_strtod(digits, NULL));
+opc_sheet *opc_sheet_new(size_t columns) {
+  opc_sheet *s = g_new0(opc_sheet, 1);
+  s->n = columns;
+  s->left = g_new0(gboolean, columns + 1);
+  s->widths = g_new0(size_t, columns + 1);
+  s->cells = g_ptr_array_new_with_free_func(g_free);
+  return s;
+}
+
+void opc_sheet_free(opc_sheet *s) {
+  g_free(s->left);
+  g_free(s->widths);
+  g_ptr_array_free(s->cells, TRUE);
+  g_free(s);
 }
 
 static size_t width_of(const char *text) {
@@ -25,38 +27,17 @@ static size_t width_of(const char *text) {
                                          : strlen(text);
 }
 
-/* A table as texts. */
-typedef struct sheet {
-  const opc_table *table;
-  size_t n, rows;   /* columns; rows with the head */
-  size_t *widths;   /* of columns */
-  GPtrArray *cells; /* char *, row by row */
-} sheet;
-
-static sheet sheet_of(const opc_table *table, gboolean exact) {
-  sheet s = {table, table->n_columns, table->rows + 1,
-             g_new0(size_t, table->n_columns + 1),
-             g_ptr_array_new_with_free_func(g_free)};
-  for (size_t row = 0; row < s.rows; row++)
-    for (size_t i = 0; i < s.n; i++) {
-      const opc_column *c = &table->columns[i];
-      char *text = !row    ? opc_table_heading(c)
-                   : exact ? opc_table_cell(c, row - 1)
-                           : short_cell(c, row - 1);
-      g_strdelimit(text, "\r\n\t", ' ');
-      s.widths[i] = MAX(s.widths[i], width_of(text));
-      g_ptr_array_add(s.cells, text);
-    }
-  return s;
-}
-
-static void sheet_clear(sheet *s) {
-  g_free(s->widths);
-  g_ptr_array_free(s->cells, TRUE);
-}
-
-static const char *cell_of(const sheet *s, size_t row, size_t i) {
+static const char *cell_of(const opc_sheet *s, size_t row, size_t i) {
   return s->cells->pdata[row * s->n + i];
+}
+
+/* Put each row on one line, and measure the columns. */
+static void sheet_measure(opc_sheet *s) {
+  s->rows = s->cells->len / MAX(s->n, 1);
+  for (guint k = 0; k < s->cells->len; k++) {
+    char *text = g_strdelimit(s->cells->pdata[k], "\r\n\t", ' ');
+    s->widths[k % s->n] = MAX(s->widths[k % s->n], width_of(text));
+  }
 }
 
 /* ---- aligned text ---- */
@@ -64,12 +45,12 @@ static const char *cell_of(const sheet *s, size_t row, size_t i) {
 enum { GAP = 2 };
 
 /* The columns whose numbers are in a list, as one block. */
-static void append_block(GString *out, const sheet *s, const GArray *list) {
+static void append_block(GString *out, const opc_sheet *s, const GArray *list) {
   for (size_t row = 0; row < s->rows; row++) {
     for (guint k = 0; k < list->len; k++) {
       size_t i = g_array_index(list, size_t, k);
       const char *text = cell_of(s, row, i);
-      gboolean left = s->table->columns[i].type == OPC_TEXT;
+      gboolean left = s->left[i];
       int pad = (int)(s->widths[i] - width_of(text));
       if (k) g_string_append_printf(out, "%*s", GAP, "");
       if (!left) g_string_append_printf(out, "%*s", pad, "");
@@ -81,14 +62,14 @@ static void append_block(GString *out, const sheet *s, const GArray *list) {
   }
 }
 
-static size_t total_of(const sheet *s, const GArray *list) {
+static size_t total_of(const opc_sheet *s, const GArray *list) {
   size_t total = list->len ? (list->len - 1) * GAP : 0;
   for (guint k = 0; k < list->len; k++)
     total += s->widths[g_array_index(list, size_t, k)];
   return total;
 }
 
-static gboolean is_constant(const sheet *s, size_t i) {
+static gboolean is_constant(const opc_sheet *s, size_t i) {
   for (size_t row = 2; row < s->rows; row++)
     if (strcmp(cell_of(s, 1, i), cell_of(s, row, i)) != 0) return FALSE;
   return s->rows > 2;
@@ -96,7 +77,7 @@ static gboolean is_constant(const sheet *s, size_t i) {
 
 /* Take columns that are the same in all rows off the list; what they say goes
    into lines of their own. */
-static void drop_constants(const sheet *s, GArray *list, size_t width,
+static void drop_constants(const opc_sheet *s, GArray *list, size_t width,
                            GString *note) {
   size_t at = 0;
   for (guint k = 0; k < list->len;) {
@@ -121,7 +102,7 @@ static void drop_constants(const sheet *s, GArray *list, size_t width,
 }
 
 /* Whether the first k columns of a list tell all rows apart. */
-static gboolean tells_apart(const sheet *s, const GArray *list, guint k) {
+static gboolean tells_apart(const opc_sheet *s, const GArray *list, guint k) {
   g_autoptr(GHashTable) seen =
       g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
   for (size_t row = 1; row < s->rows; row++) {
@@ -136,19 +117,19 @@ static gboolean tells_apart(const sheet *s, const GArray *list, guint k) {
 
 /* How many columns say what a row is: the first one, and texts behind it while
    rows look alike, as far as half of the width. */
-static guint count_keys(const sheet *s, const GArray *list, size_t width) {
+static guint count_keys(const opc_sheet *s, const GArray *list, size_t width) {
   size_t total = s->widths[g_array_index(list, size_t, 0)];
   guint k = 1;
   for (; k < list->len && !tells_apart(s, list, k); k++) {
     size_t i = g_array_index(list, size_t, k);
     total += s->widths[i] + GAP;
-    if (s->table->columns[i].type != OPC_TEXT || total > width / 2) break;
+    if (!s->left[i] || total > width / 2) break;
   }
   return k;
 }
 
 /* Blocks below each other, each with the key columns. */
-static void append_blocks(GString *out, const sheet *s, const GArray *list,
+static void append_blocks(GString *out, const opc_sheet *s, const GArray *list,
                           size_t width) {
   guint keys = count_keys(s, list, width), k = keys;
   const size_t *columns = (const size_t *)(const void *)list->data;
@@ -166,7 +147,7 @@ static void append_blocks(GString *out, const sheet *s, const GArray *list,
 }
 
 /* A line for each column, which begins with its head; rows side by side. */
-static void append_turned(GString *out, const sheet *s, const GArray *list,
+static void append_turned(GString *out, const opc_sheet *s, const GArray *list,
                           const size_t *widths) {
   for (guint k = 0; k < list->len; k++) {
     size_t i = g_array_index(list, size_t, k);
@@ -182,7 +163,7 @@ static void append_turned(GString *out, const sheet *s, const GArray *list,
 }
 
 /* Few rows of many columns are turned, if they fit then. */
-static gboolean append_if_turned(GString *out, const sheet *s,
+static gboolean append_if_turned(GString *out, const opc_sheet *s,
                                  const GArray *list, size_t width) {
   if (s->rows > list->len) return FALSE;
   g_autofree size_t *widths = g_new0(size_t, s->rows);
@@ -199,26 +180,24 @@ static gboolean append_if_turned(GString *out, const sheet *s,
   return TRUE;
 }
 
-static void append_narrow(GString *out, const sheet *s, const GArray *list,
+static void append_narrow(GString *out, const opc_sheet *s, const GArray *list,
                           size_t width) {
   if (!append_if_turned(out, s, list, width))
     append_blocks(out, s, list, width);
 }
 
-char *opc_table_text(const opc_table *table, size_t width) {
-  sheet s = sheet_of(table, !width);
+char *opc_sheet_text(opc_sheet *s, size_t width) {
   GString *out = g_string_new(NULL);
   g_autoptr(GString) note = g_string_new(NULL);
   g_autoptr(GArray) list = g_array_new(FALSE, FALSE, sizeof(size_t));
-  for (size_t i = 0; i < s.n; i++) g_array_append_val(list, i);
-  if (width && total_of(&s, list) > width)
-    drop_constants(&s, list, width, note);
-  if (width && total_of(&s, list) > width)
-    append_narrow(out, &s, list, width);
+  sheet_measure(s);
+  for (size_t i = 0; i < s->n; i++) g_array_append_val(list, i);
+  if (width && total_of(s, list) > width) drop_constants(s, list, width, note);
+  if (width && total_of(s, list) > width)
+    append_narrow(out, s, list, width);
   else
-    append_block(out, &s, list);
+    append_block(out, s, list);
   g_string_append(out, note->str);
-  sheet_clear(&s);
   return g_string_free(out, FALSE);
 }
 
@@ -232,20 +211,38 @@ static void append_escaped(GString *out, const char *text) {
   }
 }
 
-char *opc_table_markdown(const opc_table *table) {
-  sheet s = sheet_of(table, FALSE);
+char *opc_sheet_markdown(opc_sheet *s) {
   GString *out = g_string_new(NULL);
-  for (size_t row = 0; row < s.rows; row++) {
-    for (size_t i = 0; i < s.n; i++) {
+  sheet_measure(s);
+  for (size_t row = 0; row < s->rows; row++) {
+    for (size_t i = 0; i < s->n; i++) {
       g_string_append(out, i ? " | " : "| ");
-      append_escaped(out, cell_of(&s, row, i));
+      append_escaped(out, cell_of(s, row, i));
     }
     g_string_append(out, " |\n");
-    for (size_t i = 0; !row && i < s.n; i++)
-      g_string_append(out,
-                      table->columns[i].type == OPC_TEXT ? "|---" : "|--:");
+    for (size_t i = 0; !row && i < s->n; i++)
+      g_string_append(out, s->left[i] ? "|---" : "|--:");
     if (!row) g_string_append(out, "|\n");
   }
-  sheet_clear(&s);
+  return g_string_free(out, FALSE);
+}
+
+/* ---- CSV ---- */
+
+static void append_field(GString *out, const char *text) {
+  g_autoptr(GString) quoted = g_string_new(text);
+  g_string_replace(quoted, "\"", "\"\"", 0);
+  if (strpbrk(text, ",\"\r\n"))
+    g_string_append_printf(out, "\"%s\"", quoted->str);
+  else
+    g_string_append(out, text);
+}
+
+char *opc_sheet_csv(const opc_sheet *s) {
+  GString *out = g_string_new(NULL);
+  for (guint k = 0; k < s->cells->len; k++) {
+    append_field(out, s->cells->pdata[k]);
+    g_string_append(out, (k + 1) % s->n ? "," : "\r\n");
+  }
   return g_string_free(out, FALSE);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Lists in files: CSV or YAML. */
-#ifndef OPCFLOW_CORE_LIST_H
-#define OPCFLOW_CORE_LIST_H
+#ifndef OPC_BASE_LIST_H
+#define OPC_BASE_LIST_H
 
 #include <base/node.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Patterns of names of files and of other values. */
-#include "core/binding/match.h"
+#include <base/match.h>
 
 #include <base/file.h>
 #include <fnmatch.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Lays trees over each other, and reads what a command line lays over a flow.
  */
-#include "core/binding/layers.h"
+#include <base/layers.h>
 
 #include <string.h>
 

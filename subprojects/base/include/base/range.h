@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Quantities in trees: "65 nm", and ranges of them. */
+#ifndef OPC_BASE_RANGE_H
+#define OPC_BASE_RANGE_H
+
+#include <base/node.h>
+
+enum { OPC_RANGE_MOST = 100000 }; /* values of a range */
+
+/* Add a problem: the text of a node has an unknown unit. Return FALSE. */
+gboolean opc_unknown_unit(const opc_node *node, const char *name,
+                          opc_problems *problems);
+
+/* Return the values of "{ from: A, to: B, step: C }" in the unit of A, as texts
+   of `source` (opc_node *, freed with the array). Return none and add problems
+   if the range is not sound. */
+GPtrArray *opc_range_values(const opc_node *range, const opc_source *source,
+                            opc_problems *problems);
+
+#endif

@@ -1,0 +1,113 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Turns a range into its values. */
+#include <base/range.h>
+#include <base/suggest.h>
+#include <base/unit.h>
+#include <math.h>
+#include <string.h>
+
+static const double most_values = OPC_RANGE_MOST;
+
+gboolean opc_unknown_unit(const opc_node *node, const char *name,
+                          opc_problems *problems) {
+  g_autoptr(GPtrArray) names = opc_unit_names();
+  g_autofree char *suggestion = opc_suggestion(name, names);
+  return opc_wrong(problems, node, "unknown unit '%s' in '%s'%s", name,
+                   node->text, suggestion);
+}
+
+/* A number with what stands behind it. */
+typedef struct quantity {
+  double number; /* in the unit of `from` */
+  const char *unit;
+} quantity;
+
+static gboolean check_range_keys(const opc_node *range,
+                                 opc_problems *problems) {
+  gboolean good = TRUE;
+  if (!opc_node_get(range, "from") || !opc_node_get(range, "to") ||
+      !opc_node_get(range, "step"))
+    good = opc_wrong(problems, range,
+                     "a range needs '{ from: A, to: B, step: C }'");
+  return opc_node_check_keys(range, "from|to|step", " of a range", problems) &&
+         good;
+}
+
+/* In the unit of `from`, which is NULL for itself. */
+static gboolean read_quantity(const opc_node *range, const char *key,
+                              const quantity *from, opc_problems *problems,
+                              quantity *out) {
+  const opc_node *node = opc_node_get(range, key);
+  const char *text = node->type == OPC_NODE_TEXT ? node->text : "";
+  size_t length = opc_number_length(text);
+  if (!length)
+    return opc_wrong(problems, node, "'%s' of a range needs a number", key);
+  out->unit = text + length + strspn(text + length, " ");
+  const opc_unit *unit = opc_unit_find(out->unit);
+  if (*out->unit && !unit) return opc_unknown_unit(node, out->unit, problems);
+  const opc_unit *to = from ? opc_unit_find(from->unit) : unit;
+  if (!unit != !to || (unit && opc_unit_noun(unit) != opc_unit_noun(to)))
+    return opc_wrong(problems, node,
+                     "'%s' must be of the same dimension as 'from', not '%s'",
+                     key, text);
+  out->number = opc_number_in(text, length, unit, to);
+  return isfinite(out->number) ||
+         opc_wrong(problems, node, "'%s' of a range is too large: '%s'", key,
+                   text);
+}
+
+/* How many values a range has; 0 and a problem. */
+static guint range_count(const opc_node *range, const quantity *from,
+                         const quantity *to, const quantity *step,
+                         opc_problems *problems) {
+  double steps = (to->number - from->number) / step->number;
+  /* A step that divides the range but for rounding reaches its end. */
+  double count = floor(steps * (1 + 1e-12) + 1e-9) + 1;
+  double short_of = steps - (count - 1);
+  if (count >= 1 && count <= most_values && short_of <= steps * 1e-12 + 1e-9)
+    return (guint)count;
+  /* What it would lead to: the end may be mistyped as well as the step. */
+  double end = from->number + (count - 1) * step->number;
+  g_autofree char *last =
+      count > 1 && isfinite(end)
+          ? g_strdup_printf(", but to %.12g%s%s", end, *from->unit ? " " : "",
+                            from->unit)
+          : g_strdup("");
+  if (count > most_values && isfinite(count))
+    opc_wrong(problems, range,
+              "a range of %.0f values; at most %.0f are possible", count,
+              most_values);
+  else
+    opc_wrong(problems, opc_node_get(range, "step"),
+              "'step' does not lead from '%s' to '%s'%s",
+              opc_node_get(range, "from")->text,
+              opc_node_get(range, "to")->text, last);
+  return 0;
+}
+
+GPtrArray *opc_range_values(const opc_node *range, const opc_source *source,
+                            opc_problems *problems) {
+  quantity from, to, step;
+  GPtrArray *values =
+      g_ptr_array_new_with_free_func((GDestroyNotify)opc_node_free);
+  if (!check_range_keys(range, problems) ||
+      !read_quantity(range, "from", NULL, problems, &from) ||
+      !read_quantity(range, "to", &from, problems, &to) ||
+      !read_quantity(range, "step", &from, problems, &step))
+    return values;
+  guint n = range_count(range, &from, &to, &step, problems);
+  for (guint i = 0; i < n; i++) {
+    /* 12 digits: 0.3, not 0.30000000000000004. */
+    char number[40];
+    g_ascii_formatd(number, sizeof number, "%.12g",
+                    from.number + i * step.number);
+    g_autofree char *text =
+        g_strdup_printf("%s%s%s", number, *from.unit ? " " : "", from.unit);
+    opc_node *node = opc_node_text_new(source, text);
+    node->plain = TRUE;
+    node->at = range->at;
+    node->at.file = source->name;
+    g_ptr_array_add(values, node);
+  }
+  return values;
+}
