@@ -13,7 +13,7 @@ enum { NX = 60, NY = 50, STEP = 10 };
 /* Nodes are at 5, 15, ... nm, cells between multiples of 10. */
 static const eda_frame frame = {5, 5, NX *STEP, NY *STEP};
 static float values[NX * NY];
-static const eda_field map = {frame, NX, NY, values};
+static const eda_field map = {{5, 5, NX *STEP, NY *STEP}, NX, NY, values};
 
 static const eda_bar_seek rule = {.most = 20,
                                   .worth = 100,
