@@ -83,7 +83,7 @@ void cli_write(const char *text) {
   if (!silent) fputs(text, out);
 }
 
-/* COLUMNS, or the terminal's; what is no terminal takes any width. */
+/* COLUMNS, or the width of the terminal; unlimited for other outputs. */
 size_t cli_width(void) {
   const char *columns = g_getenv("COLUMNS");
   struct winsize size;

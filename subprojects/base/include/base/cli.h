@@ -24,8 +24,9 @@ gboolean cli_is_terminal(void);
 
 /* ---- standard output ---- */
 
-/* Keep standard output for the functions below: what others print, plugins and
-   what they start, goes to standard error. First of all. */
+/* Keep standard output for the functions below: the output of plugins and of
+   programs they start is redirected to standard error. Call before everything
+   else. */
 void cli_keep_output(void);
 
 /* Undo that, before this process becomes another program. */
@@ -40,7 +41,7 @@ void cli_write(const char *text);
 /* Return COLUMNS or the width of the terminal; SIZE_MAX for any width. */
 size_t cli_width(void);
 
-/* What was printed comes before the messages that follow. */
+/* Flush standard output, so that it precedes later messages. */
 void cli_flush(void);
 
 /* Return whether standard output took it all; FALSE and a message. */
@@ -70,7 +71,7 @@ gboolean cli_take_option(const cli_option *const *tables, const char *verb,
 void cli_print_pair(const char *name, const char *value, const char *summary);
 void cli_print_options(const cli_option *options);
 
-/* Return what a list of options took, NULL-terminated. */
+/* Return the values of a list option, NULL-terminated. */
 const char *const *cli_list(GPtrArray *list);
 
 #endif

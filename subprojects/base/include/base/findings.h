@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the steps of a run found that the user must not miss. */
+/* Important findings of the steps of a run. */
 #ifndef OPC_BASE_FINDINGS_H
 #define OPC_BASE_FINDINGS_H
 

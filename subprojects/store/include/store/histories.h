@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* How the results of a run's steps came to be. */
+/* Origins of the results of the steps of a run. */
 #ifndef STORE_HISTORIES_H
 #define STORE_HISTORIES_H
 
 #include <glib.h>
 
-/* How the result of a step came to be. */
+/* Origin of the result of a step. */
 typedef struct opc_history {
   size_t point; /* of a sweep, from 1; 0: of all */
   char *path;   /* of the step; in a flow that step 'a' runs: "a.step" */
@@ -24,7 +24,7 @@ typedef struct opc_histories {
 void opc_histories_init(opc_histories *histories);
 void opc_histories_clear(opc_histories *histories);
 
-/* Count a step, and keep a copy of its history if there is room. */
+/* Count a step, and keep a copy of its history up to a limit. */
 void opc_histories_add(opc_histories *histories, const opc_history *history);
 
 /* Count those of another run, and put them first. */
