@@ -69,7 +69,7 @@ static int run(const char *verb, const char *flow, const char *set,
       NULL, (char **)argv, NULL,
       G_SPAWN_DO_NOT_REAP_CHILD | G_SPAWN_STDOUT_TO_DEV_NULL, limit, NULL,
       &child, NULL, NULL, &err, NULL));
-  gint64 start = g_get_monotonic_time(), now = start;
+  gint64 start = g_get_monotonic_time(), now;
   while (!waitpid(child, &status, WNOHANG)) {
     now = g_get_monotonic_time() - start;
     if (!asked && now > patience * G_USEC_PER_SEC) {

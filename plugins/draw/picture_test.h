@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* For the tests of draw.*: a picture read back. */
+/* Reading back a picture, for the tests of draw.*. */
 #ifndef OPCFLOW_DRAW_PICTURE_TEST_H
 #define OPCFLOW_DRAW_PICTURE_TEST_H
 
@@ -11,7 +11,7 @@
 typedef struct picture {
   cairo_surface_t *surface;
   int width, height;
-  int left, top, right, bottom; /* of the window: its first, its last pixel */
+  int left, top, right, bottom; /* first and last pixel of the window */
 } picture;
 
 static inline uint32_t pixel(const picture *p, int x, int y) {
@@ -23,8 +23,8 @@ static inline uint32_t pixel(const picture *p, int x, int y) {
   return value & 0xffffff;
 }
 
-/* Read a picture of the test's folder. Its window has a border of one colour,
-   and nothing beside the border at that part of the height. */
+/* Read a picture from the test's folder. The window must have a border of one
+   colour and blank paper beside it at this fraction of the height. */
 static inline picture load_picture(const char *name, double part) {
   g_autofree char *path = g_build_filename(opc_test_folder(), name, NULL);
   picture p = {.surface = cairo_image_surface_create_from_png(path)};

@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Shapes and printed contours of a layout, drawn in a window of it. */
+/* Implements drawing the shapes and printed contours within a window of a
+   layout. */
 #include <math.h>
 #include <stdlib.h>
 
 #include "view.h"
 
-/* Contours are exact where they cross the lines of their grid. Between them
-   they are chords, which leave an arc of radius r by step^2 / (8 r): the step
-   is such that this is a tenth of a pixel, but a grid has no more than
-   MAX_NODES. */
+/* Contours are exact where they cross the lines of their sampling grid and
+   chords in between, with an error of step^2 / (8 r) for an arc of radius r.
+   The step makes this a tenth of a pixel, with at most MAX_NODES grid nodes. */
 enum { MAX_NODES = 4000000 };
-static const double least_radius = 40; /* nm, of a printed corner */
-static const double max_step = 20;     /* nm: lines are not stepped over */
+static const double least_radius = 40; /* radius of a printed corner, nm */
+static const double max_step = 20;     /* nm; finer than any line */
 
 /* ---- places ---- */
 
@@ -42,7 +42,7 @@ double view_contour_width(const view *v) {
   return fmax(fmin(fmax(0.11 * v->paper->font, 1.5), 5 * v->scale), 0.25);
 }
 
-/* Lines of whole pixels are sharp if their edges are those of pixels. */
+/* Align a line with the pixel grid. */
 static double sharp(const view *v, double place, double line) {
   if (!v->paper->pixels || line != round(line)) return place;
   double half = fmod(line, 2) / 2;
@@ -64,7 +64,7 @@ eda_box view_clip(const view *v) {
                    clamped(ceil((v->y1 + y) / grid) + 1)};
 }
 
-/* The part of shapes that may be seen: a copy, or themselves. */
+/* Clip shapes to the visible part. *out is a copy, or `shapes` themselves. */
 static int cut(const view *v, const eda_shapes *shapes, eda_shapes *out,
                opc_error *error) {
   eda_box b = view_clip(v);
@@ -114,7 +114,7 @@ int view_outline(const view *v, const eda_shapes *shapes, eda_colour colour,
   for (size_t i = 0; i < s.count; i++) {
     polygon_path(v, &s, i, line);
     cairo_stroke(
-        v->paper->cairo); /* one by one: cairo's time grows with a path's */
+        v->paper->cairo); /* one by one: cairo is slow for long paths */
   }
   if (s.points != shapes->points) eda_shapes_clear(&s);
   return OPC_OK;
@@ -126,7 +126,7 @@ int view_find_contours(const view *v, const eda_field *print,
                        view_contours *out, opc_error *error) {
   *out = (view_contours){0};
   if (!print->coefficients) return OPC_OK;
-  double around = 4 / v->scale; /* the lines along its border are not seen */
+  double around = 4 / v->scale; /* hide the lines along the border */
   eda_frame w = view_part(v, print->frame, around);
   if (!(w.width > 0 && w.height > 0)) return OPC_OK;
   double step = fmin(sqrt(0.8 * least_radius / v->scale), max_step);
@@ -135,7 +135,7 @@ int view_find_contours(const view *v, const eda_field *print,
                       &out->count, error);
 }
 
-/* Points nearer to the last one than that, in pixels, are left out. */
+/* Smallest distance of contour points, in pixels. */
 static const double too_near = 0.4;
 
 static void contour(const view *v, const double *points, size_t n) {

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Which part of a layout is drawn, and where it, its title and its legend stand
-   on the paper. */
+/* Implements the selection of a layout window and its placement on paper with
+   title and legend. */
 #include "view.h"
 
 #include <math.h>
 
-static const double around = 100;      /* all shapes, nm */
-static const double max_place = 1e9;   /* of a window, nm */
+static const double around = 100;      /* margin around all shapes, nm */
+static const double max_place = 1e9;   /* largest coordinate of a window, nm */
 static const double smallest_font = 9; /* pixels */
 
 /* ---- the window ---- */
@@ -30,8 +30,7 @@ int view_check(const view *v, opc_error *error) {
   return OPC_OK;
 }
 
-/* All of the layout. A tall or flat one gets room at its sides, so that the
-   picture does not become a strip. */
+/* Show the entire layout, with extra space beside a tall or flat one. */
 static void show_all(view *v, const double all[4]) {
   double width = all[2] - all[0] + 2 * around;
   double height = all[3] - all[1] + 2 * around;
@@ -69,7 +68,7 @@ int view_init(view *v, const opc_host *host, const eda_gates *gates,
 
 /* ---- the paper ---- */
 
-/* Where all lies on a paper of the width that was asked for; its height. */
+/* Compute the positions on paper of the requested width. Returns the height. */
 static double lay_out(view *v, const view_parts *parts, const void *picture) {
   double margin = v->paper->margin, room = v->paper->width - 2 * margin;
   double aspect = (v->y1 - v->y0) / (v->x1 - v->x0);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A window of a layout on paper, with a title above and a legend below. Places
-   of the layout are in nm, y upwards. Compiled into each plugin that draws a
+/* Window of a layout on paper, with a title above and a legend below. Layout
+   coordinates are in nm, y upwards. Compiled into each plugin that draws a
    layout. */
 #ifndef OPCFLOW_DRAW_VIEW_H
 #define OPCFLOW_DRAW_VIEW_H
@@ -9,7 +9,7 @@
 #include <eda/gates.h>
 #include <opcflow/step.h>
 
-/* The second member of an instance, named `view`, after its host. */
+/* Second member of an instance, named `view`, after its host. */
 typedef struct view {
   struct {
     const char *file;
@@ -20,13 +20,13 @@ typedef struct view {
   const char *path;
   eda_paper *paper;
   double grid;           /* nm per unit of shapes */
-  double x0, y0, x1, y1; /* the window, nm */
-  double left, top;      /* where it lies on the paper */
+  double x0, y0, x1, y1; /* window, nm */
+  double left, top;      /* position on paper */
   double width, height;
   double scale; /* pixels per nm */
 } view;
 
-/* The parameters of every picture of a layout. */
+/* Parameters of all pictures of layouts. */
 #define VIEW_PARAMETERS(state, picture)                                        \
   OPC_PARAMETER_NAMED("file", state, view.asked.file, .type = OPC_OUTPUT,      \
                       .preset = (picture),                                     \
@@ -42,29 +42,30 @@ typedef struct view {
 
 /* ---- view.c: the window and the paper ---- */
 
-/* Do the values of the parameters make sense? */
+/* Return OPC_INVALID if a parameter is not valid. */
 int view_check(const view *v, opc_error *error);
 
-/* Choose the window of the gates' layout: that of the parameters, or all of it
-   with some room. The error of an empty layout is that of the parameter
-   `source`. */
+/* Select the window of the gates' layout: the parameter's, or everything with a
+   margin. Returns OPC_INVALID, with the parameter `source`, for an empty
+   layout. */
 int view_init(view *v, const opc_host *host, const eda_gates *gates,
               const char *source, opc_error *error);
 
-/* What a picture consists of; `picture` is what view_write was given. Title and
-   legend stand below `top` and return their height; they are drawn twice, the
-   first time to measure them. */
+/* Parts of a picture; `picture` is passed through by view_write. Title and
+   legend are drawn below `top` and return their height. They are called twice,
+   first to measure. */
 typedef struct view_parts {
   double (*title)(const void *picture, double top);
   double (*legend)(const void *picture, double top);
   int (*content)(const void *picture, opc_error *error); /* clipped */
 } view_parts;
 
-/* Draw it all and write it. `v` is the view that the picture draws in. */
+/* Draw all parts and write the file; `v` is the view in which the picture
+   draws. */
 int view_write(view *v, const view_parts *parts, const void *picture,
                opc_error *error);
 
-/* A round length of about a sixth of the window. */
+/* Add a scale bar of a round length, about a sixth of the window. */
 void view_add_scale_bar(const view *v, eda_legend *legend);
 
 /* ---- shapes.c: what is in the window ---- */
@@ -72,36 +73,37 @@ void view_add_scale_bar(const view *v, eda_legend *legend);
 double view_x(const view *v, double x);
 double view_y(const view *v, double y);
 
-/* Whether a place of the layout is in the window. */
+/* Return 1 if a position is within the window. */
 int view_contains(const view *v, double x, double y);
 
-/* The part of a frame that the window covers, with so much around it, nm. */
+/* Return the part of a frame within the window, grown by `around` nm. */
 eda_frame view_part(const view *v, eda_frame frame, double around);
 
-/* The width of an outline: thinner where the layout is small. */
+/* Return the line width of outlines, smaller for small scales. */
 double view_outline_width(const view *v);
-/* That of a print's contour. */
+/* Return the line width of contours. */
 double view_contour_width(const view *v);
 
-/* The window with something around it, in units of the grid: what is cut there
-   is not seen, and nothing leaves the range of cairo's coordinates. */
+/* Return the window with a margin, in grid units. Shapes clipped to this box
+   look unclipped, and their coordinates stay within cairo's range. */
 eda_box view_clip(const view *v);
 
-/* Merged shapes in that colour. */
+/* Draw merged shapes in a colour. */
 int view_fill(const view *v, const eda_shapes *shapes, eda_colour colour,
               opc_error *error);
 int view_outline(const view *v, const eda_shapes *shapes, eda_colour colour,
                  opc_error *error);
 
-/* The zero lines of a print, as eda_contours gives them. */
+/* Zero lines of a printed image, as from eda_contours. */
 typedef struct view_contours {
   double *points;
   uint32_t *start;
   size_t count;
 } view_contours;
 
-/* Those in the window, exact to a tenth of a pixel; none if the print has no
-   coefficients. To be cleared whatever comes back. [any] */
+/* Find the contours within the window, with an error of at most a tenth of a
+   pixel; none if the print has no coefficients. The caller frees *out with
+   view_clear_contours, also after an error. Callable from any thread. */
 int view_find_contours(const view *v, const eda_field *print,
                        view_contours *out, opc_error *error);
 void view_draw_contours(const view *v, const view_contours *contours,

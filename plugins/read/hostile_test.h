@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* For the tests of readers: files of the corpus, and files that may be
-   anything. */
+/* Test helpers of readers: files of the corpus, and hostile files. */
 #ifndef OPCFLOW_READ_HOSTILE_TEST_H
 #define OPCFLOW_READ_HOSTILE_TEST_H
 
@@ -11,8 +10,8 @@
 #include "tests/data.h"
 #include "tools/devel/testing.h"
 
-/* Read a file by the reader of that id, with more parameters (", top: X" or
-   ""); return NULL and *error if the file is refused. */
+/* Read a file by the reader `id` with the parameters `more` (", top: X" or "").
+   Return NULL and *error if the file is rejected. */
 static inline eda_layout *read_by(const char *id, const char *path,
                                   const char *more, opc_error *error) {
   g_autofree char *mapping = g_strdup_printf("{ file: '%s'%s }", path, more);
@@ -22,8 +21,8 @@ static inline eda_layout *read_by(const char *id, const char *path,
   return output;
 }
 
-/* Read what may be anything: the result is a layout that can be flattened, or
-   an error with the path, in bounded time. */
+/* Assert that any file results in a layout that can be flattened, or in an
+   error with the path, in bounded time. */
 static inline void survive(const char *id, const char *path) {
   opc_error e = {0};
   eda_layout *layout = read_by(id, path, "", &e);
@@ -43,7 +42,7 @@ static inline void survive(const char *id, const char *path) {
 }
 
 static inline void write_bytes(const char *path, const char *bytes, size_t n) {
-  remove(path); /* some file systems flush a file that is written anew */
+  remove(path); /* some file systems flush a file that is rewritten */
   FILE *f = fopen(path, "wb");
   g_assert_nonnull(f);
   g_assert_cmpuint(fwrite(bytes, 1, n, f), ==, n);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the readers of layouts share; compiled into each of them. */
+/* Implements the common part of the readers of layouts; compiled into each of
+   them. */
 #include "reader.h"
 
 #include <eda/formats.h>
@@ -15,10 +16,10 @@
 
 #define CONTEXT_CELL "$$$CONTEXT_INFO$$$"
 
-/* Bytes between two looks at what the user wants. */
+/* Bytes between two updates of progress and checks for cancellation. */
 enum { STRETCH = 1 << 20 };
 
-/* 8 GiB: more than any layout that fits into memory once it is read. */
+/* Largest file, 8 GiB: more than any layout that fits into memory. */
 #define MOST_BYTES ((size_t)1 << 33)
 
 char *reader_string(const void *bytes, size_t n) {
@@ -35,8 +36,9 @@ char *reader_string(const void *bytes, size_t n) {
 
 /* ---- the file ---- */
 
-/* The whole file at once, as one that changes while it is read must not end the
-   process; what is no regular file may go on for ever (/dev/zero). */
+/* Read the whole file into memory, so that a change of the file during reading
+   cannot end the process. Reject files that are not regular, which may be
+   endless (/dev/zero). */
 static void load_file(reading *b) {
   struct stat about = {0};
   size_t room = 0, got = 1;
@@ -68,8 +70,8 @@ static void load_file(reading *b) {
   b->text = b->n ? b->bytes : "";
 }
 
-/* A file of another format than the reader's would be refused for a byte that
-   means nothing to who wrote it. */
+/* Fail for a file of another known format, with the name of the reader for
+   it. */
 static void check_format(reading *b) {
   static const struct {
     const char *start;
@@ -157,8 +159,8 @@ int32_t reading_named_layer(reading *b, const char *name) {
   return reading_number(b, eda_layout_layer(b->layout, name, &b->said));
 }
 
-/* The name for numbers of the file: of the pair with both, or else of the one
-   for every datatype, or else "L/D". */
+/* Find the name of a layer: that of the pair with both numbers, else of the
+   pair for every datatype, else "L/D". */
 int32_t reading_numbered_layer(reading *b, uint32_t layer, uint32_t datatype) {
   const opc_map *map = &b->r->layers;
   uint64_t code = (uint64_t)layer << 32 | datatype;
@@ -194,7 +196,7 @@ static int by_code(const void *a, const void *b) {
   return (x->code > y->code) - (x->code < y->code);
 }
 
-/* What the file calls a layer of the layout. */
+/* Return the name in the file of a layer of the layout. */
 static const char *name_in_file(const reading *b, size_t layer) {
   const opc_map *map = &b->r->layers;
   const char *name = eda_layout_layer_name(b->layout, (int32_t)layer);
@@ -203,7 +205,8 @@ static const char *name_in_file(const reading *b, size_t layer) {
   return name;
 }
 
-/* One that the file need not have is then an empty layer. */
+/* Return 1 if pair i is optional; a missing optional layer becomes an empty
+   layer. */
 static int is_optional(const reading *b, size_t i) {
   opc_error ignored;
   const char *name = b->r->layers.pairs[i].key;
@@ -211,8 +214,9 @@ static int is_optional(const reading *b, size_t i) {
          eda_layout_layer(b->layout, name, &ignored) >= 0;
 }
 
-/* Refuse names of layers that the file does not have. What it has is told in
-   the order of the numbers, or of the names in the file; as much as fits. */
+/* Fail if the file lacks a layer of the map. The message lists the layers of
+   the file in the order of numbers, or of names in the file, up to a maximal
+   length. */
 static int check_layers(const reading *b) {
   const opc_map *map = &b->r->layers;
   size_t missing = 0;
@@ -261,8 +265,8 @@ void reading_begin_cell(reading *b, const char *name) {
   g_array_index(b->there, uint8_t, b->cell) = 1;
 }
 
-/* Tell which cells are placed and not there; they stay empty, as in other
-   readers. */
+/* Log a warning about placed cells without definition; they are empty, as in
+   other readers. */
 static void warn(const reading *b) {
   size_t missing = 0;
   int32_t first = -1;
@@ -279,7 +283,7 @@ static void warn(const reading *b) {
                     eda_layout_cell_name(b->layout, first));
 }
 
-/* That the cell of the flow is not there, with the name that may be meant. */
+/* Fail for a missing top cell, with the most similar name. */
 static int miss_top(const reading *b) {
   g_autoptr(GPtrArray) names = g_ptr_array_new();
   for (size_t i = 0; i < eda_layout_cells(b->layout); i++)
@@ -294,7 +298,7 @@ static int miss_top(const reading *b) {
                   near ? "'?" : "");
 }
 
-/* Keep what the top cell leads to. */
+/* Drop the cells that the top cell does not use. */
 static int keep(const reading *b) {
   const reader *r = b->r;
   int32_t cell = r->top ? eda_layout_find_cell(b->layout, r->top) : b->top;

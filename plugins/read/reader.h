@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the readers of layouts share: their parameters, the bytes of a file, the
-   first failure, and the layers and cells that the layout gets. */
+/* Common part of the readers of layouts: parameters, bytes of a file, first
+   failure, and the layers and cells of the layout. */
 #ifndef OPCFLOW_READ_READER_H
 #define OPCFLOW_READ_READER_H
 
@@ -13,13 +13,14 @@
 typedef struct reader {
   const opc_host *host;
   const char *file;
-  opc_map layers; /* name: what the file calls it */
+  opc_map layers; /* name: name in the file */
   double scale;
   const char *top;
-  const char *optional; /* names of `layers` with blanks between, or NULL */
+  const char *optional; /* names of `layers`, separated by blanks, or NULL */
 } reader;
 
-/* The array's content, with what the file and the map of layers are. */
+/* Parameters of a reader, with the summaries of the file and of the map of
+   layers. */
 #define READ_PARAMETERS(file_summary, layers_summary)                    \
   OPC_PARAMETER(reader, file, .type = OPC_FILE, .flags = OPC_REQUIRED,   \
                 .summary = (file_summary)),                              \
@@ -37,75 +38,79 @@ typedef struct reader {
                         "The top cell; those it does not lead to "       \
                         "are dropped")
 
-/* Whether the map of layers can be understood: names of the file or, where
-   `most` is not 0, numbers up to that. For a reader's check. */
+/* Check the map of layers: names in the file or, if `most` is not 0, numbers up
+   to `most`. For a reader's `check`. Return OPC_OK or an error. */
 int reader_check(const reader *r, uint32_t most, opc_error *error);
 
-/* A reader's `choices`: the cells of its file, as `run` reads it. */
+/* Implement `choices` of a reader: list the cells of the file, which `run`
+   reads. */
 int reader_choices(void *self, const opc_step *functions,
                    void (*take)(void *data, const char *value), void *data,
                    opc_error *error);
 
-/* n bytes as a string, freed with g_free; bytes that are not printable ASCII as
-   "\xE4", so that names stay different and harmless. */
+/* Return n bytes as a string; bytes that are not printable ASCII become "\xE4",
+   so that names stay different. Free with g_free. */
 char *reader_string(const void *bytes, size_t n);
 
 /* A layer of a numbered format. */
 typedef struct layer_node {
-  uint64_t code;  /* layer << 32 | datatype, the key */
-  int32_t number; /* in the layout */
+  uint64_t code;  /* key: layer << 32 | datatype */
+  int32_t number; /* layer of the layout */
 } layer_node;
 
-/* A file on its way into a layout. The state of each reader begins with one.
-   The first failure is kept: what comes after it changes neither the error nor
-   the outcome, and only what the file counts need look at `failed`. */
+/* State of a file being read, the first member of the state of each reader. The
+   first failure is kept; later calls change neither the error nor the result.
+   Only loops over counts of the file must check `failed`. */
 typedef struct reading {
   const reader *r;
   opc_error *error;
-  int failed;         /* the code of the failure */
-  const char *format; /* that the reader reads */
-  /* Fail, if nothing did yet: OPC_IO, with the place in the file. */
+  int failed;         /* code of the first failure */
+  const char *format; /* format of the reader */
+  /* Fail with OPC_IO and the place in the file, unless an earlier failure
+     exists. */
   void (*refuse)(void *reading, const char *what);
 
   char *bytes;      /* of the file */
   const char *text; /* the same n bytes */
-  size_t n, told;   /* from which byte on there is progress to tell */
+  size_t n, told;   /* size; place of the next progress update */
 
   eda_layout *layout;
-  opc_error said; /* for calls of the layout */
-  int32_t cell;   /* where elements go; -1: nowhere */
-  int32_t top;    /* what is kept if the flow does not say; -1: all */
-  GArray *there;  /* of each cell: whether it is; NULL: all are */
+  opc_error said; /* error of calls of the layout */
+  int32_t cell;   /* cell that receives elements; -1: none */
+  int32_t top;    /* default top cell; -1: keep all */
+  GArray *there;  /* per cell: 1 if defined; NULL: all are */
 
-  uint8_t *seen;      /* of each pair of the map of layers: in the file */
-  GHashTable *layers; /* of layer_node: those of a numbered format */
+  uint8_t *seen;      /* per pair of the map of layers: 1 if in the file */
+  GHashTable *layers; /* layer_node, for numbered formats */
   const layer_node *last;
 } reading;
 
-/* The run of a reader: open the file, `read` it, and do what the parameters
-   ask of the whole. */
+/* Implement `run` of a reader: open the file, call `read`, and apply the
+   parameters to the layout. Return OPC_OK or an error. */
 int reading_run(void *state, void *self, void **outputs, opc_error *error,
                 void (*read)(void *state));
 
-/* The byte `at` is reached: show it to the user if `show`. 0 after a failure,
-   as when the user stops the work. */
+/* Report that byte `at` is reached, as progress if `show`. Return 0 after a
+   failure or cancellation. */
 int reading_goes_on(reading *b, size_t at, int show);
 
-/* What the layout said: a refusal, in b->said, is one of the file. Whether
-   there was no failure so far; the number of a cell or layer. */
+/* Convert an error of the layout, in b->said, to a failure at the place in the
+   file. reading_told returns 1 if no failure occurred; reading_number returns
+   the number of a cell or layer. */
 int reading_told(reading *b, int code);
 int32_t reading_number(reading *b, int32_t number);
 
-/* The layout's layer for one of the file, made if new; -1 after a failure. */
+/* Return the layout's layer for a layer of the file, a new one if necessary; -1
+   after a failure. */
 int32_t reading_named_layer(reading *b, const char *name);
 int32_t reading_numbered_layer(reading *b, uint32_t layer, uint32_t datatype);
 
-/* Unpack the bytes that were read if gzip has packed them. */
+/* Decompress the bytes of the file if they are a gzip stream. */
 void reading_unzip(reading *b);
 
-/* A cell's definition begins in a file whose cells may be placed without being
-   there: that is b->cell, -1 for one that is no part of the layout (KLayout's
-   notes to itself). */
+/* Start the definition of a cell, in formats that may place cells without
+   definition. Sets b->cell; -1 for a cell that is not part of the layout
+   (metadata of KLayout). */
 void reading_begin_cell(reading *b, const char *name);
 
 #endif

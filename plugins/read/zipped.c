@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Files that gzip has packed (RFC 1952): they begin with 1f 8b, as no layout
-   does. Compiled into each reader. */
+/* Implements gzip files (RFC 1952). They begin with 1f 8b, as no layout does.
+   Compiled into each reader. */
 #include <eda/memory.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,15 +8,14 @@
 
 #include "reader.h"
 
-/* A file may hold so many bytes for each of its own, and so many more: layouts
-   pack to a tenth, bombs to a thousandth. Half of it would do as well; with
-   twice of it 16 KB of rectangles, two bytes each, take 4 s under a sanitizer.
- */
+/* Limit of the decompressed size: per byte of the file, plus a constant.
+   Layouts compress to a tenth, decompression bombs to a thousandth. Half of the
+   limit would suffice; with twice the limit, 16 KB of rectangles of two bytes
+   each take 4 s under a sanitizer. */
 #define MOST_RATIO 64
 #define MOST_MORE ((size_t)1 << 18)
 
-/* zlib counts in 32 bits; also the bytes between two looks at what the user
-   wants. */
+/* zlib counts in 32 bits; also the bytes between two checks for cancellation */
 enum { PIECE = 1 << 22 };
 
 static int is_packed(const char *bytes) {
@@ -29,8 +28,8 @@ static void spoil(reading *b, const char *what) {
                          b->r->file, what);
 }
 
-/* Unpack the next bytes of the file into *out, which has room for more; the
-   members of a file follow each other. 0 at the end. */
+/* Decompress the next bytes of the file to *out, across the members of the
+   file. Return 0 at the end. */
 static int unpack(reading *b, z_stream *z, size_t *at) {
   if (!z->avail_in) {
     size_t n = MIN(b->n - *at, (size_t)PIECE);

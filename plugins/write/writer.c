@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the writers of layout files share; compiled into each of them. */
+/* Implements the common part of the writers of layouts; compiled into each of
+   them. */
 #include "writer.h"
 
 #include <eda/memory.h>
@@ -49,7 +50,7 @@ static int take_polygon(void *data, const eda_point *points, size_t n,
 
 /* ---- a layout ---- */
 
-/* What the file calls each layer: by the map, or as the layout does. */
+/* Find the name in the file of each layer: by the map, or as in the layout. */
 static int name_layers(const writer *w, const eda_layout *layout,
                        const char **names, opc_error *error) {
   const opc_map *map = &w->layers;
@@ -129,12 +130,12 @@ static int put_layout(writer *w, const eda_layout *layout, opc_error *error) {
 
 /* ---- a mask ---- */
 
-/* A layer of the mask, or what was drawn of it. */
+/* A layer of the mask, or its drawn shapes. */
 typedef struct mask_layer {
   const eda_shapes *shapes;
-  char name[256]; /* as the flow calls it */
+  char name[256]; /* name in the flow */
   const char *file_name;
-  char preset[64]; /* file_name, where the flow gives none */
+  char preset[64]; /* default of the name in the file */
 } mask_layer;
 
 void writer_number_layer(const eda_gates *gates, size_t k, int drawn,
@@ -144,7 +145,8 @@ void writer_number_layer(const eda_gates *gates, size_t k, int drawn,
            (unsigned)(number + (drawn ? EDA_DRAWN_NUMBER : 0)));
 }
 
-/* All layers, then what was drawn of those that are corrected; how many. */
+/* List all layers, then the drawn shapes of the corrected ones. Return their
+   number. */
 static size_t list_mask(const writer *w, mask_layer *layers) {
   const eda_gates *g = w->mask->gates;
   size_t n = 0;
@@ -172,7 +174,7 @@ static int refuse_name(const char *name, const mask_layer *layers, size_t n,
                   "'%s': a mask has the layers %s", name, all->str);
 }
 
-/* Two layers would be one in the file. */
+/* Return 1 if two names are the same layer of the file. */
 static int collide(const char *a, const char *b) {
   eda_layer_number x, y;
   if (!eda_layer_number_read(a, UINT32_MAX, &x, NULL) ||
@@ -181,7 +183,7 @@ static int collide(const char *a, const char *b) {
   return x.layer == y.layer && x.datatype == y.datatype;
 }
 
-/* What the file calls the layers of the mask. */
+/* Set the names in the file of the layers of the mask. */
 static int name_mask(const writer *w, mask_layer *layers, size_t n,
                      opc_error *error) {
   const opc_map *map = &w->layers;
@@ -191,7 +193,7 @@ static int name_mask(const writer *w, mask_layer *layers, size_t n,
     while (i < n && strcmp(layers[i].name, name) != 0) i++;
     if (i < n)
       layers[i].file_name = map->pairs[k].value;
-    else if (strcmp(name, "contact") != 0) /* there may be none drawn */
+    else if (strcmp(name, "contact") != 0) /* may be absent */
       return refuse_name(name, layers, n, error);
   }
   for (size_t i = 0; i < n; i++)

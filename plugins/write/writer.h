@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the writers of layout files share: which cells, shapes and layers are
-   written, in which order, and the life of the file. A format says how each of
-   them looks in the file. */
+/* Common part of the writers of layouts: selection and order of cells, shapes
+   and layers, and opening and closing of the file. A format defines their
+   representation in the file. */
 #ifndef OPCFLOW_WRITE_WRITER_H
 #define OPCFLOW_WRITE_WRITER_H
 
@@ -9,23 +9,23 @@
 #include <eda/layout.h>
 #include <opcflow/step.h>
 
-/* A writer's functions get its instance, which begins with a `writer`. What a
-   format cannot say they tell by writer_fail; what the file cannot be given is
-   seen when it is closed. */
+/* Functions of a file format. `self` is the instance, which begins with a
+   `writer`. Contents that a format cannot represent are reported by
+   writer_fail; write errors are detected when the file is closed. */
 typedef struct write_format {
-  const char *layer;  /* how a layer is written, for messages: "9/0" */
-  size_t most_points; /* of a polygon */
+  const char *layer;  /* example of a layer, for messages: "9/0" */
+  size_t most_points; /* largest number of points of a polygon */
 
-  /* The name of layer k of a mask, where the flow gives none, in a buffer of 64
-     bytes; `drawn`: of its shapes before they were corrected. */
+  /* Write the default name of layer k of a mask to a buffer of 64 bytes;
+     `drawn`: name of its drawn shapes. */
   void (*name_layer)(const eda_gates *gates, size_t k, int drawn, char *name);
 
-  /* Whether `layer` can be one of the file; if so, it is that of the polygons
-     and texts that follow. */
+  /* Set the layer of the following polygons and texts. Return 0 if `layer` is
+     not valid in the format. */
   int (*set_layer)(void *self, const char *layer);
 
-  /* The parts of the file, in this order; `unit` in nm. `layout` is NULL for a
-     mask. */
+  /* Write the parts of the file, in this order; `unit` in nm. `layout` is NULL
+     for a mask. */
   void (*begin)(void *self, const eda_layout *layout, double unit);
   void (*begin_cell)(void *self, int32_t cell, const char *name);
   void (*polygon)(void *self, const eda_point *points, size_t n);
@@ -35,7 +35,7 @@ typedef struct write_format {
   void (*end_cell)(void *self);
   void (*end)(void *self);
 
-  /* Free what these made, also after a failure. May be NULL. */
+  /* Free the data of the format, also after a failure. May be NULL. */
   void (*clear)(void *self);
 } write_format;
 
@@ -45,18 +45,18 @@ typedef struct writer {
   const eda_mask *mask;
   int layout_given, mask_given;
   const char *name; /* of the file */
-  opc_map layers;   /* name: what the file calls it */
+  opc_map layers;   /* name: name in the file */
 
   const write_format *format; /* set by writer_check */
   const char *path;
   FILE *file;
-  const char *cell; /* the name of the one that is being written */
+  const char *cell; /* name of the cell being written */
   opc_error *error;
-  int failed; /* the code of the first failure */
+  int failed; /* code of the first failure */
 } writer;
 
-/* The parameters of a writer whose instance, a `state`, begins with `writer w`;
-   `preset_name` is that of the file. */
+/* Parameters of a writer whose instance, a `state`, begins with `writer w`;
+   `preset_name` is the default name of the file. */
 #define WRITE_PARAMETERS(state, preset_name, layers_summary)                   \
   {                                                                            \
     OPC_PARAMETER_NAMED("layout", state, w.layout, .type = OPC_INPUT,          \
@@ -72,22 +72,24 @@ typedef struct writer {
                             .summary = (layers_summary)),                      \
   }
 
-/* For the plugin's check and its step's run. */
+/* Implement `check` of a plugin and `run` of its step. Return OPC_OK or an
+   error. */
 int writer_check(writer *w, const write_format *format, opc_error *error);
 int writer_run(void *self, void **outputs, opc_error *error);
 
-/* The file cannot hold what the layout has: OPC_FAILED. The first failure is
-   kept, and what is written after it is dropped with the file. */
+/* Fail with OPC_FAILED: the format cannot represent the layout. The first
+   failure is kept; the file is deleted. */
 OPC_PRINTF(2, 3) void writer_fail(writer *w, const char *format, ...);
 
-/* name_layer of formats whose layers are numbers. */
+/* Implement name_layer for formats with numbered layers. */
 void writer_number_layer(const eda_gates *gates, size_t k, int drawn,
                          char *name);
 
-/* from + n * step; 0 if it leaves the range of coordinates. */
+/* Compute from + n * step. Return 0 beyond the range of coordinates. */
 int writer_along(eda_point from, uint64_t n, eda_point step, eda_point *to);
 
-/* The decimal number of 14 digits that a product of two such is near to. */
+/* Return the decimal number of 14 digits nearest to v, a product of two such
+   numbers. */
 double writer_decimal(double v);
 
 #endif

@@ -40,7 +40,7 @@ int correct_trace_report(trace *t, const loop *l, opc_error *error) {
   char **name = eda_alloc(n, sizeof *name);
   for (size_t i = 0; i < n; i++)
     name[i] = correct_report_gate_name(l->gates, i);
-  for (size_t i = 0; i < t->count; i++) row[i].name = name[i % n];
+  for (size_t i = 0; n && i < t->count; i++) row[i].name = name[i % n];
   const opc_column columns[] = {
       {"iteration", NULL, OPC_INT, 0, &row->iteration},
       {"transistor", NULL, OPC_TEXT, 0, &row->name},

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What a mask is drawn from: polygons as they are, contours of the print and a
-   picture of its level set as fine as their room allows. */
+/* Implements the data of mask pictures: polygons, contours of the print and a
+   raster image of its level set, within size limits. */
 #include <report/drawing.h>
 
 #include <eda/index.h>
@@ -14,34 +14,33 @@
 
 /* ---- state ---- */
 
-/* Contours are found in tiles, side by side, on a grid with a step of `finest`,
-   or as much as `nodes` of them allow, up to `coarsest` nm, or the step of the
-   print's own grid, a quarter of the finest period of its image: nothing that
-   prints is narrower. At double the step, lines of 65 nm come in pieces. */
+/* Contours are found in tiles, in parallel, with a grid step of `finest`, or
+   larger to limit the number of nodes, up to `coarsest` nm or the grid step of
+   the print, a quarter of the shortest period of its image. At twice that step,
+   lines of 65 nm would break. */
 static const double tile = 4000, finest = 10, coarsest = 30, nodes = 2e6;
-static const double unit = 0.5; /* of points of contours, nm */
-/* Chords of contours that are further off them are parted; points that are
-   nearer to the line between their neighbours are left out; nm. */
+static const double unit = 0.5; /* resolution of contour points, nm */
+/* Largest deviation of a chord from the contour, and of omitted points from the
+   line between their neighbours, nm. */
 static const double straight = 0.4;
-static const double around = 400; /* of a window of one of the worst, nm */
-/* An image of an optics of NA 0.75 at 193 nm has no period below 129 nm: pixels
-   of more than a third of that show it coarsely. So many pixels take 0.05 s and
-   0.4 MB. */
+static const double around = 400; /* margin around a worst transistor, nm */
+/* An image with NA 0.75 at 193 nm has no period below 129 nm; pixels above a
+   third of that are coarse. This number of pixels takes 0.05 s and 0.4 MB. */
 static const double finest_pixel = 16, coarsest_pixel = 48, pixels = 6e5;
 
-/* Numbers that become more. */
+/* Growing array of numbers. */
 typedef struct numbers {
   int32_t *number;
   size_t count, room;
 } numbers;
 
-/* Polygons or lines: points of each, and places, x and y in turn. */
+/* Polygons or lines: point counts, and coordinates x, y. */
 typedef struct outlines {
   numbers sizes, places;
 } outlines;
 
-/* What is written of the layout: windows, nm; all of it if there is no index of
-   them, in units of the grid. */
+/* Part of the layout to write: windows in nm; the entire layout without an
+   index, which is in grid units. */
 typedef struct part {
   eda_frame *window;
   size_t count;
@@ -52,9 +51,9 @@ typedef struct drawing {
   const opc_context *context;
   const eda_mask *mask;
   part part;
-  double step; /* of contours */
+  double step; /* grid step of contours */
   GString *out;
-  int shapes; /* written so far */
+  int shapes; /* number of written shapes */
 } drawing;
 
 static void push(numbers *n, double x) {
@@ -85,7 +84,7 @@ static eda_frame frame_of(const eda_gates *g, eda_box b, double more) {
                      (b.y1 - b.y0) * g->grid + 2 * more};
 }
 
-/* Those that fail come before all others. */
+/* Return windows around the n worst transistors; failed ones come first. */
 static part worst_part(const eda_mask *m, size_t n) {
   const eda_gates *g = m->gates;
   ranked *all = eda_alloc(g->count, sizeof *all);
@@ -122,13 +121,13 @@ static part tiles(const eda_gates *g) {
   return p;
 }
 
-/* What transistors need, what is corrected, and contacts. */
+/* Return 1 for transistor layers, corrected layers and contacts. */
 static int is_shown(const eda_gates *g, size_t layer) {
   return layer <= EDA_ACTIVE || g->corrected[layer] ||
          (int)layer == eda_gates_layer(g, "contact");
 }
 
-/* Of the contours of those layers. */
+/* Return the grid step for the contours of the shown layers. */
 static double step_of(const part *p, const eda_mask *m) {
   double area = 0, layers = 0, own = INFINITY;
   for (size_t k = 0; k < m->layers; k++) {
@@ -170,7 +169,7 @@ static outlines polygons(const drawing *d, const eda_shapes *s) {
 
 static double square(double x, double y) { return x * x + y * y; }
 
-/* Whether p lies on the line between a and b. */
+/* Return 1 if p is on the line between a and b. */
 static int is_on(const double *a, const double *b, const double *p) {
   double x = b[0] - a[0], y = b[1] - a[1], length = square(x, y);
   double px = p[0] - a[0], py = p[1] - a[1], cross = x * py - y * px;
@@ -178,8 +177,8 @@ static int is_on(const double *a, const double *b, const double *p) {
   return cross * cross <= straight * straight * length;
 }
 
-/* A line without the points that lie straight between others. Each stretch is
-   as long as it can be, up to REACH points. */
+/* Append a line without redundant points. Each segment replaces up to REACH
+   points. */
 static void add_line(outlines *o, const double *p, size_t n) {
   enum { REACH = 12 };
   size_t at = 0, before = o->places.count;
@@ -198,8 +197,8 @@ static void add_line(outlines *o, const double *p, size_t n) {
   push(&o->sizes, (double)kept);
 }
 
-/* Whether a line goes along the border of the window there: contours are closed
-   along it, which no print is. */
+/* Return 1 for a segment along the border of the window, where contours are
+   closed artificially. */
 static int on_border(eda_frame w, const double *a, const double *b) {
   const double sides[4] = {w.x0, w.x0 + w.width, w.y0, w.y0 + w.height};
   for (int k = 0; k < 4; k++)
@@ -208,7 +207,7 @@ static int on_border(eda_frame w, const double *a, const double *b) {
   return 0;
 }
 
-/* Places, x and y in turn. */
+/* Points of a line, x and y. */
 typedef struct line {
   double *place;
   size_t count, room;
@@ -219,8 +218,8 @@ static void line_to(line *l, const double *p) {
   memcpy(l->place + 2 * l->count++, p, 2 * sizeof *p);
 }
 
-/* The line from a to b, without a: through the contour's place beside the
-   middle of the chord if that is off it, and so on. */
+/* Append the line from a to b, without a. Insert the contour point near the
+   middle of the chord, recursively, if the chord deviates. */
 static void follow(line *l, const eda_field *print, const double *a,
                    const double *b, int depth) {
   double m[2] = {(a[0] + b[0]) / 2, (a[1] + b[1]) / 2}, v, dx, dy;
@@ -237,7 +236,7 @@ static void follow(line *l, const eda_field *print, const double *a,
   }
 }
 
-/* A closed line, cut where it goes along the border. */
+/* Append a closed line, opened along the border. */
 static void add_contour(outlines *o, const eda_field *print, eda_frame w,
                         const double *p, size_t n) {
   enum { DEPTH = 3 };
@@ -260,7 +259,7 @@ static void add_contour(outlines *o, const eda_field *print, eda_frame w,
 typedef struct search {
   const drawing *drawing;
   const eda_field *print;
-  outlines *found; /* in each window */
+  outlines *found; /* for each window */
   opc_error *error;
 } search;
 
@@ -312,7 +311,7 @@ static int contours(const drawing *d, const eda_field *print, outlines *out,
 
 /* ---- work: the image ---- */
 
-/* The level set of the poly, a row after another from the lowest. */
+/* Level set of the poly, in rows from the bottom. */
 typedef struct image {
   const eda_field *print;
   double x0, y0, pixel;
@@ -331,7 +330,7 @@ static void sample_row(void *data, size_t j) {
   free(x);
 }
 
-/* In 255 grey values, 128 at the edge of what prints. */
+/* Write 255 grey values, 128 at the printed edge. */
 static void write_levels(const drawing *d, const image *m) {
   size_t n = m->columns * m->rows;
   uint8_t *grey = eda_alloc(n, sizeof *grey);
@@ -354,7 +353,7 @@ static void write_levels(const drawing *d, const image *m) {
   free(grey);
 }
 
-/* Nothing of a layout that would have pixels too large for it. */
+/* Write the image, unless the layout requires too large pixels. */
 static void write_image(const drawing *d) {
   eda_frame f = frame_of(d->mask->gates, d->mask->gates->extent, around);
   image m = {.print = &d->mask->print[EDA_POLY], .x0 = f.x0, .y0 = f.y0};
@@ -391,7 +390,7 @@ static void write_polygons(drawing *d, size_t layer, const char *role,
   clear(&o);
 }
 
-/* Nothing of a print that is not there. */
+/* Write the contours of a print, if it exists. */
 static int write_print(drawing *d, size_t layer, const char *role,
                        const eda_field *print, opc_error *error) {
   outlines o = {0};

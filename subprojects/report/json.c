@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Texts, numbers and packed numbers in JSON. */
+/* Implements JSON texts, numbers and packed numbers. */
 #include <report/json.h>
 
 #include <math.h>
@@ -7,8 +7,8 @@
 #include <string.h>
 #include <zlib.h>
 
-/* Higher levels take three times as long for 5 % less, of masks and contours of
-   7858 transistors. */
+/* Higher levels take three times as long for 5 % less, for masks and contours
+   of 7858 transistors. */
 enum { LEVEL = 4 };
 
 void json_text(GString *out, const char *text) {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* From run folders to the data of a page, and from its parts to the page. */
+/* Implements the report page: reads run folders, collects their data and
+   assembles the page. */
 #include <report/page.h>
 
 #include <eda/runs.h>
@@ -14,8 +15,7 @@
 
 /* ---- state ---- */
 
-/* What the page has of a run's tables, if they are there; of "gates", which may
-   be long, these columns. */
+/* Tables in the page, and the columns of the possibly long table "gates". */
 static const char *const tables[] = {"gates", "history", "corners",
                                      "violations"};
 static const char *const gate_columns[] = {
@@ -25,7 +25,7 @@ static const char *const gate_columns[] = {
 
 /* ---- work: pieces of JSON ---- */
 
-/* `, "name": `, without the comma behind a bracket. */
+/* Append `, "name": `, without a comma after a bracket. */
 static void member(GString *out, const char *name) {
   char last = out->len ? out->str[out->len - 1] : '{';
   g_string_append(out, last == '{' || last == '[' ? "" : ", ");
@@ -48,7 +48,7 @@ static void open_member(GString *out, const char *name, char bracket) {
   g_string_append_c(out, bracket);
 }
 
-/* The next element of a list. */
+/* Append the next element of a list. */
 static void open_element(GString *out) {
   g_string_append(out, out->str[out->len - 1] == '[' ? "{" : ",\n {");
 }
@@ -62,7 +62,7 @@ static int is_wanted(const char *table, const char *column) {
   return 0;
 }
 
-/* Numbers where all are; else texts, null where there is none. */
+/* Append a column: numbers if all are, else texts, with null for empty ones. */
 static void add_column(GString *out, eda_table *t, size_t column) {
   const double *number = eda_table_numbers(t, column);
   const char *unit = eda_table_unit(t, column);
@@ -176,8 +176,8 @@ static void add_origins(GString *out, const eda_run_facts *f) {
 
 /* ---- work: pictures ---- */
 
-/* A view.json is anybody's: it is parsed before it goes into the page, where no
-   `<` of it stays as it is. */
+/* Add the pictures of view.json. The file is not trusted: it is parsed, and `<`
+   is escaped. */
 static int add_view(page *p, GString *out, const char *folder,
                     const char *label, opc_error *error) {
   g_autofree char *path = g_build_filename(folder, "view.json", NULL);
@@ -221,7 +221,7 @@ static int add_view(page *p, GString *out, const char *folder,
 
 /* ---- work: runs ---- */
 
-/* A name that no other run of the page has. */
+/* Return a label that no other run of the page has. */
 static char *label_of(page *p, const char *name) {
   char *label = g_strdup(name);
   for (int k = 2; !g_hash_table_add(p->labels, g_strdup(label)); k++) {
@@ -318,7 +318,7 @@ void page_lacks(page *p, const char *format, ...) {
 /* ---- work: the page ---- */
 
 void page_init(page *p, double megabytes) {
-  /* A third is left for tables and the page itself. */
+  /* A third is reserved for tables and the page itself. */
   *p = (page){g_string_new(NULL), g_string_new(NULL),
               g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL),
               megabytes * 1e6 * 2 / 3};
@@ -330,7 +330,7 @@ void page_clear(page *p) {
   g_hash_table_unref(p->labels);
 }
 
-/* The files that go in place of @STYLE@ and @SCRIPT@, by their names' ends. */
+/* Append the files with this suffix, for @STYLE@ and @SCRIPT@. */
 static void append_files(GString *out, const char *end) {
   for (size_t i = 0; i < G_N_ELEMENTS(samples); i++)
     if (g_str_has_suffix(samples[i].name, end))

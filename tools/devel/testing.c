@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <store/files.h>
+#include <store/store.h>
 #include <string.h>
 
 #include "core/binding/binding.h"
@@ -71,6 +72,14 @@ static opc_binding *binding_of(opc_module *module) {
   return (opc_binding *)((char *)module - offsetof(opc_binding, module));
 }
 
+/* Results that the plugin keeps go to OPCFLOW_STORE, where that names a folder.
+ */
+static opc_store *open_store(void) {
+  const char *folder = g_getenv("OPCFLOW_STORE");
+  opc_error none;
+  return folder && *folder ? opc_store_open(&none) : NULL;
+}
+
 opc_module *opc_test_module(const char *id, const char *mapping,
                             opc_error *error) {
   if (!state.registry) state.registry = opc_registry_new(NULL);
@@ -89,14 +98,20 @@ opc_module *opc_test_module(const char *id, const char *mapping,
     opc_inner_open(b, state.registry, OPC_BIND_NO_INPUTS, problems);
   if (!problems->list->len)
     opc_binding_create(b, &watch, &state.published.host, problems);
-  if (!problems->list->len) return &g_steal_pointer(&b)->module;
+  if (!problems->list->len) {
+    b->store = open_store();
+    return &g_steal_pointer(&b)->module;
+  }
   g_autofree char *text = opc_problems_text(problems);
   opc_fail(error, opc_problems_code(problems), NULL, "%s", text);
   return NULL;
 }
 
 void opc_test_module_free(opc_module *module) {
-  if (module) opc_binding_free(binding_of(module));
+  if (!module) return;
+  opc_store *store = binding_of(module)->store;
+  opc_binding_free(binding_of(module));
+  opc_store_close(store);
 }
 
 void opc_test_input(opc_module *module, const char *name, void *object) {

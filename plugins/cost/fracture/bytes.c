@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Bytes that shapes take in a file: those of GDSII follow from the points,
-   those of OASIS come from the code of its writer, without a file. */
+/* Implements file sizes: computed from the points for GDSII, measured with the
+   writer's encoder for OASIS. */
 #include "bytes.h"
 
 #include <eda/oasis.h>
 
-/* Points of one polygon, as the writers cut them. */
+/* Largest numbers of points of a polygon, as in the writers. */
 enum { GDSII_POINTS = 8190, OASIS_POINTS = 1 << 20 };
 
-/* BOUNDARY, LAYER, DATATYPE, XY with the first point twice, ENDEL. */
+/* Add the size of BOUNDARY, LAYER, DATATYPE, XY with the first point repeated,
+   and ENDEL. */
 static int count_boundary(void *data, const eda_point *points, size_t n,
                           opc_error *error) {
   (void)points;

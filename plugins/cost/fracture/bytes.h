@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Bytes that shapes take in a layout file as our writers make it. */
+/* File size of shapes in a layout file written by opcflow. */
 #ifndef OPCFLOW_COST_BYTES_H
 #define OPCFLOW_COST_BYTES_H
 
 #include <eda/formats.h>
 
-/* Of merged shapes, as elements of a GDSII file that write.gds makes. */
+/* Compute the size of merged shapes as elements of a GDSII file by
+   write.gds. */
 int gdsii_bytes(const eda_shapes *shapes, int64_t *bytes, opc_error *error);
 
-/* The same, as compressed records of the layer LAYER/0 in an OASIS file that
-   write.oasis makes, if no other layer shares their blocks. */
+/* Compute the size of merged shapes as compressed records of layer LAYER/0 in
+   an OASIS file by write.oasis, without other layers in their blocks. */
 int oasis_bytes(const eda_shapes *shapes, uint32_t layer, int64_t *bytes,
                 opc_error *error);
 

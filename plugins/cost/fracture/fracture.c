@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* cost.fracture: what a mask costs to write: rectangles, the shots of a writer
-   with a variable shaped beam, vertices, and the bytes of its files. */
+/* Implements the step `cost.fracture`: the cost of writing a mask, as
+   rectangles, shots of a variable shaped beam writer, vertices and file
+   sizes. */
 #include <eda/check.h>
 #include <eda/memory.h>
 #include <math.h>
@@ -25,7 +26,7 @@ typedef struct counter {
 
 enum { RECTANGLES, SHOTS, SLIVERS, VERTICES, GDSII, OASIS, MEBES, FIGURES };
 
-/* What a layer that is corrected costs: as drawn and now. */
+/* Cost of a corrected layer, as drawn or corrected. */
 typedef struct cost {
   int64_t figure[FIGURES];
   double area; /* um^2 */
@@ -36,10 +37,10 @@ typedef struct row {
   cost drawn, now;
 } row;
 
-/* What all layers are counted with. */
+/* Settings common to all layers. */
 typedef struct ruler {
   double grid;
-  eda_box extent; /* of the drawn shapes */
+  eda_box extent; /* extent of the drawn shapes */
   mebes_array array;
 } ruler;
 
@@ -68,8 +69,8 @@ static int make_ruler(const counter *c, const eda_gates *g, ruler *r,
   return OPC_OK;
 }
 
-/* Copies of the array must not touch, or they would not cost what they do
-   alone. */
+/* Return OPC_INVALID if copies of the array touch, as they would not cost the
+   same as separate ones. */
 static int check_copies(const ruler *r, const eda_box *boxes, size_t n,
                         opc_error *error) {
   eda_box all = n ? boxes[0] : (eda_box){0};
@@ -97,7 +98,7 @@ static int count_shots(const counter *c, const ruler *r, const eda_box *boxes,
   for (size_t i = 0; i < n; i++) {
     double w = ((double)boxes[i].x1 - boxes[i].x0) * plate;
     double h = ((double)boxes[i].y1 - boxes[i].y0) * plate;
-    /* What is as large as a shot, but for rounding, is one. */
+    /* Tolerate rounding for shapes as large as a shot. */
     double columns = ceil(w / c->max_shot - 1e-9);
     double rows = ceil(h / c->max_shot - 1e-9);
     all += columns * rows;
@@ -112,8 +113,8 @@ static int count_shots(const counter *c, const ruler *r, const eda_box *boxes,
   return OPC_OK;
 }
 
-/* The writer's shots are cut so as to leave no slivers, the figures of a file
-   as few as can be. */
+/* Count the shots, cut without slivers, and the rectangles of files, as few as
+   possible. */
 static int count_figures(const counter *c, const ruler *r,
                          const eda_shapes *shapes, int64_t f[FIGURES],
                          opc_error *error) {
@@ -136,7 +137,7 @@ static int count_figures(const counter *c, const ruler *r,
   return code;
 }
 
-/* `number` is that of the layer in a file. */
+/* Compute the cost of a layer; `number` is the layer's number in a file. */
 static int count_layer(const counter *c, const ruler *r,
                        const eda_shapes *shapes, uint32_t number, cost *out,
                        opc_error *error) {
@@ -206,12 +207,12 @@ static int publish_metrics(const opc_host *host, const row *rows, size_t n,
 
 /* ---- work: all of it ---- */
 
-/* Drawn shapes and masks, side by side: two for each row. */
+/* Drawn shapes and masks, computed in parallel: two for each row. */
 typedef struct counting {
   const counter *counter;
   ruler ruler;
   row *rows;
-  size_t *layer; /* of each row */
+  size_t *layer; /* [rows] */
 } counting;
 
 static int count_one(void *data, size_t i, opc_error *error) {

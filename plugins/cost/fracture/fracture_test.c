@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Masks that can be counted by hand, files of the writers, and the trapezoids
-   of KLayout. */
+/* Tests masks that are counted by hand, files of the writers, and the
+   trapezoids of KLayout. */
 #include <math.h>
 #include <string.h>
 
@@ -42,14 +42,14 @@ static void ell(drawing *d) {
   ADD(d, 0, {200, 0}, {300, 0}, {300, 40}, {240, 40}, {240, 100}, {200, 100});
 }
 
-/* A square of side 100 with a hole of side 20. */
+/* Draw a square of side 100 with a hole of side 20. */
 static void ring(drawing *d) {
   ADD(d, 0, {400, 0}, {500, 0}, {500, 100}, {400, 100});
   ADD(d, 1, {430, 30}, {430, 50}, {450, 50}, {450, 30});
 }
 
-/* A bar of 90 x 10 with three teeth of 10 x 30. Vertical cuts would give 5
-   rectangles, horizontal ones give 4. */
+/* Draw a bar of 90 x 10 with three teeth of 10 x 30. Vertical cuts give 5
+   rectangles, horizontal cuts 4. */
 static void comb(drawing *d) {
   ADD(d, 0, {600, 0}, {690, 0}, {690, 10}, {680, 10}, {680, 40}, {670, 40},
       {670, 10}, {650, 10}, {650, 40}, {640, 40}, {640, 10}, {620, 10},
@@ -80,7 +80,7 @@ static double real(const char *column, size_t row) {
 
 enum { LAYERS = 3 };
 
-/* A mask of poly, active and metal1, of which `layers` are there. */
+/* A mask with `layers` of poly, active and metal1. */
 typedef struct hand_made {
   eda_gates gates;
   eda_mask mask;
@@ -100,7 +100,7 @@ static void make(hand_made *m, size_t layers, double grid, eda_box extent) {
                    .mask = {.gates = &m->gates, .shapes = m->shapes}};
 }
 
-/* Of the layers that are drawn; the last is left out if it is not. */
+/* Count the drawn layers; the last one is omitted if empty. */
 static void count_as(const drawing drawn[LAYERS],
                      const drawing corrected[LAYERS], double grid,
                      eda_box extent, const char *parameters) {
@@ -135,7 +135,7 @@ static void test_shapes(void) {
   static const struct {
     void (*draw)(drawing *);
     int64_t rectangles, vertices;
-    double area; /* in units of the grid */
+    double area; /* in grid units */
   } cases[] = {{square, 1, 4, 10000},
                {ell, 2, 6, 4000 + 2400},
                {ring, 4, 8, 10000 - 400},
@@ -156,7 +156,8 @@ static void test_shapes(void) {
     }
 }
 
-/* Drawn and corrected, poly and active, each to its own place. */
+/* Results of drawn and corrected, poly and active are in their own rows and
+   columns. */
 static void test_places(void) {
   drawing drawn[LAYERS] = {0}, corrected[LAYERS] = {0};
   square(&drawn[EDA_POLY]);
@@ -184,7 +185,7 @@ static void test_places(void) {
   g_assert_cmpfloat(opc_test_metric("vertices"), ==, 44);
 }
 
-/* A third layer has a row of its own and is in the sums. */
+/* A third layer has its own row and is included in the sums. */
 static void test_third_layer(void) {
   drawing drawn[LAYERS] = {0}, corrected[LAYERS] = {0};
   square(&corrected[EDA_POLY]);
@@ -199,7 +200,7 @@ static void test_third_layer(void) {
   g_assert_cmpfloat(opc_test_metric("vertices"), ==, 4 + 6 + 16);
 }
 
-/* The same mask as drawn and corrected costs the same and has the same area. */
+/* Equal drawn and corrected masks have equal cost and area. */
 static void test_same(void) {
   drawing mask[LAYERS] = {0};
   for (int layer = 0; layer < 2; layer++) {
@@ -217,7 +218,7 @@ static void test_same(void) {
   }
 }
 
-/* A slanted edge is refused by the fracturing; its error comes through. */
+/* A slanted edge is rejected by the fracturing, and the error is returned. */
 static void test_slanted(void) {
   opc_error error;
   drawing d = {0};
@@ -235,13 +236,13 @@ static void test_slanted(void) {
 
 /* ---- shots ---- */
 
-/* The ell is two rectangles: 100 x 40 and 40 x 60 (of both ways of cutting,
-   the one of the fracture); the square is one. */
+/* The ell is two rectangles, 100 x 40 and 40 x 60 (the cut of the fracture);
+   the square is one. */
 static void test_shots(void) {
   drawing none[LAYERS] = {0}, mask[LAYERS] = {0};
   square(&mask[EDA_POLY]);
   ell(&mask[EDA_ACTIVE]);
-  /* On the plate the square is 400 nm, the ell 400 x 160 and 160 x 240, or
+  /* On the mask plate the square is 400 nm, the ell 400 x 160 and 160 x 240, or
      160 x 400 and 240 x 160. */
   eda_box extent = {0, 0, 300, 100};
   count_as(none, mask, 1, extent, "{ max_shot: 400 nm, sliver: 160 nm }");
@@ -256,7 +257,7 @@ static void test_shots(void) {
   g_assert_cmpint(integer("slivers", EDA_POLY), ==, 0);
   g_assert_cmpfloat(opc_test_metric("shots"), ==, 7);
   g_assert_cmpfloat(opc_test_metric("slivers"), ==, 3);
-  /* Shots of 133 nm come from cutting the square, not from its shape. */
+  /* Shots of 133 nm result from cutting the square, not from its shape. */
   count_as(none, mask, 1, extent, "{ max_shot: 150 nm, sliver: 140 nm }");
   g_assert_cmpint(integer("shots", EDA_POLY), ==, 9);
   g_assert_cmpint(integer("slivers", EDA_POLY), ==, 9);
@@ -269,8 +270,8 @@ static void test_shots(void) {
 
 enum { STRIPE = 1024, SEGMENT = 32768 };
 
-/* The records of the README's model, one after another: a segment, in it a
-   stripe, in it each rectangle of a row with all its copies. */
+/* Count the records of the README's model one by one: a segment, in it a
+   stripe, in it each rectangle of a row with all copies. */
 static int64_t mebes(const eda_box *boxes, size_t n, eda_box e, int columns,
                      int rows, int64_t px, int64_t py) {
   int64_t width = (int64_t)e.x1 - e.x0 + (columns - 1) * px, bytes = 2;
@@ -327,25 +328,25 @@ static void test_mebes(void) {
     g_assert_cmpint(integer_of("cost_bytes", "mebes", EDA_POLY), ==, want);
     g_assert_cmpint(want % 2048, ==, 0);
   }
-  /* A chip that is wider than a segment, with a rectangle over its border. */
+  /* A chip wider than a segment, with a rectangle across the border. */
   drawing mask[LAYERS] = {0};
   eda_box box = outline(0, 0, 70000, 3000, &mask[EDA_POLY]);
   count_as(none, mask, 1, box, "{}");
   g_assert_cmpint(integer_of("cost_bytes", "mebes", EDA_POLY), ==,
                   mebes(&box, 1, box, 1, 1, 1, 1));
-  /* The head and one block hold some 250 rectangles. */
+  /* The header and one block hold about 250 rectangles. */
   g_assert_cmpint(integer_of("cost_bytes", "mebes", EDA_POLY), ==, 4096);
 }
 
-/* What was met in a corrected mask: the chord under the bump serves two concave
-   corners, and is crossed by no better one. Cut by vertical or by horizontal
-   lines alone it is 6. */
+/* Case from a corrected mask: the chord below the bump serves two concave
+   corners and crosses no better one. Vertical or horizontal cuts alone give
+   6. */
 static void test_chord(void) {
   drawing none[LAYERS] = {0}, mask[LAYERS] = {0};
   ADD(&mask[EDA_POLY], 0, {256, 0}, {321, 0}, {321, 809}, {74, 809}, {74, 1774},
       {9, 1774}, {9, 803}, {0, 803}, {0, 718}, {9, 718}, {9, 712}, {15, 712},
       {15, 704}, {100, 704}, {100, 712}, {256, 712});
-  /* Shots of one grid step tell the area of all rectangles. */
+  /* With shots of one grid step, their number is the area of all rectangles. */
   count_as(none, mask, 1, (eda_box){0, 0, 321, 1774},
            "{ max_shot: 10 nm, magnification: 10 }");
   g_assert_cmpint(integer("rectangles", EDA_POLY), ==, 5);
@@ -353,9 +354,9 @@ static void test_chord(void) {
                   65 * 712 + 247 * 97 + 85 * 8 + 65 * 1062 + 9 * 85);
 }
 
-/* A line of 65 nm with a strip of 1 nm along a part of it, as a jog leaves it,
-   and a step of 1 nm: cut across, no shot is narrow, and there are less of
-   them; files have the fewest rectangles, of which two are slivers. */
+/* A line of 65 nm with a strip of 1 nm along a part, as left by a jog, and a
+   step of 1 nm. Shots are cut across, so that none is narrow; files have the
+   fewest rectangles, of which two are slivers. */
 static void test_slivers(void) {
   drawing none[LAYERS] = {0}, mask[LAYERS] = {0};
   ADD(&mask[EDA_POLY], 0, {0, 0}, {65, 0}, {65, 400}, {66, 400}, {66, 1000},
@@ -368,15 +369,15 @@ static void test_slivers(void) {
   g_assert_cmpint(integer("shots", EDA_POLY), ==, 5);
   count_as(none, mask, 1, extent, "{ sliver: 1 nm }");
   g_assert_cmpint(integer("rectangles", EDA_POLY), ==, 3);
-  /* Too small as a whole for what is asked: still all of it is written. */
+  /* Smaller than the requested width, but written completely. */
   count_as(none, mask, 1, extent,
            "{ sliver: 1 um, max_shot: 10 nm, magnification: 10 }");
   g_assert_cmpint(integer("shots", EDA_POLY), ==, 65 * 1000 + 600 + 600);
 }
 
-/* Shots of one grid step tell the area of all rectangles: none overlap, and
-   nothing is missing, of ragged towers of bars, which have chords of both
-   ways. */
+/* With shots of one grid step, their number is the area of all rectangles: no
+   overlap and no gap for ragged towers of bars with chords in both
+   directions. */
 static void test_ragged(void) {
   guint32 seed = 7;
   for (int run = 0; run < 200; run++) {
@@ -408,7 +409,7 @@ static void test_ragged(void) {
   }
 }
 
-/* Copies that touch each other are no array of copies. */
+/* Touching copies are rejected. */
 static void test_touching(void) {
   opc_error error;
   drawing d = {0};
@@ -451,8 +452,8 @@ static int64_t file_size(const char *writer, const eda_mask *mask,
   return (int64_t)n;
 }
 
-/* A mask as an edge-based correction would leave it: bars with edges that jog
-   every few steps, some of them crossed by a wide one; merged. */
+/* Return a mask as from an edge-based correction: bars with edges that jog
+   every few steps, some crossed by a wide one; merged. */
 static eda_shapes jagged(uint32_t seed, int bars) {
   opc_error error;
   g_autoptr(GRand) rand = g_rand_new_with_seed(seed);
@@ -483,7 +484,8 @@ static eda_shapes jagged(uint32_t seed, int bars) {
   return out;
 }
 
-/* With shots of one grid step, whose number is the area of all rectangles. */
+/* Run with shots of one grid step, whose number is the area of all
+   rectangles. */
 static void run_on(const eda_mask *mask) {
   opc_error error = {0};
   g_autoptr(opc_module) m = opc_test_module(
@@ -526,7 +528,7 @@ static void test_files(void) {
 
 /* ---- KLayout ---- */
 
-/* Its figure counts of the three ways of cutting, and the area of each. */
+/* Counts of the three cutting methods and the area of each. */
 static const char script[] =
     "import sys, klayout.db as k\n"
     "layout = k.Layout()\n"

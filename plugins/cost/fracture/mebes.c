@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A rectangle is cut at the borders of stripes and segments. Where it lies
-   along x does not depend on the row of the array, so that its bytes are those
-   of one row and one stripe, times the pieces that the stripes cut all rows
-   into. */
+/* Implements the MEBES model. Rectangles are cut at the borders of stripes and
+   segments. Positions along x do not depend on the row of the array, so the
+   size is that of one row in one stripe, times the number of parts into which
+   stripes cut all rows. */
 #include "mebes.h"
 
-/* Bytes of the records. */
+/* Sizes of records in bytes. */
 enum {
   SEGMENT_BEGINS = 4,
   STRIPE_ENDS = 2,
   RECTANGLE = 8,
-  ARRAY = 6, /* before the rectangle that is repeated */
+  ARRAY = 6, /* before a repeated rectangle */
   FILE_ENDS = 2
 };
 
@@ -18,7 +18,8 @@ static int64_t floor_div(int64_t a, int64_t b) {
   return a >= 0 ? a / b : -((b - 1 - a) / b);
 }
 
-/* How many stretches of `size`, one of which begins at 0, meet [from, to). */
+/* Return the number of intervals of `size`, aligned to 0, that meet [from,
+   to). */
 static int64_t pieces(int64_t from, int64_t to, int64_t size) {
   return floor_div(to - 1, size) - floor_div(from, size) + 1;
 }
@@ -33,9 +34,9 @@ static int64_t mebes_stripes(eda_box e, const mebes_array *a) {
   return height > 0 ? pieces(0, height, MEBES_STRIPE) : 1;
 }
 
-/* Bytes of all copies of [x0, x1) in a row. Those that lie whole in a segment
-   are one record there, with an array before it if there are several; each
-   piece of one that a border cuts is a record of its own. */
+/* Return the size of all copies of [x0, x1) in a row. Copies within a segment
+   are one record, preceded by an array record if there are several; each part
+   of a copy cut by a border is a record. */
 static int64_t row_bytes(int64_t x0, int64_t x1, const mebes_array *a) {
   int64_t bytes = 0;
   for (int64_t c = 0; c < a->columns;) {

@@ -1,23 +1,23 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The size of a pattern file for a raster-scan mask writer, by a model of the
-   MEBES format (README.md). */
+/* Size of a pattern file for a raster-scan mask writer, by a model of the MEBES
+   format (README.md). */
 #ifndef OPCFLOW_COST_MEBES_H
 #define OPCFLOW_COST_MEBES_H
 
 #include <eda/geometry.h>
 
-/* Copies side by side; 1, 1 for a single one. Steps in units of the grid. */
+/* Array of copies; 1, 1 for a single one. Steps in grid units. */
 typedef struct mebes_array {
   int64_t columns, rows, step_x, step_y;
 } mebes_array;
 
 enum { MEBES_STRIPE = 1024, MEBES_SEGMENT = 32768, MEBES_BLOCK = 2048 };
 
-/* How many segments lie over an extent repeated as `array`. */
+/* Return the number of segments over an extent repeated as `array`. */
 int64_t mebes_segments(eda_box extent, const mebes_array *array);
 
-/* Bytes of the file that has the rectangles, repeated as `array`; the first
-   segment and stripe begin at the lower left corner of `extent`. */
+/* Return the size of a file of these rectangles, repeated as `array`, in bytes.
+   The first segment and stripe begin at the lower left corner of `extent`. */
 int64_t mebes_bytes(const eda_box *boxes, size_t count, eda_box extent,
                     const mebes_array *array);
 

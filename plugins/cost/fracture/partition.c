@@ -1,41 +1,44 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The fewest rectangles (T. Ohtsuki, "Minimum dissection of rectilinear
-   regions", ISCAS 1982): each concave corner costs a cut, but a chord between
-   two of them serves both. Of the chords as many are taken as do not touch each
-   other: a largest independent set of a bipartite graph, from a largest
-   matching. Every other corner is cut one way or the other, which makes as many
-   rectangles: the way that leaves no sliver, or else the shorter one. A chord
-   that cuts a sliver off is not taken: a rectangle more is cheaper. */
+/* Implements the minimum partition into rectangles (T. Ohtsuki, "Minimum
+   dissection of rectilinear regions", ISCAS 1982). Each concave corner requires
+   a cut, but a chord between two of them serves both. A largest set of disjoint
+   chords is selected: a maximum independent set of a bipartite graph, computed
+   from a maximum matching.
+
+   Each remaining corner is cut in one of two directions, both of which give the
+   same count: the direction without slivers, or else the shorter one. Chords
+   that cut off slivers are excluded, since an additional rectangle costs
+   less. */
 #include "partition.h"
 
 #include <eda/memory.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Points of a polygon that is done so, as the work is cubic, and holes among
-   which one is looked for in each polygon. */
+/* Largest polygon, because the algorithm is cubic, and largest number of holes
+   that are searched for each polygon. */
 enum { MOST = 512, MOST_HOLES = 1000 };
 
-/* A cut: `at` is its y if it is horizontal, and from .. to its extent along x;
-   the other way round if it is upright. */
+/* A cut: `at` is its y if horizontal, and from .. to its extent along x;
+   exchanged if vertical. */
 typedef struct chord {
   int32_t at, from, to;
 } chord;
 
-enum { EDGE = 1, CUT = 2 }; /* what stands beside a cell */
+enum { EDGE = 1, CUT = 2 }; /* kinds of a cell's borders */
 
 typedef struct work {
   eda_point p[MOST];
   uint8_t concave[MOST];
   int n;
-  chord chord[2][MOST]; /* horizontal, upright */
+  chord chord[2][MOST]; /* horizontal, vertical */
   int chords[2];
-  int match[2][MOST]; /* the partner of each, -1 for none */
+  int match[2][MOST]; /* partner of each chord; -1: none */
   uint8_t seen[2][MOST];
-  int32_t line[2][MOST]; /* x of the upright edges, y of the others, sorted */
+  int32_t line[2][MOST]; /* sorted x of the vertical edges, y of the horizontal
+                            ones */
   int lines[2];
-  /* The cells between these lines, and what is to the left of each and below
-     it. */
+  /* Cells between these lines, with their left and lower borders. */
   uint8_t left[MOST / 2][MOST / 2], below[MOST / 2][MOST / 2];
   uint8_t done[MOST / 2][MOST / 2];
 } work;
@@ -47,15 +50,15 @@ static int32_t across(eda_point p, int way) { return way ? p.x : p.y; }
 
 static eda_point point(const work *w, int i) { return w->p[(i + w->n) % w->n]; }
 
-/* Which way the line through a corner goes on into the polygon: away from its
-   edge of that way. */
+/* Return the sign of the direction in which the line through a corner enters
+   the polygon, opposite to its edge along that direction. */
 static int onwards(const work *w, int i, int way) {
   eda_point p = point(w, i), a = point(w, i - 1), b = point(w, i + 1);
   eda_point other = across(a, way) == across(p, way) ? a : b;
   return along(other, way) < along(p, way) ? 1 : -1;
 }
 
-/* Whether an edge stands in the way between two corners. */
+/* Return 1 if an edge crosses the line between two corners. */
 static int blocked(const work *w, int32_t at, int32_t from, int32_t to,
                    int way) {
   for (int i = 0; i < w->n; i++) {
@@ -92,8 +95,8 @@ static int32_t beside(chord c, int32_t at, int32_t from, int32_t to,
   return d > 0 && d < least && low < c.to && high > c.from ? d : least;
 }
 
-/* How far the next edge, or one of the first `cuts` cuts of its way, lies
-   beside a cut, at most `sliver`. */
+/* Return the distance of a cut from the nearest parallel edge or one of the
+   first `cuts` cuts, at most `sliver`. */
 static int32_t thickness(const work *w, chord c, int way, int cuts,
                          int32_t sliver) {
   for (int k = 0; k < w->n; k++) {
@@ -108,7 +111,7 @@ static int32_t thickness(const work *w, chord c, int way, int cuts,
   return sliver;
 }
 
-/* Leave only chords beside which no sliver is cut off. */
+/* Keep the chords that do not cut off slivers. */
 static void drop_thin(work *w, int32_t sliver) {
   uint8_t thin[2][MOST];
   for (int way = 0; way < 2; way++)
@@ -129,7 +132,7 @@ static int touch(const work *w, int h, int v) {
   return b.at >= a.from && b.at <= a.to && a.at >= b.from && a.at <= b.to;
 }
 
-/* A way to match one more horizontal chord. */
+/* Find an augmenting path for a horizontal chord. Returns 1 on success. */
 static int augment(work *w, int h) {
   for (int v = 0; v < w->chords[1]; v++) {
     if (w->seen[1][v] || !touch(w, h, v)) continue;
@@ -142,18 +145,19 @@ static int augment(work *w, int h) {
   return 0;
 }
 
-/* All that alternating paths lead to from an unmatched horizontal one. */
+/* Mark the chords reachable by alternating paths from an unmatched horizontal
+   one. */
 static void visit(work *w, int h) {
   if (w->seen[0][h]) return;
   w->seen[0][h] = 1;
   for (int v = 0; v < w->chords[1]; v++) {
     if (w->seen[1][v] || !touch(w, h, v)) continue;
     w->seen[1][v] = 1;
-    visit(w, w->match[1][v]); /* it has one, or the matching could grow */
+    visit(w, w->match[1][v]); /* matched, since the matching is maximal */
   }
 }
 
-/* Keep the chords of a largest independent set. */
+/* Keep the chords of a maximum independent set. */
 static void choose(work *w) {
   memset(w->match, -1, sizeof w->match);
   for (int h = 0; h < w->chords[0]; h++) {
@@ -184,7 +188,7 @@ static int is_served(const work *w, int i) {
   return 0;
 }
 
-/* The cut from a corner on to the next edge or cut. */
+/* Return the cut from a corner to the next edge or cut. */
 static chord cut_from(const work *w, int i, int way) {
   int32_t at = across(w->p[i], way), from = along(w->p[i], way);
   int sign = onwards(w, i, way);
@@ -249,7 +253,7 @@ static int number_of(const work *w, int way, int32_t value) {
                line);
 }
 
-/* Put a piece of an edge or a cut between the cells beside it. */
+/* Mark an edge or cut as border of the cells along it. */
 static void put_wall(work *w, int way, chord c, uint8_t what) {
   int at = number_of(w, !way, c.at);
   int from = number_of(w, way, c.from), to = number_of(w, way, c.to);
@@ -279,7 +283,7 @@ static void put_walls(work *w) {
       put_wall(w, way, w->chord[way][i], CUT);
 }
 
-/* The rectangle with its lower left corner in a cell. */
+/* Append the rectangle whose lower left corner is in a cell. */
 static void take(work *w, int i, int j, eda_box_list *out) {
   int right = i + 1, top = j + 1;
   while (!w->left[j][right]) right++;
@@ -324,7 +328,7 @@ static eda_box bounds(const eda_shapes *s, size_t i) {
   return eda_bounds(s->points + s->start[i], s->start[i + 1] - s->start[i]);
 }
 
-/* A polygon that no hole may lie in, upright, and small enough. */
+/* Return 1 for a rectilinear polygon without holes that is small enough. */
 static int is_plain(const eda_shapes *s, size_t i, const eda_box *holes,
                     size_t n_holes) {
   uint32_t first = s->start[i], end = s->start[i + 1];
@@ -332,7 +336,7 @@ static int is_plain(const eda_shapes *s, size_t i, const eda_box *holes,
     return 0;
   for (uint32_t k = first; k < end; k++) {
     eda_point a = s->points[k], b = s->points[k + 1 < end ? k + 1 : first];
-    if (a.x != b.x && a.y != b.y) return 0; /* for `fracture` to refuse */
+    if (a.x != b.x && a.y != b.y) return 0; /* rejected by eda_fracture */
   }
   eda_box b = n_holes ? bounds(s, i) : (eda_box){0};
   for (size_t h = 0; h < n_holes; h++)
@@ -342,7 +346,7 @@ static int is_plain(const eda_shapes *s, size_t i, const eda_box *holes,
   return 1;
 }
 
-/* Cut the plain polygons; the others are gathered in `rest`. */
+/* Partition the plain polygons and collect the others in `rest`. */
 static void cut_plain(const eda_shapes *s, int32_t sliver, eda_shapes *rest,
                       eda_box_list *out) {
   work *w = eda_alloc(1, sizeof *w);

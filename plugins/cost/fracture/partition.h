@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A polygon cut into as few rectangles as can be. */
+/* Minimum partition of polygons into rectangles. */
 #ifndef OPCFLOW_COST_PARTITION_H
 #define OPCFLOW_COST_PARTITION_H
 
 #include <eda/geometry.h>
 
-/* Merged shapes as rectangles that do not overlap: polygons without holes of at
-   most 512 points as few as can be without such as are narrower than `sliver`,
-   where the shapes allow it (0: as few as can be); the others as eda_fracture
-   does. *boxes is freed with free(). */
+/* Partition merged shapes into rectangles without overlap. Polygons of at most
+   512 points without holes get the smallest number of rectangles that are not
+   narrower than `sliver` where possible (0: the smallest number); others are
+   cut by eda_fracture. The caller frees *boxes with free(). Returns the codes
+   of eda_fracture. */
 int partition(const eda_shapes *shapes, int32_t sliver, eda_box **boxes,
               size_t *count, opc_error *error);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* draw.chip: a figure of the transistors of a chip, as a map. It is a raster of
-   the picture's size however large the chip is: a pixel shows the worst of the
-   transistors in it. */
+/* Implements the step `draw.chip`: a map of a figure of a chip's transistors.
+   The raster has the picture's size; a pixel shows the worst of its
+   transistors. */
 #include <eda/chip.h>
 #include <eda/drawing.h>
 #include <eda/memory.h>
@@ -24,16 +24,16 @@ typedef struct drawer {
   double range; /* % */
 } drawer;
 
-/* Pixels; NAN: none, INFINITY: a transistor that does not print. */
+/* Pixels; NAN: no transistor, INFINITY: does not print. */
 typedef struct raster {
   int width, height;
-  double scale; /* pixels a grid step */
+  double scale; /* pixels per grid step */
   double *value;
 } raster;
 
 /* ---- work: figures ---- */
 
-/* How many transistors have each mask. */
+/* Count the transistors of each mask; the caller frees the array. */
 static uint32_t *count_classes(const eda_chip *c) {
   uint32_t *size = eda_alloc(c->masks, sizeof *size);
   for (size_t i = 0; i < c->count; i++) size[c->gate[i].mask]++;
@@ -53,7 +53,8 @@ static double figure(const drawer *d, const uint32_t *size, size_t i) {
                             : fabs(after) - fabs(before);
 }
 
-/* Of two in a pixel: the larger deviation, the smaller class. */
+/* Return the value that a pixel shows: the larger deviation or the smaller
+   class. */
 static double worse(int show, double a, double b) {
   if (isnan(a)) return b;
   if (show == CLASSES) return fmin(a, b);
@@ -87,7 +88,7 @@ static void fill(const drawer *d, raster *r) {
 
 /* ---- work: colours ---- */
 
-/* What the ends of the colours mean, as round numbers of a scale do. */
+/* Return the value at the ends of the colour scale, a round number. */
 static double find_range(const drawer *d, const raster *r) {
   double most = 0;
   if (!isnan(d->range)) return d->range;
@@ -190,7 +191,7 @@ static int run(void *self, void **outputs, opc_error *error) {
   if (!path) return error->code;
   raster r = {.width =
                   (int)(d->width - 2 * ceil(fmax(9, (double)d->width / 70)))};
-  /* A chip that is higher than wide gets a square at most. */
+  /* A tall chip is limited to a square. */
   r.scale = r.width / fmax(fmax(wide, high), 1);
   r.height = (int)fmax(1, ceil(high * r.scale));
   r.width = (int)fmax(1, ceil(wide * r.scale));

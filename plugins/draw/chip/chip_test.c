@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A chip made by hand, its map read back: colours at known places, and a size
-   that does not grow. */
+/* Tests the map of a chip made by hand: colours at known positions, and a
+   bounded size. */
 #include <cairo.h>
 #include <eda/chip.h>
 #include <eda/drawing.h>
@@ -11,8 +11,9 @@
 
 #include "tools/devel/testing.h"
 
-/* `n` transistors in each direction, 1 um apart; all print as drawn but the
-   second, which is too strong by 10 %, and the last, which does not print. */
+/* Return a chip with n transistors in each direction, 1 um apart. All print as
+   drawn except the second, whose current is 10 % too high, and the last, which
+   does not print. */
 static eda_chip *chip_new(size_t n) {
   eda_chip *c = eda_alloc(1, sizeof *c);
   int32_t far = (int32_t)n * 1000;
@@ -51,7 +52,7 @@ static cairo_surface_t *draw(eda_chip *chip, const char *map) {
   return s;
 }
 
-/* How many pixels below the legend have a colour. */
+/* Count the pixels of a colour below the legend. */
 static int count(cairo_surface_t *s, uint32_t colour) {
   int width = cairo_image_surface_get_width(s);
   int height = cairo_image_surface_get_height(s), n = 0;
@@ -80,12 +81,12 @@ static void near(int a, double b) {
 
 static void test_colours(void) {
   eda_chip *c = chip_new(4);
-  /* 400 pixels less a font of 9 on each side for 4 um */
+  /* 400 pixels minus a font of 9 on each side for 4 um */
   double gate = 0.8 * 382 / 4 * 0.8 * 382 / 4;
   cairo_surface_t *s = draw(c, "{ width: 400 }");
   near(count(s, rgb(eda_diverging(1))), gate);
   near(count(s, rgb(eda_ink)), gate);
-  /* of the paper's colour */
+  /* equal to the colour of the paper */
   int white = count(s, rgb(eda_diverging(0.5)));
   cairo_surface_destroy(s);
   s = draw(c, "{ width: 400, show: before }");
@@ -98,7 +99,8 @@ static void test_colours(void) {
   eda_chip_free(c);
 }
 
-/* A quarter of a million: as large a picture; what is worst is still seen. */
+/* A quarter of a million transistors: equal size, and the worst one is
+   visible. */
 static void test_many(void) {
   eda_chip *few = chip_new(4), *many = chip_new(500);
   cairo_surface_t *a = draw(few, "{ width: 300 }");

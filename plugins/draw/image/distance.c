@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* How far the contours of two models are apart. From every point of one, the
-   nearest of the other's points is looked up, and from there the foot of the
-   perpendicular is found on its level set, which is exact between points as
-   well. That is done both ways, so that what only one of them prints counts. */
+/* Implements the distance between the contours of two models. For each point of
+   one contour, the nearest point of the other is found, and from there the foot
+   of the perpendicular on the exact level set. Both directions count, so that
+   features printed by one model only are included. */
 #include <eda/index.h>
 #include <eda/memory.h>
 #include <math.h>
@@ -11,15 +11,15 @@
 #include "image.h"
 
 enum { MAX_NODES = 4000000 };
-static const double finest = 2;   /* nm between points of a contour */
-static const double beyond = 200; /* nm around the window: nearest points */
-static const double near = 10;    /* where a nearest point is looked for first,
-                                     nm */
+static const double finest = 2;   /* distance of contour points, nm */
+static const double beyond = 200; /* margin around the window for nearest
+                                     points, nm */
+static const double near = 10;    /* first search radius, nm */
 
 /* ---- the points of a contour ---- */
 
-/* `place` are x, y; `weight` is the length of contour that a point stands for,
-   0 outside of the window. The index is in nm. */
+/* Points of contours. `place`: x, y in nm. `weight`: length of contour for each
+   point, 0 outside of the window. The index is in nm. */
 typedef struct line {
   const eda_field *print;
   size_t n;
@@ -34,7 +34,8 @@ static void release(line *l) {
   eda_index_free(l->index);
 }
 
-/* Contours are closed along the border of the frame; that is none of theirs. */
+/* Return 1 for a point on the frame's border, along which contours are
+   closed. */
 static int on_border(eda_frame f, const double *p) {
   const double slack = 1e-6;
   return p[0] - f.x0 < slack || f.x0 + f.width - p[0] < slack ||
@@ -45,7 +46,7 @@ static double apart(const double *a, const double *b) {
   return hypot(a[0] - b[0], a[1] - b[1]);
 }
 
-/* Take the closed line of n points at p. */
+/* Append a closed line of n points. */
 static void take(const view *v, line *l, const double *p, size_t n) {
   for (size_t i = 0; i < n; i++) {
     const double *at = p + 2 * i;
@@ -61,7 +62,7 @@ static void take(const view *v, line *l, const double *p, size_t n) {
   }
 }
 
-/* All places within `reach` of one. */
+/* Return the box of all points within `reach` of p. */
 static eda_box around(const double *p, double reach) {
   const double most = 1 << 30;
   return (eda_box){(int32_t)fmax(floor(p[0] - reach), -most),
@@ -102,7 +103,8 @@ static int make_line(const view *v, const eda_field *print, line *l,
 
 /* ---- the nearest place ---- */
 
-/* Its distance; `best` is its number. The line has points. */
+/* Return the distance to the nearest point, and its number in *best. The line
+   must have points. */
 static double nearest_point(const line *l, const double *p, uint32_t *best) {
   double least = INFINITY;
   for (double reach = near; least > reach; reach *= 2) {
@@ -115,8 +117,9 @@ static double nearest_point(const line *l, const double *p, uint32_t *best) {
   return least;
 }
 
-/* From a point of the line to the foot of the perpendicular from p: onto the
-   level set along its gradient, then along it towards p. */
+/* Return the distance of p from the foot of its perpendicular, found from a
+   start point by alternating steps along the gradient and along the level
+   set. */
 static double foot(const line *l, const double *p, const double *from) {
   double x = from[0], y = from[1];
   for (int i = 0; i < 30; i++) {
@@ -147,18 +150,19 @@ static void walk_point(void *data, size_t i) {
   const double *p = w->from->place + 2 * i;
   uint32_t best = 0;
   double d = nearest_point(w->to, p, &best), value;
-  /* What is beyond the curve's centre may lead elsewhere. */
+  /* Beyond the centre of curvature the iteration may find another foot. */
   if (d > 0) d = fmin(d, foot(w->to, p, w->to->place + 2 * (size_t)best));
   eda_field_sample(w->to->print, p, p + 1, 1, &value);
   w->distance[i] = value > 0 ? -d : d;
 }
 
 typedef struct sums {
-  double length, first, second; /* weights; times distance; times its square */
+  double length, first, second; /* sums of weight, weight * distance, weight *
+                                   distance^2 */
 } sums;
 
-/* Add the distances from one line to the other; `sign` is that of a place of
-   `from` outside of `to`. */
+/* Add the distances from one line to the other; `sign` is the sign for points
+   of `from` outside of `to`. */
 static void add(const opc_context *context, const line *from, const line *to,
                 double sign, sums *s, image_distance *out) {
   walk w = {from, to, eda_alloc(from->n, sizeof *w.distance)};
@@ -190,7 +194,7 @@ static image_distance compare(const opc_context *context, const line *first,
   return d;
 }
 
-/* The intensities along a line. */
+/* Find the range of intensities along a line. */
 static void find_levels(image_model *m, const line *l) {
   m->low = m->high = NAN;
   for (size_t i = 0; i < l->n; i++) {
@@ -198,7 +202,7 @@ static void find_levels(image_model *m, const line *l) {
     double value;
     if (l->weight[i] == 0) continue;
     eda_field_sample(&m->image, p, p + 1, 1, &value);
-    m->low = fmin(m->low, value); /* value if it is NAN */
+    m->low = fmin(m->low, value); /* value if `low` is NAN */
     m->high = fmax(m->high, value);
   }
 }

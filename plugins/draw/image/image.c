@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* draw.image: one place of a layout under several models of optics and resist:
-   the aerial image of the first, the contours that each prints, and how far
-   they are apart. */
+/* Implements the step `draw.image`: a part of a layout simulated by several
+   models of optics and resist, with the aerial image of the first, the contours
+   of each, and their distances. */
 #include "image.h"
 
 #include <eda/print.h>
@@ -36,7 +36,7 @@ static int choose_mask(image_run *r, opc_error *error) {
   return view_init(&r->view, r->host, r->gates, mask ? "mask" : "gates", error);
 }
 
-/* What comes behind the family of a plugin's id. */
+/* Return the part of a plugin's id after the family name. */
 static const char *short_name(const opc_module *m) {
   const char *dot = strchr(m->id, '.');
   return dot ? dot + 1 : m->id;
@@ -56,7 +56,7 @@ static void choose_models(image_run *r) {
   }
 }
 
-/* The image of the mask by a model that was calibrated, and what it prints. */
+/* Compute the image and the print of the mask with a calibrated model. */
 static int print_mask(const image_run *r, image_model *m, eda_printer *p,
                       opc_error *error) {
   const eda_litho *litho = &p->litho.functions;
@@ -108,14 +108,14 @@ static int run(void *self, void **outputs, opc_error *error) {
   return code;
 }
 
-/* What one model after another wants, the largest of them. */
+/* Forecast the largest memory of any model; models run one after another. */
 static int forecast(void *self, opc_forecast *out, opc_error *error) {
   image_run *r = self;
   eda_image_size most = {0};
   const eda_gates *gates =
       r->asked.mask ? r->asked.mask->gates : r->asked.gates;
   (void)error;
-  if (!gates) return OPC_OK; /* run says so */
+  if (!gates) return OPC_OK; /* reported by run */
   choose_models(r);
   for (size_t k = 0; k < r->n; k++) {
     eda_printer printer;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The pieces of draw.image. */
+/* Declarations shared by the files of draw.image. */
 #ifndef OPCFLOW_DRAW_IMAGE_H
 #define OPCFLOW_DRAW_IMAGE_H
 
@@ -9,26 +9,27 @@
 
 enum { IMAGE_MODELS = 4 };
 
-/* A model's contours against those of the first one; NAN where one of the two
-   has none in the window. */
+/* Distance of a model's contours from those of the first model; NAN if one of
+   the two has none in the window. */
 typedef struct image_distance {
-  double mean; /* signed, positive where this model prints more, nm */
+  double mean; /* signed mean, positive where this model prints more, nm */
   double rms;  /* nm */
   double max;  /* nm */
-  double x, y; /* where, nm */
+  double x, y; /* position of the largest distance, nm */
 } image_distance;
 
-/* Gates in the window, cut through their middles; NAN if none prints. */
+/* Mean figures of the gates in the window, in their middles; NAN if none
+   prints. */
 typedef struct image_gates {
   double cd;   /* mean printed length (of active: width), nm */
-  double ils;  /* mean of |dI/dl| / I at both edges, 1/nm */
-  double nils; /* drawn length times the least of them, the least gate's */
+  double ils;  /* image log slope: mean of |dI/dl| / I at both edges, 1/nm */
+  double nils; /* normalised: smallest drawn length times its log slope */
   int64_t failed;
 } image_gates;
 
-/* A pair of optics and resist, and what it made of the mask. */
+/* A pair of optics and resist with its results. */
 typedef struct image_model {
-  const char *group; /* of its parameters: "first" */
+  const char *group; /* name of the parameter group: "first" */
   char *label;
   const opc_module *litho, *resist;
   eda_field image, print; /* intensity, level set */
@@ -44,29 +45,31 @@ typedef struct image_run {
     const eda_mask *mask;
     const eda_gates *gates;
     const char *layer;
-    double margin; /* of clear field around the layout, nm */
+    double margin; /* clear field around the layout, nm */
     struct {
       const char *label;
       const opc_module *litho, *resist;
     } model[IMAGE_MODELS];
   } asked; /* parameters */
   const eda_gates *gates;
-  size_t layer;             /* which of theirs */
-  const eda_shapes *shapes; /* of the mask of that layer */
-  int corrected;            /* whether these are others than drawn */
-  double brightest;         /* the end of the colour scale, clear field 1 */
+  size_t layer;             /* layer of the gates */
+  const eda_shapes *shapes; /* mask of that layer */
+  int corrected;            /* 1: the mask differs from the drawn shapes */
+  double brightest;         /* end of the colour scale, clear field 1 */
   size_t n;
   image_model model[IMAGE_MODELS];
 } image_run;
 
 /* ---- distance.c ---- */
 
-/* Low, high and distance of all models. */
+/* Compute low, high and distance of all models. Returns OPC_OK or an error
+   code. */
 int image_measure_contours(image_run *r, opc_error *error);
 
 /* ---- report.c ---- */
 
-/* Gates of all models, the table, the metrics. */
+/* Measure the gates of all models and write the table and metrics. Returns
+   OPC_OK or an error code. */
 int image_report(image_run *r, opc_error *error);
 
 /* ---- picture.c ---- */

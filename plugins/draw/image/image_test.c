@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Images that have closed forms, and the distances of their contours; the same
-   with real optics; and the picture read back: colours at known places. */
+/* Tests images with closed forms and the distances of their contours, the same
+   with real optics, and colours at known positions of the picture. */
 #include <eda/gates.h>
 #include <eda/litho.h>
 #include <eda/memory.h>
@@ -56,13 +56,13 @@ static void make(lines *l) {
 
 /* ---- images with closed forms ---- */
 
-/* 0.5 - deep cos(2 pi (x - 125) / pitch) + uneven cos(pi (x - 125) / pitch):
-   with `uneven`, every other line is less dark. `slope` turns it: whole periods
-   along y, in a field of SIDE. */
+/* Image 0.5 - deep cos(2 pi (x - 125) / pitch) + uneven cos(pi (x - 125) /
+   pitch): with `uneven`, every other line is less dark. `slope` rotates the
+   image, with whole periods along y in a field of SIDE. */
 typedef struct waves {
   double deep, uneven;
   int slope;
-  double fault; /* is added to one value */
+  double fault; /* added to one value */
 } waves;
 
 static double intensity(const waves *w, double x, double y) {
@@ -107,7 +107,7 @@ static const eda_litho waves_functions = {
       ": { litho: { use: litho.hopkins }, resist: { use: " \
       "resist.threshold, threshold: " #threshold ", active_threshold: 0.3 } }"
 
-/* Run with the waves, if there are any, for the optics of all n models. */
+/* Run draw.image with the waves, if any, as the optics of all n models. */
 static int draw(const char *mapping, const waves *w, int n, lines *l,
                 opc_error *error) {
   static const char *const names[] = {"first.litho", "second.litho"};
@@ -137,7 +137,7 @@ static void close_to(double value, double want, double tolerance) {
 
 /* ---- distances ---- */
 
-/* Half of what prints of a line below a threshold. */
+/* Return half of the width of a line printed below a threshold. */
 static double half(const waves *w, double threshold) {
   return pitch / (2 * M_PI) * acos((0.5 - threshold) / w->deep);
 }
@@ -162,7 +162,7 @@ static void test_same(void) {
   g_assert_cmpfloat(opc_test_metric("max"), ==, 0);
 }
 
-/* Another threshold moves contours along the slope of the image. */
+/* Another threshold shifts the contours along the slope of the image. */
 static void test_shift(void) {
   lines l;
   make(&l);
@@ -183,14 +183,14 @@ static void test_shift(void) {
   close_to(of("intensity_low", 1), 0.41, 1e-4);
   close_to(of("intensity_high", 1), 0.41, 1e-4);
   close_to(opc_test_metric("rms"), away, 1e-3);
-  /* The other way round, less is printed. */
+  /* In the opposite order, less is printed. */
   must_draw("{ " FRAME
             ", width: 300, " PAIR("first", 0.41) ", " PAIR("second", 0.4) " }",
             &w, 2, &l);
   close_to(of("mean", 1), -away, 1e-4);
 }
 
-/* At right angles to the contour, wherever that points. */
+/* Distances are perpendicular to the contour in any direction. */
 static void test_slanted(void) {
   lines l;
   make(&l);
@@ -207,7 +207,8 @@ static void test_slanted(void) {
   }
 }
 
-/* Where the image of uneven lines passes a level, between from and to. */
+/* Return the position between `from` and `to` where the image of uneven lines
+   passes a level. */
 static double crossing(const waves *w, double level, double from, double to) {
   double sign = intensity(w, from, 0) < level ? 1 : -1;
   for (int i = 0; i < 60; i++) {
@@ -220,9 +221,8 @@ static double crossing(const waves *w, double level, double from, double to) {
   return from;
 }
 
-/* Lines that only one of the models prints are as far from the other's contours
-   as these are away, whichever comes first; those that print nothing have no
-   distance. */
+/* Lines that one model alone prints have the distance of the other's nearest
+   contours, in either order; models without contours have no distance. */
 static void test_missing(void) {
   static const char *const both_ways[] = {
       "{ " FRAME
@@ -232,8 +232,8 @@ static void test_missing(void) {
   lines l;
   make(&l);
   waves w = {.deep = 0.3, .uneven = 0.08}; /* lines of 0.28 and 0.12 */
-  /* The line about 375 prints in both, that about 125 at 0.3 only: from its
-     edge at the left there is nothing nearer than that line, in the field. */
+  /* The line at 375 prints in both, that at 125 at 0.3 only: the nearest
+     contour to its left edge is that of the first line. */
   double left = crossing(&w, 0.3, 125, 20);
   double other = crossing(&w, 0.15, 375, 250);
   for (int k = 0; k < 2; k++) {
@@ -251,7 +251,7 @@ static void test_missing(void) {
   g_assert_true(isnan(opc_test_metric("max")));
 }
 
-/* With real optics: lengths follow the slopes that the table has. */
+/* With real optics, distances follow the slopes in the table. */
 static void test_optics(void) {
   lines l;
   make(&l);
@@ -273,7 +273,8 @@ static void test_optics(void) {
 
 /* ---- the picture ---- */
 
-/* The pixel at a place of a window of 500 nm that begins at (0, 250). */
+/* Return the pixel of a position in a window of 500 nm that begins at (0,
+   250). */
 static int column(const picture *p, double x) {
   return p->left + (int)floor(x * (p->right - p->left + 1) / 500);
 }
@@ -289,7 +290,8 @@ static int near_colour(uint32_t a, uint32_t b, int tolerance) {
   return 1;
 }
 
-/* How much of a vertical line at x has a colour within a pixel of it. */
+/* Return the fraction of a vertical line at x that has a colour within one
+   pixel. */
 static double part_of(const picture *p, double x, uint32_t colour) {
   int found = 0, n = 0;
   for (int y = row(p, 700); y < row(p, 300); y++, n++) {
@@ -317,15 +319,15 @@ static void test_picture(void) {
     picture p = load_picture("image.png", 0.25);
     g_assert_cmpint(p.width, ==, widths[i]);
     g_assert_cmpint(p.bottom - p.top, ==, p.right - p.left);
-    /* The image: both ends of the scale and its middle, Brewer's YlGnBu. */
+    /* The image: both ends and the middle of the scale, Brewer's YlGnBu. */
     g_assert_true(
         near_colour(pixel(&p, column(&p, 125), row(&p, 500)), 0x081d58, 3));
     g_assert_true(
         near_colour(pixel(&p, column(&p, 250), row(&p, 500)), 0xffffd9, 3));
-    double quarter = 125 + pitch / (2 * M_PI) * acos(-0.5); /* of 0.75 */
+    double quarter = 125 + pitch / (2 * M_PI) * acos(-0.5); /* at 0.75 */
     g_assert_true(
         near_colour(pixel(&p, column(&p, quarter), row(&p, 500)), 0xc7e9b4, 6));
-    /* Contours: the first all along, half of the second in dashes. */
+    /* Contours: the first one solid, half of the second in dashes. */
     close_to(part_of(&p, 125 + half(&w, 0.3), 0xffffff), 1, 0.02);
     close_to(part_of(&p, 125 - half(&w, 0.3), 0xffffff), 1, 0.02);
     close_to(part_of(&p, 125 + half(&w, 0.5), 0xff9a1f), 0.5, 0.12);
@@ -337,7 +339,7 @@ static void test_picture(void) {
   }
 }
 
-/* The image repeats beyond its frame, the picture of it does not. */
+/* The picture does not repeat the image beyond its frame. */
 static void test_beyond(void) {
   lines l;
   make(&l);
@@ -365,8 +367,8 @@ static int rows_with(const picture *p, uint32_t colour) {
   return n;
 }
 
-/* Below the window each model has a lens in its colour, unless it prints as the
-   first does. */
+/* Each model has a lens in its colour below the window, unless its contours
+   equal the first model's. */
 static void test_lens(void) {
   lines l;
   make(&l);
@@ -387,8 +389,8 @@ static void test_lens(void) {
   cairo_surface_destroy(p.surface);
 }
 
-/* A corrected mask prints what it is, not what was drawn; its outline is black.
-   Active is cut along the width. */
+/* A corrected mask is simulated as it is; its outline is black. Active is
+   measured along the width. */
 static void test_mask(void) {
   lines l, wide;
   opc_error error;

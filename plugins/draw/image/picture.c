@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The picture: the first model's image below, shapes and contours above. */
+/* Implements the picture: the first model's image, with shapes and contours on
+   top. */
 #include <glib.h>
 #include <math.h>
 #include <stdio.h>
@@ -8,7 +9,7 @@
 
 /* ---- colours ---- */
 
-/* Of contours, on the blue half of the scale, where they lie. */
+/* Colours of contours, visible on the blue half of the scale. */
 static const eda_colour contour[IMAGE_MODELS] = {
     EDA_COLOUR(0xffffff), EDA_COLOUR(0xff9a1f), EDA_COLOUR(0xff6fcf),
     EDA_COLOUR(0xffee33)};
@@ -16,8 +17,8 @@ static const eda_colour drawn_colour = EDA_COLOUR(0xa9b8d6),
                         mask_colour = EDA_COLOUR(0x101010),
                         other_colour = EDA_COLOUR(0x0b6b3a);
 
-/* The layer that makes transistors with the one that is printed; that one
-   itself if there is no other. */
+/* Return the second transistor layer, or the printed layer itself if there is
+   none. */
 static size_t other_layer(const image_run *r) {
   return r->layer == EDA_POLY && r->gates->layers > EDA_ACTIVE ? EDA_ACTIVE
                                                                : EDA_POLY;
@@ -27,7 +28,8 @@ static size_t other_layer(const image_run *r) {
 
 enum { PROBES = 200 };
 
-/* The end of the scale: the brightest place of the window, rounded up. */
+/* Return the largest intensity in the window, rounded up, as the end of the
+   scale. */
 static double find_brightest(const image_run *r) {
   const view *v = &r->view;
   double brightest = 0;
@@ -54,7 +56,7 @@ static uint32_t packed(eda_colour c) {
          (uint32_t)lround(255 * c.b);
 }
 
-/* The image is periodic: what is beyond its frame is not of this layout. */
+/* Return 1 within the frame; the periodic image is not shown beyond. */
 static int inside(eda_frame f, double x, double y) {
   return x >= f.x0 && x <= f.x0 + f.width && y >= f.y0 && y <= f.y0 + f.height;
 }
@@ -81,7 +83,8 @@ static void paint_row(void *data, size_t row) {
   }
 }
 
-/* A pixel of the image for each of the window, whatever the format. */
+/* Draw the image with one sample for each pixel of the window, in any
+   format. */
 static void paint_image(const image_run *r) {
   const view *v = &r->view;
   cairo_surface_t *s = cairo_image_surface_create(
@@ -118,8 +121,8 @@ static int draw_contours(const image_run *r, size_t k, opc_error *error) {
   return code;
 }
 
-/* The first one all along, the others in dashes that take turns: contours that
-   lie upon each other are all seen. */
+/* Draw the first contour solid and the others in alternating dashes, so that
+   coincident contours are all visible. */
 static int dashed_contours(const image_run *r, opc_error *error) {
   const view *v = &r->view;
   double period = 2.2 * v->paper->font, dash = period / (double)r->n;
@@ -135,8 +138,8 @@ static int dashed_contours(const image_run *r, opc_error *error) {
 
 /* ---- lenses ---- */
 
-/* Below the window, for each model but the first one: where it is furthest from
-   the first one, so large that the distance is seen. */
+/* A lens below the window for each model but the first: the position of its
+   largest distance, magnified. */
 
 static int has_lens(const image_run *r, size_t k) {
   return k && r->model[k].distance.max >= 1e-3;
@@ -150,7 +153,7 @@ static int any_lens(const image_run *r) {
 
 static double lens_gap(const view *v) { return ceil(0.8 * v->paper->font); }
 
-/* Their width, the same for any number of models. */
+/* Return the width of a lens, equal for any number of models. */
 static double lens_width(const view *v) {
   double room = v->paper->width - 2 * v->paper->margin;
   return floor((room - (IMAGE_MODELS - 2) * lens_gap(v)) / (IMAGE_MODELS - 1));
@@ -158,7 +161,8 @@ static double lens_width(const view *v) {
 
 static double lens_height(const view *v) { return floor(0.6 * lens_width(v)); }
 
-/* What is seen of the layout: a round width of ten distances or more. */
+/* Return the width of the region in a lens, nm: round, at least ten
+   distances. */
 static double lens_nm(const image_model *m) {
   double wanted = 10 * m->distance.max, unit = pow(10, floor(log10(wanted)));
   if (wanted <= unit) return unit;
@@ -167,7 +171,7 @@ static double lens_nm(const image_model *m) {
                               : 10 * unit;
 }
 
-/* The view of a lens, number `place` of them. */
+/* Return the view of lens number `place`. */
 static view lens_view(const image_run *r, size_t k, size_t place) {
   view v = r->view;
   const image_model *m = &r->model[k];
@@ -183,8 +187,7 @@ static view lens_view(const image_run *r, size_t k, size_t place) {
   return v;
 }
 
-/* A sharp frame around a place, in the model's colour between thin dark
-   lines. */
+/* Draw a frame in the model's colour between thin dark lines. */
 static void frame(const view *v, eda_colour colour, double x, double y,
                   double width, double height) {
   double line = fmax(1, round(0.12 * v->paper->font));
@@ -228,7 +231,8 @@ static int lenses(const image_run *r, opc_error *error) {
   return code;
 }
 
-/* What stands below them; returns the height of all. */
+/* Draw the captions of the lenses. Returns the height of lenses and
+   captions. */
 static double lens_texts(const image_run *r, double top) {
   const view *v = &r->view;
   if (!any_lens(r)) return 0;
@@ -275,7 +279,7 @@ static double title(const void *self, double top) {
   return height + l.height + 0.4 * paper->font;
 }
 
-/* The sign of a line; a light one is seen on the blue that it is drawn for. */
+/* Return the legend sign of a line; light lines get a blue background. */
 static eda_sign sign_of(const view *v, eda_colour colour, double line,
                         int light) {
   return (eda_sign){.kind = EDA_SIGN_LINE,
@@ -285,7 +289,7 @@ static eda_sign sign_of(const view *v, eda_colour colour, double line,
                     .behind_line = light ? 0.8 * v->paper->font : 0};
 }
 
-/* "label: I = 0.404; 0.03, 0.12 nm" */
+/* Add a model to the legend: "label: I = 0.404; 0.03, 0.12 nm". */
 static void add_model(const image_run *r, size_t k, eda_legend *l) {
   const view *v = &r->view;
   const image_model *m = &r->model[k];

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The figures of draw.image: its gates, its table, its metrics. */
+/* Implements the gate measurements, table and metrics of draw.image. */
 #include <eda/print.h>
 #include <math.h>
 #include <opcflow/table.h>
@@ -8,8 +8,8 @@
 
 /* ---- gates ---- */
 
-/* The gates whose middles lie in the window, along what the layer prints of
-   them: poly the length, active the width. */
+/* Measure the gates whose centres are in the window: length in poly, width in
+   active. */
 static image_gates measure_gates(const image_run *r, const image_model *m) {
   const eda_gates *g = r->gates;
   image_gates s = {0, 0, INFINITY, 0};
@@ -61,7 +61,7 @@ int image_report(image_run *r, opc_error *error) {
   for (size_t k = 0; k < r->n; k++)
     r->model[k].gates = measure_gates(r, &r->model[k]);
   for (size_t k = 1; k < r->n; k++) {
-    rms = fmax(rms, r->model[k].distance.rms); /* what is not NAN */
+    rms = fmax(rms, r->model[k].distance.rms); /* fmax ignores NAN */
     max = fmax(max, r->model[k].distance.max);
   }
   const opc_metric_value values[] = {{isnan(rms) ? NULL : "rms", rms},

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Deviations of drive currents, and the scale of their colours. */
+/* Implements deviations of drive currents and their colour scale. */
 #include <eda/memory.h>
 #include <eda/print.h>
 #include <math.h>
@@ -8,8 +8,8 @@
 
 #include "drawer.h"
 
-/* Of the transistors: what the scale holds. The colours of the others are told
-   apart by it, and the few beyond are in the insets. */
+/* Fraction of the transistors within the scale. The insets show those
+   beyond. */
 static const double holds = 0.98;
 
 static const double most_asked = 1e6; /* % */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The worst transistors of a layout that is shown too small for single ones,
-   each with its surroundings and a letter that marks its place above. */
+/* Implements insets: the worst transistors of a layout shown at a small scale,
+   each with its environment and a letter at its position. */
 #include <eda/memory.h>
 #include <glib.h>
 #include <math.h>
@@ -9,13 +9,13 @@
 
 #include "drawer.h"
 
-/* Ours. */
+/* Tuned constants. */
 static const struct {
   double scale, least, sizes;
 } tuned = {
-    /* Pixels per nm above which a gate of 65 nm shows what it is. */
+    /* Pixels per nm above which a gate of 65 nm is recognisable. */
     .scale = 0.2,
-    /* What an inset shows at least, nm; and in widths of its gate. */
+    /* Smallest width of an inset, nm; and its width in sizes of the gate. */
     .least = 1000,
     .sizes = 1.6,
 };
@@ -25,7 +25,7 @@ typedef struct ranked {
   size_t gate;
 } ranked;
 
-/* The worst first; of equal ones the first. */
+/* Order by rank, then by number. */
 static int by_rank(const void *a, const void *b) {
   const ranked *p = a, *q = b;
   if (p->rank != q->rank) return p->rank < q->rank ? 1 : -1;
@@ -42,7 +42,7 @@ static double middle_y(const drawer *d, size_t i) {
   return ((double)g->box[i].y0 + g->box[i].y1) / 2 * g->grid;
 }
 
-/* The width of what an inset shows, nm. */
+/* Return the width of the region in an inset, nm. */
 static double side_of(const drawer *d, size_t i) {
   const eda_gates *g = d->mask->gates;
   eda_box b = g->box[i];
@@ -51,7 +51,7 @@ static double side_of(const drawer *d, size_t i) {
   return fmax(size, tuned.least);
 }
 
-/* Neighbours are seen in one inset. */
+/* Return 1 if an earlier inset shows the transistor. */
 static int is_seen(const drawer *d, size_t i) {
   for (size_t k = 0; k < d->n_worst; k++) {
     double half = side_of(d, d->worst[k]) / 2;
@@ -123,7 +123,7 @@ static void frame(const view *v, double x, double y, double width,
 
 /* ---- what they show ---- */
 
-/* A frame around what an inset shows, and its letter above on white. */
+/* Frame the region of an inset, with its letter above. */
 static void put_letter(const drawer *d, size_t place) {
   const view *v = &d->view;
   double font = v->paper->font, side = floor(1.3 * font);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* draw.mask: a picture of a corrected mask: what was drawn, the mask, what it
-   prints, and how far each transistor is from its drive current. */
+/* Implements the step `draw.mask`: a picture of the drawn layout, the corrected
+   mask, the printed contours and the drive current deviation of each
+   transistor. */
 #include <eda/memory.h>
 #include <math.h>
 #include <stdlib.h>
@@ -9,15 +10,15 @@
 
 /* ---- state ---- */
 
-/* Pixels per nm below which no line is drawn: of 65 nm, three pixels are left,
-   and the lines beside them would cover them. */
+/* Pixels per nm below which no lines are drawn: 65 nm are three pixels, which
+   lines would cover. */
 static const double coarse = 0.05;
 
 /* ---- work: what is shown ---- */
 
 int drawer_is_coarse(const view *v) { return v->scale < coarse; }
 
-/* Lines are seen in the window, or in an inset. */
+/* Return 1 if the window or an inset shows lines. */
 static int shows_lines(const drawer *d) {
   return !drawer_is_coarse(&d->view) || d->n_worst;
 }
@@ -39,8 +40,7 @@ static int is_contact(const eda_gates *g, size_t layer) {
   return (int)layer == eda_gates_layer(g, "contact");
 }
 
-/* What is drawn of a layer is shown of those that transistors need and of those
-   that are corrected. */
+/* Return 1 for the layers of transistors, corrected layers and contacts. */
 static int is_shown(const eda_gates *g, size_t layer) {
   return layer <= EDA_ACTIVE || g->corrected[layer] || is_contact(g, layer);
 }
@@ -74,7 +74,7 @@ static void draw_gate(const drawer *d, size_t i, eda_box clip) {
   if (drawer_fails(d, i)) eda_cross(v->paper, x, y, width, height);
 }
 
-/* The prints of the drawn mask, then those of the corrected one. */
+/* Contours of the drawn and of the corrected mask. */
 typedef struct contours {
   const drawer *drawer;
   view_contours *of; /* [2 * layer + corrected] */
@@ -88,7 +88,7 @@ static void find_contours(void *data, size_t i) {
   if (print) view_find_contours(&d->view, print, &c->of[i], &c->error[i]);
 }
 
-/* Beside the corrected one, the print of the drawn mask is dashed. */
+/* Draw the contours; those of the drawn mask are dashed in a difference. */
 static int draw_prints(const drawer *d, opc_error *error) {
   const double dash = 0.5 * d->view.paper->font;
   cairo_t *cairo = d->view.paper->cairo;
@@ -108,13 +108,13 @@ static int draw_prints(const drawer *d, opc_error *error) {
   return code;
 }
 
-/* What a regulator has found is of the corrected print. */
+/* Return the number of violations, which belong to the corrected print. */
 static size_t violations(const drawer *d) {
   return d->state == BEFORE ? 0 : d->mask->n_violations;
 }
 
-/* Rings, or where there are so many that they would cover the layout, dots that
-   take a tenth of it. */
+/* Mark violations by rings, or by dots that cover a tenth of the window if
+   there are too many for rings. */
 static void mark_violations(const drawer *d) {
   const view *v = &d->view;
   cairo_t *cairo = v->paper->cairo;
@@ -182,7 +182,7 @@ static double title(const void *self, double top) {
     if (mask->iterations)
       eda_legend_add(&l, NULL, "after %u iteration%s: mean %.2f, max %.2f %%",
                      mask->iterations, plural(mask->iterations), mean, max);
-    else /* nobody moved it: it came as it is */
+    else /* an imported mask without displacements */
       eda_legend_add(&l, NULL, "by this mask: mean %.2f, max %.2f %%", mean,
                      max);
   }

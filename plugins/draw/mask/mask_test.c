@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A mask made by hand, its picture read back: colours at known places. */
+/* Tests the picture of a mask made by hand: colours at known positions. */
 #include <eda/gates.h>
 #include <math.h>
 #include <string.h>
@@ -18,7 +18,7 @@ typedef struct rectangles {
   eda_shapes shapes;
 } rectangles;
 
-/* Everything that an eda_mask points to. */
+/* Storage of a mask. */
 typedef struct drawing {
   rectangles drawn[LAYERS], mask_of[LAYERS];
   char *layer[LAYERS];
@@ -38,8 +38,8 @@ static void rectangle(rectangles *r, int32_t x0, int32_t y0, int32_t x1,
   r->shapes = (eda_shapes){1, r->start, r->points, NULL};
 }
 
-/* level - cos - cos over one period each way: positive around the middle,
-   along its axes out to where a cosine is level - 1. */
+/* Return level - cos - cos over one period in each direction: positive around
+   the middle, along the axes up to cos = level - 1. */
 static eda_field island(double level) {
   eda_field f = {.frame = {0, 0, SIDE, SIDE}, .nx = NODES, .ny = NODES};
   f.coefficients = g_new(float, NODES *NODES);
@@ -52,8 +52,8 @@ static eda_field island(double level) {
   return f;
 }
 
-/* A cross of two bars, its middle two transistors. The print of the poly
-   passes (333 1/3, 500), where the cosine is -1/2. */
+/* Make a cross of two bars with two transistors in the middle. The print of the
+   poly passes (333 1/3, 500), where the cosine is -1/2. */
 static void make(drawing *d) {
   memset(d, 0, sizeof *d);
   rectangle(&d->drawn[EDA_POLY], 450, 100, 550, 900);
@@ -112,7 +112,7 @@ static double pixels_per_nm(const picture *m, double nm) {
   return (m->right - m->left + 1) / nm;
 }
 
-/* The pixel at a place of a window that begins at (0, 0). */
+/* Return the pixel of a position in a window that begins at (0, 0). */
 static uint32_t at(const picture *m, double window, double x, double y) {
   double scale = pixels_per_nm(m, window);
   return pixel(m, m->left + (int)floor(x * scale),
@@ -136,13 +136,13 @@ static void check_fills(const picture *m) {
   g_assert_cmpfloat(brightness(active), >, 200);
   g_assert_cmphex(at(m, SIDE, 500, 800), ==, poly);
   g_assert_cmphex(at(m, SIDE, 800, 400), ==, active);
-  /* Transistors, at the end and in the middle of the lower half of a scale of
-     2 %: Brewer's colours. */
+  /* Transistors at the end and in the middle of the lower half of a scale of 2
+     %: Brewer's colours. */
   g_assert_cmphex(at(m, SIDE, 480, 400), ==, 0xb2182b);
   g_assert_cmphex(at(m, SIDE, 520, 600), ==, 0x92c5de);
 }
 
-/* The darkest pixel near a place, on a line along x. */
+/* Return the darkest pixel near a position, along x. */
 static double darkest_near(const picture *m, double x, double y, int reach,
                            int *where) {
   double scale = pixels_per_nm(m, SIDE), least = 256;
@@ -157,7 +157,7 @@ static double darkest_near(const picture *m, double x, double y, int reach,
   return least;
 }
 
-/* Darker than a mask, where the cosine is -1/2. */
+/* Check the contour where the cosine is -1/2, darker than a mask. */
 static void check_print(const picture *m) {
   int where;
   g_assert_cmpfloat(darkest_near(m, 1000.0 / 3, 500, 8, &where), <, 100);
@@ -168,7 +168,7 @@ static void check_print(const picture *m) {
 
 static void check_lines(const picture *m) {
   int where;
-  /* The poly mask's left edge and the active mask's: thin, of two hues. */
+  /* The left edges of the poly and active masks: thin, of two hues. */
   g_assert_cmpfloat(darkest_near(m, 430, 870, 3, &where), <, 160);
   g_assert_cmpint(ABS(where), <=, 1);
   g_assert_cmpfloat(darkest_near(m, 120, 650, 3, &where), <, 160);
@@ -179,8 +179,8 @@ static void check_lines(const picture *m) {
   check_print(m);
 }
 
-/* The longest dark run below the window is the scale bar, a sixth of the
-   window rounded down to 1, 2 or 5. */
+/* Check the scale bar, the longest dark run below the window: a sixth of the
+   window, rounded down to 1, 2 or 5. */
 static void check_bar(const picture *m, double window, double nm) {
   int longest = 0;
   for (int y = m->bottom + 2; y < m->height; y++)
@@ -213,7 +213,7 @@ static void test_png(void) {
   }
 }
 
-/* A window shows what lies in it, as large as it gets. */
+/* A window fills the picture. */
 static void test_window(void) {
   drawing d;
   opc_error error;
@@ -230,7 +230,7 @@ static void test_window(void) {
   g_assert_cmphex(at(&m, 500, 480, 90), ==, 0xffffff);
   check_bar(&m, 500, 50);
   cairo_surface_destroy(m.surface);
-  /* A millionth of it, deep inside a bar: one colour. */
+  /* A millionth of the window, inside a bar: one colour. */
   g_assert_cmpint(draw(&d,
                        "{ window: [200 nm, 600 nm, 201 nm, 601 nm], "
                        "width: 1000, file: deep.png }",
@@ -245,7 +245,7 @@ static void test_window(void) {
   clear(&d);
 }
 
-/* Without a window: everything, with room around it. */
+/* Without a window: everything with a margin. */
 static void test_all(void) {
   drawing d;
   opc_error error;
@@ -253,12 +253,12 @@ static void test_all(void) {
   g_assert_cmpint(draw(&d, "{}", &error), ==, OPC_OK);
   picture m = load_picture("mask.png", 0.5);
   g_assert_cmpint(m.width, ==, 1600);
-  check_fills(&m); /* 100 nm around 100 .. 900: as if a window had been given */
+  check_fills(&m); /* 100 nm around 100 .. 900, as with an equal window */
   cairo_surface_destroy(m.surface);
   clear(&d);
 }
 
-/* Transistors that fail, have no current, or lie beyond the scale. */
+/* Transistors that fail, have no current, or are beyond the scale. */
 static void test_failing(void) {
   drawing d;
   opc_error error;
@@ -274,7 +274,7 @@ static void test_failing(void) {
   uint32_t unknown = at(&m, SIDE, 500, 600);
   g_assert_cmphex(unknown >> 16, ==, unknown & 255); /* grey */
   cairo_surface_destroy(m.surface);
-  d.flags[0] = EDA_PRINT_BITE; /* worth a look, no failure */
+  d.flags[0] = EDA_PRINT_BITE; /* a note, not a failure */
   g_assert_cmpint(draw(&d, "{ " WINDOW ", file: failing.png }", &error), ==,
                   OPC_OK);
   m = load_picture("failing.png", 0.5);
@@ -283,7 +283,7 @@ static void test_failing(void) {
   clear(&d);
 }
 
-/* How many pixels of a colour there are from a row on downwards. */
+/* Count the pixels of a colour from a row downwards. */
 static int count_colour(const picture *m, int from, uint32_t colour) {
   int n = 0;
   for (int y = from; y < m->height; y++)
@@ -298,7 +298,7 @@ static picture draw_and_load(drawing *d, const char *more) {
   return load_picture("state.png", 0.5);
 }
 
-/* Both transistors, in Brewer's colours. */
+/* Check the colours of both transistors. */
 static void check_gates(drawing *d, const char *more, uint32_t first,
                         uint32_t second) {
   g_autofree char *map = g_strdup_printf(WINDOW ", %s", more);
@@ -308,7 +308,7 @@ static void check_gates(drawing *d, const char *more, uint32_t first,
   cairo_surface_destroy(m.surface);
 }
 
-/* +2 and -1 %, -20 % as drawn: on scales that put them on stops. */
+/* +2 and -1 %, -20 % as drawn, on scales with these values at stops. */
 static void test_states(void) {
   drawing d;
   make(&d);
@@ -316,12 +316,12 @@ static void test_states(void) {
   check_gates(&d, "scale: 4 %", 0xf4a582, 0xd1e5f0);
   check_gates(&d, "scale: 0.5 %", 0xb2182b, 0x2166ac);
   check_gates(&d, "state: before", 0x2166ac, 0x2166ac);
-  d.after[1] = d.after[0]; /* 2 less 20 */
+  d.after[1] = d.after[0]; /* 2 minus 20 */
   check_gates(&d, "state: difference, scale: 36 %", 0x92c5de, 0x92c5de);
   clear(&d);
 }
 
-/* The drawn mask has no outline of its own, and its own print. */
+/* The drawn mask has its own print and no outline. */
 static void test_drawn_print(void) {
   drawing d;
   int where;
@@ -357,7 +357,7 @@ static void test_insets(void) {
   clear(&d);
 }
 
-/* One has a ring about it; where there are very many, the layout is seen. */
+/* One violation has a ring; with very many, the layout stays visible. */
 static void test_violations(void) {
   enum { MANY = 20000 };
   drawing d;
@@ -373,7 +373,8 @@ static void test_violations(void) {
   picture m = draw_and_load(&d, WINDOW);
   g_assert_cmpint(count_colour(&m, m.top, 0xd94019), >, 50);
   cairo_surface_destroy(m.surface);
-  m = draw_and_load(&d, WINDOW ", state: before"); /* none of its print */
+  m = draw_and_load(&d, WINDOW ", state: before"); /* no violations before
+                                                      correction */
   g_assert_cmpint(count_colour(&m, m.top, 0xd94019), ==, 0);
   cairo_surface_destroy(m.surface);
   d.mask.n_violations = MANY;
@@ -384,8 +385,8 @@ static void test_violations(void) {
   clear(&d);
 }
 
-/* A contact that is only drawn, and a third layer that is corrected: of colours
-   of their own. One that is neither is not shown. */
+/* A drawn contact layer and a corrected third layer have their own colours;
+   other layers are not shown. */
 static void test_layers(void) {
   drawing d;
   opc_error error;
@@ -451,7 +452,7 @@ static void test_formats(void) {
   clear(&d);
 }
 
-/* A name from a hostile file, a picture too narrow for it. */
+/* A malicious name, and a picture too narrow for it. */
 static void test_names(void) {
   drawing d;
   opc_error error;
@@ -509,7 +510,7 @@ static void test_nothing_there(void) {
   clear(&d);
 }
 
-/* Where the file cannot be written. */
+/* Missing write permission. */
 static void test_unwritable(void) {
   drawing d;
   opc_error error;
@@ -530,7 +531,7 @@ static void test_unwritable(void) {
   clear(&d);
 }
 
-/* Stopped half way, nothing is left. */
+/* A cancelled run leaves no file. */
 static void test_cancelled(void) {
   drawing d;
   opc_error error;

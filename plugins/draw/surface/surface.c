@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* draw.surface: a figure over the settings of parameters, as in thesis figures
-   2.6 and 3.8, with the best one marked: a heat map over the first and the last
-   parameter, where there is one alone a curve. */
+/* Implements the step `draw.surface`: a figure over the values of parameters,
+   as in thesis figures 2.6 and 3.8, with the best setting marked. Two or more
+   parameters give a heat map over the first and the last, one parameter a
+   curve. */
 #include <eda/drawing.h>
 #include <eda/memory.h>
 #include <eda/settings.h>
@@ -47,7 +48,7 @@ static char *with_unit(const char *name, const char *unit) {
   return unit ? g_strdup_printf("%s (%s)", name, unit) : g_strdup(name);
 }
 
-/* An axis with a label for each value of a parameter. */
+/* Set up an axis with a label for each value of a parameter. */
 static void label_axis(eda_axis *axis, const eda_setting *p) {
   char **label = g_new0(char *, p->count + 1);
   for (size_t i = 0; i < p->count; i++)
@@ -62,7 +63,7 @@ static void clear_axis(eda_axis *axis) {
   g_strfreev((char **)axis->label);
 }
 
-/* "0.54 %, fragment 22 nm, max_iterations 19" */
+/* Return a text such as "0.54 %, fragment 22 nm, max_iterations 19". */
 static char *name_best(const eda_settings *s) {
   GString *out = g_string_new(NULL);
   g_string_printf(out, "%.4g%s%s", s->figure[s->best], s->unit ? " " : "",
@@ -80,7 +81,7 @@ static char *name_best(const eda_settings *s) {
 
 /* ---- work: the picture ---- */
 
-/* What is shown, and below it the best setting. */
+/* Draw the title and the best setting below. */
 static void draw_title(const eda_paper *paper, const eda_settings *s) {
   g_autofree char *name = with_unit(s->name, s->unit);
   g_autofree char *best = name_best(s);
@@ -90,13 +91,14 @@ static void draw_title(const eda_paper *paper, const eda_settings *s) {
   eda_legend_add(&l, &(eda_sign){.kind = EDA_SIGN_RING}, "best: %s", best);
 }
 
-/* Between the axis of y and the room at the right. */
+/* Place the chart between the y axis and the right margin. */
 static void place_chart(eda_chart *c, double right) {
   c->left = floor(eda_axis_width(c->paper, &c->y));
   c->width = floor(c->paper->width - c->left - right);
 }
 
-/* All parameters between the first and the last are at the best setting. */
+/* Draw the map; parameters between the first and the last have their best
+   values. */
 static void draw_map(eda_chart *c, const eda_settings *s,
                      const eda_axis *scale) {
   size_t columns = s->parameters[0].count, block = s->count / columns;

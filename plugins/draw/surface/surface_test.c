@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Pictures of made-up settings, read back: shades, rings and curves at known
-   places. */
+/* Tests pictures of synthetic settings: shades, rings and curves at known
+   positions. */
 #include <cairo.h>
 #include <eda/settings.h>
 #include <math.h>
@@ -52,8 +52,8 @@ static unsigned pixel(cairo_surface_t *s, double x, double y) {
   return (unsigned)(data[at] + data[at + 1] + data[at + 2]);
 }
 
-/* The width of the plot is that of the picture less the frame: cells are found
-   from its edges, which are the first and last dark columns of a row. */
+/* Positions of cells, found from the edges of the plot, the first and last dark
+   columns of a row. */
 typedef struct cells {
   double left, top, width, height;
 } cells;
@@ -62,7 +62,7 @@ static gboolean is_paper(cairo_surface_t *s, int x, int y) {
   return pixel(s, x, y) == 3 * 255;
 }
 
-/* The largest block without paper in it, from its middle. */
+/* Find the largest block without paper, from its middle. */
 static cells find_cells(cairo_surface_t *s) {
   int x = cairo_image_surface_get_width(s) / 2;
   int y = cairo_image_surface_get_height(s) / 2;
@@ -74,7 +74,7 @@ static cells find_cells(cairo_surface_t *s) {
   return (cells){x0 + 1, y0 + 1, x1 - x0 - 1, y1 - y0 - 1};
 }
 
-/* A quarter into the cell, beside the ring in its middle. */
+/* Return the shade a quarter into the cell, beside the ring in its middle. */
 static unsigned shade(cairo_surface_t *s, const cells *c, int i, int k) {
   return pixel(s, c->left + c->width * (i + 0.25) / 3,
                c->top + c->height * (1 - (k + 0.25) / 2));
@@ -82,7 +82,7 @@ static unsigned shade(cairo_surface_t *s, const cells *c, int i, int k) {
 
 /* ---- tests ---- */
 
-/* Larger figures are lighter, each in its place; the best one has a ring. */
+/* Larger figures are lighter; the best one has a ring. */
 static void test_map(void) {
   const double figure[] = {6, 3, 5, 1, 4, 2};
   eda_settings s = settings(figure, 2, 6, 3);
@@ -105,7 +105,7 @@ static void test_map(void) {
   cairo_surface_destroy(p);
 }
 
-/* Of three parameters, the one between is at the best setting. */
+/* Of three parameters, the middle one has its best value. */
 static void test_between(void) {
   const double figure[] = {9, 9, 3, 4, 9, 9, 5, 1, 9, 9, 6, 7};
   const eda_setting three[] = {both[0], both[1], both[1]};
@@ -123,7 +123,7 @@ static void test_between(void) {
   cairo_surface_destroy(p);
 }
 
-/* Coloured pixels of a part of the picture; text and frames have none. */
+/* Count coloured pixels in a region; text and frames have none. */
 static int count_coloured(cairo_surface_t *s, int x0, int y0, int x1, int y1) {
   const unsigned char *data = cairo_image_surface_get_data(s);
   int n = 0;
@@ -136,7 +136,7 @@ static int count_coloured(cairo_surface_t *s, int x0, int y0, int x1, int y1) {
   return n;
 }
 
-/* A curve goes from its first to its last dot and nowhere else. */
+/* A curve extends from its first to its last dot. */
 static void test_curve(void) {
   const double figure[] = {3, 2, 1};
   eda_settings s = settings(figure, 1, 3, 2);
@@ -151,7 +151,7 @@ static void test_curve(void) {
   cairo_surface_destroy(p);
 }
 
-/* A setting without a figure is grey, and the others are as without it. */
+/* A setting without a figure is grey; the others are unchanged. */
 static void test_missing(void) {
   const double figure[] = {6, 3, NAN, 1, 4, 2};
   eda_settings s = settings(figure, 2, 6, 3);
@@ -165,7 +165,7 @@ static void test_missing(void) {
   cairo_surface_destroy(p);
 }
 
-/* The same settings are the same file, in every format. */
+/* Equal settings give equal files, in every format. */
 static void test_formats(void) {
   const double figure[] = {6, 3, 5};
   eda_settings s = settings(figure, 1, 3, 1);

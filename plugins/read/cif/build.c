@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* From the commands of a CIF file to the shapes, texts and instances of a
-   layout. */
+/* Implements the construction of a layout's shapes, texts and instances from
+   the commands of a CIF file. */
 #include <math.h>
 #include <string.h>
 
@@ -8,11 +8,11 @@
 
 #define PI 3.14159265358979323846
 
-enum { SIDES = 32 }; /* of the polygon that a round flash becomes */
+enum { SIDES = 32 }; /* corners of the polygon of a round flash */
 
 /* ---- layers ---- */
 
-/* The layout's layer for the current one. */
+/* Find or make the layout's layer for the current layer. */
 static void find_layer(cif *c) {
   const opc_map *map = &c->b.r->layers;
   int renamed = 0, taken = 0;
@@ -26,8 +26,8 @@ static void find_layer(cif *c) {
     c->layer_number = reading_named_layer(&c->b, c->layer);
 }
 
-/* What is drawn now: whether there is a layer; in the survey, count it. Whether
-   it is to be built. */
+/* Prepare to draw: fail without a current layer, and count the shape in the
+   survey. Return 1 if the shape is to be built. */
 static int draw(cif *c) {
   if (!c->layer[0]) cif_refuse(c, "a shape without a layer");
   if (!c->building && c->current == cif_symbol_at(c, 0)) c->loose++;
@@ -98,8 +98,8 @@ void cif_polygon(cif *c) {
   if (n >= 3) add_polygon(c, p, n);
 }
 
-/* The ends are drawn half a width longer, as is the custom; the standard's
-   round ones were never meant for masks. */
+/* Wire ends are extended by half the width, as is common practice; the round
+   ends of the standard are unsuitable for masks. */
 void cif_wire(cif *c, int64_t width) {
   if (width & 1) c->current->odd = 1;
   if (!c->points->len) cif_refuse(c, "a wire without points");
@@ -143,7 +143,7 @@ void cif_call(cif *c, cif_symbol *called, const cif_transform *t) {
     if (t->mirror || t->angle != 0 || t->x != 0 || t->y != 0) c->moved = 1;
     return;
   }
-  if (c->current->cell < 0) return; /* it is the top itself */
+  if (c->current->cell < 0) return; /* outside of symbols */
   double k = (double)c->current->factor;
   eda_placement p = {.origin = point(c, t->x * k, t->y * k),
                      .magnification = 1,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* read.cif: a CIF 2.0 file as a layout. */
+/* Implements read.cif: a CIF 2.0 file as a layout. */
 #include "cif.h"
 
 /* ---- work ---- */
@@ -28,7 +28,7 @@ static void read_file(void *self) {
   cif_make_cells(c);
   c->building = 1;
   if (!c->b.failed) cif_parse(c);
-  c->b.top = cif_symbol_at(c, 0)->cell; /* or what the file calls */
+  c->b.top = cif_symbol_at(c, 0)->cell; /* or the called symbol */
   if (c->b.top < 0 && c->calls) c->b.top = c->called->cell;
 }
 

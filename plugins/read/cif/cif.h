@@ -1,34 +1,34 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The parts of read.cif.
+/* Common header of the files of read.cif.
 
-   A file is read twice: a survey finds the symbols, their names and scale
-   factors, from which the unit follows; then the layout is built. Both go
-   through the same parser. (Mead and Conway, Introduction to VLSI Systems,
-   section 4.5: CIF 2.0.) */
+   A file is read twice with the same parser. The survey finds the symbols,
+   their names and scale factors, from which the unit follows; the second pass
+   builds the layout. (Mead and Conway, Introduction to VLSI Systems, section
+   4.5: CIF 2.0.) */
 #ifndef OPCFLOW_CIF_H
 #define OPCFLOW_CIF_H
 
 #include "../reader.h"
 
-/* The first one is what stands outside of all symbols. */
+/* A symbol. The first one holds everything outside of symbols. */
 typedef struct cif_symbol {
   int64_t number;
-  int64_t a, b;   /* its coordinates times a / b are centimicrons */
-  int64_t factor; /* its coordinates times this are units */
-  char *name;     /* NULL: called after its number */
-  size_t at;      /* where it is first mentioned */
+  int64_t a, b;   /* coordinates times a / b are centimicrons */
+  int64_t factor; /* coordinates times this are units */
+  char *name;     /* NULL: named by its number */
+  size_t at;      /* place of its first mention */
   int defined;
-  int odd; /* a width or length in it is odd */
+  int odd; /* 1: has an odd width or length */
   int32_t cell;
 } cif_symbol;
 
-/* Numbers that are forgotten from some place of the file on (DD). */
+/* Numbers from `from` on, deleted at a place of the file (DD). */
 typedef struct cif_forgotten {
   int64_t from;
   size_t at;
 } cif_forgotten;
 
-/* mirror about the x axis, turn by `angle` degrees, move by (x, y) units */
+/* mirror about the x axis, rotate by `angle` degrees, move by (x, y) units */
 typedef struct cif_transform {
   int mirror;
   double angle, x, y;
@@ -36,26 +36,26 @@ typedef struct cif_transform {
 
 typedef struct cif {
   reading b;
-  size_t at, command; /* the place in the text, the current command */
+  size_t at, command; /* place in the text; place of the current command */
   int building;
-  GPtrArray *symbols;  /* of cif_symbol, in order of their first mention */
-  size_t mentioned;    /* of them, in this reading */
-  GHashTable *numbers; /* number to its latest mention; symbols.c */
-  GArray *forgotten;   /* of cif_forgotten: both fields increase */
+  GPtrArray *symbols;  /* cif_symbol, in order of first mention */
+  size_t mentioned;    /* number of them mentioned in this pass */
+  GHashTable *numbers; /* number to latest mention; symbols.c */
+  GArray *forgotten;   /* cif_forgotten; both members increase */
 
-  cif_symbol *current;  /* the first one is not defined by the file */
-  char *layer, *outer;  /* its name, and the one outside the symbol */
-  int32_t layer_number; /* -1: not looked up yet */
-  GArray *points;       /* of eda_point */
+  cif_symbol *current;  /* the first one is outside of all symbols */
+  char *layer, *outer;  /* current layer; layer outside of the symbol */
+  int32_t layer_number; /* -1: not yet looked up */
+  GArray *points;       /* eda_point */
 
-  /* What stands outside of all symbols. */
-  size_t loose, calls; /* shapes and texts; calls */
-  int moved;           /* a call is not just the symbol as it is */
-  cif_symbol *called;  /* the last one */
+  /* Contents outside of all symbols. */
+  size_t loose, calls; /* number of shapes and texts; of calls */
+  int moved;           /* 1: a call has a transformation */
+  cif_symbol *called;  /* symbol of the last call */
 } cif;
 
-/* "FILE:LINE:COLUMN: WHAT (byte N)", of the place `at`, or of the current
-   command. After a failure there is nothing more to read. */
+/* Fail with "FILE:LINE:COLUMN: WHAT (byte N)" for the place `at`, or for the
+   current command. Parsing ends after a failure. */
 void cif_refuse_at(cif *c, size_t at, const char *what);
 void cif_refuse(void *c, const char *what);
 
@@ -67,12 +67,13 @@ static inline cif_symbol *cif_symbol_at(const cif *c, size_t i) {
 
 void cif_open(cif *c);
 void cif_clear(cif *c);
-/* The symbol that a number means here, new if need be. */
+/* Return the symbol of a number at the present place; make a new one if
+   necessary. */
 cif_symbol *cif_symbol_of(cif *c, int64_t number);
 void cif_forget(cif *c, int64_t from);
-/* Begin a reading. */
+/* Start a pass. */
 void cif_begin(cif *c);
-/* After the survey: the unit, the layout and its cells. */
+/* Choose the unit and make the layout and its cells, after the survey. */
 void cif_make_cells(cif *c);
 
 /* ---- parse.c ---- */
@@ -83,15 +84,15 @@ void cif_parse(cif *c);
 
 void cif_box(cif *c, int64_t length, int64_t width, int64_t x, int64_t y,
              int64_t dx, int64_t dy);
-/* c->points, whose coordinates are in units already. */
+/* Add c->points, in units, as a polygon. */
 void cif_polygon(cif *c);
 void cif_wire(cif *c, int64_t width);
 void cif_flash(cif *c, int64_t diameter, int64_t x, int64_t y);
 void cif_label(cif *c, const char *label, int64_t x, int64_t y);
 void cif_call(cif *c, cif_symbol *called, const cif_transform *t);
-/* A coordinate of the current symbol in units; refused beyond 32 bits. */
+/* Return a coordinate of the current symbol in units; fail beyond 32 bits. */
 int32_t cif_units(cif *c, int64_t v);
-/* The angle of a direction, degrees, exact for the axes and diagonals. */
+/* Return the angle of a direction, degrees, exact for axes and diagonals. */
 double cif_angle(int64_t dx, int64_t dy);
 
 #endif

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Files written here, whose layouts are known; what is refused, and where. */
+/* Tests of written files with known layouts, and of rejected files with the
+   places of their errors. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -38,7 +39,7 @@ static eda_layout *read_good(const char *text, const char *more) {
   return layout;
 }
 
-/* The polygon of a cell as "x,y x,y ..." */
+/* Return a polygon of a cell as "x,y x,y ...". */
 static char *points(const eda_layout *layout, const char *cell, size_t i) {
   size_t n;
   int32_t layer, number = eda_layout_find_cell(layout, cell);
@@ -57,7 +58,7 @@ static void assert_points(const eda_layout *layout, const char *cell, size_t i,
   g_assert_cmpstr(got, ==, want);
 }
 
-/* As our own cells are written: 1 / 10 makes the unit 1 nm. */
+/* Test cells in the style of our own: 1 / 10 makes the unit 1 nm. */
 static void test_cell(void) {
   eda_layout *layout = read_good(
       "(made by hand (or not));\n"
@@ -86,8 +87,8 @@ static void test_cell(void) {
   eda_layout_free(layout);
 }
 
-/* Lower case letters, commas and comments are blanks; layers are as they were
-   after a symbol. */
+/* Test that lower case letters, commas and comments are blanks, and that the
+   layer is restored after a symbol. */
 static void test_syntax(void) {
   eda_layout *layout = read_good(
       "Layer NP (the (poly) layer);;Define Start 5;Layer ND;"
@@ -102,8 +103,8 @@ static void test_syntax(void) {
   eda_layout_free(layout);
 }
 
-/* 1 / 4 and 1 / 6 of a centimicron need 1 / 12; an odd side a half of that
-   only where it is an odd number of units. */
+/* Test units: 1 / 4 and 1 / 6 of a centimicron need 1 / 12; an odd side needs
+   half of that only if the side is an odd number of units. */
 static void test_unit(void) {
   eda_layout *layout = read_good(
       "DS 1 1 4;L A;B 3 2 0 0;DF;DS 2 5 6;L A;B 2 2 1 0;DF;C 1;C 2 T 1 1;E",
@@ -122,8 +123,8 @@ static void test_unit(void) {
   eda_layout_free(layout);
 }
 
-/* The symbol's points under a call, by the rules of the standard one after
-   another, against the placement that the reader made of them. */
+/* Test calls: a symbol's points, transformed step by step by the rules of the
+   standard, against the placement in the layout. */
 static void test_transformations(void) {
   GRand *rand = g_rand_new_with_seed(4);
   for (int round = 0; round < 500; round++) {
@@ -171,8 +172,8 @@ static void test_transformations(void) {
   g_rand_free(rand);
 }
 
-/* A call turned to a direction that is no multiple of 45 degrees: the point
-   goes where that direction says. */
+/* Test a call rotated to a direction that is no multiple of 45 degrees: the
+   point is rotated to that direction. */
 static void test_turns(void) {
   GRand *rand = g_rand_new_with_seed(5);
   for (int round = 0; round < 200; round++) {
@@ -199,8 +200,8 @@ static void test_turns(void) {
   g_rand_free(rand);
 }
 
-/* A box, and the place of a call, that end at each limit of the coordinates,
-   and a unit beyond. */
+/* Test a box and a call that end at each limit of the coordinates, and one unit
+   beyond. */
 static void test_edges(void) {
   static const int x[] = {1, -1, 0, 0}, y[] = {0, 0, 1, -1};
   for (int side = 0; side < 4; side++)
@@ -224,7 +225,7 @@ static void test_shapes(void) {
       "L A;B 10 4 100 0 0 1;L B;B 1414 1414 0 0 1 1;L C;W 4 0 0 20 0 20 30;"
       "L D;R 200 50 50;L E;B 5 5 0 0;E",
       "");
-  /* the odd box makes the unit a half */
+  /* the odd box halves the unit */
   g_assert_cmpfloat(eda_layout_unit(layout), ==, 5);
   assert_points(layout, "made", 0, "196,-10 204,-10 204,10 196,10");
   assert_points(layout, "made", 1, "0,-2000 2000,0 0,2000 -2000,0");
@@ -239,7 +240,8 @@ static void test_shapes(void) {
   eda_layout_free(layout);
 }
 
-/* A number means another symbol after DD; equal names are told apart. */
+/* Test that a number denotes another symbol after DD; equal names are made
+   different. */
 static void test_delete(void) {
   eda_layout *layout = read_good(
       "DS 5;9 a;L A;B 2 2 0 0;DF;DS 6;9 b;C 5;DF;C 6;"
@@ -261,8 +263,8 @@ static void test_delete(void) {
   eda_layout_free(layout);
 }
 
-/* What is the top: the one symbol called as it is, or a cell with the name of
-   the file; symbols that it does not lead to are dropped. */
+/* Test the top cell: the single symbol called without transformation, or a cell
+   with the name of the file. Symbols not reachable from it are dropped. */
 static void test_top(void) {
   static const struct {
     const char *calls, *more, *top;
@@ -326,8 +328,8 @@ static void test_refusals(void) {
   }
 }
 
-/* What begins as a file of another format is told as that, also to the readers
-   of others; a byte less is not. */
+/* Test that a file of another format is reported as such, also by other
+   readers, unless its signature is incomplete. */
 static void test_formats(void) {
   static const struct {
     const char *text;
@@ -356,7 +358,8 @@ static void test_formats(void) {
     }
 }
 
-/* Polygons of layer CP in a file of one symbol, a line each. */
+/* Return the number of polygons of layer CP in a file of one symbol; one per
+   line. */
 static size_t poly_lines(const char *text) {
   g_auto(GStrv) lines = g_strsplit(text, "\n", -1);
   size_t n = 0;
@@ -393,7 +396,7 @@ static void test_own_cells(void) {
   }
 }
 
-/* Symbols of one name whose numbered names other symbols have. */
+/* Test symbols of equal names whose numbered names belong to other symbols. */
 static void test_names(void) {
   enum { MANY = 30000 };
   g_autoptr(GString) text = g_string_new(NULL);
@@ -409,8 +412,8 @@ static void test_names(void) {
   eda_layout_free(layout);
 }
 
-/* Anything is a layout or an error with its place. OPCFLOW_FUZZ asks for more
-   rounds than a test should take. */
+/* Test random changes: each file is a layout or an error with its place.
+   OPCFLOW_FUZZ sets a larger number of rounds. */
 static void test_flipped(void) {
   static const char text[] =
       "(c (d));DS 1 1 10;9 inv;L CP;P 0 0 9 0 9 9;B 5 4 1 1 0 1;W 3 0 0 7 7;"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The commands of a CIF file, for both readings. */
+/* Implements the parser of CIF commands, for both passes. */
 #include <math.h>
 #include <string.h>
 
@@ -11,7 +11,7 @@ static int is_digit(int ch) { return ch >= '0' && ch <= '9'; }
 
 static int is_space(int ch) { return ch == ' ' || (ch >= '\t' && ch <= '\r'); }
 
-/* CIF takes everything for a blank but digits, capitals and - ( ) ; */
+/* In CIF every character is a blank except digits, capitals and - ( ) ; */
 static int is_blank(int ch) {
   return !(is_digit(ch) || (ch >= 'A' && ch <= 'Z') || ch == '-' || ch == '(' ||
            ch == ')' || ch == ';');
@@ -21,7 +21,7 @@ static int peek(const cif *c) {
   return c->at < c->b.n ? (unsigned char)c->b.text[c->at] : -1;
 }
 
-/* Past a comment; they nest. */
+/* Skip a comment; comments nest. */
 static void skip_comment(cif *c) {
   size_t depth = 0, open = c->at;
   for (; c->at < c->b.n; c->at++) {
@@ -33,7 +33,7 @@ static void skip_comment(cif *c) {
   cif_refuse_at(c, open, "a comment that does not end");
 }
 
-/* Past blanks and comments; where that is. */
+/* Skip blanks and comments; return the place. */
 static size_t skip(cif *c) {
   for (int ch; (ch = peek(c)) >= 0 && (ch == '(' || is_blank(ch));) {
     if (ch == '(')
@@ -57,7 +57,7 @@ static int number_follows(cif *c) {
   return peek(c) == '-' || is_digit(peek(c));
 }
 
-/* An integer of 32 bits. */
+/* Read an integer of 32 bits. */
 static int64_t take_number(cif *c) {
   size_t start = skip(c);
   int negative = peek(c) == '-';
@@ -71,7 +71,7 @@ static int64_t take_number(cif *c) {
   return negative ? -v : v;
 }
 
-/* One that is not negative. */
+/* Read a nonnegative integer. */
 static int64_t take_size(cif *c) {
   size_t start = skip(c);
   int64_t v = take_number(c);
@@ -79,7 +79,7 @@ static int64_t take_size(cif *c) {
   return v;
 }
 
-/* One that is positive. */
+/* Read a positive integer. */
 static int64_t take_count(cif *c) {
   size_t start = skip(c);
   int64_t v = take_number(c);
@@ -96,8 +96,8 @@ static void take_direction(cif *c, int64_t *dx, int64_t *dy) {
 
 /* ---- words ---- */
 
-/* The next word before the ';', of any characters but spaces; *n = 0 if there
-   is none. */
+/* Return the next word before the ';', delimited by spaces; *n = 0 if there is
+   none. */
 static const char *next_word(cif *c, size_t *n) {
   while (is_space(peek(c))) c->at++;
   const char *start = c->b.text + c->at;
@@ -112,7 +112,8 @@ static void set_layer(cif *c, const char *name, size_t n) {
   c->layer = reader_string(name, n);
 }
 
-/* L: the last word, for one may write "Layer CP (poly);". */
+/* Read the layer after L: the last word, so that "Layer CP (poly);" is
+   accepted. */
 static void take_layer(cif *c) {
   size_t start = 0, end = 0;
   for (int ch; (ch = peek(c)) >= 0 && ch != ';';) {
@@ -134,7 +135,7 @@ static void take_layer(cif *c) {
 
 /* ---- commands ---- */
 
-/* The rest of the command: points, in units. */
+/* Read the points, in units, up to the end of the command. */
 static void take_points(cif *c) {
   g_array_set_size(c->points, 0);
   while (number_follows(c)) {
@@ -167,8 +168,8 @@ static double turned(double angle) {
   return angle < 0 ? angle + 360 : angle;
 }
 
-/* One step of a call's transformation, done after those before it. With M for
-   y -> -y and R(a) for a turn, x -> -x is R(180) M, and M R(a) = R(-a) M. */
+/* Append one step to a call's transformation. With M for y -> -y and R(a) for a
+   rotation, x -> -x is R(180) M, and M R(a) = R(-a) M. */
 static void take_step(cif *c, cif_transform *t) {
   int kind = (unsigned char)c->b.text[c->at++];
   int64_t x, y;
@@ -259,7 +260,7 @@ static void take_definition(cif *c) {
     cif_refuse(c, "an unknown command");
 }
 
-/* 9 name */
+/* Read "9 name". */
 static void take_name(cif *c) {
   while (is_space(peek(c))) c->at++;
   size_t start = c->at;
@@ -271,7 +272,7 @@ static void take_name(cif *c) {
     s->name = reader_string(c->b.text + start, end - start);
 }
 
-/* 94 label x y [layer] */
+/* Read "94 label x y [layer]". */
 static void take_label(cif *c) {
   size_t n;
   const char *word = next_word(c, &n);
@@ -283,7 +284,7 @@ static void take_label(cif *c) {
     cif_label(c, label, x, y);
     return;
   }
-  /* Only this label's layer: the current one comes back. */
+  /* The layer applies to this label only. */
   char *layer = g_steal_pointer(&c->layer);
   set_layer(c, word, n);
   cif_label(c, label, x, y);
@@ -292,7 +293,7 @@ static void take_label(cif *c) {
   c->layer_number = -1;
 }
 
-/* User extensions are skipped but for names and labels. */
+/* Skip user extensions except names and labels. */
 static void take_extension(cif *c, int digit) {
   if (digit == '9' && is_space(peek(c))) {
     take_name(c);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The symbols of a file: what a number means at each place, the unit that makes
-   all coordinates whole, and the cells of the layout. */
+/* Implements the symbols of a file: the meaning of a number at each place, the
+   unit in which all coordinates are integers, and the cells of the layout. */
 #include <string.h>
 
 #include "cif.h"
@@ -8,7 +8,7 @@
 typedef struct mention {
   int64_t number; /* the key */
   cif_symbol *symbol;
-  size_t at; /* where the symbol was first mentioned */
+  size_t at; /* place of the symbol's first mention */
 } mention;
 
 static void free_symbol(void *data) {
@@ -33,8 +33,8 @@ void cif_clear(cif *c) {
   g_free(c->outer);
 }
 
-/* Whether a number mentioned at `at` was forgotten since: by the last DD from
-   no higher a number. */
+/* Return 1 if a number mentioned at `at` has been deleted since by a DD with a
+   number not above it. */
 static int forgotten(const cif *c, int64_t number, size_t at) {
   const cif_forgotten *all = (const cif_forgotten *)c->forgotten->data;
   size_t low = 0, high = c->forgotten->len;
@@ -90,7 +90,7 @@ void cif_begin(cif *c) {
 
 /* ---- the unit and the cells ---- */
 
-/* Of positive numbers. */
+/* Return the greatest common divisor of positive numbers. */
 static int64_t gcd(int64_t a, int64_t b) {
   while (b > 0) {
     int64_t rest = a % b;
@@ -100,8 +100,9 @@ static int64_t gcd(int64_t a, int64_t b) {
   return a > 0 ? a : 1;
 }
 
-/* The unit is a centimicron divided by the least number that makes whole all
-   scale factors, and twice that if a box with an odd side asks for halves. */
+/* Return the unit: a centimicron divided by the least number that makes all
+   scale factors integers, or by twice that number if an odd side requires
+   halves. */
 static double choose_unit(cif *c) {
   static const char none[] = "scale factors that have no common unit";
   int64_t divisor = 1;
@@ -128,8 +129,8 @@ static double choose_unit(cif *c) {
   return c->b.r->scale * 10 / (double)(halves ? 2 * divisor : divisor);
 }
 
-/* A cell of that name, or of one like it if there is such a cell already; the
-   numbers below tried[name] are taken. */
+/* Make a cell of that name, with a number appended if the name is taken;
+   numbers below tried[name] are known to be taken. */
 static void make_cell(cif *c, size_t i, const char *name, GHashTable *tried) {
   g_autofree char *unique = g_strdup(name);
   size_t k = MAX(i, GPOINTER_TO_SIZE(g_hash_table_lookup(tried, name)));
@@ -143,7 +144,7 @@ static void make_cell(cif *c, size_t i, const char *name, GHashTable *tried) {
       reading_number(&c->b, eda_layout_cell(c->b.layout, unique, &c->b.said));
 }
 
-/* "inverter" of "cells/inverter.cif" */
+/* "inverter" from "cells/inverter.cif" */
 static void make_top(cif *c, GHashTable *tried) {
   const char *slash = strrchr(c->b.r->file, '/');
   g_autofree char *name = g_strdup(slash ? slash + 1 : c->b.r->file);

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Files that are truncated, altered, hostile or packed: refused with their
-   place, in bounded time. */
+/* Tests of truncated, altered, hostile and compressed files: rejected with the
+   place of the error, in bounded time. */
 #include <stdio.h>
 #include <zlib.h>
 
 #include "making_test.h"
 
-/* What gzip makes of n bytes, in a file; its first `most` bytes. */
+/* Return the path of a file with the first `most` bytes of the gzip stream of n
+   bytes. */
 static char *save_packed(const void *bytes, size_t n, size_t most) {
   uLong room = compressBound((uLong)n) + 64;
   g_autofree uint8_t *out = g_malloc(room);
@@ -52,7 +53,7 @@ static void test_refusals(void) {
   g_byte_array_free(file, TRUE);
   g_assert_true(g_file_set_contents(path, "hello, world", -1, NULL));
   refuse(path, "", OPC_IO, "not a GDSII file: no HEADER at byte 0");
-  /* What would be the length of the first record is beyond this file's end. */
+  /* Interpreted as GDSII, the length of the first record exceeds the file. */
   g_assert_true(g_file_set_contents(path, "(CIF file);\n", -1, NULL));
   refuse(path, "", OPC_IO, "not a GDSII file: no HEADER at byte 0");
 }
@@ -77,7 +78,7 @@ static void test_truncated(void) {
   }
 }
 
-/* OPCFLOW_FUZZ asks for more rounds than a test should take. */
+/* Test random changes; OPCFLOW_FUZZ sets a larger number of rounds. */
 static void test_flipped(void) {
   static const char *const files[] = {"own_elements_a.gds", "klayout_t10.gds",
                                       "klayout_t11.gds", "klayout_arefs.gds"};
@@ -103,7 +104,7 @@ static void test_flipped(void) {
   }
 }
 
-/* A chain of cells that place each other; an array of very many. */
+/* Test a chain of cells that place each other, and a huge array. */
 static void test_hostile(void) {
   GByteArray *file = new_file();
   put_leaf(file);
@@ -133,7 +134,7 @@ static void test_hostile(void) {
   put_empty(file, EDA_GDS_ENDEL);
   g_free(finish(file));
   refuse(path, "", OPC_IO, "too many arrays");
-  file = new_file(); /* fewer, with a long name each */
+  file = new_file(); /* fewer instances with long names */
   put_leaf(file);
   put_cell(file, "TOP");
   put_empty(file, EDA_GDS_AREF);
@@ -148,8 +149,8 @@ static void test_hostile(void) {
   refuse(path, "", OPC_IO, "too many arrays");
 }
 
-/* The same layout from a packed file; one that ends early, one whose sum is
-   wrong and one that holds a thousand times its size are refused. */
+/* Test a compressed file against the plain one. A truncated file, a wrong check
+   sum, and a file that expands a thousandfold are rejected. */
 static void test_packed(void) {
   GByteArray *file = new_file();
   put_leaf(file);
@@ -164,7 +165,7 @@ static void test_packed(void) {
   g_free(path);
   path = save_packed(packed, n, G_MAXSIZE);
   refuse(path, "", OPC_IO, "packed by gzip, and what it holds is so again");
-  packed[n - 8] ^= 1; /* of its check sum */
+  packed[n - 8] ^= 1; /* part of the check sum */
   g_assert_true(g_file_set_contents(path, packed, (gssize)n, NULL));
   refuse(path, "", OPC_IO, "packed by gzip, incorrect data check");
   g_free(path);

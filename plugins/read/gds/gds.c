@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* read.gds: a GDSII stream file as a layout. */
+/* Implements read.gds: a GDSII stream file as a layout. */
 #include <eda/gds.h>
 #include <eda/memory.h>
 #include <stdlib.h>
@@ -7,13 +7,13 @@
 
 #include "../reader.h"
 
-/* Instances that arrays off the unit may be taken apart into, in one file, and
-   as many times 64 bytes of their names. */
+/* Limit per file of instances from arrays whose steps are not integers; their
+   names may take 64 times as many bytes. */
 enum { MAX_APART = 1 << 20 };
 
 /* ---- state ---- */
 
-/* What was said of the current element. */
+/* Data of the current element. */
 typedef struct element {
   uint32_t type;
   int32_t layer, datatype; /* -1 for none */
@@ -22,22 +22,24 @@ typedef struct element {
   uint32_t columns, rows;
   uint32_t transform;
   double magnification, angle;
-  int32_t property; /* number of the one whose value is next; -1 for none */
-  int named;        /* 0 not, 1 by the first property, 2 by number 61 */
+  int32_t property; /* number of the property whose value follows; -1 for
+                       none */
+  int named;        /* 0: no name, 1: by the first property, 2: by number 61 */
   eda_point *points;
   size_t n, room;
   char *name, *string, *instance; /* NULL for none */
 } element;
 
-/* A file that is being read. */
+/* State of the reader. */
 typedef struct gds {
   reading b;
-  size_t at, next; /* where what can be refused begins; the next record */
-  uint32_t type;   /* of the current record, and its n bytes of data, even */
+  size_t at, next; /* place of the current record, for errors; next record */
+  uint32_t type;   /* type of the current record, and its n bytes of data,
+                      even */
   const uint8_t *data;
   size_t n;
   size_t apart;
-  int absolute; /* a placement asked for absolute angle or magnification */
+  int absolute; /* 1: a placement has absolute angle or magnification */
   element e;
 } gds;
 
@@ -50,7 +52,7 @@ static void refuse(void *self, const char *what) {
                          g->b.r->file, what, g->at);
 }
 
-/* The next record; 0 after a failure. */
+/* Read the header of the next record. Return 0 after a failure. */
 static int next(gds *g) {
   const uint8_t *p = (const uint8_t *)g->b.text + g->next;
   size_t left = g->b.n - g->next, length = left < 4 ? 4 : eda_gds_u16(p);
@@ -71,7 +73,8 @@ static int next(gds *g) {
   return 1;
 }
 
-/* The record's data, which must have so many bytes: zeros where it has not. */
+/* Return the record's data; fail and return zeros unless it has `bytes`
+   bytes. */
 static const uint8_t *data(gds *g, size_t bytes) {
   static const uint8_t zeros[16];
   if (g->n >= bytes) return g->data;
@@ -79,7 +82,7 @@ static const uint8_t *data(gds *g, size_t bytes) {
   return zeros;
 }
 
-/* The record's string, without the zeros that fill it up. */
+/* Store the record's string without padding zeros. */
 static void take_string(gds *g, char **out) {
   while (g->n && g->data[g->n - 1] == 0) g->n--;
   g_free(*out);
@@ -97,7 +100,7 @@ static void take_points(gds *g) {
                                     eda_gds_i32(g->data + 8 * i + 4)};
 }
 
-/* Property 61, or else the first one, names an instance. */
+/* Take a property: number 61, or else the first one, names an instance. */
 static void take_property(gds *g) {
   element *e = &g->e;
   int rank = e->property == EDA_GDS_INSTANCE_NAME ? 2 : 1;
@@ -109,7 +112,7 @@ static void take_property(gds *g) {
   take_string(g, &e->instance);
 }
 
-/* One record of an element other than ENDEL. */
+/* Take a record of an element other than ENDEL. */
 static void take_record(gds *g) {
   element *e = &g->e;
   switch (g->type) {
@@ -204,7 +207,7 @@ static void add_shape(gds *g) {
     refuse(g, "polygon without points");
   } else {
     if (n > 1 && p[0].x == p[n - 1].x && p[0].y == p[n - 1].y) n--;
-    if (n >= 3) /* others have no area */
+    if (n >= 3) /* fewer points have no area */
       code = eda_layout_add_polygon(b->layout, b->cell, layer, p, n, &b->said);
   }
   reading_told(b, code);
@@ -218,20 +221,20 @@ static int put_instance(gds *g, int32_t child, const eda_placement *p) {
                                               g->e.instance, &g->b.said));
 }
 
-/* The step of an array whose `count` steps lead to (x, y), and whether it is a
-   whole number of units. */
+/* Divide (x, y) into `count` steps of an array. Return 1 if the step is an
+   integer. */
 static int divide(int64_t x, int64_t y, uint32_t count, eda_point *step) {
   *step = (eda_point){(int32_t)(x / count), (int32_t)(y / count)};
   return x % count == 0 && y % count == 0;
 }
 
-/* i * length / count, the nearest unit */
+/* Return i * length / count, rounded to a unit. */
 static int64_t part(int64_t length, uint32_t i, uint32_t count) {
   return (int64_t)floor((double)length * i / count + 0.5);
 }
 
-/* An array whose steps are not all whole: the columns, the
-   rows or both are placed one by one, each at the nearest unit. */
+/* Expand an array whose steps are not all integers: columns, rows or both
+   become single placements at the nearest unit. */
 static void add_apart(gds *g, int32_t child, eda_placement p,
                       const int64_t to[4], const int whole[2]) {
   uint32_t full_columns = p.columns, full_rows = p.rows;
@@ -302,7 +305,7 @@ static void add_placement(gds *g) {
 
 /* ---- work: cells and the library ---- */
 
-/* Nothing is said of an element yet. */
+/* Reset the data of an element. */
 static void element_clear(element *e) {
   g_free(e->name);
   g_free(e->string);
@@ -315,7 +318,7 @@ static void element_clear(element *e) {
                  .room = e->room};
 }
 
-/* An element, whose first record has been read, up to its ENDEL. */
+/* Read an element after its first record, up to ENDEL. */
 static void read_element(gds *g) {
   size_t at = g->at;
   element_clear(&g->e);
@@ -356,8 +359,8 @@ static void read_cell(gds *g) {
     }
 }
 
-/* The second number is the unit in metres. Its decimal value is meant: 14
-   digits take away what the base of 16 did to it. */
+/* Take the units; the second number is the unit in metres. Rounding to 14
+   digits removes the error of the base-16 representation. */
 static void take_units(gds *g) {
   char digits[40];
   snprintf(digits, sizeof digits, "%.14g", eda_gds_real(data(g, 16) + 8) * 1e9);
@@ -374,7 +377,7 @@ static void take_units(gds *g) {
 static void read_library(void *self) {
   gds *g = self;
   if (next(g) && g->n != 2) refuse(g, "not a GDSII file: no HEADER");
-  /* What follows ENDLIB fills the last block of a tape. */
+  /* Bytes after ENDLIB pad the last block of a tape. */
   while (next(g) && g->type != EDA_GDS_ENDLIB) switch (g->type) {
       case EDA_GDS_UNITS:
         take_units(g);

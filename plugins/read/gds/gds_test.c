@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Files made record by record, whose layouts are known; files of other
-   programs; what is refused, and where. */
+/* Tests of files made record by record with known layouts, of files of other
+   programs, and of rejected files with the places of their errors. */
 #include <math.h>
 
 #include "making_test.h"
 
 /* ---- against KLayout ---- */
 
-/* Twice the area that all cells draw on a layer, as KLayout 0.30 has it. Its
-   corners of slanted paths are up to one unit off the nearest. */
+/* Twice the area of all cells on a layer, from KLayout 0.30. KLayout rounds
+   corners of slanted paths by up to one unit differently. */
 static const struct {
   const char *file, *layer;
   double twice, tolerance;
@@ -51,7 +51,7 @@ static double drawn_twice(const eda_layout *layout, const char *name) {
   return sum;
 }
 
-/* All else that KLayout says of these files: tests/corpus_test.c. */
+/* Other comparisons with KLayout are in tests/corpus_test.c. */
 static void test_drawn(void) {
   g_autofree char *folder = find_data("gds-corpus");
   if (!folder) return;
@@ -94,7 +94,7 @@ static void test_reals(void) {
   g_rand_free(rand);
 }
 
-/* Roles, datatypes without one, the factor on the unit. */
+/* Test names of layers, unnamed datatypes, and the factor on the unit. */
 static void test_layers(void) {
   GByteArray *file = new_file();
   put_cell(file, "TOP");
@@ -152,8 +152,8 @@ static void test_parameters(void) {
   eda_layout_free(layout);
 }
 
-/* Names of instances, from property 61 or the first one; an array off the
-   unit; counts of 0; names that are no plain text. */
+/* Test names of instances from property 61 or the first one, an array with
+   fractional steps, counts of 0, and names that are not ASCII. */
 static void test_placements(void) {
   GByteArray *file = new_file();
   put_leaf(file);
@@ -207,8 +207,8 @@ static void test_placements(void) {
   eda_layout_free(layout);
 }
 
-/* XY over several records; records that say nothing of the layout; a cell
-   that is placed and not there. */
+/* Test XY in several records, records irrelevant to the layout, and a placed
+   cell without definition. */
 static void test_odd_records(void) {
   GByteArray *file = new_file();
   put_text(file, EDA_GDS_REFLIBS, "A");

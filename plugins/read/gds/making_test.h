@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* For the tests of read.gds: reading files, and making them record by record.
- */
+/* Test helpers of read.gds: reading files, and making them record by record. */
 #ifndef READ_GDS_MAKING_TEST_H
 #define READ_GDS_MAKING_TEST_H
 
@@ -10,7 +9,8 @@
 
 #include "../hostile_test.h"
 
-/* A layout of a file, or NULL and *error; `more` parameters. */
+/* Return the layout of a file read with the parameters `more`, or NULL and
+ *error. */
 static inline eda_layout *read_more(const char *path, const char *more,
                                     opc_error *error) {
   return read_by("read.gds", path, more, error);

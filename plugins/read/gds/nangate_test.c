@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Booleans and fractures of a placed circuit, against what KLayout 0.30 gives
-   (Region.merged with min_coherence, and its operators). */
+/* Tests of boolean operations and fractures of a placed circuit against KLayout
+   0.30 (Region.merged with min_coherence, and its operators). */
 #include <eda/layout.h>
 #include <stdlib.h>
 #include <string.h>

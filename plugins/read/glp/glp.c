@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* read.glp: a GLP clip (the text format of the ICCAD 2013 contest) as a
-   layout: a line for each record, RECT x y width height and PGON x1 y1 x2 y2
+/* Implements read.glp: a GLP clip (the text format of the ICCAD 2013 contest)
+   as a layout. One record per line, RECT x y width height and PGON x1 y1 x2 y2
    ... within a CELL. */
 #include <eda/memory.h>
 #include <stdlib.h>
@@ -17,10 +17,10 @@ typedef struct word {
 
 typedef struct clip {
   reading b;
-  const char *at; /* within the text */
+  const char *at; /* place in the text */
   size_t line;
   const char *line_start;
-  const char *record; /* the current one's first word */
+  const char *record; /* first word of the current record */
   double unit;        /* nm; 0 before EQUIV */
   eda_point *points;
   size_t room;
@@ -28,7 +28,7 @@ typedef struct clip {
 
 /* ---- work: words ---- */
 
-/* After a failure there is nothing more to read. */
+/* Fail at a place; parsing ends after a failure. */
 static void refuse_at(clip *c, const char *at, const char *what) {
   if (c->b.failed) return;
   c->b.failed =
@@ -43,7 +43,8 @@ static void refuse(void *self, const char *what) {
 
 static int is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
-/* The next word of this line, empty at its end. A comment ends the line. */
+/* Return the next word of this line, empty at its end. A comment ends the
+   line. */
 static word next_word(clip *c) {
   const char *end = c->b.text + c->b.n;
   while (c->at < end && is_blank(*c->at)) c->at++;
@@ -54,7 +55,7 @@ static word next_word(clip *c) {
   return w;
 }
 
-/* 0 at the end of the text. */
+/* Advance to the next line. Return 0 at the end of the text. */
 static int next_line(clip *c) {
   const char *end = memchr(c->at, '\n', (size_t)(c->b.text + c->b.n - c->at));
   if (!end) return 0;
@@ -67,7 +68,7 @@ static int is(word w, const char *s) {
   return w.n == strlen(s) && !memcmp(w.s, s, w.n);
 }
 
-/* A whole number within +-2^31; 0 if the word is none. */
+/* Convert a word to an integer within +-2^31. Return 0 on failure. */
 static int number(word w, int32_t *out) {
   size_t i = w.n && (*w.s == '-' || *w.s == '+');
   int64_t value = 0;
@@ -90,7 +91,7 @@ static int32_t need_number(clip *c) {
   return value;
 }
 
-/* A copy of a name, of printable ASCII. */
+/* Copy a name of printable ASCII characters. */
 static word take_name(clip *c, char out[256]) {
   word w = next_word(c);
   if (!w.n) refuse_at(c, w.s, "a name is missing");
@@ -98,7 +99,7 @@ static word take_name(clip *c, char out[256]) {
   for (size_t i = 0; i < w.n; i++)
     if (w.s[i] < 33 || w.s[i] > 126)
       refuse_at(c, w.s + i, "name with a letter that is not ASCII");
-  size_t n = MIN(w.n, 255); /* the text does not end with a zero */
+  size_t n = MIN(w.n, 255); /* the text has no terminating zero */
   memcpy(out, w.s, n);
   out[n] = 0;
   return w;
@@ -106,7 +107,7 @@ static word take_name(clip *c, char out[256]) {
 
 /* ---- work: records ---- */
 
-/* The units in a micron: EQUIV 1 1000 MICRON +X,+Y. */
+/* Take the units per micron: EQUIV 1 1000 MICRON +X,+Y. */
 static void take_unit(clip *c) {
   int32_t microns = need_number(c), units = need_number(c);
   word name = next_word(c), axes = next_word(c);
@@ -134,10 +135,10 @@ static void begin_cell(clip *c) {
   b->cell = reading_number(b, eda_layout_cell(b->layout, name, &b->said));
 }
 
-/* The layer of a shape, by its new name if it has one. */
+/* Return the layer of a shape, by its new name if any. */
 static int32_t take_layer(clip *c) {
   char name[256];
-  next_word(c); /* the shape's type, N */
+  next_word(c); /* type of the shape, N */
   take_name(c, name);
   return c->b.failed ? -1 : reading_named_layer(&c->b, name);
 }
@@ -171,14 +172,14 @@ static void take_polygon(clip *c) {
                                            n, &b->said));
 }
 
-/* One line; 0 at ENDMSG. */
+/* Read one line. Return 0 at ENDMSG. */
 static int take_record(clip *c) {
   word w = next_word(c);
   int rect = is(w, "RECT");
   c->record = w.s;
   if (is(w, "ENDMSG")) return 0;
   if (!w.n || is(w, "BEGIN") || is(w, "CNAME") || is(w, "LEVEL"))
-    return 1; /* names again what the records below name */
+    return 1; /* repeats names of the records below */
   if (is(w, "EQUIV")) {
     take_unit(c);
   } else if (is(w, "CELL")) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Clips: shapes, units and names as written; files with something wrong; the
-   contest's clips, whose areas are published. */
+/* Tests of clips: shapes, units and names as written, damaged files, and the
+   contest's clips against their published areas. */
 #include <eda/layout.h>
 
 #include "tests/data.h"
@@ -31,7 +31,7 @@ static eda_layout *read_clip(const char *path, const char *more,
   return opc_test_run(m, outputs, error) ? NULL : outputs[0];
 }
 
-/* The merged area of a layer, nm^2. */
+/* Return the merged area of a layer, nm^2. */
 static double area(const eda_layout *layout, const char *layer) {
   opc_error error;
   eda_flat flat;
@@ -132,7 +132,7 @@ static void test_refused(void) {
   }
 }
 
-/* No beginning of a clip, and no clip with one byte changed, does any harm. */
+/* Test all truncations of a clip, and all changes of one byte: no crash. */
 static void test_damaged(void) {
   opc_error error;
   GRand *random = g_rand_new_with_seed(5);
@@ -151,7 +151,7 @@ static void test_damaged(void) {
   g_rand_free(random);
 }
 
-/* Each word is looked at once, not all that follows it: 200000 lines. */
+/* Test linear time: 200000 lines. */
 static void test_many(void) {
   enum { MANY = 200000 };
   opc_error error;
@@ -167,7 +167,7 @@ static void test_many(void) {
   eda_layout_free(l);
 }
 
-/* Areas of the contest's targets as published with them. */
+/* Test the published areas of the contest's targets. */
 static void test_contest(void) {
   static const double areas[] = {215344, 169280, 213504, 82560,  282044,
                                  286234, 229149, 128544, 317581, 102400};

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Texts, placements and their properties (SEMI P39, sections 22, 24, 31); what
-   all elements share. */
+/* Implements texts, placements and their properties (SEMI P39, sections 22, 24,
+   31), and the common parts of elements. */
 #include <string.h>
 
 #include "oasis.h"
 
 /* ---- what elements share ---- */
 
-/* Points that a file's shapes may take for each of its bytes, and so many
-   more, a million rectangles: repetitions and modal variables make much out of
-   little, for layouts cannot hold shapes as arrays. Twice of it are 0.03 s more
-   for a hostile file, and 1 s under a sanitizer. */
+/* Limit of points of a file's shapes: per byte of the file, plus a constant (a
+   million rectangles). Repetitions and modal variables expand a file, because
+   layouts cannot hold arrays of shapes. Doubling the limits costs 0.03 s for a
+   hostile file, 1 s under a sanitizer. */
 enum { POINTS_A_BYTE = 16, POINTS_MORE = 1 << 22 };
 
 int oasis_need(oasis *o, const char *what, uint32_t has) {
@@ -49,15 +49,15 @@ void oasis_read_layer(oasis *o, uint32_t info, uint32_t has, uint32_t *layer,
   o->m.has |= has * (info & 3);
 }
 
-/* A coordinate; one that no number can hold is out of range all the same. */
+/* Read a coordinate; a number that overflows is reported as out of range. */
 static int64_t read_place(oasis *o, int64_t from) {
   int64_t by = oasis_sint(o), to;
   if (!o->m.relative) return by;
   return __builtin_add_overflow(from, by, &to) ? INT64_MAX : to;
 }
 
-/* INFO bits of x and y are those of every element but placements, whose are
-   one further up. */
+/* Read x and y by the INFO bits of elements other than placements; placements
+   have them one bit higher. */
 static void read_xy(oasis *o, int has_x, int has_y, int64_t *x, int64_t *y) {
   if (has_x) *x = read_place(o, *x);
   if (has_y) *y = read_place(o, *y);
@@ -82,7 +82,8 @@ int oasis_spend(oasis *o, uint64_t count, uint64_t points) {
   return 1;
 }
 
-/* Where a member of a repetition is whose first one is at (x, y). */
+/* Compute the place of member i of a repetition whose first member is at (x,
+   y). Fail beyond the range of coordinates. */
 static int find_member(oasis *o, int repeated, uint64_t i, int64_t x, int64_t y,
                        const char *fault, eda_point *at) {
   oasis_vector d = oasis_member(o, repeated, i);
@@ -167,7 +168,8 @@ void oasis_read_placement(oasis *o, uint64_t record) {
   o->ranked = 0;
 }
 
-/* A lattice as an array of the layout. */
+/* Convert a lattice to an array of the layout. Return 0 if it is not a
+   lattice. */
 static int as_array(const oasis_repetition *r, eda_placement *p) {
   const oasis_vector *c = &r->column, *k = &r->row;
   p->column_step = (eda_point){(int32_t)c->x, (int32_t)c->y};
@@ -199,7 +201,8 @@ void oasis_end_placement(oasis *o) {
 
 /* ---- properties ---- */
 
-/* One value; the first is a property's number, the second its text. */
+/* Read value `index` of a property: the first is its number, the second its
+   text. */
 static void read_value(oasis *o, uint64_t index) {
   uint64_t type = oasis_uint(o);
   if (type <= 7) {
@@ -218,7 +221,8 @@ static void read_value(oasis *o, uint64_t index) {
   }
 }
 
-/* The property 61 of GDSII, or else the first one, names an instance. */
+/* Take a GDSII property: number 61, or else the first one, names an
+   instance. */
 static void take_property(oasis *o) {
   if (!o->pending || o->b.failed || o->m.attribute < 0 || !o->m.has_value)
     return;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Repetitions that reach as far as coordinates go, and one unit further, by
-   the places of all members one after another. */
+/* Tests of repetitions that end at the limits of coordinates, or one unit
+   beyond, against the places of all members computed one by one. */
 #include <stdlib.h>
 
 #include "making_test.h"
@@ -11,17 +11,18 @@ typedef struct place {
   int64_t x, y;
 } place;
 
-/* At 2^26 of each other at most, so that all fit between the limits. */
+/* Return a random step: distances up to 2^26, so that all fit between the
+   limits. */
 static int64_t some(GRand *rand) {
   return g_rand_int_range(rand, -(1 << 26), (1 << 26) + 1);
 }
 
-/* x in two bits more of an unsigned integer, y signed. */
+/* Write a step: x as an unsigned integer with two additional bits, y signed. */
 static void put_step(GByteArray *f, place d) {
   put(f, "us", (unsigned long)llabs(d.x) << 2 | (d.x < 0) << 1 | 1, (long)d.y);
 }
 
-/* Put a repetition of that type into the file; gives its members. */
+/* Write a repetition of that type and return the number of its members. */
 static size_t put_repetition(GByteArray *f, GRand *rand, int type,
                              place *members) {
   size_t columns = (size_t)g_rand_int_range(rand, 2, MOST + 1),
@@ -51,8 +52,8 @@ static size_t put_repetition(GByteArray *f, GRand *rand, int type,
   return n;
 }
 
-/* A rectangle of which the outermost member ends at a limit, or a unit beyond,
-   on one of the four sides. */
+/* Test a rectangle whose outermost member ends at a limit, or one unit beyond,
+   on each of the four sides. */
 static void test_edges(void) {
   static const int types[] = {1, 2, 3, 8, 9, 10};
   GRand *rand = g_rand_new_with_seed(6);

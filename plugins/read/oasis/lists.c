@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Point lists and repetitions (SEMI P39, sections 7.6 and 7.7). */
+/* Implements point lists and repetitions (SEMI P39, sections 7.6 and 7.7). */
 #include <eda/memory.h>
 
 #include "oasis.h"
@@ -57,14 +57,14 @@ static uint64_t dimension(oasis *o) {
 
 static int64_t space(oasis *o) { return oasis_size(o, oasis_uint(o)); }
 
-/* v times the grid of a list. */
+/* Return v times the grid of a list. */
 static int64_t on_grid(oasis *o, int64_t v, int64_t grid) {
   int64_t product;
   if (__builtin_mul_overflow(v, grid, &product)) product = INT64_MAX;
   return oasis_length(o, product);
 }
 
-/* Types 4 to 7, along x or y, and 10 and 11. */
+/* Read the offsets of types 4 to 7, along x or y, and 10 and 11. */
 static void read_offsets(oasis *o, uint64_t type, oasis_points *out) {
   uint64_t n = dimension(o);
   int64_t grid = type & 1 ? space(o) : 1;
@@ -86,7 +86,7 @@ static void read_offsets(oasis *o, uint64_t type, oasis_points *out) {
   }
 }
 
-/* Beyond all coordinates, and what is added to it does not overflow. */
+/* Beyond all coordinates; sums with it do not overflow. */
 #define BEYOND ((int64_t)1 << 40)
 
 static void reach_out(oasis_repetition *r, int64_t x, int64_t y) {
@@ -96,7 +96,7 @@ static void reach_out(oasis_repetition *r, int64_t x, int64_t y) {
   if (y > r->high.y) r->high.y = y;
 }
 
-/* (n - 1) * step, or BEYOND */
+/* Return (n - 1) * step, or BEYOND. */
 static int64_t last(uint64_t n, int64_t step) {
   int64_t product;
   if (__builtin_mul_overflow((int64_t)n - 1, step, &product)) return BEYOND;

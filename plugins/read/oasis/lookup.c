@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Names and the numbers that stand for them. */
+/* Implements names and their reference numbers. */
 #include <eda/memory.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,7 +18,7 @@ GHashTable *oasis_names_new(void) {
 
 /* ---- records ---- */
 
-/* Takes `text`. */
+/* Define a name; `text` is owned by the table. */
 static void define(oasis *o, int table, uint64_t number, char *text) {
   oasis_name *name = g_hash_table_lookup(o->names[table], &number);
   if (name && (name->defined || strcmp(name->text, text) != 0))
@@ -73,7 +73,7 @@ void oasis_read_name(oasis *o, uint64_t record) {
 
 /* ---- looking up ---- */
 
-/* The records of one table, all of them, from its place on. */
+/* Read all records of a table at its place. */
 static void read_table(oasis *o, int table, uint64_t at) {
   oasis_seek(o, at);
   while (oasis_begin_record(o)) {
@@ -91,8 +91,7 @@ static void read_table(oasis *o, int table, uint64_t at) {
   }
 }
 
-/* Another reading, for names: of a table, or of the whole file if its place
-   `at` is 0. */
+/* Read names in another pass: a table, or the whole file if `at` is 0. */
 static void look_for_names(oasis *o, int table, uint64_t at) {
   oasis other = oasis_again(o, o->b.error);
   if (at)

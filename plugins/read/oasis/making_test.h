@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* OASIS files made by hand, for tests. */
+/* Test helpers: OASIS files made by hand. */
 #ifndef OPCFLOW_OASIS_MAKING_TEST_H
 #define OPCFLOW_OASIS_MAKING_TEST_H
 
@@ -19,8 +19,8 @@ static void put_uint(GByteArray *f, uint64_t v) {
   g_byte_array_append(f, (const uint8_t[]){(uint8_t)v}, 1);
 }
 
-/* u: an unsigned integer (unsigned long), s: a signed one (long), b: a byte
-   (int), r: a whole real (int), t: a string. */
+/* Write values: u, an unsigned integer (unsigned long); s, a signed one (long);
+   b, a byte (int); r, an integer as real (int); t, a string. */
 static void put(GByteArray *f, const char *format, ...) {
   va_list list;
   va_start(list, format);
@@ -45,7 +45,7 @@ static void put(GByteArray *f, const char *format, ...) {
   va_end(list);
 }
 
-/* A file whose tables are told at its end, without cells. */
+/* Return a file without cells whose tables are listed at its end. */
 static GByteArray *new_file(void) {
   GByteArray *f = g_byte_array_new();
   g_byte_array_append(f, (const uint8_t *)EDA_OASIS_MAGIC, 13);
@@ -69,7 +69,8 @@ static char *save(const GByteArray *f) {
   return path;
 }
 
-/* END with a validation scheme; its sum is off by `wrong`. */
+/* Write END with a validation scheme and add `wrong` to the sum. Return the
+   path. */
 static char *finish_sum(GByteArray *f, int scheme, uint32_t wrong) {
   guint start = f->len;
   put(f, "b", EDA_OASIS_END);
@@ -98,7 +99,7 @@ static inline eda_layout *read_more(const char *path, const char *more,
   return read_by("read.oasis", path, more, error);
 }
 
-/* Reads and frees the path. */
+/* Read a file and free the path. */
 static eda_layout *read_made(char *path) {
   opc_error e = {0};
   eda_layout *layout = read_more(path, "", &e);
@@ -107,7 +108,7 @@ static eda_layout *read_made(char *path) {
   return layout;
 }
 
-/* Frees the path. */
+/* Assert that a file is rejected with a message; free the path. */
 static void refuse(char *path, int code, const char *why) {
   opc_error e = {0};
   g_assert_null(read_more(path, "", &e));

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Numbers, vectors and strings (SEMI P39, section 7). */
+/* Implements numbers, vectors and strings (SEMI P39, section 7). */
 #include <math.h>
 #include <string.h>
 
 #include "oasis.h"
 
-/* Of a coordinate, a length or a sum of them: whatever is added to another
-   coordinate and still fits 64 bits easily. */
+/* Largest coordinate, length or sum of lengths; sums with further coordinates
+   fit 64 bits. */
 #define MAX_LENGTH ((int64_t)1 << 33)
 
-/* Seven bits a byte, the lowest first; zeros may follow without end. */
+/* Seven bits per byte, lowest first; any number of zeros may follow. */
 uint64_t oasis_long_uint(oasis *o, uint32_t first) {
   uint64_t v = first & 0x7f;
   uint32_t b = first;
@@ -80,7 +80,7 @@ int64_t oasis_size(oasis *o, uint64_t v) {
   return oasis_length(o, v > INT64_MAX ? INT64_MAX : (int64_t)v);
 }
 
-/* East, north, west, south; then north-east and on. */
+/* Directions: east, north, west, south, then north-east and on. */
 static oasis_vector along(uint64_t direction, int64_t size) {
   static const int8_t x[] = {1, 0, -1, 0, 1, -1, -1, 1};
   static const int8_t y[] = {0, 1, 0, -1, 1, 1, -1, -1};
@@ -112,7 +112,7 @@ oasis_vector oasis_deltag(oasis *o) {
 
 /* ---- strings ---- */
 
-/* The bytes come in pieces where a block ends its window in between. */
+/* Append the bytes of a string; they are split where a block's buffer ends. */
 static void take_bytes(oasis *o, GString *out) {
   uint64_t left = oasis_uint(o);
   do {

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The parts of read.oasis.
+/* Common header of the files of read.oasis.
 
-   The records are read in one pass. Where one refers to a name by a number
-   that comes later, the table of such names is read first, at the place that
-   START or END tells; if that does not help, the whole file is gone through
-   once for names alone.
+   Records are read in one pass. If a record refers to a name by a number that
+   is defined later, the table of such names is read first at the place given by
+   START or END. If the name is not in the table, another pass reads all names
+   of the file.
 
-   After a failure everything that is read is 0. Whoever loops over something
-   that the file counts looks at b.failed. */
+   After a failure all values read are 0. Loops over counts of the file check
+   b.failed. */
 #ifndef OPCFLOW_OASIS_H
 #define OPCFLOW_OASIS_H
 
@@ -21,18 +21,19 @@
 typedef struct oasis_name {
   uint64_t number; /* the key */
   char *text;
-  int defined; /* in the pass that builds */
+  int defined; /* defined in the pass that builds */
 } oasis_name;
 
-/* Tables that hold strings: cells, texts, property names and strings. */
+/* Number of tables that hold strings: cells, texts, property names, property
+   strings. */
 enum { OASIS_NAMES = 4 };
 
 GHashTable *oasis_names_new(void);
 
 /* ---- modal variables ---- */
 
-/* Those that are undefined when a cell begins; what lacks several is told of
-   the first. */
+/* Modal variables that are undefined at the start of a cell. If a record lacks
+   several, the first one is reported. */
 enum {
   HAS_LAYER = 1 << 0,
   HAS_DATATYPE = 1 << 1,
@@ -63,17 +64,17 @@ typedef struct oasis_points {
   size_t n, room;
 } oasis_points;
 
-/* columns x rows on a lattice, or as many as there are offsets, the first of
-   which is (0, 0). */
+/* columns x rows on a lattice, or as many columns as offsets; the first offset
+   is (0, 0). */
 typedef struct oasis_repetition {
   int lattice;
   uint64_t columns, rows;
   oasis_vector column, row;
   oasis_points offsets;
-  oasis_vector low, high; /* of all offsets; far beyond coordinates if so */
+  oasis_vector low, high; /* bounds of all offsets; BEYOND if out of range */
 } oasis_repetition;
 
-/* A string that stands there, or a number that means one. */
+/* A string, or the reference number of a string. */
 typedef struct oasis_reference {
   char *text; /* NULL: by number */
   uint64_t number;
@@ -88,11 +89,11 @@ typedef struct oasis_modal {
   uint32_t ctrapezoid;
   int32_t placed; /* cell of the layout */
   oasis_reference text;
-  oasis_points polygon, path; /* from their first point, which is (0, 0) */
+  oasis_points polygon, path; /* relative to the first point, which is (0, 0) */
   oasis_repetition repetition;
   oasis_reference property;
-  int64_t attribute;     /* a property's first value, -1 if that is no number */
-  oasis_reference value; /* its second one */
+  int64_t attribute;     /* first value of a property; -1 if not a number */
+  oasis_reference value; /* second value */
   int has_value;
 } oasis_modal;
 
@@ -100,61 +101,61 @@ typedef struct oasis_modal {
 
 typedef struct oasis {
   reading b;
-  int naming; /* names are wanted, nothing is built */
+  int naming; /* 1: pass that reads names only */
 
-  /* The bytes that can be read at once: the file, or some of a block. */
+  /* Bytes available now: the file, or the buffer of a block. */
   const uint8_t *p, *end;
-  uint64_t record; /* where the current record begins, in file or block */
+  uint64_t record; /* place of the current record, in file or block */
 
-  int inside; /* of a compressed block */
+  int inside; /* 1: inside a compressed block */
   const uint8_t *file_p;
-  uint64_t block_at; /* where it begins in the file */
-  uint64_t done;     /* of its bytes, before `inflated` */
+  uint64_t block_at; /* place of the block in the file */
+  uint64_t done;     /* bytes of the block before `inflated` */
   uint64_t left_in, left_out;
   uint8_t *inflated;
   z_stream z;
-  uint64_t unpacked; /* from all blocks so far */
+  uint64_t unpacked; /* total of all blocks so far */
 
-  GHashTable *names[OASIS_NAMES]; /* of oasis_name */
-  uint64_t next[OASIS_NAMES];     /* number without one of its own */
-  int numbered[OASIS_NAMES];      /* 1: without numbers of their own, 2: with */
-  uint64_t tables[EDA_OASIS_TABLES]; /* places of complete ones, 0: none */
+  GHashTable *names[OASIS_NAMES]; /* oasis_name */
+  uint64_t next[OASIS_NAMES];     /* next implicit number */
+  int numbered[OASIS_NAMES];      /* 1: implicit numbers, 2: explicit numbers */
+  uint64_t tables[EDA_OASIS_TABLES]; /* places of complete tables; 0: none */
   int tables_at_end;
-  int named; /* the whole file was gone through for names */
+  int named; /* 1: all names of the file were read */
 
   int in_cell;
   oasis_modal m;
-  uint64_t spent; /* points that shapes took */
+  uint64_t spent; /* points used by shapes */
   eda_point *points;
   size_t room_points;
 
-  int pending; /* a placement, whose properties may follow */
+  int pending; /* 1: a placement whose properties may follow */
   eda_placement placement;
   int32_t child;
   int repeated;
-  int ranked; /* 0 no name, 1 by a GDSII property, 2 by number 61 */
+  int ranked; /* 0: no name, 1: by a GDSII property, 2: by number 61 */
   char *instance;
 } oasis;
 
 /* ---- stream.c: the file as bytes, compressed blocks opened on the way ---- */
 
-/* Another one for the same file, to be cleared: it takes names, nothing else.
-   Then what both began with is `from`'s alone. */
+/* Return a second reader of the same file, for names only; clear it with
+   oasis_clear. Data that both share at the start stay with `from`. */
 oasis oasis_again(const oasis *from, opc_error *error);
 void oasis_clear(oasis *o);
-/* Go on at another place of the file. */
+/* Continue at another place of the file. */
 void oasis_seek(oasis *o, uint64_t at);
-/* Fail: "'path': WHAT at byte N", N being where the record begins. */
+/* Fail with "'path': WHAT at byte N", with N the place of the record. */
 void oasis_refuse(void *o, const char *what);
-/* A record begins here: leave blocks that end here. 0 after a failure. */
+/* Start a record: leave blocks that end here. Return 0 after a failure. */
 int oasis_begin_record(oasis *o);
-/* The place in the file; and bytes read up to here, also of blocks, these at
-   most 64 for each of the file's. */
+/* Return the place in the file; and the number of bytes read so far, including
+   those of blocks up to 64 per byte of the file. */
 uint64_t oasis_place(const oasis *o);
 uint64_t oasis_consumed(const oasis *o);
-/* The contents of a CBLOCK record are what comes next. */
+/* Continue with the contents of a CBLOCK record. */
 void oasis_enter_block(oasis *o);
-/* More bytes; 0 if there are none, which is a failure. */
+/* Provide more bytes. Return 0 at the end of the data, which is a failure. */
 int oasis_refill(oasis *o);
 
 /* ---- numbers.c ---- */
@@ -171,19 +172,20 @@ static inline uint64_t oasis_uint(oasis *o) {
   return b < 0x80 ? b : oasis_long_uint(o, b);
 }
 
-/* Sign in the lowest bit. */
+/* Read a signed integer; the sign is the lowest bit. */
 static inline int64_t oasis_sint(oasis *o) {
   uint64_t v = oasis_uint(o);
   return v & 1 ? -(int64_t)(v >> 1) : (int64_t)(v >> 1);
 }
 
-/* An unsigned integer of 32 bits: `what` is too large otherwise. */
+/* Read an unsigned integer of 32 bits; fail with `what` if too large.
+   oasis_real reads a real. */
 uint32_t oasis_uint32(oasis *o, const char *what);
 double oasis_real(oasis *o);
-/* Of a type that has been read already. */
+/* Read a real of a type that has been read. */
 double oasis_real_of(oasis *o, uint64_t type);
 
-/* Lengths that a coordinate can have, or it is a failure; also of a sum. */
+/* Return a length or a sum of lengths; fail beyond the range of coordinates. */
 int64_t oasis_length(oasis *o, int64_t v);
 int64_t oasis_size(oasis *o, uint64_t v);
 oasis_vector oasis_delta1(oasis *o, int horizontal);
@@ -191,8 +193,8 @@ oasis_vector oasis_delta2(oasis *o);
 oasis_vector oasis_delta3(oasis *o);
 oasis_vector oasis_deltag(oasis *o);
 
-/* A string, bytes that are not printable ASCII as "\xE4", freed with g_free; or
-   past it. */
+/* Read a string; bytes that are not printable ASCII become "\xE4". Free with
+   g_free. oasis_skip_string skips a string. */
 char *oasis_string(oasis *o);
 void oasis_skip_string(oasis *o);
 
@@ -203,14 +205,14 @@ void oasis_read_name(oasis *o, uint64_t record);
 void oasis_read_reference(oasis *o, int by_number, oasis_reference *to);
 const char *oasis_referred(oasis *o, int table, const oasis_reference *to);
 
-/* oasis.c: all records, from START to END. */
+/* oasis.c: read all records from START to END. */
 void oasis_read(void *o);
 
 /* ---- lists.c ---- */
 
 void oasis_read_points(oasis *o, oasis_points *points, int closed);
 void oasis_read_repetition(oasis *o);
-/* Of an element whose record says so; single otherwise. */
+/* Return the number of members of an element; 1 unless `repeated`. */
 uint64_t oasis_members(const oasis *o, int repeated);
 oasis_vector oasis_member(const oasis *o, int repeated, uint64_t i);
 
@@ -228,15 +230,16 @@ void oasis_read_placement(oasis *o, uint64_t record);
 void oasis_read_property(oasis *o, uint64_t record);
 void oasis_end_placement(oasis *o);
 
-/* What elements share. */
-/* Refuse `what` where it lacks one of the modal variables. */
+/* Common parts of elements. Fail with `what` if one of the modal variables is
+   undefined. */
 int oasis_need(oasis *o, const char *what, uint32_t has);
-/* A layer and a datatype, as the record says. */
+/* Read a layer and a datatype by the bits of the record. */
 void oasis_read_layer(oasis *o, uint32_t info, uint32_t has, uint32_t *layer,
                       uint32_t *datatype);
-/* x and y as the record says, and the modal variable. */
+/* Read x and y by the bits of the record and update the modal variables. */
 void oasis_read_place(oasis *o, uint32_t info, int64_t *x, int64_t *y);
-/* Take `count` times `points` from what a file may make of its length. */
+/* Count `count` times `points` points against the limit of the file. Return 0
+   beyond the limit. */
 int oasis_spend(oasis *o, uint64_t count, uint64_t points);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Files made byte by byte, whose layouts are known; files of other programs;
-   what is refused, and where. */
+/* Tests of files made byte by byte with known layouts, of files of other
+   programs, and of rejected files with the places of their errors. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -8,7 +8,7 @@
 
 /* ---- comparing ---- */
 
-/* The points of all polygons and texts of TOP, as text. */
+/* Return the points of all polygons and texts of TOP as text. */
 static char *dump(const eda_layout *layout) {
   GString *s = g_string_new(NULL);
   int32_t top = eda_layout_find_cell(layout, "TOP"), layer;
@@ -39,7 +39,7 @@ static void expect(GByteArray *f, const char *want) {
 
 /* ---- numbers ---- */
 
-/* Magnifications of every kind of real. */
+/* Test magnifications of every type of real. */
 static void test_reals(void) {
   static const uint8_t half[] = {6, 0, 0, 0, 0x3f};
   static const uint8_t quarter[] = {7, 0, 0, 0, 0, 0, 0, 0xd0, 0x3f};
@@ -131,7 +131,7 @@ static void test_repetitions(void) {
     GByteArray *f = new_cell();
     put(f, "bbtuu", EDA_OASIS_TEXT, 0x47, "T", 1ul, 2ul);
     for (size_t k = 0; cases[i].format[k]; k++) put(f, "u", cases[i].v[k]);
-    put(f, "bbsb", EDA_OASIS_TEXT, 0x14, 100l, 0); /* the same again */
+    put(f, "bbsb", EDA_OASIS_TEXT, 0x14, 100l, 0); /* same place */
     GString *want = g_string_new(NULL);
     for (int again = 0; again < 2; again++) {
       g_auto(GStrv) places = g_strsplit(cases[i].places, " ", -1);
@@ -175,7 +175,7 @@ static void test_points(void) {
 
 static void test_shapes(void) {
   GByteArray *f = new_cell();
-  /* A square, then the next in relative coordinates; its layer is known. */
+  /* A square; the next one in relative coordinates with the modal layer. */
   put(f, "bbuuuss", EDA_OASIS_RECTANGLE, 0xdb, 1ul, 2ul, 5ul, 10l, 20l);
   put(f, "b", EDA_OASIS_XYRELATIVE);
   put(f, "bbuss", EDA_OASIS_RECTANGLE, 0x38, 7ul, 1l, 2l);
@@ -204,7 +204,8 @@ static void test_path(void) {
   GByteArray *f = new_cell();
   put(f, "bbuuuusuuuss", EDA_OASIS_PATH, 0xfb, 1ul, 2ul, 5ul, 2ul << 2 | 3, 7l,
       4ul, 1ul, 100ul << 4, 3l, 4l);
-  put(f, "bbuu", EDA_OASIS_PATH, 0xc0, 4ul, 1ul << 2 | 1); /* the same list */
+  put(f, "bbuu", EDA_OASIS_PATH, 0xc0, 4ul, 1ul << 2 | 1); /* the same point
+                                                              list */
   eda_layout *layout = read_made(finish(f));
   opc_error e;
   eda_flat flat;
@@ -244,7 +245,7 @@ static void test_circle(void) {
   eda_layout_free(layout);
 }
 
-/* What is not known is stepped over, with its modal variables. */
+/* Test that unknown records are skipped and update modal variables. */
 static void test_extensions(void) {
   GByteArray *f = new_file();
   put(f, "but", EDA_OASIS_XNAME, 1ul, "?");
@@ -258,7 +259,7 @@ static void test_extensions(void) {
 
 /* ---- names ---- */
 
-/* Numbers that come before their names, in every order; instance names. */
+/* Test numbers used before their names, in every order; instance names. */
 static void test_names(void) {
   for (int explicit = 0; explicit < 2; explicit ++) {
     GByteArray *f = new_file();
@@ -315,7 +316,7 @@ static void test_names(void) {
   refuse(finish(f), OPC_IO, "cell 'TOP' a second time at byte 27");
 }
 
-/* Modal variables are undefined at the start of a cell. */
+/* Test that modal variables are undefined at the start of a cell. */
 static void test_modal(void) {
   GByteArray *f = new_cell();
   put(f, "bbuuuuss", EDA_OASIS_RECTANGLE, 0x7b, 1ul, 2ul, 3ul, 4ul, 5l, 6l);
@@ -388,7 +389,7 @@ static void test_sums(void) {
     }
 }
 
-/* The layers' names, the factor on the unit, the top. */
+/* Test names of layers, the factor on the unit, and the top cell. */
 static void test_parameters(void) {
   GByteArray *f = new_cell();
   opc_error e = {0};
@@ -410,7 +411,7 @@ static void test_parameters(void) {
 
 /* ---- hostile files ---- */
 
-/* Cut at every byte: each time an error that tells a place in the file. */
+/* Test truncation at every byte: an error with a place in the file. */
 static void test_truncated(void) {
   static const char *const files[] = {"own_crc32.oas", "klayout_t14.1.oas"};
   g_autofree char *path = g_build_filename(opc_test_folder(), "cut.oas", NULL);
@@ -428,7 +429,7 @@ static void test_truncated(void) {
   }
 }
 
-/* OPCFLOW_FUZZ asks for more rounds than a test should take. */
+/* Test random changes; OPCFLOW_FUZZ sets a larger number of rounds. */
 static void test_flipped(void) {
   static const char *const files[] = {"own_crc32.oas",    "klayout_t3.1.oas",
                                       "klayout_t5.1.oas", "klayout_t8.6.oas",
@@ -445,7 +446,7 @@ static void test_flipped(void) {
     for (int round = 0; round < rounds; round++) {
       g_autofree char *copy = g_memdup2(bytes, n);
       int flips = g_rand_int_range(rand, 1, 6);
-      for (int k = 0; k < flips; k++) { /* END but for its sum is padding */
+      for (int k = 0; k < flips; k++) { /* END is padding except for its sum */
         int at = g_rand_int_range(rand, 0, (gint32)n - 250);
         copy[at] = (char)(copy[at] ^ 1 << g_rand_int_range(rand, 0, 8));
       }
@@ -461,8 +462,8 @@ static void test_flipped(void) {
   }
 }
 
-/* Cells that place themselves and each other; the names of tables that point
-   at each other. */
+/* Test cells that place themselves and each other, and name tables that refer
+   to each other. */
 static void test_circles(void) {
   GByteArray *f = new_cell();
   put(f, "bbt", EDA_OASIS_PLACEMENT, 0x80, "TOP");
@@ -477,7 +478,7 @@ static void test_circles(void) {
   g_assert_nonnull(strstr(e.message, "circle"));
   g_assert_cmpint(eda_layout_flatten(layout, 0, 0, 1, &flat, &e), !=, 0);
   eda_layout_free(layout);
-  f = g_byte_array_new(); /* tables that are where START is */
+  f = g_byte_array_new(); /* tables at the place of START */
   g_byte_array_append(f, (const uint8_t *)EDA_OASIS_MAGIC, 13);
   put(f, "btrb", EDA_OASIS_START, "1.0", 1000, 0);
   for (int i = 0; i < 6; i++) put(f, "bb", 1, 13);
@@ -486,7 +487,8 @@ static void test_circles(void) {
   g_byte_array_free(f, TRUE);
 }
 
-/* A million times a million: cells stay an array, shapes are refused. */
+/* Test arrays of a million times a million: kept for cells, rejected for
+   shapes. */
 static void test_arrays(void) {
   const unsigned long million = 999998;
   GByteArray *f = new_cell();
@@ -508,7 +510,7 @@ static void test_arrays(void) {
   put(f, "bbuuuuuuuuu", EDA_OASIS_RECTANGLE, 0x67, 1ul, 2ul, 3ul, 4ul, 1ul,
       million, million, 20ul, 20ul);
   refuse(finish(f), OPC_IO, "too many shapes for so short a file");
-  f = new_cell(); /* no more than memory and a second can take */
+  f = new_cell(); /* bounded memory and time */
   put(f, "bbuuuuuuuuu", EDA_OASIS_RECTANGLE, 0x67, 1ul, 2ul, 3ul, 4ul, 1ul,
       1030ul, 1030ul, 20ul, 20ul);
   refuse(finish(f), OPC_IO, "too many shapes for so short a file");
@@ -516,7 +518,7 @@ static void test_arrays(void) {
   put(f, "bbtuuuuuuu", EDA_OASIS_TEXT, 0x47, "T", 1ul, 2ul, 1ul, million,
       million, 0ul, 0ul);
   refuse(finish(f), OPC_IO, "too many shapes for so short a file");
-  f = new_cell(); /* a long name, over and over again */
+  f = new_cell(); /* a long name, repeatedly */
   g_autofree char *name = g_strnfill(100000, 'n');
   put(f, "bbt", EDA_OASIS_PLACEMENT, 0x80, "A");
   put(f, "bbtuuut", EDA_OASIS_PROPERTY, 0x24, "S_GDS_PROPERTY", 8ul, 61ul, 10ul,
@@ -524,7 +526,7 @@ static void test_arrays(void) {
   for (int i = 0; i < 1000; i++)
     put(f, "bbb", EDA_OASIS_PLACEMENT, 0, EDA_OASIS_PROPERTY_AGAIN);
   refuse(finish(f), OPC_IO, "too many shapes for so short a file");
-  f = new_cell(); /* a long polygon, over and over again */
+  f = new_cell(); /* a long polygon, repeatedly */
   put(f, "bbuuuu", EDA_OASIS_POLYGON, 0x23, 1ul, 2ul, 4ul, 100000ul);
   for (int i = 0; i < 100000; i++) put(f, "u", 1ul << 4 | (i % 2 ? 2 : 0));
   for (int i = 0; i < 5000; i++) put(f, "bb", EDA_OASIS_POLYGON, 0);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Rectangles, polygons, paths, trapezoids, circles (SEMI P39, sections 25 to
-   30). */
+/* Implements rectangles, polygons, paths, trapezoids and circles (SEMI P39,
+   sections 25 to 30). */
 #include <eda/memory.h>
 #include <math.h>
 
@@ -8,9 +8,9 @@
 
 #define PI 3.14159265358979323846
 
-enum { SIDES = 64 }; /* of the polygon that a circle becomes */
+enum { SIDES = 64 }; /* corners of the polygon of a circle */
 
-/* Bits of the byte that says what a record tells, but for the layer. */
+/* Bits of the information byte of a shape, except layer and datatype. */
 enum { REPEATED = 4, SECOND = 32, FIRST = 64, TOP = 128 };
 
 static void read_layer(oasis *o, uint32_t info) {
@@ -29,8 +29,8 @@ static void read_sizes(oasis *o, uint32_t info) {
   if (info & SECOND) o->m.height = read_size(o, HAS_HEIGHT);
 }
 
-/* The end of every record of a shape: its place, its repetition. Whether
-   `what`, which needs some modal variables, is to be drawn. */
+/* Read the place and repetition at the end of a shape's record. Return 1 if the
+   shape `what`, which needs the modal variables `has`, is to be drawn. */
 static int read_rest(oasis *o, uint32_t info, const char *what, uint32_t has) {
   oasis_read_place(o, info, &o->m.x, &o->m.y);
   if (info & REPEATED) oasis_read_repetition(o);
@@ -38,7 +38,8 @@ static int read_rest(oasis *o, uint32_t info, const char *what, uint32_t has) {
          o->b.cell >= 0 && oasis_need(o, what, has);
 }
 
-/* Whether all members of a shape with these corners have coordinates. */
+/* Return 1 if all members of a shape with these corners are within the range of
+   coordinates. */
 static int fits(oasis *o, int repeated, oasis_vector low, oasis_vector high) {
   const oasis_modal *m = &o->m;
   oasis_vector zero = {0, 0};
@@ -51,7 +52,7 @@ static int fits(oasis *o, int repeated, oasis_vector low, oasis_vector high) {
   return !o->b.failed;
 }
 
-/* A polygon, or a path where `path`, with its members. */
+/* Add a polygon, or a path if `path`, with all its members. */
 static void add_points(oasis *o, int repeated, const oasis_vector *p, size_t n,
                        int path) {
   reading *b = &o->b;
@@ -108,12 +109,12 @@ void oasis_read_polygon(oasis *o) {
     o->m.has |= HAS_POLYGON;
   }
   if (read_rest(o, info, "a polygon", HAS_POLYGON) &&
-      o->m.polygon.n >= 3) /* others have no area */
+      o->m.polygon.n >= 3) /* fewer points have no area */
     add_points(o, info & REPEATED, o->m.polygon.p, o->m.polygon.n, 0);
 }
 
-/* How far a path goes past its end: 0 as before, 1 not at all, 2 half a width,
-   3 what follows. */
+/* Read the extension of a path at its end: 0 as before, 1 none, 2 half a width,
+   3 explicit. */
 static void read_extension(oasis *o, uint64_t scheme, uint32_t has,
                            int64_t *out) {
   if (scheme == 1) *out = 0;
@@ -151,7 +152,7 @@ void oasis_read_path(oasis *o) {
     add_points(o, info & REPEATED, o->m.path.p, o->m.path.n, 1);
 }
 
-/* The corners that differ from those before them. */
+/* Add a polygon of the corners that differ from the preceding ones. */
 static void add_corners(oasis *o, int repeated, const oasis_vector corner[4]) {
   oasis_vector p[4];
   size_t n = 0;
@@ -173,7 +174,7 @@ void oasis_read_trapezoid(oasis *o, uint64_t record) {
   int64_t w = o->m.width, h = o->m.height;
   int64_t a0 = a < 0 ? -a : 0, a1 = a > 0 ? a : 0;
   int64_t b0 = b < 0 ? -b : 0, b1 = b > 0 ? b : 0;
-  int64_t room = info & TOP ? h : w; /* of the parallel sides */
+  int64_t room = info & TOP ? h : w; /* length of the parallel sides */
   if (a0 + b1 > room || a1 + b0 > room) {
     oasis_refuse(o, "a trapezoid whose sides cross");
     return;
@@ -183,8 +184,8 @@ void oasis_read_trapezoid(oasis *o, uint64_t record) {
   add_corners(o, info & REPEATED, info & TOP ? upright : flat);
 }
 
-/* Corners of the compact trapezoids: x and y as multiples of width and height,
-   {xw, xh, yw, yh}, counter-clockwise. */
+/* Corners of the compact trapezoids, counter-clockwise: {xw, xh, yw, yh}, x and
+   y as multiples of width and height. */
 static const int8_t compact[26][4][4] = {
     {{0, 0, 0, 0}, {1, 0, 0, 0}, {1, -1, 0, 1}, {0, 0, 0, 1}},
     {{0, 0, 0, 0}, {1, -1, 0, 0}, {1, 0, 0, 1}, {0, 0, 0, 1}},
@@ -214,7 +215,8 @@ static const int8_t compact[26][4][4] = {
     {{0, 0, 0, 0}, {1, 0, 0, 0}, {1, 0, 1, 0}, {0, 0, 1, 0}},
 };
 
-/* The sizes that a kind leaves out follow from the other one. */
+/* Derive the size that a type of trapezoid omits from the other one. Return 0
+   on failure. */
 static int complete_sizes(oasis *o) {
   uint32_t type = o->m.ctrapezoid;
   if (type == 20 || type == 21) {
@@ -276,7 +278,7 @@ void oasis_read_circle(oasis *o) {
   add_points(o, info & REPEATED, corner, SIDES, 0);
 }
 
-/* What it means is not known; the modal variables are. */
+/* Skip a record of unknown meaning; modal variables are updated. */
 void oasis_read_xgeometry(oasis *o) {
   uint32_t info = oasis_byte(o);
   oasis_uint(o);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* An OASIS file as a stream of bytes, and the compressed blocks in it. Memory
-   is bounded: a block goes through one buffer. */
+/* Implements an OASIS file as a stream of bytes, with its compressed blocks.
+   Memory is bounded: a block is read through one buffer. */
 #include <eda/memory.h>
 #include <inttypes.h>
 #include <stdlib.h>
@@ -9,9 +9,9 @@
 
 enum { BUFFER = 1 << 18 };
 
-/* Blocks of a file may hold this many bytes for each of the file's, and so
-   many more: layouts compress to a tenth, and padding to a thousandth. Records
-   of one byte each, 64 MB of them, took 30 s under a sanitizer. */
+/* Limit of the bytes in blocks: per byte of the file, plus a constant. Layouts
+   compress to a tenth, padding to a thousandth. Records of one byte each, 64 MB
+   in total, took 30 s under a sanitizer. */
 #define MAX_RATIO 64
 #define MAX_MORE ((uint64_t)1 << 18)
 
@@ -84,7 +84,7 @@ void oasis_refuse(void *self, const char *what) {
 
 /* ---- windows ---- */
 
-/* Compressed bytes for zlib. */
+/* Provide compressed bytes to zlib. */
 static void feed(oasis *o) {
   enum { MOST = 1 << 30 }; /* zlib counts in 32 bits */
   if (o->z.avail_in || !o->left_in) return;
@@ -97,7 +97,7 @@ static void feed(oasis *o) {
   o->left_in -= n;
 }
 
-/* At most `room` inflated bytes into `out`; how many, 0 at the end. */
+/* Inflate at most `room` bytes to `out`. Return their number, 0 at the end. */
 static size_t unpack(oasis *o, uint8_t *out, size_t room) {
   o->z.next_out = out;
   o->z.avail_out = (uInt)room;
@@ -172,7 +172,7 @@ void oasis_enter_block(oasis *o) {
   o->p = o->end = o->inflated;
 }
 
-/* All that the block holds has been read. */
+/* Leave a block at its end. */
 static void end_block(oasis *o) {
   uint8_t more;
   o->record = o->done + (uint64_t)(o->p - o->inflated);

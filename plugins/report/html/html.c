@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* report.html: a page of the run that it belongs to, or of an experiment. Not
-   deterministic: the page tells of times, and of all that ran before it. */
+/* Implements the step `report.html`: a page of the run that contains the step,
+   or of an experiment. Not deterministic: the page contains times and the
+   results of all earlier steps. */
 #include <eda/experiment.h>
 #include <opcflow/step.h>
 
@@ -20,8 +21,8 @@ typedef struct writer {
 
 /* ---- work ---- */
 
-/* Whether the run at work tells of itself yet: inside of a step that runs flows
-   it does so at its end. */
+/* Return 1 if the present run has a manifest already. A run inside a step that
+   runs flows has none until its end. */
 static int tells(const writer *w, const char *folder) {
   g_autofree char *manifest = g_build_filename(folder, "manifest.json", NULL);
   if (g_file_test(manifest, G_FILE_TEST_EXISTS)) return 1;

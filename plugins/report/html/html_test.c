@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Pages of an experiment and of the run at work, whose folders are made by
-   hand: the page's data must be what they hold. */
+/* Tests pages of an experiment and of the present run, with folders made by
+   hand: the page's data must equal their content. */
 #include <eda/experiment.h>
 #include <eda/gates.h>
 #include <eda/memory.h>
@@ -9,7 +9,7 @@
 #include "tests/run_folder.h"
 #include "tools/devel/testing.h"
 
-/* Run report.html; its code. */
+/* Run report.html. Returns its code. */
 static int write_page(const char *mapping, const char *input, void *object,
                       opc_error *error) {
   void *none[1];
@@ -45,8 +45,8 @@ static gboolean lacks(JsonNode *root, const char *text) {
   return FALSE;
 }
 
-/* Each run under its case and method, in the experiment's order; a failed one
-   is missing. */
+/* Each run has its case and method, in the experiment's order; a failed run is
+   listed as missing. */
 static void test_experiment(void) {
   static const char *const cases[] = {"A", "B"}, *const methods[] = {"x", "y"};
   static const char *const metrics[] = {RUN_ION("1.5"), RUN_ION("2.5"),
@@ -81,7 +81,7 @@ static void test_experiment(void) {
   for (int i = 0; i < 3; i++) g_free(folders[i]);
 }
 
-/* The sample's transistors, with a mask as drawn that is not printed. */
+/* Return the sample's transistors with a drawn mask that is not simulated. */
 static eda_mask *mask_of(const eda_gates *gates) {
   opc_error error;
   eda_mask *m = eda_mask_new(gates);
@@ -97,8 +97,8 @@ static eda_mask *mask_of(const eda_gates *gates) {
   return m;
 }
 
-/* Inside of another run there is no manifest yet, and only the pictures are
-   written; else the page has the run as it is, and those pictures. */
+/* Inside another run there is no manifest, and only the pictures are written;
+   otherwise the page contains the run and these pictures. */
 static void test_mask(void) {
   opc_error error;
   g_autofree char *path = in_folder("one.html"), *view = in_folder("v.json");

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* report.view: what a page needs to draw a mask, as a file of the run folder.
- */
+/* Implements the step `report.view`: the picture data of a mask, as a file of
+   the run folder. */
 #include <opcflow/step.h>
 
 #include <report/drawing.h>

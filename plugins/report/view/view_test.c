@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* view.json, parsed by a reader that is not ours: areas are those of the
-   shapes, contours lie where the field is zero, and names do no harm. */
+/* Tests view.json with an independent parser: areas equal those of the shapes,
+   contours are located at zeros of the field, and malicious names are
+   harmless. */
 #include <eda/gates.h>
 #include <eda/memory.h>
 #include <gio/gio.h>
@@ -17,7 +18,7 @@ static const char bad_name[] =
 
 enum { SIDE = 2000, NODES = 64 };
 
-/* level - cos - cos over one period each way. */
+/* Return level - cos - cos over one period in each direction. */
 static eda_field island(double level) {
   eda_field f = {.frame = {-1000, -900, SIDE, SIDE}, .nx = NODES, .ny = NODES};
   f.coefficients = eda_alloc((size_t)NODES * NODES, sizeof *f.coefficients);
@@ -30,7 +31,8 @@ static eda_field island(double level) {
   return f;
 }
 
-/* The sample's transistors, their masks 7 nm larger, printed as an island. */
+/* Return the sample's transistors with masks 7 nm larger, printed as an
+   island. */
 static eda_mask *mask_of(const eda_gates *gates) {
   opc_error error;
   eda_mask *m = eda_mask_new(gates);
@@ -101,7 +103,7 @@ static GArray *unpack(JsonObject *o, const char *name, guint stride) {
   return out;
 }
 
-/* The area of closed lines, in their units. */
+/* Return the area of closed lines, in their units. */
 static double area_of(JsonObject *shape) {
   g_autoptr(GArray) sizes = unpack(shape, "sizes", 1);
   g_autoptr(GArray) p = unpack(shape, "points", 2);
@@ -152,8 +154,8 @@ static void test_areas(void) {
   eda_mask_free(m);
 }
 
-/* The island's area in closed form: over x, the height at which cos = level -
-   cos x, by Simpson's rule. */
+/* Return the island's area in closed form: the integral over x of the height at
+   which cos = level - cos x, by Simpson's rule. */
 static double island_area(double level) {
   enum { STEPS = 200000 };
   double w = SIDE / (2 * M_PI), sum = 0, most = acos(level + 1);
@@ -170,7 +172,8 @@ static double island_area(double level) {
 
 static void test_contours(void) {
   eda_gates g = *eda_gates_sample();
-  g.extent = (eda_box){-500, -400, 500, 600}; /* all of the island, in a tile */
+  g.extent = (eda_box){-500, -400, 500, 600}; /* all of the island, in one
+                                                 tile */
   eda_mask *m = mask_of(&g);
   g_autoptr(JsonNode) view = view_of(m, "{}");
   JsonObject *s = shape_of(view, 0, "print");
@@ -187,11 +190,11 @@ static void test_contours(void) {
     worst = fmax(worst, fabs(v) / hypot(dx, dy));
   }
   g_test_message("%u points, worst %.3f nm off", p->len / 2, worst);
-  g_assert_cmpfloat(worst, <, 0.4); /* half a unit each way is 0.35 */
+  g_assert_cmpfloat(worst, <, 0.4); /* half a unit in each direction is 0.35 */
   eda_mask_free(m);
 }
 
-/* The image: 128 is the edge, larger prints, rows from below. */
+/* The image: 128 is the edge, larger values print, rows from the bottom. */
 static void test_image(void) {
   const eda_gates *g = eda_gates_sample();
   eda_mask *m = mask_of(g);
@@ -229,7 +232,7 @@ static void test_names(void) {
   eda_mask_free(m);
 }
 
-/* Of two transistors the worse one, and what lies around it. */
+/* Of two transistors, the worse one and its environment. */
 static void test_worst(void) {
   eda_gates g = *eda_gates_sample();
   eda_box far = {9000, 9000, 9060, 9200}, boxes[2] = {g.box[0], far};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Which features of a target a print has, has run together, or has in pieces:
-   sets of pixels that share a side. */
+/* Implements the count of target features that are printed, bridged or broken.
+   Features are sets of pixels connected by sides. */
 #include <eda/memory.h>
 #include <stdlib.h>
 
@@ -19,8 +19,8 @@ static int32_t join(int32_t *parent, int32_t a, int32_t b) {
   return a < b ? (parent[b] = a) : (parent[a] = b);
 }
 
-/* The number of each pixel's set, from 0 on, -1 where there is none; how many
-   sets there are. */
+/* Label the connected sets: number[i] is the set of pixel i from 0 on, -1 for
+   clear pixels. Return the number of sets. */
 static int32_t label(const iccad_tile *t, const uint8_t *pixels,
                      int32_t *number) {
   int32_t side = t->side, n = side * side, count = 0;
@@ -30,7 +30,7 @@ static int32_t label(const iccad_tile *t, const uint8_t *pixels,
     if (i % side && pixels[i - 1]) join(number, i, i - 1);
     if (i >= side && pixels[i - side]) join(number, i, i - side);
   }
-  /* Roots come before what hangs on them. */
+  /* Roots precede the other pixels of their sets. */
   for (int32_t i = 0; i < n; i++)
     if (pixels[i] && number[i] != i) number[i] = root(number, i);
   int32_t *of = eda_alloc((size_t)n, sizeof *of);
@@ -55,8 +55,8 @@ static int in_order(const void *a, const void *b) {
              : (p->piece > q->piece) - (p->piece < q->piece);
 }
 
-/* The pairs of a feature and a piece of the print that have a pixel in common,
-   each once. */
+/* Find all pairs of a feature and a printed piece that share a pixel, each
+   once. */
 static size_t meet(const iccad_tile *t, const int32_t *feature,
                    const int32_t *piece, meeting **out) {
   size_t n = (size_t)t->side * (size_t)t->side, count = 0, room = 0, kept = 0;

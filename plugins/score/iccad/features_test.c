@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Features of random pixels, against numbers that spread from pixel to pixel
-   until nothing changes, and every pair asked for; and a drawn case. */
+/* Tests of features of random pixels against a simple relaxation and a
+   comparison of all pairs, and of a drawn case. */
 #include <glib.h>
 #include <string.h>
 
@@ -10,7 +10,7 @@ enum { SIDE = 24, PIXELS = SIDE * SIDE };
 
 static const iccad_tile tile = {.side = SIDE};
 
-/* The least number of the pixels that each hangs together with, plus 1. */
+/* Compute for each pixel the least index + 1 of its connected set. */
 static void spread(const uint8_t *pixels, int *number) {
   static const int dx[] = {1, -1, 0, 0}, dy[] = {0, 0, 1, -1};
   int again = 1;
@@ -35,8 +35,8 @@ static int overlap(const int *a, int in_a, const int *b, int in_b) {
   return 0;
 }
 
-/* How many sets of `a` meet none of `b`, and how many more than one others
-   meet. */
+/* Count the sets of `a` without any set of `b`, and the sets beyond one of the
+   others. */
 static void meetings(const int *a, const int *b, int64_t *none, int64_t *more) {
   *none = *more = 0;
   for (int i = 0; i < PIXELS; i++) {
@@ -80,8 +80,9 @@ static void box(uint8_t *pixels, int x0, int y0, int x1, int y1) {
     memset(pixels + y * SIDE + x0, 1, (size_t)(x1 - x0));
 }
 
-/* Four bars: two that print as one, one in two pieces, one not at all; and a
-   spot in between. What touches in a corner alone is apart. */
+/* Test four rectangles: two that print as one, one in two pieces, one not
+   printed, and a spot between them. Pixels that touch only at a corner are not
+   connected. */
 static void test_drawn(void) {
   uint8_t target[PIXELS] = {0}, print[PIXELS] = {0};
   for (int k = 0; k < 4; k++) box(target, 6 * k, 2, 6 * k + 3, 22);

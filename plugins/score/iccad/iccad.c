@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* score.iccad: the figures of the ICCAD 2013 contest on mask optimization
-   (S. Banerjee, Z. Li, S. R. Nassif, ICCAD 2013, 271), on pixels of 1 nm as the
-   programs count them that are compared by them. */
+/* Implements score.iccad: the figures of the ICCAD 2013 contest on mask
+   optimization (S. Banerjee, Z. Li, S. R. Nassif, ICCAD 2013, 271), counted on
+   pixels of 1 nm like the programs that are compared by them. */
 #include "iccad.h"
 
 #include <eda/memory.h>
@@ -22,14 +22,15 @@ typedef struct score {
 enum { TARGET, NOMINAL, OUTER, INNER, RASTERS };
 
 typedef struct figures {
-  int64_t inner, outer; /* sites whose print ends too early, goes too far */
+  int64_t inner, outer; /* sites whose printed edge is too far inside, too far
+                           outside */
   int64_t sites, l2, pvb, shots;
-  iccad_features features; /* of the three prints together */
+  iccad_features features; /* sums over the three images */
 } figures;
 
 /* ---- work ---- */
 
-/* The tile, with the target in its middle. */
+/* Set the tile, centred on the target. */
 static int place_tile(const score *s, const eda_gates *g, iccad_tile *tile,
                       opc_error *error) {
   double side = s->tile;
@@ -48,7 +49,8 @@ static int place_tile(const score *s, const eda_gates *g, iccad_tile *tile,
   return OPC_OK;
 }
 
-/* Nominal dose in focus, the outermost and the innermost print. */
+/* Compute the pixels printed at nominal dose in focus, and in the outermost and
+   innermost corner. */
 static int expose(const score *s, const eda_mask *mask, const iccad_tile *tile,
                   uint8_t *const raster[RASTERS], opc_error *error) {
   const opc_context *context = s->host->context;
@@ -56,7 +58,7 @@ static int expose(const score *s, const eda_mask *mask, const iccad_tile *tile,
   const eda_litho *litho = p.litho->functions;
   const eda_resist *resist = p.resist->functions;
   double more = 1 + s->dose / 100, less = 1 - s->dose / 100;
-  /* Nodes of fields are the middles of pixels. */
+  /* Nodes of fields are the centres of pixels. */
   eda_frame frame = {tile->x0 + 0.5, tile->y0 + 0.5, tile->side, tile->side};
   eda_spectrum spectrum;
   int code = litho->prepare(p.litho->self, error);

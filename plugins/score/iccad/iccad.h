@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the files of score.iccad share: pixels of 1 nm on a square tile that
-   repeats. */
+/* Common header of the files of score.iccad: pixels of 1 nm on a periodic
+   square tile. */
 #ifndef OPCFLOW_ICCAD_H
 #define OPCFLOW_ICCAD_H
 
@@ -9,22 +9,24 @@
 
 typedef struct iccad_tile {
   int32_t x0, y0; /* lower left corner, nm */
-  int32_t side;   /* nm, and pixels */
+  int32_t side;   /* nm, equal to the number of pixels */
 } iccad_tile;
 
-/* A site of the target's boundary: the pixel inside of it, and the step of one
-   pixel outwards. */
+/* A site of the target's boundary: the pixel inside, and the step of one pixel
+   outwards. */
 typedef struct iccad_site {
   int32_t x, y;
   int8_t dx, dy;
 } iccad_site;
 
-/* The pixels whose middle lies in the shapes are 1. */
+/* Set the pixels whose centre is inside the shapes to 1. Return OPC_OK or an
+   error. */
 int iccad_fill(const eda_shapes *shapes, double grid, const iccad_tile *tile,
                uint8_t *pixels, opc_error *error);
 
-/* The pixels where the print of a mask is positive, of the intensity times
-   `dose`, out of focus by `defocus`. */
+/* Models and tile of a simulation. iccad_expose sets the pixels that print with
+   the intensity times `dose`, out of focus by `defocus` nm, and returns OPC_OK
+   or an error. */
 typedef struct iccad_print {
   const opc_context *context;
   const opc_module *litho, *resist;
@@ -34,21 +36,21 @@ int iccad_expose(const iccad_print *print, const eda_spectrum *mask,
                  double dose, double defocus, uint8_t *pixels,
                  opc_error *error);
 
-/* The sites along the edges of the target, `spacing` apart; how many. *sites is
-   freed with free(). */
+/* Find the sites along the edges of the target, `spacing` nm apart. Return
+   their number; free *sites with free(). */
 size_t iccad_sites(const eda_shapes *target, double grid, int32_t spacing,
                    iccad_site **sites);
 
-/* Features of the target in a print: those of which no pixel prints, how many
-   more pieces than one the others print in, how many times two of them print as
-   one, and pieces that are of none. */
+/* Features of the target in a printed image: `lost`, features without a printed
+   pixel; `broken`, pieces beyond one per feature; `bridged`, connections
+   between features; `extra`, pieces outside of all features. */
 typedef struct iccad_features {
   int64_t lost, broken, bridged, extra;
 } iccad_features;
 iccad_features iccad_compare(const iccad_tile *tile, const uint8_t *target,
                              const uint8_t *print);
 
-/* A pixel of the tile, which repeats. */
+/* Return a pixel of the periodic tile. */
 static inline uint8_t iccad_at(const iccad_tile *t, const uint8_t *pixels,
                                int64_t x, int64_t y) {
   int64_t c = (x - t->x0) % t->side, r = (y - t->y0) % t->side;

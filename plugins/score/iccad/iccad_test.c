@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Figures of prints that are known: nothing, everything; and of the contest's
-   first clip as drawn, which another program has counted. */
+/* Tests of the figures of known images (nothing or everything prints), and of
+   the contest's first clip as drawn against another program. */
 #include <eda/gates.h>
 
 #include "tests/data.h"
@@ -29,10 +29,10 @@ static void expect(const char *column, double value) {
   g_assert_cmpfloat(opc_test_number("iccad", column, 0), ==, value);
 }
 
-/* A kernel that passes little but the mean: no light to speak of, everywhere.
- */
+/* Write a kernel that passes little more than the mean, so that the image is
+   dark everywhere. Return the path. */
 static char *write_kernel(void) {
-  /* 3 x 3: 1 in the middle, and 0.001 beside it. */
+  /* 3 x 3: 1 in the centre, and 0.001 beside it. */
   static const uint8_t kernel[24 + 72] = {
       [3] = 3, [7] = 3, [11] = 2, [56] = 0x3f, 0x80, [64] = 0x3a, 0x83};
   g_autofree char *file = g_build_filename(opc_test_folder(), "fh0.bin", NULL);
@@ -43,8 +43,9 @@ static char *write_kernel(void) {
   return scales;
 }
 
-/* Bright features do not print in the dark, dark ones do everywhere. Sites
-   of an edge of 200: 40, 80 from both ends; of one of 60: its middle. */
+/* Test that bright features do not print without light, and dark ones print
+   everywhere. Sites of an edge of 200: 40, 80 from both ends; of an edge of 60:
+   its centre. */
 static void test_extremes(void) {
   g_autofree char *kernel = write_kernel();
   for (int all = 0; all < 2; all++) {
@@ -79,8 +80,8 @@ static void test_refused(void) {
   g_assert_nonnull(strstr(error.message, "too large"));
 }
 
-/* As drawn, a program that rasters the clip and sums up frequency by frequency
-   has L2 114,711 and a band of 43,707 nm^2. */
+/* Test the clip as drawn: a program that rasters the clip and sums over
+   frequencies has L2 114,711 and a band of 43,707 nm^2. */
 static void test_clip(void) {
   g_autofree char *folder = find_data("clips");
   if (!folder) return;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Targets and prints as pixels, and the sites between them. */
+/* Implements targets and printed images as pixels, and the sites of the
+   target. */
 #include "iccad.h"
 
 #include <eda/memory.h>
@@ -9,7 +10,7 @@
 
 /* ---- the target ---- */
 
-/* The first pixel whose middle is not left of x nm. */
+/* Return the first pixel whose centre is at x nm or to the right. */
 static int32_t first_pixel(double x) { return (int32_t)ceil(x - 0.5); }
 
 int iccad_fill(const eda_shapes *shapes, double grid, const iccad_tile *t,
@@ -43,7 +44,7 @@ static int image(const iccad_print *p, const eda_spectrum *mask, double defocus,
                   "'%s' has one focus only: say defocus: 0 nm", p->litho->id);
 }
 
-/* From the level set at the middle of each pixel to 0 and 1. */
+/* Set the pixels by the sign of the level set at their centres. */
 static int threshold(const iccad_print *p, eda_field *f, uint8_t *pixels,
                      opc_error *error) {
   double step = f->frame.width / p->tile->side;
@@ -86,8 +87,9 @@ static void add(collector *c, iccad_site s) {
   c->sites[c->count++] = s;
 }
 
-/* The sites of the pixels first .. last along an edge: the middle one of a
-   short edge; else from both ends towards it. `s` is the pixel at first. */
+/* Add the sites of the pixels first .. last along an edge: the centre of a
+   short edge, otherwise sites from both ends towards the centre. `s` is the
+   pixel at `first`. */
 static void add_edge(collector *c, iccad_site s, int32_t first, int32_t last) {
   int32_t middle = first + (last - first) / 2, *at = s.dx ? &s.y : &s.x;
   if (last - first <= 2 * c->spacing) {
@@ -107,7 +109,8 @@ size_t iccad_sites(const eda_shapes *target, double grid, int32_t spacing,
       uint32_t next = i + 1 < target->start[p + 1] ? i + 1 : target->start[p];
       eda_point a = target->points[i], b = target->points[next];
       int upright = a.x == b.x, rises = upright ? b.y > a.y : b.x > a.x;
-      /* The inside is on the left; a pixel is named by its lower left. */
+      /* The interior is on the left; a pixel has the coordinates of its lower
+         left corner. */
       int out = upright == rises ? 1 : -1;
       int32_t line = first_pixel((upright ? a.x : a.y) * grid) - (out > 0);
       int32_t from = first_pixel((upright ? a.y : a.x) * grid);

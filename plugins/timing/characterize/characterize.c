@@ -98,9 +98,9 @@ static int find_figures(study *s, eda_timing_cell *c, int *kept,
                         opc_error *error) {
   char *key = keep_key(s, c, error);
   if (!key) return error->code;
-  *kept = keep_load(s, c->name, key, c->figure, c->figures);
+  *kept = keep_load(s, key, c->figure, c->figures);
   int code = *kept ? OPC_OK : cell_measure(s, c, error);
-  if (!code && !*kept) keep_save(s, c->name, key, c->figure, c->figures);
+  if (!code && !*kept) keep_save(s, key, c->figure, c->figures);
   if (!code) code = pairs_find(s, c, key, error);
   /* Figures are of one of so many circuits side by side. */
   const size_t pins = c->inputs * 2 * EDA_CAPS,
@@ -282,9 +282,6 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(study, seed, .type = OPC_INT, .flags = OPC_AT_LEAST,
                   .preset = "1", .min = 0,
                   .summary = "of what is drawn at random"),
-    OPC_PARAMETER(study, kept, .type = OPC_TEXT, .flags = OPC_NO_EFFECT,
-                  .summary = "folder of cells that were simulated before, or "
-                             "'none' (default: the store)"),
     OPC_PARAMETER(study, liberty, .type = OPC_OUTPUT, .preset = "cells.lib",
                   .summary = "the cells as drawn"),
     TIMING_TIME_LIMIT(study),

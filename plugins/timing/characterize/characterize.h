@@ -40,7 +40,7 @@ typedef struct study {
   double supply, temperature;
   opc_reals slews, loads, edges;
   int64_t checks, seed;
-  const char *kept, *liberty;
+  const char *liberty;
   double limit;
 
   /* Of a run. */
@@ -137,15 +137,14 @@ void pairs_list(study *s, eda_timing_cell *c);
    take what was kept beside `key`. */
 int pairs_find(study *s, eda_timing_cell *c, const char *key, opc_error *error);
 
-/* ---- keep.c: cells that were simulated before ---- */
+/* ---- key.c: cells that were simulated before ---- */
 
-/* The key of a cell: a hash of all that its figures depend on. To be freed. */
+/* Return the key of a cell: a hash of all that its figures depend on (free). */
 char *keep_key(const study *s, const eda_timing_cell *c, opc_error *error);
-/* 1 if the figures were there. */
-int keep_load(const study *s, const char *cell, const char *key, double *figure,
-              size_t figures);
-void keep_save(const study *s, const char *cell, const char *key,
-               const double *figure, size_t figures);
+/* Return 1 if the figures were in the store. */
+int keep_load(const study *s, const char *key, double *figure, size_t figures);
+void keep_save(const study *s, const char *key, const double *figure,
+               size_t figures);
 
 /* ---- liberty.c ---- */
 

@@ -58,6 +58,13 @@ static eda_timing *run_well(const char *file, const char *more) {
 /* Few points, as each is simulated. */
 #define GRID "slews: [5 ps, 15 ps, 40 ps], loads: [1 fF, 3 fF, 9 fF]"
 
+/* Where results are kept: in a folder of that name in the test's; "": nowhere.
+ */
+static void keep_in(const char *name) {
+  g_autofree char *path = g_build_filename(opc_test_folder(), name, NULL);
+  g_setenv("OPCFLOW_STORE", *name ? path : "", TRUE);
+}
+
 static const eda_timing_arc *arc(const eda_timing_cell *c, uint32_t input,
                                  uint32_t from) {
   int32_t k = c->arc_of[(input << c->inputs) + from];
@@ -93,7 +100,7 @@ static const eda_timing *more_characterized(void) {
   g_autofree char *file = g_build_filename(opc_test_folder(), "cells.sp", NULL);
   if (t) return t;
   g_assert_true(g_file_set_contents(file, more_cells, -1, NULL));
-  t = run_well(file, "kept: none, cells: aoi21 latch, " GRID);
+  t = run_well(file, "cells: aoi21 latch, " GRID);
   log_of_more = g_strdup(opc_test_log());
   return t;
 }
@@ -183,7 +190,7 @@ static double moved_by(const eda_timing_cell *c, const eda_timing_arc *a,
 
 static void test_delays(void) {
   g_autofree char *file = data("cells65/nand2.sp");
-  eda_timing *t = run_well(file, "kept: none, checks: 4, " GRID);
+  eda_timing *t = run_well(file, "checks: 4, " GRID);
   const eda_timing_cell *c = &t->cell[0];
   /* um of channels on the output: 0.4 + 2 * 0.45. */
   close_to(c->at_load[1], 3e-15 * 1.3, 1e-12);
@@ -270,10 +277,9 @@ static double alone_at(const eda_timing_cell *c, const eda_timing_arc *a,
 static void test_pairs(void) {
   static const double gap[] = {0, 2e-12, 7e-12, 60e-12};
   g_autofree char *file = data("cells65/nand2.sp");
-  eda_timing *t =
-      run_well(file,
-               "kept: none, slews: [5 ps, 10 ps, 15 ps, 22 ps, 40 ps], "
-               "loads: [1 fF, 3 fF, 9 fF]");
+  eda_timing *t = run_well(file,
+                           "slews: [5 ps, 10 ps, 15 ps, 22 ps, 40 ps], "
+                           "loads: [1 fF, 3 fF, 9 fF]");
   const eda_timing_cell *c = &t->cell[0];
   g_assert_cmpuint(c->pairs, ==, 4);
   for (int rises = 0; rises < 2; rises++) {
@@ -332,10 +338,10 @@ static double two_by_hand(double w) {
 
 static void test_fingers(void) {
   g_autofree char *file = g_build_filename(opc_test_folder(), "two.sp", NULL);
-  g_autofree char *folder = g_build_filename(opc_test_folder(), "two", NULL);
-  g_autofree char *more = g_strdup_printf("kept: '%s', " GRID, folder);
   g_assert_true(g_file_set_contents(file, fingers, -1, NULL));
-  eda_timing *t = run_well(file, more);
+  keep_in("two");
+  eda_timing *t = run_well(file, GRID);
+  keep_in("");
   const eda_timing_cell *one = eda_timing_find(t, "one"),
                         *two = eda_timing_find(t, "two"),
                         *odd = eda_timing_find(t, "odd");
@@ -406,38 +412,35 @@ static void test_off(void) {
 
 static void test_kept(void) {
   g_autofree char *file = data("cells65/inverter.sp");
-  g_autofree char *folder = g_build_filename(opc_test_folder(), "kept", NULL);
-  g_autofree char *more = g_strdup_printf("kept: '%s', " GRID, folder);
-  g_autofree char *other =
-      g_strdup_printf("kept: '%s', temperature: 28 C, " GRID, folder);
-  eda_timing *first = run_well(file, more);
+  keep_in("kept");
+  eda_timing *first = run_well(file, GRID);
   g_assert_cmpfloat(opc_test_metric("kept"), ==, 0);
   g_assert_cmpfloat(opc_test_metric("simulated"), >, 0);
-  eda_timing *again = run_well(file, more);
+  eda_timing *again = run_well(file, GRID);
   g_assert_cmpfloat(opc_test_metric("kept"), ==, 1);
   g_assert_cmpfloat(opc_test_metric("simulated"), ==, 0);
   const eda_timing_cell *a = &first->cell[0], *b = &again->cell[0];
   g_assert_cmpmem(a->figure, a->figures * sizeof(double), b->figure,
                   b->figures * sizeof(double));
   eda_timing_free(again);
-  again = run_well(file, other);
+  again = run_well(file, "temperature: 28 C, " GRID);
   g_assert_cmpfloat(opc_test_metric("kept"), ==, 0);
-  eda_timing_free(again);
-  /* Each file loses its end. */
-  g_autoptr(GDir) d = g_dir_open(folder, 0, NULL);
-  for (const char *name; (name = g_dir_read_name(d));) {
-    g_autofree char *path = g_build_filename(folder, name, NULL), *text = NULL;
-    gsize n;
-    g_assert_true(g_file_get_contents(path, &text, &n, NULL));
-    g_assert_true(g_file_set_contents(path, text, (gssize)n - 9, NULL));
-  }
-  again = run_well(file, more);
-  g_assert_nonnull(strstr(opc_test_log(), "is damaged"));
-  g_assert_cmpfloat(opc_test_metric("kept"), ==, 0);
-  g_assert_cmpmem(a->figure, a->figures * sizeof(double), again->cell[0].figure,
-                  a->figures * sizeof(double));
   eda_timing_free(again);
   eda_timing_free(first);
+}
+
+/* An empty OPCFLOW_STORE keeps nothing, in particular not in ./timing. */
+static void test_unkept(void) {
+  g_autofree char *file = data("cells65/inverter.sp");
+  g_autofree char *before = g_get_current_dir();
+  keep_in("");
+  g_assert_cmpint(g_chdir(opc_test_folder()), ==, 0);
+  for (int i = 0; i < 2; i++) {
+    eda_timing_free(run_well(file, GRID));
+    g_assert_cmpfloat(opc_test_metric("kept"), ==, 0);
+  }
+  g_assert_false(g_file_test("timing", G_FILE_TEST_EXISTS));
+  g_assert_cmpint(g_chdir(before), ==, 0);
 }
 
 int main(int argc, char **argv) {
@@ -448,5 +451,6 @@ int main(int argc, char **argv) {
   g_test_add_func("/characterize/fingers", test_fingers);
   g_test_add_func("/characterize/off", test_off);
   g_test_add_func("/characterize/kept", test_kept);
+  g_test_add_func("/characterize/unkept", test_unkept);
   return g_test_run();
 }

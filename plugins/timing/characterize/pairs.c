@@ -269,10 +269,10 @@ int pairs_find(study *s, eda_timing_cell *c, const char *key,
                opc_error *error) {
   char name[200];
   double *figure = c->figure + c->figures;
-  snprintf(name, sizeof name, "%.180s-pairs3", key);
-  if (keep_load(s, c->name, name, figure, c->pair_figures)) return OPC_OK;
+  snprintf(name, sizeof name, "%.180s-pairs", key);
+  if (keep_load(s, name, figure, c->pair_figures)) return OPC_OK;
   int code = measure_pins(s, c, error);
   if (!code) code = measure_pairs(s, c, error);
-  if (!code) keep_save(s, c->name, name, figure, c->pair_figures);
+  if (!code) keep_save(s, name, figure, c->pair_figures);
   return code;
 }

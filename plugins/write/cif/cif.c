@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* write.cif: a layout or a corrected mask as a CIF 2.0 file. */
+/* Implements write.cif: a layout or a corrected mask as a CIF 2.0 file. */
 #include <eda/memory.h>
 #include <inttypes.h>
 #include <math.h>
@@ -13,19 +13,19 @@
 typedef struct cif {
   writer w;
   char layer[64];
-  char written[64]; /* the layer that the file is at */
+  char written[64]; /* current layer of the file */
   const eda_layout *layout;
   int64_t a, b; /* units times a / b are centimicrons */
   uint64_t calls;
-  size_t changed; /* texts that lost their blanks */
+  size_t changed; /* number of texts with replaced blanks */
 } cif;
 
-/* Calls that arrays may become, in one file. */
+/* Limit per file of calls from arrays. */
 enum { MAX_CALLS = 1 << 24 };
 
 /* ---- work: names ---- */
 
-/* Whether read.cif, and others, will find the end of it. */
+/* Return 1 if readers such as read.cif find the end of the word. */
 static int is_word(const char *text) {
   if (!*text) return 0;
   for (; *text; text++)
@@ -33,7 +33,7 @@ static int is_word(const char *text) {
   return 1;
 }
 
-/* A layer of two numbers is called as KLayout does. */
+/* Set the layer; a layer of two numbers is named as by KLayout. */
 static int set_layer(void *self, const char *layer) {
   cif *w = self;
   eda_layer_number number;
@@ -67,8 +67,8 @@ static void at_layer(cif *w) {
 
 /* ---- work: the scale ---- */
 
-/* v as a fraction of whole numbers, by continued fractions: the first that is
-   equal to what a double can tell. 0 if there is none. */
+/* Convert v to a fraction of integers by continued fractions: the first one
+   equal to v in double precision. Return 0 if there is none. */
 static int as_fraction(double v, int64_t *a, int64_t *b) {
   int64_t a0 = 1, b0 = 0, a1 = (int64_t)floor(v), b1 = 1;
   double rest = v - floor(v);
@@ -111,7 +111,7 @@ static void begin_cell(void *self, int32_t cell, const char *name) {
   w->written[0] = '\0';
 }
 
-/* Whether p is a rectangle whose middle is on the grid. */
+/* Return 1 if p is a rectangle whose centre is on the grid. */
 static int is_box(const eda_point *p, size_t n) {
   if (n != 4) return 0;
   int first = p[0].y == p[1].y && p[1].x == p[2].x && p[2].y == p[3].y &&
@@ -139,10 +139,10 @@ static void put_polygon(void *self, const eda_point *p, size_t n) {
   fputs(";\n", file);
 }
 
-/* A text is one word. */
+/* Write a text as one word. */
 static void put_text(void *self, eda_point at, const char *text) {
   cif *w = self;
-  at_layer(w); /* not said with the text: readers differ in what follows */
+  at_layer(w); /* not part of the text command: readers differ in the syntax */
   fputs("94 ", w->w.file);
   if (!*text) fputc('_', w->w.file);
   if (!is_word(text)) w->changed++;
@@ -166,7 +166,7 @@ static void put_call(cif *w, int32_t child, const eda_placement *p, int turns,
   fputs(";\n", w->w.file);
 }
 
-/* An array becomes a call for each member. */
+/* Write one call per member of an array. */
 static void put_placement(void *self, int32_t child, const char *child_name,
                           const eda_placement *p, const char *name) {
   cif *w = self;
@@ -196,7 +196,7 @@ static void end_cell(void *self) { fputs("DF;\n", ((cif *)self)->w.file); }
 
 /* ---- work: the end ---- */
 
-/* Call the cells that no other one places. */
+/* Call the cells that no other cell places. */
 static void put_tops(cif *w) {
   size_t n = w->layout ? eda_layout_cells(w->layout) : 0;
   if (!w->layout) fputs("C 1;\n", w->w.file);

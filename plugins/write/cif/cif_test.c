@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Small files as they stand; masks; units; what is refused. */
+/* Tests of small files as text, masks, units, and rejected layouts. */
 #include <eda/gates.h>
 #include <eda/layout.h>
 #include <eda/memory.h>
@@ -7,7 +7,8 @@
 
 #include "tools/devel/testing.h"
 
-/* What is written of `object`, an input of that kind, or NULL and *error. */
+/* Return the file written for `object`, an input of that kind, or NULL and
+ *error. */
 static char *write_object(const char *kind, void *object, const char *more,
                           opc_error *error) {
   static int files;
@@ -34,7 +35,7 @@ static eda_layout *new_layout(double unit) {
   return eda_layout_new(unit, &e);
 }
 
-/* All that CIF can say, as it stands in the file. */
+/* Test all commands as text in the file. */
 static void test_text(void) {
   opc_error e = {0};
   eda_layout *layout = new_layout(0.5);
@@ -105,7 +106,7 @@ static void test_refusals(void) {
   eda_layout_free(layout);
 }
 
-/* A box of another size on each layer of a mask. */
+/* Return a box, one size per layer of a mask. */
 static eda_shapes box_of(int side) {
   eda_shapes s = {.count = 1,
                   .start = eda_alloc(2, sizeof *s.start),
@@ -143,7 +144,7 @@ static void test_mask(void) {
   eda_gates_free(g);
 }
 
-/* Units are kept to the last digit. */
+/* Test that units are kept exactly. */
 static void test_units(void) {
   static const struct {
     double unit;

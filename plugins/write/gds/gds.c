@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* write.gds: a layout or a corrected mask as a GDSII stream file. */
+/* Implements write.gds: a layout or a corrected mask as a GDSII stream file. */
 #include <eda/gds.h>
 #include <string.h>
 
@@ -9,22 +9,23 @@
 
 typedef struct gds {
   writer w;
-  eda_layer_number to; /* of the polygons that are being written */
+  eda_layer_number to; /* layer of the following polygons */
   uint8_t record[65536];
 } gds;
 
-/* Points of a polygon that fit one record, its first point twice. */
+/* Largest number of points of a polygon in one record, whose first point is
+   repeated. */
 enum { MAX_POINTS = 8190 };
 
 enum { MAX_STRING = 65530, MAX_ARRAY = 32767, MAX_PARTS = 1 << 16 };
 
-/* Every file has the same date, so that equal layouts are equal files. */
+/* Date of every file, so that equal layouts are equal files. */
 static const uint16_t date[12] = {1970, 1, 1, 0, 0, 0, 1970, 1, 1, 0, 0, 0};
 
 /* ---- work: records ---- */
 
-/* n bytes of data stand in w->record from byte 4 on. What fails is seen when
-   the file is closed. */
+/* Write a record with n bytes of data, present in w->record from byte 4 on.
+   Errors are detected when the file is closed. */
 static void put_record(gds *w, uint32_t type, uint32_t kind, size_t n) {
   eda_gds_put_u16(w->record, (uint32_t)n + 4);
   w->record[2] = (uint8_t)type;
@@ -85,7 +86,7 @@ static void begin(void *self, const eda_layout *layout, double unit) {
   put_date(w, EDA_GDS_BGNLIB);
   memcpy(w->record + 4, "OPCFLOW", 8);
   put_record(w, EDA_GDS_LIBNAME, EDA_GDS_ASCII, 8);
-  /* um, the user's unit, and m */
+  /* user's unit in um, and m */
   eda_gds_put_real(w->record + 4, writer_decimal(unit * 1e-3));
   eda_gds_put_real(w->record + 12, writer_decimal(unit * 1e-9));
   put_record(w, EDA_GDS_UNITS, EDA_GDS_REAL8, 16);
@@ -153,7 +154,7 @@ static void put_array(gds *w, const char *child, const eda_placement *p,
   put_empty(w, EDA_GDS_ENDEL);
 }
 
-/* An array larger than its record can say is written in parts. */
+/* Write an array, split if it exceeds the counts of a record. */
 static void put_placement(void *self, int32_t number, const char *child,
                           const eda_placement *whole, const char *name) {
   gds *w = self;

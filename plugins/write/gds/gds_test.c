@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What is written is read again and is the same; polygons that are cut; masks
-   and the numbers of their layers. */
+/* Tests that written layouts are equal when read again; of divided polygons;
+   and of masks and their layer numbers. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,8 +13,8 @@
 
 /* ---- there and back ---- */
 
-/* Write `object` as the input `kind`: the path of the file, NULL and *error
-   if it is refused. */
+/* Write `object` as the input `kind`. Return the path of the file, or NULL and
+ *error. */
 static char *write_more(const char *kind, void *object, const char *parameters,
                         opc_error *error) {
   static int files;
@@ -47,7 +47,7 @@ static eda_layout *read_good(const char *path, const char *parameters) {
   return output;
 }
 
-/* All of a layout as text. */
+/* Return a layout as text. */
 static char *dump(const eda_layout *layout) {
   GString *s = g_string_new(NULL);
   g_string_append_printf(s, "%.17g\n", eda_layout_unit(layout));
@@ -156,7 +156,7 @@ static eda_flat flat(const eda_layout *layout, const char *layer) {
   return out;
 }
 
-/* An array that one record cannot hold. */
+/* Test an array that exceeds one record. */
 static void test_large_array(void) {
   opc_error e;
   eda_layout *layout = new_layout();
@@ -191,7 +191,7 @@ static double area(const eda_shapes *s, size_t i) {
   return twice / 2;
 }
 
-/* The polygon's area, as the sum of the parts that were written. */
+/* Return the area of a polygon as the sum of the written parts. */
 static double written_area(const eda_point *points, size_t n, size_t *parts) {
   opc_error e;
   eda_layout *layout = new_layout();
@@ -231,7 +231,8 @@ static void test_large_polygons(void) {
   g_assert_cmpfloat(-sum, ==, 60.0 * TEETH + 100.0 * TEETH);
   g_assert_cmpuint(parts, >=, 10);
   g_assert_cmpuint(parts, <=, 20);
-  for (size_t i = 0; i < n; i++) /* it lies on its side: cut the other way */
+  for (size_t i = 0; i < n; i++) /* exchange x and y: cuts in the other
+                                    direction */
     p[i] = (eda_point){p[i].y, p[i].x};
   sum = written_area(p, n, &parts);
   g_assert_cmpfloat(sum, ==, 60.0 * TEETH + 100.0 * TEETH);
@@ -245,7 +246,8 @@ static void test_large_polygons(void) {
   g_assert_cmpfloat_with_epsilon(sum / want, 1, 1e-6);
   g_assert_cmpuint(parts, >=, 3);
   n = 0;
-  for (int i = 0; i < TEETH / 4; i++) /* round and round the smallest square */
+  for (int i = 0; i < TEETH / 4; i++) /* repeatedly around the smallest
+                                         square */
     for (int k = 0; k < 4; k++) p[n++] = (eda_point){k == 1 || k == 2, k >= 2};
   opc_error e;
   eda_layout *layout = new_layout();
@@ -282,7 +284,7 @@ static eda_shapes combine(int op, const eda_shapes *a, const eda_shapes *b) {
   return out;
 }
 
-/* Rings in rings, holes that touch, and polygons without any. */
+/* Return nested rings, holes that touch, and polygons without holes. */
 static eda_shapes holed(void) {
   GRand *rand = g_rand_new_with_seed(6);
   const eda_box solid[] = {
@@ -325,7 +327,7 @@ static void free_mask(eda_mask *mask) {
   eda_mask_free(mask);
 }
 
-/* Poly with holes, the other layers small boxes. */
+/* Return a mask of poly with holes and small boxes on other layers. */
 static eda_mask *mask_of(const char *const *names, size_t layers) {
   static const eda_box small[] = {{0, 0, 7, 9}};
   eda_gates *g = eda_gates_new(layers, 0);
@@ -370,8 +372,8 @@ static void test_mask(void) {
   free_mask(mask);
 }
 
-/* Further layers have numbers from 11 on, or those that the flow says; no two
-   may have the same. Contacts may be named where there are none. */
+/* Test numbers of further layers: from 11 on, or those set by the flow, all
+   different. Contacts may be named even if none are drawn. */
 static void test_more_layers(void) {
   static const char *const names[] = {"poly", "active", "metal1", "metal2"};
   eda_mask *mask = mask_of(names, 4);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* write.klayout: a corrected mask as three files that KLayout opens together:
-   shapes and printed contours as layers of an OASIS file, how these look, and
-   what is worth a look as a marker database. */
+/* Implements write.klayout: a corrected mask as three files for KLayout: an
+   OASIS file with shapes and printed contours as layers, a layer style file,
+   and a marker database of the places to inspect. */
 #include "klayout.h"
 
 #include <eda/memory.h>
@@ -9,27 +9,27 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Ours. */
+/* Settings, our choice. */
 static const struct {
   double unit, step, nodes, coarsest, most;
 } tuned = {
-    /* nm: places of contours are rounded to that; the mask grid, if that is
-       finer. A tenth of what masks are written with. */
+    /* Unit of contours, nm, unless the mask grid is finer; a tenth of the unit
+       of written masks. */
     .unit = 0.1,
 
-    /* nm between points of a contour; an arc of 40 nm radius is 0.3 nm off
-       between them. Half of it takes twice the file. */
+    /* Distance between points of a contour, nm. The chord of an arc of 40 nm
+       radius deviates by 0.3 nm; half the distance doubles the file. */
     .step = 10,
 
-    /* Of the grid in which contours are looked for, to keep the file small:
-       above 20 x 20 um, the step grows with the layout, */
+    /* Largest number of nodes of the contour grid, which limits the file size.
+       Above 20 x 20 um the grid spacing grows with the layout. */
     .nodes = 4e6,
 
-    /* nm: but not beyond that, as lines of 65 nm come in pieces at double it,
-     */
+    /* Largest grid spacing, nm; lines of 65 nm break into pieces at twice the
+       spacing. */
     .coarsest = 30,
 
-    /* unless eda_contours has no room: above 240 x 240 um. */
+    /* Limit of nodes of eda_contours, reached above 240 x 240 um. */
     .most = 6.4e7,
 };
 
@@ -48,7 +48,7 @@ static int has_sheet(const eda_mask *m, int group, size_t layer) {
   return print_of(m, group, layer) != NULL;
 }
 
-/* Names in OASIS are printable and have no blanks. */
+/* Make the name of a layer: OASIS names are printable and have no blanks. */
 static void name_sheet(const eda_gates *g, sheet *s) {
   snprintf(s->name, sizeof s->name, "%.40s.%s%s", g->layer[s->layer],
            suffix[s->group], s->holes ? ".holes" : "");
@@ -56,8 +56,8 @@ static void name_sheet(const eda_gates *g, sheet *s) {
     if (*c <= ' ' || *c >= 0x7f) *c = '_';
 }
 
-/* The mask has the numbers that write.oasis gives it, and what is drawn, too;
-   prints follow in the same steps. */
+/* Add a layer of the file. Masks and drawn shapes have the numbers of
+   write.oasis; printed contours follow in equal steps. */
 static void add_sheet(klayout *k, int group, size_t layer, int holes) {
   static const uint32_t step[GROUPS] = {1, 0, 2, 3};
   const eda_gates *g = k->mask->gates;
@@ -69,7 +69,7 @@ static void add_sheet(klayout *k, int group, size_t layer, int holes) {
   name_sheet(g, s);
 }
 
-/* Poly above active, and contacts above both. */
+/* List the layers of the file, poly above active, and contacts above both. */
 static void list_sheets(klayout *k) {
   const eda_mask *m = k->mask;
   k->sheets = eda_alloc(GROUPS * 2 * m->gates->layers, sizeof *k->sheets);
@@ -89,7 +89,7 @@ static void list_sheets(klayout *k) {
 typedef struct target {
   eda_layout *layout;
   int32_t cell, layer;
-  int32_t times; /* units of the file in a step of the mask's grid */
+  int32_t times; /* units of the file per step of the mask's grid */
   double unit;   /* nm */
   eda_point *points;
   size_t room;
@@ -130,7 +130,7 @@ static void find_contours(void *data, size_t i) {
                &c->error);
 }
 
-/* Outlines go counter-clockwise, holes clockwise. */
+/* Write contours: outlines are counter-clockwise, holes clockwise. */
 static int put_contours(target *t, const contours *c, int holes,
                         opc_error *error) {
   for (size_t i = 0; i < c->count; i++) {
@@ -156,7 +156,8 @@ static int put_contours(target *t, const contours *c, int holes,
   return OPC_OK;
 }
 
-/* Of all sheets that are prints, side by side; those of holes share them. */
+/* Compute the contours of all printed layers in parallel; layers of holes share
+   them. */
 static contours *find_all_contours(const klayout *k) {
   contours *all = eda_alloc(k->n_sheets, sizeof *all);
   for (size_t i = 0; i < k->n_sheets; i++) {
@@ -186,7 +187,7 @@ static int put_sheet(klayout *k, size_t i, const contours *found, target *t,
   return code;
 }
 
-/* Units of the file in a step of the mask's grid, within the range of
+/* Return the units of the file per step of the mask's grid, within the range of
    coordinates. */
 static int32_t fineness(const eda_gates *g) {
   const double most = 1 << 29;

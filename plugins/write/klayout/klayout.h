@@ -1,25 +1,25 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the files of write.klayout have in common. */
+/* Common header of the files of write.klayout. */
 #ifndef WRITE_KLAYOUT_H
 #define WRITE_KLAYOUT_H
 
 #include "../oasis/stream.h"
 
-/* What a layer of the file shows of a layer of the gates; groups of the layer
-   list, the later ones drawn upon the earlier. */
+/* Content of a layer of the file, and group of the layer list; later groups are
+   drawn on top. */
 enum { DRAWN, MASK, BEFORE, AFTER, GROUPS };
 
 /* A layer of the file. */
 typedef struct sheet {
   int group;
-  size_t layer; /* of the gates */
-  int holes;    /* of a print: what lies inside of it and does not print */
-  int empty;    /* there is none of it in the file */
+  size_t layer; /* layer of the gates */
+  int holes;    /* 1: holes of a printed contour */
+  int empty;    /* 1: not in the file */
   char number[32], name[64];
 } sheet;
 
 typedef struct klayout {
-  oasis file; /* first: the stream's functions get it */
+  oasis file; /* first member, passed to the stream's functions */
   const eda_mask *mask;
   const char *style_name, *markers_name;
   int64_t worst;
@@ -27,13 +27,15 @@ typedef struct klayout {
   size_t n_sheets;
 } klayout;
 
-/* The .lyp: names, colours and groups of the sheets. */
+/* Write the .lyp file: names, colours and groups of the layers. Return OPC_OK
+   or an error. */
 int klayout_put_style(const klayout *k, opc_error *error);
 
-/* The .lyrdb: what is wrong and where. */
+/* Write the .lyrdb file: kinds and places of faults. Return OPC_OK or an
+   error. */
 int klayout_put_markers(const klayout *k, opc_error *error);
 
-/* A text as a file of the run folder. */
+/* Write a text as a file of the run folder. Return OPC_OK or an error. */
 int klayout_put_text(const klayout *k, const char *name, const GString *text,
                      opc_error *error);
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What KLayout itself reads in the three files: names and areas of layers, how
-   they look, markers by category. Without KLayout: what the files say. */
+/* Tests of the three files as read by KLayout: names and areas of layers,
+   styles, markers by category. Without KLayout the files are checked
+   directly. */
 #include <eda/eda.h>
 #include <glib.h>
 #include <math.h>
@@ -8,7 +9,7 @@
 
 #include "tools/devel/testing.h"
 
-/* For the program (klayout -zz) and for the Python module. */
+/* Script for the program (klayout -zz) and for the Python module. */
 static const char script[] =
     "try:\n"
     "  import pya as k, pya as lay\n"
@@ -56,7 +57,7 @@ static opc_module *module(const char *id, const char *map) {
   return m;
 }
 
-/* A mask whose edges have moved, with both prints. */
+/* Return a mask with moved edges and both printed images. */
 static opc_module *correct(eda_mask **mask) {
   opc_error error = {0};
   void *out[1];
@@ -99,7 +100,7 @@ static char *spawn(const char *const *argv) {
   gboolean ran =
       g_spawn_sync(NULL, (char **)argv, environment, G_SPAWN_SEARCH_PATH, NULL,
                    NULL, &out, &err, &status, NULL);
-  /* A warning of KLayout's is a fault of ours. */
+  /* Warnings of KLayout count as failures. */
   if (ran && status == 0 && g_str_has_suffix(out, "end\n") && !*err) {
     g_free(err);
     return out;
@@ -110,8 +111,8 @@ static char *spawn(const char *const *argv) {
   return NULL;
 }
 
-/* The answer of the Python module, which starts sooner, or of the program; NULL
-   without both. */
+/* Return the answer of the Python module, which starts faster, or of the
+   program; NULL without both. */
 static char *ask_klayout(void) {
   g_autofree char *path = g_build_filename(opc_test_folder(), "ask.py", NULL);
   const char *const by_program[] = {"klayout", "-zz", "-r", path, NULL};
@@ -133,7 +134,8 @@ static double area_of(const eda_gates *g, const eda_shapes *s) {
   return (double)eda_area2(s) / 2 * g->grid * g->grid;
 }
 
-/* Of a print, by another contour than the file has. */
+/* Return the area of a printed image by another contour than that of the
+   file. */
 static double area_printed(const eda_field *print) {
   double *p, area = 0;
   uint32_t *start;
@@ -186,7 +188,7 @@ static void test_klayout(void) {
     expect_layer(answer, "active.mask", 1, area_of(g, &mask->shapes[1]), 1e-9);
     expect_layer(answer, "poly.drawn", 109, area_of(g, &g->drawn[0]), 1e-9);
     expect_layer(answer, "active.drawn", 101, area_of(g, &g->drawn[1]), 1e-9);
-    /* Chords of 10 nm cut corners off. */
+    /* Chords of 10 nm cut corners. */
     expect_layer(answer, "poly.after", 309, area_printed(&mask->print[0]),
                  1.5e-3);
     expect_layer(answer, "active.after", 301, area_printed(&mask->print[1]),
@@ -211,7 +213,7 @@ static void test_klayout(void) {
   opc_test_module_free(m);
 }
 
-/* What the marker database says of a transistor is what gates.csv would. */
+/* Test that the markers of a transistor have the figures of gates.csv. */
 static void test_markers(void) {
   eda_mask *mask;
   void *out[1];
@@ -225,7 +227,7 @@ static void test_markers(void) {
                         100 * (mask->before.ion[i] / mask->design.ion[i] - 1));
     expect(text, figure);
   }
-  /* One that fails is told as such, and of its figures nothing. */
+  /* A transistor that does not print is marked as such, without figures. */
   mask->flags[0] |= EDA_PRINT_OPEN;
   write_files(mask, "{}");
   g_autofree char *now = content("run.lyrdb");

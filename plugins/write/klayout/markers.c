@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The marker database of KLayout: violations by rule, transistors that do not
-   print, and those that are furthest off. Places are in um. */
+/* Implements the marker database of KLayout: violations by rule, transistors
+   that do not print, and those with the largest deviations. Places are in
+   um. */
 #include <eda/memory.h>
 #include <eda/print.h>
 #include <math.h>
@@ -9,19 +10,20 @@
 
 #include "klayout.h"
 
-static const double around = 50; /* nm, the box about a violation */
+static const double around = 50; /* half size of the box around a violation,
+                                    nm */
 
 /* ---- texts ---- */
 
 static void put_escaped(GString *out, const char *text) {
   g_autofree char *valid = g_utf8_make_valid(text, -1);
   for (char *c = valid; *c; c++)
-    if ((unsigned char)*c < ' ') *c = '?'; /* XML has no such characters */
+    if ((unsigned char)*c < ' ') *c = '?'; /* XML has no control characters */
   g_autofree char *escaped = g_markup_escape_text(valid, -1);
   g_string_append(out, escaped);
 }
 
-/* In KLayout's quotes. */
+/* Append a text in KLayout's quotes. */
 static void put_quoted(GString *out, const char *text) {
   g_autoptr(GString) plain = g_string_new("'");
   for (; *text; text++) {
@@ -45,7 +47,7 @@ static void put_value(GString *out, const char *format, ...) {
 
 /* ---- items ---- */
 
-/* An item begins, with a box in nm as its first value. */
+/* Begin an item whose first value is a box, nm. */
 static void begin_item(GString *out, const klayout *k, const char *category,
                        const char *part, const double box[4]) {
   g_string_append(out, "<item>\n<category>");
@@ -87,7 +89,7 @@ static int fails(const eda_mask *m, size_t i) {
   return eda_print_failed(m->flags[i]);
 }
 
-/* The figures that there is a list of the worst of. */
+/* Figures with a list of their largest deviations. */
 static const struct {
   const char *name, *category;
 } figures[] = {
@@ -113,7 +115,7 @@ typedef struct ranked {
   size_t gate;
 } ranked;
 
-/* The worst first; of equal ones the first. */
+/* Sort by descending deviation, then by index. */
 static int by_rank(const void *a, const void *b) {
   const ranked *p = a, *q = b;
   if (p->off != q->off) return p->off < q->off ? 1 : -1;
@@ -156,7 +158,7 @@ static void put_failing(GString *out, const klayout *k) {
 
 /* ---- violations ---- */
 
-/* The rule without what is told of a place or a reason. */
+/* Return the rule without the details of a place or a reason. */
 static char *rule_of(const eda_violation *v) {
   return g_strndup(v->rule, strcspn(v->rule, ":;"));
 }

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The layer list of KLayout: light fills for what is drawn, outlines for masks,
-   dashes for what the drawn mask prints, dark lines for what the mask prints.
- */
+/* Implements the layer list of KLayout: light fills for drawn shapes, outlines
+   for masks, dashed lines for the printed contour of the drawn mask, dark lines
+   for that of the corrected mask. */
 #include <eda/drawing.h>
 
 #include "klayout.h"
 
-/* Of KLayout: dither patterns I0 solid, I1 none; line styles I0 solid, I2
-   dashed. */
+/* KLayout's dither patterns (I0 solid, I1 none) and line styles (I0 solid, I2
+   dashed). */
 static const struct {
   const char *name, *dither, *line;
   int width; /* pixels */
@@ -60,7 +60,7 @@ static int shown(const sheet *s, int group) {
   return s->group == group && !s->empty;
 }
 
-/* A look of its own would take the place of its members'. */
+/* A style of the group would override the styles of its members. */
 static void begin_group(GString *out, int group) {
   g_string_append_printf(out,
                          "<properties>\n<frame-color/>\n<fill-color/>\n"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* write.oasis: a layout or a corrected mask as an OASIS file. */
+/* Implements write.oasis: a layout or a corrected mask as an OASIS file. */
 #include "stream.h"
 
 /* ---- parameters ---- */

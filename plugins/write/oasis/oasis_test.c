@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What is written is read again and is the same; the sum and the tables of the
-   file. */
+/* Tests that written layouts are equal when read again; of the check sum and
+   the tables of the file. */
 #include <string.h>
 #include <zlib.h>
 
@@ -104,8 +104,8 @@ static void test_placements(void) {
 
 /* ---- shapes ---- */
 
-/* What is written depends on the shapes alone, so their sum over all points of
-   x * y tells whether one is lost or moved. */
+/* Return the sum over all points of x * y, which detects missing or moved
+   shapes; the file depends only on the shapes. */
 static uint64_t weigh(const eda_layout *layout, size_t *n_shapes) {
   uint64_t sum = 0;
   int32_t layer;
@@ -121,8 +121,8 @@ static uint64_t weigh(const eda_layout *layout, size_t *n_shapes) {
   return sum;
 }
 
-/* Rows, columns, lattices, heaps of equal shapes; polygons of all kinds of
-   edges. */
+/* Test rows, columns, lattices and irregular sets of equal shapes, and polygons
+   of all types of edges. */
 static void test_shapes(void) {
   opc_error e;
   eda_layout *layout = new_layout(1);
@@ -148,7 +148,7 @@ static void test_shapes(void) {
       p[k] = (eda_point){shapes[i % 3][k].x + x, shapes[i % 3][k].y + y};
     eda_layout_add_polygon(layout, top, second, p, 6, &e);
   }
-  for (int i = 0; i < 12; i++) { /* four rows of three, the third uneven */
+  for (int i = 0; i < 12; i++) { /* four rows of three, the third irregular */
     int x = 10 * (i % 3) + (i == 8), y = 50 * (i / 3);
     eda_layout_add_box(layout, top, first, (eda_box){x, y, x + 77, y + 3}, &e);
   }
@@ -167,12 +167,12 @@ static void test_shapes(void) {
   g_assert_true(g_file_get_contents(path, &a, &size, NULL));
   g_assert_true(g_file_get_contents(second_path, &b, &other, NULL));
   g_assert_cmpmem(a, size, b, other);
-  g_assert_cmpuint(size, <, 9 * n); /* else nothing was put together */
+  g_assert_cmpuint(size, <, 9 * n); /* else no repetitions were formed */
   eda_layout_free(back);
   eda_layout_free(layout);
 }
 
-/* END: 256 bytes, strict tables, the CRC of all before it. */
+/* Test END: 256 bytes, strict tables, the CRC of all preceding bytes. */
 static void test_end(void) {
   opc_error e;
   eda_layout *layout = new_layout(1);

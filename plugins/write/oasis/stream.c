@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The parts of an OASIS file (SEMI P39), in strict mode: names stand in tables
-   at the end, cells and texts refer to them by number. */
+/* Implements an OASIS file (SEMI P39) in strict mode: names are in tables at
+   the end; cells and texts refer to names by number. */
 #include "stream.h"
 
 #include <eda/memory.h>
@@ -9,10 +9,11 @@
 
 /* ---- state ---- */
 
-/* Standard properties that the file uses, in their table's order. */
+/* Standard properties of the file, in the order of their table. */
 enum { CELL_OFFSET = 0, GDS_PROPERTY = 1 };
 
-/* Points of a polygon: larger ones are cut, for the readers' sake. */
+/* Largest number of points of a polygon; larger ones are divided for other
+   readers. */
 enum { MAX_POINTS = 1 << 20 };
 
 /* ---- work: strings ---- */
@@ -56,9 +57,9 @@ static void begin(void *self, const eda_layout *layout, double unit) {
     eda_oasis_byte(w->out, (uint8_t)*c);
   eda_oasis_uint(w->out, EDA_OASIS_START);
   eda_oasis_string(w->out, "1.0");
-  /* steps in a micrometre */
+  /* steps per micrometre */
   eda_oasis_real(w->out, writer_decimal(1000 / unit));
-  eda_oasis_uint(w->out, 1); /* the tables' places are told at the end */
+  eda_oasis_uint(w->out, 1); /* places of tables are in END */
   eda_oasis_end_plain(w->out);
 }
 
@@ -91,7 +92,7 @@ static void put_text(void *self, eda_point at, const char *text) {
 
 /* ---- work: placements ---- */
 
-/* The multiple of a right angle, 0 to 3, or -1. */
+/* Return the multiple of a right angle, 0 to 3, or -1. */
 static int quarters(double angle) {
   for (int i = 0; i < 4; i++)
     if (angle == 90 * i) return i;
@@ -156,7 +157,7 @@ static void end_cell(void *self) {
 
 /* ---- work: names ---- */
 
-/* Names of cells are printable and have no blanks: what else there is becomes
+/* Write a cell name, printable and without blanks: other characters become
    "\x20". */
 static void put_cell_name(oasis *w, const char *name) {
   g_autoptr(GString) plain = g_string_new(NULL);
@@ -207,7 +208,7 @@ static void put_layer_names(oasis *w) {
   }
 }
 
-/* Where a table is that was begun at `from`; 0 if nothing is in it. */
+/* Return the place of the table that began at `from`; 0 if it is empty. */
 static uint64_t end_table(oasis *w, uint64_t from) {
   eda_oasis_end_block(w->out);
   return eda_oasis_place(w->out) > from ? from : 0;
@@ -217,10 +218,10 @@ static void put_end(oasis *w, const uint64_t places[EDA_OASIS_TABLES]) {
   eda_oasis *out = w->out;
   eda_oasis_uint(out, EDA_OASIS_END);
   for (int i = 0; i < EDA_OASIS_TABLES; i++) {
-    eda_oasis_uint(out, 1); /* strict: the table has all of its kind */
+    eda_oasis_uint(out, 1); /* strict: the table is complete */
     eda_oasis_uint(out, places[i]);
   }
-  /* Zeros up to the length of END, with their number in two bytes before. */
+  /* Zeros up to the length of END, preceded by their number in two bytes. */
   size_t length = EDA_OASIS_END_BYTES - 1 - 4 - 2 - eda_oasis_collected(out);
   eda_oasis_byte(out, 0x80 | (length & 0x7f));
   eda_oasis_byte(out, (uint32_t)length >> 7);

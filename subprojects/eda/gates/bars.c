@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Rows of bars beside edges: a wish for each edge and row, cut by what is there
-   before it. */
+/* Rows of sub-resolution assist features (bars) beside edges: a proposed bar
+   for each edge and row, reduced by drawn shapes and earlier bars. */
 #include <eda/bars.h>
 #include <eda/index.h>
 #include <eda/memory.h>
@@ -24,12 +24,12 @@ static int32_t length_of(eda_box b) {
 
 /* ---- where bars may be ---- */
 
-/* A bar as the rule has it, before others cut it. */
+/* A bar as proposed by the rule. */
 typedef struct wish {
   eda_box box;
-  uint32_t number; /* in the order of the edges */
+  uint32_t number; /* number in the order of the edges */
   uint8_t upright;
-  size_t first, end; /* what came of it, in `bars` */
+  size_t first, end; /* its remaining parts, in `bars` */
 } wish;
 
 typedef struct planner {
@@ -41,11 +41,11 @@ typedef struct planner {
   eda_index *of_drawn, *of_wishes;
   eda_box *drawn; /* rectangles of the drawn shapes */
   size_t drawn_count;
-  eda_box_list parts, next; /* of the wish at hand */
+  eda_box_list parts, next; /* remaining parts of the current proposal */
   eda_box_list bars;
 } planner;
 
-/* Row `row` beside an edge. */
+/* Return the proposed bar of row `row` beside an edge. */
 static wish wish_of(const planner *p, const eda_bar_edge *e, int row) {
   const eda_bar_rule *r = p->rule;
   int32_t near = r->distance + row * (r->width + r->space);
@@ -57,7 +57,7 @@ static wish wish_of(const planner *p, const eda_bar_edge *e, int row) {
   return w;
 }
 
-/* Take `keep_out` from all parts. */
+/* Subtract `keep_out` from all parts. */
 static void cut_parts(planner *p, eda_box keep_out, int upright) {
   p->next.count = 0;
   for (size_t i = 0; i < p->parts.count; i++) {
@@ -79,7 +79,7 @@ static void cut_parts(planner *p, eda_box keep_out, int upright) {
   p->next = t;
 }
 
-/* Cut the parts of a wish by the drawn shapes that are near. */
+/* Subtract the drawn shapes near a proposal from its parts. */
 static void cut_by_drawn(planner *p, const wish *w) {
   int32_t off = p->rule->distance;
   eda_finder f = eda_index_find(p->of_drawn, grow(w->box, off));
@@ -87,7 +87,7 @@ static void cut_by_drawn(planner *p, const wish *w) {
     cut_parts(p, grow(p->drawn[i], off), w->upright);
 }
 
-/* Cut them by the bars of wishes that were granted before. */
+/* Subtract the bars of earlier proposals from the parts. */
 static void cut_by_bars(planner *p, const wish *w) {
   int32_t off = p->rule->space;
   eda_finder f = eda_index_find(p->of_wishes, grow(w->box, off));
@@ -96,7 +96,8 @@ static void cut_by_bars(planner *p, const wish *w) {
       cut_parts(p, grow(p->bars.box[n], off), w->upright);
 }
 
-/* What is left of a wish beside the drawn shapes and the bars there are. */
+/* Add the parts of a proposal that are clear of drawn shapes and of existing
+   bars. */
 static void grant(planner *p, wish *w) {
   p->parts.count = 0;
   w->first = w->end = p->bars.count;
@@ -109,7 +110,7 @@ static void grant(planner *p, wish *w) {
   w->end = p->bars.count;
 }
 
-/* First rows before others, then long ones first. */
+/* Order: lower rows first, then longer bars. */
 static int by_rank(const void *a, const void *b) {
   const wish *p = *(const wish *const *)a, *q = *(const wish *const *)b;
   if (p->first != q->first) return p->first < q->first ? -1 : 1;
@@ -166,11 +167,12 @@ int eda_bars_place(const eda_bar_edge *edges, size_t n,
 
 /* ---- bars that print ---- */
 
-/* nm: between places where a bar is looked at for light; optics resolve no less
-   than 100 nm. Half and twice drop the same bars. */
+/* Distance of the points at which a bar is tested, nm; the optics resolve no
+   less than 100 nm. Half and twice the value reject the same bars. */
 static const double bar_step = 10;
 
-/* The most of the level set on a bar: along its middle and its sides. */
+/* Return the maximum of the level set on a bar: along its middle and its
+   sides. */
 static double brightest(const eda_field *print, eda_box b, double grid) {
   double x0 = b.x0 * grid, y0 = b.y0 * grid, w = b.x1 * grid - x0,
          h = b.y1 * grid - y0, most = -INFINITY;
@@ -196,7 +198,7 @@ static void look_at_bar(void *data, size_t i) {
   j->bad[i] = brightest(j->print, j->bars->box[i], j->grid) > -j->margin;
 }
 
-/* 1 for each bar that is too bright; freed with free(). */
+/* Return 1 for each bar that would print, 0 for the others (free()). */
 static uint8_t *find_bright(const opc_context *context,
                             const eda_box_list *bars, const eda_field *print,
                             double grid, double margin) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Bars beside the edges of random rectangles: where a single one would have
-   them, and apart from each other and from what is drawn. */
+/* Bars beside the edges of random rectangles: positions beside a single
+   rectangle, and distances from each other and from drawn shapes. */
 #include <eda/bars.h>
 #include <eda/memory.h>
 #include <glib.h>
@@ -32,7 +32,7 @@ static eda_shapes shapes_of(const eda_box *b, size_t n) {
   return merged;
 }
 
-/* Left, right, below and above. */
+/* Return the left, right, lower and upper edge of a box. */
 static void edges_of(eda_box b, eda_bar_edge out[4]) {
   out[0] = (eda_bar_edge){1, -1, b.x0, b.y0, b.y1};
   out[1] = (eda_bar_edge){1, 1, b.x1, b.y0, b.y1};
@@ -45,8 +45,8 @@ static int nearer(eda_box a, eda_box b, int32_t by) {
          b.y0 < a.y1 + by;
 }
 
-/* The first rows of a line: beside its long sides and its ends; a second one is
-   a width and a space further. */
+/* First rows of a line: beside its long sides and its ends; a second row is one
+   width and one space further out. */
 static void test_single(void) {
   const eda_box line = {0, 0, 60, 1000};
   const eda_box want[] = {{-190, -60, -150, 1060}, {210, -60, 250, 1060},

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Calls of synthesizers and regulators. Arrays that they write are copies
-   between guard words; what they point to is read while they are to blame. */
+/* Calls of synthesizers and regulators. Plugins write to copies between guard
+   words; the data behind their pointers is read within the call, so that a
+   crash is attributed to the plugin. */
 #include <eda/check.h>
 #include <eda/memory.h>
 #include <glib.h>
@@ -9,11 +10,11 @@
 
 #include "gates/fence.h"
 
-enum { LONGEST_TEXT = 200 }; /* bytes, of a word or few */
+enum { LONGEST_TEXT = 200 }; /* bytes, enough for a few words */
 
 /* ---- texts ---- */
 
-/* The text with that content which stays for ever; `what` it is. */
+/* Return a permanent copy of a text; `what` names it in errors. */
 static const char *keep_text(const char *text, const char *what,
                              opc_error *error) {
   size_t n = strnlen(text, LONGEST_TEXT + 1);
@@ -43,8 +44,8 @@ int eda_call_verdict(const opc_context *context, const opc_module *synthesizer,
 
 /* ---- moves ---- */
 
-/* Array number i of the moves, and how many numbers it has: those of gates,
-   then the shifts of layers. NULL: there is none. */
+/* Return array number i of the moves and its length: arrays of gates first,
+   followed by the shifts of layers. NULL: no such array. */
 enum { OF_GATES = 4 };
 
 static int32_t *array_of(const eda_moves *m, const eda_gates *gates,
@@ -54,7 +55,7 @@ static int32_t *array_of(const eda_moves *m, const eda_gates *gates,
   return i < OF_GATES ? first[i] : m->shift[i - OF_GATES];
 }
 
-/* Whether all arrays `lent` are as they should be. */
+/* Check all arrays that a plugin has written to `lent`. */
 static int check_moves(const eda_gates *gates, const eda_moves *lent,
                        const size_t *fragments, opc_error *error) {
   static const char *const names[] = {"moves of L", "moves of W", "jogs",
@@ -89,7 +90,8 @@ int eda_call_update(const opc_context *context, const opc_module *synthesizer,
   if (moves->part) lent.part = fence_new(parts, sizeof(eda_part), moves->part);
   if (moves->aside)
     lent.aside = fence_new(count, sizeof(int32_t), moves->aside);
-  const eda_moves kept = lent; /* whatever becomes of its pointers */
+  const eda_moves kept = lent; /* the plugin may change the pointers of
+                                  `lent` */
   const char *before = eda_enter(context, synthesizer, error);
   int code = s->update(synthesizer->self, feedback, &lent, done, error);
   if (!code) code = check_moves(g, &kept, fragments, error);
@@ -145,7 +147,7 @@ int eda_call_rule(const opc_context *context, const opc_module *regulator,
   return code;
 }
 
-/* The names of rules stay, whatever becomes of the regulator. */
+/* Copy the names of rules, so that they outlive the regulator. */
 static int keep_rules(eda_violation *v, size_t n, opc_error *error) {
   for (size_t i = 0; i < n; i++)
     if (v[i].rule && !(v[i].rule = keep_text(v[i].rule, "a rule", error)))

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What plugins hand back, before it is used: sound, or an error that names
-   what is wrong with it. Whose error it is, eda_blame says. */
+/* Checks of data returned by plugins before use. An error names the fault;
+   eda_blame adds the plugin. */
 #include <eda/check.h>
 #include <eda/goals.h>
 #include <eda/memory.h>
@@ -11,13 +11,13 @@
 
 enum {
   MOST_SLICES = 1 << 16,
-  MOST_BOXES = 1 << 24, /* of what is added to a mask */
-  FURTHEST = 1 << 20,   /* of a move, grid steps */
-  OUTERMOST = 1 << 30,  /* coordinate */
+  MOST_BOXES = 1 << 24, /* boxes added to a mask */
+  FURTHEST = 1 << 20,   /* largest displacement, grid steps */
+  OUTERMOST = 1 << 30,  /* largest coordinate */
   ALL_VETOES = 15
 };
 
-/* All faults that are found here. */
+/* All faults found here return this error. */
 #define unsound(error, ...) opc_fail(error, OPC_FAILED, NULL, __VA_ARGS__)
 
 const char *eda_enter(const opc_context *context, const opc_module *module,
@@ -43,7 +43,7 @@ int eda_blame(opc_error *error, int code, const char *slot) {
 typedef struct tasks {
   int (*task)(void *data, size_t i, opc_error *error);
   void *data;
-  opc_error *error; /* of each */
+  opc_error *error; /* one for each task */
 } tasks;
 
 static void try_one(void *data, size_t i) {
@@ -65,7 +65,8 @@ int eda_try_all(const opc_context *context, size_t n,
 
 /* ---- fields ---- */
 
-/* Whether any of n numbers is not finite: of all bits of the exponent. */
+/* Return whether any of n numbers is not finite: all bits of its exponent are
+   set. */
 static int has_wild(const float *x, size_t n) {
   uint32_t wild = 0;
   for (size_t i = 0; i < n; i++) {
@@ -155,7 +156,7 @@ int eda_check_performance(const eda_gates *gates, size_t first,
 
 /* ---- boxes added to a mask ---- */
 
-/* Of a layer; `what` they are. */
+/* Check the boxes of a layer; `what` names them. */
 static int check_boxes(const char *what, const char *layer,
                        const eda_boxes *boxes, opc_error *error) {
   size_t n = boxes->count;
@@ -174,7 +175,7 @@ static int check_boxes(const char *what, const char *layer,
   return OPC_OK;
 }
 
-/* [layers], of those that are corrected. */
+/* Check [layers] of boxes; only corrected layers may have any. */
 static int check_all_boxes(const eda_gates *gates, const char *what,
                            const eda_boxes *boxes, opc_error *error) {
   int code = OPC_OK;
@@ -198,7 +199,7 @@ static int is_far(int32_t steps) {
   return steps > FURTHEST || steps < -FURTHEST;
 }
 
-/* In their order, none over another. */
+/* Check that the parts are in order and do not overlap. */
 static int check_parts(const eda_part *s, size_t gate, opc_error *error) {
   for (int k = 0; k < EDA_PARTS && s[k].from < s[k].to; k++) {
     if (is_far(s[k].by)) return far_move("part", gate, s[k].by, error);
@@ -261,7 +262,7 @@ int eda_check_violations(const eda_violation *v, size_t n, size_t gates,
 
 /* ---- cuts ---- */
 
-/* A fragment and the drawn edge it should lie on. */
+/* A fragment and its drawn edge. */
 typedef struct cut_place {
   const eda_cuts *cuts;
   const char *layer;
@@ -279,10 +280,10 @@ static int misplaced(const cut_place *c, const char *what, double x, double y,
                  c->a.y * c->grid, c->b.x * c->grid, c->b.y * c->grid);
 }
 
-/* The place along the edge from a to b, if it is on it: from 0 to its length;
-   else NAN. */
+/* Return the position along the edge from a to b, 0 to its length; NAN for a
+   point off the edge. */
 static double along(const cut_place *c, double x, double y) {
-  const double slack = 1e-3; /* nm: rounding */
+  const double slack = 1e-3; /* rounding tolerance, nm */
   double ax = c->a.x * c->grid, ay = c->a.y * c->grid;
   double bx = c->b.x * c->grid, by = c->b.y * c->grid;
   double aside = c->a.x == c->b.x ? x - ax : y - ay;
@@ -292,7 +293,8 @@ static double along(const cut_place *c, double x, double y) {
   return fabs(aside) <= slack && at >= -slack && at <= to + slack ? at : NAN;
 }
 
-/* The fragment at `at` (of the edge) with its site, and where it ends. */
+/* Check the fragment at `at` along the edge with its control site. Write its
+   end. */
 static int check_cut(const cut_place *c, double at, eda_point next, double *end,
                      opc_error *error) {
   double x = next.x * c->grid, y = next.y * c->grid;
@@ -303,7 +305,8 @@ static int check_cut(const cut_place *c, double at, eda_point next, double *end,
   return misplaced(c, "the site", site[0], site[1], error);
 }
 
-/* All fragments of polygon p, along its edges. It may begin at any corner. */
+/* Check all fragments of polygon p along its edges. The first fragment may
+   start at any corner. */
 static int check_cut_polygon(cut_place c, const eda_shapes *drawn, size_t p,
                              opc_error *error) {
   const eda_point *corner = drawn->points + drawn->start[p];
@@ -408,7 +411,7 @@ static int check_gate(const eda_gates *g, size_t i, opc_error *error) {
   return unsound(error, "transistor %zu is not sound", i + 1);
 }
 
-/* The layers: those that transistors need, each with a name of its own. */
+/* Check the layers: all that transistors need, each with a unique name. */
 static int check_layers(const eda_gates *g, opc_error *error) {
   if (g->layers && !(g->layer && g->corrected && g->drawn && g->edges))
     return unsound(error, "an array of the layers is missing");

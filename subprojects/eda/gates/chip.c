@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The transistors of a chip, and how those of a window of it are moved. */
+/* The transistors of a chip, and the moves of those in a window. */
 #include <eda/chip.h>
 #include <eda/memory.h>
 #include <stdlib.h>
@@ -86,8 +86,8 @@ size_t eda_chip_find(const eda_chip *c, eda_box box) {
              : SIZE_MAX;
 }
 
-/* A span of own coordinates between `low` and `high`, or the other way round:
-   each is the way back of itself but for where it begins. */
+/* Convert a span between `low` and `high` to own coordinates, reversed if
+   `flip` is set. The conversion is its own inverse except for the origin. */
 static void turn(int32_t low, int32_t high, int flip, int32_t *from,
                  int32_t *to) {
   int32_t a = *from, b = *to;
@@ -112,7 +112,7 @@ eda_box eda_chip_own(eda_box gate, uint8_t axis, uint8_t flip, eda_box placed) {
   return b;
 }
 
-/* Parts are counted from the LOW end, and in their order from there. */
+/* Add the parts of a mask, counted from the LOW end and ordered from there. */
 static void put_parts(const eda_chip *c, const eda_chip_mask *m, int32_t width,
                       int backwards, eda_part *to) {
   const eda_part *from = c->part + m->part;

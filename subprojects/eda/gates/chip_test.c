@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Transistors of a chip that lie all eight ways: their own coordinates unit by
-   unit, what is moved of each, and what is wrong with a chip. */
+/* Transistors of a chip in all eight orientations: own coordinates unit by
+   unit, moves of each gate, and faults of a chip. */
 #include <eda/chip.h>
 #include <eda/memory.h>
 #include <glib.h>
@@ -15,7 +15,7 @@ static int32_t draw(int32_t low, int32_t high) {
   return low + (int32_t)((state >> 8) % (uint32_t)(high - low + 1));
 }
 
-/* Gate k, its flips and its axis from the bits of k. */
+/* Return gate k, with flips and axis from the bits of k. */
 static eda_chip_gate lying(int k, int32_t x, int32_t y) {
   uint8_t axis = k & 4 ? EDA_Y : EDA_X;
   return (eda_chip_gate){
@@ -28,7 +28,7 @@ static int has(eda_box b, int32_t x, int32_t y) {
   return x >= b.x0 && x < b.x1 && y >= b.y0 && y < b.y1;
 }
 
-/* Where the unit square (l, w) of its own lies in the layout. */
+/* Compute the layout position of the unit square (l, w) of a gate. */
 static void unit_of(const eda_chip_gate *g, int32_t l, int32_t w, int32_t *x,
                     int32_t *y) {
   if (g->flip & EDA_FLIP_L) l = L - 1 - l;
@@ -54,7 +54,8 @@ static void test_place(void) {
   }
 }
 
-/* A sound chip of eight gates, one mask with two parts, a patch and a bite. */
+/* A valid chip of eight gates and one mask with two parts, an added shape and a
+   removed one. */
 typedef struct whole {
   eda_chip chip;
   eda_chip_gate gate[GATES];
@@ -79,7 +80,7 @@ static void make(whole *t) {
   /* Two rows, so that the order is by y, then by x. */
   for (int k = 0; k < GATES; k++)
     t->gate[k] = lying(k, 20 * (k % 4), 20 * (k / 4));
-  t->chip = (eda_chip){.layout = (const eda_layout *)t, /* is not looked at */
+  t->chip = (eda_chip){.layout = (const eda_layout *)t, /* unused */
                        .grid = 1,
                        .layers = 2,
                        .layer = t->layer,
@@ -114,7 +115,7 @@ static void test_find(void) {
   g_assert_true(eda_chip_find(&t.chip, t.gate[0].box) == SIZE_MAX);
 }
 
-/* By how much the parts move the edge at `at` from the LOW end. */
+/* Return the displacement of the edge at `at` from the LOW end by the parts. */
 static int32_t by_at(const eda_part *part, int n, int32_t at) {
   int32_t by = 0;
   for (int k = 0; k < n; k++)
@@ -127,7 +128,7 @@ static void test_moved(void) {
   make(&t);
   eda_box box[GATES + 1];
   for (int k = 0; k < GATES; k++) box[GATES - k] = t.gate[k].box;
-  box[0] = (eda_box){0, 0, 3, 5}; /* is none of the chip's */
+  box[0] = (eda_box){0, 0, 3, 5}; /* not of the chip */
   const eda_gates window = {.layers = 2, .count = GATES + 1, .box = box};
   eda_moved *to = eda_chip_moved(&t.chip, &window);
   g_assert_cmpint(to->w[0] | to->l[0] | to->end[0] | to->part[0].by, ==, 0);
@@ -195,7 +196,7 @@ static void test_check(void) {
   t.mask[1].part = 1, t.mask[1].parts = 2, refused(&t, "mask 1 has parts");
   t.mask[1].box = 2, t.mask[1].boxes = 1, refused(&t, "mask 1 has parts");
   t.box[1].layer = 2, refused(&t, "box 1 is of no layer");
-  /* As many as there may be. */
+  /* The largest allowed numbers. */
   t.mask[1] = (eda_chip_mask){.part = 1, .parts = 1, .box = 1, .boxes = 1};
   g_assert_cmpint(eda_chip_check(&t.chip, &error), ==, OPC_OK);
 }

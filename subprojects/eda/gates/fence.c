@@ -9,12 +9,12 @@
 #include "imaging/values.h"
 
 enum {
-  /* Bytes: 64 numbers too many do no harm, on each side. */
+  /* Bytes: up to 64 numbers out of bounds on either side do no harm. */
   FENCE = EDA_VALUES_SPARE,
-  WORD = 0xA5 /* a large negative number, and no sound double */
+  WORD = 0xA5 /* a large negative number, and an invalid double */
 };
 
-/* What comes before the array, its size furthest from it. */
+/* Guard words before the array; its size is farthest from the array. */
 typedef struct fence {
   size_t bytes;
   char words[FENCE - sizeof(size_t)];
@@ -49,7 +49,7 @@ static int beyond(const char *side, const char *what, opc_error *error) {
 int fence_check(const void *array, const char *what, opc_error *error) {
   const fence *f = (const fence *)array - 1;
   const char *after = (const char *)array + f->bytes;
-  /* Without the words before it, its size may be wrong as well. */
+  /* If the words before the array are damaged, the size may be wrong. */
   if (!is_whole(f->words, sizeof f->words))
     return beyond("before", what, error);
   return is_whole(after, FENCE) ? OPC_OK : beyond("beyond", what, error);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What a gate printed as: cuts through its poly and its active. */
+/* Measurement of a printed gate: cuts through its poly and its active. */
 #include "gates/gate.h"
 
 #include <math.h>
@@ -7,30 +7,31 @@
 #include "imaging/cuts.h"
 #include "imaging/edge.h"
 
-/* How far beyond the drawn gate a print is looked for, nm. */
+/* Search distance beyond the drawn gate, nm. */
 static const double reach = 300;
 
-/* Lengths that are worth a note, of the drawn length. Leakage doubles every two
-   to three nm, so that what is much shorter carries nearly all of it. */
+/* Ratios of printed to drawn length that set a flag. Leakage doubles every two
+   to three nm, so a much shorter slice carries nearly all of it. */
 static const double neck = 0.75, wide = 2;
 
-/* Strips of the channel of different width are in series: together they carry
-   what their harmonic mean does, which is less than that of the mean width by
-   the variance of the width over its square. More than this is worth a note. */
+/* Relative current error that sets a flag. Strips of the channel of different
+   width are in series: together they carry the current of their harmonic mean,
+   which is less than that of the mean width by the variance of the width over
+   its square. */
 static const double bite = 1e-3;
 
-/* What prints around a place of a line: the distances of its edges towards
-   smaller and larger coordinates, all from that place. */
+/* A cut through the printed image at a point of a line: distances of its edges
+   from the point towards smaller and larger coordinates. */
 typedef struct section {
-  double limit[2];    /* an edge is looked for so far away */
-  double drawn[2];    /* where it is drawn */
-  double distance[2]; /* the limit where there is none; 0, 0 where the
-                         place does not print */
-  int open;           /* there is none, on a side */
-  int pieces;         /* more prints within the drawn edges */
+  double limit[2];    /* search limits */
+  double drawn[2];    /* drawn edges */
+  double distance[2]; /* limit where no edge is found; 0, 0 where the point does
+                         not print */
+  int open;           /* an edge is missing on a side */
+  int pieces;         /* several pieces print within the drawn edges */
 } section;
 
-/* Does the place print? */
+/* Cut through the field at a point. Return whether the point prints. */
 static int cut(const eda_field *field, int axis, double at, double place,
                section *s) {
   eda_line line;
@@ -52,8 +53,8 @@ static int cut(const eda_field *field, int axis, double at, double place,
   return prints;
 }
 
-/* At n places along the other axis, those from `found` on: the sections that
-   are as they should be are found together. */
+/* Cut at n places along the other axis, from `found` on. Regular sections are
+   found together. */
 static void cut_all(const eda_field *field, int axis, double place, size_t n,
                     const double *at, double (*found)[2], const section *s) {
   eda_cut_many(field, axis, place, fmax(s->drawn[0], s->drawn[1]), n, at,
@@ -63,7 +64,8 @@ static void cut_all(const eda_field *field, int axis, double place, size_t n,
       found[j][0] = NAN;
 }
 
-/* Take a section that cut_all has found: 1; 0 if it has not. */
+/* Set a section from the result of cut_all. Return 0 if cut_all has no result
+   for it, otherwise 1. */
 static int take(const double found[2], section *s) {
   if (isnan(found[0])) return 0;
   s->open = s->pieces = 0;
@@ -71,7 +73,8 @@ static int take(const double found[2], section *s) {
   return 1;
 }
 
-/* The printed active: its mean over the channel, by Gauss's rule. */
+/* Measure the printed active: its mean width over the channel, by Gauss
+   quadrature. */
 static void measure_width(eda_gate *g) {
   static const double place[3] = {-0.7745966692414834, 0, 0.7745966692414834};
   static const double share[3] = {5 / 18.0, 8 / 18.0, 5 / 18.0};
@@ -98,7 +101,8 @@ static void measure_width(eda_gate *g) {
   if (square > (1 + bite) * width * width) g->flags |= EDA_PRINT_BITE;
 }
 
-/* The printed poly past the printed active, on `side`. */
+/* Return the extension of the printed poly beyond the printed active on
+   `side`. */
 static double measure_extension(eda_gate *g, int side) {
   double drawn = g->drawn_extension[side], out = side ? 1 : -1;
   double edge = side ? g->to : g->from;
@@ -116,7 +120,7 @@ static double measure_extension(eda_gate *g, int side) {
   return isnan(distance) ? -(g->high[1] - g->low[1]) / 2 : -distance;
 }
 
-/* Measure at places that are not known yet. */
+/* Measure lengths at new places. */
 static void measure_lengths(eda_gate *g, size_t n, const double *place,
                             double *length) {
   double half = g->middle[0] - g->low[0];
@@ -138,8 +142,8 @@ static void measure_lengths(eda_gate *g, size_t n, const double *place,
   }
 }
 
-/* Which of the known places this is, looked for from `from` on: they are asked
-   for in order. g->known if it is none. */
+/* Return the index of a known place, searched in order from `from` on; g->known
+   if unknown. */
 static size_t find_known(const eda_gate *g, double place, size_t from) {
   for (size_t k = from; k < g->known; k++)
     if (g->place[k] == place) return k;
@@ -148,7 +152,7 @@ static size_t find_known(const eda_gate *g, double place, size_t from) {
   return g->known;
 }
 
-/* At most EDA_GATE_LENGTHS. */
+/* Measure at most EDA_GATE_LENGTHS lengths. */
 static void some_lengths(eda_gate *g, size_t n, const double *place,
                          double *length) {
   size_t m = 0, k = 0, which[EDA_GATE_LENGTHS];
@@ -202,7 +206,7 @@ static void drawn_lengths(const eda_printed_gate *shown, size_t n,
   for (size_t j = 0; j < n; j++) length[j] = drawn_length(shown, place[j]);
 }
 
-/* All but what is measured. */
+/* Set all fields that need no measurement. */
 static void begin(const eda_gates *gates, size_t i, eda_gate *g) {
   eda_box b = gates->box[i];
   const double x[2] = {b.x0 * gates->grid, b.x1 * gates->grid};

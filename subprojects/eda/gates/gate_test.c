@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* One printed gate in fields that are made up: what is found of it, and its
-   figures against closed forms. */
+/* One printed gate in artificial fields: its flags, and its dimensions compared
+   with closed forms. */
 #include "gates/gate.h"
 
 #include <eda/imaging.h>
@@ -10,9 +10,9 @@
 
 #include "testing/testing.h"
 
-static const opc_context *context; /* of several threads */
+static const opc_context *context; /* a context with several threads */
 
-/* A field of the values of `f` on a fine grid, its period 1200 nm. */
+/* Nodes of a fine grid with a period of 1200 nm, which samples `f`. */
 enum { NODES = 120 };
 static const double step = 10, corner = -600;
 typedef double level(double l, double w);
@@ -36,14 +36,15 @@ typedef struct result {
   double from, to, extension[2], length[41];
 } result;
 
-/* A gate of L 60 and W 300 around (0, 0) that ends 80 nm past the active at its
-   low side, and has `space` beside it. */
+/* Measure a gate of L 60 and W 300 around (0, 0) that ends 80 nm beyond the
+   active at its low side and has `space` beside it. */
 static result look(level *poly, level *active, double space, int across) {
   eda_box box =
       across ? (eda_box){-150, -30, 150, 30} : (eda_box){-30, -150, 30, 150};
   uint8_t type = EDA_NMOS, axis = across ? EDA_Y : EDA_X;
   double both[2] = {space, space}, extension[2] = {80, INFINITY};
-  double length = 60.3, width = 299.6; /* as drawn, before the grid */
+  double length = 60.3, width = 299.6; /* drawn size, before snapping to the
+                                          grid */
   const eda_gates gates = {.grid = 1,
                            .count = 1,
                            .box = &box,
@@ -86,16 +87,16 @@ static double bump(double x, double y, double radius) {
 static double line(double l, double w) { return (void)w, within(l, 30); }
 static double stripe(double l, double w) { return (void)l, within(w, 150); }
 
-/* The lower active edge goes from -150 down to the right by 0.2. */
+/* Active whose lower edge slopes down to the right by 0.2. */
 static double sloped(double l, double w) {
   double low = -150 - 0.2 * l, half = (150 - low) / 2;
   return within(w - (150 + low) / 2, half);
 }
-/* That edge is round: the active is a disk. */
+/* Round active: a disk. */
 static double disk(double l, double w) { return within(hypot(l - 20, w), 90); }
 static double nothing(double l, double w) { return (void)l, (void)w, -1; }
 static double everything(double l, double w) { return (void)l, (void)w, 1; }
-/* Ends round at w = end, and is as long as the others far from there. */
+/* Line with a round end at w = end, of constant length far from the end. */
 static double rounded(double l, double w, double end) {
   return 1 - l * l / 900 - fmin(3, exp((end - w) / 40));
 }
@@ -105,26 +106,26 @@ static double ended_early(double l, double w) { return rounded(l, w, -120); }
 static double gap(double l, double w) {
   return within(l, 30) - 2.2 * bump(0, w - 60, 40);
 }
-/* A waist of about half the length at w = 60; a belly of thrice at 0. */
+/* Waist of about half the length at w = 60; belly of thrice the length at 0. */
 static double waist(double l, double w) {
   return within(l, 30 - 14 * bump(0, w - 60, 40));
 }
 static double belly(double l, double w) {
   return within(l, 30 + 60 * bump(0, w, 60));
 }
-/* A hole beside the middle of the line, so that it is in two pieces there. */
+/* Hole beside the middle of the line, which splits it into two pieces there. */
 static double hole(double l, double w) {
   return within(l, 30) - 1.6 * bump(l - 13, w - 60, 9);
 }
-/* The active is two islands, one on the middle. */
+/* Active of two islands, one of them in the middle. */
 static double islands(double l, double w) {
   (void)l;
   return fmax(within(w, 60), within(w + 120, 20));
 }
-/* Wider than half of 100 nm of room beside it. */
+/* Wider than half of the space of 100 nm. */
 static double fat(double l, double w) { return (void)w, within(l, 81); }
 
-/* Each edge alone past half of that room, and short of it. */
+/* One edge beyond half of that space, the other short of it. */
 static double high(double l, double w) { return (void)w, within(l - 26, 55); }
 static double low(double l, double w) { return (void)w, within(l + 26, 55); }
 static double high_less(double l, double w) {
@@ -145,14 +146,14 @@ static void test_good(void) {
     r = look(ended, stripe, 400, across);
     g_assert_cmphex(r.flags & ~(uint32_t)EDA_PRINT_NOTES, ==, 0);
     g_assert_cmpfloat(fabs(r.extension[0] - 40), <, 0.05);
-    double want = 60 * sqrt(1 - exp(-1)); /* at the active's edge */
+    double want = 60 * sqrt(1 - exp(-1)); /* at the edge of the active */
     g_assert_cmpfloat(fabs(r.length[0] - want), <, 0.05);
     g_assert_true(isinf(r.extension[1]));
   }
 }
 
-/* The mean over the channel is the edge at its middle, where the edge slopes;
-   no note for that much. That of a disk is the mean of a circle. */
+/* For a sloping edge, the mean over the channel equals the edge at its middle,
+   without a flag at this slope. For a disk it equals the mean of a circle. */
 static void test_width(void) {
   for (int across = 0; across < 2; across++) {
     result r = look(line, sloped, 400, across);

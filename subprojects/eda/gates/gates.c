@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Making and freeing what this library hands from step to step: gates, masks,
-   and the arrays of their performance. */
+/* Creation and release of gates, masks, and the arrays of their performance. */
 #include <eda/gates.h>
 #include <eda/memory.h>
 #include <glib.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { CHUNK = 4096 }; /* bytes of texts at a time */
+enum { CHUNK = 4096 }; /* bytes of texts allocated at a time */
 
 /* ---- gates ---- */
 

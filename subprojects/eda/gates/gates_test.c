@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Gates and masks of more layers than two: made, found sound or not, freed. */
+/* Gates and masks with more than two layers: creation, checks, release. */
 #include <eda/check.h>
 #include <eda/memory.h>
 #include <glib.h>
@@ -8,7 +8,8 @@
 
 enum { LAYERS = 4, METAL = 3 };
 
-/* The sample with two layers more: contacts that only limit, and metal. */
+/* Return the sample with two more layers: contacts, which only limit, and
+   metal. */
 static eda_gates *four_layers(void) {
   static const char *const names[] = {"poly", "active", "contact", "metal1"};
   const eda_gates *from = eda_gates_sample();
@@ -36,8 +37,8 @@ static eda_gates *four_layers(void) {
   return g;
 }
 
-/* The sample's fragments go around its polygons, corner by corner, and its
-   gates are where both layers are. */
+/* The fragments of the sample follow its polygons corner by corner, and its
+   gates are located in both layers. */
 static void test_sample(void) {
   const eda_gates *g = eda_gates_sample();
   for (size_t k = 0; k < g->layers; k++) {
@@ -83,7 +84,7 @@ static void test_layers(void) {
   g_assert_cmpint(eda_gates_check(g, &error), ==, OPC_OK);
   g_assert_cmpint(eda_gates_layer(g, "metal1"), ==, METAL);
   g_assert_cmpint(eda_gates_layer(g, "metal2"), ==, -1);
-  g_assert_true(g->instance[0] == g->instance[1]); /* equal texts are one */
+  g_assert_true(g->instance[0] == g->instance[1]); /* equal texts are shared */
   eda_gates_free(g);
   eda_gates_free(NULL);
 }
@@ -115,7 +116,7 @@ static void test_unsound(void) {
   eda_gates_free(g);
 }
 
-/* A mask need not be printed; what is there of a print has values. */
+/* A mask need not be printed; if it is, the printed images have values. */
 static void test_mask(void) {
   eda_gates *g = four_layers();
   eda_mask *m = eda_mask_new(g);
@@ -134,13 +135,13 @@ static void test_mask(void) {
     m->print[k].coefficients[5] = 0;
   }
   g_assert_cmpint(eda_mask_check(m, &error), ==, OPC_OK);
-  /* It may outlive its gates by its freeing. */
+  /* The mask may be freed after its gates. */
   eda_gates_free(g);
   eda_mask_free(m);
   eda_mask_free(NULL);
 }
 
-/* Figures and their marks, copied and checked. */
+/* Performance figures and their flags, copied and checked. */
 static void test_performance(void) {
   const eda_gates *g = eda_gates_sample();
   eda_performance from, to;
@@ -161,7 +162,7 @@ static void test_performance(void) {
   eda_performance_clear(&to);
 }
 
-/* What is added to a mask, and moves, of a third corrected layer. */
+/* Added shapes and moves of a third corrected layer. */
 static void test_third_layer(void) {
   eda_gates *g = four_layers();
   opc_error error;
@@ -195,7 +196,7 @@ static void test_third_layer(void) {
   eda_gates_free(g);
 }
 
-/* Whose error it is. */
+/* Errors name the responsible plugin. */
 static void test_blame(void) {
   opc_error error = {0};
   g_assert_cmpint(eda_blame(&error, OPC_OK, "litho"), ==, OPC_OK);

@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-/* After the weight the targets, in the order of EDA_GOAL_ION ... */
+/* The weight is followed by the targets, in the order of EDA_GOAL_ION ... */
 enum { TRANSISTOR, WEIGHT, TARGET, COLUMNS = TARGET + EDA_GOAL_TARGETS };
 static const eda_csv_column columns[COLUMNS] = {{"transistor", NULL, 0},
                                                 {"weight", NULL, 1},
@@ -39,7 +39,7 @@ const char *eda_goal_fault(const eda_goal *w) {
   return NULL;
 }
 
-/* Set one value. Return the noun of what the text should have been, or NULL. */
+/* Set one value. Return the noun of the expected text, or NULL. */
 static const char *goal_set(eda_goal *w, int column, const char *text) {
   char *end;
   int target = column - TARGET;
@@ -95,7 +95,8 @@ int eda_goals_read(const char *path, const eda_gates *gates, eda_goal *out,
 
 /* ---- notes ---- */
 
-/* Letters to add, drop, change or swap until `a` is `b`; short words. */
+/* Return the edit distance of two short words: letters added, dropped, changed
+   or swapped. */
 static int distance(const char *a, const char *b) {
   int d[12][12], n = (int)strlen(a), m = (int)strlen(b);
   if (n > 11 || m > 11) return 12;
@@ -114,8 +115,8 @@ static int distance(const char *a, const char *b) {
   return d[n][m];
 }
 
-/* Set the value that one word states. Return its fault, to be freed, or NULL.
- */
+/* Set the value of one word. Return a description of its fault, to be freed, or
+   NULL. */
 static char *goal_take_word(eda_goal *w, char *word, int *seen) {
   char *value = strchr(word, '=');
   if (value) *value++ = '\0';

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Notes and tables of goals: values by hand, and the message of each fault. */
+/* Notes and tables of goals: values computed by hand, and the message of each
+   fault. */
 #include <eda/goals.h>
 #include <glib.h>
 #include <glib/gstdio.h>
@@ -64,7 +65,7 @@ static void test_bad_notes(void) {
   }
 }
 
-/* The bounds that texts keep hold for goals of steps, too. */
+/* The bounds of texts also apply to goals set by steps. */
 static void test_bounds(void) {
   eda_goal w = eda_goal_none;
   w.weight = -1;

@@ -1,20 +1,20 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A mask as a file, and back. One walk over its fields does both, so that
-   neither can know more than the other. */
+/* Masks as files. One traversal of the fields does both reading and writing, so
+   that both handle the same fields. */
 #include <eda/gates.h>
 #include <eda/memory.h>
 #include <glib.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* What this file does not know would be lost. */
+/* This file must handle every field of eda_mask. */
 G_STATIC_ASSERT(sizeof(eda_mask) ==
                 G_STRUCT_OFFSET(eda_mask, moved) + sizeof(eda_moved *));
 
 typedef struct stream {
   FILE *file;
   int writing, failed;
-  uint64_t left; /* bytes to be read */
+  uint64_t left; /* remaining bytes to read */
 } stream;
 
 /* ---- bytes ---- */
@@ -30,7 +30,7 @@ static void move(stream *s, void *data, size_t size) {
   if (!s->writing) s->left -= MIN(size, s->left);
 }
 
-/* An array of n elements, or NULL. */
+/* Transfer an array of n elements, or NULL. */
 static void move_array(stream *s, void *address, size_t n, size_t size) {
   void **array = address;
   uint8_t is_there = *array != NULL;
@@ -52,7 +52,7 @@ static void move_count(stream *s, size_t *count) {
 
 /* ---- a mask ---- */
 
-/* What points lie in the last array follows from the first. */
+/* The first array determines the length of the last one. */
 static void move_shapes(stream *s, eda_shapes *shapes) {
   move_count(s, &shapes->count);
   if (!s->writing && shapes->count > s->left) s->failed = 1;
@@ -122,7 +122,7 @@ static void move_list(stream *s, eda_box_list *list) {
   list->room = list->count;
 }
 
-/* What eda_moved_new made when it is read. */
+/* Transfer the arrays that eda_moved_new allocates before reading. */
 static void move_fields(stream *s, eda_moved *m) {
   int32_t *const numbers[] = {m->w, m->aside, m->l, m->jog};
   for (size_t k = 0; k < G_N_ELEMENTS(numbers); k++)
@@ -149,7 +149,7 @@ static void move_mask(stream *s, eda_mask *m) {
   size_t layers = m->layers, count = m->gates->count;
   move_count(s, &layers);
   move_count(s, &count);
-  /* Of other gates. */
+  /* The file belongs to other gates. */
   if (layers != m->layers || count != m->gates->count) s->failed = 1;
   for (size_t k = 0; k < m->layers && !s->failed; k++) {
     move_shapes(s, &m->shapes[k]);
@@ -169,7 +169,7 @@ static void move_mask(stream *s, eda_mask *m) {
 
 /* ---- files ---- */
 
-/* The result of a walk; closes the file. */
+/* Close the file and return the result of the transfer. */
 static int close_stream(stream *s, const char *path, opc_error *error) {
   int code = OPC_OK;
   if (s->file && fclose(s->file)) s->failed = 1;

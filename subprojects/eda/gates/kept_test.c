@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A mask through a file: the second file is as the first one, to the byte; what
-   is cut or of other gates is refused. */
+/* A mask saved and loaded: a second file is byte-identical; truncated files and
+   those of other gates are rejected. */
 #include <eda/gates.h>
 #include <eda/memory.h>
 #include <glib.h>
@@ -119,7 +119,7 @@ static void test_equal(void) {
   g_assert_cmpint(g_rmdir(folder), ==, 0);
 }
 
-/* Cut anywhere, or longer, it is not taken for a mask; nor with wild counts. */
+/* Truncated or extended files, and files with absurd counts, are rejected. */
 static void test_damaged(void) {
   g_autofree char *folder = g_dir_make_tmp("kept-XXXXXX", NULL);
   g_autofree char *path = g_build_filename(folder, "mask", NULL);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* From prints, or what is drawn, to performance: each gate is cut into the
-   slices that the extractor asks for. */
+/* Performance from printed images or drawn shapes: each gate is divided into
+   the slices that the extractor requests. */
 #include <eda/memory.h>
 #include <eda/print.h>
 #include <math.h>
@@ -11,7 +11,7 @@
 #include "gates/gate.h"
 
 enum {
-  BLOCK = 64, /* gates that a thread measures at a time */
+  BLOCK = 64, /* gates measured by a thread at a time */
   FIGURES = 6 /* arrays of eda_performance, one after another */
 };
 
@@ -22,10 +22,11 @@ static const char slot[] = "extractor";
 typedef struct slices {
   const opc_context *context;
   const opc_module *extractor;
-  const double *place, *share; /* of every gate that is not sliced by itself */
+  const double *place, *share; /* common slices of all gates without own
+                                  slices */
   size_t n;
-  double *own;                   /* places and shares of one that is, between
-                                    guard words; or NULL */
+  double *own;                   /* places and shares of a gate with own slices,
+                                    between guard words; NULL: none */
   double *width, *length, *edge; /* [gate * n + slice]; one array */
 } slices;
 
@@ -52,7 +53,7 @@ static void slices_clear(slices *s) {
   fence_free(s->own);
 }
 
-/* Cut a gate, number k of these. */
+/* Slice a gate, number k of the block. */
 static int slices_cut(const slices *s, size_t k, eda_gate *gate,
                       opc_error *error) {
   const eda_extractor *model = s->extractor->functions;
@@ -76,7 +77,7 @@ static int slices_cut(const slices *s, size_t k, eda_gate *gate,
   return OPC_OK;
 }
 
-/* The plugin writes into copies between guard words. */
+/* Call the extractor, which writes to copies between guard words. */
 static int extract(const slices *s, const eda_slices *in, eda_performance *out,
                    opc_error *error) {
   const eda_extractor *model = s->extractor->functions;
@@ -85,7 +86,8 @@ static int extract(const slices *s, const eda_slices *in, eda_performance *out,
       .outside = fence_new(out->count, sizeof *out->outside, NULL)};
   for (size_t k = 0; k < FIGURES; k++)
     (&lent.ion)[k] = fence_new(out->count, sizeof(double), NULL);
-  const eda_performance kept = lent; /* whatever becomes of its pointers */
+  const eda_performance kept = lent; /* the plugin may change the pointers of
+                                        `lent` */
   const char *before = eda_enter(s->context, s->extractor, error);
   int code = model->extract(s->extractor->self, in, &lent, error);
   opc_leave(s->context, before);
@@ -101,7 +103,7 @@ static int extract(const slices *s, const eda_slices *in, eda_performance *out,
   return code;
 }
 
-/* The performance of the gates from `first` on; `flags` of each as in
+/* Extract the performance of the gates from `first` on; `flags` of each as in
    eda_check_performance. */
 static int slices_extract(const slices *s, const eda_gates *gates, size_t first,
                           const uint32_t *flags, eda_performance *out,
@@ -125,11 +127,11 @@ typedef struct job {
   const eda_gates *gates;
   const eda_field *print; /* NULL: as drawn */
   const opc_module *extractor;
-  eda_measurement *out; /* NULL of those as drawn: they have figures alone */
+  eda_measurement *out; /* NULL as drawn: performance only */
   eda_performance *performance;
 } job;
 
-/* The gates from `first` on. */
+/* Return the performance of n gates from `first` on. */
 static eda_performance part(const eda_performance *p, size_t first, size_t n) {
   return (eda_performance){.count = n,
                            .ion = p->ion + first,
@@ -141,15 +143,15 @@ static eda_performance part(const eda_performance *p, size_t first, size_t n) {
                            .outside = p->outside + first};
 }
 
-/* An open line is a short from source to drain, and without active there is
-   nothing to carry a current: whatever the slices add up to, it is not that of
-   a transistor. */
+/* Set the figures of gate i to zero. An open line shorts source and drain, and
+   without active no current flows, so the result of its slices is not that of a
+   transistor. */
 static void strike(eda_performance *p, size_t i) {
   p->ion[i] = p->ioff[i] = p->leq_ion[i] = p->leq_ioff[i] = 0;
   p->weq[i] = p->area[i] = p->outside[i] = 0;
 }
 
-/* What the figures of a print and its flags tell each other. */
+/* Combine the figures of a printed image with its flags. */
 static void settle(eda_performance *p, uint32_t *flags) {
   for (size_t i = 0; i < p->count; i++)
     if (flags[i] & (EDA_PRINT_OPEN | EDA_PRINT_NO_ACTIVE))
@@ -158,7 +160,7 @@ static void settle(eda_performance *p, uint32_t *flags) {
       flags[i] |= EDA_PRINT_OUTSIDE;
 }
 
-/* Gate i, number k of a block. */
+/* Measure gate i, number k of a block. */
 static int measure_one(const job *j, size_t i, const slices *s, size_t k,
                        opc_error *error) {
   eda_gate gate;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Measurements against contours that are known in closed form. */
+/* Measurements, compared with contours known in closed form. */
 #include <eda/memory.h>
 #include <eda/print.h>
 #include <glib.h>
@@ -9,7 +9,8 @@
 
 static const double period = 1000;
 
-/* The level a + b cos(kx) + c cos(ky), k = 2 pi / period, centred on (0, 0). */
+/* Return the level a + b cos(kx) + c cos(ky), k = 2 pi / period, centred on (0,
+   0). */
 static eda_field level(double a, double b, double c) {
   eda_field f = {.frame = {0, 0, period, period}, .nx = 40, .ny = 40};
   f.coefficients = eda_alloc(1600, sizeof(float));
@@ -23,11 +24,11 @@ static eda_field level(double a, double b, double c) {
 
 static double wave(double x) { return cos(2 * M_PI * x / period); }
 
-/* An extractor that keeps what it is shown. */
+/* An extractor that records its input. */
 enum { SLICES = 5 };
 static const double place[SLICES] = {0.05, 0.25, 0.5, 0.8, 1};
 static const double share[SLICES] = {0.1, 0.3, 0.2, 0.3, 0.1};
-static int beyond_table; /* what it says of its figures */
+static int beyond_table; /* flag of its figures: beyond the table */
 static double seen_length[SLICES], seen_width[SLICES], seen_edge[SLICES];
 
 static size_t slicing(const void *self, const double **p, const double **s) {
@@ -80,7 +81,7 @@ static result measure(eda_field poly, eda_field active, uint8_t axis,
                      .extension = both};
   eda_field print[] = {poly, active};
   const opc_module module = {&keeper, NULL, "extractor.keeper"};
-  result r = {.outside = 1}; /* of another print */
+  result r = {.outside = 1}; /* result of another image */
   double *figure = r.figure;
   eda_measurement out = {&r.flags,
                          r.extension,
@@ -93,8 +94,8 @@ static result measure(eda_field poly, eda_field active, uint8_t axis,
   return r;
 }
 
-/* Poly whose length depends on the place along W, active of 290 nm; both
-   orientations see the same. */
+/* Poly whose length depends on the position along W, active of 290 nm; both
+   orientations yield equal results. */
 static void test_slices(void) {
   const double a = -0.97, taper = 0.01, half = 145;
   for (int across = 0; across < 2; across++) {
@@ -116,22 +117,22 @@ static void test_slices(void) {
   }
 }
 
-/* A poly that ends at y = -199 (level in y only in that direction). */
+/* Poly that ends at y = -199 (the level varies along y only). */
 static void test_extension(void) {
   eda_field poly = level(-wave(199), 0, 1), active = level(-wave(145), 0, 1);
   result r = measure(poly, active, EDA_X, 400, 84);
   g_assert_cmpfloat(fabs(r.extension[0] - 54), <, 1e-3);
   g_assert_true(isinf(r.extension[1]));
-  g_assert_true(r.flags & EDA_PRINT_MERGED); /* no edge along x at all */
-  /* The poly stops 20 nm inside the active. */
+  g_assert_true(r.flags & EDA_PRINT_MERGED); /* no edge along x */
+  /* The poly ends 20 nm inside the active. */
   r = measure(level(-wave(125), 0, 1), level(-wave(145), 0, 1), EDA_X, 400, 84);
   g_assert_cmpfloat(fabs(r.extension[0] + 20), <, 1e-3);
   g_assert_true(r.flags & EDA_PRINT_SHORT);
   g_assert_true(r.flags & EDA_PRINT_OPEN); /* its outer slices */
 }
 
-/* Figures from beyond the device table are marked; those of no transistor are
-   0, whatever the extractor makes of its slices. */
+/* Figures beyond the device table are flagged; those of no transistor are 0,
+   regardless of the extractor. */
 static void test_figures(void) {
   for (beyond_table = 0; beyond_table < 2; beyond_table++) {
     uint32_t mark = beyond_table ? EDA_PRINT_OUTSIDE : 0;
@@ -154,7 +155,7 @@ static void test_figures(void) {
 }
 
 static void test_trouble(void) {
-  /* Nothing prints in the middle. */
+  /* The middle does not print. */
   result r = measure(level(-2, 1, 0), level(-wave(145), 0, 1), EDA_X, 400, 84);
   g_assert_true(r.flags & EDA_PRINT_OPEN);
   r = measure(level(-wave(30), 1, 0), level(-2, 0, 1), EDA_X, 400, 84);

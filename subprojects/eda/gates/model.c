@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A litho model as the printer and the resist see it: each call goes through
-   to the plugin, and what it hands back is checked. The resist calls the model
-   by itself while it calibrates; here its faults are told from those of the
+/* A litho model as seen by printer and resist: each call is forwarded to the
+   plugin, and its result is checked. The resist calls the model directly during
+   calibration; faults of the model are then separated from those of the
    resist. */
 #include <eda/print.h>
 #include <math.h>
@@ -9,7 +9,7 @@
 
 #include "gates/fence.h"
 
-/* The first failure is kept; models are called from several threads. */
+/* Record the first failure; models are called from several threads. */
 static int settle(eda_model *m, int code, opc_error *error) {
   if (!eda_blame(error, code, "litho")) return OPC_OK;
   if (!__atomic_exchange_n(&m->failed, 1, __ATOMIC_SEQ_CST)) m->fault = *error;
@@ -39,12 +39,13 @@ static double band(const void *self) {
   return value;
 }
 
-/* What a call of an image gave, checked. */
+/* Check the result of a call for an image. */
 static int take_image(eda_model *m, int code, const char *before,
                       const eda_spectrum *mask, eda_field *out,
                       opc_error *error) {
   if (!code) code = eda_check_field(out, &mask->frame, "intensity", error);
-  /* Values that are not of the heap end here, where it is to blame. */
+  /* Invalid memory of the values causes a crash here, where it is attributed to
+     the plugin. */
   if (!code) fence_field(out);
   opc_leave(m->context, before);
   return settle(m, code, error);
@@ -101,7 +102,7 @@ static int gradient(const void *self, int layer, const eda_spectrum *mask,
   return take_image(m, code, before, mask, out, error);
 }
 
-/* What a transform made is one that images can be made of. */
+/* Check that a transformed spectrum is a valid input for images. */
 static int check_spectrum(const eda_spectrum *s, const eda_frame *f,
                           opc_error *error) {
   const eda_frame *g = &s->frame;

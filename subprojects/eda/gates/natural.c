@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* From the scanner to lengths in nm. */
+/* Conversion of natural units of the scanner to lengths in nm. */
 #include <eda/litho.h>
 #include <eda/natural.h>
 #include <math.h>
@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* That of the thesis (3.3), at which our defaults were found. */
+/* Scanner of the thesis (3.3), for which the defaults were determined. */
 static const eda_scanner usual = {193, 0.75};
 
 static int is_known(eda_scanner s) { return s.wavelength > 0 && s.na > 0; }

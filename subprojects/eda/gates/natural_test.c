@@ -9,7 +9,8 @@
 static const eda_scanner arf = {193, 0.75}, krf = {248, 0.7},
                          iline = {365, 0.6};
 
-/* By hand: 193 / 0.75 = 257.3, 248 / 0.7 = 354.3, 365 / 0.6 = 608.3. */
+/* Computed by hand: 193 / 0.75 = 257.3, 248 / 0.7 = 354.3, 365 / 0.6 =
+   608.3. */
 static void test_lengths(void) {
   static const struct {
     const eda_scanner *scanner;
@@ -26,7 +27,7 @@ static void test_lengths(void) {
   g_assert_cmpfloat(eda_natural_unit(iline), ==, 365 / 0.6);
 }
 
-/* Unknown: as at 193 nm and NA 0.75, and a message says so. */
+/* An unknown scanner counts as 193 nm and NA 0.75, with a message. */
 static void test_unknown(void) {
   static const eda_scanner none = {0};
   char text[128];

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Printing the masks of some layers: spectrum, image, level set. */
+/* Simulation of the masks of some layers: spectrum, image, level set. */
 #include <eda/memory.h>
 #include <eda/print.h>
 #include <stdlib.h>
@@ -30,7 +30,8 @@ void eda_printer_init(eda_printer *p, const opc_context *context,
   eda_model_init(&p->litho, context, litho);
 }
 
-/* An error of the resist, unless it is what the litho model told it. */
+/* Attribute an error to the resist, unless the litho model returned it to the
+   resist. */
 static int blame_resist(const eda_printer *p, int code, opc_error *error) {
   if (!code || !p->litho.failed) return eda_blame(error, code, "resist");
   *error = p->litho.fault;
@@ -47,7 +48,7 @@ int eda_printer_prepare(eda_printer *p, opc_error *error) {
   if (p->drawn && resist->drawn) resist->drawn(p->resist->self, p->drawn);
   code = resist->prepare(p->resist->self, &p->litho.module, error);
   opc_leave(p->context, before);
-  p->litho.fine = 0; /* prints say what they need */
+  p->litho.fine = 0; /* each simulation sets its own accuracy */
   return blame_resist(p, code, error);
 }
 
@@ -55,7 +56,7 @@ eda_image_size eda_printer_forecast(const eda_printer *p, size_t layers) {
   double band = p->litho.functions.band(&p->litho);
   if (!(band > 0)) return (eda_image_size){0};
   eda_image_size one = eda_image_forecast(p->frame, band);
-  /* What was developed last, and the difference. */
+  /* Last developed image, and the difference. */
   if (p->fine > 0 && p->litho.functions.image_fine) one.bytes += 2 * one.field;
   one.bytes *= (double)layers;
   one.field *= (double)layers;
@@ -76,7 +77,7 @@ int eda_printer_develop(const eda_printer *p, int layer, eda_field *field,
   size_t n = (size_t)field->nx * (size_t)field->ny;
   const char *before = eda_enter(p->context, p->resist, error);
   int code = resist->print(p->resist->self, layer, field, error);
-  /* It may have put others in their place. */
+  /* The plugin may have replaced the coefficients. */
   if (!code && field->coefficients == values)
     code = fence_check_field(values, n, "level sets", error);
   if (!code) code = eda_check_field(field, &p->frame, "level set", error);
@@ -84,7 +85,8 @@ int eda_printer_develop(const eda_printer *p, int layer, eda_field *field,
   return blame_resist(p, code, error);
 }
 
-/* to = from + sign * by, coefficient by coefficient; `to` may be either. */
+/* Compute to = from + sign * by for each coefficient; `to` may be either
+   operand. */
 static void add(eda_field *to, const eda_field *from, float sign,
                 const eda_field *by) {
   size_t n = (size_t)by->nx * (size_t)by->ny;
@@ -92,7 +94,8 @@ static void add(eda_field *to, const eda_field *from, float sign,
     to->coefficients[i] = from->coefficients[i] + sign * by->coefficients[i];
 }
 
-/* What is developed, in the room of what was developed before. */
+/* Store a copy of the image to develop, reusing the memory of the previous
+   one. */
 static void keep_image(eda_printer *p, int layer, const eda_field *image) {
   eda_field *kept = &p->image[layer];
   size_t n = (size_t)image->nx * (size_t)image->ny;
@@ -105,7 +108,7 @@ static void keep_image(eda_printer *p, int layer, const eda_field *image) {
   }
 }
 
-/* Images that are to be added to each other have the same nodes. */
+/* Check that images to be added have equal nodes. */
 static int match(const eda_field *a, const eda_field *b, opc_error *error) {
   if (a->nx == b->nx && a->ny == b->ny) return OPC_OK;
   opc_fail(error, OPC_FAILED, NULL,
@@ -114,8 +117,8 @@ static int match(const eda_field *a, const eda_field *b, opc_error *error) {
   return eda_blame(error, error->code, "litho");
 }
 
-/* What the last image lacked of the fine one of the same mask is part of the
-   difference from now on. */
+/* Add to the difference the deviation of the last image from the accurate image
+   of the same mask. */
 static int learn(eda_printer *p, int layer, const eda_field *fine,
                  opc_error *error) {
   eda_field *last = &p->image[layer], *difference = &p->difference[layer];
@@ -152,7 +155,7 @@ int eda_printer_at_dose(const eda_printer *p, int layer, double factor,
   return eda_printer_develop(p, layer, out, error);
 }
 
-/* From a new image of a layer to its print, in place. */
+/* Convert a new image of a layer to its level set, in place. */
 static int settle(eda_printer *p, int layer, int fine, eda_field *print,
                   opc_error *error) {
   int code = fine ? learn(p, layer, print, error)
@@ -186,14 +189,14 @@ static int print_layer(eda_printer *p, int layer, const eda_shapes *mask,
   return code ? code : settle(p, layer, fine, print, error);
 }
 
-/* The layers to print, side by side: what of a print is not for several
-   threads is then done for all at once. */
+/* Layers simulated together: single-threaded parts run for all of them in
+   parallel. */
 typedef struct prints {
   eda_printer *printer;
   const eda_shapes *mask;
   int fine;
   size_t count;
-  int *layer; /* those to print */
+  int *layer; /* numbers of the layers */
 } prints;
 
 static int print_one(void *data, size_t i, opc_error *error) {

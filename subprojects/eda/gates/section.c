@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Sections through gates: how long they print, and how steep the image is at
-   both ends. */
+/* Sections through gates: printed length and image slope at both ends. */
 #include <eda/print.h>
 #include <math.h>
 
 #include "imaging/edge.h"
 
-/* How far beyond the drawn gate its print is looked for, nm. */
+/* Search distance beyond the drawn gate, nm. */
 static const double reach = 300;
 
 static double log_slope(const eda_field *image, int axis, double x, double y,

@@ -1,19 +1,20 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Bars where a map says that they pay: of all rectangles on a lattice the one
-   that gains most, then the best of those that are clear of it, and so on. What
-   a rectangle gains is the difference of four sums. */
+/* Placement of bars by a gain map: among all rectangles on a lattice the one
+   with the largest gain, then the best of those clear of it, and so on. The
+   gain of a rectangle is a difference of four cumulative sums. */
 #include <eda/bars.h>
 #include <eda/memory.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Passes: in one, each place has one wish, and where that is in the way of a
-   better one the place waits for the next. */
+/* Passes. In each pass every place has one candidate; a candidate that
+   conflicts with a better one is reconsidered in the next pass. */
 enum { PASSES = 4 };
 
-/* A wish that is worth less than this part of the pass's best one waits, too:
-   it may find something better then. Half and twice: the same within 0.5 %. */
+/* Candidates with less than this fraction of the best gain of the pass wait for
+   the next pass, which may have better ones. Half and twice: equal within 0.5
+   %. */
 static const double part_of_best = 0.3;
 
 typedef struct seeker {
@@ -21,12 +22,12 @@ typedef struct seeker {
   const eda_bar_seek *rule;
   double grid, dx, dy; /* nm */
   int nx, ny;
-  double *gain;      /* sums of what is left and below of a node, nm^2 */
-  int32_t *taken;    /* the same of nodes where no bar may be */
-  uint8_t *keep_out; /* those nodes */
+  double *gain;      /* cumulative gain left of and below each node, nm^2 */
+  int32_t *taken;    /* cumulative number of forbidden nodes */
+  uint8_t *keep_out; /* forbidden nodes */
 } seeker;
 
-/* A bar on the lattice: the cells x0 .. x1 - 1, y0 .. y1 - 1. */
+/* A candidate bar on the lattice: the cells x0 .. x1 - 1, y0 .. y1 - 1. */
 typedef struct wish {
   double gain;
   int x0, y0, x1, y1;
@@ -68,7 +69,7 @@ static double gain_of(const seeker *s, const wish *w) {
 
 /* ---- where none may be ---- */
 
-/* The nodes of a box (grid steps) and `off` around it. */
+/* Forbid the nodes of a box (grid steps) and `off` around it. */
 static void keep_out(seeker *s, eda_box b, int32_t off) {
   const eda_frame *f = &s->map->frame;
   int x0 = (int)floor(((b.x0 - off) * s->grid - f->x0) / s->dx + 0.5);
@@ -86,7 +87,7 @@ static void keep_out(seeker *s, eda_box b, int32_t off) {
 
 /* ---- wishes ---- */
 
-/* Sizes on the lattice: how many cells, from the first that is no shorter. */
+/* Try all sizes on the lattice, in cells, from the smallest allowed size on. */
 static void try_sizes(const seeker *s, int x, int y, int upright, wish *best) {
   const eda_bar_seek *r = s->rule;
   double across = (upright ? s->dx : s->dy) / s->grid;
@@ -131,7 +132,7 @@ static eda_box box_of(const seeker *s, const wish *w) {
                    (int32_t)lround((f->y0 + (w->y1 - 0.5) * s->dy) / s->grid)};
 }
 
-/* Grant wishes while they are clear of those before; how many. */
+/* Add candidates while they are clear of earlier ones. Return their number. */
 static size_t grant(seeker *s, const wish *wishes, size_t n, size_t room,
                     eda_box_list *bars) {
   size_t granted = 0;
@@ -166,7 +167,7 @@ int eda_bars_seek(const eda_field *map, const eda_bar_seek *rule,
   for (size_t i = 0; i < n; i++) keep_out(&s, box[i], rule->distance);
   for (size_t i = 0; i < bars->count; i++)
     keep_out(&s, bars->box[i], rule->space);
-  /* Bars stay within the frame: the first cells lie half out of it. */
+  /* Bars stay within the frame: the first cells are half outside. */
   memset(s.keep_out, 1, (size_t)s.nx);
   for (int y = 0; y < s.ny; y++) s.keep_out[(size_t)y * (size_t)s.nx] = 1;
   sum_up(&s);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Bars on maps whose best rectangles are known, and on random ones the first
-   of which a search over all of them finds, too. */
+/* Bars on maps whose best rectangles are known, and on random maps, where an
+   exhaustive search must find the same first bar. */
 #include <eda/bars.h>
 #include <eda/memory.h>
 #include <glib.h>
@@ -10,10 +10,10 @@
 
 enum { NX = 60, NY = 50, STEP = 10 };
 
-/* Nodes lie at 5, 15, ... nm, cells between multiples of 10. */
+/* Nodes are at 5, 15, ... nm, cells between multiples of 10. */
 static const eda_frame frame = {5, 5, NX *STEP, NY *STEP};
 static float values[NX * NY];
-static const eda_field map = {frame, NX, NY, values};
+static const eda_field map = {{5, 5, NX *STEP, NY *STEP}, NX, NY, values};
 
 static const eda_bar_seek rule = {.most = 20,
                                   .worth = 100,
@@ -41,7 +41,7 @@ static eda_box_list seek(const eda_bar_seek *by, const eda_box *drawn) {
   return bars;
 }
 
-/* Where the map is negative, and nothing more. */
+/* Bars exactly where the map is negative. */
 static void test_known(void) {
   const eda_box want = {200, 80, 250, 220}, line = {300, 300, 340, 480};
   fill((eda_box){0, 0, NX * STEP, NY * STEP}, 1);
@@ -52,7 +52,7 @@ static void test_known(void) {
   g_assert_cmpmem(&bars.box[0], sizeof want, &want, sizeof want);
   g_assert_cmpfloat(eda_bars_gain(&map, want, 1), ==, 2 * 50 * 140);
   free(bars.box);
-  /* Worth more than that, none; and no more than there may be. */
+  /* No bars below the smallest gain, and no more than the largest number. */
   eda_bar_seek less = rule;
   less.worth = 2 * 50 * 140;
   bars = seek(&less, &line);
@@ -77,7 +77,7 @@ static double sum_of(eda_box b) {
   return sum;
 }
 
-/* The best rectangle of even sizes by trying all. */
+/* Return the largest gain of a rectangle of even size, by exhaustive search. */
 static double best_of_all(eda_box drawn) {
   double best = 0;
   for (int w = 30; w <= 60; w += STEP)
@@ -120,7 +120,7 @@ static void test_random(void) {
   g_rand_free(r);
 }
 
-/* A level set that is -0.1 but at a point in the middle of one bar, where it
+/* A level set of -0.1 except at a point in the middle of one bar, where it
    prints. */
 static void test_narrow(void) {
   const eda_box start[] = {{50, 50, 90, 250}, {200, 50, 400, 80}};

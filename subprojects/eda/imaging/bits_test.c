@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The same bits on processors of other vectors: this program runs itself in
-   qemu-x86_64 as one with AVX2 and FMA, and what both work out is compared by
-   its hash, one step of imaging after another. On a machine with AVX-512 that
-   compares both of what EDA_WIDE makes. Skipped without qemu-user. */
+/* Bit-identical results for different vector widths: the program runs itself in
+   qemu-x86_64 with AVX2 and FMA only and compares hashes of each step of
+   imaging. On a machine with AVX-512 this compares both versions of EDA_WIDE
+   functions. Skipped without qemu-user. */
 #include <eda/imaging.h>
 #include <glib.h>
 #include <math.h>
@@ -15,7 +15,7 @@ enum { LINES = 24, POINTS = 400, CUTS = 40 };
 
 static const double band = 0.0065; /* 1/nm */
 
-/* Made up: even or odd along x, and complex. */
+/* Artificial transfer functions: even or odd along x, and complex. */
 static void transfer(const void *self, size_t s, const double *fx, double fy,
                      size_t n, float *out) {
   (void)self;
@@ -38,7 +38,8 @@ static void tell_field(GString *out, const char *what, const eda_field *f) {
        sizeof(float) * (size_t)f->nx * (size_t)f->ny);
 }
 
-/* Rows of lines that differ by a nanometre. */
+/* Return the spectrum of rows of lines whose positions differ by a
+   nanometre. */
 static eda_spectrum mask_of_lines(eda_frame frame) {
   eda_point points[4 * LINES];
   uint32_t start[LINES + 1];
@@ -76,7 +77,7 @@ static void look_at(GString *out, const eda_field *f) {
   tell(out, "cuts", distance, sizeof distance);
 }
 
-/* What is worked out, as hashes. */
+/* Return the results of all steps as hashes. */
 static char *work(void) {
   static const double weight[] = {0.5, 0.2, 0.1, 0.05};
   const eda_systems systems = {.count = G_N_ELEMENTS(weight),
@@ -119,7 +120,8 @@ static void test_haswell(void) {
   int status = 0;
 #if defined(__AVX512F__) || defined(__SANITIZE_ADDRESS__) || \
     defined(__SANITIZE_THREAD__) || !defined(__x86_64__)
-  g_clear_pointer(&emulator, g_free); /* this build does not run in it */
+  g_clear_pointer(&emulator, g_free); /* this build does not run in the
+                                         emulator */
 #endif
   if (!emulator) {
     g_test_skip("no qemu-x86_64");

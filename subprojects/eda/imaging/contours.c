@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Contours by marching squares (Lorensen, Cline 1987, in the plane), strip by
-   strip; each crossing is then found on the field itself, which along a line of
-   the grid is a spline of one variable. */
+/* Contours by marching squares (Lorensen, Cline, "Marching cubes", 1987, in two
+   dimensions), strip by strip. Each crossing is then refined on the field
+   itself, which is a spline of one variable along a grid line. */
 #include "imaging/spline.h"
 
 #include <eda/imaging.h>
@@ -13,40 +13,42 @@
 
 /* ---- state ---- */
 
-/* Rows of squares in a strip: one in so many rows is evaluated twice. Lines in
-   a block of them. */
+/* Rows of squares in a strip (one row of each strip is evaluated twice), and
+   grid lines in a block. */
 enum { MAX_NODES = 1 << 26, STRIP = 64, BLOCK = 256 };
 
-/* Nodes of the grid with a ring of negative ones around the window, which
-   closes every line along the border. */
+/* Nodes of the grid, with a ring of negative nodes around the window that
+   closes all contours at the border. */
 typedef struct squares {
   const opc_context *context;
   const eda_field *field;
   eda_frame window;
   double dx, dy, field_dx, field_dy;
-  int nx, ny;     /* nodes with the ring */
-  int from, span; /* columns of the field that they need */
-  int *first;     /* of each column of nodes: where its splines begin, - from */
-  double *weight; /* their values, [EDA_SPLINE_TAPS][nx] */
+  int nx, ny;     /* number of nodes with the ring */
+  int from, span; /* range of columns of the field that the nodes need */
+  int *first;     /* first spline of each column of nodes, minus from */
+  double *weight; /* values of these splines, [EDA_SPLINE_TAPS][nx] */
   struct strip *strip;
   size_t strips;
 } squares;
 
-/* Crossings of squares of rows j0 .. j1 - 1: those on lines of rows j0 .. j1 -
-   1 and upwards from them, row by row; then, not counted and without places,
-   those on row j1, which are the first of the next strip. */
+/* Crossings of the squares of rows j0 .. j1 - 1: those on horizontal lines of
+   rows j0 .. j1 - 1 and on the vertical lines above them, row by row; then, not
+   counted and without positions, those on row j1, which are the first of the
+   next strip. */
 typedef struct strip {
-  double *point; /* x, y in turn */
-  int32_t *next; /* where the line goes; -1: another strip knows */
+  double *point; /* x, y, alternating */
+  int32_t *next; /* next crossing of the contour; -1: in another strip */
   size_t count, all, points_room, next_room;
 } strip;
 
 /* A row of nodes. */
 typedef struct row {
-  double *spline;    /* the field's columns there */
-  double *value;     /* of nodes */
-  uint8_t *positive; /* whether they are; some more at the end, 0 */
-  int32_t *crossing; /* to the right of the node; if there is none: anything */
+  double *spline;    /* columns of the field at this row */
+  double *value;     /* values at nodes */
+  uint8_t *positive; /* value is positive; padded with zeros */
+  int32_t *crossing; /* crossing to the right of the node; undefined without
+                        one */
 } row;
 
 /* ---- work: values ---- */
@@ -59,7 +61,7 @@ static double node_y(const squares *s, int j) {
   return s->window.y0 + (fmin(fmax(j, 1), s->ny - 2) - 1) * s->dy;
 }
 
-/* In steps of the field's grid. */
+/* Return x in steps of the grid of the field. */
 static double field_x(const squares *s, int i) {
   return (node_x(s, i) - s->field->frame.x0) / s->field_dx;
 }
@@ -76,7 +78,7 @@ EDA_WIDE static void weigh(const float *const c[EDA_SPLINE_TAPS],
              w[4] * c[4][i] + w[5] * c[5][i];
 }
 
-/* The field's columns at a place along y. */
+/* Interpolate the columns of the field at y. */
 static void weigh_rows(const squares *s, double y, double *out) {
   const eda_field *f = s->field;
   double w[EDA_SPLINE_TAPS];
@@ -103,7 +105,8 @@ EDA_WIDE static void weigh_columns(const double *spline, const int *first,
   for (int i = 0; i < n; i++) positive[i] = value[i] > 0;
 }
 
-/* The nodes of a row share their splines along y, those of a column along x. */
+/* Evaluate a row of nodes. Nodes of a row share their splines along y, those of
+   a column along x. */
 static void evaluate(const squares *s, int j, row *r) {
   int n = s->nx;
   if (j == 0 || j == s->ny - 1) {
@@ -117,13 +120,14 @@ static void evaluate(const squares *s, int j, row *r) {
 
 /* ---- work: crossings ---- */
 
-/* Where the polynomial of a cell is zero between the fractions t0 and t1, where
-   its signs are those of a and b: Newton's method, halving where that leaves
-   the bracket. */
+/* Return the zero of the polynomial of a cell between the fractions t0 and t1,
+   whose values have the signs of a and b. Uses Newton's method, with bisection
+   where it leaves the bracket. */
 static double zero_in_cell(const double *c, double t0, double t1, double a,
                            double b) {
   enum { STEPS = 20 };
-  static const double near = 1e-3; /* of 32 nm; what is left is its square */
+  static const double near = 1e-3; /* relative to 32 nm; the final error is its
+                                      square */
   double q[EDA_SPLINE_TAPS] = {0}, t = t0 + (t1 - t0) * (a / (a - b));
   for (int d = 0; d < EDA_SPLINE_TAPS; d++)
     for (int k = 0; k < EDA_SPLINE_TAPS; k++)
@@ -142,8 +146,8 @@ static double zero_in_cell(const double *c, double t0, double t1, double a,
   return t;
 }
 
-/* Where a spline, of which the first coefficient is that of node `first`, is
-   zero between u0 and u1 with values a and b of either sign. */
+/* Return the zero between u0 and u1 of a spline whose first coefficient belongs
+   to node `first`; a and b are its values there, of opposite signs. */
 static double zero(const double *spline, int first, double u0, double u1,
                    double a, double b) {
   int cell = (int)floor(u0);
@@ -163,7 +167,8 @@ static void add_point(strip *p, double x, double y) {
   p->point[2 * p->count++ + 1] = y;
 }
 
-/* Right of a node of row j. On the ring all places are those of the border. */
+/* Add the crossing right of a node of row j. On the ring, crossings are located
+   on the border. */
 static void cross_row(const squares *s, strip *p, int j, int i, const row *r) {
   double x = node_x(s, i);
   if (i > 0 && i < s->nx - 2)
@@ -173,7 +178,8 @@ static void cross_row(const squares *s, strip *p, int j, int i, const row *r) {
   add_point(p, x, node_y(s, j));
 }
 
-/* Above a node of row j: `column` has room for the field's column there. */
+/* Add the crossing above a node of row j; `column` is scratch space for the
+   field there. */
 static void cross_column(const squares *s, strip *p, int j, int i,
                          const row *low, const row *high, double *column) {
   const eda_field *f = s->field;
@@ -200,25 +206,25 @@ static void cross_column(const squares *s, strip *p, int j, int i,
 
 /* ---- work: strips ---- */
 
-/* Join the crossings of a square: with the positive side on the left, a line
-   goes from an edge that leads (counter-clockwise) out of the positive to one
-   that leads into it. Edges are below, right, above, left. */
+/* Connect the crossings of a square. With the positive side on the left, a
+   contour runs from an edge that leaves the positive region (counter-clockwise)
+   to an edge that enters it. Edges are below, right, above, left. */
 static void join(strip *p, const int32_t edge[4], const double v[4], int set) {
   int centre = v[0] + v[1] + v[2] + v[3] > 0;
   for (int k = 0; k < 4; k++) {
     if (!(set >> k & 1) || set >> (k + 1) % 4 & 1) continue;
-    /* In a saddle the sign of the centre tells which corner is cut off. */
+    /* At a saddle, the sign of the centre selects the connection. */
     int turn = centre ? 1 : 3, to = (k + turn) % 4;
     while (set >> to & 1 || !(set >> (to + 1) % 4 & 1)) to = (to + turn) % 4;
     p->next[edge[k]] = edge[to];
   }
 }
 
-/* What a strip is made with: two rows, and room for what is between them. */
+/* Working memory of a strip: two rows and the crossings between them. */
 typedef struct bench {
   row low, high;
-  int *mixed;     /* columns of squares that have both signs */
-  int32_t *above; /* the crossing above a node */
+  int *mixed;     /* columns of squares with both signs */
+  int32_t *above; /* crossing above each node */
   double *column;
 } bench;
 
@@ -237,7 +243,8 @@ static void free_row(row *r) {
   free(r->crossing);
 }
 
-/* Most squares are on one side: eight of them are looked at at once. */
+/* Find the squares with both signs, testing eight at a time because most
+   squares have one sign. Return their number. */
 static int find_mixed(const squares *s, bench *b) {
   const uint8_t *low = b->low.positive, *high = b->high.positive;
   int n = 0;
@@ -256,8 +263,8 @@ static int find_mixed(const squares *s, bench *b) {
   return n;
 }
 
-/* Number the crossings upwards from row j, which a square has at its left, and
-   those on row j + 1; only those below row `end` are the strip's. */
+/* Number the crossings above row j, on the left sides of squares, and those on
+   row j + 1. Only crossings below row `end` belong to the strip. */
 static void cross(const squares *s, strip *p, bench *b, int j, int n, int end) {
   for (int m = 0; m < n; m++) {
     int i = b->mixed[m];
@@ -292,7 +299,8 @@ static void join_row(strip *p, bench *b, int n) {
   }
 }
 
-/* Its first row has no squares of its own below it. */
+/* Number the crossings on the first row of a strip, which has no squares
+   below. */
 static void begin_strip(const squares *s, strip *p, bench *b, int j) {
   evaluate(s, j, &b->high);
   for (int i = 0; i + 1 < s->nx; i++)
@@ -331,14 +339,15 @@ static void make_strip(void *data, size_t k) {
 
 /* ---- work: lines ---- */
 
-/* All crossings and where lines go from them, and then the lines. */
+/* All crossings with their successors, then the contours. */
 typedef struct lines {
   double *point;
   int32_t *next;
   size_t count;
 } lines;
 
-/* What a strip knows of its own and of the first crossings of the next. */
+/* Copy the successors of the crossings of a strip and of the first crossings of
+   the next strip. */
 static void take_strip(lines *all, const strip *p, size_t base) {
   if (p->count)
     memcpy(all->point + 2 * base, p->point, 2 * p->count * sizeof *p->point);
@@ -362,7 +371,7 @@ static lines merge(squares *s) {
   return all;
 }
 
-/* Walk all lines; what was taken has no next. */
+/* Trace all contours. A visited crossing has no successor. */
 static void walk(lines *all, double *points, uint32_t **start, size_t *count) {
   size_t room = 0, length = 0;
   *count = 0;

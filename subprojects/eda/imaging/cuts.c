@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Many cuts at once through what prints as a line, in vectors (cuts.h). */
+/* Simultaneous cuts through a printed line, vectorised (cuts.h). */
 #include "imaging/cuts.h"
 
 #include <math.h>
@@ -10,39 +10,41 @@
 
 enum {
   TAPS = EDA_SPLINE_TAPS,
-  TOGETHER = 16, /* cuts */
-  PITCH = 128,   /* coefficients of a cut, at most */
-  BLOCK = 8192,  /* of the field around all, at most */
-  LINE = 16,     /* what a cut's coefficients are a multiple of */
+  TOGETHER = 16, /* cuts in a batch */
+  PITCH = 128,   /* largest number of coefficients of a cut */
+  BLOCK = 8192,  /* largest number of field coefficients around all cuts */
+  LINE = 16,     /* divisor of the number of coefficients of a cut */
   NEWTON = 4
 };
 
-/* Cell k of a cut, 0 to 2 * out, is the middle's for k = out, and has the
+/* Cell k of a cut, 0 to 2 * out, contains the middle for k = out and has the
    coefficients k .. k + 5. */
 typedef struct window {
   int out;
   size_t pitch;
-  double part[2];     /* of the middle's cell, on each side of it */
-  double step, half;  /* nm; cells */
+  double part[2];     /* part of the middle cell on each side */
+  double step, half;  /* step in nm; half in cells */
   int first;          /* row of the block */
-  float block[BLOCK]; /* rows, of `pitch` */
+  float block[BLOCK]; /* rows of length `pitch` */
 } window;
 
-/* What is worked out of TOGETHER cuts. */
+/* Intermediate results of TOGETHER cuts. */
 typedef struct batch {
   double part[TOGETHER], weight[TAPS][TOGETHER];
   const float *row[TOGETHER];
   float c[TOGETHER * PITCH + TAPS], node[TOGETHER * PITCH + TAPS];
   int changes[TOGETHER * PITCH];
-  /* Coefficients, outwards, of the cells that an edge is in, the place there,
-     and how far from the middle the cell begins, both in cells. */
+  /* Coefficients, outwards, of the cell that contains each edge; position
+     within the cell, and distance from the middle to the start of the cell,
+     both in cells. */
   size_t edges;
   double e[TAPS][2 * TOGETHER], t[2 * TOGETHER], begin[2 * TOGETHER];
 } batch;
 
 /* ---- the field around ---- */
 
-/* Where `at` is, in steps from node 0 of an axis; NAN if that is far away. */
+/* Return the position of `at` in steps from node 0 of an axis; NAN if it is too
+   far away. */
 static double in_steps(const eda_field *field, int axis, double at) {
   const eda_frame *f = &field->frame;
   double v = axis ? (at - f->y0) * field->ny / f->height
@@ -74,8 +76,8 @@ static void copy_block(const eda_field *field, int axis, int column, int rows,
   }
 }
 
-/* The part of the field that all cuts need: 1; 0 if it is too large, or there
-   is no place to look at. */
+/* Copy the part of the field that all cuts need. Return 0 if that part is too
+   large or a position is invalid, otherwise 1. */
 static int make_window(const eda_field *field, int axis, double middle,
                        double half, size_t n, const double *at, window *w) {
   const eda_frame *f = &field->frame;
@@ -115,7 +117,7 @@ EDA_WIDE static void weigh(size_t n, batch *u) {
   }
 }
 
-/* The coefficients of each cut. */
+/* Compute the coefficients of each cut. */
 EDA_WIDE static void contract(const window *w, size_t n, batch *u) {
   size_t pitch = w->pitch;
   for (size_t j = 0; j < n; j++) {
@@ -131,8 +133,9 @@ EDA_WIDE static void contract(const window *w, size_t n, batch *u) {
   }
 }
 
-/* How often the Bernstein coefficients of each cell change their sign. Those of
-   its ends are the same numbers in both cells that meet there. */
+/* Count the sign changes of the Bernstein coefficients of each cell.
+   Coefficients at the ends of a cell are the same numbers in both adjacent
+   cells. */
 EDA_WIDE static void count_changes(size_t n, const float *c, float *node,
                                    int *changes) {
   for (size_t i = 0; i <= n; i++)
@@ -148,8 +151,8 @@ EDA_WIDE static void count_changes(size_t n, const float *c, float *node,
   }
 }
 
-/* Which cell a cut's edge on a side is in, counted from the middle's; 0 if this
-   side is not simple. */
+/* Return the cell that contains the edge of a cut on a side, counted from the
+   middle cell; 0 if this side is not simple. */
 static int find_cell(const window *w, const int *changes, int side) {
   int sign = side ? 1 : -1, k = 1;
   changes += w->out;
@@ -168,8 +171,8 @@ static void add_edge(const window *w, size_t j, int side, int cell, batch *u) {
   u->begin[i] = w->part[side] + cell - 1;
 }
 
-/* The places of the edges in their cells, by Newton's method; NAN where that
-   does not find it. */
+/* Find the positions of the edges in their cells by Newton's method; NAN if the
+   method does not converge. */
 EDA_WIDE static void find_places(batch *u) {
   for (size_t i = 0; i < u->edges; i++) {
     double c[TAPS], b[TAPS], a[TAPS], slope;

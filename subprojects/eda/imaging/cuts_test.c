@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Many cuts at once against a walk along each. */
+/* Simultaneous cuts, compared with a search along each cut. */
 #include <eda/imaging.h>
 #include <eda/memory.h>
 #include <glib.h>
@@ -11,7 +11,8 @@
 enum { NX = 40, NY = 50, CUTS = 37 };
 static const eda_frame frame = {-370, 210, 1000, 1250}; /* steps of 25 nm */
 
-/* A line along the other axis, `half` to each side of `middle`, with noise. */
+/* Return the field of a line along the other axis, `half` to each side of
+   `middle`, with noise. */
 static eda_field line_field(GRand *random, int axis, double middle, double half,
                             double noise) {
   eda_field f = {.frame = frame, .nx = NX, .ny = NY};
@@ -27,8 +28,8 @@ static eda_field line_field(GRand *random, int axis, double middle, double half,
   return f;
 }
 
-/* What eda_cut_many says of one cut, by walks: 1; 0 if it should say nothing.
- */
+/* Compute a result of eda_cut_many by searches. Return 0 if the cut is
+   irregular, otherwise 1. */
 static int walk(const eda_field *f, int axis, double middle, double half,
                 double at, double distance[2]) {
   eda_line line;
@@ -82,8 +83,8 @@ static void test_walks(void) {
   g_rand_free(random);
 }
 
-/* Cuts say nothing where there is nothing, and do not depend on how many are
-   asked for together. */
+/* Cuts without an edge yield NAN, and results do not depend on the number of
+   simultaneous cuts. */
 static void test_odd(void) {
   GRand *random = g_rand_new_with_seed(6);
   eda_field f = line_field(random, 0, 100, 32, 0.1);
@@ -111,7 +112,7 @@ static void test_odd(void) {
   g_rand_free(random);
 }
 
-/* A transistor of 2.6 um of length, as capacitors between cells have. */
+/* A gate length of 2.6 um, as in capacitors between cells. */
 static void test_long(void) {
   enum { N = 200, HALF = 1300 };
   const eda_frame long_frame = {0, 0, 25.0 * N, 200};

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Where a field changes its sign along a line. A quintic spline is a polynomial
-   in each cell of its grid. Its Bernstein coefficients there tell how often it
-   can change sign (at most as often as they do), so that no pair of changes is
-   missed, however close, and cells without one cost next to nothing. */
+/* Sign changes of a field along a line. A quintic spline is a polynomial in
+   each cell of its grid. The number of sign changes of its Bernstein
+   coefficients bounds that of the polynomial, so no pair of changes is missed,
+   however close, and cells without a change take nearly no time. */
 #include "imaging/edge.h"
 
 #include <float.h>
@@ -12,7 +12,7 @@ enum { DEGREE = EDA_SPLINE_TAPS - 1, HALVINGS = 24 };
 
 /* ---- one cell ---- */
 
-/* The coefficients of the parts before and after t (de Casteljau). */
+/* Compute the coefficients of the parts before and after t (de Casteljau). */
 static void split(const double b[EDA_SPLINE_TAPS], double t,
                   double before[EDA_SPLINE_TAPS],
                   double after[EDA_SPLINE_TAPS]) {
@@ -30,7 +30,7 @@ static int changes(const double b[EDA_SPLINE_TAPS]) {
   return n;
 }
 
-/* The only change of sign: Newton's method, kept between its bounds. */
+/* Return the only sign change, by Newton's method within brackets. */
 static double only_change(const double b[EDA_SPLINE_TAPS]) {
   double a[EDA_SPLINE_TAPS], slope;
   eda_powers(b, a);
@@ -43,13 +43,14 @@ static double only_change(const double b[EDA_SPLINE_TAPS]) {
       high = t;
     double next = t - f / slope;
     if (!(next >= low && next <= high)) next = (low + high) / 2;
-    if (fabs(next - t) < 1e-5) return next; /* its error is the square */
+    if (fabs(next - t) < 1e-5) return next; /* the error is its square */
     t = next;
   }
   return t;
 }
 
-/* The first change of sign in a cell or a part of it, as a fraction; NAN. */
+/* Return the first sign change in a cell or a part of it, as a fraction; NAN
+   for none. */
 static double first_change(const double b[EDA_SPLINE_TAPS], int halvings) {
   double before[EDA_SPLINE_TAPS], after[EDA_SPLINE_TAPS];
   int n = changes(b);
@@ -76,7 +77,7 @@ void eda_line_make(const eda_field *field, int axis, double at,
   line->stride = axis ? (size_t)field->nx : 1;
   double place = (at - (axis ? f->x0 : f->y0)) / step;
   if (!(place >= 0 && place < across)) place -= across * floor(place / across);
-  if (!(place >= 0 && place <= across)) place = 0; /* too far away to tell */
+  if (!(place >= 0 && place <= across)) place = 0; /* too far away to resolve */
   int row = eda_spline_weights(place, line->weight);
   for (int k = 0; k < EDA_SPLINE_TAPS; k++)
     line->row[k] =
@@ -91,8 +92,8 @@ static double coefficient(const eda_line *line, int i) {
   return sum;
 }
 
-/* A cell's coefficients: the same sums, in the order of memory where nothing
-   wraps. */
+/* Compute the coefficients of a cell: equal sums, in the order of memory unless
+   the period wraps. */
 static void cell_coefficients(const eda_line *line, int first,
                               double c[EDA_SPLINE_TAPS]) {
   const float *const *row = line->row;
@@ -121,7 +122,7 @@ double eda_line_start(const eda_line *line, double place, eda_walk *down,
                       eda_walk *up) {
   double x = (place - line->origin) / line->step;
   if (!(x >= 0 && x < line->n)) x -= line->n * floor(x / line->n);
-  if (!(x >= 0 && x <= line->n)) x = 0; /* too far away to tell */
+  if (!(x >= 0 && x <= line->n)) x = 0; /* too far away to resolve */
   int cell = (int)x;
   double t = x - cell, b[EDA_SPLINE_TAPS], reversed[EDA_SPLINE_TAPS];
   *up = (eda_walk){
@@ -132,7 +133,7 @@ double eda_line_start(const eda_line *line, double place, eda_walk *down,
   for (int k = 0; k < EDA_SPLINE_TAPS; k++) down->c[DEGREE - k] = up->c[k];
   eda_bernstein(up->c, b);
   if (!changes(b)) {
-    /* Nothing in this cell: all that matters is the sign. */
+    /* The cell has no change: only the sign is needed. */
     double weight[EDA_SPLINE_TAPS], value = 0;
     eda_spline_weights(t, weight);
     for (int k = 0; k < EDA_SPLINE_TAPS; k++) value += weight[k] * up->c[k];
@@ -144,7 +145,7 @@ double eda_line_start(const eda_line *line, double place, eda_walk *down,
   return up->b[0];
 }
 
-/* From a change of sign that was found on to what is beyond it. */
+/* Advance from a found sign change to the part beyond. */
 static void pass(eda_walk *w) {
   double before[EDA_SPLINE_TAPS], after[EDA_SPLINE_TAPS];
   int was = w->b[0] > 0;
@@ -169,8 +170,8 @@ double eda_walk_on(eda_walk *w) {
   return NAN;
 }
 
-/* Is there something left to look at up to `limit`, and within a period? Not if
-   a number is none. */
+/* Return whether the search continues: below `limit` and within a period. False
+   for NAN. */
 static int is_within(const eda_walk *w, double limit) {
   return w->done * w->line->step <= limit && w->done <= w->line->n;
 }
@@ -191,7 +192,7 @@ double eda_field_edge(const eda_field *field, int axis, double x, double y,
   eda_line_make(field, axis, at, &line);
   eda_line_start(&line, place, &walk[0], &walk[1]);
   reach = fmin(reach, line.n * line.step);
-  /* Always on with that of the two that has got less far. */
+  /* Advance the search that has covered the smaller distance. */
   for (;;) {
     int up = walk[1].done <= walk[0].done;
     if (!is_within(&walk[up], reach)) break;

@@ -1,37 +1,37 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Lines through a field that are walked along, from a place outwards, to where
-   the field changes its sign. Only what is walked over is looked at. */
+/* Searches along lines through a field, from a point outwards to sign changes
+   of the field. Only the cells passed by a search are evaluated. */
 #ifndef EDA_EDGE_H
 #define EDA_EDGE_H
 
 #include "imaging/spline.h"
 
-/* A line parallel to an axis, as a spline in one variable. */
+/* A line parallel to an axis, as a spline of one variable. */
 typedef struct eda_line {
   double origin, step;
-  int n; /* its period, in steps */
+  int n; /* period, in steps */
   size_t stride;
   const float *row[EDA_SPLINE_TAPS];
   double weight[EDA_SPLINE_TAPS];
 } eda_line;
 
-/* A walk along a line. */
+/* A search along a line. */
 typedef struct eda_walk {
   const eda_line *line;
-  double done;               /* in steps from the start, */
-  double part;               /* and the part of a cell ahead */
-  double found;              /* a change in it; NAN */
-  double b[EDA_SPLINE_TAPS]; /* its Bernstein coefficients, */
-  double c[EDA_SPLINE_TAPS]; /* and the spline's of the cell */
-  int out, next;             /* +-1, the number of the next c */
+  double done;               /* covered distance from the start, in steps */
+  double part;               /* part of a cell ahead */
+  double found;              /* sign change found in the cell; NAN for none */
+  double b[EDA_SPLINE_TAPS]; /* Bernstein coefficients of the part */
+  double c[EDA_SPLINE_TAPS]; /* spline coefficients of the cell */
+  int out, next;             /* direction, +-1; number of the next c */
 } eda_walk;
 
 static inline double eda_node(const double *c) {
   return (c[0] + c[4] + 26 * (c[1] + c[3]) + 66 * c[2]) * (1 / 120.0);
 }
 
-/* The Bernstein coefficients of a cell. Those of its ends are the same
-   expression in both cells that meet there, to the last bit. */
+/* Compute the Bernstein coefficients of a cell. Those at the ends are
+   bit-identical in both adjacent cells. */
 static inline void eda_bernstein(const double c[EDA_SPLINE_TAPS],
                                  double b[EDA_SPLINE_TAPS]) {
   b[0] = eda_node(c);
@@ -42,7 +42,7 @@ static inline void eda_bernstein(const double c[EDA_SPLINE_TAPS],
   b[5] = eda_node(c + 1);
 }
 
-/* The polynomial with these Bernstein coefficients, by the powers of t. */
+/* Compute the coefficients by powers of t from Bernstein coefficients. */
 static inline void eda_powers(const double b[EDA_SPLINE_TAPS],
                               double a[EDA_SPLINE_TAPS]) {
   double d1 = b[1] - b[0], d2 = b[2] - b[1], d3 = b[3] - b[2], d4 = b[4] - b[3],
@@ -58,7 +58,7 @@ static inline void eda_powers(const double b[EDA_SPLINE_TAPS],
   a[5] = g2 - g1;
 }
 
-/* Its value at t, and its slope there. */
+/* Return the value of the polynomial at t, and its slope there. */
 static inline double eda_polynomial(const double a[EDA_SPLINE_TAPS], double t,
                                     double *slope) {
   *slope =
@@ -66,20 +66,21 @@ static inline double eda_polynomial(const double a[EDA_SPLINE_TAPS], double t,
   return a[0] + t * (a[1] + t * (a[2] + t * (a[3] + t * (a[4] + t * a[5]))));
 }
 
-/* axis EDA_X (0): along x at y = at. */
+/* Set a line along an axis, EDA_X (0): along x at y = at. */
 void eda_line_make(const eda_field *field, int axis, double at, eda_line *line);
 
-/* Two walks, towards smaller and larger coordinates. Gives the value there. */
+/* Start two searches at `place`, towards smaller and larger coordinates. Return
+   the value of the field there. */
 double eda_line_start(const eda_line *line, double place, eda_walk *down,
                       eda_walk *up);
 
-/* Look at the part of a cell that is ahead: the distance from the start, nm,
-   of its first change of sign, which is behind it the next time; or NAN, and
-   the walk is at the next cell. */
+/* Search the part of a cell ahead. Return the distance from the start, nm, to
+   the first sign change, beyond which the next call continues; or NAN, after
+   which the next call searches the next cell. */
 double eda_walk_on(eda_walk *walk);
 
-/* Walk to the next change of sign: its distance from the start, if that is at
-   most `limit` nm; NAN. */
+/* Search for the next sign change. Return its distance from the start, nm, at
+   most `limit`; NAN for none. */
 double eda_walk_to(eda_walk *walk, double limit);
 
 #endif

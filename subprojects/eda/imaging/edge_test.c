@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Changes of sign along lines, against closed forms and against a plain search
-   through the samples of fields of noise. */
+/* Sign changes along lines, compared with closed forms and with a linear search
+   of sampled noise. */
 #include <eda/imaging.h>
 #include <eda/memory.h>
 #include <glib.h>
@@ -17,7 +17,7 @@ static eda_field blank(void) {
   return f;
 }
 
-/* cos(2 pi k (s - s0) / period) - level along an axis. */
+/* Return cos(2 pi k (s - s0) / period) - level along an axis. */
 static eda_field wave(int axis, int k, double level) {
   eda_field f = blank();
   int n = axis ? NY : NX;
@@ -40,7 +40,7 @@ static double value_at(const eda_field *f, double x, double y) {
   return v;
 }
 
-/* A level of cos(u) that is crossed at a known distance from its top. */
+/* A level of cos(u), crossed at a known distance from the maximum. */
 static void test_wave(void) {
   for (int axis = 0; axis < 2; axis++) {
     double period = (axis ? frame.height : frame.width) / 4;
@@ -54,14 +54,14 @@ static void test_wave(void) {
       g_assert_cmpfloat(fabs(got - want), <, 2e-3);
       g_assert_cmpfloat(fabs(edge(&f, axis, x, y, fabs(got)) - got), <, 1e-12);
       g_assert_true(isnan(edge(&f, axis, x, y, fabs(got) * (1 - 1e-9))));
-      /* Across it nothing changes. */
+      /* No change in the other direction. */
       g_assert_true(isnan(edge(&f, !axis, x, y, 5000)));
     }
     eda_field_clear(&f);
   }
 }
 
-/* The nearest change of sign of the samples, looked for in steps. */
+/* Return the nearest sign change of the samples, found in steps. */
 static double search(const eda_field *f, int axis, double x, double y,
                      double reach, double step) {
   gboolean inside = value_at(f, x, y) > 0;
@@ -102,8 +102,8 @@ static void test_noise(void) {
       if (isnan(got))
         g_assert_true(isnan(want));
       else if (fabs(fabs(got) - fabs(want)) > 1e-6) {
-        /* A pair of changes that the search stepped over, or two that are as
-           near: the sign does change there. */
+        /* The linear search missed a pair of changes, or two are equally near:
+           the sign must change at the found place. */
         double d = 1e-4, a = axis ? 0 : 1, b = axis ? 1 : 0;
         nearer += fabs(fabs(got) - fabs(want)) > 0.5 || isnan(want);
         g_assert_false(fabs(got) > fabs(want) + 0.5);
@@ -123,7 +123,7 @@ static void test_noise(void) {
   g_rand_free(random);
 }
 
-/* Two changes 0.2 nm apart, and a wave that only just touches the level. */
+/* Two changes 0.2 nm apart, and a wave that just touches the level. */
 static void test_close(void) {
   double period = frame.width / 4, half = 0.1;
   double found = cos(2 * M_PI * half / period);
@@ -136,7 +136,7 @@ static void test_close(void) {
   eda_field_clear(&f);
 }
 
-/* A walk finds one change after another, up to its limit. */
+/* A search finds one change after another up to its limit. */
 static void test_walk(void) {
   double period = frame.width / 4;
   eda_field f = wave(0, 4, cos(2 * M_PI * 0.3));
@@ -165,7 +165,7 @@ static void test_nothing(void) {
   g_assert_true(isnan(edge(&f, 0, 0, 0, -1)));
   g_assert_true(isnan(edge(&f, 0, 0, 0, NAN)));
   g_assert_cmpfloat(fabs(edge(&f, 0, 1e12, -1e12, 500)), <=, 125);
-  /* Right on the edge. */
+  /* Exactly on the edge. */
   double on = frame.x0 + frame.width / 16;
   double d = edge(&f, 0, on, 0, 100);
   g_assert_cmpfloat(fabs(d), <, 1e-3);
@@ -175,8 +175,7 @@ static void test_nothing(void) {
   eda_field_clear(&f);
 }
 
-/* Values that are none, and frames without a size, end nowhere but in NAN or a
-   place within reach. */
+/* NAN values and frames of zero size yield NAN or a place within reach. */
 static void test_no_numbers(void) {
   static const double bad[] = {NAN, INFINITY, 0, 1e300, 1e-300};
   eda_field f = wave(0, 4, 0.1);
@@ -203,7 +202,7 @@ static void test_no_numbers(void) {
   eda_field_clear(&f);
 }
 
-/* What a call costs, near an edge and 60 nm from it. */
+/* Measure the time of a call near an edge and 60 nm away. */
 static void test_time(void) {
   eda_field f = wave(0, 4, 0);
   for (int far = 0; far < 2; far++) {
@@ -216,7 +215,7 @@ static void test_time(void) {
     double us = (double)(g_get_monotonic_time() - start) / CALLS;
     g_test_message("%s an edge: %.3f us a call (%g)",
                    far ? "60 nm from" : "near", us, sum);
-    g_assert_cmpfloat(us, <, 20); /* with sanitizers, too */
+    g_assert_cmpfloat(us, <, 20); /* also with sanitizers */
   }
   eda_field_clear(&f);
 }

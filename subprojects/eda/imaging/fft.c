@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Plans of FFTW, and memory for what they work on. */
+/* FFTW plans, and memory for their arrays. */
 #include "imaging/fft.h"
 
 #include <fftw3.h>
@@ -8,7 +8,7 @@
 #include <sys/mman.h>
 
 enum {
-  ALIGNMENT = 64, /* of the widest vectors */
+  ALIGNMENT = 64, /* alignment of the widest vectors */
   HUGE_PAGE = 1 << 21
 };
 
@@ -17,7 +17,7 @@ struct eda_fft {
   fftwf_plan plan;
 };
 
-static GMutex lock; /* FFTW plans in one thread at a time */
+static GMutex lock; /* FFTW makes plans in one thread at a time */
 static GPtrArray *plans;
 
 int eda_fft_size(double minimum) {
@@ -32,18 +32,19 @@ int eda_fft_size(double minimum) {
 
 /* ---- memory ---- */
 
-/* Large arrays, those that nobody uses among them: prints of one layout want
-   the same sizes again and again, and that the system clears its pages each
-   time takes a fifth of a chip's print. */
+/* A large array, in use or idle. Images of one layout need equal sizes again
+   and again, and clearing their pages each time takes a fifth of the simulation
+   of a chip. */
 typedef struct block {
   void *at;
   size_t size;
   int busy;
 } block;
 
-/* All blocks may come to a half more than was in use at one time. Ours: sizes
-   differ between the parts of a print, and without it many blocks of a chip are
-   made anew for each, a twentieth of its time; more saves nothing. */
+/* All blocks may exceed the largest amount in use by 1 / SPARE. Sizes differ
+   between the parts of a simulation; without spare memory many blocks of a chip
+   are allocated anew, which takes a twentieth of the time. More saves
+   nothing. */
 enum { SPARE = 2 };
 
 static GMutex blocks_lock;
@@ -52,7 +53,7 @@ static size_t busy, idle, most_busy; /* bytes */
 
 static block *block_at(guint i) { return &g_array_index(blocks, block, i); }
 
-/* The smallest idle block with room for `size`, and not much more. */
+/* Return the smallest idle block of at least `size` bytes and not much more. */
 static block *find_idle(size_t size) {
   block *best = NULL;
   for (guint i = 0; blocks && i < blocks->len; i++) {
@@ -63,7 +64,7 @@ static block *find_idle(size_t size) {
   return best;
 }
 
-/* Free what is idle until all is within `limit` bytes. */
+/* Free idle blocks until the total is within `limit` bytes. */
 static void drop_idle(size_t limit) {
   for (guint i = blocks ? blocks->len : 0; i-- > 0 && busy + idle > limit;) {
     if (block_at(i)->busy) continue;
@@ -79,8 +80,8 @@ static void *allocate(size_t unit, size_t size) {
   return memory;
 }
 
-/* On large pages: with small ones, much of the time would go into the first
-   touch of each, and into finding them. */
+/* Allocate a block on large pages: with small ones, much of the time is spent
+   on the first access of each page and on address translation. */
 static block *new_block(size_t size) {
   size_t most = MAX(most_busy, busy + size);
   drop_idle(most + most / SPARE - size);
@@ -132,7 +133,7 @@ void eda_fft_trim(void) {
 /* ---- plans ---- */
 
 static fftwf_plan make(int what, int n, int lines) {
-  /* Estimated plans do not touch the arrays, but want their alignment. */
+  /* Estimated plans do not access the arrays, but depend on their alignment. */
   unsigned flags = FFTW_ESTIMATE | FFTW_DESTROY_INPUT;
   int half = n / 2 + 1;
   size_t size = (size_t)lines * (size_t)(n + 2) * sizeof(fftwf_complex);

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Fourier transforms of many lines, by FFTW in single precision: what
-   two-dimensional transforms are made of here, line by line in the cache, so
-   that lines of zeros need not be transformed nor whole planes be written.
-   Plans are made by estimate, so that they are the same in every run, and
-   kept. */
+/* Fourier transforms of many lines by FFTW in single precision. Two-dimensional
+   transforms use them line by line in the cache, so that lines of zeros are
+   skipped and no whole planes are written. Plans are estimated, so that they
+   are equal in every run, and cached. */
 #ifndef EDA_FFT_H
 #define EDA_FFT_H
 
@@ -13,33 +12,33 @@
 enum {
   EDA_FFT_BACKWARD,     /* sum a[k] exp(+2 pi i k x / n), in place */
   EDA_FFT_FORWARD,      /* sum a[x] exp(-2 pi i k x / n), in place */
-  EDA_FFT_REAL_FORWARD, /* n reals to n / 2 + 1 numbers */
-  EDA_FFT_REAL_BACKWARD /* its inverse; the input is lost */
+  EDA_FFT_REAL_FORWARD, /* n real to n / 2 + 1 complex numbers */
+  EDA_FFT_REAL_BACKWARD /* inverse; destroys the input */
 };
 
-/* A plan for `lines` transforms of n (even) numbers, one after another: n
-   apart on the real and complex side, n / 2 + 1 apart on the half-complex one.
-   Not normalised. Any thread; lives as long as the program. */
+/* Return a plan for `lines` transforms of n (even) numbers, one after another:
+   n apart on the real and complex side, n / 2 + 1 apart on the half-complex
+   one. Not normalised. Any thread; the plan lives as long as the program. */
 typedef struct eda_fft eda_fft;
 const eda_fft *eda_fft_plan(int what, int n, int lines);
 
-/* Arrays from eda_fft_alloc, or an even number of complex numbers into one.
-   In-place transforms ignore `out`. Any thread. */
+/* Run a plan on arrays from eda_fft_alloc, or on an even complex offset into
+   one. In-place transforms ignore `out`. Any thread. */
 void eda_fft_run(const eda_fft *plan, void *in, void *out);
 
-/* The smallest even number >= minimum (and >= 16) that has no prime factor
+/* Return the smallest even number >= minimum (and >= 16) without prime factors
    above 7. */
 int eda_fft_size(double minimum);
 
-/* n bytes, aligned for the transforms. Running out of memory ends the program,
-   as with eda_alloc. */
+/* Return n bytes, aligned for the transforms. Ends the program without memory,
+   as eda_alloc does. */
 void *eda_fft_alloc(size_t n);
 
-/* Large arrays are kept for those that ask for the like, never a half more in
-   all than was in use at one time. */
+/* Free memory. Large arrays are kept for later requests of similar size; the
+   total exceeds the largest amount in use by at most a half. */
 void eda_fft_free(void *memory);
 
-/* Give back to the system what is kept: nobody will ask soon. */
+/* Return idle memory to the system. */
 void eda_fft_trim(void);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Fields against sums of waves, whose values, derivatives and diffusion are
-   closed forms. */
+/* Fields, compared with sums of waves, whose values, derivatives and diffusion
+   are known in closed form. */
 #include <eda/imaging.h>
 #include <eda/memory.h>
 #include <glib.h>
@@ -11,18 +11,18 @@
 
 #include "testing/testing.h"
 
-static const opc_context *context; /* of several threads */
+static const opc_context *context; /* a context with several threads */
 
 enum { WAVES = 5, PLACES = 400 };
 
-/* Periods along x and y; the shortest are those of the intensity of a scanner
-   of NA 0.75 at 193 nm, 129 nm. */
+/* Periods along x and y; the shortest is that of the intensity of a scanner of
+   NA 0.75 at 193 nm, 129 nm. */
 static const int wave[WAVES][2] = {{0, 0}, {3, 1}, {0, 5}, {-7, 4}, {8, 8}};
 static const double amplitude[WAVES] = {0.4, 0.3, -0.2, 0.15, 0.1};
 static const double phase[WAVES] = {0, 1, 2, 3, 4};
 static const eda_frame frame = {-300, 120, 1500, 1700};
 
-/* Value and derivatives after a diffusion of sigma. */
+/* Compute value and derivatives after a diffusion of sigma. */
 static void truth(double x, double y, double sigma, double out[3]) {
   out[0] = out[1] = out[2] = 0;
   for (int w = 0; w < WAVES; w++) {
@@ -36,7 +36,8 @@ static void truth(double x, double y, double sigma, double out[3]) {
   }
 }
 
-/* From values at nodes; the count of nodes need not be even. */
+/* Return the field of the waves, from values at nodes; the number of nodes may
+   be odd. */
 static eda_field waves(int nx, int ny) {
   eda_field f = {.frame = frame, .nx = nx, .ny = ny};
   f.coefficients = eda_alloc((size_t)nx * (size_t)ny, sizeof(float));
@@ -51,7 +52,7 @@ static eda_field waves(int nx, int ny) {
   return f;
 }
 
-/* The largest errors of the value and of a derivative (1/nm). */
+/* Compute the largest errors of the value and of a derivative (1/nm). */
 static void errors(const eda_field *f, double sigma, double worst[2]) {
   worst[0] = worst[1] = 0;
   for (int i = 0; i < PLACES; i++) {
@@ -122,7 +123,7 @@ static void test_resample(void) {
     g_test_message("to %g nm: largest error %.2g", step[i], worst[0]);
     g_assert_cmpfloat(worst[0], <, step[i]> 20 ? 2e-5 : 5e-6);
   }
-  /* Too coarse for the last two waves: what it can hold is still there. */
+  /* Too coarse for the last two waves; the others are kept. */
   g_assert_cmpint(eda_field_resample(context, &f, 110, &error), ==, OPC_OK);
   double mean = 0;
   for (int i = 0; i < f.nx * f.ny; i++) mean += f.coefficients[i];
@@ -133,7 +134,7 @@ static void test_resample(void) {
   eda_field_clear(&f);
 }
 
-/* Samples are the values at the nodes. */
+/* Samples equal the values at the nodes. */
 static void test_samples(void) {
   eda_field f = waves(71, 64), samples = f;
   size_t n = (size_t)f.nx * (size_t)f.ny;

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* How an integral over an image changes with the mask: the adjoint of a sum of
-   coherent systems. What one system adds, the spectrum of weight * its field
-   times its conjugated transfer function, is a small square of frequencies; the
-   squares are kept apart and added in order, whatever the threads. */
+/* Gradient of an integral over an image with respect to the mask: the adjoint
+   of a sum of coherent kernels. The contribution of one kernel, the spectrum of
+   weight * field times its conjugated transfer function, is a small square of
+   frequencies. The squares are stored separately and added in order, so results
+   do not depend on the number of threads. */
 #include "imaging/fft.h"
 
 #include <complex.h>
@@ -18,16 +19,16 @@ typedef struct job {
   const eda_systems *systems;
   const eda_field *weight;
   int nx, ny;
-  int half, reach; /* |l| <= half, |k| <= reach are not 0 */
+  int half, reach; /* rows |l| <= half, columns |k| <= reach are non-zero */
   size_t columns, rows;
-  number *sums; /* [system][row l][column k] */
+  number *sums; /* [kernel][row l][column k] */
 } job;
 
 static size_t modulo(int i, int n) { return (size_t)(i < 0 ? i + n : i); }
 
 /* ---- between a square of frequencies and the nodes ---- */
 
-/* square[row l][column k] to values[y][x]. */
+/* Copy square[row l][column k] to values[y][x] and transform to nodes. */
 static void to_nodes(const job *j, const number *square, number *values) {
   size_t nx = (size_t)j->nx, ny = (size_t)j->ny;
   number *lines = eda_fft_alloc(j->columns * ny * sizeof *lines);
@@ -47,7 +48,7 @@ static void to_nodes(const job *j, const number *square, number *values) {
   eda_fft_free(lines);
 }
 
-/* The way back: Fourier coefficients; `values` are lost. */
+/* Transform back to Fourier coefficients; destroys `values`. */
 static void to_square(const job *j, number *values, number *square) {
   size_t nx = (size_t)j->nx, ny = (size_t)j->ny;
   float scale = 1 / ((float)j->nx * (float)j->ny);
@@ -77,7 +78,7 @@ static number scale_of(const eda_systems *s) {
   return scale == 0 ? 1 : scale;
 }
 
-/* A number of the mask's spectrum, which has k >= 0 only. */
+/* Return a coefficient of the mask spectrum, which stores k >= 0 only. */
 static number mask_at(const eda_spectrum *m, int k, int l) {
   int flip = k < 0;
   if (flip) k = -k, l = -l;
@@ -151,7 +152,7 @@ int eda_coherent_gradient(const opc_context *context, const eda_spectrum *mask,
   to_nodes(&j, j.sums, values);
   *out = (eda_field){weight->frame, j.nx, j.ny,
                      eda_alloc(nodes, sizeof *out->coefficients)};
-  /* A shape takes light away: the spectrum is that of a clear field. */
+  /* Shapes are opaque: the spectrum is relative to a clear field. */
   number scale = -2 * conjf(scale_of(systems));
   for (size_t a = 0; a < nodes; a++)
     out->coefficients[a] = crealf(scale * values[a]);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The gradient of an image against differences of images: the intensity is a
-   quadratic function of the mask's spectrum, so that a central difference is
-   its derivative, however large. */
+/* The gradient of an image, compared with differences of images. The intensity
+   is a quadratic function of the mask spectrum, so a central difference equals
+   the derivative for any step. */
 #include <eda/imaging.h>
 #include <eda/memory.h>
 #include <glib.h>
@@ -10,11 +10,11 @@
 
 #include "testing/testing.h"
 
-static const opc_context *context; /* of several threads */
+static const opc_context *context; /* a context with several threads */
 static const eda_frame frame = {-200, 100, 1600, 1200};
 
-/* Pupils of radius 0.004 / nm about (0.001, 0.0005) * s, with a phase that is
-   neither even nor odd. */
+/* Pupils of radius 0.004 / nm about (0.001, 0.0005) * s, with a phase neither
+   even nor odd. */
 static void pupil(const void *self, size_t s, const double *fx, double fy,
                   size_t n, float *out) {
   (void)self;
@@ -28,7 +28,7 @@ static void pupil(const void *self, size_t s, const double *fx, double fy,
 }
 
 static const double weights[] = {0.5, 0.3, 0.2};
-/* Phase shifting features on a grey field. */
+/* Phase-shifting features on a grey field. */
 static const eda_systems systems = {.count = 3,
                                     .weight = weights,
                                     .band = 0.0065,
@@ -56,7 +56,7 @@ static eda_spectrum spectrum_of(const eda_box *b, size_t n) {
   return s;
 }
 
-/* The integral of weight * intensity over the nodes of `weight`. */
+/* Return the integral of weight * intensity over the nodes of `weight`. */
 static double integral(const eda_spectrum *mask, const eda_field *weight) {
   eda_field image;
   opc_error error;
@@ -75,7 +75,7 @@ static double integral(const eda_spectrum *mask, const eda_field *weight) {
 
 static void test_difference(void) {
   static const eda_box shapes[] = {{0, 200, 150, 1000}, {400, 500, 900, 620}};
-  /* Boxes of whole cells, about nodes. */
+  /* Boxes of whole cells around nodes. */
   static const eda_box added[] = {
       {195, 395, 245, 595}, {1005, 305, 1205, 355}, {-195, 1105, 105, 1205}};
   enum { NX = 160, NY = 120 };

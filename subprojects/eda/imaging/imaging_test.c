@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Spectra against the Fourier integrals of rectangles, images against sums of
-   plane waves, contours against closed forms. */
+/* Spectra, compared with Fourier integrals of rectangles; images, compared with
+   sums of plane waves; contours, compared with closed forms. */
 #include "imaging/edge.h"
 
 #include <complex.h>
@@ -14,11 +14,11 @@
 
 #include "testing/testing.h"
 
-static const opc_context *context; /* of several threads */
+static const opc_context *context; /* a context with several threads */
 
 /* ---- spectra ---- */
 
-/* The Fourier coefficient of a rectangle's coverage. */
+/* Return the Fourier coefficient of the coverage of a rectangle. */
 static double complex rectangle(eda_box b, double grid, eda_frame f, int k,
                                 int l) {
   double complex side[2];
@@ -59,7 +59,7 @@ static double worst_coefficient(const eda_shapes *shapes, const eda_box *boxes,
 }
 
 static void test_spectrum(void) {
-  /* An L, a rectangle with a hole, and one that leaves the frame. */
+  /* An L, a rectangle with a hole, and a shape that crosses the frame. */
   eda_point points[] = {{100, 100},   {700, 100},  {700, 300},   {300, 300},
                         {300, 900},   {100, 900},  {900, 500},   {1500, 500},
                         {1500, 1100}, {900, 1100}, {1000, 600},  {1000, 900},
@@ -78,7 +78,7 @@ static void test_spectrum(void) {
   double worst = worst_coefficient(&shapes, boxes, sign, 5, 1, f, 0.0068);
   g_test_message("largest error of a coefficient: %.2g", worst);
   g_assert_cmpfloat(worst, <, 1e-5);
-  /* The same in other units and moved by whole periods. */
+  /* The same shapes in other units, moved by whole periods. */
   eda_point moved[18];
   for (int i = 0; i < 18; i++)
     moved[i] = (eda_point){2 * (points[i].x + 4000), 2 * (points[i].y - 1700)};
@@ -124,7 +124,7 @@ static const eda_systems three = {.count = 3,
                                   .intensity_band = 0.008,
                                   .transfer = shifted_pupil};
 
-/* The intensity by the definition, in double precision. */
+/* Return the intensity by its definition, in double precision. */
 static double direct(eda_box b, eda_frame f, double x, double y) {
   double intensity = 0;
   int kmax = (int)(0.007 * f.width), lmax = (int)(0.005 * f.height);
@@ -172,7 +172,7 @@ static void test_image(void) {
   }
   g_test_message("largest error of intensity: %.2g", worst);
   g_assert_cmpfloat(worst, <, 3e-5);
-  /* Lines through the field give what its samples give. */
+  /* Lines through the field equal its samples. */
   for (int axis = 0; axis < 2; axis++) {
     double at = axis ? 61.5 : -213.25, value;
     eda_line line;
@@ -190,7 +190,7 @@ static void test_image(void) {
   eda_field_clear(&field);
 }
 
-/* Frames so long that spectra are cut into strips. */
+/* Frames long enough for spectra in several strips. */
 static void test_strips(void) {
   static const eda_frame frames[] = {{-803, -1000, 23000, 600},
                                      {-803, -1000, 600, 23000}};
@@ -210,8 +210,7 @@ static void test_strips(void) {
   }
 }
 
-/* The pupil itself, off its axis by an eighth and out of focus: a complex
- * field. */
+/* The pupil, shifted off axis by an eighth and defocused: a complex field. */
 static void off_axis(const void *self, size_t s, const double *fx, double fy,
                      size_t n, float *out) {
   double band = *(const double *)self;
@@ -224,7 +223,7 @@ static void off_axis(const void *self, size_t s, const double *fx, double fy,
   }
 }
 
-/* The intensity of E, or of E + c times the field of the clear mask. */
+/* Return the intensity of E, or of E + c times the field of the clear mask. */
 static eda_field coherent(const eda_shapes *s, eda_frame f, float complex c) {
   static const double band = 0.0066, weight = 1;
   eda_systems one = {.count = 1,
@@ -246,8 +245,8 @@ static eda_field coherent(const eda_shapes *s, eda_frame f, float complex c) {
   return field;
 }
 
-/* The field itself, from the intensities with three known ones added; q is that
-   of the clear mask, 1 there: |E|^2, |E + q|^2, |E + iq|^2. */
+/* Compute the complex field from the intensities of three interferences; q is
+   the field of the clear mask, 1 there: |E|^2, |E + q|^2, |E + iq|^2. */
 static void find_field(const eda_shapes *s, eda_frame f, const double *x,
                        const double *y, size_t n, double complex *out) {
   static const float complex add[3] = {0, 1, I};
@@ -266,7 +265,7 @@ static void find_field(const eda_shapes *s, eda_frame f, const double *x,
   for (int k = 0; k < 3; k++) g_free(value[k]);
 }
 
-/* Fields are linear: what two masks take away from the light adds up. */
+/* Fields are linear: the light blocked by two masks adds up. */
 static void test_linear(void) {
   enum { PLACES = 200 };
   eda_point points[] = {{300, 100}, {420, 100}, {420, 800}, {300, 800},
@@ -296,8 +295,8 @@ static void test_linear(void) {
   g_assert_cmpfloat(most, >, 0.05);
 }
 
-/* Systems R(f) exp(i order angle): R of the first three is real, or the order
-   0; the last two have the same complex R. */
+/* Kernels R(f) exp(i order angle): R of the first three is real, or the order
+   0; the last two share a complex R. */
 static const int orders[] = {0, 1, 2, 3, -3};
 static const double spiral_weights[] = {0.4, 0.2, 0.1, 0.2, 0.1};
 
@@ -322,7 +321,7 @@ static eda_mirrored spiral_mirror(const void *self, size_t s) {
                         .odd = orders[s] % 2 != 0};
 }
 
-/* A quarter of the transfer functions, mirrored, or all of them: the same. */
+/* A quarter of the transfer functions, mirrored, equals all of them. */
 static void test_mirrored(void) {
   const struct {
     double offset[2], scale[2];
@@ -386,7 +385,8 @@ static void test_threads(void) {
 
 /* ---- contours ---- */
 
-/* The spline through f(x, y) = cos + cos + level over one period each way. */
+/* Return the spline through f(x, y) = cos + cos + level over one period in each
+   direction. */
 static eda_field waves(double level) {
   eda_field field = {.frame = {0, 0, 1000, 1000}, .nx = 40, .ny = 40};
   field.coefficients = eda_alloc(1600, sizeof(float));
@@ -408,7 +408,7 @@ static double area_of(const double *p, size_t n) {
 }
 
 static void test_contours(void) {
-  /* Around the middle the function is lowest: a hole, walked clockwise. */
+  /* The function has its minimum at the middle: a hole, traced clockwise. */
   eda_field field = waves(1.9);
   double *points;
   uint32_t *start;
@@ -418,7 +418,7 @@ static void test_contours(void) {
   g_assert_cmpint(
       eda_contours(NULL, &field, window, 5, &points, &start, &count, &error),
       ==, OPC_OK);
-  g_assert_cmpuint(count, ==, 2); /* the border of the window and the hole */
+  g_assert_cmpuint(count, ==, 2); /* border of the window and the hole */
   double border = area_of(points, start[1]);
   const double *hole = points + 2 * start[1];
   size_t n = start[2] - start[1];
@@ -428,7 +428,7 @@ static void test_contours(void) {
     n = start[1];
   }
   g_assert_cmpfloat(fabs(border - 250000), <, 1e-6);
-  double want = 0; /* the area where cos a + cos b < -1.9, by its integral */
+  double want = 0; /* area where cos a + cos b < -1.9, by integration */
   for (int i = 0; i < 20000; i++) {
     double x = 250 + (i + 0.5) / 40, c = -1.9 - cos(M_PI * x / 500);
     if (c > -1) want += 2 * (500 - acos(c) * 500 / M_PI) / 40;
@@ -447,9 +447,9 @@ static void test_contours(void) {
 }
 
 /* sin x sin y + level has a saddle wherever both are 0, here in the middle of a
-   square. Of its 5 x 5 parts between these, 13 are positive, and 4 of the
-   others are not at the border: above 0, the positive ones are all one, with 4
-   holes; below it, each is by itself. */
+   square. Of the 5 x 5 regions between saddles, 13 are positive, and 4 of the
+   others are inside: above 0, the positive regions are connected, with 4 holes;
+   below 0, they are separate. */
 static void test_saddles(void) {
   const eda_frame window = {-247.5, -247.5, 2000, 2000};
   double scale = eda_spline_sampled(1.0 / 40) * eda_spline_sampled(1.0 / 40);
@@ -473,9 +473,8 @@ static void test_saddles(void) {
   }
 }
 
-/* Lines that go through many strips, more often than not parted by their cuts:
-   the same with any number of threads, and with the area that the values at a
-   million places give. */
+/* Contours that cross many strips: equal for any number of threads, and with an
+   area equal to that of a million samples. */
 static void test_contours_in_strips(void) {
   eda_field field = waves(-0.3);
   eda_frame window = {-130, 70, 1900, 1700};
@@ -513,8 +512,8 @@ static void test_contours_in_strips(void) {
 
 /* ---- memory ---- */
 
-/* What an image is said to take at least, against the growth of a process of
-   its own that makes larger and larger ones. */
+/* The memory forecast of an image, compared with the growth of a separate
+   process that computes larger and larger images. */
 static void test_forecast(void) {
 #ifdef __SANITIZE_ADDRESS__
   g_test_skip("the sanitizer takes memory of its own");
@@ -540,9 +539,9 @@ static void test_forecast(void) {
     g_test_message("%g um: %g MB, said %g MB", side * 1e-3, grown * 1e-6,
                    said * 1e-6);
     g_assert_cmpfloat(said, <=, grown);
-    /* Arrays of threads, of which there are more at a time where others work
-       on the same processors, are half of the smallest one; and half as much
-       again as is in use may be kept. */
+    /* Arrays of threads are half of the smallest image; more of them exist
+       where other programs use the same processors. Spare memory may add half
+       of the amount in use. */
     g_assert_cmpfloat(grown, <=, 2.5 * said);
     eda_field_clear(&field);
   }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A length n is cut into n1 * n2, of about the same size, so that each part
-   fits the first cache (D. H. Bailey, J. Supercomputing 4, 1990). The parts are
-   transformed by Stockham's way, which leaves them in order (C. Van Loan,
-   Computational Frameworks for the FFT, 1.7). */
+/* Fourier transforms of lanes. A length n is factored into n1 * n2 of about
+   equal size, so that each part fits the first-level cache (D. H. Bailey, J.
+   Supercomputing 4, 1990). The parts use Stockham's algorithm, which needs no
+   reordering (C. Van Loan, Computational Frameworks for the FFT, 1.7). */
 #include "imaging/lanes.h"
 
 #include <eda/simd.h>
@@ -18,8 +18,9 @@ typedef struct twiddle {
   float re, im;
 } twiddle;
 
-/* A part's factors, and for each the factors' roots: exp(2 pi i p j / length),
-   j = 1 .. radix - 1 for p = 0 .., length that of what is still to do. */
+/* Factors of a part, and for each factor the roots exp(2 pi i p j / length), j
+   = 1 .. radix - 1 for p = 0 .., where length is that of the remaining
+   transform. */
 typedef struct part {
   int n, stages;
   int radix[MAX_STAGES];
@@ -64,7 +65,7 @@ static eda_lanes_plan *make_plan(int n) {
   int first = 1;
   for (int d = 1; (int64_t)d * d <= n; d++)
     if (n % d == 0) first = d;
-  /* Short lines fit the cache as they are. */
+  /* Short lines fit the cache without factoring. */
   if (n <= 128) first = 1;
   plan->n = n;
   make_part(&plan->first, first);
@@ -97,9 +98,8 @@ size_t eda_lanes_room(const eda_lanes_plan *plan) {
 
 /* ---- stages ---- */
 
-/* One stage: `length` numbers, of which each stands `step` times, a stride
-   apart in memory. Number p + length / radix * i goes into number
-   radix * p + j. */
+/* One stage: `length` numbers, each at `step` positions, a stride apart in
+   memory. Number p + length / radix * i becomes number radix * p + j. */
 typedef struct stage {
   int length, step;
   const twiddle *roots;
@@ -114,8 +114,8 @@ typedef struct stage {
     (to)->im = (x_re) * (w).im + (x_im) * (w).re; \
   } while (0)
 
-/* Begin the loops over all butterflies of a stage: x[i] and y(j) are the
-   numbers it takes and makes, w the roots. */
+/* Start the loops over all butterflies of a stage: x[i] are the inputs, y(j)
+   the outputs, w the roots. */
 #define BUTTERFLIES(r)                                                       \
   int m = g->length / (r);                                                   \
   for (int p = 0; p < m; p++) {                                              \
@@ -192,7 +192,7 @@ EDA_WIDE static void radix5(const stage *g) {
   END_BUTTERFLIES
 }
 
-/* Four sums and four turned differences, each as in radix4. */
+/* Four sums and four rotated differences, each as in radix4. */
 EDA_WIDE static void radix8(const stage *g) {
   static const float h = 0.70710678118654752f;
   BUTTERFLIES(8)
@@ -213,7 +213,7 @@ EDA_WIDE static void radix8(const stage *g) {
   TIMES(&y[2 * next], w[1], over_re + turn_re, over_im + turn_im);
   TIMES(&y[4 * next], w[3], even_re - odd_re, even_im - odd_im);
   TIMES(&y[6 * next], w[5], over_re - turn_re, over_im - turn_im);
-  /* The differences by the roots of order 8. */
+  /* Multiply the differences by the roots of order 8. */
   eda_vector a_re = h * (d[1].re - d[1].im), a_im = h * (d[1].re + d[1].im);
   eda_vector b_re = h * (-d[3].re - d[3].im), b_im = h * (d[3].re - d[3].im);
   even_re = d[0].re - d[2].im;
@@ -233,7 +233,7 @@ EDA_WIDE static void radix8(const stage *g) {
 
 /* ---- lines ---- */
 
-/* A part, from `in` to `out`; `work` has room for two. */
+/* Transform a part from `in` to `out`; `work` holds twice its points. */
 static void run_part(const part *p, const eda_lanes *in, size_t in_stride,
                      eda_lanes *out, size_t out_stride, eda_lanes *work) {
   void (*const stages[])(const stage *) = {
@@ -252,7 +252,7 @@ static void run_part(const part *p, const eda_lanes *in, size_t in_stride,
   }
 }
 
-/* to[k * stride] = from[k] * root[k]. */
+/* Compute to[k * stride] = from[k] * root[k]. */
 EDA_WIDE static void turn_back(const eda_lanes *from, const twiddle *roots,
                                int n, eda_lanes *to, size_t stride) {
   for (int k = 0; k < n; k++) {
@@ -280,8 +280,8 @@ void eda_lanes_backward(const eda_lanes_plan *plan, eda_lanes *a,
 
 /* ---- tiles ---- */
 
-/* From points i and i + d, those of a transposed pair: lanes with bit d change
-   places with lanes without. */
+/* Points i and i + d become a transposed pair: lanes with bit d are exchanged
+   with lanes without. */
 #define KEEP(l, d) ((l) & (d) ? (l) - (d) + EDA_LANES : (l))
 #define TAKE(l, d) ((l) & (d) ? (l) + EDA_LANES : (l) + (d))
 #define SIXTEEN(f, d)                                                     \

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Fourier transforms of EDA_LANES lines side by side: number i of all lines is
    one point, a vector of real parts and one of imaginary parts. Each operation
-   is then one of whole vectors, whatever the length. For sums of coherent
-   systems, where nearly all the time goes; FFTW (fft.h) does the rest. */
+   acts on whole vectors, for any length. Used for sums of coherent kernels,
+   which take nearly all the time; other transforms use FFTW (fft.h). */
 #ifndef EDA_LANES_H
 #define EDA_LANES_H
 
@@ -16,23 +16,24 @@ typedef struct eda_lanes {
   eda_vector re, im;
 } eda_lanes;
 
-/* A plan for lines of n numbers, n as eda_lanes_size says. Any thread; lives as
+/* A plan for lines of n numbers, n from eda_lanes_size. Any thread; lives as
    long as the program. */
 typedef struct eda_lanes_plan eda_lanes_plan;
 const eda_lanes_plan *eda_lanes_plan_for(int n);
 
-/* sum a[k] exp(+2 pi i k x / n), in place; `work` has eda_lanes_room(plan)
-   points. Not normalised. Both arrays from eda_fft_alloc. Any thread. */
+/* Compute sum a[k] exp(+2 pi i k x / n) in place; `work` has
+   eda_lanes_room(plan) points. Not normalised. Both arrays come from
+   eda_fft_alloc. Any thread. */
 void eda_lanes_backward(const eda_lanes_plan *plan, eda_lanes *a,
                         eda_lanes *work);
 size_t eda_lanes_room(const eda_lanes_plan *plan);
 
-/* Lane j of from[i * from_stride] becomes lane i of to[j * to_stride], for
-   EDA_LANES vectors. Any thread. */
+/* Transpose: lane j of from[i * from_stride] becomes lane i of to[j *
+   to_stride], for EDA_LANES vectors. Any thread. */
 void eda_lanes_turn(const eda_vector *from, size_t from_stride, eda_vector *to,
                     size_t to_stride);
 
-/* The smallest even number >= minimum (and >= 16) that has no prime factor
+/* Return the smallest even number >= minimum (and >= 16) without prime factors
    above 5. */
 int eda_lanes_size(double minimum);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Transforms side by side against the sums that define them. */
+/* Transforms of lanes, compared with the defining sums. */
 #include <complex.h>
 #include <eda/imaging.h>
 #include <eda/memory.h>
@@ -12,13 +12,13 @@
 
 static double random_number(GRand *r) { return g_rand_double_range(r, -1, 1); }
 
-/* Number i of a line, and setting it. */
+/* Return or set number i of a line. */
 static double complex number(const eda_lanes *a, int i, int lane) {
   return a[i].re[lane] + a[i].im[lane] * I;
 }
 
 static void test_sums(void) {
-  /* Short lines, and lengths in two parts, with each factor there is. */
+  /* Short lines, and lengths in two parts, with all factors. */
   static const int sizes[] = {16, 18,  20,  24,  30,  50,  64,
                               90, 128, 150, 256, 360, 486, 1000};
   GRand *random = g_rand_new_with_seed(11);

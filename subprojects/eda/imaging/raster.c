@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Each vertex of a rectilinear polygon is a step in x times a step in y. Steps
-   smoothed by a B-spline are laid down as their differences, 11 x 11 numbers a
-   vertex, and summed up once at the end. The frame is cut into bands of rows,
-   each of which takes from every polygon what falls into it. */
+/* Rasterisation of masks. Each vertex of a rectilinear polygon is a step in x
+   times a step in y. Steps smoothed by a B-spline are stored as their
+   differences, 11 x 11 numbers for each vertex, and summed once at the end. The
+   frame is divided into bands of rows, each of which adds the parts of all
+   polygons within it. */
 #include "imaging/raster.h"
 
 #include <eda/simd.h>
@@ -16,8 +17,8 @@
 
 enum { BANDS = 16, COLUMNS = 64 };
 
-/* A polygon moved by whole periods, so that its lower left corner lies in the
-   frame: its origin, and the rows that it touches. */
+/* A polygon shifted by whole periods, so that its lower left corner is inside
+   the frame: its origin and its rows. */
 typedef struct place {
   double x, y;
   int low, high;
@@ -40,22 +41,23 @@ double eda_raster_transform(double f) {
 
 /* ---- laying down ---- */
 
-/* A step in x or y: its place in the array, and its differences from there on.
- */
+/* A step in x or y: its position in the array, and its differences from
+   there. */
 typedef struct step {
-  double at; /* in steps from sample 0; NAN: not made yet */
+  double at; /* in steps from sample 0; NAN: not computed */
   int first;
   double weight[EDA_STEP_TAPS];
 } step;
 
-/* Corners share them: each line of a polygon is two corners'. */
+/* Compute the differences of a step; each line of a polygon shares them between
+   two corners. */
 static void make_step(double at, step *s) {
   if (s->at == at) return;
   s->at = at;
   s->first = eda_spline_step(at, s->weight) + EDA_RASTER_MARGIN;
 }
 
-/* n rows of a corner. */
+/* Add n rows of a corner. */
 EDA_WIDE static void add_corner(double *restrict to, size_t columns,
                                 const double *restrict wx,
                                 const double *restrict wy, double sign, int n) {
@@ -65,8 +67,8 @@ EDA_WIDE static void add_corner(double *restrict to, size_t columns,
   }
 }
 
-/* A corner at (x, y), in steps from sample (0, 0): only rows low .. high - 1 of
-   the array. */
+/* Add a corner at (x, y), in steps from sample (0, 0), to rows low .. high - 1
+   of the array. */
 static void deposit(const eda_raster *r, double x, double y, double sign,
                     int low, int high, step *in_x, step *in_y) {
   int j = (int)floor(y) - EDA_RASTER_DEGREE / 2 + EDA_RASTER_MARGIN;
@@ -98,9 +100,9 @@ static void lay_polygon(const laying *l, size_t p, int low, int high) {
                          high);
       continue;
     }
-    /* The inside is on the left: an edge upwards ends it, one downwards
-       begins it, from its end to its beginning. The next one begins at the y of
-       this one's end. */
+    /* The inside is on the left: an edge upwards closes it, one downwards opens
+       it, from its end to its start. The next edge starts at the y of the end
+       of this one. */
     int other = in_y[0].at == ay;
     deposit(r, ax, by, 1, low, high, &in_x, &in_y[other]);
     deposit(r, ax, ay, -1, low, high, &in_x, &in_y[!other]);
@@ -120,7 +122,7 @@ static void lay_band(void *data, size_t band) {
       lay_polygon(l, p, low, high);
 }
 
-/* Place all polygons; the array holds what they need beyond the period. */
+/* Place all polygons; the array has margins beyond the period. */
 static void place_polygons(laying *l) {
   eda_raster *r = l->raster;
   const eda_shapes *s = l->shapes;
@@ -173,7 +175,7 @@ EDA_WIDE static void add_to_floats(float *restrict to,
   for (int i = 0; i < n; i++) to[i] += (float)from[i];
 }
 
-/* Some columns, from the first row to the last. */
+/* Sum some columns from the first row to the last. */
 static void sum_columns(void *data, size_t block) {
   const eda_raster *r = ((summing *)data)->raster;
   int x = (int)block * COLUMNS;
@@ -184,8 +186,8 @@ static void sum_columns(void *data, size_t block) {
   }
 }
 
-/* One row of the period: of all rows that fall on it, along x, and what lies
-   beyond the period folded back into it. */
+/* Sum one row of the period: all rows that fold onto it, along x, with the
+   margins folded back. */
 static void sum_row(void *data, size_t y) {
   const summing *s = data;
   const eda_raster *r = s->raster;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Masks with slanted edges against the closed form of a polygon's Fourier
-   integral, a sum over its edges. */
+/* Masks with slanted edges, compared with the closed form of the Fourier
+   integral of a polygon, a sum over its edges. */
 #include <complex.h>
 #include <eda/imaging.h>
 #include <eda/memory.h>
@@ -9,14 +9,14 @@
 
 #include "testing/testing.h"
 
-static const opc_context *context; /* of several threads */
+static const opc_context *context; /* a context with several threads */
 
 static double sinc(double x) {
   return fabs(x) < 1e-6 ? 1 - x * x / 6 : sin(x) / x;
 }
 
-/* The integral of exp(-i (u x + v y)) over polygons, by the divergence theorem:
-   of (u, v) / |(u, v)|^2 times i exp(...) across the outline. */
+/* Return the integral of exp(-i (u x + v y)) over polygons by the divergence
+   theorem: of (u, v) / |(u, v)|^2 times i exp(...) across the outline. */
 static double complex integral(const eda_shapes *s, double grid, eda_frame f,
                                double u, double v) {
   double complex sum = 0;
@@ -119,7 +119,7 @@ static void test_hole(void) {
   g_assert_cmpfloat(worst, <, 1e-6);
 }
 
-/* The same bits for any number of threads. */
+/* Results are bit-identical for any number of threads. */
 static void test_threads(void) {
   polygon p = polygons[0];
   uint32_t start[] = {0, (uint32_t)p.n};

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Mask spectra: the mask on its raster, transformed along x and, where the
-   band reaches, along y; then the raster's smoothing is divided out. What
-   folds down from beyond the sampling frequency is kept below 1e-6 of the
-   clear field by the tenth-order zeros of the smoothing. */
+/* Mask spectra: the mask on its raster, transformed along x and, within the
+   band, along y; then divided by the transform of the smoothing. The
+   tenth-order zeros of the smoothing keep aliases below 1e-6 of the clear
+   field. */
 #include "imaging/fft.h"
 #include "imaging/raster.h"
 
@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Samples per shortest period of the band. */
+/* Samples for each shortest period of the band. */
 static const double oversampling = 3.1;
 
 enum { MAX_SAMPLES = 1 << 28, LINES = 16 };
@@ -41,7 +41,7 @@ static void forth_along_x(void *data, size_t block) {
   eda_fft_free(half);
 }
 
-/* Some columns along y; keep the band, without the smoothing. */
+/* Transform some columns along y; keep the band and divide by the smoothing. */
 static void forth_along_y(void *data, size_t block) {
   job *j = data;
   if (opc_cancelled(j->context)) return;
@@ -54,7 +54,7 @@ static void forth_along_y(void *data, size_t block) {
       column[(size_t)c * j->ny + y] =
           j->by_column[(size_t)y * s->columns + k + c];
   eda_fft_run(eda_fft_plan(EDA_FFT_FORWARD, j->ny, lines), column, NULL);
-  int half[LINES] = {0}; /* the rows of each column within the band */
+  int half[LINES] = {0}; /* number of rows of each column within the band */
   float scale[LINES];
   for (int c = 0; c < lines; c++) {
     double fx = (k + c) / s->frame.width;
@@ -86,7 +86,7 @@ static void transform(const opc_context *context, job *j) {
                j);
   eda_fft_free(j->by_column);
   eda_fft_free(j->along);
-  ((float complex *)s->data)[0] += 1; /* the clear field */
+  ((float complex *)s->data)[0] += 1; /* clear field */
 }
 
 int eda_mask_spectrum(const opc_context *context, const eda_shapes *shapes,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* B-splines by recurrence, and those of steps by a table of their powers. */
+/* B-splines by recurrence; smoothed steps by a table of their powers. */
 #include "imaging/spline.h"
 
 #include <eda/simd.h>
@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-/* The nonzero B-splines of degree n at the fraction t of a cell, by the
+/* Compute the nonzero B-splines of degree n at the fraction t of a cell by the
    recurrence of Cox and de Boor; weight[0] belongs to the spline that ends
    first. */
 static void recurrence(int degree, double t, double *weight) {
@@ -22,7 +22,8 @@ static void recurrence(int degree, double t, double *weight) {
   }
 }
 
-/* The derivative of a B-spline is the difference of two of a degree less. */
+/* The derivative of a B-spline is the difference of two of the next lower
+   degree. */
 void eda_spline_slopes(double x, double slope[EDA_SPLINE_TAPS]) {
   double below[EDA_SPLINE_TAPS - 1];
   recurrence(4, x - floor(x), below);
@@ -35,8 +36,7 @@ void eda_spline_slopes(double x, double slope[EDA_SPLINE_TAPS]) {
 enum { LANES = 16 };
 typedef double lanes __attribute__((vector_size(LANES * sizeof(double))));
 
-/* The B-splines of the degree of steps in a cell, by the powers of t, times
- * 10!. */
+/* B-splines of the degree of steps in a cell, by powers of t, times 10!. */
 static const double step_powers[EDA_STEP_TAPS][LANES] = {
     {1, 1013, 47840, 455192, 1310354, 1310354, 455192, 47840, 1013, 1, 0},
     {-10, -5010, -141060, -736260, -679560, 679560, 736260, 141060, 5010, 10,

@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Images as sums of coherent systems.
+/* Images as sums of coherent kernels (SOCS).
 
-   A field's spectrum is transformed back along y, a strip of frequencies k and
-   -k at a time and only those that the band reaches, and then along x,
-   EDA_LANES rows at a time in the cache, where its square is added up at once:
-   no field is ever written. The sum is taken on a grid fine enough that nothing
-   folds into the band of the intensity. Last, the sum goes forth and, as
-   coefficients of a B-spline, back on the grid of the result; again only along
-   lines that the band reaches.
+   The spectrum of a field is transformed back along y, one strip of frequencies
+   k and -k within the band at a time. It is then transformed along x, EDA_LANES
+   rows at a time in the cache, where its square is added at once: no field is
+   written to memory. The grid of the sum is fine enough that nothing aliases
+   into the band of the intensity. Finally the sum is transformed forward and,
+   as coefficients of a B-spline, back on the grid of the result, again only
+   along lines within the band.
 
-   Some systems go together, so that the sum is passed through the memory once
-   for all of them. Each is cut into strips and rows: what is added to a number,
-   and in what order, does not depend on the threads. */
+   Several kernels are added together, so that the sum passes through memory
+   once for all of them. Each is divided into strips and rows: the terms of a
+   sum and their order do not depend on the threads. */
 #include <eda/simd.h>
 #include "imaging/fft.h"
 #include "imaging/lanes.h"
@@ -27,17 +27,18 @@
 #include <string.h>
 
 enum {
-  STRIP = 32, /* columns of a field's spectrum at a time, on each side */
+  STRIP = 32, /* columns of a field spectrum at a time, on each side */
   BLOCKS = STRIP / EDA_LANES,
-  TOGETHER = 4, /* systems, at most; fewer if their fields take more than */
-  FIELDS_ROOM = 64 << 20, /* so many bytes */
+  TOGETHER = 4, /* largest number of kernels at a time, fewer if their fields
+                   exceed */
+  FIELDS_ROOM = 64 << 20, /* this number of bytes */
   SUMS = 1 + EDA_RESIDUALS
 };
 
 static const double default_step = 32; /* nm */
 
-/* A plane of numbers, transformed along one direction: [block][i], a block
-   being EDA_LANES lines side by side. */
+/* A plane of numbers, transformed along one direction: [block][i]; a block is
+   EDA_LANES lines side by side. */
 typedef struct lines {
   size_t n;
   eda_lanes *at;
@@ -47,32 +48,36 @@ typedef struct job {
   const opc_context *context;
   const eda_spectrum *mask;
   eda_systems systems;
-  float complex offset, scale; /* of the mask's transmission */
-  int nx, ny;                  /* the grid of the fields */
-  int half, reach; /* rows |l| <= half, columns |k| <= reach are not 0 */
-  size_t system, together; /* the first that is added, and how many */
+  float complex offset, scale; /* mask transmission */
+  int nx, ny;                  /* grid of the fields */
+  int half, reach; /* rows |l| <= half, columns |k| <= reach are non-zero */
+  size_t system, together; /* first kernel of the current group; size of the
+                              group */
   size_t room_for;
-  lines field[TOGETHER]; /* rows y side by side; column k at k or, if it is
-                            negative, at left - k */
+  lines field[TOGETHER]; /* rows y side by side; column k at k or, if negative,
+                            at left - k */
   size_t left;
   size_t rows, columns;  /* blocks of rows y, of columns k >= 0 of the sums */
-  eda_vector *sum[SUMS]; /* [row block][x]; of residual k the one at 1 + k */
+  eda_vector *sum[SUMS]; /* [row block][x]; that of residual k at 1 + k */
 
-  int top_x, top_y;     /* of the intensity, k <= top_x, |l| <= top_y count */
-  lines spectrum[SUMS]; /* of the sums, columns k side by side, along y */
-  int fine_x, fine_y;   /* the grid of the result */
-  float *by_x, *by_y;   /* from samples to coefficients: [k], [l] */
-  lines fine;           /* the result before x, rows side by side */
+  int top_x, top_y;     /* frequencies of the intensity, k <= top_x, |l| <=
+                           top_y */
+  lines spectrum[SUMS]; /* spectra of the sums, columns k side by side, along
+                           y */
+  int fine_x, fine_y;   /* grid of the result */
+  float *by_x, *by_y;   /* factors from samples to coefficients: [k], [l] */
+  lines fine;           /* result before the transform along x, rows side by
+                           side */
   float *out;
 
   size_t room; /* points of a scratch array */
   GMutex lock;
-  GPtrArray *scratch; /* those that nobody uses */
+  GPtrArray *scratch; /* idle scratch arrays */
 } job;
 
 static size_t blocks(int n) { return (size_t)(n + EDA_LANES - 1) / EDA_LANES; }
 
-/* As many scratch arrays as there are tasks at one time. */
+/* Return a scratch array; as many exist as tasks run at a time. */
 static eda_lanes *borrow(job *j) {
   g_mutex_lock(&j->lock);
   eda_lanes *a = j->scratch->len ? g_ptr_array_steal_index_fast(
@@ -90,25 +95,25 @@ static void give_back(job *j, eda_lanes *a) {
 
 /* ---- a field ---- */
 
-/* A strip: the columns k = first .. first + n - 1, and -k. */
+/* A strip: columns k = first .. first + n - 1, and -k. */
 typedef struct strip {
   size_t system;
   int first, n;
-  int last; /* within the band, in the row that is filled */
+  int last; /* last column within the band in the current row */
 } strip;
 
 static size_t strips(const job *j) {
   return (size_t)(j->reach + STRIP) / STRIP;
 }
 
-/* From (k, l), both >= 0, to (-k, l), (k, -l) and (-k, -l). */
+/* Map (k, l), both >= 0, to (-k, l), (k, -l) and (-k, -l). */
 enum { LEFT = 1, BELOW = 2, QUADRANTS = 4 };
 
 /* A transfer function along a row: at[2 * i] * re, at[2 * i + 1] * im. */
 typedef struct factor {
   float re, im; /* 1 or -1 */
   float value[2 * STRIP];
-  const float *at; /* these values, or those of another one */
+  const float *at; /* own values, or those of another quadrant */
 } factor;
 
 static void ask(const job *j, size_t system, const strip *p, int quadrant,
@@ -123,7 +128,7 @@ static void ask(const job *j, size_t system, const strip *p, int quadrant,
   out->at = out->value;
 }
 
-/* Those of all quadrants, from one of them. */
+/* Derive the factors of all quadrants from one. */
 static void mirror(const job *j, const strip *p, int l, factor t[QUADRANTS]) {
   eda_mirrored m = j->systems.mirror(j->systems.self, p->system);
   float sign = m.odd ? -1 : 1;
@@ -157,15 +162,15 @@ static void find_factors(const job *j, const strip *p, int l,
     mirror(j, p, l, t);
   else
     for (int q = 0; q < QUADRANTS; q++) ask(j, p->system, p, q, l, &t[q]);
-  /* Last those that others are looked up in. */
+  /* Quadrants that others refer to are the last ones. */
   static const int order[QUADRANTS] = {LEFT | BELOW, LEFT, BELOW, 0};
   for (int i = 0; i < QUADRANTS && j->scale != 1; i++)
     scale(j->scale, n, &t[order[i]]);
 }
 
-/* transfer * mask, the mask conjugated if sign is -1, for whole blocks. Signs
-   are changed before and after, so that all quadrants have the same products.
- */
+/* Compute transfer * mask, the mask conjugated if sign is -1, for whole blocks.
+   Signs are changed before and after, so that all quadrants have equal
+   products. */
 EDA_WIDE static void multiply(const float *restrict t, float by_re, float by_im,
                               const float *restrict a, float sign, int n,
                               eda_lanes *restrict to, size_t apart) {
@@ -180,7 +185,7 @@ EDA_WIDE static void multiply(const float *restrict t, float by_re, float by_im,
   }
 }
 
-/* Row l or -l of one side of a strip of the field's spectrum, into the points
+/* Write row l or -l of one side of a strip of the field spectrum to the points
    to[block * apart]. */
 static void fill_row(const job *j, const strip *p, int quadrant, int l,
                      const factor *f, eda_lanes *to, size_t apart) {
@@ -188,7 +193,7 @@ static void fill_row(const job *j, const strip *p, int quadrant, int l,
   int left = quadrant & LEFT, n = MAX(0, p->last - p->first + 1);
   int whole = n / EDA_LANES, rest = n % EDA_LANES;
   float sign = left ? -1 : 1;
-  /* From the half that is stored: a[-k, l] is the conjugate of a[k, -l]. */
+  /* Only one half is stored: a[-k, l] is the conjugate of a[k, -l]. */
   int down = (quadrant == LEFT || quadrant == BELOW) && l;
   size_t row = (size_t)(down ? m->rows - l : l);
   const float *a = m->data + 2 * (row * (size_t)m->columns + (size_t)p->first);
@@ -211,7 +216,7 @@ static void fill_row(const job *j, const strip *p, int quadrant, int l,
   to->im[0] += cimagf(c);
 }
 
-/* Rows l and -l of a strip; the columns -k lie behind the others. */
+/* Write rows l and -l of a strip; the columns -k follow the others. */
 static void fill_rows(const job *j, strip *p, int l, eda_lanes *to,
                       size_t apart) {
   const eda_spectrum *m = j->mask;
@@ -229,14 +234,15 @@ static void fill_rows(const job *j, strip *p, int l, eda_lanes *to,
   }
 }
 
-/* From n points of EDA_LANES columns to `column` of blocks of rows. Rows that
-   fill the last block are 0: they will share a transform with others. */
+/* Transpose n points of EDA_LANES columns to `column` of blocks of rows. Rows
+   that fill the last block are 0, because they share a transform with
+   others. */
 static void turn_lines(eda_lanes *from, int n, lines *to, size_t column) {
   memset(from + n, 0, sizeof *from * (blocks(n) * EDA_LANES - (size_t)n));
   for (size_t b = 0; b < blocks(n); b++) {
     const eda_lanes *tile = from + b * EDA_LANES;
     eda_lanes *out = to->at + b * to->n + column;
-    /* The next one lies far away. */
+    /* The next block is far away in memory. */
     for (size_t i = 0; i < EDA_LANES && b + 1 < blocks(n); i++) {
       __builtin_prefetch(&out[to->n + i].re, 1);
       __builtin_prefetch(&out[to->n + i].im, 1);
@@ -275,8 +281,8 @@ EDA_WIDE static void add_square(const eda_lanes *restrict field, float weight,
     sum[i] += weight * (field[i].re * field[i].re + field[i].im * field[i].im);
 }
 
-/* Squares of the systems that are there, one after another; the first one of
-   each sum begins it. */
+/* Square the fields of the current group of kernels, one after another; the
+   first one of each sum initialises the sum. */
 static void square_along_x(void *data, size_t block) {
   job *j = data;
   if (opc_cancelled(j->context)) return;
@@ -299,7 +305,7 @@ static void square_along_x(void *data, size_t block) {
   give_back(j, a);
 }
 
-/* Room for the fields of some systems and for the sums. */
+/* Allocate the fields of some kernels and the sums. */
 static void make_fields(job *j, size_t count) {
   size_t n = j->rows * (size_t)j->nx;
   j->left = strips(j) * STRIP;
@@ -328,9 +334,9 @@ static void add_systems(job *j) {
 
 /* ---- from the sums to the result ---- */
 
-/* Number k of two blocks of real rows that are the parts of a complex one. A
-   transform is turned round by exchanging the parts before and after it: here
-   they are exchanged on both sides. */
+/* Separate number k of two blocks of real rows that are the parts of a complex
+   one. Exchanging the parts before and after a transform reverses its
+   direction; here the parts are exchanged on both sides. */
 EDA_WIDE static void split(const eda_lanes *a, int n, int k, eda_lanes *first,
                            eda_lanes *second) {
   const eda_lanes *p = a + k, *q = a + (k ? n - k : 0);
@@ -369,8 +375,9 @@ static void forth_along_x(void *data, size_t pair) {
   give_back(j, a);
 }
 
-/* Number l of columns k of the result: of the sum and the filtered residuals,
-   as coefficients of the spline. The sums[k][at] have their parts exchanged. */
+/* Compute number l of columns k of the result from the sum and the filtered
+   residuals, as coefficients of the spline. The parts of sums[k][at] are
+   exchanged. */
 static void coefficient(const job *j, int first, int l,
                         const eda_lanes *const *sums, size_t at,
                         eda_lanes *to) {
@@ -400,7 +407,8 @@ static void coefficient(const job *j, int first, int l,
   to->im = b * sum.re;
 }
 
-/* A block of columns: forth along y, and back as the result's. */
+/* Transform a block of columns forward along y, and back on the grid of the
+   result. */
 static void columns_to_fine(void *data, size_t block) {
   job *j = data;
   if (opc_cancelled(j->context)) return;
@@ -425,7 +433,8 @@ static void columns_to_fine(void *data, size_t block) {
   give_back(j, fine);
 }
 
-/* The numbers k and -k of two blocks of real rows in one complex one. */
+/* Combine the numbers k and -k of two blocks of real rows in one complex
+   one. */
 EDA_WIDE static void join(const eda_lanes *first, const eda_lanes *second,
                           int top, int n, eda_lanes *a) {
   memset(a + top + 1, 0, sizeof *a * (size_t)(n - 2 * top - 1));
@@ -436,7 +445,7 @@ EDA_WIDE static void join(const eda_lanes *first, const eda_lanes *second,
   }
 }
 
-/* EDA_LANES rows of the result, from points [x] of rows. */
+/* Write EDA_LANES rows of the result from points [x] of rows. */
 static void write_rows(const job *j, const eda_vector *points, size_t block) {
   size_t n = (size_t)j->fine_x, first = block * EDA_LANES;
   size_t rows = MIN((size_t)EDA_LANES, (size_t)j->fine_y - first);
@@ -463,7 +472,8 @@ static void back_along_x(void *data, size_t pair) {
   give_back(j, a);
 }
 
-/* Of a spline's coefficients over its samples, at frequencies up to `top`. */
+/* Return the ratio of spline coefficients to samples, at frequencies up to
+   `top`. */
 static float *over_samples(int top, int n, double scale) {
   float *a = eda_alloc((size_t)top + 1, sizeof *a);
   for (int k = 0; k <= top; k++)
@@ -471,7 +481,7 @@ static float *over_samples(int top, int n, double scale) {
   return a;
 }
 
-/* Coefficients of the spline that goes through the band-limited samples. */
+/* Compute the coefficients of the spline through the band-limited samples. */
 static void to_spline(job *j) {
   size_t fine = blocks(j->fine_y);
   j->by_x = over_samples(j->top_x, j->fine_x, 1.0 / j->nx);
@@ -494,8 +504,8 @@ static void to_spline(job *j) {
 
 /* ---- grids ---- */
 
-/* Of make_fields and to_spline, with the least that there can be: an intensity
-   of the mask's band, all systems through one field. */
+/* Estimate the memory of make_fields and to_spline for the smallest case: an
+   intensity within the band of the mask, all kernels through one field. */
 eda_image_size eda_image_forecast(eda_frame f, double band) {
   double x = f.width * band, y = f.height * band; /* frequencies on one side */
   double nx = fmax(0.85 * 3, 2) * x, ny = fmax(0.85 * 3, 2) * y;
@@ -509,13 +519,14 @@ eda_image_size eda_image_forecast(eda_frame f, double band) {
   return (eda_image_size){nx, ny, spectrum + sums + along_y + fine + out, out};
 }
 
-/* Samples along a side for fields, and nodes for the result. */
+/* Return the samples along a side for fields, or the nodes of the result. */
 static int field_size(const eda_systems *s, double side) {
-  /* What a square has beyond the band of the intensity must not fold into it;
-     the outermost part of the square is so weak that folding it costs about
-     1e-5 of the clear field, and saves a quarter of the time. */
+  /* The part of a square beyond the band of the intensity must not alias into
+     that band. The outermost part of the square is so weak that aliasing it
+     costs about 1e-5 of the clear field, and saves a quarter of the time. */
   double samples = 0.85 * (2 * s->band + s->intensity_band);
-  double whole = 2 * fmax(s->intensity_band, s->band); /* all is there */
+  double whole = 2 * fmax(s->intensity_band, s->band); /* sufficient for
+                                                          everything */
   return eda_lanes_size(fmax(side * samples, side * whole + 2));
 }
 

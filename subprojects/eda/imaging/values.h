@@ -5,12 +5,12 @@
 
 #include <stddef.h>
 
-/* Bytes behind the values of a field that the library makes: guard words
-   (gates/fence.h) go there, and the field is not copied for them. */
+/* Spare bytes behind the values of fields made by the library: guard words
+   (gates/fence.h) are written there without copying the field. */
 enum { EDA_VALUES_SPARE = 512 };
 
-/* n values, not zeroed, for eda_field_clear. Running out of memory ends the
-   program. [any] */
+/* Return n values, not initialised, freed by eda_field_clear. Ends the program
+   without memory. [any] */
 float *eda_values_new(size_t n);
 
 #endif

@@ -70,6 +70,7 @@ typedef struct eda_extractor {
      (nm) of a transistor type for which the figures are valid, after `prepare`.
      Return 1, or 0 if there are no limits. [any] */
   int (*range)(const void *self, int type, double *shortest, double *longest);
+  OPC_MAY_GROW
 } eda_extractor;
 
 OPC_C_END

@@ -55,6 +55,7 @@ typedef struct eda_litho {
   /* Optional. Return the scanner, which determines lengths that a flow does not
      give; also called before `prepare`. NULL: unknown. Since 0.7. [any] */
   eda_scanner (*scanner)(const void *self);
+  OPC_MAY_GROW
 } eda_litho;
 
 /* Compute the spectrum of a mask for a model, by its `transform` or by

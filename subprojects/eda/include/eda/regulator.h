@@ -58,6 +58,7 @@ typedef struct eda_regulator {
   int (*violations)(void *self, const eda_printed *printed,
                     eda_violation *violations, size_t most, size_t *count,
                     opc_error *error);
+  OPC_MAY_GROW
 } eda_regulator;
 
 OPC_C_END

@@ -21,6 +21,7 @@ typedef struct eda_resist {
      parameters that follow from them. The gates live until `prepare` returns.
      NULL: nothing follows. Since 0.7. [main] */
   void (*drawn)(void *self, const eda_gates *gates);
+  OPC_MAY_GROW
 } eda_resist;
 
 OPC_C_END

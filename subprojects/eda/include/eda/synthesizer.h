@@ -148,6 +148,7 @@ typedef struct eda_synthesizer {
      the drawn one; NAN: the gate is not corrected. The loop uses the target to
      select the better of two masks of a gate. [main] */
   double (*target)(const void *self, size_t gate);
+  OPC_MAY_GROW
 } eda_synthesizer;
 
 OPC_C_END

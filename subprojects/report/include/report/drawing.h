@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A mask as data for a picture that is drawn elsewhere: view.json. README.md of
-   this family tells its form. */
+/* Mask data for pictures drawn elsewhere: view.json. The format is described in
+   the README.md of plugins/report. */
 #ifndef OPCFLOW_REPORT_DRAWING_H
 #define OPCFLOW_REPORT_DRAWING_H
 
@@ -8,10 +8,10 @@
 #include <glib.h>
 #include <opcflow/plugin.h>
 
-/* How much of a layout is written: a member of an instance, and its parameters.
-   Source of the numbers: a transistor of a chip of SkyWater 130 takes 0.95 kB,
-   and a page of 15 MB has room for 10 MB of pictures. At double, that chip of
-   13,500 transistors had a page without any. */
+/* Limits of the written part of a layout, with their parameters. Basis: a
+   transistor of a chip in SkyWater 130 takes 0.95 kB, and a page of 15 MB has
+   space for 10 MB of pictures. With double the limit, the page of that chip of
+   13,500 transistors had no pictures. */
 typedef struct drawing_limits {
   int64_t whole, worst;
 } drawing_limits;
@@ -26,12 +26,13 @@ typedef struct drawing_limits {
                           .flags = OPC_AT_LEAST, .preset = "500", .min = 1, \
                           .summary = "So many of the worst then")
 
-/* Append the JSON object of a mask. Errors are those of the parameter "mask";
-   [main]. */
+/* Append the JSON object of a mask. Errors have the parameter "mask". Returns
+   OPC_OK or an error code. Call on the main thread. */
 int drawing_write(const opc_context *context, const eda_mask *mask,
                   const drawing_limits *limits, GString *out, opc_error *error);
 
-/* The same into a file. */
+/* Write the JSON object of a mask to a file. Returns OPC_OK or an error
+   code. */
 int drawing_file(const opc_context *context, const eda_mask *mask,
                  const drawing_limits *limits, const char *path,
                  opc_error *error);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The page: one HTML file with all figures of some runs, and what draws them.
-   All [main]. */
+/* Report page: one HTML file with all figures of some runs and the code that
+   draws them. Call all functions on the main thread. */
 #ifndef OPCFLOW_REPORT_PAGE_H
 #define OPCFLOW_REPORT_PAGE_H
 
@@ -8,33 +8,35 @@
 #include <opcflow/plugin.h>
 
 typedef struct page {
-  GString *runs;      /* JSON, with commas between */
-  GString *missing;   /* JSON texts: what the page has to do without */
-  GHashTable *labels; /* char *, each once */
-  double room;        /* bytes that are left for pictures */
+  GString *runs;      /* JSON, separated by commas */
+  GString *missing;   /* JSON texts: missing parts of the page */
+  GHashTable *labels; /* set of char * */
+  double room;        /* bytes left for pictures */
 } page;
 
-/* A page of about `megabytes` at most, where that depends on pictures. */
+/* Set up a page of at most about `megabytes`, limited by omitting pictures. */
 void page_init(page *p, double megabytes);
 void page_clear(page *p);
 
-/* Add a run folder, or all runs of an experiment's. */
+/* Add a run folder, or all runs of an experiment. Returns OPC_OK or an error
+   code. */
 int page_add(page *p, const char *folder, opc_error *error);
 
-/* Add one run: of a case (NULL: none) by a method (NULL: called as its folder).
-   `running`: it is the one that this belongs to, not yet at its end. */
+/* Add one run: of a case (may be NULL) by a method (NULL: named after its
+   folder). `running`: 1 for the run in progress that writes the page. Returns
+   OPC_OK or an error code. */
 int page_add_run(page *p, const char *folder, const char *of_case,
                  const char *method, int running, opc_error *error);
 
-/* Say that something is not there. */
+/* Add a note on a missing part. */
 void page_lacks(page *p, const char *format, ...) OPC_PRINTF(2, 3);
 
-/* Write it. `title`: NULL for the names of the runs. Errors that are the file's
-   have the parameter `file`. */
+/* Write the page. `title` NULL: names of the runs. Returns OPC_OK, or OPC_IO
+   with the parameter `file`. */
 int page_write(const page *p, const char *title, const char *path,
                opc_error *error);
 
-/* The parameter of page_init: what loads in two seconds. */
+/* Parameter of page_init; the default loads in two seconds. */
 #define PAGE_LIMIT(state, member)                                            \
   OPC_PARAMETER_NAMED("size_limit", state, member, .type = OPC_REAL,         \
                       .flags = OPC_ABOVE, .former = "limit", .preset = "15", \

@@ -1,19 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Cells that were simulated before: a file each, named by a hash of all that
-   its figures depend on. */
-#include <errno.h>
+/* The key of a circuit, a hash of all that its figures depend on but for this
+   plugin, and its figures in the store of the host. */
 #include <glib.h>
-#include <glib/gstdio.h>
 #include <inttypes.h>
-#include <math.h>
+#include <opcflow/results.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "characterize.h"
-
-/* To be raised when figures change for the same circuit. */
-#define FORMAT "opcflow-timing 2"
 
 /* ---- the key ---- */
 
@@ -62,7 +57,6 @@ static void hash_colour(GChecksum *sum, uint64_t colour) {
 char *keep_key(const study *s, const eda_timing_cell *c, opc_error *error) {
   g_autoptr(GChecksum) sum = g_checksum_new(G_CHECKSUM_SHA256);
   const circuit *r = circuit_of(s, c);
-  hash_text(sum, FORMAT);
   hash_number(sum, s->dlc);
   hash_number(sum, s->supply);
   hash_number(sum, s->temperature);
@@ -81,52 +75,20 @@ char *keep_key(const study *s, const eda_timing_cell *c, opc_error *error) {
   return g_strndup(g_checksum_get_string(sum), 32);
 }
 
-/* ---- files ---- */
+/* ---- results ---- */
 
-static char *path_of(const study *s, const char *key) {
-  const char *store = g_getenv("OPCFLOW_STORE");
-  if (s->kept && !strcmp(s->kept, "none")) return NULL;
-  if (s->kept) return g_build_filename(s->kept, key, NULL);
-  if (store) return g_build_filename(store, "timing", key, NULL);
-  return g_build_filename(g_get_user_cache_dir(), "opcflow", "timing", key,
-                          NULL);
+int keep_load(const study *s, const char *key, double *figure, size_t figures) {
+  const opc_results *results = opc_get_results(s->host);
+  size_t size = 0, wanted = figures * sizeof *figure;
+  void *kept = results ? results->find(s->host, key, &size) : NULL;
+  int good = kept && size == wanted;
+  if (good) memcpy(figure, kept, wanted);
+  free(kept);
+  return good;
 }
 
-int keep_load(const study *s, const char *cell, const char *key, double *figure,
-              size_t figures) {
-  g_autofree char *path = path_of(s, key), *text = NULL;
-  if (!path || !g_file_get_contents(path, &text, NULL, NULL)) return 0;
-  g_autofree char *head = g_strdup_printf(FORMAT " %s %zu\n", key, figures);
-  int good = g_str_has_prefix(text, head);
-  char *at = text + (good ? strlen(head) : 0);
-  for (size_t i = 0; good && i < figures; i++) {
-    char *end;
-    figure[i] = g_ascii_strtod(at, &end);
-    good = end > at && *end == '\n' && isfinite(figure[i]);
-    at = end + 1;
-  }
-  if (good && !strcmp(at, "end\n")) return 1;
-  s->host->log(s->host, OPC_LOG_WARNING,
-               "'%s' is damaged; cell '%s' is simulated again", path, cell);
-  memset(figure, 0, figures * sizeof *figure);
-  return 0;
-}
-
-/* A cell that cannot be kept is no fault: it is simulated again next time. */
-void keep_save(const study *s, const char *cell, const char *key,
-               const double *figure, size_t figures) {
-  g_autofree char *path = path_of(s, key);
-  g_autoptr(GError) fault = NULL;
-  if (!path) return;
-  g_autofree char *folder = g_path_get_dirname(path);
-  g_autoptr(GString) text = g_string_new(NULL);
-  g_string_printf(text, FORMAT " %s %zu\n", key, figures);
-  for (size_t i = 0; i < figures; i++)
-    g_string_append_printf(text, "%.17g\n", figure[i]);
-  g_string_append(text, "end\n");
-  g_mkdir_with_parents(folder, 0700);
-  /* Written beside it and renamed: whoever reads it meanwhile has all. */
-  if (!g_file_set_contents(path, text->str, (gssize)text->len, &fault))
-    s->host->log(s->host, OPC_LOG_WARNING, "cell '%s' is not kept: %s", cell,
-                 fault->message);
+void keep_save(const study *s, const char *key, const double *figure,
+               size_t figures) {
+  const opc_results *results = opc_get_results(s->host);
+  if (results) results->keep(s->host, key, figure, figures * sizeof *figure);
 }

@@ -1,0 +1,126 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Flat geometry: points, boxes, polygons and their operations. */
+#ifndef EDA_GEOMETRY_H
+#define EDA_GEOMETRY_H
+
+#include <opcflow/base.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* A point with integer coordinates in some unit (database unit of a layout,
+   grid of a mask). */
+typedef struct eda_point {
+  int32_t x, y;
+} eda_point;
+
+typedef struct eda_box {
+  int32_t x0, y0, x1, y1; /* x0 <= x1, y0 <= y1; empty if x0 > x1 */
+} eda_box;
+
+/* Boxes that the struct does not own. */
+typedef struct eda_boxes {
+  const eda_box *box;
+  size_t count;
+} eda_boxes;
+
+/* A growing list of boxes; free `box` with free(). */
+typedef struct eda_box_list {
+  eda_box *box;
+  size_t count, room;
+} eda_box_list;
+
+OPC_EXPORT void eda_box_list_add(eda_box_list *list, eda_box box);
+
+/* The box of nothing, as an initialiser: eda_box_join extends it. */
+#define EDA_BOX_EMPTY \
+  { INT32_MAX, INT32_MAX, INT32_MIN, INT32_MIN }
+
+/* Extend a box to contain another one. [any] */
+OPC_UNUSED static inline void eda_box_join(eda_box *all, eda_box b) {
+  if (b.x0 < all->x0) all->x0 = b.x0;
+  if (b.y0 < all->y0) all->y0 = b.y0;
+  if (b.x1 > all->x1) all->x1 = b.x1;
+  if (b.y1 > all->y1) all->y1 = b.y1;
+}
+
+/* Return the distance between the middles of two boxes. [any] */
+OPC_EXPORT double eda_box_distance(eda_box a, eda_box b);
+
+/* Return the bounding box of n points; empty for n = 0. [any] */
+OPC_UNUSED static inline eda_box eda_bounds(const eda_point *points, size_t n) {
+  eda_box b = EDA_BOX_EMPTY;
+  size_t i;
+  for (i = 0; i < n; i++) {
+    if (points[i].x < b.x0) b.x0 = points[i].x;
+    if (points[i].y < b.y0) b.y0 = points[i].y;
+    if (points[i].x > b.x1) b.x1 = points[i].x;
+    if (points[i].y > b.y1) b.y1 = points[i].y;
+  }
+  return b;
+}
+
+/* Polygons in plain arrays: polygon i has the points start[i] .. start[i+1]-1
+   in order, the last joined to the first. Merged shapes (returned by the
+   functions below) do not overlap and have no collinear or repeated points.
+   Their outlines run counter-clockwise and their holes clockwise. Each hole is
+   a polygon of its own, marked in `hole` (NULL: no holes). */
+typedef struct eda_shapes {
+  size_t count;
+  uint32_t *start; /* [count + 1], start[0] = 0; NULL if count = 0 */
+  eda_point *points;
+  uint8_t *hole;
+} eda_shapes;
+
+enum { EDA_OR = 0, EDA_AND = 1, EDA_NOT = 2, EDA_XOR = 3 };
+
+/* All functions are [any].
+
+   Input shapes may overlap, have any orientation and repeated or collinear
+   points; the inside of a polygon is where its winding number is not zero. If
+   `hole` is not NULL, the polygons must not intersect themselves, and holes are
+   subtracted from the outlines. Coordinates stay within +-2^30, and edges are
+   parallel to an axis; otherwise functions return OPC_INVALID and the
+   coordinates of the fault. */
+
+/* Compute *out = a OP b, merged. Polygons that touch along an edge are joined;
+   polygons that touch in a corner stay separate. b may be NULL (EDA_OR: merge
+   a). The order of the result depends on the geometry only: by lowest, then
+   leftmost point. *out is overwritten; the caller clears *out, which is empty
+   on failure. Return OPC_FAILED for a result of more than 2^31 edges. */
+OPC_EXPORT int eda_boolean(int op, const eda_shapes *a, const eda_shapes *b,
+                           eda_shapes *out, opc_error *error);
+
+/* Move all edges of merged shapes outwards by `by`, inwards if `by` is
+   negative; *out as in eda_boolean. Corners stay square. Spaces or shapes of at
+   most twice |by| disappear. */
+OPC_EXPORT int eda_shapes_grow(const eda_shapes *shapes, int32_t by,
+                               eda_shapes *out, opc_error *error);
+
+/* Move points in place so that edges that deviate from an axis by at most
+   `most` become parallel to the axis. A chain of such edges gets the middle
+   between its smallest and largest coordinate. Chains that deviate by more in
+   total are slanted and stay unchanged. Return the number of straightened
+   edges. */
+OPC_EXPORT size_t eda_shapes_straighten(const eda_shapes *shapes, int32_t most);
+
+/* Dissect merged shapes into non-overlapping rectangles, by horizontal or
+   vertical cuts, whichever yields fewer for a polygon and its holes. Boxes are
+   ordered by lowest, then leftmost corner. Free *boxes with free(); NULL on
+   failure. */
+OPC_EXPORT int eda_fracture(const eda_shapes *shapes, eda_box **boxes,
+                            size_t *count, opc_error *error);
+
+/* Return twice the area of merged shapes, holes subtracted, in the square of
+   their unit. For other shapes: twice the sum of the signed areas of their
+   polygons. */
+OPC_EXPORT int64_t eda_area2(const eda_shapes *shapes);
+
+/* Free the arrays, which come from eda_alloc, and clear the struct. */
+OPC_EXPORT void eda_shapes_clear(eda_shapes *shapes);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Kind "litho": computes the intensity of a mask. */
+#ifndef EDA_LITHO_H
+#define EDA_LITHO_H
+
+#include <eda/imaging.h>
+#include <eda/natural.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct eda_litho {
+  /* Prepare once, before any image, for example compute kernels. [main] */
+  int (*prepare)(void *self, opc_error *error);
+
+  /* Return the highest mask frequency (1/nm) that the model uses. For forecasts
+     also called before `prepare`; 0: not yet known. [any] */
+  double (*band)(const void *self);
+
+  /* Compute the intensity of the mask of a layer; `layer` is its number
+     (EDA_POLY, ...). The caller clears *out. [any] */
+  int (*image)(const void *self, int layer, const eda_spectrum *mask,
+               eda_field *out, opc_error *error);
+
+  /* Optional. Compute the image at a defocus of `defocus` nm from the focus
+     given by the parameters. NULL: the model has one focus. [any] */
+  int (*image_at)(const void *self, int layer, const eda_spectrum *mask,
+                  double defocus, eda_field *out, opc_error *error);
+
+  /* The struct grows at its end only.
+
+     Optional. Compute the image with an error of at most `wanted` (clear field
+     1) relative to the most accurate image the model can compute, `defocus` nm
+     from the focus given by the parameters, on the grid of `image`. The kernels
+     for this are computed at the first call. If the model cannot reach the
+     error, it logs the fact. NULL: `image` and `image_at` are the most
+     accurate. [any] */
+  int (*image_fine)(const void *self, int layer, const eda_spectrum *mask,
+                    double defocus, double wanted, eda_field *out,
+                    opc_error *error);
+
+  /* Optional. Compute the spectrum of a mask (merged, in units of `grid` nm) up
+     to the model's band by the model's own method. NULL: eda_mask_spectrum is
+     used. The caller clears *out. [any] */
+  int (*transform)(const void *self, const eda_shapes *mask, double grid,
+                   eda_frame frame, eda_spectrum *out, opc_error *error);
+
+  /* Optional. Compute the gradient of the integral of weight * intensity,
+     `defocus` nm from the focus given by the parameters, with respect to the
+     mask's shapes, on the grid of `weight`; see eda_coherent_gradient. NULL:
+     not supported. The caller clears *out. [any] */
+  int (*gradient)(const void *self, int layer, const eda_spectrum *mask,
+                  double defocus, const eda_field *weight, eda_field *out,
+                  opc_error *error);
+
+  /* Optional. Return the scanner, which determines lengths that a flow does not
+     give; also called before `prepare`. NULL: unknown. Since 0.7. [any] */
+  eda_scanner (*scanner)(const void *self);
+  OPC_MAY_GROW
+} eda_litho;
+
+/* Compute the spectrum of a mask for a model, by its `transform` or by
+   eda_mask_spectrum. [any] */
+OPC_EXPORT int eda_litho_spectrum(const opc_context *context,
+                                  const opc_module *litho,
+                                  const eda_shapes *mask, double grid,
+                                  eda_frame frame, eda_spectrum *out,
+                                  opc_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Kind "resist": converts an intensity to printed shapes. */
+#ifndef EDA_RESIST_H
+#define EDA_RESIST_H
+
+#include <eda/gates.h>
+#include <eda/litho.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct eda_resist {
+  /* Prepare once, before any print: calibrate each layer against the litho
+     model in use, whose functions are an eda_litho. [main] */
+  int (*prepare)(void *self, const opc_module *litho, opc_error *error);
+
+  /* Convert the intensity of a layer, in place, to its level set: positive
+     where the resist remains. The grid of the field may change. [any] */
+  int (*print)(const void *self, int layer, eda_field *field, opc_error *error);
+
+  /* Optional. Receive, before `prepare`, the transistors to be simulated, for
+     parameters that follow from them. The gates live until `prepare` returns.
+     NULL: nothing follows. Since 0.7. [main] */
+  void (*drawn)(void *self, const eda_gates *gates);
+  OPC_MAY_GROW
+} eda_resist;
+
+#ifdef __cplusplus
+}
+#endif
+#endif

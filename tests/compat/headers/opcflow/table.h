@@ -1,0 +1,80 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What a plugin publishes, in one call: several metrics, or a table of which
+   the rows are an array of structs. */
+#ifndef OPCFLOW_TABLE_H
+#define OPCFLOW_TABLE_H
+
+#include <opcflow/plugin.h>
+#include <stdlib.h>
+#include <string.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* An array and how many elements it has. */
+#define OPC_ARRAY(array) (array), sizeof(array) / sizeof((array)[0])
+
+/* ---- metrics ---- */
+
+/* The name is NULL for a metric that has no value this time. */
+typedef struct opc_metric_value {
+  const char *name;
+  double value;
+} opc_metric_value;
+
+/* `return opc_put_metrics(host, OPC_ARRAY(values), error);` [main] */
+OPC_UNUSED static int opc_put_metrics(const opc_host *host,
+                                      const opc_metric_value *values, size_t n,
+                                      opc_error *error) {
+  int code = OPC_OK;
+  size_t i;
+  for (i = 0; i < n && !code; i++)
+    if (values[i].name)
+      code = host->metric(host, values[i].name, values[i].value, error);
+  return code;
+}
+
+/* ---- tables ---- */
+
+/* Publish a table; opc_host.table. [main] */
+OPC_UNUSED static int opc_put_table(const opc_host *host, const char *name,
+                                    uint32_t flags, size_t rows,
+                                    const opc_column *columns, size_t n,
+                                    opc_error *error) {
+  return host->table(host, name, flags, rows, columns, n, sizeof *columns,
+                     error);
+}
+
+/* A table of `rows` structs of `size` bytes each. The data of a column is the
+   member of the first one. [main] */
+OPC_UNUSED static int opc_put_rows(const opc_host *host, const char *name,
+                                   uint32_t flags, size_t rows, size_t size,
+                                   const opc_column *columns, size_t n,
+                                   opc_error *error) {
+  enum { CELL = 8 }; /* bytes: a pointer has no more */
+  opc_column *all = (opc_column *)malloc((n + 1) * sizeof *all);
+  char *cells = (char *)malloc((n * rows + 1) * CELL);
+  int code = OPC_FAILED;
+  size_t k, i;
+  for (k = 0; k < n && all && cells; k++) {
+    const char *from = (const char *)columns[k].data;
+    size_t bytes = columns[k].type == OPC_TEXT ? sizeof from : (size_t)CELL;
+    char *to = cells + k * rows * CELL;
+    for (i = 0; i < rows; i++) memcpy(to + i * bytes, from + i * size, bytes);
+    all[k] = columns[k];
+    all[k].data = to;
+  }
+  if (all && cells)
+    code = opc_put_table(host, name, flags, rows, all, n, error);
+  else
+    opc_fail(error, OPC_FAILED, NULL, "table '%s': out of memory", name);
+  free(all);
+  free(cells);
+  return code;
+}
+
+#ifdef __cplusplus
+}
+#endif
+#endif
