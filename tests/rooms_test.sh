@@ -94,7 +94,7 @@ file_circles() {
 # The kernel stays small. Lower the number with the kernel.
 kernel_size() {
   find core -name '*.[ch]' ! -name '*_test.[ch]' -exec cat {} + | wc -l |
-    awk -v most=12657 '$1 > most { print "core has " $1 " lines of .c and .h, more than " most }'
+    awk -v most=10000 '$1 > most { print "core has " $1 " lines of .c and .h, more than " most }'
 }
 
 # Private headers are named from the top of the library.

@@ -2,6 +2,7 @@
 /* Expands lists, patterns and files into layers, and names these. */
 #include "core/binding/expand.h"
 
+#include <base/file.h>
 #include <base/list.h>
 #include <base/match.h>
 #include <string.h>
@@ -69,20 +70,6 @@ typedef struct probe {
   const opc_parameter *parameter;
 } probe;
 
-static void find_parameter(probe *p, const char *path) {
-  g_autoptr(GPtrArray) all = g_ptr_array_new();
-  opc_binding_list(p->step, all);
-  for (guint i = 0; i < all->len; i++) {
-    opc_binding *b = all->pdata[i];
-    size_t n = strlen(b->path);
-    if (strncmp(b->path, path, n) != 0 || path[n] != '.') continue;
-    int found = opc_parameter_find(b->plugin, path + n + 1);
-    if (found < 0) continue;
-    p->binding = b;
-    p->parameter = &b->plugin->parameters[found];
-  }
-}
-
 static void open_probe(const expander *e, const item *it, const opc_node *map,
                        const char *path, opc_problems *problems, probe *p) {
   g_autoptr(opc_problems) ignored = opc_problems_new();
@@ -106,7 +93,9 @@ static void open_probe(const expander *e, const item *it, const opc_node *map,
   if (!p->step) return;
   if (!problems->list->len)
     opc_inner_open(p->step, e->registry, choice.bind, problems);
-  find_parameter(p, path);
+  g_autoptr(GPtrArray) all = g_ptr_array_new();
+  opc_binding_list(p->step, all);
+  p->parameter = opc_parameter_at(all, path, &p->binding);
 }
 
 static void close_probe(probe *p) {
@@ -217,51 +206,11 @@ static gboolean find_values(const expander *e, const item *it,
 
 /* ---- names ---- */
 
-/* The name of a file without its folder and ending, the plugin that is used,
-   or the text; "" for what has none of these. */
-static char *label_of(const opc_node *value) {
-  const opc_node *use = opc_node_get(value, "use");
-  const char *text = use                            ? use->text
-                     : value->type == OPC_NODE_TEXT ? value->text
-                                                    : NULL;
-  if (!text || opc_node_is_null(value)) return g_strdup("");
-  g_autofree char *base = g_path_get_basename(text);
-  char *dot = strrchr(base, '.');
-  if (dot && dot > base && g_ascii_isalpha(dot[1])) {
-    if (use)
-      memmove(base, dot + 1, strlen(dot));
-    else
-      *dot = 0;
-  }
-  g_strcanon(base, G_CSET_a_2_z G_CSET_A_2_Z G_CSET_DIGITS "_-.", ' ');
-  g_auto(GStrv) words = g_strsplit(g_strstrip(base), " ", -1);
-  g_autofree char *joined = g_strjoinv("", words);
-  return g_strdup(joined + strspn(joined, ".-"));
-}
-
-static void add_label(GString *to, const char *label) {
-  if (!*label || !strcmp(to->str, label)) return;
-  if (to->len) g_string_append_c(to, '-');
-  g_string_append(to, label);
-}
-
-/* Of the first text, or else of the first value that has one. */
-static char *first_label(const opc_node *map) {
-  for (int any = 0; any < 2; any++)
-    for (guint i = 0; i < map->items->len; i++) {
-      const opc_node *value = map->items->pdata[i];
-      g_autofree char *label = label_of(value);
-      if (*label && (any || value->type == OPC_NODE_TEXT))
-        return g_steal_pointer(&label);
-    }
-  return g_strdup("");
-}
-
 static char *name_of(const item *it, const part *p) {
   GString *name = g_string_new(it->name ? it->name : it->variant);
-  if (it->several) add_label(name, p->label->str);
+  if (it->several) opc_label_add(name, p->label->str);
   if (!name->len) {
-    g_autofree char *label = first_label(p->map);
+    g_autofree char *label = opc_label_of_map(p->map);
     g_string_append(name, label);
   }
   return g_string_free(name, FALSE);
@@ -327,9 +276,9 @@ static GPtrArray *multiply(const expander *e, const item *it, GPtrArray *parts,
     for (guint k = 0; good && k < v.nodes->len; k++) {
       part *p = part_copy(parts->pdata[i]);
       const opc_node *node = v.nodes->pdata[k];
-      g_autofree char *label = label_of(node);
+      g_autofree char *label = opc_label(node);
       opc_node_add(p->map, opc_node_copy(key, NULL), opc_node_copy(node, NULL));
-      if (count_of(value) > 1 || parameter) add_label(p->label, label);
+      if (count_of(value) > 1 || parameter) opc_label_add(p->label, label);
       if (*(char *)v.stars->pdata[k] && !p->star)
         p->star = g_strdup(v.stars->pdata[k]);
       g_ptr_array_add(out, p);
@@ -394,18 +343,12 @@ static const char *take_variant(const expander *e, const opc_node *node) {
              : NULL;
 }
 
-/* Put a key over what may be there. */
+/* Put a value under a key that is written at `like`. */
 static void put(opc_node *map, const char *key, const opc_node *like,
                 const opc_node *value) {
-  int i = opc_node_find(map, key);
-  if (i >= 0) {
-    opc_node_free(map->items->pdata[i]);
-    map->items->pdata[i] = opc_node_copy(value, NULL);
-    return;
-  }
-  opc_node *name = opc_node_text_new(like->source, key);
+  g_autoptr(opc_node) name = opc_node_text_new(like->source, key);
   name->at = like->at;
-  opc_node_add(map, name, opc_node_copy(value, NULL));
+  opc_node_put(map, name, value);
 }
 
 /* What stands beside `list`, and one of its elements over it. */
@@ -414,14 +357,12 @@ static void expand_element(expander *e, const char *name, const opc_node *map,
   g_autoptr(opc_node) whole = opc_node_map_new(element->source, &element->at);
   for (guint i = 0; i < map->items->len; i++)
     if (strcmp(opc_node_key(map, i), "list") != 0)
-      put(whole, opc_node_key(map, i), map->keys->pdata[i],
-          map->items->pdata[i]);
+      opc_node_put(whole, map->keys->pdata[i], map->items->pdata[i]);
   if (key) put(whole, "name", key, key);
   if (element->type == OPC_NODE_TEXT) put(whole, "variant", element, element);
   for (guint i = 0; element->type == OPC_NODE_MAP && i < element->items->len;
        i++)
-    put(whole, opc_node_key(element, i), element->keys->pdata[i],
-        element->items->pdata[i]);
+    opc_node_put(whole, element->keys->pdata[i], element->items->pdata[i]);
   if (element->type == OPC_NODE_LIST)
     opc_wrong(e->problems, element, "a list in a list");
   else

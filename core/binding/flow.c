@@ -2,6 +2,7 @@
 /* Makes a flow of a recipe and what is laid over it. */
 #include "core/binding/flow.h"
 
+#include <base/file.h>
 #include <base/layers.h>
 #include <base/suggest.h>
 #include <string.h>

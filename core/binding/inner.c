@@ -225,23 +225,13 @@ void opc_inner_visit(const opc_inner *inner,
 
 /* ---- asking ---- */
 
-/* Of a flow at some point, by the numbers of its steps: which have what others
-   gave, and which have to run for what was asked for (g_free). */
-static gboolean *find_given(const opc_inner *in, const opc_flow *flow) {
-  gboolean *given = g_new0(gboolean, flow->steps->len);
-  for (guint i = 0; i < flow->steps->len; i++) {
-    const opc_flow_step *step = flow->steps->pdata[i];
-    given[i] = g_hash_table_contains(in->given, step->name);
-  }
-  return given;
-}
-
 gboolean *opc_inner_needed(const opc_inner *in, const opc_flow *flow) {
-  g_autofree gboolean *given = find_given(in, flow);
+  g_autofree gboolean *given = g_new0(gboolean, flow->steps->len);
   g_autofree gboolean *wanted = g_new0(gboolean, flow->steps->len);
   gboolean all = !g_hash_table_size(in->wanted);
   for (guint i = 0; i < flow->steps->len; i++) {
     const opc_flow_step *step = flow->steps->pdata[i];
+    given[i] = g_hash_table_contains(in->given, step->name);
     wanted[i] = all || g_hash_table_contains(in->wanted, step->name);
   }
   return opc_flow_needed(flow, wanted, given);

@@ -14,17 +14,25 @@ GPtrArray *opc_flow_bindings(const opc_flow *flow) {
   return list;
 }
 
-const opc_parameter *opc_flow_parameter(const opc_flow *flow,
-                                        const char *path) {
-  g_autoptr(GPtrArray) all = opc_flow_bindings(flow);
-  for (guint i = 0; i < all->len; i++) {
-    const opc_binding *b = all->pdata[i];
+const opc_parameter *opc_parameter_at(const GPtrArray *bindings,
+                                      const char *path, opc_binding **owner) {
+  for (guint i = 0; i < bindings->len; i++) {
+    opc_binding *b = bindings->pdata[i];
     size_t n = strlen(b->path);
     if (strncmp(b->path, path, n) != 0 || path[n] != '.') continue;
     int found = opc_parameter_find(b->plugin, path + n + 1);
-    if (found >= 0) return &b->plugin->parameters[found];
+    if (found < 0) continue;
+    *owner = b;
+    return &b->plugin->parameters[found];
   }
   return NULL;
+}
+
+const opc_parameter *opc_flow_parameter(const opc_flow *flow,
+                                        const char *path) {
+  g_autoptr(GPtrArray) all = opc_flow_bindings(flow);
+  opc_binding *owner;
+  return opc_parameter_at(all, path, &owner);
 }
 
 opc_flow_step *opc_flow_find(const opc_flow *flow, const char *path) {

@@ -9,6 +9,11 @@
    is there. */
 const opc_parameter *opc_flow_parameter(const opc_flow *flow, const char *path);
 
+/* Return the parameter of that path among bindings, and whose it is in *owner;
+   NULL if there is none. */
+const opc_parameter *opc_parameter_at(const GPtrArray *bindings,
+                                      const char *path, opc_binding **owner);
+
 /* The step that a path ("step", "step.slot.parameter") begins with, or NULL. */
 opc_flow_step *opc_flow_find(const opc_flow *flow, const char *path);
 

@@ -2,6 +2,7 @@
 /* Reads a flow file and those it extends, from the last one to the first. */
 #include "core/binding/recipe.h"
 
+#include <base/file.h>
 #include <base/layers.h>
 #include <string.h>
 
@@ -12,11 +13,6 @@ enum {
 };
 
 static const char letters[] = G_CSET_a_2_z G_CSET_A_2_Z G_CSET_DIGITS "_-.";
-
-gboolean opc_is_name(const char *text, gboolean dots) {
-  return *text && !strchr("-.", *text) && !text[strspn(text, letters)] &&
-         (dots || !strchr(text, '.'));
-}
 
 /* ---- the head of a file ---- */
 
@@ -216,17 +212,11 @@ static void take_sweep(opc_recipe *recipe, const opc_node *root,
   all = none ? NULL : section(root, "sweep", MOST_STEPS, problems);
   for (guint i = 0; all && i < all->items->len; i++) {
     const opc_node *key = all->keys->pdata[i], *value = all->items->pdata[i];
-    int k = opc_node_find(sweep, key->text);
     if (opc_node_is_null(value)) {
       if (!remove_key(sweep, key->text))
         opc_wrong(problems, key, "there is no '%s' to remove", key->text);
-    } else if (k < 0) {
-      opc_node_add(sweep, opc_node_copy(key, NULL), opc_node_copy(value, NULL));
     } else {
-      opc_node_free(sweep->keys->pdata[k]);
-      opc_node_free(sweep->items->pdata[k]);
-      sweep->keys->pdata[k] = opc_node_copy(key, NULL);
-      sweep->items->pdata[k] = opc_node_copy(value, NULL);
+      opc_node_put(sweep, key, value);
     }
   }
 }

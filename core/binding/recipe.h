@@ -29,7 +29,4 @@ G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_recipe, opc_recipe_free)
 gboolean opc_recipe_has(const opc_recipe *recipe, const char *variant,
                         const opc_place *at, opc_problems *problems);
 
-/* Letters, digits, '_', '-' and, if `dots`, dots; not a dot or '-' first. */
-gboolean opc_is_name(const char *text, gboolean dots);
-
 #endif

@@ -4,7 +4,6 @@
 
 #include <base/layers.h>
 #include <base/range.h>
-#include <base/unit.h>
 #include <string.h>
 
 #include "core/binding/flow.h"
@@ -25,28 +24,14 @@ static void axis_free(gpointer item) {
   g_free(axis);
 }
 
-/* Numbers where all values are some with the same unit, or without one. */
 static void describe(opc_axis *axis) {
   guint n = axis->values->len;
-  g_autofree double *values = g_new(double, n);
   char **texts = g_new0(char *, n + 1);
-  const char *unit = "";
-  gboolean numeric = TRUE;
-  for (guint i = 0; i < n; i++) {
-    const opc_node *node = axis->values->pdata[i];
-    const char *text = node->type == OPC_NODE_TEXT ? node->text : "";
-    size_t length = opc_number_length(text);
-    const char *rest = text + length + strspn(text + length, " ");
-    numeric &= length && (!i || !strcmp(rest, unit));
-    unit = rest;
-    texts[i] = opc_node_line(node);
-    values[i] = g_ascii_strtod(text, NULL);
-  }
+  for (guint i = 0; i < n; i++)
+    texts[i] = opc_node_line(axis->values->pdata[i]);
   axis->told.count = n;
   axis->told.texts = (const char *const *)texts;
-  if (!numeric || (*unit && !opc_unit_find(unit))) return;
-  axis->told.unit = *unit ? unit : NULL;
-  axis->told.values = g_steal_pointer(&values);
+  axis->told.values = opc_range_numbers(axis->values, &axis->told.unit);
 }
 
 /* Takes the source. */

@@ -4,6 +4,7 @@
 #ifndef OPCFLOW_CORE_CLI_H
 #define OPCFLOW_CORE_CLI_H
 
+#include <base/cli.h>
 #include <base/problem.h>
 #include <json-glib/json-glib.h>
 
@@ -26,18 +27,6 @@ int cli_exit_code(int code);
 
 /* ---- verbs ---- */
 
-/* What may stand on a command line. One of `flag`, `text` and `list` takes it:
-   variables of the verb, as a process runs one. A list ends with NULL; it is
-   NULL itself where nothing was given. */
-typedef struct cli_option {
-  const char *name; /* without dashes */
-  const char *help;
-  const char *argument; /* its name in the help; NULL: a flag */
-  gboolean *flag;
-  const char **text;
-  GPtrArray **list;
-} cli_option;
-
 typedef struct cli_verb cli_verb;
 struct cli_verb {
   const char *name;
@@ -53,10 +42,13 @@ struct cli_verb {
   const opc_plugin *plugin; /* that brings the verb; NULL: the command's own */
 };
 
-extern const cli_verb cli_run, cli_check, cli_cache, cli_version, cli_help;
+extern const cli_verb cli_run, cli_check, cli_version, cli_help;
 
 /* Verbs of the program opcflow-devel (tools/devel), as the help shows them. */
 #define CLI_DEVEL "opcflow-devel"
+#define CLI_CACHE                                       \
+  .name = "cache", .arguments = "[clear | limit SIZE]", \
+  .summary = "Show or limit the results that are kept", .words = "clear|limit"
 #define CLI_EXPLAIN \
   .name = "explain", .arguments = "RUN", .summary = "Why each step of a run ran"
 #define CLI_PLUGINS \
@@ -130,9 +122,6 @@ typedef struct cli_open_file {
    problems. */
 GArray *cli_open_files(const opc_flow *flow);
 
-/* What a list of options took. */
-const char *const *cli_list(GPtrArray *list);
-
 /* The value of --threads, NULL for none. -1, or the exit code. */
 int cli_set_threads(const char *text);
 
@@ -155,9 +144,6 @@ int cli_is_stopped(void *unused);
 
 /* ---- messages on standard error ---- */
 
-/* "error: ...", "warning: ..." with colour on a terminal. */
-void cli_message(const char *kind, const char *format, ...) OPC_PRINTF(2, 3);
-
 /* An error that ends the command with `code`. */
 #define cli_error(code, ...) (cli_message("error", __VA_ARGS__), (code))
 
@@ -167,22 +153,7 @@ int cli_fail(const opc_error *error);
 /* All problems; the exit code that they stand for. */
 int cli_problems(opc_problems *problems);
 
-/* From now on nothing is said or printed: another process does. */
-void cli_be_silent(void);
-
-/* Whether to move a cursor. */
-gboolean cli_is_terminal(void);
-
 /* ---- standard output ---- */
-
-/* Standard output becomes the command's alone: what others print, plugins and
-   what they start, goes to standard error. First of all. */
-void cli_keep_output(void);
-
-/* Before this process becomes another program: as it was. */
-void cli_return_output(void);
-
-void cli_print(const char *format, ...) OPC_PRINTF(1, 2);
 
 /* A table that fits the terminal; of any width if `cli_wide`, as --wide says.
  */
@@ -204,9 +175,6 @@ void cli_add_problems(JsonObject *object, opc_problems *problems);
 /* Add a list of texts. */
 void cli_add_texts(JsonObject *object, const char *name,
                    const GPtrArray *texts);
-
-/* What was printed comes before the messages that follow. */
-void cli_flush(void);
 
 /* CLI_GOOD, or CLI_IO and a message if standard output could not take it all.
  */

@@ -6,24 +6,14 @@
 
 /* ---- help ---- */
 
-static void print_verb(const char *name, const char *arguments,
-                       const char *summary) {
-  g_autofree char *left =
-      g_strdup_printf("%s%s%s", name, *arguments ? " " : "", arguments);
-  cli_print("  %-28s  %s\n", left, summary);
-}
-
 /* Those of plugins, each of which is loaded in a process of its own. */
 static void print_plugin_verbs(void) {
   g_autoptr(GPtrArray) found =
-      opc_registry_scan(cli_registry(), "command.", CLI_PATIENCE);
-  gboolean first = TRUE;
+      opc_registry_usable(cli_registry(), "command.", CLI_PATIENCE);
   for (guint i = 0; i < found->len; i++) {
     const opc_candidate *c = found->pdata[i];
-    if (c->reason || c->hidden_by) continue;
-    if (first) cli_print("\nVerbs of plugins:\n");
-    first = FALSE;
-    print_verb(strchr(c->id, '.') + 1, "", c->summary);
+    if (!i) cli_print("\nVerbs of plugins:\n");
+    cli_print_pair(strchr(c->id, '.') + 1, "", c->summary);
   }
 }
 
@@ -42,8 +32,8 @@ static int run_help(const cli_verb *verb, const GPtrArray *arguments) {
       "Runs flows: YAML files that say which plugins work one after another, "
       "with\nwhich parameters.\n\nVerbs:\n");
   for (size_t i = 0; cli_verbs[i] && !cli_verbs[i]->hidden; i++)
-    print_verb(cli_verbs[i]->name, cli_verbs[i]->arguments,
-               cli_verbs[i]->summary);
+    cli_print_pair(cli_verbs[i]->name, cli_verbs[i]->arguments,
+                   cli_verbs[i]->summary);
   print_plugin_verbs();
   cli_print("\n'opcflow help VERB' tells the options of one.\n");
   return CLI_GOOD;

@@ -3,13 +3,13 @@
    opcflow-devel's. */
 #include "core/cli/cli.h"
 
-static const cli_verb explain = {CLI_EXPLAIN}, plugins = {CLI_PLUGINS},
-                      inspect = {CLI_INSPECT}, lint = {CLI_LINT},
-                      schema = {CLI_SCHEMA}, new = {CLI_NEW},
+static const cli_verb cache = {CLI_CACHE}, explain = {CLI_EXPLAIN},
+                      plugins = {CLI_PLUGINS}, inspect = {CLI_INSPECT},
+                      lint = {CLI_LINT}, schema = {CLI_SCHEMA}, new = {CLI_NEW},
                       complete = {CLI_COMPLETE};
 
 const cli_verb *const cli_verbs[] = {
-    &cli_run, &cli_check, &explain,     &cli_cache, &plugins,  &inspect, &lint,
-    &schema,  &new,       &cli_version, &cli_help,  &complete, NULL};
+    &cli_run, &cli_check, &explain,     &cache,    &plugins,  &inspect, &lint,
+    &schema,  &new,       &cli_version, &cli_help, &complete, NULL};
 
 int main(int argc, char **argv) { return cli_main(argc, argv); }

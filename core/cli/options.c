@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reads the words of a command line by the options of a verb, and tells what
    they are. */
-#include <base/suggest.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -45,22 +44,13 @@ const cli_option cli_common_options[] = {
     {"version", "tell the version", .flag = &version},
     {0}};
 
-static void print_options(const cli_option *o) {
-  for (; o && o->name; o++) {
-    g_autofree char *left =
-        g_strdup_printf("--%s%s%s", o->name, o->argument ? " " : "",
-                        o->argument ? o->argument : "");
-    cli_print("  %-28s  %s\n", left, o->help);
-  }
-}
-
 /* In the form of which help2man makes manual pages. */
 void cli_print_help(const cli_verb *verb) {
   cli_print("Usage: opcflow %s%s%s%s\n\n%s.\n\nOptions:\n", verb->name,
             *verb->arguments ? " " : "", verb->arguments,
             verb->options ? " [OPTIONS]" : "", verb->summary);
-  print_options(verb->options);
-  print_options(cli_common_options);
+  cli_print_options(verb->options);
+  cli_print_options(cli_common_options);
 }
 
 /* ---- reading ---- */
@@ -74,69 +64,17 @@ const char *cli_flow(const cli_verb *verb, const GPtrArray *arguments) {
   return NULL;
 }
 
-const char *const *cli_list(GPtrArray *list) {
-  static const char *const none[] = {NULL};
-  if (!list || !list->len) return none;
-  if (list->pdata[list->len - 1]) g_ptr_array_add(list, NULL);
-  return (const char *const *)list->pdata;
-}
-
-/* The option of that name, of the verb or of all; NULL if there is none. */
-static const cli_option *find_option(const cli_verb *verb, const char *name,
-                                     GPtrArray *names) {
-  const cli_option *const both[] = {verb->options, cli_common_options};
-  for (int i = 0; i < 2; i++)
-    for (const cli_option *o = both[i]; o && o->name; o++) {
-      if (!strcmp(o->name, name)) return o;
-      g_ptr_array_add(names, (char *)o->name);
-    }
-  return NULL;
-}
-
-static int unknown_option(const cli_verb *verb, const char *word,
-                          const char *name, const GPtrArray *names) {
-  const char *nearest = opc_nearest(name, names);
-  if (nearest)
-    return cli_error(CLI_USAGE,
-                     "unknown option '%s' of '%s', did you mean '--%s'?", word,
-                     verb->name, nearest);
-  return cli_error(CLI_USAGE, "unknown option '%s', see 'opcflow help %s'",
-                   word, verb->name);
-}
-
-/* Take the option at words[*i]; -1 or the exit code. */
-static int take_option(const cli_verb *verb, guint n, char **words, guint *i) {
-  const char *word = strcmp(words[*i], "-h") ? words[*i] : "--help";
-  const char *equals = strchr(word, '='), *bare = word + strspn(word, "-");
-  g_autofree char *name = g_strndup(bare, strcspn(bare, "="));
-  g_autoptr(GPtrArray) names = g_ptr_array_new();
-  const cli_option *o = find_option(verb, name, names);
-  if (!o || strncmp(word, "--", 2) != 0 || bare != word + 2)
-    return unknown_option(verb, word, name, names);
-  if (!o->argument && equals)
-    return cli_error(CLI_USAGE, "option '--%s' takes no value", o->name);
-  if (o->argument && !equals && *i + 1 == n)
-    return cli_error(CLI_USAGE, "option '--%s' needs a value: %s", o->name,
-                     o->argument);
-  if (o->flag) *o->flag = TRUE;
-  if (!o->argument) return -1;
-  const char *value = equals ? equals + 1 : words[++*i];
-  if (o->text) *o->text = value;
-  if (o->list && !*o->list) *o->list = g_ptr_array_new();
-  if (o->list) g_ptr_array_add(*o->list, (char *)value);
-  return -1;
-}
-
 int cli_parse(const cli_verb *verb, guint n, char **words, GPtrArray *rest) {
-  int code = -1;
-  for (guint i = 0; i < n && code < 0; i++)
+  const cli_option *const both[] = {
+      verb->options ? verb->options : cli_common_options, cli_common_options,
+      NULL};
+  for (guint i = 0; i < n; i++)
     if (!strcmp(words[i], "--"))
       while (++i < n) g_ptr_array_add(rest, words[i]);
     else if (*words[i] != '-' || !words[i][1])
       g_ptr_array_add(rest, words[i]);
-    else
-      code = take_option(verb, n, words, &i);
-  if (code >= 0) return code;
+    else if (!cli_take_option(both, verb->name, n, words, &i))
+      return CLI_USAGE;
   if (help) cli_print_help(verb);
   if (version) cli_print("opcflow-%s (opcflow) %s\n", verb->name, OPC_VERSION);
   if (help || version) return CLI_GOOD;

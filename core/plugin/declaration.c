@@ -3,6 +3,7 @@
    it. */
 #include "core/plugin/declaration.h"
 
+#include <base/file.h>
 #include <base/unit.h>
 #include <math.h>
 #include <string.h>
@@ -49,18 +50,6 @@ const opc_metric *opc_metric_check(const opc_plugin *plugin, const char *name,
 
 const opc_choices *opc_choices_of(const opc_plugin *plugin) {
   return plugin->extension ? plugin->extension(OPC_CHOICES) : NULL;
-}
-
-gboolean opc_is_id(const char *name) {
-  gboolean start = TRUE; /* of a word */
-  for (const char *c = name; *c; c++) {
-    if (*c == '.' ? start
-                  : !(g_ascii_islower(*c) ||
-                      (!start && (g_ascii_isdigit(*c) || *c == '_'))))
-      return FALSE;
-    start = *c == '.';
-  }
-  return !start;
 }
 
 /* ---- copies ---- */

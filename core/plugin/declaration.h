@@ -27,9 +27,6 @@ const opc_metric *opc_metric_check(const opc_plugin *plugin, const char *name,
 /* The extension of that name; NULL if the plugin has none. */
 const opc_choices *opc_choices_of(const opc_plugin *plugin);
 
-/* lower_case words with dots between them: "model.wide", "anchor.line" */
-gboolean opc_is_id(const char *name);
-
 /* Copy n structs of `theirs` bytes, as a plugin declares them, into structs of
    `ours` bytes, cut or followed by zeros, so that the kernel can read its own
    structs. NULL if it is no array of structs that have `oldest` bytes at least.

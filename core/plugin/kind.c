@@ -2,6 +2,7 @@
 /* Finds kinds, and holds a plugin's functions against its kind. */
 #include "core/plugin/kind.h"
 
+#include <base/file.h>
 #include <string.h>
 
 #include "core/plugin/declaration.h"

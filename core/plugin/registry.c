@@ -2,6 +2,7 @@
 /* Finds plugins in folders, loads each at its first use and keeps it. */
 #include "core/plugin/registry.h"
 
+#include <base/file.h>
 #include <base/suggest.h>
 #include <dlfcn.h>
 #include <guard/guard.h>
@@ -42,49 +43,28 @@ static void add_folder(opc_registry *registry, char *folder) {
     g_ptr_array_add(registry->folders, folder);
 }
 
-/* The file or folder `name` in opcflow/ of an installation's folder `in`
-   (g_free), found from the folder of the executable, so that an installation
-   can be moved; NULL if the executable is not installed. */
-static char *installed(const char *executable_folder, const char *in,
-                       const char *name) {
-  static const char *const places[] = {"/" OPC_BINDIR,
-                                       "/" OPC_LIBEXECDIR "/opcflow"};
-  if (g_path_is_absolute(in))
-    return g_build_filename(in, "opcflow", name, NULL);
-  for (size_t i = 0; i < G_N_ELEMENTS(places); i++) {
-    if (!g_str_has_suffix(executable_folder, places[i])) continue;
-    g_autofree char *prefix = g_strndup(
-        executable_folder, strlen(executable_folder) - strlen(places[i]));
-    return g_build_filename(*prefix ? prefix : "/", in, "opcflow", name, NULL);
+static const char *const places[] = {"/" OPC_BINDIR,
+                                     "/" OPC_LIBEXECDIR "/opcflow", NULL};
+
+char *opc_find_installed(const char *in, const char *name) {
+  g_autofree char *folder = opc_executable_folder();
+  char *path = folder ? g_build_filename(folder, name, NULL) : NULL;
+  for (int i = 0; path; i++) {
+    if (g_file_test(path, G_FILE_TEST_EXISTS)) return path;
+    g_free(path);
+    path = i ? NULL : opc_installed(places, in, name);
   }
   return NULL;
 }
 
-static char *executable_folder(void) {
-  g_autofree char *executable = g_file_read_link("/proc/self/exe", NULL);
-  return executable ? g_path_get_dirname(executable) : NULL;
-}
-
-char *opc_find_installed(const char *in, const char *name) {
-  g_autofree char *folder = executable_folder();
-  g_autofree char *beside =
-      folder ? g_build_filename(folder, name, NULL) : NULL;
-  g_autofree char *other = folder ? installed(folder, in, name) : NULL;
-  if (beside && g_file_test(beside, G_FILE_TEST_EXISTS))
-    return g_steal_pointer(&beside);
-  return other && g_file_test(other, G_FILE_TEST_EXISTS)
-             ? g_steal_pointer(&other)
-             : NULL;
-}
-
 static void add_standard_folders(opc_registry *registry) {
   gboolean system = !g_getenv("OPCFLOW_NO_SYSTEM_PLUGINS");
-  g_autofree char *folder = executable_folder();
+  g_autofree char *folder = opc_executable_folder();
   if (folder) add_folder(registry, g_build_filename(folder, "plugins", NULL));
   if (!system) return;
   add_folder(registry, g_build_filename(g_get_user_data_dir(), "opcflow",
                                         "plugins", NULL));
-  char *own = folder ? installed(folder, OPC_LIBDIR, "plugins") : NULL;
+  char *own = opc_installed(places, OPC_LIBDIR, "plugins");
   if (own) add_folder(registry, own);
 }
 
@@ -203,23 +183,6 @@ static void candidate_free(gpointer item) {
   g_free(c);
 }
 
-static gint compare_ids(gconstpointer a, gconstpointer b) {
-  return strcmp(*(char *const *)a, *(char *const *)b);
-}
-
-/* The stems of the .so files of a folder, sorted. */
-static GPtrArray *folder_ids(const char *folder) {
-  GPtrArray *ids = g_ptr_array_new_with_free_func(g_free);
-  GDir *dir = g_dir_open(folder, 0, NULL);
-  const char *name;
-  while (dir && (name = g_dir_read_name(dir)))
-    if (g_str_has_suffix(name, ".so") && *name != '.')
-      g_ptr_array_add(ids, g_strndup(name, strlen(name) - 3));
-  if (dir) g_dir_close(dir);
-  g_ptr_array_sort(ids, compare_ids);
-  return ids;
-}
-
 static gint compare_candidates(gconstpointer a, gconstpointer b) {
   return strcmp((*(opc_candidate *const *)a)->id,
                 (*(opc_candidate *const *)b)->id);
@@ -231,13 +194,15 @@ static GPtrArray *list_candidates(const opc_registry *registry,
   GPtrArray *list = g_ptr_array_new_with_free_func(candidate_free);
   for (guint i = 0; i < registry->folders->len; i++) {
     const char *folder = registry->folders->pdata[i];
-    g_autoptr(GPtrArray) ids = folder_ids(folder);
-    for (guint j = 0; j < ids->len; j++) {
-      if (!g_str_has_prefix(ids->pdata[j], prefix)) continue;
+    g_autoptr(GPtrArray) names = opc_folder_names(folder);
+    for (guint j = 0; names && j < names->len; j++) {
+      const char *name = names->pdata[j];
+      if (!g_str_has_prefix(name, prefix) || !g_str_has_suffix(name, ".so") ||
+          *name == '.')
+        continue;
       opc_candidate *c = g_new0(opc_candidate, 1);
-      c->id = g_strdup(ids->pdata[j]);
-      g_autofree char *file = g_strconcat(c->id, ".so", NULL);
-      c->path = g_build_filename(folder, file, NULL);
+      c->id = g_strndup(name, strlen(name) - 3);
+      c->path = g_build_filename(folder, name, NULL);
       g_ptr_array_add(list, c);
     }
   }
@@ -255,6 +220,16 @@ GPtrArray *opc_registry_scan(opc_registry *registry, const char *prefix,
   GPtrArray *list = list_candidates(registry, prefix);
   for (guint i = 0; i < list->len; i++)
     opc_candidate_try(registry, list->pdata[i], seconds);
+  return list;
+}
+
+GPtrArray *opc_registry_usable(opc_registry *registry, const char *prefix,
+                               double seconds) {
+  GPtrArray *list = opc_registry_scan(registry, prefix, seconds);
+  for (guint i = list->len; i-- > 0;) {
+    const opc_candidate *c = list->pdata[i];
+    if (c->reason || c->hidden_by) g_ptr_array_remove_index(list, i);
+  }
   return list;
 }
 

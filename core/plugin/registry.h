@@ -51,6 +51,10 @@ const char *opc_registry_path(const opc_registry *registry,
 GPtrArray *opc_registry_scan(opc_registry *registry, const char *prefix,
                              double seconds);
 
+/* Return those of them that can be used. */
+GPtrArray *opc_registry_usable(opc_registry *registry, const char *prefix,
+                               double seconds);
+
 /* The ids that begin with `prefix` of all files there are, sorted, each once;
    none is loaded (char *, freed with the array). */
 GPtrArray *opc_registry_ids(const opc_registry *registry, const char *prefix);

@@ -2,6 +2,7 @@
 /* Finding plugins, and what is said of those that are no good. */
 #include "core/plugin/registry.h"
 
+#include <base/file.h>
 #include <base/suggest.h>
 #include <stdio.h>
 #include <string.h>

@@ -31,28 +31,26 @@ static void try(int out, void *data) {
     process_write(out, texts[i], strlen(texts[i]) + 1);
 }
 
-/* The next NUL-ended text of a report, NULL at its end. */
-static char *next_text(const GString *report, size_t *at) {
-  if (*at >= report->len) return NULL;
-  const char *text = report->str + *at;
-  size_t n = strnlen(text, report->len - *at);
-  if (n == report->len - *at) return NULL;
-  *at += n + 1;
-  return g_strdup(text);
+/* Return the texts of a report that have an end. */
+static GPtrArray *report_texts(const GString *report) {
+  GPtrArray *texts = g_ptr_array_new();
+  char *at = report->str, *last = at + report->len;
+  for (char *end; (end = memchr(at, 0, (size_t)(last - at))); at = end + 1)
+    g_ptr_array_add(texts, at);
+  return texts;
 }
 
 static void understand(opc_candidate *c, const GString *report) {
-  size_t at = 0;
-  g_autofree char *head = next_text(report, &at);
-  if (head && *head == 'E') {
-    c->reason = g_strdup(head + 1);
-  } else if (head && *head == 'K') {
-    c->kind = next_text(report, &at);
-    c->version = next_text(report, &at);
-    c->licence = next_text(report, &at);
-    c->summary = next_text(report, &at);
+  g_autoptr(GPtrArray) texts = report_texts(report);
+  const char *first = texts->len ? texts->pdata[0] : "";
+  if (texts->len != 5) {
+    c->reason = g_strdup(*first == 'E' ? first + 1 : "it ended while loading");
+    return;
   }
-  if (!c->reason && !c->summary) c->reason = g_strdup("it ended while loading");
+  c->kind = g_strdup(texts->pdata[1]);
+  c->version = g_strdup(texts->pdata[2]);
+  c->licence = g_strdup(texts->pdata[3]);
+  c->summary = g_strdup(texts->pdata[4]);
 }
 
 void opc_candidate_try(opc_registry *registry, opc_candidate *c,

@@ -3,11 +3,11 @@
 #ifndef OPCFLOW_CORE_OUTCOME_H
 #define OPCFLOW_CORE_OUTCOME_H
 
+#include <base/findings.h>
 #include <json-glib/json-glib.h>
+#include <store/histories.h>
 #include <store/store.h>
 
-#include "core/report/findings.h"
-#include "core/report/histories.h"
 #include "core/report/judge.h"
 #include "core/report/table.h"
 

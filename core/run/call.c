@@ -2,6 +2,8 @@
 /* Calls the functions of steps, under their names. */
 #include "core/run/call.h"
 
+#include <base/shown.h>
+#include <base/unit.h>
 #include <guard/memory.h>
 #include <stdio.h>
 #include <string.h>
@@ -43,27 +45,12 @@ int opc_call_check(const opc_run *run, const opc_flow_step *step,
 
 /* ---- forecasts ---- */
 
-/* A plugin's text, ended before what cannot be shown. */
-static void make_sound(char *text, size_t size) {
-  const char *end;
-  text[size - 1] = 0;
-  g_utf8_validate(text, -1, &end);
-  text[end - text] = 0;
-  g_strdelimit(text, "\n\r\t\033", ' ');
-}
-
-char *opc_call_bytes_text(double bytes) {
-  if (bytes < 1e6) return g_strdup("less than 1 MB");
-  return g_strdup_printf(bytes < 1e9 ? "%.0f MB" : "%.1f GB",
-                         bytes < 1e9 ? bytes * 1e-6 : bytes * 1e-9);
-}
-
 static int check_memory(const opc_forecast *wanted, opc_error *error) {
   const char *source;
   double bytes = memory_free(&source);
   if (!(wanted->memory > bytes)) return OPC_OK;
-  g_autofree char *most = opc_call_bytes_text(wanted->memory);
-  g_autofree char *left = opc_call_bytes_text(bytes);
+  g_autofree char *most = opc_bytes_text(wanted->memory);
+  g_autofree char *left = opc_bytes_text(bytes);
   return opc_fail(error, OPC_FAILED, NULL,
                   "wants %s of memory%s%s, but %s has only %s left%s%s", most,
                   *wanted->work ? " for " : "", wanted->work, source, left,
@@ -81,8 +68,8 @@ int opc_call_forecast(const opc_run *run, const opc_flow_step *step,
   int code = functions->forecast(b->module.self, out, error);
   opc_binding_leave(before);
   opc_call_set_inputs(run, step, FALSE);
-  make_sound(out->work, sizeof out->work);
-  make_sound(out->help, sizeof out->help);
+  opc_show_in_place(out->work, sizeof out->work);
+  opc_show_in_place(out->help, sizeof out->help);
   if (!(out->memory > 0)) out->memory = 0;
   return code ? code : check_memory(out, error);
 }

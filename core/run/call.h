@@ -25,7 +25,4 @@ int opc_call_run(opc_run *run, const opc_flow_step *step, opc_error *error);
 gboolean opc_call_step(opc_run *run, const opc_flow_step *step,
                        opc_problems *problems);
 
-/* "1.2 GB" (g_free) */
-char *opc_call_bytes_text(double bytes);
-
 #endif

@@ -2,12 +2,13 @@
 /* Asks steps for their forecasts. */
 #include "core/run/forecast.h"
 
+#include <base/unit.h>
+
 #include "core/run/call.h"
 
 char *opc_forecast_text(const opc_forecast *forecast) {
-  g_autofree char *memory = forecast->memory > 0
-                                ? opc_call_bytes_text(forecast->memory)
-                                : g_strdup("");
+  g_autofree char *memory =
+      forecast->memory > 0 ? opc_bytes_text(forecast->memory) : g_strdup("");
   return g_strconcat(forecast->work, *forecast->work && *memory ? ", " : "",
                      memory, NULL);
 }

@@ -4,6 +4,7 @@
    from. Nothing else may be in a key: neither threads nor places. */
 #include "core/run/key.h"
 
+#include <base/file.h>
 #include <string.h>
 
 #include "core/binding/inner.h"
@@ -65,34 +66,26 @@ static void add_file(keyer *k, const char *path, const char *file) {
   g_ptr_array_add(k->key->files, sum);
 }
 
-static gint by_name(gconstpointer a, gconstpointer b) {
-  return strcmp(*(char *const *)a, *(char *const *)b);
-}
-
 /* All files of the folder of `file`. */
 static void add_beside(keyer *k, const char *path, const char *file) {
   enum { MOST = 1000 }; /* a set of kernels has tens */
   g_autofree char *folder = g_path_get_dirname(file);
-  g_autoptr(GPtrArray) names = g_ptr_array_new_with_free_func(g_free);
-  GDir *dir = g_dir_open(folder, 0, NULL);
-  for (const char *name; dir && (name = g_dir_read_name(dir));) {
-    char *one = g_build_filename(folder, name, NULL);
-    if (g_file_test(one, G_FILE_TEST_IS_REGULAR))
-      g_ptr_array_add(names, one);
-    else
-      g_free(one);
+  g_autoptr(GPtrArray) names = opc_folder_names(folder);
+  for (guint i = names ? names->len : 0; i-- > 0;) {
+    g_autofree char *one = g_build_filename(folder, names->pdata[i], NULL);
+    if (!g_file_test(one, G_FILE_TEST_IS_REGULAR))
+      g_ptr_array_remove_index(names, i);
   }
-  if (!dir || names->len > MOST)
+  if (!names || names->len > MOST) {
     spoil(k, g_strdup_printf("'%s' has too many files", folder));
-  else
-    g_ptr_array_sort(names, by_name);
-  for (guint i = 0; i < names->len && names->len <= MOST; i++) {
-    const char *one = names->pdata[i];
-    g_autofree char *name = g_path_get_basename(one);
+    return;
+  }
+  for (guint i = 0; i < names->len; i++) {
+    const char *name = names->pdata[i];
+    g_autofree char *one = g_build_filename(folder, name, NULL);
     g_autofree char *its = g_strdup_printf("%s beside %s", name, path);
     add_file(k, its, one);
   }
-  if (dir) g_dir_close(dir);
 }
 
 /* Texts of a list or map, of which none can be taken for two. */

@@ -9,8 +9,8 @@
 enum { CONTOUR_LEAST = 8, CONTOUR_MOST = 96 }; /* slices */
 
 /* Return the weight of a slice at `edge` nm from the nearer active edge of a
-   transistor of `width` nm: its current relative to that of a wide slice of
-   equal length (thesis eq. 3.2). */
+   transistor of `width` nm. The weight is the current relative to that of a
+   wide slice of equal length (thesis eq. 3.2). */
 typedef double contour_weight(const void *self, int type, int current,
                               double edge, double width);
 

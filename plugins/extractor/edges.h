@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Contribution of the active edges to the current of a slice (thesis 3.2.1,
    with a device table of several widths). A rectangle of width W has the
-   current of a wide transistor, W j(L), plus that of its two edges, the
-   difference to the current of the table at W. The edge current decays with
-   `decay` from the edges and depends on the local gate length. */
+   current of a wide transistor, W j(L), plus an edge current, the difference to
+   the table's current at W. The edge current decays with `decay` from the edges
+   and depends on the local gate length. */
 #ifndef OPCFLOW_EXTRACTOR_EDGES_H
 #define OPCFLOW_EXTRACTOR_EDGES_H
 

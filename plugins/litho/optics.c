@@ -171,7 +171,7 @@ int optics_check(optics *o, opc_error *error) {
 }
 
 /* Largest NA for a scalar image without a warning. At this NA two orders of the
-   densest line cross at 2 asin(0.45 / 1.7) in a resist of index 1.7: the
+   densest line cross at 2 asin(0.45 / 1.7) in a resist of index 1.7. The
    contrast is 0.86 for light polarised in the plane of the orders and 0.93 for
    unpolarised light. At NA 0.6 the latter is 0.97. */
 static const double most_scalar = 0.9;

@@ -155,10 +155,10 @@ typedef struct optics {
 
 /* ---- the optics ---- */
 
-/* Check the values and set the derived members. Return OPC_INVALID if the NA
-   exceeds the index, if the source is empty or outside the pupil, if its inner
-   radius exceeds the outer one, or for a parameter that the source does not
-   use. For the `check` function of plugins. */
+/* Check the values and set the derived members. Return OPC_INVALID in these
+   cases: the NA exceeds the index; the source is empty or outside the pupil;
+   its inner radius exceeds the outer one; a parameter is given that the source
+   does not use. For the `check` function of plugins. */
 int optics_check(optics *o, opc_error *error);
 
 /* Return the scanner as the contract of the kind requires (eda/litho.h). */

@@ -433,7 +433,7 @@ static int least_squares(double *j, double *r, size_t rows, size_t m,
 }
 
 /* Compute one step: the changes of the fitted coefficients that move the
-   printed widths to the wanted ones to first order, from the errors at the
+   printed widths to the wanted ones to first order. Errors are taken at the
    wanted edges if `wanted`, otherwise at the printed edges. Return 0 on
    failure. */
 static int newton(const fitting *f, const double *a, int wanted, double *j,

@@ -22,8 +22,8 @@ static eda_box turned(const eda_gates *g, size_t i) {
 }
 
 /* Return twice the distance between the centres of gate i and of the next gate
-   above it along its length, in grid steps. 0: no such gate within reach, or
-   the gate is longer than `most` nm. */
+   along its length, in grid steps. Return 0 if there is no next gate within
+   reach, or if it is longer than `most` nm. */
 static int64_t pitch_of(const eda_gates *g, const eda_index *index, size_t i,
                         double most) {
   eda_box own = turned(g, i), window = own;

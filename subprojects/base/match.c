@@ -99,3 +99,42 @@ gboolean opc_match_choices(const opc_node *node, const GPtrArray *list,
   return any || opc_wrong(problems, node, "none of %u is called as '%s'",
                           list->len, node->text);
 }
+
+/* ---- names ---- */
+
+char *opc_label(const opc_node *value) {
+  const opc_node *use = opc_node_get(value, "use");
+  const char *text = use                            ? use->text
+                     : value->type == OPC_NODE_TEXT ? value->text
+                                                    : NULL;
+  if (!text || opc_node_is_null(value)) return g_strdup("");
+  g_autofree char *base = g_path_get_basename(text);
+  char *dot = strrchr(base, '.');
+  if (dot && dot > base && g_ascii_isalpha(dot[1])) {
+    if (use)
+      memmove(base, dot + 1, strlen(dot));
+    else
+      *dot = 0;
+  }
+  g_strcanon(base, G_CSET_a_2_z G_CSET_A_2_Z G_CSET_DIGITS "_-.", ' ');
+  g_auto(GStrv) words = g_strsplit(g_strstrip(base), " ", -1);
+  g_autofree char *joined = g_strjoinv("", words);
+  return g_strdup(joined + strspn(joined, ".-"));
+}
+
+void opc_label_add(GString *to, const char *label) {
+  if (!*label || !strcmp(to->str, label)) return;
+  if (to->len) g_string_append_c(to, '-');
+  g_string_append(to, label);
+}
+
+char *opc_label_of_map(const opc_node *map) {
+  for (int any = 0; any < 2; any++)
+    for (guint i = 0; i < map->items->len; i++) {
+      const opc_node *value = map->items->pdata[i];
+      g_autofree char *label = opc_label(value);
+      if (*label && (any || value->type == OPC_NODE_TEXT))
+        return g_steal_pointer(&label);
+    }
+  return g_strdup("");
+}

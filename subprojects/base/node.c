@@ -384,3 +384,16 @@ opc_node *opc_node_read(const opc_source *source, const char *path,
     return opc_node_parse(source, text, length, problems);
   return NULL;
 }
+
+void opc_node_put(opc_node *map, const opc_node *key, const opc_node *value) {
+  int i = opc_node_find(map, key->text);
+  opc_node *name = opc_node_copy(key, NULL), *copy = opc_node_copy(value, NULL);
+  if (i < 0) {
+    opc_node_add(map, name, copy);
+    return;
+  }
+  opc_node_free(map->keys->pdata[i]);
+  opc_node_free(map->items->pdata[i]);
+  map->keys->pdata[i] = name;
+  map->items->pdata[i] = copy;
+}

@@ -111,3 +111,21 @@ GPtrArray *opc_range_values(const opc_node *range, const opc_source *source,
   }
   return values;
 }
+
+double *opc_range_numbers(const GPtrArray *nodes, const char **unit) {
+  g_autofree double *values = g_new(double, nodes->len);
+  const char *first = "";
+  *unit = NULL;
+  for (guint i = 0; i < nodes->len; i++) {
+    const opc_node *node = nodes->pdata[i];
+    const char *text = node->type == OPC_NODE_TEXT ? node->text : "";
+    size_t length = opc_number_length(text);
+    const char *rest = text + length + strspn(text + length, " ");
+    if (!i) first = rest;
+    if (!length || strcmp(rest, first)) return NULL;
+    values[i] = g_ascii_strtod(text, NULL);
+  }
+  if (*first && !opc_unit_find(first)) return NULL;
+  if (*first) *unit = first;
+  return g_steal_pointer(&values);
+}

@@ -47,3 +47,11 @@ char *opc_shown(const char *text, const char *keep) {
 char *opc_shown_json(const char *json) {
   return show(json, "\n", "\\\\", append_json);
 }
+
+void opc_show_in_place(char *text, size_t size) {
+  const char *end;
+  text[size - 1] = 0;
+  g_utf8_validate(text, -1, &end);
+  text[end - text] = 0;
+  g_strdelimit(text, "\n\r\t\033", ' ');
+}

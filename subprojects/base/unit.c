@@ -143,3 +143,9 @@ char *opc_number_short(double number) {
   g_ascii_formatd(digits, sizeof digits, "%.6g", number);
   return opc_number_text(g_ascii_strtod(digits, NULL));
 }
+
+char *opc_bytes_text(double bytes) {
+  if (bytes < 1e6) return g_strdup("less than 1 MB");
+  return g_strdup_printf(bytes < 1e9 ? "%.0f MB" : "%.1f GB",
+                         bytes < 1e9 ? bytes * 1e-6 : bytes * 1e-9);
+}

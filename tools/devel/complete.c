@@ -2,6 +2,7 @@
 /* For shells: prints the candidates for the last word of a command line, one in
    a line; after a '=', only the part behind it. Prints nothing where any file
    name will do: the shell knows those. */
+#include <base/file.h>
 #include <string.h>
 
 #include "core/binding/flow.h"
@@ -74,15 +75,11 @@ static void offer_verbs(const line *l) {
 
 static void offer_plugins(const line *l) {
   g_autoptr(GPtrArray) list =
-      opc_registry_scan(cli_registry(), l->current, CLI_PATIENCE);
+      opc_registry_usable(cli_registry(), l->current, CLI_PATIENCE);
   for (guint i = 0; i < list->len; i++) {
     const opc_candidate *c = list->pdata[i];
-    if (!c->reason && !c->hidden_by) offer(l, c->id);
+    offer(l, c->id);
   }
-}
-
-static gint by_name(gconstpointer a, gconstpointer b) {
-  return strcmp(*(char *const *)a, *(char *const *)b);
 }
 
 /* YAML files, and folders on the way to some. */
@@ -90,18 +87,17 @@ static void offer_flows(const line *l) {
   const char *slash = strrchr(l->current, '/');
   g_autofree char *prefix =
       g_strndup(l->current, slash ? (gsize)(slash - l->current) + 1 : 0);
-  g_autoptr(GDir) dir = g_dir_open(*prefix ? prefix : ".", 0, NULL);
-  g_autoptr(GPtrArray) found = g_ptr_array_new_with_free_func(g_free);
-  for (const char *name; dir && (name = g_dir_read_name(dir));) {
+  g_autoptr(GPtrArray) names = opc_folder_names(*prefix ? prefix : ".");
+  for (guint i = 0; names && i < names->len; i++) {
+    const char *name = names->pdata[i];
     g_autofree char *path = g_strconcat(prefix, name, NULL);
+    g_autofree char *folder = g_strconcat(path, "/", NULL);
     if (*name == '.') continue;
     if (g_file_test(path, G_FILE_TEST_IS_DIR))
-      g_ptr_array_add(found, g_strconcat(path, "/", NULL));
+      offer(l, folder);
     else if (g_str_has_suffix(name, ".yaml") || g_str_has_suffix(name, ".yml"))
-      g_ptr_array_add(found, g_steal_pointer(&path));
+      offer(l, path);
   }
-  g_ptr_array_sort(found, by_name);
-  offer_all(l, found);
 }
 
 static void offer_values(const line *l, const opc_parameter *p) {

@@ -6,7 +6,7 @@
 
 const cli_verb *const cli_verbs[] = {
     &cli_run,     &cli_check,     &devel_explain,
-    &cli_cache,   &devel_plugins, &devel_inspect,
+    &devel_cache, &devel_plugins, &devel_inspect,
     &devel_lint,  &devel_schema,  &devel_new,
     &cli_version, &cli_help,      &devel_complete,
     NULL};

@@ -3,6 +3,7 @@
    runs. The texts are the templates of the plugin's kind; those of steps,
    commands and flows are in data/templates. With --process a flow extends one
    that is complete except for the file that it works on. */
+#include <base/file.h>
 #include <base/suggest.h>
 #include <errno.h>
 #include <gio/gio.h>

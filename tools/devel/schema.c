@@ -320,11 +320,10 @@ JsonNode *opc_flow_schema(const GPtrArray *plugins) {
 static GPtrArray *usable_plugins(void) {
   GPtrArray *plugins = g_ptr_array_new();
   g_autoptr(GPtrArray) list =
-      opc_registry_scan(cli_registry(), "", CLI_PATIENCE);
+      opc_registry_usable(cli_registry(), "", CLI_PATIENCE);
   for (guint i = 0; i < list->len; i++) {
     const opc_candidate *c = list->pdata[i];
     opc_error error;
-    if (c->reason || c->hidden_by) continue;
     const opc_plugin *plugin = opc_registry_find(cli_registry(), c->id, &error);
     if (plugin) g_ptr_array_add(plugins, (void *)plugin);
   }

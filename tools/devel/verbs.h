@@ -5,7 +5,7 @@
 
 #include "core/cli/cli.h"
 
-extern const cli_verb devel_explain, devel_plugins, devel_inspect, devel_lint,
-    devel_schema, devel_new, devel_complete;
+extern const cli_verb devel_cache, devel_explain, devel_plugins, devel_inspect,
+    devel_lint, devel_schema, devel_new, devel_complete;
 
 #endif

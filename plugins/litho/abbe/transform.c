@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the closed form of a mask spectrum, in double precision. By
    Green's theorem the Fourier transform of shapes at f = (fx, fy), fx not 0, is
-   the sum over their edges of the integral of exp(-2 pi i f r) dy / (-2 pi i
-   fx). At fx = 0 the integrand is x exp(-2 pi i fy y) dy. The contribution of
-   an edge is
+   a sum over edges, of the integrals of exp(-2 pi i f r) dy / (-2 pi i fx). At
+   fx = 0 the integrand is x exp(-2 pi i fy y) dy. The contribution of an edge
+   is
 
      dy exp(-2 pi i f m) sinc(f d),
 

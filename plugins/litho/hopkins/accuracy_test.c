@@ -8,9 +8,8 @@
 
 #include "tools/devel/testing.h"
 
-/* Test long lines in the middle of a frame with a margin of clear field: the
-   image changes by at most the stated error when the margin is four times as
-   wide. */
+/* Test long lines in the middle of a frame with a margin of clear field. A
+   margin four times as wide changes the image by at most the stated error. */
 static void test_margin(void) {
   opc_error error;
   g_autoptr(opc_module) m =

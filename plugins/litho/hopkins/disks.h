@@ -2,10 +2,9 @@
 #ifndef OPCFLOW_HOPKINS_DISKS_H
 #define OPCFLOW_HOPKINS_DISKS_H
 
-/* Return the common area of the disk of radius sigma around the origin (the
-   source) and the unit disks around (r1, 0) and r2 (cos angle, sin angle) (the
-   pupil shifted by two frequencies). Exact: an integral along the arcs of the
-   border. [any] */
+/* Return the common area of the source, a disk of radius sigma around the
+   origin, and two shifted pupils, unit disks around (r1, 0) and r2 (cos angle,
+   sin angle). Exact: an integral along the arcs of the border. [any] */
 double opc_common_area(double sigma, double r1, double r2, double angle);
 
 #endif

@@ -143,9 +143,8 @@ static void test_definition(void) {
 }
 
 /* Test that the image of a line as long as its frame is computed from T itself
-   at any error: against the definition, and for an attenuated mask against the
-   kernels. Accurate images leave the model unchanged, are equal for equal
-   errors, and do not use the kernels fixed by the parameters. */
+   at any error, against the definition, and for an attenuated mask against the
+   kernels. */
 static void test_lines(void) {
   enum { PLACES = 40 };
   eda_box b = {-130, -400, 90, 400};
@@ -177,6 +176,8 @@ static void test_lines(void) {
   }
 }
 
+/* Test that accurate images leave the model unchanged, are equal for equal
+   errors, and do not use the kernels fixed by the parameters. */
 static void test_fine(void) {
   opc_error error;
   g_autoptr(opc_module) m =
@@ -455,8 +456,8 @@ static void test_line(void) {
 }
 
 /* Test a source that fills the pupil with lines so fine that orders interfere
-   with order 0 only: each wave is damped as by incoherent light (Goodman,
-   Fourier Optics, 6.4), and the intensities of the orders add a constant. */
+   with order 0 only. Each wave is damped as by incoherent light (Goodman,
+   Fourier Optics, 6.4). The intensities of the orders add a constant. */
 static void test_incoherent(void) {
   static const double width = 60, period = 180;
   double d = wavelength / na / period;

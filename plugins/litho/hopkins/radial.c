@@ -77,7 +77,7 @@ static int ascending(const void *a, const void *b) {
 }
 
 /* Place the nodes of the source's radius. Breaks are the radii where the rim of
-   a shifted pupil enters the source: g_m behaves there like a square root,
+   a shifted pupil enters the source. g_m behaves there like a square root,
    which nodes in the square of a variable integrate accurately. */
 static void place_rings(radial *r) {
   double breaks[NODES + 2], unit[RINGS], weight[RINGS];

@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the residual of truncated kernels by two incoherent terms.
 
-   The residual of T is approximated by S(f1) S(f2) times
-     cos a1 cos a2 D(h) + sin a1 sin a2 D(h turned by 90 degrees),
-   with a1 and a2 the angles of f1 and f2, and h = f1 - f2. It is exact for h =
-   0. D depends on the length and direction of h: the residual comes from
-   distant points across the rims of the pupils and extends further along f than
-   across f. With D a function of |h| alone, an error of 1e-4 for long gratings
-   needs five times the kernels. */
+   With a1 and a2 the angles of f1 and f2, and h = f1 - f2, the residual of T is
+   approximated by
+
+     S(f1) S(f2) [cos a1 cos a2 D(h) + sin a1 sin a2 D(h turned by 90 degrees)].
+
+   It is exact for h = 0. D depends on the length and direction of h: the
+   residual comes from distant points across the rims of the pupils and extends
+   further along f than across f. With D a function of |h| alone, an error of
+   1e-4 for long gratings needs five times the kernels. */
 #include <eda/memory.h>
 #include <gsl/gsl_linalg.h>
 #include <math.h>

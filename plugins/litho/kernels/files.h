@@ -20,10 +20,10 @@ typedef struct kernel_set {
 } kernel_set;
 
 /* Read the text `path` (number of kernels, then weights) and fh0.bin, fh1.bin
-   ... in its folder. A kernel file has a header of 24 bytes (rows and columns
-   as big-endian 32-bit integers, four unused integers), then pairs of
-   big-endian 32-bit floats, row by row. Read the first `most` kernels, 0 for
-   all. Return OPC_OK or an error. */
+   ... in its folder. A kernel file has a header of 24 bytes: rows and columns
+   as big-endian 32-bit integers, and four unused integers. Pairs of big-endian
+   32-bit floats follow, row by row. Read the first `most` kernels, 0 for all.
+   Return OPC_OK or an error. */
 int kernel_set_read(const char *path, size_t most, kernel_set *out,
                     opc_error *error);
 void kernel_set_clear(kernel_set *set);

@@ -34,9 +34,9 @@ typedef struct reach {
   double weight[KERNEL_MOST];
 } reach;
 
-/* Compute the interpolation weights of a function that is zero outside of a
-   period, at `place` (in units of 1 / period), from its transform at -half ..
-   half: sin(pi (place - k)) / (pi (place - k)). */
+/* Compute the weights that interpolate the transform of a function that is zero
+   outside of a period, at `place` (in units of 1 / period), from the values at
+   k = -half .. half. The weights are sin(pi (place - k)) / (pi (place - k)). */
 static void spread(double place, int half, reach *r) {
   static const double same = 1e-6;
   double nearest = round(place);

@@ -54,7 +54,7 @@ typedef struct cif {
   cif_symbol *called;  /* symbol of the last call */
 } cif;
 
-/* Fail with "FILE:LINE:COLUMN: WHAT (byte N)" for the place `at`, or for the
+/* Fail with "FILE:LINE:COLUMN: FAULT (byte N)" for the place `at`, or for the
    current command. Parsing ends after a failure. */
 void cif_refuse_at(cif *c, size_t at, const char *what);
 void cif_refuse(void *c, const char *what);

@@ -5,7 +5,7 @@
 
 #include "oasis.h"
 
-/* ---- what elements share ---- */
+/* ---- common parts of elements ---- */
 
 /* Limit of points of a file's shapes: per byte of the file, plus a constant (a
    million rectangles). Repetitions and modal variables expand a file, because

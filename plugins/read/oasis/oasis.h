@@ -145,7 +145,7 @@ oasis oasis_again(const oasis *from, opc_error *error);
 void oasis_clear(oasis *o);
 /* Continue at another place of the file. */
 void oasis_seek(oasis *o, uint64_t at);
-/* Fail with "'path': WHAT at byte N", with N the place of the record. */
+/* Fail with "'path': FAULT at byte N", with N the place of the record. */
 void oasis_refuse(void *o, const char *what);
 /* Start a record: leave blocks that end here. Return 0 after a failure. */
 int oasis_begin_record(oasis *o);

@@ -123,7 +123,7 @@ int epe_place_bars(epe_layer *layer, const eda_bar_rule *rule,
 
 /* Replace the assist features by `bars`. Return whether they differ
    (assist.c). */
-int epe_take_bars(epe_layer *layer, eda_boxes bars);
+int epe_replace_bars(epe_layer *layer, eda_boxes bars);
 
 /* Find the pairs of fragments that may come too near to each other
    (pairs.c). */
@@ -131,7 +131,7 @@ void epe_find_pairs(epe_layer *layer);
 /* Narrow low and high of fragments that, in the mask of `shift`, are too near
    to each other or make an edge too short. Return the number of such pairs and
    edges. `hard`: their edges stay as drawn (pairs.c). */
-size_t epe_part(epe_layer *layer, const int32_t *shift, int hard);
+size_t epe_separate(epe_layer *layer, const int32_t *shift, int hard);
 
 /* Return in `shift` the shifts nearest to layer->wanted that the mask rules
    allow (rules.c). */

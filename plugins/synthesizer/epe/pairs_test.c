@@ -29,8 +29,8 @@ static const epe_rules rules = {.fragment = 40,
                                 .blur = 40};
 
 /* Cut merged boxes into fragments. */
-static void cut_boxes(epe_layer *l, const eda_box *boxes, int n,
-                      eda_shapes *drawn) {
+static void make_fragments(epe_layer *l, const eda_box *boxes, int n,
+                           eda_shapes *drawn) {
   eda_point points[4 * BOXES];
   uint32_t start[BOXES + 1] = {0};
   opc_error error;
@@ -52,8 +52,8 @@ static void cut_boxes(epe_layer *l, const eda_box *boxes, int n,
 
 /* Return the distance between the walls of two fragments that face each
    other. */
-static double apart(const epe_layer *l, const int32_t *shift, uint32_t i,
-                    uint32_t j) {
+static double wall_distance(const epe_layer *l, const int32_t *shift,
+                            uint32_t i, uint32_t j) {
   const epe_piece *p = l->pieces;
   double i0 = epe_begin(p, shift, i), i1 = epe_end(p, shift, i);
   double j0 = epe_begin(p, shift, j), j1 = epe_end(p, shift, j);
@@ -80,7 +80,7 @@ static void test_all(void) {
     }
     eda_shapes drawn;
     epe_layer l;
-    cut_boxes(&l, boxes, BOXES, &drawn);
+    make_fragments(&l, boxes, BOXES, &drawn);
     g_autofree int32_t *shift = g_new0(int32_t, l.count);
     for (int round = 0; round < 4; round++) {
       for (size_t i = 0; i < l.count; i++)
@@ -96,7 +96,8 @@ static void test_all(void) {
             continue;
           int inside = off < 0;
           double limit = inside ? WIDTH : SPACE;
-          double was = apart(&l, NULL, i, j), is = apart(&l, shift, i, j);
+          double was = wall_distance(&l, NULL, i, j),
+                 is = wall_distance(&l, shift, i, j);
           if (is >= fmin(limit, was) - 0.01) continue;
           /* There is no inside between two polygons that are past each
              other. */
@@ -111,7 +112,7 @@ static void test_all(void) {
       double limit = pair->inside ? WIDTH : SPACE;
       g_assert_cmpfloat(pair->limit, <=, limit);
       if (pair->corner) continue;
-      double was = apart(&l, NULL, pair->a, pair->b);
+      double was = wall_distance(&l, NULL, pair->a, pair->b);
       g_assert_cmpfloat(fabs(pair->limit - fmin(limit, was)), <, 1e-3);
     }
     epe_clear(&l);
@@ -151,7 +152,7 @@ static void test_way(void) {
                                              lines[i].y1, lines[i].x1};
       eda_shapes drawn;
       epe_layer l;
-      cut_boxes(&l, boxes, 2, &drawn);
+      make_fragments(&l, boxes, 2, &drawn);
       uint32_t a = middle_of(&l, 0, axis, 1), b = middle_of(&l, 1, axis, -1);
       if (drawn.points[0].x + drawn.points[0].y > 20) /* the other one first */
         a = middle_of(&l, 1, axis, 1), b = middle_of(&l, 0, axis, -1);
@@ -163,7 +164,7 @@ static void test_way(void) {
         else if (l.pieces[i].edge == l.pieces[b].edge)
           shift[i] = cases[k].by[1];
       int missing = SPACE - (60 - shift[a] - shift[b]) > 0;
-      g_assert_cmpint(epe_part(&l, shift, 0) > 0, ==, missing);
+      g_assert_cmpint(epe_separate(&l, shift, 0) > 0, ==, missing);
       const uint32_t who[2] = {a, b};
       for (int i = 0; i < 2 && missing; i++) {
         int32_t by = cases[k].by[i];

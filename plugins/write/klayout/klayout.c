@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements write.klayout: a corrected mask as three files for KLayout: an
-   OASIS file with shapes and printed contours as layers, a layer style file,
-   and a marker database of the places to inspect. */
+/* Implements write.klayout: a corrected mask as three files for KLayout. They
+   are an OASIS file with shapes and printed contours as layers, a layer style
+   file, and a marker database of the places to inspect. */
 #include "klayout.h"
 
 #include <eda/memory.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the layer list of KLayout: light fills for drawn shapes, outlines
-   for masks, dashed lines for the printed contour of the drawn mask, dark lines
-   for that of the corrected mask. */
+/* Implements the layer list of KLayout. Drawn shapes have light fills, masks
+   have outlines. The printed contour of the drawn mask is dashed, that of the
+   corrected mask is dark. */
 #include <eda/drawing.h>
 
 #include "klayout.h"

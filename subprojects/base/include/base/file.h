@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Checks of files and file names before they are opened. [any] */
+/* Files and names: checks before files are opened, folders, programs. [any] */
 #ifndef OPC_BASE_FILE_H
 #define OPC_BASE_FILE_H
 
@@ -12,5 +12,27 @@ const char *opc_file_fault(const char *path, size_t *size);
 
 /* Return whether a relative file name stays inside its folder. */
 gboolean opc_name_is_inside(const char *name);
+
+/* Return the names in a folder, sorted (char *, freed with the array); NULL if
+   the folder cannot be read. */
+GPtrArray *opc_folder_names(const char *folder);
+
+/* Return whether a name has letters, digits, '_', '-' and, if `dots`, dots, and
+   begins with neither a dot nor '-'. */
+gboolean opc_is_name(const char *text, gboolean dots);
+
+/* Return whether a name has lower_case words with dots between: "model.wide".
+ */
+gboolean opc_is_id(const char *name);
+
+/* Return the folder of the executable (g_free); NULL if there is none. */
+char *opc_executable_folder(void);
+
+/* Return the path of a file or folder in opcflow/ of an installation's folder
+   `in` (g_free), found from the folder of the executable, so that an
+   installation can be moved: `places` are the ends of that folder, "/bin",
+   NULL-terminated. NULL if the executable is not installed. */
+char *opc_installed(const char *const *places, const char *in,
+                    const char *name);
 
 #endif

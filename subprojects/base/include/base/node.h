@@ -62,6 +62,9 @@ const char *opc_node_key(const opc_node *map, guint i);
 /* Append a key that does not exist yet. Takes ownership of both nodes. */
 void opc_node_add(opc_node *map, opc_node *key, opc_node *value);
 
+/* Put copies of a key and its value in the place of that key, or at the end. */
+void opc_node_put(opc_node *map, const opc_node *key, const opc_node *value);
+
 /* Return whether all keys are among `words`, "a|b|c"; add a problem for each
    other key: "unknown key 'x'", `where`, and a suggestion. */
 gboolean opc_node_check_keys(const opc_node *map, const char *words,

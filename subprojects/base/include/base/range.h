@@ -17,4 +17,9 @@ gboolean opc_unknown_unit(const opc_node *node, const char *name,
 GPtrArray *opc_range_values(const opc_node *range, const opc_source *source,
                             opc_problems *problems);
 
+/* Return the numbers of nodes that all are numbers with the same unit, or all
+   without one (g_free), and the unit or NULL in *unit. Return NULL otherwise.
+ */
+double *opc_range_numbers(const GPtrArray *nodes, const char **unit);
+
 #endif

@@ -4,6 +4,8 @@
 #ifndef OPC_BASE_SHOWN_H
 #define OPC_BASE_SHOWN_H
 
+#include <stddef.h>
+
 /* Return a printable copy (g_free). An invalid byte becomes "\xNN"; an
    unprintable character becomes "\n", "\t" or "\u{NNNN}" unless listed in
    `keep`. Without "\n" in `keep`, the result is a single line. */
@@ -12,5 +14,9 @@ char *opc_shown(const char *text, const char *keep);
 /* Return a printable copy of a JSON document with the escapes of JSON
    (g_free). */
 char *opc_shown_json(const char *json);
+
+/* End a text of at most `size` bytes before what is not UTF-8, and put blanks
+   in place of characters that move a cursor. */
+void opc_show_in_place(char *text, size_t size);
 
 #endif

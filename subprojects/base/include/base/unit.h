@@ -42,4 +42,7 @@ char *opc_number_fixed(double number, int decimals);
 /* Return the number with six digits, a whole number with all (g_free). */
 char *opc_number_short(double number);
 
+/* Return "12 MB" or "1.5 GB"; "less than 1 MB" (g_free). */
+char *opc_bytes_text(double bytes);
+
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* How the results of a run's steps came to be. */
-#ifndef OPCFLOW_CORE_HISTORIES_H
-#define OPCFLOW_CORE_HISTORIES_H
+#ifndef STORE_HISTORIES_H
+#define STORE_HISTORIES_H
 
 #include <glib.h>
 

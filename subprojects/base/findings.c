@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Keeps findings. */
-#include "core/report/findings.h"
+#include <base/findings.h>
 
 #include <string.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the steps of a run found that the user must not miss. */
-#ifndef OPCFLOW_CORE_FINDINGS_H
-#define OPCFLOW_CORE_FINDINGS_H
+#ifndef OPC_BASE_FINDINGS_H
+#define OPC_BASE_FINDINGS_H
 
 #include <glib.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Keeps histories of steps. */
-#include "core/report/histories.h"
+#include <store/histories.h>
 
 #include <string.h>
 

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include <store/store.h>
-#include "core/cli/cli.h"
+#include "tools/devel/verbs.h"
 
 static gboolean json;
 
@@ -74,12 +74,5 @@ static int run(const cli_verb *verb, const GPtrArray *arguments) {
   return CLI_GOOD;
 }
 
-const cli_verb cli_cache = {
-    .name = "cache",
-    .arguments = "[clear | limit SIZE]",
-    .summary = "Show or limit the results that are kept",
-    .options = options,
-    .least = 0,
-    .most = 3,
-    .words = "clear|limit",
-    .run = run};
+const cli_verb devel_cache = {CLI_CACHE, .options = options, .least = 0,
+                              .most = 3, .run = run};
