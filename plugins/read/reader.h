@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Common part of the readers of layouts: parameters, bytes of a file, first
    failure, and the layers and cells of the layout. */
-#ifndef OPCFLOW_READ_READER_H
-#define OPCFLOW_READ_READER_H
+#pragma once
 
 #include <eda/layout.h>
 #include <glib.h>
@@ -142,5 +141,3 @@ void reading_unzip(reading *b);
    definition. Sets b->cell; -1 for a cell that is not part of the layout
    (metadata of KLayout). */
 void reading_begin_cell(reading *b, const char *name);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the files of the store share. */
-#ifndef OPC_STORE_PRIVATE_H
-#define OPC_STORE_PRIVATE_H
+#pragma once
 
 #include <store/store.h>
 
@@ -19,5 +18,3 @@ struct opc_store {
 void opc_sums_init(opc_store *store);
 /* Keep what was found out, and free it. */
 void opc_sums_clear(opc_store *store);
-
-#endif

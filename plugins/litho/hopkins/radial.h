@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Kernels of a rotationally symmetric T: eigenfunctions (radial.c), coherent
    kernels (systems.c), and residual (rest.c). */
-#ifndef OPCFLOW_HOPKINS_RADIAL_H
-#define OPCFLOW_HOPKINS_RADIAL_H
+#pragma once
 
 #include "kernels.h"
 
@@ -119,5 +118,3 @@ void radial_rest(const radial *r, size_t rest, const double *fx, double fy,
 /* Compute the filter of residual term `rest` (kernels.h). */
 void radial_filter(const void *self, size_t rest, const double *fx, double fy,
                    size_t n, float *out);
-
-#endif

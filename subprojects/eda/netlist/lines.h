@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Netlist files as lines of words. Inside the library only. */
-#ifndef EDA_NETLIST_LINES_H
-#define EDA_NETLIST_LINES_H
+#pragma once
 
 #include <eda/netlist.h>
 
@@ -71,5 +70,3 @@ const char *netlist_number(const char *text, double *out);
 
 /* EDA_NMOS or EDA_PMOS, -1 if nothing tells. */
 int netlist_type(const eda_netlist *n, const char *model);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The parameters of a resolved flow. */
-#ifndef EDA_RUNS_PARAMETERS_H
-#define EDA_RUNS_PARAMETERS_H
+#pragma once
 
 #include <glib.h>
 
@@ -11,5 +10,3 @@
    (char *). */
 int runs_parameters(runs_tree *flow, GArray *out, GPtrArray *texts,
                     opc_error *error);
-
-#endif

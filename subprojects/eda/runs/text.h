@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the readers of run folders share. */
-#ifndef EDA_RUNS_TEXT_H
-#define EDA_RUNS_TEXT_H
+#pragma once
 
 #include <eda/runs.h>
 #include <yaml.h>
@@ -35,5 +34,3 @@ double runs_number(const yaml_node_t *node);
 /* "path:line:column: ...", the code. */
 int runs_fail(const runs_tree *tree, const yaml_node_t *node, opc_error *error,
               const char *format, ...) OPC_PRINTF(4, 5);
-
-#endif

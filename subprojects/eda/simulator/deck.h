@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What a deck and the files that it names come to. Inside the library only. */
-#ifndef EDA_SIMULATOR_DECK_H
-#define EDA_SIMULATOR_DECK_H
+#pragma once
 
 #include <opcflow/base.h>
 
@@ -12,5 +11,3 @@
    needs it, is taken out: *osdi, unless it is NULL, is that file, to be freed,
    or NULL. [any] */
 char *deck_write(const char *deck, char **osdi, opc_error *error);
-
-#endif

@@ -2,8 +2,7 @@
 /* What passes between the library and its helper program. The library writes a
    deck, a zero byte and commands to its standard input. The program answers on
    its standard output by records: a head, then its bytes. */
-#ifndef EDA_SIMULATOR_RECORD_H
-#define EDA_SIMULATOR_RECORD_H
+#pragma once
 
 #include <stdint.h>
 
@@ -21,5 +20,3 @@ enum {
 typedef struct record {
   uint64_t kind, bytes;
 } record;
-
-#endif

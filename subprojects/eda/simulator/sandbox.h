@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the helper program gives up before it looks at a deck. */
-#ifndef EDA_SIMULATOR_SANDBOX_H
-#define EDA_SIMULATOR_SANDBOX_H
+#pragma once
 
 /* The address sanitizer maps terabytes, so that memory has no limit with it. */
 #ifdef __has_feature
@@ -27,5 +26,3 @@ const char *sandbox_enter(int file);
 /* The part of that which Landlock does; nothing where the kernel has none,
    unless there is a file. It takes that privileges have been given up. */
 const char *landlock_enter(int file);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the kept plugins share. */
-#ifndef COMPAT_H
-#define COMPAT_H
+#pragma once
 
 #include <eda/extractor.h>
 #include <eda/imaging.h>
@@ -26,5 +25,3 @@ typedef struct plain {
              .licence = "BSD-3-Clause", .summary = "Kept as a binary", \
              .flags = OPC_DETERMINISTIC | OPC_REENTRANT,               \
              OPC_FUNCTIONS(functions))
-
-#endif

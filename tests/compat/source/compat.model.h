@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Kind "compat": a factor. */
-#ifndef COMPAT_MODEL_H
-#define COMPAT_MODEL_H
+#pragma once
 
 #include <opcflow/kind.h>
 
@@ -10,5 +9,3 @@ typedef struct compat_model {
   double (*other)(const void *self); /* optional */
   OPC_MAY_GROW
 } compat_model;
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Layers: one tree laid over another. What extends a flow, a variant, --set, a
    point of a sweep and what is given of a slot's default plugin all are. */
-#ifndef OPC_BASE_LAYERS_H
-#define OPC_BASE_LAYERS_H
+#pragma once
 
 #include <base/node.h>
 
@@ -34,5 +33,3 @@ opc_node *opc_undot(const opc_node *map, gboolean deep, opc_problems *problems);
  *source, which is named "OPTION PATH", is there all the same. */
 opc_node *opc_argument_parse(const char *option, const char *text, char **path,
                              opc_source **source, opc_problems *problems);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Flat geometry: points, boxes, polygons and their operations. */
-#ifndef EDA_GEOMETRY_H
-#define EDA_GEOMETRY_H
+#pragma once
 
 #include <opcflow/base.h>
 
@@ -122,5 +121,4 @@ OPC_EXPORT void eda_shapes_clear(eda_shapes *shapes);
 
 #ifdef __cplusplus
 }
-#endif
 #endif

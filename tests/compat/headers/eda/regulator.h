@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Kind "regulator": keeps the correction loop within design rules. */
-#ifndef EDA_REGULATOR_H
-#define EDA_REGULATOR_H
+#pragma once
 
 #include <eda/synthesizer.h>
 
@@ -65,5 +64,4 @@ typedef struct eda_regulator {
 
 #ifdef __cplusplus
 }
-#endif
 #endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Kind "synthesizer": drives the correction loop. From the measurements of the
    last mask a synthesizer computes the next displacements of edges. */
-#ifndef EDA_SYNTHESIZER_H
-#define EDA_SYNTHESIZER_H
+#pragma once
 
 #include <eda/gates.h>
 #include <eda/natural.h>
@@ -155,5 +154,4 @@ typedef struct eda_synthesizer {
 
 #ifdef __cplusplus
 }
-#endif
 #endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Values that a parameter may have, listed by its plugin: the cells of a file.
    An extension of plugins with a parameter that is OPC_LISTED. */
-#ifndef OPCFLOW_CHOICES_H
-#define OPCFLOW_CHOICES_H
+#pragma once
 
 #include <opcflow/plugin.h>
 
@@ -23,5 +22,4 @@ typedef struct opc_choices {
 
 #ifdef __cplusplus
 }
-#endif
 #endif

@@ -5,8 +5,7 @@
    the type OPC_BOOL is `--quiet`. Help, completion and manual page come from
    the declaration. Tables, metrics and messages are shown, or are one JSON
    object with `--json`. */
-#ifndef OPCFLOW_COMMAND_H
-#define OPCFLOW_COMMAND_H
+#pragma once
 
 #include <opcflow/plugin.h>
 
@@ -25,5 +24,4 @@ typedef struct opc_command {
 
 #ifdef __cplusplus
 }
-#endif
 #endif

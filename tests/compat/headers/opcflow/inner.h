@@ -22,8 +22,7 @@
    The step asks through opc_get_inner, NULL if it has no such flow. What is
    returned belongs to the host and is valid until the next call of `run`, if
    nothing else is said. A function that gives NULL has filled *error. [main] */
-#ifndef OPCFLOW_INNER_H
-#define OPCFLOW_INNER_H
+#pragma once
 
 #include <opcflow/plugin.h>
 
@@ -122,5 +121,4 @@ OPC_UNUSED static const opc_inner_service *opc_get_inner(const opc_host *host) {
 
 #ifdef __cplusplus
 }
-#endif
 #endif

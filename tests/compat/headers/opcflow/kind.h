@@ -4,8 +4,7 @@
    of the kind "kind" whose id is "kind.NAME", found as any plugin: how large
    its functions are, how they are tried out, and what a new plugin of it looks
    like. */
-#ifndef OPCFLOW_KIND_H
-#define OPCFLOW_KIND_H
+#pragma once
 
 #include <opcflow/plugin.h>
 
@@ -121,5 +120,4 @@ typedef struct opc_kind {
 
 #ifdef __cplusplus
 }
-#endif
 #endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The whole plugin interface. */
-#ifndef OPCFLOW_OPCFLOW_H
-#define OPCFLOW_OPCFLOW_H
+#pragma once
 
 #include <opcflow/base.h>
 #include <opcflow/command.h>
@@ -10,5 +9,3 @@
 #include <opcflow/plugin.h>
 #include <opcflow/step.h>
 #include <opcflow/table.h>
-
-#endif

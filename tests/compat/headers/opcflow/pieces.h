@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Work of a step that processes share. */
-#ifndef OPCFLOW_PIECES_H
-#define OPCFLOW_PIECES_H
+#pragma once
 
 #include <opcflow/plugin.h>
 
@@ -80,5 +79,4 @@ OPC_UNUSED static int opc_do_pieces(const opc_host *host,
 
 #ifdef __cplusplus
 }
-#endif
 #endif

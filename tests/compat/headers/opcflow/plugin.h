@@ -13,8 +13,7 @@
      [any]   may be called from several threads at once for one instance.
 
    Errors. See base.h. Nothing is printed, nothing aborts. */
-#ifndef OPCFLOW_PLUGIN_H
-#define OPCFLOW_PLUGIN_H
+#pragma once
 
 #include <opcflow/base.h>
 
@@ -317,5 +316,4 @@ typedef const opc_plugin *(*opc_plugin_entry)(void);
 
 #ifdef __cplusplus
 }
-#endif
 #endif

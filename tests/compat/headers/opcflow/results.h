@@ -3,8 +3,7 @@
    run computed, a later one finds. The user decides whether and how much is
    kept (OPCFLOW_STORE, --no-cache, `opcflow cache`), so that each result may be
    missing at any time. */
-#ifndef OPCFLOW_RESULTS_H
-#define OPCFLOW_RESULTS_H
+#pragma once
 
 #include <opcflow/plugin.h>
 
@@ -46,5 +45,4 @@ OPC_UNUSED static const opc_results *opc_get_results(const opc_host *host) {
 
 #ifdef __cplusplus
 }
-#endif
 #endif

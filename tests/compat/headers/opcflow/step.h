@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Kind "step": typed inputs to typed outputs (read, correct, draw, write, and
    what others invent). */
-#ifndef OPCFLOW_STEP_H
-#define OPCFLOW_STEP_H
+#pragma once
 
 #include <opcflow/plugin.h>
 
@@ -87,5 +86,4 @@ typedef struct opc_step {
 
 #ifdef __cplusplus
 }
-#endif
 #endif

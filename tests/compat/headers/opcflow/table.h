@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What a plugin publishes, in one call: several metrics, or a table of which
    the rows are an array of structs. */
-#ifndef OPCFLOW_TABLE_H
-#define OPCFLOW_TABLE_H
+#pragma once
 
 #include <opcflow/plugin.h>
 #include <stdlib.h>
@@ -76,5 +75,4 @@ OPC_UNUSED static int opc_put_rows(const opc_host *host, const char *name,
 
 #ifdef __cplusplus
 }
-#endif
 #endif
