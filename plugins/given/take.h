@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Shapes of a mask from a layout, with checks that they belong to the gates. */
-#pragma once
+#ifndef GIVEN_TAKE_H
+#define GIVEN_TAKE_H
 
 #include <eda/gates.h>
 #include <eda/layout.h>
@@ -21,3 +22,5 @@ typedef struct take {
    drawn. Reports the vertices moved by the grid as the metrics snapped and
    snapped_worst. */
 int take_shapes(const take *take, eda_mask *mask, opc_error *error);
+
+#endif

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Checksums of the drawn environment of transistors. */
-#pragma once
+#ifndef CORRECT_CHIP_SURROUND_H
+#define CORRECT_CHIP_SURROUND_H
 
 #include <eda/gates.h>
 
@@ -28,3 +29,5 @@ int surround_all(const opc_context *context, const eda_gates *window,
 /* Return 1 if the lower left corner of a box is in the core. Callable from any
    thread. */
 int surround_starts(eda_box core, eda_box b);
+
+#endif

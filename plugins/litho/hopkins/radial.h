@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Kernels of a rotationally symmetric T: eigenfunctions (radial.c), coherent
    kernels (systems.c), and residual (rest.c). */
-#pragma once
+#ifndef OPCFLOW_HOPKINS_RADIAL_H
+#define OPCFLOW_HOPKINS_RADIAL_H
 
 #include "kernels.h"
 
@@ -118,3 +119,5 @@ void radial_rest(const radial *r, size_t rest, const double *fx, double fy,
 /* Compute the filter of residual term `rest` (kernels.h). */
 void radial_filter(const void *self, size_t rest, const double *fx, double fy,
                    size_t n, float *out);
+
+#endif

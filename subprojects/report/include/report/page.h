@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Report page: one HTML file with all figures of some runs and the code that
    draws them. Call all functions on the main thread. */
-#pragma once
+#ifndef OPCFLOW_REPORT_PAGE_H
+#define OPCFLOW_REPORT_PAGE_H
 
 #include <glib.h>
 #include <opcflow/plugin.h>
@@ -42,3 +43,5 @@ int page_write(const page *p, const char *title, const char *path,
                       .summary =                                             \
                           "Pictures are left out where the page would be "   \
                           "larger than so many MB")
+
+#endif
