@@ -2,7 +2,8 @@
 /* What the plugins that go wrong while they run share. BAD_ID is the id of one,
    BAD_FAULT the word that says what it does wrong; "none" for nothing; without
    it, what evil.h says. */
-#pragma once
+#ifndef BAD_H
+#define BAD_H
 
 #include <eda/eda.h>
 #include <math.h>
@@ -76,3 +77,5 @@ static void clear(void *self) {
   OPC_PLUGIN(bad, .id = BAD_ID, .kind = (KIND), .version = "1.0.0",            \
              .licence = "BSD-3-Clause", .summary = "Goes wrong while it runs", \
              .check = check, .clear = clear, OPC_FUNCTIONS(FUNCTIONS))
+
+#endif

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What a plugin can do to the process, by words: BAD_HOW of the environment
    says what, BAD_WHEN in which of its functions. */
-#pragma once
+#ifndef EVIL_H
+#define EVIL_H
 
 #include <err.h>
 #include <fcntl.h>
@@ -163,3 +164,5 @@ static inline void evil(const char *when) {
   if (is_word("BAD_WHEN", when)) be_evil();
 #endif
 }
+
+#endif

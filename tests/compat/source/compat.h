@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the kept plugins share. */
-#pragma once
+#ifndef COMPAT_H
+#define COMPAT_H
 
 #include <eda/extractor.h>
 #include <eda/imaging.h>
@@ -25,3 +26,5 @@ typedef struct plain {
              .licence = "BSD-3-Clause", .summary = "Kept as a binary", \
              .flags = OPC_DETERMINISTIC | OPC_REENTRANT,               \
              OPC_FUNCTIONS(functions))
+
+#endif

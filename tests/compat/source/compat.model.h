@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Kind "compat": a factor. */
-#pragma once
+#ifndef COMPAT_MODEL_H
+#define COMPAT_MODEL_H
 
 #include <opcflow/kind.h>
 
@@ -9,3 +10,5 @@ typedef struct compat_model {
   double (*other)(const void *self); /* optional */
   OPC_MAY_GROW
 } compat_model;
+
+#endif

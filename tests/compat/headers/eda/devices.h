@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Device tables: the currents of wide and narrower transistors against length
    (thesis 2.2.1), and the capacitance of their gates. */
-#pragma once
+#ifndef EDA_DEVICES_H
+#define EDA_DEVICES_H
 
 #include <opcflow/base.h>
 
@@ -50,4 +51,5 @@ OPC_EXPORT double eda_devices_cgate(const eda_devices *devices, int type,
 
 #ifdef __cplusplus
 }
+#endif
 #endif

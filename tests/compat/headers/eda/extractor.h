@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Kind "extractor": computes the performance of a transistor from its printed
    slices. */
-#pragma once
+#ifndef EDA_EXTRACTOR_H
+#define EDA_EXTRACTOR_H
 
 #include <eda/gates.h>
 
@@ -76,4 +77,5 @@ typedef struct eda_extractor {
 
 #ifdef __cplusplus
 }
+#endif
 #endif

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Transistors and the mask edges that move with them. Data kinds "gates"
    (eda_gates) and "mask" (eda_mask). */
-#pragma once
+#ifndef EDA_GATES_H
+#define EDA_GATES_H
 
 #include <eda/devices.h>
 #include <eda/geometry.h>
@@ -336,4 +337,5 @@ OPC_EXPORT int eda_mask_restore(const eda_gates *gates, const char *folder,
 
 #ifdef __cplusplus
 }
+#endif
 #endif

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Flat geometry: points, boxes, polygons and their operations. */
-#pragma once
+#ifndef EDA_GEOMETRY_H
+#define EDA_GEOMETRY_H
 
 #include <opcflow/base.h>
 
@@ -121,4 +122,5 @@ OPC_EXPORT void eda_shapes_clear(eda_shapes *shapes);
 
 #ifdef __cplusplus
 }
+#endif
 #endif

@@ -4,7 +4,8 @@
    Everything is periodic with the period of a frame. The clear field has
    intensity 1; masks are dark inside drawn shapes (chrome lines, positive
    resist). */
-#pragma once
+#ifndef EDA_IMAGING_H
+#define EDA_IMAGING_H
 
 #include <eda/geometry.h>
 
@@ -206,4 +207,5 @@ OPC_EXPORT double eda_field_epe(const eda_field *field, int axis, int out,
 
 #ifdef __cplusplus
 }
+#endif
 #endif

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Kind "litho": computes the intensity of a mask. */
-#pragma once
+#ifndef EDA_LITHO_H
+#define EDA_LITHO_H
 
 #include <eda/imaging.h>
 #include <eda/natural.h>
@@ -69,4 +70,5 @@ OPC_EXPORT int eda_litho_spectrum(const opc_context *context,
 
 #ifdef __cplusplus
 }
+#endif
 #endif

@@ -3,7 +3,8 @@
    wavelength / NA (k1 of B. J. Lin, "Where is the lost resolution?", SPIE 633,
    1986), and their depth of focus with wavelength / NA^2. A length that a flow
    does not give is therefore a multiple of these. */
-#pragma once
+#ifndef EDA_NATURAL_H
+#define EDA_NATURAL_H
 
 #include <opcflow/base.h>
 
@@ -47,4 +48,5 @@ OPC_EXPORT void eda_natural_text(eda_scanner scanner, char *out, size_t size);
 
 #ifdef __cplusplus
 }
+#endif
 #endif

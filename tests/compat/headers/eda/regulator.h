@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Kind "regulator": keeps the correction loop within design rules. */
-#pragma once
+#ifndef EDA_REGULATOR_H
+#define EDA_REGULATOR_H
 
 #include <eda/synthesizer.h>
 
@@ -64,4 +65,5 @@ typedef struct eda_regulator {
 
 #ifdef __cplusplus
 }
+#endif
 #endif

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Kind "resist": converts an intensity to printed shapes. */
-#pragma once
+#ifndef EDA_RESIST_H
+#define EDA_RESIST_H
 
 #include <eda/gates.h>
 #include <eda/litho.h>
@@ -27,4 +28,5 @@ typedef struct eda_resist {
 
 #ifdef __cplusplus
 }
+#endif
 #endif

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Kind "synthesizer": drives the correction loop. From the measurements of the
    last mask a synthesizer computes the next displacements of edges. */
-#pragma once
+#ifndef EDA_SYNTHESIZER_H
+#define EDA_SYNTHESIZER_H
 
 #include <eda/gates.h>
 #include <eda/natural.h>
@@ -154,4 +155,5 @@ typedef struct eda_synthesizer {
 
 #ifdef __cplusplus
 }
+#endif
 #endif

@@ -2,7 +2,8 @@
 /* Result codes, errors, threads, and an object with its functions. The headers
    of the kernel and those of the library eda include this file, so that their
    errors are of one type although neither knows the other. */
-#pragma once
+#ifndef OPC_BASE_H
+#define OPC_BASE_H
 
 #include <stdarg.h>
 #include <stddef.h>
@@ -120,4 +121,5 @@ typedef struct opc_module {
 
 #ifdef __cplusplus
 }
+#endif
 #endif

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Values that a parameter may have, listed by its plugin: the cells of a file.
    An extension of plugins with a parameter that is OPC_LISTED. */
-#pragma once
+#ifndef OPCFLOW_CHOICES_H
+#define OPCFLOW_CHOICES_H
 
 #include <opcflow/plugin.h>
 
@@ -22,4 +23,5 @@ typedef struct opc_choices {
 
 #ifdef __cplusplus
 }
+#endif
 #endif

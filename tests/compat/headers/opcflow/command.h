@@ -5,7 +5,8 @@
    the type OPC_BOOL is `--quiet`. Help, completion and manual page come from
    the declaration. Tables, metrics and messages are shown, or are one JSON
    object with `--json`. */
-#pragma once
+#ifndef OPCFLOW_COMMAND_H
+#define OPCFLOW_COMMAND_H
 
 #include <opcflow/plugin.h>
 
@@ -24,4 +25,5 @@ typedef struct opc_command {
 
 #ifdef __cplusplus
 }
+#endif
 #endif

@@ -22,7 +22,8 @@
    The step asks through opc_get_inner, NULL if it has no such flow. What is
    returned belongs to the host and is valid until the next call of `run`, if
    nothing else is said. A function that gives NULL has filled *error. [main] */
-#pragma once
+#ifndef OPCFLOW_INNER_H
+#define OPCFLOW_INNER_H
 
 #include <opcflow/plugin.h>
 
@@ -121,4 +122,5 @@ OPC_UNUSED static const opc_inner_service *opc_get_inner(const opc_host *host) {
 
 #ifdef __cplusplus
 }
+#endif
 #endif

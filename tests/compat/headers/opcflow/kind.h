@@ -4,7 +4,8 @@
    of the kind "kind" whose id is "kind.NAME", found as any plugin: how large
    its functions are, how they are tried out, and what a new plugin of it looks
    like. */
-#pragma once
+#ifndef OPCFLOW_KIND_H
+#define OPCFLOW_KIND_H
 
 #include <opcflow/plugin.h>
 
@@ -120,4 +121,5 @@ typedef struct opc_kind {
 
 #ifdef __cplusplus
 }
+#endif
 #endif

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The whole plugin interface. */
-#pragma once
+#ifndef OPCFLOW_OPCFLOW_H
+#define OPCFLOW_OPCFLOW_H
 
 #include <opcflow/base.h>
 #include <opcflow/command.h>
@@ -9,3 +10,5 @@
 #include <opcflow/plugin.h>
 #include <opcflow/step.h>
 #include <opcflow/table.h>
+
+#endif

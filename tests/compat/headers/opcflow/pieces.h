@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Work of a step that processes share. */
-#pragma once
+#ifndef OPCFLOW_PIECES_H
+#define OPCFLOW_PIECES_H
 
 #include <opcflow/plugin.h>
 
@@ -79,4 +80,5 @@ OPC_UNUSED static int opc_do_pieces(const opc_host *host,
 
 #ifdef __cplusplus
 }
+#endif
 #endif

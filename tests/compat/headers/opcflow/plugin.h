@@ -13,7 +13,8 @@
      [any]   may be called from several threads at once for one instance.
 
    Errors. See base.h. Nothing is printed, nothing aborts. */
-#pragma once
+#ifndef OPCFLOW_PLUGIN_H
+#define OPCFLOW_PLUGIN_H
 
 #include <opcflow/base.h>
 
@@ -316,4 +317,5 @@ typedef const opc_plugin *(*opc_plugin_entry)(void);
 
 #ifdef __cplusplus
 }
+#endif
 #endif

@@ -3,7 +3,8 @@
    run computed, a later one finds. The user decides whether and how much is
    kept (OPCFLOW_STORE, --no-cache, `opcflow cache`), so that each result may be
    missing at any time. */
-#pragma once
+#ifndef OPCFLOW_RESULTS_H
+#define OPCFLOW_RESULTS_H
 
 #include <opcflow/plugin.h>
 
@@ -45,4 +46,5 @@ OPC_UNUSED static const opc_results *opc_get_results(const opc_host *host) {
 
 #ifdef __cplusplus
 }
+#endif
 #endif

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Kind "step": typed inputs to typed outputs (read, correct, draw, write, and
    what others invent). */
-#pragma once
+#ifndef OPCFLOW_STEP_H
+#define OPCFLOW_STEP_H
 
 #include <opcflow/plugin.h>
 
@@ -86,4 +87,5 @@ typedef struct opc_step {
 
 #ifdef __cplusplus
 }
+#endif
 #endif

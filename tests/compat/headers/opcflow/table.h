@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What a plugin publishes, in one call: several metrics, or a table of which
    the rows are an array of structs. */
-#pragma once
+#ifndef OPCFLOW_TABLE_H
+#define OPCFLOW_TABLE_H
 
 #include <opcflow/plugin.h>
 #include <stdlib.h>
@@ -75,4 +76,5 @@ OPC_UNUSED static int opc_put_rows(const opc_host *host, const char *name,
 
 #ifdef __cplusplus
 }
+#endif
 #endif
