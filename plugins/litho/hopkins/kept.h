@@ -3,7 +3,8 @@
    instances: a process that makes many instances (experiment, search, sweep)
    computes kernels once. Holds only radial kernels without aberrations, which
    follow from a few numbers. All functions are [any]. */
-#pragma once
+#ifndef OPCFLOW_HOPKINS_KEPT_H
+#define OPCFLOW_HOPKINS_KEPT_H
 
 #include "kernels.h"
 
@@ -31,3 +32,5 @@ kernels *kept_kernels(const kept *k, double *error);
 
 /* Remove a user from an entry. */
 void kept_drop(kept *k);
+
+#endif
