@@ -32,11 +32,10 @@ typedef struct reader {
                         "that the file need not have"),                  \
       OPC_PARAMETER(reader, scale, .type = OPC_REAL, .flags = OPC_ABOVE, \
                     .preset = "1", .min = 0,                             \
-                    .summary = "A factor on the unit of the file"),      \
-      OPC_PARAMETER(reader, top, .type = OPC_TEXT, .flags = OPC_LISTED,  \
-                    .summary =                                           \
-                        "The top cell; those it does not lead to "       \
-                        "are dropped")
+                    .summary = "Factor on the unit of the file"),        \
+      OPC_PARAMETER(                                                     \
+          reader, top, .type = OPC_TEXT, .flags = OPC_LISTED,            \
+          .summary = "Top cell; cells not reachable from it are dropped")
 
 /* Check the map of layers: names in the file or, if `most` is not 0, numbers up
    to `most`. For a reader's `check`. Return OPC_OK or an error. */
