@@ -24,16 +24,17 @@ void descent_reset(descent *d, size_t count) {
   d->begun = d->fine = 0;
 }
 
-static control_input input(const descent *d, const eda_feedback *f, size_t i) {
+static control_input descent_input(const descent *d, const eda_feedback *f,
+                                   size_t i) {
   int prints = !(f->flags[i] & EDA_PRINT_OPEN);
   return (control_input){.error = prints ? d->error(d->self, f, i) : open,
                          .width = f->gates->width[i] / f->gates->grid,
                          .veto = f->vetoes[i]};
 }
 
-static int next_length(descent *d, const eda_feedback *f, size_t i,
-                       eda_moves *moves) {
-  control_input in = input(d, f, i);
+static int descent_next_length(descent *d, const eda_feedback *f, size_t i,
+                               eda_moves *moves) {
+  control_input in = descent_input(d, f, i);
   if (d->begun)
     return correct_control_length(&d->rules, &d->state[i], &in, &moves->l[i],
                                   moves->w[i]);
@@ -45,13 +46,13 @@ descent_moves descent_update(descent *d, const eda_feedback *f,
                              eda_moves *moves, int lengths_only) {
   descent_moves m = {0};
   for (size_t i = 0; i < d->count; i++) {
-    d->moved[i] = (uint8_t)next_length(d, f, i, moves);
+    d->moved[i] = (uint8_t)descent_next_length(d, f, i, moves);
     m.lengths += d->moved[i];
   }
   if (!m.lengths && !lengths_only) d->fine = 1;
   for (size_t i = 0; i < d->count; i++) {
     control *c = &d->state[i];
-    control_input in = input(d, f, i);
+    control_input in = descent_input(d, f, i);
     if (d->begun && d->fine && !d->moved[i])
       m.widths += correct_control_width(&d->rules, c, &in, &moves->w[i]) != 0;
     m.changed |= d->begun && c->error != in.error;

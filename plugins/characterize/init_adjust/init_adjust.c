@@ -56,7 +56,7 @@ static double width_of(const work *k, size_t size) {
 
 /* Perform the next step of each transistor of a row. Set the flags of layers
    that changed. */
-static void step_all(const work *k, row *r, control *state, trial *trials,
+static void row_step(const work *k, row *r, control *state, trial *trials,
                      int64_t iteration, int changed[ROW_LAYERS]) {
   changed[EDA_POLY] = changed[EDA_ACTIVE] = 0;
   for (size_t i = 0; i < r->count; i++) {
@@ -85,7 +85,7 @@ static int correct_row(const work *k, row *r, control *state, trial *trials,
     if (code) return code;
     if (opc_cancelled(k->row.context))
       return opc_fail(error, OPC_CANCELLED, NULL, "stopped");
-    step_all(k, r, state, trials, iteration, changed);
+    row_step(k, r, state, trials, iteration, changed);
     if (iteration >= k->by->max_iterations ||
         (!changed[EDA_POLY] && !changed[EDA_ACTIVE]))
       return OPC_OK;
@@ -120,7 +120,7 @@ static int is_better(const work *k, size_t size, size_t a, size_t b) {
   return abs(k->first + (int32_t)a) < abs(k->first + (int32_t)b);
 }
 
-static size_t choose(const work *k, size_t size) {
+static size_t size_choose(const work *k, size_t size) {
   size_t best = 0;
   for (size_t s = 1; s < k->starts; s++)
     if (is_better(k, size, s, best)) best = s;
@@ -128,25 +128,25 @@ static size_t choose(const work *k, size_t size) {
 }
 
 /* Results of a first correction of a size. */
-typedef struct told {
+typedef struct trial_result {
   double l, w, init_adjust, pde, iterations, by_one;
-} told;
+} trial_result;
 
-static told tell(const work *k, size_t size, size_t s) {
+static trial_result trial_row(const work *k, size_t size, size_t s) {
   const trial *t = k->trials + size * (k->starts + 1);
-  return (told){length_of(k, size),
-                width_of(k, size),
-                (k->first + (double)s) * k->row.grid,
-                t[s].pde,
-                (double)t[s].iterations,
-                (double)t[k->starts].iterations};
+  return (trial_result){length_of(k, size),
+                        width_of(k, size),
+                        (k->first + (double)s) * k->row.grid,
+                        t[s].pde,
+                        (double)t[s].iterations,
+                        (double)t[k->starts].iterations};
 }
 
 /* Write a table. Its last column marks the chosen first correction. Return
    OPC_OK or an error. */
-static int publish(const work *k, const char *name, uint32_t flags,
-                   const told *first, size_t rows, size_t columns,
-                   opc_error *error) {
+static int table_publish(const work *k, const char *name, uint32_t flags,
+                         const trial_result *first, size_t rows, size_t columns,
+                         opc_error *error) {
   const opc_column all[] = {
       {"l", "nm", OPC_REAL, -1, &first->l},
       {"w", "nm", OPC_REAL, -1, &first->w},
@@ -160,10 +160,10 @@ static int publish(const work *k, const char *name, uint32_t flags,
 
 static int publish_trials(const work *k, opc_error *error) {
   size_t rows = k->sizes * k->starts;
-  told *all = eda_alloc(rows, sizeof *all);
+  trial_result *all = eda_alloc(rows, sizeof *all);
   for (size_t i = 0; i < rows; i++)
-    all[i] = tell(k, i / k->starts, i % k->starts);
-  int code = publish(k, "init_adjust_trials", 0, all, rows, 5, error);
+    all[i] = trial_row(k, i / k->starts, i % k->starts);
+  int code = table_publish(k, "init_adjust_trials", 0, all, rows, 5, error);
   free(all);
   return code;
 }
@@ -171,30 +171,30 @@ static int publish_trials(const work *k, opc_error *error) {
 static int publish_choice(const work *k, opc_error *error) {
   const opc_host *host = k->by->host;
   size_t n = k->sizes, border = 0;
-  told *all = eda_alloc(n, sizeof *all);
+  trial_result *all = eda_alloc(n, sizeof *all);
   double sooner = 0, plain = 0;
   for (size_t i = 0; i < n; i++) {
-    size_t s = choose(k, i);
-    all[i] = tell(k, i, s);
+    size_t s = size_choose(k, i);
+    all[i] = trial_row(k, i, s);
     border += s == 0 || s + 1 == k->starts;
     sooner += all[i].iterations / (double)n;
     plain += all[i].by_one / (double)n;
   }
   if (border)
     host->log(host, OPC_LOG_WARNING,
-              "%zu of %zu sizes take the first or last correction that was "
-              "tried: a wider range may have a better one",
+              "%zu of %zu sizes have their best result at an end of the range "
+              "of first corrections; widen 'from' to 'to'",
               border, n);
   const opc_metric_value values[] = {{"iterations_mean", sooner},
                                      {"iterations_mean_by_one", plain}};
-  int code = publish(k, "init_adjust", OPC_TABLE_PRINT, all, n, 6, error);
+  int code = table_publish(k, "init_adjust", OPC_TABLE_PRINT, all, n, 6, error);
   free(all);
   return code ? code : opc_put_metrics(host, OPC_ARRAY(values), error);
 }
 
 /* ---- work: a run ---- */
 
-static int prepare(const characterize *c, opc_error *error) {
+static int characterize_prepare(const characterize *c, opc_error *error) {
   const eda_litho *litho = c->litho->functions;
   const eda_resist *resist = c->resist->functions;
   const eda_extractor *extractor = c->extractor->functions;
@@ -203,7 +203,7 @@ static int prepare(const characterize *c, opc_error *error) {
   return code ? code : extractor->prepare(c->extractor->self, error);
 }
 
-static int run(void *self, void **outputs, opc_error *error) {
+static int characterize_run(void *self, void **outputs, opc_error *error) {
   const characterize *c = self;
   (void)outputs;
   work k = {.by = c,
@@ -223,7 +223,7 @@ static int run(void *self, void **outputs, opc_error *error) {
   k.starts = (size_t)(lround(c->to / c->grid) - k.first + 1);
   k.trials = eda_alloc(k.sizes * (k.starts + 1), sizeof *k.trials);
   k.failures = eda_alloc(k.sizes, sizeof *k.failures);
-  int code = prepare(c, error);
+  int code = characterize_prepare(c, error);
   if (!code) opc_parallel(c->host->context, k.sizes, try_size, &k);
   for (size_t i = 0; i < k.sizes && !code; i++)
     if ((code = k.failures[i].code)) *error = k.failures[i];
@@ -260,18 +260,18 @@ static const opc_parameter parameters[] = {
            "[100 nm, 150 nm, 200 nm, 300 nm, 500 nm, 1000 nm]",
            "drawn widths, multiples of the grid"),
     OPC_PARAMETER(characterize, type, .type = OPC_CHOICE, .preset = "nmos",
-                  .choices = "nmos|pmos", .summary = "of the transistors"),
+                  .choices = "nmos|pmos", .summary = "type of the transistors"),
     NUMBER(from, OPC_REAL, "nm", BETWEEN, -100, 100, "-4 nm",
-           "first correction of L to begin with"),
+           "smallest first correction of L to try"),
     NUMBER(to, OPC_REAL, "nm", BETWEEN, -100, 100, "15 nm",
-           "last one; all between are tried, by grid steps"),
+           "largest first correction of L to try, in grid steps from `from`"),
     NUMBER(tie, OPC_REAL, "%", OPC_AT_LEAST, 0, 0, "0 %",
-           "|PDE| of at most this are as good as each other, and fewer "
-           "iterations win; the thesis has 0 %"),
+           "|PDE| below which results count as equal and the fewest iterations "
+           "decide; the thesis uses 0 %"),
     OPC_PARAMETER(
         characterize, ion_limit, .type = OPC_REAL, .flags = OPC_ABOVE,
         .unit = "%", .preset = "0.5 %", .former = "limit",
-        .summary = "Largest allowed |Ion deviation|, as of synthesizer.dpb"),
+        .summary = "largest allowed |Ion deviation|, as in synthesizer.dpb"),
     NUMBER(max_bias, OPC_REAL, "nm", OPC_ABOVE | OPC_AT_MOST, 0, 1000, "80 nm",
            "as of synthesizer.dpb"),
     OPC_PARAMETER_NAMED("w_step", characterize, proportional,
@@ -279,22 +279,22 @@ static const opc_parameter parameters[] = {
                         .choices = "unit|proportional",
                         .summary = "as of synthesizer.dpb"),
     NUMBER(max_iterations, OPC_INT, NULL, BETWEEN, 0, 100000, "100",
-           "stop each correction after so many moves"),
+           "largest number of moves of a correction"),
     NUMBER(grid, OPC_REAL, "nm", BETWEEN, 0.1, 10, "1 nm",
-           "of the mask; the step of all corrections"),
+           "mask grid, the step of all corrections"),
     NUMBER(extension, OPC_REAL, "nm", BETWEEN, 0, 1000, "84 nm",
-           "poly line end past the active"),
+           "extension of the poly line end past the active"),
     NUMBER(enclosure, OPC_REAL, "nm", BETWEEN, 0, 1000, "98 nm",
-           "active past the gate, along L"),
+           "extension of the active past the gate, along L"),
     NUMBER(margin, OPC_REAL, "nm", BETWEEN, 0, 10000, "1000 nm",
-           "clear field around each transistor"),
+           "width of the clear field around each transistor"),
 };
 
 static const opc_metric metrics[] = {
     {"iterations_mean", NULL, OPC_LOWER, 0.01,
-     "moves from the chosen first corrections, mean of all sizes"},
+     "mean number of moves with the chosen first corrections, over all sizes"},
     {"iterations_mean_by_one", NULL, OPC_NEUTRAL, 0,
-     "moves if the first correction is one grid step, mean"},
+     "mean number of moves with a first correction of one grid step"},
 };
 
 /* Check that every size is on the grid. Return OPC_OK or an error. */
@@ -309,20 +309,21 @@ static int check_sizes(const opc_reals *sizes, const char *name, double grid,
                       "'%g nm' is no multiple of the grid of %g nm", nm, grid);
     for (size_t j = 0; j < i; j++)
       if (sizes->values[j] == nm)
-        return opc_fail(error, OPC_INVALID, name, "'%g nm' twice", nm);
+        return opc_fail(error, OPC_INVALID, name, "'%g nm' appears twice", nm);
   }
   return OPC_OK;
 }
 
-static int check(void *self, opc_error *error) {
+static int characterize_check(void *self, opc_error *error) {
   const characterize *c = self;
   if (check_sizes(&c->lengths, "lengths", c->grid, error) ||
       check_sizes(&c->widths, "widths", c->grid, error))
     return error->code;
   if (c->lengths.count * c->widths.count > 10000)
-    return opc_fail(error, OPC_INVALID, "lengths",
-                    "%zu lengths and %zu widths are more than 10000 sizes",
-                    c->lengths.count, c->widths.count);
+    return opc_fail(
+        error, OPC_INVALID, "lengths",
+        "%zu lengths and %zu widths exceed the limit of 10000 sizes",
+        c->lengths.count, c->widths.count);
   if (c->from > c->to)
     return opc_fail(error, OPC_INVALID, "from", "'%g nm' is above 'to', %g nm",
                     c->from, c->to);
@@ -331,13 +332,12 @@ static int check(void *self, opc_error *error) {
 
 /* ---- entry ---- */
 
-static const opc_step functions = {.run = run};
+static const opc_step functions = {.run = characterize_run};
 
-OPC_PLUGIN(characterize, .id = "characterize.init_adjust", .kind = "step",
-           .version = "0.2.0", .licence = "BSD-3-Clause",
-           .summary =
-               "table of the first corrections of synthesizer.dpb over "
-               "L and W",
-           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), OPC_METRICS(metrics), .check = check,
-           OPC_FUNCTIONS(functions));
+OPC_PLUGIN(
+    characterize, .id = "characterize.init_adjust", .kind = "step",
+    .version = "0.2.0", .licence = "BSD-3-Clause",
+    .summary = "table of first corrections of synthesizer.dpb over L and W",
+    .flags = OPC_DETERMINISTIC | OPC_REENTRANT, OPC_PARAMETERS(parameters),
+    OPC_METRICS(metrics), .check = characterize_check,
+    OPC_FUNCTIONS(functions));

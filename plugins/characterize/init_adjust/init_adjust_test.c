@@ -19,7 +19,7 @@ static char *with_optics(const char *rest) {
   return g_strdup_printf("{ " OPTICS "%s }", source ? source : ".", rest);
 }
 
-static int run(const char *rest, opc_error *error) {
+static int characterize_run(const char *rest, opc_error *error) {
   g_autofree char *text = with_optics(rest);
   opc_module *m = opc_test_module("characterize.init_adjust", text, error);
   void *outputs[1];
@@ -32,14 +32,14 @@ static int run(const char *rest, opc_error *error) {
 
 static void characterize(const char *rest) {
   opc_error error;
-  if (run(rest, &error)) g_error("%s", error.message);
+  if (characterize_run(rest, &error)) g_error("%s", error.message);
 }
 
 /* ---- the loop ---- */
 
 /* Gates of a vertical transistor of L and W, with 84 nm of poly past the active
    and 98 nm of active past the gate. */
-typedef struct figure_3_5 {
+typedef struct evaluation_layout {
   eda_point points[2][4];
   uint32_t start[2];
   eda_fragment fragments[2][4];
@@ -51,9 +51,10 @@ typedef struct figure_3_5 {
   eda_shapes drawn[2];
   eda_edges edges[2];
   eda_gates gates;
-} figure_3_5;
+} evaluation_layout;
 
-static void draw(figure_3_5 *f, int32_t l, int32_t w, int32_t grid) {
+static void evaluation_draw(evaluation_layout *f, int32_t l, int32_t w,
+                            int32_t grid) {
   int32_t length = l / grid, width = w / grid, past = 84 / grid,
           beside = 98 / grid;
   static const uint8_t roles[2][4] = {
@@ -109,10 +110,10 @@ static void draw(figure_3_5 *f, int32_t l, int32_t w, int32_t grid) {
    number of moves in `iterations`. */
 static double by_loop(int32_t length, int32_t width, int32_t grid, int adjust,
                       double *iterations) {
-  figure_3_5 f;
+  evaluation_layout f;
   opc_error error;
   void *outputs[1] = {NULL};
-  draw(&f, length, width, grid);
+  evaluation_draw(&f, length, width, grid);
   g_autofree char *rest = g_strdup_printf(
       "synthesizer: { use: synthesizer.dpb, w_step: proportional, init_adjust: "
       "%d nm }",
@@ -143,14 +144,14 @@ static void test_brute_force(void) {
   double at_chosen = NAN;
   for (size_t k = 0; k < 13; k++) {
     int adjust = (int)k - 9;
-    double told = opc_test_number("init_adjust_trials", "pde", k), iterations;
+    double listed = opc_test_number("init_adjust_trials", "pde", k), iterations;
     double steps = opc_test_number("init_adjust_trials", "iterations", k);
     if (adjust == 0)
       continue; /* synthesizer.dpb interprets 0 differently, see there */
     double pde = by_loop(70, 150, 1, adjust, &iterations);
-    g_test_message("%d: %.4f in %g, %.4f in %g", adjust, told, steps, pde,
+    g_test_message("%d: %.4f in %g, %.4f in %g", adjust, listed, steps, pde,
                    iterations);
-    g_assert_cmpfloat(fabs(pde - told), <, 0.02);
+    g_assert_cmpfloat(fabs(pde - listed), <, 0.02);
     g_assert_cmpfloat(iterations, ==, steps + 2);
     best = fmin(best, fabs(pde));
     if (adjust == chosen) at_chosen = fabs(pde);
@@ -217,12 +218,12 @@ static void test_refused(void) {
   } cases[] = {
       {"lengths: []", "is empty"},
       {"widths: [100.5 nm]", "'100.5 nm' is no multiple of the grid of 1 nm"},
-      {"lengths: [65 nm, 65 nm]", "'65 nm' twice"},
+      {"lengths: [65 nm, 65 nm]", "'65 nm' appears twice"},
       {"from: 3 nm, to: 2 nm", "'3 nm' is above 'to', 2 nm"},
   };
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     opc_error error = {0};
-    g_assert_cmpint(run(cases[i].rest, &error), ==, OPC_INVALID);
+    g_assert_cmpint(characterize_run(cases[i].rest, &error), ==, OPC_INVALID);
     g_assert_nonnull(strstr(error.message, cases[i].want));
   }
 }
@@ -230,8 +231,9 @@ static void test_refused(void) {
 static void test_cancel(void) {
   opc_error error = {0};
   opc_test_cancel(1);
-  g_assert_cmpint(run("lengths: [65 nm], widths: [200 nm]", &error), ==,
-                  OPC_CANCELLED);
+  g_assert_cmpint(
+      characterize_run("lengths: [65 nm], widths: [200 nm]", &error), ==,
+      OPC_CANCELLED);
   opc_test_cancel(0);
 }
 

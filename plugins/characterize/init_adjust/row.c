@@ -10,32 +10,32 @@
 
 /* ---- the mask ---- */
 
-static int32_t steps(const row *r, double nm) {
+static int32_t bias_steps(const row *r, double nm) {
   return (int32_t)lround(nm / r->rules->grid);
 }
 
 /* Return the distance from one transistor to the next: drawn shapes and
    margins. */
-static int32_t pitch(const row *r) {
-  return steps(r, r->length) + 2 * steps(r, r->rules->enclosure) +
-         2 * steps(r, r->rules->margin);
+static int32_t row_pitch(const row *r) {
+  return bias_steps(r, r->length) + 2 * bias_steps(r, r->rules->enclosure) +
+         2 * bias_steps(r, r->rules->margin);
 }
 
 static eda_frame frame_of(const row *r) {
   const row_rules *k = r->rules;
   double past = fmax(k->extension, 0) + k->margin;
   return (eda_frame){-k->enclosure - k->margin, -past,
-                     (double)r->count * pitch(r) * k->grid,
+                     (double)r->count * row_pitch(r) * k->grid,
                      r->width + 2 * past};
 }
 
 /* Return the box of transistor i of a layer: the low corner of its gate is at
    (i * pitch, 0). As in eda_moves, the high side takes the odd step. */
 static eda_box box_of(const row *r, int layer, size_t i) {
-  int32_t x = (int32_t)i * pitch(r), l = r->l[i], w = r->w[i];
-  int32_t length = steps(r, r->length), width = steps(r, r->width);
-  int32_t past = steps(r, r->rules->extension);
-  int32_t beside = steps(r, r->rules->enclosure);
+  int32_t x = (int32_t)i * row_pitch(r), l = r->l[i], w = r->w[i];
+  int32_t length = bias_steps(r, r->length), width = bias_steps(r, r->width);
+  int32_t past = bias_steps(r, r->rules->extension);
+  int32_t beside = bias_steps(r, r->rules->enclosure);
   if (layer == EDA_POLY)
     return (eda_box){x - (l >> 1), -past, x + length + l - (l >> 1),
                      width + past};
@@ -82,7 +82,7 @@ typedef struct printed {
   double low, high; /* y of the printed edges of the active */
 } printed;
 
-static double value(const row *r, int layer, double x, double y) {
+static double image_value(const row *r, int layer, double x, double y) {
   double v;
   eda_field_sample(&r->print[layer], &x, &y, 1, &v);
   return v;
@@ -90,7 +90,8 @@ static double value(const row *r, int layer, double x, double y) {
 
 /* Return the coordinate along `axis` of the printed edge of a layer nearest to
    (x, y); NAN if there is none within the drawn size. */
-static double edge(const row *r, int layer, int axis, double x, double y) {
+static double printed_edge(const row *r, int layer, int axis, double x,
+                           double y) {
   double reach = axis == EDA_X ? r->length : r->width;
   return (axis == EDA_X ? x : y) +
          eda_field_edge(&r->print[layer], axis, x, y, reach);
@@ -98,9 +99,9 @@ static double edge(const row *r, int layer, int axis, double x, double y) {
 
 static double length_at(const printed *p, double y) {
   const row *r = p->row;
-  if (!(value(r, EDA_POLY, p->middle, y) > 0)) return 0;
-  double low = edge(r, EDA_POLY, EDA_X, p->middle - r->length / 2, y);
-  double high = edge(r, EDA_POLY, EDA_X, p->middle + r->length / 2, y);
+  if (!(image_value(r, EDA_POLY, p->middle, y) > 0)) return 0;
+  double low = printed_edge(r, EDA_POLY, EDA_X, p->middle - r->length / 2, y);
+  double high = printed_edge(r, EDA_POLY, EDA_X, p->middle + r->length / 2, y);
   return high > low ? high - low : 0; /* 0 also for NAN */
 }
 
@@ -123,19 +124,19 @@ static void measure_width(printed *p) {
   p->low = p->high = 0;
   for (int k = 0; k < 3; k++) {
     double x = p->middle + place[k] * r->length / 2;
-    p->low += share[k] * edge(r, EDA_ACTIVE, EDA_Y, x, 0);
-    p->high += share[k] * edge(r, EDA_ACTIVE, EDA_Y, x, r->width);
+    p->low += share[k] * printed_edge(r, EDA_ACTIVE, EDA_Y, x, 0);
+    p->high += share[k] * printed_edge(r, EDA_ACTIVE, EDA_Y, x, r->width);
   }
-  int prints = value(r, EDA_ACTIVE, p->middle, r->width / 2) > 0;
+  int prints = image_value(r, EDA_ACTIVE, p->middle, r->width / 2) > 0;
   if (!prints || !(p->high > p->low)) p->low = p->high = r->width / 2;
 }
 
 /* Return the printed extension of the poly past the active. */
-static double extension(const printed *p, int side) {
+static double printed_extension(const printed *p, int side) {
   const row *r = p->row;
   double past = r->rules->extension;
   double drawn = side ? r->width + past : -past;
-  double end = edge(r, EDA_POLY, EDA_Y, p->middle, drawn);
+  double end = printed_edge(r, EDA_POLY, EDA_Y, p->middle, drawn);
   if (isnan(end)) return INFINITY;
   return side ? end - p->high : p->low - end;
 }
@@ -143,35 +144,37 @@ static double extension(const printed *p, int side) {
 /* Check that the image has finite values at two points. Return OPC_OK or an
    error. */
 static int check_print(const row *r, double middle, opc_error *error) {
-  if (isfinite(value(r, EDA_POLY, middle, r->width / 2)) &&
-      isfinite(value(r, EDA_ACTIVE, middle, r->width / 2)))
+  if (isfinite(image_value(r, EDA_POLY, middle, r->width / 2)) &&
+      isfinite(image_value(r, EDA_ACTIVE, middle, r->width / 2)))
     return OPC_OK;
   return opc_fail(error, OPC_FAILED, "litho",
-                  "the print of L %g, W %g nm is not a number", r->length,
+                  "the printed image of L %g, W %g nm is not finite", r->length,
                   r->width);
 }
 
 /* Measure the slices of transistor i. Return OPC_OK or an error. */
-static int slice(row *r, size_t i, const double *place, const double *share,
-                 opc_error *error) {
+static int transistor_slice(row *r, size_t i, const double *place,
+                            const double *share, opc_error *error) {
   const opc_module *extractor = r->rules->extractor;
   const eda_extractor *model = extractor->functions;
   size_t n = r->slices, first = i * n, all = r->count * n;
-  printed p = {.row = r,
-               .middle = (double)i * pitch(r) * r->rules->grid + r->length / 2};
+  printed p = {
+      .row = r,
+      .middle = (double)i * row_pitch(r) * r->rules->grid + r->length / 2};
   int code = check_print(r, p.middle, error);
   if (code) return code;
   measure_width(&p);
   double width = p.high - p.low;
   if (model->slice && width > 0) {
-    eda_printed_gate gate = {.type = r->rules->type,
-                             .design_length = r->length,
-                             .design_width = r->width,
-                             .width = width,
-                             .extension = {extension(&p, 0), extension(&p, 1)},
-                             .length = length_of_gate,
-                             .lengths = lengths_of_gate,
-                             .data = &p};
+    eda_printed_gate gate = {
+        .type = r->rules->type,
+        .design_length = r->length,
+        .design_width = r->width,
+        .width = width,
+        .extension = {printed_extension(&p, 0), printed_extension(&p, 1)},
+        .length = length_of_gate,
+        .lengths = lengths_of_gate,
+        .data = &p};
     model->slice(extractor->self, &gate, r->own, r->own + n);
     place = r->own;
     share = r->own + n;
@@ -186,7 +189,7 @@ static int slice(row *r, size_t i, const double *place, const double *share,
   return OPC_OK;
 }
 
-static int extract(row *r, opc_error *error) {
+static int row_extract(row *r, opc_error *error) {
   const opc_module *extractor = r->rules->extractor;
   const eda_extractor *model = extractor->functions;
   size_t n = r->count, all = n * r->slices;
@@ -210,7 +213,9 @@ static int extract(row *r, opc_error *error) {
     for (size_t k = 0; k < r->slices; k++)
       if (!(in.length[i * r->slices + k] > 0)) r->ion[i] = 0;
     if (!(r->ion[i] >= 0) || !isfinite(r->ion[i]))
-      return opc_fail(error, OPC_FAILED, "extractor", "Ion of %g A", r->ion[i]);
+      return opc_fail(error, OPC_FAILED, "extractor",
+                      "Ion is %g A, expected a finite value of at least 0",
+                      r->ion[i]);
   }
   return code;
 }
@@ -224,11 +229,11 @@ int row_print(row *r, const int layers[ROW_LAYERS], opc_error *error) {
     if (layers[layer]) code = print_layer(r, layer, error);
   model->slicing(extractor->self, &place, &share);
   for (size_t i = 0; i < r->count && !code; i++)
-    code = slice(r, i, place, share, error);
-  return code ? code : extract(r, error);
+    code = transistor_slice(r, i, place, share, error);
+  return code ? code : row_extract(r, error);
 }
 
-/* ---- making one ---- */
+/* ---- construction ---- */
 
 /* Compute Ion as drawn, of the first transistor. Return OPC_OK or an error. */
 static int measure_drawn(row *r, const double *place, const double *share,
@@ -241,7 +246,7 @@ static int measure_drawn(row *r, const double *place, const double *share,
       r->slice[2 * all + i * n + k] =
           r->width * (place[k] < 0.5 ? place[k] : 1 - place[k]);
     }
-  int code = extract(r, error);
+  int code = row_extract(r, error);
   r->design = r->ion[0];
   if (!code && !(r->design > 0))
     return opc_fail(error, OPC_FAILED, "extractor",

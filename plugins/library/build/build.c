@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The step `library.build`: each cell of a sheet corrected alone (thesis 4.2.1)
-   and kept in a database, from which later runs take it. */
+/* Implements the step `library.build`: corrects each cell of a sheet alone
+   (thesis 4.2.1) and stores the cells in a database for later runs. */
 #include <eda/memory.h>
 #include <math.h>
 #include <opcflow/table.h>
@@ -30,7 +30,7 @@ typedef struct line {
   char *cell;
   const char *state; /* "kept", "corrected" */
   int64_t transistors, simulations;
-  double ion_mean, ion_max; /* % */
+  double ion_mean, ion_max; /* |Ion deviation|, % */
 } line;
 
 typedef struct builder {
@@ -59,8 +59,9 @@ static double cpu_seconds(void) {
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* What cheap prints show that no fine one has told what they lack: so whoever
-   goes on from here can do without. */
+/* Simulate the mask with the fast model without corrections by an accurate one.
+   The ratios to the accurate figures allow later steps to use fast
+   simulations. */
 static int look_cheaply(loop *l, const double *ion, double *seen,
                         opc_error *error) {
   for (size_t k = 0; k < l->gates->layers; k++)
@@ -98,7 +99,7 @@ static GVariant *pack(const builder *r, const cut_out *cell, loop *l) {
   return data;
 }
 
-/* What is told of a cell is told of its own transistors. */
+/* Return mean and largest |Ion deviation| of a cell's own transistors. */
 static void sum_up(GVariant *data, double *mean, double *max) {
   g_autoptr(entry) e = correct_entry_unpack(data);
   *mean = *max = 0;
@@ -124,14 +125,14 @@ static int keep(builder *r, const cut_out *cell, loop *l, shelf_row *row,
   return shelf_put(r->shelf, row, data, r->error);
 }
 
-/* Correct a cell as `correct` does, and keep it. */
+/* Correct a cell as the step `correct` does, and store the result. */
 static int correct_cell(builder *r, const cut_out *cell, shelf_row *row,
                         line *told) {
   const build *b = r->b;
   double before = cpu_seconds();
   loop l;
   correct_loop_init(&l, b->host, cell->gates, &b->with);
-  l.printer.drawn = NULL; /* cells have one resist, not each its own */
+  l.printer.drawn = NULL; /* all cells share one resist calibration */
   int code = correct_loop_run(&l, r->error);
   row->seconds = cpu_seconds() - before;
   if (!code) code = keep(r, cell, &l, row, told);
@@ -139,7 +140,7 @@ static int correct_cell(builder *r, const cut_out *cell, shelf_row *row,
   return code;
 }
 
-/* What is there already, or else what is made now. */
+/* Take a cell from the database, or correct it. */
 static int take_cell(builder *r, const cut_out *cell, shelf_row *row,
                      line *told) {
   gboolean damaged;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A library of three cells: each has the figures of the step `correct` on the
-   sheet's cell alone; what was kept is not corrected again. */
+/* Tests a library of three cells: each has the figures of the step `correct` on
+   that cell alone, and stored cells are not corrected again. */
 #include <glib/gstdio.h>
 #include <math.h>
 
@@ -48,7 +48,7 @@ static void forget_library(void) {
   (void)g_remove(path);
 }
 
-/* The largest deviation of a cell by `correct`. */
+/* Return the largest deviation of a cell corrected by `correct`. */
 static double corrected(const char *cell, const char *more) {
   static const char *const inputs[] = {"gates", NULL};
   opc_error error;
@@ -67,7 +67,7 @@ static double corrected(const char *cell, const char *more) {
   return ion;
 }
 
-/* As drawn, and after all moves. */
+/* As drawn, and after all displacements. */
 static void test_alone(void) {
   static const char *const mores[] = {", max_iterations: 0", ""};
   double ion[2][CELLS];
@@ -98,8 +98,8 @@ static void test_alone(void) {
   made_clear(&m);
 }
 
-/* The same settings: nothing is printed, and the figures are as they were;
-   others: all is made anew, and both are there. */
+/* With equal settings nothing is simulated and the figures are unchanged; other
+   settings correct all cells again and keep both versions. */
 static void test_kept(void) {
   double first[CELLS], again[CELLS], other[CELLS];
   made m = make_sheet("*");

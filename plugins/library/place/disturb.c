@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* How much worse transistors are in the circuit than in their cells. */
+/* Implements the disturbance: deterioration of transistors in the circuit
+   compared with their cells. */
 #include "disturb.h"
 
 #include <eda/drawing.h>
@@ -13,12 +14,13 @@
 #include <correct/report.h>
 #include <correct/start.h>
 
-/* %, as the thesis counts them: the least that its figure 4.5 tells apart. */
+/* Smallest counted disturbance, %; resolution of thesis figure 4.5. */
 static const double least = 0.05;
 
 /* ---- figures ---- */
 
-/* Of each transistor, %; NAN: there is none (free). */
+/* Return the disturbance of each transistor, %; NAN: none. The caller frees the
+   array with free(). */
 static double *disturbances(const eda_mask *m, const uint8_t *known) {
   double *d = eda_alloc(m->gates->count, sizeof *d);
   for (size_t i = 0; i < m->gates->count; i++)
@@ -97,8 +99,8 @@ static int by_size(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-/* %: what the ends of the colours stand for: 98 of 100 transistors are within,
-   so that a few far ones do not take the colour from the rest. */
+/* Return the value at the ends of the colour scale, %, which 98 of 100
+   transistors do not exceed, so that a few outliers do not dominate. */
 static double range_of(const double *d, size_t n) {
   double *all = eda_alloc(n, sizeof *all);
   size_t count = 0;
@@ -110,7 +112,7 @@ static double range_of(const double *d, size_t n) {
   return fmax(at, least);
 }
 
-/* Transistors are small on a chip: each is drawn at least so large, pixels. */
+/* Smallest drawn size of a transistor, pixels. */
 static const double smallest = 3;
 
 static void draw_gate(const eda_chart *c, const eda_gates *g, size_t i,
@@ -129,7 +131,7 @@ static void draw_gate(const eda_chart *c, const eda_gates *g, size_t i,
   cairo_fill(cairo);
 }
 
-/* The chip, in um, as wide as the paper lets it be. */
+/* Draw the chip, in um, in the full width of the paper. */
 static void draw_chip(const eda_paper *paper, const eda_mask *m,
                       const double *d, double top, double height,
                       double range) {

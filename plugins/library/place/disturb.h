@@ -1,18 +1,19 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The disturbance of a placed mask: thesis eq. 4.1 and figures 4.4 to 4.6. */
+/* Disturbance of placed masks: thesis eq. 4.1 and figures 4.4 to 4.6. */
 #ifndef CORRECT_LIBRARY_DISTURB_H
 #define CORRECT_LIBRARY_DISTURB_H
 
 #include <eda/gates.h>
 #include <opcflow/plugin.h>
 
-/* Table and metrics; `known` marks transistors whose cell is in the library,
-   the others have no disturbance. */
+/* Write the table "disturbance" and its metrics. Transistors not marked by
+   `known` have no cell in the library and no disturbance. Returns OPC_OK or an
+   error code. */
 int disturb_report(const opc_host *host, const eda_mask *mask,
                    const uint8_t *known, opc_error *error);
 
-/* The chip with each transistor in the colour of its disturbance, and how often
-   there is one of each size. */
+/* Draw the chip with each transistor in the colour of its disturbance, and a
+   scale. Returns OPC_OK or an error code. */
 int disturb_draw(const opc_host *host, const eda_mask *mask,
                  const uint8_t *known, const char *file, double width,
                  opc_error *error);

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What a circuit does to its cells, by figures that are known: the table, the
-   metrics and, pixel by pixel, the picture. */
+/* Tests the disturbance for known figures: the table, the metrics and the
+   pixels of the picture. */
 #include "disturb.c"
 
 #include "tools/devel/testing.h"
 
 enum { GATES = 6, WIDTH = 400, GREY = 0xd8d8d8 };
 
-/* Ion of each in % of what is drawn: alone, and in the circuit. */
+/* Ion in % of the drawn one: alone, and in the circuit. */
 static const double alone[GATES] = {101, 98, 100, 103, 99, 102};
 static const double placed[GATES] = {103, 98.5, 100.04, 101, 95, 90};
 static const uint8_t known[GATES] = {1, 1, 1, 1, 1, 0};
@@ -101,7 +101,7 @@ static int is_near(uint32_t p, eda_colour c) {
   return 1;
 }
 
-/* Gates in their colours on a chip of grey, which tells the scale. */
+/* Gates in their colours on a grey chip, which gives the scale. */
 static void test_picture(void) {
   made d;
   opc_error error = {0};
@@ -113,7 +113,7 @@ static void test_picture(void) {
   int wide = cairo_image_surface_get_width(s);
   int high = cairo_image_surface_get_height(s);
   g_assert_cmpint(wide, ==, WIDTH);
-  /* Two of the same in a row: edges of letters have such a grey as well. */
+  /* Two equal pixels in a row: the edges of letters may have that grey, too. */
   int x0 = wide, x1 = -1, y0 = high, y1 = -1;
   for (int y = 1; y < high; y++)
     for (int x = 1; x < wide; x++)
@@ -126,8 +126,8 @@ static void test_picture(void) {
   const eda_box e = d.gates.extent;
   double by_x = (x1 - x0 + 1) / (double)(e.x1 - e.x0);
   double by_y = (y1 - y0 + 1) / (double)(e.y1 - e.y0);
-  g_assert_cmpfloat(fabs(by_x / by_y - 1), <, 0.2); /* no taller than wide */
-  /* Of five figures, 4 % the largest, the next one stands for the ends of the
+  g_assert_cmpfloat(fabs(by_x / by_y - 1), <, 0.2); /* square within 20 % */
+  /* Of five figures, the largest being 4 %, the next one is the end of the
      colours. */
   const double range = 2;
   for (size_t i = 0; i < GATES; i++) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The step `library.place`: a circuit's mask from the masks of its cells, each
-   where the circuit places it (thesis 4.2.2, step 1); printed as a whole, and
-   held against what the cells are alone. */
+/* Implements the step `library.place`: composes a circuit's mask from the masks
+   of its cells (thesis 4.2.2, step 1), simulates the whole and compares the
+   figures with those of the cells alone. */
 #include <eda/drawing.h>
 #include <eda/memory.h>
 #include <glib.h>
@@ -18,7 +18,7 @@
 #include "disturb.h"
 #include "stitch.h"
 
-enum { REFUSE, DRAWN }; /* `missing` */
+enum { REFUSE, DRAWN }; /* values of `missing` */
 
 /* ---- state ---- */
 
@@ -33,19 +33,19 @@ typedef struct place {
   int64_t width;
 } place;
 
-/* Cells of the circuit, by number: what the library has of them. */
+/* State of a run; arrays are by cell of the circuit. */
 typedef struct placer {
   const place *p;
   stitch stitch;
-  entry **entry;   /* NULL: nothing */
-  uint8_t *looked; /* the library was asked */
+  entry **entry;   /* NULL: not in the library */
+  uint8_t *looked; /* 1: the library was searched */
   size_t placed, cells, unknown;
   opc_error *error;
 } placer;
 
 /* ---- the library ---- */
 
-/* Masks for one process are none for another. */
+/* Return OPC_INVALID if the library was made for another process or grid. */
 static int check_process(const place *p, opc_error *error) {
   library own = {0};
   int code = correct_library_take_models(p->host, own.model, error);
@@ -63,7 +63,8 @@ static int check_process(const place *p, opc_error *error) {
   return code;
 }
 
-/* By what is drawn, or by its name. */
+/* Find a cell by its name, or by the checksum of its shapes. Returns NULL if
+   there is none. */
 static const library_cell *find_cell(const library *l, gboolean by_name,
                                      const char *what) {
   for (guint i = 0; i < l->cells->len; i++) {
@@ -73,7 +74,7 @@ static const library_cell *find_cell(const library *l, gboolean by_name,
   return NULL;
 }
 
-/* The cell as it is in the library, found by what it draws. */
+/* Load a cell from the library, by the checksum of its shapes. */
 static int look_up(placer *r, shelf *from, int32_t cell) {
   const place *p = r->p;
   gboolean damaged = FALSE;
@@ -96,8 +97,8 @@ static int look_up(placer *r, shelf *from, int32_t cell) {
 
 /* ---- how cells lie ---- */
 
-/* Of the ways that correct_ways_find counts, how many must be alike for this
- * one. */
+/* Return the number of equivalent orientations (correct_ways_find) that a
+   placement requires. */
 static int ways_for(const turn *t) {
   return t->xy ? 8 : t->xx < 0 || t->yy < 0 ? 4 : 1;
 }
@@ -114,7 +115,8 @@ static int find_ways(const place *p, int *ways, opc_error *error) {
   return code;
 }
 
-/* A cell's mask is that of a turned one only where light sees both alike. */
+/* Return OPC_INVALID if a cell has an orientation that the optics image
+   differently. */
 static int check_ways(const placer *r, const units *found) {
   const place *p = r->p;
   size_t worst = 0;
@@ -148,7 +150,7 @@ static int place_all(placer *r, shelf *from, const units *found) {
   return code;
 }
 
-/* Transistors whose cell is not in the library, or that are not as in it. */
+/* Report the transistors that no cell of the library matches. */
 static int tell_of_unknown(placer *r) {
   const place *p = r->p;
   const eda_gates *g = p->gates;
@@ -196,7 +198,8 @@ static int stitch_all(placer *r) {
 
 /* ---- the print ---- */
 
-/* What the cells promise, and of the others nothing but the drawn figures. */
+/* Set the figures before to those of the cells, or to the drawn ones without a
+   cell. */
 static void set_before(const placer *r, eda_mask *m) {
   size_t n = m->gates->count;
   eda_performance_init(&m->before, n);
@@ -205,7 +208,7 @@ static void set_before(const placer *r, eda_mask *m) {
                         r->stitch.known[i] ? &r->stitch.cell : &m->design, i);
 }
 
-/* The mask's shapes, and what its cells promise. */
+/* Build the mask's shapes and set the figures of the cells. */
 static int make_mask(const placer *r, eda_mask *m) {
   const place *p = r->p;
   const eda_gates *g = p->gates;
@@ -254,16 +257,17 @@ static int tell(placer *r, const eda_mask *m, const double *extension) {
 static int print_and_tell(placer *r, eda_mask *m) {
   const place *p = r->p;
   double *extension = NULL;
-  /* The resist is as the library's, not this circuit's. */
+  /* The resist is calibrated as in the library, not by this circuit. */
   int code = correct_print(&p->with, p->host, 0, m, NULL, &extension, r->error);
-  if (!code && !m->fine_simulations) /* cells know of their fine prints */
+  if (!code && !m->fine_simulations) /* the cells store the ratios to accurate
+                                        simulations */
     correct_start_correct(m->moved, &m->after);
   if (!code) code = tell(r, m, extension);
   free(extension);
   return code;
 }
 
-/* Not printed: its figures are those of the cells, each alone. */
+/* Set the figures of a mask that is not simulated to those of the cells. */
 static void promise(eda_mask *m) {
   size_t n = m->gates->count;
   eda_performance_init(&m->after, n);
@@ -280,7 +284,7 @@ static int run(void *self, void **outputs, opc_error *error) {
   code = stitch_all(&r);
   if (!code) {
     eda_mask *mask = eda_mask_new(p->gates);
-    outputs[0] = mask; /* released by the host if this fails */
+    outputs[0] = mask; /* released by the host on failure */
     mask->moved = r.stitch.moved;
     r.stitch.moved = NULL;
     code = make_mask(&r, mask);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Circuits of cells so far apart that each prints as alone: the placed mask is
-   that of the cell, moved and mirrored, and the figures are the cells'. */
+/* Tests circuits of isolated cells: the placed mask is that of the cell, moved
+   and mirrored, and the figures are those of the cells. */
 #include <eda/print.h>
 #include <math.h>
 
@@ -9,10 +9,10 @@
 typedef struct made {
   eda_layout *circuit;
   ran sheet, cells, library, gates;
-  double ion; /* %, the largest of the library */
+  double ion; /* largest in the library, % */
 } made;
 
-/* A circuit and the library of its cells that are called so. */
+/* Make a circuit and the library of the cells with these names. */
 static made make(const char *cells) {
   opc_error error;
   made m = {.circuit = library_circuit()};
@@ -50,8 +50,8 @@ static ran place_good(const made *m, const char *more) {
   return r;
 }
 
-/* The poly of the mask whose x is within 2 um of `at`, as if placed at 0; with
-   y mirrored back. */
+/* Return the poly of the mask within 2 um of x = `at`, moved to 0 and mirrored
+   back in y. */
 static eda_shapes poly_at(const eda_mask *m, int32_t at, int mirror) {
   const eda_shapes *all = &m->shapes[EDA_POLY];
   opc_error error;
@@ -105,7 +105,7 @@ static void test_placed(void) {
     largest = fmax(largest, fabs(alone));
   }
   g_assert_cmpfloat_with_epsilon(largest, m.ion, 1e-6);
-  /* Without a print it is the same mask, and has the cells' figures. */
+  /* Without simulation, the mask is equal and has the figures of the cells. */
   ran bare = place_good(&m, "print: false");
   const eda_mask *promised = bare.out;
   g_assert_cmpfloat(
@@ -120,7 +120,8 @@ static void test_placed(void) {
   made_clear(&m);
 }
 
-/* A library that lacks a cell: refused, or its transistors are as drawn. */
+/* A library without one of the cells: rejected, or the transistors are as
+   drawn. */
 static void test_missing(void) {
   opc_error error;
   ran r;

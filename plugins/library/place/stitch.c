@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Turns the moves of a cell's transistors to where the cell is placed. They are
-   matched one by one: a placed transistor may have been rounded to the grid
-   otherwise than in its cell, and its edges cut otherwise where it meets a
-   neighbour. */
+/* Implements the placement of a cell's displacements. Transistors are matched
+   individually, because rounding to the grid and the dissection next to a
+   neighbour may differ from those in the cell. */
 #include "stitch.h"
 
 #include <eda/index.h>
@@ -11,8 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Grid steps, of twice the middle: rounding moves each edge by half a step in
-   the cell and in the circuit. */
+/* Tolerance of twice the centre, grid steps: each edge may be rounded by half a
+   step in the cell and in the circuit. */
 enum { NEAR = 4 };
 
 void stitch_init(stitch *s, const eda_gates *gates, double unit) {
@@ -32,7 +31,7 @@ void stitch_clear(stitch *s) {
 
 /* ---- where ---- */
 
-/* A box of a cell, turned about the cell's origin. */
+/* Return a box of a cell, rotated about the cell's origin. */
 static eda_box turned(const turn *t, eda_box b) {
   int32_t x0 = t->xx * b.x0 + t->xy * b.y0, x1 = t->xx * b.x1 + t->xy * b.y1,
           y0 = t->yx * b.x0 + t->yy * b.y0, y1 = t->yx * b.x1 + t->yy * b.y1;
@@ -42,12 +41,13 @@ static eda_box turned(const turn *t, eda_box b) {
 
 static int same_size(double a, double b) { return fabs(a - b) < 1e-6 * b; }
 
-/* The transistor of the circuit that is number j of the cell; -1: none. */
+/* Return the transistor of the circuit that matches number j of the cell, or
+   -1. */
 static int64_t find(const stitch *s, const entry *e, const turn *t, size_t j) {
   const eda_gates *g = s->gates;
   double steps = s->unit / g->grid;
   eda_box b = turned(t, e->box[j]);
-  /* Twice the middle. */
+  /* twice the centre */
   double x = (double)b.x0 + b.x1 + 2 * steps * (double)t->dx,
          y = (double)b.y0 + b.y1 + 2 * steps * (double)t->dy;
   int axis = t->xy ? EDA_X + EDA_Y - e->axis[j] : e->axis[j];
@@ -68,7 +68,7 @@ static int64_t find(const stitch *s, const entry *e, const turn *t, size_t j) {
 
 /* ---- moves ---- */
 
-/* Parts are counted from the LOW end, and in their order from there. */
+/* Copy parts; they are counted and ordered from the LOW end. */
 static void turn_parts(const eda_part *from, int32_t width, int backwards,
                        eda_part *to) {
   int n = 0;
@@ -104,16 +104,16 @@ static void take(stitch *s, const entry *e, const turn *t, size_t j, size_t i) {
 
 /* ---- patches ---- */
 
-/* How far an edge of the transistor beside a patch lies from where the turned
-   cell has it: of the one on the patch's side, so that they go on touching. */
+/* Return the offset of the transistor's edge next to an added shape from its
+   position in the rotated cell, so that both stay in contact. */
 static int32_t offset(int32_t middle, int32_t low, int32_t high, int32_t to_low,
                       int32_t to_high) {
   return 2 * (int64_t)middle > (int64_t)low + high ? to_high - high
                                                    : to_low - low;
 }
 
-/* A patch goes with the nearest of the cell's transistors, as that was rounded
-   to the grid. */
+/* Move an added shape with the nearest transistor of the cell, which was
+   rounded to the grid. */
 static void take_box(const stitch *s, const entry *e, const turn *t,
                      const int64_t *match, eda_box box, eda_box_list *to) {
   size_t nearest = e->gates;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A circuit's mask from those of its cells. */
+/* Composition of a circuit's mask from the masks of its cells. */
 #ifndef CORRECT_LIBRARY_STITCH_H
 #define CORRECT_LIBRARY_STITCH_H
 
@@ -8,22 +8,22 @@
 #include <correct/entry.h>
 #include <correct/units.h>
 
-/* The moves of a circuit's transistors, and what their cells promise of them.
- */
+/* Displacements of a circuit's transistors, and their figures in the cells. */
 typedef struct stitch {
   const eda_gates *gates;
-  double unit; /* nm, of the layout */
+  double unit; /* database unit of the layout, nm */
   eda_moved *moved;
-  uint8_t *known;       /* 1: that transistor has one of a cell's */
-  eda_performance cell; /* of the cell alone, where it is known */
-  eda_index *index;     /* the transistors' boxes */
+  uint8_t *known;       /* [gates], 1: has the mask of a cell */
+  eda_performance cell; /* figures of the cell alone, for known transistors */
+  eda_index *index;     /* index of the transistors' boxes */
 } stitch;
 
 void stitch_init(stitch *stitch, const eda_gates *gates, double unit);
 void stitch_clear(stitch *stitch);
 
-/* Place a cell: the transistors of the circuit that are one of its, by place,
-   type, flavour and size, get its moves. How many of the cell's found none. */
+/* Place a cell: transistors of the circuit that match one of the cell in
+   position, type, flavour and size receive its displacements. Returns the
+   number of the cell's transistors without a match. */
 size_t stitch_place(stitch *stitch, const entry *cell, const turn *at);
 
 #endif

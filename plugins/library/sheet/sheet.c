@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The step `library.sheet`: the cells of a layout, each once, as drawn and far
-   from all others. */
+/* Implements the step `library.sheet`: a layout with each cell of another one
+   once, as drawn and isolated. */
 #include <eda/memory.h>
 #include <glib.h>
 #include <math.h>
@@ -18,15 +18,15 @@ typedef struct sheet {
   int neighbours;
 } sheet;
 
-enum { NONE, ITSELF }; /* `neighbours` */
+enum { NONE, ITSELF }; /* values of `neighbours` */
 
-/* Ours: free space between two cells, nm. More than segment.transistors looks
-   for neighbours at; the light of one does not matter to another, as each is
-   cut out of the sheet before it is printed. */
+/* Space between two cells, nm; larger than the neighbour search of
+   segment.transistors. Cells do not interact optically, since each is cut out
+   of the sheet before simulation. */
 static const double gap = 4000;
 
-/* Database units: places are whole steps of mask grids then, so that a cell is
-   rounded to the grid wherever it stands as it is at its origin. */
+/* Step of positions, database units: a multiple of any mask grid, so that
+   rounding to the grid is the same as at the cell's origin. */
 enum { STEP = 10000 };
 
 /* ---- work ---- */
@@ -35,13 +35,13 @@ typedef struct maker {
   const sheet *sheet;
   eda_layout *out;
   int32_t top;
-  int64_t x, y, row, width; /* where the next one goes; of a row */
+  int64_t x, y, row, width; /* next position, height and largest width of the
+                               row */
   size_t count;
   opc_error *error;
 } maker;
 
-/* What a cell takes up: of all its shapes, and of those that say where it
-   abuts. */
+/* Bounding boxes of a cell: of all shapes, and of the boundary layer. */
 typedef struct extents {
   eda_box shapes, boundary;
 } extents;
@@ -77,8 +77,8 @@ static int copy_layer(const maker *m, int32_t from, int32_t to, int32_t layer,
 
 static int64_t step_up(double x) { return (int64_t)ceil(x / STEP) * STEP; }
 
-/* In rows from left to right: where the origin of shapes in that box goes, on a
-   step. */
+/* Find the position of the origin for shapes in a box, on a step, in rows from
+   left to right. */
 static int find_place(maker *m, eda_box b, eda_point *out) {
   double clear = gap / eda_layout_unit(m->sheet->layout);
   int64_t wide = step_up((double)b.x1 - b.x0 + clear),
@@ -110,8 +110,9 @@ static int put(const maker *m, int32_t cell, const char *name, eda_point at,
   return eda_layout_add_instance(m->out, m->top, cell, &p, name, m->error);
 }
 
-/* Around it as in rows of cells: beside it as it is, above and below mirrored,
-   so that supply lines meet. Called NAME~1 to NAME~8. */
+/* Place neighbours as in rows of cells: unchanged beside the cell, mirrored
+   above and below, so that supply lines meet. The names are NAME~1 to
+   NAME~8. */
 static int put_neighbours(const maker *m, int32_t cell, const char *name,
                           eda_point at, eda_box b) {
   int code = OPC_OK;
@@ -168,7 +169,7 @@ static int is_wanted(const sheet *s, const char *name) {
   return 0;
 }
 
-/* A row is about as wide as all are high. */
+/* Return a row width that makes the sheet about square. */
 static int64_t row_width(const eda_layout *layout, size_t cells) {
   double one = fmax(2 * gap / eda_layout_unit(layout), STEP);
   return step_up(ceil(sqrt((double)cells)) * one);

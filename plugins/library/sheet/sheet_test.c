@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Sheets of cells: each cell once, as drawn, and no two nearer than the gap;
-   with neighbours, nine copies that abut. */
+/* Tests sheets of cells: each cell once, as drawn, at least the gap apart; with
+   neighbours, nine abutting copies. */
 #include "tests/library.h"
 
-enum { GAP = 4000, STEP = 10000 }; /* nm; units, as README.md says */
+enum { GAP = 4000, STEP = 10000 }; /* nm; database units, see README.md */
 
-/* What is drawn below a cell on a layer, merged. */
+/* Return the merged shapes below a cell on a layer. */
 static eda_shapes drawn(const eda_layout *l, int32_t cell, const char *layer) {
   opc_error error;
   eda_flat flat;
@@ -25,7 +25,7 @@ static double area(const eda_layout *l, int32_t cell, const char *layer) {
   return twice / 2;
 }
 
-/* All that an instance draws, where it is placed. */
+/* Return the bounding box of an instance. */
 static eda_box bounds(const eda_layout *l, int32_t child,
                       const eda_placement *p) {
   opc_error error;
@@ -41,7 +41,8 @@ static eda_box bounds(const eda_layout *l, int32_t child,
                    all.x1 + p->origin.x, all.y1 + p->origin.y};
 }
 
-/* Twelve cells of different sizes; one without poly and active is none. */
+/* Return a layout of twelve cells of different sizes and one without poly and
+   active, which is skipped. */
 static eda_layout *many_cells(void) {
   opc_error error;
   eda_layout *l = library_circuit();
@@ -51,7 +52,7 @@ static eda_layout *many_cells(void) {
   }
   add_box(l, eda_layout_cell(l, "empty", &error), "outline",
           (eda_box){0, 0, 50, 50});
-  /* A gap of less than 4 um would be left beside it, and below the other. */
+  /* Less than 4 um would remain beside this cell, and below the other one. */
   add_box(l, eda_layout_find_cell(l, "wide"), "outline",
           (eda_box){0, 0, 9500, 300});
   add_box(l, eda_layout_find_cell(l, "long"), "outline",
@@ -93,13 +94,13 @@ static void test_cells(void) {
       g_assert_cmpint(MAX(x, y), >=, GAP);
     }
   }
-  g_assert_cmpint(right, <, 2 * upper); /* rows, not a line of cells */
+  g_assert_cmpint(right, <, 2 * upper); /* rows, not a single line */
   g_assert_cmpint(upper, <, 2 * right);
   ran_clear(&r);
   eda_layout_free(l);
 }
 
-/* Those that are chosen by name, or below a cell. */
+/* Cells selected by name, or below a cell. */
 static void test_chosen(void) {
   static const struct {
     const char *map;
@@ -117,8 +118,8 @@ static void test_chosen(void) {
   eda_layout_free(l);
 }
 
-/* Nine outlines without a gap between them or a place that two cover; the rows
-   above and below are mirrored, so that poly is too. */
+/* Nine outlines without gaps and overlaps; the rows above and below are
+   mirrored, poly included. */
 static void test_neighbours(void) {
   opc_error error;
   eda_layout *l = library_circuit();
@@ -135,7 +136,7 @@ static void test_neighbours(void) {
   eda_shapes poly = drawn(sheet, top, "poly");
   g_assert_cmpuint(poly.count, ==, 9);
   /* The middle row is 120 below its active and 110 above: 200 nm of outline
-     less those. */
+     minus those. */
   int32_t low[3] = {80 + 10, 850 + 80, 1700 + 80 + 10};
   for (size_t i = 0; i < 9; i++) {
     eda_box q = eda_bounds(poly.points + poly.start[i], 4);

@@ -16,19 +16,19 @@ enum { CONTACT = 2, METAL = 3, LAYERS = 4 };
 static char *names[] = {"poly", "active", "contact", "metal1"};
 static uint8_t corrected[] = {1, 1, 0, 1};
 
-static inline opc_module *make(const char *parameters) {
+static inline opc_module *drc_make(const char *parameters) {
   opc_error error;
   opc_module *m = opc_test_module("regulator.drc", parameters, &error);
   g_assert_nonnull(m);
   return m;
 }
 
-static inline size_t violations(opc_module *m, const eda_printed *p,
-                                eda_violation *v, size_t room) {
+static inline size_t drc_violations(opc_module *m, const eda_printed *p,
+                                    eda_violation *v, size_t capacity) {
   const eda_regulator *r = m->functions;
   opc_error error;
   size_t count = 0;
-  g_assert_cmpint(r->violations(m->self, p, v, room, &count, &error), ==,
+  g_assert_cmpint(r->violations(m->self, p, v, capacity, &count, &error), ==,
                   OPC_OK);
   return count;
 }
@@ -72,7 +72,7 @@ static inline eda_field field_of(const boxes *b) {
   return f;
 }
 
-/* A layout without gates, its mask as drawn, and its printed image. */
+/* A layout without gates, the drawn mask, and the printed image. */
 typedef struct chip {
   boxes drawn[LAYERS], printed[LAYERS];
   eda_gates gates;
@@ -85,7 +85,7 @@ typedef struct chip {
   uint32_t veto[1];
 } chip;
 
-static inline void show(chip *c) {
+static inline void chip_show(chip *c) {
   static double nowhere[1];
   c->gates.grid = 1;
   c->gates.extent = (eda_box){-500, -500, 1500, 1500};
@@ -107,7 +107,7 @@ static inline void show(chip *c) {
                        .extension = nowhere};
 }
 
-static inline void judge(opc_module *m, chip *c) {
+static inline void chip_judge(opc_module *m, chip *c) {
   const eda_regulator *r = m->functions;
   opc_error error;
   c->ruling =
@@ -115,7 +115,7 @@ static inline void judge(opc_module *m, chip *c) {
   g_assert_cmpint(r->rule(m->self, &c->p, &c->ruling, &error), ==, OPC_OK);
 }
 
-static inline void end(chip *c) {
+static inline void chip_end(chip *c) {
   for (int layer = 0; layer < LAYERS; layer++)
     eda_field_clear(&c->print[layer]);
 }

@@ -62,7 +62,7 @@ static inline void add_contact(chip *c, int32_t x0, int32_t y0, int32_t x1,
   c->shapes[CONTACT] = (eda_shapes){1, (uint32_t *)one, c->contact, NULL};
 }
 
-static inline void begin(chip *c) {
+static inline void chip_begin(chip *c) {
   eda_gates *g = &c->gates;
   g->grid = 1;
   g->extent = (eda_box){-500, -500, 1500, 1500};
@@ -87,8 +87,8 @@ static inline void begin(chip *c) {
 }
 
 /* Set the printed image to a function that is positive inside poly. */
-static inline void print(chip *c,
-                         double (*poly)(const chip *c, double x, double y)) {
+static inline void chip_print(chip *c, double (*poly)(const chip *c, double x,
+                                                      double y)) {
   const opc_host *host = opc_test_host();
   for (int layer = 0; layer <= EDA_ACTIVE; layer++) {
     eda_field *f = &c->print[layer];
@@ -107,7 +107,7 @@ static inline void print(chip *c,
   }
 }
 
-static inline void judge(opc_module *m, chip *c) {
+static inline void chip_judge(opc_module *m, chip *c) {
   const eda_regulator *r = m->functions;
   opc_error error;
   c->ruling.vetoes = c->veto;
@@ -116,30 +116,30 @@ static inline void judge(opc_module *m, chip *c) {
   g_assert_cmpint(r->rule(m->self, &c->p, &c->ruling, &error), ==, OPC_OK);
 }
 
-static inline size_t violations(opc_module *m, chip *c, eda_violation *v,
-                                size_t room) {
+static inline size_t drc_violations(opc_module *m, chip *c, eda_violation *v,
+                                    size_t capacity) {
   const eda_regulator *r = m->functions;
   opc_error error;
   size_t n = 0;
-  g_assert_cmpint(r->violations(m->self, &c->p, v, room, &n, &error), ==,
+  g_assert_cmpint(r->violations(m->self, &c->p, v, capacity, &n, &error), ==,
                   OPC_OK);
   return n;
 }
 
-static inline opc_module *make(const char *parameters) {
+static inline opc_module *drc_make(const char *parameters) {
   opc_error error;
   opc_module *m = opc_test_module("regulator.drc", parameters, &error);
   g_assert_nonnull(m);
   return m;
 }
 
-static inline void end(chip *c) {
+static inline void chip_end(chip *c) {
   for (int layer = 0; layer <= EDA_ACTIVE; layer++)
     eda_field_clear(&c->print[layer]);
 }
 
 /* Return the extent of repair shapes beyond the right edge x at height y. */
-static inline int32_t grown(const chip *c, int32_t x, double y) {
+static inline int32_t patch_extent(const chip *c, int32_t x, double y) {
   int32_t by = 0;
   for (size_t i = 0; i < c->ruling.patches[EDA_POLY].count; i++) {
     eda_box b = c->ruling.patches[EDA_POLY].box[i];
@@ -172,14 +172,14 @@ static inline double line_ends(const chip *c, double x, double y) {
 }
 
 /* Set the mask to that of the last ruling at the line end. */
-static inline void follow(chip *c) {
+static inline void chip_follow(chip *c) {
   memcpy(c->moved, c->points, sizeof c->moved);
   c->moved[2].y = c->moved[3].y += c->end[1];
   c->mask[EDA_POLY].points = c->moved;
 }
 
 /* Return the width of the head beyond the line on each side; 0 for none. */
-static inline int32_t head(const chip *c) {
+static inline int32_t head_width(const chip *c) {
   if (!c->ruling.patches[EDA_POLY].count) return 0;
   g_assert_cmpuint(c->ruling.patches[EDA_POLY].count, ==, 1);
   eda_box b = c->ruling.patches[EDA_POLY].box[0];
@@ -191,7 +191,8 @@ static inline int32_t head(const chip *c) {
 
 /* Return the depth of cut-outs at x, from the edge y downwards (`down`) or
    upwards. */
-static inline int32_t bitten(const chip *c, double x, int32_t y, int down) {
+static inline int32_t cutout_depth(const chip *c, double x, int32_t y,
+                                   int down) {
   int32_t depth = 0;
   for (size_t i = 0; i < c->ruling.bites[EDA_POLY].count; i++) {
     eda_box b = c->ruling.bites[EDA_POLY].box[i];

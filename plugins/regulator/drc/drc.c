@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements regulator.drc: the DRC compliance regulator (thesis 3.2.2 (3),
-   figure 3.7). The regulator vetoes lengths that bridge or open a gate,
-   lengthens line ends whose printed extension past the active is too short,
-   enlarges shapes that must cover a contact, and reports remaining
-   violations. */
+   figure 3.7). The regulator vetoes lengths that bridge or open a gate, and
+   lengthens line ends whose printed extension past the active is too short. It
+   enlarges shapes that must cover a contact, and reports remaining violations.
+ */
 #include "drc.h"
 
 #include <eda/memory.h>
@@ -11,25 +11,25 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- work: the drawing ---- */
+/* ---- work: drawn shapes ---- */
 
-static void follow(drc *r, eda_scanner scanner);
+static void drc_follow(drc *r, eda_scanner scanner);
 
 /* Free all data of the gates; parameters stay. */
-static void clear(void *self) {
+static void drc_clear(void *self) {
   drc *r = self;
   for (size_t k = 0; k < r->layers; k++) {
     if (r->edges) places_clear(&r->edges[k]);
     if (r->bridging) free(r->bridging[k]);
-    free(r->mends[k].at);
+    free(r->smoothings[k].at);
     free(r->patch[k].box);
-    free(r->bite[k].box);
+    free(r->cutout[k].box);
   }
   free(r->edges);
   free(r->bridging);
-  free(r->mends);
+  free(r->smoothings);
   free(r->patch);
-  free(r->bite);
+  free(r->cutout);
   places_clear(&r->boxes);
   places_clear(&r->contacts);
   places_clear(&r->pads);
@@ -45,25 +45,25 @@ static void clear(void *self) {
 }
 
 /* Find the sites of the drawn shapes, if the gates or the run have changed. */
-static int look_around(drc *r, const eda_printed *p, opc_error *error) {
+static int drc_find_sites(drc *r, const eda_printed *p, opc_error *error) {
   const eda_gates *g = p->gates;
   if (r->gates == g && r->serial == g->serial && p->iteration >= r->iteration) {
     r->iteration = p->iteration;
     return OPC_OK;
   }
-  clear(r);
-  follow(r, p->scanner);
+  drc_clear(r);
+  drc_follow(r, p->scanner);
   r->gates = g;
   r->serial = g->serial;
   r->grid = g->grid;
   r->layers = g->layers;
-  r->mends = eda_alloc(r->layers, sizeof *r->mends);
+  r->smoothings = eda_alloc(r->layers, sizeof *r->smoothings);
   r->patch = eda_alloc(r->layers, sizeof *r->patch);
-  r->bite = eda_alloc(r->layers, sizeof *r->bite);
+  r->cutout = eda_alloc(r->layers, sizeof *r->cutout);
   r->iteration = p->iteration;
   int code = sites_find(r, error);
   if (code)
-    clear(r);
+    drc_clear(r);
   else
     ends_find(r);
   return code;
@@ -71,7 +71,7 @@ static int look_around(drc *r, const eda_printed *p, opc_error *error) {
 
 /* ---- work: gates and line ends ---- */
 
-static uint32_t vetoes(const drc *r, const eda_printed *p, size_t i) {
+static uint32_t gate_vetoes(const drc *r, const eda_printed *p, size_t i) {
   const eda_gates *g = p->gates;
   uint32_t v = 0;
   if (p->flags[i] & EDA_PRINT_MERGED) v |= EDA_VETO_LONGER;
@@ -90,46 +90,46 @@ static int is_transistor(uint32_t flags) {
                     EDA_PRINT_ISLAND));
 }
 
-/* ---- work: the print ---- */
+/* ---- work: the printed image ---- */
 
-static void judge_print(drc *r, const eda_printed *p, eda_ruling *ruling) {
-  repairs_look(r, p);
+static void drc_check_print(drc *r, const eda_printed *p, eda_ruling *ruling) {
+  repairs_check(r, p);
   repairs_grow(r, p);
   for (size_t i = 0; i < r->n_sites; i++) {
     const site *s = &r->sites[i];
     if (!s->failing || s->gate < 0 || s->layer != EDA_POLY ||
         (s->kind != SITE_CONTACT && s->kind != SITE_GAP))
       continue;
-    if (!ends_back(r, s, ruling->end))
+    if (!ends_revert(r, s, ruling->end))
       ruling->vetoes[s->gate] |= EDA_VETO_LONGER;
   }
   for (size_t k = 0; k < r->layers; k++)
-    r->patch[k].count = r->bite[k].count = 0;
-  repairs_patches(r, p);
-  ends_heads(r);
-  trims_bites(r);
-  smooth_follow(r, p);
-  smooth_boxes(r);
+    r->patch[k].count = r->cutout[k].count = 0;
+  repairs_add_shapes(r, p);
+  ends_add_heads(r);
+  trims_add_cutouts(r);
+  smooth_masks(r, p);
+  smooth_add_boxes(r);
   for (size_t k = 0; k < r->layers; k++) {
     ruling->patches[k] = (eda_boxes){r->patch[k].box, r->patch[k].count};
-    ruling->bites[k] = (eda_boxes){r->bite[k].box, r->bite[k].count};
+    ruling->bites[k] = (eda_boxes){r->cutout[k].box, r->cutout[k].count};
   }
 }
 
-static int rule(void *self, const eda_printed *p, eda_ruling *ruling,
-                opc_error *error) {
+static int drc_rule(void *self, const eda_printed *p, eda_ruling *ruling,
+                    opc_error *error) {
   drc *r = self;
-  int code = look_around(r, p, error);
+  int code = drc_find_sites(r, p, error);
   if (code) return code;
   places_clear(&r->mask);
   ruling->transistors = 0;
   for (size_t i = 0; i < p->gates->count; i++) {
-    ruling->vetoes[i] = vetoes(r, p, i);
+    ruling->vetoes[i] = gate_vetoes(r, p, i);
     ruling->transistors += (size_t)is_transistor(p->flags[i]);
     for (size_t end = 2 * i; end < 2 * i + 2; end++)
       ends_advance(r, p, end, &ruling->end[end]);
   }
-  if (p->print) judge_print(r, p, ruling);
+  if (p->print) drc_check_print(r, p, ruling);
   return OPC_OK;
 }
 
@@ -174,14 +174,14 @@ static void report_gates(const drc *r, const eda_printed *p, violations *out) {
 }
 
 static int violations_of(void *self, const eda_printed *p, eda_violation *v,
-                         size_t room, size_t *count, opc_error *error) {
+                         size_t capacity, size_t *count, opc_error *error) {
   drc *r = self;
-  violations list = {v, room, 0};
-  int code = look_around(r, p, error);
+  violations list = {v, capacity, 0};
+  int code = drc_find_sites(r, p, error);
   if (code) return code;
   report_gates(r, p, &list);
   if (p->print) {
-    repairs_look(r, p);
+    repairs_check(r, p);
     repairs_report(r, p, &list);
     mrc_check(r, p->shapes, &list);
   }
@@ -200,18 +200,19 @@ static int violations_of(void *self, const eda_printed *p, eda_violation *v,
 
 static const opc_parameter parameters[] = {
     LENGTH(overlay, 1000, "0.039 lambda/NA",
-           "how far layers may lie off each other"),
+           "largest misplacement between layers"),
     LENGTH(min_extension, 10000, "2 overlay",
-           "printed poly past the printed active"),
+           "least printed extension of poly past the active"),
     LENGTH(want_extension, 10000, "min_extension",
-           "the same where there is room for it"),
-    LENGTH(max_growth, 10000, "0.233 lambda/NA",
-           "how far a line end or a patch goes past the drawn"),
+           "desired printed extension of poly where spacing allows"),
+    LENGTH(
+        max_growth, 10000, "0.233 lambda/NA",
+        "largest extension of a line end or repair shape past the drawn edge"),
     OPC_PARAMETER(drc, max_head, .type = OPC_REAL,
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .unit = "nm",
                   .preset = "0 nm", .max = 1000,
-                  .summary = "how much wider a line end gets, on each side, "
-                             "that may not be long enough"),
+                  .summary = "largest widening, per side, of a line end that "
+                             "cannot be long enough"),
     LENGTH(min_space, 10000, "0.155 lambda/NA", "least space of the mask"),
     LENGTH(min_width, 10000, "0.117 lambda/NA",
            "least printed width of poly outside of gates"),
@@ -219,7 +220,7 @@ static const opc_parameter parameters[] = {
 };
 
 /* Compute the defaults of parameters that are not set. */
-static void follow(drc *r, eda_scanner scanner) {
+static void drc_follow(drc *r, eda_scanner scanner) {
   EDA_FOLLOW(r->host, "regulator.drc", r, parameters, scanner);
   if (isnan(r->min_extension)) r->min_extension = 2 * r->overlay;
   if (isnan(r->want_extension)) r->want_extension = r->min_extension;
@@ -227,12 +228,14 @@ static void follow(drc *r, eda_scanner scanner) {
 
 /* ---- entry ---- */
 
-static const eda_regulator functions = {.rule = rule,
+static const eda_regulator functions = {.rule = drc_rule,
                                         .violations = violations_of};
 
 OPC_PLUGIN(drc, .id = "regulator.drc", .kind = "regulator", .version = "0.2.0",
            .licence = "BSD-3-Clause",
-           .summary = "bridging, pinching, line ends and contacts of the print",
+           .summary =
+               "checks and repairs of bridging, pinching, line ends and "
+               "contacts on the printed image",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), .clear = clear,
+           OPC_PARAMETERS(parameters), .clear = drc_clear,
            OPC_FUNCTIONS(functions));

@@ -12,8 +12,10 @@
 /* Sides of a box; also search directions. */
 enum { LEFT, RIGHT, BELOW, ABOVE, SIDES };
 
-static inline int upright(int side) { return side == LEFT || side == RIGHT; }
-static inline int opposite(int side) { return side ^ 1; }
+static inline int side_upright(int side) {
+  return side == LEFT || side == RIGHT;
+}
+static inline int side_opposite(int side) { return side ^ 1; }
 
 /* Boxes with an index; edges are flat boxes. */
 typedef struct places {
@@ -56,12 +58,12 @@ typedef struct line_end {
   int side;              /* direction; -1: the gate has no line end */
   int32_t most, by;      /* largest and present outward move */
   int32_t share;         /* half of the drawn spacing before the line end */
-  int32_t room;          /* largest move that neighbours allow at present */
+  int32_t limit;         /* largest move that neighbours allow at present */
   int32_t start;         /* begin of the head, inwards of the tip */
   int32_t widest, wider; /* largest and present width of the head on each
                             flank */
-  double asked; /* nm: request for which `widest` was computed; INFINITY: the
-                   head was reduced and stays so */
+  double requested; /* nm: request for which `widest` was computed; INFINITY:
+                       the head was reduced and stays so */
   response length, width;
 } line_end;
 
@@ -71,7 +73,7 @@ typedef struct line_end {
 typedef struct repair {
   uint32_t site;
   int32_t edge[SIDES], from[SIDES], to[SIDES];
-  int32_t room[SIDES], grow[SIDES];
+  int32_t limit[SIDES], grow[SIDES];
   uint8_t whole[SIDES]; /* 1: the segment is the whole edge */
   /* Edges of the gate width that move the corners at both ends of the segment;
      NULL: none. */
@@ -85,26 +87,26 @@ typedef struct repair {
 
 /* A stretch of a drawn poly edge that moves inwards. */
 typedef struct trim {
-  eda_box wall;        /* the stretch, flat */
-  int side;            /* side of the stretch on which the gap is */
-  int32_t room, depth; /* largest and present inward move */
-  int32_t front;       /* half of the gap, which repair shapes must leave free
-                          too */
-  uint32_t round;      /* round of the last move */
+  eda_box wall;         /* the stretch, flat */
+  int side;             /* side of the stretch on which the gap is */
+  int32_t limit, depth; /* largest and present inward move */
+  int32_t front;        /* half of the gap, which repair shapes must leave free
+                           too */
+  uint32_t round;       /* round of the last move */
 } trim;
 
 /* A filled notch or removed bump, and the straight edge that replaces it, from
    `from` to `to`, with the shape on the left. */
-typedef struct mend {
+typedef struct smoothing {
   eda_box box;
   eda_point from, to;
   uint8_t bump, stays;
-} mend;
+} smoothing;
 
-typedef struct mends {
-  mend *at;
-  size_t n, room;
-} mends;
+typedef struct smoothings {
+  smoothing *at;
+  size_t n, capacity;
+} smoothings;
 
 typedef struct drc {
   const opc_host *host;
@@ -128,128 +130,128 @@ typedef struct drc {
   places mask;     /* edges of poly on the present mask, built on demand */
   char **bridging; /* [layers]: name of the rule violated by a bridged gap */
   site *sites;
-  size_t n_sites, sites_room;
+  size_t n_sites, sites_capacity;
 
   line_end *ends;
   repair *repairs;
-  size_t n_repairs, repairs_room;
+  size_t n_repairs, repairs_capacity;
   trim *trims;
-  size_t n_trims, trims_room;
+  size_t n_trims, trims_capacity;
   int32_t (*pairs)[2]; /* trims on both sides of a failed gap; -1: none */
-  size_t n_pairs, pairs_room;
-  uint32_t round; /* number of checked iterations */
-  mends *mends;   /* [layers] */
-  int undone;     /* number of smoothed jogs reverted for another one */
+  size_t n_pairs, pairs_capacity;
+  uint32_t round;         /* number of checked iterations */
+  smoothings *smoothings; /* [layers] */
+  int reverted;           /* number of smoothed jogs reverted for another one */
 
-  eda_box_list *patch, *bite; /* [layers]: shapes added and cut out by the last
-                                 ruling */
+  eda_box_list *patch, *cutout; /* [layers]: shapes added and cut out by the
+                                   last ruling */
 } drc;
 
 /* A list of violations of limited capacity; `count` includes those that do not
    fit. */
 typedef struct violations {
   eda_violation *v;
-  size_t room, count;
+  size_t capacity, count;
 } violations;
 
-/* ---- near.c: what lies near a place ---- */
+/* ---- near.c: search by place ---- */
 
 eda_box box_between(eda_point a, eda_point b);
 
-/* Take ownership of `box` and index it; `nm` is the typical search distance. */
+/* Take ownership of `box` and build the index; `nm` is the typical search
+   distance. */
 void places_init(places *p, eda_box *box, size_t n, double nm, double grid);
 void places_clear(places *p);
 
 /* Return all edges of the shapes in the order of their points. The caller frees
    the array. */
-eda_box *edges_of(const eda_shapes *shapes, size_t *n);
+eda_box *shapes_edges(const eda_shapes *shapes, size_t *n);
 
 /* Return the window outwards of a side, from `from` to `to` steps, extended by
    `beside` on both flanks. */
-eda_box window_at(eda_box box, int side, int32_t from, int32_t to,
-                  int32_t beside);
+eda_box box_window(eda_box box, int side, int32_t from, int32_t to,
+                   int32_t beside);
 
 /* Return the distance from the near edge of `window` to the nearest box that
-   overlaps its inside, in direction `side`, and that box in `which` (may be
+   overlaps the inside, in direction `side`, and that box in `which` (may be
    NULL); `none` if there is no nearer box. */
-int32_t nearest(const places *p, eda_box window, int side, int32_t none,
-                eda_box *which);
+int32_t places_nearest(const places *p, eda_box window, int side, int32_t none,
+                       eda_box *which);
 
 /* Return the largest move of the flat box `edge` towards `side` for which poly
-   on the present mask keeps its space, if nothing else moves; at most
+   on the present mask keeps the space, if nothing else moves; at most
    `most`. */
-int32_t room_now(drc *r, const eda_printed *p, eda_box edge, int side,
-                 int32_t most);
+int32_t mask_spacing(drc *r, const eda_printed *p, eda_box edge, int side,
+                     int32_t most);
 
 /* ---- rules.c ---- */
 
 /* Return the bias, `bias` or more, at which the printed figure `value` is
-   expected to reach `target` plus a margin: by the secant through the last two
-   measurements, initially by a typical response, `steep` times that of an edge.
-   Stores the measurement. */
+   expected to reach `target` plus a margin. The response is the secant through
+   the last two measurements, initially `steep` times the typical one of an
+   edge. The measurement is stored in `r`. */
 int32_t rules_advance(response *r, int32_t bias, double value, double target,
                       double steep, double grid);
 void violations_add(violations *l, eda_violation v);
 
-/* ---- sites.c: what is drawn, and where the print is looked at ---- */
+/* ---- sites.c: sites at which the image is checked ---- */
 
 int sites_find(drc *r, opc_error *error);
 
-/* ---- ends.c: how far line ends go out, and how wide their heads are ---- */
+/* ---- ends.c: outward moves and heads of line ends ---- */
 
 void ends_find(drc *r);
-/* Move a line end outwards if its printed extension is too short, or widen its
-   head if it cannot move. `bias` is its present move. */
+/* Move a line end outwards if its printed extension is too short, or widen the
+   head if the line end cannot move. `bias` is the present move. */
 void ends_advance(drc *r, const eda_printed *p, size_t end, int32_t *bias);
-/* Move back the line end of the nearest gate if the failing site is before it,
-   and limit it there. `bias` has the moves of all line ends. Return whether it
-   moved. */
-int ends_back(drc *r, const site *wrong, int32_t *bias);
+/* Move back the line end of the nearest gate if the failing site is before that
+   line end, and limit the move there. `bias` has the moves of all line ends.
+   Return whether the line end moved. */
+int ends_revert(drc *r, const site *wrong, int32_t *bias);
 /* Add the shapes of all heads to the ruling. */
-void ends_heads(drc *r);
+void ends_add_heads(drc *r);
 /* Return the reason for an extension that is too short. */
 const char *ends_reason(const drc *r, size_t end);
 
-/* ---- repairs.c: what fails, and the patches that mend it ---- */
+/* ---- repairs.c: failing sites and repair shapes ---- */
 
 /* Check the sites on a printed image. Create repairs for failing sites that can
    be repaired. */
-void repairs_look(drc *r, const eda_printed *p);
+void repairs_check(drc *r, const eda_printed *p);
 /* Enlarge repair shapes of failing sites, and reduce shapes and edges that
    bridge. */
 void repairs_grow(drc *r, const eda_printed *p);
 /* Add the shapes of all repairs to the ruling. */
-void repairs_patches(drc *r, const eda_printed *p);
+void repairs_add_shapes(drc *r, const eda_printed *p);
 /* Report the failing sites, with the reason if they cannot be repaired. */
 void repairs_report(const drc *r, const eda_printed *p, violations *out);
 
-/* ---- trims.c: edges of poly that go back where the gap before them does not
-   print, those that no transistor and no contact needs ---- */
+/* ---- trims.c: edges of poly that move inwards before bridged gaps; edges that
+   a transistor or a contact needs do not ---- */
 
 /* Move both sides of a failing gap inwards by one step, at most once per
    iteration. Return whether a side could move. */
 int trims_deepen(drc *r, site *gap);
 /* Move edges outwards again whose trims pinch a line, and fix them there.
    Return whether there were any. */
-int trims_back(drc *r, const site *line);
+int trims_revert(drc *r, const site *line);
 /* Return whether a side of the gap can still move inwards. */
-int trims_could(const drc *r, const site *gap);
+int trims_can_deepen(const drc *r, const site *gap);
 /* Add the cut-outs of all trims to the ruling. */
-void trims_bites(drc *r);
+void trims_add_cutouts(drc *r);
 
-/* ---- smooth.c: jogs so close together that the mask's own rules do not allow
-   what is between them ---- */
+/* ---- smooth.c: notches and bumps that violate the rules of the mask ---- */
 
 /* Smooth the masks of a printed image, which include earlier smoothing: fill
    notches and remove bumps whose depth is at most the least width. */
-void smooth_follow(drc *r, const eda_printed *p);
+void smooth_masks(drc *r, const eda_printed *p);
 /* Drop smoothed jogs at a place where the mask violates its rules; the next
    iteration finds them anew. */
 void smooth_drop(drc *r, size_t layer, eda_box place);
 /* Add filled notches and removed bumps to the ruling. */
-void smooth_boxes(drc *r);
+void smooth_add_boxes(drc *r);
 
-/* ---- mrc.c: the rules of the mask itself ---- */
+/* ---- mrc.c: rules of the mask ---- */
 
 /* Find widths below min_mask_width and spaces below min_space of merged shapes.
    The caller frees `fault` with free(). Return the number of faults. */

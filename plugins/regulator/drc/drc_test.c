@@ -20,7 +20,7 @@ typedef struct fixture {
   eda_gates gates;
 } fixture;
 
-static void setup(fixture *f, int32_t gap) {
+static void fixture_init(fixture *f, int32_t gap) {
   memset(f, 0, sizeof *f);
   int32_t low[2] = {0, 400 + gap}, high[2] = {400, 900 + gap};
   for (int i = 0; i < 2; i++) {
@@ -67,7 +67,7 @@ static eda_printed print_of(fixture *f) {
                        .extension = f->extension};
 }
 
-static size_t rule(opc_module *m, fixture *f) {
+static size_t fixture_rule(opc_module *m, fixture *f) {
   const eda_regulator *r = m->functions;
   eda_printed p = print_of(f);
   memset(f->vetoes, 0, sizeof f->vetoes);
@@ -86,14 +86,14 @@ static void test_extension(void) {
   static const double at_first[] = {13, 19.9, -30};
   for (size_t k = 0; k < G_N_ELEMENTS(at_first); k++) {
     g_autoptr(opc_module) m =
-        make("{ min_extension: 20 nm, max_growth: 90 nm }");
+        drc_make("{ min_extension: 20 nm, max_growth: 90 nm }");
     fixture f;
     int prints = 0;
-    setup(&f, 1000);
+    fixture_init(&f, 1000);
     for (;; prints++) {
       int32_t before = f.end[1];
       f.extension[1] = at_first[k] + 0.6 * f.end[1];
-      g_assert_cmpuint(rule(m, &f), ==, 2);
+      g_assert_cmpuint(fixture_rule(m, &f), ==, 2);
       if (f.end[1] == before) break;
     }
     g_assert_cmpint(prints, <=, 3);
@@ -106,27 +106,27 @@ static void test_extension(void) {
 /* The default of min_extension is twice the overlay; a line end without
    response stops at max_growth. */
 static void test_default_extension(void) {
-  g_autoptr(opc_module) m = make("{ overlay: 6 nm, max_growth: 25 nm }");
+  g_autoptr(opc_module) m = drc_make("{ overlay: 6 nm, max_growth: 25 nm }");
   fixture f;
-  setup(&f, 1000);
+  fixture_init(&f, 1000);
   f.extension[1] = 12;
-  rule(m, &f);
+  fixture_rule(m, &f);
   g_assert_cmpint(f.end[1], ==, 0);
   f.extension[1] = 11.9;
-  for (int i = 0; i < 30; i++) rule(m, &f);
+  for (int i = 0; i < 30; i++) fixture_rule(m, &f);
   g_assert_cmpint(f.end[1], ==, 25);
 }
 
 /* Different gates at the same address are recognized, also before their first
    iteration. */
 static void test_others(void) {
-  g_autoptr(opc_module) m = make("{ min_space: 60 nm }");
+  g_autoptr(opc_module) m = drc_make("{ min_space: 60 nm }");
   fixture f;
   for (uint64_t serial = 1; serial <= 2; serial++) {
-    setup(&f, serial == 1 ? 1000 : 90);
+    fixture_init(&f, serial == 1 ? 1000 : 90);
     f.gates.serial = serial;
     f.extension[1] = f.extension[2] = 0;
-    for (int i = 0; i < 10; i++) rule(m, &f);
+    for (int i = 0; i < 10; i++) fixture_rule(m, &f);
   }
   g_assert_cmpint(f.end[1], ==, 15);
   g_assert_cmpint(f.end[2], ==, 15);
@@ -134,11 +134,11 @@ static void test_others(void) {
 
 /* Two line ends 90 nm apart share the 30 nm that a space of 60 leaves. */
 static void test_facing(void) {
-  g_autoptr(opc_module) m = make("{ min_space: 60 nm }");
+  g_autoptr(opc_module) m = drc_make("{ min_space: 60 nm }");
   fixture f;
-  setup(&f, 90);
+  fixture_init(&f, 90);
   f.extension[1] = f.extension[2] = 0;
-  for (int i = 0; i < 10; i++) rule(m, &f);
+  for (int i = 0; i < 10; i++) fixture_rule(m, &f);
   g_assert_cmpint(f.end[1], ==, 15);
   g_assert_cmpint(f.end[2], ==, 15);
 }
@@ -146,32 +146,32 @@ static void test_facing(void) {
 /* If only one of them is too short, it may use the share of the other one,
    except for the rounding of a third. */
 static void test_alone(void) {
-  g_autoptr(opc_module) m = make("{ min_space: 60 nm }");
+  g_autoptr(opc_module) m = drc_make("{ min_space: 60 nm }");
   fixture f;
-  setup(&f, 90);
+  fixture_init(&f, 90);
   f.extension[1] = 0;
   f.extension[2] = 100;
-  for (int i = 0; i < 10; i++) rule(m, &f);
+  for (int i = 0; i < 10; i++) fixture_rule(m, &f);
   g_assert_cmpint(f.end[1], >=, 28);
   g_assert_cmpint(f.end[1], <=, 30);
   g_assert_cmpint(f.end[2], ==, 0);
 }
 
 /* In any order and by any amount, the space between them is kept, and used
-   almost entirely if both need it. */
+   almost entirely if both need space. */
 static void test_turns(void) {
   guint32 seed = 1;
   for (int run = 0; run < 200; run++) {
-    g_autoptr(opc_module) m = make("{ min_space: 60 nm }");
+    g_autoptr(opc_module) m = drc_make("{ min_space: 60 nm }");
     fixture f;
     int32_t gap = 60 + run;
-    setup(&f, gap);
+    fixture_init(&f, gap);
     for (int i = 0; i < 30; i++) {
       for (int end = 1; end <= 2; end++) {
         seed = seed * 1664525u + 1013904223u;
         f.extension[end] = i > 20 ? 0 : (double)(seed >> 24) / 8;
       }
-      rule(m, &f);
+      fixture_rule(m, &f);
       g_assert_cmpint(gap - f.end[1] - f.end[2], >=, 60);
     }
     g_assert_cmpint(f.end[1] + f.end[2], >=, MIN(gap - 60, 120) - 5);
@@ -179,37 +179,38 @@ static void test_turns(void) {
 }
 
 static void test_vetoes(void) {
-  g_autoptr(opc_module) m = make("{ min_space: 60 nm }");
+  g_autoptr(opc_module) m = drc_make("{ min_space: 60 nm }");
   fixture f;
-  setup(&f, 1000);
-  g_assert_cmpuint(rule(m, &f), ==, 2);
+  fixture_init(&f, 1000);
+  g_assert_cmpuint(fixture_rule(m, &f), ==, 2);
   g_assert_cmpuint(f.vetoes[0] | f.vetoes[1], ==, 0);
   f.flags[0] = EDA_PRINT_MERGED;
   f.flags[1] = EDA_PRINT_OPEN;
-  g_assert_cmpuint(rule(m, &f), ==, 0);
+  g_assert_cmpuint(fixture_rule(m, &f), ==, 0);
   g_assert_cmpuint(f.vetoes[0], ==, EDA_VETO_LONGER);
   g_assert_cmpuint(f.vetoes[1], ==, EDA_VETO_SHORTER | EDA_VETO_NARROWER);
   /* 100 nm of spacing: with l = 39 the next step leaves 60, with 40 less. */
   f.flags[0] = f.flags[1] = 0;
   f.space[0] = 100;
   f.l[0] = 39;
-  rule(m, &f);
+  fixture_rule(m, &f);
   g_assert_cmpuint(f.vetoes[0], ==, 0);
   f.l[0] = 40;
-  rule(m, &f);
+  fixture_rule(m, &f);
   g_assert_cmpuint(f.vetoes[0], ==, EDA_VETO_LONGER);
 }
 
 static void test_violations(void) {
-  g_autoptr(opc_module) m = make("{ min_extension: 20 nm }");
+  g_autoptr(opc_module) m = drc_make("{ min_extension: 20 nm }");
   fixture f;
-  setup(&f, 50);
+  fixture_init(&f, 50);
   f.extension[1] = 12.5;
   f.extension[2] = 19;
   f.flags[1] = EDA_PRINT_MERGED | EDA_PRINT_OPEN;
   eda_printed p = print_of(&f);
   eda_violation v[3];
-  g_assert_cmpuint(violations(m, &p, v, 2), ==, 4); /* more than the capacity */
+  g_assert_cmpuint(drc_violations(m, &p, v, 2), ==,
+                   4); /* more than the capacity */
   g_assert_cmpstr(v[0].rule, ==, "extension: could still move");
   g_assert_cmpint(v[0].gate, ==, 0);
   g_assert_cmpfloat(v[0].value, ==, 12.5);
@@ -218,25 +219,26 @@ static void test_violations(void) {
   g_assert_cmpfloat(v[0].y, ==, 300);
   g_assert_cmpstr(v[1].rule, ==, "bridging");
   g_assert_cmpint(v[1].gate, ==, 1);
-  for (int i = 0; i < 5; i++) rule(m, &f); /* 5 nm of spacing */
-  violations(m, &p, v, 3);
+  for (int i = 0; i < 5; i++) fixture_rule(m, &f); /* 5 nm of spacing */
+  drc_violations(m, &p, v, 3);
   g_assert_cmpint(f.end[1], ==, 5);
   g_assert_cmpstr(v[0].rule, ==, "extension; no room before the line end");
 }
 
 /* Line ends that moved until their printed ends merged move back, and stay. */
 static void test_back(void) {
-  g_autoptr(opc_module) m = make("{ min_space: 20 nm, min_extension: 30 nm }");
+  g_autoptr(opc_module) m =
+      drc_make("{ min_space: 20 nm, min_extension: 30 nm }");
   fixture f;
   boxes printed = {0}, none = {0};
   eda_field print[LAYERS] = {{{0}, 0, 0, NULL}};
   eda_shapes mask[LAYERS] = {{0}};
   const eda_regulator *r = m->functions;
   opc_error error;
-  setup(&f, 150);
+  fixture_init(&f, 150);
   for (int i = 0; i < 4; i++) {
     f.extension[1] = 5;
-    rule(m, &f);
+    fixture_rule(m, &f);
   }
   g_assert_cmpint(f.end[1], ==, 60);
   add_box(&printed, 0, 0, 65, 1000);

@@ -6,32 +6,35 @@
 #include "drc.h"
 #include "tuning.h"
 
-/* ---- room ---- */
+/* ---- limits ---- */
 
-static int32_t steps(double room, double most, double grid) {
-  return (int32_t)floor(fmax(0, fmin(most, room)) / grid + 1e-9);
+static int32_t grid_steps(double limit, double most, double grid) {
+  return (int32_t)floor(fmax(0, fmin(most, limit)) / grid + 1e-9);
 }
 
 /* Compute the largest outward move of a line end. Contacts that poly must not
    touch do not move. The line end owns half of the drawn spacing, as another
    line end may move from the other side. */
-static void find_length(const drc *r, line_end *e) {
+static void end_find_length(const drc *r, line_end *e) {
   double grid = r->grid;
   int32_t range = (int32_t)ceil((2 * r->max_growth + r->min_space) / grid) + 1;
   /* From the next step on, to exclude the line end. */
   eda_box window =
-      window_at(e->tip, e->side, 1, range, (int32_t)ceil(r->min_space / grid));
-  double own = nearest(&r->edges[EDA_POLY], window, e->side, range - 1, NULL);
-  double contact = nearest(&r->contacts, window, e->side, range - 1, NULL);
-  e->most = steps((contact + 1) * grid - r->min_space, r->max_growth, grid);
-  e->share = e->room =
-      steps(((own + 1) * grid - r->min_space) / 2, e->most * grid, grid);
+      box_window(e->tip, e->side, 1, range, (int32_t)ceil(r->min_space / grid));
+  double own =
+      places_nearest(&r->edges[EDA_POLY], window, e->side, range - 1, NULL);
+  double contact =
+      places_nearest(&r->contacts, window, e->side, range - 1, NULL);
+  e->most =
+      grid_steps((contact + 1) * grid - r->min_space, r->max_growth, grid);
+  e->share = e->limit =
+      grid_steps(((own + 1) * grid - r->min_space) / 2, e->most * grid, grid);
 }
 
 /* Return the head, `wider` beyond each flank of the line. */
 static eda_box head_of(const line_end *e, int32_t by, int32_t wider) {
-  eda_box b = window_at(e->tip, e->side, -e->start, by, 0);
-  if (upright(e->side))
+  eda_box b = box_window(e->tip, e->side, -e->start, by, 0);
+  if (side_upright(e->side))
     b.y0 -= wider, b.y1 += wider;
   else
     b.x0 -= wider, b.x1 += wider;
@@ -39,28 +42,29 @@ static eda_box head_of(const line_end *e, int32_t by, int32_t wider) {
 }
 
 /* Compute the largest width of the head: the head begins clear of the active,
-   and owns half of the spacing beside it. */
-static void find_width(const drc *r, line_end *e, double most,
-                       double extension) {
-  double grid = r->grid, room = most;
+   and owns half of the spacing on both sides. */
+static void end_find_width(const drc *r, line_end *e, double most,
+                           double extension) {
+  double grid = r->grid, limit = most;
   int32_t space = (int32_t)ceil(r->min_space / grid);
   int32_t range = (int32_t)ceil((2 * most + r->min_space) / grid) + 1;
-  e->asked = most;
+  e->requested = most;
   e->start = (int32_t)floor((extension - 2 * r->overlay) / grid);
   if (e->start * grid < r->min_mask_width) return;
   eda_box line = head_of(e, e->most, 0);
   for (int k = 0; k < 2; k++) {
-    int flank = upright(e->side) ? BELOW + k : LEFT + k;
-    eda_box window = window_at(line, flank, 1, range, space);
-    double own = nearest(&r->edges[EDA_POLY], window, flank, range, NULL);
-    double other = nearest(&r->contacts, window, flank, range, NULL);
-    window = window_at(line, flank, 1, range, 0);
-    other =
-        fmin(other, nearest(&r->edges[EDA_ACTIVE], window, flank, range, NULL));
-    room = fmin(room, fmin(((own + 1) * grid - r->min_space) / 2,
-                           (other + 1) * grid - r->min_space));
+    int flank = side_upright(e->side) ? BELOW + k : LEFT + k;
+    eda_box window = box_window(line, flank, 1, range, space);
+    double own =
+        places_nearest(&r->edges[EDA_POLY], window, flank, range, NULL);
+    double other = places_nearest(&r->contacts, window, flank, range, NULL);
+    window = box_window(line, flank, 1, range, 0);
+    other = fmin(other, places_nearest(&r->edges[EDA_ACTIVE], window, flank,
+                                       range, NULL));
+    limit = fmin(limit, fmin(((own + 1) * grid - r->min_space) / 2,
+                             (other + 1) * grid - r->min_space));
   }
-  e->widest = steps(room, most, grid);
+  e->widest = grid_steps(limit, most, grid);
 }
 
 void ends_find(drc *r) {
@@ -69,8 +73,8 @@ void ends_find(drc *r) {
   r->ends = eda_alloc(2 * g->count, sizeof *r->ends);
   for (size_t i = 0; i < 2 * g->count; i++) {
     r->ends[i].side = -1;
-    r->ends[i].most = r->ends[i].share = r->ends[i].room =
-        steps(r->max_growth, r->max_growth, r->grid);
+    r->ends[i].most = r->ends[i].share = r->ends[i].limit =
+        grid_steps(r->max_growth, r->max_growth, r->grid);
   }
   for (size_t p = 0; p < edges->polygons; p++)
     for (uint32_t i = edges->start[p]; i < edges->start[p + 1]; i++) {
@@ -82,21 +86,21 @@ void ends_find(drc *r) {
       one->tip = box_between(f->from, edges->fragments[next].from);
       one->side = g->axis[f->gate] == EDA_Y ? (high ? RIGHT : LEFT)
                                             : (high ? ABOVE : BELOW);
-      find_length(r, one);
+      end_find_length(r, one);
       if (g->extension)
-        find_width(r, one, r->max_head, g->extension[2 * f->gate + high]);
+        end_find_width(r, one, r->max_head, g->extension[2 * f->gate + high]);
     }
 }
 
-/* ---- moving ---- */
+/* ---- moves ---- */
 
 /* Return whether nothing prints for some distance before the printed line
    end. */
-static int is_clear(const eda_printed *p, const line_end *e) {
+static int end_is_clear(const eda_printed *p, const line_end *e) {
   double grid = p->gates->grid, value;
   double x = (e->tip.x0 + e->tip.x1) / 2.0 * grid;
   double y = (e->tip.y0 + e->tip.y1) / 2.0 * grid;
-  double *along = upright(e->side) ? &x : &y;
+  double *along = side_upright(e->side) ? &x : &y;
   double out = e->side == LEFT || e->side == BELOW ? -1 : 1;
   const eda_field *print = &p->print[EDA_POLY];
   *along -= out * e->start * grid; /* at a place where the line prints */
@@ -114,12 +118,12 @@ static int is_clear(const eda_printed *p, const line_end *e) {
 /* Return the largest move that neighbours allow at present. Two opposite line
    ends may move at once: within its share, one uses at most two thirds of the
    spacing, beyond it a third. */
-static int32_t room_of(drc *r, const eda_printed *p, const line_end *e,
-                       int32_t bias) {
+static int32_t outward_limit(drc *r, const eda_printed *p, const line_end *e,
+                             int32_t bias) {
   int32_t share = e->share < e->most ? e->share : e->most;
-  eda_box now = window_at(e->tip, e->side, bias, bias, 0);
+  eda_box now = box_window(e->tip, e->side, bias, bias, 0);
   if (e->side < 0 || bias >= e->most) return e->most;
-  int32_t left = room_now(r, p, now, e->side, 3 * (e->most - bias));
+  int32_t left = mask_spacing(r, p, now, e->side, 3 * (e->most - bias));
   if (bias >= share) return bias + left / 3;
   left -= left / 3;
   return bias + left < share ? bias + left : share;
@@ -128,28 +132,28 @@ static int32_t room_of(drc *r, const eda_printed *p, const line_end *e,
 /* Return the required printed extension or, if there is spacing before the line
    end, the desired one. A request of the synthesizer holds in all iterations,
    as the synthesizer knows the effect. */
-static double wanted_of(const drc *r, const eda_printed *p, size_t end) {
+static double wanted_extension(const drc *r, const eda_printed *p, size_t end) {
   const line_end *one = &r->ends[end];
-  double extension = p->extension[end], wish = r->min_extension;
-  if (p->iteration < tuned.wishes_until) wish = r->want_extension;
-  if (p->want_extension) wish = fmax(wish, p->want_extension[end]);
-  int may = extension >= r->min_extension && extension < wish && p->print &&
-            one->side >= 0 && is_clear(p, one);
-  return may ? wish : r->min_extension;
+  double extension = p->extension[end], desired = r->min_extension;
+  if (p->iteration < tuned.extend_until) desired = r->want_extension;
+  if (p->want_extension) desired = fmax(desired, p->want_extension[end]);
+  int may = extension >= r->min_extension && extension < desired && p->print &&
+            one->side >= 0 && end_is_clear(p, one);
+  return may ? desired : r->min_extension;
 }
 
 void ends_advance(drc *r, const eda_printed *p, size_t end, int32_t *bias) {
   line_end *one = &r->ends[end];
-  double extension = p->extension[end], wanted = wanted_of(r, p, end);
+  double extension = p->extension[end], wanted = wanted_extension(r, p, end);
   int32_t before = *bias, wider = one->wider;
-  if (p->want_head && p->want_head[end] > one->asked && one->side >= 0 &&
+  if (p->want_head && p->want_head[end] > one->requested && one->side >= 0 &&
       p->gates->extension)
-    find_width(r, one, p->want_head[end], p->gates->extension[end]);
+    end_find_width(r, one, p->want_head[end], p->gates->extension[end]);
   if (extension < wanted) {
     int32_t to =
         rules_advance(&one->length, before, extension, wanted, 1, r->grid);
-    one->room = room_of(r, p, one, before);
-    if (to > one->room) to = one->room;
+    one->limit = outward_limit(r, p, one, before);
+    if (to > one->limit) to = one->limit;
     if (to > before) {
       *bias = to;
     } else if (one->side >= 0) {
@@ -164,7 +168,7 @@ void ends_advance(drc *r, const eda_printed *p, size_t end, int32_t *bias) {
   one->by = *bias;
 }
 
-int ends_back(drc *r, const site *wrong, int32_t *bias) {
+int ends_revert(drc *r, const site *wrong, int32_t *bias) {
   const eda_gates *g = r->gates;
   eda_box b = g->box[wrong->gate];
   int across = g->axis[wrong->gate] == EDA_Y;
@@ -177,7 +181,7 @@ int ends_back(drc *r, const site *wrong, int32_t *bias) {
   if (one->wider > 0) {
     one->wider -= one->wider < step ? one->wider : step;
     one->widest = one->wider;
-    one->asked = INFINITY;
+    one->requested = INFINITY;
     return 1;
   }
   int32_t to = one->length.bias - step;
@@ -188,7 +192,7 @@ int ends_back(drc *r, const site *wrong, int32_t *bias) {
   return 1;
 }
 
-void ends_heads(drc *r) {
+void ends_add_heads(drc *r) {
   for (size_t i = 0; i < 2 * r->gates->count; i++) {
     const line_end *e = &r->ends[i];
     if (e->wider)
@@ -198,9 +202,9 @@ void ends_heads(drc *r) {
 
 const char *ends_reason(const drc *r, size_t end) {
   const line_end *one = &r->ends[end];
-  if (one->by < one->room || one->wider < one->widest)
+  if (one->by < one->limit || one->wider < one->widest)
     return "extension: could still move";
-  return one->by < steps(r->max_growth, r->max_growth, r->grid)
+  return one->by < grid_steps(r->max_growth, r->max_growth, r->grid)
              ? "extension; no room before the line end"
              : "extension; max_growth reached";
 }

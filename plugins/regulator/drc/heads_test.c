@@ -20,90 +20,90 @@ static void test_heads(void) {
       {"{ min_extension: 38 nm, max_head: 10 nm }", 80, 40, 1},
   };
   for (size_t k = 0; k < G_N_ELEMENTS(cases); k++) {
-    g_autoptr(opc_module) m = make(cases[k].parameters);
+    g_autoptr(opc_module) m = drc_make(cases[k].parameters);
     chip c = {0};
     add_end(&c, cases[k].gap);
-    begin(&c);
+    chip_begin(&c);
     for (int i = 0; i < 16; i++) {
       c.extension[0] = INFINITY;
-      c.extension[1] = 2 + 0.7 * c.end[1] + 3 * head(&c);
-      print(&c, line_ends);
-      follow(&c);
-      judge(m, &c);
+      c.extension[1] = 2 + 0.7 * c.end[1] + 3 * head_width(&c);
+      chip_print(&c, line_ends);
+      chip_follow(&c);
+      chip_judge(m, &c);
     }
     if (cases[k].length) {
       g_assert_cmpint(c.end[1], >=, cases[k].length - 2);
       g_assert_cmpint(c.end[1], <=, cases[k].length);
     }
-    g_assert_cmpint(head(&c) > 0, ==, cases[k].widens);
+    g_assert_cmpint(head_width(&c) > 0, ==, cases[k].widens);
     if (cases[k].widens) {
       g_assert_cmpfloat(c.extension[1], >=, 38);
-      g_assert_cmpint(head(&c), <=, 6);
+      g_assert_cmpint(head_width(&c), <=, 6);
     }
     g_assert_cmpuint(c.veto[0], ==, 0);
-    end(&c);
+    chip_end(&c);
   }
 }
 
 /* Requests of the synthesizer hold in all iterations: length, and a head where
    length is limited; never more than requested. */
-static void test_asked(void) {
+static void test_requested(void) {
   for (int k = 0; k < 3; k++) {
-    g_autoptr(opc_module) m = make("{ min_extension: 20 nm }");
+    g_autoptr(opc_module) m = drc_make("{ min_extension: 20 nm }");
     const double want[2] = {0, 38}, wide[2] = {0, k == 2 ? 2 : 10};
     chip c = {0};
     add_end(&c, 80);
-    begin(&c);
+    chip_begin(&c);
     if (k) c.p.want_extension = want, c.p.want_head = wide;
     for (int i = 0; i < 20; i++) {
       c.p.iteration = 10 + (uint32_t)i;
       c.extension[0] = INFINITY;
-      c.extension[1] = 2 + 0.7 * c.end[1] + 3 * head(&c);
-      print(&c, line_ends);
-      follow(&c);
-      judge(m, &c);
+      c.extension[1] = 2 + 0.7 * c.end[1] + 3 * head_width(&c);
+      chip_print(&c, line_ends);
+      chip_follow(&c);
+      chip_judge(m, &c);
     }
     if (k)
       g_assert_cmpint(c.end[1], >=, 38);
     else
       g_assert_cmpfloat(c.extension[1], <, 25);
     if (k == 1) g_assert_cmpfloat(c.extension[1], >=, 38);
-    g_assert_cmpint(head(&c), <=, k ? k == 2 ? 2 : 6 : 0);
-    g_assert_cmpint(head(&c) > 0, ==, k > 0);
-    end(&c);
+    g_assert_cmpint(head_width(&c), <=, k ? k == 2 ? 2 : 6 : 0);
+    g_assert_cmpint(head_width(&c) > 0, ==, k > 0);
+    chip_end(&c);
   }
 }
 
 /* Extensions beyond `min_extension` are not attempted if a neighbour prints
    within 30 nm, or after the synthesizer has moved its lengths. */
-static void test_wishes(void) {
+static void test_desired_extension(void) {
   for (int k = 0; k < 3; k++) {
-    g_autoptr(opc_module) m = make(
+    g_autoptr(opc_module) m = drc_make(
         "{ min_extension: 20 nm, want_extension: 40 nm, max_head: 10 nm }");
     chip c = {0};
     add_end(&c, 300);
-    begin(&c);
+    chip_begin(&c);
     c.extension[0] = INFINITY;
     c.extension[1] = k == 1 ? 195 : 25; /* 25 nm before the printed image of the
                                            other line */
     if (k == 1) c.extension[1] = 39.5, c.drawn[1] = 100;
-    print(&c, line_ends);
+    chip_print(&c, line_ends);
     if (k == 1) { /* the other line prints near */
       c.extension[1] = 195;
-      print(&c, line_ends);
+      chip_print(&c, line_ends);
       c.extension[1] = 39.5;
     }
     c.p.iteration = k == 2 ? 3 : 0;
-    judge(m, &c);
+    chip_judge(m, &c);
     g_assert_cmpint(c.end[1] > 0, ==, k == 0);
-    end(&c);
+    chip_end(&c);
   }
 }
 
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/regulator/heads", test_heads);
-  g_test_add_func("/regulator/asked", test_asked);
-  g_test_add_func("/regulator/wishes", test_wishes);
+  g_test_add_func("/regulator/asked", test_requested);
+  g_test_add_func("/regulator/desired-extension", test_desired_extension);
   return g_test_run();
 }

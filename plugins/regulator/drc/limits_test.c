@@ -9,7 +9,7 @@ static void rule_alone(opc_module *m, chip *c, double extension) {
   c->p.print = NULL;
   c->extension[0] = INFINITY;
   c->extension[1] = extension;
-  judge(m, c);
+  chip_judge(m, c);
 }
 
 /* The first move assumes 0.8 nm of printed image per nm of mask, the second one
@@ -26,10 +26,10 @@ static void test_response(void) {
                {19.5, 19.9, 2, 2 + 4}};  /* 1.1 / 0.3 */
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     g_autoptr(opc_module) m =
-        make("{ min_extension: 20 nm, max_growth: 300 nm }");
+        drc_make("{ min_extension: 20 nm, max_growth: 300 nm }");
     chip c = {0};
     add_end(&c, 700);
-    begin(&c);
+    chip_begin(&c);
     rule_alone(m, &c, cases[i].first);
     g_assert_cmpint(c.end[1], ==, cases[i].to);
     rule_alone(m, &c, cases[i].second);
@@ -38,7 +38,7 @@ static void test_response(void) {
 }
 
 /* Defaults follow wavelength / NA: at 248 nm, NA 0.7 the overlay is 0.039 *
-   354.3 = 14 nm, the extension of a line end 28 nm, and its largest move 0.233
+   354.3 = 14 nm, the extension of a line end 28 nm, and the largest move 0.233
    * 354.3 = 83 nm. At 193 nm, NA 0.75: 20 and 60 nm. */
 static void test_follows(void) {
   static const struct {
@@ -48,10 +48,10 @@ static void test_follows(void) {
   } cases[] = {{{248, 0.7}, 28, 83}, {{193, 0.75}, 20, 60}, {{0, 0}, 20, 60}};
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++)
     for (int kept = 0; kept < 2; kept++) {
-      g_autoptr(opc_module) m = make("{}");
+      g_autoptr(opc_module) m = drc_make("{}");
       chip c = {0};
       add_end(&c, 700);
-      begin(&c);
+      chip_begin(&c);
       c.p.scanner = cases[i].scanner;
       for (int k = 0; k < 8; k++)
         rule_alone(m, &c, cases[i].least + (kept ? 0.1 : -1000));
@@ -62,11 +62,12 @@ static void test_follows(void) {
 /* A line end keeps the least space of the mask to a contact. */
 static void test_end_before_contact(void) {
   for (int32_t d = 35; d < 90; d += 9) {
-    g_autoptr(opc_module) m = make("{ min_space: 40 nm, max_growth: 60 nm }");
+    g_autoptr(opc_module) m =
+        drc_make("{ min_space: 40 nm, max_growth: 60 nm }");
     chip c = {0};
     add_end(&c, 700);
     add_contact(&c, 0, 400 + d, 65, 480 + d);
-    begin(&c);
+    chip_begin(&c);
     for (int i = 0; i < 8; i++) rule_alone(m, &c, 5);
     g_assert_cmpint(c.end[1], ==, CLAMP(d - 40, 0, 60));
   }
@@ -83,7 +84,7 @@ static void test_head_beside(void) {
   enum { LINE, CONTACTS, ACTIVES, KINDS };
   for (int kind = 0; kind < KINDS; kind++) {
     static const uint32_t one[] = {0, 4};
-    g_autoptr(opc_module) m = make("{ min_space: 40 nm, max_head: 30 nm }");
+    g_autoptr(opc_module) m = drc_make("{ min_space: 40 nm, max_head: 30 nm }");
     eda_point q[4];
     chip c = {0};
     add_end(&c, 50);
@@ -92,16 +93,16 @@ static void test_head_beside(void) {
     box_points(q, 125, 330, 400, 410);
     if (kind == ACTIVES)
       c.shapes[EDA_ACTIVE] = (eda_shapes){1, (uint32_t *)one, q, NULL};
-    begin(&c);
+    chip_begin(&c);
     c.mask[EDA_ACTIVE] = c.shapes[EDA_ACTIVE];
     c.extension[0] = INFINITY;
     c.extension[1] = 5;
     for (int i = 0; i < 12; i++) {
-      print(&c, kind == LINE ? two_lines : line_ends);
-      judge(m, &c);
+      chip_print(&c, kind == LINE ? two_lines : line_ends);
+      chip_judge(m, &c);
     }
-    g_assert_cmpint(head(&c), ==, 20);
-    end(&c);
+    g_assert_cmpint(head_width(&c), ==, 20);
+    chip_end(&c);
   }
 }
 
@@ -123,31 +124,32 @@ static double slope(const chip *c, double x, double y) {
 /* Coverage is checked away from corners, which print round; clearance is
    checked at corners too. */
 static void test_corners(void) {
-  g_autoptr(opc_module) m = make("{ overlay: 10 nm }");
+  g_autoptr(opc_module) m = drc_make("{ overlay: 10 nm }");
   eda_violation v[4];
   chip c = {0}, d = {0};
   add_poly(&c, 0, 0, 120, 140);
   add_contact(&c, 20, 30, 100, 110);
-  begin(&c);
-  print(&c, octagon);
-  judge(m, &c);
-  g_assert_cmpuint(violations(m, &c, v, 4), ==, 0);
-  end(&c);
-  g_autoptr(opc_module) n = make("{ overlay: 10 nm }");
+  chip_begin(&c);
+  chip_print(&c, octagon);
+  chip_judge(m, &c);
+  g_assert_cmpuint(drc_violations(m, &c, v, 4), ==, 0);
+  chip_end(&c);
+  g_autoptr(opc_module) n = drc_make("{ overlay: 10 nm }");
   add_poly(&d, 0, 0, 100, 100);
   add_contact(&d, 140, 150, 220, 230);
-  begin(&d);
-  print(&d, slope);
-  judge(n, &d);
-  g_assert_cmpuint(violations(n, &d, v, 4), ==, 1);
+  chip_begin(&d);
+  chip_print(&d, slope);
+  chip_judge(n, &d);
+  g_assert_cmpuint(drc_violations(n, &d, v, 4), ==, 1);
   g_assert_cmpstr(v[0].rule, ==, "bridging: contact");
-  end(&d);
+  chip_end(&d);
 }
 
-/* Return the level set of a pad that prints 4 nm beyond its contact on the
+/* Return the level set of a pad that prints 4 nm beyond the contact on the
    right, and follows repair shapes. */
 static double short_pad(const chip *c, double x, double y) {
-  return fmin(fmin(x + 20, 104 + grown(c, 106, 70) - x), fmin(y + 20, 160 - y));
+  return fmin(fmin(x + 20, 104 + patch_extent(c, 106, 70) - x),
+              fmin(y + 20, 160 - y));
 }
 
 /* A repair shape of poly keeps the least space to contacts that poly must not
@@ -156,36 +158,37 @@ static void test_patch_beside(void) {
   for (int active = 0; active < 2; active++)
     for (int32_t d = 38; d < 60; d += 3) {
       static const uint32_t one[] = {0, 4}, two[] = {0, 4, 8};
-      g_autoptr(opc_module) m = make("{ min_space: 40 nm }");
+      g_autoptr(opc_module) m = drc_make("{ min_space: 40 nm }");
       eda_point q[4], p[8];
       chip c = {0};
       add_poly(&c, 0, 0, 106, 140);
       box_points(p, 20, 30, 100, 110);
       box_points(p + 4, 106 + d, 30, 186 + d, 110);
       box_points(q, 106 + d, 0, 300, 140);
-      begin(&c);
+      chip_begin(&c);
       c.shapes[CONTACT] =
           (eda_shapes){active ? 1 : 2, (uint32_t *)two, p, NULL};
       if (active)
         c.shapes[EDA_ACTIVE] = c.mask[EDA_ACTIVE] =
             (eda_shapes){1, (uint32_t *)one, q, NULL};
       for (int i = 0; i < 5; i++) {
-        print(&c, short_pad);
-        judge(m, &c);
+        chip_print(&c, short_pad);
+        chip_judge(m, &c);
       }
-      int32_t room = MAX(d - 40, 0), wanted = 7; /* and 1 nm more */
-      g_assert_cmpint(grown(&c, 106, 70), <=, MIN(room, wanted + 2));
-      g_assert_cmpint(grown(&c, 106, 70), >=, MIN(room, wanted));
-      end(&c);
+      int32_t spacing = MAX(d - 40, 0), wanted = 7; /* and 1 nm more */
+      g_assert_cmpint(patch_extent(&c, 106, 70), <=, MIN(spacing, wanted + 2));
+      g_assert_cmpint(patch_extent(&c, 106, 70), >=, MIN(spacing, wanted));
+      chip_end(&c);
     }
 }
 
-/* ---- edges that go back ---- */
+/* ---- trims ---- */
 
 /* Return the level set of lines that bridge while the mask space is below 120
    nm. */
 static double close_bars(const chip *c, double x, double y) {
-  int32_t low = 100 - bitten(c, x, 100, 1), high = 196 + bitten(c, x, 196, 0);
+  int32_t low = 100 - cutout_depth(c, x, 100, 1),
+          high = 196 + cutout_depth(c, x, 196, 0);
   double bars = fmax(fmin(y, low - y), fmin(y - high, 296 - y));
   if (x < 0 || x > 900) return -60;
   return high - low < 120 ? fmin(y, 296 - y) : bars;
@@ -194,7 +197,7 @@ static double close_bars(const chip *c, double x, double y) {
 /* Edges near before a gate, and up to 20 nm beside it, do not move. */
 static void test_before_gate(void) {
   for (int32_t top = 10; top < 100; top += 20) {
-    g_autoptr(opc_module) m = make("{}");
+    g_autoptr(opc_module) m = drc_make("{}");
     chip c = {0};
     add_poly(&c, 0, 0, 900, 100);
     add_poly(&c, 0, 196, 900, 296);
@@ -205,17 +208,17 @@ static void test_before_gate(void) {
     c.gates.box = c.box;
     c.gates.axis = c.axis;
     c.gates.space = c.space;
-    begin(&c);
+    chip_begin(&c);
     for (int i = 0; i < 12; i++) {
-      print(&c, close_bars);
-      judge(m, &c);
+      chip_print(&c, close_bars);
+      chip_judge(m, &c);
     }
     for (int32_t x = 281; x < 620; x += 26)
-      g_assert_cmpint(bitten(&c, x, 100, 1), ==, 0);
-    g_assert_cmpint(bitten(&c, 640, 100, 1), >, 0);
-    g_assert_cmpint(bitten(&c, 260, 100, 1), >, 0);
-    g_assert_cmpint(bitten(&c, 450, 196, 0), >=, 24);
-    end(&c);
+      g_assert_cmpint(cutout_depth(&c, x, 100, 1), ==, 0);
+    g_assert_cmpint(cutout_depth(&c, 640, 100, 1), >, 0);
+    g_assert_cmpint(cutout_depth(&c, 260, 100, 1), >, 0);
+    g_assert_cmpint(cutout_depth(&c, 450, 196, 0), >=, 24);
+    chip_end(&c);
   }
 }
 
@@ -234,23 +237,23 @@ static void test_waist(void) {
     int found;
   } cases[] = {{-150, 1}, {160, 0}, {200, 0}, {240, 0}};
   for (size_t k = 0; k < G_N_ELEMENTS(cases); k++) {
-    g_autoptr(opc_module) m = make("{ min_width: 40 nm }");
+    g_autoptr(opc_module) m = drc_make("{ min_width: 40 nm }");
     eda_violation v[MOST];
     chip c = {0};
     int found = 0;
     add_end(&c, 600);
     for (int i = 0; i < 2; i++) /* begins further down */
       c.points[i].y = c.fragments[i].from.y = -400;
-    begin(&c);
+    chip_begin(&c);
     c.extension[1] = 100;
     waist = cases[k].at;
-    print(&c, waisted);
-    judge(m, &c);
-    size_t n = violations(m, &c, v, MOST);
+    chip_print(&c, waisted);
+    chip_judge(m, &c);
+    size_t n = drc_violations(m, &c, v, MOST);
     for (size_t i = 0; i < MIN(n, MOST); i++)
       found |= g_str_has_prefix(v[i].rule, "pinching") && v[i].y < 390;
     g_assert_cmpint(found, ==, cases[k].found);
-    end(&c);
+    chip_end(&c);
   }
 }
 

@@ -66,26 +66,26 @@ static void test_mask(void) {
   };
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     g_autoptr(opc_module) m =
-        make("{ min_mask_width: 45 nm, min_space: 40 nm }");
+        drc_make("{ min_mask_width: 45 nm, min_space: 40 nm }");
     if (cases[i].value < 40)
       opc_test_module_free(g_steal_pointer(&m)),
-          m = make("{ min_mask_width: 40 nm, min_space: 40 nm }");
+          m = drc_make("{ min_mask_width: 40 nm, min_space: 40 nm }");
     chip c = {0};
     eda_violation v[10];
     boxes b = {0};
     for (size_t k = 0; k < cases[i].n; k++)
       b.points[k] = (eda_point){cases[i].xy[k][0], cases[i].xy[k][1]};
     b.start[1] = (uint32_t)cases[i].n;
-    show(&c);
+    chip_show(&c);
     c.mask[EDA_POLY] = (eda_shapes){1, b.start, b.points, NULL};
-    size_t n = violations(m, &c.p, v, 10);
+    size_t n = drc_violations(m, &c.p, v, 10);
     g_test_message("%s", cases[i].name);
     g_assert_cmpuint(n, ==, cases[i].spaces + cases[i].widths);
     g_assert_cmpuint(count_rule(v, n, "mask space", cases[i].value), ==,
                      cases[i].spaces);
     g_assert_cmpuint(count_rule(v, n, "mask width", cases[i].value), ==,
                      cases[i].widths);
-    end(&c);
+    chip_end(&c);
   }
 }
 
@@ -146,15 +146,15 @@ static void test_klayout(void) {
   g_autofree eda_violation *v = g_new(eda_violation, ROOM);
   for (uint32_t seed = 1; seed < 6; seed++) {
     g_autoptr(opc_module) m =
-        make("{ min_mask_width: 40 nm, min_space: 40 nm }");
+        drc_make("{ min_mask_width: 40 nm, min_space: 40 nm }");
     g_autoptr(GString) text = g_string_new(NULL);
     chip c = {0};
-    show(&c);
+    chip_show(&c);
     c.mask[EDA_POLY] = random_mask(seed, text, 300);
     g_autofree char *out = ask_klayout(text->str);
-    size_t n = violations(m, &c.p, v, ROOM);
+    size_t n = drc_violations(m, &c.p, v, ROOM);
     eda_shapes_clear(&c.mask[EDA_POLY]);
-    end(&c);
+    chip_end(&c);
     if (!out) {
       g_test_skip("no klayout module for python3");
       return;

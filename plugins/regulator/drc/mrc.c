@@ -12,8 +12,8 @@ size_t mrc_faults(const drc *r, const eda_shapes *shapes,
   return eda_rules_check(shapes, r->grid, limit, fault);
 }
 
-static void tell(const drc *r, const eda_rule_fault *fault, size_t n,
-                 violations *out) {
+static void faults_report(const drc *r, const eda_rule_fault *fault, size_t n,
+                          violations *out) {
   static const char *const names[] = {
       [EDA_RULE_SPACE] = "mask space", [EDA_RULE_WIDTH] = "mask width"};
   for (size_t i = 0; i < n; i++) {
@@ -47,7 +47,7 @@ void mrc_check(const drc *r, const eda_shapes *shapes, violations *out) {
              eda_alloc(r->layers, sizeof *f.n)};
   opc_parallel(r->host->context, r->layers, check_layer, &f);
   for (size_t k = 0; k < r->layers; k++) {
-    tell(r, f.fault[k], f.n[k], out);
+    faults_report(r, f.fault[k], f.n[k], out);
     free(f.fault[k]);
   }
   free(f.fault);

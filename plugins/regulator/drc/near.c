@@ -21,7 +21,7 @@ void places_clear(places *p) {
   *p = (places){0};
 }
 
-eda_box *edges_of(const eda_shapes *s, size_t *n) {
+eda_box *shapes_edges(const eda_shapes *s, size_t *n) {
   *n = s->count ? s->start[s->count] : 0;
   eda_box *out = eda_alloc(*n, sizeof *out);
   for (size_t p = 0; p < s->count; p++)
@@ -32,9 +32,9 @@ eda_box *edges_of(const eda_shapes *s, size_t *n) {
   return out;
 }
 
-eda_box window_at(eda_box w, int side, int32_t from, int32_t to,
-                  int32_t beside) {
-  if (upright(side)) {
+eda_box box_window(eda_box w, int side, int32_t from, int32_t to,
+                   int32_t beside) {
+  if (side_upright(side)) {
     w.y0 -= beside;
     w.y1 += beside;
   } else {
@@ -58,8 +58,8 @@ eda_box window_at(eda_box w, int side, int32_t from, int32_t to,
   return w;
 }
 
-int32_t nearest(const places *p, eda_box w, int side, int32_t none,
-                eda_box *which) {
+int32_t places_nearest(const places *p, eda_box w, int side, int32_t none,
+                       eda_box *which) {
   int32_t found = none;
   eda_finder f = eda_index_find(p->index, w);
   for (uint32_t i; eda_index_next(&f, &i);) {
@@ -77,17 +77,18 @@ int32_t nearest(const places *p, eda_box w, int side, int32_t none,
   return found;
 }
 
-int32_t room_now(drc *r, const eda_printed *p, eda_box edge, int side,
-                 int32_t most) {
+int32_t mask_spacing(drc *r, const eda_printed *p, eda_box edge, int side,
+                     int32_t most) {
   int32_t space = (int32_t)ceil(r->min_space / r->grid - 1e-9);
   int32_t range = most + space;
   if (most < 1) return 0;
   if (!r->mask.index) {
     size_t n;
-    eda_box *edges = edges_of(&p->shapes[EDA_POLY], &n);
+    eda_box *edges = shapes_edges(&p->shapes[EDA_POLY], &n);
     places_init(&r->mask, edges, n, 4 * r->min_space, r->grid);
   }
-  eda_box window = window_at(edge, side, 1, range, space);
-  int32_t left = nearest(&r->mask, window, side, range - 1, NULL) + 1 - space;
+  eda_box window = box_window(edge, side, 1, range, space);
+  int32_t left =
+      places_nearest(&r->mask, window, side, range - 1, NULL) + 1 - space;
   return left < 0 ? 0 : left < most ? left : most;
 }

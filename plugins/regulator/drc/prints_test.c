@@ -2,17 +2,17 @@
 /* Tests rules of printed images, and repairs, on synthetic images. */
 #include "boxes_test.h"
 
-/* A contact in a pad whose right side prints 4 nm past it; 10 are required. A
-   repair shape moves the whole side until the image follows. */
+/* A contact in a pad whose right side prints 4 nm past the contact; 10 are
+   required. A repair shape moves the whole side until the image follows. */
 static void test_enclosure(void) {
-  g_autoptr(opc_module) m = make("{ overlay: 10 nm }");
+  g_autoptr(opc_module) m = drc_make("{ overlay: 10 nm }");
   chip c = {0};
   eda_violation v;
   add_box(&c.drawn[EDA_POLY], 0, 0, 106, 140);
   add_box(&c.drawn[CONTACT], 20, 30, 100, 110);
   add_box(&c.printed[EDA_POLY], -10, -10, 104, 150);
-  show(&c);
-  judge(m, &c);
+  chip_show(&c);
+  chip_judge(m, &c);
   g_assert_cmpuint(c.ruling.patches[EDA_ACTIVE].count, ==, 0);
   g_assert_cmpuint(c.ruling.patches[EDA_POLY].count, ==, 1);
   eda_box patch = c.ruling.patches[EDA_POLY].box[0];
@@ -20,47 +20,47 @@ static void test_enclosure(void) {
   g_assert_cmpint(patch.y1, ==, 140);
   g_assert_cmpint(patch.x1, >=, 112);
   g_assert_cmpint(patch.x1, <=, 116);
-  g_assert_cmpuint(violations(m, &c.p, &v, 1), ==, 1);
+  g_assert_cmpuint(drc_violations(m, &c.p, &v, 1), ==, 1);
   g_assert_cmpstr(v.rule, ==, "enclosure: could still move");
   g_assert_cmpfloat(fabs(v.value - 4), <, 0.5);
   g_assert_cmpfloat(v.limit, ==, 10);
   g_assert_cmpfloat(v.x, ==, 60);
   c.printed[EDA_POLY].points[1].x = c.printed[EDA_POLY].points[2].x = 111;
-  show(&c);
-  judge(m, &c);
+  chip_show(&c);
+  chip_judge(m, &c);
   g_assert_cmpuint(c.ruling.patches[EDA_POLY].count, ==, 1); /* unchanged */
   g_assert_cmpint(c.ruling.patches[EDA_POLY].box[0].x1, ==, patch.x1);
-  g_assert_cmpuint(violations(m, &c.p, &v, 1), ==, 0);
-  end(&c);
+  g_assert_cmpuint(drc_violations(m, &c.p, &v, 1), ==, 0);
+  chip_end(&c);
 }
 
 /* The same with a neighbour 46 nm away: 3 nm are available, and then the
    adjacent sides extend the corners. */
 static void test_near_neighbour(void) {
-  g_autoptr(opc_module) m = make("{ overlay: 10 nm, min_space: 40 nm }");
+  g_autoptr(opc_module) m = drc_make("{ overlay: 10 nm, min_space: 40 nm }");
   chip c = {0};
   eda_violation v;
   add_box(&c.drawn[EDA_ACTIVE], 0, 0, 106, 140);
   add_box(&c.drawn[EDA_ACTIVE], 152, 0, 400, 140);
   add_box(&c.drawn[CONTACT], 20, 30, 100, 110);
   add_box(&c.printed[EDA_ACTIVE], -10, -10, 104, 150);
-  show(&c);
-  judge(m, &c);
+  chip_show(&c);
+  chip_judge(m, &c);
   g_assert_cmpuint(c.ruling.patches[EDA_ACTIVE].count, ==, 1);
   g_assert_cmpint(c.ruling.patches[EDA_ACTIVE].box[0].x1, ==, 109);
-  judge(m, &c);
+  chip_judge(m, &c);
   g_assert_cmpuint(c.ruling.patches[EDA_ACTIVE].count, ==, 3);
-  violations(m, &c.p, &v, 1);
+  drc_violations(m, &c.p, &v, 1);
   g_assert_cmpstr(v.rule, ==, "enclosure: could still move");
-  for (int i = 0; i < 12; i++) judge(m, &c);
+  for (int i = 0; i < 12; i++) chip_judge(m, &c);
   for (size_t i = 0; i < 3; i++)
     g_assert_cmpint(c.ruling.patches[EDA_ACTIVE].box[i].x1, ==, 109);
-  g_assert_cmpuint(violations(m, &c.p, &v, 1), ==, 1);
+  g_assert_cmpuint(drc_violations(m, &c.p, &v, 1), ==, 1);
   g_assert_cmpstr(v.rule, ==, "enclosure; too near a neighbour");
-  end(&c);
+  chip_end(&c);
 }
 
-/* The lower and upper edges of an active are the ends of a gate width: the
+/* The lower and upper edges of an active are the ends of a gate width. The
    repair shape on the right side ends with them at any shift, and vanishes
    where they meet. */
 static void test_width(void) {
@@ -70,7 +70,7 @@ static void test_width(void) {
                {8, -7, -11, 137}, {-139, 0, 70, 71}, {-140, 0, 0, 0},
                {-150, 0, 75, 65}};
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
-    g_autoptr(opc_module) m = make("{ overlay: 10 nm }");
+    g_autoptr(opc_module) m = drc_make("{ overlay: 10 nm }");
     uint32_t start[] = {0, 4};
     eda_fragment active[] = {{{0, 0}, 0, EDA_W_LOW},
                              {{106, 0}, -1, EDA_FIXED},
@@ -80,22 +80,22 @@ static void test_width(void) {
     add_box(&c.drawn[EDA_ACTIVE], 0, 0, 106, 140);
     add_box(&c.drawn[CONTACT], 20, 30, 100, 110);
     add_box(&c.printed[EDA_ACTIVE], -10, -10, 104, 150);
-    show(&c);
+    chip_show(&c);
     c.p.w = &cases[i].w;
     c.p.aside = &cases[i].aside;
-    judge(m, &c);
+    chip_judge(m, &c);
     size_t n = cases[i].low < cases[i].high;
     g_assert_cmpuint(c.ruling.patches[EDA_ACTIVE].count, ==, n);
     eda_box b = n ? c.ruling.patches[EDA_ACTIVE].box[0] : (eda_box){0};
     g_assert_cmpint(b.y0, ==, n ? cases[i].low : 0);
     g_assert_cmpint(b.y1, ==, n ? cases[i].high : 0);
-    end(&c);
+    chip_end(&c);
   }
 }
 
 /* A contact in active, 6 nm away from printed poly. */
 static void test_contact(void) {
-  g_autoptr(opc_module) m = make("{ overlay: 10 nm }");
+  g_autoptr(opc_module) m = drc_make("{ overlay: 10 nm }");
   chip c = {0};
   eda_violation v;
   add_box(&c.drawn[EDA_ACTIVE], -100, -100, 300, 300);
@@ -103,31 +103,31 @@ static void test_contact(void) {
   add_box(&c.drawn[CONTACT], 110, 60, 190, 140);
   add_box(&c.printed[EDA_ACTIVE], -100, -100, 300, 300);
   add_box(&c.printed[EDA_POLY], 0, -200, 104, 400);
-  show(&c);
-  judge(m, &c);
-  g_assert_cmpuint(violations(m, &c.p, &v, 1), ==, 1);
+  chip_show(&c);
+  chip_judge(m, &c);
+  g_assert_cmpuint(drc_violations(m, &c.p, &v, 1), ==, 1);
   g_assert_cmpstr(v.rule, ==, "bridging: contact");
   g_assert_cmpfloat(fabs(v.value - 6), <, 0.5);
   c.printed[EDA_POLY].points[1].x = c.printed[EDA_POLY].points[2].x = 99;
-  show(&c);
-  judge(m, &c);
-  g_assert_cmpuint(violations(m, &c.p, &v, 1), ==, 0);
-  end(&c);
+  chip_show(&c);
+  chip_judge(m, &c);
+  g_assert_cmpuint(drc_violations(m, &c.p, &v, 1), ==, 0);
+  chip_end(&c);
 }
 
-/* A line of 60 nm with a neck of 24 nm: repair shapes widen it there on both
+/* A line of 60 nm with a neck of 24 nm: repair shapes widen the neck on both
    sides, and nowhere else. */
 static void test_neck(void) {
-  g_autoptr(opc_module) m = make("{ min_width: 40 nm }");
+  g_autoptr(opc_module) m = drc_make("{ min_width: 40 nm }");
   chip c = {0};
   eda_violation v[4];
   add_box(&c.drawn[EDA_POLY], 0, 0, 60, 1000);
   add_box(&c.printed[EDA_POLY], 0, 0, 60, 450);
   add_box(&c.printed[EDA_POLY], 18, 400, 42, 600);
   add_box(&c.printed[EDA_POLY], 0, 550, 60, 1000);
-  show(&c);
-  judge(m, &c);
-  size_t n = violations(m, &c.p, v, 4);
+  chip_show(&c);
+  chip_judge(m, &c);
+  size_t n = drc_violations(m, &c.p, v, 4);
   g_assert_cmpuint(n, >=, 1);
   g_assert_cmpuint(n, <=, 2);
   for (size_t i = 0; i < n; i++) {
@@ -145,43 +145,43 @@ static void test_neck(void) {
   }
   /* Wide enough, but off the drawn centre: no violation. */
   c.printed[EDA_POLY].points[5].x = c.printed[EDA_POLY].points[6].x = 60;
-  show(&c);
-  g_assert_cmpuint(violations(m, &c.p, v, 4), ==, 0);
+  chip_show(&c);
+  g_assert_cmpuint(drc_violations(m, &c.p, v, 4), ==, 0);
   /* The line vanishes. */
   c.printed[EDA_POLY].shapes.count = 1;
-  show(&c);
-  g_assert_cmpuint(violations(m, &c.p, v, 4), >=, 4);
+  chip_show(&c);
+  g_assert_cmpuint(drc_violations(m, &c.p, v, 4), >=, 4);
   g_assert_cmpfloat(v[3].value, ==, 0);
-  end(&c);
+  chip_end(&c);
 }
 
 /* Two lines that bridge over half of their length. */
 static void test_gap(void) {
-  g_autoptr(opc_module) m = make("{}");
+  g_autoptr(opc_module) m = drc_make("{}");
   chip c = {0};
   eda_violation v[10];
   add_box(&c.drawn[EDA_POLY], 0, 0, 60, 600);
   add_box(&c.drawn[EDA_POLY], 180, 0, 240, 600);
   add_box(&c.printed[EDA_POLY], 0, 0, 60, 600);
   add_box(&c.printed[EDA_POLY], 180, 0, 240, 600);
-  show(&c);
-  g_assert_cmpuint(violations(m, &c.p, v, 10), ==, 0);
+  chip_show(&c);
+  g_assert_cmpuint(drc_violations(m, &c.p, v, 10), ==, 0);
   add_box(&c.printed[EDA_POLY], 0, 0, 240, 300);
-  show(&c);
-  size_t n = violations(m, &c.p, v, 10);
+  chip_show(&c);
+  size_t n = drc_violations(m, &c.p, v, 10);
   g_assert_cmpuint(n, ==, 5); /* one per 60 nm */
   for (size_t i = 0; i < n; i++) {
     g_assert_cmpstr(v[i].rule, ==, "bridging: poly: could still move");
     g_assert_cmpfloat(v[i].x, ==, 120);
     g_assert_cmpfloat(v[i].y, <, 300);
   }
-  end(&c);
+  chip_end(&c);
 }
 
 /* The same on a further layer. Covering a contact by 4 nm is no violation
    there. */
 static void test_metal(void) {
-  g_autoptr(opc_module) m = make("{ overlay: 10 nm }");
+  g_autoptr(opc_module) m = drc_make("{ overlay: 10 nm }");
   chip c = {0};
   eda_violation v[20];
   add_box(&c.drawn[METAL], 0, 0, 106, 600);
@@ -190,34 +190,34 @@ static void test_metal(void) {
   add_box(&c.printed[METAL], -10, 0, 104, 600);
   add_box(&c.printed[METAL], 230, 0, 300, 600);
   add_box(&c.printed[METAL], 50, 300, 260, 500);
-  show(&c);
-  judge(m, &c);
+  chip_show(&c);
+  chip_judge(m, &c);
   g_assert_cmpuint(c.ruling.patches[EDA_POLY].count, ==, 0);
   g_assert_cmpuint(c.ruling.patches[METAL].count, ==, 0);
-  size_t n = violations(m, &c.p, v, 20);
+  size_t n = drc_violations(m, &c.p, v, 20);
   g_assert_cmpuint(n, ==, 3); /* one per 60 nm */
   for (size_t i = 0; i < n; i++) {
     g_assert_cmpstr(v[i].rule, ==, "bridging: metal1");
     g_assert_cmpfloat(v[i].x, ==, 168);
     g_assert_cmpfloat(fabs(v[i].y - 400), <, 100);
   }
-  end(&c);
+  chip_end(&c);
 }
 
 /* Without a printed image only gates and line ends are checked. */
 static void test_no_print(void) {
-  g_autoptr(opc_module) m = make("{}");
+  g_autoptr(opc_module) m = drc_make("{}");
   chip c = {0};
   eda_violation v;
   add_box(&c.drawn[EDA_POLY], 0, 0, 106, 140);
   add_box(&c.drawn[CONTACT], 20, 30, 100, 110);
-  show(&c);
+  chip_show(&c);
   c.p.shapes = NULL;
   c.p.print = NULL;
-  judge(m, &c);
+  chip_judge(m, &c);
   g_assert_cmpuint(c.ruling.patches[EDA_POLY].count, ==, 0);
-  g_assert_cmpuint(violations(m, &c.p, &v, 1), ==, 0);
-  end(&c);
+  g_assert_cmpuint(drc_violations(m, &c.p, &v, 1), ==, 0);
+  chip_end(&c);
 }
 
 int main(int argc, char **argv) {

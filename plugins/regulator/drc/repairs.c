@@ -11,14 +11,14 @@
 
 enum { BLOCK = 256, POINTS = 3 * SIDES };
 
-static eda_box widened(eda_box b, int32_t by) {
+static eda_box box_widened(eda_box b, int32_t by) {
   return (eda_box){b.x0 - by, b.y0 - by, b.x1 + by, b.y1 + by};
 }
 
 /* ---- points ---- */
 
 /* Return whether the layer must print at the site. */
-static int wanted(const site *s) {
+static int site_wants(const site *s) {
   return s->kind == SITE_ENCLOSURE || s->kind == SITE_LINE;
 }
 
@@ -28,16 +28,16 @@ static int is_contact(const site *s) {
 
 /* Return the distance from the box at which the image is checked, nm: contacts
    may be misplaced by the overlay. */
-static double margin(const drc *r, const site *s) {
+static double site_margin(const drc *r, const site *s) {
   return is_contact(s) ? r->overlay : 0;
 }
 
 /* Compute the checked points of a site. Return their number. Forbidden images
    are checked at corners too, required ones away from corners, which print
    round. */
-static int points_of(const drc *r, const site *s, double *x, double *y,
-                     uint8_t *side) {
-  double m = margin(r, s), grid = r->grid;
+static int site_points(const drc *r, const site *s, double *x, double *y,
+                       uint8_t *side) {
+  double m = site_margin(r, s), grid = r->grid;
   double x0 = s->box.x0 * grid, x1 = s->box.x1 * grid;
   double y0 = s->box.y0 * grid, y1 = s->box.y1 * grid;
   double inset = s->kind == SITE_ENCLOSURE ? tuned.inset : 0;
@@ -46,7 +46,7 @@ static int points_of(const drc *r, const site *s, double *x, double *y,
     if (!(s->sides & 1 << k)) continue;
     for (int i = 0; i < many; i++) {
       double t = many == 1 ? 0.5 : inset + i * (0.5 - inset);
-      int flat = upright(k);
+      int flat = side_upright(k);
       x[n] = flat ? (k == LEFT ? x0 - m : x1 + m) : x0 + t * (x1 - x0);
       y[n] = flat ? y0 + t * (y1 - y0) : (k == BELOW ? y0 - m : y1 + m);
       side[n++] = (uint8_t)k;
@@ -55,12 +55,12 @@ static int points_of(const drc *r, const site *s, double *x, double *y,
   return n;
 }
 
-/* ---- looking ---- */
+/* ---- checks ---- */
 
-typedef struct look {
+typedef struct check_run {
   drc *r;
   const eda_printed *p;
-} look;
+} check_run;
 
 typedef struct points {
   double x[BLOCK * POINTS], y[BLOCK * POINTS], value[BLOCK * POINTS];
@@ -69,50 +69,50 @@ typedef struct points {
   size_t n;
 } points;
 
-static void look_at_layer(const look *l, points *q, size_t first, size_t last,
-                          size_t layer) {
+static void sites_check_layer(const check_run *l, points *q, size_t first,
+                              size_t last, size_t layer) {
   q->n = 0;
   for (size_t i = first; i < last; i++) {
     site *s = &l->r->sites[i];
     if (s->layer != layer) continue;
     s->failing = 0;
-    int n = points_of(l->r, s, q->x + q->n, q->y + q->n, q->side + q->n);
+    int n = site_points(l->r, s, q->x + q->n, q->y + q->n, q->side + q->n);
     for (int k = 0; k < n; k++) q->site[q->n++] = (uint32_t)i;
   }
   if (!q->n) return;
   eda_field_sample(&l->p->print[layer], q->x, q->y, q->n, q->value);
   for (size_t k = 0; k < q->n; k++) {
     site *s = &l->r->sites[q->site[k]];
-    if ((q->value[k] > 0) != wanted(s))
+    if ((q->value[k] > 0) != site_wants(s))
       s->failing |= (uint8_t)(1 << q->side[k]);
   }
 }
 
-static void look_at_block(void *data, size_t block) {
-  const look *l = data;
+static void sites_check_block(void *data, size_t block) {
+  const check_run *l = data;
   size_t first = block * BLOCK, last = first + BLOCK;
   points *q = eda_alloc(1, sizeof *q);
   if (last > l->r->n_sites) last = l->r->n_sites;
   for (size_t layer = 0; layer < l->r->layers; layer++)
-    look_at_layer(l, q, first, last, layer);
+    sites_check_layer(l, q, first, last, layer);
   free(q);
 }
 
 /* Return the distance of the contour outwards from a side of the site's box,
    nm: the least of its points. */
-static double contour(const drc *r, const eda_printed *p, const site *s,
-                      int side) {
-  double x[POINTS], y[POINTS], least = INFINITY, m = margin(r, s);
+static double site_contour(const drc *r, const eda_printed *p, const site *s,
+                           int side) {
+  double x[POINTS], y[POINTS], least = INFINITY, m = site_margin(r, s);
   uint8_t of[POINTS];
-  int n = points_of(r, s, x, y, of);
-  int axis = upright(side) ? EDA_X : EDA_Y;
+  int n = site_points(r, s, x, y, of);
+  int axis = side_upright(side) ? EDA_X : EDA_Y;
   double out = side == LEFT || side == BELOW ? -1 : 1;
   const eda_field *print = &p->print[s->layer];
   for (int k = 0; k < n; k++) {
     double value, d;
     if (of[k] != side) continue;
     eda_field_sample(print, &x[k], &y[k], 1, &value);
-    int good = (value > 0) == wanted(s);
+    int good = (value > 0) == site_wants(s);
     d = out * eda_field_edge(print, axis, x[k], y[k], tuned.reach);
     if (isnan(d)) d = good ? tuned.reach : -tuned.reach;
     /* The contour nearest to a point that passes may be in either direction. */
@@ -121,19 +121,19 @@ static double contour(const drc *r, const eda_printed *p, const site *s,
   return least;
 }
 
-static void measure(void *data, size_t i) {
-  const look *l = data;
+static void repair_measure(void *data, size_t i) {
+  const check_run *l = data;
   repair *one = &l->r->repairs[i];
   const site *s = &l->r->sites[one->site];
   for (int k = 0; k < SIDES && s->failing; k++)
-    if (s->sides & 1 << k) one->value[k] = contour(l->r, l->p, s, k);
+    if (s->sides & 1 << k) one->value[k] = site_contour(l->r, l->p, s, k);
 }
 
-/* ---- what can be mended ---- */
+/* ---- segments and limits ---- */
 
 /* Return the outward move of a corner by the width of a gate: half of the bias,
    an odd step on the HIGH side, and the shift of both ends. */
-static int32_t moved(const eda_printed *p, const eda_fragment *f) {
+static int32_t corner_move(const eda_printed *p, const eda_fragment *f) {
   if (!f) return 0;
   int32_t w = p->w[f->gate], low = w >> 1;
   int32_t aside = p->aside ? p->aside[f->gate] : 0;
@@ -141,7 +141,8 @@ static int32_t moved(const eda_printed *p, const eda_fragment *f) {
 }
 
 /* Return whether the segment on a side reaches the edge on the next one. */
-static int reaches(const drc *r, const repair *one, int side, int next) {
+static int segment_reaches(const drc *r, const repair *one, int side,
+                           int next) {
   eda_box b = r->sites[one->site].box;
   switch (next) {
     case LEFT:
@@ -157,20 +158,22 @@ static int reaches(const drc *r, const repair *one, int side, int next) {
 
 /* Return the extension of the end of a repair shape by the shape on the next
    side, if both cover a common corner. */
-static int32_t met(const drc *r, const repair *one, int side, int next) {
-  return reaches(r, one, side, next) && reaches(r, one, next, side)
+static int32_t segment_overlap(const drc *r, const repair *one, int side,
+                               int next) {
+  return segment_reaches(r, one, side, next) &&
+                 segment_reaches(r, one, next, side)
              ? one->grow[next]
              : 0;
 }
 
 /* Return the extension of the end of a repair shape into a concave corner,
    where the adjacent edge may have moved inwards. */
-static int32_t into_corner(const drc *r, const repair *one, int side,
-                           int32_t at) {
+static int32_t segment_into_corner(const drc *r, const repair *one, int side,
+                                   int32_t at) {
   eda_box c = r->sites[one->site].box;
   const places *edges = &r->edges[r->sites[one->site].layer];
-  c = window_at(c, side, one->edge[side], one->edge[side], 0);
-  if (upright(side))
+  c = box_window(c, side, one->edge[side], one->edge[side], 0);
+  if (side_upright(side))
     c.y0 = c.y1 = at;
   else
     c.x0 = c.x1 = at;
@@ -187,22 +190,22 @@ static int32_t into_corner(const drc *r, const repair *one, int side,
 }
 
 /* Return the repair shape on a side: the segment of the drawn edge, outwards to
-   its move, and inwards by the least mask width. Its ends move with the
+   the present move, and inwards by the least mask width. The ends move with the
    corners. */
-static eda_box patch_of(const drc *r, const eda_printed *printed,
-                        const repair *one, int side) {
+static eda_box repair_shape(const drc *r, const eda_printed *printed,
+                            const repair *one, int side) {
   int32_t in = (int32_t)ceil(r->min_mask_width / r->grid - 1e-9);
   int32_t out = one->edge[side] + one->grow[side];
-  int low = upright(side) ? BELOW : LEFT;
+  int low = side_upright(side) ? BELOW : LEFT;
   eda_box b = r->sites[one->site].box;
-  eda_box p = window_at(b, side, one->edge[side] - in, out, 0);
-  int32_t from = one->from[side] - moved(printed, one->corner[side][0]) -
-                 met(r, one, side, low) -
-                 into_corner(r, one, side, one->from[side]);
-  int32_t to = one->to[side] + moved(printed, one->corner[side][1]) +
-               met(r, one, side, low + 1) +
-               into_corner(r, one, side, one->to[side]);
-  if (upright(side))
+  eda_box p = box_window(b, side, one->edge[side] - in, out, 0);
+  int32_t from = one->from[side] - corner_move(printed, one->corner[side][0]) -
+                 segment_overlap(r, one, side, low) -
+                 segment_into_corner(r, one, side, one->from[side]);
+  int32_t to = one->to[side] + corner_move(printed, one->corner[side][1]) +
+               segment_overlap(r, one, side, low + 1) +
+               segment_into_corner(r, one, side, one->to[side]);
+  if (side_upright(side))
     p.y0 = from, p.y1 = to;
   else
     p.x0 = from, p.x1 = to;
@@ -211,8 +214,8 @@ static eda_box patch_of(const drc *r, const eda_printed *printed,
 
 /* Return the distance to the next edge of the same layer. An edge that begins
    at the window's edge belongs to a concave corner, which the mask may fill. */
-static int32_t own_space(const places *edges, eda_box window, int side,
-                         int32_t none) {
+static int32_t layer_spacing(const places *edges, eda_box window, int side,
+                             int32_t none) {
   eda_finder f = eda_index_find(edges->index, window);
   int32_t found = none;
   for (uint32_t i; eda_index_next(&f, &i);) {
@@ -230,24 +233,25 @@ static int32_t own_space(const places *edges, eda_box window, int side,
 /* Return the largest outward move on a side. An opposite edge may move as far;
    contacts that poly must not touch, and poly or active as the other layer, do
    not move. */
-static int32_t room_of(const drc *r, const site *s, const repair *one,
-                       int side) {
+static int32_t outward_limit(const drc *r, const site *s, const repair *one,
+                             int side) {
   double grid = r->grid;
   int32_t beside = (int32_t)ceil(r->min_space / grid);
   int32_t range = (int32_t)ceil((2 * r->max_growth + r->min_space) / grid) + 1;
-  eda_box edge = window_at(s->box, side, one->edge[side], one->edge[side], 0);
-  if (upright(side))
+  eda_box edge = box_window(s->box, side, one->edge[side], one->edge[side], 0);
+  if (side_upright(side))
     edge.y0 = one->from[side], edge.y1 = one->to[side];
   else
     edge.x0 = one->from[side], edge.x1 = one->to[side];
-  eda_box window = window_at(edge, side, 1, range, beside);
-  double own = own_space(&r->edges[s->layer], window, side, range) + 1;
+  eda_box window = box_window(edge, side, 1, range, beside);
+  double own = layer_spacing(&r->edges[s->layer], window, side, range) + 1;
   double other = range;
-  window = window_at(edge, side, 0, range, beside);
+  window = box_window(edge, side, 0, range, beside);
   if (s->layer <= EDA_ACTIVE && r->layers > EDA_ACTIVE)
-    other = nearest(&r->edges[!s->layer], window, side, range, NULL);
+    other = places_nearest(&r->edges[!s->layer], window, side, range, NULL);
   if (s->layer == EDA_POLY)
-    other = fmin(other, nearest(&r->contacts, window, side, range, NULL));
+    other =
+        fmin(other, places_nearest(&r->contacts, window, side, range, NULL));
   double most =
       fmin((own * grid - r->min_space) / 2, other * grid - r->min_space);
   return (int32_t)floor(fmax(0, fmin(r->max_growth, most)) / grid + 1e-9);
@@ -255,36 +259,37 @@ static int32_t room_of(const drc *r, const site *s, const repair *one,
 
 /* Return the edge that moves the corner at an end of the edge on `side`; NULL
    if none does. */
-static const eda_fragment *corner_at(const drc *r, int side, int32_t x,
-                                     int32_t y) {
+static const eda_fragment *corner_edge(const drc *r, int side, int32_t x,
+                                       int32_t y) {
   const eda_fragment *found = NULL;
   eda_finder f = eda_index_find(r->widths.index, (eda_box){x, y, x, y});
   for (uint32_t i; eda_index_next(&f, &i);) {
     eda_box e = r->widths.box[i];
-    if (upright(side) ? e.y0 == e.y1 : e.x0 == e.x1) found = r->width[i];
+    if (side_upright(side) ? e.y0 == e.y1 : e.x0 == e.x1) found = r->width[i];
   }
   return found;
 }
 
 /* Compute the segment of the drawn edge that the site needs, up to a corner
    nearby. Return whether there is an edge of that direction, in `edge`. */
-static int find_piece(const drc *r, const site *s, repair *one, int side,
-                      eda_box *edge) {
+static int repair_find_segment(const drc *r, const site *s, repair *one,
+                               int side, eda_box *edge) {
   double grid = r->grid;
   int32_t far = (int32_t)(2 * tuned.reach / grid), more = 0;
   eda_box b = s->box;
   /* From one step inside, to include an edge at the side of the box. */
-  one->edge[side] = nearest(&r->edges[s->layer], window_at(b, side, -1, far, 0),
-                            side, far + 1, edge) -
-                    1;
+  one->edge[side] =
+      places_nearest(&r->edges[s->layer], box_window(b, side, -1, far, 0), side,
+                     far + 1, edge) -
+      1;
   if (s->kind == SITE_LINE) more = (int32_t)(tuned.half_patch / grid);
-  one->from[side] = (upright(side) ? b.y0 : b.x0) - more;
-  one->to[side] = (upright(side) ? b.y1 : b.x1) + more;
+  one->from[side] = (side_upright(side) ? b.y0 : b.x0) - more;
+  one->to[side] = (side_upright(side) ? b.y1 : b.x1) + more;
   if (s->kind == SITE_LINE || one->edge[side] == far ||
-      (upright(side) ? edge->x0 != edge->x1 : edge->y0 != edge->y1))
+      (side_upright(side) ? edge->x0 != edge->x1 : edge->y0 != edge->y1))
     return 0;
-  int32_t low = upright(side) ? edge->y0 : edge->x0;
-  int32_t high = upright(side) ? edge->y1 : edge->x1;
+  int32_t low = side_upright(side) ? edge->y0 : edge->x0;
+  int32_t high = side_upright(side) ? edge->y1 : edge->x1;
   int32_t near = (int32_t)(tuned.corner / grid);
   if (one->from[side] - low <= near) one->from[side] = low;
   if (high - one->to[side] <= near) one->to[side] = high;
@@ -292,136 +297,138 @@ static int find_piece(const drc *r, const site *s, repair *one, int side,
 }
 
 /* Find the edges that move the corners at the ends of the segment. */
-static void find_corners(const drc *r, const site *s, repair *one, int side,
-                         eda_box edge) {
-  int32_t low = upright(side) ? edge.y0 : edge.x0;
-  int32_t high = upright(side) ? edge.y1 : edge.x1;
+static void repair_find_corners(const drc *r, const site *s, repair *one,
+                                int side, eda_box edge) {
+  int32_t low = side_upright(side) ? edge.y0 : edge.x0;
+  int32_t high = side_upright(side) ? edge.y1 : edge.x1;
   if (s->layer != EDA_ACTIVE) return;
   one->corner[side][0] =
-      one->from[side] == low ? corner_at(r, side, edge.x0, edge.y0) : NULL;
+      one->from[side] == low ? corner_edge(r, side, edge.x0, edge.y0) : NULL;
   one->corner[side][1] =
-      one->to[side] == high ? corner_at(r, side, edge.x1, edge.y1) : NULL;
+      one->to[side] == high ? corner_edge(r, side, edge.x1, edge.y1) : NULL;
 }
 
 /* Choose the segment to move on a side: the whole edge, which adds no jog, or,
    where the whole edge is more limited, the segment that the site needs. */
-static void find_edge(const drc *r, const site *s, repair *one, int side) {
+static void repair_find_edge(const drc *r, const site *s, repair *one,
+                             int side) {
   eda_box edge = {0};
-  int straight = find_piece(r, s, one, side, &edge);
-  one->room[side] = room_of(r, s, one, side);
+  int straight = repair_find_segment(r, s, one, side, &edge);
+  one->limit[side] = outward_limit(r, s, one, side);
   if (!straight) return;
   repair whole = *one;
-  whole.from[side] = upright(side) ? edge.y0 : edge.x0;
-  whole.to[side] = upright(side) ? edge.y1 : edge.x1;
+  whole.from[side] = side_upright(side) ? edge.y0 : edge.x0;
+  whole.to[side] = side_upright(side) ? edge.y1 : edge.x1;
   whole.whole[side] =
       whole.from[side] < one->from[side] || whole.to[side] > one->to[side];
-  whole.room[side] = room_of(r, s, &whole, side);
-  if (whole.room[side] >= one->room[side]) *one = whole;
-  find_corners(r, s, one, side, edge);
+  whole.limit[side] = outward_limit(r, s, &whole, side);
+  if (whole.limit[side] >= one->limit[side]) *one = whole;
+  repair_find_corners(r, s, one, side, edge);
 }
 
 /* Reduce a whole edge that closed a gap to the segment that the site needs. */
-static void leave_piece(const drc *r, const site *s, repair *one, int side) {
+static void repair_keep_segment(const drc *r, const site *s, repair *one,
+                                int side) {
   eda_box edge = {0};
-  find_piece(r, s, one, side, &edge);
-  find_corners(r, s, one, side, edge);
+  repair_find_segment(r, s, one, side, &edge);
+  repair_find_corners(r, s, one, side, edge);
   one->whole[side] = 0;
-  one->room[side] = room_of(r, s, one, side);
+  one->limit[side] = outward_limit(r, s, one, side);
 }
 
-void repairs_look(drc *r, const eda_printed *p) {
-  look l = {r, p};
+void repairs_check(drc *r, const eda_printed *p) {
+  check_run l = {r, p};
   opc_parallel(r->host->context, (r->n_sites + BLOCK - 1) / BLOCK,
-               look_at_block, &l);
+               sites_check_block, &l);
   for (size_t i = 0; i < r->n_sites; i++) {
     site *s = &r->sites[i];
-    if (!s->failing || s->repair >= 0 || !wanted(s)) continue;
-    eda_grow(&r->repairs, &r->repairs_room, r->n_repairs + 1,
+    if (!s->failing || s->repair >= 0 || !site_wants(s)) continue;
+    eda_grow(&r->repairs, &r->repairs_capacity, r->n_repairs + 1,
              sizeof *r->repairs);
     repair *one = &r->repairs[r->n_repairs];
     *one = (repair){.site = (uint32_t)i};
     for (int k = 0; k < SIDES; k++)
-      if (s->sides & 1 << k) find_edge(r, s, one, k);
+      if (s->sides & 1 << k) repair_find_edge(r, s, one, k);
     s->repair = (int32_t)r->n_repairs++;
   }
-  opc_parallel(r->host->context, r->n_repairs, measure, &l);
+  opc_parallel(r->host->context, r->n_repairs, repair_measure, &l);
 }
 
-/* ---- mending ---- */
+/* ---- repairs ---- */
 
 /* Return the checked figure of a side; a line only needs the total width, at
    any position. */
-static double print_at(const site *s, const repair *one, int side) {
+static double repair_figure(const site *s, const repair *one, int side) {
   return s->kind == SITE_LINE
-             ? (one->value[side] + one->value[opposite(side)]) / 2
+             ? (one->value[side] + one->value[side_opposite(side)]) / 2
              : one->value[side];
 }
 
 /* Move the corners of a side that cannot move further, by moving the adjacent
    sides, as long as the image improves. */
-static void grow_flanks(repair *one, int side, double grid) {
+static void repair_grow_flanks(repair *one, int side, double grid) {
   int32_t step = (int32_t)ceil(tuned.flank_step / grid);
   double value = one->value[side], before = one->flanked[side];
   int helps = before == 0 || value > before;
-  for (int k = upright(side) ? BELOW : LEFT, n = 0; n < 2; k++, n++) {
-    int32_t left = one->room[k] - one->grow[k];
+  for (int k = side_upright(side) ? BELOW : LEFT, n = 0; n < 2; k++, n++) {
+    int32_t left = one->limit[k] - one->grow[k];
     if (helps)
       one->grow[k] += left < step ? left : step;
     else
-      one->room[k] = one->grow[k];
+      one->limit[k] = one->grow[k];
   }
   one->flanked[side] = value;
 }
 
-static void grow(const drc *r, const site *s, repair *one) {
+static void repair_grow(const drc *r, const site *s, repair *one) {
   for (int k = 0; k < SIDES; k++) {
-    double value = print_at(s, one, k), target = margin(r, s);
+    double value = repair_figure(s, one, k), target = site_margin(r, s);
     if (!(s->sides & 1 << k) || !(value < target)) continue;
     int32_t to = rules_advance(&one->response[k], one->grow[k], value, target,
                                1, r->grid);
-    if (to > one->room[k]) to = one->room[k];
+    if (to > one->limit[k]) to = one->limit[k];
     if (to > one->grow[k])
       one->grow[k] = to;
     else if (s->kind == SITE_ENCLOSURE)
-      grow_flanks(one, k, r->grid);
+      repair_grow_flanks(one, k, r->grid);
   }
 }
 
 /* Return whether the boxes touch or overlap. */
-static int meet(eda_box a, eda_box b) {
+static int boxes_meet(eda_box a, eda_box b) {
   return a.x0 <= b.x1 && b.x0 <= a.x1 && a.y0 <= b.y1 && b.y0 <= a.y1;
 }
 
 /* Reduce repair shapes that close a gap or touch a contact by `step`, and limit
    them there: those facing the site (`facing`), or all within `near`. Return
    whether there were any. */
-static int take_back(drc *r, const eda_printed *p, const site *wrong,
-                     int32_t near, int32_t step, int facing) {
+static int shapes_reduce(drc *r, const eda_printed *p, const site *wrong,
+                         int32_t near, int32_t step, int facing) {
   int32_t flank = (int32_t)(tuned.corner / r->grid);
   int found = 0;
   for (size_t i = 0; i < r->n_repairs; i++) {
     repair *one = &r->repairs[i];
     const site *of = &r->sites[one->site];
     if (of->layer != wrong->layer ||
-        !meet(widened(of->box, 3 * near), wrong->box))
+        !boxes_meet(box_widened(of->box, 3 * near), wrong->box))
       continue;
     for (int k = 0; k < SIDES; k++) {
       if (!one->grow[k]) continue;
-      eda_box patch = patch_of(r, p, one, k);
-      if (!meet(facing ? window_at(patch, k, 0, near, flank)
-                       : widened(patch, near),
-                wrong->box))
+      eda_box patch = repair_shape(r, p, one, k);
+      if (!boxes_meet(facing ? box_window(patch, k, 0, near, flank)
+                             : box_widened(patch, near),
+                      wrong->box))
         continue;
       found = 1;
       if (one->back[k] == r->round) continue; /* once per iteration */
       one->back[k] = r->round;
       if (one->whole[k]) {
-        leave_piece(r, of, one, k);
+        repair_keep_segment(r, of, one, k);
         continue;
       }
       int32_t by = one->grow[k] < step ? one->grow[k] : step;
       one->grow[k] -= by;
-      one->room[k] = one->grow[k] + by / 2;
+      one->limit[k] = one->grow[k] + by / 2;
     }
   }
   return found;
@@ -429,17 +436,18 @@ static int take_back(drc *r, const eda_printed *p, const site *wrong,
 
 /* Remove a forbidden image: reduce repair shapes that face the site, else trim
    drawn edges of poly, else reduce repair shapes nearby. */
-static void clear_away(drc *r, const eda_printed *p, site *wrong) {
+static void site_clear(drc *r, const eda_printed *p, site *wrong) {
   int32_t near = (int32_t)(tuned.reach / r->grid);
   int32_t step = (int32_t)ceil(tuned.back / r->grid);
-  if (take_back(r, p, wrong, near, step, 1) || wrong->layer != EDA_POLY) return;
+  if (shapes_reduce(r, p, wrong, near, step, 1) || wrong->layer != EDA_POLY)
+    return;
   if (wrong->kind == SITE_GAP && trims_deepen(r, wrong)) return;
-  take_back(r, p, wrong, near, step, 0);
+  shapes_reduce(r, p, wrong, near, step, 0);
 }
 
 /* Repair violations of mask rules: drop smoothed jogs there, and reduce repair
    shapes that are too near to each other, each by half of the missing space. */
-static void mend_mask(drc *r, const eda_printed *p, size_t layer) {
+static void mask_repair(drc *r, const eda_printed *p, size_t layer) {
   int32_t near = (int32_t)ceil(r->min_space / r->grid);
   eda_rule_fault *fault;
   size_t n = mrc_faults(r, &p->shapes[layer], &fault);
@@ -449,9 +457,11 @@ static void mend_mask(drc *r, const eda_printed *p, size_t layer) {
     int32_t y = (int32_t)lround(fault[i].y / r->grid);
     site place = {.box = {x, y, x, y}, .layer = (uint16_t)layer};
     int32_t step = (int32_t)ceil((r->min_space - value) / 2 / r->grid);
-    if (r->round < tuned.anew)
-      smooth_drop(r, layer, widened(place.box, (int32_t)ceil(value / r->grid)));
-    if (fault[i].rule == EDA_RULE_SPACE) take_back(r, p, &place, near, step, 1);
+    if (r->round < tuned.smooth_until)
+      smooth_drop(r, layer,
+                  box_widened(place.box, (int32_t)ceil(value / r->grid)));
+    if (fault[i].rule == EDA_RULE_SPACE)
+      shapes_reduce(r, p, &place, near, step, 1);
   }
   free(fault);
 }
@@ -459,24 +469,25 @@ static void mend_mask(drc *r, const eda_printed *p, size_t layer) {
 void repairs_grow(drc *r, const eda_printed *p) {
   r->round++;
   for (size_t layer = 0; layer < r->layers; layer++)
-    if (r->patch[layer].count || r->bite[layer].count) mend_mask(r, p, layer);
+    if (r->patch[layer].count || r->cutout[layer].count)
+      mask_repair(r, p, layer);
   for (size_t i = 0; i < r->n_sites; i++)
-    if (r->sites[i].failing && !wanted(&r->sites[i]))
-      clear_away(r, p, &r->sites[i]);
+    if (r->sites[i].failing && !site_wants(&r->sites[i]))
+      site_clear(r, p, &r->sites[i]);
   for (size_t i = 0; i < r->n_repairs; i++) {
     const site *s = &r->sites[r->repairs[i].site];
     if (!s->failing ||
-        (s->kind == SITE_LINE && s->layer == EDA_POLY && trims_back(r, s)))
+        (s->kind == SITE_LINE && s->layer == EDA_POLY && trims_revert(r, s)))
       continue;
-    grow(r, s, &r->repairs[i]);
+    repair_grow(r, s, &r->repairs[i]);
   }
 }
 
-void repairs_patches(drc *r, const eda_printed *p) {
+void repairs_add_shapes(drc *r, const eda_printed *p) {
   for (size_t i = 0; i < r->n_repairs; i++) {
     const repair *one = &r->repairs[i];
     for (int k = 0; k < SIDES; k++) {
-      eda_box b = patch_of(r, p, one, k);
+      eda_box b = repair_shape(r, p, one, k);
       /* Corners that moved inwards may leave nothing between them. */
       if (one->grow[k] && b.x0 < b.x1 && b.y0 < b.y1)
         eda_box_list_add(&r->patch[r->sites[one->site].layer], b);
@@ -484,7 +495,7 @@ void repairs_patches(drc *r, const eda_printed *p) {
   }
 }
 
-/* ---- telling ---- */
+/* ---- report ---- */
 
 enum { UNDONE, NEIGHBOUR, GROWTH, REASONS };
 
@@ -495,10 +506,10 @@ static const char *const pinching[REASONS] = {"pinching: could still move",
                                               "pinching; too near a neighbour",
                                               "pinching; max_growth reached"};
 
-static int reason(const drc *r, const repair *one, int side) {
+static int repair_reason(const drc *r, const repair *one, int side) {
   int32_t most = (int32_t)floor(r->max_growth / r->grid + 1e-9);
-  if (one->grow[side] < one->room[side]) return UNDONE;
-  return one->room[side] < most ? NEIGHBOUR : GROWTH;
+  if (one->grow[side] < one->limit[side]) return UNDONE;
+  return one->limit[side] < most ? NEIGHBOUR : GROWTH;
 }
 
 static void report_enclosure(const drc *r, const site *s, eda_violation v,
@@ -508,10 +519,10 @@ static void report_enclosure(const drc *r, const site *s, eda_violation v,
   for (int k = 0; k < SIDES; k++)
     if (s->failing & 1 << k && (worst < 0 || one->value[k] < one->value[worst]))
       worst = k;
-  int flank = upright(worst) ? BELOW : LEFT;
-  int undone = one->grow[flank] < one->room[flank] ||
-               one->grow[flank + 1] < one->room[flank + 1];
-  v.rule = enclosure[undone ? UNDONE : reason(r, one, worst)];
+  int flank = side_upright(worst) ? BELOW : LEFT;
+  int reverted = one->grow[flank] < one->limit[flank] ||
+                 one->grow[flank + 1] < one->limit[flank + 1];
+  v.rule = enclosure[reverted ? UNDONE : repair_reason(r, one, worst)];
   v.value = one->value[worst];
   v.limit = r->overlay;
   violations_add(out, v);
@@ -527,7 +538,7 @@ static void report_line(const drc *r, const site *s, eda_violation v,
   if (width >= r->min_width) return;
   v.value = fmax(0, width);
   v.limit = r->min_width;
-  int a = reason(r, one, low), b = reason(r, one, low + 1);
+  int a = repair_reason(r, one, low), b = repair_reason(r, one, low + 1);
   v.rule = pinching[a == UNDONE || b == UNDONE   ? UNDONE
                     : a == GROWTH && b == GROWTH ? GROWTH
                                                  : NEIGHBOUR];
@@ -538,13 +549,14 @@ static void report_bridging(const drc *r, const eda_printed *p, const site *s,
                             eda_violation v, violations *out) {
   v.rule = s->kind != SITE_GAP    ? "bridging: contact"
            : s->layer != EDA_POLY ? r->bridging[s->layer]
-           : trims_could(r, s)
+           : trims_can_deepen(r, s)
                ? "bridging: poly: could still move"
                : "bridging: poly; drawn too near for its edges to go back";
   if (s->kind == SITE_CONTACT) {
     v.value = INFINITY;
     for (int k = 0; k < SIDES; k++)
-      if (s->failing & 1 << k) v.value = fmin(v.value, contour(r, p, s, k));
+      if (s->failing & 1 << k)
+        v.value = fmin(v.value, site_contour(r, p, s, k));
     v.limit = r->overlay;
   }
   violations_add(out, v);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements moves of a mask edge until a printed figure meets its limit. */
+/* Implements moves of a mask edge until a printed figure meets the limit. */
 #include <math.h>
 
 #include "drc.h"
@@ -18,6 +18,6 @@ int32_t rules_advance(response *r, int32_t bias, double value, double target,
 }
 
 void violations_add(violations *l, eda_violation v) {
-  if (l->count < l->room) l->v[l->count] = v;
+  if (l->count < l->capacity) l->v[l->count] = v;
   l->count++;
 }

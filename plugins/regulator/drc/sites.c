@@ -14,15 +14,16 @@
 /* nm: typical search distance */
 static const double around = 300;
 
-static void add(drc *r, site one) {
-  eda_grow(&r->sites, &r->sites_room, r->n_sites + 1, sizeof one);
+static void site_add(drc *r, site one) {
+  eda_grow(&r->sites, &r->sites_capacity, r->n_sites + 1, sizeof one);
   one.repair = -1;
   r->sites[r->n_sites++] = one;
 }
 
 /* ---- the nearest gate ---- */
 
-static double apart(int32_t a0, int32_t a1, int32_t b0, int32_t b1) {
+static double interval_distance(int32_t a0, int32_t a1, int32_t b0,
+                                int32_t b1) {
   return fmax(fmax((double)b0 - a1, (double)a0 - b1), 0);
 }
 
@@ -36,8 +37,8 @@ static int32_t nearest_gate(const drc *r, eda_box b) {
       (eda_box){b.x0 - reach, b.y0 - reach, b.x1 + reach, b.y1 + reach});
   for (uint32_t i; eda_index_next(&f, &i);) {
     eda_box g = r->boxes.box[i];
-    double d =
-        hypot(apart(g.x0, g.x1, b.x0, b.x1), apart(g.y0, g.y1, b.y0, b.y1));
+    double d = hypot(interval_distance(g.x0, g.x1, b.x0, b.x1),
+                     interval_distance(g.y0, g.y1, b.y0, b.y1));
     if (d > least || (d == least && found < (int32_t)i)) continue;
     least = d;
     found = (int32_t)i;
@@ -50,7 +51,7 @@ static int32_t nearest_gate(const drc *r, eda_box b) {
 /* Position of a contact on a layer. */
 enum { OUTSIDE, PARTLY, WITHIN };
 
-static uint8_t lies(const places *common, eda_box box) {
+static uint8_t contact_position(const places *common, eda_box box) {
   uint8_t how = OUTSIDE;
   eda_finder f = eda_index_find(common->index, box);
   for (uint32_t i; eda_index_next(&f, &i);) {
@@ -64,7 +65,7 @@ static uint8_t lies(const places *common, eda_box box) {
   return how;
 }
 
-static eda_box *bounds(const eda_shapes *s) {
+static eda_box *shape_boxes(const eda_shapes *s) {
   eda_box *out = eda_alloc(s->count, sizeof *out);
   for (size_t i = 0; i < s->count; i++) {
     eda_point p = s->points[s->start[i]];
@@ -88,8 +89,9 @@ static int sort_contacts(const drc *r, const eda_shapes *contacts,
   int code =
       eda_boolean(EDA_AND, contacts, &r->gates->drawn[layer], &shapes, error);
   if (code) return code;
-  places_init(&common, bounds(&shapes), shapes.count, around, r->grid);
-  for (size_t i = 0; i < contacts->count; i++) how[i] = lies(&common, box[i]);
+  places_init(&common, shape_boxes(&shapes), shapes.count, around, r->grid);
+  for (size_t i = 0; i < contacts->count; i++)
+    how[i] = contact_position(&common, box[i]);
   places_clear(&common);
   eda_shapes_clear(&shapes);
   return OPC_OK;
@@ -108,13 +110,14 @@ static void add_contact(drc *r, eda_box box, const uint8_t *how, size_t n,
               .sides = (1 << SIDES) - 1};
   for (size_t layer = 0; layer < r->layers && layer <= EDA_ACTIVE; layer++) {
     one.layer = (uint16_t)layer;
-    if (r->gates->corrected[layer] && how[layer * n] == WITHIN) add(r, one);
+    if (r->gates->corrected[layer] && how[layer * n] == WITHIN)
+      site_add(r, one);
   }
   if (how[EDA_POLY * n] == WITHIN) eda_box_list_add(on_poly, box);
   if (how[EDA_POLY * n] != OUTSIDE) return;
   one.layer = EDA_POLY;
   one.kind = SITE_CONTACT;
-  if (r->gates->corrected[EDA_POLY]) add(r, one);
+  if (r->gates->corrected[EDA_POLY]) site_add(r, one);
   eda_box_list_add(apart_from_poly, box);
 }
 
@@ -125,7 +128,7 @@ static int add_contacts(drc *r, opc_error *error) {
   if (layer_of >= 0) {
     const eda_shapes *contacts = &g->drawn[layer_of];
     size_t n = contacts->count;
-    eda_box *box = bounds(contacts);
+    eda_box *box = shape_boxes(contacts);
     uint8_t *how = eda_alloc(r->layers * n, 1);
     for (size_t layer = 0; layer < r->layers && !code; layer++)
       if (g->corrected[layer] || layer == EDA_POLY)
@@ -150,7 +153,7 @@ typedef struct wall {
   int convex[2]; /* 1 for each convex corner */
 } wall;
 
-static int64_t turn(eda_point a, eda_point b, eda_point c) {
+static int64_t corner_turn(eda_point a, eda_point b, eda_point c) {
   return ((int64_t)b.x - a.x) * ((int64_t)c.y - b.y) -
          ((int64_t)b.y - a.y) * ((int64_t)c.x - b.x);
 }
@@ -160,23 +163,24 @@ static wall wall_of(const eda_shapes *s, size_t p, uint32_t i) {
   eda_point before = s->points[from + (k + n - 1) % n];
   eda_point a = s->points[i], b = s->points[from + (k + 1) % n];
   eda_point after = s->points[from + (k + 2) % n];
-  return (wall){.a = a,
-                .b = b,
-                .inwards = b.x > a.x   ? ABOVE
-                           : b.x < a.x ? BELOW
-                           : b.y > a.y ? LEFT
-                                       : RIGHT,
-                .convex = {turn(before, a, b) > 0, turn(a, b, after) > 0}};
+  return (wall){
+      .a = a,
+      .b = b,
+      .inwards = b.x > a.x   ? ABOVE
+                 : b.x < a.x ? BELOW
+                 : b.y > a.y ? LEFT
+                             : RIGHT,
+      .convex = {corner_turn(before, a, b) > 0, corner_turn(a, b, after) > 0}};
 }
 
-static eda_point along(const wall *w, double t, double length) {
+static eda_point wall_point(const wall *w, double t, double length) {
   return (eda_point){
       w->a.x + (int32_t)lround(((double)w->b.x - w->a.x) * t / length),
       w->a.y + (int32_t)lround(((double)w->b.y - w->a.y) * t / length)};
 }
 
 /* Return the point half a line width, or half a gap, away from the wall. */
-static eda_point away(eda_point p, int side, int32_t d) {
+static eda_point point_beyond(eda_point p, int side, int32_t d) {
   return side == ABOVE ? (eda_point){p.x, p.y + d} : (eda_point){p.x + d, p.y};
 }
 
@@ -198,21 +202,21 @@ static void add_line(drc *r, size_t layer, eda_point middle, int side) {
     box.y0 -= half, box.y1 += half;
   else
     box.x0 -= half, box.x1 += half;
-  add(r, (site){.box = box,
-                .gate = nearest_gate(r, box),
-                .kind = SITE_LINE,
-                .layer = (uint16_t)layer,
-                .sides = side == ABOVE ? 1 << BELOW | 1 << ABOVE
-                                       : 1 << LEFT | 1 << RIGHT});
+  site_add(r, (site){.box = box,
+                     .gate = nearest_gate(r, box),
+                     .kind = SITE_LINE,
+                     .layer = (uint16_t)layer,
+                     .sides = side == ABOVE ? 1 << BELOW | 1 << ABOVE
+                                            : 1 << LEFT | 1 << RIGHT});
 }
 
 static void add_gap(drc *r, size_t layer, eda_point middle, int side) {
   eda_box box = {middle.x, middle.y, middle.x, middle.y};
-  add(r, (site){.box = box,
-                .gate = nearest_gate(r, box),
-                .kind = SITE_GAP,
-                .layer = (uint16_t)layer,
-                .sides = side == ABOVE ? 1 << BELOW : 1 << LEFT});
+  site_add(r, (site){.box = box,
+                     .gate = nearest_gate(r, box),
+                     .kind = SITE_GAP,
+                     .layer = (uint16_t)layer,
+                     .sides = side == ABOVE ? 1 << BELOW : 1 << LEFT});
 }
 
 /* Add sites from a wall towards the right or upwards: through the shape for
@@ -221,7 +225,7 @@ static void add_gap(drc *r, size_t layer, eda_point middle, int side) {
 static void add_wall(drc *r, double step, size_t layer, const wall *w) {
   int line = w->inwards == ABOVE || w->inwards == RIGHT;
   if (line && layer == EDA_ACTIVE) return;
-  int side = upright(w->inwards) ? RIGHT : ABOVE;
+  int side = side_upright(w->inwards) ? RIGHT : ABOVE;
   double length = fabs((double)w->b.x - w->a.x) + fabs((double)w->b.y - w->a.y);
   double corner = tuned.rounding / r->grid, skip[2];
   for (int i = 0; i < 2; i++) skip[i] = w->convex[i] == line ? corner : 0;
@@ -230,12 +234,13 @@ static void add_wall(drc *r, double step, size_t layer, const wall *w) {
   int32_t range = (int32_t)(tuned.wide / r->grid);
   int32_t n = (int32_t)ceil(seen / step);
   for (int32_t i = 0; i < n; i++) {
-    eda_point p = along(w, skip[0] + (i + 0.5) * seen / n, length);
+    eda_point p = wall_point(w, skip[0] + (i + 0.5) * seen / n, length);
     eda_box window =
-        window_at((eda_box){p.x, p.y, p.x, p.y}, side, 1, range, 1);
-    int32_t across = nearest(&r->edges[layer], window, side, range, NULL) + 1;
+        box_window((eda_box){p.x, p.y, p.x, p.y}, side, 1, range, 1);
+    int32_t across =
+        places_nearest(&r->edges[layer], window, side, range, NULL) + 1;
     if (across >= range) continue;
-    eda_point middle = away(p, side, across / 2);
+    eda_point middle = point_beyond(p, side, across / 2);
     if (line)
       add_line(r, layer, middle, side);
     else
@@ -283,11 +288,11 @@ int sites_find(drc *r, opc_error *error) {
   r->edges = eda_alloc(r->layers, sizeof *r->edges);
   r->bridging = eda_alloc(r->layers, sizeof(char *));
   for (size_t layer = 0; layer < r->layers; layer++) {
-    size_t n, room = strlen(g->layer[layer]) + sizeof "bridging: ";
-    eda_box *edges = edges_of(&g->drawn[layer], &n);
+    size_t n, capacity = strlen(g->layer[layer]) + sizeof "bridging: ";
+    eda_box *edges = shapes_edges(&g->drawn[layer], &n);
     places_init(&r->edges[layer], edges, n, around, r->grid);
-    r->bridging[layer] = eda_alloc(room, 1);
-    snprintf(r->bridging[layer], room, "bridging: %s", g->layer[layer]);
+    r->bridging[layer] = eda_alloc(capacity, 1);
+    snprintf(r->bridging[layer], capacity, "bridging: %s", g->layer[layer]);
   }
   eda_box *boxes = eda_alloc(g->count, sizeof *boxes);
   for (size_t i = 0; i < g->count; i++) boxes[i] = g->box[i];

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements smoothing of jogs. A repaired notch can no longer be detected, and
-   its repair may protrude once adjacent edges have moved, so a repair is kept
-   while the edge that caused it is on the mask. */
+/* Implements smoothing of jogs. A repaired notch can no longer be detected,
+   and its repair may protrude once adjacent edges have moved. Therefore a
+   repair is kept while the edge that caused it is on the mask. */
 #include <eda/memory.h>
 #include <math.h>
 #include <stdlib.h>
@@ -14,45 +14,47 @@ static int turns_left(eda_point a, eda_point b, eda_point c) {
          ((int64_t)b.y - a.y) * ((int64_t)c.x - b.x);
 }
 
-/* ---- what stays ---- */
+/* ---- repairs to keep ---- */
 
-static int between(int32_t v, int32_t a, int32_t b) {
+static int is_between(int32_t v, int32_t a, int32_t b) {
   return a < b ? v >= a && v <= b : v >= b && v <= a;
 }
 
-/* Return whether an end of the straight edge is either not a corner of the
-   mask, or one that turns as the repair requires: beside it the mask is further
-   out than a notch, or further in than a bump. */
-static int good_corner(const mend *m, eda_point end, eda_point a, eda_point b,
-                       eda_point c) {
+/* Return whether an end of the straight edge is valid: not a corner of the
+   mask, or one that turns as the repair requires. Beside it the mask must be
+   further out than a notch, or further in than a bump. */
+static int is_valid_corner(const smoothing *m, eda_point end, eda_point a,
+                           eda_point b, eda_point c) {
   return end.x != b.x || end.y != b.y || turns_left(a, b, c) == m->bump;
 }
 
 /* Return whether the edge from q[1] to q[2] contains the straight edge of the
    repair. */
-static int confirms(const eda_point *q, const mend *m) {
+static int smoothing_confirmed_by(const eda_point *q, const smoothing *m) {
   int same_way = q[1].y == q[2].y
                      ? m->from.y == q[1].y && m->to.y == q[1].y &&
                            (m->to.x > m->from.x) == (q[2].x > q[1].x)
                      : m->from.x == q[1].x && m->to.x == q[1].x &&
                            (m->to.y > m->from.y) == (q[2].y > q[1].y);
-  return same_way && between(m->from.x, q[1].x, q[2].x) &&
-         between(m->from.y, q[1].y, q[2].y) &&
-         between(m->to.x, q[1].x, q[2].x) && between(m->to.y, q[1].y, q[2].y) &&
-         good_corner(m, m->from, q[0], q[1], q[2]) &&
-         good_corner(m, m->to, q[1], q[2], q[3]);
+  return same_way && is_between(m->from.x, q[1].x, q[2].x) &&
+         is_between(m->from.y, q[1].y, q[2].y) &&
+         is_between(m->to.x, q[1].x, q[2].x) &&
+         is_between(m->to.y, q[1].y, q[2].y) &&
+         is_valid_corner(m, m->from, q[0], q[1], q[2]) &&
+         is_valid_corner(m, m->to, q[1], q[2], q[3]);
 }
 
 /* Copy four corners of a polygon, from point i on. */
-static void corners(const eda_shapes *mask, size_t p, uint32_t i,
-                    eda_point q[4]) {
+static void polygon_corners(const eda_shapes *mask, size_t p, uint32_t i,
+                            eda_point q[4]) {
   const eda_point *at = mask->points + mask->start[p];
   uint32_t n = mask->start[p + 1] - mask->start[p];
   for (uint32_t k = 0; k < 4; k++) q[k] = at[(i + k) % n];
 }
 
 /* Mark the repairs whose edges are on the mask. */
-static void look(mends *s, const eda_shapes *mask, double grid) {
+static void smoothings_mark(smoothings *s, const eda_shapes *mask,
+                            double grid) {
   if (!s->n) return;
   places edges;
   eda_box *box = eda_alloc(s->n, sizeof *box);
@@ -64,21 +66,21 @@ static void look(mends *s, const eda_shapes *mask, double grid) {
   for (size_t p = 0; p < mask->count; p++)
     for (uint32_t i = 0; i < mask->start[p + 1] - mask->start[p]; i++) {
       eda_point q[4];
-      corners(mask, p, i, q);
+      polygon_corners(mask, p, i, q);
       eda_finder f = eda_index_find(edges.index, box_between(q[1], q[2]));
       for (uint32_t k; eda_index_next(&f, &k);)
-        if (confirms(q, &s->at[k])) s->at[k].stays = 1;
+        if (smoothing_confirmed_by(q, &s->at[k])) s->at[k].stays = 1;
     }
   places_clear(&edges);
 }
 
-/* ---- what is found ---- */
+/* ---- new repairs ---- */
 
-static int32_t length(eda_point a, eda_point b) {
+static int32_t edge_length(eda_point a, eda_point b) {
   return abs(b.x - a.x) + abs(b.y - a.y);
 }
 
-static int touch(const mend *a, const mend *b) {
+static int smoothings_touch(const smoothing *a, const smoothing *b) {
   return a->box.x0 <= b->box.x1 && b->box.x0 <= a->box.x1 &&
          a->box.y0 <= b->box.y1 && b->box.y0 <= a->box.y1;
 }
@@ -87,27 +89,28 @@ static int touch(const mend *a, const mend *b) {
    once the notch is filled; the next iteration decides. A notch beside a
    removed bump is the result of the removal: undo the removal and check both
    again. `before` is the number of repairs before this iteration. */
-static int must_wait(drc *r, mends *s, const mend *m, size_t before) {
+static int smoothing_must_wait(drc *r, smoothings *s, const smoothing *m,
+                               size_t before) {
   int wait = 0;
   for (size_t i = m->bump ? before : 0; i < s->n; i++) {
-    mend *o = &s->at[i];
-    if (!o->stays || o->bump == m->bump || !touch(o, m)) continue;
+    smoothing *o = &s->at[i];
+    if (!o->stays || o->bump == m->bump || !smoothings_touch(o, m)) continue;
     wait = 1;
-    if (m->bump || r->undone >= tuned.patience) continue;
+    if (m->bump || r->reverted >= tuned.patience) continue;
     o->stays = 0;
-    r->undone++;
+    r->reverted++;
   }
   return wait;
 }
 
 /* Remove repairs that are not marked, except those that touch a new repair of
    the same kind, which may be the other half. */
-static void drop(mends *s, size_t before) {
+static void smoothings_drop(smoothings *s, size_t before) {
   size_t kept = 0;
   for (size_t i = 0; i < s->n; i++) {
-    mend *m = &s->at[i];
+    smoothing *m = &s->at[i];
     for (size_t k = before; !m->stays && k < s->n; k++)
-      m->stays = m->bump == s->at[k].bump && touch(m, &s->at[k]);
+      m->stays = m->bump == s->at[k].bump && smoothings_touch(m, &s->at[k]);
     if (m->stays) s->at[kept++] = *m;
   }
   s->n = kept;
@@ -115,60 +118,60 @@ static void drop(mends *s, size_t before) {
 
 /* Add a repair from q[1] to q[2] if that is the bottom of a notch or the top of
    a bump; its depth is that of the shallower jog. */
-static void find(drc *r, mends *s, const eda_point q[4], int bump,
-                 size_t before) {
+static void smoothing_find(drc *r, smoothings *s, const eda_point q[4],
+                           int bump, size_t before) {
   double least = bump ? r->min_mask_width : r->min_space;
-  int32_t first = length(q[0], q[1]), last = length(q[2], q[3]);
+  int32_t first = edge_length(q[0], q[1]), last = edge_length(q[2], q[3]);
   int32_t depth = first < last ? first : last;
   if (turns_left(q[0], q[1], q[2]) != bump ||
       turns_left(q[1], q[2], q[3]) != bump || depth * r->grid > least ||
-      length(q[1], q[2]) * r->grid > least - 1e-9)
+      edge_length(q[1], q[2]) * r->grid > least - 1e-9)
     return;
   int32_t dx = depth * ((q[0].x > q[1].x) - (q[0].x < q[1].x));
   int32_t dy = depth * ((q[0].y > q[1].y) - (q[0].y < q[1].y));
-  mend one = {.from = {q[1].x + dx, q[1].y + dy},
-              .to = {q[2].x + dx, q[2].y + dy},
-              .bump = (uint8_t)bump,
-              .stays = 1};
+  smoothing one = {.from = {q[1].x + dx, q[1].y + dy},
+                   .to = {q[2].x + dx, q[2].y + dy},
+                   .bump = (uint8_t)bump,
+                   .stays = 1};
   one.box = box_between(one.from, q[2]);
-  if (must_wait(r, s, &one, before)) return;
-  eda_grow(&s->at, &s->room, s->n + 1, sizeof one);
+  if (smoothing_must_wait(r, s, &one, before)) return;
+  eda_grow(&s->at, &s->capacity, s->n + 1, sizeof one);
   s->at[s->n++] = one;
 }
 
-void smooth_follow(drc *r, const eda_printed *p) {
+void smooth_masks(drc *r, const eda_printed *p) {
   for (size_t layer = 0; layer < r->layers; layer++) {
     const eda_shapes *mask = &p->shapes[layer];
-    mends *s = &r->mends[layer];
+    smoothings *s = &r->smoothings[layer];
     size_t before = s->n;
-    look(s, mask, r->grid);
+    smoothings_mark(s, mask, r->grid);
     for (int bump = 0; bump < 2; bump++)
       for (size_t k = 0; k < mask->count; k++) {
         uint32_t n = mask->start[k + 1] - mask->start[k];
         for (uint32_t i = 0; n > 4 && i < n; i++) {
           eda_point q[4];
-          corners(mask, k, i, q);
-          find(r, s, q, bump, before);
+          polygon_corners(mask, k, i, q);
+          smoothing_find(r, s, q, bump, before);
         }
       }
-    drop(s, before);
+    smoothings_drop(s, before);
   }
 }
 
 void smooth_drop(drc *r, size_t layer, eda_box place) {
-  mends *s = &r->mends[layer];
+  smoothings *s = &r->smoothings[layer];
   size_t kept = 0;
   for (size_t i = 0; i < s->n; i++) {
-    const mend other = {.box = place};
-    if (!touch(&s->at[i], &other)) s->at[kept++] = s->at[i];
+    const smoothing other = {.box = place};
+    if (!smoothings_touch(&s->at[i], &other)) s->at[kept++] = s->at[i];
   }
   s->n = kept;
 }
 
-/* Return the box of a repair, extended into the shape behind a notch or the
-   space before a bump by the least width or space: the edge there may still
-   move and must not leave a slit or a sliver. */
-static eda_box reach(const drc *r, const mend *m) {
+/* Return the box of a repair, extended by the least width into the shape behind
+   a notch, or by the least space before a bump. The edge there may still move
+   and must not leave a slit or a sliver. */
+static eda_box smoothing_box(const drc *r, const smoothing *m) {
   int32_t by =
       (int32_t)((m->bump ? -r->min_space : r->min_mask_width) / r->grid);
   int32_t dx = by * ((m->from.y > m->to.y) - (m->from.y < m->to.y));
@@ -179,11 +182,11 @@ static eda_box reach(const drc *r, const mend *m) {
   return b;
 }
 
-void smooth_boxes(drc *r) {
+void smooth_add_boxes(drc *r) {
   for (size_t layer = 0; layer < r->layers; layer++)
-    for (size_t i = 0; i < r->mends[layer].n; i++) {
-      const mend *m = &r->mends[layer].at[i];
-      eda_box_list_add(m->bump ? &r->bite[layer] : &r->patch[layer],
-                       reach(r, m));
+    for (size_t i = 0; i < r->smoothings[layer].n; i++) {
+      const smoothing *m = &r->smoothings[layer].at[i];
+      eda_box_list_add(m->bump ? &r->cutout[layer] : &r->patch[layer],
+                       smoothing_box(r, m));
     }
 }

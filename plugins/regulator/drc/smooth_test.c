@@ -9,7 +9,7 @@ static double wide_line(const chip *c, double x, double y) {
 }
 
 /* Return the mask of the ruling, from `base` by boolean operations. */
-static eda_shapes applied(const eda_shapes *base, const eda_ruling *r) {
+static eda_shapes ruled_mask(const eda_shapes *base, const eda_ruling *r) {
   opc_error error;
   eda_shapes now, next;
   g_assert_cmpint(eda_boolean(EDA_OR, base, NULL, &now, &error), ==, OPC_OK);
@@ -31,10 +31,10 @@ static eda_shapes applied(const eda_shapes *base, const eda_ruling *r) {
 }
 
 /* Lines with random jogs of 1 to 3 nm: after a few iterations the mask obeys
-   its rules, differs little from the requested one, and stays constant. */
+ * the rules, differs little from the requested one, and stays constant. */
 static void test_jogs(void) {
   for (uint32_t seed = 1; seed <= 30; seed++) {
-    g_autoptr(opc_module) m = make("{}");
+    g_autoptr(opc_module) m = drc_make("{}");
     g_autoptr(GRand) rand = g_rand_new_with_seed(seed);
     enum { JOGS = 12 };
     eda_point q[2 * JOGS + 2];
@@ -53,13 +53,13 @@ static void test_jogs(void) {
     q[n++] = (eda_point){0, y};
     eda_shapes base = {1, start, q, NULL};
     add_poly(&c, 0, 0, 65, y);
-    begin(&c);
-    print(&c, wide_line);
-    eda_shapes mask = applied(&base, &c.ruling);
+    chip_begin(&c);
+    chip_print(&c, wide_line);
+    eda_shapes mask = ruled_mask(&base, &c.ruling);
     for (int i = 0; i < 12 && settled < 2; i++) {
       c.mask[EDA_POLY] = mask;
-      judge(m, &c);
-      eda_shapes next = applied(&base, &c.ruling), differ;
+      chip_judge(m, &c);
+      eda_shapes next = ruled_mask(&base, &c.ruling), differ;
       opc_error error;
       g_assert_cmpint(eda_boolean(EDA_XOR, &mask, &next, &differ, &error), ==,
                       OPC_OK);
@@ -70,7 +70,7 @@ static void test_jogs(void) {
     }
     g_assert_cmpuint(settled, ==, 2);
     c.mask[EDA_POLY] = mask;
-    size_t all = violations(m, &c, v, 10);
+    size_t all = drc_violations(m, &c, v, 10);
     for (size_t i = 0; i < MIN(all, 10); i++) {
       g_test_message("seed %u: %s at %g, %g: %g", seed, v[i].rule, v[i].x,
                      v[i].y, v[i].value);
@@ -82,24 +82,24 @@ static void test_jogs(void) {
     eda_shapes plain = c.shapes[EDA_POLY];
     for (int i = 0; i < 4; i++) {
       eda_shapes_clear(&mask);
-      mask = applied(&plain, &c.ruling);
+      mask = ruled_mask(&plain, &c.ruling);
       c.mask[EDA_POLY] = mask;
-      judge(m, &c);
+      chip_judge(m, &c);
     }
     g_assert_cmpint(eda_area2(&mask), ==, eda_area2(&plain));
     eda_shapes_clear(&mask);
-    end(&c);
+    chip_end(&c);
   }
 }
 
-static double bar(const chip *c, double x, double y) {
+static double notched_bar(const chip *c, double x, double y) {
   (void)c;
   return 5 + fmin(fmin(x, 400 - x), fmin(y, 200 - y));
 }
 
 /* Make a bar with a notch (or a bump) of 30 nm, `depth` deep, in its upper
    edge. */
-static void notched(eda_point q[8], int bump, int32_t depth) {
+static void make_notched(eda_point q[8], int bump, int32_t depth) {
   int32_t bottom = 200 + (bump ? depth : -depth);
   const eda_point all[] = {{0, 0},        {400, 0},      {400, 200}, {230, 200},
                            {230, bottom}, {200, bottom}, {200, 200}, {0, 200}};
@@ -112,31 +112,31 @@ static void notched(eda_point q[8], int bump, int32_t depth) {
 static void test_moving_jogs(void) {
   for (int bump = 0; bump < 2; bump++)
     for (int32_t depth = 5; depth <= 46; depth++) {
-      g_autoptr(opc_module) m = make("{ min_space: 40 nm }");
+      g_autoptr(opc_module) m = drc_make("{ min_space: 40 nm }");
       uint32_t start[] = {0, 8};
       eda_point q[8];
       eda_shapes base = {1, start, q, NULL};
       chip c = {0};
       eda_violation v[10];
       add_poly(&c, 0, 0, 400, 200);
-      begin(&c);
-      print(&c, bar);
-      notched(q, bump, depth);
+      chip_begin(&c);
+      chip_print(&c, notched_bar);
+      make_notched(q, bump, depth);
       c.mask[EDA_POLY] = base;
-      judge(m, &c);
+      chip_judge(m, &c);
       for (int i = 1; i < 3; i++) {
-        notched(q, bump, depth + 9 * i);
-        eda_shapes mask = applied(&base, &c.ruling);
+        make_notched(q, bump, depth + 9 * i);
+        eda_shapes mask = ruled_mask(&base, &c.ruling);
         c.mask[EDA_POLY] = mask;
-        size_t n = violations(m, &c, v, 10), wrong = 0;
+        size_t n = drc_violations(m, &c, v, 10), wrong = 0;
         for (size_t k = 0; k < MIN(n, 10); k++)
           wrong += g_str_has_prefix(v[k].rule, "mask");
         g_assert_cmpint(!wrong, ==, depth <= 40);
         if (!wrong) g_assert_cmpint(eda_area2(&mask), ==, 2 * 400 * 200);
-        judge(m, &c);
+        chip_judge(m, &c);
         eda_shapes_clear(&mask);
       }
-      end(&c);
+      chip_end(&c);
     }
 }
 

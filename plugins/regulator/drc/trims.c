@@ -8,7 +8,7 @@
 #include "drc.h"
 #include "tuning.h"
 
-/* ---- how far a wall may go back ---- */
+/* ---- limits of trims ---- */
 
 /* A stretch of a wall and the boxes behind it. */
 typedef struct stretch {
@@ -16,22 +16,22 @@ typedef struct stretch {
   int behind; /* the side of the wall on which the poly is */
   int32_t at; /* position of the gap along the wall */
   int32_t least, beside;
-  int32_t from, to, room;
+  int32_t from, to, limit;
 } stretch;
 
 /* Keep `keep` between the trimmed wall and a box: limit the depth or, if that
    is too little, end the stretch beside the box. */
-static void shorten(stretch *s, eda_box b, int32_t keep) {
+static void stretch_shorten(stretch *s, eda_box b, int32_t keep) {
   eda_box w = s->wall;
   int32_t d = s->behind == LEFT    ? w.x0 - b.x1
               : s->behind == RIGHT ? b.x0 - w.x1
               : s->behind == BELOW ? w.y0 - b.y1
                                    : b.y0 - w.y1;
-  int32_t room = (d > 0 ? d : 0) - keep;
-  int32_t low = (upright(s->behind) ? b.y0 : b.x0) - s->beside;
-  int32_t high = (upright(s->behind) ? b.y1 : b.x1) + s->beside;
-  if (room >= s->least) {
-    if (room < s->room) s->room = room;
+  int32_t limit = (d > 0 ? d : 0) - keep;
+  int32_t low = (side_upright(s->behind) ? b.y0 : b.x0) - s->beside;
+  int32_t high = (side_upright(s->behind) ? b.y1 : b.x1) + s->beside;
+  if (limit >= s->least) {
+    if (limit < s->limit) s->limit = limit;
   } else if (high <= s->at) {
     if (high > s->from) s->from = high;
   } else if (low >= s->at) {
@@ -42,17 +42,19 @@ static void shorten(stretch *s, eda_box b, int32_t keep) {
 }
 
 /* Keep the distance `nm` to all boxes behind the wall. */
-static void keep_away(const drc *r, stretch *s, const places *what, double nm) {
+static void stretch_keep_away(const drc *r, stretch *s, const places *what,
+                              double nm) {
   int32_t keep = (int32_t)ceil(nm / r->grid);
   int32_t far = keep + (int32_t)(tuned.of_gate / r->grid);
   eda_finder f = eda_index_find(
-      what->index, window_at(s->wall, s->behind, 0, far, s->beside));
-  for (uint32_t i; eda_index_next(&f, &i);) shorten(s, what->box[i], keep);
+      what->index, box_window(s->wall, s->behind, 0, far, s->beside));
+  for (uint32_t i; eda_index_next(&f, &i);)
+    stretch_shorten(s, what->box[i], keep);
 }
 
 /* Return the largest trim of an edge before a gap. */
 static trim trim_of(const drc *r, eda_box wall, int side, int32_t at) {
-  int behind = opposite(side), along_y = upright(side);
+  int behind = side_opposite(side), along_y = side_upright(side);
   int32_t far = (int32_t)(tuned.of_gate / r->grid);
   stretch s = {.wall = wall,
                .behind = behind,
@@ -61,9 +63,9 @@ static trim trim_of(const drc *r, eda_box wall, int side, int32_t at) {
                .beside = (int32_t)ceil(tuned.beside / r->grid),
                .from = along_y ? wall.y0 : wall.x0,
                .to = along_y ? wall.y1 : wall.x1,
-               .room = far};
-  keep_away(r, &s, &r->pads, r->overlay);
-  keep_away(r, &s, &r->boxes, tuned.of_gate);
+               .limit = far};
+  stretch_keep_away(r, &s, &r->pads, r->overlay);
+  stretch_keep_away(r, &s, &r->boxes, tuned.of_gate);
   if (along_y)
     wall.y0 = s.from, wall.y1 = s.to;
   else
@@ -71,12 +73,12 @@ static trim trim_of(const drc *r, eda_box wall, int side, int32_t at) {
   trim t = {.wall = wall, .side = side};
   if ((s.to - s.from) * r->grid < r->min_space) return t;
   /* The opposite edge of the line may move inwards as far. */
-  int32_t thick =
-      nearest(&r->edges[EDA_POLY], window_at(wall, behind, 1, 3 * far, 0),
-              behind, 3 * far, NULL) +
-      1;
-  double most = fmin(s.room, (thick - r->min_mask_width / r->grid) / 2);
-  t.room = most > 0 ? (int32_t)most : 0;
+  int32_t thick = places_nearest(&r->edges[EDA_POLY],
+                                 box_window(wall, behind, 1, 3 * far, 0),
+                                 behind, 3 * far, NULL) +
+                  1;
+  double most = fmin(s.limit, (thick - r->min_mask_width / r->grid) / 2);
+  t.limit = most > 0 ? (int32_t)most : 0;
   return t;
 }
 
@@ -87,14 +89,14 @@ static trim trim_of(const drc *r, eda_box wall, int side, int32_t at) {
 static int wall_at(const drc *r, eda_point p, int side, eda_box *wall) {
   int32_t far = (int32_t)(2 * tuned.of_gate / r->grid);
   eda_box dot = {p.x, p.y, p.x, p.y};
-  int32_t found = nearest(&r->edges[EDA_POLY], window_at(dot, side, 0, far, 1),
-                          side, far, wall);
+  int32_t found = places_nearest(
+      &r->edges[EDA_POLY], box_window(dot, side, 0, far, 1), side, far, wall);
   return found < far &&
-         (upright(side) ? wall->x0 == wall->x1 : wall->y0 == wall->y1);
+         (side_upright(side) ? wall->x0 == wall->x1 : wall->y0 == wall->y1);
 }
 
 /* Return the index of a trim; add the trim if it is new. */
-static int32_t number_of(drc *r, trim one) {
+static int32_t trim_index(drc *r, trim one) {
   for (size_t i = r->n_trims; i-- > 0;) {
     trim *t = &r->trims[i];
     if (t->side != one.side || memcmp(&t->wall, &one.wall, sizeof one.wall))
@@ -102,7 +104,7 @@ static int32_t number_of(drc *r, trim one) {
     if (one.front < t->front) t->front = one.front;
     return (int32_t)i;
   }
-  eda_grow(&r->trims, &r->trims_room, r->n_trims + 1, sizeof one);
+  eda_grow(&r->trims, &r->trims_capacity, r->n_trims + 1, sizeof one);
   r->trims[r->n_trims] = one;
   return (int32_t)r->n_trims++;
 }
@@ -111,7 +113,7 @@ static void add_pair(drc *r, site *gap) {
   eda_point p = {gap->box.x0, gap->box.y0};
   int low = gap->sides & 1 << LEFT ? LEFT : BELOW;
   eda_box wall[2];
-  eda_grow(&r->pairs, &r->pairs_room, r->n_pairs + 1, sizeof *r->pairs);
+  eda_grow(&r->pairs, &r->pairs_capacity, r->n_pairs + 1, sizeof *r->pairs);
   int32_t *pair = r->pairs[r->n_pairs];
   pair[0] = pair[1] = -1;
   gap->repair = (int32_t)r->n_pairs++;
@@ -126,10 +128,10 @@ static void add_pair(drc *r, site *gap) {
       w.x0 = o.x0 > w.x0 ? o.x0 : w.x0;
       w.x1 = o.x1 < w.x1 ? o.x1 : w.x1;
     }
-    trim one = trim_of(r, w, opposite(low + i), low == LEFT ? p.y : p.x);
+    trim one = trim_of(r, w, side_opposite(low + i), low == LEFT ? p.y : p.x);
     one.front =
         (low == LEFT ? wall[1].x0 - wall[0].x0 : wall[1].y0 - wall[0].y0) / 2;
-    if (one.room) pair[i] = number_of(r, one);
+    if (one.limit) pair[i] = trim_index(r, one);
   }
 }
 
@@ -141,7 +143,7 @@ int trims_deepen(drc *r, site *gap) {
     int32_t number = r->pairs[gap->repair][i];
     if (number < 0) continue;
     trim *one = &r->trims[number];
-    int32_t left = one->room - one->depth;
+    int32_t left = one->limit - one->depth;
     if (one->round != r->round && left > 0) {
       one->depth += left < step ? left : step;
       one->round = r->round;
@@ -151,13 +153,13 @@ int trims_deepen(drc *r, site *gap) {
   return moved;
 }
 
-int trims_back(drc *r, const site *line) {
+int trims_revert(drc *r, const site *line) {
   int32_t step = (int32_t)ceil(tuned.back / r->grid);
   int32_t far = (int32_t)(tuned.wide / 2 / r->grid);
   int moved = 0;
   for (size_t i = 0; i < r->n_trims; i++) {
     trim *t = &r->trims[i];
-    eda_box on = window_at(t->wall, opposite(t->side), 0, far, 0);
+    eda_box on = box_window(t->wall, side_opposite(t->side), 0, far, 0);
     eda_box b = line->box;
     if (!t->depth || b.x0 > on.x1 || b.x1 < on.x0 || b.y0 > on.y1 ||
         b.y1 < on.y0)
@@ -165,26 +167,28 @@ int trims_back(drc *r, const site *line) {
     moved = 1;
     if (t->round == r->round) continue;
     t->depth -= t->depth < step ? t->depth : step;
-    t->room = t->depth;
+    t->limit = t->depth;
     t->round = r->round;
   }
   return moved;
 }
 
-int trims_could(const drc *r, const site *gap) {
+int trims_can_deepen(const drc *r, const site *gap) {
   if (gap->repair < 0) return 1; /* not tried yet */
   for (int i = 0; i < 2; i++) {
     int32_t number = r->pairs[gap->repair][i];
-    if (number >= 0 && r->trims[number].depth < r->trims[number].room) return 1;
+    if (number >= 0 && r->trims[number].depth < r->trims[number].limit)
+      return 1;
   }
   return 0;
 }
 
-void trims_bites(drc *r) {
+void trims_add_cutouts(drc *r) {
   for (size_t i = 0; i < r->n_trims; i++) {
     const trim *t = &r->trims[i];
     if (t->depth)
-      eda_box_list_add(&r->bite[EDA_POLY], window_at(t->wall, opposite(t->side),
-                                                     -t->front, t->depth, 0));
+      eda_box_list_add(
+          &r->cutout[EDA_POLY],
+          box_window(t->wall, side_opposite(t->side), -t->front, t->depth, 0));
   }
 }

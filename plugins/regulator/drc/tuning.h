@@ -27,12 +27,12 @@ static const struct {
   double half_patch, corner, into, flank_step;
   double steep, ahead;
   double of_gate, beside;
-  uint32_t wishes_until, anew;
+  uint32_t extend_until, smooth_until;
   int patience;
 } tuned = {
-    /* ---- how an edge of the mask is moved: rules.c ---- */
+    /* ---- moves of a mask edge: rules.c ---- */
 
-    /* nm of printed image per nm of mask, before two measurements determine it.
+    /* nm of printed image per nm of mask, before two measurements.
        Half, which moves too far: SRAM 12, 0.46, 933, 0. Twice: NAND2_X1 6,
        0.013, 50, 0; c432 7, 0.31, 8580, 1. */
     .usual = 0.8,
@@ -49,15 +49,15 @@ static const struct {
     .largest_step = 60,
 
     /* nm: margin beyond a limit, so that later moves of the synthesizer do not
-       violate it at once. Half: SRAM 909 shots, c432 0.23, 8586. Twice: SRAM 7,
-       0.24, 932, 0. */
+       exceed the limit at once. Half: SRAM 909 shots, c432 0.23, 8586. Twice:
+       SRAM 7, 0.24, 932, 0. */
     .spare = 1,
 
     /* nm: reduction per iteration of a shape that causes a violation. Half:
        c432 8, 0.21, 8579, 1. Twice: c432 5, 0.21, 8579, 2. */
     .back = 5,
 
-    /* ---- where the print is looked at: sites.c, repairs.c ---- */
+    /* ---- sites: sites.c, repairs.c ---- */
 
     /* nm: distance of sites along lines and gaps; necks are as long as the
        optical resolution, about 100 nm. None of the three. Half: OAI 21, 11.9,
@@ -92,10 +92,11 @@ static const struct {
        8574. */
     .inset = 0.25,
 
-    /* ---- patches: repairs.c ---- */
+    /* ---- repair shapes: repairs.c ---- */
 
-    /* nm: extent of the repair shape of a line along it, on either side. None
-       of the three. Half: SDFF 21, 7.9, 530, 22. Twice: last digits of SDFF. */
+    /* nm: extent of the repair shape of a line along the line, on either side.
+       None of the three. Half: SDFF 21, 7.9, 530, 22. Twice: last digits of
+       SDFF. */
     .half_patch = 40,
 
     /* nm: a repair shape includes a corner at this distance. None of the three.
@@ -115,24 +116,24 @@ static const struct {
     /* ---- line ends: ends.c ---- */
 
     /* Response of a line end to the width of its head on both flanks, relative
-       to that of its tip. None of the three. Half: HEADS 12, 0.45, 8976. Twice:
+       to that of the tip. None of the three. Half: HEADS 12, 0.45, 8976. Twice:
        HEADS 12, 0.26, 8971. */
     .steep = 4,
 
-    /* nm: a line end extends beyond its limit only if nothing prints within
-       this distance before it, so that later moves do not join it. None of the
-       three; SDFF has one violation more at twice. */
+    /* nm: a line end extends beyond the limit only if nothing prints within
+       this distance before the line end, so that later moves do not merge both.
+       None of the three; SDFF has one violation more at twice. */
     .ahead = 30,
 
-    /* Iterations after which no line end extends beyond its limit, as the
-       synthesizer would mistake the effect for that of its own moves. 1: SRAM
+    /* Iterations after which no line end extends beyond the limit, as the
+       synthesizer would mistake the effect for that of a move. 1: SRAM
        0.14, c432 0.22, HEADS 6, 0.21, 8611. 6: c432 0.29 after one iteration
        more. */
-    .wishes_until = 3,
+    .extend_until = 3,
 
-    /* ---- edges that go back: trims.c ---- */
+    /* ---- trims: trims.c ---- */
 
-    /* nm: edges within this distance before a gate belong to the gate or to its
+    /* nm: edges within this distance before a gate belong to the gate or the
        line end. None of the three. Half: SDFF 27, 7.8, 548, 50. Twice: C2670
        unchanged, SDFF 526 shots. */
     .of_gate = 100,
@@ -150,7 +151,7 @@ static const struct {
     /* Iterations after which smoothed jogs stay even if the mask violates its
        rules, so that smoothing terminates. 12: c1908 by newton's `balanced`
        takes two iterations more on a mask that nothing else changes. */
-    .anew = 8,
+    .smooth_until = 8,
 };
 
 #endif

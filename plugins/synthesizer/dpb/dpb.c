@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements synthesizer.dpb: device performance-based OPC (thesis 3.2.2 (2),
    figure 3.3). Each transistor is corrected on its own: first a jump of its
-   length, then single grid steps that continue while the performance deviation
-   error falls and are reverted when it rises; lengths first (coarse), then
-   widths (fine). correct/control.h has the steps of one transistor, descent.c
-   those of all, table.c the table of jumps. */
+   length, then single grid steps. Steps continue while the performance
+   deviation error falls; a step after which the error rises is reverted.
+   Lengths first (coarse), then widths (fine) move. correct/control.h has the
+   steps of one transistor, descent.c those of all, table.c the table of jumps.
+ */
 #include <math.h>
 #include <opcflow/follow.h>
 
@@ -27,31 +28,31 @@ typedef struct dpb {
 /* ---- work ---- */
 
 /* Return the PDE, eq. 3.1, of Ion, %. */
-static double pde(const void *self, const eda_feedback *f, size_t i) {
+static double dpb_error(const void *self, const eda_feedback *f, size_t i) {
   double design = f->design->ion[i];
   (void)self;
   return 100 * (f->printed->ion[i] - design) / design;
 }
 
-static int32_t first(const void *self, const eda_feedback *f, size_t i) {
+static int32_t dpb_first(const void *self, const eda_feedback *f, size_t i) {
   const dpb *d = self;
   const eda_gates *g = f->gates;
   double nm = d->table_path
-                  ? first_table_look(&d->table, g->length[i], g->width[i])
+                  ? first_table_find(&d->table, g->length[i], g->width[i])
                   : d->init_adjust;
   return (int32_t)lround(nm / g->grid);
 }
 
-static void follow(dpb *d, eda_scanner scanner);
+static void dpb_follow(dpb *d, eda_scanner scanner);
 
-static int begin(void *self, const eda_feedback *f, opc_error *error) {
+static int dpb_begin(void *self, const eda_feedback *f, opc_error *error) {
   dpb *d = self;
-  follow(d, f->scanner);
+  dpb_follow(d, f->scanner);
   eda_follow_ion_limit(f, &d->ion_limit);
   d->descent.rules = correct_control_rules_for(d->ion_limit, d->max_bias,
                                                f->gates->grid, d->proportional);
-  d->descent.error = pde;
-  d->descent.first = first;
+  d->descent.error = dpb_error;
+  d->descent.first = dpb_first;
   d->descent.self = d;
   descent_reset(&d->descent, f->gates->count);
   first_table_clear(&d->table);
@@ -59,8 +60,8 @@ static int begin(void *self, const eda_feedback *f, opc_error *error) {
                        : OPC_OK;
 }
 
-static int update(void *self, const eda_feedback *f, eda_moves *moves,
-                  int *done, opc_error *error) {
+static int dpb_update(void *self, const eda_feedback *f, eda_moves *moves,
+                      int *done, opc_error *error) {
   dpb *d = self;
   (void)error;
   descent_moves m = descent_update(&d->descent, f, moves, 0);
@@ -68,7 +69,7 @@ static int update(void *self, const eda_feedback *f, eda_moves *moves,
   return OPC_OK;
 }
 
-static const char *verdict(const void *self, size_t gate) {
+static const char *dpb_verdict(const void *self, size_t gate) {
   return descent_verdict(&((const dpb *)self)->descent, gate);
 }
 
@@ -78,34 +79,34 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(dpb, ion_limit, .type = OPC_REAL, .flags = OPC_ABOVE,
                   .unit = "%", .follows = "ion_limit of the step",
                   .former = "max_pde|limit",
-                  .summary = "Largest allowed |Ion deviation|; a transistor "
+                  .summary = "largest allowed |Ion deviation|; a transistor "
                              "within it keeps its mask"),
     OPC_PARAMETER(dpb, init_adjust, .type = OPC_REAL,
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .unit = "nm",
                   .preset = "0 nm", .min = -100, .max = 100,
                   .summary = "first correction of L, longer if positive; 0 nm: "
                              "one grid step towards the smaller error"),
-    OPC_PARAMETER_NAMED("init_adjust_table", dpb, table_path, .type = OPC_FILE,
-                        .summary = "first corrections by L and W, CSV: that of "
-                                   "the nearest L, then of the nearest W"),
+    OPC_PARAMETER_NAMED(
+        "init_adjust_table", dpb, table_path, .type = OPC_FILE,
+        .summary = "CSV table of first corrections by L and W; the row of the "
+                   "nearest L, then of the nearest W applies"),
     OPC_PARAMETER(
         dpb, max_bias, .type = OPC_REAL, .flags = OPC_ABOVE | OPC_AT_MOST,
         .unit = "nm", .follows = "0.311 lambda/NA", .max = 10000,
         .summary =
-            "largest correction of L or of W, and no more than half of W"),
-    OPC_PARAMETER_NAMED(
-        "w_step", dpb, proportional, .type = OPC_CHOICE, .preset = "unit",
-        .choices = "unit|proportional",
-        .summary = "steps of W: one grid unit, or as much as the error asks "
-                   "for, as Ion is proportional to W"),
+            "largest correction of L or W; W moves by at most half of W"),
+    OPC_PARAMETER_NAMED("w_step", dpb, proportional, .type = OPC_CHOICE,
+                        .preset = "unit", .choices = "unit|proportional",
+                        .summary = "steps of W: one grid unit, or proportional "
+                                   "to the error, as Ion is proportional to W"),
 };
 
 /* Compute the defaults of parameters that are not set. */
-static void follow(dpb *d, eda_scanner scanner) {
+static void dpb_follow(dpb *d, eda_scanner scanner) {
   EDA_FOLLOW(d->host, "synthesizer.dpb", d, parameters, scanner);
 }
 
-static void clear(void *self) {
+static void dpb_clear(void *self) {
   dpb *d = self;
   descent_clear(&d->descent);
   first_table_clear(&d->table);
@@ -114,11 +115,11 @@ static void clear(void *self) {
 /* ---- entry ---- */
 
 static const eda_synthesizer functions = {
-    .begin = begin, .update = update, .verdict = verdict};
+    .begin = dpb_begin, .update = dpb_update, .verdict = dpb_verdict};
 
 OPC_PLUGIN(dpb, .id = "synthesizer.dpb", .kind = "synthesizer",
            .version = "0.2.0", .licence = "BSD-3-Clause",
            .summary = "device performance-based OPC: one-step descent on Ion",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), .clear = clear,
+           OPC_PARAMETERS(parameters), .clear = dpb_clear,
            OPC_FUNCTIONS(functions));

@@ -38,7 +38,7 @@ static double by_neighbours(const model *t) {
   return t->neighbours.by * MIN(n, MAX(1, t->neighbours.most));
 }
 
-static void run(opc_module *m, model *t) {
+static void model_run(opc_module *m, model *t) {
   const eda_synthesizer *s = m->functions;
   double design[MOST], ion[MOST], width[MOST], length[MOST];
   uint32_t flags[MOST] = {0}, vetoes[MOST];
@@ -81,42 +81,43 @@ static void run(opc_module *m, model *t) {
   }
 }
 
-static opc_module *make(const char *parameters) {
+static opc_module *model_make(const char *parameters) {
   opc_error error;
   opc_module *m = opc_test_module("synthesizer.dpb", parameters, &error);
   g_assert_nonnull(m);
   return m;
 }
 
-static const char *verdict(opc_module *m, size_t i) {
+static const char *model_verdict(opc_module *m, size_t i) {
   const eda_synthesizer *s = m->functions;
   return s->verdict(m->self, i);
 }
 
 /* Figure 3.3 on one isolated transistor: +7 %, 3 % per step of L, 0.8 % per
-   step of W. The iterations:
-     0  +7.0  beyond the limit: first correction of one step, longer
+   step of W:
+
+     0  +7.0  beyond the limit: one step longer
      1  +4.0  falls: continue
      2  +1.0  falls: continue
-     3  -2.0  rises: revert the step
+     3  -2.0  rises: revert
      4  +1.0  L is at its minimum: W, one step narrower
      5  +0.2  within the limit: no correction
      6  +0.2  nothing changed since: done */
 static void test_by_hand(void) {
-  g_autoptr(opc_module) m = make("{ ion_limit: 0.5 % }");
+  g_autoptr(opc_module) m = model_make("{ ion_limit: 0.5 % }");
   model t = {.n = 1, .offset = {7}, .by_l = {-3}, .by_w = {0.8}};
-  run(m, &t);
+  model_run(m, &t);
   g_assert_cmpstr(t.trace->str, ==, "1,0 2,0 3,0 2,0 2,-1 2,-1 2,-1 ");
-  g_assert_cmpstr(verdict(m, 0), ==, "within limit");
+  g_assert_cmpstr(model_verdict(m, 0), ==, "within limit");
   g_string_free(t.trace, TRUE);
 }
 
 /* The same with too little current: W grows by single steps, -6.5 % from L -2;
    -1, and L -3 would result in +2. */
 static void test_by_hand_shorter(void) {
-  g_autoptr(opc_module) m = make("{ ion_limit: 0.5 % }");
+  g_autoptr(opc_module) m = model_make("{ ion_limit: 0.5 % }");
   model t = {.n = 1, .offset = {-7}, .by_l = {-3}, .by_w = {0.2}};
-  run(m, &t);
+  model_run(m, &t);
   g_assert_cmpstr(t.trace->str, ==,
                   "-1,0 -2,0 -3,0 -2,0 -2,1 -2,2 -2,3 -2,3 -2,3 ");
   g_string_free(t.trace, TRUE);
@@ -157,13 +158,13 @@ static void test_limit_of_step(void) {
                {"{ ion_limit: 6 % }", &wide, 1},
                {"{ limit: 8 % }", &narrow, 0}};
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
-    g_autoptr(opc_module) m = make(cases[i].parameters);
+    g_autoptr(opc_module) m = model_make(cases[i].parameters);
     model t = {.n = 1,
                .offset = {7},
                .by_l = {-3},
                .by_w = {0.8},
                .ion_limit = cases[i].ion_limit};
-    run(m, &t);
+    model_run(m, &t);
     g_assert_cmpint(strcmp(t.trace->str, "0,0 ") != 0, ==, cases[i].moves);
     g_string_free(t.trace, TRUE);
   }
@@ -172,14 +173,16 @@ static void test_limit_of_step(void) {
 /* init_adjust is signed and applied as given: 3 steps shorter at once, and 2
    steps longer in the wrong direction, which single steps then undo. */
 static void test_init_adjust(void) {
-  g_autoptr(opc_module) m = make("{ ion_limit: 0.5 %, init_adjust: -3 nm }");
+  g_autoptr(opc_module) m =
+      model_make("{ ion_limit: 0.5 %, init_adjust: -3 nm }");
   model t = {.n = 1, .offset = {-9.2}, .by_l = {-3}, .by_w = {0.8}};
-  run(m, &t);
+  model_run(m, &t);
   g_assert_cmpstr(t.trace->str, ==, "-3,0 -3,0 -3,0 ");
   g_string_free(t.trace, TRUE);
-  g_autoptr(opc_module) wrong = make("{ ion_limit: 0.5 %, init_adjust: 2 nm }");
+  g_autoptr(opc_module) wrong =
+      model_make("{ ion_limit: 0.5 %, init_adjust: 2 nm }");
   model u = {.n = 1, .offset = {-3.2}, .by_l = {-3}, .by_w = {0.8}};
-  run(wrong, &u);
+  model_run(wrong, &u);
   g_assert_cmpstr(u.trace->str, ==, "2,0 1,0 0,0 -1,0 -1,0 -1,0 ");
   g_string_free(u.trace, TRUE);
 }
@@ -187,9 +190,10 @@ static void test_init_adjust(void) {
 /* A first correction of several steps beyond the minimum is followed by single
    steps; it is not reverted as a whole. */
 static void test_init_adjust_too_far(void) {
-  g_autoptr(opc_module) m = make("{ ion_limit: 0.5 %, init_adjust: 5 nm }");
+  g_autoptr(opc_module) m =
+      model_make("{ ion_limit: 0.5 %, init_adjust: 5 nm }");
   model t = {.n = 1, .offset = {7}, .by_l = {-3}, .by_w = {0.8}};
-  run(m, &t);
+  model_run(m, &t);
   g_assert_cmpstr(t.trace->str, ==, "5,0 4,0 3,0 2,0 2,-1 2,-1 2,-1 ");
   g_string_free(t.trace, TRUE);
 }
@@ -198,16 +202,18 @@ static void test_init_adjust_too_far(void) {
    of the expected response, W converges in a few steps, the last ones single.
    With double the response, a change of sign halves the steps. */
 static void test_proportional(void) {
-  g_autoptr(opc_module) m = make("{ ion_limit: 0.1 %, w_step: proportional }");
+  g_autoptr(opc_module) m =
+      model_make("{ ion_limit: 0.1 %, w_step: proportional }");
   model t = {.n = 1, .offset = {-4}, .by_l = {-9}, .by_w = {0.25}};
-  run(m, &t);
+  model_run(m, &t);
   /* L -1: +5, back to 0; W 8: -2, 12: -1, 14: -0.5, 15: -0.25, 16: 0. */
   g_assert_cmpstr(t.trace->str, ==,
                   "-1,0 0,0 0,8 0,12 0,14 0,15 0,16 0,16 0,16 ");
   g_string_free(t.trace, TRUE);
-  g_autoptr(opc_module) n = make("{ ion_limit: 0.1 %, w_step: proportional }");
+  g_autoptr(opc_module) n =
+      model_make("{ ion_limit: 0.1 %, w_step: proportional }");
   model u = {.n = 1, .offset = {-4}, .by_l = {-9}, .by_w = {1}};
-  run(n, &u);
+  model_run(n, &u);
   /* W 8: +4; 4: 0. */
   g_assert_cmpstr(u.trace->str, ==, "-1,0 0,0 0,8 0,4 0,4 0,4 ");
   g_string_free(u.trace, TRUE);
@@ -216,27 +222,28 @@ static void test_proportional(void) {
 /* If W is at its limit, L takes one more step and W returns. */
 static void test_exchange(void) {
   g_autoptr(opc_module) m =
-      make("{ ion_limit: 0.3 %, w_step: proportional, max_bias: 10 nm }");
+      model_make("{ ion_limit: 0.3 %, w_step: proportional, max_bias: 10 nm }");
   model t = {.n = 1, .offset = {-4.5}, .by_l = {-10}, .by_w = {0.4}};
-  run(m, &t);
+  model_run(m, &t);
   g_assert_cmpint(t.l[0], ==, -1);
   g_assert_cmpint(t.w[0], ==, -10);
-  g_assert_cmpstr(verdict(m, 0), ==, "bias limit");
+  g_assert_cmpstr(model_verdict(m, 0), ==, "bias limit");
   g_string_free(t.trace, TRUE);
   model u = {.n = 1, .offset = {-4.5}, .by_l = {-10}, .by_w = {0.43}};
   u.offset[0] = -4.9;
   u.by_l[0] = -9;
-  run(m, &u); /* +4.1 at L -1: W -10 results in -0.2, W +10 at L 0 in -0.6 */
+  model_run(m,
+            &u); /* +4.1 at L -1: W -10 results in -0.2, W +10 at L 0 in -0.6 */
   g_assert_cmpint(u.l[0], ==, -1);
-  g_assert_cmpstr(verdict(m, 0), ==, "within limit");
+  g_assert_cmpstr(model_verdict(m, 0), ==, "within limit");
   g_string_free(u.trace, TRUE);
 }
 
 /* No width moves while any length moves. */
 static void test_coarse_before_fine(void) {
-  g_autoptr(opc_module) m = make("{ ion_limit: 0.5 % }");
+  g_autoptr(opc_module) m = model_make("{ ion_limit: 0.5 % }");
   model t = {.n = 2, .offset = {1, 15.2}, .by_l = {-3, -3}, .by_w = {0.6, 0.6}};
-  run(m, &t);
+  model_run(m, &t);
   g_assert_cmpstr(t.trace->str, ==, "1,0 0,0 0,0 0,0 0,0 0,-1 0,-1 0,-1 ");
   g_assert_cmpint(t.l[1], ==, 5);
   g_string_free(t.trace, TRUE);
@@ -244,9 +251,9 @@ static void test_coarse_before_fine(void) {
 
 /* A transistor within the limit does not move. */
 static void test_within(void) {
-  g_autoptr(opc_module) m = make("{ ion_limit: 0.5 % }");
+  g_autoptr(opc_module) m = model_make("{ ion_limit: 0.5 % }");
   model t = {.n = 1, .offset = {-0.49}, .by_l = {-3}, .by_w = {0.8}};
-  run(m, &t);
+  model_run(m, &t);
   g_assert_cmpstr(t.trace->str, ==, "0,0 ");
   g_assert_cmpint(t.updates, ==, 1);
   g_string_free(t.trace, TRUE);
@@ -256,25 +263,25 @@ static void test_within(void) {
    W and its verdict is a stall. PDE 7, 4, 1, -2, 1; W: -2 % per step, 1 -> -1
    (no better, not worse) -> -3 rises -> revert. */
 static void test_grid(void) {
-  g_autoptr(opc_module) m = make("{ ion_limit: 0.1 % }");
+  g_autoptr(opc_module) m = model_make("{ ion_limit: 0.1 % }");
   model t = {.n = 1, .offset = {7}, .by_l = {-3}, .by_w = {2}};
-  run(m, &t);
+  model_run(m, &t);
   g_assert_cmpint(t.l[0], ==, 2);
   g_assert_cmpint(abs(7 - 3 * t.l[0] + 2 * t.w[0]), ==, 1);
-  g_assert_cmpstr(verdict(m, 0), ==, "grid");
+  g_assert_cmpstr(model_verdict(m, 0), ==, "grid");
   g_string_free(t.trace, TRUE);
 }
 
 /* At L = 2 the gate bridges: L returns to 1, and W decreases to the limit. */
 static void test_veto(void) {
-  g_autoptr(opc_module) m = make("{ ion_limit: 0.5 % }");
+  g_autoptr(opc_module) m = model_make("{ ion_limit: 0.5 % }");
   model t = {.n = 1,
              .offset = {7},
              .by_l = {-3},
              .by_w = {0.8},
              .veto = {EDA_VETO_LONGER},
              .veto_from = {2}};
-  run(m, &t);
+  model_run(m, &t);
   g_assert_cmpint(t.l[0], ==, 1);
   g_assert_cmpint(t.w[0], ==, -5);
   g_assert_true(g_str_has_prefix(t.trace->str, "1,0 2,0 1,0 1,-1 1,-2 "));
@@ -283,14 +290,14 @@ static void test_veto(void) {
 
 /* The same in the other direction: at L = -2 the gate is open. */
 static void test_veto_of_shorter(void) {
-  g_autoptr(opc_module) m = make("{ ion_limit: 0.5 % }");
+  g_autoptr(opc_module) m = model_make("{ ion_limit: 0.5 % }");
   model t = {.n = 1,
              .offset = {-7},
              .by_l = {-3},
              .by_w = {0.8},
              .veto = {EDA_VETO_SHORTER},
              .veto_from = {-2}};
-  run(m, &t);
+  model_run(m, &t);
   g_assert_cmpint(t.l[0], ==, -1);
   g_assert_cmpint(t.w[0], ==, 5);
   g_assert_true(g_str_has_prefix(t.trace->str, "-1,0 -2,0 -1,0 -1,1 -1,2 "));
@@ -299,71 +306,72 @@ static void test_veto_of_shorter(void) {
 
 /* W may not decrease: the transistor stays, and its verdict names the veto. */
 static void test_veto_of_narrower(void) {
-  g_autoptr(opc_module) m = make("{ ion_limit: 0.5 % }");
+  g_autoptr(opc_module) m = model_make("{ ion_limit: 0.5 % }");
   model t = {.n = 1,
              .offset = {1},
              .by_l = {-3},
              .by_w = {0.8},
              .veto = {EDA_VETO_NARROWER},
              .veto_from = {-100}};
-  run(m, &t);
+  model_run(m, &t);
   g_assert_cmpint(t.w[0], ==, 0);
-  g_assert_cmpstr(verdict(m, 0), ==, "bridging");
+  g_assert_cmpstr(model_verdict(m, 0), ==, "bridging");
   g_string_free(t.trace, TRUE);
 }
 
 /* 25 % too little current, 0.5 % for each of 200 steps of W, no effect of L: at
    most 20 wider at a time, then 5 % of 240, and 1 % of 252 back. */
 static void test_widest(void) {
-  g_autoptr(opc_module) m = make("{ ion_limit: 0.5 %, w_step: proportional }");
+  g_autoptr(opc_module) m =
+      model_make("{ ion_limit: 0.5 %, w_step: proportional }");
   model t = {.n = 1, .offset = {-25}, .by_l = {-60}, .by_w = {0.5}};
-  run(m, &t);
+  model_run(m, &t);
   g_assert_true(
       g_str_has_prefix(t.trace->str, "-1,0 0,0 0,20 0,40 0,52 0,50 0,50 "));
-  g_assert_cmpstr(verdict(m, 0), ==, "within limit");
+  g_assert_cmpstr(model_verdict(m, 0), ==, "within limit");
   g_string_free(t.trace, TRUE);
 }
 
 /* W moves by at most half of W at any max_bias. */
 static void test_half_width(void) {
-  g_autoptr(opc_module) m = make("{ ion_limit: 0.5 %, max_bias: 20 nm }");
+  g_autoptr(opc_module) m = model_make("{ ion_limit: 0.5 %, max_bias: 20 nm }");
   model t = {.n = 1, .offset = {200}, .by_l = {-3}, .by_w = {5}, .width = {13}};
-  run(m, &t);
+  model_run(m, &t);
   g_assert_cmpint(t.l[0], ==, 20);
   g_assert_cmpint(t.w[0], ==, -6);
-  g_assert_cmpstr(verdict(m, 0), ==, "bias limit");
+  g_assert_cmpstr(model_verdict(m, 0), ==, "bias limit");
   g_string_free(t.trace, TRUE);
 }
 
 static void test_bias_limit(void) {
-  g_autoptr(opc_module) m = make("{ ion_limit: 0.5 %, max_bias: 2 nm }");
+  g_autoptr(opc_module) m = model_make("{ ion_limit: 0.5 %, max_bias: 2 nm }");
   model t = {.n = 1, .offset = {30}, .by_l = {-3}, .by_w = {0.8}};
-  run(m, &t);
+  model_run(m, &t);
   g_assert_cmpint(t.l[0], ==, 2);
   g_assert_cmpint(t.w[0], ==, -2);
-  g_assert_cmpstr(verdict(m, 0), ==, "bias limit");
+  g_assert_cmpstr(model_verdict(m, 0), ==, "bias limit");
   g_string_free(t.trace, TRUE);
 }
 
 /* An open line has no current; it gets thicker until it prints. Each transistor
    converges independently, and the loop ends after the last one. */
 static void test_open(void) {
-  g_autoptr(opc_module) m = make("{}");
+  g_autoptr(opc_module) m = model_make("{}");
   model t = {
       .n = 1, .offset = {12}, .by_l = {-3}, .by_w = {1}, .prints_from = {3}};
-  run(m, &t);
+  model_run(m, &t);
   g_assert_true(g_str_has_prefix(t.trace->str, "1,0 2,0 3,0 4,0 4,0 "));
-  g_assert_cmpstr(verdict(m, 0), ==, "within limit");
+  g_assert_cmpstr(model_verdict(m, 0), ==, "within limit");
   g_string_free(t.trace, TRUE);
 }
 
 static void test_independent(void) {
-  g_autoptr(opc_module) m = make("{ ion_limit: 0.5 % }");
+  g_autoptr(opc_module) m = model_make("{ ion_limit: 0.5 % }");
   model t = {.n = 3,
              .offset = {7, -0.2, -9.2},
              .by_l = {-3, -3, -3},
              .by_w = {0.8, 0.8, 0.8}};
-  run(m, &t);
+  model_run(m, &t);
   g_assert_cmpint(t.l[0], ==, 2);
   g_assert_cmpint(t.w[0], ==, -1);
   g_assert_cmpint(t.l[1], ==, 0);
@@ -377,11 +385,11 @@ static void test_independent(void) {
    of L and `by_w` per step of W where the model expects 0.5 % converge with
    "1,0 2,0 3,0 2,0 2,-1 2,-2 2,-1 2,-1 ". */
 static char *after_jump(const char *parameters, double rest, double jump) {
-  g_autoptr(opc_module) m = make(parameters);
+  g_autoptr(opc_module) m = model_make(parameters);
   model t = {.n = 1, .offset = {7 + rest}, .by_l = {-3}, .by_w = {1}};
   t.neighbours.by = jump;
   t.neighbours.from = 8;
-  run(m, &t);
+  model_run(m, &t);
   static const char first[] = "1,0 2,0 3,0 2,0 2,-1 2,-2 2,-1 2,-1 ";
   g_assert_true(g_str_has_prefix(t.trace->str, first));
   char *rest_of_it = g_strdup(t.trace->str + sizeof first - 1);
@@ -390,8 +398,8 @@ static char *after_jump(const char *parameters, double rest, double jump) {
 }
 
 /* A converged transistor resumes if its error changed by more than a tenth of
-   the limit: by W if the change is more than 0.55 of the expected effect of a
-   step of W (0.275 %), by L if it is more than 0.55 of the measured effect of a
+   the limit. W moves if the change exceeds 0.55 of the expected effect of a
+   step of W (0.275 %). L moves if it exceeds 0.55 of the measured effect of a
    step of L (1.65 %). */
 static void test_taken_up(void) {
   static const struct {
@@ -417,17 +425,17 @@ static void test_taken_up(void) {
 
 /* It resumes at most eight times. */
 static void test_taken_up_often(void) {
-  g_autoptr(opc_module) m = make("{ ion_limit: 0.1 % }");
+  g_autoptr(opc_module) m = model_make("{ ion_limit: 0.1 % }");
   model t = {.n = 1, .offset = {8.2}, .by_l = {-3.3}, .by_w = {1.2}};
   t.neighbours.by = 0.011;
   t.neighbours.from = 8;
   t.neighbours.every = 3;
   t.neighbours.most = 12;
-  run(m, &t);
+  model_run(m, &t);
   int n = 0;
   for (const char *c = t.trace->str; (c = strstr(c, "2,-2 ")); c++) n++;
   g_assert_cmpint(n, ==, 1 + 8);
-  g_assert_cmpstr(verdict(m, 0), ==, "grid");
+  g_assert_cmpstr(model_verdict(m, 0), ==, "grid");
   g_string_free(t.trace, TRUE);
 }
 
@@ -440,7 +448,7 @@ static char *write_table(const char *text) {
   return path;
 }
 
-/* Transistors of L 65 and W 200: the nearest length is 65, not 60. Of its
+/* Transistors of L 65 and W 200: the nearest length is 65, not 60. Among its
    widths, 150 is nearer than 300 by ratio (1.33 to 1.5). */
 static void test_table(void) {
   g_autofree char *path = write_table(
@@ -448,18 +456,18 @@ static void test_table(void) {
       "60,200,9,1\n65,300,7,1\n65,150,2,1\n100,200,5,1\n");
   g_autofree char *given =
       g_strdup_printf("{ ion_limit: 0.5 %%, init_adjust_table: %s }", path);
-  g_autoptr(opc_module) m = make(given);
+  g_autoptr(opc_module) m = model_make(given);
   model t = {.n = 1, .offset = {7}, .by_l = {-3}, .by_w = {0.8}};
-  run(m, &t);
+  model_run(m, &t);
   g_assert_true(g_str_has_prefix(t.trace->str, "2,0 3,0 2,0 2,-1 "));
   g_string_free(t.trace, TRUE);
 }
 
 /* Check that reading the table fails with this message. */
-static void refused(const char *text, const char *want) {
+static void check_refused(const char *text, const char *want) {
   g_autofree char *path = write_table(text);
   g_autofree char *given = g_strdup_printf("{ init_adjust_table: %s }", path);
-  g_autoptr(opc_module) m = make(given);
+  g_autoptr(opc_module) m = model_make(given);
   const eda_synthesizer *s = m->functions;
   eda_gates gates = {.grid = 1};
   eda_feedback f = {.gates = &gates};
@@ -485,11 +493,11 @@ static void test_table_refused(void) {
       {"l,w,init_adjust\n", "has no rows"},
   };
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++)
-    refused(cases[i].text, cases[i].want);
+    check_refused(cases[i].text, cases[i].want);
   /* Rows are compared pairwise. */
   g_autoptr(GString) many = g_string_new("l,w,init_adjust\n");
   for (int i = 1; i <= 10001; i++) g_string_append_printf(many, "%d,1,1\n", i);
-  refused(many->str, "table.csv:10002:1: more than 10000 rows");
+  check_refused(many->str, "table.csv:10002:1: more than 10000 rows");
 }
 
 int main(int argc, char **argv) {

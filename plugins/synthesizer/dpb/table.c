@@ -15,8 +15,8 @@ static const eda_csv_column columns[COLUMNS] = {
 /* Rows are compared pairwise. */
 enum { MOST_ROWS = 10000, MOST_NM = 100 };
 
-static int read_row(const eda_csv *csv, size_t i, first_table *out,
-                    opc_error *error) {
+static int table_read_row(const eda_csv *csv, size_t i, first_table *out,
+                          opc_error *error) {
   first_correction *row = &out->row[i];
   if (eda_csv_number(csv, i, LENGTH, 0, &row->length, error) ||
       eda_csv_number(csv, i, WIDTH, 0, &row->width, error) ||
@@ -25,7 +25,7 @@ static int read_row(const eda_csv *csv, size_t i, first_table *out,
   if (fabs(row->adjust) > MOST_NM)
     return eda_csv_fail(csv, i, ADJUST, "beyond +-100 nm:", error);
   if (i >= MOST_ROWS)
-    return eda_csv_fail(csv, i, LENGTH, "more than 10000 rows, here of L",
+    return eda_csv_fail(csv, i, LENGTH, "more than 10000 rows, found row of L",
                         error);
   for (size_t k = 0; k < i; k++)
     if (out->row[k].length == row->length && out->row[k].width == row->width)
@@ -42,13 +42,13 @@ int first_table_read(const char *path, first_table *out, opc_error *error) {
   out->count = eda_csv_rows(csv);
   out->row = eda_alloc(out->count, sizeof *out->row);
   for (size_t i = 0; i < out->count && !code; i++)
-    code = read_row(csv, i, out, error);
+    code = table_read_row(csv, i, out, error);
   eda_csv_free(csv);
   if (code) first_table_clear(out);
   return code;
 }
 
-double first_table_look(const first_table *t, double length, double width) {
+double first_table_find(const first_table *t, double length, double width) {
   const first_correction *best = NULL;
   for (size_t i = 0; i < t->count; i++) {
     const first_correction *row = &t->row[i];

@@ -23,6 +23,6 @@ void first_table_clear(first_table *table);
 
 /* Return the first correction, nm, of the nearest length of the table and,
    among rows of that length, of the width nearest to `width` by ratio. */
-double first_table_look(const first_table *table, double length, double width);
+double first_table_find(const first_table *table, double length, double width);
 
 #endif

@@ -7,17 +7,17 @@
 
 #include "epe.h"
 
-static int meet(eda_box a, eda_box b) {
+static int boxes_meet(eda_box a, eda_box b) {
   return a.x0 < b.x1 && b.x0 < a.x1 && a.y0 < b.y1 && b.y0 < a.y1;
 }
 
-/* ---- room for the fragments beside them ---- */
+/* ---- limits of fragments ---- */
 
 /* Limit the outward moves of fragment i so that it keeps min_space to the
    assist features, wherever its ends move. */
-static void leave_room(epe_layer *l, const eda_index *bars, uint32_t i) {
+static void limit_fragment(epe_layer *l, const eda_index *bars, uint32_t i) {
   const epe_rules *r = l->rules;
-  const epe_piece *p = &l->pieces[i];
+  const epe_fragment *p = &l->fragments[i];
   int32_t space = r->min_space, most = r->max_shift, reach = most + space;
   int32_t line = epe_line(p, NULL, 0);
   int32_t m = epe_along(p, p->from), n = epe_along(p, p->to);
@@ -29,7 +29,7 @@ static void leave_room(epe_layer *l, const eda_index *bars, uint32_t i) {
   eda_finder f = eda_index_find(bars, box);
   for (uint32_t k; eda_index_next(&f, &k);) {
     eda_box bar = l->bars.box[k];
-    if (!meet(bar, box)) continue;
+    if (!boxes_meet(bar, box)) continue;
     int32_t off = p->axis == EDA_X
                       ? (p->sign > 0 ? bar.x0 - line : line - bar.x1)
                       : (p->sign > 0 ? bar.y0 - line : line - bar.y1);
@@ -39,26 +39,26 @@ static void leave_room(epe_layer *l, const eda_index *bars, uint32_t i) {
     int32_t b = p->axis == EDA_X ? bar.y1 : bar.x1;
     int32_t past = (int32_t)epe_max(a - (m < n ? n : m), (m < n ? m : n) - b);
     if (past > off && past > 0) continue;
-    int32_t room = off > space ? off - space : 0;
-    if (room < l->most[i]) l->most[i] = room;
+    int32_t spacing = off > space ? off - space : 0;
+    if (spacing < l->most[i]) l->most[i] = spacing;
   }
 }
 
-static void leave_rooms(epe_layer *l) {
+static void limit_fragments(epe_layer *l) {
   for (uint32_t i = 0; i < l->count; i++)
-    l->most[i] = l->pieces[i].still ? 0 : l->rules->max_shift;
+    l->most[i] = l->fragments[i].still ? 0 : l->rules->max_shift;
   eda_index *bars = eda_index_new(l->bars.box, l->bars.count,
                                   l->rules->max_shift + l->rules->min_space);
-  for (uint32_t i = 0; i < l->count; i++) leave_room(l, bars, i);
+  for (uint32_t i = 0; i < l->count; i++) limit_fragment(l, bars, i);
   eda_index_free(bars);
 }
 
-/* ---- all of it ---- */
+/* ---- placement ---- */
 
 /* Return edge e as drawn. */
 static eda_bar_edge edge_of(const epe_layer *l, size_t e) {
-  const epe_piece *first = &l->pieces[l->edge[e]];
-  const epe_piece *last = &l->pieces[l->edge[e + 1] - 1];
+  const epe_fragment *first = &l->fragments[l->edge[e]];
+  const epe_fragment *last = &l->fragments[l->edge[e + 1] - 1];
   int32_t a = epe_along(first, first->from), b = epe_along(last, last->to);
   return (eda_bar_edge){first->axis == EDA_X, first->sign,
                         epe_line(first, NULL, 0), a < b ? a : b, a < b ? b : a};
@@ -70,11 +70,11 @@ int epe_place_bars(epe_layer *l, const eda_bar_rule *rule,
   for (size_t e = 0; e < l->edges; e++) edges[e] = edge_of(l, e);
   int code = eda_bars_place(edges, l->edges, rule, drawn, &l->bars, error);
   free(edges);
-  if (!code && l->bars.count) leave_rooms(l);
+  if (!code && l->bars.count) limit_fragments(l);
   return code;
 }
 
-int epe_take_bars(epe_layer *l, eda_boxes bars) {
+int epe_replace_bars(epe_layer *l, eda_boxes bars) {
   if (bars.count == l->bars.count &&
       (!bars.count ||
        !memcmp(bars.box, l->bars.box, bars.count * sizeof *bars.box)))
@@ -82,6 +82,6 @@ int epe_take_bars(epe_layer *l, eda_boxes bars) {
   l->bars.count = 0;
   for (size_t i = 0; i < bars.count; i++)
     eda_box_list_add(&l->bars, bars.box[i]);
-  leave_rooms(l);
+  limit_fragments(l);
   return 1;
 }

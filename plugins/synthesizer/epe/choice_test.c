@@ -30,7 +30,7 @@ typedef struct drawing {
   eda_gates gates;
 } drawing;
 
-static void draw(drawing *d, int32_t width, int32_t height) {
+static void drawing_draw(drawing *d, int32_t width, int32_t height) {
   static char *names[LAYERS] = {"poly", "active"};
   static uint8_t corrected[LAYERS] = {1, 1};
   *d = (drawing){.points = {{0, 0}, {width, 0}, {width, height}, {0, height}},
@@ -53,8 +53,8 @@ static void draw(drawing *d, int32_t width, int32_t height) {
                          .edges = d->edges};
 }
 
-static opc_module *begin(const char *parameters, const drawing *d,
-                         eda_cuts *cuts) {
+static opc_module *drawing_begin(const char *parameters, const drawing *d,
+                                 eda_cuts *cuts) {
   opc_error error;
   opc_module *m = opc_test_module("synthesizer.epe", parameters, &error);
   if (!m) g_error("%s", error.message);
@@ -74,12 +74,12 @@ static void test_even(void) {
     int32_t least = n % 2 ? 20 : 45, corner = least;
     drawing d;
     eda_cuts cuts = {0};
-    draw(&d, length, 1000);
+    drawing_draw(&d, length, 1000);
     g_autofree char *p = g_strdup_printf(
         "{ fragment: 50 nm, corner_edge: %d nm, min_edge: %d nm, line_end: 0 "
         "nm }",
         corner, least);
-    g_autoptr(opc_module) m = begin(p, &d, &cuts);
+    g_autoptr(opc_module) m = drawing_begin(p, &d, &cuts);
     int32_t middle = length - 2 * corner, parts = (int32_t)round(middle / 50.0);
     while (parts > 1 && middle < least * parts) parts--;
     g_assert_cmpint(cuts.from[0].x, ==, 0);
@@ -137,12 +137,12 @@ static void test_kept(void) {
     int by_ion = n & 1;
     drawing d;
     eda_cuts cuts = {0};
-    draw(&d, 400, 1000);
+    drawing_draw(&d, 400, 1000);
     g_autofree char *p = g_strdup_printf(
         "{ fragment: 200 nm, corner_edge: 30 nm, min_edge: 30 nm, line_end: 0 "
         "nm, max_shift: 12 nm, iterations: %d, best: %s }",
         ROUNDS - 1, by_ion ? "ion" : "epe");
-    g_autoptr(opc_module) m = begin(p, &d, &cuts);
+    g_autoptr(opc_module) m = drawing_begin(p, &d, &cuts);
     const eda_synthesizer *s = m->functions;
     size_t count = cuts.start[1];
     g_assert_cmpuint(count, <, MOST);
@@ -205,9 +205,9 @@ static void test_gain(void) {
     for (int sign = -1; sign <= 1; sign += 2) {
       drawing d;
       eda_cuts cuts = {0};
-      draw(&d, 400 * FINE, 3000 * FINE);
+      drawing_draw(&d, 400 * FINE, 3000 * FINE);
       d.gates.grid = 1.0 / FINE;
-      g_autoptr(opc_module) m = begin(
+      g_autoptr(opc_module) m = drawing_begin(
           "{ damping: 1, stiffness: 1e-4, step: 60 nm, max_shift: 90 nm "
           "}",
           &d, &cuts);
@@ -245,12 +245,12 @@ static void test_gain(void) {
 
 /* A constant error: all fragments move to their limits, and the loop ends after
    four iterations without a move. */
-static void test_rest(void) {
+static void test_constant_error(void) {
   drawing d;
   eda_cuts cuts = {0};
-  draw(&d, 400, 1000);
+  drawing_draw(&d, 400, 1000);
   g_autoptr(opc_module) m =
-      begin("{ max_shift: 20 nm, iterations: 90 }", &d, &cuts);
+      drawing_begin("{ max_shift: 20 nm, iterations: 90 }", &d, &cuts);
   const eda_synthesizer *s = m->functions;
   size_t n = cuts.start[1];
   int32_t now[MOST] = {0}, last[MOST], *shift[LAYERS] = {now};
@@ -278,6 +278,6 @@ int main(int argc, char **argv) {
   g_test_add_func("/choice/even", test_even);
   g_test_add_func("/choice/kept", test_kept);
   g_test_add_func("/choice/gain", test_gain);
-  g_test_add_func("/choice/rest", test_rest);
+  g_test_add_func("/choice/rest", test_constant_error);
   return g_test_run();
 }

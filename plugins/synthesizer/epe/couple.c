@@ -13,8 +13,9 @@
 
 /* Return the effect of a unit move of fragment j at a site at (x, y): the
    integral over j of the Gaussian along an infinite straight edge. */
-static double weight_at(const epe_layer *l, double x, double y, uint32_t j) {
-  const epe_piece *p = &l->pieces[j];
+static double coupling_weight(const epe_layer *l, double x, double y,
+                              uint32_t j) {
+  const epe_fragment *p = &l->fragments[j];
   double s = l->rules->blur;
   double across = p->axis == EDA_X ? x - p->from.x : y - p->from.y;
   double at = p->axis == EDA_X ? y : x;
@@ -30,21 +31,22 @@ typedef struct coupler {
 } coupler;
 
 /* Return the distance of v from the interval between a and b. */
-static double outside(double v, int32_t a, int32_t b) {
+static double distance_outside(double v, int32_t a, int32_t b) {
   int32_t low = a < b ? a : b, high = a < b ? b : a;
   return v < low ? low - v : v > high ? v - high : 0;
 }
 
 /* Return whether a fragment is partly within `reach` of (x, y). */
-static int is_near(const epe_piece *p, double x, double y, double reach) {
-  double dx = outside(x, p->from.x, p->to.x);
-  double dy = outside(y, p->from.y, p->to.y);
+static int fragment_is_near(const epe_fragment *p, double x, double y,
+                            double reach) {
+  double dx = distance_outside(x, p->from.x, p->to.x);
+  double dy = distance_outside(y, p->from.y, p->to.y);
   return dx * dx + dy * dy < reach * reach;
 }
 
 /* Make the row of site i: count the fragments within reach or, if weight is not
    NULL, store them. */
-static void couple_site(void *data, size_t i) {
+static void coupling_add_site(void *data, size_t i) {
   const coupler *c = data;
   epe_layer *l = c->layer;
   epe_coupling *m = &l->coupling;
@@ -56,10 +58,10 @@ static void couple_site(void *data, size_t i) {
                           (int32_t)ceil(x + far), (int32_t)ceil(y + far)});
   uint32_t n = m->weight ? m->start[i] : 0;
   for (uint32_t j; eda_index_next(&f, &j);) {
-    if (!is_near(&l->pieces[j], x, y, reach)) continue;
+    if (!fragment_is_near(&l->fragments[j], x, y, reach)) continue;
     if (m->weight) {
       m->index[n] = j;
-      m->weight[n] = (float)weight_at(l, x, y, j);
+      m->weight[n] = (float)coupling_weight(l, x, y, j);
     }
     n++;
   }
@@ -67,16 +69,17 @@ static void couple_site(void *data, size_t i) {
 }
 
 /* Allocate the rows; start[1] and on hold their lengths. */
-static void make_rows(epe_coupling *m, size_t n) {
+static void coupling_make_rows(epe_coupling *m, size_t n) {
   for (size_t i = 0; i < n; i++) m->start[i + 1] += m->start[i];
   m->index = eda_alloc(m->start[n], sizeof *m->index);
   m->weight = eda_alloc(m->start[n], sizeof *m->weight);
 }
 
-static void transpose(const epe_coupling *m, size_t n, epe_coupling *out) {
+static void coupling_transpose(const epe_coupling *m, size_t n,
+                               epe_coupling *out) {
   out->start = eda_alloc(n + 2, sizeof *out->start);
   for (uint32_t k = 0; k < m->start[n]; k++) out->start[m->index[k] + 1]++;
-  make_rows(out, n);
+  coupling_make_rows(out, n);
   for (uint32_t i = 0; i < n; i++)
     for (uint32_t k = m->start[i]; k < m->start[i + 1]; k++) {
       uint32_t at = out->start[m->index[k]]++;
@@ -92,7 +95,7 @@ void epe_couple(epe_layer *l, double grid) {
   eda_box *boxes = eda_alloc(l->count, sizeof *boxes);
   l->coupling.start = eda_alloc(l->count + 1, sizeof *l->coupling.start);
   for (size_t i = 0; i < l->count; i++) {
-    const epe_piece *p = &l->pieces[i];
+    const epe_fragment *p = &l->fragments[i];
     int32_t x = p->from.x + (p->to.x - p->from.x) / 2;
     int32_t y = p->from.y + (p->to.y - p->from.y) / 2;
     boxes[i] = (eda_box){x, y, x, y};
@@ -100,10 +103,10 @@ void epe_couple(epe_layer *l, double grid) {
   }
   c.index = eda_index_new(boxes, l->count,
                           (int32_t)ceil(tuned.coupling_reach * l->rules->blur));
-  opc_parallel(l->context, l->count, couple_site, &c);
-  make_rows(&l->coupling, l->count);
-  opc_parallel(l->context, l->count, couple_site, &c);
-  transpose(&l->coupling, l->count, &l->transposed);
+  opc_parallel(l->context, l->count, coupling_add_site, &c);
+  coupling_make_rows(&l->coupling, l->count);
+  opc_parallel(l->context, l->count, coupling_add_site, &c);
+  coupling_transpose(&l->coupling, l->count, &l->transposed);
   eda_index_free(c.index);
   free(boxes);
 }

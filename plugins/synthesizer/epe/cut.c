@@ -13,7 +13,7 @@ typedef struct cutter {
   epe_layer *layer;
   const eda_shapes *drawn;
   eda_index *corners; /* of all polygons */
-  size_t room;        /* capacity of pieces */
+  size_t capacity;    /* capacity of pieces */
   int32_t *marks;     /* cuts of one edge */
   size_t n_marks, marks_room;
   uint8_t *convex; /* 1 for each convex point of `drawn` */
@@ -49,9 +49,9 @@ static eda_point point_at(const drawn_edge *e, int32_t t) {
   return p;
 }
 
-/* ---- where to cut ---- */
+/* ---- marks ---- */
 
-static void mark(cutter *c, int32_t t) {
+static void cut_at(cutter *c, int32_t t) {
   eda_grow(&c->marks, &c->marks_room, c->n_marks + 1, sizeof t);
   c->marks[c->n_marks++] = t;
 }
@@ -63,7 +63,7 @@ static int ascending(const void *a, const void *b) {
 
 /* Mark the projection of a visible corner of another edge, and one ripple
    length on both sides. */
-static void mark_corner(cutter *c, const drawn_edge *e, eda_point p) {
+static void cut_at_corner(cutter *c, const drawn_edge *e, eda_point p) {
   const epe_rules *r = c->layer->rules;
   int32_t off = e->axis == EDA_X ? p.x - e->a.x : p.y - e->a.y;
   int32_t along = e->axis == EDA_X ? p.y - e->a.y : p.x - e->a.x;
@@ -72,12 +72,12 @@ static void mark_corner(cutter *c, const drawn_edge *e, eda_point p) {
   off *= e->sign;
   if (off <= 0 || off > r->ripple_reach || along <= 0 || along >= e->length)
     return;
-  mark(c, along);
-  mark(c, along - r->ripple);
-  mark(c, along + r->ripple);
+  cut_at(c, along);
+  cut_at(c, along - r->ripple);
+  cut_at(c, along + r->ripple);
 }
 
-static void mark_ripples(cutter *c, const drawn_edge *e) {
+static void cut_ripples(cutter *c, const drawn_edge *e) {
   const epe_rules *r = c->layer->rules;
   if (r->ripple_reach <= 0) return;
   int32_t out = e->sign * r->ripple_reach;
@@ -85,12 +85,12 @@ static void mark_ripples(cutter *c, const drawn_edge *e) {
   *(e->axis == EDA_X ? &sight[1].x : &sight[1].y) += out;
   eda_finder f = eda_index_find(c->corners, eda_bounds(sight, 2));
   for (uint32_t k; eda_index_next(&f, &k);)
-    mark_corner(c, e, c->drawn->points[k]);
+    cut_at_corner(c, e, c->drawn->points[k]);
 }
 
 /* Keep only marks that leave no fragment between `first` and `last` shorter
    than the least length. */
-static void thin_out(cutter *c, int32_t first, int32_t last) {
+static void cut_thin_out(cutter *c, int32_t first, int32_t last) {
   int32_t least = c->layer->rules->min_edge, at = first;
   size_t n = 0;
   if (!c->n_marks) return;
@@ -104,16 +104,16 @@ static void thin_out(cutter *c, int32_t first, int32_t last) {
 }
 
 /* Make even fragments from `from` to `to`, both marks or ends. */
-static void fill(cutter *c, int32_t from, int32_t to) {
+static void cut_evenly(cutter *c, int32_t from, int32_t to) {
   const epe_rules *r = c->layer->rules;
   int32_t parts = (to - from + r->fragment / 2) / r->fragment;
   while (parts > 1 && (to - from) / parts < r->min_edge) parts--;
   for (int32_t i = 1; i < parts; i++)
-    mark(c, from + (int32_t)((int64_t)(to - from) * i / parts));
+    cut_at(c, from + (int32_t)((int64_t)(to - from) * i / parts));
 }
 
 /* Mark the cuts of an edge, without its ends. */
-static void mark_edge(cutter *c, const drawn_edge *e) {
+static void cut_edge(cutter *c, const drawn_edge *e) {
   const epe_rules *r = c->layer->rules;
   c->n_marks = 0;
   if (e->length < 2 * r->min_edge) return;
@@ -122,34 +122,34 @@ static void mark_edge(cutter *c, const drawn_edge *e) {
   int32_t last =
       e->length - (e->convex[1] ? r->corner_edge : r->concave_corner);
   if (first + r->min_edge > last) {
-    mark(c, e->length / 2);
+    cut_at(c, e->length / 2);
     return;
   }
-  mark_ripples(c, e);
-  thin_out(c, first, last);
+  cut_ripples(c, e);
+  cut_thin_out(c, first, last);
   size_t n = c->n_marks;
   int32_t at = first;
   for (size_t k = 0; k < n; k++) {
     int32_t next = c->marks[k];
-    fill(c, at, next);
+    cut_evenly(c, at, next);
     at = next;
   }
-  fill(c, at, last);
-  mark(c, first);
-  mark(c, last);
+  cut_evenly(c, at, last);
+  cut_at(c, first);
+  cut_at(c, last);
   qsort(c->marks, c->n_marks, sizeof *c->marks, ascending);
 }
 
 /* ---- fragments ---- */
 
-static void add_edge(cutter *c, const drawn_edge *e, uint32_t polygon) {
+static void layer_add_edge(cutter *c, const drawn_edge *e, uint32_t polygon) {
   epe_layer *l = c->layer;
-  mark_edge(c, e);
+  cut_edge(c, e);
   l->edge[l->edges] = (uint32_t)l->count;
   for (size_t k = 0; k <= c->n_marks; k++) {
     int first = k == 0, last = k == c->n_marks;
-    eda_grow(&l->pieces, &c->room, l->count + 1, sizeof *l->pieces);
-    l->pieces[l->count++] = (epe_piece){
+    eda_grow(&l->fragments, &c->capacity, l->count + 1, sizeof *l->fragments);
+    l->fragments[l->count++] = (epe_fragment){
         .from = point_at(e, first ? 0 : c->marks[k - 1]),
         .to = point_at(e, last ? e->length : c->marks[k]),
         .polygon = polygon,
@@ -164,11 +164,11 @@ static void add_edge(cutter *c, const drawn_edge *e, uint32_t polygon) {
   l->edges++;
 }
 
-static void close_polygon(epe_layer *l, uint32_t first) {
+static void layer_close_polygon(epe_layer *l, uint32_t first) {
   uint32_t end = (uint32_t)l->count;
   for (uint32_t i = first; i < end; i++) {
-    l->pieces[i].previous = i > first ? i - 1 : end - 1;
-    l->pieces[i].next = i + 1 < end ? i + 1 : first;
+    l->fragments[i].previous = i > first ? i - 1 : end - 1;
+    l->fragments[i].next = i + 1 < end ? i + 1 : first;
   }
 }
 
@@ -181,9 +181,9 @@ static void cut_polygons(cutter *c) {
     for (uint32_t i = s->start[p]; i < s->start[p + 1]; i++) {
       uint32_t next = i + 1 < s->start[p + 1] ? i + 1 : s->start[p];
       drawn_edge e = edge_of(c, i, next);
-      add_edge(c, &e, (uint32_t)p);
+      layer_add_edge(c, &e, (uint32_t)p);
     }
-    close_polygon(l, first);
+    layer_close_polygon(l, first);
   }
   l->start[s->count] = l->edge[l->edges] = (uint32_t)l->count;
 }
@@ -192,52 +192,52 @@ static void cut_polygons(cutter *c) {
 
 /* Set the site to the middle of the fragment, moved away from corners, where
    the printed image is round, as far as the edge allows. */
-static void set_site(epe_layer *l, uint32_t i, double grid) {
-  const epe_piece *p = &l->pieces[i];
+static void fragment_set_site(epe_layer *l, uint32_t i, double grid) {
+  const epe_fragment *p = &l->fragments[i];
   uint32_t first = l->edge[p->edge], last = l->edge[p->edge + 1] - 1;
-  double a = epe_along(p, l->pieces[first].from);
-  double b = epe_along(p, l->pieces[last].to);
+  double a = epe_along(p, l->fragments[first].from);
+  double b = epe_along(p, l->fragments[last].to);
   double low = epe_min(a, b) + l->rules->tangency;
   double high = epe_max(a, b) - l->rules->tangency;
   double t = (epe_along(p, p->from) + (double)epe_along(p, p->to)) / 2;
   t = low > high ? (a + b) / 2 : epe_within(t, low, high);
-  double at = epe_line(l->pieces, NULL, i);
+  double at = epe_line(l->fragments, NULL, i);
   l->site[2 * i] = grid * (p->axis == EDA_X ? at : t);
   l->site[2 * i + 1] = grid * (p->axis == EDA_X ? t : at);
 }
 
 /* ---- owners ---- */
 
-static int64_t distance(eda_point a, eda_point b) {
+static int64_t point_distance(eda_point a, eda_point b) {
   return llabs((int64_t)b.x - a.x) + llabs((int64_t)b.y - a.y);
 }
 
 /* Set the transistor that owns the middle of each fragment, from the fragments
    of the gates: both traverse the same polygons. */
-static void set_owners(epe_layer *l, const eda_edges *e) {
+static void layer_set_owners(epe_layer *l, const eda_edges *e) {
   if (e->polygons != l->polygons) return;
   for (size_t p = 0; p < l->polygons; p++) {
     uint32_t k = e->start[p], last = e->start[p + 1];
     uint32_t i = l->start[p], end = l->start[p + 1];
-    if (k == last || distance(e->fragments[k].from, l->from[i])) continue;
+    if (k == last || point_distance(e->fragments[k].from, l->from[i])) continue;
     int64_t begins = 0, at = 0;
     for (; i < end; i++) {
-      int64_t length = distance(l->pieces[i].from, l->pieces[i].to);
+      int64_t length = point_distance(l->fragments[i].from, l->fragments[i].to);
       while (k + 1 < last) {
-        int64_t next =
-            begins + distance(e->fragments[k].from, e->fragments[k + 1].from);
+        int64_t next = begins + point_distance(e->fragments[k].from,
+                                               e->fragments[k + 1].from);
         if (2 * next > 2 * at + length) break;
         begins = next;
         k++;
       }
       if (e->fragments[k].role != EDA_FIXED)
-        l->pieces[i].gate = e->fragments[k].gate;
+        l->fragments[i].gate = e->fragments[k].gate;
       at += length;
     }
   }
 }
 
-/* ---- all of it ---- */
+/* ---- layers ---- */
 
 static void find_corners(cutter *c, size_t n) {
   const eda_shapes *s = c->drawn;
@@ -260,7 +260,7 @@ static void find_corners(cutter *c, size_t n) {
 }
 
 /* Allocate all arrays of one element per fragment. */
-static void make_arrays(epe_layer *l) {
+static void layer_make_arrays(epe_layer *l) {
   double **reals[] = {&l->wanted,  &l->gain,    &l->step,    &l->side,
                       &l->error,   &l->before,  &l->cost,    &l->work[0],
                       &l->work[1], &l->work[2], &l->work[3], &l->work[4]};
@@ -289,15 +289,15 @@ void epe_cut(epe_layer *l, const eda_gates *gates, int which) {
   c.convex = eda_alloc(n, 1);
   find_corners(&c, n);
   cut_polygons(&c);
-  make_arrays(l);
+  layer_make_arrays(l);
   for (uint32_t i = 0; i < l->count; i++) {
-    l->from[i] = l->pieces[i].from;
+    l->from[i] = l->fragments[i].from;
     l->gain[i] = 1;
     l->step[i] = INFINITY;
-    l->most[i] = l->pieces[i].still ? 0 : l->rules->max_shift;
-    set_site(l, i, gates->grid);
+    l->most[i] = l->fragments[i].still ? 0 : l->rules->max_shift;
+    fragment_set_site(l, i, gates->grid);
   }
-  set_owners(l, &gates->edges[which]);
+  layer_set_owners(l, &gates->edges[which]);
   eda_index_free(c.corners);
   free(c.convex);
   free(c.marks);
@@ -310,7 +310,7 @@ void epe_clear(epe_layer *l) {
     free(couplings[k]->index);
     free(couplings[k]->weight);
   }
-  free(l->pieces);
+  free(l->fragments);
   free(l->start);
   free(l->from);
   free(l->site);

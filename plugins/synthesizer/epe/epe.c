@@ -19,7 +19,7 @@ enum { LAYERS_BOTH, LAYERS_POLY, LAYERS_ACTIVE };
 enum { BEST_EPE, BEST_ION };
 
 /* Verdicts of transistors. */
-enum { WITHIN, GRID, LIMIT, RULE, LOST, UNMOVED, VERDICTS };
+enum { WITHIN, GRID, LIMIT, RULE, NO_EDGE, UNMOVED, VERDICTS };
 static const char *const verdicts[VERDICTS] = {
     "within 1 nm", "epe", "shift limit", "mask rule", "no edge", NULL};
 
@@ -49,7 +49,7 @@ typedef struct epe {
 
 /* ---- work: begin and cut ---- */
 
-static void clear(void *self) {
+static void epe_clear_all(void *self) {
   epe *d = self;
   for (size_t k = 0; k < d->n_layers; k++) epe_clear(&d->layers[k]);
   free(d->layers);
@@ -57,7 +57,7 @@ static void clear(void *self) {
 }
 
 /* Return a length in grid steps. */
-static int32_t steps(const epe *d, double nm) {
+static int32_t grid_steps(const epe *d, double nm) {
   return (int32_t)lround(fmin(nm / d->grid, 1 << 20));
 }
 
@@ -67,42 +67,43 @@ static int32_t at_least(int32_t n, int32_t least) {
 
 /* Return the length of a fragment beside a corner, grid steps; by default that
    of a fragment. */
-static int32_t beside(const epe *d, double nm) {
-  return at_least(steps(d, isnan(nm) ? d->fragment : nm), d->rules.min_edge);
+static int32_t corner_length(const epe *d, double nm) {
+  return at_least(grid_steps(d, isnan(nm) ? d->fragment : nm),
+                  d->rules.min_edge);
 }
 
-static void set_rules(epe *d) {
+static void rules_set(epe *d) {
   double min_edge = isnan(d->min_edge) ? d->fragment / 2 : d->min_edge;
-  d->rules.min_edge = at_least(steps(d, min_edge), 1);
-  d->rules = (epe_rules){.fragment = at_least(steps(d, d->fragment), 1),
+  d->rules.min_edge = at_least(grid_steps(d, min_edge), 1);
+  d->rules = (epe_rules){.fragment = at_least(grid_steps(d, d->fragment), 1),
                          .min_edge = d->rules.min_edge,
-                         .concave_corner = beside(d, d->concave_corner),
-                         .corner_edge = beside(d, d->corner_edge),
-                         .ripple = beside(d, d->ripple),
-                         .line_end = steps(d, d->line_end),
-                         .ripple_reach = steps(d, d->ripple_reach),
-                         .tangency = steps(d, d->tangency),
-                         .min_width = steps(d, d->min_width),
-                         .min_space = steps(d, d->min_space),
-                         .min_jog = steps(d, d->min_jog),
-                         .max_shift = steps(d, d->max_shift),
+                         .concave_corner = corner_length(d, d->concave_corner),
+                         .corner_edge = corner_length(d, d->corner_edge),
+                         .ripple = corner_length(d, d->ripple),
+                         .line_end = grid_steps(d, d->line_end),
+                         .ripple_reach = grid_steps(d, d->ripple_reach),
+                         .tangency = grid_steps(d, d->tangency),
+                         .min_width = grid_steps(d, d->min_width),
+                         .min_space = grid_steps(d, d->min_space),
+                         .min_jog = grid_steps(d, d->min_jog),
+                         .max_shift = grid_steps(d, d->max_shift),
                          .blur = d->blur / d->grid};
-  d->assist =
-      (eda_bar_rule){.rows = (int32_t)d->bar_rows,
-                     .width = at_least(steps(d, d->bar_width), 1),
-                     .distance = steps(d, d->bar_distance),
-                     .space = steps(d, d->bar_space),
-                     .min_length = at_least(steps(d, d->bar_min_length), 1),
-                     .overhang = steps(d, d->bar_overhang)};
+  d->assist = (eda_bar_rule){
+      .rows = (int32_t)d->bar_rows,
+      .width = at_least(grid_steps(d, d->bar_width), 1),
+      .distance = grid_steps(d, d->bar_distance),
+      .space = grid_steps(d, d->bar_space),
+      .min_length = at_least(grid_steps(d, d->bar_min_length), 1),
+      .overhang = grid_steps(d, d->bar_overhang)};
 }
 
-static void follow(epe *d, eda_scanner scanner);
-static int check(void *self, opc_error *error);
+static void epe_follow(epe *d, eda_scanner scanner);
+static int epe_check(void *self, opc_error *error);
 
-static int begin(void *self, const eda_feedback *f, opc_error *error) {
+static int epe_begin_run(void *self, const eda_feedback *f, opc_error *error) {
   epe *d = self;
-  follow(d, f->scanner);
-  clear(d);
+  epe_follow(d, f->scanner);
+  epe_clear_all(d);
   d->grid = f->gates->grid;
   d->count = f->gates->count;
   d->n_layers = f->gates->layers;
@@ -111,25 +112,25 @@ static int begin(void *self, const eda_feedback *f, opc_error *error) {
   d->best = INFINITY;
   d->still = 0;
   d->dropped = 0;
-  if (check(d, error)) return error->code;
-  set_rules(d);
+  if (epe_check(d, error)) return error->code;
+  rules_set(d);
   if (d->which_best == BEST_ION && !d->count)
     return opc_fail(error, OPC_INVALID, "best",
-                    "'ion' needs transistors, there are none");
+                    "'ion' requires transistors, the layout has none");
   return OPC_OK;
 }
 
 /* Return whether a layer is corrected. Further layers are corrected with
    poly. */
-static int wants(const epe *d, int layer) {
+static int is_corrected(const epe *d, int layer) {
   return d->which_layers == LAYERS_BOTH ||
          d->which_layers == (layer == EDA_ACTIVE ? LAYERS_ACTIVE : LAYERS_POLY);
 }
 
-static int cut(void *self, const eda_gates *gates, int layer, eda_cuts *cuts,
-               opc_error *error) {
+static int epe_cut_layer(void *self, const eda_gates *gates, int layer,
+                         eda_cuts *cuts, opc_error *error) {
   epe *d = self;
-  if (!wants(d, layer) || !gates->drawn[layer].count) return OPC_OK;
+  if (!is_corrected(d, layer) || !gates->drawn[layer].count) return OPC_OK;
   epe_layer *l = &d->layers[layer];
   l->context = d->host->context;
   l->rules = &d->rules;
@@ -149,8 +150,8 @@ static int cut(void *self, const eda_gates *gates, int layer, eda_cuts *cuts,
 /* ---- work: update ---- */
 
 /* Store the measured errors and shifts of a layer. */
-static void take(epe_layer *l, const double *nm, const int32_t *shift,
-                 const eda_field *print, double grid) {
+static void layer_store(epe_layer *l, const double *nm, const int32_t *shift,
+                        const eda_field *print, double grid) {
   for (size_t i = 0; i < l->count; i++) {
     l->before[i] = l->error[i];
     l->last[i] = l->shift[i];
@@ -169,7 +170,7 @@ static double mean_epe(const epe *d) {
   for (size_t k = 0; k < d->n_layers; k++) {
     const epe_layer *l = &d->layers[k];
     for (size_t i = 0; i < l->count; i++) {
-      double along = epe_length(&l->pieces[i]);
+      double along = epe_length(&l->fragments[i]);
       sum += along * l->cost[i];
       length += along;
     }
@@ -178,7 +179,7 @@ static double mean_epe(const epe *d) {
 }
 
 /* Return whether the error of every edge is at most half a grid step. */
-static int solved(const epe *d) {
+static int is_solved(const epe *d) {
   for (size_t k = 0; k < d->n_layers; k++)
     for (size_t i = 0; i < d->layers[k].count; i++)
       if (!(fabs(d->layers[k].error[i]) <= 0.5)) return 0;
@@ -192,11 +193,11 @@ static double mean_ion(const eda_feedback *f) {
   return sum / (double)f->gates->count;
 }
 
-static void judge_gate(epe *d, const epe_layer *l, size_t i) {
-  int32_t gate = l->pieces[i].gate;
+static void verdict_add(epe *d, const epe_layer *l, size_t i) {
+  int32_t gate = l->fragments[i].gate;
   if (gate < 0 || (size_t)gate >= d->count) return;
   int32_t shift = l->shift[i];
-  int why = isnan(l->error[i])                          ? LOST
+  int why = isnan(l->error[i])                          ? NO_EDGE
             : fabs(l->error[i]) * d->grid <= 1          ? WITHIN
             : abs(shift) >= d->rules.max_shift          ? LIMIT
             : shift == l->low[i] || shift == l->high[i] ? RULE
@@ -206,12 +207,12 @@ static void judge_gate(epe *d, const epe_layer *l, size_t i) {
 }
 
 /* Keep the present shifts as the best, with the verdicts of the gates. */
-static void keep(epe *d) {
+static void best_keep(epe *d) {
   memset(d->verdict, UNMOVED, d->count);
   for (size_t k = 0; k < d->n_layers; k++) {
     epe_layer *l = &d->layers[k];
     if (l->count) memcpy(l->best, l->shift, l->count * sizeof *l->best);
-    for (size_t i = 0; i < l->count; i++) judge_gate(d, l, i);
+    for (size_t i = 0; i < l->count; i++) verdict_add(d, l, i);
   }
 }
 
@@ -223,7 +224,7 @@ static const eda_field *print_of(const eda_feedback *f, size_t layer) {
 
 /* Remove printed assist features for good. The best mask contained them, so
    begin the search for the best anew. */
-static void drop_bars(epe *d, const eda_feedback *f) {
+static void assists_drop(epe *d, const eda_feedback *f) {
   size_t all = 0;
   for (size_t k = 0; k < d->n_layers && f->print; k++)
     all += eda_bars_drop(d->host->context, &d->layers[k].bars, print_of(f, k),
@@ -234,17 +235,17 @@ static void drop_bars(epe *d, const eda_feedback *f) {
 
 /* Take over the assist features that the loop has placed. If they differ from
    those of the best mask, begin the search for the best anew. */
-static void take_bars(epe *d, const eda_moves *moves) {
+static void assists_take(epe *d, const eda_moves *moves) {
   int other = 0;
   for (size_t k = 0; k < d->n_layers && !d->assist.rows; k++)
     if (d->layers[k].count)
-      other |= epe_take_bars(&d->layers[k], moves->assists[k]);
+      other |= epe_replace_bars(&d->layers[k], moves->assists[k]);
   if (other) d->best = INFINITY;
 }
 
 /* Write the numbers of assist features on the mask and of removed ones as
    metrics. */
-static int tell_of_bars(const epe *d, opc_error *error) {
+static int assists_write_metrics(const epe *d, opc_error *error) {
   if (!d->assist.rows) return OPC_OK;
   size_t n = 0;
   for (size_t k = 0; k < d->n_layers; k++) n += d->layers[k].bars.count;
@@ -253,27 +254,28 @@ static int tell_of_bars(const epe *d, opc_error *error) {
   return opc_put_metrics(d->host, OPC_ARRAY(values), error);
 }
 
-static int update(void *self, const eda_feedback *f, eda_moves *moves,
-                  int *done, opc_error *error) {
+static int epe_update(void *self, const eda_feedback *f, eda_moves *moves,
+                      int *done, opc_error *error) {
   epe *d = self;
-  drop_bars(d, f);
+  assists_drop(d, f);
   for (size_t k = 0; k < d->n_layers; k++) {
     epe_layer *l = &d->layers[k];
     if (!l->count) continue;
-    take(l, f->epe[k], moves->shift[k], print_of(f, k), d->grid);
+    layer_store(l, f->epe[k], moves->shift[k], print_of(f, k), d->grid);
     epe_weigh(l, print_of(f, k), d->window_weight, d->window_level, d->grid);
   }
   double cost = d->which_best == BEST_ION ? mean_ion(f) : mean_epe(d);
   if (cost < d->best) {
     d->best = cost;
-    keep(d);
+    best_keep(d);
   }
-  take_bars(d, moves);
+  assists_take(d, moves);
   const epe_steering steering = {.step = d->step / d->grid,
                                  .damping = d->damping,
                                  .stiffness = d->stiffness};
   int moved = 0;
-  *done = f->iteration >= d->iterations || d->still >= tuned.still || solved(d);
+  *done =
+      f->iteration >= d->iterations || d->still >= tuned.still || is_solved(d);
   for (size_t k = 0; k < d->n_layers; k++) {
     epe_layer *l = &d->layers[k];
     if (!l->count) continue;
@@ -287,10 +289,10 @@ static int update(void *self, const eda_feedback *f, eda_moves *moves,
     moved |= memcmp(moves->shift[k], l->shift, l->count * sizeof *l->shift);
   }
   d->still = moved ? 0 : d->still + 1;
-  return tell_of_bars(d, error);
+  return assists_write_metrics(d, error);
 }
 
-static const char *verdict(const void *self, size_t gate) {
+static const char *epe_verdict(const void *self, size_t gate) {
   const epe *d = self;
   return gate < d->count ? verdicts[d->verdict[gate]] : NULL;
 }
@@ -316,99 +318,102 @@ static const opc_parameter parameters[] = {
     LENGTH("corner_edge", corner_edge, OPC_ABOVE, "fragment",
            "length of a fragment beside a convex corner"),
     LENGTH("line_end", line_end, OPC_AT_LEAST, "0.389 lambda/NA",
-           "an edge between two convex corners that is at most so long is a "
-           "line end, one fragment"),
+           "largest length of a line end, an edge between two convex corners "
+           "that is one fragment"),
     LENGTH("ripple", ripple, OPC_ABOVE, "fragment",
-           "length of the fragments beside what lies opposite to a corner of "
+           "length of the fragments beside the projection of a corner of "
            "another edge"),
-    FROM_0(ripple_reach, "how far away such a corner may be; 0: none"),
+    FROM_0(ripple_reach, "largest distance of such a corner; 0: none"),
     LENGTH("min_edge", min_edge, OPC_ABOVE, "half of fragment",
-           "no piece of an edge is shorter"),
+           "least length of a segment of an edge"),
     LENGTH("tangency", tangency, OPC_AT_LEAST, "0.155 lambda/NA",
-           "how far off corners, where the print is round, errors are "
-           "measured"),
+           "distance of measurement sites from corners, where the contour is "
+           "round"),
     LENGTH("min_width", min_width, OPC_AT_LEAST, "0.155 lambda/NA",
-           "least width of the mask, also of a nub of an edge"),
+           "least width of the mask, including nubs of edges"),
     LENGTH("min_space", min_space, OPC_AT_LEAST, "0.155 lambda/NA",
-           "least space of the mask, also of a notch of an edge"),
-    FROM_0(min_jog, "neighbours whose shifts differ by less get the same"),
+           "least space of the mask, including notches of edges"),
+    FROM_0(min_jog,
+           "least jog; neighbouring fragments whose shifts differ by less get "
+           "the same shift"),
     LENGTH("max_shift", max_shift, OPC_ABOVE, "0.233 lambda/NA",
-           "how far a fragment may move in all"),
+           "largest shift of a fragment"),
     LENGTH("step", step, OPC_ABOVE, "0.031 lambda/NA",
-           "how far a fragment may move in an iteration"),
+           "largest move of a fragment per iteration"),
     NUMBER("damping", damping, OPC_ABOVE | OPC_AT_MOST, 1, "0.7",
-           "the part of an error that one move is to correct"),
+           "part of an error corrected by one move"),
     NUMBER("stiffness", stiffness, OPC_ABOVE, 0, "0.1",
-           "what a move costs against an error: more is slower and surer, 2 "
-           "where features hardly print"),
-    LENGTH("blur", blur, OPC_ABOVE, "0.155 lambda/NA",
-           "how far a move spreads in the print, as the standard deviation of "
-           "a Gaussian"),
+           "weight of moves against errors: larger values converge slower and "
+           "more safely; 2 if features hardly print"),
+    LENGTH(
+        "blur", blur, OPC_ABOVE, "0.155 lambda/NA",
+        "standard deviation of the effect of a move on the contour (Gaussian)"),
     OPC_PARAMETER(epe, iterations, .type = OPC_INT, .flags = OPC_AT_LEAST,
-                  .preset = "20", .summary = "moves at most"),
+                  .preset = "20", .summary = "largest number of moves"),
     OPC_PARAMETER_NAMED("layers", epe, which_layers, .type = OPC_CHOICE,
                         .preset = "both", .choices = "both|poly|active",
-                        .summary = "what to correct"),
+                        .summary = "corrected layers"),
+    OPC_PARAMETER_NAMED("best", epe, which_best, .type = OPC_CHOICE,
+                        .preset = "epe", .choices = "epe|ion",
+                        .summary = "criterion of the best iteration: least "
+                                   "mean |EPE|, or least mean |Ion deviation|"),
     OPC_PARAMETER_NAMED(
-        "best", epe, which_best, .type = OPC_CHOICE, .preset = "epe",
-        .choices = "epe|ion",
-        .summary = "the iteration to keep: that of the least mean |EPE|, or of "
-                   "the least mean |Ion deviation|"),
-    OPC_PARAMETER_NAMED("assist", epe, bar_rows, .type = OPC_INT,
-                        .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "0",
-                        .max = 4,
-                        .summary = "rows of assist bars beside open edges"),
+        "assist", epe, bar_rows, .type = OPC_INT,
+        .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "0", .max = 4,
+        .summary = "rows of assist features beside isolated edges"),
     LENGTH("assist_width", bar_width, OPC_ABOVE, "0.194 lambda/NA",
-           "width of an assist bar"),
+           "width of an assist feature"),
     LENGTH("assist_distance", bar_distance, OPC_ABOVE, "0.583 lambda/NA",
-           "from drawn shapes to the first row"),
+           "distance of the first row from drawn shapes"),
     LENGTH("assist_space", bar_space, OPC_ABOVE, "0.311 lambda/NA",
-           "between assist bars"),
+           "space between assist features"),
     LENGTH("assist_min_length", bar_min_length, OPC_ABOVE, "0.311 lambda/NA",
-           "of an assist bar"),
+           "least length of an assist feature"),
     LENGTH("assist_overhang", bar_overhang, OPC_AT_LEAST, "0.389 lambda/NA",
-           "how far a bar goes past the ends of its edge"),
+           "extension of an assist feature past the ends of its edge"),
     NUMBER("assist_margin", bar_margin, OPC_AT_LEAST, 0, "0.02",
-           "a bar is dropped where it comes so near to printing, intensity; "
-           "clear field 1"),
+           "intensity margin to printing below which an assist feature is "
+           "removed; clear field 1"),
     NUMBER("window.level", window_level, OPC_ABOVE, 0, "0.01",
-           "other doses: the intensity at the edge, more and less; clear "
-           "field 1"),
+           "intensity offset of other doses at the edge, in both directions; "
+           "clear field 1"),
     NUMBER("window.weight", window_weight, OPC_AT_LEAST | OPC_AT_MOST, 1, "0",
-           "of the errors at other doses in the feedback"),
+           "weight of the errors at other doses in the feedback"),
 };
 
 /* Compute the defaults of parameters that are not set. */
-static void follow(epe *d, eda_scanner scanner) {
+static void epe_follow(epe *d, eda_scanner scanner) {
   EDA_FOLLOW(d->host, "synthesizer.epe", d, parameters, scanner);
 }
 
 static const opc_metric metrics[] = {
-    {"assists", NULL, OPC_NEUTRAL, 0, "assist bars of the mask"},
+    {"assists", NULL, OPC_NEUTRAL, 0, "number of assist features on the mask"},
     {"assists_dropped", NULL, OPC_LOWER, 0,
-     "assist bars that were taken away as they printed"},
+     "number of assist features removed because they printed"},
 };
 
-static int check(void *self, opc_error *error) {
+static int epe_check(void *self, opc_error *error) {
   const epe *d = self;
   if (!(d->min_edge > d->fragment))
     return OPC_OK; /* false also while one of
                       them is not known */
   return opc_fail(error, OPC_INVALID, "min_edge",
-                  "%g nm is more than a fragment of %g nm", d->min_edge,
+                  "%g nm exceeds the fragment length of %g nm", d->min_edge,
                   d->fragment);
 }
 
 /* ---- entry ---- */
 
-static const eda_synthesizer functions = {
-    .begin = begin, .update = update, .verdict = verdict, .cut = cut};
+static const eda_synthesizer functions = {.begin = epe_begin_run,
+                                          .update = epe_update,
+                                          .verdict = epe_verdict,
+                                          .cut = epe_cut_layer};
 
 OPC_PLUGIN(epe, .id = "synthesizer.epe", .kind = "synthesizer",
            .version = "0.2.0", .licence = "BSD-3-Clause",
            .summary =
-               "edge placement error OPC: fragments that move until "
-               "the print meets the drawn edge",
+               "edge placement error OPC: fragments move until the contour "
+               "meets the drawn edge",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), OPC_METRICS(metrics), .check = check,
-           .clear = clear, OPC_FUNCTIONS(functions));
+           OPC_PARAMETERS(parameters), OPC_METRICS(metrics), .check = epe_check,
+           .clear = epe_clear_all, OPC_FUNCTIONS(functions));

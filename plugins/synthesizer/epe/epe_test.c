@@ -11,24 +11,25 @@
 
 /* Mean shift of three fragments, 2 nm per nm. */
 static double coupled(const trial *t, size_t i) {
-  return 8 +
-         2 * (t->shift[before(t, i)] + t->shift[i] + t->shift[after(t, i)]) /
-             3.0;
+  return 8 + 2 *
+                 (t->shift[fragment_before(t, i)] + t->shift[i] +
+                  t->shift[fragment_after(t, i)]) /
+                 3.0;
 }
 
 static void test_solved(void) {
   const eda_box line = {0, 0, 100, 2000};
   g_autoptr(shapes) s = make_shapes(&line, 1);
-  trial t = correct("{}", &s->gates, straight);
+  trial t = trial_correct("{}", &s->gates, straight);
   g_assert_cmpuint(t.count, >, 80);
   for (size_t i = 0; i < t.count; i++) g_assert_cmpint(t.shift[i], ==, 6);
-  clear(&t);
-  t = correct("{ iterations: 40 }", &s->gates, coupled);
+  trial_clear(&t);
+  t = trial_correct("{ iterations: 40 }", &s->gates, coupled);
   for (size_t i = 0; i < t.count; i++) {
     g_assert_cmpfloat(fabs(t.epe[i]), <=, 1);
     g_assert_cmpint(abs(t.shift[i] + 4), <=, 1);
   }
-  clear(&t);
+  trial_clear(&t);
 }
 
 /* Corners do not print at any shift. Sites away from them converge, and corners
@@ -41,14 +42,14 @@ static double round_corners(const trial *t, size_t i) {
 static void test_corners(void) {
   const eda_box line = {0, 0, 100, 2000};
   g_autoptr(shapes) s = make_shapes(&line, 1);
-  trial t = correct("{ max_shift: 25 nm, blur: 20 nm, iterations: 60 }",
-                    &s->gates, round_corners);
+  trial t = trial_correct("{ max_shift: 25 nm, blur: 20 nm, iterations: 60 }",
+                          &s->gates, round_corners);
   for (size_t i = 0; i < t.count; i++) {
     int far = t.cuts.from[i].y > 200 && t.cuts.from[i].y < 1800;
     g_assert_cmpint(abs(t.shift[i]), <=, 25);
     if (far) g_assert_cmpfloat(fabs(t.epe[i]), <=, 1.5);
   }
-  clear(&t);
+  trial_clear(&t);
 }
 
 /* A line that does not print has to grow, a merged one to shrink. */
@@ -61,9 +62,9 @@ static double hidden(const trial *t, size_t i) {
 static void test_lost(void) {
   const eda_box line = {0, 0, 60, 1000};
   g_autoptr(shapes) s = make_shapes(&line, 1);
-  trial t = correct("{}", &s->gates, hidden);
+  trial t = trial_correct("{}", &s->gates, hidden);
   for (size_t i = 0; i < t.count; i++) g_assert_cmpfloat(fabs(t.epe[i]), <=, 1);
-  clear(&t);
+  trial_clear(&t);
 }
 
 /* ---- fragments and sites ---- */
@@ -72,14 +73,14 @@ static void test_cut(void) {
   /* An L, concave at (200, 100). */
   const eda_box boxes[] = {{0, 0, 600, 100}, {0, 0, 200, 500}};
   g_autoptr(shapes) s = make_shapes(boxes, 2);
-  trial t = correct(
+  trial t = trial_correct(
       "{ fragment: 50 nm, min_edge: 20 nm, corner_edge: 30 nm, concave_corner: "
       "20 "
       "nm, tangency: 45 nm, line_end: 100 nm, iterations: 0 }",
       &s->gates, straight);
   int ends = 0, convex = 0, concave = 0;
   for (size_t i = 0; i < t.count; i++) {
-    eda_point a = t.cuts.from[i], b = t.cuts.from[after(&t, i)];
+    eda_point a = t.cuts.from[i], b = t.cuts.from[fragment_after(&t, i)];
     int length = abs(a.x - b.x) + abs(a.y - b.y);
     ends += a.x == 600 && b.x == 600 && length == 100;
     convex += a.x == 0 && a.y == 0 && length == 30;
@@ -96,7 +97,7 @@ static void test_cut(void) {
   g_assert_cmpint(ends, ==, 1);
   g_assert_cmpint(convex, ==, 1);
   g_assert_cmpint(concave, ==, 2);
-  clear(&t);
+  trial_clear(&t);
 }
 
 /* An edge is cut at the projection of the end of another line. */
@@ -106,14 +107,14 @@ static void test_ripple(void) {
   for (int reach = 0; reach <= 150; reach += 150) {
     g_autofree char *p = g_strdup_printf(
         "{ ripple_reach: %d nm, ripple: 20 nm, iterations: 0 }", reach);
-    trial t = correct(p, &s->gates, straight);
+    trial t = trial_correct(p, &s->gates, straight);
     int found = 0;
     for (size_t i = 0; i < t.count; i++)
       found += t.cuts.from[i].y == 100 &&
                (t.cuts.from[i].x == 433 || t.cuts.from[i].x == 413 ||
                 t.cuts.from[i].x == 453);
     g_assert_cmpint(found, ==, reach ? 3 : 0);
-    clear(&t);
+    trial_clear(&t);
   }
 }
 
@@ -143,9 +144,9 @@ static GArray *sides_of(const trial *t, const eda_gates *gates) {
   return sides;
 }
 
-/* Return the number of pairs that face each other at less than `limit`: through
-   the inside, where they overlap along the edges, or across a space, also from
-   corner to corner. */
+/* Return the number of pairs that face each other at less than `limit`. Pairs
+   through the inside overlap along the edges; pairs across a space include
+   corners. */
 static int too_near(GArray *sides, int inside, int32_t limit) {
   int found = 0;
   for (guint i = 0; i < sides->len; i++)
@@ -160,7 +161,7 @@ static int too_near(GArray *sides, int inside, int32_t limit) {
   return found;
 }
 
-static int broken(const trial *t, const eda_gates *gates) {
+static int count_broken(const trial *t, const eda_gates *gates) {
   g_autoptr(GArray) sides = sides_of(t, gates);
   return too_near(sides, 0, 40) + too_near(sides, 1, 40);
 }
@@ -171,31 +172,31 @@ static void test_rules(void) {
   for (uint32_t seed = 1; tried < 12; seed++) {
     g_assert_cmpuint(seed, <, 1000);
     g_autoptr(shapes) s = messy(seed);
-    trial drawn = correct("{ iterations: 0 }", &s->gates, nonsense);
-    if (!broken(&drawn, &s->gates)) {
+    trial drawn = trial_correct("{ iterations: 0 }", &s->gates, nonsense);
+    if (!count_broken(&drawn, &s->gates)) {
       tried++;
       trial loose =
-          correct("{ min_width: 0 nm, min_space: 0 nm, iterations: 8 }",
-                  &s->gates, nonsense);
-      trial t =
-          correct("{ iterations: 8, min_jog: 3 nm }", &s->gates, nonsense);
-      without += broken(&loose, &s->gates);
-      g_assert_cmpint(broken(&t, &s->gates), ==, 0);
+          trial_correct("{ min_width: 0 nm, min_space: 0 nm, iterations: 8 }",
+                        &s->gates, nonsense);
+      trial t = trial_correct("{ iterations: 8, min_jog: 3 nm }", &s->gates,
+                              nonsense);
+      without += count_broken(&loose, &s->gates);
+      g_assert_cmpint(count_broken(&t, &s->gates), ==, 0);
       int moved = 0;
       for (size_t i = 0; i < t.count; i++) moved += t.shift[i] != 0;
       g_assert_cmpint(moved, >, (int)t.count / 4);
-      clear(&loose);
-      clear(&t);
+      trial_clear(&loose);
+      trial_clear(&t);
     }
-    clear(&drawn);
+    trial_clear(&drawn);
   }
   g_assert_cmpint(without, >, 100);
 }
 
-static size_t jogs(const trial *t) {
+static size_t count_jogs(const trial *t) {
   size_t n = 0;
   for (size_t i = 0; i < t->count; i++)
-    n += t->shift[i] != t->shift[after(t, i)];
+    n += t->shift[i] != t->shift[fragment_after(t, i)];
   return n;
 }
 
@@ -209,37 +210,37 @@ static void test_jogs(void) {
   size_t last = SIZE_MAX;
   for (int jog = 1; jog <= 5; jog += 2) {
     g_autofree char *p = g_strdup_printf("{ min_jog: %d nm }", jog);
-    trial t = correct(p, &s->gates, wavy);
+    trial t = trial_correct(p, &s->gates, wavy);
     for (size_t i = 0; i < t.count; i++) {
-      size_t k = after(&t, i);
+      size_t k = fragment_after(&t, i);
       int corner = t.cuts.from[k].y % 8000 == 0;
       if (!corner && t.shift[i] != t.shift[k])
         g_assert_cmpint(abs(t.shift[i] - t.shift[k]), >=, jog);
     }
-    g_assert_cmpuint(jogs(&t), <, last);
-    last = jogs(&t);
-    clear(&t);
+    g_assert_cmpuint(count_jogs(&t), <, last);
+    last = count_jogs(&t);
+    trial_clear(&t);
   }
 }
 
 static void test_threads(void) {
   g_autoptr(shapes) s = messy(5);
   opc_set_threads(1);
-  trial one = correct("{}", &s->gates, nonsense);
+  trial one = trial_correct("{}", &s->gates, nonsense);
   opc_set_threads(7);
-  trial seven = correct("{}", &s->gates, nonsense);
+  trial seven = trial_correct("{}", &s->gates, nonsense);
   opc_set_threads(0);
   g_assert_cmpmem(one.shift, one.count * sizeof *one.shift, seven.shift,
                   seven.count * sizeof *seven.shift);
-  clear(&one);
-  clear(&seven);
+  trial_clear(&one);
+  trial_clear(&seven);
 }
 
 static void test_refused(void) {
   opc_error error;
   g_assert_null(opc_test_module(
       "synthesizer.epe", "{ fragment: 20 nm, min_edge: 30 nm }", &error));
-  g_assert_nonnull(strstr(error.message, "30 nm is more than a fragment"));
+  g_assert_nonnull(strstr(error.message, "30 nm exceeds the fragment"));
   const eda_box line = {0, 0, 60, 1000};
   g_autoptr(shapes) s = make_shapes(&line, 1);
   g_autoptr(opc_module) m =

@@ -15,7 +15,7 @@ typedef struct gap {
   double along;  /* between the ends; 0 or less if the fragments overlap */
 } gap;
 
-static gap gap_of(const epe_piece *p, const int32_t *shift, uint32_t a,
+static gap gap_of(const epe_fragment *p, const int32_t *shift, uint32_t a,
                   uint32_t b) {
   int32_t a0 = epe_begin(p, shift, a), a1 = epe_end(p, shift, a);
   int32_t b0 = epe_begin(p, shift, b), b1 = epe_end(p, shift, b);
@@ -25,31 +25,31 @@ static gap gap_of(const epe_piece *p, const int32_t *shift, uint32_t a,
                epe_max((double)low_b - high_a, (double)low_a - high_b)};
 }
 
-/* ---- finding them ---- */
+/* ---- search ---- */
 
 typedef struct finder {
   epe_layer *layer;
   eda_index *index;
-  size_t room;
+  size_t capacity;
 } finder;
 
-static void add_pair(finder *f, epe_pair pair) {
+static void pair_add(finder *f, epe_pair pair) {
   epe_layer *l = f->layer;
-  eda_grow(&l->pairs, &f->room, l->pair_count + 1, sizeof pair);
+  eda_grow(&l->pairs, &f->capacity, l->pair_count + 1, sizeof pair);
   l->pairs[l->pair_count++] = pair;
 }
 
 /* Return the largest move of the ends of a fragment along the edge. */
-static double stretch(const epe_layer *l, uint32_t i) {
-  return l->pieces[i].corner ? l->rules->max_shift : 0;
+static double end_reach(const epe_layer *l, uint32_t i) {
+  return l->fragments[i].corner ? l->rules->max_shift : 0;
 }
 
 /* Add the pair if it may come too near. The outside of fragment i is towards
    larger coordinates, that of j towards smaller ones: across a space if j is
    beyond i, else through the inside. */
-static void consider(finder *f, uint32_t i, uint32_t j) {
+static void pair_consider(finder *f, uint32_t i, uint32_t j) {
   epe_layer *l = f->layer;
-  const epe_piece *p = l->pieces;
+  const epe_fragment *p = l->fragments;
   int32_t off = epe_line(p, NULL, j) - epe_line(p, NULL, i);
   if (!off) return;
   int inside = off < 0;
@@ -57,7 +57,7 @@ static void consider(finder *f, uint32_t i, uint32_t j) {
   double limit = inside ? l->rules->min_width : l->rules->min_space;
   gap g = gap_of(p, NULL, a, b);
   if (g.across > limit + 2 * l->rules->max_shift ||
-      g.along > limit + stretch(l, a) + stretch(l, b))
+      g.along > limit + end_reach(l, a) + end_reach(l, b))
     return;
   /* There is no inside between corners of two polygons that are past each
      other. */
@@ -65,27 +65,27 @@ static void consider(finder *f, uint32_t i, uint32_t j) {
       !p[j].hole)
     return;
   double drawn = g.along > 0 ? hypot(g.across, g.along) : g.across;
-  add_pair(f,
+  pair_add(f,
            (epe_pair){a, b, (uint16_t)inside, 0, (float)epe_min(limit, drawn)});
 }
 
-static eda_box box_of(const epe_piece *p, int32_t grown) {
+static eda_box box_of(const epe_fragment *p, int32_t grown) {
   const eda_point ends[] = {p->from, p->to};
   eda_box b = eda_bounds(ends, 2);
   return (eda_box){b.x0 - grown, b.y0 - grown, b.x1 + grown, b.y1 + grown};
 }
 
-static void find_around(finder *f, uint32_t i, int32_t reach) {
-  const epe_piece *p = f->layer->pieces;
+static void pairs_find_around(finder *f, uint32_t i, int32_t reach) {
+  const epe_fragment *p = f->layer->fragments;
   eda_finder near = eda_index_find(f->index, box_of(&p[i], reach));
   for (uint32_t j; eda_index_next(&near, &j);)
-    if (p[j].axis == p[i].axis && p[j].sign < 0) consider(f, i, j);
+    if (p[j].axis == p[i].axis && p[j].sign < 0) pair_consider(f, i, j);
 }
 
 /* Return the distance of the begin (side 0) or end (side 1) of fragment i from
    the corner of the edge at that side. */
-static int32_t off_corner(const epe_layer *l, uint32_t i, int side) {
-  const epe_piece *p = l->pieces;
+static int32_t corner_distance(const epe_layer *l, uint32_t i, int side) {
+  const epe_fragment *p = l->fragments;
   uint32_t first = l->edge[p[i].edge], last = l->edge[p[i].edge + 1] - 1;
   return side ? abs(epe_along(&p[i], p[last].to) - epe_along(&p[i], p[i].to))
               : abs(epe_along(&p[i], p[first].from) -
@@ -93,11 +93,11 @@ static int32_t off_corner(const epe_layer *l, uint32_t i, int side) {
 }
 
 /* Add pairs of fragments before and after the corner at the end of fragment i,
-   without the two that meet in the corner: nubs of both come near to each other
+   without the two that meet in the corner. Nubs of both come near to each other
    at a concave corner, notches at a convex one. */
-static void find_at_corner(finder *f, uint32_t i) {
+static void pairs_find_at_corner(finder *f, uint32_t i) {
   epe_layer *l = f->layer;
-  const epe_piece *p = l->pieces;
+  const epe_fragment *p = l->fragments;
   uint32_t j = p[i].next;
   if (!(p[i].corner & EPE_TO)) return;
   int inside = (p[i].sign * p[j].sign > 0) == (p[i].axis == EDA_X);
@@ -105,12 +105,12 @@ static void find_at_corner(finder *f, uint32_t i) {
   int32_t reach = limit + l->rules->max_shift;
   for (uint32_t a = i; !(p[a].corner & EPE_FROM);) {
     a = p[a].previous;
-    if (off_corner(l, a, 1) >= reach) break;
+    if (corner_distance(l, a, 1) >= reach) break;
     for (uint32_t b = j; !(p[b].corner & EPE_TO);) {
       b = p[b].next;
-      if (off_corner(l, b, 0) >= reach) break;
-      double drawn = hypot(off_corner(l, a, 1), off_corner(l, b, 0));
-      add_pair(f, (epe_pair){a, b, (uint16_t)inside, 1,
+      if (corner_distance(l, b, 0) >= reach) break;
+      double drawn = hypot(corner_distance(l, a, 1), corner_distance(l, b, 0));
+      pair_add(f, (epe_pair){a, b, (uint16_t)inside, 1,
                              (float)epe_min(limit, drawn)});
     }
   }
@@ -123,59 +123,62 @@ void epe_find_pairs(epe_layer *l) {
   int32_t reach = most + 2 * r->max_shift;
   if (!most) return;
   eda_box *boxes = eda_alloc(l->count, sizeof *boxes);
-  for (uint32_t i = 0; i < l->count; i++) boxes[i] = box_of(&l->pieces[i], 0);
+  for (uint32_t i = 0; i < l->count; i++)
+    boxes[i] = box_of(&l->fragments[i], 0);
   f.index = eda_index_new(boxes, l->count, reach);
   for (uint32_t i = 0; i < l->count; i++) {
-    if (l->pieces[i].sign > 0) find_around(&f, i, reach);
-    find_at_corner(&f, i);
+    if (l->fragments[i].sign > 0) pairs_find_around(&f, i, reach);
+    pairs_find_at_corner(&f, i);
   }
   eda_index_free(f.index);
   free(boxes);
   l->broken = eda_alloc(l->pair_count, 1);
 }
 
-/* ---- keeping them apart ---- */
+/* ---- separation ---- */
 
 /* Move fragment i towards the drawn edge, by so many steps. */
-static void go_back(epe_layer *l, const int32_t *shift, uint32_t i,
-                    int32_t by) {
+static void fragment_move_back(epe_layer *l, const int32_t *shift, uint32_t i,
+                               int32_t by) {
   int32_t out = shift[i] > 0, left = abs(shift[i]) - by;
   if (left < 0) left = 0;
   if (!shift[i] || (out ? l->high[i] <= left : l->low[i] >= -left)) return;
   *(out ? &l->high[i] : &l->low[i]) = out ? left : -left;
-  l->state[l->pieces[i].edge] |= EPE_NARROWED;
+  l->state[l->fragments[i].edge] |= EPE_NARROWED;
 }
 
 /* Move the neighbours around the corners of a fragment back by one step, as
    they have made it longer. */
-static void draw_in(epe_layer *l, const int32_t *shift, uint32_t i) {
-  const epe_piece *p = &l->pieces[i];
-  if (p->corner & EPE_FROM) go_back(l, shift, p->previous, 1);
-  if (p->corner & EPE_TO) go_back(l, shift, p->next, 1);
+static void neighbours_move_back(epe_layer *l, const int32_t *shift,
+                                 uint32_t i) {
+  const epe_fragment *p = &l->fragments[i];
+  if (p->corner & EPE_FROM) fragment_move_back(l, shift, p->previous, 1);
+  if (p->corner & EPE_TO) fragment_move_back(l, shift, p->next, 1);
 }
 
-static void leave_as_drawn(epe_layer *l, uint32_t i) {
-  const epe_piece *p = &l->pieces[i];
+static void fragment_keep_drawn(epe_layer *l, uint32_t i) {
+  const epe_fragment *p = &l->fragments[i];
   uint32_t all[3] = {i, p->previous, p->next};
   for (int k = 0; k < 3; k++) {
     l->low[all[k]] = l->high[all[k]] = 0;
-    l->state[l->pieces[all[k]].edge] |= EPE_WHOLE | EPE_NARROWED;
+    l->state[l->fragments[all[k]].edge] |= EPE_WHOLE | EPE_NARROWED;
   }
 }
 
 /* Move both fragments back, each by its part of the missing distance. */
-static void give_way(epe_layer *l, const int32_t *shift, const epe_pair *pair,
-                     double missing) {
+static void pair_separate(epe_layer *l, const int32_t *shift,
+                          const epe_pair *pair, double missing) {
   int sign = pair->inside ? -1 : 1; /* sign of moves that close the gap */
   uint32_t who[2] = {pair->a, pair->b};
   double part[2], all = 0;
   for (int k = 0; k < 2; k++) all += part[k] = epe_max(0, sign * shift[who[k]]);
   for (int k = 0; k < 2; k++) {
     if (part[k] <= 0) continue;
-    go_back(l, shift, who[k], (int32_t)ceil(missing * part[k] / all));
+    fragment_move_back(l, shift, who[k],
+                       (int32_t)ceil(missing * part[k] / all));
   }
   if (all >= missing) return;
-  for (int k = 0; k < 2; k++) draw_in(l, shift, who[k]);
+  for (int k = 0; k < 2; k++) neighbours_move_back(l, shift, who[k]);
 }
 
 /* Grid steps: corners are on whole steps, but limits are rounded floats. */
@@ -183,23 +186,23 @@ static const double slack = 1e-3;
 
 /* Return the distance between the jogs of two fragments around a corner; a
    large one unless both protrude. */
-static double around_corner(const epe_layer *l, const int32_t *shift,
-                            const epe_pair *pair) {
+static double corner_gap(const epe_layer *l, const int32_t *shift,
+                         const epe_pair *pair) {
   uint32_t a = pair->a, b = pair->b;
   int sign = pair->inside ? -1 : 1;
   int32_t by_a = sign * shift[a], by_b = sign * shift[b];
-  if (by_a <= sign * shift[l->pieces[a].next] ||
-      by_b <= sign * shift[l->pieces[b].previous])
+  if (by_a <= sign * shift[l->fragments[a].next] ||
+      by_b <= sign * shift[l->fragments[b].previous])
     return INFINITY;
-  return hypot(epe_max(0, off_corner(l, b, 0) - by_a),
-               epe_max(0, off_corner(l, a, 1) - by_b));
+  return hypot(epe_max(0, corner_distance(l, b, 0) - by_a),
+               epe_max(0, corner_distance(l, a, 1) - by_b));
 }
 
 static int too_near(const epe_layer *l, const int32_t *shift,
                     const epe_pair *pair) {
-  const epe_piece *p = l->pieces;
+  const epe_fragment *p = l->fragments;
   double limit = pair->limit - slack;
-  if (pair->corner) return around_corner(l, shift, pair) < limit;
+  if (pair->corner) return corner_gap(l, shift, pair) < limit;
   if (epe_line(p, shift, pair->b) - epe_line(p, shift, pair->a) >= limit)
     return 0;
   gap g = gap_of(p, shift, pair->a, pair->b);
@@ -213,7 +216,7 @@ typedef struct search {
   const int32_t *shift;
 } search;
 
-static void look_at_pair(void *data, size_t k) {
+static void pair_check(void *data, size_t k) {
   const search *s = data;
   epe_layer *l = s->layer;
   l->broken[k] = (uint8_t)too_near(l, s->shift, &l->pairs[k]);
@@ -222,8 +225,9 @@ static void look_at_pair(void *data, size_t k) {
 /* Move the edges around edge e back if its corners are too near to each other
    or have changed places. No edge gets shorter than min_edge, or than drawn if
    that is less. Return whether the edge was too short. */
-static int lengthen(epe_layer *l, const int32_t *shift, size_t e, int hard) {
-  const epe_piece *p = l->pieces;
+static int edge_lengthen(epe_layer *l, const int32_t *shift, size_t e,
+                         int hard) {
+  const epe_fragment *p = l->fragments;
   uint32_t first = l->edge[e], last = l->edge[e + 1] - 1;
   int way = (p[first].axis == EDA_X) == (p[first].sign > 0) ? 1 : -1;
   double begin = epe_begin(p, shift, first), end = epe_end(p, shift, last);
@@ -233,43 +237,43 @@ static int lengthen(epe_layer *l, const int32_t *shift, size_t e, int hard) {
   double missing = least - way * (end - begin);
   if (missing <= 0) return 0;
   if (hard) {
-    leave_as_drawn(l, first);
-    leave_as_drawn(l, last);
+    fragment_keep_drawn(l, first);
+    fragment_keep_drawn(l, last);
     return 1;
   }
   double from = epe_max(0, way * (begin - drawn_begin));
   double to = epe_max(0, way * (drawn_end - end));
   /* Each moves back by its part of the missing length. */
   double part = missing / (from + to);
-  go_back(l, shift, p[first].previous, (int32_t)ceil(from * part));
-  go_back(l, shift, p[last].next, (int32_t)ceil(to * part));
+  fragment_move_back(l, shift, p[first].previous, (int32_t)ceil(from * part));
+  fragment_move_back(l, shift, p[last].next, (int32_t)ceil(to * part));
   return 1;
 }
 
-size_t epe_part(epe_layer *l, const int32_t *shift, int hard) {
+size_t epe_separate(epe_layer *l, const int32_t *shift, int hard) {
   search s = {l, shift};
   size_t found = 0;
-  opc_parallel(l->context, l->pair_count, look_at_pair, &s);
+  opc_parallel(l->context, l->pair_count, pair_check, &s);
   for (size_t k = 0; k < l->pair_count; k++) {
     if (!l->broken[k]) continue;
     const epe_pair *pair = &l->pairs[k];
     found++;
     if (hard) {
-      leave_as_drawn(l, pair->a);
-      leave_as_drawn(l, pair->b);
+      fragment_keep_drawn(l, pair->a);
+      fragment_keep_drawn(l, pair->b);
       continue;
     }
     if (pair->corner) {
-      give_way(l, shift, pair, pair->limit - around_corner(l, shift, pair));
+      pair_separate(l, shift, pair, pair->limit - corner_gap(l, shift, pair));
       continue;
     }
-    gap g = gap_of(l->pieces, shift, pair->a, pair->b);
+    gap g = gap_of(l->fragments, shift, pair->a, pair->b);
     double limit = pair->limit;
     double needed =
         g.along > 0 ? sqrt(limit * limit - g.along * g.along) : limit;
-    give_way(l, shift, pair, epe_max(needed - slack - g.across, slack));
+    pair_separate(l, shift, pair, epe_max(needed - slack - g.across, slack));
   }
   for (size_t e = 0; e < l->edges; e++)
-    found += (size_t)lengthen(l, shift, e, hard);
+    found += (size_t)edge_lengthen(l, shift, e, hard);
   return found;
 }

@@ -29,8 +29,8 @@ static const epe_rules rules = {.fragment = 40,
                                 .blur = 40};
 
 /* Cut merged boxes into fragments. */
-static void cut_boxes(epe_layer *l, const eda_box *boxes, int n,
-                      eda_shapes *drawn) {
+static void make_fragments(epe_layer *l, const eda_box *boxes, int n,
+                           eda_shapes *drawn) {
   eda_point points[4 * BOXES];
   uint32_t start[BOXES + 1] = {0};
   opc_error error;
@@ -52,9 +52,9 @@ static void cut_boxes(epe_layer *l, const eda_box *boxes, int n,
 
 /* Return the distance between the walls of two fragments that face each
    other. */
-static double apart(const epe_layer *l, const int32_t *shift, uint32_t i,
-                    uint32_t j) {
-  const epe_piece *p = l->pieces;
+static double wall_distance(const epe_layer *l, const int32_t *shift,
+                            uint32_t i, uint32_t j) {
+  const epe_fragment *p = l->fragments;
   double i0 = epe_begin(p, shift, i), i1 = epe_end(p, shift, i);
   double j0 = epe_begin(p, shift, j), j1 = epe_end(p, shift, j);
   double past = fmax(fmin(i0, i1) - fmax(j0, j1), fmin(j0, j1) - fmax(i0, i1));
@@ -80,7 +80,7 @@ static void test_all(void) {
     }
     eda_shapes drawn;
     epe_layer l;
-    cut_boxes(&l, boxes, BOXES, &drawn);
+    make_fragments(&l, boxes, BOXES, &drawn);
     g_autofree int32_t *shift = g_new0(int32_t, l.count);
     for (int round = 0; round < 4; round++) {
       for (size_t i = 0; i < l.count; i++)
@@ -89,14 +89,15 @@ static void test_all(void) {
                                 : by_lot(-SHIFT, SHIFT);
       for (uint32_t i = 0; i < l.count; i++)
         for (uint32_t j = 0; j < l.count; j++) {
-          const epe_piece *p = &l.pieces[i], *q = &l.pieces[j];
+          const epe_fragment *p = &l.fragments[i], *q = &l.fragments[j];
           int32_t off =
-              epe_line(l.pieces, NULL, j) - epe_line(l.pieces, NULL, i);
+              epe_line(l.fragments, NULL, j) - epe_line(l.fragments, NULL, i);
           if (p->axis != q->axis || p->sign < 0 || q->sign > 0 || !off)
             continue;
           int inside = off < 0;
           double limit = inside ? WIDTH : SPACE;
-          double was = apart(&l, NULL, i, j), is = apart(&l, shift, i, j);
+          double was = wall_distance(&l, NULL, i, j),
+                 is = wall_distance(&l, shift, i, j);
           if (is >= fmin(limit, was) - 0.01) continue;
           /* There is no inside between two polygons that are past each
              other. */
@@ -111,7 +112,7 @@ static void test_all(void) {
       double limit = pair->inside ? WIDTH : SPACE;
       g_assert_cmpfloat(pair->limit, <=, limit);
       if (pair->corner) continue;
-      double was = apart(&l, NULL, pair->a, pair->b);
+      double was = wall_distance(&l, NULL, pair->a, pair->b);
       g_assert_cmpfloat(fabs(pair->limit - fmin(limit, was)), <, 1e-3);
     }
     epe_clear(&l);
@@ -125,7 +126,7 @@ static void test_all(void) {
 static uint32_t middle_of(const epe_layer *l, uint32_t polygon, int axis,
                           int sign) {
   for (uint32_t i = l->start[polygon]; i < l->start[polygon + 1]; i++) {
-    const epe_piece *p = &l->pieces[i];
+    const epe_fragment *p = &l->fragments[i];
     int32_t a = epe_along(p, p->from), b = epe_along(p, p->to);
     if (p->axis == axis && p->sign == sign && MIN(a, b) <= 200 &&
         MAX(a, b) >= 200)
@@ -151,19 +152,19 @@ static void test_way(void) {
                                              lines[i].y1, lines[i].x1};
       eda_shapes drawn;
       epe_layer l;
-      cut_boxes(&l, boxes, 2, &drawn);
+      make_fragments(&l, boxes, 2, &drawn);
       uint32_t a = middle_of(&l, 0, axis, 1), b = middle_of(&l, 1, axis, -1);
       if (drawn.points[0].x + drawn.points[0].y > 20) /* the other one first */
         a = middle_of(&l, 1, axis, 1), b = middle_of(&l, 0, axis, -1);
       g_autofree int32_t *shift = g_new0(int32_t, l.count);
       for (size_t i = 0; i < l.count; i++) l.low[i] = -SHIFT, l.high[i] = SHIFT;
       for (size_t i = 0; i < l.count; i++)
-        if (l.pieces[i].edge == l.pieces[a].edge)
+        if (l.fragments[i].edge == l.fragments[a].edge)
           shift[i] = cases[k].by[0];
-        else if (l.pieces[i].edge == l.pieces[b].edge)
+        else if (l.fragments[i].edge == l.fragments[b].edge)
           shift[i] = cases[k].by[1];
       int missing = SPACE - (60 - shift[a] - shift[b]) > 0;
-      g_assert_cmpint(epe_part(&l, shift, 0) > 0, ==, missing);
+      g_assert_cmpint(epe_separate(&l, shift, 0) > 0, ==, missing);
       const uint32_t who[2] = {a, b};
       for (int i = 0; i < 2 && missing; i++) {
         int32_t by = cases[k].by[i];

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the step from the shifts requested by the feedback to a mask that
-   can be manufactured: on the grid, without jogs below the least one, short
-   edges, or violations of width and space. */
+   can be manufactured. Shifts are on the grid; small jogs, short edges, and
+   violations of width and space are removed. */
 #include "epe.h"
 
 #include <math.h>
@@ -10,37 +10,37 @@
 
 #include "tuning.h"
 
-static int32_t clamp(double value, int32_t low, int32_t high) {
+static int32_t run_clamp(double value, int32_t low, int32_t high) {
   return (int32_t)lround(epe_within(value, low, high));
 }
 
 /* ---- the runs of an edge ---- */
 
-static void set_shift(epe_run *r) {
-  r->shift = clamp(r->weighted / r->length, r->low, r->high);
+static void run_set_shift(epe_run *r) {
+  r->shift = run_clamp(r->weighted / r->length, r->low, r->high);
 }
 
 /* Begin the runs of an edge, a list whose first element is always runs[0]. The
    rounding error of the grid is carried along the edge until it amounts to a
    jog: the optics average over the environment. */
-static void begin_runs(const epe_layer *l, size_t e, epe_run *runs) {
+static void runs_begin(const epe_layer *l, size_t e, epe_run *runs) {
   int32_t n = (int32_t)(l->edge[e + 1] - l->edge[e]);
   double missing = 0, worth = l->rules->blur / tuned.jog_part;
   for (int32_t k = 0; k < n; k++) {
     uint32_t i = l->edge[e] + (uint32_t)k;
-    double length = epe_length(&l->pieces[i]);
+    double length = epe_length(&l->fragments[i]);
     runs[k] = (epe_run){i,      i + 1,     l->wanted[i] * length,
                         length, l->low[i], l->high[i],
                         0,      k - 1,     k + 1 < n ? k + 1 : -1};
     epe_run *r = &runs[k];
-    set_shift(r);
+    run_set_shift(r);
     if (k) {
       int32_t same = runs[k - 1].shift;
       double left = missing + (l->wanted[i] - same) * length;
       if (fabs(left) <= worth && same >= r->low && same <= r->high)
         r->shift = same;
       else
-        r->shift = clamp(l->wanted[i] + missing / length, r->low, r->high);
+        r->shift = run_clamp(l->wanted[i] + missing / length, r->low, r->high);
     }
     missing += (l->wanted[i] - r->shift) * length;
     missing = epe_within(missing, -length, length);
@@ -48,7 +48,7 @@ static void begin_runs(const epe_layer *l, size_t e, epe_run *runs) {
 }
 
 /* Merge run k with the next one. Bounds always include 0. */
-static void merge(epe_run *runs, int32_t k) {
+static void run_merge(epe_run *runs, int32_t k) {
   epe_run *a = &runs[k];
   const epe_run *b = &runs[a->after];
   a->end = b->end;
@@ -58,50 +58,52 @@ static void merge(epe_run *runs, int32_t k) {
   if (b->high < a->high) a->high = b->high;
   a->after = b->after;
   if (a->after >= 0) runs[a->after].before = k;
-  if (a->shift != b->shift) set_shift(a);
+  if (a->shift != b->shift) run_set_shift(a);
 }
 
-static int differ(const epe_run *runs, int32_t k, int32_t n) {
+static int run_differs(const epe_run *runs, int32_t k, int32_t n) {
   return abs(runs[k].shift - runs[n].shift);
 }
 
 /* Merge run k with all neighbours whose shifts differ by at most `jog`. Return
    the index of the merged run. */
-static int32_t absorb(epe_run *runs, int32_t k, int32_t jog) {
+static int32_t run_absorb(epe_run *runs, int32_t k, int32_t jog) {
   for (;;) {
     int32_t before = runs[k].before, after = runs[k].after;
-    if (after >= 0 && differ(runs, k, after) <= jog)
-      merge(runs, k);
-    else if (before >= 0 && differ(runs, k, before) <= jog)
-      merge(runs, k = before);
+    if (after >= 0 && run_differs(runs, k, after) <= jog)
+      run_merge(runs, k);
+    else if (before >= 0 && run_differs(runs, k, before) <= jog)
+      run_merge(runs, k = before);
     else
       return k;
   }
 }
 
-/* ---- how short a run may be ---- */
+/* ---- least lengths ---- */
 
-static int convex(const epe_piece *p, const epe_piece *next) {
+static int run_is_convex(const epe_fragment *p, const epe_fragment *next) {
   return (p->sign * next->sign > 0) == (p->axis == EDA_X);
 }
 
 /* Return whether the mask ends at that side of run k, so that its width is
    bounded there, or continues, so that the space before the run is. */
-static int falls(const epe_layer *l, const epe_run *runs, const epe_run *r,
-                 int side) {
-  const epe_piece *p = l->pieces;
+static int run_is_bounded_inside(const epe_layer *l, const epe_run *runs,
+                                 const epe_run *r, int side) {
+  const epe_fragment *p = l->fragments;
   int32_t other = side ? r->after : r->before;
   if (other >= 0) return r->shift > runs[other].shift;
   uint32_t i = side ? r->end - 1 : r->first;
-  return side ? convex(&p[i], &p[p[i].next]) : convex(&p[p[i].previous], &p[i]);
+  return side ? run_is_convex(&p[i], &p[p[i].next])
+              : run_is_convex(&p[p[i].previous], &p[i]);
 }
 
-static int too_short(const epe_layer *l, const epe_run *runs, int32_t k,
-                     const int32_t *shift) {
-  const epe_piece *p = l->pieces;
+static int run_too_short(const epe_layer *l, const epe_run *runs, int32_t k,
+                         const int32_t *shift) {
+  const epe_fragment *p = l->fragments;
   const epe_run *r = &runs[k];
   if (r->before < 0 && r->after < 0) return 0;
-  int before = falls(l, runs, r, 0), after = falls(l, runs, r, 1);
+  int before = run_is_bounded_inside(l, runs, r, 0),
+      after = run_is_bounded_inside(l, runs, r, 1);
   int32_t least = before && after     ? l->rules->min_width
                   : !before && !after ? l->rules->min_space
                                       : 0;
@@ -114,30 +116,30 @@ static int too_short(const epe_layer *l, const epe_run *runs, int32_t k,
 
 /* Merge run k with the neighbour of the nearer shift. Return the index of the
    merged run. */
-static int32_t join(epe_run *runs, int32_t k) {
+static int32_t run_join(epe_run *runs, int32_t k) {
   int32_t before = runs[k].before, after = runs[k].after;
-  if (after < 0 ||
-      (before >= 0 && differ(runs, k, before) <= differ(runs, k, after)))
+  if (after < 0 || (before >= 0 && run_differs(runs, k, before) <=
+                                       run_differs(runs, k, after)))
     k = before;
-  merge(runs, k);
+  run_merge(runs, k);
   return k;
 }
 
 /* Compute the shifts of an edge into l->settled; `shift` determines the
    corners. */
-static void settle_edge(epe_layer *l, size_t e, const int32_t *shift) {
+static void edge_settle(epe_layer *l, size_t e, const int32_t *shift) {
   int32_t jog = l->rules->min_jog > 1 ? l->rules->min_jog - 1 : 0;
   epe_run *runs = l->runs + l->edge[e];
-  begin_runs(l, e, runs);
-  if (l->state[e] & EPE_WHOLE) absorb(runs, 0, INT32_MAX);
+  runs_begin(l, e, runs);
+  if (l->state[e] & EPE_WHOLE) run_absorb(runs, 0, INT32_MAX);
   for (int32_t j = 0; j <= jog; j++)
-    for (int32_t k = 0; k >= 0; k = runs[k].after) k = absorb(runs, k, j);
+    for (int32_t k = 0; k >= 0; k = runs[k].after) k = run_absorb(runs, k, j);
   for (int32_t k = 0; k >= 0;) {
-    if (!too_short(l, runs, k, shift)) {
+    if (!run_too_short(l, runs, k, shift)) {
       k = runs[k].after;
       continue;
     }
-    k = absorb(runs, join(runs, k), jog);
+    k = run_absorb(runs, run_join(runs, k), jog);
     /* The run before may now be a nub or a notch. */
     if (runs[k].before >= 0) k = runs[k].before;
   }
@@ -147,7 +149,7 @@ static void settle_edge(epe_layer *l, size_t e, const int32_t *shift) {
 }
 
 /* Find the runs of an edge at the present shifts. */
-static void find_runs(const epe_layer *l, size_t e, const int32_t *shift,
+static void runs_find(const epe_layer *l, size_t e, const int32_t *shift,
                       epe_run *runs) {
   int32_t n = 0;
   for (uint32_t i = l->edge[e]; i < l->edge[e + 1]; i++) {
@@ -167,11 +169,11 @@ static void find_runs(const epe_layer *l, size_t e, const int32_t *shift,
 
 /* Return whether a run of an edge is too short because corners moved since the
    edge was settled. */
-static int has_short(epe_layer *l, size_t e, const int32_t *shift) {
+static int edge_has_short(epe_layer *l, size_t e, const int32_t *shift) {
   epe_run *runs = l->runs + l->edge[e];
-  find_runs(l, e, shift, runs);
+  runs_find(l, e, shift, runs);
   for (int32_t k = 0; k >= 0; k = runs[k].after)
-    if (too_short(l, runs, k, shift)) return 1;
+    if (run_too_short(l, runs, k, shift)) return 1;
   return 0;
 }
 
@@ -182,31 +184,31 @@ typedef struct round_state {
   int32_t *shift;
 } round_state;
 
-static void settle_if_needed(void *data, size_t e) {
+static void edge_settle_if_needed(void *data, size_t e) {
   const round_state *r = data;
   epe_layer *l = r->layer;
   uint32_t first = l->edge[e], n = l->edge[e + 1] - first;
   if (l->state[e] & (EPE_NARROWED | EPE_SHORT))
-    settle_edge(l, e, r->shift);
+    edge_settle(l, e, r->shift);
   else
     memcpy(l->settled + first, r->shift + first, n * sizeof *r->shift);
 }
 
-static void check_edge(void *data, size_t e) {
+static void edge_check(void *data, size_t e) {
   const round_state *r = data;
   uint8_t *state = &r->layer->state[e];
   *state &= EPE_WHOLE;
-  if (has_short(r->layer, e, r->shift)) *state |= EPE_SHORT;
+  if (edge_has_short(r->layer, e, r->shift)) *state |= EPE_SHORT;
 }
 
 /* Settle the edges marked for it. Return the number of edges with a run that is
    too short. `whole`: these edges move as one run from now on. */
-static size_t settle_edges(epe_layer *l, int32_t *shift, int whole) {
+static size_t edges_settle(epe_layer *l, int32_t *shift, int whole) {
   round_state r = {l, shift};
   size_t found = 0;
-  opc_parallel(l->context, l->edges, settle_if_needed, &r);
+  opc_parallel(l->context, l->edges, edge_settle_if_needed, &r);
   memcpy(shift, l->settled, l->count * sizeof *shift);
-  opc_parallel(l->context, l->edges, check_edge, &r);
+  opc_parallel(l->context, l->edges, edge_check, &r);
   for (size_t e = 0; e < l->edges; e++) {
     if (!(l->state[e] & EPE_SHORT)) continue;
     found++;
@@ -219,12 +221,12 @@ void epe_settle(epe_layer *l, int32_t *shift) {
   memset(l->state, EPE_NARROWED, l->edges);
   for (size_t i = 0; i < l->count; i++) {
     l->high[i] = l->most[i];
-    l->low[i] = l->pieces[i].still ? 0 : -l->rules->max_shift;
-    shift[i] = clamp(l->wanted[i], l->low[i], l->high[i]);
+    l->low[i] = l->fragments[i].still ? 0 : -l->rules->max_shift;
+    shift[i] = run_clamp(l->wanted[i], l->low[i], l->high[i]);
   }
   size_t bad = 1;
   for (int round = 0; bad; round++) {
-    bad = settle_edges(l, shift, round >= tuned.whole_after);
-    bad += epe_part(l, shift, round >= tuned.drawn_after);
+    bad = edges_settle(l, shift, round >= tuned.whole_after);
+    bad += epe_separate(l, shift, round >= tuned.drawn_after);
   }
 }

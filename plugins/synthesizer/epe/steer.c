@@ -18,7 +18,7 @@ enum { PUSH, RESIDUAL, DIRECTION, IMAGE, SEEN };
 /* Independent partial sums, so that no addition waits for the previous one. */
 enum { SUMS = 4 };
 
-static double dot(const double *a, const double *b, size_t n) {
+static double vector_dot(const double *a, const double *b, size_t n) {
   double sum[SUMS] = {0};
   size_t i = 0;
   for (; i + SUMS <= n; i += SUMS)
@@ -36,7 +36,8 @@ typedef struct product {
   double *out;
 } product;
 
-static double row_times(const epe_coupling *m, size_t i, const double *in) {
+static double coupling_row_times(const epe_coupling *m, size_t i,
+                                 const double *in) {
   const uint32_t *index = m->index;
   const float *weight = m->weight;
   uint32_t k = m->start[i], end = m->start[i + 1];
@@ -48,27 +49,28 @@ static double row_times(const epe_coupling *m, size_t i, const double *in) {
   return (sum[0] + sum[1]) + (sum[2] + sum[3]);
 }
 
-static void multiply_row(void *data, size_t i) {
+static void coupling_multiply_row(void *data, size_t i) {
   const product *p = data;
-  double sum = row_times(p->matrix, i, p->in);
+  double sum = coupling_row_times(p->matrix, i, p->in);
   p->out[i] = p->gain ? p->gain[i] * sum : sum;
 }
 
-static void multiply(const epe_layer *l, const epe_coupling *m,
-                     const double *in, const double *gain, double *out) {
+static void coupling_multiply(const epe_layer *l, const epe_coupling *m,
+                              const double *in, const double *gain,
+                              double *out) {
   product p = {m, in, gain, out};
-  opc_parallel(l->context, l->count, multiply_row, &p);
+  opc_parallel(l->context, l->count, coupling_multiply_row, &p);
 }
 
 /* ---- gains ---- */
 
 /* Return the gain by least squares over a site and its neighbours. */
-static double measured_gain(const epe_layer *l, uint32_t i) {
+static double site_gain(const epe_layer *l, uint32_t i) {
   double along = 0, square = 0;
   uint32_t k = i;
-  for (int n = 0; n < tuned.neighbours; n++) k = l->pieces[k].previous;
+  for (int n = 0; n < tuned.neighbours; n++) k = l->fragments[k].previous;
   for (int n = -tuned.neighbours; n <= tuned.neighbours;
-       n++, k = l->pieces[k].next) {
+       n++, k = l->fragments[k].next) {
     double ds = l->work[IMAGE][k], de = l->error[k] - l->before[k];
     double weight = tuned.neighbours + 1 - (n < 0 ? -n : n);
     if (isnan(de)) continue;
@@ -79,12 +81,12 @@ static double measured_gain(const epe_layer *l, uint32_t i) {
   return epe_within(along / square, tuned.least_gain, tuned.most_gain);
 }
 
-static void measure_gains(epe_layer *l) {
+static void sites_measure_gains(epe_layer *l) {
   for (uint32_t i = 0; i < l->count; i++)
     l->work[PUSH][i] = l->shift[i] - l->last[i];
-  multiply(l, &l->coupling, l->work[PUSH], NULL, l->work[IMAGE]);
+  coupling_multiply(l, &l->coupling, l->work[PUSH], NULL, l->work[IMAGE]);
   for (uint32_t i = 0; i < l->count; i++)
-    l->gain[i] = (l->gain[i] + measured_gain(l, i)) / 2;
+    l->gain[i] = (l->gain[i] + site_gain(l, i)) / 2;
 }
 
 /* ---- the moves ---- */
@@ -92,26 +94,26 @@ static void measure_gains(epe_layer *l) {
 /* Compute the moves that correct `errors` into work[PUSH], by conjugate
    gradients on (J'J + stiffness) moves = -J' errors, with J = gain *
    coupling. */
-static void solve(epe_layer *l, double stiffness, const double *errors) {
+static void moves_solve(epe_layer *l, double stiffness, const double *errors) {
   double *x = l->work[PUSH], *r = l->work[RESIDUAL], *d = l->work[DIRECTION];
   double *image = l->work[IMAGE], *seen = l->work[SEEN];
   size_t n = l->count;
   for (size_t i = 0; i < n; i++) seen[i] = -l->gain[i] * errors[i];
-  multiply(l, &l->transposed, seen, NULL, r);
+  coupling_multiply(l, &l->transposed, seen, NULL, r);
   memset(x, 0, n * sizeof *x);
   memcpy(d, r, n * sizeof *d);
-  double rr = dot(r, r, n), first = rr;
+  double rr = vector_dot(r, r, n), first = rr;
   for (int k = 0; k < tuned.descents && rr > tuned.enough * first; k++) {
-    multiply(l, &l->coupling, d, l->gain, seen);
-    double bend = dot(seen, seen, n) + stiffness * dot(d, d, n);
+    coupling_multiply(l, &l->coupling, d, l->gain, seen);
+    double bend = vector_dot(seen, seen, n) + stiffness * vector_dot(d, d, n);
     for (size_t i = 0; i < n; i++) seen[i] *= l->gain[i];
-    multiply(l, &l->transposed, seen, NULL, image);
+    coupling_multiply(l, &l->transposed, seen, NULL, image);
     double a = rr / bend;
     for (size_t i = 0; i < n; i++) {
       x[i] += a * d[i];
       r[i] -= a * (image[i] + stiffness * d[i]);
     }
-    double next = dot(r, r, n);
+    double next = vector_dot(r, r, n);
     for (size_t i = 0; i < n; i++) d[i] = r[i] + next / rr * d[i];
     rr = next;
   }
@@ -119,7 +121,7 @@ static void solve(epe_layer *l, double stiffness, const double *errors) {
 
 /* Return the next bound of a move: smaller after a change of sign of the error
    (overshoot), else larger. */
-static double next_step(const epe_layer *l, uint32_t i, double most) {
+static double fragment_next_step(const epe_layer *l, uint32_t i, double most) {
   double e = l->error[i], before = l->before[i];
   double step = epe_min(l->step[i], most);
   if (e * before < 0 && fabs(e) > tuned.ignored)
@@ -129,16 +131,16 @@ static double next_step(const epe_layer *l, uint32_t i, double most) {
 
 void epe_steer(epe_layer *l, const epe_steering *by) {
   int32_t slack = l->rules->min_jog > 1 ? l->rules->min_jog : 1;
-  measure_gains(l);
+  sites_measure_gains(l);
   for (uint32_t i = 0; i < l->count; i++) {
     double e = l->error[i];
-    l->step[i] = next_step(l, i, by->step);
+    l->step[i] = fragment_next_step(l, i, by->step);
     /* No edge nearby: the feature does not print and has to grow, or it was too
        large before, has merged with another one, and has to shrink. */
     if (isnan(e)) e = by->step * (l->side[i] > 0 ? tuned.lost : -tuned.lost);
     l->side[i] = e;
   }
-  solve(l, by->stiffness, l->side);
+  moves_solve(l, by->stiffness, l->side);
   for (uint32_t i = 0; i < l->count; i++) {
     double move =
         epe_within(by->damping * l->work[PUSH][i], -l->step[i], l->step[i]);

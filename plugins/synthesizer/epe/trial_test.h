@@ -53,7 +53,7 @@ static inline void free_shapes(shapes *s) {
 }
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(shapes, free_shapes)
 
-static inline uint32_t draw(uint32_t *state, uint32_t below) {
+static inline uint32_t trial_draw(uint32_t *state, uint32_t below) {
   *state = *state * 1664525u + 1013904223u;
   return (*state >> 8) % below;
 }
@@ -63,18 +63,20 @@ static inline shapes *messy(uint32_t seed) {
   eda_box boxes[200];
   size_t n = 0;
   for (int32_t row = 0; row < 4; row++)
-    for (int32_t x = (int32_t)draw(&seed, 100); x < 1200 && n < 190;) {
-      int32_t y = 160 * row, end = x + 80 + (int32_t)draw(&seed, 600);
+    for (int32_t x = (int32_t)trial_draw(&seed, 100); x < 1200 && n < 190;) {
+      int32_t y = 160 * row, end = x + 80 + (int32_t)trial_draw(&seed, 600);
       boxes[n++] = (eda_box){x, y, end, y + 70};
-      if (!draw(&seed, 3)) boxes[n++] = (eda_box){end - 70, y, end, y + 230};
-      if (!draw(&seed, 3))
-        boxes[n++] = (eda_box){x, y - (int32_t)draw(&seed, 30), x + 75, y + 70};
-      x = end + 85 + (int32_t)draw(&seed, 80);
+      if (!trial_draw(&seed, 3))
+        boxes[n++] = (eda_box){end - 70, y, end, y + 230};
+      if (!trial_draw(&seed, 3))
+        boxes[n++] =
+            (eda_box){x, y - (int32_t)trial_draw(&seed, 30), x + 75, y + 70};
+      x = end + 85 + (int32_t)trial_draw(&seed, 80);
     }
   return make_shapes(boxes, n);
 }
 
-/* ---- a correction on a print made up ---- */
+/* ---- correction with a synthetic image ---- */
 
 typedef struct trial {
   opc_module *module;
@@ -87,8 +89,8 @@ typedef struct trial {
 
 typedef double (*response)(const trial *t, size_t i);
 
-static inline trial correct(const char *parameters, const eda_gates *gates,
-                            response errors) {
+static inline trial trial_correct(const char *parameters,
+                                  const eda_gates *gates, response errors) {
   opc_error error;
   trial t = {.module = opc_test_module("synthesizer.epe", parameters, &error)};
   if (!t.module) g_error("%s", error.message);
@@ -115,19 +117,19 @@ static inline trial correct(const char *parameters, const eda_gates *gates,
   return t;
 }
 
-static inline void clear(trial *t) {
+static inline void trial_clear(trial *t) {
   opc_test_module_free(t->module);
   g_free(t->shift);
   g_free(t->epe);
 }
 
-static inline size_t after(const trial *t, size_t i) {
+static inline size_t fragment_after(const trial *t, size_t i) {
   for (size_t p = 0; p < t->cuts.polygons; p++)
     if (i + 1 == t->cuts.start[p + 1]) return t->cuts.start[p];
   return i + 1;
 }
 
-static inline size_t before(const trial *t, size_t i) {
+static inline size_t fragment_before(const trial *t, size_t i) {
   for (size_t p = 0; p < t->cuts.polygons; p++)
     if (i == t->cuts.start[p]) return t->cuts.start[p + 1] - 1;
   return i - 1;
@@ -141,7 +143,7 @@ static inline double straight(const trial *t, size_t i) {
 /* Return random errors up to 40 nm. */
 static inline double nonsense(const trial *t, size_t i) {
   uint32_t state = (uint32_t)(i * 7919 + 13);
-  return draw(&state, 80) - 40.0 + 0.1 * t->shift[i];
+  return trial_draw(&state, 80) - 40.0 + 0.1 * t->shift[i];
 }
 
 /* Return the merged mask of the moves. */
@@ -151,9 +153,9 @@ static inline eda_shapes moved_of(const trial *t, const eda_gates *gates) {
   for (size_t p = 0; p < t->cuts.polygons; p++) {
     g_array_append_val(start, points->len);
     for (uint32_t i = t->cuts.start[p]; i < t->cuts.start[p + 1]; i++) {
-      size_t b = before(t, i);
+      size_t b = fragment_before(t, i);
       eda_point c[3] = {t->cuts.from[b], t->cuts.from[i],
-                        t->cuts.from[after(t, i)]};
+                        t->cuts.from[fragment_after(t, i)]};
       size_t who[2] = {b, i};
       eda_point to[2] = {c[1], c[1]};
       for (int k = 0; k < 2; k++) {

@@ -3,12 +3,11 @@
    and at double of the value. Values without a source were chosen on the cases
    below.
 
-   Figures are the mean |EPE| in nm, the mean |Ion deviation| in %, and shots,
-   of flows/epe.yaml with fragments of 20 nm, min_width and min_space of 20 nm,
-   min_edge of 10 nm, stiffness 0.1, 20 iterations and no regulator. With the
-   present values:
-     SRAM                                         0.749, 0.55,  10760
-     NAND2_X1 of the NanGate library at scale 1.3 0.619, 0.60,    590
+   Figures are the mean |EPE| in nm, the mean |Ion deviation| in %, and shots.
+   The flow is flows/epe.yaml with fragments of 20 nm, min_width and min_space
+   of 20 nm, min_edge of 10 nm, stiffness 0.1, 20 iterations and no regulator.
+   With the present values: SRAM                                         0.749,
+   0.55,  10760 NAND2_X1 of the NanGate library at scale 1.3 0.619, 0.60,    590
      c432                                         0.707, 0.476, 106635
      WINDOW c432, window.weight 0.5, assist 1     0.768, 0.404, 106842
    Three figures or pairs separated by ; refer to the first three cases. The

@@ -13,7 +13,7 @@
    most tuned.window_reach. */
 static double error_at(const epe_layer *l, uint32_t i, const eda_field *print,
                        double level) {
-  const epe_piece *p = &l->pieces[i];
+  const epe_fragment *p = &l->fragments[i];
   double look = tuned.window_step;
   double x = l->site[2 * i], y = l->site[2 * i + 1], before;
   eda_field_sample(print, &x, &y, 1, &before);
@@ -31,14 +31,14 @@ static double error_at(const epe_layer *l, uint32_t i, const eda_field *print,
   return way * tuned.window_reach;
 }
 
-typedef struct job {
+typedef struct weighing {
   epe_layer *layer;
   const eda_field *print;
   double weight, level, grid;
-} job;
+} weighing;
 
 static void weigh_site(void *data, size_t i) {
-  const job *j = data;
+  const weighing *j = data;
   epe_layer *l = j->layer;
   double w = j->weight;
   double outer = error_at(l, (uint32_t)i, j->print, -j->level);
@@ -50,6 +50,6 @@ static void weigh_site(void *data, size_t i) {
 void epe_weigh(epe_layer *l, const eda_field *print, double weight,
                double level, double grid) {
   if (!print || weight <= 0) return;
-  job j = {l, print, weight, level, grid};
+  weighing j = {l, print, weight, level, grid};
   opc_parallel(l->context, l->count, weigh_site, &j);
 }

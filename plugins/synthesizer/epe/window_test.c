@@ -7,7 +7,7 @@
 
 static const opc_host *host;
 
-/* ---- what else a print tells ---- */
+/* ---- other doses ---- */
 
 /* A line 200 nm wide and a printed image of which only the level set is
    used. */
@@ -22,7 +22,7 @@ typedef struct seen {
   uint32_t iteration;
 } seen;
 
-static seen see(const char *parameters, eda_gates *gates) {
+static seen window_see(const char *parameters, eda_gates *gates) {
   opc_error error;
   seen s = {.module = opc_test_module("synthesizer.epe", parameters, &error),
             .gates = gates};
@@ -43,7 +43,7 @@ static seen see(const char *parameters, eda_gates *gates) {
 
 /* Set the level set to cos + 0.3 cos 2 + 0.3 of 2 pi x / 400 nm from the middle
    of the line, times `scale`, plus `more`. */
-static void shine(seen *s, double scale, double more) {
+static void window_expose(seen *s, double scale, double more) {
   for (int i = 0; i < 10000; i++) {
     double t = 2 * G_PI * (i % 100 * 4 - 200) / 400;
     double v = cos(t) + 0.3 * cos(2 * t) + 0.3;
@@ -52,7 +52,7 @@ static void shine(seen *s, double scale, double more) {
   eda_field_from_samples(host->context, s->print);
 }
 
-static void look(seen *s, double nm) {
+static void window_check(seen *s, double nm) {
   opc_error error;
   int done = 0;
   const eda_synthesizer *o = s->module->functions;
@@ -69,7 +69,7 @@ static void look(seen *s, double nm) {
                   OPC_OK);
 }
 
-static void look_no_more(seen *s) {
+static void window_end(seen *s) {
   opc_test_module_free(s->module);
   eda_field_clear(s->print);
   g_free(s->shift);
@@ -103,13 +103,13 @@ static void test_window(void) {
         "{ damping: 1, blur: 20 nm, stiffness: 0.01, window: { level: 0.035, "
         "weight: %g } }",
         weight / 2.0);
-    seen n = see(p, &s->gates);
-    shine(&n, 0.1, 0);
-    look(&n, 0);
-    if (!weight) look(&n, 2); /* else all errors are solved */
+    seen n = window_see(p, &s->gates);
+    window_expose(&n, 0.1, 0);
+    window_check(&n, 0);
+    if (!weight) window_check(&n, 2); /* else all errors are solved */
     double expected = weight ? -mean * weight / 2 : -2;
     g_assert_cmpfloat(fabs(move_of_middle(&n) - expected), <, 0.3);
-    look_no_more(&n);
+    window_end(&n);
   }
 }
 
@@ -119,14 +119,14 @@ static void test_gone(void) {
   const eda_box line = {0, 0, 200, 2000};
   g_autoptr(shapes) s = make_shapes(&line, 1);
   for (int sign = -1; sign <= 1; sign += 2) {
-    seen n = see("{}", &s->gates);
-    shine(&n, 0.1, 0);
-    look(&n, -sign * 5.0);
+    seen n = window_see("{}", &s->gates);
+    window_expose(&n, 0.1, 0);
+    window_check(&n, -sign * 5.0);
     double before = move_of_middle(&n);
-    shine(&n, 0, sign);
-    look(&n, NAN);
+    window_expose(&n, 0, sign);
+    window_check(&n, NAN);
     g_assert_cmpfloat((move_of_middle(&n) - before) * sign, <, -1);
-    look_no_more(&n);
+    window_end(&n);
   }
 }
 

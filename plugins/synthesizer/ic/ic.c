@@ -19,14 +19,14 @@ static const char *const verdicts[VERDICTS] = {
     "within limit", "stalled", "bridging", "bias limit", "not done"};
 
 /* The four corrections of the decision matrix. */
-enum { LONGER, SHORTER, WIDER, NARROWER, WAYS };
+enum { LONGER, SHORTER, WIDER, NARROWER, CORRECTIONS };
 static const struct {
   int32_t l, w;
   uint32_t veto;
-} ways[WAYS] = {[LONGER] = {1, 0, EDA_VETO_LONGER},
-                [SHORTER] = {-1, 0, EDA_VETO_SHORTER},
-                [WIDER] = {0, 1, EDA_VETO_WIDER},
-                [NARROWER] = {0, -1, EDA_VETO_NARROWER}};
+} corrections[CORRECTIONS] = {[LONGER] = {1, 0, EDA_VETO_LONGER},
+                              [SHORTER] = {-1, 0, EDA_VETO_SHORTER},
+                              [WIDER] = {0, 1, EDA_VETO_WIDER},
+                              [NARROWER] = {0, -1, EDA_VETO_NARROWER}};
 
 typedef struct transistor {
   double eff; /* effective deviation at the last measurement */
@@ -64,11 +64,11 @@ typedef struct measured {
 
 /* ---- work ---- */
 
-static void follow(ic *c, eda_scanner scanner);
+static void ic_follow(ic *c, eda_scanner scanner);
 
-static int begin(void *self, const eda_feedback *f, opc_error *error) {
+static int ic_begin(void *self, const eda_feedback *f, opc_error *error) {
   ic *c = self;
-  follow(c, f->scanner);
+  ic_follow(c, f->scanner);
   eda_follow_ion_limit(f, &c->ion_limit);
   (void)error;
   free(c->state);
@@ -81,7 +81,8 @@ static int begin(void *self, const eda_feedback *f, opc_error *error) {
   return OPC_OK;
 }
 
-static measured measure(const ic *c, const eda_feedback *f, size_t i) {
+static measured transistor_measure(const ic *c, const eda_feedback *f,
+                                   size_t i) {
   const eda_gates *g = f->gates;
   double ion = f->design->ion[i], area = f->design->area[i];
   measured m = {.di = 100 * (f->printed->ion[i] - ion) / ion,
@@ -96,13 +97,13 @@ static measured measure(const ic *c, const eda_feedback *f, size_t i) {
   return m;
 }
 
-static int outside(const ic *c, const measured *m) {
+static int is_outside(const ic *c, const measured *m) {
   return fabs(m->di) > c->ion_limit || fabs(m->da) > c->area_limit;
 }
 
 /* Return the correction by the decision matrix, lines 12 to 19; -1 where a
    deviation is exactly 0. */
-static int decide(const measured *m) {
+static int matrix_decide(const measured *m) {
   if (m->di > 0 && m->da < 0) return LONGER;
   if (m->di < 0 && m->da > 0) return SHORTER;
   if (m->di < 0 && m->da < 0) return WIDER;
@@ -110,7 +111,7 @@ static int decide(const measured *m) {
   return -1;
 }
 
-static void end(transistor *t, int why) {
+static void transistor_end(transistor *t, int why) {
   t->ended = 1;
   t->moved = -1;
   t->why = (uint8_t)why;
@@ -118,68 +119,70 @@ static void end(transistor *t, int why) {
 
 /* Apply a correction to (l, w). If a veto or the bias limit forbids it, end the
    transistor. */
-static void make(transistor *t, const measured *m, int way, int32_t *l,
-                 int32_t *w) {
+static void transistor_correct(transistor *t, const measured *m, int correction,
+                               int32_t *l, int32_t *w) {
   t->moved = -1;
-  if (way < 0) return;
-  if (m->veto & ways[way].veto) {
-    end(t, BRIDGING);
-  } else if (abs(*l + ways[way].l) > m->most ||
-             abs(*w + ways[way].w) > m->most_w) {
-    end(t, BIAS);
+  if (correction < 0) return;
+  if (m->veto & corrections[correction].veto) {
+    transistor_end(t, BRIDGING);
+  } else if (abs(*l + corrections[correction].l) > m->most ||
+             abs(*w + corrections[correction].w) > m->most_w) {
+    transistor_end(t, BIAS);
   } else {
-    *l += ways[way].l;
-    *w += ways[way].w;
-    t->moved = (int8_t)way;
+    *l += corrections[correction].l;
+    *w += corrections[correction].w;
+    t->moved = (int8_t)correction;
   }
 }
 
 /* Perform lines 10 to 20 for one transistor. A restored transistor ends: its
    mask equals that of an earlier iteration, so the figure would repeat the same
    step for ever. */
-static void step_or_freeze(const ic *c, transistor *t, const measured *m,
-                           int32_t *l, int32_t *w) {
-  int vetoed = t->moved >= 0 && m->veto & ways[t->moved].veto;
+static void transistor_freeze(const ic *c, transistor *t, const measured *m,
+                              int32_t *l, int32_t *w) {
+  int vetoed = t->moved >= 0 && m->veto & corrections[t->moved].veto;
   if (m->eff < t->eff && !vetoed) {
-    make(t, m, outside(c, m) ? decide(m) : -1, l, w);
+    transistor_correct(t, m, is_outside(c, m) ? matrix_decide(m) : -1, l, w);
   } else if (t->moved >= 0) {
-    *l -= ways[t->moved].l;
-    *w -= ways[t->moved].w;
-    end(t, vetoed ? BRIDGING : STALLED);
+    *l -= corrections[t->moved].l;
+    *w -= corrections[t->moved].w;
+    transistor_end(t, vetoed ? BRIDGING : STALLED);
   }
 }
 
 /* Return the effective deviation expected after a correction, with Ion
    proportional to W / L and area to W L. */
-static double predicted(const ic *c, const measured *m, int way) {
-  double by_l = 100 * ways[way].l / m->length,
-         by_w = 100 * ways[way].w / m->width;
+static double deviation_after(const ic *c, const measured *m, int correction) {
+  double by_l = 100 * corrections[correction].l / m->length,
+         by_w = 100 * corrections[correction].w / m->width;
   return c->alpha_i * fabs(m->di - by_l + by_w) +
          c->alpha_a * fabs(m->da + by_l + by_w);
 }
 
 /* Return the next correction to try from the best state: first that of the
    matrix, then the others by expected deviation; -1 if none remains. */
-static int next_way(const ic *c, const transistor *t, measured m) {
+static int next_correction(const ic *c, const transistor *t, measured m) {
   m.di = t->best_di;
   m.da = t->best_da;
-  int best = -1, first = decide(&m);
-  for (int way = 0; way < WAYS; way++) {
-    if (t->tried & 1 << way || m.veto & ways[way].veto ||
-        abs(t->best_l + ways[way].l) > m.most ||
-        abs(t->best_w + ways[way].w) > m.most_w)
+  int best = -1, first = matrix_decide(&m);
+  for (int correction = 0; correction < CORRECTIONS; correction++) {
+    if (t->tried & 1 << correction || m.veto & corrections[correction].veto ||
+        abs(t->best_l + corrections[correction].l) > m.most ||
+        abs(t->best_w + corrections[correction].w) > m.most_w)
       continue;
-    if (way == first) return way;
-    if (best < 0 || predicted(c, &m, way) < predicted(c, &m, best)) best = way;
+    if (correction == first) return correction;
+    if (best < 0 ||
+        deviation_after(c, &m, correction) < deviation_after(c, &m, best))
+      best = correction;
   }
   return best;
 }
 
 /* Perform the variant CONTINUE: return to the best state and try another
    correction from there. */
-static void step_or_retry(const ic *c, transistor *t, const measured *m,
-                          int32_t *l, int32_t *w) {
-  int vetoed = t->moved >= 0 && m->veto & ways[t->moved].veto;
+static void transistor_retry(const ic *c, transistor *t, const measured *m,
+                             int32_t *l, int32_t *w) {
+  int vetoed = t->moved >= 0 && m->veto & corrections[t->moved].veto;
   if ((m->eff < t->best_eff && !vetoed) || t->moved < 0) {
     t->best_eff = m->eff;
     t->best_di = m->di;
@@ -192,42 +195,43 @@ static void step_or_retry(const ic *c, transistor *t, const measured *m,
     t->retries++;
   }
   int best = t->best_l == *l && t->best_w == *w;
-  int way = best && !outside(c, m) ? -1 : next_way(c, t, *m);
-  if (t->retries > c->retries || way < 0) {
-    if (!best || outside(c, m)) end(t, vetoed ? BRIDGING : STALLED);
-    way = -1;
+  int correction = best && !is_outside(c, m) ? -1 : next_correction(c, t, *m);
+  if (t->retries > c->retries || correction < 0) {
+    if (!best || is_outside(c, m))
+      transistor_end(t, vetoed ? BRIDGING : STALLED);
+    correction = -1;
   }
-  *l = t->best_l + (way < 0 ? 0 : ways[way].l);
-  *w = t->best_w + (way < 0 ? 0 : ways[way].w);
-  t->moved = (int8_t)way;
+  *l = t->best_l + (correction < 0 ? 0 : corrections[correction].l);
+  *w = t->best_w + (correction < 0 ? 0 : corrections[correction].w);
+  t->moved = (int8_t)correction;
 }
 
 /* Correct all transistors. The loop is done when neither a mask (line 21) nor a
    measured figure changes; line ends of the regulator may change figures. */
-static int update(void *self, const eda_feedback *f, eda_moves *moves,
-                  int *done, opc_error *error) {
+static int ic_update(void *self, const eda_feedback *f, eda_moves *moves,
+                     int *done, opc_error *error) {
   ic *c = self;
   (void)error;
   *done = 1;
   for (size_t i = 0; i < c->count; i++) {
     transistor *t = &c->state[i];
-    measured m = measure(c, f, i);
+    measured m = transistor_measure(c, f, i);
     int32_t l = moves->l[i], w = moves->w[i];
     if (t->eff != m.eff && isfinite(t->eff)) *done = 0;
+    /* An open line is too thin: L increases. */
     if (!t->ended && isinf(m.eff) && isinf(t->eff))
-      make(t, &m, LONGER, &moves->l[i], &moves->w[i]); /* an open line is too
-                                                          thin */
+      transistor_correct(t, &m, LONGER, &moves->l[i], &moves->w[i]);
     else if (!t->ended)
-      (c->stall == FREEZE ? step_or_freeze : step_or_retry)(
+      (c->stall == FREEZE ? transistor_freeze : transistor_retry)(
           c, t, &m, &moves->l[i], &moves->w[i]);
     if (l != moves->l[i] || w != moves->w[i]) *done = 0;
     t->eff = m.eff;
-    t->verdict = !outside(c, &m) ? WITHIN : t->ended ? t->why : MOVING;
+    t->verdict = !is_outside(c, &m) ? WITHIN : t->ended ? t->why : MOVING;
   }
   return OPC_OK;
 }
 
-static const char *verdict(const void *self, size_t gate) {
+static const char *ic_verdict(const void *self, size_t gate) {
   const ic *c = self;
   return gate < c->count ? verdicts[c->state[gate].verdict] : NULL;
 }
@@ -235,61 +239,65 @@ static const char *verdict(const void *self, size_t gate) {
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
-    OPC_PARAMETER(ic, alpha_i, .type = OPC_REAL, .preset = "1",
-                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .min = 0, .max = 1e6,
-                  .summary = "weight of |Ion deviation| in the effective one"),
-    OPC_PARAMETER(ic, alpha_a, .type = OPC_REAL, .preset = "1",
-                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .min = 0, .max = 1e6,
-                  .summary = "weight of |gate area deviation|"),
+    OPC_PARAMETER(
+        ic, alpha_i, .type = OPC_REAL, .preset = "1",
+        .flags = OPC_AT_LEAST | OPC_AT_MOST, .min = 0, .max = 1e6,
+        .summary = "weight of |Ion deviation| in the effective deviation"),
+    OPC_PARAMETER(
+        ic, alpha_a, .type = OPC_REAL, .preset = "1",
+        .flags = OPC_AT_LEAST | OPC_AT_MOST, .min = 0, .max = 1e6,
+        .summary =
+            "weight of |gate area deviation| in the effective deviation"),
     OPC_PARAMETER(
         ic, ion_limit, .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "%",
         .follows = "ion_limit of the step", .former = "max_di|limit",
         .summary =
-            "Largest allowed |Ion deviation|; the thesis gives no value"),
+            "largest allowed |Ion deviation|; the thesis states no value"),
     OPC_PARAMETER(ic, area_limit, .type = OPC_REAL, .flags = OPC_ABOVE,
                   .unit = "%", .preset = "0.5 %", .former = "max_da",
-                  .summary = "Largest allowed |gate area deviation|; a "
+                  .summary = "largest allowed |gate area deviation|; a "
                              "transistor within both limits keeps its mask"),
-    OPC_PARAMETER(ic, stall, .type = OPC_CHOICE, .preset = "freeze",
-                  .choices = "freeze|continue",
-                  .summary = "when the effective deviation does not fall: "
-                             "restore the transistor and end it, as the thesis "
-                             "has it, or try other ways from its best state"),
-    OPC_PARAMETER(ic, retries, .type = OPC_INT, .preset = "8",
-                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .min = 0, .max = 100000,
-                  .summary = "corrections of a transistor that may fail before "
-                             "it ends at its best state (stall: continue)"),
+    OPC_PARAMETER(
+        ic, stall, .type = OPC_CHOICE, .preset = "freeze",
+        .choices = "freeze|continue",
+        .summary = "action if the effective deviation does not fall: restore "
+                   "the transistor and end its correction (as in the thesis), "
+                   "or try other corrections from its best state"),
+    OPC_PARAMETER(
+        ic, retries, .type = OPC_INT, .preset = "8",
+        .flags = OPC_AT_LEAST | OPC_AT_MOST, .min = 0, .max = 100000,
+        .summary = "number of failed corrections after which a transistor ends "
+                   "at its best state (stall: continue)"),
     OPC_PARAMETER(
         ic, max_bias, .type = OPC_REAL, .flags = OPC_ABOVE | OPC_AT_MOST,
         .unit = "nm", .follows = "0.311 lambda/NA", .max = 10000,
         .summary =
-            "largest correction of L or of W, and no more than half of W"),
+            "largest correction of L or W; W moves by at most half of W"),
 };
 
 /* Compute the defaults of parameters that are not set. */
-static void follow(ic *c, eda_scanner scanner) {
+static void ic_follow(ic *c, eda_scanner scanner) {
   EDA_FOLLOW(c->host, "synthesizer.ic", c, parameters, scanner);
 }
 
-static int check(void *self, opc_error *error) {
+static int ic_check(void *self, opc_error *error) {
   const ic *c = self;
   if (c->alpha_i + c->alpha_a > 0) return OPC_OK;
   return opc_fail(error, OPC_INVALID, "alpha_i",
                   "'alpha_i' and 'alpha_a' are both 0");
 }
 
-static void clear(void *self) { free(((ic *)self)->state); }
+static void ic_clear(void *self) { free(((ic *)self)->state); }
 
 /* ---- entry ---- */
 
 static const eda_synthesizer functions = {
-    .begin = begin, .update = update, .verdict = verdict};
+    .begin = ic_begin, .update = ic_update, .verdict = ic_verdict};
 
-OPC_PLUGIN(ic, .id = "synthesizer.ic", .kind = "synthesizer",
-           .version = "0.2.0", .licence = "BSD-3-Clause",
-           .summary =
-               "Ion and capacitance based OPC: steps by a decision "
-               "matrix",
-           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), .check = check, .clear = clear,
-           OPC_FUNCTIONS(functions));
+OPC_PLUGIN(
+    ic, .id = "synthesizer.ic", .kind = "synthesizer", .version = "0.2.0",
+    .licence = "BSD-3-Clause",
+    .summary =
+        "Ion and capacitance based OPC: steps chosen by a decision matrix",
+    .flags = OPC_DETERMINISTIC | OPC_REENTRANT, OPC_PARAMETERS(parameters),
+    .check = ic_check, .clear = ic_clear, OPC_FUNCTIONS(functions));

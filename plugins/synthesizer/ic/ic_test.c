@@ -27,7 +27,7 @@ typedef struct model {
 } model;
 
 /* Return a value from -1 to 1, a function of mask and seed. */
-static double by_lot(const model *t, int32_t l, int32_t w, uint32_t which) {
+static double random_at(const model *t, int32_t l, int32_t w, uint32_t which) {
   uint32_t h = t->lot;
   const uint32_t parts[] = {(uint32_t)l, (uint32_t)w, which};
   for (int k = 0; k < 3; k++) {
@@ -42,22 +42,22 @@ static uint32_t veto_of(const model *t) {
                                  EDA_VETO_WIDER, EDA_VETO_NARROWER};
   uint32_t veto = abs(t->l) + abs(t->w) >= t->veto_from ? t->veto : 0;
   for (uint32_t k = 0; k < 4; k++)
-    if (by_lot(t, t->l, t->w, 2 + k) > 0.8) veto |= all[k];
+    if (random_at(t, t->l, t->w, 2 + k) > 0.8) veto |= all[k];
   return veto;
 }
 
-static double di(const model *t) {
+static double model_di(const model *t) {
   return t->i + t->i_by_l * t->l + t->i_by_w * t->w +
-         2 * by_lot(t, t->l, t->w, 0);
+         2 * random_at(t, t->l, t->w, 0);
 }
 
-static double da(const model *t) {
+static double model_da(const model *t) {
   int beyond = abs(t->w) > 2 ? abs(t->w) - 2 : 0;
   return t->a + t->a_by_l * t->l + t->a_by_w * t->w + t->bend * beyond +
-         2 * by_lot(t, t->l, t->w, 1);
+         2 * random_at(t, t->l, t->w, 1);
 }
 
-static void run(opc_module *m, model *t) {
+static void model_run(opc_module *m, model *t) {
   const eda_synthesizer *s = m->functions;
   double one = 1, ion, area, length = 65, width = t->width > 0 ? t->width : 200;
   uint32_t flags = 0, veto = 0;
@@ -75,8 +75,8 @@ static void run(opc_module *m, model *t) {
   for (int done = 0; !done && t->updates < 100; t->updates++) {
     int is_open = t->prints_from && t->l < t->prints_from;
     flags = is_open ? EDA_PRINT_OPEN : 0;
-    ion = is_open ? 0 : 1 + di(t) / 100;
-    area = is_open ? 0 : 1 + da(t) / 100;
+    ion = is_open ? 0 : 1 + model_di(t) / 100;
+    area = is_open ? 0 : 1 + model_da(t) / 100;
     veto = veto_of(t);
     g_assert_cmpint(s->update(m->self, &f, &moves, &done, &error), ==, OPC_OK);
     f.iteration++;
@@ -84,23 +84,23 @@ static void run(opc_module *m, model *t) {
   }
 }
 
-static opc_module *make(const char *parameters) {
+static opc_module *model_make(const char *parameters) {
   opc_error error;
   opc_module *m = opc_test_module("synthesizer.ic", parameters, &error);
   g_assert_nonnull(m);
   return m;
 }
 
-static const char *verdict(opc_module *m) {
+static const char *model_verdict(opc_module *m) {
   return ((const eda_synthesizer *)m->functions)->verdict(m->self, 0);
 }
 
-static void follow(const char *parameters, model t, const char *trace,
-                   const char *why) {
-  g_autoptr(opc_module) m = make(parameters);
-  run(m, &t);
+static void check_moves(const char *parameters, model t, const char *trace,
+                        const char *why) {
+  g_autoptr(opc_module) m = model_make(parameters);
+  model_run(m, &t);
   g_assert_cmpstr(t.trace->str, ==, trace);
-  g_assert_cmpstr(verdict(m), ==, why);
+  g_assert_cmpstr(model_verdict(m), ==, why);
   g_string_free(t.trace, TRUE);
 }
 
@@ -112,9 +112,9 @@ static void test_matrix(void) {
   } cases[] = {{9, -9, "1,0 "}, {-9, 9, "-1,0 "}, {-9, -9, "0,1 "},
                {9, 9, "0,-1 "}, {0, 9, "0,0 "},   {9, 0, "0,0 "}};
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
-    g_autoptr(opc_module) m = make("{}");
+    g_autoptr(opc_module) m = model_make("{}");
     model t = {.i = cases[i].i, .a = cases[i].a};
-    run(m, &t);
+    model_run(m, &t);
     g_assert_true(g_str_has_prefix(t.trace->str, cases[i].first));
     g_string_free(t.trace, TRUE);
   }
@@ -135,7 +135,7 @@ static void test_freeze(void) {
                    .a = -4,
                    .a_by_l = 1.5,
                    .a_by_w = 0.5};
-  follow("{}", t, "1,0 2,0 3,0 2,0 2,0 2,0 ", "stalled");
+  check_moves("{}", t, "1,0 2,0 3,0 2,0 2,0 2,0 ", "stalled");
 }
 
 /* The same with A +0.3 per step of W continues from (2, 0), I +1 and A -1:
@@ -148,19 +148,19 @@ static void test_freeze(void) {
      7  2,0   +1.0  -1.0   2.0   failed; narrower
      8  2,-2   0.0  -1.6   1.6   falls */
 static void test_continue(void) {
-  g_autoptr(opc_module) m = make("{ stall: continue }");
+  g_autoptr(opc_module) m = model_make("{ stall: continue }");
   model t = {.i = 7,
              .i_by_l = -3,
              .i_by_w = 0.5,
              .a = -4,
              .a_by_l = 1.5,
              .a_by_w = 0.3};
-  run(m, &t);
+  model_run(m, &t);
   g_assert_true(
       g_str_has_prefix(t.trace->str, "1,0 2,0 3,0 2,1 2,-1 3,-1 2,0 2,-2 "));
   /* The transistor ends at its best state. */
-  g_assert_cmpfloat(fabs(di(&t)) + fabs(da(&t)), <, 1.6 + 1e-9);
-  g_assert_cmpstr(verdict(m), ==, "stalled");
+  g_assert_cmpfloat(fabs(model_di(&t)) + fabs(model_da(&t)), <, 1.6 + 1e-9);
+  g_assert_cmpstr(model_verdict(m), ==, "stalled");
   g_string_free(t.trace, TRUE);
 }
 
@@ -175,15 +175,15 @@ static void test_continue_is_better(void) {
                    .a_by_l = 0.1,
                    .a_by_w = 0.5,
                    .bend = 2};
-  g_autoptr(opc_module) freeze = make("{}");
-  g_autoptr(opc_module) go_on = make("{ stall: continue }");
+  g_autoptr(opc_module) freeze = model_make("{}");
+  g_autoptr(opc_module) go_on = model_make("{ stall: continue }");
   model a = t, b = t;
-  run(freeze, &a);
-  run(go_on, &b);
+  model_run(freeze, &a);
+  model_run(go_on, &b);
   g_assert_cmpint(a.w, ==, -2);
   g_assert_cmpint(a.l, ==, 0);
-  g_assert_cmpfloat(fabs(di(&b)) + fabs(da(&b)), <,
-                    fabs(di(&a)) + fabs(da(&a)) - 1);
+  g_assert_cmpfloat(fabs(model_di(&b)) + fabs(model_da(&b)), <,
+                    fabs(model_di(&a)) + fabs(model_da(&a)) - 1);
   g_string_free(a.trace, TRUE);
   g_string_free(b.trace, TRUE);
 }
@@ -197,26 +197,26 @@ static void test_retries(void) {
                    .a = -4,
                    .a_by_l = 1.5,
                    .a_by_w = 0.5};
-  follow("{ stall: continue, retries: 0 }", t, "1,0 2,0 3,0 2,0 2,0 2,0 ",
-         "stalled");
+  check_moves("{ stall: continue, retries: 0 }", t, "1,0 2,0 3,0 2,0 2,0 2,0 ",
+              "stalled");
 }
 
 /* No move within both limits; a move outside of either. */
 static void test_limits(void) {
   const model t = {.i = 0.9, .i_by_l = -0.5, .a = -1.9, .a_by_l = 0.5};
-  follow("{ ion_limit: 1 %, area_limit: 2 % }", t, "0,0 ", "within limit");
-  follow("{ ion_limit: 0.5 %, area_limit: 2 % }", t, "1,0 1,0 1,0 ",
-         "within limit");
+  check_moves("{ ion_limit: 1 %, area_limit: 2 % }", t, "0,0 ", "within limit");
+  check_moves("{ ion_limit: 0.5 %, area_limit: 2 % }", t, "1,0 1,0 1,0 ",
+              "within limit");
 }
 
 /* Weights: -1.5 % of area is accepted for 1 % of current only if the current
    has the larger weight. I +2, A -1: longer. */
 static void test_weights(void) {
   const model t = {.i = 2, .i_by_l = -1, .a = -0.2, .a_by_l = 1.5};
-  follow("{ ion_limit: 0.1 % }", t, "1,0 0,0 0,0 0,0 ", "stalled");
-  g_autoptr(opc_module) m = make("{ alpha_i: 3, ion_limit: 0.1 % }");
+  check_moves("{ ion_limit: 0.1 % }", t, "1,0 0,0 0,0 0,0 ", "stalled");
+  g_autoptr(opc_module) m = model_make("{ alpha_i: 3, ion_limit: 0.1 % }");
   model u = t;
-  run(m, &u);
+  model_run(m, &u);
   g_assert_true(g_str_has_prefix(u.trace->str, "1,0 1,-1 "));
   g_string_free(u.trace, TRUE);
 }
@@ -229,7 +229,7 @@ static void test_veto(void) {
                    .a_by_l = 1,
                    .veto = EDA_VETO_LONGER,
                    .veto_from = 2};
-  follow("{}", t, "1,0 2,0 1,0 1,0 1,0 ", "bridging");
+  check_moves("{}", t, "1,0 2,0 1,0 1,0 1,0 ", "bridging");
 }
 
 /* The other three corrections likewise. */
@@ -248,11 +248,11 @@ static void test_other_vetoes(void) {
     model t = ways[k].t;
     t.veto = ways[k].veto;
     t.veto_from = 2;
-    follow("{}", t, ways[k].trace, "bridging");
+    check_moves("{}", t, ways[k].trace, "bridging");
   }
 }
 
-/* The matrix chooses longer, which increases the deviation. Of the other
+/* The matrix chooses longer, which increases the deviation. Among the other
    corrections, one step of W of 200 changes both by 0.5 %: wider results in 9.5
    alpha_i + 8.5 alpha_a, narrower in 8.5 alpha_i + 9.5 alpha_a; the larger
    weight decides. */
@@ -263,8 +263,8 @@ static void test_promises(void) {
   static const char *const first[] = {"1,0 0,-1 ", "1,0 0,1 "};
   for (int k = 0; k < 2; k++) {
     model t = {.i = 9, .i_by_l = 1, .a = -9};
-    g_autoptr(opc_module) m = make(parameters[k]);
-    run(m, &t);
+    g_autoptr(opc_module) m = model_make(parameters[k]);
+    model_run(m, &t);
     if (!g_str_has_prefix(t.trace->str, first[k])) g_error("%s", t.trace->str);
     g_string_free(t.trace, TRUE);
   }
@@ -272,42 +272,46 @@ static void test_promises(void) {
 
 static void test_bias_limit(void) {
   const model t = {.i = 9, .i_by_l = -1, .a = -9, .a_by_l = 1};
-  follow("{ max_bias: 2 nm }", t, "1,0 2,0 2,0 2,0 ", "bias limit");
+  check_moves("{ max_bias: 2 nm }", t, "1,0 2,0 2,0 2,0 ", "bias limit");
   const model shorter = {.i = -9, .i_by_l = -1, .a = 9, .a_by_l = 1};
-  follow("{ max_bias: 2 nm }", shorter, "-1,0 -2,0 -2,0 -2,0 ", "bias limit");
+  check_moves("{ max_bias: 2 nm }", shorter, "-1,0 -2,0 -2,0 -2,0 ",
+              "bias limit");
   const model narrower = {.i = 9, .i_by_w = 1, .a = 9, .a_by_w = 1};
-  follow("{ max_bias: 2 nm }", narrower, "0,-1 0,-2 0,-2 0,-2 ", "bias limit");
+  check_moves("{ max_bias: 2 nm }", narrower, "0,-1 0,-2 0,-2 0,-2 ",
+              "bias limit");
   /* W moves by at most half of W. */
   const model slim = {.i = 9, .i_by_w = 1, .a = 9, .a_by_w = 1, .width = 7};
-  follow("{}", slim, "0,-1 0,-2 0,-3 0,-3 0,-3 ", "bias limit");
+  check_moves("{}", slim, "0,-1 0,-2 0,-3 0,-3 0,-3 ", "bias limit");
 }
 
 /* An open line has no figures; it gets thicker until it prints, in both
    variants. */
 static void test_open(void) {
   model t = {.i = 12, .i_by_l = -3, .a = -12, .a_by_l = 3, .prints_from = 3};
-  follow("{ stall: freeze }", t, "1,0 2,0 3,0 4,0 4,0 4,0 ", "within limit");
-  follow("{ stall: continue }", t, "1,0 2,0 3,0 4,0 4,0 4,0 ", "within limit");
+  check_moves("{ stall: freeze }", t, "1,0 2,0 3,0 4,0 4,0 4,0 ",
+              "within limit");
+  check_moves("{ stall: continue }", t, "1,0 2,0 3,0 4,0 4,0 4,0 ",
+              "within limit");
 }
 
-/* ---- by lot ---- */
+/* ---- random deviations ---- */
 
 enum { BIAS = 6 };
 static const double alpha[2] = {1.5, 0.7}, limit[2] = {0.8, 1.1};
 
-static double eff(const model *t) {
-  return alpha[0] * fabs(di(t)) + alpha[1] * fabs(da(t));
+static double model_eff(const model *t) {
+  return alpha[0] * fabs(model_di(t)) + alpha[1] * fabs(model_da(t));
 }
 
 static int is_within(const model *t) {
-  return fabs(di(t)) <= limit[0] && fabs(da(t)) <= limit[1];
+  return fabs(model_di(t)) <= limit[0] && fabs(model_da(t)) <= limit[1];
 }
 
 /* Steps of l and w: longer, shorter, wider, narrower. */
 static const int32_t step[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
 
 /* Return the quarter of figure 5.3. */
-static int quarter(double i, double a) {
+static int matrix_quarter(double i, double a) {
   return i > 0 && a < 0 ? 0 : i < 0 && a > 0 ? 1 : i < 0 && a < 0 ? 2 : 3;
 }
 
@@ -322,37 +326,38 @@ static int is_too_far(const model *t, int way) {
 
 /* Compute figure 5.2 as one loop: step while the effective deviation falls,
    revert the first step that fails. Return the verdict. */
-static const char *freeze(model *t) {
+static const char *run_freeze(model *t) {
   for (;;) {
     model before = *t;
     if (is_within(t)) return "within limit";
-    int way = quarter(di(t), da(t));
+    int way = matrix_quarter(model_di(t), model_da(t));
     if (vetoes_way(veto_of(t), way)) return "bridging";
     if (is_too_far(t, way)) return "bias limit";
     t->l += step[way][0];
     t->w += step[way][1];
     int vetoed = vetoes_way(veto_of(t), way) != 0;
-    if (!vetoed && eff(t) < eff(&before)) continue;
+    if (!vetoed && model_eff(t) < model_eff(&before)) continue;
     *t = before;
     return is_within(t) ? "within limit" : vetoed ? "bridging" : "stalled";
   }
 }
 
 /* Return the deviation expected after a correction of the best mask. */
-static double promise(const model *t, int way) {
+static double deviation_after(const model *t, int way) {
   double l = 100.0 * step[way][0] / 65, w = 100.0 * step[way][1] / 200;
-  return alpha[0] * fabs(di(t) - l + w) + alpha[1] * fabs(da(t) + l + w);
+  return alpha[0] * fabs(model_di(t) - l + w) +
+         alpha[1] * fabs(model_da(t) + l + w);
 }
 
 /* Compute the variant with `retries`: a failed step is followed by others from
    the best mask. A correction counts as forbidden where it was vetoed when last
    tried. Return the verdict. */
-static const char *go_on(model *t, int retries) {
+static const char *run_continue(model *t, int retries) {
   model best = *t;
   int tried = 0, vetoed = 0;
   uint32_t veto = veto_of(t);
   for (;;) {
-    int way = -1, first = quarter(di(&best), da(&best));
+    int way = -1, first = matrix_quarter(model_di(&best), model_da(&best));
     if (is_within(&best) && t->l == best.l && t->w == best.w) break;
     for (int k = 0; k < 4; k++) {
       if (tried & 1 << k || vetoes_way(veto, k) || is_too_far(&best, k))
@@ -361,7 +366,8 @@ static const char *go_on(model *t, int retries) {
         way = k;
         break;
       }
-      if (way < 0 || promise(&best, k) < promise(&best, way)) way = k;
+      if (way < 0 || deviation_after(&best, k) < deviation_after(&best, way))
+        way = k;
     }
     if (way < 0 || retries < 0) break;
     *t = best;
@@ -369,7 +375,7 @@ static const char *go_on(model *t, int retries) {
     t->w += step[way][1];
     veto = veto_of(t);
     vetoed = vetoes_way(veto, way) != 0;
-    if (!vetoed && eff(t) < eff(&best)) {
+    if (!vetoed && model_eff(t) < model_eff(&best)) {
       best = *t;
       tried = 0;
     } else {
@@ -394,15 +400,16 @@ static void test_by_lot(void) {
           variant ? "continue" : "freeze", retries);
       model t = {.i_by_l = -1.4, .i_by_w = 0.9, .a_by_l = 1.3, .a_by_w = 0.7};
       t.lot = lot * 77;
-      t.i = 12 * by_lot(&t, 99, 0, 9);
-      t.a = 12 * by_lot(&t, 99, 1, 9);
+      t.i = 12 * random_at(&t, 99, 0, 9);
+      t.a = 12 * random_at(&t, 99, 1, 9);
       model want = t;
-      const char *why = variant ? go_on(&want, retries) : freeze(&want);
-      g_autoptr(opc_module) m = make(p);
-      run(m, &t);
-      if (t.l != want.l || t.w != want.w || !g_str_equal(verdict(m), why))
+      const char *why =
+          variant ? run_continue(&want, retries) : run_freeze(&want);
+      g_autoptr(opc_module) m = model_make(p);
+      model_run(m, &t);
+      if (t.l != want.l || t.w != want.w || !g_str_equal(model_verdict(m), why))
         g_error("lot %u, variant %d: %d, %d, %s; not %d, %d, %s: %s", lot,
-                variant, t.l, t.w, verdict(m), want.l, want.w, why,
+                variant, t.l, t.w, model_verdict(m), want.l, want.w, why,
                 t.trace->str);
       words |= 1 << why[1] % 32;
       moved += abs(t.l) + abs(t.w) > 3;

@@ -9,7 +9,7 @@ static opc_module *with_bytes(const char *text, gssize size, char **path) {
   g_autofree char *yaml = NULL;
   g_file_set_contents(*path, text, size, NULL);
   yaml = g_strdup_printf("{ ion_limit: 0 %%, wishes: %s }", *path);
-  return make(yaml);
+  return model_make(yaml);
 }
 
 static opc_module *with_goals(const char *text, char **path) {
@@ -40,7 +40,7 @@ static void test_goals(void) {
       "weight\ncell:1,1.02\ncell:2,,0.01\ncell:3,,0\n",
       &path);
   model t = {.n = 4, .gain_l = 2.6, .gain_w = 1.05, .off_l = {3, 2, 7, -4}};
-  run(m, &t);
+  model_run(m, &t);
   g_assert_cmpfloat_with_epsilon(t.ion[0], 2, 0.06);
   g_assert_cmpint(t.l[1], ==, 0);
   g_assert_cmpint(t.jog[1], ==, 0);
@@ -87,7 +87,7 @@ static void test_longer(void) {
       1, {exp(-0.022 * by), exp(-0.3 * by), 1 + by / length}, 1};
   eda_goal all[] = {longer, longer, eda_goal_none, {1, {1, 0.8, 1}, 1}};
   goals = all;
-  run(m, &t);
+  model_run(m, &t);
   goals = NULL;
   for (int i = 0; i < 2; i++) {
     g_assert_cmpfloat_with_epsilon(t.ion[i], 100 * expm1(-0.022 * by), 0.1);
@@ -111,7 +111,7 @@ static void test_goals_of_gates(void) {
       with_goals("transistor,ion,weight\ncell:2,,1\ncell:4,,1\n", &path);
   model t = {.n = 4, .gain_l = 2.6, .gain_w = 1.05, .off_l = {3, 2, 7, -4}};
   goals = all;
-  run(m, &t);
+  model_run(m, &t);
   goals = NULL;
   const eda_synthesizer *f = m->functions;
   g_assert_cmpfloat(f->target(m->self, 0), ==, 1.02);
@@ -126,7 +126,7 @@ static void test_goals_of_gates(void) {
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/newton/longer", test_longer);
-  g_test_add_func("/newton/wishes", test_goals);
-  g_test_add_func("/newton/wishes-of-gates", test_goals_of_gates);
+  g_test_add_func("/newton/goals", test_goals);
+  g_test_add_func("/newton/goals-of-gates", test_goals_of_gates);
   return g_test_run();
 }

@@ -10,7 +10,7 @@
 /* Return the distance beyond the end of the gate within which the edges have
    half of their effect; `extension` is that of the poly, in grid steps like
    `blur`. */
-static double beyond(double extension, double blur) {
+static double extension_effect(double extension, double blur) {
   return extension < tuned.short_end * blur ? blur * tuned.past_end
                                             : -blur / tuned.before_end;
 }
@@ -22,8 +22,9 @@ void sides_find(const eda_gates *g, sides *out) {
     int32_t width = g->axis[i] == EDA_X ? b.y1 - b.y0 : b.x1 - b.x0;
     double steps = fmin(tuned.blur / g->grid, width);
     out[i].blur = tuned.blur / g->grid;
-    out[i].low = -beyond(g->extension[2 * i] / g->grid, steps);
-    out[i].high = width + beyond(g->extension[2 * i + 1] / g->grid, steps);
+    out[i].low = -extension_effect(g->extension[2 * i] / g->grid, steps);
+    out[i].high =
+        width + extension_effect(g->extension[2 * i + 1] / g->grid, steps);
   }
   for (size_t p = 0; p < e->polygons; p++)
     for (uint32_t i = e->start[p]; i < e->start[p + 1]; i++) {
@@ -41,68 +42,69 @@ void sides_find(const eda_gates *g, sides *out) {
 }
 
 /* Return the integral of a smoothed step. */
-static double ramp(double x, double blur) {
+static double ramp_integral(double x, double blur) {
   double z = x / blur;
   return x * 0.5 * erfc(-z * M_SQRT1_2) +
          blur * exp(-z * z / 2) / sqrt(2 * M_PI);
 }
 
 /* Return the effect on the gate of a grid step of the edge up to `at`. */
-static double weight(const sides *s, double at) {
-  return ramp(at - s->low, s->blur) - ramp(at - s->high, s->blur);
+static double edge_weight(const sides *s, double at) {
+  return ramp_integral(at - s->low, s->blur) -
+         ramp_integral(at - s->high, s->blur);
 }
 
 /* Return the share of the first `jog` grid steps in the effect of the whole
    edge. */
-static double share(const sides *s, int side, int32_t jog) {
-  double from = weight(s, s->from[side]);
-  double all = weight(s, s->to[side]) - from;
+static double edge_share(const sides *s, int side, int32_t jog) {
+  double from = edge_weight(s, s->from[side]);
+  double all = edge_weight(s, s->to[side]) - from;
   if (jog <= 0 || !(all > 0)) return 0;
   if (jog >= s->to[side] - s->from[side]) return 1;
-  return (weight(s, s->from[side] + jog) - from) / all;
+  return (edge_weight(s, s->from[side] + jog) - from) / all;
 }
 
 double length_share(const sides *s, double to) {
   double sum = 0;
   for (int side = 0; side < 2; side++) {
-    double from = weight(s, s->from[side]);
-    double all = weight(s, s->to[side]) - from;
+    double from = edge_weight(s, s->from[side]);
+    double all = edge_weight(s, s->to[side]) - from;
     double at = fmin(fmax(to, s->from[side]), s->to[side]);
-    sum += all > 0 ? (weight(s, at) - from) / all / 2 : 0;
+    sum += all > 0 ? (edge_weight(s, at) - from) / all / 2 : 0;
   }
   return sum;
 }
 
 /* Return the edge that takes the next step: HIGH after an even number of
    steps. */
-static int edge_of(int32_t l) { return !(l & 1); }
+static int edge_next(int32_t l) { return !(l & 1); }
 
 double length_value(const sides *s, length x) {
-  return x.l + share(s, edge_of(x.l), x.jog);
+  return x.l + edge_share(s, edge_next(x.l), x.jog);
 }
 
 double length_jog(const sides *s, length x) {
-  int side = edge_of(x.l);
+  int side = edge_next(x.l);
   int has = x.jog > 0 && x.jog < s->to[side] - s->from[side];
   return has ? s->from[side] + x.jog : NAN;
 }
 
 length length_nearest(const sides *s, double value, int32_t least) {
   length x = {(int32_t)floor(value), 0};
-  int side = edge_of(x.l);
+  int side = edge_next(x.l);
   int32_t whole = s->to[side] - s->from[side];
   int32_t low = least < whole / 2 ? least : whole / 2, high = whole - low;
   double part = value - x.l;
   while (high - low > 1) {
     int32_t middle = low + (high - low) / 2;
-    if (share(s, side, middle) < part)
+    if (edge_share(s, side, middle) < part)
       low = middle;
     else
       high = middle;
   }
-  double below = share(s, side, low), above = share(s, side, high);
+  double below = edge_share(s, side, low), above = edge_share(s, side, high);
   x.jog = part - below < above - part ? low : high;
-  double off = fabs(share(s, side, x.jog) - part);
+  double off = fabs(edge_share(s, side, x.jog) - part);
   if (part <= off) return (length){x.l, 0};
   return 1 - part <= off ? (length){x.l + 1, 0} : x;
 }

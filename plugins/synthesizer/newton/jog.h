@@ -5,9 +5,9 @@
 
 #include <eda/gates.h>
 
-/* Along W, begin and end of the LOW and HIGH edge of the poly that move with a
-   gate, begin and end of their effect on the gate, and the smoothing length of
-   the optics. Grid steps from the box of the gate. */
+/* Positions along W, in grid steps from the box of the gate. LOW and HIGH edge
+   of the poly that move with a gate: begin, end, begin and end of their effect,
+   and the smoothing length of the optics. */
 typedef struct sides {
   int32_t from[2], to[2];
   double low, high, blur;

@@ -30,14 +30,14 @@ typedef struct model {
                                                leakage */
   double second; /* largest Ion deviation in the second iteration */
   int prints;
-  int late;      /* iteration after which transistor 3 has 2 % less current */
-  double steep;  /* additional fall of log Ion per nm of shorter length, */
-  double table;  /* down to the printed length where the device table ends; */
-  double open;   /* shorter printed lengths are open and have no figures; */
-  double merge;  /* longer ones are merged; 0: never */
-  int32_t room;  /* largest move of an end of the active; beyond it the active
-                    merges; 0: never */
-  int ends_open; /* 1: also open while a line end is too short */
+  int late;     /* iteration after which transistor 3 has 2 % less current */
+  double steep; /* additional fall of log Ion per nm of shorter length, */
+  double table; /* down to the printed length where the device table ends; */
+  double open;  /* shorter printed lengths are open and have no figures; */
+  double merge; /* longer ones are merged; 0: never */
+  int32_t active_limit; /* largest move of an end of the active; beyond it the
+                           active merges; 0: never */
+  int ends_open;        /* 1: also open while a line end is too short */
   int regulated; /* 1: vetoes an open line from becoming shorter or narrower */
   uint32_t flags[MOST];
   double bracket[MOST][2]; /* lengths that were open and too long */
@@ -52,23 +52,24 @@ static eda_goal *goals; /* goals of the gates; NULL: none */
 
 /* Return the effect of a side up to x: sides extend 60 nm past the gate, and
    the effect per nm rises over 200 nm around the ends of the gate. */
-static inline double ramp(double x) {
+static inline double ramp_integral(double x) {
   return x < -100 ? 0 : x < 100 ? (x + 100) * (x + 100) / 400 : x;
 }
 
-static inline double part(int32_t jog) {
+static inline double model_part(int32_t jog) {
   double at = CLAMP(jog, 0, WIDTH + 120) - 60;
-  double none = ramp(-60) - ramp(-60 - WIDTH),
-         all = ramp(WIDTH + 60) - ramp(60);
-  return (ramp(at) - ramp(at - WIDTH) - none) / (all - none);
+  double none = ramp_integral(-60) - ramp_integral(-60 - WIDTH),
+         all = ramp_integral(WIDTH + 60) - ramp_integral(60);
+  return (ramp_integral(at) - ramp_integral(at - WIDTH) - none) / (all - none);
 }
 
 /* Compute the figures of transistor i and its logarithmic errors. */
-static inline void print(model *t, const int32_t *end, eda_performance *p) {
+static inline void model_print(model *t, const int32_t *end,
+                               eda_performance *p) {
   for (size_t i = 0; i < t->n; i++) {
     size_t next = (i + 1) % t->n;
-    double l = t->l[i] + part(t->jog[i]),
-           beside = t->l[next] + part(t->jog[next]);
+    double l = t->l[i] + model_part(t->jog[i]),
+           beside = t->l[next] + model_part(t->jog[next]);
     double gain = t->gain_l * (1 + t->spread * sin((double)i));
     double printed = length + t->off_l[i] + gain * (l + t->coupling * beside);
     double weq = WIDTH + t->off_w[i] + t->gain_w * t->w[i];
@@ -76,7 +77,7 @@ static inline void print(model *t, const int32_t *end, eda_performance *p) {
     int open = printed < t->open || (t->ends_open && thin > 0);
     int32_t low = (t->w[i] >> 1) - t->aside[i], high = t->w[i] - low;
     int merged = (t->merge > 0 && printed > t->merge) ||
-                 (t->room > 0 && MAX(low, high) > t->room);
+                 (t->active_limit > 0 && MAX(low, high) > t->active_limit);
     t->flags[i] = open ? EDA_PRINT_OPEN : merged ? EDA_PRINT_MERGED : 0;
     if (t->regulated)
       t->veto[i] = open ? EDA_VETO_SHORTER | EDA_VETO_NARROWER : 0;
@@ -101,7 +102,7 @@ static inline void print(model *t, const int32_t *end, eda_performance *p) {
    that is too long, the next lengths are between them. */
 static inline void hold_bracket(model *t) {
   for (size_t i = 0; i < t->n; i++) {
-    double l = t->l[i] + part(t->jog[i]);
+    double l = t->l[i] + model_part(t->jog[i]);
     double *low = &t->bracket[i][0], *high = &t->bracket[i][1];
     if (*low < *high) {
       t->held += *low > -1000 && *high < 1000;
@@ -113,20 +114,20 @@ static inline void hold_bracket(model *t) {
 
 static inline void note_bracket(model *t) {
   for (size_t i = 0; i < t->n; i++) {
-    double l = t->l[i] + part(t->jog[i]);
+    double l = t->l[i] + model_part(t->jog[i]);
     int open = t->flags[i] & EDA_PRINT_OPEN;
     if (open) t->bracket[i][0] = fmax(t->bracket[i][0], l);
     if (!open && t->ion[i] < -20) t->bracket[i][1] = fmin(t->bracket[i][1], l);
   }
 }
 
-static inline double worst(const double *x, size_t n) {
+static inline double model_worst(const double *x, size_t n) {
   double most = 0;
   for (size_t i = 0; i < n; i++) most = fmax(most, fabs(x[i]));
   return most;
 }
 
-static inline void run(opc_module *m, model *t) {
+static inline void model_run(opc_module *m, model *t) {
   const eda_synthesizer *s = m->functions;
   double d[6][MOST], p[6][MOST] = {{0}}, long_[MOST], wide[MOST];
   eda_box box[MOST];
@@ -186,15 +187,15 @@ static inline void run(opc_module *m, model *t) {
   g_assert_cmpint(s->begin(m->self, &f, &error), ==, OPC_OK);
   f.printed = &printed;
   for (int done = 0; !done && f.iteration < 50; f.iteration++) {
-    print(t, end, &printed);
-    if (f.iteration == 1) t->second = worst(t->ion, t->n);
+    model_print(t, end, &printed);
+    if (f.iteration == 1) t->second = model_worst(t->ion, t->n);
     if (t->guarded) note_bracket(t);
     g_assert_cmpint(s->update(m->self, &f, &moves, &done, &error), ==, OPC_OK);
     if (t->guarded) hold_bracket(t);
     done &= !memcmp(end, next, sizeof end) && t->prints > t->late + 1;
     memcpy(end, next, sizeof end);
   }
-  print(t, end, &printed);
+  model_print(t, end, &printed);
 }
 
 static inline model made_up(size_t n) {
@@ -217,7 +218,7 @@ static inline opc_module *make_any(const char *parameters) {
 }
 
 /* Return a module whose target uses weights. */
-static inline opc_module *make(const char *parameters) {
+static inline opc_module *model_make(const char *parameters) {
   g_autofree char *all = g_strconcat("{ target: plain, ", parameters + 1, NULL);
   return make_any(all);
 }

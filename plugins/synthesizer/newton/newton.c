@@ -39,8 +39,8 @@ enum { JOG, WIDTH, NONE };
 
 /* ---- work: sizes ---- */
 
-static double tolerance(const newton *t) { return t->tolerance / 100; }
-static void clear(void *self) {
+static double newton_tolerance(const newton *t) { return t->tolerance / 100; }
+static void newton_clear(void *self) {
   newton *t = self;
   free(t->state);
   free(t->sides);
@@ -48,13 +48,13 @@ static void clear(void *self) {
   free(t->goal);
 }
 
-static void follow(newton *t, eda_scanner scanner);
+static void newton_follow(newton *t, eda_scanner scanner);
 
-static int begin(void *self, const eda_feedback *f, opc_error *error) {
+static int newton_begin(void *self, const eda_feedback *f, opc_error *error) {
   newton *t = self;
-  follow(t, f->scanner);
+  newton_follow(t, f->scanner);
   eda_follow_ion_limit(f, &t->ion_limit);
-  clear(t);
+  newton_clear(t);
   t->count = f->gates->count;
   t->rest = t->settled = 0;
   if (t->target != PLAIN) t->weight[IOFF] = tuned.leak;
@@ -72,8 +72,8 @@ static int begin(void *self, const eda_feedback *f, opc_error *error) {
 
 /* Return the part of a step that vetoes and bounds allow; set *why if that is
    less. */
-static double bounded(double x, double dx, double most, uint32_t veto_up,
-                      uint32_t veto_down, uint8_t *why) {
+static double move_bounded(double x, double dx, double most, uint32_t veto_up,
+                           uint32_t veto_down, uint8_t *why) {
   if ((dx > 0 && veto_up) || (dx < 0 && veto_down)) {
     *why = BLOCKED;
     return 0;
@@ -84,8 +84,8 @@ static double bounded(double x, double dx, double most, uint32_t veto_up,
 }
 
 /* Compute the errors expected at L and W of the mask, by the response. */
-static void left_after(const transistor *s, double l, double w,
-                       double rest[ERRORS]) {
+static void errors_after(const transistor *s, double l, double w,
+                         double rest[ERRORS]) {
   for (int k = 0; k < ERRORS; k++)
     rest[k] = s->error[k] + s->response.by[k][BY_L] * (l - s->x[BY_L]) +
               s->response.by[k][BY_W] * (w - s->x[BY_W]);
@@ -94,11 +94,11 @@ static void left_after(const transistor *s, double l, double w,
 /* Return the mask with the nearest length, with the jog clear of the ends of
    parts. The end of a part beside the jog changes the length, so that no jog
    there may result in the wanted length. */
-static biases clear_jog(const newton *t, size_t i, double l, int32_t least,
-                        biases b) {
+static biases mask_clear_jog(const newton *t, size_t i, double l, int32_t least,
+                             biases b) {
   const parts *p = &t->parts[i];
   const sides *s = &t->sides[i];
-  double off = fabs(length_in_steps(t, i, b) - l);
+  double off = fabs(mask_length(t, i, b) - l);
   biases found = b;
   int32_t first = b.l - 1;
   for (int32_t whole = first; whole <= first + 2; whole++)
@@ -109,7 +109,7 @@ static biases clear_jog(const newton *t, size_t i, double l, int32_t least,
       if (jog < least || jog > s->to[side] - s->from[side] - least) continue;
       b.l = whole;
       b.jog = jog;
-      double next = fabs(length_in_steps(t, i, b) - l);
+      double next = fabs(mask_length(t, i, b) - l);
       if (next >= off) continue;
       off = next;
       found = b;
@@ -119,8 +119,8 @@ static biases clear_jog(const newton *t, size_t i, double l, int32_t least,
 
 /* Return the nearest mask with a jog for a wanted L. Parts that end at the jog
    change the length, so iterate. */
-static biases with_jog(const newton *t, const eda_gates *g, size_t i, double l,
-                       int32_t w) {
+static biases mask_with_jog(const newton *t, const eda_gates *g, size_t i,
+                            double l, int32_t w) {
   int32_t least = (int32_t)ceil(t->min_jog / g->grid);
   biases b = {.w = w, .shape = t->state[i].next.shape};
   double shaped = shape_value(&t->parts[i], &b.shape);
@@ -128,39 +128,40 @@ static biases with_jog(const newton *t, const eda_gates *g, size_t i, double l,
     length x = length_nearest(&t->sides[i], l - shaped, least);
     b.l = x.l;
     b.jog = x.jog;
-    shaped = length_in_steps(t, i, b) - length_value(&t->sides[i], x);
+    shaped = mask_length(t, i, b) - length_value(&t->sides[i], x);
   }
-  return clear_jog(t, i, l, least, b);
+  return mask_clear_jog(t, i, l, least, b);
 }
 
 /* Return the better of `best`, the mask with the nearest jog, and masks with W
    one or two steps away and their jogs. A narrow gate may need this. */
-static biases with_width(const newton *t, const eda_feedback *f, size_t i,
-                         biases best) {
+static biases mask_with_width(const newton *t, const eda_feedback *f, size_t i,
+                              biases best) {
   static const int only_l[MOVES] = {1, 0};
   const transistor *s = &t->state[i];
   double rest[ERRORS], more[MOVES], grid = f->gates->grid;
   double most = fmin(t->max_bias, f->gates->width[i] / 2) / grid;
-  int any = for_ioff(t); /* W moves in any case */
+  int any = corrects_ioff(t); /* W moves in any case */
   double enough =
-      any ? tolerance(t) : fmax(ion_limit(t), tuned.coarse * tolerance(t));
+      any ? newton_tolerance(t)
+          : fmax(newton_ion_limit(t), tuned.coarse * newton_tolerance(t));
   biases found = best;
-  left_after(s, length_in_steps(t, i, best), best.w, rest);
-  double least = size_of(t, rest);
+  errors_after(s, mask_length(t, i, best), best.w, rest);
+  double least = errors_size(t, rest);
   if (least <= enough / t->goal[i].weight) return best;
   for (int step = any ? -2 : -1; step <= (any ? 2 : 1); step++) {
     uint32_t veto = step > 0 ? EDA_VETO_WIDER : EDA_VETO_NARROWER;
     int32_t w = best.w + step;
     if (!step || f->vetoes[i] & veto || abs(w) > most) continue;
-    left_after(s, s->x[BY_L], w, rest);
-    solve(&s->response, rest, t->steer, only_l, more);
+    errors_after(s, s->x[BY_L], w, rest);
+    response_solve(&s->response, rest, t->steer, only_l, more);
     veto = more[BY_L] > 0 ? EDA_VETO_LONGER : EDA_VETO_SHORTER;
     double l = s->x[BY_L] + more[BY_L];
     if (f->vetoes[i] & veto || fabs(l) > t->max_bias / grid) continue;
-    biases next = with_jog(t, f->gates, i, l, w);
-    left_after(s, length_in_steps(t, i, next), w, rest);
-    if (size_of(t, rest) >= least) continue;
-    least = size_of(t, rest);
+    biases next = mask_with_jog(t, f->gates, i, l, w);
+    errors_after(s, mask_length(t, i, next), w, rest);
+    if (errors_size(t, rest) >= least) continue;
+    least = errors_size(t, rest);
     found = next;
   }
   return found;
@@ -168,65 +169,65 @@ static biases with_width(const newton *t, const eda_feedback *f, size_t i,
 
 /* Return the mask on the grid for a wanted move of L and W. L corrects the
    rounding of W; a jog or W corrects the rounding of L, as `fine` selects. */
-static biases on_grid(const newton *t, const eda_feedback *f, size_t i,
-                      const double dx[MOVES], double enough, int cut) {
+static biases mask_on_grid(const newton *t, const eda_feedback *f, size_t i,
+                           const double dx[MOVES], double enough, int cut) {
   static const int only_l[MOVES] = {1, 0}, only_w[MOVES] = {0, 1};
   const transistor *s = &t->state[i];
   double rest[ERRORS], more[MOVES];
   int32_t w = (int32_t)lround(s->x[BY_W] + dx[BY_W]);
   double l = s->x[BY_L] + dx[BY_L];
-  left_after(s, l, w, rest);
-  solve(&s->response, rest, t->steer, only_l, more);
+  errors_after(s, l, w, rest);
+  response_solve(&s->response, rest, t->steer, only_l, more);
   if (dx[BY_L] != 0 && !cut) l += fmin(fmax(more[BY_L], -1), 1);
   const shape *edges = &s->next.shape;
   double shaped = shape_value(&t->parts[i], edges);
   int32_t whole = (int32_t)lround(l - shaped);
-  left_after(s, whole + shaped, w, rest);
-  if (t->fine == NONE || (t->fine == JOG && size_of(t, rest) <= enough))
+  errors_after(s, whole + shaped, w, rest);
+  if (t->fine == NONE || (t->fine == JOG && errors_size(t, rest) <= enough))
     return (biases){.l = whole, .w = w, .shape = *edges};
-  biases near = with_jog(t, f->gates, i, l, w);
-  if (t->fine == JOG) return cut ? near : with_width(t, f, i, near);
-  solve(&s->response, rest, t->weight, only_w, more);
+  biases near = mask_with_jog(t, f->gates, i, l, w);
+  if (t->fine == JOG) return cut ? near : mask_with_width(t, f, i, near);
+  response_solve(&s->response, rest, t->weight, only_w, more);
   return (biases){
       .l = whole, .w = w + (int32_t)lround(more[BY_W]), .shape = *edges};
 }
 
 /* Return the expected size of the errors of a mask: prediction and uncertainty
    of the response. */
-static double expected(const newton *t, size_t i, biases next) {
+static double mask_expected_size(const newton *t, size_t i, biases next) {
   const transistor *s = &t->state[i];
   const response *r = &s->response;
-  double rest[ERRORS], wrong[ERRORS], l = length_in_steps(t, i, next);
-  left_after(s, l, next.w, rest);
+  double rest[ERRORS], wrong[ERRORS], l = mask_length(t, i, next);
+  errors_after(s, l, next.w, rest);
   for (int k = 0; k < ERRORS; k++)
     wrong[k] = hypot(r->doubt[BY_L] * r->by[k][BY_L] * (l - s->x[BY_L]),
                      r->doubt[BY_W] * r->by[k][BY_W] * (next.w - s->x[BY_W]));
-  return hypot(size_of(t, rest), size_of(t, wrong));
+  return hypot(errors_size(t, rest), errors_size(t, wrong));
 }
 
 /* Return the largest W whose ends are within their limits. */
-static double widest_of(const transistor *s) {
-  return s->furthest[0] + s->furthest[1];
+static double width_limit(const transistor *s) {
+  return s->outward_limit[0] + s->outward_limit[1];
 }
 
 /* Compute the W with the drawn Ioff after L has compensated for that W, and
    this L. */
-static void with_leakage(const newton *t, const eda_feedback *f, size_t i,
-                         uint32_t veto, double dx[MOVES]) {
+static void move_with_leakage(const newton *t, const eda_feedback *f, size_t i,
+                              uint32_t veto, double dx[MOVES]) {
   static const int both[MOVES] = {1, 1}, only_l[MOVES] = {1, 0};
   const transistor *s = &t->state[i];
   double grid = f->gates->grid, step[MOVES], rest[ERRORS], more[MOVES];
   double most = fmin(t->max_bias, f->gates->width[i] / 2) / grid;
   uint8_t why;
-  solve(&s->response, s->error, t->weight, both, step);
+  response_solve(&s->response, s->error, t->weight, both, step);
   double longest = tuned.longest / grid;
   double w = fmin(fmax(step[BY_W], -longest), longest);
-  w = fmin(w - s->given, widest_of(s) - s->x[BY_W]);
-  dx[BY_W] = round(bounded(s->x[BY_W], w, most, veto & EDA_VETO_WIDER,
-                           veto & EDA_VETO_NARROWER, &why));
-  left_after(s, s->x[BY_L], s->x[BY_W] + dx[BY_W], rest);
+  w = fmin(w - s->given, width_limit(s) - s->x[BY_W]);
+  dx[BY_W] = round(move_bounded(s->x[BY_W], w, most, veto & EDA_VETO_WIDER,
+                                veto & EDA_VETO_NARROWER, &why));
+  errors_after(s, s->x[BY_L], s->x[BY_W] + dx[BY_W], rest);
   for (int k = 0; k < ERRORS; k++) rest[k] -= s->error[k];
-  solve(&s->response, rest, t->steer, only_l, more);
+  response_solve(&s->response, rest, t->steer, only_l, more);
   dx[BY_L] += more[BY_L];
 }
 
@@ -243,36 +244,37 @@ static biases newton_step(const newton *t, const eda_feedback *f, size_t i,
   const eda_gates *g = f->gates;
   /* Vetoes of a mask that did not print do not apply to steps from the last
      valid mask. */
-  uint32_t veto = s->lost ? 0 : f->vetoes[i];
+  uint32_t veto = s->failed ? 0 : f->vetoes[i];
   double most_w = fmin(t->max_bias, g->width[i] / 2) / g->grid;
-  int free[MOVES], mended;
+  int free[MOVES], repaired;
   double dx[MOVES], wanted;
-  free_moves(t, free);
-  mended = !free[BY_W] && is_no_step(s->trust.radius);
-  solve(&s->response, s->error, t->steer, free, dx);
+  moves_free(t, free);
+  repaired = !free[BY_W] && is_no_step(s->trust.radius);
+  response_solve(&s->response, s->error, t->steer, free, dx);
   wanted = dx[BY_L];
   dx[BY_L] = trust_step(&s->trust, s->x[BY_L], wanted);
   *cut = dx[BY_L] != wanted;
-  if (for_ioff(t) && f->iteration > 0) with_leakage(t, f, i, veto, dx);
-  dx[BY_L] = bounded(s->x[BY_L], dx[BY_L], t->max_bias / g->grid,
-                     veto & EDA_VETO_LONGER, veto & EDA_VETO_SHORTER, why);
-  if (mended || (*why != MOVING && is_no_step(dx[BY_L])))
-    solve(&s->response, s->error, t->weight, only_w, dx);
-  dx[BY_W] = bounded(s->x[BY_W], dx[BY_W], most_w, veto & EDA_VETO_WIDER,
-                     veto & EDA_VETO_NARROWER, why);
-  dx[BY_W] = fmin(dx[BY_W], fmax(widest_of(s) - s->x[BY_W], 0));
-  biases next = s->good;
-  if (mended)
+  if (corrects_ioff(t) && f->iteration > 0)
+    move_with_leakage(t, f, i, veto, dx);
+  dx[BY_L] = move_bounded(s->x[BY_L], dx[BY_L], t->max_bias / g->grid,
+                          veto & EDA_VETO_LONGER, veto & EDA_VETO_SHORTER, why);
+  if (repaired || (*why != MOVING && is_no_step(dx[BY_L])))
+    response_solve(&s->response, s->error, t->weight, only_w, dx);
+  dx[BY_W] = move_bounded(s->x[BY_W], dx[BY_W], most_w, veto & EDA_VETO_WIDER,
+                          veto & EDA_VETO_NARROWER, why);
+  dx[BY_W] = fmin(dx[BY_W], fmax(width_limit(s) - s->x[BY_W], 0));
+  biases next = s->valid;
+  if (repaired)
     next.w += (int32_t)lround(dx[BY_W]);
   else
-    next = on_grid(t, f, i, dx, enough, *cut && !free[BY_W]);
-  next.aside = aside_of(s, next.w);
+    next = mask_on_grid(t, f, i, dx, enough, *cut && !free[BY_W]);
+  next.aside = width_aside(s, next.w);
   return next;
 }
 
 /* Return the next mask of a transistor that never printed: away from the
    failing length or, if the opposite end is known, half the way to it. */
-static biases seek(const newton *t, const eda_feedback *f, size_t i) {
+static biases mask_search(const newton *t, const eda_feedback *f, size_t i) {
   const transistor *s = &t->state[i];
   double grid = f->gates->grid, step = ceil(tuned.open_step / grid);
   int longer = (f->flags[i] & EDA_PRINT_OPEN) != 0;
@@ -284,9 +286,9 @@ static biases seek(const newton *t, const eda_feedback *f, size_t i) {
 }
 
 /* Flatten the edges. Return whether any of them moves. */
-static int reform(newton *t, const eda_feedback *f, size_t i) {
+static int edges_flatten(newton *t, const eda_feedback *f, size_t i) {
   transistor *s = &t->state[i];
-  if (!reshapes(t, f)) return 0;
+  if (!newton_reshapes(t, f)) return 0;
   const eda_gates *g = f->gates;
   const curve *c = &t->curve[g->type[i] == EDA_PMOS];
   s->next.shape =
@@ -295,37 +297,39 @@ static int reform(newton *t, const eda_feedback *f, size_t i) {
                  t->price / 100 / ripple_cost(g->length[i], c),
                  (f->vetoes[i] & EDA_VETO_LONGER) != 0);
   if (!memcmp(&s->next.shape, &s->now.shape, sizeof s->next.shape)) return 0;
-  reshape(t, i, &s->next.shape);
+  newton_reshape(t, i, &s->next.shape);
   return 1;
 }
 
 /* Return the next mask to try for one transistor. */
-static biases propose(newton *t, const eda_feedback *f, size_t i) {
+static biases mask_propose(newton *t, const eda_feedback *f, size_t i) {
   transistor *s = &t->state[i];
-  double enough = tolerance(t) / t->goal[i].weight;
+  double enough = newton_tolerance(t) / t->goal[i].weight;
   s->verdict = WITHIN;
   s->next = s->now;
-  if (t->goal[i].weight == 0 || (!s->lost && s->size <= enough)) return s->now;
+  if (t->goal[i].weight == 0 || (!s->failed && s->size <= enough))
+    return s->now;
   s->verdict = NO_PRINT;
-  if (s->lost && (isinf(s->size) || same(s->now, s->good)))
-    return seek(t, f, i);
+  if (s->failed && (isinf(s->size) || biases_equal(s->now, s->valid)))
+    return mask_search(t, f, i);
   uint8_t why = MOVING;
-  int cut, shaped = !s->lost && reform(t, f, i);
+  int cut, shaped = !s->failed && edges_flatten(t, f, i);
   biases next = newton_step(t, f, i, enough, &why, &cut);
-  if (s->lost || shaped) return next;
-  double hope = expected(t, i, next);
+  if (s->failed || shaped) return next;
+  double hope = mask_expected_size(t, i, next);
   s->verdict = MOVING;
-  int held =
-      cut && s->size > ion_limit(t) && trust_holds(&s->trust, s->x[BY_L]);
-  if (held && !same(next, s->now)) return next;
-  if (s->best_size <= hope && !same(s->best, s->now)) return s->best;
-  double worth = for_ioff(t) || s->size > ion_limit(t) ? 1 : tuned.worthwhile;
-  if (!same(next, s->now) && hope <= worth * s->size) return next;
+  int held = cut && s->size > newton_ion_limit(t) &&
+             trust_holds(&s->trust, s->x[BY_L]);
+  if (held && !biases_equal(next, s->now)) return next;
+  if (s->best_size <= hope && !biases_equal(s->best, s->now)) return s->best;
+  double worth =
+      corrects_ioff(t) || s->size > newton_ion_limit(t) ? 1 : tuned.worthwhile;
+  if (!biases_equal(next, s->now) && hope <= worth * s->size) return next;
   s->verdict = why == MOVING ? GRID : why;
   return s->now;
 }
 
-/* ---- work: the end ---- */
+/* ---- work: termination ---- */
 
 /* Return the iteration after which transistors beyond the limit revert to their
    best masks. */
@@ -336,13 +340,14 @@ static int64_t last_move(const newton *t) {
 
 /* Return whether the moves for Ion alone are complete: further moves have
    little effect and keep neighbours and regulator moving. */
-static int is_late(const newton *t, int64_t print) {
+static int newton_is_late(const newton *t, int64_t print) {
   return t->settled && print >= tuned.settled[t->target] + tuned.polish;
 }
 
 static int is_within(const newton *t, size_t i) {
   const transistor *s = &t->state[i];
-  return !s->lost && s->size * fmin(t->goal[i].weight, 1) <= ion_limit(t);
+  return !s->failed &&
+         s->size * fmin(t->goal[i].weight, 1) <= newton_ion_limit(t);
 }
 
 /* ---- work: all transistors ---- */
@@ -350,80 +355,80 @@ static int is_within(const newton *t, size_t i) {
 /* Return whether other causes increased the error of a transistor that did not
    move. */
 static int has_drifted(const newton *t, const transistor *s, double weight) {
-  return s->size * weight > ion_limit(t) * tuned.odd_limit &&
-         s->rest_size < tuned.worthwhile * s->size;
+  return s->size * weight > newton_ion_limit(t) * tuned.odd_limit &&
+         s->settled_size < tuned.worthwhile * s->size;
 }
 
 /* Return whether to stop: all transistors are within the limit, none has
    drifted, and their mean error is small or has hardly decreased since the last
    iteration. Once stopped, remain so unless the mean increases by as much. */
-static int is_good(newton *t, int64_t print) {
+static int newton_is_done(newton *t, int64_t print) {
   double worst = 0, mean = 0, before = print ? t->mean : INFINITY;
   int drifted = 0;
   for (size_t i = 0; i < t->count; i++) {
     const transistor *s = &t->state[i];
     double weight = fmin(t->goal[i].weight, 1);
-    double size = weight > 0 && s->lost ? INFINITY : s->size * weight;
+    double size = weight > 0 && s->failed ? INFINITY : s->size * weight;
     worst = fmax(worst, size);
     mean += size / (double)t->count;
     drifted |= has_drifted(t, s, weight);
   }
-  int stands = t->rest ? tuned.worthwhile * mean < before
-                       : mean > tuned.worthwhile * before;
+  int unchanged = t->rest ? tuned.worthwhile * mean < before
+                          : mean > tuned.worthwhile * before;
   t->mean = t->rest ? fmin(mean, before) : mean;
-  if (is_late(t, print)) return worst <= ion_limit(t);
-  return t->rest = worst <= ion_limit(t) && !drifted &&
-                   (mean <= ion_limit(t) / tuned.mean_part || stands);
+  if (newton_is_late(t, print)) return worst <= newton_ion_limit(t);
+  return t->rest = worst <= newton_ion_limit(t) && !drifted &&
+                   (mean <= newton_ion_limit(t) / tuned.mean_part || unchanged);
 }
 
 /* End the moves of L and W for Ioff: from the best mask of both currents on, L
    alone corrects Ion. */
-static void settle(newton *t) {
+static void newton_settle(newton *t) {
   t->settled = 1;
   t->weight[IOFF] = 0;
   for (size_t i = 0; i < t->count; i++) {
     transistor *s = &t->state[i];
-    s->back = !same(s->now, s->best);
-    s->best_size = s->back ? INFINITY : size_of(t, s->error);
-    s->size = s->rest_size = size_of(t, s->error);
+    s->revert = !biases_equal(s->now, s->best);
+    s->best_size = s->revert ? INFINITY : errors_size(t, s->error);
+    s->size = s->settled_size = errors_size(t, s->error);
     s->trust.error[SHORT] = s->trust.error[LONG] = 0; /* these belong to other
                                                          widths */
   }
 }
 
 /* Arguments of the threads, for all transistors. */
-typedef struct job {
+typedef struct decision {
   newton *t;
   const eda_feedback *f;
-  int good; /* result of is_good */
-} job;
+  int done; /* result of newton_is_done */
+} decision;
 
 /* Choose the next mask of transistor i. */
-static void decide(void *data, size_t i) {
-  const job *j = data;
+static void transistor_decide(void *data, size_t i) {
+  const decision *j = data;
   newton *t = j->t;
   transistor *s = &t->state[i];
   int64_t k = j->f->iteration, last = last_move(t);
-  if (s->back) {
+  if (s->revert) {
     s->next = s->best;
-    s->back = 0;
+    s->revert = 0;
     return;
   }
-  biases next = propose(t, j->f, i);
+  biases next = mask_propose(t, j->f, i);
   if (k > last) {
     /* The regulator still moves shapes: transistors that it disturbs may
        follow, for some iterations. */
     double most = tuned.patience * (double)last;
-    if (!(s->disturbed || s->lost) || (double)k > most) next = s->now;
+    if (!(s->disturbed || s->failed) || (double)k > most) next = s->now;
   }
-  if (j->good || (is_late(t, k) && is_within(t, i)))
+  if (j->done || (newton_is_late(t, k) && is_within(t, i)))
     s->next = s->now;
   else
     s->next = k == last ? s->best : next;
 }
 
-static int update(void *self, const eda_feedback *f, eda_moves *moves,
-                  int *done, opc_error *error) {
+static int newton_update(void *self, const eda_feedback *f, eda_moves *moves,
+                         int *done, opc_error *error) {
   newton *t = self;
   (void)error;
   t->gates = f->gates;
@@ -432,33 +437,34 @@ static int update(void *self, const eda_feedback *f, eda_moves *moves,
     for (size_t i = 0; i < t->count; i++)
       t->parts[i] = parts_of(f->gates, i, &t->sides[i]);
   }
-  observe(t, f, moves);
-  int settles = for_ioff(t) && f->iteration == tuned.settled[t->target];
-  if (settles) settle(t);
-  job j = {t, f, is_good(t, f->iteration) && !settles};
-  opc_parallel(t->host->context, t->count, decide, &j);
+  newton_observe(t, f, moves);
+  int settles = corrects_ioff(t) && f->iteration == tuned.settled[t->target];
+  if (settles) newton_settle(t);
+  decision j = {t, f, newton_is_done(t, f->iteration) && !settles};
+  opc_parallel(t->host->context, t->count, transistor_decide, &j);
   *done = 1;
   for (size_t i = 0; i < t->count; i++) {
     biases next = t->state[i].next;
-    if (f->iteration < last_move(t) && !same(next, t->state[i].now)) *done = 0;
+    if (f->iteration < last_move(t) && !biases_equal(next, t->state[i].now))
+      *done = 0;
     moves->l[i] = next.l;
     moves->w[i] = next.w;
     moves->jog[i] = next.jog;
     if (moves->aside) moves->aside[i] = next.aside;
     if (!moves->part) continue;
-    parts p = parts_of_mask(t, i, next);
+    parts p = mask_parts(t, i, next);
     shape_write(&p, &next.shape, moves->part + EDA_PARTS * i);
   }
-  foresee(t, f);
+  newton_predict(t, f);
   return OPC_OK;
 }
 
-static const char *verdict(const void *self, size_t gate) {
+static const char *newton_verdict(const void *self, size_t gate) {
   const newton *t = self;
   if (gate >= t->count) return NULL;
   const transistor *s = &t->state[gate];
   if (s->outside && isfinite(s->best_size)) return verdicts[OUTSIDE];
-  if (!(s->best_size <= ion_limit(t))) return verdicts[s->verdict];
+  if (!(s->best_size <= newton_ion_limit(t))) return verdicts[s->verdict];
   if (t->target == PLAIN || fabs(s->error[IOFF]) <= tuned.leaks)
     return verdicts[WITHIN];
   double most = fmin(t->max_bias, t->gates->width[gate] / 2);
@@ -466,7 +472,7 @@ static const char *verdict(const void *self, size_t gate) {
   return verdicts[bound ? LEAKS_AT_BOUND : LEAKS];
 }
 
-static double target(const void *self, size_t gate) {
+static double newton_target(const void *self, size_t gate) {
   const newton *t = self;
   if (gate >= t->count || t->goal[gate].weight == 0) return NAN;
   return t->goal[gate].target[ION];
@@ -478,12 +484,12 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(newton, target, .type = OPC_CHOICE, .preset = "balanced",
                   .choices = "plain|balanced|full",
                   .summary =
-                      "what is corrected: what `weight` says, Ion alone; "
-                      "Ion and Ioff; those and the gate area"),
+                      "corrected figures. plain: by `weight`, Ion by default; "
+                      "balanced: Ion and Ioff; full: these and the gate area"),
     OPC_PARAMETER(
         newton, price, .type = OPC_REAL, .flags = OPC_AT_LEAST, .unit = "%",
-        .summary = "what a jog that makes the length even has to save "
-                   "of the gate area's deviation; default: by target"),
+        .summary = "reduction of the gate area deviation required for each jog "
+                   "that makes the length uniform; default: by target"),
     OPC_PARAMETER_NAMED(
         "weight.ion", newton, weight[ION], .type = OPC_REAL,
         .flags = OPC_AT_LEAST,
@@ -491,58 +497,60 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER_NAMED(
         "weight.ioff", newton, weight[IOFF], .type = OPC_REAL,
         .flags = OPC_AT_LEAST,
-        .summary = "weight of that of Ioff; W moves, too, if it is not 0"),
+        .summary =
+            "weight of the squared deviation of Ioff; above 0, W moves too"),
     OPC_PARAMETER_NAMED("weight.area", newton, weight[AREA], .type = OPC_REAL,
                         .flags = OPC_AT_LEAST,
-                        .summary = "weight of that of the gate area, its "
-                                   "capacitance; W moves, too, if it is not 0"),
-    OPC_PARAMETER(newton, tolerance, .type = OPC_REAL, .flags = OPC_ABOVE,
-                  .unit = "%", .preset = "0.05 %",
-                  .summary = "a transistor whose weighted deviations are at "
-                             "most this is left alone"),
+                        .summary =
+                            "weight of the squared deviation of the gate area "
+                            "(capacitance); above 0, W moves too"),
+    OPC_PARAMETER(
+        newton, tolerance, .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "%",
+        .preset = "0.05 %",
+        .summary =
+            "largest weighted deviation at which a transistor keeps its mask"),
     OPC_PARAMETER(newton, ion_limit, .type = OPC_REAL, .flags = OPC_AT_LEAST,
                   .unit = "%", .follows = "ion_limit of the step",
                   .former = "limit",
-                  .summary = "Largest allowed |Ion deviation|; the synthesizer "
+                  .summary = "largest allowed |Ion deviation|; the synthesizer "
                              "stops when every transistor is within it"),
     OPC_PARAMETER(newton, fine, .type = OPC_CHOICE, .preset = "jog",
                   .choices = "jog|width|none",
-                  .summary = "what takes away the grid's quantum of L: a jog "
-                             "in the poly, the width of the active, nothing"),
-    OPC_PARAMETER(newton, min_jog, .type = OPC_REAL, .flags = OPC_AT_LEAST,
-                  .unit = "nm", .follows = "0.155 lambda/NA",
-                  .summary = "a jog stays this far from both ends of its edge"),
+                  .summary = "correction of the rounding error of L: a jog in "
+                             "the poly, the width of the active, none"),
+    OPC_PARAMETER(
+        newton, min_jog, .type = OPC_REAL, .flags = OPC_AT_LEAST, .unit = "nm",
+        .follows = "0.155 lambda/NA",
+        .summary = "least distance of a jog from both ends of its edge"),
     OPC_PARAMETER(newton, iterations, .type = OPC_INT,
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "16", .min = 1,
-                  .max = 1000, .summary = "moves at most"),
+                  .max = 1000, .summary = "largest number of moves"),
     OPC_PARAMETER(
         newton, max_bias, .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "nm",
         .follows = "0.311 lambda/NA",
         .summary =
-            "largest correction of L or of W, and no more than half of W"),
-    OPC_PARAMETER_NAMED(
-        "gain.l", newton, gain[BY_L], .type = OPC_REAL, .flags = OPC_ABOVE,
-        .preset = "2.6",
-        .summary = "printed change of L for a change of the mask's, as a first "
-                   "guess (the mask error factor)"),
+            "largest correction of L or W; W moves by at most half of W"),
+    OPC_PARAMETER_NAMED("gain.l", newton, gain[BY_L], .type = OPC_REAL,
+                        .flags = OPC_ABOVE, .preset = "2.6",
+                        .summary = "initial estimate of d printed L / d mask L "
+                                   "(mask error enhancement factor)"),
     OPC_PARAMETER_NAMED(
         "gain.w", newton, gain[BY_W], .type = OPC_REAL, .flags = OPC_ABOVE,
         .preset = "1.2",
-        .summary =
-            "printed change of W for a change of the mask's, as a first guess"),
-    OPC_PARAMETER_NAMED(
-        "wishes", newton, goals_path, .type = OPC_FILE,
-        .summary =
-            "what single transistors want: CSV of transistor, weight, ion"),
+        .summary = "initial estimate of d printed W / d mask W"),
+    OPC_PARAMETER_NAMED("wishes", newton, goals_path, .type = OPC_FILE,
+                        .summary =
+                            "CSV table of goals of single transistors: columns "
+                            "transistor, weight, ion, ioff, area"),
 };
 
 /* Compute the defaults of parameters that are not set. */
-static void follow(newton *t, eda_scanner scanner) {
+static void newton_follow(newton *t, eda_scanner scanner) {
   EDA_FOLLOW(t->host, "synthesizer.newton", t, parameters, scanner);
 }
 
 /* Weights belong to the plain target; the other targets set their own. */
-static int check(void *self, opc_error *error) {
+static int newton_check(void *self, opc_error *error) {
   static const double prices[TARGETS] = {INFINITY, 1, 0.02};
   static const double weights[ERRORS] = {1, 0, 0};
   newton *t = self;
@@ -551,7 +559,7 @@ static int check(void *self, opc_error *error) {
   for (int k = 0; k < ERRORS; k++) {
     if (t->target != PLAIN && !isnan(t->weight[k]))
       return opc_fail(error, OPC_INVALID, "target",
-                      "weights are for 'target: plain' only");
+                      "weights require 'target: plain'");
     if (isnan(t->weight[k])) t->weight[k] = weights[k];
     t->steer[k] = t->weight[k];
     sum += t->weight[k];
@@ -562,15 +570,15 @@ static int check(void *self, opc_error *error) {
 
 /* ---- entry ---- */
 
-static const eda_synthesizer functions = {.begin = begin,
-                                          .update = update,
-                                          .verdict = verdict,
+static const eda_synthesizer functions = {.begin = newton_begin,
+                                          .update = newton_update,
+                                          .verdict = newton_verdict,
                                           .flags = EDA_SYNTHESIZER_ENDS_ANYTIME,
-                                          .target = target};
+                                          .target = newton_target};
 
 OPC_PLUGIN(newton, .id = "synthesizer.newton", .kind = "synthesizer",
            .version = "0.2.0", .licence = "BSD-3-Clause",
            .summary = "Newton's method on all transistors at once, with jogs",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), .check = check, .clear = clear,
-           OPC_FUNCTIONS(functions));
+           OPC_PARAMETERS(parameters), .check = newton_check,
+           .clear = newton_clear, OPC_FUNCTIONS(functions));

@@ -1,23 +1,23 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tests Newton's steps on transistors whose response is a formula: printed L
-   and W are linear in those of the mask with a small effect of the neighbour,
-   and currents are exponential in L. */
+/* Tests Newton's steps on transistors whose response is a formula. Printed L
+   and W are linear in those of the mask, with a small effect of the neighbour;
+   currents are exponential in L. */
 #include "model_test.h"
 
 /* With a wrong initial gain, all converge within 4 moves. */
 static void test_ion(void) {
   g_autoptr(opc_module) m =
-      make("{ tolerance: 0.05 %, ion_limit: 0 %, gain: { l: 2 } }");
+      model_make("{ tolerance: 0.05 %, ion_limit: 0 %, gain: { l: 2 } }");
   model t = made_up(MOST);
-  run(m, &t);
-  g_assert_cmpfloat(worst(t.ion, t.n), <=, 0.05);
+  model_run(m, &t);
+  g_assert_cmpfloat(model_worst(t.ion, t.n), <=, 0.05);
   g_assert_cmpint(t.prints, <=, 6);
   for (size_t i = 0; i < t.n; i++) g_assert_cmpint(t.w[i], ==, 0);
   /* Each transistor has a different gain. */
   model u = made_up(MOST);
   u.spread = 0.5;
-  run(m, &u);
-  g_assert_cmpfloat(worst(u.ion, u.n), <=, 0.05);
+  model_run(m, &u);
+  g_assert_cmpfloat(model_worst(u.ion, u.n), <=, 0.05);
   g_assert_cmpint(u.prints, <=, 8);
 }
 
@@ -33,7 +33,7 @@ static void test_near_resolution(void) {
       for (size_t n = 1; n <= MOST; n += MOST - 1) {
         g_autofree char *text = g_strdup_printf(
             "{ iterations: 20, max_bias: 200 nm, gain: { l: %g } }", guess[k]);
-        g_autoptr(opc_module) m = make(text);
+        g_autoptr(opc_module) m = model_make(text);
         model t = {.n = n,
                    .gain_l = true_gain[j],
                    .gain_w = 1.05,
@@ -47,13 +47,13 @@ static void test_near_resolution(void) {
           t.off_l[i] = 12 + 10.0 * (double)i / MOST;
           t.bracket[i][0] = -1e6, t.bracket[i][1] = 1e6;
         }
-        run(m, &t);
+        model_run(m, &t);
         held += t.held;
         for (size_t i = 0; i < n; i++) {
           g_assert_cmpint(t.flags[i], ==, 0);
           g_assert_cmpint(abs(t.w[i]), <=, 1); /* L alone corrects the error */
         }
-        g_assert_cmpfloat(worst(t.ion, n), <=, 0.5);
+        g_assert_cmpfloat(model_worst(t.ion, n), <=, 0.5);
         g_test_message("guess %g, gain %g, %zu: %d prints", guess[k],
                        true_gain[j], n, t.prints);
         g_assert_cmpint(t.prints, <=, 16);
@@ -62,24 +62,24 @@ static void test_near_resolution(void) {
 }
 
 /* Lines that are open or merged as drawn are recovered. */
-static void test_lost_as_drawn(void) {
-  g_autoptr(opc_module) m = make("{ iterations: 20 }");
+static void test_unprinted_as_drawn(void) {
+  g_autoptr(opc_module) m = model_make("{ iterations: 20 }");
   model t = {.n = 2,
              .gain_l = 2,
              .gain_w = 1.05,
              .open = 50,
              .merge = 90,
              .off_l = {-30, 40}};
-  run(m, &t);
+  model_run(m, &t);
   g_assert_cmpint(t.flags[0], ==, 0);
   g_assert_cmpint(t.flags[1], ==, 0);
-  g_assert_cmpfloat(worst(t.ion, 2), <=, 0.5);
+  g_assert_cmpfloat(model_worst(t.ion, 2), <=, 0.5);
 }
 
 /* A line that was open only because of its short line end keeps its length
    after the line end has grown. */
-static void test_open_by_its_end(void) {
-  g_autoptr(opc_module) m = make("{}");
+static void test_open_by_line_end(void) {
+  g_autoptr(opc_module) m = model_make("{}");
   model t = {.n = 2,
              .gain_l = 2,
              .gain_w = 1.05,
@@ -87,19 +87,19 @@ static void test_open_by_its_end(void) {
              .grow = 40,
              .ends_open = 1,
              .off_l = {0, 4}};
-  run(m, &t);
-  g_assert_cmpfloat(worst(t.ion, 2), <=, 0.5);
+  model_run(m, &t);
+  g_assert_cmpfloat(model_worst(t.ion, 2), <=, 0.5);
 }
 
 /* With a target that only an open line would reach, the result is a line that
    prints with an error no larger than as drawn. */
 static void test_out_of_reach(void) {
   static eda_goal goal[] = {{1, {3, 1, 1}, 1}};
-  g_autoptr(opc_module) m = make("{}");
+  g_autoptr(opc_module) m = model_make("{}");
   const eda_synthesizer *s = m->functions;
   model t = {.n = 1, .gain_l = 2, .gain_w = 1.05, .open = 50, .off_l = {10}};
   goals = goal;
-  run(m, &t);
+  model_run(m, &t);
   goals = NULL;
   g_assert_cmpint(t.flags[0], ==, 0);
   g_assert_cmpfloat(t.ion[0], >, 20); /* drawn: -20 */
@@ -108,24 +108,24 @@ static void test_out_of_reach(void) {
 
 /* A transistor disturbed by a regulator shape or a neighbour after convergence
    is corrected again. */
-static void test_late(void) {
-  g_autoptr(opc_module) m = make("{ ion_limit: 3 % }");
+static void test_disturbed(void) {
+  g_autoptr(opc_module) m = model_make("{ ion_limit: 3 % }");
   model t = made_up(MOST);
   t.late = 6;
-  run(m, &t);
+  model_run(m, &t);
   g_assert_cmpint(t.prints, >, 8);
-  g_assert_cmpfloat(worst(t.ion, t.n), <=, 1.5);
+  g_assert_cmpfloat(model_worst(t.ion, t.n), <=, 1.5);
 }
 
 /* Where no jog fits, W corrects a part of the rounding error of L. */
 static void test_coarse(void) {
-  g_autoptr(opc_module) m = make("{ min_jog: 1000 nm }");
-  g_autoptr(opc_module) none = make("{ fine: none }");
+  g_autoptr(opc_module) m = model_make("{ min_jog: 1000 nm }");
+  g_autoptr(opc_module) none = model_make("{ fine: none }");
   model t = made_up(MOST), u = made_up(MOST);
-  run(m, &t);
-  run(none, &u);
-  g_assert_cmpfloat(worst(u.ion, u.n), >, 2);
-  g_assert_cmpfloat(worst(t.ion, t.n), <, 0.9 * worst(u.ion, u.n));
+  model_run(m, &t);
+  model_run(none, &u);
+  g_assert_cmpfloat(model_worst(u.ion, u.n), >, 2);
+  g_assert_cmpfloat(model_worst(t.ion, t.n), <, 0.9 * model_worst(u.ion, u.n));
   int moved = 0;
   for (size_t i = 0; i < t.n; i++) moved += t.w[i] != 0;
   g_assert_cmpint(moved, >, 0);
@@ -133,80 +133,82 @@ static void test_coarse(void) {
 
 /* No iterations beyond those that the limit requires. */
 static void test_limit(void) {
-  g_autoptr(opc_module) m = make("{ ion_limit: 2 % }");
+  g_autoptr(opc_module) m = model_make("{ ion_limit: 2 % }");
   model t = made_up(MOST);
-  run(m, &t);
-  g_assert_cmpfloat(worst(t.ion, t.n), <=, 2);
-  g_autoptr(opc_module) all = make("{ ion_limit: 0 % }");
+  model_run(m, &t);
+  g_assert_cmpfloat(model_worst(t.ion, t.n), <=, 2);
+  g_autoptr(opc_module) all = model_make("{ ion_limit: 0 % }");
   model u = made_up(MOST);
-  run(all, &u);
+  model_run(all, &u);
   g_assert_cmpint(t.prints, <, u.prints);
 }
 
 /* Line ends that move with the first step and cost a tenth of the current are
    predicted. */
 static void test_line_ends(void) {
-  g_autoptr(opc_module) m = make("{}");
+  g_autoptr(opc_module) m = model_make("{}");
   model t = made_up(MOST);
   t.grow = 25;
   for (size_t i = 0; i < t.n; i++) t.thin[i] = 0.05 + 0.1 * (double)i / MOST;
   model u = t;
   t.knows_ends = 1;
-  run(m, &t);
+  model_run(m, &t);
   g_assert_cmpfloat(t.second, <, 1.5);
-  g_assert_cmpfloat(worst(t.ion, t.n), <=, 0.5);
-  run(m, &u); /* without announcement by the loop: the error is the whole
+  g_assert_cmpfloat(model_worst(t.ion, t.n), <=, 0.5);
+  model_run(m, &u); /* without announcement by the loop: the error is the whole
                  effect */
   g_assert_cmpfloat(u.second, >, 10);
-  g_assert_cmpfloat(worst(u.ion, u.n), <=, 0.5);
+  g_assert_cmpfloat(model_worst(u.ion, u.n), <=, 0.5);
   g_assert_cmpint(t.prints, <, u.prints);
 }
 
 /* Without a jog, a step of L is 2.6 nm, 5.7 % of Ion; half of a step
    remains. */
-static void test_quantum(void) {
-  g_autoptr(opc_module) m = make("{ fine: none }");
+static void test_rounding(void) {
+  g_autoptr(opc_module) m = model_make("{ fine: none }");
   model t = made_up(MOST);
-  run(m, &t);
-  g_assert_cmpfloat(worst(t.ion, t.n), >, 1);
-  g_assert_cmpfloat(worst(t.ion, t.n), <, 3.2);
-  g_autoptr(opc_module) width = make("{ fine: width, ion_limit: 0 % }");
+  model_run(m, &t);
+  g_assert_cmpfloat(model_worst(t.ion, t.n), >, 1);
+  g_assert_cmpfloat(model_worst(t.ion, t.n), <, 3.2);
+  g_autoptr(opc_module) width = model_make("{ fine: width, ion_limit: 0 % }");
   t = made_up(MOST);
-  run(width, &t);
+  model_run(width, &t);
   /* Half of 1.05 / 400; a fifth less does not justify a move. */
-  g_assert_cmpfloat(worst(t.ion, t.n), <, 0.131 / 0.8 + 0.01);
+  g_assert_cmpfloat(model_worst(t.ion, t.n), <, 0.131 / 0.8 + 0.01);
   for (size_t i = 0; i < t.n; i++) g_assert_cmpint(t.jog[i], ==, 0);
 }
 
 static void test_area(void) {
-  g_autoptr(opc_module) m = make("{ weight: { area: 1 }, ion_limit: 0 % }");
+  g_autoptr(opc_module) m =
+      model_make("{ weight: { area: 1 }, ion_limit: 0 % }");
   model t = made_up(MOST);
-  run(m, &t);
+  model_run(m, &t);
   /* Both share the rounding error of W. */
-  g_assert_cmpfloat(worst(t.ion, t.n), <=, 0.23);
-  g_assert_cmpfloat(worst(t.area, t.n), <=, 0.23);
+  g_assert_cmpfloat(model_worst(t.ion, t.n), <=, 0.23);
+  g_assert_cmpfloat(model_worst(t.area, t.n), <=, 0.23);
 }
 
 static void test_ioff(void) {
-  g_autoptr(opc_module) m = make("{ weight: { ioff: 0.01 }, ion_limit: 0 % }");
+  g_autoptr(opc_module) m =
+      model_make("{ weight: { ioff: 0.01 }, ion_limit: 0 % }");
   model t = made_up(MOST);
-  run(m, &t);
-  g_assert_cmpfloat(worst(t.ion, t.n), <=, 0.2);
-  g_assert_cmpfloat(worst(t.ioff, t.n), <=, 2);
+  model_run(m, &t);
+  g_assert_cmpfloat(model_worst(t.ion, t.n), <=, 0.2);
+  g_assert_cmpfloat(model_worst(t.ioff, t.n), <=, 2);
 }
 
 /* Leakage that L alone cannot correct, as from a ripple: L and W restore both
    currents to the drawn values. With Ion alone the leakage remains. */
 static void test_balanced(void) {
   g_autoptr(opc_module) both = make_any("{ target: balanced }");
-  g_autoptr(opc_module) plain = make("{}");
+  g_autoptr(opc_module) plain = model_make("{}");
   model t = made_up(MOST), u = made_up(MOST);
   t.leaky = u.leaky = 0.3;
-  run(both, &t);
-  run(plain, &u);
-  g_assert_cmpfloat(worst(t.ion, t.n), <=, 0.2);
-  g_assert_cmpfloat(worst(t.ioff, t.n), <=, 5);
-  g_assert_cmpfloat(worst(u.ioff, u.n), >, 30);
+  model_run(both, &t);
+  model_run(plain, &u);
+  g_assert_cmpfloat(model_worst(t.ion, t.n), <=, 0.2);
+  g_assert_cmpfloat(model_worst(t.ioff, t.n), <=, 5);
+  g_assert_cmpfloat(model_worst(u.ioff, u.n), >, 30);
   g_assert_cmpint(t.prints, <=, 12);
 }
 
@@ -220,25 +222,25 @@ static void test_width_goes_on(void) {
     t.leaky = leaky[k & 1];
     t.spread = spread[k >> 1];
     t.coupling = 0.25;
-    run(both, &t);
-    g_assert_cmpfloat(worst(t.ion, t.n), <=, 0.5);
-    g_assert_cmpfloat(worst(t.ioff, t.n), <=, 12);
+    model_run(both, &t);
+    g_assert_cmpfloat(model_worst(t.ion, t.n), <=, 0.5);
+    g_assert_cmpfloat(model_worst(t.ioff, t.n), <=, 12);
     g_assert_cmpint(t.prints, <=, 11);
   }
 }
 
 /* W for Ioff makes the active merge with its neighbours: W reverts to a free
    width, and L corrects Ion there. */
-static void test_room(void) {
+static void test_active_merges(void) {
   g_autoptr(opc_module) m = make_any("{}");
   model t = made_up(40);
   for (size_t i = 0; i < t.n; i++) t.off_w[i] -= 15;
-  t.room = 5;
-  run(m, &t);
-  g_assert_cmpfloat(worst(t.ion, t.n), <=, 0.5);
+  t.active_limit = 5;
+  model_run(m, &t);
+  g_assert_cmpfloat(model_worst(t.ion, t.n), <=, 0.5);
   for (size_t i = 0; i < t.n; i++) {
     g_assert_cmpuint(t.flags[i], ==, 0);
-    g_assert_cmpint(t.w[i], >=, t.room);
+    g_assert_cmpint(t.w[i], >=, t.active_limit);
   }
 }
 
@@ -246,14 +248,14 @@ static void test_weights_of_plain(void) {
   opc_error error;
   g_assert_null(opc_test_module(
       "synthesizer.newton", "{ target: full, weight: { area: 1 } }", &error));
-  g_assert_nonnull(strstr(error.message, "weights are for 'target: plain'"));
+  g_assert_nonnull(strstr(error.message, "weights require 'target: plain'"));
 }
 
 /* A jog keeps its distance from both ends of the gate. */
 static void test_jog(void) {
-  g_autoptr(opc_module) m = make("{ min_jog: 150 nm, ion_limit: 0 % }");
+  g_autoptr(opc_module) m = model_make("{ min_jog: 150 nm, ion_limit: 0 % }");
   model t = made_up(MOST);
-  run(m, &t);
+  model_run(m, &t);
   int some = 0;
   for (size_t i = 0; i < t.n; i++) {
     some += t.jog[i] > 0;
@@ -265,11 +267,11 @@ static void test_jog(void) {
 
 /* If the regulator vetoes a length, W corrects the error. */
 static void test_veto(void) {
-  g_autoptr(opc_module) m = make("{ ion_limit: 0 % }");
+  g_autoptr(opc_module) m = model_make("{ ion_limit: 0 % }");
   const eda_synthesizer *s = m->functions;
   model t = {.n = 2, .gain_l = 2.6, .gain_w = 1.05, .off_l = {-4, -4}};
   t.veto[0] = EDA_VETO_LONGER;
-  run(m, &t);
+  model_run(m, &t);
   g_assert_cmpint(t.l[0], ==, 0);
   g_assert_cmpint(t.w[0], <, -20);
   g_assert_cmpfloat(fabs(t.ion[0]), <, 0.15);
@@ -279,7 +281,7 @@ static void test_veto(void) {
   memset(t.l, 0, sizeof t.l);
   memset(t.w, 0, sizeof t.w);
   memset(t.jog, 0, sizeof t.jog);
-  run(m, &t);
+  model_run(m, &t);
   g_assert_cmpstr(s->verdict(m->self, 0), ==, "bridging");
 }
 
@@ -287,19 +289,19 @@ int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/newton/ion", test_ion);
   g_test_add_func("/newton/near-resolution", test_near_resolution);
-  g_test_add_func("/newton/lost-as-drawn", test_lost_as_drawn);
-  g_test_add_func("/newton/open-by-its-end", test_open_by_its_end);
+  g_test_add_func("/newton/unprinted-as-drawn", test_unprinted_as_drawn);
+  g_test_add_func("/newton/open-by-line-end", test_open_by_line_end);
   g_test_add_func("/newton/out-of-reach", test_out_of_reach);
   g_test_add_func("/newton/limit", test_limit);
-  g_test_add_func("/newton/late", test_late);
+  g_test_add_func("/newton/disturbed", test_disturbed);
   g_test_add_func("/newton/coarse", test_coarse);
   g_test_add_func("/newton/line-ends", test_line_ends);
-  g_test_add_func("/newton/quantum", test_quantum);
+  g_test_add_func("/newton/rounding", test_rounding);
   g_test_add_func("/newton/area", test_area);
   g_test_add_func("/newton/ioff", test_ioff);
   g_test_add_func("/newton/balanced", test_balanced);
   g_test_add_func("/newton/width_goes_on", test_width_goes_on);
-  g_test_add_func("/newton/room", test_room);
+  g_test_add_func("/newton/active-merges", test_active_merges);
   g_test_add_func("/newton/weights-of-plain", test_weights_of_plain);
   g_test_add_func("/newton/jog", test_jog);
   g_test_add_func("/newton/veto", test_veto);

@@ -12,38 +12,38 @@
 
 /* ---- work: sizes ---- */
 
-double ion_limit(const newton *t) { return t->ion_limit / 100; }
+double newton_ion_limit(const newton *t) { return t->ion_limit / 100; }
 
-int same(biases a, biases b) {
+int biases_equal(biases a, biases b) {
   return a.l == b.l && a.w == b.w && a.jog == b.jog && a.aside == b.aside &&
          !memcmp(&a.shape, &b.shape, sizeof a.shape);
 }
 
-double size_of(const newton *t, const double error[ERRORS]) {
+double errors_size(const newton *t, const double error[ERRORS]) {
   double sum = 0;
   for (int k = 0; k < ERRORS; k++) sum += t->weight[k] * error[k] * error[k];
   return sqrt(sum);
 }
 
-parts parts_of_mask(const newton *t, size_t i, biases b) {
+parts mask_parts(const newton *t, size_t i, biases b) {
   double at = length_jog(&t->sides[i], (length){b.l, b.jog});
   return parts_beside(&t->parts[i], &t->sides[i], at,
                       ceil(t->min_jog / t->gates->grid));
 }
 
-double length_in_steps(const newton *t, size_t i, biases b) {
-  parts p = parts_of_mask(t, i, b);
+double mask_length(const newton *t, size_t i, biases b) {
+  parts p = mask_parts(t, i, b);
   return length_value(&t->sides[i], (length){b.l, b.jog}) +
          shape_value(&p, &b.shape);
 }
 
-int for_ioff(const newton *t) { return t->target != PLAIN && !t->settled; }
+int corrects_ioff(const newton *t) { return t->target != PLAIN && !t->settled; }
 
-int reshapes(const newton *t, const eda_feedback *f) {
+int newton_reshapes(const newton *t, const eda_feedback *f) {
   return f->iteration > 0 && f->iteration <= tuned.shapes[t->target];
 }
 
-void free_moves(const newton *t, int free[MOVES]) {
+void moves_free(const newton *t, int free[MOVES]) {
   free[BY_L] = 1;
   free[BY_W] =
       t->target == PLAIN && (t->weight[IOFF] > 0 || t->weight[AREA] > 0);
@@ -63,15 +63,16 @@ static int ends_moved(const eda_gates *g, const int32_t *a, const int32_t *b) {
 }
 
 /* Return the least change of log Ion that neighbours cannot explain. */
-static double visible(const newton *t, const transistor *s) {
-  return ion_limit(t) * tuned.odd_limit + tuned.odd_surprise * s->surprise;
+static double least_visible(const newton *t, const transistor *s) {
+  return newton_ion_limit(t) * tuned.odd_limit +
+         tuned.odd_surprise * s->uncertainty;
 }
 
 /* Return whether a transistor changed by more than its moves explain at the
    largest plausible response, so that a regulator shape or a neighbour changed
    it. */
 static int is_foreign(const newton *t, const transistor *s, const change *c) {
-  double most = visible(t, s);
+  double most = least_visible(t, s);
   for (int m = 0; m < MOVES; m++)
     most += tuned.trust[m] * fabs(s->first.by[ION][m] * c->dx[m]);
   return fabs(c->de[ION]) > most;
@@ -81,7 +82,7 @@ static int is_foreign(const newton *t, const transistor *s, const change *c) {
    changed the transistor. */
 static void keep_best(transistor *s, uint32_t flags, int first) {
   if (!first && !s->disturbed && s->size >= s->best_size &&
-      !same(s->now, s->best))
+      !biases_equal(s->now, s->best))
     return;
   s->best_size = s->size;
   s->best = s->now;
@@ -93,8 +94,8 @@ static void keep_best(transistor *s, uint32_t flags, int first) {
 static double pull_of(const newton *t, const transistor *s) {
   int free[MOVES];
   double dx[MOVES];
-  free_moves(t, free);
-  solve(&s->response, s->error, t->steer, free, dx);
+  moves_free(t, free);
+  response_solve(&s->response, s->error, t->steer, free, dx);
   return -dx[BY_L] * s->response.by[ION][BY_L];
 }
 
@@ -102,12 +103,12 @@ static double pull_of(const newton *t, const transistor *s) {
    own. */
 static double pull_by_w(const newton *t, const transistor *s) {
   int free[MOVES];
-  free_moves(t, free);
+  moves_free(t, free);
   return free[BY_W] ? 0 : s->response.by[ION][BY_W];
 }
 
-static void never_printed(transistor *s, biases drawn) {
-  s->good = s->best = drawn;
+static void transistor_init(transistor *s, biases drawn) {
+  s->valid = s->best = drawn;
   s->size = s->best_size = INFINITY;
   s->point = (point){NAN, NAN};
 }
@@ -118,59 +119,60 @@ static void ends_of(biases b, int32_t at[2]) {
   at[1] = b.w - at[0];
 }
 
-/* Limit the ends of the width after a wider mask failed to print, because the
-   active merged with a neighbour or left its line end behind: each end may move
-   half as far. Return whether W moved more than L and is therefore the likely
+/* Limit the ends of the width after a wider mask failed to print: each end may
+   move half as far. The active merged with a neighbour or left its line end
+   behind. Return whether W moved more than L and is therefore the likely
    cause. */
-static int lose_room(transistor *s, double by_l) {
+static int width_limit_ends(transistor *s, double by_l) {
   int32_t good[2], now[2];
   int wider = 0;
-  ends_of(s->good, good);
+  ends_of(s->valid, good);
   ends_of(s->now, now);
   for (int high = 0; high < 2; high++) {
     int32_t out = now[high] - good[high];
     if (out <= fabs(by_l)) continue;
     wider = 1;
-    s->room[high] = good[high] + out / 2;
-    s->furthest[high] = MIN(s->furthest[high], s->room[high]);
+    s->print_limit[high] = good[high] + out / 2;
+    s->outward_limit[high] = MIN(s->outward_limit[high], s->print_limit[high]);
   }
   return wider;
 }
 
-/* Process a mask that does not print: set an end of the bracket, on the side
-   that the flags determine, or reduce the bounds of the move that caused the
-   failure. */
-static void lose(transistor *s, const double x[MOVES], uint32_t flags) {
+/* Process a mask that does not print: set the end of the bracket that the flags
+   determine, or reduce the bounds of the move that caused the failure. */
+static void transistor_fail(transistor *s, const double x[MOVES],
+                            uint32_t flags) {
   double dx = x[BY_L] - s->x[BY_L];
   int open = flags & EDA_PRINT_OPEN || (!(flags & EDA_PRINT_MERGED) && dx < 0);
-  s->lost = 1;
-  if (same(s->now, s->best)) s->best_size = INFINITY;
-  if (isfinite(s->size) && lose_room(s, dx)) return;
+  s->failed = 1;
+  if (biases_equal(s->now, s->best)) s->best_size = INFINITY;
+  if (isfinite(s->size) && width_limit_ends(s, dx)) return;
   if (isfinite(s->size) && dx != 0) s->trust.radius = fabs(dx) / 2;
   trust_see(&s->trust, x[BY_L], open ? INFINITY : -INFINITY);
 }
 
 /* Update the trust region from the present errors. `foreseen` is the predicted
    pull. */
-static void find_way(const newton *t, transistor *s, const change *c,
-                     double foreseen) {
+static void trust_update(const newton *t, transistor *s, const change *c,
+                         double foreseen) {
   double before = s->pull, due = foreseen - before;
   s->pull = pull_of(t, s);
   int against = !(due * (s->pull - before) > 0);
-  double drift = s->disturbed && against ? INFINITY : visible(t, s);
+  double drift = s->disturbed && against ? INFINITY : least_visible(t, s);
   s->trust.slow = 0;
   trust_drift(&s->trust, pull_by_w(t, s) * c->dx[BY_W], drift);
-  int by_l = !for_ioff(t) || c->dx[BY_W] == 0; /* W has responded as well */
+  int by_l =
+      !corrects_ioff(t) || c->dx[BY_W] == 0; /* W has responded as well */
   if (by_l && !s->disturbed && before * s->pull > 0 &&
-      fabs(before) - fabs(foreseen) > visible(t, s))
+      fabs(before) - fabs(foreseen) > least_visible(t, s))
     trust_judge(&s->trust, c->dx[BY_L], fabs(before), fabs(foreseen),
                 fabs(s->pull));
   trust_see(&s->trust, s->x[BY_L], s->pull);
 }
 
-int32_t aside_of(const transistor *s, int32_t w) {
+int32_t width_aside(const transistor *s, int32_t w) {
   int32_t low = w >> 1, high = w - low; /* as eda_moves splits w */
-  int32_t up = low - s->furthest[0], down = high - s->furthest[1];
+  int32_t up = low - s->outward_limit[0], down = high - s->outward_limit[1];
   return up > 0 ? up : down > 0 ? -down : 0;
 }
 
@@ -187,12 +189,13 @@ static void bound_ends(const newton *t, transistor *s, const eda_feedback *f,
   int leaks = s->error[IOFF] > tuned.thin_end[0];
   s->given = 0;
   for (int high = 0; high < 2; high++) {
-    int32_t far = at[high] + range, *to = &s->furthest[high];
-    int32_t thin = thin_end(f, i, high, far, range, tuned.thin_end[1] / leak);
-    *to = thin ? MIN(far - thin, s->room[high]) : s->room[high];
-    thin = leaks
-               ? thin_end(f, i, high, at[high], range, tuned.thin_end[0] / leak)
-               : 0;
+    int32_t far = at[high] + range, *to = &s->outward_limit[high];
+    int32_t thin =
+        width_thin_end(f, i, high, far, range, tuned.thin_end[1] / leak);
+    *to = thin ? MIN(far - thin, s->print_limit[high]) : s->print_limit[high];
+    thin = leaks ? width_thin_end(f, i, high, at[high], range,
+                                  tuned.thin_end[0] / leak)
+                 : 0;
     if (!thin || thin == range) continue; /* the whole range is thin */
     *to = at[high] - thin;
     s->given += thin;
@@ -202,13 +205,14 @@ static void bound_ends(const newton *t, transistor *s, const eda_feedback *f,
 
 /* Update the state of a transistor after the moves to `now`. `common` is the
    change of log Ion common to all transistors of the type. */
-static void take_in(const newton *t, transistor *s, const eda_feedback *f,
-                    size_t i, biases now, double common) {
+static void transistor_update(const newton *t, transistor *s,
+                              const eda_feedback *f, size_t i, biases now,
+                              double common) {
   const double *target = t->goal[i].target;
-  const double x[MOVES] = {length_in_steps(t, i, now), now.w};
+  const double x[MOVES] = {mask_length(t, i, now), now.w};
   double error[ERRORS];
   change c;
-  int first = f->iteration == 0, moved = !same(now, s->good);
+  int first = f->iteration == 0, moved = !biases_equal(now, s->valid);
   int prints = errors_of(f, i, target, error);
   int printed = !first && isfinite(s->size);
   int ends = !first && ends_moved(f->gates, s->end, f->end + 2 * i);
@@ -216,9 +220,9 @@ static void take_in(const newton *t, transistor *s, const eda_feedback *f,
   s->now = now;
   s->disturbed = (uint8_t)ends;
   if (ends) trust_forget_lost(&s->trust);
-  if (first) never_printed(s, now);
+  if (first) transistor_init(s, now);
   if (!prints) {
-    lose(s, x, f->flags[i]);
+    transistor_fail(s, x, f->flags[i]);
     return;
   }
   for (int m = 0; m < MOVES; m++) c.dx[m] = x[m] - s->x[m];
@@ -230,21 +234,21 @@ static void take_in(const newton *t, transistor *s, const eda_feedback *f,
   if (foreign)
     s->response = s->first;
   else if (printed && moved)
-    learn(&s->response, &s->first, c.dx, c.de, s->surprise);
+    response_learn(&s->response, &s->first, c.dx, c.de, s->uncertainty);
   s->disturbed |= (uint8_t)foreign;
-  s->lost = 0;
-  s->good = now;
+  s->failed = 0;
+  s->valid = now;
   memcpy(s->x, x, sizeof x);
   memcpy(s->error, error, sizeof error);
-  s->size = size_of(t, error);
-  s->rest_size = first || moved ? s->size : fmin(s->rest_size, s->size);
+  s->size = errors_size(t, error);
+  s->settled_size = first || moved ? s->size : fmin(s->settled_size, s->size);
   s->point = point_of(f->printed, i);
-  if (reshapes(t, f)) s->ripple = ripple_of(f, i, &t->parts[i]);
-  bend(&s->response, &s->first, s->point, point_of(f->design, i),
-       f->gates->grid);
-  if (!first) find_way(t, s, &c, f->iteration > 1 ? foreseen : NAN);
+  if (newton_reshapes(t, f)) s->ripple = ripple_of(f, i, &t->parts[i]);
+  response_bend(&s->response, &s->first, s->point, point_of(f->design, i),
+                f->gates->grid);
+  if (!first) trust_update(t, s, &c, f->iteration > 1 ? foreseen : NAN);
   keep_best(s, f->flags[i], first);
-  if (t->target == BALANCED && for_ioff(t) &&
+  if (t->target == BALANCED && corrects_ioff(t) &&
       f->iteration >= tuned.shapes[BALANCED])
     bound_ends(t, s, f, i);
 }
@@ -253,23 +257,23 @@ static void take_in(const newton *t, transistor *s, const eda_feedback *f,
 
 /* Compute the initial responses, and the errors expected once the line ends
    have moved: the regulator moves line ends together with the first moves. */
-static void start(newton *t, const eda_feedback *f) {
+static void newton_start(newton *t, const eda_feedback *f) {
   curve *curves = t->curve;
-  curves_from(f, curves);
+  curves_measure(f, curves);
   for (size_t i = 0; i < t->count; i++) {
     transistor *s = &t->state[i];
     const curve *c = &curves[f->gates->type[i] == EDA_PMOS];
-    s->first = first_response(f->gates, i, c, t->gain);
+    s->first = response_first(f->gates, i, c, t->gain);
     s->response = s->first;
     s->trust.radius = tuned.longest / f->gates->grid;
-    s->room[0] = s->room[1] = s->furthest[0] = s->furthest[1] =
-        (int32_t)ceil(t->max_bias / 2 / f->gates->grid);
-    if (s->lost) continue;
+    s->print_limit[0] = s->print_limit[1] = s->outward_limit[0] =
+        s->outward_limit[1] = (int32_t)ceil(t->max_bias / 2 / f->gates->grid);
+    if (s->failed) continue;
     if (ends_moved(f->gates, s->end, f->next_end + 2 * i)) {
       double before = s->error[ION];
-      with_line_ends(f, i, c, s->error);
-      s->size = size_of(t, s->error);
-      s->surprise = tuned.unforeseen * fabs(s->error[ION] - before);
+      errors_with_line_ends(f, i, c, s->error);
+      s->size = errors_size(t, s->error);
+      s->uncertainty = tuned.unforeseen * fabs(s->error[ION] - before);
     }
     s->pull = pull_of(t, s);
     trust_see(&s->trust, s->x[BY_L], s->pull);
@@ -282,8 +286,8 @@ typedef struct line {
   double n, x, y, xx, xy;
 } line;
 
-static void fit(const newton *t, const eda_feedback *f, const eda_moves *moves,
-                line of[2]) {
+static void line_fit(const newton *t, const eda_feedback *f,
+                     const eda_moves *moves, line of[2]) {
   for (size_t i = 0; i < t->count; i++) {
     const transistor *s = &t->state[i];
     const double *target = t->goal[i].target;
@@ -292,7 +296,7 @@ static void fit(const newton *t, const eda_feedback *f, const eda_moves *moves,
     if (!errors_of(f, i, target, error) || isinf(s->size)) continue;
     line *k = &of[f->gates->type[i] == EDA_PMOS];
     double x =
-        s->response.by[ION][BY_L] * (length_in_steps(t, i, next) - s->x[BY_L]);
+        s->response.by[ION][BY_L] * (mask_length(t, i, next) - s->x[BY_L]);
     double by_w = s->response.by[ION][BY_W] * (moves->w[i] - s->x[BY_W]);
     double y = error[ION] - s->error[ION] - by_w;
     k->xx += x * x, k->xy += x * y, k->x += x, k->y += y, k->n++;
@@ -302,10 +306,10 @@ static void fit(const newton *t, const eda_feedback *f, const eda_moves *moves,
 /* Update the responses of all transistors of a type after the first moves: the
    slope of the fit is a common factor of all responses to L; its intercept,
    common[type], is the change common to all. */
-static void learn_together(newton *t, const eda_feedback *f,
-                           const eda_moves *moves, double common[2]) {
+static void responses_learn_common(newton *t, const eda_feedback *f,
+                                   const eda_moves *moves, double common[2]) {
   line of[2] = {{0}};
-  fit(t, f, moves, of);
+  line_fit(t, f, moves, of);
   for (int type = 0; type < 2; type++) {
     line *k = &of[type];
     if (k->n < tuned.many) continue;
@@ -327,37 +331,39 @@ static void learn_together(newton *t, const eda_feedback *f,
 
 /* Return the simulated mask; the loop may have reverted to another one than
    requested. */
-static biases as_printed(const newton *t, const eda_moves *moves, size_t i) {
+static biases mask_simulated(const newton *t, const eda_moves *moves,
+                             size_t i) {
   biases b = {moves->l[i], moves->w[i], moves->jog[i], t->state[i].next.shape,
               moves->aside ? moves->aside[i] : 0};
   return b;
 }
 
 /* Arguments of the threads, for all transistors. */
-typedef struct print {
+typedef struct update_all {
   newton *t;
   const eda_feedback *f;
   const eda_moves *moves;
   double common[2]; /* by type */
-} print;
+} update_all;
 
-static void take_in_one(void *data, size_t i) {
-  const print *p = data;
-  take_in(p->t, &p->t->state[i], p->f, i, as_printed(p->t, p->moves, i),
-          p->common[p->f->gates->type[i] == EDA_PMOS]);
+static void transistor_update_one(void *data, size_t i) {
+  const update_all *p = data;
+  transistor_update(p->t, &p->t->state[i], p->f, i,
+                    mask_simulated(p->t, p->moves, i),
+                    p->common[p->f->gates->type[i] == EDA_PMOS]);
 }
 
-void observe(newton *t, const eda_feedback *f, const eda_moves *moves) {
-  print p = {.t = t, .f = f, .moves = moves};
+void newton_observe(newton *t, const eda_feedback *f, const eda_moves *moves) {
+  update_all p = {.t = t, .f = f, .moves = moves};
   for (size_t i = 0; f->iteration > 0 && i < t->count; i++)
-    bend(&t->state[i].response, &t->state[i].first, t->state[i].point,
-         point_of(f->printed, i), f->gates->grid);
-  if (f->iteration == 1) learn_together(t, f, moves, p.common);
-  opc_parallel(t->host->context, t->count, take_in_one, &p);
-  if (f->iteration == 0) start(t, f);
+    response_bend(&t->state[i].response, &t->state[i].first, t->state[i].point,
+                  point_of(f->printed, i), f->gates->grid);
+  if (f->iteration == 1) responses_learn_common(t, f, moves, p.common);
+  opc_parallel(t->host->context, t->count, transistor_update_one, &p);
+  if (f->iteration == 0) newton_start(t, f);
 }
 
-void reshape(newton *t, size_t i, const shape *to) {
+void newton_reshape(newton *t, size_t i, const shape *to) {
   transistor *s = &t->state[i];
   const curve *c = &t->curve[t->gates->type[i] == EDA_PMOS];
   ripple after = ripple_after(&t->parts[i], &s->ripple, &s->now.shape, to,
@@ -368,19 +374,19 @@ void reshape(newton *t, size_t i, const shape *to) {
                    ripple_excess(&s->ripple, c->slope[k]);
   double before = s->pull;
   s->pull = pull_of(t, s);
-  s->surprise += tuned.unforeseen * fabs(s->pull - before);
-  trust_drift(&s->trust, s->pull - before, s->surprise);
+  s->uncertainty += tuned.unforeseen * fabs(s->pull - before);
+  trust_drift(&s->trust, s->pull - before, s->uncertainty);
 }
 
 /* Neighbours share a part of the mean change of log Ion, and line ends may
    move. */
-void foresee(newton *t, const eda_feedback *f) {
+void newton_predict(newton *t, const eda_feedback *f) {
   double sum = 0;
   for (size_t i = 0; i < t->count; i++) {
     const transistor *s = &t->state[i];
     const biases next = s->next;
     double d =
-        s->response.by[ION][BY_L] * (length_in_steps(t, i, next) - s->x[BY_L]) +
+        s->response.by[ION][BY_L] * (mask_length(t, i, next) - s->x[BY_L]) +
         s->response.by[ION][BY_W] * (next.w - s->x[BY_W]);
     sum += d * d;
   }
@@ -389,7 +395,7 @@ void foresee(newton *t, const eda_feedback *f) {
   for (size_t i = 0; i < t->count; i++) {
     transistor *s = &t->state[i];
     int late = ends_moved(f->gates, s->end, f->next_end + 2 * i);
-    if (f->iteration > 0) s->surprise = late ? tuned.late : 0;
-    s->surprise += noise;
+    if (f->iteration > 0) s->uncertainty = late ? tuned.late : 0;
+    s->uncertainty += noise;
   }
 }

@@ -22,12 +22,12 @@ typedef struct biases {
 enum { PLAIN, BALANCED, FULL, TARGETS };
 
 /* State of a transistor. An error is the logarithm of printed over target;
-   size_of combines the errors of a transistor into one figure. */
+   errors_size combines the errors of a transistor into one figure. */
 typedef struct transistor {
   biases now;           /* mask measured last */
-  int lost;             /* 1: that mask did not print; the following figures are
+  int failed;           /* 1: that mask did not print; the following figures are
                            those of the last mask that did */
-  biases good;          /* last mask that printed */
+  biases valid;         /* last mask that printed */
   double x[MOVES];      /* moves of that mask in grid steps, the jog as a
                            fraction */
   point point;          /* point on the device curve */
@@ -40,24 +40,24 @@ typedef struct transistor {
   biases next;          /* requested mask */
   biases best;          /* mask of the least size so far */
   double best_size;
-  double rest_size;         /* least size since the last move */
+  double settled_size;      /* least size since the last move */
   response response, first; /* learnt and initial response */
   trust trust;              /* trust region of the next L */
-  int32_t room[2];          /* largest outward moves of the LOW and HIGH end of
+  int32_t print_limit[2];   /* largest outward moves of the LOW and HIGH end of
                                the width, grid steps; the gate did not print
                                beyond */
-  int32_t furthest[2];      /* the same, limited also to the region where the
+  int32_t outward_limit[2]; /* the same, limited also to the region where the
                                poly is not thin */
   int32_t given;            /* grid steps of width that the ends lose in the
                                next mask */
   int32_t end[2];           /* line ends of the mask measured last */
-  double surprise;   /* uncertainty of the next log Ion, beyond that of the
-                        response, caused by line ends and neighbours */
-  uint8_t disturbed; /* 1: causes other than its own moves changed the
-                        transistor */
-  uint8_t outside;   /* 1: the figures of the best mask are extrapolated beyond
-                        the device table */
-  uint8_t back;      /* 1: the next mask is the best one */
+  double uncertainty; /* uncertainty of the next log Ion, beyond that of the
+                         response, caused by line ends and neighbours */
+  uint8_t disturbed;  /* 1: causes other than its own moves changed the
+                         transistor */
+  uint8_t outside;    /* 1: the figures of the best mask are extrapolated beyond
+                         the device table */
+  uint8_t revert;     /* 1: the next mask is the best one */
   uint8_t verdict;
 } transistor;
 
@@ -86,44 +86,44 @@ typedef struct newton {
   size_t count;
 } newton;
 
-int same(biases a, biases b);
+int biases_equal(biases a, biases b);
 
 /* Return `ion_limit` as an error. */
-double ion_limit(const newton *t);
+double newton_ion_limit(const newton *t);
 
 /* Return the weighted size of errors; |error| for a single error of weight
    1. */
-double size_of(const newton *t, const double error[ERRORS]);
+double errors_size(const newton *t, const double error[ERRORS]);
 
 /* Return the parts of a mask of transistor i; the jog may have moved their
    ends. */
-parts parts_of_mask(const newton *t, size_t i, biases b);
+parts mask_parts(const newton *t, size_t i, biases b);
 
 /* Return the length of a mask of transistor i in grid steps, the jog as a
    fraction. */
-double length_in_steps(const newton *t, size_t i, biases b);
+double mask_length(const newton *t, size_t i, biases b);
 
 /* Return whether W and shapes move for Ioff. */
-int for_ioff(const newton *t);
+int corrects_ioff(const newton *t);
 
 /* Return whether edges are flattened in this iteration. */
-int reshapes(const newton *t, const eda_feedback *f);
+int newton_reshapes(const newton *t, const eda_feedback *f);
 
 /* Set free[m] to 1 for each move that the weights use. */
-void free_moves(const newton *t, int free[MOVES]);
+void moves_free(const newton *t, int free[MOVES]);
 
 /* Return the shift of the active of a transistor to HIGH for a width `w`: if
    one end is at its limit, the other end takes the remainder. */
-int32_t aside_of(const transistor *s, int32_t w);
+int32_t width_aside(const transistor *s, int32_t w);
 
 /* Update the state of all transistors from the simulated mask of `moves`. */
-void observe(newton *t, const eda_feedback *f, const eda_moves *moves);
+void newton_observe(newton *t, const eda_feedback *f, const eda_moves *moves);
 
 /* Set the shape of the next mask of transistor i and predict the effect on its
    currents. */
-void reshape(newton *t, size_t i, const shape *to);
+void newton_reshape(newton *t, size_t i, const shape *to);
 
 /* Compute the uncertainty of the next log Ion of each transistor. */
-void foresee(newton *t, const eda_feedback *f);
+void newton_predict(newton *t, const eda_feedback *f);
 
 #endif

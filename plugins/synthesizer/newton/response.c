@@ -9,14 +9,14 @@
 #include "tuning.h"
 
 /* Flags of printed gates whose figures are meaningless. */
-static const uint32_t lost =
+static const uint32_t no_figures =
     EDA_PRINT_OPEN | EDA_PRINT_NO_ACTIVE | EDA_PRINT_MERGED | EDA_PRINT_ISLAND;
 
 static int has_performance(const eda_performance *p, size_t i) {
   return p->ion[i] > 0 && p->ioff[i] > 0 && p->weq[i] > 0 && p->area[i] > 0;
 }
 
-void curves_from(const eda_feedback *f, curve out[2]) {
+void curves_measure(const eda_feedback *f, curve out[2]) {
   const eda_gates *g = f->gates;
   const eda_performance *d = f->design, *p = f->printed;
   double xy[2][2] = {{0}}, xx[2][2] = {{0}}, length[2] = {0}, n[2] = {0};
@@ -55,7 +55,7 @@ int errors_of(const eda_feedback *f, size_t i, const double target[ERRORS],
               double out[ERRORS]) {
   const eda_performance *d = f->design, *p = f->printed;
   memset(out, 0, sizeof(double) * ERRORS);
-  if (!has_performance(p, i) || f->flags[i] & lost) return 0;
+  if (!has_performance(p, i) || f->flags[i] & no_figures) return 0;
   out[ION] = log(p->ion[i] / d->ion[i] / target[ION]);
   out[IOFF] = log(p->ioff[i] / d->ioff[i] / target[IOFF]);
   out[AREA] = log(p->area[i] / d->area[i] / target[AREA]);
@@ -65,8 +65,8 @@ int errors_of(const eda_feedback *f, size_t i, const double target[ERRORS],
 /* A short line end makes the gate short over a small part of the width, which
    carries much of the current. The mean length hardly shows this; the lost
    current returns as the line end grows. */
-void with_line_ends(const eda_feedback *f, size_t i, const curve *of_type,
-                    double error[ERRORS]) {
+void errors_with_line_ends(const eda_feedback *f, size_t i,
+                           const curve *of_type, double error[ERRORS]) {
   const eda_performance *p = f->printed;
   if (!has_performance(p, i)) return;
   double mean = p->area[i] / p->weq[i];
@@ -74,7 +74,7 @@ void with_line_ends(const eda_feedback *f, size_t i, const curve *of_type,
   error[IOFF] += of_type->slope[IOFF] * (mean - p->leq_ioff[i]);
 }
 
-response first_response(const eda_gates *g, size_t i, const curve *of_type,
+response response_first(const eda_gates *g, size_t i, const curve *of_type,
                         const double gain[MOVES]) {
   response r = {.doubt = {tuned.doubt[BY_L], tuned.doubt[BY_W]},
                 .slope = of_type->slope[ION]};
@@ -86,7 +86,8 @@ response first_response(const eda_gates *g, size_t i, const curve *of_type,
   return r;
 }
 
-void bend(response *r, response *first, point from, point to, double least) {
+void response_bend(response *r, response *first, point from, point to,
+                   double least) {
   double apart = to.length - from.length;
   double slope = (to.drive - from.drive) / apart;
   if (!(fabs(apart) >= least && slope < 0)) return;
@@ -95,13 +96,13 @@ void bend(response *r, response *first, point from, point to, double least) {
   r->slope = first->slope = slope;
 }
 
-static double within(double x, double first, double trust) {
+static double limit_response(double x, double first, double trust) {
   double part = x / first;
   return first * fmin(fmax(part, 1 / trust), trust);
 }
 
-void learn(response *r, const response *first, const double dx[MOVES],
-           const double de[ERRORS], double noise) {
+void response_learn(response *r, const response *first, const double dx[MOVES],
+                    const double de[ERRORS], double noise) {
   double doubt[MOVES] = {0};
   for (int k = 0; k < ERRORS; k++) {
     double as_ion = first->by[k][BY_L] / first->by[ION][BY_L];
@@ -117,17 +118,17 @@ void learn(response *r, const response *first, const double dx[MOVES],
     for (int m = 0; m < MOVES; m++) {
       if (k == ION)
         doubt[m] = r->doubt[m] * sqrt(fmax(1 - part[m] * dx[m] / square, 0));
-      r->by[k][m] = within(r->by[k][m] + rest * part[m] / square,
-                           first->by[k][m], tuned.trust[m]);
+      r->by[k][m] = limit_response(r->by[k][m] + rest * part[m] / square,
+                                   first->by[k][m], tuned.trust[m]);
     }
   }
   for (int m = 0; m < MOVES; m++)
     r->doubt[m] = fmax(doubt[m], tuned.least_doubt);
 }
 
-void solve(const response *r, const double error[ERRORS],
-           const double weight[ERRORS], const int free[MOVES],
-           double dx[MOVES]) {
+void response_solve(const response *r, const double error[ERRORS],
+                    const double weight[ERRORS], const int free[MOVES],
+                    double dx[MOVES]) {
   /* Normal equations of two unknowns; a move that is not free is omitted. */
   double a[MOVES][MOVES] = {{0}}, b[MOVES] = {0};
   for (int k = 0; k < ERRORS; k++)

@@ -39,7 +39,7 @@ point point_of(const eda_performance *p, size_t i);
 
 /* Compute the slopes of the device curves of both types from the equivalent
    lengths of printed transistors; without valid ones, Ion ~ 1 / L. */
-void curves_from(const eda_feedback *f, curve out[2]);
+void curves_measure(const eda_feedback *f, curve out[2]);
 
 /* Compute the log errors of gate i. Return 0 and no errors if the gate has no
    performance, or prints open, merged or in pieces. */
@@ -47,29 +47,30 @@ int errors_of(const eda_feedback *f, size_t i, const double target[ERRORS],
               double out[ERRORS]);
 
 /* Compute the errors expected once line ends that print short have grown. */
-void with_line_ends(const eda_feedback *f, size_t i, const curve *of_type,
-                    double error[ERRORS]);
+void errors_with_line_ends(const eda_feedback *f, size_t i,
+                           const curve *of_type, double error[ERRORS]);
 
 /* Return the response of gate i before any move. `gain` is d printed / d mask
    of each move. */
-response first_response(const eda_gates *gates, size_t i, const curve *of_type,
+response response_first(const eda_gates *gates, size_t i, const curve *of_type,
                         const double gain[MOVES]);
 
 /* Adapt a response and its first estimate to lengths between two points of the
    device curve, which is not straight. Nothing changes if the points are less
    than `least` (nm) apart or the slope between them does not fall. */
-void bend(response *r, response *first, point from, point to, double least);
+void response_bend(response *r, response *first, point from, point to,
+                   double least);
 
 /* Update a response by Broyden's formula, weighted by the uncertainties: after
    a move by dx the errors changed by de, with an uncertainty of `noise` from
    other causes. The response stays near `first`. */
-void learn(response *r, const response *first, const double dx[MOVES],
-           const double de[ERRORS], double noise);
+void response_learn(response *r, const response *first, const double dx[MOVES],
+                    const double de[ERRORS], double noise);
 
 /* Compute the move that minimizes the sum of weight[k] * error[k]^2 for a
    linear response, without moves m with free[m] = 0. */
-void solve(const response *r, const double error[ERRORS],
-           const double weight[ERRORS], const int free[MOVES],
-           double dx[MOVES]);
+void response_solve(const response *r, const double error[ERRORS],
+                    const double weight[ERRORS], const int free[MOVES],
+                    double dx[MOVES]);
 
 #endif

@@ -32,7 +32,7 @@ typedef struct drawn_and_printed {
 
 static const double slope[2][2] = {{-0.02, -0.3}, {-0.03, -0.2}};
 
-static void make(drawn_and_printed *d) {
+static void make_gates(drawn_and_printed *d) {
   memset(d, 0, sizeof *d);
   for (int i = 0; i < GATES; i++) {
     int t = i % 3 == 0;
@@ -77,17 +77,17 @@ static void make(drawn_and_printed *d) {
 static void test_curves(void) {
   drawn_and_printed d;
   curve c[2];
-  make(&d);
+  make_gates(&d);
   d.flags[1] = EDA_PRINT_OPEN;
   d.of[1][0][1] *= 3;
   d.of[1][1][2] = 0;
-  curves_from(&d.feedback, c);
+  curves_measure(&d.feedback, c);
   for (int t = 0; t < 2; t++) {
     for (int k = 0; k < 2; k++) assert_near(c[t].slope[k], slope[t][k]);
     assert_near(c[t].slope[AREA], t ? 1 / 60.0 : 1 / 50.0);
   }
   memset(d.of[1][0], 0, sizeof d.of[1][0]);
-  curves_from(&d.feedback, c);
+  curves_measure(&d.feedback, c);
   for (int t = 0; t < 2; t++)
     for (int k = 0; k < 2; k++)
       assert_near(c[t].slope[k], tuned.slope[k] / (t ? 60 : 50));
@@ -97,7 +97,7 @@ static void test_errors(void) {
   drawn_and_printed d;
   const double target[ERRORS] = {1.1, 0.8, 0.95};
   double e[ERRORS], more[ERRORS];
-  make(&d);
+  make_gates(&d);
   g_assert_true(errors_of(&d.feedback, 7, target, e));
   double(*o)[GATES] = d.of[0], (*p)[GATES] = d.of[1];
   assert_near(exp(e[ION]), p[0][7] / o[0][7] / 1.1);
@@ -106,7 +106,7 @@ static void test_errors(void) {
   /* Difference between equivalent and mean lengths. */
   const curve c = {{-0.05, -0.39, 0}};
   memcpy(more, e, sizeof e);
-  with_line_ends(&d.feedback, 7, &c, more);
+  errors_with_line_ends(&d.feedback, 7, &c, more);
   double mean = p[5][7] / p[4][7];
   assert_near(more[ION], e[ION] - 0.05 * (mean - p[2][7]));
   assert_near(more[IOFF], e[IOFF] - 0.39 * (mean - p[3][7]));
@@ -129,7 +129,7 @@ static void test_errors(void) {
     p[k][7] = 0;
     g_assert_false(errors_of(&d.feedback, 7, target, e));
     memset(more, 0, sizeof more);
-    with_line_ends(&d.feedback, 7, &c, more);
+    errors_with_line_ends(&d.feedback, 7, &c, more);
     g_assert_cmpfloat(fabs(more[ION]) + fabs(more[IOFF]), ==, 0);
     g_assert_true(isnan(point_of(&d.performance[1], 7).drive));
     p[k][7] = kept;
@@ -139,10 +139,10 @@ static void test_errors(void) {
 /* A step of the grid of 0.5 nm, with gains of 2 and 0.7. */
 static void test_first(void) {
   drawn_and_printed d;
-  make(&d);
+  make_gates(&d);
   const curve c = {{-0.05, -0.39, 0}};
   const double gain[MOVES] = {2, 0.7};
-  response r = first_response(&d.gates, 3, &c, gain);
+  response r = response_first(&d.gates, 3, &c, gain);
   assert_near(r.by[ION][BY_L], -0.05);
   assert_near(r.by[IOFF][BY_L], -0.39);
   assert_near(r.by[AREA][BY_L], 1 / d.length[3]);
@@ -163,22 +163,23 @@ static void test_bend(void) {
   const point to[] = {{64, 0.9}, {50, 1.3}, {62, 0.8}};
   for (int k = 0; k < 3; k++) {
     double now = (to[k].drive - 1) / (to[k].length - 60);
-    bend(&r, &first, from, to[k], 1);
+    response_bend(&r, &first, from, to[k], 1);
     assert_near(r.by[ION][BY_L], -0.12 * now / -0.05);
     assert_near(first.by[ION][BY_L], -0.1 * now / -0.05);
   }
   response before = r, first_before = first;
   const point none[] = {{60.9, 0.5}, {64, 1.1}, {50, 0.9}, {NAN, NAN}};
   for (size_t k = 0; k < G_N_ELEMENTS(none); k++)
-    bend(&r, &first, from, none[k], 1);
+    response_bend(&r, &first, from, none[k], 1);
   g_assert_cmpmem(&r, sizeof r, &before, sizeof before);
   g_assert_cmpmem(&first, sizeof first, &first_before, sizeof first_before);
 }
 
 /* Compute the most likely response after a noisy measurement, from the sum of
    both informations (Gauss and Markov). */
-static void likely(const response *r, const response *first, const double *dx,
-                   const double *de, double noise, response *out) {
+static void most_likely_response(const response *r, const response *first,
+                                 const double *dx, const double *de,
+                                 double noise, response *out) {
   *out = *r;
   for (int k = 0; k < ERRORS; k++) {
     double of_noise = noise * first->by[k][BY_L] / first->by[ION][BY_L];
@@ -216,8 +217,8 @@ static void test_learn(void) {
       de[k] = random_in(0.3, 2.5) * first.by[k][0] * dx[0] +
               random_in(0.3, 2.5) * first.by[k][1] * dx[1];
     }
-    likely(&r, &first, dx, de, noise, &want);
-    learn(&r, &first, dx, de, noise);
+    most_likely_response(&r, &first, dx, de, noise, &want);
+    response_learn(&r, &first, dx, de, noise);
     for (int m = 0; m < MOVES; m++) {
       for (int k = 0; k < ERRORS; k++) {
         g_assert_cmpfloat(fabs(r.by[k][m] / want.by[k][m] - 1), <, 1e-6);
@@ -232,7 +233,7 @@ static void test_learn(void) {
   /* Without a move nothing is learnt. */
   response r = first;
   const double none[MOVES] = {0, 0}, de[ERRORS] = {1, 1, 1};
-  learn(&r, &first, none, de, 0);
+  response_learn(&r, &first, none, de, 0);
   g_assert_cmpmem(r.by, sizeof r.by, first.by, sizeof first.by);
 }
 
@@ -258,7 +259,7 @@ static void test_solve(void) {
       w[k] = random_in(0.1, 2);
       for (int m = 0; m < MOVES; m++) r.by[k][m] = random_in(-1, 1);
     }
-    solve(&r, e, w, is_free, dx);
+    response_solve(&r, e, w, is_free, dx);
     double best = left_over(&r, e, w, dx[0], dx[1]);
     for (int m = 0; m < MOVES; m++) {
       if (!is_free[m]) g_assert_cmpfloat(dx[m], ==, 0);

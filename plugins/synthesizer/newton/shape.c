@@ -82,7 +82,7 @@ static void less_mean(ripple *r) {
 }
 
 /* Return the position of sample j, grid steps from the LOW end. */
-static double place(const parts *p, int j) {
+static double sample_position(const parts *p, int j) {
   const double *edge = p->edge + p->first + j / SAMPLES;
   double part = (j % SAMPLES + 0.5) / SAMPLES;
   return edge[0] + part * (edge[1] - edge[0]);
@@ -109,8 +109,8 @@ static double length_off(const eda_feedback *f, size_t i, double from_middle) {
   return sum;
 }
 
-int32_t thin_end(const eda_feedback *f, size_t i, int high, int32_t from,
-                 int32_t most, double least) {
+int32_t width_thin_end(const eda_feedback *f, size_t i, int high, int32_t from,
+                       int32_t most, double least) {
   const eda_gates *g = f->gates;
   int32_t k = 0;
   if (!f->print) return 0;
@@ -125,7 +125,7 @@ ripple ripple_of(const eda_feedback *f, size_t i, const parts *p) {
   ripple r = {.count = f->print ? SAMPLES * (p->last - p->first) : 0};
   double grid = f->gates->grid, width = f->gates->width[i];
   for (int j = 0; j < r.count; j++) {
-    double at = place(p, j) * grid - width / 2;
+    double at = sample_position(p, j) * grid - width / 2;
     r.off[j] = length_off(f, i, f->printed->weq[i] / width * at);
     if (!isfinite(r.off[j])) return (ripple){0};
   }
@@ -134,14 +134,17 @@ ripple ripple_of(const eda_feedback *f, size_t i, const parts *p) {
 }
 
 /* Return the normal distribution function. */
-static double normal(double z) { return 0.5 * erfc(-z * M_SQRT1_2); }
+static double normal_distribution(double z) {
+  return 0.5 * erfc(-z * M_SQRT1_2);
+}
 
 /* Return the effect of a step of part k on the printed length at sample j,
    nm. */
-static double effect(const parts *p, int k, int j, double gain, double blur) {
-  double at = place(p, j);
-  return gain * (normal((p->edge[k + 1] - at) / blur) -
-                 normal((p->edge[k] - at) / blur));
+static double part_effect(const parts *p, int k, int j, double gain,
+                          double blur) {
+  double at = sample_position(p, j);
+  return gain * (normal_distribution((p->edge[k + 1] - at) / blur) -
+                 normal_distribution((p->edge[k] - at) / blur));
 }
 
 ripple ripple_after(const parts *p, const ripple *now, const shape *from,
@@ -150,7 +153,7 @@ ripple ripple_after(const parts *p, const ripple *now, const shape *from,
   for (int k = 0; k < p->count; k++) {
     int by = to->by[k] - from->by[k];
     for (int j = 0; by && j < r.count; j++)
-      r.off[j] += by * effect(p, k, j, gain, blur);
+      r.off[j] += by * part_effect(p, k, j, gain, blur);
   }
   less_mean(&r);
   return r;
@@ -200,7 +203,7 @@ static void least_squares(const parts *p, const ripple *r, double leak,
   memset(x, 0, EDA_PARTS * sizeof *x);
   for (int j = 0; j < r->count; j++) {
     double weight = fmin(fmax(exp(leak * r->off[j]), 0.1), 4);
-    for (int k = 0; k < n; k++) row[k] = effect(p, k, j, gain, blur);
+    for (int k = 0; k < n; k++) row[k] = part_effect(p, k, j, gain, blur);
     for (int k = 0; k < n; k++) {
       x[k] -= weight * row[k] * r->off[j];
       for (int m = 0; m <= k; m++) a[k][m] += weight * row[k] * row[m];
@@ -215,8 +218,8 @@ enum { MOST = 12, VALUES = 2 * MOST + 1 };
 
 /* Compute the whole steps v[k] up to high[k] that minimize the sum of (x[k] -
    v[k])^2 and of `jump` for each change of v. */
-static void potts(int n, const double *x, const int *high, double jump,
-                  int16_t *v) {
+static void potts_steps(int n, const double *x, const int *high, double jump,
+                        int16_t *v) {
   double cost[EDA_PARTS][VALUES];
   int best[EDA_PARTS] = {0}, which[EDA_PARTS][VALUES];
   for (int k = 0; k < n; k++) {
@@ -255,6 +258,6 @@ shape shape_flat(const parts *p, const ripple *now, const shape *from,
     x[k] -= sum / n; /* L compensates the
                         mean */
   double nm = gain * tuned.local;
-  potts(p->count, x, high, price * n / (nm * nm), s.by);
+  potts_steps(p->count, x, high, price * n / (nm * nm), s.by);
   return s;
 }

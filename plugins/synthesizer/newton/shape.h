@@ -57,8 +57,8 @@ ripple ripple_after(const parts *p, const ripple *now, const shape *from,
 /* Return the distance, in grid steps, from an end of the width inwards over
    which the printed length is shorter than drawn by `least` (nm, below 0) or
    more; at most `most`. The end is `from` steps outside of the drawn one. */
-int32_t thin_end(const eda_feedback *f, size_t i, int high, int32_t from,
-                 int32_t most, double least);
+int32_t width_thin_end(const eda_feedback *f, size_t i, int high, int32_t from,
+                       int32_t most, double least);
 
 /* Return the logarithm of the current of a gate over that of a straight one
    with the same mean length; `slope` is d log I / d L, 1/nm. */

@@ -45,13 +45,14 @@ void trust_judge(trust *t, double dx, double before, double foreseen,
 }
 
 /* Return x limited to half the distance to an end that did not print. */
-static double nearest(const trust *t, int end, double x) {
+static double trust_limit(const trust *t, int end, double x) {
   return isinf(t->error[end]) ? (x + t->at[end]) / 2 : t->at[end];
 }
 
 double trust_step(const trust *t, double x, double dx) {
   if (!has_bracket(t)) return fmin(fmax(dx, -t->radius), t->radius);
-  if (!t->slow && nearest(t, SHORT, x) < x + dx && x + dx < nearest(t, LONG, x))
+  if (!t->slow && trust_limit(t, SHORT, x) < x + dx &&
+      x + dx < trust_limit(t, LONG, x))
     return dx;
   return (t->at[SHORT] + t->at[LONG]) / 2 - x;
 }

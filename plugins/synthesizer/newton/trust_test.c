@@ -7,7 +7,7 @@
 
 /* Return a curve that is steep below the root at -7, and constant beyond -9
    like the end of a table. */
-static double ion(double x) {
+static double curve_ion(double x) {
   return x < -9 ? 0.4 : x < -7 ? -0.2 * (x + 7) : -0.01 * (x + 7);
 }
 
@@ -15,11 +15,11 @@ static void test_bracket(void) {
   trust t = {.radius = 20};
   double x = 0, seen[ENDS] = {-INFINITY, INFINITY};
   int n = 0;
-  for (; fabs(ion(x)) > 1e-3; n++) {
-    trust_see(&t, x, ion(x));
-    seen[ion(x) > 0 ? SHORT : LONG] = x;
+  for (; fabs(curve_ion(x)) > 1e-3; n++) {
+    trust_see(&t, x, curve_ion(x));
+    seen[curve_ion(x) > 0 ? SHORT : LONG] = x;
     g_assert_cmpint(n, <, 20);
-    x += trust_step(&t, x, ion(x) / 0.002);
+    x += trust_step(&t, x, curve_ion(x) / 0.002);
     g_assert_true(seen[SHORT] < x && x < seen[LONG]);
   }
 }

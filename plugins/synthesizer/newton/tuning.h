@@ -81,7 +81,7 @@ static const struct {
     /* Uncertainty of log Ion in each simulation. */
     .noise_floor = 1e-4,
 
-    /* ---- odd prints: is_odd, is_foreign ---- */
+    /* ---- changes by other causes: is_foreign ---- */
 
     /* Least significant change of log Ion, as a part of `limit`. */
     .odd_limit = 0.5,
@@ -94,7 +94,7 @@ static const struct {
        radius shrinks or the bracket is bisected. */
     .unanswered = 10,
 
-    /* ---- which moves are made ---- */
+    /* ---- selection of moves ---- */
 
     /* W corrects the error that jogs leave beyond so many times `tolerance`. */
     .coarse = 10,

@@ -28,15 +28,15 @@ typedef struct pb {
 
 /* ---- work ---- */
 
-static const double *current(const eda_performance *p, int which) {
+static const double *pb_current(const eda_performance *p, int which) {
   return which == ION ? p->ion : p->ioff;
 }
 
 /* Return the TPE, eq. 2.3 and 2.4, %. */
-static double tpe(const void *self, const eda_feedback *f, size_t i) {
+static double pb_error(const void *self, const eda_feedback *f, size_t i) {
   int which = ((const pb *)self)->driven;
-  double design = current(f->design, which)[i];
-  return 100 * (current(f->printed, which)[i] - design) / design;
+  double design = pb_current(f->design, which)[i];
+  return 100 * (pb_current(f->printed, which)[i] - design) / design;
 }
 
 /* Return the length of the rectangle that has the printed current and the drawn
@@ -52,62 +52,63 @@ static double length_at_drawn_width(double drawn, double leq, double width,
 
 /* Return L_design - Leq in grid steps (thesis 3.2.2 (2), for the algorithm of
    chapter 2); 0 for a gate that does not print. */
-static int32_t first(const void *self, const eda_feedback *f, size_t i) {
+static int32_t pb_first(const void *self, const eda_feedback *f, size_t i) {
   int which = ((const pb *)self)->driven;
   const eda_gates *g = f->gates;
   double leq = (which == ION ? f->printed->leq_ion : f->printed->leq_ioff)[i];
-  double ratio = current(f->printed, which)[i] / current(f->design, which)[i];
+  double ratio =
+      pb_current(f->printed, which)[i] / pb_current(f->design, which)[i];
   if (!(leq > 0 && ratio > 0)) return 0;
   double length = length_at_drawn_width(g->length[i], leq, g->width[i],
                                         f->printed->weq[i], ratio);
   return (int32_t)lround((g->length[i] - length) / g->grid);
 }
 
-static void follow(pb *p, eda_scanner scanner);
+static void pb_follow(pb *p, eda_scanner scanner);
 
-static int begin(void *self, const eda_feedback *f, opc_error *error) {
+static int pb_begin(void *self, const eda_feedback *f, opc_error *error) {
   pb *p = self;
-  follow(p, f->scanner);
+  pb_follow(p, f->scanner);
   eda_follow_ion_limit(f, &p->current_limit);
   (void)error;
   p->driven = p->mode == MODE_ION ? ION : IOFF;
   p->descent.rules = correct_control_rules_for(p->current_limit, p->max_bias,
                                                f->gates->grid, 0);
-  p->descent.error = tpe;
-  p->descent.first = first;
+  p->descent.error = pb_error;
+  p->descent.first = pb_first;
   p->descent.self = p;
   descent_reset(&p->descent, f->gates->count);
   return OPC_OK;
 }
 
 /* Continue with Ion by widths alone; lengths stay as corrected for Ioff. */
-static void turn_to_ion(pb *p) {
+static void pb_begin_ion(pb *p) {
   p->driven = ION;
   p->descent.fine = 1;
   for (size_t i = 0; i < p->descent.count; i++)
     p->descent.state[i] = (control){.phase = CONTROL_FINE};
 }
 
-static int update(void *self, const eda_feedback *f, eda_moves *moves,
-                  int *done, opc_error *error) {
+static int pb_update(void *self, const eda_feedback *f, eda_moves *moves,
+                     int *done, opc_error *error) {
   pb *p = self;
   (void)error;
   int first_of_two = p->mode == MODE_IOFFION && p->driven == IOFF;
   descent_moves m = descent_update(&p->descent, f, moves, first_of_two);
   if (first_of_two && !m.lengths) {
-    turn_to_ion(p);
+    pb_begin_ion(p);
     m = descent_update(&p->descent, f, moves, 0);
   }
   *done = descent_is_done(p->host, f, &m);
   return OPC_OK;
 }
 
-static const char *verdict(const void *self, size_t gate) {
+static const char *pb_verdict(const void *self, size_t gate) {
   return descent_verdict(&((const pb *)self)->descent, gate);
 }
 
 /* Return the target of Ion; a correction by Ioff has none. */
-static double target(const void *self, size_t gate) {
+static double pb_target(const void *self, size_t gate) {
   (void)gate;
   return ((const pb *)self)->mode == MODE_IOFF ? NAN : 1;
 }
@@ -117,37 +118,39 @@ static double target(const void *self, size_t gate) {
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(pb, mode, .type = OPC_CHOICE, .preset = "ion",
                   .choices = "ion|ioff|ioffion",
-                  .summary = "what is driven (thesis table 2.1); ioffion: Ioff "
-                             "by L, and afterwards Ion by W"),
-    OPC_PARAMETER(
-        pb, current_limit, .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "%",
-        .follows = "ion_limit of the step", .former = "max_tpe|limit",
-        .summary = "Largest allowed |deviation| of the current that is driven; "
-                   "a transistor within it keeps its mask"),
+                  .summary = "corrected current (thesis table 2.1); ioffion: "
+                             "Ioff by L, then Ion by W"),
+    OPC_PARAMETER(pb, current_limit, .type = OPC_REAL, .flags = OPC_ABOVE,
+                  .unit = "%", .follows = "ion_limit of the step",
+                  .former = "max_tpe|limit",
+                  .summary = "largest allowed |deviation| of the corrected "
+                             "current; a transistor within it keeps its mask"),
     OPC_PARAMETER(
         pb, max_bias, .type = OPC_REAL, .flags = OPC_ABOVE | OPC_AT_MOST,
         .unit = "nm", .follows = "0.311 lambda/NA", .max = 10000,
         .summary =
-            "largest correction of L or of W, and no more than half of W"),
+            "largest correction of L or W; W moves by at most half of W"),
 };
 
 /* Compute the defaults of parameters that are not set. */
-static void follow(pb *p, eda_scanner scanner) {
+static void pb_follow(pb *p, eda_scanner scanner) {
   EDA_FOLLOW(p->host, "synthesizer.pb", p, parameters, scanner);
 }
 
-static void clear(void *self) { descent_clear(&((pb *)self)->descent); }
+static void pb_clear(void *self) { descent_clear(&((pb *)self)->descent); }
 
 /* ---- entry ---- */
 
-static const eda_synthesizer functions = {
-    .begin = begin, .update = update, .verdict = verdict, .target = target};
+static const eda_synthesizer functions = {.begin = pb_begin,
+                                          .update = pb_update,
+                                          .verdict = pb_verdict,
+                                          .target = pb_target};
 
 OPC_PLUGIN(pb, .id = "synthesizer.pb", .kind = "synthesizer",
            .version = "0.2.0", .licence = "BSD-3-Clause",
            .summary =
-               "performance-based OPC: by effective length, then by "
-               "steps",
+               "performance-based OPC: correction by effective length, then by "
+               "single steps",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), .clear = clear,
+           OPC_PARAMETERS(parameters), .clear = pb_clear,
            OPC_FUNCTIONS(functions));

@@ -22,7 +22,7 @@ typedef struct model {
   int updates;
 } model;
 
-static void run(opc_module *m, model *t) {
+static void model_run(opc_module *m, model *t) {
   const eda_synthesizer *s = m->functions;
   double one[MOST], ion[MOST], ioff[MOST], length[MOST], width[MOST], weq[MOST];
   uint32_t flags[MOST] = {0}, vetoes[MOST] = {0};
@@ -61,13 +61,13 @@ static void run(opc_module *m, model *t) {
   }
 }
 
-static void follow(const char *parameters, model t, const char *trace,
-                   const char *why) {
+static void check_moves(const char *parameters, model t, const char *trace,
+                        const char *why) {
   opc_error error;
   g_autoptr(opc_module) m =
       opc_test_module("synthesizer.pb", parameters, &error);
   g_assert_nonnull(m);
-  run(m, &t);
+  model_run(m, &t);
   g_assert_cmpstr(t.trace->str, ==, trace);
   const eda_synthesizer *s = m->functions;
   g_assert_cmpstr(s->verdict(m->self, 0), ==, why);
@@ -91,7 +91,8 @@ static const model both = {.n = 1,
      3  +1.0  W, one step narrower
      4  +0.2  within the tolerance */
 static void test_ion(void) {
-  follow("{ mode: ion }", both, "2,0 3,0 2,0 2,-1 2,-1 2,-1 ", "within limit");
+  check_moves("{ mode: ion }", both, "2,0 3,0 2,0 2,-1 2,-1 2,-1 ",
+              "within limit");
 }
 
 /* L - Leq = 65 - 61.6 = 3.4, so L moves by 3 at once, which is too far; then L
@@ -102,15 +103,16 @@ static void test_ion(void) {
      3   +40  rises: revert
      4   -10  W wider, to -0.5 at 9.5 steps: 10 */
 static void test_ioff(void) {
-  follow("{ mode: ioff }", both,
-         "3,0 2,0 1,0 2,0 2,1 2,2 2,3 2,4 2,5 2,6 2,7 2,8 2,9 2,10 2,10 2,10 ",
-         "within limit");
+  check_moves(
+      "{ mode: ioff }", both,
+      "3,0 2,0 1,0 2,0 2,1 2,2 2,3 2,4 2,5 2,6 2,7 2,8 2,9 2,10 2,10 2,10 ",
+      "within limit");
 }
 
 /* Ioff by L as above, with -10 % remaining; then Ion, +1 at L 2, by W. */
 static void test_ioffion(void) {
-  follow("{ mode: ioffion }", both, "3,0 2,0 1,0 2,0 2,-1 2,-1 2,-1 ",
-         "within limit");
+  check_moves("{ mode: ioffion }", both, "3,0 2,0 1,0 2,0 2,-1 2,-1 2,-1 ",
+              "within limit");
 }
 
 /* Correction of Ion keeps the length that Ioff determined, at any deviation of
@@ -122,7 +124,7 @@ static void test_ioffion_keeps_length(void) {
   g_autoptr(opc_module) m =
       opc_test_module("synthesizer.pb", "{ mode: ioffion }", &error);
   g_assert_nonnull(m);
-  run(m, &t);
+  model_run(m, &t);
   g_assert_cmpint(t.l[0], ==, 2);
   g_assert_cmpint(t.w[0], ==, -12); /* 10 - 9.6 */
   g_string_free(t.trace, TRUE);
@@ -133,9 +135,9 @@ static void test_ioffion_keeps_length(void) {
 static void test_first_step(void) {
   model t = both;
   t.leq_ion[0] = 65.3;
-  follow("{}", t, "1,0 2,0 3,0 2,0 2,-1 2,-1 2,-1 ", "within limit");
+  check_moves("{}", t, "1,0 2,0 3,0 2,0 2,-1 2,-1 2,-1 ", "within limit");
   t.leq_ion[0] = 0;
-  follow("{}", t, "1,0 2,0 3,0 2,0 2,-1 2,-1 2,-1 ", "within limit");
+  check_moves("{}", t, "1,0 2,0 3,0 2,0 2,-1 2,-1 2,-1 ", "within limit");
 }
 
 /* Current per width is exp(-0.03 (L - 65)). A transistor printed 66 long and
@@ -149,7 +151,7 @@ static void test_drawn_width(void) {
   t.leq_ion[0] = 66;
   t.ion[0] = 100 * (ratio - 1);
   g_assert_cmpfloat(fabs(65 - log(ratio) / 0.03 - 62.82), <, 0.01);
-  follow("{}", t, "2,0 3,0 2,0 2,-1 2,-1 2,-1 ", "within limit");
+  check_moves("{}", t, "2,0 3,0 2,0 2,-1 2,-1 2,-1 ", "within limit");
 }
 
 /* The user sets the tolerance; several transistors converge independently. */
@@ -164,7 +166,7 @@ static void test_tolerance(void) {
   g_autoptr(opc_module) m =
       opc_test_module("synthesizer.pb", "{ current_limit: 1.5 % }", &error);
   g_assert_nonnull(m);
-  run(m, &t);
+  model_run(m, &t);
   g_assert_cmpint(t.l[0], ==, 2);
   g_assert_cmpint(t.l[1], ==, 0);
   g_assert_cmpint(t.l[2], ==, -3);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Cuts cells out of a sheet. */
+/* Implements the extraction of cells from a sheet. */
 #include <correct/cut.h>
 
 #include <eda/memory.h>
@@ -9,13 +9,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What is of the cell: its window on the sheet, where its origin is, and the
-   new numbers of its gates. */
+/* Extraction of a cell: window on the sheet, origin, and new numbers of the
+   gates. */
 typedef struct cutter {
   const eda_gates *sheet;
   eda_box window;
   eda_point origin;
-  int32_t *number; /* of each gate of the sheet; -1: of another cell */
+  int32_t *number; /* [gates of the sheet], -1: of another cell */
   eda_gates *out;
 } cutter;
 
@@ -144,7 +144,8 @@ static eda_box bounds_of(const eda_layout *layout, int32_t cell) {
   return all;
 }
 
-/* A box of an instance on the sheet, in grid steps outwards. */
+/* Return the box of an instance on the sheet, in grid steps rounded
+   outwards. */
 static eda_box on_sheet(eda_box b, const eda_placement *p, double steps) {
   double low = p->mirror ? -(double)b.y1 : b.y0,
          high = p->mirror ? -(double)b.y0 : b.y1;
@@ -154,7 +155,7 @@ static eda_box on_sheet(eda_box b, const eda_placement *p, double steps) {
                    (int32_t)ceil((p->origin.y + high) * steps) + 1};
 }
 
-/* A neighbour's name is NAME~1. */
+/* Return 1 for the name of a neighbour, NAME~1. */
 static int is_neighbour(const char *name) { return strchr(name, '~') != NULL; }
 
 static void cut_window(cutter *c, const eda_layout *layout, int32_t top,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A corrected cell as bytes, and back. */
+/* Implements the conversion of a corrected cell to bytes and back. */
 #include <correct/entry.h>
 
 #include <eda/memory.h>

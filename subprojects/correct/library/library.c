@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What library.build hands to library.place. */
+/* Implements the data that library.build passes to library.place. */
 #include <correct/library.h>
 
 const char *const correct_library_models[LIBRARY_MODELS] = {"litho", "resist",

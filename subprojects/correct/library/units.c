@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Walks down a layout to the cells that draw transistors. */
+/* Implements the traversal of a layout to the cells that draw transistors. */
 #include <correct/units.h>
 
 #include <glib.h>
@@ -7,17 +7,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* nm: finer than any grid that cells are drawn on, and cells of 10 mm still
-   fit. */
+/* nm; finer than any drawing grid, and large enough for cells of 10 mm */
 static const double finest = 0.01;
 
-enum { DEEPEST = 500 }; /* a circle, which flattening tells of */
+enum { DEEPEST = 500 }; /* deeper is a cycle, reported by flattening */
 
 typedef struct walker {
   const eda_layout *layout;
   int32_t poly, active;
-  signed char *below; /* of each cell: whether it or what it places draws;
-                         0: not known */
+  signed char *below; /* [cells], 1: draws or places cells that draw, -1: does
+                         not, 0: not known */
   units *out;
   opc_error *error;
 } walker;
@@ -61,7 +60,7 @@ static int places_drawing(walker *w, int32_t cell) {
 
 /* ---- where ---- */
 
-/* OPC_INVALID if it is none of the eight. */
+/* Return OPC_INVALID for other orientations than the eight. */
 static int turn_of(const walker *w, int32_t child, const eda_placement *p,
                    turn *out) {
   static const int cosine[] = {1, 0, -1, 0};
@@ -127,7 +126,8 @@ static int walk(walker *w, int32_t cell, turn at, int depth) {
   return code;
 }
 
-/* 1 for each cell that another one places; g_free. */
+/* Return an array with 1 for each cell placed by another; freed with
+   g_free(). */
 static char *placed_cells(const eda_layout *layout) {
   size_t cells = eda_layout_cells(layout);
   char *placed = g_malloc0(cells + 1);

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Counts the edits from one word to another (Levenshtein). */
+/* Nearest words by edit distance (Levenshtein). */
 #include <eda/words.h>
 #include <glib.h>
 #include <string.h>
 
-/* How many letters to add, drop or change to make `b` of `a`. */
+/* Return the number of letters to add, drop or change to turn `a` into `b`. */
 static unsigned distance(const char *a, const char *b) {
   enum { LONGEST = 64 };
   unsigned row[LONGEST + 1];

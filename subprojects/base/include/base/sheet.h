@@ -9,7 +9,7 @@ typedef struct opc_sheet {
   size_t n;             /* columns */
   gboolean *left;       /* of each column: texts, not numbers */
   GPtrArray *cells;     /* char *, row by row, the head first */
-  size_t rows, *widths; /* what the functions below measure */
+  size_t rows, *widths; /* measured by the functions below */
 } opc_sheet;
 
 /* Return an empty table: fill `left` and `cells`. [any] */

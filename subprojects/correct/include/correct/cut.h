@@ -1,27 +1,30 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The cells of a sheet, one by one, as gates of their own. */
+/* Extraction of the cells of a sheet as separate gates. */
 #ifndef CORRECT_LIBRARY_CUT_H
 #define CORRECT_LIBRARY_CUT_H
 
 #include <eda/gates.h>
 #include <eda/layout.h>
 
-/* A cell with what stands around it, in coordinates of its own. */
+/* A cell with its environment, in coordinates of its own. */
 typedef struct cut_out {
   int32_t cell;
   eda_gates *gates; /* NULL: the cell has no transistor */
-  uint8_t *own;     /* 1: of the cell, 0: of a neighbour (free) */
-  eda_box box;      /* around the cell's shapes */
+  uint8_t *own;     /* [gates], 1: gate of the cell, 0: of a neighbour; freed
+                       with free() */
+  eda_box box;      /* bounding box of the cell */
 } cut_out;
 
-/* The cell of instance i of the sheet's top; a neighbour has no gates.
-   OPC_INVALID if the gates are no sheet's. */
+/* Extract the cell of instance i of the sheet's top cell; neighbours have no
+   gates. Returns OPC_INVALID if the layout was not made by library.sheet. The
+   caller frees *out with correct_cut_clear(). */
 OPC_EXPORT int correct_cut_cell(const eda_gates *sheet,
                                 const eda_layout *layout, int32_t top, size_t i,
                                 cut_out *out, opc_error *error);
 OPC_EXPORT void correct_cut_clear(cut_out *out);
 
-/* The sum of how its edges were cut into fragments (g_free). */
+/* Return the checksum of a cell's fragments and gates. The caller frees the
+   text with g_free(). */
 OPC_EXPORT char *correct_cut_sum(const eda_gates *cell);
 
 #endif

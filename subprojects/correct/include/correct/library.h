@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Data kind "library": where the corrected cells of a sheet are. */
+/* Data kind "library": references to the corrected cells of a sheet. */
 #ifndef CORRECT_LIBRARY_LIBRARY_H
 #define CORRECT_LIBRARY_LIBRARY_H
 
@@ -9,26 +9,26 @@
 
 enum { LIBRARY_LITHO, LIBRARY_RESIST, LIBRARY_EXTRACTOR, LIBRARY_MODELS };
 
-/* The slots of the models that make a process. */
+/* Names of the slots whose models define a process. */
 OPC_EXPORT extern const char *const correct_library_models[LIBRARY_MODELS];
 
 typedef struct library_cell {
-  char *name, *geometry; /* units.h */
-  char *key;             /* in the database */
+  char *name, *geometry; /* name, checksum of the shapes (units.h) */
+  char *key;             /* key in the database */
 } library_cell;
 
 typedef struct library {
   char *database;
-  char *model[LIBRARY_MODELS]; /* opc_results.identity of each */
+  char *model[LIBRARY_MODELS]; /* opc_host.identity of each model */
   double grid;                 /* nm */
-  GArray *cells;               /* library_cell, of those with transistors */
+  GArray *cells;               /* library_cell, of cells with transistors */
 } library;
 
 OPC_EXPORT library *correct_library_new(const char *database, double grid);
 OPC_EXPORT void correct_library_free(void *library);
 OPC_EXPORT int correct_library_check(const void *library, opc_error *error);
 
-/* Take the sums of a step's models. */
+/* Set the identities of a step's models. Returns OPC_OK or an error code. */
 OPC_EXPORT int correct_library_take_models(const opc_host *host,
                                            char *model[LIBRARY_MODELS],
                                            opc_error *error);

@@ -5,13 +5,11 @@
 
 #include <eda/gates.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 /* Parse a note into *out: words with blanks or commas between them, weight=...,
    ion=..., ioff=..., area=.... Words with a dot in their name are left to other
-   programs; a note that begins with # is a remark and goals nothing. Return
+   programs; a note that begins with # is a remark and sets nothing. Return
    NULL, or the fault of the note, which the caller frees with g_free. [any] */
 OPC_EXPORT char *eda_goal_parse(const char *note, eda_goal *out);
 
@@ -22,11 +20,9 @@ OPC_EXPORT const char *eda_goal_fault(const eda_goal *goal);
 /* Read the CSV file `path` into out[gates->count], which holds the values of
    transistors and columns that the file does not name. The first line names the
    columns: transistor (as in gates.csv), and some of weight, ion, ioff, area.
-   Errors name the line and column, and the parameter 'goals'. [any] */
+   Errors name the line and column, and the parameter 'wishes'. [any] */
 OPC_EXPORT int eda_goals_read(const char *path, const eda_gates *gates,
                               eda_goal *out, opc_error *error);
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

@@ -21,7 +21,7 @@ static eda_shapes as_shapes(GArray *boxes, int32_t grown, uint32_t **start,
 }
 
 /* Return the area of the grown assist features within `in`. */
-static int64_t covered(GArray *bars, int32_t grown, const eda_shapes *in) {
+static int64_t covered_area(GArray *bars, int32_t grown, const eda_shapes *in) {
   g_autofree uint32_t *start = NULL;
   g_autofree eda_point *points = NULL;
   eda_shapes b = as_shapes(bars, grown, &start, &points), both;
@@ -55,58 +55,58 @@ static int has_bar(const trial *t, int32_t x0, int32_t y0, int32_t x1,
 
 /* A line with assist features beside the sides and the ends, the longer ones
    first; a second row; none in a space that is too narrow. */
-static void test_bars(void) {
+static void test_assists(void) {
   const eda_box boxes[] = {{0, 0, 65, 1000}, {0, 0, 65, 1000}};
   g_autoptr(shapes) s = make_shapes(boxes, 1);
-  trial t = correct("{ assist: 1, assist_overhang: 0 nm, " BARS " }", &s->gates,
-                    straight);
+  trial t = trial_correct("{ assist: 1, assist_overhang: 0 nm, " BARS " }",
+                          &s->gates, straight);
   g_assert_cmpuint(t.cuts.assists.count, ==, 4);
   g_assert_true(has_bar(&t, -150, 0, -110, 1000));
   g_assert_true(has_bar(&t, 175, 0, 215, 1000));
   g_assert_true(has_bar(&t, 0, -150, 65, -110));
   g_assert_true(has_bar(&t, 0, 1110, 65, 1150));
-  clear(&t);
-  t = correct("{ assist: 2, assist_overhang: 150 nm, " BARS " }", &s->gates,
-              straight);
+  trial_clear(&t);
+  t = trial_correct("{ assist: 2, assist_overhang: 150 nm, " BARS " }",
+                    &s->gates, straight);
   g_assert_cmpuint(t.cuts.assists.count, ==, 8);
   g_assert_true(has_bar(&t, -150, -150, -110, 1150));
   g_assert_true(has_bar(&t, -250, -150, -210, 1150));
   g_assert_true(has_bar(&t, -50, -150, 115, -110));
   g_assert_true(has_bar(&t, -50, -250, 115, -210) ||
                 has_bar(&t, -150, -250, 215, -210));
-  clear(&t);
-  t = correct("{ " BARS " }", &s->gates, straight);
+  trial_clear(&t);
+  t = trial_correct("{ " BARS " }", &s->gates, straight);
   g_assert_cmpuint(t.cuts.assists.count, ==, 0);
-  clear(&t);
+  trial_clear(&t);
   /* The second line leaves 259 nm, then 260. */
   for (int more = 0; more < 2; more++) {
     const eda_box two[] = {{0, 0, 65, 1000}, {324 + more, 0, 400 + more, 1000}};
     g_autoptr(shapes) pair = make_shapes(two, 2);
-    t = correct("{ assist: 1, assist_overhang: 0 nm, " BARS " }", &pair->gates,
-                straight);
+    t = trial_correct("{ assist: 1, assist_overhang: 0 nm, " BARS " }",
+                      &pair->gates, straight);
     g_assert_cmpint(has_bar(&t, 175, 0, 215, 1000), ==, more);
     g_assert_cmpuint(t.cuts.assists.count, ==, 6 + (size_t)more);
-    clear(&t);
+    trial_clear(&t);
   }
 }
 
 /* Assist features keep their distance to drawn shapes and to each other, and
    moved edges to assist features, even with random feedback. */
-static void test_bars_apart(void) {
+static void test_assists_apart(void) {
   int found = 0, pressed = 0;
   for (uint32_t seed = 1; seed < 9; seed++) {
     g_autoptr(shapes) s = messy(seed);
-    trial t = correct(
+    trial t = trial_correct(
         "{ assist: 2, assist_distance: 80 nm, assist_width: 30 nm, "
         "assist_space: 50 nm, assist_overhang: 70 nm, "
         "assist_min_length: 50 nm, min_space: 40 nm, iterations: 8 }",
         &s->gates, nonsense);
     g_autoptr(GArray) bars = bars_of(&t);
     found += (int)bars->len;
-    g_assert_cmpint(covered(bars, 80, s->drawn), ==, 0);
+    g_assert_cmpint(covered_area(bars, 80, s->drawn), ==, 0);
     eda_shapes moved = moved_of(&t, &s->gates);
-    g_assert_cmpint(covered(bars, 40, &moved), ==, 0);
-    pressed += covered(bars, 42, &moved) > 0;
+    g_assert_cmpint(covered_area(bars, 40, &moved), ==, 0);
+    pressed += covered_area(bars, 42, &moved) > 0;
     eda_shapes_clear(&moved);
     for (guint i = 0; i < bars->len; i++) {
       eda_box b = g_array_index(bars, eda_box, i);
@@ -119,7 +119,7 @@ static void test_bars_apart(void) {
                       b.y0 - c.y1 >= 50 || c.y0 - b.y1 >= 50);
       }
     }
-    clear(&t);
+    trial_clear(&t);
   }
   g_assert_cmpint(found, >, 50);
   g_assert_cmpint(pressed, >, 0);
@@ -127,7 +127,7 @@ static void test_bars_apart(void) {
 
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
-  g_test_add_func("/epe/bars", test_bars);
-  g_test_add_func("/epe/bars_apart", test_bars_apart);
+  g_test_add_func("/epe/assists", test_assists);
+  g_test_add_func("/epe/assists_apart", test_assists_apart);
   return g_test_run();
 }
