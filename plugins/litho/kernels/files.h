@@ -7,9 +7,9 @@
 
 enum { KERNEL_MOST = 255 }; /* largest number of frequencies across a kernel */
 
-/* `count` kernels in the frequency domain, size x size each: re, im of the
-   frequency (k - half, l - half) of kernel s are data[2 * ((s * size + l) *
-   size + k)] and the next element. */
+/* `count` kernels in the frequency domain, size x size each. The values re, im
+   of the frequency (k - half, l - half) of kernel s are data[2 * ((s * size +
+   l) * size + k)] and the next element. */
 typedef struct kernel_set {
   size_t count;
   int size, half; /* size = 2 * half + 1 */

@@ -32,7 +32,7 @@ static void read_file(void *self) {
   if (c->b.top < 0 && c->calls) c->b.top = c->called->cell;
 }
 
-static int run(void *self, void **outputs, opc_error *error) {
+static int cif_run(void *self, void **outputs, opc_error *error) {
   cif c = {.b.format = "CIF", .b.refuse = cif_refuse, .layer_number = -1};
   cif_open(&c);
   int code = reading_run(&c, self, outputs, error, read_file);
@@ -42,7 +42,7 @@ static int run(void *self, void **outputs, opc_error *error) {
 
 /* ---- entry ---- */
 
-READER_FUNCTIONS(run, 0, "The CIF file",
+READER_FUNCTIONS(cif_run, 0, "The CIF file",
                  "Names for layers: { poly: CP }; the others keep theirs")
 
 OPC_PLUGIN(reader, .id = "read.cif", .summary = "Read a CIF file",

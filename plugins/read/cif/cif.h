@@ -79,7 +79,7 @@ void cif_make_cells(cif *c);
 
 void cif_parse(cif *c);
 
-/* ---- build.c: what the parser found, in the symbol's own coordinates ---- */
+/* ---- build.c: shapes and calls in the coordinates of the symbol ---- */
 
 void cif_box(cif *c, int64_t length, int64_t width, int64_t x, int64_t y,
              int64_t dx, int64_t dy);

@@ -205,7 +205,7 @@ void oasis_read(void *self) {
   }
 }
 
-static int run(void *self, void **outputs, opc_error *error) {
+static int oasis_run(void *self, void **outputs, opc_error *error) {
   oasis o = {.b.format = "OASIS", .b.refuse = oasis_refuse};
   for (int i = 0; i < OASIS_NAMES; i++) o.names[i] = oasis_names_new();
   int code = reading_run(&o, self, outputs, error, oasis_read);
@@ -215,7 +215,7 @@ static int run(void *self, void **outputs, opc_error *error) {
 
 /* ---- entry ---- */
 
-READER_FUNCTIONS(run, UINT32_MAX, "The OASIS file",
+READER_FUNCTIONS(oasis_run, UINT32_MAX, "The OASIS file",
                  "Names for layers: { poly: 9/0 }, or 9 for every datatype; "
                  "the others are called 9/0")
 

@@ -23,11 +23,11 @@ static inline opc_module *drc_make(const char *parameters) {
 }
 
 static inline size_t drc_violations(opc_module *m, const eda_printed *p,
-                                    eda_violation *v, size_t room) {
+                                    eda_violation *v, size_t capacity) {
   const eda_regulator *r = m->functions;
   opc_error error;
   size_t count = 0;
-  g_assert_cmpint(r->violations(m->self, p, v, room, &count, &error), ==,
+  g_assert_cmpint(r->violations(m->self, p, v, capacity, &count, &error), ==,
                   OPC_OK);
   return count;
 }

@@ -116,11 +116,11 @@ static inline void chip_judge(opc_module *m, chip *c) {
 }
 
 static inline size_t drc_violations(opc_module *m, chip *c, eda_violation *v,
-                                    size_t room) {
+                                    size_t capacity) {
   const eda_regulator *r = m->functions;
   opc_error error;
   size_t n = 0;
-  g_assert_cmpint(r->violations(m->self, &c->p, v, room, &n, &error), ==,
+  g_assert_cmpint(r->violations(m->self, &c->p, v, capacity, &n, &error), ==,
                   OPC_OK);
   return n;
 }

@@ -61,8 +61,8 @@ typedef struct line_end {
   int32_t start;         /* begin of the head, inwards of the tip */
   int32_t widest, wider; /* largest and present width of the head on each
                             flank */
-  double asked; /* nm: request for which `widest` was computed; INFINITY: the
-                   head was reduced and stays so */
+  double requested; /* nm: request for which `widest` was computed; INFINITY:
+                       the head was reduced and stays so */
   response length, width;
 } line_end;
 
