@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Common part of the extractors that slice gates (thesis eq. 2.1 to 2.4 and
    3.2). A plugin adds parameters and the weight of a slice. */
-#ifndef OPCFLOW_EXTRACTOR_SLICER_H
-#define OPCFLOW_EXTRACTOR_SLICER_H
+#pragma once
 
 #include <opcflow/plugin.h>
 
@@ -56,5 +55,3 @@ void slicer_slice(const void *self, const eda_printed_gate *gate, double *place,
 int slicer_extract(const void *self, const eda_slices *in, eda_performance *out,
                    opc_error *error);
 int slicer_range(const void *self, int type, double *shortest, double *longest);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Scanner of the imaging models: source, pupil, transmission of the mask, and
    the parameters that declare them. */
-#ifndef OPCFLOW_LITHO_OPTICS_H
-#define OPCFLOW_LITHO_OPTICS_H
+#pragma once
 
 #include <eda/litho.h>
 #include <opcflow/plugin.h>
@@ -202,5 +201,3 @@ int optics_real_masks(const optics *o);
 /* Compute the complex coefficients of the transmission a + b * (mask as given);
    a applies at zero frequency only. */
 void optics_amplitudes(const optics *o, int layer, double a[2], double b[2]);
-
-#endif

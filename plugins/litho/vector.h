@@ -22,8 +22,7 @@
    Hence the light of a source point forms several incoherent images, called
    parts, each through the pupil times a real factor. A scalar image has one
    part with the factor 1. */
-#ifndef OPCFLOW_LITHO_VECTOR_H
-#define OPCFLOW_LITHO_VECTOR_H
+#pragma once
 
 #include "optics.h"
 
@@ -51,5 +50,3 @@ double vector_clear(const optics *o, const double from[2]);
    averaged over the weighted source, is 1. Weights for scalar light are
    unchanged. [any] */
 void vector_normalise(const optics *o, double *points, size_t n);
-
-#endif

@@ -307,14 +307,15 @@ static int reading_keep_top(const reading *b) {
   return cell < 0 ? OPC_OK : eda_layout_keep(b->layout, cell, b->error);
 }
 
-int reader_choices(void *self, const opc_step *functions,
+int reader_choices(void *self,
+                   int (*run)(void *self, void **outputs, opc_error *error),
                    void (*take)(void *data, const char *value), void *data,
                    opc_error *error) {
   reader *r = self;
   const char *top = r->top;
   void *layout = NULL;
   r->top = NULL;
-  int code = functions->run(self, &layout, error);
+  int code = run(self, &layout, error);
   r->top = top;
   for (size_t i = 0; !code && i < eda_layout_cells(layout); i++)
     take(data, eda_layout_cell_name(layout, (int32_t)i));

@@ -5,8 +5,7 @@
    A resist is a threshold field, sum of coefficient[k] * term[k]. Term 0 is the
    constant 1; the others are fields computed from the image. A feature prints
    where the image is below the threshold, or above it for bright features. */
-#ifndef OPCFLOW_RESIST_CALIBRATE_H
-#define OPCFLOW_RESIST_CALIBRATE_H
+#pragma once
 
 #include <eda/gates.h>
 #include <eda/litho.h>
@@ -147,5 +146,3 @@ int resist_fit(resist_base *resist, int set, const opc_module *litho,
    constant plus, if not NULL, a field on the same grid. */
 void resist_print(const resist_base *resist, int layer, double constant,
                   const eda_field *variable, eda_field *field);
-
-#endif

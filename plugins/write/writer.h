@@ -2,8 +2,7 @@
 /* Common part of the writers of layouts: selection and order of cells, shapes
    and layers, and opening and closing of the file. A format defines their
    representation in the file. */
-#ifndef OPCFLOW_WRITE_WRITER_H
-#define OPCFLOW_WRITE_WRITER_H
+#pragma once
 
 #include <eda/formats.h>
 #include <eda/layout.h>
@@ -91,5 +90,3 @@ int writer_along(eda_point from, uint64_t n, eda_point step, eda_point *to);
 /* Return the decimal number of 14 digits nearest to v, a product of two such
    numbers. */
 double writer_decimal(double v);
-
-#endif

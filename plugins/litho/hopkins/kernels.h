@@ -2,8 +2,7 @@
 /* Kernels of the transmission cross coefficient T(f1, f2): radial functions for
    a circular or annular source with a radial pupil, tables over the plane for
    all other optics. */
-#ifndef OPCFLOW_HOPKINS_KERNELS_H
-#define OPCFLOW_HOPKINS_KERNELS_H
+#pragma once
 
 #include <eda/simd.h>
 #include <stdlib.h>
@@ -50,5 +49,3 @@ kernels *radial_new(const opc_context *context, const optics *o, double defocus,
    optics. NULL and *error on failure. Free with `free`. */
 kernels *plane_new(const opc_context *context, const optics *o, double defocus,
                    opc_error *error);
-
-#endif

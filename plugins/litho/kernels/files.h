@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Kernel sets in files in the format of the ICCAD 2013 contest: a text of
    weights and a binary file per kernel in the same folder. */
-#ifndef OPCFLOW_LITHO_KERNEL_FILES_H
-#define OPCFLOW_LITHO_KERNEL_FILES_H
+#pragma once
 
 #include <opcflow/base.h>
 
@@ -27,5 +26,3 @@ typedef struct kernel_set {
 int kernel_set_read(const char *path, size_t most, kernel_set *out,
                     opc_error *error);
 void kernel_set_clear(kernel_set *set);
-
-#endif

@@ -5,8 +5,7 @@
    their names and scale factors, from which the unit follows; the second pass
    builds the layout. (Mead and Conway, Introduction to VLSI Systems, section
    4.5: CIF 2.0.) */
-#ifndef OPCFLOW_CIF_H
-#define OPCFLOW_CIF_H
+#pragma once
 
 #include "../reader.h"
 
@@ -94,5 +93,3 @@ void cif_call(cif *c, cif_symbol *called, const cif_transform *t);
 int32_t cif_units(cif *c, int64_t v);
 /* Return the angle of a direction, degrees, exact for axes and diagonals. */
 double cif_angle(int64_t dx, int64_t dy);
-
-#endif

@@ -419,37 +419,11 @@ static int gds_run(void *self, void **outputs, opc_error *error) {
   return code;
 }
 
-/* ---- parameters ---- */
-
-static const opc_parameter parameters[] = {
-    READ_PARAMETERS("The GDSII file",
-                    "Names for layers: { poly: 9/0 }, or 9 for every datatype; "
-                    "the others are called 9/0")};
-
-static int gds_check(void *self, opc_error *error) {
-  return reader_check(self, UINT16_MAX, error);
-}
-
 /* ---- entry ---- */
 
-static const opc_port outputs_of[] = {EDA_PORT_LAYOUT("layout")};
-static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = gds_run,
-                                   .flags = OPC_STEP_LIGHT};
+READER_FUNCTIONS(gds_run, UINT16_MAX, "The GDSII file",
+                 "Names for layers: { poly: 9/0 }, or 9 for every datatype; "
+                 "the others are called 9/0")
 
-static int gds_choices(void *self, const char *parameter,
-                       void (*take)(void *data, const char *value), void *data,
-                       opc_error *error) {
-  (void)parameter;
-  return reader_choices(self, &functions, take, data, error);
-}
-
-static const void *extension(const char *name) {
-  static const opc_choices listed = {gds_choices};
-  return strcmp(name, OPC_CHOICES) ? NULL : &listed;
-}
-
-OPC_PLUGIN(reader, .id = "read.gds", .kind = "step", .version = "0.2.0",
-           .licence = "BSD-3-Clause", .summary = "Read a GDSII file",
-           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), .check = gds_check,
-           OPC_FUNCTIONS(functions), .extension = extension);
+OPC_PLUGIN(reader, .id = "read.gds", .summary = "Read a GDSII file",
+           READER_ENTRY);

@@ -216,35 +216,10 @@ static int glp_run(void *self, void **outputs, opc_error *error) {
   return code;
 }
 
-/* ---- parameters ---- */
-
-static const opc_parameter parameters[] = {READ_PARAMETERS(
-    "The GLP file", "Names for layers: { metal: M1 }; the others keep theirs")};
-
-static int glp_check(void *self, opc_error *error) {
-  return reader_check(self, 0, error);
-}
-
 /* ---- entry ---- */
 
-static const opc_port outputs_of[] = {EDA_PORT_LAYOUT("layout")};
-static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = glp_run,
-                                   .flags = OPC_STEP_LIGHT};
+READER_FUNCTIONS(glp_run, 0, "The GLP file",
+                 "Names for layers: { metal: M1 }; the others keep theirs")
 
-static int glp_choices(void *self, const char *parameter,
-                       void (*take)(void *data, const char *value), void *data,
-                       opc_error *error) {
-  (void)parameter;
-  return reader_choices(self, &functions, take, data, error);
-}
-
-static const void *extension(const char *name) {
-  static const opc_choices listed = {glp_choices};
-  return strcmp(name, OPC_CHOICES) ? NULL : &listed;
-}
-
-OPC_PLUGIN(reader, .id = "read.glp", .kind = "step", .version = "0.2.0",
-           .licence = "BSD-3-Clause", .summary = "Read a GLP clip",
-           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), .check = glp_check,
-           OPC_FUNCTIONS(functions), .extension = extension);
+OPC_PLUGIN(reader, .id = "read.glp", .summary = "Read a GLP clip",
+           READER_ENTRY);

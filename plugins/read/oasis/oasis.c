@@ -213,37 +213,11 @@ static int oasis_run(void *self, void **outputs, opc_error *error) {
   return code;
 }
 
-/* ---- parameters ---- */
-
-static const opc_parameter parameters[] = {
-    READ_PARAMETERS("The OASIS file",
-                    "Names for layers: { poly: 9/0 }, or 9 for every datatype; "
-                    "the others are called 9/0")};
-
-static int oasis_check(void *self, opc_error *error) {
-  return reader_check(self, UINT32_MAX, error);
-}
-
 /* ---- entry ---- */
 
-static const opc_port outputs_of[] = {EDA_PORT_LAYOUT("layout")};
-static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = oasis_run,
-                                   .flags = OPC_STEP_LIGHT};
+READER_FUNCTIONS(oasis_run, UINT32_MAX, "The OASIS file",
+                 "Names for layers: { poly: 9/0 }, or 9 for every datatype; "
+                 "the others are called 9/0")
 
-static int oasis_choices(void *self, const char *parameter,
-                         void (*take)(void *data, const char *value),
-                         void *data, opc_error *error) {
-  (void)parameter;
-  return reader_choices(self, &functions, take, data, error);
-}
-
-static const void *extension(const char *name) {
-  static const opc_choices listed = {oasis_choices};
-  return strcmp(name, OPC_CHOICES) ? NULL : &listed;
-}
-
-OPC_PLUGIN(reader, .id = "read.oasis", .kind = "step", .version = "0.2.0",
-           .licence = "BSD-3-Clause", .summary = "Read an OASIS file",
-           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), .check = oasis_check,
-           OPC_FUNCTIONS(functions), .extension = extension);
+OPC_PLUGIN(reader, .id = "read.oasis", .summary = "Read an OASIS file",
+           READER_ENTRY);

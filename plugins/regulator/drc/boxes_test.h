@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Test helpers of regulator.drc: layouts of boxes on a 1 nm grid, and images in
    which these or other boxes print. */
-#ifndef REGULATOR_BOXES_TEST_H
-#define REGULATOR_BOXES_TEST_H
+#pragma once
 
 #include <eda/eda.h>
 #include <math.h>
@@ -119,5 +118,3 @@ static inline void chip_end(chip *c) {
   for (int layer = 0; layer < LAYERS; layer++)
     eda_field_clear(&c->print[layer]);
 }
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Test helpers of the regulator: a chip on a 1 nm grid whose printed image is a
    function of the test, which may follow the last ruling. */
-#ifndef REGULATOR_CHIP_TEST_H
-#define REGULATOR_CHIP_TEST_H
+#pragma once
 
 #include <eda/eda.h>
 #include <math.h>
@@ -202,5 +201,3 @@ static inline int32_t cutout_depth(const chip *c, double x, int32_t y,
   }
   return depth;
 }
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Interfaces between the files of regulator.drc. Boxes and int32_t lengths are
    in steps of the mask grid, doubles in nm. */
-#ifndef REGULATOR_DRC_H
-#define REGULATOR_DRC_H
+#pragma once
 
 #include <eda/index.h>
 #include <eda/regulator.h>
@@ -259,5 +258,3 @@ size_t mrc_faults(const drc *r, const eda_shapes *shapes,
                   eda_rule_fault **fault);
 /* Add the same, for the masks of all layers, as violations. */
 void mrc_check(const drc *r, const eda_shapes *shapes, violations *out);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* State of the transistors in synthesizer.newton, and its update from simulated
    masks. */
-#ifndef SYNTHESIZER_NEWTON_OBSERVE_H
-#define SYNTHESIZER_NEWTON_OBSERVE_H
+#pragma once
 
 #include <opcflow/plugin.h>
 
@@ -125,5 +124,3 @@ void newton_reshape(newton *t, size_t i, const shape *to);
 
 /* Compute the uncertainty of the next log Ion of each transistor. */
 void newton_predict(newton *t, const eda_feedback *f);
-
-#endif
