@@ -2,8 +2,7 @@
 /* Shared by the steps of timing: circuits of cells in topological order, delay
    tables at given loads and sizes, and static timing analysis. Times in s and
    capacitances in F unless a comment says ps. */
-#ifndef OPCFLOW_TIMING_GRAPH_H
-#define OPCFLOW_TIMING_GRAPH_H
+#pragma once
 
 #include <eda/netlist.h>
 #include <eda/timing.h>
@@ -136,5 +135,3 @@ typedef struct arrivals {
 } arrivals;
 arrivals static_arrivals(const graph *g, const state *s, double slew,
                          eda_pool *pool);
-
-#endif

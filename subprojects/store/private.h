@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Common declarations of the store. */
-#ifndef OPC_STORE_PRIVATE_H
-#define OPC_STORE_PRIVATE_H
+#pragma once
 
 #include <store/store.h>
 
@@ -19,5 +18,3 @@ struct opc_store {
 void opc_sums_init(opc_store *store);
 /* Store the sums and free them. */
 void opc_sums_clear(opc_store *store);
-
-#endif

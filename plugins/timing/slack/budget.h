@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Assignment of slack to transistors: increases gate lengths to reduce leakage
    while no path exceeds a limit. */
-#ifndef OPCFLOW_TIMING_SLACK_BUDGET_H
-#define OPCFLOW_TIMING_SLACK_BUDGET_H
+#pragma once
 
 #include "../graph.h"
 
@@ -69,5 +68,3 @@ int budget_spend(budget *b);
 /* Return, for each choice, the share of the static input patterns in which its
    transistors leak (caller frees). Uses only `g`, `first` and `count`. */
 double *rest_shares(const budget *b);
-
-#endif

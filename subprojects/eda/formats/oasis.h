@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Common declarations of the OASIS writer. */
-#ifndef EDA_FORMATS_OASIS_H
-#define EDA_FORMATS_OASIS_H
+#pragma once
 
 #include <eda/oasis.h>
 #include <zlib.h>
@@ -33,5 +32,3 @@ struct eda_oasis {
   oasis_step *steps;
   size_t n_steps, room_steps;
 };
-
-#endif

@@ -3,8 +3,10 @@
    gate capacitance. */
 #include "netlist/lines.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -160,6 +162,31 @@ int eda_card_read(eda_pool *pool, const char *path, const char *name, int type,
     code = opc_fail(error, OPC_INVALID, NULL, "'%.300s' has no model '%.100s'",
                     path, name);
   return code;
+}
+
+int eda_cards_read(eda_pool *pool, const char *const files[2],
+                   const char *const names[2], int read, const char *paths[2],
+                   eda_card card[2], opc_error *error) {
+  for (int i = 0; i < 2; i++) {
+    const char *parameter = i ? "pmos_models" : "models";
+    paths[i] = NULL;
+    if (!files[i]) continue;
+    char *path = realpath(files[i], NULL);
+    if (!path)
+      return opc_fail(error, OPC_IO, parameter, "cannot read '%s': %s",
+                      files[i], strerror(errno));
+    paths[i] = eda_pool_text(pool, path, strlen(path));
+    free(path);
+    if (strpbrk(paths[i], "\"\n"))
+      return opc_fail(error, OPC_INVALID, parameter,
+                      "'%s': the simulator takes no such name of a file",
+                      files[i]);
+  }
+  for (int type = 0; type < 2 && read; type++)
+    if (eda_card_read(pool, paths[type == EDA_PMOS && paths[1]], names[type],
+                      type, &card[type], error))
+      return error->code;
+  return OPC_OK;
 }
 
 static int is_plain(const char *value) {

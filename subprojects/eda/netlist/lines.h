@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Netlist files as lines of words, private to the library. */
-#ifndef EDA_NETLIST_LINES_H
-#define EDA_NETLIST_LINES_H
+#pragma once
 
 #include <eda/netlist.h>
 
@@ -74,5 +73,3 @@ const char *netlist_number(const char *text, double *out);
 
 /* Return EDA_NMOS or EDA_PMOS, -1 if unknown. */
 int netlist_type(const eda_netlist *n, const char *model);
-
-#endif

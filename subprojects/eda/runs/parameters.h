@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Parameters of a resolved flow. */
-#ifndef EDA_RUNS_PARAMETERS_H
-#define EDA_RUNS_PARAMETERS_H
+#pragma once
 
 #include <glib.h>
 
@@ -11,5 +10,3 @@
    texts. Return an OPC_* code. */
 int runs_parameters(runs_tree *flow, GArray *out, GPtrArray *texts,
                     opc_error *error);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Common declarations of the readers of run folders. */
-#ifndef EDA_RUNS_TEXT_H
-#define EDA_RUNS_TEXT_H
+#pragma once
 
 #include <eda/runs.h>
 #include <yaml.h>
@@ -38,5 +37,3 @@ double runs_number(const yaml_node_t *node);
 /* Fill *error with "path:line:column: ..." and return its code. */
 int runs_fail(const runs_tree *tree, const yaml_node_t *node, opc_error *error,
               const char *format, ...) OPC_PRINTF(4, 5);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Filter of decks, private to the library. */
-#ifndef EDA_SIMULATOR_DECK_H
-#define EDA_SIMULATOR_DECK_H
+#pragma once
 
 #include <opcflow/base.h>
 
@@ -11,5 +10,3 @@
    removed; the deck may have one before the statements that need it. *osdi
    receives that file (free()) or NULL; `osdi` may be NULL. [any] */
 char *deck_write(const char *deck, char **osdi, opc_error *error);
-
-#endif

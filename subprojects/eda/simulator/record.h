@@ -2,8 +2,7 @@
 /* Protocol between the library and its helper program. The library writes a
    deck, a zero byte and commands to standard input. The program answers on
    standard output by records: a header followed by its bytes. */
-#ifndef EDA_SIMULATOR_RECORD_H
-#define EDA_SIMULATOR_RECORD_H
+#pragma once
 
 #include <stdint.h>
 
@@ -22,5 +21,3 @@ enum {
 typedef struct record {
   uint64_t kind, bytes;
 } record;
-
-#endif

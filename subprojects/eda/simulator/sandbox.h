@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Sandbox of the helper program, entered before it reads a deck. */
-#ifndef EDA_SIMULATOR_SANDBOX_H
-#define EDA_SIMULATOR_SANDBOX_H
+#pragma once
 
 /* The address sanitizer maps terabytes, so memory is not limited with it. */
 #ifdef __has_feature
@@ -28,5 +27,3 @@ const char *sandbox_enter(int file);
 /* Enter the Landlock part of the sandbox; without Landlock nothing happens,
    unless there is a file. Requires that privileges were dropped. */
 const char *landlock_enter(int file);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Contexts for unit tests of this library: several threads share the work, in
    varying order. */
-#ifndef EDA_TESTING_TESTING_H
-#define EDA_TESTING_TESTING_H
+#pragma once
 
 #include <opcflow/base.h>
 
@@ -10,5 +9,3 @@
    eda_test_context_free. */
 const opc_context *eda_test_context_new(unsigned threads);
 void eda_test_context_free(const opc_context *context);
-
-#endif

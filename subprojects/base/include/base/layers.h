@@ -2,8 +2,7 @@
 /* Layers: one tree applied over another. A flow that extends another, a
    variant, --set, a point of a sweep, and the parameters of the default plugin
    of a slot are all layers. */
-#ifndef OPC_BASE_LAYERS_H
-#define OPC_BASE_LAYERS_H
+#pragma once
 
 #include <base/node.h>
 
@@ -35,5 +34,3 @@ opc_node *opc_undot(const opc_node *map, gboolean deep, opc_problems *problems);
    named "OPTION PATH", is set in any case. */
 opc_node *opc_argument_parse(const char *option, const char *text, char **path,
                              opc_source **source, opc_problems *problems);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Lists in files: CSV or YAML. */
-#ifndef OPC_BASE_LIST_H
-#define OPC_BASE_LIST_H
+#pragma once
 
 #include <base/node.h>
 
@@ -11,5 +10,3 @@
    problems of the file as a whole have the place `at`. */
 opc_node *opc_list_read(const opc_source *source, const char *path,
                         const opc_place *at, opc_problems *problems);
-
-#endif

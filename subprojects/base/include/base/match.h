@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Values selected by a pattern: files with matching names, the file that
    belongs to one of them, or listed values. */
-#ifndef OPC_BASE_MATCH_H
-#define OPC_BASE_MATCH_H
+#pragma once
 
 #include <base/node.h>
 
@@ -36,5 +35,3 @@ gboolean opc_match_choices(const opc_node *node, const GPtrArray *list,
 char *opc_label(const opc_node *value);
 char *opc_label_of_map(const opc_node *map);
 void opc_label_add(GString *to, const char *label);
-
-#endif
