@@ -6,9 +6,7 @@
 
 #include <opcflow/plugin.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 #define OPC_CHOICES "opcflow.choices/1"
 
@@ -21,7 +19,5 @@ typedef struct opc_choices {
               opc_error *error);
 } opc_choices;
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

@@ -10,9 +10,7 @@
 
 #include <opcflow/plugin.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 typedef struct opc_command {
   const char *arguments; /* for help: "RUN ..."; NULL: it takes none */
@@ -23,7 +21,5 @@ typedef struct opc_command {
   OPC_MAY_GROW
 } opc_command;
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

@@ -7,9 +7,7 @@
 #include <opcflow/table.h>
 #include <stdio.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 /* What a parameter's text comes to, in the parameter's unit; NAN leaves it as
    it is. */
@@ -73,7 +71,5 @@ OPC_UNUSED static int opc_put_followed(const opc_host *host, const void *self,
   return code;
 }
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

@@ -27,9 +27,7 @@
 
 #include <opcflow/plugin.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 /* A parameter that is swept. As long as the instance. */
 typedef struct opc_inner_axis {
@@ -120,7 +118,5 @@ OPC_UNUSED static const opc_inner_service *opc_get_inner(const opc_host *host) {
   return (const opc_inner_service *)host->service(host, OPC_INNER);
 }
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

@@ -9,9 +9,7 @@
 
 #include <opcflow/plugin.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 /* A function that a plugin of the kind must have. */
 typedef struct opc_function {
@@ -119,7 +117,5 @@ typedef struct opc_kind {
              .flags = OPC_DETERMINISTIC | OPC_REENTRANT,                     \
              OPC_FUNCTIONS(functions))
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

@@ -5,9 +5,7 @@
 
 #include <opcflow/plugin.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 /* What a piece of work gives, byte after byte: `add` copies. [main] */
 typedef struct opc_bytes opc_bytes;
@@ -78,7 +76,5 @@ OPC_UNUSED static int opc_do_pieces(const opc_host *host,
   return service->run(host, shared, sizeof *shared, error);
 }
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

@@ -18,9 +18,7 @@
 
 #include <opcflow/base.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 /* The version of the interface that a plugin was built for. The host refuses
    another major, and minors before OPC_ABI_OLDEST. A plugin of any other minor
@@ -315,7 +313,5 @@ typedef const opc_plugin *(*opc_plugin_entry)(void);
   }                                                                   \
   struct opc_plugin
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

@@ -8,9 +8,7 @@
 
 #include <opcflow/plugin.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 #define OPC_RESULTS "opcflow.results/1"
 
@@ -44,7 +42,5 @@ OPC_UNUSED static const opc_results *opc_get_results(const opc_host *host) {
   return (const opc_results *)host->service(host, OPC_RESULTS);
 }
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

@@ -6,9 +6,7 @@
 
 #include <opcflow/plugin.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 /* An output. `kind` names the data, which brings its own check and release:
    libraries offer ports of their kinds as macros (eda: EDA_PORT_LAYOUT ...). */
@@ -85,7 +83,5 @@ typedef struct opc_step {
   .n_outputs = sizeof(array) / sizeof((array)[0]), \
   .output_size = sizeof(opc_port), .outputs = (array)
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

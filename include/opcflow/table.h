@@ -8,9 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 /* An array and how many elements it has. */
 #define OPC_ARRAY(array) (array), sizeof(array) / sizeof((array)[0])
@@ -74,7 +72,5 @@ OPC_UNUSED static int opc_put_rows(const opc_host *host, const char *name,
   return code;
 }
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

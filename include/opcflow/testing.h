@@ -10,9 +10,7 @@
 
 #include <opcflow/opcflow.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 /* The host that all of it reports to. output_path gives a place in a fresh
    folder, which is removed when the program ends. */
@@ -61,7 +59,5 @@ OPC_EXPORT void opc_test_forget(void);
 /* Make opc_host.cancelled answer yes or no. */
 OPC_EXPORT void opc_test_cancel(int cancel);
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

@@ -144,7 +144,7 @@ typedef struct drc {
   int reverted;           /* number of smoothed jogs reverted for another one */
 
   eda_box_list *patch, *cutout; /* [layers]: shapes added and cut out by the
-                                 last ruling */
+                                   last ruling */
 } drc;
 
 /* A list of violations of limited capacity; `count` includes those that do not
@@ -159,7 +159,7 @@ typedef struct violations {
 eda_box box_between(eda_point a, eda_point b);
 
 /* Take ownership of `box` and build the index; `nm` is the typical search
- * distance. */
+   distance. */
 void places_init(places *p, eda_box *box, size_t n, double nm, double grid);
 void places_clear(places *p);
 
@@ -202,11 +202,11 @@ int sites_find(drc *r, opc_error *error);
 
 void ends_find(drc *r);
 /* Move a line end outwards if its printed extension is too short, or widen the
- * head if the line end cannot move. `bias` is the present move. */
+   head if the line end cannot move. `bias` is the present move. */
 void ends_advance(drc *r, const eda_printed *p, size_t end, int32_t *bias);
 /* Move back the line end of the nearest gate if the failing site is before that
- * line end, and limit the move there. `bias` has the moves of all line ends.
- * Return whether the line end moved. */
+   line end, and limit the move there. `bias` has the moves of all line ends.
+   Return whether the line end moved. */
 int ends_revert(drc *r, const site *wrong, int32_t *bias);
 /* Add the shapes of all heads to the ruling. */
 void ends_add_heads(drc *r);

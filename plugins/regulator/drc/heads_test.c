@@ -47,7 +47,7 @@ static void test_heads(void) {
 
 /* Requests of the synthesizer hold in all iterations: length, and a head where
    length is limited; never more than requested. */
-static void test_asked(void) {
+static void test_requested(void) {
   for (int k = 0; k < 3; k++) {
     g_autoptr(opc_module) m = drc_make("{ min_extension: 20 nm }");
     const double want[2] = {0, 38}, wide[2] = {0, k == 2 ? 2 : 10};
@@ -76,7 +76,7 @@ static void test_asked(void) {
 
 /* Extensions beyond `min_extension` are not attempted if a neighbour prints
    within 30 nm, or after the synthesizer has moved its lengths. */
-static void test_wishes(void) {
+static void test_desired_extension(void) {
   for (int k = 0; k < 3; k++) {
     g_autoptr(opc_module) m = drc_make(
         "{ min_extension: 20 nm, want_extension: 40 nm, max_head: 10 nm }");
@@ -103,7 +103,7 @@ static void test_wishes(void) {
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/regulator/heads", test_heads);
-  g_test_add_func("/regulator/asked", test_asked);
-  g_test_add_func("/regulator/wishes", test_wishes);
+  g_test_add_func("/regulator/asked", test_requested);
+  g_test_add_func("/regulator/desired-extension", test_desired_extension);
   return g_test_run();
 }

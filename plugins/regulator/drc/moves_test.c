@@ -115,7 +115,7 @@ static double beside(const chip *c, double x, double y) {
 
 /* An edge whose full length closes a gap moves outwards only beside the
  * contact. */
-static void test_piece(void) {
+static void test_segment(void) {
   g_autoptr(opc_module) m = drc_make("{}");
   chip c = {0};
   eda_violation v[1];
@@ -287,7 +287,7 @@ int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/regulator/trims", test_trims);
   g_test_add_func("/regulator/pinched", test_pinched);
-  g_test_add_func("/regulator/piece", test_piece);
+  g_test_add_func("/regulator/piece", test_segment);
   g_test_add_func("/regulator/corner", test_corner);
   g_test_add_func("/regulator/concave", test_concave);
   g_test_add_func("/regulator/too-near", test_too_near);

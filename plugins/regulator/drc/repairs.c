@@ -141,7 +141,8 @@ static int32_t corner_move(const eda_printed *p, const eda_fragment *f) {
 }
 
 /* Return whether the segment on a side reaches the edge on the next one. */
-static int piece_reaches(const drc *r, const repair *one, int side, int next) {
+static int segment_reaches(const drc *r, const repair *one, int side,
+                           int next) {
   eda_box b = r->sites[one->site].box;
   switch (next) {
     case LEFT:
@@ -157,17 +158,18 @@ static int piece_reaches(const drc *r, const repair *one, int side, int next) {
 
 /* Return the extension of the end of a repair shape by the shape on the next
    side, if both cover a common corner. */
-static int32_t piece_overlap(const drc *r, const repair *one, int side,
-                             int next) {
-  return piece_reaches(r, one, side, next) && piece_reaches(r, one, next, side)
+static int32_t segment_overlap(const drc *r, const repair *one, int side,
+                               int next) {
+  return segment_reaches(r, one, side, next) &&
+                 segment_reaches(r, one, next, side)
              ? one->grow[next]
              : 0;
 }
 
 /* Return the extension of the end of a repair shape into a concave corner,
    where the adjacent edge may have moved inwards. */
-static int32_t piece_into_corner(const drc *r, const repair *one, int side,
-                                 int32_t at) {
+static int32_t segment_into_corner(const drc *r, const repair *one, int side,
+                                   int32_t at) {
   eda_box c = r->sites[one->site].box;
   const places *edges = &r->edges[r->sites[one->site].layer];
   c = box_window(c, side, one->edge[side], one->edge[side], 0);
@@ -198,11 +200,11 @@ static eda_box repair_shape(const drc *r, const eda_printed *printed,
   eda_box b = r->sites[one->site].box;
   eda_box p = box_window(b, side, one->edge[side] - in, out, 0);
   int32_t from = one->from[side] - corner_move(printed, one->corner[side][0]) -
-                 piece_overlap(r, one, side, low) -
-                 piece_into_corner(r, one, side, one->from[side]);
+                 segment_overlap(r, one, side, low) -
+                 segment_into_corner(r, one, side, one->from[side]);
   int32_t to = one->to[side] + corner_move(printed, one->corner[side][1]) +
-               piece_overlap(r, one, side, low + 1) +
-               piece_into_corner(r, one, side, one->to[side]);
+               segment_overlap(r, one, side, low + 1) +
+               segment_into_corner(r, one, side, one->to[side]);
   if (side_upright(side))
     p.y0 = from, p.y1 = to;
   else
@@ -270,8 +272,8 @@ static const eda_fragment *corner_edge(const drc *r, int side, int32_t x,
 
 /* Compute the segment of the drawn edge that the site needs, up to a corner
    nearby. Return whether there is an edge of that direction, in `edge`. */
-static int repair_find_piece(const drc *r, const site *s, repair *one, int side,
-                             eda_box *edge) {
+static int repair_find_segment(const drc *r, const site *s, repair *one,
+                               int side, eda_box *edge) {
   double grid = r->grid;
   int32_t far = (int32_t)(2 * tuned.reach / grid), more = 0;
   eda_box b = s->box;
@@ -311,7 +313,7 @@ static void repair_find_corners(const drc *r, const site *s, repair *one,
 static void repair_find_edge(const drc *r, const site *s, repair *one,
                              int side) {
   eda_box edge = {0};
-  int straight = repair_find_piece(r, s, one, side, &edge);
+  int straight = repair_find_segment(r, s, one, side, &edge);
   one->limit[side] = outward_limit(r, s, one, side);
   if (!straight) return;
   repair whole = *one;
@@ -325,10 +327,10 @@ static void repair_find_edge(const drc *r, const site *s, repair *one,
 }
 
 /* Reduce a whole edge that closed a gap to the segment that the site needs. */
-static void repair_keep_piece(const drc *r, const site *s, repair *one,
-                              int side) {
+static void repair_keep_segment(const drc *r, const site *s, repair *one,
+                                int side) {
   eda_box edge = {0};
-  repair_find_piece(r, s, one, side, &edge);
+  repair_find_segment(r, s, one, side, &edge);
   repair_find_corners(r, s, one, side, edge);
   one->whole[side] = 0;
   one->limit[side] = outward_limit(r, s, one, side);
@@ -421,7 +423,7 @@ static int shapes_reduce(drc *r, const eda_printed *p, const site *wrong,
       if (one->back[k] == r->round) continue; /* once per iteration */
       one->back[k] = r->round;
       if (one->whole[k]) {
-        repair_keep_piece(r, of, one, k);
+        repair_keep_segment(r, of, one, k);
         continue;
       }
       int32_t by = one->grow[k] < step ? one->grow[k] : step;

@@ -17,7 +17,7 @@ static int boxes_meet(eda_box a, eda_box b) {
    assist features, wherever its ends move. */
 static void limit_fragment(epe_layer *l, const eda_index *bars, uint32_t i) {
   const epe_rules *r = l->rules;
-  const epe_piece *p = &l->pieces[i];
+  const epe_fragment *p = &l->fragments[i];
   int32_t space = r->min_space, most = r->max_shift, reach = most + space;
   int32_t line = epe_line(p, NULL, 0);
   int32_t m = epe_along(p, p->from), n = epe_along(p, p->to);
@@ -46,7 +46,7 @@ static void limit_fragment(epe_layer *l, const eda_index *bars, uint32_t i) {
 
 static void limit_fragments(epe_layer *l) {
   for (uint32_t i = 0; i < l->count; i++)
-    l->most[i] = l->pieces[i].still ? 0 : l->rules->max_shift;
+    l->most[i] = l->fragments[i].still ? 0 : l->rules->max_shift;
   eda_index *bars = eda_index_new(l->bars.box, l->bars.count,
                                   l->rules->max_shift + l->rules->min_space);
   for (uint32_t i = 0; i < l->count; i++) limit_fragment(l, bars, i);
@@ -57,8 +57,8 @@ static void limit_fragments(epe_layer *l) {
 
 /* Return edge e as drawn. */
 static eda_bar_edge edge_of(const epe_layer *l, size_t e) {
-  const epe_piece *first = &l->pieces[l->edge[e]];
-  const epe_piece *last = &l->pieces[l->edge[e + 1] - 1];
+  const epe_fragment *first = &l->fragments[l->edge[e]];
+  const epe_fragment *last = &l->fragments[l->edge[e + 1] - 1];
   int32_t a = epe_along(first, first->from), b = epe_along(last, last->to);
   return (eda_bar_edge){first->axis == EDA_X, first->sign,
                         epe_line(first, NULL, 0), a < b ? a : b, a < b ? b : a};

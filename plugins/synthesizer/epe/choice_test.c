@@ -245,7 +245,7 @@ static void test_gain(void) {
 
 /* A constant error: all fragments move to their limits, and the loop ends after
    four iterations without a move. */
-static void test_rest(void) {
+static void test_constant_error(void) {
   drawing d;
   eda_cuts cuts = {0};
   trial_draw(&d, 400, 1000);
@@ -278,6 +278,6 @@ int main(int argc, char **argv) {
   g_test_add_func("/choice/even", test_even);
   g_test_add_func("/choice/kept", test_kept);
   g_test_add_func("/choice/gain", test_gain);
-  g_test_add_func("/choice/rest", test_rest);
+  g_test_add_func("/choice/rest", test_constant_error);
   return g_test_run();
 }

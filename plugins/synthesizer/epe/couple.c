@@ -15,7 +15,7 @@
    integral over j of the Gaussian along an infinite straight edge. */
 static double coupling_weight(const epe_layer *l, double x, double y,
                               uint32_t j) {
-  const epe_piece *p = &l->pieces[j];
+  const epe_fragment *p = &l->fragments[j];
   double s = l->rules->blur;
   double across = p->axis == EDA_X ? x - p->from.x : y - p->from.y;
   double at = p->axis == EDA_X ? y : x;
@@ -37,7 +37,8 @@ static double distance_outside(double v, int32_t a, int32_t b) {
 }
 
 /* Return whether a fragment is partly within `reach` of (x, y). */
-static int piece_is_near(const epe_piece *p, double x, double y, double reach) {
+static int fragment_is_near(const epe_fragment *p, double x, double y,
+                            double reach) {
   double dx = distance_outside(x, p->from.x, p->to.x);
   double dy = distance_outside(y, p->from.y, p->to.y);
   return dx * dx + dy * dy < reach * reach;
@@ -57,7 +58,7 @@ static void coupling_add_site(void *data, size_t i) {
                           (int32_t)ceil(x + far), (int32_t)ceil(y + far)});
   uint32_t n = m->weight ? m->start[i] : 0;
   for (uint32_t j; eda_index_next(&f, &j);) {
-    if (!piece_is_near(&l->pieces[j], x, y, reach)) continue;
+    if (!fragment_is_near(&l->fragments[j], x, y, reach)) continue;
     if (m->weight) {
       m->index[n] = j;
       m->weight[n] = (float)coupling_weight(l, x, y, j);
@@ -94,7 +95,7 @@ void epe_couple(epe_layer *l, double grid) {
   eda_box *boxes = eda_alloc(l->count, sizeof *boxes);
   l->coupling.start = eda_alloc(l->count + 1, sizeof *l->coupling.start);
   for (size_t i = 0; i < l->count; i++) {
-    const epe_piece *p = &l->pieces[i];
+    const epe_fragment *p = &l->fragments[i];
     int32_t x = p->from.x + (p->to.x - p->from.x) / 2;
     int32_t y = p->from.y + (p->to.y - p->from.y) / 2;
     boxes[i] = (eda_box){x, y, x, y};

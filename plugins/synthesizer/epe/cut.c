@@ -148,8 +148,8 @@ static void layer_add_edge(cutter *c, const drawn_edge *e, uint32_t polygon) {
   l->edge[l->edges] = (uint32_t)l->count;
   for (size_t k = 0; k <= c->n_marks; k++) {
     int first = k == 0, last = k == c->n_marks;
-    eda_grow(&l->pieces, &c->capacity, l->count + 1, sizeof *l->pieces);
-    l->pieces[l->count++] = (epe_piece){
+    eda_grow(&l->fragments, &c->capacity, l->count + 1, sizeof *l->fragments);
+    l->fragments[l->count++] = (epe_fragment){
         .from = point_at(e, first ? 0 : c->marks[k - 1]),
         .to = point_at(e, last ? e->length : c->marks[k]),
         .polygon = polygon,
@@ -167,8 +167,8 @@ static void layer_add_edge(cutter *c, const drawn_edge *e, uint32_t polygon) {
 static void layer_close_polygon(epe_layer *l, uint32_t first) {
   uint32_t end = (uint32_t)l->count;
   for (uint32_t i = first; i < end; i++) {
-    l->pieces[i].previous = i > first ? i - 1 : end - 1;
-    l->pieces[i].next = i + 1 < end ? i + 1 : first;
+    l->fragments[i].previous = i > first ? i - 1 : end - 1;
+    l->fragments[i].next = i + 1 < end ? i + 1 : first;
   }
 }
 
@@ -192,16 +192,16 @@ static void cut_polygons(cutter *c) {
 
 /* Set the site to the middle of the fragment, moved away from corners, where
    the printed image is round, as far as the edge allows. */
-static void piece_set_site(epe_layer *l, uint32_t i, double grid) {
-  const epe_piece *p = &l->pieces[i];
+static void fragment_set_site(epe_layer *l, uint32_t i, double grid) {
+  const epe_fragment *p = &l->fragments[i];
   uint32_t first = l->edge[p->edge], last = l->edge[p->edge + 1] - 1;
-  double a = epe_along(p, l->pieces[first].from);
-  double b = epe_along(p, l->pieces[last].to);
+  double a = epe_along(p, l->fragments[first].from);
+  double b = epe_along(p, l->fragments[last].to);
   double low = epe_min(a, b) + l->rules->tangency;
   double high = epe_max(a, b) - l->rules->tangency;
   double t = (epe_along(p, p->from) + (double)epe_along(p, p->to)) / 2;
   t = low > high ? (a + b) / 2 : epe_within(t, low, high);
-  double at = epe_line(l->pieces, NULL, i);
+  double at = epe_line(l->fragments, NULL, i);
   l->site[2 * i] = grid * (p->axis == EDA_X ? at : t);
   l->site[2 * i + 1] = grid * (p->axis == EDA_X ? t : at);
 }
@@ -222,7 +222,7 @@ static void layer_set_owners(epe_layer *l, const eda_edges *e) {
     if (k == last || point_distance(e->fragments[k].from, l->from[i])) continue;
     int64_t begins = 0, at = 0;
     for (; i < end; i++) {
-      int64_t length = point_distance(l->pieces[i].from, l->pieces[i].to);
+      int64_t length = point_distance(l->fragments[i].from, l->fragments[i].to);
       while (k + 1 < last) {
         int64_t next = begins + point_distance(e->fragments[k].from,
                                                e->fragments[k + 1].from);
@@ -231,7 +231,7 @@ static void layer_set_owners(epe_layer *l, const eda_edges *e) {
         k++;
       }
       if (e->fragments[k].role != EDA_FIXED)
-        l->pieces[i].gate = e->fragments[k].gate;
+        l->fragments[i].gate = e->fragments[k].gate;
       at += length;
     }
   }
@@ -291,11 +291,11 @@ void epe_cut(epe_layer *l, const eda_gates *gates, int which) {
   cut_polygons(&c);
   layer_make_arrays(l);
   for (uint32_t i = 0; i < l->count; i++) {
-    l->from[i] = l->pieces[i].from;
+    l->from[i] = l->fragments[i].from;
     l->gain[i] = 1;
     l->step[i] = INFINITY;
-    l->most[i] = l->pieces[i].still ? 0 : l->rules->max_shift;
-    piece_set_site(l, i, gates->grid);
+    l->most[i] = l->fragments[i].still ? 0 : l->rules->max_shift;
+    fragment_set_site(l, i, gates->grid);
   }
   layer_set_owners(l, &gates->edges[which]);
   eda_index_free(c.corners);
@@ -310,7 +310,7 @@ void epe_clear(epe_layer *l) {
     free(couplings[k]->index);
     free(couplings[k]->weight);
   }
-  free(l->pieces);
+  free(l->fragments);
   free(l->start);
   free(l->from);
   free(l->site);

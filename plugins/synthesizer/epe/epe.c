@@ -170,7 +170,7 @@ static double mean_epe(const epe *d) {
   for (size_t k = 0; k < d->n_layers; k++) {
     const epe_layer *l = &d->layers[k];
     for (size_t i = 0; i < l->count; i++) {
-      double along = epe_length(&l->pieces[i]);
+      double along = epe_length(&l->fragments[i]);
       sum += along * l->cost[i];
       length += along;
     }
@@ -194,7 +194,7 @@ static double mean_ion(const eda_feedback *f) {
 }
 
 static void verdict_add(epe *d, const epe_layer *l, size_t i) {
-  int32_t gate = l->pieces[i].gate;
+  int32_t gate = l->fragments[i].gate;
   if (gate < 0 || (size_t)gate >= d->count) return;
   int32_t shift = l->shift[i];
   int why = isnan(l->error[i])                          ? NO_EDGE

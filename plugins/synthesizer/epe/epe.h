@@ -19,7 +19,7 @@ typedef struct epe_rules {
 
 /* A fragment of a drawn edge. It moves outwards along `axis`, towards larger
    coordinates if `sign` is 1, smaller ones if -1. */
-typedef struct epe_piece {
+typedef struct epe_fragment {
   eda_point from, to;
   uint32_t polygon, edge;  /* indices in the layer, in order */
   uint32_t previous, next; /* neighbours around the polygon */
@@ -29,7 +29,7 @@ typedef struct epe_piece {
   uint8_t corner; /* ends that are corners: EPE_FROM, EPE_TO */
   uint8_t still;  /* 1: too short to be moved */
   uint8_t hole;   /* 1: the polygon is a hole */
-} epe_piece;
+} epe_fragment;
 
 enum { EPE_FROM = 1, EPE_TO = 2 };
 
@@ -37,7 +37,7 @@ enum { EPE_FROM = 1, EPE_TO = 2 };
    (both: settle the edge again); all fragments move together. */
 enum { EPE_NARROWED = 1, EPE_SHORT = 2, EPE_WHOLE = 4 };
 
-static inline double epe_length(const epe_piece *p) {
+static inline double epe_length(const epe_fragment *p) {
   return abs(p->to.x - p->from.x) + abs(p->to.y - p->from.y);
 }
 
@@ -76,7 +76,7 @@ typedef struct epe_layer {
   const opc_context *context;
   const epe_rules *rules;
   size_t count; /* number of fragments; 0: the layer does not move */
-  epe_piece *pieces;
+  epe_fragment *fragments;
   size_t polygons;
   uint32_t *start; /* first fragment of each polygon, and the end */
   eda_point *from;
@@ -158,23 +158,23 @@ void epe_steer(epe_layer *layer, const epe_steering *by);
 
 /* Return the position of a fragment along its axis, or its extent along the
    edge, after the moves of `shift` (NULL: as drawn). */
-static inline int32_t epe_line(const epe_piece *p, const int32_t *shift,
+static inline int32_t epe_line(const epe_fragment *p, const int32_t *shift,
                                uint32_t i) {
   int32_t at = p[i].axis == EDA_X ? p[i].from.x : p[i].from.y;
   return at + (shift ? p[i].sign * shift[i] : 0);
 }
 
-static inline int32_t epe_along(const epe_piece *p, eda_point at) {
+static inline int32_t epe_along(const epe_fragment *p, eda_point at) {
   return p->axis == EDA_X ? at.y : at.x;
 }
 
-static inline int32_t epe_begin(const epe_piece *p, const int32_t *shift,
+static inline int32_t epe_begin(const epe_fragment *p, const int32_t *shift,
                                 uint32_t i) {
   return p[i].corner & EPE_FROM ? epe_line(p, shift, p[i].previous)
                                 : epe_along(&p[i], p[i].from);
 }
 
-static inline int32_t epe_end(const epe_piece *p, const int32_t *shift,
+static inline int32_t epe_end(const epe_fragment *p, const int32_t *shift,
                               uint32_t i) {
   return p[i].corner & EPE_TO ? epe_line(p, shift, p[i].next)
                               : epe_along(&p[i], p[i].to);

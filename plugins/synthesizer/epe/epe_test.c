@@ -12,8 +12,8 @@
 /* Mean shift of three fragments, 2 nm per nm. */
 static double coupled(const trial *t, size_t i) {
   return 8 + 2 *
-                 (t->shift[piece_before(t, i)] + t->shift[i] +
-                  t->shift[piece_after(t, i)]) /
+                 (t->shift[fragment_before(t, i)] + t->shift[i] +
+                  t->shift[fragment_after(t, i)]) /
                  3.0;
 }
 
@@ -80,7 +80,7 @@ static void test_cut(void) {
       &s->gates, straight);
   int ends = 0, convex = 0, concave = 0;
   for (size_t i = 0; i < t.count; i++) {
-    eda_point a = t.cuts.from[i], b = t.cuts.from[piece_after(&t, i)];
+    eda_point a = t.cuts.from[i], b = t.cuts.from[fragment_after(&t, i)];
     int length = abs(a.x - b.x) + abs(a.y - b.y);
     ends += a.x == 600 && b.x == 600 && length == 100;
     convex += a.x == 0 && a.y == 0 && length == 30;
@@ -196,7 +196,7 @@ static void test_rules(void) {
 static size_t count_jogs(const trial *t) {
   size_t n = 0;
   for (size_t i = 0; i < t->count; i++)
-    n += t->shift[i] != t->shift[piece_after(t, i)];
+    n += t->shift[i] != t->shift[fragment_after(t, i)];
   return n;
 }
 
@@ -212,7 +212,7 @@ static void test_jogs(void) {
     g_autofree char *p = g_strdup_printf("{ min_jog: %d nm }", jog);
     trial t = trial_correct(p, &s->gates, wavy);
     for (size_t i = 0; i < t.count; i++) {
-      size_t k = piece_after(&t, i);
+      size_t k = fragment_after(&t, i);
       int corner = t.cuts.from[k].y % 8000 == 0;
       if (!corner && t.shift[i] != t.shift[k])
         g_assert_cmpint(abs(t.shift[i] - t.shift[k]), >=, jog);

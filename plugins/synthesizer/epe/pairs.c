@@ -15,7 +15,7 @@ typedef struct gap {
   double along;  /* between the ends; 0 or less if the fragments overlap */
 } gap;
 
-static gap gap_of(const epe_piece *p, const int32_t *shift, uint32_t a,
+static gap gap_of(const epe_fragment *p, const int32_t *shift, uint32_t a,
                   uint32_t b) {
   int32_t a0 = epe_begin(p, shift, a), a1 = epe_end(p, shift, a);
   int32_t b0 = epe_begin(p, shift, b), b1 = epe_end(p, shift, b);
@@ -41,7 +41,7 @@ static void pair_add(finder *f, epe_pair pair) {
 
 /* Return the largest move of the ends of a fragment along the edge. */
 static double end_reach(const epe_layer *l, uint32_t i) {
-  return l->pieces[i].corner ? l->rules->max_shift : 0;
+  return l->fragments[i].corner ? l->rules->max_shift : 0;
 }
 
 /* Add the pair if it may come too near. The outside of fragment i is towards
@@ -49,7 +49,7 @@ static double end_reach(const epe_layer *l, uint32_t i) {
    beyond i, else through the inside. */
 static void pair_consider(finder *f, uint32_t i, uint32_t j) {
   epe_layer *l = f->layer;
-  const epe_piece *p = l->pieces;
+  const epe_fragment *p = l->fragments;
   int32_t off = epe_line(p, NULL, j) - epe_line(p, NULL, i);
   if (!off) return;
   int inside = off < 0;
@@ -69,14 +69,14 @@ static void pair_consider(finder *f, uint32_t i, uint32_t j) {
            (epe_pair){a, b, (uint16_t)inside, 0, (float)epe_min(limit, drawn)});
 }
 
-static eda_box box_of(const epe_piece *p, int32_t grown) {
+static eda_box box_of(const epe_fragment *p, int32_t grown) {
   const eda_point ends[] = {p->from, p->to};
   eda_box b = eda_bounds(ends, 2);
   return (eda_box){b.x0 - grown, b.y0 - grown, b.x1 + grown, b.y1 + grown};
 }
 
 static void pairs_find_around(finder *f, uint32_t i, int32_t reach) {
-  const epe_piece *p = f->layer->pieces;
+  const epe_fragment *p = f->layer->fragments;
   eda_finder near = eda_index_find(f->index, box_of(&p[i], reach));
   for (uint32_t j; eda_index_next(&near, &j);)
     if (p[j].axis == p[i].axis && p[j].sign < 0) pair_consider(f, i, j);
@@ -85,7 +85,7 @@ static void pairs_find_around(finder *f, uint32_t i, int32_t reach) {
 /* Return the distance of the begin (side 0) or end (side 1) of fragment i from
    the corner of the edge at that side. */
 static int32_t corner_distance(const epe_layer *l, uint32_t i, int side) {
-  const epe_piece *p = l->pieces;
+  const epe_fragment *p = l->fragments;
   uint32_t first = l->edge[p[i].edge], last = l->edge[p[i].edge + 1] - 1;
   return side ? abs(epe_along(&p[i], p[last].to) - epe_along(&p[i], p[i].to))
               : abs(epe_along(&p[i], p[first].from) -
@@ -97,7 +97,7 @@ static int32_t corner_distance(const epe_layer *l, uint32_t i, int side) {
    at a concave corner, notches at a convex one. */
 static void pairs_find_at_corner(finder *f, uint32_t i) {
   epe_layer *l = f->layer;
-  const epe_piece *p = l->pieces;
+  const epe_fragment *p = l->fragments;
   uint32_t j = p[i].next;
   if (!(p[i].corner & EPE_TO)) return;
   int inside = (p[i].sign * p[j].sign > 0) == (p[i].axis == EDA_X);
@@ -123,10 +123,11 @@ void epe_find_pairs(epe_layer *l) {
   int32_t reach = most + 2 * r->max_shift;
   if (!most) return;
   eda_box *boxes = eda_alloc(l->count, sizeof *boxes);
-  for (uint32_t i = 0; i < l->count; i++) boxes[i] = box_of(&l->pieces[i], 0);
+  for (uint32_t i = 0; i < l->count; i++)
+    boxes[i] = box_of(&l->fragments[i], 0);
   f.index = eda_index_new(boxes, l->count, reach);
   for (uint32_t i = 0; i < l->count; i++) {
-    if (l->pieces[i].sign > 0) pairs_find_around(&f, i, reach);
+    if (l->fragments[i].sign > 0) pairs_find_around(&f, i, reach);
     pairs_find_at_corner(&f, i);
   }
   eda_index_free(f.index);
@@ -137,30 +138,30 @@ void epe_find_pairs(epe_layer *l) {
 /* ---- separation ---- */
 
 /* Move fragment i towards the drawn edge, by so many steps. */
-static void piece_move_back(epe_layer *l, const int32_t *shift, uint32_t i,
-                            int32_t by) {
+static void fragment_move_back(epe_layer *l, const int32_t *shift, uint32_t i,
+                               int32_t by) {
   int32_t out = shift[i] > 0, left = abs(shift[i]) - by;
   if (left < 0) left = 0;
   if (!shift[i] || (out ? l->high[i] <= left : l->low[i] >= -left)) return;
   *(out ? &l->high[i] : &l->low[i]) = out ? left : -left;
-  l->state[l->pieces[i].edge] |= EPE_NARROWED;
+  l->state[l->fragments[i].edge] |= EPE_NARROWED;
 }
 
 /* Move the neighbours around the corners of a fragment back by one step, as
    they have made it longer. */
 static void neighbours_move_back(epe_layer *l, const int32_t *shift,
                                  uint32_t i) {
-  const epe_piece *p = &l->pieces[i];
-  if (p->corner & EPE_FROM) piece_move_back(l, shift, p->previous, 1);
-  if (p->corner & EPE_TO) piece_move_back(l, shift, p->next, 1);
+  const epe_fragment *p = &l->fragments[i];
+  if (p->corner & EPE_FROM) fragment_move_back(l, shift, p->previous, 1);
+  if (p->corner & EPE_TO) fragment_move_back(l, shift, p->next, 1);
 }
 
-static void piece_keep_drawn(epe_layer *l, uint32_t i) {
-  const epe_piece *p = &l->pieces[i];
+static void fragment_keep_drawn(epe_layer *l, uint32_t i) {
+  const epe_fragment *p = &l->fragments[i];
   uint32_t all[3] = {i, p->previous, p->next};
   for (int k = 0; k < 3; k++) {
     l->low[all[k]] = l->high[all[k]] = 0;
-    l->state[l->pieces[all[k]].edge] |= EPE_WHOLE | EPE_NARROWED;
+    l->state[l->fragments[all[k]].edge] |= EPE_WHOLE | EPE_NARROWED;
   }
 }
 
@@ -173,7 +174,8 @@ static void pair_separate(epe_layer *l, const int32_t *shift,
   for (int k = 0; k < 2; k++) all += part[k] = epe_max(0, sign * shift[who[k]]);
   for (int k = 0; k < 2; k++) {
     if (part[k] <= 0) continue;
-    piece_move_back(l, shift, who[k], (int32_t)ceil(missing * part[k] / all));
+    fragment_move_back(l, shift, who[k],
+                       (int32_t)ceil(missing * part[k] / all));
   }
   if (all >= missing) return;
   for (int k = 0; k < 2; k++) neighbours_move_back(l, shift, who[k]);
@@ -189,8 +191,8 @@ static double corner_gap(const epe_layer *l, const int32_t *shift,
   uint32_t a = pair->a, b = pair->b;
   int sign = pair->inside ? -1 : 1;
   int32_t by_a = sign * shift[a], by_b = sign * shift[b];
-  if (by_a <= sign * shift[l->pieces[a].next] ||
-      by_b <= sign * shift[l->pieces[b].previous])
+  if (by_a <= sign * shift[l->fragments[a].next] ||
+      by_b <= sign * shift[l->fragments[b].previous])
     return INFINITY;
   return hypot(epe_max(0, corner_distance(l, b, 0) - by_a),
                epe_max(0, corner_distance(l, a, 1) - by_b));
@@ -198,7 +200,7 @@ static double corner_gap(const epe_layer *l, const int32_t *shift,
 
 static int too_near(const epe_layer *l, const int32_t *shift,
                     const epe_pair *pair) {
-  const epe_piece *p = l->pieces;
+  const epe_fragment *p = l->fragments;
   double limit = pair->limit - slack;
   if (pair->corner) return corner_gap(l, shift, pair) < limit;
   if (epe_line(p, shift, pair->b) - epe_line(p, shift, pair->a) >= limit)
@@ -225,7 +227,7 @@ static void pair_check(void *data, size_t k) {
    that is less. Return whether the edge was too short. */
 static int edge_lengthen(epe_layer *l, const int32_t *shift, size_t e,
                          int hard) {
-  const epe_piece *p = l->pieces;
+  const epe_fragment *p = l->fragments;
   uint32_t first = l->edge[e], last = l->edge[e + 1] - 1;
   int way = (p[first].axis == EDA_X) == (p[first].sign > 0) ? 1 : -1;
   double begin = epe_begin(p, shift, first), end = epe_end(p, shift, last);
@@ -235,16 +237,16 @@ static int edge_lengthen(epe_layer *l, const int32_t *shift, size_t e,
   double missing = least - way * (end - begin);
   if (missing <= 0) return 0;
   if (hard) {
-    piece_keep_drawn(l, first);
-    piece_keep_drawn(l, last);
+    fragment_keep_drawn(l, first);
+    fragment_keep_drawn(l, last);
     return 1;
   }
   double from = epe_max(0, way * (begin - drawn_begin));
   double to = epe_max(0, way * (drawn_end - end));
   /* Each moves back by its part of the missing length. */
   double part = missing / (from + to);
-  piece_move_back(l, shift, p[first].previous, (int32_t)ceil(from * part));
-  piece_move_back(l, shift, p[last].next, (int32_t)ceil(to * part));
+  fragment_move_back(l, shift, p[first].previous, (int32_t)ceil(from * part));
+  fragment_move_back(l, shift, p[last].next, (int32_t)ceil(to * part));
   return 1;
 }
 
@@ -257,15 +259,15 @@ size_t epe_separate(epe_layer *l, const int32_t *shift, int hard) {
     const epe_pair *pair = &l->pairs[k];
     found++;
     if (hard) {
-      piece_keep_drawn(l, pair->a);
-      piece_keep_drawn(l, pair->b);
+      fragment_keep_drawn(l, pair->a);
+      fragment_keep_drawn(l, pair->b);
       continue;
     }
     if (pair->corner) {
       pair_separate(l, shift, pair, pair->limit - corner_gap(l, shift, pair));
       continue;
     }
-    gap g = gap_of(l->pieces, shift, pair->a, pair->b);
+    gap g = gap_of(l->fragments, shift, pair->a, pair->b);
     double limit = pair->limit;
     double needed =
         g.along > 0 ? sqrt(limit * limit - g.along * g.along) : limit;

@@ -54,7 +54,7 @@ static void make_fragments(epe_layer *l, const eda_box *boxes, int n,
    other. */
 static double wall_distance(const epe_layer *l, const int32_t *shift,
                             uint32_t i, uint32_t j) {
-  const epe_piece *p = l->pieces;
+  const epe_fragment *p = l->fragments;
   double i0 = epe_begin(p, shift, i), i1 = epe_end(p, shift, i);
   double j0 = epe_begin(p, shift, j), j1 = epe_end(p, shift, j);
   double past = fmax(fmin(i0, i1) - fmax(j0, j1), fmin(j0, j1) - fmax(i0, i1));
@@ -89,9 +89,9 @@ static void test_all(void) {
                                 : by_lot(-SHIFT, SHIFT);
       for (uint32_t i = 0; i < l.count; i++)
         for (uint32_t j = 0; j < l.count; j++) {
-          const epe_piece *p = &l.pieces[i], *q = &l.pieces[j];
+          const epe_fragment *p = &l.fragments[i], *q = &l.fragments[j];
           int32_t off =
-              epe_line(l.pieces, NULL, j) - epe_line(l.pieces, NULL, i);
+              epe_line(l.fragments, NULL, j) - epe_line(l.fragments, NULL, i);
           if (p->axis != q->axis || p->sign < 0 || q->sign > 0 || !off)
             continue;
           int inside = off < 0;
@@ -126,7 +126,7 @@ static void test_all(void) {
 static uint32_t middle_of(const epe_layer *l, uint32_t polygon, int axis,
                           int sign) {
   for (uint32_t i = l->start[polygon]; i < l->start[polygon + 1]; i++) {
-    const epe_piece *p = &l->pieces[i];
+    const epe_fragment *p = &l->fragments[i];
     int32_t a = epe_along(p, p->from), b = epe_along(p, p->to);
     if (p->axis == axis && p->sign == sign && MIN(a, b) <= 200 &&
         MAX(a, b) >= 200)
@@ -159,9 +159,9 @@ static void test_way(void) {
       g_autofree int32_t *shift = g_new0(int32_t, l.count);
       for (size_t i = 0; i < l.count; i++) l.low[i] = -SHIFT, l.high[i] = SHIFT;
       for (size_t i = 0; i < l.count; i++)
-        if (l.pieces[i].edge == l.pieces[a].edge)
+        if (l.fragments[i].edge == l.fragments[a].edge)
           shift[i] = cases[k].by[0];
-        else if (l.pieces[i].edge == l.pieces[b].edge)
+        else if (l.fragments[i].edge == l.fragments[b].edge)
           shift[i] = cases[k].by[1];
       int missing = SPACE - (60 - shift[a] - shift[b]) > 0;
       g_assert_cmpint(epe_separate(&l, shift, 0) > 0, ==, missing);

@@ -28,7 +28,7 @@ static void runs_begin(const epe_layer *l, size_t e, epe_run *runs) {
   double missing = 0, worth = l->rules->blur / tuned.jog_part;
   for (int32_t k = 0; k < n; k++) {
     uint32_t i = l->edge[e] + (uint32_t)k;
-    double length = epe_length(&l->pieces[i]);
+    double length = epe_length(&l->fragments[i]);
     runs[k] = (epe_run){i,      i + 1,     l->wanted[i] * length,
                         length, l->low[i], l->high[i],
                         0,      k - 1,     k + 1 < n ? k + 1 : -1};
@@ -81,7 +81,7 @@ static int32_t run_absorb(epe_run *runs, int32_t k, int32_t jog) {
 
 /* ---- least lengths ---- */
 
-static int run_is_convex(const epe_piece *p, const epe_piece *next) {
+static int run_is_convex(const epe_fragment *p, const epe_fragment *next) {
   return (p->sign * next->sign > 0) == (p->axis == EDA_X);
 }
 
@@ -89,7 +89,7 @@ static int run_is_convex(const epe_piece *p, const epe_piece *next) {
    bounded there, or continues, so that the space before the run is. */
 static int run_is_bounded_inside(const epe_layer *l, const epe_run *runs,
                                  const epe_run *r, int side) {
-  const epe_piece *p = l->pieces;
+  const epe_fragment *p = l->fragments;
   int32_t other = side ? r->after : r->before;
   if (other >= 0) return r->shift > runs[other].shift;
   uint32_t i = side ? r->end - 1 : r->first;
@@ -99,7 +99,7 @@ static int run_is_bounded_inside(const epe_layer *l, const epe_run *runs,
 
 static int run_too_short(const epe_layer *l, const epe_run *runs, int32_t k,
                          const int32_t *shift) {
-  const epe_piece *p = l->pieces;
+  const epe_fragment *p = l->fragments;
   const epe_run *r = &runs[k];
   if (r->before < 0 && r->after < 0) return 0;
   int before = run_is_bounded_inside(l, runs, r, 0),
@@ -221,7 +221,7 @@ void epe_settle(epe_layer *l, int32_t *shift) {
   memset(l->state, EPE_NARROWED, l->edges);
   for (size_t i = 0; i < l->count; i++) {
     l->high[i] = l->most[i];
-    l->low[i] = l->pieces[i].still ? 0 : -l->rules->max_shift;
+    l->low[i] = l->fragments[i].still ? 0 : -l->rules->max_shift;
     shift[i] = run_clamp(l->wanted[i], l->low[i], l->high[i]);
   }
   size_t bad = 1;

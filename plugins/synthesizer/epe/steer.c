@@ -68,9 +68,9 @@ static void coupling_multiply(const epe_layer *l, const epe_coupling *m,
 static double site_gain(const epe_layer *l, uint32_t i) {
   double along = 0, square = 0;
   uint32_t k = i;
-  for (int n = 0; n < tuned.neighbours; n++) k = l->pieces[k].previous;
+  for (int n = 0; n < tuned.neighbours; n++) k = l->fragments[k].previous;
   for (int n = -tuned.neighbours; n <= tuned.neighbours;
-       n++, k = l->pieces[k].next) {
+       n++, k = l->fragments[k].next) {
     double ds = l->work[IMAGE][k], de = l->error[k] - l->before[k];
     double weight = tuned.neighbours + 1 - (n < 0 ? -n : n);
     if (isnan(de)) continue;
@@ -121,7 +121,7 @@ static void moves_solve(epe_layer *l, double stiffness, const double *errors) {
 
 /* Return the next bound of a move: smaller after a change of sign of the error
    (overshoot), else larger. */
-static double piece_next_step(const epe_layer *l, uint32_t i, double most) {
+static double fragment_next_step(const epe_layer *l, uint32_t i, double most) {
   double e = l->error[i], before = l->before[i];
   double step = epe_min(l->step[i], most);
   if (e * before < 0 && fabs(e) > tuned.ignored)
@@ -134,7 +134,7 @@ void epe_steer(epe_layer *l, const epe_steering *by) {
   sites_measure_gains(l);
   for (uint32_t i = 0; i < l->count; i++) {
     double e = l->error[i];
-    l->step[i] = piece_next_step(l, i, by->step);
+    l->step[i] = fragment_next_step(l, i, by->step);
     /* No edge nearby: the feature does not print and has to grow, or it was too
        large before, has merged with another one, and has to shrink. */
     if (isnan(e)) e = by->step * (l->side[i] > 0 ? tuned.lost : -tuned.lost);

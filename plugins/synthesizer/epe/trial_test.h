@@ -123,13 +123,13 @@ static inline void trial_clear(trial *t) {
   g_free(t->epe);
 }
 
-static inline size_t piece_after(const trial *t, size_t i) {
+static inline size_t fragment_after(const trial *t, size_t i) {
   for (size_t p = 0; p < t->cuts.polygons; p++)
     if (i + 1 == t->cuts.start[p + 1]) return t->cuts.start[p];
   return i + 1;
 }
 
-static inline size_t piece_before(const trial *t, size_t i) {
+static inline size_t fragment_before(const trial *t, size_t i) {
   for (size_t p = 0; p < t->cuts.polygons; p++)
     if (i == t->cuts.start[p]) return t->cuts.start[p + 1] - 1;
   return i - 1;
@@ -153,9 +153,9 @@ static inline eda_shapes moved_of(const trial *t, const eda_gates *gates) {
   for (size_t p = 0; p < t->cuts.polygons; p++) {
     g_array_append_val(start, points->len);
     for (uint32_t i = t->cuts.start[p]; i < t->cuts.start[p + 1]; i++) {
-      size_t b = piece_before(t, i);
+      size_t b = fragment_before(t, i);
       eda_point c[3] = {t->cuts.from[b], t->cuts.from[i],
-                        t->cuts.from[piece_after(t, i)]};
+                        t->cuts.from[fragment_after(t, i)]};
       size_t who[2] = {b, i};
       eda_point to[2] = {c[1], c[1]};
       for (int k = 0; k < 2; k++) {

@@ -13,7 +13,7 @@
    most tuned.window_reach. */
 static double error_at(const epe_layer *l, uint32_t i, const eda_field *print,
                        double level) {
-  const epe_piece *p = &l->pieces[i];
+  const epe_fragment *p = &l->fragments[i];
   double look = tuned.window_step;
   double x = l->site[2 * i], y = l->site[2 * i + 1], before;
   eda_field_sample(print, &x, &y, 1, &before);

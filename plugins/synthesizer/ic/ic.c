@@ -218,9 +218,9 @@ static int ic_update(void *self, const eda_feedback *f, eda_moves *moves,
     measured m = transistor_measure(c, f, i);
     int32_t l = moves->l[i], w = moves->w[i];
     if (t->eff != m.eff && isfinite(t->eff)) *done = 0;
+    /* An open line is too thin: L increases. */
     if (!t->ended && isinf(m.eff) && isinf(t->eff))
-      transistor_correct(t, &m, LONGER, &moves->l[i], &moves->w[i]); /* an open
-                                                          line is too thin */
+      transistor_correct(t, &m, LONGER, &moves->l[i], &moves->w[i]);
     else if (!t->ended)
       (c->stall == FREEZE ? transistor_freeze : transistor_retry)(
           c, t, &m, &moves->l[i], &moves->w[i]);

@@ -126,7 +126,7 @@ static void test_goals_of_gates(void) {
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/newton/longer", test_longer);
-  g_test_add_func("/newton/wishes", test_goals);
-  g_test_add_func("/newton/wishes-of-gates", test_goals_of_gates);
+  g_test_add_func("/newton/goals", test_goals);
+  g_test_add_func("/newton/goals-of-gates", test_goals_of_gates);
   return g_test_run();
 }

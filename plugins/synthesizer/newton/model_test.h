@@ -36,7 +36,7 @@ typedef struct model {
   double open;  /* shorter printed lengths are open and have no figures; */
   double merge; /* longer ones are merged; 0: never */
   int32_t active_limit; /* largest move of an end of the active; beyond it the
-                   active merges; 0: never */
+                           active merges; 0: never */
   int ends_open;        /* 1: also open while a line end is too short */
   int regulated; /* 1: vetoes an open line from becoming shorter or narrower */
   uint32_t flags[MOST];

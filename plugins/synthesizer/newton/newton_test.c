@@ -62,7 +62,7 @@ static void test_near_resolution(void) {
 }
 
 /* Lines that are open or merged as drawn are recovered. */
-static void test_lost_as_drawn(void) {
+static void test_unprinted_as_drawn(void) {
   g_autoptr(opc_module) m = model_make("{ iterations: 20 }");
   model t = {.n = 2,
              .gain_l = 2,
@@ -78,7 +78,7 @@ static void test_lost_as_drawn(void) {
 
 /* A line that was open only because of its short line end keeps its length
    after the line end has grown. */
-static void test_open_by_its_end(void) {
+static void test_open_by_line_end(void) {
   g_autoptr(opc_module) m = model_make("{}");
   model t = {.n = 2,
              .gain_l = 2,
@@ -108,7 +108,7 @@ static void test_out_of_reach(void) {
 
 /* A transistor disturbed by a regulator shape or a neighbour after convergence
    is corrected again. */
-static void test_late(void) {
+static void test_disturbed(void) {
   g_autoptr(opc_module) m = model_make("{ ion_limit: 3 % }");
   model t = made_up(MOST);
   t.late = 6;
@@ -164,7 +164,7 @@ static void test_line_ends(void) {
 
 /* Without a jog, a step of L is 2.6 nm, 5.7 % of Ion; half of a step
    remains. */
-static void test_quantum(void) {
+static void test_rounding(void) {
   g_autoptr(opc_module) m = model_make("{ fine: none }");
   model t = made_up(MOST);
   model_run(m, &t);
@@ -231,7 +231,7 @@ static void test_width_goes_on(void) {
 
 /* W for Ioff makes the active merge with its neighbours: W reverts to a free
    width, and L corrects Ion there. */
-static void test_room(void) {
+static void test_active_merges(void) {
   g_autoptr(opc_module) m = make_any("{}");
   model t = made_up(40);
   for (size_t i = 0; i < t.n; i++) t.off_w[i] -= 15;
@@ -289,19 +289,19 @@ int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/newton/ion", test_ion);
   g_test_add_func("/newton/near-resolution", test_near_resolution);
-  g_test_add_func("/newton/lost-as-drawn", test_lost_as_drawn);
-  g_test_add_func("/newton/open-by-its-end", test_open_by_its_end);
+  g_test_add_func("/newton/unprinted-as-drawn", test_unprinted_as_drawn);
+  g_test_add_func("/newton/open-by-line-end", test_open_by_line_end);
   g_test_add_func("/newton/out-of-reach", test_out_of_reach);
   g_test_add_func("/newton/limit", test_limit);
-  g_test_add_func("/newton/late", test_late);
+  g_test_add_func("/newton/disturbed", test_disturbed);
   g_test_add_func("/newton/coarse", test_coarse);
   g_test_add_func("/newton/line-ends", test_line_ends);
-  g_test_add_func("/newton/quantum", test_quantum);
+  g_test_add_func("/newton/rounding", test_rounding);
   g_test_add_func("/newton/area", test_area);
   g_test_add_func("/newton/ioff", test_ioff);
   g_test_add_func("/newton/balanced", test_balanced);
   g_test_add_func("/newton/width_goes_on", test_width_goes_on);
-  g_test_add_func("/newton/room", test_room);
+  g_test_add_func("/newton/active-merges", test_active_merges);
   g_test_add_func("/newton/weights-of-plain", test_weights_of_plain);
   g_test_add_func("/newton/jog", test_jog);
   g_test_add_func("/newton/veto", test_veto);

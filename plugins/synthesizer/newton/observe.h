@@ -26,7 +26,7 @@ enum { PLAIN, BALANCED, FULL, TARGETS };
 typedef struct transistor {
   biases now;           /* mask measured last */
   int failed;           /* 1: that mask did not print; the following figures are
-                         those of the last mask that did */
+                           those of the last mask that did */
   biases valid;         /* last mask that printed */
   double x[MOVES];      /* moves of that mask in grid steps, the jog as a
                            fraction */
@@ -44,10 +44,10 @@ typedef struct transistor {
   response response, first; /* learnt and initial response */
   trust trust;              /* trust region of the next L */
   int32_t print_limit[2];   /* largest outward moves of the LOW and HIGH end of
-                        the width, grid steps; the gate did not print
-                        beyond */
+                               the width, grid steps; the gate did not print
+                               beyond */
   int32_t outward_limit[2]; /* the same, limited also to the region where the
-                          poly is not thin */
+                               poly is not thin */
   int32_t given;            /* grid steps of width that the ends lose in the
                                next mask */
   int32_t end[2];           /* line ends of the mask measured last */

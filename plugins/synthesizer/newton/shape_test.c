@@ -141,7 +141,7 @@ static void test_write(void) {
     }
   }
   /* A step of all parts equals a length of one more. */
-  memset(&s, 1, sizeof s);
+  for (int k = 0; k < EDA_PARTS; k++) s.by[k] = 1;
   g_assert_cmpfloat(fabs(shape_value(&p, &s) - 1), <, 1e-9);
 }
 

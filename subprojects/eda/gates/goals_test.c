@@ -106,9 +106,9 @@ static void test_table(void) {
 
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
-  g_test_add_func("/wishes/good-notes", test_good_notes);
-  g_test_add_func("/wishes/bad-notes", test_bad_notes);
-  g_test_add_func("/wishes/bounds", test_bounds);
-  g_test_add_func("/wishes/table", test_table);
+  g_test_add_func("/goals/good-notes", test_good_notes);
+  g_test_add_func("/goals/bad-notes", test_bad_notes);
+  g_test_add_func("/goals/bounds", test_bounds);
+  g_test_add_func("/goals/table", test_table);
   return g_test_run();
 }

@@ -10,9 +10,16 @@
 #include <stdint.h>
 #include <stdio.h>
 
+/* Enclose the declarations of a header, so that C++ can include the header. */
 #ifdef __cplusplus
-extern "C" {
+#define OPC_C_BEGIN extern "C" {
+#define OPC_C_END }
+#else
+#define OPC_C_BEGIN
+#define OPC_C_END
 #endif
+
+OPC_C_BEGIN
 
 #if defined(__GNUC__)
 #define OPC_EXPORT __attribute__((visibility("default")))
@@ -118,7 +125,5 @@ typedef struct opc_module {
   const char *id; /* id of the plugin: "litho.hopkins" */
 } opc_module;
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

@@ -8,9 +8,7 @@
 
 #include <eda/imaging.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 /* Placement rules for scatter bars, in grid steps. */
 typedef struct eda_bar_rule {
@@ -76,7 +74,5 @@ OPC_EXPORT size_t eda_bars_narrow(const opc_context *context,
                                   double grid, double margin, int32_t by,
                                   int32_t least, size_t *dropped);
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

@@ -18,9 +18,7 @@
 #include <eda/regulator.h>
 #include <eda/resist.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 /* Clear *error and call opc_enter for a call of the module. Return the value
    for opc_leave. */
@@ -98,7 +96,5 @@ OPC_EXPORT int eda_call_violations(const opc_context *context,
                                    eda_violation *violations, size_t most,
                                    size_t *count, opc_error *error);
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

@@ -9,9 +9,7 @@
 #include <eda/layout.h>
 #include <eda/segment.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 /* A transistor in its own coordinates: l along L and w along W, both from the
    low end of its box, or from the high end where `flip` is set. In these
@@ -104,7 +102,5 @@ OPC_EXPORT eda_box eda_chip_own(eda_box gate, uint8_t axis, uint8_t flip,
     .release = eda_chip_free                               \
   }
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

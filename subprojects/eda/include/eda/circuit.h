@@ -7,9 +7,7 @@
 #include <eda/gates.h>
 #include <eda/pool.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 /* Role of a port of the circuit. */
 enum {
@@ -67,7 +65,5 @@ OPC_EXPORT int eda_circuit_role(const eda_circuit *circuit, uint32_t net);
     .release = eda_circuit_free                                  \
   }
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

@@ -8,9 +8,7 @@
 
 #include <eda/devices.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 /* A column of a table. */
 typedef struct eda_csv_column {
@@ -57,7 +55,5 @@ OPC_EXPORT int eda_csv_number(const eda_csv *csv, size_t row, int column,
 OPC_EXPORT int eda_csv_type(const eda_csv *csv, size_t row, int column,
                             int *type, opc_error *error);
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

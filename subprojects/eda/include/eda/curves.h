@@ -20,9 +20,7 @@
 #include <eda/devices.h>
 #include <math.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 enum { EDA_ION = 0, EDA_IOFF = 1, EDA_CURRENTS = 2 };
 
@@ -119,7 +117,5 @@ OPC_EXPORT void eda_curves_narrow_quick(const eda_curves *curves, int type,
                                         const eda_curves_width *width,
                                         double current[EDA_CURRENTS]);
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

@@ -6,9 +6,7 @@
 
 #include <opcflow/base.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 enum { EDA_NMOS = 0, EDA_PMOS = 1 };
 
@@ -49,7 +47,5 @@ OPC_EXPORT void eda_devices_free(eda_devices *devices);
 OPC_EXPORT double eda_devices_cgate(const eda_devices *devices, int type,
                                     double length, double width);
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

@@ -9,9 +9,7 @@
 #include <cairo.h>
 #include <opcflow/base.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 /* ---- colours ---------------------------------------------------------- */
 
@@ -198,7 +196,5 @@ OPC_EXPORT void eda_chart_band(const eda_chart *chart, eda_colour colour,
 OPC_EXPORT void eda_chart_field(const eda_chart *chart, const eda_axis *of,
                                 const double *figure);
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

@@ -6,9 +6,7 @@
 
 #include <opcflow/base.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 typedef struct eda_experiment {
   size_t n_cases, n_methods;
@@ -39,7 +37,5 @@ OPC_EXPORT int eda_experiment_check(const void *experiment, opc_error *error);
     .release = eda_experiment_free                                     \
   }
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

@@ -6,9 +6,7 @@
 
 #include <eda/gates.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 /* The slices of `count` gates, `slices` each: slice s of gate i is at [i *
    slices + s]. Lengths in nm. Slices of a gate that did not print have length
@@ -75,7 +73,5 @@ typedef struct eda_extractor {
   OPC_MAY_GROW
 } eda_extractor;
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

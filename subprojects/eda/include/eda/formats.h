@@ -6,9 +6,7 @@
 
 #include <eda/gates.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 /* A layer of a numbered format (GDSII, OASIS). */
 typedef struct eda_layer_number {
@@ -46,7 +44,5 @@ OPC_EXPORT int eda_polygons_without_holes(const eda_shapes *shapes,
                                           const eda_polygon_taker *take,
                                           opc_error *error);
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

@@ -8,9 +8,7 @@
 #include <eda/geometry.h>
 #include <eda/imaging.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 /* The two layers that form transistors are always the first two, if there are
    transistors. All others are found by name. */
@@ -335,7 +333,5 @@ OPC_EXPORT int eda_mask_restore(const eda_gates *gates, const char *folder,
     .release = eda_mask_free                               \
   }
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

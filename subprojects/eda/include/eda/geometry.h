@@ -5,9 +5,7 @@
 
 #include <opcflow/base.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 /* A point with integer coordinates in some unit (database unit of a layout,
    grid of a mask). */
@@ -120,7 +118,5 @@ OPC_EXPORT int64_t eda_area2(const eda_shapes *shapes);
 /* Free the arrays, which come from eda_alloc, and clear the struct. */
 OPC_EXPORT void eda_shapes_clear(eda_shapes *shapes);
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

@@ -5,9 +5,7 @@
 
 #include <eda/gates.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 /* Parse a note into *out: words with blanks or commas between them, weight=...,
    ion=..., ioff=..., area=.... Words with a dot in their name are left to other
@@ -26,7 +24,5 @@ OPC_EXPORT const char *eda_goal_fault(const eda_goal *goal);
 OPC_EXPORT int eda_goals_read(const char *path, const eda_gates *gates,
                               eda_goal *out, opc_error *error);
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

@@ -9,9 +9,7 @@
 
 #include <eda/geometry.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 /* The period: lower left corner and side lengths, nm. */
 typedef struct eda_frame {
@@ -205,7 +203,5 @@ OPC_EXPORT double eda_field_edge(const eda_field *field, int axis, double x,
 OPC_EXPORT double eda_field_epe(const eda_field *field, int axis, int out,
                                 double x, double y, double reach);
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

@@ -16,9 +16,7 @@
 
 #include <eda/geometry.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 typedef struct eda_index eda_index;
 
@@ -52,7 +50,5 @@ OPC_EXPORT eda_finder eda_index_find(const eda_index *index, eda_box window);
    cell size and the window. [any] */
 OPC_EXPORT int eda_index_next(eda_finder *finder, uint32_t *number);
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

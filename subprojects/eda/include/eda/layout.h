@@ -6,9 +6,7 @@
 
 #include <eda/geometry.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 typedef struct eda_layout eda_layout;
 
@@ -192,7 +190,5 @@ OPC_EXPORT int eda_layout_check(const void *layout, opc_error *error);
     .release = eda_layout_free                                 \
   }
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

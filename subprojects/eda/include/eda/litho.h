@@ -6,9 +6,7 @@
 #include <eda/imaging.h>
 #include <eda/natural.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 typedef struct eda_litho {
   /* Prepare once, before any image, for example compute kernels. [main] */
@@ -68,7 +66,5 @@ OPC_EXPORT int eda_litho_spectrum(const opc_context *context,
                                   eda_frame frame, eda_spectrum *out,
                                   opc_error *error);
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

@@ -5,9 +5,7 @@
 
 #include <opcflow/base.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 /* Return zeroed memory of count * size bytes, never NULL, also for none; free
    with free(). Running out of memory aborts the program, as in GLib, because a
@@ -32,7 +30,5 @@ OPC_UNUSED static inline void eda_grow(void *array, size_t *room, size_t need,
   (eda_grow(&(array), &(room), (count) + 1, sizeof *(array)), \
    (void)((array)[(count)++] = __VA_ARGS__))
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

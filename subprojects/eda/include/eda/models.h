@@ -7,9 +7,7 @@
 
 #include <opcflow/base.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 typedef struct eda_models eda_models;
 
@@ -53,7 +51,5 @@ OPC_EXPORT int eda_models_bins(const eda_models *models, const char *name,
 OPC_EXPORT char *eda_models_cut(const eda_models *models, const char *name,
                                 const eda_sizes *sizes, int extend);
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

@@ -8,9 +8,7 @@
 
 #include <opcflow/base.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 /* Wavelength in vacuum, nm, and numerical aperture; 0, 0: unknown. */
 typedef struct eda_scanner {
@@ -46,7 +44,5 @@ OPC_EXPORT void eda_natural_text(eda_scanner scanner, char *out, size_t size);
                whence);                                                    \
   } while (0)
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

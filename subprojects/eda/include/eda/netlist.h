@@ -8,9 +8,7 @@
 #include <eda/circuit.h>
 #include <eda/pool.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 /* ---- as it is written: subcircuits of elements ------------------------- */
 
@@ -184,7 +182,5 @@ typedef struct eda_annotated {
 OPC_EXPORT char *eda_annotate(const eda_annotation *a, eda_annotated *counts,
                               opc_error *error);
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

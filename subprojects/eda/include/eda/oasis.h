@@ -5,9 +5,7 @@
 
 #include <eda/formats.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 #define EDA_OASIS_MAGIC "%SEMI-OASIS\r\n"
 
@@ -111,7 +109,5 @@ OPC_EXPORT void eda_oasis_polygon(eda_oasis *out, eda_layer_number layer,
 /* Write the collected shapes. Call before any other record of the cell. */
 OPC_EXPORT void eda_oasis_end_shapes(eda_oasis *out);
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

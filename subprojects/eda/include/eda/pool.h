@@ -7,9 +7,7 @@
 
 #include <eda/memory.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 /* A pool; all zeros is empty. */
 typedef struct eda_pool {
@@ -50,7 +48,5 @@ OPC_EXPORT int eda_same_name(const char *a, const char *b);
    the name. */
 OPC_EXPORT int eda_in_list(const char *list, const char *name);
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

@@ -6,9 +6,7 @@
 
 #include <eda/check.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 /* ---- printing --------------------------------------------------------- */
 
@@ -184,7 +182,5 @@ static inline double eda_deviation(double a, double b) {
   return 100 * (a - b) / b;
 }
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

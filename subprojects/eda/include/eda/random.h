@@ -6,9 +6,7 @@
 
 #include <opcflow/base.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 #define EDA_RANDOM_STEP 0x9e3779b97f4a7c15u /* the golden ratio times 2^64 */
 
@@ -29,7 +27,5 @@ OPC_UNUSED static inline double eda_random_unit(uint64_t *state) {
   return (double)(eda_random_draw(state) >> 11) / 9007199254740992.0;
 }
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

@@ -5,9 +5,7 @@
 
 #include <eda/synthesizer.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 /* Input of a regulator. */
 typedef struct eda_printed {
@@ -63,7 +61,5 @@ typedef struct eda_regulator {
   OPC_MAY_GROW
 } eda_regulator;
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

@@ -6,9 +6,7 @@
 #include <eda/gates.h>
 #include <eda/litho.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 typedef struct eda_resist {
   /* Prepare once, before any print: calibrate each layer against the litho
@@ -26,7 +24,5 @@ typedef struct eda_resist {
   OPC_MAY_GROW
 } eda_resist;
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

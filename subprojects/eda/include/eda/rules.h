@@ -5,9 +5,7 @@
 
 #include <eda/geometry.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 enum {
   /* Space between edges that face each other, also within a polygon (notches),
@@ -41,7 +39,5 @@ OPC_EXPORT size_t eda_rules_check(const eda_shapes *shapes, double grid,
 /* "space", "width", "edge", "jog". [any] */
 OPC_EXPORT const char *eda_rule_name(int rule);
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

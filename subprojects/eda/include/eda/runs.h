@@ -7,9 +7,7 @@
 
 #include <opcflow/base.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 /* ---- tables ----------------------------------------------------------- */
 
@@ -183,7 +181,5 @@ OPC_EXPORT const eda_run_case *eda_run_cases_all(const eda_run_cases *cases,
 /* Return the table with its metrics, owned by the cases. */
 OPC_EXPORT eda_table *eda_run_cases_table(eda_run_cases *cases);
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

@@ -7,9 +7,7 @@
 #include <eda/gates.h>
 #include <eda/layout.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 /* nm. Shapes further than this from a transistor do not influence it: its free
    space and its edges of active end there. The value was chosen for 193 nm,
@@ -147,7 +145,5 @@ OPC_EXPORT double eda_segment_bytes(const eda_layout *layout, int32_t top,
     .flavour_count = (self)->flavours.count                                \
   }
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

@@ -6,9 +6,7 @@
 
 #include <opcflow/base.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 /* A varied parameter. */
 typedef struct eda_setting {
@@ -54,7 +52,5 @@ OPC_EXPORT int eda_settings_check(const void *settings, opc_error *error);
     .release = eda_settings_free                                   \
   }
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

@@ -5,9 +5,7 @@
 
 #include <opcflow/base.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 /* A vector of a finished analysis. */
 typedef struct eda_spice_vector {
@@ -63,7 +61,5 @@ OPC_EXPORT const eda_spice_vector *eda_spice_vector_find(
    '-'. [any] */
 OPC_EXPORT int eda_spice_is_name(const char *text);
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

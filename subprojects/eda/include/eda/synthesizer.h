@@ -7,9 +7,7 @@
 #include <eda/gates.h>
 #include <eda/natural.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 /* Moves that the regulator forbids to a gate, as flags. */
 enum {
@@ -153,7 +151,5 @@ typedef struct eda_synthesizer {
   OPC_MAY_GROW
 } eda_synthesizer;
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

@@ -10,9 +10,7 @@
 #include <eda/pool.h>
 #include <stdio.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 /* Sizes of a printed transistor (thesis eq. 3.11 to 3.14): the length and width
    effective for the current, the length effective for the capacitance. A change
@@ -188,7 +186,5 @@ OPC_EXPORT void eda_timing_ramp_write(FILE *out, const eda_timing *timing,
     .release = eda_timing_free                                 \
   }
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

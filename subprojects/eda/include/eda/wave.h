@@ -7,9 +7,7 @@
 
 #include <opcflow/base.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 /* Turn n voltages into heights. [any] */
 OPC_EXPORT void eda_wave_heights(const double *v, size_t n, double supply,
@@ -41,7 +39,5 @@ OPC_EXPORT double eda_wave_time(const double *t, const double *h, size_t i,
 OPC_EXPORT double eda_wave_smooth_time(const double *t, const double *h,
                                        size_t n, size_t i, double level);
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif

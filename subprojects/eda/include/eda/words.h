@@ -5,16 +5,12 @@
 
 #include <opcflow/base.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+OPC_C_BEGIN
 
 /* Return the first nearest of `known`, which ends with NULL; NULL if none is
    near. Near: at most a third of the letters of the word, but at least one, are
    added, dropped or changed. Known words are cut at 64 bytes. [any] */
 OPC_EXPORT const char *eda_nearest(const char *word, const char *const *known);
 
-#ifdef __cplusplus
-}
-#endif
+OPC_C_END
 #endif
