@@ -486,7 +486,7 @@ static void test_refused(void) {
   refused("{ " PAIR("first", 0.3) ", layer: active }", &w, &l, OPC_INVALID,
           "there is no active");
   refused("{ " PAIR("first", 0.3) ", window: [5 um, 0 nm, 6 um, 1 um] }", &w,
-          &l, OPC_INVALID, "lies beside the layout");
+          &l, OPC_INVALID, "is outside of the layout");
   void *none[1];
   g_autoptr(opc_module) m =
       opc_test_module("draw.image", "{ " PAIR("first", 0.3) " }", &error);
