@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* For benchmarks: figures, each with the one to reach. One program, one
    thread. */
-#ifndef OPCFLOW_BENCH_H
-#define OPCFLOW_BENCH_H
+#pragma once
 
 #include <stddef.h>
 
@@ -21,5 +20,3 @@ int bench_write(const char *name);
 
 /* Sorts the values. */
 double bench_median(double *values, size_t n);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Fuzzers: one program a parser. Each defines LLVMFuzzerTestOneInput, and is
    linked with libFuzzer (meson -Dfuzz=true, clang) or with replay.c. */
-#ifndef OPCFLOW_FUZZ_H
-#define OPCFLOW_FUZZ_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -12,5 +11,3 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 /* The path of a file in memory with this content; the same one each time. */
 const char *fuzz_file(const uint8_t *data, size_t size);
 const char *fuzz_second_file(const uint8_t *data, size_t size);
-
-#endif

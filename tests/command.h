@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The opcflow command as tests call it, in a folder of their own. */
-#ifndef OPCFLOW_TESTS_COMMAND_H
-#define OPCFLOW_TESTS_COMMAND_H
+#pragma once
 
 #include <gio/gio.h>
 #include <glib/gstdio.h>
@@ -105,5 +104,3 @@ static inline int run_all(void) {
   g_free(err);
   return failed;
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Paths of the source tree and of the test data, which are not part of it. */
-#ifndef OPCFLOW_TESTS_DATA_H
-#define OPCFLOW_TESTS_DATA_H
+#pragma once
 
 #include <glib.h>
 
@@ -30,5 +29,3 @@ static inline char *find_data(const char *name) {
   g_free(path);
   return NULL;
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Whole flows through the command, as a user runs them; what they wrote. */
-#ifndef OPCFLOW_TESTS_FLOW_H
-#define OPCFLOW_TESTS_FLOW_H
+#pragma once
 
 #include <glib.h>
 #include <glib/gstdio.h>
@@ -110,5 +109,3 @@ static inline int run_flows(void) {
   g_free(folder);
   return code;
 }
-
-#endif

@@ -335,8 +335,7 @@ static void test_timing(void) {
     g_autofree char *out = place(runs[i]);
     g_assert_cmpint(
         opcflow(NULL, "run", flow, "--output", out, "--threads", threads[i],
-                "--no-cache", "--set", "cells.kept=none", "--set", set, "--set",
-                "paths.spice=12", NULL),
+                "--no-cache", "--set", set, "--set", "paths.spice=12", NULL),
         ==, 0);
   }
   const char *files[] = {"cells.lib", "circuit.printed.sdf", "paths.csv",
@@ -356,8 +355,7 @@ static void test_timing(void) {
 static void test_slack(void) {
   if (!have("timing.characterize")) return;
   g_autofree char *flow = source_path("flows/slack.yaml");
-  g_autofree char *out = place("slack"), *cells = place("slack-cells");
-  g_autofree char *kept = g_strdup_printf("cells.kept=%s", cells);
+  g_autofree char *out = place("slack");
   g_assert_cmpint(
       opcflow(NULL, "run", flow, "--variant", "balanced", "--variant",
               "without-balanced", "--output", out, NULL),
@@ -385,10 +383,9 @@ static void test_timing_compare(void) {
   if (!have("timing.characterize")) return;
   g_autofree char *flow = source_path("flows/timing-compare.yaml"),
                   *out = place("timings");
-  g_assert_cmpint(
-      opcflow(NULL, "run", flow, "--output", out, "--set",
-              "compare.methods=[plain, dpb]", "--set", "cells.kept=none", NULL),
-      ==, 0);
+  g_assert_cmpint(opcflow(NULL, "run", flow, "--output", out, "--set",
+                          "compare.methods=[plain, dpb]", NULL),
+                  ==, 0);
   g_assert_cmpfloat(metric("timings", "paths", "mean"), <, 0.1);
   g_autofree char *path = g_build_filename(out, "paths.csv", NULL);
   opc_error error;

@@ -2,8 +2,7 @@
 /* For unit tests of steps that run a flow inside of them: a flow whose metrics
    and tables a function of the test computes (opcflow/inner.h). The step's
    code is linked into the test. */
-#ifndef OPCFLOW_TESTS_INNER_H
-#define OPCFLOW_TESTS_INNER_H
+#pragma once
 
 #include <opcflow/inner.h>
 #include <opcflow/step.h>
@@ -175,5 +174,3 @@ static inline void inner_tell(const char *path, const opc_metric *metric,
 
 /* What plugin's code is linked. */
 const opc_plugin *opcflow_plugin(void);
-
-#endif

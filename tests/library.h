@@ -2,8 +2,7 @@
 /* For the unit tests of library.* and command.library: two cells of a
    transistor each, drawn by hand in nm, and the steps that make a library of
    them. */
-#ifndef OPCFLOW_TESTS_LIBRARY_H
-#define OPCFLOW_TESTS_LIBRARY_H
+#pragma once
 
 #include <eda/gates.h>
 #include <eda/layout.h>
@@ -131,5 +130,3 @@ static inline int build_library(ran *r, eda_layout *sheet, void *gates,
                   (const char *const[]){"sheet", "gates", NULL},
                   (void *[]){sheet, gates}, error);
 }
-
-#endif

@@ -193,8 +193,8 @@ static void test_optics(void) {
     const char *set, *why;
   } odd[] = {
       {"mask.litho.na=1e-3",
-       "wavelength / na, which an image's lengths go "
-       "with, is 193 um, not 12 nm to 4 um"},
+       "wavelength / na, the unit of an image's lengths, "
+       "is 193 um, expected 12 nm to 4 um"},
       {"mask.litho.wavelength=193~um", "is 257 um"},
       {"mask.litho.wavelength=1~nm", "is 0.00133 um"},
       {"mask.litho.zernike=[0,~1e9]", "term 2 is 1e+09 waves, more than 10"}};

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Run folders made by hand, so that a test knows what is in them; the data of
    pages that are made of them. */
-#ifndef OPCFLOW_TESTS_RUN_FOLDER_H
-#define OPCFLOW_TESTS_RUN_FOLDER_H
+#pragma once
 
 #include <glib.h>
 #include <json-glib/json-glib.h>
@@ -88,5 +87,3 @@ static inline char *read_page(const char *path, JsonNode **root) {
   g_assert_null(strchr(text, '<')); /* no text of it ends the element */
   return page;
 }
-
-#endif

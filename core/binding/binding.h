@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A plugin with its parameters: from a map in a flow to checked values, and on
    to an instance, with the plugins in its slots. */
-#ifndef OPCFLOW_CORE_BINDING_H
-#define OPCFLOW_CORE_BINDING_H
+#pragma once
 
 #include <opcflow/inner.h>
 
@@ -105,5 +104,3 @@ void opc_binding_set(opc_binding *binding, size_t parameter,
 
 /* Add a binding and all in its slots to `list`, slots first. */
 void opc_binding_list(const opc_binding *binding, GPtrArray *list);
-
-#endif

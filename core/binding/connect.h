@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the steps of a flow need of each other. */
-#ifndef OPCFLOW_CORE_CONNECT_H
-#define OPCFLOW_CORE_CONNECT_H
+#pragma once
 
 #include "core/binding/flow.h"
 
@@ -13,5 +12,3 @@ void opc_flow_connect(opc_flow *flow, opc_problems *problems);
    not given (g_free); all by their numbers. */
 gboolean *opc_flow_needed(const opc_flow *flow, const gboolean *wanted,
                           const gboolean *given);
-
-#endif

@@ -2,8 +2,7 @@
 /* An axis of layers: from what a step says of its inner flow (variants, maps
    with lists, patterns and files; docs/reference/flow.md) to one layer after
    another. */
-#ifndef OPCFLOW_CORE_EXPAND_H
-#define OPCFLOW_CORE_EXPAND_H
+#pragma once
 
 #include "core/binding/flow.h"
 
@@ -13,5 +12,3 @@
 void opc_expand(opc_sweep *sweep, const char *name, const opc_node *node,
                 opc_recipe *recipe, const opc_choice *choice,
                 opc_registry *registry, opc_problems *problems);
-
-#endif

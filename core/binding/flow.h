@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A flow: steps with their plugins and parameters, and what each needs of the
    others. docs/reference/flow.md tells the file. */
-#ifndef OPCFLOW_CORE_FLOW_H
-#define OPCFLOW_CORE_FLOW_H
+#pragma once
 
 #include "core/binding/binding.h"
 #include "core/binding/sweep.h"
@@ -87,5 +86,3 @@ void opc_flow_check(const opc_recipe *recipe, const opc_choice *choice,
 gboolean opc_flow_create(const opc_flow *flow, const gboolean *left_out,
                          const opc_watch *watch, const opc_host *like,
                          opc_problems *problems);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The flow that a step runs inside of it (opcflow/inner.h): read and checked
    with the flow of the step. */
-#ifndef OPCFLOW_CORE_INNER_H
-#define OPCFLOW_CORE_INNER_H
+#pragma once
 
 #include <opcflow/inner.h>
 
@@ -62,5 +61,3 @@ const char *opc_inner_find_output(const opc_host *host, const char *name,
 
 /* Return the number of the port of that kind, -1 if there is none. */
 int opc_inner_port(const opc_plugin *plugin, const char *kind);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Steps, plugins, parameters and metrics of a flow by their paths. */
-#ifndef OPCFLOW_CORE_LOOKUP_H
-#define OPCFLOW_CORE_LOOKUP_H
+#pragma once
 
 #include "core/binding/flow.h"
 
@@ -29,5 +28,3 @@ const opc_binding *opc_flow_binding(const opc_flow *flow, const char *path,
 const opc_metric *opc_flow_metric(const opc_flow *flow, const char *path,
                                   const opc_binding **binding,
                                   opc_error *error);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Files that the steps of a flow and the run itself write. */
-#ifndef OPCFLOW_CORE_OUTPUTS_H
-#define OPCFLOW_CORE_OUTPUTS_H
+#pragma once
 
 #include "core/binding/flow.h"
 
@@ -13,5 +12,3 @@ GHashTable *opc_flow_outputs(const opc_flow *flow, opc_problems *problems);
 /* The files that a run itself writes. */
 enum { OPC_RESERVED = 4 };
 extern const char *const opc_reserved[OPC_RESERVED];
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A flow file with those it extends, read and laid over each other: the steps
    as text, the variants and what to sweep, not yet a flow. */
-#ifndef OPCFLOW_CORE_RECIPE_H
-#define OPCFLOW_CORE_RECIPE_H
+#pragma once
 
 #include <base/node.h>
 
@@ -28,5 +27,3 @@ G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_recipe, opc_recipe_free)
    suggestion, at `at` (NULL: of the file). */
 gboolean opc_recipe_has(const opc_recipe *recipe, const char *variant,
                         const opc_place *at, opc_problems *problems);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A flow as a file, with all its parameters. */
-#ifndef OPCFLOW_CORE_RESOLVE_H
-#define OPCFLOW_CORE_RESOLVE_H
+#pragma once
 
 #include "core/binding/flow.h"
 
@@ -9,5 +8,3 @@
    as a flow file that may lie in any folder; behind it the sweep (NULL: none)
    whose first point it is. */
 char *opc_flow_resolved(const opc_flow *flow, const opc_sweep *sweep);
-
-#endif

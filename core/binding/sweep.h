@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The grid of a sweep: each parameter over its values, all combinations. */
-#ifndef OPCFLOW_CORE_SWEEP_H
-#define OPCFLOW_CORE_SWEEP_H
+#pragma once
 
 #include <opcflow/inner.h>
 
@@ -66,5 +65,3 @@ guint opc_sweep_index(const opc_sweep *sweep, guint a, size_t point);
 /* A point that has the value `value` of axis `a` and the first ones of the
    others. */
 size_t opc_sweep_point(const opc_sweep *sweep, guint a, guint value);
-
-#endif

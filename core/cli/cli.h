@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The opcflow command: what its verbs share. docs/reference/command.md tells
  * its use. */
-#ifndef OPCFLOW_CORE_CLI_H
-#define OPCFLOW_CORE_CLI_H
+#pragma once
 
 #include <base/cli.h>
 #include <base/problem.h>
@@ -179,5 +178,3 @@ void cli_add_texts(JsonObject *object, const char *name,
 /* CLI_GOOD, or CLI_IO and a message if standard output could not take it all.
  */
 int cli_finish(int code);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The line on a terminal that tells how far a run is. */
-#ifndef OPCFLOW_CORE_PROGRESS_H
-#define OPCFLOW_CORE_PROGRESS_H
+#pragma once
 
 #include <glib.h>
 
@@ -29,5 +28,3 @@ void cli_progress_step(void *data, const char *name, size_t number,
 void cli_progress_point(void *data, size_t number, size_t count);
 void cli_progress_show(void *data, const char *path,
                        const opc_progress *progress);
-
-#endif

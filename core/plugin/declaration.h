@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What a plugin's descriptor says, and whether it is sound. */
-#ifndef OPCFLOW_CORE_DECLARATION_H
-#define OPCFLOW_CORE_DECLARATION_H
+#pragma once
 
 #include <glib.h>
 #include <opcflow/choices.h>
@@ -48,5 +47,3 @@ opc_plugin *opc_plugin_copy(const opc_plugin *theirs, char **fault);
 /* Return why the host cannot work with a descriptor (g_free), NULL if it can.
    `id` is what its file name says. kind.h looks at the functions. */
 char *opc_plugin_fault(const opc_plugin *plugin, const char *id);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The host table that plugins call back through. */
-#ifndef OPCFLOW_CORE_HOST_H
-#define OPCFLOW_CORE_HOST_H
+#pragma once
 
 #include <opcflow/opcflow.h>
 
@@ -33,5 +32,3 @@ void opc_host_free(opc_host *host);
    processors. Before the first parallel call. */
 void opc_set_threads(unsigned n);
 unsigned opc_threads(void);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Kinds of plugins: three are the kernel's, the others are found as plugins
    "kind.NAME". */
-#ifndef OPCFLOW_CORE_KIND_H
-#define OPCFLOW_CORE_KIND_H
+#pragma once
 
 #include "core/plugin/registry.h"
 
@@ -21,5 +20,3 @@ char *opc_functions_adopt(opc_registry *registry, opc_plugin *plugin);
 
 /* The names of all kinds there are, sorted (char *, freed with the array). */
 GPtrArray *opc_kind_names(const opc_registry *registry);
-
-#endif

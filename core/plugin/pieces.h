@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Pieces of a step's work: one, or all of them, in this process. */
-#ifndef OPCFLOW_CORE_PIECES_H
-#define OPCFLOW_CORE_PIECES_H
+#pragma once
 
 #include <glib.h>
 #include <opcflow/pieces.h>
@@ -22,5 +21,3 @@ opc_pieces opc_pieces_copy(const opc_pieces *theirs, size_t size);
 
 /* The service where nothing is kept and nobody shares. */
 extern const opc_pieces_service opc_pieces_alone;
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Where plugins are found and how they are loaded. The plugin ID is the file
    ID.so in one of the folders; the first one wins. */
-#ifndef OPCFLOW_CORE_REGISTRY_H
-#define OPCFLOW_CORE_REGISTRY_H
+#pragma once
 
 #include <glib.h>
 #include <opcflow/opcflow.h>
@@ -66,5 +65,3 @@ const opc_plugin *opc_plugin_load(opc_registry *registry, const char *path,
 /* opc_plugin_load in a child process, into the candidate's last fields. */
 void opc_candidate_try(opc_registry *registry, opc_candidate *candidate,
                        double seconds);
-
-#endif

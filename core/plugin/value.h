@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* From a text in a flow to the value a plugin declared, and on to its field. */
-#ifndef OPCFLOW_CORE_VALUE_H
-#define OPCFLOW_CORE_VALUE_H
+#pragma once
 
 #include <base/node.h>
 #include <opcflow/plugin.h>
@@ -59,5 +58,3 @@ char *opc_bounds_text(const opc_parameter *parameter);
 
 /* opc_number_text with the unit of a parameter behind. */
 char *opc_quantity_text(const opc_parameter *parameter, double number);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tables and metrics as JSON. */
-#ifndef OPCFLOW_CORE_JSON_H
-#define OPCFLOW_CORE_JSON_H
+#pragma once
 
 #include <store/json.h>
 
@@ -9,5 +8,3 @@
 
 JsonNode *opc_metric_json(const opc_metric *metric, double value);
 JsonNode *opc_table_json(const opc_table *table);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What a run measured against what its flow requires. */
-#ifndef OPCFLOW_CORE_JUDGE_H
-#define OPCFLOW_CORE_JUDGE_H
+#pragma once
 
 #include "core/binding/flow.h"
 
@@ -32,5 +31,3 @@ void opc_verdicts_take(GPtrArray *verdicts, const GPtrArray *from, size_t point,
 
 /* Add a problem for each requirement that was not kept. */
 void opc_verdicts_add_broken(const GPtrArray *verdicts, opc_problems *problems);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What came of a run, and its reports as JSON. */
-#ifndef OPCFLOW_CORE_OUTCOME_H
-#define OPCFLOW_CORE_OUTCOME_H
+#pragma once
 
 #include <base/findings.h>
 #include <json-glib/json-glib.h>
@@ -55,5 +54,3 @@ typedef struct opc_manifest {
 } opc_manifest;
 
 JsonNode *opc_manifest_json(const opc_manifest *manifest);
-
-#endif

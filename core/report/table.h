@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tables that plugins publish: kept, written as CSV, shown. */
-#ifndef OPCFLOW_CORE_TABLE_H
-#define OPCFLOW_CORE_TABLE_H
+#pragma once
 
 #include <glib.h>
 #include <opcflow/plugin.h>
@@ -43,5 +42,3 @@ char *opc_table_text(const opc_table *table, size_t width);
 
 /* As a table in Markdown. */
 char *opc_table_markdown(const opc_table *table);
-
-#endif

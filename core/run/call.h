@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Calls of a step's functions. */
-#ifndef OPCFLOW_CORE_CALL_H
-#define OPCFLOW_CORE_CALL_H
+#pragma once
 
 #include "core/run/run.h"
 
@@ -24,5 +23,3 @@ int opc_call_run(opc_run *run, const opc_flow_step *step, opc_error *error);
 /* The same after its forecast; FALSE and a problem if it fails. */
 gboolean opc_call_step(opc_run *run, const opc_flow_step *step,
                        opc_problems *problems);
-
-#endif

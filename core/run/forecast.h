@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the steps of a flow will need. */
-#ifndef OPCFLOW_CORE_FORECAST_H
-#define OPCFLOW_CORE_FORECAST_H
+#pragma once
 
 #include "core/run/run.h"
 
@@ -19,5 +18,3 @@ void opc_run_forecast(const opc_recipe *recipe, const opc_choice *choice,
 
 /* "work, 1.2 GB" (g_free) */
 char *opc_forecast_text(const opc_forecast *forecast);
-
-#endif

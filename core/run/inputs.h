@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Sums of the files that a run reads. */
-#ifndef OPCFLOW_CORE_INPUTS_H
-#define OPCFLOW_CORE_INPUTS_H
+#pragma once
 
 #include "core/run/run.h"
 
@@ -12,5 +11,3 @@ gboolean opc_inputs_sum(opc_run *run, const opc_flow *flow,
 
 /* List the files of the run's flow; another run has their sums. */
 void opc_inputs_take(opc_run *run, const opc_run *from, opc_problems *problems);
-
-#endif

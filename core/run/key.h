@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What a step's result depends on, and the key that is made of it. */
-#ifndef OPCFLOW_CORE_KEY_H
-#define OPCFLOW_CORE_KEY_H
+#pragma once
 
 #include <store/facts.h>
 #include "core/binding/flow.h"
@@ -42,5 +41,3 @@ char *opc_binding_key(const opc_binding *binding, opc_store *store,
    "mask.limit changed from 1 % to 2 %" (g_free). */
 char *opc_key_difference(const void *step, char about, const char *path,
                          const char *before, const char *now);
-
-#endif

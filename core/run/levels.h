@@ -2,8 +2,7 @@
 /* Runs of a flow at points of a sweep, on levels: the steps that no axis
    touches run once (level 0, the trunk), those whose last axis is axis i once
    for each of its values (level i + 1), the others at each point. */
-#ifndef OPCFLOW_CORE_LEVELS_H
-#define OPCFLOW_CORE_LEVELS_H
+#pragma once
 
 #include "core/run/run.h"
 
@@ -48,5 +47,3 @@ char *opc_levels_folder(const opc_levels *levels, unsigned level);
    remove the folder. */
 void opc_levels_close(const opc_run *run, gboolean keep,
                       opc_problems *problems);
-
-#endif

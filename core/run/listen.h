@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the instances of a run say. */
-#ifndef OPCFLOW_CORE_LISTEN_H
-#define OPCFLOW_CORE_LISTEN_H
+#pragma once
 
 #include "core/run/run.h"
 
@@ -22,5 +21,3 @@ GPtrArray *opc_listen_piece_end(opc_run *run);
 
 /* Take the findings of another run. */
 void opc_listen_take(opc_run *run, const opc_run *from);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Pieces of a step's work in a run. */
-#ifndef OPCFLOW_CORE_RUN_PIECES_H
-#define OPCFLOW_CORE_RUN_PIECES_H
+#pragma once
 
 #include <opcflow/pieces.h>
 
@@ -18,5 +17,3 @@ gboolean opc_ranks_agree(const ranks_group *ranks, const char *what,
 
 /* Drop the pieces of the step at work from the store: its result is kept. */
 void opc_pieces_drop(opc_run *run);
-
-#endif

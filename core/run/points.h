@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Runs a flow at the points of a sweep: steps that no axis touches run once, in
    the trunk, the others at each point. */
-#ifndef OPCFLOW_CORE_POINTS_H
-#define OPCFLOW_CORE_POINTS_H
+#pragma once
 
 #include "core/run/levels.h"
 
@@ -21,5 +20,3 @@ void opc_points_begin(opc_points *points, opc_run *trunk,
 /* Run all points, the trunk's steps having run. */
 void opc_points_run(opc_points *points, opc_problems *problems);
 void opc_points_clear(opc_points *points);
-
-#endif

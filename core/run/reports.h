@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The files that a run itself writes into its folder. */
-#ifndef OPCFLOW_CORE_REPORTS_H
-#define OPCFLOW_CORE_REPORTS_H
+#pragma once
 
 #include "core/run/run.h"
 
@@ -19,5 +18,3 @@ gboolean opc_reports_write_file(const opc_run *run, const char *name,
    written after them. FALSE and problems. */
 gboolean opc_reports_write(const opc_run *run, gboolean last,
                            opc_problems *problems);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What a step did beside its outputs, as a value of the store. */
-#ifndef OPCFLOW_CORE_RESULT_H
-#define OPCFLOW_CORE_RESULT_H
+#pragma once
 
 #include "core/run/run.h"
 
@@ -21,5 +20,3 @@ int opc_result_publish(opc_run *run, const opc_flow_step *step,
 gboolean opc_said_pack(GVariantBuilder *all, const GPtrArray *said,
                        const opc_flow_step *step);
 void opc_said_again(opc_run *run, const opc_flow_step *step, GVariant *said);
-
-#endif

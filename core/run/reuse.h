@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Steps whose results are in the store. */
-#ifndef OPCFLOW_CORE_REUSE_H
-#define OPCFLOW_CORE_REUSE_H
+#pragma once
 
 #include "core/run/run.h"
 
@@ -20,5 +19,3 @@ void opc_reuse_keep(opc_run *run, const opc_flow_step *step, guint tables);
    step that takes them. */
 gboolean opc_reuse_provide(opc_run *run, const opc_flow_step *step,
                            const char *whom, opc_problems *problems);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A run: a flow that is worked through, with what it publishes, hears and
    reuses. Each part of the struct belongs to the file that it names. */
-#ifndef OPCFLOW_CORE_RUN_H
-#define OPCFLOW_CORE_RUN_H
+#pragma once
 
 #include <opcflow/step.h>
 #include <ranks/ranks.h>
@@ -98,5 +97,3 @@ const ranks_group *opc_run_ranks(const opc_run *run);
 
 /* Return whether this rank finds results, publishes and keeps them. */
 gboolean opc_run_is_first(const opc_run *run);
-
-#endif

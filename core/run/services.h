@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What instances may ask their host for by name beyond opc_binding_service. */
-#ifndef OPCFLOW_CORE_SERVICES_H
-#define OPCFLOW_CORE_SERVICES_H
+#pragma once
 
 #include "core/binding/binding.h"
 
@@ -10,5 +9,3 @@ const void *opc_results_service(const opc_host *host, const char *name);
 
 /* In a run: results and pieces are kept in the store of the run. */
 const void *opc_run_service(const opc_host *host, const char *name);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Runs the steps of a flow one after another. */
-#ifndef OPCFLOW_CORE_STEPS_H
-#define OPCFLOW_CORE_STEPS_H
+#pragma once
 
 #include "core/run/run.h"
 
@@ -13,5 +12,3 @@ gboolean opc_steps_run(opc_run *run, opc_problems *problems);
  */
 void opc_steps_run_in(opc_run *run, opc_run *main_run, const char *path,
                       opc_problems *problems);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Runs a flow into a run folder. */
-#ifndef OPCFLOW_CORE_WHOLE_H
-#define OPCFLOW_CORE_WHOLE_H
+#pragma once
 
 #include "core/run/run.h"
 
@@ -13,5 +12,3 @@
 opc_run *opc_run_flow(opc_flow *flow, const opc_choice *choice,
                       opc_registry *registry, const opc_run_options *options,
                       const opc_watch *watch, opc_problems *problems);
-
-#endif

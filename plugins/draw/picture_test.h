@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reading back a picture, for the tests of draw.*. */
-#ifndef OPCFLOW_DRAW_PICTURE_TEST_H
-#define OPCFLOW_DRAW_PICTURE_TEST_H
+#pragma once
 
 #include <cairo.h>
 #include <string.h>
@@ -43,5 +42,3 @@ static inline picture load_picture(const char *name, double part) {
   p.right--;
   return p;
 }
-
-#endif

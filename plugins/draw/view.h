@@ -2,8 +2,7 @@
 /* Window of a layout on paper, with a title above and a legend below. Layout
    coordinates are in nm, y upwards. Compiled into each plugin that draws a
    layout. */
-#ifndef OPCFLOW_DRAW_VIEW_H
-#define OPCFLOW_DRAW_VIEW_H
+#pragma once
 
 #include <eda/drawing.h>
 #include <eda/gates.h>
@@ -109,5 +108,3 @@ int view_find_contours(const view *v, const eda_field *print,
 void view_draw_contours(const view *v, const view_contours *contours,
                         eda_colour colour);
 void view_clear_contours(view_contours *contours);
-
-#endif

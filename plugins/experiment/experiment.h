@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The state of the step `experiment`, and what it tells. */
-#ifndef OPCFLOW_EXPERIMENT_H
-#define OPCFLOW_EXPERIMENT_H
+#pragma once
 
 #include <glib.h>
 #include <opcflow/inner.h>
@@ -37,5 +36,3 @@ void take_figures(experiment *e, size_t run);
 
 /* experiment.csv, the summary by method, metrics and findings. */
 int experiment_report(experiment *e, opc_error *error);
-
-#endif

@@ -98,7 +98,7 @@ static double place_of(const shape *h, double x) {
 }
 
 /* Compute the coefficients from the measured lengths. */
-EDA_WIDE static void transform(const double *series, shape *h) {
+EDA_WIDE static void shape_transform(const double *series, shape *h) {
   size_t n = (size_t)h->size;
   for (size_t k = 0; k < n; k++) h->coefficient[k] = 0;
   for (size_t j = 0; j < n; j++) {
@@ -112,8 +112,8 @@ typedef double lanes __attribute__((vector_size(LANES * sizeof(double))));
 
 /* Compute the lengths at n places, n a multiple of 2 LANES (Clenshaw's
    recurrence, two vectors at a time). */
-EDA_WIDE static void lengths_at(const shape *h, size_t n, const double *x,
-                                double *out) {
+EDA_WIDE static void shape_lengths(const shape *h, size_t n, const double *x,
+                                   double *out) {
   for (size_t i = 0; i < n; i += 2 * LANES) {
     lanes x0, x1, b0 = {0}, b1 = {0}, before0 = {0}, before1 = {0};
     memcpy(&x0, x + i, sizeof x0);
@@ -138,7 +138,7 @@ EDA_WIDE static void lengths_at(const shape *h, size_t n, const double *x,
 /* Measure the lengths at the places of a size. Return an upper bound of the
    contribution of the last terms to the length, nm; NAN if a length is not
    finite. */
-static double measure(const contour *c, int s, shape *h) {
+static double shape_measure(const contour *c, int s, shape *h) {
   double longest = 0;
   h->size = sizes[s];
   size_t n = (size_t)h->size;
@@ -150,15 +150,15 @@ static double measure(const contour *c, int s, shape *h) {
     if (!isfinite(l)) return NAN;
     longest = fmax(longest, l);
   }
-  transform(c->series[s], h);
+  shape_transform(c->series[s], h);
   double last = fabs(h->coefficient[n - 1]) + fabs(h->coefficient[n - 2]);
   return longest > 0 ? last / (2 * longest) : NAN;
 }
 
 /* ---- the integrals ---- */
 
-static inline void functions(const shape *h, double place, double length,
-                             double f[MOMENTS]) {
+static inline void shape_functions(const shape *h, double place, double length,
+                                   double f[MOMENTS]) {
   f[0] = 1;
   f[1] = length;
   eda_curves_quick(h->table, h->gate->type, length, f + 2);
@@ -178,13 +178,13 @@ static inline void functions(const shape *h, double place, double length,
 }
 
 /* Add the functions at n places, times the shares, to the sums. */
-static void add_places(const shape *h, size_t n, const double *x,
-                       const double *length, const double *share,
-                       double sum[MOMENTS]) {
+static void shape_add_places(const shape *h, size_t n, const double *x,
+                             const double *length, const double *share,
+                             double sum[MOMENTS]) {
   double part[MOMENTS] = {0};
   for (size_t i = 0; i < n; i++) {
     double f[MOMENTS] = {0};
-    functions(h, h->by_place ? place_of(h, x[i]) : 0, length[i], f);
+    shape_functions(h, h->by_place ? place_of(h, x[i]) : 0, length[i], f);
     for (int k = 0; k < MOMENTS; k++) part[k] += share[i] * f[k];
   }
   for (int k = 0; k < MOMENTS; k++) sum[k] += part[k];
@@ -192,7 +192,8 @@ static void add_places(const shape *h, size_t n, const double *x,
 
 /* Compute the integrals of the functions over the width. The currents are also
    smooth where the length leaves the range of the device table. */
-static void integrate(const contour *c, const shape *h, double sum[MOMENTS]) {
+static void shape_integrate(const contour *c, const shape *h,
+                            double sum[MOMENTS]) {
   double part =
       fmin(2.0 / 3, 2 * rounding / (h->gate->width * (h->to - h->from)));
   const double border[PIECES + 1] = {-1, -1 + part, 1 - part, 1};
@@ -205,14 +206,14 @@ static void integrate(const contour *c, const shape *h, double sum[MOMENTS]) {
       share[n++] = c->share[i] * span / 2 * (h->to - h->from);
     }
   }
-  lengths_at(h, n, x, length);
+  shape_lengths(h, n, x, length);
   for (int k = 0; k < MOMENTS; k++) sum[k] = 0;
-  add_places(h, n, x, length, share, sum);
+  shape_add_places(h, n, x, length, share, sum);
   /* Parts of the width beyond the line's ends. */
   const double gone[2] = {h->from, 1 - h->to};
   for (int side = 0; side < 2; side++) {
     double f[MOMENTS] = {0}, place = side ? (1 + h->to) / 2 : h->from / 2;
-    functions(h, place, 0, f);
+    shape_functions(h, place, 0, f);
     for (int k = 0; k < h->moments; k++) sum[k] += gone[side] * f[k];
   }
 }
@@ -221,7 +222,7 @@ static void integrate(const contour *c, const shape *h, double sum[MOMENTS]) {
 
 /* Return place i of n among m: the k outermost on each side, where the lengths
    change fast, the others evenly between them. */
-static size_t pick(size_t i, size_t n, size_t m, size_t k) {
+static size_t slice_pick(size_t i, size_t n, size_t m, size_t k) {
   if (i < k) return i;
   if (i >= n - k) return m - (n - i);
   size_t gaps = n - 2 * k + 1;
@@ -230,13 +231,14 @@ static size_t pick(size_t i, size_t n, size_t m, size_t k) {
 
 /* Choose n of the measured places, one more for each missing end, and assign to
    each the width nearest to it. */
-static void choose(const contour *c, int s, const shape *h, size_t n,
-                   size_t outer, double *place, double *width, double *length) {
+static void slices_choose(const contour *c, int s, const shape *h, size_t n,
+                          size_t outer, double *place, double *width,
+                          double *length) {
   size_t first = h->from > 0, last = n - (h->to < 1), inner = last - first;
   if (first) place[0] = h->from / 2, length[0] = 0;
   if (last < n) place[last] = (1 + h->to) / 2, length[last] = 0;
   for (size_t i = 0; i < inner; i++) {
-    size_t j = pick(i, inner, (size_t)h->size, outer);
+    size_t j = slice_pick(i, inner, (size_t)h->size, outer);
     place[first + i] = place_of(h, c->place[s][j]);
     length[first + i] = h->length[j];
   }
@@ -252,7 +254,8 @@ static void choose(const contour *c, int s, const shape *h, size_t n,
 
 /* Solve a symmetric positive definite system in place (Cholesky). Return 0 if
    it is not positive definite. */
-static int solve(double a[MOMENTS][MOMENTS], double x[MOMENTS], int n) {
+static int cholesky_solve(double a[MOMENTS][MOMENTS], double x[MOMENTS],
+                          int n) {
   for (int i = 0; i < n; i++) {
     for (int j = 0; j <= i; j++) {
       double sum = a[i][j];
@@ -283,7 +286,7 @@ typedef struct slices {
 /* Scale the widths by factors nearest to 1 (least squares) such that the first
    `moments` sums are 1. Return 0 and set the width with the lowest factor to 0
    if a factor is negative; the caller tries again. */
-static int fit(const slices *s, int moments, double *width) {
+static int slices_fit(const slices *s, int moments, double *width) {
   double a[MOMENTS][MOMENTS] = {{0}}, r[MOMENTS] = {1, 1, 1, 1, 1, 1};
   for (size_t i = 0; i < s->n; i++)
     for (int k = 0; k < moments; k++) {
@@ -293,7 +296,7 @@ static int fit(const slices *s, int moments, double *width) {
     }
   /* In a rectangle all slices have one length, so all functions are equal. */
   for (int k = 0; k < moments; k++) a[k][k] *= 1 + 1e-12;
-  if (!solve(a, r, moments)) return 1;
+  if (!cholesky_solve(a, r, moments)) return 1;
   double factor[PLACES] = {0}, least = 0;
   size_t lowest = s->n;
   for (size_t i = 0; i < s->n; i++) {
@@ -310,7 +313,7 @@ static int fit(const slices *s, int moments, double *width) {
 }
 
 /* Return 1 if the first `moments` sums are 1. */
-static int adds_up(const slices *s, int moments, const double *width) {
+static int slices_add_up(const slices *s, int moments, const double *width) {
   for (int k = 0; k < moments; k++) {
     double sum = 0;
     for (size_t i = 0; i < s->n; i++) sum += width[i] * s->f[i][k];
@@ -321,10 +324,10 @@ static int adds_up(const slices *s, int moments, const double *width) {
 
 /* Fit the first `moments` sums and normalise the widths. Return 0 if no widths
    satisfy the sums. */
-static int settle(const slices *s, int moments, double *width) {
+static int slices_settle(const slices *s, int moments, double *width) {
   for (size_t left = s->n; left > (size_t)moments; left--)
-    if (fit(s, moments, width)) break;
-  if (!adds_up(s, moments, width)) return 0;
+    if (slices_fit(s, moments, width)) break;
+  if (!slices_add_up(s, moments, width)) return 0;
   double total = 0;
   for (size_t i = 0; i < s->n; i++) total += width[i];
   for (size_t i = 0; i < s->n; i++) width[i] /= total;
@@ -332,18 +335,18 @@ static int settle(const slices *s, int moments, double *width) {
 }
 
 /* Find n slices with the first `moments` sums. Return 0 if there are none. */
-static int try_slices(const contour *c, int s, const shape *h,
+static int slices_try(const contour *c, int s, const shape *h,
                       const double sum[MOMENTS], int moments, size_t n,
                       double *place, double *width) {
   slices all = {.n = n};
   double length[CONTOUR_MOST];
   for (size_t part = 4; part > 1; part--) {
-    choose(c, s, h, n, n / part, place, width, length);
+    slices_choose(c, s, h, n, n / part, place, width, length);
     for (size_t i = 0; i < n; i++) {
-      functions(h, place[i], length[i], all.f[i]);
+      shape_functions(h, place[i], length[i], all.f[i]);
       for (int k = 0; k < h->moments; k++) all.f[i][k] /= sum[k];
     }
-    if (settle(&all, moments, width)) return 1;
+    if (slices_settle(&all, moments, width)) return 1;
   }
   return 0;
 }
@@ -356,8 +359,8 @@ static void swap(double *a, double *b) {
 
 /* Find widths of n + 1 slices that change none of n sums: a vector of the null
    space, by elimination with complete pivoting. */
-static void find_idle(const slices *s, size_t n, const size_t *slice,
-                      double idle[MOMENTS + 1]) {
+static void slices_null_vector(const slices *s, size_t n, const size_t *slice,
+                               double idle[MOMENTS + 1]) {
   double a[MOMENTS][MOMENTS + 1];
   size_t column[MOMENTS + 1] = {0}, rank = 0;
   for (size_t j = 0; j <= n; j++) {
@@ -392,15 +395,15 @@ static void find_idle(const slices *s, size_t n, const size_t *slice,
 /* Change the widths of the narrowest of `left` slices and of its neighbours,
    with all sums constant, until one width is 0. Return the position of that
    slice. */
-static size_t drop_one(const slices *s, size_t moments, const size_t *slice,
-                       size_t left, double *width) {
+static size_t slices_drop_one(const slices *s, size_t moments,
+                              const size_t *slice, size_t left, double *width) {
   size_t least = 0, gone = 0;
   for (size_t i = 1; i < left; i++)
     if (width[slice[i]] < width[slice[least]]) least = i;
   size_t first = least < moments / 2 ? 0 : least - moments / 2;
   if (first + moments + 1 > left) first = left - moments - 1;
   double idle[MOMENTS + 1], step = INFINITY;
-  find_idle(s, moments, slice + first, idle);
+  slices_null_vector(s, moments, slice + first, idle);
   double sign = idle[least - first] > 0 ? -1 : 1;
   for (size_t j = 0; j <= moments; j++) {
     double less = -sign * idle[j], w = width[slice[first + j]];
@@ -415,26 +418,26 @@ static size_t drop_one(const slices *s, size_t moments, const size_t *slice,
    remove slices one by one without changing the sums. At most one slice more
    than there are sums is needed (Caratheodory's theorem). Return 0 if the
    measured places do not satisfy the sums. */
-static int reduce(const contour *c, int s, const shape *h,
-                  const double sum[MOMENTS], size_t n, double *place,
-                  double *width) {
+static int slices_reduce(const contour *c, int s, const shape *h,
+                         const double sum[MOMENTS], size_t n, double *place,
+                         double *width) {
   slices all = {.n = (size_t)h->size + (h->from > 0) + (h->to < 1)};
   double at[PLACES], length[PLACES], share[PLACES];
   size_t slice[PLACES] = {0}, left = all.n;
   if (left <= n) return 0;
-  choose(c, s, h, all.n, all.n / 4, at, share, length);
+  slices_choose(c, s, h, all.n, all.n / 4, at, share, length);
   for (size_t i = 0; i < all.n; i++) {
     slice[i] = i;
-    functions(h, at[i], length[i], all.f[i]);
+    shape_functions(h, at[i], length[i], all.f[i]);
     for (int k = 0; k < h->moments; k++) all.f[i][k] /= sum[k];
   }
-  if (!settle(&all, h->moments, share)) return 0;
+  if (!slices_settle(&all, h->moments, share)) return 0;
   for (; left > n; left--) {
-    size_t gone = drop_one(&all, (size_t)h->moments, slice, left, share);
+    size_t gone = slices_drop_one(&all, (size_t)h->moments, slice, left, share);
     share[slice[gone]] = 0;
     memmove(slice + gone, slice + gone + 1, (left - gone - 1) * sizeof *slice);
   }
-  if (!adds_up(&all, h->moments, share)) return 0;
+  if (!slices_add_up(&all, h->moments, share)) return 0;
   for (size_t i = 0; i < n; i++) {
     place[i] = at[slice[i]];
     width[i] = share[slice[i]];
@@ -461,16 +464,16 @@ int contour_slice(const contour *c, const eda_curves *table, double reach,
   int s = 0, more = MORE;
   while (s + 1 < SIZES && sizes[s] < want) s++;
   for (;; s++) {
-    double rest = measure(c, s, &h);
+    double rest = shape_measure(c, s, &h);
     if (isnan(rest)) return 0;
     if (rest > enough && s + 1 < SIZES) continue;
-    integrate(c, &h, sum);
-    if (try_slices(c, s, &h, sum, h.moments, n, place, width)) return 1;
+    shape_integrate(c, &h, sum);
+    if (slices_try(c, s, &h, sum, h.moments, n, place, width)) return 1;
     if (s + 1 == SIZES || !more--) break;
   }
-  if (reduce(c, s, &h, sum, n, place, width)) return 1;
+  if (slices_reduce(c, s, &h, sum, n, place, width)) return 1;
   /* Drop the last sums one by one: edge currents first, then Ioff. */
   for (int moments = h.moments - 1; moments > 0; moments--)
-    if (try_slices(c, s, &h, sum, moments, n, place, width)) return 1;
+    if (slices_try(c, s, &h, sum, moments, n, place, width)) return 1;
   return 0;
 }

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Slices that follow the contour of a printed gate. */
-#ifndef OPCFLOW_EXTRACTOR_CONTOUR_H
-#define OPCFLOW_EXTRACTOR_CONTOUR_H
+#pragma once
 
 #include <eda/curves.h>
 #include <eda/extractor.h>
@@ -26,5 +25,3 @@ int contour_slice(const contour *c, const eda_curves *table, double reach,
                   contour_weight *weight, const void *self,
                   const eda_printed_gate *gate, size_t n, double *place,
                   double *width);
-
-#endif

@@ -4,8 +4,7 @@
    current of a wide transistor, W j(L), plus an edge current, the difference to
    the table's current at W. The edge current decays with `decay` from the edges
    and depends on the local gate length. */
-#ifndef OPCFLOW_EXTRACTOR_EDGES_H
-#define OPCFLOW_EXTRACTOR_EDGES_H
+#pragma once
 
 #include <eda/curves.h>
 
@@ -38,5 +37,3 @@ static inline edges edges_of(const eda_curves *c, int type, double width,
 static inline double edges_share(const edges *e, int k, double edge) {
   return e->most[k] * exp(-edge / e->decay[k]);
 }
-
-#endif

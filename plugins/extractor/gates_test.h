@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Test helpers of extractors: synthetic gates of any shape. */
-#ifndef OPCFLOW_EXTRACTOR_GATES_TEST_H
-#define OPCFLOW_EXTRACTOR_GATES_TEST_H
+#pragma once
 
 #include <eda/extractor.h>
 #include <math.h>
@@ -74,5 +73,3 @@ static inline void near(double a, double b, double relative) {
   if (!(fabs(a - b) <= relative * fabs(b)))
     g_error("%.12g is not %.12g within %g", a, b, relative);
 }
-
-#endif

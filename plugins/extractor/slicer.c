@@ -56,16 +56,16 @@ void slicer_slice(const void *self, const eda_printed_gate *gate, double *place,
   memcpy(width, s->width, n * sizeof *width);
 }
 
-static int within(const eda_curves *table, double length) {
+static int length_within(const eda_curves *table, double length) {
   return length >= eda_curves_shortest(table) &&
          length <= eda_curves_longest(table);
 }
 
 /* Return the absolute extrapolated part of a current per width: the difference
    to the current at the end of the table. */
-static double guessed(const eda_curves *table, int type, int c, double length,
-                      double current) {
-  if (within(table, length)) return 0;
+static double current_extrapolated(const eda_curves *table, int type, int c,
+                                   double length, double current) {
+  if (length_within(table, length)) return 0;
   double low = eda_curves_shortest(table), high = eda_curves_longest(table);
   double end = eda_curves_at(table, type, c, length < low ? low : high);
   return fabs(current - exp(end));
@@ -83,7 +83,7 @@ typedef struct strips {
 } strips;
 
 /* Return the factor that scales the sum of edge shares to 1. */
-static double settled(const strips *g, int c) {
+static double edges_scale(const strips *g, int c) {
   double sum = 0;
   for (size_t k = 0; k < g->count; k++)
     sum += g->width[k] * edges_share(&g->edges, c, g->edge[k]);
@@ -107,21 +107,21 @@ static int extract_current(const strips *g, int c, double *current,
                            double *leq) {
   const slicer *s = g->slicer;
   double sum = 0, weight = 0, guess = 0;
-  double part = g->edges.width.is_wide ? 1 : settled(g, c);
+  double part = g->edges.width.is_wide ? 1 : edges_scale(g, c);
   for (size_t k = 0; k < g->count; k++) {
     double w = g->width[k];
     if (s->weight) w *= s->weight(s, g->type, c, g->edge[k], g->sum);
     double one = exp(eda_curves_at(g->curves, g->type, c, g->length[k]));
     sum += w * current_at(g, c, k, part, one);
     weight += w;
-    guess += w * guessed(g->curves, g->type, c, g->length[k], one);
+    guess += w * current_extrapolated(g->curves, g->type, c, g->length[k], one);
   }
   *current = sum;
   *leq = 0;
   if (g->sum > 0)
     *leq = eda_curves_narrow_length(g->curves, g->type, c, log(sum / weight),
                                     &g->edges.width, g->area / g->sum);
-  return guess > notable[c] * sum || !within(g->curves, *leq);
+  return guess > notable[c] * sum || !length_within(g->curves, *leq);
 }
 
 static int extract_gate(const slicer *s, const eda_slices *in, size_t i,
@@ -137,8 +137,8 @@ static int extract_gate(const slicer *s, const eda_slices *in, size_t i,
               .edge = in->edge + first};
   if (!g.curves)
     return opc_fail(error, OPC_INVALID, "devices",
-                    "'%s' has no table of flavour '%.100s', which "
-                    "transistors of the layout have",
+                    "'%s' has no table of flavour '%.100s', required by "
+                    "transistors of the layout",
                     s->path, flavour);
   for (size_t k = 0; k < g.count; k++) {
     g.sum += g.width[k];
@@ -189,7 +189,7 @@ int slicer_check(void *self, opc_error *error) {
   if (s->rule == CONTOUR &&
       (s->slices < CONTOUR_LEAST || s->slices > CONTOUR_MOST))
     return opc_fail(error, OPC_INVALID, "slices",
-                    "the rule 'contour' takes %d to %d slices, not %d",
+                    "the rule 'contour' requires %d to %d slices, found %d",
                     CONTOUR_LEAST, CONTOUR_MOST, (int)s->slices);
   s->place = eda_alloc((size_t)s->slices, sizeof *s->place);
   s->width = eda_alloc((size_t)s->slices, sizeof *s->width);

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Common part of the extractors that slice gates (thesis eq. 2.1 to 2.4 and
    3.2). A plugin adds parameters and the weight of a slice. */
-#ifndef OPCFLOW_EXTRACTOR_SLICER_H
-#define OPCFLOW_EXTRACTOR_SLICER_H
+#pragma once
 
 #include <opcflow/plugin.h>
 
@@ -23,24 +22,23 @@ typedef struct slicer {
 } slicer;
 
 /* clang-format off */ /* it takes the elements for nested ones */
-#define SLICER_PARAMETERS                                                \
-  {.name = "devices", .type = OPC_FILE, .flags = OPC_REQUIRED,           \
-   .summary = "device table: currents against length, or length and width", \
-   OPC_FIELD(slicer, path)},                                             \
-  {.name = "slices", .type = OPC_INT,                                    \
-   .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "12", .min = 1,        \
-   .max = 10000, .summary = "slices across the width of a gate",         \
-   OPC_FIELD(slicer, slices)},                                           \
-  {.name = "rule", .type = OPC_CHOICE, .preset = "contour",              \
-   .choices = "contour|gauss|equal",                                     \
-   .summary = "slices that follow the contour, at Gauss-Legendre nodes, " \
-              "or of equal width",                                       \
-   OPC_FIELD(slicer, rule)},                                             \
-  {.name = "edge", .type = OPC_REAL, .unit = "nm", .preset = "30 nm",    \
-   .flags = OPC_AT_LEAST | OPC_AT_MOST, .min = 1, .max = 1e6,            \
-   .summary = "with a table of several widths: how far into a "          \
-              "transistor what the edges of its active change falls "    \
-              "off; gates that are rectangles do not depend on it",      \
+#define SLICER_PARAMETERS                                                     \
+  {.name = "devices", .type = OPC_FILE, .flags = OPC_REQUIRED,                \
+   .summary = "device table: currents by length, or by length and width",     \
+   OPC_FIELD(slicer, path)},                                                  \
+  {.name = "slices", .type = OPC_INT,                                         \
+   .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "12", .min = 1,             \
+   .max = 10000, .summary = "number of slices across the width of a gate",    \
+   OPC_FIELD(slicer, slices)},                                                \
+  {.name = "rule", .type = OPC_CHOICE, .preset = "contour",                   \
+   .choices = "contour|gauss|equal",                                          \
+   .summary = "places of slices: by the contour, at Gauss-Legendre "          \
+              "nodes, or equidistant",                                        \
+   OPC_FIELD(slicer, rule)},                                                  \
+  {.name = "edge", .type = OPC_REAL, .unit = "nm", .preset = "30 nm",         \
+   .flags = OPC_AT_LEAST | OPC_AT_MOST, .min = 1, .max = 1e6,                 \
+   .summary = "decay length of the edge current from the active edges, "      \
+              "for a table of several widths; no effect for rectangles",      \
    OPC_FIELD(slicer, reach)}
 /* clang-format on */
 
@@ -57,5 +55,3 @@ void slicer_slice(const void *self, const eda_printed_gate *gate, double *place,
 int slicer_extract(const void *self, const eda_slices *in, eda_performance *out,
                    opc_error *error);
 int slicer_range(const void *self, int type, double *shortest, double *longest);
-
-#endif

@@ -30,7 +30,8 @@ static int by_place(const void *a, const void *b) {
   return x->edge == y->edge ? 0 : x->edge < y->edge ? -1 : 1;
 }
 
-static int read_row(const eda_csv *c, size_t row, point *p, opc_error *error) {
+static int point_read(const eda_csv *c, size_t row, point *p,
+                      opc_error *error) {
   const char *text = eda_csv_text(c, row, CURRENT);
   p->row = row;
   p->current = !strcmp(text, "ioff") ? EDA_IOFF : EDA_ION;
@@ -44,7 +45,7 @@ static int read_row(const eda_csv *c, size_t row, point *p, opc_error *error) {
 }
 
 /* Make a grid from points; fail unless each point occurs exactly once. */
-static int make_grid(const eda_csv *c, const point *p, size_t n, grid *g,
+static int grid_init(const eda_csv *c, const point *p, size_t n, grid *g,
                      opc_error *error) {
   g->edges = 1;
   while (g->edges < n && p[g->edges].width == p[0].width) g->edges++;
@@ -79,14 +80,14 @@ int weights_read(const char *path, const char *parameter, weights *out,
   point *p = eda_alloc(rows, sizeof *p);
   int code = OPC_OK;
   for (size_t row = 0; row < rows && !code; row++)
-    code = read_row(c, row, &p[row], error);
+    code = point_read(c, row, &p[row], error);
   if (!code) qsort(p, rows, sizeof *p, by_place);
   for (size_t i = 0; i < rows && !code; i += n) {
     n = 1;
     while (i + n < rows && p[i + n].type == p[i].type &&
            p[i + n].current == p[i].current)
       n++;
-    code = make_grid(c, p + i, n, &out->grid[p[i].type][p[i].current], error);
+    code = grid_init(c, p + i, n, &out->grid[p[i].type][p[i].current], error);
   }
   free(p);
   eda_csv_free(c);
@@ -105,8 +106,8 @@ void weights_clear(weights *w) {
 
 /* Return the index of the upper neighbour of x among n increasing places, 1 ..
    n - 1, and the fraction of the interval; x beyond the ends is clamped. */
-static size_t between(const double *place, size_t n, double x,
-                      double *fraction) {
+static size_t grid_between(const double *place, size_t n, double x,
+                           double *fraction) {
   *fraction = 0;
   if (!(x > place[0])) return 0;
   if (!(x < place[n - 1])) return n - 1;
@@ -125,8 +126,8 @@ static size_t between(const double *place, size_t n, double x,
 double grid_at(const grid *g, double edge, double width) {
   if (!g->widths) return 1;
   double s, t, row[2] = {1, 1};
-  size_t i = between(g->width, g->widths, width, &s);
-  size_t j = between(g->edge, g->edges, edge, &t);
+  size_t i = grid_between(g->width, g->widths, width, &s);
+  size_t j = grid_between(g->edge, g->edges, edge, &t);
   for (size_t k = 0; k < 2 && i + k < g->widths; k++) {
     const double *value = g->value + (i + k) * g->edges + j;
     row[k] = t > 0 ? value[0] + t * (value[1] - value[0]) : value[0];

@@ -2,8 +2,7 @@
 /* Tables of gamma (thesis eq. 3.2) against the distance from the nearer active
    edge and the width of the transistor, for each type and current. Linear
    between points, constant beyond them. */
-#ifndef OPCFLOW_EXTRACTOR_WEIGHTS_H
-#define OPCFLOW_EXTRACTOR_WEIGHTS_H
+#pragma once
 
 #include <eda/curves.h>
 
@@ -27,5 +26,3 @@ int weights_read(const char *path, const char *parameter, weights *out,
 void weights_clear(weights *w);
 
 double grid_at(const grid *g, double edge, double width);
-
-#endif

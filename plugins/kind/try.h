@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the exercises of all kinds need: made-up masks and prints of
    eda_gates_sample, and telling what is wrong. */
-#ifndef OPCFLOW_KIND_TRY_H
-#define OPCFLOW_KIND_TRY_H
+#pragma once
 
 #include <eda/check.h>
 #include <eda/memory.h>
@@ -54,5 +53,3 @@ int try_at_once(size_t n, int (*task)(void *data, size_t i), void *data);
    are added. */
 void try_field(opc_inspector *in, const char *function, const char *what,
                const eda_field *field, const eda_frame *frame);
-
-#endif

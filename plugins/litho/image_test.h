@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Test helpers of litho models: images of a few shapes and values of them. */
-#ifndef LITHO_IMAGE_TEST_H
-#define LITHO_IMAGE_TEST_H
+#pragma once
 
 #include <eda/gates.h>
 #include <eda/litho.h>
@@ -61,5 +60,3 @@ static inline double value_at(const eda_field *f, double x, double y) {
   eda_field_sample(f, &x, &y, 1, &v);
   return v;
 }
-
-#endif

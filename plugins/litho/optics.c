@@ -38,11 +38,11 @@ static int check_uses(const optics *o, opc_error *error) {
     int used = uses[i].sources >> o->source & 1;
     if (!used && o->given[i])
       return opc_fail(error, OPC_INVALID, uses[i].name,
-                      "'%s' means nothing for a source '%s'", uses[i].name,
+                      "'%s' has no effect for a source '%s'", uses[i].name,
                       sources[o->source]);
     if (used && uses[i].needed && !o->given[i])
       return opc_fail(error, OPC_INVALID, uses[i].name,
-                      "'%s' is needed for a source '%s'", uses[i].name,
+                      "'%s' is required for a source '%s'", uses[i].name,
                       sources[o->source]);
   }
   return OPC_OK;
@@ -51,30 +51,34 @@ static int check_uses(const optics *o, opc_error *error) {
 static int check_points(const opc_reals *v, opc_error *error) {
   double sum = 0;
   if (!v->count || v->count % 3)
-    return opc_fail(error, OPC_INVALID, "points",
-                    "'points' needs x, y and weight of each point, not %zu "
-                    "numbers",
-                    v->count);
+    return opc_fail(
+        error, OPC_INVALID, "points",
+        "'points' has %zu numbers, expected x, y and weight of each point",
+        v->count);
   for (size_t i = 0; i < v->count; i += 3) {
     const double *p = v->values + i;
     if (!(hypot(p[0], p[1]) <= 1))
-      return opc_fail(error, OPC_INVALID, "points",
-                      "'points': (%g, %g) lies outside the pupil, whose radius "
-                      "is 1",
-                      p[0], p[1]);
+      return opc_fail(
+          error, OPC_INVALID, "points",
+          "'points': (%g, %g) is outside the pupil, whose radius is 1", p[0],
+          p[1]);
     if (!(p[2] >= 0))
-      return opc_fail(error, OPC_INVALID, "points",
-                      "'points': (%g, %g) has the weight %g", p[0], p[1], p[2]);
+      return opc_fail(
+          error, OPC_INVALID, "points",
+          "'points': (%g, %g) has the weight %g, expected at least 0", p[0],
+          p[1], p[2]);
     sum += p[2];
   }
   if (sum > 0 && isfinite(sum)) return OPC_OK;
-  return opc_fail(error, OPC_INVALID, "points",
-                  "'points' have weights that sum to %g", sum);
+  return opc_fail(
+      error, OPC_INVALID, "points",
+      "the weights of 'points' sum to %g, expected a positive finite number",
+      sum);
 }
 
 /* Compute the amplitude for a transmission in percent and a phase in
    degrees. */
-static void amplitude(double transmission, double phase, double out[2]) {
+static void mask_amplitude(double transmission, double phase, double out[2]) {
   double a = sqrt(transmission / 100);
   /* Half turns are exact, so that such a mask is real. */
   double turn = remainder(phase, 360);
@@ -102,8 +106,8 @@ static int check_unit(const optics *o, opc_error *error) {
   double points =
       unit > most_unit ? 32 * pow(unit / 32, 2) : pow(4000 * 6 / unit, 2);
   return opc_fail(error, OPC_INVALID, unit > most_unit ? "na" : "wavelength",
-                  "wavelength / na, which an image's lengths go with, is %.3g "
-                  "um, not %g nm to %g um: models would be tried on images of "
+                  "wavelength / na, the unit of an image's lengths, is %.3g "
+                  "um, expected %g nm to %g um: models would need images of "
                   "%.2g points, %.2g GB for each of about 40 kernels",
                   unit * 1e-3, least_unit, most_unit * 1e-3, points,
                   points * 8e-9);
@@ -113,7 +117,7 @@ static int check_zernike(const optics *o, opc_error *error) {
   size_t terms = o->zernike.count;
   if (o->zernike_given && (!terms || terms > OPTICS_TERMS))
     return opc_fail(error, OPC_INVALID, "zernike",
-                    "'zernike' has %zu terms, not 1 to %d", terms,
+                    "'zernike' has %zu terms, expected 1 to %d", terms,
                     OPTICS_TERMS);
   for (size_t i = 0; i < terms; i++)
     if (!(fabs(o->zernike.values[i]) <= most_waves))
@@ -127,15 +131,14 @@ static int check_zernike(const optics *o, opc_error *error) {
    is not finite. */
 static int check_polarisation(const optics *o, opc_error *error) {
   if (o->polarisation == OPTICS_SCALAR)
-    return o->resist_index_given
-               ? opc_fail(error, OPC_INVALID, "resist_index",
-                          "'resist_index' means nothing for a 'polarisation' "
-                          "of 'scalar'")
-               : OPC_OK;
+    return o->resist_index_given ? opc_fail(error, OPC_INVALID, "resist_index",
+                                            "'resist_index' has no effect for "
+                                            "a 'polarisation' of 'scalar'")
+                                 : OPC_OK;
   if (o->na >= o->index)
     return opc_fail(error, OPC_INVALID, "na",
                     "'na' of %g is not below the index of the medium, %g, as "
-                    "polarised light needs",
+                    "required for polarised light",
                     o->na, o->index);
   if (o->na >= o->resist_index)
     return opc_fail(error, OPC_INVALID, "resist_index",
@@ -151,8 +154,8 @@ int optics_check(optics *o, opc_error *error) {
     double *clear = dark ? o->feature[i] : o->background[i];
     clear[0] = 1;
     clear[1] = 0;
-    amplitude(o->mask[i].transmission, o->mask[i].phase,
-              dark ? o->background[i] : o->feature[i]);
+    mask_amplitude(o->mask[i].transmission, o->mask[i].phase,
+                   dark ? o->background[i] : o->feature[i]);
   }
   if (o->na > o->index)
     return opc_fail(error, OPC_INVALID, "na",
@@ -179,9 +182,9 @@ static const double most_scalar = 0.9;
 void optics_warn(const optics *o, const opc_host *host) {
   if (o->na > most_scalar && o->polarisation == OPTICS_SCALAR)
     host->log(host, OPC_LOG_WARNING,
-              "NA %g: a scalar image is good up to %g; beyond, polarisation "
-              "changes contrast and thresholds: 'polarisation: unpolarised', "
-              "or as the scanner has it, takes it in",
+              "NA %g: scalar images are accurate up to NA %g; beyond, "
+              "polarisation changes contrast and thresholds: set "
+              "'polarisation: unpolarised' or that of the scanner",
               o->na, most_scalar);
 }
 
@@ -189,7 +192,7 @@ void optics_warn(const optics *o, const opc_host *host) {
 
 /* Return the signed distance of (x, y) from the border of the source, positive
    inside, or a value of the same sign nearer to zero. */
-static double depth(const optics *o, double x, double y) {
+static double source_depth(const optics *o, double x, double y) {
   double r = hypot(x, y);
   if (o->source == OPTICS_CIRCULAR) return o->sigma - r;
   double ring = fmin(o->sigma - r, r - o->sigma_in);
@@ -213,10 +216,10 @@ static double depth(const optics *o, double x, double y) {
 }
 
 /* Return the area of the part of a cell inside the source, and its centroid. */
-static double covered(const optics *o, double x, double y, double side,
-                      double *cx, double *cy) {
+static double source_covered(const optics *o, double x, double y, double side,
+                             double *cx, double *cy) {
   enum { PARTS = 16 };
-  double d = depth(o, x, y), reach = side * M_SQRT1_2, sum = 0;
+  double d = source_depth(o, x, y), reach = side * M_SQRT1_2, sum = 0;
   *cx = x;
   *cy = y;
   if (d >= reach) return side * side;
@@ -226,7 +229,7 @@ static double covered(const optics *o, double x, double y, double side,
     for (int i = 0; i < PARTS; i++) {
       double px = x - side / 2 + (i + 0.5) * part;
       double py = y - side / 2 + (j + 0.5) * part;
-      double in = fmin(fmax(depth(o, px, py) / part + 0.5, 0), 1);
+      double in = fmin(fmax(source_depth(o, px, py) / part + 0.5, 0), 1);
       sum += in;
       sx += in * px;
       sy += in * py;
@@ -257,8 +260,8 @@ double *optics_source_points(const optics *o, double spacing, size_t *n) {
   for (int j = -half; j < half; j++)
     for (int i = -half; i < half; i++) {
       double *to = p + 3 * *n;
-      to[2] = covered(o, (i + 0.5) * spacing, (j + 0.5) * spacing, spacing,
-                      &to[0], &to[1]);
+      to[2] = source_covered(o, (i + 0.5) * spacing, (j + 0.5) * spacing,
+                             spacing, &to[0], &to[1]);
       /* Rounding can move a centroid slightly outside. */
       double over = hypot(to[0], to[1]) / radius;
       if (over > 1) {
@@ -302,7 +305,7 @@ static void find_term(size_t index, int *group, int *m, int *sine) {
 }
 
 /* Return the radial polynomial divided by r^m, for r^2. */
-static double radial(int group, int m, double r2) {
+static double zernike_radial(int group, int m, double r2) {
   static const double factorial[] = {1,       1,        2,        6,     24,
                                      120,     720,      5040,     40320, 362880,
                                      3628800, 39916800, 479001600};
@@ -315,7 +318,7 @@ static double radial(int group, int m, double r2) {
 }
 
 /* Return the aberration at (x, y), waves. */
-static double aberration(const optics *o, double x, double y) {
+static double pupil_aberration(const optics *o, double x, double y) {
   double r2 = x * x + y * y, sum = 0;
   for (size_t i = 0; i < o->zernike.count; i++) {
     if (o->zernike.values[i] == 0) continue;
@@ -327,7 +330,8 @@ static double aberration(const optics *o, double x, double y) {
       im = re * y + im * x;
       re = t;
     }
-    sum += o->zernike.values[i] * (sine ? im : re) * radial(group, m, r2);
+    sum +=
+        o->zernike.values[i] * (sine ? im : re) * zernike_radial(group, m, r2);
   }
   return sum;
 }
@@ -344,7 +348,7 @@ void optics_pupil(const optics *o, double defocus, double fx, double fy,
     waves = o->index * dz / o->wavelength *
             (sqrt(fmax(0, 1 - sine * sine * r2)) - 1);
   }
-  if (o->zernike.count) waves += aberration(o, fx, fy);
+  if (o->zernike.count) waves += pupil_aberration(o, fx, fy);
   if (waves == 0) return;
   *re = cos(2 * M_PI * waves);
   *im = sin(2 * M_PI * waves);

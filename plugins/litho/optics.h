@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Scanner of the imaging models: source, pupil, transmission of the mask, and
    the parameters that declare them. */
-#ifndef OPCFLOW_LITHO_OPTICS_H
-#define OPCFLOW_LITHO_OPTICS_H
+#pragma once
 
 #include <eda/litho.h>
 #include <opcflow/plugin.h>
@@ -91,13 +90,13 @@ typedef struct optics {
    OPC_FIELD(state, optics.index)},                                           \
   {.name = "polarisation", .type = OPC_CHOICE, .preset = "scalar",            \
    .choices = "scalar|unpolarised|x|y|tangential|radial",                     \
-   .summary = "light as a scalar wave, or as a field polarised so in the "    \
-              "pupil: needed above NA 0.9",                                   \
+   .summary = "model of the light: scalar wave, or field with a polarisation "\
+              "in the pupil, required above NA 0.9",                          \
    OPC_FIELD(state, optics.polarisation)},                                    \
   {.name = "resist_index", .type = OPC_REAL,                                  \
    .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "1.7", .min = 1, .max = 3,  \
-   .summary = "refractive index of the resist, in which a field's image is "  \
-              "taken; that of the medium: over it",                           \
+   .summary = "refractive index of the resist, for polarised light; that of " \
+              "the medium: image above the resist",                           \
    OPC_FIELD(state, optics.resist_index),                                     \
    .given = offsetof(state, optics.resist_index_given)},                      \
   {.name = "source", .type = OPC_CHOICE, .preset = "circular",                \
@@ -105,7 +104,7 @@ typedef struct optics {
    .summary = "shape of the source", OPC_FIELD(state, optics.source)},        \
   {.name = "sigma", .type = OPC_REAL, .flags = OPC_ABOVE | OPC_AT_MOST,       \
    .preset = "0.75", .min = 0, .max = 1,                                      \
-   .summary = "outer radius of the source over that of the pupil",            \
+   .summary = "outer radius of the source relative to that of the pupil",     \
    OPC_FIELD(state, optics.sigma), OPTICS_GIVEN(state, OPTICS_SIGMA)},        \
   {.name = "sigma_in", .type = OPC_REAL, .flags = OPC_AT_LEAST | OPC_BELOW,   \
    .min = 0, .max = 1,                                                        \
@@ -114,15 +113,15 @@ typedef struct optics {
    OPC_FIELD(state, optics.sigma_in), OPTICS_GIVEN(state, OPTICS_SIGMA_IN)},  \
   {.name = "opening", .type = OPC_REAL, .flags = OPC_ABOVE | OPC_AT_MOST,     \
    .unit = "deg", .preset = "30 deg", .min = 0, .max = 90,                    \
-   .summary = "angle that each pole of a quasar covers",                      \
+   .summary = "angle covered by each pole of a quasar",                       \
    OPC_FIELD(state, optics.opening), OPTICS_GIVEN(state, OPTICS_OPENING)},    \
   {.name = "rotation", .type = OPC_REAL, .unit = "deg", .preset = "0 deg",    \
-   .summary = "of the poles, counter-clockwise; 0 deg: on the axes, those "   \
-              "of a dipole on x",                                             \
+   .summary = "rotation of the poles, counter-clockwise; 0 deg: on the axes, "\
+              "a dipole on x",                                                \
    OPC_FIELD(state, optics.rotation), OPTICS_GIVEN(state, OPTICS_ROTATION)},  \
   {.name = "points", .type = OPC_REALS,                                       \
-   .summary = "x, y and weight of each point of a source given so, the "      \
-              "pupil's radius 1",                                             \
+   .summary = "x, y and weight of each source point, in units of the pupil's "\
+              "radius",                                                       \
    OPC_FIELD(state, optics.points), OPTICS_GIVEN(state, OPTICS_POINTS)},      \
   {.name = "defocus", .type = OPC_REAL, .unit = "nm", .preset = "0 nm",       \
    .summary = "distance of the wafer from the focus",                         \
@@ -131,7 +130,7 @@ typedef struct optics {
    .summary = "aberrations in waves, fringe terms from Z1, at most 37",       \
    OPC_FIELD(state, optics.zernike),                                          \
    .given = offsetof(state, optics.zernike_given)},                           \
-  OPTICS_MASK(state, "poly", "poly and all layers past active", 0),           \
+  OPTICS_MASK(state, "poly", "poly and all layers after active", 0),          \
   OPTICS_MASK(state, "active", "active", 1)
 
 #define OPTICS_GIVEN(state, use) .given = offsetof(state, optics.given[use])
@@ -145,11 +144,11 @@ typedef struct optics {
   {.name = layer ".transmission", .type = OPC_REAL,                           \
    .flags = OPC_AT_LEAST | OPC_AT_MOST, .unit = "%", .preset = "0 %",         \
    .min = 0, .max = 100,                                                      \
-   .summary = "of its dark parts, intensity; 0 % for a binary mask",          \
+   .summary = "intensity transmission of dark parts; 0 %: binary mask",       \
    OPC_FIELD(state, optics.mask[number].transmission)},                       \
   {.name = layer ".phase", .type = OPC_REAL, .unit = "deg",                   \
    .preset = "180 deg",                                                       \
-   .summary = "of the light through its dark parts",                          \
+   .summary = "phase of the light through dark parts",                        \
    OPC_FIELD(state, optics.mask[number].phase)}
 /* clang-format on */
 
@@ -179,12 +178,13 @@ int optics_is_real(const optics *o);
 /* Return the largest radius of the source. */
 double optics_source_radius(const optics *o);
 
-/* Return the source as points (x, y, weight interleaved): one for each cell of
-   a square grid of `spacing` (in units of the cutoff, the origin a corner of
-   four cells). A point is the centroid of the part of its cell inside the
-   source, weighted by the area of that part; weights sum to 1. Points of an
-   OPTICS_LIST are returned as listed, with normalised weights. NULL if the
-   source is too thin for such cells. Free the result with free(). */
+/* Return the source as points (x, y, weight interleaved). There is one point
+   for each cell of a square grid of `spacing` (in units of the cutoff, the
+   origin a corner of four cells). A point is the centroid of the part of its
+   cell inside the source, weighted by the area of that part; weights sum to 1.
+   Points of an OPTICS_LIST are returned as listed, with normalised weights.
+   NULL if the source is too thin for such cells. Free the result with
+   free(). */
 double *optics_source_points(const optics *o, double spacing, size_t *n);
 
 /* Compute the pupil at (fx, fy): 0 beyond radius 1, else exp(i phase). The
@@ -201,5 +201,3 @@ int optics_real_masks(const optics *o);
 /* Compute the complex coefficients of the transmission a + b * (mask as given);
    a applies at zero frequency only. */
 void optics_amplitudes(const optics *o, int layer, double a[2], double b[2]);
-
-#endif

@@ -2,9 +2,9 @@
 /* Vector imaging: the field of polarised light in a lens.
 
    A thin mask (Kirchhoff) preserves polarisation, so an order enters the pupil
-   with the polarisation of its source point, j = (jx, jy). At the place p of
-   the pupil, direction (c, s), light propagates to the wafer at sin(a) = NA |p|
-   / index, and in the resist at sin(b) = NA |p| / resist_index. The lens
+   with the polarisation of its source point, j = (jx, jy). Light from the place
+   p of the pupil, in direction (c, s), has the angle a over the wafer and b in
+   the resist: sin(a) = NA |p| / index; sin(b) = NA |p| / resist_index. The lens
    rotates the component along (c, s) with the ray and preserves the component
    across it (M. Mansuripur, J. Opt. Soc. Am. A 6, 786, 1989; D. G. Flagello, T.
    Milster, A. E. Rosenbluth, J. Opt. Soc. Am. A 13, 53, 1996):
@@ -22,8 +22,7 @@
    Hence the light of a source point forms several incoherent images, called
    parts, each through the pupil times a real factor. A scalar image has one
    part with the factor 1. */
-#ifndef OPCFLOW_LITHO_VECTOR_H
-#define OPCFLOW_LITHO_VECTOR_H
+#pragma once
 
 #include "optics.h"
 
@@ -51,5 +50,3 @@ double vector_clear(const optics *o, const double from[2]);
    averaged over the weighted source, is 1. Weights for scalar light are
    unchanged. [any] */
 void vector_normalise(const optics *o, double *points, size_t n);
-
-#endif

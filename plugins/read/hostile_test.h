@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Test helpers of readers: files of the corpus, and hostile files. */
-#ifndef OPCFLOW_READ_HOSTILE_TEST_H
-#define OPCFLOW_READ_HOSTILE_TEST_H
+#pragma once
 
 #include <eda/layout.h>
 #include <stdio.h>
@@ -57,5 +56,3 @@ static inline char *corpus_file(const char *name, size_t *n) {
   if (path) g_assert_true(g_file_get_contents(path, &bytes, n, NULL));
   return bytes;
 }
-
-#endif

@@ -86,7 +86,7 @@ static void check_format(reading *b) {
         strcmp(b->format, formats[i].name) != 0)
       b->failed =
           opc_fail(b->error, OPC_IO, NULL,
-                   "'%s': is a file of %s, not of %s: 'use: %s' reads it",
+                   "'%s': is a file of %s, not of %s: read it by 'use: %s'",
                    b->r->file, formats[i].name, b->format, formats[i].reader);
 }
 
@@ -132,12 +132,12 @@ int reader_check(const reader *r, uint32_t most, opc_error *error) {
     int any;
     if (most && !eda_layer_number_read(pairs[i].value, most, &number, &any))
       return opc_fail(error, OPC_INVALID, "layers",
-                      "'%s': a layer is written 9/0, or 9 for every datatype",
+                      "'%s': expected a layer as 9/0, or 9 for every datatype",
                       pairs[i].value);
     if (most && eda_layer_number_read(pairs[i].key, UINT32_MAX, &number, NULL))
       return opc_fail(error, OPC_INVALID, "layers",
-                      "'%s': not a name for a layer, as the layers without one "
-                      "are called so",
+                      "'%s': not allowed as a name, because layers without a "
+                      "name are called so",
                       pairs[i].key);
     for (size_t j = 0; j < i; j++)
       if (same_layer(pairs[i].value, pairs[j].value, most))
@@ -244,7 +244,7 @@ static int check_layers(const reading *b) {
 
 /* ---- cells ---- */
 
-static int is_there(const reading *b, int32_t cell) {
+static int cell_is_defined(const reading *b, int32_t cell) {
   return !b->there || ((guint)cell < b->there->len &&
                        g_array_index(b->there, uint8_t, cell));
 }
@@ -255,7 +255,7 @@ void reading_begin_cell(reading *b, const char *name) {
   b->cell = reading_number(b, eda_layout_cell(b->layout, name, &b->said));
   if (b->failed) return;
   if (!b->there) b->there = g_array_new(FALSE, TRUE, 1);
-  if (is_there(b, b->cell)) {
+  if (cell_is_defined(b, b->cell)) {
     g_autofree char *what =
         g_strdup_printf("cell '%.200s' a second time", name);
     b->refuse(b, what);
@@ -267,27 +267,27 @@ void reading_begin_cell(reading *b, const char *name) {
 
 /* Log a warning about placed cells without definition; they are empty, as in
    other readers. */
-static void warn(const reading *b) {
+static void reading_warn_undefined(const reading *b) {
   size_t missing = 0;
   int32_t first = -1;
   for (int32_t i = (int32_t)eda_layout_cells(b->layout); i-- > 0;)
-    if (!is_there(b, i)) {
+    if (!cell_is_defined(b, i)) {
       missing++;
       first = i;
     }
   if (missing)
     b->r->host->log(b->r->host, OPC_LOG_WARNING,
-                    "'%s': %zu placed cells are not there and taken as empty, "
-                    "the first '%.200s'",
+                    "'%s': %zu placed cells are not defined and taken as "
+                    "empty, the first '%.200s'",
                     b->r->file, missing,
                     eda_layout_cell_name(b->layout, first));
 }
 
 /* Fail for a missing top cell, with the most similar name. */
-static int miss_top(const reading *b) {
+static int reading_miss_top(const reading *b) {
   g_autoptr(GPtrArray) names = g_ptr_array_new();
   for (size_t i = 0; i < eda_layout_cells(b->layout); i++)
-    if (is_there(b, (int32_t)i))
+    if (cell_is_defined(b, (int32_t)i))
       g_ptr_array_add(names,
                       (char *)eda_layout_cell_name(b->layout, (int32_t)i));
   g_ptr_array_add(names, NULL);
@@ -299,21 +299,23 @@ static int miss_top(const reading *b) {
 }
 
 /* Drop the cells that the top cell does not use. */
-static int keep(const reading *b) {
+static int reading_keep_top(const reading *b) {
   const reader *r = b->r;
   int32_t cell = r->top ? eda_layout_find_cell(b->layout, r->top) : b->top;
-  if (r->top && (cell < 0 || !is_there(b, cell))) return miss_top(b);
+  if (r->top && (cell < 0 || !cell_is_defined(b, cell)))
+    return reading_miss_top(b);
   return cell < 0 ? OPC_OK : eda_layout_keep(b->layout, cell, b->error);
 }
 
-int reader_choices(void *self, const opc_step *functions,
+int reader_choices(void *self,
+                   int (*run)(void *self, void **outputs, opc_error *error),
                    void (*take)(void *data, const char *value), void *data,
                    opc_error *error) {
   reader *r = self;
   const char *top = r->top;
   void *layout = NULL;
   r->top = NULL;
-  int code = functions->run(self, &layout, error);
+  int code = run(self, &layout, error);
   r->top = top;
   for (size_t i = 0; !code && i < eda_layout_cells(layout); i++)
     take(data, eda_layout_cell_name(layout, (int32_t)i));
@@ -337,8 +339,8 @@ int reading_run(void *state, void *self, void **outputs, opc_error *error,
   if (!b->failed) read(b);
   if (!b->failed) b->failed = check_layers(b);
   if (!b->failed) {
-    warn(b);
-    b->failed = keep(b);
+    reading_warn_undefined(b);
+    b->failed = reading_keep_top(b);
   }
   outputs[0] = b->layout;
   g_clear_pointer(&b->bytes, free);

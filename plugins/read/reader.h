@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Common part of the readers of layouts: parameters, bytes of a file, first
    failure, and the layers and cells of the layout. */
-#ifndef OPCFLOW_READ_READER_H
-#define OPCFLOW_READ_READER_H
+#pragma once
 
 #include <eda/layout.h>
 #include <glib.h>
@@ -32,11 +31,10 @@ typedef struct reader {
                         "that the file need not have"),                  \
       OPC_PARAMETER(reader, scale, .type = OPC_REAL, .flags = OPC_ABOVE, \
                     .preset = "1", .min = 0,                             \
-                    .summary = "A factor on the unit of the file"),      \
-      OPC_PARAMETER(reader, top, .type = OPC_TEXT, .flags = OPC_LISTED,  \
-                    .summary =                                           \
-                        "The top cell; those it does not lead to "       \
-                        "are dropped")
+                    .summary = "Factor on the unit of the file"),        \
+      OPC_PARAMETER(                                                     \
+          reader, top, .type = OPC_TEXT, .flags = OPC_LISTED,            \
+          .summary = "Top cell; cells not reachable from it are dropped")
 
 /* Check the map of layers: names in the file or, if `most` is not 0, numbers up
    to `most`. For a reader's `check`. Return OPC_OK or an error. */
@@ -44,9 +42,40 @@ int reader_check(const reader *r, uint32_t most, opc_error *error);
 
 /* Implement `choices` of a reader: list the cells of the file, which `run`
    reads. */
-int reader_choices(void *self, const opc_step *functions,
+int reader_choices(void *self,
+                   int (*run)(void *self, void **outputs, opc_error *error),
                    void (*take)(void *data, const char *value), void *data,
                    opc_error *error);
+
+/* Define the parameters and functions of a reader whose step runs `run_`.
+   `most`: the largest number of a layer; 0: the layers of the format have
+   names. */
+#define READER_FUNCTIONS(run_, most, file_summary, layers_summary)         \
+  static const opc_parameter parameters[] = {                              \
+      READ_PARAMETERS(file_summary, layers_summary)};                      \
+  static const opc_port outputs_of[] = {EDA_PORT_LAYOUT("layout")};        \
+  static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = run_, \
+                                     .flags = OPC_STEP_LIGHT};             \
+  static int format_check(void *self, opc_error *error) {                  \
+    return reader_check(self, most, error);                                \
+  }                                                                        \
+  static int format_choices(void *self, const char *parameter,             \
+                            void (*take)(void *data, const char *value),   \
+                            void *data, opc_error *error) {                \
+    (void)parameter;                                                       \
+    return reader_choices(self, run_, take, data, error);                  \
+  }                                                                        \
+  static const void *format_extension(const char *name) {                  \
+    static const opc_choices listed = {format_choices};                    \
+    return strcmp(name, OPC_CHOICES) ? NULL : &listed;                     \
+  }
+
+/* The fields of a reader's OPC_PLUGIN besides its id and summary. */
+#define READER_ENTRY                                                      \
+  .kind = "step", .version = "0.2.0", .licence = "BSD-3-Clause",          \
+  .flags = OPC_DETERMINISTIC | OPC_REENTRANT, OPC_PARAMETERS(parameters), \
+  .check = format_check, OPC_FUNCTIONS(functions),                        \
+  .extension = format_extension
 
 /* Return n bytes as a string; bytes that are not printable ASCII become "\xE4",
    so that names stay different. Free with g_free. */
@@ -112,5 +141,3 @@ void reading_unzip(reading *b);
    definition. Sets b->cell; -1 for a cell that is not part of the layout
    (metadata of KLayout). */
 void reading_begin_cell(reading *b, const char *name);
-
-#endif

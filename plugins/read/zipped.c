@@ -18,11 +18,11 @@
 /* zlib counts in 32 bits; also the bytes between two checks for cancellation */
 enum { PIECE = 1 << 22 };
 
-static int is_packed(const char *bytes) {
+static int gzip_is_packed(const char *bytes) {
   return !memcmp(bytes, "\x1f\x8b", 2);
 }
 
-static void spoil(reading *b, const char *what) {
+static void gzip_refuse(reading *b, const char *what) {
   if (!b->failed)
     b->failed = opc_fail(b->error, OPC_IO, NULL, "'%s': packed by gzip, %s",
                          b->r->file, what);
@@ -30,7 +30,7 @@ static void spoil(reading *b, const char *what) {
 
 /* Decompress the next bytes of the file to *out, across the members of the
    file. Return 0 at the end. */
-static int unpack(reading *b, z_stream *z, size_t *at) {
+static int gzip_unpack(reading *b, z_stream *z, size_t *at) {
   if (!z->avail_in) {
     size_t n = MIN(b->n - *at, (size_t)PIECE);
     z->next_in = (Bytef *)b->bytes + *at;
@@ -45,9 +45,9 @@ static int unpack(reading *b, z_stream *z, size_t *at) {
     return more;
   }
   if (code == Z_BUF_ERROR && dry)
-    spoil(b, "it ends too early");
+    gzip_refuse(b, "it ends too early");
   else if (code != Z_OK && code != Z_BUF_ERROR)
-    spoil(b, z->msg ? z->msg : "it is damaged");
+    gzip_refuse(b, z->msg ? z->msg : "it is damaged");
   return !b->failed;
 }
 
@@ -57,20 +57,22 @@ void reading_unzip(reading *b) {
   size_t n = 0, room = 0, at = 0;
   z_stream z = {0};
   int more = 1;
-  if (b->failed || b->n < 2 || !is_packed(b->bytes)) return;
-  if (inflateInit2(&z, MAX_WBITS + 16) != Z_OK) spoil(b, "zlib has no memory");
+  if (b->failed || b->n < 2 || !gzip_is_packed(b->bytes)) return;
+  if (inflateInit2(&z, MAX_WBITS + 16) != Z_OK)
+    gzip_refuse(b, "zlib has no memory");
   while (more && !b->failed) {
     if (opc_cancelled(b->r->host->context))
       b->failed = opc_fail(b->error, OPC_CANCELLED, NULL, "cancelled");
-    if (n >= most) spoil(b, "it holds far more than a layout would");
+    if (n >= most) gzip_refuse(b, "it holds far more than a layout would");
     eda_grow(&out, &room, n + PIECE, 1);
     z.next_out = (Bytef *)out + n;
     z.avail_out = PIECE;
-    more = !b->failed && unpack(b, &z, &at);
+    more = !b->failed && gzip_unpack(b, &z, &at);
     n += PIECE - z.avail_out;
   }
   inflateEnd(&z);
-  if (n >= 2 && is_packed(out)) spoil(b, "and what it holds is so again");
+  if (n >= 2 && gzip_is_packed(out))
+    gzip_refuse(b, "and what it holds is so again");
   free(b->bytes);
   b->bytes = out;
   b->n = n;

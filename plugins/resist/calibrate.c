@@ -11,7 +11,7 @@
 
 #include "drawn.h"
 
-/* ---- what the flow says ---- */
+/* ---- values of the flow ---- */
 
 enum { MAX_LINES = 1000 };
 
@@ -32,7 +32,7 @@ static int is_far(const resist_line *l) {
 }
 
 /* Return the reason that makes a line unusable; NULL if it is usable. */
-static const char *fault(const resist_line *l) {
+static const char *line_fault(const resist_line *l) {
   if (is_far(l)) return too_far;
   if (!(l->line > 0 && l->cd > 0)) return "widths must be above 0";
   if (!(l->pitch >= 0)) return "a pitch must be 0 (isolated) or above";
@@ -42,23 +42,24 @@ static const char *fault(const resist_line *l) {
 }
 
 /* Return 1 if a value of the anchor is not given. */
-static int is_open(const resist_layer *r) {
+static int anchor_is_open(const resist_layer *r) {
   return isnan(r->anchor.line) || isnan(r->anchor.pitch);
 }
 
 static int take_table(resist_layer *r, opc_error *error) {
   const opc_reals *table = &r->table;
   if (table->count < 2 || table->count % 2 || table->count > 2 * MAX_LINES)
-    return opc_fail(error, OPC_INVALID, r->source,
-                    "'%s' needs pairs of a pitch and a width, not %zu numbers",
-                    r->source, table->count);
+    return opc_fail(
+        error, OPC_INVALID, r->source,
+        "'%s' has %zu numbers, expected pairs of a pitch and a width",
+        r->source, table->count);
   r->count = table->count / 2;
   r->lines = eda_alloc(r->count, sizeof *r->lines);
   for (size_t i = 0; i < r->count; i++) {
     const double *pair = table->values + 2 * i;
     double line = isnan(r->anchor.line) ? pair[1] : r->anchor.line;
     r->lines[i] = (resist_line){line, pair[0], pair[1]};
-    const char *why = fault(&r->lines[i]);
+    const char *why = line_fault(&r->lines[i]);
     if (why)
       return opc_fail(error, OPC_INVALID, r->source,
                       "pair %zu of '%s', (%g nm, %g nm): %s", i + 1, r->source,
@@ -73,7 +74,7 @@ int resist_layer_check(resist_layer *r, int set, opc_error *error) {
   resist_line *a = &r->anchor;
   r->set = set;
   r->source = names[r->file ? 2 : r->table_given];
-  if (isnan(a->cd) && !is_open(r)) a->cd = a->line;
+  if (isnan(a->cd) && !anchor_is_open(r)) a->cd = a->line;
   if (r->table_given && r->file)
     return opc_fail(error, OPC_INVALID, names[2],
                     "'%s' and '%s' exclude each other", names[1], names[2]);
@@ -82,7 +83,7 @@ int resist_layer_check(resist_layer *r, int set, opc_error *error) {
   r->lines = eda_alloc(1, sizeof *r->lines);
   r->count = 1;
   *r->lines = *a;
-  if (is_open(r)) return OPC_OK;
+  if (anchor_is_open(r)) return OPC_OK;
   if (is_far(a))
     return opc_fail(error, OPC_INVALID, r->source, "'%s': %s", r->source,
                     too_far);
@@ -108,7 +109,7 @@ int resist_layer_has_table(const resist_layer *layer) {
   return layer->source != sources[layer->set][0];
 }
 
-/* ---- what the layout says, or the optics ---- */
+/* ---- values of the layout or the optics ---- */
 
 void resist_take_gates(void *self, const eda_gates *gates) {
   resist_base *r = self;
@@ -132,31 +133,31 @@ static const double least_k1 = 0.25;
    choice. */
 static const double longer = 2.25, shorter = 0.8;
 
-static void tell_drawn(const resist_base *r, const char *id, resist_line a,
-                       const resist_drawn *d, int guessed) {
+static void drawn_log(const resist_base *r, const char *id, resist_line a,
+                      const resist_drawn *d, int guessed) {
   r->host->log(r->host, OPC_LOG_INFO,
                "%s: anchor: %g nm lines at %g nm, from the layout's gates (%zu "
                "of the shortest; %zu of %zu pitches between them)",
                id, a.line, a.pitch, d->gates, d->alike, d->pitches);
   if (guessed)
     r->host->log(r->host, OPC_LOG_WARNING,
-                 "%s: no gate of %g nm has another beside it: the anchor's "
-                 "pitch is a guess, three lines",
+                 "%s: no gate of %g nm has a neighbour: the anchor's pitch is "
+                 "assumed to be three lines",
                  id, d->line);
 }
 
 /* Return the default anchor for a layout that is unknown or has no transistors;
    depends on the optics only. */
-static resist_drawn guess(const resist_base *r, const char *id,
-                          eda_scanner scanner) {
+static resist_drawn drawn_default(const resist_base *r, const char *id,
+                                  eda_scanner scanner) {
   resist_drawn d = {.line = eda_natural(&scanner, least_line),
                     .pitch = eda_natural(&scanner, least_pitch)};
   char whence[128];
   if (r->layer[0].told) return d;
   eda_natural_text(scanner, whence, sizeof whence);
   r->host->log(r->host, OPC_LOG_WARNING,
-               "%s: no anchor is given, and there is no whole layout to take "
-               "one from: %g nm lines at %g nm, %s; better in numbers",
+               "%s: no anchor is given, and no whole layout defines one: %g nm "
+               "lines at %g nm, %s; set 'anchor' in numbers",
                id, d.line, d.pitch, whence);
   return d;
 }
@@ -165,7 +166,7 @@ static resist_drawn guess(const resist_base *r, const char *id,
 static int set_line(resist_layer *r, double line, opc_error *error) {
   for (size_t i = 0; i < r->count && !r->file; i++) {
     r->lines[i].line = line;
-    const char *why = fault(&r->lines[i]);
+    const char *why = line_fault(&r->lines[i]);
     if (why)
       return opc_fail(error, OPC_INVALID, r->source,
                       "'%s', lines of %g nm at %g nm: %s", r->source, line,
@@ -176,8 +177,9 @@ static int set_line(resist_layer *r, double line, opc_error *error) {
 
 /* Fill in the missing values of the anchor of poly from the gates of the
    layout. */
-static int take_drawn(const resist_base *resist, resist_layer *r,
-                      const char *id, eda_scanner scanner, opc_error *error) {
+static int anchor_take_drawn(const resist_base *resist, resist_layer *r,
+                             const char *id, eda_scanner scanner,
+                             opc_error *error) {
   resist_drawn d;
   resist_line a = r->anchor;
   int anchor = !resist_layer_has_table(r);
@@ -185,21 +187,23 @@ static int take_drawn(const resist_base *resist, resist_layer *r,
   if (!anchor && !isnan(a.line)) return OPC_OK;
   int found = gates && resist_drawn_of(gates, &d);
   if (!found && r->gates)
-    return opc_fail(error, OPC_INVALID, "anchor.gates",
-                    "there is no transistor to take the anchor from");
-  if (!found) d = guess(resist, id, scanner);
+    return opc_fail(
+        error, OPC_INVALID, "anchor.gates",
+        "no transistor defines the anchor; set 'anchor' in numbers");
+  if (!found) d = drawn_default(resist, id, scanner);
   int guessed = found && anchor && isnan(a.pitch) && !d.pitches;
   if (isnan(a.line)) r->anchor.line = a.line = d.line;
   if (isnan(a.pitch)) a.pitch = d.pitch;
   if (isnan(a.cd)) a.cd = a.line;
   if (anchor) *r->lines = a;
   int code = set_line(r, a.line, error);
-  if (found && !code) tell_drawn(resist, id, a, &d, guessed);
+  if (found && !code) drawn_log(resist, id, a, &d, guessed);
   return code;
 }
 
 /* Set the anchor of active: the edge of a wide line. */
-static int take_wide(resist_layer *r, eda_scanner scanner, opc_error *error) {
+static int anchor_take_wide(resist_layer *r, eda_scanner scanner,
+                            opc_error *error) {
   resist_line *a = &r->anchor;
   a->line = eda_natural(&scanner, wide_line);
   if (isnan(a->cd)) a->cd = a->line;
@@ -208,27 +212,27 @@ static int take_wide(resist_layer *r, eda_scanner scanner, opc_error *error) {
 }
 
 /* Log a warning if the anchor does not suit the optics or the layout. */
-static void doubt(const resist_base *resist, const resist_layer *r,
-                  const char *id, eda_scanner scanner) {
+static void anchor_warn(const resist_base *resist, const resist_layer *r,
+                        const char *id, eda_scanner scanner) {
   const opc_host *host = resist->host;
   double line = r->lines->line, k1 = line / eda_natural_unit(scanner);
   resist_drawn d;
   if (resist_layer_has_table(r)) return;
   if (scanner.na > 0 && k1 < least_k1)
     host->log(host, OPC_LOG_WARNING,
-              "%s: 'anchor': %g nm are %.2f of wavelength / NA; nothing dense "
-              "prints below %g: is it of these optics?",
+              "%s: 'anchor': %g nm are %.2f of wavelength / NA; dense lines do "
+              "not print below %g: check that it belongs to these optics",
               id, line, k1, least_k1);
   if (!r->drawn || !resist_drawn_of(r->drawn, &d)) return;
   if (d.line > longer * line || d.line < shorter * line)
     host->log(host, OPC_LOG_WARNING,
               "%s: 'anchor' is a line of %g nm, the layout's shortest gate has "
-              "%g nm: is it of this process?",
+              "%g nm: check that it belongs to this process",
               id, line, d.line);
 }
 
-static int publish(const resist_base *resist, const resist_layer *r,
-                   opc_error *error) {
+static int anchor_publish(const resist_base *resist, const resist_layer *r,
+                          opc_error *error) {
   const opc_metric_value values[] = {{"anchor_line", r->lines->line},
                                      {"anchor_pitch", r->lines->pitch}};
   if (resist_layer_has_table(r)) return OPC_OK;
@@ -249,7 +253,7 @@ static int read_row(const eda_csv *table, size_t row, resist_line *l,
   if (!code) code = eda_csv_number(table, row, CD, -INFINITY, &l->cd, error);
   if (!code && eda_csv_has(table, LINE))
     code = eda_csv_number(table, row, LINE, -INFINITY, &l->line, error);
-  const char *why = code ? NULL : fault(l);
+  const char *why = code ? NULL : line_fault(l);
   return why ? eda_csv_fail(table, row, PITCH, why, error) : code;
 }
 
@@ -332,8 +336,9 @@ static int image_line(const fitting *f, const resist_line *l, eda_field *field,
 }
 
 /* Return the level set at x, its slope, and the terms at x. */
-static double level(const fitting *f, const specimen *s, const double *a,
-                    double x, double *slope, double term[RESIST_TERMS]) {
+static double specimen_level(const fitting *f, const specimen *s,
+                             const double *a, double x, double *slope,
+                             double term[RESIST_TERMS]) {
   double y = 0, image, dx, sum = a[0], d = 0;
   eda_field_gradient(&s->image, &x, &y, 1, &image, &dx, NULL);
   term[0] = 1;
@@ -352,17 +357,17 @@ static double level(const fitting *f, const specimen *s, const double *a,
 static int find_edge(const fitting *f, specimen *s, const double *a) {
   double term[RESIST_TERMS], slope, step = 2, low = 0;
   double limit = s->image.frame.width / 2;
-  if (!(level(f, s, a, 0, &slope, term) > 0)) return 0;
+  if (!(specimen_level(f, s, a, 0, &slope, term) > 0)) return 0;
   for (;;) {
     if (low >= limit) return 0;
     double next = fmin(low + step, limit);
-    if (!(level(f, s, a, next, &slope, term) > 0)) break;
+    if (!(specimen_level(f, s, a, next, &slope, term) > 0)) break;
     low = next;
   }
   double high = fmin(low + step, limit);
   for (int i = 0; i < 60 && high - low > 1e-12; i++) {
     double middle = (low + high) / 2;
-    if (level(f, s, a, middle, &slope, term) > 0)
+    if (specimen_level(f, s, a, middle, &slope, term) > 0)
       low = middle;
     else
       high = middle;
@@ -391,11 +396,10 @@ static int specimen_init(const fitting *f, specimen *s, opc_error *error) {
   if (resist_layer_has_table(r))
     (void)snprintf(line, sizeof line, ", line %g nm, pitch %g nm",
                    s->want->line, s->want->pitch);
-  return opc_fail(
-      error, OPC_INVALID, r->source,
-      "'%s'%s cannot be printed: intensity %.3f in the middle of the line, "
-      "%.3f at its edge, %.3f between lines",
-      r->source, line, v[1], v[0], v[2]);
+  return opc_fail(error, OPC_INVALID, r->source,
+                  "'%s'%s cannot be printed: intensity %.3f at the centre of "
+                  "the line, %.3f at its edge, %.3f between lines",
+                  r->source, line, v[1], v[0], v[2]);
 }
 
 /* ---- least squares ---- */
@@ -436,15 +440,15 @@ static int least_squares(double *j, double *r, size_t rows, size_t m,
    printed widths to the wanted ones to first order. Errors are taken at the
    wanted edges if `wanted`, otherwise at the printed edges. Return 0 on
    failure. */
-static int newton(const fitting *f, const double *a, int wanted, double *j,
-                  double *r, double change[RESIST_TERMS]) {
+static int fit_step(const fitting *f, const double *a, int wanted, double *j,
+                    double *r, double change[RESIST_TERMS]) {
   size_t m = 0, rows = f->layer->count;
   for (size_t k = 0; k < f->n; k++) m += f->fit[k] != 0;
   for (size_t i = 0; i < rows; i++) {
     const specimen *s = &f->specimens[i];
     double term[RESIST_TERMS] = {0}, slope, half = s->want->cd / 2;
     double x = wanted ? half : s->edge;
-    double value = level(f, s, a, x, &slope, term);
+    double value = specimen_level(f, s, a, x, &slope, term);
     size_t column = 0;
     if (wanted && !(slope < 0)) return 0;
     for (size_t k = 0; k < f->n; k++)
@@ -470,12 +474,12 @@ static double sum_of_squares(const fitting *f) {
 /* Iterate Gauss-Newton steps, halved while a line does not print or the error
    grows. Return 0 if no coefficients print all lines or the columns are
    linearly dependent. */
-static int iterate(const fitting *f, double *a) {
+static int fit_iterate(const fitting *f, double *a) {
   size_t rows = f->layer->count;
   double *j = eda_alloc(rows * (RESIST_TERMS + 1), sizeof *j);
   double *r = j + rows * RESIST_TERMS;
   double change[RESIST_TERMS] = {0}, best = INFINITY;
-  int ok = newton(f, a, 1, j, r, change);
+  int ok = fit_step(f, a, 1, j, r, change);
   for (int step = 0; ok && step < 50; step++) {
     double tried[RESIST_TERMS] = {0}, by = 1, now = INFINITY;
     for (int halving = 0; halving < 20; halving++, by /= 2) {
@@ -491,14 +495,14 @@ static int iterate(const fitting *f, double *a) {
     memcpy(a, tried, sizeof *a * f->n);
     best = now;
     if (gain < 1e-14) break;
-    ok = newton(f, a, 0, j, r, change);
+    ok = fit_step(f, a, 0, j, r, change);
   }
   free(j);
   /* Rejected trial steps have moved the edges; restore them. */
   return ok && isfinite(best) && find_edges(f, a);
 }
 
-static void tell(const fitting *f) {
+static void fit_log(const fitting *f) {
   const resist_layer *l = f->layer;
   const opc_host *host = f->resist->host;
   if (!resist_layer_has_table(l)) return;
@@ -511,7 +515,7 @@ static void tell(const fitting *f) {
               2 * s->edge, s->want->cd, 2 * s->edge - s->want->cd);
   }
   host->log(host, OPC_LOG_INFO,
-            "%s: %s, %zu lines: error %.3f nm (root of the mean square)", f->id,
+            "%s: %s, %zu lines: root mean square error %.3f nm", f->id,
             set_name[l->set], l->count,
             sqrt(sum_of_squares(f) / (double)l->count));
 }
@@ -532,18 +536,18 @@ int resist_fit(resist_base *resist, int set, const opc_module *litho,
   int code = OPC_OK;
   size_t wanted = 0;
   eda_scanner scanner = eda_scanner_of(litho);
-  if (set && is_open(layer))
-    code = take_wide(layer, scanner, error);
-  else if (is_open(layer))
-    code = take_drawn(resist, layer, id, scanner, error);
+  if (set && anchor_is_open(layer))
+    code = anchor_take_wide(layer, scanner, error);
+  else if (anchor_is_open(layer))
+    code = anchor_take_drawn(resist, layer, id, scanner, error);
   if (!code && layer->file && !layer->lines) code = read_table(layer, error);
   if (code) {
     layer_clear(layer);
     return code;
   }
   if (!set && !layer->told) {
-    doubt(resist, layer, id, scanner);
-    code = publish(resist, layer, error);
+    anchor_warn(resist, layer, id, scanner);
+    code = anchor_publish(resist, layer, error);
     if (code) return code;
   }
   layer->told = 1;
@@ -565,12 +569,12 @@ int resist_fit(resist_base *resist, int set, const opc_module *litho,
     f.specimens[i].want = &layer->lines[i];
     code = specimen_init(&f, &f.specimens[i], error);
   }
-  if (!code && !iterate(&f, coefficient))
+  if (!code && !fit_iterate(&f, coefficient))
     code = opc_fail(error, OPC_INVALID, layer->source,
                     "'%s' cannot be fitted: no coefficients print all its "
-                    "lines, or it does not tell them apart",
+                    "lines, or its lines do not determine them",
                     layer->source);
-  if (!code) tell(&f);
+  if (!code) fit_log(&f);
   specimens_clear(&f);
   return code;
 }

@@ -5,8 +5,7 @@
    A resist is a threshold field, sum of coefficient[k] * term[k]. Term 0 is the
    constant 1; the others are fields computed from the image. A feature prints
    where the image is below the threshold, or above it for bright features. */
-#ifndef OPCFLOW_RESIST_CALIBRATE_H
-#define OPCFLOW_RESIST_CALIBRATE_H
+#pragma once
 
 #include <eda/gates.h>
 #include <eda/litho.h>
@@ -54,46 +53,44 @@ typedef struct resist_base {
    layers; RESIST_LINE and RESIST_PITCH, or RESIST_WIDE and RESIST_ALONE are the
    default anchor. */
 #define RESIST_LINE .follows = "the shortest gate drawn"
-#define RESIST_PITCH .follows = "that of such gates"
-#define RESIST_WIDE .follows = "wide: 3.886 lambda/NA"
+#define RESIST_PITCH .follows = "the pitch of the shortest gates"
+#define RESIST_WIDE .follows = "3.886 lambda/NA, a wide line"
 #define RESIST_ALONE .preset = "0 nm"
-#define RESIST_LAYER(set, prefix, what, line_default, pitch_default)         \
-  {.name = prefix "anchor.line", .type = OPC_REAL, .flags = OPC_ABOVE,       \
-   .unit = "nm", line_default,                                               \
-   .summary = "drawn width of the line of " what " that prints to size",     \
-   OPC_FIELD(resist_base, layer[set].anchor.line)},                          \
-  {.name = prefix "anchor.pitch", .type = OPC_REAL, .flags = OPC_AT_LEAST,   \
-   .unit = "nm", pitch_default,                                              \
-   .summary = "pitch of its grating; 0 nm for an isolated line",             \
-   OPC_FIELD(resist_base, layer[set].anchor.pitch)},                         \
-  {.name = prefix "anchor.cd", .type = OPC_REAL, .flags = OPC_ABOVE,         \
-   .unit = "nm",                                                             \
-   .summary = "printed width wanted; the drawn one if not given",            \
-   OPC_FIELD(resist_base, layer[set].anchor.cd)},                            \
-  {.name = prefix "table", .type = OPC_REALS, .unit = "nm",                  \
-   .summary = "printed widths of the anchor's line through pitch, in place " \
-              "of the anchor: [pitch, cd, ...]",                             \
-   OPC_FIELD(resist_base, layer[set].table),                                 \
-   .given = offsetof(resist_base, layer[set].table_given)},                  \
-  {.name = prefix "table_file", .type = OPC_FILE,                            \
-   .summary = "the same from a CSV file, columns 'pitch', 'cd' and, for "    \
-              "several lines, 'line', in nm",                                \
-   OPC_FIELD(resist_base, layer[set].file)},                                 \
-  {.name = prefix "tone", .type = OPC_CHOICE, .preset = "dark",              \
-   .choices = "dark|bright",                                                 \
-   .summary = "whether dark or bright features of " what " print",           \
+#define RESIST_LAYER(set, prefix, what, line_default, pitch_default)          \
+  {.name = prefix "anchor.line", .type = OPC_REAL, .flags = OPC_ABOVE,        \
+   .unit = "nm", line_default,                                                \
+   .summary = "drawn width of the line of " what " that prints to size",      \
+   OPC_FIELD(resist_base, layer[set].anchor.line)},                           \
+  {.name = prefix "anchor.pitch", .type = OPC_REAL, .flags = OPC_AT_LEAST,    \
+   .unit = "nm", pitch_default,                                               \
+   .summary = "pitch of the anchor line; 0 nm: isolated line",                \
+   OPC_FIELD(resist_base, layer[set].anchor.pitch)},                          \
+  {.name = prefix "anchor.cd", .type = OPC_REAL, .flags = OPC_ABOVE,          \
+   .unit = "nm",                                                              \
+   .summary = "wanted printed width; default: the drawn width",               \
+   OPC_FIELD(resist_base, layer[set].anchor.cd)},                             \
+  {.name = prefix "table", .type = OPC_REALS, .unit = "nm",                   \
+   .summary = "place of the anchor: [pitch, cd, ...]",                        \
+   OPC_FIELD(resist_base, layer[set].table),                                  \
+   .given = offsetof(resist_base, layer[set].table_given)},                   \
+  {.name = prefix "table_file", .type = OPC_FILE,                             \
+   .summary = "CSV file of printed widths: columns 'pitch', 'cd' and, for "   \
+              "several lines, 'line', in nm",                                 \
+   OPC_FIELD(resist_base, layer[set].file)},                                  \
+  {.name = prefix "tone", .type = OPC_CHOICE, .preset = "dark",               \
+   .choices = "dark|bright",                                                  \
+   .summary = "features of " what " that print: dark or bright",              \
    OPC_FIELD(resist_base, layer[set].bright)}
 /* clang-format on */
 
 /* Parameter for poly, whose lines are those of gates. */
-#define RESIST_GATES                                                   \
-  OPC_PARAMETER_NAMED(                                                 \
-      "anchor.gates", resist_base, layer[0].gates, .type = OPC_INPUT,  \
-      .choices = "gates",                                              \
-      .given = offsetof(resist_base, layer[0].gates_given),            \
-      .summary =                                                       \
-          "transistors that give the anchor its line and pitch where " \
-          "those are not given: the shortest gate, at its pitch")
+#define RESIST_GATES                                                        \
+  OPC_PARAMETER_NAMED("anchor.gates", resist_base, layer[0].gates,          \
+                      .type = OPC_INPUT, .choices = "gates",                \
+                      .given = offsetof(resist_base, layer[0].gates_given), \
+                      .summary =                                            \
+                          "transistors that define missing values of the "  \
+                          "anchor: line and pitch of the shortest gates")
 
 #define RESIST_DIFFUSION                                               \
   OPC_PARAMETER(                                                       \
@@ -101,13 +98,14 @@ typedef struct resist_base {
       .unit = "nm", .preset = "0 nm", .min = 0,                        \
       .summary = "standard deviation of the Gaussian that blurs the image")
 
-#define RESIST_POLY "poly and layers past active"
+#define RESIST_POLY "poly and layers after active"
 
-#define RESIST_METRICS                                                  \
-  {"anchor_line", "nm", OPC_NEUTRAL, 0,                                 \
-   "drawn width of the line that the resist is calibrated on"},         \
-  {                                                                     \
-    "anchor_pitch", "nm", OPC_NEUTRAL, 0, "... and its pitch; 0: alone" \
+#define RESIST_METRICS                                        \
+  {"anchor_line", "nm", OPC_NEUTRAL, 0,                       \
+   "drawn width of the line used for calibration"},           \
+  {                                                           \
+    "anchor_pitch", "nm", OPC_NEUTRAL, 0,                     \
+        "pitch of the line used for calibration; 0: isolated" \
   }
 
 /* Check the values of a layer, for the `check` function of a plugin. Return
@@ -148,5 +146,3 @@ int resist_fit(resist_base *resist, int set, const opc_module *litho,
    constant plus, if not NULL, a field on the same grid. */
 void resist_print(const resist_base *resist, int layer, double constant,
                   const eda_field *variable, eda_field *field);
-
-#endif

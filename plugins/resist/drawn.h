@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Line and pitch of the transistors of a layout, for the default anchor. */
-#ifndef OPCFLOW_RESIST_DRAWN_H
-#define OPCFLOW_RESIST_DRAWN_H
+#pragma once
 
 #include <eda/gates.h>
 
@@ -19,5 +18,3 @@ typedef struct resist_drawn {
    varies between cells. The smallest pitch would be that of gates in series
    without a contact, however rare. Return 0 if there are no gates. */
 int resist_drawn_of(const eda_gates *gates, resist_drawn *out);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Test helpers of resist models: simulated lines. */
-#ifndef OPCFLOW_RESIST_LINES_TEST_H
-#define OPCFLOW_RESIST_LINES_TEST_H
+#pragma once
 
 #include <eda/gates.h>
 #include <eda/memory.h>
@@ -97,5 +96,3 @@ static inline void lines_refused(const char *id, const char *parameters,
   if (!strstr(error.message, why))
     g_error("'%s' does not say '%s'", error.message, why);
 }
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The pieces of the step `search`: the best of all settings of a flow's
    parameters, and the mask that it makes (thesis 3.3.1). */
-#ifndef SEARCH_SEARCH_H
-#define SEARCH_SEARCH_H
+#pragma once
 
 #include <eda/settings.h>
 #include <opcflow/inner.h>
@@ -47,5 +46,3 @@ eda_settings *search_settings(const search *search);
 /* The tables and the metrics. */
 int search_report(const search *search, const eda_settings *settings,
                   opc_error *error);
-
-#endif

@@ -3,8 +3,7 @@
    correct/control.h. Widths wait until no length moves: lengths of neighbours
    have the largest effect on a transistor, and the active area is not imaged
    until then. */
-#ifndef SYNTHESIZER_DESCENT_H
-#define SYNTHESIZER_DESCENT_H
+#pragma once
 
 #include <opcflow/plugin.h>
 
@@ -46,5 +45,3 @@ int descent_is_done(const opc_host *host, const eda_feedback *f,
                     const descent_moves *moves);
 
 const char *descent_verdict(const descent *d, size_t gate);
-
-#endif

@@ -2,8 +2,7 @@
 /* What the steps of timing share: a circuit of cells in the order of signals,
    its cells' tables at their loads and sizes, and static analysis. Times s,
    capacitances F, unless they say ps. */
-#ifndef OPCFLOW_TIMING_GRAPH_H
-#define OPCFLOW_TIMING_GRAPH_H
+#pragma once
 
 #include <eda/netlist.h>
 #include <eda/timing.h>
@@ -127,5 +126,3 @@ typedef struct arrivals {
 } arrivals;
 arrivals static_arrivals(const graph *g, const state *s, double slew,
                          eda_pool *pool);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Parameters and metrics that steps of timing have in common. `self_type` is
    the struct of the step's instance. */
-#ifndef OPCFLOW_TIMING_PARAMETERS_H
-#define OPCFLOW_TIMING_PARAMETERS_H
+#pragma once
 
 #include <opcflow/step.h>
 
@@ -49,5 +48,3 @@
   { .name = (id), .unit = (of), .better = OPC_NEUTRAL, .summary = (text) }
 #define COST(id, of, text) \
   { .name = (id), .unit = (of), .better = OPC_LOWER, .summary = (text) }
-
-#endif

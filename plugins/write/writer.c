@@ -35,8 +35,8 @@ void writer_fail(writer *w, const char *format, ...) {
 
 static int no_layer(const writer *w, const char *name, opc_error *error) {
   return opc_fail(error, OPC_INVALID, "layers",
-                  "'%s': the layer has no %s; say which, as in { %s: %s }",
-                  name, strchr(w->format->layer, '/') ? "number" : "name", name,
+                  "'%s': the layer has no %s; set one, as in { %s: %s }", name,
+                  strchr(w->format->layer, '/') ? "number" : "name", name,
                   w->format->layer);
 }
 
@@ -200,8 +200,8 @@ static int name_mask(const writer *w, mask_layer *layers, size_t n,
     for (size_t j = 0; j < i; j++)
       if (collide(layers[i].file_name, layers[j].file_name))
         return opc_fail(error, OPC_INVALID, "layers",
-                        "'%.100s' and '%.100s' would both be layer %s; say "
-                        "which is which, as in { %.100s: %s }",
+                        "'%.100s' and '%.100s' would both be layer %s; set "
+                        "different ones, as in { %.100s: %s }",
                         layers[j].name, layers[i].name, layers[i].file_name,
                         layers[i].name, w->format->layer);
   return OPC_OK;

@@ -2,8 +2,7 @@
 /* Common part of the writers of layouts: selection and order of cells, shapes
    and layers, and opening and closing of the file. A format defines their
    representation in the file. */
-#ifndef OPCFLOW_WRITE_WRITER_H
-#define OPCFLOW_WRITE_WRITER_H
+#pragma once
 
 #include <eda/formats.h>
 #include <eda/layout.h>
@@ -57,19 +56,19 @@ typedef struct writer {
 
 /* Parameters of a writer whose instance, a `state`, begins with `writer w`;
    `preset_name` is the default name of the file. */
-#define WRITE_PARAMETERS(state, preset_name, layers_summary)                   \
-  {                                                                            \
-    OPC_PARAMETER_NAMED("layout", state, w.layout, .type = OPC_INPUT,          \
-                        .choices = "layout", .summary = "The layout to write", \
-                        .given = offsetof(state, w.layout_given)),             \
-        OPC_PARAMETER_NAMED(                                                   \
-            "mask", state, w.mask, .type = OPC_INPUT, .choices = "mask",       \
-            .summary = "The mask to write, in place of a layout",              \
-            .given = offsetof(state, w.mask_given)),                           \
-        OPC_PARAMETER_NAMED("file", state, w.name, .type = OPC_OUTPUT,         \
-                            .preset = (preset_name), .summary = "The file"),   \
-        OPC_PARAMETER_NAMED("layers", state, w.layers, .type = OPC_MAP,        \
-                            .summary = (layers_summary)),                      \
+#define WRITE_PARAMETERS(state, preset_name, layers_summary)                  \
+  {                                                                           \
+    OPC_PARAMETER_NAMED("layout", state, w.layout, .type = OPC_INPUT,         \
+                        .choices = "layout", .summary = "Layout to write",    \
+                        .given = offsetof(state, w.layout_given)),            \
+        OPC_PARAMETER_NAMED("mask", state, w.mask, .type = OPC_INPUT,         \
+                            .choices = "mask",                                \
+                            .summary = "Mask to write, in place of a layout", \
+                            .given = offsetof(state, w.mask_given)),          \
+        OPC_PARAMETER_NAMED("file", state, w.name, .type = OPC_OUTPUT,        \
+                            .preset = (preset_name), .summary = "The file"),  \
+        OPC_PARAMETER_NAMED("layers", state, w.layers, .type = OPC_MAP,       \
+                            .summary = (layers_summary)),                     \
   }
 
 /* Implement `check` of a plugin and `run` of its step. Return OPC_OK or an
@@ -91,5 +90,3 @@ int writer_along(eda_point from, uint64_t n, eda_point step, eda_point *to);
 /* Return the decimal number of 14 digits nearest to v, a product of two such
    numbers. */
 double writer_decimal(double v);
-
-#endif

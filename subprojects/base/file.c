@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Looks at files, folders and names. */
+/* Checks of files, folders and names, most of them without opening them. */
 #include <base/file.h>
 #include <errno.h>
 #include <string.h>

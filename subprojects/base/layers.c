@@ -1,24 +1,25 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Lays trees over each other, and reads what a command line lays over a flow.
- */
+/* Application of trees over each other, and parsing of layers from a command
+   line. */
 #include <base/layers.h>
 
 #include <string.h>
 
-/* Of a path: as many words as a file may nest. */
+/* Largest number of words in a path, equal to the nesting of a file. */
 enum { DEEPEST = 64 };
 
-/* What all of one lay() needs. */
+/* Common arguments of opc_lay(). */
 typedef struct layer {
   opc_problems *problems;
-  const opc_node *steps; /* the map whose new entries need `use`, or NULL */
+  const opc_node *steps; /* map whose new entries need `use`, or NULL */
 } layer;
 
 static void lay_map(const layer *l, opc_node *under, const opc_node *over);
 
 /* ---- one key ---- */
 
-/* Maps are laid over nothing: what they want to remove cannot be there. */
+/* Copy a node. A map is applied over an empty one, so its keys to remove do not
+   exist. */
 static opc_node *copy(const layer *l, const opc_node *node) {
   if (node->type != OPC_NODE_MAP) return opc_node_copy(node, NULL);
   opc_node *map = opc_node_map_new(node->source, &node->at);
@@ -26,7 +27,7 @@ static opc_node *copy(const layer *l, const opc_node *node) {
   return map;
 }
 
-/* Whether a map is about another plugin than the one below. */
+/* Return whether a map names another plugin than the map below. */
 static gboolean is_other(const opc_node *under, const opc_node *over) {
   const opc_node *new = opc_node_get(over, "use");
   const opc_node *old = opc_node_get(under, "use");
@@ -45,7 +46,8 @@ static void add_key(const layer *l, opc_node *under, const opc_node *key,
     opc_node_add(under, opc_node_copy(key, NULL), copy(l, value));
 }
 
-/* The same for a key that is there with `*old`: both become NULL if it goes. */
+/* Apply a key that exists with the value `*old`: both become NULL if the key is
+   removed. */
 static void lay_key(const layer *l, gpointer *old_key, gpointer *old,
                     const opc_node *key, const opc_node *value) {
   gboolean maps =
@@ -66,7 +68,7 @@ static void lay_key(const layer *l, gpointer *old_key, gpointer *old,
 static void put(opc_node *map, const opc_node *key, const char *path,
                 const opc_node *value, gboolean deep, opc_problems *problems);
 
-/* Of a map in a map whose keys with dots are to go, too. */
+/* Copy all keys of a map in a map; `deep`: also expand keys with dots. */
 static void put_all(opc_node *map, const opc_node *from, gboolean deep,
                     opc_problems *problems) {
   for (guint i = 0; i < from->keys->len; i++)
@@ -74,7 +76,8 @@ static void put_all(opc_node *map, const opc_node *from, gboolean deep,
         deep, problems);
 }
 
-/* As deep as the path has dots, and as the value. */
+/* Insert a value; recursion is as deep as the dots of the path and as the
+   value. */
 static void put(opc_node *map, const opc_node *key, const char *path,
                 const opc_node *value, gboolean deep, opc_problems *problems) {
   size_t n = strcspn(path, ".");
@@ -111,7 +114,7 @@ opc_node *opc_undot(const opc_node *map, gboolean deep,
   return copy;
 }
 
-/* Whether a key of `map` goes on behind the dots of one in `other`, which is a
+/* Return whether a key of `map` continues a dotted key of `other`, which is a
    map: "a: { b: ... }" and "a.b: ...". */
 static gboolean meets(const opc_node *map, const opc_node *other) {
   for (guint i = 0; i < map->keys->len; i++) {
@@ -125,7 +128,7 @@ static gboolean meets(const opc_node *map, const opc_node *other) {
   return FALSE;
 }
 
-/* Both forms of a key in two layers become one. */
+/* Convert both forms of a key in two layers to one. */
 static opc_node *undot_both(opc_node *under, const opc_node *over,
                             opc_problems *problems) {
   opc_node *flat = opc_undot(under, FALSE, problems);
@@ -140,13 +143,14 @@ static opc_node *undot_both(opc_node *under, const opc_node *over,
 
 /* ---- maps ---- */
 
-/* As deep as the trees; in time proportional to them. */
+/* Apply a map. Recursion is as deep as the trees; time is proportional to their
+   size. */
 static void lay_map(const layer *l, opc_node *under, const opc_node *over) {
   g_autoptr(opc_node) undotted = NULL;
   if (under != l->steps && (meets(over, under) || meets(under, over)))
     undotted = undot_both(under, over, l->problems);
   if (undotted) over = undotted;
-  /* Of each key above, its number and one; what is below leaves it. */
+  /* Unmatched keys of the upper map. */
   g_autoptr(GHashTable) left = g_hash_table_new(g_str_hash, g_str_equal);
   gpointer *keys = under->keys->pdata, *items = under->items->pdata;
   guint n = 0, before = under->keys->len;
@@ -177,7 +181,7 @@ void opc_lay(opc_node *under, const opc_node *over, opc_problems *problems) {
   lay_map(&l, under, over);
 }
 
-/* Where there are no steps yet, all are new. */
+/* Without existing steps, all are new. */
 void opc_lay_steps(opc_node *steps, const opc_node *over,
                    opc_problems *problems) {
   const layer l = {problems, steps->keys->len ? steps : NULL};
@@ -199,7 +203,8 @@ static gboolean check_path(char **words, const char *path, const opc_place *at,
   return good;
 }
 
-/* The maps in maps that a path means; NULL and a problem. */
+/* Return the nested maps of a path; NULL and a problem if the path is
+   invalid. */
 static opc_node *path_tree(const char *path, const opc_place *key,
                            const opc_node *value, opc_problems *problems) {
   g_auto(GStrv) words = g_strsplit(path, ".", DEEPEST + 1);
@@ -232,13 +237,14 @@ void opc_lay_demands(opc_node *demands, const char *path, const opc_place *key,
 
 /* ---- the command line ---- */
 
-/* An unquoted ~ comes as the home folder, which no value is meant to be. */
+/* Return whether the shell has expanded an unquoted ~ to the home folder, which
+   no value can be. */
 static gboolean is_expanded(const char *text) {
   const char *home = g_getenv("HOME");
   return home && *home == '/' && home[1] && !strcmp(text, home);
 }
 
-/* Its problems have no line. */
+/* Parse a value; its problems have no line. */
 static opc_node *parse_value(const char *text, const opc_source *source,
                              opc_problems *problems) {
   g_autoptr(opc_problems) found = opc_problems_new();
@@ -271,7 +277,7 @@ opc_node *opc_argument_parse(const char *option, const char *text, char **path,
     return NULL;
   }
   opc_node *value = equals ? parse_value(equals + 1, *source, problems) : NULL;
-  /* A whole step can be removed or changed, but is no value. */
+  /* A whole step can be removed or changed, but has no value. */
   gboolean good = equals && **path;
   if (good && value && !strchr(*path, '.'))
     good = value->type == OPC_NODE_MAP || opc_node_is_null(value);

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A node as YAML on one line, with quotes only where they are needed. */
+/* A node as YAML on one line, quoted only where necessary. */
 #include <base/node.h>
 #include <string.h>
 
 #define LETTERS G_CSET_a_2_z G_CSET_A_2_Z G_CSET_DIGITS "_-."
 
-/* Whether a text can stand without quotes: nothing in it means anything to
-   YAML. */
+/* Return whether a text is plain YAML without special characters, so that
+   quotes are unnecessary. */
 static gboolean is_plain(const char *text) {
   size_t n = strlen(text);
   if (!n || text[n - 1] == ' ') return FALSE;
@@ -38,7 +38,7 @@ void opc_text_append(GString *out, const char *text) {
   g_string_append_c(out, '"');
 }
 
-/* A text, list or map on one line. */
+/* Append a text, list or map on one line. */
 void opc_node_append(GString *out, const opc_node *node) {
   if (node->type == OPC_NODE_TEXT) {
     opc_text_append(out, node->text);

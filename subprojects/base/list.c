@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Reads a list of maps from CSV, or any list from YAML. */
+/* Reader of lists: a list of maps from CSV, or any list from YAML. */
 #include <base/list.h>
 
 #include <base/file.h>
 #include <string.h>
 
-/* As a flow file may have. */
+/* Equal to the limits of a flow file. */
 enum { MOST_BYTES = 16 << 20, MOST_CELLS = 200000 };
 
 /* ---- CSV ---- */
@@ -26,7 +26,7 @@ static void step(csv *c) {
   }
 }
 
-/* The text of a cell in quotes; FALSE and a problem. */
+/* Read the text of a quoted cell. Return FALSE and a problem on failure. */
 static gboolean read_quoted(csv *c, GString *text) {
   const opc_place start = c->place;
   gboolean open = TRUE;
@@ -46,7 +46,7 @@ static gboolean read_quoted(csv *c, GString *text) {
                          "text behind a quote that has ended");
 }
 
-/* A cell, up to the comma or the end of the line (not taken). */
+/* Return a cell, up to the comma or the end of the line (exclusive). */
 static opc_node *read_cell(csv *c) {
   const opc_place start = c->place;
   g_autoptr(GString) text = g_string_new(NULL);
@@ -66,7 +66,8 @@ static opc_node *read_cell(csv *c) {
   return node;
 }
 
-/* The cells of a line, and what ends it; NULL and a problem. */
+/* Return the cells of a line and consume its end; NULL and a problem on
+   failure. */
 static GPtrArray *read_line(csv *c) {
   g_autoptr(GPtrArray) cells =
       g_ptr_array_new_with_free_func((GDestroyNotify)opc_node_free);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Patterns of names of files and of other values. */
+/* Patterns of file names and of other values. */
 #include <base/match.h>
 
 #include <base/file.h>
@@ -24,7 +24,7 @@ static int find_text(const opc_values *v, const char *text) {
   return -1;
 }
 
-/* Of what several patterns give, each is there once. */
+/* Add a text unless an earlier pattern matched it. */
 static void add_text(opc_values *v, const opc_node *like, const char *text,
                      char *star) {
   if (find_text(v, text) >= 0) {
@@ -37,7 +37,7 @@ static void add_text(opc_values *v, const opc_node *like, const char *text,
   g_ptr_array_add(v->stars, star);
 }
 
-/* Of files, by the name without the folder. */
+/* Files are compared by their names without folders. */
 void opc_values_remove(opc_values *v, const char *pattern, gboolean files) {
   for (guint i = v->nodes->len; i-- > 0;) {
     const char *text = ((const opc_node *)v->nodes->pdata[i])->text;
@@ -49,8 +49,8 @@ void opc_values_remove(opc_values *v, const char *pattern, gboolean files) {
   }
 }
 
-/* What the only wildcard of a pattern, a star, stands for in a path (g_free);
-   "" if there are others. */
+/* Return the part of a path matched by the star, the only wildcard of a pattern
+   (g_free); "" if there are others. */
 static char *star_of(const char *pattern, const char *path) {
   const char *star = strchr(pattern, '*');
   if (!star || strpbrk(star + 1, "*?[") ||
@@ -74,7 +74,7 @@ gboolean opc_match_files(const opc_node *node, opc_values *out,
          opc_wrong(problems, node, "no file is called as '%s'", pattern);
 }
 
-/* The file that belongs to the one whose name's star stood for `star`. */
+/* Find the file that belongs to the one whose star matched `star`. */
 gboolean opc_pair_file(const opc_node *node, const char *star, opc_values *out,
                        opc_problems *problems) {
   g_autofree char *pattern = opc_node_path(node);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Builds trees from the events of libyaml, and looks into them. */
+/* Construction of trees from events of libyaml, and access to them. */
 #include <base/file.h>
 #include <base/node.h>
 #include <base/suggest.h>
@@ -13,8 +13,8 @@ enum {
   LONGEST_TEXT = 1 << 16,  /* bytes */
 };
 
-/* Stand for the braces of ${name} while libyaml reads: in { } they would end
-   the text. Private characters, one column wide as the braces are. */
+/* Placeholders for the braces of ${name} during parsing, because a brace would
+   end the text in { }. Private characters, one column wide like the braces. */
 #define OPEN "\xEE\x80\x80"  /* U+E000 */
 #define CLOSE "\xEE\x80\x81" /* U+E001 */
 
@@ -64,7 +64,7 @@ opc_node *opc_node_map_new(const opc_source *source, const opc_place *at) {
   return node_new(OPC_NODE_MAP, source, at);
 }
 
-/* As deep as the tree, and what is laid over it. */
+/* Recursion is as deep as the tree with its layers. */
 opc_node *opc_node_copy(const opc_node *node, const opc_source *source) {
   opc_place at = node->at;
   if (source) at.file = source->name;
@@ -201,10 +201,10 @@ static gboolean next_event(builder *b, yaml_event_t *event) {
                          parser->context ? parser->context : "");
 }
 
-/* What keeps an event from being a node; NULL: nothing. */
+/* Return why an event is no valid node; NULL if it is one. */
 static char *event_fault(const builder *b, const yaml_event_t *event,
                          opc_node_type type, unsigned depth, gboolean is_key) {
-  /* The structs of texts, lists and maps begin with the same members. */
+  /* The structs of texts, lists and maps start with equal members. */
   const char *anchor = (const char *)event->data.scalar.anchor;
   const char *tag = (const char *)event->data.scalar.tag;
   size_t length = event->data.scalar.length;
@@ -228,8 +228,8 @@ static char *event_fault(const builder *b, const yaml_event_t *event,
 
 static gboolean read_items(builder *b, opc_node *node, unsigned depth);
 
-/* The node that an event begins, NULL if it begins none. FALSE if there is no
-   use going on. As deep as the tree. */
+/* Read the node that an event starts, NULL if none. Return FALSE to stop
+   parsing. Recursion is as deep as the tree. */
 static gboolean read_node(builder *b, const yaml_event_t *event, unsigned depth,
                           gboolean is_key, opc_node **out) {
   opc_place at = place_of(b, event->start_mark);
@@ -255,7 +255,7 @@ static gboolean read_node(builder *b, const yaml_event_t *event, unsigned depth,
   return TRUE;
 }
 
-/* Tell of a key that is there twice. `lines`: where each was first given. */
+/* Report a duplicate key. `lines` holds the first place of each key. */
 static void check_key(const builder *b, GHashTable *lines, const opc_node *key,
                       const opc_place *at) {
   guint first = GPOINTER_TO_UINT(g_hash_table_lookup(lines, key->text));
@@ -267,7 +267,7 @@ static void check_key(const builder *b, GHashTable *lines, const opc_node *key,
     g_hash_table_insert(lines, key->text, GUINT_TO_POINTER(at->line));
 }
 
-/* What is in a list or map, to its end. */
+/* Read the contents of a list or map up to its end. */
 static gboolean read_items(builder *b, opc_node *node, unsigned depth) {
   g_autoptr(GHashTable) lines = g_hash_table_new(g_str_hash, g_str_equal);
   opc_node *key = NULL, *item = NULL;
@@ -292,14 +292,14 @@ static gboolean read_items(builder *b, opc_node *node, unsigned depth) {
   return good;
 }
 
-/* What YAML takes, less the two that stand for braces here. */
+/* Return whether YAML allows a character, other than the two placeholders. */
 static gboolean is_yaml(gunichar c) {
   if (c < 0x20) return c == '\t' || c == '\n' || c == '\r';
   if (c < 0xA0) return c < 0x7F || c == 0x85;
   return c != 0xE000 && c != 0xE001 && c != 0xFFFE && c != 0xFFFF;
 }
 
-/* libyaml would refuse such bytes without telling the place. */
+/* Report invalid bytes here, because libyaml reports them without a place. */
 static gboolean check_bytes(const opc_source *source, const char *text,
                             size_t length, opc_problems *problems) {
   const char *end = text;
@@ -324,7 +324,7 @@ static gboolean check_bytes(const opc_source *source, const char *text,
   return good && c == end;
 }
 
-/* The one document of a stream. */
+/* Return the only document of a stream. */
 static opc_node *read_document(builder *b) {
   opc_node *root = NULL;
   yaml_event_t event;
@@ -341,7 +341,7 @@ static opc_node *read_document(builder *b) {
   return root;
 }
 
-/* What some editors put before UTF-8. */
+/* Written by some editors at the start of UTF-8. */
 static const char byte_order_mark[] = "\xEF\xBB\xBF";
 
 opc_node *opc_node_parse(const opc_source *source, const char *text,

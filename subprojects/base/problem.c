@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Gathers faults, drops those that are known, sorts them and writes them out.
- */
+/* Collection of problems: duplicates are dropped, the others sorted and
+   formatted. */
 #include <base/problem.h>
 #include <base/shown.h>
 #include <string.h>
@@ -33,7 +33,7 @@ gboolean opc_problems_full(const opc_problems *problems) {
   return problems->list->len >= MOST_PROBLEMS;
 }
 
-/* Cut between two characters. */
+/* Cut a message between two characters. */
 static void cut(char *message) {
   if (strlen(message) <= LONGEST_MESSAGE) return;
   char *end = g_utf8_find_prev_char(message, message + LONGEST_MESSAGE - 3);
@@ -59,7 +59,8 @@ gboolean opc_problem_add(opc_problems *problems, int code,
   return FALSE;
 }
 
-/* Whether one of the first `n` is `p`, with what is noted of it or without. */
+/* Return whether one of the first `n` problems equals `p`, with or without the
+   note. */
 static gboolean is_known(const opc_problems *problems, guint n,
                          const opc_problem *p, const char *noted) {
   for (guint i = 0; i < n; i++) {
@@ -96,7 +97,8 @@ static gboolean same_file(gconstpointer a, gconstpointer b) {
   return !g_strcmp0(a, b); /* either may be NULL */
 }
 
-/* The number of its file among those, as many as there are if it is new. */
+/* Return the number of the file of a problem in a list, or the length of the
+   list for a new file. */
 static guint file_rank(const GPtrArray *files, const opc_problem *problem) {
   guint rank = files->len;
   g_ptr_array_find_with_equal_func((GPtrArray *)files, problem->at.file,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Turns a range into its values. */
+/* Expansion of a range to its values. */
 #include <base/range.h>
 #include <base/suggest.h>
 #include <base/unit.h>
@@ -16,7 +16,7 @@ gboolean opc_unknown_unit(const opc_node *node, const char *name,
                    node->text, suggestion);
 }
 
-/* A number with what stands behind it. */
+/* A number and the text after it. */
 typedef struct quantity {
   double number; /* in the unit of `from` */
   const char *unit;
@@ -33,7 +33,7 @@ static gboolean check_range_keys(const opc_node *range,
          good;
 }
 
-/* In the unit of `from`, which is NULL for itself. */
+/* Read a quantity in the unit of `from`; NULL for the first quantity itself. */
 static gboolean read_quantity(const opc_node *range, const char *key,
                               const quantity *from, opc_problems *problems,
                               quantity *out) {
@@ -56,17 +56,19 @@ static gboolean read_quantity(const opc_node *range, const char *key,
                    text);
 }
 
-/* How many values a range has; 0 and a problem. */
+/* Return the number of values of a range; 0 and a problem if the range is
+   invalid. */
 static guint range_count(const opc_node *range, const quantity *from,
                          const quantity *to, const quantity *step,
                          opc_problems *problems) {
   double steps = (to->number - from->number) / step->number;
-  /* A step that divides the range but for rounding reaches its end. */
+  /* A step that divides the range within rounding reaches the end. */
   double count = floor(steps * (1 + 1e-12) + 1e-9) + 1;
   double short_of = steps - (count - 1);
   if (count >= 1 && count <= most_values && short_of <= steps * 1e-12 + 1e-9)
     return (guint)count;
-  /* What it would lead to: the end may be mistyped as well as the step. */
+  /* The nearest possible end, because the end may be mistyped as well as the
+     step. */
   double end = from->number + (count - 1) * step->number;
   g_autofree char *last =
       count > 1 && isfinite(end)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tables of texts: as aligned columns that fit their place, as Markdown and as
+/* Tables of texts: as aligned columns of limited width, as Markdown and as
    CSV. */
 #include <base/sheet.h>
 #include <string.h>
@@ -31,7 +31,7 @@ static const char *cell_of(const opc_sheet *s, size_t row, size_t i) {
   return s->cells->pdata[row * s->n + i];
 }
 
-/* Put each row on one line, and measure the columns. */
+/* Replace line breaks in cells, and measure the columns. */
 static void sheet_measure(opc_sheet *s) {
   s->rows = s->cells->len / MAX(s->n, 1);
   for (guint k = 0; k < s->cells->len; k++) {
@@ -44,7 +44,7 @@ static void sheet_measure(opc_sheet *s) {
 
 enum { GAP = 2 };
 
-/* The columns whose numbers are in a list, as one block. */
+/* Append the columns with the numbers in a list as one block. */
 static void append_block(GString *out, const opc_sheet *s, const GArray *list) {
   for (size_t row = 0; row < s->rows; row++) {
     for (guint k = 0; k < list->len; k++) {
@@ -75,8 +75,8 @@ static gboolean is_constant(const opc_sheet *s, size_t i) {
   return s->rows > 2;
 }
 
-/* Take columns that are the same in all rows off the list; what they say goes
-   into lines of their own. */
+/* Remove columns with equal cells from the list, and append their names and
+   values to a note. */
 static void drop_constants(const opc_sheet *s, GArray *list, size_t width,
                            GString *note) {
   size_t at = 0;
@@ -101,7 +101,7 @@ static void drop_constants(const opc_sheet *s, GArray *list, size_t width,
   if (note->len) g_string_append_c(note, '\n');
 }
 
-/* Whether the first k columns of a list tell all rows apart. */
+/* Return whether the first k columns of a list identify all rows. */
 static gboolean tells_apart(const opc_sheet *s, const GArray *list, guint k) {
   g_autoptr(GHashTable) seen =
       g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
@@ -115,8 +115,8 @@ static gboolean tells_apart(const opc_sheet *s, const GArray *list, guint k) {
   return TRUE;
 }
 
-/* How many columns say what a row is: the first one, and texts behind it while
-   rows look alike, as far as half of the width. */
+/* Return the number of columns that identify a row: the first one, and text
+   columns after it while rows are equal, up to half of the width. */
 static guint count_keys(const opc_sheet *s, const GArray *list, size_t width) {
   size_t total = s->widths[g_array_index(list, size_t, 0)];
   guint k = 1;
@@ -128,7 +128,7 @@ static guint count_keys(const opc_sheet *s, const GArray *list, size_t width) {
   return k;
 }
 
-/* Blocks below each other, each with the key columns. */
+/* Append blocks below each other, each with the key columns. */
 static void append_blocks(GString *out, const opc_sheet *s, const GArray *list,
                           size_t width) {
   guint keys = count_keys(s, list, width), k = keys;
@@ -146,7 +146,8 @@ static void append_blocks(GString *out, const opc_sheet *s, const GArray *list,
   } while (k < list->len);
 }
 
-/* A line for each column, which begins with its head; rows side by side. */
+/* Append a transposed table: a line for each column, which starts with its
+   name. */
 static void append_turned(GString *out, const opc_sheet *s, const GArray *list,
                           const size_t *widths) {
   for (guint k = 0; k < list->len; k++) {
@@ -162,7 +163,8 @@ static void append_turned(GString *out, const opc_sheet *s, const GArray *list,
   }
 }
 
-/* Few rows of many columns are turned, if they fit then. */
+/* Append the transposed table if it has few rows, many columns, and fits.
+   Return whether it does. */
 static gboolean append_if_turned(GString *out, const opc_sheet *s,
                                  const GArray *list, size_t width) {
   if (s->rows > list->len) return FALSE;
@@ -203,7 +205,8 @@ char *opc_sheet_text(opc_sheet *s, size_t width) {
 
 /* ---- Markdown ---- */
 
-/* A bar would end its cell, and a backslash hide a bar. */
+/* Append a text with bars and backslashes escaped, because a bar would end its
+   cell. */
 static void append_escaped(GString *out, const char *text) {
   for (; *text; text++) {
     if (strchr("|\\`*_<", *text)) g_string_append_c(out, '\\');

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Writes out what cannot be printed. */
+/* Printable forms of unprintable characters. */
 #include <base/shown.h>
 #include <glib.h>
 #include <string.h>
@@ -11,7 +11,7 @@ static void append_text(GString *out, gunichar c) {
     g_string_append_printf(out, "\\u{%x}", c);
 }
 
-/* Beyond 16 bits as two halves. */
+/* Append an escape; characters beyond 16 bits become surrogate pairs. */
 static void append_json(GString *out, gunichar c) {
   if (c < 0x10000)
     g_string_append_printf(out, "\\u%04x", c);
@@ -20,7 +20,7 @@ static void append_json(GString *out, gunichar c) {
                            0xDC00 + (c & 0x3FF));
 }
 
-/* `escape` comes before a byte that is no character. */
+/* Return a printable copy; `escape` precedes an invalid byte. */
 static char *show(const char *text, const char *keep, const char *escape,
                   void (*append)(GString *, gunichar)) {
   GString *out = g_string_sized_new(strlen(text));

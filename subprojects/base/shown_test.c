@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What cannot be printed, written out; JSON against the parser of JSON-GLib. */
+/* Printable forms; those of JSON are compared with the parser of JSON-GLib. */
 #include <base/shown.h>
 #include <json-glib/json-glib.h>
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Counts the edits from one word to another. */
+/* Edit distances and suggestions. */
 #include <base/suggest.h>
 #include <string.h>
 
@@ -7,7 +7,8 @@ enum { LONGEST = 64 };
 
 unsigned opc_edit_distance(const char *a, const char *b) {
   size_t m = strnlen(a, LONGEST), n = strnlen(b, LONGEST);
-  /* Three rows of the table: a swap looks two rows back. */
+  /* Three rows of the table, because a swap refers to the row before the
+     last. */
   unsigned rows[3][LONGEST + 1];
   for (size_t j = 0; j <= n; j++) rows[0][j] = (unsigned)j;
   for (size_t i = 1; i <= m; i++) {
@@ -31,7 +32,7 @@ const char *opc_nearest(const char *word, const GPtrArray *words) {
   const char *nearest = NULL;
   for (guint i = 0; i < words->len; i++) {
     unsigned distance = opc_edit_distance(word, words->pdata[i]);
-    /* A word that shares no letter is no suggestion, however short. */
+    /* A word without a common letter is no suggestion, however short. */
     if (distance > limit || distance >= strnlen(words->pdata[i], LONGEST))
       continue;
     limit = distance ? distance - 1 : 0;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Units by dimension, and numbers from one to another. */
+/* Units by dimension, and conversion of numbers. */
 #include <base/unit.h>
 #include <math.h>
 #include <stdlib.h>
@@ -8,9 +8,9 @@
 struct opc_unit {
   const char *name;
   const char *noun;
-  int exponent;  /* one of it is factor * 10^exponent of the base unit ... */
-  double factor; /* (0 stands for 1: powers of ten only) */
-  double offset; /* ... and this is its zero in the base unit */
+  int exponent;  /* value of the unit: factor * 10^exponent of the base unit */
+  double factor; /* 0 means 1: powers of ten only */
+  double offset; /* zero of the unit, in the base unit */
 };
 
 static const char length[] = "a length", area[] = "an area",
@@ -85,13 +85,14 @@ size_t opc_number_length(const char *text) {
   return (size_t)(c - text);
 }
 
-/* The number, times ten to the power of `shift`, rounded once. */
+/* Return the number times ten to the power of `shift`, rounded once. */
 static double shifted(const char *text, size_t n, int shift) {
   g_autofree char *number = g_strndup(text, n);
   char *e = strpbrk(number, "eE");
   long exponent = shift;
   if (e) {
-    /* An exponent of any size: strtol saturates, and 10^6 is beyond all. */
+    /* An exponent may have any size: strtol saturates, and 10^6 exceeds all
+       ranges. */
     exponent += CLAMP(strtol(e + 1, NULL, 10), -1000000, 1000000);
     *e = 0;
   }
@@ -131,7 +132,7 @@ char *opc_number_fixed(double number, int decimals) {
   char format[16], buffer[400];
   g_snprintf(format, sizeof format, "%%.%df", MIN(decimals, MOST_DECIMALS));
   g_ascii_formatd(buffer, sizeof buffer, format, number);
-  /* Nothing but zeros has no sign. */
+  /* Zero is written without a sign. */
   gboolean zero = *buffer == '-' && strspn(buffer, "-0.") == strlen(buffer);
   return g_strdup(buffer + zero);
 }

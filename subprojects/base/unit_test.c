@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Conversions of units against their definitions. */
+/* Conversions of units, compared with their definitions. */
 #include <base/unit.h>
 #include <math.h>
 #include <string.h>
@@ -16,8 +16,8 @@ static double convert(const char *text, const char *to) {
   return opc_number_in(text, n, from, unit);
 }
 
-/* Powers of ten are exact: what a person writes in another unit is the same
-   number to the last bit. */
+/* Powers of ten are exact: a value in another unit yields the same number to
+   the last bit. */
 static void test_exact(void) {
   g_assert_true(convert("0.065 um", "nm") == 65);
   g_assert_true(convert("193nm", "nm") == 193);

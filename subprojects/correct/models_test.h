@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Models of a few lines and a host that records messages, for tests of the
    loop. */
-#ifndef CORRECT_MODELS_TEST_H
-#define CORRECT_MODELS_TEST_H
+#pragma once
 
 #include <eda/memory.h>
 #include <glib.h>
@@ -161,5 +160,3 @@ static const eda_extractor extractor = {
     .prepare = nothing, .slicing = slicing, .extract = extract};
 #define MODULE(functions_, self_) \
   (&(const opc_module){(functions_), (self_), "test.module"})
-
-#endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The library's memory: GLib's, which is that of malloc and ends the program
-   when there is none. */
+/* Memory of the library, allocated by GLib: malloc, but the program ends if
+   none is left. */
 #include <eda/memory.h>
 #include <glib.h>
 

@@ -2,7 +2,7 @@
 /* list.delays with timing.cv: half the current takes twice as long. */
 #include <eda/gates.h>
 
-#include "check.h"
+#include "check_test.h"
 
 int main(void) {
   opc_error error = {0};

@@ -2,7 +2,7 @@
 /* list.worst on a mask of which only the currents matter. */
 #include <eda/gates.h>
 
-#include "check.h"
+#include "check_test.h"
 
 static void run_with(const char *parameters, double n_ion, double p_ion) {
   opc_error error = {0};

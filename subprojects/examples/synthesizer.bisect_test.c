@@ -3,7 +3,7 @@
    by a known amount too long or too short. */
 #include <eda/synthesizer.h>
 
-#include "check.h"
+#include "check_test.h"
 
 int main(void) {
   const eda_gates *gates = eda_gates_sample();

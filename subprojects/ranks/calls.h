@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The calls of MPI. Calls of mpi_least and mpi_spread come in the same order in
    every process. [main] */
-#ifndef RANKS_CALLS_H
-#define RANKS_CALLS_H
+#pragma once
 
 #include <opcflow/base.h>
 
@@ -23,5 +22,3 @@ int64_t mpi_turn(int64_t by);
 
 /* Set the number to 0, in the first process, while nobody takes turns. */
 void mpi_restart(void);
-
-#endif

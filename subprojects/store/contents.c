@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Lists the files of a run, and compares a folder with such a list. */
+/* List of the files of a run, and comparison of a folder with such a list. */
 #include <store/contents.h>
 
 #include <base/file.h>
@@ -11,15 +11,15 @@
 
 static const char manifest_name[] = "manifest.json";
 
-/* A manifest is three deep; a parser that recurses is spared what is much
-   deeper. */
+/* Nesting limit that protects the recursive parser; a manifest has three
+   levels. */
 enum { MOST_DEPTH = 100 };
 
 /* ---- listing ---- */
 
 static int list_entry(void *data, const char *path, const char *name,
                       const struct stat *about, opc_error *error) {
-  if (S_ISDIR(about->st_mode)) (void)rmdir(path); /* only if it is empty */
+  if (S_ISDIR(about->st_mode)) (void)rmdir(path); /* fails unless empty */
   if (!S_ISREG(about->st_mode) || !strcmp(name, manifest_name)) return OPC_OK;
   g_autofree char *sum = opc_file_sha256(path, NULL, error);
   if (!sum) return error->code;
@@ -60,8 +60,8 @@ JsonNode *opc_contents_parse(const char *text) {
   return json_from_string(text, NULL);
 }
 
-/* The files of a manifest and their sums, NULL for the folders that they are
-   in; NULL if it is no manifest with a list. */
+/* Return the files of a manifest with their sums, and their folders with NULL;
+   NULL if the manifest is invalid. */
 static GHashTable *read_list(JsonNode *manifest) {
   JsonNode *files = member(manifest, "files", JSON_TYPE_ARRAY);
   if (!text_member(manifest, "opcflow") || !files) return NULL;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Lists of facts: sums, differences, and the latest ones of each name. */
+/* Lists of facts: sums, differences, and the latest lists of each name. */
 #include <store/facts.h>
 #include <string.h>
 #include <sys/utsname.h>
@@ -37,7 +37,7 @@ const char *opc_facts_machine(void) {
 
 typedef struct fact {
   guchar about;
-  const char *path, *shown, *sum; /* of the variant */
+  const char *path, *shown, *sum; /* members of the variant */
 } fact;
 
 static guint fact_hash(gconstpointer f) {
@@ -72,7 +72,7 @@ typedef struct comparison {
    there. Return their number. */
 static guint facts_compare(const comparison *c, const fact *a, gsize n_a,
                            GHashTable *b, gboolean forward) {
-  enum { MOST = 3 }; /* described; the others are counted */
+  enum { MOST = 3 }; /* described differences; others are counted */
   guint n = 0;
   for (gsize i = 0; i < n_a; i++) {
     const fact *f = &a[i], *its = g_hash_table_lookup(b, f);

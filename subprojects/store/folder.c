@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Slots and their locks; from a slot to the name of the run. */
+/* Slots of runs and their locks, and the change from a slot to the final
+   name. */
 #include <store/folder.h>
 
 #include <errno.h>
@@ -17,8 +18,8 @@
 
 enum {
   MOST_RUNS = 100000,
-  MOST_SLOTS = 1000, /* runs of one name at the same time */
-  MOST_TRIES = 100   /* of a slot that others are just removing */
+  MOST_SLOTS = 1000, /* simultaneous runs of one name */
+  MOST_TRIES = 100   /* attempts at a slot that others are removing */
 };
 
 static gboolean is_there(const char *path) {
@@ -67,20 +68,21 @@ int opc_folder_allowed(const char *target, gboolean force, opc_error *error) {
 
 /* ---- slots ---- */
 
-/* Whether the file behind the descriptor still has that name. */
+/* Return whether the file of a descriptor still has a name. */
 static gboolean is_same(int file, const char *path) {
   struct stat its, named;
   return !fstat(file, &its) && !lstat(path, &named) &&
          its.st_ino == named.st_ino && its.st_dev == named.st_dev;
 }
 
-/* Where files cannot be locked, a slot is locked by making it, and for ever. */
+/* Return whether the file system lacks locks. Creation then locks a slot
+   permanently. */
 static gboolean cannot_lock(int why) {
   return why == ENOLCK || why == EOPNOTSUPP || why == ENOSYS;
 }
 
-/* Lock a slot, which is made if it is not there. FALSE and errno, EWOULDBLOCK
-   if a run is at work in it. */
+/* Create a slot unless it exists, and lock it. Return FALSE and errno,
+   EWOULDBLOCK for a slot in use. */
 static gboolean lock_slot(opc_folder *f) {
   for (int i = 0; i < MOST_TRIES; i++) {
     gboolean made = !g_mkdir(f->slot, 0777);
@@ -106,15 +108,15 @@ static gboolean lock_slot(opc_folder *f) {
   return FALSE;
 }
 
-/* Away with what a killed run left, but for an earlier run that it was about
-   to replace. */
+/* Remove the remains of a killed run, but restore an earlier run that it was
+   about to replace. */
 static void clear_slot(const opc_folder *f, const char *target) {
   if (is_there(f->old) && !is_there(target)) (void)rename(f->old, target);
   opc_remove_tree(f->work);
   opc_remove_tree(f->old);
 }
 
-/* The lock goes last: until then, nobody else is in there. */
+/* Unlock last: until then no other process uses the slot. */
 void opc_folder_free(opc_folder *f) {
   if (!f) return;
   if (!f->kept) {
@@ -126,7 +128,7 @@ void opc_folder_free(opc_folder *f) {
   free_names(f);
 }
 
-/* Clear the slots of that name in which no run is at work, but for our own. */
+/* Clear all unused slots of a name except the own one. */
 static void clear_others(const opc_folder *own, const char *parent,
                          const char *start, const char *target) {
   GDir *dir = g_dir_open(parent, 0, NULL);
@@ -148,7 +150,7 @@ static void clear_others(const opc_folder *own, const char *parent,
   if (dir) g_dir_close(dir);
 }
 
-/* The first slot that is free. */
+/* Return the first free slot. */
 static opc_folder *find_slot(const char *target, const char *parent,
                              const char *start, gboolean sole,
                              opc_error *error) {
@@ -204,8 +206,8 @@ opc_folder *opc_folder_open(const char *target, gboolean sole,
 
 /* ---- names ---- */
 
-/* Rename a folder, but never onto something: an empty folder, which only we
-   have just made, may be replaced by one. */
+/* Rename a folder without replacing anything, except an empty folder created by
+   this process. */
 static int move(const char *from, const char *to) {
   if (!renameat2(AT_FDCWD, from, AT_FDCWD, to, RENAME_NOREPLACE)) return 0;
   if (errno != EINVAL && errno != ENOSYS) return -1;
@@ -217,9 +219,9 @@ static int move(const char *from, const char *to) {
   return -1;
 }
 
-/* Let the run and the earlier one change places; where that cannot be done at
-   once, the earlier one goes aside first, and clear_slot puts it back if we are
-   killed in between. */
+/* Exchange the run and the earlier one. Without an atomic exchange, the earlier
+   run is moved aside first; clear_slot restores it if this process is killed in
+   between. */
 static int exchange(const opc_folder *f, const char *target) {
   if (!renameat2(AT_FDCWD, f->work, AT_FDCWD, target, RENAME_EXCHANGE))
     return 0;
@@ -241,7 +243,7 @@ static int replace_run(const opc_folder *f, const char *target,
                   g_strerror(errno));
 }
 
-/* The first name that is free; whatever is wrong, the run gets one. */
+/* Rename to the first free name; the run receives a name in any case. */
 static int find_name(opc_folder *f, const char *target, gboolean number,
                      char **got, opc_error *error) {
   int code = OPC_OK;
@@ -273,7 +275,8 @@ int opc_folder_close(opc_folder *f, const char *target, gboolean replace,
     code = replace_run(f, target, error);
     if (!code) *got = g_strdup(target);
   }
-  /* What may not replace the earlier run gets a number; the fault is that. */
+  /* A run that may not replace the earlier one receives a number; the reported
+     error is that of the replacement. */
   if (code)
     (void)find_name(f, target, TRUE, got, &second);
   else if (!*got)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Run folders on file systems of all kinds, and runs that end at any moment:
-   the calls that file systems may refuse are replaced by ones that do. */
+/* Run folders on all kinds of file systems, and runs that are killed at any
+   moment: calls that file systems may reject are replaced by failing ones. */
 #include <store/folder.h>
 
 #include <errno.h>
@@ -19,7 +19,8 @@
 /* ---- the system ---- */
 
 static gboolean plain_renames, no_locks, failing_sync;
-static int renames_left = -1; /* then the process is gone; -1: it stays */
+static int renames_left = -1; /* renames until the process is killed; -1:
+                                 never */
 
 static void count_rename(void) {
   if (renames_left >= 0 && renames_left-- == 0) _exit(9);
@@ -80,7 +81,7 @@ static void put_run(const char *folder, const char *word) {
   put(folder, "manifest.json", text);
 }
 
-/* From begin to end; the code. */
+/* Make a complete run. Return its code. */
 static int make_run(const char *target, const char *word) {
   opc_error error;
   g_autofree char *got = NULL;
@@ -92,7 +93,8 @@ static int make_run(const char *target, const char *word) {
   return code;
 }
 
-/* Which run a folder is of, "" if it is none that is whole. */
+/* Return the text that identifies the run in a folder, "" if the run is
+   incomplete. */
 static char *word_of(const char *folder) {
   opc_error error;
   char *word = NULL;
@@ -117,9 +119,8 @@ static void expect(const char *folder, const char *word) {
 
 /* ---- replacing ---- */
 
-/* Ended before each rename in turn, until one comes to its end; the folder is
-   of the old run or of the new one, but for the moment in which it is put back
-   by the next one. */
+/* Kill a run before each of its renames in turn. The folder then holds the old
+   or the new run, except while the next run restores it. */
 static void kill_at_each_rename(const char *target) {
   int at = 0, status = -1;
   g_assert_cmpint(make_run(target, "first"), ==, OPC_OK);
@@ -133,7 +134,7 @@ static void kill_at_each_rename(const char *target) {
     g_assert_true(WIFEXITED(status));
     if (!plain_renames) expect(target, status ? "first" : "second");
     g_assert_cmpuint(entries("k"), ==, status ? (entries(target) ? 2 : 1) : 1);
-    /* The next one clears up before it does anything else. */
+    /* The next run clears remains first. */
     opc_error error;
     opc_folder *next = opc_folder_open(target, TRUE, &error);
     g_assert_nonnull(next);
@@ -153,7 +154,7 @@ static void test_plain_renames(void) {
   plain_renames = FALSE;
 }
 
-/* Numbered where a name is taken, with both ways of renaming. */
+/* Names are numbered if taken, with both ways of renaming. */
 static void test_numbers(void) {
   for (int plain = 0; plain < 2; plain++) {
     plain_renames = plain;
@@ -174,7 +175,7 @@ static void test_numbers(void) {
   plain_renames = FALSE;
 }
 
-/* What came to be meanwhile is not replaced, and the new run not lost. */
+/* A folder created meanwhile is not replaced, and the new run is kept. */
 static void test_meanwhile(void) {
   opc_error error;
   g_autofree char *got = NULL;
@@ -194,7 +195,7 @@ static void test_meanwhile(void) {
 
 /* ---- slots ---- */
 
-/* A run in another process, which is killed with its slot as it was. */
+/* Start runs in other processes, to be killed with their slots left over. */
 static void leave_slots(int n, pid_t *child) {
   int ready[2];
   char byte;
@@ -217,7 +218,7 @@ static void test_slots(void) {
   pid_t child;
   opc_error error;
   leave_slots(3, &child);
-  /* They are at work: nothing is touched. */
+  /* The runs are active: nothing is changed. */
   g_assert_null(opc_folder_open("s/x", TRUE, &error));
   g_assert_cmpstr(error.message, ==,
                   "'s/x': another run is being written there, in "
@@ -227,7 +228,7 @@ static void test_slots(void) {
   opc_folder_free(fourth);
   g_assert_true(
       g_file_test("s/.x.opcflow-2/run/deep/part.txt", G_FILE_TEST_EXISTS));
-  /* Names that only look alike are not ours. */
+  /* Similar names are not slots. */
   put("s/.x.opcflow-mine", "run", "mine");
   put("s/.xy.opcflow-1", "run", "mine");
   kill(child, SIGKILL);
@@ -238,7 +239,7 @@ static void test_slots(void) {
   opc_remove_tree("s");
 }
 
-/* A link in the place of a slot does not lead to a folder that is cleared. */
+/* A symbolic link in place of a slot is not followed. */
 static void test_link(void) {
   opc_error error;
   put("l/other/run", "mine.txt", "mine");
@@ -249,7 +250,7 @@ static void test_link(void) {
   opc_remove_tree("l");
 }
 
-/* Without locks a slot is that of the one who made it, dead or alive. */
+/* Without locks, a slot belongs to its creator, whether alive or not. */
 static void test_no_locks(void) {
   pid_t child;
   opc_error error;
@@ -288,7 +289,7 @@ static void test_contents(void) {
       "{\"opcflow\":0,\"files\":[]}"};
   opc_error error;
   g_assert_cmpint(make_run("c/x", "word"), ==, OPC_OK);
-  /* A file less is no loss. */
+  /* A missing file is accepted. */
   g_assert_cmpint(unlink("c/x/deep/file.txt"), ==, 0);
   g_assert_cmpint(opc_folder_allowed("c/x", TRUE, &error), ==, OPC_OK);
   put("c/x", "deep/file.txt", "changed");
@@ -318,7 +319,7 @@ static void test_contents(void) {
 
 /* ---- writing ---- */
 
-/* What fails leaves what was there, and nothing else. */
+/* A failed write leaves the old file and nothing else. */
 static void test_write(void) {
   opc_error error;
   put("w", "file.txt", "before");

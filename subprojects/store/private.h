@@ -1,23 +1,20 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the files of the store share. */
-#ifndef OPC_STORE_PRIVATE_H
-#define OPC_STORE_PRIVATE_H
+/* Common declarations of the store. */
+#pragma once
 
 #include <store/store.h>
 
 struct opc_store {
   char *folder;
   guint64 limit;      /* bytes */
-  guint64 written;    /* since it was last looked for too much */
-  char *complaint;    /* not yet told */
-  gboolean told;      /* that it cannot be written: once is enough */
-  GHashTable *sums;   /* path -> opc_sum */
-  gboolean sums_read; /* those that were kept */
-  gboolean sums_new;  /* there are others than those */
+  guint64 written;    /* bytes since the last check of the limit */
+  char *complaint;    /* problem not yet reported */
+  gboolean told;      /* a write failure was reported, once */
+  GHashTable *sums;   /* path to opc_sum */
+  gboolean sums_read; /* stored sums were loaded */
+  gboolean sums_new;  /* sums were added since */
 };
 
 void opc_sums_init(opc_store *store);
-/* Keep what was found out, and free it. */
+/* Store the sums and free them. */
 void opc_sums_clear(opc_store *store);
-
-#endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The folder of the store: FOLDER/entries/ab/cdef..., each a line of 16 bytes,
-   64 digits of the SHA-256 of what follows, and a GVariant; FOLDER/new/ what is
-   being written, each locked by who does; FOLDER/limit. */
+/* Files of the store: FOLDER/entries/ab/cdef..., each a line of 16 bytes, 64
+   digits of the SHA-256 of the remainder, and a GVariant; FOLDER/new/, files
+   being written, locked by their writers; FOLDER/limit. */
 #include <store/store.h>
 
 #include <errno.h>
@@ -78,7 +78,7 @@ static void complain(opc_store *store, const char *path, const char *why) {
   store->complaint = g_strdup_printf("'%s': %s", path, why);
 }
 
-/* entries/ab/cdef... */
+/* Return the path entries/ab/cdef... of a key. */
 static char *path_of(const opc_store *store, const char *key) {
   const char name[3] = {key[0], key[1], 0};
   return g_build_filename(store->folder, "entries", name, key + 2, NULL);
@@ -100,7 +100,7 @@ GVariant *opc_store_get(opc_store *store, const char *key,
   gsize n;
   if (!g_file_get_contents(path, &text, &n, NULL)) return NULL;
   if (is_sound(text, n)) {
-    (void)utimensat(AT_FDCWD, path, NULL, 0); /* it was of use */
+    (void)utimensat(AT_FDCWD, path, NULL, 0); /* mark as recently used */
     GBytes *all = g_bytes_new_take(g_steal_pointer(&text), n);
     GBytes *body = g_bytes_new_from_bytes(all, HEAD, n - HEAD);
     GVariant *value = g_variant_new_from_bytes(type, body, FALSE);
@@ -132,7 +132,7 @@ static gboolean write_all(int file, const void *data, gsize n) {
   return TRUE;
 }
 
-/* Under a name of its own, locked as long as it is written. */
+/* Write a value under a temporary name, locked while it is written. */
 static gboolean write_value(const char *fresh, int file, const char *path,
                             GVariant *value) {
   gsize n = g_variant_get_size(value);
@@ -161,7 +161,8 @@ gboolean opc_store_put(opc_store *store, const char *key, GVariant *given) {
                  ? -1
                  : g_mkstemp_full(fresh, O_WRONLY | O_CLOEXEC, 0600);
   gboolean good = file >= 0 && write_value(fresh, file, path, value);
-  /* One that clears at this moment may have taken it for a remain. */
+  /* Another process that clears the store at this moment may have removed the
+     file. */
   if (!good && errno != ENOENT && !store->told) {
     store->told = TRUE;
     complain(store, store->folder, g_strerror(errno));
@@ -201,7 +202,7 @@ static int take_entry(void *list, const char *path, const char *name,
   return OPC_OK;
 }
 
-/* Another process may take away what is being listed: what is left is it. */
+/* List all entries; other processes may remove some meanwhile. */
 static GArray *list_entries(const opc_store *store) {
   g_autofree char *folder = g_build_filename(store->folder, "entries", NULL);
   GArray *list = g_array_new(FALSE, FALSE, sizeof(entry));
@@ -216,7 +217,7 @@ static gint by_use(gconstpointer a, gconstpointer b) {
   return (s > t) - (s < t);
 }
 
-/* What nobody writes any more: its writer was killed. */
+/* Remove unfinished files of killed writers. */
 static void remove_remains(const opc_store *store) {
   g_autofree char *folder = g_build_filename(store->folder, "new", NULL);
   GDir *dir = g_dir_open(folder, 0, NULL);
@@ -230,9 +231,9 @@ static void remove_remains(const opc_store *store) {
   if (dir) g_dir_close(dir);
 }
 
-/* Until there are at most so many bytes, the least recently used first, and a
-   tenth more, so that this need not be done again at once. One process is
-   enough. */
+/* Remove the least recently used values until at most `most` bytes remain, and
+   a tenth more, so that trimming is rarely needed. One process at a time
+   trims. */
 static void trim(opc_store *store, guint64 most) {
   g_autofree char *path = g_build_filename(store->folder, "lock", NULL);
   int lock = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0600);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The store by itself: values come back as they were put, damage at any byte is
-   seen, what was used last stays, and sums of files are those of the files. */
+/* The store: values are returned unchanged, damage of any byte is detected,
+   recently used values stay, and sums of files are correct. */
 #include <store/store.h>
 
 #include <fcntl.h>
@@ -59,7 +59,7 @@ static void test_values(void) {
   opc_store_close(store);
 }
 
-/* Every byte of it counts, and every length. */
+/* Damage every byte, and truncate to every length. */
 static void test_damage(void) {
   opc_store *store = open_store();
   g_autofree char *path = path_of("cd34.x"), *sound = NULL;
@@ -90,7 +90,7 @@ static void test_limit(void) {
   for (int i = 0; i < 30; i++) {
     g_autofree char *key = g_strdup_printf("%02d.x", i);
     g_assert_true(opc_store_put(store, key, bytes(10000, i)));
-    g_assert_true(has(store, "00.x")); /* it is used again and again */
+    g_assert_true(has(store, "00.x")); /* used repeatedly */
     g_usleep(2000);
   }
   const opc_store_size size = opc_store_measure(store);
@@ -100,7 +100,7 @@ static void test_limit(void) {
   g_assert_false(has(store, "01.x"));
   g_assert_false(opc_store_put(store, "ee.x", bytes(25001, 1)));
   opc_store_close(store);
-  store = open_store(); /* the limit is kept with it */
+  store = open_store(); /* the limit is stored, too */
   g_assert_cmpuint(opc_store_measure(store).limit, ==, 100000);
   g_assert_true(opc_store_clear(store, &error));
   g_assert_cmpuint(opc_store_measure(store).entries, ==, 0);
@@ -128,7 +128,8 @@ static void test_sizes(void) {
     g_assert_false(opc_store_read_size(bad[i], &n));
 }
 
-/* What a killed process left half written goes; what one writes stays. */
+/* Unfinished files of a killed process are removed; those of a live process
+   stay. */
 static void test_remains(void) {
   opc_store *store = open_store();
   opc_error error;
@@ -157,7 +158,7 @@ static void write_at(const char *path, const char *text, time_t when) {
   g_assert_cmpint(utimensat(AT_FDCWD, path, times, 0), ==, 0);
 }
 
-/* As long, of the same time, in the same file: the sum is still the file's. */
+/* A change of equal size and time in the same file changes the sum. */
 static void test_sums(void) {
   opc_store *store = open_store();
   opc_error error;
@@ -175,7 +176,7 @@ static void test_sums(void) {
   }
   g_assert_null(opc_store_sum(store, "/nowhere/at/all", NULL, &error));
   opc_store_close(store);
-  /* What has just changed is not remembered. */
+  /* Recently changed files are not cached. */
   store = open_store();
   g_assert_false(has(store, "00sums"));
   opc_store_close(store);

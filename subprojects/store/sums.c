@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Sums of files, which are kept with all that tells that a file was changed,
-   and sums of shared objects with what they need. */
+/* Sums of files, cached with the attributes that indicate a change, and sums of
+   shared objects with their dependencies. */
 #include <dlfcn.h>
 #include <link.h>
 #include <string.h>
@@ -9,12 +9,13 @@
 #include <store/files.h>
 #include "private.h"
 
-/* A file that was changed so short a time before it was read may change again
-   without its times showing it: clocks of file systems go in steps of up to
-   2 s (FAT), of 4 ms mostly. ns */
+/* Age, ns, below which a file is not cached: another change might leave its
+   times equal, because clocks of file systems have steps of up to 2 s (FAT), 4
+   ms in most cases. */
 static const gint64 step = G_GINT64_CONSTANT(2000000000);
 
-/* More are begun anew: a file that is swept has many names. */
+/* The cache is cleared above this number, because a swept file has many
+   names. */
 enum { MOST_SUMS = 10000 };
 
 static const char kept_under[] = "00sums";
@@ -23,7 +24,7 @@ static const char kept_under[] = "00sums";
 typedef struct opc_sum {
   guint64 device, inode;
   gint64 size, modified, changed; /* bytes, ns, ns */
-  gboolean settled; /* it cannot have changed since without showing it */
+  gboolean settled;               /* later changes are detectable */
   char *sum;
 } opc_sum;
 
@@ -141,8 +142,8 @@ static struct link_map *find_object(struct link_map *any, const char *name) {
   return any;
 }
 
-/* Add an object and, in the order in which they are named, all that it needs.
-   FALSE if one is not found under its name. */
+/* Add an object and all objects it needs, in the order of their names. Return
+   FALSE if one is not found. */
 static gboolean add_object(GPtrArray *all, struct link_map *object) {
   const char *names = NULL;
   gboolean good = TRUE;
@@ -158,7 +159,7 @@ static gboolean add_object(GPtrArray *all, struct link_map *object) {
   return good;
 }
 
-/* Return the object that `address` lies in; the program for NULL. */
+/* Return the object that contains `address`; the program for NULL. */
 static struct link_map *object_of(const void *address) {
   Dl_info about;
   struct link_map *map = NULL;
@@ -169,9 +170,10 @@ static struct link_map *object_of(const void *address) {
   return map;
 }
 
-/* A loaded object does not change, so its sum holds for the whole process. */
+/* A loaded object does not change, so its sum is valid for the whole
+   process. */
 static const char *sum_object(opc_store *store, const struct link_map *object) {
-  static GHashTable *known; /* path -> sum */
+  static GHashTable *known; /* path to sum */
   const char *path = *object->l_name ? object->l_name : "/proc/self/exe";
   if (!known) known = g_hash_table_new(g_str_hash, g_str_equal);
   char *sum = g_hash_table_lookup(known, path);
@@ -195,7 +197,7 @@ static char *sum_objects(opc_store *store, const void *address) {
 }
 
 const char *opc_store_build(opc_store *store, const void *address) {
-  static GHashTable *known; /* address -> sum */
+  static GHashTable *known; /* address to sum */
   gpointer sum;
   if (!known) known = g_hash_table_new(NULL, NULL);
   if (!g_hash_table_lookup_extended(known, address, NULL, &sum)) {

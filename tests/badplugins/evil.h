@@ -56,10 +56,10 @@ static inline void *step_over(void *unused) {
   pthread_getattr_np(pthread_self(), &how);
   pthread_attr_getstack(&how, &stack, &size);
   char *below = (char *)stack - 100 * PAGE;
-  if (mmap(below, PAGE, PROT_READ | PROT_WRITE,
-           MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED_NOREPLACE, -1,
-           0) != MAP_FAILED)
-    *(volatile char *)below = 1;
+  void *page = mmap(below, PAGE, PROT_READ | PROT_WRITE,
+                    MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED_NOREPLACE, -1, 0);
+  if (page != MAP_FAILED) below = page;
+  *(volatile char *)below = 1;
   return unused;
 }
 

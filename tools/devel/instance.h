@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* An instance of a plugin for `opcflow lint`. Required parameters are made up
    where the user leaves them out; a slot has the first plugin of its kind. */
-#ifndef OPCFLOW_DEVEL_INSTANCE_H
-#define OPCFLOW_DEVEL_INSTANCE_H
+#pragma once
 
 #include "core/binding/binding.h"
 
@@ -28,5 +27,3 @@ typedef struct opc_instance {
 gboolean opc_instance_make(const opc_making *making, const opc_host *like,
                            opc_problems *problems, opc_instance *instance);
 void opc_instance_clear(opc_instance *instance);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Does a plugin keep the contract? Each check runs in a process of its own, so
    that a crash or an endless loop is a finding like any other. */
-#ifndef OPCFLOW_DEVEL_LINT_H
-#define OPCFLOW_DEVEL_LINT_H
+#pragma once
 
 #include "core/binding/binding.h"
 
@@ -39,5 +38,3 @@ extern const opc_check opc_checks[];
    N: a check that was not made, and why; D: the digest of the results; S: the
    number of the sample file; E: the end. */
 void opc_check_do(const opc_lint *lint, size_t i, int out);
-
-#endif

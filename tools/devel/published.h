@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* All that plugins publish without a flow: tables, metrics and files. */
-#ifndef OPCFLOW_DEVEL_PUBLISHED_H
-#define OPCFLOW_DEVEL_PUBLISHED_H
+#pragma once
 
 #include <opcflow/plugin.h>
 
@@ -35,5 +34,3 @@ char *opc_published_digest(const opc_published *p);
 
 /* Free all of it, and remove the folder. */
 void opc_published_clear(opc_published *p);
-
-#endif

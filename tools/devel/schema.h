@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A JSON Schema (draft-07) of flow files, from the declarations of plugins. */
-#ifndef OPCFLOW_DEVEL_SCHEMA_H
-#define OPCFLOW_DEVEL_SCHEMA_H
+#pragma once
 
 #include <base/node.h>
 #include <json-glib/json-glib.h>
@@ -12,5 +11,3 @@ JsonNode *opc_flow_schema(const GPtrArray *plugins);
 /* Return a tree as JSON. Texts without quotes have the type that YAML 1.2
    assigns: true, false, null, numbers, else texts. */
 JsonNode *opc_node_json(const opc_node *node);
-
-#endif

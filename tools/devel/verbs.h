@@ -1,11 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The verbs of opcflow-devel. */
-#ifndef OPCFLOW_DEVEL_VERBS_H
-#define OPCFLOW_DEVEL_VERBS_H
+#pragma once
 
 #include "core/cli/cli.h"
 
 extern const cli_verb devel_cache, devel_explain, devel_plugins, devel_inspect,
     devel_lint, devel_schema, devel_new, devel_complete;
-
-#endif

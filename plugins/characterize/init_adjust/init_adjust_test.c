@@ -144,14 +144,14 @@ static void test_brute_force(void) {
   double at_chosen = NAN;
   for (size_t k = 0; k < 13; k++) {
     int adjust = (int)k - 9;
-    double told = opc_test_number("init_adjust_trials", "pde", k), iterations;
+    double listed = opc_test_number("init_adjust_trials", "pde", k), iterations;
     double steps = opc_test_number("init_adjust_trials", "iterations", k);
     if (adjust == 0)
       continue; /* synthesizer.dpb interprets 0 differently, see there */
     double pde = by_loop(70, 150, 1, adjust, &iterations);
-    g_test_message("%d: %.4f in %g, %.4f in %g", adjust, told, steps, pde,
+    g_test_message("%d: %.4f in %g, %.4f in %g", adjust, listed, steps, pde,
                    iterations);
-    g_assert_cmpfloat(fabs(pde - told), <, 0.02);
+    g_assert_cmpfloat(fabs(pde - listed), <, 0.02);
     g_assert_cmpfloat(iterations, ==, steps + 2);
     best = fmin(best, fabs(pde));
     if (adjust == chosen) at_chosen = fabs(pde);

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A row of isolated evaluation transistors (thesis figure 3.5) of one size,
    imaged and measured together. */
-#ifndef SYNTHESIZER_INIT_ADJUST_ROW_H
-#define SYNTHESIZER_INIT_ADJUST_ROW_H
+#pragma once
 
 #include <eda/extractor.h>
 #include <eda/resist.h>
@@ -43,5 +42,3 @@ int row_init(row *out, const row_rules *rules, double length, double width,
 int row_print(row *r, const int layers[ROW_LAYERS], opc_error *error);
 
 void row_clear(row *r);
-
-#endif

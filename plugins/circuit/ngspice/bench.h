@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The pieces of circuit.ngspice. Times in s, voltages in V, currents in A. */
-#ifndef OPCFLOW_CIRCUIT_BENCH_H
-#define OPCFLOW_CIRCUIT_BENCH_H
+#pragma once
 
 #include <eda/netlist.h>
 #include <eda/simulator.h>
@@ -329,5 +328,3 @@ int draw_delays(bench *b, const patterns *p, const delays *d, const char *path,
                 opc_error *error);
 int draw_margins(bench *b, const cell *cells, size_t count, const margins *m,
                  const char *path, opc_error *error);
-
-#endif

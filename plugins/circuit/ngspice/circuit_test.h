@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Small circuits, and running the plugin and the plain simulator on them. */
-#ifndef OPCFLOW_CIRCUIT_TEST_H
-#define OPCFLOW_CIRCUIT_TEST_H
+#pragma once
 
 #include <eda/circuit.h>
 #include <eda/simulator.h>
@@ -281,5 +280,3 @@ static inline void near(const char *what, double got, double want,
                  100 * (got / want - 1));
   if (!(fabs(got / want - 1) <= share)) g_error("%s", what);
 }
-
-#endif

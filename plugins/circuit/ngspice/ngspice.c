@@ -4,7 +4,6 @@
    margins of memory cells (thesis 2.3.4). */
 #include <eda/drawing.h>
 #include <eda/models.h>
-#include <errno.h>
 #include <glib.h>
 #include <math.h>
 #include <stdio.h>
@@ -17,30 +16,6 @@
 enum { AUTO, DELAYS, LEAKAGE, SNM };
 
 /* ---- work: what there is ---- */
-
-/* The cards' whole paths: the simulator stands elsewhere. */
-static int find_cards(bench *b, opc_error *error) {
-  for (int i = 0; i < 2; i++) {
-    const char *name = i ? "pmos_models" : "models";
-    b->cards[i] = NULL;
-    if (!b->models[i]) continue;
-    char *path = realpath(b->models[i], NULL);
-    if (!path)
-      return opc_fail(error, OPC_IO, name, "cannot read '%s': %s", b->models[i],
-                      strerror(errno));
-    b->cards[i] = eda_pool_text(&b->pool, path, strlen(path));
-    free(path);
-    if (strpbrk(b->cards[i], "\"\n"))
-      return opc_fail(error, OPC_INVALID, name,
-                      "'%s': the simulator takes no such name of a file",
-                      b->models[i]);
-  }
-  for (int type = 0; type < 2 && b->dlc; type++)
-    if (eda_card_read(&b->pool, b->cards[type == EDA_PMOS && b->cards[1]],
-                      b->model[type], type, &b->card[type], error))
-      return error->code;
-  return OPC_OK;
-}
 
 /* The models of all devices, each once, with blanks between. */
 static char *names_of_models(const bench *b) {
@@ -162,7 +137,9 @@ static int prepare(bench *b, opc_error *error) {
                     "one of 'models' and 'library' is needed");
   /* Its models cannot be given another DLC. */
   if (b->library) b->dlc = 0;
-  if (b->library ? read_library(b, error) : find_cards(b, error))
+  if (b->library ? read_library(b, error)
+                 : eda_cards_read(&b->pool, b->models, b->model, b->dlc,
+                                  b->cards, b->card, error))
     return error->code;
   make_plain(b);
   int code = bench_ports(b, error);

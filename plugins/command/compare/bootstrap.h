@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* How sure a mean is. */
-#ifndef OPCFLOW_COMPARE_BOOTSTRAP_H
-#define OPCFLOW_COMPARE_BOOTSTRAP_H
+#pragma once
 
 #include <opcflow/base.h>
 
@@ -15,5 +14,3 @@ typedef struct interval {
    bits for any number of threads. [any] */
 interval bootstrap_mean(const double *values, size_t n,
                         const opc_context *context);
-
-#endif

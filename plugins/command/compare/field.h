@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What is held against what: runs of one base each, by case and method. */
-#ifndef OPCFLOW_COMPARE_FIELD_H
-#define OPCFLOW_COMPARE_FIELD_H
+#pragma once
 
 #include <eda/runs.h>
 #include <glib.h>
@@ -33,5 +32,3 @@ int field_open(field *f, const opc_host *host, size_t n,
                const char *const *arguments, const char *variants,
                opc_error *error);
 void field_clear(field *f);
-
-#endif

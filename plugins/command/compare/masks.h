@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Where two written masks differ. */
-#ifndef OPCFLOW_COMPARE_MASKS_H
-#define OPCFLOW_COMPARE_MASKS_H
+#pragma once
 
 #include <eda/geometry.h>
 #include <stdint.h>
@@ -21,5 +20,3 @@ typedef struct mask_difference {
    polygons, or another grid than the other. [any] */
 int masks_compare(const char *base, const char *other, mask_difference **out,
                   size_t *n, opc_error *error);
-
-#endif

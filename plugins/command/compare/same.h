@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Whether two runs can be held against each other. */
-#ifndef OPCFLOW_COMPARE_SAME_H
-#define OPCFLOW_COMPARE_SAME_H
+#pragma once
 
 #include "field.h"
 
@@ -17,5 +16,3 @@ int same_is_shared(const eda_run *run, const char *name);
 /* The SHA-256 of the file that a parameter names; NULL: it names none that the
    run read. */
 const char *same_content(const eda_run *run, const eda_run_parameter *p);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What a comparison shows. */
-#ifndef OPCFLOW_COMPARE_TABLES_H
-#define OPCFLOW_COMPARE_TABLES_H
+#pragma once
 
 #include "field.h"
 
@@ -59,5 +58,3 @@ int masks_publish(comparison *c, opc_error *error);
 /* A table's columns but the first, where all runs have the same there. */
 int put_table(comparison *c, const char *name, size_t rows, size_t size,
               const opc_column *columns, size_t n, opc_error *error);
-
-#endif

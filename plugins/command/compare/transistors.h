@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The transistors of two runs, one by one. */
-#ifndef OPCFLOW_COMPARE_TRANSISTORS_H
-#define OPCFLOW_COMPARE_TRANSISTORS_H
+#pragma once
 
 #include "field.h"
 
@@ -25,5 +24,3 @@ void transistors_clear(transistors *t);
    from what was drawn, in %, without its sign. Added to both (double). */
 void transistors_add(const transistors *t, int figure, GArray *base,
                      GArray *other);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Covering of selected places of a layout by few clips. */
-#ifndef CORRECT_CHIP_COVER_H
-#define CORRECT_CHIP_COVER_H
+#pragma once
 
 #include <eda/geometry.h>
 
@@ -24,5 +23,3 @@ typedef struct cover {
 void cover_make(const eda_box *places, size_t n, int32_t reach, int32_t most,
                 cover *out);
 void cover_clear(cover *cover);
-
-#endif

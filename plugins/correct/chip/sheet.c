@@ -154,18 +154,9 @@ static int put_gate(maker *m, const ref *r, size_t k, opc_error *error) {
   m->out->by[k] = p->by;
   m->out->place[k] = UINT32_MAX;
   to->box[k] = put_box(p, from->box[i]);
-  to->type[k] = from->type[i];
-  to->axis[k] = from->axis[i];
-  to->length[k] = from->length[i];
-  to->width[k] = from->width[i];
-  for (size_t side = 0; side < 2; side++) {
-    to->space[2 * k + side] = from->space[2 * i + side];
-    to->extension[2 * k + side] = from->extension[2 * i + side];
-  }
+  eda_gates_copy(to, k, from, i);
   to->instance[k] = to->cell[k] = to->name;
   to->number[k] = (uint32_t)(k + 1);
-  eda_gates_take_goal(to, k, from, i);
-  eda_gates_take_flavour(to, k, from, i);
   return OPC_OK;
 }
 

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Sheets: clips of a layout placed side by side, as gates that are corrected
    and simulated together. */
-#ifndef CORRECT_CHIP_SHEET_H
-#define CORRECT_CHIP_SHEET_H
+#pragma once
 
 #include <eda/chip.h>
 
@@ -37,5 +36,3 @@ int sheet_make(const opc_context *context, const eda_chip *chip,
                const cover *from, const uint32_t *number, const pages *to,
                size_t page, int32_t rim, sheet *out, opc_error *error);
 void sheet_clear(sheet *sheet);
-
-#endif

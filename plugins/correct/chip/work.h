@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* State shared by the phases of correct.chip. Lengths are in grid steps unless
    stated otherwise. */
-#ifndef CORRECT_CHIP_WORK_H
-#define CORRECT_CHIP_WORK_H
+#pragma once
 
 #include <eda/chip.h>
 #include <eda/regulator.h>
@@ -125,5 +124,3 @@ int work_sheets(sheets *sheets, int32_t reach, opc_pieces jobs,
 
 /* Report the finished part of this phase, 0 to 1. */
 void work_progress(const work *work, double part);
-
-#endif

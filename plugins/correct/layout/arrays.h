@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Compression of placements into arrays. */
-#ifndef CORRECT_LAYOUT_ARRAYS_H
-#define CORRECT_LAYOUT_ARRAYS_H
+#pragma once
 
 #include <eda/layout.h>
 
@@ -18,5 +17,3 @@ typedef struct put {
    thread. */
 int arrays_place(eda_layout *layout, int32_t top, const int32_t *cell,
                  put *puts, size_t n, size_t *arrays, opc_error *error);
-
-#endif

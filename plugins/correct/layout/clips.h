@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Dissection of a window's mask into the masks of territories, in the
    coordinates of their cells, and the remainder between them. */
-#ifndef CORRECT_LAYOUT_CLIPS_H
-#define CORRECT_LAYOUT_CLIPS_H
+#pragma once
 
 #include <eda/chip.h>
 #include <glib.h>
@@ -36,5 +35,3 @@ typedef struct clips {
  *out. */
 int clips_cut(const cutter *by, eda_box core, clips *out, opc_error *error);
 void clips_clear(clips *clips, size_t layers);
-
-#endif

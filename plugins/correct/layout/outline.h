@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Territories of a layout: boxes of placed cells, each with its part of the
    mask. */
-#ifndef CORRECT_LAYOUT_OUTLINE_H
-#define CORRECT_LAYOUT_OUTLINE_H
+#pragma once
 
 #include <eda/layout.h>
 
@@ -34,5 +33,3 @@ int outline_find(const eda_layout *outline, int32_t top, double grid,
 
 /* Return a box of the mask in the coordinates of the territory's cell. */
 eda_box territory_own(const territory *t, eda_box b);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* File size of shapes in a layout file written by opcflow. */
-#ifndef OPCFLOW_COST_BYTES_H
-#define OPCFLOW_COST_BYTES_H
+#pragma once
 
 #include <eda/formats.h>
 
@@ -13,5 +12,3 @@ int gdsii_bytes(const eda_shapes *shapes, int64_t *bytes, opc_error *error);
    an OASIS file by write.oasis, without other layers in their blocks. */
 int oasis_bytes(const eda_shapes *shapes, uint32_t layer, int64_t *bytes,
                 opc_error *error);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Size of a pattern file for a raster-scan mask writer, by a model of the MEBES
    format (README.md). */
-#ifndef OPCFLOW_COST_MEBES_H
-#define OPCFLOW_COST_MEBES_H
+#pragma once
 
 #include <eda/geometry.h>
 
@@ -20,5 +19,3 @@ int64_t mebes_segments(eda_box extent, const mebes_array *array);
    The first segment and stripe begin at the lower left corner of `extent`. */
 int64_t mebes_bytes(const eda_box *boxes, size_t count, eda_box extent,
                     const mebes_array *array);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Minimum partition of polygons into rectangles. */
-#ifndef OPCFLOW_COST_PARTITION_H
-#define OPCFLOW_COST_PARTITION_H
+#pragma once
 
 #include <eda/geometry.h>
 
@@ -12,5 +11,3 @@
    of eda_fracture. */
 int partition(const eda_shapes *shapes, int32_t sliver, eda_box **boxes,
               size_t *count, opc_error *error);
-
-#endif

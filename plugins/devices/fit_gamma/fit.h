@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The pieces of devices.fit_gamma: transistors with known currents, and gamma
    from them by least squares of the relative errors of a current. */
-#ifndef FIT_GAMMA_FIT_H
-#define FIT_GAMMA_FIT_H
+#pragma once
 
 #include <eda/curves.h>
 
@@ -58,5 +57,3 @@ void fitted_clear(fitted *f);
 /* The deviation of the sliced current of a transistor from that given, %;
    f NULL: plain slicing. */
 double fit_residual(const sample *s, size_t i, const fitted *f);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The pieces of devices.ngspice. Lengths in nm, currents in A and capacitances
    in F of the transistor that was simulated. */
-#ifndef OPCFLOW_DEVICES_NGSPICE_H
-#define OPCFLOW_DEVICES_NGSPICE_H
+#pragma once
 
 #include <eda/curves.h>
 #include <eda/models.h>
@@ -96,5 +95,3 @@ double table_slope(const plan *p, const currents *c, int type, int current,
 
 int picture_draw(const plan *p, const currents *c, const char *name,
                  opc_error *error);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* For the tests beside it: whether there is a simulator, and decks by hand run
    by the command `ngspice`. */
-#ifndef DEVICES_PLAIN_TEST_H
-#define DEVICES_PLAIN_TEST_H
+#pragma once
 
 #include <eda/simulator.h>
 
@@ -35,5 +34,3 @@ static inline char *by_hand(const char *deck) {
                              NULL, NULL));
   return out;
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Declarations shared by the files of draw.image. */
-#ifndef OPCFLOW_DRAW_IMAGE_H
-#define OPCFLOW_DRAW_IMAGE_H
+#pragma once
 
 #include <eda/imaging.h>
 
@@ -75,5 +74,3 @@ int image_report(image_run *r, opc_error *error);
 /* ---- picture.c ---- */
 
 int image_draw(image_run *r, opc_error *error);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Declarations shared by the files of draw.mask. */
-#ifndef DRAW_MASK_H
-#define DRAW_MASK_H
+#pragma once
 
 #include "../view.h"
 
@@ -60,5 +59,3 @@ int drawer_is_coarse(const view *v);
 
 /* Draw everything in the window of d->view. */
 int drawer_paint(const drawer *d, opc_error *error);
-
-#endif

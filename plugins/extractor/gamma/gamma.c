@@ -37,7 +37,7 @@ static double term_weight(const void *self, int type, int current, double edge,
   return 1 + t->amplitude * exp(-edge / t->decay);
 }
 
-static int prepare(void *self, opc_error *error) {
+static int gamma_prepare(void *self, opc_error *error) {
   state *s = self;
   int code = slicer_prepare(self, error);
   if (code || !s->table_path || s->loaded) return code;
@@ -49,32 +49,32 @@ static int prepare(void *self, opc_error *error) {
 
 /* Parameters of the edge term of a type and a current. */
 /* clang-format off */ /* it takes the elements for nested ones */
-#define TERM(group, what, t, c, text)                                    \
-  {.name = group "." what "_edge", .type = OPC_REAL, .flags = OPC_ABOVE, \
-   .preset = "0", .min = -1,                                             \
-   .summary = "a of gamma = 1 + a exp(-d / decay), d from the nearer "   \
-              "active edge: " text,                                      \
-   OPC_FIELD(state, term[t][c].amplitude),                               \
-   .given = offsetof(state, term[t][c].amplitude_given)},                \
-  {.name = group "." what "_decay", .type = OPC_REAL, .flags = OPC_ABOVE, \
-   .unit = "nm", .preset = "10 nm", .min = 0,                            \
-   .summary = "its decay: " text,                                        \
-   OPC_FIELD(state, term[t][c].decay),                                   \
+#define TERM(group, what, t, c, text)                                         \
+  {.name = group "." what "_edge", .type = OPC_REAL, .flags = OPC_ABOVE,      \
+   .preset = "0", .min = -1,                                                  \
+   .summary = "a in gamma = 1 + a exp(-d / decay), d the distance from "      \
+              "the active edge: " text,                                       \
+   OPC_FIELD(state, term[t][c].amplitude),                                    \
+   .given = offsetof(state, term[t][c].amplitude_given)},                     \
+  {.name = group "." what "_decay", .type = OPC_REAL, .flags = OPC_ABOVE,     \
+   .unit = "nm", .preset = "10 nm", .min = 0,                                 \
+   .summary = "decay in gamma: " text,                                        \
+   OPC_FIELD(state, term[t][c].decay),                                        \
    .given = offsetof(state, term[t][c].decay_given)}
 /* clang-format on */
 
 static const opc_parameter parameters[] = {
     SLICER_PARAMETERS,
     OPC_PARAMETER_NAMED("table", state, table_path, .type = OPC_FILE,
-                        .summary = "gamma against width and distance from the "
-                                   "edge, instead of the edge terms"),
+                        .summary = "table of gamma against width and distance "
+                                   "from the edge, in place of the edge terms"),
     TERM("nmos", "ion", EDA_NMOS, EDA_ION, "Ion of n-transistors"),
     TERM("nmos", "ioff", EDA_NMOS, EDA_IOFF, "Ioff of n-transistors"),
     TERM("pmos", "ion", EDA_PMOS, EDA_ION, "Ion of p-transistors"),
     TERM("pmos", "ioff", EDA_PMOS, EDA_IOFF, "Ioff of p-transistors"),
 };
 
-static int check(void *self, opc_error *error) {
+static int gamma_check(void *self, opc_error *error) {
   static const char *const names[2][EDA_CURRENTS] = {{"nmos.ion", "nmos.ioff"},
                                                      {"pmos.ion", "pmos.ioff"}};
   state *s = self;
@@ -87,12 +87,12 @@ static int check(void *self, opc_error *error) {
              names[k / EDA_CURRENTS][k % EDA_CURRENTS],
              t->amplitude_given ? "edge" : "decay");
     return opc_fail(error, OPC_INVALID, name,
-                    "a table takes the place of all edge terms");
+                    "a table replaces all edge terms; remove them");
   }
   return slicer_check(self, error);
 }
 
-static void clear(void *self) {
+static void gamma_clear(void *self) {
   state *s = self;
   slicer_clear(&s->slicer);
   weights_clear(&s->table);
@@ -100,14 +100,14 @@ static void clear(void *self) {
 
 /* ---- entry ---- */
 
-static const eda_extractor functions = {.prepare = prepare,
+static const eda_extractor functions = {.prepare = gamma_prepare,
                                         .slicing = slicer_slicing,
                                         .extract = slicer_extract,
                                         .slice = slicer_slice,
                                         .range = slicer_range};
 OPC_PLUGIN(state, .id = "extractor.gamma", .kind = "extractor",
            .version = "0.2.0", .licence = "BSD-3-Clause",
-           .summary = "gate slicing with weights for the edges of the active",
+           .summary = "gate slicing with weights near the active edges",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), .check = check, .clear = clear,
-           OPC_FUNCTIONS(functions));
+           OPC_PARAMETERS(parameters), .check = gamma_check,
+           .clear = gamma_clear, OPC_FUNCTIONS(functions));

@@ -190,7 +190,7 @@ static void test_refused(void) {
       "{ devices: '%s', table: '%s', nmos: { ion_edge: 0.1 } }", file, path);
   opc_error error;
   g_assert_null(opc_test_module("extractor.gamma", map, &error));
-  g_assert_nonnull(strstr(error.message, "takes the place of all edge terms"));
+  g_assert_nonnull(strstr(error.message, "replaces all edge terms"));
 }
 
 int main(int argc, char **argv) {

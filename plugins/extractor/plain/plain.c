@@ -13,6 +13,6 @@ static const eda_extractor functions = {.prepare = slicer_prepare,
 OPC_PLUGIN(
     slicer, .id = "extractor.plain", .kind = "extractor", .version = "0.2.0",
     .licence = "BSD-3-Clause",
-    .summary = "plain gate slicing: slices in parallel, each of its length",
+    .summary = "plain gate slicing: transistors in parallel, one per slice",
     .flags = OPC_DETERMINISTIC | OPC_REENTRANT, OPC_PARAMETERS(parameters),
     .check = slicer_check, .clear = slicer_clear, OPC_FUNCTIONS(functions));

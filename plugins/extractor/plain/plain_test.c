@@ -314,8 +314,8 @@ static void test_refused(void) {
   g_autofree char *text = g_strdup_printf("{ devices: '%s', slices: 4 }", file);
   opc_error error;
   g_assert_null(opc_test_module("extractor.plain", text, &error));
-  g_assert_nonnull(
-      strstr(error.message, "the rule 'contour' takes 8 to 96 slices, not 4"));
+  g_assert_nonnull(strstr(
+      error.message, "the rule 'contour' requires 8 to 96 slices, found 4"));
 }
 
 static void test_rising_table(void) {

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Disturbance of placed masks: thesis eq. 4.1 and figures 4.4 to 4.6. */
-#ifndef CORRECT_LIBRARY_DISTURB_H
-#define CORRECT_LIBRARY_DISTURB_H
+#pragma once
 
 #include <eda/gates.h>
 #include <opcflow/plugin.h>
@@ -27,5 +26,3 @@ int disturb_draw(const opc_host *host, const eda_mask *mask,
     "disturbed", "%", OPC_LOWER, 0.1,                                          \
         "fraction of transistors whose |Ion deviation| grew by 0.05 % or more" \
   }
-
-#endif

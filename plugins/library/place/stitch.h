@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Composition of a circuit's mask from the masks of its cells. */
-#ifndef CORRECT_LIBRARY_STITCH_H
-#define CORRECT_LIBRARY_STITCH_H
+#pragma once
 
 #include <eda/index.h>
 
@@ -25,5 +24,3 @@ void stitch_clear(stitch *stitch);
    position, type, flavour and size receive its displacements. Returns the
    number of the cell's transistors without a match. */
 size_t stitch_place(stitch *stitch, const entry *cell, const turn *at);
-
-#endif

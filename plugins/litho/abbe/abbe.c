@@ -45,7 +45,7 @@ enum { BATCH = 128 };
 
 /* ---- work ---- */
 
-static void clear(void *self) {
+static void abbe_clear(void *self) {
   abbe *a = self;
   free(a->point);
   free(a->weight);
@@ -54,7 +54,7 @@ static void clear(void *self) {
 }
 
 /* Return 1 if point n - 1 - i is the opposite of point i for all i. */
-static int are_paired(const double *p, size_t n) {
+static int points_are_paired(const double *p, size_t n) {
   for (size_t i = 0; i < n; i++) {
     const double *a = p + 3 * i, *b = p + 3 * (n - 1 - i);
     if (fabs(a[0] + b[0]) + fabs(a[1] + b[1]) > 1e-9) return 0;
@@ -63,15 +63,15 @@ static int are_paired(const double *p, size_t n) {
   return n % 2 == 0;
 }
 
-static int prepare(void *self, opc_error *error) {
+static int abbe_prepare(void *self, opc_error *error) {
   abbe *a = self;
   double spacing =
       2 * optics_source_radius(&a->optics) / (double)a->points_across;
-  clear(a);
+  abbe_clear(a);
   a->point = optics_source_points(&a->optics, spacing, &a->count);
   if (!a->point)
     return opc_fail(error, OPC_INVALID, "points_across",
-                    "the source is too thin for its points");
+                    "the source is too thin for this number of points");
   vector_normalise(&a->optics, a->point, a->count);
   a->parts = vector_parts(&a->optics);
   size_t n = a->count * a->parts;
@@ -81,33 +81,35 @@ static int prepare(void *self, opc_error *error) {
     a->weight[i] = a->point[3 * (i / a->parts) + 2];
     a->twice[i] = 2 * a->weight[i];
   }
-  a->paired = are_paired(a->point, a->count);
+  a->paired = points_are_paired(a->point, a->count);
   optics_warn(&a->optics, a->host);
   a->host->log(a->host, OPC_LOG_DEBUG, "litho.abbe: %zu source points%s",
                a->count, a->paired ? " in opposite pairs" : "");
   return OPC_OK;
 }
 
-static eda_scanner scanner(const void *self) {
+static eda_scanner abbe_scanner(const void *self) {
   return optics_scanner(&((const abbe *)self)->optics);
 }
 
-static double band(const void *self) {
+static double abbe_band(const void *self) {
   const abbe *a = self;
   return (1 + optics_source_radius(&a->optics)) * a->optics.cutoff;
 }
 
-static int transform(const void *self, const eda_shapes *mask, double grid,
-                     eda_frame frame, eda_spectrum *out, opc_error *error) {
+static int abbe_transform(const void *self, const eda_shapes *mask, double grid,
+                          eda_frame frame, eda_spectrum *out,
+                          opc_error *error) {
   const abbe *a = self;
-  return transform_mask(a->host->context, mask, grid, frame, band(self), out,
-                        error);
+  return transform_mask(a->host->context, mask, grid, frame, abbe_band(self),
+                        out, error);
 }
 
 /* Fill the transfer function of a pupil without phases: 1 between the two ends
    of a chord. */
-static void transfer_chord(const view *v, const double *point, const double *fx,
-                           double fy, size_t n, float *out) {
+static void view_transfer_chord(const view *v, const double *point,
+                                const double *fx, double fy, size_t n,
+                                float *out) {
   double cutoff = v->model->optics.cutoff, y = fy / cutoff + point[1];
   double half = y * y <= 1 ? sqrt(1 - y * y) : -INFINITY;
   double from = (-half - point[0]) * cutoff, to = (half - point[0]) * cutoff;
@@ -118,8 +120,9 @@ static void transfer_chord(const view *v, const double *point, const double *fx,
 }
 
 /* Fill the transfer function of a pupil with phases. */
-static void transfer_phases(const view *v, const double *point,
-                            const double *fx, double fy, size_t n, float *out) {
+static void view_transfer_phases(const view *v, const double *point,
+                                 const double *fx, double fy, size_t n,
+                                 float *out) {
   const optics *o = &v->model->optics;
   for (size_t i = 0; i < n; i++) {
     double re, im;
@@ -130,17 +133,17 @@ static void transfer_phases(const view *v, const double *point,
   }
 }
 
-static void transfer(const void *self, size_t s, const double *fx, double fy,
-                     size_t n, float *out) {
+static void view_transfer(const void *self, size_t s, const double *fx,
+                          double fy, size_t n, float *out) {
   const view *v = self;
   const optics *o = &v->model->optics;
   size_t part = (v->first + s) % v->model->parts;
   const double *point =
       v->model->point + 3 * ((v->first + s) / v->model->parts);
   if (v->real)
-    transfer_chord(v, point, fx, fy, n, out);
+    view_transfer_chord(v, point, fx, fy, n, out);
   else
-    transfer_phases(v, point, fx, fy, n, out);
+    view_transfer_phases(v, point, fx, fy, n, out);
   for (size_t i = 0; i < n && v->model->parts > 1; i++) {
     double factor[VECTOR_PARTS];
     if (out[2 * i] == 0 && out[2 * i + 1] == 0) continue;
@@ -152,9 +155,9 @@ static void transfer(const void *self, size_t s, const double *fx, double fy,
 }
 
 /* Add a coherent sum to *sum; allocate *sum for the first one. */
-static int add_images(const view *v, const eda_spectrum *mask,
-                      const eda_systems *systems, double **sum, eda_field *out,
-                      opc_error *error) {
+static int view_add_images(const view *v, const eda_spectrum *mask,
+                           const eda_systems *systems, double **sum,
+                           eda_field *out, opc_error *error) {
   /* Four samples for the shortest period of the intensity. */
   double step = fmin(coarsest, 0.25 / systems->intensity_band);
   eda_field_clear(out);
@@ -167,8 +170,8 @@ static int add_images(const view *v, const eda_spectrum *mask,
   return OPC_OK;
 }
 
-static int image_at(const void *self, int layer, const eda_spectrum *mask,
-                    double defocus, eda_field *out, opc_error *error) {
+static int abbe_image_at(const void *self, int layer, const eda_spectrum *mask,
+                         double defocus, eda_field *out, opc_error *error) {
   const abbe *a = self;
   view v = {a, defocus, 0, defocus == 0 && optics_is_real(&a->optics)};
   /* Opposite points form the same image if mask and pupil are real. */
@@ -182,12 +185,12 @@ static int image_at(const void *self, int layer, const eda_spectrum *mask,
     size_t left = all - v.first;
     eda_systems systems = {.count = left < BATCH ? left : BATCH,
                            .weight = weight + v.first,
-                           .band = band(a),
+                           .band = abbe_band(a),
                            .intensity_band = 2 * a->optics.cutoff,
-                           .transfer = transfer,
+                           .transfer = view_transfer,
                            .self = &v};
     optics_amplitudes(&a->optics, layer, systems.offset, systems.scale);
-    code = add_images(&v, mask, &systems, &sum, out, error);
+    code = view_add_images(&v, mask, &systems, &sum, out, error);
   }
   size_t n = (size_t)out->nx * (size_t)out->ny;
   for (size_t i = 0; i < n && !code; i++) out->coefficients[i] = (float)sum[i];
@@ -196,45 +199,46 @@ static int image_at(const void *self, int layer, const eda_spectrum *mask,
   return code;
 }
 
-static int image(const void *self, int layer, const eda_spectrum *mask,
-                 eda_field *out, opc_error *error) {
-  return image_at(self, layer, mask, 0, out, error);
+static int abbe_image(const void *self, int layer, const eda_spectrum *mask,
+                      eda_field *out, opc_error *error) {
+  return abbe_image_at(self, layer, mask, 0, out, error);
 }
 
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
     OPTICS_PARAMETERS(abbe),
-    OPC_PARAMETER(abbe, points_across, .type = OPC_INT,
-                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "60", .min = 2,
-                  .max = 1000,
-                  .summary = "points on the diameter of the source, one "
-                             "Fourier transform for each of its area",
-                  .given = offsetof(abbe, points_across_given)),
+    OPC_PARAMETER(
+        abbe, points_across, .type = OPC_INT,
+        .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "60", .min = 2,
+        .max = 1000,
+        .summary = "number of points on the diameter of the source; each point "
+                   "of its area costs one Fourier transform",
+        .given = offsetof(abbe, points_across_given)),
 };
 
-static int check(void *self, opc_error *error) {
+static int abbe_check(void *self, opc_error *error) {
   abbe *a = self;
   int code = optics_check(&a->optics, error);
   if (!code && a->optics.source == OPTICS_LIST && a->points_across_given)
     return opc_fail(error, OPC_INVALID, "points_across",
-                    "'points_across' means nothing for a source 'points'");
+                    "'points_across' has no effect for a source 'points'");
   return code;
 }
 
 /* ---- entry ---- */
 
-static const eda_litho functions = {.prepare = prepare,
-                                    .band = band,
-                                    .scanner = scanner,
-                                    .image = image,
-                                    .image_at = image_at,
-                                    .transform = transform};
+static const eda_litho functions = {.prepare = abbe_prepare,
+                                    .band = abbe_band,
+                                    .scanner = abbe_scanner,
+                                    .image = abbe_image,
+                                    .image_at = abbe_image_at,
+                                    .transform = abbe_transform};
 OPC_PLUGIN(abbe, .id = "litho.abbe", .kind = "litho", .version = "0.2.0",
            .licence = "BSD-3-Clause",
            .summary =
-               "partially coherent imaging by source points, the "
-               "reference of other models",
+               "partially coherent imaging by source points, the reference for "
+               "other models",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), .check = check, .clear = clear,
+           OPC_PARAMETERS(parameters), .check = abbe_check, .clear = abbe_clear,
            OPC_FUNCTIONS(functions));

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the closed form of a mask spectrum, in double precision. By
-   Green's theorem the Fourier transform of shapes at f = (fx, fy), fx not 0, is
-   a sum over edges, of the integrals of exp(-2 pi i f r) dy / (-2 pi i fx). At
-   fx = 0 the integrand is x exp(-2 pi i fy y) dy. The contribution of an edge
-   is
+/* Implements the closed form of a mask spectrum, in double precision, by
+   Green's theorem. The Fourier transform of shapes at f = (fx, fy) is a sum
+   over edges of integrals of exp(-2 pi i f r) dy / (-2 pi i fx). At fx = 0 the
+   integrand is x exp(-2 pi i fy y) dy. The contribution of an edge is
 
      dy exp(-2 pi i f m) sinc(f d),
 
@@ -31,7 +30,7 @@ typedef struct edge {
   double dx, dy; /* from begin to end */
 } edge;
 
-typedef struct job {
+typedef struct transformation {
   const opc_context *context;
   eda_spectrum *out;
   edge *upright, *slanted;
@@ -44,11 +43,11 @@ typedef struct job {
   double complex *even, *odd;
   /* Sums over slanted edges, rows as in the result; NULL: no slanted edges. */
   double complex *rest;
-} job;
+} transformation;
 
 /* ---- work: edges ---- */
 
-static void take_edges(job *j, const eda_shapes *s, double grid,
+static void take_edges(transformation *j, const eda_shapes *s, double grid,
                        const eda_frame *f) {
   size_t n = s->count ? s->start[s->count] : 0;
   j->upright = eda_alloc(n, sizeof *j->upright);
@@ -82,7 +81,7 @@ static double sinc_slope(double u) {
 }
 
 /* Return the contribution of an edge at fx = 0. */
-static double complex at_zero(const edge *e, int l) {
+static double complex edge_at_zero(const edge *e, int l) {
   double u = l * e->dy;
   double complex along =
       e->x * sinc(u) + I / (2 * M_PI) * e->dx * sinc_slope(u);
@@ -92,7 +91,7 @@ static double complex at_zero(const edge *e, int l) {
 /* ---- work: upright edges ---- */
 
 static void fill_across(void *data, size_t i) {
-  job *j = data;
+  transformation *j = data;
   double complex *row = j->across + i * j->columns;
   double x = j->upright[j->first + i].x;
   for (size_t k = 0; k < j->columns; k++)
@@ -109,7 +108,7 @@ EDA_WIDE static void add_times(const double *restrict x, double re, double im,
 }
 
 static void add_row(void *data, size_t l) {
-  job *j = data;
+  transformation *j = data;
   if (opc_cancelled(j->context)) return;
   double complex *even = j->even + l * j->columns,
                  *odd = j->odd + l * j->columns;
@@ -126,7 +125,7 @@ static void add_row(void *data, size_t l) {
   }
 }
 
-static void add_upright(job *j, size_t rows) {
+static void add_upright(transformation *j, size_t rows) {
   j->across = eda_alloc(CHUNK * j->columns, sizeof *j->across);
   for (; j->first < j->n_upright; j->first += CHUNK) {
     size_t left = j->n_upright - j->first;
@@ -142,7 +141,7 @@ static void add_upright(job *j, size_t rows) {
 /* Compute row number `row` of the slanted sum: sinc(f d) from the phases of
    both ends, each a power of one number along the row. */
 static void add_slanted_row(void *data, size_t row) {
-  job *j = data;
+  transformation *j = data;
   const eda_spectrum *s = j->out;
   if (opc_cancelled(j->context)) return;
   int l = (int)row <= (s->rows - 1) / 2 ? (int)row : (int)row - s->rows;
@@ -153,7 +152,7 @@ static void add_slanted_row(void *data, size_t row) {
     double complex step = cexp(-2 * M_PI * I * e->x);
     double complex half = cexp(M_PI * I * (l * e->dy));
     double complex by = cexp(M_PI * I * e->dx);
-    to[0] += at_zero(e, l);
+    to[0] += edge_at_zero(e, l);
     for (size_t k = 1; k < j->columns; k++) {
       middle *= step;
       half *= by;
@@ -166,7 +165,7 @@ static void add_slanted_row(void *data, size_t row) {
 /* ---- work: all ---- */
 
 /* Write rows l and -l of the result, l >= 0. */
-static void write_row(const job *j, int l) {
+static void write_row(const transformation *j, int l) {
   eda_spectrum *s = j->out;
   double fy = l / s->frame.height, left = s->band * s->band - fy * fy;
   int last = left < 0 ? -1 : (int)floor(s->frame.width * sqrt(left));
@@ -201,7 +200,8 @@ int transform_mask(const opc_context *context, const eda_shapes *shapes,
   int half = (int)floor(frame.height * band);
   out->columns = (int)floor(frame.width * band) + 1;
   out->rows = 2 * half + 1;
-  job j = {.context = context, .out = out, .columns = (size_t)out->columns};
+  transformation j = {
+      .context = context, .out = out, .columns = (size_t)out->columns};
   size_t rows = (size_t)half + 1, all = (size_t)out->rows * j.columns;
   out->data = eda_alloc(all, 2 * sizeof *out->data);
   j.even = eda_alloc(rows * j.columns, sizeof *j.even);

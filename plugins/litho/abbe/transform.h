@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Closed form of a mask spectrum, computed from the edges of the mask. */
-#ifndef OPCFLOW_ABBE_TRANSFORM_H
-#define OPCFLOW_ABBE_TRANSFORM_H
+#pragma once
 
 #include <eda/imaging.h>
 
@@ -10,5 +9,3 @@
 int transform_mask(const opc_context *context, const eda_shapes *shapes,
                    double grid, eda_frame frame, double band, eda_spectrum *out,
                    opc_error *error);
-
-#endif

@@ -525,7 +525,7 @@ static void test_three_beams(void) {
   }
 }
 
-/* ---- what is said ---- */
+/* ---- messages ---- */
 
 static void test_refused(void) {
   static const char *const cases[][2] = {

@@ -9,7 +9,7 @@
 #include <pthread.h>
 #include <string.h>
 
-#include "kept.h"
+#include "cache.h"
 #include "patterns.h"
 
 /* ---- state ---- */
@@ -31,7 +31,7 @@ typedef struct cut {
   int64_t fixed;  /* number of kernels; OPC_NO_INT: as required by the error */
   double error;   /* measured */
   kernels *kernels;
-  kept *kept; /* entry of the kernel cache; NULL: kernels are owned */
+  cache_entry *entry; /* entry of the kernel cache; NULL: kernels are owned */
 } cut;
 
 typedef struct hopkins {
@@ -49,11 +49,11 @@ typedef struct hopkins {
 
 /* ---- work: images ---- */
 
-static eda_scanner scanner(const void *self) {
+static eda_scanner hopkins_scanner(const void *self) {
   return optics_scanner(&((const hopkins *)self)->optics);
 }
 
-static double band(const void *self) {
+static double hopkins_band(const void *self) {
   const hopkins *h = self;
   return (1 + optics_source_radius(&h->optics)) * h->optics.cutoff;
 }
@@ -74,15 +74,15 @@ static const double rim = 1e-9;
 
 /* Compute the image of the mask of a layer, or of a binary mask. */
 enum { BINARY = -1 };
-static int image_by(const hopkins *h, const kernels *k, int layer,
-                    const eda_spectrum *mask, eda_field *out,
-                    opc_error *error) {
+static int hopkins_image_by(const hopkins *h, const kernels *k, int layer,
+                            const eda_spectrum *mask, eda_field *out,
+                            opc_error *error) {
   eda_systems systems = {.count = k->count,
                          .weight = k->weight,
                          .band = k->radius * k->cutoff,
                          .intensity_band = 2 * (1 - rim) * k->cutoff,
                          .transfer = k->transfer,
-                         .residuals = k->rests,
+                         .residuals = k->residuals,
                          .residual = k->filter,
                          .self = k,
                          .mirror = k->mirror};
@@ -92,9 +92,9 @@ static int image_by(const hopkins *h, const kernels *k, int layer,
                           error);
 }
 
-/* ---- work: how many systems ---- */
+/* ---- work: number of kernels ---- */
 
-static double difference(const eda_field *a, const eda_field *b) {
+static double field_difference(const eda_field *a, const eda_field *b) {
   double worst = 0;
   size_t n = (size_t)a->nx * (size_t)a->ny;
   for (size_t i = 0; i < n; i++) {
@@ -132,35 +132,37 @@ static int trial_init(const hopkins *h, kernels *k, trial *t,
   for (int p = 0; p < PATTERNS && !code; p++) {
     code = pattern_spectrum(k, p, &t->mask[p], error);
     if (!code && !k->cross)
-      code = image_by(h, k, BINARY, &t->mask[p], &t->whole[p], error);
+      code = hopkins_image_by(h, k, BINARY, &t->mask[p], &t->whole[p], error);
   }
   return code;
 }
 
 /* Return 1 if no further kernels exist (some are added in pairs). */
-static int is_all(const kernels *k) { return k->all || k->count + 1 >= ALL; }
+static int kernels_are_all(const kernels *k) {
+  return k->all || k->count + 1 >= ALL;
+}
 
 /* Measure the largest error of the present kernels on the patterns. */
-static int try_kernels(const hopkins *h, cut *c, trial *t, opc_error *error) {
+static int cut_try(const hopkins *h, cut *c, trial *t, opc_error *error) {
   const kernels *k = c->kernels;
   int code = OPC_OK;
   c->error = 0;
   for (int p = 0; p < PATTERNS && !code; p++) {
     eda_field part = {0}, *whole = &t->whole[p];
-    code = image_by(h, k, BINARY, &t->mask[p], &part, error);
+    code = hopkins_image_by(h, k, BINARY, &t->mask[p], &part, error);
     if (!code && !whole->coefficients)
       pattern_image(k->context, k, &t->mask[p], &part, whole);
-    double off = code ? 0 : margin * difference(whole, &part);
+    double off = code ? 0 : margin * field_difference(whole, &part);
     if (!(off <= c->error)) c->error = off;
     eda_field_clear(&part);
-    if (c->error > c->wanted && c->fixed < 0 && !is_all(k)) break;
+    if (c->error > c->wanted && c->fixed < 0 && !kernels_are_all(k)) break;
   }
   return code;
 }
 
 /* Return the next number of kernels to try. The error falls as one over their
    number, or faster for small sources, so approach the estimate from below. */
-static size_t more_systems(const cut *c, size_t n) {
+static size_t cut_more_kernels(const cut *c, size_t n) {
   double one = 2 + (double)n + (double)n / 6;
   double guess = 0.6 * (double)n * c->error / c->wanted;
   return (size_t)fmin(ALL, fmax(one, fmin(guess, 3 * (double)n)));
@@ -169,17 +171,17 @@ static size_t more_systems(const cut *c, size_t n) {
 /* Choose the smallest number of kernels (approximately) whose images of all
    patterns deviate from the reference by at most the requested error. The
    reference is T or, if unknown, the sum of all kernels. */
-static int choose(const hopkins *h, cut *c, opc_error *error) {
+static int cut_choose(const hopkins *h, cut *c, opc_error *error) {
   kernels *k = c->kernels;
   trial t;
   int code = trial_init(h, k, &t, error);
   size_t n = c->fixed > 0 ? (size_t)c->fixed : 4;
-  for (; !code; n = more_systems(c, n)) {
+  for (; !code; n = cut_more_kernels(c, n)) {
     k->keep(k, n);
-    if ((code = try_kernels(h, c, &t, error))) break;
+    if ((code = cut_try(h, c, &t, error))) break;
     if (!isfinite(c->error))
       code = opc_fail(error, OPC_FAILED, NULL, "the kernels are not finite");
-    if (c->fixed > 0 || c->error <= c->wanted || is_all(k)) break;
+    if (c->fixed > 0 || c->error <= c->wanted || kernels_are_all(k)) break;
   }
   trial_clear(&t);
   return code;
@@ -187,7 +189,7 @@ static int choose(const hopkins *h, cut *c, opc_error *error) {
 
 /* ---- work: cuts ---- */
 
-static int make_kernels(const hopkins *h, cut *c, opc_error *error) {
+static int cut_make_kernels(const hopkins *h, cut *c, opc_error *error) {
   const optics *o = &h->optics;
   const opc_context *context = h->host->context;
   if (optics_is_radial(o)) {
@@ -199,7 +201,7 @@ static int make_kernels(const hopkins *h, cut *c, opc_error *error) {
     c->kernels = plane_new(context, o, c->defocus, error);
     if (!c->kernels) return error->code;
   }
-  int code = choose(h, c, error);
+  int code = cut_choose(h, c, error);
   if (code) {
     c->kernels->free(c->kernels);
     c->kernels = NULL;
@@ -208,11 +210,11 @@ static int make_kernels(const hopkins *h, cut *c, opc_error *error) {
 }
 
 /* Get kernels from the cache, or compute them. */
-static int get_kernels(const hopkins *h, cut *c, opc_error *error) {
+static int cut_get_kernels(const hopkins *h, cut *c, opc_error *error) {
   const optics *o = &h->optics;
   if (!optics_is_radial(o) || o->zernike.count)
-    return make_kernels(h, c, error);
-  kept_key key;
+    return cut_make_kernels(h, c, error);
+  cache_key key;
   memset(&key, 0, sizeof key);
   key.wavelength = o->wavelength;
   key.na = o->na;
@@ -227,14 +229,14 @@ static int get_kernels(const hopkins *h, cut *c, opc_error *error) {
   key.source = o->source;
   key.polarisation = o->polarisation;
   key.real = optics_real_masks(o);
-  c->kept = kept_find(&key);
-  if (!c->kept) {
-    int code = make_kernels(h, c, error);
+  c->entry = cache_find(&key);
+  if (!c->entry) {
+    int code = cut_make_kernels(h, c, error);
     if (code) return code;
     c->kernels->settle(c->kernels);
-    c->kept = kept_put(&key, c->kernels, c->error);
+    c->entry = cache_add(&key, c->kernels, c->error);
   }
-  c->kernels = kept_kernels(c->kept, &c->error);
+  c->kernels = cache_kernels(c->entry, &c->error);
   return OPC_OK;
 }
 
@@ -242,49 +244,51 @@ static int get_kernels(const hopkins *h, cut *c, opc_error *error) {
    sets the error: requests of steps contain a reserve. Our choice. */
 static const double nearly = 2;
 
-static void tell(const hopkins *h, const cut *c) {
+static void cut_log(const hopkins *h, const cut *c) {
   char focus[48] = "";
   if (c->defocus != 0)
-    (void)snprintf(focus, sizeof focus, ", %g nm from the focus", c->defocus);
+    (void)snprintf(focus, sizeof focus, ", defocus %g nm", c->defocus);
   h->host->log(h->host, OPC_LOG_INFO,
-               "litho.hopkins: %zu systems and the rest%s, error %.1e of the "
-               "clear field",
+               "litho.hopkins: %zu kernels and the residual%s, error %.1e of "
+               "the clear field",
                c->kernels->count, focus, c->error);
   int meant = h->wanted_given && c->wanted == h->wanted;
   if (c->fixed < 0 && c->error > c->wanted)
     h->host->log(
         h->host,
         meant || c->error > nearly * c->wanted ? OPC_LOG_WARNING : OPC_LOG_INFO,
-        "litho.hopkins: all %zu systems give an error of %.1e, more "
-        "than the %.1e asked for%s",
+        "litho.hopkins: all %zu kernels leave an error of %.1e, more than the "
+        "requested %.1e%s",
         c->kernels->count, c->error, c->wanted, focus);
   if (optics_is_radial(&h->optics) || h->n_cuts) return;
   if (h->optics.source == OPTICS_LIST)
     h->host->log(
         h->host, OPC_LOG_WARNING,
-        "litho.hopkins: the rims of the pupils of single source points "
-        "are blurred, which the error leaves out: 0.6 %% of the clear field "
-        "for six points in a frame of 3.2 um, 2 to 3 %% in one of 0.8 um; "
-        "litho.abbe has them sharp");
+        "litho.hopkins: the rims of the pupils of single source points are "
+        "blurred, an error not included in the stated one: 0.6 %% of the clear "
+        "field for six points in a frame of 3.2 um, 2 to 3 %% in a frame of "
+        "0.8 um; use litho.abbe for sharp pupils");
   else
-    h->host->log(h->host, OPC_LOG_INFO,
-                 "litho.hopkins: tables blur the rims of the pupils, which the "
-                 "error leaves out: 0.2 to 0.4 %% of the clear field");
+    h->host->log(
+        h->host, OPC_LOG_INFO,
+        "litho.hopkins: tables blur the rims of the pupils, an error not "
+        "included in the stated one: 0.2 to 0.4 %% of the clear field");
 }
 
 /* Add kernels for a defocus and an error. The caller holds the lock or is the
    only user of the instance. Return NULL on failure. */
-static const cut *add_cut(hopkins *h, double defocus, double wanted,
+static const cut *cut_add(hopkins *h, double defocus, double wanted,
                           int64_t fixed, opc_error *error) {
   if (h->n_cuts == CUTS) {
     opc_fail(error, OPC_INVALID, NULL,
-             "images at more than %d values of defocus and error", CUTS);
+             "more than %d combinations of defocus and error were requested",
+             CUTS);
     return NULL;
   }
   cut *c = &h->cuts[h->n_cuts];
   *c = (cut){.defocus = defocus, .wanted = wanted, .fixed = fixed};
-  if (get_kernels(h, c, error)) return NULL;
-  tell(h, c);
+  if (cut_get_kernels(h, c, error)) return NULL;
+  cut_log(h, c);
   h->n_cuts++;
   return c;
 }
@@ -292,12 +296,12 @@ static const cut *add_cut(hopkins *h, double defocus, double wanted,
 /* Return the kernels for exactly this request. Kernels with a smaller error are
    not used, because their presence depends on the order of requests, and
    results would too. */
-static const cut *find_cut(hopkins *h, double defocus, double wanted,
+static const cut *cut_find(hopkins *h, double defocus, double wanted,
                            int64_t fixed, opc_error *error) {
   const cut *found = NULL;
   if (!(wanted > 0)) {
-    opc_fail(error, OPC_INVALID, NULL, "an image within an error of %g",
-             wanted);
+    opc_fail(error, OPC_INVALID, NULL,
+             "the requested error of an image is %g, not above 0", wanted);
     return NULL;
   }
   pthread_mutex_lock(&h->lock);
@@ -306,16 +310,16 @@ static const cut *find_cut(hopkins *h, double defocus, double wanted,
     if (c->defocus == defocus && c->wanted == wanted && c->fixed == fixed)
       found = c;
   }
-  if (!found) found = add_cut(h, defocus, wanted, fixed, error);
+  if (!found) found = cut_add(h, defocus, wanted, fixed, error);
   pthread_mutex_unlock(&h->lock);
   return found;
 }
 
-static int prepare(void *self, opc_error *error) {
+static int hopkins_prepare(void *self, opc_error *error) {
   hopkins *h = self;
   if (h->n_cuts) return OPC_OK;
   optics_warn(&h->optics, h->host);
-  const cut *c = add_cut(h, 0, h->wanted, h->fixed, error);
+  const cut *c = cut_add(h, 0, h->wanted, h->fixed, error);
   if (!c) return error->code;
   int code =
       h->host->metric(h->host, "systems", (double)c->kernels->count, error);
@@ -324,25 +328,29 @@ static int prepare(void *self, opc_error *error) {
   return code;
 }
 
-static int image(const void *self, int layer, const eda_spectrum *mask,
-                 eda_field *out, opc_error *error) {
+static int hopkins_image(const void *self, int layer, const eda_spectrum *mask,
+                         eda_field *out, opc_error *error) {
   const hopkins *h = self;
-  return image_by(h, h->cuts[0].kernels, layer, mask, out, error);
+  return hopkins_image_by(h, h->cuts[0].kernels, layer, mask, out, error);
 }
 
-static int image_at(const void *self, int layer, const eda_spectrum *mask,
-                    double defocus, eda_field *out, opc_error *error) {
+static int hopkins_image_at(const void *self, int layer,
+                            const eda_spectrum *mask, double defocus,
+                            eda_field *out, opc_error *error) {
   hopkins *h = (hopkins *)self; /* changes are guarded by the lock */
-  const cut *c = find_cut(h, defocus, h->wanted, h->fixed, error);
-  return c ? image_by(h, c->kernels, layer, mask, out, error) : error->code;
+  const cut *c = cut_find(h, defocus, h->wanted, h->fixed, error);
+  return c ? hopkins_image_by(h, c->kernels, layer, mask, out, error)
+           : error->code;
 }
 
 /* Compute the image of a mask of lines directly from T; the mask's spectrum
    holds the amplitudes. */
-static int image_lines(const hopkins *h, int layer, const eda_spectrum *mask,
-                       eda_field *out, opc_error *error) {
+static int hopkins_image_lines(const hopkins *h, int layer,
+                               const eda_spectrum *mask, eda_field *out,
+                               opc_error *error) {
   const kernels *k = h->cuts[0].kernels;
-  int code = image_by(h, k, layer, mask, out, error); /* sets the grid */
+  int code =
+      hopkins_image_by(h, k, layer, mask, out, error); /* sets the grid */
   if (code) return code;
   size_t n = 2 * (size_t)mask->columns;
   double offset[2] = {0}, scale[2] = {1};
@@ -357,68 +365,68 @@ static int image_lines(const hopkins *h, int layer, const eda_spectrum *mask,
   return OPC_OK;
 }
 
-static int image_fine(const void *self, int layer, const eda_spectrum *mask,
-                      double defocus, double wanted, eda_field *out,
-                      opc_error *error) {
+static int hopkins_image_fine(const void *self, int layer,
+                              const eda_spectrum *mask, double defocus,
+                              double wanted, eda_field *out, opc_error *error) {
   hopkins *h = (hopkins *)self; /* changes are guarded by the lock */
   const kernels *k = h->cuts[0].kernels;
   if (defocus == 0 && k->cross && pattern_is_lines(k, mask))
-    return image_lines(h, layer, mask, out, error);
+    return hopkins_image_lines(h, layer, mask, out, error);
   /* The image must be no less accurate than the model's own. */
   double own = h->fixed > 0 ? h->cuts[0].error : h->wanted;
   const cut *c = &h->cuts[0];
   if (defocus != 0 || c->error > wanted)
-    c = find_cut(h, defocus, fmin(wanted, own), OPC_NO_INT, error);
-  return c ? image_by(h, c->kernels, layer, mask, out, error) : error->code;
+    c = cut_find(h, defocus, fmin(wanted, own), OPC_NO_INT, error);
+  return c ? hopkins_image_by(h, c->kernels, layer, mask, out, error)
+           : error->code;
 }
 
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
     OPTICS_PARAMETERS(hopkins),
-    OPC_PARAMETER_NAMED(
-        "error", hopkins, wanted, .type = OPC_REAL,
-        .flags = OPC_AT_LEAST | OPC_BELOW, .preset = "1.5e-3", .min = 5e-5,
-        .max = 0.1,
-        .summary = "largest error of the intensity, clear field 1, that "
-                   "leaving out kernels may make",
-        .given = offsetof(hopkins, wanted_given)),
-    OPC_PARAMETER_NAMED(
-        "kernels", hopkins, fixed, .type = OPC_INT,
-        .flags = OPC_AT_LEAST | OPC_AT_MOST, .min = 1, .max = 2000,
-        .summary =
-            "so many coherent systems instead of as many as the error needs"),
+    OPC_PARAMETER_NAMED("error", hopkins, wanted, .type = OPC_REAL,
+                        .flags = OPC_AT_LEAST | OPC_BELOW, .preset = "1.5e-3",
+                        .min = 5e-5, .max = 0.1,
+                        .summary = "largest error of the intensity by "
+                                   "truncation of kernels, clear field 1",
+                        .given = offsetof(hopkins, wanted_given)),
+    OPC_PARAMETER_NAMED("kernels", hopkins, fixed, .type = OPC_INT,
+                        .flags = OPC_AT_LEAST | OPC_AT_MOST, .min = 1,
+                        .max = 2000,
+                        .summary = "fixed number of kernels in place of the "
+                                   "number that the error needs"),
 };
 
 static const opc_metric metrics[] = {
-    {"systems", NULL, OPC_NEUTRAL, 0, "coherent systems that are summed up"},
+    {"systems", NULL, OPC_NEUTRAL, 0, "number of coherent kernels"},
     {"error", NULL, OPC_LOWER, 1e-5,
-     "measured error of leaving out the others, clear field 1"},
-    {"grid", "nm", OPC_LOWER, 1e-3, "largest step of an image's grid"},
+     "measured truncation error, clear field 1"},
+    {"grid", "nm", OPC_LOWER, 1e-3, "largest grid spacing of an image"},
 };
 
-static int check(void *self, opc_error *error) {
+static int hopkins_check(void *self, opc_error *error) {
   hopkins *h = self;
   pthread_mutex_init(&h->lock, NULL);
   int code = optics_check(&h->optics, error);
   if (!code && h->wanted_given && h->fixed > 0)
     code = opc_fail(error, OPC_INVALID, "kernels",
-                    "'kernels' and 'error' exclude each other: so many "
-                    "systems, or as many as the error needs");
+                    "'kernels' and 'error' exclude each other: set the number "
+                    "of kernels, or the error that determines the number");
   size_t listed = h->optics.points.count / 3, parts = vector_parts(&h->optics);
   if (code || listed * parts <= MOST_LISTED) return code;
-  return opc_fail(error, OPC_INVALID, "points",
-                  "'points' has %zu points, more than %zu: kernels are found "
-                  "among as many images, %zu for each; litho.abbe takes any "
-                  "number",
-                  listed, MOST_LISTED / parts, parts);
+  return opc_fail(
+      error, OPC_INVALID, "points",
+      "'points' has %zu points, more than %zu: kernels are computed from %zu "
+      "images per point; use litho.abbe for more points",
+      listed, MOST_LISTED / parts, parts);
 }
 
-static void clear(void *self) {
+static void hopkins_clear(void *self) {
   hopkins *h = self;
   for (size_t i = 0; i < h->n_cuts; i++)
-    if (h->cuts[i].kept)
-      kept_drop(h->cuts[i].kept);
+    if (h->cuts[i].entry)
+      cache_release(h->cuts[i].entry);
     else
       h->cuts[i].kernels->free(h->cuts[i].kernels);
   pthread_mutex_destroy(&h->lock);
@@ -426,15 +434,16 @@ static void clear(void *self) {
 
 /* ---- entry ---- */
 
-static const eda_litho functions = {.prepare = prepare,
-                                    .band = band,
-                                    .scanner = scanner,
-                                    .image = image,
-                                    .image_at = image_at,
-                                    .image_fine = image_fine};
+static const eda_litho functions = {.prepare = hopkins_prepare,
+                                    .band = hopkins_band,
+                                    .scanner = hopkins_scanner,
+                                    .image = hopkins_image,
+                                    .image_at = hopkins_image_at,
+                                    .image_fine = hopkins_image_fine};
 OPC_PLUGIN(hopkins, .id = "litho.hopkins", .kind = "litho", .version = "0.2.0",
            .licence = "BSD-3-Clause",
            .summary = "partially coherent imaging by Hopkins kernels",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), OPC_METRICS(metrics), .check = check,
-           .clear = clear, OPC_FUNCTIONS(functions));
+           OPC_PARAMETERS(parameters), OPC_METRICS(metrics),
+           .check = hopkins_check, .clear = hopkins_clear,
+           OPC_FUNCTIONS(functions));

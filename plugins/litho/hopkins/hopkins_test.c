@@ -142,8 +142,8 @@ static void test_definition(void) {
   }
 }
 
-/* Test that the image of a line as long as its frame is computed from T itself
-   at any error, against the definition, and for an attenuated mask against the
+/* Test a line as long as its frame, whose image is computed from T itself at
+   any error: against the definition, and for an attenuated mask against the
    kernels. */
 static void test_lines(void) {
   enum { PLACES = 40 };

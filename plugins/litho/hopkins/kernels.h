@@ -2,8 +2,7 @@
 /* Kernels of the transmission cross coefficient T(f1, f2): radial functions for
    a circular or annular source with a radial pupil, tables over the plane for
    all other optics. */
-#ifndef OPCFLOW_HOPKINS_KERNELS_H
-#define OPCFLOW_HOPKINS_KERNELS_H
+#pragma once
 
 #include <eda/simd.h>
 #include <stdlib.h>
@@ -19,7 +18,7 @@ struct kernels {
   size_t count;         /* number of kernels in use, set by `keep` */
   int all;              /* no further kernels exist */
   const double *weight; /* weight of each kernel in use */
-  size_t rests;         /* number of residual terms (eda_systems) */
+  size_t residuals;     /* number of residual terms (eda_systems) */
 
   /* Use the n strongest kernels, or all if there are fewer. [main] */
   void (*keep)(kernels *self, size_t n);
@@ -29,7 +28,7 @@ struct kernels {
   /* As the members of eda_systems, with the kernels as `self`. [any] */
   void (*transfer)(const void *self, size_t s, const double *fx, double fy,
                    size_t n, float *out);
-  void (*filter)(const void *self, size_t rest, const double *fx, double fy,
+  void (*filter)(const void *self, size_t residual, const double *fx, double fy,
                  size_t n, float *out);
   eda_mirrored (*mirror)(const void *self, size_t s); /* may be NULL */
   /* Return the exact T for frequencies in units of the cutoff. NULL if T is
@@ -50,5 +49,3 @@ kernels *radial_new(const opc_context *context, const optics *o, double defocus,
    optics. NULL and *error on failure. Free with `free`. */
 kernels *plane_new(const opc_context *context, const optics *o, double defocus,
                    opc_error *error);
-
-#endif

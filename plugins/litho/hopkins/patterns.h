@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Small patterns that measure the error of kernels, and their reference
    images. */
-#ifndef OPCFLOW_HOPKINS_PATTERNS_H
-#define OPCFLOW_HOPKINS_PATTERNS_H
+#pragma once
 
 #include "kernels.h"
 
@@ -24,5 +23,3 @@ void pattern_image(const opc_context *context, const kernels *k,
 int pattern_is_lines(const kernels *k, const eda_spectrum *mask);
 void pattern_lines(const opc_context *context, const kernels *k,
                    const eda_spectrum *mask, eda_field *image);
-
-#endif

@@ -127,7 +127,7 @@ typedef struct block {
 } block;
 
 /* Compute out = matrix * in for one vector; the matrix is Hermitian. */
-static void multiply(void *data, size_t k) {
+static void gram_multiply(void *data, size_t k) {
   const block *b = data;
   size_t n = b->g->p->n;
   const float complex *x = b->in + k * n;
@@ -139,23 +139,23 @@ static void multiply(void *data, size_t k) {
   for (size_t s = 0; s < n; s++) y[s] = conjf(y[s]);
 }
 
-static double complex dot(const float complex *a, const float complex *b,
-                          size_t n) {
+static double complex vectors_dot(const float complex *a,
+                                  const float complex *b, size_t n) {
   double complex sum = 0;
   for (size_t i = 0; i < n; i++) sum += conj((double complex)a[i]) * b[i];
   return sum;
 }
 
 /* Orthonormalise vectors by two passes of Gram-Schmidt. */
-static void orthonormalise(float complex *q, size_t count, size_t n) {
+static void vectors_orthonormalise(float complex *q, size_t count, size_t n) {
   for (size_t k = 0; k < count; k++) {
     float complex *v = q + k * n;
     for (int pass = 0; pass < 2; pass++)
       for (size_t i = 0; i < k; i++) {
-        float complex c = (float complex)dot(q + i * n, v, n);
+        float complex c = (float complex)vectors_dot(q + i * n, v, n);
         for (size_t s = 0; s < n; s++) v[s] -= c * q[i * n + s];
       }
-    double length = sqrt(creal(dot(v, v, n)));
+    double length = sqrt(creal(vectors_dot(v, v, n)));
     float by = length > 0 ? (float)(1 / length) : 0;
     for (size_t s = 0; s < n; s++) v[s] *= by;
   }
@@ -163,8 +163,8 @@ static void orthonormalise(float complex *q, size_t count, size_t n) {
 
 /* Compute the eigenvectors of the matrix in the span of q, strongest first, and
    store them in p->vectors. z holds matrix * q. */
-static void mix_span(plane *p, const float complex *q, const float complex *z,
-                     size_t count, size_t most) {
+static void plane_mix_span(plane *p, const float complex *q,
+                           const float complex *z, size_t count, size_t most) {
   size_t n = p->n;
   gsl_matrix_complex *a = gsl_matrix_complex_alloc(count, count);
   gsl_matrix_complex *v = gsl_matrix_complex_alloc(count, count);
@@ -172,7 +172,7 @@ static void mix_span(plane *p, const float complex *q, const float complex *z,
   gsl_eigen_hermv_workspace *work = gsl_eigen_hermv_alloc(count);
   for (size_t i = 0; i < count; i++)
     for (size_t j = 0; j <= i; j++) {
-      double complex c = dot(q + i * n, z + j * n, n);
+      double complex c = vectors_dot(q + i * n, z + j * n, n);
       gsl_matrix_complex_set(a, i, j, gsl_complex_rect(creal(c), cimag(c)));
       gsl_matrix_complex_set(a, j, i, gsl_complex_rect(creal(c), -cimag(c)));
     }
@@ -197,7 +197,7 @@ static void mix_span(plane *p, const float complex *q, const float complex *z,
 /* Find the strongest eigenvectors of the Gram matrix in the span of its square
    times random vectors (Halko, Martinsson, Tropp, SIAM Review 53, 2011). The
    random vectors are the same in every run. */
-static void solve(plane *p) {
+static void plane_solve(plane *p) {
   size_t n = p->n, most = n < MOST ? n : MOST;
   size_t count = n < MOST + SPARE ? n : MOST + SPARE;
   gram g = {p, eda_alloc(n * n, sizeof *g.matrix)};
@@ -212,20 +212,20 @@ static void solve(plane *p) {
   }
   block forth = {&g, q, z}, back = {&g, z, q};
   for (int power = 0; power < 2; power++) {
-    opc_parallel(context, count, multiply, &forth);
-    orthonormalise(z, count, n);
-    opc_parallel(context, count, multiply, &back);
-    orthonormalise(q, count, n);
+    opc_parallel(context, count, gram_multiply, &forth);
+    vectors_orthonormalise(z, count, n);
+    opc_parallel(context, count, gram_multiply, &back);
+    vectors_orthonormalise(q, count, n);
   }
-  opc_parallel(context, count, multiply, &forth);
-  mix_span(p, q, z, count, most);
+  opc_parallel(context, count, gram_multiply, &forth);
+  plane_mix_span(p, q, z, count, most);
   free(g.matrix);
   free(q);
   free(z);
 }
 
 /* Compute a row of nodes of all kernel tables. */
-static void mix_row(void *data, size_t j) {
+static void plane_mix_row(void *data, size_t j) {
   plane *p = data;
   size_t nodes = (size_t)p->side * (size_t)p->side;
   for (size_t node = j * (size_t)p->side; node < (j + 1) * (size_t)p->side;
@@ -247,7 +247,7 @@ static size_t nodes_of(const plane *p) {
 }
 
 /* Fit D to pairs of nodes: the mean of the truncated kernels over S S. */
-static void find_shifts(plane *p) {
+static void plane_fit_shifts(plane *p) {
   double above[SHIFTS + 1] = {0}, below[SHIFTS + 1] = {0};
   size_t nodes = nodes_of(p), side = (size_t)p->side;
   for (size_t a = 0; a < nodes; a++) {
@@ -259,11 +259,11 @@ static void find_shifts(plane *p) {
       double dy = (double)rows;
       int bin = (int)(hypot(dx, dy) * p->step * SHIFTS / 2 + 0.5);
       if (bin > SHIFTS) continue;
-      double rest = 0, product = (double)p->s_table[a] * p->s_table[b];
+      double residual = 0, product = (double)p->s_table[a] * p->s_table[b];
       for (size_t k = p->base.count; k < p->available; k++)
-        rest +=
+        residual +=
             crealf(p->table[k * nodes + a] * conjf(p->table[k * nodes + b]));
-      above[bin] += rest * product;
+      above[bin] += residual * product;
       below[bin] += product * product;
     }
   }
@@ -273,25 +273,25 @@ static void find_shifts(plane *p) {
   p->d_table[0] = 1;
 }
 
-static void keep(kernels *base, size_t n) {
+static void plane_keep(kernels *base, size_t n) {
   plane *p = (plane *)base;
   size_t nodes = nodes_of(p);
   base->count = n < p->available ? n : p->available;
   base->all = base->count == p->available;
   for (size_t i = 0; i < nodes; i++) {
-    float rest = p->diagonal[i];
+    float residual = p->diagonal[i];
     for (size_t k = 0; k < base->count; k++) {
       float complex a = p->table[k * nodes + i];
-      rest -= crealf(a * conjf(a));
+      residual -= crealf(a * conjf(a));
     }
-    p->s_table[i] = sqrtf(fmaxf(rest, 0));
+    p->s_table[i] = sqrtf(fmaxf(residual, 0));
   }
-  find_shifts(p);
+  plane_fit_shifts(p);
 }
 
 /* Interpolate a kernel table bilinearly. */
-static void transfer(const void *self, size_t s, const double *fx, double fy,
-                     size_t n, float *out) {
+static void plane_transfer(const void *self, size_t s, const double *fx,
+                           double fy, size_t n, float *out) {
   const plane *p = self;
   size_t side = (size_t)p->side;
   double y = (fy / p->base.cutoff - p->low) / p->step;
@@ -317,10 +317,10 @@ static void transfer(const void *self, size_t s, const double *fx, double fy,
   }
 }
 
-static void filter(const void *self, size_t rest, const double *fx, double fy,
-                   size_t n, float *out) {
+static void plane_filter(const void *self, size_t residual, const double *fx,
+                         double fy, size_t n, float *out) {
   const plane *p = self;
-  (void)rest; /* only one residual term exists */
+  (void)residual; /* only one residual term exists */
   for (size_t i = 0; i < n; i++) {
     double shift = sqrt(fx[i] * fx[i] + fy * fy) / p->base.cutoff;
     double place = shift * SHIFTS / 2;
@@ -345,7 +345,7 @@ static void plane_free(kernels *base) {
 }
 
 /* Find the spacing that divides a source into about POINTS cells. */
-static int cut_source(plane *p) {
+static int plane_sample_source(plane *p) {
   double r = optics_source_radius(p->o);
   double most = p->parts > 1 ? POINTS / 2 : POINTS;
   p->spacing = 2 * r / 12;
@@ -369,17 +369,17 @@ kernels *plane_new(const opc_context *context, const optics *o, double defocus,
   p->base = (kernels){.context = context,
                       .cutoff = o->cutoff,
                       .radius = 1 + optics_source_radius(o),
-                      .keep = keep,
-                      .rests = 1,
-                      .transfer = transfer,
-                      .filter = filter,
+                      .keep = plane_keep,
+                      .residuals = 1,
+                      .transfer = plane_transfer,
+                      .filter = plane_filter,
                       .free = plane_free};
   p->o = o;
   p->parts = vector_parts(o);
   p->defocus = defocus;
-  if (!cut_source(p)) {
+  if (!plane_sample_source(p)) {
     opc_fail(error, OPC_FAILED, NULL,
-             "the source is too thin to be cut into points");
+             "the source is too thin for sampling by points");
     plane_free(&p->base);
     return NULL;
   }
@@ -397,8 +397,8 @@ kernels *plane_new(const opc_context *context, const optics *o, double defocus,
   for (size_t k = 0; k < most; k++) p->weights[k] = 1;
   p->base.weight = p->weights;
   opc_parallel(context, (size_t)p->side, fill_node_row, p);
-  solve(p);
-  opc_parallel(context, (size_t)p->side, mix_row, p);
+  plane_solve(p);
+  opc_parallel(context, (size_t)p->side, plane_mix_row, p);
   free(p->shifted);
   p->shifted = NULL;
   return &p->base;

@@ -186,7 +186,7 @@ static void expand_node(void *data, size_t i) {
 }
 
 /* Compute T_m at all pairs of nodes, adding one part after the other. */
-static void multiply(void *data, size_t m) {
+static void radial_multiply(void *data, size_t m) {
   radial *r = data;
   size_t n = (size_t)r->n, rings = (size_t)r->rings;
   double square = 0;
@@ -261,7 +261,7 @@ EDA_WIDE static void add_times(double by, const double *restrict x, size_t n,
 /* Transform the complex matrix of order m to a real tridiagonal matrix s->a in
    the basis s->turned. The corresponding GSL function takes three times as
    long. */
-static void make_real(const radial *r, size_t m, solver *s) {
+static void solver_make_real(const radial *r, size_t m, solver *s) {
   size_t n = (size_t)r->n;
   for (size_t i = 0; i < n; i++)
     for (size_t j = 0; j < n; j++) {
@@ -287,7 +287,8 @@ static void make_real(const radial *r, size_t m, solver *s) {
 }
 
 /* Store eigenvector k of order m at the nodes. */
-static void take_vector(radial *r, size_t m, size_t k, const solver *s) {
+static void solver_store_vector(radial *r, size_t m, size_t k,
+                                const solver *s) {
   size_t n = (size_t)r->n;
   for (int part = 0; part < (r->real ? 1 : 2); part++) {
     double *f = r->functions[part] + (m * n + k) * n;
@@ -305,7 +306,7 @@ static void take_vector(radial *r, size_t m, size_t k, const solver *s) {
 
 /* Compute the eigenvectors of root_i T_m(r_i, r_j) root_j, which are root R,
    for one order m. */
-static void solve(void *data, size_t task) {
+static void radial_solve_order(void *data, size_t task) {
   radial *r = data;
   size_t n = (size_t)r->n, m = task + (size_t)r->solved;
   solver s;
@@ -314,10 +315,10 @@ static void solve(void *data, size_t task) {
     for (size_t j = 0; j < n; j++)
       gsl_matrix_set(s.a, i, j,
                      r->t[0][(m * n + i) * n + j] * r->root[i] * r->root[j]);
-  if (!r->real) make_real(r, m, &s);
+  if (!r->real) solver_make_real(r, m, &s);
   gsl_eigen_symmv(s.a, s.value, s.v, s.work);
   for (size_t k = 0; k < n; k++) {
-    take_vector(r, m, k, &s);
+    solver_store_vector(r, m, k, &s);
     r->sorted[m * n + k] = (eigen){gsl_vector_get(s.value, k), (int)m, (int)k};
   }
   solver_clear(&s);
@@ -356,7 +357,7 @@ size_t radial_solve(radial *r, size_t n) {
     size_t count, kept = cut(r, n, &count);
     if (r->solved == ORDERS) return kept;
     if (kept < r->n_sorted && r->sorted[kept].value > most) return kept;
-    opc_parallel(r->base.context, BATCH, solve, r);
+    opc_parallel(r->base.context, BATCH, radial_solve_order, r);
     r->solved += BATCH;
     size_t all = (size_t)r->solved * (size_t)r->n;
     qsort(r->sorted, all, sizeof *r->sorted, by_value);
@@ -369,28 +370,28 @@ size_t radial_solve(radial *r, size_t n) {
 
 /* ---- entry ---- */
 
-static double cross(const kernels *base, double x1, double y1, double x2,
-                    double y2) {
+static double radial_cross_at(const kernels *base, double x1, double y1,
+                              double x2, double y2) {
   double angle = atan2(x1 * y2 - x2 * y1, x1 * x2 + y1 * y2);
   return radial_cross((const radial *)base, hypot(x1, y1), hypot(x2, y2),
                       angle);
 }
 
-static void drop(double **array) {
+static void array_drop(double **array) {
   free(*array);
   *array = NULL;
 }
 
 /* Free the data that only `keep` needs. */
-static void settle(kernels *base) {
+static void radial_settle(kernels *base) {
   radial *r = (radial *)base;
   for (int part = 0; part < 2; part++) {
-    drop(&r->g[part]);
-    drop(&r->t[part]);
-    drop(&r->functions[part]);
+    array_drop(&r->g[part]);
+    array_drop(&r->t[part]);
+    array_drop(&r->functions[part]);
   }
-  drop(&r->pairs);
-  drop(&r->blend);
+  array_drop(&r->pairs);
+  array_drop(&r->blend);
   free(r->sorted);
   r->sorted = NULL;
   r->o = NULL;
@@ -400,13 +401,13 @@ static void settle(kernels *base) {
 static void radial_free(kernels *base) {
   radial *r = (radial *)base;
   radial_drop(r);
-  settle(base);
-  free(r->systems);
+  radial_settle(base);
+  free(r->kernels);
   free(r->weights);
   free(r);
 }
 
-static void allocate(radial *r) {
+static void radial_allocate(radial *r) {
   size_t n = (size_t)r->n, all = ORDERS * n, rings = (size_t)r->rings;
   for (int part = 0; part < (r->real ? 1 : 2); part++) {
     r->g[part] = eda_alloc(all * rings, sizeof *r->g[part]);
@@ -418,13 +419,13 @@ static void allocate(radial *r) {
     r->pairs = eda_alloc(half * (half + 1) / 2 * ANGLES, sizeof *r->pairs);
   r->blend = eda_alloc((size_t)(TABLE + 2) * OTHER, sizeof *r->blend);
   r->sorted = eda_alloc(all, sizeof *r->sorted);
-  r->systems = eda_alloc(2 * all, sizeof *r->systems);
+  r->kernels = eda_alloc(2 * all, sizeof *r->kernels);
   r->weights = eda_alloc(2 * all, sizeof *r->weights);
 }
 
 /* Compute T(f, f) of scalar light at the nodes and in the table. For polarised
    light, interpolate the table from the values at the nodes. */
-static void find_diagonal(radial *r) {
+static void radial_find_diagonal(radial *r) {
   for (int i = 0; i < r->n && r->scalar; i++)
     r->at_node[i] = radial_cross(r, r->node[i], r->node[i], 0);
   for (int i = 0; i < TABLE + 2; i++) {
@@ -438,7 +439,7 @@ static void find_diagonal(radial *r) {
 
 /* Return T(0, 0) before normalisation: the area of the source, or for polarised
    light the sum of the contributions of rings to the clear field. */
-static double find_whole(const radial *r) {
+static double radial_find_whole(const radial *r) {
   double whole = r->sigma * r->sigma - r->sigma_in * r->sigma_in, sum = 0;
   for (int k = 0; k < r->rings; k++)
     sum += 2 * r->ring_weight[k] *
@@ -446,13 +447,13 @@ static double find_whole(const radial *r) {
   return r->scalar ? whole : sum;
 }
 
-static void expand(radial *r) {
+static void radial_expand(radial *r) {
   size_t n = (size_t)r->n, all = ORDERS * n * (size_t)r->rings;
   for (r->part = 0; r->part < vector_parts(r->o); r->part++) {
     for (int part = 0; r->part && part < (r->real ? 1 : 2); part++)
       memset(r->g[part], 0, all * sizeof *r->g[part]);
     opc_parallel(r->base.context, n, expand_node, r);
-    opc_parallel(r->base.context, ORDERS, multiply, r);
+    opc_parallel(r->base.context, ORDERS, radial_multiply, r);
   }
 }
 
@@ -460,18 +461,19 @@ kernels *radial_new(const opc_context *context, const optics *o, double defocus,
                     int real, double error) {
   gsl_set_error_handler_off(); /* its default aborts */
   radial *r = eda_alloc(1, sizeof *r);
-  r->base = (kernels){
-      .context = context,
-      .cutoff = o->cutoff,
-      .radius = 1 + o->sigma,
-      .keep = radial_keep,
-      .settle = settle,
-      .rests = 2,
-      .transfer = radial_transfer,
-      .filter = radial_filter,
-      .cross = real && o->polarisation == OPTICS_SCALAR ? cross : NULL,
-      .mirror = radial_mirror,
-      .free = radial_free};
+  r->base = (kernels){.context = context,
+                      .cutoff = o->cutoff,
+                      .radius = 1 + o->sigma,
+                      .keep = radial_keep,
+                      .settle = radial_settle,
+                      .residuals = 2,
+                      .transfer = radial_transfer,
+                      .filter = radial_filter,
+                      .cross = real && o->polarisation == OPTICS_SCALAR
+                                   ? radial_cross_at
+                                   : NULL,
+                      .mirror = radial_mirror,
+                      .free = radial_free};
   r->o = o;
   r->defocus = defocus;
   r->real = real;
@@ -483,11 +485,11 @@ kernels *radial_new(const opc_context *context, const optics *o, double defocus,
   r->sigma_in = o->source == OPTICS_ANNULAR ? o->sigma_in : 0;
   place_nodes(r);
   place_rings(r);
-  allocate(r);
+  radial_allocate(r);
   place_table(r);
-  r->whole = find_whole(r);
-  expand(r);
-  find_diagonal(r);
+  r->whole = radial_find_whole(r);
+  radial_expand(r);
+  radial_find_diagonal(r);
   if (r->pairs)
     opc_parallel(context, (size_t)(r->n + 1) / 2, radial_evaluate_pairs, r);
   return &r->base;

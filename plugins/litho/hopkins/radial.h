@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Kernels of a rotationally symmetric T: eigenfunctions (radial.c), coherent
-   kernels (systems.c), and residual (rest.c). */
+   kernels (coherent.c), and residual (residual.c). */
 #ifndef OPCFLOW_HOPKINS_RADIAL_H
 #define OPCFLOW_HOPKINS_RADIAL_H
 
@@ -69,7 +69,7 @@ typedef struct radial {
   int solved;           /* number of orders with known R */
   eigen *sorted;        /* eigenfunctions of these orders, strongest first */
   size_t n_sorted;
-  coherent *systems;
+  coherent *kernels;
   double *weights;
   float s_table[TABLE + 2];
   float d_table[(SHIFTS + 1) * TURNS];
@@ -89,7 +89,7 @@ static inline const double *radial_function(const radial *r, const eigen *e,
          ((size_t)e->order * (size_t)r->n + (size_t)e->index) * (size_t)r->n;
 }
 
-/* ---- systems.c ---- */
+/* ---- coherent.c ---- */
 
 /* Return T of scalar light in focus, in closed form. */
 double radial_cross(const radial *r, double a, double b, double angle);
@@ -103,21 +103,21 @@ eda_mirrored radial_mirror(const void *self, size_t s);
 /* Free the kernels in use. */
 void radial_drop(radial *r);
 
-/* ---- rest.c ---- */
+/* ---- residual.c ---- */
 
 /* Compute T of node 2 i with every other node up to 2 i. */
 void radial_evaluate_pairs(void *self, size_t i);
 
 /* Compute S and D of the residual without the first `kept` eigenfunctions. */
-void radial_find_rest(radial *r, size_t kept);
+void radial_find_residual(radial *r, size_t kept);
 
-/* Compute the transfer function of residual term `rest`; other parameters as
-   for `transfer`. */
-void radial_rest(const radial *r, size_t rest, const double *fx, double fy,
-                 size_t n, float *out);
+/* Compute the transfer function of residual term `residual`; other parameters
+   as for `transfer`. */
+void radial_residual(const radial *r, size_t residual, const double *fx,
+                     double fy, size_t n, float *out);
 
-/* Compute the filter of residual term `rest` (kernels.h). */
-void radial_filter(const void *self, size_t rest, const double *fx, double fy,
-                   size_t n, float *out);
+/* Compute the filter of residual term `residual` (kernels.h). */
+void radial_filter(const void *self, size_t residual, const double *fx,
+                   double fy, size_t n, float *out);
 
 #endif

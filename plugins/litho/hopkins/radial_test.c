@@ -186,7 +186,7 @@ static void test_mirror(void) {
     g_assert_nonnull(k);
     k->keep(k, 30);
     const double fx = 0.0021, fy = 0.0013;
-    for (size_t s = 0; s < k->count + k->rests; s++) {
+    for (size_t s = 0; s < k->count + k->residuals; s++) {
       eda_mirrored m = k->mirror(k, s);
       float want[2], got[2];
       k->transfer(k, m.system, &fx, fy, 1, want);

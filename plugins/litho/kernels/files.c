@@ -39,19 +39,20 @@ static int read_weights(FILE *file, const char *path, size_t most,
   if (!next_number(file, &number, &line) || number != floor(number) ||
       number < 1 || number > MOST_KERNELS)
     return opc_fail(error, OPC_IO, NULL,
-                    "%s:%zu: not a number of kernels from 1 to %d", path, line,
-                    MOST_KERNELS);
+                    "%s:%zu: expected a number of kernels from 1 to %d", path,
+                    line, MOST_KERNELS);
   set->count = (size_t)number;
   if (most > set->count)
     return opc_fail(error, OPC_INVALID, "kernels",
-                    "'kernels' asks for %zu, '%s' has %zu", most, path,
+                    "'kernels' is %zu, but '%s' has %zu kernels", most, path,
                     set->count);
   if (most) set->count = most;
   set->weight = eda_alloc(set->count, sizeof *set->weight);
   for (size_t i = 0; i < set->count; i++)
     if (!next_number(file, &set->weight[i], &line) || set->weight[i] < 0)
       return opc_fail(error, OPC_IO, NULL,
-                      "%s:%zu: not a weight, of kernel %zu", path, line, i);
+                      "%s:%zu: expected the weight of kernel %zu", path, line,
+                      i);
   return OPC_OK;
 }
 
@@ -67,13 +68,13 @@ static int take_size(const char *path, const uint8_t *head, kernel_set *set,
   uint32_t rows = big_endian(head), columns = big_endian(head + 4);
   if (rows != columns || rows % 2 == 0 || rows > KERNEL_MOST)
     return opc_fail(error, OPC_IO, NULL,
-                    "'%s': %u x %u frequencies at byte 0, not an odd square "
-                    "up to %d",
+                    "'%s': %u x %u frequencies at byte 0, expected an odd "
+                    "square of at most %d",
                     path, rows, columns, KERNEL_MOST);
   if (set->data && (int)rows != set->size)
     return opc_fail(error, OPC_IO, NULL,
-                    "'%s': %u frequencies across at byte 0, the kernels "
-                    "before have %d",
+                    "'%s': %u frequencies across at byte 0, expected %d as in "
+                    "the preceding kernels",
                     path, rows, set->size);
   set->size = (int)rows;
   set->half = set->size / 2;
@@ -98,7 +99,7 @@ static int read_kernel(const char *path, FILE *file, size_t s, kernel_set *set,
       memcpy(&out[i], &bits, 4);
       if (!isfinite(out[i]))
         return opc_fail(error, OPC_IO, NULL,
-                        "'%s': a value that is no number at byte %zu", path,
+                        "'%s': value at byte %zu is not a finite number", path,
                         at - 8 * n + 4 * i);
       int x = (int)i / 2 - set->half, y = (int)l - set->half;
       if (out[i] != 0) set->radius = fmax(set->radius, hypot(x, y));
@@ -152,8 +153,7 @@ int kernel_set_read(const char *path, size_t most, kernel_set *out,
   if (!code) code = read_kernels(path, out, error);
   if (!code && out->radius == 0)
     code = opc_fail(error, OPC_IO, NULL,
-                    "'%s': kernels that let nothing but the zero order pass",
-                    path);
+                    "'%s': the kernels pass only the zero order", path);
   if (code) kernel_set_clear(out);
   return code;
 }

@@ -1,16 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Kernel sets in files in the format of the ICCAD 2013 contest: a text of
    weights and a binary file per kernel in the same folder. */
-#ifndef OPCFLOW_LITHO_KERNEL_FILES_H
-#define OPCFLOW_LITHO_KERNEL_FILES_H
+#pragma once
 
 #include <opcflow/base.h>
 
 enum { KERNEL_MOST = 255 }; /* largest number of frequencies across a kernel */
 
-/* `count` kernels in the frequency domain, size x size each: re, im of the
-   frequency (k - half, l - half) of kernel s are data[2 * ((s * size + l) *
-   size + k)] and the next element. */
+/* `count` kernels in the frequency domain, size x size each. The values re, im
+   of the frequency (k - half, l - half) of kernel s are data[2 * ((s * size +
+   l) * size + k)] and the next element. */
 typedef struct kernel_set {
   size_t count;
   int size, half; /* size = 2 * half + 1 */
@@ -27,5 +26,3 @@ typedef struct kernel_set {
 int kernel_set_read(const char *path, size_t most, kernel_set *out,
                     opc_error *error);
 void kernel_set_clear(kernel_set *set);
-
-#endif

@@ -37,7 +37,7 @@ typedef struct reach {
 /* Compute the weights that interpolate the transform of a function that is zero
    outside of a period, at `place` (in units of 1 / period), from the values at
    k = -half .. half. The weights are sin(pi (place - k)) / (pi (place - k)). */
-static void spread(double place, int half, reach *r) {
+static void reach_spread(double place, int half, reach *r) {
   static const double same = 1e-6;
   double nearest = round(place);
   r->first = 0;
@@ -62,21 +62,21 @@ typedef struct view {
   double period;
 } view;
 
-static void transfer(const void *self, size_t s, const double *fx, double fy,
-                     size_t n, float *out) {
+static void view_transfer(const void *self, size_t s, const double *fx,
+                          double fy, size_t n, float *out) {
   const view *v = self;
   const kernel_set *set = v->set;
   int size = set->size;
   const float *data = set->data + 2 * s * (size_t)size * (size_t)size;
   double row[2 * KERNEL_MOST] = {0};
   reach r = {.last = -1};
-  spread(fy * v->period, set->half, &r);
+  reach_spread(fy * v->period, set->half, &r);
   for (int l = r.first; l <= r.last; l++)
     for (int i = 0; i < 2 * size; i++)
       row[i] += r.weight[l] * (double)data[2 * l * size + i];
   for (size_t i = 0; i < n; i++) {
     double re = 0, im = 0;
-    spread(fx[i] * v->period, set->half, &r);
+    reach_spread(fx[i] * v->period, set->half, &r);
     for (int k = r.first; k <= r.last; k++) {
       re += r.weight[k] * row[2 * k];
       im += r.weight[k] * row[2 * k + 1];
@@ -88,7 +88,7 @@ static void transfer(const void *self, size_t s, const double *fx, double fy,
 
 /* ---- work: images ---- */
 
-static int prepare(void *self, opc_error *error) {
+static int model_prepare(void *self, opc_error *error) {
   model *m = self;
   for (int i = 0; i < SETS; i++) {
     kernel_set_clear(&m->set[i]);
@@ -117,7 +117,7 @@ static double set_band(const model *m, const kernel_set *set) {
   return (set->radius + 1) / m->period;
 }
 
-static double band(const void *self) {
+static double model_band(const void *self) {
   const model *m = self;
   return fmax(set_band(m, &m->set[FOCUS]), set_band(m, &m->set[DEFOCUS]));
 }
@@ -128,7 +128,7 @@ static eda_systems systems_of(const model *m, const view *v) {
                        .weight = v->set->weight,
                        .band = set_band(m, v->set),
                        .intensity_band = 2 * set_band(m, v->set),
-                       .transfer = transfer,
+                       .transfer = view_transfer,
                        .self = v,
                        .offset = {m->dark_field, 0},
                        .scale = {sign, 0}};
@@ -144,8 +144,8 @@ static int image_of(const model *m, const kernel_set *set,
   return eda_coherent_sum(m->host->context, mask, &systems, step, out, error);
 }
 
-static int image(const void *self, int layer, const eda_spectrum *mask,
-                 eda_field *out, opc_error *error) {
+static int model_image(const void *self, int layer, const eda_spectrum *mask,
+                       eda_field *out, opc_error *error) {
   const model *m = self;
   (void)layer; /* all layers have the same tone */
   return image_of(m, &m->set[FOCUS], mask, out, error);
@@ -157,21 +157,21 @@ static const kernel_set *set_at(const model *m, double defocus,
   if (defocus == 0) return &m->set[FOCUS];
   if (m->path[DEFOCUS]) return &m->set[DEFOCUS];
   opc_fail(error, OPC_INVALID, "defocus",
-           "'defocus' kernels are needed for an image out of focus");
+           "an image out of focus needs the kernels of 'defocus'");
   return NULL;
 }
 
-static int image_at(const void *self, int layer, const eda_spectrum *mask,
-                    double defocus, eda_field *out, opc_error *error) {
+static int model_image_at(const void *self, int layer, const eda_spectrum *mask,
+                          double defocus, eda_field *out, opc_error *error) {
   const model *m = self;
   const kernel_set *set = set_at(m, defocus, error);
   (void)layer;
   return set ? image_of(m, set, mask, out, error) : error->code;
 }
 
-static int gradient(const void *self, int layer, const eda_spectrum *mask,
-                    double defocus, const eda_field *weight, eda_field *out,
-                    opc_error *error) {
+static int model_gradient(const void *self, int layer, const eda_spectrum *mask,
+                          double defocus, const eda_field *weight,
+                          eda_field *out, opc_error *error) {
   const model *m = self;
   view v = {set_at(m, defocus, error), m->period};
   (void)layer;
@@ -186,42 +186,44 @@ static int gradient(const void *self, int layer, const eda_spectrum *mask,
 static const opc_parameter parameters[] = {
     OPC_PARAMETER_NAMED("focus", model, path[FOCUS], .type = OPC_FILE,
                         .flags = OPC_REQUIRED | OPC_BESIDE,
-                        .summary = "text of the weights of the kernels in "
-                                   "focus; fh0.bin ... are beside it"),
-    OPC_PARAMETER_NAMED("defocus", model, path[DEFOCUS], .type = OPC_FILE,
-                        .flags = OPC_BESIDE,
-                        .summary = "the same for images at any other focus"),
+                        .summary = "text file of the weights of the kernels in "
+                                   "focus, in the folder of fh0.bin ..."),
+    OPC_PARAMETER_NAMED(
+        "defocus", model, path[DEFOCUS], .type = OPC_FILE, .flags = OPC_BESIDE,
+        .summary =
+            "text file of the weights of the kernels at any other focus"),
     OPC_PARAMETER(
         model, period, .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "nm",
         .preset = "2048 nm",
-        .summary = "one over the distance of the kernels' frequencies"),
+        .summary = "reciprocal of the frequency spacing of the kernels"),
     OPC_PARAMETER_NAMED(
         "kernels", model, wanted, .type = OPC_INT, .flags = OPC_AT_LEAST,
         .min = 1,
-        .summary = "how many of them, the first ones; all if not given"),
+        .summary = "number of kernels to use, the first ones; default: all"),
     OPC_PARAMETER(model, dose, .type = OPC_REAL, .flags = OPC_ABOVE,
-                  .preset = "1", .summary = "a factor on the intensity"),
+                  .preset = "1", .summary = "factor on the intensity"),
     OPC_PARAMETER_NAMED("tone", model, dark_field, .type = OPC_CHOICE,
                         .preset = "dark", .choices = "clear|dark",
                         .summary = "field of the mask: clear with dark "
                                    "features, or dark with clear ones"),
 };
 
-static void clear(void *self) {
+static void model_clear(void *self) {
   model *m = self;
   for (int i = 0; i < SETS; i++) kernel_set_clear(&m->set[i]);
 }
 
 /* ---- entry ---- */
 
-static const eda_litho functions = {.prepare = prepare,
-                                    .band = band,
-                                    .image = image,
-                                    .image_at = image_at,
-                                    .gradient = gradient};
+static const eda_litho functions = {.prepare = model_prepare,
+                                    .band = model_band,
+                                    .image = model_image,
+                                    .image_at = model_image_at,
+                                    .gradient = model_gradient};
 OPC_PLUGIN(
     model, .id = "litho.kernels", .kind = "litho", .version = "0.2.0",
     .licence = "BSD-3-Clause",
-    .summary = "imaging by kernels from files, as the ICCAD 2013 contest has",
+    .summary =
+        "imaging by kernels from files in the format of the ICCAD 2013 contest",
     .flags = OPC_DETERMINISTIC | OPC_REENTRANT, OPC_PARAMETERS(parameters),
-    .clear = clear, OPC_FUNCTIONS(functions));
+    .clear = model_clear, OPC_FUNCTIONS(functions));

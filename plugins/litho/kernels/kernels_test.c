@@ -258,15 +258,15 @@ static float complex nothing(int s, int k, int l) {
 
 static void test_refused(void) {
   write_set("", 0, 5, two_systems);
-  expect("scales.txt:1: not a number of kernels");
+  expect("scales.txt:1: expected a number of kernels");
   write_set("0", 0, 5, two_systems);
-  expect("not a number of kernels");
+  expect("expected a number of kernels");
   write_set("5000", 0, 5, two_systems);
-  expect("not a number of kernels");
+  expect("expected a number of kernels");
   write_set("2\n1.5\n", 2, 5, two_systems);
-  expect("scales.txt:3: not a weight, of kernel 1");
+  expect("scales.txt:3: expected the weight of kernel 1");
   write_set("2\n1.5\n-2", 2, 5, two_systems);
-  expect("scales.txt:3: not a weight");
+  expect("scales.txt:3: expected the weight");
   write_set("3\n1 1 1", 2, 5, two_systems);
   expect("fh2.bin': No such file");
   write_set("2\n1 1", 2, 4, two_systems);
@@ -278,18 +278,18 @@ static void test_refused(void) {
   expect("fh1.bin': ends at byte 11");
   write_set("2\n1 1", 2, 5, two_systems);
   change("fh1.bin", 3, "\x03\0\0\0\x03", 5);
-  expect("the kernels before have 5");
+  expect("expected 5 as in the preceding kernels");
   change("fh0.bin", 24 + 8, "\x7f\xc0\0\0", 4);
-  expect("fh0.bin': a value that is no number at byte 32");
+  expect("fh0.bin': value at byte 32 is not a finite number");
   write_set("2\n1 1", 2, 5, two_systems);
   change("fh0.bin", 0, "\xff\xff\xff\xff", 4);
-  expect("not an odd square");
+  expect("expected an odd square");
   write_set("1\n1", 1, 5, two_systems);
   change("fh0.bin", 3, "\x03", 1);
   change("fh0.bin", 7, "\x03", 1);
   expect("more than 3 x 3 frequencies, at byte 96");
   write_set("1\n1", 1, 5, nothing);
-  expect("nothing but the zero order");
+  expect("pass only the zero order");
 }
 
 /* ---- the contest's ---- */

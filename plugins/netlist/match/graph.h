@@ -3,8 +3,7 @@
    classes that look alike. A bundle is all transistors of one type with the
    same net at the gate and the same two at source and drain: fingers of a
    device, and devices in parallel. */
-#ifndef OPCFLOW_NETLIST_GRAPH_H
-#define OPCFLOW_NETLIST_GRAPH_H
+#pragma once
 
 #include "match.h"
 
@@ -115,5 +114,3 @@ void partition_split(partition *p, uint32_t class);
 void partition_pick(partition *p, uint32_t a, uint32_t b);
 /* Take back all splits beyond that number of classes. */
 void partition_undo(partition *p, uint32_t classes);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the files of netlist.match share. Coordinates are in units of the
    gates' grid. */
-#ifndef OPCFLOW_NETLIST_MATCH_H
-#define OPCFLOW_NETLIST_MATCH_H
+#pragma once
 
 #include <eda/layout.h>
 #include <eda/netlist.h>
@@ -89,5 +88,3 @@ int match_solve(job *j);
 eda_circuit *match_circuit(const job *j, const char *name, const char *supply,
                            const char *ground);
 int match_publish(job *j, const eda_circuit *circuit);
-
-#endif

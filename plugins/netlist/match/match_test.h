@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Running the plugin on a layout that is read. */
-#ifndef OPCFLOW_NETLIST_MATCH_TEST_H
-#define OPCFLOW_NETLIST_MATCH_TEST_H
+#pragma once
 
 #include <eda/circuit.h>
 #include <glib/gstdio.h>
@@ -97,5 +96,3 @@ static inline char *in_folder(const char *name, const char *text, gssize n) {
   fclose(file);
   return path;
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Gates whose image has a closed form, for the tests of process.window. */
-#ifndef PROCESS_WINDOW_WAVES_TEST_H
-#define PROCESS_WINDOW_WAVES_TEST_H
+#pragma once
 
 #include <eda/gates.h>
 #include <eda/litho.h>
@@ -170,5 +169,3 @@ static inline const double *column(const char *table, const char *name) {
   g_assert_nonnull(c);
   return c->data;
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The pieces of process.window. */
-#ifndef OPCFLOW_PROCESS_WINDOW_H
-#define OPCFLOW_PROCESS_WINDOW_H
+#pragma once
 
 #include <eda/print.h>
 #include <opcflow/follow.h>
@@ -102,5 +101,3 @@ int window_report(const window *w, opc_error *error);
 
 /* The picture. */
 int window_draw(const window *w, opc_error *error);
-
-#endif

@@ -21,14 +21,14 @@ static void find_layer(cif *c) {
     taken |= !strcmp(map->pairs[i].key, c->layer);
   }
   if (taken && !renamed)
-    cif_refuse(c, "a layer has the name that 'layers' gives to another");
+    cif_refuse(c, "a layer has a name that 'layers' assigns to another layer");
   else
     c->layer_number = reading_named_layer(&c->b, c->layer);
 }
 
 /* Prepare to draw: fail without a current layer, and count the shape in the
    survey. Return 1 if the shape is to be built. */
-static int draw(cif *c) {
+static int cif_draw(cif *c) {
   if (!c->layer[0]) cif_refuse(c, "a shape without a layer");
   if (!c->building && c->current == cif_symbol_at(c, 0)) c->loose++;
   if (!c->building || c->b.failed) return 0;
@@ -38,21 +38,23 @@ static int draw(cif *c) {
 
 /* ---- coordinates ---- */
 
-static void outside(cif *c) { cif_refuse(c, "a coordinate beyond 32 bits"); }
+static void cif_outside(cif *c) {
+  cif_refuse(c, "a coordinate beyond 32 bits");
+}
 
 int32_t cif_units(cif *c, int64_t v) {
   if (!c->building) return 0;
   int64_t units = v * c->current->factor; /* below 2^62 */
-  if (units != (int32_t)units) outside(c);
+  if (units != (int32_t)units) cif_outside(c);
   return (int32_t)units;
 }
 
-static eda_point point(cif *c, double x, double y) {
+static eda_point cif_add_point(cif *c, double x, double y) {
   x = floor(x + 0.5);
   y = floor(y + 0.5);
   if (fabs(x) <= INT32_MAX && fabs(y) <= INT32_MAX)
     return (eda_point){(int32_t)x, (int32_t)y};
-  outside(c);
+  cif_outside(c);
   return (eda_point){0, 0};
 }
 
@@ -76,7 +78,7 @@ static void add_polygon(cif *c, const eda_point *points, size_t n) {
 void cif_box(cif *c, int64_t length, int64_t width, int64_t x, int64_t y,
              int64_t dx, int64_t dy) {
   if ((length | width) & 1) c->current->odd = 1;
-  if (!draw(c)) return;
+  if (!cif_draw(c)) return;
   double k = (double)c->current->factor;
   double size = hypot((double)dx, (double)dy);
   double ux = (double)dx / size, uy = (double)dy / size;
@@ -84,7 +86,8 @@ void cif_box(cif *c, int64_t length, int64_t width, int64_t x, int64_t y,
   static const int along[4] = {-1, 1, 1, -1}, across[4] = {-1, -1, 1, 1};
   eda_point corner[4];
   for (int i = 0; i < 4; i++)
-    corner[i] = point(c, (double)x * k + along[i] * l * ux - across[i] * w * uy,
+    corner[i] =
+        cif_add_point(c, (double)x * k + along[i] * l * ux - across[i] * w * uy,
                       (double)y * k + along[i] * l * uy + across[i] * w * ux);
   add_polygon(c, corner, 4);
 }
@@ -93,7 +96,7 @@ void cif_polygon(cif *c) {
   size_t n = c->points->len;
   const eda_point *p = (const eda_point *)c->points->data;
   if (n < 3) cif_refuse(c, "a polygon of fewer than 3 points");
-  if (!draw(c)) return;
+  if (!cif_draw(c)) return;
   if (p[0].x == p[n - 1].x && p[0].y == p[n - 1].y) n--;
   if (n >= 3) add_polygon(c, p, n);
 }
@@ -103,7 +106,7 @@ void cif_polygon(cif *c) {
 void cif_wire(cif *c, int64_t width) {
   if (width & 1) c->current->odd = 1;
   if (!c->points->len) cif_refuse(c, "a wire without points");
-  if (!draw(c)) return;
+  if (!cif_draw(c)) return;
   int32_t units = cif_units(c, width);
   if (!c->b.failed)
     reading_told(&c->b, eda_layout_add_path(
@@ -113,19 +116,19 @@ void cif_wire(cif *c, int64_t width) {
 }
 
 void cif_flash(cif *c, int64_t diameter, int64_t x, int64_t y) {
-  if (!draw(c) || diameter == 0) return;
+  if (!cif_draw(c) || diameter == 0) return;
   double k = (double)c->current->factor, r = (double)diameter * k / 2;
   eda_point corner[SIDES];
   for (int i = 0; i < SIDES; i++) {
     double angle = 2 * PI * i / SIDES;
-    corner[i] = point(c, (double)x * k + r * cos(angle),
-                      (double)y * k + r * sin(angle));
+    corner[i] = cif_add_point(c, (double)x * k + r * cos(angle),
+                              (double)y * k + r * sin(angle));
   }
   add_polygon(c, corner, SIDES);
 }
 
 void cif_label(cif *c, const char *label, int64_t x, int64_t y) {
-  if (!draw(c)) return;
+  if (!cif_draw(c)) return;
   eda_point at = {cif_units(c, x), cif_units(c, y)};
   if (!c->b.failed)
     reading_told(&c->b,
@@ -145,7 +148,7 @@ void cif_call(cif *c, cif_symbol *called, const cif_transform *t) {
   }
   if (c->current->cell < 0) return; /* outside of symbols */
   double k = (double)c->current->factor;
-  eda_placement p = {.origin = point(c, t->x * k, t->y * k),
+  eda_placement p = {.origin = cif_add_point(c, t->x * k, t->y * k),
                      .magnification = 1,
                      .angle = t->angle,
                      .mirror = (uint32_t)t->mirror,

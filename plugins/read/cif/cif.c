@@ -32,7 +32,7 @@ static void read_file(void *self) {
   if (c->b.top < 0 && c->calls) c->b.top = c->called->cell;
 }
 
-static int run(void *self, void **outputs, opc_error *error) {
+static int cif_run(void *self, void **outputs, opc_error *error) {
   cif c = {.b.format = "CIF", .b.refuse = cif_refuse, .layer_number = -1};
   cif_open(&c);
   int code = reading_run(&c, self, outputs, error, read_file);
@@ -40,35 +40,10 @@ static int run(void *self, void **outputs, opc_error *error) {
   return code;
 }
 
-/* ---- parameters ---- */
-
-static const opc_parameter parameters[] = {READ_PARAMETERS(
-    "The CIF file", "Names for layers: { poly: CP }; the others keep theirs")};
-
-static int check(void *self, opc_error *error) {
-  return reader_check(self, 0, error);
-}
-
 /* ---- entry ---- */
 
-static const opc_port outputs_of[] = {EDA_PORT_LAYOUT("layout")};
-static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = run,
-                                   .flags = OPC_STEP_LIGHT};
+READER_FUNCTIONS(cif_run, 0, "The CIF file",
+                 "Names for layers: { poly: CP }; the others keep theirs")
 
-static int choices(void *self, const char *parameter,
-                   void (*take)(void *data, const char *value), void *data,
-                   opc_error *error) {
-  (void)parameter;
-  return reader_choices(self, &functions, take, data, error);
-}
-
-static const void *extension(const char *name) {
-  static const opc_choices listed = {choices};
-  return strcmp(name, OPC_CHOICES) ? NULL : &listed;
-}
-
-OPC_PLUGIN(reader, .id = "read.cif", .kind = "step", .version = "0.2.0",
-           .licence = "BSD-3-Clause", .summary = "Read a CIF file",
-           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), .check = check, OPC_FUNCTIONS(functions),
-           .extension = extension);
+OPC_PLUGIN(reader, .id = "read.cif", .summary = "Read a CIF file",
+           READER_ENTRY);

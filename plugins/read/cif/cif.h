@@ -5,8 +5,7 @@
    their names and scale factors, from which the unit follows; the second pass
    builds the layout. (Mead and Conway, Introduction to VLSI Systems, section
    4.5: CIF 2.0.) */
-#ifndef OPCFLOW_CIF_H
-#define OPCFLOW_CIF_H
+#pragma once
 
 #include "../reader.h"
 
@@ -80,7 +79,7 @@ void cif_make_cells(cif *c);
 
 void cif_parse(cif *c);
 
-/* ---- build.c: what the parser found, in the symbol's own coordinates ---- */
+/* ---- build.c: shapes and calls in the coordinates of the symbol ---- */
 
 void cif_box(cif *c, int64_t length, int64_t width, int64_t x, int64_t y,
              int64_t dx, int64_t dy);
@@ -94,5 +93,3 @@ void cif_call(cif *c, cif_symbol *called, const cif_transform *t);
 int32_t cif_units(cif *c, int64_t v);
 /* Return the angle of a direction, degrees, exact for axes and diagonals. */
 double cif_angle(int64_t dx, int64_t dy);
-
-#endif

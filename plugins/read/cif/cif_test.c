@@ -316,7 +316,7 @@ static void test_refusals(void) {
       {"DS 1 1 2147483647;DF;DS 2 1 2147483646;DF;E", "", "no common unit"},
       {"L A;B 2 2 0 0;L B;B 2 2 0 0;E", ", layers: { poly: CP }",
        "there is no layer CP for 'poly'; there are A, B"},
-      {"L A;B 2 2 0 0;E", ", layers: { A: B }", "name that 'layers' gives"},
+      {"L A;B 2 2 0 0;E", ", layers: { A: B }", "name that 'layers' assigns"},
       {"L A;B 2 2 0 0;E", ", layers: { a: A, b: A }", "is 'a' already"},
       {"L A;B 2 2 0 0;E", ", top: x", "there is no cell 'x'"},
   };

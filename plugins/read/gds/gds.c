@@ -45,7 +45,7 @@ typedef struct gds {
 
 /* ---- work: records ---- */
 
-static void refuse(void *self, const char *what) {
+static void gds_refuse(void *self, const char *what) {
   gds *g = self;
   if (g->b.failed) return;
   g->b.failed = opc_fail(g->b.error, OPC_IO, NULL, "'%s': %s at byte %zu",
@@ -53,18 +53,18 @@ static void refuse(void *self, const char *what) {
 }
 
 /* Read the header of the next record. Return 0 after a failure. */
-static int next(gds *g) {
+static int gds_next(gds *g) {
   const uint8_t *p = (const uint8_t *)g->b.text + g->next;
   size_t left = g->b.n - g->next, length = left < 4 ? 4 : eda_gds_u16(p);
   g->at = g->next;
   if (!left)
-    refuse(g, "ends before ENDLIB,");
+    gds_refuse(g, "ends before ENDLIB,");
   else if (!g->at && (left < 4 || p[2] != EDA_GDS_HEADER))
-    refuse(g, "not a GDSII file: no HEADER");
+    gds_refuse(g, "not a GDSII file: no HEADER");
   else if (length < 4 || length % 2)
-    refuse(g, "impossible record length");
+    gds_refuse(g, "impossible record length");
   else if (left < length)
-    refuse(g, "truncated record");
+    gds_refuse(g, "truncated record");
   if (!reading_goes_on(&g->b, g->at, 1)) return 0;
   g->type = p[2];
   g->data = p + 4;
@@ -78,12 +78,12 @@ static int next(gds *g) {
 static const uint8_t *data(gds *g, size_t bytes) {
   static const uint8_t zeros[16];
   if (g->n >= bytes) return g->data;
-  refuse(g, "record too short for its kind");
+  gds_refuse(g, "record too short for its kind");
   return zeros;
 }
 
 /* Store the record's string without padding zeros. */
-static void take_string(gds *g, char **out) {
+static void gds_take_string(gds *g, char **out) {
   while (g->n && g->data[g->n - 1] == 0) g->n--;
   g_free(*out);
   *out = reader_string(g->data, g->n);
@@ -93,7 +93,7 @@ static void take_string(gds *g, char **out) {
 
 static void take_points(gds *g) {
   element *e = &g->e;
-  if (g->n % 8) refuse(g, "half a point");
+  if (g->n % 8) gds_refuse(g, "incomplete point");
   eda_grow(&e->points, &e->room, e->n + g->n / 8, sizeof *e->points);
   for (size_t i = 0; i < g->n / 8; i++)
     e->points[e->n++] = (eda_point){eda_gds_i32(g->data + 8 * i),
@@ -104,12 +104,12 @@ static void take_points(gds *g) {
 static void take_property(gds *g) {
   element *e = &g->e;
   int rank = e->property == EDA_GDS_INSTANCE_NAME ? 2 : 1;
-  if (e->property < 0) refuse(g, "PROPVALUE without PROPATTR");
+  if (e->property < 0) gds_refuse(g, "PROPVALUE without PROPATTR");
   e->property = -1;
   if ((e->type != EDA_GDS_SREF && e->type != EDA_GDS_AREF) || e->named >= rank)
     return;
   e->named = rank;
-  take_string(g, &e->instance);
+  gds_take_string(g, &e->instance);
 }
 
 /* Take a record of an element other than ENDEL. */
@@ -139,13 +139,13 @@ static void take_record(gds *g) {
       break;
     case EDA_GDS_PATHTYPE:
       e->ends = eda_gds_u16(data(g, 2));
-      if (e->ends > 4 || e->ends == 3) refuse(g, "unknown PATHTYPE");
+      if (e->ends > 4 || e->ends == 3) gds_refuse(g, "unknown PATHTYPE");
       break;
     case EDA_GDS_SNAME:
-      take_string(g, &e->name);
+      gds_take_string(g, &e->name);
       break;
     case EDA_GDS_STRING:
-      take_string(g, &e->string);
+      gds_take_string(g, &e->string);
       break;
     case EDA_GDS_COLROW:
       e->columns = eda_gds_u16(data(g, 4));
@@ -173,7 +173,7 @@ static void take_record(gds *g) {
     case EDA_GDS_ELKEY:
       break;
     default:
-      refuse(g, "record out of place");
+      gds_refuse(g, "record out of place");
   }
 }
 
@@ -181,7 +181,7 @@ static void add_shape(gds *g) {
   element *e = &g->e;
   reading *b = &g->b;
   if (e->layer < 0 || e->datatype < 0) {
-    refuse(g, "element without layer or datatype");
+    gds_refuse(g, "element without layer or datatype");
     return;
   }
   int32_t layer =
@@ -193,18 +193,18 @@ static void add_shape(gds *g) {
   if (e->type == EDA_GDS_PATH) {
     int32_t width = e->width == INT32_MIN ? INT32_MAX : abs(e->width);
     if (!n)
-      refuse(g, "PATH without points");
+      gds_refuse(g, "PATH without points");
     else
       code = eda_layout_add_path(b->layout, b->cell, layer, p, n, width,
                                  (int)e->ends, e->begin, e->end, &b->said);
   } else if (e->type == EDA_GDS_TEXT) {
     if (!n || !e->string)
-      refuse(g, "incomplete TEXT");
+      gds_refuse(g, "incomplete TEXT");
     else
       code = eda_layout_add_text(b->layout, b->cell, layer, p[0], e->string,
                                  &b->said);
   } else if (!n) {
-    refuse(g, "polygon without points");
+    gds_refuse(g, "polygon without points");
   } else {
     if (n > 1 && p[0].x == p[n - 1].x && p[0].y == p[n - 1].y) n--;
     if (n >= 3) /* fewer points have no area */
@@ -223,13 +223,13 @@ static int put_instance(gds *g, int32_t child, const eda_placement *p) {
 
 /* Divide (x, y) into `count` steps of an array. Return 1 if the step is an
    integer. */
-static int divide(int64_t x, int64_t y, uint32_t count, eda_point *step) {
+static int step_divide(int64_t x, int64_t y, uint32_t count, eda_point *step) {
   *step = (eda_point){(int32_t)(x / count), (int32_t)(y / count)};
   return x % count == 0 && y % count == 0;
 }
 
 /* Return i * length / count, rounded to a unit. */
-static int64_t part(int64_t length, uint32_t i, uint32_t count) {
+static int64_t step_part(int64_t length, uint32_t i, uint32_t count) {
   return (int64_t)floor((double)length * i / count + 0.5);
 }
 
@@ -244,19 +244,19 @@ static void add_apart(gds *g, int32_t child, eda_placement p,
   size_t name = g->e.instance ? strlen(g->e.instance) : 0;
   g->apart += (size_t)columns * rows * (1 + name / 64);
   if (g->apart > MAX_APART) {
-    refuse(g, "too many arrays with steps off the unit, the last");
+    gds_refuse(g, "too many arrays with steps off the unit, the last");
     return;
   }
   if (!whole[0]) p.columns = 1;
   if (!whole[1]) p.rows = 1;
   for (uint32_t j = 0; j < rows; j++)
     for (uint32_t i = 0; i < columns; i++) {
-      int64_t x =
-          origin.x + part(to[0], i, full_columns) + part(to[2], j, full_rows);
-      int64_t y =
-          origin.y + part(to[1], i, full_columns) + part(to[3], j, full_rows);
+      int64_t x = origin.x + step_part(to[0], i, full_columns) +
+                  step_part(to[2], j, full_rows);
+      int64_t y = origin.y + step_part(to[1], i, full_columns) +
+                  step_part(to[3], j, full_rows);
       if (x != (int32_t)x || y != (int32_t)y)
-        refuse(g, "an array leaves the range of coordinates");
+        gds_refuse(g, "an array leaves the range of coordinates");
       p.origin = (eda_point){(int32_t)x, (int32_t)y};
       if (g->b.failed || !put_instance(g, child, &p)) return;
     }
@@ -270,10 +270,10 @@ static void add_array(gds *g, int32_t child, eda_placement p) {
   p.rows = g->e.rows ? g->e.rows : 1;
   for (int i = 0; i < 4; i++)
     if (to[i] != (int32_t)to[i])
-      refuse(g, "an array leaves the range of coordinates");
+      gds_refuse(g, "an array leaves the range of coordinates");
   if (g->b.failed) return;
-  int whole[2] = {divide(to[0], to[1], p.columns, &p.column_step),
-                  divide(to[2], to[3], p.rows, &p.row_step)};
+  int whole[2] = {step_divide(to[0], to[1], p.columns, &p.column_step),
+                  step_divide(to[2], to[3], p.rows, &p.row_step)};
   if (whole[0] && whole[1])
     put_instance(g, child, &p);
   else
@@ -283,9 +283,9 @@ static void add_array(gds *g, int32_t child, eda_placement p) {
 static void add_placement(gds *g) {
   element *e = &g->e;
   if (!e->name || e->n < (e->type == EDA_GDS_AREF ? 3 : 1))
-    refuse(g, "incomplete placement");
+    gds_refuse(g, "incomplete placement");
   else if (!(e->magnification > 0))
-    refuse(g, "placement with an impossible MAG");
+    gds_refuse(g, "placement with an impossible MAG");
   if (g->b.failed) return;
   int32_t child =
       reading_number(&g->b, eda_layout_cell(g->b.layout, e->name, &g->b.said));
@@ -319,11 +319,11 @@ static void element_clear(element *e) {
 }
 
 /* Read an element after its first record, up to ENDEL. */
-static void read_element(gds *g) {
+static void gds_read_element(gds *g) {
   size_t at = g->at;
   element_clear(&g->e);
   g->e.type = g->type;
-  while (next(g) && g->type != EDA_GDS_ENDEL) take_record(g);
+  while (gds_next(g) && g->type != EDA_GDS_ENDEL) take_record(g);
   if (g->b.failed) return;
   g->at = at;
   if (g->e.type == EDA_GDS_NODE || g->b.cell < 0) return;
@@ -333,16 +333,16 @@ static void read_element(gds *g) {
     add_shape(g);
 }
 
-static void read_cell(gds *g) {
-  if (!g->b.layout) refuse(g, "BGNSTR before UNITS");
-  if (!next(g)) return;
+static void gds_read_cell(gds *g) {
+  if (!g->b.layout) gds_refuse(g, "BGNSTR before UNITS");
+  if (!gds_next(g)) return;
   if (g->type != EDA_GDS_STRNAME) {
-    refuse(g, "BGNSTR without STRNAME");
+    gds_refuse(g, "BGNSTR without STRNAME");
     return;
   }
-  take_string(g, &g->e.name);
+  gds_take_string(g, &g->e.name);
   reading_begin_cell(&g->b, g->e.name);
-  while (next(g) && g->type != EDA_GDS_ENDSTR) switch (g->type) {
+  while (gds_next(g) && g->type != EDA_GDS_ENDSTR) switch (g->type) {
       case EDA_GDS_STRCLASS:
         break;
       case EDA_GDS_BOUNDARY:
@@ -352,10 +352,10 @@ static void read_cell(gds *g) {
       case EDA_GDS_TEXT:
       case EDA_GDS_NODE:
       case EDA_GDS_BOX:
-        read_element(g);
+        gds_read_element(g);
         break;
       default:
-        refuse(g, "record out of place");
+        gds_refuse(g, "record out of place");
     }
 }
 
@@ -366,24 +366,24 @@ static void take_units(gds *g) {
   snprintf(digits, sizeof digits, "%.14g", eda_gds_real(data(g, 16) + 8) * 1e9);
   double unit = strtod(digits, NULL);
   if (g->b.layout)
-    refuse(g, "UNITS a second time");
+    gds_refuse(g, "UNITS a second time");
   else if (!(unit > 0))
-    refuse(g, "impossible UNITS");
+    gds_refuse(g, "impossible UNITS");
   if (g->b.failed) return;
   g->b.layout = eda_layout_new(unit * g->b.r->scale, &g->b.said);
   reading_told(&g->b, g->b.layout ? OPC_OK : g->b.said.code);
 }
 
-static void read_library(void *self) {
+static void gds_read_library(void *self) {
   gds *g = self;
-  if (next(g) && g->n != 2) refuse(g, "not a GDSII file: no HEADER");
+  if (gds_next(g) && g->n != 2) gds_refuse(g, "not a GDSII file: no HEADER");
   /* Bytes after ENDLIB pad the last block of a tape. */
-  while (next(g) && g->type != EDA_GDS_ENDLIB) switch (g->type) {
+  while (gds_next(g) && g->type != EDA_GDS_ENDLIB) switch (g->type) {
       case EDA_GDS_UNITS:
         take_units(g);
         break;
       case EDA_GDS_BGNSTR:
-        read_cell(g);
+        gds_read_cell(g);
         break;
       case EDA_GDS_BGNLIB:
       case EDA_GDS_LIBNAME:
@@ -401,9 +401,9 @@ static void read_library(void *self) {
       case EDA_GDS_LIBSECUR:
         break;
       default:
-        refuse(g, "record out of place");
+        gds_refuse(g, "record out of place");
     }
-  if (!g->b.layout) refuse(g, "ENDLIB before UNITS");
+  if (!g->b.layout) gds_refuse(g, "ENDLIB before UNITS");
   if (g->absolute)
     g->b.r->host->log(g->b.r->host, OPC_LOG_WARNING,
                       "'%s': absolute angles or magnifications are taken as "
@@ -411,45 +411,19 @@ static void read_library(void *self) {
                       g->b.r->file);
 }
 
-static int run(void *self, void **outputs, opc_error *error) {
-  gds g = {.b.format = "GDSII", .b.refuse = refuse};
-  int code = reading_run(&g, self, outputs, error, read_library);
+static int gds_run(void *self, void **outputs, opc_error *error) {
+  gds g = {.b.format = "GDSII", .b.refuse = gds_refuse};
+  int code = reading_run(&g, self, outputs, error, gds_read_library);
   element_clear(&g.e);
   free(g.e.points);
   return code;
 }
 
-/* ---- parameters ---- */
-
-static const opc_parameter parameters[] = {
-    READ_PARAMETERS("The GDSII file",
-                    "Names for layers: { poly: 9/0 }, or 9 for every datatype; "
-                    "the others are called 9/0")};
-
-static int check(void *self, opc_error *error) {
-  return reader_check(self, UINT16_MAX, error);
-}
-
 /* ---- entry ---- */
 
-static const opc_port outputs_of[] = {EDA_PORT_LAYOUT("layout")};
-static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = run,
-                                   .flags = OPC_STEP_LIGHT};
+READER_FUNCTIONS(gds_run, UINT16_MAX, "The GDSII file",
+                 "Names for layers: { poly: 9/0 }, or 9 for every datatype; "
+                 "the others are called 9/0")
 
-static int choices(void *self, const char *parameter,
-                   void (*take)(void *data, const char *value), void *data,
-                   opc_error *error) {
-  (void)parameter;
-  return reader_choices(self, &functions, take, data, error);
-}
-
-static const void *extension(const char *name) {
-  static const opc_choices listed = {choices};
-  return strcmp(name, OPC_CHOICES) ? NULL : &listed;
-}
-
-OPC_PLUGIN(reader, .id = "read.gds", .kind = "step", .version = "0.2.0",
-           .licence = "BSD-3-Clause", .summary = "Read a GDSII file",
-           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), .check = check, OPC_FUNCTIONS(functions),
-           .extension = extension);
+OPC_PLUGIN(reader, .id = "read.gds", .summary = "Read a GDSII file",
+           READER_ENTRY);

@@ -64,7 +64,7 @@ static void test_drawn(void) {
   }
 }
 
-/* ---- what files may contain ---- */
+/* ---- contents of files ---- */
 
 static void test_reals(void) {
   const struct {
@@ -134,10 +134,11 @@ static void test_parameters(void) {
   g_autofree char *path = finish(file);
   refuse(path, ", layers: { poly: 9/0, active: 2/0 }", OPC_INVALID,
          "there is no layer 2/0 for 'active'; there are 1/0, 9/0");
-  refuse(path, ", layers: { poly: nine }", OPC_INVALID, "'nine': a layer is");
+  refuse(path, ", layers: { poly: nine }", OPC_INVALID, "'nine': expected");
   refuse(path, ", layers: { poly: 9/0, gate: 9/0 }", OPC_INVALID,
          "layer 9/0 is 'poly' already");
-  refuse(path, ", layers: { '3/0': 9/0 }", OPC_INVALID, "not a name");
+  refuse(path, ", layers: { '3/0': 9/0 }", OPC_INVALID,
+         "not allowed as a name");
   refuse(path, ", top: NONE", OPC_INVALID, "there is no cell 'NONE'");
   refuse(path, ", top: OTHR", OPC_INVALID,
          "there is no cell 'OTHR', did you mean 'OTHER'?");
@@ -233,7 +234,7 @@ static void test_odd_records(void) {
   g_autofree char *path = finish(file);
   opc_test_forget();
   eda_layout *layout = read_good(path, "");
-  g_assert_nonnull(strstr(opc_test_log(), "1 placed cells are not there"));
+  g_assert_nonnull(strstr(opc_test_log(), "1 placed cells are not defined"));
   g_assert_cmpuint(eda_layout_layers(layout), ==, 1);
   size_t n;
   int32_t layer;

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Test helpers of read.gds: reading files, and making them record by record. */
-#ifndef READ_GDS_MAKING_TEST_H
-#define READ_GDS_MAKING_TEST_H
+#pragma once
 
 #include <eda/gds.h>
 #include <eda/layout.h>
@@ -120,5 +119,3 @@ static inline void refuse(const char *path, const char *more, int code,
   if (!strstr(e.message, why)) g_error("%s", e.message);
   g_assert_cmpint(e.code, ==, code);
 }
-
-#endif

@@ -29,7 +29,7 @@ typedef struct clip {
 /* ---- work: words ---- */
 
 /* Fail at a place; parsing ends after a failure. */
-static void refuse_at(clip *c, const char *at, const char *what) {
+static void glp_refuse_at(clip *c, const char *at, const char *what) {
   if (c->b.failed) return;
   c->b.failed =
       opc_fail(c->b.error, OPC_IO, NULL, "%s:%zu:%zu: %s", c->b.r->file,
@@ -37,8 +37,8 @@ static void refuse_at(clip *c, const char *at, const char *what) {
   c->at = c->b.text + c->b.n;
 }
 
-static void refuse(void *self, const char *what) {
-  refuse_at(self, ((clip *)self)->record, what);
+static void glp_refuse(void *self, const char *what) {
+  glp_refuse_at(self, ((clip *)self)->record, what);
 }
 
 static int is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
@@ -64,12 +64,12 @@ static int next_line(clip *c) {
   return 1;
 }
 
-static int is(word w, const char *s) {
+static int word_is(word w, const char *s) {
   return w.n == strlen(s) && !memcmp(w.s, s, w.n);
 }
 
 /* Convert a word to an integer within +-2^31. Return 0 on failure. */
-static int number(word w, int32_t *out) {
+static int word_number(word w, int32_t *out) {
   size_t i = w.n && (*w.s == '-' || *w.s == '+');
   int64_t value = 0;
   if (i == w.n) return 0;
@@ -85,20 +85,20 @@ static int number(word w, int32_t *out) {
 static int32_t need_number(clip *c) {
   int32_t value = 0;
   word w = next_word(c);
-  if (!number(w, &value))
-    refuse_at(c, w.s,
-              w.n ? "not a whole number within 2^31" : "a number is missing");
+  if (!word_number(w, &value))
+    glp_refuse_at(
+        c, w.s, w.n ? "not a whole number within 2^31" : "a number is missing");
   return value;
 }
 
 /* Copy a name of printable ASCII characters. */
 static word take_name(clip *c, char out[256]) {
   word w = next_word(c);
-  if (!w.n) refuse_at(c, w.s, "a name is missing");
-  if (w.n > 255) refuse_at(c, w.s, "name of more than 255 letters");
+  if (!w.n) glp_refuse_at(c, w.s, "a name is missing");
+  if (w.n > 255) glp_refuse_at(c, w.s, "name of more than 255 letters");
   for (size_t i = 0; i < w.n; i++)
     if (w.s[i] < 33 || w.s[i] > 126)
-      refuse_at(c, w.s + i, "name with a letter that is not ASCII");
+      glp_refuse_at(c, w.s + i, "name with a letter that is not ASCII");
   size_t n = MIN(w.n, 255); /* the text has no terminating zero */
   memcpy(out, w.s, n);
   out[n] = 0;
@@ -111,12 +111,12 @@ static word take_name(clip *c, char out[256]) {
 static void take_unit(clip *c) {
   int32_t microns = need_number(c), units = need_number(c);
   word name = next_word(c), axes = next_word(c);
-  if (c->unit > 0) refuse(c, "EQUIV a second time");
-  if (c->b.layout) refuse(c, "EQUIV after a CELL");
-  if (microns <= 0 || units <= 0 || !is(name, "MICRON"))
-    refuse(c, "EQUIV that is not in MICRON");
-  if (axes.n && !is(axes, "+X,+Y"))
-    refuse_at(c, axes.s, "axes other than +X,+Y");
+  if (c->unit > 0) glp_refuse(c, "EQUIV a second time");
+  if (c->b.layout) glp_refuse(c, "EQUIV after a CELL");
+  if (microns <= 0 || units <= 0 || !word_is(name, "MICRON"))
+    glp_refuse(c, "EQUIV that is not in MICRON");
+  if (axes.n && !word_is(axes, "+X,+Y"))
+    glp_refuse_at(c, axes.s, "axes other than +X,+Y");
   c->unit = 1e3 * microns / units;
 }
 
@@ -131,7 +131,7 @@ static void begin_cell(clip *c) {
   }
   if (b->failed) return;
   if (eda_layout_find_cell(b->layout, name) >= 0)
-    refuse(c, "a cell of this name was there before");
+    glp_refuse(c, "a cell of this name exists already");
   b->cell = reading_number(b, eda_layout_cell(b->layout, name, &b->said));
 }
 
@@ -148,8 +148,8 @@ static void take_box(clip *c) {
   int32_t layer = take_layer(c), v[4];
   for (int i = 0; i < 4; i++) v[i] = need_number(c);
   int64_t x = (int64_t)v[0] + v[2], y = (int64_t)v[1] + v[3];
-  if (v[2] <= 0 || v[3] <= 0) refuse(c, "RECT without area");
-  if (x > INT32_MAX || y > INT32_MAX) refuse(c, "RECT beyond 2^31");
+  if (v[2] <= 0 || v[3] <= 0) glp_refuse(c, "RECT without area");
+  if (x > INT32_MAX || y > INT32_MAX) glp_refuse(c, "RECT beyond 2^31");
   eda_box box = {v[0], v[1], (int32_t)x, (int32_t)y};
   if (!b->failed)
     reading_told(b,
@@ -162,11 +162,11 @@ static void take_polygon(clip *c) {
   size_t n = 0;
   for (word w = next_word(c); w.n; w = next_word(c), n++) {
     eda_grow(&c->points, &c->room, n + 1, sizeof *c->points);
-    if (!number(w, &c->points[n].x))
-      refuse_at(c, w.s, "not a whole number within 2^31");
+    if (!word_number(w, &c->points[n].x))
+      glp_refuse_at(c, w.s, "not a whole number within 2^31");
     c->points[n].y = need_number(c);
   }
-  if (n < 3) refuse(c, "PGON of less than 3 points");
+  if (n < 3) glp_refuse(c, "PGON of less than 3 points");
   if (!b->failed)
     reading_told(b, eda_layout_add_polygon(b->layout, b->cell, layer, c->points,
                                            n, &b->said));
@@ -175,25 +175,25 @@ static void take_polygon(clip *c) {
 /* Read one line. Return 0 at ENDMSG. */
 static int take_record(clip *c) {
   word w = next_word(c);
-  int rect = is(w, "RECT");
+  int rect = word_is(w, "RECT");
   c->record = w.s;
-  if (is(w, "ENDMSG")) return 0;
-  if (!w.n || is(w, "BEGIN") || is(w, "CNAME") || is(w, "LEVEL"))
+  if (word_is(w, "ENDMSG")) return 0;
+  if (!w.n || word_is(w, "BEGIN") || word_is(w, "CNAME") || word_is(w, "LEVEL"))
     return 1; /* repeats names of the records below */
-  if (is(w, "EQUIV")) {
+  if (word_is(w, "EQUIV")) {
     take_unit(c);
-  } else if (is(w, "CELL")) {
+  } else if (word_is(w, "CELL")) {
     begin_cell(c);
-  } else if (!rect && !is(w, "PGON")) {
-    refuse(c, "unknown record");
+  } else if (!rect && !word_is(w, "PGON")) {
+    glp_refuse(c, "unknown record");
   } else {
-    if (c->b.cell < 0) refuse(c, "shape before the first CELL");
+    if (c->b.cell < 0) glp_refuse(c, "shape before the first CELL");
     if (rect)
       take_box(c);
     else
       take_polygon(c);
     word more = next_word(c);
-    if (more.n) refuse_at(c, more.s, "one number too many");
+    if (more.n) glp_refuse_at(c, more.s, "one number too many");
   }
   return 1;
 }
@@ -203,48 +203,23 @@ static void read_clip(void *self) {
   c->at = c->line_start = c->b.text;
   while (take_record(c))
     if (!next_line(c)) {
-      refuse_at(c, c->at, "the file ends before ENDMSG");
+      glp_refuse_at(c, c->at, "the file ends before ENDMSG");
       return;
     }
-  if (!c->b.layout) refuse_at(c, c->at, "no CELL");
+  if (!c->b.layout) glp_refuse_at(c, c->at, "no CELL");
 }
 
-static int run(void *self, void **outputs, opc_error *error) {
-  clip c = {.b.format = "GLP", .b.refuse = refuse, .line = 1};
+static int glp_run(void *self, void **outputs, opc_error *error) {
+  clip c = {.b.format = "GLP", .b.refuse = glp_refuse, .line = 1};
   int code = reading_run(&c, self, outputs, error, read_clip);
   free(c.points);
   return code;
 }
 
-/* ---- parameters ---- */
-
-static const opc_parameter parameters[] = {READ_PARAMETERS(
-    "The GLP file", "Names for layers: { metal: M1 }; the others keep theirs")};
-
-static int check(void *self, opc_error *error) {
-  return reader_check(self, 0, error);
-}
-
 /* ---- entry ---- */
 
-static const opc_port outputs_of[] = {EDA_PORT_LAYOUT("layout")};
-static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = run,
-                                   .flags = OPC_STEP_LIGHT};
+READER_FUNCTIONS(glp_run, 0, "The GLP file",
+                 "Names for layers: { metal: M1 }; the others keep theirs")
 
-static int choices(void *self, const char *parameter,
-                   void (*take)(void *data, const char *value), void *data,
-                   opc_error *error) {
-  (void)parameter;
-  return reader_choices(self, &functions, take, data, error);
-}
-
-static const void *extension(const char *name) {
-  static const opc_choices listed = {choices};
-  return strcmp(name, OPC_CHOICES) ? NULL : &listed;
-}
-
-OPC_PLUGIN(reader, .id = "read.glp", .kind = "step", .version = "0.2.0",
-           .licence = "BSD-3-Clause", .summary = "Read a GLP clip",
-           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), .check = check, OPC_FUNCTIONS(functions),
-           .extension = extension);
+OPC_PLUGIN(reader, .id = "read.glp", .summary = "Read a GLP clip",
+           READER_ENTRY);

@@ -115,7 +115,7 @@ static void test_refused(void) {
       {"CELL A\nPGON N M1 0 0 1 1\n", ":2:1: PGON of less than 3 points"},
       {"CELL A\nPGON N M1 0 0 1 1 2\n", ":2:20: a number is missing"},
       {"CELL A\nPGON N\n", ":2:7: a name is missing"},
-      {"CELL A\nCELL A\n", ":2:6: a cell of this name was there before"},
+      {"CELL A\nCELL A\n", ":2:6: a cell of this name exists already"},
       {"EQUIV 1 1000 INCH +X,+Y\n", ":1:1: EQUIV that is not in MICRON"},
       {"EQUIV 1 0 MICRON +X,+Y\n", ":1:1: EQUIV that is not in MICRON"},
       {"EQUIV 1 1 MICRON -X,+Y\n", ":1:18: axes other than +X,+Y"},

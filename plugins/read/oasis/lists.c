@@ -51,7 +51,7 @@ void oasis_read_points(oasis *o, oasis_points *points, int closed) {
 static uint64_t dimension(oasis *o) {
   uint64_t n = oasis_uint(o);
   if (n < (uint64_t)1 << 62) return n + 2;
-  oasis_refuse(o, "a repetition of too many");
+  oasis_refuse(o, "a repetition of too many members");
   return 2;
 }
 

@@ -19,7 +19,7 @@ GHashTable *oasis_names_new(void) {
 /* ---- records ---- */
 
 /* Define a name; `text` is owned by the table. */
-static void define(oasis *o, int table, uint64_t number, char *text) {
+static void name_define(oasis *o, int table, uint64_t number, char *text) {
   oasis_name *name = g_hash_table_lookup(o->names[table], &number);
   if (name && (name->defined || strcmp(name->text, text) != 0))
     oasis_refuse(o, "a second name for the same number");
@@ -68,7 +68,7 @@ void oasis_read_name(oasis *o, uint64_t record) {
   if (o->b.failed)
     g_free(text);
   else
-    define(o, table, number, text);
+    name_define(o, table, number, text);
 }
 
 /* ---- looking up ---- */

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Test helpers: OASIS files made by hand. */
-#ifndef OPCFLOW_OASIS_MAKING_TEST_H
-#define OPCFLOW_OASIS_MAKING_TEST_H
+#pragma once
 
 #include <glib.h>
 #include <stdarg.h>
@@ -116,5 +115,3 @@ static void refuse(char *path, int code, const char *why) {
     g_error("%d, %s; not %s", e.code, e.message, why);
   g_free(path);
 }
-
-#endif

@@ -205,7 +205,7 @@ void oasis_read(void *self) {
   }
 }
 
-static int run(void *self, void **outputs, opc_error *error) {
+static int oasis_run(void *self, void **outputs, opc_error *error) {
   oasis o = {.b.format = "OASIS", .b.refuse = oasis_refuse};
   for (int i = 0; i < OASIS_NAMES; i++) o.names[i] = oasis_names_new();
   int code = reading_run(&o, self, outputs, error, oasis_read);
@@ -213,37 +213,11 @@ static int run(void *self, void **outputs, opc_error *error) {
   return code;
 }
 
-/* ---- parameters ---- */
-
-static const opc_parameter parameters[] = {
-    READ_PARAMETERS("The OASIS file",
-                    "Names for layers: { poly: 9/0 }, or 9 for every datatype; "
-                    "the others are called 9/0")};
-
-static int check(void *self, opc_error *error) {
-  return reader_check(self, UINT32_MAX, error);
-}
-
 /* ---- entry ---- */
 
-static const opc_port outputs_of[] = {EDA_PORT_LAYOUT("layout")};
-static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = run,
-                                   .flags = OPC_STEP_LIGHT};
+READER_FUNCTIONS(oasis_run, UINT32_MAX, "The OASIS file",
+                 "Names for layers: { poly: 9/0 }, or 9 for every datatype; "
+                 "the others are called 9/0")
 
-static int choices(void *self, const char *parameter,
-                   void (*take)(void *data, const char *value), void *data,
-                   opc_error *error) {
-  (void)parameter;
-  return reader_choices(self, &functions, take, data, error);
-}
-
-static const void *extension(const char *name) {
-  static const opc_choices listed = {choices};
-  return strcmp(name, OPC_CHOICES) ? NULL : &listed;
-}
-
-OPC_PLUGIN(reader, .id = "read.oasis", .kind = "step", .version = "0.2.0",
-           .licence = "BSD-3-Clause", .summary = "Read an OASIS file",
-           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), .check = check, OPC_FUNCTIONS(functions),
-           .extension = extension);
+OPC_PLUGIN(reader, .id = "read.oasis", .summary = "Read an OASIS file",
+           READER_ENTRY);

@@ -8,8 +8,7 @@
 
    After a failure all values read are 0. Loops over counts of the file check
    b.failed. */
-#ifndef OPCFLOW_OASIS_H
-#define OPCFLOW_OASIS_H
+#pragma once
 
 #include <eda/oasis.h>
 #include <zlib.h>
@@ -241,5 +240,3 @@ void oasis_read_place(oasis *o, uint32_t info, int64_t *x, int64_t *y);
 /* Count `count` times `points` points against the limit of the file. Return 0
    beyond the limit. */
 int oasis_spend(oasis *o, uint64_t count, uint64_t points);
-
-#endif

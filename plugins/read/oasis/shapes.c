@@ -31,7 +31,8 @@ static void read_sizes(oasis *o, uint32_t info) {
 
 /* Read the place and repetition at the end of a shape's record. Return 1 if the
    shape `what`, which needs the modal variables `has`, is to be drawn. */
-static int read_rest(oasis *o, uint32_t info, const char *what, uint32_t has) {
+static int shape_read_end(oasis *o, uint32_t info, const char *what,
+                          uint32_t has) {
   oasis_read_place(o, info, &o->m.x, &o->m.y);
   if (info & REPEATED) oasis_read_repetition(o);
   return oasis_need(o, "a shape", HAS_LAYER | HAS_DATATYPE) && !o->naming &&
@@ -40,7 +41,8 @@ static int read_rest(oasis *o, uint32_t info, const char *what, uint32_t has) {
 
 /* Return 1 if all members of a shape with these corners are within the range of
    coordinates. */
-static int fits(oasis *o, int repeated, oasis_vector low, oasis_vector high) {
+static int shape_fits(oasis *o, int repeated, oasis_vector low,
+                      oasis_vector high) {
   const oasis_modal *m = &o->m;
   oasis_vector zero = {0, 0};
   oasis_vector first = repeated ? m->repetition.low : zero;
@@ -64,7 +66,7 @@ static void add_points(oasis *o, int repeated, const oasis_vector *p, size_t n,
   uint64_t members = oasis_members(o, repeated);
   int32_t layer = reading_numbered_layer(b, o->m.layer, o->m.datatype);
   if (layer < 0 || !oasis_spend(o, members, path ? 4 * n : n) ||
-      !fits(o, repeated, low, high))
+      !shape_fits(o, repeated, low, high))
     return;
   eda_grow(&o->points, &o->room_points, n, sizeof *o->points);
   for (uint64_t i = 0; i < members && !b->failed; i++) {
@@ -97,7 +99,7 @@ void oasis_read_rectangle(oasis *o) {
     o->m.height = o->m.width;
     o->m.has |= o->m.has & HAS_WIDTH ? HAS_HEIGHT : 0;
   }
-  if (read_rest(o, info, "a rectangle", HAS_WIDTH | HAS_HEIGHT))
+  if (shape_read_end(o, info, "a rectangle", HAS_WIDTH | HAS_HEIGHT))
     add_box(o, info & REPEATED);
 }
 
@@ -108,7 +110,7 @@ void oasis_read_polygon(oasis *o) {
     oasis_read_points(o, &o->m.polygon, 1);
     o->m.has |= HAS_POLYGON;
   }
-  if (read_rest(o, info, "a polygon", HAS_POLYGON) &&
+  if (shape_read_end(o, info, "a polygon", HAS_POLYGON) &&
       o->m.polygon.n >= 3) /* fewer points have no area */
     add_points(o, info & REPEATED, o->m.polygon.p, o->m.polygon.n, 0);
 }
@@ -147,8 +149,8 @@ void oasis_read_path(oasis *o) {
     oasis_read_points(o, &o->m.path, 0);
     o->m.has |= HAS_PATH;
   }
-  if (read_rest(o, info, "a path",
-                HAS_HALFWIDTH | HAS_BEGIN | HAS_END | HAS_PATH))
+  if (shape_read_end(o, info, "a path",
+                     HAS_HALFWIDTH | HAS_BEGIN | HAS_END | HAS_PATH))
     add_points(o, info & REPEATED, o->m.path.p, o->m.path.n, 1);
 }
 
@@ -170,7 +172,7 @@ void oasis_read_trapezoid(oasis *o, uint64_t record) {
   read_sizes(o, info);
   if (record != EDA_OASIS_TRAPEZOID_B) a = oasis_length(o, oasis_sint(o));
   if (record != EDA_OASIS_TRAPEZOID_A) b = oasis_length(o, oasis_sint(o));
-  if (!read_rest(o, info, "a trapezoid", HAS_WIDTH | HAS_HEIGHT)) return;
+  if (!shape_read_end(o, info, "a trapezoid", HAS_WIDTH | HAS_HEIGHT)) return;
   int64_t w = o->m.width, h = o->m.height;
   int64_t a0 = a < 0 ? -a : 0, a1 = a > 0 ? a : 0;
   int64_t b0 = b < 0 ? -b : 0, b1 = b > 0 ? b : 0;
@@ -242,7 +244,7 @@ void oasis_read_ctrapezoid(oasis *o) {
   }
   read_sizes(o, info);
   if (!oasis_need(o, NULL, HAS_CTRAPEZOID) || !complete_sizes(o) ||
-      !read_rest(o, info, "a trapezoid", 0))
+      !shape_read_end(o, info, "a trapezoid", 0))
     return;
   uint32_t type = o->m.ctrapezoid;
   int64_t w = o->m.width, h = o->m.height;
@@ -268,7 +270,8 @@ void oasis_read_circle(oasis *o) {
   uint32_t info = oasis_byte(o);
   read_layer(o, info);
   if (info & SECOND) o->m.radius = read_size(o, HAS_RADIUS);
-  if (!read_rest(o, info, "a circle", HAS_RADIUS) || o->m.radius == 0) return;
+  if (!shape_read_end(o, info, "a circle", HAS_RADIUS) || o->m.radius == 0)
+    return;
   oasis_vector corner[SIDES];
   for (int i = 0; i < SIDES; i++) {
     double angle = 2 * PI * i / SIDES, r = (double)o->m.radius;

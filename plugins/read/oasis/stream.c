@@ -37,13 +37,13 @@ oasis oasis_again(const oasis *from, opc_error *error) {
   return o;
 }
 
-static void leave_block(oasis *o) {
+static void block_leave(oasis *o) {
   if (o->inside) inflateEnd(&o->z);
   o->inside = 0;
 }
 
 void oasis_clear(oasis *o) {
-  leave_block(o);
+  block_leave(o);
   for (int i = 0; i < OASIS_NAMES; i++) g_hash_table_unref(o->names[i]);
   free(o->inflated);
   free(o->points);
@@ -58,9 +58,9 @@ void oasis_clear(oasis *o) {
 
 void oasis_seek(oasis *o, uint64_t at) {
   if (o->b.failed) return;
-  leave_block(o);
+  block_leave(o);
   if (at && at >= o->b.n) {
-    oasis_refuse(o, "a name table lies outside of the file");
+    oasis_refuse(o, "a name table is outside of the file");
     return;
   }
   o->p = file_start(o) + at;
@@ -85,7 +85,7 @@ void oasis_refuse(void *self, const char *what) {
 /* ---- windows ---- */
 
 /* Provide compressed bytes to zlib. */
-static void feed(oasis *o) {
+static void block_feed(oasis *o) {
   enum { MOST = 1 << 30 }; /* zlib counts in 32 bits */
   if (o->z.avail_in || !o->left_in) return;
   size_t n = (size_t)(file_end(o) - o->file_p);
@@ -98,12 +98,12 @@ static void feed(oasis *o) {
 }
 
 /* Inflate at most `room` bytes to `out`. Return their number, 0 at the end. */
-static size_t unpack(oasis *o, uint8_t *out, size_t room) {
+static size_t block_unpack(oasis *o, uint8_t *out, size_t room) {
   o->z.next_out = out;
   o->z.avail_out = (uInt)room;
   int code = Z_OK;
   while (code == Z_OK && o->z.avail_out == room && !o->b.failed) {
-    feed(o);
+    block_feed(o);
     int dry = !o->z.avail_in;
     code = inflate(&o->z, Z_NO_FLUSH);
     if (dry && code == Z_BUF_ERROR) break;
@@ -123,7 +123,7 @@ int oasis_refill(oasis *o) {
   if (!reading_goes_on(&o->b, oasis_place(o), !o->naming)) return 0;
   o->done += (uint64_t)(o->end - o->inflated);
   o->p = o->end = o->inflated;
-  size_t n = unpack(o, o->inflated, MIN(o->left_out, (uint64_t)BUFFER));
+  size_t n = block_unpack(o, o->inflated, MIN(o->left_out, (uint64_t)BUFFER));
   if (!n)
     oasis_refuse(o, "a compressed block holds less than it says, the record");
   o->left_out -= n;
@@ -173,22 +173,22 @@ void oasis_enter_block(oasis *o) {
 }
 
 /* Leave a block at its end. */
-static void end_block(oasis *o) {
+static void block_end(oasis *o) {
   uint8_t more;
   o->record = o->done + (uint64_t)(o->p - o->inflated);
-  if (unpack(o, &more, 1))
+  if (block_unpack(o, &more, 1))
     oasis_refuse(o, "a compressed block holds more than it says, the rest");
   else if (o->left_in || o->z.avail_in)
     oasis_refuse(o, "a compressed block ends before it should,");
   if (o->b.failed) return;
-  leave_block(o);
+  block_leave(o);
   o->p = o->file_p;
   o->end = file_end(o);
 }
 
 int oasis_begin_record(oasis *o) {
   while (!o->b.failed && o->inside && o->p == o->end && !o->left_out)
-    end_block(o);
+    block_end(o);
   o->record =
       o->inside ? o->done + (uint64_t)(o->p - o->inflated) : oasis_place(o);
   return reading_goes_on(&o->b, oasis_place(o), !o->naming);

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Test helpers of regulator.drc: layouts of boxes on a 1 nm grid, and images in
    which these or other boxes print. */
-#ifndef REGULATOR_BOXES_TEST_H
-#define REGULATOR_BOXES_TEST_H
+#pragma once
 
 #include <eda/eda.h>
 #include <math.h>
@@ -24,11 +23,11 @@ static inline opc_module *drc_make(const char *parameters) {
 }
 
 static inline size_t drc_violations(opc_module *m, const eda_printed *p,
-                                    eda_violation *v, size_t room) {
+                                    eda_violation *v, size_t capacity) {
   const eda_regulator *r = m->functions;
   opc_error error;
   size_t count = 0;
-  g_assert_cmpint(r->violations(m->self, p, v, room, &count, &error), ==,
+  g_assert_cmpint(r->violations(m->self, p, v, capacity, &count, &error), ==,
                   OPC_OK);
   return count;
 }
@@ -119,5 +118,3 @@ static inline void chip_end(chip *c) {
   for (int layer = 0; layer < LAYERS; layer++)
     eda_field_clear(&c->print[layer]);
 }
-
-#endif

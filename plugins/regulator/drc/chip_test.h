@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Test helpers of the regulator: a chip on a 1 nm grid whose printed image is a
    function of the test, which may follow the last ruling. */
-#ifndef REGULATOR_CHIP_TEST_H
-#define REGULATOR_CHIP_TEST_H
+#pragma once
 
 #include <eda/eda.h>
 #include <math.h>
@@ -117,11 +116,11 @@ static inline void chip_judge(opc_module *m, chip *c) {
 }
 
 static inline size_t drc_violations(opc_module *m, chip *c, eda_violation *v,
-                                    size_t room) {
+                                    size_t capacity) {
   const eda_regulator *r = m->functions;
   opc_error error;
   size_t n = 0;
-  g_assert_cmpint(r->violations(m->self, &c->p, v, room, &n, &error), ==,
+  g_assert_cmpint(r->violations(m->self, &c->p, v, capacity, &n, &error), ==,
                   OPC_OK);
   return n;
 }
@@ -202,5 +201,3 @@ static inline int32_t cutout_depth(const chip *c, double x, int32_t y,
   }
   return depth;
 }
-
-#endif

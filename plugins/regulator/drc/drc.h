@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Interfaces between the files of regulator.drc. Boxes and int32_t lengths are
    in steps of the mask grid, doubles in nm. */
-#ifndef REGULATOR_DRC_H
-#define REGULATOR_DRC_H
+#pragma once
 
 #include <eda/index.h>
 #include <eda/regulator.h>
@@ -62,8 +61,8 @@ typedef struct line_end {
   int32_t start;         /* begin of the head, inwards of the tip */
   int32_t widest, wider; /* largest and present width of the head on each
                             flank */
-  double asked; /* nm: request for which `widest` was computed; INFINITY: the
-                   head was reduced and stays so */
+  double requested; /* nm: request for which `widest` was computed; INFINITY:
+                       the head was reduced and stays so */
   response length, width;
 } line_end;
 
@@ -259,5 +258,3 @@ size_t mrc_faults(const drc *r, const eda_shapes *shapes,
                   eda_rule_fault **fault);
 /* Add the same, for the masks of all layers, as violations. */
 void mrc_check(const drc *r, const eda_shapes *shapes, violations *out);
-
-#endif

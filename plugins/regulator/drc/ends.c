@@ -48,7 +48,7 @@ static void end_find_width(const drc *r, line_end *e, double most,
   double grid = r->grid, limit = most;
   int32_t space = (int32_t)ceil(r->min_space / grid);
   int32_t range = (int32_t)ceil((2 * most + r->min_space) / grid) + 1;
-  e->asked = most;
+  e->requested = most;
   e->start = (int32_t)floor((extension - 2 * r->overlay) / grid);
   if (e->start * grid < r->min_mask_width) return;
   eda_box line = head_of(e, e->most, 0);
@@ -146,7 +146,7 @@ void ends_advance(drc *r, const eda_printed *p, size_t end, int32_t *bias) {
   line_end *one = &r->ends[end];
   double extension = p->extension[end], wanted = wanted_extension(r, p, end);
   int32_t before = *bias, wider = one->wider;
-  if (p->want_head && p->want_head[end] > one->asked && one->side >= 0 &&
+  if (p->want_head && p->want_head[end] > one->requested && one->side >= 0 &&
       p->gates->extension)
     end_find_width(r, one, p->want_head[end], p->gates->extension[end]);
   if (extension < wanted) {
@@ -181,7 +181,7 @@ int ends_revert(drc *r, const site *wrong, int32_t *bias) {
   if (one->wider > 0) {
     one->wider -= one->wider < step ? one->wider : step;
     one->widest = one->wider;
-    one->asked = INFINITY;
+    one->requested = INFINITY;
     return 1;
   }
   int32_t to = one->length.bias - step;

@@ -175,9 +175,9 @@ static void test_patch_beside(void) {
         chip_print(&c, short_pad);
         chip_judge(m, &c);
       }
-      int32_t room = MAX(d - 40, 0), wanted = 7; /* and 1 nm more */
-      g_assert_cmpint(patch_extent(&c, 106, 70), <=, MIN(room, wanted + 2));
-      g_assert_cmpint(patch_extent(&c, 106, 70), >=, MIN(room, wanted));
+      int32_t spacing = MAX(d - 40, 0), wanted = 7; /* and 1 nm more */
+      g_assert_cmpint(patch_extent(&c, 106, 70), <=, MIN(spacing, wanted + 2));
+      g_assert_cmpint(patch_extent(&c, 106, 70), >=, MIN(spacing, wanted));
       chip_end(&c);
     }
 }

@@ -90,7 +90,7 @@ static void test_nearest(void) {
 
 /* An edge may move outwards until the boxes in front of it or beside it are a
    space away. */
-static void test_room(void) {
+static void test_spacing(void) {
   enum { SPACE = 3 };
   int bounded = 0;
   for (int n = 0; n < 400; n++) {
@@ -150,6 +150,6 @@ int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/near/window", test_window);
   g_test_add_func("/near/nearest", test_nearest);
-  g_test_add_func("/near/room", test_room);
+  g_test_add_func("/near/spacing", test_spacing);
   return g_test_run();
 }

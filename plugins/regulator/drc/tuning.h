@@ -16,8 +16,7 @@
      DFF    DFF_X1 at scale 1.2                         11, 0.32,   246, 12
      OAI    OAI33_X1 at scale 1.2, flows/dpb.yaml       19, 4.9,    125, 0
      SMALL  c432 at scale 1.15, which hardly prints     19, 546,   7131, 332 */
-#ifndef REGULATOR_TUNING_H
-#define REGULATOR_TUNING_H
+#pragma once
 
 #include <stdint.h>
 
@@ -153,5 +152,3 @@ static const struct {
        takes two iterations more on a mask that nothing else changes. */
     .smooth_until = 8,
 };
-
-#endif

@@ -18,7 +18,8 @@ typedef struct resist {
 
 /* ---- work ---- */
 
-static int prepare(void *self, const opc_module *litho, opc_error *error) {
+static int threshold_prepare(void *self, const opc_module *litho,
+                             opc_error *error) {
   resist *r = self;
   for (int set = 0; set < RESIST_SETS; set++) {
     const int fit = 1;
@@ -37,8 +38,8 @@ static int prepare(void *self, const opc_module *litho, opc_error *error) {
   return OPC_OK;
 }
 
-static int print(const void *self, int layer, eda_field *field,
-                 opc_error *error) {
+static int threshold_print(const void *self, int layer, eda_field *field,
+                           opc_error *error) {
   const resist *r = self;
   int code =
       eda_field_diffuse(r->base.host->context, field, r->base.diffusion, error);
@@ -50,10 +51,11 @@ static int print(const void *self, int layer, eda_field *field,
 /* ---- parameters ---- */
 
 /* clang-format off */ /* it takes the elements for nested ones */
-#define GIVEN(name_, what, set)                                        \
-  {.name = name_, .type = OPC_REAL, .flags = OPC_ABOVE | OPC_BELOW,    \
-   .min = 0, .max = 1,                                                 \
-   .summary = "of " what ", clear field 1; instead of anchor or table", \
+#define GIVEN(name_, what, set)                                               \
+  {.name = name_, .type = OPC_REAL, .flags = OPC_ABOVE | OPC_BELOW,           \
+   .min = 0, .max = 1,                                                        \
+   .summary = "threshold of " what ", clear field 1, in place of anchor "     \
+              "or table",                                                     \
    OPC_FIELD(resist, given[set])}
 /* clang-format on */
 
@@ -68,7 +70,7 @@ static const opc_parameter parameters[] = {
 
 static const opc_metric metrics[] = {RESIST_METRICS};
 
-static int check(void *self, opc_error *error) {
+static int threshold_check(void *self, opc_error *error) {
   resist *r = self;
   int code = OPC_OK;
   for (int set = 0; set < RESIST_SETS && !code; set++) {
@@ -76,7 +78,7 @@ static int check(void *self, opc_error *error) {
     code = resist_layer_check(layer, set, error);
     if (!code && !isnan(r->given[set]) && resist_layer_has_table(layer))
       code = opc_fail(error, OPC_INVALID, layer->source,
-                      "'%s' has no use where the threshold is given",
+                      "'%s' has no effect when the threshold is given",
                       layer->source);
   }
   return code;
@@ -84,11 +86,13 @@ static int check(void *self, opc_error *error) {
 
 /* ---- entry ---- */
 
-static const eda_resist functions = {
-    .prepare = prepare, .print = print, .drawn = resist_take_gates};
+static const eda_resist functions = {.prepare = threshold_prepare,
+                                     .print = threshold_print,
+                                     .drawn = resist_take_gates};
 OPC_PLUGIN(resist, .id = "resist.threshold", .kind = "resist",
            .version = "0.2.0", .licence = "BSD-3-Clause",
            .summary = "constant threshold, calibrated to an anchor or a table",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), OPC_METRICS(metrics), .check = check,
-           .clear = resist_clear, OPC_FUNCTIONS(functions));
+           OPC_PARAMETERS(parameters), OPC_METRICS(metrics),
+           .check = threshold_check, .clear = resist_clear,
+           OPC_FUNCTIONS(functions));

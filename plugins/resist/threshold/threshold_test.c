@@ -163,7 +163,7 @@ static void test_gates(void) {
               "{ anchor: { line: 150 nm, pitch: 430 nm, cd: 140 nm } }", "");
   check_gates(alone, 2, EDA_X, "{ anchor: { " GATES " } }",
               "{ anchor: { line: 150 nm, pitch: 450 nm } }",
-              "pitch is a guess, three lines");
+              "pitch is assumed to be three lines");
   check_gates(rows, 4, EDA_X,
               "{ anchor: { " GATES
               " }, table: [430 nm, 150 nm, 900 nm, 158 "
@@ -198,7 +198,7 @@ static void test_open(void) {
        "'anchor': 67 nm are 0.19 of wavelength / NA", 1},
       {"{ anchor: { line: 190 nm, pitch: 430 nm } }",
        "{ anchor: { line: 190 nm, pitch: 430 nm } }",
-       "the layout's shortest gate has 150 nm: is it of this process?", 1},
+       "the layout's shortest gate has 150 nm: check that", 1},
       {"{ anchor: { line: 120 nm, pitch: 430 nm } }",
        "{ anchor: { line: 120 nm, pitch: 430 nm } }", NULL, 1}};
   g_autoptr(opc_module) litho =
@@ -253,10 +253,11 @@ static void test_bad_gates(void) {
     opc_test_input(m, "anchor.gates", gates);
     const eda_resist *resist = m->functions;
     g_assert_cmpint(resist->prepare(m->self, litho, &error), ==, OPC_INVALID);
-    g_assert_cmpstr(error.message, ==,
-                    k ? "'anchor', lines of 150 nm at 150 nm: there is no "
-                        "space between its lines"
-                      : "there is no transistor to take the anchor from");
+    g_assert_cmpstr(
+        error.message, ==,
+        k ? "'anchor', lines of 150 nm at 150 nm: there is no "
+            "space between its lines"
+          : "no transistor defines the anchor; set 'anchor' in numbers");
     eda_gates_free(gates);
   }
 }
@@ -403,7 +404,8 @@ static void test_bad_tables(void) {
   lines_refused("resist.threshold", "{ table: [60 nm, 65 nm] }", litho,
                 "no space between");
   lines_refused("resist.threshold",
-                "{ threshold: 0.3, table: [250 nm, 65 nm] }", litho, "no use");
+                "{ threshold: 0.3, table: [250 nm, 65 nm] }", litho,
+                "no effect");
   lines_refused("resist.threshold", "{ table: [130 nm, 65 nm] }", litho,
                 "line 65 nm, pitch 130 nm cannot be printed");
   g_autofree char *both =

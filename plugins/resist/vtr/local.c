@@ -84,7 +84,7 @@ static void evaluate_row(const work *w, int j, double *across, double *along) {
   }
 }
 
-static void evaluate(void *data, size_t block) {
+static void work_evaluate(void *data, size_t block) {
   const work *w = data;
   double *across = eda_alloc(2 * (size_t)w->nx, sizeof *across);
   for (int j = (int)block * ROWS; j < rows_end(w, block); j++)
@@ -126,8 +126,8 @@ static void along_y(void *data, size_t block) {
 }
 
 /* Replace a field by its mean over the window; `spare` is overwritten. */
-static void mean(const opc_context *context, work *w, float *field,
-                 float *spare, double radius) {
+static void window_mean(const opc_context *context, work *w, float *field,
+                        float *spare, double radius) {
   size_t blocks = (size_t)(w->ny + ROWS - 1) / ROWS;
   const eda_frame *f = &w->image->frame;
   window x, y;
@@ -162,10 +162,10 @@ int local_field(const opc_context *context, const local_settings *settings,
             .slope = eda_alloc(n, sizeof(float))};
   *out = *image;
   out->coefficients = eda_alloc(n, sizeof(float));
-  opc_parallel(context, (size_t)(w.ny + ROWS - 1) / ROWS, evaluate, &w);
+  opc_parallel(context, (size_t)(w.ny + ROWS - 1) / ROWS, work_evaluate, &w);
   float *spare = out->coefficients;
-  if (maximum) mean(context, &w, w.maximum, spare, settings->radius);
-  if (slope) mean(context, &w, w.slope, spare, settings->slope_radius);
+  if (maximum) window_mean(context, &w, w.maximum, spare, settings->radius);
+  if (slope) window_mean(context, &w, w.slope, spare, settings->slope_radius);
   for (size_t i = 0; i < n; i++) {
     double m = sqrt(sqrt(sqrt((double)w.maximum[i])));
     double s = sqrt((double)w.slope[i]);

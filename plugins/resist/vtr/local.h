@@ -7,8 +7,7 @@
      S = <|grad I|^2>^(1/2)       1/nm
 
    Both scale with the dose, as the true maximum and slope do. */
-#ifndef OPCFLOW_VTR_LOCAL_H
-#define OPCFLOW_VTR_LOCAL_H
+#pragma once
 
 #include <eda/imaging.h>
 
@@ -24,5 +23,3 @@ typedef struct local_settings {
 int local_field(const opc_context *context, const local_settings *settings,
                 const double a[4], eda_field *image, eda_field *out,
                 opc_error *error);
-
-#endif

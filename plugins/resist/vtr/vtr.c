@@ -47,8 +47,8 @@ static int make_terms(const resist_base *base, const eda_field *image, size_t n,
   return OPC_OK;
 }
 
-static int calibrate(resist *r, int set, const opc_module *litho,
-                     opc_error *error) {
+static int vtr_calibrate(resist *r, int set, const opc_module *litho,
+                         opc_error *error) {
   double *a = r->coefficient[set];
   size_t n = 1; /* number of leading terms that are not 0 */
   for (size_t k = 0; k < RESIST_TERMS; k++) {
@@ -60,14 +60,14 @@ static int calibrate(resist *r, int set, const opc_module *litho,
                     r->fit[set], a, error);
 }
 
-static void follow(resist *r, eda_scanner scanner);
+static void vtr_log(resist *r, eda_scanner scanner);
 
-static int prepare(void *self, const opc_module *litho, opc_error *error) {
+static int vtr_prepare(void *self, const opc_module *litho, opc_error *error) {
   static const char *const names[RESIST_SETS] = {"poly", "active"};
   resist *r = self;
-  follow(r, eda_scanner_of(litho));
+  vtr_log(r, eda_scanner_of(litho));
   for (int set = 0; set < RESIST_SETS; set++) {
-    int code = calibrate(r, set, litho, error);
+    int code = vtr_calibrate(r, set, litho, error);
     if (code) return code;
     const double *a = r->coefficient[set];
     r->base.host->log(r->base.host, OPC_LOG_INFO,
@@ -79,8 +79,8 @@ static int prepare(void *self, const opc_module *litho, opc_error *error) {
   return OPC_OK;
 }
 
-static int print(const void *self, int layer, eda_field *field,
-                 opc_error *error) {
+static int vtr_print(const void *self, int layer, eda_field *field,
+                     opc_error *error) {
   const resist *r = self;
   const opc_context *context = r->base.host->context;
   const double *a = r->coefficient[resist_set(layer)];
@@ -100,24 +100,26 @@ static int print(const void *self, int layer, eda_field *field,
 
 /* clang-format off */ /* it takes the elements for nested ones */
 /* Parameters of the coefficients of a set of layers. */
-#define COEFFICIENTS(prefix, set)                                            \
-  {.name = prefix "constant", .type = OPC_REAL,                              \
-   .summary = "constant part of the threshold; calibrated if not given",     \
-   OPC_FIELD(resist, given[set][CONSTANT])},                                 \
-  {.name = prefix "maximum", .type = OPC_REAL,                               \
-   .summary = "change of the threshold by the maximum intensity; 0, or "     \
-              "fitted, if not given",                                        \
-   OPC_FIELD(resist, given[set][MAXIMUM])},                                  \
-  {.name = prefix "slope", .type = OPC_REAL, .unit = "nm",                   \
-   .summary = "change of the threshold by the image slope in 1/nm; the same",\
-   OPC_FIELD(resist, given[set][SLOPE])},                                    \
-  {.name = prefix "product", .type = OPC_REAL, .unit = "nm",                 \
-   .summary = "change of the threshold by the product of both; the same",    \
-   OPC_FIELD(resist, given[set][PRODUCT])},                                  \
-  {.name = prefix "fit", .type = OPC_CHOICE,                                 \
-   .choices = "constant|maximum|slope|product",                              \
-   .summary = "the last coefficient that a table fits, with all before it "  \
-              "that are not given (default: slope)",                         \
+#define COEFFICIENTS(prefix, set)                                             \
+  {.name = prefix "constant", .type = OPC_REAL,                               \
+   .summary = "constant part of the threshold; calibrated if not given",      \
+   OPC_FIELD(resist, given[set][CONSTANT])},                                  \
+  {.name = prefix "maximum", .type = OPC_REAL,                                \
+   .summary = "change of the threshold by the maximum intensity; default: "   \
+              "0, or fitted",                                                 \
+   OPC_FIELD(resist, given[set][MAXIMUM])},                                   \
+  {.name = prefix "slope", .type = OPC_REAL, .unit = "nm",                    \
+   .summary = "change of the threshold by the image slope in 1/nm; "          \
+              "default: 0, or fitted",                                        \
+   OPC_FIELD(resist, given[set][SLOPE])},                                     \
+  {.name = prefix "product", .type = OPC_REAL, .unit = "nm",                  \
+   .summary = "change of the threshold by the product of maximum and slope; " \
+              "default: 0, or fitted",                                        \
+   OPC_FIELD(resist, given[set][PRODUCT])},                                   \
+  {.name = prefix "fit", .type = OPC_CHOICE,                                  \
+   .choices = "constant|maximum|slope|product",                               \
+   .summary = "last coefficient fitted to a table, with all preceding ones "  \
+              "that are not given; default: slope",                           \
    OPC_FIELD(resist, last[set])}
 /* clang-format on */
 
@@ -128,26 +130,26 @@ static const opc_parameter parameters[] = {
     COEFFICIENTS("active_", 1),
     RESIST_GATES,
     RESIST_DIFFUSION,
-    OPC_PARAMETER_NAMED("radius", resist, local.radius, .type = OPC_REAL,
-                        .flags = OPC_ABOVE | OPC_AT_MOST, .unit = "nm",
-                        .follows = "0.777 lambda/NA", .min = 0, .max = 2000,
-                        .summary = "of the neighbourhood whose maximum counts"),
+    OPC_PARAMETER_NAMED(
+        "radius", resist, local.radius, .type = OPC_REAL,
+        .flags = OPC_ABOVE | OPC_AT_MOST, .unit = "nm",
+        .follows = "0.777 lambda/NA", .min = 0, .max = 2000,
+        .summary = "radius of the neighbourhood for the maximum"),
     OPC_PARAMETER_NAMED("slope_radius", resist, local.slope_radius,
                         .type = OPC_REAL, .flags = OPC_AT_LEAST | OPC_AT_MOST,
                         .unit = "nm", .follows = "0.233 lambda/NA", .min = 0,
                         .max = 2000,
-                        .summary = "of the neighbourhood whose slope counts"),
-    OPC_PARAMETER_NAMED(
-        "step", resist, local.step, .type = OPC_REAL,
-        .flags = OPC_AT_LEAST | OPC_AT_MOST, .unit = "nm",
-        .follows = "0.062 lambda/NA", .min = 1, .max = 64,
-        .summary = "grid on which the threshold is worked out, at most"),
+                        .summary = "radius of the neighbourhood for the slope"),
+    OPC_PARAMETER_NAMED("step", resist, local.step, .type = OPC_REAL,
+                        .flags = OPC_AT_LEAST | OPC_AT_MOST, .unit = "nm",
+                        .follows = "0.062 lambda/NA", .min = 1, .max = 64,
+                        .summary = "largest grid spacing of the threshold"),
 };
 
 /* Choose the coefficients to fit: with a table those up to `last` that are not
    given, with an anchor the constant. */
 /* Log the values in use that the flow does not set, except anchors. */
-static void follow(resist *r, eda_scanner scanner) {
+static void vtr_log(resist *r, eda_scanner scanner) {
   EDA_FOLLOW(r->base.host, "resist.vtr", r, parameters, scanner);
 }
 
@@ -175,7 +177,7 @@ static int check_set(resist *r, int set, opc_error *error) {
 
 static const opc_metric metrics[] = {RESIST_METRICS};
 
-static int check(void *self, opc_error *error) {
+static int vtr_check(void *self, opc_error *error) {
   int code = check_set(self, 0, error);
   return code ? code : check_set(self, 1, error);
 }
@@ -183,11 +185,10 @@ static int check(void *self, opc_error *error) {
 /* ---- entry ---- */
 
 static const eda_resist functions = {
-    .prepare = prepare, .print = print, .drawn = resist_take_gates};
-OPC_PLUGIN(
-    resist, .id = "resist.vtr", .kind = "resist", .version = "0.2.0",
-    .licence = "BSD-3-Clause",
-    .summary = "threshold that varies with maximum intensity and image slope",
-    .flags = OPC_DETERMINISTIC | OPC_REENTRANT, OPC_PARAMETERS(parameters),
-    OPC_METRICS(metrics), .check = check, .clear = resist_clear,
-    OPC_FUNCTIONS(functions));
+    .prepare = vtr_prepare, .print = vtr_print, .drawn = resist_take_gates};
+OPC_PLUGIN(resist, .id = "resist.vtr", .kind = "resist", .version = "0.2.0",
+           .licence = "BSD-3-Clause",
+           .summary = "variable threshold by maximum intensity and image slope",
+           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
+           OPC_PARAMETERS(parameters), OPC_METRICS(metrics), .check = vtr_check,
+           .clear = resist_clear, OPC_FUNCTIONS(functions));

@@ -108,7 +108,7 @@ static void test_definition(void) {
     }
 }
 
-/* ---- what the grid does to contours ---- */
+/* ---- effect of the grid on contours ---- */
 
 #define STRONG                                                          \
   "{ constant: 0.15, maximum: 0.2, slope: 8 nm, product: 2 nm, active_" \
@@ -294,7 +294,7 @@ static void test_refused(void) {
                 litho, "has 2 lines, too few for 3 coefficients");
   lines_refused("resist.vtr",
                 "{ table: [250 nm, 65 nm, 250 nm, 65 nm, 250 nm, 65 nm] }",
-                litho, "does not tell them apart");
+                litho, "do not determine them");
   lines_refused("resist.vtr", "{ fit: maximum }", litho, "'fit' needs a table");
   lines_refused("resist.vtr",
                 "{ table: [250 nm, 65 nm], constant: 0.3, fit: constant }",

@@ -21,8 +21,8 @@ static int32_t join(int32_t *parent, int32_t a, int32_t b) {
 
 /* Label the connected sets: number[i] is the set of pixel i from 0 on, -1 for
    clear pixels. Return the number of sets. */
-static int32_t label(const iccad_tile *t, const uint8_t *pixels,
-                     int32_t *number) {
+static int32_t features_label(const iccad_tile *t, const uint8_t *pixels,
+                              int32_t *number) {
   int32_t side = t->side, n = side * side, count = 0;
   for (int32_t i = 0; i < n; i++) {
     number[i] = pixels[i] ? i : -1;
@@ -57,8 +57,8 @@ static int in_order(const void *a, const void *b) {
 
 /* Find all pairs of a feature and a printed piece that share a pixel, each
    once. */
-static size_t meet(const iccad_tile *t, const int32_t *feature,
-                   const int32_t *piece, meeting **out) {
+static size_t features_meet(const iccad_tile *t, const int32_t *feature,
+                            const int32_t *piece, meeting **out) {
   size_t n = (size_t)t->side * (size_t)t->side, count = 0, room = 0, kept = 0;
   meeting *m = NULL;
   for (size_t i = 0; i < n; i++) {
@@ -80,12 +80,12 @@ iccad_features iccad_compare(const iccad_tile *t, const uint8_t *target,
   size_t n = (size_t)t->side * (size_t)t->side;
   int32_t *feature = eda_alloc(n, sizeof *feature);
   int32_t *piece = eda_alloc(n, sizeof *piece);
-  size_t features = (size_t)label(t, target, feature);
-  size_t pieces = (size_t)label(t, print, piece);
+  size_t features = (size_t)features_label(t, target, feature);
+  size_t pieces = (size_t)features_label(t, print, piece);
   uint32_t *of_feature = eda_alloc(features, sizeof *of_feature);
   uint32_t *of_piece = eda_alloc(pieces, sizeof *of_piece);
   meeting *m;
-  size_t count = meet(t, feature, piece, &m);
+  size_t count = features_meet(t, feature, piece, &m);
   iccad_features out = {0};
   for (size_t i = 0; i < count; i++) {
     out.broken += of_feature[m[i].feature]++ > 0;

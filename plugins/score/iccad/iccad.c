@@ -38,7 +38,7 @@ static int place_tile(const score *s, const eda_gates *g, iccad_tile *tile,
   double h = ((double)g->extent.y1 - g->extent.y0) * g->grid;
   if (side != floor(side))
     return opc_fail(error, OPC_INVALID, "tile",
-                    "%g nm is no whole number of pixels of 1 nm", side);
+                    "%g nm is not an integer number of pixels of 1 nm", side);
   if (w > side || h > side)
     return opc_fail(error, OPC_INVALID, "tile",
                     "the layout is %g x %g nm, too large for %g nm", w, h,
@@ -51,8 +51,9 @@ static int place_tile(const score *s, const eda_gates *g, iccad_tile *tile,
 
 /* Compute the pixels printed at nominal dose in focus, and in the outermost and
    innermost corner. */
-static int expose(const score *s, const eda_mask *mask, const iccad_tile *tile,
-                  uint8_t *const raster[RASTERS], opc_error *error) {
+static int score_expose(const score *s, const eda_mask *mask,
+                        const iccad_tile *tile, uint8_t *const raster[RASTERS],
+                        opc_error *error) {
   const opc_context *context = s->host->context;
   iccad_print p = {context, s->litho, s->resist, tile};
   const eda_litho *litho = p.litho->functions;
@@ -110,7 +111,7 @@ static int count_all(const score *s, const iccad_tile *tile,
   size_t n;
   int code =
       iccad_fill(&g->drawn[EDA_POLY], g->grid, tile, raster[TARGET], error);
-  if (!code) code = expose(s, mask, tile, raster, error);
+  if (!code) code = score_expose(s, mask, tile, raster, error);
   if (code) return code;
   n = iccad_sites(&g->drawn[EDA_POLY], g->grid, (int32_t)s->spacing, &sites);
   count_sites(s, tile, raster[NOMINAL], sites, n, f);
@@ -128,7 +129,7 @@ static int count_all(const score *s, const iccad_tile *tile,
   return OPC_OK;
 }
 
-static int publish(const score *s, const figures *f, opc_error *error) {
+static int score_publish(const score *s, const figures *f, opc_error *error) {
   int64_t epe = f->inner + f->outer;
   const opc_column columns[] = {
       {"epe", NULL, OPC_INT, 0, &epe},
@@ -156,7 +157,7 @@ static int publish(const score *s, const figures *f, opc_error *error) {
   return code ? code : opc_put_metrics(s->host, OPC_ARRAY(values), error);
 }
 
-static int run(void *self, void **outputs, opc_error *error) {
+static int score_run(void *self, void **outputs, opc_error *error) {
   const score *s = self;
   (void)outputs;
   iccad_tile tile;
@@ -168,7 +169,7 @@ static int run(void *self, void **outputs, opc_error *error) {
   figures f = {0};
   code = count_all(s, &tile, raster, &f, error);
   for (int k = 0; k < RASTERS; k++) free(raster[k]);
-  return code ? code : publish(s, &f, error);
+  return code ? code : score_publish(s, &f, error);
 }
 
 /* ---- parameters ---- */
@@ -176,59 +177,60 @@ static int run(void *self, void **outputs, opc_error *error) {
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(score, mask, .type = OPC_INPUT, .flags = OPC_REQUIRED,
                   .choices = "mask",
-                  .summary = "the mask, of what segment.edges has found"),
+                  .summary = "mask of a layer of segment.edges"),
     OPC_PARAMETER(score, litho, .type = OPC_SLOT, .flags = OPC_REQUIRED,
-                  .choices = "litho", .summary = "model of the optics"),
+                  .choices = "litho", .summary = "imaging model"),
     OPC_PARAMETER(score, resist, .type = OPC_SLOT, .flags = OPC_REQUIRED,
-                  .choices = "resist", .summary = "model of the resist"),
+                  .choices = "resist", .summary = "resist model"),
     OPC_PARAMETER(score, tile, .type = OPC_REAL,
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .unit = "nm",
                   .preset = "2048 nm", .min = 64, .max = 16384,
-                  .summary = "side of the square that the clip lies in"),
+                  .summary = "side of the square around the clip"),
     OPC_PARAMETER(score, dose, .type = OPC_REAL,
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .unit = "%",
                   .preset = "2 %", .min = 0, .max = 50,
-                  .summary = "how far the dose goes up and down, as a factor "
-                             "on the mask's transmission"),
-    OPC_PARAMETER(score, defocus, .type = OPC_REAL, .unit = "nm",
-                  .preset = "25 nm",
-                  .summary = "of the innermost print; with litho.kernels, "
-                             "whatever is not 0 is its second set"),
+                  .summary = "dose variation up and down, as a factor on the "
+                             "mask's transmission"),
+    OPC_PARAMETER(
+        score, defocus, .type = OPC_REAL, .unit = "nm", .preset = "25 nm",
+        .summary = "defocus of the innermost contour; with litho.kernels, all "
+                   "values but 0 select the second set"),
     OPC_PARAMETER(score, epe, .type = OPC_REAL,
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .unit = "nm",
                   .preset = "15 nm", .min = 1, .max = 1000,
-                  .summary = "from here on a placement error counts"),
-    OPC_PARAMETER(score, spacing, .type = OPC_REAL,
-                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .unit = "nm",
-                  .preset = "40 nm", .min = 1, .max = 1000,
-                  .summary = "between sites, and from corners to the first"),
+                  .summary = "smallest placement error that counts"),
+    OPC_PARAMETER(
+        score, spacing, .type = OPC_REAL, .flags = OPC_AT_LEAST | OPC_AT_MOST,
+        .unit = "nm", .preset = "40 nm", .min = 1, .max = 1000,
+        .summary =
+            "distance between sites, and from corners to the first site"),
 };
 
 static const opc_metric metrics[] = {
-    {"epe", NULL, OPC_LOWER, 0, "sites whose edge is not within the limit"},
-    {"l2", "nm^2", OPC_LOWER, 0, "where nominal print and target differ"},
+    {"epe", NULL, OPC_LOWER, 0,
+     "number of sites whose edge error exceeds the limit"},
+    {"l2", "nm^2", OPC_LOWER, 0,
+     "area of difference between nominal contour and target"},
     {"pvb", "nm^2", OPC_LOWER, 0,
-     "between the outermost and the innermost print"},
-    {"shots", NULL, OPC_LOWER, 0, "rectangles of the mask"},
+     "area between the outermost and the innermost contour"},
+    {"shots", NULL, OPC_LOWER, 0, "number of rectangles of the mask"},
     {"bridged", NULL, OPC_LOWER, 0,
-     "how many times two features print as one, in all three prints"},
+     "number of bridges between features, in all three images"},
     {"broken", NULL, OPC_LOWER, 0,
-     "pieces more than one that features print in, in all three prints"},
+     "number of printed pieces beyond one per feature, in all three images"},
     {"lost", NULL, OPC_LOWER, 0,
-     "features that do not print at all, in all three prints"},
+     "number of features that do not print, in all three images"},
     {"extra", NULL, OPC_LOWER, 0,
-     "what prints and touches no feature, in all three prints"},
+     "number of printed pieces outside of all features, in all three images"},
 };
 
 /* ---- entry ---- */
 
-static const opc_step functions = {.run = run};
+static const opc_step functions = {.run = score_run};
 
-OPC_PLUGIN(score, .id = "score.iccad", .kind = "step", .version = "0.2.0",
-           .licence = "BSD-3-Clause",
-           .summary =
-               "the figures of the ICCAD 2013 contest: EPE, L2, PV band, "
-               "shots",
-           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), OPC_METRICS(metrics),
-           OPC_FUNCTIONS(functions));
+OPC_PLUGIN(
+    score, .id = "score.iccad", .kind = "step", .version = "0.2.0",
+    .licence = "BSD-3-Clause",
+    .summary = "figures of the ICCAD 2013 contest: EPE, L2, PV band, shots",
+    .flags = OPC_DETERMINISTIC | OPC_REENTRANT, OPC_PARAMETERS(parameters),
+    OPC_METRICS(metrics), OPC_FUNCTIONS(functions));

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Common header of the files of score.iccad: pixels of 1 nm on a periodic
    square tile. */
-#ifndef OPCFLOW_ICCAD_H
-#define OPCFLOW_ICCAD_H
+#pragma once
 
 #include <eda/gates.h>
 #include <eda/resist.h>
@@ -58,5 +57,3 @@ static inline uint8_t iccad_at(const iccad_tile *t, const uint8_t *pixels,
   if (r < 0) r += t->side;
   return pixels[r * t->side + c];
 }
-
-#endif

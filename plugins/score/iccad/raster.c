@@ -33,27 +33,27 @@ int iccad_fill(const eda_shapes *shapes, double grid, const iccad_tile *t,
 
 /* ---- prints ---- */
 
-static int image(const iccad_print *p, const eda_spectrum *mask, double defocus,
-                 eda_field *out, opc_error *error) {
+static int print_image(const iccad_print *p, const eda_spectrum *mask,
+                       double defocus, eda_field *out, opc_error *error) {
   const eda_litho *model = p->litho->functions;
   if (defocus == 0)
     return model->image(p->litho->self, EDA_POLY, mask, out, error);
   if (model->image_at)
     return model->image_at(p->litho->self, EDA_POLY, mask, defocus, out, error);
   return opc_fail(error, OPC_INVALID, "defocus",
-                  "'%s' has one focus only: say defocus: 0 nm", p->litho->id);
+                  "'%s' has one focus only: set defocus: 0 nm", p->litho->id);
 }
 
 /* Set the pixels by the sign of the level set at their centres. */
-static int threshold(const iccad_print *p, eda_field *f, uint8_t *pixels,
-                     opc_error *error) {
+static int print_threshold(const iccad_print *p, eda_field *f, uint8_t *pixels,
+                           opc_error *error) {
   double step = f->frame.width / p->tile->side;
   int code = eda_field_resample(p->context, f, step, error);
   if (code) return code;
   eda_field_samples(p->context, f);
   if (f->nx != p->tile->side || f->ny != p->tile->side)
     return opc_fail(error, OPC_INVALID, "tile",
-                    "%d nm is no size of a Fourier transform, %d nm is",
+                    "%d nm is not a size of a Fourier transform; use %d nm",
                     (int)p->tile->side, (int)f->nx);
   size_t n = (size_t)f->nx * (size_t)f->ny;
   for (size_t i = 0; i < n; i++) pixels[i] = f->coefficients[i] > 0;
@@ -64,12 +64,12 @@ int iccad_expose(const iccad_print *p, const eda_spectrum *mask, double dose,
                  double defocus, uint8_t *pixels, opc_error *error) {
   const eda_resist *resist = p->resist->functions;
   eda_field f = {0};
-  int code = image(p, mask, defocus, &f, error);
+  int code = print_image(p, mask, defocus, &f, error);
   if (code) return code;
   size_t n = (size_t)f.nx * (size_t)f.ny;
   for (size_t i = 0; i < n; i++) f.coefficients[i] *= (float)dose;
   code = resist->print(p->resist->self, EDA_POLY, &f, error);
-  if (!code) code = threshold(p, &f, pixels, error);
+  if (!code) code = print_threshold(p, &f, pixels, error);
   eda_field_clear(&f);
   return code;
 }
@@ -82,7 +82,7 @@ typedef struct collector {
   size_t count, room;
 } collector;
 
-static void add(collector *c, iccad_site s) {
+static void site_add(collector *c, iccad_site s) {
   eda_grow(&c->sites, &c->room, c->count + 1, sizeof s);
   c->sites[c->count++] = s;
 }
@@ -94,11 +94,12 @@ static void add_edge(collector *c, iccad_site s, int32_t first, int32_t last) {
   int32_t middle = first + (last - first) / 2, *at = s.dx ? &s.y : &s.x;
   if (last - first <= 2 * c->spacing) {
     *at = middle;
-    add(c, s);
+    site_add(c, s);
     return;
   }
-  for (*at = first + c->spacing; *at <= middle; *at += c->spacing) add(c, s);
-  for (*at = last - c->spacing; *at > middle; *at -= c->spacing) add(c, s);
+  for (*at = first + c->spacing; *at <= middle; *at += c->spacing)
+    site_add(c, s);
+  for (*at = last - c->spacing; *at > middle; *at -= c->spacing) site_add(c, s);
 }
 
 size_t iccad_sites(const eda_shapes *target, double grid, int32_t spacing,

@@ -24,13 +24,13 @@ static int find_layer(const edges *e, int32_t *layer, opc_error *error) {
   if (*layer >= 0) return OPC_OK;
   if (!e->layer)
     return opc_fail(error, OPC_INVALID, "layer",
-                    "the layout has %zu layers: say which one", n);
+                    "the layout has %zu layers: set 'layer'", n);
   return opc_fail(error, OPC_INVALID, "layer",
                   "the layout has no layer '%.200s'", e->layer);
 }
 
-static int publish(const opc_host *host, const eda_shapes *s, size_t moved,
-                   opc_error *error) {
+static int edges_publish(const opc_host *host, const eda_shapes *s,
+                         size_t moved, opc_error *error) {
   int code = host->metric(host, "snapped", (double)moved, error);
   if (!code) code = host->metric(host, "polygons", (double)s->count, error);
   if (!code)
@@ -38,7 +38,7 @@ static int publish(const opc_host *host, const eda_shapes *s, size_t moved,
   return code;
 }
 
-static int run(void *self, void **outputs, opc_error *error) {
+static int edges_run(void *self, void **outputs, opc_error *error) {
   const edges *e = self;
   int32_t layer, top = eda_segment_top(e->layout, e->top, error);
   if (top < 0 || find_layer(e, &layer, error)) return error->code;
@@ -47,38 +47,39 @@ static int run(void *self, void **outputs, opc_error *error) {
   int code =
       eda_segment_edges(e->layout, top, layer, e->grid, &gates, &moved, error);
   outputs[0] = gates;
-  return code ? code : publish(e->host, &gates->drawn[0], moved, error);
+  return code ? code : edges_publish(e->host, &gates->drawn[0], moved, error);
 }
 
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(edges, layout, .type = OPC_INPUT, .flags = OPC_REQUIRED,
-                  .choices = "layout", .summary = "where the layer is drawn"),
+                  .choices = "layout", .summary = "layout with the layer"),
     OPC_PARAMETER(edges, layer, .type = OPC_TEXT,
-                  .summary = "which layer; if not given, the only one"),
-    OPC_PARAMETER(edges, top, .type = OPC_TEXT,
-                  .summary = "the cell to take; if not given, the only one "
-                             "that no other places"),
+                  .summary = "name of the layer; default: the only one"),
+    OPC_PARAMETER(
+        edges, top, .type = OPC_TEXT,
+        .summary =
+            "top cell; default: the only cell that no other cell places"),
     OPC_PARAMETER(edges, grid, .type = OPC_REAL, .flags = OPC_ABOVE,
                   .unit = "nm", .preset = "1 nm", .summary = "mask grid"),
 };
 
 static const opc_metric metrics[] = {
-    {"polygons", NULL, OPC_NEUTRAL, 0, "polygons, and holes in them"},
-    {"edges", NULL, OPC_NEUTRAL, 0, "their edges"},
-    {"snapped", NULL, OPC_LOWER, 0, "vertices that the grid moved"},
+    {"polygons", NULL, OPC_NEUTRAL, 0, "number of polygons and holes"},
+    {"edges", NULL, OPC_NEUTRAL, 0, "number of edges of polygons"},
+    {"snapped", NULL, OPC_LOWER, 0, "number of vertices moved by the grid"},
 };
 
 /* ---- entry ---- */
 
 static const opc_port outputs_of[] = {EDA_PORT_GATES("gates")};
-static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = run,
+static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = edges_run,
                                    .flags = OPC_STEP_LIGHT};
 
 OPC_PLUGIN(edges, .id = "segment.edges", .kind = "step", .version = "0.2.0",
            .licence = "BSD-3-Clause",
-           .summary = "the edges of one drawn layer, without transistors",
+           .summary = "edges of one drawn layer, without transistors",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
            OPC_PARAMETERS(parameters), OPC_METRICS(metrics),
            OPC_FUNCTIONS(functions));

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Test helpers of segment.transistors: layouts drawn by hand, and checks of the
    transistors and edges found in them. */
-#ifndef SEGMENT_DRAWING_TEST_H
-#define SEGMENT_DRAWING_TEST_H
+#pragma once
 
 #include <eda/gates.h>
 #include <eda/layout.h>
@@ -202,5 +201,3 @@ static inline void draw_single(drawing *d) {
   draw(d, "poly", 150, -100, 215, 300);
   draw(d, "nimplant", -50, -50, 450, 250);
 }
-
-#endif

@@ -19,8 +19,9 @@ typedef struct transistors {
 
 /* ---- work ---- */
 
-static int publish(const opc_host *host, const eda_gates *g,
-                   const eda_segment_report *report, opc_error *error) {
+static int transistors_publish(const opc_host *host, const eda_gates *g,
+                               const eda_segment_report *report,
+                               opc_error *error) {
   size_t pmos = 0;
   for (size_t i = 0; i < g->count; i++) pmos += g->type[i] == EDA_PMOS;
   const struct {
@@ -37,16 +38,16 @@ static int publish(const opc_host *host, const eda_gates *g,
   return code;
 }
 
-static void tell(void *data, int warning, const char *message) {
+static void transistors_log(void *data, int warning, const char *message) {
   const opc_host *host = data;
   host->log(host, warning ? OPC_LOG_WARNING : OPC_LOG_INFO,
             "segment.transistors: %s", message);
 }
 
-static int run(void *self, void **outputs, opc_error *error) {
+static int transistors_run(void *self, void **outputs, opc_error *error) {
   const transistors *t = self;
   eda_segment_settings settings = EDA_SEGMENT_SETTINGS(t);
-  settings.tell = tell;
+  settings.tell = transistors_log;
   settings.data = (void *)t->host;
   int32_t top = eda_segment_top(t->layout, t->top, error);
   if (top < 0) return error->code;
@@ -55,10 +56,11 @@ static int run(void *self, void **outputs, opc_error *error) {
   int code = eda_segment(t->host->context, t->layout, top, &settings, &gates,
                          &report, error);
   outputs[0] = gates;
-  return code ? code : publish(t->host, gates, &report, error);
+  return code ? code : transistors_publish(t->host, gates, &report, error);
 }
 
-static int forecast(void *self, opc_forecast *out, opc_error *error) {
+static int transistors_forecast(void *self, opc_forecast *out,
+                                opc_error *error) {
   const transistors *t = self;
   eda_segment_settings settings = EDA_SEGMENT_SETTINGS(t);
   int32_t top = eda_segment_top(t->layout, t->top, error);
@@ -74,25 +76,26 @@ static int forecast(void *self, opc_forecast *out, opc_error *error) {
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(transistors, layout, .type = OPC_INPUT, .flags = OPC_REQUIRED,
                   .choices = "layout",
-                  .summary = "layers poly, active, contact, nwell, pwell, "
-                             "nimplant, pimplant, notes"),
-    OPC_PARAMETER(transistors, top, .type = OPC_TEXT,
-                  .summary = "the cell to take; if not given, the only one "
-                             "that no other places"),
+                  .summary = "layout with layers poly, active, contact, nwell, "
+                             "pwell, nimplant, pimplant, notes"),
+    OPC_PARAMETER(
+        transistors, top, .type = OPC_TEXT,
+        .summary =
+            "top cell; default: the only cell that no other cell places"),
     EDA_SEGMENT_PARAMETERS(transistors),
 };
 
 static const opc_metric metrics[] = {
-    {"transistors", NULL, OPC_NEUTRAL, 0, "transistors found"},
-    {"nmos", NULL, OPC_NEUTRAL, 0, "n-channel transistors"},
-    {"pmos", NULL, OPC_NEUTRAL, 0, "p-channel transistors"},
+    {"transistors", NULL, OPC_NEUTRAL, 0, "number of transistors"},
+    {"nmos", NULL, OPC_NEUTRAL, 0, "number of n-channel transistors"},
+    {"pmos", NULL, OPC_NEUTRAL, 0, "number of p-channel transistors"},
     {"snapped", NULL, OPC_LOWER, 0,
-     "vertices of poly, active, contact and further layers that the grid "
-     "moved"},
-    {"snapped_worst", "nm", OPC_LOWER, 0, "how far it moved one at most"},
+     "number of vertices moved by the grid, all layers"},
+    {"snapped_worst", "nm", OPC_LOWER, 0,
+     "largest displacement of a vertex by the grid"},
 };
 
-static int check(void *self, opc_error *error) {
+static int transistors_check(void *self, opc_error *error) {
   const transistors *t = self;
   eda_segment_settings settings = EDA_SEGMENT_SETTINGS(t);
   return eda_segment_check(&settings, error);
@@ -101,15 +104,13 @@ static int check(void *self, opc_error *error) {
 /* ---- entry ---- */
 
 static const opc_port outputs_of[] = {EDA_PORT_GATES("gates")};
-static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = run,
-                                   .forecast = forecast,
-                                   .flags = OPC_STEP_LIGHT};
+static const opc_step functions = {
+    OPC_OUTPUTS(outputs_of), .run = transistors_run,
+    .forecast = transistors_forecast, .flags = OPC_STEP_LIGHT};
 
-OPC_PLUGIN(transistors, .id = "segment.transistors", .kind = "step",
-           .version = "0.3.0", .licence = "BSD-3-Clause",
-           .summary =
-               "find the transistors of a layout and the mask edges "
-               "that move them",
-           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), OPC_METRICS(metrics), .check = check,
-           OPC_FUNCTIONS(functions));
+OPC_PLUGIN(
+    transistors, .id = "segment.transistors", .kind = "step",
+    .version = "0.3.0", .licence = "BSD-3-Clause",
+    .summary = "transistors of a layout and the mask edges that move them",
+    .flags = OPC_DETERMINISTIC | OPC_REENTRANT, OPC_PARAMETERS(parameters),
+    OPC_METRICS(metrics), .check = transistors_check, OPC_FUNCTIONS(functions));

@@ -2,8 +2,7 @@
 /* Table of first corrections over L and W, as written by
    characterize.init_adjust: a CSV file with the columns l, w and init_adjust in
    nm; other columns are ignored. */
-#ifndef SYNTHESIZER_DPB_TABLE_H
-#define SYNTHESIZER_DPB_TABLE_H
+#pragma once
 
 #include <opcflow/base.h>
 
@@ -24,5 +23,3 @@ void first_table_clear(first_table *table);
 /* Return the first correction, nm, of the nearest length of the table and,
    among rows of that length, of the width nearest to `width` by ratio. */
 double first_table_find(const first_table *table, double length, double width);
-
-#endif

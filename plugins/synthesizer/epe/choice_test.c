@@ -30,7 +30,7 @@ typedef struct drawing {
   eda_gates gates;
 } drawing;
 
-static void trial_draw(drawing *d, int32_t width, int32_t height) {
+static void drawing_draw(drawing *d, int32_t width, int32_t height) {
   static char *names[LAYERS] = {"poly", "active"};
   static uint8_t corrected[LAYERS] = {1, 1};
   *d = (drawing){.points = {{0, 0}, {width, 0}, {width, height}, {0, height}},
@@ -74,7 +74,7 @@ static void test_even(void) {
     int32_t least = n % 2 ? 20 : 45, corner = least;
     drawing d;
     eda_cuts cuts = {0};
-    trial_draw(&d, length, 1000);
+    drawing_draw(&d, length, 1000);
     g_autofree char *p = g_strdup_printf(
         "{ fragment: 50 nm, corner_edge: %d nm, min_edge: %d nm, line_end: 0 "
         "nm }",
@@ -137,7 +137,7 @@ static void test_kept(void) {
     int by_ion = n & 1;
     drawing d;
     eda_cuts cuts = {0};
-    trial_draw(&d, 400, 1000);
+    drawing_draw(&d, 400, 1000);
     g_autofree char *p = g_strdup_printf(
         "{ fragment: 200 nm, corner_edge: 30 nm, min_edge: 30 nm, line_end: 0 "
         "nm, max_shift: 12 nm, iterations: %d, best: %s }",
@@ -205,7 +205,7 @@ static void test_gain(void) {
     for (int sign = -1; sign <= 1; sign += 2) {
       drawing d;
       eda_cuts cuts = {0};
-      trial_draw(&d, 400 * FINE, 3000 * FINE);
+      drawing_draw(&d, 400 * FINE, 3000 * FINE);
       d.gates.grid = 1.0 / FINE;
       g_autoptr(opc_module) m = drawing_begin(
           "{ damping: 1, stiffness: 1e-4, step: 60 nm, max_shift: 90 nm "
@@ -248,7 +248,7 @@ static void test_gain(void) {
 static void test_constant_error(void) {
   drawing d;
   eda_cuts cuts = {0};
-  trial_draw(&d, 400, 1000);
+  drawing_draw(&d, 400, 1000);
   g_autoptr(opc_module) m =
       drawing_begin("{ max_shift: 20 nm, iterations: 90 }", &d, &cuts);
   const eda_synthesizer *s = m->functions;

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Interfaces between the files of synthesizer.epe. Coordinates and lengths are
    in steps of the mask grid unless a comment says nm. */
-#ifndef SYNTHESIZER_EPE_H
-#define SYNTHESIZER_EPE_H
+#pragma once
 
 #include <eda/bars.h>
 #include <eda/index.h>
@@ -179,5 +178,3 @@ static inline int32_t epe_end(const epe_fragment *p, const int32_t *shift,
   return p[i].corner & EPE_TO ? epe_line(p, shift, p[i].next)
                               : epe_along(&p[i], p[i].to);
 }
-
-#endif

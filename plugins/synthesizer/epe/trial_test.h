@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Test helpers of synthesizer.epe: shapes without transistors, and their
    correction by placement errors that a function of the test returns. */
-#ifndef SYNTHESIZER_EPE_TRIAL_TEST_H
-#define SYNTHESIZER_EPE_TRIAL_TEST_H
+#pragma once
 
 #include <eda/eda.h>
 #include <math.h>
@@ -186,5 +185,3 @@ static inline eda_shapes moved_of(const trial *t, const eda_gates *gates) {
                   OPC_OK);
   return merged;
 }
-
-#endif

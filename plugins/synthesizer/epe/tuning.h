@@ -13,8 +13,7 @@
    Three figures or pairs separated by ; refer to the first three cases. The
    flow keeps the iteration with the least Ion deviation, so any change moves
    EPE and shots by several percent. */
-#ifndef SYNTHESIZER_EPE_TUNING_H
-#define SYNTHESIZER_EPE_TUNING_H
+#pragma once
 
 static const struct {
   double least_gain, most_gain, ignored, least_step, growth, lost, lost_cost;
@@ -100,5 +99,3 @@ static const struct {
     .window_step = 4,
     .window_reach = 60,
 };
-
-#endif

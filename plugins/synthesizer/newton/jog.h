@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Correction of length by a step over a part of the width. */
-#ifndef SYNTHESIZER_NEWTON_JOG_H
-#define SYNTHESIZER_NEWTON_JOG_H
+#pragma once
 
 #include <eda/gates.h>
 
@@ -37,5 +36,3 @@ double length_jog(const sides *s, length x);
 /* Return the length nearest to `value`; the jog keeps `least` steps from both
    ends of its edge. */
 length length_nearest(const sides *s, double value, int32_t least);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Test helpers of synthesizer.newton: transistors whose printed lengths and
    currents are formulas of the mask, and the loop that corrects them. */
-#ifndef SYNTHESIZER_NEWTON_MODEL_TEST_H
-#define SYNTHESIZER_NEWTON_MODEL_TEST_H
+#pragma once
 
 #include <eda/eda.h>
 #include <math.h>
@@ -222,5 +221,3 @@ static inline opc_module *model_make(const char *parameters) {
   g_autofree char *all = g_strconcat("{ target: plain, ", parameters + 1, NULL);
   return make_any(all);
 }
-
-#endif

@@ -356,7 +356,7 @@ static int is_within(const newton *t, size_t i) {
    move. */
 static int has_drifted(const newton *t, const transistor *s, double weight) {
   return s->size * weight > newton_ion_limit(t) * tuned.odd_limit &&
-         s->rest_size < tuned.worthwhile * s->size;
+         s->settled_size < tuned.worthwhile * s->size;
 }
 
 /* Return whether to stop: all transistors are within the limit, none has
@@ -388,9 +388,9 @@ static void newton_settle(newton *t) {
   t->weight[IOFF] = 0;
   for (size_t i = 0; i < t->count; i++) {
     transistor *s = &t->state[i];
-    s->back = !biases_equal(s->now, s->best);
-    s->best_size = s->back ? INFINITY : errors_size(t, s->error);
-    s->size = s->rest_size = errors_size(t, s->error);
+    s->revert = !biases_equal(s->now, s->best);
+    s->best_size = s->revert ? INFINITY : errors_size(t, s->error);
+    s->size = s->settled_size = errors_size(t, s->error);
     s->trust.error[SHORT] = s->trust.error[LONG] = 0; /* these belong to other
                                                          widths */
   }
@@ -409,9 +409,9 @@ static void transistor_decide(void *data, size_t i) {
   newton *t = j->t;
   transistor *s = &t->state[i];
   int64_t k = j->f->iteration, last = last_move(t);
-  if (s->back) {
+  if (s->revert) {
     s->next = s->best;
-    s->back = 0;
+    s->revert = 0;
     return;
   }
   biases next = mask_propose(t, j->f, i);

@@ -65,7 +65,7 @@ static int ends_moved(const eda_gates *g, const int32_t *a, const int32_t *b) {
 /* Return the least change of log Ion that neighbours cannot explain. */
 static double least_visible(const newton *t, const transistor *s) {
   return newton_ion_limit(t) * tuned.odd_limit +
-         tuned.odd_surprise * s->surprise;
+         tuned.odd_surprise * s->uncertainty;
 }
 
 /* Return whether a transistor changed by more than its moves explain at the
@@ -234,14 +234,14 @@ static void transistor_update(const newton *t, transistor *s,
   if (foreign)
     s->response = s->first;
   else if (printed && moved)
-    response_learn(&s->response, &s->first, c.dx, c.de, s->surprise);
+    response_learn(&s->response, &s->first, c.dx, c.de, s->uncertainty);
   s->disturbed |= (uint8_t)foreign;
   s->failed = 0;
   s->valid = now;
   memcpy(s->x, x, sizeof x);
   memcpy(s->error, error, sizeof error);
   s->size = errors_size(t, error);
-  s->rest_size = first || moved ? s->size : fmin(s->rest_size, s->size);
+  s->settled_size = first || moved ? s->size : fmin(s->settled_size, s->size);
   s->point = point_of(f->printed, i);
   if (newton_reshapes(t, f)) s->ripple = ripple_of(f, i, &t->parts[i]);
   response_bend(&s->response, &s->first, s->point, point_of(f->design, i),
@@ -273,7 +273,7 @@ static void newton_start(newton *t, const eda_feedback *f) {
       double before = s->error[ION];
       errors_with_line_ends(f, i, c, s->error);
       s->size = errors_size(t, s->error);
-      s->surprise = tuned.unforeseen * fabs(s->error[ION] - before);
+      s->uncertainty = tuned.unforeseen * fabs(s->error[ION] - before);
     }
     s->pull = pull_of(t, s);
     trust_see(&s->trust, s->x[BY_L], s->pull);
@@ -374,8 +374,8 @@ void newton_reshape(newton *t, size_t i, const shape *to) {
                    ripple_excess(&s->ripple, c->slope[k]);
   double before = s->pull;
   s->pull = pull_of(t, s);
-  s->surprise += tuned.unforeseen * fabs(s->pull - before);
-  trust_drift(&s->trust, s->pull - before, s->surprise);
+  s->uncertainty += tuned.unforeseen * fabs(s->pull - before);
+  trust_drift(&s->trust, s->pull - before, s->uncertainty);
 }
 
 /* Neighbours share a part of the mean change of log Ion, and line ends may
@@ -395,7 +395,7 @@ void newton_predict(newton *t, const eda_feedback *f) {
   for (size_t i = 0; i < t->count; i++) {
     transistor *s = &t->state[i];
     int late = ends_moved(f->gates, s->end, f->next_end + 2 * i);
-    if (f->iteration > 0) s->surprise = late ? tuned.late : 0;
-    s->surprise += noise;
+    if (f->iteration > 0) s->uncertainty = late ? tuned.late : 0;
+    s->uncertainty += noise;
   }
 }

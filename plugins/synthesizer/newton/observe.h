@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* State of the transistors in synthesizer.newton, and its update from simulated
    masks. */
-#ifndef SYNTHESIZER_NEWTON_OBSERVE_H
-#define SYNTHESIZER_NEWTON_OBSERVE_H
+#pragma once
 
 #include <opcflow/plugin.h>
 
@@ -40,7 +39,7 @@ typedef struct transistor {
   biases next;          /* requested mask */
   biases best;          /* mask of the least size so far */
   double best_size;
-  double rest_size;         /* least size since the last move */
+  double settled_size;      /* least size since the last move */
   response response, first; /* learnt and initial response */
   trust trust;              /* trust region of the next L */
   int32_t print_limit[2];   /* largest outward moves of the LOW and HIGH end of
@@ -51,13 +50,13 @@ typedef struct transistor {
   int32_t given;            /* grid steps of width that the ends lose in the
                                next mask */
   int32_t end[2];           /* line ends of the mask measured last */
-  double surprise;   /* uncertainty of the next log Ion, beyond that of the
-                        response, caused by line ends and neighbours */
-  uint8_t disturbed; /* 1: causes other than its own moves changed the
-                        transistor */
-  uint8_t outside;   /* 1: the figures of the best mask are extrapolated beyond
-                        the device table */
-  uint8_t back;      /* 1: the next mask is the best one */
+  double uncertainty; /* uncertainty of the next log Ion, beyond that of the
+                         response, caused by line ends and neighbours */
+  uint8_t disturbed;  /* 1: causes other than its own moves changed the
+                         transistor */
+  uint8_t outside;    /* 1: the figures of the best mask are extrapolated beyond
+                         the device table */
+  uint8_t revert;     /* 1: the next mask is the best one */
   uint8_t verdict;
 } transistor;
 
@@ -125,5 +124,3 @@ void newton_reshape(newton *t, size_t i, const shape *to);
 
 /* Compute the uncertainty of the next log Ion of each transistor. */
 void newton_predict(newton *t, const eda_feedback *f);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Response of the errors of a transistor to moves of its mask, and the
    resulting correction. */
-#ifndef SYNTHESIZER_NEWTON_RESPONSE_H
-#define SYNTHESIZER_NEWTON_RESPONSE_H
+#pragma once
 
 #include <eda/synthesizer.h>
 
@@ -72,5 +71,3 @@ void response_learn(response *r, const response *first, const double dx[MOVES],
 void response_solve(const response *r, const double error[ERRORS],
                     const double weight[ERRORS], const int free[MOVES],
                     double dx[MOVES]);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Printed length along the width of a gate, and the whole steps of parts of the
    mask edges that make the length uniform. */
-#ifndef SYNTHESIZER_NEWTON_SHAPE_H
-#define SYNTHESIZER_NEWTON_SHAPE_H
+#pragma once
 
 #include <eda/synthesizer.h>
 
@@ -75,5 +74,3 @@ double ripple_cost(double drawn, const curve *of_type);
 shape shape_flat(const parts *p, const ripple *now, const shape *from,
                  double leak, double gain, double blur, double price,
                  int blocked);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Trust region of the next length of a transistor, from the results of previous
    moves. */
-#ifndef SYNTHESIZER_NEWTON_TRUST_H
-#define SYNTHESIZER_NEWTON_TRUST_H
+#pragma once
 
 enum { SHORT, LONG, ENDS };
 
@@ -40,5 +39,3 @@ double trust_step(const trust *t, double x, double dx);
 
 /* Return whether a bracket of two ends is known and contains x. */
 int trust_holds(const trust *t, double x);
-
-#endif

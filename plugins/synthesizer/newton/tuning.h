@@ -4,8 +4,7 @@
    circuits at scale 1.3. tuning.md has the effect of half and double of each
    constant; tools/tuned-constants measures these effects and writes that
    table. */
-#ifndef SYNTHESIZER_NEWTON_TUNING_H
-#define SYNTHESIZER_NEWTON_TUNING_H
+#pragma once
 
 #include <stdint.h>
 
@@ -165,5 +164,3 @@ static const struct {
     .polish = 2,
     .rest = 3,
 };
-
-#endif

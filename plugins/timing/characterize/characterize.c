@@ -4,7 +4,6 @@
 #include "characterize.h"
 #include "../parameters.h"
 
-#include <errno.h>
 #include <math.h>
 #include <opcflow/table.h>
 #include <stdlib.h>
@@ -66,30 +65,6 @@ static int read_cells(study *s, opc_error *error) {
   if (!code) code = build_cells(s, &n, error);
   eda_netlist_clear(&n);
   return code;
-}
-
-/* The cards' whole paths: the simulator stands elsewhere. */
-static int find_cards(study *s, opc_error *error) {
-  for (int i = 0; i < 2; i++) {
-    const char *name = i ? "pmos_models" : "models";
-    s->cards[i] = NULL;
-    if (!s->models[i]) continue;
-    char *path = realpath(s->models[i], NULL);
-    if (!path)
-      return opc_fail(error, OPC_IO, name, "cannot read '%s': %s", s->models[i],
-                      strerror(errno));
-    s->cards[i] = eda_pool_text(&s->pool, path, strlen(path));
-    free(path);
-    if (strpbrk(s->cards[i], "\"\n"))
-      return opc_fail(error, OPC_INVALID, name,
-                      "'%s': the simulator takes no such name of a file",
-                      s->models[i]);
-  }
-  for (int type = 0; type < 2 && s->dlc; type++)
-    if (eda_card_read(&s->pool, s->cards[type == EDA_PMOS && s->cards[1]],
-                      s->model[type], type, &s->card[type], error))
-      return error->code;
-  return OPC_OK;
 }
 
 /* ---- work: simulating ---- */
@@ -215,7 +190,8 @@ static int run(void *self, void **outputs, opc_error *error) {
   study *s = self;
   size_t kept = 0;
   s->simulated = 0;
-  int code = find_cards(s, error);
+  int code = eda_cards_read(&s->pool, s->models, s->model, s->dlc, s->cards,
+                            s->card, error);
   if (!code) code = read_cells(s, error);
   if (!code) code = simulate(s, &kept, error);
   if (!code) code = tell(s, kept, error);

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The pieces of timing.characterize. Times s, voltages V, capacitances F. */
-#ifndef OPCFLOW_TIMING_CHARACTERIZE_H
-#define OPCFLOW_TIMING_CHARACTERIZE_H
+#pragma once
 
 #include <eda/netlist.h>
 #include <eda/simulator.h>
@@ -149,5 +148,3 @@ void keep_save(const study *s, const char *key, const double *figure,
 /* ---- liberty.c ---- */
 
 int liberty_write(const study *s, const char *path, opc_error *error);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A library of cells whose delays are told by a formula, and a circuit of
    them. */
-#ifndef OPCFLOW_TIMING_LIBRARY_TEST_H
-#define OPCFLOW_TIMING_LIBRARY_TEST_H
+#pragma once
 
 #include <eda/circuit.h>
 #include <eda/timing.h>
@@ -140,5 +139,3 @@ static inline int run_paths(eda_timing *t, const char *ports,
   opc_test_module_free(m);
   return code;
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The pieces of timing.paths. Times s, capacitances F; in waves.c ps. */
-#ifndef OPCFLOW_TIMING_PATHS_H
-#define OPCFLOW_TIMING_PATHS_H
+#pragma once
 
 #include <eda/experiment.h>
 #include <opcflow/step.h>
@@ -139,5 +138,3 @@ int tell_events(const paths *p, opc_error *error);
 
 /* ---- referee.c ---- */
 int compare_with_spice(paths *p, opc_error *error);
-
-#endif

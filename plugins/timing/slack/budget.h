@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* How much longer each transistor of a circuit may be for the least leakage,
    so that no path takes longer than a limit. */
-#ifndef OPCFLOW_TIMING_SLACK_BUDGET_H
-#define OPCFLOW_TIMING_SLACK_BUDGET_H
+#pragma once
 
 #include "../graph.h"
 
@@ -69,5 +68,3 @@ int budget_spend(budget *b);
 /* Of each choice, the share of the input patterns at rest in which its
    transistors leak; to be freed. Asks `g`, `first` and `count` alone. */
 double *rest_shares(const budget *b);
-
-#endif

@@ -90,13 +90,13 @@ static int as_fraction(double v, int64_t *a, int64_t *b) {
   return 0;
 }
 
-static void begin(void *self, const eda_layout *layout, double unit) {
+static void cif_begin(void *self, const eda_layout *layout, double unit) {
   cif *w = self;
   w->layout = layout;
   w->calls = 0;
   w->changed = 0;
   if (!(unit < 1e9) || !as_fraction(unit / 10, &w->a, &w->b))
-    writer_fail(&w->w, "a unit of %.17g nm cannot be said in CIF", unit);
+    writer_fail(&w->w, "a unit of %.17g nm cannot be represented in CIF", unit);
 }
 
 /* ---- work: cells ---- */
@@ -153,7 +153,7 @@ static void put_text(void *self, eda_point at, const char *text) {
 
 /* ---- work: placements ---- */
 
-static void refuse(cif *w, const char *child, const char *what) {
+static void cif_refuse(cif *w, const char *child, const char *what) {
   writer_fail(&w->w, "'%.200s' in '%.200s': %s", child, w->w.cell, what);
 }
 
@@ -175,18 +175,19 @@ static void put_placement(void *self, int32_t child, const char *child_name,
   if (turns < 0) turns += 4;
   w->calls += (uint64_t)p->columns * p->rows;
   if (p->magnification != 1)
-    refuse(w, child_name, "CIF cannot magnify a cell");
+    cif_refuse(w, child_name, "CIF cannot magnify a cell");
   else if (turns != floor(turns))
-    refuse(w, child_name, "a cell can only be turned by right angles here");
+    cif_refuse(w, child_name,
+               "CIF output supports rotations by right angles only");
   else if (w->calls > MAX_CALLS || (uint64_t)p->columns * p->rows > MAX_CALLS)
-    refuse(w, child_name,
-           "CIF knows no arrays, and their members are too many");
+    cif_refuse(w, child_name,
+               "CIF knows no arrays, and their members are too many");
   for (uint32_t r = 0; r < p->rows && !w->w.failed; r++)
     for (uint32_t c = 0; c < p->columns && !w->w.failed; c++) {
       eda_point row, at;
       if (!writer_along(p->origin, r, p->row_step, &row) ||
           !writer_along(row, c, p->column_step, &at))
-        refuse(w, child_name, "the array leaves the range of coordinates");
+        cif_refuse(w, child_name, "the array leaves the range of coordinates");
       else
         put_call(w, child, p, (int)turns, at);
     }
@@ -213,14 +214,14 @@ static void put_tops(cif *w) {
   free(placed);
 }
 
-static void end(void *self) {
+static void cif_end(void *self) {
   cif *w = self;
   put_tops(w);
   fputs("E\n", w->w.file);
   if (w->changed)
     w->w.host->log(w->w.host, OPC_LOG_WARNING,
-                   "'%s': %zu texts have characters that CIF lacks, written "
-                   "as '_'",
+                   "'%s': characters of %zu texts are replaced by '_', because "
+                   "CIF lacks them",
                    w->w.path, w->changed);
 }
 
@@ -234,16 +235,16 @@ static const write_format format = {
     .most_points = SIZE_MAX,
     .name_layer = name_layer,
     .set_layer = set_layer,
-    .begin = begin,
+    .begin = cif_begin,
     .begin_cell = begin_cell,
     .polygon = put_polygon,
     .text = put_text,
     .placement = put_placement,
     .end_cell = end_cell,
-    .end = end,
+    .end = cif_end,
 };
 
-static int check(void *self, opc_error *error) {
+static int cif_check(void *self, opc_error *error) {
   return writer_check(self, &format, error);
 }
 
@@ -255,5 +256,5 @@ OPC_PLUGIN(cif, .id = "write.cif", .kind = "step", .version = "0.2.0",
            .licence = "BSD-3-Clause",
            .summary = "Write a layout or a mask as a CIF file",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), .check = check,
+           OPC_PARAMETERS(parameters), .check = cif_check,
            OPC_FUNCTIONS(functions));

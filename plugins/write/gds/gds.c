@@ -79,7 +79,7 @@ static int set_layer(void *self, const char *layer) {
   return eda_layer_number_read(layer, UINT16_MAX, &w->to, NULL);
 }
 
-static void begin(void *self, const eda_layout *layout, double unit) {
+static void gds_begin(void *self, const eda_layout *layout, double unit) {
   gds *w = self;
   (void)layout;
   put_u16(w, EDA_GDS_HEADER, EDA_GDS_INT2, 600);
@@ -121,7 +121,7 @@ static void put_text(void *self, eda_point at, const char *text) {
   put_empty(w, EDA_GDS_ENDEL);
 }
 
-static void beyond(gds *w, const char *child) {
+static void array_beyond(gds *w, const char *child) {
   writer_fail(&w->w, "an array of '%s' leaves the range of coordinates", child);
 }
 
@@ -132,7 +132,7 @@ static void put_array(gds *w, const char *child, const eda_placement *p,
   if (array &&
       (!writer_along(p->origin, p->columns, p->column_step, &corner[1]) ||
        !writer_along(p->origin, p->rows, p->row_step, &corner[2])))
-    beyond(w, child);
+    array_beyond(w, child);
   put_empty(w, array ? EDA_GDS_AREF : EDA_GDS_SREF);
   put_string(w, EDA_GDS_SNAME, child);
   if (p->mirror || p->magnification != 1 || p->angle != 0)
@@ -172,7 +172,7 @@ static void put_placement(void *self, int32_t number, const char *child,
       uint64_t columns = whole->columns - c, rows = whole->rows - r;
       if (!writer_along(whole->origin, r, whole->row_step, &row) ||
           !writer_along(row, c, whole->column_step, &p.origin))
-        beyond(w, child);
+        array_beyond(w, child);
       p.columns = columns > MAX_ARRAY ? MAX_ARRAY : (uint32_t)columns;
       p.rows = rows > MAX_ARRAY ? MAX_ARRAY : (uint32_t)rows;
       put_array(w, child, &p, name);
@@ -181,7 +181,7 @@ static void put_placement(void *self, int32_t number, const char *child,
 
 static void end_cell(void *self) { put_empty(self, EDA_GDS_ENDSTR); }
 
-static void end(void *self) { put_empty(self, EDA_GDS_ENDLIB); }
+static void gds_end(void *self) { put_empty(self, EDA_GDS_ENDLIB); }
 
 /* ---- parameters ---- */
 
@@ -193,16 +193,16 @@ static const write_format format = {
     .most_points = MAX_POINTS,
     .name_layer = writer_number_layer,
     .set_layer = set_layer,
-    .begin = begin,
+    .begin = gds_begin,
     .begin_cell = begin_cell,
     .polygon = put_polygon,
     .text = put_text,
     .placement = put_placement,
     .end_cell = end_cell,
-    .end = end,
+    .end = gds_end,
 };
 
-static int check(void *self, opc_error *error) {
+static int gds_check(void *self, opc_error *error) {
   return writer_check(self, &format, error);
 }
 
@@ -214,5 +214,5 @@ OPC_PLUGIN(gds, .id = "write.gds", .kind = "step", .version = "0.2.0",
            .licence = "BSD-3-Clause",
            .summary = "Write a layout or a mask as a GDSII file",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), .check = check,
+           OPC_PARAMETERS(parameters), .check = gds_check,
            OPC_FUNCTIONS(functions));

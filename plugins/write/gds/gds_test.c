@@ -390,8 +390,8 @@ static void test_more_layers(void) {
   opc_error e;
   g_assert_null(write_more("mask", mask, ", layers: { metal1: 9/0 }", &e));
   g_assert_cmpstr(e.message, ==,
-                  "'poly' and 'metal1' would both be layer 9/0; say which is "
-                  "which, as in { metal1: 9/0 }");
+                  "'poly' and 'metal1' would both be layer 9/0; set "
+                  "different ones, as in { metal1: 9/0 }");
   g_assert_null(
       write_more("mask", mask, ", layers: { metal2_drawn: 0011/00 }", &e));
   g_assert_nonnull(strstr(e.message, "'metal1' and 'metal2_drawn' would both"));

@@ -198,7 +198,7 @@ static int32_t fineness(const eda_gates *g) {
   return (int32_t)fmax(1, times);
 }
 
-static eda_layout *build(klayout *k, opc_error *error) {
+static eda_layout *sheet_build(klayout *k, opc_error *error) {
   const eda_gates *g = k->mask->gates;
   target t = {.times = fineness(g)};
   t.unit = g->grid / t.times;
@@ -235,7 +235,7 @@ int klayout_put_text(const klayout *k, const char *name, const GString *text,
 
 static int put_shapes_file(klayout *k, opc_error *error) {
   const char **names = eda_alloc(k->n_sheets, sizeof *names);
-  eda_layout *layout = build(k, error);
+  eda_layout *layout = sheet_build(k, error);
   for (size_t i = 0; i < k->n_sheets; i++)
     names[i] = k->sheets[i].empty ? NULL : k->sheets[i].name;
   k->file.w.layout = layout;
@@ -248,7 +248,7 @@ static int put_shapes_file(klayout *k, opc_error *error) {
   return code;
 }
 
-static int run(void *self, void **outputs, opc_error *error) {
+static int klayout_run(void *self, void **outputs, opc_error *error) {
   klayout *k = self;
   (void)outputs;
   list_sheets(k);
@@ -264,33 +264,33 @@ static int run(void *self, void **outputs, opc_error *error) {
 
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(klayout, mask, .type = OPC_INPUT, .flags = OPC_REQUIRED,
-                  .choices = "mask", .summary = "The mask to look at"),
+                  .choices = "mask", .summary = "Mask to inspect"),
     OPC_PARAMETER_NAMED("file", klayout, file.w.name, .type = OPC_OUTPUT,
                         .preset = "run.oas",
-                        .summary = "The shapes and prints, OASIS"),
+                        .summary = "OASIS file of shapes and printed contours"),
     OPC_PARAMETER_NAMED("style", klayout, style_name, .type = OPC_OUTPUT,
-                        .preset = "run.lyp", .summary = "How its layers look"),
+                        .preset = "run.lyp", .summary = "File of layer styles"),
     OPC_PARAMETER_NAMED("markers", klayout, markers_name, .type = OPC_OUTPUT,
                         .preset = "run.lyrdb",
-                        .summary = "What is worth a look, as markers"),
+                        .summary = "File of markers at the places to inspect"),
     OPC_PARAMETER(klayout, worst, .type = OPC_INT,
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "20", .min = 0,
                   .max = 10000,
-                  .summary = "Of each figure, how many of the worst "
-                             "transistors are marked"),
+                  .summary = "Number of transistors with the largest "
+                             "deviations marked for each figure"),
 };
 
-static int check(void *self, opc_error *error) {
+static int klayout_check(void *self, opc_error *error) {
   return writer_check(self, &oasis_stream, error);
 }
 
 /* ---- entry ---- */
 
-static const opc_step functions = {.run = run};
+static const opc_step functions = {.run = klayout_run};
 
-OPC_PLUGIN(klayout, .id = "write.klayout", .kind = "step", .version = "0.2.0",
-           .licence = "BSD-3-Clause",
-           .summary = "Write a mask, its prints and what is worst for KLayout",
-           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), .check = check,
-           OPC_FUNCTIONS(functions));
+OPC_PLUGIN(
+    klayout, .id = "write.klayout", .kind = "step", .version = "0.2.0",
+    .licence = "BSD-3-Clause",
+    .summary = "Write a mask, its printed contours and its faults for KLayout",
+    .flags = OPC_DETERMINISTIC | OPC_REENTRANT, OPC_PARAMETERS(parameters),
+    .check = klayout_check, OPC_FUNCTIONS(functions));

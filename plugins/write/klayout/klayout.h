@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Common header of the files of write.klayout. */
-#ifndef WRITE_KLAYOUT_H
-#define WRITE_KLAYOUT_H
+#pragma once
 
 #include "../oasis/stream.h"
 
@@ -38,5 +37,3 @@ int klayout_put_markers(const klayout *k, opc_error *error);
 /* Write a text as a file of the run folder. Return OPC_OK or an error. */
 int klayout_put_text(const klayout *k, const char *name, const GString *text,
                      opc_error *error);
-
-#endif

@@ -128,7 +128,7 @@ static char *ask_klayout(void) {
   return out;
 }
 
-/* ---- what is expected ---- */
+/* ---- expected content ---- */
 
 static double area_of(const eda_gates *g, const eda_shapes *s) {
   return (double)eda_area2(s) / 2 * g->grid * g->grid;

@@ -85,7 +85,7 @@ static void put_gate_name(GString *out, const eda_gates *g, size_t i) {
 
 /* ---- transistors ---- */
 
-static int fails(const eda_mask *m, size_t i) {
+static int gate_fails(const eda_mask *m, size_t i) {
   return eda_print_failed(m->flags[i]);
 }
 
@@ -96,8 +96,9 @@ static const struct {
     {"Ion", "worst Ion"}, {"Ioff", "worst Ioff"}, {"area", "worst area"}};
 enum { ION, IOFF, AREA, FIGURES };
 
-static double deviation(const eda_performance *p, const eda_performance *design,
-                        int figure, size_t i) {
+static double gate_deviation(const eda_performance *p,
+                             const eda_performance *design, int figure,
+                             size_t i) {
   const double *const of[] = {p->ion, p->ioff, p->area};
   const double *const want[] = {design->ion, design->ioff, design->area};
   return eda_deviation(of[figure][i], want[figure][i]);
@@ -106,8 +107,8 @@ static double deviation(const eda_performance *p, const eda_performance *design,
 static void put_figures(GString *out, const eda_mask *m, size_t i) {
   for (int k = 0; k < FIGURES; k++)
     put_value(out, "%s %+.3f %% (as drawn %+.3f %%)", figures[k].name,
-              deviation(&m->after, &m->design, k, i),
-              deviation(&m->before, &m->design, k, i));
+              gate_deviation(&m->after, &m->design, k, i),
+              gate_deviation(&m->before, &m->design, k, i));
 }
 
 typedef struct ranked {
@@ -127,8 +128,9 @@ static void put_worst(GString *out, const klayout *k, int figure) {
   size_t n = 0;
   ranked *all = eda_alloc(m->gates->count, sizeof *all);
   for (size_t i = 0; i < m->gates->count; i++)
-    if (!fails(m, i))
-      all[n++] = (ranked){fabs(deviation(&m->after, &m->design, figure, i)), i};
+    if (!gate_fails(m, i))
+      all[n++] =
+          (ranked){fabs(gate_deviation(&m->after, &m->design, figure, i)), i};
   qsort(all, n, sizeof *all, by_rank);
   for (size_t r = 0; r < n && (int64_t)r < k->worst; r++) {
     double box[4];
@@ -136,7 +138,7 @@ static void put_worst(GString *out, const klayout *k, int figure) {
     gate_box(m->gates, i, box);
     begin_item(out, k, figures[figure].category, NULL, box);
     put_value(out, "%s %+.3f %%", figures[figure].name,
-              deviation(&m->after, &m->design, figure, i));
+              gate_deviation(&m->after, &m->design, figure, i));
     put_gate_name(out, m->gates, i);
     put_figures(out, m, i);
     end_item(out);
@@ -148,7 +150,7 @@ static void put_failing(GString *out, const klayout *k) {
   const eda_mask *m = k->mask;
   for (size_t i = 0; i < m->gates->count; i++) {
     double box[4];
-    if (!fails(m, i)) continue;
+    if (!gate_fails(m, i)) continue;
     gate_box(m->gates, i, box);
     begin_item(out, k, "does not print", NULL, box);
     put_gate_name(out, m->gates, i);

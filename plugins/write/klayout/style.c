@@ -24,7 +24,9 @@ static eda_colour colour_of(const klayout *k, const sheet *s) {
   return eda_layer_contour(s->layer);
 }
 
-static unsigned byte(double part) { return (unsigned)(part * 255 + 0.5); }
+static unsigned colour_byte(double part) {
+  return (unsigned)(part * 255 + 0.5);
+}
 
 static void put_look(GString *out, int group, eda_colour c) {
   g_string_append_printf(out,
@@ -41,8 +43,9 @@ static void put_look(GString *out, int group, eda_colour c) {
                          "<marked>false</marked>\n"
                          "<xfill>false</xfill>\n"
                          "<animation>0</animation>\n",
-                         byte(c.r), byte(c.g), byte(c.b), byte(c.r), byte(c.g),
-                         byte(c.b), groups[group].dither, groups[group].line,
+                         colour_byte(c.r), colour_byte(c.g), colour_byte(c.b),
+                         colour_byte(c.r), colour_byte(c.g), colour_byte(c.b),
+                         groups[group].dither, groups[group].line,
                          groups[group].width);
 }
 
@@ -56,7 +59,7 @@ static void put_sheet(GString *out, const klayout *k, const sheet *s) {
                          name, s->number);
 }
 
-static int shown(const sheet *s, int group) {
+static int group_is_shown(const sheet *s, int group) {
   return s->group == group && !s->empty;
 }
 
@@ -81,11 +84,13 @@ int klayout_put_style(const klayout *k, opc_error *error) {
       "<layer-properties>\n");
   for (int group = 0; group < GROUPS; group++) {
     int any = 0;
-    for (size_t i = 0; i < k->n_sheets; i++) any |= shown(&k->sheets[i], group);
+    for (size_t i = 0; i < k->n_sheets; i++)
+      any |= group_is_shown(&k->sheets[i], group);
     if (!any) continue;
     begin_group(out, group);
     for (size_t i = 0; i < k->n_sheets; i++)
-      if (shown(&k->sheets[i], group)) put_sheet(out, k, &k->sheets[i]);
+      if (group_is_shown(&k->sheets[i], group))
+        put_sheet(out, k, &k->sheets[i]);
     g_string_append(out, "</properties>\n");
   }
   g_string_append(out, "<name/>\n</layer-properties>\n");

@@ -7,7 +7,7 @@
 static const opc_parameter parameters[] =
     WRITE_PARAMETERS(oasis, "mask.oas", "Numbers for layers: { poly: 9/0 }");
 
-static int check(void *self, opc_error *error) {
+static int oasis_check(void *self, opc_error *error) {
   return writer_check(self, &oasis_stream, error);
 }
 
@@ -19,5 +19,5 @@ OPC_PLUGIN(oasis, .id = "write.oasis", .kind = "step", .version = "0.2.0",
            .licence = "BSD-3-Clause",
            .summary = "Write a layout or a mask as an OASIS file",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), .check = check,
+           OPC_PARAMETERS(parameters), .check = oasis_check,
            OPC_FUNCTIONS(functions));

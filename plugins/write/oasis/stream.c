@@ -45,7 +45,7 @@ static int set_layer(void *self, const char *layer) {
   return eda_layer_number_read(layer, UINT32_MAX, &w->layer, NULL);
 }
 
-static void begin(void *self, const eda_layout *layout, double unit) {
+static void oasis_begin(void *self, const eda_layout *layout, double unit) {
   oasis *w = self;
   w->layout = layout;
   w->n_places = layout ? eda_layout_cells(layout) : 1;
@@ -233,7 +233,7 @@ static void put_end(oasis *w, const uint64_t places[EDA_OASIS_TABLES]) {
   eda_oasis_end_plain(out);
 }
 
-static void end(void *self) {
+static void oasis_end(void *self) {
   oasis *w = self;
   uint64_t places[EDA_OASIS_TABLES] = {0}, from = eda_oasis_place(w->out);
   put_cell_names(w);
@@ -256,7 +256,7 @@ static void end(void *self) {
   put_end(w, places);
 }
 
-static void clear(void *self) {
+static void oasis_clear(void *self) {
   oasis *w = self;
   g_clear_pointer(&w->out, eda_oasis_free);
   strings_clear(&w->texts);
@@ -271,12 +271,12 @@ const write_format oasis_stream = {
     .most_points = MAX_POINTS,
     .name_layer = writer_number_layer,
     .set_layer = set_layer,
-    .begin = begin,
+    .begin = oasis_begin,
     .begin_cell = begin_cell,
     .polygon = put_polygon,
     .text = put_text,
     .placement = put_placement,
     .end_cell = end_cell,
-    .end = end,
-    .clear = clear,
+    .end = oasis_end,
+    .clear = oasis_clear,
 };

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* OASIS files as a format of ../writer.h; compiled into each plugin that writes
    them. */
-#ifndef OPCFLOW_WRITE_STREAM_H
-#define OPCFLOW_WRITE_STREAM_H
+#pragma once
 
 #include <eda/oasis.h>
 #include <glib.h>
@@ -30,5 +29,3 @@ typedef struct oasis {
 
 /* Format of writers whose instance begins with an `oasis`. */
 extern const write_format oasis_stream;
-
-#endif

@@ -97,19 +97,10 @@ static void cut_gate(cutter *c, size_t i) {
   eda_gates *to = c->out;
   size_t k = (size_t)c->number[i];
   to->box[k] = moved_box(c, from->box[i]);
-  to->type[k] = from->type[i];
-  to->axis[k] = from->axis[i];
-  to->length[k] = from->length[i];
-  to->width[k] = from->width[i];
-  for (size_t side = 0; side < 2; side++) {
-    to->space[2 * k + side] = from->space[2 * i + side];
-    to->extension[2 * k + side] = from->extension[2 * i + side];
-  }
+  eda_gates_copy(to, k, from, i);
   to->instance[k] = eda_gates_text(to, "");
   to->cell[k] = eda_gates_text(to, to->name);
   to->number[k] = from->number[i];
-  eda_gates_take_goal(to, k, from, i);
-  eda_gates_take_flavour(to, k, from, i);
 }
 
 static eda_gates *cutter_run(cutter *c, const char *name, size_t count) {

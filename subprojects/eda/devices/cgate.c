@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The capacitance of a gate from a table. Area and edges make it: it goes as a
-   straight line with W and, where the model is one, with L. */
+/* Gate capacitance from a table. Area and edges contribute, so the capacitance
+   is linear in W and, if the model is, in L. */
 #include <eda/devices.h>
 #include <math.h>
 
-/* Of a width of the table, F, at a part of the way from a length to the next.
- */
+/* Return the capacitance at a width of the table, F, interpolated between two
+   lengths. */
 static double of_row(const eda_devices *d, int type, size_t row, size_t low,
                      double part) {
   int wide = row == d->narrow;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Interpolated currents of a device table, what they are beyond its ends, and
-   the way back to a length. */
+/* Interpolated currents of a device table, their extrapolation, and the inverse
+   from current to length. */
 #include <eda/curves.h>
 #include <eda/memory.h>
 #include <gsl/gsl_errno.h>
@@ -12,53 +12,56 @@
 
 enum { MOST_STEPS = 1 << 16, MOST_TRIES = 60 };
 static const double finest = 1.0 / 32; /* nm */
-/* Of narrow transistors, there being many widths: steps of the logarithm, which
-   bends less, and only so many from the shortest length on. */
+/* Steps of the logarithm for narrow transistors, which have many widths but
+   smoother curves; only this number from the shortest length on. */
 enum { NARROW_STEPS = 1 << 13 };
 static const double narrow_finest = 1.0 / 8; /* nm */
-/* Where a current does not fall towards an end of the table it goes on with
-   this, so that longer is still told from shorter: 1/nm. */
+/* Smallest slope of an extrapolation whose current does not fall towards the
+   end of the table, so that lengths remain distinguishable: 1/nm. */
 static const double least_slope = 1e-4;
 
-/* How far a table goes on: these parts of its ends' lengths, below which no
-   print is a gate and above which none is of this one; and this much of the
-   logarithm, so that no sum overflows, whatever the slope. */
+/* Limits of extrapolation: fractions of the shortest and longest length, beyond
+   which no image is a gate of this table; and the largest change of the
+   logarithm, which prevents overflow of sums for any slope. */
 static const double least_part = 0.25, most_part = 4, most_change = 20;
-/* The slope there: within this factor of the mean over that part of the
-   lengths. Ends of tables from PTM and FreePDK45 cards are at 0.65 to 1.4 of
-   it, but for Ioff where the channel is nearly gone, at 0.3. */
+/* Slope of an extrapolation: within this factor of the mean slope over the
+   outermost part of the lengths. In tables from PTM and FreePDK45 cards, the
+   last step has 0.65 to 1.4 of the mean; Ioff with a nearly vanished channel
+   has 0.3. */
 static const double freedom = 2, outermost = 0.1;
 
 enum { LOW, HIGH };
 
-/* Beyond an end of the table. */
+/* Extrapolation beyond an end of the table. */
 typedef struct beyond {
-  double length, logarithm; /* of the end */
+  double length, logarithm; /* at the end of the table */
   double slope;             /* of the logarithm, 1/nm, below 0 */
-  double last;              /* the last length it goes on to */
+  double last;              /* last extrapolated length */
 } beyond;
 
-/* [type * EDA_CURRENTS + current], the widest transistors' first, then those of
-   the narrower ones. */
+/* [type * EDA_CURRENTS + current]: curves of the widest transistors, followed
+   by those of narrower ones. */
 struct eda_curve {
-  double *logarithm; /* of the currents at the table's lengths */
+  double *logarithm; /* of the currents at the lengths of the table */
   gsl_interp *spline;
   beyond beyond[2];
-  int falls;         /* with every length: it tells one */
-  double *quick;     /* of a narrow one: the logarithm at even steps */
-  double least_part; /* of a wide one's current per width */
+  int falls;         /* falls with length, so that the inverse is unique */
+  double *quick;     /* narrow width: the logarithm at even steps */
+  double least_part; /* smallest current per width, widest transistors */
 };
 
-enum { CURVES = 2 * EDA_CURRENTS }; /* of a width */
+enum { CURVES = 2 * EDA_CURRENTS }; /* curves of each width */
 
-/* Curves of the table's width number i; those of the widest one are first. */
+/* Return the curves of width number i of the table; those of the widest one
+   come first. */
 static const struct eda_curve *of_width(const eda_curves *c, size_t i, int type,
                                         int k) {
   size_t at = i < c->devices->narrow ? i + 1 : 0;
   return &c->exact[at * CURVES + (size_t)(type * EDA_CURRENTS + k)];
 }
 
-/* Between the end and the first length that is a tenth of all away. */
+/* Return the mean slope between the end and the first length at least a tenth
+   of the range away. */
 static double mean_slope(const eda_devices *d, const double *y, int side) {
   size_t last = d->count - 1, end = side ? last : 0, i = end;
   double range = d->length[last] - d->length[0];
@@ -96,7 +99,7 @@ double eda_curves_at(const eda_curves *c, int type, int k, double length) {
   return value_at(c, &c->exact[type * EDA_CURRENTS + k], length);
 }
 
-/* " of 420 nm" in a table of several widths. */
+/* " of 420 nm" for a table of several widths. */
 typedef struct width_text {
   char text[48];
 } width_text;
@@ -145,7 +148,7 @@ static int add_curve(eda_curves *c, int type, int k, const char *path,
   return code;
 }
 
-/* That of the narrow width number n. */
+/* Add a curve of narrow width number n. */
 static int add_narrow(eda_curves *c, size_t n, int type, int k,
                       const char *path, opc_error *error) {
   const eda_devices *d = c->devices;
@@ -167,7 +170,7 @@ static int add_narrow(eda_curves *c, size_t n, int type, int k,
   return OPC_OK;
 }
 
-/* All of one table. */
+/* Make all curves of a table. */
 static int make_curves(eda_curves *c, const char *path, opc_error *error) {
   const eda_devices *d = c->devices;
   unsigned least = gsl_interp_type_min_size(gsl_interp_steffen);
@@ -180,7 +183,7 @@ static int make_curves(eda_curves *c, const char *path, opc_error *error) {
   c->per_nm = (double)c->steps / range;
   c->exact = eda_alloc((d->narrow + 1) * CURVES, sizeof *c->exact);
   for (int type = 0; type < 2; type++) {
-    /* One step more: of it the last one takes nothing. */
+    /* One more step, which the last one reads with the factor 0. */
     c->quick[type] = eda_alloc(EDA_CURRENTS * (c->steps + 2), sizeof(double));
     for (int k = 0; k < EDA_CURRENTS; k++) {
       int code = add_curve(c, type, k, path, error);
@@ -194,7 +197,7 @@ static int make_curves(eda_curves *c, const char *path, opc_error *error) {
 
 int eda_curves_read(eda_curves *c, const char *path, opc_error *error) {
   if (c->devices) return OPC_OK;
-  gsl_set_error_handler_off(); /* its default aborts */
+  gsl_set_error_handler_off(); /* the default handler aborts */
   c->devices = eda_devices_read(path, error);
   if (!c->devices) return error->code;
   int code = make_curves(c, path, error);
@@ -347,7 +350,8 @@ double eda_curves_least_share(const eda_curves *c, int type, int k,
   return low->least_part + w->part * (to - low->least_part);
 }
 
-/* Where a curve that falls, between two lengths, has that value. */
+/* Return the length between two lengths at which a falling curve has a
+   value. */
 static double crossing(const eda_curves *c, int type, int k, double logarithm,
                        const eda_curves_width *w, double low, double high) {
   double sign = eda_curves_narrow_at(c, type, k, low, w) > logarithm ? 1 : -1;
@@ -362,10 +366,10 @@ static double crossing(const eda_curves *c, int type, int k, double logarithm,
   return (low + high) / 2;
 }
 
-/* Step by step away from a length, until the current is passed. */
+/* Search step by step from a length for the nearest length with the current. */
 static double nearest(const eda_curves *c, int type, int k, double logarithm,
                       const eda_curves_width *w, double near) {
-  const double step = 1, most = 200; /* nm; further off it says nothing */
+  const double step = 1, most = 200; /* nm; larger distances are meaningless */
   int is_more = eda_curves_narrow_at(c, type, k, near, w) > logarithm;
   for (double far = step; far <= most; far += step)
     for (int side = -1; side < 2; side += 2) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Curves of a table whose currents are exponentials: what is interpolated, the
-   way back to a length, and tables that tell none. */
+/* Curves of a table with exponential currents: interpolation, inverse, and
+   tables without a unique inverse. */
 #include <eda/curves.h>
 #include <glib/gstdio.h>
 #include <math.h>
@@ -8,7 +8,8 @@
 
 static char *folder;
 
-/* ion 1e-3 * 2^(-L/50) A and ioff 1e-6 * 2^(-L/5) A, of 1 nm of width. */
+/* Read a table with ion 1e-3 * 2^(-L/50) A and ioff 1e-6 * 2^(-L/5) A for 1 nm
+   of width. */
 static int read_table(int lengths, double first, double last, eda_curves *c,
                       opc_error *error) {
   g_autoptr(GString) length = g_string_new("length: { unit: nm, values: [");
@@ -60,8 +61,9 @@ static void same(double a, double b, double within) {
   if (!(fabs(a - b) <= within)) g_error("%.12g is not %.12g", a, b);
 }
 
-/* Exponentials go on as they are, and back to their lengths: down to a quarter
-   of the shortest and up to four times the longest, or over e^20. */
+/* Exponentials are extrapolated exactly, and so is the inverse: down to a
+   quarter of the shortest length, up to four times the longest, or over a
+   factor of e^20. */
 static void test_beyond(void) {
   static const double last[EDA_CURRENTS] = {320, 80 + 20 * 5 / M_LN2};
   static const double fall[EDA_CURRENTS] = {50, 5}, unit[] = {1e-3, 1e-6};
@@ -87,8 +89,8 @@ static void test_beyond(void) {
   eda_curves_clear(&c);
 }
 
-/* The slope of log Ion beyond an end of a table of 41 lengths, whose step there
-   is made that much smaller, in logarithms; over that of the others. */
+/* Return the slope of log Ion beyond an end of a table of 41 lengths whose last
+   step is reduced by `smaller` in logarithms; relative to the other steps. */
 static double slope_beyond(int high, double smaller) {
   eda_curves c = {0};
   opc_error error;
@@ -102,8 +104,8 @@ static double slope_beyond(int high, double smaller) {
   return (at[1] - at[0]) / (out - end) / (-M_LN2 / 50);
 }
 
-/* The last step of the table gives the slope, but no less than half and no more
-   than twice the mean of its outermost tenth, which is four steps. */
+/* The last step of the table determines the slope, within half and twice the
+   mean of the outermost tenth, which is four steps. */
 static void test_rough_end(void) {
   const double step = 2 * M_LN2 / 50;
   for (int high = 0; high < 2; high++) {
@@ -115,7 +117,7 @@ static void test_rough_end(void) {
   }
 }
 
-/* Of three widths, each with exp(b / W) more by width than ion and ioff above;
+/* Three widths, with an additional factor exp(b / W) in the current per width;
    Ioff of the p-transistor rises with length. */
 static const double part[EDA_CURRENTS] = {-40, 90}; /* b, nm */
 
@@ -169,7 +171,7 @@ static void test_widths(void) {
           double want = made_up(t, k, l, width);
           same(eda_curves_narrow_at(&c, t, k, l, &w), want, 1e-9);
           same(log(quick[k]), want, 1e-5);
-          /* From 5 nm off, also where the current rises. */
+          /* From a distance of 5 nm, also where the current rises. */
           same(eda_curves_narrow_length(&c, t, k, want, &w, l + 5), l, 1e-6);
         }
       }
@@ -177,7 +179,7 @@ static void test_widths(void) {
     same(eda_curves_least_share(&c, 0, EDA_ION, &w), least, 2e-2);
     same(eda_curves_least_share(&c, 0, EDA_IOFF, &w), 1, 1e-12);
   }
-  /* Narrower and wider ones have what is nearest. */
+  /* Smaller and larger widths use the nearest width. */
   eda_curves_width w = eda_curves_among(&c, 90);
   same(eda_curves_narrow_at(&c, 0, 0, 55, &w), made_up(0, 0, 55, 200), 1e-9);
   w = eda_curves_among(&c, 5001);

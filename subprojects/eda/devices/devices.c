@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Reading device tables, which docs/reference/devices.md describes. All faults
-   of a file are found; the first one is told, and how many more there are. */
+/* Reader of device tables, described in docs/reference/devices.md. All faults
+   of a file are collected; the message has the first one and the number of
+   others. */
 #include <eda/devices.h>
 #include <eda/memory.h>
 #include <eda/words.h>
@@ -14,12 +15,12 @@
 enum { LARGEST_FILE = 16 << 20 /* bytes */ };
 
 typedef struct reader {
-  eda_devices *devices; /* the table that is being read */
-  eda_devices *first;   /* of the file */
+  eda_devices *devices; /* current table */
+  eda_devices *first;   /* first table of the file */
   yaml_document_t document;
-  GRegex *number; /* number, its exponent, and a unit */
+  GRegex *number; /* matches a number, its exponent, and a unit */
   unsigned faults;
-  yaml_mark_t at; /* of the first one in the file */
+  yaml_mark_t at; /* place of the first fault in the file */
   char *fault;
 } reader;
 
@@ -42,7 +43,7 @@ static gboolean wrong(reader *r, const yaml_mark_t *at, const char *format,
   return FALSE;
 }
 
-/* The code, and what there is to tell. */
+/* Return the code and fill the error with the collected faults. */
 static int settle(reader *r, const char *path, opc_error *error) {
   if (!r->faults) return OPC_OK;
   char more[32] = "";
@@ -52,7 +53,7 @@ static int settle(reader *r, const char *path, opc_error *error) {
                   r->at.line + 1, r->at.column + 1, r->fault, more);
 }
 
-/* ", did you mean '...'?" of a word near by, or nothing. */
+/* Return ", did you mean '...'?" for a similar word, or "". */
 static char *suggestion(const char *word, const char *const *known) {
   const char *best = eda_nearest(word, known);
   return best ? g_strdup_printf(", did you mean '%s'?", best) : g_strdup("");
@@ -74,7 +75,7 @@ static const char *noun(const yaml_node_t *node) {
                                             : "a text";
 }
 
-/* The value of a key, NULL if the map has none. */
+/* Return the value of a key, NULL if the map lacks the key. */
 static yaml_node_t *look_up(reader *r, const yaml_node_t *map,
                             const char *key) {
   const yaml_node_pair_t *pair = map->data.mapping.pairs.start;
@@ -86,8 +87,7 @@ static yaml_node_t *look_up(reader *r, const yaml_node_t *map,
   return NULL;
 }
 
-/* Complain about keys that stand twice or that `known` (NULL-terminated) does
-   not have. */
+/* Report duplicate keys, and keys missing in `known` (NULL-terminated). */
 static void check_keys(reader *r, const yaml_node_t *map,
                        const char *const *known) {
   g_autoptr(GHashTable) seen = g_hash_table_new(g_str_hash, g_str_equal);
@@ -110,7 +110,8 @@ static void check_keys(reader *r, const yaml_node_t *map,
   }
 }
 
-/* The map `key` of `parent` with the keys `known`, NULL and a fault. */
+/* Return the map `key` of `parent` with the keys `known`; NULL and a fault on
+   failure. */
 static const yaml_node_t *get_map(reader *r, const yaml_node_t *parent,
                                   const char *key, const char *const *known) {
   const yaml_node_t *node = look_up(r, parent, key);
@@ -123,8 +124,8 @@ static const yaml_node_t *get_map(reader *r, const yaml_node_t *parent,
   return NULL;
 }
 
-/* Whether a value is there and a text, of what should be `wanted` and the
-   `rest` of its name. */
+/* Return whether a value exists and is a text; `wanted` and `rest` form the
+   noun for the fault. */
 static gboolean is_text(reader *r, const yaml_node_t *node, const char *key,
                         const char *wanted, const char *rest) {
   if (node->type != YAML_SCALAR_NODE)
@@ -139,7 +140,7 @@ static gboolean is_text(reader *r, const yaml_node_t *node, const char *key,
 
 typedef struct unit {
   const char *name, *noun;
-  int exponent; /* of ten, against the unit that is stored */
+  int exponent; /* power of ten relative to the stored unit */
 } unit;
 
 static const char length[] = "a length", voltage[] = "a voltage",
@@ -165,7 +166,8 @@ static const unit *find_unit(const char *name) {
   return NULL;
 }
 
-/* The unit of a text that is to have one as `wanted`; NULL and a fault. */
+/* Return the unit of a text, of the dimension of `wanted`; NULL and a fault on
+   failure. */
 static const unit *check_unit(reader *r, const yaml_mark_t *at, const char *key,
                               const char *text, const char *number,
                               const char *name, const unit *wanted) {
@@ -185,9 +187,8 @@ static const unit *check_unit(reader *r, const yaml_mark_t *at, const char *key,
   return NULL;
 }
 
-/* A number with its unit, or with the unit `given` to all of a column, in the
-   unit called `in`. Powers of ten are part of the number before it is rounded.
- */
+/* Read a number with its own unit, or with the unit `given` for a column, and
+   convert to the unit named `in`. Powers of ten are applied before rounding. */
 static gboolean read_number(reader *r, const yaml_node_t *node, const char *key,
                             const char *given, const char *in,
                             gboolean positive, double *out) {
@@ -217,7 +218,7 @@ static gboolean read_number(reader *r, const yaml_node_t *node, const char *key,
   return TRUE;
 }
 
-/* The items of a list, above 0, to *out, which is moved on. */
+/* Read the items of a list, each above 0, to *out, and advance *out. */
 static gboolean read_items(reader *r, const yaml_node_t *list, const char *key,
                            const char *given, const char *in, double **out) {
   const yaml_node_item_t *item = list->data.sequence.items.start;
@@ -236,8 +237,8 @@ static gboolean is_list(const yaml_node_t *node) {
   return node && node->type == YAML_SEQUENCE_NODE;
 }
 
-/* `{ unit: nm, values: [...] }`: the list of its values and their unit; NULL
-   and a fault. */
+/* Return the list of values of `{ unit: nm, values: [...] }` and its unit; NULL
+   and a fault on failure. */
 static const yaml_node_t *get_list(reader *r, const yaml_node_t *parent,
                                    const char *key, const char *in,
                                    const char **given) {
@@ -255,8 +256,9 @@ static const yaml_node_t *get_list(reader *r, const yaml_node_t *parent,
   return NULL;
 }
 
-/* Its values in the unit `in`, each above 0; NULL and a fault. The numbers get
-   the unit of the column before they are read. */
+/* Return the values of a column in the unit `in`, each above 0; NULL and a
+   fault on failure. The unit of the column is appended to each number before
+   parsing. */
 static double *get_column(reader *r, const yaml_node_t *parent, const char *key,
                           const char *in, size_t *count) {
   const char *given;
@@ -269,7 +271,7 @@ static double *get_column(reader *r, const yaml_node_t *parent, const char *key,
   return NULL;
 }
 
-/* Such a list of lists, one a row, of `columns` each. */
+/* Return the values of a list of rows, each with `columns` numbers. */
 static double *get_rows(reader *r, const yaml_node_t *parent, const char *key,
                         const char *in, size_t rows, size_t columns) {
   const char *given;
@@ -298,7 +300,7 @@ static double *get_rows(reader *r, const yaml_node_t *parent, const char *key,
 
 /* ---- the table ---- */
 
-/* Whether the values of a column rise; `what` they are. */
+/* Check that the values of a column rise; `what` names them in the fault. */
 static void check_rise(reader *r, const yaml_node_t *root, const char *key,
                        const char *what, const double *x, size_t n) {
   const yaml_node_t *list = look_up(r, look_up(r, root, key), "values");
@@ -321,7 +323,7 @@ static void read_lengths(reader *r, const yaml_node_t *root) {
   d->length = lengths;
 }
 
-/* One width, or several, of which the last is the wide one. */
+/* Read the widths; the last one is the wide one. */
 static void read_widths(reader *r, const yaml_node_t *root) {
   eda_devices *d = r->devices;
   const yaml_node_t *node = look_up(r, root, "width");
@@ -342,7 +344,7 @@ static void read_widths(reader *r, const yaml_node_t *root) {
   d->narrow_width = widths;
 }
 
-/* A quantity of one type, in the unit `in`, at all lengths. */
+/* Return a quantity of one type, in the unit `in`, at all lengths. */
 static double *read_row(reader *r, const yaml_node_t *map, const char *key,
                         const char *in) {
   const eda_devices *d = r->devices;
@@ -355,11 +357,12 @@ static double *read_row(reader *r, const yaml_node_t *map, const char *key,
   return row;
 }
 
-/* The same at all lengths and widths: the narrow ones, and the wide one. */
+/* Return a quantity at all lengths for the wide width, and write those of the
+   narrow widths. */
 static double *read_rows(reader *r, const yaml_node_t *map, const char *key,
                          const char *in, double **narrow) {
   const eda_devices *d = r->devices;
-  if (!d->length) return NULL; /* that is told already */
+  if (!d->length) return NULL; /* already reported */
   double *all = get_rows(r, map, key, in, d->narrow + 1, d->count);
   if (!all) return NULL;
   double *wide = eda_alloc(d->count, sizeof *wide);
@@ -371,7 +374,7 @@ static double *read_rows(reader *r, const yaml_node_t *map, const char *key,
   return wide;
 }
 
-/* What is told of one type, per width. */
+/* Read all quantities of one type, per width. */
 static void read_type(reader *r, const yaml_node_t *root, const char *key,
                       int type) {
   static const char *const known[] = {"ion", "ioff", "cgate", NULL};
@@ -388,8 +391,8 @@ static void read_type(reader *r, const yaml_node_t *root, const char *key,
   }
 }
 
-/* Columns that stand in each other's place: what is off carries less than what
-   is on, but for lengths that are far too short. */
+/* Check for exchanged columns: the off-current is less than the on-current,
+   except for much too short lengths. */
 static void check_currents(reader *r, const yaml_node_t *root, const char *key,
                            int type) {
   const eda_devices *d = r->devices;
@@ -413,7 +416,7 @@ static void read_version(reader *r, const yaml_node_t *node, const char *key) {
           strtoll(text, NULL, 10) < 1 ? "least" : "most", text);
 }
 
-/* The tables after the first say whose they are. */
+/* Check that tables after the first one name their flavour. */
 static void check_flavour(reader *r, const yaml_node_t *root) {
   const eda_devices *d = r->devices, *other = r->first;
   const yaml_node_t *node = look_up(r, root, "flavour");
@@ -428,15 +431,15 @@ static void check_flavour(reader *r, const yaml_node_t *root) {
       wrong(r, &node->start_mark, "a second table of flavour '%s'", d->flavour);
 }
 
-/* What is not a column. */
+/* Read everything except columns. */
 static void read_head(reader *r, const yaml_node_t *root) {
   eda_devices *d = r->devices;
   double ignored;
   const struct {
     const char *key;
-    char **text; /* where the text goes; NULL: nowhere, */
+    char **text; /* receives a text; NULL: none */
     const char *unit;
-    double *number; /* or the number in this unit */
+    double *number; /* or receives a number in this unit */
     gboolean optional;
   } entries[] = {
       {"name", .text = &d->name},
@@ -492,8 +495,8 @@ static void read_table(reader *r, const yaml_node_t *root) {
 
 /* ---- the file ---- */
 
-/* Where the parser stopped. For bytes that are no text it knows how many came
-   before them, and no line. */
+/* Return where the parser stopped. For invalid bytes the parser knows the
+   offset, but no line. */
 static yaml_mark_t place(const yaml_parser_t *parser, const char *text) {
   yaml_mark_t at = parser->problem_mark;
   if (parser->error != YAML_READER_ERROR) return at;
@@ -505,7 +508,8 @@ static yaml_mark_t place(const yaml_parser_t *parser, const char *text) {
   return at;
 }
 
-/* One document of the file: TRUE, and its root or NULL at the end. */
+/* Read the next document of the file. Return TRUE and its root, or NULL at the
+   end. */
 static gboolean next_document(reader *r, yaml_parser_t *parser,
                               const char *text, const yaml_node_t **root) {
   if (yaml_parser_load(parser, &r->document)) {

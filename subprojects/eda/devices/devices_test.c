@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Device tables that are good, and the faults of others. */
+/* Valid device tables, and the faults of invalid ones. */
 #include <eda/devices.h>
 #include <glib/gstdio.h>
 #include <math.h>
@@ -63,7 +63,7 @@ static void test_widths(void) {
   eda_devices_free(d);
 }
 
-/* A table with one text replaced by another; `*` in what is expected is
+/* Check the fault of a table with one text replaced; `*` in `expected` matches
    anything. */
 static void check_fault_of(const char *table, const char *old, const char *new,
                            const char *expected) {
@@ -137,7 +137,8 @@ static void test_faults(void) {
 
 /* ---- capacitance of the gate ---- */
 
-/* (area L + 2 edge) W + 2 end L + 4 corner, which is linear in each. */
+/* Return (area L + 2 edge) W + 2 end L + 4 corner, which is linear in L and in
+   W. */
 static double made_up(int type, double length, double width) {
   double area = type ? 1.3e-20 : 1.1e-20; /* F/nm2 */
   return (area * length + 3e-19) * width + 7e-20 * length + 5e-18;
@@ -160,7 +161,7 @@ static void put_made_up(GString *out, int type, size_t widths,
 
 enum { N = 1, P = 2 };
 
-/* The table `text` with such capacitances, of N, P or both. */
+/* Return the table `text` with capacitances of that form, for N, P or both. */
 static char *with_cgate(const char *text, int types, size_t widths,
                         const double *width, size_t lengths,
                         const double *length) {
@@ -197,7 +198,7 @@ static void test_cgate(void) {
       for (size_t w = 0; w < G_N_ELEMENTS(widths); w++)
         check_made_up(d, type, lengths[l], widths[w],
                       made_up(type, lengths[l], widths[w]));
-      /* Wider than the widest: by width. */
+      /* Above the largest width: proportional to width. */
       check_made_up(d, type, lengths[l], 3e4,
                     3 * made_up(type, lengths[l], 1e4));
     }
@@ -224,7 +225,7 @@ static void test_cgate_one_width(void) {
   eda_devices_free(d);
 }
 
-/* Bent ones: it is the nodes around that count. fF. */
+/* Nonlinear capacitances: only adjacent nodes matter. fF. */
 static void test_cgate_bent(void) {
   static const char lines[] =
       "  cgate: { unit: fF, values: [[1, 2], [3, 5], [40, 60]] }\n";

@@ -2,13 +2,12 @@
 /* Charts: axes with round numbers and units, lines, dots, bands and fields of
    colour.
 
-   Our own, though gnuplot 5.4 draws lines as well as this (Debian's
-   gnuplot-nox: 3.5 MB and four packages beside ours; PLplot: 54 packages).
-   Pictures of layouts need cairo, this paper, its text and its legends in any
-   case; upon these, all charts are the 300 lines below. A program would want
-   scripts and a process in their place and 0.05 s for a picture (this: 0.03 s),
-   and its .pdf files tell the time, so that equal pictures are not equal files.
- */
+   gnuplot 5.4 would draw lines of equal quality (gnuplot-nox of Debian: 3.5 MB
+   and four more packages; PLplot: 54 packages). Pictures of layouts need cairo,
+   paper, text and legends in any case, on which all charts take only the 300
+   lines below. An external program would need scripts and a process, 0.05 s for
+   each picture (here 0.03 s), and writes the time into .pdf files, so that
+   equal pictures are not equal files. */
 #include <eda/drawing.h>
 #include <math.h>
 
@@ -19,7 +18,7 @@ enum { TICKS = 24 };
 void eda_axis_fit(eda_axis *a, const double *value, size_t n) {
   a->low = INFINITY, a->high = -INFINITY;
   for (size_t i = 0; i < n; i++) {
-    a->low = fmin(a->low, value[i]); /* not if it is NAN */
+    a->low = fmin(a->low, value[i]); /* ignores NAN */
     a->high = fmax(a->high, value[i]);
   }
 }
@@ -55,7 +54,8 @@ double eda_chart_y(const eda_chart *c, double y) {
 
 /* ---- numbers on axes ---- */
 
-/* At steps of 1, 2 or 5 times a power of ten, about a sixth of the range. */
+/* Compute ticks in steps of 1, 2 or 5 times a power of ten, about a sixth of
+   the range. Return their number. */
 static size_t even_ticks(const eda_axis *a, double tick[TICKS]) {
   double range = a->high - a->low, rough = range / 6;
   double step = pow(10, floor(log10(rough)));
@@ -71,7 +71,8 @@ static size_t even_ticks(const eda_axis *a, double tick[TICKS]) {
   return n;
 }
 
-/* At 1, 2 and 5 of each decade; at powers of ten if there are many. */
+/* Compute ticks at 1, 2 and 5 of each decade, or at powers of ten for many
+   decades. Return their number. */
 static size_t decade_ticks(const eda_axis *a, double tick[TICKS]) {
   static const double digits[] = {1, 2, 5};
   double first = floor(log10(a->low)), last = floor(log10(a->high));
@@ -94,7 +95,7 @@ static size_t find_ticks(const eda_axis *a, double tick[TICKS]) {
                                         : even_ticks(a, tick);
 }
 
-/* "2 mA" */
+/* Write a value with its unit, "2 mA". */
 static void text_of(const eda_axis *a, double value, char text[48]) {
   static const char *const prefix[] = {"", "m", "u", "n", "p", "f", "a"};
   size_t i = 0;
@@ -108,7 +109,8 @@ static void text_of(const eda_axis *a, double value, char text[48]) {
 
 /* ---- axes ---- */
 
-/* Of all that is written at the axis; labels have a quarter of the paper. */
+/* Return the largest width of the texts at an axis; labels take at most a
+   quarter of the paper. */
 static double widest(const eda_paper *p, const eda_axis *a) {
   double tick[TICKS], out = 0;
   size_t n = a->label ? a->labels : find_ticks(a, tick);
@@ -137,7 +139,7 @@ static void grid_line(const eda_chart *c, double x0, double y0, double x1,
   eda_use(cairo, eda_ink);
 }
 
-/* A mark of the axis along x, and along y. */
+/* Draw a tick with its text on the x axis or the y axis. */
 static void mark_x(const eda_chart *c, double x, const char *text) {
   double at = eda_chart_x(c, x), bottom = c->top + c->height;
   if (!c->x.label) grid_line(c, at, c->top, at, bottom);
@@ -152,8 +154,8 @@ static void mark_y(const eda_chart *c, double y, const char *text) {
            c->paper->width / 4, text);
 }
 
-/* Of how many labels one is shown, where each has `part` of the axis and needs
-   `room`. */
+/* Return n so that every n-th label is shown, where each label has `part` of
+   the axis and needs `room`. */
 static size_t label_step(double part, double room) {
   size_t step = 1;
   for (int k = 0; (double)step * part < room; k++) /* 1, 2, 5, 10 .. */
@@ -283,7 +285,7 @@ static void field_cell(const eda_chart *c, const eda_axis *of, double x,
   if (isnan(figure)) eda_cross(c->paper, x0, y0, x1 - x0, y1 - y0);
 }
 
-/* The scale of colours, at the right. */
+/* Draw the colour scale at the right. */
 static void field_scale(const eda_chart *c, const eda_axis *of) {
   cairo_t *cairo = c->paper->cairo;
   double font = c->paper->font, width = floor(1.3 * font);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Charts and legends, read back: colours at known places, equal files. */
+/* Charts and legends, read back from files: colours at known places, equal
+   files. */
 #include <eda/drawing.h>
 #include <glib.h>
 #include <glib/gstdio.h>
@@ -13,8 +14,8 @@ static char *path_of(const char *name) {
   return g_build_filename(folder, name, NULL);
 }
 
-/* A chart of 0 .. 10 nm and 1 uA .. 1 A with a line through its decades that
-   has a gap. */
+/* Return a chart of 0 .. 10 nm and 1 uA .. 1 A with a line through its decades
+   that has a gap. */
 static eda_chart chart_on(const eda_paper *paper) {
   return (eda_chart){.paper = paper,
                      .left = 100,
@@ -66,7 +67,7 @@ static void test_places(void) {
   cairo_surface_destroy(s);
 }
 
-/* What was drawn before does not matter. */
+/* Files do not depend on pictures drawn before. */
 static void test_equal_files(void) {
   static const char *const names[] = {"a.png", "a.svg", "a.pdf", "a.PDF"};
   for (size_t i = 0; i < G_N_ELEMENTS(names); i++) {
@@ -103,8 +104,8 @@ static void test_axes(void) {
   g_assert_cmpfloat(fabs(a.high - 1000), <, 1e-9);
 }
 
-/* Entries go on in the next line where the paper ends; hostile texts are cut
-   and do no harm. */
+/* Entries continue on the next line at the end of the paper; hostile texts are
+   cut and do no harm. */
 static void test_legend(void) {
   opc_error error;
   g_autofree char *path = path_of("legend.svg");
@@ -136,7 +137,7 @@ static void test_refused(void) {
   g_assert_cmpint(eda_paper_check("a.Svg", "file", &error), ==, OPC_OK);
   g_assert_null(eda_paper_open(folder, 10, 10, 10, &error));
   g_assert_cmpint(error.code, ==, OPC_IO);
-  /* What was begun is removed. */
+  /* An incomplete file is removed. */
   g_autofree char *path = path_of("begun.png");
   eda_paper *paper = eda_paper_open(path, 10, 10, 10, &error);
   g_assert_nonnull(paper);

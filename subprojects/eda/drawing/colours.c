@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The colours of all pictures: lines of Okabe and Ito's palette and darker ones
-   of the same hue, fills tints of it, deviations on Brewer's RdBu, intensities
-   on YlGnBu. All of these can be told apart with any common colour blindness.
- */
+/* Colours of all pictures: lines from the palette of Okabe and Ito and darker
+   ones of equal hue, fills as their tints, deviations from RdBu of Brewer,
+   intensities from YlGnBu. All can be distinguished with any common colour
+   blindness. */
 #include <eda/drawing.h>
 
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))
@@ -13,8 +13,8 @@ const eda_colour eda_ink = EDA_COLOUR(0x202020),
                  eda_ring_colour = EDA_COLOUR(0xd94019),
                  eda_contact_fill = EDA_COLOUR(0xbcbcbc);
 
-/* Poly, active, then those that a flow adds. They begin again after the last
-   one. */
+/* Poly, active, then further layers of a flow; the colours repeat after the
+   last one. */
 static const struct {
   eda_colour fill, outline, contour;
 } layers[] = {
@@ -51,7 +51,7 @@ eda_colour eda_layer_contour(size_t layer) {
   return layers[layer % COUNT(layers)].contour;
 }
 
-/* Linear between the stops. */
+/* Return a colour interpolated linearly between the stops. */
 static eda_colour between(const eda_colour *stops, size_t n, double t) {
   if (!(t > 0)) return stops[0];
   if (t >= 1) return stops[n - 1];

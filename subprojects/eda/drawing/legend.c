@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Text, titles, signs and legends. */
+/* Text, titles, symbols and legends. */
 #include <eda/drawing.h>
 #include <glib.h>
 #include <math.h>
 #include <string.h>
 
-/* What a line of text has at most, bytes: longer ones, from files of others,
+/* Largest number of bytes in a line of text; longer texts, from foreign files,
    are cut. */
 enum { LINE = 200 };
 
@@ -17,7 +17,7 @@ static double width_of(const eda_paper *p, const char *text) {
   return extents.x_advance;
 }
 
-/* The text as it fits into the room; to be freed. */
+/* Return the text shortened to the available width (free). */
 static char *fit(const eda_paper *p, const char *text, double room) {
   g_autofree char *all = g_utf8_make_valid(text, (gssize)strnlen(text, LINE));
   for (char *c = all; *c; c++)
@@ -36,7 +36,7 @@ void eda_text(const eda_paper *p, double x, double baseline, int place,
   g_autofree char *line = fit(p, text, room);
   cairo_move_to(p->cairo, x - width_of(p, line) * place / 2, baseline);
   cairo_show_text(p->cairo, line);
-  cairo_new_path(p->cairo); /* where it ends is no part of a line */
+  cairo_new_path(p->cairo); /* the end of the text is no point of a line */
 }
 
 double eda_heading(const eda_paper *p, double top, const char *text) {
@@ -88,7 +88,7 @@ static double sign_width(const eda_paper *p, const eda_sign *s) {
   return width_of(p, s->low) + width_of(p, s->high) + 8 * p->font;
 }
 
-/* A sharp box with a thin line around; what is in it is the present colour. */
+/* Draw a sharp box with a thin outline, filled with the present colour. */
 static void box(const eda_paper *p, double x, double y, double width,
                 double height) {
   cairo_rectangle(p->cairo, floor(x) + 0.5, floor(y) + 0.5, floor(width),

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The file that a picture goes to. Everything that cairo writes is gathered
-   first, so that a failure has a reason and equal pictures are equal files. */
+/* File of a picture. All output of cairo is collected first, so that a failure
+   has a reason and equal pictures are equal files. */
 #include <cairo-pdf.h>
 #include <cairo-svg.h>
 #include <eda/drawing.h>
@@ -15,7 +15,7 @@ static const char *const extensions[FORMATS] = {
     [PNG] = ".png", [SVG] = ".svg", [PDF] = ".pdf"};
 
 typedef struct sheet {
-  eda_paper paper; /* what others see */
+  eda_paper paper; /* public part */
   cairo_surface_t *surface;
   int format;
   const char *path;
@@ -32,9 +32,9 @@ static cairo_status_t put(void *closure, const unsigned char *data,
   return CAIRO_STATUS_SUCCESS;
 }
 
-/* Cairo ends the names of groups and images in an SVG file with how many
-   surfaces the process has made so far. Nothing refers to groups: their digits
-   are left out. Images are counted from the first one of the file. */
+/* Replace the numbers of groups and images in an SVG file, which cairo derives
+   from the number of surfaces made so far. Groups are never referenced: their
+   numbers are dropped. Images are counted from the first one of the file. */
 static gboolean renumber(const GMatchInfo *match, GString *out, void *data) {
   g_autofree char *name = g_match_info_fetch(match, 1);
   g_autofree char *digits = g_match_info_fetch(match, 2);
@@ -46,7 +46,7 @@ static gboolean renumber(const GMatchInfo *match, GString *out, void *data) {
   return FALSE;
 }
 
-/* Write it; an errno. */
+/* Write the file. Return 0 or an errno. */
 static int write_content(sheet *s) {
   gint64 first = 0;
   if (s->format == SVG) {
@@ -88,7 +88,7 @@ static cairo_surface_t *new_surface(sheet *s) {
   }
 }
 
-/* The same letters on every screen. */
+/* Select a font with equal letters on every screen. */
 static void set_font(const eda_paper *p) {
   cairo_font_options_t *options = cairo_font_options_create();
   cairo_font_options_set_antialias(options, CAIRO_ANTIALIAS_GRAY);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Numbers of layers; polygons that are cut or lose their holes; what an OASIS
-   file gets. The plugins that read and write test the rest. */
+/* Layer numbers; polygons that are divided or lose their holes; contents of an
+   OASIS file. Tests of the readers and writers cover the rest. */
 #include <eda/memory.h>
 #include <eda/oasis.h>
 #include <glib.h>
@@ -26,7 +26,7 @@ static void test_numbers(void) {
     g_assert_false(eda_layer_number_read(bad[i], 65535, &n, NULL));
 }
 
-/* Contacts may be drawn or not: the others keep their numbers. */
+/* Contacts are optional; other layers keep their numbers. */
 static void test_layers(void) {
   char *names[] = {"poly", "active", "contact", "metal1", "metal2"};
   static const uint32_t want[] = {9, 1, 10, 11, 12};
@@ -74,7 +74,7 @@ static void test_cut(void) {
   g_assert_cmpint(s.area2, ==, 2 * (3 * (20 * TEETH - 10) + 100 * TEETH));
   g_assert_cmpuint(s.most, <=, 40);
   g_assert_cmpuint(s.n, >=, n / 40);
-  take.most = 3; /* boxes cannot be cut into triangles */
+  take.most = 3; /* boxes cannot be divided into triangles */
   g_assert_cmpint(eda_polygon_cut(p, n, &take, &e), ==, OPC_FAILED);
 }
 
@@ -98,7 +98,7 @@ static void test_holes(void) {
   g_assert_cmpint(eda_polygons_without_holes(&shapes, &take, &e), ==, OPC_OK);
   g_assert_cmpint(s.area2, ==, eda_area2(&shapes));
   g_assert_cmpuint(s.n, ==, 9);
-  /* A hole that lies in nothing. */
+  /* A hole outside of all outlines. */
   eda_shapes lost = {1, start, p + 4, hole + 1};
   g_assert_cmpint(eda_polygons_without_holes(&lost, &take, &e), ==, OPC_FAILED);
   g_assert_nonnull(strstr(e.message, "lies in no polygon"));

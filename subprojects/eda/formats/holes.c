@@ -1,21 +1,21 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Layout files know no holes: each hole is given to its outline, and outlines
-   with holes are cut into rectangles. */
+/* Removal of holes, which layout files lack: each hole is assigned to its
+   outline, and outlines with holes are fractured into rectangles. */
 #include <eda/formats.h>
 #include <eda/memory.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Holes are lists by number, counted from 1: 0 ends one. */
+/* Lists of holes by number, from 1; 0 ends a list. */
 typedef struct sorting {
   const eda_shapes *shapes;
-  eda_box *box;    /* of each polygon */
-  uint32_t *first; /* of each outline: its first hole */
-  uint32_t *next;  /* of each hole: the next of the same outline */
+  eda_box *box;    /* bounding box of each polygon */
+  uint32_t *first; /* first hole of each outline */
+  uint32_t *next;  /* next hole of the same outline */
 } sorting;
 
-/* The lowest, then leftmost point: the unit square up and right of it lies in
-   the polygon, also in a hole. */
+/* Return the lowest, then leftmost point; the unit square up and right of it is
+   inside the polygon, also for a hole. */
 static eda_point lowest(const eda_shapes *s, size_t i) {
   eda_point low = s->points[s->start[i]];
   for (uint32_t k = s->start[i] + 1; k < s->start[i + 1]; k++) {
@@ -25,8 +25,8 @@ static eda_point lowest(const eda_shapes *s, size_t i) {
   return low;
 }
 
-/* Whether the middle of the unit square at p lies in outline i: edges left of
-   it are counted. Vertical ones are all there are to count. */
+/* Return whether the middle of the unit square at p is inside outline i, by
+   counting the vertical edges to its left. */
 static int inside(const eda_shapes *s, size_t i, eda_point p) {
   int in = 0;
   uint32_t start = s->start[i], end = s->start[i + 1];
@@ -43,7 +43,7 @@ static double area(eda_box b) {
   return ((double)b.x1 - b.x0) * ((double)b.y1 - b.y0);
 }
 
-/* The outline of hole h: the smallest one around it. -1 if there is none. */
+/* Return the outline of hole h: the smallest one around it, -1 for none. */
 static int64_t outline_of(const sorting *o, size_t h) {
   const eda_shapes *s = o->shapes;
   eda_point p = lowest(s, h);
@@ -76,7 +76,7 @@ static int sort_holes(sorting *o, opc_error *error) {
   return OPC_OK;
 }
 
-/* One polygon more, which there is room for: an outline, then its holes. */
+/* Append one polygon to allocated arrays: an outline or a hole. */
 static void add(eda_shapes *out, const eda_shapes *s, size_t from) {
   uint32_t n = s->start[from + 1] - s->start[from];
   uint32_t begin = out->start[out->count];
@@ -86,7 +86,7 @@ static void add(eda_shapes *out, const eda_shapes *s, size_t from) {
   out->start[++out->count] = begin + n;
 }
 
-/* An outline with its holes as shapes of their own. */
+/* Return an outline with its holes as separate shapes. */
 static eda_shapes gather(const sorting *o, size_t i) {
   const eda_shapes *s = o->shapes;
   size_t points = s->start[i + 1] - s->start[i], n = 1;

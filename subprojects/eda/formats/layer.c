@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* How the layers of numbered formats are written, and which number a layer of a
-   mask has where the flow gives none. */
+/* Layer numbers as text, and default numbers of mask layers. */
 #include <eda/formats.h>
 #include <string.h>
 
@@ -23,7 +22,7 @@ int eda_layer_number_read(const char *text, uint32_t most,
   return 1;
 }
 
-/* The numbers of the FreePDK45, whose first metal is 11. */
+/* Numbers of the FreePDK45, whose first metal is 11. */
 uint32_t eda_gates_number(const eda_gates *gates, size_t layer) {
   if (layer == EDA_POLY) return 9;
   if (layer == EDA_ACTIVE) return 1;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Bytes on their way into an OASIS file: numbers and strings, collected into
-   blocks, and the blocks compressed. */
+/* Encoding of OASIS files: numbers and strings, collected into compressed
+   blocks. */
 #include "formats/oasis.h"
 
 #include <eda/memory.h>
@@ -9,8 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Bytes of a block: enough for zlib, little enough for memory. Blocks of fewer
-   than SMALL are left as they are. */
+/* Bytes of a block: enough for zlib, few enough for memory. Blocks shorter than
+   SMALL are not compressed. */
 enum { BLOCK = 1 << 20, SMALL = 32 };
 
 eda_oasis *eda_oasis_new(FILE *file) {
@@ -61,7 +61,8 @@ void eda_oasis_sint(eda_oasis *out, int64_t v) {
   eda_oasis_uint(out, v < 0 ? (uint64_t)-v << 1 | 1 : (uint64_t)v << 1);
 }
 
-/* A whole number if it is one, or else 8 bytes, little-endian. */
+/* Written as a whole number if possible, otherwise as 8 bytes,
+   little-endian. */
 void eda_oasis_real(eda_oasis *out, double v) {
   if (v == floor(v) && fabs(v) < 1e15) {
     eda_oasis_uint(out, v < 0);

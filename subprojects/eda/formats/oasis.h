@@ -1,16 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the files that write OASIS share. */
-#ifndef EDA_FORMATS_OASIS_H
-#define EDA_FORMATS_OASIS_H
+/* Common declarations of the OASIS writer. */
+#pragma once
 
 #include <eda/oasis.h>
 #include <zlib.h>
 
-/* A shape, by its first point. */
+/* A shape; steps are relative to its first point. */
 typedef struct oasis_shape {
   eda_point at;
-  uint32_t n;   /* points; 2 for a box, whose corners they are */
-  size_t start; /* in `steps`: those after the first, from it */
+  uint32_t n;   /* number of points; 2 for the corners of a box */
+  size_t start; /* first entry in `steps`, after the first point */
 } oasis_shape;
 
 typedef struct oasis_step {
@@ -19,19 +18,17 @@ typedef struct oasis_step {
 
 struct eda_oasis {
   FILE *file;     /* NULL: none */
-  uint64_t place; /* in the file */
-  uint32_t crc;   /* of all that is there */
-  uint8_t *bytes; /* of the block that is being collected */
+  uint64_t place; /* offset in the file */
+  uint32_t crc;   /* of all bytes of the file so far */
+  uint8_t *bytes; /* bytes of the current block */
   size_t n, room;
   uint8_t *packed;
   size_t packed_room;
   z_stream z;
 
-  eda_layer_number layer; /* of the shapes that are gathered */
+  eda_layer_number layer; /* layer of the collected shapes */
   oasis_shape *shapes;
   size_t n_shapes, room_shapes;
   oasis_step *steps;
   size_t n_steps, room_steps;
 };
-
-#endif

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Cutting a polygon that has too many points: into two by a vertical or
-   horizontal line through the median of its points, whichever leaves fewer
-   points, and those again. Clipping keeps the winding number on either side of
-   the line, so that no shape is too odd for it. */
+/* Division of polygons with too many points: clip at a vertical or horizontal
+   line through the median of the points, whichever leaves fewer points, and
+   repeat with both parts. Clipping preserves winding numbers on both sides of
+   the line, so any polygon is allowed. */
 #include <eda/formats.h>
 #include <eda/memory.h>
 #include <math.h>
@@ -27,8 +27,8 @@ static int by_value(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-/* A value strictly inside the range of the points, near their median; 0 if
-   there is none. */
+/* Find a value strictly inside the range of the points, near their median.
+   Return 0 if none exists. */
 static int median(const piece *p, int axis, int32_t *values, int32_t *at) {
   for (size_t i = 0; i < p->n; i++) values[i] = coordinate(p->points[i], axis);
   qsort(values, p->n, sizeof *values, by_value);
@@ -40,7 +40,7 @@ static int median(const piece *p, int axis, int32_t *values, int32_t *at) {
   return 1;
 }
 
-/* Add a point; of three on the line of the cut the middle one goes. */
+/* Add a point; of three points on the clip line, remove the middle one. */
 static void add(piece *out, eda_point p, int axis, int32_t at) {
   if (out->n >= 2 && coordinate(p, axis) == at &&
       coordinate(out->points[out->n - 1], axis) == at &&
@@ -56,7 +56,7 @@ static eda_point crossing(eda_point a, eda_point b, int axis, int32_t at) {
   return axis ? (eda_point){other, at} : (eda_point){at, other};
 }
 
-/* The part of `p` on one side of the line: side -1 below, 1 above. */
+/* Return the part of `p` on one side of the line: side -1 below, 1 above. */
 static piece *clip(const piece *p, int axis, int32_t at, int side) {
   piece *out = piece_new(2 * p->n + 2);
   eda_point a = p->points[p->n - 1];
@@ -76,7 +76,8 @@ static size_t larger(const piece *const half[2]) {
   return half[0]->n > half[1]->n ? half[0]->n : half[1]->n;
 }
 
-/* The two parts of a polygon; 0 if no line makes both clearly smaller. */
+/* Divide a polygon in two. Return 0 if no line makes both parts clearly
+   smaller. */
 static int halve(const piece *p, piece *best[2]) {
   int32_t *values = eda_alloc(p->n, sizeof *values);
   for (int axis = 0; axis < 2; axis++) {

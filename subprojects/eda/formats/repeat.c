@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The shapes of one layer of a cell on their way into an OASIS file: equal ones
-   are put together as repetitions. */
+/* Shapes of one layer of a cell for an OASIS file: equal shapes are combined to
+   repetitions. */
 #include <eda/memory.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "formats/oasis.h"
 
-/* Shapes that are compared with each other, members of one repetition. */
+/* Shapes compared with each other, and members of one repetition. */
 enum { MANY = 1 << 19, MEMBERS = 1 << 16 };
 
 static int is_box(const eda_point *p, size_t n) {
@@ -64,16 +64,16 @@ static int64_t dy(const oasis_shape *s) {
   return (int64_t)s[1].at.y - s[0].at.y;
 }
 
-/* How many of the n shapes are one regular row (or column), the step being
-   that of the first two. */
+/* Return the number of first shapes that form a regular row or column; the
+   first two define the step. */
 static size_t regular(const oasis_shape *s, size_t n) {
   size_t k = 1;
   while (k < n && dx(&s[k - 1]) == dx(s) && dy(&s[k - 1]) == dy(s)) k++;
   return k;
 }
 
-/* How many rows like the first one of `columns` follow each other, with the
-   same step. */
+/* Return the number of consecutive rows like the first one of `columns`, with
+   equal steps. */
 static size_t regular_rows(const oasis_shape *s, size_t n, size_t columns) {
   size_t rows = 1;
   if (columns < 2 || n < 2 * columns) return 1;
@@ -88,8 +88,8 @@ static size_t regular_rows(const oasis_shape *s, size_t n, size_t columns) {
   return rows;
 }
 
-/* Write the repetition of the first shapes of n equal ones; how many it
-   covers. One alone has none. */
+/* Choose the repetition of the first of n equal shapes. Return the number of
+   shapes that it covers; one shape has no repetition. */
 static size_t choose(const oasis_shape *s, size_t n, size_t *columns,
                      size_t *rows) {
   if (n > MEMBERS) n = MEMBERS;
@@ -126,8 +126,8 @@ static void put_repetition(eda_oasis *out, const oasis_shape *s, size_t covered,
 
 /* ---- records ---- */
 
-/* Whether edges are horizontal and vertical by turns, the first one horizontal
-   if `first`: then the last point need not be said. */
+/* Return whether edges alternate between horizontal and vertical, the first one
+   horizontal if `first`: the last point is then implied. */
 static int by_turns(const oasis_step *d, uint32_t n, int first) {
   oasis_step a = {0, 0};
   if (n % 2) return 0;

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Arrays between guard words, written by plugins: writes slightly out of bounds
    are detected and do no harm. */
-#ifndef EDA_GATES_FENCE_H
-#define EDA_GATES_FENCE_H
+#pragma once
 
 #include <eda/imaging.h>
 
@@ -21,5 +20,3 @@ void fence_field(eda_field *field);
 /* Check the guard words of a field of `n` values, as fence_check. */
 int fence_check_field(const float *values, size_t n, const char *what,
                       opc_error *error);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A printed gate: cut lines through the fields of poly and active. */
-#ifndef EDA_GATES_GATE_H
-#define EDA_GATES_GATE_H
+#pragma once
 
 #include <eda/extractor.h>
 
@@ -35,5 +34,3 @@ void eda_gate_draw(const eda_gates *gates, size_t i, eda_gate *gate);
    lengths at once take much less time than single ones. */
 void eda_gate_lengths(eda_gate *gate, size_t n, const double *place,
                       double *length);
-
-#endif

@@ -55,8 +55,8 @@ char *eda_gates_text(eda_gates *gates, const char *text) {
   return g_string_chunk_insert_const(gates->texts, text);
 }
 
-void eda_gates_take_goal(eda_gates *to, size_t i, const eda_gates *from,
-                         size_t j) {
+static void gates_copy_goal(eda_gates *to, size_t i, const eda_gates *from,
+                            size_t j) {
   eda_goal goal = eda_gates_goal(from, j);
   if (!to->goal) {
     if (!goal.given) return;
@@ -70,12 +70,25 @@ const char *eda_gates_flavour(const eda_gates *g, size_t i) {
   return g->flavour && g->flavour[i] ? g->flavour[i] : "";
 }
 
-void eda_gates_take_flavour(eda_gates *to, size_t i, const eda_gates *from,
-                            size_t j) {
+static void gates_copy_flavour(eda_gates *to, size_t i, const eda_gates *from,
+                               size_t j) {
   const char *flavour = eda_gates_flavour(from, j);
   if (!*flavour) return;
   if (!to->flavour) to->flavour = eda_alloc(to->count, sizeof *to->flavour);
   to->flavour[i] = eda_gates_text(to, flavour);
+}
+
+void eda_gates_copy(eda_gates *to, size_t i, const eda_gates *from, size_t j) {
+  to->type[i] = from->type[j];
+  to->axis[i] = from->axis[j];
+  to->length[i] = from->length[j];
+  to->width[i] = from->width[j];
+  for (size_t side = 0; side < 2; side++) {
+    to->space[2 * i + side] = from->space[2 * j + side];
+    to->extension[2 * i + side] = from->extension[2 * j + side];
+  }
+  gates_copy_goal(to, i, from, j);
+  gates_copy_flavour(to, i, from, j);
 }
 
 int eda_gates_layer(const eda_gates *gates, const char *name) {

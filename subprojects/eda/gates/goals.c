@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Goals of transistors, parsed from the rows of a table and from the words of
    notes. Both syntaxes have the same names, bounds and values. */
+#include <base/suggest.h>
 #include <eda/csv.h>
 #include <eda/goals.h>
 #include <glib.h>
@@ -95,26 +96,6 @@ int eda_goals_read(const char *path, const eda_gates *gates, eda_goal *out,
 
 /* ---- notes ---- */
 
-/* Return the edit distance of two short words: letters added, dropped, changed
-   or swapped. */
-static int distance(const char *a, const char *b) {
-  int d[12][12], n = (int)strlen(a), m = (int)strlen(b);
-  if (n > 11 || m > 11) return 12;
-  for (int i = 0; i <= n; i++)
-    for (int j = 0; j <= m; j++) {
-      if (!i || !j) {
-        d[i][j] = i + j;
-        continue;
-      }
-      int best = d[i - 1][j - 1] + (a[i - 1] != b[j - 1]);
-      best = MIN(best, 1 + MIN(d[i - 1][j], d[i][j - 1]));
-      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
-        best = MIN(best, 1 + d[i - 2][j - 2]);
-      d[i][j] = best;
-    }
-  return d[n][m];
-}
-
 /* Set the value of one word. Return a description of its fault, to be freed, or
    NULL. */
 static char *goal_take_word(eda_goal *w, char *word, int *seen) {
@@ -124,9 +105,10 @@ static char *goal_take_word(eda_goal *w, char *word, int *seen) {
   int c = WEIGHT, nearest = WEIGHT;
   while (c < COLUMNS && strcmp(word, columns[c].name)) c++;
   for (int k = TARGET; k < COLUMNS; k++)
-    if (distance(word, columns[k].name) < distance(word, columns[nearest].name))
+    if (opc_edit_distance(word, columns[k].name) <
+        opc_edit_distance(word, columns[nearest].name))
       nearest = k;
-  if (c == COLUMNS && distance(word, columns[nearest].name) <= 2)
+  if (c == COLUMNS && opc_edit_distance(word, columns[nearest].name) <= 2)
     return g_strdup_printf("unknown word '%.100s', did you mean '%s'?", word,
                            columns[nearest].name);
   if (c == COLUMNS)

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Random polygons and shapes as bitmaps, for the tests of this folder. */
-#ifndef EDA_GEOMETRY_BITMAP_TEST_H
-#define EDA_GEOMETRY_BITMAP_TEST_H
+#pragma once
 
 #include <glib.h>
 #include <string.h>
@@ -147,5 +146,3 @@ static inline void bitmap_label(const bitmap *b, int value, int neighbours,
   }
 #undef IS
 }
-
-#endif

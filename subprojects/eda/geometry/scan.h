@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Common parts of the scanline algorithms of this folder: events and their
    sorting, an ordered set of ranks, and the vertical edges of merged shapes. */
-#ifndef EDA_GEOMETRY_SCAN_H
-#define EDA_GEOMETRY_SCAN_H
+#pragma once
 
 #include <eda/geometry.h>
 
@@ -71,5 +70,3 @@ typedef struct eda_wall {
 /* Join n walls to outlines and holes in *out. The walls belong to merged
    shapes, are sorted by x, then y0, and are as long as possible. */
 void eda_trace(const eda_wall *walls, size_t n, eda_shapes *out);
-
-#endif

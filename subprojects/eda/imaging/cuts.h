@@ -2,8 +2,7 @@
 /* Simultaneous cuts through a printed line: the cells of all cuts are tested
    together, vectorised. For regular cuts only; others use the searches of
    edge.h. */
-#ifndef EDA_CUTS_H
-#define EDA_CUTS_H
+#pragma once
 
 #include <eda/imaging.h>
 
@@ -14,5 +13,3 @@
    of the middle, or has no change up to about two cells beyond. */
 void eda_cut_many(const eda_field *field, int axis, double middle, double half,
                   size_t n, const double *at, double (*distance)[2]);
-
-#endif

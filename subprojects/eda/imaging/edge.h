@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Searches along lines through a field, from a point outwards to sign changes
    of the field. Only the cells passed by a search are evaluated. */
-#ifndef EDA_EDGE_H
-#define EDA_EDGE_H
+#pragma once
 
 #include "imaging/spline.h"
 
@@ -82,5 +81,3 @@ double eda_walk_on(eda_walk *walk);
 /* Search for the next sign change. Return its distance from the start, nm, at
    most `limit`; NAN for none. */
 double eda_walk_to(eda_walk *walk, double limit);
-
-#endif

@@ -3,8 +3,7 @@
    transforms use them line by line in the cache, so that lines of zeros are
    skipped and no whole planes are written. Plans are estimated, so that they
    are equal in every run, and cached. */
-#ifndef EDA_FFT_H
-#define EDA_FFT_H
+#pragma once
 
 #include <complex.h>
 #include <stddef.h>
@@ -40,5 +39,3 @@ void eda_fft_free(void *memory);
 
 /* Return idle memory to the system. */
 void eda_fft_trim(void);
-
-#endif

@@ -3,8 +3,7 @@
    one point, a vector of real parts and one of imaginary parts. Each operation
    acts on whole vectors, for any length. Used for sums of coherent kernels,
    which take nearly all the time; other transforms use FFTW (fft.h). */
-#ifndef EDA_LANES_H
-#define EDA_LANES_H
+#pragma once
 
 #include <stddef.h>
 
@@ -36,5 +35,3 @@ void eda_lanes_turn(const eda_vector *from, size_t from_stride, eda_vector *to,
 /* Return the smallest even number >= minimum (and >= 16) without prime factors
    above 5. */
 int eda_lanes_size(double minimum);
-
-#endif

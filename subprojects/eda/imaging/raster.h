@@ -2,8 +2,7 @@
 /* Raster of a mask: its coverage, smoothed by a B-spline of EDA_RASTER_DEGREE
    and sampled exactly. Stored as differences in both directions until
    eda_raster_sum adds them. */
-#ifndef EDA_RASTER_H
-#define EDA_RASTER_H
+#pragma once
 
 #include <eda/imaging.h>
 
@@ -36,5 +35,3 @@ void eda_raster_clear(eda_raster *raster);
 
 /* Return the Fourier transform of the smoothing at f cycles per sample. */
 double eda_raster_transform(double f);
-
-#endif

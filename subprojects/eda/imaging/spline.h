@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Centred uniform B-splines, the local basis of masks and fields (Unser,
    Aldroubi, Eden, "B-spline signal processing", IEEE Trans. SP 41, 1993). */
-#ifndef EDA_SPLINE_H
-#define EDA_SPLINE_H
+#pragma once
 
 #include <eda/imaging.h>
 enum {
@@ -54,5 +53,3 @@ int eda_spline_smoothing(double x, double weight[EDA_STEP_TAPS - 1]);
 /* Return sum over j of b(j) cos(2 pi f j): the ratio of the spectrum of the
    samples to that of the coefficients at frequency f. */
 double eda_spline_sampled(double f);
-
-#endif

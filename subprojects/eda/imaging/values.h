@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Memory for the values of fields. */
-#ifndef EDA_VALUES_H
-#define EDA_VALUES_H
+#pragma once
 
 #include <stddef.h>
 
@@ -12,5 +11,3 @@ enum { EDA_VALUES_SPARE = 512 };
 /* Return n values, not initialised, freed by eda_field_clear. Ends the program
    without memory. [any] */
 float *eda_values_new(size_t n);
-
-#endif

@@ -4,8 +4,7 @@
    The shapes of a cell are stored in sheets, one for each layer: small boxes as
    a corner and a size (12 bytes each), other boxes as two corners (16 bytes),
    other polygons as consecutive points. No shape is allocated on its own. */
-#ifndef EDA_LAYOUT_LAYOUT_H
-#define EDA_LAYOUT_LAYOUT_H
+#pragma once
 
 #include <eda/layout.h>
 #include <eda/memory.h>
@@ -120,5 +119,3 @@ sheet *eda_layout_sheet(const cell *c, int32_t layer);
 int eda_path_outline(const eda_point *points, size_t n, int32_t width, int ends,
                      int32_t begin, int32_t end, eda_point **outline,
                      size_t *n_outline, opc_error *error);
-
-#endif

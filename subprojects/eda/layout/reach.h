@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Extents of a layer in each cell, used to find the shapes in a window of a
    layout without a traversal of the shapes outside. */
-#ifndef EDA_LAYOUT_REACH_H
-#define EDA_LAYOUT_REACH_H
+#pragma once
 
 #include <eda/index.h>
 
@@ -61,5 +60,3 @@ typedef struct span {
 span extent_rows(const eda_placement *p, extent first, extent window);
 span extent_columns(const eda_placement *p, extent first, extent window,
                     uint32_t row);
-
-#endif

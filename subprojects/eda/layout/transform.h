@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Transforms of placements. */
-#ifndef EDA_LAYOUT_TRANSFORM_H
-#define EDA_LAYOUT_TRANSFORM_H
+#pragma once
 
 #include <eda/layout.h>
 #include <glib.h>
@@ -46,5 +45,3 @@ static inline transform compose(const transform *out, const transform *in,
       out->yx * in->xx + out->yy * in->yx, out->yx * in->xy + out->yy * in->yy,
       out->xx * x + out->xy * y + out->dx, out->yx * x + out->yy * y + out->dy};
 }
-
-#endif

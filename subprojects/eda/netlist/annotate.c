@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A circuit as a SPICE netlist with the sizes that its transistors print with:
-   the length that the current sees in the line of the transistor, that which
-   the capacitance sees in the DLC of its model (thesis 3.3.3). */
+/* SPICE netlists with the printed sizes of transistors: the length effective
+   for the current in the transistor line, the length effective for the
+   capacitance in the DLC of its model (thesis 3.3.3). */
 #include <eda/netlist.h>
 
 #include <math.h>
@@ -9,8 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* DLC is written in steps of 0.01 nm, so that transistors share their cards:
-   0.02 % of the gate capacitance at 65 nm. */
+/* Step of DLC, 0.01 nm, so that transistors share cards: 0.02 % of the gate
+   capacitance at 65 nm. */
 #define DLC_STEP 0.01
 #define LONGEST_DLC 1e4 /* nm */
 
@@ -22,7 +22,7 @@ typedef struct writer {
   FILE *out;
 } writer;
 
-/* A path with dots, as the simulator's own paths have. */
+/* Write a path with dots, like paths in the simulator. */
 static void put_name(writer *w, const char *name) {
   for (; *name; name++) fputc(*name == '/' ? '.' : *name, w->out);
 }
@@ -36,7 +36,7 @@ static void put_net(writer *w, uint32_t net) {
 
 typedef struct sizes {
   double length, width; /* nm */
-  long dlc;             /* difference to the card's, in steps */
+  long dlc;             /* difference from the DLC of the card, in steps */
 } sizes;
 
 static int refuse(const eda_annotation *a, const eda_device *d, uint32_t gate,
@@ -49,15 +49,16 @@ static int refuse(const eda_annotation *a, const eda_device *d, uint32_t gate,
       what);
 }
 
-/* As drawn: the netlist's, with the width shared out as the layout does. */
+/* Return the drawn size: that of the netlist, with the width divided among
+   fingers as in the layout. */
 static sizes drawn(const eda_gates *g, const eda_device *d, uint32_t gate) {
   double sum = 0;
   for (uint32_t i = 0; i < d->fingers; i++) sum += g->width[d->finger[i]];
   return (sizes){d->length, d->width * (g->width[gate] / sum), 0};
 }
 
-/* Equation 3.12: the length that the capacitance sees; then 3.11, of which
-   LINT stands in the card. */
+/* Compute equation 3.12, the length effective for the capacitance, and 3.11,
+   whose LINT is in the card. */
 static int printed(const eda_annotation *a, const eda_device *d, uint32_t gate,
                    sizes *s, opc_error *error) {
   const eda_mask *m = a->mask;
@@ -77,7 +78,7 @@ static int printed(const eda_annotation *a, const eda_device *d, uint32_t gate,
   return OPC_OK;
 }
 
-/* The sizes of all fingers, device by device; NULL if one has none. */
+/* Return the sizes of all fingers, device by device; NULL if one is unknown. */
 static sizes *all_sizes(const eda_annotation *a, opc_error *error) {
   const eda_circuit *c = a->circuit;
   size_t n = 0, at = 0;
@@ -98,7 +99,8 @@ static sizes *all_sizes(const eda_annotation *a, opc_error *error) {
 
 /* ---- models ---- */
 
-/* "nmos", "nmos_dlc12", "nmos_dlcm7": the card with that much more DLC. */
+/* Write "nmos", "nmos_dlc12" or "nmos_dlcm7": the card with DLC increased by
+   that number of steps. */
 static void put_model_name(writer *w, const eda_device *d, long dlc) {
   const char *name = w->a->model[d->type];
   if (!name) name = d->model ? d->model : d->type == EDA_PMOS ? "pmos" : "nmos";
@@ -120,7 +122,7 @@ static int by_number(const void *a, const void *b) {
   return (p > q) - (p < q);
 }
 
-/* A card for each DLC that occurs. */
+/* Write a card for each DLC that occurs. */
 static void put_models(writer *w, int type, const sizes *all) {
   const eda_circuit *c = w->a->circuit;
   size_t n = 0, at = 0;
@@ -136,7 +138,7 @@ static void put_models(writer *w, int type, const sizes *all) {
 
 /* ---- the netlist ---- */
 
-/* M1, or XM1 where the model is a subcircuit. */
+/* Write M1, or XM1 if the model is a subcircuit. */
 static void put_device_name(writer *w, const char *name) {
   int letter = name[0] & ~32;
   if (w->a->subcircuits)

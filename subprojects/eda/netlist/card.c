@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A .model card, with what must stand in it so that another DLC changes nothing
-   but the gate capacitance. */
+/* Reader of .model cards. Checks that a change of DLC affects nothing but the
+   gate capacitance. */
 #include "netlist/lines.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -18,7 +20,7 @@ static int equals_at(const line *l, size_t i) {
   return i < l->words && is_equals(&l->word[i]);
 }
 
-/* What is kept of a parameter: dlc and lint are looked at. */
+/* Read a parameter; dlc and lint are used, others are kept as text. */
 static int take(card_reader *r, const word *key, const word *value, int *has) {
   eda_card *m = r->out;
   double number = 0;
@@ -34,7 +36,7 @@ static int take(card_reader *r, const word *key, const word *value, int *has) {
       return lines_refuse(&r->lines, value->at, "'%.100s' is too large",
                           value->text);
   }
-  /* BSIM3 and BSIM4 know DLC. */
+  /* Only BSIM3 and BSIM4 have DLC. */
   if (is_level && number != 8 && number != 49 && number != 14 && number != 54)
     return lines_refuse(&r->lines, value->at,
                         "a model of level %g has no DLC: 8, 49, 14 and 54 do",
@@ -48,7 +50,8 @@ static int take(card_reader *r, const word *key, const word *value, int *has) {
   return OPC_OK;
 }
 
-/* A parameter's number, or what the model has without it; 0 if it is none. */
+/* Return whether a parameter is a number; *out is its value or the default of
+   the model. */
 static int number_of(const eda_card *m, const char *key, double preset,
                      double *out) {
   *out = preset;
@@ -66,7 +69,8 @@ static int has_key(const eda_card *m, const char *key) {
   return 0;
 }
 
-/* F/m^2, by the model's own constants; 0 where it is not that simple. */
+/* Return F/m^2 with the constants of the model; 0 if there is no simple
+   formula. */
 static double oxide_capacitance(const eda_card *m, double level) {
   double tox, epsrox, mtrlmod;
   if (level == 8 || level == 49)
@@ -79,9 +83,8 @@ static double oxide_capacitance(const eda_card *m, double level) {
   return epsrox * 8.85418e-12 / tox;
 }
 
-/* A model without CGSO and CGDO derives them from XJ; once a DLC is written
-   into its card, from that. They stay what they were if they are written, too.
- */
+/* A model without CGSO and CGDO derives them from XJ, but from DLC if its card
+   has a DLC. Writing both explicitly preserves their values. */
 static int keep_overlaps(card_reader *r, const line *l, int has_dlc) {
   static const char *const names[2][2] = {{"cgso", "cgsl"}, {"cgdo", "cgdl"}};
   eda_card *m = r->out;
@@ -120,7 +123,7 @@ static int read_model(card_reader *r, const line *l) {
     return lines_refuse(&r->lines, l->word[2].at, "model '%.100s' is no %s",
                         l->word[1].text, r->kind);
   *m = (eda_card){.name = l->word[1].text, .kind = l->word[2].text};
-  /* Two more may come. */
+  /* Two more may be added. */
   m->key = eda_pool_alloc(r->lines.pool, l->words + 2, sizeof *m->key);
   m->value = eda_pool_alloc(r->lines.pool, l->words + 2, sizeof *m->value);
   for (size_t i = 3; i < l->words; i += 3) {
@@ -159,6 +162,31 @@ int eda_card_read(eda_pool *pool, const char *path, const char *name, int type,
     code = opc_fail(error, OPC_INVALID, NULL, "'%.300s' has no model '%.100s'",
                     path, name);
   return code;
+}
+
+int eda_cards_read(eda_pool *pool, const char *const files[2],
+                   const char *const names[2], int read, const char *paths[2],
+                   eda_card card[2], opc_error *error) {
+  for (int i = 0; i < 2; i++) {
+    const char *parameter = i ? "pmos_models" : "models";
+    paths[i] = NULL;
+    if (!files[i]) continue;
+    char *path = realpath(files[i], NULL);
+    if (!path)
+      return opc_fail(error, OPC_IO, parameter, "cannot read '%s': %s",
+                      files[i], strerror(errno));
+    paths[i] = eda_pool_text(pool, path, strlen(path));
+    free(path);
+    if (strpbrk(paths[i], "\"\n"))
+      return opc_fail(error, OPC_INVALID, parameter,
+                      "'%s': the simulator takes no such name of a file",
+                      files[i]);
+  }
+  for (int type = 0; type < 2 && read; type++)
+    if (eda_card_read(pool, paths[type == EDA_PMOS && paths[1]], names[type],
+                      type, &card[type], error))
+      return error->code;
+  return OPC_OK;
 }
 
 static int is_plain(const char *value) {

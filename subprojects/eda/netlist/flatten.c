@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* From a subcircuit to the transistors in it and below it. */
+/* Expansion of a subcircuit to all transistors in and below it. */
 #include "netlist/lines.h"
 
 #include <math.h>
@@ -32,7 +32,7 @@ int64_t eda_netlist_find(eda_netlist *n, const char *name) {
 
 /* ---- nodes ---- */
 
-/* The number of a node in a subcircuit. */
+/* Return the number of a node in a subcircuit. */
 static uint32_t node_of(eda_netlist *n, eda_subcircuit *s, eda_names *known,
                         const char *name) {
   uint32_t *at = eda_names_add(known, name);
@@ -67,8 +67,9 @@ static int has_setting(const eda_element *e, const char *name) {
   return 0;
 }
 
-/* A transistor that a foundry's kit has as a subcircuit: X d g s b MODEL w= l=,
-   and nothing of that name in the file. */
+/* Return whether an element is a transistor that a foundry kit wraps in a
+   subcircuit: X d g s b MODEL w= l=, with no subcircuit of that name in the
+   file. */
 static int is_wrapped(const eda_element *e) {
   return e->nodes == 4 && has_setting(e, "w") && has_setting(e, "l");
 }
@@ -132,11 +133,12 @@ int eda_netlist_prepare(eda_netlist *n, uint32_t top) {
 typedef struct walk {
   eda_netlist *n;
   eda_flat_netlist *out;
-  uint32_t *global; /* net of each .global, UINT32_MAX: not yet */
-  uint32_t ground;  /* net "0", UINT32_MAX: not yet */
+  uint32_t *global; /* net of each .global, UINT32_MAX: none yet */
+  uint32_t ground;  /* net "0", UINT32_MAX: none yet */
 } walk;
 
-/* Sizes and multiples by name; *value stays as it is if nothing says so. */
+/* Look up a size or multiple by name; *value stays unchanged if it is not
+   set. */
 static int look_up(eda_netlist *n, const eda_scope *in, const eda_element *e,
                    const char *name, double *value) {
   for (size_t i = 0; i < e->settings; i++) {
@@ -150,7 +152,7 @@ static int look_up(eda_netlist *n, const eda_scope *in, const eda_element *e,
   return OPC_OK;
 }
 
-/* A whole number of fingers or multiples; 1 if nothing says so. */
+/* Look up a whole number of fingers or multiples; 1 if not set. */
 static int look_up_count(eda_netlist *n, const eda_scope *in,
                          const eda_element *e, const char *name, double *value,
                          int *given) {
@@ -191,7 +193,7 @@ static uint32_t new_net(walk *w, const char *path, const char *name) {
   return (uint32_t)f->nets++;
 }
 
-/* The net of node k of a subcircuit that is no port of it. */
+/* Return the net of node k of a subcircuit, which is no port. */
 static uint32_t inner_net(walk *w, const eda_subcircuit *s, size_t k,
                           const char *path) {
   const char *name = s->node[k];
@@ -222,8 +224,9 @@ static int add_device(walk *w, const eda_scope *in, const eda_element *e,
   return size_device(w->n, in, e, multiple, d);
 }
 
-/* The elements of a subcircuit whose ports are the nets `port`. What has no
-   transistor below it is left out: of devices alone there is a limit. */
+/* Expand the elements of a subcircuit whose ports are the nets `port`.
+   Subcircuits without transistors are skipped, because only the number of
+   devices is limited. */
 static int go_down(walk *w, const eda_scope *in, const char *path,
                    double multiple, const uint32_t *port) {
   const eda_subcircuit *s = in->of;
@@ -251,7 +254,8 @@ static int go_down(walk *w, const eda_scope *in, const char *path,
   return OPC_OK;
 }
 
-/* Ports are the first nodes, and so the first nets; unless they are global. */
+/* Ports are the first nodes, and therefore the first nets, unless they are
+   global. */
 static int list_ports(walk *w, const eda_subcircuit *s) {
   const eda_netlist *n = w->n;
   eda_flat_netlist *out = w->out;

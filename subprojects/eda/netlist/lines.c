@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A netlist's file as lines of words: comments, continuation, quotes. */
+/* Reader of netlist files as lines of words: comments, continuation lines,
+   quotes. */
 #include "netlist/lines.h"
 
 #include <errno.h>
@@ -12,9 +13,9 @@
 #include <strings.h>
 #include <sys/stat.h>
 
-/* How deep files include each other, and how many: a library has tens. */
+/* Largest depth and number of included files; a library has tens. */
 enum { MAX_INCLUDES = 16, MAX_FILES = 10000 };
-/* Of all files. */
+/* Largest total size of all files. */
 #define MAX_BYTES ((size_t)1 << 28)
 
 int lines_refuse(const lines *s, eda_place at, const char *format, ...) {
@@ -35,12 +36,12 @@ int is_equals(const word *w) {
   return !w->quoted && w->text[0] == '=' && w->text[1] == '\0';
 }
 
-/* What ends a word and means nothing itself. */
+/* Return whether a character separates words without a meaning of its own. */
 static int is_gap(char c) {
   return is_blank(c) || c == ',' || c == '(' || c == ')';
 }
 
-/* "x=250.5 y=400 nm" of a comment. Other comments are left alone. */
+/* Parse "x=250.5 y=400 nm" in a comment. Other comments are ignored. */
 static void read_position(const char *s, const char *end, line *l) {
   double at[2] = {NAN, NAN};
   for (; s + 2 < end; s++) {
@@ -67,7 +68,7 @@ static int add_word(lines *r, line *l, const char *text, size_t length,
   eda_pool_grow(r->pool, &l->word, &l->room, l->words + 1, sizeof *l->word);
   for (size_t i = 0; i < length; i++) {
     unsigned char c = (unsigned char)text[i];
-    /* Names of files have any letters. */
+    /* File names may contain any letters. */
     if (quoted && (c == '\t' || c > 127)) continue;
     if (c < 32 || c > 126)
       return lines_refuse(r, at, "byte 0x%02x in a word", c);
@@ -77,7 +78,8 @@ static int add_word(lines *r, line *l, const char *text, size_t length,
   return OPC_OK;
 }
 
-/* Blanks for tabs and carriage returns, and none at the end. */
+/* Append a text with tabs and carriage returns replaced by blanks, without
+   trailing blanks. */
 static void keep_text(lines *r, line *l, const char *from, const char *end) {
   while (end > from && is_blank(end[-1])) end--;
   const char *joint = l->length ? "\n+ " : "";
@@ -92,7 +94,7 @@ static void keep_text(lines *r, line *l, const char *from, const char *end) {
   l->length += joined + n;
 }
 
-/* One line of the file, from `from` up to `end`, into words. */
+/* Split one line of the file, from `from` up to `end`, into words. */
 static int split(lines *r, line *l, const char *from, const char *end,
                  uint32_t file, uint32_t number, const char *begin) {
   const char *s = from;
@@ -163,13 +165,13 @@ static int read_lines(lines *r, const char *text, size_t length,
   line l = {.x = NAN, .y = NAN};
   const char *end = text + length, *s = text;
   int code = OPC_OK;
-  /* What some editors put before UTF-8. */
+  /* Skip a byte order mark. */
   if (length >= 3 && !memcmp(s, "\xEF\xBB\xBF", 3)) s += 3;
   for (uint32_t number = 1; !code && s < end && !r->ended; number++) {
     const char *begin = s, *stop = memchr(s, '\n', (size_t)(end - s));
     if (!stop) stop = end;
     while (s < stop && is_blank(*s)) s++;
-    /* Comments may stand between a line and its continuation. */
+    /* Comments may separate a line and its continuation. */
     int title = number == 1 && file == 0 && s < stop && *s != '.';
     if (s < stop && *s != '*' && !title) {
       if (*s == '+') {

@@ -1,75 +1,75 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Netlist files as lines of words. Inside the library only. */
-#ifndef EDA_NETLIST_LINES_H
-#define EDA_NETLIST_LINES_H
+/* Netlist files as lines of words, private to the library. */
+#pragma once
 
 #include <eda/netlist.h>
 
 typedef struct word {
   const char *text;
   eda_place at;
-  int quoted; /* an expression */
+  int quoted; /* quoted: an expression */
 } word;
 
 typedef struct line {
   size_t words, room;
   word *word;
   size_t length, text_room;
-  char *text;  /* as it is written, without comments; "\n+ " between pieces */
-  double x, y; /* of a comment, nm; or NAN */
+  char *text;  /* original text without comments; "\n+ " between continued
+                  parts */
+  double x, y; /* position in a comment, nm; or NAN */
 } line;
 
 typedef struct eda_lines {
   opc_error *error;
   eda_pool *pool;
-  /* What to do with a line that is not empty, and with what. */
+  /* Callback for each line that is not empty, and its data. */
   int (*take)(void *data, const line *l);
   void *data;
 
   size_t files, room;
   const char **file;
   int ended; /* set by `take` after .end */
-  int depth; /* of .include */
+  int depth; /* depth of .include */
   size_t bytes;
-  int wraps; /* whether a '{' may be closed in a continuation */
-  /* The real path, with a '/' at its end, of the folder that what is included
-     must lie in; NULL: it may lie anywhere. */
+  int wraps; /* whether a continuation line may close a '{' */
+  /* Real path, ending with '/', of the folder that must contain included files;
+     NULL: no restriction. */
   const char *root;
 } lines;
 
-/* Read a file, or the text of one, and have each of its lines taken. */
+/* Read a file, or a text, and call `take` for each line. Return an OPC_*
+   code. */
 int lines_read(lines *s, const char *path);
 int lines_read_text(lines *s, const char *name, const char *text,
                     size_t length);
 
-/* The folder of a file, as a root; NULL if it is not there. */
+/* Return the folder of a file as a root; NULL if the folder does not exist. */
 const char *lines_folder(eda_pool *pool, const char *path);
 
-/* Whether it is .include, or .inc; and what that asks for: to read another
-   file, beside the one that the line stands in. */
+/* Return whether a line is .include or .inc; or execute it: read another file,
+   relative to that of the line. */
 int lines_is_include(const line *l);
 int lines_include(lines *s, const line *l);
 
-/* Refuse what stands at a place: OPC_INVALID, "FILE:LINE:COLUMN: WHAT". */
+/* Return OPC_INVALID with "FILE:LINE:COLUMN: MESSAGE" for a place. */
 int lines_refuse(const lines *s, eda_place at, const char *format, ...)
     OPC_PRINTF(3, 4);
 
-/* Whether a word is a '='. */
+/* Return whether a word is '='. */
 int is_equals(const word *w);
 
 /* ---- value.c ---- */
 
-/* The value of a setting: a number, or an expression of parameters. */
+/* Compute the value of a setting: a number, or an expression of parameters.
+   Return an OPC_* code. */
 int netlist_value(const eda_netlist *n, const eda_scope *in,
                   const eda_assignment *s, double *out);
 
-/* A plain SPICE number ("0.21u", "1meg"); the place behind it, NULL if there is
-   none. */
+/* Parse a plain SPICE number ("0.21u", "1meg"). Return the end of the number,
+   NULL without a number. */
 const char *netlist_number(const char *text, double *out);
 
 /* ---- parse.c ---- */
 
-/* EDA_NMOS or EDA_PMOS, -1 if nothing tells. */
+/* Return EDA_NMOS or EDA_PMOS, -1 if unknown. */
 int netlist_type(const eda_netlist *n, const char *model);
-
-#endif

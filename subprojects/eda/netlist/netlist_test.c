@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Names, a netlist that is read and made flat, and circuits that are not sound.
-   netlist.match's tests have the syntax and its faults. */
+/* Names, a netlist read and flattened, and invalid circuits. Syntax and its
+   faults are tested with netlist.match. */
 #include <eda/netlist.h>
 #include <glib.h>
 #include <glib/gstdio.h>
@@ -57,7 +57,7 @@ static const char deck[] =
     ".subckt buf A Y vdd\nXone A n vdd inv w=wide\nC1 n 0 1f\n"
     "Xtwo n Y vdd / inv m=3\n.ends buf\n";
 
-/* Sizes, multiples, inner nets and globals, by hand. */
+/* Sizes, multiples, inner nets and globals, computed by hand. */
 static void test_flat(void) {
   static const struct {
     const char *name, *net[3];
@@ -105,8 +105,8 @@ static void test_flat(void) {
 
 /* ---- expressions ---- */
 
-/* An expression of numbers with suffixes and of parameters, grown at random;
-   its value is kept beside it. */
+/* A random expression of numbers with suffixes and parameters, and its
+   value. */
 typedef struct expression {
   char *text;
   double value;
@@ -158,7 +158,7 @@ static expression grow(GRand *rand, int depth) {
   return all;
 }
 
-/* Read a deck and make the subcircuit "s" flat; the pool's must be cleared. */
+/* Read a deck and flatten the subcircuit "s"; the caller clears the pool. */
 static int flatten(eda_netlist *n, const char *text, eda_flat_netlist *f) {
   g_autofree char *folder = g_dir_make_tmp("netlist-test-XXXXXX", NULL);
   g_autofree char *path = g_build_filename(folder, "s.sp", NULL);
@@ -175,7 +175,7 @@ static int flatten(eda_netlist *n, const char *text, eda_flat_netlist *f) {
   return code;
 }
 
-/* Each expression is a width, brought to some 100 nm by a factor. */
+/* Each expression is a width, scaled to some 100 nm. */
 static void test_expressions(void) {
   enum { MANY = 400 };
   GRand *rand = g_rand_new_with_seed(8);
@@ -205,8 +205,8 @@ static void test_expressions(void) {
   g_rand_free(rand);
 }
 
-/* An X is a transistor of a foundry's kit where it has four nodes, W and L, and
-   nothing of that name is there. */
+/* An X element is a transistor of a foundry kit if it has four nodes, W and L,
+   and no subcircuit has its name. */
 static void test_wrapped(void) {
   static const struct {
     const char *call;

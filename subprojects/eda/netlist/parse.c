@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Lines to subcircuits and their elements. */
+/* Parser of lines into subcircuits and their elements. */
 #include "netlist/lines.h"
 
 #include <ctype.h>
@@ -8,14 +8,14 @@
 
 /* ---- pieces of a line ---- */
 
-/* How many words come before the first NAME=VALUE. */
+/* Return the number of words before the first NAME=VALUE. */
 static size_t plain_words(const line *l) {
   for (size_t i = 0; i < l->words; i++)
     if (is_equals(&l->word[i])) return i ? i - 1 : 0;
   return l->words;
 }
 
-/* NAME = VALUE NAME = VALUE ... from word `from` on. */
+/* Read NAME = VALUE NAME = VALUE ... from word `from` on. */
 static int read_settings(eda_netlist *n, const line *l, size_t from,
                          eda_assignment **out, size_t *count) {
   size_t room = 0;
@@ -34,7 +34,7 @@ static int read_settings(eda_netlist *n, const line *l, size_t from,
   return OPC_OK;
 }
 
-/* `count` words as names. */
+/* Return `count` words as names. */
 static const char **names(eda_netlist *n, const word *w, size_t count) {
   const char **list = eda_pool_alloc(&n->pool, count, sizeof *list);
   for (size_t i = 0; i < count; i++) list[i] = w[i].text;
@@ -43,7 +43,7 @@ static const char **names(eda_netlist *n, const word *w, size_t count) {
 
 /* ---- elements ---- */
 
-/* What the flow says, else a .model card, else the name. */
+/* The flow decides, otherwise a .model card, otherwise the name. */
 int netlist_type(const eda_netlist *n, const char *model) {
   static const struct {
     const char *part;
@@ -72,7 +72,7 @@ static int fill_transistor(eda_netlist *n, eda_element *e) {
   return OPC_OK;
 }
 
-/* M or X: NAME NODES... MODEL [NAME=VALUE ...] */
+/* Read an M or X element: NAME NODES... MODEL [NAME=VALUE ...] */
 static int read_element(eda_netlist *n, eda_subcircuit *s, const line *l) {
   int is_transistor = tolower((unsigned char)l->word[0].text[0]) == 'm';
   size_t plain = plain_words(l), nodes = plain - 2;
@@ -143,7 +143,7 @@ static int read_parameters(eda_netlist *n, const line *l) {
   size_t count = 0;
   if (read_settings(n, l, 1, &list, &count)) return n->error->code;
   for (size_t i = 0; i < count; i++) {
-    /* The last one counts. */
+    /* The last setting applies. */
     *eda_names_add(&n->setting_of, list[i].name) = (uint32_t)n->settings;
     eda_pool_grow(&n->pool, &n->setting, &n->room_settings, n->settings + 1,
                   sizeof *n->setting);
@@ -152,7 +152,7 @@ static int read_parameters(eda_netlist *n, const line *l) {
   return OPC_OK;
 }
 
-/* .option scale=1e-6; other options do not change what is connected. */
+/* Read .option scale=1e-6; other options do not affect connections. */
 static int read_options(eda_netlist *n, const line *l) {
   for (size_t i = 1; i + 2 < l->words; i++) {
     if (strcasecmp(l->word[i].text, "scale") || !is_equals(&l->word[i + 1]))
@@ -192,7 +192,7 @@ static int is_card(const line *l, const char *const *cards) {
 }
 
 static int read_card(eda_netlist *n, const line *l) {
-  /* What a simulation is told, and not what is connected. */
+  /* Statements that control simulation and do not affect connections. */
   static const char *const skipped[] = {
       ".tran",  ".dc",   ".ac",      ".op",    ".print",   ".plot",    ".probe",
       ".meas",  ".save", ".measure", ".temp",  ".ic",      ".nodeset", ".title",
@@ -229,7 +229,7 @@ static int take_line(void *data, const line *l) {
   if (n->current == UINT32_MAX) return OPC_OK;
   if (letter == 'm' || letter == 'x')
     return read_element(n, &n->subcircuit[n->current], l);
-  /* Capacitors and diodes connect nothing. */
+  /* Capacitors and diodes connect no nets. */
   if (letter != 'c' && letter != 'd')
     return lines_refuse(n->lines, first->at,
                         "'%.100s' is neither a transistor nor a subcircuit's "

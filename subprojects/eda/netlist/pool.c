@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Pools: blocks that things are cut from one after another. Maps of names: hash
-   tables that their pool frees. */
+/* Memory pools: blocks from which objects are allocated in sequence. Maps of
+   names: hash tables freed with their pool. */
 #include <eda/pool.h>
 
 #include <glib.h>
@@ -20,7 +20,7 @@ static size_t aligned(size_t n) { return (n + ALIGN - 1) / ALIGN * ALIGN; }
 
 void *eda_pool_alloc(eda_pool *pool, size_t count, size_t size) {
   size_t bytes, head = aligned(sizeof(eda_pool_block));
-  /* So much is never there, and eda_alloc ends the program. */
+  /* An allocation of this size fails, and eda_alloc ends the program. */
   if (__builtin_mul_overflow(count, size, &bytes) || bytes > SIZE_MAX / 4)
     bytes = SIZE_MAX / 4;
   bytes = aligned(bytes + !bytes);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Numbers with suffixes, and expressions of them and of parameters. */
+/* Numbers with suffixes, and expressions of numbers and parameters. */
 #include "netlist/lines.h"
 
 #include <ctype.h>
@@ -8,7 +8,8 @@
 #include <string.h>
 #include <strings.h>
 
-/* Steps of one expression with all parameters in it, and how deep they go. */
+/* Largest number of steps and depth of an expression with all its
+   parameters. */
 enum { MAX_STEPS = 10000, MAX_DEPTH = 64 };
 
 /* ---- numbers ---- */
@@ -34,14 +35,16 @@ const char *netlist_number(const char *text, double *out) {
   if (*s == '0' && (s[1] == 'x' || s[1] == 'X')) return NULL;
   char *end;
   *out = strtod(text, &end) * suffix(end);
-  while (isalpha((unsigned char)*end)) end++; /* the rest is its unit */
+  while (isalpha((unsigned char)*end))
+    end++; /* the remaining letters are the
+              unit */
   return end;
 }
 
 /* ---- expressions ---- */
 
-/* One expression. What goes wrong is kept in `code`, and the rest of the text
-   is then read for nothing. */
+/* An expression. A fault is recorded in `code`, and the remaining text is
+   parsed without effect. */
 typedef struct reader {
   const eda_netlist *n;
   const eda_scope *in;
@@ -53,7 +56,7 @@ typedef struct reader {
 
 static double sum(reader *r);
 
-/* The first fault counts. */
+/* Record a fault; the first one is reported. */
 static double refuse(reader *r, const char *what) {
   if (!r->code)
     r->code = lines_refuse(r->n->lines, r->whole->at, "%s in '%.200s'", what,
@@ -79,8 +82,9 @@ static const eda_assignment *among(const eda_assignment *s, size_t n,
   return NULL;
 }
 
-/* What a name means: set by the call, else by the subcircuit, else by .param.
-   A call's value is meant where the call stands. */
+/* Return the value of a name: set by the call, otherwise by the subcircuit,
+   otherwise by .param. Values of a call are evaluated in the scope of the
+   call. */
 static double parameter(reader *r, const char *name) {
   const eda_scope *in = r->in, *meant = in ? in->caller : NULL;
   const eda_assignment *s = NULL;

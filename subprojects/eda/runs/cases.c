@@ -9,7 +9,7 @@
 struct eda_run_cases {
   eda_table *table;
   GArray *all;      /* eda_run_case */
-  GPtrArray *paths; /* char *: folders */
+  GPtrArray *paths; /* folders, char * */
 };
 
 enum { CASE, METHOD, FOLDER, RESULT, SECONDS, COLUMNS };
@@ -25,7 +25,7 @@ int eda_run_is_experiment(const char *folder) {
   return g_file_test(path, G_FILE_TEST_IS_REGULAR);
 }
 
-/* Whether a path stays below where it starts. */
+/* Return whether a path stays below its start. */
 static gboolean is_inside(const char *path) {
   g_auto(GStrv) parts = g_strsplit(path, "/", -1);
   return !g_path_is_absolute(path) &&
@@ -44,7 +44,7 @@ static int read_row(eda_run_cases *c, const char *folder, const int at[COLUMNS],
   if (!is_inside(cell[FOLDER]))
     return eda_table_fail(t, row, (size_t)at[FOLDER],
                           "leaves the folder:", error);
-  /* A byte that no field has parts them. */
+  /* The separator occurs in no field. */
   if (!g_hash_table_add(seen,
                         g_strdup_printf("%s\n\r%s", cell[CASE], cell[METHOD])))
     return eda_table_fail(t, row, (size_t)at[METHOD],

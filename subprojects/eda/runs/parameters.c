@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A resolved flow as a list of parameters: each stands on a line of its own,
-   which a comment ends that says where the value came from. */
+/* A resolved flow as a list of parameters. Each is on a line of its own, which
+   ends with a comment on the origin of the value. */
 #include "runs/parameters.h"
 
 #include <string.h>
@@ -19,13 +19,14 @@ static char *keep(walk *w, char *text) {
   return text;
 }
 
-/* As hide_braces of text.c hid them. */
+/* Restore the braces hidden by hide_braces of text.c. */
 static void show_braces(GString *text) {
   g_string_replace(text, "\xEE\x80\x80", "{", 0);
   g_string_replace(text, "\xEE\x80\x81", "}", 0);
 }
 
-/* A value as a flow writes it on one line. As deep as the flow. */
+/* Append a value on one line in the syntax of flows. Recursion is as deep as
+   the flow. */
 static void append(walk *w, const yaml_node_t *node, GString *out) {
   if (node->type == YAML_SCALAR_NODE) {
     const char *text = runs_word(node);
@@ -66,7 +67,8 @@ static void add_value(walk *w, const char *name, const yaml_node_t *value) {
   g_array_append_val(w->out, p);
 }
 
-/* Maps make longer names. As deep as the flow. */
+/* Add the entries of a map with longer names. Recursion is as deep as the
+   flow. */
 static int add_map(walk *w, const char *before, const yaml_node_t *map) {
   int code = OPC_OK;
   const yaml_node_pair_t *pair = map->data.mapping.pairs.start;

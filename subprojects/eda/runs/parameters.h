@@ -1,15 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The parameters of a resolved flow. */
-#ifndef EDA_RUNS_PARAMETERS_H
-#define EDA_RUNS_PARAMETERS_H
+/* Parameters of a resolved flow. */
+#pragma once
 
 #include <glib.h>
 
 #include "runs/text.h"
 
-/* Add all to `out` (eda_run_parameter); their texts belong to `texts`
-   (char *). */
+/* Add all parameters to `out` (eda_run_parameter); `texts` (char *) owns their
+   texts. Return an OPC_* code. */
 int runs_parameters(runs_tree *flow, GArray *out, GPtrArray *texts,
                     opc_error *error);
-
-#endif

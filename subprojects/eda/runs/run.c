@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A run folder: its manifest, metrics and resolved flow as plain arrays. */
+/* Reader of a run folder: manifest, metrics and resolved flow as plain
+   arrays. */
 #include <glib.h>
 #include <math.h>
 #include <string.h>
@@ -11,11 +12,11 @@
 struct eda_run {
   runs_tree manifest, metrics, flow;
   eda_run_facts told;
-  GPtrArray *texts;   /* char *: those that are in no tree */
-  GHashTable *tables; /* name: eda_table */
+  GPtrArray *texts;   /* texts not owned by a tree, char * */
+  GHashTable *tables; /* name to eda_table */
 };
 
-/* The arrays that are being made of a tree. */
+/* Arrays under construction from a tree. */
 typedef struct reading {
   eda_run *run;
   runs_tree *tree;
@@ -24,8 +25,9 @@ typedef struct reading {
 
 /* ---- lists ---- */
 
-/* Of each element of the list `key` of a map, one element of `size` bytes, as
-   `read` makes it; *n: how many. NULL: *error, or there are none. */
+/* Return an array with one element of `size` bytes for each element of the list
+   `key` of a map, set by `read`, and their number *n. NULL: an empty list, or
+   *error is set. */
 static void *read_list(reading *r, const char *key, size_t size, size_t *n,
                        int (*read)(reading *r, yaml_node_t *node, void *to)) {
   yaml_node_t *list = runs_get(r->tree, runs_root(r->tree), key);
@@ -45,7 +47,7 @@ static void *read_list(reading *r, const char *key, size_t size, size_t *n,
   return all;
 }
 
-/* The text of a member, which must be there. */
+/* Read the text of a required member. */
 static int need(reading *r, yaml_node_t *map, const char *key,
                 const char **text) {
   *text = runs_word(runs_get(r->tree, map, key));
@@ -111,13 +113,13 @@ static int read_metric(reading *r, const char *step, const yaml_node_pair_t *at,
     return runs_fail(r->tree, node, r->error,
                      "'better' is neutral, lower or higher, not '%.40s'",
                      better);
-  if (!(m.tolerance >= 0)) /* also NAN */
+  if (!(m.tolerance >= 0)) /* also for NAN */
     return runs_fail(r->tree, node, r->error, "'tolerance' is no number");
   g_array_append_val(out, m);
   return OPC_OK;
 }
 
-/* Members that are no maps are not of steps. */
+/* Read the metrics of all steps. Members that are no maps belong to no step. */
 static int read_metrics(reading *r) {
   GArray *out = g_array_new(FALSE, FALSE, sizeof(eda_run_metric));
   const yaml_node_t *root = runs_root(r->tree);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Run folders and experiments that were written by hand, good and damaged. */
+/* Valid and damaged run folders and experiments, written by hand. */
 #include <eda/runs.h>
 #include <glib.h>
 #include <glib/gstdio.h>
@@ -49,7 +49,8 @@ static void put(const char *folder, const char *file, const char *text) {
   g_assert_true(g_file_set_contents(path, text, -1, NULL));
 }
 
-/* A folder with that run (g_free); NULL takes the good text. */
+/* Return a folder with a run (g_free); NULL selects the valid text of a
+   file. */
 static char *make(const char *a, const char *b, const char *c) {
   char *folder = g_dir_make_tmp("runs-XXXXXX", NULL);
   put(folder, "manifest.json", a ? a : manifest);
@@ -141,7 +142,7 @@ static void test_parameters(void) {
 }
 
 static void test_bad_runs(void) {
-  /* Which file, its text, the code, and what is said. */
+  /* File, its text, the expected code and message. */
   static const struct {
     int file, code;
     const char *text, *why;

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tables of runs (RFC 4180): a file is read as one text and cut into its fields
-   where it lies. */
+/* Reader of tables of runs (RFC 4180): a file is read as one text and split
+   into fields in place. */
 #include <glib.h>
 #include <math.h>
 #include <string.h>
 
 #include "runs/text.h"
 
-/* gates.csv has some 200 bytes for each transistor. */
+/* Bytes; gates.csv has some 200 for each transistor. */
 static const size_t LARGEST_TABLE = (size_t)1 << 30;
 enum { MOST_COLUMNS = 10000 };
 
@@ -16,22 +16,22 @@ enum { MOST_COLUMNS = 10000 };
 typedef struct column {
   char *name, *unit;
   double *numbers;
-  int looked; /* whether numbers were made, or could not be */
+  int looked; /* whether conversion to numbers was tried */
 } column;
 
 struct eda_table {
   char *path, *text;
   GArray *columns;   /* column */
-  GPtrArray *fields; /* char *, row by row, without the first line */
-  GArray *lines;     /* uint32_t: of each row */
+  GPtrArray *fields; /* char *, row by row, without the header */
+  GArray *lines;     /* line of each row, uint32_t */
 };
 
-/* Where the reader is. */
+/* Position of the reader. */
 typedef struct cursor {
   eda_table *table;
   char *at, *line_start;
   uint32_t line;
-  int ended; /* the last field was that of its line */
+  int ended; /* the last field ended its line */
 } cursor;
 
 /* ---- cutting ---- */
@@ -42,7 +42,7 @@ static int fail_here(const cursor *c, const char *what, opc_error *error) {
                   g_utf8_pointer_to_offset(c->line_start, c->at) + 1, what);
 }
 
-/* A field in quotes, its doubled ones made single where it lies. */
+/* Split off a field in quotes, with doubled quotes replaced in place. */
 static int cut_quoted(cursor *c, char **field, opc_error *error) {
   char *out = *field = c->at, *in = c->at + 1;
   const cursor start = *c;
@@ -59,7 +59,7 @@ static int cut_quoted(cursor *c, char **field, opc_error *error) {
   return OPC_OK;
 }
 
-/* The next field; its end is overwritten. */
+/* Split off the next field; its end is overwritten. */
 static int cut_field(cursor *c, char **field, opc_error *error) {
   int code = OPC_OK;
   *field = c->at;
@@ -85,7 +85,7 @@ static void end_line(cursor *c) {
 
 /* ---- reading ---- */
 
-/* "name (unit)" */
+/* Return name and unit of "name (unit)". */
 static column head_of(const char *text) {
   size_t n = strlen(text);
   const char *unit = n && text[n - 1] == ')' ? g_strrstr(text, " (") : NULL;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The files of a run folder as texts, and as trees that know their places. */
+/* Files of a run folder as texts, and as trees of nodes with their places. */
 #include "runs/text.h"
 
 #include <errno.h>
@@ -10,7 +10,7 @@
 
 enum {
   LARGEST_TREE = 16 << 20, /* bytes */
-  DEEPEST = 64             /* as the kernel reads flows */
+  DEEPEST = 64             /* same limit as for flows */
 };
 
 /* ---- texts ---- */
@@ -49,8 +49,8 @@ static int fail_parser(const runs_tree *tree, const yaml_parser_t *parser,
       parser->context ? " " : "", parser->context ? parser->context : "");
 }
 
-/* Look at the next event for what would make a small file a large or deep tree;
- *depth is kept. */
+/* Check the next event against limits that keep a small file from making a
+   large or deep tree, and track the depth. */
 static int check_event(const runs_tree *tree, yaml_parser_t *parser, int *depth,
                        yaml_event_type_t *type, opc_error *error) {
   yaml_event_t event;
@@ -71,7 +71,7 @@ static int check_event(const runs_tree *tree, yaml_parser_t *parser, int *depth,
               : OPC_OK;
 }
 
-/* Twice: the events are checked before a tree is made of them. */
+/* Parse twice: check all events, then make the tree. */
 static int read_document(runs_tree *tree, opc_error *error) {
   int code = OPC_OK, depth = 0;
   for (int pass = 0; pass < 2 && !code; pass++) {
@@ -94,9 +94,9 @@ static int read_document(runs_tree *tree, opc_error *error) {
   return code;
 }
 
-/* ${name} may stand in { } and [ ] without quotes, where YAML would end the
-   text at its brace: private characters stand for braces, until a value is
-   written (parameters.c). */
+/* Return the text with braces of ${name} replaced by private characters until
+   values are written (parameters.c). ${name} may stand in { } and [ ] without
+   quotes, where YAML would end the text at its brace. */
 static char *hide_braces(const char *text) {
   g_autoptr(GRegex) reference =
       g_regex_new("\\$\\{([A-Za-z0-9_.-]*)\\}", 0, 0, NULL);
@@ -143,7 +143,7 @@ const char *runs_word(const yaml_node_t *node) {
   if (!node || node->type != YAML_SCALAR_NODE) return NULL;
   const char *text = (const char *)node->data.scalar.value;
   gboolean plain = node->data.scalar.style == YAML_PLAIN_SCALAR_STYLE;
-  /* A text with a NUL byte, which an escape can make, is none. */
+  /* A text with a NUL byte, possible by an escape, is rejected. */
   if (strlen(text) != node->data.scalar.length) return NULL;
   return plain && !strcmp(text, "null") ? NULL : text;
 }

@@ -2,8 +2,7 @@
 /* Common declarations of this folder. Coordinates are in units of the mask
    grid. Directions: something "across d" has a constant coordinate along d and
    extends along the other direction. */
-#ifndef EDA_SEGMENT_SEGMENT_H
-#define EDA_SEGMENT_SEGMENT_H
+#pragma once
 
 #include <eda/memory.h>
 #include <eda/segment.h>
@@ -151,5 +150,3 @@ int segment_refuse(segment *s, size_t i, const char *fault);
 
 /* Return the path of a placement (free()) and its cell, -1 for none. */
 char *segment_path(const segment *s, uint32_t placement, int32_t *cell);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Steps of segmentation, shared by whole layouts and windows. */
-#ifndef EDA_SEGMENT_WINDOWS_H
-#define EDA_SEGMENT_WINDOWS_H
+#pragma once
 
 #include "segment/segment.h"
 
@@ -20,5 +19,3 @@ int segment_layers(segment *s);
 int segment_regions(segment *s);
 int segment_finish(segment *s);
 void segment_clear_layers(segment *s);
-
-#endif

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the simulator gets to see: statements that describe a circuit. Its
-   language has others, which run commands, open and write files or load code
-   (.control, "*ng_script", "*#", .csparam, code models, tables in files), and
-   more with each version: so what is not known here is refused. Files are read
-   here, and only where the given ones lie. Compiled models (OSDI) are code; the
-   deck itself may name a file of them, what it includes may not. */
+/* Filter of decks: the simulator receives only statements that describe a
+   circuit. The language of ngspice has others, which run commands, access files
+   or load code (.control, "*ng_script", "*#", .csparam, code models, tables in
+   files), and each version adds more, so unknown statements are rejected. Files
+   are read here, and only below the folders of the given files. Compiled models
+   (OSDI) are code: the deck itself may name such a file, included files may
+   not. */
 #include "simulator/deck.h"
 
 #include <glib.h>
@@ -18,34 +19,33 @@
 typedef struct deck {
   lines lines;
   FILE *out;
-  const char *osdi;     /* the file of compiled models; NULL: none */
-  GMappedFile *objects; /* what is in it */
-  /* Of the file that is read. */
-  const char *wanted; /* its section of that name; NULL: what is in none */
+  const char *osdi;     /* file of compiled models; NULL: none */
+  GMappedFile *objects; /* its contents */
+  /* State of the current file. */
+  const char *wanted; /* wanted section; NULL: statements outside of sections */
   int found;
-  const char *section; /* where we are; NULL: in none */
+  const char *section; /* current section; NULL: none */
   eda_place section_at;
 } deck;
 
 /* ---- what is known ---- */
 
-/* Sources, controlled ones with expressions, passive devices, transistors,
-   subcircuits. Not A and U, which are code; N, which is compiled models' only.
- */
+/* Sources, controlled sources with expressions, passive devices, transistors,
+   subcircuits. Not A and U, which are code; N only with compiled models. */
 static const char devices[] = "bcdefghijklmqrvx";
 
-/* Not those of CIDER and of code models, which read and write files. */
+/* Without those of CIDER and of code models, which access files. */
 static const char model_kinds[] =
     "nmos pmos npn pnp njf pjf nmf pmf d r res c l";
 
-/* Others set the simulator's variables, among them programs and paths. "parser"
-   is for another simulator, and means nothing here. */
+/* Others set variables of the simulator, such as programs and paths. "parser"
+   belongs to another simulator and has no effect here. */
 static const char options[] =
     "abstol chgtol defad defas defl defw gmin itl1 itl2 itl4 parser pivrel "
     "pivtol reltol scale tnom trtol vntol";
 
-/* In any statement, also within quotes: what a source or a model has from a
-   file. */
+/* Keywords of sources and models that read a file; rejected in any statement,
+   also in quotes. */
 static const char *const file_words[] = {"file", "sound"};
 static const char letters[] =
     "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_";
@@ -54,7 +54,7 @@ static int is_own(const line *l) { return l->word[0].at.file == 0; }
 
 /* ---- statements ---- */
 
-/* The simulator may pair quotes and braces in another way than we do. */
+/* The simulator may pair quotes and braces differently. */
 static int names_file(const char *text) {
   while (*text) {
     size_t n = strspn(text, letters);
@@ -86,8 +86,8 @@ static int pass(deck *d, const line *l) {
   return OPC_OK;
 }
 
-/* Whether the file of compiled models has one of that name, which ends there
-   with a zero byte. */
+/* Return whether the file of compiled models contains a name, terminated by a
+   zero byte. */
 static int is_compiled(const deck *d, const char *kind) {
   size_t n = strlen(kind), size = g_mapped_file_get_length(d->objects);
   const char *s = g_mapped_file_get_contents(d->objects);
@@ -107,17 +107,17 @@ static int take_model(deck *d, const line *l) {
                         "models of kind '%.100s' are not taken; known: %s, and "
                         "what an OSDI file has",
                         kind->text, model_kinds);
-  /* A library has some that a circuit does not use, and that were not compiled;
-     a device of such a model is the simulator's to refuse. */
+  /* Libraries contain models that a circuit does not use and that are not
+     compiled; the simulator rejects devices of such models. */
   return is_compiled(d, kind->text) ? pass(d, l) : OPC_OK;
 }
 
-/* NAME=NUMBER, or a NAME alone. */
+/* Check NAME=NUMBER or NAME options. */
 static int take_options(deck *d, const line *l) {
   double number;
   for (size_t i = 1; i < l->words; i++) {
     const word *w = &l->word[i];
-    /* A card's temperature would overrule the step's. */
+    /* The temperature of a card would override that of the step. */
     int good = eda_in_list(options, w->text) ||
                (is_own(l) && eda_same_name(w->text, "temp"));
     if (w->quoted || !good)
@@ -136,7 +136,7 @@ static int take_options(deck *d, const line *l) {
   return pass(d, l);
 }
 
-/* The statements of another file, or of one of its sections. */
+/* Read the statements of another file, or of one of its sections. */
 static int read_file(deck *d, const line *l, const char *section) {
   const deck outer = *d;
   line file = *l;
@@ -168,7 +168,7 @@ static int take_include(deck *d, const line *l) {
   return read_file(d, l, NULL);
 }
 
-/* .lib FILE SECTION; .lib SECTION begins one. */
+/* Handle .lib FILE SECTION, and .lib SECTION, which starts a section. */
 static int take_library(deck *d, const line *l) {
   if (l->words == 3) return read_file(d, l, l->word[2].text);
   if (l->words != 2 || d->section || is_own(l))
@@ -225,7 +225,7 @@ static const struct {
     {".osdi", take_osdi, 1},
 };
 
-/* Whether the section that is being read is meant. */
+/* Return whether statements of the current section are wanted. */
 static int is_meant(const deck *d) {
   if (!d->wanted) return !d->section;
   return d->section && eda_same_name(d->section, d->wanted);
@@ -254,7 +254,7 @@ static int take_line(void *data, const line *l) {
   }
   int is_section = l->words == 2 && eda_same_name(first->text, ".lib");
   if (!is_meant(d) && !is_section) return OPC_OK;
-  /* Not "(.control". */
+  /* Rejects "(.control". */
   if (strncmp(l->text, first->text, strlen(first->text)) != 0)
     return refuse(d, first);
   if (first->text[0] != '.')
@@ -274,7 +274,7 @@ char *deck_write(const char *text, char **osdi, opc_error *error) {
       .lines = {.error = error, .pool = &pool, .take = take_line, .wraps = 1},
       .out = open_memstream(&out, &size)};
   d.lines.data = &d;
-  /* The first line is a title whatever it says, also "*ng_script". */
+  /* The simulator takes the first line as a title, even "*ng_script". */
   fputs("opcflow\n", d.out);
   int code = lines_read_text(&d.lines, "deck", text, strlen(text));
   fclose(d.out);

@@ -1,16 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What a deck and the files that it names come to. Inside the library only. */
-#ifndef EDA_SIMULATOR_DECK_H
-#define EDA_SIMULATOR_DECK_H
+/* Filter of decks, private to the library. */
+#pragma once
 
 #include <opcflow/base.h>
 
-/* The deck written anew: of what it says and of what it includes, the
-   statements that are known to be harmless. To be freed with free(); NULL and
-   *error, OPC_INVALID with FILE:LINE:COLUMN, if there is any other. The deck
-   itself is called "deck". `.osdi FILE`, of the deck's own and before what
-   needs it, is taken out: *osdi, unless it is NULL, is that file, to be freed,
-   or NULL. [any] */
+/* Return a copy of the deck with all included statements, restricted to
+   harmless ones (free()). NULL and OPC_INVALID in *error with FILE:LINE:COLUMN
+   if any other statement occurs. Messages call the deck "deck". `.osdi FILE` is
+   removed; the deck may have one before the statements that need it. *osdi
+   receives that file (free()) or NULL; `osdi` may be NULL. [any] */
 char *deck_write(const char *deck, char **osdi, opc_error *error);
-
-#endif

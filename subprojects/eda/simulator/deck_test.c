@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What may reach the simulator, and every way around it that we know. */
+/* Statements accepted by the simulator, and all known ways to circumvent the
+   filter. */
 #include "simulator/deck.h"
 
 #include <glib.h>
@@ -20,7 +21,7 @@ static void put(const char *name, const char *text, gssize length) {
   g_assert_true(g_file_set_contents(path, text, length, NULL));
 }
 
-/* A deck with that file. */
+/* Return a deck that includes a file. */
 static char *deck_of(const char *name) {
   g_autofree char *path = place(name);
   return g_strdup_printf("title\n.include \"%s\"\n.end\n", path);
@@ -38,7 +39,7 @@ static void refused_file(const char *name, const char *where,
     g_error("'%s', expected '%s' and '%s'", error.message, where, words);
 }
 
-/* These bytes, as a file, are refused at LINE:COLUMN. */
+/* Check that a file with these bytes is rejected at LINE:COLUMN. */
 static void refused(const char *bytes, gssize length, const char *where,
                     const char *words) {
   g_autofree char *at = g_strdup_printf("/evil.pm:%s: ", where);
@@ -80,7 +81,7 @@ static void test_taken(void) {
   becomes("*#shell false\n*ng_script\n  *#shell false\n", "");
 }
 
-/* The deck's own: its title is none, whatever it says. */
+/* The deck itself has no title line: its first line is a statement. */
 static void test_own(void) {
   opc_error error;
   char *out = deck_write(
@@ -123,7 +124,7 @@ static void test_statements(void) {
   refused("shell touch x\n", -1, "1:1", "'shell' is refused");
 }
 
-/* What hides in statements that are taken. */
+/* Forbidden parts in accepted statements. */
 static void test_hidden(void) {
   refused(".options editor=ed\n", -1, "1:10", "option 'editor'");
   refused(".options reltol=1e-3\n+ spicepath=/tmp\n", -1, "2:3", "'spicepath'");
@@ -162,7 +163,7 @@ static void test_bytes(void) {
   becomes("\xEF\xBB\xBF.param a=1\n", ".param a=1\n");
   refused("\xEF\xBB\xBF.control\n", -1, "1:1", "'.control' is refused");
   refused(".param a=1\n\xEF\xBB\xBF.control\n", -1, "2:1", "byte 0xef");
-  /* A lone carriage return is a blank. */
+  /* A single carriage return counts as a blank. */
   becomes(".param a=1\r.control\n", ".param a=1 .control\n");
 }
 
@@ -245,8 +246,7 @@ static void test_library(void) {
   free(out);
 }
 
-/* A file of compiled models, which the deck itself names, has its own kinds of
-   models and instances. */
+/* Compiled models named by the deck add kinds of models and instances. */
 static void test_osdi(void) {
   static const char text[] =
       ".subckt f d g s b\nN1 d g s b m w=1u\n.model m Compiled type=1\n"

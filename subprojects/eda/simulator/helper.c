@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* opcflow-simulator SECONDS PARENT [OSDI]: runs one deck in ngspice, which is a
-   library that keeps its state in globals, calls exit() and prints. So whatever
-   it does to its process is done to one that is thrown away, and that can do
-   nothing to others (sandbox.h). record.h tells what passes in and out. It is
-   linked with little, as it is started once a deck. */
-#include <stdbool.h> /* which sharedspice.h takes for granted */
+/* opcflow-simulator SECONDS PARENT [OSDI]: runs one deck in ngspice. The
+   library of ngspice keeps state in globals, calls exit() and prints, so it
+   runs in a separate process without rights (sandbox.h). record.h describes
+   input and output. The program links few libraries, because each deck starts
+   it anew. */
+#include <stdbool.h> /* needed by sharedspice.h */
 
 #include "simulator/record.h"
 #include "simulator/sandbox.h"
@@ -31,7 +31,8 @@ enum { MOST_TROUBLE = 600 };
 
 /* ---- what is sent ---- */
 
-/* Of the one circuit of this process; ngspice's callbacks know no other. */
+/* Output of the only circuit of this process; callbacks of ngspice have no
+   context. */
 static FILE *answer;
 static char trouble[MOST_TROUBLE];
 
@@ -40,7 +41,7 @@ static void send_head(int kind, size_t bytes) {
   fwrite(&r, sizeof r, 1, answer);
 }
 
-/* At once, so that a process that dies has said why. */
+/* Unbuffered, so that the reason of a crash is not lost. */
 static void send_record(int kind, const void *data, size_t bytes) {
   send_head(kind, bytes);
   fwrite(data, 1, bytes, answer);
@@ -68,7 +69,8 @@ __attribute__((format(printf, 1, 2))) static char *text_of(const char *format,
 
 /* ---- what ngspice says ---- */
 
-/* Its functions tell of no failure, its words do. */
+/* Functions of ngspice return no error codes, so recognise failures by its
+   messages. */
 static int is_trouble(const char *line) {
   return !strncasecmp(line, "error", 5) || !strncasecmp(line, "fatal", 5) ||
          !strncmp(line, "doAnalyses:", 11) || strstr(line, " aborted") ||
@@ -129,9 +131,9 @@ static void limit_to(int resource, rlim_t most) {
   setrlimit(resource, &limit);
 }
 
-/* It dies with the thread that has started it, and after some seconds of work
-   even if nobody waits any more. Its group is its own, so that a Ctrl-C is for
-   who has started it. */
+/* Limit this process: it ends with the thread that started it, and after some
+   seconds of processor time in any case. It has its own process group, so that
+   Ctrl-C goes to the parent only. */
 static void obey(const char *seconds, const char *parent) {
   setpgid(0, 0);
   prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -141,14 +143,14 @@ static void obey(const char *seconds, const char *parent) {
   reset_signals();
 }
 
-/* Standard input up to the next zero byte, or to its end. */
+/* Return standard input up to the next zero byte or the end. */
 static char *read_text(void) {
   char *text = NULL;
   size_t room = 0;
   return getdelim(&text, &room, 0, stdin) < 0 ? text_of("%s", "") : text;
 }
 
-/* Nothing of the parent's is left open: ngspice sees three times /dev/null. */
+/* Close all inherited files; ngspice gets /dev/null three times. */
 static void stand_alone(void) {
   int out = dup(1);
   if (out != 3) dup2(out, 3);
@@ -169,8 +171,8 @@ static int open_osdi(const char *path) {
   end_with(TROUBLE, text_of("cannot read '%s': %s", path, strerror(errno)));
 }
 
-/* After this it can open no file but that one, so that none of ngspice's
-   start-up files are read; nor does it see the user's environment. */
+/* Forbid this process to open any other file, so that start-up files of ngspice
+   are not read, and clear the environment. */
 static void lock_in(int osdi) {
   clearenv();
   const char *open = sandbox_enter(osdi);
@@ -181,10 +183,10 @@ static void lock_in(int osdi) {
 
 /* ---- ngspice ---- */
 
-/* In place of the C library's, for ngspice (also where the compiler calls the C
-   library's fopen64). Models leave logs where they stand, and look at their
-   parameters only if they can: what is written goes nowhere, and nothing is
-   there to be read. And it does not ask whether it has a user. */
+/* Replacements of C library functions for ngspice (also where the compiler
+   calls fopen64). Models write logs to the current folder and read their
+   parameters from files if they exist: writes go nowhere, and reads find
+   nothing. The user is not looked up. */
 #define FOR_NGSPICE __attribute__((visibility("default")))
 
 FOR_NGSPICE FILE *open_nothing(const char *path,
@@ -221,7 +223,7 @@ static void *symbol(void *handle, const char *name) {
 
 static library load(void) {
   const char *own = getenv("OPCFLOW_NGSPICE");
-  /* Compiled models take its functions for granted. */
+  /* Compiled models require its functions. */
   dlopen(LIBM_SO, RTLD_NOW | RTLD_GLOBAL);
   void *handle = dlopen(own ? own : "libngspice.so.0", RTLD_NOW | RTLD_LOCAL);
   if (!handle) end_with(MISSING, dlerror());
@@ -235,7 +237,7 @@ static library load(void) {
   return l;
 }
 
-/* Cut a text into its lines, which stay in it. NULL-terminated. */
+/* Split a text into lines in place. Return a NULL-terminated list. */
 static char **lines_of(char *text) {
   size_t n = 0, most = 2;
   for (const char *c = text; *c; c++) most += *c == '\n';
@@ -254,7 +256,7 @@ static size_t length_of(char **list) {
   return n;
 }
 
-/* What the netlist calls it: "v(out)" for ngspice's "out", "i(vdd)" for
+/* Send a name as in the netlist: "v(out)" for "out" in ngspice, "i(vdd)" for
    "vdd#branch". */
 static void send_name(const char *name, int voltage) {
   size_t n = strlen(name);
@@ -278,9 +280,9 @@ static void send_values(const vector_info *v) {
     fwrite(&v->v_compdata[i].cx_real, sizeof(double), 1, answer);
 }
 
-/* All vectors of a plot that have values; returns how many. */
+/* Send all vectors of a plot that have values. Return their number. */
 static size_t send_plot(const library *l, char *plot) {
-  enum { VOLTAGE = 3 }; /* ngspice's SV_VOLTAGE */
+  enum { VOLTAGE = 3 }; /* SV_VOLTAGE of ngspice */
   char **names = l->vectors(plot);
   size_t sent = 0;
   for (size_t i = length_of(names); i-- > 0;) {
@@ -295,8 +297,8 @@ static size_t send_plot(const library *l, char *plot) {
   return sent;
 }
 
-/* Send the plots that were made since there were `before`; the newest comes
-   first in ngspice's list. Returns how many there are now. */
+/* Send the plots added since there were `before`; ngspice lists the newest
+   first. Return the present number. */
 static size_t send_plots(const library *l, size_t before) {
   char **plots = l->plots();
   size_t n = length_of(plots);
@@ -312,8 +314,8 @@ static void command(const library *l, const char *text) {
   free(own);
 }
 
-/* Compiled models, whose names ngspice then knows in decks. By the number of
-   the open file, as it takes a name apart into words. */
+/* Load compiled models, so that decks can use them. The file is passed as a
+   descriptor, because ngspice splits names into words. */
 static void load_osdi(const library *l, const char *name, int file) {
   char *text = text_of("osdi /proc/self/fd/%d", file);
   command(l, text);
@@ -326,10 +328,10 @@ static void work(const library *l, const char *osdi, int file, char *deck,
                  char *commands) {
   l->init(on_words, NULL, on_exit_wish, NULL, NULL, on_thread, NULL);
   *trouble = 0;
-  reset_signals(); /* ngspice's would take a crash for an exit */
+  reset_signals(); /* handlers of ngspice would turn a crash into an exit */
   command(l, "set num_threads=1");
   command(l, "set rndseed=1");
-  command(l, "set no_mem_check"); /* newer ones would read /proc/meminfo */
+  command(l, "set no_mem_check"); /* newer versions would read /proc/meminfo */
   if (osdi) load_osdi(l, osdi, file);
   size_t plots = length_of(l->plots());
   l->circuit(lines_of(deck));

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* No place in the file system, but for one file to read, and no network, by
-   the kernel's Landlock, of which the C library has no functions. */
+/* Restriction to one readable file and no network by Landlock of the Linux
+   kernel, for which the C library has no functions. */
 #include <stdint.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -12,7 +12,7 @@ struct ruleset {
   uint64_t files, network, scoped;
 };
 
-/* The same, as packed there. */
+/* As there, packed. */
 struct beneath {
   uint64_t allowed;
   int32_t file;
@@ -20,9 +20,9 @@ struct beneath {
 
 enum { ALL_NETWORK = 3, ALL_SCOPED = 3, BENEATH = 1, READ_FILE = 1 << 2 };
 
-/* How much of that each version of the interface has, from 1 on. */
+/* Rights known to each version of the interface, from 1 on. */
 static const struct {
-  unsigned bits; /* of rights on files */
+  unsigned bits; /* rights on files */
   size_t size;
 } versions[] = {{13, 8}, {14, 8}, {15, 8}, {15, 16}, {16, 16}, {16, 24}};
 
@@ -30,7 +30,7 @@ static const struct {
 const char *landlock_enter(int file) {
   enum { ASK_VERSION = 1, COUNT = sizeof versions / sizeof *versions };
   long version = syscall(SYS_landlock_create_ruleset, NULL, 0, ASK_VERSION);
-  if (version < 1) /* this kernel has none */
+  if (version < 1) /* the kernel has no Landlock */
     return file < 0 ? NULL : "Landlock, without which no OSDI file is loaded";
   if (version > COUNT) version = COUNT;
   struct ruleset all = {(UINT64_C(1) << versions[version - 1].bits) - 1,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Landlock without the other walls: no file is read, changed or made, but one
-   that is named is read. */
+/* Landlock without the other restrictions: no file is read, changed or created,
+   except that the named one is read. */
 #include "simulator/landlock.c"
 
 #include <arpa/inet.h>
@@ -18,7 +18,7 @@ static long kernel_version(void) {
 
 static int is_denied(int got) { return got < 0 && errno == EACCES; }
 
-/* What does not hold, as an exit code. */
+/* Return the number of the failed restriction as an exit code. */
 static int try_all(const char *old, const char *new, int named) {
   const struct sockaddr_in to = {.sin_family = AF_INET,
                                  .sin_port = htons(9),

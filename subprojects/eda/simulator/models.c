@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The statements of a library of models as texts, in which names are looked
-   for: a subcircuit that is not named by what is kept is not needed. */
+/* Statements of a model library as texts. The statements that a device needs
+   are found by name: a subcircuit that no needed statement names is omitted. */
 #include <eda/memory.h>
 #include <eda/models.h>
 #include <errno.h>
@@ -12,11 +12,12 @@
 #include "netlist/lines.h"
 #include "simulator/deck.h"
 
-/* A top-level statement, or a subcircuit from .subckt to its .ends. */
+/* A top-level statement, or a subcircuit from .subckt to .ends. */
 typedef struct piece {
-  char *name;    /* of the subcircuit, or of the model less its bin; or NULL */
+  char *name;    /* name of the subcircuit, or of the model without its bin; or
+                    NULL */
   int kind;      /* EDA_MODEL_CARD, EDA_MODEL_SUBCIRCUIT, 0 */
-  GPtrArray *of; /* char *, its statements */
+  GPtrArray *of; /* its statements, char * */
 } piece;
 
 struct eda_models {
@@ -30,7 +31,7 @@ struct eda_models {
 
 static const char blanks[] = " \t\n+=(){}',\"";
 
-/* The first or second word, in lower case. */
+/* Return the first or second word, in lower case. */
 static char *word_of(const char *statement, int second) {
   const char *s = statement;
   for (int i = 0; i < second; i++) {
@@ -40,7 +41,8 @@ static char *word_of(const char *statement, int second) {
   return g_ascii_strdown(s, (gssize)strcspn(s, " \t\n="));
 }
 
-/* "nshort_model.8" is a bin of "nshort_model". */
+/* Return the name without its bin: "nshort_model.8" is a bin of
+   "nshort_model". */
 static char *without_bin(const char *name) {
   const char *dot = strrchr(name, '.');
   int is_bin =
@@ -50,9 +52,9 @@ static char *without_bin(const char *name) {
 
 /* ---- nothing by lot ---- */
 
-/* The commas behind the first two arguments, from behind their bracket; the
-   second one, or both, are its end where there are no more. 0 if it is not
-   closed. */
+/* Find the commas after the first two arguments of a function, from its bracket
+   on; a missing comma is the end of the arguments. Return 0 if the bracket is
+   not closed. */
 static int find_arguments(const char *s, const char *comma[2]) {
   int depth = 0, n = 0;
   for (; *s; s++) {
@@ -64,8 +66,9 @@ static int find_arguments(const char *s, const char *comma[2]) {
   return *s == ')';
 }
 
-/* agauss(nominal, deviation, sigma) becomes agauss(nominal,0, sigma): the
-   simulator takes some of its expressions only with such a function in them. */
+/* Return a statement with agauss(nominal, deviation, sigma) replaced by
+   agauss(nominal,0, sigma). The function stays, because the simulator accepts
+   some expressions only with it. */
 static char *settle(const char *statement) {
   static const char *const lots[] = {"agauss", "gauss", "aunif", "unif"};
   GString *out = g_string_new(NULL);
@@ -118,7 +121,7 @@ static void take_scale(eda_models *l, const char *statement) {
   if (netlist_number(number, &value) && value > 0) l->unit = value * 1e9;
 }
 
-/* Add a statement; *depth: subcircuits that are open. */
+/* Add a statement; *depth is the number of open subcircuits. */
 static void take(eda_models *l, const char *statement, int *depth) {
   int opens = begins_with(statement, ".subckt"),
       closes = begins_with(statement, ".ends"),
@@ -141,7 +144,8 @@ static void take(eda_models *l, const char *statement, int *depth) {
   *depth += opens - (closes && *depth > 0);
 }
 
-/* `text` has the title, then a statement a line with those that go on. */
+/* Add the statements of `text`: the title, then one statement a line, including
+   continuations. */
 static void take_all(eda_models *l, char *text) {
   int depth = 0;
   char *s = strchr(text, '\n');
@@ -154,7 +158,7 @@ static void take_all(eda_models *l, char *text) {
   }
 }
 
-/* The whole path, as the simulator stands elsewhere. */
+/* Return the absolute path, because the simulator runs in another folder. */
 static char *whole_path(const char *file, const char *parameter,
                         opc_error *error) {
   char *path = realpath(file, NULL);
@@ -224,7 +228,7 @@ int eda_models_kind(const eda_models *l, const char *name) {
 
 /* ---- what is needed ---- */
 
-/* All words of the kept pieces, added to `words`. */
+/* Add all words of a piece to `words`. */
 static void add_words(GHashTable *words, const piece *p) {
   for (guint i = 0; i < p->of->len; i++) {
     const char *s = p->of->pdata[i];
@@ -237,8 +241,8 @@ static void add_words(GHashTable *words, const piece *p) {
   }
 }
 
-/* Which pieces a device needs: those that are named by others that it needs,
-   and all that is neither a model, nor a subcircuit, nor a device. */
+/* Mark the pieces that a device needs: those named by other needed pieces, and
+   all that are no model, subcircuit or device. */
 static char *find_needed(const eda_models *l, const char *name) {
   g_autoptr(GHashTable) words =
       g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
@@ -268,7 +272,8 @@ static char *find_needed(const eda_models *l, const char *name) {
 
 /* ---- bins ---- */
 
-/* The bounds of a .model statement, nm: 1 if it has all four as numbers. */
+/* Read the bounds of a .model statement, nm. Return 1 if all four are
+   numbers. */
 static int read_bin(const eda_models *l, const char *statement,
                     eda_sizes *out) {
   g_autoptr(GMatchInfo) match = NULL;
@@ -295,14 +300,15 @@ static void join(double into[2], const double more[2]) {
   into[1] = fmax(into[1], more[1]);
 }
 
-/* Whether two pieces have bins of one model. */
+/* Return whether two pieces are bins of one model. */
 static int are_one(const piece *a, const piece *b) {
   return a == b || (a->kind == EDA_MODEL_CARD && b->kind == a->kind &&
                     !strcmp(a->name, b->name));
 }
 
-/* The outermost bounds of the bins among the kept pieces; `of` NULL: all, else
-   those that belong to this one. */
+/* Compute the outermost bounds of the bins among the kept pieces: of all if
+   `of` is NULL, otherwise of the model of that piece. Return whether any were
+   found. */
 static int outermost(const eda_models *l, const char *keep, const piece *of,
                      eda_sizes *out) {
   int found = 0;
@@ -326,10 +332,11 @@ int eda_models_bins(const eda_models *l, const char *name, eda_sizes *out) {
   return found;
 }
 
-/* As bounds are rounded: 1 pm. */
+/* Rounding of bounds, nm: 1 pm. */
 static const double same = 1e-3;
 
-/* Whether it changed. */
+/* Extend an outermost bin to the wanted sizes. Return whether the bin
+   changed. */
 static int stretch(double bin[2], const double all[2], const double to[2]) {
   const double was[2] = {bin[0], bin[1]};
   if (fabs(bin[0] - all[0]) < same) bin[0] = fmin(bin[0], to[0] - 1);
@@ -352,7 +359,7 @@ static gboolean write_bound(const GMatchInfo *match, GString *out, void *data) {
   return FALSE;
 }
 
-/* A statement of a device of those sizes. */
+/* Write a statement unless it is a bin for other sizes. */
 static void put(const eda_models *l, GString *out, const char *statement,
                 const eda_sizes *all, const eda_sizes *sizes, int extend) {
   eda_sizes bin;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A small library of models: what of it a device needs, its bins, and that
-   nothing is drawn by lot. */
+/* A small model library: the statements that a device needs, bins, and nominal
+   values without random draws. */
 #include <eda/models.h>
 #include <eda/simulator.h>
 #include <glib.h>
@@ -53,7 +53,7 @@ static void test_facts(void) {
   eda_models_free(l);
 }
 
-/* Which bins are there. */
+/* Check the bins of an excerpt. */
 static void cut_has(const eda_models *l, const eda_sizes *sizes, int extend,
                     const char *want, const char *bound) {
   char *cut = eda_models_cut(l, "nfet", sizes, extend);
@@ -77,14 +77,14 @@ static void test_cut(void) {
   cut_has(l, &(eda_sizes){{120, 200}, {1500, 1500}}, 0, "12", NULL);
   cut_has(l, &(eda_sizes){{120, 250}, {500, 9000}}, 0, "123", NULL);
   cut_has(l, &(eda_sizes){{80, 90}, {1500, 1500}}, 0, "", NULL);
-  /* A nm further, as bounds belong to no bin for sure. */
+  /* One nm further, because a bound itself may belong to no bin. */
   cut_has(l, &(eda_sizes){{80, 90}, {1500, 1500}}, 1, "1", "lmin=7.9e-08");
   cut_has(l, &(eda_sizes){{150, 160}, {500, 500}}, 1, "1", "wmin=4.99e-07");
   cut_has(l, &(eda_sizes){{900, 1000}, {1500, 1500}}, 1, "2", "lmax=1.001e-06");
   eda_models_free(l);
 }
 
-/* The drain current of a deck; 0 and a skip if there is no simulator. */
+/* Return the drain current of a deck; 0 and a skip without a simulator. */
 static double current_of(const char *models) {
   opc_error error;
   eda_spice_result r;
@@ -102,8 +102,8 @@ static double current_of(const char *models) {
   return current;
 }
 
-/* What is cut out simulates as a card by hand with the nominal value does, and
-   not as the lot would have it. */
+/* An excerpt simulates like a card written by hand with nominal values, not
+   with random ones. */
 static void test_current(void) {
   eda_models *l = load("tt");
   char *cut =

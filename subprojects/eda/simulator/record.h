@@ -1,25 +1,23 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What passes between the library and its helper program. The library writes a
-   deck, a zero byte and commands to its standard input. The program answers on
-   its standard output by records: a head, then its bytes. */
-#ifndef EDA_SIMULATOR_RECORD_H
-#define EDA_SIMULATOR_RECORD_H
+/* Protocol between the library and its helper program. The library writes a
+   deck, a zero byte and commands to standard input. The program answers on
+   standard output by records: a header followed by its bytes. */
+#pragma once
 
 #include <stdint.h>
 
 enum {
-  WORDS = 'w',   /* a line that the simulator said */
-  TROUBLE = 't', /* what went wrong; ends the run */
-  MISSING = 'm', /* the library is not there, and why; ends the run */
-  NO_OSDI = 'o', /* the library knows no compiled models; ends the run */
-  PLOT = 'p',    /* its name */
-  NAME = 'n',    /* of a vector of that plot */
-  VALUES = 'v',  /* of that vector: doubles */
-  DONE = 'd'     /* all commands were run */
+  WORDS = 'w',   /* a line printed by the simulator */
+  TROUBLE = 't', /* error message; ends the run */
+  MISSING = 'm', /* the library cannot be loaded, and why; ends the run */
+  NO_OSDI = 'o', /* the library does not support compiled models; ends the
+                    run */
+  PLOT = 'p',    /* name of a plot */
+  NAME = 'n',    /* name of a vector of that plot */
+  VALUES = 'v',  /* values of that vector: doubles */
+  DONE = 'd'     /* end of all commands */
 };
 
 typedef struct record {
   uint64_t kind, bytes;
 } record;
-
-#endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Three walls, each of which holds alone against files: a list of the system
-   calls that arithmetic needs (seccomp), no place in the file system (Landlock,
-   where the kernel has it), and limits. The first is required. */
+/* Three protections, each of which alone prevents file access: a list of system
+   calls needed for arithmetic (seccomp), no file access (Landlock, if the
+   kernel has it), and resource limits. seccomp is required. */
 #include "simulator/sandbox.h"
 
 #include <errno.h>
@@ -15,13 +15,13 @@
 
 /* ---- limits ---- */
 
-/* Twice the values that the library takes in (2 GB), which one matrix and what
-   its netlist takes come to far less than. */
+/* Twice the size of the values that the library accepts (2 GB), far more than
+   one matrix and its netlist need. */
 static const rlim_t most_memory = (rlim_t)4 << 30;
 
 static const char *set_limits(int file) {
   const struct rlimit none = {0, 0}, memory = {most_memory, most_memory};
-  /* One descriptor behind that of the file, to read it by. */
+  /* One descriptor beyond that of the file, to reopen it. */
   const rlim_t most_files = file < 0 ? 0 : (rlim_t)file + 2;
   const struct rlimit files = {most_files, most_files};
   int bad = setrlimit(RLIMIT_FSIZE, &none) | setrlimit(RLIMIT_NPROC, &none) |
@@ -32,7 +32,7 @@ static const char *set_limits(int file) {
 
 /* ---- system calls ---- */
 
-/* Memory, time, what is open, and its own signals. */
+/* Memory, time, open files, and own signals. */
 static const int allowed[] = {
     SCMP_SYS(read),
     SCMP_SYS(write),
@@ -71,8 +71,8 @@ static const int allowed[] = {
     SCMP_SYS(exit_group),
 };
 
-/* What no simulation comes to by chance: it ends with SIGSYS, so that nobody
-   takes its figures. All else fails with EACCES. */
+/* Calls that no simulation makes by accident: they end the process with SIGSYS,
+   so that no values are accepted from it. Other calls fail with EACCES. */
 static const int deadly[] = {
     SCMP_SYS(execve), SCMP_SYS(execveat), SCMP_SYS(fork),
     SCMP_SYS(vfork),  SCMP_SYS(clone),    SCMP_SYS(ptrace),
@@ -81,7 +81,8 @@ static const int deadly[] = {
     SCMP_SYS(mkdir),  SCMP_SYS(mkdirat),  SCMP_SYS(creat),
 };
 
-/* Opening to read fails, with a message of the simulator's; to write ends. */
+/* Opening for reading fails, and the simulator reports it; opening for writing
+   ends the process. */
 static int refuse_writing(scmp_filter_ctx f) {
   int bad = 0;
   for (int at = 0; at < 2; at++) {
@@ -95,8 +96,8 @@ static int refuse_writing(scmp_filter_ctx f) {
   return bad;
 }
 
-/* What dlopen does of one file, which Landlock picks. Its pages are code, or
-   may be written, not both. */
+/* Allow the calls of dlopen for one file, which Landlock selects. Its pages are
+   executable or writable, never both. */
 static int allow_mapping(scmp_filter_ctx f) {
   int bad = 0;
   const int asks[] = {SCMP_SYS(stat), SCMP_SYS(stat64), SCMP_SYS(newfstatat),
@@ -124,14 +125,14 @@ static int add_rules(scmp_filter_ctx f, int file) {
     bad |= seccomp_rule_add(f, SCMP_ACT_ALLOW, allowed[i], 0);
   for (size_t i = 0; i < sizeof deadly / sizeof *deadly; i++)
     bad |= seccomp_rule_add(f, SCMP_ACT_KILL_PROCESS, deadly[i], 0);
-  /* The C library falls back to calls whose arguments can be seen. */
+  /* The C library falls back to calls whose arguments can be checked. */
   bad |= seccomp_rule_add(f, SCMP_ACT_ERRNO(ENOSYS), SCMP_SYS(clone3), 0);
   /* No new code. */
   const int maps[] = {SCMP_SYS(mmap), SCMP_SYS(mmap2), SCMP_SYS(mprotect)};
   for (size_t i = 0; i < sizeof maps / sizeof *maps; i++)
     bad |= seccomp_rule_add(f, SCMP_ACT_ALLOW, maps[i], 1,
                             SCMP_A2(SCMP_CMP_MASKED_EQ, PROT_EXEC, 0));
-  /* fstat, as the C library has it; not of a path. */
+  /* fstat as called by the C library; not for paths. */
   bad |= seccomp_rule_add(
       f, SCMP_ACT_ALLOW, SCMP_SYS(newfstatat), 1,
       SCMP_A3(SCMP_CMP_MASKED_EQ, AT_EMPTY_PATH, AT_EMPTY_PATH));

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the helper program gives up before it looks at a deck. */
-#ifndef EDA_SIMULATOR_SANDBOX_H
-#define EDA_SIMULATOR_SANDBOX_H
+/* Sandbox of the helper program, entered before it reads a deck. */
+#pragma once
 
-/* The address sanitizer maps terabytes, so that memory has no limit with it. */
+/* The address sanitizer maps terabytes, so memory is not limited with it. */
 #ifdef __has_feature
 #if __has_feature(address_sanitizer)
-#define __SANITIZE_ADDRESS__ 1 /* as gcc has it */
+#define __SANITIZE_ADDRESS__ 1 /* macro of gcc */
 #endif
 #endif
 #ifdef __SANITIZE_ADDRESS__
@@ -15,17 +14,16 @@ enum { SANDBOX_ANY_MEMORY = 1 };
 enum { SANDBOX_ANY_MEMORY = 0 };
 #endif
 
-/* From here on this process opens, starts, sends and signals nothing; it works
-   in its memory, and reads and writes what is open. What it tries of that
-   fails, or ends it with SIGSYS. NULL, or what could not be shut.
+/* Enter the sandbox: from here on the process cannot open, start, send or
+   signal anything. It may use its memory, and read and write open files. Other
+   attempts fail, or end the process with SIGSYS. Return NULL, or the name of
+   the restriction that failed.
 
-   `file`, an open file, or -1: it may be opened again to be read, by any of its
-   names, and mapped as code; and what is there of other files may be asked,
-   not what is in them. This takes Landlock. */
+   `file` is an open file, or -1. The process may open this file again for
+   reading, by any of its names, map it as code, and query the existence of
+   other files, but not their contents. This requires Landlock. */
 const char *sandbox_enter(int file);
 
-/* The part of that which Landlock does; nothing where the kernel has none,
-   unless there is a file. It takes that privileges have been given up. */
+/* Enter the Landlock part of the sandbox; without Landlock nothing happens,
+   unless there is a file. Requires that privileges were dropped. */
 const char *landlock_enter(int file);
-
-#endif

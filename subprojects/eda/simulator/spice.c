@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Starts the helper program for a deck, and takes in what it answers as it
-   comes, so that a program that dies has said why. */
+/* Runs the helper program for a deck and reads its answer continuously, so that
+   the reason of a crash is not lost. */
 #include <eda/memory.h>
 #include <eda/simulator.h>
 
@@ -21,14 +21,15 @@
 
 enum { MOST_SAID = 200 };
 static const uint64_t most_bytes = UINT64_C(1) << 31;
-static const double patience = 0.05; /* between two looks at `cancelled`, s */
+static const double patience = 0.05; /* interval of the tests for cancellation,
+                                        s */
 
 /* ---- what came back ---- */
 
 typedef struct reading {
   const opc_context *context;
   eda_spice_result *out;
-  char *data; /* of records, whole ones first */
+  char *data; /* records, complete ones first */
   size_t used, room;
   uint64_t taken;
   GString *words;
@@ -82,7 +83,7 @@ static void take_record(reading *r, record head, const char *data) {
   }
 }
 
-/* Take the records that are whole. */
+/* Process the complete records. */
 static void take_records(reading *r) {
   size_t at = 0;
   record head;
@@ -96,7 +97,8 @@ static void take_records(reading *r) {
   r->used -= at;
 }
 
-/* Read what is there: 0 at the end, -1 and *error if that is too much. */
+/* Read available data. Return 0 at the end, -1 and *error if the limit is
+   exceeded. */
 static int read_some(reading *r, int in, opc_error *error) {
   enum { PIECE = 1 << 16 };
   eda_grow(&r->data, &r->room, r->used + PIECE, 1);
@@ -115,7 +117,7 @@ static int read_some(reading *r, int in, opc_error *error) {
   return 1;
 }
 
-/* Read until the program has closed its end. */
+/* Read until the program has closed its output. */
 static int listen_to(reading *r, int in, double limit, opc_error *error) {
   gint64 start = g_get_monotonic_time();
   struct pollfd wait = {.fd = in, .events = POLLIN};
@@ -132,7 +134,7 @@ static int listen_to(reading *r, int in, double limit, opc_error *error) {
   }
 }
 
-/* The last of what was said, on one line. */
+/* Return the end of the printed text, on one line. */
 static char *last_words(const GString *words) {
   if (!words->len) return g_strdup("nothing");
   gsize n = MIN(words->len, MOST_SAID);
@@ -181,8 +183,8 @@ static int judge(const reading *r, GSubprocess *child, opc_error *error) {
 
 /* ---- the program's life ---- */
 
-/* Where it is: as far from the library as both are installed, wherever that is;
-   else where it was built, or was to be installed. */
+/* Return the path of the program: relative to the library as installed;
+   otherwise in the build folder or the installation prefix. */
 static char *find_program(void) {
   const char *own = g_getenv("OPCFLOW_SIMULATOR");
   Dl_info here;
@@ -199,8 +201,8 @@ static char *find_program(void) {
   return g_strdup(built ? EDA_SIMULATOR_BUILT : EDA_SIMULATOR_INSTALLED);
 }
 
-/* The request as an open file: whoever reads it cannot make us wait, nor kill
-   us by reading no more. */
+/* Return the request as an open file, so that a slow or dead reader does not
+   block or kill this process. */
 static int open_request(const char *deck, const char *commands,
                         opc_error *error) {
   int file = memfd_create("deck", MFD_CLOEXEC);
@@ -215,7 +217,7 @@ static int open_request(const char *deck, const char *commands,
   return -1;
 }
 
-/* The running program, whose answer comes out of *answer. */
+/* Start the program; *answer is its output. */
 static GSubprocess *start(const char *deck, const char *osdi,
                           const char *commands, double limit, int *answer,
                           opc_error *error) {
@@ -235,7 +237,7 @@ static GSubprocess *start(const char *deck, const char *osdi,
     close(request);
     return NULL;
   }
-  /* It closes for itself what it inherits, and GLib need not fork for that. */
+  /* The program closes inherited descriptors itself, so GLib need not fork. */
   g_autoptr(GSubprocessLauncher) launcher = g_subprocess_launcher_new(
       G_SUBPROCESS_FLAGS_INHERIT_FDS | G_SUBPROCESS_FLAGS_STDERR_SILENCE);
   g_subprocess_launcher_take_stdin_fd(launcher, request);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Circuits with closed forms, and every way to fail. */
+/* Circuits with closed forms, and all failures. */
 #include <eda/simulator.h>
 
 #include <gio/gio.h>
@@ -17,7 +17,7 @@
 
 enum { LIMIT = 20 };
 
-static int stop; /* whether the user wants to */
+static int stop; /* non-zero: request cancellation */
 static int stopped(const opc_context *unused) {
   (void)unused;
   return stop;
@@ -32,9 +32,10 @@ static const char rc[] =
     ".options reltol=1e-6\n"
     ".end\n";
 
-static char *own; /* the user's library of ngspice; NULL: the installed one */
+static char *own; /* ngspice library given by the user; NULL: the installed
+                     one */
 
-/* Have another library loaded; NULL: none but the user's. */
+/* Select the ngspice library; NULL: that of the user. */
 static void use(const char *library) {
   if (library || own)
     g_setenv("OPCFLOW_NGSPICE", library ? library : own, TRUE);
@@ -42,7 +43,7 @@ static void use(const char *library) {
     g_unsetenv("OPCFLOW_NGSPICE");
 }
 
-/* Its library may be missing, the program that loads it is ours. */
+/* The ngspice library may be missing; the helper program is built here. */
 static int have_ngspice(void) {
   eda_spice_result r;
   opc_error error;
@@ -61,8 +62,8 @@ static const double *values(const eda_spice_plot *p, const char *name,
   return v->value;
 }
 
-/* Charging through a resistor; the real part of a low-pass; a line in a sweep.
-   In the order of the commands. */
+/* Charging through a resistor; the real part of a low-pass filter; a line in a
+   sweep. Results have the order of the commands. */
 static void test_closed_form(void) {
   eda_spice_result r;
   opc_error error;
@@ -135,7 +136,7 @@ static void test_words(void) {
         "'op': Error", 0);
 }
 
-/* A library that ends or hangs is not ours to wait for. */
+/* A library that exits or hangs does not stop the caller. */
 static void test_death(void) {
   static const char endless[] = "tran 1f 1000";
   if (!have_ngspice()) return;
@@ -169,15 +170,15 @@ static void clear_entries(const char *folder) {
 
 static const char with_osdi[] = "t\n.osdi \"" EDA_OSDI_BUILT "\"\n.end";
 
-/* A deed of the evil library fails, and says so or ends it, with compiled
-   models or without. */
+/* Check that an attempt of the evil library fails with a message or ends the
+   process, with and without compiled models. */
 static void cannot(const char *deed, const char *path, const char *words) {
   g_autofree char *command = g_strdup_printf("%s %s", deed, path);
   fails("t\n.end", command, LIMIT, OPC_FAILED, words, 0);
   fails(with_osdi, command, LIMIT, OPC_FAILED, words, 0);
 }
 
-/* Whatever the library does, no file changes and nothing is started. */
+/* No attempt of the library changes a file or starts a program. */
 static void test_sandbox(void) {
   static const char ended[] = "start a program or to write a file",
                     denied[] = "gave -1 (Permission denied)";
@@ -199,7 +200,7 @@ static void test_sandbox(void) {
   }
   cannot("read", old, denied);
   if (!SANDBOX_ANY_MEMORY) cannot("memory", "", "(Cannot allocate memory)");
-  /* What we do with signals is not handed down to it. */
+  /* Signal settings of the caller are not inherited. */
   signal(SIGSEGV, SIG_IGN);
   cannot("crash", "", "crashed (Segmentation fault)");
   signal(SIGSEGV, SIG_DFL);
@@ -212,7 +213,7 @@ static void test_sandbox(void) {
   g_assert_cmpint(g_rmdir(folder), ==, 0);
 }
 
-/* The one file is there to be read, as any of its names has it. */
+/* Only the given file is readable, by any of its names. */
 static void test_osdi_file(void) {
   use(EDA_EVIL_BUILT);
   fails(with_osdi, "read " EDA_OSDI_BUILT, LIMIT, OPC_FAILED, "read gave 5", 0);
@@ -229,8 +230,8 @@ static void test_osdi_file(void) {
   ".model other unknown x=1\nvd d 0 1\nvg g 0 1\nn1 d g 0 0 m w=2u l=1u\n" \
   ".end\n"
 
-/* A square law, whose object looks around as it is loaded, and conducts only if
-   it cannot get out. */
+/* A square law whose object tries to escape when loaded, and conducts only if
+   all attempts fail. */
 static void test_osdi(void) {
   eda_spice_result r;
   opc_error error;
@@ -249,7 +250,7 @@ static void test_osdi(void) {
   eda_spice_clear(&r);
 }
 
-/* What knows none says so, whatever the deck is. */
+/* A library without support for compiled models is reported for any deck. */
 static void test_no_osdi(void) {
   g_autofree char *folder = g_dir_make_tmp("spice-test-XXXXXX", NULL);
   g_autofree char *none = g_build_filename(folder, "none.osdi", NULL);
@@ -272,7 +273,7 @@ static void test_no_osdi(void) {
   g_assert_cmpint(g_rmdir(folder), ==, 0);
 }
 
-/* The program by itself, to which a deck goes as it is; what it answered. */
+/* Return the answer of the program alone to an unfiltered deck. */
 static GBytes *hand_over(const char *deck) {
   g_autofree char *parent = g_strdup_printf("%d", (int)getpid());
   g_autoptr(GSubprocess) child = g_subprocess_new(
@@ -286,8 +287,8 @@ static GBytes *hand_over(const char *deck) {
   return answer;
 }
 
-/* Decks that the parser would refuse do nothing in ngspice itself; that they do
-   without a sandbox is seen by the command, where it is installed. */
+/* Decks that the filter rejects have no effect in ngspice inside the sandbox.
+   The ngspice command, if installed, shows their effect without a sandbox. */
 static void test_evil_decks(void) {
   static const char *const evil[] = {
       "t\nv1 a 0 1\n.control\nshell touch %s\n.endc\n.end",
@@ -309,7 +310,7 @@ static void test_evil_decks(void) {
     g_autofree char *deck = g_strjoinv(file, parts);
     g_autoptr(GBytes) answer = hand_over(deck);
     g_assert_cmpuint(entries(folder), ==, 0);
-    g_assert_cmpuint(g_bytes_get_size(answer), >, 0); /* it was there */
+    g_assert_cmpuint(g_bytes_get_size(answer), >, 0); /* the program answered */
     if (!program) continue;
     const char *argv[] = {program, "-b", path, NULL};
     g_assert_true(g_file_set_contents(path, deck, -1, NULL));
@@ -326,7 +327,7 @@ static void test_evil_decks(void) {
   g_assert_cmpint(g_rmdir(folder), ==, 0);
 }
 
-/* A process that waits for one that hangs, and tells its number. */
+/* Wait for a helper that hangs, in a thread, and print its process number. */
 static gpointer tell_helper(gpointer unused) {
   (void)unused;
   g_autofree char *path =
@@ -334,7 +335,7 @@ static gpointer tell_helper(gpointer unused) {
   for (;;) {
     g_autofree char *text = NULL;
     if (g_file_get_contents(path, &text, NULL, NULL) && *text) {
-      g_usleep(100000); /* it is locked in by then */
+      g_usleep(100000); /* the sandbox is entered by then */
       printf("%ld\n", atol(text));
       fflush(stdout);
       return NULL;
@@ -351,14 +352,14 @@ static int run_endless(void) {
   return eda_spice_run(&context, "t\n.end", "hang", LIMIT, &r, &error);
 }
 
-/* A zombie is not. */
+/* Return whether a process runs; false for zombies. */
 static int is_running(pid_t process) {
   g_autofree char *path = g_strdup_printf("/proc/%d/stat", (int)process);
   g_autofree char *text = NULL;
   return g_file_get_contents(path, &text, NULL, NULL) && !strstr(text, ") Z ");
 }
 
-/* The limit of a process that /proc says of `what`, units of that; -1: none. */
+/* Return the limit of a process called `what` in /proc; -1 for none. */
 static long limit_of(pid_t process, const char *what) {
   g_autofree char *path = g_strdup_printf("/proc/%d/limits", (int)process);
   g_autofree char *text = NULL;
@@ -369,13 +370,14 @@ static long limit_of(pid_t process, const char *what) {
   return g_ascii_isdigit(*at) ? atol(at) : -1; /* unlimited */
 }
 
-/* It leaves no core, nor does it work on for ever; and killed, the parent takes
-   it along. */
+/* The helper leaves no core and has limited processor time; a killed parent
+   ends its helper. */
 static void test_parent(void) {
   struct rlimit core;
   g_autofree char *self = g_file_read_link("/proc/self/exe", NULL);
   const char *argv[] = {self, "--endless", NULL};
-  /* As much as is allowed, so that none is the helper's own doing. */
+  /* Raise the limit of the parent, so that any restriction comes from the
+     helper. */
   getrlimit(RLIMIT_CORE, &core);
   core.rlim_cur = core.rlim_max;
   setrlimit(RLIMIT_CORE, &core);
@@ -412,7 +414,7 @@ static void test_missing(void) {
   g_unsetenv("OPCFLOW_SIMULATOR");
 }
 
-/* The program does nothing for anyone but who has started it. */
+/* The program exits unless started by its parent. */
 static void test_orphan(void) {
   g_autoptr(GSubprocess) child =
       g_subprocess_new(G_SUBPROCESS_FLAGS_STDOUT_PIPE, NULL,
@@ -438,8 +440,8 @@ static gpointer one_run(gpointer data) {
   return NULL;
 }
 
-/* From several threads at once, the same numbers; and nothing is left, though
-   a BSIM4 transistor writes a log where it stands. */
+/* Several threads obtain equal numbers; no file remains, although a BSIM4
+   transistor writes a log to the current folder. */
 static void test_together(void) {
   static const char bsim[] =
       "t\nm1 d d 0 0 n w=1u l=60n\nv1 d 0 1\n"

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Waves of simulated outputs: when they pass a level. */
+/* Times at which simulated outputs cross a level. */
 #include <eda/wave.h>
 
-enum { CUBIC = 4, BISECTIONS = 50 /* to the last bit of an interval */ };
+enum { CUBIC = 4, BISECTIONS = 50 /* resolves an interval to the last bit */ };
 
 void eda_wave_heights(const double *v, size_t n, double supply, int rises,
                       double *height) {

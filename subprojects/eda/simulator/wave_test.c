@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Edges of waves against closed forms: an exponential, and one that turns
-   back. */
+/* Edges of waves, compared with closed forms: an exponential, and a wave that
+   reverses. */
 #include <eda/wave.h>
 #include <glib.h>
 #include <math.h>
@@ -27,8 +27,8 @@ static void test_exponential(void) {
   }
 }
 
-/* The last way through the middle counts; an edge that is not complete is
-   none. */
+/* The last crossing of the middle level counts; an incomplete edge is not
+   accepted. */
 static void test_turns_back(void) {
   const double h[] = {0, 0.6, 1, 0.4, 0.05, 0.3, 0.7, 0.8, 0.95};
   eda_wave_edge e;
@@ -43,7 +43,8 @@ static void test_turns_back(void) {
   g_assert_cmpuint(eda_wave_last_rise(h + 2, 2, 0.5, 99), ==, 99);
 }
 
-/* The cubic t^3 through the last four points; the fifth is none of the wave. */
+/* The cubic t^3 through the last four points; the fifth point is outside the
+   wave. */
 static void test_last_points(void) {
   const double t[] = {0, 1, 2, 3, 4}, h[] = {0, 1, 8, 27, 1e9};
   g_assert_cmpfloat_with_epsilon(eda_wave_smooth_time(t, h, 4, 2, 15.625), 2.5,

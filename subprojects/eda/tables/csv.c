@@ -1,31 +1,31 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The reader of small CSV tables. A file is read as one text and cut into its
-   fields where it lies, so that the place of a field is that of its text. */
+/* Reader of small CSV tables. A file is read as one text and split into fields
+   in place, so the position of a field is that of its text. */
 #include <eda/csv.h>
 #include <glib.h>
 #include <math.h>
 #include <string.h>
 #include <sys/stat.h>
 
-/* A row of some 60 letters for each of a million transistors. */
+/* Limit for a million transistors with rows of some 60 letters. */
 enum { MOST_BYTES = 64 << 20 };
 
 /* ---- state ---- */
 
 typedef struct line {
-  int number;       /* in the file, from 1 */
-  const char *text; /* its beginning */
-  size_t first;     /* of its fields, in eda_csv.fields */
+  int number;       /* line number in the file, from 1 */
+  const char *text; /* start of the line */
+  size_t first;     /* first field, in eda_csv.fields */
 } line;
 
 struct eda_csv {
   const char *parameter;
   const eda_csv_column *columns;
-  size_t n; /* columns */
+  size_t n; /* number of columns */
   uint32_t flags;
   char *path, *text;
-  int *field;        /* the place of each column in a row; -1: not there */
-  int width;         /* fields of a row */
+  int *field;        /* position of each column in a row; -1: missing */
+  int width;         /* fields in a row */
   GArray *rows;      /* line */
   GPtrArray *fields; /* const char *: `width` of each row */
 };
@@ -48,7 +48,7 @@ int eda_csv_fail(const eda_csv *c, size_t row, int column, const char *what,
 
 /* ---- cutting ---- */
 
-/* Cut the next field off *rest, which becomes NULL after the last. */
+/* Split the next field off *rest, which becomes NULL after the last one. */
 static char *cut_field(char **rest) {
   char *field = *rest, *comma = strchr(field, ',');
   *rest = comma ? comma + 1 : NULL;
@@ -58,7 +58,8 @@ static char *cut_field(char **rest) {
   return field;
 }
 
-/* The next line with something on it, NULL at the end; its end is cut off. */
+/* Return the next line that is not empty, terminated in place; NULL at the
+   end. */
 static char *next_line(char **rest, line *l) {
   while (*rest) {
     char *text = *rest, *end = strchr(text, '\n');
@@ -74,7 +75,7 @@ static char *next_line(char **rest, line *l) {
   return NULL;
 }
 
-/* A name of the header, with or without its unit. */
+/* Read a name in the header, with or without its unit. */
 static int read_name(eda_csv *c, const line *l, const char *field,
                      opc_error *error) {
   g_autofree char *name = g_strdup(field);
@@ -109,7 +110,7 @@ static int read_header(eda_csv *c, const line *l, char *text,
   return OPC_OK;
 }
 
-/* Fields that a row lacks are empty ones at its end. */
+/* Read a row. Missing fields at its end are empty. */
 static int read_row(eda_csv *c, line *l, char *text, opc_error *error) {
   char *end = text + strlen(text), *rest = text;
   l->first = c->fields->len;

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tables are read whatever their order of columns, and each fault is told with
-   its line and column. */
+/* Tables with columns in any order, and each fault with its line and column. */
 #include <eda/csv.h>
 #include <glib.h>
 #include <glib/gstdio.h>

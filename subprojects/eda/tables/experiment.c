@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Where the runs of an experiment are. */
+/* Folders of the runs of an experiment. */
 #include <eda/experiment.h>
 #include <glib.h>
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Settings of parameters with a figure of each combination. */
+/* Settings of parameters with a figure of merit for each combination. */
 #include <eda/settings.h>
 #include <glib.h>
 

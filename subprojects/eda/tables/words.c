@@ -1,34 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Counts the edits from one word to another (Levenshtein). */
+/* Implements suggestions for mistyped words of NULL-terminated lists. */
 #include <eda/words.h>
-#include <glib.h>
-#include <string.h>
 
-/* How many letters to add, drop or change to make `b` of `a`. */
-static unsigned distance(const char *a, const char *b) {
-  enum { LONGEST = 64 };
-  unsigned row[LONGEST + 1];
-  size_t n = strnlen(b, LONGEST);
-  for (size_t j = 0; j <= n; j++) row[j] = (unsigned)j;
-  for (size_t i = 0; a[i]; i++) {
-    unsigned corner = row[0]++;
-    for (size_t j = 0; j < n; j++) {
-      unsigned change = corner + (a[i] != b[j]);
-      corner = row[j + 1];
-      row[j + 1] = MIN(change, MIN(row[j], corner) + 1);
-    }
-  }
-  return row[n];
-}
+#include <base/suggest.h>
 
 const char *eda_nearest(const char *word, const char *const *known) {
-  unsigned nearest = MAX(1, (unsigned)strlen(word) / 3) + 1;
-  const char *best = NULL;
-  for (size_t i = 0; known[i]; i++) {
-    unsigned d = distance(word, known[i]);
-    if (d >= nearest || d >= strlen(known[i])) continue;
-    nearest = d;
-    best = known[i];
-  }
-  return best;
+  g_autoptr(GPtrArray) words = g_ptr_array_new();
+  for (; *known; known++) g_ptr_array_add(words, (void *)*known);
+  return opc_nearest(word, words);
 }

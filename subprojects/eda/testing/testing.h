@@ -1,14 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* For the unit tests of this library: a context whose work several threads do,
-   in an order that is never the same. */
-#ifndef EDA_TESTING_TESTING_H
-#define EDA_TESTING_TESTING_H
+/* Contexts for unit tests of this library: several threads share the work, in
+   varying order. */
+#pragma once
 
 #include <opcflow/base.h>
 
-/* One of `threads` threads, the caller among them. Freed with
+/* Return a context with `threads` threads, including the caller. Free it with
    eda_test_context_free. */
 const opc_context *eda_test_context_new(unsigned threads);
 void eda_test_context_free(const opc_context *context);
-
-#endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What is known of the timing of cells, and looking it up. */
+/* Timing tables of cells, and their interpolation. */
 #include <eda/timing.h>
 
 #include <math.h>
@@ -29,9 +29,9 @@ const eda_timing_cell *eda_timing_find(const eda_timing *timing,
 }
 
 enum {
-  POINTS = 3,    /* at which sizes are changed */
-  CORNERS = 5,   /* pairs of slews at which a pair is simulated */
-  PAIR_SLEWS = 6 /* the slews of both inputs of a pair, three of each */
+  POINTS = 3,    /* simulated size changes */
+  CORNERS = 5,   /* pairs of slews at which a pair of inputs is simulated */
+  PAIR_SLEWS = 6 /* slews of both inputs of a pair, three each */
 };
 
 void eda_timing_cell_figures(eda_pool *pool, eda_timing_cell *c) {
@@ -93,7 +93,8 @@ int eda_timing_check(const void *timing, opc_error *error) {
 
 /* ---- interpolation ---- */
 
-/* The slope at a point: that of the parabola through it and its neighbours. */
+/* Return the slope at a point: that of the parabola through the point and its
+   neighbours. */
 static double slope_at(const double *x, const double *y, size_t n, size_t i) {
   if (n == 2) return (y[1] - y[0]) / (x[1] - x[0]);
   size_t m = i ? i + 1 < n ? i : n - 2 : 1;
@@ -140,8 +141,8 @@ static double at_load(const eda_timing_cell *c, const double *row,
   return eda_timing_cubic_at(c->at_load, coefficient, c->loads, load);
 }
 
-/* Where a value lies between the two at which changes were simulated: 0 to 1,
-   or beyond. */
+/* Return the position of a value between the two values at which changes were
+   simulated: 0 to 1, or beyond. */
 static double between(const double *at, const size_t near[2], double value) {
   return (value - at[near[0]]) / (at[near[1]] - at[near[0]]);
 }
@@ -189,7 +190,7 @@ double eda_timing_capacitance(const eda_timing_cell *c, size_t input, int rises,
 
 /* ---- two inputs at once ---- */
 
-/* Denser where two inputs interact most. Ours. */
+/* Denser where two inputs interact most; chosen for this program. */
 const double eda_timing_gap[EDA_TIMING_GAPS] = {0, 0.2, 0.45, 0.8, 1.3, 2.5};
 
 double eda_timing_blend(double gap, double cause, double other) {
@@ -197,20 +198,20 @@ double eda_timing_blend(double gap, double cause, double other) {
   return (1 - part) * cause + part * other;
 }
 
-/* How far beyond the simulated slews factors are extended, of the distance
-   between them; they bend further out. Ours. */
+/* Extrapolation of factors beyond the simulated slews, relative to their
+   distance; factors bend further out. Chosen for this program. */
 static const double beyond = 0.5;
 
-/* Return where a value is between two, from 0 to 1, and `beyond` on both sides.
- */
+/* Return the position of a value between two values, from 0 to 1, at most
+   `beyond` outside. */
 static double place_of(const double at[2], double value) {
   double place = (value - at[0]) / (at[1] - at[0]);
   return fmin(1 + beyond, fmax(-beyond, place));
 }
 
-/* Straight over the last step, where little is left that cubics overshoot.
-   Beyond it two inputs in parallel no longer know of each other; of those in
-   series the second finds nodes charged as the first has left them. */
+/* Interpolation is linear over the last step, where cubics would overshoot the
+   small remainder. Beyond that step, two parallel inputs are independent; for
+   inputs in series, the second finds nodes charged as the first left them. */
 static double factor_at(const double *value, int parallel, double gap) {
   enum { LAST = EDA_TIMING_GAPS - 1 };
   const double *x = eda_timing_gap;
@@ -229,7 +230,8 @@ static double flat(const double *v, double a, double b) {
          a * ((1 - b) * v[2 * n] + b * v[3 * n]);
 }
 
-/* 0 at all four corners and between them, else up to 1/16. */
+/* Return a function that is 0 on the edges of the square of slews and at most
+   1/16 inside. */
 static double bulge(double a, double b) {
   return fmax(0, a * (1 - a)) * fmax(0, b * (1 - b));
 }
@@ -254,16 +256,16 @@ void eda_timing_pair_at(const eda_timing_pair *p, double gap, double first,
 
 /* ---- the input ---- */
 
-/* Where the line ends: of what came out of inverters and NAND gates of 65 nm,
-   with 0 to 8 fF, the time from 50 to 90 % was 1.4 to 1.8 (rising) and 1.1 to
-   1.3 (falling) of that from 30 to 70 %; here it is 1.7 and 1.3. With 0.5 for
-   both, falling outputs of a chain come 5 % too early and rising ones too late.
- */
+/* End of the linear part. At outputs of 65 nm inverters and NAND gates with
+   loads of 0 to 8 fF, the time from 50 to 90 % was 1.4 to 1.8 (rising) and 1.1
+   to 1.3 (falling) of that from 30 to 70 %; this ramp has 1.7 and 1.3. With 0.5
+   for both, falling outputs of a chain are 5 % too early and rising ones too
+   late. */
 static const double bend[] = {0.7, 0.55};
 
-/* The level at which the points of the exponential end, so that an input ends;
-   and how long the step from there to 1 takes, of the whole line. Ours: the
-   last percent of a gate's input changes no current that counts. */
+/* Level of the last point on the exponential, and the duration of the step from
+   there to 1, relative to the whole linear ramp. Chosen for this program: the
+   last percent of the input of a gate changes no relevant current. */
 static const double ramp_last = 0.99, ramp_step = 0.1;
 
 double eda_timing_ramp(int rises, double level) {
@@ -276,7 +278,7 @@ void eda_timing_ramp_points(int rises, double time[EDA_TIMING_RAMP],
   const double first = bend[!!rises], last = ramp_last;
   level[0] = time[0] = 0;
   for (int i = 1; i < EDA_TIMING_RAMP - 1; i++) {
-    /* Equal steps of the exponential's logarithm. */
+    /* Equal steps of the logarithm of the exponential. */
     double part = (double)(i - 1) / (EDA_TIMING_RAMP - 3);
     level[i] = 1 - (1 - first) * pow((1 - last) / (1 - first), part);
     time[i] = eda_timing_ramp(rises, level[i]);

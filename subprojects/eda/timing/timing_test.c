@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Look-up against closed forms: parabolas, planes, and the ramp's own equation.
- */
+/* Interpolation, compared with closed forms: parabolas, planes, and the
+   equation of the ramp. */
 #include <eda/timing.h>
 #include <glib.h>
 #include <math.h>
@@ -12,8 +12,8 @@ static void near(double a, double b, double within) {
 
 static double parabola(double x) { return 3 - 2 * x + 0.25 * x * x; }
 
-/* Cubics give parabolas back, at any steps, and go straight on with the slopes
-   of the ends. */
+/* Cubics reproduce parabolas for any steps, and extrapolate with the slopes at
+   the ends. */
 static void test_cubic(void) {
   const double x[] = {1, 2, 2.5, 7, 8};
   double y[5], c[16];
@@ -23,7 +23,7 @@ static void test_cubic(void) {
     near(eda_timing_cubic_at(x, c, 5, at), parabola(at), 1e-12);
   near(eda_timing_cubic_at(x, c, 5, 0), parabola(1) - (-1.5), 1e-12);
   near(eda_timing_cubic_at(x, c, 5, 10), parabola(8) + 2 * 2, 1e-12);
-  /* Two points: a line. */
+  /* Two points define a line. */
   eda_timing_cubic(x, y, 2, c);
   near(eda_timing_cubic_at(x, c, 2, 1.25), 0.75 * y[0] + 0.25 * y[1], 1e-12);
 }
@@ -33,7 +33,7 @@ static double slews[SLEWS] = {1, 2, 5, 9}, loads[LOADS] = {0.5, 1, 2, 6, 8};
 
 static double drawn(double s, double l) { return 5 + 2 * l + s - 0.1 * s * l; }
 
-/* By how much it moves for each unit of change k. */
+/* Return the shift for each unit of change k. */
 static double moves(double s, double l, int k) {
   return (k + 1) * (2 + 3 * l - 0.5 * s);
 }
@@ -111,8 +111,8 @@ static void test_check(void) {
   eda_timing_free(t);
 }
 
-/* It passes each level where its own derivative, summed up, says so; the slope
-   has no step where the line ends. */
+/* The ramp crosses each level at the time given by integrating its derivative;
+   the slope is continuous at the end of the linear part. */
 static void test_ramp(void) {
   for (int rises = 0; rises < 2; rises++) {
     double v = 0, step = 1e-5, bend = rises ? 0.55 : 0.7;
@@ -133,8 +133,8 @@ static void test_ramp(void) {
   }
 }
 
-/* Factors that are a plane in the slews and a parabola in the gap come back, to
-   half a step outside; in parallel they end. */
+/* Factors that are a plane in the slews and a parabola in the gap are
+   reproduced up to half a step outside; in parallel they end there. */
 static void test_pair(void) {
   double figure[6 + 10 * EDA_TIMING_GAPS] = {1, 3, 1.5, 2, 4, 3.5}, d, s;
   eda_timing_pair p = {.at = {figure, figure + 3},
@@ -162,14 +162,14 @@ static void test_pair(void) {
   eda_timing_pair_at(&p, 9, 2, 3, &d, &s);
   near(d, 1, 0);
   near(s, 1, 0);
-  /* What the middle has more is all there at the middle, and nothing at an
-   * edge. */
+  /* An excess in the middle applies fully at the middle and not at all at an
+     edge. */
   p.slew[4 * EDA_TIMING_GAPS] += 0.3;
   eda_timing_pair_at(&p, 0, 1.5, 3.5, &d, &s);
   near(s, 1.5 - 3.5 + 0.3, 1e-12);
   eda_timing_pair_at(&p, 0, 3, 3.5, &d, &s);
   near(s, 3 - 3.5, 1e-12);
-  /* Beyond half a step: as there. */
+  /* Beyond half a step, values stay constant. */
   eda_timing_pair_at(&p, 0, 99, 3, &d, &s);
   near(s, 4 - 3, 1e-12);
   near(eda_timing_blend(0, 2, 4), 3, 0);

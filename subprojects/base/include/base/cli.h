@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Messages and output of a command, and the options on its command line. All
    functions are [main] but cli_message. */
-#ifndef OPC_BASE_CLI_H
-#define OPC_BASE_CLI_H
+#pragma once
 
 #include <glib.h>
 #include <opcflow/base.h>
@@ -72,5 +71,3 @@ void cli_print_options(const cli_option *options);
 
 /* Return what a list of options took, NULL-terminated. */
 const char *const *cli_list(GPtrArray *list);
-
-#endif

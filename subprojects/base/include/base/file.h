@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Files and names: checks before files are opened, folders, programs. [any] */
-#ifndef OPC_BASE_FILE_H
-#define OPC_BASE_FILE_H
+#pragma once
 
 #include <glib.h>
 
@@ -34,5 +33,3 @@ char *opc_executable_folder(void);
    NULL-terminated. NULL if the executable is not installed. */
 char *opc_installed(const char *const *places, const char *in,
                     const char *name);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the steps of a run found that the user must not miss. */
-#ifndef OPC_BASE_FINDINGS_H
-#define OPC_BASE_FINDINGS_H
+#pragma once
 
 #include <glib.h>
 
@@ -28,5 +27,3 @@ void opc_findings_add(opc_findings *findings, size_t point, const char *path,
 /* Return all of them (char *, freed with the array): "step: text", "point 3:
    step: text", and at last how many were not kept. */
 GPtrArray *opc_findings_lines(const opc_findings *findings);
-
-#endif

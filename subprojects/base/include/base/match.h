@@ -1,26 +1,26 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Values that a pattern stands for: files whose names it is like, the file that
-   belongs to one of these, or others that are listed. */
-#ifndef OPC_BASE_MATCH_H
-#define OPC_BASE_MATCH_H
+/* Values selected by a pattern: files with matching names, the file that
+   belongs to one of them, or listed values. */
+#pragma once
 
 #include <base/node.h>
 
-/* The values of a key in one layer; each text is there once. */
+/* The values of a key in one layer; each text occurs once. */
 typedef struct opc_values {
   GPtrArray *nodes; /* opc_node * */
-  GPtrArray *stars; /* char *, of each: what the star stood for; "": none */
+  GPtrArray *stars; /* char *, part of each that matched the star; "": none */
 } opc_values;
 
 void opc_values_init(opc_values *v);
 void opc_values_clear(opc_values *v);
 
-/* Take away what is like a pattern; of files, by the name without the
-   folder. */
+/* Remove the values that match a pattern; for files, the name without the
+   folder is matched. */
 void opc_values_remove(opc_values *v, const char *pattern, gboolean files);
 
-/* Add what the pattern of a node stands for: files, the one file whose star is
-   `star`, or some of a list (char *). FALSE and a problem if there is none. */
+/* Add the values that match the pattern of a node: files, the single file whose
+   star is `star`, or entries of a list (char *). Return FALSE and a problem if
+   none matches. */
 gboolean opc_match_files(const opc_node *node, opc_values *out,
                          opc_problems *problems);
 gboolean opc_pair_file(const opc_node *node, const char *star, opc_values *out,
@@ -35,5 +35,3 @@ gboolean opc_match_choices(const opc_node *node, const GPtrArray *list,
 char *opc_label(const opc_node *value);
 char *opc_label_of_map(const opc_node *map);
 void opc_label_add(GString *to, const char *label);
-
-#endif

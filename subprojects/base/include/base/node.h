@@ -2,8 +2,7 @@
 /* YAML as a tree of nodes with their places. Only the subset of flow files: one
    document of maps, lists and texts. Duplicate keys, anchors, aliases, tags,
    and documents nested too deeply or too large are rejected. */
-#ifndef OPC_BASE_NODE_H
-#define OPC_BASE_NODE_H
+#pragma once
 
 #include <base/problem.h>
 
@@ -101,5 +100,3 @@ char **opc_choice_list(const char *choices);
 /* Add a problem at the place of a node. */
 #define opc_wrong(problems, node, ...) \
   opc_problem_add(problems, OPC_INVALID, &(node)->at, __VA_ARGS__)
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Problems found in files and arguments, each with its place; collected, so
    that all can be reported at once. */
-#ifndef OPC_BASE_PROBLEM_H
-#define OPC_BASE_PROBLEM_H
+#pragma once
 
 #include <glib.h>
 #include <opcflow/base.h>
@@ -62,5 +61,3 @@ int opc_problems_code(const opc_problems *problems);
 /* Fill *error with the first of the sorted problems and the number of others;
    return its code. */
 int opc_problems_error(opc_problems *problems, opc_error *error);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Quantities in trees: "65 nm", and ranges of them. */
-#ifndef OPC_BASE_RANGE_H
-#define OPC_BASE_RANGE_H
+#pragma once
 
 #include <base/node.h>
 
@@ -21,5 +20,3 @@ GPtrArray *opc_range_values(const opc_node *range, const opc_source *source,
    without one (g_free), and the unit or NULL in *unit. Return NULL otherwise.
  */
 double *opc_range_numbers(const GPtrArray *nodes, const char **unit);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tables of texts, for people and for programs. */
-#ifndef OPC_BASE_SHEET_H
-#define OPC_BASE_SHEET_H
+#pragma once
 
 #include <glib.h>
 
@@ -9,7 +8,7 @@ typedef struct opc_sheet {
   size_t n;             /* columns */
   gboolean *left;       /* of each column: texts, not numbers */
   GPtrArray *cells;     /* char *, row by row, the head first */
-  size_t rows, *widths; /* what the functions below measure */
+  size_t rows, *widths; /* measured by the functions below */
 } opc_sheet;
 
 /* Return an empty table: fill `left` and `cells`. [any] */
@@ -29,5 +28,3 @@ char *opc_sheet_markdown(opc_sheet *sheet);
 
 /* Return RFC 4180, lines ended by CR LF (g_free). */
 char *opc_sheet_csv(const opc_sheet *sheet);
-
-#endif

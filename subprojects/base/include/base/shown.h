@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Printable forms of foreign texts, such as messages of plugins and names of
    files: valid UTF-8 without effect on a terminal. [any] */
-#ifndef OPC_BASE_SHOWN_H
-#define OPC_BASE_SHOWN_H
+#pragma once
 
 #include <stddef.h>
 
@@ -18,5 +17,3 @@ char *opc_shown_json(const char *json);
 /* End a text of at most `size` bytes before what is not UTF-8, and put blanks
    in place of characters that move a cursor. */
 void opc_show_in_place(char *text, size_t size);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Suggestions for mistyped words. */
-#ifndef OPC_BASE_SUGGEST_H
-#define OPC_BASE_SUGGEST_H
+#pragma once
 
 #include <glib.h>
 
@@ -23,5 +22,3 @@ char *opc_suggestion_of_id(const char *id, const GPtrArray *ids);
 char *opc_suggestion(const char *word, const GPtrArray *words);
 /* Return the same for words that end with NULL. */
 char *opc_suggestion_of(const char *word, char *const *words);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Numbers with units: "65 nm", "0.065 um", "0.5 %". */
-#ifndef OPC_BASE_UNIT_H
-#define OPC_BASE_UNIT_H
+#pragma once
 
 #include <glib.h>
 
@@ -44,5 +43,3 @@ char *opc_number_short(double number);
 
 /* Return "12 MB" or "1.5 GB"; "less than 1 MB" (g_free). */
 char *opc_bytes_text(double bytes);
-
-#endif

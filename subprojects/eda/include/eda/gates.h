@@ -136,15 +136,13 @@ OPC_UNUSED static inline eda_goal eda_gates_goal(const eda_gates *gates,
                                                  size_t i) {
   return gates->goal ? gates->goal[i] : eda_goal_none;
 }
-/* Copy the goal of gate j of `from` to gate i of `to`. [main] */
-OPC_EXPORT void eda_gates_take_goal(eda_gates *to, size_t i,
-                                    const eda_gates *from, size_t j);
 
 /* Return the flavour of transistor i; "" if it has none. [any] */
 OPC_EXPORT const char *eda_gates_flavour(const eda_gates *gates, size_t i);
-/* Copy the flavour of gate j of `from` to gate i of `to`. [main] */
-OPC_EXPORT void eda_gates_take_flavour(eda_gates *to, size_t i,
-                                       const eda_gates *from, size_t j);
+/* Copy gate j of `from` to gate i of `to`, except its box, its names and its
+   number. [main] */
+OPC_EXPORT void eda_gates_copy(eda_gates *to, size_t i, const eda_gates *from,
+                               size_t j);
 
 /* Return the number of the layer with this name, -1 if there is none. [any] */
 OPC_EXPORT int eda_gates_layer(const eda_gates *gates, const char *name);

@@ -148,6 +148,15 @@ typedef struct eda_card {
 OPC_EXPORT int eda_card_read(eda_pool *pool, const char *path, const char *name,
                              int type, eda_card *out, opc_error *error);
 
+/* Set paths[2] to the whole paths of `files` and, if `read`, *card to the
+   models `names` in them. [EDA_PMOS] of `files` may be NULL: both models are in
+   the first file, and paths[EDA_PMOS] is NULL. Errors name the parameters
+   "models" and "pmos_models". */
+OPC_EXPORT int eda_cards_read(eda_pool *pool, const char *const files[2],
+                              const char *const names[2], int read,
+                              const char *paths[2], eda_card card[2],
+                              opc_error *error);
+
 /* Write a .model card of this name, with another DLC (nm). [any] */
 OPC_EXPORT void eda_card_write(FILE *out, const eda_card *card,
                                const char *name, double dlc);

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Work with a plugin in a process of its own: a crash or an endless loop is a
    result to report, not the end of the command. */
-#ifndef GUARD_CHILD_H
-#define GUARD_CHILD_H
+#pragma once
 
 #include <glib.h>
 
@@ -15,5 +14,3 @@ enum { CHILD_ENDED = 0, CHILD_LATE = -1, CHILD_NONE = -2 };
    could be started (errno). */
 GString *child_run(void (*work)(int out, void *data), void *data,
                    double seconds, int *end);
-
-#endif

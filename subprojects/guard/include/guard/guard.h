@@ -3,8 +3,7 @@
    (process.h). The message names the plugin, the run folder is kept, and the
    command ends with an exit code. docs/background/architecture.md explains the
    use of a signal handler. */
-#ifndef GUARD_GUARD_H
-#define GUARD_GUARD_H
+#pragma once
 
 /* Mark the plugin that this thread is in, around each call of a plugin's
    function: `before = guard_enter(id); ...; guard_leave(before)`. NULL is the
@@ -64,5 +63,3 @@ void guard_done(int code);
 
 /* Return the fixed exit code, or `code` if there is none yet. */
 int guard_code(int code);
-
-#endif

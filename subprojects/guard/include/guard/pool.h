@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tasks that several threads share; guard.h blames the plugin that called. */
-#ifndef GUARD_POOL_H
-#define GUARD_POOL_H
+#pragma once
 
 #include <stddef.h>
 
@@ -10,5 +9,3 @@
    process decides how many threads there are. [any] */
 void pool_run(unsigned threads, size_t n, void (*task)(void *data, size_t i),
               void *data);
-
-#endif

@@ -3,8 +3,7 @@
    folder, the standard streams, the locale, the modes of new files and handlers
    of signals. Each thread also has its floating-point control and the signals
    that it blocks. */
-#ifndef GUARD_PROCESS_H
-#define GUARD_PROCESS_H
+#pragma once
 
 #include <stddef.h>
 
@@ -41,5 +40,3 @@ void process_write(int out, const char *bytes, size_t n);
 /* Write a text to the recorded standard error. A signal handler may call this.
  */
 void process_say(const char *text);
-
-#endif

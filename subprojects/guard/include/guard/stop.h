@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Stopping when the user asks for it. */
-#ifndef GUARD_STOP_H
-#define GUARD_STOP_H
+#pragma once
 
 /* From now on the first SIGINT, SIGTERM or SIGHUP asks to stop. A second one of
    any kind, or half a second, ends the process with that exit code. [main] */
@@ -9,5 +8,3 @@ void stop_on_signals(int code);
 
 /* Return whether one came. [any] */
 int stop_is_asked(void);
-
-#endif

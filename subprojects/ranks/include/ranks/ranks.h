@@ -3,8 +3,7 @@
    of them make the same calls in the same order. A process that is alone needs
    ranks_told() only: the group comes from an object that is loaded. All
    functions are [main]. */
-#ifndef RANKS_RANKS_H
-#define RANKS_RANKS_H
+#pragma once
 
 #include <glib.h>
 #include <opcflow/base.h>
@@ -74,5 +73,3 @@ const ranks_group *ranks_load(const char *path, int (*stopped)(void),
 #define RANKS_OBJECT "opcflow-ranks.so"
 #define RANKS_ENTRY "ranks_join"
 typedef const ranks_group *(*ranks_entry)(int (*stopped)(void));
-
-#endif

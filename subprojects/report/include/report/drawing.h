@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Mask data for pictures drawn elsewhere: view.json. The format is described in
    the README.md of plugins/report. */
-#ifndef OPCFLOW_REPORT_DRAWING_H
-#define OPCFLOW_REPORT_DRAWING_H
+#pragma once
 
 #include <eda/gates.h>
 #include <glib.h>
@@ -38,5 +37,3 @@ int drawing_write(const opc_context *context, const eda_mask *mask,
 int drawing_file(const opc_context *context, const eda_mask *mask,
                  const drawing_limits *limits, const char *path,
                  opc_error *error);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* JSON output that is safe inside an HTML page, with packed arrays. */
-#ifndef OPCFLOW_REPORT_JSON_H
-#define OPCFLOW_REPORT_JSON_H
+#pragma once
 
 #include <glib.h>
 #include <stdint.h>
@@ -22,5 +21,3 @@ void json_packed(GString *out, const int32_t *numbers, size_t n, size_t stride);
 
 /* Append n bytes as a text: base64 of their zlib format. */
 void json_bytes(GString *out, const void *bytes, size_t n);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Contents of a run folder, and checks against its manifest. */
-#ifndef OPC_STORE_CONTENTS_H
-#define OPC_STORE_CONTENTS_H
+#pragma once
 
 #include <json-glib/json-glib.h>
 #include <opcflow/base.h>
@@ -19,5 +18,3 @@ JsonNode *opc_contents_parse(const char *text);
    its manifest and unchanged; files may be missing. Otherwise return OPC_IO and
    *error, which names the first foreign or changed file. */
 int opc_contents_check(const char *folder, opc_error *error);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Facts that a result depends on: the key made of them, and the difference
    between two lists. All functions are [main]. */
-#ifndef OPC_STORE_FACTS_H
-#define OPC_STORE_FACTS_H
+#pragma once
 
 #include <store/store.h>
 
@@ -37,5 +36,3 @@ char *opc_facts_reason(opc_store *store, const char *name, GVariant *now,
 
 /* Keep a list under `name`, with the 31 latest others. */
 void opc_facts_keep(opc_store *store, const char *name, GVariant *facts);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Operations on files and folders. */
-#ifndef OPC_STORE_FILES_H
-#define OPC_STORE_FILES_H
+#pragma once
 
 #include <glib.h>
 #include <opcflow/base.h>
@@ -38,5 +37,3 @@ int opc_sync(const char *path, opc_error *error);
 
 /* Flush a folder with all contents. */
 int opc_sync_tree(const char *folder, opc_error *error);
-
-#endif

@@ -2,8 +2,7 @@
 /* Run folders. A run is written into a hidden folder beside its target, its
    slot, which a lock protects as long as the run lives. A finished run is
    renamed to the target, or exchanged with an earlier run, as a whole. */
-#ifndef OPC_STORE_FOLDER_H
-#define OPC_STORE_FOLDER_H
+#pragma once
 
 #include <glib.h>
 #include <opcflow/base.h>
@@ -36,5 +35,3 @@ int opc_folder_close(opc_folder *folder, const char *target, gboolean replace,
 
 /* Remove the slot with its contents and free the struct (NULL: nothing). */
 void opc_folder_free(opc_folder *folder);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* How the results of a run's steps came to be. */
-#ifndef STORE_HISTORIES_H
-#define STORE_HISTORIES_H
+#pragma once
 
 #include <glib.h>
 
@@ -33,5 +32,3 @@ void opc_histories_take(opc_histories *histories, const opc_histories *from);
 /* Record that a step which had been reused ran after all. */
 void opc_histories_rerun(opc_histories *histories, const char *path,
                          const char *reason, double seconds);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Files packed into a value of the store, a(ayay) of names and contents. */
-#ifndef OPC_STORE_PACK_H
-#define OPC_STORE_PACK_H
+#pragma once
 
 #include <glib.h>
 #include <opcflow/base.h>
@@ -23,5 +22,3 @@ int opc_file_unpack(const char *path, GVariant *bytes, opc_error *error);
 
 /* Write all packed files into a folder. Return OPC_IO and *error on failure. */
 int opc_files_unpack(GVariant *files, const char *folder, opc_error *error);
-
-#endif

@@ -5,8 +5,7 @@
    killed writer leaves nothing that readers accept, and readers need no lock.
    The values unused for the longest time are removed first when the limit is
    exceeded. All functions are [main]. */
-#ifndef OPC_STORE_H
-#define OPC_STORE_H
+#pragma once
 
 #include <glib.h>
 #include <opcflow/base.h>
@@ -85,5 +84,3 @@ gboolean opc_store_same(opc_store *store, const char *path, const char *sum);
    objects it needs; of the program for NULL. The text lives as long as the
    process; NULL if an object cannot be read. `store` may be NULL. */
 const char *opc_store_build(opc_store *store, const void *address);
-
-#endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements a process-wide cache of kernels for instances with equal
    optics. */
-#include "kept.h"
+#include "cache.h"
 
 #include <eda/memory.h>
 #include <pthread.h>
@@ -11,19 +11,19 @@
    its fast and its accurate simulations; process corners use more. */
 enum { MOST_IDLE = 16 };
 
-struct kept {
-  kept_key key;
+struct cache_entry {
+  cache_key key;
   kernels *kernels;
   double error;
   int users;
-  kept *next; /* list of all entries, last used first */
+  cache_entry *next; /* list of all entries, last used first */
 };
 
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
-static kept *all;
+static cache_entry *all;
 
 /* Return whether two keys are equal to the bit. */
-static int kept_is_same(const kept_key *a, const kept_key *b) {
+static int key_is_same(const cache_key *a, const cache_key *b) {
   uint64_t x[sizeof *a / sizeof(uint64_t)], y[sizeof *a / sizeof(uint64_t)];
   memcpy(x, a, sizeof x);
   memcpy(y, b, sizeof y);
@@ -32,10 +32,10 @@ static int kept_is_same(const kept_key *a, const kept_key *b) {
 
 /* Return the entry of a key and move the entry to the front of the list. The
    caller holds the lock. */
-static kept *find(const kept_key *key) {
-  for (kept **at = &all; *at; at = &(*at)->next) {
-    kept *k = *at;
-    if (!kept_is_same(&k->key, key)) continue;
+static cache_entry *entries_find(const cache_key *key) {
+  for (cache_entry **at = &all; *at; at = &(*at)->next) {
+    cache_entry *k = *at;
+    if (!key_is_same(&k->key, key)) continue;
     *at = k->next;
     k->next = all;
     all = k;
@@ -47,9 +47,9 @@ static kept *find(const kept_key *key) {
 
 /* Free all unused kernels except the first `most`. The caller holds the
    lock. */
-static void prune(int most) {
-  for (kept **at = &all; *at;) {
-    kept *k = *at;
+static void entries_prune(int most) {
+  for (cache_entry **at = &all; *at;) {
+    cache_entry *k = *at;
     if (k->users || most-- > 0) {
       at = &k->next;
       continue;
@@ -60,38 +60,38 @@ static void prune(int most) {
   }
 }
 
-kept *kept_find(const kept_key *key) {
+cache_entry *cache_find(const cache_key *key) {
   pthread_mutex_lock(&lock);
-  kept *k = find(key);
+  cache_entry *k = entries_find(key);
   pthread_mutex_unlock(&lock);
   return k;
 }
 
-kept *kept_put(const kept_key *key, kernels *made, double error) {
+cache_entry *cache_add(const cache_key *key, kernels *made, double error) {
   pthread_mutex_lock(&lock);
-  kept *k = find(key);
+  cache_entry *k = entries_find(key);
   if (k) {
     made->free(made);
   } else {
     k = eda_alloc(1, sizeof *k);
-    *k = (kept){*key, made, error, 1, all};
+    *k = (cache_entry){*key, made, error, 1, all};
     all = k;
   }
   pthread_mutex_unlock(&lock);
   return k;
 }
 
-kernels *kept_kernels(const kept *k, double *error) {
+kernels *cache_kernels(const cache_entry *k, double *error) {
   *error = k->error;
   return k->kernels;
 }
 
-void kept_drop(kept *k) {
+void cache_release(cache_entry *k) {
   pthread_mutex_lock(&lock);
   k->users--;
-  prune(MOST_IDLE);
+  entries_prune(MOST_IDLE);
   pthread_mutex_unlock(&lock);
 }
 
 /* Free the cache when the plugin is unloaded. */
-__attribute__((destructor)) static void forget(void) { prune(0); }
+__attribute__((destructor)) static void cache_clear(void) { entries_prune(0); }

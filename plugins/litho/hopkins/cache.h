@@ -3,34 +3,34 @@
    instances: a process that makes many instances (experiment, search, sweep)
    computes kernels once. Holds only radial kernels without aberrations, which
    follow from a few numbers. All functions are [any]. */
-#ifndef OPCFLOW_HOPKINS_KEPT_H
-#define OPCFLOW_HOPKINS_KEPT_H
+#ifndef OPCFLOW_HOPKINS_CACHE_H
+#define OPCFLOW_HOPKINS_CACHE_H
 
 #include "kernels.h"
 
 /* All inputs of kernels and of their error. Zero the struct first: keys are
    compared by bytes. */
-typedef struct kept_key {
+typedef struct cache_key {
   double wavelength, na, index, resist_index, sigma, sigma_in;
   double defocus, aside; /* nm: of the optics, and of the image */
   double wanted;
   int64_t fixed;
   int64_t source, polarisation, real;
-} kept_key;
+} cache_key;
 
-typedef struct kept kept;
+typedef struct cache_entry cache_entry;
 
 /* Return the entry of a key and add a user; NULL if there is none. */
-kept *kept_find(const kept_key *key);
+cache_entry *cache_find(const cache_key *key);
 
 /* Add settled kernels with their measured error to the cache and return the
    entry with one user. If another thread was faster, `made` is freed and the
    existing, equal entry returned. */
-kept *kept_put(const kept_key *key, kernels *made, double error);
+cache_entry *cache_add(const cache_key *key, kernels *made, double error);
 
-kernels *kept_kernels(const kept *k, double *error);
+kernels *cache_kernels(const cache_entry *k, double *error);
 
 /* Remove a user from an entry. */
-void kept_drop(kept *k);
+void cache_release(cache_entry *k);
 
 #endif

@@ -63,8 +63,8 @@ static void sum_orders(const double term[ORDERS], int i, int j,
 /* Compute the residual of T without the first `kept` eigenfunctions at a pair
    of nodes, for all angles. If T is known in closed form, it is used instead of
    the truncated sum of orders. */
-static void rest_of(const radial *r, size_t kept, int i, int j,
-                    double rest[ANGLES]) {
+static void residual_of_pair(const radial *r, size_t kept, int i, int j,
+                             double residual[ANGLES]) {
   size_t n = (size_t)r->n, at = (size_t)i * n + (size_t)j;
   size_t pair = (size_t)(i / 2) * (size_t)(i / 2 + 1) / 2 + (size_t)(j / 2);
   double term[ORDERS];
@@ -77,9 +77,9 @@ static void rest_of(const radial *r, size_t kept, int i, int j,
       term[e->order] -= e->value * f[i] * f[j];
     }
   }
-  sum_orders(term, i / 2, j / 2, rest);
+  sum_orders(term, i / 2, j / 2, residual);
   for (int a = 0; r->pairs && a < ANGLES; a++)
-    rest[a] += r->pairs[pair * ANGLES + (size_t)a];
+    residual[a] += r->pairs[pair * ANGLES + (size_t)a];
 }
 
 void radial_evaluate_pairs(void *self, size_t i) {
@@ -134,10 +134,10 @@ static void add_sample(fit *f, size_t n, const int *at, const double *by,
   }
 }
 
-/* Add a pair of frequencies with radii x and y, angles p and q; `rest` is the
-   residual of T over S S. */
+/* Add a pair of frequencies with radii x and y, angles p and q; `residual` is
+   the residual of T over S S. */
 static void add_pair(fit *f, double x, double p, double y, double q,
-                     double rest, double weight) {
+                     double residual, double weight) {
   double c[2] = {cos(p) * cos(q), sin(p) * sin(q)};
   double hx = x * cos(p) - y * cos(q), hy = x * sin(p) - y * sin(q);
   double shift = hypot(hx, hy), by[8];
@@ -150,7 +150,7 @@ static void add_pair(fit *f, double x, double p, double y, double q,
       by[4 * s + k] = c[s] * (double)to.weight[k];
     }
   }
-  add_sample(f, 8, at, by, rest, weight / fmax(shift, least_shift));
+  add_sample(f, 8, at, by, residual, weight / fmax(shift, least_shift));
 }
 
 /* Add smoothness: second differences are zero. */
@@ -173,14 +173,14 @@ static void add_stiffness(fit *f) {
 static void add_pairs(const radial *r, size_t kept, const double *s, fit *f) {
   for (int i = 0; i < r->n; i += 2)
     for (int j = 0; j <= i; j += 2) {
-      double rest[ANGLES], product = s[i] * s[j];
+      double residual[ANGLES], product = s[i] * s[j];
       double area = r->root[i] * r->root[i] * r->root[j] * r->root[j];
       if (!(product > 0)) continue;
-      rest_of(r, kept, i, j, rest);
+      residual_of_pair(r, kept, i, j, residual);
       for (int a = 0; a < ANGLES; a++) {
         double p = first_angle_of(i / 2, j / 2, a);
         double q = p + angle_of(i / 2, j / 2, a);
-        add_pair(f, r->node[i], p, r->node[j], q, rest[a] / product,
+        add_pair(f, r->node[i], p, r->node[j], q, residual[a] / product,
                  area * part_of(i / 2, j / 2, a) * product * product);
       }
     }
@@ -199,7 +199,7 @@ static void find_s(const radial *r, size_t kept, double *s) {
   }
 }
 
-void radial_find_rest(radial *r, size_t kept) {
+void radial_find_residual(radial *r, size_t kept) {
   double s[NODES];
   fit f = {gsl_matrix_calloc(FREE, FREE), gsl_vector_calloc(FREE)};
   find_s(r, kept, s);
@@ -215,7 +215,7 @@ void radial_find_rest(radial *r, size_t kept) {
   for (int i = 0; i < TABLE + 2; i++) {
     double sum = r->diagonal[i];
     for (size_t k = 0; k < r->base.count; k++) {
-      const coherent *c = &r->systems[k];
+      const coherent *c = &r->kernels[k];
       double re = c->re[i], im = c->im ? c->im[i] : 0;
       sum -= r->weights[k] * (re * re + im * im);
     }
@@ -227,26 +227,26 @@ void radial_find_rest(radial *r, size_t kept) {
 
 /* S cos(angle), or i S sin(angle); the factor i makes the second term its own
    mirror image. */
-void radial_rest(const radial *r, size_t rest, const double *fx, double fy,
-                 size_t n, float *out) {
+void radial_residual(const radial *r, size_t residual, const double *fx,
+                     double fy, size_t n, float *out) {
   double scale = TABLE / (r->base.radius * r->base.cutoff);
   for (size_t i = 0; i < n; i++) {
     double f = sqrt(fx[i] * fx[i] + fy * fy), at = fmin(f * scale, TABLE);
     int k = (int)at;
     float t = (float)(at - k);
     float s = r->s_table[k] + t * (r->s_table[k + 1] - r->s_table[k]);
-    out[2 * i] = rest ? 0 : s * (float)(f > 0 ? fx[i] / f : 1);
-    out[2 * i + 1] = rest ? s * (float)(f > 0 ? fy / f : 0) : 0;
+    out[2 * i] = residual ? 0 : s * (float)(f > 0 ? fx[i] / f : 1);
+    out[2 * i + 1] = residual ? s * (float)(f > 0 ? fy / f : 0) : 0;
   }
 }
 
-void radial_filter(const void *self, size_t rest, const double *fx, double fy,
-                   size_t n, float *out) {
+void radial_filter(const void *self, size_t residual, const double *fx,
+                   double fy, size_t n, float *out) {
   const radial *r = self;
   float scale = (float)(1 / r->base.cutoff), y = (float)fy * scale;
   for (size_t i = 0; i < n; i++) {
     float x = (float)fx[i] * scale;
-    place p = rest ? place_of(y, x) : place_of(x, y);
+    place p = residual ? place_of(y, x) : place_of(x, y);
     const float *d = r->d_table + p.at;
     out[i] = p.weight[0] * d[0] + p.weight[1] * d[1] + p.weight[2] * d[TURNS] +
              p.weight[3] * d[TURNS + 1];

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* In place of ngspice, for tests: a library whose commands do by themselves
-   what no deck may have the simulator do. "written PATH", "started PATH" and so
-   on; what comes back is said. */
-#include <stdbool.h> /* which sharedspice.h takes for granted */
+/* Replacement of ngspice for tests: a library whose commands attempt the
+   actions forbidden to decks, such as "written PATH" and "started PATH", and
+   print the result. */
+#include <stdbool.h> /* needed by sharedspice.h */
 
 #include <dlfcn.h>
 #include <errno.h>
@@ -65,7 +65,8 @@ static int do_memory(const char *p) {
                   MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   return at == MAP_FAILED ? -1 : 0;
 }
-/* As a library does that knows no compiled models, unless the file is one. */
+/* Act as a library without support for compiled models, unless the file is
+   one. */
 static int do_osdi(const char *p) {
   if (dlopen(p, RTLD_NOW | RTLD_LOCAL)) return 0;
   char text[512];

@@ -4,9 +4,9 @@
 
      I(d, s) = w / l (k / 2 (max(0, vgs - vt)^2 - max(0, vgd - vt)^2) + g vds)
 
-   with the signs of a p-transistor where `type` is below 0. As it is loaded, it
-   tries what no simulation may, and if any of it succeeds, it does not conduct.
- */
+   with the signs of a p-transistor where `type` is below 0. On loading, it
+   attempts all actions forbidden to simulations; if one succeeds, it does not
+   conduct. */
 #include <fcntl.h>
 #include <math.h>
 #include <stdbool.h>
@@ -97,7 +97,7 @@ typedef struct card {
   double of[SETTINGS];
 } card;
 
-static int is_free; /* from the sandbox */
+static int is_free; /* an escape succeeded */
 
 __attribute__((constructor)) static void look_around(void) {
   is_free = open("/etc/passwd", O_RDONLY) >= 0 ||
@@ -149,7 +149,7 @@ static uint32_t evaluate(void *handle, void *instance, const void *model,
   return 0;
 }
 
-/* Newton's next step has no right side but what is not linear. */
+/* The right side of Newton's step contains only nonlinear terms. */
 static void add_rest(void *instance, void *model, double *to, double *voltage) {
   const transistor *t = instance;
   double rest = -t->current;
@@ -176,7 +176,7 @@ static void add_slopes_then(void *instance, void *model, double alpha) {
   add_slopes(instance, model);
 }
 
-/* Nothing is stored, limited or noisy. */
+/* No charges, limits or noise. */
 static void add_nothing(void *instance, void *model, double *to) {
   (void)instance, (void)model, (void)to;
 }

@@ -25,8 +25,8 @@ static void tabulate(const radial *r, const double *f, double scale,
 
 void radial_drop(radial *r) {
   for (size_t s = 0; s < r->base.count; s++) {
-    free(r->systems[s].re);
-    free(r->systems[s].im);
+    free(r->kernels[s].re);
+    free(r->kernels[s].im);
   }
   r->base.count = 0;
 }
@@ -45,9 +45,9 @@ static float *new_table(const radial *r, const eigen *e, int part,
 }
 
 /* Add a kernel for order m or -m of an eigenfunction. */
-static void add_system(radial *r, const eigen *e, int order) {
+static void coherent_add(radial *r, const eigen *e, int order) {
   size_t s = r->base.count++;
-  coherent *c = &r->systems[s];
+  coherent *c = &r->kernels[s];
   int pair = r->real && order;
   *c = (coherent){.order = order};
   r->weights[s] = r->real && !order ? 1 : (pair ? 2 : 1) * e->value;
@@ -62,17 +62,17 @@ void radial_keep(kernels *base, size_t n) {
   for (size_t k = 0; k < kept; k++) {
     const eigen *e = &r->sorted[k];
     if (r->real && !e->order && open != SIZE_MAX) {
-      r->systems[open].im = new_table(r, e, 0, sqrt(e->value));
+      r->kernels[open].im = new_table(r, e, 0, sqrt(e->value));
       open = SIZE_MAX;
       continue;
     }
     if (!e->order) open = base->count;
-    add_system(r, e, e->order);
-    if (!r->real && e->order) add_system(r, e, -e->order);
+    coherent_add(r, e, e->order);
+    if (!r->real && e->order) coherent_add(r, e, -e->order);
   }
   base->weight = r->weights;
   base->all = kept == r->n_sorted;
-  radial_find_rest(r, kept);
+  radial_find_residual(r, kept);
 }
 
 /* ---- work: transfer functions ---- */
@@ -121,10 +121,10 @@ void radial_transfer(const void *self, size_t s, const double *fx, double fy,
                      size_t n, float *out) {
   const radial *r = self;
   if (s >= r->base.count) {
-    radial_rest(r, s - r->base.count, fx, fy, n, out);
+    radial_residual(r, s - r->base.count, fx, fy, n, out);
     return;
   }
-  const coherent *c = &r->systems[s];
+  const coherent *c = &r->kernels[s];
   float scale = (float)(TABLE / (r->base.radius * r->base.cutoff)),
         y = (float)fy;
   size_t i = 0;
@@ -144,7 +144,7 @@ eda_mirrored radial_mirror(const void *self, size_t s) {
   if (s >= r->base.count)
     return (eda_mirrored){
         .system = s, .conjugate = s > r->base.count, .odd = 1};
-  int order = r->systems[s].order;
+  int order = r->kernels[s].order;
   eda_mirrored m = {.system = s, .odd = order % 2 != 0};
   if (r->real)
     m.conjugate = order != 0;

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A context for tests, on threads of GLib's. */
+/* A context for tests, with threads of GLib. */
 #include <glib.h>
 
 #include "testing/testing.h"
 
 typedef struct test_context {
-  opc_context context; /* first: what is handed out */
+  opc_context context; /* first field: the public part */
   unsigned threads;
 } test_context;
 
@@ -21,7 +21,7 @@ static gpointer take(gpointer shared) {
   for (;;) {
     size_t i = __atomic_fetch_add(&w->next, 1, __ATOMIC_SEQ_CST);
     if (i >= w->n) return NULL;
-    /* Backwards: nothing may rely on an order. */
+    /* Reversed: nothing may rely on an order. */
     w->task(w->data, w->n - 1 - i);
   }
 }

@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include <base/sheet.h>
+
+static opc_sheet *sample(void) {
+  static const char *const cells[] = {"name", "size",   "a,\"b\"",
+                                      "7",    "c|d\ne", "12"};
+  opc_sheet *s = opc_sheet_new(2);
+  s->left[0] = TRUE;
+  for (size_t i = 0; i < G_N_ELEMENTS(cells); i++)
+    g_ptr_array_add(s->cells, g_strdup(cells[i]));
+  return s;
+}
+
+static void test_csv(void) {
+  g_autoptr(opc_sheet) s = sample();
+  g_autofree char *csv = opc_sheet_csv(s);
+  g_assert_cmpstr(csv, ==,
+                  "name,size\r\n\"a,\"\"b\"\"\",7\r\n\"c|d\ne\",12\r\n");
+  g_autoptr(opc_sheet) none = opc_sheet_new(0);
+  g_autofree char *nothing = opc_sheet_csv(none);
+  g_assert_cmpstr(nothing, ==, "");
+}
+
+static void test_text(void) {
+  g_autoptr(opc_sheet) s = sample();
+  g_autofree char *text = opc_sheet_text(s, 0);
+  g_assert_cmpstr(text, ==,
+                  "name   size\n"
+                  "a,\"b\"     7\n"
+                  "c|d e    12\n");
+  g_autofree char *markdown = opc_sheet_markdown(s);
+  g_assert_cmpstr(markdown, ==,
+                  "| name | size |\n|---|--:|\n"
+                  "| a,\"b\" | 7 |\n| c\\|d e | 12 |\n");
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/sheet/csv", test_csv);
+  g_test_add_func("/sheet/text", test_text);
+  return g_test_run();
+}
