@@ -97,7 +97,7 @@ static int look_up(placer *r, shelf *from, int32_t cell) {
 
 /* ---- orientations ---- */
 
-/* Return the number of equivalent orientations (correct_ways_find) that a
+/* Return the number of equivalent orientations (correct_symmetry_find) that a
    placement requires. */
 static int orientations_for(const turn *t) {
   return t->xy ? 8 : t->xx < 0 || t->yy < 0 ? 4 : 1;
