@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Values that a parameter may have, listed by its plugin: the cells of a file.
-   An extension of plugins with a parameter that is OPC_LISTED. */
+/* Extension "opcflow.choices/1": a plugin lists the values that an OPC_LISTED
+   parameter may have, such as the cells of a layout file. */
 #ifndef OPCFLOW_CHOICES_H
 #define OPCFLOW_CHOICES_H
 
@@ -11,9 +11,9 @@ OPC_C_BEGIN
 #define OPC_CHOICES "opcflow.choices/1"
 
 typedef struct opc_choices {
-  /* Call `take` with each value that `parameter` may have where the others are
-     as they are, in any order. `take` copies the text. Inputs may be missing.
-     [main] */
+  /* Call `take` once with each value that `parameter` may have, given the other
+     parameters of the instance; in any order. `take` copies the text. Inputs
+     may be missing. Returns 0, or an error code with *error filled. [main] */
   int (*list)(void *self, const char *parameter,
               void (*take)(void *data, const char *value), void *data,
               opc_error *error);

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Kind "command": a verb of the command line. The plugin "command.NAME" is
-   called as `opcflow NAME [OPTION ...] [ARGUMENT ...]`. Its parameters are its
-   options: `max_cases` is `--max-cases VALUE`, written as in a flow, and one of
-   the type OPC_BOOL is `--quiet`. Help, completion and manual page come from
-   the declaration. Tables, metrics and messages are shown, or are one JSON
-   object with `--json`. */
+   called as `opcflow NAME [OPTION ...] [ARGUMENT ...]`. The plugin's parameters
+   are the options: `max_cases` is `--max-cases VALUE`, written as in a flow; a
+   parameter of the type OPC_BOOL is a switch, `--quiet`. Help, completion and
+   manual page are made from the declaration. The host prints tables, metrics
+   and messages as text, or as one JSON object with `--json`. */
 #ifndef OPCFLOW_COMMAND_H
 #define OPCFLOW_COMMAND_H
 
@@ -13,9 +13,10 @@
 OPC_C_BEGIN
 
 typedef struct opc_command {
-  const char *arguments; /* for help: "RUN ..."; NULL: it takes none */
+  const char *arguments; /* for the help text: "RUN ..."; NULL: no arguments */
 
-  /* Do the work; the code becomes the exit code. [main] */
+  /* Run the command on `n` arguments. Returns the exit code; on failure *error
+     is filled. [main] */
   int (*run)(void *self, size_t n, const char *const *arguments,
              opc_error *error);
   OPC_MAY_GROW

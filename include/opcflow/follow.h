@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Values that are not given and follow from something (opc_parameter.follows):
-   a plugin calls opc_follow as soon as it knows from what. */
+/* Derived defaults (opc_parameter.follows): values of parameters that the user
+   did not give and that the plugin computes from other data. A plugin calls
+   opc_follow as soon as that data is known. */
 #ifndef OPCFLOW_FOLLOW_H
 #define OPCFLOW_FOLLOW_H
 
@@ -9,13 +10,14 @@
 
 OPC_C_BEGIN
 
-/* What a parameter's text comes to, in the parameter's unit; NAN leaves it as
-   it is. */
+/* Return the value of the expression `follows`, in the unit of the parameter;
+   NAN leaves the field unchanged. */
 typedef double opc_follow_value(const void *data, const char *follows);
 
-/* Give the fields of an instance `self` that have no value yet (NAN) theirs.
-   One line at info level says all that were taken, "ID: WHENCE: NAME VALUE
-   UNIT, ...". Does nothing a second time. [main] */
+/* Set each field of the instance `self` that has no value yet (NAN) to the
+   derived default of the parameter. Logs all derived values in one line at info
+   level: "ID: SOURCE: NAME VALUE UNIT, ...". A second call does nothing.
+   [main] */
 OPC_UNUSED static void opc_follow(const opc_host *host, const char *id,
                                   void *self, const opc_parameter *parameters,
                                   size_t n, opc_follow_value *value,
@@ -36,8 +38,9 @@ OPC_UNUSED static void opc_follow(const opc_host *host, const char *id,
   if (used) host->log(host, OPC_LOG_INFO, "%s: %s: %s", id, whence, said);
 }
 
-/* The table `settings` of a step: what follows from something, with its value,
-   given or not. [main], while a step runs. */
+/* Publish the table `settings` of a step: each parameter that has a derived
+   default, with the value in use. Returns 0, or an error code with *error
+   filled. [main], while a step runs. */
 OPC_UNUSED static int opc_put_followed(const opc_host *host, const void *self,
                                        const opc_parameter *parameters,
                                        size_t n, opc_error *error) {

@@ -1,27 +1,29 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A flow that a step runs inside of it, at points of a sweep or of axes of
-   layers.
+/* Service "opcflow.inner/1": a step runs another flow, the inner flow, at the
+   points of a sweep or at combinations of layers.
 
-   A step has one if a parameter of the type OPC_FILE carries OPC_INNER_FLOW: it
-   names the flow. What is laid over that flow is in the step's parameters
-   `variant` (OPC_TEXT), `set` and `sweep` (OPC_MAP with OPC_MAP_OF_ANY), where
-   it declares them. The host reads the flow and checks it at each value that is
-   swept, with its instances, before the step's own `check`.
+   A step has an inner flow if a parameter of the type OPC_FILE carries
+   OPC_INNER_FLOW and names a flow file. Changes to that flow are in the step's
+   parameters `variant` (OPC_TEXT), `set` and `sweep` (OPC_MAP with
+   OPC_MAP_OF_ANY), where the step declares them. The host reads the flow,
+   instantiates its plugins and checks them at each swept value, before the
+   step's own `check`.
 
    A parameter with OPC_INNER_AXIS is an axis whose values are layers: variants
-   of that flow, or maps of paths and values, with lists, patterns and files
-   that the host expands (docs/reference/flow.md). These axes come before those
-   of a sweep, in the order of the declaration; a later one is laid over an
-   earlier one. Steps that only the first axes touch run once for all points
-   that have the same values of these.
+   of the inner flow, or maps of paths and values, with lists, patterns and
+   files that the host expands (docs/reference/flow.md). These axes precede the
+   axes of a sweep, in the order of declaration; a later axis overrides an
+   earlier one. The host runs a step that depends only on the first axes once
+   for all points that share the values of these axes.
 
-   An OPC_INPUT with OPC_INNER_STEP takes the place of the step of that flow
-   that is called as the parameter is, if it is given: what the other step made
-   is what that one gives, and it does not run.
+   An OPC_INPUT with OPC_INNER_STEP, if given, replaces the step of the inner
+   flow that has the name of the parameter: the object of the input is used as
+   the output of that step, which does not run.
 
-   The step asks through opc_get_inner, NULL if it has no such flow. What is
-   returned belongs to the host and is valid until the next call of `run`, if
-   nothing else is said. A function that gives NULL has filled *error. [main] */
+   A step gets the service by opc_get_inner, which returns NULL if the step has
+   no inner flow. The host owns the returned objects; they are valid until the
+   next call of `run` unless stated otherwise. A function that returns NULL has
+   filled *error. All functions are [main]. */
 #ifndef OPCFLOW_INNER_H
 #define OPCFLOW_INNER_H
 
@@ -29,31 +31,32 @@
 
 OPC_C_BEGIN
 
-/* A parameter that is swept. As long as the instance. */
+/* A swept parameter. Valid as long as the instance. */
 typedef struct opc_inner_axis {
   const char *path; /* "mask.synthesizer.fragment" */
-  const char *unit; /* NULL: plain numbers, or texts */
+  const char *unit; /* NULL: plain numbers or texts */
   size_t count;
-  const double *values;     /* in that unit; NULL: not numbers of one unit */
-  const char *const *texts; /* as written; of layers: their names, no two the
-                               same, each good as that of a folder */
-  int used;                 /* by what `metric` and `output` were asked for */
+  const double *values;     /* in `unit`; NULL: not numbers of one unit */
+  const char *const *texts; /* as written in the flow; for layers: their names,
+                               unique and valid as folder names */
+  int used;                 /* whether a value asked for by `metric` or `output`
+                               depends on this axis */
   OPC_MAY_GROW
 } opc_inner_axis;
 
-/* A metric that a run gave. */
+/* The value of a metric after a run. */
 typedef struct opc_inner_metric {
-  const char *path; /* of its instance: "mask", "mask.synthesizer" */
+  const char *path; /* path of the instance: "mask", "mask.synthesizer" */
   const opc_metric *metric;
   double value;
   OPC_MAY_GROW
 } opc_inner_metric;
 
-/* A run that is kept whole. */
+/* A run whose files are kept. */
 typedef struct opc_inner_run {
-  const char *folder; /* its path, while the step runs */
-  double seconds;     /* of all its steps, those that it shares included */
-  size_t findings;    /* of all its steps */
+  const char *folder; /* path of the folder, for use while the step runs */
+  double seconds;     /* run time of all steps, including shared ones */
+  size_t findings;    /* number of findings of all steps */
   OPC_MAY_GROW
 } opc_inner_run;
 
@@ -64,9 +67,11 @@ typedef struct opc_inner_service {
 
   /* ---- from `check` on ---- */
 
-  /* The axes. Points are numbered from 0; the last axis changes first. */
+  /* Return the axes. Points are numbered from 0; the last axis varies
+     fastest. */
   const opc_inner_axis *const *(*axes)(const opc_host *host, size_t *count);
-  /* The number of that path's one; -1 and *error if it is not swept. */
+  /* Return the index of the axis with that path; -1 and *error if the path is
+     not swept. */
   int (*axis)(const opc_host *host, const char *path, opc_error *error);
 
   /* The declaration of "step.metric"; and the name of `step` if it makes data
@@ -79,35 +84,39 @@ typedef struct opc_inner_service {
 
   /* ---- while the step runs ---- */
 
-  /* First: run the steps that no axis touches, for all points. */
+  /* Run the steps that depend on no axis, once for all points. Call before
+     `run`. Returns 0, or an error code with *error filled. */
   int (*begin)(const opc_host *host, opc_error *error);
 
-  /* Run the others at a point. `keep`: what it writes stays, in a folder of the
-     step's name; otherwise only if the user wants to keep all points. Progress
-     is told in points; this one counts for `share` of them. OPC_CANCELLED if
-     the user wants to stop; after another failure, other points may be run. */
+  /* Run the remaining steps at a point. `keep`: keep the written files, in a
+     folder with the name of the step; otherwise the files are kept only if the
+     user keeps all points. Progress is counted in points; this one counts for
+     `share` points. Returns OPC_CANCELLED if the user stops the run. After any
+     other failure, further points may be run. */
   int (*run)(const opc_host *host, size_t point, int keep, size_t share,
              opc_error *error);
 
-  /* The metrics of the last run, or of `begin`, whose points share them. */
+  /* Return the metrics of the last run; `shared`: of `begin`, common to all
+     points. */
   const opc_inner_metric *const *(*metrics)(const opc_host *host, int shared,
                                             size_t *count);
 
-  /* A column of numbers (OPC_REAL, OPC_INT) of a table of the last run. */
+  /* Return a numeric column (OPC_REAL, OPC_INT) of a table of the last run. */
   const opc_column *(*column)(const opc_host *host, const char *step,
                               const char *table, const char *column,
                               size_t *rows, opc_error *error);
 
-  /* What `output` was asked for, as the last run made it. If there is no later
-     run, it is valid as long as the instance. */
+  /* Return the object of the last run that was asked for by `output`. If no
+     other run follows, the object is valid as long as the instance. */
   void *(*object)(const opc_host *host, const char *step, const char *kind);
 
-  /* As `run`, and what it and the steps it shares have written is a complete
-     run folder, of the name `folder` in one of the step's name: with flow.yaml,
-     metrics.json and manifest.json; `metrics` then has all of them. OPC_LIMIT:
-     the run is there and does not keep what its flow requires. After another
-     failure *out is NULL and there is no folder. What failed counts for the
-     exit code, as a point of a sweep does. */
+  /* Run a point as `run` does, and write a complete run folder named `folder`
+     inside a folder with the name of the step, including the shared steps:
+     flow.yaml, metrics.json and manifest.json. `metrics` then returns the
+     metrics of all steps. Returns OPC_LIMIT if the run is complete but violates
+     a requirement of the flow. After any other failure *out is NULL and no
+     folder exists. A failure affects the exit code like that of a sweep
+     point. */
   int (*run_whole)(const opc_host *host, size_t point, const char *folder,
                    size_t share, const opc_inner_run **out, opc_error *error);
   OPC_MAY_GROW

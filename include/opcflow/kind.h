@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Kinds of plugins. The kernel has three: "step" (step.h), "command"
-   (command.h) and "kind" itself. Every other kind is brought by a shared object
-   of the kind "kind" whose id is "kind.NAME", found as any plugin: how large
-   its functions are, how they are tried out, and what a new plugin of it looks
-   like. */
+/* Kind "kind": declares a further kind of plugins. The kinds "step" (step.h),
+   "command" (command.h) and "kind" are built in. Any other kind is declared by
+   a plugin "kind.NAME", found like any plugin, which states the size of the
+   struct of functions, tests plugins of the kind, and provides a template for
+   new ones. */
 #ifndef OPCFLOW_KIND_H
 #define OPCFLOW_KIND_H
 
@@ -11,23 +11,23 @@
 
 OPC_C_BEGIN
 
-/* A function that a plugin of the kind must have. */
+/* A function that each plugin of the kind must have. */
 typedef struct opc_function {
   const char *name;
-  size_t offset; /* in the struct of functions */
+  size_t offset; /* in the kind's struct of functions */
   OPC_MAY_GROW
 } opc_function;
 
 #define OPC_FUNCTION(type, member) \
   { #member, offsetof(type, member) }
 
-/* What `opcflow lint` hears while it tries a plugin. */
+/* Receives results and faults while `opcflow lint` tests a plugin. */
 typedef struct opc_inspector opc_inspector;
 struct opc_inspector {
-  /* Bytes of a result: the same input must give the same ones again, in
-     another instance and on any number of threads. */
+  /* Record the bytes of a result. The same input must produce the same bytes
+     again, in another instance and for any number of threads. */
   void (*add)(opc_inspector *inspector, const void *data, size_t size);
-  /* A fault; and what could not be tried, with the reason. */
+  /* Report a fault, or a test that could not be done, with the reason. */
   void (*find)(opc_inspector *inspector, const char *format, ...)
       OPC_PRINTF(2, 3);
   void (*note)(opc_inspector *inspector, const char *format, ...)
@@ -36,16 +36,15 @@ struct opc_inspector {
   OPC_MAY_GROW
 };
 
-/* A file of a new plugin, for `opcflow new plugin KIND.NAME`. In both texts
-   @NAME@ stands for the last word of its id, @ID@ for the id. */
+/* A file of a new plugin, written by `opcflow new plugin KIND.NAME`. In both
+   texts @NAME@ stands for the last word of the id, @ID@ for the id. */
 typedef struct opc_template {
   const char *name; /* "@ID@.c" */
   const char *text;
   OPC_MAY_GROW
 } opc_template;
 
-/* A small file for plugins that must be given one: what its form is, only the
-   plugin knows. */
+/* A small valid input file, for plugins with a required file parameter. */
 typedef struct opc_sample {
   const char *name; /* "table.yaml" */
   const void *bytes;
@@ -53,33 +52,34 @@ typedef struct opc_sample {
   OPC_MAY_GROW
 } opc_sample;
 
-/* Data for an input of a step, by its data kind. */
+/* Example data for an input of a step, by data kind. */
 typedef struct opc_example {
   const char *kind;
-  /* Made at the first call and then constant; NULL and *error if it cannot be.
-     [main] */
+  /* Return the object, created at the first call and constant from then on;
+     NULL and *error on failure. [main] */
   const void *(*give)(opc_error *error);
   OPC_MAY_GROW
 } opc_example;
 
 typedef struct opc_kind {
-  size_t functions_size; /* of the struct of a plugin of this kind */
+  size_t functions_size; /* of the struct of functions of this kind */
 
-  /* Those that each plugin must have. Each array with the size of an element.
-   */
+  /* Functions that each plugin must have. Each array is given with the size of
+     an element. */
   size_t n_functions, function_size;
   const opc_function *functions;
 
-  /* Try an instance on made-up inputs, real in form and figures; tell what is
-     wrong with what it hands back. In a process of its own. [main] */
+  /* Test an instance on synthetic inputs of realistic form and size; report
+     faults of the results to `inspector`. Runs in a process of its own.
+     [main] */
   void (*exercise)(const opc_module *module, opc_inspector *inspector);
 
   size_t n_templates, template_size;
   const opc_template *templates;
 
-  /* What lint gives to plugins of this kind that must have a file, each in turn
-     until the plugin works with it, and to the inputs of steps. A plugin
-     "kind.step" has them for steps. */
+  /* Sample files that lint passes to plugins of this kind with a required file
+     parameter, one after another until the plugin accepts one, and examples for
+     inputs of steps. The plugin "kind.step" has the samples for steps. */
   size_t n_samples, sample_size;
   const opc_sample *samples;
   size_t n_examples, example_size;
@@ -87,10 +87,10 @@ typedef struct opc_kind {
   OPC_MAY_GROW
 } opc_kind;
 
-/* The end of a kind's file, after `static const opc_function required[]`, a
-   function `exercise` and the `templates` that are embedded: the plugin
-   "kind.NAME" for modules whose functions are a `type`; what else there is as
-   designated initialisers (OPC_SAMPLES). */
+/* Define the plugin "kind.NAME" at the end of a kind's source file. The file
+   defines `static const opc_function required[]`, a function `exercise` and the
+   embedded `templates`. `type` is the struct of functions of the kind; further
+   fields (OPC_SAMPLES) are passed as designated initialisers. */
 #define OPC_REQUIRED_FUNCTIONS(array)                \
   .n_functions = sizeof(array) / sizeof((array)[0]), \
   .function_size = sizeof(opc_function), .functions = (array)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The whole plugin interface. */
+/* Includes the complete plugin interface. */
 #ifndef OPCFLOW_OPCFLOW_H
 #define OPCFLOW_OPCFLOW_H
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Work of a step that processes share. */
+/* Service "opcflow.pieces/1": work units that are distributed over
+   processes. */
 #ifndef OPCFLOW_PIECES_H
 #define OPCFLOW_PIECES_H
 
@@ -7,47 +8,52 @@
 
 OPC_C_BEGIN
 
-/* What a piece of work gives, byte after byte: `add` copies. [main] */
+/* Result of a work unit, a growing byte string: `add` appends a copy. [main] */
 typedef struct opc_bytes opc_bytes;
 struct opc_bytes {
   void (*add)(opc_bytes *bytes, const void *from, size_t size);
   OPC_MAY_GROW
 };
 
-/* Work in pieces of which none needs another's result: each is done once, here
-   or, where several processes run the flow together, in one of them; each
-   result that is kept is there again after a run that was killed. All functions
-   are [main], and get `data`.
+/* A list of independent work units. Each unit is computed once: here or, if
+   several processes run the flow together, in one of them. Results with a key
+   are kept and reused after an interrupted run. All functions are [main] and
+   get `data`.
 
-   `work` must do the same in every process: it follows from what the step was
-   given, from earlier calls of `take`, and from i alone. It publishes nothing;
-   what it warns of or finds is kept with its result and said before that is
-   taken. So figures, tables and metrics come from `take` or after it. */
+   `work` must be a deterministic function of the step's inputs, of earlier
+   calls of `take`, and of i, in every process. `work` publishes nothing;
+   warnings and findings that it logs are kept with the result and logged before
+   the result is taken. Publish figures, tables and metrics in `take` or
+   later. */
 typedef struct opc_pieces {
   void *data;
-  const char *name; /* what one is: "window"; differs between lists of a step */
+  const char *name; /* name of a unit: "window"; unique among the lists of a
+                       step */
   size_t count;
 
-  /* What piece i depends on beyond what the step's own result does
-     (docs/reference/flow.md tells what that is), as a text; valid until the
-     next call. NULL, also the function: it is not kept. Pieces of a name and
-     key are the same. */
+  /* Return a text with all that unit i depends on beyond the dependencies of
+     the step's own result (docs/reference/flow.md); valid until the next call.
+     NULL, also for the function pointer: the result is not kept. Units of equal
+     name and key are identical. */
   const char *(*key)(void *data, size_t i);
 
-  /* What it will cost, in any unit: the dearest begin first. The same in every
-     process. NULL: all cost alike. */
+  /* Return the expected cost of unit i, in any unit of measure; units of
+     highest cost start first. Must be the same in every process. NULL: equal
+     costs. */
   double (*cost)(void *data, size_t i);
 
-  /* Do piece i, and add its result to `out`: 2^30 bytes at most, for processes
-     of this machine's kind. */
+  /* Compute unit i and append the result to `out`, at most 2^30 bytes, in the
+     native byte order. Returns 0, or an error code with *error filled. */
   int (*work)(void *data, size_t i, opc_bytes *out, opc_error *error);
 
-  /* Take the result of piece i, in every process, in the order of i. `bytes` is
-     aligned as by malloc, and goes when it returns. */
+  /* Receive the result of unit i, in every process, in ascending order of i.
+     `bytes` is aligned as by malloc and valid until `take` returns. Returns 0,
+     or an error code with *error filled. */
   int (*take)(void *data, size_t i, const void *bytes, size_t size,
               opc_error *error);
 
-  /* So many are done, wherever: for host->progress. NULL: not of interest. */
+  /* Receive the number of finished units, over all processes, for
+     host->progress. NULL: not needed. */
   void (*done)(void *data, size_t done);
   OPC_MAY_GROW
 } opc_pieces;
@@ -57,15 +63,17 @@ typedef struct opc_pieces {
 typedef struct opc_pieces_service {
   size_t size; /* of this struct */
 
-  /* As opc_do_pieces; `own_size` is that of an opc_pieces. */
+  /* Implements opc_do_pieces; `own_size` is sizeof(opc_pieces) in the
+     plugin. */
   int (*run)(const opc_host *host, const opc_pieces *pieces, size_t own_size,
              opc_error *error);
   OPC_MAY_GROW
 } opc_pieces_service;
 
-/* Have all pieces done and taken. The first fault of `work` or `take` ends it.
-   A step whose flags have no OPC_STEP_PIECES does them alone. [main], while a
-   step runs; in a piece, too: then here, and nothing is kept. */
+/* Compute all work units and pass the results to `take`. Returns 0, or the
+   first error of `work` or `take`. A step without the flag OPC_STEP_PIECES
+   computes all units in its own process. Nested calls, from `work`, compute in
+   the calling process and keep no results. [main], while a step runs. */
 OPC_UNUSED static int opc_do_pieces(const opc_host *host,
                                     const opc_pieces *shared,
                                     opc_error *error) {

@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The plugin contract: what a shared object tells of itself, how it gets its
-   parameters, and what the host offers it.
+/* The plugin contract: how a shared object describes itself, how its instances
+   receive parameters, and which functions the host offers.
 
    A plugin is one shared object with one exported function, which the macro
-   OPC_PLUGIN at the end of its file makes. It includes the headers of this
-   folder, links nothing of opcflow's kernel, and calls back through the table
-   of `opc_host`. What it works on comes from libraries that it links, such as
-   eda.
+   OPC_PLUGIN defines at the end of the source file. A plugin includes the
+   headers of this folder, links nothing of opcflow's core, and calls the host
+   through the table `opc_host`. Data types and algorithms come from libraries
+   that the plugin links, such as eda.
 
    Threads. Each function is tagged:
      [main]  called from one thread at a time for one instance;
      [any]   may be called from several threads at once for one instance.
 
-   Errors. See base.h. Nothing is printed, nothing aborts. */
+   Errors. See base.h. A plugin prints nothing and never aborts. */
 #ifndef OPCFLOW_PLUGIN_H
 #define OPCFLOW_PLUGIN_H
 
@@ -20,9 +20,9 @@
 
 OPC_C_BEGIN
 
-/* The version of the interface that a plugin was built for. The host refuses
-   another major, and minors before OPC_ABI_OLDEST. A plugin of any other minor
-   runs, older or newer, because of these rules:
+/* Version of the interface that a plugin was built for. The host refuses
+   another major version, and minor versions before OPC_ABI_OLDEST. Plugins of
+   any other minor version run, older or newer, because of these rules:
 
    1. Existing fields, functions, flags and names never change their meaning or
       place. opc_error, opc_module, opc_reals, opc_pair, opc_map, opc_progress
@@ -30,29 +30,31 @@ OPC_C_BEGIN
    2. A struct that ends with OPC_MAY_GROW (base.h) may get fields before that
       line. A plugin passes the size of each struct that it declares, and the
       host reads no more. Fields that an older plugin lacks are 0; the host
-      ignores fields that it does not know.
-   3. Structs that the host hands out may be longer than the plugin knows; no
-      plugin copies them or has arrays of them. A plugin for a later minor asks
-      OPC_HAS before it uses a field that was added to a struct with `size`.
-   4. Rare functions have a name, such as "opcflow.inner/1". A plugin asks
-      opc_host.service for those of the host; the host asks
-      opc_plugin.extension for those of the plugin. NULL: there is none. A
-      change that rules 1 and 2 forbid gets another name.
-   5. The functions of a kind follow rules 1 and 2: functions that must be there
-      are those of the kind's first version. */
+      ignores unknown fields.
+   3. Structs that the host passes to plugins may be longer than the plugin
+      knows; no plugin copies them or makes arrays of them. A plugin for a later
+      minor version tests OPC_HAS before the use of a field that was added to a
+      struct with `size`.
+   4. Rare functions have a name, such as "opcflow.inner/1". A plugin gets those
+      of the host by opc_host.service; the host gets those of the plugin by
+      opc_plugin.extension. NULL: not available. A change that rules 1 and 2
+      forbid gets another name.
+   5. The functions of a kind follow rules 1 and 2: the required functions are
+      those of the kind's first version. */
 #define OPC_ABI_MAJOR 0u
 #define OPC_ABI_MINOR 8u
 #define OPC_ABI_OLDEST 8u
 
-/* Whether `object`, a pointer to a `type` with a `size`, has that field. */
+/* True if `object`, a pointer to a `type` with the field `size`, has
+   `member`. */
 #define OPC_HAS(type, object, member) \
   ((object)->size >= offsetof(type, member) + sizeof(object)->member)
 
 /* ---- parameters ------------------------------------------------------- */
 
-/* The type of a parameter, how a flow writes it, and the type of the field of
-   the instance that gets it. What is neither given nor has a default leaves
-   the field as the last column says. */
+/* Type of a parameter, with the notation in a flow, the C type of the field of
+   the instance, and the value of that field where the parameter is neither
+   given nor has a default. */
 enum {
   OPC_BOOL = 1,   /* true, false            int                  -1 */
   OPC_INT = 2,    /* 12                     int64_t              OPC_NO_INT */
@@ -96,28 +98,28 @@ enum {
   OPC_AT_MOST = 1 << 3,    /* value <= max */
   OPC_BELOW = 1 << 4,      /* value <  max */
   OPC_NO_EFFECT = 1 << 5,  /* does not change the result (threads, verbosity) */
-  OPC_MAP_OF_ANY = 1 << 6, /* of an OPC_MAP: values of any form, as the flow
+  OPC_MAP_OF_ANY = 1 << 6, /* for an OPC_MAP: values of any form, as the flow
                               writes them on one line */
-  OPC_INNER_FLOW = 1 << 7, /* of an OPC_FILE: a flow that the step runs;
-                              inner.h */
-  OPC_INNER_AXIS = 1 << 8, /* of an OPC_MAP of any: layers that are laid over
-                              that flow one after another, also as a list */
-  OPC_INNER_STEP = 1 << 9, /* of an OPC_INPUT: stands in place of the step of
-                              that flow that is called as the parameter */
-  OPC_LISTED = 1 << 10,    /* of an OPC_TEXT: the plugin lists the values that
-                              it may have; choices.h */
-  OPC_BESIDE = 1 << 11     /* of an OPC_FILE: others beside it are read, too */
+  OPC_INNER_FLOW = 1 << 7, /* for an OPC_FILE: names the inner flow; inner.h */
+  OPC_INNER_AXIS = 1 << 8, /* for an OPC_MAP of any: layers applied in turn to
+                              the inner flow, also as a list */
+  OPC_INNER_STEP = 1 << 9, /* for an OPC_INPUT: replaces the step of the inner
+                              flow that has the name of the parameter */
+  OPC_LISTED = 1 << 10,    /* for an OPC_TEXT: the plugin lists the allowed
+                              values; choices.h */
+  OPC_BESIDE = 1 << 11     /* for an OPC_FILE: the plugin also reads other files
+                              of the same folder */
 };
 
-/* A parameter, declared with OPC_PARAMETER. Names are lower_case; a dot makes a
-   group, so that "anchor.line" is written `anchor: { line: 65 nm }`. `unit` is
-   the unit in which the plugin gets the number ("nm", "%", "V", "A", "C",
-   "deg", "s", "1/nm"); the flow may write any unit of the same dimension, and
-   must write one. NULL: a plain number. `preset` is the default as a flow would
-   write it, NULL for none. `offset` and `width` say where the value goes.
-   `given` is the offset of an int that becomes 1 if the flow or the command
-   line gave the value and 0 if not, also where it writes the default out; 0
-   for no such field. */
+/* Declaration of a parameter, written with OPC_PARAMETER. Names are lower_case;
+   a dot makes a group: "anchor.line" is written `anchor: { line: 65 nm }`.
+   `unit` is the unit of the number that the plugin receives ("nm", "%", "V",
+   "A", "C", "deg", "s", "1/nm"); the flow must write a unit of the same
+   dimension. NULL: a plain number. `preset` is the default in the notation of a
+   flow, NULL for none. `offset` and `width` locate the field of the instance.
+   `given` is the offset of an int that is set to 1 if the flow or the command
+   line gave the value, else to 0, also where the given value equals the
+   default; 0: no such field. */
 typedef struct opc_parameter {
   const char *name;
   uint32_t type;
@@ -125,22 +127,22 @@ typedef struct opc_parameter {
   const char *unit;
   const char *preset;
   double min, max;
-  const char *choices; /* words with | between them */
+  const char *choices; /* words, separated by | */
   const char *summary; /* one line, no full stop */
   size_t offset, width, given;
-  const char *former; /* names it had before, with | between them; told when
-                         they are used. NULL: none */
-  /* Of an OPC_REAL without `preset`: what a value that is not given follows
-     from, as people read it ("0.155 lambda/NA"), shown in the default's place;
-     the plugin works it out (opcflow/follow.h). NULL: nothing. */
+  const char *former; /* earlier names, separated by |; their use is reported.
+                         NULL: none */
+  /* For an OPC_REAL without `preset`: the expression of the derived default,
+     for readers ("0.155 lambda/NA"), shown in place of a default. The plugin
+     computes the value (opcflow/follow.h). NULL: none. */
   const char *follows;
   OPC_MAY_GROW
 } opc_parameter;
 
-/* The elements of an array of parameters: the field `member` of an instance of
-   the type `state` that gets the value, and what else there is to say, as
-   designated initialisers. The parameter is called as the field is, or NAMED.
- */
+/* Initialise an element of an array of parameters: `member` is the field of the
+   instance type `state` that receives the value; further fields are designated
+   initialisers. The parameter has the name of the field; OPC_PARAMETER_NAMED
+   sets another name. */
 #define OPC_PARAMETER(state, member, ...) \
   OPC_PARAMETER_NAMED(#member, state, member, __VA_ARGS__)
 #define OPC_PARAMETER_NAMED(label, state, member, ...) \
@@ -150,22 +152,28 @@ typedef struct opc_parameter {
 
 /* ---- metrics ---------------------------------------------------------- */
 
-enum { OPC_NEUTRAL = 0, OPC_LOWER = 1, OPC_HIGHER = 2 }; /* which is better */
+enum {
+  OPC_NEUTRAL = 0,
+  OPC_LOWER = 1,
+  OPC_HIGHER = 2
+}; /* whether lower or
+      higher values are
+      better */
 
 typedef struct opc_metric {
   const char *name;
   const char *unit; /* NULL: a plain number */
   uint32_t better;
-  double tolerance; /* a difference below it means nothing; same unit */
+  double tolerance; /* smaller differences are insignificant; same unit */
   const char *summary;
   OPC_MAY_GROW
 } opc_metric;
 
 /* ---- the host --------------------------------------------------------- */
 
-/* Levels of what is said. A finding is about the result, and must not be
-   missed: it is shown as a warning at once, again as a last line of the run,
-   and kept in metrics.json. */
+/* Levels of log messages. A finding is a fault of the result that must not be
+   missed: the host shows a finding as a warning at once and again at the end of
+   the run, and keeps it in metrics.json. */
 enum {
   OPC_LOG_DEBUG = 0,
   OPC_LOG_INFO = 1,
@@ -173,61 +181,64 @@ enum {
   OPC_LOG_FINDING = 3
 };
 
-/* What a long step tells while it works. NAN where there is nothing to say. */
+/* Progress of a long step. NAN: unknown. */
 typedef struct opc_progress {
-  double done, total; /* in whatever the step counts */
-  double worst;       /* the figure that is being driven down */
+  double done, total; /* in any unit that the step counts */
+  double worst;       /* the error that the step minimises */
   const char *worst_unit;
 } opc_progress;
 
-enum { OPC_TABLE_PRINT = 1 }; /* show it on standard output too */
+enum { OPC_TABLE_PRINT = 1 }; /* also print to standard output */
 
-/* A column of a table that a step publishes: `type` is OPC_TEXT, OPC_REAL or
-   OPC_INT and `data` an array of const char *, double or int64_t. */
+/* A column of a published table: `type` is OPC_TEXT, OPC_REAL or OPC_INT and
+   `data` an array of const char *, double or int64_t. */
 typedef struct opc_column {
   const char *name;
   const char *unit;
   uint32_t type;
-  int32_t decimals; /* of an OPC_REAL; -1 for the shortest exact form */
+  int32_t decimals; /* for an OPC_REAL; -1: shortest exact form */
   const void *data;
   OPC_MAY_GROW
 } opc_column;
 
-/* An instance gets a table of its own before `check` and keeps it until after
-   `clear`; every function takes that table as its first argument and is [any]
-   unless it says otherwise. */
+/* Functions of the host. Each instance has its own table, from before `check`
+   until after `clear`, and passes it as the first argument of every function.
+   The functions are [any] unless stated otherwise. */
 typedef struct opc_host opc_host;
 struct opc_host {
   size_t size;                /* of this struct */
   const opc_context *context; /* threads; base.h */
-  void *data;                 /* the host's own */
+  void *data;                 /* private data of the host */
 
-  /* One line for the user, without a newline. */
+  /* Log one line for the user, without a newline. */
   void (*log)(const opc_host *host, int level, const char *format, ...)
       OPC_PRINTF(3, 4);
   void (*progress)(const opc_host *host, const opc_progress *progress);
 
-  /* Publish a table: it is written as NAME.csv in the run folder, and printed
-     if asked to. `column_size` is that of an opc_column; opc_put_table and
-     opc_put_rows (table.h) pass it. [main], while a step runs. */
+  /* Publish a table: the host writes NAME.csv in the run folder, and prints the
+     table if OPC_TABLE_PRINT is set. `column_size` is sizeof(opc_column) in the
+     plugin, passed by opc_put_table and opc_put_rows (table.h). Returns 0, or
+     an error code with *error filled. [main], while a step runs. */
   int (*table)(const opc_host *host, const char *name, uint32_t flags,
                size_t rows, const opc_column *columns, size_t n_columns,
                size_t column_size, opc_error *error);
 
-  /* The value of a metric that the plugin declares. [main] */
+  /* Publish the value of a declared metric. Returns 0, or an error code with
+   *error filled. [main] */
   int (*metric)(const opc_host *host, const char *name, double value,
                 opc_error *error);
 
-  /* Where to write the output file `name` (a plain relative name): the path,
-     valid as long as the instance; NULL and *error if the name leaves the run
-     folder or is taken. [main], while a step runs. */
+  /* Return the path for the output file `name` (a plain relative name), valid
+     as long as the instance; NULL and *error if the name leaves the run folder
+     or is in use. [main], while a step runs. */
   const char *(*output_path)(const opc_host *host, const char *name,
                              opc_error *error);
 
-  /* Return the service of that name, a struct that its header declares; NULL
-     if this host or this instance has none. Valid as long as the instance:
+  /* Return the service of that name, a struct that a header declares; NULL if
+     this host or this instance has no such service. Valid as long as the
+     instance:
        "opcflow.inner/1"    flows that a step runs               inner.h
-       "opcflow.pieces/1"   work that processes share            pieces.h
+       "opcflow.pieces/1"   distributed work units               pieces.h
        "opcflow.results/1"  results kept beyond a run            results.h */
   const void *(*service)(const opc_host *host, const char *name);
   OPC_MAY_GROW
@@ -236,46 +247,48 @@ struct opc_host {
 /* ---- the descriptor --------------------------------------------------- */
 
 enum {
-  OPC_DETERMINISTIC = 1 << 0, /* same input, same bits */
-  OPC_REENTRANT = 1 << 1      /* two instances may work at the same time */
+  OPC_DETERMINISTIC = 1 << 0, /* equal inputs produce equal bits */
+  OPC_REENTRANT = 1 << 1      /* two instances may run concurrently */
 };
 
-/* What a plugin tells of itself. Everything it points to is constant and lives
-   as long as the object is loaded. */
+/* Descriptor of a plugin. All data that the descriptor points to is constant
+   and valid as long as the object is loaded. */
 typedef struct opc_plugin {
   uint16_t abi_major, abi_minor;
   uint32_t size;    /* of this struct */
   const char *id;   /* "litho.hopkins": family.name, lower case */
-  const char *kind; /* "litho": of the functions below; kind.h */
+  const char *kind; /* kind of `functions`: "litho"; kind.h */
   const char *version;
   const char *licence; /* SPDX expression */
   const char *summary; /* one line, no full stop */
   uint32_t flags;      /* OPC_DETERMINISTIC, OPC_REENTRANT */
 
-  /* Each array with the size of an element. */
+  /* Each array is given with the size of an element. */
   uint32_t parameter_size, metric_size;
   size_t n_parameters;
   const opc_parameter *parameters;
   size_t n_metrics;
   const opc_metric *metrics;
 
-  /* The size of an instance: a struct whose first member is
-     `const opc_host *host`. The host allocates it, fills it with zeros, sets
-     `host` and the fields of all parameters, and frees it. What parameters
-     point to belongs to the host and lives as long as the instance. */
+  /* Size of an instance: a struct whose first member is `const opc_host *host`.
+     The host allocates the instance, fills it with zeros, sets `host` and the
+     fields of all parameters, and frees it. The host owns the data that
+     parameters point to; it lives as long as the instance. */
   size_t instance_size;
 
-  /* Look at what the declaration cannot say (two bounds against each other, a
-     file's content is for later) and prepare what costs nothing, as `opcflow
-     check` calls it too; inputs are not there yet. NULL: nothing to do. [main]
-   */
+  /* Check constraints that the declaration cannot express, such as two bounds
+     against each other, and prepare whatever needs little time. The content of
+     files is not checked here. Inputs are not available; `opcflow check` calls
+     this function, too. Returns 0, or an error code with *error filled. NULL:
+     nothing to do. [main] */
   int (*check)(void *self, opc_error *error);
 
-  /* Release what the instance made for itself, before the host frees it; also
-     after a `check` that failed. NULL: nothing to do. [main] */
+  /* Release the resources of the instance before the host frees it; also called
+     after a failed `check`. NULL: nothing to do. [main] */
   void (*clear)(void *self);
 
-  /* The kind's struct of functions, and its size in the plugin. */
+  /* The kind's struct of functions, and the size of that struct in the
+     plugin. */
   const void *functions;
   size_t functions_size;
 
@@ -299,8 +312,9 @@ typedef struct opc_plugin {
 typedef const opc_plugin *(*opc_plugin_entry)(void);
 #define OPC_ENTRY_NAME "opcflow_plugin"
 
-/* The end of a plugin's file: its descriptor, as designated initialisers, and
-   the function that gives it. `state` is the type of an instance. */
+/* Define the descriptor, from designated initialisers, and the function that
+   returns it, at the end of a plugin's source file. `state` is the type of an
+   instance. */
 #define OPC_PLUGIN(state, ...)                                        \
   OPC_EXPORT const opc_plugin *opcflow_plugin(void);                  \
   const opc_plugin *opcflow_plugin(void) {                            \

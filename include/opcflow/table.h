@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What a plugin publishes, in one call: several metrics, or a table of which
-   the rows are an array of structs. */
+/* Helpers to publish several metrics, or a table from an array of structs, in
+   one call. */
 #ifndef OPCFLOW_TABLE_H
 #define OPCFLOW_TABLE_H
 
@@ -10,18 +10,19 @@
 
 OPC_C_BEGIN
 
-/* An array and how many elements it has. */
+/* Expands to an array and the number of its elements. */
 #define OPC_ARRAY(array) (array), sizeof(array) / sizeof((array)[0])
 
 /* ---- metrics ---- */
 
-/* The name is NULL for a metric that has no value this time. */
+/* A metric with its value; the name is NULL if the metric has no value. */
 typedef struct opc_metric_value {
   const char *name;
   double value;
 } opc_metric_value;
 
-/* `return opc_put_metrics(host, OPC_ARRAY(values), error);` [main] */
+/* Publish metrics. Returns 0, or an error code with *error filled. Use: `return
+   opc_put_metrics(host, OPC_ARRAY(values), error);` [main] */
 OPC_UNUSED static int opc_put_metrics(const opc_host *host,
                                       const opc_metric_value *values, size_t n,
                                       opc_error *error) {
@@ -35,7 +36,7 @@ OPC_UNUSED static int opc_put_metrics(const opc_host *host,
 
 /* ---- tables ---- */
 
-/* Publish a table; opc_host.table. [main] */
+/* Publish a table by opc_host.table and return the status. [main] */
 OPC_UNUSED static int opc_put_table(const opc_host *host, const char *name,
                                     uint32_t flags, size_t rows,
                                     const opc_column *columns, size_t n,
@@ -44,13 +45,13 @@ OPC_UNUSED static int opc_put_table(const opc_host *host, const char *name,
                      error);
 }
 
-/* A table of `rows` structs of `size` bytes each. The data of a column is the
-   member of the first one. [main] */
+/* Publish a table of `rows` structs of `size` bytes each and return the status.
+   The data of a column is the member of the first struct. [main] */
 OPC_UNUSED static int opc_put_rows(const opc_host *host, const char *name,
                                    uint32_t flags, size_t rows, size_t size,
                                    const opc_column *columns, size_t n,
                                    opc_error *error) {
-  enum { CELL = 8 }; /* bytes: a pointer has no more */
+  enum { CELL = 8 }; /* bytes of the largest cell type */
   opc_column *all = (opc_column *)malloc((n + 1) * sizeof *all);
   char *cells = (char *)malloc((n * rows + 1) * CELL);
   int code = OPC_FAILED;

@@ -9,8 +9,7 @@
    2004, for the intensity). Bars are placed where the derivative is most
    negative, after compensation by the edges of the features, which hold the
    nominal contour in place. */
-#ifndef CORRECT_SEARCH_H
-#define CORRECT_SEARCH_H
+#pragma once
 
 #include <eda/bars.h>
 #include <opcflow/plugin.h>
@@ -88,5 +87,3 @@ OPC_EXPORT int correct_search_watch(struct loop *loop, int done,
                           .summary =                                           \
                               "Smallest intensity margin to printing, clear "  \
                               "field 1; bars below it are narrowed")
-
-#endif

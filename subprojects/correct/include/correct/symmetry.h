@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Symmetry of the optics under rotation and mirroring. */
-#ifndef CORRECT_SYMMETRY_H
-#define CORRECT_SYMMETRY_H
+#pragma once
 
 #include <eda/litho.h>
 
@@ -11,5 +10,3 @@
 OPC_EXPORT int correct_symmetry_find(const opc_context *context,
                                      const opc_module *litho, int *orientations,
                                      opc_error *error);
-
-#endif

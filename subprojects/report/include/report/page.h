@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Report page: one HTML file with all figures of some runs and the code that
    draws them. Call all functions on the main thread. */
-#ifndef OPCFLOW_REPORT_PAGE_H
-#define OPCFLOW_REPORT_PAGE_H
+#pragma once
 
 #include <glib.h>
 #include <opcflow/plugin.h>
@@ -42,5 +41,3 @@ int page_write(const page *p, const char *title, const char *path,
       "size_limit", state, member, .type = OPC_REAL, .flags = OPC_ABOVE, \
       .former = "limit", .preset = "15",                                 \
       .summary = "Largest size of the page in MB, kept by omitting pictures")
-
-#endif
