@@ -2,8 +2,7 @@
 /* Result codes, errors, threads, and an object with its functions. The headers
    of the kernel and those of the library eda include this file, so that their
    errors are of one type although neither knows the other. */
-#ifndef OPC_BASE_H
-#define OPC_BASE_H
+#pragma once
 
 #include <stdarg.h>
 #include <stddef.h>
@@ -126,4 +125,3 @@ typedef struct opc_module {
 } opc_module;
 
 OPC_C_END
-#endif
