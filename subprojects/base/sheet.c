@@ -205,7 +205,7 @@ char *opc_sheet_text(opc_sheet *s, size_t width) {
 
 /* ---- Markdown ---- */
 
-/* Append a text with vertical bars and backslashes escaped, because a bar
+/* Append a text with '|' and backslashes escaped, because a '|'
    would end its cell. */
 static void append_escaped(GString *out, const char *text) {
   for (; *text; text++) {

@@ -101,7 +101,7 @@ static void set_font(const eda_paper *p) {
   cairo_set_font_size(p->cairo, p->font);
 }
 
-static void begin(sheet *s) {
+static void sheet_begin(sheet *s) {
   s->surface = new_surface(s);
   s->paper.cairo = cairo_create(s->surface);
   cairo_set_source_rgb(s->paper.cairo, 1, 1, 1);
@@ -142,7 +142,7 @@ eda_paper *eda_paper_open(const char *path, double width, double height,
                .file = file,
                .content = g_string_new(NULL)};
   s->paper.pixels = s->format != SVG && s->format != PDF;
-  begin(s);
+  sheet_begin(s);
   return &s->paper;
 }
 
@@ -152,7 +152,7 @@ void eda_paper_cut(eda_paper *paper, double height) {
   cairo_surface_destroy(s->surface);
   paper->height = height;
   g_string_truncate(s->content, 0);
-  begin(s);
+  sheet_begin(s);
 }
 
 int eda_paper_close(eda_paper *paper, int code, opc_error *error) {

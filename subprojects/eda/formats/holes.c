@@ -77,7 +77,7 @@ static int sort_holes(sorting *o, opc_error *error) {
 }
 
 /* Append one polygon to allocated arrays: an outline or a hole. */
-static void add(eda_shapes *out, const eda_shapes *s, size_t from) {
+static void outline_add(eda_shapes *out, const eda_shapes *s, size_t from) {
   uint32_t n = s->start[from + 1] - s->start[from];
   uint32_t begin = out->start[out->count];
   memcpy(out->points + begin, s->points + s->start[from],
@@ -95,8 +95,9 @@ static eda_shapes gather(const sorting *o, size_t i) {
   eda_shapes out = {.start = eda_alloc(n + 1, sizeof *out.start),
                     .points = eda_alloc(points, sizeof *out.points),
                     .hole = eda_alloc(n, 1)};
-  add(&out, s, i);
-  for (uint32_t h = o->first[i]; h; h = o->next[h - 1]) add(&out, s, h - 1);
+  outline_add(&out, s, i);
+  for (uint32_t h = o->first[i]; h; h = o->next[h - 1])
+    outline_add(&out, s, h - 1);
   return out;
 }
 

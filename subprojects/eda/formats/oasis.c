@@ -36,7 +36,7 @@ uint64_t eda_oasis_place(const eda_oasis *out) { return out->place; }
 uint32_t eda_oasis_crc(const eda_oasis *out) { return out->crc; }
 size_t eda_oasis_collected(const eda_oasis *out) { return out->n; }
 
-static void put(eda_oasis *out, const void *bytes, size_t n) {
+static void oasis_put(eda_oasis *out, const void *bytes, size_t n) {
   eda_grow(&out->bytes, &out->room, out->n + n, 1);
   memcpy(out->bytes + out->n, bytes, n);
   out->n += n;
@@ -46,7 +46,7 @@ static void put(eda_oasis *out, const void *bytes, size_t n) {
 
 void eda_oasis_byte(eda_oasis *out, uint32_t b) {
   uint8_t byte = (uint8_t)b;
-  put(out, &byte, 1);
+  oasis_put(out, &byte, 1);
 }
 
 void eda_oasis_uint(eda_oasis *out, uint64_t v) {
@@ -54,7 +54,7 @@ void eda_oasis_uint(eda_oasis *out, uint64_t v) {
   size_t n = 0;
   for (; v >= 0x80; v >>= 7) bytes[n++] = (uint8_t)(v | 0x80);
   bytes[n++] = (uint8_t)v;
-  put(out, bytes, n);
+  oasis_put(out, bytes, n);
 }
 
 void eda_oasis_sint(eda_oasis *out, int64_t v) {
@@ -94,7 +94,7 @@ void eda_oasis_delta(eda_oasis *out, int64_t x, int64_t y) {
 void eda_oasis_string(eda_oasis *out, const char *text) {
   size_t n = strlen(text);
   eda_oasis_uint(out, n);
-  put(out, text, n);
+  oasis_put(out, text, n);
 }
 
 /* ---- blocks ---- */

@@ -41,7 +41,7 @@ static int median(const piece *p, int axis, int32_t *values, int32_t *at) {
 }
 
 /* Add a point; of three points on the clip line, remove the middle one. */
-static void add(piece *out, eda_point p, int axis, int32_t at) {
+static void piece_add(piece *out, eda_point p, int axis, int32_t at) {
   if (out->n >= 2 && coordinate(p, axis) == at &&
       coordinate(out->points[out->n - 1], axis) == at &&
       coordinate(out->points[out->n - 2], axis) == at)
@@ -65,8 +65,8 @@ static piece *clip(const piece *p, int axis, int32_t at, int side) {
     int64_t da = ((int64_t)coordinate(a, axis) - at) * side;
     int64_t db = ((int64_t)coordinate(b, axis) - at) * side;
     if ((da < 0 && db > 0) || (da > 0 && db < 0))
-      add(out, crossing(a, b, axis, at), axis, at);
-    if (db >= 0) add(out, b, axis, at);
+      piece_add(out, crossing(a, b, axis, at), axis, at);
+    if (db >= 0) piece_add(out, b, axis, at);
     a = b;
   }
   return out;

@@ -17,7 +17,7 @@ static int is_box(const eda_point *p, size_t n) {
                      p[3].x == p[0].x));
 }
 
-static void add(eda_oasis *out, const eda_point *points, size_t n) {
+static void shape_add(eda_oasis *out, const eda_point *points, size_t n) {
   eda_grow(&out->shapes, &out->room_shapes, out->n_shapes + 1,
            sizeof *out->shapes);
   eda_grow(&out->steps, &out->room_steps, out->n_steps + n, sizeof *out->steps);
@@ -200,5 +200,5 @@ void eda_oasis_polygon(eda_oasis *out, eda_layer_number layer,
       out->n_steps >= 4 * (size_t)MANY)
     eda_oasis_end_shapes(out);
   out->layer = layer;
-  add(out, points, n);
+  shape_add(out, points, n);
 }

@@ -99,7 +99,7 @@ static void cut_by_bars(planner *p, const wish *w) {
 
 /* Add the parts of a proposal that are clear of drawn shapes and of existing
    scatter bars. */
-static void grant(planner *p, wish *w) {
+static void planner_grant(planner *p, wish *w) {
   p->parts.count = 0;
   w->first = w->end = p->bars.count;
   eda_box_list_add(&p->parts, w->box);
@@ -126,7 +126,7 @@ static void grant_all(planner *p) {
   qsort(order, p->count, sizeof(wish *), by_rank);
   for (size_t i = 0; i < p->count; i++)
     p->wishes[i].first = p->wishes[i].end = 0;
-  for (size_t i = 0; i < p->count; i++) grant(p, order[i]);
+  for (size_t i = 0; i < p->count; i++) planner_grant(p, order[i]);
   free(order);
 }
 

@@ -66,7 +66,7 @@ static void cut_all(const eda_field *field, int axis, double place, size_t n,
 
 /* Set a section from the result of cut_all. Return 0 if cut_all has no result
    for it, otherwise 1. */
-static int take(const double found[2], section *s) {
+static int section_take(const double found[2], section *s) {
   if (isnan(found[0])) return 0;
   s->open = s->pieces = 0;
   for (int side = 0; side < 2; side++) s->distance[side] = found[side];
@@ -86,7 +86,7 @@ static void measure_width(eda_gate *g) {
   cut_all(g->active, g->axis[1], g->middle[1], 3, at, found, &s);
   g->from = g->to = g->middle[1];
   for (int k = 0; k < 3; k++) {
-    int prints = take(found[k], &s) ||
+    int prints = section_take(found[k], &s) ||
                  cut(g->active, g->axis[1], at[k], g->middle[1], &s);
     if (!prints && k == 1) g->flags |= EDA_PRINT_NO_ACTIVE;
     if (s.open) g->flags |= EDA_PRINT_MERGED;
@@ -131,7 +131,7 @@ static void measure_lengths(eda_gate *g, size_t n, const double *place,
   for (size_t j = 0; j < n; j++) at[j] = g->from + place[j] * (g->to - g->from);
   cut_all(g->poly, g->axis[0], g->middle[0], n, at, found, &s);
   for (size_t j = 0; j < n; j++) {
-    if (!take(found[j], &s) &&
+    if (!section_take(found[j], &s) &&
         !cut(g->poly, g->axis[0], at[j], g->middle[0], &s))
       g->flags |= EDA_PRINT_OPEN;
     if (s.open) g->flags |= EDA_PRINT_MERGED;
@@ -207,7 +207,7 @@ static void drawn_lengths(const eda_printed_gate *shown, size_t n,
 }
 
 /* Set all fields that need no measurement. */
-static void begin(const eda_gates *gates, size_t i, eda_gate *g) {
+static void gate_begin(const eda_gates *gates, size_t i, eda_gate *g) {
   eda_box b = gates->box[i];
   const double x[2] = {b.x0 * gates->grid, b.x1 * gates->grid};
   const double y[2] = {b.y0 * gates->grid, b.y1 * gates->grid};
@@ -231,7 +231,7 @@ static void begin(const eda_gates *gates, size_t i, eda_gate *g) {
                                 .flavour = eda_gates_flavour(gates, i)};
 }
 
-static void show(eda_gate *g, int printed) {
+static void gate_show(eda_gate *g, int printed) {
   g->shown.width = g->to - g->from;
   g->shown.length = printed ? printed_length : drawn_length;
   g->shown.lengths = printed ? printed_lengths : drawn_lengths;
@@ -241,20 +241,20 @@ static void show(eda_gate *g, int printed) {
 
 void eda_gate_measure(const eda_gates *gates, size_t i, const eda_field *print,
                       eda_gate *g) {
-  begin(gates, i, g);
+  gate_begin(gates, i, g);
   g->poly = &print[EDA_POLY];
   g->active = &print[EDA_ACTIVE];
   measure_width(g);
   for (int side = 0; side < 2; side++)
     g->extension[side] = measure_extension(g, side);
-  show(g, 1);
+  gate_show(g, 1);
 }
 
 void eda_gate_draw(const eda_gates *gates, size_t i, eda_gate *g) {
-  begin(gates, i, g);
+  gate_begin(gates, i, g);
   g->from = 0;
   g->to = gates->width[i];
   for (int side = 0; side < 2; side++)
     g->extension[side] = g->drawn_extension[side];
-  show(g, 0);
+  gate_show(g, 0);
 }

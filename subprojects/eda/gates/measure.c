@@ -146,16 +146,16 @@ static eda_performance part(const eda_performance *p, size_t first, size_t n) {
 /* Set the figures of gate i to zero. An open line shorts source and drain, and
    without active no current flows, so the result of its slices is not that of a
    transistor. */
-static void strike(eda_performance *p, size_t i) {
+static void performance_strike(eda_performance *p, size_t i) {
   p->ion[i] = p->ioff[i] = p->leq_ion[i] = p->leq_ioff[i] = 0;
   p->weq[i] = p->area[i] = p->outside[i] = 0;
 }
 
 /* Combine the figures of a printed image with its flags. */
-static void settle(eda_performance *p, uint32_t *flags) {
+static void performance_settle(eda_performance *p, uint32_t *flags) {
   for (size_t i = 0; i < p->count; i++)
     if (flags[i] & (EDA_PRINT_OPEN | EDA_PRINT_NO_ACTIVE))
-      strike(p, i);
+      performance_strike(p, i);
     else if (p->outside[i])
       flags[i] |= EDA_PRINT_OUTSIDE;
 }
@@ -188,7 +188,7 @@ static int measure_block(void *data, size_t block, opc_error *error) {
     eda_performance p = part(j->performance, first, n);
     uint32_t *flags = j->print ? j->out->flags + first : NULL;
     code = slices_extract(&s, j->gates, first, flags, &p, error);
-    if (!code && flags) settle(&p, flags);
+    if (!code && flags) performance_settle(&p, flags);
   }
   slices_clear(&s);
   return code;

@@ -10,7 +10,7 @@
 #include "gates/fence.h"
 
 /* Record the first failure; models are called from several threads. */
-static int settle(eda_model *m, int code, opc_error *error) {
+static int model_keep_failure(eda_model *m, int code, opc_error *error) {
   if (!eda_blame(error, code, "litho")) return OPC_OK;
   if (!__atomic_exchange_n(&m->failed, 1, __ATOMIC_SEQ_CST)) m->fault = *error;
   return error->code;
@@ -28,7 +28,7 @@ static int prepare(void *self, opc_error *error) {
   opc_leave(m->context, before);
   if (!(band > 0) || !isfinite(band))
     code = opc_fail(error, OPC_FAILED, NULL, "its band is %g 1/nm", band);
-  return settle(m, code, error);
+  return model_keep_failure(m, code, error);
 }
 
 static double band(const void *self) {
@@ -48,7 +48,7 @@ static int take_image(eda_model *m, int code, const char *before,
      the plugin. */
   if (!code) fence_field(out);
   opc_leave(m->context, before);
-  return settle(m, code, error);
+  return model_keep_failure(m, code, error);
 }
 
 static eda_scanner scanner(const void *self) {
@@ -130,7 +130,7 @@ static int transform(const void *self, const eda_shapes *mask, double grid,
   int code = inner(m)->transform(m->litho->self, mask, grid, frame, out, error);
   if (!code) code = check_spectrum(out, &frame, error);
   opc_leave(m->context, before);
-  return settle(m, code, error);
+  return model_keep_failure(m, code, error);
 }
 
 int eda_litho_spectrum(const opc_context *context, const opc_module *litho,

@@ -87,8 +87,8 @@ int eda_printer_develop(const eda_printer *p, int layer, eda_field *field,
 
 /* Compute to = from + sign * by for each coefficient; `to` may be either
    operand. */
-static void add(eda_field *to, const eda_field *from, float sign,
-                const eda_field *by) {
+static void field_add(eda_field *to, const eda_field *from, float sign,
+                      const eda_field *by) {
   size_t n = (size_t)by->nx * (size_t)by->ny;
   for (size_t i = 0; i < n; i++)
     to->coefficients[i] = from->coefficients[i] + sign * by->coefficients[i];
@@ -109,7 +109,8 @@ static void keep_image(eda_printer *p, int layer, const eda_field *image) {
 }
 
 /* Check that images to be added have equal nodes. */
-static int match(const eda_field *a, const eda_field *b, opc_error *error) {
+static int fields_match(const eda_field *a, const eda_field *b,
+                        opc_error *error) {
   if (a->nx == b->nx && a->ny == b->ny) return OPC_OK;
   opc_fail(error, OPC_FAILED, NULL,
            "its images of one frame have %d x %d and %d x %d nodes", (int)a->nx,
@@ -119,17 +120,17 @@ static int match(const eda_field *a, const eda_field *b, opc_error *error) {
 
 /* Add to the difference the deviation of the last image from the accurate image
    of the same mask. */
-static int learn(eda_printer *p, int layer, const eda_field *fine,
-                 opc_error *error) {
+static int printer_learn(eda_printer *p, int layer, const eda_field *fine,
+                         opc_error *error) {
   eda_field *last = &p->image[layer], *difference = &p->difference[layer];
   if (!last->coefficients) return OPC_OK;
-  if (match(fine, last, error)) return error->code;
-  add(last, fine, -1, last);
+  if (fields_match(fine, last, error)) return error->code;
+  field_add(last, fine, -1, last);
   if (!difference->coefficients) {
     *difference = *last;
     *last = (eda_field){0};
   } else {
-    add(difference, difference, 1, last);
+    field_add(difference, difference, 1, last);
   }
   return OPC_OK;
 }
@@ -138,8 +139,8 @@ static int add_difference(const eda_printer *p, int layer, eda_field *image,
                           opc_error *error) {
   const eda_field *difference = &p->difference[layer];
   if (!difference->coefficients) return OPC_OK;
-  if (match(image, difference, error)) return error->code;
-  add(image, image, 1, difference);
+  if (fields_match(image, difference, error)) return error->code;
+  field_add(image, image, 1, difference);
   return OPC_OK;
 }
 
@@ -156,9 +157,9 @@ int eda_printer_at_dose(const eda_printer *p, int layer, double factor,
 }
 
 /* Convert a new image of a layer to its level set, in place. */
-static int settle(eda_printer *p, int layer, int fine, eda_field *print,
-                  opc_error *error) {
-  int code = fine ? learn(p, layer, print, error)
+static int printer_settle(eda_printer *p, int layer, int fine, eda_field *print,
+                          opc_error *error) {
+  int code = fine ? printer_learn(p, layer, print, error)
                   : add_difference(p, layer, print, error);
   if (code) return code;
   if (p->fine > 0 || p->keeps) {
@@ -186,7 +187,7 @@ static int print_layer(eda_printer *p, int layer, const eda_shapes *mask,
     code =
         litho->image_at(&p->litho, layer, &spectrum, p->defocus, print, error);
   eda_spectrum_clear(&spectrum);
-  return code ? code : settle(p, layer, fine, print, error);
+  return code ? code : printer_settle(p, layer, fine, print, error);
 }
 
 /* Layers simulated together: single-threaded parts run for all of them in

@@ -134,8 +134,8 @@ static eda_box box_of(const seeker *s, const wish *w) {
 }
 
 /* Add candidates while they are clear of earlier ones. Return their number. */
-static size_t grant(seeker *s, const wish *wishes, size_t n, size_t room,
-                    eda_box_list *bars) {
+static size_t seeker_grant(seeker *s, const wish *wishes, size_t n, size_t room,
+                           eda_box_list *bars) {
   size_t granted = 0;
   for (size_t i = 0; i < n && granted < room; i++) {
     const wish *w = &wishes[i];
@@ -174,8 +174,8 @@ int eda_bars_seek(const eda_field *map, const eda_bar_seek *rule,
   sum_up(&s);
   wish *wishes = eda_alloc(cells, sizeof *wishes);
   for (int pass = 0; pass < PASSES && bars->count < rule->most; pass++)
-    if (!grant(&s, wishes, make_wishes(&s, wishes), rule->most - bars->count,
-               bars))
+    if (!seeker_grant(&s, wishes, make_wishes(&s, wishes),
+                      rule->most - bars->count, bars))
       break;
   free(wishes);
   free(box);

@@ -9,7 +9,7 @@ typedef struct sums {
   double n, off, square, printed, drawn;
 } sums;
 
-static void add(sums *s, double off, double printed, double drawn) {
+static void sums_add(sums *s, double off, double printed, double drawn) {
   s->n++;
   s->off += off;
   s->square += off * off;
@@ -30,8 +30,8 @@ eda_spread eda_spread_of(const eda_gates *gates, const eda_performance *design,
     double off = eda_deviation(printed->ion[i], design->ion[i]);
     if (!(fabs(off) <= fabs(out.ion_worst))) out.ion_worst = off;
     out.outside += (flags[i] & EDA_PRINT_OUTSIDE) != 0;
-    add(&of[gates->type[i]], off, printed->ioff[i], design->ioff[i]);
-    add(&of[ALL], off, printed->ioff[i], design->ioff[i]);
+    sums_add(&of[gates->type[i]], off, printed->ioff[i], design->ioff[i]);
+    sums_add(&of[ALL], off, printed->ioff[i], design->ioff[i]);
   }
   for (int t = 0; t < GROUPS; t++) {
     double mean = of[t].off / of[t].n; /* NAN without any */

@@ -41,7 +41,7 @@ static int inside(int op, const int32_t *wind) {
   }
 }
 
-static void forget(sweep *s) {
+static void sweep_clear(sweep *s) {
   g_free(s->events);
   g_free(s->y);
   g_free(s->wind);
@@ -74,7 +74,7 @@ static void wind_below(const sweep *s, uint32_t r, int32_t *wind) {
   wind[1] = below == EDA_NO_RANK ? 0 : s->wind[below][1];
 }
 
-static void split(sweep *s, uint32_t r) {
+static void sweep_split(sweep *s, uint32_t r) {
   if (eda_rankset_has(&s->breaks, r)) return;
   wind_below(s, r, s->wind[r]);
   eda_rankset_add(&s->breaks, r);
@@ -82,7 +82,7 @@ static void split(sweep *s, uint32_t r) {
 
 /* Remove the break at rank r if the winding numbers on both sides are equal.
    Set `below` to those above r. */
-static void join(sweep *s, uint32_t r, int32_t *below) {
+static void sweep_join(sweep *s, uint32_t r, int32_t *below) {
   if (s->wind[r][0] == below[0] && s->wind[r][1] == below[1]) {
     eda_rankset_remove(&s->breaks, r);
   } else {
@@ -95,8 +95,8 @@ static void join(sweep *s, uint32_t r, int32_t *below) {
 static int change_range(sweep *s, uint32_t x, uint32_t r0, uint32_t r1,
                         const int32_t *change, opc_error *error) {
   int32_t below[2];
-  split(s, r0);
-  split(s, r1);
+  sweep_split(s, r0);
+  sweep_split(s, r1);
   wind_below(s, r0, below);
   for (uint32_t r = r0, next; r < r1; r = next) {
     next = eda_rankset_after(&s->breaks, r);
@@ -104,12 +104,12 @@ static int change_range(sweep *s, uint32_t x, uint32_t r0, uint32_t r1,
     s->wind[r][0] += change[0];
     s->wind[r][1] += change[1];
     int after = inside(s->op, s->wind[r]);
-    join(s, r, below);
+    sweep_join(s, r, below);
     if (before == after) continue;
     int code = add_wall(s, x, r, next, after, error);
     if (code) return code;
   }
-  join(s, r1, below);
+  sweep_join(s, r1, below);
   return OPC_OK;
 }
 
@@ -121,7 +121,7 @@ static void prepare(sweep *s) {
   eda_rankset_init(&s->breaks, ranks);
 }
 
-static int run(sweep *s, opc_error *error) {
+static int sweep_run(sweep *s, opc_error *error) {
   if (s->n == 0) return OPC_OK;
   int32_t change[2] = {0, 0};
   int code = OPC_OK;
@@ -174,7 +174,7 @@ static int add_polygon(sweep *s, const eda_point *points, uint32_t n,
   }
   sweep own = {.op = EDA_OR};
   add_contour(&own, points, n, 0, 0);
-  int code = run(&own, error);
+  int code = sweep_run(&own, error);
   for (size_t i = 0; !code && i < own.n_walls; i++) {
     const eda_wall *w = &own.walls[i];
     if (w->left)
@@ -182,7 +182,7 @@ static int add_polygon(sweep *s, const eda_point *points, uint32_t n,
     else
       add_edge(s, w->x, w->y0, w->y1, operand);
   }
-  forget(&own);
+  sweep_clear(&own);
   return code;
 }
 
@@ -208,8 +208,8 @@ int eda_boolean(int op, const eda_shapes *a, const eda_shapes *b,
   sweep s = {.op = op};
   int code = add_operand(&s, a, 0, error);
   if (!code) code = add_operand(&s, b, OPERAND, error);
-  if (!code) code = run(&s, error);
+  if (!code) code = sweep_run(&s, error);
   if (!code) eda_trace(s.walls, s.n_walls, out);
-  forget(&s);
+  sweep_clear(&s);
   return code;
 }

@@ -200,7 +200,7 @@ static void open_slab(fracture *f, const side *sides, size_t n, uint32_t r0,
 
 /* Process all edges at one x: the inside right of x equals the inside left of
    x, changed by the edges. */
-static void step(fracture *f, const side *sides, size_t n) {
+static void fracture_step(fracture *f, const side *sides, size_t n) {
   f->n_closed = f->n_ends = 0;
   for (size_t i = 0; i < n; i++) {
     close_slabs(f, sides[i].r0, sides[i].r1, sides->x);
@@ -226,7 +226,7 @@ static void sweep(fracture *f, int transpose) {
   for (size_t i = 0, n; i < f->n_sides; i += n) {
     n = 1;
     while (i + n < f->n_sides && f->sides[i + n].x == f->sides[i].x) n++;
-    step(f, &f->sides[i], n);
+    fracture_step(f, &f->sides[i], n);
   }
   forget_sweep(f);
 }

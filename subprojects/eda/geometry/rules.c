@@ -38,7 +38,7 @@ typedef struct mask {
   size_t n, room;
 } mask;
 
-static void tell(mask *m, int rule, double x, double y, double value) {
+static void mask_report(mask *m, int rule, double x, double y, double value) {
   eda_grow(&m->fault, &m->faults_room, m->faults + 1, sizeof *m->fault);
   m->fault[m->faults++] =
       (eda_rule_fault){rule, x * m->grid, y * m->grid, value * m->grid};
@@ -72,7 +72,8 @@ static void tell_facing(mask *m, const facing *f) {
   double along = ((double)f->low + f->high) / 2;
   int flat = upright(m->side);
   double across = (flat ? m->from.x0 : m->from.y0) + f->distance / 2.0;
-  tell(m, m->shape, flat ? across : along, flat ? along : across, f->distance);
+  mask_report(m, m->shape, flat ? across : along, flat ? along : across,
+              f->distance);
 }
 
 /* Report the parts of found[i] that no nearer edge covers. */
@@ -151,7 +152,7 @@ static void try_corner(mask *m, size_t n, uint32_t i) {
   double d = hypot((double)b.x - a.x, (double)b.y - a.y);
   if (!away || !(rises || falls) || d * m->grid >= m->limit[shape] - 1e-9)
     return;
-  tell(m, shape, ((double)a.x + b.x) / 2, ((double)a.y + b.y) / 2, d);
+  mask_report(m, shape, ((double)a.x + b.x) / 2, ((double)a.y + b.y) / 2, d);
 }
 
 static void look_from_corner(mask *m, size_t n) {
@@ -177,9 +178,9 @@ static void look_at_edge(mask *m, size_t before, size_t i, size_t next) {
   double y = ((double)m->edge[i].y0 + m->edge[i].y1) / 2;
   int is_jog = (m->corner[i] ^ m->corner[next]) & CONVEX && a > own && b > own;
   if (own * m->grid < m->limit[EDA_RULE_EDGE] - 1e-9 && fmin(a, b) <= own)
-    tell(m, EDA_RULE_EDGE, x, y, own);
+    mask_report(m, EDA_RULE_EDGE, x, y, own);
   if (own * m->grid < m->limit[EDA_RULE_JOG] - 1e-9 && is_jog)
-    tell(m, EDA_RULE_JOG, x, y, own);
+    mask_report(m, EDA_RULE_JOG, x, y, own);
 }
 
 /* ---- all ---- */

@@ -29,7 +29,8 @@ static int32_t *coordinate(const ring *r, uint32_t i, int axis) {
 
 /* Move `count` edges from `first` on to the middle of their coordinates, unless
    they deviate by more than the limit. Return the number of moved edges. */
-static size_t level(const ring *r, uint32_t first, uint32_t count, int axis) {
+static size_t ring_level(const ring *r, uint32_t first, uint32_t count,
+                         int axis) {
   int32_t low = *coordinate(r, first, axis), high = low;
   size_t slanted = 0;
   for (uint32_t i = first; i <= first + count; i++) {
@@ -54,7 +55,7 @@ static size_t level_runs(const ring *r, int axis) {
   for (uint32_t i = begin; i < begin + r->n;) {
     uint32_t count = 0;
     while (count < r->n && lies(r, i + count, axis)) count++;
-    if (count) slanted += level(r, i, count, axis);
+    if (count) slanted += ring_level(r, i, count, axis);
     i += count + 1;
   }
   return slanted;

@@ -372,7 +372,8 @@ static lines merge(squares *s) {
 }
 
 /* Trace all contours. A visited crossing has no successor. */
-static void walk(lines *all, double *points, uint32_t **start, size_t *count) {
+static void lines_trace(lines *all, double *points, uint32_t **start,
+                        size_t *count) {
   size_t room = 0, length = 0;
   *count = 0;
   for (size_t i = 0; i < all->count; i++) {
@@ -443,7 +444,7 @@ int eda_contours(const opc_context *context, const eda_field *field,
     code = opc_fail(error, OPC_CANCELLED, NULL, "stopped");
   } else {
     *points = eda_alloc(2 * all.count, sizeof **points);
-    walk(&all, *points, start, count);
+    lines_trace(&all, *points, start, count);
   }
   free(all.point);
   free(all.next);

@@ -132,7 +132,7 @@ void eda_fft_trim(void) {
 
 /* ---- plans ---- */
 
-static fftwf_plan make(int what, int n, int lines) {
+static fftwf_plan plan_make(int what, int n, int lines) {
   /* Estimated plans do not access the arrays, but depend on their alignment. */
   unsigned flags = FFTW_ESTIMATE | FFTW_DESTROY_INPUT;
   int half = n / 2 + 1;
@@ -169,7 +169,7 @@ const eda_fft *eda_fft_plan(int what, int n, int lines) {
   }
   if (!found) {
     found = g_new(eda_fft, 1);
-    *found = (eda_fft){what, n, lines, make(what, n, lines)};
+    *found = (eda_fft){what, n, lines, plan_make(what, n, lines)};
     g_ptr_array_add(plans, found);
   }
   g_mutex_unlock(&lock);

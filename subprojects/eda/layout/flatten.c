@@ -259,7 +259,7 @@ static void count_own(const flattener *f, const cell *c, uint64_t *shapes,
 
 /* Count the shapes and points of every cell with all cells below, and list the
    instances that contain any. */
-static void count(flattener *f) {
+static void flattener_count(flattener *f) {
   size_t n_useful = 0;
   for (size_t k = 0; k < f->layout->n_cells; k++) {
     int32_t number = f->layout->order[k];
@@ -331,7 +331,7 @@ static frame enter(flattener *f, int32_t to, uint32_t number,
 }
 
 /* Start the traversal of the wanted members of an instance. */
-static void begin(const flattener *f, frame *up, const instance *in) {
+static void frame_begin(const flattener *f, frame *up, const instance *in) {
   const eda_placement *p = &in->placement;
   up->begun = true;
   up->child = placed(p);
@@ -363,7 +363,7 @@ static bool next_child(flattener *f, frame *up, frame *down) {
   for (uint32_t i; (i = f->useful[up->next]) != UINT32_MAX; up->next++) {
     const instance *in = &c->instances[i];
     const eda_placement *p = &in->placement;
-    if (!up->begun) begin(f, up, in);
+    if (!up->begun) frame_begin(f, up, in);
     if (!next_member(f, up, in)) {
       up->begun = false;
       continue;
@@ -384,7 +384,7 @@ static bool next_child(flattener *f, frame *up, frame *down) {
   return false;
 }
 
-static void walk(flattener *f, int32_t top) {
+static void flattener_traverse(flattener *f, int32_t top) {
   static const transform none = {1, 0, 0, 1, 0, 0};
   size_t depth = 0, room = 0;
   frame *stack = NULL;
@@ -410,10 +410,10 @@ static void count_all(flattener *f) {
   f->steps = eda_alloc(n, sizeof *f->steps);
   f->first = eda_alloc(n, sizeof *f->first);
   f->useful = eda_alloc(edges, sizeof *f->useful);
-  count(f);
+  flattener_count(f);
 }
 
-static void clear(flattener *f) {
+static void flattener_clear(flattener *f) {
   free(f->shapes);
   free(f->points);
   free(f->steps);
@@ -435,12 +435,12 @@ static int prepare(flattener *f, int32_t top, opc_error *error) {
                   f->layout->cells[top].name);
 }
 
-static int run(flattener *f, int32_t top, opc_error *error) {
+static int flattener_run(flattener *f, int32_t top, opc_error *error) {
   const char *cell_name = f->layout->cells[top].name;
   const char *layer_name = f->layout->layers[f->layer];
   int code = prepare(f, top, error);
   if (code || !(f->window || f->out->shapes.count)) return code;
-  walk(f, top);
+  flattener_traverse(f, top);
   if (f->too_many)
     return opc_fail(error, OPC_INVALID, NULL,
                     "'%s': too large to flatten: in a window more than %u "
@@ -456,8 +456,8 @@ static int run(flattener *f, int32_t top, opc_error *error) {
   return OPC_OK;
 }
 
-static int check(const eda_layout *layout, int32_t top, int32_t layer,
-                 double grid, opc_error *error) {
+static int flatten_check(const eda_layout *layout, int32_t top, int32_t layer,
+                         double grid, opc_error *error) {
   if (top < 0 || (size_t)top >= layout->n_cells)
     return opc_fail(error, OPC_INVALID, NULL, "there is no cell %d", top);
   if (layer < 0 || (size_t)layer >= layout->n_layers)
@@ -476,7 +476,7 @@ static int check(const eda_layout *layout, int32_t top, int32_t layer,
 static int flatten(const eda_layout *layout, int32_t top, int32_t layer,
                    double grid, const eda_box *window, eda_flat *out,
                    eda_flat_texts *texts, opc_error *error) {
-  int code = check(layout, top, layer, grid, error);
+  int code = flatten_check(layout, top, layer, grid, error);
   if (code) return code;
   flattener f = {.layout = layout,
                  .layer = layer,
@@ -485,8 +485,8 @@ static int flatten(const eda_layout *layout, int32_t top, int32_t layer,
                  .window = window,
                  .out = out,
                  .texts = texts};
-  code = run(&f, top, error);
-  clear(&f);
+  code = flattener_run(&f, top, error);
+  flattener_clear(&f);
   return code;
 }
 
@@ -498,7 +498,7 @@ double eda_layout_flat_bytes(const eda_layout *layout, int32_t top,
     if (layout->cells[i].circular) return 0;
   count_all(&f);
   double shapes = (double)f.shapes[top], points = (double)f.points[top];
-  clear(&f);
+  flattener_clear(&f);
   return shapes * (sizeof *f.out->shapes.start + sizeof *f.out->placement) +
          points * sizeof *f.out->shapes.points;
 }
@@ -537,7 +537,7 @@ int eda_layout_flatten_texts(const eda_layout *layout, int32_t top,
 int eda_layout_bounds(const eda_layout *layout, int32_t top, int32_t layer,
                       double grid, eda_box *box, opc_error *error) {
   *box = (eda_box){0, 0, -1, -1};
-  int code = check(layout, top, layer, grid, error);
+  int code = flatten_check(layout, top, layer, grid, error);
   if (code) return code;
   extent e = eda_layout_reach(layout, layer, false)->below[top];
   if (extent_empty(e)) return OPC_OK;

@@ -75,7 +75,7 @@ static void changed(eda_layout *layout) {
 
 /* ---- names ---- */
 
-static int32_t find(GHashTable *numbers, const char *name) {
+static int32_t number_find(GHashTable *numbers, const char *name) {
   return GPOINTER_TO_INT(g_hash_table_lookup(numbers, name)) - 1;
 }
 
@@ -87,7 +87,7 @@ static int32_t keep_number(GHashTable *numbers, char *name, size_t n) {
 
 int32_t eda_layout_cell(eda_layout *layout, const char *name,
                         opc_error *error) {
-  int32_t known = find(layout->cell_of, name);
+  int32_t known = number_find(layout->cell_of, name);
   if (known >= 0) return known;
   if (layout->n_cells >= INT32_MAX - 1) {
     too_many("cells", error);
@@ -101,7 +101,7 @@ int32_t eda_layout_cell(eda_layout *layout, const char *name,
 
 int32_t eda_layout_layer(eda_layout *layout, const char *name,
                          opc_error *error) {
-  int32_t known = find(layout->layer_of, name);
+  int32_t known = number_find(layout->layer_of, name);
   if (known >= 0) return known;
   if (layout->n_layers >= INT32_MAX - 1) {
     too_many("layers", error);
@@ -113,19 +113,19 @@ int32_t eda_layout_layer(eda_layout *layout, const char *name,
 }
 
 int32_t eda_layout_find_cell(const eda_layout *layout, const char *name) {
-  return find(layout->cell_of, name);
+  return number_find(layout->cell_of, name);
 }
 
 int32_t eda_layout_find_layer(const eda_layout *layout, const char *name) {
-  return find(layout->layer_of, name);
+  return number_find(layout->layer_of, name);
 }
 
 static bool is_cell(const eda_layout *layout, int32_t number) {
   return number >= 0 && (size_t)number < layout->n_cells;
 }
 
-static int check(const eda_layout *layout, int32_t number, int32_t layer,
-                 opc_error *error) {
+static int layout_check(const eda_layout *layout, int32_t number, int32_t layer,
+                        opc_error *error) {
   if (!is_cell(layout, number))
     return opc_fail(error, OPC_INVALID, NULL, "there is no cell %d", number);
   if (layer < 0 || (size_t)layer >= layout->n_layers)
@@ -190,7 +190,7 @@ static void put_box(sheet *s, eda_box box) {
 
 int eda_layout_add_box(eda_layout *layout, int32_t number, int32_t layer,
                        eda_box box, opc_error *error) {
-  if (check(layout, number, layer, error)) return error->code;
+  if (layout_check(layout, number, layer, error)) return error->code;
   if (box.x0 > box.x1 || box.y0 > box.y1)
     return opc_fail(error, OPC_INVALID, NULL, "a box is empty");
   put_box(sheet_for(&layout->cells[number], layer), box);
@@ -214,7 +214,7 @@ int eda_layout_add_polygon(eda_layout *layout, int32_t number, int32_t layer,
                    MAX(a->y, b->y)};
     return eda_layout_add_box(layout, number, layer, box, error);
   }
-  if (check(layout, number, layer, error)) return error->code;
+  if (layout_check(layout, number, layer, error)) return error->code;
   if (n < 3)
     return opc_fail(error, OPC_INVALID, NULL, "a polygon has %zu points", n);
   sheet *s = sheet_for(&layout->cells[number], layer);
@@ -231,7 +231,7 @@ int eda_layout_add_path(eda_layout *layout, int32_t number, int32_t layer,
                         const eda_point *points, size_t n, int32_t width,
                         int ends, int32_t begin, int32_t end,
                         opc_error *error) {
-  if (check(layout, number, layer, error)) return error->code;
+  if (layout_check(layout, number, layer, error)) return error->code;
   eda_point *outline = NULL;
   size_t n_outline = 0;
   int code = eda_path_outline(points, n, width, ends, begin, end, &outline,
@@ -245,7 +245,7 @@ int eda_layout_add_path(eda_layout *layout, int32_t number, int32_t layer,
 
 int eda_layout_add_text(eda_layout *layout, int32_t number, int32_t layer,
                         eda_point at, const char *text, opc_error *error) {
-  if (check(layout, number, layer, error)) return error->code;
+  if (layout_check(layout, number, layer, error)) return error->code;
   cell *c = &layout->cells[number];
   uint32_t kept = keep_string(layout, text);
   if (!kept) return too_many("texts", error);

@@ -34,7 +34,7 @@ typedef struct outline {
   bool outside; /* a coordinate exceeded its range */
 } outline;
 
-static void put(outline *out, double x, double y) {
+static void outline_put(outline *out, double x, double y) {
   x = floor(x + 0.5);
   y = floor(y + 0.5);
   if (fabs(x) > INT32_MAX || fabs(y) > INT32_MAX) {
@@ -47,7 +47,8 @@ static void put(outline *out, double x, double y) {
 /* Add the point at + along * d + half * (normal of d to the right). */
 static void put_beside(outline *out, vector at, vector d, double along,
                        double half) {
-  put(out, at.x + along * d.x + half * d.y, at.y + along * d.y - half * d.x);
+  outline_put(out, at.x + along * d.x + half * d.y,
+              at.y + along * d.y - half * d.x);
 }
 
 static vector direction(vector a, vector b, double *length) {
@@ -72,7 +73,7 @@ static void put_corner(outline *out, const walk *w, vector at, vector d,
     put_beside(out, at, d, -mitre, h);
   } else {
     put_beside(out, at, d, 0, h);
-    put(out, at.x, at.y);
+    outline_put(out, at.x, at.y);
     put_beside(out, at, e, 0, h);
   }
 }
@@ -138,8 +139,8 @@ static void put_dot(outline *out, vector at, double half, int ends,
                     double begin, double end) {
   if (ends == 1) {
     for (int i = 0; i < 2 * ARC; i++)
-      put(out, at.x + half * cos(G_PI * i / ARC),
-          at.y + half * sin(G_PI * i / ARC));
+      outline_put(out, at.x + half * cos(G_PI * i / ARC),
+                  at.y + half * sin(G_PI * i / ARC));
     return;
   }
   if (ends == 0) return;

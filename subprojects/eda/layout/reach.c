@@ -13,7 +13,7 @@ static const extent everything = {-INFINITY, -INFINITY, INFINITY, INFINITY};
 
 /* ---- extents ---- */
 
-static void add(extent *to, extent e) {
+static void extent_add(extent *to, extent e) {
   to->x0 = fmin(to->x0, e.x0);
   to->y0 = fmin(to->y0, e.y0);
   to->x1 = fmax(to->x1, e.x1);
@@ -38,7 +38,7 @@ extent extent_through(const transform *t, extent e) {
     double p = t->xx * x + t->xy * y + t->dx;
     double q = t->yx * x + t->yy * y + t->dy;
     if (!isfinite(p) || !isfinite(q)) return everything;
-    add(&out, (extent){p, q, p, q});
+    extent_add(&out, (extent){p, q, p, q});
   }
   return out;
 }
@@ -65,7 +65,8 @@ extent extent_of_all(const reach *r, const instance *in) {
     double column = k & 1 ? p->columns - 1 : 0, row = k & 2 ? p->rows - 1 : 0;
     double x = column * p->column_step.x + row * p->row_step.x;
     double y = column * p->column_step.y + row * p->row_step.y;
-    add(&out, (extent){first.x0 + x, first.y0 + y, first.x1 + x, first.y1 + y});
+    extent_add(
+        &out, (extent){first.x0 + x, first.y0 + y, first.x1 + x, first.y1 + y});
   }
   return out;
 }
@@ -133,7 +134,7 @@ static void reach_shapes(reach *r, const cell *c, int32_t layer, size_t k) {
   eda_box *boxes = n > FEW ? eda_alloc(n, sizeof *boxes) : NULL;
   for (size_t i = 0; i < n; i++) {
     extent e = extent_of_shape(s, i);
-    add(&r->below[k], e);
+    extent_add(&r->below[k], e);
     if (boxes) boxes[i] = extent_box(e);
   }
   if (boxes) r->own[k] = eda_index_new(boxes, n, 0);
@@ -147,7 +148,7 @@ static void reach_texts(reach *r, const cell *c, int32_t layer, size_t k) {
     const label *l = &c->labels[i];
     extent e = {l->at.x, l->at.y, l->at.x, l->at.y};
     if (l->layer != layer) e = nothing;
-    add(&r->below[k], e);
+    extent_add(&r->below[k], e);
     if (boxes) boxes[i] = extent_box(e);
   }
   if (boxes) r->own[k] = eda_index_new(boxes, n, 0);
@@ -159,7 +160,7 @@ static void reach_instances(reach *r, const cell *c, size_t k) {
   eda_box *boxes = n > FEW ? eda_alloc(n, sizeof *boxes) : NULL;
   for (size_t i = 0; i < n; i++) {
     extent e = extent_of_all(r, &c->instances[i]);
-    add(&r->below[k], e);
+    extent_add(&r->below[k], e);
     if (boxes) boxes[i] = extent_box(e);
   }
   if (boxes) r->instances[k] = eda_index_new(boxes, n, 0);
@@ -173,7 +174,7 @@ typedef struct kept {
   size_t cells;
 } kept;
 
-static kept *make(const eda_layout *layout, int32_t layer, bool texts) {
+static kept *reach_make(const eda_layout *layout, int32_t layer, bool texts) {
   kept *x = eda_alloc(1, sizeof *x);
   reach *r = &x->of;
   x->cells = layout->n_cells;
@@ -215,7 +216,7 @@ const reach *eda_layout_reach(const eda_layout *layout, int32_t layer,
   if (!*all) *all = g_hash_table_new_full(NULL, NULL, NULL, eda_reach_free);
   kept *x = g_hash_table_lookup(*all, key);
   if (!x) {
-    x = make(layout, layer, texts);
+    x = reach_make(layout, layer, texts);
     g_hash_table_insert(*all, key, x);
   }
   g_mutex_unlock(&writable->lock);

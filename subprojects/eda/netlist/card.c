@@ -21,7 +21,8 @@ static int equals_at(const line *l, size_t i) {
 }
 
 /* Read a parameter; dlc and lint are used, others are kept as text. */
-static int take(card_reader *r, const word *key, const word *value, int *has) {
+static int card_take_parameter(card_reader *r, const word *key,
+                               const word *value, int *has) {
   eda_card *m = r->out;
   double number = 0;
   int is_dlc = eda_same_name(key->text, "dlc"),
@@ -132,7 +133,7 @@ static int read_model(card_reader *r, const line *l) {
         equals_at(l, i + 2))
       return lines_refuse(&r->lines, key->at, "'%.100s' is no NAME=VALUE",
                           key->text);
-    if (take(r, key, &key[2], has)) return r->lines.error->code;
+    if (card_take_parameter(r, key, &key[2], has)) return r->lines.error->code;
   }
   if (has[0]) return keep_overlaps(r, l, has[1]);
   return lines_refuse(&r->lines, l->word[0].at, "model '%.100s' has no level",

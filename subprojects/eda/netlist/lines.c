@@ -95,8 +95,8 @@ static void keep_text(lines *r, line *l, const char *from, const char *end) {
 }
 
 /* Split one line of the file, from `from` up to `end`, into words. */
-static int split(lines *r, line *l, const char *from, const char *end,
-                 uint32_t file, uint32_t number, const char *begin) {
+static int line_split(lines *r, line *l, const char *from, const char *end,
+                      uint32_t file, uint32_t number, const char *begin) {
   const char *s = from;
   while (s < end) {
     if (is_gap(*s)) {
@@ -179,11 +179,11 @@ static int read_lines(lines *r, const char *text, size_t length,
         if (!l.words)
           code = lines_refuse(r, at, "'+' continues nothing");
         else
-          code = split(r, &l, s + 1, stop, file, number, begin);
+          code = line_split(r, &l, s + 1, stop, file, number, begin);
       } else {
         code = flush(r, &l);
         if (!code && !r->ended)
-          code = split(r, &l, s, stop, file, number, begin);
+          code = line_split(r, &l, s, stop, file, number, begin);
       }
     }
     s = stop + (stop < end);

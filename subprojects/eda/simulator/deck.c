@@ -66,7 +66,7 @@ static int names_file(const char *text) {
   return 0;
 }
 
-static int pass(deck *d, const line *l) {
+static int deck_copy_statement(deck *d, const line *l) {
   for (size_t i = 0; i < l->words; i++)
     if (names_file(l->word[i].text))
       return lines_refuse(&d->lines, l->word[i].at,
@@ -101,7 +101,8 @@ static int take_model(deck *d, const line *l) {
     return lines_refuse(&d->lines, l->word[0].at,
                         ".model without a name and a kind");
   const word *kind = &l->word[2];
-  if (!kind->quoted && eda_in_list(model_kinds, kind->text)) return pass(d, l);
+  if (!kind->quoted && eda_in_list(model_kinds, kind->text))
+    return deck_copy_statement(d, l);
   if (kind->quoted || !d->osdi)
     return lines_refuse(&d->lines, kind->at,
                         "models of kind '%.100s' are not taken; known: %s, and "
@@ -109,7 +110,7 @@ static int take_model(deck *d, const line *l) {
                         kind->text, model_kinds);
   /* Libraries contain models that a circuit does not use and that are not
      compiled; the simulator rejects devices of such models. */
-  return is_compiled(d, kind->text) ? pass(d, l) : OPC_OK;
+  return is_compiled(d, kind->text) ? deck_copy_statement(d, l) : OPC_OK;
 }
 
 /* Check NAME=NUMBER or NAME options. */
@@ -133,7 +134,7 @@ static int take_options(deck *d, const line *l) {
                           w->text);
     i += 2;
   }
-  return pass(d, l);
+  return deck_copy_statement(d, l);
 }
 
 /* Read the statements of another file, or of one of its sections. */
@@ -205,15 +206,15 @@ static const struct {
   int own; /* in the deck itself only */
 } statements[] = {
     {".model", take_model, 0},
-    {".param", pass, 0},
-    {".subckt", pass, 0},
-    {".ends", pass, 0},
-    {".global", pass, 0},
-    {".func", pass, 0},
-    {".if", pass, 0},
-    {".elseif", pass, 0},
-    {".else", pass, 0},
-    {".endif", pass, 0},
+    {".param", deck_copy_statement, 0},
+    {".subckt", deck_copy_statement, 0},
+    {".ends", deck_copy_statement, 0},
+    {".global", deck_copy_statement, 0},
+    {".func", deck_copy_statement, 0},
+    {".if", deck_copy_statement, 0},
+    {".elseif", deck_copy_statement, 0},
+    {".else", deck_copy_statement, 0},
+    {".endif", deck_copy_statement, 0},
     {".option", take_options, 0},
     {".options", take_options, 0},
     {".opt", take_options, 0},
@@ -221,7 +222,7 @@ static const struct {
     {".inc", take_include, 0},
     {".lib", take_library, 0},
     {".end", take_end, 0},
-    {".save", pass, 1},
+    {".save", deck_copy_statement, 1},
     {".osdi", take_osdi, 1},
 };
 
@@ -258,7 +259,8 @@ static int take_line(void *data, const line *l) {
   if (strncmp(l->text, first->text, strlen(first->text)) != 0)
     return refuse(d, first);
   if (first->text[0] != '.')
-    return is_device(d, first->text) ? pass(d, l) : refuse(d, first);
+    return is_device(d, first->text) ? deck_copy_statement(d, l)
+                                     : refuse(d, first);
   for (size_t i = 0; i < sizeof statements / sizeof *statements; i++)
     if (eda_same_name(first->text, statements[i].name) &&
         (!statements[i].own || is_own(l)))

@@ -107,7 +107,7 @@ static int on_thread(NG_BOOL idle, int id, void *user) {
   return 0;
 }
 
-static void check(const char *command) {
+static void trouble_check(const char *command) {
   char text[MOST_TROUBLE + 128];
   if (!*trouble) return;
   if (command)
@@ -321,11 +321,11 @@ static void load_osdi(const library *l, const char *name, int file) {
   command(l, text);
   free(text);
   if (strstr(trouble, "no such command")) end_with(NO_OSDI, "");
-  check(name);
+  trouble_check(name);
 }
 
-static void work(const library *l, const char *osdi, int file, char *deck,
-                 char *commands) {
+static void deck_run(const library *l, const char *osdi, int file, char *deck,
+                     char *commands) {
   l->init(on_words, NULL, on_exit_wish, NULL, NULL, on_thread, NULL);
   *trouble = 0;
   reset_signals(); /* handlers of ngspice would turn a crash into an exit */
@@ -335,13 +335,13 @@ static void work(const library *l, const char *osdi, int file, char *deck,
   if (osdi) load_osdi(l, osdi, file);
   size_t plots = length_of(l->plots());
   l->circuit(lines_of(deck));
-  check(NULL);
+  trouble_check(NULL);
   plots = send_plots(l, plots);
   for (char **c = lines_of(commands); *c; c++) {
     if (!(*c)[strspn(*c, " \t")]) continue;
     command(l, *c);
     if (!*trouble) plots = send_plots(l, plots);
-    check(*c);
+    trouble_check(*c);
   }
 }
 
@@ -358,6 +358,6 @@ int main(int argc, char **argv) {
   int file = osdi ? open_osdi(osdi) : -1;
   library l = load();
   lock_in(file);
-  work(&l, osdi, file, deck, commands);
+  deck_run(&l, osdi, file, deck, commands);
   end_with(DONE, "");
 }

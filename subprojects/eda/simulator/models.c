@@ -69,7 +69,7 @@ static int find_arguments(const char *s, const char *comma[2]) {
 /* Return a statement with agauss(nominal, deviation, sigma) replaced by
    agauss(nominal,0, sigma). The function stays, because the simulator accepts
    some expressions only with it. */
-static char *settle(const char *statement) {
+static char *statement_settle(const char *statement) {
   static const char *const lots[] = {"agauss", "gauss", "aunif", "unif"};
   GString *out = g_string_new(NULL);
   const char *s = statement, *comma[2];
@@ -86,7 +86,7 @@ static char *settle(const char *statement) {
         *comma[0] == ',') {
       g_autofree char *nominal =
           g_strndup(open + 1, (gsize)(comma[0] - open - 1));
-      g_autofree char *settled = settle(nominal);
+      g_autofree char *settled = statement_settle(nominal);
       g_string_append_len(out, s, (gssize)n);
       g_string_append_printf(out, "(%s,0", settled);
       s = comma[1];
@@ -122,7 +122,8 @@ static void take_scale(eda_models *l, const char *statement) {
 }
 
 /* Add a statement; *depth is the number of open subcircuits. */
-static void take(eda_models *l, const char *statement, int *depth) {
+static void models_take_statement(eda_models *l, const char *statement,
+                                  int *depth) {
   int opens = begins_with(statement, ".subckt"),
       closes = begins_with(statement, ".ends"),
       model = begins_with(statement, ".model");
@@ -140,7 +141,7 @@ static void take(eda_models *l, const char *statement, int *depth) {
     g_array_append_val(l->piece, p);
   }
   piece *last = &g_array_index(l->piece, piece, l->piece->len - 1);
-  g_ptr_array_add(last->of, settle(statement));
+  g_ptr_array_add(last->of, statement_settle(statement));
   *depth += opens - (closes && *depth > 0);
 }
 
@@ -153,7 +154,7 @@ static void take_all(eda_models *l, char *text) {
     char *end = strchr(s, '\n');
     while (end && end[1] == '+') end = strchr(end + 1, '\n');
     if (end) *end = 0;
-    take(l, s, &depth);
+    models_take_statement(l, s, &depth);
     s = end;
   }
 }
@@ -360,8 +361,9 @@ static gboolean write_bound(const GMatchInfo *match, GString *out, void *data) {
 }
 
 /* Write a statement unless it is a bin for other sizes. */
-static void put(const eda_models *l, GString *out, const char *statement,
-                const eda_sizes *all, const eda_sizes *sizes, int extend) {
+static void models_put_statement(const eda_models *l, GString *out,
+                                 const char *statement, const eda_sizes *all,
+                                 const eda_sizes *sizes, int extend) {
   eda_sizes bin;
   if (!read_bin(l, statement, &bin)) {
     g_string_append_printf(out, "%s\n", statement);
@@ -392,7 +394,7 @@ char *eda_models_cut(const eda_models *l, const char *name,
   for (guint i = 0; i < l->piece->len; i++)
     for (guint k = 0; keep[i] && k < at(l, i)->of->len; k++) {
       if (!k && at(l, i)->kind) (void)outermost(l, keep, at(l, i), &all);
-      put(l, out, at(l, i)->of->pdata[k], &all, sizes, extend);
+      models_put_statement(l, out, at(l, i)->of->pdata[k], &all, sizes, extend);
     }
   free(keep);
   return g_string_free(out, FALSE);

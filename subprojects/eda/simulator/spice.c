@@ -218,9 +218,9 @@ static int open_request(const char *deck, const char *commands,
 }
 
 /* Start the program; *answer is its output. */
-static GSubprocess *start(const char *deck, const char *osdi,
-                          const char *commands, double limit, int *answer,
-                          opc_error *error) {
+static GSubprocess *helper_start(const char *deck, const char *osdi,
+                                 const char *commands, double limit,
+                                 int *answer, opc_error *error) {
   g_autofree char *program = find_program();
   g_autofree char *seconds = g_strdup_printf("%.0f", ceil(limit) + 1);
   g_autofree char *parent = g_strdup_printf("%ld", (long)getpid());
@@ -253,12 +253,12 @@ static GSubprocess *start(const char *deck, const char *osdi,
   return NULL;
 }
 
-static int run(const opc_context *context, const char *deck, const char *osdi,
-               const char *commands, double limit, eda_spice_result *out,
-               opc_error *error) {
+static int helper_run(const opc_context *context, const char *deck,
+                      const char *osdi, const char *commands, double limit,
+                      eda_spice_result *out, opc_error *error) {
   int answer;
   g_autoptr(GSubprocess) child =
-      start(deck, osdi, commands, limit, &answer, error);
+      helper_start(deck, osdi, commands, limit, &answer, error);
   if (!child) return error->code;
   reading r = {.context = context, .out = out, .words = g_string_new(NULL)};
   int code = listen_to(&r, answer, limit, error);
@@ -278,7 +278,7 @@ int eda_spice_run(const opc_context *context, const char *deck,
   *out = (eda_spice_result){0};
   char *osdi, *harmless = deck_write(deck, &osdi, error);
   if (!harmless) return error->code;
-  int code = run(context, harmless, osdi, commands, limit, out, error);
+  int code = helper_run(context, harmless, osdi, commands, limit, out, error);
   free(harmless);
   g_free(osdi);
   return code;

@@ -11,9 +11,9 @@ OPC_C_BEGIN
    correction cannot recover half way. [any] */
 OPC_EXPORT void *eda_alloc(size_t count, size_t size);
 
-/* Enlarge *array (the address of a pointer) with the capacity *room of `size`
-   bytes to `need` elements, at least by half. New elements are not zeroed. Free
-   with free(). [any] */
+/* Enlarge *array (the address of a pointer) to at least `need` elements of
+   `size` bytes, by half or more, and write the new capacity to `room`. New
+   elements are not zeroed. Free with free(). [any] */
 OPC_EXPORT void eda_grow_to(void *array, size_t *room, size_t need,
                             size_t size);
 
