@@ -12,22 +12,22 @@
    alone if `kind` is NULL. [any] */
 void cli_message(const char *kind, const char *format, ...) OPC_PRINTF(2, 3);
 
-/* Write an error message; FALSE. */
+/* Write an error message and return FALSE. */
 #define cli_refuse(...) (cli_message("error", __VA_ARGS__), FALSE)
 
-/* From now on write and print nothing: another process does. */
+/* Suppress all messages and output from now on; another process prints. */
 void cli_be_silent(void);
 
-/* Return whether to move a cursor. */
+/* Return whether the cursor of a terminal can be moved. */
 gboolean cli_is_terminal(void);
 
 /* ---- standard output ---- */
 
-/* Keep standard output for the functions below: what others print, plugins and
-   what they start, goes to standard error. First of all. */
+/* Reserve standard output for the functions below. Other output, of plugins and
+   child processes, goes to standard error. Call first. */
 void cli_keep_output(void);
 
-/* Undo that, before this process becomes another program. */
+/* Undo cli_keep_output, before this process executes another program. */
 void cli_return_output(void);
 
 /* Print a text; characters that are not printable are escaped. */
@@ -39,35 +39,36 @@ void cli_write(const char *text);
 /* Return COLUMNS or the width of the terminal; SIZE_MAX for any width. */
 size_t cli_width(void);
 
-/* What was printed comes before the messages that follow. */
+/* Flush standard output, so that later messages appear after it. */
 void cli_flush(void);
 
-/* Return whether standard output took it all; FALSE and a message. */
+/* Return whether all standard output was written; on failure write a message
+   and return FALSE. */
 gboolean cli_is_written(void);
 
 /* ---- options ---- */
 
-/* An option of a command line. One of `flag`, `text` and `list` takes it:
-   variables of the verb, as a process runs one. A list ends with NULL; it is
-   NULL itself where nothing was given. */
+/* An option of a command line. One of `flag`, `text` and `list` points to the
+   variable that receives the value. A list ends with NULL; the pointer is NULL
+   if the option was not given. */
 typedef struct cli_option {
   const char *name; /* without dashes; NULL ends a table of options */
   const char *help;
-  const char *argument; /* its name in the help; NULL: a flag */
+  const char *argument; /* name of the value in the help; NULL: a flag */
   gboolean *flag;
   const char **text;
   GPtrArray **list;
 } cli_option;
 
-/* Take the option at words[*i] of n, by tables of options that end with NULL.
-   FALSE and a message, which names the verb. */
+/* Parse the option at words[*i] of n by tables of options, each ending with
+   NULL. On failure write a message with the verb and return FALSE. */
 gboolean cli_take_option(const cli_option *const *tables, const char *verb,
                          guint n, char **words, guint *i);
 
-/* Print a line of the help for "name value", and for each option of a table,
-   which may be NULL. */
+/* Print a line of the help for "name value"; the second prints all options of a
+   table, which may be NULL. */
 void cli_print_pair(const char *name, const char *value, const char *summary);
 void cli_print_options(const cli_option *options);
 
-/* Return what a list of options took, NULL-terminated. */
+/* Return the values of a list option, NULL-terminated. */
 const char *const *cli_list(GPtrArray *list);
