@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Shapes of a mask from a layout, with checks that they belong to the gates. */
-#ifndef GIVEN_TAKE_H
-#define GIVEN_TAKE_H
+#pragma once
 
 #include <eda/gates.h>
 #include <eda/layout.h>
@@ -22,5 +21,3 @@ typedef struct take {
    drawn. Reports the vertices moved by the grid as the metrics snapped and
    snapped_worst. */
 int take_shapes(const take *take, eda_mask *mask, opc_error *error);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the unit tests of this project share. */
-#ifndef CHECK_H
-#define CHECK_H
+#pragma once
 
 #include <math.h>
 #include <opcflow/testing.h>
@@ -26,5 +25,3 @@ static inline opc_module *make(const char *id, const char *parameters) {
   CHECK(module);
   return module;
 }
-
-#endif

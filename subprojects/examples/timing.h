@@ -2,8 +2,7 @@
 /* Kind "timing": how long a transistor takes. A kind that opcflow knows nothing
    of: kind.timing brings it, and plugins of it fit into any slot that asks for
    "timing". */
-#ifndef TIMING_H
-#define TIMING_H
+#pragma once
 
 #include <opcflow/plugin.h>
 
@@ -12,5 +11,3 @@ typedef struct timing {
      gate area (nm^2) of one like it; more current, less time. [any] */
   double (*delay)(const void *self, double ion, double area);
 } timing;
-
-#endif

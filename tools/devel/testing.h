@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* <opcflow/testing.h>, and more for our own tests. */
-#ifndef OPCFLOW_DEVEL_TESTING_H
-#define OPCFLOW_DEVEL_TESTING_H
+#pragma once
 
 #include <glib.h>
 #include <opcflow/testing.h>
@@ -12,5 +11,3 @@ G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_module, opc_test_module_free)
 
 /* The last table of that name, NULL if there is none. */
 const opc_table *opc_test_table(const char *name);
-
-#endif

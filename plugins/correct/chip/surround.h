@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Checksums of the drawn environment of transistors. */
-#ifndef CORRECT_CHIP_SURROUND_H
-#define CORRECT_CHIP_SURROUND_H
+#pragma once
 
 #include <eda/gates.h>
 
@@ -29,5 +28,3 @@ int surround_all(const opc_context *context, const eda_gates *window,
 /* Return 1 if the lower left corner of a box is in the core. Callable from any
    thread. */
 int surround_starts(eda_box core, eda_box b);
-
-#endif

@@ -3,8 +3,7 @@
    instances: a process that makes many instances (experiment, search, sweep)
    computes kernels once. Holds only radial kernels without aberrations, which
    follow from a few numbers. All functions are [any]. */
-#ifndef OPCFLOW_HOPKINS_CACHE_H
-#define OPCFLOW_HOPKINS_CACHE_H
+#pragma once
 
 #include "kernels.h"
 
@@ -32,5 +31,3 @@ kernels *cache_kernels(const cache_entry *k, double *error);
 
 /* Remove a user from an entry. */
 void cache_release(cache_entry *k);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Kernels of a rotationally symmetric T: eigenfunctions (radial.c), coherent
    kernels (coherent.c), and residual (residual.c). */
-#ifndef OPCFLOW_HOPKINS_RADIAL_H
-#define OPCFLOW_HOPKINS_RADIAL_H
+#pragma once
 
 #include "kernels.h"
 
@@ -119,5 +118,3 @@ void radial_residual(const radial *r, size_t residual, const double *fx,
 /* Compute the filter of residual term `residual` (kernels.h). */
 void radial_filter(const void *self, size_t residual, const double *fx,
                    double fy, size_t n, float *out);
-
-#endif

@@ -2,8 +2,7 @@
 /* Result codes, errors, threads, and modules: objects with their functions.
    Shared by the headers of the core and of the library eda, which do not depend
    on each other, so that both use the same error type. */
-#ifndef OPC_BASE_H
-#define OPC_BASE_H
+#pragma once
 
 #include <stdarg.h>
 #include <stddef.h>
@@ -126,4 +125,3 @@ typedef struct opc_module {
 } opc_module;
 
 OPC_C_END
-#endif

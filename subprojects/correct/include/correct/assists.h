@@ -2,8 +2,7 @@
 /* Rule-based sub-resolution assist features (SRAF): scatter bars along the
    sides of each gate, placed in the poly mask wherever the spacing rules
    permit. */
-#ifndef CORRECT_ASSISTS_H
-#define CORRECT_ASSISTS_H
+#pragma once
 
 #include <eda/bars.h>
 #include <opcflow/plugin.h>
@@ -65,5 +64,3 @@ OPC_EXPORT int correct_assists_report(const struct loop *loop,
                               "a bar is dropped where it comes so "         \
                               "near to printing, intensity; clear "         \
                               "field 1")
-
-#endif

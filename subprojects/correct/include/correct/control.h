@@ -3,8 +3,7 @@
    length (coarse phase) are followed by steps of its width (fine phase); a step
    that increases the error is reverted. The error is a current deviation in %,
    positive where the current is too high; it falls with L and rises with W. */
-#ifndef SYNTHESIZER_CONTROL_H
-#define SYNTHESIZER_CONTROL_H
+#pragma once
 
 #include <eda/synthesizer.h>
 
@@ -73,5 +72,3 @@ OPC_EXPORT int correct_control_width(const control_rules *r, control *c,
                                      const control_input *in, int32_t *w);
 
 OPC_EXPORT const char *correct_control_verdict(const control *c);
-
-#endif

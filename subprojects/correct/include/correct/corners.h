@@ -11,8 +11,7 @@
    Unless `free` is set, the deviations that all transistors of a type have in
    common are excluded, and nominal Ion stays within `ion_cost`. Flags, printed
    images, line ends and the reported figures are nominal. */
-#ifndef CORRECT_CORNERS_H
-#define CORRECT_CORNERS_H
+#pragma once
 
 #include <eda/print.h>
 #include <opcflow/plugin.h>
@@ -126,5 +125,3 @@ OPC_EXPORT int correct_corners_report(const struct loop *loop,
     "corners_failed", NULL, OPC_LOWER, 0,                                    \
         "transistors that do not print as one of their own at some corner"   \
   }
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Extraction of the cells of a sheet as separate gates. */
-#ifndef CORRECT_LIBRARY_CUT_H
-#define CORRECT_LIBRARY_CUT_H
+#pragma once
 
 #include <eda/gates.h>
 #include <eda/layout.h>
@@ -26,5 +25,3 @@ OPC_EXPORT void correct_cut_clear(cut_out *out);
 /* Return the checksum of a cell's fragments and gates. The caller frees the
    text with g_free(). */
 OPC_EXPORT char *correct_cut_sum(const eda_gates *cell);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Construction of the mask polygons of a layer from edge displacements. */
-#ifndef CORRECT_EDGES_H
-#define CORRECT_EDGES_H
+#pragma once
 
 #include <eda/gates.h>
 #include <eda/synthesizer.h>
@@ -64,5 +63,3 @@ OPC_EXPORT void correct_shapes_of_boxes(boxes_lists boxes, eda_shapes *out);
 OPC_EXPORT int correct_mask_merge(const eda_shapes *polygons, boxes_lists added,
                                   boxes_lists bites, eda_shapes *out,
                                   opc_error *error);
-
-#endif

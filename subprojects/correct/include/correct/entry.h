@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A corrected cell: transistors, displacements of the mask edges, and figures.
    Coordinates are grid steps of the cell. */
-#ifndef CORRECT_LIBRARY_ENTRY_H
-#define CORRECT_LIBRARY_ENTRY_H
+#pragma once
 
 #include <eda/gates.h>
 #include <glib.h>
@@ -38,5 +37,3 @@ OPC_EXPORT GVariant *correct_entry_pack(const cut_out *cell,
 OPC_EXPORT entry *correct_entry_unpack(GVariant *data);
 OPC_EXPORT void correct_entry_free(entry *entry);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(entry, correct_entry_free)
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Findings and warnings of a correction, logged as text. */
-#ifndef CORRECT_FINDINGS_H
-#define CORRECT_FINDINGS_H
+#pragma once
 
 #include <eda/extractor.h>
 #include <opcflow/plugin.h>
@@ -26,5 +25,3 @@ OPC_EXPORT void correct_findings_of_print(const opc_host *host,
    worse than drawn. */
 OPC_EXPORT void correct_findings_of_guard(const opc_host *host,
                                           const guard *guard, int held);
-
-#endif

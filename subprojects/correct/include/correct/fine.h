@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Accuracy of simulations: error of the image and the clear field around the
    layout. */
-#ifndef CORRECT_FINE_H
-#define CORRECT_FINE_H
+#pragma once
 
 #include <eda/print.h>
 #include <opcflow/plugin.h>
@@ -47,5 +46,3 @@ OPC_EXPORT double correct_fine_margin(const opc_host *host,
 
 /* Default of `margin` with accurate simulations. */
 #define FINE_MARGIN "11.658 lambda/NA"
-
-#endif

@@ -11,8 +11,7 @@
    If it does print, the best of these steps is kept. If that is still worse
    than drawn, trial simulations find the cause: a rule or a neighbour without
    which the transistor would be as good as drawn. */
-#ifndef CORRECT_GUARD_H
-#define CORRECT_GUARD_H
+#pragma once
 
 #include <eda/regulator.h>
 
@@ -80,5 +79,3 @@ OPC_EXPORT void correct_guard_count(struct loop *loop);
 /* Return the verdict on a transistor for its table row, or NULL if it was not
    reverted. The caller frees the text with g_free(). */
 OPC_EXPORT char *correct_guard_verdict(const guard *guard, size_t gate);
-
-#endif

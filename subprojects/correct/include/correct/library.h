@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Data kind "library": references to the corrected cells of a sheet. */
-#ifndef CORRECT_LIBRARY_LIBRARY_H
-#define CORRECT_LIBRARY_LIBRARY_H
+#pragma once
 
 #include <glib.h>
 #include <opcflow/results.h>
@@ -38,5 +37,3 @@ OPC_EXPORT int correct_library_take_models(const opc_host *host,
     .name = port, .kind = "library", .check = correct_library_check, \
     .release = correct_library_free                                  \
   }
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The correction loop and its results. */
-#ifndef CORRECT_LOOP_H
-#define CORRECT_LOOP_H
+#pragma once
 
 #include <eda/print.h>
 
@@ -101,5 +100,3 @@ OPC_EXPORT eda_boxes correct_loop_begun(const loop *l, size_t layer, int bites);
 OPC_EXPORT eda_printed correct_loop_printed(const loop *loop);
 
 OPC_EXPORT void correct_loop_clear(loop *loop);
-
-#endif

@@ -6,8 +6,7 @@
    fast simulations, and the figures of the drawn mask are corrected by it. When
    the synthesizers are done, an accurate simulation either verifies the result
    or updates the difference and the loop continues. */
-#ifndef CORRECT_PROOF_H
-#define CORRECT_PROOF_H
+#pragma once
 
 #include <eda/print.h>
 
@@ -44,5 +43,3 @@ OPC_EXPORT int correct_proof_is_due(const struct loop *loop);
    continue. */
 OPC_EXPORT int correct_proof_of_end(struct loop *loop, int *holds,
                                     opc_error *error);
-
-#endif

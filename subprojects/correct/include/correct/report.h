@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Statistics, tables and metrics of a correction. */
-#ifndef CORRECT_REPORT_H
-#define CORRECT_REPORT_H
+#pragma once
 
 #include <eda/print.h>
 #include <eda/regulator.h>
@@ -153,5 +152,3 @@ OPC_EXPORT int correct_report_rules(const opc_host *host,
                                     const opc_module *regulator,
                                     const eda_printed *printed, eda_mask *mask,
                                     opc_error *error);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Mask rules, which apply to the mask of any method. */
-#ifndef CORRECT_RULES_H
-#define CORRECT_RULES_H
+#pragma once
 
 #include <eda/gates.h>
 #include <eda/rules.h>
@@ -56,5 +55,3 @@ OPC_EXPORT int correct_rules_report(const opc_host *host,
     "mask_jog", NULL, OPC_LOWER, 0, "jogs below min_jog"                 \
   }
 /* clang-format on */
-
-#endif

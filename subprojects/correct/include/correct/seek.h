@@ -9,8 +9,7 @@
    2004, for the intensity). Bars are placed where the derivative is most
    negative, after compensation by the edges of the features, which hold the
    nominal contour in place. */
-#ifndef CORRECT_SEEK_H
-#define CORRECT_SEEK_H
+#pragma once
 
 #include <eda/bars.h>
 #include <opcflow/plugin.h>
@@ -91,5 +90,3 @@ OPC_EXPORT int correct_seek_watch(struct loop *loop, int done,
                               "a bar gets narrower while it comes so "         \
                               "near to printing, intensity; clear "            \
                               "field 1")
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The models, accuracies and limits that a step prints, measures and corrects
    with: a field `with` of its state, and the parameters that fill it in. */
-#ifndef CORRECT_SETTINGS_H
-#define CORRECT_SETTINGS_H
+#pragma once
 
 #include <eda/print.h>
 #include <eda/rules.h>
@@ -116,5 +115,3 @@ OPC_EXPORT int correct_save_mask(void *self, void *const *outputs,
   OPC_PARAMETER_NAMED("ion_limit", state, with.ion_limit, .type = OPC_REAL,  \
                       .flags = OPC_AT_LEAST, .former = "limit", .unit = "%", \
                       .preset = "0.5 %", .summary = (SUMMARY))
-
-#endif

@@ -2,8 +2,7 @@
 /* The database of a library: corrected cells, each under a key that says what
    its correction depends on. SQLite, so that a kill at any moment, or two
    processes at once, lose nothing: each cell is a transaction of its own. */
-#ifndef CORRECT_LIBRARY_SHELF_H
-#define CORRECT_LIBRARY_SHELF_H
+#pragma once
 
 #include <glib.h>
 #include <opcflow/base.h>
@@ -59,5 +58,3 @@ OPC_EXPORT int shelf_remove(shelf *shelf, GHashTable *keys, opc_error *error);
 /* Whether SQLite finds the file sound; its first complaint in *error, OPC_IO.
  */
 OPC_EXPORT int shelf_check(shelf *shelf, opc_error *error);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Sites at which the edge placement errors of a layer's fragments are
    measured. */
-#ifndef CORRECT_SITES_H
-#define CORRECT_SITES_H
+#pragma once
 
 #include <eda/synthesizer.h>
 
@@ -21,5 +20,3 @@ OPC_EXPORT void correct_sites_measure(const opc_context *context,
                                       const sites *sites,
                                       const eda_field *print,
                                       eda_scanner scanner);
-
-#endif

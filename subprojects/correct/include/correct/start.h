@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Start of a correction from an earlier mask, and its inverse. */
-#ifndef CORRECT_START_H
-#define CORRECT_START_H
+#pragma once
 
 #include <eda/gates.h>
 #include <opcflow/plugin.h>
@@ -51,5 +50,3 @@ OPC_EXPORT eda_moved *correct_moved_of(const struct loop *loop);
 OPC_EXPORT double correct_start_disturbance(const eda_mask *mask,
                                             const eda_performance *printed,
                                             const uint32_t *flags, size_t i);
-
-#endif

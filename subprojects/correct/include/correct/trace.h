@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Record of each transistor in each simulation, for authors of synthesizers. */
-#ifndef CORRECT_TRACE_H
-#define CORRECT_TRACE_H
+#pragma once
 
 #include <opcflow/plugin.h>
 #include <stdint.h>
@@ -28,5 +27,3 @@ OPC_EXPORT void correct_trace_add(trace *trace, const struct loop *loop);
 OPC_EXPORT void correct_trace_clear(trace *trace);
 OPC_EXPORT int correct_trace_report(trace *trace, const struct loop *loop,
                                     opc_error *error);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* All displacements and shapes that define a mask. */
-#ifndef CORRECT_TRIAL_H
-#define CORRECT_TRIAL_H
+#pragma once
 
 #include <correct/edges.h>
 
@@ -57,5 +56,3 @@ OPC_EXPORT void correct_trial_reset_boxes(eda_boxes *boxes, eda_box window,
 /* Return 1 if two trials define different masks of a layer. */
 OPC_EXPORT int correct_trial_differs(const trial *a, const trial *b,
                                      size_t layer);
-
-#endif

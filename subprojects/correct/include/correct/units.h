@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Cells of a layout that draw transistors, and their placements. */
-#ifndef CORRECT_LIBRARY_UNITS_H
-#define CORRECT_LIBRARY_UNITS_H
+#pragma once
 
 #include <eda/layout.h>
 
@@ -34,5 +33,3 @@ OPC_EXPORT int correct_units_find(const eda_layout *layout, int32_t top,
    with g_free(). Returns NULL and sets *error on failure. */
 OPC_EXPORT char *correct_units_sum(const eda_layout *layout, int32_t cell,
                                    opc_error *error);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Symmetry of the optics under rotation and mirroring. */
-#ifndef CORRECT_WAYS_H
-#define CORRECT_WAYS_H
+#pragma once
 
 #include <eda/litho.h>
 
@@ -11,5 +10,3 @@
 OPC_EXPORT int correct_ways_find(const opc_context *context,
                                  const opc_module *litho, int *ways,
                                  opc_error *error);
-
-#endif

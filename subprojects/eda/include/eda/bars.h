@@ -3,8 +3,7 @@
    edges with open space (C. A. Mack, Fundamental Principles of Optical
    Lithography, 2007, chapter 10). The bars are too narrow to print and make an
    isolated edge print more like a dense edge. */
-#ifndef EDA_BARS_H
-#define EDA_BARS_H
+#pragma once
 
 #include <eda/imaging.h>
 
@@ -75,4 +74,3 @@ OPC_EXPORT size_t eda_bars_narrow(const opc_context *context,
                                   int32_t least, size_t *dropped);
 
 OPC_C_END
-#endif

@@ -11,8 +11,7 @@
      return eda_blame(error, code, "extractor");
 
    All functions are [any]. */
-#ifndef EDA_CHECK_H
-#define EDA_CHECK_H
+#pragma once
 
 #include <eda/extractor.h>
 #include <eda/regulator.h>
@@ -97,4 +96,3 @@ OPC_EXPORT int eda_call_violations(const opc_context *context,
                                    size_t *count, opc_error *error);
 
 OPC_C_END
-#endif

@@ -2,8 +2,7 @@
 /* The corrected mask of a layout that is never flattened as a whole: the edge
    displacements of each transistor, from which the mask of any window can be
    computed. Data kind "chip" (eda_chip). */
-#ifndef EDA_CHIP_H
-#define EDA_CHIP_H
+#pragma once
 
 #include <eda/gates.h>
 #include <eda/layout.h>
@@ -103,4 +102,3 @@ OPC_EXPORT eda_box eda_chip_own(eda_box gate, uint8_t axis, uint8_t flip,
   }
 
 OPC_C_END
-#endif

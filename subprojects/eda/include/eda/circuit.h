@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Data kind "circuit": a flat transistor netlist whose devices are matched to
    gates of the layout. */
-#ifndef EDA_CIRCUIT_H
-#define EDA_CIRCUIT_H
+#pragma once
 
 #include <eda/gates.h>
 #include <eda/pool.h>
@@ -66,4 +65,3 @@ OPC_EXPORT int eda_circuit_role(const eda_circuit *circuit, uint32_t net);
   }
 
 OPC_C_END
-#endif

@@ -3,8 +3,7 @@
    optional unit in brackets, then rows. Empty lines and lines that begin with #
    are skipped; blanks around a field are ignored. Errors carry
    file:line:column. */
-#ifndef EDA_CSV_H
-#define EDA_CSV_H
+#pragma once
 
 #include <eda/devices.h>
 
@@ -56,4 +55,3 @@ OPC_EXPORT int eda_csv_type(const eda_csv *csv, size_t row, int column,
                             int *type, opc_error *error);
 
 OPC_C_END
-#endif

@@ -14,8 +14,7 @@
    in the logarithm of the current per width, which separates the contribution
    of the edges from that of the width. Transistors narrower than the narrowest
    width have its current per width. */
-#ifndef EDA_CURVES_H
-#define EDA_CURVES_H
+#pragma once
 
 #include <eda/devices.h>
 #include <math.h>
@@ -118,4 +117,3 @@ OPC_EXPORT void eda_curves_narrow_quick(const eda_curves *curves, int type,
                                         double current[EDA_CURRENTS]);
 
 OPC_C_END
-#endif

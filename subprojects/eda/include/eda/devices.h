@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Device tables: the currents of wide and narrower transistors against length
    (thesis 2.2.1), and the capacitance of their gates. */
-#ifndef EDA_DEVICES_H
-#define EDA_DEVICES_H
+#pragma once
 
 #include <opcflow/base.h>
 
@@ -48,4 +47,3 @@ OPC_EXPORT double eda_devices_cgate(const eda_devices *devices, int type,
                                     double length, double width);
 
 OPC_C_END
-#endif

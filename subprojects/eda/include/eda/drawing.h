@@ -3,8 +3,7 @@
    of <eda/eda.h>, because these functions need cairo. Coordinates are pixels
    (points in a vector format), y downwards. All functions are [any]; use each
    surface from one thread at a time. */
-#ifndef EDA_DRAWING_H
-#define EDA_DRAWING_H
+#pragma once
 
 #include <cairo.h>
 #include <opcflow/base.h>
@@ -197,4 +196,3 @@ OPC_EXPORT void eda_chart_field(const eda_chart *chart, const eda_axis *of,
                                 const double *figure);
 
 OPC_C_END
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* All headers of the library except <eda/drawing.h>, which needs cairo. */
-#ifndef EDA_EDA_H
-#define EDA_EDA_H
+#pragma once
 
 #include <eda/bars.h>
 #include <eda/check.h>
@@ -40,5 +39,3 @@
 #include <eda/wave.h>
 #include <eda/words.h>
 #include <opcflow/base.h>
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Data of the kind "experiment": the run folders of several methods on several
    cases, produced by the step `experiment`. */
-#ifndef EDA_EXPERIMENT_H
-#define EDA_EXPERIMENT_H
+#pragma once
 
 #include <opcflow/base.h>
 
@@ -38,4 +37,3 @@ OPC_EXPORT int eda_experiment_check(const void *experiment, opc_error *error);
   }
 
 OPC_C_END
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Kind "extractor": computes the performance of a transistor from its printed
    slices. */
-#ifndef EDA_EXTRACTOR_H
-#define EDA_EXTRACTOR_H
+#pragma once
 
 #include <eda/gates.h>
 
@@ -74,4 +73,3 @@ typedef struct eda_extractor {
 } eda_extractor;
 
 OPC_C_END
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Common parts of several layout formats: layer numbers, and polygons without
    holes and with a limited number of points. */
-#ifndef EDA_FORMATS_H
-#define EDA_FORMATS_H
+#pragma once
 
 #include <eda/gates.h>
 
@@ -45,4 +44,3 @@ OPC_EXPORT int eda_polygons_without_holes(const eda_shapes *shapes,
                                           opc_error *error);
 
 OPC_C_END
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Transistors and the mask edges that move with them. Data kinds "gates"
    (eda_gates) and "mask" (eda_mask). */
-#ifndef EDA_GATES_H
-#define EDA_GATES_H
+#pragma once
 
 #include <eda/devices.h>
 #include <eda/geometry.h>
@@ -332,4 +331,3 @@ OPC_EXPORT int eda_mask_restore(const eda_gates *gates, const char *folder,
   }
 
 OPC_C_END
-#endif

@@ -4,8 +4,7 @@
 
    A record consists of its length (2 bytes, including the 4-byte header), its
    type, its data type, and the data. All numbers are big-endian. */
-#ifndef EDA_GDS_H
-#define EDA_GDS_H
+#pragma once
 
 #include <math.h>
 #include <stdint.h>
@@ -119,5 +118,3 @@ static inline void eda_gds_put_real(uint8_t *p, double v) {
   p[0] = (uint8_t)(sixteens + 64) | (v < 0 && fraction ? 0x80 : 0);
   for (int i = 7; i > 0; i--, fraction >>= 8) p[i] = (uint8_t)fraction;
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Flat geometry: points, boxes, polygons and their operations. */
-#ifndef EDA_GEOMETRY_H
-#define EDA_GEOMETRY_H
+#pragma once
 
 #include <opcflow/base.h>
 
@@ -119,4 +118,3 @@ OPC_EXPORT int64_t eda_area2(const eda_shapes *shapes);
 OPC_EXPORT void eda_shapes_clear(eda_shapes *shapes);
 
 OPC_C_END
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reading goals (eda_goal): from the notes of a layout and from CSV files. */
-#ifndef EDA_GOALS_H
-#define EDA_GOALS_H
+#pragma once
 
 #include <eda/gates.h>
 
@@ -25,4 +24,3 @@ OPC_EXPORT int eda_goals_read(const char *path, const eda_gates *gates,
                               eda_goal *out, opc_error *error);
 
 OPC_C_END
-#endif

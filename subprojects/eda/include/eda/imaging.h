@@ -4,8 +4,7 @@
    Everything is periodic with the period of a frame. The clear field has
    intensity 1; masks are dark inside drawn shapes (chrome lines, positive
    resist). */
-#ifndef EDA_IMAGING_H
-#define EDA_IMAGING_H
+#pragma once
 
 #include <eda/geometry.h>
 
@@ -204,4 +203,3 @@ OPC_EXPORT double eda_field_epe(const eda_field *field, int axis, int out,
                                 double x, double y, double reach);
 
 OPC_C_END
-#endif

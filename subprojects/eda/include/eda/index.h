@@ -11,8 +11,7 @@
 
    A point is a box without extent, an edge a box without width. Other shapes
    are indexed by their bounding boxes, and the caller tests the candidates. */
-#ifndef EDA_INDEX_H
-#define EDA_INDEX_H
+#pragma once
 
 #include <eda/geometry.h>
 
@@ -51,4 +50,3 @@ OPC_EXPORT eda_finder eda_index_find(const eda_index *index, eda_box window);
 OPC_EXPORT int eda_index_next(eda_finder *finder, uint32_t *number);
 
 OPC_C_END
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Hierarchical layouts, created by readers and traversed by writers. Data kind
    "layout": an eda_layout, opaque. */
-#ifndef EDA_LAYOUT_H
-#define EDA_LAYOUT_H
+#pragma once
 
 #include <eda/geometry.h>
 
@@ -191,4 +190,3 @@ OPC_EXPORT int eda_layout_check(const void *layout, opc_error *error);
   }
 
 OPC_C_END
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Kind "litho": computes the intensity of a mask. */
-#ifndef EDA_LITHO_H
-#define EDA_LITHO_H
+#pragma once
 
 #include <eda/imaging.h>
 #include <eda/natural.h>
@@ -67,4 +66,3 @@ OPC_EXPORT int eda_litho_spectrum(const opc_context *context,
                                   opc_error *error);
 
 OPC_C_END
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Memory allocation of the library. */
-#ifndef EDA_MEMORY_H
-#define EDA_MEMORY_H
+#pragma once
 
 #include <opcflow/base.h>
 
@@ -31,4 +30,3 @@ OPC_UNUSED static inline void eda_grow(void *array, size_t *room, size_t need,
    (void)((array)[(count)++] = __VA_ARGS__))
 
 OPC_C_END
-#endif

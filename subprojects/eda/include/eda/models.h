@@ -2,8 +2,7 @@
 /* A foundry's model library: sections (corners) of subcircuits and model cards,
    often binned, reduced to the statements that one device needs, so that decks
    stay small. */
-#ifndef EDA_MODELS_H
-#define EDA_MODELS_H
+#pragma once
 
 #include <opcflow/base.h>
 
@@ -52,4 +51,3 @@ OPC_EXPORT char *eda_models_cut(const eda_models *models, const char *name,
                                 const eda_sizes *sizes, int extend);
 
 OPC_C_END
-#endif

@@ -3,8 +3,7 @@
    wavelength / NA (k1 of B. J. Lin, "Where is the lost resolution?", SPIE 633,
    1986), and their depth of focus with wavelength / NA^2. A length that a flow
    does not give is therefore a multiple of these. */
-#ifndef EDA_NATURAL_H
-#define EDA_NATURAL_H
+#pragma once
 
 #include <opcflow/base.h>
 
@@ -45,4 +44,3 @@ OPC_EXPORT void eda_natural_text(eda_scanner scanner, char *out, size_t size);
   } while (0)
 
 OPC_C_END
-#endif

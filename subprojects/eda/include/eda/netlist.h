@@ -2,8 +2,7 @@
 /* SPICE and CDL netlists: reading, flattening, and writing a netlist with the
    printed sizes of its transistors. Faults of a file are OPC_INVALID and carry
    file:line:column. */
-#ifndef EDA_NETLIST_H
-#define EDA_NETLIST_H
+#pragma once
 
 #include <eda/circuit.h>
 #include <eda/pool.h>
@@ -192,4 +191,3 @@ OPC_EXPORT char *eda_annotate(const eda_annotation *a, eda_annotated *counts,
                               opc_error *error);
 
 OPC_C_END
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* OASIS (SEMI P39): record numbers, and a writer. */
-#ifndef EDA_OASIS_H
-#define EDA_OASIS_H
+#pragma once
 
 #include <eda/formats.h>
 
@@ -110,4 +109,3 @@ OPC_EXPORT void eda_oasis_polygon(eda_oasis *out, eda_layer_number layer,
 OPC_EXPORT void eda_oasis_end_shapes(eda_oasis *out);
 
 OPC_C_END
-#endif

@@ -2,8 +2,7 @@
 /* Memory that is freed all at once, and maps from names to numbers in such
    memory. Names are compared without case, as in netlists. A pool is for one
    thread. */
-#ifndef EDA_POOL_H
-#define EDA_POOL_H
+#pragma once
 
 #include <eda/memory.h>
 
@@ -49,4 +48,3 @@ OPC_EXPORT int eda_same_name(const char *a, const char *b);
 OPC_EXPORT int eda_in_list(const char *list, const char *name);
 
 OPC_C_END
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Simulate the masks of a layout through a litho and a resist model, and
    measure the printed transistors. */
-#ifndef EDA_PRINT_H
-#define EDA_PRINT_H
+#pragma once
 
 #include <eda/check.h>
 
@@ -183,4 +182,3 @@ static inline double eda_deviation(double a, double b) {
 }
 
 OPC_C_END
-#endif

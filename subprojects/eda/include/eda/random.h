@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Random numbers that are the same on every machine: splitmix64 (Steele, Lea,
    Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014). */
-#ifndef EDA_RANDOM_H
-#define EDA_RANDOM_H
+#pragma once
 
 #include <opcflow/base.h>
 
@@ -28,4 +27,3 @@ OPC_UNUSED static inline double eda_random_unit(uint64_t *state) {
 }
 
 OPC_C_END
-#endif

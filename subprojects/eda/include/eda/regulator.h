@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Kind "regulator": keeps the correction loop within design rules. */
-#ifndef EDA_REGULATOR_H
-#define EDA_REGULATOR_H
+#pragma once
 
 #include <eda/synthesizer.h>
 
@@ -62,4 +61,3 @@ typedef struct eda_regulator {
 } eda_regulator;
 
 OPC_C_END
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Kind "resist": converts an intensity to printed shapes. */
-#ifndef EDA_RESIST_H
-#define EDA_RESIST_H
+#pragma once
 
 #include <eda/gates.h>
 #include <eda/litho.h>
@@ -25,4 +24,3 @@ typedef struct eda_resist {
 } eda_resist;
 
 OPC_C_END
-#endif

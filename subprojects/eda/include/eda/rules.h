@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Mask rules (MRC): limits of mask writing and inspection. */
-#ifndef EDA_RULES_H
-#define EDA_RULES_H
+#pragma once
 
 #include <eda/geometry.h>
 
@@ -40,4 +39,3 @@ OPC_EXPORT size_t eda_rules_check(const eda_shapes *shapes, double grid,
 OPC_EXPORT const char *eda_rule_name(int rule);
 
 OPC_C_END
-#endif

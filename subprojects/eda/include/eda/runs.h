@@ -2,8 +2,7 @@
 /* Reader of run folders written by `opcflow run`: components, metrics and
    tables. The contents are not trusted: sizes are bounded, and errors name the
    place of damaged data. */
-#ifndef EDA_RUNS_H
-#define EDA_RUNS_H
+#pragma once
 
 #include <opcflow/base.h>
 
@@ -182,4 +181,3 @@ OPC_EXPORT const eda_run_case *eda_run_cases_all(const eda_run_cases *cases,
 OPC_EXPORT eda_table *eda_run_cases_table(eda_run_cases *cases);
 
 OPC_C_END
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Segmentation: find the transistors of a layout and the mask edges that move
    with them (thesis 2.2.5 and 3.2.2), for the whole layout or a window. */
-#ifndef EDA_SEGMENT_H
-#define EDA_SEGMENT_H
+#pragma once
 
 #include <eda/gates.h>
 #include <eda/layout.h>
@@ -146,4 +145,3 @@ OPC_EXPORT double eda_segment_bytes(const eda_layout *layout, int32_t top,
   }
 
 OPC_C_END
-#endif

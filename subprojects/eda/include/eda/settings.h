@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Data of the kind "settings": a figure for each combination of the values of
    some parameters, produced by the step `search`. */
-#ifndef EDA_SETTINGS_H
-#define EDA_SETTINGS_H
+#pragma once
 
 #include <opcflow/base.h>
 
@@ -53,4 +52,3 @@ OPC_EXPORT int eda_settings_check(const void *settings, opc_error *error);
   }
 
 OPC_C_END
-#endif

@@ -7,8 +7,7 @@
    Both versions fuse multiplication and addition wherever possible and nothing
    else does, so that they return the same bits. Older processors have no fused
    instruction and return other bits. */
-#ifndef EDA_SIMD_H
-#define EDA_SIMD_H
+#pragma once
 
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
@@ -17,6 +16,4 @@
                  optimize("fp-contract=fast")))
 #else
 #define EDA_WIDE
-#endif
-
 #endif

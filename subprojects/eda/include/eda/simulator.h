@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The circuit simulator ngspice, in a separate process for each deck. */
-#ifndef EDA_SIMULATOR_H
-#define EDA_SIMULATOR_H
+#pragma once
 
 #include <opcflow/base.h>
 
@@ -62,4 +61,3 @@ OPC_EXPORT const eda_spice_vector *eda_spice_vector_find(
 OPC_EXPORT int eda_spice_is_name(const char *text);
 
 OPC_C_END
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Kind "synthesizer": drives the correction loop. From the measurements of the
    last mask a synthesizer computes the next displacements of edges. */
-#ifndef EDA_SYNTHESIZER_H
-#define EDA_SYNTHESIZER_H
+#pragma once
 
 #include <eda/gates.h>
 #include <eda/natural.h>
@@ -152,4 +151,3 @@ typedef struct eda_synthesizer {
 } eda_synthesizer;
 
 OPC_C_END
-#endif

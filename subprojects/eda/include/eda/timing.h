@@ -3,8 +3,7 @@
    from an input to an output against the input's slew and the load, and the
    sensitivity of these to the size of each transistor. Times in s, capacitances
    in F. */
-#ifndef EDA_TIMING_H
-#define EDA_TIMING_H
+#pragma once
 
 #include <eda/devices.h>
 #include <eda/pool.h>
@@ -187,4 +186,3 @@ OPC_EXPORT void eda_timing_ramp_write(FILE *out, const eda_timing *timing,
   }
 
 OPC_C_END
-#endif

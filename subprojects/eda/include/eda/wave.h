@@ -2,8 +2,7 @@
 /* Waves of simulated outputs, points (t[i], h[i]) with t rising: when they pass
    a level. A height is 0 where the output begins and 1 where it ends, for
    rising and for falling outputs. */
-#ifndef EDA_WAVE_H
-#define EDA_WAVE_H
+#pragma once
 
 #include <opcflow/base.h>
 
@@ -40,4 +39,3 @@ OPC_EXPORT double eda_wave_smooth_time(const double *t, const double *h,
                                        size_t n, size_t i, double level);
 
 OPC_C_END
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Suggestions for mistyped words. */
-#ifndef EDA_WORDS_H
-#define EDA_WORDS_H
+#pragma once
 
 #include <opcflow/base.h>
 
@@ -13,4 +12,3 @@ OPC_C_BEGIN
 OPC_EXPORT const char *eda_nearest(const char *word, const char *const *known);
 
 OPC_C_END
-#endif

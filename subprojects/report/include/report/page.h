@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Report page: one HTML file with all figures of some runs and the code that
    draws them. Call all functions on the main thread. */
-#ifndef OPCFLOW_REPORT_PAGE_H
-#define OPCFLOW_REPORT_PAGE_H
+#pragma once
 
 #include <glib.h>
 #include <opcflow/plugin.h>
@@ -43,5 +42,3 @@ int page_write(const page *p, const char *title, const char *path,
                       .summary =                                             \
                           "Pictures are left out where the page would be "   \
                           "larger than so many MB")
-
-#endif
