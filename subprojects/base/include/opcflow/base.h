@@ -30,8 +30,13 @@ OPC_C_BEGIN
 #define OPC_UNUSED
 #endif
 
+<<<<<<< HEAD
 /* Marks the end of a struct that may get more fields there in a compatible
    later version. */
+=======
+/* Padding at the end of each struct that may receive more fields there without
+   breaking older binaries. */
+>>>>>>> int
 #ifndef OPC_MAY_GROW
 #define OPC_MAY_GROW
 #endif
