@@ -31,8 +31,7 @@ static int check_sweep(const experiment *e, opc_error *error) {
   return OPC_OK;
 }
 
-/* Check after the first point that the figures requested for the summary exist,
-   or that their names are well formed. */
+/* Check the form "step.metric" of the figures requested for the summary. */
 static int check_columns(const experiment *e, opc_error *error) {
   for (size_t i = 0; i < e->columns.count; i++)
     if (!strchr(e->columns.pairs[i].key, '.')) {

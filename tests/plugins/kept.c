@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the step test.kept, whose outputs can be saved: a number plus the
-   number of the input, and twice that sum. A metric reports whether the step
+   number of the input, and twice that sum. The log reports whether the step
    ran or was restored; `wait` delays the run. */
 #include <opcflow/step.h>
 #include <opcflow/table.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Result codes, errors, threads, and modules: objects with their functions.
-   Shared by the headers of the core and of the library eda, which do not depend
-   on each other, so that both use the same error type. */
+/* Result codes, errors, threads, and an object with its functions. The headers
+   of the kernel and those of the library eda include this file, so that their
+   errors are of one type although neither knows the other. */
 #pragma once
 
 #include <stdarg.h>
@@ -30,13 +30,8 @@ OPC_C_BEGIN
 #define OPC_UNUSED
 #endif
 
-<<<<<<< HEAD
-/* Marks the end of a struct that may get more fields there in a compatible
-   later version. */
-=======
 /* Padding at the end of each struct that may receive more fields there without
    breaking older binaries. */
->>>>>>> int
 #ifndef OPC_MAY_GROW
 #define OPC_MAY_GROW
 #endif
