@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Copies a plugin's descriptor and looks through it before anything relies on
-   it. */
+/* Implements the copy and the check of a plugin's descriptor. */
 #include "core/plugin/declaration.h"
 
 #include <base/file.h>
@@ -10,8 +9,8 @@
 
 #include "core/plugin/value.h"
 
-/* More elements, or bytes of an element, than any plugin will have; a wild
-   number is caught before its array is read. */
+/* Largest count of elements and largest size of an element in bytes; a corrupt
+   number is rejected before the array is read. */
 enum { MOST = 4096 };
 
 size_t opc_port_count(const opc_plugin *plugin) {
@@ -56,7 +55,7 @@ const opc_choices *opc_choices_of(const opc_plugin *plugin) {
 
 gconstpointer opc_declared_copy(gconstpointer from, size_t n, size_t theirs,
                                 size_t oldest, size_t ours) {
-  static GPtrArray *all; /* as long as the process, as plugins stay loaded */
+  static GPtrArray *all; /* never freed, as plugins stay loaded */
   if (n > MOST || (n && (!from || theirs < oldest || theirs > MOST)))
     return NULL;
   char *copy = g_malloc0_n(n + 1, ours);
@@ -69,8 +68,8 @@ gconstpointer opc_declared_copy(gconstpointer from, size_t n, size_t theirs,
 
 /* ---- soundness ---- */
 
-/* What is wrong with a parameter and needs no figures to tell, as it stands
-   behind its name. */
+/* Return the first fault of a parameter that needs no numbers in its message,
+   as text to append to the parameter's name; NULL if there is none. */
 static const char *parameter_flaw(const opc_plugin *plugin,
                                   const opc_parameter *p) {
   uint32_t low = p->flags & (OPC_AT_LEAST | OPC_ABOVE);
@@ -78,7 +77,7 @@ static const char *parameter_flaw(const opc_plugin *plugin,
   size_t size = plugin->instance_size;
   g_auto(GStrv) words = opc_choice_list(p->choices);
   if (!p->summary) return " has no summary";
-  /* Inside the instance, behind `host`. */
+  /* The field must be inside the instance, after `host`. */
   if (p->offset < sizeof(opc_host *) || p->offset > size ||
       size - p->offset < p->width)
     return ": its field is not in the instance";
@@ -116,7 +115,7 @@ static char *preset_fault(const opc_parameter *p) {
                          first->message);
 }
 
-/* Whether one is the group that the other is in. */
+/* Return whether one name is a group that contains the other. */
 static gboolean are_nested(const char *a, const char *b) {
   return (g_str_has_prefix(a, b) && a[strlen(b)] == '.') ||
          (g_str_has_prefix(b, a) && b[strlen(a)] == '.');

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The functions that instances call back. */
+/* Implements the functions that instances call back. */
 #include "core/plugin/host.h"
 
 #include <base/shown.h>
@@ -18,9 +18,9 @@ unsigned opc_threads(void) {
   return wanted_threads ? wanted_threads : MAX(1, g_get_num_processors());
 }
 
-/* The host of one instance, with the context that libraries get. */
+/* Host of one instance, with the context passed to libraries. */
 typedef struct instance_host {
-  opc_host host; /* the first member */
+  opc_host host; /* must be first: cast from opc_host */
   opc_context context;
   const char *path;
   const opc_watch *watch;
@@ -44,7 +44,8 @@ static void host_log(const opc_host *host, int level, const char *format, ...) {
 static void host_progress(const opc_host *host, const opc_progress *progress) {
   const instance_host *own = (const instance_host *)host;
   if (!own->watch->progress) return;
-  opc_progress told = *progress; /* read while the plugin is to blame */
+  opc_progress told = *progress; /* copied before guard_enter: a fault in
+                                    reading is the plugin's */
   char unit[16];
   g_snprintf(unit, sizeof unit, "%s", told.worst_unit ? told.worst_unit : "");
   g_autofree char *shown = opc_shown(unit, "");

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Finds kinds, and holds a plugin's functions against its kind. */
+/* Finds kinds and checks a plugin's functions against its kind. */
 #include "core/plugin/kind.h"
 
 #include <base/file.h>
@@ -101,8 +101,8 @@ static char *kind_fault(opc_kind *kind) {
   return NULL;
 }
 
-/* Zeros behind each struct of functions: optional functions of a caller that
-   was built for a later version of the kind than is installed. */
+/* Zeros after each struct of functions: optional functions of a caller built
+   for a later version of the kind than the installed one. */
 enum { SPARE = 64 * sizeof(void (*)(void)) };
 
 char *opc_functions_adopt(opc_registry *registry, opc_plugin *plugin) {

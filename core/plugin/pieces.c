@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Pieces of a step's work, one after another. */
+/* Implements the pieces service in one process, one piece after another. */
 #include "core/plugin/pieces.h"
 
 #include <string.h>
@@ -7,9 +7,9 @@
 /* ---- one ---- */
 
 typedef struct buffer {
-  opc_bytes bytes; /* the first member */
+  opc_bytes bytes; /* must be first: cast from opc_bytes */
   GByteArray *all;
-  gboolean full; /* there was more */
+  gboolean full; /* data beyond the limit was dropped */
 } buffer;
 
 static void add(opc_bytes *bytes, const void *from, size_t size) {
@@ -18,7 +18,7 @@ static void add(opc_bytes *bytes, const void *from, size_t size) {
   if (!own->full && size) g_byte_array_append(own->all, from, (guint)size);
 }
 
-/* Name the piece at fault. */
+/* Prefix the error message with the name of the piece and return the code. */
 static int fail(const opc_pieces *p, size_t i, int code, opc_error *error) {
   const opc_error own = *error;
   if (!*own.message || !p->name) return code;

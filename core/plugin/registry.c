@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Finds plugins in folders, loads each at its first use and keeps it. */
+/* Finds plugins in folders and loads each at its first use. */
 #include "core/plugin/registry.h"
 
 #include <base/file.h>
@@ -12,7 +12,7 @@
 #include "core/plugin/declaration.h"
 #include "core/plugin/kind.h"
 
-/* What was found out about an id that somebody asked for. */
+/* Result of the first request for an id. */
 typedef struct loaded {
   const opc_plugin *plugin;
   char *path, *reason;
@@ -32,7 +32,7 @@ static gboolean same_folder(const char *a, const char *b) {
          s.st_ino == t.st_ino;
 }
 
-/* Takes the name. */
+/* Add a folder unless it is known; takes ownership of the name. */
 static void add_folder(opc_registry *registry, char *folder) {
   gboolean known = !*folder;
   for (guint i = 0; !known && i < registry->folders->len; i++)
@@ -102,7 +102,8 @@ const GPtrArray *opc_registry_folders(const opc_registry *registry) {
 
 /* ---- loading ---- */
 
-/* For the message of a crash. */
+/* Set the text that a crash report prints during loading. Returns the value for
+   end_loading. */
 static const char *start_loading(const char *path, const char *id) {
   g_autofree char *where =
       g_strdup_printf("error: '%s': cannot use '%s'", id, path);
@@ -115,7 +116,8 @@ static void end_loading(const char *before) {
   guard_where(NULL, 0);
 }
 
-/* A plugin for a later interface may need what this one lacks. */
+/* Append both interface versions to the reason if the plugin was built for a
+   later interface. */
 static void explain_version(const opc_plugin *plugin, char **reason) {
   if (!plugin || plugin->abi_minor <= OPC_ABI_MINOR) return;
   g_autofree char *first = *reason;
@@ -188,7 +190,7 @@ static gint compare_candidates(gconstpointer a, gconstpointer b) {
                 (*(opc_candidate *const *)b)->id);
 }
 
-/* All candidates whose ids begin with `prefix`, not yet tried. */
+/* Return all candidates whose ids begin with `prefix`, not yet tried. */
 static GPtrArray *list_candidates(const opc_registry *registry,
                                   const char *prefix) {
   GPtrArray *list = g_ptr_array_new_with_free_func(candidate_free);
@@ -206,7 +208,7 @@ static GPtrArray *list_candidates(const opc_registry *registry,
       g_ptr_array_add(list, c);
     }
   }
-  g_ptr_array_sort(list, compare_candidates); /* stable */
+  g_ptr_array_sort(list, compare_candidates); /* stable sort */
   for (guint i = 1; i < list->len; i++) {
     opc_candidate *c = list->pdata[i], *last = list->pdata[i - 1];
     if (!strcmp(c->id, last->id))

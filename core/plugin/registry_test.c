@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Finding plugins, and what is said of those that are no good. */
+/* Tests of the search for plugins and of the messages about unusable ones. */
 #include "core/plugin/registry.h"
 
 #include <base/file.h>
@@ -9,7 +9,7 @@
 
 #include "core/plugin/declaration.h"
 
-/* The plugins that are made for tests are beside the test programs. */
+/* Return the folder of the test plugins, beside the test programs. */
 static char *plugin_folder(void) {
   return g_build_filename(g_getenv("OPCFLOW_BUILD"), "tests", NULL);
 }
@@ -20,7 +20,7 @@ static opc_registry *test_registry(void) {
   return opc_registry_new(folders);
 }
 
-/* What is wrong with each of tests/badplugins. */
+/* Expected reason for each of tests/badplugins. */
 static const struct {
   const char *id, *reason;
 } faults[] = {
@@ -113,7 +113,7 @@ static void test_refused(void) {
   g_assert_cmpstr(error.message, ==, "unknown plugin '../evil'");
 }
 
-/* The first of two files wins, and the second one is told of. */
+/* The first of two files of an id wins; the second is reported as hidden. */
 static void test_duplicate(void) {
   g_autofree char *folder = plugin_folder();
   g_autofree char *copy = g_dir_make_tmp("opcflow-XXXXXX", NULL);
@@ -123,7 +123,7 @@ static void test_duplicate(void) {
   gsize length;
   g_assert_true(g_file_get_contents(from, &bytes, &length, NULL));
   g_assert_true(g_file_set_contents(to, bytes, (gssize)length, NULL));
-  /* The same folder twice is one. */
+  /* The same folder given twice counts once. */
   const char *folders[] = {copy, folder, copy, NULL};
   g_autoptr(opc_registry) registry = opc_registry_new(folders);
   g_autoptr(GPtrArray) list = opc_registry_scan(registry, "", 0.5);
@@ -148,11 +148,11 @@ static void test_folders(void) {
   g_assert_cmpstr(folders->pdata[0], ==, "/nowhere/a");
   g_assert_cmpstr(folders->pdata[1], ==, "/nowhere/b");
   g_assert_cmpstr(folders->pdata[2], ==, "/nowhere/c");
-  /* What the system has is out, as the tests are run so. */
+  /* No system folders: the tests run with OPCFLOW_NO_SYSTEM_PLUGINS. */
   g_assert_cmpuint(folders->len, ==, 4);
 }
 
-/* Distances known from the definition. */
+/* Edit distances known from the definition. */
 static void test_distance(void) {
   g_assert_cmpuint(opc_edit_distance("", ""), ==, 0);
   g_assert_cmpuint(opc_edit_distance("", "abc"), ==, 3);
@@ -173,7 +173,7 @@ static void test_ids(void) {
   g_assert_false(opc_is_id("2d"));
 }
 
-/* What plugins were called before, and what is only mistyped. */
+/* Suggestions for former ids and for mistyped ids. */
 static void test_former_ids(void) {
   static const char *const ids[] = {
       "draw.mask", "extractor.plain", "kind.regulator",  "litho.hopkins",

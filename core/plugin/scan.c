@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tries a plugin in a child process: a crash or an endless loop while it loads
+/* Tries a plugin in a child process: a crash or an endless loop during loading
    becomes a reason. */
 #include <errno.h>
 #include <guard/child.h>
@@ -13,8 +13,8 @@ typedef struct trial {
   const opc_candidate *candidate;
 } trial;
 
-/* The report: 'E' and the reason, or 'K', kind, version, licence and summary,
-   each ended by NUL. */
+/* Write the report: 'E' and the reason, or 'K', kind, version, licence and
+   summary, each terminated by NUL. */
 static void try(int out, void *data) {
   const trial *t = data;
   g_autofree char *reason = NULL;
@@ -31,7 +31,7 @@ static void try(int out, void *data) {
     process_write(out, texts[i], strlen(texts[i]) + 1);
 }
 
-/* Return the texts of a report that have an end. */
+/* Return the NUL-terminated texts of a report. */
 static GPtrArray *report_texts(const GString *report) {
   GPtrArray *texts = g_ptr_array_new();
   char *at = report->str, *last = at + report->len;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* One converter for each type of parameter: it checks the text against the
-   declaration, tells what is wrong with its place, and gives the value. */
+/* Implements the converters of parameter values, one for each type: each checks
+   the text against the declaration, reports problems with their place, and
+   returns the value. */
 #include "core/plugin/value.h"
 
 #include <base/file.h>
@@ -14,7 +15,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* What every converter needs. */
+/* Arguments of every converter. */
 typedef struct conversion {
   const opc_parameter *parameter;
   gboolean check_files;
@@ -36,8 +37,9 @@ static converter read_bool, read_int, read_real, read_text, read_choice,
 
 /* ---- types ---- */
 
-/* What a declaration calls a type, what messages call its values, the size of
-   the field that gets one, and what is there where there is none. */
+/* For each type: its name in declarations, the noun for its values in messages,
+   the width of its field in bytes, and the value that stands for "not
+   given". */
 static const struct {
   const char *name, *noun;
   size_t width;
@@ -297,7 +299,7 @@ static gboolean read_input(const conversion *c, const opc_node *node,
 
 /* ---- all types ---- */
 
-/* Whether it is written as a list or a map. */
+/* Return whether values of the parameter are written as a list or a map. */
 static gboolean is_structured(const opc_parameter *p) {
   return p->type == OPC_REALS || p->type == OPC_MAP || p->type == OPC_SLOT;
 }
@@ -318,7 +320,8 @@ opc_node *opc_preset_parse(const opc_parameter *parameter,
   const char *text = parameter->preset;
   if (is_structured(parameter))
     return opc_node_parse(&source, text, strlen(text), problems);
-  /* Not plain: an empty preset is an empty text, not a missing value. */
+  /* Keep the type text: an empty preset is an empty text, not a missing
+     value. */
   return opc_node_text_new(&source, text);
 }
 

@@ -26,14 +26,14 @@ typedef struct correct {
   const opc_module *edges;
   corners_wish corners;
   gate_bars assists;
-  sought_bars seek;
+  search_bars search;
   int trace;
   int prepared; /* 1: the extractor is prepared */
 } correct;
 
 /* ---- work ---- */
 
-static void tell_of_overlaps(const loop *l) {
+static void correct_log_overlaps(const loop *l) {
   for (size_t k = 0; k < l->gates->layers; k++)
     if (!l->base && !l->now.patches[k].count && !l->now.bites[k].count &&
         !l->now.assists[k].count &&
@@ -68,12 +68,12 @@ static void hand_over(loop *l, eda_mask *out) {
   out->moved = correct_moved_of(l);
 }
 
-static int tell_of_violations(loop *l, eda_mask *out, opc_error *error) {
+static int correct_report_found(loop *l, eda_mask *out, opc_error *error) {
   eda_printed p = correct_loop_printed(l);
   return correct_report_rules(l->host, l->regulator, &p, out, error);
 }
 
-static int tell_of_guard(const loop *l, opc_error *error) {
+static int correct_report_guard(const loop *l, opc_error *error) {
   const guard *g = &l->guard;
   if (!l->gates->count) return OPC_OK;
   correct_findings_of_print(l->host, l->gates, l->measured.flags, g->flags);
@@ -86,18 +86,19 @@ static int tell_of_guard(const loop *l, opc_error *error) {
 
 /* Write all tables, metrics and findings. The loop's measurements have been
    moved to the mask already. */
-static int tell(const correct *c, loop *l, eda_mask *mask, opc_error *error) {
+static int correct_report(const correct *c, loop *l, eda_mask *mask,
+                          opc_error *error) {
   size_t n = c->gates->count;
   char **held = eda_alloc(n, sizeof *held);
   for (size_t i = 0; i < n; i++) held[i] = correct_guard_verdict(&l->guard, i);
-  const report told = {.mask = mask,
-                       .extension = l->measured.extension,
-                       .sites = l->sites,
-                       .biases = &l->now.biases,
-                       .synthesizer = l->drivers[MAIN].module,
-                       .held = held,
-                       .flags_before = l->guard.flags};
-  int code = correct_report_mask(c->host, &told, error);
+  const report content = {.mask = mask,
+                          .extension = l->measured.extension,
+                          .sites = l->sites,
+                          .biases = &l->now.biases,
+                          .synthesizer = l->drivers[MAIN].module,
+                          .held = held,
+                          .flags_before = l->guard.flags};
+  int code = correct_report_mask(c->host, &content, error);
   for (size_t i = 0; i < n; i++) g_free(held[i]);
   free(held);
   if (!code) code = correct_history_report(&l->history, c->host, error);
@@ -105,12 +106,12 @@ static int tell(const correct *c, loop *l, eda_mask *mask, opc_error *error) {
   return code;
 }
 
-static int tell_of_settings(const correct *c, opc_error *error);
+static int correct_put_settings(const correct *c, opc_error *error);
 
-static int run(void *self, void **outputs, opc_error *error) {
+static int correct_run(void *self, void **outputs, opc_error *error) {
   const correct *c = self;
   int code = correct_start_check(&c->start, c->gates, error);
-  if (!code) code = tell_of_settings(c, error);
+  if (!code) code = correct_put_settings(c, error);
   if (code) return code;
   loop l;
   correct_loop_init(&l, c->host, c->gates, &c->with);
@@ -120,35 +121,36 @@ static int run(void *self, void **outputs, opc_error *error) {
   l.drivers[EDGES].module = c->edges;
   l.corners.wish = c->corners;
   l.assists = c->assists;
-  l.seek = c->seek;
+  l.search = c->search;
   eda_mask *mask = eda_mask_new(c->gates);
   outputs[0] = mask; /* released by the host on failure */
   code = correct_loop_run(&l, error);
   if (!code) {
-    tell_of_overlaps(&l);
-    code = tell_of_violations(&l, mask, error);
+    correct_log_overlaps(&l);
+    code = correct_report_found(&l, mask, error);
   }
   if (!code) code = correct_corners_report(&l, error);
   if (!code) code = correct_assists_report(&l, error);
   if (!code)
     code =
         correct_rules_report(c->host, c->gates, l.mask, c->with.rules, error);
-  if (!code) code = tell_of_guard(&l, error);
+  if (!code) code = correct_report_guard(&l, error);
   if (!code) {
     hand_over(&l, mask);
-    code = tell(c, &l, mask, error);
+    code = correct_report(c, &l, mask, error);
   }
   correct_loop_clear(&l);
   return code;
 }
 
-static int forecast(void *self, opc_forecast *out, opc_error *error) {
+static int correct_step_forecast(void *self, opc_forecast *out,
+                                 opc_error *error) {
   correct *c = self;
   char prints[40], fine_prints[80];
   (void)snprintf(prints, sizeof prints, "at most %" PRId64 " prints",
                  c->with.max_iterations + 1);
   (void)snprintf(fine_prints, sizeof fine_prints, "%s and %d fine ones", prints,
-                 PROOFS + 1);
+                 VERIFICATIONS + 1);
   correct_forecast(&c->with, c->host, c->gates, prints, fine_prints, out);
   out->memory *= (double)correct_corners_images(&c->corners);
   int code = eda_extractor_prepare(c->host->context, c->with.extractor, error);
@@ -158,10 +160,10 @@ static int forecast(void *self, opc_forecast *out, opc_error *error) {
   return OPC_OK;
 }
 
-/* ---- for the next time ---- */
+/* ---- restoring ---- */
 
-static int restore(void *self, const char *folder, void **outputs,
-                   opc_error *error) {
+static int correct_restore(void *self, const char *folder, void **outputs,
+                           opc_error *error) {
   const correct *c = self;
   return eda_mask_restore(c->gates, folder, &outputs[0], error);
 }
@@ -170,42 +172,44 @@ static int restore(void *self, const char *folder, void **outputs,
 
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(correct, gates, .type = OPC_INPUT, .flags = OPC_REQUIRED,
-                  .choices = "gates", .summary = "the transistors to correct"),
+                  .choices = "gates", .summary = "Transistors to correct"),
     OPC_PARAMETER_NAMED(
         "start", correct, start.mask, .type = OPC_INPUT, .choices = "mask",
-        .summary = "the mask to begin with, of the same gates; if "
-                   "not given, the drawn one"),
-    OPC_PARAMETER_NAMED("max_diff", correct, start.max_diff, .type = OPC_REAL,
-                        .flags = OPC_AT_LEAST, .unit = "%", .min = 0,
-                        .summary =
-                            "of `start`: only transistors whose |Ion "
-                            "deviation| it has made worse by more are moved"),
+        .summary =
+            "Mask of the same gates to start from (default: the drawn one)"),
+    OPC_PARAMETER_NAMED(
+        "max_diff", correct, start.max_diff, .type = OPC_REAL,
+        .flags = OPC_AT_LEAST, .unit = "%", .min = 0,
+        .summary = "Largest growth of |Ion deviation| with which a transistor "
+                   "keeps its mask from 'start'"),
     CORRECT_PRINT_SLOTS(correct),
     CORRECT_MOVE_SLOTS(correct),
     OPC_PARAMETER(
         correct, edges, .type = OPC_SLOT, .choices = "synthesizer",
-        .summary = "what moves the edges of layers that no transistor moves"),
-    CORRECT_MAX_ITERATIONS(correct, "stop after so many moves"),
+        .summary =
+            "Algorithm that moves the edges of layers without transistors"),
+    CORRECT_MAX_ITERATIONS(correct, "Largest number of iterations"),
     OPC_PARAMETER_NAMED(
         "margin", correct, with.margin, .type = OPC_REAL, .flags = OPC_AT_LEAST,
         .unit = "nm", .follows = FINE_MARGIN, .min = 0,
-        .summary = "Clear field around the layout, which repeats beyond; "
-                   "without fine prints a third of that"),
+        .summary = "Clear field around the layout, which repeats beyond; a "
+                   "third of that without accurate simulations"),
     CORRECT_FINE(correct),
     CORNERS_PARAMETERS(correct),
     ASSISTS_PARAMETERS(correct),
-    SEEK_PARAMETERS(correct),
+    SEARCH_PARAMETERS(correct),
     CORRECT_GUARD(correct),
     CORRECT_ION_LIMIT(correct,
                       "Largest allowed |Ion deviation|: the guard "
                       "accepts it whatever the drawn mask has"),
     RULES_PARAMETERS(correct),
-    OPC_PARAMETER(correct, trace, .type = OPC_BOOL, .preset = "false",
-                  .summary = "write trace.csv: each transistor at each print"),
+    OPC_PARAMETER(
+        correct, trace, .type = OPC_BOOL, .preset = "false",
+        .summary = "Write trace.csv, with each transistor in each simulation"),
 };
 
 static const opc_metric metrics[] = {
-    {"transistors", NULL, OPC_NEUTRAL, 0, "how many were corrected"},
+    {"transistors", NULL, OPC_NEUTRAL, 0, "number of corrected transistors"},
     REPORT_METRICS,
     REPORT_DRAWN_METRICS,
     {.name = "epe_mean",
@@ -217,27 +221,27 @@ static const opc_metric metrics[] = {
     {"epe_max", "nm", OPC_LOWER, 0.01, "largest |edge placement error|"},
     {"epe_lost", NULL, OPC_LOWER, 0,
      "fragments without a printed edge within 0.389 lambda/NA"},
-    {"refined", NULL, OPC_NEUTRAL, 0, "transistors that 'max_diff' lets move"},
-    {"iterations", NULL, OPC_LOWER, 0,
-     "times that the synthesizer moved edges"},
-    {"simulations", NULL, OPC_LOWER, 0, "litho simulations, of one layer each"},
+    {"refined", NULL, OPC_NEUTRAL, 0,
+     "transistors moved in spite of 'max_diff'"},
+    {"iterations", NULL, OPC_LOWER, 0, "number of iterations"},
+    {"simulations", NULL, OPC_LOWER, 0, "litho simulations of one layer each"},
     {"fine_simulations", NULL, OPC_LOWER, 0,
-     "those of the fine model, beside them"},
+     "additional simulations of the accurate model"},
     REPORT_PRINT_METRICS,
     {"went_back", NULL, OPC_LOWER, 0,
-     "transistors that the guard has taken back towards the drawn mask"},
+     "transistors that the guard reverted towards the drawn mask"},
     REPORT_JUDGED_METRICS,
     CORNERS_METRICS,
-    {"assists", NULL, OPC_NEUTRAL, 0, "assist bars of the mask"},
+    {"assists", NULL, OPC_NEUTRAL, 0, "scatter bars of the mask"},
     {"assists_dropped", NULL, OPC_LOWER, 0,
-     "assist bars that were taken away as they printed"},
+     "scatter bars removed because they printed"},
     RULES_METRICS,
 };
 
 /* Set the lengths of features that are switched off, which have no defaults. */
 static void set_unused(correct *c, double value) {
   gate_bars *a = &c->assists;
-  sought_bars *s = &c->seek;
+  search_bars *s = &c->search;
   double *const bars[] = {&a->width, &a->distance, &a->space, &a->min_length,
                           &a->overhang};
   double *const sought[] = {&s->worth,      &s->defocus,  &s->least_width,
@@ -248,20 +252,20 @@ static void set_unused(correct *c, double value) {
     *sought[i] = value;
 }
 
-static void follow(correct *c) {
+static void correct_follow(correct *c) {
   set_unused(c, 0);
   EDA_FOLLOW(c->host, "correct", c, parameters, eda_scanner_of(c->with.litho));
   set_unused(c, NAN);
 }
 
-static int tell_of_settings(const correct *c, opc_error *error) {
+static int correct_put_settings(const correct *c, opc_error *error) {
   return opc_put_followed(c->host, c, OPC_ARRAY(parameters), error);
 }
 
-static int check(void *self, opc_error *error) {
+static int correct_check(void *self, opc_error *error) {
   correct *c = self;
   int code = correct_settings_check(&c->with, c->host, error);
-  follow(c);
+  correct_follow(c);
   return code ? code : correct_corners_check(&c->corners, error);
 }
 
@@ -269,12 +273,12 @@ static int check(void *self, opc_error *error) {
 
 static const opc_port outputs[] = {EDA_PORT_MASK("mask")};
 static const opc_step functions = {
-    OPC_OUTPUTS(outputs), .run = run, .forecast = forecast,
-    .save = correct_save_mask, .restore = restore};
+    OPC_OUTPUTS(outputs), .run = correct_run, .forecast = correct_step_forecast,
+    .save = correct_save_mask, .restore = correct_restore};
 
 OPC_PLUGIN(
     correct, .id = "correct", .kind = "step", .version = OPC_VERSION,
     .licence = "BSD-3-Clause",
     .summary = "move mask edges until every transistor performs as drawn",
     .flags = OPC_DETERMINISTIC | OPC_REENTRANT, OPC_PARAMETERS(parameters),
-    OPC_METRICS(metrics), .check = check, OPC_FUNCTIONS(functions));
+    OPC_METRICS(metrics), .check = correct_check, OPC_FUNCTIONS(functions));

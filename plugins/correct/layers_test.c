@@ -15,7 +15,7 @@ static char *source(const char *name) {
   return g_build_filename(g_getenv("OPCFLOW_SOURCE"), name, NULL);
 }
 
-static opc_module *make(const char *id, const char *mapping) {
+static opc_module *make_sample(const char *id, const char *mapping) {
   opc_error error = {0};
   opc_module *m = opc_test_module(id, mapping, &error);
   if (!m) g_error("%s %s: %s", id, mapping, error.message);
@@ -23,7 +23,7 @@ static opc_module *make(const char *id, const char *mapping) {
 }
 
 /* Run a step. Returns its first output. */
-static void *run(opc_module *m, const char *input, void *object) {
+static void *run_step(opc_module *m, const char *input, void *object) {
   static void *outputs[4];
   opc_error error = {0};
   if (input) opc_test_input(m, input, object);
@@ -31,7 +31,7 @@ static void *run(opc_module *m, const char *input, void *object) {
   return outputs[0];
 }
 
-static void release(opc_module *m, void *object) {
+static void release_sample(opc_module *m, void *object) {
   void *outputs[4] = {object};
   opc_test_release(m, outputs);
 }
@@ -52,16 +52,16 @@ static void cell_init(cell *c, const char *file, const char *layers,
       path, layers);
   g_autofree char *segment =
       g_strdup_printf("{ grid: 1 nm, also: { %s } }", also);
-  c->reader = make("read.cif", read);
-  c->layout = run(c->reader, NULL, NULL);
-  c->segments = make("segment.transistors", segment);
-  c->gates = run(c->segments, "layout", c->layout);
+  c->reader = make_sample("read.cif", read);
+  c->layout = run_step(c->reader, NULL, NULL);
+  c->segments = make_sample("segment.transistors", segment);
+  c->gates = run_step(c->segments, "layout", c->layout);
 }
 
 static void cell_clear(cell *c) {
-  release(c->segments, c->gates);
+  release_sample(c->segments, c->gates);
   opc_test_module_free(c->segments);
-  release(c->reader, c->layout);
+  release_sample(c->reader, c->layout);
   opc_test_module_free(c->reader);
 }
 
@@ -86,12 +86,12 @@ static void correction_init(correction *c, const cell *of,
   g_autofree char *map =
       g_strdup_printf("{ %s, %s }", models_text, synthesizers);
   opc_test_forget();
-  c->module = make("correct", map);
-  c->mask = run(c->module, "gates", of->gates);
+  c->module = make_sample("correct", map);
+  c->mask = run_step(c->module, "gates", of->gates);
 }
 
 static void correction_clear(correction *c) {
-  release(c->module, c->mask);
+  release_sample(c->module, c->mask);
   opc_test_module_free(c->module);
 }
 
@@ -208,27 +208,27 @@ static void test_four(void) {
   }
   g_autofree char *models_text = models();
   g_autofree char *verify = g_strdup_printf("{ %s }", models_text);
-  opc_module *verifier = make("verify", verify);
-  eda_mask *again = run(verifier, "mask", four.mask);
+  opc_module *verifier = make_sample("verify", verify);
+  eda_mask *again = run_step(verifier, "mask", four.mask);
   g_assert_cmpfloat(opc_test_metric("ion_change_max"), <, 1e-9);
   for (size_t k = 0; k < c.gates->layers; k++) {
     g_assert_cmpuint(differences(&again->shapes[k], &four.mask->shapes[k]), ==,
                      0);
     g_assert_true(!again->print[k].coefficients == !c.gates->corrected[k]);
   }
-  release(verifier, again);
+  release_sample(verifier, again);
   opc_test_module_free(verifier);
-  opc_module *writer = make("write.gds", "{ file: mask.gds }");
-  run(writer, "mask", four.mask);
+  opc_module *writer = make_sample("write.gds", "{ file: mask.gds }");
+  run_step(writer, "mask", four.mask);
   opc_test_module_free(writer);
   g_autofree char *file = g_build_filename(opc_test_folder(), "mask.gds", NULL);
   g_autofree char *map = g_strdup_printf("{ file: '%s' }", file);
-  opc_module *reader = make("read.gds", map);
-  const eda_layout *layout = run(reader, NULL, NULL);
+  opc_module *reader = make_sample("read.gds", map);
+  const eda_layout *layout = run_step(reader, NULL, NULL);
   /* All layers including contacts, and the drawn ones of corrected layers. */
   g_assert_cmpuint(eda_layout_layers(layout), ==,
                    c.gates->layers + G_N_ELEMENTS(names));
-  release(reader, (void *)layout);
+  release_sample(reader, (void *)layout);
   opc_test_module_free(reader);
   correction_clear(&four);
   cell_clear(&c);

@@ -17,7 +17,7 @@ static double in(double low, double high) {
   return low + (high - low) * (state >> 8) / (1 << 24);
 }
 
-/* ---- a mask by lot ---- */
+/* ---- a random mask ---- */
 
 typedef struct made {
   eda_box box[GATES];
@@ -41,7 +41,7 @@ static eda_performance performance_of(made *d, int which) {
                            o[3],  o[4], o[5], d->outside};
 }
 
-static void make(made *d) {
+static void make_sample(made *d) {
   static const uint32_t flags[] = {0,
                                    EDA_PRINT_NECK,
                                    0,
@@ -352,7 +352,7 @@ static void test_mask(void) {
   opc_error error = {0};
   const eda_synthesizer functions = {.verdict = says};
   const opc_module synthesizer = {&functions, NULL, "synthesizer.test"};
-  make(&d);
+  make_sample(&d);
   d.held[2] = "guard: as drawn";
   d.held[3] = "guard: half";
   for (int corrects = 0; corrects < 2; corrects++)
@@ -384,7 +384,7 @@ static void test_mask(void) {
 static void test_history(void) {
   static made d;
   opc_error error = {0};
-  make(&d);
+  make_sample(&d);
   history h = {0};
   eda_printer p = {.simulations = 2};
   summary s = correct_summarize(&d.gates, &d.mask[0].design, &d.mask[0].after,
@@ -422,7 +422,7 @@ static void said(const char *words, int whether) {
 static void test_violations(void) {
   static made d;
   opc_error error = {0};
-  make(&d);
+  make_sample(&d);
   const eda_violation v[] = {{"space; no room", 3, 10, 20, 30, 40},
                              {"width", -1, 1, 2, 3, 4},
                              {"space; no room", 5, 11, 21, 31, 41},
@@ -468,7 +468,7 @@ static void test_drawing(void) {
   static made d;
   const eda_extractor functions = {.range = range};
   const opc_module extractor = {&functions, NULL, "extractor.test"};
-  make(&d);
+  make_sample(&d);
   double least = INFINITY, most = 0;
   for (int i = 0; i < GATES; i++)
     if (i % 3) least = fmin(least, d.length[i]), most = fmax(most, d.length[i]);
@@ -505,7 +505,7 @@ static void test_drawing(void) {
 
 static void test_print(void) {
   static made d;
-  make(&d);
+  make_sample(&d);
   g_autofree char *first = g_strdup_printf(
       "5 of 14 transistors do not print as one, and have no "
       "figures: first X7:4 at (%g, %g) nm",

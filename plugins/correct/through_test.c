@@ -15,7 +15,7 @@ static char *source(const char *name) {
   return g_build_filename(g_getenv("OPCFLOW_SOURCE"), name, NULL);
 }
 
-static opc_module *make(const char *id, const char *mapping) {
+static opc_module *make_sample(const char *id, const char *mapping) {
   opc_error error = {0};
   opc_module *m = opc_test_module(id, mapping, &error);
   if (!m) g_error("%s %s: %s", id, mapping, error.message);
@@ -23,7 +23,7 @@ static opc_module *make(const char *id, const char *mapping) {
 }
 
 /* Run a step with an input. Returns its first output. */
-static void *run(opc_module *m, const char *input, void *object) {
+static void *run_step(opc_module *m, const char *input, void *object) {
   static void *outputs[4];
   opc_error error = {0};
   if (input) opc_test_input(m, input, object);
@@ -72,12 +72,12 @@ static void test_one(void) {
       text);
   g_autofree char *window = g_strdup_printf(
       "{ %s, dose: [-3 %%, 0 %%, 3 %%], defocus: [0 nm, 60 nm] }", text);
-  opc_module *reader = make("read.cif", read);
-  void *layout = run(reader, NULL, NULL);
-  opc_module *segments = make("segment.transistors", "{}");
-  void *gates = run(segments, "layout", layout);
-  opc_module *loop = make("correct", correct);
-  eda_mask *mask = run(loop, "gates", gates);
+  opc_module *reader = make_sample("read.cif", read);
+  void *layout = run_step(reader, NULL, NULL);
+  opc_module *segments = make_sample("segment.transistors", "{}");
+  void *gates = run_step(segments, "layout", layout);
+  opc_module *loop = make_sample("correct", correct);
+  eda_mask *mask = run_step(loop, "gates", gates);
   g_assert_cmpuint(mask->gates->count, ==, 1);
   double mean = 0, ion[ALL], leakage[ALL];
   for (size_t k = 0; k < ALL; k++) {
@@ -91,8 +91,8 @@ static void test_one(void) {
   g_assert_cmpfloat(ion[1], <, -2);
   double nominal = eda_deviation(mask->after.ion[0], mask->design.ion[0]);
   g_assert_cmpfloat(fabs(nominal - ion[1]), <, 1e-4);
-  opc_module *windows = make("process.window", window);
-  run(windows, "mask", mask);
+  opc_module *windows = make_sample("process.window", window);
+  run_step(windows, "mask", mask);
   for (size_t k = 0; k < ALL; k++) {
     g_assert_cmpfloat(fabs(cell("performance_window", "ion_n", k) - ion[k]), <,
                       1e-3);
@@ -139,7 +139,7 @@ static void test_follows(void) {
         "synthesizer.newton } }",
         cases[i].given, devices);
     opc_test_forget();
-    opc_module *m = make("correct", mapping);
+    opc_module *m = make_sample("correct", mapping);
     for (int k = 0; k < 3; k++)
       if (!strstr(opc_test_log(), cases[i].said[k]))
         g_error("'%s' is not in: %s", cases[i].said[k], opc_test_log());

@@ -43,7 +43,7 @@ double view_contour_width(const view *v) {
 }
 
 /* Align a line with the pixel grid. */
-static double sharp(const view *v, double place, double line) {
+static double place_sharp(const view *v, double place, double line) {
   if (!v->paper->pixels || line != round(line)) return place;
   double half = fmod(line, 2) / 2;
   return floor(place + 0.5 - half) + half;
@@ -51,22 +51,22 @@ static double sharp(const view *v, double place, double line) {
 
 /* ---- shapes ---- */
 
-static int32_t clamped(double x) {
+static int32_t clamp_to_int(double x) {
   return (int32_t)fmax(-(1 << 30), fmin(1 << 30, x));
 }
 
 eda_box view_clip(const view *v) {
   double grid = v->grid;
   double x = (v->x1 - v->x0) / 8, y = (v->y1 - v->y0) / 8;
-  return (eda_box){clamped(floor((v->x0 - x) / grid) - 1),
-                   clamped(floor((v->y0 - y) / grid) - 1),
-                   clamped(ceil((v->x1 + x) / grid) + 1),
-                   clamped(ceil((v->y1 + y) / grid) + 1)};
+  return (eda_box){clamp_to_int(floor((v->x0 - x) / grid) - 1),
+                   clamp_to_int(floor((v->y0 - y) / grid) - 1),
+                   clamp_to_int(ceil((v->x1 + x) / grid) + 1),
+                   clamp_to_int(ceil((v->y1 + y) / grid) + 1)};
 }
 
 /* Clip shapes to the visible part. *out is a copy, or `shapes` themselves. */
-static int cut(const view *v, const eda_shapes *shapes, eda_shapes *out,
-               opc_error *error) {
+static int shapes_cut(const view *v, const eda_shapes *shapes, eda_shapes *out,
+                      opc_error *error) {
   eda_box b = view_clip(v);
   eda_box all = eda_bounds(shapes->points,
                            shapes->count ? shapes->start[shapes->count] : 0);
@@ -84,15 +84,15 @@ static void polygon_path(const view *v, const eda_shapes *s, size_t i,
   cairo_new_sub_path(v->paper->cairo);
   for (uint32_t k = s->start[i]; k < s->start[i + 1]; k++)
     cairo_line_to(v->paper->cairo,
-                  sharp(v, view_x(v, s->points[k].x * v->grid), line),
-                  sharp(v, view_y(v, s->points[k].y * v->grid), line));
+                  place_sharp(v, view_x(v, s->points[k].x * v->grid), line),
+                  place_sharp(v, view_y(v, s->points[k].y * v->grid), line));
   cairo_close_path(v->paper->cairo);
 }
 
 int view_fill(const view *v, const eda_shapes *shapes, eda_colour colour,
               opc_error *error) {
   eda_shapes s;
-  int code = cut(v, shapes, &s, error);
+  int code = shapes_cut(v, shapes, &s, error);
   if (code) return code;
   for (size_t i = 0; i < s.count; i++) polygon_path(v, &s, i, 0);
   eda_use(v->paper->cairo, colour);
@@ -106,7 +106,7 @@ int view_outline(const view *v, const eda_shapes *shapes, eda_colour colour,
                  opc_error *error) {
   double line = view_outline_width(v);
   eda_shapes s;
-  int code = cut(v, shapes, &s, error);
+  int code = shapes_cut(v, shapes, &s, error);
   if (code) return code;
   eda_use(v->paper->cairo, colour);
   cairo_set_line_width(v->paper->cairo, line);
@@ -138,7 +138,7 @@ int view_find_contours(const view *v, const eda_field *print,
 /* Smallest distance of contour points, in pixels. */
 static const double too_near = 0.4;
 
-static void contour(const view *v, const double *points, size_t n) {
+static void draw_contour(const view *v, const double *points, size_t n) {
   double x = 0, y = 0;
   for (size_t i = 0; i < n; i++) {
     double to_x = view_x(v, points[2 * i]);
@@ -159,8 +159,8 @@ void view_draw_contours(const view *v, const view_contours *contours,
   cairo_set_line_join(v->paper->cairo, CAIRO_LINE_JOIN_ROUND);
   for (size_t i = 0; i < contours->count; i++) {
     uint32_t first = contours->start[i];
-    contour(v, contours->points + 2 * (size_t)first,
-            contours->start[i + 1] - first);
+    draw_contour(v, contours->points + 2 * (size_t)first,
+                 contours->start[i + 1] - first);
   }
 }
 

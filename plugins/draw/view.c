@@ -56,7 +56,7 @@ int view_init(view *v, const opc_host *host, const eda_gates *gates,
   } else if (w[0] >= all[2] + around || w[2] <= all[0] - around ||
              w[1] >= all[3] + around || w[3] <= all[1] - around) {
     return opc_fail(error, OPC_INVALID, "window",
-                    "'window' lies beside the layout, which goes from "
+                    "'window' is outside of the layout, which extends from "
                     "(%g, %g) to (%g, %g) nm",
                     all[0], all[1], all[2], all[3]);
   } else {
@@ -82,7 +82,7 @@ static double lay_out(view *v, const view_parts *parts, const void *picture) {
   return ceil(bottom + parts->legend(picture, bottom) + margin);
 }
 
-static void border(const view *v) {
+static void draw_border(const view *v) {
   eda_use(v->paper->cairo, eda_faint);
   cairo_set_line_width(v->paper->cairo, 1);
   cairo_rectangle(v->paper->cairo, v->left - 0.5, v->top - 0.5, v->width + 1,
@@ -91,8 +91,8 @@ static void border(const view *v) {
   eda_use(v->paper->cairo, eda_ink);
 }
 
-static int paint(const view *v, const view_parts *parts, const void *picture,
-                 opc_error *error) {
+static int view_paint(const view *v, const view_parts *parts,
+                      const void *picture, opc_error *error) {
   cairo_t *cairo = v->paper->cairo;
   cairo_save(cairo);
   cairo_rectangle(cairo, v->left, v->top, v->width, v->height);
@@ -100,7 +100,7 @@ static int paint(const view *v, const view_parts *parts, const void *picture,
   int code = parts->content(picture, error);
   cairo_restore(cairo);
   if (code) return code;
-  border(v);
+  draw_border(v);
   parts->title(picture, v->paper->margin);
   parts->legend(picture, v->top + v->height);
   return OPC_OK;
@@ -113,7 +113,7 @@ int view_write(view *v, const view_parts *parts, const void *picture,
       eda_paper_open(v->path, width, 0, fmax(smallest_font, width / 72), error);
   if (!v->paper) return error->code;
   eda_paper_cut(v->paper, lay_out(v, parts, picture));
-  return eda_paper_close(v->paper, paint(v, parts, picture, error), error);
+  return eda_paper_close(v->paper, view_paint(v, parts, picture, error), error);
 }
 
 void view_add_scale_bar(const view *v, eda_legend *legend) {

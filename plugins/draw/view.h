@@ -29,10 +29,10 @@ typedef struct view {
 #define VIEW_PARAMETERS(state, picture)                                        \
   OPC_PARAMETER_NAMED("file", state, view.asked.file, .type = OPC_OUTPUT,      \
                       .preset = (picture),                                     \
-                      .summary = "The picture, .png, .svg or .pdf"),           \
+                      .summary = "Picture, .png, .svg or .pdf"),               \
       OPC_PARAMETER_NAMED(                                                     \
           "window", state, view.asked.window, .type = OPC_REALS, .unit = "nm", \
-          .summary = "What to draw, [x0, y0, x1, y1] (default: all)"),         \
+          .summary = "Window to draw, [x0, y0, x1, y1] (default: all)"),       \
       OPC_PARAMETER_NAMED(                                                     \
           "width", state, view.asked.width, .type = OPC_INT,                   \
           .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "1600", .min = 200,   \
@@ -67,7 +67,7 @@ int view_write(view *v, const view_parts *parts, const void *picture,
 /* Add a scale bar of a round length, about a sixth of the window. */
 void view_add_scale_bar(const view *v, eda_legend *legend);
 
-/* ---- shapes.c: what is in the window ---- */
+/* ---- shapes.c: content of the window ---- */
 
 double view_x(const view *v, double x);
 double view_y(const view *v, double y);

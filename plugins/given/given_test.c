@@ -18,7 +18,7 @@
 
 /* ---- masks and modules ---- */
 
-static opc_module *make(const char *id, const char *more) {
+static opc_module *make_sample(const char *id, const char *more) {
   opc_error error = {0};
   g_autofree char *models = g_strdup_printf(
       MODELS("use: litho.hopkins, kernels: 4"), g_getenv("OPCFLOW_SOURCE"), "");
@@ -29,7 +29,7 @@ static opc_module *make(const char *id, const char *more) {
   return m;
 }
 
-static void *run(opc_module *m) {
+static void *run_step(opc_module *m) {
   opc_error error = {0};
   void *outputs[1];
   opc_test_forget();
@@ -37,7 +37,7 @@ static void *run(opc_module *m) {
   return outputs[0];
 }
 
-static void release(opc_module *m, void *output) {
+static void release_sample(opc_module *m, void *output) {
   opc_test_release(m, &output);
   opc_test_module_free(m);
 }
@@ -67,7 +67,7 @@ static eda_layout *layout_of(const eda_gates *g, const eda_shapes *shapes,
 
 static opc_module *given(const eda_gates *g, const eda_layout *layout,
                          const char *more) {
-  opc_module *m = make("given", more);
+  opc_module *m = make_sample("given", more);
   opc_test_input(m, "gates", (void *)g);
   opc_test_input(m, "mask_layout", (void *)layout);
   return m;
@@ -94,9 +94,9 @@ static void check_same(const char *fine, int before_too) {
   const eda_gates *g = eda_gates_sample();
   g_autofree char *loop = g_strdup_printf(
       ", synthesizer: { use: synthesizer.epe }, max_iterations: 4%s", fine);
-  opc_module *correct = make("correct", loop);
+  opc_module *correct = make_sample("correct", loop);
   opc_test_input(correct, "gates", (void *)g);
-  eda_mask *mask = run(correct);
+  eda_mask *mask = run_step(correct);
   double worse = opc_test_metric("worse"), space = opc_test_metric("mask_edge");
   double mean = opc_test_metric("ion_mean"),
          off = opc_test_metric("ioff_total");
@@ -104,7 +104,7 @@ static void check_same(const char *fine, int before_too) {
   eda_layout *layout = layout_of(g, mask->shapes, 0.25, 4, 0);
   g_autofree char *more = g_strdup_printf(BOTH "%s", fine);
   opc_module *m = given(g, layout, more);
-  eda_mask *out = run(m);
+  eda_mask *out = run_step(m);
   for (size_t k = 0; k < g->layers; k++)
     g_assert_cmpfloat(differ(&mask->shapes[k], &out->shapes[k]), ==, 0);
   expect_same("Ion", mask->after.ion, out->after.ion);
@@ -113,7 +113,7 @@ static void check_same(const char *fine, int before_too) {
   expect_same("drawn Ion", mask->design.ion, out->design.ion);
   if (before_too) expect_same("Ion before", mask->before.ion, out->before.ion);
   for (size_t i = 0; i < g->count; i++) /* by another model difference:
-                                           proof.h */
+                                           verification.h */
     g_assert_cmpfloat(fabs(mask->before.ion[i] / out->before.ion[i] - 1), <,
                       2e-3);
   g_assert_true(opc_test_metric("ion_mean") == mean);
@@ -121,9 +121,9 @@ static void check_same(const char *fine, int before_too) {
   g_assert_true(opc_test_metric("worse") == worse);
   g_assert_true(opc_test_metric("mask_edge") == space);
   g_assert_true(opc_test_metric("snapped") == 0);
-  release(m, out);
+  release_sample(m, out);
   eda_layout_free(layout);
-  release(correct, mask);
+  release_sample(correct, mask);
 }
 
 static void test_same(void) {
@@ -137,11 +137,11 @@ static void test_worse(void) {
   const eda_gates *g = eda_gates_sample();
   eda_layout *layout = layout_of(g, g->drawn, 1, 1, 0);
   opc_module *m = given(g, layout, QUICK);
-  eda_mask *out = run(m);
+  eda_mask *out = run_step(m);
   expect_same("Ion", out->before.ion, out->after.ion);
   g_assert_true(opc_test_metric("worse") == 0);
   g_assert_true(opc_test_metric("lost") == 0);
-  release(m, out);
+  release_sample(m, out);
   eda_layout_free(layout);
   eda_shapes thick[2];
   opc_error error = {0};
@@ -149,25 +149,25 @@ static void test_worse(void) {
   g_assert_false(eda_shapes_grow(&g->drawn[EDA_ACTIVE], 0, &thick[1], &error));
   layout = layout_of(g, thick, 1, 1, 0);
   m = given(g, layout, QUICK);
-  out = run(m);
+  out = run_step(m);
   g_assert_true(opc_test_metric("worse") == 2);
   g_assert_cmpfloat(out->after.ion[0], <, 0.9 * out->before.ion[0]);
-  release(m, out);
+  release_sample(m, out);
   eda_layout_free(layout);
   for (int k = 0; k < 2; k++) eda_shapes_clear(&thick[k]);
 }
 
-/* ---- what cannot be right ---- */
+/* ---- rejected input ---- */
 
 /* Check that the run succeeds and logs these words. */
 static void expect_told(eda_layout *layout, const char *more,
                         const char *const *words) {
   opc_module *m = given(eda_gates_sample(), layout, more);
-  eda_mask *out = run(m);
+  eda_mask *out = run_step(m);
   for (; *words; words++)
     if (!strstr(opc_test_log(), *words))
       g_error("'%s' is not in:\n%s", *words, opc_test_log());
-  release(m, out);
+  release_sample(m, out);
   eda_layout_free(layout);
 }
 
@@ -383,33 +383,33 @@ static void test_clip(void) {
       "'%s/data/devices/ptm65.yaml' }, margin: 400 nm",
       optics, g_getenv("OPCFLOW_SOURCE"));
   opc_module *read = module("read.glp", "{ file: '%s' }", target);
-  eda_layout *clip = run(read);
+  eda_layout *clip = run_step(read);
   opc_module *edges = module("segment.edges", "{ layer: M1 }");
   opc_test_input(edges, "layout", clip);
-  eda_gates *g = run(edges);
+  eda_gates *g = run_step(edges);
   opc_module *loop = module("correct",
                             "{ %s, max_iterations: 3, synthesizer: { use: "
                             "synthesizer.epe, fragment: 40 nm } }",
                             models);
   opc_test_input(loop, "gates", g);
-  eda_mask *mask = run(loop);
+  eda_mask *mask = run_step(loop);
   g_autofree char *path = write_clip(g, &mask->shapes[0]);
   opc_module *again = module("read.glp", "{ file: '%s' }", path);
-  eda_layout *layout = run(again);
+  eda_layout *layout = run_step(again);
   opc_module *m = module("given", "{ %s, layers: { M1: M1 } }", models);
   opc_test_input(m, "gates", g);
   opc_test_input(m, "mask_layout", layout);
-  eda_mask *out = run(m);
+  eda_mask *out = run_step(m);
   double ours[4], theirs[4];
   score(mask, optics, ours);
   score(out, optics, theirs);
   g_assert_cmpmem(ours, sizeof ours, theirs, sizeof theirs);
   g_assert_cmpfloat(ours[1], >, 1000);
-  release(m, out);
-  release(again, layout);
-  release(loop, mask);
-  release(edges, g);
-  release(read, clip);
+  release_sample(m, out);
+  release_sample(again, layout);
+  release_sample(loop, mask);
+  release_sample(edges, g);
+  release_sample(read, clip);
 }
 
 int main(int argc, char **argv) {

@@ -19,7 +19,7 @@ typedef struct verify {
 
 /* ---- work ---- */
 
-static int run(void *self, void **outputs, opc_error *error) {
+static int verify_run(void *self, void **outputs, opc_error *error) {
   const verify *v = self;
   const eda_gates *gates = v->mask->gates;
   eda_mask *out = eda_mask_new(gates);
@@ -34,15 +34,15 @@ static int run(void *self, void **outputs, opc_error *error) {
         eda_boolean(EDA_OR, &v->mask->shapes[k], NULL, &out->shapes[k], error);
   if (!code)
     code = correct_print(&v->with, v->host, 1, out, NULL, &extension, error);
-  const report told = {
+  const report content = {
       .mask = out, .extension = extension, .corrected = v->mask};
   if (!code) correct_findings_of_print(v->host, gates, out->flags, NULL);
-  if (!code) code = correct_report_mask(v->host, &told, error);
+  if (!code) code = correct_report_mask(v->host, &content, error);
   free(extension);
   return code;
 }
 
-static int forecast(void *self, opc_forecast *out, opc_error *error) {
+static int verify_forecast(void *self, opc_forecast *out, opc_error *error) {
   const verify *v = self;
   (void)error;
   correct_forecast(&v->with, v->host, v->mask->gates, "one print",
@@ -50,10 +50,10 @@ static int forecast(void *self, opc_forecast *out, opc_error *error) {
   return OPC_OK;
 }
 
-/* ---- for the next time ---- */
+/* ---- restoring ---- */
 
-static int restore(void *self, const char *folder, void **outputs,
-                   opc_error *error) {
+static int verify_restore(void *self, const char *folder, void **outputs,
+                          opc_error *error) {
   const verify *v = self;
   return eda_mask_restore(v->mask->gates, folder, &outputs[0], error);
 }
@@ -62,7 +62,7 @@ static int restore(void *self, const char *folder, void **outputs,
 
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(verify, mask, .type = OPC_INPUT, .flags = OPC_REQUIRED,
-                  .choices = "mask", .summary = "the corrected mask"),
+                  .choices = "mask", .summary = "Corrected mask"),
     CORRECT_PRINT_SLOTS(verify),
     CORRECT_MARGIN(verify),
     CORRECT_FINE(verify),
@@ -77,7 +77,7 @@ static const opc_metric metrics[] = {
     REPORT_PRINT_METRICS,
 };
 
-static int check(void *self, opc_error *error) {
+static int verify_check(void *self, opc_error *error) {
   verify *v = self;
   v->with.ion_limit = CORRECT_USUAL_LIMIT;
   return correct_settings_check(&v->with, v->host, error);
@@ -87,12 +87,12 @@ static int check(void *self, opc_error *error) {
 
 static const opc_port outputs[] = {EDA_PORT_MASK("mask")};
 static const opc_step functions = {
-    OPC_OUTPUTS(outputs), .run = run, .forecast = forecast,
-    .save = correct_save_mask, .restore = restore};
+    OPC_OUTPUTS(outputs), .run = verify_run, .forecast = verify_forecast,
+    .save = correct_save_mask, .restore = verify_restore};
 
 OPC_PLUGIN(verify, .id = "verify", .kind = "step", .version = OPC_VERSION,
            .licence = "BSD-3-Clause",
-           .summary = "print and measure a corrected mask with other models",
+           .summary = "simulate and measure a corrected mask with other models",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), OPC_METRICS(metrics), .check = check,
-           OPC_FUNCTIONS(functions));
+           OPC_PARAMETERS(parameters), OPC_METRICS(metrics),
+           .check = verify_check, OPC_FUNCTIONS(functions));

@@ -23,14 +23,16 @@ static opc_module *try_to_make(const char *id, const char *litho,
   return opc_test_module(id, map, error);
 }
 
-static opc_module *make(const char *id, const char *litho, const char *more) {
+static opc_module *make_sample(const char *id, const char *litho,
+                               const char *more) {
   opc_error error = {0};
   opc_module *m = try_to_make(id, litho, more, &error);
   if (!m) g_error("%s: %s", id, error.message);
   return m;
 }
 
-static eda_mask *run(opc_module *m, const char *input, const void *object) {
+static eda_mask *run_step(opc_module *m, const char *input,
+                          const void *object) {
   void *outputs[1];
   opc_error error = {0};
   opc_test_input(m, input, (void *)object);
@@ -38,24 +40,25 @@ static eda_mask *run(opc_module *m, const char *input, const void *object) {
   return outputs[0];
 }
 
-static void release(opc_module *m, eda_mask *mask) {
+static void release_sample(opc_module *m, eda_mask *mask) {
   void *outputs[1] = {mask};
   opc_test_release(m, outputs);
   opc_test_module_free(m);
 }
 
 static void test_again(void) {
-  opc_module *loop = make("correct", "litho.hopkins",
-                          ", synthesizer: { use: synthesizer.dpb }, "
-                          "max_iterations: 3");
-  eda_mask *mask = run(loop, "gates", eda_gates_sample());
-  opc_module *same = make("verify", "litho.hopkins", "");
-  opc_module *other = make("verify", "litho.hopkins, defocus: 60 nm", "");
+  opc_module *loop = make_sample("correct", "litho.hopkins",
+                                 ", synthesizer: { use: synthesizer.dpb }, "
+                                 "max_iterations: 3");
+  eda_mask *mask = run_step(loop, "gates", eda_gates_sample());
+  opc_module *same = make_sample("verify", "litho.hopkins", "");
+  opc_module *other =
+      make_sample("verify", "litho.hopkins, defocus: 60 nm", "");
   opc_test_forget();
-  eda_mask *again = run(same, "mask", mask);
+  eda_mask *again = run_step(same, "mask", mask);
   g_assert_true(opc_test_metric("ion_change_max") == 0);
   opc_test_forget();
-  eda_mask *blurred = run(other, "mask", mask);
+  eda_mask *blurred = run_step(other, "mask", mask);
   double largest = 0;
   for (size_t i = 0; i < mask->gates->count; i++) {
     g_assert_true(again->after.ion[i] == mask->after.ion[i]);
@@ -67,18 +70,18 @@ static void test_again(void) {
   g_assert_cmpfloat(largest, >, 1);
   g_assert_cmpfloat_with_epsilon(opc_test_metric("ion_change_max"), largest,
                                  1e-9);
-  release(other, blurred);
-  release(same, again);
-  release(loop, mask);
+  release_sample(other, blurred);
+  release_sample(same, again);
+  release_sample(loop, mask);
 }
 
 /* Total leakage is computed from the sums over the transistors. */
 static void test_leakage(void) {
-  opc_module *loop = make("correct", "litho.hopkins",
-                          ", synthesizer: { use: synthesizer.dpb }, "
-                          "max_iterations: 1, fine: off");
+  opc_module *loop = make_sample("correct", "litho.hopkins",
+                                 ", synthesizer: { use: synthesizer.dpb }, "
+                                 "max_iterations: 1, fine: off");
   opc_test_forget();
-  eda_mask *mask = run(loop, "gates", eda_gates_sample());
+  eda_mask *mask = run_step(loop, "gates", eda_gates_sample());
   g_assert_cmpuint(mask->gates->count, ==, 2);
   const double *now = mask->after.ioff, *drawn = mask->design.ioff;
   double by[2], all = 100 * ((now[0] + now[1]) / (drawn[0] + drawn[1]) - 1);
@@ -96,7 +99,7 @@ static void test_leakage(void) {
   for (size_t k = 0; k < G_N_ELEMENTS(expected); k++)
     g_assert_cmpfloat_with_epsilon(opc_test_metric(expected[k].name),
                                    expected[k].value, 1e-6);
-  release(loop, mask);
+  release_sample(loop, mask);
 }
 
 /* The accurate model changes the figures by as much as its errors allow;
@@ -104,21 +107,22 @@ static void test_leakage(void) {
 static void test_fine(void) {
   static const char *const fines[] = {"", ", fine: 3e-4", ", fine: off"};
   double ion[3][2];
-  opc_module *loop = make("correct", "litho.hopkins, kernels: 4",
-                          ", synthesizer: { use: synthesizer.dpb }, "
-                          "max_iterations: 0, margin: 1000 nm");
+  opc_module *loop = make_sample("correct", "litho.hopkins, kernels: 4",
+                                 ", synthesizer: { use: synthesizer.dpb }, "
+                                 "max_iterations: 0, margin: 1000 nm");
   opc_test_forget();
-  eda_mask *mask = run(loop, "gates", eda_gates_sample());
+  eda_mask *mask = run_step(loop, "gates", eda_gates_sample());
   g_assert_true(opc_test_metric("fine_simulations") == 2);
   g_assert_cmpuint(mask->fine_simulations, ==, 2);
   for (int k = 0; k < 3; k++) {
     g_autofree char *more = g_strdup_printf(", margin: 1000 nm%s", fines[k]);
-    opc_module *again = make("verify", "litho.hopkins, kernels: 4", more);
-    eda_mask *out = run(again, "mask", mask);
+    opc_module *again =
+        make_sample("verify", "litho.hopkins, kernels: 4", more);
+    eda_mask *out = run_step(again, "mask", mask);
     memcpy(ion[k], out->after.ion, sizeof ion[k]);
     g_assert_cmpuint(out->fine_simulations, ==, k == 2 ? 0 : 2);
     g_assert_cmpuint(out->simulations, ==, k == 2 ? 2 : 0);
-    release(again, out);
+    release_sample(again, out);
   }
   for (size_t i = 0; i < 2; i++) {
     double other = fabs(ion[1][i] / ion[0][i] - 1),
@@ -127,7 +131,7 @@ static void test_fine(void) {
     g_assert_cmpfloat(other, <, 3e-3);
     g_assert_cmpfloat(cheap, >, 4 * other);
   }
-  release(loop, mask);
+  release_sample(loop, mask);
 }
 
 static void test_words(void) {

@@ -20,11 +20,11 @@ static eda_bar_edge edge_of(const eda_gates *g, size_t i, int high) {
   return e;
 }
 
-static int32_t steps(const loop *l, double nm) {
+static int32_t grid_steps(const loop *l, double nm) {
   return (int32_t)lround(fmin(nm / l->gates->grid, 1e6));
 }
 
-static void show(loop *l) {
+static void assists_show(loop *l) {
   correct_trial_set_boxes(
       &l->next.assists[EDA_POLY],
       (eda_boxes){l->assists.bars.box, l->assists.bars.count});
@@ -63,11 +63,11 @@ int correct_assists_begin(loop *l, opc_error *error) {
                     "assist bars",
                     l->drivers[MAIN].module->id);
   const eda_bar_rule rule = {.rows = (int32_t)a->rows,
-                             .width = steps(l, a->width),
-                             .distance = steps(l, a->distance),
-                             .space = steps(l, a->space),
-                             .min_length = steps(l, a->min_length),
-                             .overhang = steps(l, a->overhang)};
+                             .width = grid_steps(l, a->width),
+                             .distance = grid_steps(l, a->distance),
+                             .space = grid_steps(l, a->space),
+                             .min_length = grid_steps(l, a->min_length),
+                             .overhang = grid_steps(l, a->overhang)};
   if (rule.width < 1)
     return opc_fail(error, OPC_INVALID, "assist_width",
                     "%g nm is less than the mask grid of %g nm", a->width,
@@ -77,7 +77,7 @@ int correct_assists_begin(loop *l, opc_error *error) {
   int code = eda_bars_place(edges, 2 * n, &rule, &l->gates->drawn[EDA_POLY],
                             &a->bars, error);
   free(edges);
-  if (!code) show(l);
+  if (!code) assists_show(l);
   return code;
 }
 
@@ -89,14 +89,14 @@ void correct_assists_watch(loop *l) {
       eda_bars_drop(l->host->context, &a->bars, &l->printer.print[EDA_POLY],
                     l->gates->grid, a->margin);
   a->dropped += gone;
-  if (gone) show(l);
+  if (gone) assists_show(l);
 }
 
 int correct_assists_report(const loop *l, opc_error *error) {
   const gate_bars *a = &l->assists;
-  if ((!a->rows || !l->gates->count) && !l->seek.most) return OPC_OK;
+  if ((!a->rows || !l->gates->count) && !l->search.most) return OPC_OK;
   const opc_metric_value values[] = {
       {"assists", (double)l->now.assists[EDA_POLY].count},
-      {"assists_dropped", (double)(a->dropped + l->seek.dropped)}};
+      {"assists_dropped", (double)(a->dropped + l->search.dropped)}};
   return opc_put_metrics(l->host, OPC_ARRAY(values), error);
 }

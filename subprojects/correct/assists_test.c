@@ -5,22 +5,22 @@
 
 #include "models_test.h"
 
-static int begin(void *self, const eda_feedback *f, opc_error *error) {
+static int begin_moves(void *self, const eda_feedback *f, opc_error *error) {
   (void)self, (void)f, (void)error;
   return OPC_OK;
 }
 
 /* Set the first length to 60 nm, less 1 nm for each iteration. */
-static int update(void *self, const eda_feedback *f, eda_moves *m, int *done,
-                  opc_error *error) {
+static int update_moves(void *self, const eda_feedback *f, eda_moves *m,
+                        int *done, opc_error *error) {
   (void)self, (void)error;
   m->l[0] = -(int32_t)f->iteration - 1;
   *done = f->iteration >= 2;
   return OPC_OK;
 }
 
-static int cut(void *self, const eda_gates *g, int layer, eda_cuts *cuts,
-               opc_error *error) {
+static int cut_layer(void *self, const eda_gates *g, int layer, eda_cuts *cuts,
+                     opc_error *error) {
   static const eda_point from[] = {{0, 0}, {60, 0}, {60, 1000}, {0, 1000}};
   static const double site[] = {30, 0, 60, 500, 30, 1000, 0, 500};
   static const uint32_t start[] = {0, 4};
@@ -31,12 +31,13 @@ static int cut(void *self, const eda_gates *g, int layer, eda_cuts *cuts,
   return OPC_OK;
 }
 
-static const eda_synthesizer mover = {.begin = begin, .update = update};
+static const eda_synthesizer mover = {.begin = begin_moves,
+                                      .update = update_moves};
 static const eda_synthesizer cutter = {
-    .begin = begin, .update = update, .cut = cut};
+    .begin = begin_moves, .update = update_moves, .cut = cut_layer};
 
-static int run(loop *l, const eda_synthesizer *s, gate_bars bars,
-               opc_error *error) {
+static int run_step(loop *l, const eda_synthesizer *s, gate_bars bars,
+                    opc_error *error) {
   *l = (loop){.host = &host,
               .gates = eda_gates_sample(),
               .extractor = MODULE(&extractor, NULL),
@@ -49,7 +50,7 @@ static int run(loop *l, const eda_synthesizer *s, gate_bars bars,
   return correct_loop_run(l, error);
 }
 
-static gate_bars rule(int rows, double width, double margin) {
+static gate_bars set_rules(int rows, double width, double margin) {
   return (gate_bars){.rows = rows,
                      .width = width,
                      .distance = 150,
@@ -69,7 +70,7 @@ static void test_places(void) {
                                  {210, -20, 216, 390}};
   loop l;
   opc_error error = {0};
-  g_assert_false(run(&l, &mover, rule(1, 6, 0.02), &error));
+  g_assert_false(run_step(&l, &mover, set_rules(1, 6, 0.02), &error));
   eda_boxes bars = l.now.assists[EDA_POLY];
   g_assert_cmpuint(bars.count, ==, 4);
   for (int i = 0; i < 4; i++) {
@@ -87,7 +88,7 @@ static void test_places(void) {
   g_assert_cmpstr(told->str, ==, "assists assists_dropped ");
   g_assert_cmpuint(l.assists.dropped, ==, 0);
   correct_loop_clear(&l);
-  g_assert_false(run(&l, &mover, rule(2, 6, 0.02), &error));
+  g_assert_false(run_step(&l, &mover, set_rules(2, 6, 0.02), &error));
   g_assert_cmpuint(l.now.assists[EDA_POLY].count, ==, 8);
   correct_loop_clear(&l);
 }
@@ -97,8 +98,8 @@ static void test_dropped(void) {
   loop l;
   opc_error error = {0};
   for (int k = 0; k < 2; k++) {
-    g_assert_false(
-        run(&l, &mover, k ? rule(1, 6, 0.1) : rule(1, 8, 0.01), &error));
+    g_assert_false(run_step(
+        &l, &mover, k ? set_rules(1, 6, 0.1) : set_rules(1, 8, 0.01), &error));
     g_assert_cmpuint(l.assists.dropped, ==, 4);
     g_assert_cmpuint(l.now.assists[EDA_POLY].count, ==, 0);
     g_assert_cmpint(eda_area2(&l.mask[EDA_POLY]), ==,
@@ -110,7 +111,7 @@ static void test_dropped(void) {
 static void test_none(void) {
   loop l;
   opc_error error = {0};
-  g_assert_false(run(&l, &mover, rule(0, 6, 0.02), &error));
+  g_assert_false(run_step(&l, &mover, set_rules(0, 6, 0.02), &error));
   g_assert_cmpuint(l.now.assists[EDA_POLY].count, ==, 0);
   g_string_truncate(told, 0);
   g_assert_false(correct_assists_report(&l, &error));
@@ -121,16 +122,20 @@ static void test_none(void) {
 static void test_refused(void) {
   loop l;
   opc_error error = {0};
-  g_assert_cmpint(run(&l, &cutter, rule(1, 6, 0.02), &error), ==, OPC_INVALID);
+  g_assert_cmpint(run_step(&l, &cutter, set_rules(1, 6, 0.02), &error), ==,
+                  OPC_INVALID);
   g_assert_nonnull(strstr(error.message, "places its own assist bars"));
   correct_loop_clear(&l);
-  g_assert_cmpint(run(&l, &mover, rule(1, 0.3, 0.02), &error), ==, OPC_INVALID);
+  g_assert_cmpint(run_step(&l, &mover, set_rules(1, 0.3, 0.02), &error), ==,
+                  OPC_INVALID);
   g_assert_nonnull(strstr(error.message, "less than the mask grid"));
   correct_loop_clear(&l);
   /* From 150 nm beside the line to 500 nm beside the active. */
-  g_assert_cmpint(run(&l, &mover, rule(1, 550, 0.02), &error), ==, OPC_OK);
+  g_assert_cmpint(run_step(&l, &mover, set_rules(1, 550, 0.02), &error), ==,
+                  OPC_OK);
   correct_loop_clear(&l);
-  g_assert_cmpint(run(&l, &mover, rule(1, 551, 0.02), &error), ==, OPC_INVALID);
+  g_assert_cmpint(run_step(&l, &mover, set_rules(1, 551, 0.02), &error), ==,
+                  OPC_INVALID);
   g_assert_nonnull(strstr(error.message, "into the next copy of the layout"));
   correct_loop_clear(&l);
 }

@@ -43,7 +43,7 @@ control_rules correct_control_rules_for(double limit, double max_bias,
 
 /* Return the sign of the step of L that reduces the error, 1 for too much
    current. */
-static int longer(double error) { return error > 0 ? 1 : -1; }
+static int length_step_sign(double error) { return error > 0 ? 1 : -1; }
 
 static uint32_t veto_of_l(int step) {
   return step > 0 ? EDA_VETO_LONGER : EDA_VETO_SHORTER;
@@ -59,7 +59,7 @@ static int32_t most_w(const control_rules *r, const control_input *in) {
   return r->most < half ? r->most : half;
 }
 
-static void settle(control *c, int verdict) {
+static void control_settle(control *c, int verdict) {
   c->phase = CONTROL_SETTLED;
   c->verdict = (uint8_t)verdict;
   c->l = c->w = c->rested = 0;
@@ -67,7 +67,7 @@ static void settle(control *c, int verdict) {
 
 /* Return 1 if the last step overshot the minimum. Each step reduces the error,
    so an increase of equal sign is caused by the neighbours. */
-static int passed(const control *c, double error) {
+static int control_passed(const control *c, double error) {
   return (error > 0) != (c->error > 0);
 }
 
@@ -77,7 +77,7 @@ int correct_control_first(const control_rules *r, control *c,
     c->verdict = CONTROL_WITHIN;
     return 0;
   }
-  if (!steps) steps = longer(in->error);
+  if (!steps) steps = length_step_sign(in->error);
   if (steps > r->most) steps = r->most;
   if (steps < -r->most) steps = -r->most;
   c->verdict = CONTROL_MOVING;
@@ -95,7 +95,7 @@ static int judge_length(control *c, const control_input *in, int32_t *l) {
     c->barred |= (uint8_t)veto_of_l(last);
   } else {
     /* A first correction overshot the minimum: continue with single steps. */
-    if (abs(last) > 1 || !passed(c, in->error)) return 0;
+    if (abs(last) > 1 || !control_passed(c, in->error)) return 0;
     c->phase = CONTROL_FINE;
     if (fabs(in->error) <= fabs(c->error)) return 0;
   }
@@ -106,9 +106,9 @@ static int judge_length(control *c, const control_input *in, int32_t *l) {
 
 /* Move L by one irreversible step if W has reached its bound, so that W can
    return from it. Applies to proportional steps of W only. */
-static int exchange(const control_rules *r, control *c, const control_input *in,
-                    int32_t *l, int32_t w) {
-  int step = longer(in->error);
+static int control_exchange(const control_rules *r, control *c,
+                            const control_input *in, int32_t *l, int32_t w) {
+  int step = length_step_sign(in->error);
   if (!r->proportional || c->verdict != CONTROL_BIAS || c->exchanged ||
       abs(w) < most_w(r, in) || (in->veto | c->barred) & veto_of_l(step) ||
       abs(*l + step) > r->most)
@@ -125,8 +125,8 @@ static int exchange(const control_rules *r, control *c, const control_input *in,
 /* Restart a transistor whose error was changed by its neighbours, in the phase
    in which a step still reduces the error. A step of W changes the current in
    proportion to W; the effect of a step of L is that of its last one. */
-static void reconsider(const control_rules *r, control *c,
-                       const control_input *in) {
+static void control_reconsider(const control_rules *r, control *c,
+                               const control_input *in) {
   double error = fabs(in->error), by_w = 100 / in->width;
   int phase = c->phase;
   if (c->reopened >= tuned.reopenings || c->w) return;
@@ -134,7 +134,7 @@ static void reconsider(const control_rules *r, control *c,
   c->rested = 1;
   if (fabs(in->error - c->rest) <= r->limit / tuned.rest) return;
   if (c->by_l > 0 && error > tuned.worth * c->by_l &&
-      !((in->veto | c->barred) & veto_of_l(longer(in->error))))
+      !((in->veto | c->barred) & veto_of_l(length_step_sign(in->error))))
     phase = CONTROL_COARSE;
   else if (phase == CONTROL_SETTLED && error > tuned.worth * by_w)
     phase = CONTROL_FINE;
@@ -152,14 +152,14 @@ int correct_control_length(const control_rules *r, control *c,
     c->l = c->w = 0;
     return 0;
   }
-  if (exchange(r, c, in, l, w)) return 1;
-  if (c->phase != CONTROL_COARSE) reconsider(r, c, in);
+  if (control_exchange(r, c, in, l, w)) return 1;
+  if (c->phase != CONTROL_COARSE) control_reconsider(r, c, in);
   if (c->phase == CONTROL_SETTLED) return 0;
   c->verdict = CONTROL_MOVING;
   if (c->phase == CONTROL_FINE) return 0;
   if (c->l && judge_length(c, in, l)) return 1;
   if (c->phase == CONTROL_FINE) return 0;
-  int step = longer(in->error);
+  int step = length_step_sign(in->error);
   if ((in->veto | c->barred) & veto_of_l(step) || abs(*l + step) > r->most) {
     c->phase = CONTROL_FINE;
     return 0;
@@ -175,9 +175,9 @@ int correct_control_length(const control_rules *r, control *c,
    the bound, which guarantees termination. */
 static int32_t width_step(const control_rules *r, control *c,
                           const control_input *in, int32_t w) {
-  int way = -longer(in->error);
+  int way = -length_step_sign(in->error);
   if (!r->proportional) return way;
-  if (c->w && passed(c, in->error)) c->ceiling = abs(c->w) / 2;
+  if (c->w && control_passed(c, in->error)) c->ceiling = abs(c->w) / 2;
   double size = floor(fabs(in->error) / 100 * (in->width + w));
   if (c->ceiling) size = fmin(size, c->ceiling);
   if (way > 0) size = fmin(size, r->widest);
@@ -187,18 +187,18 @@ static int32_t width_step(const control_rules *r, control *c,
 int correct_control_width(const control_rules *r, control *c,
                           const control_input *in, int32_t *w) {
   if (c->phase != CONTROL_FINE || c->verdict != CONTROL_MOVING) return 0;
-  if (abs(c->w) == 1 && passed(c, in->error)) { /* keep this step or revert
-                                                   it */
+  if (abs(c->w) == 1 && control_passed(c, in->error)) { /* keep this step or
+                                                   revert it */
     int back = fabs(in->error) > fabs(c->error);
     if (back) *w -= c->w;
-    settle(c, CONTROL_GRID);
+    control_settle(c, CONTROL_GRID);
     return back;
   }
   int32_t step = width_step(r, c, in, *w), most = most_w(r, in);
   if (step > most - *w) step = most - *w;
   if (step < -most - *w) step = -most - *w;
   if (!step || in->veto & veto_of_w(step)) {
-    settle(c, step ? CONTROL_BRIDGING : CONTROL_BIAS);
+    control_settle(c, step ? CONTROL_BRIDGING : CONTROL_BIAS);
     return 0;
   }
   c->w = step;

@@ -17,30 +17,31 @@ enum { MAX_CORNERS = 100 };
 /* Return the density of a normal distribution with sqrt(3) sigma = 1. For [-1,
    0, 1] the weights are 0.15, 0.69, 0.15, close to the 1/6, 2/3, 1/6 of
    Gauss-Hermite quadrature with these three nodes. */
-static double density(double x) { return exp(-1.5 * x * x); }
+static double normal_density(double x) { return exp(-1.5 * x * x); }
 
 /* ---- the list of corners ---- */
 
 static const opc_reals nominal_only = {(const double[]){0}, 1};
 
-static opc_reals list(opc_reals given) {
+static opc_reals list_or_nominal(opc_reals given) {
   return given.count ? given : nominal_only;
 }
 
 static size_t count_of(const corners_wish *w) {
   if (!w->dose.count && !w->focus.count && !w->mask_error.count) return 0;
-  return list(w->dose).count * list(w->focus).count * list(w->mask_error).count;
+  return list_or_nominal(w->dose).count * list_or_nominal(w->focus).count *
+         list_or_nominal(w->mask_error).count;
 }
 
 size_t correct_corners_images(const corners_wish *w) {
-  return list(w->focus).count * list(w->mask_error).count;
+  return list_or_nominal(w->focus).count * list_or_nominal(w->mask_error).count;
 }
 
 static double share_of(opc_reals values, size_t i) {
   double most = 0;
   for (size_t k = 0; k < values.count; k++)
     most = fmax(most, fabs(values.values[k]));
-  return most > 0 ? density(values.values[i] / most) : 1;
+  return most > 0 ? normal_density(values.values[i] / most) : 1;
 }
 
 static int check_list(const char *name, opc_reals values, double above,
@@ -66,7 +67,7 @@ int correct_corners_check(const corners_wish *w, opc_error *error) {
     return error->code;
   if (n > MAX_CORNERS)
     return opc_fail(error, OPC_INVALID, "corners.dose",
-                    "%zu corners, and %d are the most", n, MAX_CORNERS);
+                    "%zu corners (expected at most %d)", n, MAX_CORNERS);
   if (!w->weight.count) return OPC_OK;
   if (w->weight.count != n)
     return opc_fail(error, OPC_INVALID, "corners.weight",
@@ -83,8 +84,9 @@ int correct_corners_check(const corners_wish *w, opc_error *error) {
 }
 
 static void list_corners(corners *c) {
-  opc_reals dose = list(c->wish.dose), focus = list(c->wish.focus),
-            mask = list(c->wish.mask_error);
+  opc_reals dose = list_or_nominal(c->wish.dose),
+            focus = list_or_nominal(c->wish.focus),
+            mask = list_or_nominal(c->wish.mask_error);
   double sum = 0;
   for (size_t k = 0; k < c->count; k++) {
     size_t d = k % dose.count, e = k / dose.count;
@@ -148,7 +150,8 @@ int correct_corners_begin(loop *l, opc_error *error) {
     eda_measurement_init(&c->corner[k].measured, n);
   for (size_t e = 0; e < c->exposures && !code; e++)
     code = begin_exposure(l, &c->exposure[e],
-                          &c->corner[e * list(c->wish.dose).count], error);
+                          &c->corner[e * list_or_nominal(c->wish.dose).count],
+                          error);
   return code;
 }
 
@@ -209,7 +212,7 @@ int correct_corners_refine(loop *l, const uint8_t *layers, opc_error *error) {
   return code;
 }
 
-/* ---- what they come to ---- */
+/* ---- means over corners ---- */
 
 static int is_good(const eda_measurement *m, size_t i) {
   return !eda_print_failed(m->flags[i]);
@@ -278,7 +281,7 @@ static void bound_pulls(const loop *l, double (*pull)[FIGURES]) {
 
 /* Replace the measurement by the mean over the corners. A transistor that fails
    nominally keeps its figures, which show the direction of its correction. */
-static void combine(loop *l) {
+static void corners_combine(loop *l) {
   const corners *c = &l->corners;
   eda_performance *out = &l->measured.performance;
   double(*pull)[FIGURES] = eda_alloc(l->gates->count, sizeof *pull);
@@ -304,11 +307,11 @@ int correct_corners_measure(loop *l, opc_error *error) {
   free(print);
   if (code) return code;
   eda_performance_copy(&c->nominal, &l->measured.performance);
-  combine(l);
+  corners_combine(l);
   return OPC_OK;
 }
 
-/* ---- what is told ---- */
+/* ---- report ---- */
 
 typedef struct row {
   double dose, focus, mask_error, weight;
@@ -380,7 +383,7 @@ static int put_all(const loop *l, const row *r, opc_error *error) {
 
 /* Warn of transistors that do not print at some corner and are excluded
    there. */
-static void tell_of_failed(const loop *l, const row *r) {
+static void corners_log_failed(const loop *l, const row *r) {
   size_t n = l->gates->count, at = 0;
   int64_t most = 0;
   for (size_t k = 0; k < l->corners.count; k++) {
@@ -401,7 +404,7 @@ int correct_corners_report(const loop *l, opc_error *error) {
   if (!c->count) return OPC_OK;
   row *r = eda_alloc(c->count, sizeof *r);
   for (size_t k = 0; k < c->count; k++) r[k] = row_of(l, &c->corner[k]);
-  tell_of_failed(l, r);
+  corners_log_failed(l, r);
   int code = put_rows(l, r, error);
   if (!code) code = put_all(l, r, error);
   free(r);

@@ -108,19 +108,18 @@ static double ion_of(size_t gate, size_t k, double bias) {
          printed(g->length[gate] + bias, dose, focus, by);
 }
 
-/* ---- a synthesizer that makes all gates shorter, and keeps what it sees ----
- */
+/* ---- a synthesizer that shortens all gates and records its input ---- */
 
 static int32_t wanted_bias;
 static double seen[GATES];
 
-static int begin(void *self, const eda_feedback *f, opc_error *error) {
+static int begin_moves(void *self, const eda_feedback *f, opc_error *error) {
   (void)self, (void)f, (void)error;
   return OPC_OK;
 }
 
-static int update(void *self, const eda_feedback *f, eda_moves *m, int *done,
-                  opc_error *error) {
+static int update_moves(void *self, const eda_feedback *f, eda_moves *m,
+                        int *done, opc_error *error) {
   (void)self, (void)error;
   for (int i = 0; i < GATES; i++) {
     seen[i] = f->printed->ion[i];
@@ -131,7 +130,8 @@ static int update(void *self, const eda_feedback *f, eda_moves *m, int *done,
   return OPC_OK;
 }
 
-static const eda_synthesizer mover = {.begin = begin, .update = update};
+static const eda_synthesizer mover = {.begin = begin_moves,
+                                      .update = update_moves};
 
 /* ---- the loop ---- */
 
@@ -159,8 +159,8 @@ static int run_on(const eda_gates *gates, loop *l, const eda_litho *model,
   return correct_loop_run(l, error);
 }
 
-static int run(loop *l, const eda_litho *model, corners_wish w, double fine,
-               opc_error *error) {
+static int run_step(loop *l, const eda_litho *model, corners_wish w,
+                    double fine, opc_error *error) {
   return run_on(eda_gates_sample(), l, model, w, fine, error);
 }
 
@@ -201,7 +201,7 @@ static void test_figures(void) {
   double weight[ALL], sum = 0;
   for (size_t k = 0; k < ALL; k++) sum += weight[k] = (double)(k % 5);
   wanted_bias = -6;
-  g_assert_false(run(&l, &with_focus, wish(weight), 0, &error));
+  g_assert_false(run_step(&l, &with_focus, wish(weight), 0, &error));
   check_figures(&l, weight, -6);
   for (size_t i = 0; i < GATES; i++)
     check_near(seen[i], mean_of_gate(i, weight, -6), close_to);
@@ -224,7 +224,7 @@ static void test_weights(void) {
     weight[k] = exp(-1.5 * (d * d + f * f + m * m));
   }
   wanted_bias = 0;
-  g_assert_false(run(&l, &with_focus, wish(NULL), 0, &error));
+  g_assert_false(run_step(&l, &with_focus, wish(NULL), 0, &error));
   check_figures(&l, weight, 0);
   correct_loop_clear(&l);
 }
@@ -256,7 +256,7 @@ static void test_limit(void) {
                  l.corners.nominal.ion[i] * exp(i ? -own : own), close_to);
     correct_loop_clear(&l);
     /* A single transistor of each type has no deviation from its mean. */
-    g_assert_false(run(&l, &with_focus, w, 0, &error));
+    g_assert_false(run_step(&l, &with_focus, w, 0, &error));
     for (size_t i = 0; i < GATES; i++)
       check_near(l.measured.performance.ion[i], l.corners.nominal.ion[i],
                  1e-12);
@@ -271,8 +271,8 @@ static void test_nominal(void) {
   opc_error error = {0};
   wanted_bias = -3;
   corners_wish none = {.dose = {0}}, one = {.dose = {&zero, 1}};
-  g_assert_false(run(&a, &with_focus, none, 0, &error));
-  g_assert_false(run(&b, &with_focus, one, 0, &error));
+  g_assert_false(run_step(&a, &with_focus, none, 0, &error));
+  g_assert_false(run_step(&b, &with_focus, one, 0, &error));
   for (size_t i = 0; i < GATES; i++) {
     g_assert_true(a.measured.performance.ion[i] == b.corners.nominal.ion[i]);
     check_near(b.measured.performance.ion[i], a.measured.performance.ion[i],
@@ -292,7 +292,7 @@ static void test_fine(void) {
   wanted_bias = -6;
   excess = 0.02;
   fine_images = cheap_images = 0;
-  g_assert_false(run(&l, &with_fine, wish(weight), 1e-4, &error));
+  g_assert_false(run_step(&l, &with_fine, wish(weight), 1e-4, &error));
   for (size_t i = 0; i < GATES; i++)
     for (size_t k = 0; k < ALL; k++)
       check_near(l.corners.corner[k].measured.performance.ion[i],
@@ -313,7 +313,7 @@ static void test_lost(void) {
   opc_error error = {0};
   wanted_bias = 0;
   corners_wish w = {.dose = {doses, 2}};
-  g_assert_false(run(&l, &with_focus, w, 0, &error));
+  g_assert_false(run_step(&l, &with_focus, w, 0, &error));
   for (size_t i = 0; i < GATES; i++) {
     g_assert_cmpuint(l.measured.flags[i], ==, 0);
     g_assert_cmpuint(l.corners.corner[1].measured.flags[i] & EDA_PRINT_OPEN, !=,
@@ -329,8 +329,8 @@ static void test_lost(void) {
 static void refused(corners_wish w, const eda_litho *model, const char *why) {
   loop l;
   opc_error error = {0};
-  int code =
-      model ? run(&l, model, w, 0, &error) : correct_corners_check(&w, &error);
+  int code = model ? run_step(&l, model, w, 0, &error)
+                   : correct_corners_check(&w, &error);
   g_assert_cmpint(code, ==, OPC_INVALID);
   if (!strstr(error.message, why))
     g_error("'%s' does not say '%s'", error.message, why);

@@ -11,7 +11,7 @@
    and of the jog. */
 enum { CUTS = 2 * EDA_PARTS + 2 };
 
-/* ---- room ---- */
+/* ---- allocation ---- */
 
 static void make_room(size_t polygons, size_t count, pieces *out) {
   out->polygons = polygons;
@@ -49,7 +49,7 @@ void correct_pieces_room(const pieces *p, eda_shapes *out) {
   out->points = eda_alloc(2 * p->room, sizeof *out->points);
 }
 
-/* ---- from the biases of gates to pieces ---- */
+/* ---- from the biases of gates to fragments ---- */
 
 /* Return the coordinate along a gate's width. */
 static int32_t along_w(const eda_gates *g, int32_t gate, eda_point p) {
@@ -57,7 +57,7 @@ static int32_t along_w(const eda_gates *g, int32_t gate, eda_point p) {
 }
 
 /* Return a side's half of a bias. The HIGH side receives the odd step. */
-static int32_t part(int32_t all, int high) {
+static int32_t half_of(int32_t all, int high) {
   int32_t low = all >> 1;
   return high ? all - low : low;
 }
@@ -69,15 +69,15 @@ static int32_t move_of(const eda_fragment *f, const biases *b) {
   if (f->role == EDA_W_LOW || f->role == EDA_W_HIGH) {
     int high = f->role == EDA_W_HIGH;
     int32_t aside = b->aside[i] + (base ? base->aside[i] : 0);
-    if (base) by = part(base->w[i], high != !!(base->flip[i] & EDA_FLIP_W));
-    return by + part(b->w[i], high) + (high ? aside : -aside);
+    if (base) by = half_of(base->w[i], high != !!(base->flip[i] & EDA_FLIP_W));
+    return by + half_of(b->w[i], high) + (high ? aside : -aside);
   }
   if (f->role != EDA_END_LOW && f->role != EDA_END_HIGH) return 0;
   int32_t end = 2 * i + (f->role == EDA_END_HIGH);
   return b->end[end] + (base ? base->end[end] : 0);
 }
 
-static void put(pieces *out, uint32_t *n, eda_point from, int32_t by) {
+static void piece_add(pieces *out, uint32_t *n, eda_point from, int32_t by) {
   out->from[*n] = from;
   out->by[(*n)++] = by;
 }
@@ -125,7 +125,7 @@ static int32_t move_at(const side *s, int32_t at) {
   for (int k = 0; is_part(s, k); k++)
     if (s->part[k].from <= at - s->box && at - s->box < s->part[k].to)
       l += s->part[k].by;
-  return part(l, s->upper) + (s->jog_from <= at && at < s->jog_to);
+  return half_of(l, s->upper) + (s->jog_from <= at && at < s->jog_to);
 }
 
 /* Insert a position of changing length into the sorted list. Returns the new
@@ -170,7 +170,8 @@ static void put_side(const eda_gates *g, const eda_fragment *f, eda_point next,
     int32_t by = move_at(&s, cut[k]) + (base ? move_at(&under, cut[k]) : 0);
     int32_t at = rising ? cut[k] : cut[k + 1];
     if (by != before)
-      put(out, n,
+      piece_add(
+          out, n,
           upright ? (eda_point){f->from.x, at} : (eda_point){at, f->from.y},
           by);
     before = by;
@@ -189,13 +190,13 @@ void correct_pieces_follow(const eda_gates *g, size_t layer, const biases *b,
       if (f[i].role == EDA_L_LOW || f[i].role == EDA_L_HIGH)
         put_side(g, &f[i], f[(i + 1) % count].from, b, out, &n);
       else
-        put(out, &n, f[i].from, move_of(&f[i], b));
+        piece_add(out, &n, f[i].from, move_of(&f[i], b));
     }
   }
   out->start[e->polygons] = n;
 }
 
-/* ---- from pieces to polygons ---- */
+/* ---- from fragments to polygons ---- */
 
 /* Line of a displaced fragment. */
 typedef struct moved {
@@ -203,7 +204,7 @@ typedef struct moved {
   int32_t line; /* y if horizontal, else x */
 } moved;
 
-static moved move(eda_point from, eda_point next, int32_t by) {
+static moved line_moved(eda_point from, eda_point next, int32_t by) {
   if (from.y == next.y) /* outwards is down for an edge to the right */
     return (moved){1, from.y + (next.x > from.x ? -by : by)};
   return (moved){0, from.x + (next.y > from.y ? by : -by)};
@@ -215,7 +216,7 @@ static int is_idle(eda_point a, eda_point b, eda_point c) {
 }
 
 /* Append a corner to a polygon of n corners. Returns the new count. */
-static uint32_t corner(eda_point *polygon, uint32_t n, eda_point p) {
+static uint32_t polygon_add(eda_point *polygon, uint32_t n, eda_point p) {
   while (n > 1 && is_idle(polygon[n - 2], polygon[n - 1], p)) n--;
   if (n == 1 && polygon[0].x == p.x && polygon[0].y == p.y) n = 0;
   polygon[n] = p;
@@ -224,7 +225,7 @@ static uint32_t corner(eda_point *polygon, uint32_t n, eda_point p) {
 
 /* Remove redundant corners where the end of a polygon meets its start. Returns
    the remaining count, 0 for a polygon that vanished. */
-static uint32_t join(eda_point *polygon, uint32_t n) {
+static uint32_t polygon_join(eda_point *polygon, uint32_t n) {
   uint32_t first = 0;
   for (int found = 1; found && n - first > 2;) {
     found = 1;
@@ -240,28 +241,28 @@ static uint32_t join(eda_point *polygon, uint32_t n) {
   return n - first;
 }
 
-static uint32_t build(const eda_point *from, const int32_t *by, uint32_t count,
-                      eda_point *polygon) {
+static uint32_t polygon_build(const eda_point *from, const int32_t *by,
+                              uint32_t count, eda_point *polygon) {
   uint32_t n = 0;
-  moved before = move(from[count - 1], from[0], by[count - 1]);
+  moved before = line_moved(from[count - 1], from[0], by[count - 1]);
   for (uint32_t i = 0; i < count; i++) {
-    moved m = move(from[i], from[(i + 1) % count], by[i]);
+    moved m = line_moved(from[i], from[(i + 1) % count], by[i]);
     if (m.horizontal != before.horizontal) {
-      n = corner(polygon, n,
-                 m.horizontal ? (eda_point){before.line, m.line}
-                              : (eda_point){m.line, before.line});
+      n = polygon_add(polygon, n,
+                      m.horizontal ? (eda_point){before.line, m.line}
+                                   : (eda_point){m.line, before.line});
     } else if (m.line != before.line) { /* a jog */
       int32_t at = m.horizontal ? from[i].x : from[i].y;
       for (int k = 0; k < 2; k++) {
         int32_t line = k ? m.line : before.line;
-        n = corner(
+        n = polygon_add(
             polygon, n,
             m.horizontal ? (eda_point){at, line} : (eda_point){line, at});
       }
     }
     before = m;
   }
-  return join(polygon, n);
+  return polygon_join(polygon, n);
 }
 
 void correct_pieces_build(const pieces *in, eda_shapes *out) {
@@ -270,7 +271,8 @@ void correct_pieces_build(const pieces *in, eda_shapes *out) {
     uint32_t first = in->start[p], count = in->start[p + 1] - first;
     out->start[p] = n;
     if (count)
-      n += build(in->from + first, in->by + first, count, out->points + n);
+      n += polygon_build(in->from + first, in->by + first, count,
+                         out->points + n);
   }
   out->start[in->polygons] = n;
   out->count = in->polygons;

@@ -12,8 +12,8 @@
    is reported; about the deviation of lengths before correction. */
 static const double near_end = 0.1;
 
-static const char *plural(size_t n) { return n == 1 ? "" : "s"; }
-static const char *verb(size_t n) { return n == 1 ? "does" : "do"; }
+static const char *plural_of(size_t n) { return n == 1 ? "" : "s"; }
+static const char *verb_of(size_t n) { return n == 1 ? "does" : "do"; }
 
 /* ---- drawn ---- */
 
@@ -45,17 +45,17 @@ static void range_of_type(const opc_host *host, const eda_gates *g,
               name, least, most, low, high);
 }
 
-static int ascending(const void *a, const void *b) {
+static int by_value(const void *a, const void *b) {
   double x = *(const double *)a, y = *(const double *)b;
   return (x > y) - (x < y);
 }
 
 /* Return the number of different values among n sizes. */
-static size_t different(const double *size, size_t n) {
+static size_t count_different(const double *size, size_t n) {
   double *sorted = g_new(double, n);
   size_t count = 0;
   for (size_t i = 0; i < n; i++) sorted[i] = size[i];
-  qsort(sorted, n, sizeof *sorted, ascending);
+  qsort(sorted, n, sizeof *sorted, by_value);
   for (size_t i = 0; i < n; i++) count += !i || sorted[i] != sorted[i - 1];
   g_free(sorted);
   return count;
@@ -68,8 +68,8 @@ void correct_findings_of_drawing(const opc_host *host, const eda_gates *g,
   const eda_extractor *model = extractor->functions;
   size_t longer = 0;
   for (size_t i = 0; i < g->count; i++) longer += g->length[i] > g->width[i];
-  if (2 * longer > g->count &&
-      different(g->length, g->count) > different(g->width, g->count))
+  if (2 * longer > g->count && count_different(g->length, g->count) >
+                                   count_different(g->width, g->count))
     host->log(host, OPC_LOG_WARNING,
               "%zu of %zu transistors are drawn longer than wide: are the "
               "layers poly and active exchanged?",
@@ -106,7 +106,7 @@ static void of_failed(const opc_host *host, const eda_gates *g,
     host->log(host, OPC_LOG_FINDING,
               "%zu of %zu transistor%s %s not print as one, and %s no figures: "
               "first %s",
-              bad, g->count, plural(g->count), verb(bad),
+              bad, g->count, plural_of(g->count), verb_of(bad),
               bad == 1 ? "has" : "have", place);
     g_free(place);
   }
@@ -114,7 +114,7 @@ static void of_failed(const opc_host *host, const eda_gates *g,
     char *place = place_of(g, first_lost);
     host->log(host, OPC_LOG_FINDING,
               "%zu transistor%s that printed as drawn %s so no more: first %s",
-              lost, plural(lost), verb(lost), place);
+              lost, plural_of(lost), verb_of(lost), place);
     g_free(place);
   }
   if (before && g->count && !good_before)
@@ -137,7 +137,7 @@ void correct_findings_of_print(const opc_host *host, const eda_gates *g,
               outside, g->count);
 }
 
-/* ---- held ---- */
+/* ---- guard ---- */
 
 void correct_findings_of_guard(const opc_host *host, const guard *g, int held) {
   const char *are = g->worse == 1 ? " is" : "s are";
@@ -145,7 +145,7 @@ void correct_findings_of_guard(const opc_host *host, const guard *g, int held) {
     host->log(host, OPC_LOG_FINDING,
               "guard: off: %zu transistor%s worse than drawn and than the "
               "limit, %zu that printed as drawn %s so no more",
-              g->worse, are, g->lost, verb(g->lost));
+              g->worse, are, g->lost, verb_of(g->lost));
   else if (g->worse)
     host->log(host, OPC_LOG_FINDING,
               "%zu transistor%s worse than drawn, as neighbours or rules stand "
@@ -155,5 +155,5 @@ void correct_findings_of_guard(const opc_host *host, const guard *g, int held) {
     host->log(host, OPC_LOG_INFO,
               "%zu transistor%s went back towards the drawn mask, which was "
               "better",
-              g->back, plural(g->back));
+              g->back, plural_of(g->back));
 }

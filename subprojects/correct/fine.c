@@ -67,7 +67,7 @@ double correct_fine_change(const char *text, double limit) {
   return text ? 0 : tuned.part * limit;
 }
 
-/* ---- what an error is worth ---- */
+/* ---- sensitivity to errors ---- */
 
 /* Drawn transistors with their Ion as drawn and with a slightly larger length
    or width. */
@@ -99,7 +99,7 @@ static int print_lit(const eda_printer *p, int layer, eda_field *out,
   return eda_printer_develop(p, layer, out, error);
 }
 
-static int ascending(const void *a, const void *b) {
+static int by_value(const void *a, const void *b) {
   double x = *(const double *)a, y = *(const double *)b;
   return (x > y) - (x < y);
 }
@@ -108,16 +108,16 @@ static int ascending(const void *a, const void *b) {
    edges in the middle of a gate times the sensitivity of the drawn gate. Ion of
    the entire print is not used, because drawn line ends are about to open and
    corrected ones are not. */
-typedef struct worths {
+typedef struct sensitivities {
   const eda_printer *printer;
   const drawn *drawn;
   int layer;
   const eda_field *lit;
   double *by; /* [gates] */
-} worths;
+} sensitivities;
 
-static void find_worth(void *data, size_t i) {
-  const worths *w = data;
+static void find_sensitivity(void *data, size_t i) {
+  const sensitivities *w = data;
   const eda_gates *g = w->drawn->gates;
   const eda_field *print = &w->printer->print[w->layer];
   const eda_field *image = &w->printer->image[w->layer];
@@ -130,21 +130,21 @@ static void find_worth(void *data, size_t i) {
 
 /* Return the third quartile of the sensitivities; NAN if no transistor
    prints. */
-static double worth(const eda_printer *p, const drawn *d, int layer,
-                    const eda_field *lit) {
+static double sensitivity(const eda_printer *p, const drawn *d, int layer,
+                          const eda_field *lit) {
   size_t n = d->gates->count, count = 0;
-  worths w = {p, d, layer, lit, eda_alloc(n, sizeof *w.by)};
-  opc_parallel(p->context, n, find_worth, &w);
+  sensitivities w = {p, d, layer, lit, eda_alloc(n, sizeof *w.by)};
+  opc_parallel(p->context, n, find_sensitivity, &w);
   for (size_t i = 0; i < n; i++)
     if (isfinite(w.by[i])) w.by[count++] = w.by[i];
-  qsort(w.by, count, sizeof *w.by, ascending);
+  qsort(w.by, count, sizeof *w.by, by_value);
   double found = count ? w.by[3 * count / 4] : NAN;
   free(w.by);
   return found;
 }
 
 /* Round to one of few errors, so that kernels are computed for few. */
-static double rounded(double error) {
+static double error_rounded(double error) {
   static const double steps[] = {5e-4, 2e-4, 1e-4, 5e-5};
   size_t i = 0;
   while (i + 1 < G_N_ELEMENTS(steps) && steps[i] > error) i++;
@@ -157,10 +157,10 @@ static int set_layer(eda_printer *p, const opc_host *host, drawn *d, int layer,
   if (!p->image[layer].coefficients) return OPC_OK;
   int code = make_larger(d, layer, p->context, error);
   if (!code) code = print_lit(p, layer, &lit, error);
-  double by = code ? NAN : worth(p, d, layer, &lit);
+  double by = code ? NAN : sensitivity(p, d, layer, &lit);
   eda_field_clear(&lit);
   if (!(by > 0)) return code;
-  p->fine_of[layer] = rounded(tuned.peak * change / by);
+  p->fine_of[layer] = error_rounded(tuned.peak * change / by);
   host->log(host, OPC_LOG_DEBUG,
             "fine prints of '%s' within %.0e: 1e-4 of the clear field is "
             "%.3f %% of Ion",

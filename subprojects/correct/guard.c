@@ -52,7 +52,7 @@ static const struct {
 
 enum { GOOD, WORSE, RULE, LOST }; /* faults, by severity */
 
-/* ---- what was drawn ---- */
+/* ---- drawn mask ---- */
 
 void correct_guard_init(guard *g, size_t gates) {
   g->state = eda_alloc(gates, sizeof *g->state);
@@ -99,14 +99,14 @@ static double target_of(const loop *l, size_t gate) {
 }
 
 /* Return the |Ion deviation| from the target, %. */
-static double off(const loop *l, const eda_performance *p, size_t i,
-                  double target) {
+static double guard_deviation(const loop *l, const eda_performance *p, size_t i,
+                              double target) {
   return fabs(eda_deviation(p->ion[i], l->design.ion[i] * target));
 }
 
 double correct_guard_off(const loop *l, size_t i) {
   if (eda_print_failed(l->measured.flags[i])) return NAN;
-  return off(l, &l->measured.performance, i, target_of(l, i));
+  return guard_deviation(l, &l->measured.performance, i, target_of(l, i));
 }
 
 /* A mask with other line ends is no reference for the present ones. The guard's
@@ -127,7 +127,7 @@ void correct_guard_watch(loop *l) {
   }
 }
 
-/* ---- what is worse ---- */
+/* ---- faults ---- */
 
 /* Compare the names of two rules without the details of the place. */
 static int same_rule(const char *a, const char *b) {
@@ -155,7 +155,7 @@ static int was_broken(const guard *g, const eda_violation *v) {
   return 0;
 }
 
-static eda_box grown(eda_box b, double by) {
+static eda_box box_grown(eda_box b, double by) {
   int32_t d = (int32_t)fmin(by, INT32_MAX / 4);
   return (eda_box){b.x0 - d, b.y0 - d, b.x1 + d, b.y1 + d};
 }
@@ -181,9 +181,11 @@ static int fault_of(const loop *l, size_t i, double margin) {
   double target = target_of(l, i);
   if (isnan(target) || eda_print_failed(g->flags[i])) return GOOD;
   if (l->still && l->still[i]) return GOOD; /* neighbours may affect it */
-  double drawn = off(l, &l->before, i, target) + model_margin(l);
+  double drawn = guard_deviation(l, &l->before, i, target) + model_margin(l);
   double most = fmax(drawn, l->ion_limit) + margin;
-  return off(l, &l->measured.performance, i, target) <= most ? GOOD : WORSE;
+  return guard_deviation(l, &l->measured.performance, i, target) <= most
+             ? GOOD
+             : WORSE;
 }
 
 /* Mark new violations as faults of their transistors, as long as those have
@@ -209,7 +211,7 @@ static int find_broken(loop *l, opc_error *error) {
 /* Record the best level of a transistor. */
 static void keep_least(loop *l, size_t i) {
   guarded *s = &l->guard.state[i];
-  double now = off(l, &l->measured.performance, i, target_of(l, i));
+  double now = guard_deviation(l, &l->measured.performance, i, target_of(l, i));
   if (!(now < s->least)) return;
   s->least = now;
   s->pick = s->level;
@@ -232,7 +234,7 @@ static int find_faults(loop *l, size_t *count, opc_error *error) {
   return code;
 }
 
-/* ---- going back ---- */
+/* ---- reversion ---- */
 
 typedef struct hold {
   loop *l;
@@ -280,7 +282,7 @@ static void set_fragments(hold *h, eda_box window, double part) {
 }
 
 static eda_box window_of(const hold *h, size_t gate, double nm) {
-  return grown(h->l->gates->box[gate], nm / h->l->gates->grid);
+  return box_grown(h->l->gates->box[gate], nm / h->l->gates->grid);
 }
 
 static const gate_moves as_drawn;
@@ -326,7 +328,7 @@ static void set_around(hold *h, size_t gate, double nm) {
 }
 
 /* Return the distance within which everything is reverted at a level. */
-static double around(int level) {
+static double level_radius(int level) {
   return tuned.around * pow(2, level - GUARD_SURROUNDED);
 }
 
@@ -348,13 +350,13 @@ static void set_level(hold *h, size_t i) {
       set_fragments(h, own, 0);
       break;
     default:
-      set_around(h, i, around(s->level));
+      set_around(h, i, level_radius(s->level));
   }
 }
 
 /* Build the next mask from the synthesizer's result and the levels of all
    transistors, those with a reverted environment last. */
-static void set_all(hold *h) {
+static void hold_apply(hold *h) {
   const guarded *state = h->l->guard.state;
   correct_trial_copy(&h->l->next, &h->ended);
   for (int surrounded = 0; surrounded < 2; surrounded++)
@@ -365,7 +367,7 @@ static void set_all(hold *h) {
 
 /* Advance each transistor with a fault to the next level, or after the last to
    the best of those tried. Returns the number of advanced transistors. */
-static size_t go_back(hold *h) {
+static size_t hold_advance(hold *h) {
   size_t count = 0;
   for (size_t i = 0; i < h->l->gates->count; i++) {
     guarded *s = &h->l->guard.state[i];
@@ -376,11 +378,11 @@ static size_t go_back(hold *h) {
     s->level = last ? s->pick : s->tries;
     count++;
   }
-  if (count) set_all(h);
+  if (count) hold_apply(h);
   return count;
 }
 
-static void all_drawn(hold *h) {
+static void hold_revert_all(hold *h) {
   trial *next = &h->l->next;
   memset(next->biases.w, 0, TRIAL_BIASES * next->gates * sizeof(int32_t));
   for (size_t i = 0; i < next->gates; i++)
@@ -395,14 +397,14 @@ static void all_drawn(hold *h) {
   }
 }
 
-static int print(loop *l, opc_error *error) {
+static int guard_print(loop *l, opc_error *error) {
   if (opc_cancelled(l->host->context))
     return opc_fail(error, OPC_CANCELLED, NULL, "stopped");
   l->guard.prints++;
   return correct_loop_print(l, 0, error);
 }
 
-/* ---- what stands in the way ---- */
+/* ---- causes ---- */
 
 static void centre_of(const eda_gates *g, size_t i, double *x, double *y) {
   *x = ((double)g->box[i].x0 + g->box[i].x1) / 2 * g->grid;
@@ -452,7 +454,7 @@ static void name_neighbour(hold *h, size_t gate, double nm) {
    good as drawn get their cause. */
 static int try_cause(hold *h, int t, uint8_t *open, opc_error *error) {
   loop *l = h->l;
-  double nm = t ? around(GUARD_SURROUNDED + 2 + t) : tuned.around;
+  double nm = t ? level_radius(GUARD_SURROUNDED + 2 + t) : tuned.around;
   for (size_t i = 0; i < l->gates->count; i++) {
     if (!open[i]) continue;
     if (t) {
@@ -463,7 +465,7 @@ static int try_cause(hold *h, int t, uint8_t *open, opc_error *error) {
     set_fragments(h, window_of(h, i, tuned.reach), 0);
     drop_rules(h, i, nm);
   }
-  int code = print(l, error);
+  int code = guard_print(l, error);
   for (size_t i = 0; i < l->gates->count && !code; i++) {
     if (!open[i] || fault_of(l, i, tuned.alike) != GOOD) continue;
     open[i] = 0;
@@ -490,22 +492,22 @@ static int find_causes(hold *h, opc_error *error) {
     if (open[i])
       state[i].level = (uint8_t)(GUARD_SURROUNDED + tuned.trials + 1);
   free(open);
-  set_all(h);
-  return code ? code : print(l, error);
+  hold_apply(h);
+  return code ? code : guard_print(l, error);
 }
 
-/* ---- all of it ---- */
+/* ---- run ---- */
 
-static int take_back(hold *h, opc_error *error) {
+static int guard_revert(hold *h, opc_error *error) {
   size_t faults = 0;
   int code = find_faults(h->l, &faults, error);
   for (int round = 0; faults && round <= tuned.rounds && !code; round++) {
     int gone = 1;
     if (round == tuned.rounds)
-      all_drawn(h);
+      hold_revert_all(h);
     else
-      gone = go_back(h) > 0;
-    code = gone ? print(h->l, error) : find_causes(h, error);
+      gone = hold_advance(h) > 0;
+    code = gone ? guard_print(h->l, error) : find_causes(h, error);
     if (!code) code = find_faults(h->l, &faults, error);
   }
   return code;
@@ -525,10 +527,10 @@ void correct_guard_count(loop *l) {
 int correct_guard_hold(loop *l, opc_error *error) {
   hold h;
   hold_init(&h, l);
-  int code = take_back(&h, error);
-  for (int k = 0; !code && correct_proof_is_due(l); k++) {
+  int code = guard_revert(&h, error);
+  for (int k = 0; !code && correct_verification_is_due(l); k++) {
     code = correct_loop_refine(l, error);
-    if (!code && k < PROOFS) code = take_back(&h, error);
+    if (!code && k < VERIFICATIONS) code = guard_revert(&h, error);
   }
   hold_clear(&h);
   if (!code) correct_guard_count(l);

@@ -14,14 +14,14 @@ typedef struct script {
   double target[GATES];
 } script;
 
-static int begin(void *self, const eda_feedback *f, opc_error *error) {
+static int begin_moves(void *self, const eda_feedback *f, opc_error *error) {
   (void)self, (void)error;
   g_assert_cmpuint(f->gates->count, ==, GATES);
   return OPC_OK;
 }
 
-static int update(void *self, const eda_feedback *f, eda_moves *m, int *done,
-                  opc_error *error) {
+static int update_moves(void *self, const eda_feedback *f, eda_moves *m,
+                        int *done, opc_error *error) {
   const script *s = self;
   (void)error;
   for (int i = 0; i < GATES && (int)f->iteration < s->moves; i++)
@@ -35,10 +35,10 @@ static double target(const void *self, size_t gate) {
 }
 
 static const eda_synthesizer scripted = {
-    .begin = begin, .update = update, .target = target};
+    .begin = begin_moves, .update = update_moves, .target = target};
 #define SCRIPTED(s) MODULE(&scripted, &(s))
 
-/* ---- a regulator that finds what a test wants ---- */
+/* ---- a regulator with prescribed violations ---- */
 
 /* A rule violated by transistor 0, or by no transistor: if `drawn`, or if one
    of `moved` (bit mask) has a displaced mask. */
@@ -46,8 +46,8 @@ enum { OWN = 1, OTHERS = 2 };
 static int drawn, moved, nobodys;
 static double aside[2]; /* distance from there, once masks are displaced, nm */
 
-static int rule(void *self, const eda_printed *p, eda_ruling *r,
-                opc_error *error) {
+static int set_rules(void *self, const eda_printed *p, eda_ruling *r,
+                     opc_error *error) {
   (void)self, (void)p, (void)r, (void)error;
   return OPC_OK;
 }
@@ -66,9 +66,10 @@ static int violations(void *self, const eda_printed *p, eda_violation *v,
   return OPC_OK;
 }
 
-static const eda_regulator finder = {.rule = rule, .violations = violations};
+static const eda_regulator finder = {.rule = set_rules,
+                                     .violations = violations};
 
-/* ---- an extractor by which one transistor hangs on the other ---- */
+/* ---- an extractor that couples two transistors ---- */
 
 /* Transistor 0 has half of its current unless transistor 1 prints as drawn. The
    first call measures the design. */
@@ -88,8 +89,9 @@ static const eda_extractor coupled = {
 
 static double limit_of_guard = 0.5; /* % */
 
-static void run(loop *l, const opc_module *synthesizer, const eda_extractor *e,
-                const opc_module *regulator, int hold) {
+static void run_step(loop *l, const opc_module *synthesizer,
+                     const eda_extractor *e, const opc_module *regulator,
+                     int hold) {
   opc_error error = {0};
   *l = (loop){.host = &host,
               .gates = eda_gates_sample(),
@@ -110,7 +112,8 @@ static double off(const loop *l, const eda_performance *p, size_t i) {
 }
 
 /* Check the bias and verdict of `gate`. */
-static void expect(const loop *l, size_t gate, int32_t bias, const char *text) {
+static void expect_result(const loop *l, size_t gate, int32_t bias,
+                          const char *text) {
   g_autofree char *verdict = correct_guard_verdict(&l->guard, gate);
   g_assert_cmpint(l->now.biases.l[gate], ==, bias);
   g_assert_cmpstr(verdict, ==, text);
@@ -119,11 +122,11 @@ static void expect(const loop *l, size_t gate, int32_t bias, const char *text) {
 static void test_good(void) {
   script s = {.l = {{-14, -14}}, .moves = 1, .target = {1, 1}};
   loop l;
-  run(&l, SCRIPTED(s), &extractor, NULL, 1);
+  run_step(&l, SCRIPTED(s), &extractor, NULL, 1);
   g_assert_cmpfloat(off(&l, &l.before, 0), >, 15);
   g_assert_cmpfloat(off(&l, &l.measured.performance, 0), <, 2);
-  expect(&l, 0, -14, NULL);
-  expect(&l, 1, -14, NULL);
+  expect_result(&l, 0, -14, NULL);
+  expect_result(&l, 1, -14, NULL);
   g_assert_cmpuint(l.guard.prints, ==, 0);
   g_assert_cmpuint(l.guard.back + l.guard.worse + l.guard.lost, ==, 0);
   correct_loop_clear(&l);
@@ -134,13 +137,14 @@ static void test_open(void) {
   script s = {.l = {{-12, -14}, {-62, -14}}, .moves = 2, .target = {1, 1}};
   loop l;
   for (int hold = 0; hold < 2; hold++) {
-    run(&l, SCRIPTED(s), &extractor, NULL, hold);
+    run_step(&l, SCRIPTED(s), &extractor, NULL, hold);
     int open = (l.measured.flags[0] & EDA_PRINT_OPEN) != 0;
     g_assert_cmpint(open, ==, !hold);
     g_assert_cmpuint(l.guard.lost, ==, !hold);
     g_assert_cmpuint(l.guard.back, ==, hold);
-    expect(&l, 0, hold ? -12 : -62, hold ? "went back: its best mask" : NULL);
-    expect(&l, 1, -14, NULL);
+    expect_result(&l, 0, hold ? -12 : -62,
+                  hold ? "went back: its best mask" : NULL);
+    expect_result(&l, 1, -14, NULL);
     correct_loop_clear(&l);
   }
 }
@@ -149,13 +153,13 @@ static void test_open(void) {
 static void test_worse(void) {
   script s = {.l = {{40, -14}}, .moves = 1, .target = {1, 1}};
   loop l;
-  run(&l, SCRIPTED(s), &extractor, NULL, 0);
+  run_step(&l, SCRIPTED(s), &extractor, NULL, 0);
   g_assert_cmpuint(l.guard.worse, ==, 1);
-  expect(&l, 0, 40, NULL);
+  expect_result(&l, 0, 40, NULL);
   correct_loop_clear(&l);
-  run(&l, SCRIPTED(s), &extractor, NULL, 1);
-  expect(&l, 0, 0, "went back: its best mask");
-  expect(&l, 1, -14, NULL);
+  run_step(&l, SCRIPTED(s), &extractor, NULL, 1);
+  expect_result(&l, 0, 0, "went back: its best mask");
+  expect_result(&l, 1, -14, NULL);
   g_assert_cmpuint(l.guard.worse, ==, 0);
   g_assert_cmpuint(l.guard.prints, ==, 1);
   correct_loop_clear(&l);
@@ -167,8 +171,9 @@ static void test_limit(void) {
   loop l;
   for (int good = 0; good < 2; good++) {
     limit_of_guard = good ? 5 : 0.5;
-    run(&l, SCRIPTED(s), &extractor, NULL, 1);
-    expect(&l, 0, good ? -1 : 0, good ? NULL : "went back: its best mask");
+    run_step(&l, SCRIPTED(s), &extractor, NULL, 1);
+    expect_result(&l, 0, good ? -1 : 0,
+                  good ? NULL : "went back: its best mask");
     correct_loop_clear(&l);
   }
   limit_of_guard = 0.5;
@@ -182,8 +187,8 @@ static int move_end(void *self, const eda_printed *p, eda_ruling *r,
   return OPC_OK;
 }
 
-static const eda_synthesizer hasty = {.begin = begin,
-                                      .update = update,
+static const eda_synthesizer hasty = {.begin = begin_moves,
+                                      .update = update_moves,
                                       .target = target,
                                       .flags = EDA_SYNTHESIZER_ENDS_ANYTIME};
 static const eda_regulator mover = {.rule = move_end, .violations = violations};
@@ -192,9 +197,9 @@ static void test_ends(void) {
   script s = {.l = {{-30, -14}}, .moves = 1, .target = {1, 1}};
   loop l;
   drawn = moved = 0;
-  run(&l, MODULE(&hasty, &s), &extractor, MODULE(&mover, NULL), 1);
-  expect(&l, 0, -15, "went back: half of its best mask");
-  expect(&l, 1, -14, NULL);
+  run_step(&l, MODULE(&hasty, &s), &extractor, MODULE(&mover, NULL), 1);
+  expect_result(&l, 0, -15, "went back: half of its best mask");
+  expect_result(&l, 1, -14, NULL);
   correct_loop_clear(&l);
 }
 
@@ -202,9 +207,9 @@ static void test_ends(void) {
 static void test_target(void) {
   script s = {.l = {{-14, 40}}, .moves = 1, .target = {0.82, NAN}};
   loop l;
-  run(&l, SCRIPTED(s), &extractor, NULL, 1);
-  expect(&l, 0, 0, "went back: its best mask");
-  expect(&l, 1, 40, NULL);
+  run_step(&l, SCRIPTED(s), &extractor, NULL, 1);
+  expect_result(&l, 0, 0, "went back: its best mask");
+  expect_result(&l, 1, 40, NULL);
   correct_loop_clear(&l);
 }
 
@@ -214,8 +219,8 @@ static void test_rules(void) {
   script s = {.l = {{-14, -14}}, .moves = 1, .target = {1, 1}};
   loop l;
   drawn = 1, moved = OWN;
-  run(&l, SCRIPTED(s), &extractor, MODULE(&finder, NULL), 1);
-  expect(&l, 0, -14, NULL);
+  run_step(&l, SCRIPTED(s), &extractor, MODULE(&finder, NULL), 1);
+  expect_result(&l, 0, -14, NULL);
   g_assert_cmpuint(l.guard.prints, ==, 0); /* nothing to revert */
   correct_loop_clear(&l);
   /* The position of a violation may differ slightly. */
@@ -226,20 +231,20 @@ static void test_rules(void) {
                 {{101, 0}, 1}, {{-101, 0}, 1}, {{0, 101}, 1}};
   for (size_t k = 0; k < G_N_ELEMENTS(places); k++) {
     memcpy(aside, places[k].aside, sizeof aside);
-    run(&l, SCRIPTED(s), &extractor, MODULE(&finder, NULL), 1);
+    run_step(&l, SCRIPTED(s), &extractor, MODULE(&finder, NULL), 1);
     g_assert_cmpint(l.guard.prints > 0, ==, places[k].is_new);
     correct_loop_clear(&l);
   }
   aside[0] = aside[1] = 0;
   drawn = 0;
-  run(&l, SCRIPTED(s), &extractor, MODULE(&finder, NULL), 1);
-  expect(&l, 0, 0, "went back: as drawn");
-  expect(&l, 1, -14, NULL);
+  run_step(&l, SCRIPTED(s), &extractor, MODULE(&finder, NULL), 1);
+  expect_result(&l, 0, 0, "went back: as drawn");
+  expect_result(&l, 1, -14, NULL);
   g_assert_cmpuint(l.guard.back, ==, 1);
   correct_loop_clear(&l);
   nobodys = 1;
-  run(&l, SCRIPTED(s), &extractor, MODULE(&finder, NULL), 1);
-  expect(&l, 0, -14, NULL);
+  run_step(&l, SCRIPTED(s), &extractor, MODULE(&finder, NULL), 1);
+  expect_result(&l, 0, -14, NULL);
   correct_loop_clear(&l);
   nobodys = 0;
 }
@@ -250,9 +255,9 @@ static void test_rule_of_two(void) {
   script s = {.l = {{-14, -14}}, .moves = 1, .target = {1, 1}};
   loop l;
   drawn = 0, moved = OWN | OTHERS;
-  run(&l, SCRIPTED(s), &extractor, MODULE(&finder, NULL), 1);
-  expect(&l, 0, -14, NULL);
-  expect(&l, 1, -14, NULL);
+  run_step(&l, SCRIPTED(s), &extractor, MODULE(&finder, NULL), 1);
+  expect_result(&l, 0, -14, NULL);
+  expect_result(&l, 1, -14, NULL);
   g_assert_cmpuint(l.guard.back + l.guard.worse, ==, 0);
   g_assert_cmpuint(l.guard.prints, ==, GUARD_DRAWN + 1);
   correct_loop_clear(&l);
@@ -274,9 +279,9 @@ static void test_surrounded(void) {
   script s = {.l = {{-14, -14}}, .moves = 1, .target = {1, 1}};
   loop l;
   drawn = moved = 0;
-  run(&l, MODULE(&hasty, &s), &extractor, MODULE(&cuts, NULL), 1);
-  expect(&l, 0, 0, "went back: as drawn, with all around");
-  expect(&l, 1, -14, NULL);
+  run_step(&l, MODULE(&hasty, &s), &extractor, MODULE(&cuts, NULL), 1);
+  expect_result(&l, 0, 0, "went back: as drawn, with all around");
+  expect_result(&l, 1, -14, NULL);
   g_assert_cmpuint(l.now.bites[EDA_POLY].count, ==, 0);
   g_assert_cmpuint(l.guard.back, ==, 1);
   g_assert_cmpuint(l.guard.lost, ==, 0);
@@ -289,10 +294,10 @@ static void test_neighbour(void) {
   script s = {.l = {{-14, -14}, {-8, -14}}, .moves = 2, .target = {1, 1}};
   loop l;
   drawn = moved = 0;
-  run(&l, MODULE(&hasty, &s), &coupled, MODULE(&mover, NULL), 1);
+  run_step(&l, MODULE(&hasty, &s), &coupled, MODULE(&mover, NULL), 1);
   g_assert_cmpuint(l.guard.worse, ==, 1);
-  expect(&l, 0, -14, "neighbour at (30, 750) nm");
-  expect(&l, 1, -14, NULL);
+  expect_result(&l, 0, -14, "neighbour at (30, 750) nm");
+  expect_result(&l, 1, -14, NULL);
   g_assert_cmpfloat(off(&l, &l.measured.performance, 0), >,
                     off(&l, &l.before, 0));
   correct_loop_clear(&l);
@@ -314,16 +319,16 @@ static void test_rule_beside(void) {
   script s = {.l = {{-14, 0}}, .moves = 1, .target = {1, 1}};
   loop l;
   drawn = moved = 0;
-  run(&l, MODULE(&hasty, &s), &coupled, MODULE(&biter, NULL), 1);
-  expect(&l, 0, -14, "rule: patch beside at (30, 200) nm");
+  run_step(&l, MODULE(&hasty, &s), &coupled, MODULE(&biter, NULL), 1);
+  expect_result(&l, 0, -14, "rule: patch beside at (30, 200) nm");
   g_assert_cmpuint(l.now.bites[EDA_POLY].count, ==, 2);
   g_assert_cmpuint(l.guard.worse, ==, 1);
   correct_loop_clear(&l);
 }
 
 /* Fragments of a layer that the synthesizer dissects are reverted. */
-static int cut(void *self, const eda_gates *g, int layer, eda_cuts *cuts,
-               opc_error *error) {
+static int cut_layer(void *self, const eda_gates *g, int layer, eda_cuts *cuts,
+                     opc_error *error) {
   static const uint32_t start[] = {0, 12};
   static eda_point from[12];
   static double site[24];
@@ -353,11 +358,11 @@ static int update_fragments(void *self, const eda_feedback *f, eda_moves *m,
 }
 
 static const eda_synthesizer cutter = {
-    .begin = begin, .update = update_fragments, .cut = cut};
+    .begin = begin_moves, .update = update_fragments, .cut = cut_layer};
 
 static void test_fragments(void) {
   loop l;
-  run(&l, MODULE(&cutter, NULL), &extractor, NULL, 1);
+  run_step(&l, MODULE(&cutter, NULL), &extractor, NULL, 1);
   const eda_fragment *e = l.gates->edges[EDA_POLY].fragments;
   for (int i = 0; i < 12; i++)
     if (e[i].role == EDA_L_LOW || e[i].role == EDA_L_HIGH)

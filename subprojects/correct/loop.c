@@ -15,16 +15,16 @@
 
 static const char *const slots[DRIVERS] = {"synthesizer", "edges"};
 
-/* ---- what changed ---- */
+/* ---- changes ---- */
 
-static int changed(const loop *l, size_t layer) {
+static int layer_changed(const loop *l, size_t layer) {
   return correct_trial_differs(&l->now, &l->next, layer);
 }
 
 /* Return 1 if a layer of this driver changed. */
 static int any_changed(const loop *l, int which) {
   for (size_t k = 0; k < l->gates->layers; k++)
-    if (l->driver_of[k] == which && changed(l, k)) return 1;
+    if (l->driver_of[k] == which && layer_changed(l, k)) return 1;
   return 0;
 }
 
@@ -55,7 +55,7 @@ static int make_mask(loop *l, size_t layer, opc_error *error) {
 }
 
 /* Measure the transistors if poly or active was simulated. */
-static int measure(loop *l, const uint8_t *printed, opc_error *error) {
+static int loop_measure(loop *l, const uint8_t *printed, opc_error *error) {
   int again = 0;
   for (size_t k = 0; k <= EDA_ACTIVE && k < l->gates->layers; k++)
     again |= printed[k];
@@ -71,7 +71,7 @@ static int measure(loop *l, const uint8_t *printed, opc_error *error) {
 
 /* Copy the measurement for synthesizers, with drawn figures for transistors
    that keep their masks. */
-static void show(loop *l) {
+static void loop_show(loop *l) {
   const eda_performance *drawn = &l->design;
   eda_measurement *to = &l->shown;
   if (!l->still) return;
@@ -98,14 +98,14 @@ static void keep_still(loop *l) {
 /* Measure a simulation of the marked layers and record the results. */
 static int take_in(loop *l, const uint8_t *printed, int fine,
                    opc_error *error) {
-  int code = measure(l, printed, error);
+  int code = loop_measure(l, printed, error);
   for (size_t k = 0; k < l->gates->layers && !code; k++)
     if (printed[k])
       correct_sites_measure(l->host->context, &l->sites[k],
                             &l->printer.print[k],
                             eda_scanner_of(&l->printer.litho.module));
   if (code) return code;
-  show(l);
+  loop_show(l);
   l->summary = correct_summarize(l->gates, &l->design, &l->measured.performance,
                                  l->measured.flags, l->sites);
   if (!l->guard.prints)
@@ -113,7 +113,7 @@ static int take_in(loop *l, const uint8_t *printed, int fine,
                         fine);
   correct_guard_watch(l);
   if (l->traced) correct_trace_add(&l->trace, l);
-  return fine ? correct_proof_of_drawn(l, error) : OPC_OK;
+  return fine ? correct_verification_of_drawn(l, error) : OPC_OK;
 }
 
 int correct_loop_refine(loop *l, opc_error *error) {
@@ -127,7 +127,7 @@ int correct_loop_print(loop *l, int all, opc_error *error) {
   size_t layers = l->gates->layers;
   uint8_t *printed = eda_alloc(layers, 1);
   for (size_t k = 0; k < layers; k++)
-    printed[k] = l->gates->corrected[k] && (all || changed(l, k));
+    printed[k] = l->gates->corrected[k] && (all || layer_changed(l, k));
   correct_trial_copy(&l->now, &l->next);
   int code = OPC_OK;
   for (size_t k = 0; k < layers && !code; k++)
@@ -135,13 +135,13 @@ int correct_loop_print(loop *l, int all, opc_error *error) {
   if (!code) code = eda_printer_print(&l->printer, printed, l->mask, error);
   if (!code) code = correct_corners_print(l, printed, error);
   if (!code)
-    code = correct_proof_is_early(l) ? correct_loop_refine(l, error)
-                                     : take_in(l, printed, 0, error);
+    code = correct_verification_is_early(l) ? correct_loop_refine(l, error)
+                                            : take_in(l, printed, 0, error);
   free(printed);
   return code;
 }
 
-/* ---- what plugins see and say ---- */
+/* ---- calls of plugins ---- */
 
 eda_printed correct_loop_printed(const loop *l) {
   return (eda_printed){.iteration = l->iterations,
@@ -156,7 +156,7 @@ eda_printed correct_loop_printed(const loop *l) {
                        .scanner = eda_scanner_of(&l->printer.litho.module)};
 }
 
-static int rule(loop *l, eda_ruling *ruling, opc_error *error) {
+static int loop_rule(loop *l, eda_ruling *ruling, opc_error *error) {
   eda_printed p = correct_loop_printed(l);
   int code = eda_call_rule(l->host->context, l->regulator, &p, ruling, error);
   if (code) return eda_blame(error, code, "regulator");
@@ -174,7 +174,7 @@ static int rule(loop *l, eda_ruling *ruling, opc_error *error) {
 
 /* Let the regulator set the vetoes and the line ends, added shapes and cut-outs
    of `next`. */
-static int judge(loop *l, opc_error *error) {
+static int loop_judge(loop *l, opc_error *error) {
   size_t layers = l->gates->layers;
   memset(l->vetoes, 0, l->gates->count * sizeof *l->vetoes);
   if (!l->regulator) return OPC_OK;
@@ -183,7 +183,7 @@ static int judge(loop *l, opc_error *error) {
                        .patches = eda_alloc(layers, sizeof *ruling.patches),
                        .bites = eda_alloc(layers, sizeof *ruling.bites)};
   eda_boxes *patches = ruling.patches, *bites = ruling.bites;
-  int code = rule(l, &ruling, error);
+  int code = loop_rule(l, &ruling, error);
   free(patches);
   free(bites);
   drop_biases(l);
@@ -191,7 +191,7 @@ static int judge(loop *l, opc_error *error) {
   return code;
 }
 
-static eda_feedback feedback(const loop *l, const driver *d) {
+static eda_feedback feedback_of(const loop *l, const driver *d) {
   const eda_measurement *m = l->still ? &l->shown : &l->measured;
   return (eda_feedback){.iteration = l->iterations,
                         .gates = l->gates,
@@ -266,7 +266,7 @@ static int cut_layer(loop *l, size_t layer, opc_error *error) {
 }
 
 /* Warn of layers that no synthesizer moves, and of `edges` without a layer. */
-static void tell_of_idle(const loop *l) {
+static void loop_log_idle(const loop *l) {
   const opc_host *host = l->host;
   int edges = 0;
   for (size_t k = 0; k < l->gates->layers; k++) {
@@ -284,14 +284,14 @@ static void tell_of_idle(const loop *l) {
               l->drivers[EDGES].module->id);
 }
 
-static int begin(loop *l, opc_error *error) {
+static int loop_begin(loop *l, opc_error *error) {
   int code = OPC_OK;
   for (int which = 0; which < DRIVERS; which++) {
     driver *d = &l->drivers[which];
     d->done = !d->module;
     if (!d->module) continue;
     const eda_synthesizer *s = d->module->functions;
-    eda_feedback f = feedback(l, d);
+    eda_feedback f = feedback_of(l, d);
     f.printed = NULL;
     f.print = NULL;
     const char *before = eda_enter(l->host->context, d->module, error);
@@ -302,17 +302,17 @@ static int begin(loop *l, opc_error *error) {
   for (size_t k = 0; k < l->gates->layers && !code; k++)
     code = cut_layer(l, k, error);
   if (!code) code = correct_assists_begin(l, error);
-  if (!code) code = correct_seek_begin(l, error);
+  if (!code) code = correct_search_begin(l, error);
   if (!code) code = correct_assists_check(l, error);
-  if (!code) tell_of_idle(l);
+  if (!code) loop_log_idle(l);
   return code;
 }
 
 /* Store the displacements of a synthesizer in `next`, for its own layers
    only. */
-static int move(loop *l, int which, eda_moves *moves, opc_error *error) {
+static int driver_move(loop *l, int which, eda_moves *moves, opc_error *error) {
   driver *d = &l->drivers[which];
-  eda_feedback f = feedback(l, d);
+  eda_feedback f = feedback_of(l, d);
   int code = eda_call_update(l->host->context, d->module, &f, d->fragments,
                              moves, &d->done, error);
   if (code) return eda_blame(error, code, slots[which]);
@@ -323,7 +323,7 @@ static int move(loop *l, int which, eda_moves *moves, opc_error *error) {
 }
 
 /* Let a synthesizer compute its next displacements. */
-static int update(loop *l, int which, opc_error *error) {
+static int driver_update(loop *l, int which, opc_error *error) {
   size_t n = l->gates->count, layers = l->gates->layers;
   const biases *b = &l->next.biases;
   eda_boxes *assists = eda_alloc(layers, sizeof *assists);
@@ -345,7 +345,7 @@ static int update(loop *l, int which, opc_error *error) {
     moves.part = idle.part;
     moves.aside = idle.aside;
   }
-  int code = move(l, which, &moves, error);
+  int code = driver_move(l, which, &moves, error);
   free(assists);
   drop_biases(l);
   keep_still(l);
@@ -355,7 +355,7 @@ static int update(loop *l, int which, opc_error *error) {
 /* ---- the loop ---- */
 
 /* Return the figure that the loop minimises. */
-static double worst(const loop *l) {
+static double loop_worst(const loop *l) {
   return l->summary.gates ? l->summary.ion_max : l->summary.epe_max;
 }
 
@@ -363,10 +363,10 @@ static const char *worst_unit(const loop *l) {
   return l->summary.gates ? "%" : "nm";
 }
 
-static int told_to_stop(const loop *l) {
+static int loop_is_cancelled(const loop *l) {
   opc_progress progress = {.done = l->iterations,
                            .total = (double)l->max_iterations,
-                           .worst = worst(l),
+                           .worst = loop_worst(l),
                            .worst_unit = worst_unit(l)};
   l->host->progress(l->host, &progress);
   return opc_cancelled(l->host->context);
@@ -385,7 +385,7 @@ static int move_all(loop *l, const int *ruled, opc_error *error) {
     driver *d = &l->drivers[which];
     if (!d->module || (d->done && !ruled[which])) continue;
     d->done = 0;
-    code = update(l, which, error);
+    code = driver_update(l, which, error);
     /* The synthesizer has not seen this change yet. */
     if (ruled[which] && ends_anytime(d)) d->done = 0;
   }
@@ -396,14 +396,15 @@ static int all_done(const loop *l) {
   return l->drivers[MAIN].done && l->drivers[EDGES].done;
 }
 
-static int iterate(loop *l, opc_error *error) {
+static int loop_iterate(loop *l, opc_error *error) {
   int code = OPC_OK;
   int64_t prints = 0;
   for (; !code; code = correct_loop_print(l, 0, error)) {
-    if (told_to_stop(l)) return opc_fail(error, OPC_CANCELLED, NULL, "stopped");
-    if ((code = judge(l, error))) return code;
+    if (loop_is_cancelled(l))
+      return opc_fail(error, OPC_CANCELLED, NULL, "stopped");
+    if ((code = loop_judge(l, error))) return code;
     correct_assists_watch(l);
-    if ((code = correct_seek_watch(l, all_done(l), error))) return code;
+    if ((code = correct_search_watch(l, all_done(l), error))) return code;
     int ruled[DRIVERS], wait = 0;
     for (int which = 0; which < DRIVERS; which++) {
       ruled[which] = any_changed(l, which);
@@ -418,7 +419,7 @@ static int iterate(loop *l, opc_error *error) {
       l->host->log(l->host, OPC_LOG_WARNING,
                    "not done after %d iteration%s: worst deviation %.3g %s",
                    (int)l->max_iterations, l->max_iterations == 1 ? "" : "s",
-                   worst(l), worst_unit(l));
+                   loop_worst(l), worst_unit(l));
       return OPC_OK;
     }
     if ((code = move_all(l, ruled, error))) return code;
@@ -444,17 +445,17 @@ static int count_open(loop *l, size_t *count, opc_error *error) {
 }
 
 /* Iterate until an accurate simulation confirms the result. */
-static int iterate_to_proof(loop *l, opc_error *error) {
+static int loop_iterate_verified(loop *l, opc_error *error) {
   int code = OPC_OK, holds = 0;
-  for (int k = 0; k < PROOFS && !holds && !code; k++) {
+  for (int k = 0; k < VERIFICATIONS && !holds && !code; k++) {
     size_t open = 0, now = 0;
     int due = 0;
     for (int which = 0; which < DRIVERS; which++)
       l->drivers[which].done = !l->drivers[which].module;
-    code = iterate(l, error);
-    if (!code) due = correct_proof_is_due(l);
+    code = loop_iterate(l, error);
+    if (!code) due = correct_verification_is_due(l);
     if (due) code = count_open(l, &open, error);
-    if (!code) code = correct_proof_of_end(l, &holds, error);
+    if (!code) code = correct_verification_of_end(l, &holds, error);
     if (!code && due) code = count_open(l, &now, error);
     holds &= now <= open;
     if (l->iterations == l->max_iterations) break;
@@ -525,11 +526,11 @@ int correct_loop_run(loop *l, opc_error *error) {
   if (!code)
     code =
         eda_measure_drawn(context, l->gates, l->extractor, &l->design, error);
-  if (!code) code = begin(l, error);
+  if (!code) code = loop_begin(l, error);
   if (!code) code = correct_loop_print(l, 1, error);
   if (!code) code = correct_start_hold(l, error);
   if (code) return code;
-  show(l);
+  loop_show(l);
   eda_performance_copy(&l->before, l->corners.count ? &l->corners.nominal
                                                     : &l->measured.performance);
   keep_drawn_print(l);
@@ -539,8 +540,8 @@ int correct_loop_run(loop *l, opc_error *error) {
   if (!code)
     code = correct_fine_by_layer(&l->printer, l->host, l->gates, l->extractor,
                                  l->fine_change, error);
-  if (!code) code = correct_proof_begin(l, error);
-  if (!code) code = iterate_to_proof(l, error);
+  if (!code) code = correct_verification_begin(l, error);
+  if (!code) code = loop_iterate_verified(l, error);
   if (code || !l->gates->count) return code;
   if (l->hold) return correct_guard_hold(l, error);
   correct_guard_count(l);
@@ -580,10 +581,10 @@ void correct_loop_clear(loop *l) {
   free(l->still);
   correct_history_clear(&l->history);
   correct_guard_clear(&l->guard);
-  correct_proof_clear(l);
+  correct_verification_clear(l);
   correct_trace_clear(&l->trace);
   correct_corners_clear(l);
   correct_assists_clear(l);
-  correct_seek_clear(l);
+  correct_search_clear(l);
   eda_printer_clear(&l->printer);
 }

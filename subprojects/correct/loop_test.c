@@ -43,8 +43,8 @@ typedef struct synthesizer {
 
 static synthesizer own;
 
-static int cut(void *self, const eda_gates *g, int layer, eda_cuts *cuts,
-               opc_error *error) {
+static int cut_layer(void *self, const eda_gates *g, int layer, eda_cuts *cuts,
+                     opc_error *error) {
   synthesizer *s = self;
   (void)error;
   if (layer != s->layer) return OPC_OK;
@@ -83,15 +83,15 @@ static int cut(void *self, const eda_gates *g, int layer, eda_cuts *cuts,
   return OPC_OK;
 }
 
-static int begin(void *self, const eda_feedback *f, opc_error *error) {
+static int begin_moves(void *self, const eda_feedback *f, opc_error *error) {
   (void)self, (void)error;
   g_assert_null(f->printed);
   for (size_t k = 0; k < f->gates->layers; k++) g_assert_null(f->epe[k]);
   return OPC_OK;
 }
 
-static int update(void *self, const eda_feedback *f, eda_moves *m, int *done,
-                  opc_error *error) {
+static int update_moves(void *self, const eda_feedback *f, eda_moves *m,
+                        int *done, opc_error *error) {
   synthesizer *s = self;
   int layer = s->layer;
   (void)error;
@@ -125,12 +125,14 @@ static const char *verdict(const void *self, size_t gate) {
   return NULL;
 }
 
-static const eda_synthesizer cutter = {
-    .begin = begin, .update = update, .verdict = verdict, .cut = cut};
-static const eda_synthesizer hasty = {.begin = begin,
-                                      .update = update,
+static const eda_synthesizer cutter = {.begin = begin_moves,
+                                       .update = update_moves,
+                                       .verdict = verdict,
+                                       .cut = cut_layer};
+static const eda_synthesizer hasty = {.begin = begin_moves,
+                                      .update = update_moves,
                                       .verdict = verdict,
-                                      .cut = cut,
+                                      .cut = cut_layer,
                                       .flags = EDA_SYNTHESIZER_ENDS_ANYTIME};
 
 /* ---- a regulator with one patch ---- */
@@ -138,8 +140,8 @@ static const eda_synthesizer hasty = {.begin = begin,
 static const eda_box patch = {-20, 100, 30, 140};
 static const eda_box *patch_given, *bite_given;
 
-static int rule(void *self, const eda_printed *p, eda_ruling *r,
-                opc_error *error) {
+static int set_rules(void *self, const eda_printed *p, eda_ruling *r,
+                     opc_error *error) {
   (void)self, (void)error;
   g_assert_cmpuint(p->shapes[EDA_POLY].count, ==, 2);
   g_assert_nonnull(p->print[EDA_ACTIVE].coefficients);
@@ -157,7 +159,7 @@ static int none_broken(void *self, const eda_printed *p, eda_violation *v,
   return OPC_OK;
 }
 
-static const eda_regulator regulator = {.rule = rule,
+static const eda_regulator regulator = {.rule = set_rules,
                                         .violations = none_broken};
 
 /* ---- the loop ---- */
@@ -183,8 +185,8 @@ static int run_loop(loop *l, const eda_gates *gates, const opc_module *main_one,
   return code;
 }
 
-static int run(loop *l, const eda_synthesizer *s, const opc_module *drc,
-               opc_error *error) {
+static int run_step(loop *l, const eda_synthesizer *s, const opc_module *drc,
+                    opc_error *error) {
   return run_loop(l, &metal, MODULE(s, &own), NULL, drc, error);
 }
 
@@ -195,7 +197,7 @@ static void test_fragments(void) {
   loop l;
   opc_error error = {0};
   own.spoil = NULL;
-  g_assert_cmpint(run(&l, &cutter, NULL, &error), ==, OPC_OK);
+  g_assert_cmpint(run_step(&l, &cutter, NULL, &error), ==, OPC_OK);
   g_assert_cmpuint(l.summary.gates, ==, 0);
   g_assert_cmpuint(l.summary.sites, ==, THIRDS);
   g_assert_cmpuint(l.summary.lost, ==, 0);
@@ -220,7 +222,7 @@ static void test_proof(void) {
   optics = &finer;
   for (int n = 0; n < FINE_PRINTS; n++) fine_adds[n] = n ? 0.1 : 0;
   memset(fine_prints, 0, sizeof fine_prints);
-  g_assert_cmpint(run(&l, &cutter, NULL, &error), ==, OPC_OK);
+  g_assert_cmpint(run_step(&l, &cutter, NULL, &error), ==, OPC_OK);
   g_assert_cmpint(fine_prints[EDA_POLY], ==, 3);
   g_assert_cmpint(fine_prints[EDA_ACTIVE], ==, 1);
   g_assert_cmpfloat(l.summary.epe_max, <, 2);
@@ -234,9 +236,9 @@ static void test_patches(void) {
   own.spoil = NULL;
   for (int early = 0; early < 2; early++) {
     patch_given = &patch;
-    g_assert_cmpint(
-        run(&l, early ? &hasty : &cutter, MODULE(&regulator, NULL), &error), ==,
-        OPC_OK);
+    g_assert_cmpint(run_step(&l, early ? &hasty : &cutter,
+                             MODULE(&regulator, NULL), &error),
+                    ==, OPC_OK);
     /* Settled before the first displacements, or together with them. */
     g_assert_cmpuint(own.first_simulations, ==, early ? 2 : 3);
     eda_shapes box, outside, both;
@@ -255,7 +257,7 @@ static void test_patches(void) {
   /* A synthesizer that finishes before the shape was added is asked again. */
   own.spoil = "at once";
   own.updates = 0;
-  g_assert_cmpint(run(&l, &hasty, MODULE(&regulator, NULL), &error), ==,
+  g_assert_cmpint(run_step(&l, &hasty, MODULE(&regulator, NULL), &error), ==,
                   OPC_OK);
   g_assert_cmpint(own.updates, ==, 2);
   g_assert_cmpuint(l.printer.simulations, ==, 3);
@@ -263,7 +265,7 @@ static void test_patches(void) {
   own.spoil = NULL;
   static const eda_box wrong = {10, 0, 10, 5};
   patch_given = &wrong;
-  g_assert_cmpint(run(&l, &cutter, MODULE(&regulator, NULL), &error), ==,
+  g_assert_cmpint(run_step(&l, &cutter, MODULE(&regulator, NULL), &error), ==,
                   OPC_FAILED);
   g_assert_cmpstr(error.parameter, ==, "regulator");
   g_assert_cmpstr(
@@ -282,11 +284,11 @@ static void test_bites(void) {
   own.spoil = "at once";
   patch_given = &patch;
   own.updates = 0;
-  g_assert_cmpint(run(&without, &hasty, MODULE(&regulator, NULL), &error), ==,
-                  OPC_OK);
+  g_assert_cmpint(run_step(&without, &hasty, MODULE(&regulator, NULL), &error),
+                  ==, OPC_OK);
   bite_given = &bite;
   own.updates = 0;
-  g_assert_cmpint(run(&with, &hasty, MODULE(&regulator, NULL), &error), ==,
+  g_assert_cmpint(run_step(&with, &hasty, MODULE(&regulator, NULL), &error), ==,
                   OPC_OK);
   bite_given = NULL;
   own.spoil = NULL;
@@ -318,7 +320,7 @@ static void test_assists(void) {
   own.assists = bars;
   own.assist_count = 3;
   for (own.drop = 0; own.drop < 2; own.drop++) {
-    g_assert_cmpint(run(&l, &cutter, NULL, &error), ==, OPC_OK);
+    g_assert_cmpint(run_step(&l, &cutter, NULL, &error), ==, OPC_OK);
     eda_shapes added;
     g_assert_false(eda_boolean(EDA_NOT, &l.mask[EDA_POLY],
                                &l.polygons[EDA_POLY], &added, &error));
@@ -333,14 +335,14 @@ static void test_assists(void) {
   static const eda_box wrong[] = {{0, 400, 10, 410}, {10, 400, 5, 410}};
   own.assists = wrong;
   own.assist_count = 2;
-  g_assert_cmpint(run(&l, &cutter, NULL, &error), ==, OPC_FAILED);
+  g_assert_cmpint(run_step(&l, &cutter, NULL, &error), ==, OPC_FAILED);
   g_assert_cmpstr(error.parameter, ==, "synthesizer");
   g_assert_cmpstr(error.message, ==,
                   "number 2 of the assists of poly is no box: (10, 400) to (5, "
                   "410)");
   correct_loop_clear(&l);
   own.assists = NULL;
-  g_assert_cmpint(run(&l, &cutter, NULL, &error), ==, OPC_FAILED);
+  g_assert_cmpint(run_step(&l, &cutter, NULL, &error), ==, OPC_FAILED);
   g_assert_cmpstr(error.message, ==,
                   "gives 2 assists of poly without their boxes");
   correct_loop_clear(&l);
@@ -378,7 +380,7 @@ static void test_faults(void) {
     loop l;
     opc_error error = {0};
     own.spoil = cases[i].spoil;
-    g_assert_cmpint(run(&l, &cutter, NULL, &error), ==, OPC_FAILED);
+    g_assert_cmpint(run_step(&l, &cutter, NULL, &error), ==, OPC_FAILED);
     g_assert_cmpstr(error.parameter, ==, "synthesizer");
     g_assert_cmpstr(error.message, ==, cases[i].message);
     correct_loop_clear(&l);
@@ -433,7 +435,7 @@ static int move_gates(void *self, const eda_feedback *f, eda_moves *m,
 }
 
 static const eda_synthesizer mover = {
-    .begin = begin, .update = move_gates, .verdict = verdict};
+    .begin = begin_moves, .update = move_gates, .verdict = verdict};
 
 /* Displacements of gates by this synthesizer must be ignored. */
 static int update_edges(void *self, const eda_feedback *f, eda_moves *m,
@@ -441,11 +443,13 @@ static int update_edges(void *self, const eda_feedback *f, eda_moves *m,
   g_assert_cmpint(m->l[0], ==, MIN(4 * (int)f->iteration, 8));
   m->l[0] = m->w[0] = m->jog[0] = 99;
   m->assists[EDA_POLY] = (eda_boxes){&patch, 1};
-  return update(self, f, m, done, error);
+  return update_moves(self, f, m, done, error);
 }
 
-static const eda_synthesizer edges_cutter = {
-    .begin = begin, .update = update_edges, .verdict = verdict, .cut = cut};
+static const eda_synthesizer edges_cutter = {.begin = begin_moves,
+                                             .update = update_edges,
+                                             .verdict = verdict,
+                                             .cut = cut_layer};
 
 static int run_stack(loop *l, int with_edges, const opc_module *drc) {
   opc_error error = {0};
@@ -532,7 +536,7 @@ static void test_edges_ruled(void) {
   correct_loop_clear(&l);
 }
 
-/* ---- what is told of it ---- */
+/* ---- report ---- */
 
 /* Without transistors there are no figures of performance. */
 static void test_report(void) {
@@ -540,7 +544,7 @@ static void test_report(void) {
   opc_error error = {0};
   own.spoil = NULL;
   told = g_string_new(NULL);
-  g_assert_cmpint(run(&l, &cutter, NULL, &error), ==, OPC_OK);
+  g_assert_cmpint(run_step(&l, &cutter, NULL, &error), ==, OPC_OK);
   const eda_mask mask = {.gates = &metal,
                          .iterations = l.iterations,
                          .simulations = l.printer.simulations};

@@ -17,7 +17,7 @@ enum { SHORT_TABLE = 24 }; /* largest number of rows that are printed */
 
 /* ---- statistics ---- */
 
-static void count(statistics *s, double x) {
+static void statistics_add(statistics *s, double x) {
   s->n++;
   s->sum += x;
   s->absolute += fabs(x);
@@ -32,18 +32,18 @@ static double mean_of(const statistics *s) {
 
 static double max_of(const statistics *s) { return s->n ? s->max : NAN; }
 
-static double stdv(const statistics *s) {
+static double stdv_of(const statistics *s) {
   if (!s->n) return NAN;
   double mean = s->sum / s->n;
   return sqrt(fmax(0, s->square / s->n - mean * mean));
 }
 
-static double rms(const statistics *s) {
+static double rms_of(const statistics *s) {
   return s->n ? sqrt(s->square / s->n) : NAN;
 }
 
 /* Return 1 for a transistor that does not print and has no figures. */
-static int failed(const uint32_t *flags, size_t i) {
+static int gate_failed(const uint32_t *flags, size_t i) {
   return flags && eda_print_failed(flags[i]);
 }
 
@@ -51,19 +51,19 @@ void correct_groups_add(groups *to, int type, const eda_figures *drawn,
                         const eda_figures *printed) {
   for (int k = 0; k < 2; k++) {
     int group = k ? 2 : type == EDA_PMOS;
-    count(&to->ion[group], eda_deviation(printed->ion, drawn->ion));
-    count(&to->area[group], eda_deviation(printed->area, drawn->area));
-    count(&to->ioff[group], eda_deviation(printed->ioff, drawn->ioff));
+    statistics_add(&to->ion[group], eda_deviation(printed->ion, drawn->ion));
+    statistics_add(&to->area[group], eda_deviation(printed->area, drawn->area));
+    statistics_add(&to->ioff[group], eda_deviation(printed->ioff, drawn->ioff));
     to->leakage[group] += printed->ioff;
     to->leakage_drawn[group] += drawn->ioff;
   }
 }
 
-static groups gather(const eda_gates *g, const eda_performance *design,
-                     const eda_performance *printed, const uint32_t *flags) {
+static groups groups_of(const eda_gates *g, const eda_performance *design,
+                        const eda_performance *printed, const uint32_t *flags) {
   groups out = {0};
   for (size_t i = 0; i < g->count; i++) {
-    if (failed(flags, i)) continue;
+    if (gate_failed(flags, i)) continue;
     eda_figures drawn = eda_figures_of(design, i),
                 now = eda_figures_of(printed, i);
     correct_groups_add(&out, g->type[i], &drawn, &now);
@@ -74,9 +74,9 @@ static groups gather(const eda_gates *g, const eda_performance *design,
 summary correct_groups_sum(const groups *g) {
   summary out = {.ion_mean = mean_of(&g->ion[2]),
                  .ion_max = max_of(&g->ion[2]),
-                 .ion_stdv = stdv(&g->ion[2]),
-                 .ion_rms = rms(&g->ion[2]),
-                 .ioff_rms = rms(&g->ioff[2]),
+                 .ion_stdv = stdv_of(&g->ion[2]),
+                 .ion_rms = rms_of(&g->ion[2]),
+                 .ioff_rms = rms_of(&g->ioff[2]),
                  .area_mean = mean_of(&g->area[2]),
                  .area_max = max_of(&g->area[2]),
                  .ioff_mean = mean_of(&g->ioff[2]),
@@ -90,12 +90,12 @@ summary correct_groups_sum(const groups *g) {
 summary correct_summarize(const eda_gates *gates, const eda_performance *design,
                           const eda_performance *printed, const uint32_t *flags,
                           const sites *places) {
-  groups g = gather(gates, design, printed, flags);
+  groups g = groups_of(gates, design, printed, flags);
   statistics epe = {0};
   summary out = correct_groups_sum(&g);
   out.gates = gates->count;
   for (size_t i = 0; i < gates->count; i++) {
-    out.failed += (size_t)failed(flags, i);
+    out.failed += (size_t)gate_failed(flags, i);
     out.outside += (flags[i] & EDA_PRINT_OUTSIDE) != 0;
   }
   for (size_t k = 0; places && k < gates->layers; k++) {
@@ -104,7 +104,7 @@ summary correct_summarize(const eda_gates *gates, const eda_performance *design,
       if (isnan(places[k].epe[i]))
         out.lost++;
       else
-        count(&epe, places[k].epe[i]);
+        statistics_add(&epe, places[k].epe[i]);
   }
   out.epe_mean = mean_of(&epe);
   out.epe_max = max_of(&epe);
@@ -217,9 +217,9 @@ typedef struct gate_row {
 } gate_row;
 
 /* Return the difference of a gate's Ion deviation from that in the loop, %. */
-static double change(const report *r, size_t i) {
+static double gate_change(const report *r, size_t i) {
   const eda_mask *m = r->mask, *c = r->corrected;
-  if (failed(m->flags, i) || failed(c->flags, i)) return NAN;
+  if (gate_failed(m->flags, i) || gate_failed(c->flags, i)) return NAN;
   return eda_deviation(m->after.ion[i], m->design.ion[i]) -
          eda_deviation(c->after.ion[i], c->design.ion[i]);
 }
@@ -228,7 +228,7 @@ static double change(const report *r, size_t i) {
    synthesizer's verdict. */
 static int verdict_of(const opc_context *context, const report *r, size_t gate,
                       const char **verdict, opc_error *error) {
-  *verdict = failed(r->mask->flags, gate)               ? "does not print"
+  *verdict = gate_failed(r->mask->flags, gate)          ? "does not print"
              : r->held[gate]                            ? r->held[gate]
              : r->mask->flags[gate] & EDA_PRINT_OUTSIDE ? "outside the table"
                                                         : NULL;
@@ -238,9 +238,9 @@ static int verdict_of(const opc_context *context, const report *r, size_t gate,
 }
 
 /* Return the deviation of a figure, %; NAN without a figure. */
-static double deviation(const uint32_t *flags, size_t i, const double *printed,
-                        const double *design) {
-  return failed(flags, i) ? NAN : eda_deviation(printed[i], design[i]);
+static double gate_deviation(const uint32_t *flags, size_t i,
+                             const double *printed, const double *design) {
+  return gate_failed(flags, i) ? NAN : eda_deviation(printed[i], design[i]);
 }
 
 static gate_row row_of(const report *r, size_t i) {
@@ -248,23 +248,23 @@ static gate_row row_of(const report *r, size_t i) {
   const eda_gates *g = m->gates;
   const biases *b = r->biases;
   const eda_performance *now = &m->after, *drawn = &m->design;
-  int none = failed(m->flags, i);
-  gate_row row = {
-      .name = correct_report_gate_name(g, i),
-      .cell = g->cell[i],
-      .type = g->type[i] == EDA_PMOS ? "p" : "n",
-      .print = correct_report_trouble(m->flags[i]),
-      .l = g->length[i],
-      .w = g->width[i],
-      .x = ((double)g->box[i].x0 + g->box[i].x1) / 2 * g->grid,
-      .y = ((double)g->box[i].y0 + g->box[i].y1) / 2 * g->grid,
-      .ion_before = deviation(r->flags_before, i, m->before.ion, drawn->ion),
-      .ion = deviation(m->flags, i, now->ion, drawn->ion),
-      .ioff = deviation(m->flags, i, now->ioff, drawn->ioff),
-      .area = deviation(m->flags, i, now->area, drawn->area),
-      .leq = none ? NAN : now->leq_ion[i],
-      .weq = none ? NAN : now->weq[i]};
-  if (r->corrected) row.change = change(r, i);
+  int none = gate_failed(m->flags, i);
+  gate_row row = {.name = correct_report_gate_name(g, i),
+                  .cell = g->cell[i],
+                  .type = g->type[i] == EDA_PMOS ? "p" : "n",
+                  .print = correct_report_trouble(m->flags[i]),
+                  .l = g->length[i],
+                  .w = g->width[i],
+                  .x = ((double)g->box[i].x0 + g->box[i].x1) / 2 * g->grid,
+                  .y = ((double)g->box[i].y0 + g->box[i].y1) / 2 * g->grid,
+                  .ion_before = gate_deviation(r->flags_before, i,
+                                               m->before.ion, drawn->ion),
+                  .ion = gate_deviation(m->flags, i, now->ion, drawn->ion),
+                  .ioff = gate_deviation(m->flags, i, now->ioff, drawn->ioff),
+                  .area = gate_deviation(m->flags, i, now->area, drawn->area),
+                  .leq = none ? NAN : now->leq_ion[i],
+                  .weq = none ? NAN : now->weq[i]};
+  if (r->corrected) row.change = gate_change(r, i);
   if (b) {
     const eda_moved *base = b->base;
     row.mask_l = (b->l[i] + (base ? base->l[i] : 0)) * g->grid;
@@ -361,7 +361,7 @@ int correct_groups_table(const opc_host *host, const groups *drawn,
     row[rows].area_mean_before = mean_of(&before.area[t]);
     row[rows].ion_mean = mean_of(&after.ion[t]);
     row[rows].ion_max = after.ion[t].max;
-    row[rows].ion_stdv = stdv(&after.ion[t]);
+    row[rows].ion_stdv = stdv_of(&after.ion[t]);
     row[rows].area_mean = mean_of(&after.area[t]);
     row[rows].ioff_total =
         eda_deviation(after.leakage[t], after.leakage_drawn[t]);
@@ -393,8 +393,8 @@ static int summary_table(const opc_host *host, const report *r,
                          opc_error *error) {
   const eda_mask *m = r->mask;
   const groups before =
-      gather(m->gates, &m->design, &m->before, r->flags_before);
-  const groups after = gather(m->gates, &m->design, &m->after, m->flags);
+      groups_of(m->gates, &m->design, &m->before, r->flags_before);
+  const groups after = groups_of(m->gates, &m->design, &m->after, m->flags);
   return correct_groups_table(host, r->corrected ? NULL : &before, &after,
                               error);
 }
@@ -419,15 +419,15 @@ static int effort_table(const opc_host *host, const eda_mask *mask,
 
 /* ---- metrics ---- */
 
-static int metrics(const opc_host *host, const report *r, const summary *s,
-                   opc_error *error) {
+static int report_metrics(const opc_host *host, const report *r,
+                          const summary *s, opc_error *error) {
   const eda_mask *m = r->mask;
   const groups before =
-      gather(m->gates, &m->design, &m->before, r->flags_before);
+      groups_of(m->gates, &m->design, &m->before, r->flags_before);
   const statistics *drawn = &before.ion[2];
   statistics changes = {0};
   for (size_t i = 0; r->corrected && i < m->gates->count; i++)
-    if (!isnan(change(r, i))) count(&changes, change(r, i));
+    if (!isnan(gate_change(r, i))) statistics_add(&changes, gate_change(r, i));
   const int gates = m->gates->count > s->failed, corrects = !r->corrected;
   const int edges = s->sites > s->lost;
   const opc_metric_value values[] = {
@@ -460,7 +460,7 @@ static int metrics(const opc_host *host, const report *r, const summary *s,
   return opc_put_metrics(host, OPC_ARRAY(values), error);
 }
 
-/* ---- all of it ---- */
+/* ---- run ---- */
 
 int correct_report_mask(const opc_host *host, const report *r,
                         opc_error *error) {
@@ -471,14 +471,14 @@ int correct_report_mask(const opc_host *host, const report *r,
   if (!code) code = finding_table(host, m, error);
   if (!code && m->gates->count) code = summary_table(host, r, error);
   if (!code && !r->corrected) code = effort_table(host, m, &s, error);
-  if (!code) code = metrics(host, r, &s, error);
+  if (!code) code = report_metrics(host, r, &s, error);
   return code;
 }
 
 /* Log each reason of violations once. Returns the number of violations without
    a reason. */
-static size_t tell_reasons(const opc_host *host, const eda_violation *v,
-                           size_t n) {
+static size_t violations_log_reasons(const opc_host *host,
+                                     const eda_violation *v, size_t n) {
   size_t without = 0;
   for (size_t i = 0; i < n; i++) {
     size_t before = 0, count = 0;
@@ -498,7 +498,7 @@ static size_t tell_reasons(const opc_host *host, const eda_violation *v,
 int correct_report_violations(const opc_host *host, const eda_gates *gates,
                               const eda_violation *v, size_t n,
                               opc_error *error) {
-  size_t unexplained = tell_reasons(host, v, n);
+  size_t unexplained = violations_log_reasons(host, v, n);
   const opc_metric_value values[] = {
       {"violations", (double)n},
       {"violations_unexplained", (double)unexplained}};

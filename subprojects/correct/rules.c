@@ -33,8 +33,8 @@ static void count_layer(const eda_gates *g, size_t layer,
   free(fault);
 }
 
-int correct_rules_tell(const opc_host *host, const rules_row *rows, size_t n,
-                       opc_error *error) {
+int correct_rules_table(const opc_host *host, const rules_row *rows, size_t n,
+                        opc_error *error) {
   double all = 0, sum[EDA_RULES] = {0};
   for (size_t i = 0; i < n; i++) {
     sum[i % EDA_RULES] += (double)rows[i].count;
@@ -86,7 +86,7 @@ int correct_rules_report(const opc_host *host, const eda_gates *gates,
   for (size_t k = 0; k < gates->layers; k++)
     if (gates->corrected[k]) c.layer[n++] = k;
   opc_parallel(host->context, n, count_one, &c);
-  int code = correct_rules_tell(host, c.rows, n * EDA_RULES, error);
+  int code = correct_rules_table(host, c.rows, n * EDA_RULES, error);
   free(c.rows);
   free(c.layer);
   return code;

@@ -41,14 +41,14 @@ void correct_sites_clear(sites *s) {
 
 /* ---- measuring ---- */
 
-typedef struct job {
+typedef struct site_search {
   const sites *sites;
   const eda_field *print;
   double reach; /* nm */
-} job;
+} site_search;
 
 static void measure_site(void *data, size_t i) {
-  const job *j = data;
+  const site_search *j = data;
   const sites *s = j->sites;
   s->epe[i] = eda_field_epe(j->print, s->axis[i], s->out[i], s->place[2 * i],
                             s->place[2 * i + 1], j->reach);
@@ -56,6 +56,6 @@ static void measure_site(void *data, size_t i) {
 
 void correct_sites_measure(const opc_context *context, const sites *s,
                            const eda_field *print, eda_scanner scanner) {
-  job j = {s, print, eda_natural(&scanner, reach)};
+  site_search j = {s, print, eda_natural(&scanner, reach)};
   opc_parallel(context, s->count, measure_site, &j);
 }

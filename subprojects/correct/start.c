@@ -24,14 +24,14 @@ int correct_start_check(const loop_start *s, const eda_gates *gates,
                         opc_error *error) {
   if (!s->mask && !isnan(s->max_diff))
     return opc_fail(error, OPC_INVALID, "max_diff",
-                    "there is no 'start' to differ from");
+                    "'max_diff' requires 'start'");
   if (s->mask && s->mask->gates != gates)
     return opc_fail(error, OPC_INVALID, "start",
-                    "that mask is of the gates of another step");
+                    "the mask belongs to the gates of another step");
   if (s->mask && !s->mask->moved)
     return opc_fail(error, OPC_INVALID, "start",
-                    "how that mask's edges were moved is not known: it is no "
-                    "one's that moves transistors from their drawn edges");
+                    "the mask has no displacements of transistors from their "
+                    "drawn edges: use a mask of the step correct");
   return OPC_OK;
 }
 

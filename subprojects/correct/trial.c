@@ -67,7 +67,7 @@ void correct_trial_set_both(eda_boxes *to, eda_boxes first, eda_boxes second) {
   free(all.box);
 }
 
-static int touch(eda_box a, eda_box b) {
+static int boxes_touch(eda_box a, eda_box b) {
   return a.x0 <= b.x1 && b.x0 <= a.x1 && a.y0 <= b.y1 && b.y0 <= a.y1;
 }
 
@@ -75,7 +75,7 @@ void correct_trial_drop_boxes(eda_boxes *boxes, eda_box window) {
   eda_box *box = (eda_box *)boxes->box;
   size_t n = 0;
   for (size_t i = 0; i < boxes->count; i++)
-    if (!touch(box[i], window)) box[n++] = box[i];
+    if (!boxes_touch(box[i], window)) box[n++] = box[i];
   boxes->count = n;
 }
 
@@ -86,7 +86,7 @@ void correct_trial_reset_boxes(eda_boxes *boxes, eda_box window,
   for (size_t i = 0; i < boxes->count; i++)
     eda_box_list_add(&all, boxes->box[i]);
   for (size_t i = 0; i < begun.count; i++)
-    if (touch(begun.box[i], window)) eda_box_list_add(&all, begun.box[i]);
+    if (boxes_touch(begun.box[i], window)) eda_box_list_add(&all, begun.box[i]);
   free((eda_box *)boxes->box);
   *boxes = (eda_boxes){all.box, all.count};
 }
@@ -104,7 +104,7 @@ void correct_trial_copy(trial *to, const trial *from) {
   }
 }
 
-static int differ(const int32_t *a, const int32_t *b, size_t n) {
+static int numbers_differ(const int32_t *a, const int32_t *b, size_t n) {
   return memcmp(a, b, n * sizeof *a) != 0;
 }
 
@@ -120,9 +120,10 @@ int correct_trial_differs(const trial *a, const trial *b, size_t layer) {
       other_boxes(a->assists[layer], b->assists[layer]))
     return 1;
   if (a->shift[layer])
-    return differ(a->shift[layer], b->shift[layer], a->fragments[layer]);
+    return numbers_differ(a->shift[layer], b->shift[layer],
+                          a->fragments[layer]);
   if (layer == EDA_ACTIVE)
-    return differ(a->biases.w, b->biases.w, TRIAL_ACTIVE_BIASES * n);
+    return numbers_differ(a->biases.w, b->biases.w, TRIAL_ACTIVE_BIASES * n);
   return layer == EDA_POLY &&
-         differ(a->biases.l, b->biases.l, TRIAL_POLY_BIASES * n);
+         numbers_differ(a->biases.l, b->biases.l, TRIAL_POLY_BIASES * n);
 }

@@ -56,16 +56,16 @@ typedef struct drawing {
   int shapes; /* number of written shapes */
 } drawing;
 
-static void push(numbers *n, double x) {
+static void numbers_add(numbers *n, double x) {
   EDA_PUSH(n->number, n->count, n->room, (int32_t)lround(x));
 }
 
-static void clear(outlines *o) {
+static void outlines_clear(outlines *o) {
   free(o->sizes.number);
   free(o->places.number);
 }
 
-/* ---- work: which part ---- */
+/* ---- work: written part ---- */
 
 typedef struct ranked {
   double deviation;
@@ -156,10 +156,10 @@ static outlines polygons(const drawing *d, const eda_shapes *s) {
   for (size_t i = 0; i < s->count; i++) {
     uint32_t first = s->start[i], n = s->start[i + 1] - first;
     if (!is_in(&d->part, eda_bounds(s->points + first, n))) continue;
-    push(&o.sizes, n);
+    numbers_add(&o.sizes, n);
     for (uint32_t k = first; k < first + n; k++) {
-      push(&o.places, s->points[k].x);
-      push(&o.places, s->points[k].y);
+      numbers_add(&o.places, s->points[k].x);
+      numbers_add(&o.places, s->points[k].y);
     }
   }
   return o;
@@ -184,8 +184,8 @@ static void add_line(outlines *o, const double *p, size_t n) {
   size_t at = 0, before = o->places.count;
   if (n < 2) return;
   for (;;) {
-    push(&o->places, p[2 * at] / unit);
-    push(&o->places, p[2 * at + 1] / unit);
+    numbers_add(&o->places, p[2 * at] / unit);
+    numbers_add(&o->places, p[2 * at + 1] / unit);
     if (at + 1 >= n) break;
     size_t to = at + 1;
     for (int good = 1; good && to + 1 < n && to + 1 - at <= REACH; to += good)
@@ -194,7 +194,7 @@ static void add_line(outlines *o, const double *p, size_t n) {
     at = to;
   }
   size_t kept = (o->places.count - before) / 2;
-  push(&o->sizes, (double)kept);
+  numbers_add(&o->sizes, (double)kept);
 }
 
 /* Return 1 for a segment along the border of the window, where contours are
@@ -220,8 +220,8 @@ static void line_to(line *l, const double *p) {
 
 /* Append the line from a to b, without a. Insert the contour point near the
    middle of the chord, recursively, if the chord deviates. */
-static void follow(line *l, const eda_field *print, const double *a,
-                   const double *b, int depth) {
+static void line_follow(line *l, const eda_field *print, const double *a,
+                        const double *b, int depth) {
   double m[2] = {(a[0] + b[0]) / 2, (a[1] + b[1]) / 2}, v, dx, dy;
   eda_field_gradient(print, &m[0], &m[1], 1, &v, &dx, &dy);
   double slope = sqrt(square(dx, dy)), shift = slope > 0 ? v / slope : 0;
@@ -229,8 +229,8 @@ static void follow(line *l, const eda_field *print, const double *a,
   if (depth && fabs(shift) > straight && fabs(shift) < length / 2) {
     m[0] -= shift * dx / slope;
     m[1] -= shift * dy / slope;
-    follow(l, print, a, m, depth - 1);
-    follow(l, print, m, b, depth - 1);
+    line_follow(l, print, a, m, depth - 1);
+    line_follow(l, print, m, b, depth - 1);
   } else {
     line_to(l, b);
   }
@@ -249,7 +249,7 @@ static void add_contour(outlines *o, const eda_field *print, eda_frame w,
       l.count = 0;
       line_to(&l, b);
     } else {
-      follow(&l, print, a, b, DEPTH);
+      line_follow(&l, print, a, b, DEPTH);
     }
   }
   add_line(o, l.place, l.count);
@@ -283,7 +283,7 @@ static void find_contours(void *data, size_t i) {
   free(start);
 }
 
-static void append(numbers *to, const numbers *from) {
+static void numbers_append(numbers *to, const numbers *from) {
   eda_grow(&to->number, &to->room, to->count + from->count, sizeof *to->number);
   if (from->count)
     memcpy(to->number + to->count, from->number,
@@ -300,9 +300,9 @@ static int contours(const drawing *d, const eda_field *print, outlines *out,
   opc_parallel(d->context, n, find_contours, &s);
   for (size_t i = 0; i < n; i++) {
     if (!code && (code = s.error[i].code)) *error = s.error[i];
-    append(&out->sizes, &s.found[i].sizes);
-    append(&out->places, &s.found[i].places);
-    clear(&s.found[i]);
+    numbers_append(&out->sizes, &s.found[i].sizes);
+    numbers_append(&out->places, &s.found[i].places);
+    outlines_clear(&s.found[i]);
   }
   free(s.found);
   free(s.error);
@@ -367,7 +367,7 @@ static void write_image(const drawing *d) {
   free(m.level);
 }
 
-/* ---- work: all of it ---- */
+/* ---- work: run ---- */
 
 static void write_outlines(drawing *d, size_t layer, const char *role,
                            double scale, const outlines *o) {
@@ -387,7 +387,7 @@ static void write_polygons(drawing *d, size_t layer, const char *role,
                            const eda_shapes *s) {
   outlines o = polygons(d, s);
   if (o.sizes.count) write_outlines(d, layer, role, d->mask->gates->grid, &o);
-  clear(&o);
+  outlines_clear(&o);
 }
 
 /* Write the contours of a print, if it exists. */
@@ -397,7 +397,7 @@ static int write_print(drawing *d, size_t layer, const char *role,
   if (!print->coefficients) return OPC_OK;
   int code = contours(d, print, &o, error);
   if (!code) write_outlines(d, layer, role, unit, &o);
-  clear(&o);
+  outlines_clear(&o);
   return code;
 }
 
@@ -423,10 +423,10 @@ static void write_gates(const drawing *d) {
   g_string_append_printf(d->out,
                          ",\n \"transistors\": %zu,\n \"boxes\": ", g->count);
   for (size_t i = 0; i < g->count; i++) {
-    push(&boxes, g->box[i].x0);
-    push(&boxes, g->box[i].y0);
-    push(&boxes, g->box[i].x1);
-    push(&boxes, g->box[i].y1);
+    numbers_add(&boxes, g->box[i].x0);
+    numbers_add(&boxes, g->box[i].y0);
+    numbers_add(&boxes, g->box[i].x1);
+    numbers_add(&boxes, g->box[i].y1);
   }
   json_packed(d->out, boxes.number, boxes.count, 4);
   free(boxes.number);

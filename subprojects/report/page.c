@@ -23,7 +23,7 @@ static const char *const gate_columns[] = {
     "ion_before", "ion_after", "ioff_after", "area_after", "mask_l",
     "mask_w",     "print",     "verdict"};
 
-/* ---- work: pieces of JSON ---- */
+/* ---- work: JSON elements ---- */
 
 /* Append `, "name": `, without a comma after a bracket. */
 static void member(GString *out, const char *name) {

@@ -15,7 +15,7 @@
 #include <correct/report.h>
 #include <correct/rules.h>
 #include <correct/settings.h>
-#include <correct/ways.h>
+#include <correct/symmetry.h>
 #include "work.h"
 
 /* Tuned constants. */
@@ -113,7 +113,7 @@ int work_sheets(sheets *s, int32_t reach, opc_pieces jobs, opc_error *error) {
 }
 
 /* Start a phase with an estimated share of the run time. */
-static int phase(work *w, double share, opc_error *error) {
+static int work_phase(work *w, double share, opc_error *error) {
   w->done += w->share;
   w->share = share;
   if (opc_cancelled(w->host->context))
@@ -130,7 +130,7 @@ static size_t find_failing(work *w, uint32_t *prints) {
   for (size_t i = 0; i < c->count; i++) used[c->gate[i].print] = 1;
   for (size_t k = 0; k < c->prints; k++) {
     if (!used[k] || w->tried[k] ||
-        !(prove_off(&c->print[k]) > w->with->ion_limit))
+        !(print_deviation(&c->print[k]) > w->with->ion_limit))
       continue;
     w->tried[k] = 1;
     prints[n++] = (uint32_t)k;
@@ -139,41 +139,41 @@ static size_t find_failing(work *w, uint32_t *prints) {
   return n;
 }
 
-static int refine(work *w, int *done, opc_error *error) {
+static int work_refine(work *w, int *done, opc_error *error) {
   uint32_t *prints = eda_alloc(w->chip->prints, sizeof *prints);
   size_t n = find_failing(w, prints);
   *done = !n;
   if (n)
-    w->host->log(w->host, OPC_LOG_INFO,
-                 "%zu of %zu prints are beyond the limit: they are corrected "
-                 "by themselves",
-                 n, w->chip->prints);
-  int code = n ? mend_prints(w, prints, n, error) : OPC_OK;
+    w->host->log(
+        w->host, OPC_LOG_INFO,
+        "%zu of %zu prints are beyond the limit and are corrected individually",
+        n, w->chip->prints);
+  int code = n ? correct_prints(w, prints, n, error) : OPC_OK;
   free(prints);
   return code;
 }
 
 static int work_all(work *w, opc_error *error) {
   int done = 0;
-  int code = phase(w, 0.1, error);
+  int code = work_phase(w, 0.1, error);
   if (!code) code = scan_all(w, error);
   if (code) return code;
   w->host->log(w->host, OPC_LOG_INFO,
-               "%zu transistors in %zu windows: %zu surroundings differ within "
-               "%.4g nm",
+               "%zu transistors in %zu windows: %zu different environments "
+               "within %.4g nm",
                w->chip->count, w->windows, w->classes,
                w->radius * w->chip->grid);
-  code = phase(w, 0.6, error);
-  if (!code) code = mend_classes(w, error);
-  if (!code) code = phase(w, 0.2, error);
-  if (!code) code = prove_all(w, error);
+  code = work_phase(w, 0.6, error);
+  if (!code) code = correct_classes(w, error);
+  if (!code) code = work_phase(w, 0.2, error);
+  if (!code) code = verify_all(w, error);
   for (w->round = 1; !code && !done && (int64_t)w->round <= w->rounds;
        w->round++) {
-    code = phase(w, 0.1 / (double)w->rounds, error);
-    if (!code) code = refine(w, &done, error);
-    if (!code && !done) code = prove_all(w, error);
+    code = work_phase(w, 0.1 / (double)w->rounds, error);
+    if (!code) code = work_refine(w, &done, error);
+    if (!code && !done) code = verify_all(w, error);
   }
-  return code ? code : tell_all(w, error);
+  return code ? code : report_all(w, error);
 }
 
 static int32_t in_steps(double nm, double grid) {
@@ -229,7 +229,7 @@ static void take_layers(const eda_gates *g, eda_chip *out) {
 
 /* Prepare the models before any sheet, as their messages belong to no work
    unit. */
-static int prepare(const chip *c, const eda_gates *g, opc_error *error) {
+static int chip_prepare(const chip *c, const eda_gates *g, opc_error *error) {
   eda_printer printer;
   eda_printer_init(&printer, c->host->context, g, c->with.litho, c->with.resist,
                    c->with.margin);
@@ -243,7 +243,7 @@ static int prepare(const chip *c, const eda_gates *g, opc_error *error) {
 }
 
 /* Read the layers from an empty window; all windows have the same. */
-static int begin(const chip *c, eda_chip *out, opc_error *error) {
+static int chip_begin(const chip *c, eda_chip *out, opc_error *error) {
   static const eda_box nowhere = {0, 0, 1, 1};
   eda_gates *g;
   out->layout = c->layout;
@@ -255,32 +255,32 @@ static int begin(const chip *c, eda_chip *out, opc_error *error) {
                                 &g, error);
   if (code) return code;
   take_layers(g, out);
-  code = prepare(c, g, error);
+  code = chip_prepare(c, g, error);
   eda_gates_free(g);
   return code;
 }
 
-static int find_ways(work *w, opc_error *error) {
-  int code =
-      correct_ways_find(w->host->context, w->with->litho, &w->ways, error);
+static int find_symmetry(work *w, opc_error *error) {
+  int code = correct_symmetry_find(w->host->context, w->with->litho,
+                                   &w->orientations, error);
   if (code) return code;
-  if (w->ways < 8)
-    w->host->log(w->host, OPC_LOG_INFO,
-                 "the optics do not see all ways alike in which a transistor "
-                 "can lie: %d of 8",
-                 w->ways);
+  if (w->orientations < 8)
+    w->host->log(
+        w->host, OPC_LOG_INFO,
+        "the optics image %d of 8 orientations of a transistor equally",
+        w->orientations);
   return OPC_OK;
 }
 
-static int run(void *self, void **outputs, opc_error *error) {
+static int chip_run(void *self, void **outputs, opc_error *error) {
   const chip *c = self;
   work w;
   eda_chip *out = eda_alloc(1, sizeof *out);
   outputs[0] = out; /* released by the host on failure */
-  int code = begin(c, out, error);
+  int code = chip_begin(c, out, error);
   if (code) return code;
   work_init(c, out, &w);
-  code = find_ways(&w, error);
+  code = find_symmetry(&w, error);
   if (!code) code = work_all(&w, error);
   work_clear(&w);
   return code;
@@ -289,37 +289,37 @@ static int run(void *self, void **outputs, opc_error *error) {
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
-    OPC_PARAMETER(chip, layout, .type = OPC_INPUT, .flags = OPC_REQUIRED,
-                  .choices = "layout",
-                  .summary = "the layout, with layers as segment.transistors "
-                             "wants them"),
-    OPC_PARAMETER(chip, top, .type = OPC_TEXT,
-                  .summary = "the cell to take; if not given, the only one "
-                             "that no other places"),
+    OPC_PARAMETER(
+        chip, layout, .type = OPC_INPUT, .flags = OPC_REQUIRED,
+        .choices = "layout",
+        .summary = "Layout with the layers required by segment.transistors"),
+    OPC_PARAMETER(
+        chip, top, .type = OPC_TEXT,
+        .summary = "Top cell (default: the only cell that no other places)"),
     EDA_SEGMENT_PARAMETERS(chip),
     CORRECT_PRINT_SLOTS(chip),
     CORRECT_MOVE_SLOTS(chip),
-    CORRECT_MAX_ITERATIONS(chip, "of a sheet: stop after so many moves"),
+    CORRECT_MAX_ITERATIONS(chip, "Largest number of iterations for a sheet"),
     OPC_PARAMETER(chip, radius, .type = OPC_REAL, .flags = OPC_ABOVE,
                   .unit = "nm", .min = 0,
-                  .summary = "transistors with equal shapes so far around get "
-                             "equal masks; if not given, what the optics see "
-                             "of 1e-3 of the clear field: 7.1 over the model's "
-                             "band"),
-    OPC_PARAMETER_NAMED("margin", chip, with.margin, .type = OPC_REAL,
-                        .flags = OPC_ABOVE, .unit = "nm", .min = 0,
-                        .summary =
-                            "how far around a transistor shapes count for its "
-                            "print; as 'fine' needs it"),
-    OPC_PARAMETER(chip, window, .type = OPC_REAL, .flags = OPC_AT_LEAST,
-                  .unit = "nm", .preset = "60 um", .min = 1000,
-                  .summary = "side of the windows that are worked at a time: "
-                             "larger ones take more memory and less time"),
+                  .summary = "Distance within which equal shapes give equal "
+                             "masks (default: range of an optical effect of "
+                             "1e-3 of the clear field, 7.1 / bandwidth)"),
+    OPC_PARAMETER_NAMED(
+        "margin", chip, with.margin, .type = OPC_REAL, .flags = OPC_ABOVE,
+        .unit = "nm", .min = 0,
+        .summary = "Range of optical interaction around a transistor (default: "
+                   "as required by 'fine')"),
     OPC_PARAMETER(
-        chip, rounds, .type = OPC_INT, .flags = OPC_AT_LEAST | OPC_AT_MOST,
-        .preset = "2", .min = 0, .max = 20,
-        .summary = "how often transistors that are beyond 'ion_limit' "
-                   "among their neighbours are corrected again"),
+        chip, window, .type = OPC_REAL, .flags = OPC_AT_LEAST, .unit = "nm",
+        .preset = "60 um", .min = 1000,
+        .summary =
+            "Side of a window; larger windows take more memory and less time"),
+    OPC_PARAMETER(chip, rounds, .type = OPC_INT,
+                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "2", .min = 0,
+                  .max = 20,
+                  .summary = "Largest number of rounds in which transistors "
+                             "beyond 'ion_limit' are corrected again"),
     CORRECT_FINE(chip),
     CORRECT_GUARD(chip),
     CORRECT_ION_LIMIT(chip,
@@ -330,28 +330,28 @@ static const opc_parameter parameters[] = {
 };
 
 static const opc_metric metrics[] = {
-    {"transistors", NULL, OPC_NEUTRAL, 0, "how many were corrected"},
-    {"windows", NULL, OPC_NEUTRAL, 0, "windows of the layout"},
+    {"transistors", NULL, OPC_NEUTRAL, 0, "number of corrected transistors"},
+    {"windows", NULL, OPC_NEUTRAL, 0, "number of windows"},
     {"classes", NULL, OPC_LOWER, 0,
-     "surroundings that differ as drawn, within 'radius'"},
+     "different drawn environments within 'radius'"},
     {"prints", NULL, OPC_LOWER, 0,
-     "surroundings that differ as masked, within 'margin': as many transistors "
-     "were printed to prove all"},
+     "different masked environments within 'margin', equal to the number of "
+     "verified transistors"},
     {"refined", NULL, OPC_LOWER, 0,
-     "transistors that got a mask of their own after a proof"},
-    {"sheets", NULL, OPC_LOWER, 0, "fields that were corrected or printed"},
+     "transistors with a mask of their own after a verification"},
+    {"sheets", NULL, OPC_LOWER, 0, "sheets that were corrected or simulated"},
     REPORT_METRICS,
     REPORT_DRAWN_METRICS,
     {"simulations", NULL, OPC_LOWER, 0,
      "litho simulations of one layer of a sheet each"},
     {"fine_simulations", NULL, OPC_LOWER, 0,
-     "those of the fine model, beside them"},
+     "additional simulations of the accurate model"},
     REPORT_PRINT_METRICS,
     REPORT_JUDGED_METRICS,
     RULES_METRICS,
 };
 
-static int check(void *self, opc_error *error) {
+static int chip_check(void *self, opc_error *error) {
   chip *c = self;
   eda_scanner scanner = eda_scanner_of(c->with.litho);
   int code = correct_fine_error(c->with.fine_text, c->with.ion_limit,
@@ -363,8 +363,7 @@ static int check(void *self, opc_error *error) {
   EDA_FOLLOW(c->host, "correct.chip", c, parameters, scanner);
   if (!code && c->also.count)
     return opc_fail(error, OPC_INVALID, "also",
-                    "a chip is corrected by its transistors, which move poly "
-                    "and active alone");
+                    "correct.chip moves poly and active only: remove 'also'");
   if (!code && c->radius > c->window)
     return opc_fail(error, OPC_INVALID, "radius",
                     "%.4g nm: more than 'window', %.4g nm", c->radius,
@@ -375,12 +374,13 @@ static int check(void *self, opc_error *error) {
 /* ---- entry ---- */
 
 static const opc_port outputs_of[] = {EDA_PORT_CHIP("chip")};
-static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = run,
+static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = chip_run,
                                    .flags = OPC_STEP_PIECES};
 
-OPC_PLUGIN(chip, .id = "correct.chip", .kind = "step", .version = OPC_VERSION,
-           .licence = "BSD-3-Clause",
-           .summary = "correct a layout of any size by what is different in it",
-           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), OPC_METRICS(metrics), .check = check,
-           OPC_FUNCTIONS(functions));
+OPC_PLUGIN(
+    chip, .id = "correct.chip", .kind = "step", .version = OPC_VERSION,
+    .licence = "BSD-3-Clause",
+    .summary =
+        "correct a layout of any size by equivalence classes of transistors",
+    .flags = OPC_DETERMINISTIC | OPC_REENTRANT, OPC_PARAMETERS(parameters),
+    OPC_METRICS(metrics), .check = chip_check, OPC_FUNCTIONS(functions));

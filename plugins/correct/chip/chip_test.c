@@ -46,8 +46,8 @@ static drawing drawing_new(void) {
   return d;
 }
 
-static void place(const drawing *d, int32_t x, int32_t y, int mirror,
-                  double angle, uint32_t columns) {
+static void place_sample(const drawing *d, int32_t x, int32_t y, int mirror,
+                         double angle, uint32_t columns) {
   opc_error error;
   eda_placement p = {.origin = {x, y},
                      .magnification = 1,
@@ -61,11 +61,11 @@ static void place(const drawing *d, int32_t x, int32_t y, int mirror,
 }
 
 /* Return a layout with all eight orientations, then some more in a row. */
-static drawing eight_ways(void) {
+static drawing eight_orientations(void) {
   drawing d = drawing_new();
   for (int k = 0; k < 8; k++)
-    place(&d, 4000 * (k % 4), 4000 * (k / 4), k / 4, 90 * (k % 4), 1);
-  place(&d, 0, 9000, 0, 0, 4);
+    place_sample(&d, 4000 * (k % 4), 4000 * (k / 4), k / 4, 90 * (k % 4), 1);
+  place_sample(&d, 0, 9000, 0, 0, 4);
   return d;
 }
 
@@ -91,14 +91,14 @@ static opc_module *try_to_make(const char *id, const char *more,
   return opc_test_module(id, map, error);
 }
 
-static opc_module *make(const char *id, const char *more) {
+static opc_module *make_sample(const char *id, const char *more) {
   opc_error error = {0};
   opc_module *m = try_to_make(id, more, &error);
   if (!m) g_error("%s: %s: %s", id, error.parameter, error.message);
   return m;
 }
 
-static void *run(opc_module *m) {
+static void *run_step(opc_module *m) {
   opc_error error = {0};
   void *outputs[1];
   opc_test_forget();
@@ -106,7 +106,7 @@ static void *run(opc_module *m) {
   return outputs[0];
 }
 
-static void release(opc_module *m, void *output) {
+static void release_sample(opc_module *m, void *output) {
   opc_test_release(m, &output);
   opc_test_module_free(m);
 }
@@ -115,7 +115,7 @@ static void release(opc_module *m, void *output) {
 #define CHEAP NEWTON ", fine: off"
 
 static opc_module *chip_of(const drawing *d, const char *more) {
-  opc_module *m = make("correct.chip", more);
+  opc_module *m = make_sample("correct.chip", more);
   opc_test_input(m, "layout", d->layout);
   return m;
 }
@@ -161,10 +161,10 @@ static double off_flat(const drawing *d, const eda_chip *chip,
   eda_layout *layout = mask_of(chip, g);
   g_autofree char *more =
       g_strdup_printf(", layers: { poly: poly, active: active }%s", fine);
-  opc_module *given = make("given", more);
+  opc_module *given = make_sample("given", more);
   opc_test_input(given, "gates", g);
   opc_test_input(given, "mask_layout", layout);
-  eda_mask *mask = run(given);
+  eda_mask *mask = run_step(given);
   double most = 0;
   g_assert_cmpuint(g->count, ==, chip->count);
   for (size_t i = 0; i < g->count; i++) {
@@ -174,7 +174,7 @@ static double off_flat(const drawing *d, const eda_chip *chip,
     g_assert_cmpfloat(fabs(p->design.ion / mask->design.ion[i] - 1), <, 1e-9);
     most = fmax(most, fabs(eda_deviation(p->after.ion, mask->after.ion[i])));
   }
-  release(given, mask);
+  release_sample(given, mask);
   eda_layout_free(layout);
   eda_gates_free(g);
   return most;
@@ -184,10 +184,10 @@ static double off_flat(const drawing *d, const eda_chip *chip,
 
 /* A cell's transistors are equal in all orientations, and the flat simulation
    of the mask confirms the chip's figures. */
-static void test_ways(void) {
-  drawing d = eight_ways();
+static void test_orientations(void) {
+  drawing d = eight_orientations();
   opc_module *m = chip_of(&d, CHEAP ", radius: 800 nm");
-  eda_chip *chip = run(m);
+  eda_chip *chip = run_step(m);
   g_assert_cmpuint(chip->count, ==, 24);
   g_assert_true(opc_test_metric("classes") == 2);
   g_assert_true(opc_test_metric("prints") == 2);
@@ -196,17 +196,17 @@ static void test_ways(void) {
   double most = off_flat(&d, chip, ", fine: off, margin: 4000 nm");
   g_test_message("off by %.4f %%", most);
   g_assert_cmpfloat(most, <, 0.1);
-  release(m, chip);
+  release_sample(m, chip);
   eda_layout_free(d.layout);
 }
 
 static size_t classes_with(int32_t x, const char *layer) {
-  drawing d = eight_ways();
+  drawing d = eight_orientations();
   if (layer) box(&d, d.top, layer, x, 9000, x + 100, 9100);
   opc_module *m = chip_of(&d, CHEAP ", radius: 800 nm, max_iterations: 0");
-  void *chip = run(m);
+  void *chip = run_step(m);
   size_t classes = (size_t)opc_test_metric("classes");
-  release(m, chip);
+  release_sample(m, chip);
   eda_layout_free(d.layout);
   return classes;
 }
@@ -214,7 +214,7 @@ static size_t classes_with(int32_t x, const char *layer) {
 /* A marker over one of the copies: its transistors have another flavour than
    those of equal environments, and no device table. */
 static void test_flavours(void) {
-  drawing d = eight_ways();
+  drawing d = eight_orientations();
   box(&d, d.top, "LVTN", -100, 8900, 1000, 9500);
   g_autoptr(opc_module) m = chip_of(
       &d, CHEAP ", radius: 800 nm, max_iterations: 0, flavours: { lvt: LVTN }");
@@ -231,9 +231,9 @@ static void test_flavours(void) {
   g_assert_true(g_file_set_contents(table, both, -1, NULL));
   opc_module *good = chip_of(
       &d, CHEAP ", radius: 800 nm, max_iterations: 0, flavours: { lvt: LVTN }");
-  void *chip = run(good);
+  void *chip = run_step(good);
   g_assert_true(opc_test_metric("classes") == 4);
-  release(good, chip);
+  release_sample(good, chip);
   g_clear_pointer(&table, g_free);
   eda_layout_free(d.layout);
 }
@@ -250,13 +250,13 @@ static void test_radius(void) {
 
 /* Results are bit-identical for any number of threads. */
 static void test_threads(void) {
-  drawing d = eight_ways();
+  drawing d = eight_orientations();
   eda_chip *chip[2];
   opc_module *m[2];
   for (int k = 0; k < 2; k++) {
     opc_set_threads(k ? 3 : 1);
     m[k] = chip_of(&d, NEWTON ", fine: 1e-3, window: 3000 nm");
-    chip[k] = run(m[k]);
+    chip[k] = run_step(m[k]);
   }
   opc_set_threads(0);
   g_assert_cmpuint(chip[0]->masks, ==, chip[1]->masks);
@@ -269,7 +269,7 @@ static void test_threads(void) {
     g_assert_true(a->after.ioff == b->after.ioff);
     g_assert_true(a->before.ion == b->before.ion);
   }
-  for (int k = 0; k < 2; k++) release(m[k], chip[k]);
+  for (int k = 0; k < 2; k++) release_sample(m[k], chip[k]);
   eda_layout_free(d.layout);
 }
 
@@ -285,7 +285,7 @@ static eda_layout *read_sram(opc_module **reader) {
   opc_error error = {0};
   *reader = opc_test_module("read.gds", map, &error);
   if (!*reader) g_error("%s", error.message);
-  return run(*reader);
+  return run_step(*reader);
 }
 
 #define REGULATOR                                             \
@@ -301,15 +301,15 @@ static void test_sram(void) {
   opc_error error = {0};
   d.top = eda_layout_top(d.layout, &error);
   eda_gates *g = flat(&d);
-  opc_module *loop = make("correct", CHEAP REGULATOR);
+  opc_module *loop = make_sample("correct", CHEAP REGULATOR);
   opc_test_input(loop, "gates", g);
-  eda_mask *mask = run(loop);
+  eda_mask *mask = run_step(loop);
   double mean = opc_test_metric("ion_mean"), worst = opc_test_metric("ion_max");
   for (size_t k = 0; k < G_N_ELEMENTS(windows); k++) {
     g_autofree char *more =
         g_strdup_printf(CHEAP REGULATOR ", window: %s", windows[k]);
     opc_module *m = chip_of(&d, more);
-    eda_chip *chip = run(m);
+    eda_chip *chip = run_step(m);
     g_test_message("flat %.3f %.3f, chip %.3f %.3f of %g classes", mean, worst,
                    opc_test_metric("ion_mean"), opc_test_metric("ion_max"),
                    opc_test_metric("classes"));
@@ -322,14 +322,14 @@ static void test_sram(void) {
     double most = off_flat(&d, chip, ", fine: off, margin: 4000 nm");
     g_test_message("off by %.4f %%", most);
     g_assert_cmpfloat(most, <, 0.3);
-    release(m, chip);
+    release_sample(m, chip);
   }
-  release(loop, mask);
+  release_sample(loop, mask);
   eda_gates_free(g);
-  release(reader, d.layout);
+  release_sample(reader, d.layout);
 }
 
-/* ---- what is not kept ---- */
+/* ---- violations ---- */
 
 static const char *const counts[] = {
     "violations",      "violations_unexplained",
@@ -342,21 +342,21 @@ static const char *const counts[] = {
 static void test_faults(void) {
   const char *drawn = CHEAP REGULATOR ", max_iterations: 0";
   double all[G_N_ELEMENTS(counts)];
-  drawing d = eight_ways();
+  drawing d = eight_orientations();
   box(&d, d.cell, "poly", 860, 0, 960, 100);
   box(&d, d.cell, "poly", 990, 0, 1090, 100);
   box(&d, d.cell, "poly", 860, 300, 960, 330);
   box(&d, d.cell, "poly", 900, 320, 1000, 335);
   eda_gates *g = flat(&d);
-  opc_module *m = make("correct", drawn);
+  opc_module *m = make_sample("correct", drawn);
   opc_test_input(m, "gates", g);
-  void *output = run(m);
+  void *output = run_step(m);
   for (size_t k = 0; k < G_N_ELEMENTS(counts); k++)
     all[k] = opc_test_metric(counts[k]);
-  release(m, output);
+  release_sample(m, output);
   g_autofree char *more = g_strdup_printf("%s, window: 3000 nm", drawn);
   m = chip_of(&d, more);
-  output = run(m);
+  output = run_step(m);
   for (size_t k = 0; k < G_N_ELEMENTS(counts); k++) {
     g_test_message("%s: %g, flat %g", counts[k], opc_test_metric(counts[k]),
                    all[k]);
@@ -364,12 +364,12 @@ static void test_faults(void) {
   }
   g_assert_true(opc_test_metric("mask_space") == 12); /* as drawn */
   g_assert_cmpuint(opc_test_table("violations")->rows, <, 8);
-  release(m, output);
+  release_sample(m, output);
   eda_gates_free(g);
   eda_layout_free(d.layout);
 }
 
-/* ---- what cannot be right ---- */
+/* ---- rejected input ---- */
 
 static void expect_refused(const drawing *d, const char *more,
                            const char *parameter, const char *words) {
@@ -386,7 +386,7 @@ static void expect_refused(const drawing *d, const char *more,
 }
 
 static void test_refused(void) {
-  drawing d = eight_ways();
+  drawing d = eight_orientations();
   expect_refused(&d, NEWTON ", radius: 0 nm", "", "above 0 nm");
   expect_refused(&d, NEWTON ", radius: 70 um", "", "more than 'window'");
   expect_refused(&d, NEWTON ", window: 100 nm", "", "100 nm");
@@ -404,7 +404,7 @@ static void test_refused(void) {
 
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
-  g_test_add_func("/chip/ways", test_ways);
+  g_test_add_func("/chip/ways", test_orientations);
   g_test_add_func("/chip/radius", test_radius);
   g_test_add_func("/chip/flavours", test_flavours);
   g_test_add_func("/chip/threads", test_threads);

@@ -16,7 +16,7 @@ typedef struct maker {
   cover *out;
 } maker;
 
-static eda_box around(const maker *m, size_t first, size_t count) {
+static eda_box places_box(const maker *m, size_t first, size_t count) {
   eda_box all = m->places[m->out->place[first]];
   for (size_t k = first + 1; k < first + count; k++)
     eda_box_join(&all, m->places[m->out->place[k]]);
@@ -30,7 +30,8 @@ static double area_of(eda_box b) {
 
 /* Move the places below the middle of the box to the front, preserving order.
    Returns their number. */
-static size_t halve(const maker *m, size_t first, size_t count, eda_box box) {
+static size_t places_halve(const maker *m, size_t first, size_t count,
+                           eda_box box) {
   uint32_t *place = m->out->place + first;
   int wide = (int64_t)box.x1 - box.x0 >= (int64_t)box.y1 - box.y0;
   int64_t middle = wide ? (int64_t)box.x0 + box.x1 : (int64_t)box.y0 + box.y1;
@@ -47,19 +48,20 @@ static size_t halve(const maker *m, size_t first, size_t count, eda_box box) {
   return low;
 }
 
-static int fits(const maker *m, eda_box b) {
+static int box_fits(const maker *m, eda_box b) {
   return b.x1 - b.x0 <= m->most && b.y1 - b.y0 <= m->most;
 }
 
 /* Append the clips of some places. Returns their area. */
-static double divide(maker *m, size_t first, size_t count) {
+static double places_divide(maker *m, size_t first, size_t count) {
   cover *c = m->out;
-  eda_box box = around(m, first, count);
-  double whole = fits(m, box) ? area_of(box) : INFINITY, parts = INFINITY;
-  size_t before = c->count, low = count > 1 ? halve(m, first, count, box) : 0;
+  eda_box box = places_box(m, first, count);
+  double whole = box_fits(m, box) ? area_of(box) : INFINITY, parts = INFINITY;
+  size_t before = c->count,
+         low = count > 1 ? places_halve(m, first, count, box) : 0;
   if (low && low < count) {
-    parts = divide(m, first, low);
-    parts += divide(m, first + low, count - low);
+    parts = places_divide(m, first, low);
+    parts += places_divide(m, first + low, count - low);
   }
   if (parts < whole) return parts;
   c->count = before;
@@ -72,7 +74,7 @@ void cover_make(const eda_box *places, size_t n, int32_t reach, int32_t most,
   *out = (cover){.place = eda_alloc(n, sizeof *out->place)};
   maker m = {places, eda_alloc(n, sizeof *m.spare), reach, most, out};
   for (size_t i = 0; i < n; i++) out->place[i] = (uint32_t)i;
-  if (n) (void)divide(&m, 0, n);
+  if (n) (void)places_divide(&m, 0, n);
   free(m.spare);
 }
 

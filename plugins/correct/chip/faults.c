@@ -66,7 +66,7 @@ typedef struct finder {
   opc_bytes *out;
 } finder;
 
-static double beyond(int32_t low, int32_t high, double at) {
+static double distance_beyond(int32_t low, int32_t high, double at) {
   return fmax(fmax(low - at, at - high), 0);
 }
 
@@ -84,7 +84,8 @@ static uint32_t place_of(const finder *f, double x, double y) {
   eda_finder find = eda_index_find(f->index, around);
   for (uint32_t i; eda_index_next(&find, &i);) {
     eda_box b = g->box[i];
-    double d = hypot(beyond(b.x0, b.x1, x), beyond(b.y0, b.y1, y));
+    double d =
+        hypot(distance_beyond(b.x0, b.x1, x), distance_beyond(b.y0, b.y1, y));
     if (d > reach || d > least || (d == least && i > nearest)) continue;
     least = d;
     nearest = i;
@@ -92,8 +93,8 @@ static uint32_t place_of(const finder *f, double x, double y) {
   return nearest == UINT32_MAX ? UINT32_MAX : f->sheet->place[nearest];
 }
 
-static void keep(const finder *f, double x, double y, kept one,
-                 const char *text) {
+static void finder_add(const finder *f, double x, double y, kept one,
+                       const char *text) {
   one.place = place_of(f, x, y);
   if (one.place == UINT32_MAX) return;
   one.size = (uint32_t)strlen(text);
@@ -107,11 +108,11 @@ static void keep_mask(const finder *f, size_t layer, const eda_shapes *shapes,
   const double *limit = f->work->with->rules;
   size_t n = eda_rules_check(shapes, f->work->chip->grid, limit, &v);
   for (size_t i = 0; i < n; i++)
-    keep(f, v[i].x, v[i].y,
-         (kept){.kind = kind_of(layer, v[i].rule, drawn),
-                .value = v[i].value,
-                .limit = limit[v[i].rule]},
-         "");
+    finder_add(f, v[i].x, v[i].y,
+               (kept){.kind = kind_of(layer, v[i].rule, drawn),
+                      .value = v[i].value,
+                      .limit = limit[v[i].rule]},
+               "");
   free(v);
 }
 
@@ -123,9 +124,9 @@ static int keep_violations(const finder *f, const eda_printed *printed,
   int code = correct_violations(w->host->context, w->with->regulator, printed,
                                 &v, &n, error);
   for (size_t i = 0; !code && i < n; i++)
-    keep(f, v[i].x, v[i].y,
-         (kept){.kind = TEXT, .value = v[i].value, .limit = v[i].limit},
-         v[i].rule);
+    finder_add(f, v[i].x, v[i].y,
+               (kept){.kind = TEXT, .value = v[i].value, .limit = v[i].limit},
+               v[i].rule);
   free(v);
   return code;
 }
@@ -144,7 +145,7 @@ int faults_find(const work *w, const sheet *s, const eda_printed *printed,
   return code;
 }
 
-/* ---- taking them ---- */
+/* ---- results ---- */
 
 static uint32_t text_of(work *w, const char *text, size_t size) {
   GPtrArray *rule = w->faults->rule;
@@ -171,7 +172,7 @@ void faults_take(work *w, size_t first, const char *at, const char *end) {
   }
 }
 
-/* ---- telling ---- */
+/* ---- report ---- */
 
 /* Sum of the violations of a kind, with the first transistor and the worst
    value. */
@@ -206,13 +207,13 @@ static tally *count_all(const work *w) {
   return out;
 }
 
-static double middle(const work *w, const tally *t, int d) {
+static double tally_middle(const work *w, const tally *t, int d) {
   eda_box b = w->chip->gate[t->first].box;
   double twice = d == EDA_X ? (double)b.x0 + b.x1 : (double)b.y0 + b.y1;
   return t->count ? twice / 2 * w->chip->grid : NAN;
 }
 
-static int tell_masks(const work *w, const tally *all, opc_error *error) {
+static int report_masks(const work *w, const tally *all, opc_error *error) {
   const eda_chip *c = w->chip;
   rules_row *row = eda_alloc(c->layers * EDA_RULES, sizeof *row);
   size_t n = 0;
@@ -225,10 +226,10 @@ static int tell_masks(const work *w, const tally *all, opc_error *error) {
                              .drawn = (int64_t)all[kind_of(k, rule, 1)].count,
                              .count = (int64_t)t->count,
                              .least = t->count ? t->value : NAN,
-                             .x = middle(w, t, EDA_X),
-                             .y = middle(w, t, EDA_Y)};
+                             .x = tally_middle(w, t, EDA_X),
+                             .y = tally_middle(w, t, EDA_Y)};
     }
-  int code = correct_rules_tell(w->host, row, n, error);
+  int code = correct_rules_table(w->host, row, n, error);
   free(row);
   return code;
 }
@@ -240,15 +241,18 @@ typedef struct text_row {
 } text_row;
 
 /* Write the violations as a loop does, with one row for each rule. */
-static int tell_texts(const work *w, const tally *all, opc_error *error) {
+static int report_texts(const work *w, const tally *all, opc_error *error) {
   const GPtrArray *rule = w->faults->rule;
   text_row *row = eda_alloc(rule->len, sizeof *row);
   size_t n = 0, count = 0, unexplained = 0;
   for (guint k = 0; k < rule->len; k++) {
     const tally *t = &all[first_text(w) + k];
-    text_row r = {
-        g_ptr_array_index(rule, k), (int64_t)t->count, middle(w, t, EDA_X),
-        middle(w, t, EDA_Y),        t->value,          t->limit};
+    text_row r = {g_ptr_array_index(rule, k),
+                  (int64_t)t->count,
+                  tally_middle(w, t, EDA_X),
+                  tally_middle(w, t, EDA_Y),
+                  t->value,
+                  t->limit};
     if (!t->count) continue;
     row[n++] = r;
     count += t->count;
@@ -281,10 +285,10 @@ static int tell_texts(const work *w, const tally *all, opc_error *error) {
   return code ? code : opc_put_metrics(w->host, OPC_ARRAY(values), error);
 }
 
-int faults_tell(const work *w, opc_error *error) {
+int faults_report(const work *w, opc_error *error) {
   tally *all = count_all(w);
-  int code = w->with->regulator ? tell_texts(w, all, error) : OPC_OK;
-  if (!code) code = tell_masks(w, all, error);
+  int code = w->with->regulator ? report_texts(w, all, error) : OPC_OK;
+  if (!code) code = report_masks(w, all, error);
   free(all);
   return code;
 }

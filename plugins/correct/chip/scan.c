@@ -42,12 +42,12 @@ static int scan_window(void *data, size_t i, opc_error *error) {
   int code = eda_segment_core(w->chip->layout, w->chip->top, &w->chip->segment,
                               to->core, beyond, &g, error);
   if (code) return code;
-  surround *around = eda_alloc(g->count, sizeof *around);
-  code = surround_all(w->host->context, g, to->core, w->radius, w->ways, around,
-                      error);
+  environment *around = eda_alloc(g->count, sizeof *around);
+  code = environments_find(w->host->context, g, to->core, w->radius,
+                           w->orientations, around, error);
   to->found = eda_alloc(g->count, sizeof *to->found);
   for (size_t k = 0; k < g->count && !code; k++)
-    if (surround_starts(to->core, g->box[k]))
+    if (environment_starts(to->core, g->box[k]))
       to->found[to->count++] =
           (found){g->box[k], g->type[k], g->axis[k], 0, around[k]};
   free(around);
@@ -63,7 +63,7 @@ static eda_box core_of(const scan *s, size_t i) {
   return (eda_box){x, y, x + w->window, y + w->window};
 }
 
-/* ---- pieces ---- */
+/* ---- work units ---- */
 
 static int scan_some(void *data, size_t part, opc_bytes *out,
                      opc_error *error) {
@@ -105,7 +105,7 @@ static const char *key_of(void *data, size_t part) {
   return s->key;
 }
 
-static void tell_done(void *data, size_t done) {
+static void scan_done(void *data, size_t done) {
   const scan *s = data;
   size_t all = (s->columns * s->rows + AT_ONCE - 1) / AT_ONCE;
   work_progress(s->work, (double)done / (double)all);
@@ -189,7 +189,7 @@ int scan_all(work *w, opc_error *error) {
                            .key = key_of,
                            .work = scan_some,
                            .take = take_some,
-                           .done = tell_done};
+                           .done = scan_done};
   code = opc_do_pieces(w->host, &some, error);
   if (!code && !w->chip->count)
     code = opc_fail(error, OPC_INVALID, "layout",

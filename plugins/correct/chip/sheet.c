@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- where they go ---- */
+/* ---- placement ---- */
 
 /* A clip to place. */
 typedef struct item {
@@ -102,7 +102,7 @@ static int by_place(const void *a, const void *b) {
   return (p->i > q->i) - (p->i < q->i);
 }
 
-static eda_point put(const piece *p, eda_point at) {
+static eda_point point_on_sheet(const piece *p, eda_point at) {
   return (eda_point){at.x + p->by.x, at.y + p->by.y};
 }
 
@@ -129,8 +129,8 @@ static ref *find_gates(maker *m, size_t *count) {
       eda_box b = p->gates->box[i];
       p->number[i] = -1;
       if (is_within(b, shown, m->rim))
-        refs[n++] =
-            (ref){(uint32_t)k, (uint32_t)i, put(p, (eda_point){b.x0, b.y0})};
+        refs[n++] = (ref){(uint32_t)k, (uint32_t)i,
+                          point_on_sheet(p, (eda_point){b.x0, b.y0})};
     }
   }
   if (n) qsort(refs, n, sizeof *refs, by_place);
@@ -165,7 +165,7 @@ static void put_fragments(const piece *p, size_t layer, uint32_t polygon,
   const eda_edges *from = &p->gates->edges[layer];
   for (uint32_t i = from->start[polygon]; i < from->start[polygon + 1]; i++) {
     eda_fragment f = from->fragments[i];
-    f.from = put(p, f.from);
+    f.from = point_on_sheet(p, f.from);
     if (f.gate >= 0) f.gate = p->number[f.gate];
     if (f.gate < 0) f.role = EDA_FIXED;
     to->fragments[(*at)++] = f;
@@ -191,7 +191,7 @@ static ref *find_polygons(const maker *m, size_t layer, size_t count) {
     const eda_shapes *s = &m->piece[k].gates->drawn[layer];
     for (size_t i = 0; i < s->count; i++)
       refs[n++] = (ref){(uint32_t)k, (uint32_t)i,
-                        put(&m->piece[k], s->points[s->start[i]])};
+                        point_on_sheet(&m->piece[k], s->points[s->start[i]])};
   }
   if (n) qsort(refs, n, sizeof *refs, by_place);
   return refs;
@@ -219,7 +219,7 @@ static void put_layer(maker *m, size_t layer) {
     const eda_shapes *s = &p->gates->drawn[layer];
     uint32_t i = refs[k].i;
     for (uint32_t c = s->start[i]; c < s->start[i + 1]; c++)
-      to->points[at++] = put(p, s->points[c]);
+      to->points[at++] = point_on_sheet(p, s->points[c]);
     to->start[k + 1] = at;
     to->hole[k] = s->hole ? s->hole[i] : 0;
     if (!fragments) continue;
@@ -250,7 +250,7 @@ static void mark_places(maker *m) {
   }
 }
 
-static int join(maker *m, opc_error *error) {
+static int sheet_join(maker *m, opc_error *error) {
   const eda_chip *c = m->chip;
   sheet *out = m->out;
   size_t n;
@@ -299,7 +299,7 @@ int sheet_make(const opc_context *context, const eda_chip *chip,
       m.piece[m.count++] = (piece){.clip = i, .by = {at.x - b.x0, at.y - b.y0}};
   }
   int code = eda_try_all(context, m.count, cut_one, &m, error);
-  if (!code) code = join(&m, error);
+  if (!code) code = sheet_join(&m, error);
   for (size_t k = 0; k < m.count; k++) {
     eda_gates_free(m.piece[k].gates);
     free(m.piece[k].number);

@@ -13,14 +13,14 @@
 #include <correct/settings.h>
 
 #include "cover.h"
+#include "environment.h"
 #include "sheet.h"
-#include "surround.h"
 
 /* A transistor found by the scan. */
 typedef struct found {
   eda_box box;
   uint8_t type, axis, unused; /* fills the record, which is stored as bytes */
-  surround around;
+  environment around;
 } found;
 
 /* Rule violations (faults.c). */
@@ -31,7 +31,7 @@ typedef struct work {
   const correct_settings *with;
   int32_t margin; /* range of optical interaction */
   int32_t radius, along, window, gap;
-  int ways; /* number of equivalent orientations: 1, 4 or 8 */
+  int orientations; /* number of equivalent orientations: 1, 4 or 8 */
   int64_t rounds;
   size_t round;   /* round of verification */
   eda_chip *chip; /* the result */
@@ -72,17 +72,18 @@ void work_clear(work *work);
    chip->gate and `first`. (scan.c) */
 int scan_all(work *work, opc_error *error);
 
-/* Correct the first transistor of each class in place. (mend.c) */
-int mend_classes(work *work, opc_error *error);
+/* Correct the first transistor of each class in place. (correction.c) */
+int correct_classes(work *work, opc_error *error);
 /* Correct the transistors of n prints with all others fixed. Better masks
    replace those of all transistors of the print. */
-int mend_prints(work *work, const uint32_t *prints, size_t n, opc_error *error);
+int correct_prints(work *work, const uint32_t *prints, size_t n,
+                   opc_error *error);
 
 /* Simulate one transistor of each new masked environment. Fills chip->print and
-   the `print` of each transistor. (prove.c) */
-int prove_all(work *work, opc_error *error);
+   the `print` of each transistor. (verification.c) */
+int verify_all(work *work, opc_error *error);
 /* Return the |Ion deviation| of a print, %; INFINITY if it failed. */
-double prove_off(const eda_chip_print *print);
+double print_deviation(const eda_chip_print *print);
 
 /* Return a new hash table from checksums (SUM_SIZE bytes, not owned) to
    numbers. */
@@ -100,10 +101,10 @@ int faults_find(const work *work, const sheet *sheet,
 void faults_take(work *work, size_t first, const char *bytes, const char *end);
 /* Write tables, findings and metrics of the remaining violations, one row for
    each rule. */
-int faults_tell(const work *work, opc_error *error);
+int faults_report(const work *work, opc_error *error);
 
-/* Write all tables, findings and metrics. (tell.c) */
-int tell_all(const work *work, opc_error *error);
+/* Write all tables, findings and metrics. (report.c) */
+int report_all(const work *work, opc_error *error);
 
 /* Sheets of clips around selected transistors; the first field of the data of
    their work units. */

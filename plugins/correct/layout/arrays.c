@@ -13,28 +13,28 @@ typedef struct line {
   int32_t step;
 } line;
 
-static int compare(int64_t a, int64_t b) { return (a > b) - (a < b); }
+static int compare_numbers(int64_t a, int64_t b) { return (a > b) - (a < b); }
 
 static int by_row(const void *a, const void *b) {
   const put *p = a, *q = b;
-  int c = compare(p->cell, q->cell);
-  if (!c) c = compare(p->way, q->way);
-  if (!c) c = compare(p->at.y, q->at.y);
-  return c ? c : compare(p->at.x, q->at.x);
+  int c = compare_numbers(p->cell, q->cell);
+  if (!c) c = compare_numbers(p->orientation, q->orientation);
+  if (!c) c = compare_numbers(p->at.y, q->at.y);
+  return c ? c : compare_numbers(p->at.x, q->at.x);
 }
 
-static int alike(const line *p, const line *q) {
-  int c = compare(p->first.cell, q->first.cell);
-  if (!c) c = compare(p->first.way, q->first.way);
-  if (!c) c = compare(p->first.at.x, q->first.at.x);
-  if (!c) c = compare(p->columns, q->columns);
-  return c ? c : compare(p->step, q->step);
+static int compare_lines(const line *p, const line *q) {
+  int c = compare_numbers(p->first.cell, q->first.cell);
+  if (!c) c = compare_numbers(p->first.orientation, q->first.orientation);
+  if (!c) c = compare_numbers(p->first.at.x, q->first.at.x);
+  if (!c) c = compare_numbers(p->columns, q->columns);
+  return c ? c : compare_numbers(p->step, q->step);
 }
 
 static int by_column(const void *a, const void *b) {
   const line *p = a, *q = b;
-  int c = alike(p, q);
-  return c ? c : compare(p->first.at.y, q->first.at.y);
+  int c = compare_lines(p, q);
+  return c ? c : compare_numbers(p->first.at.y, q->first.at.y);
 }
 
 static line *find_lines(put *puts, size_t n, size_t *count) {
@@ -46,7 +46,8 @@ static line *find_lines(put *puts, size_t n, size_t *count) {
     line l = {*p, 1, 0};
     size_t next = i + 1;
     while (
-        next < n && puts[next].cell == p->cell && puts[next].way == p->way &&
+        next < n && puts[next].cell == p->cell &&
+        puts[next].orientation == p->orientation &&
         puts[next].at.y == p->at.y &&
         (l.columns == 1 || puts[next].at.x - puts[next - 1].at.x == l.step)) {
       l.step = puts[next].at.x - puts[next - 1].at.x;
@@ -72,7 +73,7 @@ int arrays_place(eda_layout *layout, int32_t top, const int32_t *cell,
     uint32_t rows = 1;
     int32_t step = 0;
     size_t next = i + 1;
-    while (next < count && !alike(l, &lines[next]) &&
+    while (next < count && !compare_lines(l, &lines[next]) &&
            (rows == 1 ||
             lines[next].first.at.y - lines[next - 1].first.at.y == step)) {
       step = lines[next].first.at.y - lines[next - 1].first.at.y;
@@ -81,8 +82,8 @@ int arrays_place(eda_layout *layout, int32_t top, const int32_t *cell,
     }
     const eda_placement p = {.origin = l->first.at,
                              .magnification = 1,
-                             .angle = 90.0 * (l->first.way % 4),
-                             .mirror = l->first.way / 4,
+                             .angle = 90.0 * (l->first.orientation % 4),
+                             .mirror = l->first.orientation / 4,
                              .columns = l->columns,
                              .rows = rows,
                              .column_step = {l->step, 0},

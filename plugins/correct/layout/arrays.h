@@ -8,7 +8,7 @@
 typedef struct put {
   uint32_t cell;
   eda_point at;
-  uint8_t way;
+  uint8_t orientation;
 } put;
 
 /* Place n cells with the numbers cell[put.cell] in `top`. Equidistant

@@ -33,11 +33,11 @@ typedef struct window {
 
 /* ---- boxes ---- */
 
-static eda_box grown(eda_box b, int32_t by) {
+static eda_box box_grown(eda_box b, int32_t by) {
   return (eda_box){b.x0 - by, b.y0 - by, b.x1 + by, b.y1 + by};
 }
 
-static eda_box common(eda_box a, eda_box b) {
+static eda_box box_common(eda_box a, eda_box b) {
   return (eda_box){a.x0 > b.x0 ? a.x0 : b.x0, a.y0 > b.y0 ? a.y0 : b.y0,
                    a.x1 < b.x1 ? a.x1 : b.x1, a.y1 < b.y1 ? a.y1 : b.y1};
 }
@@ -62,8 +62,8 @@ static eda_shapes shapes_of(const eda_box *box, size_t n) {
 }
 
 /* Combine boxes by an operation of eda_boolean. */
-static int combine(int op, const eda_box *a, size_t n, const eda_box *b,
-                   size_t m, eda_shapes *out, opc_error *error) {
+static int boxes_combine(int op, const eda_box *a, size_t n, const eda_box *b,
+                         size_t m, eda_shapes *out, opc_error *error) {
   eda_shapes p = shapes_of(a, n), q = shapes_of(b, m);
   int code = eda_boolean(op, &p, &q, out, error);
   eda_shapes_clear(&p);
@@ -73,7 +73,7 @@ static int combine(int op, const eda_box *a, size_t n, const eda_box *b,
 
 /* ---- the mask ---- */
 
-static int begins(const window *w, const territory *t) {
+static int territory_begins(const window *w, const territory *t) {
   eda_box c = w->core, b = t->box;
   return b.x0 >= c.x0 && b.x0 < c.x1 && b.y0 >= c.y0 && b.y0 < c.y1;
 }
@@ -90,7 +90,7 @@ static int find_territories(window *w, eda_box *see) {
                         &w->n_near, w->error);
     for (size_t i = 0; i < w->n_near && !code && !again; i++) {
       const territory *t = &w->near[i];
-      if (!begins(w, t)) continue;
+      if (!territory_begins(w, t)) continue;
       if (t->box.x1 > see->x1) see->x1 = t->box.x1;
       if (t->box.y1 > see->y1) see->y1 = t->box.y1;
     }
@@ -108,7 +108,7 @@ static int make_mask(window *w, eda_box see) {
   const eda_chip *chip = c->chip;
   eda_gates *g;
   int code = eda_segment_core(chip->layout, chip->top, &chip->segment,
-                              grown(see, c->margin), 0, &g, w->error);
+                              box_grown(see, c->margin), 0, &g, w->error);
   if (code) return code;
   eda_moved *moved = eda_chip_moved(chip, g);
   for (size_t k = 0; k < g->layers && !code; k++) {
@@ -131,7 +131,7 @@ static int find_own(const window *w, const territory *t, eda_box_list *out) {
   eda_box_list taken = {0};
   eda_finder f = eda_index_find(w->index, t->box);
   for (uint32_t i; eda_index_next(&f, &i);) {
-    eda_box b = common(t->box, w->near[i].box);
+    eda_box b = box_common(t->box, w->near[i].box);
     if (w->near[i].number < t->number && has_area(b))
       eda_box_list_add(&taken, b);
   }
@@ -140,8 +140,8 @@ static int find_own(const window *w, const territory *t, eda_box_list *out) {
     eda_box_list_add(out, t->box);
   } else {
     eda_shapes left;
-    code =
-        combine(EDA_NOT, &t->box, 1, taken.box, taken.count, &left, w->error);
+    code = boxes_combine(EDA_NOT, &t->box, 1, taken.box, taken.count, &left,
+                         w->error);
     if (!code) code = eda_fracture(&left, &out->box, &out->count, w->error);
     eda_shapes_clear(&left);
   }
@@ -168,14 +168,14 @@ static int write_layer(const window *w, const territory *t,
   for (size_t k = 0; k < own->count; k++) {
     eda_finder f = eda_index_find(m->index, own->box[k]);
     for (uint32_t i; eda_index_next(&f, &i);) {
-      eda_box b = common(m->box[i], own->box[k]);
+      eda_box b = box_common(m->box[i], own->box[k]);
       if (has_area(b)) eda_box_list_add(&parts, territory_own(t, b));
     }
   }
   eda_shapes merged;
   const eda_polygon_taker take = {write_polygon, to, SIZE_MAX};
   int code =
-      combine(EDA_OR, parts.box, parts.count, NULL, 0, &merged, w->error);
+      boxes_combine(EDA_OR, parts.box, parts.count, NULL, 0, &merged, w->error);
   if (!code) code = eda_polygons_without_holes(&merged, &take, w->error);
   (void)write_polygon(to, NULL, 0, w->error);
   eda_shapes_clear(&merged);
@@ -196,7 +196,7 @@ static int cut_one(window *w, const territory *t, GHashTable *known) {
     GBytes *same = g_hash_table_lookup(known, shapes);
     if (!same) g_hash_table_add(known, same = g_bytes_ref(shapes));
     w->out->clip[w->out->count++] =
-        (clip){g_bytes_ref(same), t->at, t->number, t->way};
+        (clip){g_bytes_ref(same), t->at, t->number, t->orientation};
   }
   g_bytes_unref(shapes);
   return code;
@@ -208,7 +208,7 @@ static int cut_territories(window *w) {
   w->out->clip = eda_alloc(w->n_near, sizeof *w->out->clip);
   int code = OPC_OK;
   for (size_t i = 0; i < w->n_near && !code; i++)
-    if (begins(w, &w->near[i])) code = cut_one(w, &w->near[i], known);
+    if (territory_begins(w, &w->near[i])) code = cut_one(w, &w->near[i], known);
   g_hash_table_destroy(known);
   return code;
 }
@@ -217,8 +217,8 @@ static int cut_rest(window *w) {
   eda_box *box = eda_alloc(w->n_near, sizeof *box);
   eda_shapes free_place;
   for (size_t i = 0; i < w->n_near; i++) box[i] = w->near[i].box;
-  int code =
-      combine(EDA_NOT, &w->core, 1, box, w->n_near, &free_place, w->error);
+  int code = boxes_combine(EDA_NOT, &w->core, 1, box, w->n_near, &free_place,
+                           w->error);
   for (size_t k = 0; k < w->cutter->chip->layers && !code; k++)
     code = eda_boolean(EDA_AND, &w->mask[k].shapes, &free_place,
                        &w->out->rest[k], w->error);
@@ -227,7 +227,7 @@ static int cut_rest(window *w) {
   return code;
 }
 
-/* ---- all of it ---- */
+/* ---- run ---- */
 
 int clips_cut(const cutter *by, eda_box core, clips *out, opc_error *error) {
   size_t layers = by->chip->layers;

@@ -22,7 +22,7 @@ typedef struct clip {
   GBytes *shapes;
   eda_point at;
   uint32_t number;
-  uint8_t way;
+  uint8_t orientation;
 } clip;
 
 typedef struct clips {

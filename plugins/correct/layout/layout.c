@@ -42,9 +42,9 @@ typedef struct work {
   clips clips[AT_ONCE];
 } work;
 
-/* ---- how far edges move ---- */
+/* ---- displacements ---- */
 
-static int32_t larger(int32_t a, int32_t b) {
+static int32_t larger_magnitude(int32_t a, int32_t b) {
   if (b < 0) b = b < -INT32_MAX ? INT32_MAX : -b;
   return a > b ? a : b;
 }
@@ -57,10 +57,11 @@ static int32_t find_moves(const eda_chip *c) {
     const eda_chip_mask *m = &c->mask[i];
     const int32_t of[] = {m->w, m->aside, m->l, m->jog, m->end[0], m->end[1]};
     int32_t sum = 0;
-    for (size_t k = 0; k < G_N_ELEMENTS(of); k++) sum += larger(0, of[k]);
+    for (size_t k = 0; k < G_N_ELEMENTS(of); k++)
+      sum += larger_magnitude(0, of[k]);
     for (uint32_t k = 0; k < m->parts; k++)
-      far = larger(far, c->part[m->part + k].by);
-    far = larger(far, sum);
+      far = larger_magnitude(far, c->part[m->part + k].by);
+    far = larger_magnitude(far, sum);
   }
   return far;
 }
@@ -72,8 +73,8 @@ static int32_t find_boxes(const eda_chip *c, int32_t *before) {
   *before = 0;
   for (size_t i = 0; i < c->boxes; i++) {
     eda_box b = c->box[i].box;
-    far = larger(larger(far, b.x0), b.x1);
-    far = larger(larger(far, b.y0), b.y1);
+    far = larger_magnitude(larger_magnitude(far, b.x0), b.x1);
+    far = larger_magnitude(larger_magnitude(far, b.y0), b.y1);
     *before = MAX(*before, MAX(-b.x0, -b.y0));
   }
   return far;
@@ -152,7 +153,8 @@ static int add_clips(work *w, const clips *c, opc_error *error) {
     uint32_t number = (uint32_t)found - 1;
     if (!found) code = add_cell(w, one, &number, error);
     if (!code)
-      EDA_PUSH(w->put, w->n_put, w->put_room, (put){number, one->at, one->way});
+      EDA_PUSH(w->put, w->n_put, w->put_room,
+               (put){number, one->at, one->orientation});
   }
   return code;
 }
@@ -175,7 +177,7 @@ static int cut_all(const opc_host *host, work *w, opc_error *error) {
 
 /* ---- beginning and end ---- */
 
-static int begin(work *w, const eda_chip *chip, opc_error *error) {
+static int layout_begin(work *w, const eda_chip *chip, opc_error *error) {
   int32_t *from = eda_alloc(chip->layers, sizeof *from);
   size_t n = 0;
   w->layer = eda_alloc(chip->layers, sizeof *w->layer);
@@ -206,8 +208,8 @@ static int begin(work *w, const eda_chip *chip, opc_error *error) {
   return OPC_OK;
 }
 
-static int publish(const opc_host *host, const work *w, size_t placed,
-                   size_t arrays, opc_error *error) {
+static int layout_publish(const opc_host *host, const work *w, size_t placed,
+                          size_t arrays, opc_error *error) {
   const struct {
     const char *name;
     size_t value;
@@ -221,17 +223,17 @@ static int publish(const opc_host *host, const work *w, size_t placed,
   return code;
 }
 
-static int run(void *self, void **outputs, opc_error *error) {
+static int layout_run(void *self, void **outputs, opc_error *error) {
   const layout *l = self;
   work w = {.cutter.chip = l->chip};
   size_t arrays = 0;
   w.known = g_hash_table_new_full(g_bytes_hash, g_bytes_equal,
                                   (GDestroyNotify)g_bytes_unref, NULL);
-  int code = begin(&w, l->chip, error);
+  int code = layout_begin(&w, l->chip, error);
   if (!code) code = cut_all(l->host, &w, error);
   if (!code)
     code = arrays_place(w.out, w.top, w.cell, w.put, w.n_put, &arrays, error);
-  if (!code) code = publish(l->host, &w, w.n_put, arrays, error);
+  if (!code) code = layout_publish(l->host, &w, w.n_put, arrays, error);
   g_hash_table_destroy(w.known);
   eda_layout_free((eda_layout *)w.cutter.outline);
   free(w.layer);
@@ -249,11 +251,11 @@ static int run(void *self, void **outputs, opc_error *error) {
 
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(layout, chip, .type = OPC_INPUT, .flags = OPC_REQUIRED,
-                  .choices = "chip", .summary = "a corrected chip"),
+                  .choices = "chip", .summary = "Corrected chip"),
 };
 
 static const opc_metric metrics[] = {
-    {"cells", NULL, OPC_NEUTRAL, 0, "cells with masks of their own"},
+    {"cells", NULL, OPC_NEUTRAL, 0, "cells with different masks"},
     {"placed", NULL, OPC_NEUTRAL, 0, "placed cells"},
     {"instances", NULL, OPC_NEUTRAL, 0, "arrays and single instances"},
     {"rest", NULL, OPC_NEUTRAL, 0, "polygons outside of placed cells"},
@@ -262,7 +264,7 @@ static const opc_metric metrics[] = {
 /* ---- entry ---- */
 
 static const opc_port outputs_of[] = {EDA_PORT_LAYOUT("layout")};
-static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = run};
+static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = layout_run};
 
 OPC_PLUGIN(layout, .id = "correct.layout", .kind = "step", .version = "0.1.0",
            .licence = "BSD-3-Clause",

@@ -22,13 +22,14 @@ static void box(eda_layout *layout, int32_t cell, const char *layer, int32_t x0,
       eda_layout_add_box(layout, cell, l, (eda_box){x0, y0, x1, y1}, &e));
 }
 
-static void place(eda_layout *layout, int32_t in, int32_t cell, int32_t x,
-                  int32_t y, int way, uint32_t columns, uint32_t rows) {
+static void place_sample(eda_layout *layout, int32_t in, int32_t cell,
+                         int32_t x, int32_t y, int orientation,
+                         uint32_t columns, uint32_t rows) {
   opc_error e;
   eda_placement p = {.origin = {x, y},
                      .magnification = 1,
-                     .angle = 90 * (way % 4),
-                     .mirror = (uint32_t)way / 4,
+                     .angle = 90 * (orientation % 4),
+                     .mirror = (uint32_t)orientation / 4,
                      .columns = columns,
                      .rows = rows,
                      .column_step = {1500, 0},
@@ -39,7 +40,7 @@ static void place(eda_layout *layout, int32_t in, int32_t cell, int32_t x,
 /* Return a layout with a cell of two transistors whose poly leaves it, blocks
    of 30 x 20 cells that overlap at their seams, all eight orientations, a ring
    around a hole, a line over all rows, and a cell within a cell. */
-static eda_layout *draw(double unit) {
+static eda_layout *draw_sample(double unit) {
   opc_error e;
   eda_layout *layout = eda_layout_new(unit, &e);
   int32_t top = eda_layout_cell(layout, "TOP", &e);
@@ -52,14 +53,15 @@ static eda_layout *draw(double unit) {
   box(layout, cell, "poly", 400, -84, 465, 700);
   box(layout, cell, "poly", 465, 600, 1600, 700);
   box(layout, cell, "contact", 20, 20, 80, 80);
-  place(layout, block, cell, 0, 0, 0, 30, 20);
-  place(layout, top, block, 0, 0, 0, 1, 1);
-  place(layout, top, block, 45000, 0, 0, 1, 1);
-  for (int way = 0; way < 8; way++)
-    place(layout, top, cell, way * 3000, -9000, way, 1, 1);
+  place_sample(layout, block, cell, 0, 0, 0, 30, 20);
+  place_sample(layout, top, block, 0, 0, 0, 1, 1);
+  place_sample(layout, top, block, 45000, 0, 0, 1, 1);
+  for (int orientation = 0; orientation < 8; orientation++)
+    place_sample(layout, top, cell, orientation * 3000, -9000, orientation, 1,
+                 1);
   box(layout, over, "poly", 3000, 0, 3065, 900);
-  place(layout, over, cell, 0, 0, 4, 1, 1);
-  place(layout, top, over, 5000, -20000, 1, 3, 1);
+  place_sample(layout, over, cell, 0, 0, 4, 1, 1);
+  place_sample(layout, top, over, 5000, -20000, 1, 3, 1);
   box(layout, top, "active", -5000, -5000, 120000, -4900);
   box(layout, top, "active", -5000, 40000, 120000, 40100);
   box(layout, top, "active", -5000, -5000, -4900, 40100);
@@ -237,7 +239,7 @@ static char *ask_klayout(void) {
 
 /* ---- tests ---- */
 
-static opc_module *run(eda_chip *chip, void **made) {
+static opc_module *run_step(eda_chip *chip, void **made) {
   opc_error error;
   opc_module *m = opc_test_module("correct.layout", "{}", &error);
   if (!m) g_error("%s", error.message);
@@ -250,11 +252,11 @@ static opc_module *run(eda_chip *chip, void **made) {
 static void test_same(void) {
   GRand *rand = g_rand_new_with_seed(3);
   for (int round = 0; round < 3; round++) {
-    eda_layout *layout = draw(round == 2 ? 0.9 : 1);
+    eda_layout *layout = draw_sample(round == 2 ? 0.9 : 1);
     eda_gates *g = flat(layout);
     eda_chip *chip = chip_of(layout, g, rand);
     void *made;
-    opc_module *m = run(chip, &made);
+    opc_module *m = run_step(chip, &made);
     check_same(made, chip, g);
     double placed = opc_test_metric("placed");
     g_assert_cmpfloat(placed, ==, 1200 + 8 + 3);
@@ -276,12 +278,12 @@ static void test_same(void) {
 
 static void test_klayout(void) {
   GRand *rand = g_rand_new_with_seed(4);
-  eda_layout *layout = draw(1);
+  eda_layout *layout = draw_sample(1);
   eda_gates *g = flat(layout);
   eda_chip *chip = chip_of(layout, g, rand);
   eda_layout *all = flat_layout(chip, g);
   void *made;
-  opc_module *m = run(chip, &made);
+  opc_module *m = run_step(chip, &made);
   write_oasis(made, "made.oas");
   write_oasis(all, "flat.oas");
   g_autofree char *answer = ask_klayout();

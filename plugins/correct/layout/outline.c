@@ -9,8 +9,8 @@
 
 /* ---- the outline ---- */
 
-static int draws(const eda_layout *layout, int32_t cell, const int32_t *layers,
-                 size_t n) {
+static int cell_draws(const eda_layout *layout, int32_t cell,
+                      const int32_t *layers, size_t n) {
   size_t all = eda_layout_polygons(layout, cell);
   for (size_t i = 0; i < all; i++) {
     size_t points;
@@ -68,7 +68,7 @@ eda_layout *outline_new(const eda_layout *layout, int32_t top,
     code = eda_layout_cell(out, eda_layout_cell_name(layout, c), error) < 0;
   for (int32_t c = 0; c < cells && !code; c++) {
     eda_box b;
-    if (c != top && draws(layout, c, layers, n) &&
+    if (c != top && cell_draws(layout, c, layers, n) &&
         find_box(layout, c, layers, n, &b) &&
         ((double)b.x1 - b.x0) * unit <= most &&
         ((double)b.y1 - b.y0) * unit <= most)
@@ -87,22 +87,22 @@ eda_layout *outline_new(const eda_layout *layout, int32_t top,
 
 /* Return the number of quarter turns from (1, 0) to (x, y), or -1 for other
    angles. */
-static int quarter(int64_t x, int64_t y) {
+static int quarter_turns(int64_t x, int64_t y) {
   if ((x != 0) == (y != 0)) return -1;
   return x > 0 ? 0 : y > 0 ? 1 : x < 0 ? 2 : 3;
 }
 
 /* Set the territory of a box; p: its corners after placement, counter-clockwise
    from the original lower left one. Returns 0 for other angles. */
-static int see(const eda_point *p, uint32_t number, territory *out) {
-  int along = quarter((int64_t)p[1].x - p[0].x, (int64_t)p[1].y - p[0].y);
-  int up = quarter((int64_t)p[3].x - p[0].x, (int64_t)p[3].y - p[0].y);
+static int territory_of(const eda_point *p, uint32_t number, territory *out) {
+  int along = quarter_turns((int64_t)p[1].x - p[0].x, (int64_t)p[1].y - p[0].y);
+  int up = quarter_turns((int64_t)p[3].x - p[0].x, (int64_t)p[3].y - p[0].y);
   if (along < 0 || up < 0 || (along + up) % 2 == 0) return 0;
   int mirror = up != (along + 1) % 4;
   *out = (territory){.box = eda_bounds(p, 4),
                      .at = p[0],
                      .number = number,
-                     .way = (uint8_t)(along + 4 * mirror)};
+                     .orientation = (uint8_t)(along + 4 * mirror)};
   return 1;
 }
 
@@ -117,8 +117,8 @@ int outline_find(const eda_layout *outline, int32_t top, double grid,
   if (code) return code;
   *out = eda_alloc(flat.shapes.count, sizeof **out);
   for (size_t i = 0; i < flat.shapes.count; i++)
-    *count += (size_t)see(flat.shapes.points + flat.shapes.start[i],
-                          flat.placement[i], *out + *count);
+    *count += (size_t)territory_of(flat.shapes.points + flat.shapes.start[i],
+                                   flat.placement[i], *out + *count);
   eda_flat_clear(&flat);
   return OPC_OK;
 }
@@ -127,9 +127,9 @@ eda_box territory_own(const territory *t, eda_box b) {
   eda_point p[2] = {{b.x0 - t->at.x, b.y0 - t->at.y},
                     {b.x1 - t->at.x, b.y1 - t->at.y}};
   for (int k = 0; k < 2; k++) {
-    for (int turn = t->way % 4; turn > 0; turn--)
+    for (int turn = t->orientation % 4; turn > 0; turn--)
       p[k] = (eda_point){p[k].y, -p[k].x};
-    if (t->way & 4) p[k].y = -p[k].y;
+    if (t->orientation & 4) p[k].y = -p[k].y;
   }
   return eda_bounds(p, 2);
 }

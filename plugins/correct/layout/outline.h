@@ -12,7 +12,7 @@ typedef struct territory {
   eda_box box;
   eda_point at;
   uint32_t number; /* number of the placement, in order */
-  uint8_t way;
+  uint8_t orientation;
 } territory;
 
 /* Return a layout with cells of equal numbers that contain only their bounding

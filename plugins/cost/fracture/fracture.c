@@ -205,7 +205,7 @@ static int publish_metrics(const opc_host *host, const row *rows, size_t n,
   return opc_put_metrics(host, OPC_ARRAY(values), error);
 }
 
-/* ---- work: all of it ---- */
+/* ---- work: run ---- */
 
 /* Drawn shapes and masks, computed in parallel: two for each row. */
 typedef struct counting {
@@ -243,7 +243,7 @@ static int count_all(const counter *c, row *rows, opc_error *error) {
   return code ? code : publish_metrics(c->host, rows, n, error);
 }
 
-static int run(void *self, void **outputs, opc_error *error) {
+static int fracture_run(void *self, void **outputs, opc_error *error) {
   const counter *c = self;
   row *rows = eda_alloc(c->mask->gates->layers, sizeof *rows);
   (void)outputs;
@@ -299,7 +299,7 @@ static const opc_metric metrics[] = {
      "Bytes of the mask as drawn in a model of MEBES"},
 };
 
-static int check(void *self, opc_error *error) {
+static int fracture_check(void *self, opc_error *error) {
   const opc_reals *array = &((counter *)self)->array;
   int good = array->count == 2;
   for (size_t i = 0; i < array->count && good; i++) {
@@ -314,7 +314,7 @@ static int check(void *self, opc_error *error) {
 
 /* ---- entry ---- */
 
-static const opc_step functions = {.run = run};
+static const opc_step functions = {.run = fracture_run};
 
 OPC_PLUGIN(counter, .id = "cost.fracture", .kind = "step", .version = "0.2.0",
            .licence = "BSD-3-Clause",
@@ -322,5 +322,5 @@ OPC_PLUGIN(counter, .id = "cost.fracture", .kind = "step", .version = "0.2.0",
                "Count the rectangles, shots, vertices and bytes of a "
                "mask",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), OPC_METRICS(metrics), .check = check,
-           OPC_FUNCTIONS(functions));
+           OPC_PARAMETERS(parameters), OPC_METRICS(metrics),
+           .check = fracture_check, OPC_FUNCTIONS(functions));

@@ -8,7 +8,7 @@
 
 #include "tools/devel/testing.h"
 
-/* ---- masks by hand ---- */
+/* ---- masks made by hand ---- */
 
 typedef struct drawing {
   uint32_t start[16];
@@ -17,7 +17,8 @@ typedef struct drawing {
   eda_shapes shapes;
 } drawing;
 
-static void add(drawing *d, uint8_t hole, const int32_t (*xy)[2], size_t n) {
+static void add_shape(drawing *d, uint8_t hole, const int32_t (*xy)[2],
+                      size_t n) {
   size_t i = d->shapes.count++;
   g_assert_cmpuint(d->start[i] + n, <=, G_N_ELEMENTS(d->points));
   for (size_t k = 0; k < n; k++)
@@ -31,7 +32,7 @@ static void add(drawing *d, uint8_t hole, const int32_t (*xy)[2], size_t n) {
 #define ADD(d, hole, ...)                         \
   do {                                            \
     static const int32_t xy[][2] = {__VA_ARGS__}; \
-    add(d, hole, xy, G_N_ELEMENTS(xy));           \
+    add_shape(d, hole, xy, G_N_ELEMENTS(xy));     \
   } while (0)
 
 static void square(drawing *d) {
@@ -87,7 +88,8 @@ typedef struct hand_made {
   eda_shapes drawn[LAYERS], shapes[LAYERS];
 } hand_made;
 
-static void make(hand_made *m, size_t layers, double grid, eda_box extent) {
+static void make_sample(hand_made *m, size_t layers, double grid,
+                        eda_box extent) {
   static char *names[] = {"poly", "active", "metal1"};
   static uint8_t corrected[] = {1, 1, 1};
   *m = (hand_made){.gates = {.name = "TOP",
@@ -107,7 +109,7 @@ static void count_as(const drawing drawn[LAYERS],
   opc_error error;
   hand_made made;
   size_t layers = corrected[LAYERS - 1].shapes.count ? LAYERS : LAYERS - 1;
-  make(&made, layers, grid, extent);
+  make_sample(&made, layers, grid, extent);
   for (size_t layer = 0; layer < layers; layer++) {
     made.drawn[layer] = drawn[layer].shapes;
     made.shapes[layer] = corrected[layer].shapes;
@@ -224,7 +226,7 @@ static void test_slanted(void) {
   drawing d = {0};
   ADD(&d, 0, {0, 0}, {100, 0}, {50, 100});
   hand_made made;
-  make(&made, 2, 1, (eda_box){0});
+  make_sample(&made, 2, 1, (eda_box){0});
   made.shapes[EDA_ACTIVE] = d.shapes;
   g_autoptr(opc_module) m = opc_test_module("cost.fracture", "{}", &error);
   g_assert_nonnull(m);
@@ -305,7 +307,7 @@ static int64_t mebes(const eda_box *boxes, size_t n, eda_box e, int columns,
 static eda_box outline(int32_t x0, int32_t y0, int32_t x1, int32_t y1,
                        drawing *d) {
   const int32_t xy[][2] = {{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}};
-  add(d, 0, xy, 4);
+  add_shape(d, 0, xy, 4);
   return (eda_box){x0, y0, x1, y1};
 }
 
@@ -399,7 +401,7 @@ static void test_ragged(void) {
         xy[up][0] = right[i], xy[down][0] = left[i];
         xy[up][1] = xy[down][1] = 3 * (i + k);
       }
-    add(&mask[EDA_POLY], 0, (const int32_t(*)[2])xy, 4 * BARS);
+    add_shape(&mask[EDA_POLY], 0, (const int32_t(*)[2])xy, 4 * BARS);
     for (int sliver = 1; sliver < 8; sliver += 2) {
       g_autofree char *text = g_strdup_printf(
           "{ max_shot: 10 nm, magnification: 10, sliver: %d nm }", 10 * sliver);
@@ -415,7 +417,7 @@ static void test_touching(void) {
   drawing d = {0};
   outline(0, 0, 100, 100, &d);
   hand_made made;
-  make(&made, 2, 1, (eda_box){10, 0, 90, 90});
+  make_sample(&made, 2, 1, (eda_box){10, 0, 90, 90});
   made.shapes[EDA_POLY] = d.shapes;
   g_autoptr(opc_module) m = opc_test_module(
       "cost.fracture", "{ array: [2, 1], array_space: 20 nm }", &error);
@@ -498,7 +500,7 @@ static void run_on(const eda_mask *mask) {
 
 static void check_files(const eda_shapes *shapes, int layer) {
   hand_made made;
-  make(&made, LAYERS, 1, (eda_box){0});
+  make_sample(&made, LAYERS, 1, (eda_box){0});
   int64_t gds = file_size("write.gds", &made.mask, "none.gds");
   int64_t oasis = file_size("write.oasis", &made.mask, "none.oas");
   made.shapes[layer] = *shapes;
@@ -544,7 +546,7 @@ static void test_klayout(void) {
   const char *name = "jagged.gds";
   for (uint32_t seed = 1; seed < 4; seed++) {
     hand_made made;
-    make(&made, 2, 1, (eda_box){0});
+    make_sample(&made, 2, 1, (eda_box){0});
     made.shapes[EDA_POLY] = jagged(seed, 600);
     g_autofree char *path = write_mask("write.gds", &made.mask, name);
     char *argv[] = {"python3", "-c", (char *)script, path, NULL};

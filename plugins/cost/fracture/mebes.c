@@ -20,18 +20,18 @@ static int64_t floor_div(int64_t a, int64_t b) {
 
 /* Return the number of intervals of `size`, aligned to 0, that meet [from,
    to). */
-static int64_t pieces(int64_t from, int64_t to, int64_t size) {
+static int64_t count_intervals(int64_t from, int64_t to, int64_t size) {
   return floor_div(to - 1, size) - floor_div(from, size) + 1;
 }
 
 int64_t mebes_segments(eda_box e, const mebes_array *a) {
   int64_t width = (int64_t)e.x1 - e.x0 + (a->columns - 1) * a->step_x;
-  return width > 0 ? pieces(0, width, MEBES_SEGMENT) : 1;
+  return width > 0 ? count_intervals(0, width, MEBES_SEGMENT) : 1;
 }
 
 static int64_t mebes_stripes(eda_box e, const mebes_array *a) {
   int64_t height = (int64_t)e.y1 - e.y0 + (a->rows - 1) * a->step_y;
-  return height > 0 ? pieces(0, height, MEBES_STRIPE) : 1;
+  return height > 0 ? count_intervals(0, height, MEBES_STRIPE) : 1;
 }
 
 /* Return the size of all copies of [x0, x1) in a row. Copies within a segment
@@ -41,7 +41,7 @@ static int64_t row_bytes(int64_t x0, int64_t x1, const mebes_array *a) {
   int64_t bytes = 0;
   for (int64_t c = 0; c < a->columns;) {
     int64_t from = x0 + c * a->step_x, to = x1 + c * a->step_x;
-    int64_t n = pieces(from, to, MEBES_SEGMENT);
+    int64_t n = count_intervals(from, to, MEBES_SEGMENT);
     if (n > 1) {
       bytes += n * RECTANGLE;
       c++;
@@ -59,7 +59,7 @@ static int64_t row_bytes(int64_t x0, int64_t x1, const mebes_array *a) {
 static int64_t rows_pieces(int64_t y0, int64_t y1, const mebes_array *a) {
   int64_t n = 0;
   for (int64_t r = 0; r < a->rows; r++)
-    n += pieces(y0 + r * a->step_y, y1 + r * a->step_y, MEBES_STRIPE);
+    n += count_intervals(y0 + r * a->step_y, y1 + r * a->step_y, MEBES_STRIPE);
   return n;
 }
 

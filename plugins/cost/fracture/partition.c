@@ -45,42 +45,45 @@ typedef struct work {
 
 /* ---- chords ---- */
 
-static int32_t along(eda_point p, int way) { return way ? p.y : p.x; }
-static int32_t across(eda_point p, int way) { return way ? p.x : p.y; }
+static int32_t along(eda_point p, int axis) { return axis ? p.y : p.x; }
+static int32_t across(eda_point p, int axis) { return axis ? p.x : p.y; }
 
-static eda_point point(const work *w, int i) { return w->p[(i + w->n) % w->n]; }
+static eda_point corner_at(const work *w, int i) {
+  return w->p[(i + w->n) % w->n];
+}
 
 /* Return the sign of the direction in which the line through a corner enters
    the polygon, opposite to its edge along that direction. */
-static int onwards(const work *w, int i, int way) {
-  eda_point p = point(w, i), a = point(w, i - 1), b = point(w, i + 1);
-  eda_point other = across(a, way) == across(p, way) ? a : b;
-  return along(other, way) < along(p, way) ? 1 : -1;
+static int inward_sign(const work *w, int i, int axis) {
+  eda_point p = corner_at(w, i), a = corner_at(w, i - 1),
+            b = corner_at(w, i + 1);
+  eda_point other = across(a, axis) == across(p, axis) ? a : b;
+  return along(other, axis) < along(p, axis) ? 1 : -1;
 }
 
 /* Return 1 if an edge crosses the line between two corners. */
-static int blocked(const work *w, int32_t at, int32_t from, int32_t to,
-                   int way) {
+static int is_blocked(const work *w, int32_t at, int32_t from, int32_t to,
+                      int axis) {
   for (int i = 0; i < w->n; i++) {
-    eda_point a = point(w, i), b = point(w, i + 1);
-    int32_t place = along(a, way), s = across(a, way), t = across(b, way);
-    if (along(b, way) != place || place <= from || place >= to) continue;
+    eda_point a = corner_at(w, i), b = corner_at(w, i + 1);
+    int32_t place = along(a, axis), s = across(a, axis), t = across(b, axis);
+    if (along(b, axis) != place || place <= from || place >= to) continue;
     if ((s <= at && t >= at) || (t <= at && s >= at)) return 1;
   }
   return 0;
 }
 
-static void find_chords(work *w, int way) {
-  w->chords[way] = 0;
+static void find_chords(work *w, int axis) {
+  w->chords[axis] = 0;
   for (int i = 0; i < w->n; i++) {
-    if (!w->concave[i] || onwards(w, i, way) < 0) continue;
-    int32_t at = across(w->p[i], way), from = along(w->p[i], way);
+    if (!w->concave[i] || inward_sign(w, i, axis) < 0) continue;
+    int32_t at = across(w->p[i], axis), from = along(w->p[i], axis);
     for (int k = 0; k < w->n; k++) {
-      int32_t to = along(w->p[k], way);
-      if (!w->concave[k] || across(w->p[k], way) != at || to <= from ||
-          onwards(w, k, way) > 0 || blocked(w, at, from, to, way))
+      int32_t to = along(w->p[k], axis);
+      if (!w->concave[k] || across(w->p[k], axis) != at || to <= from ||
+          inward_sign(w, k, axis) > 0 || is_blocked(w, at, from, to, axis))
         continue;
-      w->chord[way][w->chords[way]++] = (chord){at, from, to};
+      w->chord[axis][w->chords[axis]++] = (chord){at, from, to};
       break;
     }
   }
@@ -88,8 +91,8 @@ static void find_chords(work *w, int way) {
 
 /* ---- slivers ---- */
 
-static int32_t beside(chord c, int32_t at, int32_t from, int32_t to,
-                      int32_t least) {
+static int32_t distance_beside(chord c, int32_t at, int32_t from, int32_t to,
+                               int32_t least) {
   int32_t d = at > c.at ? at - c.at : c.at - at;
   int32_t low = from < to ? from : to, high = from < to ? to : from;
   return d > 0 && d < least && low < c.to && high > c.from ? d : least;
@@ -97,16 +100,17 @@ static int32_t beside(chord c, int32_t at, int32_t from, int32_t to,
 
 /* Return the distance of a cut from the nearest parallel edge or one of the
    first `cuts` cuts, at most `sliver`. */
-static int32_t thickness(const work *w, chord c, int way, int cuts,
-                         int32_t sliver) {
+static int32_t cut_thickness(const work *w, chord c, int axis, int cuts,
+                             int32_t sliver) {
   for (int k = 0; k < w->n; k++) {
-    eda_point a = point(w, k), b = point(w, k + 1);
-    if (across(a, way) == across(b, way))
-      sliver = beside(c, across(a, way), along(a, way), along(b, way), sliver);
+    eda_point a = corner_at(w, k), b = corner_at(w, k + 1);
+    if (across(a, axis) == across(b, axis))
+      sliver = distance_beside(c, across(a, axis), along(a, axis),
+                               along(b, axis), sliver);
   }
   for (int k = 0; k < cuts; k++) {
-    chord o = w->chord[way][k];
-    sliver = beside(c, o.at, o.from, o.to, sliver);
+    chord o = w->chord[axis][k];
+    sliver = distance_beside(c, o.at, o.from, o.to, sliver);
   }
   return sliver;
 }
@@ -114,30 +118,31 @@ static int32_t thickness(const work *w, chord c, int way, int cuts,
 /* Keep the chords that do not cut off slivers. */
 static void drop_thin(work *w, int32_t sliver) {
   uint8_t thin[2][MOST];
-  for (int way = 0; way < 2; way++)
-    for (int i = 0; i < w->chords[way]; i++)
-      thin[way][i] = thickness(w, w->chord[way][i], way, 0, sliver) < sliver;
-  for (int way = 0; way < 2; way++) {
+  for (int axis = 0; axis < 2; axis++)
+    for (int i = 0; i < w->chords[axis]; i++)
+      thin[axis][i] =
+          cut_thickness(w, w->chord[axis][i], axis, 0, sliver) < sliver;
+  for (int axis = 0; axis < 2; axis++) {
     int kept = 0;
-    for (int i = 0; i < w->chords[way]; i++)
-      if (!thin[way][i]) w->chord[way][kept++] = w->chord[way][i];
-    w->chords[way] = kept;
+    for (int i = 0; i < w->chords[axis]; i++)
+      if (!thin[axis][i]) w->chord[axis][kept++] = w->chord[axis][i];
+    w->chords[axis] = kept;
   }
 }
 
-/* ---- those that do not touch ---- */
+/* ---- independent chords ---- */
 
-static int touch(const work *w, int h, int v) {
+static int chords_touch(const work *w, int h, int v) {
   chord a = w->chord[0][h], b = w->chord[1][v];
   return b.at >= a.from && b.at <= a.to && a.at >= b.from && a.at <= b.to;
 }
 
 /* Find an augmenting path for a horizontal chord. Returns 1 on success. */
-static int augment(work *w, int h) {
+static int match_augment(work *w, int h) {
   for (int v = 0; v < w->chords[1]; v++) {
-    if (w->seen[1][v] || !touch(w, h, v)) continue;
+    if (w->seen[1][v] || !chords_touch(w, h, v)) continue;
     w->seen[1][v] = 1;
-    if (w->match[1][v] >= 0 && !augment(w, w->match[1][v])) continue;
+    if (w->match[1][v] >= 0 && !match_augment(w, w->match[1][v])) continue;
     w->match[0][h] = v;
     w->match[1][v] = h;
     return 1;
@@ -147,61 +152,61 @@ static int augment(work *w, int h) {
 
 /* Mark the chords reachable by alternating paths from an unmatched horizontal
    one. */
-static void visit(work *w, int h) {
+static void match_visit(work *w, int h) {
   if (w->seen[0][h]) return;
   w->seen[0][h] = 1;
   for (int v = 0; v < w->chords[1]; v++) {
-    if (w->seen[1][v] || !touch(w, h, v)) continue;
+    if (w->seen[1][v] || !chords_touch(w, h, v)) continue;
     w->seen[1][v] = 1;
-    visit(w, w->match[1][v]); /* matched, since the matching is maximal */
+    match_visit(w, w->match[1][v]); /* matched, since the matching is maximal */
   }
 }
 
 /* Keep the chords of a maximum independent set. */
-static void choose(work *w) {
+static void choose_chords(work *w) {
   memset(w->match, -1, sizeof w->match);
   for (int h = 0; h < w->chords[0]; h++) {
     memset(w->seen, 0, sizeof w->seen);
-    augment(w, h);
+    match_augment(w, h);
   }
   memset(w->seen, 0, sizeof w->seen);
   for (int h = 0; h < w->chords[0]; h++)
-    if (w->match[0][h] < 0) visit(w, h);
-  for (int way = 0; way < 2; way++) {
+    if (w->match[0][h] < 0) match_visit(w, h);
+  for (int axis = 0; axis < 2; axis++) {
     int kept = 0;
-    for (int i = 0; i < w->chords[way]; i++)
-      if (w->seen[way][i] == !way) w->chord[way][kept++] = w->chord[way][i];
-    w->chords[way] = kept;
+    for (int i = 0; i < w->chords[axis]; i++)
+      if (w->seen[axis][i] == !axis) w->chord[axis][kept++] = w->chord[axis][i];
+    w->chords[axis] = kept;
   }
 }
 
-/* ---- the other corners ---- */
+/* ---- remaining corners ---- */
 
 static int is_served(const work *w, int i) {
-  for (int way = 0; way < 2; way++)
-    for (int k = 0; k < w->chords[way]; k++) {
-      chord c = w->chord[way][k];
-      int32_t at = along(w->p[i], way);
-      if (c.at == across(w->p[i], way) && (c.from == at || c.to == at))
+  for (int axis = 0; axis < 2; axis++)
+    for (int k = 0; k < w->chords[axis]; k++) {
+      chord c = w->chord[axis][k];
+      int32_t at = along(w->p[i], axis);
+      if (c.at == across(w->p[i], axis) && (c.from == at || c.to == at))
         return 1;
     }
   return 0;
 }
 
 /* Return the cut from a corner to the next edge or cut. */
-static chord cut_from(const work *w, int i, int way) {
-  int32_t at = across(w->p[i], way), from = along(w->p[i], way);
-  int sign = onwards(w, i, way);
+static chord cut_from(const work *w, int i, int axis) {
+  int32_t at = across(w->p[i], axis), from = along(w->p[i], axis);
+  int sign = inward_sign(w, i, axis);
   int64_t found = INT64_MAX;
   for (int k = 0; k < w->n; k++) {
-    eda_point a = point(w, k), b = point(w, k + 1);
-    int32_t s = across(a, way), t = across(b, way);
-    int64_t d = sign * ((int64_t)along(a, way) - from);
-    if (along(b, way) != along(a, way) || d <= 0 || d >= found) continue;
+    eda_point a = corner_at(w, k), b = corner_at(w, k + 1);
+    int32_t s = across(a, axis), t = across(b, axis);
+    int64_t d = sign * ((int64_t)along(a, axis) - from);
+    if (along(b, axis) != along(a, axis) || d <= 0 || d >= found) continue;
     if ((s <= at && t >= at) || (t <= at && s >= at)) found = d;
   }
-  for (int k = 0; k < w->chords[!way]; k++) {
-    chord c = w->chord[!way][k];
+  for (int k = 0; k < w->chords[!axis]; k++) {
+    chord c = w->chord[!axis][k];
     int64_t d = sign * ((int64_t)c.at - from);
     if (d > 0 && d < found && c.from <= at && c.to >= at) found = d;
   }
@@ -214,9 +219,9 @@ static void cut_corners(work *w, int32_t sliver) {
     if (!w->concave[i] || is_served(w, i)) continue;
     chord c[2];
     int32_t thick[2];
-    for (int way = 0; way < 2; way++) {
-      c[way] = cut_from(w, i, way);
-      thick[way] = thickness(w, c[way], way, w->chords[way], sliver);
+    for (int axis = 0; axis < 2; axis++) {
+      c[axis] = cut_from(w, i, axis);
+      thick[axis] = cut_thickness(w, c[axis], axis, w->chords[axis], sliver);
     }
     int upright = thick[1] != thick[0]
                       ? thick[1] > thick[0]
@@ -233,32 +238,32 @@ static int by_value(const void *a, const void *b) {
 }
 
 static void find_lines(work *w) {
-  for (int way = 0; way < 2; way++) {
-    int32_t *line = w->line[way];
+  for (int axis = 0; axis < 2; axis++) {
+    int32_t *line = w->line[axis];
     int n = 0, kept = 0;
     for (int i = 0; i < w->n; i++)
-      if (along(point(w, i), way) == along(point(w, i + 1), way))
-        line[n++] = along(point(w, i), way);
+      if (along(corner_at(w, i), axis) == along(corner_at(w, i + 1), axis))
+        line[n++] = along(corner_at(w, i), axis);
     qsort(line, (size_t)n, sizeof *line, by_value);
     for (int i = 0; i < n; i++)
       if (!i || line[i] != line[i - 1]) line[kept++] = line[i];
-    w->lines[way] = kept;
+    w->lines[axis] = kept;
   }
 }
 
-static int number_of(const work *w, int way, int32_t value) {
-  const int32_t *line = w->line[way];
-  return (int)((const int32_t *)bsearch(&value, line, (size_t)w->lines[way],
+static int number_of(const work *w, int axis, int32_t value) {
+  const int32_t *line = w->line[axis];
+  return (int)((const int32_t *)bsearch(&value, line, (size_t)w->lines[axis],
                                         sizeof *line, by_value) -
                line);
 }
 
 /* Mark an edge or cut as border of the cells along it. */
-static void put_wall(work *w, int way, chord c, uint8_t what) {
-  int at = number_of(w, !way, c.at);
-  int from = number_of(w, way, c.from), to = number_of(w, way, c.to);
+static void put_wall(work *w, int axis, chord c, uint8_t what) {
+  int at = number_of(w, !axis, c.at);
+  int from = number_of(w, axis, c.from), to = number_of(w, axis, c.to);
   for (int i = from; i < to; i++)
-    if (way)
+    if (axis)
       w->left[i][at] |= what;
     else
       w->below[at][i] |= what;
@@ -272,19 +277,19 @@ static void put_walls(work *w) {
     memset(w->done[j], 0, (size_t)columns);
   }
   for (int i = 0; i < w->n; i++) {
-    eda_point a = point(w, i), b = point(w, i + 1);
-    int way = a.x == b.x;
-    int32_t s = along(a, way), t = along(b, way);
-    put_wall(w, way, (chord){across(a, way), s < t ? s : t, s < t ? t : s},
+    eda_point a = corner_at(w, i), b = corner_at(w, i + 1);
+    int axis = a.x == b.x;
+    int32_t s = along(a, axis), t = along(b, axis);
+    put_wall(w, axis, (chord){across(a, axis), s < t ? s : t, s < t ? t : s},
              EDGE);
   }
-  for (int way = 0; way < 2; way++)
-    for (int i = 0; i < w->chords[way]; i++)
-      put_wall(w, way, w->chord[way][i], CUT);
+  for (int axis = 0; axis < 2; axis++)
+    for (int i = 0; i < w->chords[axis]; i++)
+      put_wall(w, axis, w->chord[axis][i], CUT);
 }
 
 /* Append the rectangle whose lower left corner is in a cell. */
-static void take(work *w, int i, int j, eda_box_list *out) {
+static void take_rectangle(work *w, int i, int j, eda_box_list *out) {
   int right = i + 1, top = j + 1;
   while (!w->left[j][right]) right++;
   while (!w->below[top][i]) top++;
@@ -298,24 +303,25 @@ static void take_all(work *w, eda_box_list *out) {
     int inside = 0;
     for (int i = 0; i + 1 < w->lines[0]; i++) {
       inside ^= w->left[j][i] & EDGE;
-      if (inside && !w->done[j][i]) take(w, i, j, out);
+      if (inside && !w->done[j][i]) take_rectangle(w, i, j, out);
     }
   }
 }
 
-static void cut(work *w, const eda_point *p, int n, int32_t sliver,
-                eda_box_list *out) {
+static void cut_polygon(work *w, const eda_point *p, int n, int32_t sliver,
+                        eda_box_list *out) {
   w->n = n;
   memcpy(w->p, p, (size_t)n * sizeof *p);
   for (int i = 0; i < n; i++) {
-    eda_point a = point(w, i - 1), b = point(w, i), c = point(w, i + 1);
+    eda_point a = corner_at(w, i - 1), b = corner_at(w, i),
+              c = corner_at(w, i + 1);
     w->concave[i] = ((int64_t)b.x - a.x) * ((int64_t)c.y - b.y) -
                         ((int64_t)b.y - a.y) * ((int64_t)c.x - b.x) <
                     0;
   }
-  for (int way = 0; way < 2; way++) find_chords(w, way);
+  for (int axis = 0; axis < 2; axis++) find_chords(w, axis);
   drop_thin(w, sliver);
-  choose(w);
+  choose_chords(w);
   cut_corners(w, sliver);
   find_lines(w);
   put_walls(w);
@@ -324,7 +330,7 @@ static void cut(work *w, const eda_point *p, int n, int32_t sliver,
 
 /* ---- all polygons ---- */
 
-static eda_box bounds(const eda_shapes *s, size_t i) {
+static eda_box polygon_bounds(const eda_shapes *s, size_t i) {
   return eda_bounds(s->points + s->start[i], s->start[i + 1] - s->start[i]);
 }
 
@@ -338,7 +344,7 @@ static int is_plain(const eda_shapes *s, size_t i, const eda_box *holes,
     eda_point a = s->points[k], b = s->points[k + 1 < end ? k + 1 : first];
     if (a.x != b.x && a.y != b.y) return 0; /* rejected by eda_fracture */
   }
-  eda_box b = n_holes ? bounds(s, i) : (eda_box){0};
+  eda_box b = n_holes ? polygon_bounds(s, i) : (eda_box){0};
   for (size_t h = 0; h < n_holes; h++)
     if (holes[h].x0 >= b.x0 && holes[h].x1 <= b.x1 && holes[h].y0 >= b.y0 &&
         holes[h].y1 <= b.y1)
@@ -353,12 +359,12 @@ static void cut_plain(const eda_shapes *s, int32_t sliver, eda_shapes *rest,
   eda_box *holes = eda_alloc(s->count, sizeof *holes);
   size_t n_holes = 0;
   for (size_t i = 0; s->hole && i < s->count; i++)
-    if (s->hole[i]) holes[n_holes++] = bounds(s, i);
+    if (s->hole[i]) holes[n_holes++] = polygon_bounds(s, i);
   for (size_t i = 0; i < s->count; i++) {
     uint32_t n = s->start[i + 1] - s->start[i];
     const eda_point *p = s->points + s->start[i];
     if (is_plain(s, i, holes, n_holes)) {
-      cut(w, p, (int)n, sliver, out);
+      cut_polygon(w, p, (int)n, sliver, out);
       continue;
     }
     memcpy(rest->points + rest->start[rest->count], p, n * sizeof *p);

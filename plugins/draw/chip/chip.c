@@ -40,7 +40,7 @@ static uint32_t *count_classes(const eda_chip *c) {
   return size;
 }
 
-static double figure(const drawer *d, const uint32_t *size, size_t i) {
+static double gate_figure(const drawer *d, const uint32_t *size, size_t i) {
   const eda_chip_gate *g = &d->chip->gate[i];
   const eda_chip_print *p = &d->chip->print[g->print];
   if (d->show == CLASSES) return log2(size[g->mask]);
@@ -55,34 +55,35 @@ static double figure(const drawer *d, const uint32_t *size, size_t i) {
 
 /* Return the value that a pixel shows: the larger deviation or the smaller
    class. */
-static double worse(int show, double a, double b) {
+static double worse_of(int show, double a, double b) {
   if (isnan(a)) return b;
   if (show == CLASSES) return fmin(a, b);
   return fabs(b) > fabs(a) ? b : a;
 }
 
-static int pixel(double at, int most) {
+static int pixel_at(double at, int most) {
   return (int)fmin(fmax(floor(at), 0), most - 1);
 }
 
-static void put(raster *r, int show, eda_box extent, eda_box b, double v) {
-  int x0 = pixel(((double)b.x0 - extent.x0) * r->scale, r->width);
-  int x1 = pixel(((double)b.x1 - extent.x0) * r->scale, r->width);
-  int y0 = pixel(((double)extent.y1 - b.y1) * r->scale, r->height);
-  int y1 = pixel(((double)extent.y1 - b.y0) * r->scale, r->height);
+static void raster_put(raster *r, int show, eda_box extent, eda_box b,
+                       double v) {
+  int x0 = pixel_at(((double)b.x0 - extent.x0) * r->scale, r->width);
+  int x1 = pixel_at(((double)b.x1 - extent.x0) * r->scale, r->width);
+  int y0 = pixel_at(((double)extent.y1 - b.y1) * r->scale, r->height);
+  int y1 = pixel_at(((double)extent.y1 - b.y0) * r->scale, r->height);
   for (int y = y0; y <= y1; y++)
     for (int x = x0; x <= x1; x++) {
       double *to = &r->value[(size_t)y * (size_t)r->width + (size_t)x];
-      *to = worse(show, *to, v);
+      *to = worse_of(show, *to, v);
     }
 }
 
-static void fill(const drawer *d, raster *r) {
+static void raster_fill(const drawer *d, raster *r) {
   const eda_chip *c = d->chip;
   uint32_t *size = count_classes(c);
   for (int i = 0; i < r->width * r->height; i++) r->value[i] = NAN;
   for (size_t i = 0; i < c->count; i++)
-    put(r, d->show, c->extent, c->gate[i].box, figure(d, size, i));
+    raster_put(r, d->show, c->extent, c->gate[i].box, gate_figure(d, size, i));
   free(size);
 }
 
@@ -105,13 +106,14 @@ static eda_colour colour_of(const drawer *d, double v, double range) {
                             : eda_diverging((v / range + 1) / 2);
 }
 
-static uint32_t rgb(eda_colour c) {
+static uint32_t rgb_of(eda_colour c) {
   return (uint32_t)lround(255 * c.r) << 16 | (uint32_t)lround(255 * c.g) << 8 |
          (uint32_t)lround(255 * c.b);
 }
 
-static int paint(const drawer *d, const eda_paper *paper, const raster *r,
-                 double left, double top, double range, opc_error *error) {
+static int raster_paint(const drawer *d, const eda_paper *paper,
+                        const raster *r, double left, double top, double range,
+                        opc_error *error) {
   cairo_surface_t *s =
       cairo_image_surface_create(CAIRO_FORMAT_RGB24, r->width, r->height);
   if (cairo_surface_status(s)) {
@@ -119,13 +121,13 @@ static int paint(const drawer *d, const eda_paper *paper, const raster *r,
     return opc_fail(error, OPC_FAILED, NULL, "no picture of %d x %d pixels",
                     r->width, r->height);
   }
-  uint32_t faint = rgb(eda_faint);
+  uint32_t faint = rgb_of(eda_faint);
   unsigned char *data = cairo_image_surface_get_data(s);
   size_t stride = (size_t)cairo_image_surface_get_stride(s);
   for (int y = 0; y < r->height; y++)
     for (int x = 0; x < r->width; x++) {
       double v = r->value[(size_t)y * (size_t)r->width + (size_t)x];
-      uint32_t c = isnan(v) ? faint : rgb(colour_of(d, v, range));
+      uint32_t c = isnan(v) ? faint : rgb_of(colour_of(d, v, range));
       memcpy(data + (size_t)y * stride + 4 * (size_t)x, &c, 4);
     }
   cairo_surface_mark_dirty(s);
@@ -168,8 +170,8 @@ static double draw_head(const drawer *d, const eda_paper *paper, double range) {
   return ceil(top + l.height + paper->margin / 2);
 }
 
-static int draw(const drawer *d, raster *r, const char *path,
-                opc_error *error) {
+static int chip_draw(const drawer *d, raster *r, const char *path,
+                     opc_error *error) {
   double font = fmax(9, (double)d->width / 70), margin = font;
   double range = find_range(d, r);
   eda_paper *paper = eda_paper_open(path, (double)d->width, 0, font, error);
@@ -178,11 +180,11 @@ static int draw(const drawer *d, raster *r, const char *path,
   double top = draw_head(d, paper, range);
   eda_paper_cut(paper, top + r->height + margin);
   draw_head(d, paper, range);
-  int code = paint(d, paper, r, floor(margin), top, range, error);
+  int code = raster_paint(d, paper, r, floor(margin), top, range, error);
   return eda_paper_close(paper, code, error);
 }
 
-static int run(void *self, void **outputs, opc_error *error) {
+static int chip_run(void *self, void **outputs, opc_error *error) {
   const drawer *d = self;
   eda_box e = d->chip->extent;
   double wide = (double)e.x1 - e.x0, high = (double)e.y1 - e.y0;
@@ -196,8 +198,8 @@ static int run(void *self, void **outputs, opc_error *error) {
   r.height = (int)fmax(1, ceil(high * r.scale));
   r.width = (int)fmax(1, ceil(wide * r.scale));
   r.value = eda_alloc((size_t)r.width * (size_t)r.height, sizeof *r.value);
-  fill(d, &r);
-  int code = draw(d, &r, path, error);
+  raster_fill(d, &r);
+  int code = chip_draw(d, &r, path, error);
   free(r.value);
   return code;
 }
@@ -206,34 +208,35 @@ static int run(void *self, void **outputs, opc_error *error) {
 
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(drawer, chip, .type = OPC_INPUT, .flags = OPC_REQUIRED,
-                  .choices = "chip", .summary = "a corrected chip"),
+                  .choices = "chip", .summary = "Corrected chip"),
     OPC_PARAMETER(drawer, file, .type = OPC_OUTPUT, .preset = "chip.png",
-                  .summary = "picture: .png, .svg or .pdf"),
-    OPC_PARAMETER(drawer, show, .type = OPC_CHOICE, .preset = "after",
-                  .choices = "after|before|change|classes",
-                  .summary = "deviation of Ion after or before correction, by "
-                             "how much it has grown, or how many transistors "
-                             "have the same mask"),
+                  .summary = "Picture, .png, .svg or .pdf"),
+    OPC_PARAMETER(
+        drawer, show, .type = OPC_CHOICE, .preset = "after",
+        .choices = "after|before|change|classes",
+        .summary =
+            "Figure to show: deviation of Ion after or before correction, its "
+            "growth, or the number of transistors with the same mask"),
     OPC_PARAMETER(drawer, width, .type = OPC_INT, .preset = "1000", .min = 200,
-                  .max = 8000, .summary = "of the picture, pixels"),
-    OPC_PARAMETER(drawer, range, .type = OPC_REAL, .flags = OPC_ABOVE,
-                  .unit = "%",
-                  .summary = "the deviation at the ends of the colours; if not "
-                             "given, the largest"),
+                  .max = 8000, .summary = "Width of the picture, pixels"),
+    OPC_PARAMETER(
+        drawer, range, .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "%",
+        .summary =
+            "Deviation at the ends of the colour scale (default: the largest)"),
 };
 
-static int check(void *self, opc_error *error) {
+static int chip_check(void *self, opc_error *error) {
   const drawer *d = self;
   return eda_paper_check(d->file, "file", error);
 }
 
 /* ---- entry ---- */
 
-static const opc_step functions = {.run = run};
+static const opc_step functions = {.run = chip_run};
 
 OPC_PLUGIN(drawer, .id = "draw.chip", .kind = "step", .version = "0.1.0",
            .licence = "BSD-3-Clause",
            .summary = "a map of the transistors of a chip",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), .check = check,
+           OPC_PARAMETERS(parameters), .check = chip_check,
            OPC_FUNCTIONS(functions));

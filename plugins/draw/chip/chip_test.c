@@ -39,7 +39,7 @@ static eda_chip *chip_new(size_t n) {
   return c;
 }
 
-static cairo_surface_t *draw(eda_chip *chip, const char *map) {
+static cairo_surface_t *draw_sample(eda_chip *chip, const char *map) {
   opc_error e;
   opc_module *m = opc_test_module("draw.chip", map, &e);
   if (!m) g_error("%s", e.message);
@@ -83,16 +83,16 @@ static void test_colours(void) {
   eda_chip *c = chip_new(4);
   /* 400 pixels minus a font of 9 on each side for 4 um */
   double gate = 0.8 * 382 / 4 * 0.8 * 382 / 4;
-  cairo_surface_t *s = draw(c, "{ width: 400 }");
+  cairo_surface_t *s = draw_sample(c, "{ width: 400 }");
   near(count(s, rgb(eda_diverging(1))), gate);
   near(count(s, rgb(eda_ink)), gate);
   /* equal to the colour of the paper */
   int white = count(s, rgb(eda_diverging(0.5)));
   cairo_surface_destroy(s);
-  s = draw(c, "{ width: 400, show: before }");
+  s = draw_sample(c, "{ width: 400, show: before }");
   near(count(s, rgb(eda_diverging(0.5))) - white, 2 * gate);
   cairo_surface_destroy(s);
-  s = draw(c, "{ width: 400, show: classes }");
+  s = draw_sample(c, "{ width: 400, show: classes }");
   near(count(s, rgb(eda_sequential(0))), gate);
   near(count(s, rgb(eda_sequential(log2(15) / 4))), 15 * gate);
   cairo_surface_destroy(s);
@@ -103,8 +103,8 @@ static void test_colours(void) {
    visible. */
 static void test_many(void) {
   eda_chip *few = chip_new(4), *many = chip_new(500);
-  cairo_surface_t *a = draw(few, "{ width: 300 }");
-  cairo_surface_t *b = draw(many, "{ width: 300 }");
+  cairo_surface_t *a = draw_sample(few, "{ width: 300 }");
+  cairo_surface_t *b = draw_sample(many, "{ width: 300 }");
   g_assert_cmpint(cairo_image_surface_get_height(a), ==,
                   cairo_image_surface_get_height(b));
   g_assert_cmpint(count(b, rgb(eda_diverging(1))), >, 0);

@@ -28,7 +28,7 @@ typedef struct line {
   eda_index *index;
 } line;
 
-static void release(line *l) {
+static void line_clear(line *l) {
   free(l->place);
   free(l->weight);
   eda_index_free(l->index);
@@ -42,20 +42,20 @@ static int on_border(eda_frame f, const double *p) {
          p[1] - f.y0 < slack || f.y0 + f.height - p[1] < slack;
 }
 
-static double apart(const double *a, const double *b) {
+static double points_distance(const double *a, const double *b) {
   return hypot(a[0] - b[0], a[1] - b[1]);
 }
 
 /* Append a closed line of n points. */
-static void take(const view *v, line *l, const double *p, size_t n) {
+static void line_add(const view *v, line *l, const double *p, size_t n) {
   for (size_t i = 0; i < n; i++) {
     const double *at = p + 2 * i;
     const double *last = p + 2 * ((i + n - 1) % n);
     const double *next = p + 2 * ((i + 1) % n);
     if (on_border(l->frame, at)) continue;
     double length = 0;
-    if (!on_border(l->frame, last)) length += apart(at, last) / 2;
-    if (!on_border(l->frame, next)) length += apart(at, next) / 2;
+    if (!on_border(l->frame, last)) length += points_distance(at, last) / 2;
+    if (!on_border(l->frame, next)) length += points_distance(at, next) / 2;
     l->place[2 * l->n] = at[0];
     l->place[2 * l->n + 1] = at[1];
     l->weight[l->n++] = view_contains(v, at[0], at[1]) ? length : 0;
@@ -63,7 +63,7 @@ static void take(const view *v, line *l, const double *p, size_t n) {
 }
 
 /* Return the box of all points within `reach` of p. */
-static eda_box around(const double *p, double reach) {
+static eda_box box_around(const double *p, double reach) {
   const double most = 1 << 30;
   return (eda_box){(int32_t)fmax(floor(p[0] - reach), -most),
                    (int32_t)fmax(floor(p[1] - reach), -most),
@@ -73,7 +73,7 @@ static eda_box around(const double *p, double reach) {
 
 static void make_index(line *l) {
   eda_box *boxes = eda_alloc(l->n, sizeof *boxes);
-  for (size_t i = 0; i < l->n; i++) boxes[i] = around(l->place + 2 * i, 0);
+  for (size_t i = 0; i < l->n; i++) boxes[i] = box_around(l->place + 2 * i, 0);
   l->index = eda_index_new(boxes, l->n, (int32_t)(2 * near));
   free(boxes);
 }
@@ -94,7 +94,7 @@ static int make_line(const view *v, const eda_field *print, line *l,
   l->place = eda_alloc(2 * n, sizeof *l->place);
   l->weight = eda_alloc(n, sizeof *l->weight);
   for (size_t i = 0; i < count; i++)
-    take(v, l, points + 2 * (size_t)start[i], start[i + 1] - start[i]);
+    line_add(v, l, points + 2 * (size_t)start[i], start[i + 1] - start[i]);
   free(points);
   free(start);
   make_index(l);
@@ -108,9 +108,9 @@ static int make_line(const view *v, const eda_field *print, line *l,
 static double nearest_point(const line *l, const double *p, uint32_t *best) {
   double least = INFINITY;
   for (double reach = near; least > reach; reach *= 2) {
-    eda_finder found = eda_index_find(l->index, around(p, reach));
+    eda_finder found = eda_index_find(l->index, box_around(p, reach));
     for (uint32_t i; eda_index_next(&found, &i);) {
-      double d = apart(l->place + 2 * (size_t)i, p);
+      double d = points_distance(l->place + 2 * (size_t)i, p);
       if (d < least) least = d, *best = i;
     }
   }
@@ -120,7 +120,8 @@ static double nearest_point(const line *l, const double *p, uint32_t *best) {
 /* Return the distance of p from the foot of its perpendicular, found from a
    start point by alternating steps along the gradient and along the level
    set. */
-static double foot(const line *l, const double *p, const double *from) {
+static double foot_distance(const line *l, const double *p,
+                            const double *from) {
   double x = from[0], y = from[1];
   for (int i = 0; i < 30; i++) {
     double value, gx, gy;
@@ -134,24 +135,25 @@ static double foot(const line *l, const double *p, const double *from) {
     if (fabs(dx) + fabs(dy) < 1e-6) break;
   }
   const double at[] = {x, y};
-  return apart(p, at);
+  return points_distance(p, at);
 }
 
 /* ---- from one line to another ---- */
 
-typedef struct walk {
+typedef struct approach {
   const line *from, *to;
   double *distance; /* of the points of `from`; positive outside of `to` */
-} walk;
+} approach;
 
-static void walk_point(void *data, size_t i) {
-  const walk *w = data;
+static void approach_point(void *data, size_t i) {
+  const approach *w = data;
   if (w->from->weight[i] == 0) return;
   const double *p = w->from->place + 2 * i;
   uint32_t best = 0;
   double d = nearest_point(w->to, p, &best), value;
   /* Beyond the centre of curvature the iteration may find another foot. */
-  if (d > 0) d = fmin(d, foot(w->to, p, w->to->place + 2 * (size_t)best));
+  if (d > 0)
+    d = fmin(d, foot_distance(w->to, p, w->to->place + 2 * (size_t)best));
   eda_field_sample(w->to->print, p, p + 1, 1, &value);
   w->distance[i] = value > 0 ? -d : d;
 }
@@ -163,10 +165,11 @@ typedef struct sums {
 
 /* Add the distances from one line to the other; `sign` is the sign for points
    of `from` outside of `to`. */
-static void add(const opc_context *context, const line *from, const line *to,
-                double sign, sums *s, image_distance *out) {
-  walk w = {from, to, eda_alloc(from->n, sizeof *w.distance)};
-  opc_parallel(context, from->n, walk_point, &w);
+static void sums_add(const opc_context *context, const line *from,
+                     const line *to, double sign, sums *s,
+                     image_distance *out) {
+  approach w = {from, to, eda_alloc(from->n, sizeof *w.distance)};
+  opc_parallel(context, from->n, approach_point, &w);
   for (size_t i = 0; i < from->n; i++) {
     double d = sign * w.distance[i], weight = from->weight[i];
     s->length += weight;
@@ -180,14 +183,14 @@ static void add(const opc_context *context, const line *from, const line *to,
   free(w.distance);
 }
 
-static image_distance compare(const opc_context *context, const line *first,
-                              const line *other) {
+static image_distance lines_compare(const opc_context *context,
+                                    const line *first, const line *other) {
   sums s = {0};
   image_distance d = {0, 0, 0, NAN, NAN};
   static const image_distance none = {NAN, NAN, NAN, NAN, NAN};
   if (!first->n || !other->n) return none;
-  add(context, other, first, 1, &s, &d);
-  add(context, first, other, -1, &s, &d);
+  sums_add(context, other, first, 1, &s, &d);
+  sums_add(context, first, other, -1, &s, &d);
   if (!(s.length > 0)) return none;
   d.mean = s.first / s.length;
   d.rms = sqrt(s.second / s.length);
@@ -216,9 +219,9 @@ int image_measure_contours(image_run *r, opc_error *error) {
     code = make_line(&r->view, &m->print, &other, error);
     if (code) break;
     find_levels(m, &other);
-    m->distance = compare(r->host->context, &first, &other);
-    release(&other);
+    m->distance = lines_compare(r->host->context, &first, &other);
+    line_clear(&other);
   }
-  release(&first);
+  line_clear(&first);
   return code;
 }

@@ -70,7 +70,7 @@ static int print_mask(const image_run *r, image_model *m, eda_printer *p,
   return eda_printer_develop(p, (int)r->layer, &m->print, error);
 }
 
-static int simulate(image_run *r, size_t k, opc_error *error) {
+static int model_simulate(image_run *r, size_t k, opc_error *error) {
   image_model *m = &r->model[k];
   opc_progress progress = {
       .done = (double)k, .total = (double)r->n, .worst = NAN};
@@ -86,7 +86,7 @@ static int simulate(image_run *r, size_t k, opc_error *error) {
   return eda_blame(error, code, m->group);
 }
 
-static void release(image_run *r) {
+static void image_release(image_run *r) {
   for (size_t k = 0; k < r->n; k++) {
     g_free(r->model[k].label);
     eda_field_clear(&r->model[k].image);
@@ -95,21 +95,21 @@ static void release(image_run *r) {
   r->n = 0;
 }
 
-static int run(void *self, void **outputs, opc_error *error) {
+static int image_run_step(void *self, void **outputs, opc_error *error) {
   image_run *r = self;
   (void)outputs;
   int code = choose_mask(r, error);
   if (!code) choose_models(r);
-  for (size_t k = 0; k < r->n && !code; k++) code = simulate(r, k, error);
+  for (size_t k = 0; k < r->n && !code; k++) code = model_simulate(r, k, error);
   if (!code) code = image_measure_contours(r, error);
   if (!code) code = image_report(r, error);
   if (!code) code = image_draw(r, error);
-  release(r);
+  image_release(r);
   return code;
 }
 
 /* Forecast the largest memory of any model; models run one after another. */
-static int forecast(void *self, opc_forecast *out, opc_error *error) {
+static int image_forecast(void *self, opc_forecast *out, opc_error *error) {
   image_run *r = self;
   eda_image_size most = {0};
   const eda_gates *gates =
@@ -131,7 +131,7 @@ static int forecast(void *self, opc_forecast *out, opc_error *error) {
                  most.rows);
   (void)snprintf(out->help, sizeof out->help,
                  "a smaller 'margin' or part of the layout");
-  release(r);
+  image_release(r);
   return OPC_OK;
 }
 
@@ -140,7 +140,7 @@ static int forecast(void *self, opc_forecast *out, opc_error *error) {
 #define MODEL(group, i, required)                                              \
   OPC_PARAMETER_NAMED(                                                         \
       group ".label", image_run, asked.model[i].label, .type = OPC_TEXT,       \
-      .summary = "what the legend calls it; by default its plugins' names"),   \
+      .summary = "Name in the legend (default: names of the plugins)"),        \
       OPC_PARAMETER_NAMED(group ".litho", image_run, asked.model[i].litho,     \
                           .type = OPC_SLOT, .flags = required,                 \
                           .choices = "litho",                                  \
@@ -148,17 +148,17 @@ static int forecast(void *self, opc_forecast *out, opc_error *error) {
       OPC_PARAMETER_NAMED(                                                     \
           group ".resist", image_run, asked.model[i].resist, .type = OPC_SLOT, \
           .flags = required, .choices = "resist",                              \
-          .summary = "the resist that goes with it, calibrated through it")
+          .summary = "Resist of this model, calibrated with its optics")
 
 static const opc_parameter parameters[] = {
     OPC_PARAMETER_NAMED("mask", image_run, asked.mask, .type = OPC_INPUT,
                         .choices = "mask",
-                        .summary = "a corrected mask that is printed"),
-    OPC_PARAMETER_NAMED("gates", image_run, asked.gates, .type = OPC_INPUT,
-                        .choices = "gates",
-                        .summary = "in its place: the mask as drawn"),
+                        .summary = "Corrected mask to simulate"),
+    OPC_PARAMETER_NAMED(
+        "gates", image_run, asked.gates, .type = OPC_INPUT, .choices = "gates",
+        .summary = "Gates whose drawn mask is simulated instead of 'mask'"),
     OPC_PARAMETER_NAMED("layer", image_run, asked.layer, .type = OPC_TEXT,
-                        .preset = "poly", .summary = "which of its layers"),
+                        .preset = "poly", .summary = "Layer of the mask"),
     MODEL("first", 0, OPC_REQUIRED),
     MODEL("second", 1, 0),
     MODEL("third", 2, 0),
@@ -179,7 +179,7 @@ static const opc_metric metrics[] = {
      "largest distance of a contour from the first's"},
 };
 
-static int check(void *self, opc_error *error) {
+static int image_check(void *self, opc_error *error) {
   image_run *r = self;
   EDA_FOLLOW(r->host, "draw.image", r, parameters,
              eda_scanner_of(r->asked.model[0].litho));
@@ -199,11 +199,12 @@ static int check(void *self, opc_error *error) {
 
 /* ---- entry ---- */
 
-static const opc_step functions = {.run = run, .forecast = forecast};
+static const opc_step functions = {.run = image_run_step,
+                                   .forecast = image_forecast};
 
 OPC_PLUGIN(
     image_run, .id = "draw.image", .kind = "step", .version = "0.2.0",
     .licence = "BSD-3-Clause",
     .summary = "Draw the image of a mask and what several models print of it",
     .flags = OPC_DETERMINISTIC | OPC_REENTRANT, OPC_PARAMETERS(parameters),
-    OPC_METRICS(metrics), .check = check, OPC_FUNCTIONS(functions));
+    OPC_METRICS(metrics), .check = image_check, OPC_FUNCTIONS(functions));

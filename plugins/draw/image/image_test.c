@@ -26,7 +26,7 @@ typedef struct lines {
 
 static char *const layer[] = {"poly", "active"};
 
-static void make(lines *l) {
+static void make_sample(lines *l) {
   memset(l, 0, sizeof *l);
   for (int i = 0; i < GATES; i++) {
     int32_t x0 = (int32_t)(2 * (125 - drawn / 2 + pitch * i));
@@ -54,7 +54,7 @@ static void make(lines *l) {
                          .space = l->space};
 }
 
-/* ---- images with closed forms ---- */
+/* ---- images in closed form ---- */
 
 /* Image 0.5 - deep cos(2 pi (x - 125) / pitch) + uneven cos(pi (x - 125) /
    pitch): with `uneven`, every other line is less dark. `slope` rotates the
@@ -108,8 +108,8 @@ static const eda_litho waves_functions = {
       "resist.threshold, threshold: " #threshold ", active_threshold: 0.3 } }"
 
 /* Run draw.image with the waves, if any, as the optics of all n models. */
-static int draw(const char *mapping, const waves *w, int n, lines *l,
-                opc_error *error) {
+static int draw_sample(const char *mapping, const waves *w, int n, lines *l,
+                       opc_error *error) {
   static const char *const names[] = {"first.litho", "second.litho"};
   void *none[1];
   opc_module model = {&waves_functions, (void *)w, "litho.waves"};
@@ -123,7 +123,7 @@ static int draw(const char *mapping, const waves *w, int n, lines *l,
 
 static void must_draw(const char *mapping, const waves *w, int n, lines *l) {
   opc_error error;
-  if (draw(mapping, w, n, l, &error)) g_error("%s", error.message);
+  if (draw_sample(mapping, w, n, l, &error)) g_error("%s", error.message);
 }
 
 static double of(const char *column, size_t row) {
@@ -146,7 +146,7 @@ static double half(const waves *w, double threshold) {
 
 static void test_same(void) {
   lines l;
-  make(&l);
+  make_sample(&l);
   must_draw("{ " FRAME
             ", width: 300, " PAIR("first", 0.4) ", " PAIR("second", 0.4) " }",
             NULL, 0, &l);
@@ -165,7 +165,7 @@ static void test_same(void) {
 /* Another threshold shifts the contours along the slope of the image. */
 static void test_shift(void) {
   lines l;
-  make(&l);
+  make_sample(&l);
   waves w = {.deep = 0.45};
   must_draw("{ " FRAME
             ", width: 300, " PAIR("first", 0.4) ", " PAIR("second", 0.41) " }",
@@ -193,7 +193,7 @@ static void test_shift(void) {
 /* Distances are perpendicular to the contour in any direction. */
 static void test_slanted(void) {
   lines l;
-  make(&l);
+  make_sample(&l);
   for (int slope = 1; slope <= 4; slope++) {
     waves w = {.deep = 0.45, .slope = slope};
     must_draw("{ " FRAME
@@ -230,7 +230,7 @@ static void test_missing(void) {
       "{ " FRAME
       ", width: 300, " PAIR("first", 0.3) ", " PAIR("second", 0.15) " }"};
   lines l;
-  make(&l);
+  make_sample(&l);
   waves w = {.deep = 0.3, .uneven = 0.08}; /* lines of 0.28 and 0.12 */
   /* The line at 375 prints in both, that at 125 at 0.3 only: the nearest
      contour to its left edge is that of the first line. */
@@ -254,7 +254,7 @@ static void test_missing(void) {
 /* With real optics, distances follow the slopes in the table. */
 static void test_optics(void) {
   lines l;
-  make(&l);
+  make_sample(&l);
   must_draw(
       "{ margin: 0 nm, width: 300, window: [200 nm, 100 nm, 300 nm, "
       "900 nm], " PAIR("first", 0.4) ", " PAIR("second", 0.404) " }",
@@ -308,7 +308,7 @@ static double part_of(const picture *p, double x, uint32_t colour) {
 static void test_picture(void) {
   static const int widths[] = {1600, 700};
   lines l;
-  make(&l);
+  make_sample(&l);
   waves w = {.deep = 0.5}; /* dark to 0, bright to 1 */
   for (size_t i = 0; i < G_N_ELEMENTS(widths); i++) {
     g_autofree char *mapping = g_strdup_printf(
@@ -342,7 +342,7 @@ static void test_picture(void) {
 /* The picture does not repeat the image beyond its frame. */
 static void test_beyond(void) {
   lines l;
-  make(&l);
+  make_sample(&l);
   waves w = {.deep = 0.5};
   must_draw(
       "{ margin: 0 nm, window: [-500 nm, 250 nm, 0 nm, 750 nm], "
@@ -371,7 +371,7 @@ static int rows_with(const picture *p, uint32_t colour) {
    equal the first model's. */
 static void test_lens(void) {
   lines l;
-  make(&l);
+  make_sample(&l);
   waves w = {.deep = 0.5};
   must_draw("{ " PLACE
             ", width: 800, " PAIR("first", 0.3) ", " PAIR("second", 0.3) " }",
@@ -395,8 +395,8 @@ static void test_mask(void) {
   lines l, wide;
   opc_error error;
   void *none[1];
-  make(&l);
-  make(&wide);
+  make_sample(&l);
+  make_sample(&wide);
   for (int i = 0; i < 4 * GATES; i++)
     wide.points[i].x += i % 4 == 0 || i % 4 == 3 ? -40 : 40;
   eda_shapes shapes[] = {wide.layers[EDA_POLY], wide.layers[EDA_POLY]};
@@ -430,7 +430,7 @@ static void test_mask(void) {
 static void test_formats(void) {
   static const char *const files[] = {"a.png", "a.svg", "a.pdf"};
   lines l;
-  make(&l);
+  make_sample(&l);
   waves w = {.deep = 0.5};
   for (size_t i = 0; i < G_N_ELEMENTS(files); i++) {
     g_autofree char *path = g_build_filename(opc_test_folder(), files[i], NULL);
@@ -455,14 +455,14 @@ static void test_formats(void) {
 static void refused(const char *mapping, const waves *w, lines *l, int code,
                     const char *why) {
   opc_error error;
-  g_assert_cmpint(draw(mapping, w, 1, l, &error), ==, code);
+  g_assert_cmpint(draw_sample(mapping, w, 1, l, &error), ==, code);
   if (!strstr(error.message, why))
     g_error("'%s' does not say '%s'", error.message, why);
 }
 
 static void test_refused(void) {
   lines l;
-  make(&l);
+  make_sample(&l);
   waves w = {.deep = 0.5, .fault = NAN};
   refused("{ " PAIR("first", 0.3) ", file: a.jpg }", &w, &l, OPC_INVALID,
           ".png, .svg or .pdf");
@@ -478,15 +478,15 @@ static void test_refused(void) {
           OPC_INVALID, "'fourth.label' needs 'fourth.litho'");
   opc_error error;
   g_assert_cmpint(
-      draw("{ " PLACE ", " PAIR("first", 0.3) " }", &w, 1, &l, &error), ==,
-      OPC_FAILED);
+      draw_sample("{ " PLACE ", " PAIR("first", 0.3) " }", &w, 1, &l, &error),
+      ==, OPC_FAILED);
   g_assert_cmpstr(error.parameter, ==, "first.litho");
   g_assert_nonnull(strstr(error.message, "intensity"));
   g_assert_nonnull(strstr(error.message, "not a number"));
   refused("{ " PAIR("first", 0.3) ", layer: active }", &w, &l, OPC_INVALID,
           "there is no active");
   refused("{ " PAIR("first", 0.3) ", window: [5 um, 0 nm, 6 um, 1 um] }", &w,
-          &l, OPC_INVALID, "lies beside the layout");
+          &l, OPC_INVALID, "is outside of the layout");
   void *none[1];
   g_autoptr(opc_module) m =
       opc_test_module("draw.image", "{ " PAIR("first", 0.3) " }", &error);

@@ -51,13 +51,13 @@ typedef struct pixels {
   unsigned char *data;
 } pixels;
 
-static uint32_t packed(eda_colour c) {
+static uint32_t colour_packed(eda_colour c) {
   return (uint32_t)lround(255 * c.r) << 16 | (uint32_t)lround(255 * c.g) << 8 |
          (uint32_t)lround(255 * c.b);
 }
 
 /* Return 1 within the frame; the periodic image is not shown beyond. */
-static int inside(eda_frame f, double x, double y) {
+static int frame_contains(eda_frame f, double x, double y) {
   return x >= f.x0 && x <= f.x0 + f.width && y >= f.y0 && y <= f.y0 + f.height;
 }
 
@@ -77,8 +77,8 @@ static void paint_row(void *data, size_t row) {
     eda_field_sample(image, x, y, (size_t)n, value);
     for (int i = 0; i < n; i++)
       out[first + i] =
-          inside(image->frame, x[i], y[i])
-              ? packed(eda_sequential(value[i] / p->run->brightest))
+          frame_contains(image->frame, x[i], y[i])
+              ? colour_packed(eda_sequential(value[i] / p->run->brightest))
               : BEYOND;
   }
 }
@@ -103,7 +103,7 @@ static void paint_image(const image_run *r) {
 
 /* ---- lines ---- */
 
-static int outlines(const image_run *r, opc_error *error) {
+static int draw_outlines(const image_run *r, opc_error *error) {
   const view *v = &r->view;
   const eda_shapes *drawn = r->gates->drawn;
   int code = view_outline(v, &drawn[other_layer(r)], other_colour, error);
@@ -188,8 +188,8 @@ static view lens_view(const image_run *r, size_t k, size_t place) {
 }
 
 /* Draw a frame in the model's colour between thin dark lines. */
-static void frame(const view *v, eda_colour colour, double x, double y,
-                  double width, double height) {
+static void draw_frame(const view *v, eda_colour colour, double x, double y,
+                       double width, double height) {
   double line = fmax(1, round(0.12 * v->paper->font));
   cairo_rectangle(v->paper->cairo, floor(x) - line / 2, floor(y) - line / 2,
                   round(width) + line, round(height) + line);
@@ -201,7 +201,8 @@ static void frame(const view *v, eda_colour colour, double x, double y,
   cairo_stroke(v->paper->cairo);
 }
 
-static int lens(const image_run *r, size_t k, size_t place, opc_error *error) {
+static int draw_lens(const image_run *r, size_t k, size_t place,
+                     opc_error *error) {
   image_run part = *r;
   part.view = lens_view(r, k, place);
   const view *v = &part.view;
@@ -210,24 +211,24 @@ static int lens(const image_run *r, size_t k, size_t place, opc_error *error) {
   cairo_rectangle(v->paper->cairo, v->left, v->top, v->width, v->height);
   cairo_clip(v->paper->cairo);
   paint_image(&part);
-  int code = outlines(&part, error);
+  int code = draw_outlines(&part, error);
   if (!code) code = draw_contours(&part, 0, error);
   if (!code) code = draw_contours(&part, k, error);
   cairo_reset_clip(v->paper->cairo);
-  frame(v, contour[k], v->left, v->top, v->width, v->height);
+  draw_frame(v, contour[k], v->left, v->top, v->width, v->height);
   cairo_restore(v->paper->cairo);
   const image_distance *d = &r->model[k].distance;
   double side = 1.1 * v->paper->font;
-  frame(&r->view, contour[k], view_x(&r->view, d->x) - side / 2,
-        view_y(&r->view, d->y) - side / 2, side, side);
+  draw_frame(&r->view, contour[k], view_x(&r->view, d->x) - side / 2,
+             view_y(&r->view, d->y) - side / 2, side, side);
   return code;
 }
 
-static int lenses(const image_run *r, opc_error *error) {
+static int draw_lenses(const image_run *r, opc_error *error) {
   size_t place = 0;
   int code = OPC_OK;
   for (size_t k = 0; k < r->n && !code; k++)
-    if (has_lens(r, k)) code = lens(r, k, place++, error);
+    if (has_lens(r, k)) code = draw_lens(r, k, place++, error);
   return code;
 }
 
@@ -252,18 +253,18 @@ static double lens_texts(const image_run *r, double top) {
 
 /* ---- the parts of a view ---- */
 
-static int content(const void *self, opc_error *error) {
+static int image_content(const void *self, opc_error *error) {
   const image_run *r = self;
   paint_image(r);
-  int code = outlines(r, error);
+  int code = draw_outlines(r, error);
   if (!code && opc_cancelled(r->view.context))
     code = opc_fail(error, OPC_CANCELLED, NULL, "stopped");
   if (!code) code = dashed_contours(r, error);
-  if (!code) code = lenses(r, error);
+  if (!code) code = draw_lenses(r, error);
   return code;
 }
 
-static double title(const void *self, double top) {
+static double image_title(const void *self, double top) {
   const image_run *r = self;
   const eda_paper *paper = r->view.paper;
   g_autofree char *name =
@@ -306,7 +307,7 @@ static void add_model(const image_run *r, size_t k, eda_legend *l) {
   eda_legend_add(l, &sign, "%s: %s%s", m->label, level, away);
 }
 
-static double legend(const void *self, double top) {
+static double image_legend(const void *self, double top) {
   const image_run *r = self;
   const view *v = &r->view;
   double line = fmax(0.08 * v->paper->font, view_outline_width(v));
@@ -332,10 +333,10 @@ static double legend(const void *self, double top) {
   return gap + l.height;
 }
 
-/* ---- all of it ---- */
+/* ---- run ---- */
 
 int image_draw(image_run *r, opc_error *error) {
-  static const view_parts parts = {title, legend, content};
+  static const view_parts parts = {image_title, image_legend, image_content};
   r->brightest = find_brightest(r);
   return view_write(&r->view, &parts, r, error);
 }

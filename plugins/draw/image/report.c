@@ -38,7 +38,7 @@ static image_gates measure_gates(const image_run *r, const image_model *m) {
 
 /* ---- table and metrics ---- */
 
-static int table(const image_run *r, opc_error *error) {
+static int image_table(const image_run *r, opc_error *error) {
   const image_model *m = r->model;
   const opc_column columns[] = {{"model", NULL, OPC_TEXT, 0, &m->label},
                                 {"rms", "nm", OPC_REAL, 3, &m->distance.rms},
@@ -66,6 +66,6 @@ int image_report(image_run *r, opc_error *error) {
   }
   const opc_metric_value values[] = {{isnan(rms) ? NULL : "rms", rms},
                                      {isnan(max) ? NULL : "max", max}};
-  int code = table(r, error);
+  int code = image_table(r, error);
   return code ? code : opc_put_metrics(r->host, OPC_ARRAY(values), error);
 }

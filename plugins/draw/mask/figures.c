@@ -47,7 +47,7 @@ double drawer_figure(const drawer *d, size_t gate) {
                              : fabs(after) - fabs(before);
 }
 
-static int ascending(const void *a, const void *b) {
+static int by_value(const void *a, const void *b) {
   const double *p = a, *q = b;
   return (*p > *q) - (*p < *q);
 }
@@ -66,7 +66,7 @@ void drawer_set_range(drawer *d) {
     double x = fabs(drawer_figure(d, i));
     if (!drawer_fails(d, i) && !isnan(x)) all[n++] = x;
   }
-  qsort(all, n, sizeof *all, ascending);
+  qsort(all, n, sizeof *all, by_value);
   d->range = d->asked > 0 ? d->asked
              : n          ? rounded_up(all[(size_t)ceil(holds * (double)n) - 1])
                           : rounded_up(0);

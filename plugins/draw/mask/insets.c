@@ -85,18 +85,18 @@ void drawer_choose_insets(drawer *d) {
 
 /* ---- places ---- */
 
-static double gap(const view *v) { return ceil(0.8 * v->paper->font); }
+static double inset_gap(const view *v) { return ceil(0.8 * v->paper->font); }
 
 static double width_of(const drawer *d) {
   const view *v = &d->view;
   double room = v->paper->width - 2 * v->paper->margin;
   double n = (double)(d->insets > 4 ? d->insets : 4);
-  return floor((room - (n - 1) * gap(v)) / n);
+  return floor((room - (n - 1) * inset_gap(v)) / n);
 }
 
 double drawer_insets_height(const drawer *d) {
   if (!d->n_worst) return 0;
-  return gap(&d->view) + width_of(d) + 4.2 * d->view.paper->font;
+  return inset_gap(&d->view) + width_of(d) + 4.2 * d->view.paper->font;
 }
 
 static view inset_view(const drawer *d, size_t place) {
@@ -104,16 +104,16 @@ static view inset_view(const drawer *d, size_t place) {
   size_t i = d->worst[place];
   double half = side_of(d, i) / 2;
   v.width = v.height = width_of(d);
-  v.left = floor(v.paper->margin + (double)place * (v.width + gap(&v)));
-  v.top = d->view.top + d->view.height + gap(&v);
+  v.left = floor(v.paper->margin + (double)place * (v.width + inset_gap(&v)));
+  v.top = d->view.top + d->view.height + inset_gap(&v);
   v.x0 = middle_x(d, i) - half, v.x1 = middle_x(d, i) + half;
   v.y0 = middle_y(d, i) - half, v.y1 = middle_y(d, i) + half;
   v.scale = v.width / (2 * half);
   return v;
 }
 
-static void frame(const view *v, double x, double y, double width,
-                  double height) {
+static void draw_frame(const view *v, double x, double y, double width,
+                       double height) {
   cairo_rectangle(v->paper->cairo, floor(x) - 0.5, floor(y) - 0.5,
                   round(width) + 1, round(height) + 1);
   eda_use(v->paper->cairo, eda_ink);
@@ -121,7 +121,7 @@ static void frame(const view *v, double x, double y, double width,
   cairo_stroke(v->paper->cairo);
 }
 
-/* ---- what they show ---- */
+/* ---- content ---- */
 
 /* Frame the region of an inset, with its letter above. */
 static void put_letter(const drawer *d, size_t place) {
@@ -134,11 +134,11 @@ static void put_letter(const drawer *d, size_t place) {
   char letter[2] = {(char)('A' + (int)place), 0};
   double left = fmin(fmax(x, v->left), v->left + v->width - side);
   double top = fmax(y - side - 1, v->top);
-  frame(v, x, y, wide, wide);
+  draw_frame(v, x, y, wide, wide);
   cairo_rectangle(v->paper->cairo, floor(left), floor(top), side, side);
   cairo_set_source_rgb(v->paper->cairo, 1, 1, 1);
   cairo_fill(v->paper->cairo);
-  frame(v, left, top, side, side);
+  draw_frame(v, left, top, side, side);
   eda_text(v->paper, floor(left) + side / 2, floor(top) + side - 0.3 * font,
            EDA_MIDDLE, INFINITY, letter);
 }
@@ -181,7 +181,7 @@ int drawer_put_insets(const drawer *d, opc_error *error) {
     cairo_clip(cairo);
     code = drawer_paint(&part, error);
     cairo_reset_clip(cairo);
-    frame(v, v->left, v->top, v->width, v->height);
+    draw_frame(v, v->left, v->top, v->width, v->height);
     put_texts(d, v, k);
     cairo_restore(cairo);
     put_letter(d, k);

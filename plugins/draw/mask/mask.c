@@ -14,7 +14,7 @@
    lines would cover. */
 static const double coarse = 0.05;
 
-/* ---- work: what is shown ---- */
+/* ---- work: content ---- */
 
 int drawer_is_coarse(const view *v) { return v->scale < coarse; }
 
@@ -45,7 +45,7 @@ static int is_shown(const eda_gates *g, size_t layer) {
   return layer <= EDA_ACTIVE || g->corrected[layer] || is_contact(g, layer);
 }
 
-static int fill(const drawer *d, size_t layer, opc_error *error) {
+static int fill_layer(const drawer *d, size_t layer, opc_error *error) {
   const eda_gates *g = d->mask->gates;
   return view_fill(
       &d->view, &g->drawn[layer],
@@ -109,7 +109,7 @@ static int draw_prints(const drawer *d, opc_error *error) {
 }
 
 /* Return the number of violations, which belong to the corrected print. */
-static size_t violations(const drawer *d) {
+static size_t count_violations(const drawer *d) {
   return d->state == BEFORE ? 0 : d->mask->n_violations;
 }
 
@@ -119,11 +119,11 @@ static void mark_violations(const drawer *d) {
   const view *v = &d->view;
   cairo_t *cairo = v->paper->cairo;
   size_t n = 0;
-  for (size_t i = 0; i < violations(d); i++)
+  for (size_t i = 0; i < count_violations(d); i++)
     n += (size_t)view_contains(v, d->mask->violations[i].x,
                                d->mask->violations[i].y);
   double radius = sqrt(0.1 * v->width * v->height / (M_PI * (double)n));
-  for (size_t i = 0; n && i < violations(d); i++) {
+  for (size_t i = 0; n && i < count_violations(d); i++) {
     const eda_violation *at = &d->mask->violations[i];
     double x = view_x(v, at->x), y = view_y(v, at->y);
     if (!view_contains(v, at->x, at->y)) continue;
@@ -143,9 +143,9 @@ int drawer_paint(const drawer *d, opc_error *error) {
   int code = OPC_OK, contact = eda_gates_layer(g, "contact");
   int lines = !drawer_is_coarse(&d->view);
   for (size_t k = g->layers; k-- > 0 && !code;) /* poly above active */
-    if (is_shown(g, k) && !is_contact(g, k)) code = fill(d, k, error);
+    if (is_shown(g, k) && !is_contact(g, k)) code = fill_layer(d, k, error);
   for (size_t i = 0; i < g->count && !code; i++) draw_gate(d, i, clip);
-  if (!code && contact >= 0) code = fill(d, (size_t)contact, error);
+  if (!code && contact >= 0) code = fill_layer(d, (size_t)contact, error);
   for (size_t k = g->layers; k-- > 0 && !code && lines && d->state != BEFORE;)
     code = view_outline(&d->view, &d->mask->shapes[k], eda_layer_outline(k),
                         error);
@@ -156,14 +156,14 @@ int drawer_paint(const drawer *d, opc_error *error) {
   return code;
 }
 
-static int content(const void *self, opc_error *error) {
+static int mask_content(const void *self, opc_error *error) {
   int code = drawer_paint(self, error);
   return code ? code : drawer_put_insets(self, error);
 }
 
-static const char *plural(size_t n) { return n == 1 ? "" : "s"; }
+static const char *plural_of(size_t n) { return n == 1 ? "" : "s"; }
 
-static double title(const void *self, double top) {
+static double mask_title(const void *self, double top) {
   const drawer *d = self;
   const eda_mask *mask = d->mask;
   const eda_paper *paper = d->view.paper;
@@ -172,7 +172,7 @@ static double title(const void *self, double top) {
   double height = eda_heading(paper, top, name ? name : "");
   eda_legend l;
   eda_legend_init(&l, paper, top + height);
-  eda_legend_add(&l, NULL, "%zu transistor%s", count, plural(count));
+  eda_legend_add(&l, NULL, "%zu transistor%s", count, plural_of(count));
   if (count) {
     double mean, max;
     drawer_statistics(d, &mask->before, &mean, &max);
@@ -181,7 +181,7 @@ static double title(const void *self, double top) {
     drawer_statistics(d, &mask->after, &mean, &max);
     if (mask->iterations)
       eda_legend_add(&l, NULL, "after %u iteration%s: mean %.2f, max %.2f %%",
-                     mask->iterations, plural(mask->iterations), mean, max);
+                     mask->iterations, plural_of(mask->iterations), mean, max);
     else /* an imported mask without displacements */
       eda_legend_add(&l, NULL, "by this mask: mean %.2f, max %.2f %%", mean,
                      max);
@@ -226,7 +226,7 @@ static void add_scale(const drawer *d, eda_legend *l) {
     eda_legend_add(l, &sign, "%s", texts[d->state]);
 }
 
-static double legend(const void *self, double top) {
+static double mask_legend(const void *self, double top) {
   const drawer *d = self;
   const eda_gates *g = d->mask->gates;
   double gap = 0.6 * d->view.paper->font + drawer_insets_height(d);
@@ -241,14 +241,14 @@ static double legend(const void *self, double top) {
     eda_legend_add(&l,
                    &(eda_sign){.kind = EDA_SIGN_CROSS, .colour = eda_unknown},
                    "does not print well");
-  if (violations(d))
+  if (count_violations(d))
     eda_legend_add(&l, &(eda_sign){.kind = EDA_SIGN_RING},
-                   "rule not kept (%zu)", violations(d));
+                   "rule not kept (%zu)", count_violations(d));
   return gap + l.height;
 }
 
-static int run(void *self, void **outputs, opc_error *error) {
-  static const view_parts parts = {title, legend, content};
+static int mask_run(void *self, void **outputs, opc_error *error) {
+  static const view_parts parts = {mask_title, mask_legend, mask_content};
   drawer *d = self;
   (void)outputs;
   int code = view_init(&d->view, d->host, d->mask->gates, "mask", error);
@@ -281,7 +281,7 @@ static const opc_parameter parameters[] = {
                              "close up, where the layout is shown small"),
 };
 
-static int check(void *self, opc_error *error) {
+static int mask_check(void *self, opc_error *error) {
   drawer *d = self;
   int code = view_check(&d->view, error);
   return code ? code : drawer_check_scale(d, error);
@@ -289,11 +289,11 @@ static int check(void *self, opc_error *error) {
 
 /* ---- entry ---- */
 
-static const opc_step functions = {.run = run};
+static const opc_step functions = {.run = mask_run};
 
 OPC_PLUGIN(drawer, .id = "draw.mask", .kind = "step", .version = "0.2.0",
            .licence = "BSD-3-Clause",
            .summary = "Draw a corrected mask, its print and its transistors",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), .check = check,
+           OPC_PARAMETERS(parameters), .check = mask_check,
            OPC_FUNCTIONS(functions));

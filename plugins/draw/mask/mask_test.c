@@ -52,9 +52,9 @@ static eda_field island(double level) {
   return f;
 }
 
-/* Make a cross of two bars with two transistors in the middle. The print of the
+/* Make a cross of two lines with two transistors in the middle. The print of the
    poly passes (333 1/3, 500), where the cosine is -1/2. */
-static void make(drawing *d) {
+static void make_sample(drawing *d) {
   memset(d, 0, sizeof *d);
   rectangle(&d->drawn[EDA_POLY], 450, 100, 550, 900);
   rectangle(&d->drawn[EDA_ACTIVE], 100, 300, 900, 700);
@@ -98,7 +98,7 @@ static void clear(drawing *d) {
     g_free(d->print[layer].coefficients);
 }
 
-static int draw(drawing *d, const char *mapping, opc_error *error) {
+static int draw_sample(drawing *d, const char *mapping, opc_error *error) {
   void *no_outputs[1];
   g_autoptr(opc_module) m = opc_test_module("draw.mask", mapping, error);
   if (!m) g_error("%s", error->message);
@@ -197,10 +197,10 @@ static void test_png(void) {
   for (size_t i = 0; i < G_N_ELEMENTS(widths); i++) {
     drawing d;
     opc_error error;
-    make(&d);
+    make_sample(&d);
     g_autofree char *mapping = g_strdup_printf(
         "{ " WINDOW ", width: %d, file: island.png }", widths[i]);
-    g_assert_cmpint(draw(&d, mapping, &error), ==, OPC_OK);
+    g_assert_cmpint(draw_sample(&d, mapping, &error), ==, OPC_OK);
     picture m = load_picture("island.png", 0.5);
     g_assert_cmpint(m.width, ==, widths[i]);
     g_assert_cmpint(m.bottom - m.top, ==, m.right - m.left); /* a square */
@@ -217,12 +217,13 @@ static void test_png(void) {
 static void test_window(void) {
   drawing d;
   opc_error error;
-  make(&d);
-  g_assert_cmpint(draw(&d,
-                       "{ window: [0 nm, 0 nm, 500 nm, 250 nm], width: 800, "
-                       "file: part.png }",
-                       &error),
-                  ==, OPC_OK);
+  make_sample(&d);
+  g_assert_cmpint(
+      draw_sample(&d,
+                  "{ window: [0 nm, 0 nm, 500 nm, 250 nm], width: 800, "
+                  "file: part.png }",
+                  &error),
+      ==, OPC_OK);
   picture m = load_picture("part.png", 0.5);
   g_assert_cmpint(abs(m.right - m.left - 2 * (m.bottom - m.top)), <=, 2);
   g_assert_cmphex(at(&m, 500, 400, 200), ==, 0xffffff);
@@ -231,10 +232,10 @@ static void test_window(void) {
   check_bar(&m, 500, 50);
   cairo_surface_destroy(m.surface);
   /* A millionth of the window, inside a bar: one colour. */
-  g_assert_cmpint(draw(&d,
-                       "{ window: [200 nm, 600 nm, 201 nm, 601 nm], "
-                       "width: 1000, file: deep.png }",
-                       &error),
+  g_assert_cmpint(draw_sample(&d,
+                              "{ window: [200 nm, 600 nm, 201 nm, 601 nm], "
+                              "width: 1000, file: deep.png }",
+                              &error),
                   ==, OPC_OK);
   m = load_picture("deep.png", 0.5);
   for (int i = 0; i < 15; i++)
@@ -249,8 +250,8 @@ static void test_window(void) {
 static void test_all(void) {
   drawing d;
   opc_error error;
-  make(&d);
-  g_assert_cmpint(draw(&d, "{}", &error), ==, OPC_OK);
+  make_sample(&d);
+  g_assert_cmpint(draw_sample(&d, "{}", &error), ==, OPC_OK);
   picture m = load_picture("mask.png", 0.5);
   g_assert_cmpint(m.width, ==, 1600);
   check_fills(&m); /* 100 nm around 100 .. 900, as with an equal window */
@@ -262,12 +263,12 @@ static void test_all(void) {
 static void test_failing(void) {
   drawing d;
   opc_error error;
-  make(&d);
+  make_sample(&d);
   d.after[0] = 0;
   d.flags[0] = EDA_PRINT_OPEN;
   d.design[1] = 0;
-  g_assert_cmpint(draw(&d, "{ " WINDOW ", file: failing.png }", &error), ==,
-                  OPC_OK);
+  g_assert_cmpint(draw_sample(&d, "{ " WINDOW ", file: failing.png }", &error),
+                  ==, OPC_OK);
   picture m = load_picture("failing.png", 0.5);
   g_assert_cmphex(at(&m, SIDE, 480, 400), ==, 0x2166ac);
   g_assert_cmpfloat(brightness(at(&m, SIDE, 500, 400)), <, 60); /* the cross */
@@ -275,8 +276,8 @@ static void test_failing(void) {
   g_assert_cmphex(unknown >> 16, ==, unknown & 255); /* grey */
   cairo_surface_destroy(m.surface);
   d.flags[0] = EDA_PRINT_BITE; /* a note, not a failure */
-  g_assert_cmpint(draw(&d, "{ " WINDOW ", file: failing.png }", &error), ==,
-                  OPC_OK);
+  g_assert_cmpint(draw_sample(&d, "{ " WINDOW ", file: failing.png }", &error),
+                  ==, OPC_OK);
   m = load_picture("failing.png", 0.5);
   g_assert_cmpfloat(brightness(at(&m, SIDE, 500, 400)), >, 60);
   cairo_surface_destroy(m.surface);
@@ -294,7 +295,7 @@ static int count_colour(const picture *m, int from, uint32_t colour) {
 static picture draw_and_load(drawing *d, const char *more) {
   opc_error error;
   g_autofree char *map = g_strdup_printf("{ %s, file: state.png }", more);
-  if (draw(d, map, &error)) g_error("%s", error.message);
+  if (draw_sample(d, map, &error)) g_error("%s", error.message);
   return load_picture("state.png", 0.5);
 }
 
@@ -311,7 +312,7 @@ static void check_gates(drawing *d, const char *more, uint32_t first,
 /* +2 and -1 %, -20 % as drawn, on scales with these values at stops. */
 static void test_states(void) {
   drawing d;
-  make(&d);
+  make_sample(&d);
   check_gates(&d, "scale: auto", 0xb2182b, 0x92c5de);
   check_gates(&d, "scale: 4 %", 0xf4a582, 0xd1e5f0);
   check_gates(&d, "scale: 0.5 %", 0xb2182b, 0x2166ac);
@@ -325,7 +326,7 @@ static void test_states(void) {
 static void test_drawn_print(void) {
   drawing d;
   int where;
-  make(&d);
+  make_sample(&d);
   eda_field drawn[LAYERS] = {[EDA_POLY] = d.print[EDA_POLY]};
   d.print[EDA_POLY] = (eda_field){0};
   d.mask.drawn_print = drawn;
@@ -344,7 +345,7 @@ static void test_drawn_print(void) {
 static void test_insets(void) {
   static const char window[] = "window: [0 nm, 0 nm, 10 um, 10 um], width: 600";
   drawing d;
-  make(&d);
+  make_sample(&d);
   picture with = draw_and_load(&d, window);
   g_autofree char *none = g_strdup_printf("%s, insets: 0", window);
   picture without = draw_and_load(&d, none);
@@ -361,7 +362,7 @@ static void test_insets(void) {
 static void test_violations(void) {
   enum { MANY = 20000 };
   drawing d;
-  make(&d);
+  make_sample(&d);
   g_autofree eda_violation *v = g_new0(eda_violation, MANY);
   for (int i = 0; i < MANY; i++) {
     int x = i % 100, y = i / 100;
@@ -390,15 +391,15 @@ static void test_violations(void) {
 static void test_layers(void) {
   drawing d;
   opc_error error;
-  make(&d);
+  make_sample(&d);
   d.drawn_shapes[CONTACT] = d.drawn_shapes[METAL] = (eda_shapes){0};
   rectangle(&d.drawn[CONTACT], 120, 320, 180, 380);
   rectangle(&d.drawn[METAL], 20, 20, 380, 280);
   rectangle(&d.mask_of[METAL], 10, 10, 390, 290);
   d.drawn_shapes[CONTACT] = d.drawn[CONTACT].shapes;
   d.drawn_shapes[METAL] = d.drawn[METAL].shapes;
-  g_assert_cmpint(draw(&d, "{ " WINDOW ", file: layers.png }", &error), ==,
-                  OPC_OK);
+  g_assert_cmpint(draw_sample(&d, "{ " WINDOW ", file: layers.png }", &error),
+                  ==, OPC_OK);
   picture m = load_picture("layers.png", 0.5);
   g_assert_cmphex(at(&m, SIDE, 150, 350), ==, 0xbcbcbc);
   g_assert_cmphex(at(&m, SIDE, 200, 150), ==, 0xffffff);
@@ -407,8 +408,8 @@ static void test_layers(void) {
   d.corrected[METAL] = 1;
   d.mask_shapes[METAL] = d.mask_of[METAL].shapes;
   d.print[METAL] = island(-1.8);
-  g_assert_cmpint(draw(&d, "{ " WINDOW ", file: layers.png }", &error), ==,
-                  OPC_OK);
+  g_assert_cmpint(draw_sample(&d, "{ " WINDOW ", file: layers.png }", &error),
+                  ==, OPC_OK);
   m = load_picture("layers.png", 0.5);
   uint32_t metal = at(&m, SIDE, 200, 150), edge = at(&m, SIDE, 10, 150);
   int where;
@@ -433,7 +434,7 @@ static void test_formats(void) {
                  {"sub/a.svg", "<?xml"}};
   drawing d;
   opc_error error;
-  make(&d);
+  make_sample(&d);
   for (size_t i = 0; i < G_N_ELEMENTS(formats); i++) {
     g_autofree char *path =
         g_build_filename(opc_test_folder(), formats[i].file, NULL);
@@ -441,7 +442,7 @@ static void test_formats(void) {
     char *content[2];
     size_t size[2];
     for (int k = 0; k < 2; k++) { /* the same bytes each time */
-      g_assert_cmpint(draw(&d, mapping, &error), ==, OPC_OK);
+      g_assert_cmpint(draw_sample(&d, mapping, &error), ==, OPC_OK);
       g_assert_true(g_file_get_contents(path, &content[k], &size[k], NULL));
       g_assert_true(g_str_has_prefix(content[k], formats[i].begin));
     }
@@ -456,11 +457,11 @@ static void test_formats(void) {
 static void test_names(void) {
   drawing d;
   opc_error error;
-  make(&d);
+  make_sample(&d);
   g_autofree char *name = g_strnfill(5000, 'W');
   name[3] = (char)0xff;
   d.gates.name = name;
-  g_assert_cmpint(draw(&d, "{ width: 200, file: name.png }", &error), ==,
+  g_assert_cmpint(draw_sample(&d, "{ width: 200, file: name.png }", &error), ==,
                   OPC_OK);
   picture m = load_picture("name.png", 0.5);
   for (int y = 0; y < m.height; y++)
@@ -499,13 +500,14 @@ static void test_refused(void) {
 static void test_nothing_there(void) {
   drawing d;
   opc_error error;
-  make(&d);
-  g_assert_cmpint(draw(&d, "{ window: [2 um, 0 nm, 3 um, 1 um] }", &error), ==,
-                  OPC_INVALID);
+  make_sample(&d);
+  g_assert_cmpint(
+      draw_sample(&d, "{ window: [2 um, 0 nm, 3 um, 1 um] }", &error), ==,
+      OPC_INVALID);
   g_assert_cmpstr(error.parameter, ==, "window");
   g_assert_nonnull(strstr(error.message, "(100, 100) to (900, 900) nm"));
   d.gates.extent = (eda_box){1, 1, 0, 0};
-  g_assert_cmpint(draw(&d, "{}", &error), ==, OPC_INVALID);
+  g_assert_cmpint(draw_sample(&d, "{}", &error), ==, OPC_INVALID);
   g_assert_nonnull(strstr(error.message, "nothing to draw"));
   clear(&d);
 }
@@ -514,10 +516,10 @@ static void test_nothing_there(void) {
 static void test_unwritable(void) {
   drawing d;
   opc_error error;
-  make(&d);
+  make_sample(&d);
   g_autofree char *path = g_build_filename(opc_test_folder(), "dir.png", NULL);
   g_assert_cmpint(g_mkdir_with_parents(path, 0777), ==, 0);
-  g_assert_cmpint(draw(&d, "{ file: dir.png }", &error), ==, OPC_IO);
+  g_assert_cmpint(draw_sample(&d, "{ file: dir.png }", &error), ==, OPC_IO);
   g_assert_nonnull(strstr(error.message, "dir.png': Is a directory"));
   /* A full disk, in every format. */
   static const char *const full[] = {"full.png", "full.svg", "full.pdf"};
@@ -525,7 +527,7 @@ static void test_unwritable(void) {
     g_autofree char *link = g_build_filename(opc_test_folder(), full[i], NULL);
     if (symlink("/dev/full", link)) g_error("no link '%s'", link);
     g_autofree char *mapping = g_strdup_printf("{ file: %s }", full[i]);
-    g_assert_cmpint(draw(&d, mapping, &error), ==, OPC_IO);
+    g_assert_cmpint(draw_sample(&d, mapping, &error), ==, OPC_IO);
     g_assert_nonnull(strstr(error.message, "No space left on device"));
   }
   clear(&d);
@@ -535,9 +537,10 @@ static void test_unwritable(void) {
 static void test_cancelled(void) {
   drawing d;
   opc_error error;
-  make(&d);
+  make_sample(&d);
   opc_test_cancel(TRUE);
-  g_assert_cmpint(draw(&d, "{ file: never.svg }", &error), ==, OPC_CANCELLED);
+  g_assert_cmpint(draw_sample(&d, "{ file: never.svg }", &error), ==,
+                  OPC_CANCELLED);
   opc_test_cancel(FALSE);
   g_autofree char *path =
       g_build_filename(opc_test_folder(), "never.svg", NULL);

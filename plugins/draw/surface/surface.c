@@ -137,7 +137,7 @@ static void draw_curve(eda_chart *c, const eda_settings *s,
   free(x);
 }
 
-static int run(void *self, void **outputs, opc_error *error) {
+static int surface_run(void *self, void **outputs, opc_error *error) {
   const drawer *d = self;
   const eda_settings *s = d->settings;
   double width = (double)d->width, font = fmax(9, width / 60);
@@ -167,29 +167,29 @@ static int run(void *self, void **outputs, opc_error *error) {
 
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(drawer, settings, .type = OPC_INPUT, .flags = OPC_REQUIRED,
-                  .choices = "settings", .summary = "what a search has found"),
+                  .choices = "settings", .summary = "Result of a search"),
     OPC_PARAMETER(drawer, file, .type = OPC_OUTPUT, .preset = "surface.png",
-                  .summary = "the picture, .png, .svg or .pdf"),
+                  .summary = "Picture, .png, .svg or .pdf"),
     OPC_PARAMETER_NAMED("scale", drawer, log, .type = OPC_CHOICE,
                         .preset = "linear", .choices = "linear|log",
-                        .summary = "of the figure"),
+                        .summary = "Scale of the figure"),
     OPC_PARAMETER(drawer, width, .type = OPC_INT,
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "1000",
                   .min = 300, .max = 8000,
-                  .summary = "of the picture in pixels (.pdf: points)"),
+                  .summary = "Width of the picture in pixels (.pdf: points)"),
 };
 
-static int check(void *self, opc_error *error) {
+static int surface_check(void *self, opc_error *error) {
   return eda_paper_check(((drawer *)self)->file, "file", error);
 }
 
 /* ---- entry ---- */
 
-static const opc_step functions = {.run = run};
+static const opc_step functions = {.run = surface_run};
 
-OPC_PLUGIN(
-    drawer, .id = "draw.surface", .kind = "step", .version = "0.2.0",
-    .licence = "BSD-3-Clause",
-    .summary = "draw the figure of a search over the settings it has tried",
-    .flags = OPC_DETERMINISTIC | OPC_REENTRANT, OPC_PARAMETERS(parameters),
-    .check = check, OPC_FUNCTIONS(functions));
+OPC_PLUGIN(drawer, .id = "draw.surface", .kind = "step", .version = "0.2.0",
+           .licence = "BSD-3-Clause",
+           .summary = "draw the figure of a search over its settings",
+           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
+           OPC_PARAMETERS(parameters), .check = surface_check,
+           OPC_FUNCTIONS(functions));

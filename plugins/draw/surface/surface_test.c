@@ -28,7 +28,7 @@ static eda_settings settings(const double *figure, size_t n_parameters,
                         .best = best};
 }
 
-static int draw(eda_settings *s, const char *mapping, opc_error *error) {
+static int draw_sample(eda_settings *s, const char *mapping, opc_error *error) {
   g_autoptr(opc_module) m = opc_test_module("draw.surface", mapping, error);
   g_assert_nonnull(m);
   opc_test_input(m, "settings", s);
@@ -87,7 +87,7 @@ static void test_map(void) {
   const double figure[] = {6, 3, 5, 1, 4, 2};
   eda_settings s = settings(figure, 2, 6, 3);
   opc_error error;
-  g_assert_cmpint(draw(&s, "{ file: map.png }", &error), ==, OPC_OK);
+  g_assert_cmpint(draw_sample(&s, "{ file: map.png }", &error), ==, OPC_OK);
   cairo_surface_t *p = picture("map.png");
   g_assert_cmpint(cairo_image_surface_get_width(p), ==, 1000);
   cells c = find_cells(p);
@@ -112,7 +112,7 @@ static void test_between(void) {
   eda_settings s = settings(figure, 3, 12, 7);
   s.parameters = three;
   opc_error error;
-  g_assert_cmpint(draw(&s, "{ file: between.png }", &error), ==, OPC_OK);
+  g_assert_cmpint(draw_sample(&s, "{ file: between.png }", &error), ==, OPC_OK);
   cairo_surface_t *p = picture("between.png");
   cells c = find_cells(p);
   static const int ascending[][2] = {{1, 1}, {0, 0}, {0, 1},
@@ -141,7 +141,7 @@ static void test_curve(void) {
   const double figure[] = {3, 2, 1};
   eda_settings s = settings(figure, 1, 3, 2);
   opc_error error;
-  g_assert_cmpint(draw(&s, "{ file: falling.png }", &error), ==, OPC_OK);
+  g_assert_cmpint(draw_sample(&s, "{ file: falling.png }", &error), ==, OPC_OK);
   cairo_surface_t *p = picture("falling.png");
   int w = cairo_image_surface_get_width(p);
   int h = cairo_image_surface_get_height(p);
@@ -156,8 +156,8 @@ static void test_missing(void) {
   const double figure[] = {6, 3, NAN, 1, 4, 2};
   eda_settings s = settings(figure, 2, 6, 3);
   opc_error error;
-  g_assert_cmpint(draw(&s, "{ file: missing.png, scale: log }", &error), ==,
-                  OPC_OK);
+  g_assert_cmpint(draw_sample(&s, "{ file: missing.png, scale: log }", &error),
+                  ==, OPC_OK);
   cairo_surface_t *p = picture("missing.png");
   cells c = find_cells(p);
   unsigned grey = pixel(p, c.left + c.width / 2, c.top + c.height * 0.55);
@@ -178,7 +178,7 @@ static void test_formats(void) {
       g_autofree char *name = g_strdup_printf("curve%d.%s", k, ends[i]);
       g_autofree char *mapping = g_strdup_printf("{ file: %s }", name);
       g_autofree char *path = g_build_filename(opc_test_folder(), name, NULL);
-      g_assert_cmpint(draw(&s, mapping, &error), ==, OPC_OK);
+      g_assert_cmpint(draw_sample(&s, mapping, &error), ==, OPC_OK);
       g_assert_true(g_file_get_contents(path, &text[k], &length[k], NULL));
     }
     g_assert_cmpmem(text[0], length[0], text[1], length[1]);
@@ -191,7 +191,7 @@ static void refused(const double *figure, const char *mapping,
                     const char *parameter) {
   eda_settings s = settings(figure, 2, 6, 0);
   opc_error error;
-  g_assert_cmpint(draw(&s, mapping, &error), ==, OPC_INVALID);
+  g_assert_cmpint(draw_sample(&s, mapping, &error), ==, OPC_INVALID);
   g_assert_cmpstr(error.parameter, ==, parameter);
 }
 
@@ -204,7 +204,7 @@ static void test_refused(void) {
   refused(wild, "{}", "settings");
   eda_settings few = settings(wild, 2, 5, 0);
   opc_error fault;
-  g_assert_cmpint(draw(&few, "{}", &fault), ==, OPC_INVALID);
+  g_assert_cmpint(draw_sample(&few, "{}", &fault), ==, OPC_INVALID);
   g_assert_nonnull(strstr(fault.message, "5 figures for 6 settings"));
   opc_error error;
   g_assert_null(opc_test_module("draw.surface", "{ file: a.jpg }", &error));
@@ -224,7 +224,7 @@ static void test_scales(void) {
       opc_error error;
       g_autofree char *mapping = g_strdup_printf(
           "{ file: s%zu%d.png, scale: %s }", i, log, log ? "log" : "linear");
-      g_assert_cmpint(draw(&s, mapping, &error), ==, OPC_OK);
+      g_assert_cmpint(draw_sample(&s, mapping, &error), ==, OPC_OK);
     }
 }
 

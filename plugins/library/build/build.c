@@ -76,14 +76,14 @@ static int look_cheaply(loop *l, const double *ion, double *seen,
   return code;
 }
 
-static GVariant *pack(const builder *r, const cut_out *cell, loop *l) {
+static GVariant *cell_pack(const builder *r, const cut_out *cell, loop *l) {
   GVariant *data = NULL;
   eda_measurement end;
   eda_moved *moved = correct_moved_of(l);
   if (!moved) {
     opc_fail(r->error, OPC_INVALID, "synthesizer",
-             "%s moves fragments of edges, or adds bars: a library keeps how "
-             "transistors were moved",
+             "%s moves fragments of edges or adds bars: a library requires a "
+             "synthesizer that moves transistors",
              r->b->with.synthesizer->id);
     return NULL;
   }
@@ -110,16 +110,16 @@ static void sum_up(GVariant *data, double *mean, double *max) {
   }
 }
 
-static int keep(builder *r, const cut_out *cell, loop *l, shelf_row *row,
-                line *told) {
-  g_autoptr(GVariant) data = pack(r, cell, l);
+static int cell_keep(builder *r, const cut_out *cell, loop *l, shelf_row *row,
+                     line *result) {
+  g_autoptr(GVariant) data = cell_pack(r, cell, l);
   if (!data) return r->error->code;
   sum_up(data, &row->ion_mean, &row->ion_max);
   row->simulations = l->printer.simulations + l->printer.fine_simulations;
-  told->simulations = row->simulations;
-  told->ion_mean = row->ion_mean;
-  told->ion_max = row->ion_max;
-  told->state = "corrected";
+  result->simulations = row->simulations;
+  result->ion_mean = row->ion_mean;
+  result->ion_max = row->ion_max;
+  result->state = "corrected";
   r->corrected++;
   r->simulations += (size_t)row->simulations;
   return shelf_put(r->shelf, row, data, r->error);
@@ -127,7 +127,7 @@ static int keep(builder *r, const cut_out *cell, loop *l, shelf_row *row,
 
 /* Correct a cell as the step `correct` does, and store the result. */
 static int correct_cell(builder *r, const cut_out *cell, shelf_row *row,
-                        line *told) {
+                        line *result) {
   const build *b = r->b;
   double before = cpu_seconds();
   loop l;
@@ -135,14 +135,14 @@ static int correct_cell(builder *r, const cut_out *cell, shelf_row *row,
   l.printer.drawn = NULL; /* all cells share one resist calibration */
   int code = correct_loop_run(&l, r->error);
   row->seconds = cpu_seconds() - before;
-  if (!code) code = keep(r, cell, &l, row, told);
+  if (!code) code = cell_keep(r, cell, &l, row, result);
   correct_loop_clear(&l);
   return code;
 }
 
 /* Take a cell from the database, or correct it. */
 static int take_cell(builder *r, const cut_out *cell, shelf_row *row,
-                     line *told) {
+                     line *result) {
   gboolean damaged;
   GVariant *data;
   int code =
@@ -153,9 +153,9 @@ static int take_cell(builder *r, const cut_out *cell, shelf_row *row,
                     "cell '%s' is damaged in '%s': it is corrected anew",
                     row->cell, r->out->database);
   g_autoptr(entry) e = data ? correct_entry_unpack(data) : NULL;
-  if (e) sum_up(data, &told->ion_mean, &told->ion_max);
+  if (e) sum_up(data, &result->ion_mean, &result->ion_max);
   if (data) g_variant_unref(data);
-  return e ? OPC_OK : correct_cell(r, cell, row, told);
+  return e ? OPC_OK : correct_cell(r, cell, row, result);
 }
 
 static int add_cell(builder *r, int32_t top, size_t i, const char *settings) {
@@ -166,9 +166,9 @@ static int add_cell(builder *r, int32_t top, size_t i, const char *settings) {
   library_cell c = {
       .name = g_strdup(cell.gates->name),
       .geometry = correct_units_sum(b->sheet, cell.cell, r->error)};
-  line told = {.cell = c.name, .state = "kept"};
+  line result = {.cell = c.name, .state = "kept"};
   for (size_t k = 0; k < cell.gates->count; k++)
-    told.transistors += cell.own[k];
+    result.transistors += cell.own[k];
   c.key = c.geometry ? key_of(r, c.geometry, settings, cell.gates) : NULL;
   g_array_append_val(r->out->cells, c);
   shelf_row row = {.key = c.key,
@@ -178,16 +178,16 @@ static int add_cell(builder *r, int32_t top, size_t i, const char *settings) {
                    .settings = settings,
                    .method = b->with.synthesizer->id,
                    .made = g_get_real_time() / G_USEC_PER_SEC,
-                   .transistors = told.transistors};
-  code = c.key ? take_cell(r, &cell, &row, &told) : r->error->code;
-  g_array_append_val(r->lines, told);
+                   .transistors = result.transistors};
+  code = c.key ? take_cell(r, &cell, &row, &result) : r->error->code;
+  g_array_append_val(r->lines, result);
   correct_cut_clear(&cell);
   return code;
 }
 
-/* ---- all of them ---- */
+/* ---- run ---- */
 
-static int tell(const builder *r) {
+static int build_report(const builder *r) {
   const opc_host *host = r->b->host;
   const line *first = (const line *)(const void *)r->lines->data;
   size_t n = r->lines->len;
@@ -242,10 +242,10 @@ static int build_all(builder *r) {
   if (!code && !r->lines->len)
     code = opc_fail(r->error, OPC_INVALID, "gates",
                     "no cell of the sheet has a transistor");
-  return code ? code : tell(r);
+  return code ? code : build_report(r);
 }
 
-static int run(void *self, void **outputs, opc_error *error) {
+static int build_run(void *self, void **outputs, opc_error *error) {
   const build *b = self;
   g_autofree char *path = b->database ? g_strdup(b->database) : shelf_place();
   builder r = {.b = b, .error = error};
@@ -264,17 +264,17 @@ static int run(void *self, void **outputs, opc_error *error) {
 
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(build, sheet, .type = OPC_INPUT, .flags = OPC_REQUIRED,
-                  .choices = "layout", .summary = "of library.sheet"),
+                  .choices = "layout",
+                  .summary = "Layout made by library.sheet"),
     OPC_PARAMETER(build, gates, .type = OPC_INPUT, .flags = OPC_REQUIRED,
-                  .choices = "gates", .summary = "the sheet's transistors"),
+                  .choices = "gates", .summary = "Transistors of the sheet"),
     OPC_PARAMETER(build, database, .type = OPC_TEXT, .flags = OPC_NO_EFFECT,
                   .summary =
-                      "where cells are kept; made if it is not there. If not "
-                      "given, opcflow/library.sqlite in the user's data "
-                      "folder"),
+                      "Database of the cells, created if missing (default: "
+                      "opcflow/library.sqlite in the user's data folder)"),
     CORRECT_PRINT_SLOTS(build),
     CORRECT_MOVE_SLOTS(build),
-    CORRECT_MAX_ITERATIONS(build, "of a cell: stop after so many moves"),
+    CORRECT_MAX_ITERATIONS(build, "Largest number of iterations for a cell"),
     CORRECT_MARGIN(build),
     CORRECT_FINE(build),
     CORRECT_GUARD(build),
@@ -285,15 +285,15 @@ static const opc_parameter parameters[] = {
 
 static const opc_metric metrics[] = {
     {"cells", NULL, OPC_NEUTRAL, 0, "cells with transistors"},
-    {"corrected", NULL, OPC_NEUTRAL, 0, "those that were corrected now"},
-    {"kept", NULL, OPC_NEUTRAL, 0, "those that were there already"},
+    {"corrected", NULL, OPC_NEUTRAL, 0, "cells corrected in this run"},
+    {"kept", NULL, OPC_NEUTRAL, 0, "cells taken from the database"},
     {"ion_mean", "%", OPC_LOWER, 0.01,
      "mean of |Ion deviation| of all transistors, each cell alone"},
-    {"ion_max", "%", OPC_LOWER, 0.01, "the largest"},
+    {"ion_max", "%", OPC_LOWER, 0.01, "largest |Ion deviation|"},
     {"simulations", NULL, OPC_LOWER, 0, "litho simulations of this run"},
 };
 
-static int check(void *self, opc_error *error) {
+static int build_check(void *self, opc_error *error) {
   build *b = self;
   return correct_settings_check(&b->with, b->host, error);
 }
@@ -301,12 +301,12 @@ static int check(void *self, opc_error *error) {
 /* ---- entry ---- */
 
 static const opc_port outputs_of[] = {LIBRARY_PORT("library")};
-static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = run,
+static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = build_run,
                                    .flags = OPC_STEP_OUTSIDE};
 
 OPC_PLUGIN(build, .id = "library.build", .kind = "step", .version = OPC_VERSION,
            .licence = "BSD-3-Clause",
-           .summary = "correct each cell alone and keep it in a database",
+           .summary = "correct each cell alone and store it in a database",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), OPC_METRICS(metrics), .check = check,
-           OPC_FUNCTIONS(functions));
+           OPC_PARAMETERS(parameters), OPC_METRICS(metrics),
+           .check = build_check, OPC_FUNCTIONS(functions));

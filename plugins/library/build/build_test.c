@@ -33,7 +33,7 @@ static void made_clear(made *m) {
   eda_layout_free(m->circuit);
 }
 
-static void build(made *m, const char *more, double *ion) {
+static void build_made(made *m, const char *more, double *ion) {
   ran r;
   opc_error error;
   if (build_library(&r, m->sheet.out, m->gates.out, more, &error))
@@ -74,7 +74,7 @@ static void test_alone(void) {
   made m = make_sheet("*");
   for (int k = 0; k < 2; k++) {
     forget_library();
-    build(&m, mores[k], ion[k]);
+    build_made(&m, mores[k], ion[k]);
     g_assert_cmpuint(opc_test_rows("cells"), ==, CELLS);
     double mean = 0;
     for (size_t i = 0; i < CELLS; i++) {
@@ -104,17 +104,17 @@ static void test_kept(void) {
   double first[CELLS], again[CELLS], other[CELLS];
   made m = make_sheet("*");
   forget_library();
-  build(&m, "", first);
+  build_made(&m, "", first);
   g_assert_cmpfloat(opc_test_metric("corrected"), ==, CELLS);
   g_assert_cmpfloat(opc_test_metric("simulations"), >, 0);
-  build(&m, "", again);
+  build_made(&m, "", again);
   g_assert_cmpfloat(opc_test_metric("corrected"), ==, 0);
   g_assert_cmpfloat(opc_test_metric("kept"), ==, CELLS);
   g_assert_cmpfloat(opc_test_metric("simulations"), ==, 0);
   g_assert_cmpmem(first, sizeof first, again, sizeof again);
-  build(&m, ", max_iterations: 1", other);
+  build_made(&m, ", max_iterations: 1", other);
   g_assert_cmpfloat(opc_test_metric("corrected"), ==, CELLS);
-  build(&m, "", again);
+  build_made(&m, "", again);
   g_assert_cmpfloat(opc_test_metric("kept"), ==, CELLS);
   g_assert_cmpmem(first, sizeof first, again, sizeof again);
   made_clear(&m);

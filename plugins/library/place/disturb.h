@@ -17,11 +17,12 @@ int disturb_draw(const opc_host *host, const eda_mask *mask,
                  const uint8_t *known, const char *file, double width,
                  opc_error *error);
 
-#define DISTURB_METRICS                                                       \
-  {"disturbance_mean", "%", OPC_LOWER, 0.01,                                  \
-   "mean growth of |Ion deviation| from the cell alone to the circuit"},      \
-      {"disturbance_max", "%", OPC_LOWER, 0.01, "the largest"}, {             \
-    "disturbed", "%", OPC_LOWER, 0.1,                                         \
-        "share of the transistors whose |Ion deviation| has grown by 0.05 % " \
-        "or more"                                                             \
+#define DISTURB_METRICS                                                        \
+  {"disturbance_mean", "%", OPC_LOWER, 0.01,                                   \
+   "mean growth of |Ion deviation| from the cell alone to the circuit"},       \
+      {"disturbance_max", "%", OPC_LOWER, 0.01,                                \
+       "largest disturbance"},                                  \
+  {                                                                            \
+    "disturbed", "%", OPC_LOWER, 0.1,                                          \
+        "fraction of transistors whose |Ion deviation| grew by 0.05 % or more" \
   }

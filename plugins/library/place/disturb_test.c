@@ -25,7 +25,7 @@ typedef struct made {
   eda_mask mask;
 } made;
 
-static void make(made *d) {
+static void make_sample(made *d) {
   memset(d, 0, sizeof *d);
   for (int i = 0; i < GATES; i++) {
     int32_t x = 300 * i, y = 500 * (i % 3);
@@ -63,7 +63,7 @@ static void same(double got, double expected) {
 static void test_table(void) {
   made d;
   opc_error error = {0};
-  make(&d);
+  make_sample(&d);
   g_assert_cmpint(disturb_report(opc_test_host(), &d.mask, known, &error), ==,
                   OPC_OK);
   double sum = 0, most = -INFINITY, worse = 0;
@@ -105,7 +105,7 @@ static int is_near(uint32_t p, eda_colour c) {
 static void test_picture(void) {
   made d;
   opc_error error = {0};
-  make(&d);
+  make_sample(&d);
   if (disturb_draw(opc_test_host(), &d.mask, known, "chip.png", WIDTH, &error))
     g_error("%s", error.message);
   g_autofree char *path = g_build_filename(opc_test_folder(), "chip.png", NULL);

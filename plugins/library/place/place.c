@@ -14,7 +14,7 @@
 #include <correct/settings.h>
 #include <correct/shelf.h>
 #include <correct/start.h>
-#include <correct/ways.h>
+#include <correct/symmetry.h>
 #include "disturb.h"
 #include "stitch.h"
 
@@ -95,38 +95,41 @@ static int look_up(placer *r, shelf *from, int32_t cell) {
   return code;
 }
 
-/* ---- how cells lie ---- */
+/* ---- orientations ---- */
 
-/* Return the number of equivalent orientations (correct_ways_find) that a
+/* Return the number of equivalent orientations (correct_symmetry_find) that a
    placement requires. */
-static int ways_for(const turn *t) {
+static int orientations_for(const turn *t) {
   return t->xy ? 8 : t->xx < 0 || t->yy < 0 ? 4 : 1;
 }
 
-static int find_ways(const place *p, int *ways, opc_error *error) {
+static int find_symmetry(const place *p, int *orientations, opc_error *error) {
   eda_printer printer;
   eda_printer_init(&printer, p->host->context, p->gates, p->with.litho,
                    p->with.resist, p->with.margin);
   int code = printer.litho.functions.prepare(&printer.litho, error);
   if (!code)
-    code =
-        correct_ways_find(p->host->context, &printer.litho.module, ways, error);
+    code = correct_symmetry_find(p->host->context, &printer.litho.module,
+                                 orientations, error);
   eda_printer_clear(&printer);
   return code;
 }
 
 /* Return OPC_INVALID if a cell has an orientation that the optics image
    differently. */
-static int check_ways(const placer *r, const units *found) {
+static int check_orientations(const placer *r, const units *found) {
   const place *p = r->p;
   size_t worst = 0;
-  int ways = 0;
+  int orientations = 0;
   for (size_t i = 1; i < found->count; i++)
-    if (ways_for(&found->unit[i].at) > ways_for(&found->unit[worst].at))
+    if (orientations_for(&found->unit[i].at) >
+        orientations_for(&found->unit[worst].at))
       worst = i;
-  if (!found->count || ways_for(&found->unit[worst].at) == 1) return OPC_OK;
-  int code = find_ways(p, &ways, r->error);
-  if (code || ways_for(&found->unit[worst].at) <= ways) return code;
+  if (!found->count || orientations_for(&found->unit[worst].at) == 1)
+    return OPC_OK;
+  int code = find_symmetry(p, &orientations, r->error);
+  if (code || orientations_for(&found->unit[worst].at) <= orientations)
+    return code;
   return opc_fail(
       r->error, OPC_INVALID, "layout",
       "cell '%s' is %s, which the optics do not see alike (source, "
@@ -151,7 +154,7 @@ static int place_all(placer *r, shelf *from, const units *found) {
 }
 
 /* Report the transistors that no cell of the library matches. */
-static int tell_of_unknown(placer *r) {
+static int place_report_unknown(placer *r) {
   const place *p = r->p;
   const eda_gates *g = p->gates;
   size_t first = g->count;
@@ -190,10 +193,10 @@ static int stitch_all(placer *r) {
   r->entry = eda_alloc(cells, sizeof(entry *));
   r->looked = eda_alloc(cells, 1);
   int code = correct_units_find(p->layout, top, &found, r->error);
-  if (!code) code = check_ways(r, &found);
+  if (!code) code = check_orientations(r, &found);
   if (!code) code = place_all(r, from, &found);
   g_free(found.unit);
-  return code ? code : tell_of_unknown(r);
+  return code ? code : place_report_unknown(r);
 }
 
 /* ---- the print ---- */
@@ -225,26 +228,26 @@ static int make_mask(const placer *r, eda_mask *m) {
   return code;
 }
 
-static int tell_of_cells(const placer *r) {
+static int place_report_cells(const placer *r) {
   const opc_metric_value values[] = {{"cells", (double)r->cells},
                                      {"placed", (double)r->placed},
                                      {"unknown", (double)r->unknown}};
   return opc_put_metrics(r->p->host, OPC_ARRAY(values), r->error);
 }
 
-static int tell(placer *r, const eda_mask *m, const double *extension) {
+static int place_report(placer *r, const eda_mask *m, const double *extension) {
   const opc_host *host = r->p->host;
   const uint8_t *known = r->stitch.known;
   uint32_t *good = eda_alloc(m->gates->count, sizeof *good);
   trial none;
   correct_trial_init(&none, m->layers, m->gates->count);
   none.biases.base = m->moved;
-  const report told = {.mask = m,
-                       .extension = extension,
-                       .biases = &none.biases,
-                       .flags_before = good};
+  const report content = {.mask = m,
+                          .extension = extension,
+                          .biases = &none.biases,
+                          .flags_before = good};
   correct_findings_of_print(host, m->gates, m->flags, NULL);
-  int code = correct_report_mask(host, &told, r->error);
+  int code = correct_report_mask(host, &content, r->error);
   if (!code) code = disturb_report(host, m, known, r->error);
   if (!code && r->p->picture)
     code = disturb_draw(host, m, known, r->p->picture, (double)r->p->width,
@@ -254,7 +257,7 @@ static int tell(placer *r, const eda_mask *m, const double *extension) {
   return code;
 }
 
-static int print_and_tell(placer *r, eda_mask *m) {
+static int place_print_report(placer *r, eda_mask *m) {
   const place *p = r->p;
   double *extension = NULL;
   /* The resist is calibrated as in the library, not by this circuit. */
@@ -262,20 +265,20 @@ static int print_and_tell(placer *r, eda_mask *m) {
   if (!code && !m->fine_simulations) /* the cells store the ratios to accurate
                                         simulations */
     correct_start_correct(m->moved, &m->after);
-  if (!code) code = tell(r, m, extension);
+  if (!code) code = place_report(r, m, extension);
   free(extension);
   return code;
 }
 
 /* Set the figures of a mask that is not simulated to those of the cells. */
-static void promise(eda_mask *m) {
+static void place_cell_figures(eda_mask *m) {
   size_t n = m->gates->count;
   eda_performance_init(&m->after, n);
   eda_performance_copy(&m->after, &m->before);
   m->flags = eda_alloc(n, sizeof *m->flags);
 }
 
-static int run(void *self, void **outputs, opc_error *error) {
+static int place_run(void *self, void **outputs, opc_error *error) {
   const place *p = self;
   placer r = {.p = p, .error = error};
   int code = check_process(p, error);
@@ -288,11 +291,11 @@ static int run(void *self, void **outputs, opc_error *error) {
     mask->moved = r.stitch.moved;
     r.stitch.moved = NULL;
     code = make_mask(&r, mask);
-    if (!code) code = tell_of_cells(&r);
+    if (!code) code = place_report_cells(&r);
     if (!code && !p->print)
-      promise(mask);
+      place_cell_figures(mask);
     else if (!code)
-      code = print_and_tell(&r, mask);
+      code = place_print_report(&r, mask);
   }
   for (size_t c = 0; r.entry && c < eda_layout_cells(p->layout); c++)
     correct_entry_free(r.entry[c]);
@@ -302,7 +305,7 @@ static int run(void *self, void **outputs, opc_error *error) {
   return code;
 }
 
-static int forecast(void *self, opc_forecast *out, opc_error *error) {
+static int place_forecast(void *self, opc_forecast *out, opc_error *error) {
   const place *p = self;
   (void)error;
   if (!p->print) return OPC_OK;
@@ -317,9 +320,9 @@ static int forecast(void *self, opc_forecast *out, opc_error *error) {
   OPC_PARAMETER(place, NAME, .type = OPC_INPUT, .flags = OPC_REQUIRED, \
                 .choices = KIND, .summary = (SUMMARY))
 static const opc_parameter parameters[] = {
-    INPUT(layout, "layout", "the circuit, with its cells"),
-    INPUT(gates, "gates", "its transistors"),
-    INPUT(library, "library", "the corrected cells"),
+    INPUT(layout, "layout", "Circuit with its cells"),
+    INPUT(gates, "gates", "Transistors of the circuit"),
+    INPUT(library, "library", "Corrected cells"),
     CORRECT_SLOT(place, litho, OPC_REQUIRED,
                  "model of the optics, as of the library"),
     CORRECT_SLOT(place, resist, OPC_REQUIRED,
@@ -327,44 +330,47 @@ static const opc_parameter parameters[] = {
     CORRECT_SLOT(place, extractor, OPC_REQUIRED,
                  "performance of a printed transistor, as of the library"),
     OPC_PARAMETER(place, top, .type = OPC_TEXT,
-                  .summary = "the circuit's cell; if not given, the only one "
-                             "that no other places"),
+                  .summary = "Top cell of the circuit (default: the only cell "
+                             "that no other places)"),
     OPC_PARAMETER(place, missing, .type = OPC_CHOICE, .preset = "refuse",
                   .choices = "refuse|drawn",
-                  .summary = "transistors that are not in the library: an "
-                             "error, or as drawn"),
+                  .summary = "Treatment of transistors that are not in the "
+                             "library: an error, or as drawn"),
     CORRECT_MARGIN(place),
     CORRECT_FINE(place),
-    OPC_PARAMETER(place, print, .type = OPC_BOOL, .preset = "true",
-                  .summary = "print the mask as a whole and tell how its "
-                             "transistors are disturbed; if not, its figures "
-                             "are what the cells promise"),
+    OPC_PARAMETER(
+        place, print, .type = OPC_BOOL, .preset = "true",
+        .summary = "Simulate the entire mask and report the disturbance of its "
+                   "transistors; otherwise the figures are those of the cells"),
     OPC_PARAMETER(place, picture, .type = OPC_OUTPUT,
-                  .summary = "the chip with the disturbance of each "
-                             "transistor: .png, .svg or .pdf"),
+                  .summary = "Picture of the disturbance of each transistor, "
+                             ".png, .svg or .pdf"),
     OPC_PARAMETER(place, width, .type = OPC_INT,
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "1200",
                   .min = 200, .max = 10000,
-                  .summary = "of the picture, pixels"),
+                  .summary = "Width of the picture, pixels"),
 };
 
 static const opc_metric metrics[] = {
-    {"transistors", NULL, OPC_NEUTRAL, 0, "how many there are"},
-    {"cells", NULL, OPC_NEUTRAL, 0, "different cells of the library in it"},
-    {"placed", NULL, OPC_NEUTRAL, 0, "how often one is placed"},
-    {"unknown", NULL, OPC_LOWER, 0, "transistors that are of none"},
+    {"transistors", NULL, OPC_NEUTRAL, 0, "number of transistors"},
+    {"cells", NULL, OPC_NEUTRAL, 0, "different cells of the library"},
+    {"placed", NULL, OPC_NEUTRAL, 0, "placed cells"},
+    {"unknown", NULL, OPC_LOWER, 0,
+     "transistors without a cell of the library"},
     DISTURB_METRICS,
     REPORT_METRICS,
     {"ion_mean_drawn", "%", OPC_NEUTRAL, 0,
      "mean of |Ion deviation| of the cells alone"},
-    {"ion_max_drawn", "%", OPC_NEUTRAL, 0, "the largest of those"},
-    {"iterations", NULL, OPC_LOWER, 0, "0: nothing is moved"},
-    {"simulations", NULL, OPC_LOWER, 0, "litho simulations, of one layer each"},
-    {"fine_simulations", NULL, OPC_LOWER, 0, "those of the fine model"},
+    {"ion_max_drawn", "%", OPC_NEUTRAL, 0,
+     "largest |Ion deviation| of the cells alone"},
+    {"iterations", NULL, OPC_LOWER, 0, "0: no edge is moved"},
+    {"simulations", NULL, OPC_LOWER, 0, "litho simulations of one layer each"},
+    {"fine_simulations", NULL, OPC_LOWER, 0,
+     "simulations of the accurate model"},
     REPORT_PRINT_METRICS,
 };
 
-static int check(void *self, opc_error *error) {
+static int place_check(void *self, opc_error *error) {
   place *p = self;
   p->with.ion_limit = CORRECT_USUAL_LIMIT;
   int code = correct_settings_check(&p->with, p->host, error);
@@ -378,13 +384,13 @@ static int check(void *self, opc_error *error) {
 /* ---- entry ---- */
 
 static const opc_port outputs[] = {EDA_PORT_MASK("mask")};
-static const opc_step functions = {OPC_OUTPUTS(outputs), .run = run,
-                                   .forecast = forecast,
+static const opc_step functions = {OPC_OUTPUTS(outputs), .run = place_run,
+                                   .forecast = place_forecast,
                                    .flags = OPC_STEP_OUTSIDE};
 
 OPC_PLUGIN(place, .id = "library.place", .kind = "step", .version = OPC_VERSION,
            .licence = "BSD-3-Clause",
-           .summary = "a circuit's mask from the masks of its cells",
+           .summary = "compose a circuit's mask from the masks of its cells",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), OPC_METRICS(metrics), .check = check,
-           OPC_FUNCTIONS(functions));
+           OPC_PARAMETERS(parameters), OPC_METRICS(metrics),
+           .check = place_check, OPC_FUNCTIONS(functions));

@@ -13,7 +13,7 @@ typedef struct made {
 } made;
 
 /* Make a circuit and the library of the cells with these names. */
-static made make(const char *cells) {
+static made make_sample(const char *cells) {
   opc_error error;
   made m = {.circuit = library_circuit()};
   g_autofree char *map = g_strdup_printf("{ cells: '%s' }", cells);
@@ -34,8 +34,8 @@ static void made_clear(made *m) {
   eda_layout_free(m->circuit);
 }
 
-static int place(const made *m, const char *models, const char *more, ran *r,
-                 opc_error *error) {
+static int place_sample(const made *m, const char *models, const char *more,
+                        ran *r, opc_error *error) {
   static const char *const inputs[] = {"layout", "gates", "library", NULL};
   g_autofree char *map = library_map(models, more);
   return run_step(r, "library.place", map, inputs,
@@ -45,7 +45,7 @@ static int place(const made *m, const char *models, const char *more, ran *r,
 static ran place_good(const made *m, const char *more) {
   ran r;
   opc_error error;
-  if (place(m, LIBRARY_MODELS(LIBRARY_NA), more, &r, &error))
+  if (place_sample(m, LIBRARY_MODELS(LIBRARY_NA), more, &r, &error))
     g_error("%s", error.message);
   return r;
 }
@@ -82,7 +82,7 @@ static double difference(const eda_shapes *a, const eda_shapes *b) {
 }
 
 static void test_placed(void) {
-  made m = make("*");
+  made m = make_sample("*");
   ran r = place_good(&m, "print: true");
   const eda_mask *mask = r.out;
   const eda_gates *g = m.gates.out;
@@ -125,10 +125,10 @@ static void test_placed(void) {
 static void test_missing(void) {
   opc_error error;
   ran r;
-  made m = make("long");
+  made m = make_sample("long");
   g_assert_cmpint(
-      place(&m, LIBRARY_MODELS(LIBRARY_NA), "print: false", &r, &error), ==,
-      OPC_INVALID);
+      place_sample(&m, LIBRARY_MODELS(LIBRARY_NA), "print: false", &r, &error),
+      ==, OPC_INVALID);
   g_assert_cmpstr(error.parameter, ==, "library");
   g_assert_nonnull(strstr(error.message,
                           "1 of 3 transistors are not in the "
@@ -151,17 +151,18 @@ static void test_missing(void) {
 static void test_refused(void) {
   opc_error error;
   ran r;
-  made m = make("long");
-  g_assert_cmpint(place(&m, LIBRARY_MODELS("0.74"), "print: false", &r, &error),
-                  ==, OPC_INVALID);
+  made m = make_sample("long");
+  g_assert_cmpint(
+      place_sample(&m, LIBRARY_MODELS("0.74"), "print: false", &r, &error), ==,
+      OPC_INVALID);
   g_assert_cmpstr(error.parameter, ==, "litho");
   opc_test_module_free(r.module);
-  g_assert_cmpint(place(&m, LIBRARY_MODELS(LIBRARY_NA),
-                        "print: false, picture: a.png", &r, &error),
+  g_assert_cmpint(place_sample(&m, LIBRARY_MODELS(LIBRARY_NA),
+                               "print: false, picture: a.png", &r, &error),
                   ==, OPC_INVALID);
   g_assert_null(r.module);
-  g_assert_cmpint(place(&m, LIBRARY_MODELS(LIBRARY_NA),
-                        "print: false, top: none", &r, &error),
+  g_assert_cmpint(place_sample(&m, LIBRARY_MODELS(LIBRARY_NA),
+                               "print: false, top: none", &r, &error),
                   ==, OPC_INVALID);
   g_assert_cmpstr(error.message, ==, "there is no cell 'none'");
   opc_test_module_free(r.module);

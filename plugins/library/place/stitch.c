@@ -29,10 +29,10 @@ void stitch_clear(stitch *s) {
   eda_performance_clear(&s->cell);
 }
 
-/* ---- where ---- */
+/* ---- positions ---- */
 
 /* Return a box of a cell, rotated about the cell's origin. */
-static eda_box turned(const turn *t, eda_box b) {
+static eda_box box_turned(const turn *t, eda_box b) {
   int32_t x0 = t->xx * b.x0 + t->xy * b.y0, x1 = t->xx * b.x1 + t->xy * b.y1,
           y0 = t->yx * b.x0 + t->yy * b.y0, y1 = t->yx * b.x1 + t->yy * b.y1;
   return (eda_box){x0 < x1 ? x0 : x1, y0 < y1 ? y0 : y1, x0 < x1 ? x1 : x0,
@@ -43,10 +43,11 @@ static int same_size(double a, double b) { return fabs(a - b) < 1e-6 * b; }
 
 /* Return the transistor of the circuit that matches number j of the cell, or
    -1. */
-static int64_t find(const stitch *s, const entry *e, const turn *t, size_t j) {
+static int64_t find_gate(const stitch *s, const entry *e, const turn *t,
+                         size_t j) {
   const eda_gates *g = s->gates;
   double steps = s->unit / g->grid;
-  eda_box b = turned(t, e->box[j]);
+  eda_box b = box_turned(t, e->box[j]);
   /* twice the centre */
   double x = (double)b.x0 + b.x1 + 2 * steps * (double)t->dx,
          y = (double)b.y0 + b.y1 + 2 * steps * (double)t->dy;
@@ -79,7 +80,8 @@ static void turn_parts(const eda_part *from, int32_t width, int backwards,
   }
 }
 
-static void take(stitch *s, const entry *e, const turn *t, size_t j, size_t i) {
+static void take_gate(stitch *s, const entry *e, const turn *t, size_t j,
+                      size_t i) {
   const eda_moved *from = e->moved;
   eda_moved *to = s->moved;
   int upright = e->axis[j] == EDA_X;
@@ -102,12 +104,12 @@ static void take(stitch *s, const entry *e, const turn *t, size_t j, size_t i) {
   for (int k = 0; k < 6; k++) (&s->cell.ion)[k][i] = (&e->after.ion)[k][j];
 }
 
-/* ---- patches ---- */
+/* ---- added shapes ---- */
 
 /* Return the offset of the transistor's edge next to an added shape from its
    position in the rotated cell, so that both stay in contact. */
-static int32_t offset(int32_t middle, int32_t low, int32_t high, int32_t to_low,
-                      int32_t to_high) {
+static int32_t edge_offset(int32_t middle, int32_t low, int32_t high,
+                           int32_t to_low, int32_t to_high) {
   return 2 * (int64_t)middle > (int64_t)low + high ? to_high - high
                                                    : to_low - low;
 }
@@ -125,10 +127,10 @@ static void take_box(const stitch *s, const entry *e, const turn *t,
     nearest = j;
   }
   if (nearest == e->gates) return;
-  eda_box b = turned(t, box), from = turned(t, e->box[nearest]),
+  eda_box b = box_turned(t, box), from = box_turned(t, e->box[nearest]),
           at = s->gates->box[match[nearest]];
-  int32_t dx = offset((b.x0 + b.x1) / 2, from.x0, from.x1, at.x0, at.x1);
-  int32_t dy = offset((b.y0 + b.y1) / 2, from.y0, from.y1, at.y0, at.y1);
+  int32_t dx = edge_offset((b.x0 + b.x1) / 2, from.x0, from.x1, at.x0, at.x1);
+  int32_t dy = edge_offset((b.y0 + b.y1) / 2, from.y0, from.y1, at.y0, at.y1);
   eda_box_list_add(to, (eda_box){b.x0 + dx, b.y0 + dy, b.x1 + dx, b.y1 + dy});
 }
 
@@ -149,11 +151,11 @@ size_t stitch_place(stitch *s, const entry *e, const turn *t) {
   size_t lost = 0;
   int64_t *match = eda_alloc(e->gates, sizeof *match);
   for (size_t j = 0; j < e->gates; j++) {
-    match[j] = find(s, e, t, j);
+    match[j] = find_gate(s, e, t, j);
     if (match[j] < 0)
       lost++;
     else
-      take(s, e, t, j, (size_t)match[j]);
+      take_gate(s, e, t, j, (size_t)match[j]);
   }
   take_boxes(s, e, t, match);
   free(match);

@@ -92,16 +92,15 @@ static int find_place(maker *m, eda_box b, eda_point *out) {
           y = m->y - (int64_t)floor((double)b.y0 / STEP) * STEP;
   if (x > INT32_MAX / 2 || y > INT32_MAX / 2)
     return opc_fail(m->error, OPC_INVALID, NULL,
-                    "the cells are too many for one sheet: choose some by "
-                    "'cells'");
+                    "too many cells for one sheet: select some with 'cells'");
   *out = (eda_point){(int32_t)x, (int32_t)y};
   m->x += wide;
   m->row = MAX(m->row, high);
   return OPC_OK;
 }
 
-static int put(const maker *m, int32_t cell, const char *name, eda_point at,
-               uint32_t mirror) {
+static int sheet_put(const maker *m, int32_t cell, const char *name,
+                     eda_point at, uint32_t mirror) {
   eda_placement p = {.origin = at,
                      .magnification = 1,
                      .mirror = mirror,
@@ -123,12 +122,13 @@ static int put_neighbours(const maker *m, int32_t cell, const char *name,
     int32_t up = row > 0 ? 2 * b.y1 : row < 0 ? 2 * b.y0 : 0;
     eda_point there = {at.x + column * wide, at.y + up};
     g_autofree char *label = g_strdup_printf("%s~%d", name, ++n);
-    code = put(m, cell, label, there, row != 0);
+    code = sheet_put(m, cell, label, there, row != 0);
   }
   return code;
 }
 
-static int place(maker *m, int32_t cell, const char *name, const extents *of) {
+static int sheet_place(maker *m, int32_t cell, const char *name,
+                       const extents *of) {
   eda_box b = of->boundary, room = of->shapes;
   int around = m->sheet->neighbours == ITSELF;
   eda_point at = {0, 0};
@@ -143,7 +143,7 @@ static int place(maker *m, int32_t cell, const char *name, const extents *of) {
                      room.y1 + high};
   }
   int code = find_place(m, room, &at);
-  if (!code) code = put(m, cell, name, at, 0);
+  if (!code) code = sheet_put(m, cell, name, at, 0);
   return code || !around ? code : put_neighbours(m, cell, name, at, b);
 }
 
@@ -158,7 +158,7 @@ static int add_cell(maker *m, int32_t from) {
     code = copy_layer(m, from, to, (int32_t)k, &of);
   if (code || of.shapes.x0 > of.shapes.x1) return code;
   m->count++;
-  return place(m, to, name, &of);
+  return sheet_place(m, to, name, &of);
 }
 
 static int is_wanted(const sheet *s, const char *name) {
@@ -191,7 +191,7 @@ static int add_all(maker *m, const units *found) {
   return code;
 }
 
-static int make(maker *m) {
+static int sheet_make(maker *m) {
   const sheet *s = m->sheet;
   units found = {0};
   int32_t top = s->top ? eda_layout_find_cell(s->layout, s->top) : -1;
@@ -207,30 +207,32 @@ static int make(maker *m) {
   return s->host->metric(s->host, "cells", (double)m->count, m->error);
 }
 
-static int run(void *self, void **outputs, opc_error *error) {
+static int sheet_run(void *self, void **outputs, opc_error *error) {
   sheet *s = self;
   maker m = {.sheet = s, .error = error};
   outputs[0] = m.out = eda_layout_new(eda_layout_unit(s->layout), error);
-  return m.out ? make(&m) : error->code;
+  return m.out ? sheet_make(&m) : error->code;
 }
 
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(sheet, layout, .type = OPC_INPUT, .flags = OPC_REQUIRED,
-                  .choices = "layout", .summary = "a circuit, or a library"),
-    OPC_PARAMETER(sheet, top, .type = OPC_TEXT,
-                  .summary = "the cell whose cells are taken; if not given, "
-                             "those of all that no other places"),
+                  .choices = "layout",
+                  .summary = "Layout of a circuit or a library"),
+    OPC_PARAMETER(
+        sheet, top, .type = OPC_TEXT,
+        .summary = "Cell whose cells are taken (default: all top cells)"),
     OPC_PARAMETER(sheet, cells, .type = OPC_TEXT,
-                  .summary = "names of cells, * and ? in them, with spaces "
-                             "between; if not given, all"),
+                  .summary = "Names of cells, with wildcards * and ?, "
+                             "separated by spaces (default: all)"),
     OPC_PARAMETER(sheet, neighbours, .type = OPC_CHOICE, .preset = "none",
                   .choices = "none|itself",
-                  .summary = "what stands around a cell while it is corrected: "
-                             "nothing; copies of itself, as in rows"),
-    OPC_PARAMETER(sheet, boundary, .type = OPC_TEXT, .preset = "outline",
-                  .summary = "the layer whose shapes say where cells abut"),
+                  .summary = "Environment of a cell during its correction: "
+                             "none, or copies of the cell as in rows"),
+    OPC_PARAMETER(
+        sheet, boundary, .type = OPC_TEXT, .preset = "outline",
+        .summary = "Layer whose shapes give the abutment boxes of cells"),
 };
 
 static const opc_metric metrics[] = {
@@ -240,12 +242,12 @@ static const opc_metric metrics[] = {
 /* ---- entry ---- */
 
 static const opc_port outputs_of[] = {EDA_PORT_LAYOUT("layout")};
-static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = run,
+static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = sheet_run,
                                    .flags = OPC_STEP_LIGHT};
 
 OPC_PLUGIN(sheet, .id = "library.sheet", .kind = "step", .version = OPC_VERSION,
            .licence = "BSD-3-Clause",
-           .summary = "the cells of a layout, each alone",
+           .summary = "lay out each cell of a layout alone",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
            OPC_PARAMETERS(parameters), OPC_METRICS(metrics),
            OPC_FUNCTIONS(functions));

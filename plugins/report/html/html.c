@@ -23,7 +23,7 @@ typedef struct writer {
 
 /* Return 1 if the present run has a manifest already. A run inside a step that
    runs flows has none until its end. */
-static int tells(const writer *w, const char *folder) {
+static int has_manifest(const writer *w, const char *folder) {
   g_autofree char *manifest = g_build_filename(folder, "manifest.json", NULL);
   if (g_file_test(manifest, G_FILE_TEST_EXISTS)) return 1;
   w->host->log(w->host, OPC_LOG_WARNING,
@@ -52,7 +52,7 @@ static int add_experiment(const eda_experiment *e, page *p, opc_error *error) {
   return code;
 }
 
-static int run(void *self, void **outputs, opc_error *error) {
+static int html_run(void *self, void **outputs, opc_error *error) {
   const writer *w = self;
   page p;
   (void)outputs;
@@ -63,7 +63,7 @@ static int run(void *self, void **outputs, opc_error *error) {
   int code = !path ? error->code : w->mask ? keep_view(w, error) : OPC_OK;
   if (code) return code;
   g_autofree char *folder = g_path_get_dirname(path);
-  if (w->mask && !tells(w, folder)) return OPC_OK;
+  if (w->mask && !has_manifest(w, folder)) return OPC_OK;
   page_init(&p, w->limit);
   code = w->mask ? page_add_run(&p, folder, NULL, NULL, 1, error)
                  : add_experiment(w->experiment, &p, error);
@@ -82,9 +82,9 @@ static const opc_parameter parameters[] = {
                   .summary = "An experiment, to make a page of all its runs"),
     OPC_PARAMETER(writer, file, .type = OPC_OUTPUT, .preset = "report.html",
                   .summary = "The page"),
-    OPC_PARAMETER(writer, view, .type = OPC_OUTPUT, .preset = "view.json",
-                  .summary = "Of a mask: its pictures as data, for "
-                             "'opcflow report'"),
+    OPC_PARAMETER(
+        writer, view, .type = OPC_OUTPUT, .preset = "view.json",
+        .summary = "File of the mask's picture data for 'opcflow report'"),
     OPC_PARAMETER(writer, title, .type = OPC_TEXT,
                   .summary = "Its title (default: the names of the runs)"),
     PAGE_LIMIT(writer, limit),
@@ -93,7 +93,7 @@ static const opc_parameter parameters[] = {
 
 /* ---- entry ---- */
 
-static const opc_step functions = {.run = run};
+static const opc_step functions = {.run = html_run};
 
 OPC_PLUGIN(writer, .id = "report.html", .kind = "step", .version = "0.1.0",
            .licence = "BSD-3-Clause",

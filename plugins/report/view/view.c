@@ -16,7 +16,7 @@ typedef struct viewer {
 
 /* ---- work ---- */
 
-static int run(void *self, void **outputs, opc_error *error) {
+static int view_run(void *self, void **outputs, opc_error *error) {
   const viewer *v = self;
   (void)outputs;
   const char *path = v->host->output_path(v->host, v->file, error);
@@ -30,13 +30,13 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(viewer, mask, .type = OPC_INPUT, .flags = OPC_REQUIRED,
                   .choices = "mask", .summary = "The mask to show"),
     OPC_PARAMETER(viewer, file, .type = OPC_OUTPUT, .preset = "view.json",
-                  .summary = "What 'opcflow report' draws pictures from"),
+                  .summary = "File of picture data for 'opcflow report'"),
     DRAWING_PARAMETERS(viewer, limits),
 };
 
 /* ---- entry ---- */
 
-static const opc_step functions = {.run = run};
+static const opc_step functions = {.run = view_run};
 
 OPC_PLUGIN(viewer, .id = "report.view", .kind = "step", .version = "0.1.0",
            .licence = "BSD-3-Clause",

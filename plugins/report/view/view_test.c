@@ -69,7 +69,7 @@ static JsonNode *view_of(eda_mask *m, const char *mapping) {
   return root;
 }
 
-/* ---- unpacked, as README.md tells ---- */
+/* ---- unpacking ---- */
 
 static GBytes *inflate(const char *text) {
   gsize size;

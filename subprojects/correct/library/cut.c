@@ -24,7 +24,7 @@ static int is_within(const cutter *c, eda_box b) {
   return b.x0 >= w.x0 && b.y0 >= w.y0 && b.x1 <= w.x1 && b.y1 <= w.y1;
 }
 
-static eda_point moved(const cutter *c, eda_point p) {
+static eda_point cutter_point(const cutter *c, eda_point p) {
   return (eda_point){p.x - c->origin.x, p.y - c->origin.y};
 }
 
@@ -50,7 +50,7 @@ static void cut_fragments(cutter *c, size_t layer, const uint32_t *polygon,
     for (uint32_t i = from->start[polygon[k]]; i < from->start[polygon[k] + 1];
          i++, at++) {
       eda_fragment f = from->fragments[i];
-      f.from = moved(c, f.from);
+      f.from = cutter_point(c, f.from);
       if (f.gate >= 0) f.gate = c->number[f.gate];
       if (f.gate < 0) f.role = EDA_FIXED;
       to->fragments[at] = f;
@@ -81,7 +81,7 @@ static void cut_layer(cutter *c, size_t layer) {
     uint32_t at = to->start[k], first = from->start[polygon[k]];
     uint32_t corners = from->start[polygon[k] + 1] - first;
     for (uint32_t i = 0; i < corners; i++)
-      to->points[at + i] = moved(c, from->points[first + i]);
+      to->points[at + i] = cutter_point(c, from->points[first + i]);
     to->start[k + 1] = at + corners;
     if (to->hole) to->hole[k] = from->hole[polygon[k]];
   }
@@ -103,7 +103,7 @@ static void cut_gate(cutter *c, size_t i) {
   to->number[k] = from->number[i];
 }
 
-static eda_gates *cut(cutter *c, const char *name, size_t count) {
+static eda_gates *cutter_run(cutter *c, const char *name, size_t count) {
   const eda_gates *from = c->sheet;
   eda_gates *to = c->out = eda_gates_new(from->layers, count);
   to->name = eda_gates_text(to, name);
@@ -122,7 +122,7 @@ static eda_gates *cut(cutter *c, const char *name, size_t count) {
   return to;
 }
 
-/* ---- where ---- */
+/* ---- positions ---- */
 
 static eda_box bounds_of(const eda_layout *layout, int32_t cell) {
   eda_box all = EDA_BOX_EMPTY;
@@ -170,7 +170,7 @@ static void cut_window(cutter *c, const eda_layout *layout, int32_t top,
     own += (size_t)is_own;
   }
   if (!own) return;
-  out->gates = cut(c, eda_layout_cell_name(layout, out->cell), count);
+  out->gates = cutter_run(c, eda_layout_cell_name(layout, out->cell), count);
   out->own = eda_alloc(count, 1);
   for (size_t k = 0; k < c->sheet->count; k++)
     if (c->number[k] >= 0)

@@ -12,18 +12,18 @@ static const double finest = 0.01;
 
 enum { DEEPEST = 500 }; /* deeper is a cycle, reported by flattening */
 
-typedef struct walker {
+typedef struct traversal {
   const eda_layout *layout;
   int32_t poly, active;
   signed char *below; /* [cells], 1: draws or places cells that draw, -1: does
                          not, 0: not known */
   units *out;
   opc_error *error;
-} walker;
+} traversal;
 
-/* ---- who draws ---- */
+/* ---- drawing cells ---- */
 
-static int draws(const walker *w, int32_t cell) {
+static int cell_draws(const traversal *w, int32_t cell) {
   size_t count = eda_layout_polygons(w->layout, cell), points;
   int32_t layer;
   for (size_t i = 0; i < count; i++) {
@@ -33,9 +33,9 @@ static int draws(const walker *w, int32_t cell) {
   return 0;
 }
 
-static int draws_below(walker *w, int32_t cell, int depth) {
+static int draws_below(traversal *w, int32_t cell, int depth) {
   if (w->below[cell] || depth > DEEPEST) return w->below[cell] > 0;
-  int any = draws(w, cell);
+  int any = cell_draws(w, cell);
   size_t n = eda_layout_instances(w->layout, cell);
   for (size_t i = 0; i < n && !any; i++) {
     int32_t child;
@@ -47,7 +47,7 @@ static int draws_below(walker *w, int32_t cell, int depth) {
   return any;
 }
 
-static int places_drawing(walker *w, int32_t cell) {
+static int places_drawing(traversal *w, int32_t cell) {
   size_t n = eda_layout_instances(w->layout, cell);
   for (size_t i = 0; i < n; i++) {
     int32_t child;
@@ -58,10 +58,10 @@ static int places_drawing(walker *w, int32_t cell) {
   return 0;
 }
 
-/* ---- where ---- */
+/* ---- positions ---- */
 
 /* Return OPC_INVALID for other orientations than the eight. */
-static int turn_of(const walker *w, int32_t child, const eda_placement *p,
+static int turn_of(const traversal *w, int32_t child, const eda_placement *p,
                    turn *out) {
   static const int cosine[] = {1, 0, -1, 0};
   double quarters = nearbyint(p->angle / 90), flip = p->mirror ? -1 : 1;
@@ -80,14 +80,14 @@ static int turn_of(const walker *w, int32_t child, const eda_placement *p,
   return OPC_OK;
 }
 
-static turn compose(turn a, turn b) {
+static turn turn_compose(turn a, turn b) {
   return (turn){
       a.xx * b.xx + a.xy * b.yx,        a.xx * b.xy + a.xy * b.yy,
       a.yx * b.xx + a.yy * b.yx,        a.yx * b.xy + a.yy * b.yy,
       a.xx * b.dx + a.xy * b.dy + a.dx, a.yx * b.dx + a.yy * b.dy + a.dy};
 }
 
-static void add(units *out, placed_unit u) {
+static void units_add(units *out, placed_unit u) {
   if (out->count == out->room) {
     out->room = 2 * out->room + 64;
     out->unit = g_realloc_n(out->unit, out->room, sizeof u);
@@ -95,10 +95,10 @@ static void add(units *out, placed_unit u) {
   out->unit[out->count++] = u;
 }
 
-static int walk(walker *w, int32_t cell, turn at, int depth);
+static int traverse_cell(traversal *w, int32_t cell, turn at, int depth);
 
-static int walk_instance(walker *w, int32_t cell, size_t i, turn at,
-                         int depth) {
+static int traverse_instance(traversal *w, int32_t cell, size_t i, turn at,
+                             int depth) {
   int32_t child;
   eda_placement p;
   turn one;
@@ -110,19 +110,19 @@ static int walk_instance(walker *w, int32_t cell, size_t i, turn at,
       turn there = one;
       there.dx += (int64_t)c * p.column_step.x + (int64_t)r * p.row_step.x;
       there.dy += (int64_t)c * p.column_step.y + (int64_t)r * p.row_step.y;
-      code = walk(w, child, compose(at, there), depth + 1);
+      code = traverse_cell(w, child, turn_compose(at, there), depth + 1);
     }
   return code;
 }
 
-static int walk(walker *w, int32_t cell, turn at, int depth) {
-  int is_unit = draws(w, cell) && (depth > 0 || !places_drawing(w, cell));
+static int traverse_cell(traversal *w, int32_t cell, turn at, int depth) {
+  int is_unit = cell_draws(w, cell) && (depth > 0 || !places_drawing(w, cell));
   int code = OPC_OK;
-  if (is_unit) add(w->out, (placed_unit){cell, at});
+  if (is_unit) units_add(w->out, (placed_unit){cell, at});
   if (is_unit || depth > DEEPEST) return OPC_OK;
   size_t n = eda_layout_instances(w->layout, cell);
   for (size_t i = 0; i < n && !code; i++)
-    code = walk_instance(w, cell, i, at, depth);
+    code = traverse_instance(w, cell, i, at, depth);
   return code;
 }
 
@@ -149,27 +149,27 @@ int correct_units_find(const eda_layout *layout, int32_t top, units *out,
   size_t cells = eda_layout_cells(layout);
   *out = (units){0};
   g_autofree signed char *below = g_malloc0(cells + 1);
-  walker w = {.layout = layout,
-              .poly = eda_layout_find_layer(layout, "poly"),
-              .active = eda_layout_find_layer(layout, "active"),
-              .below = below,
-              .out = out,
-              .error = error};
-  if (top >= 0) return walk(&w, top, nowhere, 0);
+  traversal w = {.layout = layout,
+                 .poly = eda_layout_find_layer(layout, "poly"),
+                 .active = eda_layout_find_layer(layout, "active"),
+                 .below = below,
+                 .out = out,
+                 .error = error};
+  if (top >= 0) return traverse_cell(&w, top, nowhere, 0);
   g_autofree char *placed = placed_cells(layout);
   int code = OPC_OK;
   for (size_t c = 0; c < cells && !code; c++)
-    if (!placed[c]) code = walk(&w, (int32_t)c, nowhere, 0);
+    if (!placed[c]) code = traverse_cell(&w, (int32_t)c, nowhere, 0);
   return code;
 }
 
-/* ---- what is drawn ---- */
+/* ---- drawn shapes ---- */
 
 static int by_name(const void *a, const void *b) {
   return strcmp(*(const char *const *)a, *(const char *const *)b);
 }
 
-static void update(GChecksum *sum, const void *data, size_t size) {
+static void sum_update(GChecksum *sum, const void *data, size_t size) {
   g_checksum_update(sum, data, (gssize)size);
 }
 
@@ -182,10 +182,10 @@ static int add_layer(GChecksum *sum, const eda_layout *layout, int32_t cell,
   if (!code) code = eda_boolean(EDA_OR, &flat.shapes, NULL, &merged, error);
   eda_flat_clear(&flat);
   if (!code && merged.count) {
-    update(sum, name, strlen(name) + 1);
-    update(sum, merged.start, (merged.count + 1) * sizeof *merged.start);
-    update(sum, merged.points,
-           merged.start[merged.count] * sizeof *merged.points);
+    sum_update(sum, name, strlen(name) + 1);
+    sum_update(sum, merged.start, (merged.count + 1) * sizeof *merged.start);
+    sum_update(sum, merged.points,
+               merged.start[merged.count] * sizeof *merged.points);
   }
   eda_shapes_clear(&merged);
   return code;

@@ -40,27 +40,24 @@ OPC_EXPORT int correct_assists_report(const struct loop *loop,
   OPC_PARAMETER_NAMED(name_, state, assists.member, .type = OPC_REAL,        \
                       .flags = OPC_AT_LEAST, .unit = "nm", .follows = from_, \
                       .min = 0, .summary = text)
-#define ASSISTS_PARAMETERS(state)                                           \
-  OPC_PARAMETER_NAMED("assist", state, assists.rows, .type = OPC_INT,       \
-                      .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "0",   \
-                      .max = 4,                                             \
-                      .summary =                                            \
-                          "rows of assist bars beside open "                \
-                          "gates"),                                         \
-      ASSISTS_LENGTH(state, "assist_width", width, "0.155 lambda/NA",       \
-                     "width of an assist bar"),                             \
-      ASSISTS_LENGTH(state, "assist_distance", distance, "0.7 lambda/NA",   \
-                     "from drawn shapes to the first row"),                 \
-      ASSISTS_LENGTH(state, "assist_space", space, "0.311 lambda/NA",       \
-                     "between assist bars"),                                \
-      ASSISTS_LENGTH(state, "assist_min_length", min_length,                \
-                     "0.389 lambda/NA", "of an assist bar"),                \
-      ASSISTS_LENGTH(state, "assist_overhang", overhang, "0.389 lambda/NA", \
-                     "how far a bar goes past the ends of its gate"),       \
-      OPC_PARAMETER_NAMED("assist_margin", state, assists.margin,           \
-                          .type = OPC_REAL, .flags = OPC_AT_LEAST,          \
-                          .preset = "0.02", .min = 0,                       \
-                          .summary =                                        \
-                              "a bar is dropped where it comes so "         \
-                              "near to printing, intensity; clear "         \
-                              "field 1")
+#define ASSISTS_PARAMETERS(state)                                             \
+  OPC_PARAMETER_NAMED(                                                        \
+      "assist", state, assists.rows, .type = OPC_INT,                         \
+      .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "0", .max = 4,           \
+      .summary = "Number of rows of scatter bars beside open gates"),         \
+      ASSISTS_LENGTH(state, "assist_width", width, "0.155 lambda/NA",         \
+                     "Width of a scatter bar"),                               \
+      ASSISTS_LENGTH(state, "assist_distance", distance, "0.7 lambda/NA",     \
+                     "Distance from drawn shapes to the first row"),          \
+      ASSISTS_LENGTH(state, "assist_space", space, "0.311 lambda/NA",         \
+                     "Space between scatter bars"),                           \
+      ASSISTS_LENGTH(state, "assist_min_length", min_length,                  \
+                     "0.389 lambda/NA", "Smallest length of a scatter bar"),  \
+      ASSISTS_LENGTH(state, "assist_overhang", overhang, "0.389 lambda/NA",   \
+                     "Length of a bar beyond each end of its gate"),          \
+      OPC_PARAMETER_NAMED("assist_margin", state, assists.margin,             \
+                          .type = OPC_REAL, .flags = OPC_AT_LEAST,            \
+                          .preset = "0.02", .min = 0,                         \
+                          .summary =                                          \
+                              "Smallest intensity margin to printing, clear " \
+                              "field 1; bars below it are removed")

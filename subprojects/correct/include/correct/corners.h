@@ -79,39 +79,39 @@ OPC_EXPORT int correct_corners_measure(struct loop *loop, opc_error *error);
 OPC_EXPORT int correct_corners_report(const struct loop *loop,
                                       opc_error *error);
 
-#define CORNERS_PARAMETERS(state)                                             \
-  OPC_PARAMETER_NAMED("corners.dose", state, corners.dose, .type = OPC_REALS, \
-                      .unit = "%", .preset = "[]",                            \
-                      .summary = "correct for all of these doses"),           \
-      OPC_PARAMETER_NAMED("corners.focus", state, corners.focus,              \
-                          .type = OPC_REALS, .unit = "nm", .preset = "[]",    \
-                          .summary =                                          \
-                              "correct for all of these distances from the "  \
-                              "focus of litho"),                              \
-      OPC_PARAMETER_NAMED("corners.mask", state, corners.mask_error,          \
-                          .type = OPC_REALS, .unit = "nm", .preset = "[]",    \
-                          .summary =                                          \
-                              "correct for masks whose edges have all "       \
-                              "moved out by these"),                          \
-      OPC_PARAMETER_NAMED("corners.weight", state, corners.weight,            \
-                          .type = OPC_REALS, .preset = "[]",                  \
-                          .summary =                                          \
-                              "one for each corner, doses first, then foci, " \
-                              "then masks; if not given, that of a normal "   \
-                              "distribution whose sqrt(3) sigma the "         \
-                              "outermost values are"),                        \
-      OPC_PARAMETER_NAMED("corners.ion_cost", state, corners.ion_cost,        \
-                          .type = OPC_REAL, .former = "corners.limit",        \
-                          .flags = OPC_AT_LEAST, .unit = "%",                 \
-                          .preset = "0.5 %",                                  \
-                          .summary =                                          \
-                              "Largest |deviation of nominal Ion| that the "  \
-                              "corners may cost a transistor"),               \
-      OPC_PARAMETER_NAMED("corners.free", state, corners.free,                \
-                          .type = OPC_BOOL, .preset = "false",                \
-                          .summary =                                          \
-                              "no such limit: the mean over the corners "     \
-                              "is to be as drawn")
+#define CORNERS_PARAMETERS(state)                                              \
+  OPC_PARAMETER_NAMED("corners.dose", state, corners.dose, .type = OPC_REALS,  \
+                      .unit = "%", .preset = "[]",                             \
+                      .summary = "Doses to correct for, all at once"),         \
+      OPC_PARAMETER_NAMED("corners.focus", state, corners.focus,               \
+                          .type = OPC_REALS, .unit = "nm", .preset = "[]",     \
+                          .summary =                                           \
+                              "Defocus values to correct for, relative to "    \
+                              "the focus of litho"),                           \
+      OPC_PARAMETER_NAMED(                                                     \
+          "corners.mask", state, corners.mask_error, .type = OPC_REALS,        \
+          .unit = "nm", .preset = "[]",                                        \
+          .summary =                                                           \
+              "Outward displacements of all mask edges to correct for"),       \
+      OPC_PARAMETER_NAMED(                                                     \
+          "corners.weight", state, corners.weight, .type = OPC_REALS,          \
+          .preset = "[]",                                                      \
+          .summary =                                                           \
+              "Weights of the corners: doses vary fastest, then foci, then "   \
+              "masks (default: normal distribution with the outermost values " \
+              "at sqrt(3) sigma)"),                                            \
+      OPC_PARAMETER_NAMED("corners.ion_cost", state, corners.ion_cost,         \
+                          .type = OPC_REAL, .former = "corners.limit",         \
+                          .flags = OPC_AT_LEAST, .unit = "%",                  \
+                          .preset = "0.5 %",                                   \
+                          .summary =                                           \
+                              "Largest |deviation of nominal Ion| of a "       \
+                              "transistor caused by the corners"),             \
+      OPC_PARAMETER_NAMED("corners.free", state, corners.free,                 \
+                          .type = OPC_BOOL, .preset = "false",                 \
+                          .summary =                                           \
+                              "No bound by ion_cost: the mean over the "       \
+                              "corners becomes as drawn")
 
 #define CORNERS_METRICS                                                      \
   {"corners_ion_sd", "%", OPC_LOWER, 0.01,                                   \
@@ -120,7 +120,7 @@ OPC_EXPORT int correct_corners_report(const struct loop *loop,
       {"corners_ion_worst", "%", OPC_LOWER, 0.01,                            \
        "largest |Ion deviation| at any corner"},                             \
       {"corners_leakage", NULL, OPC_LOWER, 0.01,                             \
-       "total Ioff over that as drawn, at the worst corner"},                \
+       "Ratio of total Ioff to drawn total Ioff, at the worst corner"},      \
   {                                                                          \
     "corners_failed", NULL, OPC_LOWER, 0,                                    \
         "transistors that do not print as one of their own at some corner"   \

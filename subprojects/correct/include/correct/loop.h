@@ -7,13 +7,13 @@
 #include <correct/assists.h>
 #include <correct/corners.h>
 #include <correct/guard.h>
-#include <correct/proof.h>
 #include <correct/report.h>
-#include <correct/seek.h>
+#include <correct/search.h>
 #include <correct/settings.h>
 #include <correct/start.h>
 #include <correct/trace.h>
 #include <correct/trial.h>
+#include <correct/verification.h>
 
 /* Drivers of a layer: MAIN is the synthesizer of transistors, EDGES that of
    layers without transistors. */
@@ -66,11 +66,11 @@ typedef struct loop {
                             set */
   corners corners;
   gate_bars assists;
-  sought_bars seek;
+  search_bars search;
   summary summary; /* statistics of the last measurement */
   history history;
   guard guard;
-  proof proof;
+  verification verification;
   trace trace;
   uint32_t *vetoes;
   uint32_t iterations;

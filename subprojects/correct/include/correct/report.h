@@ -24,30 +24,33 @@ typedef struct summary {
 } summary;
 
 /* Metrics of the same statistics. clang-format off */
-#define REPORT_METRICS                                                        \
-  {"ion_mean", "%", OPC_LOWER, 0.01, "mean of |Ion deviation|"},              \
-      {"ion_max", "%", OPC_LOWER, 0.01, "largest |Ion deviation|"},           \
-      {"ion_stdv", "%", OPC_LOWER, 0.01,                                      \
-       "standard deviation of the Ion deviation, thesis eq. 3.5"},            \
-      {"ion_rms", "%", OPC_LOWER, 0.01,                                       \
-       "root of the mean square of the Ion deviation, thesis eq. 2.5"},       \
-      {"ioff_rms", "%", OPC_LOWER, 0.1,                                       \
-       "root of the mean square of the Ioff deviation, thesis eq. 2.5"},      \
-      {"area_mean", "%", OPC_LOWER, 0.01, "mean of |gate area deviation|"},   \
-      {"area_max", "%", OPC_LOWER, 0.01, "largest |gate area deviation|"},    \
-      {"ioff_mean", "%", OPC_LOWER, 0.1, "mean of |Ioff deviation|"},         \
-      {"ioff_max", "%", OPC_LOWER, 0.1, "largest |Ioff deviation|"},          \
-      {"ioff_total", "%", OPC_NEUTRAL, 0.1,                                   \
-       "deviation of the sum of all Ioff, what is drawn being 0"},            \
-      {"ioff_total_n", "%", OPC_NEUTRAL, 0.1, "that of all n-transistors"}, { \
-    "ioff_total_p", "%", OPC_NEUTRAL, 0.1, "that of all p-transistors"        \
+#define REPORT_METRICS                                                      \
+  {"ion_mean", "%", OPC_LOWER, 0.01, "mean of |Ion deviation|"},            \
+      {"ion_max", "%", OPC_LOWER, 0.01, "largest |Ion deviation|"},         \
+      {"ion_stdv", "%", OPC_LOWER, 0.01,                                    \
+       "standard deviation of the Ion deviation, thesis eq. 3.5"},          \
+      {"ion_rms", "%", OPC_LOWER, 0.01,                                     \
+       "root of the mean square of the Ion deviation, thesis eq. 2.5"},     \
+      {"ioff_rms", "%", OPC_LOWER, 0.1,                                     \
+       "root of the mean square of the Ioff deviation, thesis eq. 2.5"},    \
+      {"area_mean", "%", OPC_LOWER, 0.01, "mean of |gate area deviation|"}, \
+      {"area_max", "%", OPC_LOWER, 0.01, "largest |gate area deviation|"},  \
+      {"ioff_mean", "%", OPC_LOWER, 0.1, "mean of |Ioff deviation|"},       \
+      {"ioff_max", "%", OPC_LOWER, 0.1, "largest |Ioff deviation|"},        \
+      {"ioff_total", "%", OPC_NEUTRAL, 0.1,                                 \
+       "deviation of total Ioff from the drawn total"},                     \
+      {"ioff_total_n", "%", OPC_NEUTRAL, 0.1,                               \
+       "deviation of total Ioff of the n-transistors"},                     \
+  {                                                                         \
+    "ioff_total_p", "%", OPC_NEUTRAL, 0.1,                                  \
+        "deviation of total Ioff of the p-transistors"                      \
   }
-#define REPORT_PRINT_METRICS                                    \
-  {"failed", NULL, OPC_LOWER, 0,                                \
-   "transistors that do not print as one of their own"},        \
-  {                                                             \
-    "outside", NULL, OPC_LOWER, 0,                              \
-        "transistors with figures from beyond the device table" \
+#define REPORT_PRINT_METRICS                                            \
+  {"failed", NULL, OPC_LOWER, 0,                                        \
+   "transistors that do not print as one of their own"},                \
+  {                                                                     \
+    "outside", NULL, OPC_LOWER, 0,                                      \
+        "transistors with figures extrapolated beyond the device table" \
   }
 #define REPORT_DRAWN_METRICS                           \
   {"ion_mean_drawn", "%", OPC_NEUTRAL, 0,              \
@@ -57,17 +60,16 @@ typedef struct summary {
         "largest |Ion deviation| of the mask as drawn" \
   }
 /* Metrics against the mask as drawn and the regulator's rules. */
-#define REPORT_JUDGED_METRICS                                              \
-  {"worse", NULL, OPC_LOWER, 0,                                            \
-   "transistors whose Ion is further off than drawn and than the limit"},  \
-      {"lost", NULL, OPC_LOWER, 0,                                         \
-       "transistors that print as drawn and do so no more"},               \
-      {"violations", NULL, OPC_LOWER, 0,                                   \
-       "rules of the regulator that the print does not keep"},             \
-  {                                                                        \
-    "violations_unexplained", NULL, OPC_LOWER, 0,                          \
-        "those for which neither the drawn layout nor a parameter is the " \
-        "reason"                                                           \
+#define REPORT_JUDGED_METRICS                                                \
+  {"worse", NULL, OPC_LOWER, 0,                                              \
+   "transistors whose |Ion deviation| exceeds that as drawn and the limit"}, \
+      {"lost", NULL, OPC_LOWER, 0,                                           \
+       "transistors that print as drawn but not as corrected"},              \
+      {"violations", NULL, OPC_LOWER, 0,                                     \
+       "violations of the regulator's rules by the print"},                  \
+  {                                                                          \
+    "violations_unexplained", NULL, OPC_LOWER, 0,                            \
+        "violations caused neither by the drawn layout nor by a parameter"   \
   }
 /* clang-format on */
 

@@ -17,8 +17,8 @@ typedef struct rules_row {
 
 /* Write the table "mask_rules" and the metrics mask_violations and mask_RULE.
    `rows` has EDA_RULES rows for each layer, in the order of the rules. */
-OPC_EXPORT int correct_rules_tell(const opc_host *host, const rules_row *rows,
-                                  size_t n, opc_error *error);
+OPC_EXPORT int correct_rules_table(const opc_host *host, const rules_row *rows,
+                                   size_t n, opc_error *error);
 
 /* Report the rule violations in the masks of corrected layers; `mask` is
    [gates->layers]. */
@@ -34,21 +34,22 @@ OPC_EXPORT int correct_rules_report(const opc_host *host,
   OPC_PARAMETER_NAMED(name, state, with.rules[rule], .type = OPC_REAL,        \
                       .flags = OPC_AT_LEAST, .unit = "nm", .follows = (from), \
                       .min = 0, .summary = (tells))
-#define RULES_PARAMETERS(state)                                               \
-  RULES_PARAMETER(state, "min_space", EDA_RULE_SPACE, "0.155 lambda/NA",      \
-                  "least space of the mask"),                                 \
-      RULES_PARAMETER(state, "min_mask_width", EDA_RULE_WIDTH,                \
-                      "0.155 lambda/NA", "least width of the mask"),          \
-      RULES_PARAMETER(state, "min_edge", EDA_RULE_EDGE, "0.078 lambda/NA",    \
-                      "least length of an edge of the mask beside a shorter " \
-                      "one, as of steps that follow each other"),             \
-      OPC_PARAMETER_NAMED("min_jog", state, with.rules[EDA_RULE_JOG],         \
-                          .type = OPC_REAL, .flags = OPC_AT_LEAST,            \
-                          .unit = "nm", .preset = "1 nm", .min = 0,           \
-                          .summary = "least height of a jog of the mask")
+#define RULES_PARAMETERS(state)                                            \
+  RULES_PARAMETER(state, "min_space", EDA_RULE_SPACE, "0.155 lambda/NA",   \
+                  "Smallest allowed space of the mask"),                   \
+      RULES_PARAMETER(state, "min_mask_width", EDA_RULE_WIDTH,             \
+                      "0.155 lambda/NA",                                   \
+                      "Smallest allowed width of the mask"),               \
+      RULES_PARAMETER(state, "min_edge", EDA_RULE_EDGE, "0.078 lambda/NA", \
+                      "Smallest allowed length of a mask edge next to a "  \
+                      "shorter one, as in successive steps"),              \
+      OPC_PARAMETER_NAMED(                                                 \
+          "min_jog", state, with.rules[EDA_RULE_JOG], .type = OPC_REAL,    \
+          .flags = OPC_AT_LEAST, .unit = "nm", .preset = "1 nm", .min = 0, \
+          .summary = "Smallest allowed height of a jog of the mask")
 #define RULES_METRICS                                                    \
   {"mask_violations", NULL, OPC_LOWER, 0,                                \
-   "places where the mask does not keep its rules: the next four"},      \
+   "violations of mask rules: sum of the next four"},                    \
       {"mask_space", NULL, OPC_LOWER, 0, "spaces below min_space"},      \
       {"mask_width", NULL, OPC_LOWER, 0, "widths below min_mask_width"}, \
       {"mask_edge", NULL, OPC_LOWER, 0, "edges below min_edge"}, {       \

@@ -72,15 +72,15 @@ OPC_EXPORT int correct_save_mask(void *self, void *const *outputs,
                       .flags = (FLAGS), .choices = #NAME,        \
                       .summary = (SUMMARY))
 #define CORRECT_PRINT_SLOTS(state)                                      \
-  CORRECT_SLOT(state, litho, OPC_REQUIRED, "model of the optics"),      \
-      CORRECT_SLOT(state, resist, OPC_REQUIRED, "model of the resist"), \
+  CORRECT_SLOT(state, litho, OPC_REQUIRED, "Model of the optics"),      \
+      CORRECT_SLOT(state, resist, OPC_REQUIRED, "Model of the resist"), \
       CORRECT_SLOT(state, extractor, OPC_REQUIRED,                      \
-                   "performance of a printed transistor")
-#define CORRECT_MOVE_SLOTS(state)                \
-  CORRECT_SLOT(state, synthesizer, OPC_REQUIRED, \
-               "what moves the mask's edges"),   \
-      CORRECT_SLOT(state, regulator, 0,          \
-                   "what keeps the print free of failures")
+                   "Model of a printed transistor's performance")
+#define CORRECT_MOVE_SLOTS(state)                        \
+  CORRECT_SLOT(state, synthesizer, OPC_REQUIRED,         \
+               "Algorithm that moves the mask's edges"), \
+      CORRECT_SLOT(state, regulator, 0,                  \
+                   "Rules that keep the print free of failures")
 
 #define CORRECT_MAX_ITERATIONS(state, SUMMARY)                              \
   OPC_PARAMETER_NAMED("max_iterations", state, with.max_iterations,         \
@@ -88,20 +88,19 @@ OPC_EXPORT int correct_save_mask(void *self, void *const *outputs,
                       .preset = "100", .min = 0, .max = 100000,             \
                       .summary = (SUMMARY))
 
-#define CORRECT_MARGIN(state)                                         \
-  OPC_PARAMETER_NAMED("margin", state, with.margin, .type = OPC_REAL, \
-                      .flags = OPC_AT_LEAST, .unit = "nm", .min = 0,  \
-                      .summary =                                      \
-                          "Clear field around the layout, which "     \
-                          "repeats beyond; as 'fine' needs it")
+#define CORRECT_MARGIN(state)                                             \
+  OPC_PARAMETER_NAMED("margin", state, with.margin, .type = OPC_REAL,     \
+                      .flags = OPC_AT_LEAST, .unit = "nm", .min = 0,      \
+                      .summary =                                          \
+                          "Clear field around the layout, which repeats " \
+                          "beyond (default: as required by 'fine')")
 
-#define CORRECT_FINE(state)                                                \
-  OPC_PARAMETER_NAMED("fine", state, with.fine_text, .type = OPC_TEXT,     \
-                      .summary =                                           \
-                          "error of the prints that the figures are of, "  \
-                          "clear field 1, if the model of the optics can " \
-                          "print finer than it does by itself; off: it "   \
-                          "cannot")
+#define CORRECT_FINE(state)                                                    \
+  OPC_PARAMETER_NAMED(                                                         \
+      "fine", state, with.fine_text, .type = OPC_TEXT,                         \
+      .summary =                                                               \
+          "Image error of the accurate simulations that produce the reported " \
+          "figures, clear field 1; off: fast simulations only")
 
 #define CORRECT_GUARD(state)                                          \
   OPC_PARAMETER_NAMED("guard", state, with.guard, .type = OPC_CHOICE, \

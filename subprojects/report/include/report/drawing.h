@@ -15,15 +15,17 @@ typedef struct drawing_limits {
   int64_t whole, worst;
 } drawing_limits;
 
-#define DRAWING_PARAMETERS(state, member)                                   \
-  OPC_PARAMETER_NAMED("whole", state, member.whole, .type = OPC_INT,        \
-                      .flags = OPC_AT_LEAST, .preset = "10000", .min = 0,   \
-                      .summary =                                            \
-                          "Up to so many transistors all shapes are "       \
-                          "kept, of more those near the worst"),            \
-      OPC_PARAMETER_NAMED("worst", state, member.worst, .type = OPC_INT,    \
-                          .flags = OPC_AT_LEAST, .preset = "500", .min = 1, \
-                          .summary = "So many of the worst then")
+#define DRAWING_PARAMETERS(state, member)                                     \
+  OPC_PARAMETER_NAMED(                                                        \
+      "whole", state, member.whole, .type = OPC_INT, .flags = OPC_AT_LEAST,   \
+      .preset = "10000", .min = 0,                                            \
+      .summary =                                                              \
+          "Largest number of transistors with which all shapes are written; " \
+          "above it, those near the worst transistors"),                      \
+      OPC_PARAMETER_NAMED(                                                    \
+          "worst", state, member.worst, .type = OPC_INT,                      \
+          .flags = OPC_AT_LEAST, .preset = "500", .min = 1,                   \
+          .summary = "Number of worst transistors above 'whole'")
 
 /* Append the JSON object of a mask. Errors have the parameter "mask". Returns
    OPC_OK or an error code. Call on the main thread. */

@@ -36,9 +36,8 @@ int page_write(const page *p, const char *title, const char *path,
                opc_error *error);
 
 /* Parameter of page_init; the default loads in two seconds. */
-#define PAGE_LIMIT(state, member)                                            \
-  OPC_PARAMETER_NAMED("size_limit", state, member, .type = OPC_REAL,         \
-                      .flags = OPC_ABOVE, .former = "limit", .preset = "15", \
-                      .summary =                                             \
-                          "Pictures are left out where the page would be "   \
-                          "larger than so many MB")
+#define PAGE_LIMIT(state, member)                                        \
+  OPC_PARAMETER_NAMED(                                                   \
+      "size_limit", state, member, .type = OPC_REAL, .flags = OPC_ABOVE, \
+      .former = "limit", .preset = "15",                                 \
+      .summary = "Largest size of the page in MB, kept by omitting pictures")

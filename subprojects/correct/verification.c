@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the verification of fast simulations by accurate ones. */
-#include <correct/proof.h>
+#include <correct/verification.h>
 
 #include <eda/memory.h>
 #include <math.h>
@@ -26,55 +26,56 @@ static const struct {
 
 /* ---- the drawn mask ---- */
 
-int correct_proof_begin(loop *l, opc_error *error) {
+int correct_verification_begin(loop *l, opc_error *error) {
   size_t layers = l->gates->layers;
   int code = OPC_OK;
   if (!(l->printer.fine > 0) || !l->gates->count) return OPC_OK;
-  l->proof.mask = eda_alloc(layers, sizeof *l->proof.mask);
-  l->proof.image = eda_alloc(layers, sizeof *l->proof.image);
+  l->verification.mask = eda_alloc(layers, sizeof *l->verification.mask);
+  l->verification.image = eda_alloc(layers, sizeof *l->verification.image);
   for (size_t k = 0; k < layers && !code; k++) {
     if (!l->gates->corrected[k]) continue;
-    l->proof.image[k] = eda_field_scaled(&l->printer.image[k], 1);
-    code = eda_boolean(EDA_OR, &l->mask[k], NULL, &l->proof.mask[k], error);
+    l->verification.image[k] = eda_field_scaled(&l->printer.image[k], 1);
+    code =
+        eda_boolean(EDA_OR, &l->mask[k], NULL, &l->verification.mask[k], error);
   }
   return code;
 }
 
-void correct_proof_clear(loop *l) {
-  for (size_t k = 0; l->proof.mask && k < l->gates->layers; k++) {
-    eda_shapes_clear(&l->proof.mask[k]);
-    eda_field_clear(&l->proof.image[k]);
+void correct_verification_clear(loop *l) {
+  for (size_t k = 0; l->verification.mask && k < l->gates->layers; k++) {
+    eda_shapes_clear(&l->verification.mask[k]);
+    eda_field_clear(&l->verification.image[k]);
   }
-  free(l->proof.mask);
-  free(l->proof.image);
-  l->proof = (proof){0};
+  free(l->verification.mask);
+  free(l->verification.image);
+  l->verification = (verification){0};
 }
 
 static int measure_drawn(loop *l, eda_measurement *m, opc_error *error) {
   int code = OPC_OK;
   for (size_t k = 0; k < l->gates->layers && !code; k++)
     if (l->gates->corrected[k])
-      code =
-          eda_printer_correct(&l->printer, (int)k, &l->proof.image[k], error);
+      code = eda_printer_correct(&l->printer, (int)k, &l->verification.image[k],
+                                 error);
   if (!code)
-    code = eda_measure(l->host->context, l->gates, l->proof.image, l->extractor,
-                       m, error);
+    code = eda_measure(l->host->context, l->gates, l->verification.image,
+                       l->extractor, m, error);
   return code;
 }
 
 /* Store the simulation to which the figures of the drawn mask belong. */
 static void keep_print(loop *l) {
   for (size_t k = 0; k < l->gates->layers; k++) {
-    if (!l->proof.image[k].coefficients) continue;
+    if (!l->verification.image[k].coefficients) continue;
     eda_field_clear(&l->drawn_print[k]);
-    l->drawn_print[k] = l->proof.image[k];
-    l->proof.image[k] = (eda_field){0};
+    l->drawn_print[k] = l->verification.image[k];
+    l->verification.image[k] = (eda_field){0};
   }
 }
 
-int correct_proof_of_drawn(loop *l, opc_error *error) {
+int correct_verification_of_drawn(loop *l, opc_error *error) {
   eda_measurement m;
-  if (!l->proof.mask) return OPC_OK;
+  if (!l->verification.mask) return OPC_OK;
   int32_t *none = eda_alloc(l->gates->count, sizeof *none);
   eda_measurement_init(&m, l->gates->count);
   int code = measure_drawn(l, &m, error);
@@ -86,8 +87,8 @@ int correct_proof_of_drawn(loop *l, opc_error *error) {
         .l = none,
         .w = none,
         .extension = m.extension,
-        .shapes = l->proof.mask,
-        .print = l->proof.image,
+        .shapes = l->verification.mask,
+        .print = l->verification.image,
         .scanner = eda_scanner_of(&l->printer.litho.module)};
     eda_performance_copy(&l->before, &m.performance);
     code = correct_guard_begin(l, &drawn, error);
@@ -95,18 +96,18 @@ int correct_proof_of_drawn(loop *l, opc_error *error) {
   }
   eda_measurement_clear(&m);
   free(none);
-  correct_proof_clear(l);
+  correct_verification_clear(l);
   return code;
 }
 
-/* ---- when ---- */
+/* ---- conditions ---- */
 
-int correct_proof_is_early(const loop *l) {
+int correct_verification_is_early(const loop *l) {
   return l->printer.fine > 0 && l->iterations > 0 &&
          l->printer.fine_simulations == 0;
 }
 
-int correct_proof_is_due(const loop *l) {
+int correct_verification_is_due(const loop *l) {
   for (size_t k = 0; k < l->gates->layers; k++)
     if (l->gates->corrected[k] && !l->printer.is_fine[k])
       return l->printer.fine > 0;
@@ -121,7 +122,7 @@ typedef struct seen {
   double **epe;      /* [layers][sites], nm */
 } seen;
 
-static void see(const loop *l, seen *s) {
+static void seen_init(const loop *l, seen *s) {
   size_t n = l->gates->count, layers = l->gates->layers;
   *s = (seen){eda_alloc(n, sizeof *s->off), eda_alloc(n, sizeof *s->ion),
               eda_alloc(layers, sizeof *s->epe)};
@@ -180,13 +181,13 @@ static int edges_hold(const loop *l, const seen *before) {
   return 1;
 }
 
-int correct_proof_of_end(loop *l, int *holds, opc_error *error) {
+int correct_verification_of_end(loop *l, int *holds, opc_error *error) {
   seen before, now;
   *holds = 1;
-  if (!correct_proof_is_due(l)) return OPC_OK;
-  see(l, &before);
+  if (!correct_verification_is_due(l)) return OPC_OK;
+  seen_init(l, &before);
   int code = correct_loop_refine(l, error);
-  see(l, &now);
+  seen_init(l, &now);
   if (!code)
     *holds = edges_hold(l, &before) &&
              (!l->gates->count || transistors_hold(l, &before, &now));

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the test of the optics for symmetry under rotation and
    mirroring. */
-#include <correct/ways.h>
+#include <correct/symmetry.h>
 
 #include <eda/check.h>
 #include <eda/gates.h>
@@ -20,25 +20,25 @@ static const eda_box shape[] = {
 static const eda_frame frame = {-1024, -1024, 2048, 2048};
 enum { BOXES = 3, ALL = 8, SWAPPED = 4, ACROSS = 17, STEP = 50 };
 
-static void turn(int way, double *x, double *y) {
+static void point_turn(int orientation, double *x, double *y) {
   double was = *x;
-  if (way & SWAPPED) {
+  if (orientation & SWAPPED) {
     *x = *y;
     *y = was;
   }
-  if (way & 1) *x = -*x;
-  if (way & 2) *y = -*y;
+  if (orientation & 1) *x = -*x;
+  if (orientation & 2) *y = -*y;
 }
 
 /* Draw the shape in an orientation. Its touching boxes are merged. */
-static int draw(int way, eda_shapes *out, opc_error *error) {
+static int shape_draw(int orientation, eda_shapes *out, opc_error *error) {
   eda_point points[4 * BOXES];
   uint32_t start[BOXES + 1] = {0};
   for (int b = 0; b < BOXES; b++) {
     double x0 = shape[b].x0, y0 = shape[b].y0, x1 = shape[b].x1,
            y1 = shape[b].y1;
-    turn(way, &x0, &y0);
-    turn(way, &x1, &y1);
+    point_turn(orientation, &x0, &y0);
+    point_turn(orientation, &x1, &y1);
     const eda_point corner[] = {{(int32_t)x0, (int32_t)y0},
                                 {(int32_t)x1, (int32_t)y0},
                                 {(int32_t)x1, (int32_t)y1},
@@ -51,8 +51,9 @@ static int draw(int way, eda_shapes *out, opc_error *error) {
 }
 
 /* Sample the image of the rotated shape at equally rotated positions. */
-static int look(const opc_context *context, const opc_module *litho, int layer,
-                int way, double *out, opc_error *error) {
+static int image_sample(const opc_context *context, const opc_module *litho,
+                        int layer, int orientation, double *out,
+                        opc_error *error) {
   enum { N = ACROSS * ACROSS };
   double x[N], y[N];
   eda_shapes mask = {0};
@@ -62,10 +63,10 @@ static int look(const opc_context *context, const opc_module *litho, int layer,
     int column = k % ACROSS - ACROSS / 2, row = k / ACROSS - ACROSS / 2;
     x[k] = STEP * column;
     y[k] = STEP * row;
-    turn(way, &x[k], &y[k]);
+    point_turn(orientation, &x[k], &y[k]);
   }
   const eda_litho *functions = litho->functions;
-  int code = draw(way, &mask, error);
+  int code = shape_draw(orientation, &mask, error);
   if (!code)
     code =
         eda_litho_spectrum(context, litho, &mask, 1, frame, &spectrum, error);
@@ -78,29 +79,31 @@ static int look(const opc_context *context, const opc_module *litho, int layer,
   return code;
 }
 
-static int ways_of_layer(const opc_context *context, const opc_module *litho,
-                         int layer, int *ways, opc_error *error) {
+static int orientations_of_layer(const opc_context *context,
+                                 const opc_module *litho, int layer,
+                                 int *orientations, opc_error *error) {
   enum { N = ACROSS * ACROSS };
   double first[N], other[N], worst[2] = {0}; /* without and with exchange of x
                                                 and y */
-  int code = look(context, litho, layer, 0, first, error);
-  for (int way = 1; way < ALL && !code; way++) {
-    double *most = &worst[way >= SWAPPED];
-    code = look(context, litho, layer, way, other, error);
+  int code = image_sample(context, litho, layer, 0, first, error);
+  for (int orientation = 1; orientation < ALL && !code; orientation++) {
+    double *most = &worst[orientation >= SWAPPED];
+    code = image_sample(context, litho, layer, orientation, other, error);
     for (int k = 0; k < N && !code; k++)
       *most = fmax(*most, fabs(other[k] - first[k]));
   }
-  *ways = worst[0] > alike ? 1 : worst[1] > alike ? SWAPPED : ALL;
+  *orientations = worst[0] > alike ? 1 : worst[1] > alike ? SWAPPED : ALL;
   return code;
 }
 
 /* Return the smaller number of poly and active. */
-int correct_ways_find(const opc_context *context, const opc_module *litho,
-                      int *ways, opc_error *error) {
+int correct_symmetry_find(const opc_context *context, const opc_module *litho,
+                          int *orientations, opc_error *error) {
   int poly, active;
-  int code = ways_of_layer(context, litho, EDA_POLY, &poly, error);
-  if (!code) code = ways_of_layer(context, litho, EDA_ACTIVE, &active, error);
+  int code = orientations_of_layer(context, litho, EDA_POLY, &poly, error);
+  if (!code)
+    code = orientations_of_layer(context, litho, EDA_ACTIVE, &active, error);
   if (code) return eda_blame(error, code, "litho");
-  *ways = poly < active ? poly : active;
+  *orientations = poly < active ? poly : active;
   return OPC_OK;
 }

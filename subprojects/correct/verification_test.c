@@ -5,13 +5,13 @@
 #include <correct/fine.h>
 #include "models_test.h"
 
-/* ---- a synthesizer that seeks the drawn Ion ---- */
+/* ---- a synthesizer with the drawn Ion as target ---- */
 
 typedef struct seeker {
   int32_t spoil; /* bias of transistor 1, instead of the correct one */
 } seeker;
 
-static int begin(void *self, const eda_feedback *f, opc_error *error) {
+static int begin_moves(void *self, const eda_feedback *f, opc_error *error) {
   (void)self, (void)error;
   g_assert_cmpfloat(*f->ion_limit, ==, 3); /* limit of the loop */
   return OPC_OK;
@@ -19,8 +19,8 @@ static int begin(void *self, const eda_feedback *f, opc_error *error) {
 
 /* Apply half of the missing printed length, as a step of the mask has a larger
    effect in the print. */
-static int update(void *self, const eda_feedback *f, eda_moves *m, int *done,
-                  opc_error *error) {
+static int update_moves(void *self, const eda_feedback *f, eda_moves *m,
+                        int *done, opc_error *error) {
   const seeker *s = self;
   (void)error;
   *done = 1;
@@ -35,7 +35,8 @@ static int update(void *self, const eda_feedback *f, eda_moves *m, int *done,
   return OPC_OK;
 }
 
-static const eda_synthesizer seeking = {.begin = begin, .update = update};
+static const eda_synthesizer seeking = {.begin = begin_moves,
+                                        .update = update_moves};
 
 /* ---- the loop ---- */
 
@@ -77,8 +78,8 @@ static int try_to_run(loop *l, const eda_litho *model, double fine,
   return correct_loop_run(l, error);
 }
 
-static void run(loop *l, const eda_litho *model, double fine, int32_t spoil,
-                int64_t iterations) {
+static void run_step(loop *l, const eda_litho *model, double fine,
+                     int32_t spoil, int64_t iterations) {
   opc_error error = {0};
   g_assert_cmpint(try_to_run(l, model, fine, spoil, iterations, &error), ==,
                   OPC_OK);
@@ -119,7 +120,7 @@ static double off(const loop *l, const double *ion, size_t i) {
 }
 
 /* Check that the figures belong to one model and to no other. */
-static void expect(const loop *l, double height, double other) {
+static void expect_result(const loop *l, double height, double other) {
   double fine[2], cheap[2];
   measure_truth(l, l->mask, height, fine);
   measure_truth(l, l->mask, other, cheap);
@@ -141,8 +142,8 @@ static void test_end(void) {
   loop l;
   double before[2];
   ADD(0.03);
-  run(&l, &with_fine, fine_is, 0, 10);
-  expect(&l, 0.03, 0);
+  run_step(&l, &with_fine, fine_is, 0, 10);
+  expect_result(&l, 0.03, 0);
   g_assert_cmpint(fine_prints[EDA_POLY], ==, 2);
   g_assert_cmpint(fine_prints[EDA_ACTIVE], ==, 1);
   g_assert_cmpuint(l.printer.fine_simulations, ==, 3);
@@ -162,13 +163,13 @@ static void test_end(void) {
   correct_loop_clear(&l);
 }
 
-/* ---- how fine ---- */
+/* ---- accuracy ---- */
 
 /* Return the sensitivity of Ion, % per clear field, of a gate of this length or
    width in nm. An edge of one Gaussian kernel prints where the amplitude, a
    normal distribution of `s` nm, is the root of the threshold; the slope of the
    intensity there gives the displacement. */
-static double worth_of(double size) {
+static double sensitivity_of(double size) {
   const double s = cut_off / G_PI / sqrt(2), z = 0.754089, a = sqrt(0.6);
   double slope = 2 * a * exp(-z * z / 2) / sqrt(2 * G_PI) / s;
   return 100 * 2 / slope / size;
@@ -188,7 +189,7 @@ static void test_how_fine(void) {
                   OPC_OK);
   /* Standard deviation of an error: a quarter of the largest. Of the gates, the
      narrower one. */
-  double poly = worth_of(60) / 4, active = worth_of(200) / 4;
+  double poly = sensitivity_of(60) / 4, active = sensitivity_of(200) / 4;
   const struct {
     double change;
     double fine[2]; /* poly and active */
@@ -219,11 +220,11 @@ static void test_how_fine(void) {
 static void test_by_layer(void) {
   loop l;
   ADD(0.03);
-  aim = 1.2 * 2e-4 * worth_of(60) / 4;
+  aim = 1.2 * 2e-4 * sensitivity_of(60) / 4;
   fine_errors[EDA_POLY] = 2e-4;
   fine_errors[EDA_ACTIVE] = 5e-4;
-  run(&l, &with_fine, fine_is, 0, 10);
-  expect(&l, 0.03, 0);
+  run_step(&l, &with_fine, fine_is, 0, 10);
+  expect_result(&l, 0.03, 0);
   g_assert_cmpint(fine_prints[EDA_POLY], ==, 2);
   correct_loop_clear(&l);
   fine_errors[EDA_POLY] = fine_errors[EDA_ACTIVE] = fine_is;
@@ -235,10 +236,10 @@ static void test_by_layer(void) {
 static void test_goes_on(void) {
   loop l, without;
   ADD(0.02);
-  run(&without, &with_fine, fine_is, 0, 20);
+  run_step(&without, &with_fine, fine_is, 0, 20);
   ADD(0.02, 0.25);
-  run(&l, &with_fine, fine_is, 0, 20);
-  expect(&l, 0.25, 0.02);
+  run_step(&l, &with_fine, fine_is, 0, 20);
+  expect_result(&l, 0.25, 0.02);
   for (size_t i = 0; i < 2; i++)
     g_assert_cmpfloat(off(&l, l.measured.performance.ion, i), <, 3);
   g_assert_cmpint(fine_prints[EDA_POLY], ==, 3);
@@ -247,9 +248,9 @@ static void test_goes_on(void) {
   g_assert_cmpint(warnings, ==, 0);
   /* A mask without further displacements is reported as it is. */
   ADD(0.02, 0.25);
-  run(&without, &with_fine, fine_is, 0, 2);
+  run_step(&without, &with_fine, fine_is, 0, 2);
   correct_loop_clear(&l);
-  expect(&without, 0.25, 0.02);
+  expect_result(&without, 0.25, 0.02);
   g_assert_cmpint(warnings, ==, 1);
   correct_loop_clear(&without);
 }
@@ -258,9 +259,9 @@ static void test_goes_on(void) {
 static void test_bound(void) {
   loop l;
   ADD(0.02, 0.25, 0.02, 0.25, 0.02, 0.25);
-  run(&l, &with_fine, fine_is, 0, 60);
-  expect(&l, 0.25, 0.02);
-  g_assert_cmpint(fine_prints[EDA_POLY], ==, 1 + PROOFS);
+  run_step(&l, &with_fine, fine_is, 0, 60);
+  expect_result(&l, 0.25, 0.02);
+  g_assert_cmpint(fine_prints[EDA_POLY], ==, 1 + VERIFICATIONS);
   correct_loop_clear(&l);
 }
 
@@ -311,7 +312,7 @@ static void test_rules(void) {
     broken.sent = 0;
     regulator = MODULE(&mender, NULL);
     ADD(0.03);
-    run(&l, &with_fine, fine_is, 0, 60);
+    run_step(&l, &with_fine, fine_is, 0, 60);
     regulator = NULL;
     g_assert_cmpint(fine_prints[EDA_POLY], ==, cases[i].prints);
     g_assert_cmpint(l.now.biases.end[0], ==, cases[i].end);
@@ -324,8 +325,8 @@ static void test_rules(void) {
 static void test_drawn(void) {
   loop l;
   ADD(0.03);
-  run(&l, &with_fine, fine_is, 0, 0);
-  expect(&l, 0.03, 0);
+  run_step(&l, &with_fine, fine_is, 0, 0);
+  expect_result(&l, 0.03, 0);
   for (size_t i = 0; i < 2; i++)
     g_assert_cmpfloat(fabs(l.before.ion[i] / l.measured.performance.ion[i] - 1),
                       <, 1e-5);
@@ -337,8 +338,8 @@ static void test_drawn(void) {
 static void test_guard(void) {
   loop l;
   ADD(0.03);
-  run(&l, &with_fine, fine_is, 45, 3);
-  expect(&l, 0.03, 0);
+  run_step(&l, &with_fine, fine_is, 45, 3);
+  expect_result(&l, 0.03, 0);
   g_assert_cmpint(l.now.biases.l[1], <, 45);
   g_assert_cmpuint(l.guard.back, ==, 1);
   g_assert_cmpint(fine_prints[EDA_POLY], ==, 3);
@@ -350,7 +351,7 @@ static void test_guard(void) {
 static void test_margin(void) {
   loop l;
   ADD(0.03, 0.027);
-  run(&l, &with_fine, fine_is, 45, 3);
+  run_step(&l, &with_fine, fine_is, 45, 3);
   g_autofree char *verdict = correct_guard_verdict(&l.guard, 1);
   g_assert_cmpstr(verdict, ==, "went back: its best mask");
   g_assert_cmpint(l.now.biases.l[1], ==, 0);
@@ -411,8 +412,8 @@ static void test_none(void) {
   loop l;
   ADD(0.03);
   for (int wanted = 0; wanted < 2; wanted++) {
-    run(&l, wanted ? &litho : &with_fine, wanted ? fine_is : 0, 0, 10);
-    expect(&l, 0, 0.03);
+    run_step(&l, wanted ? &litho : &with_fine, wanted ? fine_is : 0, 0, 10);
+    expect_result(&l, 0, 0.03);
     g_assert_cmpuint(l.printer.fine_simulations, ==, 0);
     g_assert_null(l.printer.difference[EDA_POLY].coefficients);
     correct_loop_clear(&l);
@@ -431,7 +432,7 @@ static int image_given(const void *self, int layer, const eda_spectrum *mask,
   return image(self, layer, mask, out, error);
 }
 
-static int ask(void *self, const opc_module *model, opc_error *error) {
+static int ask_printer(void *self, const opc_module *model, opc_error *error) {
   const eda_frame frame = {0, 0, 1000, 1000};
   const eda_litho *functions = model->functions;
   eda_shapes none = {0};
@@ -451,7 +452,7 @@ static void test_calibration(void) {
                                   .band = band,
                                   .image = image,
                                   .image_fine = image_given};
-  static const eda_resist asking = {.prepare = ask, .print = print};
+  static const eda_resist asking = {.prepare = ask_printer, .print = print};
   static const struct {
     double fine, asked, given;
   } cases[] = {{0, 1e-4, 1e-4}, {5e-5, 1e-4, 5e-5}, {1e-3, 1e-4, 1e-4}};

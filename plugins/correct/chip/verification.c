@@ -16,7 +16,7 @@
 
 enum { SUMS_AT_ONCE = 1024 };
 
-/* ---- what is masked alike ---- */
+/* ---- classes of masked environments ---- */
 
 typedef struct seen {
   const work *work;
@@ -27,7 +27,7 @@ typedef struct seen {
 /* A neighbour in the coordinates of another transistor. */
 typedef struct neighbour {
   eda_box box;
-  uint32_t mask, lies; /* axis and flip relative to that transistor */
+  uint32_t mask, orientation; /* axis and flip relative to that transistor */
 } neighbour;
 
 static int by_place(const void *a, const void *b) {
@@ -38,7 +38,8 @@ static int by_place(const void *a, const void *b) {
 
 /* Return the orientation of a gate relative to another one; L and W are
    exchanged if their axes differ. */
-static uint32_t lies_as(const eda_chip_gate *g, const eda_chip_gate *to) {
+static uint32_t orientation_of(const eda_chip_gate *g,
+                               const eda_chip_gate *to) {
   uint32_t flip = to->flip;
   if (g->axis != to->axis) flip = (flip & 1) << 1 | flip >> 1;
   return (g->flip ^ flip) << 1 | (g->axis ^ to->axis);
@@ -54,7 +55,7 @@ static void sum_up(const seen *s, size_t i, GArray *list) {
   for (uint32_t k; eda_index_next(&f, &k);) {
     const eda_chip_gate *o = &c->gate[k];
     const neighbour n = {eda_chip_own(g->box, g->axis, g->flip, o->box),
-                         o->mask, lies_as(o, g)};
+                         o->mask, orientation_of(o, g)};
     g_array_append_val(list, n);
   }
   g_array_sort(list, by_place);
@@ -113,15 +114,15 @@ static void find_prints(work *w) {
 
 /* ---- printing ---- */
 
-typedef struct prove {
+typedef struct verify_run {
   sheets on;    /* transistors to simulate */
   size_t first; /* first print number */
-} prove;
+} verify_run;
 
-typedef struct proved {
+typedef struct verified {
   uint32_t place, flags;
   eda_figures design, after;
-} proved;
+} verified;
 
 /* Header of a sheet's records: transistors, then violations. */
 typedef struct head {
@@ -157,16 +158,17 @@ static void put_all(const eda_mask *m, const sheet *s, opc_bytes *out) {
     h.transistors += s->place[k] != UINT32_MAX;
   out->add(out, &h, sizeof h);
   for (size_t k = 0; k < s->gates->count; k++) {
-    const proved one = {.place = s->place[k],
-                        .flags = m->flags[k],
-                        .design = eda_figures_of(&m->design, k),
-                        .after = eda_figures_of(&m->after, k)};
+    const verified one = {.place = s->place[k],
+                          .flags = m->flags[k],
+                          .design = eda_figures_of(&m->design, k),
+                          .after = eda_figures_of(&m->after, k)};
     if (one.place != UINT32_MAX) out->add(out, &one, sizeof one);
   }
 }
 
-static int prove_sheet(void *data, size_t i, opc_bytes *out, opc_error *error) {
-  prove *p = data;
+static int verify_sheet(void *data, size_t i, opc_bytes *out,
+                        opc_error *error) {
+  verify_run *p = data;
   work *w = p->on.work;
   sheet s;
   eda_mask *m = NULL;
@@ -197,14 +199,14 @@ static int prove_sheet(void *data, size_t i, opc_bytes *out, opc_error *error) {
   return code;
 }
 
-double prove_off(const eda_chip_print *p) {
+double print_deviation(const eda_chip_print *p) {
   if (eda_print_failed(p->flags)) return INFINITY;
   return fabs(eda_deviation(p->after.ion, p->design.ion));
 }
 
 static int take_sheet(void *data, size_t i, const void *bytes, size_t size,
                       opc_error *error) {
-  prove *p = data;
+  verify_run *p = data;
   work *w = p->on.work;
   eda_chip *c = w->chip;
   const char *at = bytes;
@@ -212,8 +214,8 @@ static int take_sheet(void *data, size_t i, const void *bytes, size_t size,
   (void)i, (void)error;
   memcpy(&h, at, sizeof h);
   at += sizeof h;
-  for (; h.transistors; h.transistors--, at += sizeof(proved)) {
-    proved one;
+  for (; h.transistors; h.transistors--, at += sizeof(verified)) {
+    verified one;
     memcpy(&one, at, sizeof one);
     eda_chip_print *to = &c->print[p->first + one.place];
     uint32_t mask = c->gate[p->on.number[one.place]].mask;
@@ -222,21 +224,22 @@ static int take_sheet(void *data, size_t i, const void *bytes, size_t size,
                            .after = one.after,
                            .flags_before = w->flags_before[mask],
                            .flags = one.flags};
-    if (isfinite(prove_off(to))) w->worst = fmax(w->worst, prove_off(to));
+    if (isfinite(print_deviation(to)))
+      w->worst = fmax(w->worst, print_deviation(to));
   }
   faults_take(w, p->first, at, (const char *)bytes + size);
   return OPC_OK;
 }
 
-int prove_all(work *w, opc_error *error) {
+int verify_all(work *w, opc_error *error) {
   eda_chip *c = w->chip;
-  prove p = {.on.work = w, .first = c->prints};
+  verify_run p = {.on.work = w, .first = c->prints};
   find_prints(w);
   p.on.count = c->prints - p.first;
   p.on.number = w->print_first + p.first;
   w->worst = 0;
   return work_sheets(
       &p.on, w->margin,
-      (opc_pieces){.name = "prove", .work = prove_sheet, .take = take_sheet},
+      (opc_pieces){.name = "prove", .work = verify_sheet, .take = take_sheet},
       error);
 }

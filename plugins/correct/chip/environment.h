@@ -10,10 +10,10 @@ enum { SUM_SIZE = 16 };
    transistor's own L and W. SHA-256 truncated to 16 bytes, of two 64-bit hash
    sums: the probability of a collision among 10^9 environments is below
    10^-20. */
-typedef struct surround {
+typedef struct environment {
   uint8_t sum[SUM_SIZE];
   uint8_t flip;
-} surround;
+} environment;
 
 /* Compute the environments of all gates of a window that start in its core:
    shapes of all layers within `radius` grid steps of the gate's box, sizes,
@@ -21,10 +21,10 @@ typedef struct surround {
    `out` are unchanged. `ways` is the number of equivalent orientations: 8, 4
    (no exchange of x and y) or 1. Returns OPC_INVALID for a transistor that is
    too large. Uses all threads; callable from any thread. */
-int surround_all(const opc_context *context, const eda_gates *window,
-                 eda_box core, int32_t radius, int ways, surround *out,
-                 opc_error *error);
+int environments_find(const opc_context *context, const eda_gates *window,
+                      eda_box core, int32_t radius, int orientations,
+                      environment *out, opc_error *error);
 
 /* Return 1 if the lower left corner of a box is in the core. Callable from any
    thread. */
-int surround_starts(eda_box core, eda_box b);
+int environment_starts(eda_box core, eda_box b);

@@ -27,12 +27,12 @@ typedef struct sums {
   fault failed, lost, worse, outside;
 } sums;
 
-static void note(fault *f, size_t i, size_t by) {
+static void fault_add(fault *f, size_t i, size_t by) {
   if (by && !f->count) f->first = i;
   f->count += by;
 }
 
-static void add(const work *w, size_t i, sums *s) {
+static void sums_add(const work *w, size_t i, sums *s) {
   const eda_chip_gate *g = &w->chip->gate[i];
   const eda_chip_print *p = &w->chip->print[g->print];
   int now = eda_print_failed(p->flags),
@@ -40,15 +40,16 @@ static void add(const work *w, size_t i, sums *s) {
   if (!then) correct_groups_add(&s->drawn, g->type, &p->design, &p->before);
   if (!now) correct_groups_add(&s->printed, g->type, &p->design, &p->after);
   double was = fabs(eda_deviation(p->before.ion, p->design.ion));
-  note(&s->failed, i, now);
-  note(&s->lost, i, now && !then);
-  note(&s->worse, i,
-       !now && !then &&
-           prove_off(p) > fmax(was, w->with->ion_limit) + worse_than);
-  note(&s->outside, i, !now && (p->flags & EDA_PRINT_OUTSIDE));
+  fault_add(&s->failed, i, now);
+  fault_add(&s->lost, i, now && !then);
+  fault_add(
+      &s->worse, i,
+      !now && !then &&
+          print_deviation(p) > fmax(was, w->with->ion_limit) + worse_than);
+  fault_add(&s->outside, i, !now && (p->flags & EDA_PRINT_OUTSIDE));
 }
 
-static void find(const work *w, const fault *f, const char *what) {
+static void fault_log(const work *w, const fault *f, const char *what) {
   const eda_chip *c = w->chip;
   eda_box b = c->gate[f->first].box;
   if (f->count)
@@ -123,7 +124,7 @@ static print_row row_of(const eda_chip *c, size_t i) {
       .ion = none ? NAN : eda_deviation(p->after.ion, p->design.ion),
       .ioff = none ? NAN : eda_deviation(p->after.ioff, p->design.ioff),
       .area = none ? NAN : eda_deviation(p->after.area, p->design.area),
-      .off = prove_off(p)};
+      .off = print_deviation(p)};
 }
 
 /* largest number of rows */
@@ -158,7 +159,7 @@ static int worst_table(const work *w, opc_error *error) {
   return code;
 }
 
-/* ---- all of it ---- */
+/* ---- run ---- */
 
 static int put_metrics(const work *w, const sums *s, opc_error *error) {
   const eda_chip *c = w->chip;
@@ -213,15 +214,15 @@ static void find_in_drawing(const work *w) {
   free(g.width);
 }
 
-int tell_all(const work *w, opc_error *error) {
+int report_all(const work *w, opc_error *error) {
   sums s;
   memset(&s, 0, sizeof s);
   find_in_drawing(w);
-  for (size_t i = 0; i < w->chip->count; i++) add(w, i, &s);
-  find(w, &s.failed, "do not print as one, and have no figures");
-  find(w, &s.lost, "printed as drawn and do so no more");
-  find(w, &s.worse, "are further off than drawn and than the limit");
-  find(w, &s.outside, "have figures from beyond the device table");
+  for (size_t i = 0; i < w->chip->count; i++) sums_add(w, i, &s);
+  fault_log(w, &s.failed, "do not print as one, and have no figures");
+  fault_log(w, &s.lost, "printed as drawn and do so no more");
+  fault_log(w, &s.worse, "are further off than drawn and than the limit");
+  fault_log(w, &s.outside, "have figures from beyond the device table");
   if (!s.drawn.ion[2].n)
     w->host->log(w->host, OPC_LOG_FINDING,
                  "no transistor prints as drawn: is the layout's 'scale' "
@@ -231,6 +232,6 @@ int tell_all(const work *w, opc_error *error) {
   if (!code) code = class_table(w, "masks", w->chip->masks, 0, error);
   if (!code) code = class_table(w, "prints", w->chip->prints, 1, error);
   if (!code) code = worst_table(w, error);
-  if (!code) code = faults_tell(w, error);
+  if (!code) code = faults_report(w, error);
   return code ? code : put_metrics(w, &s, error);
 }

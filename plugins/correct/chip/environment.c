@@ -4,7 +4,7 @@
    images along L and W, the one with the smallest hash sum is selected; equal
    sums indicate a symmetry. Sums do not depend on the order of edges, which
    avoids sorting (as long as the remaining scan). */
-#include "surround.h"
+#include "environment.h"
 
 #include <eda/check.h>
 #include <eda/index.h>
@@ -40,11 +40,11 @@ typedef struct seen {
   const eda_gates *gates;
   eda_box core;
   int32_t radius;
-  int ways;
+  int orientations;
   edge *edges;
   size_t count;
   eda_index *index;
-  surround *out;
+  environment *out;
 } seen;
 
 /* ---- edges ---- */
@@ -133,7 +133,7 @@ static uint64_t number_of(const frame *f, const edge *e, const int *back) {
 }
 
 /* Return the splitmix64 hash of a number, for one of two seeds. */
-static uint64_t mix(uint64_t x, uint64_t start) {
+static uint64_t hash_mix(uint64_t x, uint64_t start) {
   x += start;
   x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9u;
   x = (x ^ (x >> 27)) * 0x94D049BB133111EBu;
@@ -146,13 +146,13 @@ typedef struct heap {
   uint64_t sum, other, count;
 } heap;
 
-static void add(heap *h, const frame *f, const edge *e) {
+static void heap_add(heap *h, const frame *f, const edge *e) {
   for (int k = 0; k < FLIPS; k++) {
     int l = k & EDA_FLIP_L, w = (k & EDA_FLIP_W) / EDA_FLIP_W;
     const int back[2] = {f->axis == EDA_X ? l : w, f->axis == EDA_X ? w : l};
     uint64_t x = number_of(f, e, back);
-    h[k].sum += mix(x, 0x9E3779B97F4A7C15u);
-    h[k].other += mix(~x, 0xD1B54A32D192ED03u);
+    h[k].sum += hash_mix(x, 0x9E3779B97F4A7C15u);
+    h[k].other += hash_mix(~x, 0xD1B54A32D192ED03u);
     h[k].count++;
   }
 }
@@ -169,7 +169,7 @@ static int too_large(const seen *s, size_t i, opc_error *error) {
 }
 
 /* Add the edges within the radius, clipped. */
-static void look(const seen *s, size_t i, heap *h) {
+static void heap_collect(const seen *s, size_t i, heap *h) {
   frame f = {s->gates->box[i], s->gates->axis[i]};
   eda_box w = {f.box.x0 - s->radius, f.box.y0 - s->radius, f.box.x1 + s->radius,
                f.box.y1 + s->radius};
@@ -178,17 +178,18 @@ static void look(const seen *s, size_t i, heap *h) {
     edge e = s->edges[k];
     e.low = MAX(e.low, e.across == EDA_X ? w.y0 : w.x0);
     e.high = MIN(e.high, e.across == EDA_X ? w.y1 : w.x1);
-    if (e.low < e.high) add(h, &f, &e);
+    if (e.low < e.high) heap_add(h, &f, &e);
   }
 }
 
-static void digest(const seen *s, size_t i, const heap *h, uint8_t *out) {
+static void environment_digest(const seen *s, size_t i, const heap *h,
+                               uint8_t *out) {
   const eda_gates *g = s->gates;
   frame f = {g->box[i], g->axis[i]};
   eda_goal goal = eda_gates_goal(g, i);
   /* L and W in steps of 1e-3 nm, to absorb rounding. */
   const int64_t head[] = {g->type[i],
-                          s->ways == 8 ? EDA_X : f.axis,
+                          s->orientations == 8 ? EDA_X : f.axis,
                           size_of(&f, f.axis),
                           size_of(&f, !f.axis),
                           llround(g->length[i] * 1000),
@@ -206,43 +207,44 @@ static void digest(const seen *s, size_t i, const heap *h, uint8_t *out) {
   memcpy(out, all, SUM_SIZE);
 }
 
-static int look_at(const seen *s, size_t i, opc_error *error) {
+static int find_one(const seen *s, size_t i, opc_error *error) {
   heap h[FLIPS] = {{0}};
   eda_box b = s->gates->box[i];
   int32_t most = FURTHEST - 2 * s->radius;
   if (b.x1 - b.x0 > most || b.y1 - b.y0 > most) return too_large(s, i, error);
-  look(s, i, h);
+  heap_collect(s, i, h);
   int least = 0;
-  for (int k = 1; k < FLIPS && s->ways > 1; k++)
+  for (int k = 1; k < FLIPS && s->orientations > 1; k++)
     if (h[k].sum < h[least].sum) least = k;
   s->out[i].flip = (uint8_t)least;
-  digest(s, i, &h[least], s->out[i].sum);
+  environment_digest(s, i, &h[least], s->out[i].sum);
   return OPC_OK;
 }
 
-/* ---- all of them ---- */
+/* ---- run ---- */
 
-static int look_at_some(void *data, size_t part, opc_error *error) {
+static int find_some(void *data, size_t part, opc_error *error) {
   const seen *s = data;
   size_t end = MIN((part + 1) * AT_ONCE, s->gates->count);
   int code = OPC_OK;
   for (size_t i = part * AT_ONCE; i < end && !code; i++)
-    if (surround_starts(s->core, s->gates->box[i])) code = look_at(s, i, error);
+    if (environment_starts(s->core, s->gates->box[i]))
+      code = find_one(s, i, error);
   return code;
 }
 
-int surround_starts(eda_box core, eda_box b) {
+int environment_starts(eda_box core, eda_box b) {
   return b.x0 >= core.x0 && b.x0 < core.x1 && b.y0 >= core.y0 && b.y0 < core.y1;
 }
 
-int surround_all(const opc_context *context, const eda_gates *window,
-                 eda_box core, int32_t radius, int ways, surround *out,
-                 opc_error *error) {
+int environments_find(const opc_context *context, const eda_gates *window,
+                      eda_box core, int32_t radius, int orientations,
+                      environment *out, opc_error *error) {
   seen s = {.context = context,
             .gates = window,
             .core = core,
             .radius = radius,
-            .ways = ways,
+            .orientations = orientations,
             .out = out};
   if (window->layers > MOST_LAYERS)
     return opc_fail(error, OPC_INVALID, NULL, "more than %d layers",
@@ -252,7 +254,7 @@ int surround_all(const opc_context *context, const eda_gates *window,
                     WIDEST * window->grid);
   find_edges(&s);
   int code = eda_try_all(context, (window->count + AT_ONCE - 1) / AT_ONCE,
-                         look_at_some, &s, error);
+                         find_some, &s, error);
   eda_index_free(s.index);
   free(s.edges);
   return code;

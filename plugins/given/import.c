@@ -2,7 +2,7 @@
 /* Implements the import of masks made by other tools, whose files may have
    another cell, scale, origin or grid. Masks that cannot belong to the gates
    are rejected; suspicious ones are reported with the likely cause. */
-#include "take.h"
+#include "import.h"
 
 #include <glib.h>
 #include <math.h>
@@ -25,9 +25,9 @@ static const struct {
     .place = 20,
 };
 
-/* ---- where it is ---- */
+/* ---- position ---- */
 
-static eda_box bounds(const eda_shapes *s) {
+static eda_box shapes_bounds(const eda_shapes *s) {
   return eda_bounds(s->points, s->count ? s->start[s->count] : 0);
 }
 
@@ -38,7 +38,7 @@ static char *place_of(const eda_gates *g, eda_box b) {
 }
 
 /* Return the likely reason for a mask that does not cover the drawing. */
-static char *guess(const eda_gates *g, eda_box mask, eda_box drawn) {
+static char *guess_cause(const eda_gates *g, eda_box mask, eda_box drawn) {
   double width = ((double)mask.x1 - mask.x0) / ((double)drawn.x1 - drawn.x0);
   double height = ((double)mask.y1 - mask.y0) / ((double)drawn.y1 - drawn.y0);
   double dx = ((double)mask.x0 + mask.x1 - drawn.x0 - drawn.x1) / 2 * g->grid;
@@ -60,15 +60,15 @@ static char *guess(const eda_gates *g, eda_box mask, eda_box drawn) {
 /* ---- one layer ---- */
 
 /* Attribute the error to a key of `layers`. */
-static int blame(opc_error *error, const char *name) {
+static int blame_layer(opc_error *error, const char *name) {
   (void)snprintf(error->parameter, sizeof error->parameter, "layers.%.56s",
                  name);
   return error->code;
 }
 
 /* Compute the fraction of the drawing that the mask covers, 0 to 1. */
-static int coverage(const eda_shapes *mask, const eda_shapes *drawn,
-                    double *share, opc_error *error) {
+static int mask_coverage(const eda_shapes *mask, const eda_shapes *drawn,
+                         double *share, opc_error *error) {
   eda_shapes both;
   int code = eda_boolean(EDA_AND, mask, drawn, &both, error);
   if (code) return code;
@@ -79,7 +79,7 @@ static int coverage(const eda_shapes *mask, const eda_shapes *drawn,
 
 /* Return OPC_INVALID for a mask beyond the simulated frame, which would wrap
    around to the other side. */
-static int stays_inside(const take *t, size_t layer, eda_box mask,
+static int stays_inside(const import *t, size_t layer, eda_box mask,
                         const char *why, opc_error *error) {
   const eda_gates *g = t->gates;
   eda_box e = g->extent;
@@ -90,19 +90,19 @@ static int stays_inside(const take *t, size_t layer, eda_box mask,
            "the mask reaches %g nm beyond the drawn layout, of which %g nm "
            "('margin') are printed: %s",
            over * g->grid, t->margin, why);
-  return blame(error, g->layer[layer]);
+  return blame_layer(error, g->layer[layer]);
 }
 
-static int look_at(const take *t, size_t layer, const eda_shapes *mask,
-                   opc_error *error) {
+static int import_check_cover(const import *t, size_t layer,
+                              const eda_shapes *mask, opc_error *error) {
   const eda_gates *g = t->gates;
   const eda_shapes *drawn = &g->drawn[layer];
   double share = 1;
   if (!drawn->count) return OPC_OK;
-  eda_box there = bounds(mask), here = bounds(drawn);
-  g_autofree char *why = guess(g, there, here);
+  eda_box there = shapes_bounds(mask), here = shapes_bounds(drawn);
+  g_autofree char *why = guess_cause(g, there, here);
   int code = stays_inside(t, layer, there, why, error);
-  if (!code) code = coverage(mask, drawn, &share, error);
+  if (!code) code = mask_coverage(mask, drawn, &share, error);
   if (code || share >= tuned.covers) return code;
   g_autofree char *from = place_of(g, there), *to = place_of(g, here);
   g_autofree char *much =
@@ -120,8 +120,8 @@ typedef struct moved {
   double worst; /* nm */
 } moved;
 
-static void tell_of_grid(const take *t, const char *from, const eda_flat *flat,
-                         moved *all) {
+static void import_log_grid(const import *t, const char *from,
+                            const eda_flat *flat, moved *all) {
   all->vertices += flat->moved;
   all->worst = fmax(all->worst, flat->worst);
   if (flat->moved)
@@ -133,35 +133,35 @@ static void tell_of_grid(const take *t, const char *from, const eda_flat *flat,
         t->gates->grid, flat->moved, flat->vertices, from, flat->worst);
 }
 
-static int take_layer(const take *t, int32_t top, size_t layer,
-                      const char *from, eda_shapes *out, moved *all,
-                      opc_error *error) {
+static int import_layer(const import *t, int32_t top, size_t layer,
+                        const char *from, eda_shapes *out, moved *all,
+                        opc_error *error) {
   const char *name = t->gates->layer[layer];
   int32_t number = eda_layout_find_layer(t->layout, from);
   eda_flat flat;
   if (number < 0) {
     opc_fail(error, OPC_INVALID, NULL,
              "the layout of the mask has no layer '%.200s'", from);
-    return blame(error, name);
+    return blame_layer(error, name);
   }
   int code =
       eda_layout_flatten(t->layout, top, number, t->gates->grid, &flat, error);
   if (!code) code = eda_boolean(EDA_OR, &flat.shapes, NULL, out, error);
-  if (!code) tell_of_grid(t, from, &flat, all);
+  if (!code) import_log_grid(t, from, &flat, all);
   eda_flat_clear(&flat);
-  if (code) return blame(error, name);
+  if (code) return blame_layer(error, name);
   if (!out->count && t->gates->drawn[layer].count) {
     opc_fail(error, OPC_INVALID, NULL,
              "layer '%.200s' of cell '%.200s' is empty: there is no mask", from,
              eda_layout_cell_name(t->layout, top));
-    return blame(error, name);
+    return blame_layer(error, name);
   }
-  return look_at(t, layer, out, error);
+  return import_check_cover(t, layer, out, error);
 }
 
 /* ---- all layers ---- */
 
-static int find_top(const take *t, int32_t *top, opc_error *error) {
+static int find_top(const import *t, int32_t *top, opc_error *error) {
   *top = eda_layout_find_cell(t->layout, t->top ? t->top : t->gates->name);
   if (*top < 0 && t->top)
     return opc_fail(error, OPC_INVALID, "top",
@@ -171,26 +171,26 @@ static int find_top(const take *t, int32_t *top, opc_error *error) {
 }
 
 /* Return OPC_INVALID if the map names a layer that is not corrected. */
-static int check_map(const take *t, opc_error *error) {
+static int check_map(const import *t, opc_error *error) {
   for (size_t i = 0; i < t->layers.count; i++) {
     const char *key = t->layers.pairs[i].key;
     int layer = eda_gates_layer(t->gates, key);
     if (layer >= 0 && t->gates->corrected[layer]) continue;
     opc_fail(error, OPC_INVALID, NULL, "the gates have no %s of that name",
              layer < 0 ? "layer" : "corrected layer");
-    return blame(error, key);
+    return blame_layer(error, key);
   }
   return OPC_OK;
 }
 
-static const char *source_of(const take *t, size_t layer) {
+static const char *source_of(const import *t, size_t layer) {
   for (size_t i = 0; i < t->layers.count; i++)
     if (!g_strcmp0(t->layers.pairs[i].key, t->gates->layer[layer]))
       return t->layers.pairs[i].value;
   return NULL;
 }
 
-int take_shapes(const take *t, eda_mask *mask, opc_error *error) {
+int import_shapes(const import *t, eda_mask *mask, opc_error *error) {
   const eda_gates *g = t->gates;
   moved all = {0};
   int32_t top;
@@ -200,7 +200,7 @@ int take_shapes(const take *t, eda_mask *mask, opc_error *error) {
     const char *from = source_of(t, k);
     if (!g->corrected[k]) continue;
     if (from) {
-      code = take_layer(t, top, k, from, &mask->shapes[k], &all, error);
+      code = import_layer(t, top, k, from, &mask->shapes[k], &all, error);
       continue;
     }
     t->host->log(t->host, OPC_LOG_WARNING,

@@ -3,7 +3,7 @@
    optics. */
 #include "sheet.c"
 
-#include <correct/ways.h>
+#include <correct/symmetry.h>
 #include "tools/devel/testing.h"
 
 #define maker halver /* both files have one */
@@ -130,12 +130,12 @@ static void test_pages(void) {
   }
 }
 
-/* ---- ways ---- */
+/* ---- orientations ---- */
 
-static void test_ways(void) {
+static void test_orientations(void) {
   static const struct {
     const char *points;
-    int ways;
+    int orientations;
   } cases[] = {{"0, 0, 1", 8},
                {"0.5, 0, 1, -0.5, 0, 1, 0, 0.5, 1, 0, -0.5, 1", 8},
                {"0.5, 0, 1, -0.5, 0, 1", 4},
@@ -150,12 +150,12 @@ static void test_ways(void) {
     g_autoptr(opc_module) m = opc_test_module("litho.abbe", p, &error);
     if (!m) g_error("%s", error.message);
     const eda_litho *litho = m->functions;
-    int ways = 0;
+    int orientations = 0;
     g_assert_cmpint(litho->prepare(m->self, &error), ==, OPC_OK);
-    g_assert_cmpint(
-        correct_ways_find(opc_test_host()->context, m, &ways, &error), ==,
-        OPC_OK);
-    g_assert_cmpint(ways, ==, cases[i].ways);
+    g_assert_cmpint(correct_symmetry_find(opc_test_host()->context, m,
+                                          &orientations, &error),
+                    ==, OPC_OK);
+    g_assert_cmpint(orientations, ==, cases[i].orientations);
   }
 }
 
@@ -163,6 +163,6 @@ int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/pieces/cover", test_cover);
   g_test_add_func("/pieces/pages", test_pages);
-  g_test_add_func("/pieces/ways", test_ways);
+  g_test_add_func("/pieces/ways", test_orientations);
   return g_test_run();
 }

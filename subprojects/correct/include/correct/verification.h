@@ -14,32 +14,33 @@ struct loop;
 
 /* Mask and intensity of the drawn layout, kept until the difference is
    known. */
-typedef struct proof {
+typedef struct verification {
   eda_shapes *mask;
   eda_field *image; /* both [layers]; NULL: not kept */
-} proof;
+} verification;
 
 /* Largest number of verifications. The difference changes by a fifth of its
    value in each round of the loop (see the README), so two failures in a row
    show a loop that does not converge. */
-enum { PROOFS = 3 };
+enum { VERIFICATIONS = 3 };
 
 /* Keep the fast simulation of the drawn mask. */
-OPC_EXPORT int correct_proof_begin(struct loop *loop, opc_error *error);
-OPC_EXPORT void correct_proof_clear(struct loop *loop);
+OPC_EXPORT int correct_verification_begin(struct loop *loop, opc_error *error);
+OPC_EXPORT void correct_verification_clear(struct loop *loop);
 
 /* Return 1 if the accurate simulation must follow this one, the first after
    displacements. */
-OPC_EXPORT int correct_proof_is_early(const struct loop *loop);
+OPC_EXPORT int correct_verification_is_early(const struct loop *loop);
 
 /* Correct the figures of the drawn mask by the accurate simulation. */
-OPC_EXPORT int correct_proof_of_drawn(struct loop *loop, opc_error *error);
+OPC_EXPORT int correct_verification_of_drawn(struct loop *loop,
+                                             opc_error *error);
 
 /* Return 1 if a layer has been simulated by the fast model only. */
-OPC_EXPORT int correct_proof_is_due(const struct loop *loop);
+OPC_EXPORT int correct_verification_is_due(const struct loop *loop);
 
 /* Simulate the mask with the accurate model. Sets *holds to 0 if transistors or
    edges deviate from the fast simulation by so much that the loop must
    continue. */
-OPC_EXPORT int correct_proof_of_end(struct loop *loop, int *holds,
-                                    opc_error *error);
+OPC_EXPORT int correct_verification_of_end(struct loop *loop, int *holds,
+                                           opc_error *error);

@@ -6,7 +6,7 @@
 #include <eda/layout.h>
 #include <opcflow/plugin.h>
 
-typedef struct take {
+typedef struct import {
   const opc_host *host;
   const eda_gates *gates;
   const eda_layout *layout;
@@ -14,10 +14,10 @@ typedef struct take {
                       only top cell */
   opc_map layers;  /* layer of the gates: layer of the layout */
   double margin;   /* simulated margin around the drawing, nm */
-} take;
+} import;
 
 /* Read the shapes of all corrected layers, merged on the grid of the gates,
    into mask->shapes, which must be empty. Layers missing in the map are as
    drawn. Reports the vertices moved by the grid as the metrics snapped and
    snapped_worst. */
-int take_shapes(const take *take, eda_mask *mask, opc_error *error);
+int import_shapes(const import *import, eda_mask *mask, opc_error *error);

@@ -10,31 +10,32 @@
 #include <correct/loop.h>
 #include "work.h"
 
-typedef struct mend {
+typedef struct correction {
   sheets on;      /* transistors to correct */
   int stand;      /* 1: all others keep the masks of the chip */
   uint32_t *mask; /* [count], new masks */
   double *better; /* [count], |Ion deviation| to improve on; NULL: none */
-} mend;
+} correction;
 
 /* Record of a corrected transistor, followed by its parts and boxes. */
-typedef struct mended {
+typedef struct corrected {
   uint32_t place, flags_before;
   eda_chip_mask mask;
   eda_figures before;
   double off; /* |Ion deviation| with that mask, %; INFINITY: none */
-} mended;
+} corrected;
 
 /* Header of a sheet's records. */
 typedef struct head {
   uint32_t simulations, fine_simulations;
 } head;
 
-/* ---- what the loop starts with ---- */
+/* ---- start of the loop ---- */
 
 /* Return the masks of the fixed transistors of a sheet; those to correct are as
    drawn. The loop frees *still. */
-static eda_mask *stand(const mend *m, const sheet *s, uint8_t **still) {
+static eda_mask *fixed_masks(const correction *m, const sheet *s,
+                             uint8_t **still) {
   const eda_gates *g = s->gates;
   eda_mask *mask = eda_mask_new(g);
   mask->moved = eda_moved_new(g->layers, g->count);
@@ -47,9 +48,9 @@ static eda_mask *stand(const mend *m, const sheet *s, uint8_t **still) {
   return mask;
 }
 
-/* ---- what the loop ends with ---- */
+/* ---- results of the loop ---- */
 
-static double off(const loop *l, size_t i) {
+static double gate_deviation(const loop *l, size_t i) {
   if (eda_print_failed(l->measured.flags[i])) return INFINITY;
   return fabs(eda_deviation(l->measured.performance.ion[i], l->design.ion[i]));
 }
@@ -57,7 +58,7 @@ static double off(const loop *l, size_t i) {
 /* Return the transistor that owns an added shape or cut-out: the nearest within
    the radius, since only these have an equal environment throughout the class.
    UINT32_MAX: none. */
-static uint32_t owner_of(const mend *m, const eda_gates *g,
+static uint32_t owner_of(const correction *m, const eda_gates *g,
                          const eda_index *index, eda_box b) {
   int32_t r = m->on.work->radius;
   uint32_t owner = UINT32_MAX;
@@ -81,8 +82,9 @@ typedef struct owned {
   size_t count;
 } owned;
 
-static void own(const mend *m, const loop *l, const eda_index *index,
-                size_t layer, int bite, owned *to) {
+static void own_layer(const correction *m, const loop *l,
+                      const eda_index *index, size_t layer, int bite,
+                      owned *to) {
   const eda_gates *g = l->gates;
   eda_boxes b = bite ? l->now.bites[layer] : l->now.patches[layer];
   for (size_t i = b.count; i-- > 0;) {
@@ -96,7 +98,7 @@ static void own(const mend *m, const loop *l, const eda_index *index,
   }
 }
 
-static void own_all(const mend *m, const loop *l, owned *out) {
+static void own_all(const correction *m, const loop *l, owned *out) {
   const eda_gates *g = l->gates;
   size_t all = 0;
   for (size_t k = 0; k < g->layers; k++)
@@ -106,7 +108,7 @@ static void own_all(const mend *m, const loop *l, owned *out) {
                  .first = eda_alloc(g->count, sizeof *out->first)};
   eda_index *index = eda_index_new(g->box, g->count, 0);
   for (size_t k = g->layers; k-- > 0;)
-    for (int bite = 1; bite >= 0; bite--) own(m, l, index, k, bite, out);
+    for (int bite = 1; bite >= 0; bite--) own_layer(m, l, index, k, bite, out);
   eda_index_free(index);
 }
 
@@ -120,15 +122,15 @@ static void put_one(const loop *l, const owned *o, uint32_t place, size_t i,
                     opc_bytes *out) {
   const biases *b = &l->now.biases;
   const eda_part *part = b->part + EDA_PARTS * i;
-  mended one = {.place = place,
-                .flags_before = l->guard.flags[i],
-                .mask = {.w = b->w[i],
-                         .aside = b->aside[i],
-                         .l = b->l[i],
-                         .jog = b->jog[i],
-                         .end = {b->end[2 * i], b->end[2 * i + 1]}},
-                .before = eda_figures_of(&l->before, i),
-                .off = off(l, i)};
+  corrected one = {.place = place,
+                   .flags_before = l->guard.flags[i],
+                   .mask = {.w = b->w[i],
+                            .aside = b->aside[i],
+                            .l = b->l[i],
+                            .jog = b->jog[i],
+                            .end = {b->end[2 * i], b->end[2 * i + 1]}},
+                   .before = eda_figures_of(&l->before, i),
+                   .off = gate_deviation(l, i)};
   while (one.mask.parts < EDA_PARTS &&
          part[one.mask.parts].from < part[one.mask.parts].to)
     one.mask.parts++;
@@ -139,13 +141,13 @@ static void put_one(const loop *l, const owned *o, uint32_t place, size_t i,
     out->add(out, &o->box[k - 1], sizeof *o->box);
 }
 
-static int put_all(const mend *m, const loop *l, const sheet *s, opc_bytes *out,
-                   opc_error *error) {
+static int put_all(const correction *m, const loop *l, const sheet *s,
+                   opc_bytes *out, opc_error *error) {
   for (size_t k = 0; k < l->gates->layers; k++)
     if (l->now.shift[k] || l->now.assists[k].count)
       return opc_fail(error, OPC_INVALID, "synthesizer",
-                      "%s moves fragments of edges, or adds bars: a chip keeps "
-                      "how transistors were moved",
+                      "%s moves fragments of edges or adds bars: a chip "
+                      "requires a synthesizer that moves transistors",
                       m->on.work->with->synthesizer->id);
   owned o;
   own_all(m, l, &o);
@@ -163,13 +165,13 @@ static int put_all(const mend *m, const loop *l, const sheet *s, opc_bytes *out,
    about sheets, which users do not know, become debug messages. */
 typedef struct inner {
   opc_host host;
-  const mend *mend;
+  const correction *correction;
 } inner;
 
 OPC_PRINTF(3, 4)
 static void log_inner(const opc_host *host, int level, const char *format,
                       ...) {
-  const opc_host *outer = ((const inner *)host)->mend->on.work->host;
+  const opc_host *outer = ((const inner *)host)->correction->on.work->host;
   va_list arguments;
   va_start(arguments, format);
   g_autofree char *line = g_strdup_vprintf(format, arguments);
@@ -177,28 +179,28 @@ static void log_inner(const opc_host *host, int level, const char *format,
   outer->log(outer, level == OPC_LOG_INFO ? OPC_LOG_DEBUG : level, "%s", line);
 }
 
-static void tell_inner(const opc_host *host, const opc_progress *at) {
+static void inner_progress(const opc_host *host, const opc_progress *at) {
   const inner *in = (const inner *)host;
-  const mend *m = in->mend;
+  const correction *m = in->correction;
   double part = at->total > 0 ? at->done / at->total : 0;
   if (isfinite(at->worst)) m->on.work->worst = at->worst;
   work_progress(m->on.work,
                 ((double)m->on.done + part) / (double)m->on.pages.count);
 }
 
-static int correct(const mend *m, const sheet *s, opc_bytes *out,
-                   opc_error *error) {
+static int correct_gates(const correction *m, const sheet *s, opc_bytes *out,
+                         opc_error *error) {
   const work *w = m->on.work;
   inner in = {*w->host, m};
   in.host.log = log_inner;
-  in.host.progress = tell_inner;
+  in.host.progress = inner_progress;
   correct_settings with = *w->with;
   with.margin = w->gap * w->chip->grid;
   loop l;
   correct_loop_init(&l, &in.host, s->gates, &with);
   l.prepared = 1;
   l.printer.drawn = NULL; /* all sheets share one resist calibration */
-  eda_mask *begun = m->stand ? stand(m, s, &l.still) : NULL;
+  eda_mask *begun = m->stand ? fixed_masks(m, s, &l.still) : NULL;
   l.start.mask = begun;
   int code = correct_loop_run(&l, error);
   if (!code) code = put_all(m, &l, s, out, error);
@@ -207,18 +209,19 @@ static int correct(const mend *m, const sheet *s, opc_bytes *out,
   return code;
 }
 
-static int mend_sheet(void *data, size_t i, opc_bytes *out, opc_error *error) {
-  mend *m = data;
+static int correct_sheet(void *data, size_t i, opc_bytes *out,
+                         opc_error *error) {
+  correction *m = data;
   work *w = m->on.work;
   sheet s;
   int code = sheet_make(w->host->context, w->chip, &m->on.cover, m->on.number,
                         &m->on.pages, i, m->stand ? 0 : w->margin, &s, error);
-  if (!code) code = correct(m, &s, out, error);
+  if (!code) code = correct_gates(m, &s, out, error);
   sheet_clear(&s);
   return code;
 }
 
-/* ---- taking them ---- */
+/* ---- results ---- */
 
 /* Allocate a mask. Returns its number. */
 static uint32_t add_mask(work *w) {
@@ -235,7 +238,7 @@ static uint32_t add_mask(work *w) {
 
 /* Store the mask of a record. A refined mask keeps the earlier figures of the
    drawn mask, because its loop has not simulated drawn neighbours. */
-static void take_mask(mend *m, const mended *one, const char *bytes) {
+static void take_mask(correction *m, const corrected *one, const char *bytes) {
   work *w = m->on.work;
   eda_chip *c = w->chip;
   eda_chip_mask mask = one->mask;
@@ -258,10 +261,10 @@ static void take_mask(mend *m, const mended *one, const char *bytes) {
 
 static int take_sheet(void *data, size_t i, const void *bytes, size_t size,
                       opc_error *error) {
-  mend *m = data;
+  correction *m = data;
   const char *at = bytes, *end = at + size;
   head h;
-  mended one;
+  corrected one;
   (void)i, (void)error;
   memcpy(&h, at, sizeof h);
   m->on.work->simulations += h.simulations;
@@ -276,30 +279,31 @@ static int take_sheet(void *data, size_t i, const void *bytes, size_t size,
   return OPC_OK;
 }
 
-/* ---- all of them ---- */
+/* ---- run ---- */
 
 /* Correct the transistors; m->mask receives the numbers of their masks. */
-static int mend_all(mend *m, opc_error *error) {
+static int correct_selected(correction *m, opc_error *error) {
   const work *w = m->on.work;
   m->mask = eda_alloc(m->on.count, sizeof *m->mask);
   for (size_t i = 0; i < m->on.count; i++) m->mask[i] = UINT32_MAX;
   return work_sheets(&m->on, w->margin + (m->stand ? 0 : w->along),
                      (opc_pieces){.name = m->stand ? "refine" : "correct",
-                                  .work = mend_sheet,
+                                  .work = correct_sheet,
                                   .take = take_sheet},
                      error);
 }
 
-int mend_classes(work *w, opc_error *error) {
-  mend m = {.on = {.work = w, .number = w->first, .count = w->classes}};
-  int code = mend_all(&m, error);
+int correct_classes(work *w, opc_error *error) {
+  correction m = {.on = {.work = w, .number = w->first, .count = w->classes}};
+  int code = correct_selected(&m, error);
   for (size_t i = 0; i < w->chip->count && !code; i++)
     w->chip->gate[i].mask = m.mask[w->chip->gate[i].mask];
   free(m.mask);
   return code;
 }
 
-int mend_prints(work *w, const uint32_t *prints, size_t n, opc_error *error) {
+int correct_prints(work *w, const uint32_t *prints, size_t n,
+                   opc_error *error) {
   eda_chip *c = w->chip;
   uint32_t *number = eda_alloc(n, sizeof *number),
            *place = eda_alloc(c->prints, sizeof *place);
@@ -308,13 +312,13 @@ int mend_prints(work *w, const uint32_t *prints, size_t n, opc_error *error) {
   for (size_t k = 0; k < n; k++) {
     number[k] = w->print_first[prints[k]];
     flip[k] = c->gate[number[k]].flip;
-    better[k] = prove_off(&c->print[prints[k]]);
+    better[k] = print_deviation(&c->print[prints[k]]);
     place[prints[k]] = (uint32_t)(k + 1);
   }
-  mend m = {.on = {.work = w, .number = number, .count = n},
-            .stand = 1,
-            .better = better};
-  int code = mend_all(&m, error);
+  correction m = {.on = {.work = w, .number = number, .count = n},
+                  .stand = 1,
+                  .better = better};
+  int code = correct_selected(&m, error);
   for (size_t i = 0; i < c->count && !code; i++) {
     eda_chip_gate *g = &c->gate[i];
     uint32_t k = place[g->print];

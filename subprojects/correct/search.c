@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the model-based placement of assist features. */
-#include <correct/seek.h>
+#include <correct/search.h>
 
 #include <eda/memory.h>
 #include <math.h>
@@ -23,35 +23,36 @@ static const double thinner = 2;
    iterations and 4 % wider with none. */
 static const int settles = 4;
 
-static int32_t steps(const loop *l, double nm) {
+static int32_t grid_steps(const loop *l, double nm) {
   return (int32_t)lround(fmin(nm / l->gates->grid, 1e6));
 }
 
-static void show(loop *l) {
-  correct_trial_set_boxes(&l->next.assists[EDA_POLY],
-                          (eda_boxes){l->seek.bars.box, l->seek.bars.count});
+static void search_show(loop *l) {
+  correct_trial_set_boxes(
+      &l->next.assists[EDA_POLY],
+      (eda_boxes){l->search.bars.box, l->search.bars.count});
 }
 
-int correct_seek_begin(loop *l, opc_error *error) {
-  sought_bars *s = &l->seek;
+int correct_search_begin(loop *l, opc_error *error) {
+  search_bars *s = &l->search;
   const eda_litho *litho = &l->printer.litho.functions;
   s->next = (uint32_t)s->every;
   if (!s->most) return OPC_OK;
   if (!litho->gradient || (s->defocus != 0 && !litho->image_at))
     return opc_fail(error, OPC_INVALID, "seek.most",
-                    "'%s' does not tell how an image changes with the mask",
+                    "'%s' provides no gradient of the image by the mask",
                     l->printer.litho.litho->id);
   if (l->next.assists[EDA_POLY].count || l->assists.rows)
     return opc_fail(error, OPC_INVALID, "seek.most",
-                    "there are assist bars beside edges already");
+                    "the synthesizer or 'assist' places scatter bars already");
   return OPC_OK;
 }
 
-void correct_seek_clear(loop *l) { free(l->seek.bars.box); }
+void correct_search_clear(loop *l) { free(l->search.bars.box); }
 
 /* ---- the map ---- */
 
-static size_t nodes(const eda_field *f) {
+static size_t field_nodes(const eda_field *f) {
   return (size_t)f->nx * (size_t)f->ny;
 }
 
@@ -59,7 +60,7 @@ static size_t nodes(const eda_field *f) {
 static void leave_out_bars(const loop *l, eda_field *f) {
   const eda_frame *r = &f->frame;
   double dx = r->width / f->nx, dy = r->height / f->ny, g = l->gates->grid;
-  double off = l->seek.distance / 2;
+  double off = l->search.distance / 2;
   for (size_t i = 0; i < l->now.assists[EDA_POLY].count; i++) {
     eda_box b = l->now.assists[EDA_POLY].box[i];
     int x0 = (int)ceil((b.x0 * g - off - r->x0) / dx);
@@ -78,7 +79,7 @@ static int find_edge(const loop *l, eda_field *f, opc_error *error) {
   int code = eda_field_resample(l->host->context, f, map_step, error);
   if (code) return code;
   eda_field_samples(l->host->context, f);
-  for (size_t i = 0; i < nodes(f); i++) {
+  for (size_t i = 0; i < field_nodes(f); i++) {
     double z = 1 / (1 + exp(-steepness * (double)f->coefficients[i]));
     f->coefficients[i] = (float)(steepness * z * (1 - z));
   }
@@ -86,8 +87,9 @@ static int find_edge(const loop *l, eda_field *f, opc_error *error) {
   return OPC_OK;
 }
 
-static int gradient(const loop *l, const eda_spectrum *mask, double defocus,
-                    const eda_field *weight, eda_field *out, opc_error *error) {
+static int mask_gradient(const loop *l, const eda_spectrum *mask,
+                         double defocus, const eda_field *weight,
+                         eda_field *out, opc_error *error) {
   const eda_model *m = &l->printer.litho;
   return m->functions.gradient(m, EDA_POLY, mask, defocus, weight, out, error);
 }
@@ -102,12 +104,12 @@ static int find_border(const loop *l, const eda_spectrum *mask, double defocus,
                  ? m->functions.image(m, EDA_POLY, mask, &f, error)
                  : m->functions.image_at(m, EDA_POLY, mask, defocus, &f, error);
   if (code) return code;
-  for (size_t i = 0; i < nodes(&f); i++) f.coefficients[i] *= (float)dose;
+  for (size_t i = 0; i < field_nodes(&f); i++) f.coefficients[i] *= (float)dose;
   code = eda_printer_develop(&l->printer, EDA_POLY, &f, error);
   if (!code) code = find_edge(l, &f, error);
-  for (size_t i = 0; i < nodes(&f) && !code; i++)
+  for (size_t i = 0; i < field_nodes(&f) && !code; i++)
     f.coefficients[i] *= (float)dose;
-  if (!code) code = gradient(l, mask, defocus, &f, out, error);
+  if (!code) code = mask_gradient(l, mask, defocus, &f, out, error);
   eda_field_clear(&f);
   return code;
 }
@@ -117,12 +119,12 @@ static int find_border(const loop *l, const eda_spectrum *mask, double defocus,
    roles and the difference is unchanged. */
 static int find_band(const loop *l, const eda_spectrum *mask, eda_field *out,
                      opc_error *error) {
-  double dose = l->seek.dose / 100;
+  double dose = l->search.dose / 100;
   eda_field inner = {0};
   int code = find_border(l, mask, 0, 1 + dose, out, error);
   if (!code)
-    code = find_border(l, mask, l->seek.defocus, 1 - dose, &inner, error);
-  for (size_t i = 0; i < nodes(out) && !code; i++)
+    code = find_border(l, mask, l->search.defocus, 1 - dose, &inner, error);
+  for (size_t i = 0; i < field_nodes(out) && !code; i++)
     out->coefficients[i] -= inner.coefficients[i];
   eda_field_clear(&inner);
   return code;
@@ -137,20 +139,20 @@ static int hold_contour(const loop *l, const eda_spectrum *mask, eda_field *map,
   eda_field edge = eda_field_scaled(&l->printer.print[EDA_POLY], 1);
   eda_field answer = {0};
   int code = find_edge(l, &edge, error);
-  if (!code) code = gradient(l, mask, 0, &edge, &answer, error);
+  if (!code) code = mask_gradient(l, mask, 0, &edge, &answer, error);
   double along = 0, all = 0;
-  for (size_t i = 0; i < nodes(&edge) && !code; i++) {
+  for (size_t i = 0; i < field_nodes(&edge) && !code; i++) {
     along += (double)edge.coefficients[i] * (double)answer.coefficients[i];
     all += (double)edge.coefficients[i];
   }
   double part = along != 0 ? all / along : 0;
   for (int k = 0; k < settles && !code; k++) {
     eda_field push = eda_field_scaled(&edge, part);
-    for (size_t i = 0; i < nodes(&edge); i++)
+    for (size_t i = 0; i < field_nodes(&edge); i++)
       push.coefficients[i] *= map->coefficients[i];
     eda_field_clear(&answer);
-    code = gradient(l, mask, 0, &push, &answer, error);
-    for (size_t i = 0; i < nodes(map) && !code; i++)
+    code = mask_gradient(l, mask, 0, &push, &answer, error);
+    for (size_t i = 0; i < field_nodes(map) && !code; i++)
       map->coefficients[i] -= answer.coefficients[i];
     eda_field_clear(&push);
   }
@@ -176,7 +178,7 @@ static int make_map(const loop *l, eda_field *map, opc_error *error) {
 
 /* Remove bars that no longer reduce the band. */
 static void drop_idle(loop *l, const eda_field *map) {
-  sought_bars *s = &l->seek;
+  search_bars *s = &l->search;
   size_t kept = 0;
   for (size_t i = 0; i < s->bars.count; i++)
     if (eda_bars_gain(map, s->bars.box[i], l->gates->grid) > 0)
@@ -184,17 +186,17 @@ static void drop_idle(loop *l, const eda_field *map) {
   s->bars.count = kept;
 }
 
-static int look(loop *l, opc_error *error) {
-  sought_bars *s = &l->seek;
+static int search_round(loop *l, opc_error *error) {
+  search_bars *s = &l->search;
   const eda_bar_seek rule = {
       .most = (size_t)(s->most * (s->round + 1) / s->rounds),
       .worth = s->worth,
-      .least_width = steps(l, s->least_width),
-      .most_width = steps(l, s->width),
-      .least_length = steps(l, s->min_length),
-      .most_length = steps(l, s->length),
-      .distance = steps(l, s->distance),
-      .space = steps(l, s->space)};
+      .least_width = grid_steps(l, s->least_width),
+      .most_width = grid_steps(l, s->width),
+      .least_length = grid_steps(l, s->min_length),
+      .most_length = grid_steps(l, s->length),
+      .distance = grid_steps(l, s->distance),
+      .space = grid_steps(l, s->space)};
   eda_field map;
   int code = make_map(l, &map, error);
   if (code) return code;
@@ -213,17 +215,18 @@ static int look(loop *l, opc_error *error) {
   return code;
 }
 
-int correct_seek_watch(loop *l, int done, opc_error *error) {
-  sought_bars *s = &l->seek;
+int correct_search_watch(loop *l, int done, opc_error *error) {
+  search_bars *s = &l->search;
   if (!s->most) return OPC_OK;
-  size_t changed = eda_bars_narrow(
-      l->host->context, &s->bars, &l->printer.print[EDA_POLY], l->gates->grid,
-      s->margin, steps(l, thinner), steps(l, s->least_width), &s->dropped);
+  size_t changed =
+      eda_bars_narrow(l->host->context, &s->bars, &l->printer.print[EDA_POLY],
+                      l->gates->grid, s->margin, grid_steps(l, thinner),
+                      grid_steps(l, s->least_width), &s->dropped);
   int code = OPC_OK;
   if (s->round < s->rounds && (done || l->iterations >= s->next)) {
-    code = look(l, error);
+    code = search_round(l, error);
     changed = 1;
   }
-  if (changed) show(l);
+  if (changed) search_show(l);
   return code;
 }

@@ -1,0 +1,89 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Model-based sub-resolution assist features (SRAF): scatter bars in the clear
+   field that narrow the process variability band, the band between the
+   outermost and innermost contours.
+
+   The derivative of the band's area by the mask transmission is the gradient of
+   the images at the two borders (compare R. Socha and others, "Contact hole
+   reticle optimization by using interference mapping lithography", SPIE 5377,
+   2004, for the intensity). Bars are placed where the derivative is most
+   negative, after compensation by the edges of the features, which hold the
+   nominal contour in place. */
+#pragma once
+
+#include <eda/bars.h>
+#include <opcflow/plugin.h>
+
+struct loop;
+
+typedef struct search_bars {
+  /* Parameters; `most` = 0 disables the search. */
+  int64_t most, rounds, every;
+  double worth;                               /* smallest reduction of the band
+                                                 by a bar, nm^2 */
+  double dose, defocus;                       /* %, nm */
+  double least_width, width, distance, space; /* nm */
+  double min_length, length;                  /* nm */
+  double margin;                              /* distance to the printing
+                                                 threshold, clear field 1 */
+  /* Bars of the present mask. */
+  eda_box_list bars;
+  size_t dropped;
+  int64_t round;
+  uint32_t next; /* iteration of the next round */
+} search_bars;
+
+OPC_EXPORT int correct_search_begin(struct loop *loop, opc_error *error);
+OPC_EXPORT void correct_search_clear(struct loop *loop);
+
+/* Narrow bars that print, and search for more when a round is due or all
+   synthesizers are `done`. Call after each simulation. */
+OPC_EXPORT int correct_search_watch(struct loop *loop, int done,
+                                    opc_error *error);
+
+#define SEARCH_LENGTH(state, name_, member, from_, text)                     \
+  OPC_PARAMETER_NAMED("seek." name_, state, search.member, .type = OPC_REAL, \
+                      .flags = OPC_ABOVE, .unit = "nm", .follows = from_,    \
+                      .summary = text)
+#define SEARCH_COUNT(state, name_, member, preset_, least, text)            \
+  OPC_PARAMETER_NAMED("seek." name_, state, search.member, .type = OPC_INT, \
+                      .flags = OPC_AT_LEAST | OPC_AT_MOST, .min = least,    \
+                      .max = 100000, .preset = preset_, .summary = text)
+#define SEARCH_PARAMETERS(state)                                               \
+  SEARCH_COUNT(state, "most", most, "0", 0,                                    \
+               "Largest number of scatter bars placed by the gradient of the " \
+               "band between doses and foci; 0: none"),                        \
+      SEARCH_COUNT(state, "rounds", rounds, "3", 1, "Number of searches"),     \
+      SEARCH_COUNT(state, "every", every, "6", 1,                              \
+                   "Iterations between two searches"),                         \
+      OPC_PARAMETER_NAMED(                                                     \
+          "seek.worth", state, search.worth, .type = OPC_REAL,                 \
+          .flags = OPC_ABOVE, .unit = "nm^2",                                  \
+          .follows = "0.003775 (lambda/NA)^2",                                 \
+          .summary = "Smallest reduction of the band's area by a bar"),        \
+      OPC_PARAMETER_NAMED(                                                     \
+          "seek.dose", state, search.dose, .type = OPC_REAL,                   \
+          .flags = OPC_ABOVE | OPC_BELOW, .unit = "%", .preset = "4 %",        \
+          .max = 100, .summary = "Dose variation of the band, up and down"),   \
+      OPC_PARAMETER_NAMED("seek.defocus", state, search.defocus,               \
+                          .type = OPC_REAL, .unit = "nm",                      \
+                          .follows = "0.073 lambda/NA^2",                      \
+                          .summary = "Defocus of the band's lower dose"),      \
+      SEARCH_LENGTH(state, "least_width", least_width, "0.093 lambda/NA",      \
+                    "Smallest width of a bar"),                                \
+      SEARCH_LENGTH(state, "width", width, "0.249 lambda/NA",                  \
+                    "Largest width of a bar"),                                 \
+      SEARCH_LENGTH(state, "min_length", min_length, "0.249 lambda/NA",        \
+                    "Smallest length of a bar"),                               \
+      SEARCH_LENGTH(state, "length", length, "1.554 lambda/NA",                \
+                    "Largest length of a bar"),                                \
+      SEARCH_LENGTH(state, "distance", distance, "0.28 lambda/NA",             \
+                    "Distance from drawn shapes to a bar"),                    \
+      SEARCH_LENGTH(state, "space", space, "0.187 lambda/NA",                  \
+                    "Space between bars"),                                     \
+      OPC_PARAMETER_NAMED("seek.margin", state, search.margin,                 \
+                          .type = OPC_REAL, .flags = OPC_AT_LEAST,             \
+                          .preset = "0.01", .min = 0,                          \
+                          .summary =                                           \
+                              "Smallest intensity margin to printing, clear "  \
+                              "field 1; bars below it are narrowed")
