@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Checks the parameters of a plugin and of those in its slots, makes the
-   instances, and finds the way back from an error to its place. */
+/* Checks the parameters of a plugin and of the plugins in its slots, creates
+   the instances, and maps an error to its place in the flow. */
 #include "core/binding/binding.h"
 
 #include <base/layers.h>
@@ -12,10 +12,11 @@
 #include "core/plugin/pieces.h"
 #include "core/plugin/value.h"
 
-/* Slots in slots; a plugin whose default is itself would go on for ever. */
+/* Limit of nested slots; a plugin whose default is itself would recurse without
+   end. */
 enum { DEEPEST_SLOT = 16 };
 
-/* What all of one bind() needs. */
+/* State of one opc_bind(). */
 typedef struct binder {
   opc_registry *registry;
   opc_binding *binding;
@@ -35,7 +36,8 @@ static opc_node *parse_preset(const binder *b, const opc_parameter *p) {
   return node;
 }
 
-/* Parameters of a slot without their plugin are those of the default one. */
+/* Return the map of a slot: without `use`, its parameters are laid over the
+   default plugin's. */
 static const opc_node *over_default(const binder *b, const opc_parameter *p,
                                     const opc_node *node) {
   if (!p->preset || opc_node_get(node, "use")) return node;
@@ -94,8 +96,8 @@ static void bind_default(const binder *b, size_t i) {
 
 /* ---- the map ---- */
 
-/* What may stand at this level: the next words of all parameters that begin
-   with `prefix`. */
+/* Return the valid names at this level: the next words of all parameters that
+   begin with `prefix`. */
 static GPtrArray *level_names(const opc_plugin *plugin, const char *prefix) {
   GPtrArray *names = g_ptr_array_new_with_free_func(g_free);
   for (size_t i = 0; i < plugin->n_parameters; i++) {
@@ -119,7 +121,8 @@ static void unknown_parameter(const binder *b, const opc_node *key,
             b->binding->plugin->id, suggestion);
 }
 
-/* The parameter that had that name before; -1 if there is none. */
+/* Return the index of the parameter with that former name; -1 if there is
+   none. */
 static int find_former(const binder *b, const opc_node *key, const char *name) {
   const opc_plugin *plugin = b->binding->plugin;
   for (size_t i = 0; i < plugin->n_parameters; i++) {
@@ -137,7 +140,7 @@ static int find_former(const binder *b, const opc_node *key, const char *name) {
 
 static void bind_map(const binder *b, const opc_node *map, const char *prefix);
 
-/* As deep as parameter names have dots. */
+/* Bind the keys of a map; recursion is as deep as parameter names have dots. */
 static void bind_group(const binder *b, const opc_node *map,
                        const char *prefix) {
   opc_binding *binding = b->binding;
@@ -168,14 +171,15 @@ static void bind_group(const binder *b, const opc_node *map,
   }
 }
 
-/* `anchor.line: ...` is `anchor: { line: ... }`. */
+/* Bind a map; `anchor.line: ...` equals `anchor: { line: ... }`. */
 static void bind_map(const binder *b, const opc_node *map, const char *prefix) {
   opc_node *undotted = opc_undot(map, FALSE, b->problems);
   g_ptr_array_add(b->binding->presets, undotted);
   bind_group(b, undotted, prefix);
 }
 
-/* To write a default out is to give nothing: a resolved flow does it. */
+/* Treat a given value that equals the default as not given, as resolved flows
+   write all values. */
 static void forget_defaults(const binder *b) {
   opc_binding *binding = b->binding;
   for (size_t i = 0; i < binding->plugin->n_parameters; i++) {
@@ -259,7 +263,7 @@ char *opc_binding_label(const opc_binding *b) {
                          top ? " " : "", b->path, b->plugin->id);
 }
 
-/* The instance as its parameters say, but for inputs. */
+/* Allocate the instance and store all parameters but inputs. */
 static void fill(opc_binding *b) {
   b->module = (opc_module){.functions = b->plugin->functions,
                            .self = g_malloc0(b->plugin->instance_size),
@@ -346,8 +350,8 @@ const opc_place *opc_binding_origin(const opc_binding *b, size_t i) {
   return b->origin[i] ? &b->origin[i]->at : &b->at;
 }
 
-/* The place of a parameter of this instance or of one in its slots. What is
-   found in a slot is added to `trail`. */
+/* Return the place of a parameter of this instance or of an instance in its
+   slots; append the slots on the path to `trail`. */
 static const opc_place *find_parameter(const opc_binding *b, const char *name,
                                        GString *trail) {
   int i = opc_parameter_find(b->plugin, name);
@@ -372,7 +376,7 @@ static const opc_place *find_parameter(const opc_binding *b, const char *name,
         *rest == '.' ? find_parameter(b->slots[s], rest + 1, trail) : NULL;
     if (!place) place = find_parameter(b->slots[s], name, trail);
     if (place) return place;
-    /* Of that slot's plugin, which has no such parameter. */
+    /* The name addresses that slot's plugin, which has no such parameter. */
     if (*rest == '.') return opc_binding_origin(b, s);
     g_string_truncate(trail, length);
   }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Makes a flow of a recipe and what is laid over it. */
+/* Builds a flow from a recipe and the changes applied to it. */
 #include "core/binding/flow.h"
 
 #include <base/file.h>
@@ -50,7 +50,7 @@ static void read_step(opc_flow *flow, const opc_node *key, const opc_node *node,
 
 /* ---- the whole ---- */
 
-/* Lay a value over the steps, or over what is required. */
+/* Apply a value to the steps or to "require". */
 static void lay_one(opc_flow *flow, const char *path, const opc_place *key,
                     const opc_node *value, opc_problems *problems) {
   size_t word = strcspn(path, ".");
@@ -62,7 +62,7 @@ static void lay_one(opc_flow *flow, const char *path, const opc_place *key,
     opc_lay_at(flow->nodes, path, key, value, problems);
 }
 
-/* Lay a map of paths and values. */
+/* Apply a map of paths and values. */
 static void lay_paths(opc_flow *flow, const opc_node *map,
                       opc_problems *problems) {
   for (guint i = 0; map && i < map->keys->len; i++) {
@@ -76,7 +76,7 @@ static void lay_variant(opc_flow *flow, const char *variant,
   lay_paths(flow, opc_node_get(flow->recipe->variants, variant), problems);
 }
 
-/* Lay the values of the axes at a point. */
+/* Apply the values of all axes at a point. */
 static void lay_point(opc_flow *flow, const opc_sweep *sweep, size_t point,
                       opc_problems *problems) {
   for (guint a = 0; a < sweep->axes->len; a++) {
@@ -173,7 +173,8 @@ gboolean opc_flow_create(const opc_flow *flow, const gboolean *left_out,
 
 /* ---- checking: all that can be found without work ---- */
 
-/* Of an axis; of more values the first ones and the last one are looked at. */
+/* Values checked per axis; of a longer axis the first ones and the last one are
+   checked. */
 enum { MOST_VALUES = 1000 };
 
 static void check_one(const opc_recipe *recipe, const opc_choice *choice,
@@ -190,8 +191,8 @@ static void check_one(const opc_recipe *recipe, const opc_choice *choice,
   opc_problems_merge(problems, found, note);
 }
 
-/* Each value of each axis once: a fault of one combination alone is rare, and
-   is found when its turn comes. */
+/* Each value of each axis is checked once, not each combination: faults of
+   single combinations are found when they run. */
 void opc_flow_check(const opc_recipe *recipe, const opc_choice *choice,
                     opc_registry *registry, const opc_watch *watch,
                     opc_problems *problems) {

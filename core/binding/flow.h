@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A flow: steps with their plugins and parameters, and what each needs of the
-   others. docs/reference/flow.md tells the file. */
+/* A flow: steps with their plugins, parameters and dependencies. The file
+   format is in docs/reference/flow.md. */
 #pragma once
 
 #include "core/binding/binding.h"
@@ -8,9 +8,9 @@
 
 typedef struct opc_flow_step opc_flow_step;
 
-/* A reference that was found good. */
+/* A resolved reference. */
 typedef struct opc_flow_input {
-  opc_binding *binding; /* of the step or of a slot in it */
+  opc_binding *binding; /* of the step or of a slot in the step */
   size_t parameter;
   const opc_flow_step *from;
   size_t port;
@@ -19,20 +19,20 @@ typedef struct opc_flow_input {
 struct opc_flow_step {
   const char *name;
   const opc_node *key;
-  opc_binding *binding; /* NULL if there is no plugin to go on with */
+  opc_binding *binding; /* NULL if the plugin was not found */
   GArray *inputs;       /* opc_flow_input */
-  guint number;         /* in the file */
+  guint number;         /* index in the file */
 };
 
-/* What a metric must be. */
+/* Required range of a metric. */
 typedef struct opc_requirement {
   char *path;            /* "step.slot.count" */
-  opc_place at;          /* of its key */
+  opc_place at;          /* place of the key */
   const opc_node *value; /* as written */
   const opc_binding *binding;
   const opc_metric *metric;
-  double least, most; /* in its unit; infinite: no bound */
-  gboolean open;      /* the bounds themselves are not good */
+  double least, most; /* bounds in the unit of the metric; infinite: no bound */
+  gboolean open;      /* the bounds themselves are excluded */
   char *text;         /* "at most 1 %" */
 } opc_requirement;
 
@@ -41,48 +41,48 @@ struct opc_flow {
   char *name;
   const char *variant; /* NULL: none */
   const opc_recipe *recipe;
-  opc_recipe *owned;       /* the same, if it is the flow's own */
+  opc_recipe *owned;       /* the recipe, if the flow owns it */
   opc_node *nodes;         /* the map of steps */
-  GPtrArray *sources;      /* opc_source *: of each --set */
-  GPtrArray *steps;        /* opc_flow_step *, as in the file */
-  GPtrArray *order;        /* the same, as they run */
-  opc_node *demands;       /* "require", if anything is */
+  GPtrArray *sources;      /* opc_source *: one per --set */
+  GPtrArray *steps;        /* opc_flow_step *, in file order */
+  GPtrArray *order;        /* opc_flow_step *, in order of execution */
+  opc_node *demands;       /* "require"; NULL: none */
   GPtrArray *requirements; /* opc_requirement * */
 };
 
-/* What is laid over the steps of a recipe, in this order. */
+/* Changes applied to the steps of a recipe, in this order. */
 typedef struct opc_choice {
-  const char *variant;     /* its name; NULL: none */
+  const char *variant;     /* name; NULL: none */
   const opc_sweep *sweep;  /* NULL: none */
-  size_t point;            /* of it */
+  size_t point;            /* index in the sweep */
   const char *const *sets; /* "step.parameter=value", NULL-terminated, may be
                               NULL */
   const opc_node *over;    /* a map of paths and values; NULL: none */
   unsigned bind;           /* OPC_BIND_* of its steps */
 } opc_choice;
 
-/* Make the flow and check everything that can be checked without making an
-   instance. `choice` may be NULL. Never NULL; it is good if no problem was
-   added. Recipe and sweep outlive it. */
+/* Build the flow and check everything that needs no instance. `choice` may be
+   NULL. Returns a flow (opc_flow_free), valid if no problem was added; never
+   NULL. Recipe and sweep outlive the flow. */
 opc_flow *opc_flow_make(const opc_recipe *recipe, const opc_choice *choice,
                         opc_registry *registry, opc_problems *problems);
 
-/* Read a flow and make it, without a variant and a sweep. NULL if it cannot be
-   read at all. */
+/* Read a flow file and build the flow without a variant and a sweep. Returns
+   NULL if the file cannot be read. */
 opc_flow *opc_flow_load(const char *path, const char *const *sets,
                         opc_registry *registry, opc_problems *problems);
 void opc_flow_free(opc_flow *flow);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_flow, opc_flow_free)
 
-/* Add what is wrong with a flow at each value of what `choice` sweeps and was
-   not yet told; `watch`: also with its instances; may be NULL. */
+/* Add the problems of a flow at each value of each axis of `choice`, each
+   problem once. `watch`: also create the instances; may be NULL. */
 void opc_flow_check(const opc_recipe *recipe, const opc_choice *choice,
                     opc_registry *registry, const opc_watch *watch,
                     opc_problems *problems);
 
-/* Make the instances of the steps that are not left out (by their numbers;
-   NULL: none is), as opc_binding_create does. FALSE and all problems if one
-   refuses. */
+/* Create the instances of all steps but those with left_out[number] set
+   (`left_out` NULL: of all), as opc_binding_create does. Returns FALSE and adds
+   all problems if one refuses. */
 gboolean opc_flow_create(const opc_flow *flow, const gboolean *left_out,
                          const opc_watch *watch, const opc_host *like,
                          opc_problems *problems);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The flow that a step runs inside of it (opcflow/inner.h): read and checked
-   with the flow of the step. */
+/* Inner flows: flows that a step runs (opcflow/inner.h), read and checked with
+   the flow of the step. */
 #pragma once
 
 #include <opcflow/inner.h>
@@ -10,38 +10,40 @@
 typedef struct opc_inner_runs opc_inner_runs; /* run/inner_run.h */
 
 struct opc_inner {
-  const opc_binding *binding; /* whose flow it is */
+  const opc_binding *binding; /* binding of the step */
   opc_recipe *recipe;
   opc_sweep *sweep;
-  opc_choice choice; /* of the first point */
-  opc_flow *flow;    /* there */
+  opc_choice choice; /* choice of the first point */
+  opc_flow *flow;    /* flow at the first point */
   opc_registry *registry;
   opc_inner_axis **axes;
-  GHashTable *wanted;   /* names of steps that were asked for; empty: all */
+  GHashTable *wanted;   /* names of the steps asked for; empty: all */
   GHashTable *given;    /* name of a step -> its output, void *[1] */
-  opc_inner_runs *runs; /* NULL: none began */
-  void (*runs_end)(opc_inner_runs *runs);  /* the step has run */
-  void (*runs_free)(opc_inner_runs *runs); /* before all of this is freed */
+  opc_inner_runs *runs; /* NULL: none started */
+  void (*runs_end)(opc_inner_runs *runs);  /* called when the step has run */
+  void (*runs_free)(opc_inner_runs *runs); /* called before the inner flow is
+                                              freed */
 };
 
-/* Make the inner flows of a good binding and of those in its slots if their
-   plugins declare one, and check them at each value that is swept. File names
-   in the bindings become absolute, so that their resolved flows may be moved.
-   `flags` are those of the binding. */
+/* Build the inner flows of a valid binding and of its slots if their plugins
+   declare one, and check them at each swept value. File names in the bindings
+   become absolute, so that resolved flows can be moved. `flags` are those of
+   the binding. */
 void opc_inner_open(opc_binding *binding, opc_registry *registry,
                     unsigned flags, opc_problems *problems);
 
-/* Return, for the steps of its flow at some point by number (g_free), which
-   have to run for what was asked for. */
+/* Return, by step number of `flow`, whether the step must run for the steps
+   asked for (g_free). */
 gboolean *opc_inner_needed(const opc_inner *inner, const opc_flow *flow);
 
-/* End its runs: the step has run. NULL is fine. */
+/* End the runs of an inner flow after the step has run. `inner` may be NULL. */
 void opc_inner_end(opc_inner *inner);
 
 /* Return the flow at the first point of its sweep. */
 const opc_flow *opc_inner_flow(const opc_inner *inner);
 
-/* Call `visit` with the flow there and at each value of each axis. */
+/* Call `visit` with the flow at the first point and at each value of each
+   axis. */
 void opc_inner_visit(const opc_inner *inner,
                      void (*visit)(void *data, const opc_flow *flow),
                      void *data);
@@ -49,7 +51,8 @@ void opc_inner_visit(const opc_inner *inner,
 /* Return the inner flow of a host's instance. */
 opc_inner *opc_inner_of(const opc_host *host);
 
-/* Functions of opc_inner_service that need no run. */
+/* Return the axes of the inner flow; *count is set. Implements
+   opc_inner_service.axes; needs no run. */
 const opc_inner_axis *const *opc_inner_axes(const opc_host *host,
                                             size_t *count);
 int opc_inner_find_axis(const opc_host *host, const char *path,
@@ -59,5 +62,5 @@ const opc_metric *opc_inner_find_metric(const opc_host *host, const char *path,
 const char *opc_inner_find_output(const opc_host *host, const char *name,
                                   const char *kind, opc_error *error);
 
-/* Return the number of the port of that kind, -1 if there is none. */
+/* Return the index of the output port of that kind, -1 if there is none. */
 int opc_inner_port(const opc_plugin *plugin, const char *kind);

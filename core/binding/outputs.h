@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Files that the steps of a flow and the run itself write. */
+/* Files written by the steps of a flow and by the run itself. */
 #pragma once
 
 #include "core/binding/flow.h"
 
-/* The files that parameters name: name -> path of the instance that writes it
-   (freed with the table). With `problems`, add those that two write, that lie
-   in another, or that the run itself writes. */
+/* Return the output files named by parameters: name -> path of the instance
+   that writes the file (freed with the table). With `problems`, add files that
+   two instances write, that are inside another, or that are reserved for the
+   run. */
 GHashTable *opc_flow_outputs(const opc_flow *flow, opc_problems *problems);
 
-/* The files that a run itself writes. */
+/* Number of files that a run itself writes. */
 enum { OPC_RESERVED = 4 };
 extern const char *const opc_reserved[OPC_RESERVED];

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Reads a flow file and those it extends, from the last one to the first. */
+/* Reads a flow file and the files that it extends, and merges them from the
+   last to the first. */
 #include "core/binding/recipe.h"
 
 #include <base/file.h>
@@ -7,8 +8,8 @@
 #include <string.h>
 
 enum {
-  MOST_FILES = 16,   /* that extend each other */
-  MOST_STEPS = 1000, /* also of keys in a variant or a sweep */
+  MOST_FILES = 16,   /* in one chain of `extends` */
+  MOST_STEPS = 1000, /* also keys of a variant or a sweep */
   MOST_VARIANTS = 100
 };
 
@@ -26,7 +27,7 @@ static void check_version(const opc_node *root, opc_problems *problems) {
               "'opcflow' must be 1, the version of the format");
 }
 
-/* The name that the file gives itself, or what it is called. */
+/* Return the name given in the file, else the name of the file (g_free). */
 static char *flow_name(const opc_node *root, const char *path,
                        opc_problems *problems) {
   const opc_node *name = opc_node_get(root, "name");
@@ -54,7 +55,7 @@ static char *flow_description(const opc_node *root, opc_problems *problems) {
 
 /* ---- files ---- */
 
-/* The number of the file among those read, -1 if it is not there. */
+/* Return the index of the file among the files read, -1 if it is new. */
 static int find_file(const opc_recipe *recipe, const char *path) {
   g_autofree char *real = realpath(path, NULL);
   for (guint i = 0; real && i < recipe->sources->len; i++) {
@@ -75,7 +76,8 @@ static void report_circle(const opc_recipe *recipe, guint first,
             ((opc_source *)recipe->sources->pdata[first])->name);
 }
 
-/* The path of what the last file read extends (g_free); NULL and a problem. */
+/* Return the path that `extends` of the last file names (g_free); NULL and a
+   problem if it is not valid. */
 static char *next_file(const opc_recipe *recipe, const opc_node *extends,
                        opc_problems *problems) {
   if (extends->type != OPC_NODE_TEXT || !*extends->text ||
@@ -95,8 +97,8 @@ static char *next_file(const opc_recipe *recipe, const opc_node *extends,
   return NULL;
 }
 
-/* Read the file and what it extends, as deep as files may. FALSE and a problem:
-   at `from`, which extends it, where there is one. */
+/* Read the file and, recursively, the files that it extends. Returns FALSE and
+   adds a problem, at `from` (the `extends` that names it) if given. */
 static gboolean read_file(opc_recipe *recipe, const char *path,
                           const opc_node *from, opc_problems *problems) {
   g_autofree char *folder = g_path_get_dirname(path);
@@ -117,7 +119,7 @@ static gboolean read_file(opc_recipe *recipe, const char *path,
 
 /* ---- what is in them ---- */
 
-/* The map of that name in a file, NULL if it is not there or not good. */
+/* Return the map `name` of a file; NULL if it is missing or not valid. */
 static const opc_node *section(const opc_node *root, const char *name,
                                guint most, opc_problems *problems) {
   const opc_node *node = opc_node_get(root, name);
@@ -141,7 +143,7 @@ static void take_steps(opc_recipe *recipe, const opc_node *root,
   opc_lay_steps(recipe->steps, steps, problems);
 }
 
-/* FALSE if there is no such key. */
+/* Remove a key; returns FALSE if the map has none of that name. */
 static gboolean remove_key(opc_node *map, const char *key) {
   int i = opc_node_find(map, key);
   if (i < 0) return FALSE;
@@ -150,8 +152,8 @@ static gboolean remove_key(opc_node *map, const char *key) {
   return TRUE;
 }
 
-/* Both forms of a parameter are wrong in one file; of two files, one is laid
-   over the other. */
+/* Check that one file does not give a parameter in both forms (dotted and
+   nested), then append the entries to the variant of that name. */
 static void add_variant(opc_recipe *recipe, const opc_node *key,
                         const opc_node *value, opc_problems *problems) {
   opc_node_free(opc_undot(value, FALSE, problems));
@@ -202,7 +204,7 @@ static void take_demands(opc_recipe *recipe, const opc_node *root,
                   problems);
 }
 
-/* What extends a flow gives other values in the same place. */
+/* Merge a sweep: an axis given again keeps its position and gets new values. */
 static void take_sweep(opc_recipe *recipe, const opc_node *root,
                        opc_problems *problems) {
   opc_node *sweep = recipe->sweep;

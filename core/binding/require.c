@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What a flow requires of its metrics: from a tree to bounds in the unit of
+/* Reads the required ranges of metrics: from a tree to bounds in the unit of
    each metric. */
 #include <math.h>
 #include <string.h>
@@ -11,7 +11,7 @@
 
 /* ---- state ---- */
 
-/* What all of one flow's requirements need. */
+/* State of reading one flow's requirements. */
 typedef struct reader {
   const opc_flow *flow;
   opc_problems *problems;
@@ -26,7 +26,7 @@ static void requirement_free(gpointer item) {
 
 /* ---- bounds ---- */
 
-/* A number with its unit, in that of the metric. */
+/* Read a number with its unit into the unit of the metric. */
 static gboolean read_bound(const reader *in, const opc_requirement *r,
                            const opc_node *node, const char *text,
                            double *bound) {
@@ -49,7 +49,7 @@ static char *bound_text(const opc_requirement *r, const char *before,
   return g_strconcat(before, text, NULL);
 }
 
-/* [from, to] */
+/* Read a range [from, to]. */
 static gboolean read_range(const reader *in, opc_requirement *r,
                            const opc_node *list) {
   gpointer *items = list->items->pdata;
@@ -73,7 +73,7 @@ static gboolean read_range(const reader *in, opc_requirement *r,
   return TRUE;
 }
 
-/* What stands before a number, the longer ones first. */
+/* Signs before a number; longer signs first, as they share prefixes. */
 static const struct {
   const char *sign, *text;
   gboolean upper, lower, open;
@@ -83,8 +83,8 @@ static const struct {
                  {">", "more than ", FALSE, TRUE, TRUE},
                  {"=", "", TRUE, TRUE, FALSE}};
 
-/* Of a plain number, by which direction is better: a bound that lets the better
-   ones pass, or the number itself. */
+/* Index into `relations` for a number without a sign, by the better direction
+   of the metric: a bound on the worse side, or equality. */
 static const guint by_direction[] = {
     [OPC_NEUTRAL] = 4, [OPC_LOWER] = 0, [OPC_HIGHER] = 1};
 
@@ -102,7 +102,7 @@ static gboolean read_text(const reader *in, opc_requirement *r,
     text += strlen(relations[i].sign);
   text += strspn(text, " ");
   if (!read_bound(in, r, node, text, &bound)) return FALSE;
-  /* A difference that means nothing is none. */
+  /* Equality allows the metric's tolerance. */
   double slack =
       relations[i].upper && relations[i].lower ? r->metric->tolerance : 0;
   if (relations[i].upper) r->most = bound + slack;
@@ -137,7 +137,7 @@ static void read_one(const reader *in, const char *path, const opc_node *key,
     requirement_free(r);
 }
 
-/* As deep as the tree; `prefix` is NULL at its top. */
+/* Read a map of requirements recursively; `prefix` is NULL at the root. */
 static void read_map(const reader *in, const char *prefix,
                      const opc_node *map) {
   for (guint i = 0; i < map->items->len; i++) {

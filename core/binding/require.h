@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What a flow requires of its metrics. */
+/* Required ranges of the metrics of a flow. */
 #pragma once
 
 #include "core/binding/flow.h"
 
-/* Read what a flow with sound steps requires. */
+/* Read the requirements of a flow whose steps are valid. */
 void opc_flow_require(opc_flow *flow, opc_problems *problems);

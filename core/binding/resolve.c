@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Writing a flow with all its parameters. */
+/* Writes a flow with all its parameters. */
 #include <string.h>
 
 #include "core/binding/lookup.h"
@@ -9,7 +9,7 @@
 
 enum { COMMENT_COLUMN = 44 };
 
-/* Where the value that ends this line came from. */
+/* Append the origin of the value at the end of the line. */
 static void end_line(GString *out, size_t line_start, const char *origin) {
   size_t length = out->len - line_start;
   int pad = length < COMMENT_COLUMN ? (int)(COMMENT_COLUMN - length) : 1;
@@ -27,7 +27,7 @@ static char *origin_text(const opc_node *node) {
 
 /* ---- parameters ---- */
 
-/* A value; the name of a file is good in any folder. `p` may be NULL. */
+/* Append a value; names of files become absolute. `p` may be NULL. */
 static void append_node(GString *out, const opc_parameter *p,
                         const opc_node *node) {
   if (!p || p->type != OPC_FILE || node->type != OPC_NODE_TEXT) {
@@ -60,8 +60,8 @@ static void append_value(GString *out, const opc_binding *b, size_t i,
   end_line(out, start, origin);
 }
 
-/* All parameters whose names begin with `prefix`; a group stands where its
-   first member does. As deep as names have dots. */
+/* Append all parameters whose names begin with `prefix`; a group is written at
+   its first member. Recursion is as deep as names have dots. */
 static void append_level(GString *out, const opc_binding *b, const char *prefix,
                          int indent) {
   g_autoptr(GHashTable) groups =
@@ -90,7 +90,7 @@ static void append_binding(GString *out, const opc_binding *b, int indent) {
 
 /* ---- the flow ---- */
 
-/* Lists of values, also for what was a range. */
+/* Append the axes as lists of values; ranges are expanded. */
 static void append_sweep(GString *out, const opc_flow *flow,
                          const opc_sweep *sweep) {
   g_string_append(out, "sweep:\n");

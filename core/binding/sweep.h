@@ -1,67 +1,71 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The grid of a sweep: each parameter over its values, all combinations. */
+/* The grid of a sweep: all combinations of the values of the axes. */
 #pragma once
 
 #include <opcflow/inner.h>
 
 #include "core/binding/recipe.h"
 
-/* One parameter. */
+/* A swept parameter, or an axis of layers. */
 typedef struct opc_axis {
-  opc_inner_axis told; /* what steps hear of it; its texts are as written */
+  opc_inner_axis told; /* as passed to steps; texts as written */
   opc_place at;
-  opc_source *source; /* of its values */
-  GPtrArray *values;  /* opc_node *; of layers: maps of paths and values */
-  char **variants;    /* of layers: what lies under each, "" for none; the texts
-                         that are told are names. NULL: of a parameter */
+  opc_source *source; /* source of the values */
+  GPtrArray *values;  /* opc_node *; of an axis of layers: maps of paths and
+                         values */
+  char **variants;    /* of an axis of layers: variant below each layer, "" for
+                         none; the texts in `told` are then layer names. NULL:
+                         of a parameter */
 } opc_axis;
 
 typedef struct opc_sweep {
   GPtrArray *axes; /* opc_axis * */
-  size_t points;   /* 1 where there is nothing to sweep */
+  size_t points;   /* 1 without axes */
 } opc_sweep;
 
-/* What a recipe sweeps, less the parameters of `sets` ("a.b=value") and of
-   `over` (a map of paths), which are then fixed; `sweeps` ("a.b=[...]") come in
-   place of the same parameter or behind. Lists end with NULL; all three may be
-   NULL. Never NULL. */
+/* Return the sweep of a recipe (opc_sweep_free; never NULL) without the
+   parameters of `sets` ("a.b=value") and `over` (a map of paths), which are
+   fixed. `sweeps` ("a.b=[...]") replace the axis of the same parameter or are
+   appended. Lists are NULL-terminated; all three may be NULL. */
 opc_sweep *opc_sweep_new(const opc_recipe *recipe, const char *const *sets,
                          const opc_node *over, const char *const *sweeps,
                          opc_problems *problems);
-/* One without axes. */
+/* Return a sweep without axes. */
 opc_sweep *opc_sweep_none(void);
 void opc_sweep_free(opc_sweep *sweep);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_sweep, opc_sweep_free)
 
-/* Lay what `map` sweeps over that: paths, which may be cut into maps, with
-   their values. */
+/* Replace or append the axes that `map` gives: paths, which may be split into
+   nested maps, with their values. */
 void opc_sweep_lay_over(opc_sweep *sweep, const opc_node *map,
                         opc_problems *problems);
 
-/* Add an axis of layers, behind the others of its kind: takes the source, a map
-   of each, their names and variants. */
+/* Add an axis of layers after the other axes of layers. Takes ownership of the
+   source, the maps, the names and the variants. */
 void opc_sweep_add_layers(opc_sweep *sweep, const char *path,
                           const opc_place *at, opc_source *source,
                           GPtrArray *layers, char **names, char **variants,
                           opc_problems *problems);
 
-/* Whether an axis touches the step of that name of a flow of `recipe`. */
+/* Return whether an axis changes the step of that name in a flow of
+   `recipe`. */
 gboolean opc_axis_touches(const opc_axis *axis, const opc_recipe *recipe,
                           const char *step);
 
-/* The levels of a sweep: one for each axis of layers, and one for all
-   parameters together. */
+/* Return the number of levels of a sweep: one per axis of layers, and one for
+   all parameters together. */
 unsigned opc_sweep_depth(const opc_sweep *sweep);
 
-/* The level of each step of a flow at a point of the sweep, by number (g_free):
-   0 if no axis touches it nor a step that it needs, else, from 1, that of the
-   last axis that does. */
+/* Return the level of each step at a point of the sweep, by step number
+   (g_free): 0 if no axis changes the step or a step that it depends on, else,
+   from 1, the level of the last axis that does. */
 struct opc_flow;
 unsigned *opc_sweep_levels(const opc_sweep *sweep, const struct opc_flow *flow);
 
-/* Which value of axis `a` a point has; the last axis changes first. */
+/* Return the index of the value of axis `a` at a point; the last axis varies
+   fastest. */
 guint opc_sweep_index(const opc_sweep *sweep, guint a, size_t point);
 
-/* A point that has the value `value` of axis `a` and the first ones of the
-   others. */
+/* Return the point with value `value` of axis `a` and the first values of the
+   other axes. */
 size_t opc_sweep_point(const opc_sweep *sweep, guint a, guint value);

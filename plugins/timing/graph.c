@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* From a netlist of instances of cells to nodes in the order of signals. */
+/* Builds the graph of a netlist of cell instances, nodes in topological
+   order. */
 #include <glib.h>
 #include <math.h>
 #include <stdlib.h>
@@ -13,9 +14,9 @@ typedef struct builder {
   const eda_timing *timing;
   eda_netlist *n;
   const eda_subcircuit *top;
-  const eda_timing_cell **cell; /* of each instance */
-  const uint32_t **port;        /* nets of its ports */
-  int64_t *driver;              /* node of each net, -1 */
+  const eda_timing_cell **cell; /* cell of each instance */
+  const uint32_t **port;        /* nets of the ports of each instance */
+  int64_t *driver;              /* node that drives each net; -1: none */
   opc_error *error;
 } builder;
 
@@ -32,7 +33,7 @@ static char *own_text(eda_pool *pool, const char *text) {
 
 /* ---- instances ---- */
 
-/* The net of a cell's pin: that of the port of its name. */
+/* Return the net connected to the port named `pin`; -1: no such port. */
 static int64_t net_of(const eda_subcircuit *child, const eda_element *e,
                       const char *pin) {
   for (size_t i = 0; i < child->ports && i < e->nodes; i++)
@@ -71,7 +72,8 @@ static int add_instance(builder *b, const eda_element *e) {
 
 /* ---- the order ---- */
 
-/* Depth first, with a stack of our own. 1: on the way, 2: done. */
+/* Sort the nodes topologically by depth-first search with an explicit stack.
+   Marks: 1 on the stack, 2 finished. Fails if the circuit has a loop. */
 static int sort_nodes(builder *b) {
   graph *g = b->g;
   node *sorted = eda_pool_alloc(b->pool, g->nodes, sizeof *sorted);
@@ -130,11 +132,12 @@ static void list_pins(builder *b) {
 
 /* ---- ports ---- */
 
-/* Rails are ports that are no pin of any cell. */
+/* List the inputs and outputs among the ports. Rails are ports that connect to
+   no pin of a cell. */
 static int find_ports(builder *b) {
   graph *g = b->g;
   for (size_t i = 0; i < b->top->ports; i++) {
-    uint32_t net = (uint32_t)i; /* ports are the first nodes */
+    uint32_t net = (uint32_t)i; /* ports have the first net numbers */
     if (b->driver[net] >= 0)
       g->output[g->outputs++] = net;
     else if (g->fanout[net])
@@ -198,7 +201,7 @@ int graph_read(graph *g, eda_pool *pool, const eda_timing *timing,
 
 /* ---- from a circuit's devices to the cells' ---- */
 
-/* The first node of each instance, by its name. */
+/* Return a hash table from instance name to first node + 1. */
 static GHashTable *index_instances(const graph *g) {
   GHashTable *at = g_hash_table_new(g_str_hash, g_str_equal);
   for (size_t i = 0; i < g->nodes; i++)
@@ -207,7 +210,7 @@ static GHashTable *index_instances(const graph *g) {
   return at;
 }
 
-/* "XU1/M_i_0" is the device M_i_0 of the instance XU1. */
+/* Return the place of a device: "XU1/M_i_0" is device M_i_0 of instance XU1. */
 static place find_device(const graph *g, const char *name,
                          GHashTable *instances) {
   const char *slash = strchr(name, '/');
@@ -222,8 +225,9 @@ static place find_device(const graph *g, const char *name,
   return (place){0};
 }
 
-/* Of a device's drawn length and width: a circuit's and its cell's differ by no
-   more, which leaves room for rounding to a grid, but not for another scale. */
+/* Largest allowed relative difference between the drawn lengths and widths of a
+   device in the circuit and in its cell. Accepts rounding to a grid; rejects a
+   different scale. */
 static const double same_size = 0.02;
 
 place *graph_places(const graph *g, const eda_circuit *circuit,

@@ -1,125 +1,134 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the steps of timing share: a circuit of cells in the order of signals,
-   its cells' tables at their loads and sizes, and static analysis. Times s,
-   capacitances F, unless they say ps. */
+/* Shared by the steps of timing: circuits of cells in topological order, delay
+   tables at given loads and sizes, and static timing analysis. Times in s and
+   capacitances in F unless a comment says ps. */
 #pragma once
 
 #include <eda/netlist.h>
 #include <eda/timing.h>
 
-/* An output of an instance of a cell. */
+/* Output of a cell instance. */
 typedef struct node {
   const eda_timing_cell *cell;
   uint32_t instance;
-  uint32_t output;    /* of the cell */
-  uint32_t net;       /* that it drives */
+  uint32_t output;    /* output of the cell */
+  uint32_t net;       /* net driven by the output */
   const uint32_t *in; /* nets of the cell's inputs */
-  size_t table;       /* where its tables begin */
+  size_t table;       /* offset in state.table */
 } node;
 
-/* An input of an instance. */
+/* Input pin of an instance. */
 typedef struct plug {
-  uint32_t node; /* the instance's first */
+  uint32_t node; /* first node of the instance */
   uint32_t input;
 } plug;
 
-/* The circuit: instances of cells, in an order in which each comes after those
-   that drive it. */
+/* Circuit of cell instances. Each node follows the nodes that drive its
+   inputs. */
 typedef struct graph {
   const char *name;
   size_t nets, instances, nodes;
   const char **net;      /* names */
-  const char **instance; /* names, with their letter */
+  const char **instance; /* names, including the leading letter */
   node *node;
   size_t inputs, outputs;
   uint32_t *input, *output; /* nets, in the order of the ports */
-  size_t arrivals;          /* of outputs that a node drives */
+  size_t arrivals;          /* number of outputs driven by a node */
   uint32_t *fanout;         /* pins on each net */
-  plug *pin;                /* all of them, net by net */
+  plug *pin;                /* all input pins, ordered by net */
   uint32_t *first_pin;      /* [nets + 1] */
 } graph;
 
-/* What is around the cells. */
+/* Electrical conditions at the boundary of the circuit. */
 typedef struct conditions {
-  double load; /* at each output of the circuit */
-  double wire; /* for each pin on a net */
-  double slew; /* of the circuit's inputs */
+  double load; /* at each output of the circuit, F */
+  double wire; /* wire capacitance for each pin of a net, F */
+  double slew; /* of the inputs of the circuit, s */
 } conditions;
 
 /* ---- graph.c ---- */
 
-/* Read the subcircuit `top` of a netlist; all memory is the pool's. */
+/* Read the subcircuit `top` of the netlist `file` into `g`. Returns OPC_OK or
+   an error code. All memory belongs to `pool`. */
 int graph_read(graph *g, eda_pool *pool, const eda_timing *timing,
                const char *file, const char *top, opc_error *error);
 
-/* Where a device of the placed circuit is in its cell. */
+/* Instance and cell device of a device of the placed circuit. */
 typedef struct place {
   uint32_t instance;
   const eda_timing_device *device;
 } place;
 
-/* Of each of the circuit's devices (to be freed); NULL, with an error, if one
-   is in no cell of the graph, or of another size there. */
+/* Return the place of each device of the circuit (caller frees). Returns NULL
+   and sets `error` if a device is in no cell of the graph, or its size differs
+   from the size in the cell. */
 place *graph_places(const graph *g, const eda_circuit *circuit,
                     opc_error *error);
 
-/* A set of sizes: as drawn, or as a method printed them. */
+/* Set of transistor sizes, drawn or printed, with the resulting tables. */
 typedef struct state {
   const char *name;
-  double **change; /* of each instance, [bundle * EDA_SIZES + size]; or NULL */
-  double *table;   /* cubics of all nodes' arcs, ps; see tables.c */
-  double *one;     /* one delay an arc; see one_delay */
+  double **change; /* ln of size ratio, [instance][bundle * EDA_SIZES + size];
+                      NULL: as drawn */
+  double *table;   /* cubic coefficients of the arcs of all nodes, ps; see
+                      tables.c */
+  double *one;     /* one delay per arc, fs; see one_delay */
   const node *nodes;
-  /* Of each net, [(net * 2 + rises) * EDA_CAPS + cap]: the mean load over what
-     the inputs are that share cells with its pins, and what of it does not
-     depend on that; the least and the largest, and where the mean lies between
-     these. */
+  /* Loads of each net, F, [(net * 2 + rises) * EDA_CAPS + cap]. `load`: mean
+     over the input patterns of the instances on the net; `fixed`: share
+     independent of these patterns (wires, output loads); `least` and `largest`:
+     bounds; `mean`: position of the mean between the bounds, 0 to 1. */
   double *load, *fixed, *least, *largest, *mean;
-  /* By how much printed pins are larger, [that of the net's place, by pin]. */
+  /* Ratio of printed to drawn pin capacitance, [(pin * 2 + rises) * EDA_CAPS +
+     cap], pins as in graph.pin. */
   double *pins;
 } state;
 
 /* ---- tables.c: delays at the loads and sizes of a state ---- */
 
-/* Delay and slew, at the least and at the largest load of the net. */
+/* Values per arc: delay and slew, each at the least and the largest load. */
 enum { ARC_PARTS = 2 * EDA_CAPS };
 
 void state_tables(const graph *g, conditions at, state *s);
-/* Those of one node again, once its sizes or loads have changed. */
+/* Recompute the tables of one node after a change of sizes or loads. */
 void node_tables(const node *n, const state *s);
 void state_clear(state *s);
 
-/* The loads of a net again, when the sizes of what is on it have changed. */
+/* Recompute the loads of a net after a change of the sizes connected to the
+   net. */
 void net_loads(const graph *g, conditions at, state *s, uint32_t net);
 
-/* Doubles of the cubics of an arc. */
+/* Return the number of doubles that hold the cubics of one arc. */
 size_t arc_room(const eda_timing_cell *cell);
 
-/* Delay (ps) and slew of an arc of a node at a slew of its input, at the mean
-   load. */
+/* Compute delay and output slew (ps) of an arc of a node at input slew `slew`
+   (ps) and mean load. */
 void arc_at(const node *n, const state *s, size_t arc, double slew,
             double *delay, double *out);
 
-/* The same at another load: 0 the least, 1 the largest, of each capacitance. */
+/* Compute delay and output slew (ps) at load `load`, for each capacitance as a
+   position between the least (0) and the largest (1) load. */
 void arc_loaded(const node *n, const state *s, size_t arc, double slew,
                 const double load[EDA_CAPS], double *delay, double *out);
 
-/* Where the mean load lies of what drives a net that rises or falls. */
+/* Return the position of the mean load between the bounds, [EDA_CAPS], for a
+   net that rises or falls. */
 const double *mean_load(const state *s, uint32_t net, int rises);
 
-/* The load for arc_loaded when the pins on the net stand so: `from` has the
-   inputs of each pin's instance, net's pins in turn. */
+/* Compute the load for arc_loaded from the input levels of the connected
+   instances: `from` holds one input pattern for each pin of the net. */
 void load_at(const graph *g, const state *s, uint32_t net, int rises,
              const uint32_t *from, double load[EDA_CAPS]);
 
-/* One delay an arc, fs: from an input to a node's output that rises or falls;
-   the least, the mean and the largest over what the other inputs are, at the
-   slews of static analysis. NAN: there is no such arc. */
+/* One delay per arc, from a cell input to an output that rises or falls, fs:
+   the least, mean and largest over the levels of the other inputs, at the slews
+   of static analysis. NAN: no such arc. */
 enum { LEAST, MEAN, LARGEST, KINDS };
 const double *one_delay(const node *n, const state *s, size_t input, int rises);
 
-/* Static analysis: the latest arrival at each net, [net * 2 + rises], ps, and
-   through which [net] it came: net * 2 + rises, or UINT32_MAX. */
+/* Result of static timing analysis: latest arrival (ps) and slew (ps) of each
+   net, [net * 2 + rises], and the preceding index net * 2 + rises on the latest
+   path (UINT32_MAX: none). */
 typedef struct arrivals {
   double *time, *slew;
   uint32_t *from;

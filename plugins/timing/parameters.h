@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Parameters and metrics that steps of timing have in common. `self_type` is
-   the struct of the step's instance. */
+/* Parameters and metrics shared by the steps of timing. `self_type` is the
+   struct of the step's instance. */
 #pragma once
 
 #include <opcflow/step.h>
 
-/* Members models[2], model[2]. */
+/* Uses the members models[2] and model[2]. */
 #define TIMING_MODELS(self_type, flag, text)                              \
   OPC_PARAMETER_NAMED("models", self_type, models[0], .type = OPC_FILE,   \
                       .flags = (flag), .summary = (text)),                \
@@ -19,7 +19,7 @@
                           .type = OPC_TEXT, .preset = "pmos",             \
                           .summary = "name of the p-transistor's model")
 
-/* Member limit, s. */
+/* Uses the member limit, s. */
 #define TIMING_TIME_LIMIT(self_type)                                       \
   OPC_PARAMETER_NAMED(                                                     \
       "time_limit", self_type, limit, .type = OPC_REAL, .unit = "s",       \
@@ -27,7 +27,7 @@
       .preset = "600 s", .min = 0, .max = 86400,                           \
       .summary = "Longest time of one process of the simulator")
 
-/* Member at, the conditions of a circuit. */
+/* Uses the member at, of type conditions. */
 #define TIMING_CONDITIONS(self_type)                                           \
   OPC_PARAMETER_NAMED("load", self_type, at.load, .type = OPC_REAL,            \
                       .unit = "F", .flags = OPC_AT_LEAST | OPC_AT_MOST,        \

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What is left of the cells' tables once loads and sizes are known: of each arc
-   of each node, cubics of the input's slew; and static analysis by them. */
+/* Implements delay tables at the loads and sizes of a state: for each arc of
+   each node, cubics of the input slew. Also static timing analysis with these
+   tables. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,7 +20,7 @@ static size_t place_of(uint32_t net, int rises) {
   return ((size_t)net * 2 + (size_t)rises) * EDA_CAPS;
 }
 
-/* The factor of a pin's capacitance, [(pin * 2 + rises) * EDA_CAPS + cap]. */
+/* Return the capacitance ratios of pin k, [EDA_CAPS]; see state.pins. */
 static double *factor_of(const state *s, size_t k, int rises) {
   return s->pins + (k * 2 + (size_t)rises) * EDA_CAPS;
 }
@@ -30,7 +31,8 @@ static double pin_at(const graph *g, size_t k, uint32_t from, int cap) {
   return c->pin_capacitance[at * EDA_CAPS + (size_t)cap];
 }
 
-/* What a pin adds to the least, the largest and the mean load of its net. */
+/* Add the capacitance of pin k to the least, largest and mean load of its
+   net. */
 static void add_pin(const graph *g, state *s, uint32_t net, size_t k,
                     int rises) {
   const node *n = &g->node[g->pin[k].node];
@@ -131,7 +133,7 @@ void arc_loaded(const node *n, const state *s, size_t arc, double slew,
   a += EDA_TIMING_POWERS * i * ARC_PARTS;
   double t = slew - c->at_slew[i] * ps,
          h = (c->at_slew[i + 1] - c->at_slew[i]) * ps;
-  /* Straight on beyond the ends. */
+  /* Extrapolate linearly beyond the ends of the grid. */
   double e = t < 0 ? 0 : t > h ? h : t, over = t - e;
   for (int k = 0; k < ARC_PARTS; k++, a++) {
     const double *b = a + ARC_PARTS, *q = b + ARC_PARTS, *r = q + ARC_PARTS;
@@ -150,7 +152,8 @@ void arc_at(const node *n, const state *s, size_t arc, double slew,
 
 /* ---- static analysis ---- */
 
-/* The latest of all arcs, each with the latest slew that an input has. */
+/* Each net takes the latest arrival of all arcs and, separately, the largest
+   slew. */
 arrivals static_arrivals(const graph *g, const state *s, double slew,
                          eda_pool *pool) {
   arrivals a = {eda_pool_alloc(pool, 2 * g->nets, sizeof(double)),
@@ -193,7 +196,8 @@ const double *one_delay(const node *n, const state *s, size_t input,
                       KINDS;
 }
 
-/* In whole fs, as SDF and Icarus Verilog have them, and no less than 1. */
+/* Compute one delay per arc, rounded to whole fs as in SDF and Icarus Verilog,
+   at least 1 fs. */
 static void find_one(const graph *g, double slew, state *s) {
   eda_pool pool = {0};
   arrivals a = static_arrivals(g, s, slew, &pool);

@@ -43,12 +43,15 @@ void cli_message(const char *kind, const char *format, ...) {
 
 /* ---- standard output ---- */
 
-enum { FIRST_OWN = 100 }; /* of descriptors: above those that others count on */
+enum {
+  FIRST_OWN = 100
+}; /* first descriptor used here, above those that others
+      rely on */
 
 static FILE *out;
 
-/* A stream that came closed would be the next file that somebody opens. It
-   still can be neither read nor written. */
+/* Open closed standard streams as unreadable and unwritable ones, because the
+   next opened file would take their place. */
 static void hold_places(void) {
   for (int i = STDIN_FILENO; i <= STDERR_FILENO; i++)
     if (fcntl(i, F_GETFD) < 0)
@@ -59,7 +62,7 @@ void cli_keep_output(void) {
   hold_places();
   int kept = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, FIRST_OWN);
   out = kept < 0 ? NULL : fdopen(kept, "w");
-  if (!out) out = stdout; /* so few files may be open */
+  if (!out) out = stdout; /* too few files may be open */
   if (out == stdout) return;
   dup2(STDERR_FILENO, STDOUT_FILENO);
   setvbuf(stdout, NULL, _IOLBF, 0);
@@ -83,7 +86,7 @@ void cli_write(const char *text) {
   if (!silent) fputs(text, out);
 }
 
-/* COLUMNS, or the terminal's; what is no terminal takes any width. */
+/* COLUMNS, or the width of the terminal; unlimited for other outputs. */
 size_t cli_width(void) {
   const char *columns = g_getenv("COLUMNS");
   struct winsize size;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Keeps findings. */
+/* List of findings. */
 #include <base/findings.h>
 
 #include <string.h>

@@ -205,8 +205,8 @@ char *opc_sheet_text(opc_sheet *s, size_t width) {
 
 /* ---- Markdown ---- */
 
-/* Append a text with bars and backslashes escaped, because a bar would end its
-   cell. */
+/* Append a text with vertical bars and backslashes escaped, because a bar
+   would end its cell. */
 static void append_escaped(GString *out, const char *text) {
   for (; *text; text++) {
     if (strchr("|\\`*_<", *text)) g_string_append_c(out, '\\');

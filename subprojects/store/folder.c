@@ -46,7 +46,7 @@ static void free_names(opc_folder *f) {
   g_free(f);
 }
 
-/* ---- what may be replaced ---- */
+/* ---- replaceable folders ---- */
 
 int opc_folder_allowed(const char *target, gboolean force, opc_error *error) {
   struct stat about;

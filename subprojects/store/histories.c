@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Keeps histories of steps. */
+/* List of histories of steps. */
 #include <store/histories.h>
 
 #include <string.h>

@@ -9,9 +9,9 @@
 #include <store/files.h>
 #include "private.h"
 
-/* Age, ns, below which a file is not cached: another change might leave its
-   times equal, because clocks of file systems have steps of up to 2 s (FAT), 4
-   ms in most cases. */
+/* Age, ns, below which a file is not cached, because another change might leave
+   its times equal. Clocks of file systems have steps of up to 2 s (FAT), 4 ms
+   in most cases. */
 static const gint64 step = G_GINT64_CONSTANT(2000000000);
 
 /* The cache is cleared above this number, because a swept file has many

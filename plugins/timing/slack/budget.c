@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Who may be longer: a greedy search, each of whose steps is judged by static
-   analysis of the whole circuit. */
+/* Implements the greedy search for gate lengths, with static timing analysis of
+   the whole circuit after each step. */
 #include "budget.h"
 
 #include <math.h>
@@ -70,8 +70,8 @@ void budget_clear(budget *b) {
   eda_pool_clear(&b->pool);
 }
 
-/* Give a choice another level: its own tables change, and those of what drives
-   its inputs. */
+/* Set the level of a choice and recompute the tables of its instance and of the
+   nodes that drive the instance. */
 static void set_level(budget *b, choice *c, uint32_t level) {
   const graph *g = b->g;
   c->level = level;
@@ -97,7 +97,7 @@ double budget_leak(const budget *b) {
 
 /* ---- arrivals ---- */
 
-/* Where the latest path ends: net * 2 + rises. */
+/* Return the end of the latest path, net * 2 + rises. */
 static uint32_t latest(const budget *b, const arrivals *a) {
   const graph *g = b->g;
   uint32_t at = g->output[0] * 2;
@@ -147,8 +147,8 @@ double *budget_slack(const budget *b) {
 
 /* ---- what a path would gain ---- */
 
-/* By how much a delay at a slew (ps) differs between two rows over the slews of
-   the cell's grid, ps. */
+/* Return the difference of two delays at a slew (ps), from their rows over the
+   slews of the grid, in ps. */
 static double differ(const eda_timing_cell *c, const double *a, const double *b,
                      double slew) {
   double row[EDA_TIMING_GRID], coefficient[EDA_TIMING_POWERS * EDA_TIMING_GRID];
@@ -162,8 +162,8 @@ static void unit_change(double *change, size_t bundle, double by) {
   change[bundle * EDA_SIZES + EDA_SIZE_C] = by;
 }
 
-/* Delay of a stage for a unit of length of its own transistors. Delays are
-   linear in changes (eda_timing_at). */
+/* Add the derivative of a stage's delay by the length of each of its own
+   transistors. Delays are linear in changes (eda_timing_at). */
 static void gain_of_cell(const budget *b, const node *n, size_t arc,
                          double slew, double *gain) {
   const eda_timing_cell *c = n->cell;
@@ -183,11 +183,12 @@ static void gain_of_cell(const budget *b, const node *n, size_t arc,
   free(change);
 }
 
-/* The change of a load that a derivative is taken from, of the load: as that of
-   sizes in timing.characterize. */
+/* Relative load change of the finite difference, equal to the size change of
+   timing.characterize. */
 static const double nudge = 0.01;
 
-/* The same of the transistors whose gates load it. */
+/* Add the derivative of a stage's delay by the length of the transistors that
+   load its output. */
 static void gain_of_load(const budget *b, const node *n, size_t arc,
                          double slew, double *gain) {
   const eda_timing_cell *c = n->cell;
@@ -220,7 +221,7 @@ static void gain_of_load(const budget *b, const node *n, size_t arc,
   }
 }
 
-/* The arc by which the latest signal comes to `to` from `from`. */
+/* Return the arc with the largest delay from `from` to `to`. */
 static size_t latest_arc(const budget *b, const arrivals *a, const node *n,
                          uint32_t from, uint32_t to) {
   size_t found = 0;
@@ -236,9 +237,9 @@ static size_t latest_arc(const budget *b, const arrivals *a, const node *n,
   return found;
 }
 
-/* Delay of the latest path for a unit of each choice's length, ps. What slews
-   do to later stages is left out: it is alike for all, and each step is judged
-   by the whole analysis. */
+/* Compute the derivative of the latest path's delay by the length of each
+   choice, ps. The effect of slews on later stages is neglected: it is similar
+   for all choices, and static analysis checks each step. */
 static void find_gain(const budget *b, const arrivals *a, double *gain) {
   for (size_t i = 0; i < b->count; i++) gain[i] = 0;
   for (uint32_t at = latest(b, a); a->from[at] != UINT32_MAX;
@@ -253,13 +254,13 @@ static void find_gain(const budget *b, const arrivals *a, double *gain) {
 
 /* ---- the search ---- */
 
-/* Delay that a choice's next level down takes away. */
+/* Return the delay reduction of lowering a choice by one level, ps. */
 static double step_down(const choice *c, double gain) {
   return gain * (c->length[c->level] - c->length[c->level - 1]);
 }
 
-/* The one that gives the most delay for its leakage; NULL: none. Each goes down
-   once for each time that gains are found. */
+/* Return the choice with the largest delay reduction per added leakage; NULL:
+   none. Each choice is lowered at most once per evaluation of the gains. */
 static choice *best_down(const budget *b, const double *gain) {
   choice *best = NULL;
   double most = 0;
@@ -273,8 +274,9 @@ static choice *best_down(const budget *b, const double *gain) {
   return best;
 }
 
-/* Those of the latest path go down until it should be faster by half of what it
-   is too late: then another path may be the latest. 0: none can. */
+/* Lower choices on the latest path until the estimated reduction reaches half
+   of the excess; beyond that, another path may be the latest. Returns 0 if no
+   choice can be lowered. */
 static int speed_up(budget *b, double *gain) {
   eda_pool pool = {0};
   arrivals a = static_arrivals(b->g, &b->sizes, b->at.slew, &pool);
@@ -294,8 +296,9 @@ static int speed_up(budget *b, double *gain) {
   return any;
 }
 
-/* Where nobody on the path gives anything, as a slew that another input makes
-   is what takes so long, all go down. 0: all are as drawn. */
+/* Lower all choices by one level. Used if no choice on the path has a gain
+   because the slew of another input determines the delay. Returns 0 if all are
+   as drawn. */
 static int all_down(budget *b) {
   int any = 0;
   for (size_t i = 0; i < b->count; i++) {
@@ -306,7 +309,7 @@ static int all_down(budget *b) {
   return any;
 }
 
-/* The order in which leakage is to be saved: by what the next level saves. */
+/* Order of raising choices: by the leakage saved by the next level. */
 typedef struct turn {
   double saves;
   size_t of;
@@ -327,7 +330,8 @@ static int has_slack(const budget *b, const choice *c, const double *slack) {
   return 0;
 }
 
-/* Each, in turn, a level up if the limit lets it. How many have gone. */
+/* Raise each choice by one level, in order of saving, where the limit allows.
+   Returns the number of raised choices. */
 static size_t give_back(budget *b, turn *turns) {
   double *slack = budget_slack(b);
   size_t n = 0, gone = 0;

@@ -1,23 +1,24 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* How much longer each transistor of a circuit may be for the least leakage,
-   so that no path takes longer than a limit. */
+/* Assignment of slack to transistors: increases gate lengths to reduce leakage
+   while no path exceeds a limit. */
 #pragma once
 
 #include "../graph.h"
 
-/* Steps from the drawn to the greatest length. One is less than a nanometre for
-   lengths that are 10 % more at 65 nm, below the mask's own step. */
+/* Steps from the drawn to the largest length. For an increase of 10 % at 65 nm,
+   one step is less than 1 nm, below the grid of the mask. */
 enum { LEVELS = 10 };
 
-/* The transistors of a cell that are in parallel: one length for all. */
+/* Parallel transistors of a cell, which share one length. */
 typedef struct choice {
   uint32_t instance, bundle;
-  uint32_t level, most;      /* of LEVELS; most is 0 where it has to stay */
-  double length[LEVELS + 1]; /* ln of the length over that drawn */
-  double leak[LEVELS + 1];   /* A, mean over the circuit's input patterns */
+  uint32_t level, most;      /* 0 to LEVELS; most is 0 if the length is fixed */
+  double length[LEVELS + 1]; /* ln of length over drawn length, per level */
+  double leak[LEVELS + 1];   /* A, per level, mean over the input patterns of
+                                the circuit */
 } choice;
 
-/* An input of an instance on a net. */
+/* Input of an instance on a net. */
 typedef struct pin {
   uint32_t node, input;
 } pin;
@@ -25,46 +26,45 @@ typedef struct pin {
 typedef struct budget {
   const graph *g;
   conditions at;
-  double limit; /* ps: the latest arrival that is allowed */
+  double limit; /* largest allowed arrival, ps */
   size_t count;
-  choice *choice; /* that of (instance, bundle) is first[instance] + bundle */
+  choice *choice; /* choice of (instance, bundle): first[instance] + bundle */
   size_t *first;
 
-  /* Of a run; see budget_init. */
+  /* State of a run; see budget_init. */
   eda_pool pool;
   state sizes;
-  int64_t *driver;   /* of each net: its node, -1 */
-  uint32_t *pins_of; /* of each net: its pins are pin[pins_of[net]] ... */
+  int64_t *driver;   /* node that drives each net; -1: none */
+  uint32_t *pins_of; /* pins of net n begin at pin[pins_of[n]] */
   pin *pin;
-  uint32_t *node_of; /* of each instance: its nodes are
-                        node[node_of[instance]] ... */
+  uint32_t *node_of; /* nodes of instance i begin at node[node_of[i]] */
   uint32_t *node;
 } budget;
 
-/* Tables and lists, with each choice at its level. `choice` and `first` are
-   filled in by the caller, who frees them. */
+/* Build tables and lists with each choice at its current level. The caller
+   fills in and frees `choice` and `first`. */
 void budget_init(budget *b);
 void budget_clear(budget *b);
 
-/* The latest arrival at an output, ps. */
+/* Return the latest arrival at an output, ps. */
 double budget_worst(const budget *b);
 
-/* By how much each net may be later, ps: [net * 2 + rises], INFINITY where it
-   leads nowhere or does not come. To be freed. */
+/* Return the slack of each net, ps, [net * 2 + rises] (caller frees). INFINITY:
+   the net reaches no output, or the transition does not occur. */
 double *budget_slack(const budget *b);
 
-/* What all leak, A, in the mean over input patterns. */
+/* Return the total leakage, A, mean over the input patterns. */
 double budget_leak(const budget *b);
 
-/* Set the levels. All begin at their most; while the latest path takes longer
-   than the limit, whoever is on it and gives the most delay for the least
-   leakage goes down a level (Fishburn and Dunlop, TILOS, ICCAD 1985, the other
-   way round); then each goes up again as far as the limit lets it. 0 if the
-   limit cannot be kept even as drawn. */
+/* Set the levels. Starts with all choices at their largest level. While the
+   latest path exceeds the limit, lowers the choice on this path with the
+   largest delay reduction per added leakage (the inverse of Fishburn and
+   Dunlop, TILOS, ICCAD 1985). Then raises each choice as far as the limit
+   allows. Returns 0 if even the drawn lengths exceed the limit. */
 int budget_spend(budget *b);
 
 /* ---- rest.c ---- */
 
-/* Of each choice, the share of the input patterns at rest in which its
-   transistors leak; to be freed. Asks `g`, `first` and `count` alone. */
+/* Return, for each choice, the share of the static input patterns in which its
+   transistors leak (caller frees). Uses only `g`, `first` and `count`. */
 double *rest_shares(const budget *b);

@@ -1,29 +1,31 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Which transistors leak while a circuit is at rest: those that are off between
-   a net that is high and one that is low. Two that are off in series leak about
-   a tenth of one (Narendra et al., ISLPED 2001): they do not count. */
+/* Determines the transistors that leak in a static circuit: transistors that
+   are off between a high and a low net. Two series transistors that are off
+   leak about a tenth of one (Narendra et al., ISLPED 2001) and are
+   neglected. */
 #include <eda/random.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "budget.h"
 
-/* Of more inputs than that, patterns are drawn at random: so many. A share is
-   then off by 1.6 % of all patterns at most (two standard deviations). */
+/* Largest number of inputs with all patterns enumerated. Circuits with more
+   inputs use DRAWN random patterns; the standard error of a share is then 0.8 %
+   of all patterns at most. */
 enum { MOST_INPUTS = 12, DRAWN = 1 << MOST_INPUTS };
 
 /* ---- a cell ---- */
 
 enum { LOW, HIGH, FLOATS };
 
-/* An n-transistor passes a high level on, and a p-transistor a low one, less a
-   threshold, and what is off behind it leaks less for that. In a NAND2 of
-   data/devices/opcflow65.pm by ngspice 0.38 as much. Half or twice of it moves
-   what c17 leaks by -4 and +7 %, what is saved of it by less than a point and a
-   half. */
+/* Relative leakage of a transistor behind a degraded level: n-transistors pass
+   a high level, and p-transistors a low level, with the loss of a threshold.
+   Value for a NAND2 with data/devices/opcflow65.pm in ngspice 0.38. Halving or
+   doubling the value changes the leakage of c17 by -4 and +7 %, and the saving
+   by less than 1.5 percentage points. */
 static const double weakly = 0.4;
 
-/* The levels of a cell's nets. */
+/* Levels of the nets of a cell; weak: degraded by a threshold. */
 typedef struct levels {
   uint8_t *of, *weak;
 } levels;
@@ -32,7 +34,8 @@ static int is_on(const eda_timing_device *d, const uint8_t *level) {
   return level[d->gate] == (d->type == EDA_NMOS ? HIGH : LOW);
 }
 
-/* Pass a level on through a channel. Whether anything is new. */
+/* Propagate a level through a conducting channel. Returns 1 if the level of
+   `to` is new. */
 static int pass(const eda_timing_device *d, uint32_t from, uint32_t to,
                 int weakly_too, levels *v) {
   int weak = v->weak[from] || v->of[from] == (d->type == EDA_NMOS ? HIGH : LOW);
@@ -43,8 +46,8 @@ static int pass(const eda_timing_device *d, uint32_t from, uint32_t to,
   return 1;
 }
 
-/* Those of pins and rails, then what channels that are on pass on: all that are
-   whole come first. */
+/* Compute the levels of all nets: pins and rails first, then nets reached by
+   full levels, then nets reached by degraded levels. */
 static void find_levels(const eda_timing_cell *c, uint32_t pattern, levels *v) {
   for (size_t i = 0; i < c->nets; i++) {
     v->of[i] = c->rail[i] > 0 ? HIGH : c->rail[i] < 0 ? LOW : FLOATS;
@@ -63,7 +66,7 @@ static void find_levels(const eda_timing_cell *c, uint32_t pattern, levels *v) {
     }
 }
 
-/* How much of its Ioff a transistor leaks. */
+/* Return the leakage of a transistor as a fraction of its Ioff. */
 static double leaks(const eda_timing_device *d, const levels *v) {
   uint8_t gate = v->of[d->gate];
   if (gate == FLOATS || is_on(d, v->of)) return 0;
@@ -73,7 +76,7 @@ static double leaks(const eda_timing_device *d, const levels *v) {
 
 /* ---- the circuit ---- */
 
-/* How often an instance has each pattern of its inputs. */
+/* Number of occurrences of each input pattern of an instance. */
 typedef struct tally {
   const node *node;
   uint32_t *times;

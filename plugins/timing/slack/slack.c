@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* timing.slack: what each transistor of a circuit is to be printed as, so that
-   gates with time to spare leak less and no path takes longer: longer gates,
-   after Gupta et al., "Selective gate-length biasing for cost-effective runtime
+/* Implements timing.slack: sets the targets of transistors on paths with slack
+   to longer gates, which leak less, without delaying the latest path. After
+   Gupta et al., "Selective gate-length biasing for cost-effective runtime
    leakage control", DAC 2004. */
 #include <eda/circuit.h>
 #include <eda/curves.h>
@@ -28,17 +28,17 @@ typedef struct slack {
 } slack;
 
 static const size_t NO_CHOICE = SIZE_MAX;
-static const double NEVER = -1; /* no length of a choice */
+static const double NEVER = -1; /* marks a choice whose length is fixed */
 
-/* Of a run. */
+/* State of a run. */
 typedef struct job {
   const slack *s;
   eda_pool pool;
   graph graph;
   budget budget;
-  size_t *of;             /* the choice of each gate, NO_CHOICE: of none */
-  double *drawn;          /* slack of each net, ps, as drawn */
-  double worst, at_first; /* ps; A: as drawn */
+  size_t *of;             /* choice of each gate; NO_CHOICE: none */
+  double *drawn;          /* slack of each net as drawn, ps */
+  double worst, at_first; /* latest arrival, ps, and leakage, A, as drawn */
 } job;
 
 /* ---- work: what a length does ---- */
@@ -51,7 +51,7 @@ static double current(const slack *s, size_t gate, int which, double by) {
                                   g->length[gate] * exp(by), &w));
 }
 
-/* ln of the longest that a gate may be. */
+/* Return ln of the largest allowed length of a gate over its drawn length. */
 static double longest(const slack *s, size_t gate) {
   const eda_gates *g = s->circuit->gates;
   eda_curves_width w = eda_curves_among(&s->curves, g->width[gate]);
@@ -83,7 +83,8 @@ static void number_choices(job *j) {
   j->of = eda_pool_alloc(&j->pool, j->s->circuit->gates->count, sizeof *j->of);
 }
 
-/* A choice goes as far as the least of its gates; steps are even in ln L. */
+/* Fill in lengths and leakage of the choices. The largest length is the
+   smallest of the choice's gates; levels are equidistant in ln L. */
 static int fill_choices(job *j, opc_error *error) {
   const slack *s = j->s;
   const eda_circuit *c = s->circuit;
@@ -130,15 +131,15 @@ static void free_gates(void *object) {
 
 static void free_circuit(void *object) { free(object); }
 
-/* By how much the length of a gate is to be more, ln. */
+/* Return the length increase of a gate, ln. */
 static double longer(const job *j, size_t gate) {
   if (j->of[gate] == NO_CHOICE) return 0;
   const choice *c = &j->budget.choice[j->of[gate]];
   return c->length[c->level];
 }
 
-/* A factor with the digits of wishes.csv, so that the mask is the same whether
-   a synthesizer gets the gates or the file. */
+/* Round a factor to the digits of wishes.csv, so that the mask does not depend
+   on whether a synthesizer reads the gates or the file. */
 static double wish_round(double factor) { return round(factor * 1e6) / 1e6; }
 
 static eda_goal wish_of(const job *j, size_t gate) {
@@ -154,7 +155,7 @@ static eda_goal wish_of(const job *j, size_t gate) {
       .given = 1};
 }
 
-/* The gates as they are, but for the wishes. */
+/* Return a copy of the gates with the new goals; shares all other arrays. */
 static eda_gates *with_wishes(const job *j) {
   const eda_gates *from = j->s->circuit->gates;
   eda_gates *g = eda_alloc(1, sizeof *g);
@@ -199,7 +200,7 @@ static int tell_wishes(const job *j, opc_error *error) {
   return code;
 }
 
-/* The least slack of the nets that an instance drives. */
+/* Row of slack.csv; slacks are the least of the nets driven by the instance. */
 typedef struct row {
   const char *instance, *cell;
   double before, after, drawn, leak;
@@ -364,7 +365,7 @@ static const opc_metric metrics[] = {
 
 /* ---- entry ---- */
 
-/* Both point into the circuit that came in. */
+/* Both outputs refer to the input circuit. */
 static const opc_port outputs[] = {{.name = "gates",
                                     .kind = "gates",
                                     .check = eda_gates_check,
@@ -374,7 +375,7 @@ static const opc_port outputs[] = {{.name = "gates",
                                     .check = eda_circuit_check,
                                     .release = free_circuit}};
 
-/* A netlist may include others. */
+/* The netlist may include other files. */
 static const opc_step functions = {OPC_OUTPUTS(outputs), .run = run,
                                    .flags = OPC_STEP_OUTSIDE};
 OPC_PLUGIN(slack, .id = "timing.slack", .kind = "step", .version = "0.1.0",

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Circuits of inverters whose delays, currents and best lengths can be told by
-   hand, or by trying all. */
+/* Tests circuits of inverters with delays, currents and best lengths known in
+   closed form or from exhaustive search. */
 #include <eda/gates.h>
 #include <eda/memory.h>
 
@@ -20,7 +20,7 @@ static const double drop[2] = {0.02, 0.3}; /* Ion, Ioff */
 static const double most_ion = 0.9;
 enum { STEPS = 10 };
 
-/* nm that cost a tenth of Ion; in steps of ln L. */
+/* Return the length increase (nm) that costs 10 % of Ion, in steps of ln L. */
 static double longest(void) { return log(most_ion) / -drop[0]; }
 static double length_at(int step) {
   return 60 * (exp(log1p(longest() / 60) * step / STEPS) - 1);
@@ -70,7 +70,8 @@ typedef struct placed {
   char name[2 * MOST][16], path[MOST][8];
 } placed;
 
-/* Each has n- and p-transistors of 200 and 300 nm. */
+/* Return a circuit of inverters with n- and p-transistors of 200 and 300 nm
+   width. */
 static placed *place_all(size_t instances) {
   static const char *net[] = {"a", "z", "VDD", "VSS"};
   static uint32_t port[] = {0, 1, 2, 3};
@@ -126,8 +127,9 @@ static const double base = 10, by_own = 8,
                     by_load = 2000;   /* ps, ps/ln, ps/pF */
 static const double by_gate = 1.5e-3; /* pF/ln */
 
-/* By the length of its own n-transistor, and by the load, which is by that of
-   its followers' n-transistors. The p-transistors do nothing. */
+/* Return a library whose delays depend on the length of the cell's n-transistor
+   and on the load, which depends on the n-transistors of the driven cells. The
+   p-transistors have no effect. */
 static eda_timing *made_up(void) {
   enum { A, Y, VDD, VSS, NETS };
   static const uint32_t port[] = {A, Y};
@@ -170,7 +172,7 @@ static int run(eda_timing *t, placed *p, const char *ports,
   opc_test_input(m, "circuit", &p->circuit);
   int code = opc_test_run(m, made, error);
   if (!code && wishes) {
-    /* Only the wishes are new. */
+    /* Only the goals differ. */
     const eda_gates *g = made[0];
     const eda_circuit *c = made[1];
     g_assert_true(c->gates == g && g->box == p->box && c->device == p->device);
@@ -181,7 +183,7 @@ static int run(eda_timing *t, placed *p, const char *ports,
   return code;
 }
 
-/* The step of each transistor, from the area that is wished. */
+/* Compute the step of each transistor from its target area. */
 static void find_steps(const placed *p, int *step) {
   memset(step, 0, p->circuit.count * sizeof *step);
   for (size_t r = 0; r < opc_test_rows("wishes"); r++) {
@@ -204,14 +206,15 @@ static void find_steps(const placed *p, int *step) {
 
 /* ---- small circuits, all combinations ---- */
 
-/* Whom each instance drives, -1: an output; no more than two. */
+/* Instances driven by each instance, at most two; -1: output. */
 typedef struct shape {
   const char *ports, *instances;
   size_t count;
   int next[5][2];
 } shape;
 
-/* The delay of an instance, and with the longest of what follows it. */
+/* Return the delay of an instance, and of the longest path from the
+   instance. */
 static double delay_alone(const shape *s, int i, const int *step) {
   double load = 0;
   for (int k = 0; k < 2; k++)
@@ -236,7 +239,8 @@ static double longest_path(const shape *s, const int *step) {
   return most;
 }
 
-/* The longest path that an instance is on: each has one driver, before it. */
+/* Return the longest path through an instance. Each instance has one driver,
+   with a smaller number. */
 static double path_through(const shape *s, int i, const int *step) {
   double sum = path_from(s, i, step);
   for (int from = i - 1; from >= 0; from--)
@@ -247,8 +251,8 @@ static double path_through(const shape *s, int i, const int *step) {
   return sum;
 }
 
-/* Each input level is there half of the time, so that each transistor leaks
-   half of the time. */
+/* Return the leakage. Each input level holds half of the time, so each
+   transistor leaks half of the time. */
 static double leak_of(const shape *s, const int *step) {
   double sum = 0;
   for (size_t i = 0; i < s->count; i++)
@@ -257,7 +261,7 @@ static double leak_of(const shape *s, const int *step) {
   return 1e9 * sum / 2;
 }
 
-/* The least leakage of all combinations of steps that keep the limit. */
+/* Return the least leakage of all combinations of steps that meet the limit. */
 static double least_leak(const shape *s, double limit) {
   int step[5] = {0};
   double least = INFINITY;
@@ -270,18 +274,18 @@ static double least_leak(const shape *s, double limit) {
 }
 
 static const shape shapes[] = {
-    /* A chain. */
+    /* Chain. */
     {"a z",
      "XU1 a m VDD VSS INV\nXU2 m n VDD VSS INV\nXU3 n z VDD VSS INV\n",
      3,
      {{1, -1}, {2, -1}, {-1, -1}}},
-    /* A short branch beside it, from its first net. */
+    /* Chain with a short branch from its first net. */
     {"a z y",
      "XU1 a m VDD VSS INV\nXU2 m n VDD VSS INV\nXU3 n z VDD VSS INV\n"
      "XU4 m y VDD VSS INV\n",
      4,
      {{1, 3}, {2, -1}, {-1, -1}, {-1, -1}}},
-    /* Two chains from one input, one of them forks. */
+    /* Two chains from one input, the second one forks. */
     {"a z y x",
      "XU1 a m VDD VSS INV\nXU2 m z VDD VSS INV\nXU3 a n VDD VSS INV\n"
      "XU4 n y VDD VSS INV\nXU5 n x VDD VSS INV\n",
@@ -289,8 +293,8 @@ static const shape shapes[] = {
      {{1, -1}, {-1, -1}, {3, 4}, {-1, -1}, {-1, -1}}},
 };
 
-/* No more leakage than 4 % above the best of all combinations, on time by the
-   formula, and nobody could go a step further. */
+/* Test that the leakage exceeds the optimum by 4 % at most, that the delay
+   meets the limit, and that no instance can be raised by another step. */
 static void test_all_combinations(void) {
   static const double limits[] = {0, 0.3, 0.8, 1.5, 2.5, 20}; /* % */
   opc_error error;
@@ -309,7 +313,7 @@ static void test_all_combinations(void) {
       find_steps(p, both);
       for (size_t i = 0; i < s->count; i++) {
         step[i] = both[2 * i];
-        g_assert_cmpint(both[2 * i + 1], ==, STEPS); /* it costs nothing */
+        g_assert_cmpint(both[2 * i + 1], ==, STEPS); /* no cost */
       }
       double found = leak_of(s, step);
       close_to(opc_test_metric("leakage"), found, 1e-4);
@@ -337,9 +341,9 @@ static void test_all_combinations(void) {
 
 /* ---- judged by timing.paths ---- */
 
-/* Inverters on nets drawn at random, with delays, slews and what lengths do to
-   them drawn at random, too: timing.paths, which is given the lengths as
-   printed ones, finds the latest path where it may be and not below. */
+/* Test random inverter circuits with random delays, slews and sensitivities:
+   timing.paths with the assigned lengths as printed lengths finds the latest
+   path at the limit or earlier, as predicted. */
 static void test_paths(void) {
   static double leq[2 * MOST], weq[2 * MOST], area[2 * MOST];
   static uint32_t flags[2 * MOST];
@@ -423,8 +427,8 @@ static eda_timing *with_nand(void) {
   return t;
 }
 
-/* One inverter at the first input of a NAND, two at the second: the slack of
-   the one alone is that of the later of its edges. */
+/* Test a NAND with one inverter at the first input and two at the second: the
+   slack of the single inverter equals that of the later of its edges. */
 static void test_spare(void) {
   opc_error error;
   eda_timing *t = with_nand();
@@ -438,7 +442,7 @@ static void test_spare(void) {
            "", NULL, &error),
        &error);
   const double one = base + by_load * pin_load * 1e12;
-  double last[2] = {0, 0}; /* through each input, the other one is 1 */
+  double last[2] = {0, 0}; /* through each input; the other input is 1 */
   for (uint32_t k = 0; k < c->arcs; k++)
     last[c->arc[k].input] = fmax(last[c->arc[k].input],
                                  one * (1 + c->arc[k].input) +
@@ -450,9 +454,8 @@ static void test_spare(void) {
   free(p);
 }
 
-/* Where lengths move slews and no delay of their own, nobody on the path has
-   anything to give by what the search looks at; the limit is kept all the same.
- */
+/* Test that the limit is met if lengths change only slews: the search then
+   finds no gain on the path. */
 static void test_slews(void) {
   opc_error error;
   eda_timing *t = made_up();
@@ -480,11 +483,12 @@ static void test_slews(void) {
 
 /* ---- what leaks at rest ---- */
 
-/* z is the NAND of a and of a inverted, so that it is always 1 and the two
-   n-transistors in series take turns to leak: the lower one less, as the upper
-   one passes a high level on. Of a NAND of two inputs each does so in a quarter
-   of the patterns, both in series in none, and both p-transistors leak in a
-   quarter. Those of the inverter take turns, too. */
+/* Test leakage shares. z is the NAND of a and inverted a, always 1; its two
+   series n-transistors leak in turn, the lower one less because the upper one
+   passes a degraded high level. In a NAND of two independent inputs, each
+   n-transistor leaks in a quarter of the patterns, both in series in none, and
+   both p-transistors in a quarter. The transistors of the inverter leak in
+   turn. */
 static void test_rest(void) {
   static const double n = 200 * 1e-10, p = 300 * 0.5e-10;
   opc_error error;
@@ -493,7 +497,8 @@ static void test_rest(void) {
     placed *all = place_all(3);
     strcpy(all->name[4], "XU2/MN2");
     strcpy(all->name[5], "XU2/MP2");
-    all->goal[3] = (eda_goal){2, {1, 1, 1}, 1}; /* of one of two in parallel */
+    all->goal[3] = (eda_goal){2, {1, 1, 1}, 1}; /* one of two parallel
+                                                   transistors */
     good(run(t, all, two ? "a n m z" : "a z",
              two ? "XU1 a m VDD VSS INV\nXU2 a n z VDD VSS NAND2\n"
                  : "XU1 a n VDD VSS INV\nXU2 a n z VDD VSS NAND2\n",
@@ -517,11 +522,11 @@ static const char chain[] =
 static void check_wish(const eda_goal *w, eda_goal want) {
   g_assert_cmpint(w->given, ==, want.given);
   g_assert_cmpfloat(w->weight, ==, want.weight);
-  for (int k = 0; k < EDA_GOAL_TARGETS; k++) /* of six decimals */
+  for (int k = 0; k < EDA_GOAL_TARGETS; k++) /* six decimals */
     g_assert_cmpfloat_with_epsilon(w->target[k], want.target[k], 0.5001e-6);
 }
 
-/* A wish of the designer stays, and its transistor as drawn. */
+/* Test that a designer's goal is kept and its transistor stays as drawn. */
 static void test_designer(void) {
   opc_error error;
   placed *p = place_all(3);
@@ -539,7 +544,7 @@ static void test_designer(void) {
   for (int i = 0; i < 6; i++) check_wish(&wish[i], i == 2 ? designer : longer);
   close_to(opc_test_metric("longer"), 5, 0);
   close_to(opc_test_metric("longer_most"), longest(), 1e-6);
-  /* Nobody gives anything: all as drawn. */
+  /* No choice has a gain: all lengths as drawn. */
   good(run(t, p, "a z", chain, ", ion: 0 %", NULL, &error), &error);
   close_to(opc_test_metric("longer"), 0, 0);
   close_to(opc_test_metric("leakage_change"), 0, 1e-12);

@@ -211,7 +211,7 @@ void eda_chart_axes(const eda_chart *c) {
   frame(c, c->left, c->width);
 }
 
-/* ---- what is in a chart ---- */
+/* ---- contents of a chart ---- */
 
 static void clip(const eda_chart *c, eda_colour colour) {
   cairo_t *cairo = c->paper->cairo;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Rows of sub-resolution assist features (bars) beside edges: a proposed bar
-   for each edge and row, reduced by drawn shapes and earlier bars. */
+/* Rows of sub-resolution assist features (scatter bars) beside edges: a
+   proposed bar for each edge and row, reduced by drawn shapes and earlier
+   scatter bars. */
 #include <eda/bars.h>
 #include <eda/index.h>
 #include <eda/memory.h>
@@ -22,7 +23,7 @@ static int32_t length_of(eda_box b) {
   return w > h ? w : h;
 }
 
-/* ---- where bars may be ---- */
+/* ---- where scatter bars may be ---- */
 
 /* A bar as proposed by the rule. */
 typedef struct wish {
@@ -87,7 +88,7 @@ static void cut_by_drawn(planner *p, const wish *w) {
     cut_parts(p, grow(p->drawn[i], off), w->upright);
 }
 
-/* Subtract the bars of earlier proposals from the parts. */
+/* Subtract the scatter bars of earlier proposals from the parts. */
 static void cut_by_bars(planner *p, const wish *w) {
   int32_t off = p->rule->space;
   eda_finder f = eda_index_find(p->of_wishes, grow(w->box, off));
@@ -97,7 +98,7 @@ static void cut_by_bars(planner *p, const wish *w) {
 }
 
 /* Add the parts of a proposal that are clear of drawn shapes and of existing
-   bars. */
+   scatter bars. */
 static void grant(planner *p, wish *w) {
   p->parts.count = 0;
   w->first = w->end = p->bars.count;
@@ -110,7 +111,7 @@ static void grant(planner *p, wish *w) {
   w->end = p->bars.count;
 }
 
-/* Order: lower rows first, then longer bars. */
+/* Order: lower rows first, then longer scatter bars. */
 static int by_rank(const void *a, const void *b) {
   const wish *p = *(const wish *const *)a, *q = *(const wish *const *)b;
   if (p->first != q->first) return p->first < q->first ? -1 : 1;
@@ -165,10 +166,10 @@ int eda_bars_place(const eda_bar_edge *edges, size_t n,
   return OPC_OK;
 }
 
-/* ---- bars that print ---- */
+/* ---- scatter bars that print ---- */
 
 /* Distance of the points at which a bar is tested, nm; the optics resolve no
-   less than 100 nm. Half and twice the value reject the same bars. */
+   less than 100 nm. Half and twice the value reject the same scatter bars. */
 static const double bar_step = 10;
 
 /* Return the maximum of the level set on a bar: along its middle and its

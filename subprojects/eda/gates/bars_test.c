@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Bars beside the edges of random rectangles: positions beside a single
+/* Scatter bars beside the edges of random rectangles: positions beside a single
    rectangle, and distances from each other and from drawn shapes. */
 #include <eda/bars.h>
 #include <eda/memory.h>

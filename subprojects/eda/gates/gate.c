@@ -15,9 +15,9 @@ static const double reach = 300;
 static const double neck = 0.75, wide = 2;
 
 /* Relative current error that sets a flag. Strips of the channel of different
-   width are in series: together they carry the current of their harmonic mean,
-   which is less than that of the mean width by the variance of the width over
-   its square. */
+   width are in series and carry the current of their harmonic mean. Relative to
+   the mean width, this current is smaller by the variance of the width over its
+   square. */
 static const double bite = 1e-3;
 
 /* A cut through the printed image at a point of a line: distances of its edges
@@ -184,7 +184,7 @@ void eda_gate_lengths(eda_gate *g, size_t n, const double *place,
                  place + j, length + j);
 }
 
-/* ---- what an extractor sees ---- */
+/* ---- interface of extractors ---- */
 
 static double printed_length(const eda_printed_gate *shown, double place) {
   double length;

@@ -216,7 +216,7 @@ int eda_measure_drawn(const opc_context *context, const eda_gates *gates,
   return measure(&j, error);
 }
 
-/* ---- what both need ---- */
+/* ---- common parts ---- */
 
 int eda_extractor_prepare(const opc_context *context,
                           const opc_module *extractor, opc_error *error) {

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Placement of bars by a gain map: among all rectangles on a lattice the one
-   with the largest gain, then the best of those clear of it, and so on. The
-   gain of a rectangle is a difference of four cumulative sums. */
+/* Placement of scatter bars by a gain map: among all rectangles on a lattice
+   the one with the largest gain. Then follows the best of those clear of the
+   first, and so on. The gain of a rectangle is a difference of four cumulative
+   sums. */
 #include <eda/bars.h>
 #include <eda/memory.h>
 #include <math.h>
@@ -67,7 +68,7 @@ static double gain_of(const seeker *s, const wish *w) {
          g[at(s, w->x1, w->y0)] + g[at(s, w->x0, w->y0)];
 }
 
-/* ---- where none may be ---- */
+/* ---- forbidden nodes ---- */
 
 /* Forbid the nodes of a box (grid steps) and `off` around it. */
 static void keep_out(seeker *s, eda_box b, int32_t off) {
@@ -85,7 +86,7 @@ static void keep_out(seeker *s, eda_box b, int32_t off) {
            (size_t)(x1 - x0));
 }
 
-/* ---- wishes ---- */
+/* ---- candidates ---- */
 
 /* Try all sizes on the lattice, in cells, from the smallest allowed size on. */
 static void try_sizes(const seeker *s, int x, int y, int upright, wish *best) {
@@ -167,7 +168,7 @@ int eda_bars_seek(const eda_field *map, const eda_bar_seek *rule,
   for (size_t i = 0; i < n; i++) keep_out(&s, box[i], rule->distance);
   for (size_t i = 0; i < bars->count; i++)
     keep_out(&s, bars->box[i], rule->space);
-  /* Bars stay within the frame: the first cells are half outside. */
+  /* Scatter bars stay within the frame: the first cells are half outside. */
   memset(s.keep_out, 1, (size_t)s.nx);
   for (int y = 0; y < s.ny; y++) s.keep_out[(size_t)y * (size_t)s.nx] = 1;
   sum_up(&s);

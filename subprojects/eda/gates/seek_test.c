@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Bars on maps whose best rectangles are known, and on random maps, where an
-   exhaustive search must find the same first bar. */
+/* Scatter bars on maps whose best rectangles are known, and on random maps,
+   where an exhaustive search must find the same first bar. */
 #include <eda/bars.h>
 #include <eda/memory.h>
 #include <glib.h>
@@ -41,7 +41,7 @@ static eda_box_list seek(const eda_bar_seek *by, const eda_box *drawn) {
   return bars;
 }
 
-/* Bars exactly where the map is negative. */
+/* Scatter bars exactly where the map is negative. */
 static void test_known(void) {
   const eda_box want = {200, 80, 250, 220}, line = {300, 300, 340, 480};
   fill((eda_box){0, 0, NX * STEP, NY * STEP}, 1);
@@ -52,7 +52,8 @@ static void test_known(void) {
   g_assert_cmpmem(&bars.box[0], sizeof want, &want, sizeof want);
   g_assert_cmpfloat(eda_bars_gain(&map, want, 1), ==, 2 * 50 * 140);
   free(bars.box);
-  /* No bars below the smallest gain, and no more than the largest number. */
+  /* No scatter bars below the smallest gain, and no more than the largest
+     number. */
   eda_bar_seek less = rule;
   less.worth = 2 * 50 * 140;
   bars = seek(&less, &line);

@@ -75,7 +75,7 @@ static inline void builder_free(builder *b) {
   g_array_free(b->points, TRUE);
 }
 
-/* Return boxes of both orientations and closed random walks that cross
+/* Return boxes of both orientations and closed random paths that cross
    themselves, repeat points and reverse on their own edges. */
 static inline builder random_shapes(GRand *r, int most) {
   builder b = builder_new();

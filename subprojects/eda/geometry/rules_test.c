@@ -50,8 +50,8 @@ static size_t count(const drawing *d, int rule, double least,
   return n;
 }
 
-/* Draw a line of 100 x 1000 steps with a bump of 30 x 4 at its right, a jog of
-   6 at its left, and a stair of 3 x 8 and 8 x 3 at its lower left corner. */
+/* Draw a line of 100 x 1000 steps. Its right side has a bump of 30 x 4, its
+   left side a jog of 6, its lower left corner a stair of 3 x 8 and 8 x 3. */
 static void line(drawing *d) {
   ADD(d, {0, 0}, {100, 0}, {100, 400}, {104, 400}, {104, 430}, {100, 430},
       {100, 1000}, {-6, 1000}, {-6, 500}, {0, 500}, {0, 300}, {-3, 300},

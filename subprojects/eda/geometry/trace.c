@@ -31,7 +31,7 @@ static void link_pair(trace *t, uint32_t p, uint32_t q) {
 }
 
 /* Order the ends where two walls meet head to head in a corner, so that
-   touching shapes stay separate: each of the two horizontal edges joins the
+   touching shapes stay separate. Each of the two horizontal edges joins the
    wall on its own side of the interior. */
 static void order_corner(const trace *t, eda_event *lower) {
   if (lower[0].major != lower[1].major || lower[0].minor != lower[1].minor)

@@ -2,7 +2,7 @@
 /* Sign changes of a field along a line. A quintic spline is a polynomial in
    each cell of its grid. The number of sign changes of its Bernstein
    coefficients bounds that of the polynomial, so no pair of changes is missed,
-   however close, and cells without a change take nearly no time. */
+   however close. Cells without a change take nearly no time. */
 #include "imaging/edge.h"
 
 #include <float.h>

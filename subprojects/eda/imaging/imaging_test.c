@@ -447,8 +447,8 @@ static void test_contours(void) {
 }
 
 /* sin x sin y + level has a saddle wherever both are 0, here in the middle of a
-   square. Of the 5 x 5 regions between saddles, 13 are positive, and 4 of the
-   others are inside: above 0, the positive regions are connected, with 4 holes;
+   square. Between the saddles are 5 x 5 regions; 13 are positive, and 4 of the
+   others are inside. Above 0, the positive regions are connected, with 4 holes;
    below 0, they are separate. */
 static void test_saddles(void) {
   const eda_frame window = {-247.5, -247.5, 2000, 2000};

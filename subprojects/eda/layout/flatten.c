@@ -27,11 +27,11 @@
 #define BEYOND \
   "'%s': a coordinate of layer '%s' lies beyond 2^30 units of %g nm"
 
-/* ---- what is put ---- */
+/* ---- output ---- */
 
 /* A placement on the current path. The instances that contain wanted shapes are
-   useful[first] up to UINT32_MAX; next is the current one. Of each row of its
-   array, the members in `columns` are wanted. */
+   useful[first] up to UINT32_MAX; next is the current one. The members in
+   `columns` of each row are wanted. */
 typedef struct frame {
   transform at;
   transform child; /* the matrix of the current instance */

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Representation of a layout; for the files of this folder only.
 
-   The shapes of a cell are stored in sheets, one for each layer: small boxes as
-   a corner and a size (12 bytes each), other boxes as two corners (16 bytes),
-   other polygons as consecutive points. No shape is allocated on its own. */
+   The shapes of a cell are stored in sheets, one for each layer. Small boxes
+   are a corner and a size (12 bytes each), other boxes two corners (16 bytes),
+   other polygons consecutive points. No shape is allocated on its own. */
 #pragma once
 
 #include <eda/layout.h>

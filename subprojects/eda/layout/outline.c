@@ -4,7 +4,7 @@
    The path is traversed forth and back, and each traversal draws its right
    side. The result is the union of a rectangle for each segment and a wedge at
    each outer corner. Its winding number is at least 1 inside the path and 0
-   elsewhere, even if the path crosses itself: an inner corner is mitred only
+   elsewhere, even if the path crosses itself. An inner corner is mitred only
    where the mitre is inside both segments, and passes through the point of the
    path otherwise. */
 #include <math.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* SPICE netlists with the printed sizes of transistors: the length effective
-   for the current in the transistor line, the length effective for the
-   capacitance in the DLC of its model (thesis 3.3.3). */
+/* SPICE netlists with the printed sizes of transistors (thesis 3.3.3). The
+   transistor line has the length effective for the current, the DLC of its
+   model that effective for the capacitance. */
 #include <eda/netlist.h>
 
 #include <math.h>

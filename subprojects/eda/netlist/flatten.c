@@ -68,8 +68,8 @@ static int has_setting(const eda_element *e, const char *name) {
 }
 
 /* Return whether an element is a transistor that a foundry kit wraps in a
-   subcircuit: X d g s b MODEL w= l=, with no subcircuit of that name in the
-   file. */
+   subcircuit: X d g s b MODEL w= l=. The file has no subcircuit of that
+   name. */
 static int is_wrapped(const eda_element *e) {
   return e->nodes == 4 && has_setting(e, "w") && has_setting(e, "l");
 }

@@ -94,9 +94,9 @@ static int read_document(runs_tree *tree, opc_error *error) {
   return code;
 }
 
-/* Return the text with braces of ${name} replaced by private characters until
-   values are written (parameters.c). ${name} may stand in { } and [ ] without
-   quotes, where YAML would end the text at its brace. */
+/* Return the text with braces of ${name} replaced by private characters;
+   parameters.c restores them. ${name} needs no quotes in { } and [ ], where
+   YAML would end the text at its brace. */
 static char *hide_braces(const char *text) {
   g_autoptr(GRegex) reference =
       g_regex_new("\\$\\{([A-Za-z0-9_.-]*)\\}", 0, 0, NULL);

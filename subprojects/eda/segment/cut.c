@@ -30,7 +30,7 @@ static int by_edge(const void *a, const void *b) {
   return (p->low > q->low) - (p->low < q->low);
 }
 
-/* ---- who owns what ---- */
+/* ---- owners of spans ---- */
 
 /* Return the edge below the side of gate i; recognise.c has verified that one
    exists. */
@@ -151,9 +151,8 @@ static int32_t reach_of(const cutter *c, const span *a) {
   return c->layer == EDA_ACTIVE ? c->s->reach : segment_overhang(c->s, a->gate);
 }
 
-/* Return how far a span may extend past its gate: to the end of its reach, and
-   along poly to the corner if the corner is within the distance of a line
-   end. */
+/* Return how far a span may extend past its gate: to the end of its reach.
+   Along poly, a corner within the distance of a line end is included. */
 static int32_t grow(const cutter *c, const span *a, int64_t distance) {
   int32_t reach = reach_of(c, a);
   if (distance <= reach ||

@@ -103,7 +103,7 @@ const edge *segment_edge(const edge_index *index, int d, int side, int32_t at,
 /* place.c: find the placement of the active layer that contains each region;
    and return the number of the first of `shapes` that contains each point,
    UINT32_MAX for none. Coordinates of points are doubled, so that middles are
-   integers. Of two abutting shapes, the right or upper one contains the common
+   integers. If two shapes abut, the right or upper one contains the common
    edge. */
 typedef struct doubled {
   int64_t x, y;

@@ -80,7 +80,7 @@ static eda_layout *random_layout(double unit, GRand *rand) {
   return layout;
 }
 
-/* ---- what there is ---- */
+/* ---- contents ---- */
 
 static bool starts_in(eda_box core, eda_box b) {
   return b.x0 >= core.x0 && b.x0 < core.x1 && b.y0 >= core.y0 && b.y0 < core.y1;

@@ -70,7 +70,7 @@ int eda_segment_window(const eda_layout *layout, int32_t top,
   return code;
 }
 
-/* ---- a core and what counts for it ---- */
+/* ---- a core and its environment ---- */
 
 static int32_t most(int32_t a, int32_t b) { return a > b ? a : b; }
 

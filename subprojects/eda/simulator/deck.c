@@ -2,8 +2,8 @@
 /* Filter of decks: the simulator receives only statements that describe a
    circuit. The language of ngspice has others, which run commands, access files
    or load code (.control, "*ng_script", "*#", .csparam, code models, tables in
-   files), and each version adds more, so unknown statements are rejected. Files
-   are read here, and only below the folders of the given files. Compiled models
+   files). Each version adds more, so unknown statements are rejected. Files are
+   read here, and only below the folders of the given files. Compiled models
    (OSDI) are code: the deck itself may name such a file, included files may
    not. */
 #include "simulator/deck.h"
@@ -28,7 +28,7 @@ typedef struct deck {
   eda_place section_at;
 } deck;
 
-/* ---- what is known ---- */
+/* ---- known statements ---- */
 
 /* Sources, controlled sources with expressions, passive devices, transistors,
    subcircuits. Not A and U, which are code; N only with compiled models. */

@@ -29,7 +29,7 @@
 
 enum { MOST_TROUBLE = 600 };
 
-/* ---- what is sent ---- */
+/* ---- output records ---- */
 
 /* Output of the only circuit of this process; callbacks of ngspice have no
    context. */
@@ -67,7 +67,7 @@ __attribute__((format(printf, 1, 2))) static char *text_of(const char *format,
   return text;
 }
 
-/* ---- what ngspice says ---- */
+/* ---- output of ngspice ---- */
 
 /* Functions of ngspice return no error codes, so recognise failures by its
    messages. */

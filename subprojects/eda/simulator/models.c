@@ -226,7 +226,7 @@ int eda_models_kind(const eda_models *l, const char *name) {
   return kind;
 }
 
-/* ---- what is needed ---- */
+/* ---- needed pieces ---- */
 
 /* Add all words of a piece to `words`. */
 static void add_words(GHashTable *words, const piece *p) {

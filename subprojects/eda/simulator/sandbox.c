@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Three protections, each of which alone prevents file access: a list of system
-   calls needed for arithmetic (seccomp), no file access (Landlock, if the
-   kernel has it), and resource limits. seccomp is required. */
+/* Three protections: a list of system calls needed for arithmetic (seccomp,
+   required), no file access (Landlock, if the kernel has it), and resource
+   limits. Each of them alone prevents file access. */
 #include "simulator/sandbox.h"
 
 #include <errno.h>

@@ -24,7 +24,7 @@ static const uint64_t most_bytes = UINT64_C(1) << 31;
 static const double patience = 0.05; /* interval of the tests for cancellation,
                                         s */
 
-/* ---- what came back ---- */
+/* ---- answer ---- */
 
 typedef struct reading {
   const opc_context *context;

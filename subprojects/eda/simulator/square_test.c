@@ -14,7 +14,7 @@
 #include <stdint.h>
 #include <sys/mman.h>
 
-/* ---- the interface: what a simulator reads ---- */
+/* ---- the interface, read by a simulator ---- */
 
 typedef struct pair {
   uint32_t row, column;

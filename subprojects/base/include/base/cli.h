@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Messages and output of a command, and the options on its command line. All
-   functions are [main] but cli_message. */
+   functions are [main] except cli_message. */
 #pragma once
 
 #include <glib.h>
@@ -12,10 +12,10 @@
    alone if `kind` is NULL. [any] */
 void cli_message(const char *kind, const char *format, ...) OPC_PRINTF(2, 3);
 
-/* Write an error message; FALSE. */
+/* Write an error message and return FALSE. */
 #define cli_refuse(...) (cli_message("error", __VA_ARGS__), FALSE)
 
-/* From now on write and print nothing: another process does. */
+/* Suppress all later output, because another process writes. */
 void cli_be_silent(void);
 
 /* Return whether to move a cursor. */
@@ -23,44 +23,45 @@ gboolean cli_is_terminal(void);
 
 /* ---- standard output ---- */
 
-/* Keep standard output for the functions below: what others print, plugins and
-   what they start, goes to standard error. First of all. */
+/* Keep standard output for the functions below: the output of plugins and of
+   programs they start is redirected to standard error. Call before everything
+   else. */
 void cli_keep_output(void);
 
-/* Undo that, before this process becomes another program. */
+/* Restore standard output before this process executes another program. */
 void cli_return_output(void);
 
 /* Print a text; characters that are not printable are escaped. */
 void cli_print(const char *format, ...) OPC_PRINTF(1, 2);
 
-/* Print a text as it is. */
+/* Print a text unchanged. */
 void cli_write(const char *text);
 
-/* Return COLUMNS or the width of the terminal; SIZE_MAX for any width. */
+/* Return COLUMNS or the width of the terminal; SIZE_MAX for unlimited width. */
 size_t cli_width(void);
 
-/* What was printed comes before the messages that follow. */
+/* Flush standard output, so that it precedes later messages. */
 void cli_flush(void);
 
-/* Return whether standard output took it all; FALSE and a message. */
+/* Return whether all output was written; FALSE and a message otherwise. */
 gboolean cli_is_written(void);
 
 /* ---- options ---- */
 
-/* An option of a command line. One of `flag`, `text` and `list` takes it:
-   variables of the verb, as a process runs one. A list ends with NULL; it is
-   NULL itself where nothing was given. */
+/* An option of a command line. One of `flag`, `text` and `list` is the address
+   of a variable that receives the value. A list ends with NULL; an unused list
+   is NULL. */
 typedef struct cli_option {
   const char *name; /* without dashes; NULL ends a table of options */
   const char *help;
-  const char *argument; /* its name in the help; NULL: a flag */
+  const char *argument; /* name of its argument in the help; NULL: a flag */
   gboolean *flag;
   const char **text;
   GPtrArray **list;
 } cli_option;
 
-/* Take the option at words[*i] of n, by tables of options that end with NULL.
-   FALSE and a message, which names the verb. */
+/* Read the option at words[*i] of n, by tables of options that end with NULL.
+   Return FALSE after a message, which names the verb. */
 gboolean cli_take_option(const cli_option *const *tables, const char *verb,
                          guint n, char **words, guint *i);
 
@@ -69,5 +70,5 @@ gboolean cli_take_option(const cli_option *const *tables, const char *verb,
 void cli_print_pair(const char *name, const char *value, const char *summary);
 void cli_print_options(const cli_option *options);
 
-/* Return what a list of options took, NULL-terminated. */
+/* Return the values of a list option, NULL-terminated. */
 const char *const *cli_list(GPtrArray *list);

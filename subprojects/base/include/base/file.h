@@ -27,9 +27,10 @@ gboolean opc_is_id(const char *name);
 /* Return the folder of the executable (g_free); NULL if there is none. */
 char *opc_executable_folder(void);
 
-/* Return the path of a file or folder in opcflow/ of an installation's folder
-   `in` (g_free), found from the folder of the executable, so that an
-   installation can be moved: `places` are the ends of that folder, "/bin",
-   NULL-terminated. NULL if the executable is not installed. */
+/* Return the path of a file or folder in opcflow/ of the folder `in` of an
+   installation (g_free); NULL if the executable is not installed. The path is
+   relative to the folder of the executable, so that an installation can be
+   moved. `places` are the possible ends of that folder, "/bin",
+   NULL-terminated. */
 char *opc_installed(const char *const *places, const char *in,
                     const char *name);

@@ -32,8 +32,7 @@ opc_source *opc_source_layer(const opc_source *file, const char *layer);
 void opc_source_free(opc_source *source);
 
 /* Return the tree of a text whose first line is number `line`; NULL and
-   problems if the text is invalid. ${name} may stand in { } and [ ] without
-   quotes. */
+   problems if the text is invalid. ${name} needs no quotes in { } and [ ]. */
 opc_node *opc_node_parse(const opc_source *source, const char *text,
                          size_t length, opc_problems *problems);
 

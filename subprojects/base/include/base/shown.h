@@ -14,6 +14,6 @@ char *opc_shown(const char *text, const char *keep);
    (g_free). */
 char *opc_shown_json(const char *json);
 
-/* End a text of at most `size` bytes before what is not UTF-8, and put blanks
-   in place of characters that move a cursor. */
+/* End a text of at most `size` bytes before the first invalid UTF-8 byte, and
+   replace characters that move a cursor by blanks. */
 void opc_show_in_place(char *text, size_t size);

@@ -30,8 +30,8 @@ OPC_C_BEGIN
 #define OPC_UNUSED
 #endif
 
-/* Stands before the end of each struct that may get more fields there without
-   breaking anything that was built before. */
+/* Padding at the end of each struct that may receive more fields there without
+   breaking older binaries. */
 #ifndef OPC_MAY_GROW
 #define OPC_MAY_GROW
 #endif

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Sub-resolution assist features (SRAF) by rules: rows of scatter bars beside
    edges with open space (C. A. Mack, Fundamental Principles of Optical
-   Lithography, 2007, chapter 10). The bars are too narrow to print and make an
-   isolated edge print more like a dense edge. */
+   Lithography, 2007, chapter 10). The scatter bars are too narrow to print and
+   make an isolated edge print more like a dense edge. */
 #pragma once
 
 #include <eda/imaging.h>
@@ -13,12 +13,12 @@ OPC_C_BEGIN
 typedef struct eda_bar_rule {
   int32_t rows;            /* rows beside an edge; 0: none */
   int32_t width, distance; /* width of a bar; distance from drawn shapes */
-  int32_t space;           /* spacing between bars */
+  int32_t space;           /* spacing between scatter bars */
   int32_t min_length;
   int32_t overhang; /* overhang past the ends of the edge */
 } eda_bar_rule;
 
-/* An edge that needs bars: from `low` to `high` along the edge, at the
+/* An edge that needs scatter bars: from `low` to `high` along the edge, at the
    coordinate `at` of the other direction. */
 typedef struct eda_bar_edge {
   uint8_t upright;       /* 1: `at` is an x coordinate */
@@ -27,37 +27,38 @@ typedef struct eda_bar_edge {
   int32_t at, low, high; /* low <= high */
 } eda_bar_edge;
 
-/* Place the bars of all edges. *out must be empty; the caller frees `out->box`.
-   Bars keep `distance` from the `drawn` shapes (merged) and `space` from each
-   other. First rows take precedence over later rows, then long bars over short
-   ones. Bars that are clipped below min_length are omitted. Return OPC_INVALID
-   under the conditions of eda_fracture. [any] */
+/* Place the scatter bars of all edges. *out must be empty; the caller frees
+   `out->box`. Scatter bars keep `distance` from the `drawn` shapes (merged) and
+   `space` from each other. First rows take precedence over later rows, then
+   long scatter bars over short ones. Scatter bars that are clipped below
+   min_length are omitted. Return OPC_INVALID under the conditions of
+   eda_fracture. [any] */
 OPC_EXPORT int eda_bars_place(const eda_bar_edge *edges, size_t n,
                               const eda_bar_rule *rule, const eda_shapes *drawn,
                               eda_box_list *out, opc_error *error);
 
-/* Remove the bars that print, or whose level set comes within `margin` of
-   printing. Return the number of removed bars. Coordinates are in units of
-   `grid` nm. [main] */
+/* Remove the scatter bars that print, or whose level set comes within `margin`
+   of printing. Return the number of removed scatter bars. Coordinates are in
+   units of `grid` nm. [main] */
 OPC_EXPORT size_t eda_bars_drop(const opc_context *context, eda_box_list *bars,
                                 const eda_field *print, double grid,
                                 double margin);
 
-/* Limits for bars placed by a gradient map; lengths in grid steps. */
+/* Limits for scatter bars placed by a gradient map; lengths in grid steps. */
 typedef struct eda_bar_seek {
-  size_t most;                       /* largest number of bars */
+  size_t most;                       /* largest number of scatter bars */
   double worth;                      /* smallest gain of a bar, nm^2 */
   int32_t least_width, most_width;   /* width of a bar */
   int32_t least_length, most_length; /* length; at least least_width */
   int32_t distance, space; /* distance from drawn shapes (merged); spacing
-                              between bars */
+                              between scatter bars */
 } eda_bar_seek;
 
-/* Add to *bars the rectangles with the largest gain that keep their spacing
-   from the existing bars. `map` holds the cost of one nm^2 of bar at each node
-   (see eda_coherent_gradient); the gain of a bar is minus the sum of its costs.
-   Bar edges lie between nodes, rounded to the grid of `grid` nm. Return
-   OPC_INVALID under the conditions of eda_fracture. [any] */
+/* Add to *scatter bars the rectangles with the largest gain that keep their
+   spacing from the existing scatter bars. `map` holds the cost of one nm^2 of
+   bar at each node (see eda_coherent_gradient); the gain of a bar is minus the
+   sum of its costs. Bar edges are located between nodes, rounded to the grid of
+   `grid` nm. Return OPC_INVALID under the conditions of eda_fracture. [any] */
 OPC_EXPORT int eda_bars_seek(const eda_field *map, const eda_bar_seek *rule,
                              const eda_shapes *drawn, double grid,
                              eda_box_list *bars, opc_error *error);
@@ -65,9 +66,10 @@ OPC_EXPORT int eda_bars_seek(const eda_field *map, const eda_bar_seek *rule,
 /* Return the gain of a bar on such a map, nm^2. [any] */
 OPC_EXPORT double eda_bars_gain(const eda_field *map, eda_box bar, double grid);
 
-/* Remove `by` grid steps from both long sides of the bars that print, or whose
-   level set comes within `margin` of printing. Bars narrower than `least` are
-   removed and counted in *dropped. Return the number of changed bars. [main] */
+/* Remove `by` grid steps from both long sides of the scatter bars that print,
+   or whose level set comes within `margin` of printing. Scatter bars narrower
+   than `least` are removed and counted in *dropped. Return the number of
+   changed scatter bars. [main] */
 OPC_EXPORT size_t eda_bars_narrow(const opc_context *context,
                                   eda_box_list *bars, const eda_field *print,
                                   double grid, double margin, int32_t by,

@@ -24,9 +24,9 @@ OPC_C_BEGIN
 OPC_EXPORT const char *eda_enter(const opc_context *context,
                                  const opc_module *module, opc_error *error);
 
-/* Attribute an error to the module in a slot: put the slot's name before the
-   parameter's name, replace an unknown code by OPC_FAILED and an empty message
-   by a default one. Return the code. OPC_OK is returned unchanged. */
+/* Attribute an error to the module in a slot: put the name of the slot before
+   that of the parameter. Replace an unknown code by OPC_FAILED and an empty
+   message by a default one. Return the code. OPC_OK is returned unchanged. */
 OPC_EXPORT int eda_blame(opc_error *error, int code, const char *slot);
 
 /* Run tasks that may fail through opc_parallel. Return the error of the failed

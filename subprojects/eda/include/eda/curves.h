@@ -2,18 +2,18 @@
 /* The currents of wide transistors as functions of length. The logarithm of a
    current is interpolated by Steffen's cubic, which is monotone where the table
    is. Beyond the table the logarithm continues as a straight line with the
-   slope at the end, bounded to between half and twice the mean slope of the
-   outermost tenth of the table, so that a flat or rough end still distinguishes
-   shorter from longer. The extrapolation ends at a quarter of the shortest
+   slope at the end. The slope is limited to between half and twice the mean
+   slope of the outermost tenth of the table, so that a flat or rough end still
+   distinguishes lengths. The extrapolation ends at a quarter of the shortest
    length, at four times the longest, and at a factor of e^20; lengths further
    out return the value there. Extrapolated values serve to steer a correction;
    the table does not support them (docs/reference/devices.md states errors).
 
-   A table of several widths has such curves for each width. The current of a
-   rectangular transistor between two widths is interpolated linearly in 1 / W
-   in the logarithm of the current per width, which separates the contribution
-   of the edges from that of the width. Transistors narrower than the narrowest
-   width have its current per width. */
+   A table of several widths has such curves for each width. For a rectangular
+   transistor between two widths, the logarithm of the current per width is
+   interpolated linearly in 1 / W. This separates the contribution of the edges
+   from that of the width. Transistors narrower than the narrowest width have
+   its current per width. */
 #pragma once
 
 #include <eda/devices.h>
@@ -70,8 +70,8 @@ OPC_EXPORT eda_curves_width eda_curves_among(const eda_curves *curves,
                                              double width);
 /* Evaluate the current and its inverse for a rectangular transistor of a width.
    If a current is not monotone, several lengths have the same current: the
-   result is the one nearest to `near`, nm, which is also returned if no length
-   nearby has the current. */
+   result is the one nearest to `near`, nm. If no length nearby has the current,
+   return `near`. */
 OPC_EXPORT double eda_curves_narrow_at(const eda_curves *curves, int type,
                                        int current, double length,
                                        const eda_curves_width *width);

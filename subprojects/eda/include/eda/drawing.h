@@ -190,7 +190,7 @@ OPC_EXPORT void eda_chart_band(const eda_chart *chart, eda_colour colour,
                                const double *high, size_t n);
 
 /* Draw a rectangle for each pair of labels of the axes, x first, in the colour
-   of its figure on the scale `of`, crossed out if NAN, and the colour scale at
+   of its figure on the scale `of`, crossed out if NAN. Draw the colour scale at
    the right. Call before eda_chart_axes. */
 OPC_EXPORT void eda_chart_field(const eda_chart *chart, const eda_axis *of,
                                 const double *figure);

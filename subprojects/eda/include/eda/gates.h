@@ -52,7 +52,8 @@ enum { EDA_GOAL_ION, EDA_GOAL_IOFF, EDA_GOAL_AREA, EDA_GOAL_TARGETS };
 /* How the correction of one transistor differs from that of others. */
 typedef struct eda_goal {
   double weight; /* the tolerance is divided by it; 0: leave it as drawn */
-  double target[EDA_GOAL_TARGETS]; /* factors of what is drawn */
+  double target[EDA_GOAL_TARGETS]; /* factors relative to the drawn
+                                      transistor */
   uint8_t given; /* 1: the designer or a step set this goal; steps that make
                     goals leave such a transistor alone */
 } eda_goal;
@@ -89,8 +90,9 @@ typedef struct eda_gates {
      side]. A printed edge further out than half the space has merged. */
   double *space;
   /* Extension of the drawn poly past the active, nm, at the LOW and HIGH end
-     along W, up to the transistor's own line end, which has a fragment END_LOW
-     or END_HIGH; INFINITY where the poly turns or continues; [2 * i + side]. */
+     along W: [2 * i + side]. It ends at the transistor's own line end, which
+     has a fragment END_LOW or END_HIGH; INFINITY where the poly turns or
+     continues. */
   double *extension;
   char **instance;  /* path of the instance, "" at the top */
   char **cell;      /* cell that draws the transistor */
@@ -152,8 +154,9 @@ OPC_EXPORT int eda_gates_layer(const eda_gates *gates, const char *name);
 OPC_EXPORT int eda_gates_check(const void *gates, opc_error *error);
 
 /* Return a constant sample for tests and trials of plugins: a poly line of 60
-   nm over two active areas on a grid of 1 nm, an n-transistor of L 60, W 200
-   and a p-transistor of L 60, W 300, with their edges. [any] */
+   nm over two active areas on a grid of 1 nm. Its transistors, with their
+   edges, are of type n with L 60, W 200 and of type p with L 60, W 300.
+   [any] */
 OPC_EXPORT const eda_gates *eda_gates_sample(void);
 
 /* Faults of a printed transistor, as flags; 0: valid. */
@@ -219,8 +222,8 @@ OPC_UNUSED static inline eda_figures eda_figures_of(const eda_performance *of,
   return f;
 }
 
-/* A part of a gate's width, from `from` to `to` grid steps along W from the LOW
-   end of its box, where the mask's length is larger by `by` grid steps. */
+/* A part of the width of a gate with a mask length larger by `by` grid steps.
+   `from` and `to` are grid steps along W from the LOW end of its box. */
 typedef struct eda_part {
   int32_t from, to, by;
 } eda_part;

@@ -15,11 +15,11 @@ typedef struct eda_frame {
   double x0, y0, width, height;
 } eda_frame;
 
-/* A smooth real function of the plane as a periodic quintic B-spline: value at
-   (x, y) = sum c[i, j] b((x - x0) / dx - i) b((y - y0) / dy - j), b centred,
-   c[i, j] = coefficients[j * nx + i]. Adding a constant to all coefficients
-   adds the constant to the function. Sums and multiples of functions are those
-   of their coefficients. */
+/* A smooth real function of the plane as a periodic quintic B-spline. Value at
+   (x, y) = sum c[i, j] b((x - x0) / dx - i) b((y - y0) / dy - j), where b is
+   centred and c[i, j] = coefficients[j * nx + i]. Adding a constant to all
+   coefficients adds the constant to the function. Sums and multiples of
+   functions are those of their coefficients. */
 typedef struct eda_field {
   eda_frame frame;
   int32_t nx, ny;      /* dx = width / nx, dy = height / ny */
@@ -34,10 +34,10 @@ static inline int eda_wrap(int i, int n) {
 }
 
 /* The Fourier coefficients of a mask's transmission for frequencies up to
-   `band` (1/nm): t(x, y) = sum a[k, l] exp(2 pi i (k (x - x0) / width + l (y -
-   y0) / height)). The mask is real, so only k >= 0 is stored: the real and
+   `band` (1/nm). t(x, y) = sum a[k, l] exp(2 pi i (k (x - x0) / width + l (y -
+   y0) / height)). The mask is real, so only k >= 0 is stored. The real and
    imaginary parts of a[k, l] are data[2 * ((l mod rows) * columns + k)] and the
-   next element, 0 <= k < columns, |l| <= (rows - 1) / 2. Coefficients beyond
+   next element; 0 <= k < columns, |l| <= (rows - 1) / 2. Coefficients beyond
    the band are zero. */
 typedef struct eda_spectrum {
   eda_frame frame;
@@ -74,7 +74,7 @@ typedef struct eda_systems {
   double offset[2], scale[2];
   /* Number of residual terms of a truncated sum (at most EDA_RESIDUALS),
      numbered from `count` on. Each residual kernel is squared and then
-     filtered: the spectrum of the square of kernel count + k at (fx[i], fy) is
+     filtered. The spectrum of the square of kernel count + k at (fx[i], fy) is
      multiplied by out[i], and by the same factor at -fx and -fy. [any] */
   size_t residuals;
   void (*residual)(const void *self, size_t k, const double *fx, double fy,
@@ -101,20 +101,21 @@ OPC_EXPORT int eda_mask_spectrum(const opc_context *context,
                                  eda_frame frame, double band,
                                  eda_spectrum *out, opc_error *error);
 
-/* Compute the intensity of a mask through a sum of coherent kernels (source
-   points of Abbe's method, or the kernels of Hopkins' transmission cross
-   coefficients), as a field on a grid of at most `step` nm (0: 32 nm). */
+/* Compute the intensity of a mask through a sum of coherent kernels on a grid
+   of at most `step` nm (0: 32 nm). The kernels are source points of Abbe's
+   method, or those of Hopkins' transmission cross coefficients. */
 OPC_EXPORT int eda_coherent_sum(const opc_context *context,
                                 const eda_spectrum *mask,
                                 const eda_systems *systems, double step,
                                 eda_field *out, opc_error *error);
 
 /* Compute the gradient of F, the integral over a frame of weight * intensity,
-   with respect to the mask: the change of F per area (nm^2) added to the shapes
-   at a place. `weight` and *out, which gets the grid of `weight`, have values
-   at their nodes. Both sides of the grid are even and have more nodes than the
-   mask's spectrum has frequencies within the band. Residual terms are omitted.
-   Return OPC_INVALID for kernels with `mirror` and for other grids. [any] */
+   with respect to the mask. The gradient is the change of F per area (nm^2)
+   added to the shapes at a place. `weight` and *out, which gets the grid of
+   `weight`, have values at their nodes. Both sides of the grid are even and
+   have more nodes than the mask's spectrum has frequencies within the band.
+   Residual terms are omitted. Return OPC_INVALID for kernels with `mirror` and
+   for other grids. [any] */
 OPC_EXPORT int eda_coherent_gradient(const opc_context *context,
                                      const eda_spectrum *mask,
                                      const eda_systems *systems,
@@ -129,14 +130,14 @@ typedef struct eda_image_size {
 } eda_image_size;
 OPC_EXPORT eda_image_size eda_image_forecast(eda_frame frame, double band);
 
-/* Return the width (nm) of the clear field around a layout that keeps the
-   change of its image by periodic repetition below `error` (clear field 1), for
-   a model of that band (1/nm): sqrt(0.05 / error) / band. The contribution of
-   light from a distance falls with its inverse square. Measured on long lines,
-   rows of transistors and a block, with margins of 0.5 to 4 um against 16 um,
-   sigma 0.3 to 0.9, an annular source, and 80 nm defocus: the worst case
-   reaches the bound, a block stays at a third. Half the factor is too little
-   for an annular source; doubling the factor costs 1.3 um at 1e-4. [any] */
+/* Return the width of the clear field around a layout, nm: sqrt(0.05 / error) /
+   band, for a model of that band (1/nm). It keeps the change of the image by
+   periodic repetition below `error` (clear field 1). The contribution of light
+   from a distance falls with its inverse square. Measured on long lines, rows
+   of transistors and a block, with margins of 0.5 to 4 um against 16 um, sigma
+   0.3 to 0.9, an annular source, and 80 nm defocus. The worst case reaches the
+   bound, a block stays at a third. Half the factor is too little for an annular
+   source; doubling the factor costs 1.3 um at 1e-4. [any] */
 OPC_EXPORT double eda_margin(double band, double error);
 
 /* Evaluate a field at n points (nm). */

@@ -121,7 +121,7 @@ OPC_EXPORT const char *eda_layout_instance(const eda_layout *layout,
                                            eda_placement *placement);
 
 /* Flatten all shapes of a layer below `cell` on a grid of `grid` nm, with all
-   transforms: a coordinate becomes floor(x * unit / grid + 1/2), so that equal
+   transforms. A coordinate becomes floor(x * unit / grid + 1/2), so equal
    lengths with equal displacements remain equal. Return OPC_INVALID for more
    than 2^28 shapes, or more placements than 8 for each shape plus 2^19, for
    coordinates beyond 2^30 and for cycles of cells. The caller clears *out,

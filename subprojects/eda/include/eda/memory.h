@@ -11,20 +11,20 @@ OPC_C_BEGIN
    correction cannot recover half way. [any] */
 OPC_EXPORT void *eda_alloc(size_t count, size_t size);
 
-/* Enlarge *array (the address of a pointer) of *room elements of `size` bytes
-   to `need` elements, at least by half. New elements are not zeroed. Free with
-   free(). [any] */
+/* Enlarge *array (the address of a pointer) with the capacity *room of `size`
+   bytes to `need` elements, at least by half. New elements are not zeroed. Free
+   with free(). [any] */
 OPC_EXPORT void eda_grow_to(void *array, size_t *room, size_t need,
                             size_t size);
 
-/* Call eda_grow_to if there is room for less than `need`. */
+/* Call eda_grow_to if the capacity is below `need`. */
 OPC_UNUSED static inline void eda_grow(void *array, size_t *room, size_t need,
                                        size_t size) {
   if (need > *room) eda_grow_to(array, room, need, size);
 }
 
-/* Append an element to an array with `count` elements and room for `room`; the
-   element is the last argument. */
+/* Append an element to an array with `count` elements and the capacity `room`.
+   The element is the last argument. */
 #define EDA_PUSH(array, count, room, ...)                     \
   (eda_grow(&(array), &(room), (count) + 1, sizeof *(array)), \
    (void)((array)[(count)++] = __VA_ARGS__))

@@ -35,8 +35,7 @@ typedef struct eda_element {
   uint8_t type;   /* EDA_NMOS, EDA_PMOS */
   size_t settings;
   eda_assignment *setting;
-  double x, y; /* centre of its gate, nm, if a comment gives it; otherwise
-                  NAN */
+  double x, y; /* centre of its gate, nm, if a comment has it; otherwise NAN */
 } eda_element;
 
 typedef struct eda_subcircuit {

@@ -20,7 +20,7 @@ OPC_EXPORT void *eda_pool_alloc(eda_pool *pool, size_t count, size_t size);
 OPC_EXPORT char *eda_pool_text(eda_pool *pool, const char *text, size_t n);
 /* Return "b" or, if a is not empty, "a/b". */
 OPC_EXPORT char *eda_pool_path(eda_pool *pool, const char *a, const char *b);
-/* Enlarge *array, which has *room elements from the pool, to `need` elements;
+/* Enlarge *array, from the pool, with the capacity *room, to `need` elements;
    new elements are zeroed. */
 OPC_EXPORT void eda_pool_grow(eda_pool *pool, void *array, size_t *room,
                               size_t need, size_t size);

@@ -21,8 +21,8 @@ typedef struct eda_printed {
 
   /* Requests of the synthesizer, nm, [2 * i + side]: extension of the printed
      line end past the active, and additional width of its head on each flank.
-     The regulator grants what its rules allow, and at least its own parameters.
-     NULL: no request. Since 0.2. */
+     The regulator grants requests within its rules, and at least its own
+     parameters. NULL: no request. Since 0.2. */
   const double *want_extension, *want_head;
 
   /* Like `w`: displacement of both sides of each gate's active towards HIGH

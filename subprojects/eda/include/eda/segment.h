@@ -10,9 +10,9 @@ OPC_C_BEGIN
 
 /* nm. Shapes further than this from a transistor do not influence it: its free
    space and its edges of active end there. The value was chosen for 193 nm,
-   where light from half this distance has no influence: with half the value
-   isolated transistors get other masks, with twice the value windows would have
-   to be twice as wide. */
+   where light from half this distance has no influence. With half the value
+   isolated transistors get other masks; with twice the value windows must be
+   twice as wide. */
 #define EDA_SEGMENT_REACH 2000.0
 
 /* Settings of a segmentation. Texts belong to the caller. Zeroed: no further
@@ -78,9 +78,9 @@ OPC_EXPORT int eda_segment_window(const eda_layout *layout, int32_t top,
                                   const eda_box *window, eda_gates **gates,
                                   opc_error *error);
 
-/* Return the number of grid units that a window must show around a place so
-   that everything there is as in the whole layout, except for transistors that
-   the window clips. [any] */
+/* Return the margin of a window around a place, in grid units, at which results
+   equal those of the whole layout. Transistors that the window clips are
+   excepted. [any] */
 OPC_EXPORT int32_t eda_segment_halo(const eda_segment_settings *settings);
 
 /* Segment a window of a core and `halo` units around it, at least

@@ -36,9 +36,9 @@ typedef struct eda_spice_result {
    installed. Several runs may be active at once. [any]
 
    `.osdi FILE` in the deck itself, before the devices that need it, loads a
-   file of compiled models (a shared object of the Open Source Device
-   Interface), which runs in the program's sandbox. Return OPC_NO_PLUGIN if the
-   library of ngspice does not support them.
+   file of compiled models. The file is a shared object of the Open Source
+   Device Interface and runs in the sandbox of the program. Return OPC_NO_PLUGIN
+   if the library of ngspice does not support them.
 
    Commands are not checked: they may contain only numbers and names from files.
    The simulator cannot open, write or start anything. File names in a deck are

@@ -65,9 +65,9 @@ typedef struct eda_moves {
 
   /* Jog: the length is one step longer over a part of the width. The poly edge
      that l + 1 would move (HIGH if `l` is even, otherwise LOW) is one step
-     further out over this many grid steps of its fragment (gates->edges) from
-     its LOW end along W. 0: none; the length of the fragment or more: same as l
-     + 1. */
+     further out over this many grid steps. They start at the LOW end of its
+     fragment (gates->edges) along W. 0: none; the length of the fragment or
+     more: same as l + 1. */
   int32_t *jog;
 
   /* [layers]: outward displacement of each fragment of `cut` from its drawn

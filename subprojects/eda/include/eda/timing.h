@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Data kind "timing": simulated cells: their logic, delay and slew of each arc
-   from an input to an output against the input's slew and the load, and the
-   sensitivity of these to the size of each transistor. Times in s, capacitances
+/* Data kind "timing": simulated cells with their logic, and delay and slew of
+   each arc from an input to an output, as tables of input slew and load. Each
+   has its sensitivity to the size of each transistor. Times in s, capacitances
    in F. */
 #pragma once
 
@@ -50,10 +50,10 @@ typedef struct eda_timing_arc {
 
 /* Two inputs that change and switch an output together. Either both are needed
    (transistors in series), and the second is the cause, or one suffices
-   (parallel), and the first is the cause. Delay and slew are factors, as
-   functions of the gap between the inputs in units of the delay of the cause
-   alone, and of both slews in units of each input's delay alone. The factors
-   multiply eda_timing_blend of the two inputs' own values. */
+   (parallel), and the first is the cause. Delay and slew are factors. They
+   depend on the gap between the inputs in units of the delay of the cause
+   alone, and on both slews in units of the delay of each input alone. The
+   factors multiply eda_timing_blend of the two inputs' own values. */
 enum { EDA_TIMING_GAPS = 6 };
 typedef struct eda_timing_pair {
   uint8_t first, second, output;

@@ -4,5 +4,6 @@
 
 #include <json-glib/json-glib.h>
 
-/* Return the text, readable, with a last newline (g_free). Takes the node. */
+/* Return the text of a node, indented, with a final newline (g_free). Takes
+   ownership of the node. */
 char *opc_json_text(JsonNode *node);
