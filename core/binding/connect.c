@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* From references to an order of running. */
+/* Resolves references between steps and determines the order of execution. */
 #include <base/suggest.h>
 #include <string.h>
 
@@ -7,7 +7,7 @@
 #include "core/binding/lookup.h"
 #include "core/plugin/declaration.h"
 
-/* What the references of one step need. */
+/* State of resolving the references of one step. */
 typedef struct connector {
   opc_flow *flow;
   opc_flow_step *step;
@@ -28,7 +28,8 @@ static gboolean unknown_step(const connector *c, const opc_node *node,
                    node->text, suggestion);
 }
 
-/* The output of that name, the first one for NULL, that is meant. */
+/* Find the output port of that name, the first port for NULL. Returns FALSE and
+   adds a problem if there is none. */
 static gboolean find_port(const connector *c, const opc_node *node,
                           const opc_flow_step *from, const char *name,
                           size_t *port) {
@@ -82,7 +83,8 @@ static void connect_step(const connector *c) {
 
 /* ---- order ---- */
 
-/* The first step without a place that this one needs; NULL: it can run. */
+/* Return the first unplaced step that this step depends on; NULL: it can
+   run. */
 static opc_flow_step *awaited(const opc_flow_step *step,
                               const gboolean *placed) {
   for (guint i = 0; i < step->inputs->len; i++) {
@@ -93,8 +95,8 @@ static opc_flow_step *awaited(const opc_flow_step *step,
   return NULL;
 }
 
-/* A circle among the steps that have no place: go from step to input until one
-   comes again. */
+/* Report a cycle among the unplaced steps: follow dependencies until a step
+   repeats. */
 static void report_circle(const opc_flow *flow, const gboolean *placed,
                           opc_problems *problems) {
   guint first = 0;
@@ -113,7 +115,7 @@ static void report_circle(const opc_flow *flow, const gboolean *placed,
             step->name);
 }
 
-/* Always the first of the file that can run. */
+/* Order the steps: always the first step of the file that can run. */
 static void find_order(opc_flow *flow, opc_problems *problems) {
   guint n = flow->steps->len;
   g_autofree gboolean *placed = g_new0(gboolean, MAX(n, 1));

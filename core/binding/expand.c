@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Expands lists, patterns and files into layers, and names these. */
+/* Expands lists, patterns and files into layers and names the layers. */
 #include "core/binding/expand.h"
 
 #include <base/file.h>
@@ -12,9 +12,9 @@
 #include "core/plugin/declaration.h"
 
 enum {
-  MOST = 100000, /* layers of an axis: as many points are possible */
-  DEEPEST = 4,   /* lists in lists */
-  LONGEST = 100  /* bytes of a name, which is a folder's */
+  MOST = 100000, /* layers of an axis, the limit of points */
+  DEEPEST = 4,   /* nested lists */
+  LONGEST = 100  /* bytes of a name, which becomes a folder name */
 };
 
 /* ---- state ---- */
@@ -25,24 +25,24 @@ typedef struct expander {
   const opc_choice *choice;
   opc_registry *registry;
   opc_problems *problems;
-  int depth; /* of lists in lists */
+  int depth; /* of nested lists */
   GPtrArray *layers, *names, *variants;
   GHashTable *known; /* name -> its layer */
 } expander;
 
-/* What is said in one place, and may become several layers. */
+/* One element as written, which may expand into several layers. */
 typedef struct item {
   const opc_node *node;
   const char *name;    /* given; NULL: from its values */
   const char *variant; /* "": none */
-  gboolean several;    /* values to choose from */
+  gboolean several;    /* some key has several values */
 } item;
 
-/* A layer on its way. */
+/* A layer under construction. */
 typedef struct part {
   opc_node *map;  /* of paths and values */
-  GString *label; /* of the values of which there are several */
-  char *star; /* what a star of a file's name stood for; NULL: nothing yet */
+  GString *label; /* values of the keys with several values */
+  char *star;     /* text matched by `*` in a file name; NULL: none yet */
 } part;
 
 static void part_free(gpointer object) {
@@ -62,11 +62,12 @@ static part *part_copy(const part *from) {
 
 /* ---- what a path means ---- */
 
-/* The step of a path as it is under a layer, and in it a parameter. */
+/* The binding of a path's step with a layer applied, and the parameter at the
+   path. */
 typedef struct probe {
   opc_sweep *sweep;
   opc_flow *flow;
-  opc_binding *step, *binding; /* NULL: there is none */
+  opc_binding *step, *binding; /* NULL: not found */
   const opc_parameter *parameter;
 } probe;
 
@@ -104,14 +105,15 @@ static void close_probe(probe *p) {
   opc_sweep_free(p->sweep);
 }
 
-/* Whether it may be a pattern, or take away what one gives. */
+/* Return whether the node may be a pattern or the exclusion of values. */
 static gboolean is_pattern(const opc_node *node) {
   return node->type == OPC_NODE_TEXT &&
          (*node->text == '!' || strpbrk(node->text, "*?["));
 }
 
-/* The parameter of a path whose value has patterns, if it takes any: a file, or
-   one whose values the plugin lists. NULL: what looks like one is a text. */
+/* Return the parameter of a path if its values may be patterns: a file, or a
+   parameter whose values the plugin lists. NULL: a value that looks like a
+   pattern is plain text. */
 static const opc_parameter *pattern_parameter(const expander *e, const item *it,
                                               const opc_node *map,
                                               const char *path) {
@@ -130,8 +132,8 @@ static void take_choice(void *data, const char *value) {
   g_ptr_array_add(data, g_strdup(value));
 }
 
-/* What the plugin lists for the parameter of `path` under a layer (char *);
-   NULL and problems. */
+/* Return the values that the plugin lists for the parameter of `path` with the
+   layer `map` applied (char *, freed with the array); NULL and problems. */
 static GPtrArray *list_choices(const expander *e, const item *it,
                                const opc_node *map, const char *path) {
   static const opc_watch nowhere = {.data = NULL};
@@ -157,7 +159,7 @@ static GPtrArray *list_choices(const expander *e, const item *it,
 
 /* ---- one key ---- */
 
-/* The number of what may be chosen from, and each. */
+/* Return the number of alternatives of a value. */
 static guint count_of(const opc_node *value) {
   return value->type == OPC_NODE_LIST ? value->items->len : 1;
 }
@@ -172,8 +174,8 @@ static gboolean has_pattern(const opc_node *value) {
   return FALSE;
 }
 
-/* All values of a key for the layer that `under` is so far. `parameter`: of
-   patterns; NULL: there are none. FALSE and problems. */
+/* Add to `out` all values of a key for the partial layer `under`. `parameter`:
+   of patterns; NULL: none are expanded. Returns FALSE and adds problems. */
 static gboolean find_values(const expander *e, const item *it,
                             const part *under, const char *path,
                             const opc_node *value,
@@ -218,7 +220,8 @@ static char *name_of(const item *it, const part *p) {
 
 /* ---- layers ---- */
 
-/* What `set` says cannot be varied, as it is laid over all. */
+/* Report keys that `set` fixes: `set` is applied last and would override
+   them. */
 static void check_fixed(const expander *e, const opc_node *map) {
   const opc_node *set = e->choice->over;
   for (guint i = 0; set && i < map->keys->len; i++)
@@ -260,7 +263,8 @@ static void add_layer(expander *e, const item *it, const part *p) {
   g_ptr_array_add(e->names, g_steal_pointer(&name));
 }
 
-/* Each layer so far with each value of a key; NULL and problems. */
+/* Return each partial layer combined with each value of a key; NULL and
+   problems. */
 static GPtrArray *multiply(const expander *e, const item *it, GPtrArray *parts,
                            const opc_node *key, const opc_node *value,
                            const opc_parameter *parameter, gboolean *several) {
@@ -288,8 +292,8 @@ static GPtrArray *multiply(const expander *e, const item *it, GPtrArray *parts,
   return good ? g_steal_pointer(&out) : NULL;
 }
 
-/* The first value of each key that is no pattern: what patterns of others are
-   understood by. */
+/* Return the first value of each key that is not a pattern: the context in
+   which patterns of other keys are expanded. */
 static opc_node *plain_layer(const opc_node *map) {
   opc_node *plain = opc_node_map_new(map->source, &map->at);
   for (guint i = 0; i < map->items->len; i++) {
@@ -301,8 +305,9 @@ static opc_node *plain_layer(const opc_node *map) {
   return plain;
 }
 
-/* A map of paths and values: all combinations. What a plugin lists depends on
-   the other parameters, so these patterns come last. */
+/* Add all combinations of the values of a map of paths. The values that a
+   plugin lists depend on other parameters, so patterns of listed values come
+   last. */
 static void expand_map(expander *e, item *it, const opc_node *map) {
   g_autoptr(opc_node) plain = plain_layer(map);
   g_autoptr(GPtrArray) parts = g_ptr_array_new_with_free_func(part_free);
@@ -343,7 +348,7 @@ static const char *take_variant(const expander *e, const opc_node *node) {
              : NULL;
 }
 
-/* Put a value under a key that is written at `like`. */
+/* Put a value under a key whose place is that of `like`. */
 static void put(opc_node *map, const char *key, const opc_node *like,
                 const opc_node *value) {
   g_autoptr(opc_node) name = opc_node_text_new(like->source, key);
@@ -351,7 +356,7 @@ static void put(opc_node *map, const char *key, const opc_node *like,
   opc_node_put(map, name, value);
 }
 
-/* What stands beside `list`, and one of its elements over it. */
+/* Expand an element of a list with the keys beside `list` as defaults. */
 static void expand_element(expander *e, const char *name, const opc_node *map,
                            const opc_node *key, const opc_node *element) {
   g_autoptr(opc_node) whole = opc_node_map_new(element->source, &element->at);
@@ -397,7 +402,7 @@ static void expand_list(expander *e, const char *name, const opc_node *map,
   e->depth--;
 }
 
-/* A map as it is written: its own words, and paths. */
+/* Expand a map: the keywords list, variant and name, and paths. */
 static void expand_words(expander *e, const char *name, const opc_node *node) {
   const opc_node *list = opc_node_get(node, "list");
   if (list) {
@@ -422,7 +427,7 @@ static void expand_words(expander *e, const char *name, const opc_node *node) {
   if (it.variant) expand_map(e, &it, map);
 }
 
-/* `name`: what it is called, NULL if it says so itself. */
+/* Expand an element. `name`: name of the layer; NULL: from the element. */
 static void expand_node(expander *e, const char *name, const opc_node *node) {
   if (node->type == OPC_NODE_MAP) {
     expand_words(e, name, node);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Flow files: what is read, what is refused with which words and place, values,
-   the order of steps, the resolved flow. */
+/* Tests of flow files: reading, messages with places, values, the order of
+   steps, the resolved flow. */
 #include "core/binding/flow.h"
 
 #include <glib/gstdio.h>
@@ -32,7 +32,7 @@ static opc_flow *load_with(const char *text, gssize length,
   return opc_flow_load("flow.yaml", sets, registry(), problems);
 }
 
-/* What is wrong with a flow. */
+/* Check all problems of a flow. */
 static void check_faults(const char *text, const char *expected) {
   g_autoptr(opc_problems) problems = opc_problems_new();
   g_autoptr(opc_flow) flow = load_with(text, -1, NULL, problems);
@@ -40,7 +40,7 @@ static void check_faults(const char *text, const char *expected) {
   g_assert_cmpstr(found, ==, expected);
 }
 
-/* The same of one step behind the head. */
+/* Check all problems of one step after the head. */
 static void check_step(const char *step, const char *expected) {
   g_autofree char *text =
       g_strdup_printf("opcflow: 1\nsteps:\n  a: %s\n", step);
@@ -102,7 +102,7 @@ static void test_aliases(void) {
   check_faults("a: &x [1]\nb: *x\n",
                "flow.yaml:1:4: anchors and aliases ('&x') cannot be used "
                "here");
-  /* Nine levels of nine: a billion values if it were followed. */
+  /* Nine levels of nine aliases: a billion values if expanded. */
   GString *bomb = g_string_new("a0: &a0 [x]\n");
   for (int i = 1; i < 10; i++)
     g_string_append_printf(
@@ -374,8 +374,8 @@ static void test_resolved(void) {
       text, "    size: 0.065 um                          # flow.yaml:8:11\n"));
   g_assert_nonnull(
       strstr(text, "    whole: 1                                # default\n"));
-  /* It reads back from another folder, to the same values and text, but for
-     the places. */
+  /* The resolved flow reads back from another folder with the same values and,
+     except for places, the same text. */
   g_assert_cmpint(g_mkdir("other", 0777), ==, 0);
   g_assert_true(g_file_set_contents("other/flow.yaml", text, -1, NULL));
   g_autoptr(opc_problems) problems = opc_problems_new();

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Reads and checks inner flows, and answers questions about them. */
+/* Implements the reading, the checks and the queries of inner flows. */
 #include "core/binding/inner.h"
 
 #include <base/suggest.h>
@@ -10,12 +10,13 @@
 #include "core/binding/lookup.h"
 #include "core/plugin/declaration.h"
 
-/* Flows that steps of such a flow run: an experiment with searches. */
+/* Limit of nested inner flows: an experiment whose steps run searches. */
 enum { DEEPEST = 2 };
 
 /* ---- reading: what is laid over it ---- */
 
-/* The number of such a parameter, -1 if there is none. */
+/* Return the index of the parameter of that name and type, -1 if there is
+   none. */
 static int find_parameter(const opc_plugin *plugin, const char *name,
                           uint32_t type) {
   int i = opc_parameter_find(plugin, name);
@@ -38,8 +39,8 @@ static void choose_variant(opc_inner *inner, const opc_binding *b,
 
 /* ---- reading: files ---- */
 
-/* Of a value, of those of a list, and of what is in a map. As deep as files
-   may nest. */
+/* Make the file names in a value, a list or a map absolute. Recursion is as
+   deep as files may nest. */
 static void make_files_absolute(const opc_flow *flow, const char *path,
                                 opc_node *node) {
   if (node->type == OPC_NODE_TEXT) {
@@ -71,7 +72,7 @@ static void add_layers(opc_inner *inner, const opc_binding *b,
   }
 }
 
-/* Of files that lists and layers name. */
+/* Make the file names in layers and the names of list files absolute. */
 static void make_layers_absolute(const opc_flow *flow, opc_node *all) {
   for (guint i = 0; i < all->items->len; i++) {
     opc_node *layer = all->items->pdata[i], *list = opc_node_get(layer, "list");
@@ -108,7 +109,7 @@ static void open_recipe(opc_inner *inner, const opc_binding *b,
                         opc_problems *problems) {
   guint before = problems->list->len;
   const opc_node *set = find_map(b, "set"), *sweep = find_map(b, "sweep");
-  /* What is set is not swept by the flow itself. */
+  /* `set` fixes a parameter that the flow itself sweeps. */
   inner->sweep = opc_sweep_new(inner->recipe, NULL, set, NULL, problems);
   if (sweep) opc_sweep_lay_over(inner->sweep, sweep, problems);
   inner->choice.over = set;
@@ -142,7 +143,7 @@ static void inner_free(opc_inner *inner) {
   g_free(inner);
 }
 
-/* Find what only its instances refuse. */
+/* Report the problems that only instances of the inner flow find. */
 static int inner_check(const opc_inner *inner, opc_error *error) {
   static const opc_watch nowhere = {.data = NULL};
   g_autoptr(opc_problems) problems = opc_problems_new();
@@ -151,7 +152,7 @@ static int inner_check(const opc_inner *inner, opc_error *error) {
   return opc_problems_error(problems, error);
 }
 
-/* Before a run. */
+/* Fail: outside runs an inner flow cannot be started. */
 static int refuse_to_begin(const opc_host *host, opc_error *error) {
   return opc_fail(error, OPC_FAILED, NULL, "a %s runs in a flow only",
                   ((const opc_binding *)host->data)->plugin->id);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What is laid over a flow: the flow that extends it, variants, sweeps, --set,
-   and what is given of a default plugin. */
+/* Tests of changes applied to a flow: flows that extend it, variants, sweeps,
+   --set, and parameters of a default plugin. */
 #include <base/layers.h>
 #include <glib/gstdio.h>
 #include <store/files.h>
@@ -29,8 +29,7 @@ static void write_file(const char *name, const char *text) {
   g_assert_true(g_file_set_contents(name, text, -1, NULL));
 }
 
-/* A flow of its variant ("": none), of point `point` of what it sweeps, that is
-   good. */
+/* A valid flow at a variant ("": none) and a point of its sweep. */
 typedef struct made {
   opc_recipe *recipe;
   opc_sweep *sweep;
@@ -77,7 +76,7 @@ static double real_of(const made *m, const char *step, const char *name) {
   return value_of(step_of(m->flow, step), name)->field.real;
 }
 
-/* All that `check` tells of a flow and its variants. */
+/* Check all problems that `check` reports of a flow and its variants. */
 static void check_faults(const char *path, const char *expected) {
   g_autoptr(opc_problems) problems = opc_problems_new();
   g_autoptr(opc_recipe) recipe = opc_recipe_read(path, problems);
@@ -175,7 +174,7 @@ static void test_removing(void) {
       "flow.yaml:6:3: unknown step 'ab'");
   check_text("opcflow: 1\nextends: base.yaml\nsteps:\n  a: ~\n",
              "base.yaml:3:3: no step is left");
-  /* It removes where it stands for nothing else. */
+  /* '~' removes only where it is the whole value. */
   check_text(STEP "  b: { use: test.numbers, size: 1 nm, note: '~' }\n", "");
 }
 
@@ -211,7 +210,8 @@ static void test_variants(void) {
   made_free(&m);
 }
 
-/* A variant of the base and one of the same name of the flow. */
+/* A variant of the base flow and a variant of the same name in the extending
+   flow. */
 static void test_inherited(void) {
   write_file("base.yaml", variants);
   write_file("flow.yaml",
@@ -248,7 +248,7 @@ static void test_wrong_variants(void) {
              "parameters\n"
              "flow.yaml:10:8: 'a..b' is no path, as 'step.parameter' (variant "
              "'v')");
-  /* What is wrong without a variant is told once. */
+  /* A problem independent of the variant is reported once. */
   check_text(
       "opcflow: 1\nsteps:\n  a: { use: test.numbers, size: 1 V }\n"
       "variants: { x: { a.whole: 2 }, y: { a.whole: 3 } }\n",
@@ -270,7 +270,7 @@ static void test_grid(void) {
     g_assert_true(real_of(&m, "a", "share") == expected[i][1]);
     made_free(&m);
   }
-  /* What --set fixes is not swept. */
+  /* A parameter fixed by --set is not swept. */
   const char *const sets[] = {"a.size=4 nm", NULL};
   made m = make("flow.yaml", "", 2, sets);
   g_assert_cmpuint(m.sweep->points, ==, 3);
@@ -325,7 +325,7 @@ static void test_ranges(void) {
 
 /* ---- keys with dots ---- */
 
-/* Groups and slots in one word, in every layer, over and under maps. */
+/* Dotted paths for groups and slots, in every layer, above and below maps. */
 static void test_dots(void) {
   write_file("base.yaml",
              "opcflow: 1\nsteps:\n"
@@ -401,7 +401,7 @@ static void test_default_slot(void) {
   g_assert_true(value_of(step_of(m.flow, "s")->slots[0], "size")->field.real ==
                 64);
   made_free(&m);
-  /* Another plugin, or the same one named, begins anew. */
+  /* A `use`, even of the same plugin, discards the earlier parameters. */
   const char *const uses[] = {"s.rule.use=bad.none", NULL};
   m = make("flow.yaml", "", 0, uses);
   g_assert_true(value_of(step_of(m.flow, "s")->slots[0], "size")->field.real ==
@@ -427,7 +427,7 @@ static void test_sets(void) {
   made_free(&m);
 }
 
-/* The resolved flow of a point of a variant gives the same. */
+/* The resolved flow at a point of a variant resolves to itself. */
 static void test_again(void) {
   write_file("base.yaml", variants);
   write_file("flow.yaml",
@@ -448,7 +448,7 @@ static void test_again(void) {
   g_assert_cmpstr(bare, ==, bare_second);
   g_assert_nonnull(strstr(bare, "share: 2 %\n"));
   g_assert_nonnull(strstr(text, "# --set b.note\n"));
-  /* A default that is written out is still one. */
+  /* A default written out counts as not given. */
   g_assert_cmpuint(value_of(step_of(n.flow, "a"), "plain")->given, ==, 0);
   g_assert_cmpuint(value_of(step_of(n.flow, "a"), "list")->given, ==, 0);
   g_assert_cmpuint(value_of(step_of(n.flow, "a"), "share")->given, ==, 1);
@@ -476,7 +476,7 @@ static void test_bounds(void) {
   opc_flow_check(recipe, &choice, registry(), NULL, problems);
   g_autofree char *found = opc_problems_text(problems);
   g_assert_nonnull(strstr(found, "is deeper than 64"));
-  /* Of very many faults the first ones are told. */
+  /* Of very many problems only the first ones are reported. */
   g_string_assign(many, "opcflow: 1\nsteps:\n  a:\n");
   for (int i = 0; i < 2000; i++)
     g_string_append_printf(many, "    p%d: 1\n", i);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Finds steps, plugins, parameters and metrics of a flow by their paths. */
+/* Implements the search for steps, plugins, parameters and metrics by their
+   paths. */
 #include "core/binding/lookup.h"
 
 #include <base/suggest.h>

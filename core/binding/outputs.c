@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The files that parameters name: no two steps write the same one, and none
-   that the run itself writes. */
+/* Checks the output files named by parameters: no two steps write the same
+   file, and none writes a file of the run itself. */
 #include <string.h>
 
 #include "core/binding/lookup.h"
@@ -9,7 +9,7 @@
 const char *const opc_reserved[OPC_RESERVED] = {"flow.yaml", "manifest.json",
                                                 "metrics.json", "sweep.csv"};
 
-/* Whether one of two names is a folder in the other, or both are the same. */
+/* Return whether the names are equal or one is inside the other as a folder. */
 static gboolean overlap(const char *a, const char *b) {
   size_t n = MIN(strlen(a), strlen(b));
   return !strncmp(a, b, n) && strchr("/", a[n]) && strchr("/", b[n]);

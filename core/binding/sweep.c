@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Turns lists and ranges into the values of axes, and numbers their points. */
+/* Turns lists and ranges into the values of axes and numbers their points. */
 #include "core/binding/sweep.h"
 
 #include <base/layers.h>
@@ -34,7 +34,7 @@ static void describe(opc_axis *axis) {
   axis->told.values = opc_range_numbers(axis->values, &axis->told.unit);
 }
 
-/* Takes the source. */
+/* Return a new axis; takes ownership of the source. */
 static opc_axis *axis_new(const char *path, const opc_place *at,
                           opc_source *source, const opc_node *values,
                           opc_problems *problems) {
@@ -72,8 +72,8 @@ static gboolean is_fixed(const char *path, const char *const *sets,
   return over && opc_node_find(over, path) >= 0;
 }
 
-/* Takes the axis, in place of one of the same path. One without values, which
-   has been told, is left out. */
+/* Replace the axis of the same path or append the axis; takes ownership. An
+   axis without values, already reported, is dropped. */
 static void put_axis(opc_sweep *sweep, opc_axis *axis) {
   if (!axis->values->len) {
     axis_free(axis);
@@ -89,7 +89,7 @@ static void put_axis(opc_sweep *sweep, opc_axis *axis) {
   g_ptr_array_add(sweep->axes, axis);
 }
 
-/* The axis of that path, which is the value of a map. */
+/* Add the axis `path` from item i of a map. */
 static void add_axis(opc_sweep *sweep, const char *path, const opc_node *map,
                      guint i, opc_problems *problems) {
   const opc_node *key = map->keys->pdata[i], *value = map->items->pdata[i];
@@ -142,7 +142,8 @@ opc_sweep *opc_sweep_new(const opc_recipe *recipe, const char *const *sets,
   return sweep;
 }
 
-/* A map that is no range is what stands behind the dots of its path. */
+/* Add the axes of a map; a nested map that is no range continues the dotted
+   path. */
 static void add_axes(opc_sweep *sweep, const char *prefix, const opc_node *map,
                      opc_problems *problems) {
   for (guint i = 0; i < map->items->len; i++) {
@@ -163,7 +164,7 @@ void opc_sweep_lay_over(opc_sweep *sweep, const opc_node *map,
   count_points(sweep, problems);
 }
 
-/* They come first. */
+/* Return the number of axes of layers, which come first. */
 static guint count_layers(const opc_sweep *sweep) {
   guint n = 0;
   while (n < sweep->axes->len &&

@@ -4,22 +4,27 @@
 
 #include "core/run/run.h"
 
-/* Put the outputs it needs into the instances of a step, or take them away. */
+/* Store the outputs that a step depends on in its instances, or clear them
+   (`present` FALSE). */
 void opc_call_set_inputs(const opc_run *run, const opc_flow_step *step,
                          gboolean present);
 
-/* Check outputs by the functions of their kinds. */
+/* Check the outputs of a step by the functions of their kinds. Returns OPC_OK
+   or a code and *error. */
 int opc_call_check(const opc_run *run, const opc_flow_step *step,
                    opc_error *error);
 
-/* Ask a step whose inputs are there for its forecast; fails, too, if it needs
-   more memory than there is. All is 0 if the step has no forecast. */
+/* Ask a step whose inputs are present for its forecast. All fields are 0 if the
+   step has none. Returns OPC_OK, or a code and *error, also if the step needs
+   more memory than the machine has. */
 int opc_call_forecast(const opc_run *run, const opc_flow_step *step,
                       opc_forecast *out, opc_error *error);
 
-/* Run a step and check its outputs, which `run` then holds. */
+/* Run a step and check its outputs, which `run` then owns. Returns OPC_OK or a
+   code and *error. */
 int opc_call_run(opc_run *run, const opc_flow_step *step, opc_error *error);
 
-/* The same after its forecast; FALSE and a problem if it fails. */
+/* Call forecast and run of a step. Returns FALSE and adds a problem on
+   failure. */
 gboolean opc_call_step(opc_run *run, const opc_flow_step *step,
                        opc_problems *problems);

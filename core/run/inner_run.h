@@ -4,6 +4,6 @@
 
 #include <opcflow/inner.h>
 
-/* For the host of an instance with an inner flow in a run; its `data` is the
-   binding. */
+/* Functions for hosts of instances with an inner flow in a run; the host's
+   `data` is the binding. */
 extern const opc_inner_service opc_inner_functions;

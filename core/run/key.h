@@ -1,43 +1,43 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What a step's result depends on, and the key that is made of it. */
+/* Keys of step results: a checksum over all facts that a result depends on. */
 #pragma once
 
 #include <store/facts.h>
 #include "core/binding/flow.h"
 
-/* What a fact is about. */
+/* Subject of a fact. */
 enum {
-  OPC_FACT_COMMAND = 'c',   /* the command's build */
-  OPC_FACT_PLUGIN = 'p',    /* a plugin and its build */
-  OPC_FACT_PARAMETER = 'v', /* a value, as a flow would have it */
-  OPC_FACT_FILE = 'f',      /* a file's name and sum */
-  OPC_FACT_INPUT = 's',     /* a step, with an output's name, and its key */
-  OPC_FACT_INNER = 'i'      /* the flow that the step runs */
+  OPC_FACT_COMMAND = 'c',   /* build of the command */
+  OPC_FACT_PLUGIN = 'p',    /* plugin and its build */
+  OPC_FACT_PARAMETER = 'v', /* value, written as in a flow */
+  OPC_FACT_FILE = 'f',      /* name and checksum of a file */
+  OPC_FACT_INPUT = 's',     /* step, name of an output, and key of the step */
+  OPC_FACT_INNER = 'i'      /* flow that the step runs */
 };
 
 typedef struct opc_key {
-  char *sum;        /* the key; NULL: the result is not kept */
-  char *why;        /* it is not */
-  GVariant *facts;  /* NULL: it is not kept */
-  GPtrArray *files; /* path, sum, path ...: of what it reads */
+  char *sum;        /* the key; NULL: the result is not stored */
+  char *why;        /* reason why it is not stored */
+  GVariant *facts;  /* NULL: not stored */
+  GPtrArray *files; /* path, checksum, path ...: of the files read */
 } opc_key;
 
 void opc_key_clear(opc_key *key);
 
-/* Return whether all files of the key still have their sums: a file may change
-   while the step runs. */
+/* Return whether all files of the key still have their checksums: a file may
+   change while the step runs. */
 gboolean opc_key_is_unchanged(const opc_key *key, opc_store *store);
 
-/* The keys of a flow's steps, by their numbers. Those that have a sum, or a
-   reason to have none, are left as they are. */
+/* Compute the keys of all steps of a flow, by step number. Keys that already
+   have a sum, or a reason to have none, are kept. */
 void opc_flow_keys(const opc_flow *flow, opc_store *store, opc_key *keys);
 
-/* The same of an instance alone, with what stands in its slots, but without its
-   inputs and the command (g_free); NULL and *error if it cannot be told. */
+/* Return the key of an instance with its slots, without its inputs and the
+   command (g_free); NULL and *error if the key cannot be computed. */
 char *opc_binding_key(const opc_binding *binding, opc_store *store,
                       opc_error *error);
 
-/* Describe the change of a fact of the step of that name, as opc_fact_text:
+/* Return the change of a fact of the step of that name, as opc_fact_text:
    "mask.limit changed from 1 % to 2 %" (g_free). */
 char *opc_key_difference(const void *step, char about, const char *path,
                          const char *before, const char *now);

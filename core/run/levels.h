@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Runs of a flow at points of a sweep, on levels: the steps that no axis
-   touches run once (level 0, the trunk), those whose last axis is axis i once
-   for each of its values (level i + 1), the others at each point. */
+/* Runs of a flow at the points of a sweep, on levels. Steps that no axis
+   changes run once (level 0, the trunk); steps whose last axis is axis i run
+   once for each of its values (level i + 1); steps changed by parameters run at
+   each point. */
 #pragma once
 
 #include "core/run/run.h"
@@ -10,40 +11,41 @@ typedef struct opc_levels {
   const opc_recipe *recipe;
   opc_choice choice; /* with the sweep */
   opc_registry *registry;
-  const opc_watch *watch; /* of all runs but the trunk */
-  opc_run *outer;         /* the run that all levels are a part of */
-  /* The steps to run, by number (g_free); NULL: all. */
+  const opc_watch *watch; /* for all runs but the trunk */
+  opc_run *outer;         /* run that contains all levels */
+  /* Return the steps to run, by step number (g_free); NULL: all. */
   gboolean *(*needed)(const void *data, const opc_flow *flow);
   const void *data;
-  gboolean one_folder; /* files are named as if all levels shared a folder */
-  const char *folder;  /* has the folder .1 of level 1 and so on */
+  gboolean one_folder; /* file names are checked as if all levels shared a
+                          folder */
+  const char *folder;  /* contains the folder .1 of level 1, and so on */
   /* ---- the levels' own ---- */
-  unsigned depth;          /* the last level */
-  opc_run **runs;          /* of each level; NULL: it has no steps */
-  opc_problems **failures; /* of each level; NULL: it did not run */
-  guint *at;               /* of each level: the value of its axis */
-  opc_run *last;           /* of level `depth`; NULL: none began */
+  unsigned depth;          /* number of the last level */
+  opc_run **runs;          /* one per level; NULL: the level has no steps */
+  opc_problems **failures; /* one per level; NULL: the level did not run */
+  guint *at;               /* one per level: index of the value of its axis */
+  opc_run *last;           /* run of level `depth`; NULL: none started */
 } opc_levels;
 
-/* Set up the levels above `trunk`, and leave out the steps of other levels in
-   it. All fields before "own" are set. */
+/* Set up the levels above `trunk` and exclude the steps of other levels from
+   the trunk. All fields before "own" are set by the caller. */
 void opc_levels_begin(opc_levels *levels, opc_run *trunk);
 
-/* Free all runs but the trunk, and remove their folders. */
+/* Free all runs but the trunk and remove their folders. */
 void opc_levels_clear(opc_levels *levels);
 
-/* Run a point in a folder; `last` is its run. Runs of levels that share their
-   values with the point before are used again, and so are their problems. */
+/* Run a point in a folder; `last` is its run. Levels whose values equal those
+   of the previous point are reused together with their problems. */
 void opc_levels_run(opc_levels *levels, size_t point, const char *folder,
                     opc_problems *problems);
 
-/* Run a level again next time if the user stopped it. */
+/* Discard levels that the user stopped, so that they run again. */
 void opc_levels_forget_stopped(opc_levels *levels);
 
 /* Return the folder of a level (g_free). */
 char *opc_levels_folder(const opc_levels *levels, unsigned level);
 
 /* Write the resolved flow and the metrics of a point's run into its folder, or
-   remove the folder. */
+   remove the folder (`keep` FALSE). */
 void opc_levels_close(const opc_run *run, gboolean keep,
                       opc_problems *problems);

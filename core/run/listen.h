@@ -1,23 +1,24 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the instances of a run say. */
+/* Messages and findings of the instances of a run. */
 #pragma once
 
 #include "core/run/run.h"
 
-/* Keep the findings of its instances from now on, and pass all messages on to
-   `told` (NULL: nobody). */
+/* Keep the findings of the run's instances from now on and pass all messages to
+   `told` (NULL: none). */
 void opc_listen(opc_run *run, const opc_watch *told);
 
-/* Stop: instances that outlive the run report to nobody. */
+/* Detach the instances that outlive the run: their messages are dropped. */
 void opc_listen_end(opc_run *run);
 
-/* Begin a step: its warnings are kept for its result. */
+/* Begin a step: its warnings are kept for its stored result. */
 void opc_listen_step(opc_run *run);
 
-/* Begin a piece of work: warnings and findings of the step are set aside until
-   it ends. The second returns them (opc_said *, freed with the array). */
+/* Begin a piece of work: its warnings and findings are kept apart until it
+   ends. The second function ends it and returns them (opc_said *, freed with
+   the array). */
 void opc_listen_piece(opc_run *run);
 GPtrArray *opc_listen_piece_end(opc_run *run);
 
-/* Take the findings of another run. */
+/* Copy the findings of another run. */
 void opc_listen_take(opc_run *run, const opc_run *from);

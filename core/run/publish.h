@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the instances of a run publish into its folder. */
+/* Files, tables and metrics that the instances of a run publish into its
+   folder. */
 #pragma once
 
 #include "core/run/run.h"
 
-/* The functions that instances of a run call; `data` is for the run. */
+/* Host functions for instances of a run; their `data` is reserved for the
+   run. */
 extern const opc_host opc_run_publisher;

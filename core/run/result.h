@@ -1,22 +1,23 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What a step did beside its outputs, as a value of the store. */
+/* Effects of a step besides its outputs, packed as a value of the store. */
 #pragma once
 
 #include "core/run/run.h"
 
 extern const char opc_result_type[];
 
-/* Pack the step that ended, with the tables of the run from number `tables`;
-   NULL if it cannot be kept. Floating. */
+/* Return the effects of a finished step, with the tables of the run from index
+   `tables` (floating reference); NULL if they cannot be stored. */
 GVariant *opc_result_new(const opc_run *run, const opc_flow_step *step,
                          guint tables);
 
-/* Publish all of it again: files, tables, metrics, warnings. */
+/* Publish the files, tables, metrics and warnings of a stored result. Returns
+   OPC_OK or a code and *error. */
 int opc_result_publish(opc_run *run, const opc_flow_step *step,
                        GVariant *result, opc_error *error);
 
-/* Pack messages (NULL: none) as a(uss), and repeat them. The first is FALSE if
-   another step said some of them. */
+/* Pack messages (NULL: none) as a(uss), and replay them. The first function
+   returns FALSE if another step wrote one of them. */
 gboolean opc_said_pack(GVariantBuilder *all, const GPtrArray *said,
                        const opc_flow_step *step);
 void opc_said_again(opc_run *run, const opc_flow_step *step, GVariant *said);

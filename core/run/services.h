@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What instances may ask their host for by name beyond opc_binding_service. */
+/* Services of hosts beyond opc_binding_service. */
 #pragma once
 
 #include "core/binding/binding.h"
 
-/* Outside of runs: results are kept in the binding's store. */
+/* Return a service of a host outside runs: results are stored in the binding's
+   store. NULL: unknown name. */
 const void *opc_results_service(const opc_host *host, const char *name);
 
-/* In a run: results and pieces are kept in the store of the run. */
+/* Return a service of a host in a run: results and pieces are stored in the
+   run's store. NULL: unknown name. */
 const void *opc_run_service(const opc_host *host, const char *name);

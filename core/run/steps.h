@@ -4,11 +4,12 @@
 
 #include "core/run/run.h"
 
-/* Run or reuse the steps that are not left out. FALSE and problems. */
+/* Run or reuse the steps that are not left out. Returns FALSE and adds problems
+   on failure. */
 gboolean opc_steps_run(opc_run *run, opc_problems *problems);
 
-/* Make the instances of the steps that are not left out, and run them in the
-   folder `path` as a part of `main_run`, which gets the sums of what they read.
- */
+/* Create the instances of the steps that are not left out and run them in the
+   folder `path` as a part of `main_run`, which gets the checksums of the files
+   read. */
 void opc_steps_run_in(opc_run *run, opc_run *main_run, const char *path,
                       opc_problems *problems);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A circuit on the bench: its ports, its netlist, and the sources around it. */
+/* Finds the ports of a circuit and writes its netlist and sources. */
 #include "bench.h"
 
 #include <stdio.h>
@@ -22,7 +22,7 @@ const char *bench_node(const bench *b, uint32_t net, node_name out) {
   return out;
 }
 
-/* Each name of the list is a port that may be driven. */
+/* Check that each name of the list is a port that may be driven. */
 static int check_inputs(const bench *b, opc_error *error) {
   const eda_circuit *c = b->circuit;
   const char *at = b->inputs_list;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The pieces of circuit.ngspice. Times in s, voltages in V, currents in A. */
+/* Internal interface of circuit.ngspice. Times in s, voltages in V, currents in
+   A. */
 #pragma once
 
 #include <eda/netlist.h>
@@ -9,21 +10,21 @@
 #include <opcflow/table.h>
 #include <stdio.h>
 
-/* The choices of 'sizes'. */
+/* Values of the parameter 'sizes'. */
 enum { SIZES_BOTH, SIZES_LENGTH };
 
-/* The step: a circuit, and what it is simulated under. */
+/* Instance of the step: a circuit and the conditions of its simulation. */
 typedef struct bench {
   const opc_host *host;
 
   /* Parameters. */
-  const eda_circuit *circuit; /* as it came */
+  const eda_circuit *circuit; /* as received */
   const eda_mask *mask;       /* NULL: as drawn only */
   const char *models[2];      /* files; [1] NULL: the same */
   const char *model[2];
   const char *library, *corner, *osdi; /* in place of `models` */
   const char *stand_ins;
-  int dlc;   /* whether DLC is corrected */
+  int dlc;   /* 1: adjust DLC */
   int sizes; /* SIZES_BOTH, SIZES_LENGTH */
   const char *devices;
   double supply, temperature, load, slew;
@@ -37,98 +38,102 @@ typedef struct bench {
   const char *picture;
   double limit;
 
-  /* Of a run. */
-  eda_pool pool;           /* of most of what follows */
-  eda_circuit own;         /* with other names of models */
+  /* State of a run. */
+  eda_pool pool;           /* owner of most of the following */
+  eda_circuit own;         /* with renamed models */
   eda_circuit plain;       /* with the nets n0, n1 ... */
   const eda_mask *printed; /* the mask, or `sized` */
   eda_mask sized;          /* sizes.c: the mask, with other sizes */
-  int has[EDA_STATES];     /* which sizes there are */
-  const char *cards[2];    /* whole paths; [1] NULL: the same */
-  char *statements;        /* of the library; NULL: cards */
-  int subcircuits;         /* its models are */
-  double unit;             /* its, nm */
+  int has[EDA_STATES];     /* 1 for each set of sizes present */
+  const char *cards[2];    /* absolute paths; [1] NULL: the same */
+  char *statements;        /* model statements of the library; NULL: use
+                              cards */
+  int subcircuits;         /* 1: the models of the library are subcircuits */
+  double unit;             /* unit of sizes in the library, nm */
   eda_card card[2];
-  double low, high; /* where a slope begins and ends, of 1 */
+  double low, high; /* start and end levels of a slope, relative to the
+                       supply */
   size_t inputs, outputs;
-  uint32_t *input, *output; /* their nets */
+  uint32_t *input, *output; /* nets of the inputs and outputs */
 } bench;
 
 /* ---- sizes.c ---- */
 
-/* Have the printed currents told by L alone, by the table of devices. */
+/* Express the printed currents by L alone, using the device table. */
 int sizes_by_length(bench *b, opc_error *error);
 
 /* ---- bench.c ---- */
 
-/* Find the ports. */
+/* Find the inputs and outputs among the ports. */
 int bench_ports(bench *b, opc_error *error);
 
-/* Fails without inputs or without outputs. */
+/* Return an error if the circuit has no inputs or no outputs. */
 int bench_drives(const bench *b, opc_error *error);
 
-/* Which sizes are meant: those with the current of the on state, of the off
-   state, and the first with the capacitance of the printed area. */
+/* Sizes to simulate: with the printed on current, with the printed off current,
+   and with the printed on current and the capacitance of the printed area. */
 enum { SIZE_ON, SIZE_OFF, SIZE_TIMED };
 
-/* The circuit `c`, whose nets are n0, n1 ..., as a .subckt; to be freed. NULL
-   and *error on failure. [any] */
+/* Return the circuit `c`, with nets n0, n1 ..., as a .subckt (caller frees).
+   Returns NULL and sets `error` on failure. [any] */
 char *bench_netlist(const bench *b, const eda_circuit *c, int state, int sizes,
                     opc_error *error);
 
-/* Leave out the sizes before correction if they cannot be simulated, with a
-   warning; other failures stay what they are. */
+/* Drop the sizes before correction, with a warning, if they cannot be
+   simulated. Returns other errors unchanged. */
 int bench_forgive(bench *b, int state, int code, const opc_error *error);
 
-/* The name of a net at the top: "n12", "0" for ground. */
+/* Name of a net at the top level: "n12", "0" for ground. */
 typedef char node_name[16];
 const char *bench_node(const bench *b, uint32_t net, node_name out);
 
-/* Whether a port is a rail: supply or ground. */
+/* Return 1 if a port is a rail, that is a supply or ground. */
 int is_rail(int role);
 
-/* When the inputs begin to change. */
+/* Return the time at which the input ramps start, s. */
 double bench_start(const bench *b);
 
 /* ---- jobs.c: processes ---- */
 
-/* What one process simulates: some of many things, at one set of sizes. */
+/* Work unit of one process: a range of items at one set of sizes. */
 typedef struct job {
   const bench *b;
-  const void *of; /* what the caller gave */
+  const void *of; /* data of the caller */
   int state;
-  size_t from, to; /* of the things */
-  int code;        /* of what failed */
+  size_t from, to; /* range of items */
+  int code;        /* error code; OPC_OK on success */
   opc_error error;
 } job;
 
-/* Have `count` things done, `some` to a job and many jobs at once, at one set
-   of sizes. */
+/* Process `count` items at one set of sizes, `some` per job, with jobs in
+   parallel. */
 int jobs_run_at(bench *b, int state, size_t count, size_t some,
                 void (*work)(job *j), const void *of, opc_error *error);
 
-/* The same at each set of sizes that there is; those before correction may
-   fail. */
+/* Process `count` items at each set of sizes present. Jobs at the sizes before
+   correction may fail. */
 int jobs_run(bench *b, size_t count, size_t some, void (*work)(job *j),
              const void *of, opc_error *error);
 
-/* The text that `write` writes, to be freed; NULL if the job has failed. */
+/* Return the text written by `write` (caller frees); NULL if the job has
+   failed. */
 char *job_text(job *j, void (*write)(job *j, FILE *out, const void *how),
                const void *how);
 
-/* Simulate; the job's code tells if that fails. Texts are not looked at if it
-   has. The result is to be cleared. */
+/* Run the simulator. Sets the code of the job on failure. If the job has
+   already failed, the texts may be NULL. The caller clears the result. */
 void job_simulate(job *j, const char *deck, const char *commands,
                   eda_spice_result *out);
 
-/* Of transients, A: 1e-5 of what switches. In the shortest steps the currents
-   of capacitances, of which each digit of a voltage counts, are no more
-   certain: with 1e-15 A ngspice gave up in 7 of 52 cells of sky130. */
+/* Current tolerance of transients, A: 1e-5 of the switching currents. In the
+   shortest steps, rounding of voltages limits the accuracy of capacitive
+   currents to this value: with 1e-15 A, ngspice failed in 7 of 52 cells of
+   sky130. */
 #define SWITCHING_CURRENT 1e-9
 
-/* For decks: title, cards and options, with the bounds of errors of all, as a
-   share, and of currents, A; then the circuit with its loads; then
-   its supplies and its inputs, which are at 0 V. */
+/* Write parts of a deck. job_begin: title, cards, and options with the relative
+   tolerance and the current tolerance (A). job_circuit: the circuit and its
+   loads. job_sources: supplies, and inputs at 0 V. */
 void job_begin(const job *j, FILE *out, double reltol, double abstol);
 void job_circuit(job *j, FILE *out, int sizes);
 void job_sources(const job *j, FILE *out);
@@ -136,121 +141,124 @@ void job_sources(const job *j, FILE *out);
 /* ---- patterns.c: what is applied ---- */
 
 typedef struct transition {
-  uint32_t from, to; /* patterns */
+  uint32_t from, to; /* numbers of patterns */
 } transition;
 
 typedef struct patterns {
   size_t count;
-  uint8_t *bit; /* of pattern p, input i: [p * inputs + i] */
+  uint8_t *bit; /* input levels, [pattern * inputs + input] */
   size_t transitions;
   transition *transition;
-  int sampled; /* not all that there are */
+  int sampled; /* 1: a random sample of all transitions */
 } patterns;
 
-/* All, or `most` transitions drawn by the seed. */
+/* List all transitions, or a random sample of `most`. */
 int patterns_make(bench *b, patterns *out, opc_error *error);
 
-/* "A 0>1, B 1"; for a pattern alone, from and to are the same. */
+/* Return a text such as "A 0>1, B 1". For a single pattern, from equals to. */
 const char *patterns_say(bench *b, const patterns *p, transition t);
 
 /* ---- logic.c: operating points ---- */
 
 typedef struct logic {
-  int *level; /* of pattern p, output o as drawn: 0, 1, -1 for neither */
-  double *current[EDA_STATES], *power[EDA_STATES]; /* of each pattern */
+  int *level; /* level as drawn, [pattern * outputs + output]: 0, 1; -1:
+                 neither */
+  double *current[EDA_STATES], *power[EDA_STATES]; /* per pattern */
 } logic;
 
 int logic_find(bench *b, const patterns *p, logic *out, opc_error *error);
 
 /* ---- states.c: circuits that keep a state ---- */
 
-/* What a change of an input leads to, where that is not known yet; where it is
-   not always the same. */
+/* Result of an input change: not yet known, or not unique. */
 #define STATE_UNKNOWN UINT32_MAX
 #define STATE_LOST (UINT32_MAX - 1)
 
-/* A circuit as a machine: in each state one input may change, and another state
-   follows, in which all is at rest. */
+/* Finite-state machine of a circuit: in each state one input may change, which
+   leads to another settled state. */
 typedef struct machine {
-  size_t watched; /* nets that are looked at: gates' and outputs' */
+  size_t watched; /* number of observed nets: gates and outputs */
   uint32_t *net;
   size_t states;
-  uint8_t *bit;   /* of state s, input i: [s * inputs + i] */
-  int8_t *level;  /* of state s, net k: [s * watched + k]; -1: neither */
-  uint32_t *next; /* after a change in state s of input i: [s * inputs + i] */
-  double phase;   /* s from one change to the next */
-  size_t leads;   /* changes that lead from all inputs at 0 V, where it wakes */
-  uint32_t *lead; /* up, to the state `first` */
+  uint8_t *bit;   /* input levels, [state * inputs + input] */
+  int8_t *level;  /* net levels, [state * watched + net]; -1: neither 0 nor 1 */
+  uint32_t *next; /* next state, [state * inputs + input] */
+  double phase;   /* time between two changes, s */
+  size_t leads;   /* number of changes in `lead` */
+  uint32_t *lead; /* changes that lead from power-up with all inputs at 0 V to
+                     `first` */
   uint32_t first;
 } machine;
 
-/* What states there are that there is always a way back to, whatever state the
-   circuit wakes up in; as patterns, with all transitions of one input, and the
-   levels of the outputs. */
+/* Find the recurrent states of a circuit, which can be reached again from all
+   their successors, independent of the power-up state. Returns them as patterns
+   with all transitions of single inputs, and the levels of the outputs. */
 int states_find(bench *b, machine *m, patterns *p, logic *l, opc_error *error);
 
-/* For decks: what is to be looked at. */
+/* Write the .save statements of the observed nets. */
 void states_save(const bench *b, const machine *m, FILE *out);
 
-/* The levels at some time. */
+/* Return the levels of the observed nets at a time. */
 void states_levels(const bench *b, const machine *m, const eda_spice_plot *plot,
                    double time, int8_t *level);
 
 /* ---- ways.c: through its states ---- */
 
-/* Changes of inputs, one a phase after a first one. */
+/* Sequence of input changes, one per phase, after an initial phase. */
 typedef struct walk {
   GArray *input; /* uint32_t */
-  uint32_t at;   /* the state that it has come to */
+  uint32_t at;   /* state after the last change */
 } walk;
 
 walk walk_new(const machine *m);
 void walk_clear(walk *w);
 void walk_step(const bench *b, const machine *m, walk *w, uint32_t input);
-/* By the fewest changes; 0 if no way is known. */
+/* Extend a walk to a state by the fewest changes. Returns 0 if no path is
+   known. */
 int walk_to(const bench *b, const machine *m, walk *w, uint32_t state);
-/* For decks: the inputs, and the supplies, which rise from 0 V first. */
+/* Write the sources of the inputs and of the supplies, which rise from 0 V
+   first. */
 void walk_sources(const bench *b, const machine *m, const walk *w, FILE *out);
-/* For commands: the transient. */
+/* Write the command of the transient analysis. */
 void walk_command(const machine *m, const walk *w, FILE *out);
 
-/* Mark the states that lead to each other and to no others, the first such set
-   on the way from the state in which the circuit woke up. */
+/* Mark a set of recurrent states: states that lead to each other and to no
+   others. Takes the first such set on the way from the power-up state. */
 void ways_back(const bench *b, const machine *m, uint8_t *mark);
 
-/* Extend a walk that has not begun by changes that lead to the same state from
-   all that have all inputs at 0; 0 if none are known. */
+/* Extend an empty walk by changes that lead to the same state from all states
+   with all inputs at 0. Returns 0 if no such changes are known. */
 int ways_synchronise(const bench *b, const machine *m, walk *w);
 
 /* ---- delays.c: transients ---- */
 
-/* An output that follows a transition. NAN: it did not get there. */
+/* Output that follows a transition. NAN: the output did not settle. */
 typedef struct arrival {
-  uint32_t flip, output; /* numbers in the delays, in the bench */
+  uint32_t flip, output; /* indices in delays.flip and bench.output */
   int rises;
   double delay[EDA_STATES], slope[EDA_STATES];
 } arrival;
 
 typedef struct delays {
-  size_t flips;    /* transitions that an output follows */
-  uint32_t *flip;  /* their numbers */
-  uint32_t *first; /* of each flip: its first arrival; flips + 1 */
+  size_t flips;    /* number of transitions followed by an output */
+  uint32_t *flip;  /* indices in patterns.transition */
+  uint32_t *first; /* first arrival of each flip, [flips + 1] */
   size_t count;
   arrival *arrival;
-  double *window;         /* of each flip: how long it was simulated */
+  double *window;         /* simulated time of each flip, s */
   const machine *machine; /* NULL: transitions begin at operating points */
 } delays;
 
 int delays_find(bench *b, const machine *m, const patterns *p, const logic *l,
                 delays *out, opc_error *error);
 
-/* Measure it in a transient where its input begins to change at one time, and
-   which counts up to another. Returns when the output is there; NAN if it does
-   not get there. */
+/* Measure delay and slope in a transient whose input changes at `begin` and
+   which is evaluated up to `end`. Returns the time at which the output has
+   settled; NAN: not settled. */
 double arrival_measure(const bench *b, arrival *a, int state,
                        const eda_spice_plot *plot, double begin, double end);
 
-/* One transition again: the voltage of an output. */
+/* Voltage of an output in one transition. */
 typedef struct wave {
   size_t count;
   double *time, *value;
@@ -259,7 +267,7 @@ typedef struct wave {
 int delays_wave(bench *b, const patterns *p, const delays *d, size_t arrival,
                 int state, wave *out, opc_error *error);
 
-/* The wave of an arrival from a transient, as if its input began to change at
+/* Store the waveform of an arrival, shifted so that its input changes at
    bench_start. */
 void wave_keep(bench *b, const arrival *a, const eda_spice_plot *plot,
                double begin, double end, wave *out);
@@ -275,32 +283,32 @@ int walks_wave(bench *b, const patterns *p, const delays *d, size_t arrival,
 enum { CELL_DEVICES = 16 };
 
 typedef struct cell {
-  uint32_t q, qb;   /* the first is that of the smaller number */
-  uint32_t devices; /* those with a channel on either */
+  uint32_t q, qb;   /* storage nodes; q has the smaller number */
+  uint32_t devices; /* number of devices with a channel on either node */
   uint32_t device[CELL_DEVICES];
-  uint32_t accesses; /* of them, at the end: those to bit lines */
-  int on_ports;      /* whether the bit lines are ports */
+  uint32_t accesses; /* number of access transistors, last in `device` */
+  int on_ports;      /* 1: the bit lines are ports */
 } cell;
 
-/* Cross-coupled inverters. */
+/* Find the pairs of cross-coupled inverters. */
 int cells_find(bench *b, cell **out, size_t *count, opc_error *error);
 
-/* A net on the way around a loop; -1: there is none. */
+/* Return a net on a feedback loop; -1: none. */
 int64_t feedback_find(bench *b);
 
 /* ---- margin.c: static noise margins ---- */
 
 enum { SWEEP = 241 };
 
-/* Q over QB and QB over Q, at equal steps from 0 to the supply; the largest
-   squares between them. */
+/* Butterfly curves: Q over QB and QB over Q, at equal steps from 0 to the
+   supply, and the largest squares between them. */
 typedef struct butterfly {
-  double right[SWEEP], up[SWEEP]; /* QB of Q, Q of QB */
-  double margin[2];               /* left, right; 0 if it is not bistable */
+  double right[SWEEP], up[SWEEP]; /* QB(Q), Q(QB) */
+  double margin[2];               /* left, right; 0 if not bistable */
   double corner[2][4];            /* x0, y0, x1, y1 of each square */
 } butterfly;
 
-/* [state][cell] */
+/* Butterflies of all cells, [state][cell]. */
 typedef struct margins {
   butterfly *of[EDA_STATES];
 } margins;
@@ -315,11 +323,11 @@ int tell_leakage(bench *b, const patterns *p, const logic *l, opc_error *error);
 int tell_margins(bench *b, const cell *cells, size_t count, const margins *m,
                  opc_error *error);
 
-/* The arrival with the largest deviation of its delay, rising or falling; -1:
-   none. */
+/* Return the arrival with the largest delay deviation among rising or falling
+   ones; -1: none. */
 int64_t worst_arrival(const delays *d, const bench *b, int rises);
-/* The cell with the largest deviation, or the smallest margin if there is
-   only the drawing. */
+/* Return the cell with the largest deviation, or, with drawn sizes only, the
+   smallest margin. */
 size_t worst_cell(const bench *b, size_t count, const margins *m);
 
 /* ---- pictures.c ---- */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Memory cells in a netlist: pairs of inverters that drive each other, and what
-   else has its channel on them. */
+/* Finds memory cells in a netlist: pairs of cross-coupled inverters and the
+   other transistors with a channel on their nodes. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -8,7 +8,7 @@
 
 /* ---- halves of inverters ---- */
 
-/* A transistor from a net to ground (n) or to the supply (p). */
+/* Transistor from a net to ground (n) or to the supply (p). */
 typedef struct half {
   uint32_t gate, out;
   int type;
@@ -21,7 +21,7 @@ static int compare(const void *a, const void *b) {
   return p->type - q->type;
 }
 
-/* Whether transistors of that type pull to the net. */
+/* Return 1 if transistors of that type drive the net to their rail. */
 static int pulls_to(const eda_circuit *c, uint32_t net, int type) {
   return eda_circuit_role(c, net) ==
          (type == EDA_NMOS ? EDA_PIN_GROUND : EDA_PIN_SUPPLY);
@@ -53,7 +53,7 @@ static int touches(const eda_device *d, uint32_t net) {
   return d->drain == net || d->source == net;
 }
 
-/* Access transistors last. */
+/* List the devices of a cell, access transistors last. */
 static int list_devices(const bench *b, cell *m, opc_error *error) {
   const eda_circuit *c = b->circuit;
   m->on_ports = 1;
@@ -101,8 +101,8 @@ int cells_find(bench *b, cell **out, size_t *count, opc_error *error) {
 
 /* ---- loops ---- */
 
-/* The nets that channels connect are one part; parts follow each other from
-   gates to channels. */
+/* Return the part of a net. Nets connected by channels form one part; a part
+   follows another if the other drives its gates. */
 static uint32_t part_of(uint32_t *part, uint32_t net) {
   while (part[net] != net) net = part[net] = part[part[net]];
   return net;
@@ -130,7 +130,7 @@ int64_t feedback_find(bench *b) {
     if (!driven[d->drain] && !driven[d->source])
       part[part_of(part, d->drain)] = part_of(part, d->source);
   }
-  /* Take away parts that nothing is before, until only loops are left. */
+  /* Remove parts without predecessors until only loops remain. */
   for (int more = 1; more;) {
     more = 0;
     memset(waits, 0, c->nets);

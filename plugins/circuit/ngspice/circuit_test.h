@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Small circuits, and running the plugin and the plain simulator on them. */
+/* Small test circuits, and functions that run the plugin or plain ngspice on
+   them. */
 #pragma once
 
 #include <eda/circuit.h>
@@ -16,7 +17,7 @@
 
 enum { MOST = 32 };
 
-/* A circuit, one gate for each transistor, and what it prints as. */
+/* Circuit with one gate for each transistor, and printed sizes. */
 typedef struct made {
   eda_gates gates;
   eda_circuit circuit;
@@ -77,8 +78,8 @@ static inline void add_device(made *m, const char *line) {
                               .finger = &m->finger[i]};
 }
 
-/* Ports are "A:i Y:o VDD:s VSS:g", devices "MN1 drain gate source bulk n L W"
-   with commas between. */
+/* Return a circuit. Ports: "A:i Y:o VDD:s VSS:g". Devices, separated by commas:
+   "MN1 drain gate source bulk n L W". */
 static inline made *make(const char *ports, const char *devices) {
   static const char letters[] = {[EDA_PIN_INPUT] = 'i',
                                  [EDA_PIN_OUTPUT] = 'o',
@@ -124,7 +125,7 @@ G_DEFINE_AUTOPTR_CLEANUP_FUNC(made, made_free)
 #define NAND                                         \
   "MN1 VSS A X VSS n 65 400,MN2 Y B X VSS n 65 400," \
   "MP1 Y A VDD VDD p 65 450,MP2 Y B VDD VDD p 65 450"
-/* Both halves are of different sizes, so that left is not right. */
+/* The halves have different sizes, so left and right margins differ. */
 #define MEMORY                                            \
   "MA1 Q WL BL VSS n 65 140,MD1 Q QB VSS VSS n 65 300,"   \
   "ML1 Q QB VDD VDD p 65 105,MA2 QB WL BLB VSS n 65 140," \
@@ -133,7 +134,8 @@ G_DEFINE_AUTOPTR_CLEANUP_FUNC(made, made_free)
 
 /* ---- running ---- */
 
-/* Its library may be missing, the program that loads it is ours. */
+/* Return 1 if ngspice is available. The shared library may be missing even
+   though the program that loads it belongs to this project. */
 static inline int have_ngspice(void) {
   static int missing = -1;
   static opc_error error;
@@ -197,9 +199,10 @@ static inline void refused(made *m, int with_mask, const char *card,
 
 #define NANGATE_CARDS "models/freepdk45/nom/"
 
-/* A cell of the NanGate library, from its layout and its CDL, as drawn by the
-   FreePDK's cards. Gives its netlist as the subcircuit `cell` with the card of
-   the p-transistor; NULL and a skip without the data. */
+/* Run a cell of the NanGate library, from its layout and CDL, as drawn, with
+   the cards of FreePDK. Returns its netlist as the subcircuit `cell` with the
+   card of the p-transistor; without the data, skips the test and returns
+   NULL. */
 static inline char *run_nangate(const char *name) {
   g_autofree char *gds = test_data("nangate45/NangateOpenCellLibrary.gds");
   g_autofree char *cdl = test_data("nangate45/NangateOpenCellLibrary.cdl");
@@ -244,7 +247,8 @@ static inline char *run_nangate(const char *name) {
                          (int)(strstr(from, ".ENDS") - from), from);
 }
 
-/* What the command `ngspice` prints of a deck; NULL and a skip without it. */
+/* Return the output of the command `ngspice` for a deck; without the command,
+   skip the test and return NULL. */
 static inline char *by_hand(const char *deck) {
   g_autofree char *program = g_find_program_in_path("ngspice");
   if (!program) {
@@ -253,7 +257,7 @@ static inline char *by_hand(const char *deck) {
   }
   g_autofree char *path = in_folder("hand.sp", deck);
   char *argv[] = {program, (char *)"-n", (char *)"-b", path, NULL};
-  /* Its two threads otherwise wait for each other at full speed. */
+  /* Avoids busy waiting of the two threads. */
   g_auto(GStrv) environment =
       g_environ_setenv(g_get_environ(), "OMP_WAIT_POLICY", "passive", TRUE);
   char *out = NULL;
@@ -263,7 +267,7 @@ static inline char *by_hand(const char *deck) {
   return out;
 }
 
-/* "NAME = VALUE" of what it printed. */
+/* Return the value of a line "NAME = VALUE" of the output. */
 static inline double printed(const char *out, const char *name) {
   g_autofree char *pattern = g_strdup_printf("(?m)^%s\\s*=\\s*(\\S+)", name);
   g_autoptr(GRegex) regex = g_regex_new(pattern, 0, 0, NULL);

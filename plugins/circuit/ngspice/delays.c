@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Transients: how long outputs take to follow the inputs. */
+/* Measures delays from inputs to outputs in transient analyses. */
 #include <eda/wave.h>
 #include <glib.h>
 #include <math.h>
@@ -9,28 +9,28 @@
 #include "bench.h"
 
 enum {
-  CHUNK = 4,     /* transitions of a process */
-  POINTS = 1000, /* of a transient, at least */
-  COARSE = 50,   /* of one that only looks for the end */
-  LONGER = 4,    /* how much longer if that was too short */
+  CHUNK = 4,     /* transitions per process */
+  POINTS = 1000, /* least number of points of a transient */
+  COARSE = 50,   /* points of a transient that only finds the duration */
+  LONGER = 4,    /* factor on the duration of a retry */
   TRIES_DRAWN = 10,
   TRIES_PRINTED = 3
 };
 
 static const double first_window = 1e-9;
-/* Of the time to the last slope's end. */
+/* Duration of a transient relative to the end of the last slope. */
 static const double room_after = 1.3;
 
-/* What all jobs share. Things are flips. */
+/* Data shared by all jobs. Items are flips. */
 typedef struct study {
   const patterns *p;
   const delays *d;
 } study;
 
-/* How a transient runs. */
+/* Settings of a transient. */
 typedef struct transient {
   double window;
-  int points; /* at least; steps are at most that share of the window */
+  int points; /* least number; the largest step is window / points */
 } transient;
 
 /* ---- decks ---- */
@@ -64,8 +64,8 @@ static void write_commands(job *j, FILE *out, const void *how) {
 
 /* ---- what is measured ---- */
 
-/* Measure the last edge of an output. Return when it is over, NAN if it is not
-   complete or the output does not stay there. */
+/* Measure the last edge of an output. Returns its end; NAN if the edge is
+   incomplete or the output changes again. */
 static double measure(const bench *b, arrival *a, int state, double middle,
                       const double *t, const double *h, size_t n) {
   eda_wave_edge e;
@@ -78,7 +78,8 @@ static double measure(const bench *b, arrival *a, int state, double middle,
   return end;
 }
 
-/* The part of an output's vector from the slew before `begin` to `end`. */
+/* Return the part of an output's vector from one slew before `begin` to
+   `end`. */
 static size_t part_of(const bench *b, const arrival *a,
                       const eda_spice_plot *plot, double begin, double end,
                       const double **time, const double **value) {
@@ -103,10 +104,10 @@ double arrival_measure(const bench *b, arrival *a, int state,
   return measure(b, a, state, begin + b->slew / 2, t, h, n);
 }
 
-/* What became of all arrivals of a process. */
+/* Result of all arrivals of a process. */
 typedef struct outcome {
   size_t missing;
-  double last; /* the end of the latest of the others */
+  double last; /* end of the latest complete arrival, s */
 } outcome;
 
 static outcome measure_all(const job *j, const eda_spice_result *r) {
@@ -136,7 +137,8 @@ static outcome simulate(job *j, const char *deck, transient how) {
   return all;
 }
 
-/* As drawn: how long all take, as far as they get there. */
+/* Find the duration in which all outputs settle, as drawn, as far as they
+   do. */
 static void find_window(job *j, const char *deck) {
   const bench *b = j->b;
   const delays *d = ((const study *)j->of)->d;
@@ -152,8 +154,8 @@ static void find_window(job *j, const char *deck) {
     d->window[k] = start + room_after * (last - start);
 }
 
-/* As printed, in the same time and so with the same steps, or longer if it
-   takes longer. */
+/* Simulate printed sizes with the duration, and so the steps, of the drawn
+   ones; longer if an output has not settled. */
 static void run_job(job *j) {
   const delays *d = ((const study *)j->of)->d;
   int drawn = j->state == EDA_DRAWN;
@@ -169,7 +171,7 @@ static void run_job(job *j) {
 
 /* ---- which transitions ---- */
 
-/* Whether output o follows transition t; `rises` is set where it does. */
+/* Return 1 if output o follows transition t; then also set `rises`. */
 static int follows(const bench *b, const patterns *p, const logic *l, size_t t,
                    size_t o, int *rises) {
   int from = l->level[p->transition[t].from * b->outputs + o];
@@ -177,7 +179,7 @@ static int follows(const bench *b, const patterns *p, const logic *l, size_t t,
   return from >= 0 && *rises >= 0 && from != *rises;
 }
 
-/* Those that an output follows. */
+/* List the transitions that an output follows. */
 static void list_arrivals(bench *b, const patterns *p, const logic *l,
                           delays *d) {
   size_t all = 0;
@@ -203,7 +205,7 @@ static void list_arrivals(bench *b, const patterns *p, const logic *l,
   }
 }
 
-/* Of outputs that never change or are at no logic level. */
+/* Warn about outputs that never change or have no logic level. */
 static void warn_of_outputs(const bench *b, const patterns *p, const logic *l,
                             const delays *d) {
   for (size_t o = 0; o < b->outputs; o++) {

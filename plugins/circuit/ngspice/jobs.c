@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Many simulations: cut into jobs, a process each. */
+/* Divides simulations into jobs, one process each. */
 #include <stdlib.h>
 
 #include "bench.h"
 
 /* ---- decks ---- */
 
-/* Charges here are of fF and mV: of the simulator's own bounds for them, 1 uV
-   and 1e-14 C, the second would see none. */
+/* Charges are of the order of fF times mV; the default tolerances of the
+   simulator are 1 uV and 1e-14 C, and the second would ignore these charges. */
 void job_begin(const job *j, FILE *out, double reltol, double abstol) {
   const bench *b = j->b;
   fputs("circuit.ngspice\n", out);

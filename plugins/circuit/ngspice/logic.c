@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Operating points of input patterns: logic values and leakage. */
+/* Computes logic levels and leakage from operating points of input patterns. */
 #include <glib.h>
 #include <math.h>
 #include <stdio.h>
@@ -7,15 +7,16 @@
 
 #include "bench.h"
 
-enum { CHUNK = 64 }; /* patterns of a process */
+enum { CHUNK = 64 }; /* patterns per process */
 
-/* An output that is driven stands a current towards the middle of the supply,
-   for each um of the channels on it far above what leaks (0.2 uA) and far below
-   what drives (0.2 mA); one that floats goes there. */
+/* Test current in A per um of channel width at an output, directed to the
+   middle of the supply. Far above leakage (0.2 uA) and far below the drive
+   current (0.2 mA): a driven output keeps its level, a floating one does
+   not. */
 static const double test_current = 5e-6;
 static const double least_height = 0.75;
 
-/* What all jobs share. */
+/* Data shared by all jobs. */
 typedef struct study {
   const patterns *p;
   const logic *out;
@@ -23,7 +24,8 @@ typedef struct study {
 
 /* ---- one process ---- */
 
-/* The points of a pattern: at rest and, as drawn, under test. */
+/* Return the number of operating points per pattern: without and, as drawn,
+   with the test current. */
 static size_t points_of(const job *j) { return j->state == EDA_DRAWN ? 2 : 1; }
 
 static double test_resistance(const bench *b, uint32_t net) {

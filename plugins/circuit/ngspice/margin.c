@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Static noise margins (E. Seevinck, F. J. List, J. Lohstroh, IEEE J.
+/* Computes static noise margins (E. Seevinck, F. J. List, J. Lohstroh, IEEE J.
    Solid-State Circuits 22, 1987): the largest squares between the two transfer
-   curves of a memory cell, found in axes turned by 45 degrees. */
+   curves of a memory cell, in axes rotated by 45 degrees. */
 #include <glib.h>
 #include <math.h>
 #include <stdio.h>
@@ -10,11 +10,11 @@
 
 #include "bench.h"
 
-enum { CHUNK = 8 }; /* cells of a process */
+enum { CHUNK = 8 }; /* cells per process */
 
 /* ---- squares ---- */
 
-/* A curve in the turned axes: along the diagonal y = -x, across it. */
+/* Curve in the rotated axes: along and across the diagonal y = -x. */
 typedef struct turned {
   double along[SWEEP], across[SWEEP];
 } turned;
@@ -33,8 +33,8 @@ static double across_at(const turned *c, double along) {
   return c->across[low] + f * (c->across[high] - c->across[low]);
 }
 
-/* Both curves against each other at all points of both: the places along, in
-   order, and how far the first is above the second. */
+/* Distance of two curves at all points of both: positions along the diagonal,
+   in order, and height of the first curve above the second. */
 typedef struct gap {
   double along, above;
 } gap;
@@ -74,9 +74,9 @@ static void keep_square(butterfly *f, int side, const turned *c, const gap *g) {
   f->corner[side][3] = (z - at) * root;
 }
 
-/* A cell that holds both values has a place where the first curve goes from
-   above the second to below it: the lobes are what lies on both sides, up to
-   the next crossings. */
+/* In a bistable cell the first curve crosses the second from above at one
+   point. The lobes extend from this point to the next crossings on both
+   sides. */
 static void butterfly_squares(butterfly *f, double supply) {
   const double root = sqrt(0.5);
   turned c[2];
@@ -110,7 +110,7 @@ static void butterfly_squares(butterfly *f, double supply) {
 
 /* ---- decks ---- */
 
-/* What all jobs share. */
+/* Data shared by all jobs. */
 typedef struct study {
   const cell *cells;
   const margins *out;
@@ -122,9 +122,9 @@ static int is_port(const uint32_t *port, size_t n, uint32_t net) {
   return 0;
 }
 
-/* What a net of a cell is tied to: the storage nodes apart, the rails to
-   themselves, bit lines to the supply, word lines to where the access
-   transistors conduct, or not. */
+/* Return the connection of a net of a cell: storage nodes are separate, rails
+   are connected to themselves, bit lines to the supply, word lines to the level
+   at which the access transistors conduct, or do not. */
 static const char *tie(const bench *b, const cell *m, uint32_t net) {
   const eda_circuit *c = b->circuit;
   int role = eda_circuit_role(c, net);
@@ -141,7 +141,7 @@ static const char *tie(const bench *b, const cell *m, uint32_t net) {
   return "0";
 }
 
-/* A cell as a subcircuit of its own, and two of it: one is driven at Q, one at
+/* Write a cell as a subcircuit, and two instances: one driven at Q, one at
    QB. */
 static void put_cell(job *j, FILE *out, size_t k) {
   const bench *b = j->b;

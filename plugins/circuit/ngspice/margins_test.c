@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Noise margins against squares of another algorithm and against noise that is
-   raised until the cell flips. */
+/* Compares noise margins with squares from another algorithm, and with noise
+   sources raised until the cell flips. */
 #include "circuit_test.h"
 
 /* ---- noise margins by hand ---- */
 
-/* The largest square of a side: for each point of one curve, the square whose
-   other corner lies on the other one, by bisection. `f` falls with x, `g` with
-   y; both at n equal steps. */
+/* Finds the largest square of one side: for each point of one curve, bisection
+   for the square whose opposite corner is on the other curve. `f` decreases
+   with x, `g` with y; both have n equidistant points. */
 static double at(const double *curve, size_t n, double step, double x) {
   double place = x / step;
   size_t i = place < 0 ? 0 : (size_t)place;
@@ -15,7 +15,8 @@ static double at(const double *curve, size_t n, double step, double x) {
   return curve[i] + (place - (double)i) * (curve[i + 1] - curve[i]);
 }
 
-/* Its lower left corner on x = g(y), its upper right one on y = f(x). */
+/* Return the largest square with the lower left corner on x = g(y) and the
+   upper right corner on y = f(x). */
 static double largest_square(const double *f, const double *g, size_t n,
                              double step) {
   double best = 0, most = step * (double)(n - 1);
@@ -34,7 +35,7 @@ static double largest_square(const double *f, const double *g, size_t n,
   return best;
 }
 
-/* Curves as `wrdata` leaves them: x, then the value. */
+/* Read a curve written by `wrdata`: x, then the value. */
 static double *read_curve(const char *name, size_t column, size_t *count) {
   g_autofree char *path = g_build_filename(opc_test_folder(), name, NULL);
   g_autofree char *text = NULL;
@@ -50,12 +51,13 @@ static double *read_curve(const char *name, size_t column, size_t *count) {
   return out;
 }
 
-/* Both transfer curves, and the same loop with a noise source before either
-   inverter, raised until the state flips: the definition of the margin. */
+/* Return a deck with both transfer curves, and with the loop with a noise
+   source before either inverter, raised until the state flips, which defines
+   the margin. */
 static char *memory_deck(const char *card, const char *word, const char *data,
                          const double margin[2]) {
-  /* Raised by steps of 0.25 mV; from far below, as a sweep that begins beyond
-     the margin would find nothing. */
+  /* Steps of 0.25 mV, starting far below the margin: a sweep that starts above
+     the margin finds no flip. */
   return g_strdup_printf(
       "by hand\n.include \"%s\"\nvs s 0 1.1\nvin in 0 0\nvn n 0 0\nvm m 0 0\n"
       ".subckt left in out s\nma out %s s 0 nmos w=140n l=65n\n"
@@ -73,8 +75,8 @@ static char *memory_deck(const char *card, const char *word, const char *data,
       "e3 qb2 g3 m 0 1\ne4 g4 q2 m 0 1\n.nodeset v(q2)=0 v(qb2)=1.1\n"
       ".options gmin=1e-15 reltol=1e-5 abstol=1e-15\n"
       ".control\nset numdgt=12\ndc vin 0 1.101 0.002\nwrdata %s v(qb0) v(q0)\n"
-      /* One after the other: where one flips, the solver begins anew, and
-         all may. */
+      /* Separate sweeps: where one cell flips, the solver restarts, and all
+         cells may flip. */
       "dc vn %g %g 0.00025\n"
       "meas dc right find v(n) when v(q1)=v(qb1)\ndc vm %g %g 0.00025\n"
       "meas dc left find v(m) when v(q2)=v(qb2)\n.endc\n.end\n",
@@ -120,8 +122,8 @@ static void test_margins(void) {
   compare_margins(card, "read", "s");
 }
 
-/* A cell that is turned is the other one's mirror image; one that does not
-   hold both values has no margin. */
+/* Test that a mirrored cell has mirrored margins, and that a cell that is not
+   bistable has none. */
 static void test_cells(void) {
   if (!have_ngspice()) return;
   g_autofree char *card = of_project("data/devices/opcflow65.pm");

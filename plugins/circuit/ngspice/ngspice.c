@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* circuit.ngspice: what a circuit does with transistors as drawn and as
-   printed: delays and slopes (thesis 2.3.2, 3.3.2), leakage, static noise
-   margins of memory cells (thesis 2.3.4). */
+/* Implements circuit.ngspice: simulates a circuit with drawn and printed
+   transistors for delays and slopes (thesis 2.3.2, 3.3.2), leakage, and static
+   noise margins of memory cells (thesis 2.3.4). */
 #include <eda/drawing.h>
 #include <eda/models.h>
 #include <glib.h>
@@ -12,12 +12,12 @@
 
 #include "bench.h"
 
-/* The choices of 'measure'. */
+/* Values of the parameter 'measure'. */
 enum { AUTO, DELAYS, LEAKAGE, SNM };
 
 /* ---- work: what there is ---- */
 
-/* The models of all devices, each once, with blanks between. */
+/* Return the distinct model names of all devices, separated by blanks. */
 static char *names_of_models(const bench *b) {
   GString *all = g_string_new(NULL);
   for (size_t i = 0; i < b->circuit->count; i++) {
@@ -29,7 +29,8 @@ static char *names_of_models(const bench *b) {
   return g_string_free(all, FALSE);
 }
 
-/* Whether the library has them all, as subcircuits or all as cards. */
+/* Check that the library has all models, either all as subcircuits or all as
+   cards. */
 static int check_names(bench *b, const eda_models *l, const char *names,
                        opc_error *error) {
   g_auto(GStrv) name = g_strsplit(names, " ", -1);
@@ -46,7 +47,7 @@ static int check_names(bench *b, const eda_models *l, const char *names,
   return OPC_OK;
 }
 
-/* Rename the models that the library lacks to those that stand in for them. */
+/* Replace models missing in the library by those given in 'stand_ins'. */
 static int put_stand_ins(bench *b, const eda_models *l, opc_error *error) {
   g_auto(GStrv) pair = g_strsplit(b->stand_ins, " ", -1);
   const size_t count = b->circuit->count;
@@ -73,8 +74,9 @@ static int put_stand_ins(bench *b, const eda_models *l, opc_error *error) {
   return OPC_OK;
 }
 
-/* Of a foundry's library what the circuit's sizes need; printed ones are about
-   as drawn, and shorter than the shortest bin as often as longer. */
+/* Read the part of a foundry's library that the sizes of the circuit need.
+   Printed sizes are close to the drawn ones, and may be shorter than the
+   shortest bin. */
 static int read_library(bench *b, opc_error *error) {
   const double around = 0.3;
   const eda_gates *g = b->circuit->gates;
@@ -96,7 +98,7 @@ static int read_library(bench *b, opc_error *error) {
   return code;
 }
 
-/* Names that a simulator can take, in place of the netlist's. */
+/* Replace the names of the netlist by names that the simulator accepts. */
 static void make_plain(bench *b) {
   const eda_circuit *c = b->circuit;
   b->plain = *c;
@@ -108,8 +110,8 @@ static void make_plain(bench *b) {
   }
 }
 
-/* Which sizes there are: a mask that prints badly as drawn is no fault, the
-   corrected one is. */
+/* Find the sets of sizes present. Transistors that do not print are an error
+   for the corrected mask, but not for the mask before correction. */
 static int find_states(bench *b, opc_error *error) {
   static const int kinds[] = {SIZE_TIMED, SIZE_OFF};
   if (b->mask && b->mask->gates != b->circuit->gates)
@@ -135,7 +137,7 @@ static int prepare(bench *b, opc_error *error) {
   if (!b->library == !b->models[0])
     return opc_fail(error, OPC_INVALID, b->library ? "library" : "models",
                     "one of 'models' and 'library' is needed");
-  /* Its models cannot be given another DLC. */
+  /* DLC of library models cannot be changed. */
   if (b->library) b->dlc = 0;
   if (b->library ? read_library(b, error)
                  : eda_cards_read(&b->pool, b->models, b->model, b->dlc,
@@ -176,7 +178,7 @@ static int run_logic(bench *b, opc_error *error) {
   return b->measure == LEAKAGE ? OPC_OK : finish_delays(b, NULL, &p, &l, error);
 }
 
-/* Of a circuit that keeps a state on that net. */
+/* Simulate a circuit that keeps a state on net `net`. */
 static int run_states(bench *b, const char *net, opc_error *error) {
   machine m;
   patterns p;
@@ -194,7 +196,7 @@ static int run_states(bench *b, const char *net, opc_error *error) {
 
 /* ---- work: memory ---- */
 
-/* Keep the cell with a storage node of the name that is asked for. */
+/* Keep only the cell with the requested storage node. */
 static int pick_cell(const bench *b, cell *cells, size_t *count,
                      opc_error *error) {
   if (!b->cell) return OPC_OK;
@@ -225,7 +227,7 @@ static int run_margins(bench *b, cell *cells, size_t count, opc_error *error) {
 
 /* ---- work ---- */
 
-/* A memory is what has cells whose bit lines are ports. */
+/* Return 1 for a memory: a circuit of cells whose bit lines are ports. */
 static int is_memory(const cell *cells, size_t count) {
   size_t n = 0;
   for (size_t i = 0; i < count; i++)
@@ -418,7 +420,7 @@ static int check(void *self, opc_error *error) {
 
 /* ---- entry ---- */
 
-/* Models include others, and the simulator is another program. */
+/* Models may include other files, and the simulator is another program. */
 static const opc_step functions = {.run = run, .flags = OPC_STEP_OUTSIDE};
 OPC_PLUGIN(bench, .id = "circuit.ngspice", .kind = "step", .version = "0.2.0",
            .licence = "BSD-3-Clause",

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Circuits with closed forms, and hand-written decks run by the plain
-   simulator. */
+/* Tests circuits with closed-form solutions, and compares with hand-written
+   decks run by plain ngspice. */
 #include "circuit_test.h"
 
 /* ---- closed forms ---- */
 
-/* A square-law inverter at a step: out of saturation at V - VT, then down to
-   any level (J. P. Uyemura, CMOS Logic Circuit Design). */
+/* Return the discharge time of a square-law inverter with a step input:
+   saturation ends at V - VT, then the output falls to `level` (J. P. Uyemura,
+   CMOS Logic Circuit Design). */
 static double discharge(double c, double k, double v, double vt, double level) {
   double over = v - vt;
   double first = c * fmin(vt, v - level) / (k / 2 * over * over);
@@ -36,7 +37,7 @@ static void test_closed_form(void) {
        1e12 * (discharge(c, kp, v, 0.25, 0.3 * v) -
                discharge(c, kp, v, 0.25, 0.8 * v)),
        1e-3);
-  /* Everything goes with 1 / K. */
+  /* All times scale with 1 / K. */
   for (int i = 0; i < 2; i++) {
     m->leq[0][i] = 110;
     m->leq[1][i] = i ? 98 : 101;
@@ -51,8 +52,8 @@ static void test_closed_form(void) {
                     <, 0.02);
 }
 
-/* The same by a compiled model; or, where ngspice has none, that it has none.
- */
+/* Test the same with a compiled model; without OSDI support in ngspice, test
+   the error message. */
 static void test_osdi(void) {
   if (!have_ngspice()) return;
   opc_error error;
@@ -83,7 +84,7 @@ static void test_osdi(void) {
        1e12 * discharge(c, 1.8e-4, v, 0.25, v / 2), 1e-3);
 }
 
-/* Through much capacitance, an inverter takes about C V / 2 Ion. */
+/* Test that an inverter with a large load takes about C V / 2 Ion. */
 static void test_estimate(void) {
   if (!have_ngspice()) return;
   g_autofree char *card = of_project("data/devices/opcflow65.pm");
@@ -102,7 +103,8 @@ static const char *const drives[4][3] = {
     {"A 1>0, B 1", "pwl(0 1.1 20p 1.1 40p 0)", "1.1"},
     {"A 1, B 1>0", "1.1", "pwl(0 1.1 20p 1.1 40p 0)"}};
 
-/* Four of a subcircuit `cell` with the ports A B Y VDD VSS. */
+/* Return delays of four transitions of a subcircuit `cell` with the ports A B Y
+   VDD VSS, simulated with plain ngspice. */
 static char *four_by_hand(const char *card, const char *cell) {
   g_autoptr(GString) deck = g_string_new("by hand\n");
   g_string_append_printf(deck, ".include \"%s\"\n%s\n", card, cell);
@@ -151,7 +153,7 @@ static const char hand_nand[] =
     "m3 y a vdd vdd pmos w=0.45u l=65n\nm4 y b vdd vdd pmos w=%gn l=65n\n"
     ".ends\n";
 
-/* One wants compilers to see the format. */
+/* A literal format, so that compilers can check the arguments. */
 static char *nand_by_hand(const char *card, double length, double width) {
   g_autoptr(GString) cell = g_string_new(NULL);
   g_string_append_printf(cell, hand_nand, length, width);
@@ -190,7 +192,7 @@ static void test_delays(void) {
   g_assert_cmpfloat(opc_test_metric("transitions"), ==, 4);
 }
 
-/* NAND2_X1 of the NanGate library, from its layout and its CDL. */
+/* Test NAND2_X1 of the NanGate library, from its layout and CDL. */
 static void test_nangate(void) {
   g_autofree char *n_card = test_data(NANGATE_CARDS "NMOS_VTL.inc");
   g_autofree char *cell = run_nangate("NAND2_X1");
@@ -198,7 +200,7 @@ static void test_nangate(void) {
   if (hand) compare_four(hand, "drawn");
 }
 
-/* The capacitance of the printed area, and nothing else, changes the delay. */
+/* Test that of the area only its capacitance changes the delay. */
 static void test_capacitance(void) {
   if (!have_ngspice()) return;
   g_autofree char *card = of_project("data/devices/opcflow65.pm");
@@ -213,8 +215,8 @@ static void test_capacitance(void) {
   g_assert_cmpfloat(opc_test_metric("tp_worst"), <, 1e-6);
 }
 
-/* A card with another DLC has the same overlap capacitance, although our cards
-   leave that to the model, which derives it from DLC if there is one. */
+/* Test that a card with another DLC has the same overlap capacitance. The model
+   derives this capacitance from DLC, as our cards do not give it. */
 static void test_overlap(void) {
   if (!have_ngspice()) return;
   g_autofree char *card = of_project("data/devices/opcflow65.pm");
@@ -230,8 +232,9 @@ static void test_overlap(void) {
 
 /* ---- sizes ---- */
 
-/* Transistors that print 64 nm long and a tenth narrower, with the current of
-   64 nm and the drawn width: as those whose L is 64 nm, and the W as drawn. */
+/* Test transistors that print 64 nm long and 10 % narrower, with the current of
+   64 nm and the drawn width: equal to transistors with L = 64 nm and drawn
+   W. */
 static void test_length(void) {
   if (!have_ngspice()) return;
   opc_error error;
@@ -279,7 +282,7 @@ static void test_leakage(void) {
   if (!have_ngspice()) return;
   g_autofree char *card = of_project("data/devices/opcflow65.pm");
   g_autoptr(made) m = make("A:i B:i Y:o VDD:s VSS:g", NAND);
-  m->off[1][0] = 62; /* not the length of the on current */
+  m->off[1][0] = 62; /* differs from the length of the on current */
   m->leq[1][0] = 80;
   run(m, 1, card, "measure: leakage");
   g_assert_cmpuint(opc_test_rows("leakage"), ==, 4);
@@ -340,10 +343,10 @@ static void test_patterns(void) {
   g_assert_cmpstr(opc_test_log(), ==, "");
   run(m, 0, card, "most: 5, measure: delays");
   g_assert_nonnull(strstr(opc_test_log(), "5 transitions"));
-  /* Too many to list: drawn one by one. */
+  /* Too many to list: sampled one by one. */
   run(m, 0, card, "most: 3");
   g_assert_cmpuint(opc_test_rows("leakage"), ==, 6);
-  /* The other input is an output now, and never moves. */
+  /* The other port is now an output and never changes. */
   run(m, 0, card, "inputs: B, measure: delays");
   g_assert_nonnull(strstr(opc_test_log(), "output 'A' never changes"));
 }
@@ -360,8 +363,8 @@ static void test_still(void) {
   g_assert_cmpuint(opc_test_rows("delays"), ==, 2);
 }
 
-/* An inverter that can be switched off floats then: what leaks takes it to some
-   voltage in the end, but that is no logic. */
+/* Test that an inverter switched off floats: leakage determines its voltage,
+   which is no logic level. */
 static void test_floating(void) {
   if (!have_ngspice()) return;
   g_autofree char *card = of_project("data/devices/opcflow65.pm");
@@ -377,8 +380,8 @@ static void test_floating(void) {
 
 /* ---- what is refused ---- */
 
-/* A library that has the card in subcircuits and sizes in um, of two bins,
-   gives what the card does. */
+/* Test that a library with the card in subcircuits, sizes in um and two bins
+   has the same results as the card. */
 static void test_library(void) {
   g_autofree char *card = of_project("data/devices/opcflow65.pm");
   g_autofree char *path = g_build_filename(opc_test_folder(), "own.lib", NULL);
@@ -408,8 +411,8 @@ static void test_library(void) {
   g_string_append(lib, ".endl\n");
   g_assert_true(g_file_set_contents(path, lib->str, -1, NULL));
   g_autoptr(made) m = make("A:i Y:o VDD:s VSS:g", INVERTER);
-  m->leq[1][0] = m->off[1][0] = 66.7; /* of the other bin */
-  m->leq[1][1] = m->off[1][1] = 58;   /* shorter than any */
+  m->leq[1][0] = m->off[1][0] = 66.7; /* in the other bin */
+  m->leq[1][1] = m->off[1][1] = 58;   /* shorter than the shortest bin */
   run(m, 1, card, "load: 4 fF, measure: delays, dlc: false");
   double tp = opc_test_metric("tp"), worst = opc_test_metric("tp_worst");
   run(m, 1, path,
@@ -417,7 +420,7 @@ static void test_library(void) {
   g_assert_cmpfloat(worst, >, 1);
   g_assert_cmpfloat_with_epsilon(opc_test_metric("tp"), tp, 1e-5 * tp);
   g_assert_cmpfloat_with_epsilon(opc_test_metric("tp_worst"), worst, 1e-3);
-  /* A model that the library lacks. */
+  /* A model missing in the library. */
   m->device[0].model = "other_nfet";
   refused(m, 0, path, "corner: tt, pmos: pfet", "*has no 'other_nfet'*");
   refused(m, 0, path, "corner: tt, pmos: pfet, stand_ins: other_nfet",
@@ -460,7 +463,7 @@ static void test_refused(void) {
   refused(latch, 0, card, "cell: WL", "'WL' is no storage node of 'made'");
 }
 
-/* A mask that prints nothing before it is corrected is no fault. */
+/* Test that a mask that does not print before correction is no error. */
 static void test_before(void) {
   if (!have_ngspice()) return;
   g_autofree char *card = of_project("data/devices/opcflow65.pm");
@@ -470,7 +473,7 @@ static void test_before(void) {
   g_assert_nonnull(strstr(opc_test_log(), "no figures of the circuit before"));
   g_assert_true(isnan(opc_test_metric("tp_worst_before")));
   g_assert_cmpfloat(opc_test_metric("tp_worst"), <, 1e-6);
-  m->leq[0][0] = 2; /* shorter than the simulator takes */
+  m->leq[0][0] = 2; /* shorter than the simulator accepts */
   run(m, 1, card, "measure: auto");
   g_assert_cmpfloat(opc_test_metric("tp_worst"), <, 1e-6);
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Input patterns, and the transitions between them. */
+/* Lists input patterns and the transitions between them. */
 #include <eda/random.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -7,20 +7,21 @@
 
 #include "bench.h"
 
-/* From 0 to n - 1; n is far below 2^64. */
+/* Return a random number from 0 to n - 1; n is far below 2^64. */
 static uint64_t draw_below(uint64_t *state, uint64_t n) {
   return n ? eda_random_draw(state) % n : 0;
 }
 
 /* ---- all of them ---- */
 
-/* The first input is the highest digit. */
+/* Set the input levels from a number; the first input is the most significant
+   bit. */
 static void set_bits(uint8_t *bit, size_t inputs, uint64_t pattern) {
   for (size_t i = 0; i < inputs; i++) bit[i] = pattern >> (inputs - 1 - i) & 1;
 }
 
-/* Each pair comes with the chance that leaves `most` in the end (Knuth 3.4.2,
-   algorithm S). */
+/* List the transitions. Selection sampling keeps `most` of them with equal
+   probability (Knuth 3.4.2, algorithm S). */
 static void list_pairs(const bench *b, patterns *p) {
   uint64_t seed = (uint64_t)b->seed;
   size_t others = b->several ? p->count - 1 : b->inputs;

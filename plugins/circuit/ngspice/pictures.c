@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The waveforms of the outputs that deviate most, and the butterfly of the cell
-   that does. */
+/* Draws the waveforms of the outputs and the butterfly of the cell with the
+   largest deviations. */
 #include <eda/drawing.h>
 #include <math.h>
 #include <stdio.h>
@@ -21,7 +21,8 @@ static eda_colour colour_of(int state) {
                                : eda_layer_outline(EDA_ACTIVE);
 }
 
-/* The paper, its title and the key; and a chart without a place. */
+/* Open the paper with title and key, and initialize a chart without its
+   position. */
 static eda_paper *open_paper(const bench *b, const char *path, eda_chart *c,
                              const char *title, const char *also,
                              opc_error *error) {
@@ -46,8 +47,8 @@ static eda_paper *open_paper(const bench *b, const char *path, eda_chart *c,
 
 /* ---- waveforms ---- */
 
-/* From shortly before the inputs change to shortly after the last output is
-   there. */
+/* Set the time range from shortly before the inputs change to shortly after the
+   last output has settled. */
 static void set_range(const bench *b, const arrival *a, double window,
                       eda_chart *c) {
   double start = 1e12 * bench_start(b), slew = 1e12 * b->slew;
@@ -166,7 +167,8 @@ int draw_margins(bench *b, const cell *cells, size_t count, const margins *m,
   c.width = c.height;
   c.x = (eda_axis){.high = b->supply, .title = of_x};
   c.y = (eda_axis){.high = b->supply, .title = of_y};
-  /* Each printed one over the drawn one; or that alone. */
+  /* Each printed curve over the drawn one; the drawn one alone if none is
+     printed. */
   int printed = b->has[EDA_BEFORE] || b->has[EDA_AFTER];
   for (int s = printed; s < (printed ? EDA_STATES : 1); s++) {
     if (!b->has[s]) continue;

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Sizes in one number: each transistor has its drawn width, and the length at
-   which that drives what is printed (thesis 2.2.4 and 2.3.3, where a netlist's
-   L is replaced by Leq_Ion and nothing else). */
+/* Expresses sizes by one number: each transistor keeps its drawn width and gets
+   the length at which that width drives the printed current (thesis 2.2.4 and
+   2.3.3, where Leq_Ion replaces L in the netlist). */
 #include <eda/curves.h>
 #include <math.h>
 
 #include "bench.h"
 
-/* The length at which the drawn width has the printed current. */
+/* Return the length at which the drawn width drives the printed current. */
 static double length_of(const eda_curves *all, const eda_gates *g, size_t i,
                         int current, double printed, double drawn) {
   const eda_curves *c = eda_curves_of(all, eda_gates_flavour(g, i));

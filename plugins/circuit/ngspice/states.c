@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The states of a circuit that keeps one, and what each change of an input
-   makes of them. Nothing is known of clocks: from the state in which it wakes
-   up, the inputs change one at a time in walks through transients, the shortest
-   that lead to what has not been tried, until all has (C. E. Shannon's mouse).
-   A state is the inputs and the levels of all nets that gates and outputs are
-   on. */
+/* Explores the states of a sequential circuit and their transitions for changes
+   of single inputs. No clock is assumed: transients start at power-up and
+   change one input at a time along the shortest paths to changes not yet tried,
+   until all are known (C. E. Shannon's maze-solving mouse). A state consists of
+   the inputs and the levels of all nets with gates or outputs. */
 #include <glib.h>
 #include <math.h>
 #include <stdio.h>
@@ -13,10 +12,10 @@
 #include "bench.h"
 
 enum {
-  WALKS = 64,   /* of a round, between which what they saw is put together */
-  LONGER = 4,   /* how much longer phases are if they were too short */
-  LONGEST = 10, /* times that */
-  RINGS = 32,   /* changes of a net in a phase, if it never rests */
+  WALKS = 64,   /* walks per round; results are merged after each round */
+  LONGER = 4,   /* factor on the phase if the circuit did not settle */
+  LONGEST = 10, /* largest number of extensions */
+  RINGS = 32,   /* changes of a net in one phase that count as oscillation */
 };
 
 static const double first_phase = 1e-9;
@@ -46,7 +45,7 @@ void states_save(const bench *b, const machine *m, FILE *out) {
     fprintf(out, ".save %s\n", probe(b, m->net[k], name));
 }
 
-/* The value of a vector at a time. */
+/* Return the value of a vector at a time. */
 static double value_at(const eda_spice_vector *t, const eda_spice_vector *v,
                        double time) {
   if (!t || !v || t->count != v->count || t->count < 2) return NAN;
@@ -73,12 +72,13 @@ void states_levels(const bench *b, const machine *m, const eda_spice_plot *plot,
 
 /* ---- a round of walks ---- */
 
-/* What a walk saw, and whether all was at rest in the second half of its
-   phases. */
+/* Result of a walk: levels, and whether all nets were constant in the second
+   half of each phase. */
 typedef struct trip {
   walk way;
-  uint32_t target, input; /* the first that it tries, and where */
-  int8_t *level;          /* at the end of each phase */
+  uint32_t target, input; /* state and input of the first change that the walk
+                             tries */
+  int8_t *level;          /* levels at the end of each phase */
   int rests;
 } trip;
 
@@ -100,7 +100,7 @@ static void write_walk(job *j, FILE *out, const void *how) {
   walk_command(((const round_of *)j->of)->m, how, out);
 }
 
-/* How often a net goes from one level to the other between two times. */
+/* Return the number of level changes of a net between two times. */
 static int count_changes(const bench *b, const eda_spice_plot *plot,
                          uint32_t net, double from, double to) {
   char name[32];
@@ -129,7 +129,8 @@ static void check_ringing(job *j, const eda_spice_plot *plot, double from,
                          1e9 * (to - from));
 }
 
-/* Levels at the ends do not tell: what rings may come back to them. */
+/* Return 1 if any net changes between two times. Comparing the levels at the
+   ends does not suffice: an oscillating net may return to its level. */
 static int any_changes(const job *j, const eda_spice_plot *plot, double from,
                        double to) {
   const machine *m = ((const round_of *)j->of)->m;
@@ -147,7 +148,7 @@ static void look(job *j, trip *t, const eda_spice_plot *plot) {
            to = m->phase * ((double)k + 1);
     states_levels(j->b, m, plot, half, middle);
     states_levels(j->b, m, plot, to, end);
-    /* The first may well wake up slowly. */
+    /* The circuit may power up slowly, so the first phase is exempt. */
     if (!k ||
         (!memcmp(middle, end, m->watched) && !any_changes(j, plot, half, to)))
       continue;
@@ -174,7 +175,7 @@ static void run_job(job *j) {
 
 /* ---- the map ---- */
 
-/* While it is made: arrays that grow. */
+/* Machine under construction, with growing arrays. */
 typedef struct map {
   bench *b;
   machine *m;
@@ -187,7 +188,7 @@ static void show(map *a) {
   a->m->next = (uint32_t *)a->next->data;
 }
 
-/* The state of these inputs and levels, perhaps a new one. */
+/* Return the state with these inputs and levels; add a new one if needed. */
 static uint32_t state_of(map *a, const uint8_t *bit, const int8_t *level) {
   const size_t inputs = a->b->inputs;
   machine *m = a->m;
@@ -203,8 +204,9 @@ static uint32_t state_of(map *a, const uint8_t *bit, const int8_t *level) {
   return (uint32_t)m->states++;
 }
 
-/* Put down what a walk saw. Where the same change has led elsewhere before, the
-   levels do not say all of the state, and nothing is known. */
+/* Record the result of a walk. If the same change has led to another state
+   before, the levels do not determine the state, and the transition is marked
+   STATE_LOST. */
 static void put_down(map *a, const trip *seen) {
   const size_t inputs = a->b->inputs;
   machine *m = a->m;
@@ -220,12 +222,12 @@ static void put_down(map *a, const trip *seen) {
   }
   if (seen->target == STATE_UNKNOWN) return;
   uint32_t *next = &m->next[seen->target * inputs + seen->input];
-  /* The way there does not lead there any more. */
+  /* The path to the target no longer leads there. */
   if (*next == STATE_UNKNOWN) *next = STATE_LOST;
 }
 
-/* Ways to states in which some inputs have not changed: each of them changes,
-   and back. `tried` counts them, up to `most`. */
+/* Plan walks to states with untried inputs; each of these inputs changes and
+   returns. `tried` counts the changes, up to `most`. */
 static size_t plan(const map *a, trip *trips, size_t *tried) {
   const bench *b = a->b;
   const machine *m = a->m;
@@ -251,7 +253,7 @@ static size_t plan(const map *a, trip *trips, size_t *tried) {
   return n;
 }
 
-/* One round; 1 if all was at rest, -1 on failure. */
+/* Run one round. Returns 1 if all nets settled, -1 on failure. */
 static int go(map *a, trip *trips, size_t n, opc_error *error) {
   const round_of r = {a->m, trips};
   int rests = 1;
@@ -265,7 +267,7 @@ static int go(map *a, trip *trips, size_t n, opc_error *error) {
   return code ? -1 : rests;
 }
 
-/* All rounds, with phases of one length. */
+/* Run all rounds with phases of one length. */
 static int explore(map *a, opc_error *error) {
   trip trips[WALKS];
   size_t tried = 0, n = 1;
@@ -291,8 +293,8 @@ static int explore(map *a, opc_error *error) {
 
 /* ---- what is known in the end ---- */
 
-/* Leave out all states but those; what leads to one of them goes ahead of each
-   walk. */
+/* Remove all states but `kept`. The changes that lead to one of them become the
+   lead of each walk. */
 static void leave_out(bench *b, machine *m, const uint8_t *kept) {
   g_autofree uint32_t *number = g_new(uint32_t, m->states);
   walk w = walk_new(m);
@@ -332,8 +334,9 @@ static const void *keep(bench *b, const GArray *a, size_t count, size_t size) {
   return own;
 }
 
-/* As patterns, with the transitions between them, and outputs' levels: none
-   where a gate is at no level. */
+/* List states as patterns, with the transitions between them and the levels of
+   the outputs. States with a gate at an undefined level have no leakage
+   pattern. */
 static void list_patterns(bench *b, const machine *m, patterns *p, logic *l) {
   *p = (patterns){.count = m->states, .bit = m->bit};
   *l = (logic){0};

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Circuits that keep a state: what changes what follows from what latches and
-   flip-flops are; how long it takes is compared with sequences by hand, run by
-   the plain simulator. */
+/* Tests sequential circuits: transitions follow from the function of latches
+   and flip-flops; delays are compared with hand-written sequences run by plain
+   ngspice. */
 #include "circuit_test.h"
 
-/* An inverter that holds Y where EN is 0 and its complement 1. */
+/* Clocked inverter that holds Y while EN is 0 and its complement is 1. */
 #define CLOCKED(id, a, y, en, enb)                                       \
   "MN" id "1 " id "N " a " VSS VSS n 65 300,MN" id "2 " y " " en " " id  \
   "N VSS n 65 300,MP" id "1 " id "P " a " VDD VDD p 65 450,MP" id "2 " y \
@@ -29,7 +29,7 @@
 
 /* ---- what follows what ---- */
 
-/* Rows of the table as "INPUTS OUTPUT WAY", in any order. */
+/* Check that the table has the rows "INPUTS OUTPUT WAY", in any order. */
 static void expect(const char *const *rows, size_t count) {
   g_assert_cmpuint(opc_test_rows("delays"), ==, count);
   for (size_t k = 0; k < count; k++) {
@@ -46,11 +46,11 @@ static void expect(const char *const *rows, size_t count) {
   g_assert_cmpfloat(opc_test_metric("unmeasured"), ==, 0);
 }
 
-/* A latch is transparent where G is 1. */
+/* A latch is transparent while G is 1. */
 static const char *const of_latch[] = {
     "D 0>1, G 1 Q rises", "D 1>0, G 1 Q falls", "D 1, G 0>1 Q rises",
     "D 0, G 0>1 Q falls"};
-/* With both inputs at 0 both outputs are 1; the last to rise decides. */
+/* With both inputs at 0, both outputs are 1; the last input to rise decides. */
 static const char *const of_crossed[] = {
     "SN 1>0, RN 1 Q rises",  "SN 1>0, RN 1 QN falls", "SN 1, RN 1>0 Q falls",
     "SN 1, RN 1>0 QN rises", "SN 0, RN 1>0 QN rises", "SN 1>0, RN 0 Q rises",
@@ -70,8 +70,8 @@ static void test_crossed(void) {
       strstr(opc_test_log(), "output 'QN' never changes in what was tried"));
 }
 
-/* What was set once stays so, and how it came about is no state to come back
-   to. */
+/* Test that a node that can be set but not reset remains set, and that states
+   before are not recurrent. */
 static void test_once(void) {
   if (!have_ngspice()) return;
   g_autofree char *card = of_project("data/devices/opcflow65.pm");
@@ -85,7 +85,7 @@ static void test_once(void) {
   g_assert_nonnull(strstr(opc_test_log(), "output 'Q' never changes"));
 }
 
-/* Halves a clock; in which half it wakes up, nothing can tell. */
+/* Test a frequency divider; its power-up state is unknown. */
 static void test_halving(void) {
   if (!have_ngspice()) return;
   g_autofree char *card = of_project("data/devices/opcflow65.pm");
@@ -96,8 +96,8 @@ static void test_halving(void) {
   g_assert_nonnull(strstr(opc_test_log(), "no changes of inputs are known"));
 }
 
-/* However its period goes into the time that it is looked at: with some of
-   these loads its levels are the same at the middle and at the end of it. */
+/* Test a ring oscillator with various periods: with some of these loads, its
+   levels are equal at the middle and the end of a phase. */
 static void test_ringing(void) {
   static const char *const loads[] = {"0", "0.4", "1.5", "2.9", "3.1", "3.5"};
   if (!have_ngspice()) return;
@@ -119,15 +119,15 @@ static void test_ringing(void) {
 
 enum { CHANGES = 12 };
 
-/* What is looked at: in which phase, and the row of the table. */
+/* Measurement: phase and row of the table. */
 typedef struct event {
   int phase;
   const char *inputs, *output;
   int rises;
 } event;
 
-/* Levels of the inputs in each phase of 2 ns, changes by 20 ps from its
-   beginning. */
+/* Simulate a sequence with plain ngspice: input levels in each phase of 2 ns,
+   changes of 20 ps at its beginning. */
 static char *sequence_by_hand(const char *card, const char *cell,
                               const char *ports, const char *const *inputs,
                               const char *const *levels, const event *events,
@@ -192,7 +192,8 @@ static void compare(const char *hand, const char *state, const event *events,
   }
 }
 
-/* The netlist of a circuit, as drawn or with the sizes after correction. */
+/* Return the netlist of a circuit, as drawn or with the sizes after
+   correction. */
 static char *cell_of(const made *m, const char *ports, int after) {
   GString *text = g_string_new(NULL);
   g_string_append_printf(text, ".subckt cell %s\n", ports);
@@ -209,7 +210,7 @@ static char *cell_of(const made *m, const char *ports, int after) {
   return g_string_free(text, FALSE);
 }
 
-/* Print all a little otherwise. */
+/* Change the printed sizes of all transistors slightly. */
 static void print_changed(made *m) {
   for (size_t i = 0; i < m->circuit.count; i++) {
     m->leq[1][i] = m->off[1][i] = m->length[i] + 1 + (double)(i % 3);
@@ -264,7 +265,7 @@ static void test_flip_flop(void) {
   g_assert_nonnull(strstr(opc_test_log(), "keeps a state: 8 "));
 }
 
-/* A keeper keeps no state where its net is always driven. */
+/* Test that a keeper on a net that is always driven keeps no state. */
 static void test_keeper(void) {
   static const char *const inputs[] = {"A", NULL};
   static const char *const levels[] = {"010"};
@@ -280,7 +281,7 @@ static void test_keeper(void) {
   g_assert_cmpuint(opc_test_rows("delays"), ==, 2);
 }
 
-/* DFF_X1 of the NanGate library, from its layout and its CDL. */
+/* Test DFF_X1 of the NanGate library, from its layout and CDL. */
 static void test_nangate(void) {
   static const char *const inputs[] = {"d", "ck", NULL};
   static const event events[] = {{5, "D 1, CK 0>1", "q", 1},

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What is told: every figure in a table, their means and worst in another one
-   and in metrics. */
+/* Writes the result tables: all values, and their means and extremes, also as
+   metrics. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "bench.h"
 
-/* 100 (a - b) / b, thesis eq. 3.8 without the bars; NAN if b is not above 0. */
+/* Return 100 (a - b) / b, thesis eq. 3.8 without absolute value; NAN unless b >
+   0. */
 static double deviation(double a, double b) {
   return b > 0 ? 100 * (a - b) / b : (double)NAN;
 }
@@ -20,7 +21,7 @@ static int metric(const bench *b, const char *name, double value,
 
 /* ---- tables ---- */
 
-/* A table that is being made, column by column. */
+/* Table under construction, column by column. */
 typedef struct table {
   bench *b;
   size_t rows, columns;
@@ -45,7 +46,7 @@ static double *add_numbers(table *t, const char *name, const char *unit,
   return x;
 }
 
-/* A column of one of the sizes: "delay before". */
+/* Add a column for one set of sizes, such as "delay before". */
 static double *add_state(table *t, const char *what, int state,
                          const char *unit, int decimals) {
   static const char *const states[] = {"drawn", "before", "after"};
@@ -62,12 +63,12 @@ static int publish(const table *t, const char *name, uint32_t flags,
                        error);
 }
 
-/* How many sets of sizes there are columns of. */
+/* Return the number of sets of sizes with columns. */
 static int states_of(const bench *b) { return b->mask ? EDA_STATES : 1; }
 
 /* ---- deviations of many figures ---- */
 
-/* Mean, and the largest with its sign; how many there are. */
+/* Mean, extreme value with sign, and count. */
 typedef struct spread {
   double mean, worst;
   int64_t count;
@@ -87,7 +88,8 @@ static double worst_of(const spread *s) {
   return s->count ? s->worst : (double)NAN;
 }
 
-/* "tr_worst" of the corrected mask, "tr_worst_before" of the other one. */
+/* Report "tr_worst" for the corrected mask, "tr_worst_before" for the mask
+   before correction. */
 static int worst_metric(const bench *b, const char *quantity, int state,
                         const spread *of, opc_error *error) {
   char name[64];
@@ -96,7 +98,7 @@ static int worst_metric(const bench *b, const char *quantity, int state,
   return metric(b, name, fabs(worst_of(of)), error);
 }
 
-/* The columns of worst and mean deviations, at the end of a table. */
+/* Columns of the extreme and mean deviations, last in a table. */
 typedef struct deviations {
   double *worst[EDA_STATES], *mean[EDA_STATES];
 } deviations;
@@ -110,7 +112,7 @@ static deviations add_deviations(table *t) {
   return d;
 }
 
-/* A row of them, and the metrics of its quantity. */
+/* Set a row of the deviation columns and report the metrics of its quantity. */
 static int put_deviations(const bench *b, const deviations *d, size_t row,
                           const char *quantity, const spread of[EDA_STATES],
                           opc_error *error) {
@@ -126,7 +128,7 @@ static int put_deviations(const bench *b, const deviations *d, size_t row,
 
 enum { TR, TF, TPLH, TPHL, TP, QUANTITIES };
 
-/* Of tp, those of both directions. */
+/* Return 1 if an arrival belongs to a quantity; tp includes both directions. */
 static int is_of(const arrival *a, int quantity) {
   return quantity == TP || a->rises == (quantity == TR || quantity == TPLH);
 }
@@ -227,7 +229,7 @@ int64_t worst_arrival(const delays *d, const bench *b, int rises) {
   double most = -1;
   for (size_t i = 0; i < d->count; i++) {
     const arrival *a = &d->arrival[i];
-    /* As drawn there is no deviation: the slowest. */
+    /* With drawn sizes only, the slowest arrival. */
     double x = state == EDA_AFTER
                    ? fabs(deviation(a->delay[state], a->delay[0]))
                    : a->delay[0] + 1;

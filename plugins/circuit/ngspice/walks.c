@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Delays of a circuit that keeps a state: walks through its states, on which
-   outputs follow one change after the other. */
+/* Measures delays of sequential circuits in walks through their states, in
+   which outputs follow one change after another. */
 #include <glib.h>
 #include <math.h>
 #include <stdio.h>
@@ -8,15 +8,16 @@
 
 #include "bench.h"
 
-enum { FLIPS = 8 }; /* transitions that are measured on one walk */
+enum { FLIPS = 8 }; /* transitions measured per walk */
 
-/* Of the simulator: steps have no bound here but errors, those of charges
-   (`trtol`, by itself 7) and currents. A flip-flop's delays are within 0.003 %
-   and its slopes within 0.04 % of those by steps of 0.2 ps; by 10 times the
-   share 0.01 and 0.4 %, in two thirds of the time. */
+/* Relative tolerance and `trtol` (default 7) of the simulator. The tolerances
+   of charges and currents alone bound the steps. The delays of a flip-flop
+   agree with those of 0.2 ps steps within 0.003 %, the slopes within 0.04 %;
+   with 10 times the tolerance within 0.01 and 0.4 %, in two thirds of the
+   time. */
 static const double share = 1e-5, steps = 1;
 
-/* What all jobs share. */
+/* Data shared by all jobs. */
 typedef struct study {
   const patterns *p;
   const delays *d;
@@ -24,7 +25,7 @@ typedef struct study {
 
 /* ---- one walk ---- */
 
-/* A walk, and at which step each of its transitions is. */
+/* Walk, and the phase of each of its measured transitions. */
 typedef struct tour {
   walk way;
   size_t step[FLIPS];
@@ -59,7 +60,7 @@ static void write_commands(job *j, FILE *out, const void *how) {
   walk_command(((const study *)j->of)->d->machine, how, out);
 }
 
-/* Whether all nets are where they ought to be in a state. */
+/* Return 1 if all nets have the levels of a state. */
 static int is_in(const job *j, const eda_spice_plot *plot, uint32_t state,
                  double time) {
   const machine *m = ((const study *)j->of)->d->machine;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Ways through the states of a circuit: the shortest to a state; those that
-   there is always a way back to; one that leads to the same state from all. */
+/* Searches paths through the states of a circuit: the shortest path to a state,
+   the recurrent states, and a synchronizing sequence. */
 #include <stdio.h>
 #include <string.h>
 
@@ -21,7 +21,7 @@ void walk_step(const bench *b, const machine *m, walk *w, uint32_t input) {
   if (w->at < STATE_LOST) w->at = m->next[w->at * b->inputs + input];
 }
 
-/* Breadth first, backwards along the marks that the search leaves. */
+/* Uses breadth-first search, then follows the predecessors back. */
 int walk_to(const bench *b, const machine *m, walk *w, uint32_t state) {
   g_autofree uint32_t *from = g_new(uint32_t, m->states);
   g_autofree uint32_t *by = g_new(uint32_t, m->states);
@@ -51,8 +51,8 @@ static double end_of(const machine *m, const walk *w) {
   return m->phase * (w->input->len + 1);
 }
 
-/* Without supply there is but one operating point. A line each change: a walk
-   may be long. */
+/* Without supply the operating point is unique. Each change is a separate line,
+   as walks may be long. */
 void walk_sources(const bench *b, const machine *m, const walk *w, FILE *out) {
   const eda_circuit *c = b->circuit;
   for (size_t i = 0; i < c->ports; i++)
@@ -80,7 +80,7 @@ void walk_command(const machine *m, const walk *w, FILE *out) {
 
 /* ---- the states that there is always a way back to ---- */
 
-/* Mark what leads to the marked. */
+/* Mark all states that lead to marked states. */
 static void mark_before(const machine *m, size_t inputs, uint8_t *mark) {
   for (int more = 1; more;) {
     more = 0;
@@ -92,7 +92,7 @@ static void mark_before(const machine *m, size_t inputs, uint8_t *mark) {
   }
 }
 
-/* Mark what the marked lead to. */
+/* Mark all states reached from marked states. */
 static void mark_after(const machine *m, size_t inputs, uint8_t *mark) {
   for (int more = 1; more;) {
     more = 0;
@@ -104,14 +104,14 @@ static void mark_after(const machine *m, size_t inputs, uint8_t *mark) {
   }
 }
 
-/* Has any change been seen there? Without, it is only not known any further. */
+/* Return 1 if no transition from the state is known. */
 static int is_end(const machine *m, size_t inputs, size_t s) {
   for (size_t i = 0; i < inputs; i++)
     if (m->next[s * inputs + i] < STATE_LOST) return 0;
   return 1;
 }
 
-/* Down from one set of states that lead to each other to the next. */
+/* Descends from one strongly connected set of states to the next. */
 void ways_back(const bench *b, const machine *m, uint8_t *kept) {
   const size_t inputs = b->inputs;
   g_autofree uint8_t *before = g_new(uint8_t, m->states);
@@ -131,11 +131,11 @@ void ways_back(const bench *b, const machine *m, uint8_t *kept) {
 /* ---- from whatever state it wakes up in ---- */
 
 typedef struct pair {
-  uint32_t s, t, from, input; /* two states, the pair before and what changed */
+  uint32_t s, t, from, input; /* two states, preceding pair, changed input */
 } pair;
 
-/* Changes after which two states are one, breadth first; 0 if there are none.
- */
+/* Find changes that lead two states to the same state, by breadth-first search.
+   Returns 0 if none are known. */
 static int merge(const machine *m, size_t inputs, uint32_t s, uint32_t t,
                  GArray *way) {
   g_autoptr(GArray) queue = g_array_new(FALSE, FALSE, sizeof(pair));
@@ -161,7 +161,8 @@ static int merge(const machine *m, size_t inputs, uint32_t s, uint32_t t,
   return 0;
 }
 
-/* Go on from a set of states; 0 where it is not known. */
+/* Advance a set of states by changes; returns 0 where a transition is
+   unknown. */
 static int go_on(const machine *m, size_t inputs, const GArray *way,
                  GArray *set) {
   for (size_t k = 0; k < set->len; k++) {
@@ -174,7 +175,7 @@ static int go_on(const machine *m, size_t inputs, const GArray *way,
   return 1;
 }
 
-/* Pair by pair (D. Eppstein, SIAM J. Comput. 19, 1990). */
+/* Merges states pair by pair (D. Eppstein, SIAM J. Comput. 19, 1990). */
 int ways_synchronise(const bench *b, const machine *m, walk *w) {
   const size_t inputs = b->inputs;
   g_autoptr(GArray) set = g_array_new(FALSE, FALSE, sizeof(uint32_t));

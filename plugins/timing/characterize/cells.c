@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* From a subcircuit to a cell: its pins, what it computes (by switches that are
-   open, closed or unknown), and the arcs that follow from that. */
+/* Converts a subcircuit to a cell: pins, logic function (by switches that are
+   open, closed or unknown), and arcs. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -79,8 +79,7 @@ static const char *take_pins(study *s, const eda_flat_netlist *flat,
 
 enum { LOW, HIGH, UNKNOWN };
 
-/* Which nets are held by 0 [0] and 1 [1], for certain [.][0], perhaps [.][1].
- */
+/* Nets held at 0 [0] and 1 [1], certainly [.][0] or possibly [.][1]. */
 typedef struct reach {
   uint8_t *by[2][2];
 } reach;
@@ -91,8 +90,8 @@ static int conducts(const eda_timing_device *d, const uint8_t *value) {
   return d->type == EDA_NMOS ? gate : !gate;
 }
 
-/* Pass what holds one end of a channel on to the other, unless that is fixed.
-   Whether anything is new. */
+/* Propagate the state of one end of a channel to the other, unless fixed.
+   Returns 1 if anything changed. */
 static int spread(uint8_t *held, const uint8_t *fixed, uint32_t a, uint32_t b) {
   int news = 0;
   if (held[a] && !held[b] && !fixed[b]) news = held[b] = 1;
@@ -114,7 +113,7 @@ static void settle(const eda_timing_cell *c, const uint8_t *fixed,
   }
 }
 
-/* The levels of all nets; `fixed` ones are given. */
+/* Compute the levels of all nets from the `fixed` ones. */
 static void evaluate(const eda_timing_cell *c, const uint8_t *fixed,
                      uint8_t *value) {
   const size_t n = c->nets;
@@ -138,7 +137,7 @@ static void evaluate(const eda_timing_cell *c, const uint8_t *fixed,
   free(all);
 }
 
-/* The levels of all nets at a pattern of the inputs. */
+/* Compute the levels of all nets for an input pattern. */
 static void levels_at(const eda_timing_cell *c, size_t pattern, uint8_t *fixed,
                       uint8_t *value) {
   memset(fixed, 0, c->nets);
@@ -197,8 +196,8 @@ static void list_arcs(study *s, eda_timing_cell *c) {
 
 /* ---- what matters to an arc ---- */
 
-/* Which nets may move when an input does: through what conducts at some time
-   of it. */
+/* Mark the nets that may change with an input, through channels that conduct at
+   some time of the transition. */
 static void find_moves(const eda_timing_cell *c, const uint8_t *fixed,
                        const uint8_t *value, uint8_t *moves) {
   for (int news = 1; news;) {
@@ -214,8 +213,8 @@ static void find_moves(const eda_timing_cell *c, const uint8_t *fixed,
   }
 }
 
-/* A transistor that is off throughout is a capacitor, as wide as it is, on what
-   moves; its length is of no account. */
+/* A transistor that is off throughout acts as a capacitor on changing nets. The
+   capacitance depends on its width, not on its length. */
 void arc_sizes(const eda_timing_cell *c, const circuit *r,
                const eda_timing_arc *a, uint8_t *sizes) {
   uint8_t *fixed = eda_alloc(3 * c->nets, 1), *value = fixed + c->nets,
@@ -237,8 +236,8 @@ void arc_sizes(const eda_timing_cell *c, const circuit *r,
 
 /* ---- the grid ---- */
 
-/* Loads are told for each um of the channels on the outputs, so that strong
-   cells get larger ones. */
+/* Loads are specified per um of channel width at the outputs, so that strong
+   cells get larger loads. */
 static void make_grid(study *s, eda_timing_cell *c, const circuit *r) {
   eda_pool *pool = &s->timing->memory;
   double most = 0;
@@ -267,7 +266,7 @@ static void make_grid(study *s, eda_timing_cell *c, const circuit *r) {
 
 int cell_build(study *s, eda_netlist *n, uint32_t number, eda_timing_cell *c,
                circuit *r, opc_error *error) {
-  (void)error; /* n has it */
+  (void)error; /* n holds the error */
   eda_flat_netlist flat = {.pool = &s->timing->memory};
   const eda_subcircuit *of = &n->subcircuit[number];
   const eda_scope scope = {.of = of};

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* timing.characterize: the cells of a netlist by ngspice: delays and slews of
-   all arcs, and how they move with the printed sizes of each transistor. */
+/* Implements timing.characterize: characterizes the cells of a netlist with
+   ngspice, with delays and slews of all arcs and their sensitivities to the
+   printed sizes of each transistor. */
 #include "characterize.h"
 #include "../parameters.h"
 
@@ -11,7 +12,8 @@
 
 /* ---- work: which cells ---- */
 
-/* A subcircuit of transistors; what has instances is a circuit. */
+/* Return 1 for a subcircuit of transistors only; one with instances is a
+   circuit. */
 static int is_cell(const eda_subcircuit *c) {
   for (size_t i = 0; i < c->elements; i++)
     if (!c->element[i].is_transistor) return 0;
@@ -77,7 +79,7 @@ static int find_figures(study *s, eda_timing_cell *c, int *kept,
   int code = *kept ? OPC_OK : cell_measure(s, c, error);
   if (!code && !*kept) keep_save(s, key, c->figure, c->figures);
   if (!code) code = pairs_find(s, c, key, error);
-  /* Figures are of one of so many circuits side by side. */
+  /* All values are for one of r->times equal circuits in parallel. */
   const size_t pins = c->inputs * 2 * EDA_CAPS,
                all = pins * (1 + c->bundles * (size_t)EDA_SIZES),
                by_pattern = (c->inputs << c->inputs) * EDA_CAPS;
@@ -118,7 +120,7 @@ typedef struct row {
   double capacitance, delay, slew;
 } row;
 
-/* Means over all arcs, at the middle of the grid. */
+/* Return the row of a cell: means over all arcs at the middle of the grid. */
 static row row_of(const eda_timing_cell *c) {
   row r = {.cell = c->name,
            .trouble = c->trouble ? c->trouble : "",
@@ -307,7 +309,7 @@ static int check(void *self, opc_error *error) {
 /* ---- entry ---- */
 
 static const opc_port ports[] = {EDA_PORT_TIMING("timing")};
-/* It asks ngspice, and files include others. */
+/* The step runs ngspice, and netlists may include other files. */
 static const opc_step functions = {OPC_OUTPUTS(ports), .run = run,
                                    .flags = OPC_STEP_OUTSIDE};
 OPC_PLUGIN(study, .id = "timing.characterize", .kind = "step",

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The pieces of timing.characterize. Times s, voltages V, capacitances F. */
+/* Internal interface of timing.characterize. Times in s, voltages in V,
+   capacitances in F. */
 #pragma once
 
 #include <eda/netlist.h>
@@ -7,19 +8,19 @@
 #include <eda/timing.h>
 #include <opcflow/step.h>
 
-/* Transistors of a cell that behave alike, as one; nets by the first of those
-   that are joined. Its number is that of the cell's bundle. */
+/* Equivalent transistors of a cell, merged. Joined nets have the number of the
+   first of them. The number of a part is that of the cell's bundle. */
 typedef struct part {
   uint8_t type;
   uint32_t drain, gate, source, bulk;
-  double length, width; /* nm, of one */
+  double length, width; /* nm, of one transistor */
   uint32_t count;
-  uint32_t place; /* while they are sorted */
-  uint64_t
-      colour; /* where it is in the circuit, whatever the netlist's order */
+  uint32_t place;  /* temporary, for sorting */
+  uint64_t colour; /* hash of the position in the circuit, independent of the
+                      netlist's order */
 } part;
 
-/* What is simulated of a cell, which is `times` of it side by side. */
+/* Simulated part of a cell; the cell equals `times` of them in parallel. */
 typedef struct circuit {
   size_t parts;
   part *part;
@@ -33,7 +34,8 @@ typedef struct study {
   const char *file, *top, *cells;
   double scale;
   const char *models[2], *model[2]; /* files ([1] NULL: the same), names */
-  const char *n_models, *p_models; /* of the netlist, whose type is not shown */
+  const char *n_models, *p_models;  /* model names in the netlist that do not
+                                       show the type */
   const char *supplies, *grounds;
   int dlc;
   double supply, temperature;
@@ -42,19 +44,19 @@ typedef struct study {
   const char *liberty;
   double limit;
 
-  /* Of a run. */
+  /* State of a run. */
   eda_timing *timing;
   circuit *circuit; /* of each cell */
   eda_pool pool;
-  const char *cards[2]; /* whole paths; [1] NULL: the same */
+  const char *cards[2]; /* absolute paths; [1] NULL: the same */
   eda_card card[2];
-  size_t simulated; /* transitions */
+  size_t simulated; /* number of simulated transitions */
 } study;
 
 /* ---- cells.c: what a cell is ---- */
 
-/* The pins, logic and arcs of a subcircuit; cells that cannot be characterised
-   get a `trouble`. */
+/* Find the pins, logic and arcs of a subcircuit. Sets `trouble` for cells that
+   cannot be characterized. */
 int cell_build(study *s, eda_netlist *n, uint32_t number, eda_timing_cell *c,
                circuit *r, opc_error *error);
 
@@ -63,65 +65,65 @@ static inline const circuit *circuit_of(const study *s,
   return &s->circuit[c - s->timing->cell];
 }
 
-/* Which sizes of each part matter to an arc. */
+/* Sizes of each part that affect an arc. */
 enum { NO_SIZE, WIDTH_ONLY, ALL_SIZES };
 void arc_sizes(const eda_timing_cell *c, const circuit *r,
                const eda_timing_arc *a, uint8_t *sizes);
 
 /* ---- symmetry.c: what of a cell behaves alike ---- */
 
-/* Find the circuit of a cell and the bundles of its transistors. */
+/* Build the reduced circuit of a cell and the bundles of its transistors. */
 void cell_join(eda_pool *pool, eda_timing_cell *c, circuit *r);
 
 /* ---- decks.c: many copies of a cell in one run of the simulator ---- */
 
 typedef struct copy {
   const eda_timing_cell *cell;
-  uint32_t from; /* the inputs before the change */
+  uint32_t from; /* input levels before the change */
   uint8_t input, output;
-  int of_pin; /* its pin's capacitance is measured, not a delay */
+  int of_pin; /* 1: measure the capacitance of the pin, not a delay */
   double load;
-  const double *change; /* of sizes [bundle * EDA_SIZES + size]; NULL */
-  double delay, slew;   /* what is expected, then what was found; 0: unknown */
+  const double *change; /* ln of size ratio, [bundle * EDA_SIZES + size]; NULL:
+                           as drawn */
+  double delay, slew;   /* expected, then measured; 0: unknown */
   double capacitance[EDA_CAPS];
-  /* If `two`, a second input changes: its slew, and how long after the first.
-   */
+  /* If `two`, a second input changes: its slew, and its delay after the first
+     input. */
   int two;
   uint8_t other;
   double other_slew, other_after;
-  /* For whoever planned it: */
+  /* For the function that planned the copy: */
   eda_timing_arc *arc;
   size_t point, size;
 } copy;
 
-/* How a deck's steps are chosen: nothing is known of its outputs; delays and
-   slews are about as expected; they are known; or best, to judge by. */
+/* Accuracy of a deck's time steps: outputs unknown; delays and slews
+   approximately known; known; most accurate, for verification. */
 typedef enum care { PILOT, GRID, CHANGES, JUDGE } care;
 
-/* Copies that share a slew, a direction of the input and a run. */
+/* Copies that share a slew, a direction of the input and a simulation. */
 typedef struct deck {
   study *s;
   double slew;
   int rises;
   care care;
-  double early; /* s; how long before the input others change */
+  double early; /* s; how long before the input other inputs change */
   size_t count, room;
   copy *copy;
   int code;
   opc_error error;
 } deck;
 
-/* The time of the whole ramp for a slew between the edges. */
-
-/* Simulate until every output is there. [any] */
+/* Simulate until every output has settled. Sets d->code and d->error on
+   failure. [any] */
 void deck_run(deck *d);
 
 /* ---- measure.c ---- */
 
 int cell_measure(study *s, eda_timing_cell *c, opc_error *error);
 
-/* How far linear changes are off at random points: of delay and slew, in % of
-   the value. */
+/* Errors of linear size changes at random points: delay and slew, % of the
+   value. */
 typedef struct verdict {
   size_t points;
   double delay_rms, delay_max, slew_rms, slew_max, change_rms;
@@ -130,15 +132,16 @@ int cells_check(study *s, verdict *out, opc_error *error);
 
 /* ---- pairs.c: inputs that change together ---- */
 
-/* The pairs of a cell whose arcs are known. */
+/* List the pairs of a cell with known arcs. */
 void pairs_list(study *s, eda_timing_cell *c);
-/* Simulate them, once the arcs are there, and pins by what other inputs are; or
-   take what was kept beside `key`. */
+/* Simulate the pairs and the pin capacitances for each pattern of the other
+   inputs, or load the values stored with `key`. Requires the arcs. */
 int pairs_find(study *s, eda_timing_cell *c, const char *key, opc_error *error);
 
 /* ---- key.c: cells that were simulated before ---- */
 
-/* Return the key of a cell: a hash of all that its figures depend on (free). */
+/* Return the key of a cell (caller frees): a hash of all data that determine
+   its values. Returns NULL and sets `error` on failure. */
 char *keep_key(const study *s, const eda_timing_cell *c, opc_error *error);
 /* Return 1 if the figures were in the store. */
 int keep_load(const study *s, const char *key, double *figure, size_t figures);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Our own cells against decks by hand: what they compute, delays, how delays
-   move with sizes, capacitances of pins; and cells that are kept. */
+/* Compares own cells with hand-written decks: logic, delays, sensitivities to
+   sizes, pin capacitances. Also tests stored cells. */
 #include <eda/simulator.h>
 #include <eda/timing.h>
 #include <glib/gstdio.h>
@@ -55,11 +55,10 @@ static eda_timing *run_well(const char *file, const char *more) {
   return t;
 }
 
-/* Few points, as each is simulated. */
+/* A small grid, as each point is simulated. */
 #define GRID "slews: [5 ps, 15 ps, 40 ps], loads: [1 fF, 3 fF, 9 fF]"
 
-/* Where results are kept: in a folder of that name in the test's; "": nowhere.
- */
+/* Set the store to a folder `name` in the test's folder; "": no store. */
 static void keep_in(const char *name) {
   g_autofree char *path = g_build_filename(opc_test_folder(), name, NULL);
   g_setenv("OPCFLOW_STORE", *name ? path : "", TRUE);
@@ -92,7 +91,7 @@ static void same_logic(const eda_timing_cell *c, int (*f)(int, int, int)) {
   g_assert_cmpuint(c->arcs, ==, arcs);
 }
 
-/* The cells of more_cells, characterized once for all tests, and the log. */
+/* Cells of more_cells, characterized once for all tests, and the log. */
 static char *log_of_more;
 
 static const eda_timing *more_characterized(void) {
@@ -111,7 +110,7 @@ static void test_logic(void) {
   g_assert_cmpuint(t->count, ==, 2);
   const eda_timing_cell *c = eda_timing_find(t, "AOI21");
   same_logic(c, aoi21);
-  g_assert_cmpuint(c->bundles, ==, 6); /* M2 and M2b are one */
+  g_assert_cmpuint(c->bundles, ==, 6); /* M2 and M2b are merged */
   const eda_timing_cell *l = eda_timing_find(t, "latch");
   g_assert_nonnull(strstr(l->trouble, "keeps a state"));
   g_assert_nonnull(strstr(log_of_more, "'latch' has no arcs"));
@@ -122,7 +121,7 @@ static void test_logic(void) {
 
 /* ---- by hand ---- */
 
-/* When v(node) goes through a level for the last time, s. */
+/* Return the last time at which v(node) crosses a level, s. */
 static double passes(const eda_spice_plot *p, const char *node, double level) {
   const eda_spice_vector *t = eda_spice_vector_find(p, "time"),
                          *v = eda_spice_vector_find(p, node);
@@ -136,8 +135,8 @@ static double passes(const eda_spice_plot *p, const char *node, double level) {
 
 static const double supply = 1.1;
 
-/* A circuit with the supply s, the input b, which rises in the shape of the
-   library, and the output y, which falls. Delay and slew. */
+/* Simulate a circuit with supply s, input b, which rises in the shape of the
+   library, and output y, which falls. Returns delay and slew. */
 static void by_hand(const char *devices, double slew, double *delay,
                     double *out) {
   g_autofree char *card = data("devices/opcflow65.pm");
@@ -166,7 +165,8 @@ static void by_hand(const char *devices, double slew, double *delay,
   eda_spice_clear(&r);
 }
 
-/* nand2 of data/cells65 from the text of its file, with MN1's W. */
+/* Simulate nand2 of data/cells65, from the text of its file, with the given W
+   of MN1. */
 static void nand_by_hand(double w, double slew, const char *load, double *delay,
                          double *out) {
   g_autofree char *devices = g_strdup_printf(
@@ -178,7 +178,7 @@ static void nand_by_hand(double w, double slew, const char *load, double *delay,
   by_hand(devices, slew, delay, out);
 }
 
-/* By how much a delay moves for a size of a transistor. */
+/* Return the derivative of a delay by a size of a transistor. */
 static double moved_by(const eda_timing_cell *c, const eda_timing_arc *a,
                        const char *device, size_t size) {
   for (size_t i = 0; i < c->devices; i++)
@@ -192,21 +192,21 @@ static void test_delays(void) {
   g_autofree char *file = data("cells65/nand2.sp");
   eda_timing *t = run_well(file, "checks: 4, " GRID);
   const eda_timing_cell *c = &t->cell[0];
-  /* um of channels on the output: 0.4 + 2 * 0.45. */
+  /* Channel width at the output: 0.4 + 2 * 0.45 um. */
   close_to(c->at_load[1], 3e-15 * 1.3, 1e-12);
-  const eda_timing_arc *a = arc(c, 1, 1); /* B rises, A is 1 */
+  const eda_timing_arc *a = arc(c, 1, 1); /* B rises while A is 1 */
   double d, s, wider, narrower, unused;
   nand_by_hand(400e-9, 15e-12, "cl y 0 3.9f", &d, &s);
   close_to(a->delay[1 * 3 + 1], d, 0.004);
   close_to(a->slew[1 * 3 + 1], s, 0.008);
-  /* The first point of changes is at 5 ps and 1 fF. */
+  /* The first point of size changes is at 5 ps and 1 fF. */
   nand_by_hand(400e-9 * exp(0.02), 5e-12, "cl y 0 1.3f", &wider, &unused);
   nand_by_hand(400e-9 * exp(-0.02), 5e-12, "cl y 0 1.3f", &narrower, &unused);
   close_to(moved_by(c, a, "MN1", EDA_SIZE_W), (wider - narrower) / 0.04, 0.05);
   g_assert_cmpfloat(opc_test_metric("delay_error"), <, 3);
   g_assert_cmpfloat(opc_test_metric("delay_error"), >, 0);
-  /* A gate that the pin is in place of: the capacitance that delays see is that
-     which delays as much. */
+  /* Replace the pin by a gate: the capacitance for delays causes the same
+     delay. */
   double pin = c->capacitance[(1 * 2 + 0) * EDA_CAPS + EDA_CAP_DELAY];
   g_autofree char *same = g_strdup_printf("cl y 0 %.17g", pin);
   double by_pin;
@@ -236,8 +236,9 @@ static void put_ramp(GString *deck, const char *net, int rises, double slew,
   g_string_append(deck, ")\n");
 }
 
-/* From the cause's middle to the output's: nand2 whose A changes with a slew of
-   12 ps, and B `gap` later with one of 20 ps. */
+/* Return the delay from the middle of the cause to the middle of the output,
+   for nand2 whose A changes with a slew of 12 ps, and B `gap` later with 20
+   ps. */
 static double both_by_hand(int rises, double gap) {
   g_autofree char *card = data("devices/opcflow65.pm");
   const double middle = 60e-12;
@@ -272,8 +273,8 @@ static double alone_at(const eda_timing_cell *c, const eda_timing_arc *a,
   return eda_timing_cubic_at(c->at_slew, cubic, c->slews, slew);
 }
 
-/* Both inputs of a NAND gate, at slews and gaps between those that were
-   simulated. One input alone would be off by 20 % (rising) and 80 %. */
+/* Test both inputs of a NAND gate at slews and gaps between the simulated ones.
+   With one input alone, the errors would be 20 % (rising) and 80 %. */
 static void test_pairs(void) {
   static const double gap[] = {0, 2e-12, 7e-12, 60e-12};
   g_autofree char *file = data("cells65/nand2.sp");
@@ -302,9 +303,9 @@ static void test_pairs(void) {
 
 /* ---- what is alike ---- */
 
-/* A NAND gate with two fingers of each transistor, whose stacks have nets of
-   their own, and one with one, in another order, which has the figures of the
-   first. */
+/* A NAND gate with two fingers per transistor and separate nets for the stacks,
+   and one with single fingers in another order, whose values must equal those
+   of the first. */
 static const char fingers[] =
     "* cells\n"
     ".subckt two A B Z VDD VSS\n"
@@ -315,14 +316,15 @@ static const char fingers[] =
     ".ends\n.subckt one A B Z VDD VSS\n"
     "M1 Z B x VSS nmos w=300n l=65n\nM2 x A VSS VSS nmos w=300n l=65n\n"
     "M3 Z A VDD VDD pmos w=350n l=65n\nM4 Z B VDD VDD pmos w=350n l=65n\n"
-    /* Another stack: none of them is like another now. */
+    /* Another stack: now no two transistors are equivalent. */
     ".ends\n.subckt odd A B Z VDD VSS\n"
     "M1 Z B x VSS nmos w=300n l=65n\nM2 x A VSS VSS nmos w=300n l=65n\n"
     "M3 Z B y VSS nmos w=300n l=65n\nM4 y A VSS VSS nmos w=310n l=65n\n"
     "M5 Z A VDD VDD pmos w=350n l=65n\nM6 Z B VDD VDD pmos w=350n l=65n\n"
     ".ends\n";
 
-/* `two` as it is, with the width of one transistor of one stack. */
+/* Simulate `two` unreduced, with another width of one transistor of one
+   stack. */
 static double two_by_hand(double w) {
   double delay, slew;
   g_autofree char *devices = g_strdup_printf(
@@ -366,8 +368,8 @@ static void test_fingers(void) {
   eda_timing_free(t);
 }
 
-/* aoi21 as A rises and Z falls: B1 is 0, so that M2 is off, and B2 1, so that
-   M3 holds what is behind it. */
+/* Simulate aoi21 as A rises and Z falls. B1 is 0, so M2 is off; B2 is 1, so M3
+   connects its capacitance. */
 static double off_by_hand(double w2, double l2, double w3) {
   double delay, slew;
   g_autofree char *devices = g_strdup_printf(
@@ -380,8 +382,8 @@ static double off_by_hand(double w2, double l2, double w3) {
   return delay;
 }
 
-/* A transistor that is off is a capacitor: its width matters, as found, its
-   length does not; one at which nothing moves does not at all. */
+/* Test that a transistor that is off acts as a capacitor: its width matters,
+   its length does not. Without a changing net, neither matters. */
 static void test_off(void) {
   const eda_timing_cell *c = eda_timing_find(more_characterized(), "aoi21");
   const eda_timing_arc *a = arc(c, 0, 4);
@@ -397,14 +399,14 @@ static void test_off(void) {
          w3 = (off_by_hand(400e-9, 65e-9, 400e-9 * up) -
                off_by_hand(400e-9, 65e-9, 400e-9 * down)) /
               0.04;
-  /* The delay is 11 ps: w is 7 % of it, l 0.2 %, w3 less. */
+  /* The delay is 11 ps; the effect of w is 7 %, of l 0.2 %, of w3 less. */
   close_to(moved_by(c, a, "M2", EDA_SIZE_W) + moved_by(c, a, "M2b", EDA_SIZE_W),
            w, 0.05);
   g_assert_cmpfloat(moved_by(c, a, "M2", EDA_SIZE_L), ==, 0);
   g_assert_cmpfloat(fabs(l), <, 0.002 * a->delay[0]);
   g_assert_cmpfloat(moved_by(c, a, "M3", EDA_SIZE_W), ==, 0);
   g_assert_cmpfloat(fabs(w3), <, 0.002 * a->delay[0]);
-  /* What is on, if nothing at its gate moves, matters. */
+  /* A conducting transistor matters even if its gate does not change. */
   g_assert_cmpfloat(fabs(moved_by(c, a, "M5", EDA_SIZE_L)), >, 0);
 }
 
@@ -429,7 +431,8 @@ static void test_kept(void) {
   eda_timing_free(first);
 }
 
-/* An empty OPCFLOW_STORE keeps nothing, in particular not in ./timing. */
+/* Test that an empty OPCFLOW_STORE stores nothing, in particular not in
+   ./timing. */
 static void test_unkept(void) {
   g_autofree char *file = data("cells65/inverter.sp");
   g_autofree char *before = g_get_current_dir();

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Many copies of cells in one run of the simulator, with an input that changes
-   for all at once. Copies share time steps, so that what differs between two of
-   them is free of the steps' noise. */
+/* Simulates many copies of cells in one run, with an input that changes for all
+   at once. Copies share time steps, so differences between two copies are free
+   of discretization noise. */
 #include <eda/wave.h>
 #include <math.h>
 #include <stdio.h>
@@ -10,43 +10,45 @@
 
 #include "characterize.h"
 
-/* Runs of a deck at most, each twice as long: 64 times the expected time. */
+/* Largest number of runs of a deck, each twice as long as the last: up to 64
+   times the expected time. */
 enum { TRIES = 7 };
 
-static const double start = 2e-12; /* s, when inputs begin to change */
+static const double start = 2e-12; /* s, start of the input ramps */
 
-/* An output above this height has got there. */
+/* Relative height above which an output has switched. */
 static const double arrived = 0.97;
 
-/* Where nothing is known, a run lasts so many ramps of its input, so many s,
-   and so many s for each F of load: some ps for each fF, through the channels
-   that a um of width has. It has at least so many steps, as runs of pins. */
+/* Duration of a run with unknown outputs: pilot_ramps input ramps, plus
+   pilot_rest (s), plus pilot_load (s/F) times the load, that is some ps for
+   each fF through a channel 1 um wide. pilot_steps: least number of steps, also
+   for pins. */
 static const double pilot_ramps = 2.8, pilot_rest = 30e-12, pilot_load = 8e3,
                     pilot_steps = 50;
 
-/* A run of a pin goes on so far beyond the slew's end, as a factor. */
+/* End of a run that measures a pin, relative to the end of the slew. */
 static const double pin_rest = 1.05;
 
-/* If the simulator finds no step that it can take, it is tried again with
-   steps of this length. */
+/* Step reduction for a retry after the simulator finds no valid time step. */
 static const double shorter = 0.7;
 
-/* How many steps the slew of the fastest output has at least. AOI21 at 22 ps,
-   18 changes, against a run of 1,400 steps: with 4 a slew delays are off by
-   0.05 %, slews by 0.13 % and changes of a delay for 1 % by 0.004 % of it at
-   most; with 2 by 0.11, 0.23 and 0.005 %; with 8 by 0.01, 0.04 and 0.001 %. */
+/* Least number of steps in the slew of the fastest output. AOI21 at 22 ps, 18
+   changes, against a run of 1,400 steps: with 4 steps per slew, the largest
+   errors are 0.05 % of delays, 0.13 % of slews and 0.004 % of the delay for
+   delay changes of 1 %; with 2 steps 0.11, 0.23 and 0.005 %; with 8 steps 0.01,
+   0.04 and 0.001 %. */
 static const double steps[] = {
     [PILOT] = 0, [GRID] = 5, [CHANGES] = 4, [JUDGE] = 25};
 
-/* How long after an output's middle a run ends, in slews: until an output that
-   is 1.5 times as slow as expected has settled; or, where it is known, until
-   it has passed the slew's end by two steps. */
+/* End of a run after the middle of the output, in slews: until an output 1.5
+   times as slow as expected has settled; if the slew is known, two steps after
+   its end. */
 static const double settled[] = {
     [PILOT] = 0, [GRID] = 5, [CHANGES] = 1.5, [JUDGE] = 5};
 
 /* ---- the input ---- */
 
-/* When the inputs' middle is. */
+/* Return the time at which the inputs cross the middle, s. */
 static double middle_of(const deck *d) {
   return start + d->early +
          eda_timing_ramp_time(d->s->timing, d->slew, d->rises) *
@@ -61,7 +63,7 @@ static void put_source(const deck *d, FILE *out, const char *name, int rises,
 
 /* ---- the cards ---- */
 
-/* Each DLC that occurs, as an offset to the card's. */
+/* Distinct values of DLC, as offsets from the value of the model card. */
 typedef struct offsets {
   size_t count, room;
   double *value;
@@ -152,8 +154,9 @@ static void put_copy(const deck *d, FILE *out, size_t k, offsets *o) {
   if (c->two) put_other(d, out, k);
 }
 
-/* Charges here are of fF and mV: of the simulator's own bounds for them, 1 uV
-   and 1e-14 C, the second would see none. */
+/* Return the deck (caller frees). Charges are of the order of fF times mV; the
+   default tolerances of the simulator are 1 uV and 1e-14 C, and the second
+   would ignore these charges. */
 static char *deck_text(const deck *d) {
   const study *s = d->s;
   char *text = NULL;
@@ -192,7 +195,7 @@ static const double *vector_of(const eda_spice_plot *plot, const char *format,
   return v && v->count == n ? v->value : NULL;
 }
 
-/* Measure the last edge of an output. Return whether there is one. */
+/* Measure the last edge of an output. Returns 1 if an edge exists. */
 static int measure_output(const deck *d, copy *c, const double *t,
                           const double *v, size_t n) {
   const eda_timing *of = d->s->timing;
@@ -215,8 +218,8 @@ static int measure_output(const deck *d, copy *c, const double *t,
   return there;
 }
 
-/* The charge that goes in between two levels of the input, over their
-   difference. */
+/* Return the charge that flows between two levels of the input, divided by
+   their difference. */
 static double charge(const deck *d, const double *t, const double *i, size_t n,
                      double from, double to) {
   double whole = eda_timing_ramp_time(d->s->timing, d->slew, d->rises), sum = 0,
@@ -253,12 +256,12 @@ static int measure_copy(const deck *d, copy *c, size_t k,
 
 /* ---- a run ---- */
 
-/* How long a run is and its largest step. */
+/* Duration of a run and its largest step, s. */
 typedef struct span {
   double window, step;
 } span;
 
-/* Nothing is known: fF through the channels that a um has takes some ps. */
+/* Return the span for unknown outputs. */
 static span pilot_span(const deck *d) {
   double load = 0;
   for (size_t k = 0; k < d->count; k++)
@@ -270,7 +273,8 @@ static span pilot_span(const deck *d) {
   return (span){window, window / pilot_steps};
 }
 
-/* Charges are measured while the input moves. */
+/* Return the span for pins, whose charges are measured while the input
+   changes. */
 static span pin_span(const deck *d) {
   double window =
       start + eda_timing_ramp_time(d->s->timing, d->slew, d->rises) *
@@ -291,7 +295,7 @@ static span span_of(const deck *d) {
   return best;
 }
 
-/* Simulate once. How many copies do not get where they should. */
+/* Simulate once. Returns the number of copies whose outputs do not settle. */
 static size_t run_once(deck *d, const char *text, span of) {
   char command[120];
   eda_spice_result r = {0};
@@ -310,8 +314,8 @@ void deck_run(deck *d) {
   char *text = deck_text(d);
   span of = span_of(d);
   size_t missing = run_once(d, text, of);
-  /* Now and then the simulator finds no step that it can take ("timestep too
-     small"): from other steps it does. */
+  /* Occasionally the simulator finds no valid step ("timestep too small"); a
+     retry with other steps succeeds. */
   if (d->code == OPC_FAILED) {
     of.step *= shorter;
     missing = run_once(d, text, of);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The key of a circuit, a hash of all that its figures depend on but for this
-   plugin, and its figures in the store of the host. */
+/* Computes the key of a circuit, a hash of all data that determine its values
+   except this plugin. Loads and saves the values in the store of the host. */
 #include <glib.h>
 #include <inttypes.h>
 #include <opcflow/results.h>
@@ -33,7 +33,7 @@ static int hash_cards(GChecksum *sum, const study *s, opc_error *error) {
     g_autoptr(GError) fault = NULL;
     gsize n;
     hash_text(sum, s->model[i]);
-    /* What the file includes is in the card; without DLC there is none. */
+    /* The card contains included files; without DLC no card is read. */
     for (size_t k = 0; s->dlc && k < s->card[i].count; k++) {
       hash_text(sum, s->card[i].key[k]);
       hash_text(sum, s->card[i].value[k]);
@@ -52,8 +52,8 @@ static void hash_colour(GChecksum *sum, uint64_t colour) {
   hash_text(sum, text);
 }
 
-/* Cells of the same circuit side by side, whatever their names and the order of
-   their transistors, have one key: a part's colour says where it is. */
+/* Cells with the same circuits in parallel have one key, for any names and any
+   order of transistors: the colour of a part encodes its position. */
 char *keep_key(const study *s, const eda_timing_cell *c, opc_error *error) {
   g_autoptr(GChecksum) sum = g_checksum_new(G_CHECKSUM_SHA256);
   const circuit *r = circuit_of(s, c);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Cells as a Liberty file (Liberty User Guide, version 2007.03), for who goes
-   on with a static timing analyser: time ns, capacitance fF. */
+/* Writes cells as a Liberty file (Liberty User Guide, version 2007.03) for
+   static timing analyzers: times in ns, capacitances in fF. */
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
@@ -30,7 +30,8 @@ static void put_table(FILE *out, const eda_timing_cell *c, const char *name,
   fputs(");\n      }\n", out);
 }
 
-/* "A1 & !A2", of the inputs but one (`inputs`: of all). */
+/* Write a pattern such as "A1 & !A2" of the inputs except `but` (`inputs`: of
+   all). */
 static void put_pattern(FILE *out, const eda_timing_cell *c, uint32_t pattern,
                         size_t but) {
   int some = 0;
@@ -40,7 +41,7 @@ static void put_pattern(FILE *out, const eda_timing_cell *c, uint32_t pattern,
               c->pin[i]);
 }
 
-/* All patterns that give a 1. */
+/* Write the function of an output as a sum of all patterns with value 1. */
 static void put_function(FILE *out, const eda_timing_cell *c, size_t o) {
   int some = 0;
   fputs("    function : \"", out);
@@ -59,7 +60,8 @@ static const eda_timing_arc *arc_at(const eda_timing_cell *c, size_t o,
   return k < 0 ? NULL : &c->arc[k];
 }
 
-/* The arcs of both directions of an input, at one pattern of the others. */
+/* Write the arcs of both directions of an input at one pattern of the
+   others. */
 static void put_timing(FILE *out, const eda_timing_cell *c, size_t o, size_t i,
                        uint32_t low) {
   const eda_timing_arc *a = arc_at(c, o, i, low);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What is simulated of a cell: its arcs over the grid, again with each size of
-   each transistor that matters changed at three points of it, and its pins. */
+/* Plans the simulations of a cell: its arcs over the grid, each relevant size
+   of each transistor changed at three points of the grid, and its pins. */
 #include <eda/random.h>
 #include <math.h>
 #include <stdlib.h>
@@ -9,14 +9,16 @@
 #include "characterize.h"
 
 enum {
-  SOME = 48,  /* copies of a run, about: more share its steps, but wait */
-  FEW = 12,   /* a run of less is joined with the next load's: it costs 20 ms */
-  POINTS = 3, /* at which sizes are changed */
-  SIDES = 4   /* patterns of the other inputs for which pins' changes are */
+  SOME = 48,  /* approximate copies per run: more share the steps, but the run
+                 takes longer */
+  FEW = 12,   /* runs with fewer copies join those of the next load: a run costs
+                 20 ms */
+  POINTS = 3, /* points of the grid with size changes */
+  SIDES = 4   /* patterns of the other inputs for size changes of a pin */
 };
 
-/* By how much a size is changed: a derivative of a secant of 1 % is off by 1 %
-   of itself or so; the steps' noise is below that by far. */
+/* Relative size change. A derivative from a 1 % secant has an error of about 1
+   %; discretization noise is far less. */
 static const double nudge = 0.01;
 
 static const size_t none = SIZE_MAX;
@@ -29,7 +31,7 @@ typedef struct plan {
   const circuit *circuit;
   size_t count, room;
   deck *deck;
-  double *unit; /* changes of one size each: [k * n + k] is the nudge */
+  double *unit; /* single-size changes: [k * n + k] is the nudge */
 } plan;
 
 static copy *last_copy(const plan *p) {
@@ -37,7 +39,7 @@ static copy *last_copy(const plan *p) {
   return &d->copy[d->count - 1];
 }
 
-/* A deck for `need` more copies like this one. */
+/* Return a deck with capacity for `need` more copies like `c`. */
 static deck *deck_for(plan *p, double slew, care with, const copy *c,
                       size_t need) {
   int rises = !(c->from >> c->input & 1);
@@ -63,7 +65,7 @@ static const double *unit_of(const plan *p, size_t k) {
   return p->unit + k * changes_of(p);
 }
 
-/* Whether a change means anything: without DLC the third size has none. */
+/* Return 1 if size k has an effect: without DLC the third size has none. */
 static int is_size(const plan *p, size_t k) {
   return p->s->dlc || k % EDA_SIZES != EDA_SIZE_C;
 }
@@ -87,7 +89,7 @@ static int input_rises(const eda_timing_arc *a) {
   return !(a->from >> a->input & 1);
 }
 
-/* All arcs of a direction of the input at a point of the grid. */
+/* Add all arcs of one direction of the input at a point of the grid. */
 static void plan_point(plan *p, care with, int rises, size_t slew,
                        size_t load) {
   const eda_timing_cell *cell = p->cell;
@@ -100,8 +102,8 @@ static void plan_point(plan *p, care with, int rises, size_t slew,
 
 /* ---- as drawn ---- */
 
-/* At the steepest input and the ends of the loads, to know how long the others
-   take. */
+/* Add runs at the smallest input slew and the ends of the loads, to estimate
+   the durations of the others. */
 static void plan_pilot(plan *p) {
   for (int rises = 0; rises < 2; rises++) {
     plan_point(p, PILOT, rises, 0, 0);
@@ -109,10 +111,10 @@ static void plan_pilot(plan *p) {
   }
 }
 
-/* Between the ends of the loads straight; a slower input makes an output as
-   much later and slower as the inverters of PTM 65 nm were at most (delays) and
-   at least (slews), which is about enough: decks leave room, and go on where an
-   output is not there. */
+/* Estimate delays and slews: linear between the ends of the loads. Per second
+   of input slew, the delay grows by `later` (the largest value for inverters of
+   PTM 65 nm) and the slew by `slower` (the least value). The accuracy suffices:
+   decks have a margin, and continue if an output has not settled. */
 static void expect(const eda_timing_cell *c) {
   const double later = 0.4, slower = 0.1;
   const size_t end = c->loads - 1;
@@ -145,7 +147,7 @@ static void take_grid(const copy *c) {
 
 /* ---- with each size changed ---- */
 
-/* As drawn and with each size changed that matters, side by side. */
+/* Add an arc as drawn and with each relevant size changed, in one deck. */
 static void plan_arc(plan *p, eda_timing_arc *a, const uint8_t *sizes,
                      size_t point) {
   const eda_timing_cell *cell = p->cell;
@@ -192,8 +194,8 @@ static int is_on(const plan *p, size_t bundle, size_t input) {
   return p->circuit->part[bundle].gate == p->cell->port[input];
 }
 
-/* How many patterns of the other inputs there are, and for how many of them
-   changes of a pin are found. */
+/* Return the number of patterns of the other inputs; sides_of: the number of
+   these with size changes of a pin. */
 static size_t patterns_of(const eda_timing_cell *c) {
   return (size_t)1 << (c->inputs - 1);
 }
@@ -202,7 +204,7 @@ static size_t sides_of(const eda_timing_cell *c) {
   return patterns_of(c) > SIDES ? SIDES : patterns_of(c);
 }
 
-/* A pin in one direction, with all that the other inputs can be. */
+/* Add a pin in one direction for all patterns of the other inputs. */
 static void plan_pin(plan *p, size_t i, int rises) {
   const eda_timing_cell *cell = p->cell;
   const size_t n = changes_of(p), every = patterns_of(cell) / sides_of(cell);
@@ -283,7 +285,7 @@ static int run_all(plan *p, opc_error *error) {
   return OPC_OK;
 }
 
-/* Run what is planned and take it. */
+/* Run the planned decks and store their results. */
 static int settle(plan *p, opc_error *error) {
   int code = run_all(p, error);
   if (!code) take_all(p);
@@ -315,16 +317,16 @@ int cell_measure(study *s, eda_timing_cell *c, opc_error *error) {
 
 /* ---- the linear model against the simulator ---- */
 
-/* Sizes within this of the drawn ones: a little more than the masks of the
-   thesis's methods print. */
+/* Largest random size change: slightly more than the masks of the thesis's
+   methods print. */
 static const double spread = 0.03;
 
 static size_t below(uint64_t *state, size_t n) {
   return (size_t)(eda_random_unit(state) * (double)n);
 }
 
-/* Within the grid but for its first and last steps, which are for the odd case;
-   all decades alike. */
+/* Return a random value, log-uniform over the grid except its first and last
+   steps, which serve rare cases. */
 static double draw_between(uint64_t *state, const double *at, size_t n) {
   double low = at[n > 3], high = at[n > 3 ? n - 2 : n - 1];
   return low * pow(high / low, eda_random_unit(state));
@@ -344,7 +346,8 @@ static void at_point(const deck *d, const copy *k, double *delay,
   *slew = eda_timing_cubic_at(c->at_slew, cubic, c->slews, d->slew);
 }
 
-/* A point between those of the grid, as drawn and with all sizes changed. */
+/* Add a random point between those of the grid, as drawn and with all sizes
+   changed. */
 static void plan_check(study *s, uint64_t *seed, deck *d) {
   const eda_timing *t = s->timing;
   const eda_timing_cell *c;
@@ -377,7 +380,7 @@ static void judge(const deck *d, verdict *v) {
   const copy *drawn = &d->copy[0], *other = &d->copy[1];
   double by_delay = 100 * fabs(delay[1] / other->delay - 1),
          by_slew = 100 * fabs(slew[1] / other->slew - 1),
-         /* Of what the step is for: how much the delay moves, in points. */
+         /* Error of the delay change, in percentage points of the delay. */
       change = 100 * ((delay[1] - delay[0]) - (other->delay - drawn->delay)) /
                drawn->delay;
   v->delay_rms += by_delay * by_delay;

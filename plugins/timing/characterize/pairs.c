@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What other inputs do to a delay: pins by what the others are, and two inputs
-   that change together (Chandramouli and Sakallah, "Modeling the effects of
-   temporal proximity of input transitions on gate propagation delay and
-   transition time", DAC 1996): each pair that moves an output is simulated at a
-   few gaps between the two, relative to what one of them does alone. */
+/* Characterizes the effect of other inputs on a delay: pin capacitances for
+   each pattern of the other inputs, and two inputs that change together
+   (Chandramouli and Sakallah, "Modeling the effects of temporal proximity of
+   input transitions on gate propagation delay and transition time", DAC 1996).
+   Each pair that switches an output is simulated at a few gaps, relative to one
+   input alone. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,7 +12,7 @@
 #include "characterize.h"
 
 enum {
-  SLOWEST = 20, /* slews in a delay are told up to this, and end there */
+  SLOWEST = 20, /* largest tabulated slew, in delays */
   SOME = 48,
   MIDDLE = 2,
   POINTS = 5 * EDA_TIMING_GAPS
@@ -19,8 +20,8 @@ enum {
 
 /* ---- which ---- */
 
-/* Of inputs that change one after the other, `level` being that of the output:
-   whether they are a pair. */
+/* Return 1 if two inputs that change in sequence from the pattern `from` are a
+   pair for the output with the truth table `level`. */
 static int is_pair(const uint8_t *level, uint32_t from, size_t first,
                    size_t second, int *parallel) {
   uint32_t a = from ^ 1u << first, b = from ^ 1u << second,
@@ -29,7 +30,8 @@ static int is_pair(const uint8_t *level, uint32_t from, size_t first,
   return level[a] == level[b] && level[both] != level[from];
 }
 
-/* Those before `from` that differ only in inputs that stay. */
+/* Return the earlier pair that differs from `p` only in constant inputs; -1:
+   none. */
 static int32_t find_like(const eda_timing_cell *c, const eda_timing_pair *p) {
   uint32_t mask = 1u << p->first | 1u << p->second;
   for (size_t i = c->pairs; i-- > 0;) {
@@ -81,7 +83,8 @@ static const eda_timing_arc *arc_of(const eda_timing_cell *c, size_t output,
   return &c->arc[c->arc_of[at + from]];
 }
 
-/* Either alone, when the other one is where it makes an arc of it. */
+/* Return the arc of one input of the pair alone, with the other input at the
+   level that makes this an arc. */
 static const eda_timing_arc *alone(const eda_timing_cell *c,
                                    const eda_timing_pair *p, int second) {
   size_t input = second ? p->second : p->first,
@@ -90,11 +93,11 @@ static const eda_timing_arc *alone(const eda_timing_cell *c,
                 p->parallel ? p->from : p->from ^ 1u << other);
 }
 
-/* A middle load: in these units factors hardly move with it. */
+/* Return a middle load: normalized factors hardly depend on the load. */
 static size_t load_of(const eda_timing_cell *c) { return c->loads / 2; }
 
-/* The slew's number in the grid: those that changes of size are found at, and
-   one between. */
+/* Return the index in the grid of slew number `slew`: the slews of size changes
+   and one in between. */
 static size_t slew_of(const eda_timing_cell *c, size_t slew) {
   return slew < MIDDLE ? c->near_slew[slew]
                        : (c->near_slew[0] + c->near_slew[1]) / 2;
@@ -125,13 +128,13 @@ static deck *deck_for(work *w, double slew, int rises) {
   return &w->deck[k];
 }
 
-/* A point of a pair: its slews and gap, and where it is simulated. */
+/* Point of a pair: slews, gap and the copy that simulates them. */
 typedef struct point {
   const eda_timing_pair *pair;
   size_t slew[2], place, gap, deck, copy;
 } point;
 
-/* The slew of a deck is that of the cause. */
+/* Add a point. The slew of its deck is that of the cause. */
 static void plan_point(work *w, point *at) {
   const eda_timing_cell *c = w->cell;
   const eda_timing_pair *p = at->pair;
@@ -144,20 +147,20 @@ static void plan_point(work *w, point *at) {
          other = c->at_slew[slew_of(c, at->slew[!cause])];
   size_t input = cause ? p->second : p->first;
   deck *d = deck_for(w, own, !(p->from >> input & 1));
-  copy one = {
-      .cell = c,
-      .from = p->from,
-      .input = (uint8_t)input,
-      .output = p->output,
-      .load = c->at_load[load_of(c)],
-      /* Two in parallel are up to twice as steep, two in series later. */
-      .delay = delay + 2 * slew,
-      .slew = p->parallel ? slew / 2 : slew,
-      .two = 1,
-      .other = cause ? p->first : p->second,
-      .other_slew = other,
-      .other_after = cause ? -after : after};
-  /* Its input has begun after 0. */
+  copy one = {.cell = c,
+              .from = p->from,
+              .input = (uint8_t)input,
+              .output = p->output,
+              .load = c->at_load[load_of(c)],
+              /* Two parallel inputs halve the slew at most; two in series
+                 increase the delay. */
+              .delay = delay + 2 * slew,
+              .slew = p->parallel ? slew / 2 : slew,
+              .two = 1,
+              .other = cause ? p->first : p->second,
+              .other_slew = other,
+              .other_after = cause ? -after : after};
+  /* The ramp of the other input must begin after time 0. */
   double early = 2 * other - one.other_after;
   if (early > d->early) d->early = early;
   at->deck = (size_t)(d - w->deck);
@@ -165,8 +168,8 @@ static void plan_point(work *w, point *at) {
   EDA_PUSH(d->copy, d->count, d->room, one);
 }
 
-/* Behind slow inputs an output may be there before them: nothing is told as a
-   factor of that. */
+/* Return the factor on the blend. With slow inputs the output may switch before
+   them; the factor is then 1. */
 static double factor(double found, double gap, double cause, double other) {
   return cause > 0 && other > 0 ? found / eda_timing_blend(gap, cause, other)
                                 : 1;
@@ -234,8 +237,8 @@ static int measure_pairs(study *s, eda_timing_cell *c, opc_error *error) {
 
 /* ---- pins by what the other inputs are ---- */
 
-/* What is behind the pin answers while the input moves, as it does to inputs
-   from gates, which the middle of the grid is about. */
+/* Uses the middle slew of the grid, as of inputs from gates: the circuit behind
+   the pin responds while the input changes. */
 static int measure_pins(study *s, eda_timing_cell *c, opc_error *error) {
   const double slew = c->at_slew[c->slews / 2];
   work w = {.s = s, .cell = c};

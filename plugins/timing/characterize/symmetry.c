@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What of a cell behaves alike. Nets get colours, and transistors colours of
-   where they are, until these tell no more apart (colour refinement: Weisfeiler
-   and Leman 1968). Nets of one colour see the same number of transistors of
-   each colour, so that the same voltages on all of them solve the circuit's
-   equations: they may be joined, and transistors of one colour be one with a
-   factor. What these factors have in common is so many circuits side by side.
- */
+/* Merges equivalent transistors and nets of a cell by colour refinement
+   (Weisfeiler and Leman 1968): nets and transistors get colours until no
+   further refinement occurs. Nets of one colour connect to the same number of
+   transistors of each colour, so equal voltages on all of them solve the
+   circuit equations: these nets can be joined, and transistors of one colour
+   merged into one with a multiplicity. The common divisor of the multiplicities
+   is the number of identical circuits in parallel. */
 #include <eda/random.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,7 +14,7 @@
 
 /* ---- colours ---- */
 
-/* What ends a channel and a gate say to a net. */
+/* Kinds of connection of a transistor to a net. */
 enum { AT_GATE = 1, AT_CHANNEL, AT_BULK };
 
 static uint64_t join(uint64_t a, uint64_t b) {
@@ -27,7 +27,7 @@ static uint64_t join_number(uint64_t a, double b) {
   return join(a, bits);
 }
 
-/* The ends of a channel are alike. */
+/* Return the colour of a part; drain and source are interchangeable. */
 static uint64_t colour_of(const part *p, const uint64_t *net) {
   uint64_t c = join_number(join_number(p->type, p->length), p->width);
   c = join(join(c, net[p->gate]), net[p->bulk]);
@@ -51,14 +51,14 @@ static size_t distinct(const uint64_t *net, size_t n) {
   return some;
 }
 
-/* Rails and pins are themselves. */
+/* Set the initial colours: rails and pins are distinct. */
 static void first_colours(const eda_timing_cell *c, uint64_t *net) {
   for (size_t i = 0; i < c->nets; i++)
     net[i] = c->rail[i] ? 1 + (c->rail[i] > 0) : 0;
   for (size_t i = 0; i < c->inputs + c->outputs; i++) net[c->port[i]] = 3 + i;
 }
 
-/* Of nets that are joined, only the first is looked at. */
+/* Refine the colours. Only the first of joined nets is evaluated. */
 static void refine(const eda_timing_cell *c, const part *p, size_t n,
                    const uint32_t *same, uint64_t *net) {
   const size_t nets = c->nets;
@@ -94,8 +94,8 @@ static part part_of(const eda_timing_device *d, const uint32_t *same) {
                 .count = 1};
 }
 
-/* Of each net the first that is like it. Supplies are one, and so are grounds.
- */
+/* Join each net to the first net of the same colour. Supplies are one net,
+   grounds another. */
 static void join_nets(const eda_timing_cell *c, const uint64_t *net,
                       uint32_t *same) {
   for (uint32_t i = 0; i < c->nets; i++) {
@@ -129,7 +129,7 @@ static int by_colour(const void *a, const void *b) {
   return by_value(&((const part *)a)->colour, &((const part *)b)->colour);
 }
 
-/* Into an order that does not depend on the netlist's. */
+/* Sort the parts into an order that is independent of the netlist. */
 static void sort_parts(eda_timing_cell *c, circuit *r) {
   uint32_t *now = eda_alloc(r->parts, sizeof *now);
   for (uint32_t i = 0; i < r->parts; i++) r->part[i].place = i;
@@ -156,7 +156,8 @@ void cell_join(eda_pool *pool, eda_timing_cell *c, circuit *r) {
     times = divisor(times, r->part[i].count);
   for (size_t i = 0; times && i < r->parts; i++) r->part[i].count /= times;
   r->times = times;
-  /* Colours of what is simulated: those above also say how often. */
+  /* Colours of the reduced circuit; those above also contain the
+     multiplicity. */
   refine(c, r->part, r->parts, same, net);
   for (size_t i = 0; i < r->parts; i++)
     r->part[i].colour = colour_of(&r->part[i], net);

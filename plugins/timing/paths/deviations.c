@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The delays of all patterns at all sets of sizes, and how they deviate (thesis
-   eq. 3.15, tables 3.5 and 5.1, figures 3.14 and 5.6). */
+/* Computes the delays of all input patterns at all sets of sizes, and their
+   deviations from drawn (thesis eq. 3.15, tables 3.5 and 5.1, figures 3.14 and
+   5.6). */
 #include <eda/drawing.h>
 #include <math.h>
 #include <opcflow/table.h>
@@ -12,7 +13,10 @@
 
 /* ---- all patterns, in blocks ---- */
 
-enum { BLOCK = 128 }; /* patterns; fixed, so that threads change no result */
+enum {
+  BLOCK = 128
+}; /* patterns per work unit; fixed, so that results do not
+      depend on threads */
 
 typedef struct block {
   size_t count, room;
@@ -34,7 +38,7 @@ static void run_block(void *data, size_t index) {
   waves w;
   if (opc_cancelled(p->host->context)) return;
   waves_init(&w, p);
-  /* State by state, so that one state's tables stay in the cache. */
+  /* State by state, so that the tables of one state stay in the cache. */
   for (size_t s = 0; s < p->states; s++) {
     size_t k = 0;
     for (size_t i = from; i < to; i++) {
@@ -92,7 +96,7 @@ static double deviation(const delays *d, size_t s, size_t i) {
   return 100 * (d->arrival[s][i].time - drawn) / drawn;
 }
 
-/* The longest and the shortest of the delays of state s, ps. */
+/* Compute the longest and the shortest delay of state s, ps. */
 static void find_ends(const delays *d, size_t s, double *longest,
                       double *shortest) {
   *longest = 0;
@@ -161,7 +165,7 @@ static row row_of(const paths *p, const delays *d, size_t s, double drawn) {
 
 static int tell_metrics(paths *p, const delays *d, const row *r, size_t n,
                         opc_error *error) {
-  /* Of the mask, else of the first of the prints. */
+  /* The mask if given, else the first of the printed sets. */
   const row *first = n > 1 && r[1].by.compared ? &r[1] : NULL;
 #define PRINTED(name) (first ? (name) : NULL)
   const opc_metric_value values[] = {
@@ -184,7 +188,7 @@ static int tell_metrics(paths *p, const delays *d, const row *r, size_t n,
   return opc_put_metrics(p->host, OPC_ARRAY(values), error);
 }
 
-/* The latest path of static analysis, as drawn. */
+/* Report the latest path of static analysis, as drawn. */
 static int tell_path(paths *p, opc_error *error) {
   const graph *g = &p->graph;
   arrivals a = static_arrivals(g, &p->state[0], p->at.slew, &p->pool);
@@ -252,14 +256,15 @@ static int by_value(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-/* One value in so many at either end may lie beyond the bins; and the room
-   beside the others, as a part of their range and in points at least. */
+/* Range of the histogram. One value in OUTLIERS at either end may lie outside
+   of the bins. Margins at both sides: a share of the range, and a minimum in
+   percentage points. */
 enum { OUTLIERS = 100 };
 static const double beside = 0.02, least_beside = 1e-3;
 
-/* All sets of sizes have the same bins: of each, all but the outliers, so that
-   a few far ones do not flatten the rest. Outliers count to the outermost bins.
- */
+/* Compute the common range of the bins of all sets of sizes, without outliers,
+   so that a few extreme values do not flatten the histogram. The outermost bins
+   count the outliers. */
 static void find_range(const delays *d, size_t states, double *low,
                        double *high) {
   double *x = eda_alloc(d->count, sizeof *x);
@@ -275,7 +280,7 @@ static void find_range(const delays *d, size_t states, double *low,
     *high = fmax(*high, x[n - 1 - n / OUTLIERS]);
   }
   free(x);
-  if (!(*low <= *high)) *low = *high = 0; /* nothing is compared */
+  if (!(*low <= *high)) *low = *high = 0; /* no delay is compared */
   double room = fmax(least_beside, beside * (*high - *low));
   *low -= room;
   *high += room;
@@ -310,7 +315,7 @@ int draw_histogram(const paths *p, const delays *d, const char *path,
                                 {"share", "%", OPC_REAL, 4, &bin->share}};
   int code = opc_put_rows(p->host, "histogram", 0, n, sizeof *bin,
                           OPC_ARRAY(columns), error);
-  /* One below another, on the same axes. */
+  /* One chart for each set of sizes, stacked, with common axes. */
   const double panel = 150;
   double height = 90 + panel * (double)states;
   eda_paper *paper = code ? NULL : eda_paper_open(path, 900, height, 14, error);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* For other programs: SDF (IEEE 1497, version 3.0), the circuit in Verilog with
-   the cells' paths, a bench that applies patterns, and what comes out. */
+/* Writes files for other programs: delays in SDF (IEEE 1497, version 3.0), the
+   circuit in Verilog with module paths, a test bench, and the expected
+   events. */
 #include <ctype.h>
 #include <errno.h>
 #include <math.h>
@@ -21,7 +22,7 @@ static int close_file(FILE *out, const char *path, opc_error *error) {
   return opc_fail(error, OPC_IO, NULL, "'%.300s': %s", path, strerror(why));
 }
 
-/* A name of Verilog, escaped where it is no plain one. */
+/* Write a Verilog name, escaped if needed. */
 static void put_name(FILE *out, const char *name) {
   const char *at = name;
   int good = isalpha((unsigned char)*at) || *at == '_';
@@ -29,7 +30,7 @@ static void put_name(FILE *out, const char *name) {
   fprintf(out, good ? "%s" : "\\%s ", name);
 }
 
-/* Without the letter that SPICE has before it. */
+/* Return the instance name without the leading letter of SPICE. */
 static const char *instance_of(const graph *g, const node *n) {
   const char *name = g->instance[n->instance];
   return name[0] && name[1] ? name + 1 : name;
@@ -92,7 +93,8 @@ static void put_list(FILE *out, const eda_timing_cell *c) {
   }
 }
 
-/* The function as a table: looked up whole, without steps in between. */
+/* Write the function of an output as a table primitive, which evaluates in one
+   step without intermediate events. */
 static void put_primitive(FILE *out, const eda_timing_cell *c, size_t o) {
   fprintf(out, "primitive %s_f%zu (o", c->name, o);
   for (size_t i = 0; i < c->inputs; i++) fprintf(out, ", i%zu", i);
@@ -190,11 +192,13 @@ static void put_bits(FILE *out, const uint8_t *bit, size_t n) {
   fputs(";\n", out);
 }
 
-/* ps between transitions of the bench, at least, and in static latest arrivals:
-   glitches come later than static analysis tells, but not four times. */
+/* Time between transitions of the bench: least_wait (ps), or `waits` times the
+   latest static arrival if longer. Glitches may exceed the static arrival, but
+   not by that factor. */
 static const double least_wait = 1000, waits = 4;
 
-/* Prints "PATTERN,OUTPUT,LEVEL,TIME" for each event of an output. */
+/* Write the bench, which prints "PATTERN,OUTPUT,LEVEL,TIME" for each event of
+   an output. */
 static void put_bench(FILE *out, const paths *p) {
   const graph *g = &p->graph;
   eda_pool pool = {0};

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A random circuit by Icarus Verilog with our SDF: the same events at all
-   outputs, to the fs that both have. Skipped where there is no iverilog. */
+/* Compares a random circuit with Icarus Verilog and our SDF: the events at all
+   outputs must be equal to the fs. Skipped if iverilog is missing. */
 #include "library_test.h"
 
 enum { GATES = 120, INPUTS = 9, OUTPUTS = 12, TRANSITIONS = 1000 };
 
-/* Each gate is of nets before it; the last ones are outputs. */
+/* Return a random circuit: the inputs of a gate are earlier nets, the last nets
+   are outputs. */
 static char *random_circuit(GRand *r) {
   GString *text = g_string_new(NULL);
   for (int i = 0; i < GATES; i++) {

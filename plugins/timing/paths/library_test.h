@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A library of cells whose delays are told by a formula, and a circuit of
-   them. */
+/* Test library of cells with delays in closed form, and a circuit of them. */
 #pragma once
 
 #include <eda/circuit.h>
@@ -16,8 +15,8 @@ static double at_slew[SLEWS] = {2e-12, 10e-12, 50e-12},
               at_load[LOADS] = {0.5e-15, 2e-15, 20e-15};
 static const double pin_load = 2e-15;
 
-/* Delay and slew of an arc, s: straight in slew and load, another one for each
-   cell, input, edge and level of the other inputs. */
+/* Return delay or slew of an arc, s: linear in slew and load, with coefficients
+   that depend on cell, input, edge and the levels of the other inputs. */
 static inline double part(size_t cell, const eda_timing_arc *a) {
   return 1 + 0.1 * (double)cell + 0.037 * a->input + 0.011 * (a->from % 7) +
          0.053 * a->rises;
@@ -69,8 +68,8 @@ static inline void fill(eda_timing *t, size_t k) {
     c->pin_capacitance[i] = pin_load;
 }
 
-/* INV, NAND2, XOR2. Each has two transistors, whatever it computes: only the
-   inverter's are ever looked at. */
+/* Return a library of INV, NAND2 and XOR2. Each cell has two transistors; the
+   tests use only those of the inverter. */
 static inline eda_timing *library(void) {
   static const char *pins[][3] = {{"A", "Y"}, {"A", "B", "Y"}, {"A", "B", "Y"}};
   static uint8_t levels[][4] = {{1, 0}, {1, 1, 1, 0}, {0, 1, 1, 0}};
@@ -119,9 +118,8 @@ static inline char *write_circuit(const char *ports, const char *instances) {
   return path;
 }
 
-/* Run the step on a circuit; further parameters as a flow has them, then
- * inputs.
- */
+/* Run the step on a circuit. `more` holds further parameters in the syntax of a
+   flow. */
 static inline int run_paths(eda_timing *t, const char *ports,
                             const char *instances, const char *more,
                             const eda_circuit *circuit, const eda_mask *mask,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* timing.paths: how long a circuit's outputs take to follow its inputs, as
-   drawn and as printed (thesis 3.3.3, 5.3.1): events through the cells of
+/* Implements timing.paths: delays from inputs to outputs of a circuit, as drawn
+   and as printed (thesis 3.3.3, 5.3.1), by event simulation with the cells of
    timing.characterize. */
 #include "paths.h"
 #include "../parameters.h"
@@ -154,7 +154,7 @@ static int check(void *self, opc_error *error) {
 
 /* ---- entry ---- */
 
-/* It asks ngspice, and files include others. */
+/* The step runs ngspice, and the netlist may include other files. */
 static const opc_step functions = {.run = run, .flags = OPC_STEP_OUTSIDE};
 OPC_PLUGIN(paths, .id = "timing.paths", .kind = "step", .version = "0.2.0",
            .licence = "BSD-3-Clause",

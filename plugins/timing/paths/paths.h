@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The pieces of timing.paths. Times s, capacitances F; in waves.c ps. */
+/* Internal interface of timing.paths. Times in s, capacitances in F; in waves.c
+   times in ps. */
 #pragma once
 
 #include <eda/experiment.h>
@@ -7,14 +8,15 @@
 
 #include "../graph.h"
 
-/* The choices of 'delays' and of 'changes'. */
+/* Values of the parameters 'delays' and 'changes'. */
 enum { BY_SLEWS, ONE_AN_ARC };
 enum { SINGLE, SEVERAL };
 
-/* What a pattern of the inputs does at a net: changes in turn from `level`. */
+/* Transition of a net. The transitions of a net alternate, starting from
+   `level`. */
 typedef struct event {
   double time, slew; /* ps */
-  uint64_t path;     /* a hash of the nets through which it came */
+  uint64_t path;     /* hash of the nets on the path of the event */
 } event;
 
 typedef struct paths {
@@ -35,13 +37,13 @@ typedef struct paths {
   const char *models[2], *model[2];
   double limit;
 
-  /* Of a run. */
+  /* State of a run. */
   eda_pool pool;
   graph graph;
   size_t states;
   state *state; /* [0] as drawn */
   size_t patterns;
-  int all; /* of them, not drawn at random */
+  int all; /* 1: all transitions, 0: random ones */
 } paths;
 
 /* ---- sizes.c ---- */
@@ -49,14 +51,15 @@ int states_find(paths *p, opc_error *error);
 
 /* ---- patterns.c ---- */
 
-/* The inputs before and after pattern `index`, a byte each. [any] */
+/* Set the input levels before and after pattern `index`, one byte per input.
+   [any] */
 void pattern_at(const paths *p, size_t index, uint8_t *before, uint8_t *after);
 void patterns_count(paths *p);
 
 /* ---- waves.c: events ---- */
 
-/* With one delay an arc: when a function's value changes, and when its output
-   is set. */
+/* Change of a function's value with one delay per arc: time of the change and
+   time at which the output is set. */
 typedef struct flip {
   double at, fires;
   uint8_t value;
@@ -66,64 +69,69 @@ typedef struct waves {
   const paths *p;
   size_t count, room;
   event *event;
-  uint32_t *first, *last; /* of each net */
-  uint8_t *level;         /* before */
+  uint32_t *first, *last; /* events of each net */
+  uint8_t *level;         /* level of each net before the pattern */
   uint8_t *before, *after;
   size_t room_changes;
   flip *change;
-  uint32_t *pins; /* levels of the inputs of what a net drives */
+  uint32_t *pins; /* input patterns of the instances that load a net */
 } waves;
 
 void waves_init(waves *w, const paths *p);
 void waves_clear(waves *w);
-/* All nets' events for one pattern of the inputs (w->before, w->after). */
+/* Compute the events of all nets for one input pattern (w->before,
+   w->after). */
 void waves_run(waves *w, const state *s);
 
-/* The inputs of a node, in the order of time. */
+/* Traversal of the input events of a node in order of time. */
 typedef struct merge {
   const waves *w;
   const node *n;
-  uint32_t now;                     /* their levels */
-  uint32_t next[EDA_TIMING_INPUTS]; /* events */
+  uint32_t now;                     /* current levels of the inputs */
+  uint32_t next[EDA_TIMING_INPUTS]; /* index of the next event */
   uint32_t end[EDA_TIMING_INPUTS];
 } merge;
 
-/* Whether any input changes. */
+/* Start a traversal. Returns 1 if any input changes. */
 int merge_init(merge *m, const waves *w, const node *n);
-/* The input that changes next, -1: none. Of equals the first. */
+/* Return the input that changes next, the first one of simultaneous changes;
+   -1: none. */
 int merge_next(const merge *m, double *time);
-/* A path goes on through a net: FNV-1a over the numbers of nets. */
+/* Return the hash of a path extended by a net (FNV-1a over the net numbers). */
 uint64_t path_on(uint64_t path, uint32_t net);
 void waves_push(waves *w, double time, double slew, uint64_t path);
 
 /* ---- slews.c: the events of a node, by slews ---- */
 void waves_by_slews(waves *w, const node *n, const state *s);
 
-/* What an output does after a pattern. */
+/* Final transition of an output after a pattern. */
 typedef struct arrival {
-  double time;   /* ps, when it gets where it ends; NAN: it ends as it began */
-  uint64_t path; /* of that event; with one delay an arc 0 */
+  double time;   /* ps, last transition; NAN: the final level equals the initial
+                    level */
+  uint64_t path; /* path hash of that event; 0 with one delay per arc */
 } arrival;
 arrival waves_arrival(const waves *w, size_t output);
 
 /* ---- deviations.c: all patterns ---- */
 
 typedef struct delays {
-  size_t count;      /* of outputs that follow a pattern */
+  size_t count;      /* delays: pairs of pattern and output with a final
+                        transition */
   arrival **arrival; /* [state][count] */
 } delays;
 
 int delays_find(paths *p, delays *out, opc_error *error);
 void delays_clear(delays *d, size_t states);
 
-/* What deviates, in %, of the delays of state s (thesis eq. 3.15). Where
-   the output's last change comes through other nets than as drawn, as a pulse
-   passes in one of both or another of two inputs is the later, it is not the
-   same transition, and is not compared. */
+/* Deviations of the delays of state s from drawn, % (thesis eq. 3.15). Delays
+   whose last event takes another path than as drawn are different transitions
+   and are not compared. Causes: a pulse passes in only one state, or another of
+   two inputs arrives later. */
 typedef struct spread {
   size_t compared;
   double mean, stdv, lowest, highest; /* mean and stdv of absolute values */
-  double longest, shortest;           /* of all delays, their deviation */
+  double longest, shortest;           /* deviation of the longest and shortest
+                                         of all delays */
 } spread;
 spread spread_of(const delays *d, size_t s);
 int tell_delays(paths *p, const delays *d, opc_error *error);

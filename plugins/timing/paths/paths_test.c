@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Circuits whose delays can be told by hand, of cells whose delays are a
-   formula. */
+/* Tests circuits with delays known in closed form. */
 #include "library_test.h"
 
 static void close_to(double a, double b, double within) {
@@ -11,14 +10,14 @@ static void good(int code, const opc_error *error) {
   if (code) g_error("%s", error->message);
 }
 
-/* The arc of a cell when an input changes. */
+/* Return the arc of a cell for a change of `input` from the pattern `from`. */
 static const eda_timing_arc *arc(const eda_timing *t, size_t cell,
                                  uint32_t input, uint32_t from) {
   const eda_timing_cell *c = &t->cell[cell];
   return &c->arc[c->arc_of[(input << c->inputs) + from]];
 }
 
-/* Delay and slew after one more cell. */
+/* Add the delay of one more cell to at[0] and replace the slew at[1]. */
 static void step(const eda_timing *t, size_t cell, uint32_t input,
                  uint32_t from, double load, double at[2]) {
   const eda_timing_arc *a = arc(t, cell, input, from);
@@ -27,8 +26,8 @@ static void step(const eda_timing *t, size_t cell, uint32_t input,
   at[1] = slew_of(cell, a, slew, load);
 }
 
-/* Three inverters, with a wire: each edge by the formulas; the static path is
-   the slower one. */
+/* Test three inverters with wires: each edge follows the formulas; the static
+   path is the slower edge. */
 static void test_chain(void) {
   opc_error error;
   eda_timing *t = library();
@@ -59,8 +58,9 @@ static void test_chain(void) {
   eda_timing_free(t);
 }
 
-/* NAND of an input and of itself inverted is 1; when it rises, both are 1 for
-   as long as the inverter takes, which is no pulse if the gate is slower. */
+/* Test the NAND of an input and its inverse, which is 1. After a rise both
+   inputs are 1 for the delay of the inverter; a slower gate suppresses the
+   pulse. */
 static void test_pulse(void) {
   opc_error error;
   static const char *const more[] = {
@@ -75,10 +75,10 @@ static void test_pulse(void) {
          &error);
     double wire = slow ? 0 : 4e-15, z = slow ? 20e-15 : 0.1e-15;
     double up[2] = {0, 8e-12}, down[2] = {0, 8e-12};
-    step(t, 1, 0, 2, z, up); /* a rises, n is still 1: z falls */
+    step(t, 1, 0, 2, z, up); /* a rises while n is 1: z falls */
     step(t, 0, 0, 0, pin_load + wire, down);
     int passes = down[0] >= up[0];
-    step(t, 1, 1, 3, z, down); /* n falls: z rises again */
+    step(t, 1, 1, 3, z, down); /* n falls: z rises */
     g_assert_cmpint(passes, ==, !slow);
     g_assert_cmpuint(opc_test_rows("events"), ==, slow ? 2 : 4);
     for (size_t i = 0; i < opc_test_rows("events") && !slow; i++) {
@@ -87,13 +87,13 @@ static void test_pulse(void) {
       close_to(opc_test_number("events", "time", i),
                1e12 * (rises ? down : up)[0], 6e-4);
     }
-    /* z ends as it began: only y is a delay. */
+    /* The final level of z equals the initial one: only y has a delay. */
     close_to(opc_test_metric("delays"), 2, 0);
     eda_timing_free(t);
   }
 }
 
-/* What XU1, the inverter from a to `out`, prints as. */
+/* Printed sizes of XU1, the inverter from a to `out`. */
 static double leq[2], weq[2], area[2];
 
 static eda_mask *printed(const char *out, eda_circuit *circuit) {
@@ -123,8 +123,8 @@ static eda_mask *printed(const char *out, eda_circuit *circuit) {
   return &mask;
 }
 
-/* An inverter prints longer, wider and with a larger area: each moves the delay
-   as the library says, and eq. 3.15 of both edges. */
+/* Test an inverter with larger printed length, width and area: each changes the
+   delay as in the library, and eq. 3.15 holds for both edges. */
 static void test_printed(void) {
   opc_error error;
   eda_circuit circuit;
@@ -134,7 +134,7 @@ static void test_printed(void) {
   memcpy(area, (double[]){57 * 210, 60 * 297}, sizeof area);
   eda_timing *t = library();
   eda_timing_cell *c = &t->cell[0];
-  /* The delay moves by so many ps for each size; at all three points alike. */
+  /* Delay change in ps for each size, equal at all three points. */
   const double by[] = {4e-12, -7e-12, 2e-12, 1e-12, -3e-12, 5e-12};
   for (size_t a = 0; a < 2; a++)
     for (size_t k = 0; k < 18; k++)
@@ -157,7 +157,7 @@ static void test_printed(void) {
   close_to(opc_test_metric("highest"), high, 1e-9);
   close_to(opc_test_metric("stdv"), fabs(fabs(x[0]) - fabs(x[1])) / sqrt(2),
            1e-9);
-  /* Twice the length is told, not only a small change. */
+  /* The doubled length must also be reported. */
   weq[1] = 0;
   int code =
       run_paths(t, "a z", "XU1 a z VDD VSS INV\n", "", &circuit, mask, &error);
@@ -166,9 +166,10 @@ static void test_printed(void) {
   eda_timing_free(t);
 }
 
-/* z is the NAND of m and n, both inverted a; n has more load, so that m changes
-   first, and last where XU1, which drives m, prints longer by enough. Then each
-   change of z comes through the other of both: it is told, and not compared. */
+/* Test paths that differ from drawn. z is the NAND of m and n, both inverted a.
+   n has more load, so m changes first; with XU1, which drives m, printed long
+   enough, m changes last. Each change of z then takes the other path: it is
+   reported and not compared. */
 static void test_others(void) {
   opc_error error;
   eda_circuit circuit;
@@ -192,7 +193,7 @@ static void test_others(void) {
     if (swap) close_to(opc_test_metric("mean"), 0, 0); /* y: as drawn */
     g_assert_cmpint(opc_test_metric("mean") > 0, ==, !swap);
     g_assert_cmpfloat(opc_test_metric("longest"), >=, 0);
-    /* The histogram has all that are compared. */
+    /* The histogram contains all compared delays. */
     double share = 0;
     for (size_t i = 0; i < opc_test_rows("histogram"); i++)
       share += opc_test_number("histogram", "share", i);
@@ -201,10 +202,10 @@ static void test_others(void) {
   }
 }
 
-/* A NAND whose inputs come through one and through two inverters: the first
-   that falls is the cause, and the second makes the output earlier; of those
-   that rise the first makes it later than the second alone would. The pair's
-   factors are constant, so that what is left is the blend. */
+/* Test a NAND whose inputs arrive through one and through two inverters.
+   Falling: the first input is the cause, the second accelerates the output.
+   Rising: the first input delays the output beyond the delay of the second
+   alone. The factors of the pair are constant, which leaves the blend. */
 static void test_together(void) {
   opc_error error;
   eda_timing *t = library();
@@ -276,7 +277,8 @@ static void test_refused(void) {
           "is on a loop");
   refused("a z", "XU1 a z VDD VSS INV\nM1 z a VSS VSS nmos w=1u l=1u\n",
           "'M1' is a transistor");
-  /* Any file: it is not read before the circuit is wanted. */
+  /* Any file will do: the step does not read the file before the circuit is
+     needed. */
   g_autofree char *more =
       g_strdup_printf(", spice: 1, models: %s/circuit.sp", opc_test_folder());
   refused_with("a z", "XU1 a z VDD VSS INV\n", more,

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What is applied to the inputs: all transitions, or some drawn at random. */
+/* Input patterns: all transitions, or random ones. */
 #include <eda/random.h>
 #include <string.h>
 
 #include "paths.h"
 
-/* Inputs of which all transitions can be counted in 64 bits; of so many nobody
-   wants all. */
+/* Number of inputs from which the count of all transitions is not computed (64
+   bits overflow). */
 enum { COUNTED = 20 };
 
-/* All there are, if so many are wanted: m 2^m of one input, 4^m - 2^m of
-   several. */
+/* The number of all transitions is m 2^m with one changing input and 4^m - 2^m
+   with several. All are used if no more than 'transitions'. */
 void patterns_count(paths *p) {
   const size_t m = p->graph.inputs;
   size_t all = SIZE_MAX;
@@ -40,8 +40,8 @@ static void listed(const paths *p, size_t index, uint8_t *before,
   }
 }
 
-/* Each input stays or changes, from either level, all four alike; or one of
-   them changes. */
+/* Random patterns: each input takes one of the four combinations of levels with
+   equal probability, or a single input changes. */
 void pattern_at(const paths *p, size_t index, uint8_t *before, uint8_t *after) {
   const size_t m = p->graph.inputs;
   if (!m) return;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Some of the transitions again, the whole circuit at once in ngspice, with the
-   sizes that the events had. */
+/* Reference model: simulates some of the transitions with the whole circuit in
+   ngspice, at the sizes used by the event simulation. */
 #include <eda/simulator.h>
 #include <eda/wave.h>
 #include <errno.h>
@@ -12,9 +12,10 @@
 
 #include "paths.h"
 
-enum { SIZES = 2, TRIES = 3 }; /* as drawn, as the mask prints */
+enum { SIZES = 2, TRIES = 3 }; /* as drawn, as printed by the mask */
 
-static const double step = 0.5e-12; /* s, at most: delays within 0.1 % */
+static const double step = 0.5e-12; /* s, largest time step: delays within 0.1
+                                       % */
 
 typedef struct line {
   int64_t pattern;
@@ -27,27 +28,30 @@ typedef struct line {
 typedef struct referee {
   paths *p;
   char *netlist[SIZES], *cards;
-  uint32_t *port; /* of each input and output of the graph: the circuit's net */
+  uint32_t *port; /* net of the circuit for each input and output of the
+                     graph */
   size_t sizes;
   line *line; /* [pattern * outputs + output] */
   int code;
   opc_error error;
 } referee;
 
-/* Of the supply: an output that ends nearer to its level has got there. */
+/* Largest distance of a settled output from its level, relative to the
+   supply. */
 static const double settled = 0.025;
 
-/* s: when inputs begin to change, at the earliest; and how long a run lasts
-   after the latest arrival that events tell: a factor of that arrival, since
-   events are some percent off, and the time in which a slow output settles.
-   A run in which an output does not settle is repeated with twice the time. */
+/* Start of the input ramps, s, and duration of a run after the latest arrival
+   of the event simulation: a factor of that arrival, for the error of some
+   percent of the event simulation, and the settling time of a slow output, s. A
+   run in which an output does not settle is repeated with twice the
+   duration. */
 static const double start = 2e-12, late = 1.2, rest = 60e-12;
 
-/* The ends of both inputs' ramps, in ramps of a whole line. */
+/* Duration of the input ramps, in full linear ramps. */
 static const double ramps = 3;
 
-/* When inputs pass the middle, s: their ramp begins at most two slews before.
- */
+/* Return the time at which inputs cross the middle, s. The ramp begins at most
+   two slews earlier. */
 static double middle_of(const paths *p) { return start + 2 * p->at.slew; }
 
 /* ---- decks ---- */
@@ -75,7 +79,7 @@ static int find_ports(referee *r, opc_error *error) {
   return OPC_OK;
 }
 
-/* Names that a simulator can take, in place of the netlist's. */
+/* Return a copy of the circuit with names that the simulator accepts. */
 static eda_circuit plain_circuit(paths *p) {
   eda_circuit c = *p->circuit;
   c.net = eda_pool_alloc(&p->pool, c.nets, sizeof *c.net);
@@ -152,8 +156,8 @@ static char *deck_text(const referee *r, size_t sizes, const uint8_t *before,
 
 /* ---- one transition at one set of sizes ---- */
 
-/* Return when an output passes the middle for the last time, ps after the
-   inputs; NAN if it does not end where it should. */
+/* Return the last time at which an output crosses the middle, ps after the
+   inputs; NAN if the output does not reach its final level. */
 static double arrival_of(const paths *p, const double *t, const double *v,
                          size_t n, int rises) {
   double *h = eda_alloc(n, sizeof *h), time = NAN;
@@ -221,7 +225,7 @@ static void run_one(void *data, size_t index) {
     eda_spice_clear(&result);
   }
   if (code) {
-    r->code = code; /* any of them will do */
+    r->code = code; /* any of several errors */
     r->error = error;
   }
   free(text);

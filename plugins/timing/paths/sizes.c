@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What each instance's transistors print as: from a mask, or from the table
-   gates.csv of a run, or of each run of an experiment. */
+/* Reads the printed sizes of each instance's transistors from a mask, from the
+   table gates.csv of a run, or from each run of an experiment. */
 #include <eda/runs.h>
 #include <glib.h>
 #include <math.h>
@@ -9,9 +9,9 @@
 
 #include "paths.h"
 
-/* What the gates of the circuit print as, nm; area nm^2. */
+/* Printed sizes of the gates, nm; area nm^2. */
 typedef struct printed {
-  double *leq, *weq, *area; /* NAN: nothing is told */
+  double *leq, *weq, *area; /* NAN: not given */
 } printed;
 
 static const char *gate_where(const eda_gates *g, size_t i) {
@@ -20,8 +20,8 @@ static const char *gate_where(const eda_gates *g, size_t i) {
 
 /* ---- from the gates to the instances ---- */
 
-/* A device's change of sizes: the mean over its fingers by width, its width's
-   that of their sum. */
+/* Compute the size change of a device: the mean of the lengths of its fingers,
+   weighted by width, and the sum of their widths. */
 static int change_of(const paths *p, const eda_device *d, const printed *q,
                      double change[EDA_SIZES], opc_error *error) {
   const eda_gates *g = p->circuit->gates;
@@ -86,7 +86,7 @@ static int from_mask(paths *p, state *s, opc_error *error) {
 
 /* ---- from a table ---- */
 
-/* The columns of gates.csv that are wanted. */
+/* Columns read from gates.csv. */
 enum { GATE, LEQ, WEQ, AREA, COLUMNS };
 static const char *const names[COLUMNS] = {"transistor", "leq_ion", "weq",
                                            "area_after"};
@@ -107,7 +107,8 @@ static int find_columns(eda_table *t, const char *path, size_t at[COLUMNS],
   return OPC_OK;
 }
 
-/* What is not there does not print: it is told when it is wanted. */
+/* Read the rows of a table. Gates without a row count as not printed, which is
+   an error only for gates of the circuit. */
 static int take_rows(const paths *p, eda_table *t, const char *path,
                      GHashTable *gates, printed *q, opc_error *error) {
   const eda_gates *g = p->circuit->gates;
@@ -147,7 +148,8 @@ static int from_table(paths *p, state *s, const char *path, opc_error *error) {
 
 /* ---- from an experiment ---- */
 
-/* The referee's table of a run, if it has one, else that of the correction. */
+/* Return the path of a run's verification table if present, else of its
+   correction table (caller frees). */
 static char *table_of(const char *folder) {
   char *judged = g_build_filename(folder, "verify.gates.csv", NULL);
   if (g_file_test(judged, G_FILE_TEST_EXISTS)) return judged;

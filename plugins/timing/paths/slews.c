@@ -1,22 +1,22 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The events of a node by slews: the delay of the input that changes the
-   output, by what its net has to charge then, and by what other inputs do at
-   nearly the same time. A pulse that is shorter than the delay of what would
-   make it is swallowed (inertial delay). Times ps. */
+/* Computes the events of a node from slews. The delay is that of the input that
+   changes the output, with the load at that time and the effect of other inputs
+   that change nearly simultaneously. Pulses shorter than the delay are
+   suppressed (inertial delay). Times in ps. */
 #include <math.h>
 
 #include "paths.h"
 
 /* ---- a node ---- */
 
-/* A delay and the slew of an output. */
+/* Delay and output slew. */
 typedef struct both {
   double delay, slew;
 } both;
 
-/* What others add to the delay and the slew of a cause alone: those that have
-   to change before it, as resistances in series, and those that help, as
-   conductances. */
+/* Effect of other inputs on the delay and slew of a cause: inputs that must
+   change before the cause add like series resistances, inputs that assist add
+   like conductances. */
 typedef struct sums {
   both series, parallel;
 } sums;
@@ -28,9 +28,9 @@ typedef struct gate {
   const uint8_t *level;
   merge m;
   uint32_t seen;                 /* inputs that have changed */
-  event last[EDA_TIMING_INPUTS]; /* their last change */
-  /* What the output does now, if anything: its cause, the inputs before, the
-     load, and what the cause does alone. */
+  event last[EDA_TIMING_INPUTS]; /* last change of each input */
+  /* Pending transition of the output: cause (-1: none), input levels before,
+     load, and delay and slew from the cause alone. */
   int cause;
   event by;
   uint32_t from;
@@ -52,8 +52,8 @@ static both arc_alone(const gate *g, size_t input, uint32_t from, double slew) {
 
 /* ---- the load ---- */
 
-/* The level of a net at a time. Of nets whose events are not yet known: before
-   the change. */
+/* Return the level of a net at a time; of nets without events yet, the level
+   before the change. */
 static uint32_t level_at(const waves *w, uint32_t net, double time) {
   uint32_t changes = 0;
   for (uint32_t k = w->first[net]; k < w->last[net]; k++)
@@ -61,7 +61,8 @@ static uint32_t level_at(const waves *w, uint32_t net, double time) {
   return (w->level[net] + changes) & 1;
 }
 
-/* What the pins on the net are at a time, their own inputs as before. */
+/* Compute the load from the levels of the connected instances' inputs at a
+   time; the inputs on the net itself are before their change. */
 static void find_load(gate *g, int rises, double time) {
   const graph *all = &g->w->p->graph;
   uint32_t net = g->n->net, first = all->first_pin[net];
@@ -79,9 +80,9 @@ static void find_load(gate *g, int rises, double time) {
 
 /* ---- two inputs ---- */
 
-/* What an input that changes a while from the cause makes of its delay and
-   slew, times: `other` alone, and a pair, or NULL where the output needs the
-   cause only and the other one changes what it goes through. */
+/* Return the factors on the delay and slew of a cause due to an input that
+   changes `gap` earlier or later. `other`: values of that input alone. p: the
+   pair; NULL if the other input changes only the path of the current. */
 static both factors(both alone, both other, const eda_timing_pair *p,
                     double gap, double first, double second) {
   both f = {1, 1};
@@ -99,16 +100,18 @@ static const eda_timing_pair *find_pair(const gate *g, size_t first,
   return k < 0 ? NULL : &c->pair[k];
 }
 
-/* Without a pair, an input that changed before the cause matters for a delay
-   over this, since it changes only what the cause goes through. Ours. */
+/* Without a pair, an earlier input affects the cause for 1 / `fades` of a
+   delay. Own choice. */
 static const double fades = 3;
 
-/* An input that changed before the cause. */
+/* Add the effect of an input that changed before the cause. */
 static void add_earlier(gate *g, size_t k) {
   const event *e = &g->last[k];
   uint32_t from = g->from ^ 1u << k, cause = 1u << g->cause;
   double gap = (g->by.time - e->time) / g->alone.delay;
-  if (level_of(g, from) != level_of(g, g->from)) return; /* it is a pulse */
+  if (level_of(g, from) != level_of(g, g->from))
+    return; /* the input alone makes
+               a pulse */
   if (!(g->alone.delay > 0)) return;
   const eda_timing_pair *p = find_pair(g, k, (size_t)g->cause, from);
   both other, f;
@@ -127,8 +130,8 @@ static void add_earlier(gate *g, size_t k) {
   g->with.series.slew += f.slew - 1;
 }
 
-/* An input that changes after the cause, and leaves the output where it goes.
- */
+/* Add the effect of an input that changes after the cause and keeps the final
+   level of the output. */
 static void add_later(gate *g, size_t k, const event *e) {
   uint32_t cause = 1u << g->cause;
   double gap = (e->time - g->by.time) / g->alone.delay;
@@ -160,7 +163,8 @@ static both with_others(const gate *g) {
 
 /* ---- the node's events ---- */
 
-/* An input changes the output: when, unless others follow. */
+/* Start a transition of the output caused by an input; later inputs may modify
+   the returned event. */
 static event start(gate *g, int cause, const event *e, uint32_t from) {
   int rises = !level_of(g, from);
   g->cause = cause;
@@ -178,7 +182,7 @@ static event start(gate *g, int cause, const event *e, uint32_t from) {
   return (event){e->time + b.delay, b.slew, path_on(e->path, g->n->net)};
 }
 
-/* Another input changes while the output is on its way. */
+/* Modify the pending transition for a further change of an input. */
 static void follow(gate *g, size_t first, size_t k, const event *e) {
   waves *w = g->w;
   if (g->cause < 0 || w->count == first || g->cause == (int)k) return;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What a transition of the inputs does, net by net in the order of signals: all
-   events of a net are known before those that it drives are looked at. Times
-   ps, in whole fs with one delay an arc. */
+/* Computes the events of all nets after an input pattern, in topological order:
+   the events of a net are complete before the nodes that the net drives. Times
+   in ps; with one delay per arc, whole fs. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -40,7 +40,7 @@ void waves_push(waves *w, double time, double slew, uint64_t path) {
 
 /* ---- the inputs of a node, in the order of time ---- */
 
-/* Whether any input changes. */
+/* Return 1 if any input changes. */
 int merge_init(merge *m, const waves *w, const node *n) {
   int some = 0;
   m->w = w;
@@ -56,7 +56,8 @@ int merge_init(merge *m, const waves *w, const node *n) {
   return some;
 }
 
-/* The input that changes next, -1: none. Of equals the first. */
+/* Return the input that changes next, the first one of simultaneous changes;
+   -1: none. */
 int merge_next(const merge *m, double *time) {
   int found = -1;
   *time = INFINITY;
@@ -70,9 +71,10 @@ int merge_next(const merge *m, double *time) {
 
 /* ---- one delay an arc ---- */
 
-/* As vvp has module paths (its delay.cc, vvp_fun_modpath): of inputs that
-   change at once the least delay counts; each change of the function's value
-   sets a time at which the output gets the value that the function has then. */
+/* Compute events like module paths of vvp (delay.cc, vvp_fun_modpath). Of
+   simultaneous inputs, the least delay counts. Each change of the function's
+   value sets a time at which the output takes the value of the function at that
+   time. */
 static void by_arcs(waves *w, const node *n, const state *s) {
   const eda_timing_cell *c = n->cell;
   const uint8_t *level = c->level + ((size_t)n->output << c->inputs);
@@ -119,7 +121,7 @@ static void by_arcs(waves *w, const node *n, const state *s) {
 
 /* ---- a pattern ---- */
 
-/* All nets before the change. */
+/* Compute the levels of all nets before the change. */
 static void find_levels(waves *w) {
   const graph *g = &w->p->graph;
   for (size_t i = 0; i < g->inputs; i++) w->level[g->input[i]] = w->before[i];
