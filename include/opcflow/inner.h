@@ -74,9 +74,11 @@ typedef struct opc_inner_service {
      not swept. */
   int (*axis)(const opc_host *host, const char *path, opc_error *error);
 
-  /* The declaration of "step.metric"; and the name of `step` if it makes data
-     of that kind, or of the first step that does for NULL. Only steps that were
-     asked for here, and what they need, will run; all, if none was. */
+  /* `metric`: return the declaration of the metric "step.metric". `output`:
+     return the name of `step` if that step has an output of the data kind; for
+     NULL, the name of the first step that has. Only the steps asked for here,
+     and the steps that provide their inputs, will run; all steps if none was
+     asked for. */
   const opc_metric *(*metric)(const opc_host *host, const char *path,
                               opc_error *error);
   const char *(*output)(const opc_host *host, const char *step,

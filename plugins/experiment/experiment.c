@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The step `experiment`: a flow by several methods on several cases, each run
-   kept whole, and all figures as one table. */
+/* Implements the step `experiment`: runs a flow with several methods on several
+   cases, keeps each run, and publishes all figures as one table. */
 #include "experiment.h"
 
 #include <eda/experiment.h>
@@ -18,7 +18,7 @@ static const opc_inner_axis *find_axis(const experiment *e, const char *name,
   return i < 0 ? NULL : axes[i];
 }
 
-/* A flow with a sweep of its own would have as many runs of a method. */
+/* Refuse a flow with a sweep: each method needs exactly one run per case. */
 static int check_sweep(const experiment *e, opc_error *error) {
   size_t n;
   const opc_inner_axis *const *axes = opc_get_inner(e->host)->axes(e->host, &n);
@@ -31,8 +31,7 @@ static int check_sweep(const experiment *e, opc_error *error) {
   return OPC_OK;
 }
 
-/* Figures that the summary is to show must be there at the first point, or be
-   written as some. */
+/* Check the form "step.metric" of the figures requested for the summary. */
 static int check_columns(const experiment *e, opc_error *error) {
   for (size_t i = 0; i < e->columns.count; i++)
     if (!strchr(e->columns.pairs[i].key, '.')) {
@@ -62,7 +61,8 @@ static int check(void *self, opc_error *error) {
 
 /* ---- the runs ---- */
 
-/* OPC_CANCELLED, or OPC_OK also for a run that fails. */
+/* Run a method on a case. Returns OPC_CANCELLED, or OPC_OK even if the run
+   fails. */
 static int run_one(experiment *e, size_t i, opc_error *error) {
   opc_error why = {0};
   const opc_inner_run *out;

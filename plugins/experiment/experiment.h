@@ -1,28 +1,30 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The state of the step `experiment`, and what it tells. */
+/* State of the step `experiment`, and its report. */
 #pragma once
 
 #include <glib.h>
 #include <opcflow/inner.h>
 
-/* A figure of any of the runs. */
+/* A figure of one or more runs. */
 typedef struct figure {
   char *name;       /* "mask.ion_mean" */
   const char *unit; /* NULL: a plain number */
   uint32_t better;
-  double *values; /* of each run; NAN where there is none */
+  double *values; /* for each run; NAN: none */
 } figure;
 
 typedef struct experiment {
   const opc_host *host;
   const char *flow, *variant; /* parameters */
   opc_map set, cases, methods, columns;
-  size_t n_cases, n_methods, count; /* runs: those of a case in a row */
+  size_t n_cases, n_methods, count; /* count: number of runs, sorted by case,
+                                       then method */
   const char *const *case_names, *const *method_names;
-  char **folders;     /* of each run, its path; NULL where it failed */
-  char **places;      /* the same in the run folder, "" where it failed */
-  char **results;     /* "good", or what went wrong */
-  double *seconds;    /* NAN where it failed */
+  char **folders;     /* for each run: path of the folder; NULL: failed */
+  char **places;      /* for each run: path relative to the step's folder; "":
+                         failed */
+  char **results;     /* for each run: "good", or the error message */
+  double *seconds;    /* NAN: failed */
   GPtrArray *figures; /* figure * */
   size_t done, failed, missed, with_findings;
 } experiment;
@@ -31,8 +33,9 @@ typedef struct experiment {
 
 void figure_free(void *object);
 
-/* Take what the last run gave. */
+/* Store the metrics of the last run as figures of run `run`. */
 void take_figures(experiment *e, size_t run);
 
-/* experiment.csv, the summary by method, metrics and findings. */
+/* Publish experiment.csv, the summary by method, metrics and findings. Returns
+   the status. */
 int experiment_report(experiment *e, opc_error *error);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Experiments with a flow whose metrics are formulas of case and method: the
-   table has each of them, and the summary their means, worked out here. */
+/* Experiments with a flow whose metrics are formulas of case and method. The
+   table must have the values of the formulas, and the summary their means. */
 #include "experiment.h"
 
 #include <eda/experiment.h>
@@ -28,7 +28,7 @@ static double formula(size_t point) {
   return 1 + (double)(c * c + 10 * m);
 }
 
-static int failing = -1, limited = -1; /* points */
+static int failing = -1, limited = -1; /* index of the point */
 static char folder[80];
 
 static int run_point(size_t point, opc_error *error) {
@@ -36,7 +36,7 @@ static int run_point(size_t point, opc_error *error) {
   if ((int)point == failing)
     return opc_fail(error, OPC_FAILED, NULL, "no light at %zu", point);
   inner_tell("mask", &ion, formula(point));
-  inner_tell("cost", &shots, 5); /* the same for all */
+  inner_tell("cost", &shots, 5); /* equal for all methods */
   inner_tell("gates", &count, (double)point);
   g_snprintf(folder, sizeof folder, "/runs/e/%s",
              inner.places[inner.n_points - 1]);
@@ -74,7 +74,7 @@ static double mean(size_t method, double (*value_of)(size_t)) {
 
 static double seconds(size_t point) { return 2 + (double)point; }
 
-/* Every run once, the methods of a case in a row, in folders of their names. */
+/* Each run once, sorted by case and method, in folders with their names. */
 static void test_table(void) {
   opc_error error;
   eda_experiment *out;
@@ -106,8 +106,8 @@ static void test_table(void) {
   eda_experiment_free(out);
 }
 
-/* Means over the cases; only figures with a direction that differ between
-   methods, or those that are asked for. */
+/* Means over the cases of figures that have a direction and differ between
+   methods, or of the requested figures. */
 static void test_summary(void) {
   opc_error error;
   experiment e = {.host = inner_host(flow)};
@@ -131,8 +131,8 @@ static void test_summary(void) {
   g_assert_nonnull(strstr(opc_test_log(), "'gates.number'"));
 }
 
-/* A run that fails has a row, no figures, and counts in no mean; one that
-   misses a requirement has all of them. */
+/* A failed run has a row without figures and is excluded from the means; a run
+   that violates a requirement is included. */
 static void test_failing(void) {
   opc_error error;
   eda_experiment *out;
@@ -160,7 +160,8 @@ static void test_failing(void) {
   failing = limited = -1;
 }
 
-/* Methods may put plugins there that give a name another unit. */
+/* Methods may use different plugins, whose metrics of one name differ in
+   unit. */
 static int run_units(size_t point, opc_error *error) {
   int code = run_point(point, error);
   if (point % METHODS) inner.metrics[0].metric = &dose;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What an experiment tells: all figures of all runs, and their means by
+/* Report of an experiment: the figures of all runs, and their means by
    method. */
 #include <math.h>
 #include <opcflow/table.h>
@@ -7,7 +7,7 @@
 
 #include "experiment.h"
 
-/* Columns of a terminal that the summary is to fit. */
+/* Largest width of the summary, in terminal columns. */
 enum { WIDEST = 100 };
 
 /* ---- figures ---- */
@@ -27,8 +27,8 @@ static figure *find_figure(const experiment *e, const char *name) {
   return NULL;
 }
 
-/* One of the same name has the same unit but where methods put different
-   plugins there: these have columns of their own. */
+/* Return the figure of a metric, created if new. Metrics of equal name and
+   different unit, from different plugins, are separate figures. */
 static figure *get_figure(experiment *e, const opc_inner_metric *m) {
   g_autofree char *name = g_strdup_printf("%s.%s", m->path, m->metric->name);
   for (guint i = 0; i < e->figures->len; i++) {
@@ -66,7 +66,7 @@ static int write_runs(const experiment *e, opc_error *error) {
   const char *step = NULL;
   g_auto(GStrv) folders = g_new0(char *, e->count + 1);
   for (size_t i = 0; i < e->count; i++) {
-    /* Of the outer run folder: that of the step, and in it the run. */
+    /* The folder column is relative to the outer run folder: step/run. */
     if (!step && e->folders[i]) {
       size_t whole = strlen(e->folders[i]), inside = strlen(e->places[i]);
       g_autofree char *own = g_strndup(e->folders[i], whole - inside - 1);
@@ -90,7 +90,7 @@ static int write_runs(const experiment *e, opc_error *error) {
 
 /* ---- the summary ---- */
 
-/* Over the cases that this method has a figure of; NAN if there is none. */
+/* Return the mean over the cases with a finite value; NAN if there is none. */
 static double mean_of(const experiment *e, const double *values,
                       size_t method) {
   double sum = 0, n = 0;
@@ -109,26 +109,27 @@ static gboolean differs(const experiment *e, const figure *f) {
   return FALSE;
 }
 
-/* To four digits that count. */
+/* Round to four significant digits. */
 static double shorten(double value) {
   char digits[40];
   g_ascii_formatd(digits, sizeof digits, "%.4g", value);
   return g_ascii_strtod(digits, NULL);
 }
 
-/* A table on its way, and how wide it would be printed. */
+/* Columns of the summary table, and the printed width. */
 typedef struct summary {
   const experiment *e;
   GArray *columns;
-  GPtrArray *cells; /* freed with it */
+  GPtrArray *cells; /* columns' data, freed with the summary */
   size_t width;
 } summary;
 
-/* FALSE if it would be too wide; `must`: it is wanted all the same. */
+/* Add a column of means. Returns FALSE if the table would be too wide, unless
+   `must`. */
 static gboolean add_means(summary *s, const char *head, const char *unit,
                           const double *values, gboolean must) {
   const experiment *e = s->e;
-  enum { LARGEST = 9 }; /* digits and a point */
+  enum { LARGEST = 9 }; /* characters of a rounded number */
   size_t width = strlen(head) + (unit ? strlen(unit) + 3 : 0);
   width = MAX(width, LARGEST) + 2;
   if (!must && s->width + width > WIDEST) return FALSE;
@@ -142,8 +143,8 @@ static gboolean add_means(summary *s, const char *head, const char *unit,
   return TRUE;
 }
 
-/* Those that are asked for, or all that have a better direction and are not the
-   same for all methods, while there is room. */
+/* Add the requested figures, or else all figures that have a direction and
+   differ between methods, as far as the width permits. */
 static void add_figures(summary *s) {
   const experiment *e = s->e;
   for (size_t i = 0; i < e->columns.count; i++) {
@@ -161,7 +162,7 @@ static void add_figures(summary *s) {
   }
 }
 
-/* By method: how many runs, their means, and how many failed. */
+/* Publish the summary by method: completed runs and means. */
 static int print_summary(const experiment *e, opc_error *error) {
   summary s = {e, g_array_new(FALSE, TRUE, sizeof(opc_column)),
                g_ptr_array_new_with_free_func(g_free), 0};

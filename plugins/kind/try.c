@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Masks and prints of the sample's transistors for the exercises of all kinds,
-   and telling what is wrong with what a plugin hands back. */
+/* Sample masks and images for the tests of all plugin kinds, and reports of
+   faults in the results of a plugin. */
 #include "try.h"
 
 #include <math.h>
@@ -13,8 +13,8 @@ const eda_frame try_other_frame = {-1237, -1111, 2900, 3300};
 
 /* ---- telling ---- */
 
-/* Stopped as the lint grants no more time, on a loaded machine perhaps: no
-   fault, and said as that. */
+/* Return whether the call was cancelled because the time limit of lint expired.
+   A loaded machine may cause that, so add a note, not a fault. */
 static int was_stopped(opc_inspector *in, const char *what, int code) {
   if (code != OPC_CANCELLED || !opc_cancelled(in->context)) return 0;
   in->note(in, "%s: stopped, it takes longer than the lint grants", what);
@@ -147,9 +147,9 @@ void try_performance(const eda_gates *g, eda_performance *out) {
 
 /* ---- several callers at once ---- */
 
-/* 0.2 s: many thousand calls of what is quick, and so long that threads which
-   share a processor take turns some dozen times in the middle of them. Half of
-   it would miss what is rare on a busy machine. */
+/* Duration of the concurrent calls, s. Allows thousands of fast calls and some
+   dozen thread switches on a shared processor. Half the time misses rare races
+   on a busy machine. */
 static const double moment = 0.2;
 
 typedef struct crowd {

@@ -16,7 +16,7 @@ static const double reach = 4000;
 static const double lines_in_pitch = 3;
 
 /* Return the box of a gate, transposed such that its length is along x. */
-static eda_box turned(const eda_gates *g, size_t i) {
+static eda_box gate_turned(const eda_gates *g, size_t i) {
   eda_box b = g->box[i];
   return g->axis[i] == EDA_X ? b : (eda_box){b.y0, b.x0, b.y1, b.x1};
 }
@@ -26,7 +26,7 @@ static eda_box turned(const eda_gates *g, size_t i) {
    reach, or if it is longer than `most` nm. */
 static int64_t pitch_of(const eda_gates *g, const eda_index *index, size_t i,
                         double most) {
-  eda_box own = turned(g, i), window = own;
+  eda_box own = gate_turned(g, i), window = own;
   int64_t best = 0;
   size_t next = i;
   window.x1 = (int32_t)fmin(own.x1 + ceil(reach / g->grid), INT32_MAX);
@@ -35,7 +35,7 @@ static int64_t pitch_of(const eda_gates *g, const eda_index *index, size_t i,
   eda_finder f = eda_index_find(index, window);
   for (uint32_t j; eda_index_next(&f, &j);) {
     if (g->axis[j] != g->axis[i]) continue;
-    eda_box b = turned(g, j);
+    eda_box b = gate_turned(g, j);
     int64_t by = (int64_t)b.x0 + b.x1 - own.x0 - own.x1;
     if (b.x0 < own.x1 || b.y0 >= own.y1 || b.y1 <= own.y0) continue;
     if (best && by >= best) continue;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What a search tells. */
+/* Tables and metrics of the step `search`. */
 #include <glib.h>
 #include <math.h>
 #include <opcflow/table.h>
@@ -18,7 +18,7 @@ eda_settings *search_settings(const search *s) {
   return out;
 }
 
-/* setting, the parameters, the figure, its run, how that went */
+/* columns: setting, parameters, figure, run, result */
 static int settings_table(const search *s, const eda_settings *all,
                           opc_error *error) {
   size_t n = 0, stride = s->count;
@@ -53,7 +53,7 @@ static int settings_table(const search *s, const eda_settings *all,
   return opc_put_table(s->host, "settings", 0, s->count, columns, n, error);
 }
 
-/* Lines of a table with two columns. */
+/* Rows of a table with two columns. */
 typedef struct sheet {
   GPtrArray *what, *value;
 } sheet;
@@ -66,7 +66,7 @@ static void add_number(sheet *t, char *what, double value, const char *unit) {
                                             unit ? unit : ""));
 }
 
-/* The best setting with all metrics of its run, and the effort. */
+/* Publish the best setting with all metrics of its run, and the effort. */
 static int best_table(const search *s, const eda_settings *all,
                       opc_error *error) {
   sheet t = {g_ptr_array_new_with_free_func(g_free),

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The step `search`: a flow at each setting of some of its parameters, and the
-   mask of the best one. */
+/* Implements the step `search`: runs a flow at each setting of some parameters
+   and returns the mask of the best setting. */
 #include "search.h"
 
 #include <eda/gates.h>
@@ -11,7 +11,8 @@
 
 /* ---- what to look for ---- */
 
-/* An error of the parameter, or of a key in it. */
+/* Attribute an error to the parameter, or to a key of it, and return the
+   code. */
 static int blame(opc_error *error, const char *parameter, const char *key) {
   g_snprintf(error->parameter, sizeof error->parameter, "%s%s%s", parameter,
              key ? "." : "", key ? key : "");
@@ -32,7 +33,8 @@ static int plan_figure(search *s, opc_error *error) {
   return OPC_OK;
 }
 
-/* Settings that share a run differ in this axis alone. */
+/* Set up the shared axis: settings that differ in this axis only share a
+   run. */
 static int plan_axis(search *s, const char *key, opc_error *error) {
   plan *p = &s->plan;
   p->along = opc_get_inner(s->host)->axis(s->host, key, error);
@@ -72,7 +74,7 @@ static int plan_along(search *s, opc_error *error) {
   return blame(error, "along", s->along.pairs[s->along.count - 1].key);
 }
 
-/* That of the step that is named, or of the figure's. */
+/* Select the step of the mask: the named step, or the step of the figure. */
 static int plan_mask(search *s, opc_error *error) {
   const opc_inner_service *inner = opc_get_inner(s->host);
   opc_error none = {0};
@@ -90,7 +92,7 @@ static int plan_mask(search *s, opc_error *error) {
   return s->mask ? blame(error, "mask", NULL) : error->code;
 }
 
-/* A parameter that neither figure nor mask depends on is a mistake. */
+/* Refuse an axis that affects neither figure nor mask. */
 static int check_axes(search *s, opc_error *error) {
   s->axes = opc_get_inner(s->host)->axes(s->host, &s->n_axes);
   for (size_t i = 0; i < s->n_axes; i++) {
@@ -129,13 +131,13 @@ static double find_metric(const search *s, int shared) {
   return NAN;
 }
 
-/* Of the last run, or of the steps that all runs share. */
+/* Return the figure of the last run, or of the steps shared by all runs. */
 static double get_figure(const search *s) {
   double figure = find_metric(s, 0);
   return isnan(figure) ? find_metric(s, 1) : figure;
 }
 
-/* The litho simulations, as the steps count them. */
+/* Return the number of litho simulations, by the metrics of the steps. */
 static double count_simulations(const search *s, int shared) {
   size_t n;
   const opc_inner_metric *const *m =
@@ -151,8 +153,9 @@ static double real_at(const opc_column *c, size_t row) {
                              : (double)((const int64_t *)c->data)[row];
 }
 
-/* The figure at each value is in the last row that does not go beyond it: a run
-   that ends early is at rest. */
+/* Take the figures of a shared run from the rows of a table: for each value of
+   the axis, the last row not beyond the value. A run that ends early has
+   converged. */
 static int take_column(search *s, size_t setting, opc_error *error) {
   const opc_inner_service *inner = opc_get_inner(s->host);
   const plan *p = &s->plan;
@@ -174,7 +177,7 @@ static int take_column(search *s, size_t setting, opc_error *error) {
 
 /* ---- all runs ---- */
 
-/* The first one of equals. */
+/* Update the best setting; the first of equal settings wins. */
 static void compare(search *s, size_t setting) {
   double figure = s->figure[setting];
   if (isnan(figure)) return;
@@ -184,8 +187,9 @@ static void compare(search *s, size_t setting) {
     s->best = setting;
 }
 
-/* Run the settings that share the run of `first`, which has the first value of
-   the shared axis. A run that fails is told of in the table. */
+/* Run the settings that share a run with `first`, the setting with the first
+   value of the shared axis. The table records a failed run. Returns an error
+   only for cancellation or an invalid column. */
 static int run_settings(search *s, size_t first, opc_error *error) {
   const plan *p = &s->plan;
   opc_error failure = {0};
@@ -227,7 +231,7 @@ static int run_all(search *s, opc_error *error) {
                   s->results[0]);
 }
 
-/* The run of the best setting, for its objects and for what it writes. */
+/* Run the best setting again, for its objects and files. */
 static int run_best(search *s, opc_error *error) {
   int code = opc_get_inner(s->host)->run(s->host, s->best, 1, 0, error);
   if (code) return code;
@@ -314,8 +318,8 @@ static void clear(void *self) {
 
 /* ---- entry ---- */
 
-/* The mask belongs to the run of the best setting, which lives as long as the
-   step. */
+/* Release nothing: the mask belongs to the run of the best setting, which lives
+   as long as the step. */
 static void keep_mask(void *mask) { (void)mask; }
 
 static const opc_port outputs[] = {{.name = "mask",

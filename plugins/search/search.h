@@ -1,48 +1,50 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The pieces of the step `search`: the best of all settings of a flow's
-   parameters, and the mask that it makes (thesis 3.3.1). */
+/* Internal interface of the step `search`: the best of all settings of a flow's
+   parameters, and the mask of that setting (thesis 3.3.1). */
 #pragma once
 
 #include <eda/settings.h>
 #include <opcflow/inner.h>
 
-/* What to look for. */
+/* Objective of the search. */
 typedef struct plan {
   const char *figure;       /* "step.metric" */
-  char *of;                 /* the step, or a plugin in it */
-  const opc_metric *metric; /* the figure */
-  int greatest;             /* is best, not the least */
-  const char *mask;         /* the step whose mask is handed on */
+  char *of;                 /* path of the figure's step, or of a plugin in
+                               it */
+  const opc_metric *metric; /* declaration of the figure */
+  int greatest;             /* maximise the figure */
+  const char *mask;         /* step whose mask is the output */
 
-  /* One run at the last value of axis `along` stands for all `count` values of
-     it: row by row, a table has the figure at each. Without: -1 and 1. */
+  /* Index of the shared axis: one run at the last value of that axis covers all
+     `count` values; a table of the run has the figure row by row. Without a
+     shared axis: -1 and count 1. */
   int along;
-  size_t count, stride; /* from one setting that shares a run to the next */
-  char **column;        /* of those values: step, table, column */
+  size_t count, stride; /* stride: distance of settings that share a run */
+  char **column;        /* column of the axis values: step, table, column */
 } plan;
 
 typedef struct search {
   const opc_host *host;
   const char *flow, *variant, *minimise, *maximise, *mask;
-  const void *gates; /* taken by the host */
+  const void *gates; /* used by the host only */
   opc_map set, sweep, along;
   const opc_inner_axis *const *axes;
   size_t n_axes;
   plan plan;
 
-  /* What came of it. */
-  size_t count; /* settings */
+  /* Results. */
+  size_t count; /* number of settings */
   size_t runs, failed;
   double simulations;
-  double *figure; /* of each setting; NAN: none */
-  int64_t *run;   /* of each setting: its run, from 1 */
-  char **results; /* of each run: "good", or what went wrong */
-  size_t best;    /* `count`: none yet */
+  double *figure; /* for each setting; NAN: none */
+  int64_t *run;   /* for each setting: number of the run, from 1 */
+  char **results; /* for each run: "good", or the error message */
+  size_t best;    /* index of the best setting; `count`: none */
 } search;
 
-/* What `settings` hands on. */
+/* Return the output `settings`; the caller owns it. */
 eda_settings *search_settings(const search *search);
 
-/* The tables and the metrics. */
+/* Publish the tables and the metrics. Returns the status. */
 int search_report(const search *search, const eda_settings *settings,
                   opc_error *error);

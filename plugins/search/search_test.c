@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Searches of a flow whose figure is a formula of two parameters: each setting
-   has the value of the formula, and the best one is its least or greatest
-   value, found here by looking at all of them. */
+/* Searches of a flow whose figure is a formula of two parameters. The best
+   setting is compared with the least or greatest value over all settings. */
 #include "search.h"
 
 #include <math.h>
@@ -22,7 +21,8 @@ static const opc_inner_axis axes[] = {
     {"mask.length", "nm", LENGTHS, lengths, length_texts, 1},
     {"mask.moves", NULL, MOVES, moves, move_texts, 1}};
 
-/* Least at 20 nm, equal for 1 and 2 moves; greatest at 30 nm and 4 moves. */
+/* Return the figure: least at 20 nm, equal for 1 and 2 moves; greatest at 30 nm
+   and 4 moves. */
 static double formula(double length, double move) {
   return (length - 20) * (length - 19) / 4 + (move - 1.5) * (move - 1.5);
 }
@@ -31,8 +31,9 @@ static double truth(size_t setting) {
   return formula(lengths[setting / MOVES], moves[setting % MOVES]);
 }
 
-static int failing = -1; /* the point whose run fails */
-static double later;     /* added to the figure in the run of the best one */
+static int failing = -1; /* point of the failing run */
+static double later;     /* added to the figure when the best setting runs
+                            again */
 
 static int run_point(size_t point, opc_error *error) {
   inner.n_metrics = 0;
@@ -40,12 +41,12 @@ static int run_point(size_t point, opc_error *error) {
   if ((int)point == failing)
     return opc_fail(error, OPC_FAILED, NULL, "no light at %zu", point);
   int last = inner.keep[inner.n_points - 1];
-  inner_tell("mask.synthesizer", &figure, -1000); /* of another plugin */
+  inner_tell("mask.synthesizer", &figure, -1000); /* metric of another plugin */
   inner_tell("mask", &figure, truth(point) + (last ? later : 0));
   return OPC_OK;
 }
 
-static int mask; /* its address stands for a mask */
+static int mask; /* its address represents a mask */
 static const inner_flow flow = {.axes = axes,
                                 .n_axes = 2,
                                 .metric = &figure,
@@ -58,7 +59,7 @@ static const inner_flow flow = {.axes = axes,
 
 static const opc_step *functions(void) { return opcflow_plugin()->functions; }
 
-/* Check and run it; the outputs are released. Its code and *error. */
+/* Check and run a search, release the outputs, and return the code. */
 static int run_search(search *s, opc_error *error) {
   void *outputs[2] = {NULL, NULL};
   int code = opcflow_plugin()->check(s, error);
@@ -86,8 +87,8 @@ static size_t best_of(int greatest) {
   return best;
 }
 
-/* Each setting runs once, in their order, and then the best one again, whose
-   files are kept. Of equals the first one is best. */
+/* Each setting runs once, in order; then the best one runs again, with its
+   files kept. The first of equal settings is best. */
 static void test_all(void) {
   for (int greatest = 0; greatest < 2; greatest++) {
     opc_error error;
@@ -127,11 +128,11 @@ static void test_all(void) {
 
 /* ---- settings that share a run ---- */
 
-/* The table of a run: `at` rises by 0.5, to what the run may do at most. */
+/* Table of a run: `at` rises by 0.5 up to the limit of the run. */
 static double table_at[16], table_ion[16];
 static const opc_column table[] = {{"at", NULL, OPC_REAL, 0, table_at},
                                    {"ion", "%", OPC_REAL, 0, table_ion}};
-static double rest; /* where a run comes to rest and ends */
+static double rest; /* value at which a run converges and ends */
 
 static int run_rows(size_t point, opc_error *error) {
   double most = fmin(moves[point % MOVES], rest);
@@ -148,7 +149,8 @@ static int run_rows(size_t point, opc_error *error) {
 
 static void test_shared(void) {
   static const opc_pair pair = {"mask.moves", "mask.history.at"};
-  static const double ends[] = {100, 1.5}; /* beyond all moves; among them */
+  static const double ends[] = {100, 1.5}; /* beyond all values; between
+                                              values */
   for (size_t k = 0; k < G_N_ELEMENTS(ends); k++) {
     inner_flow shared = flow;
     opc_error error;
@@ -179,9 +181,9 @@ static void test_shared(void) {
   }
 }
 
-/* The shared parameter changes last: runs take settings that are not
-   neighbours. The figure is least, 0, for settings 1 and 3, of which the run of
-   3 is the first; one of the runs fails. */
+/* The shared parameter changes last, so the settings of a run are not adjacent.
+   The figure has its minimum 0 at settings 1 and 3; the run of setting 3 comes
+   first; one of the runs fails. */
 static const opc_inner_axis turned[] = {
     {"mask.moves", NULL, MOVES, moves, move_texts, 1},
     {"mask.length", "nm", LENGTHS, lengths, length_texts, 1}};
@@ -225,7 +227,7 @@ static void test_turned(void) {
 
 /* ---- what goes wrong ---- */
 
-/* Where the best setting's run fails, the next best one wins. */
+/* If the run of the best setting fails, the next best one wins. */
 static void test_failing(void) {
   opc_error error;
   search s = {.host = inner_host(flow), .minimise = "mask.ion"};
@@ -251,7 +253,8 @@ static int run_dark(size_t point, opc_error *error) {
   return opc_fail(error, OPC_FAILED, NULL, "dark %zu", point);
 }
 
-/* The user's wish ends it at once; if no run is good, its own fault does. */
+/* Cancellation ends the search at once; if all runs fail, the search returns
+   the error of a run. */
 static void test_ends(void) {
   inner_flow other = flow;
   opc_error error;
@@ -265,7 +268,8 @@ static void test_ends(void) {
   g_assert_cmpstr(error.message, ==, "no setting has a figure: dark 0");
 }
 
-/* The run of the best setting alone differs: a warning with both. */
+/* A differing figure in the repeated run of the best setting causes a warning
+   with both values. */
 static void test_differs(void) {
   opc_error error;
   search s = {.host = inner_host(flow), .minimise = "mask.ion"};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the unit tests of this project share. */
+/* Helpers of the unit tests of this project. */
 #pragma once
 
 #include <math.h>
@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* End the test, and say where, unless the condition holds. */
+/* Abort the test with the source location unless the condition holds. */
 #define CHECK(condition)                                              \
   do {                                                                \
     if (!(condition)) {                                               \
@@ -17,7 +17,7 @@
     }                                                                 \
   } while (0)
 
-/* The plugin, or the end of the test with all that is wrong. */
+/* Create a plugin; abort the test with the error message on failure. */
 static inline opc_module *make(const char *id, const char *parameters) {
   opc_error error = {0};
   opc_module *module = opc_test_module(id, parameters, &error);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* command.metrics: the verb `opcflow metrics RUN ...`, which shows the metrics
-   of run folders side by side. */
+/* Implements the verb `opcflow metrics RUN ...`: the metrics of run folders
+   side by side. */
 #include <json-glib/json-glib.h>
 #include <math.h>
 #include <opcflow/command.h>
@@ -11,19 +11,19 @@
 
 typedef struct metrics {
   const opc_host *host;
-  const char *step; /* NULL: all */
+  const char *step; /* NULL: all steps */
 } metrics;
 
-/* The rows of the table: of each metric a value for each run. */
+/* Rows of the table: each metric with a value for each run. */
 typedef struct rows {
   GPtrArray *step, *metric, *unit; /* char * */
-  GArray **values;                 /* double, of each run */
+  GArray **values;                 /* double, one array for each run */
   size_t runs;
 } rows;
 
 /* ---- work ---- */
 
-/* The row of a metric, a new one at the end if it is not there. */
+/* Return the index of the row of a metric; append a row if there is none. */
 static guint find_row(rows *r, const char *step, const char *metric,
                       const char *unit) {
   static const double nothing = NAN;

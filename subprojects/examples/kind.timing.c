@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* kind.timing: what a timing model must have, how it is tried out, and what a
-   new one looks like. */
+/* Kind "timing": required functions, tests of a plugin, and the template of a
+   new one. */
 #include <math.h>
 #include <opcflow/kind.h>
 
@@ -12,7 +12,7 @@ typedef struct kind {
 
 /* ---- trying one ---- */
 
-/* Currents from that of a small transistor to that of a large one. */
+/* Test the delays for currents of small to large transistors. */
 static void exercise(const opc_module *module, opc_inspector *inspector) {
   const timing *t = module->functions;
   double last = INFINITY;

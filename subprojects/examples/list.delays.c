@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* list.delays: how long each transistor of a mask takes, as drawn and as
-   printed, by the timing model in its slot. */
+/* Implements the step list.delays: the delay of each transistor of a mask, as
+   drawn and as printed, by the timing model in the slot. */
 #include <eda/gates.h>
 #include <eda/memory.h>
 #include <stdlib.h>
@@ -20,7 +20,7 @@ typedef struct delays {
 
 /* ---- work ---- */
 
-/* In ps, of all transistors. */
+/* Return the delays of all transistors in ps. */
 static double *delays_of(const delays *s, const eda_performance *p) {
   const timing *t = s->timing->functions;
   size_t n = s->mask->gates->count;

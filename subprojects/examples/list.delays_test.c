@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* list.delays with timing.cv: half the current takes twice as long. */
+/* list.delays with timing.cv: half the current doubles the delay. */
 #include <eda/gates.h>
 
 #include "check_test.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* list.worst: the transistors of a mask that are furthest from their drawn on
-   current, as a table. */
+/* Implements the step list.worst: a table of the transistors with the largest
+   deviation of the on current. */
 #include <eda/gates.h>
 #include <eda/memory.h>
 #include <math.h>
@@ -30,7 +30,8 @@ static int compare(const void *a, const void *b) {
   const entry *p = a, *q = b;
   double x = fabs(p->deviation), y = fabs(q->deviation);
   if (x != y) return x > y ? -1 : 1;
-  return p->gate < q->gate ? -1 : 1; /* the same order on each machine */
+  return p->gate < q->gate ? -1 : 1; /* order of ties, for reproducible
+                                        tables */
 }
 
 static int publish(const list *s, const entry *e, size_t n, opc_error *error) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* list.worst on a mask of which only the currents matter. */
+/* list.worst on a mask with given currents. */
 #include <eda/gates.h>
 
 #include "check_test.h"

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* synthesizer.bisect: the length of each transistor by bisection. Its on
-   current falls with its length, so that each measurement halves the range in
-   which the length with the drawn current lies. */
+/* Implements the synthesizer synthesizer.bisect: finds the mask length of each
+   transistor by bisection. The on current decreases with the length, so each
+   iteration halves the range that contains the length with the drawn
+   current. */
 #include <eda/memory.h>
 #include <eda/synthesizer.h>
 #include <math.h>
@@ -11,16 +12,17 @@
 /* ---- state ---- */
 
 typedef struct range {
-  int32_t low, high; /* grid steps: too short, too long */
+  int32_t low, high; /* grid steps: largest length known to be too short, least
+                        known to be too long */
   int32_t best;
-  double deviation; /* of the best, % */
+  double deviation; /* of the best length, % */
 } range;
 
 typedef struct bisect {
   const opc_host *host;
   double ion_limit; /* % */
   double max_bias;  /* nm */
-  range *ranges;    /* of each transistor */
+  range *ranges;    /* for each transistor */
 } bisect;
 
 /* ---- work ---- */
@@ -36,7 +38,8 @@ static int begin(void *self, const eda_feedback *f, opc_error *error) {
   return OPC_OK;
 }
 
-/* What to try after `l` gave that deviation; the best there was at the end. */
+/* Return the next length to try after the length `l` with that deviation, or
+   the best length at the end. */
 static int32_t next_length(range *r, int32_t l, double deviation,
                            double limit) {
   if (fabs(deviation) < fabs(r->deviation)) {
@@ -57,7 +60,7 @@ static int update(void *self, const eda_feedback *f, eda_moves *moves,
   for (size_t i = 0; i < f->gates->count; i++) {
     double drawn = f->design->ion[i];
     double deviation = 100 * (f->printed->ion[i] - drawn) / drawn;
-    /* An open line has no current, and is too thin. */
+    /* An open line carries no current: the mask is too short. */
     if (f->flags[i] & EDA_PRINT_OPEN) deviation = 100;
     int32_t l =
         next_length(&b->ranges[i], moves->l[i], deviation, b->ion_limit);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* synthesizer.bisect against transistors whose current is 1 / L and that print
-   by a known amount too long or too short. */
+/* synthesizer.bisect on transistors with a current of 1 / L, printed too long
+   or too short by a known amount. */
 #include <eda/synthesizer.h>
 
 #include "check_test.h"
@@ -31,7 +31,7 @@ int main(void) {
       ion[i] = 1 / (gates->length[i] + l[i] + error_of_print[i]);
     CHECK(s->update(module->self, &f, &moves, &done, &error) == OPC_OK);
   }
-  /* A step of 1 nm is 1.7 %: the length is right to half of it. */
+  /* A grid step of 1 nm is 1.7 % of the length: expect the nearest step. */
   CHECK(l[0] == 7 && l[1] == -13);
   CHECK(w[0] == 0 && w[1] == 0);
   opc_test_module_free(module);

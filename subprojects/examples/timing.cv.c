@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* timing.cv: the time of a constant current for the charge of a gate, C V / I.
- */
+/* Implements timing.cv: the delay C V / I, the time in which a constant current
+   charges a gate. */
 #include "timing.h"
 
 typedef struct cv {

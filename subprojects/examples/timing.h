@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Kind "timing": how long a transistor takes. A kind that opcflow knows nothing
-   of: kind.timing brings it, and plugins of it fit into any slot that asks for
-   "timing". */
+/* Kind "timing": models of a transistor's delay. The kind is not built into
+   opcflow: kind.timing declares it, and slots of the kind "timing" accept its
+   plugins. */
 #pragma once
 
 #include <opcflow/plugin.h>
 
 typedef struct timing {
-  /* How long, in s, a transistor of that on current (A) takes to charge the
-     gate area (nm^2) of one like it; more current, less time. [any] */
+  /* Return the time, in s, in which a transistor with the on current `ion` (A)
+     charges an equal gate of area `area` (nm^2); decreasing with the current.
+     [any] */
   double (*delay)(const void *self, double ion, double area);
 } timing;

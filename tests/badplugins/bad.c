@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A plugin with one thing wrong with its declaration, chosen by BAD_...;
-   without any, a sound one. BAD_ID is its id. */
+/* A plugin with one fault in the declaration, selected by BAD_...; without a
+   selection, a valid one. BAD_ID is the id. */
 #include <eda/regulator.h>
 #include <opcflow/plugin.h>
 #include <stdlib.h>
@@ -73,12 +73,12 @@ static const eda_regulator functions = {
 #endif
 };
 
-/* Without OPC_PLUGIN, which does most of this right. */
+/* Declared without OPC_PLUGIN, which would prevent most of the faults. */
 static const opc_plugin plugin = {
     .size = sizeof(opc_plugin),
 #ifdef BAD_MAJOR
     .abi_major = 9,
-    .id = (const char *)1, /* must not be looked at */
+    .id = (const char *)1, /* invalid: must not be read */
 #else
     .abi_major = OPC_ABI_MAJOR,
     .id = BAD_ID,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the plugins that go wrong while they run share. BAD_ID is the id of one,
-   BAD_FAULT the word that says what it does wrong; "none" for nothing; without
-   it, what evil.h says. */
+/* Helpers of plugins that fail at run time. BAD_ID is the id, BAD_FAULT the
+   name of the fault ("none": no fault); without BAD_FAULT, evil.h selects
+   one. */
 #ifndef BAD_H
 #define BAD_H
 
@@ -39,7 +39,7 @@ static inline void write_wildly(void *data, size_t i) {
   if (i == 7) *nowhere = 1;
 }
 
-/* What any function of a plugin can do wrong. */
+/* Faults that any function of a plugin can have. */
 static inline int misbehave(void) {
   volatile int depth = 0;
 #ifndef BAD_FAULT

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A command that goes wrong. */
+/* A faulty command. */
 #include "bad.h"
 
 static int run(void *self, size_t n, const char *const *arguments,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What a plugin can do to the process, by words: BAD_HOW of the environment
-   says what, BAD_WHEN in which of its functions. */
+/* Faults that affect the whole process: the environment variable BAD_HOW names
+   the fault, BAD_WHEN the function in which it occurs. */
 #ifndef EVIL_H
 #define EVIL_H
 
@@ -37,7 +37,7 @@ static inline void *end_process(void *unused) {
   return unused;
 }
 
-/* When the process ends by itself. */
+/* Handlers for atexit. */
 static inline void end_well(void) { _exit(0); }
 static inline void end_badly(void) { crash(NULL); }
 
@@ -46,8 +46,8 @@ static inline void in_thread(void *(*work)(void *)) {
   if (!pthread_create(&thread, NULL, work, NULL)) pthread_join(thread, NULL);
 }
 
-/* As a function with much on the stack that overflows: what it hits is not the
-   page below the stack, but what may lie below that one. */
+/* Simulate a stack overflow by a function with a large frame: the access skips
+   the guard page and hits the memory below. */
 static inline void *step_over(void *unused) {
   enum { PAGE = 4096 };
   pthread_attr_t how;
@@ -63,7 +63,7 @@ static inline void *step_over(void *unused) {
   return unused;
 }
 
-/* One that ends badly although the plugin's function has long returned. */
+/* Crash in a thread, after the plugin's function has returned. */
 static inline void *crash_later(void *data) {
   usleep(20000);
   return crash(data);
@@ -72,17 +72,19 @@ static inline void *crash_later(void *data) {
 static inline void leave_thread(void) {
   pthread_t thread;
   if (!pthread_create(&thread, NULL, crash_later, NULL)) pthread_detach(thread);
-  /* Others go on for as long. */
+  /* The caller continues while the thread runs. */
 }
 
-/* For 60 s of processors: if that is not ended, the test fails. */
+/* Use 60 s of processor time; a process that is not killed by then fails the
+   test. */
 static inline void be_for_ever(void) {
   fputs("for ever\n", stderr);
   for (clock_t most = clock() + 60 * CLOCKS_PER_SEC; clock() < most;) continue;
   abort();
 }
 
-/* The first thread that comes; others have time to be elsewhere. */
+/* Change the folder in the first thread that calls; meanwhile other threads may
+   call other plugins. */
 static inline void chdir_slowly(void) {
   static int taken;
   if (__atomic_exchange_n(&taken, 1, __ATOMIC_SEQ_CST)) return;
@@ -141,11 +143,11 @@ static inline void be_evil(void) {
   HOW("stdout") close(STDOUT_FILENO);
   HOW("stderr") if (!freopen("/dev/null", "w", stderr)) abort();
   HOW("close") close_range(0, ~0U, 0);
-  HOW("fork") if (fork()) _exit(0); /* the child goes on */
+  HOW("fork") if (fork()) _exit(0); /* the child continues */
   HOW("hang") be_for_ever();
   HOW("hang aside") {
     if (gettid() != getpid()) be_for_ever();
-    usleep(200000); /* for another thread to begin */
+    usleep(200000); /* lets another thread begin */
   }
   HOW("print") {
     printf("{ \"evil\": 1 }\n");
@@ -155,8 +157,8 @@ static inline void be_evil(void) {
 #undef HOW
 }
 
-/* At the beginning of each function, which says its name. A plugin of one fault
-   has no other. */
+/* Apply the selected fault at the beginning of the function `when`. A plugin
+   with BAD_FAULT has that fault only. */
 static inline void evil(const char *when) {
 #ifdef BAD_FAULT
   (void)when;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* An extractor, of a current of W / L, that goes wrong. */
+/* A faulty extractor, with currents proportional to W / L. */
 #include "bad.h"
 
 #include <sched.h>
@@ -21,15 +21,15 @@ static size_t slicing(const void *self, const double **place,
   return does("slices") ? 0 : 2;
 }
 
-/* The length of a gate; with "scratch" by way of memory that all callers
-   share, as long as there are few gates. */
+/* Return the length of a gate; with "scratch" by way of static memory shared by
+   all callers, for up to 64 gates. */
 static double length_of(const eda_slices *in, size_t gate) {
   static volatile double scratch[64];
   const double *l = in->length;
   for (size_t i = 0; i < in->count && i < 64; i++)
     scratch[i] = (l[2 * i] + l[2 * i + 1]) / 2;
   if (!does("scratch")) return (l[2 * gate] + l[2 * gate + 1]) / 2;
-  sched_yield(); /* as if there were more to work out */
+  sched_yield(); /* provoke a race */
   return scratch[gate % 64];
 }
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A kind that goes wrong while it is loaded. */
+/* A kind that fails while it is loaded. */
 #include <opcflow/kind.h>
 
 #include "evil.h"

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A litho model, a plain blur of the mask's amplitude, that goes wrong. */
+/* A faulty litho model, a blur of the mask amplitude. */
 #include "bad.h"
 
 static const double blur = 25, band_limit = 0.02; /* nm, 1/nm */
 
-/* Values that nobody can free. */
+/* Static memory, which cannot be freed. */
 static float fixed[1 << 20];
 
 static int prepare(void *self, opc_error *error) {
@@ -56,7 +56,7 @@ static int image(const void *self, int layer, const eda_spectrum *mask,
   return OPC_OK;
 }
 
-/* One that is brighter, the less error is asked for. */
+/* The intensity depends on the requested error. */
 static int image_fine(const void *self, int layer, const eda_spectrum *mask,
                       double defocus, double wanted, eda_field *out,
                       opc_error *error) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A regulator that has no rule, and goes wrong. */
+/* A faulty regulator without rules. */
 #include "bad.h"
 
 static int rule(void *self, const eda_printed *printed, eda_ruling *ruling,
@@ -16,7 +16,7 @@ static int rule(void *self, const eda_printed *printed, eda_ruling *ruling,
   return misbehave();
 }
 
-/* A text without an end. */
+/* Return a text without a terminating zero. */
 static const char *endless(void) {
   static char text[4096];
   return memset(text, 'x', sizeof text);

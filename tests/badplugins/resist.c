@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A resist of a fixed threshold that goes wrong. */
+/* A faulty resist with a constant threshold. */
 #include "bad.h"
 
 static int prepare(void *self, const opc_module *litho, opc_error *error) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A step that makes gates, and goes wrong. */
+/* A faulty step with gates as output. */
 #include <stdlib.h>
 
 #include "bad.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A synthesizer that is done at once, and goes wrong. */
+/* A faulty synthesizer that is done after the first iteration. */
 #include "bad.h"
 
 static int begin(void *self, const eda_feedback *feedback, opc_error *error) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* test.kept: a step whose outputs can be kept: a number and its input's, and
-   twice that. It says whether it ran or was read back, and takes its time. */
+/* Implements the step test.kept, whose outputs can be saved: a number plus the
+   number of the input, and twice that sum. The log reports whether the step
+   ran or was restored; `wait` delays the run. */
 #include <opcflow/step.h>
 #include <opcflow/table.h>
 #include <stdio.h>

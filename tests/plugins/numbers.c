@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* test.numbers: a step with a parameter of every type, for the tests of the
-   framework. It adds its numbers to that of its input, publishes them, and
-   does what `behave` tells it. */
+/* Implements the step test.numbers, with a parameter of each type, for tests of
+   the framework. Adds the numbers to that of the input, publishes them, and
+   misbehaves as `behave` selects. */
 #include <math.h>
 #include <opcflow/step.h>
 #include <opcflow/table.h>
@@ -22,7 +22,7 @@ enum {
   MANY,
   QUIET,
   TELL
-}; /* numbers.behave */
+}; /* values of `behave` */
 
 typedef struct numbers {
   const opc_host *host;
@@ -70,7 +70,7 @@ static void find_one(void *data, size_t i) {
   host->log(host, OPC_LOG_FINDING, "odd: %zu", i);
 }
 
-/* The second comes too soon after the first to be shown. */
+/* The second report follows the first too soon to be shown. */
 static void tell(const numbers *n) {
   const opc_progress all[] = {
       {1, 1201, 0.5, "nm"}, {2, 1201, 0.5, "nm"}, {3, NAN, 0.25, NULL}};

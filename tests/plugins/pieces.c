@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* test.pieces, and test.alone, whose runs need no input for a lint to try: a
-   step that works in pieces, in two lists of which the second needs what the
-   first one gave. Each piece takes its time and leaves a line in a journal. Its
-   outputs can be kept. */
+/* Implements the steps test.pieces and test.alone (which needs no input, for
+   lint): steps with two lists of work units, the second of which needs the
+   results of the first. Each unit waits and appends a line to a journal. The
+   outputs can be saved. */
 #include <fcntl.h>
 #include <opcflow/pieces.h>
 #include <opcflow/step.h>
@@ -16,32 +16,33 @@
 
 enum {
   NONE,
-  WORK,    /* fails */
-  TAKE,    /* fails */
-  CRASH,   /* in work */
-  EXIT,    /* the process is killed in work */
-  HUGE_,   /* gives more than may be */
-  PUBLISH, /* a metric, in work */
-  WARN,    /* warns and finds in work */
-  NEST,    /* works in pieces in a piece */
-  RANK     /* the rank `at` alone fails, when it takes */
+  WORK,    /* `work` fails */
+  TAKE,    /* `take` fails */
+  CRASH,   /* `work` crashes */
+  EXIT,    /* `work` kills the process */
+  HUGE_,   /* result larger than allowed */
+  PUBLISH, /* `work` publishes a metric */
+  WARN,    /* `work` logs a warning and a finding */
+  NEST,    /* nested work units */
+  RANK     /* `take` fails in the rank `at` only */
 };
 
 typedef struct pieces {
   const opc_host *host;
-  int64_t count, wait, size, at; /* ms, words of a result, the piece at fault */
+  int64_t count, wait, size, at; /* ms; words of a result; index of the faulty
+                                    unit */
   const double *add;
   const char *journal;
   int fault, kept;
-  char text[32]; /* a key */
-  double sum;    /* of the first list */
-  double *taken; /* of the list at work */
+  char text[32]; /* key of a unit */
+  double sum;    /* sum of the first list */
+  double *taken; /* results of the current list */
   size_t n, done;
 } pieces;
 
 /* ---- work ---- */
 
-/* The sum of all that it gives, which no order of adding changes unseen. */
+/* Return a value that makes the sum depend on the order of addition. */
 static double value(const pieces *p, size_t i, size_t k) {
   return 1 /
          (1.0 + (double)i + (double)k * 0.37 + p->sum + (p->add ? *p->add : 0));
@@ -147,10 +148,11 @@ static int take(void *data, size_t i, const void *bytes, size_t size,
 static const char *key(void *data, size_t i) {
   pieces *p = data;
   (void)snprintf(p->text, sizeof p->text, "%zu", i);
-  return i % 10 == 9 ? NULL : p->text; /* some are not */
+  return i % 10 == 9 ? NULL : p->text; /* some units have no key */
 }
 
-/* The first ones are cheap, so that another order is the better one. */
+/* The first units are cheap, so that the order by cost differs from that by
+   index. */
 static double cost(void *data, size_t i) { return (void)data, (double)(i % 3); }
 
 static void done(void *data, size_t n) { ((pieces *)data)->done = n; }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* test.slotted: a step whose slot has a default plugin with a parameter, for
-   the tests of the framework. */
+/* Implements the step test.slotted, whose slot has a default plugin with a
+   parameter, for tests of the framework. */
 #include <opcflow/step.h>
 
 typedef struct slotted {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* command.tell: the verb `opcflow tell WORD ...`, which publishes what it was
-   given, for the tests of the framework. */
+/* Implements the verb `opcflow tell WORD ...`, which publishes the arguments
+   and options, for tests of the framework. */
 #include <opcflow/command.h>
 #include <opcflow/table.h>
 #include <stdio.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* test.untidy: an extractor that works and breaks the contract where no flow
-   would notice; `opcflow lint` does. */
+/* Implements the extractor test.untidy, which works in a flow and violates the
+   contract in ways that `opcflow lint` detects. */
 #include <eda/extractor.h>
 #include <opcflow/plugin.h>
 #include <stdlib.h>
@@ -36,7 +36,7 @@ static void count(void *data, size_t i) {
   mine++;
 }
 
-/* Depends on how often it was called, and on who does the work. */
+/* The result depends on the number of calls and on the thread. */
 static int extract(const void *self, const eda_slices *in, eda_performance *out,
                    opc_error *error) {
   const untidy *u = self;
@@ -64,13 +64,13 @@ static const opc_parameter parameters[] = {
                   .unit = "nm", .min = 1, .max = 7, .summary = "a length."),
 };
 
-/* Takes memory that nobody gives back. */
+/* Leaks memory. */
 static int check(void *self, opc_error *error) {
   static void *volatile last;
   const untidy *u = self;
   (void)error;
   last = malloc(1000);
-  return u->size == 7 && last; /* and does not say why */
+  return u->size == 7 && last; /* without an error message */
 }
 
 /* ---- entry ---- */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* test.light and test.heavy (FLAGS 0): steps that say what they will want. They
-   double the number that they get; what is at most 0 is refused ahead. */
+/* Implements the steps test.light and test.heavy (FLAGS 0), which have a
+   forecast. They double the input number; the forecast refuses numbers <= 0. */
 #include <math.h>
 #include <opcflow/step.h>
 #include <stdio.h>

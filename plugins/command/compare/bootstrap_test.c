@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Intervals against closed forms, and against those that scipy gives. */
+/* Intervals compared with closed forms and with results of scipy. */
 #include "bootstrap.h"
 
 #include <glib.h>
@@ -28,10 +28,10 @@ static void test_normal(void) {
   g_assert_cmpfloat_with_epsilon(got.high, mean + 1.96 * error, 0.12 * error);
 }
 
-/* Skewed values, the quantiles of an exponential distribution: the interval
-   lies to the right of the mean, by the skewness g: mean + s / sqrt(n) (z + g
-   (2 z^2 + 1) / (6 sqrt(n))) (P. Hall, Ann. Statist. 16 (1988) 927). That of
-   plain percentiles would have z^2 - 1 in place of 2 z^2 + 1, and fail here. */
+/* Skewed values, the quantiles of an exponential distribution, of skewness g:
+   the bounds are mean + s / sqrt(n) (z + g (2 z^2 + 1) / (6 sqrt(n))) (P. Hall,
+   Ann. Statist. 16 (1988) 927). Plain percentile bounds have z^2 - 1 in place
+   of 2 z^2 + 1, and fail here. */
 static void test_skewed(void) {
   enum { N = 100 };
   double v[N], mean, error, cube = 0;
@@ -49,8 +49,8 @@ static void test_skewed(void) {
                                  0.045 * error);
 }
 
-/* How often the interval has the mean that the values were drawn with. 300
-   trials of 95 % are 285 +- 3.8; four times that to either side. */
+/* Coverage: the number of intervals that contain the true mean. 300 trials of
+   95 % give 285 +- 3.8; allow four standard deviations. */
 static void test_coverage(void) {
   enum { N = 60, TRIALS = 300 };
   g_autoptr(GRand) rand = g_rand_new_with_seed(7);
@@ -77,7 +77,7 @@ static void test_few(void) {
   g_assert_true(isnan(got.mean));
 }
 
-/* Moved and turned round, values give an interval moved and turned round. */
+/* A shift or change of sign of the values shifts or mirrors the interval. */
 static void test_moved(void) {
   double v[30], w[30];
   for (int i = 0; i < 30; i++) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* command.compare: the verb `opcflow compare A B [...]`, which says what is
-   better, and how sure that is. */
+/* Implements the verb `opcflow compare A B [...]`: differences of runs with
+   verdicts and confidence intervals. */
 #include <math.h>
 #include <opcflow/command.h>
 #include <opcflow/table.h>
@@ -11,7 +11,7 @@
 
 /* ---- work: whether it may be compared ---- */
 
-/* Reasons that are told; the rest is counted. */
+/* Number of reasons in the message; further ones are counted. */
 enum { TOLD = 5 };
 
 static int refuse(const GPtrArray *why, opc_error *error) {
@@ -52,13 +52,15 @@ static int check_word(const char *word, opc_error *error) {
                   "'%s': is 'worse' or 'worse:METRIC'", word);
 }
 
-/* What the base has is to be there, or it is as good as worse. */
+/* Return why a row counts as worse: the metric is worse, or is missing in the
+   other run. NULL: not worse. */
 static const char *fault_of(const metric_row *r) {
   if (r->verdict == WORSE) return "";
   return !isnan(r->base) && isnan(r->value) ? " is missing" : NULL;
 }
 
-/* Add what is worse and meant by a word; whether the word means anything. */
+/* Add the worse metrics selected by a word; return whether the word selects any
+   metric. */
 static int add_worse(const comparison *c, const char *word, GHashTable *seen,
                      GPtrArray *worse) {
   const char *metric = strchr(word, ':');

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Comparisons of run folders made by hand: verdicts by the definition, paired
-   differences that are the same for all transistors, and so known without any
-   statistics, and means over cases. */
+/* Comparisons of synthetic run folders: verdicts by definition, paired
+   differences that are equal for all transistors, so that the intervals are
+   known, and means over cases. */
 #include <math.h>
 #include <opcflow/command.h>
 
@@ -18,7 +18,7 @@ static void make(const char *name, made_run run) {
   make_run(&run);
 }
 
-/* Compare two folders; the code. */
+/* Compare two folders and return the code. */
 static int compare(const char *mapping, const char *a, const char *b,
                    opc_error *error) {
   g_autofree char *one = in_folder(a), *other = b ? in_folder(b) : NULL;
@@ -36,7 +36,7 @@ static void compare_good(const char *mapping, const char *a, const char *b) {
   if (compare(mapping, a, b, &error)) g_error("%s", error.message);
 }
 
-/* The row of a table whose column has that text. */
+/* Return the row of a table whose column has that text. */
 static size_t row_of(const char *table, const char *column, const char *text) {
   for (size_t i = 0; i < opc_test_rows(table); i++)
     if (!strcmp(opc_test_text(table, column, i), text)) return i;
@@ -45,8 +45,8 @@ static size_t row_of(const char *table, const char *column, const char *text) {
 
 /* ---- tests ---- */
 
-/* Every direction, for changes of either sign, within the tolerance, at it and
-   beyond it. */
+/* Each direction, with changes of either sign within, at and beyond the
+   tolerance. */
 static void test_verdicts(void) {
   static const char *const ways[] = {"lower", "higher", "neutral"};
   static const double changes[] = {-1, -0.5, -0.25, 0, 0.25, 0.5, 1};
@@ -88,8 +88,8 @@ static void test_verdicts(void) {
   g_assert_cmpfloat(opc_test_metric("differs"), ==, differs);
 }
 
-/* Paired by name, whatever the order: each deviation is 0.5 smaller in size, so
-   that the mean and both ends of its interval are; Ioff did not change. */
+/* Transistors are paired by name in any order: each deviation decreases by 0.5,
+   so the mean and both bounds are 0.5; Ioff does not change. */
 static void test_transistors(void) {
   g_autofree char *base =
       g_strconcat(gates_head, "a:1,n,65,100,-1,4\r\na:2,n,65,100,2,4\r\n",
@@ -115,7 +115,7 @@ static void test_transistors(void) {
   g_assert_cmpfloat(opc_test_number("transistors", "change", ioff), ==, 0);
 }
 
-/* Ion changes by 1 and 3 by the one method, by -2 and 0 by the other. */
+/* Ion changes by 1 and 3 with one method, by -2 and 0 with the other. */
 static void test_cases(void) {
   static const char *const ions[2][2][2] = {{{"4.0", "5.0"}, {"6.0", "9.0"}},
                                             {{"4.0", "2.0"}, {"6.0", "6.0"}}};
@@ -153,7 +153,7 @@ static void test_cases(void) {
   }
 }
 
-/* What is to fail, and what it says. */
+/* Failures requested by fail_on, with their messages. */
 static void test_fail_on(void) {
   static const struct {
     const char *map;
@@ -176,7 +176,7 @@ static void test_fail_on(void) {
   g_assert_cmpint(compare("{ fail_on: worse }", "d", "c", &error), ==, OPC_OK);
 }
 
-/* Other layouts and optics are no matter of methods. */
+/* Comparison is refused for different layouts or optics. */
 static void test_refused(void) {
   static const made_run others[] = {{.layout = "bb"}, {.na = "0.85"}};
   static const char *const said[] = {"layout.file has another content (aa, bb)",

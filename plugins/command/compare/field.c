@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* From the words of a command line to pairs of runs. */
+/* Selects the pairs of runs to compare from the arguments of the command
+   line. */
 #include "field.h"
 
 #include <inttypes.h>
@@ -33,7 +34,8 @@ static void add_pair(field *f, const char *name, const char *method,
 
 /* ---- runs ---- */
 
-/* What tells folders apart: their last part, or all of it. */
+/* Return the label of a folder: its last part, or the whole path if several
+   folders have the same last part. */
 static char *label_of(size_t n, const char *const *folders, size_t i) {
   g_autofree char *mine = g_path_get_basename(folders[i]);
   for (size_t k = 0; k < n; k++) {
@@ -66,7 +68,8 @@ static int open_runs(field *f, size_t n, const char *const *folders,
 
 /* ---- variants ---- */
 
-/* The name of a flow: what its file says, or what that is called. */
+/* Return the name of a flow: the entry `name` of its file, or the file name
+   without ending. */
 static char *flow_name(const char *path, opc_error *error) {
   g_autofree char *text = NULL;
   g_autoptr(GError) trouble = NULL;
@@ -84,7 +87,7 @@ static char *flow_name(const char *path, opc_error *error) {
   return name;
 }
 
-/* Whether a folder is NAME or NAME-N. */
+/* Return whether a folder is named NAME or NAME-N. */
 static gboolean is_of(const char *folder, const char *name) {
   size_t n = strlen(name);
   if (strncmp(folder, name, n) != 0) return FALSE;
@@ -93,8 +96,8 @@ static gboolean is_of(const char *folder, const char *name) {
                     strspn(rest + 1, "0123456789") == strlen(rest + 1));
 }
 
-/* The latest run of a variant (NULL: of the flow itself) below `runs`; NULL if
-   there is none. */
+/* Return the latest run of a variant (NULL: of the flow itself) in `runs`; NULL
+   if there is none. */
 static char *latest(const char *name, const char *variant) {
   g_autofree char *whole =
       variant ? g_strdup_printf("%s-%s", name, variant) : g_strdup(name);
@@ -157,8 +160,8 @@ static const eda_run_case *find_case(const eda_run_cases *in, const char *name,
   return NULL;
 }
 
-/* The run of a case; NULL: there is none, and it is told once. `runs`: what was
-   found before, by case. */
+/* Find the run of a case. *run is NULL, with one warning, if there is none or
+   the run failed. `runs` caches the results by case. */
 static int case_run(field *f, const opc_host *host, GHashTable *runs,
                     const eda_run_case *c, eda_run **run, opc_error *error) {
   if (g_hash_table_lookup_extended(runs, c, NULL, (void **)run)) return OPC_OK;
@@ -179,8 +182,8 @@ static int case_run(field *f, const opc_host *host, GHashTable *runs,
   return OPC_OK;
 }
 
-/* Of each case a pair: with what `base` says of it, by the method `method`, or
-   by its own if that is NULL. */
+/* Pair each case of `others` with the run of the same case in `base`, by
+   `method`, or by the case's own method for NULL. */
 static int pair_cases(field *f, const opc_host *host, const eda_run_cases *base,
                       const eda_run_cases *others, const char *method,
                       opc_error *error) {

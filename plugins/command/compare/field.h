@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What is held against what: runs of one base each, by case and method. */
+/* The pairs of runs to compare, each with a base run, by case and method. */
 #pragma once
 
 #include <eda/runs.h>
@@ -7,27 +7,28 @@
 #include <opcflow/plugin.h>
 
 typedef struct pair {
-  const char *name;   /* of the case; "" where there are none */
-  const char *method; /* the label of `other` */
+  const char *name;   /* of the case; "" without cases */
+  const char *method; /* label of `other` */
   eda_run *base, *other;
 } pair;
 
 typedef struct field {
-  const char *base;  /* the label of what all is held against; "" for that of
-                        each method */
-  GArray *pairs;     /* pair, by case, then method */
-  GPtrArray *runs;   /* eda_run *: all of them */
-  GPtrArray *labels; /* char *: of the runs */
+  const char *base;  /* label of the base of all pairs; "" if each method has
+                        its own base */
+  GArray *pairs;     /* pair, sorted by case, then method */
+  GPtrArray *runs;   /* eda_run *, all runs */
+  GPtrArray *labels; /* char *, labels of the runs */
   size_t cases, methods;
   int experiment;
   GPtrArray *owned; /* char * */
   GPtrArray *lists; /* eda_run_cases * */
 } field;
 
-/* Run folders (two or more), variants of a flow (one file, and their names with
-   commas between them), one experiment (its first method is the base), or two
-   (the first is the base, case by case, method by method). What has no run is
-   told by host->log. To be cleared in any case. */
+/* Open the runs to compare: run folders (two or more), variants of a flow (one
+   file, and the variant names separated by commas), one experiment (the first
+   method is the base), or two experiments (the first is the base, compared by
+   case and method). Cases without a run are reported by host->log. Call
+   field_clear in any case. */
 int field_open(field *f, const opc_host *host, size_t n,
                const char *const *arguments, const char *variants,
                opc_error *error);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Masks as write.gds leaves them, read again and held against each other. Any
-   layout is read by the plugins read.*, as steps of a flow; what is wanted here
-   is the polygons of one cell. */
+/* Compares two masks written by write.gds: reads the polygons of one cell and
+   computes the XOR per layer. (General layouts are read by the plugins
+   read.*.) */
 #include "masks.h"
 
 #include <eda/gds.h>
@@ -11,7 +11,7 @@
 
 /* ---- state ---- */
 
-/* A layer's polygons, one after another. */
+/* Polygons of a layer, in sequence. */
 typedef struct drawn {
   uint32_t layer, datatype;
   GArray *points; /* eda_point */
@@ -46,7 +46,7 @@ static drawn *find_layer(mask *m, uint32_t layer, uint32_t datatype) {
   return &g_array_index(m->layers, drawn, m->layers->len - 1);
 }
 
-/* The last point is the first one again. */
+/* Add a polygon; the last point of a GDSII boundary repeats the first. */
 static void add_polygon(drawn *to, const uint8_t *data, size_t n) {
   for (size_t i = 0; i + 1 < n; i++) {
     eda_point p = {eda_gds_i32(data + 8 * i), eda_gds_i32(data + 8 * i + 4)};
@@ -56,7 +56,8 @@ static void add_polygon(drawn *to, const uint8_t *data, size_t n) {
   g_array_append_val(to->starts, end);
 }
 
-/* The record at m->at, of *n bytes of data; 0 after *error. */
+/* Check the record at m->at and return its data length in *n. Returns 0, or an
+   error code with *error filled. */
 static int read_record(const mask *m, size_t *n, opc_error *error) {
   const uint8_t *r = (const uint8_t *)m->bytes + m->at;
   size_t left = m->size - m->at;
@@ -67,7 +68,7 @@ static int read_record(const mask *m, size_t *n, opc_error *error) {
   return OPC_OK;
 }
 
-/* What is known of the polygon that is being read. */
+/* State of the GDSII element being read. */
 typedef struct element {
   int is_polygon;
   uint32_t layer, datatype;
@@ -187,7 +188,7 @@ static int compare_all(mask *a, mask *b, mask_difference **out, size_t *n,
     return opc_fail(error, OPC_INVALID, NULL,
                     "the masks have grids of %g nm and %g nm", a->unit,
                     b->unit);
-  /* Each gets the layers that the other has. */
+  /* Add to each mask the layers of the other. */
   for (guint i = 0; i < a->layers->len; i++) {
     const drawn d = g_array_index(a->layers, drawn, i);
     find_layer(b, d.layer, d.datatype);

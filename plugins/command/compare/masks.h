@@ -1,22 +1,22 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Where two written masks differ. */
+/* Differences between two written masks. */
 #pragma once
 
 #include <eda/geometry.h>
 #include <stdint.h>
 
-/* A layer of both masks. Areas in um^2. */
+/* Difference of a layer that is in either mask. Areas in um^2. */
 typedef struct mask_difference {
   uint32_t layer, datatype;
   double base, other; /* areas */
-  double area;        /* of what is in one of them alone */
-  int64_t places;     /* polygons of that */
-  int64_t rectangles; /* as many as it can be cut into by one way */
+  double area;        /* area of the XOR */
+  int64_t places;     /* number of polygons of the XOR */
+  int64_t rectangles; /* rectangles of the XOR after fracturing */
 } mask_difference;
 
-/* Compare two GDSII files as write.gds makes them of masks: polygons in one
-   cell. *out: a row for each layer of either, by number, freed with free(), *n
-   of them. OPC_IO, or OPC_INVALID for a file that is damaged, has more than
-   polygons, or another grid than the other. [any] */
+/* Compare two GDSII files written by write.gds: polygons in one cell. Stores *n
+   rows in *out, one for each layer of either file, sorted by layer number; free
+   with free(). Returns 0; OPC_IO; or OPC_INVALID for a file that is damaged,
+   contains other elements than polygons, or has another grid. [any] */
 int masks_compare(const char *base, const char *other, mask_difference **out,
                   size_t *n, opc_error *error);

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* GDSII files made here, byte by byte, of rectangles whose difference is
-   plain. */
+/* Comparisons of synthetic GDSII files of rectangles with known differences. */
 #include "masks.h"
 
 #include <eda/gds.h>
@@ -48,7 +47,7 @@ static void put_box(GByteArray *to, uint32_t layer, int x0, int y0, int x1,
   put(to, EDA_GDS_ENDEL, EDA_GDS_NOTHING, data, 0);
 }
 
-/* The path of a file with that (g_free). */
+/* Complete the file and return its path (g_free). */
 static char *end(GByteArray *to, gboolean whole) {
   char *path = NULL;
   g_assert_cmpint(g_file_open_tmp("mask-XXXXXX", &path, NULL), >=, 0);
@@ -60,7 +59,7 @@ static char *end(GByteArray *to, gboolean whole) {
   return path;
 }
 
-/* Compare two files, which are removed. */
+/* Compare two files and remove them. */
 static int compare(char *a, char *b, mask_difference **out, size_t *n,
                    opc_error *error) {
   int code = masks_compare(a, b, out, n, error);
@@ -74,16 +73,16 @@ static int compare(char *a, char *b, mask_difference **out, size_t *n,
 
 static void test_areas(void) {
   GByteArray *a = begin(1), *b = begin(1);
-  /* Layer 9: the box grows by 100 nm at the left and the right, its upper part
-     is a polygon of its own there. */
+  /* Layer 9: the box grows by 100 nm at the left and the right; the upper part
+     of the grown box is a separate polygon. */
   put_box(a, 9, 0, 0, 1000, 2000);
   put_box(b, 9, -100, 0, 1100, 1000);
   put_box(b, 9, -100, 1000, 1100, 2000);
-  /* Layer 1: equal but for how it is cut. */
+  /* Layer 1: equal areas, cut into different polygons. */
   put_box(a, 1, 0, 0, 500, 500);
   put_box(b, 1, 0, 0, 250, 500);
   put_box(b, 1, 250, 0, 500, 500);
-  /* Layer 3: in one of them alone. */
+  /* Layer 3: in one of the files only. */
   put_box(b, 3, 0, 0, 1000, 1000);
   put_box(b, 3, 2000, 0, 3000, 500);
   mask_difference *d;
@@ -107,7 +106,7 @@ static void test_areas(void) {
   free(d);
 }
 
-/* A frame is one place, not two. */
+/* A frame is one polygon, not two. */
 static void test_hole(void) {
   GByteArray *a = begin(2), *b = begin(2);
   put_box(a, 9, 0, 0, 500, 500);

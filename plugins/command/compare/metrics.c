@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Metrics side by side: each with its verdict, and summed up over cases. */
+/* Compares metrics of runs: a verdict for each metric, and sums over cases. */
 #include <eda/words.h>
 #include <math.h>
 #include <opcflow/table.h>
@@ -32,7 +32,7 @@ static int chooses(const comparison *c, const char *word) {
   return 0;
 }
 
-/* Each word of --metrics is to mean something. */
+/* Check that each word of --metrics selects a metric. */
 static int check_chosen(const comparison *c, opc_error *error) {
   if (!c->chosen) return OPC_OK;
   g_auto(GStrv) words = g_strsplit(c->chosen, ",", -1);
@@ -82,7 +82,7 @@ static void add_row(comparison *c, const pair *p, const eda_run_metric *m) {
   g_array_append_val(c->rows, row);
 }
 
-/* Those that the base has, then those that it lacks. */
+/* Add the metrics of the base run, then those only in the other run. */
 static void add_pair(comparison *c, const pair *p) {
   const eda_run_facts *a = eda_run_told(p->base), *b = eda_run_told(p->other);
   for (size_t i = 0; i < a->n_metrics; i++) add_row(c, p, &a->metrics[i]);
@@ -109,13 +109,13 @@ static int by_choice(const void *a, const void *b, void *data) {
   if (c->sort == SORT_VERDICT) order = rank[x->verdict] - rank[y->verdict];
   if (c->sort == SORT_CHANGE)
     order = (relative(x) < relative(y)) - (relative(x) > relative(y));
-  /* Several runs: what is of one metric stands together. */
+  /* With several runs, group the rows by metric. */
   if (!order && c->sort == SORT_FILE && !c->field.experiment)
     order = strcmp(x->name, y->name);
   return order ? order : (x->order > y->order) - (x->order < y->order);
 }
 
-/* Rows of the first pair say the order of metrics for the others. */
+/* Sort by metric, in the order of the rows of the first pair. */
 static void order_by_metric(comparison *c) {
   g_autoptr(GHashTable) first = g_hash_table_new(g_str_hash, g_str_equal);
   for (guint i = 0; i < c->rows->len; i++) {
@@ -169,7 +169,7 @@ int metrics_publish(comparison *c, opc_error *error) {
 
 typedef struct case_row {
   const char *method, *metric, *unit, *better;
-  GArray *changes; /* double: finite ones */
+  GArray *changes; /* double, finite values only */
   double base, value, change, low, high;
   int64_t n, wins, losses, ties;
 } case_row;

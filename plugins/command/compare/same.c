@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Two runs can be compared if they were given the same layout, and if the same
-   models of optics, resist and transistors say how good a mask is. The rest, a
-   correction and its parameters, is what is compared. */
+/* Checks whether two runs are comparable: the runs must have the same layout
+   and the same models of optics, resist and transistors. Corrections and their
+   parameters may differ. */
 #include "same.h"
 
 #include <string.h>
 
 #include "transistors.h"
 
-/* Slots that say what a print is and what a transistor carries. */
+/* Slots of the models that determine the printed image and the currents. */
 static const char *const judges[] = {"litho", "resist", "extractor", NULL};
 
-/* Families of steps that make what is corrected. */
+/* Prefixes of the steps that provide the design. */
 static const char *const sources[] = {"read.", "segment.", NULL};
 
 int same_is_shared(const eda_run *run, const char *name) {
@@ -39,7 +39,7 @@ static char *step_use(const char *name) {
   return g_strdup_printf("%.*s.use", (int)strcspn(name, "."), name);
 }
 
-/* What one has to say of a parameter that the other must share. */
+/* Add a reason if a shared parameter differs. */
 static void check_parameter(const pair *p, const eda_run_parameter *a,
                             GPtrArray *why) {
   const eda_run_parameter *b = eda_run_parameter_of(p->other, a->name);
@@ -57,7 +57,8 @@ static void check_parameter(const pair *p, const eda_run_parameter *a,
         why, g_strdup_printf("%s is %s and %s", a->name, a->value, b->value));
 }
 
-/* A step that one of them lacks says nothing of the others. */
+/* Check the parameters of common steps; a step that one run lacks is
+   ignored. */
 static void check_parameters(const pair *p, GPtrArray *why) {
   const eda_run_facts *a = eda_run_told(p->base), *b = eda_run_told(p->other);
   for (size_t i = 0; i < a->n_parameters; i++) {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Runs, parameters, transistors and masks of a comparison as tables. */
+/* Publishes the runs, parameters, transistors and masks of a comparison as
+   tables. */
 #include "tables.h"
 
 #include <math.h>
@@ -14,14 +15,15 @@
 
 int put_table(comparison *c, const char *name, size_t rows, size_t size,
               const opc_column *columns, size_t n, opc_error *error) {
-  size_t skip = !c->field.experiment;       /* no cases */
-  skip += skip && c->field.pairs->len == 1; /* one run against the base */
+  size_t skip = !c->field.experiment;       /* omit the column of cases */
+  skip += skip && c->field.pairs->len == 1; /* omit the column of methods for a
+                                               single pair */
   return rows ? opc_put_rows(c->host, name, OPC_TABLE_PRINT, rows, size,
                              columns + skip, n - skip, error)
               : OPC_OK;
 }
 
-/* The same of a table that begins with the method. */
+/* Publish a table whose first column is the method, and return the status. */
 static int put_of_methods(comparison *c, const char *name, size_t rows,
                           size_t size, const opc_column *columns, size_t n,
                           opc_error *error) {
@@ -64,7 +66,8 @@ typedef struct parameter_row {
   const char *method, *name, *base, *value;
 } parameter_row;
 
-/* Of what one of them lacks: a step or plugin as such, and what was given. */
+/* Return whether to list a parameter that one run lacks: a step or plugin, or a
+   value given by the user. */
 static int is_worth(const eda_run *without, const eda_run_parameter *p) {
   g_autofree char *step =
       g_strdup_printf("%.*s.use", (int)strcspn(p->name, "."), p->name);
@@ -97,7 +100,7 @@ static void add_parameters(GArray *out, const pair *p) {
   }
 }
 
-/* Whether an earlier pair is of the same method. */
+/* Return whether an earlier pair has the same method. */
 static int is_repeated(const field *f, guint i) {
   const char *method = g_array_index(f->pairs, pair, i).method;
   while (i-- > 0)
@@ -105,8 +108,8 @@ static int is_repeated(const field *f, guint i) {
   return 0;
 }
 
-/* Of an experiment: those of the first case that a method has. With more
-   methods than two it is a long table, which is not shown beside others. */
+/* For an experiment, compare the first case of each method. With more than two
+   methods the table is long, and only written to a file. */
 int parameters_publish(comparison *c, opc_error *error) {
   const field *f = &c->field;
   g_autoptr(GArray) all = ROWS(parameter_row);
@@ -128,7 +131,8 @@ int parameters_publish(comparison *c, opc_error *error) {
 
 /* ---- transistors ---- */
 
-/* As gates.csv writes figures, two or three decimals of a percent. */
+/* Tolerance of equal figures; gates.csv has two or three decimals of a
+   percent. */
 static const double EQUAL = 1e-9;
 
 static transistor_row row_of(const comparison *c, const char *method,
@@ -153,7 +157,7 @@ static transistor_row row_of(const comparison *c, const char *method,
   return r;
 }
 
-/* All transistors of all cases that a method has. */
+/* Add the transistors of all cases of a method. */
 static int add_transistors(comparison *c, const char *method,
                            opc_error *error) {
   const field *f = &c->field;
@@ -213,7 +217,7 @@ int transistors_publish(comparison *c, opc_error *error) {
 typedef struct mask_row {
   const char *method, *layer;
   mask_difference d;
-  double shots_base, shots; /* NAN: not counted */
+  double shots_base, shots; /* NAN: unknown */
 } mask_row;
 
 static eda_table *open_cost(eda_run *run) {
@@ -222,8 +226,8 @@ static eda_table *open_cost(eda_run *run) {
                                         : NULL;
 }
 
-/* What the parameters of steps whose path begins so call the layer of that
-   number; NULL: nothing. */
+/* Return the name that parameters with the prefix `start` give the layer
+   number; NULL if there is none. */
 static const char *named_by(const eda_run *run, const char *start,
                             const mask_difference *d) {
   const eda_run_facts *f = eda_run_told(run);
@@ -238,9 +242,10 @@ static const char *named_by(const eda_run *run, const char *start,
   return NULL;
 }
 
-/* By the step that wrote it; where that says nothing, the first two layers have
-   their numbers (eda_gates_number) and are those of the table of costs; else as
-   some other step calls it. NULL: not known. */
+/* Return the name of a layer: from the parameters of the step that wrote the
+   mask; else, for the default numbers of the first two layers
+   (eda_gates_number), from the table of costs; else from any other step. NULL:
+   unknown. */
 static const char *layer_name(eda_run *run, const char *step,
                               const mask_difference *d) {
   static const uint32_t numbers[] = {9, 1};
@@ -254,7 +259,7 @@ static const char *layer_name(eda_run *run, const char *step,
   return name ? name : named_by(run, "", d);
 }
 
-/* The shots of a layer by the table cost; NAN if it was not counted. */
+/* Return the number of shots of a layer in the table cost; NAN if unknown. */
 static double shots_of(eda_run *run, const char *layer) {
   eda_table *t = open_cost(run);
   int name = t ? eda_table_find(t, "layer") : -1;
@@ -266,7 +271,7 @@ static double shots_of(eda_run *run, const char *layer) {
   return NAN;
 }
 
-/* A method's row of a layer; sums over cases are made in it. */
+/* Add a layer of one case to the row of the method, with sums over cases. */
 static void add_mask(GArray *out, const pair *p, const char *step,
                      const mask_difference *d) {
   const char *name = layer_name(p->base, step, d);
@@ -306,7 +311,7 @@ static int add_masks(GArray *out, const pair *p, const char *step,
   return OPC_OK;
 }
 
-/* The file that a step write.gds has made of a mask; NULL: it did not. */
+/* Return the mask file written by a step write.gds; NULL if there is none. */
 static const char *mask_file(const eda_run *run, const char *step) {
   g_autofree char *use = g_strconcat(step, ".use", NULL);
   g_autofree char *mask = g_strconcat(step, ".mask", NULL);
@@ -322,7 +327,7 @@ static const char *mask_file(const eda_run *run, const char *step) {
   return NULL;
 }
 
-/* The first step of both that writes a mask. */
+/* Compare the masks of the first step that wrote a mask in both runs. */
 static int compare_masks(GArray *out, const pair *p, opc_error *error) {
   const eda_run_facts *f = eda_run_told(p->base);
   for (size_t i = 0; i < f->n_parameters; i++) {
@@ -343,7 +348,7 @@ int masks_publish(comparison *c, opc_error *error) {
   for (guint i = 0; i < f->pairs->len && !code; i++)
     code = compare_masks(all, &g_array_index(f->pairs, pair, i), error);
   if (code) return code;
-  /* What was drawn, and layers that nobody corrects. */
+  /* Remove layers without a difference: drawn layers and uncorrected ones. */
   for (guint i = all->len; i-- > 0;)
     if (!c->all && g_array_index(all, mask_row, i).d.area == 0)
       g_array_remove_index(all, i);

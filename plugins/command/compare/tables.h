@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What a comparison shows. */
+/* Rows and tables of a comparison. */
 #pragma once
 
 #include "field.h"
@@ -12,14 +12,15 @@ extern const char *const verdict_words[VERDICTS];
 typedef struct comparison {
   const opc_host *host;
   int anyway, all, cases;
-  const char *chosen, *fail_on, *variant; /* words with commas; NULL: none */
+  const char *chosen, *fail_on, *variant; /* words separated by commas; NULL:
+                                             none */
   int sort;
   field field;
-  GArray *rows;      /* metric_row: all that were chosen */
+  GArray *rows;      /* metric_row, all selected metrics */
   GArray *intervals; /* transistor_row */
 } comparison;
 
-/* For rows of a type, with `data` that is there also if no row is. */
+/* Allocate an array of rows of a type; `data` is not NULL even when empty. */
 #define ROWS(type) g_array_sized_new(FALSE, FALSE, sizeof(type), 1)
 
 /* A metric of a pair. */
@@ -30,7 +31,7 @@ typedef struct metric_row {
   size_t order;
 } metric_row;
 
-/* A figure of all transistors of a method's pairs. */
+/* A figure over all transistors of the pairs of a method. */
 typedef struct transistor_row {
   const char *method, *figure, *word;
   int64_t n;
@@ -39,15 +40,16 @@ typedef struct transistor_row {
   int verdict;
 } transistor_row;
 
-/* Whether a list with commas has the metric: by its name, by what stands behind
-   the last dot of that, or by a pattern with * and ?. */
+/* Return whether a comma-separated list selects the metric: by full name, by
+   the part after the last dot, or by a pattern with * and ?. */
 int is_chosen(const char *list, const char *metric);
 
-/* Fill c->rows. OPC_INVALID if a word chooses nothing. */
+/* Fill c->rows. Returns OPC_INVALID if a word selects no metric. */
 int metrics_collect(comparison *c, opc_error *error);
 int metrics_publish(comparison *c, opc_error *error);
 
-/* Over the cases of an experiment: means, wins, losses, ties. */
+/* Publish statistics over the cases of an experiment: means, wins, losses,
+   ties. Returns the status. */
 int cases_publish(comparison *c, opc_error *error);
 
 int runs_publish(comparison *c, opc_error *error);
@@ -55,6 +57,7 @@ int parameters_publish(comparison *c, opc_error *error);
 int transistors_publish(comparison *c, opc_error *error);
 int masks_publish(comparison *c, opc_error *error);
 
-/* A table's columns but the first, where all runs have the same there. */
+/* Publish a table without the leading columns (case, method) that are equal in
+   all rows. Returns the status. */
 int put_table(comparison *c, const char *name, size_t rows, size_t size,
               const opc_column *columns, size_t n, opc_error *error);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Joins the tables of transistors of two runs. */
+/* Joins the transistor tables of two runs. */
 #include "transistors.h"
 
 #include <math.h>
@@ -9,14 +9,15 @@ const char *const figure_names[FIGURES] = {"ion", "ioff", "area"};
 static const char *const columns[FIGURES] = {"ion_after", "ioff_after",
                                              "area_after"};
 
-/* The number of a field, NAN if there is no such column. */
+/* Return the number in a cell, NAN if the column is missing. */
 static double number_of(eda_table *table, const char *column, size_t row) {
   int i = eda_table_find(table, column);
   const double *numbers = i < 0 ? NULL : eda_table_numbers(table, (size_t)i);
   return numbers ? numbers[row] : NAN;
 }
 
-/* As drawn: as long and wide as the other, where both say it. */
+/* Return whether drawn length and width are equal, where both tables have
+   them. */
 static int is_drawn_alike(const transistors *t, size_t i) {
   static const char *const sizes[] = {"l", "w"};
   for (int k = 0; k < 2; k++) {
@@ -59,7 +60,7 @@ int transistors_join(const pair *p, transistors *t, opc_error *error) {
   if (!other) return error->code;
   int a = eda_table_find(base, "transistor");
   int b = eda_table_find(other, "transistor");
-  if (a < 0 || b < 0) return OPC_OK; /* another table of that name */
+  if (a < 0 || b < 0) return OPC_OK; /* not a transistor table */
   t->base = base;
   t->other = other;
   join(t, (size_t)a, (size_t)b);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The verb `opcflow library list|show|check|prune`: what is in a library of
-   corrected cells. */
+/* Implements the verb `opcflow library list|show|check|prune`: contents of a
+   library of corrected cells. */
 #include <eda/print.h>
 #include <math.h>
 #include <opcflow/command.h>
@@ -24,13 +24,13 @@ typedef struct line {
   double ion_mean, ion_max, seconds;
 } line;
 
-/* One pass over all rows. */
+/* State of one traversal of all rows. */
 typedef struct pass {
   const verb *v;
-  const char *const *pattern; /* NULL-terminated; none: all */
+  const char *const *pattern; /* NULL-terminated; empty: all cells */
   GArray *lines;              /* line */
-  GHashTable *keys;           /* to remove */
-  char *cell, *newest;        /* the last row, and its geometry's */
+  GHashTable *keys;           /* keys of rows to remove */
+  char *cell, *newest;        /* cell and geometry of the last row */
   size_t damaged;
 } pass;
 
@@ -52,7 +52,7 @@ static gboolean is_wanted(const pass *p, const shelf_row *row) {
   return FALSE;
 }
 
-/* Enough of a sum to tell two apart. */
+/* Return an abbreviated hash, long enough to be distinct. */
 static char *short_sum(const char *sum) { return g_strndup(sum, 10); }
 
 static int take_row(void *self, const shelf_row *row, GVariant *data,
@@ -170,8 +170,8 @@ static int check_all(const pass *p, shelf *s, opc_error *error) {
   return OPC_OK;
 }
 
-/* Rows come by cell, then by time: all but the last one of a cell with a method
-   are superseded. */
+/* Mark superseded rows. Rows are sorted by cell, then by time: all but the last
+   row of a cell and method are superseded. */
 static int mark_superseded(void *self, const shelf_row *row, GVariant *data,
                            opc_error *error) {
   pass *p = self;
@@ -195,8 +195,8 @@ static int mark_chosen(void *self, const shelf_row *row, GVariant *data,
   return OPC_OK;
 }
 
-/* Damaged ones always; those that are named, and those that newer ones have
-   superseded, if that is asked for. */
+/* Remove damaged rows, rows selected by name, and superseded rows if
+   requested. */
 static int prune(pass *p, shelf *s, opc_error *error) {
   int code = OPC_OK;
   if (p->v->superseded)

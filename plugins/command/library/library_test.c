@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the verb lists, checks and removes, of a library that library.build
-   made of two cells. */
+/* Listing, checking and pruning of a library of two cells made by
+   library.build. */
 #include <glib/gstdio.h>
 #include <math.h>
 #include <opcflow/command.h>
@@ -27,7 +27,7 @@ static int library(const char *more, opc_error *error, const char *first, ...) {
   return command->run(m->self, n, words, error);
 }
 
-/* The cells' figures as library.build tells them. */
+/* Figures of the cells, from the metrics of library.build. */
 static double built[2];
 
 static void build(const char *more) {
@@ -77,7 +77,8 @@ static void test_list(void) {
   g_assert_cmpuint(listed(", settings: not-a-sum", NULL), ==, 0);
 }
 
-/* Run a statement on the database; the first text that it gives, or NULL. */
+/* Execute a statement on the database; return the first text of the result, or
+   NULL. */
 static char *ask(const char *statement) {
   g_autofree char *path = library_database();
   char *out = NULL;
@@ -96,7 +97,7 @@ static char *ask(const char *statement) {
   return out;
 }
 
-/* A table for each cell, called after it and its key. */
+/* A table for each cell, named by cell and key. */
 static void test_show(void) {
   opc_error error;
   make_anew();
@@ -112,7 +113,7 @@ static void test_show(void) {
   g_assert_cmpstr(error.message, ==, "name the cells to show");
 }
 
-/* Of each cell all but what was made last. */
+/* All rows of a cell but the latest are superseded. */
 static void test_superseded(void) {
   opc_error error;
   make_anew();
@@ -133,7 +134,7 @@ static void test_superseded(void) {
   g_assert_cmpuint(listed("", NULL), ==, 1);
 }
 
-/* A cell whose data are cut is named, and pruned. */
+/* A cell with truncated data is reported and pruned. */
 static void test_damaged(void) {
   opc_error error;
   make_anew();

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* command.report: the verb `opcflow report RUN ...`, which makes one page of
-   runs and experiments. */
+/* Implements the verb `opcflow report RUN ...`: one HTML page of runs and
+   experiments. */
 #include <opcflow/command.h>
 
 #include <report/page.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Pages of run folders made by hand, whose data must be what the folders hold:
-   figures, tables, pictures, and texts that no page may take for its own. */
+/* Pages of synthetic run folders. The embedded data must equal the content of
+   the folders: figures, tables, pictures, and texts that contain markup. */
 #include <math.h>
 #include <opcflow/command.h>
 
@@ -9,7 +9,8 @@
 
 static const char evil[] = "</script><b a='1'>";
 
-/* Make a page of folders below the test's one; the code, and the page. */
+/* Make a page of folders below the test folder; return the code, the page and
+   the embedded data. */
 static int report(const char *mapping, const char *const *folders, char **page,
                   JsonNode **root, opc_error *error) {
   g_autoptr(GPtrArray) paths = g_ptr_array_new_with_free_func(g_free);
@@ -52,7 +53,7 @@ static const char *text_of(JsonObject *o, const char *name) {
   return json_object_get_string_member(o, name);
 }
 
-/* The values of a column of a table. */
+/* Return the values of a column of a table. */
 static JsonArray *column_of(JsonObject *run, const char *table,
                             const char *name) {
   JsonObject *t = json_object_get_object_member(
@@ -109,7 +110,7 @@ static void test_figures(void) {
   g_assert_nonnull(strstr(opc_test_log(), "the page is '"));
 }
 
-/* All runs of an experiment's folder; of one that failed, its reason. */
+/* All runs of an experiment folder, with the reason of a failed run. */
 static void test_experiment(void) {
   static const char *const folders[] = {"whole", NULL};
   make("whole/A/fast", (made_run){.metrics = RUN_ION("1.5")});
@@ -140,8 +141,8 @@ static void test_experiment(void) {
                   ==, "B, fast: no light");
 }
 
-/* Two thirds of the limit are for pictures; `<` is written so that the element
-   goes on. */
+/* Pictures use at most two thirds of the limit; `<` is escaped, so that a text
+   cannot end the element. */
 static void test_pictures(void) {
   static const char *const folders[] = {"seen", NULL};
   g_autofree char *blanks = g_strnfill(600 * 1000, ' ');

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* kind.extractor: what an extractor must have, how it is tried out, and what a
-   new one looks like. */
+/* Kind "extractor": required functions, tests of a plugin, and the template of
+   a new one. */
 #include <eda/extractor.h>
 #include <math.h>
 #include <stdlib.h>
@@ -12,19 +12,20 @@
 
 enum { SLICES_MOST = 4096 };
 
-/* Prints of the sample: lengths and widths times these factors. 0: nothing
-   printed. */
+/* Printed shapes of the sample: lengths and widths times these factors. 0: the
+   gate did not print. */
 enum { CASES = 5, AS_DRAWN = 0, OPEN = 3, TWICE_AS_WIDE = 4, FIGURES = 12 };
 static const double length_factor[CASES] = {1, 0.8, 1.3, 0, 1};
 static const double width_factor[CASES] = {1, 1, 1, 1, 2};
 
-/* A, of a transistor of some hundred nanometres: 50 nA/um to 50 mA/um. Real
-   ones have 0.1 to 3 mA/um at full supply, a thousandth of that near the
-   threshold; what is given in mA, uA or A/m lies beyond. */
+/* Plausible Ion in A of a transistor some hundred nanometres wide: 50 nA/um to
+   50 mA/um. Real transistors have 0.1 to 3 mA/um at full supply and a
+   thousandth of that near the threshold; currents in mA, uA or A/m are outside
+   the range. */
 static const double least_ion = 1e-8, most_ion = 1e-2;
 
-/* Twice the width has so many times the current: twice, but for what happens at
-   the edges. */
+/* Plausible ratio of the Ion of gates whose widths have the ratio two; edge
+   effects change it. */
 static const double least_gain = 1.4, most_gain = 3;
 
 /* ---- work ---- */
@@ -33,11 +34,11 @@ typedef struct cases {
   const opc_module *m;
   const eda_gates *gates;
   eda_slices slices[CASES];
-  double *slice[CASES];          /* what those point into */
-  double figure[CASES][FIGURES]; /* what came out */
+  double *slice[CASES];          /* storage of `slices` */
+  double figure[CASES][FIGURES]; /* results */
 } cases;
 
-/* `slice` has width, length and edge one after the other. */
+/* Fill the slices of case c; `slice` has width, length and edge in sequence. */
 static void fill_slices(cases *all, size_t c, size_t n, const double *place,
                         const double *share) {
   const eda_gates *g = all->gates;
@@ -59,7 +60,8 @@ static void fill_slices(cases *all, size_t c, size_t n, const double *place,
                                 .edge = edge};
 }
 
-/* NAN in all results shows what is not filled. */
+/* Return a performance whose arrays are in `figure`, filled with NAN to detect
+   missing results. */
 static eda_performance room_in(double *figure) {
   for (size_t i = 0; i < FIGURES; i++) figure[i] = NAN;
   return (eda_performance){.count = 2,
@@ -71,7 +73,8 @@ static eda_performance room_in(double *figure) {
                            .area = figure + 10};
 }
 
-/* `outside` may be NULL, as in a loop that does not ask for it. */
+/* Call the plugin for case c. `outside` may be NULL: the caller needs no such
+   flags. */
 static int extract(const cases *all, size_t c, double *figure, uint8_t *outside,
                    eda_performance *out, opc_error *error) {
   const eda_extractor *o = all->m->functions;
@@ -94,7 +97,7 @@ static int try_case(opc_inspector *in, cases *all, size_t c) {
   return 1;
 }
 
-/* Currents come first, Ion and then Ioff of each gate. */
+/* Check the currents; `figure` begins with Ion, then Ioff, of each gate. */
 static void try_currents(opc_inspector *in, const cases *all) {
   const double *drawn = all->figure[AS_DRAWN];
   for (size_t i = 0; i < 2; i++) {
@@ -119,7 +122,7 @@ static int same_figures(void *data, size_t c) {
   eda_performance out;
   opc_error error = {0};
   if (extract(all, c, figure, NULL, &out, &error)) return 0;
-  uint64_t now[FIGURES], before[FIGURES]; /* equal to the bit */
+  uint64_t now[FIGURES], before[FIGURES]; /* compared bit by bit */
   memcpy(now, figure, sizeof now);
   memcpy(before, all->figure[c], sizeof before);
   return !memcmp(now, before, sizeof now);
@@ -146,7 +149,8 @@ static void try_slices(opc_inspector *in, const opc_module *m, size_t n,
                 o->extract(m->self, &none, &nothing, &error), &error);
 }
 
-/* A print that is shorter towards the LOW side, and ends before HIGH. */
+/* Return the length of a gate that is shorter towards the LOW side and ends
+   before the HIGH side. */
 static double printed_length(const eda_printed_gate *gate, double place) {
   return place > 0.95 ? 0 : gate->design_length * (0.8 + 0.3 * place);
 }

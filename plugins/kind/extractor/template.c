@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* @ID@: the performance of a printed gate from a power law: a slice of width w
-   and length l carries a current in proportion to w / l^alpha. */
+   and length l carries a current proportional to w / l^alpha. */
 #include <eda/extractor.h>
 #include <math.h>
 #include <opcflow/plugin.h>
@@ -11,11 +11,11 @@ typedef struct state {
 } state;
 
 static int prepare(void *self, opc_error *error) {
-  (void)self, (void)error; /* once: read device tables and the like here */
+  (void)self, (void)error; /* called once: read device tables here */
   return OPC_OK;
 }
 
-/* Four slices of the same width. */
+/* Return four slices of equal width. */
 static size_t slicing(const void *self, const double **place,
                       const double **width) {
   static const double middle[] = {0.125, 0.375, 0.625, 0.875};
@@ -26,9 +26,9 @@ static size_t slicing(const void *self, const double **place,
   return 4;
 }
 
-/* A length of 65 nm carries 1 uA/nm, and leaks 0.1 nA/nm, less by a factor of e
-   for every 8 nm more. The lengths leq are of rectangles with these currents.
- */
+/* Compute currents and equivalent lengths. A slice of 65 nm length carries 1
+   uA/nm and leaks 0.1 nA/nm, less by a factor of e for every further 8 nm. The
+   lengths leq are those of rectangles with the same currents. */
 static int extract(const void *self, const eda_slices *in, eda_performance *out,
                    opc_error *error) {
   double alpha = ((const state *)self)->alpha;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A rectangle has its own length, and half the current of a half as long. */
+/* A rectangle has its own length; twice the length carries half the current. */
 #include <eda/extractor.h>
 #include <math.h>
 #include <opcflow/testing.h>

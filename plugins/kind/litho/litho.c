@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* kind.litho: what a litho model must have, how it is tried out, and what a new
-   one looks like. */
+/* Kind "litho": required functions, tests of a plugin, and the template of a
+   new one. */
 #include <eda/litho.h>
 #include <math.h>
 #include <string.h>
@@ -8,20 +8,22 @@
 #include "../try.h"
 #include "templates.h"
 
-/* Layers past poly and active are there too, as a flow may name any number. */
+/* Number of tested layers; more than poly and active, as flows may have
+   more. */
 enum { LAYERS = 3 };
 
-/* Of the clear field. Models that are cut off at some order lose about 1e-3. */
+/* Allowed deviation from the clear-field intensity 1. Models with truncated
+   kernels deviate by about 1e-3. */
 static const double clear_tolerance = 0.02;
-/* What a sum of squares may fall below 0, and interference of partially
-   coherent light rise to, in clear fields (2 at an edge at the very most). */
+/* Plausible intensities, clear field 1: slightly negative by truncation, and
+   raised by interference of partially coherent light (at most 2 at an edge). */
 static const double darkest = -0.05, brightest = 3;
-/* By which an image changes with the period around it: neighbours 1.5 um away.
- */
+/* Allowed change of the intensity with the frame; the periodic neighbours are
+   1.5 um away. */
 static const double frame_tolerance = 0.05;
 
-/* Errors that fine images are asked for, clear field 1; and what single
-   precision may add to their difference. */
+/* Errors requested from image_fine, clear field 1, and the allowance for single
+   precision in the difference of two images. */
 static const double coarse_error = 2e-3, fine_error = 5e-4, rounding = 2e-5;
 
 /* ---- calls ---- */
@@ -52,8 +54,8 @@ static void try_image(opc_inspector *in, const opc_module *m, int layer,
   eda_field_clear(&field);
 }
 
-/* The intensity at places of the frame, from one side to the other through the
-   transistors. 0 if there is none. */
+/* Compute the intensity along a line through the transistors. Returns 0 on
+   failure. */
 enum { PLACES = 64 };
 
 static int sample(opc_inspector *in, const opc_module *m, int layer,
@@ -81,7 +83,7 @@ static int sample(opc_inspector *in, const opc_module *m, int layer,
 static void try_clear_field(opc_inspector *in, const opc_module *m) {
   double value[PLACES];
   if (!sample(in, m, TRY_EMPTY, &try_frame, value)) return;
-  /* Of a dark field, shapes are what is clear. */
+  /* On a dark-field mask the shapes are clear. */
   if (fabs(value[0]) <= clear_tolerance &&
       !sample(in, m, TRY_FULL, &try_frame, value))
     return;
@@ -113,8 +115,8 @@ static void try_range(opc_inspector *in, const opc_module *m) {
     }
 }
 
-/* Two fine images of one mask differ by no more than their errors; and one out
-   of focus is sound. */
+/* Check that two images of a mask by image_fine differ by no more than the
+   requested errors, and that a defocused image is valid. */
 static void try_fine(opc_inspector *in, const opc_module *m, int layer,
                      const eda_spectrum *mask) {
   const eda_litho *o = m->functions;
@@ -151,7 +153,7 @@ static void try_fine(opc_inspector *in, const opc_module *m, int layer,
   eda_field_clear(&away);
 }
 
-/* A mask through the model's own transform is one it can make an image of. */
+/* Check that `image` accepts a mask computed by the model's own transform. */
 static void try_transform(opc_inspector *in, const opc_module *m) {
   const eda_litho *o = m->functions;
   const eda_gates *g = eda_gates_sample();
@@ -175,7 +177,8 @@ static void try_transform(opc_inspector *in, const opc_module *m) {
 
 /* ---- several callers ---- */
 
-/* Of each layer, and the fine ones of each, if there are any. */
+/* The image of each layer, then the images by image_fine if the model has
+   it. */
 typedef struct images {
   const opc_module *m;
   eda_spectrum mask[LAYERS];

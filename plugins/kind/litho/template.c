@@ -1,21 +1,22 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* @ID@: a litho model of one coherent system whose transfer function is a
-   Gaussian: the mask's light, blurred. */
+/* @ID@: a litho model with one coherent kernel, whose transfer function is a
+   Gaussian: the blurred mask. */
 #include <eda/litho.h>
 #include <math.h>
 #include <opcflow/plugin.h>
 
 typedef struct state {
   const opc_host *host;
-  double blur; /* nm, the standard deviation of the spread of a point */
+  double blur; /* nm, standard deviation of the point spread function */
 } state;
 
 static int prepare(void *self, opc_error *error) {
-  (void)self, (void)error; /* once: what takes long is computed here */
+  (void)self, (void)error; /* called once: compute kernels here */
   return OPC_OK;
 }
 
-/* Beyond this frequency (1/nm) the Gaussian is below 1e-3. */
+/* Return the band limit: beyond this frequency (1/nm) the Gaussian is below
+   1e-3. */
 static double band(const void *self) {
   return 0.6 / ((const state *)self)->blur;
 }
@@ -23,7 +24,7 @@ static double band(const void *self) {
 static void transfer(const void *self, size_t system, const double *fx,
                      double fy, size_t n, float *out) {
   double turns = 2 * acos(-1) * ((const state *)self)->blur;
-  (void)system; /* there is one */
+  (void)system; /* there is only one kernel */
   for (size_t i = 0; i < n; i++) {
     out[2 * i] = (float)exp(-pow(turns * hypot(fx[i], fy), 2) / 2);
     out[2 * i + 1] = 0;

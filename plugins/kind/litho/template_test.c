@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The intensity is 1 where the mask is clear. */
+/* The intensity of a clear mask is 1. */
 #include <eda/litho.h>
 #include <math.h>
 #include <opcflow/testing.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* kind.regulator: what a regulator must have, how it is tried out, and what a
-   new one looks like. */
+/* Kind "regulator": required functions, tests of a plugin, and the template of
+   a new one. */
 #include <eda/regulator.h>
 #include <math.h>
 #include <stdlib.h>
@@ -12,7 +12,7 @@ enum { GATES = 2, ROOM = 64 };
 
 /* ---- work ---- */
 
-/* What the drawn shapes print as a mask. */
+/* Simulate the printed image of the drawn shapes as a mask. */
 static int print_drawn(opc_inspector *in, const eda_gates *g,
                        eda_field *print) {
   for (size_t k = 0; k < g->layers; k++)
@@ -48,8 +48,7 @@ static int try_rule(opc_inspector *in, const opc_module *m,
   return good;
 }
 
-/* A violation lies where something is drawn or printed: within a micrometre of
-   the shapes. */
+/* Check that each violation is at most a micrometre away from the layout. */
 static void try_places(opc_inspector *in, const eda_gates *g,
                        const eda_violation *list, size_t n) {
   const double beyond = 1000;
@@ -65,7 +64,8 @@ static void try_places(opc_inspector *in, const eda_gates *g,
   }
 }
 
-/* Violations are told, and counted alike without room for them. */
+/* Check the violations, and that their number does not depend on the capacity
+   of the list. */
 static void try_violations(opc_inspector *in, const opc_module *m,
                            const eda_printed *printed) {
   const eda_regulator *o = m->functions;

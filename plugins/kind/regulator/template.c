@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* @ID@: a regulator. It lengthens line ends whose print does not reach far
-   enough past the active, one grid step a time. */
+/* @ID@: a regulator that lengthens line ends whose printed extension past the
+   active is too short, by one grid step per iteration. */
 #include <eda/regulator.h>
 #include <opcflow/plugin.h>
 
@@ -19,7 +19,7 @@ static int rule(void *self, const eda_printed *p, eda_ruling *ruling,
   return OPC_OK;
 }
 
-/* All violations are counted, those that there is room for are told. */
+/* Count all violations and list as many as there is capacity for. */
 static int violations(void *self, const eda_printed *p, eda_violation *list,
                       size_t room, size_t *count, opc_error *error) {
   const state *s = self;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A line end that prints 5 nm past the active gets longer, one of 30 nm not. */
+/* A line end printed 5 nm past the active is lengthened, one of 30 nm is
+   not. */
 #include <eda/regulator.h>
 #include <opcflow/testing.h>
 

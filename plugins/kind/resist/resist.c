@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* kind.resist: what a resist must have, how it is tried out, and what a new one
-   looks like. */
+/* Kind "resist": required functions, tests of a plugin, and the template of a
+   new one. */
 #include <eda/resist.h>
 #include <math.h>
 #include <string.h>
@@ -8,13 +8,13 @@
 #include "../try.h"
 #include "templates.h"
 
-/* Layers past poly and active are there too, as a flow may name any number. */
+/* Number of tested layers; more than poly and active, as flows may have
+   more. */
 enum { LAYERS = 3, NODES = 16 };
 
 /* ---- work ---- */
 
-/* The level set of a field that is the same everywhere; NAN and a note if there
-   is none. */
+/* Return the level set of a constant field; NAN, with a note, on failure. */
 static double level_of(opc_inspector *in, const opc_module *m, double value) {
   const eda_resist *o = m->functions;
   eda_field field = {try_frame, NODES, NODES,
@@ -30,8 +30,8 @@ static double level_of(opc_inspector *in, const opc_module *m, double value) {
   return level;
 }
 
-/* A feature prints in the dark, none in the clear field, and the level falls
-   in between: there is one threshold. */
+/* Check that a dark field prints, that the clear field does not, and that the
+   level set has one sign change in between. */
 static void try_sign(opc_inspector *in, const opc_module *m) {
   enum { STEPS = 20 };
   double last = level_of(in, m, 0), clear = level_of(in, m, 1);

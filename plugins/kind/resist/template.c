@@ -1,21 +1,22 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* @ID@: a resist that prints a feature where the intensity stays below a
-   constant threshold. */
+/* @ID@: a resist that prints a feature where the intensity is below a constant
+   threshold. */
 #include <eda/resist.h>
 #include <opcflow/plugin.h>
 
 typedef struct state {
   const opc_host *host;
-  double threshold; /* of the intensity; the clear field has 1 */
+  double threshold; /* relative to the clear-field intensity */
 } state;
 
 static int prepare(void *self, const opc_module *litho, opc_error *error) {
-  (void)self, (void)litho, (void)error; /* once: calibrate against litho here */
+  (void)self, (void)litho, (void)error; /* called once: calibrate against litho
+                                           here */
   return OPC_OK;
 }
 
-/* From intensity to level set, positive where the feature prints. A constant
-   added to all coefficients is added to the field. */
+/* Convert the intensity to a level set, positive where the feature prints. A
+   constant added to all coefficients is added to the field. */
 static int print(const void *self, int layer, eda_field *field,
                  opc_error *error) {
   const state *s = self;

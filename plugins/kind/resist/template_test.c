@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A dark field prints, by as much as it lies below the threshold. */
+/* A dark field prints; the level set is the threshold minus the intensity. */
 #include <eda/resist.h>
 #include <math.h>
 #include <opcflow/testing.h>

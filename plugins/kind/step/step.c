@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* kind.step: files and data that steps are tried with: the transistors of
-   eda_gates_sample as a layout, as gates and as a mask. (What a step must have
-   the kernel knows.) */
+/* Kind "step": sample files and input data for the tests of steps: the
+   transistors of eda_gates_sample as a layout, as gates and as a mask. The core
+   defines the functions of the kind. */
 #include <eda/layout.h>
 #include <opcflow/step.h>
 #include <stdlib.h>
@@ -23,7 +23,7 @@ static int add_shapes(eda_layout *layout, int32_t cell, const char *name,
   return code;
 }
 
-/* With the wells that tell the two transistors apart. */
+/* Return the sample as a layout, with the n-well that marks the PMOS. */
 static const void *give_layout(opc_error *error) {
   static eda_layout *layout;
   const eda_gates *g = eda_gates_sample();
@@ -63,7 +63,7 @@ static void ignore(opc_inspector *in, const char *format, ...) {
   (void)in, (void)format;
 }
 
-/* The mask as drawn, of transistors that print so. */
+/* Return the uncorrected mask with its simulated image. */
 static const void *give_mask(opc_error *error) {
   static eda_mask *mask;
   static opc_inspector nobody = {.find = ignore, .note = ignore};

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What steps are tried with: the samples are the files that they were made of,
-   and the data are those of two transistors, as segment.transistors finds
-   them. */
+/* Sample data of steps: the sample files equal their source files, and the data
+   describe the two transistors that segment.transistors finds. */
 #include <eda/gates.h>
 #include <opcflow/kind.h>
 #include <string.h>
@@ -40,7 +39,7 @@ static void test_samples(void) {
   }
 }
 
-/* The layout has the transistors of the other data. */
+/* The layout has the same transistors as the sample gates. */
 static void test_layout(void) {
   opc_error error = {0};
   void *layout = example("layout"), *output = NULL;
@@ -62,7 +61,7 @@ static void test_layout(void) {
   opc_test_release(m, &output);
 }
 
-/* The mask prints where it is, and nowhere else. */
+/* The mask prints inside its shapes and nowhere else. */
 static void test_mask(void) {
   opc_error error = {0};
   const eda_mask *mask = example("mask");

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* kind.synthesizer: what a synthesizer must have, how it is tried out, and what
-   a new one looks like. */
+/* Kind "synthesizer": required functions, tests of a plugin, and the template
+   of a new one. */
 #include <eda/synthesizer.h>
 #include <glib.h>
 #include <math.h>
@@ -9,10 +9,10 @@
 #include "../try.h"
 #include "templates.h"
 
-/* More than any loop makes. */
+/* Larger than the number of iterations of any plausible loop. */
 enum { MOST_ROUNDS = 500, GATES = 2 };
 
-/* The fragments that a synthesizer cuts itself, of each layer. */
+/* The fragments of each layer that the synthesizer defines. */
 typedef struct fragments {
   size_t *count;
   int32_t **shift;
@@ -22,7 +22,8 @@ typedef struct fragments {
 
 /* ---- work ---- */
 
-/* Two transistors of current W / L that print 5 nm too long and too short. */
+/* Compute the performance of two transistors, currents proportional to W / L,
+   printed 5 nm too long and too short. */
 static void print_gates(const eda_gates *g, const int32_t *l, const int32_t *w,
                         eda_performance *p) {
   for (size_t i = 0; i < g->count; i++) {
@@ -36,7 +37,8 @@ static void print_gates(const eda_gates *g, const int32_t *l, const int32_t *w,
   }
 }
 
-/* Edges that print 6 nm too far out or in, and sometimes not at all. */
+/* Compute edge placement errors of -6 or 6 nm plus the shift; NAN, not printed,
+   for some edges of one iteration. */
 static void print_fragments(const eda_gates *g, const fragments *f,
                             uint32_t iteration) {
   for (size_t k = 0; k < g->layers; k++)
@@ -67,14 +69,14 @@ static int try_cut(opc_inspector *in, const opc_module *m, int layer,
   return 1;
 }
 
-/* An open gate has no figures. */
+/* Clear the results of an open gate. */
 static void open_gate(eda_performance *p, size_t i) {
   p->ion[i] = p->ioff[i] = p->leq_ion[i] = p->leq_ioff[i] = 0;
   p->weq[i] = p->area[i] = 0;
 }
 
-/* Some iterations, a veto in the third, an open gate in the fourth; then
-   without faults until it says that it is done. */
+/* Run iterations, with a veto in the third and an open gate in the fourth,
+   until the synthesizer reports that it is done. */
 static int try_moves(opc_inspector *in, const opc_module *m, eda_feedback f,
                      eda_performance *printed, fragments *own) {
   const eda_synthesizer *o = m->functions;

@@ -1,21 +1,25 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* @ID@: a mask synthesizer. Each transistor's mask gets longer or shorter by a
-   part of what its drive current is off, until that is no grid step. */
+/* @ID@: a mask synthesizer that changes the mask length of each transistor in
+   proportion to the deviation of the drive current, until all changes round to
+   zero grid steps. */
 #include <eda/synthesizer.h>
 #include <math.h>
 #include <opcflow/plugin.h>
 
 typedef struct state {
   const opc_host *host;
-  double gain; /* of the length, as a part of the deviation of the current */
+  double gain; /* relative length change per relative deviation of the
+                  current */
 } state;
 
 static int begin(void *self, const eda_feedback *f, opc_error *error) {
-  (void)self, (void)f, (void)error; /* what the loop needs is allocated here */
+  (void)self, (void)f, (void)error; /* called once: allocate the state of the
+                                       loop here */
   return OPC_OK;
 }
 
-/* Longer for too much current, shorter for too little; less each time. */
+/* Lengthen gates with too much current, shorten gates with too little; the gain
+   decreases with the iteration. */
 static int update(void *self, const eda_feedback *f, eda_moves *moves,
                   int *done, opc_error *error) {
   double gain = ((const state *)self)->gain / (1 + 0.25 * f->iteration);

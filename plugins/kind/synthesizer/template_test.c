@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* 10 % too much current asks for more length, 10 % too little for less. */
+/* 10 % excess current lengthens the mask, a 10 % deficit shortens it. */
 #include <eda/synthesizer.h>
 #include <opcflow/testing.h>
 

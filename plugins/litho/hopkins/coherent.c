@@ -12,8 +12,8 @@ enum { CHUNK = 32 }; /* frequencies at a time */
 
 /* ---- work: the kept kernels ---- */
 
-static void tabulate(const radial *r, const double *f, double scale,
-                     float *table) {
+static void table_fill(const radial *r, const double *f, double scale,
+                       float *table) {
   for (int i = 0; i < TABLE + 2; i++) {
     const double *blend = r->blend + (size_t)i * OTHER, *from = f + r->begin[i];
     double sum = 0;
@@ -37,10 +37,10 @@ double radial_cross(const radial *r, double a, double b, double angle) {
   return area / (M_PI * (r->sigma * r->sigma - r->sigma_in * r->sigma_in));
 }
 
-static float *new_table(const radial *r, const eigen *e, int part,
+static float *table_new(const radial *r, const eigen *e, int part,
                         double scale) {
   float *table = eda_alloc(TABLE + 2, sizeof *table);
-  tabulate(r, radial_function(r, e, part), scale, table);
+  table_fill(r, radial_function(r, e, part), scale, table);
   return table;
 }
 
@@ -51,8 +51,8 @@ static void coherent_add(radial *r, const eigen *e, int order) {
   int pair = r->real && order;
   *c = (coherent){.order = order};
   r->weights[s] = r->real && !order ? 1 : (pair ? 2 : 1) * e->value;
-  c->re = new_table(r, e, 0, r->real && !order ? sqrt(e->value) : 1);
-  if (!r->real) c->im = new_table(r, e, 1, 1);
+  c->re = table_new(r, e, 0, r->real && !order ? sqrt(e->value) : 1);
+  if (!r->real) c->im = table_new(r, e, 1, 1);
 }
 
 void radial_keep(kernels *base, size_t n) {
@@ -62,7 +62,7 @@ void radial_keep(kernels *base, size_t n) {
   for (size_t k = 0; k < kept; k++) {
     const eigen *e = &r->sorted[k];
     if (r->real && !e->order && open != SIZE_MAX) {
-      r->kernels[open].im = new_table(r, e, 0, sqrt(e->value));
+      r->kernels[open].im = table_new(r, e, 0, sqrt(e->value));
       open = SIZE_MAX;
       continue;
     }
@@ -78,8 +78,9 @@ void radial_keep(kernels *base, size_t n) {
 /* ---- work: transfer functions ---- */
 
 /* Interpolate a table linearly at CHUNK places. */
-EDA_WIDE static void look_up(const float *restrict table,
-                             const float *restrict place, float *restrict out) {
+EDA_WIDE static void table_look_up(const float *restrict table,
+                                   const float *restrict place,
+                                   float *restrict out) {
   for (int i = 0; i < CHUNK; i++) {
     int k = (int)place[i];
     out[i] = table[k] + (place[i] - (float)k) * (table[k + 1] - table[k]);
@@ -87,9 +88,9 @@ EDA_WIDE static void look_up(const float *restrict table,
 }
 
 /* Compute R(|f|) exp(i order angle) at CHUNK frequencies (fx[i], fy). */
-EDA_WIDE static void chunk(const coherent *c, float scale,
-                           const double *restrict fx, float fy,
-                           float *restrict out) {
+EDA_WIDE static void coherent_chunk(const coherent *c, float scale,
+                                    const double *restrict fx, float fy,
+                                    float *restrict out) {
   float re[CHUNK], im[CHUNK] = {0}, zx[CHUNK], zy[CHUNK], place[CHUNK];
   float side = c->order < 0 ? -1 : 1;
   for (int i = 0; i < CHUNK; i++) {
@@ -99,8 +100,8 @@ EDA_WIDE static void chunk(const coherent *c, float scale,
     zx[i] = x * inverse;
     zy[i] = side * fy * inverse;
   }
-  look_up(c->re, place, re);
-  if (c->im) look_up(c->im, place, im);
+  table_look_up(c->re, place, re);
+  if (c->im) table_look_up(c->im, place, im);
   for (int m = abs(c->order); m > 0; m /= 2)
     for (int i = 0; i < CHUNK; i++) {
       float zr = zx[i], zi = zy[i], x = re[i], y = im[i];
@@ -128,12 +129,13 @@ void radial_transfer(const void *self, size_t s, const double *fx, double fy,
   float scale = (float)(TABLE / (r->base.radius * r->base.cutoff)),
         y = (float)fy;
   size_t i = 0;
-  for (; i + CHUNK <= n; i += CHUNK) chunk(c, scale, fx + i, y, out + 2 * i);
+  for (; i + CHUNK <= n; i += CHUNK)
+    coherent_chunk(c, scale, fx + i, y, out + 2 * i);
   if (i == n) return;
   double last[CHUNK] = {0};
   float values[2 * CHUNK];
   memcpy(last, fx + i, (n - i) * sizeof *last);
-  chunk(c, scale, last, y, values);
+  coherent_chunk(c, scale, last, y, values);
   memcpy(out + 2 * i, values, 2 * (n - i) * sizeof *values);
 }
 

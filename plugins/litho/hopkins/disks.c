@@ -14,7 +14,7 @@ enum { APART = -1, CUT = 0, WHOLE = 1, NOWHERE = 2 };
 /* Find the arc of the circle of a inside b: centre *middle, half angle *half.
    For two equal circles only the first has a border. Return 0 if there is no
    arc. */
-static int within(disk a, disk b, int first, double *middle, double *half) {
+static int disk_cut(disk a, disk b, int first, double *middle, double *half) {
   double dx = b.x - a.x, dy = b.y - a.y, d = sqrt(dx * dx + dy * dy);
   if (d >= a.r + b.r) return APART;
   if (d < 1e-14 && fabs(a.r - b.r) < 1e-14) return first ? WHOLE : NOWHERE;
@@ -28,7 +28,7 @@ static int within(disk a, disk b, int first, double *middle, double *half) {
 }
 
 /* Return half the integral of x dy - y dx along an arc. */
-static double arc(disk a, double from, double to) {
+static double arc_area(disk a, double from, double to) {
   return 0.5 * a.r *
          (a.r * (to - from) + a.x * (sin(to) - sin(from)) -
           a.y * (cos(to) - cos(from)));
@@ -43,22 +43,22 @@ double opc_common_area(double sigma, double r1, double r2, double angle) {
     int cuts = 0, none = 0;
     for (int j = 0; j < 3; j++) {
       if (j == i) continue;
-      int part = within(d[i], d[j], i < j, &middle[cuts], &half[cuts]);
+      int part = disk_cut(d[i], d[j], i < j, &middle[cuts], &half[cuts]);
       if (part == APART) return 0;
       none |= part == NOWHERE;
       cuts += part == CUT;
     }
     if (none) continue;
     if (cuts == 0) {
-      area += arc(d[i], 0, 2 * M_PI);
+      area += arc_area(d[i], 0, 2 * M_PI);
     } else if (cuts == 1) {
-      area += arc(d[i], middle[0] - half[0], middle[0] + half[0]);
+      area += arc_area(d[i], middle[0] - half[0], middle[0] + half[0]);
     } else {
       for (int turn = -1; turn <= 1; turn++) {
         double shifted = middle[1] + 2 * M_PI * turn;
         double from = fmax(middle[0] - half[0], shifted - half[1]);
         double to = fmin(middle[0] + half[0], shifted + half[1]);
-        if (to > from) area += arc(d[i], from, to);
+        if (to > from) area += arc_area(d[i], from, to);
       }
     }
   }

@@ -75,7 +75,7 @@ typedef struct order {
 
 /* Find the frequencies within the band, sorted such that entry n - 1 - i is the
    opposite of entry i. Return their number. */
-static size_t find_orders(const kernels *k, const eda_spectrum *mask,
+static size_t orders_find(const kernels *k, const eda_spectrum *mask,
                           order *out) {
   size_t n = 0;
   int rows = (mask->rows - 1) / 2;
@@ -99,31 +99,32 @@ typedef struct coefficients {
   double complex at[ORDERS]; /* rows of u */
 } coefficients;
 
-static double complex *coefficient(coefficients *c, int u, int v) {
+static double complex *spectrum_coefficient(coefficients *c, int u, int v) {
   return &c->at[(v + c->top_y) * c->columns + u + c->top_x];
 }
 
 /* Compute the sum of T(f1, f2) a(f1) a(f2)* over all pairs. T is real, so the
    sum over two pairs of opposite frequencies is real. */
-static void sum_pairs(const kernels *k, const eda_spectrum *mask,
-                      coefficients *out) {
+static void coefficients_sum_pairs(const kernels *k, const eda_spectrum *mask,
+                                   coefficients *out) {
   order o[ORDERS];
-  size_t n = find_orders(k, mask, o);
+  size_t n = orders_find(k, mask, o);
   for (size_t p = 0; p < n; p++)
     for (size_t q = n - 1 - p; q <= p; q++) {
       int u = o[p].u - o[q].u, v = o[p].v - o[q].v;
       if (hypot(o[p].x - o[q].x, o[p].y - o[q].y) >= 2) continue;
       double t = k->cross(k, o[p].x, o[p].y, o[q].x, o[q].y);
       double complex c = t * o[p].a * conj(o[q].a) * (p + q == n - 1 ? 1 : 2);
-      *coefficient(out, u, v) += c;
-      if (p != q) *coefficient(out, -u, -v) += conj(c);
+      *spectrum_coefficient(out, u, v) += c;
+      if (p != q) *spectrum_coefficient(out, -u, -v) += conj(c);
     }
 }
 
 /* Compute the sum of c[u] exp(2 pi i u x / n), |u| <= top, at all x; root[x] =
    exp(2 pi i x / n). */
-static void wave(const double complex *c, int top, const double complex *root,
-                 int n, double complex *out) {
+static void row_transform(const double complex *c, int top,
+                          const double complex *root, int n,
+                          double complex *out) {
   for (int x = 0; x < n; x++) {
     double complex sum = c[top];
     for (int u = 1; u <= top; u++) {
@@ -134,27 +135,28 @@ static void wave(const double complex *c, int top, const double complex *root,
   }
 }
 
-static void roots(double complex *root, int n) {
+static void row_roots(double complex *root, int n) {
   for (int x = 0; x < n; x++) root[x] = cexp(2 * M_PI * I * x / n);
 }
 
 /* Compute the values of an intensity from its coefficients; `memory` holds
    intermediate rows. */
-static void add_up(coefficients *c, double complex *memory, eda_field *out) {
+static void coefficients_image(coefficients *c, double complex *memory,
+                               eda_field *out) {
   double complex *root = memory, *line = root + out->nx + out->ny;
   double complex *column = line + out->nx, *planes = column + out->ny;
-  roots(root, out->ny);
+  row_roots(root, out->ny);
   for (int u = 0; u < c->columns; u++) {
     double complex along[2 * TOP_Y + 1];
     for (int v = 0; v <= 2 * c->top_y; v++)
       along[v] = c->at[v * c->columns + u];
-    wave(along, c->top_y, root, out->ny, column);
+    row_transform(along, c->top_y, root, out->ny, column);
     for (int y = 0; y < out->ny; y++) planes[y * c->columns + u] = column[y];
   }
-  roots(root, out->nx);
+  row_roots(root, out->nx);
   for (int y = 0; y < out->ny; y++) {
-    wave(planes + (size_t)y * (size_t)c->columns, c->top_x, root, out->nx,
-         line);
+    row_transform(planes + (size_t)y * (size_t)c->columns, c->top_x, root,
+                  out->nx, line);
     for (int x = 0; x < out->nx; x++)
       out->coefficients[y * out->nx + x] = (float)creal(line[x]);
   }
@@ -171,8 +173,8 @@ void pattern_image(const opc_context *context, const kernels *k,
       eda_alloc(2 * (nx + ny) + ny * (size_t)sum.columns, sizeof *memory);
   *out = *like;
   out->coefficients = eda_alloc(nx * ny, sizeof *out->coefficients);
-  sum_pairs(k, mask, &sum);
-  add_up(&sum, memory, out);
+  coefficients_sum_pairs(k, mask, &sum);
+  coefficients_image(&sum, memory, out);
   free(memory);
   eda_field_from_samples(context, out);
 }

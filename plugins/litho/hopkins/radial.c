@@ -37,7 +37,7 @@ static void place(double from, double to, int n, double *node, double *weight) {
   gsl_integration_glfixed_table_free(t);
 }
 
-static double falling(double r) {
+static double spectrum_falling(double r) {
   return pow(1 + r * r / (corner * corner), -0.5 * steepness);
 }
 
@@ -68,7 +68,7 @@ static void place_nodes(radial *r) {
     r->n += q->n;
   }
   for (int i = 0; i < r->n; i++)
-    r->root[i] = sqrt(r->weight[i] * r->node[i]) * falling(r->node[i]);
+    r->root[i] = sqrt(r->weight[i] * r->node[i]) * spectrum_falling(r->node[i]);
 }
 
 static int ascending(const void *a, const void *b) {

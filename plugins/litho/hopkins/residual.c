@@ -30,26 +30,26 @@ static const double least_shift = 0.02;
 /* Return the fraction of half a turn for angle a of a pair of nodes (every
    other node, counted from 0). Angles differ from pair to pair, so that all
    pairs together sample shifts evenly, more densely where shifts are small. */
-static double part_of(int i, int j, int a) {
+static double pair_part(int i, int j, int a) {
   double turn = 0.6180339887 * i + 0.7548776662 * j;
   return (a + turn - floor(turn)) / ANGLES;
 }
 
-static double angle_of(int i, int j, int a) {
-  double part = part_of(i, j, a);
+static double pair_angle(int i, int j, int a) {
+  double part = pair_part(i, j, a);
   return M_PI * part * part;
 }
 
-static double first_angle_of(int i, int j, int a) {
+static double pair_first_angle(int i, int j, int a) {
   double turn = 0.5698402910 * (i + 31.7 * j) + 0.6180339887 * a;
   return M_PI * (turn - floor(turn));
 }
 
 /* Sum the orders at all angles of a pair. */
-static void sum_orders(const double term[ORDERS], int i, int j,
-                       double out[ANGLES]) {
+static void pair_sum_orders(const double term[ORDERS], int i, int j,
+                            double out[ANGLES]) {
   for (int a = 0; a < ANGLES; a++) {
-    double c = cos(angle_of(i, j, a)), before = 1, now = c, sum = term[0];
+    double c = cos(pair_angle(i, j, a)), before = 1, now = c, sum = term[0];
     for (int m = 1; m < ORDERS; m++) {
       sum += 2 * term[m] * now;
       double next = 2 * c * now - before;
@@ -77,7 +77,7 @@ static void residual_of_pair(const radial *r, size_t kept, int i, int j,
       term[e->order] -= e->value * f[i] * f[j];
     }
   }
-  sum_orders(term, i / 2, j / 2, residual);
+  pair_sum_orders(term, i / 2, j / 2, residual);
   for (int a = 0; r->pairs && a < ANGLES; a++)
     residual[a] += r->pairs[pair * ANGLES + (size_t)a];
 }
@@ -88,7 +88,7 @@ void radial_evaluate_pairs(void *self, size_t i) {
   for (size_t j = 0; j <= i; j++)
     for (int a = 0; a < ANGLES; a++)
       *to++ = radial_cross(r, r->node[2 * i], r->node[2 * j],
-                           angle_of((int)i, (int)j, a));
+                           pair_angle((int)i, (int)j, a));
 }
 
 /* ---- work: D ---- */
@@ -120,8 +120,8 @@ typedef struct fit {
 static const int corners[4] = {0, 1, TURNS, TURNS + 1};
 
 /* Add the sample: sum of by[k] D[at[k]] = `value`. */
-static void add_sample(fit *f, size_t n, const int *at, const double *by,
-                       double value, double weight) {
+static void fit_add_sample(fit *f, size_t n, const int *at, const double *by,
+                           double value, double weight) {
   for (size_t k = 0; k < n; k++)
     if (at[k] < TURNS) value -= by[k];
   for (size_t k = 0; k < n; k++) {
@@ -136,8 +136,8 @@ static void add_sample(fit *f, size_t n, const int *at, const double *by,
 
 /* Add a pair of frequencies with radii x and y, angles p and q; `residual` is
    the residual of T over S S. */
-static void add_pair(fit *f, double x, double p, double y, double q,
-                     double residual, double weight) {
+static void fit_add_pair(fit *f, double x, double p, double y, double q,
+                         double residual, double weight) {
   double c[2] = {cos(p) * cos(q), sin(p) * sin(q)};
   double hx = x * cos(p) - y * cos(q), hy = x * sin(p) - y * sin(q);
   double shift = hypot(hx, hy), by[8];
@@ -150,11 +150,11 @@ static void add_pair(fit *f, double x, double p, double y, double q,
       by[4 * s + k] = c[s] * (double)to.weight[k];
     }
   }
-  add_sample(f, 8, at, by, residual, weight / fmax(shift, least_shift));
+  fit_add_sample(f, 8, at, by, residual, weight / fmax(shift, least_shift));
 }
 
 /* Add smoothness: second differences are zero. */
-static void add_stiffness(fit *f) {
+static void fit_add_stiffness(fit *f) {
   static const double by[3] = {-1, 2, -1};
   double sum = 0;
   for (size_t i = 0; i < FREE; i++) sum += gsl_matrix_get(f->a, i, i);
@@ -164,13 +164,14 @@ static void add_stiffness(fit *f) {
       int v = i * TURNS + k;
       const int along[3] = {v - TURNS, v, v + TURNS},
                 round[3] = {v - 1, v, v + 1};
-      if (i && i < SHIFTS) add_sample(f, 3, along, by, 0, weight);
-      if (k && k < TURNS - 1) add_sample(f, 3, round, by, 0, weight);
+      if (i && i < SHIFTS) fit_add_sample(f, 3, along, by, 0, weight);
+      if (k && k < TURNS - 1) fit_add_sample(f, 3, round, by, 0, weight);
     }
 }
 
 /* Add all pairs, weighted by the model spectrum of masks. */
-static void add_pairs(const radial *r, size_t kept, const double *s, fit *f) {
+static void fit_add_pairs(const radial *r, size_t kept, const double *s,
+                          fit *f) {
   for (int i = 0; i < r->n; i += 2)
     for (int j = 0; j <= i; j += 2) {
       double residual[ANGLES], product = s[i] * s[j];
@@ -178,16 +179,16 @@ static void add_pairs(const radial *r, size_t kept, const double *s, fit *f) {
       if (!(product > 0)) continue;
       residual_of_pair(r, kept, i, j, residual);
       for (int a = 0; a < ANGLES; a++) {
-        double p = first_angle_of(i / 2, j / 2, a);
-        double q = p + angle_of(i / 2, j / 2, a);
-        add_pair(f, r->node[i], p, r->node[j], q, residual[a] / product,
-                 area * part_of(i / 2, j / 2, a) * product * product);
+        double p = pair_first_angle(i / 2, j / 2, a);
+        double q = p + pair_angle(i / 2, j / 2, a);
+        fit_add_pair(f, r->node[i], p, r->node[j], q, residual[a] / product,
+                     area * pair_part(i / 2, j / 2, a) * product * product);
       }
     }
 }
 
 /* Compute S at the nodes. */
-static void find_s(const radial *r, size_t kept, double *s) {
+static void radial_find_s(const radial *r, size_t kept, double *s) {
   for (int i = 0; i < r->n; i++) {
     double sum = r->at_node[i];
     for (size_t k = 0; k < kept; k++)
@@ -202,9 +203,9 @@ static void find_s(const radial *r, size_t kept, double *s) {
 void radial_find_residual(radial *r, size_t kept) {
   double s[NODES];
   fit f = {gsl_matrix_calloc(FREE, FREE), gsl_vector_calloc(FREE)};
-  find_s(r, kept, s);
-  add_pairs(r, kept, s, &f);
-  add_stiffness(&f);
+  radial_find_s(r, kept, s);
+  fit_add_pairs(r, kept, s, &f);
+  fit_add_stiffness(&f);
   /* Without pairs (all of T is kept) S is 0 and D is irrelevant. */
   if (!gsl_linalg_cholesky_decomp1(f.a))
     (void)gsl_linalg_cholesky_svx(f.a, f.b);

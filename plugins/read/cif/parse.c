@@ -17,7 +17,7 @@ static int is_blank(int ch) {
            ch == ')' || ch == ';');
 }
 
-static int peek(const cif *c) {
+static int cif_peek(const cif *c) {
   return c->at < c->b.n ? (unsigned char)c->b.text[c->at] : -1;
 }
 
@@ -25,8 +25,8 @@ static int peek(const cif *c) {
 static void skip_comment(cif *c) {
   size_t depth = 0, open = c->at;
   for (; c->at < c->b.n; c->at++) {
-    if (peek(c) == '(') depth++;
-    if (peek(c) != ')' || --depth) continue;
+    if (cif_peek(c) == '(') depth++;
+    if (cif_peek(c) != ')' || --depth) continue;
     c->at++;
     return;
   }
@@ -34,8 +34,8 @@ static void skip_comment(cif *c) {
 }
 
 /* Skip blanks and comments; return the place. */
-static size_t skip(cif *c) {
-  for (int ch; (ch = peek(c)) >= 0 && (ch == '(' || is_blank(ch));) {
+static size_t cif_skip(cif *c) {
+  for (int ch; (ch = cif_peek(c)) >= 0 && (ch == '(' || is_blank(ch));) {
     if (ch == '(')
       skip_comment(c);
     else
@@ -53,19 +53,19 @@ static void skip_to_end(cif *c) {
 }
 
 static int number_follows(cif *c) {
-  skip(c);
-  return peek(c) == '-' || is_digit(peek(c));
+  cif_skip(c);
+  return cif_peek(c) == '-' || is_digit(cif_peek(c));
 }
 
 /* Read an integer of 32 bits. */
 static int64_t take_number(cif *c) {
-  size_t start = skip(c);
-  int negative = peek(c) == '-';
+  size_t start = cif_skip(c);
+  int negative = cif_peek(c) == '-';
   if (negative) c->at++;
   size_t digits = c->at;
   int64_t v = 0;
-  for (; is_digit(peek(c)) && v <= INT32_MAX; c->at++)
-    v = 10 * v + (peek(c) - '0');
+  for (; is_digit(cif_peek(c)) && v <= INT32_MAX; c->at++)
+    v = 10 * v + (cif_peek(c) - '0');
   if (c->at == digits) cif_refuse_at(c, start, "a number is missing");
   if (v > INT32_MAX) cif_refuse_at(c, start, "a number beyond 32 bits");
   return negative ? -v : v;
@@ -73,7 +73,7 @@ static int64_t take_number(cif *c) {
 
 /* Read a nonnegative integer. */
 static int64_t take_size(cif *c) {
-  size_t start = skip(c);
+  size_t start = cif_skip(c);
   int64_t v = take_number(c);
   if (v < 0) cif_refuse_at(c, start, "a negative size");
   return v;
@@ -81,14 +81,14 @@ static int64_t take_size(cif *c) {
 
 /* Read a positive integer. */
 static int64_t take_count(cif *c) {
-  size_t start = skip(c);
+  size_t start = cif_skip(c);
   int64_t v = take_number(c);
   if (v <= 0) cif_refuse_at(c, start, "not a positive number");
   return v;
 }
 
 static void take_direction(cif *c, int64_t *dx, int64_t *dy) {
-  size_t start = skip(c);
+  size_t start = cif_skip(c);
   *dx = take_number(c);
   *dy = take_number(c);
   if (!*dx && !*dy) cif_refuse_at(c, start, "no direction");
@@ -99,9 +99,10 @@ static void take_direction(cif *c, int64_t *dx, int64_t *dy) {
 /* Return the next word before the ';', delimited by spaces; *n = 0 if there is
    none. */
 static const char *next_word(cif *c, size_t *n) {
-  while (is_space(peek(c))) c->at++;
+  while (is_space(cif_peek(c))) c->at++;
   const char *start = c->b.text + c->at;
-  while (c->at < c->b.n && !is_space(peek(c)) && peek(c) != ';') c->at++;
+  while (c->at < c->b.n && !is_space(cif_peek(c)) && cif_peek(c) != ';')
+    c->at++;
   *n = (size_t)(c->b.text + c->at - start);
   return start;
 }
@@ -116,15 +117,15 @@ static void set_layer(cif *c, const char *name, size_t n) {
    accepted. */
 static void take_layer(cif *c) {
   size_t start = 0, end = 0;
-  for (int ch; (ch = peek(c)) >= 0 && ch != ';';) {
+  for (int ch; (ch = cif_peek(c)) >= 0 && ch != ';';) {
     if (ch == '(') {
       skip_comment(c);
     } else if (is_space(ch)) {
       c->at++;
     } else {
       start = c->at;
-      while (peek(c) >= 0 && peek(c) != '(' && peek(c) != ';' &&
-             !is_space(peek(c)))
+      while (cif_peek(c) >= 0 && cif_peek(c) != '(' && cif_peek(c) != ';' &&
+             !is_space(cif_peek(c)))
         c->at++;
       end = c->at;
     }
@@ -163,7 +164,7 @@ static void take_flash(cif *c) {
   cif_flash(c, diameter, x, y);
 }
 
-static double turned(double angle) {
+static double placement_turned(double angle) {
   angle = fmod(angle, 360);
   return angle < 0 ? angle + 360 : angle;
 }
@@ -183,20 +184,20 @@ static void take_step(cif *c, cif_transform *t) {
     double size = hypot((double)x, (double)y);
     double cosine = (double)x / size, sine = (double)y / size;
     double tx = t->x;
-    t->angle = turned(t->angle + cif_angle(x, y));
+    t->angle = placement_turned(t->angle + cif_angle(x, y));
     t->x = cosine * tx - sine * t->y;
     t->y = sine * tx + cosine * t->y;
     return;
   }
-  skip(c);
-  int axis = peek(c);
+  cif_skip(c);
+  int axis = cif_peek(c);
   if (kind != 'M' || (axis != 'X' && axis != 'Y')) {
     cif_refuse_at(c, c->at, "not a transformation");
     return;
   }
   c->at++;
   t->mirror = !t->mirror;
-  t->angle = turned(axis == 'X' ? 180 - t->angle : -t->angle);
+  t->angle = placement_turned(axis == 'X' ? 180 - t->angle : -t->angle);
   if (axis == 'X')
     t->x = -t->x;
   else
@@ -208,7 +209,8 @@ static void take_call(cif *c) {
   cif_transform t = {0, 0, 0, 0};
   if (c->b.failed) return;
   cif_symbol *called = cif_symbol_of(c, number);
-  for (skip(c); peek(c) >= 0 && peek(c) != ';'; skip(c)) take_step(c, &t);
+  for (cif_skip(c); cif_peek(c) >= 0 && cif_peek(c) != ';'; cif_skip(c))
+    take_step(c, &t);
   cif_call(c, called, &t);
 }
 
@@ -247,8 +249,8 @@ static void end_symbol(cif *c) {
 }
 
 static void take_definition(cif *c) {
-  skip(c);
-  int kind = peek(c);
+  cif_skip(c);
+  int kind = cif_peek(c);
   c->at++;
   if (kind == 'S')
     begin_symbol(c);
@@ -262,7 +264,7 @@ static void take_definition(cif *c) {
 
 /* Read "9 name". */
 static void take_name(cif *c) {
-  while (is_space(peek(c))) c->at++;
+  while (is_space(cif_peek(c))) c->at++;
   size_t start = c->at;
   skip_to_end(c);
   size_t end = c->at;
@@ -295,9 +297,9 @@ static void take_label(cif *c) {
 
 /* Skip user extensions except names and labels. */
 static void take_extension(cif *c, int digit) {
-  if (digit == '9' && is_space(peek(c))) {
+  if (digit == '9' && is_space(cif_peek(c))) {
     take_name(c);
-  } else if (digit == '9' && peek(c) == '4' && c->at + 1 < c->b.n &&
+  } else if (digit == '9' && cif_peek(c) == '4' && c->at + 1 < c->b.n &&
              is_space((unsigned char)c->b.text[c->at + 1])) {
     c->at++;
     take_label(c);
@@ -343,16 +345,16 @@ void cif_parse(cif *c) {
   set_layer(c, "", 0);
   c->b.told = 0;
   for (;;) {
-    c->command = skip(c);
-    int kind = peek(c);
+    c->command = cif_skip(c);
+    int kind = cif_peek(c);
     if (kind < 0)
       cif_refuse_at(c, c->b.n, "the file ends before its E command");
     c->at++;
     if (kind == ';') continue;
     if (kind == 'E' || !reading_goes_on(&c->b, c->at, c->building)) break;
     take_command(c, kind);
-    skip(c);
-    if (peek(c) != ';') cif_refuse_at(c, c->at, "';' is missing");
+    cif_skip(c);
+    if (cif_peek(c) != ';') cif_refuse_at(c, c->at, "';' is missing");
     c->at++;
   }
   if (c->current != cif_symbol_at(c, 0)) cif_refuse(c, "E inside of a symbol");

@@ -9,7 +9,7 @@ static void add_point(oasis_points *points, oasis_vector p) {
   points->p[points->n++] = p;
 }
 
-static oasis_vector sum(oasis *o, oasis_vector a, oasis_vector b) {
+static oasis_vector offsets_add(oasis *o, oasis_vector a, oasis_vector b) {
   return (oasis_vector){oasis_length(o, a.x + b.x), oasis_length(o, a.y + b.y)};
 }
 
@@ -34,8 +34,8 @@ void oasis_read_points(oasis *o, oasis_points *points, int closed) {
       d = oasis_delta3(o);
     else
       d = oasis_deltag(o);
-    if (type == 5) d = step = sum(o, step, d);
-    at = sum(o, at, d);
+    if (type == 5) d = step = offsets_add(o, step, d);
+    at = offsets_add(o, at, d);
     if (!o->b.failed) add_point(points, at);
   }
   /* The corner before the first point of a rectilinear polygon is implied. */
@@ -81,7 +81,7 @@ static void read_offsets(oasis *o, uint64_t type, oasis_points *out) {
       d.y = space(o);
     d.x = on_grid(o, d.x, grid);
     d.y = on_grid(o, d.y, grid);
-    at = sum(o, at, d);
+    at = offsets_add(o, at, d);
     if (!o->b.failed) add_point(out, at);
   }
 }
@@ -89,7 +89,7 @@ static void read_offsets(oasis *o, uint64_t type, oasis_points *out) {
 /* Beyond all coordinates; sums with it do not overflow. */
 #define BEYOND ((int64_t)1 << 40)
 
-static void reach_out(oasis_repetition *r, int64_t x, int64_t y) {
+static void bounds_extend(oasis_repetition *r, int64_t x, int64_t y) {
   if (x < r->low.x) r->low.x = x;
   if (y < r->low.y) r->low.y = y;
   if (x > r->high.x) r->high.x = x;
@@ -103,17 +103,17 @@ static int64_t last(uint64_t n, int64_t step) {
   return product > BEYOND ? BEYOND : product < -BEYOND ? -BEYOND : product;
 }
 
-static void measure(oasis_repetition *r) {
+static void repetition_bounds(oasis_repetition *r) {
   r->low = r->high = (oasis_vector){0, 0};
   for (size_t i = 0; !r->lattice && i < r->offsets.n; i++)
-    reach_out(r, r->offsets.p[i].x, r->offsets.p[i].y);
+    bounds_extend(r, r->offsets.p[i].x, r->offsets.p[i].y);
   if (!r->lattice) return;
   int64_t cx = last(r->columns, r->column.x),
           cy = last(r->columns, r->column.y);
   int64_t rx = last(r->rows, r->row.x), ry = last(r->rows, r->row.y);
-  reach_out(r, cx, cy);
-  reach_out(r, rx, ry);
-  reach_out(r, cx + rx, cy + ry);
+  bounds_extend(r, cx, cy);
+  bounds_extend(r, rx, ry);
+  bounds_extend(r, cx + rx, cy + ry);
 }
 
 void oasis_read_repetition(oasis *o) {
@@ -137,7 +137,7 @@ void oasis_read_repetition(oasis *o) {
   if (type == 8) r->row = oasis_deltag(o);
   if (!r->lattice) read_offsets(o, type, &r->offsets);
   if (o->b.failed) return;
-  measure(r);
+  repetition_bounds(r);
   o->m.has |= HAS_REPETITION;
 }
 

@@ -81,7 +81,7 @@ int64_t oasis_size(oasis *o, uint64_t v) {
 }
 
 /* Directions: east, north, west, south, then north-east and on. */
-static oasis_vector along(uint64_t direction, int64_t size) {
+static oasis_vector vector_along(uint64_t direction, int64_t size) {
   static const int8_t x[] = {1, 0, -1, 0, 1, -1, -1, 1};
   static const int8_t y[] = {0, 1, 0, -1, 1, 1, -1, -1};
   return (oasis_vector){x[direction] * size, y[direction] * size};
@@ -94,17 +94,17 @@ oasis_vector oasis_delta1(oasis *o, int horizontal) {
 
 oasis_vector oasis_delta2(oasis *o) {
   uint64_t v = oasis_uint(o);
-  return along(v & 3, oasis_size(o, v >> 2));
+  return vector_along(v & 3, oasis_size(o, v >> 2));
 }
 
 oasis_vector oasis_delta3(oasis *o) {
   uint64_t v = oasis_uint(o);
-  return along(v & 7, oasis_size(o, v >> 3));
+  return vector_along(v & 7, oasis_size(o, v >> 3));
 }
 
 oasis_vector oasis_deltag(oasis *o) {
   uint64_t v = oasis_uint(o);
-  if (!(v & 1)) return along(v >> 1 & 7, oasis_size(o, v >> 4));
+  if (!(v & 1)) return vector_along(v >> 1 & 7, oasis_size(o, v >> 4));
   int64_t x = oasis_size(o, v >> 2);
   int64_t y = oasis_length(o, oasis_sint(o));
   return (oasis_vector){v & 2 ? -x : x, y};

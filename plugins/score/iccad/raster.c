@@ -90,7 +90,8 @@ static void site_add(collector *c, iccad_site s) {
 /* Add the sites of the pixels first .. last along an edge: the centre of a
    short edge, otherwise sites from both ends towards the centre. `s` is the
    pixel at `first`. */
-static void add_edge(collector *c, iccad_site s, int32_t first, int32_t last) {
+static void sites_add_edge(collector *c, iccad_site s, int32_t first,
+                           int32_t last) {
   int32_t middle = first + (last - first) / 2, *at = s.dx ? &s.y : &s.x;
   if (last - first <= 2 * c->spacing) {
     *at = middle;
@@ -118,7 +119,7 @@ size_t iccad_sites(const eda_shapes *target, double grid, int32_t spacing,
       int32_t to = first_pixel((upright ? b.y : b.x) * grid);
       iccad_site s = {.x = line, .y = line};
       *(upright ? &s.dx : &s.dy) = (int8_t)out;
-      add_edge(&c, s, from < to ? from : to, (from < to ? to : from) - 1);
+      sites_add_edge(&c, s, from < to ? from : to, (from < to ? to : from) - 1);
     }
   *sites = c.sites;
   return c.count;

@@ -30,8 +30,8 @@ gboolean opc_match_choices(const opc_node *node, const GPtrArray *list,
 
 /* Return a word for a value: the name of a file without folder and ending, the
    plugin of a map with `use`, or the text; "" for other values. The second
-   returns that of the first text in a map, or else of the first value that has
-   one (g_free). The third appends a word that is not the last one there. */
+   returns the word of the first text in a map, or of the first value that has a
+   word (g_free). The third appends a word unless it equals the last one. */
 char *opc_label(const opc_node *value);
 char *opc_label_of_map(const opc_node *map);
 void opc_label_add(GString *to, const char *label);

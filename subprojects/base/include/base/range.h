@@ -4,9 +4,9 @@
 
 #include <base/node.h>
 
-enum { OPC_RANGE_MOST = 100000 }; /* values of a range */
+enum { OPC_RANGE_MOST = 100000 }; /* limit on the values of a range */
 
-/* Add a problem: the text of a node has an unknown unit. Return FALSE. */
+/* Add a problem for the unknown unit in the text of a node. Return FALSE. */
 gboolean opc_unknown_unit(const opc_node *node, const char *name,
                           opc_problems *problems);
 

@@ -34,11 +34,12 @@ double opc_number_in(const char *text, size_t length, const opc_unit *from,
 /* Return the shortest text that reads back as the same number (g_free). */
 char *opc_number_text(double number);
 
-/* Return the number with so many decimals, at most 20, or with all digits if
+/* Return the number with `decimals` decimals, at most 20, or with all digits if
    `decimals` is negative; "" for NAN (g_free). */
 char *opc_number_fixed(double number, int decimals);
 
-/* Return the number with six digits, a whole number with all (g_free). */
+/* Return the number with six significant digits; an integer with all digits
+   (g_free). */
 char *opc_number_short(double number);
 
 /* Return "12 MB" or "1.5 GB"; "less than 1 MB" (g_free). */
