@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Calls the functions of steps, under their names. */
+/* Calls the functions of steps, with the step's name set for crash reports. */
 #include "core/run/call.h"
 
 #include <base/shown.h>
@@ -22,7 +22,7 @@ void opc_call_set_inputs(const opc_run *run, const opc_flow_step *step,
   }
 }
 
-/* Each kind of data brings its own check. */
+/* Call the check of each output's kind. */
 int opc_call_check(const opc_run *run, const opc_flow_step *step,
                    opc_error *error) {
   const opc_plugin *plugin = step->binding->plugin;
@@ -98,7 +98,7 @@ int opc_call_run(opc_run *run, const opc_flow_step *step, opc_error *error) {
   return code ? code : opc_call_check(run, step, error);
 }
 
-/* What a step could not write to its end is not left as if it were whole. */
+/* Remove the files of a failed step, which may be incomplete. */
 static void remove_given(const opc_run *run) {
   for (guint i = 0; i < run->written.given->len; i++)
     (void)remove(run->written.given->pdata[i]);
@@ -114,7 +114,7 @@ gboolean opc_call_step(opc_run *run, const opc_flow_step *step,
   if (!code) code = opc_call_run(run, step, &error);
   if (!code) return TRUE;
   if (code == OPC_IO) remove_given(run);
-  /* Only the user stops a run. */
+  /* Only the user cancels a run. */
   if (code == OPC_CANCELLED && !opc_cancelled(b->host->context))
     code = OPC_FAILED;
   opc_binding_fail(b, TRUE, code, &error, problems);

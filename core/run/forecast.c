@@ -37,7 +37,8 @@ static gboolean forecast_step(opc_run *run, const opc_flow_step *step,
   return !code || opc_binding_fail(step->binding, TRUE, code, &error, problems);
 }
 
-/* Of what needs a step that failed, nothing is told. */
+/* Collect the forecasts in order. The outputs of a failed step are released, so
+   that the steps that depend on it are skipped. */
 static void forecast_steps(opc_run *run, GArray *outlooks,
                            opc_problems *problems) {
   const GPtrArray *order = run->flow->order;

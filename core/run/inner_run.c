@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Runs inner flows on levels, and hands their results to the step. */
+/* Runs inner flows on levels and passes their results to the step. */
 #include "core/run/inner_run.h"
 
 #include <base/suggest.h>
@@ -21,26 +21,28 @@
 
 /* ---- state ---- */
 
-/* What `begin` made. */
+/* State of the runs of an inner flow, from `begin` on. */
 struct opc_inner_runs {
   opc_inner *in;
-  opc_run *outer; /* of the step */
+  opc_run *outer; /* run of the step */
   opc_watch watch;
   char *folder;
   opc_levels levels;
   opc_run *trunk;
-  size_t count;                     /* runs that are not kept whole */
-  size_t done, share;               /* points */
-  gboolean telling;                 /* messages are passed on */
-  opc_inner_run whole;              /* the last one that was kept whole */
-  const opc_inner_metric **metrics; /* asked for last */
+  size_t count;                     /* runs without full reports */
+  size_t done, share;               /* finished points; points of the current
+                                       run */
+  gboolean telling;                 /* pass on informational messages, too */
+  opc_inner_run whole;              /* result of the last run with full
+                                       reports */
+  const opc_inner_metric **metrics; /* result of the last get_metrics */
 };
 
 static opc_inner_runs *runs_of(const opc_host *host) {
   return opc_inner_of(host)->runs;
 }
 
-/* What the outer flow's steps gave. */
+/* Store the outputs of the outer flow's steps as those of the given steps. */
 static void put_given(const opc_inner *in, opc_run *run) {
   const opc_binding *b = in->binding;
   for (size_t i = 0; i < b->plugin->n_parameters; i++) {
@@ -54,7 +56,8 @@ static void put_given(const opc_inner *in, opc_run *run) {
 
 /* ---- running: who looks on ---- */
 
-/* Each point has the same to say: the last one says it. */
+/* Pass on a message. All points log the same informational messages, so only
+   those of the kept run are passed on. */
 static void take_log(void *data, const char *path, int level,
                      const char *message) {
   const opc_inner_runs *runs = data;
@@ -65,7 +68,8 @@ static void take_log(void *data, const char *path, int level,
   watch->log(watch->data, whole, level, message);
 }
 
-/* Points that are done, with the part that is of those of this run. */
+/* Report the number of finished points, with the fraction `part` of the points
+   of the current run. */
 static void tell_progress(const opc_inner_runs *runs, double part) {
   const opc_host *host = runs->in->binding->host;
   const opc_progress progress = {
@@ -94,7 +98,7 @@ static gboolean *find_needed(const void *in, const opc_flow *flow) {
   return opc_inner_needed(in, flow);
 }
 
-/* Only runs of its flow needed the folders of levels. */
+/* Remove the folders of levels, which only runs of the inner flow use. */
 static void end_runs(opc_inner_runs *runs) {
   for (unsigned level = 0; level < runs->levels.depth; level++) {
     g_autofree char *folder = opc_levels_folder(&runs->levels, level);
@@ -112,8 +116,9 @@ static void free_runs(opc_inner_runs *runs) {
   g_free(runs);
 }
 
-/* Steps that no axis touches lie in a folder of their own, as those of the
-   other levels: what they write is copied to each run that is kept. */
+/* Start the inner runs and run the trunk. Steps that no axis changes write to a
+   folder of their own, as those of the other levels do; their files are copied
+   to each run that is kept. */
 static int begin(const opc_host *host, opc_error *error) {
   const opc_binding *b = host->data;
   g_autofree char *name = g_build_filename(b->path, "flow.yaml", NULL);
@@ -169,7 +174,7 @@ static int copy_file(void *data, const char *path, const char *name,
   return opc_fail(error, OPC_IO, NULL, "%s", why->message);
 }
 
-/* By where their steps come. */
+/* Compare metrics by the order of their steps. */
 static gint compare_metrics(gconstpointer a, gconstpointer b, gpointer data) {
   const opc_run *run = data;
   const opc_inner_metric *one = a, *other = b;
@@ -181,7 +186,8 @@ static gint compare_metrics(gconstpointer a, gconstpointer b, gpointer data) {
   return at[0] < at[1] ? -1 : at[0] > at[1];
 }
 
-/* Make a run whole by what those it shares steps with gave. */
+/* Add to a run the metrics, findings, histories, times and files of the steps
+   that it shares with lower levels. */
 static void take_shared(const opc_levels *levels, opc_run *run,
                         opc_problems *problems) {
   opc_error error;
@@ -210,8 +216,8 @@ static void take_shared(const opc_levels *levels, opc_run *run,
     if (!isnan(run->out.seconds[i])) run->out.total += run->out.seconds[i];
 }
 
-/* What is handed on must keep what its flow requires; other points are there to
-   be worse. */
+/* Complete a run, judge its requirements and write its reports. Only kept runs
+   are judged: other points may miss the requirements. */
 static void keep_run(opc_inner_runs *runs, const char *prefix,
                      opc_problems *problems) {
   opc_run *run = runs->levels.last;
@@ -222,7 +228,7 @@ static void keep_run(opc_inner_runs *runs, const char *prefix,
   opc_reports_write(run, TRUE, problems);
 }
 
-/* The points of a run are done; what is wrong with it. */
+/* Finish the points of a run and return the code of its problems. */
 static int end_point(opc_inner_runs *runs, size_t share, opc_problems *problems,
                      opc_error *error) {
   int code = opc_problems_code(problems);

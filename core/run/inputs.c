@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Finds the files that a flow reads, and their sums. */
+/* Finds the files that a flow reads and computes their checksums. */
 #include "core/run/inputs.h"
 
 #include "core/binding/inner.h"
 #include "core/binding/lookup.h"
 
-/* That of any of its instances: all look at the same signals. */
+/* Return the context of an instance; all contexts of a run share one signal
+   state. */
 static const opc_context *run_context(const opc_run *run) {
   const opc_flow_step *first = run->flow->order->pdata[0];
   return first->binding->host ? first->binding->host->context : NULL;
@@ -30,8 +31,8 @@ static void add_input(opc_run *run, const char *file, const opc_place *at,
   g_ptr_array_add(run->out.inputs, sum);
 }
 
-/* Add the sums of all files that `flow` reads, before any step may change one.
- */
+/* Add the checksums of all files that `flow` reads, before a step may change
+   one. */
 gboolean opc_inputs_sum(opc_run *run, const opc_flow *flow,
                         opc_problems *problems) {
   guint before = problems->list->len;

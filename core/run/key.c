@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Finds out what a step's result depends on: builds of plugins and of all that
-   they link, values, contents of files, and the keys of the steps it takes
-   from. Nothing else may be in a key: neither threads nor places. */
+/* Collects the facts that a step's result depends on: builds of plugins and of
+   all objects that they link, values, contents of files, and the keys of the
+   steps it depends on. Neither thread counts nor places in files are part of a
+   key. */
 #include "core/run/key.h"
 
 #include <base/file.h>
@@ -12,15 +13,16 @@
 
 typedef struct keyer {
   opc_store *store;
-  opc_key *keys, *key;       /* of all, of this step */
-  const opc_flow_step *step; /* NULL: of an instance alone */
-  const char *root;          /* the path of the step or instance */
+  opc_key *keys, *key;       /* of all steps; of this step */
+  const opc_flow_step *step; /* NULL: key of an instance alone */
+  const char *root;          /* path of the step or instance */
   GVariantBuilder facts;
 } keyer;
 
 /* ---- facts ---- */
 
-/* The path of an instance behind that of the root: "" or "slot.". */
+/* Return the path of a parameter relative to the root, such as "slot.name"
+   (g_free). */
 static char *place_of(const keyer *k, const opc_binding *b, const char *name) {
   const char *rest = b->path + strlen(k->root);
   rest += *rest == '.';
@@ -32,7 +34,8 @@ static void add(keyer *k, char about, const char *path, const char *shown,
   opc_facts_add(&k->facts, about, path, shown, sum);
 }
 
-/* A result is not kept if one thing that it depends on cannot be told. */
+/* Mark the result as not to be stored, as a fact cannot be determined; takes
+   ownership of the reason. */
 static void spoil(keyer *k, char *why) {
   if (k->key->why)
     g_free(why);
@@ -66,9 +69,9 @@ static void add_file(keyer *k, const char *path, const char *file) {
   g_ptr_array_add(k->key->files, sum);
 }
 
-/* All files of the folder of `file`. */
+/* Add all files of the folder of `file`. */
 static void add_beside(keyer *k, const char *path, const char *file) {
-  enum { MOST = 1000 }; /* a set of kernels has tens */
+  enum { MOST = 1000 }; /* a set of kernels has tens of files */
   g_autofree char *folder = g_path_get_dirname(file);
   g_autoptr(GPtrArray) names = opc_folder_names(folder);
   for (guint i = names ? names->len : 0; i-- > 0;) {
@@ -88,7 +91,8 @@ static void add_beside(keyer *k, const char *path, const char *file) {
   }
 }
 
-/* Texts of a list or map, of which none can be taken for two. */
+/* Append a text of a list or map, quoted so that the boundaries are
+   unambiguous. */
 static void append(GString *out, const char *text) {
   g_autofree char *quoted = g_strescape(text, NULL);
   g_string_append_printf(out, "%s\"%s\"", out->len ? " " : "", quoted);
@@ -124,7 +128,8 @@ static char *value_text(const opc_parameter *p, const opc_field *f) {
   }
 }
 
-/* A plugin may ask whether a value was given. */
+/* Add the value of a parameter, and, if the plugin has a `given` field, whether
+   the value was given. */
 static void add_value(keyer *k, const opc_binding *b, size_t i) {
   const opc_parameter *p = &b->plugin->parameters[i];
   const opc_setting *v = &b->values[i];

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Makes the runs of levels, each of which takes over the outputs of those
+/* Creates the runs of levels; each run borrows the outputs of the levels
    below. */
 #include "core/run/levels.h"
 
@@ -12,9 +12,8 @@
 
 /* ---- one run ---- */
 
-/* Leave out the steps that `from` ran, and take their outputs and those that
-   `from` took from others. Steps are found by their names: a layer may add or
-   remove some. */
+/* Borrow the outputs of `from`, including those that `from` borrowed. Steps are
+   matched by name: a layer may add or remove steps. */
 static void run_borrow(opc_run *run, opc_run *from) {
   run->kept.base = from;
   for (guint i = 0; i < run->flow->steps->len; i++) {
@@ -24,7 +23,7 @@ static void run_borrow(opc_run *run, opc_run *from) {
   }
 }
 
-/* Leave out the steps of other levels, and those that nobody needs. */
+/* Leave out the steps of other levels and the steps that are not needed. */
 static void run_choose_steps(const opc_levels *l, opc_run *run,
                              unsigned level) {
   g_autofree unsigned *levels = opc_sweep_levels(l->choice.sweep, run->flow);
@@ -44,7 +43,7 @@ static void claim_copy(gpointer name, gpointer owner, gpointer claims) {
   g_hash_table_insert(claims, g_strdup(name), g_strdup(owner));
 }
 
-/* Make the run of a level at a point; NULL and problems. */
+/* Return the run of a level at a point; NULL and problems. */
 static opc_run *run_make(const opc_levels *l, unsigned level, size_t point,
                          opc_problems *problems) {
   unsigned below = level ? level - 1 : 0;
@@ -82,8 +81,8 @@ static void level_drop(opc_levels *l, unsigned level) {
   opc_remove_tree(folder);
 }
 
-/* Run a level between the first and the last at a point. Its problems are kept:
-   all points that share the level have them. */
+/* Run a level between the first and the last at a point. The level's problems
+   are kept and apply to all points that share the level. */
 static void level_open(opc_levels *l, unsigned level, size_t point) {
   opc_problems *problems = l->failures[level] = opc_problems_new();
   g_autofree char *folder = opc_levels_folder(l, level);
@@ -96,7 +95,7 @@ static void level_open(opc_levels *l, unsigned level, size_t point) {
     opc_run_free(run);
 }
 
-/* Bring all levels but the last one to a point; add their problems. */
+/* Bring all levels but the last one to a point and add their problems. */
 static void levels_enter(opc_levels *l, size_t point, opc_problems *problems) {
   gboolean same = TRUE;
   for (unsigned level = 1; level < l->depth; level++) {

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Keeps what the instances of a run say, while it passes on all of it. */
+/* Keeps the messages of a run's instances and passes all of them on. */
 #include "core/run/listen.h"
 #include "core/binding/lookup.h"
 
 /* ---- findings ---- */
 
-/* A step may find the same again and again; once is enough. */
+/* Keep a finding once; a step may report the same finding many times. */
 static void keep(opc_run *run, const char *path, const char *text) {
   g_mutex_lock(&run->heard.lock);
   opc_findings_add(&run->out.findings, run->heard.point, path, text);
@@ -37,7 +37,7 @@ void opc_listen_step(opc_run *run) {
   g_mutex_unlock(&run->heard.lock);
 }
 
-/* A result with more than so many warnings is not kept. */
+/* Warnings of a step; a result with more is not stored. */
 enum { MOST_SAID = 1000 };
 
 static void add_said(GPtrArray *list, const char *path, int level,
@@ -68,7 +68,7 @@ GPtrArray *opc_listen_piece_end(opc_run *run) {
   return said;
 }
 
-/* FALSE: no piece is at work. */
+/* Keep a message for the running piece; returns FALSE if no piece runs. */
 static gboolean note_in_piece(opc_run *run, const char *path, int level,
                               const char *text) {
   g_mutex_lock(&run->heard.lock);
@@ -80,7 +80,8 @@ static gboolean note_in_piece(opc_run *run, const char *path, int level,
 
 /* ---- passing on ---- */
 
-/* A step that runs again for its outputs has said it all. */
+/* Pass on a message. A step that runs again for its outputs is silent: its
+   messages were reported before. */
 static void take_log(void *data, const char *path, int level,
                      const char *message) {
   opc_run *run = data;

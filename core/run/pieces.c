@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Pieces of a step's work, kept in the store as they come, so that a run that
-   was killed finds them again; done here, or shared by the ranks. */
+/* Implements pieces of a step's work, stored as they finish, so that a run
+   restarted after a kill reuses them; done here or distributed over the
+   ranks. */
 #include "core/plugin/pieces.h"
 
 #include <guard/guard.h>
@@ -10,25 +11,25 @@
 #include "core/run/pieces.h"
 #include "core/run/result.h"
 
-/* What a piece gave, and what was said meanwhile. */
+/* Result of a piece, and the messages logged during its work. */
 #define PIECE_TYPE G_VARIANT_TYPE("(aya(uss))")
 
-/* Pieces of a step as the store has them: those of the plugin, around which
-   `kept` looks into the store, and packs messages beside results. */
+/* Stored form of a step's pieces: `kept` wraps the plugin's pieces, looks them
+   up in the store, and packs messages with the results. */
 typedef struct keeper {
-  opc_pieces kept; /* without a name: messages have the plugin's */
+  opc_pieces kept; /* without a name, as the plugin's pieces prefix it */
   const opc_pieces *pieces;
   opc_run *run;
   const opc_flow_step *step;
-  const char *path;     /* of the instance, within its step */
-  size_t found, worked; /* in the store, and here */
+  const char *path;     /* path of the instance relative to the step */
+  size_t found, worked; /* found in the store; done here */
   guint64 bytes;        /* of all results */
-  gint64 begun, last;   /* when the work began, and the last piece was done */
+  gint64 begun, last;   /* start of the work; end of the last piece, us */
 } keeper;
 
 /* ---- in the store ---- */
 
-/* Return its name in the store (g_free); NULL if it is not kept. */
+/* Return the name of a piece in the store (g_free); NULL if not stored. */
 static char *piece_name(const keeper *k, size_t i) {
   const opc_pieces *p = k->pieces;
   const opc_key *key = &k->run->kept.keys[k->step->number];
@@ -66,7 +67,8 @@ void opc_pieces_drop(opc_run *run) {
 
 /* ---- one ---- */
 
-/* Do it; what was said is said when it is taken, or now if it has a fault. */
+/* Do a piece. Its messages are packed and replayed when the result is taken, or
+   at once if the piece fails. */
 static GVariant *piece_do(const keeper *k, size_t i, opc_error *error) {
   GVariantBuilder warned;
   opc_listen_piece(k->run);
@@ -119,7 +121,7 @@ static void kept_done(void *data, size_t n) {
   if (p->done) p->done(p->data, n);
 }
 
-/* For those who plan which machines a larger layout needs. */
+/* Log the cost of the pieces, for sizing machines for larger layouts. */
 static void tell_cost(const opc_host *host, const keeper *k) {
   const opc_pieces *p = k->pieces;
   double end = (double)(g_get_monotonic_time() - k->last) * 1e-6;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Runs points one after another into a table. */
+/* Runs points one after another and collects them in a table. */
 #include "core/run/points.h"
 
 #include <math.h>
@@ -27,7 +27,7 @@ static void add_axes(const opc_points *s, opc_table *table) {
   }
 }
 
-/* The values of "first.model.terms" at all points. */
+/* Return the column of a metric such as "first.model.terms" over all points. */
 static double *metric_column(const opc_points *s, const opc_inner_metric *m) {
   opc_table *table = s->trunk->out.points;
   g_autofree char *name = g_strdup_printf("%s.%s", m->path, m->metric->name);
@@ -49,7 +49,8 @@ static void take_metrics(const opc_points *s, const opc_run *run,
   }
 }
 
-/* Of the points that are done; takes the results. */
+/* Complete the table with the finished points; takes ownership of the
+   results. */
 static void finish_table(const opc_points *s, opc_table *table) {
   double *seconds = opc_table_add(table, "seconds", NULL, OPC_REAL, 3);
   char **results = opc_table_add(table, "result", NULL, OPC_TEXT, 0);
@@ -60,7 +61,7 @@ static void finish_table(const opc_points *s, opc_table *table) {
 
 /* ---- one point ---- */
 
-/* FALSE if the user wants to stop. */
+/* Run a point; returns FALSE if the user stopped the run. */
 static gboolean do_point(opc_points *s, size_t point) {
   opc_run *trunk = s->trunk;
   trunk->heard.point = point + 1;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the instances of a run publish. */
+/* Implements the publication of files, tables and metrics by a run's
+   instances. */
 #include <base/file.h>
 #include <errno.h>
 #include <store/files.h>
@@ -10,13 +11,14 @@
 #include "core/run/publish.h"
 #include "core/run/services.h"
 
-/* A refusal stands, whether or not the plugin passes it on. */
+/* Record a refused publication: the step fails even if the plugin ignores the
+   error. */
 static int refuse(opc_run *run, const opc_error *error) {
   if (!run->written.refusal.code) run->written.refusal = *error;
   return error->code;
 }
 
-/* A piece of work is done in one process of several. */
+/* Fail inside a piece of work: it runs in only one of several processes. */
 static gboolean in_piece(const opc_run *run, const char *name,
                          opc_error *error) {
   if (run->heard.piece)
@@ -27,13 +29,15 @@ static gboolean in_piece(const opc_run *run, const char *name,
   return run->heard.piece != NULL;
 }
 
-/* Who has a file of the run folder, or will: NULL, or a path. */
+/* Return the path of the instance that writes a file of the run folder now or
+   later; NULL: none. */
 static const char *owner_of(const opc_run *run, const char *name) {
   const char *owner = g_hash_table_lookup(run->written.claims, name);
   return owner ? owner : g_hash_table_lookup(run->written.outputs, name);
 }
 
-/* Take a name in the run folder, unless it is taken or leaves that. */
+/* Claim a name in the run folder. Fails if the name is taken or outside the
+   folder. */
 static int claim(opc_run *run, const opc_binding *b, const char *name,
                  opc_error *error) {
   const char *owner = owner_of(run, name);
@@ -71,7 +75,8 @@ static const char *give_path(const opc_host *host, const char *name,
   return NULL;
 }
 
-/* NAME.csv; where another step or a parameter has that, STEP.NAME.csv. */
+/* Return NAME.csv (g_free), or STEP.NAME.csv if another step or a parameter
+   uses that name. */
 static char *table_file(const opc_run *run, const opc_binding *b,
                         const char *name) {
   char *file = g_strdup_printf("%s.csv", name);

@@ -29,7 +29,7 @@ gboolean opc_reports_write_file(const opc_run *run, const char *name,
   return !code;
 }
 
-/* The files of the folder, which are all there. */
+/* List the files of the folder, complete but for the manifest. */
 static gboolean list_files(const opc_run *run, JsonNode *manifest,
                            opc_problems *problems) {
   opc_error error;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What a step did beside its outputs, as one value: files, tables, metrics and
-   warnings, so that all of it can be done again without the step. */
+/* Packs the effects of a step besides its outputs (files, tables, metrics and
+   warnings) as one value, so that they can be replayed without the step. */
 #include <string.h>
 #include <sys/stat.h>
 
@@ -9,12 +9,12 @@
 
 /* Seconds; metrics: path, name, value; warnings: level, path, text; tables:
    name, flags, rows, columns of name, unit, type, decimals, data; files. Paths
-   are those of instances behind that of the step. */
+   are relative to the step. */
 const char opc_result_type[] = "(da(ssd)a(uss)a(suta(smsuiv))a(ayay))";
 
 /* ---- from a run ---- */
 
-/* Behind the step's name. */
+/* Return the path relative to the step. */
 static const char *behind(const char *path, const opc_flow_step *step) {
   path += strlen(step->name);
   return path + (*path == '.');
@@ -101,7 +101,7 @@ GVariant *opc_result_new(const opc_run *run, const opc_flow_step *step,
 
 /* ---- to a run ---- */
 
-/* The instance behind the step's name; NULL if there is none. */
+/* Return the host of the instance at a relative path; NULL if there is none. */
 static const opc_host *host_of(const opc_flow_step *step, const char *rest) {
   g_autoptr(GPtrArray) all = g_ptr_array_new();
   opc_binding_list(step->binding, all);
@@ -126,7 +126,7 @@ static int publish_metrics(const opc_flow_step *step, GVariant *metrics,
   return code;
 }
 
-/* The data of a column; `owned` frees what it points to. */
+/* Return the data of a column; `owned` frees the memory that it points to. */
 static const void *unpack_data(GVariant *data, uint32_t type, guint64 rows,
                                GPtrArray *owned) {
   gsize n = 0;

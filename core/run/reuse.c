@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Steps whose results are in the store do not run. What they wrote and said is
-   there again; their outputs come to be when a step that runs wants them: from
-   the store, or by running them after all. */
+/* Reuses steps whose results are in the store. Their files and messages are
+   replayed; their outputs are made only when a step that runs needs them:
+   loaded from the store, or computed by running the step again. */
 #include <errno.h>
 #include <glib/gstdio.h>
 #include <string.h>
@@ -22,7 +22,8 @@ static void tell_complaint(opc_run *run) {
   if (text) run->heard.watch.log(run, "store", OPC_LOG_WARNING, text);
 }
 
-/* Behind the name of the step whose flow it is in, if it is in one. */
+/* Go to the containing run, and prefix the path with the step whose inner flow
+   it was in. */
 static void climb(opc_run **run, char **path) {
   *run = (*run)->main;
   if (!*run || !(*run)->at) return;
@@ -31,7 +32,8 @@ static void climb(opc_run **run, char **path) {
   *path = longer;
 }
 
-/* To the run, and to all that it is a part of. */
+/* Record in the run, and in all runs that contain it, whether a step was
+   reused. */
 static void tell(opc_run *run, const opc_flow_step *step, gboolean reused,
                  const char *reason) {
   char *path = g_strdup(step->name);
@@ -44,7 +46,7 @@ static void tell(opc_run *run, const opc_flow_step *step, gboolean reused,
   g_free(path);
 }
 
-/* What was reused has run after all. */
+/* Record that a reused step ran after all. */
 static void tell_again(opc_run *run, const opc_flow_step *step,
                        const char *whom) {
   char *path = g_strdup(step->name);
@@ -62,7 +64,8 @@ static void tell_again(opc_run *run, const opc_flow_step *step,
 
 /* ---- why ---- */
 
-/* Facts are kept for each name and plugin of a step. */
+/* Return the name of the facts of a step in the store, by step name and plugin
+   (g_free). */
 static char *facts_name(const opc_flow_step *step) {
   return g_strdup_printf("%s %s", step->name, step->binding->plugin->id);
 }
@@ -86,15 +89,15 @@ static void keep_facts(opc_store *store, const opc_flow_step *step,
 
 /* ---- keys ---- */
 
-/* The same step of the run that this one borrows from; NULL: it has none. */
+/* Return the same step of the run that this one borrows from; NULL: none. */
 static const opc_flow_step *step_of_base(const opc_run *run,
                                          const opc_flow_step *step) {
   return run->kept.base ? opc_flow_find(run->kept.base->flow, step->name)
                         : NULL;
 }
 
-/* Steps of a flow inside of a step whose places its own inputs take: what these
-   are depends on the steps of the outer flow. */
+/* Set the keys of given steps in an inner flow, whose outputs are inputs of the
+   outer step: they depend on the steps of the outer flow. */
 static void take_given(opc_run *run) {
   const opc_flow_step *outer = run->main ? run->main->at : NULL;
   for (guint i = 0; outer && i < outer->inputs->len; i++) {
@@ -132,8 +135,8 @@ static char *name_of(const opc_key *key, const char *ending) {
 
 /* ---- taking and keeping ---- */
 
-/* A step with a flow of its own always runs: it is the steps of that flow that
-   are reused. */
+/* Return the stored result of a step; NULL: none. A step with an inner flow
+   always runs: the steps of that flow are reused. */
 static GVariant *find_result(const opc_run *run, const opc_flow_step *step) {
   const opc_key *key = &run->kept.keys[step->number];
   if (!key->sum || step->binding->inner) return NULL;
@@ -163,7 +166,7 @@ gboolean opc_reuse_take(opc_run *run, const opc_flow_step *step,
   return TRUE;
 }
 
-/* A folder for a moment, in the run's. */
+/* Return a new temporary folder inside the run's folder (g_free). */
 static char *open_scratch(const opc_run *run) {
   g_autofree char *name =
       g_build_filename(run->written.work, ".opcflow-XXXXXX", NULL);
@@ -219,7 +222,7 @@ void opc_reuse_keep(opc_run *run, const opc_flow_step *step, guint tables) {
 
 /* ---- outputs of steps that did not run ---- */
 
-/* From the store. */
+/* Load the outputs of a step from the store. */
 static gboolean restore(opc_run *run, const opc_flow_step *step) {
   const opc_binding *b = step->binding;
   const opc_step *functions = b->plugin->functions;
@@ -246,7 +249,7 @@ static gboolean restore(opc_run *run, const opc_flow_step *step) {
   return !code;
 }
 
-/* Once more, into a folder that is thrown away, and without a word. */
+/* Run a step again for its outputs, silently and in a temporary folder. */
 static gboolean run_again(opc_run *run, const opc_flow_step *step,
                           const char *whom, opc_problems *problems) {
   char *work = run->written.work;
@@ -267,7 +270,7 @@ static gboolean run_again(opc_run *run, const opc_flow_step *step,
   return good;
 }
 
-/* Whether all ranks say yes, and in *any whether one does. */
+/* Return whether `yes` is set in all ranks; *any: in at least one. */
 static gboolean do_all(const ranks_group *ranks, gboolean yes, gboolean *any) {
   gint64 least[2] = {yes, -yes};
   opc_error stopped;
@@ -277,8 +280,8 @@ static gboolean do_all(const ranks_group *ranks, gboolean yes, gboolean *any) {
   return least[0] > 0;
 }
 
-/* From the store if all ranks have it there, so that none is missed by those
-   that work. */
+/* Load outputs from the store if all ranks have them; otherwise all ranks run
+   the step, as those that run it need every rank. */
 static gboolean restore_all(opc_run *run, const opc_flow_step *step) {
   gboolean any, here = restore(run, step);
   gboolean all = do_all(opc_run_ranks(run), here, &any);
@@ -306,7 +309,7 @@ gboolean opc_reuse_provide(opc_run *run, const opc_flow_step *step,
     run->objects[n] = run->kept.base->objects[its->number];
     return good;
   }
-  /* One that had them for a step of its own leaves the others to themselves. */
+  /* If only some ranks hold the outputs, the others proceed alone. */
   gboolean any, before = run->apart;
   if (do_all(opc_run_ranks(run), run->objects[n] != NULL, &any)) return TRUE;
   run->apart = before || any;

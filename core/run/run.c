@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Makes and frees runs. */
+/* Creates and frees runs. */
 #include "core/run/run.h"
 
 #include <guard/guard.h>
@@ -44,7 +44,8 @@ void opc_run_release(opc_run *run, const opc_flow_step *step) {
   run->objects[step->number] = NULL;
 }
 
-/* Later steps may point into the outputs of earlier ones. */
+/* Reverse order: outputs of later steps may point into those of earlier
+   ones. */
 void opc_run_release_all(opc_run *run) {
   for (guint i = run->flow->order->len; i-- > 0;) {
     const opc_flow_step *step = run->flow->order->pdata[i];
@@ -74,7 +75,7 @@ void opc_run_free(opc_run *run) {
 
 /* ---- ranks ---- */
 
-/* A flow inside of a step is each rank's own. */
+/* Each rank runs inner flows alone. */
 const ranks_group *opc_run_ranks(const opc_run *run) {
   for (const opc_run *r = run; r; r = r->main)
     if (r->apart || (r->main && r->main->at)) return NULL;

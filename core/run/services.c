@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Services of the host: the dispatch by name, and results that plugins keep. */
+/* Implements services of the host: the dispatch by name, and results that
+   plugins store. */
 #include "core/run/services.h"
 
 #include <guard/guard.h>
@@ -13,7 +14,7 @@
 #include "core/run/pieces.h"
 #include "core/run/run.h"
 
-/* NULL: nothing is kept. */
+/* Return the store of a host; NULL: nothing is stored. */
 static opc_store *results_store(const opc_host *host) {
   const opc_binding *b = host->data;
   return host->service == opc_run_service
@@ -23,8 +24,8 @@ static opc_store *results_store(const opc_host *host) {
 
 /* ---- identity ---- */
 
-/* What a step itself takes is its own to put into a key. What the plugins in
-   its slots take it does not see. */
+/* Fail if an instance in `of` other than b itself takes an input. A step can
+   add its own inputs to a key, but does not see those of its slots. */
 static gboolean takes_nothing(const opc_binding *b, const opc_binding *of,
                               opc_error *error) {
   g_autoptr(GPtrArray) all = g_ptr_array_new();
@@ -64,7 +65,7 @@ static const char *results_identity(const opc_host *host, const char *slot,
 
 /* ---- results ---- */
 
-/* The name in the store (g_free); NULL if the build is not known. */
+/* Return the name in the store (g_free); NULL if the build is unknown. */
 static char *results_name(const opc_host *host, const char *key) {
   const opc_plugin *plugin = ((const opc_binding *)host->data)->plugin;
   const char *build = opc_store_build(results_store(host), plugin->id);

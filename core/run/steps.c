@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Runs steps, each alone or by several ranks. */
+/* Runs steps, each in one process or distributed over ranks. */
 #include "core/run/steps.h"
 
 #include <errno.h>
@@ -11,8 +11,8 @@
 #include "core/run/reports.h"
 #include "core/run/reuse.h"
 
-/* Of each step (g_free): whether every rank runs it, as it shares its pieces
-   out or gives something to one that does. */
+/* Return, by step number, whether every rank runs a step (g_free): the step
+   distributes pieces, or such a step depends on it. */
 static gboolean *find_shared(const opc_run *run) {
   const GPtrArray *order = run->flow->order;
   gboolean *shared = g_new0(gboolean, run->flow->steps->len);
@@ -27,8 +27,8 @@ static gboolean *find_shared(const opc_run *run) {
   return shared;
 }
 
-/* Whether all may begin: same bits are to be had only from the same files,
-   builds and processors. */
+/* Return whether all ranks agree on files, builds and processors, without which
+   results are not bit-identical. */
 static gboolean are_alike(opc_run *run, opc_problems *problems) {
   const ranks_group *ranks = opc_run_ranks(run);
   guint n = run->flow->steps->len;
@@ -43,8 +43,8 @@ static gboolean are_alike(opc_run *run, opc_problems *problems) {
   return opc_ranks_agree(ranks, text->str, problems);
 }
 
-/* Before a step that may crash: what the folder says if it does. An empty
-   folder stays so, as nothing is kept of it. */
+/* Write the reports that remain if the step crashes. An empty folder stays
+   empty, as it is not kept. */
 static void prepare_for_crash(opc_run *run, const opc_flow_step *step) {
   if (!run->written.guarded || !opc_reports_has_others(run)) return;
   g_autoptr(opc_problems) problems = opc_problems_new();
@@ -53,7 +53,7 @@ static void prepare_for_crash(opc_run *run, const opc_flow_step *step) {
   g_clear_pointer(&run->out.failure, g_free);
 }
 
-/* Let it run with what it takes, or take what it gave before. */
+/* Reuse the result of a step, or run it with its inputs. */
 static gboolean do_step(opc_run *run, const opc_flow_step *step,
                         opc_problems *problems) {
   if (opc_reuse_take(run, step, problems)) return !problems->list->len;
@@ -73,8 +73,8 @@ static gboolean do_step(opc_run *run, const opc_flow_step *step,
   return good;
 }
 
-/* The same where several ranks run the flow: of what they do not share, the
-   first one does all. */
+/* Run a step where several ranks run the flow: a step that is not shared runs
+   in the first rank only. */
 static gboolean do_step_together(opc_run *run, const opc_flow_step *step,
                                  gboolean shared, opc_problems *problems) {
   const ranks_group *ranks = opc_run_ranks(run);

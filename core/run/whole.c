@@ -14,7 +14,8 @@
 #include "core/run/reports.h"
 #include "core/run/steps.h"
 
-/* What other ranks than the first one write goes nowhere. */
+/* Open a temporary folder for ranks other than the first; it is removed
+   later. */
 static void open_scratch(opc_run *run, opc_problems *problems) {
   g_autoptr(GError) fault = NULL;
   run->written.work = g_dir_make_tmp("opcflow-XXXXXX", &fault);
@@ -23,8 +24,8 @@ static void open_scratch(opc_run *run, opc_problems *problems) {
     opc_problem_add(problems, OPC_IO, NULL, "%s", fault->message);
 }
 
-/* Open the folder of a run; NULL for other ranks than the first, or with a
-   problem. */
+/* Open the folder of a run. Returns NULL for ranks other than the first, or
+   with a problem. */
 static opc_folder *open_folder(opc_run *run, const char *target,
                                opc_problems *problems) {
   opc_error error;
@@ -49,9 +50,9 @@ static opc_folder *open_folder(opc_run *run, const char *target,
   return slot;
 }
 
-/* What a run that failed has written is kept as TARGET.failed; that is nothing
-   if only the reserved names are claimed. What cannot get its name keeps the
-   one it has. */
+/* Close the folder. The files of a failed run are kept as TARGET.failed, unless
+   only reserved names are claimed. A folder that cannot be renamed keeps its
+   temporary name. */
 static void close_folder(opc_run *run, opc_folder *slot, const char *target,
                          opc_problems *problems) {
   guard_folder(NULL, NULL, NULL);

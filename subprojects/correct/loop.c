@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the loop of thesis figures 2.1, 3.1 and 5.1: simulate a mask,
+/* Implements the loop of thesis figures 2.1, 3.1 and 5.1. Simulate a mask,
    extract each transistor's performance, and let synthesizers displace the
    mask's edges within the limits of a regulator until they are done. All
    algorithms are plugins; the loop passes arrays between them. */

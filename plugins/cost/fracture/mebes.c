@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the MEBES model. Rectangles are cut at the borders of stripes and
-   segments. Positions along x do not depend on the row of the array, so the
-   size is that of one row in one stripe, times the number of parts into which
-   stripes cut all rows. */
+   segments. Positions along x do not depend on the row of the array. The size
+   therefore is that of one row in one stripe, times the number of parts into
+   which stripes cut all rows. */
 #include "mebes.h"
 
 /* Sizes of records in bytes. */

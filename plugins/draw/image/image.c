@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the step `draw.image`: a part of a layout simulated by several
-   models of optics and resist, with the aerial image of the first, the contours
-   of each, and their distances. */
+   models of optics and resist. The picture has the aerial image of the first,
+   the contours of each, and their distances. */
 #include "image.h"
 
 #include <eda/print.h>
