@@ -236,9 +236,8 @@ static void put_ramp(GString *deck, const char *net, int rises, double slew,
   g_string_append(deck, ")\n");
 }
 
-/* Return the delay from the middle of the cause to the middle of the output,
-   for nand2 whose A changes with a slew of 12 ps, and B `gap` later with 20
-   ps. */
+/* Return the delay from the middle of the cause to the middle of the output.
+   nand2: A changes with a slew of 12 ps, B `gap` later with 20 ps. */
 static double both_by_hand(int rises, double gap) {
   g_autofree char *card = data("devices/opcflow65.pm");
   const double middle = 60e-12;
