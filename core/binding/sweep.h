@@ -57,8 +57,8 @@ gboolean opc_axis_touches(const opc_axis *axis, const opc_recipe *recipe,
 unsigned opc_sweep_depth(const opc_sweep *sweep);
 
 /* Return the level of each step at a point of the sweep, by step number
-   (g_free): 0 if no axis changes the step or a step that it depends on, else,
-   from 1, the level of the last axis that does. */
+   (g_free). The level is 0 if no axis changes the step, directly or through a
+   dependency; else, from 1, that of the last such axis. */
 struct opc_flow;
 unsigned *opc_sweep_levels(const opc_sweep *sweep, const struct opc_flow *flow);
 
