@@ -18,7 +18,7 @@
 
 enum { MOST_LENGTHS = 2000, LEAST_LENGTHS = 3 };
 
-/* ---- work: what is told ---- */
+/* ---- work: reports ---- */
 
 static const char *const types[TYPES] = {[EDA_NMOS] = "n", [EDA_PMOS] = "p"};
 

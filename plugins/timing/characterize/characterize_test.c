@@ -70,7 +70,7 @@ static const eda_timing_arc *arc(const eda_timing_cell *c, uint32_t input,
   return k < 0 ? NULL : &c->arc[k];
 }
 
-/* ---- what cells compute ---- */
+/* ---- logic functions ---- */
 
 static int aoi21(int a, int b1, int b2) { return !(a | (b1 & b2)); }
 
@@ -301,7 +301,7 @@ static void test_pairs(void) {
   eda_timing_free(t);
 }
 
-/* ---- what is alike ---- */
+/* ---- equivalent transistors ---- */
 
 /* A NAND gate with two fingers per transistor and separate nets for the stacks,
    and one with single fingers in another order, whose values must equal those

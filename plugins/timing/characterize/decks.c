@@ -185,7 +185,7 @@ static char *deck_text(const deck *d) {
   return text;
 }
 
-/* ---- what is measured ---- */
+/* ---- measurement ---- */
 
 static const double *vector_of(const eda_spice_plot *plot, const char *format,
                                size_t k, uint32_t net, size_t n) {

@@ -235,7 +235,7 @@ static int measure_pairs(study *s, eda_timing_cell *c, opc_error *error) {
   return code;
 }
 
-/* ---- pins by what the other inputs are ---- */
+/* ---- pin capacitances by pattern of the other inputs ---- */
 
 /* Uses the middle slew of the grid, as of inputs from gates: the circuit behind
    the pin responds while the input changes. */
