@@ -35,8 +35,8 @@ opc_sweep *opc_sweep_none(void);
 void opc_sweep_free(opc_sweep *sweep);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_sweep, opc_sweep_free)
 
-/* Replace or append the axes that `map` gives: paths, which may be split into
-   nested maps, with their values. */
+/* Replace or append the axes in `map`: paths, which may be split into nested
+   maps, with their values. */
 void opc_sweep_lay_over(opc_sweep *sweep, const opc_node *map,
                         opc_problems *problems);
 
