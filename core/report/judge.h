@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Verdicts: measured metrics of a run against the requirements of its flow. */
+/* Verdicts: measured metrics of a run against the requirements of the flow. */
 #pragma once
 
 #include "core/binding/flow.h"

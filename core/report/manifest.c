@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Writes the manifest of a run: the origin of its results. */
+/* Writes the manifest of a run: the origin of the results. */
 #include <math.h>
 #include <string.h>
 #include <sys/utsname.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Outcome of a run and its reports as JSON. */
+/* Outcome and reports of a run as JSON. */
 #pragma once
 
 #include <base/findings.h>
@@ -45,7 +45,7 @@ void opc_outcome_add_findings(JsonObject *object, const opc_outcome *outcome);
 /* Return metrics.json (g_free). */
 char *opc_outcome_metrics_text(const opc_outcome *outcome);
 
-/* Contents of a run's manifest besides its outcome. */
+/* Contents of a run's manifest besides the outcome. */
 typedef struct opc_manifest {
   const opc_outcome *outcome;
   const opc_flow *flow;

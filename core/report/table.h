@@ -19,8 +19,8 @@ opc_table *opc_table_new(const char *name, uint32_t flags, size_t rows,
                          size_t column_size, opc_error *error);
 void opc_table_free(opc_table *table);
 
-/* Add a column and return its data: one zeroed element per row. Texts in it are
-   freed with the table. */
+/* Add a column and return its data: one zeroed element per row. Texts in the
+   column are freed with the table. */
 void *opc_table_add(opc_table *table, const char *name, const char *unit,
                     uint32_t type, int32_t decimals);
 
