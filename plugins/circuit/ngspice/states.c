@@ -335,8 +335,8 @@ static const void *keep(bench *b, const GArray *a, size_t count, size_t size) {
 }
 
 /* List states as patterns, with the transitions between them and the levels of
-   the outputs. States with a gate at an undefined level have no leakage
-   pattern. */
+   the outputs. Outputs have no level in a state with a net at an
+   undefined level. */
 static void list_patterns(bench *b, const machine *m, patterns *p, logic *l) {
   *p = (patterns){.count = m->states, .bit = m->bit};
   *l = (logic){0};

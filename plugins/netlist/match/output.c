@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The circuit that netlist.match hands on, and what the run tells of it. */
+/* Builds the output circuit of netlist.match and reports the result. */
 #include <glib.h>
 #include <opcflow/table.h>
 #include <string.h>
