@@ -14,7 +14,8 @@ static const cli_option options[] = {
     {"json", "what is wrong as JSON, too", .flag = &json},
     {0}};
 
-/* Print a message of an instance once, even if several variants log it. */
+/* Print each message of instances once, even if several variants log the
+   message. */
 static void take_log(void *data, const char *path, int level,
                      const char *message) {
   static GMutex lock;
@@ -25,7 +26,7 @@ static void take_log(void *data, const char *path, int level,
   g_mutex_unlock(&lock);
 }
 
-/* ---- what a run will want ---- */
+/* ---- forecasts of a run ---- */
 
 /* bytes below which a forecast of memory alone gets no line */
 static const double little = 1e6;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The opcflow command: functions shared by its verbs. Its use is described in
-   docs/reference/command.md. */
+/* The opcflow command: functions shared by the verbs. The user's view is
+   described in docs/reference/command.md. */
 #pragma once
 
 #include <base/cli.h>
@@ -33,7 +33,7 @@ struct cli_verb {
   const char *summary;
   const cli_option *options; /* ends with an empty element; NULL: none */
   guint least, most;         /* limits of the number of arguments */
-  /* Run the verb after its options are read; returns the exit code. NULL: the
+  /* Run the verb after the options are read; returns the exit code. NULL: the
      verb belongs to another program. */
   int (*run)(const cli_verb *verb, const GPtrArray *arguments);
   const char *words;        /* choices of the first argument, separated by |; or
@@ -69,7 +69,7 @@ extern const cli_verb cli_run, cli_check, cli_version, cli_help;
   .summary = "What may stand at the end of a line", .hidden = TRUE
 
 /* Verbs of the program, NULL-terminated, hidden ones last. Each program defines
-   its own. */
+   this array. */
 extern const cli_verb *const cli_verbs[];
 
 /* Run the verb named on a command line and return the exit code. */
@@ -111,7 +111,7 @@ int cli_parse(const cli_verb *verb, guint n, char **words, GPtrArray *rest);
 
 void cli_print_help(const cli_verb *verb);
 
-/* Return the flow of a verb: its first argument, or flow.yaml if the current
+/* Return the flow of a verb: the first argument, or flow.yaml if the current
    folder has one. NULL after an error message. */
 const char *cli_flow(const cli_verb *verb, const GPtrArray *arguments);
 
@@ -151,7 +151,7 @@ int cli_is_stopped(void *unused);
 /* Print an error message and return the exit code `code`. */
 #define cli_error(code, ...) (cli_message("error", __VA_ARGS__), (code))
 
-/* Print the error of a library and return its exit code. */
+/* Print the error of a library and return the exit code. */
 int cli_fail(const opc_error *error);
 
 /* Print all problems and return their exit code. */

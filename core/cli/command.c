@@ -69,7 +69,7 @@ static char *option_help(const opc_parameter *p) {
   return g_string_free(help, FALSE);
 }
 
-/* ---- what it says ---- */
+/* ---- published results ---- */
 
 static void take_log(void *data, const char *path, int level,
                      const char *message) {

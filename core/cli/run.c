@@ -72,7 +72,7 @@ static void print_sweep(const opc_run *run) {
   opc_table_free(table);
 }
 
-/* ---- what came of it ---- */
+/* ---- results ---- */
 
 static void print_text(const opc_run *run) {
   for (guint i = 0; i < run->out.tables->len; i++) {
@@ -265,8 +265,8 @@ static void choose_variants(series *s, opc_problems *problems) {
 }
 
 /* Keep freed memory in the process: fields of tens of megabytes are allocated
-   and freed at the same sizes, and mapping and clearing them again costs a
-   tenth of a correction's time. */
+   and freed at the same sizes. Mapping and clearing them again costs a tenth of
+   a correction's time. */
 static void keep_memory(void) {
   mallopt(M_MMAP_THRESHOLD, 1 << 30);
   mallopt(M_TRIM_THRESHOLD, INT_MAX);

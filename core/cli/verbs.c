@@ -49,8 +49,8 @@ int cli_run_devel(const cli_verb *verb) {
                    program ? "cannot start" : "there is no program");
 }
 
-/* Run the verb: the first word that is no option. Options before it are read as
-   if they followed it. */
+/* Run the verb: the first word that is no option. Options before the verb are
+   read like options after the verb. */
 static int work(int argc, char **argv) {
   int at = 1;
   while (at < argc && *argv[at] == '-') {

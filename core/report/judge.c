@@ -25,7 +25,7 @@ GPtrArray *opc_verdicts_new(void) {
 
 /* ---- one requirement ---- */
 
-/* Return the value of the metric; NAN if it was not published. */
+/* Return the value of the metric; NAN if not published. */
 static double find_value(const GArray *metrics, const opc_requirement *r) {
   for (guint i = 0; i < metrics->len; i++) {
     const opc_inner_metric *m = &g_array_index(metrics, opc_inner_metric, i);

@@ -15,7 +15,7 @@ typedef struct opc_outcome {
   char *failure; /* why a step failed; NULL: no failure */
   GDateTime *started;
   double total;      /* seconds */
-  double *seconds;   /* one per step; NAN: it did not run */
+  double *seconds;   /* one per step; NAN: not run */
   GPtrArray *tables; /* opc_table * */
   GArray *metrics;   /* opc_inner_metric */
   GPtrArray *inputs; /* files read: path, SHA-256, path ... */
@@ -25,8 +25,8 @@ typedef struct opc_outcome {
   const opc_sweep *sweep; /* NULL: none */
   opc_table *points;      /* parameters and metrics of all points of a sweep */
   size_t failed_points;   /* including failed points of inner flows */
-  int points_code;        /* OPC_LIMIT if all failed points have it, else
-                             OPC_FAILED */
+  int points_code;        /* OPC_LIMIT if that is the code of all failed points,
+                             else OPC_FAILED */
 } opc_outcome;
 
 /* Initialize the outcome of a run of `steps` steps that starts now. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements devices.ngspice: computes a device table from a model card or a
-   foundry's model library: on and off currents of transistors over length and
-   width (thesis 2.2.1), and the capacitance of their gates. */
+   foundry's model library. The table has the on and off currents of transistors
+   over length and width (thesis 2.2.1), and the capacitance of their gates. */
 #include "ngspice.h"
 
 #include <eda/drawing.h>
@@ -18,7 +18,7 @@
 
 enum { MOST_LENGTHS = 2000, LEAST_LENGTHS = 3 };
 
-/* ---- work: what is told ---- */
+/* ---- work: reports ---- */
 
 static const char *const types[TYPES] = {[EDA_NMOS] = "n", [EDA_PMOS] = "p"};
 

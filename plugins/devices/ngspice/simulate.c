@@ -369,9 +369,9 @@ static int check_reference(const job *j, opc_error *error) {
 }
 
 /* Extrapolate to narrower widths: the logarithm of current per width is linear
-   in 1 / W, with the slope between the two narrowest simulated widths, of which
-   the second is at least 10 % wider. This continues the contribution of the
-   edges. */
+   in 1 / W. The slope is that between the two narrowest simulated widths, of
+   which the second is at least 10 % wider. This continues the contribution of
+   the edges. */
 static int go_narrower(const job *j, opc_error *error) {
   const double part = 1.1;
   const plan *p = j->p;

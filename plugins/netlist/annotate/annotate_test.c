@@ -9,7 +9,7 @@
 
 #include "tools/devel/testing.h"
 
-/* ---- an inverter, and what it prints as ---- */
+/* ---- an inverter and its printed sizes ---- */
 
 static const uint32_t fingers[2] = {0, 1};
 static const char *nets[] = {"IN", "OUT", "XU1/VDD", "VSS"};
@@ -202,7 +202,7 @@ static void test_fingers(void) {
   circuit.count = 2;
 }
 
-/* ---- what is refused ---- */
+/* ---- errors ---- */
 
 static void refused(const char *map, int with_mask, const char *pattern) {
   g_autofree char *message = annotate(map, with_mask, 1);

@@ -60,8 +60,9 @@ typedef struct choice {
   uint32_t gates, first_free, left;
 } choice;
 
-/* Return the free gate of matching size that is nearest to the device's place.
-   If none matches: the nearest gate. Ties: the first. */
+/* Return the free gate of matching size that is nearest to the device's place,
+   or the first of matching size if the place is unknown. If no size matches,
+   return the first free gate. */
 static uint32_t best_gate(const choice *c, double width) {
   const job *j = c->g->j;
   const eda_gates *o = j->gates;

@@ -135,7 +135,7 @@ static void test_roles(void) {
   drop(&r);
 }
 
-/* ---- ways to write it ---- */
+/* ---- notations ---- */
 
 /* Test each stage of the chain as one device, with and without the number of
    fingers; parameters, expressions, subcircuits missing in the layout, an

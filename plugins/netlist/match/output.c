@@ -64,7 +64,7 @@ eda_circuit *match_circuit(const job *j, const char *name, const char *supply,
   return c;
 }
 
-/* ---- what the run tells ---- */
+/* ---- reports ---- */
 
 static const char *gate_names(job *j, const eda_device *d) {
   g_autoptr(GString) text = g_string_new(NULL);

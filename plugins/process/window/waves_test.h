@@ -63,10 +63,10 @@ static inline void make(lines *l) {
 
 /* ---- an image with closed forms ---- */
 
-/* Image of poly: 0.5 - m cos(2 pi (x - 125) / pitch) - s (dark - drawn), where
-   the contrast m decreases with the square of the defocus, and `dark` is the
-   covered share of the mask. Image of active: 0.5 - 0.35 cos(2 pi (y - 1000) /
-   4000), where 4000 nm is the height of the frame. */
+/* Image of poly: 0.5 - m cos(2 pi (x - 125) / pitch) - s (dark - drawn). The
+   contrast m decreases with the square of the defocus; `dark` is the covered
+   share of the mask. Image of active: 0.5 - 0.35 cos(2 pi (y - 1000) / 4000),
+   where 4000 nm is the height of the frame. */
 static const double shadow = 2, active_pitch = 4000;
 
 static inline double contrast(double defocus) {

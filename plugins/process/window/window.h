@@ -53,9 +53,8 @@ int window_expose(window *w, opc_error *error);
 /* ---- limits.c ---- */
 
 /* Fill low, high, depth_low and depth_high: the widest range of the list in
-   which all gates are within tolerance, extended on both sides to the point
-   where the first gate leaves the tolerance, linear between the values of the
-   list. */
+   which all gates are within tolerance. The range extends on both sides to the
+   point where the first gate leaves the tolerance, by linear interpolation. */
 void window_limits(window *w);
 
 /* ---- performance.c ---- */
