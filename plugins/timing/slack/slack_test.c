@@ -20,7 +20,7 @@ static const double drop[2] = {0.02, 0.3}; /* Ion, Ioff */
 static const double most_ion = 0.9;
 enum { STEPS = 10 };
 
-/* Return the length increase (nm) that costs 10 % of Ion, in steps of ln L. */
+/* Return the length increase (nm) that costs 10 % of Ion. */
 static double longest(void) { return log(most_ion) / -drop[0]; }
 static double length_at(int step) {
   return 60 * (exp(log1p(longest() / 60) * step / STEPS) - 1);
