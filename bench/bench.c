@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Keeps the figures of a benchmark, shows them and writes them as JSON. */
+/* Collects the figures of a benchmark, prints them and writes them as JSON. */
 #include "bench/bench.h"
 
 #include <json-glib/json-glib.h>

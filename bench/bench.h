@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* For benchmarks: figures, each with the one to reach. One program, one
-   thread. */
+/* Figures of benchmarks, each with a goal. For single-threaded programs. */
 #pragma once
 
 #include <stddef.h>
 
-enum { BENCH_LOWER, BENCH_HIGHER }; /* which is better */
+enum {
+  BENCH_LOWER,
+  BENCH_HIGHER
+}; /* whether lower or higher values are
+      better */
 
 /* Keep a figure for bench_write. Names are "circuit.figure". `reach` is
    INFINITY where there is nothing to reach (null in the file). */
@@ -18,5 +21,5 @@ void bench_report(const char *name, double value, const char *unit,
    figures that fall short of their reach are shown, but are no failure. */
 int bench_write(const char *name);
 
-/* Sorts the values. */
+/* Return the median; sorts the values. */
 double bench_median(double *values, size_t n);

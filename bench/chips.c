@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Layouts of growing size by correct.chip, from file to file: squares of our
-   memory, of so many um a side, and macros of IHP where OPCFLOW_TEST_DATA has
-   them. CPU seconds, peak memory, masks, and the size of the mask's file. */
+/* Layouts of growing size through correct.chip, from file to file: square
+   arrays of the memory cell, and macros of IHP if OPCFLOW_TEST_DATA has them.
+   CPU seconds, peak memory, masks, and the size of the mask file. */
 #include <fcntl.h>
 #include <glib.h>
 #include <glib/gstdio.h>
@@ -17,7 +17,8 @@
 #include <store/files.h>
 #include "bench/bench.h"
 
-/* The memory's pitch, um: its box and a little; and its transistors. */
+/* Pitch of the memory array, um: the cell's box and a margin; number of
+   transistors in the array cell. */
 enum { PITCH_X = 4, PITCH_Y = 13, TRANSISTORS = 192 };
 
 static const char *setting(const char *name, const char *preset) {
@@ -28,7 +29,7 @@ static const char *setting(const char *name, const char *preset) {
 /* ---- processes ---- */
 
 typedef struct cost {
-  double seconds, megabytes; /* of the processors; at most */
+  double seconds, megabytes; /* CPU time; peak memory */
 } cost;
 
 static gboolean run(char **argv, cost *c) {
@@ -71,7 +72,7 @@ static void report(const char *name, const char *what, double value,
   bench_report(full, value, unit, reach, BENCH_LOWER);
 }
 
-/* Correct it by fast simulations; `more` are further arguments. */
+/* Measure a correction with fast simulations; `more` are further arguments. */
 static gboolean measure(const char *folder, const char *name, char **more,
                         double transistors, double area, const char *layout) {
   g_autofree char *flow = g_build_filename(folder, "bench.yaml", NULL);
@@ -108,7 +109,8 @@ static gboolean measure(const char *folder, const char *name, char **more,
 
 /* ---- our memory ---- */
 
-/* Columns and rows of it, as CIF: its last call becomes many. */
+/* Write an array of columns and rows as CIF, by replication of the last
+   call. */
 static gboolean make_square(const char *path, int columns, int rows) {
   g_autofree char *source = g_build_filename(
       setting("OPCFLOW_SOURCE", "."), "data", "cells65", "sram4.cif", NULL);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* flows/compare.yaml: seven methods on our seven cells, with the page; the same
-   again; with one parameter of one method changed; on a circuit, where there is
-   one; and killed at random moments. Wall clock, and processor time beside it,
-   which other work on the machine does not lengthen. */
+/* Measures flows/compare.yaml: seven methods on seven cells, with the report
+   page; the same run repeated; with one changed parameter of a method; on a
+   circuit, if available; and killed at random times. Wall-clock time and
+   processor time, which does not depend on other load. */
 #include <glib.h>
 #include <glib/gstdio.h>
 #include <math.h>
@@ -58,7 +58,7 @@ static double processor(void) {
          (double)(used.ru_utime.tv_usec + used.ru_stime.tv_usec) * 1e-6;
 }
 
-/* A run to its end: seconds of the clock. */
+/* Run to the end; return the wall-clock seconds. */
 static double run(const char *store, const char *output, const char *set) {
   gint64 before = g_get_monotonic_time();
   int status;
@@ -69,7 +69,7 @@ static double run(const char *store, const char *output, const char *set) {
   return (double)(g_get_monotonic_time() - before) * 1e-6;
 }
 
-/* The same as two figures. */
+/* Measure a run and report both times. */
 static double measure(const char *name, double reach, const char *store,
                       const char *output, const char *set) {
   g_autofree char *used = g_strconcat(name, "_processor", NULL);
@@ -95,7 +95,7 @@ static int is_made(const char *path) {
   return line && g_regex_match_simple("^\\nmask +ran ", line, 0, 0);
 }
 
-/* Masks that were made anew, by dpb and by all other methods. */
+/* Count the newly computed masks, of dpb and of all other methods. */
 static void count_made(const char *output, double *dpb, double *others) {
   g_autofree char *all = g_build_filename(folder, output, "compare", NULL);
   g_autoptr(GDir) dir = g_dir_open(all, 0, NULL);
@@ -137,7 +137,7 @@ static char *contents(const char *output, const char *a, const char *b,
   return text;
 }
 
-/* experiment.csv without its fifth column, the seconds. */
+/* Return experiment.csv without the fifth column, the seconds. */
 static char *figures(const char *output) {
   g_autofree char *text = contents(output, "experiment.csv", NULL, NULL);
   g_auto(GStrv) lines = g_strsplit(text, "\r\n", -1);
@@ -166,8 +166,8 @@ static int is_same(const char *one, const char *other) {
   return same;
 }
 
-/* Twenty times in a row, at moments that add up to about a whole run; then to
-   its end. */
+/* Kill a run twenty times, at times that add up to about one run; then let it
+   finish. */
 static void kill_often(const char *source) {
   g_autofree char *set = g_strdup_printf(
       "compare.cases=[{ layout: { use: read.cif, layers: { poly: CP, active: "

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Runs of the command from file to file: the NAND2, and circuits if test data
-   exist. The figures are the time, relative to that of fast simulations alone,
-   the deviations of the currents, and these deviations by a model of another
+   exist. The figures are the time relative to that of fast simulations alone,
+   the deviations of the currents, and the deviations by a model of another
    kind.
 
-   bench_correction [NAME ...]: of these jobs alone; "library" are circuits by
-   the masks of their cells.
+   bench_correction [NAME ...]: run only these jobs; "library" are circuits
+   assembled from the masks of their cells.
 
-   OPCFLOW_BEFORE=FOLDER, the source of another version with its build in
-   FOLDER/build, has that one run its flow in turns with this one's, where
-   there is something to compare with. */
+   OPCFLOW_BEFORE=FOLDER, the source of another version with a build in
+   FOLDER/build: that version runs the same flows alternately, where its results
+   are comparable. */
 #include <glib.h>
 #include <json-glib/json-glib.h>
 #include <math.h>
@@ -23,27 +23,28 @@
 enum { MAX_REPEATS = 9, MAX_SETS = 8, MAX_FIGURES = 8 };
 
 typedef struct figure {
-  const char *step, *metric; /* "seconds": the step's own, of the manifest */
+  const char *step, *metric; /* "seconds": run time of the step, from the
+                                manifest */
   double reach;              /* 0: not reported */
   const char *unit;          /* NULL: a number */
 } figure;
 
-/* The version that is measured, or another one. */
+/* The measured version, or another one. */
 typedef struct version {
   const char *command, *source;
   char **environment;
 } version;
 
 typedef struct job {
-  const char *name;           /* of its figures */
+  const char *name;           /* prefix of the figures */
   const char *flow;           /* in flows/ */
-  const char *variant;        /* of it; NULL: none */
+  const char *variant;        /* variant of the flow; NULL: none */
   const char *circuit;        /* of ISCAS'85; NULL: that of the flow */
-  size_t repeats;             /* the median counts */
-  double seconds;             /* to reach; 0: not reported */
+  size_t repeats;             /* number of runs; the median is reported */
+  double seconds;             /* goal of the run time; 0: not reported */
   const char *sets[MAX_SETS]; /* STEP.PARAMETER=VALUE */
   figure figures[MAX_FIGURES];
-  /* The reference, run in turns: the same with fast simulations alone, or the
+  /* Settings of the reference, run alternately: fast simulations alone, or the
      other version; and the allowed ratio of the times. */
   const char *cheap[MAX_SETS];
   double times;
@@ -71,7 +72,7 @@ static const job jobs[] = {
                  {"mask", "ion_max", 0.4, "%"},
                  {"mask", "ioff_mean", 3, "%"},
                  {"mask", "ioff_total", 2, "%"}}},
-    /* The same mask by a model of another kind. */
+    /* The same mask verified by a model of another kind. */
     {.name = "c432.verified",
      .flow = "newton.yaml",
      .variant = "verified",
@@ -89,7 +90,7 @@ static const job jobs[] = {
      .sets = {"picture=~", "mask.synthesizer.target=plain"},
      .figures = {{"mask", "ion_mean", 0.04, "%"},
                  {"mask", "ion_max", 0.4, "%"},
-                 {"mask", "simulations", 16, NULL}, /* of two layers */
+                 {"mask", "simulations", 16, NULL}, /* for two layers */
                  {"mask", "fine_simulations", 4, NULL}},
      .cheap = {"mask.fine=off", "mask.margin=1 um"},
      .times = 2},
@@ -146,7 +147,7 @@ static version this_version(void) {
                    setting("OPCFLOW_SOURCE", "."), g_get_environ()};
 }
 
-/* NULL without OPCFLOW_BEFORE. */
+/* Return the other version; NULL without OPCFLOW_BEFORE. */
 static const version *other_version(void) {
   static version before;
   const char *source = g_getenv("OPCFLOW_BEFORE");
@@ -196,7 +197,7 @@ static double run_once(const job *j, const version *v, const char *const *more,
   return g_error_matches(error, G_SPAWN_EXIT_ERROR, 1) ? seconds : -1;
 }
 
-/* A metric of a run, from its metrics.json; seconds from its manifest. */
+/* Read a metric of a run from metrics.json; seconds from the manifest. */
 static gboolean read_metric(const char *folder, const figure *f,
                             double *value) {
   gboolean time = !strcmp(f->metric, "seconds");
@@ -220,7 +221,7 @@ static gboolean read_metric(const char *folder, const figure *f,
   return FALSE;
 }
 
-/* A figure without a reference is not compared. */
+/* Report a figure; without a reference it is not compared. */
 static void tell(const job *j, const char *what, double value, const char *unit,
                  double reach) {
   g_autofree char *name = g_strdup_printf("%s.%s", j->name, what);
@@ -274,18 +275,19 @@ static gboolean measure(const job *j, const char *folder) {
 
 /* ---- by a library of cells (thesis table 4.2) ---- */
 
-/* How many times as fast as the whole circuit by DPB-OPC, flat; and how far the
-   currents are, by the same reference model. */
+/* Expected speed relative to DPB-OPC of the flat circuit, and the deviation of
+   the currents by the same verification model. */
 static const struct by_cells {
-  const char *variant, *mask; /* of flows/library-methods.yaml; its last step */
+  const char *variant, *mask; /* variant of flows/library-methods.yaml; its last
+                                 step */
   double times;
   gboolean judged; /* "no worse than flat" */
 } by_cells[] = {{"dpb_placed", NULL, 40, FALSE},
                 {"newton_2", "mask", 10, FALSE},
                 {"newton_0", "mask", 5, TRUE}};
 
-/* One run of a variant; the seconds of the steps that make the mask, the cells
-   being there, or -1. */
+/* Run a variant; return the seconds of the steps that compute the mask, with
+   the cells already in the library, or -1. */
 static double run_by_cells(const char *circuit, const char *variant,
                            const char *step, const char *folder, double *ion) {
   g_autofree char *base = g_build_filename(folder, "library", NULL);

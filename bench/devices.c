@@ -16,7 +16,7 @@ enum { RUNS = 5, SAMPLES = 60, FIGURES = 6 };
 
 static const opc_host *host;
 
-/* Time of this process: others may be at work, too. */
+/* Return the processor time of this process, independent of other load. */
 static double now(void) {
   struct timespec t;
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
@@ -57,7 +57,7 @@ static models models_make(void) {
   return m;
 }
 
-/* A layout's transistors and their print, the mask as drawn. */
+/* Transistors of a layout and the simulated image of the uncorrected mask. */
 typedef struct chip {
   opc_module *segment;
   const eda_gates *gates;
@@ -83,7 +83,7 @@ static void print_layer(const models *m, const eda_gates *g, int layer,
   must(resist->print(m->resist->self, layer, out, &error), &error);
 }
 
-/* 0 if there is no transistor in that cell. */
+/* Returns 0 if the cell has no transistor. */
 static int chip_make(const models *m, eda_layout *layout, const char *top,
                      chip *c) {
   g_autofree char *map = g_strdup_printf("{ top: '%s' }", top);
@@ -123,7 +123,8 @@ static opc_module *extractor(const char *more) {
   return m;
 }
 
-/* All figures of a chip, FIGURES * count numbers: those of eda_performance. */
+/* Return all figures of a layout, FIGURES * count numbers, in the order of
+   eda_performance. */
 static double *measure(const chip *c, const opc_module *extract,
                        uint32_t *flags) {
   size_t n = c->gates->count;
@@ -141,7 +142,7 @@ static double *measure(const chip *c, const opc_module *extract,
 
 /* ---- time ---- */
 
-/* Rows of lines over two actives each, 14,000 transistors. */
+/* Return rows of lines across two actives each, 14,000 transistors. */
 static eda_layout *rows_of_gates(void) {
   enum { COLUMNS = 250, ROWS = 28 };
   opc_error error;
@@ -272,7 +273,7 @@ static void errors_report(errors *e, const char *name) {
   opc_test_module_free(e->many);
 }
 
-/* All cells of a file that have transistors, or its top cell. */
+/* Report the errors for all cells with transistors, or for the top cell. */
 static void bench_error(const models *m, const char *name, const char *file,
                         const char *top) {
   g_autofree char *beside = g_build_filename(setting("OPCFLOW_SOURCE", "."),

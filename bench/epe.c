@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* EPE-OPC of a metal layer of 30 x 30 um made here: 8 iterations with fragments
-   of 32 nm, on two cores. The share of synthesizer.epe itself is measured
+/* EPE-OPC of a synthetic metal layer of 30 x 30 um: 8 iterations with fragments
+   of 32 nm, on two cores. The share of synthesizer.epe is measured
    separately. */
 #include <eda/eda.h>
 #include <glib.h>
@@ -27,7 +27,8 @@ static uint32_t draw(uint32_t *state, uint32_t below) {
   return (*state >> 8) % below;
 }
 
-/* Tracks of wires of 0.3 to 3 um; one in five goes on in the next track. */
+/* Return tracks of wires of 0.3 to 3 um; one in five continues in the next
+   track. */
 static eda_layout *metal(void) {
   opc_error error;
   uint32_t state = 1;
@@ -56,7 +57,7 @@ static opc_module *module(const char *id, const char *parameters) {
   return m;
 }
 
-/* The whole step, with more parameters. */
+/* Measure the complete step with further parameters. */
 static double correct(eda_gates *gates, const char *more) {
   g_autofree char *parameters = g_strdup_printf(
       "{ litho: { use: litho.hopkins }, resist: { use: resist.threshold, "
@@ -78,7 +79,7 @@ static double correct(eda_gates *gates, const char *more) {
   return seconds;
 }
 
-/* synthesizer.epe alone, on errors made up. */
+/* Measure synthesizer.epe alone, on synthetic errors. */
 static double alone(eda_gates *gates) {
   g_autofree char *parameters = g_strdup_printf(
       "{ fragment: 32 nm, blur: 50 nm, iterations: %d }", ITERATIONS);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Imaging: its error against finer settings, and its time against that of the
-   plain Fourier transforms that it needs, in one run. The field is rows of
-   65 nm lines at 250 nm pitch. */
+/* Imaging: the error against finer settings, and the time relative to that of
+   the Fourier transforms alone, in one run. The layout is rows of 65 nm lines
+   at 250 nm pitch. */
 #include "bench/bench.h"
 #include "core/plugin/host.h"
 #include "imaging/fft.h"
@@ -71,7 +71,7 @@ typedef struct times {
   double layer, fft;
 } times;
 
-/* The transforms that a layer of that size needs, as whole planes. */
+/* Measure the Fourier transforms of a layer of that size, as full planes. */
 static double transforms(eda_frame f, const opc_module *m, size_t systems,
                          int fine) {
   const eda_litho *l = m->functions;
@@ -119,7 +119,7 @@ static double layer(const eda_shapes *s, eda_frame f, const opc_module *m,
   return time;
 }
 
-/* The best of RUNS, layer and transforms in turn. */
+/* Measure layer and transforms alternately; return the best of RUNS. */
 static times measure(double um, const opc_module *m, size_t systems) {
   eda_shapes s = rows_of_lines(1000 * um);
   eda_frame f = frame_of(1000 * um);
@@ -155,7 +155,7 @@ static double growth(double small, double large, const opc_module *m) {
   return bench_median(ratio, TURNS);
 }
 
-/* One layer in each of two processes at one time. */
+/* Measure one layer in each of two concurrent processes. */
 static double two_processes(const eda_shapes *s, eda_frame f,
                             const opc_module *m) {
   double start = now();
@@ -171,9 +171,9 @@ static double two_processes(const eda_shapes *s, eda_frame f,
   return now() - start;
 }
 
-/* Two threads over one, and the limit of this machine: two processes at once
-   against one. Medians of runs in turn. The processes come first, while there
-   is no other thread. */
+/* Measure the speed-up of two threads, and the limit of this machine: two
+   concurrent processes against one. Medians of alternate runs. The processes
+   come first, before any other thread exists. */
 static void bench_threads(const opc_module *m) {
   enum { TURNS = 9 };
   eda_shapes s = rows_of_lines(80000);
@@ -206,7 +206,7 @@ static void bench_threads(const opc_module *m) {
   g_free(s.points);
 }
 
-/* A small image out of focus: kernels of their own. */
+/* Measure a small defocused image, which needs other kernels. */
 static void defocused(const opc_module *m) {
   const eda_litho *l = m->functions;
   eda_shapes none = {0};
@@ -245,7 +245,7 @@ static void bench_prepare(void) {
 
 static void bench_time(void) {
   g_autoptr(opc_module) m = litho("{}");
-  /* As many as litho.hopkins says it takes, and the rest. */
+  /* The number of kernels that litho.hopkins reports, and the residual. */
   size_t systems = 13;
   opc_set_threads(1);
   times one = measure(80, m, systems);
@@ -267,7 +267,8 @@ static void bench_time(void) {
 
 static const double cutoff = 0.75 / 193, sigma = 0.75;
 
-/* A point source on a ring: the pupil, shifted. */
+/* Compute the transfer function of a point source on a ring: the shifted
+   pupil. */
 static void shifted_pupil(const void *self, size_t s, const double *fx,
                           double fy, size_t n, float *out) {
   const size_t *count = self;
@@ -280,7 +281,7 @@ static void shifted_pupil(const void *self, size_t s, const double *fx,
   }
 }
 
-/* Nothing at all, for the time of everything else. */
+/* Return zeros, to measure the time of everything else. */
 static void no_transfer(const void *self, size_t s, const double *fx, double fy,
                         size_t n, float *out) {
   (void)self;
@@ -316,7 +317,7 @@ static double plain_sum(const eda_spectrum *mask, size_t count) {
   return time;
 }
 
-/* Parts of a layer of 60 um on one core: medians. */
+/* Measure the parts of a layer of 60 um on one core; medians. */
 static void bench_parts(void) {
   enum { PARTS = 5, TURNS = 9, SYSTEMS = 13 };
   static const char *const names[PARTS] = {"spectrum", "transfer", "fields",
@@ -387,7 +388,7 @@ static eda_field sampled(const eda_shapes *s, eda_frame f, int raster, int grid,
   return field;
 }
 
-/* How far the edges of a field are from those of a finer one. */
+/* Report the distance of the edges of a field from those of a finer one. */
 static void compare_edges(const char *name, const eda_field *field,
                           const eda_field *fine, double reach) {
   eda_frame window = {0, 0, 6000, 6000};
@@ -436,7 +437,7 @@ static double value_at(const eda_field *f, double x, double y) {
   return v;
 }
 
-/* The printed width of a vertical line around x at y. */
+/* Return the printed width of a vertical line around x at y. */
 static double width_at(const eda_field *f, double x, double y) {
   double edge[2];
   for (int side = 0; side < 2; side++) {
@@ -453,7 +454,7 @@ static double width_at(const eda_field *f, double x, double y) {
   return edge[1] - edge[0];
 }
 
-/* The print of the lines, with a resist calibrated to the same model. */
+/* Simulate the lines, with a resist calibrated to the same model. */
 static eda_field print(const char *parameters, const eda_shapes *s, eda_frame f,
                        eda_field *intensity) {
   opc_error error;
@@ -542,7 +543,8 @@ static eda_shapes read_clip(const char *path) {
   return merged;
 }
 
-/* Its image in focus and out of it, by the contest's 24 kernels each. */
+/* Measure a clip in focus and defocused, with the 24 kernels of the contest
+   each. */
 static void bench_clip(void) {
   g_autofree char *focus = contest("kernels/focus", "scales.txt");
   g_autofree char *defocus = contest("kernels/defocus", "scales.txt");

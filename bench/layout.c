@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Reading large layouts: one flat cell of rectangles, as GDSII and OASIS, by
-   the command and by KLayout where its Python module is there. And how long a
-   user waits for `opcflow check`. Wall seconds and peak memory. */
+/* Reading of large layouts: one flat cell of rectangles, as GDSII and OASIS, by
+   the command, and by KLayout if its Python module is available; and the time
+   of `opcflow check`. Wall-clock seconds and peak memory. */
 #include <errno.h>
 #include <fcntl.h>
 #include <glib.h>
@@ -35,14 +35,15 @@ typedef struct rectangle {
   int32_t x, y, width, height;
 } rectangle;
 
-/* Numerical Recipes' generator: the files are the same everywhere. */
+/* Return a random number by the generator of Numerical Recipes, so that the
+   files are the same everywhere. */
 static uint32_t next_random(uint32_t *state) {
   *state = *state * 1664525u + 1013904223u;
   return *state >> 8;
 }
 
-/* Number i: on a coarse grid of places, with sizes of its own; long runs on
-   one layer, as layout tools write them. */
+/* Return rectangle i: on a coarse grid, of random size; long runs on one layer,
+   as layout tools write them. */
 static rectangle rectangle_at(uint32_t i, uint32_t *state) {
   rectangle r = {.layer = i / (RECTANGLES / LAYERS) + 1};
   r.x = (int32_t)(i % 3163) * 400 + (int32_t)(next_random(state) % 200);
@@ -115,7 +116,7 @@ static uint8_t *oasis_text(uint8_t *p, const char *text) {
   return (uint8_t *)memcpy(p, text, n) + n;
 }
 
-/* Layer and datatype are said where they change, everything else each time. */
+/* Append a rectangle: layer and datatype only where they change. */
 static uint8_t *oasis_rectangle(uint8_t *p, rectangle r, uint32_t layer) {
   uint8_t more = r.layer != layer ? 0x03 : 0;
   *p++ = 20;
@@ -174,7 +175,7 @@ static gboolean make(const char *path, void (*write_file)(FILE *file)) {
 
 /* ---- processes ---- */
 
-/* Run a program to its end, silent if `quiet`; FALSE if it fails. */
+/* Run a program to the end, without output if `quiet`; FALSE on failure. */
 static gboolean run(char **argv, gboolean quiet, cost *c) {
   gint64 before = g_get_monotonic_time();
   pid_t child = fork();
@@ -193,7 +194,7 @@ static gboolean run(char **argv, gboolean quiet, cost *c) {
   return WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
-/* The median time and the largest memory of some runs. */
+/* Measure the median time and the peak memory of several runs. */
 static gboolean repeat(char **argv, size_t n, const char *folder, cost *c) {
   double seconds[CHECKS];
   c->megabytes = 0;
@@ -249,7 +250,7 @@ static gboolean read_by_klayout(const char *path, cost *c) {
   return repeat(argv, REPEATS, NULL, c);
 }
 
-/* KLayout's figures are the reference: its time, half its memory. */
+/* KLayout is the reference: its time, and half its memory. */
 static gboolean measure(const char *folder, const char *name,
                         const char *plugin, void (*write_file)(FILE *file),
                         gboolean klayout) {

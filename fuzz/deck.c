@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Treatment of a deck, and of a file that it names: each line is a title, a
-   continuation or a statement that is known. */
+/* Sanitising of a deck, and of a file that it names: each resulting line is a
+   title, a continuation or a known statement. */
 #include <glib.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,7 +8,8 @@
 #include "fuzz/fuzz.h"
 #include "simulator/deck.h"
 
-/* As in the simulator's manual, and not as in the code that is tried. */
+/* Return whether the simulator's manual has the statement, independently of the
+   code under test. */
 static int is_known(const char *line) {
   static const char *const begins[] = {
       ".model",  ".param",  ".subckt",  ".ends",  ".global", ".func",

@@ -9,7 +9,7 @@
 #include "fuzz/fuzz.h"
 #include "plugins/litho/kernels/files.h"
 
-enum { MOST_FILES = 8 }; /* fh0.bin, fh1.bin ... that are there */
+enum { MOST_FILES = 8 }; /* number of files fh0.bin, fh1.bin ... */
 
 static char *folder, *text;
 
@@ -28,7 +28,7 @@ static void link_to(const char *path, const char *name) {
   if (symlink(path, name)) g_error("no link '%s'", name);
 }
 
-/* The files must be beside each other: links to those in memory. */
+/* Link the files in memory into one folder. */
 static void set_up(const char *weights, const char *kernel) {
   folder = g_dir_make_tmp("opcflow-fuzz-XXXXXX", NULL);
   if (!folder) g_error("no folder");

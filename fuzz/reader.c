@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A reader of layouts, linked into this program: an instance of its own for
-   every input. */
+/* A layout reader, linked into this program: a new instance for each input. */
 #include <eda/layout.h>
 #include <string.h>
 
@@ -9,10 +8,10 @@
 
 const opc_plugin *opcflow_plugin(void);
 
-/* An instance whose file is the one in memory. */
+/* Bind an instance to the file in memory. */
 static opc_binding *bind(const char *path) {
   static opc_source *source;
-  static opc_node *volatile map; /* volatile: leaves it where it can be seen */
+  static opc_node *volatile map; /* volatile: visible to the leak checker */
   static const opc_place nowhere = {"fuzz", 0, 0};
   g_autoptr(opc_problems) problems = opc_problems_new();
   if (!map) {

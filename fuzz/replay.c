@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A fixed number of mutations of some seeds, the same ones each time:
-   PROGRAM RUNS SUFFIX FILE-OR-FOLDER ..., and the test data where there are
-   some. An input that takes long is a failure; a crash is one by itself, and
-   the input is then in the file that OPCFLOW_FUZZ_INPUT names, if it is set. */
+/* Runs a fixed, reproducible number of mutations of seeds: PROGRAM RUNS SUFFIX
+   FILE-OR-FOLDER ..., and of the test data if there are any. A slow input is a
+   failure. After a crash the input is in the file named by OPCFLOW_FUZZ_INPUT,
+   if set. */
 #include <glib.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,7 +12,7 @@
 
 enum { LARGEST = 1 << 15, MUTATIONS = 6 };
 
-/* For one input, s; sanitizers take their time. */
+/* Time limit of an input, s, sufficient under sanitizers. */
 static const double patience = 5;
 
 static uint64_t state = 0x9e3779b97f4a7c15;
@@ -71,7 +71,7 @@ static void insert(GByteArray *a, guint at, const guint8 *data, guint n) {
   memcpy(a->data + at, data, n);
 }
 
-/* A number of one to eight bytes, at the edge of something. */
+/* Insert a boundary value of one to eight bytes. */
 static void put_number(GByteArray *a, guint at) {
   static const uint64_t edges[] = {
       0,          1,          2,         3,
@@ -139,7 +139,8 @@ int main(int argc, char **argv) {
       g_ptr_array_new_with_free_func((GDestroyNotify)g_bytes_unref);
   for (int i = 3; i < argc; i++) add_seeds(seeds, argv[i], argv[2]);
   add_test_data(seeds, argv[2]);
-  g_ptr_array_sort(seeds, by_content); /* whatever order folders are read in */
+  g_ptr_array_sort(seeds, by_content); /* independent of the order of directory
+                                          entries */
   if (!seeds->len) {
     fprintf(stderr, "error: no seeds\n");
     return 1;

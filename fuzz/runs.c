@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A run folder of which one file is anything: its manifest, metrics, resolved
-   flow, or a table; and the table of an experiment. */
+/* A run folder with one arbitrary file: manifest, metrics, resolved flow, or a
+   table; and the table of an experiment. */
 #include <eda/runs.h>
 #include <glib.h>
 #include <glib/gstdio.h>
@@ -47,7 +47,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     for (int i = 0; i < 4; i++) put(files[i], good[i], -1);
     atexit(clear);
   }
-  /* The first byte says which. */
+  /* The first byte selects the file. */
   int which = size ? data[0] % 4 : 0;
   put(files[which], data + (size > 0), (gssize)size - (size > 0));
   read_all();

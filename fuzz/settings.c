@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Texts of --set and --sweep for a flow: a line each, those of --sweep with a
-   sign before them. */
+/* Texts of --set and --sweep for a flow, one per line; those of --sweep begin
+   with a sign. */
 #include <string.h>
 
 #include "core/binding/flow.h"

@@ -22,7 +22,7 @@ static void read_goals_of_two(const char *path) {
   eda_goals_read(path, &gates, goals, &error);
 }
 
-/* A model that a table is read for, and no image taken from. */
+/* A litho model required to read a table; no image is computed. */
 static double band(const void *self) {
   (void)self;
   return 1e-3;

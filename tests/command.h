@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The opcflow command as tests call it, in a folder of their own. */
+/* Runs of the opcflow command in a temporary folder. */
 #pragma once
 
 #include <gio/gio.h>
@@ -10,10 +10,10 @@
 
 static char *folder, *command;
 
-/* What a command gave. */
+/* Output of the last command. */
 static char *out, *err;
 
-/* Run a program; gives its exit code, or 128 and the signal that ended it. */
+/* Run a program; return its exit code, or 128 plus the signal that ended it. */
 static inline int spawn(const char *const *argv) {
   int status;
   g_clear_pointer(&out, g_free);
@@ -23,8 +23,8 @@ static inline int spawn(const char *const *argv) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
-/* Run opcflow with words that have no spaces but where '~' stands for one;
-   gives the exit code. */
+/* Run opcflow with the words of `line`, in which '~' stands for a space; return
+   the exit code. */
 static inline int call(const char *line) {
   g_auto(GStrv) words = g_strsplit(line, " ", -1);
   g_autoptr(GPtrArray) argv = g_ptr_array_new();
@@ -35,7 +35,8 @@ static inline int call(const char *line) {
   return spawn((const char *const *)argv->pdata);
 }
 
-/* Start a run of which a plugin, once it has said so, loops for ever. */
+/* Start a run and return once a plugin reports that it begins an endless
+   loop. */
 static inline GSubprocess *start_loop(const char *flow) {
   const char *argv[] = {command, "run", flow, "--output", "x", NULL};
   GError *fault = NULL;
@@ -62,7 +63,7 @@ static inline gboolean is_there(const char *name) {
   return g_file_test(name, G_FILE_TEST_EXISTS);
 }
 
-/* How many entries, hidden ones too, a folder has. */
+/* Return the number of entries in a folder, including hidden ones. */
 static inline guint entries(const char *name) {
   guint n = 0;
   GDir *dir = g_dir_open(name, 0, NULL);
@@ -71,7 +72,8 @@ static inline guint entries(const char *name) {
   return n;
 }
 
-/* With the plugins of the tests; and those of opcflow, if asked for. */
+/* Set up the temporary folder with the test plugins, and with the plugins of
+   opcflow if `with_own`. */
 static inline void set_up(gboolean with_own) {
   folder = g_dir_make_tmp("opcflow-XXXXXX", NULL);
   g_assert_cmpint(g_chdir(folder), ==, 0);
@@ -83,7 +85,7 @@ static inline void set_up(gboolean with_own) {
   g_setenv("OPCFLOW_PLUGIN_PATH", path, TRUE);
 }
 
-/* A flow of two steps, of which the second one works first. */
+/* Write a flow of two steps, of which the second listed runs first. */
 static inline void write_two(void) {
   write_text("in.txt", "some input\n");
   write_text("two.yaml",
@@ -93,7 +95,7 @@ static inline void write_two(void) {
              "deep/er/out.txt }\n");
 }
 
-/* Run the tests that were added, and leave nothing. */
+/* Run the registered tests, remove the folder, and return the exit code. */
 static inline int run_all(void) {
   int failed = g_test_run();
   g_assert_cmpint(g_chdir("/"), ==, 0);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The opcflow command from outside: exit codes, output, run folders. */
+/* The opcflow command: exit codes, output, run folders. */
 #include <fcntl.h>
 #include <gio/gio.h>
 #include <json-glib/json-glib.h>
@@ -51,7 +51,7 @@ static void test_tell(void) {
   g_assert_nonnull(strstr(err, "built for plugin interface 9.8, this is 0.8"));
 }
 
-/* What inspect gives to paste is a flow but for the values. */
+/* The text printed by inspect is a valid flow except for the missing values. */
 static void test_stanza(void) {
   g_assert_cmpint(call("inspect test.numbers"), ==, 0);
   const char *stanza = strstr(out, "\nnumbers:\n");
@@ -81,7 +81,7 @@ static void test_check(void) {
   g_assert_cmpstr(err, ==, "error: 'none.yaml': no such file\n");
 }
 
-/* Light steps run, so that the others can tell what they will want. */
+/* Light steps run during a check, so that later steps can make a forecast. */
 static void test_forecast(void) {
   write_text("wants.yaml",
              "opcflow: 1\nsteps:\n"
@@ -129,7 +129,7 @@ static JsonObject *member(JsonNode *node, const char *name) {
   return json_object_get_object_member(json_node_get_object(node), name);
 }
 
-/* Options come from the parameters, and what is published is shown. */
+/* Options correspond to the parameters, and published data is printed. */
 static void test_verb(void) {
   g_assert_cmpint(call("tell a b~c --max-cases 3 --sizes [1~nm,0.002~um]"), ==,
                   0);
@@ -210,7 +210,7 @@ static void test_verb_faults(void) {
                           "'command.tell': aborted\n"));
 }
 
-/* Files come into the present folder; none is replaced. */
+/* Output files are written to the current folder and never overwrite a file. */
 static void test_verb_files(void) {
   g_assert_cmpint(call("tell --output deep/told.txt one two"), ==, 0);
   g_autofree char *text = read_text("deep/told.txt");
@@ -240,7 +240,7 @@ static void test_run(void) {
   g_assert_cmpuint(entries("one"), ==, 6);
 }
 
-/* The sum is that of the file, and everything is told of. */
+/* The manifest has the hash of the input file, and all other entries. */
 static void test_manifest(void) {
   g_assert_cmpint(call("run two.yaml --output told"), ==, 0);
   g_autofree char *text = read_text("told/manifest.json");
@@ -266,7 +266,7 @@ static void test_manifest(void) {
                   "lower");
 }
 
-/* The resolved flow gives the same again, also from elsewhere. */
+/* The resolved flow gives the same results, also from another folder. */
 static void test_again(void) {
   g_assert_cmpint(call("run two.yaml --output first --set b.size=4~nm"), ==, 0);
   g_assert_cmpint(call("run first/flow.yaml --output second"), ==, 0);
@@ -299,7 +299,7 @@ static void test_folders(void) {
   g_assert_cmpstr(err, ==,
                   "error: 'runs/two': already exists, --force replaces it\n");
   g_assert_cmpint(call("run two.yaml --output runs/two/ --force"), ==, 0);
-  /* Only runs are replaced. */
+  /* --force replaces run folders only. */
   g_assert_cmpint(g_mkdir("precious", 0777), ==, 0);
   write_text("precious/mine.txt", "");
   g_assert_cmpint(call("run two.yaml --output precious --force"), ==, 5);
@@ -326,7 +326,7 @@ static void test_failures(void) {
                   2);
   g_assert_nonnull(strstr(err, "'../out' leaves the run folder"));
   g_assert_cmpuint(entries("f"), ==, 4);
-  /* Nothing was written: nothing is kept. */
+  /* A run that wrote no file leaves no folder. */
   write_text("bare.yaml",
              "opcflow: 1\nsteps:\n  a: { use: test.numbers, size: 1 nm, "
              "behave: fail }\n");
@@ -334,7 +334,7 @@ static void test_failures(void) {
   g_assert_cmpuint(entries("f"), ==, 4);
 }
 
-/* Two steps must not write the same file. */
+/* Two steps with the same output file are refused. */
 static void test_taken(void) {
   g_assert_cmpint(
       call("run two.yaml --output taken --set b.output=deep/er/out.txt"), ==,
@@ -347,7 +347,7 @@ static void test_taken(void) {
 
 /* ---- the command line ---- */
 
-/* As a shell gives ~ without quotes. */
+/* An unquoted ~ as expanded by a shell. */
 static void test_tilde(void) {
   g_setenv("HOME", folder, TRUE);
   const char *const paths[] = {"b", "b.note"};
@@ -380,7 +380,7 @@ static void test_log(void) {
 
 /* ---- signals and terminals ---- */
 
-/* Stop a run, whose second step waits. */
+/* Interrupt a run whose second step waits. */
 static void interrupt(const char *option, const char *value) {
   const char *argv[] = {command, "run",  "two.yaml", "--output",
                         "i/x",   option, value,      NULL};
@@ -390,7 +390,7 @@ static void interrupt(const char *option, const char *value) {
       G_SUBPROCESS_FLAGS_STDOUT_SILENCE | G_SUBPROCESS_FLAGS_STDERR_SILENCE,
       &fault);
   g_assert_no_error(fault);
-  /* Once the first step has written its table, the second one waits. */
+  /* The second step waits after the first has written its table. */
   for (int i = 0; i < 500 && !entries("i"); i++) g_usleep(10000);
   g_assert_cmpuint(entries("i"), ==, 1);
   g_usleep(100000);
@@ -406,8 +406,8 @@ static void test_interrupt(void) {
   interrupt("--sweep", "b.behave=[well,wait,well]");
 }
 
-/* What opcflow WORDS, which ends with that code, says on a terminal; NULL if
-   there are none to be had, then the test is skipped. */
+/* Return the output of opcflow WORDS on a terminal and check the exit code;
+   NULL, with the test skipped, if there is no pseudo-terminal. */
 static char *say_on_terminal(const char *words, const char *no_colour,
                              int code) {
   int terminal = posix_openpt(O_RDWR | O_NOCTTY);
@@ -448,8 +448,8 @@ static void test_colour(void) {
   g_assert_null(strchr(plain, '\033'));
 }
 
-/* How far each step of each point is, in one line that is written again; the
-   first step is of all points. */
+/* The progress of each step and point is shown in one line, updated in place;
+   the first step is shared by all points. */
 static void test_progress(void) {
   g_autofree char *said = say_on_terminal(
       "run two.yaml --set b.behave=tell --sweep b.size=[3nm,4nm]", "1", 0);
@@ -458,7 +458,7 @@ static void test_progress(void) {
   const char *a = strstr(said, AGAIN "[1/2] a" AGAIN);
   const char *b = a ? strstr(a, AGAIN "point 1/2 [2/2] b" AGAIN) : NULL;
   if (!b || !strstr(b, AGAIN "point 2/2 [2/2] b" AGAIN)) g_error("%s", said);
-  /* After 0.2 s or a little more, 1,200 times as long is left. */
+  /* After 0.2 s or slightly more, 1,200 times as long remains. */
   const char *first = strstr(b, "b  1/1201  worst 0.5 nm  ");
   int minutes, seconds;
   if (!first || sscanf(first + 25, "%d:%d left", &minutes, &seconds) != 2)
@@ -474,7 +474,7 @@ static void test_progress(void) {
   g_assert_null(strstr(quiet, "[1/2]"));
 }
 
-/* opcflow as a shell starts it. */
+/* Run opcflow by a shell and return the exit code. */
 static int shell(const char *words) {
   g_autofree char *line = g_strdup_printf("%s %s", command, words);
   return spawn((const char *const[]){"/bin/sh", "-c", line, NULL});
@@ -487,7 +487,8 @@ static void test_full(void) {
     g_test_skip("there is no /dev/full");
 }
 
-/* No plugin is blamed for streams that came closed, and no file becomes one. */
+/* Closed standard streams are not attributed to a plugin, and no file takes
+   their descriptors. */
 static void test_closed(void) {
   g_assert_cmpint(shell("run two.yaml --output closed >&-"), ==, 5);
   g_assert_true(is_there("closed/manifest.json"));

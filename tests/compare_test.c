@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* opcflow compare, of run folders that are written here, so that what is
-   better, and by how much, is known without it. */
+/* opcflow compare on synthetic run folders with known differences. */
 #include <json-glib/json-glib.h>
 #include <math.h>
 #include <string.h>
@@ -10,8 +9,8 @@
 
 /* ---- run folders ---- */
 
-/* A run whose step 'out' has written a mask, which is made of boxes of CIF, and
-   whose table of costs gives it so many shots. */
+/* Make a run whose step 'out' wrote a mask of CIF boxes, with the given number
+   of shots in the table of costs. */
 static void make_mask(const char *run, const char *boxes, int shots) {
   g_autofree char *cif =
       g_strdup_printf("DS 1 1 10;%sDF;C 1;E\n", boxes); /* in nm */
@@ -44,7 +43,7 @@ static void make_mask(const char *run, const char *boxes, int shots) {
 
 static JsonParser *parser;
 
-/* Run with --json; the exit code. */
+/* Run with --json and return the exit code. */
 static int compare(const char *line) {
   g_autofree char *whole = g_strconcat("compare --json ", line, NULL);
   int code = call(whole);
@@ -69,7 +68,7 @@ static guint rows_of(const char *table) {
   return t ? json_array_get_length(json_object_get_array_member(t, "rows")) : 0;
 }
 
-/* A cell. */
+/* Return a cell of a table. */
 static JsonNode *cell(const char *table, guint row, const char *column) {
   JsonObject *t = table_of(table);
   JsonArray *columns = json_object_get_array_member(t, "columns");
@@ -91,7 +90,7 @@ static double number(const char *table, guint row, const char *column) {
   return JSON_NODE_HOLDS_NULL(node) ? NAN : json_node_get_double(node);
 }
 
-/* The row of a metric, by its column `metric`, of the run or method `who`. */
+/* Return the row of a metric for the run or method `who`. */
 static guint row_of(const char *table, const char *column, const char *who,
                     const char *metric) {
   for (guint i = 0; i < rows_of(table); i++)
@@ -155,7 +154,7 @@ static void test_verdicts(void) {
   g_assert_cmpfloat(number("metrics", low, "base"), ==, 1);
   g_assert_cmpfloat(number("metrics", low, "value"), ==, 1.25);
   g_assert_cmpfloat(number("metrics", low, "change"), ==, 0.25);
-  /* Only what differs, unless asked for. */
+  /* Only differences are listed by default. */
   g_assert_cmpuint(rows_of("metrics"), ==, 7);
   compare("a b");
   g_assert_cmpuint(rows_of("metrics"), ==, 6);
@@ -194,7 +193,7 @@ static void test_exit(void) {
       {"compare a b --fail-on better", 2, "'better': is 'worse' or"},
       {"compare a b --metrics mask.lwo", 2, "did you mean 'mask.low'?"},
       {"compare a", 2, "needs two runs or more"},
-      {"compare a a", 0, ""}, /* tables without a row */
+      {"compare a a", 0, ""}, /* tables without rows */
       {"compare a nowhere", 5, "'nowhere' is no run folder"},
       {"compare a b --table mask", 2, "there is no table 'mask'"},
       {"compare a b --variant x", 2, "goes with one flow file"},
@@ -219,9 +218,10 @@ static void test_forms(void) {
       strstr(out, "mask.low  %        1   1.25    0.25  worse          0.1  "));
 }
 
-/* What is not to be compared is named, and is compared if one insists. */
-/* Two boxes of poly, of which one is moved and one is gone; active is left out
-   as it is the same in both. */
+/* Incomparable runs are refused with the reasons, and compared with
+   --anyway. */
+/* Two boxes of poly, one moved and one removed; active is equal in both masks
+   and not listed. */
 static void test_masks(void) {
 #define SAME "L A;B 1000 200 0 0;L B;B 400 400 0 1000;"
   make_mask("mask1", SAME "L A;B 200 100 0 -400;B 60 50 0 -900;", 7);
@@ -278,13 +278,13 @@ static void test_refusals(void) {
   make_run(&(made_run){.folder = "other", .more = "\"points\" : 3,"});
   g_assert_cmpint(call("compare base other --anyway"), ==, 2);
   g_assert_nonnull(strstr(err, "is a sweep of 3 points"));
-  /* Another target of the same plugin is what is compared. */
+  /* A different target of the same plugin is comparable. */
   make_run(&(made_run){.folder = "other", .target = "full"});
   g_assert_cmpint(call("compare base other"), ==, 0);
 }
 
-/* Joined by name, whatever the order; without sign; what does not print in one
-   of them is left out. */
+/* Transistors are joined by name in any order and compared by absolute
+   deviation; those that do not print in one run are excluded. */
 static void test_transistors(void) {
   g_autofree char *a =
       g_strconcat(gates_head,
@@ -315,7 +315,7 @@ static void test_transistors(void) {
   g_assert_cmpfloat(number("transistors", 1, "low"), ==, 0);
 }
 
-/* Two runs and more of variants; the latest one counts. */
+/* Two and more variants of a flow; the latest run of each is used. */
 static void test_variants(void) {
   write_text("demo.yaml", "opcflow: 1\nname: demo # its name\n");
   make_run(&(made_run){.folder = "runs/demo", .metrics = RUN_ION("4.0")});
@@ -342,15 +342,15 @@ static void test_variants(void) {
 
 /* ---- experiments ---- */
 
-/* ION of a value that is not known before. */
+/* Return metrics with that value of Ion. */
 static char *ion_metrics(const char *value) {
   g_autoptr(GString) text = g_string_new(RUN_ION("@"));
   g_string_replace(text, "@", value, 0);
   return g_strdup(text->str);
 }
 
-/* An experiment of two methods on three cases, of which the third fails with
-   the second method; metrics are 1 but for those told. */
+/* Make an experiment of two methods on three cases, of which the third fails
+   with the second method; metrics are 1 unless given. */
 static void make_experiment(const char *name, const char *nand,
                             const char *nor) {
   static const char *const cases[] = {"nand", "nor", "inv"};
@@ -404,8 +404,8 @@ static int count_of(const char *text, const char *word) {
   return n;
 }
 
-/* A base that failed is told once, however many methods it is missed by; and
-   the parameters of many are shown when asked for. */
+/* A failed base run is reported once for all methods; parameters of many
+   methods are printed on request. */
 static void test_many_methods(void) {
   static const char *const methods[] = {"epe", "a", "b", "c"};
   g_autoptr(GString) table =
@@ -433,7 +433,7 @@ static void test_many_methods(void) {
   g_assert_cmpint(count_of(out, "full"), ==, 3);
 }
 
-/* Case by case, and each method with itself. */
+/* Two experiments are compared by case and method. */
 static void test_experiments(void) {
   make_experiment("one", "0.5", "1.0");
   make_experiment("two", "2.0", "0.25");

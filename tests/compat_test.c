@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Plugins that were built once and kept as binaries (tests/compat) run in this
-   opcflow, and in one in which every struct of the interface that may grow has
+/* Binary compatibility. Plugins kept as binaries (tests/compat) run in this
+   opcflow, and in a build in which each extensible struct of the interface has
    one more member: a function of each kind, a field of each declaration, a
-   function of each service. A plugin built against that one runs in this one.
- */
+   function of each service. A plugin built against the extended interface runs
+   in this opcflow. */
 #include <glib.h>
 #include <store/files.h>
 #include <string.h>
 #include <sys/utsname.h>
 #include <sys/wait.h>
 
-static char *kept, *folder; /* the binaries; for what runs write */
+static char *kept, *folder; /* folder of the binaries; folder of the runs */
 
 /* Run this opcflow or the grown one with words (no blanks in them) and the
    store in OPCFLOW_STORE. Return its output. */
@@ -36,7 +36,7 @@ static char *read_file(const char *in, const char *name) {
   return text;
 }
 
-/* Run a kept flow and return a file that it writes. */
+/* Run a kept flow and return the content of an output file. */
 static char *run_flow(gboolean grown, const char *flow, const char *more,
                       const char *file) {
   g_autofree char *words = g_strdup_printf(
@@ -46,7 +46,8 @@ static char *run_flow(gboolean grown, const char *flow, const char *more,
   return read_file(run, file);
 }
 
-/* Every declaration, pieces, a table, an inner flow, a plugin in a slot. */
+/* Covers declarations, work units, a table, an inner flow, a plugin in a
+   slot. */
 static void test_step(void) {
   g_autofree char *wanted = read_file(kept, "step.json");
   for (int grown = 0; grown < 2; grown++) {
@@ -72,7 +73,7 @@ static void test_results(void) {
   }
 }
 
-/* Models, synthesizer and regulator, called by the loop of correction. */
+/* Covers models, synthesizer and regulator in the correction loop. */
 static void test_correction(void) {
   g_autofree char *here = run_flow(FALSE, "correction", "", "gates.csv");
   g_autofree char *there = run_flow(TRUE, "correction", "", "gates.csv");

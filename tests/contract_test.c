@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the command says and keeps when a plugin goes wrong while a flow runs:
-   one plugin of tests/badplugins for each way. */
+/* Messages and kept files when a plugin fails while a flow runs: one plugin of
+   tests/badplugins for each fault. */
 #include <gio/gio.h>
 #include <glib/gstdio.h>
 #include <opcflow/plugin.h>
@@ -18,7 +18,7 @@ static gboolean has_text(const char *name, const char *text) {
   return strstr(content, text) != NULL;
 }
 
-/* Of a message, '*' stands for anything. */
+/* Check the message; '*' in `want` matches any text. */
 static void expect_error(const char *want) {
   if (!g_pattern_match_simple(want, err)) g_assert_cmpstr(err, ==, want);
 }
@@ -28,7 +28,7 @@ static void expect_error(const char *want) {
 static const char *const slots[] = {"litho", "resist", "extractor",
                                     "synthesizer", "regulator"};
 
-/* A correction of which one plugin, bad.KIND_FAULT, goes wrong. */
+/* Write a correction flow in which the plugin bad.KIND_FAULT is faulty. */
 static void write_correction(const char *bad) {
   char *used[G_N_ELEMENTS(slots)];
   for (size_t i = 0; i < G_N_ELEMENTS(slots); i++)
@@ -106,7 +106,8 @@ static const struct {
     {"regulator_gate", "violation 1 is of transistor 100, there are 4"},
 };
 
-/* What finished steps wrote is kept, with reports that say how it ended. */
+/* Check that the files of finished steps are kept, and that the reports have
+   the reason of the failure. */
 static void expect_kept(const char *reason) {
   g_assert_true(is_there("x.failed/numbers.csv"));
   g_assert_true(is_there("x.failed/flow.yaml"));
@@ -136,7 +137,7 @@ static void test_failures(void) {
   }
 }
 
-/* The code that a plugin gives is the command's. */
+/* The command exits with the code returned by the plugin. */
 static void test_code(void) {
   write_correction("synthesizer_begin");
   g_assert_cmpint(call("run bad.yaml --output x"), ==, 2);
@@ -146,7 +147,7 @@ static void test_code(void) {
   expect_kept("gave no reason");
 }
 
-/* Where nothing is wrong, nothing is said. */
+/* A plugin without a fault causes no message. */
 static void test_good(void) {
   write_correction("none");
   g_assert_cmpint(call("run bad.yaml --output good"), ==, 0);
@@ -184,7 +185,7 @@ static void test_crashes(void) {
   }
 }
 
-/* The folder of an earlier failure is not touched. */
+/* The folder of an earlier failed run is not changed. */
 static void test_numbered(void) {
   g_assert_cmpint(g_mkdir("x.failed", 0777), ==, 0);
   g_assert_cmpint(g_mkdir("x.failed-2", 0777), ==, 0);
@@ -199,8 +200,8 @@ static void test_numbered(void) {
 
 /* ---- endless loops ---- */
 
-/* It does not heed the first signal; the second one ends it, here of another
-   kind so that they cannot become one. */
+/* Check that the process ignores the first signal and ends at the second. The
+   signals differ in kind, as two equal pending signals would merge. */
 static void expect_end(GSubprocess *process, int first, int second,
                        const char *want) {
   g_autofree char *rest = NULL;
@@ -224,7 +225,7 @@ static void test_loops(void) {
              "'bad.synthesizer_loop'\n"
              "note: what was written so far is in 'x.failed'\n");
   expect_kept("ended while step 'mask' ran");
-  /* Nothing was written: nothing is kept. */
+  /* A run that wrote no file leaves no folder. */
   write_text("loop.yaml", "opcflow: 1\nsteps:\n  a: { use: bad.step_loop }\n");
   expect_end(start_loop("loop.yaml"), SIGTERM, SIGINT,
              "loop.yaml:3:3: step 'a' (bad.step_loop): stopped in plugin "
@@ -234,7 +235,8 @@ static void test_loops(void) {
 
 /* ---- steps ---- */
 
-/* A flow of one step; nothing is kept, as nothing was written. */
+/* Call a verb on a flow of one step, which writes no file and leaves no
+   folder. */
 static int call_step(const char *verb, const char *fault) {
   g_autofree char *text =
       g_strdup_printf("opcflow: 1\nsteps:\n  a: { use: bad.step_%s }\n", fault);
@@ -255,7 +257,7 @@ static void test_steps(void) {
   g_assert_cmpstr(err, ==,
                   "step.yaml:3:3: step 'a' (bad.step_silent): gave no "
                   "reason\n");
-  g_assert_cmpint(call_step("run", "code"), ==, 4); /* it gives 42 */
+  g_assert_cmpint(call_step("run", "code"), ==, 4); /* the step returns 42 */
   g_assert_cmpint(call_step("run", "output"), ==, 4);
   g_assert_cmpstr(err, ==,
                   "step.yaml:3:3: step 'a' (bad.step_output): gave no output "
@@ -285,7 +287,7 @@ static void test_steps(void) {
   }
 }
 
-/* One that crashes when all is done: the run is there. */
+/* A crash in `clear` occurs after the run folder is complete. */
 static void test_clear(void) {
   write_text("clear.yaml",
              "opcflow: 1\nsteps:\n  a: { use: bad.step_clear }\n");
@@ -296,7 +298,7 @@ static void test_clear(void) {
   g_assert_true(is_there("cleared/flow.yaml"));
 }
 
-/* One that crashes while it is loaded. */
+/* A plugin that crashes while it is loaded. */
 static void test_loading(void) {
   write_text("load.yaml", "opcflow: 1\nsteps:\n  a: { use: bad.crash }\n");
   g_assert_cmpint(call("run load.yaml"), ==, 3);

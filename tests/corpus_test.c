@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Every layout file of the corpus, read and compared with what KLayout says of
-   it: cells, placements, shapes by layer, and for each top cell and layer the
-   box and, where it is rectilinear, the merged area. */
+/* Each layout file of the corpus, compared with the data of KLayout: cells,
+   placements, shapes by layer, and for each top cell and layer the box and, for
+   rectilinear shapes, the merged area. */
 #include <glib.h>
 #include <json-glib/json-glib.h>
 #include <math.h>
@@ -52,8 +52,8 @@ static void check_cells(const eda_layout *layout, JsonObject *cells) {
 
 /* ---- shapes ---- */
 
-/* Paths without width cover nothing and are not kept: so many of the layer are
-   missing. */
+/* Paths of zero width have no area and are not kept; count those of each layer
+   as missing. */
 static GHashTable *check_layers(const eda_layout *layout, JsonObject *layers) {
   GHashTable *missing =
       g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
@@ -107,12 +107,11 @@ static void check_area(const eda_shapes *flat, double unit, JsonObject *want) {
   double area = 0.5 * (double)eda_area2(&merged) * unit * unit;
   double expected = json_object_get_double_member(want, "area_um2") * 1e6;
   eda_shapes_clear(&merged);
-  /* KLayout's number has 9 digits. */
+  /* KLayout prints 9 digits. */
   g_assert_cmpfloat_with_epsilon(area, expected, 1e-8 * expected + 1e-9);
 }
 
-/* Shapes of which none touches another have their areas' sum, slanted or not.
- */
+/* For disjoint shapes, also slanted ones, compare the sum of areas. */
 static void check_sum(const eda_shapes *flat, double unit, JsonObject *want) {
   double twice = 0;
   if (count(want, "polygons") != (int64_t)flat->count) return;
@@ -131,8 +130,8 @@ static void check_sum(const eda_shapes *flat, double unit, JsonObject *want) {
                                  1e-8 * expected + 0.51 * unit * unit);
 }
 
-/* Corners of slanted paths and of turned cells are a unit off at most, those
-   of round ends too. */
+/* Corners of slanted paths, rotated cells and round ends differ by at most one
+   unit. */
 static void check_box(const eda_shapes *flat, double unit, JsonObject *want) {
   JsonArray *box = json_object_get_array_member(want, "bbox_um");
   double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
@@ -172,7 +171,7 @@ static int check_top(const eda_layout *layout, const char *top,
       check_area(&flat.shapes, unit, want);
       checked++;
     } else {
-      g_assert_false(lost); /* that they covered nothing must be seen */
+      g_assert_false(lost); /* their loss must be reported */
       if (!flat.moved &&
           !count(json_object_get_object_member(layers, k->data), "path"))
         check_sum(&flat.shapes, unit, want);

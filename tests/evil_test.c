@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Plugins that harm the process they run in: whatever they do, and wherever,
-   the command names them, keeps what was written and ends with an exit code;
-   nothing of it ends well, and nothing hangs. */
+/* Plugins that damage the process in which they run. For each fault and each
+   function, the command names the plugin, keeps the written files and ends with
+   its own exit code; no faulty run succeeds or hangs. */
 #include <gio/gio.h>
 #include <glib/gstdio.h>
 #include <json-glib/json-glib.h>
@@ -13,8 +13,8 @@
 
 /* ---- help ---- */
 
-/* Run opcflow with words between spaces, no longer than 20 s, while plugins are
-   evil in that way, in that function; gives the exit code. */
+/* Run opcflow with words separated by spaces, for at most 20 s, with the fault
+   `how` in the function `when` of the plugins; return the exit code. */
 static int call_while(const char *line, const char *when, const char *how) {
   g_auto(GStrv) words = g_strsplit(line, " ", -1);
   g_autoptr(GPtrArray) argv = g_ptr_array_new();
@@ -29,8 +29,8 @@ static int call_while(const char *line, const char *when, const char *how) {
   return spawn((const char *const *)argv->pdata);
 }
 
-/* A correction of which one plugin, bad.KIND, does what the environment
-   says. */
+/* Write a correction flow in which the plugin bad.KIND has the fault of the
+   environment. */
 static void write_correction(const char *kind) {
   static const char *const slots[] = {"litho", "resist", "extractor",
                                       "synthesizer", "regulator"};
@@ -58,7 +58,7 @@ static const char ended[] = "plugin '%s' ended the process\n",
                       "plugin '%s' changed how numbers are rounded, flushed "
                       "or trapped\n";
 
-/* What is said of it, with the name of the plugin. */
+/* A fault with the expected message, '%s' for the name of the plugin. */
 typedef struct way {
   const char *how, *say;
 } way;
@@ -95,7 +95,7 @@ static const way ways[] = {
     {"stdin", "plugin '%s' closed or redirected standard input\n"},
     {"stdout", "plugin '%s' closed or redirected standard output\n"},
     {"stderr", "plugin '%s' closed or redirected standard error\n"},
-    {"close", ""}, /* nothing is left to say it with */
+    {"close", ""}, /* the message has no open stream left */
     {"fork", ended},
 };
 
@@ -110,7 +110,7 @@ static void expect(int got, int want, const char *id, const char *say) {
             err);
 }
 
-/* What the step before wrote is there. */
+/* Check that the output of the previous step is kept. */
 static void expect_kept(void) {
   g_assert_true(is_there("x.failed/numbers.csv"));
   g_assert_false(is_there("x"));
@@ -123,13 +123,13 @@ static void try_correction(const char *kind, const char *when, const char *how,
                            const char *say) {
   g_autofree char *id = g_strconcat("bad.", kind, NULL);
   write_correction(kind);
-  /* Of plugins side by side, the one that is seen first would be named. */
+  /* One thread: with several, another faulty plugin may be named first. */
   expect(call_while("run bad.yaml --output x --threads 1", when, how), 4, id,
          say);
   expect_kept();
 }
 
-/* Each way, in the function that does the work. */
+/* Test all faults in the main function of a kind. */
 static void try_ways(const char *kind, const char *when) {
   for (size_t i = 0; i < G_N_ELEMENTS(ways); i++)
     try_correction(kind, when, ways[i].how, ways[i].say);
@@ -141,7 +141,7 @@ static void test_extractor(void) { try_ways("extractor", "extract"); }
 static void test_synthesizer(void) { try_ways("synthesizer", "update"); }
 static void test_regulator(void) { try_ways("regulator", "rule"); }
 
-/* The other functions. */
+/* Faults in the other functions. */
 static void test_elsewhere(void) {
   static const struct {
     const char *kind, *when;
@@ -185,7 +185,8 @@ static void test_arrays(void) {
   }
 }
 
-/* A crash where the text or the array is read is put down to who gave it. */
+/* A crash while the host reads a returned text or array is attributed to the
+   plugin that returned it. */
 static void test_dangling(void) {
   static const char *const faults[][2] = {
       {"litho", "dangling"},       {"resist", "dangling"},
@@ -196,7 +197,7 @@ static void test_dangling(void) {
                    "crashed in plugin '%s': segmentation fault\n");
 }
 
-/* Values that are not of the heap are put down to who gave them, too. */
+/* A returned array that is not on the heap is attributed to the plugin. */
 static void test_static(void) {
 #ifdef __SANITIZE_ADDRESS__
   g_test_skip("the sanitizer speaks first");
@@ -207,8 +208,8 @@ static void test_static(void) {
 
 /* ---- side by side ---- */
 
-/* What belongs to no thread can have been any plugin that is at work: the one
-   that did it is among those that are named. */
+/* A change of process state may come from any plugin that runs at the time: the
+   message names several, among them the faulty one. */
 static void test_beside(void) {
   static const char *const kinds[][2] = {
       {"litho", "image"}, {"resist", "print"}, {"extractor", "extract"}};
@@ -262,7 +263,7 @@ static void test_step(void) {
   try_step("check step.yaml --json", "", "bytes", 0, "");
   g_autoptr(JsonNode) check = parse(out);
   try_step("run step.yaml", "run", "err", 4, ended);
-  /* Whatever ends it in the end, the exit code is the command's. */
+  /* The exit code is always that of the command. */
   try_step("run step.yaml", "run", "atexit", 4, "(bad.step): gave no reason");
   expect(call_while("run step.yaml --output z", "run", "atexit crash"), 4, "",
          "crashed while the command ended: segmentation fault\n");
@@ -280,7 +281,7 @@ static void test_verb(void) {
            ways[i].say);
 }
 
-/* While they are loaded, of any kind. */
+/* Faults while a plugin of any kind is loaded. */
 static void test_loading(void) {
   for (size_t i = 0; i < G_N_ELEMENTS(ways); i++) {
     expect(call_while("inspect kind.bad", "construct", ways[i].how), 3,
@@ -292,7 +293,7 @@ static void test_loading(void) {
 
 /* ---- what they say ---- */
 
-/* Nothing of a plugin's own gets between the command and who reads it. */
+/* Output of plugins does not reach the standard output of the command. */
 static void test_output(void) {
   write_correction("synthesizer");
   g_assert_cmpint(
@@ -312,7 +313,7 @@ static void test_output(void) {
   g_assert_true(json_object_has_member(json_node_get_object(verb), "tables"));
 }
 
-/* Terminals are safe, and no message can be made up. */
+/* Texts of plugins cannot control the terminal or forge messages. */
 static void test_texts(void) {
   const char *shown = "\\u{1b}[2Jgone\\nerror: not \\xff\n";
   try_step("run step.yaml", "", "escape", 4, shown);
@@ -330,7 +331,7 @@ static void test_texts(void) {
   g_assert_true(opc_remove_tree("x"));
 }
 
-/* Names of files are bytes. */
+/* File names that are not valid UTF-8. */
 static void test_names(void) {
   write_text("\xFF\033[1m.yaml", "opcflow: 1\nsteps: {}\n");
   g_assert_cmpint(call_while("check \xFF\033[1m.yaml --json", "", ""), ==, 2);
@@ -343,7 +344,7 @@ static void test_names(void) {
 
 /* ---- endless loops ---- */
 
-/* One signal ends it within a second. */
+/* Check that one signal ends a hanging run within a second. */
 static void try_hang(const char *flow, int number, const char *want) {
   g_autoptr(GSubprocess) process = start_loop(flow);
   g_autofree char *said = NULL;
@@ -374,7 +375,7 @@ static void test_hangs(void) {
     try_hang("bad.yaml", i % 2 ? SIGINT : SIGTERM, want);
     expect_kept();
   }
-  /* A thread that waits for that one is not to blame. */
+  /* A thread that waits for the hanging one is not blamed. */
   g_setenv("BAD_HOW", "hang aside", TRUE);
   g_setenv("BAD_WHEN", "image", TRUE);
   write_correction("litho");
@@ -388,7 +389,7 @@ static void test_hangs(void) {
   try_hang("step.yaml", SIGTERM, "stopped in plugin 'bad.step'\n");
 }
 
-/* A signal from outside is nobody's fault. */
+/* A signal from outside is attributed to no plugin. */
 static void test_foreign(void) {
   write_text("step.yaml", "opcflow: 1\nsteps:\n  a: { use: bad.step }\n");
   g_setenv("BAD_HOW", "hang", TRUE);

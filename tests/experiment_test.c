@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The step `experiment` through the command: each run against the same run
-   alone; what lists, patterns and files come to; what is refused. */
+/* The step `experiment` through the command: each run against a separate run,
+   the expansion of lists, patterns and files, and refused flows. */
 #include <string.h>
 
 #include "tests/flow.h"
 
 /* ---- help ---- */
 
-/* A cell of ours under another name. */
+/* Copy a cell under another name. */
 static void copy_cell(const char *cell, const char *name) {
   g_autofree char *path = g_strdup_printf("%s/data/cells65/%s.cif",
                                           g_getenv("OPCFLOW_SOURCE"), cell);
@@ -16,7 +16,7 @@ static void copy_cell(const char *cell, const char *name) {
   write_file(name, text);
 }
 
-/* The flow inside: light steps, one that writes a file. */
+/* The inner flow: light steps, one of which writes a file. */
 static const char inner[] =
     "opcflow: 1\nname: inner\nsteps:\n"
     "  layout: { use: read.cif, file: cells/nand2.cif, layers: { poly: CP, "
@@ -32,7 +32,7 @@ static const char inner[] =
 #define CASES \
   "    cases: [{ layout.file: [cells/nand2.cif, cells/nor2.cif] }]\n"
 
-/* Check the flow: its exit code, and that all of `words` is said. */
+/* Check a flow: its exit code, and that the messages contain all of `words`. */
 static void expect(const char *flow, const char *words) {
   g_autofree char *errors = NULL;
   write_file("bad.yaml", flow);
@@ -41,7 +41,7 @@ static void expect(const char *flow, const char *words) {
   if (!strstr(errors, words)) g_error("'%s' does not say '%s'", errors, words);
 }
 
-/* The names of the cases of a flow that runs: the first column, each once. */
+/* Run a flow and check the names of the cases, in the order of the table. */
 static void expect_cases(const char *cases, const char *names) {
   g_autofree char *errors = NULL;
   g_autofree char *flow = g_strconcat(HEAD METHODS, cases, NULL);
@@ -78,7 +78,7 @@ static void run_outer(void) {
   done = TRUE;
 }
 
-/* Each run is what its own resolved flow gives alone, to the byte. */
+/* Each run is byte-identical to a separate run of its own resolved flow. */
 static void test_alone(void) {
   static const char *const runs[] = {"nand2/fine", "nand2/coarse", "nor2/fine",
                                      "nor2/coarse"};
@@ -116,8 +116,8 @@ static void test_table(void) {
   g_assert_cmpuint(g_strv_length(lines), ==, 6);
 }
 
-/* What only the case touches runs once for all methods: it has the time of one
-   and the same run. */
+/* Steps that depend only on the case run once for all methods: their times are
+   equal. */
 static void test_sharing(void) {
   static const char *const cases[] = {"nand2", "nor2"};
   run_outer();
@@ -137,8 +137,8 @@ static void test_sharing(void) {
   }
 }
 
-/* A run that fails is told once, with its reason, and counted at the end; the
-   others go on; a sweep's exit code. */
+/* A failed run is reported once with the reason and counted in the summary; the
+   other runs continue; the exit code is that of a sweep. */
 static void test_failing(void) {
   g_autofree char *errors = NULL;
   write_file(
@@ -159,7 +159,8 @@ static void test_failing(void) {
   g_assert_true(!left || !g_dir_read_name(left));
 }
 
-/* What the flow inside requires is told by run, with exit code 1. */
+/* Violated requirements of the inner flow are reported by run, with exit code
+   1. */
 static void test_requirements(void) {
   g_autofree char *errors = NULL;
   write_file("strict.yaml",
@@ -183,11 +184,11 @@ static void test_files(void) {
       "    cases: [{ layout.file: cells/nand2.cif, layout.scale: [1, 2] }, { "
       "name: other, layout.file: cells/nor2.cif }]\n",
       "1 2 other ");
-  /* All combinations, the last one first. */
+  /* All combinations, the last list varies fastest. */
   expect_cases(
       "    cases: [{ layout.file: 'cells/n*2.cif', layout.scale: [1, 2] }]\n",
       "nand2-1 nand2-2 nor2-1 nor2-2 ");
-  /* The first text gives a name, the plugin only where there is none. */
+  /* The first text gives the name; the plugin does if there is no text. */
 #define OTHER "gates: { use: segment.transistors, grid: 2 nm }"
   expect_cases("    cases: [{ " OTHER " }, { " OTHER
                ", layout.file: cells/nor2.cif }]\n",
@@ -196,7 +197,7 @@ static void test_files(void) {
          "bad.yaml:8:28: no file is called as 'cells/x*.cif'");
 }
 
-/* Two files of one case, by what the star stands for. */
+/* Two files of a case, matched by the star of the pattern. */
 static void test_pairs(void) {
   write_file("plain.yaml", inner);
   write_file("inner.yaml",
@@ -215,7 +216,7 @@ static void test_pairs(void) {
   write_file("inner.yaml", inner);
 }
 
-/* Cells of a file, which its reader lists. */
+/* Cells of a file, as listed by the reader. */
 static void test_cells(void) {
   g_autofree char *errors = NULL;
   write_file("two.cif",
@@ -282,7 +283,8 @@ static void test_refusals(void) {
   expect(HEAD CASES, "missing parameter 'methods'");
 }
 
-/* A parameter's earlier name is taken for it, and told; not both. */
+/* A former name of a parameter is accepted and reported; both names together
+   are refused. */
 static void test_former(void) {
   g_autofree char *flow =
       g_build_filename(g_getenv("OPCFLOW_SOURCE"), "flows/newton.yaml", NULL);
@@ -291,7 +293,7 @@ static void test_former(void) {
       opcflow(&err, "run", flow, "--output", "former", "--set", "picture=~",
               "--set", "mask.max_iterations=1", "--set",
               "mask.synthesizer={ use: synthesizer.dpb, max_pde: 3 % }", NULL),
-      ==, 1); /* one iteration does not keep what the flow requires */
+      ==, 1); /* one iteration violates the requirement of the flow */
   g_assert_nonnull(strstr(err, "'max_pde' is now called 'ion_limit'"));
   g_autofree char *text = read_file("former", "flow.yaml");
   g_assert_nonnull(strstr(text, "ion_limit: 3 %"));

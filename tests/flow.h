@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Whole flows through the command, as a user runs them; what they wrote. */
+/* Runs of whole flows through the command, and access to their results. */
 #pragma once
 
 #include <glib.h>
@@ -10,10 +10,10 @@
 #include <store/files.h>
 #include "tests/data.h"
 
-static char *folder; /* of all runs; removed at the end */
+static char *folder; /* parent of all run folders; removed at the end */
 
-/* Run opcflow ARGS..., NULL; return its exit code, and in *errors, unless NULL,
-   its standard error (g_free). The working folder is `folder`. */
+/* Run opcflow ARGS..., NULL in `folder`; return the exit code, and in *errors,
+   unless NULL, the standard error (g_free). */
 static inline int opcflow(char **errors, const char *first, ...) {
   g_autoptr(GPtrArray) argv = g_ptr_array_new_with_free_func(g_free);
   g_ptr_array_add(argv,
@@ -30,7 +30,7 @@ static inline int opcflow(char **errors, const char *first, ...) {
   g_spawn_sync(folder, (char **)argv->pdata, NULL, 0, NULL, NULL, &out, &err,
                &status, &error);
   g_assert_no_error(error);
-  g_assert_true(WIFEXITED(status)); /* no signal */
+  g_assert_true(WIFEXITED(status)); /* not ended by a signal */
   if (errors)
     *errors = g_steal_pointer(&err);
   else if (WEXITSTATUS(status))
@@ -73,7 +73,7 @@ static inline void expect_equal(const char *run, const char *other,
     g_error("%s differs between %s and %s", file, run, other);
 }
 
-/* A metric of a run's step. */
+/* Return a metric of a step of a run. */
 static inline double metric(const char *run, const char *step,
                             const char *name) {
   g_autoptr(GBytes) text = bytes(run, "metrics.json");
@@ -89,7 +89,8 @@ static inline double metric(const char *run, const char *step,
                                        "value");
 }
 
-/* Is a step's plugin there? It is not built without its library. */
+/* Return whether a plugin is available; some are not built without their
+   libraries. */
 static inline int have(const char *id) {
   g_autofree char *errors = NULL;
   if (opcflow(&errors, "inspect", id, NULL) == 0) return TRUE;
@@ -97,12 +98,12 @@ static inline int have(const char *id) {
   return FALSE;
 }
 
-/* Make the folder. */
+/* Create the folder. */
 static inline void begin_flows(void) {
   folder = g_dir_make_tmp("opcflow-XXXXXX", NULL);
 }
 
-/* Run the tests that were added, and remove the folder. */
+/* Run the registered tests and remove the folder. */
 static inline int run_flows(void) {
   int code = g_test_run();
   opc_remove_tree(folder);

@@ -1,15 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Whole flows through the command, as a user runs them: what the ready flows
-   reach, and that nothing depends on the number of threads or on the
-   orientation of a cell. */
+/* Ready-made flows run through the command: reached figures, and independence
+   of the number of threads and of the orientation of a cell. */
 #include <eda/runs.h>
 #include <math.h>
 #include <string.h>
 
 #include "tests/flow.h"
 
-/* The band of a clip of ICCAD 2013, by score.iccad, which knows nothing of
-   bars: those of the model take at least 15 % of it away, and none prints. */
+/* PV band of a clip of ICCAD 2013 by score.iccad, which is independent of the
+   SRAF: model-based SRAF reduce the band by at least 15 %, and none prints. */
 static void test_assists_of_the_model(void) {
   g_autofree char *clips = find_data("clips");
   if (!clips) return;
@@ -52,7 +51,7 @@ static void test_demo(void) {
   }
 }
 
-/* The resolved flow of a run gives the same masks and figures again. */
+/* The resolved flow of a run reproduces masks and figures. */
 static void test_resolved(void) {
   g_autofree char *flow = place("demo/flow.yaml"), *out = place("again");
   g_assert_cmpint(opcflow(NULL, "run", flow, "--output", out, NULL), ==, 0);
@@ -60,11 +59,11 @@ static void test_resolved(void) {
   expect_equal("demo", "again", "mask.gds");
 }
 
-/* Coarse fine prints, which go the same way as those of the flow in a third of
-   the time. */
+/* Less accurate settings of the accurate model, which take the same code path
+   in a third of the time. */
 #define LIGHT "--set", "mask.fine=1e-3", "--set", "mask.margin=1 um"
 
-/* Same bytes for any number of threads. */
+/* Byte-identical results for any number of threads. */
 static void test_threads(void) {
   g_autofree char *flow = source_path("flows/demo.yaml");
   for (int threads = 1; threads <= 4; threads++) {
@@ -79,8 +78,8 @@ static void test_threads(void) {
   }
 }
 
-/* A NAND2 with horizontal gates is the same one, turned: as drawn, its
-   transistors deviate the same. */
+/* A NAND2 with horizontal gates equals the rotated cell: the uncorrected
+   transistors deviate by the same amounts. */
 static void test_orientation(void) {
   g_autofree char *flow = source_path("flows/demo.yaml"),
                   *out = place("turned");
@@ -111,9 +110,9 @@ static void test_nangate(void) {
   g_assert_cmpfloat(metric("nangate", "mask", "ion_max"), <=, 0.5);
 }
 
-/* A flip-flop whose line ends have little room: a gate gets wider where its
-   poly goes on, not where a thin line end would come into the channel. With W
-   shared by both sides the worst gate leaks three times as drawn. */
+/* A flip-flop with little space at line ends: gates are widened where the poly
+   continues, but not where a thin line end would reach the channel. With W
+   shared by both sides the worst gate leaks three times its drawn Ioff. */
 static void test_flip_flop(void) {
   g_autofree char *file = find_data("nangate45/NangateOpenCellLibrary.gds");
   if (!file) return;
@@ -128,7 +127,7 @@ static void test_flip_flop(void) {
   g_assert_cmpfloat(metric("flipflop", "mask", "ioff_max"), <=, 30);
 }
 
-/* The mask again, by the models of its loop and by others. */
+/* Verification of a mask by the models of the correction and by others. */
 static void test_verify(void) {
   g_autofree char *flow = place("verify.yaml"), *out = place("verify");
   g_autofree char *demo = source_path("flows/demo.yaml");
@@ -152,7 +151,7 @@ static void test_verify(void) {
   g_assert_cmpint(opcflow(NULL, "run", flow, "--output", out, NULL), ==, 0);
   const char *figures[] = {"ion_mean", "ion_max",   "ion_stdv", "area_mean",
                            "area_max", "ioff_mean", "failed"};
-  for (size_t i = 0; i < G_N_ELEMENTS(figures); i++) /* the same bits */
+  for (size_t i = 0; i < G_N_ELEMENTS(figures); i++) /* bit-identical */
     g_assert_true(metric("verify", "same", figures[i]) ==
                   metric("verify", "mask", figures[i]));
   g_assert_true(metric("verify", "same", "ion_change_max") == 0);
@@ -163,7 +162,7 @@ static void test_verify(void) {
 
 /* ---- the other ready flows ---- */
 
-/* Runs flows/NAME.yaml into a folder of that name, with up to two settings. */
+/* Run flows/NAME.yaml into a folder of that name, with up to two settings. */
 static void run_ready(const char *name, const char *set, const char *more) {
   g_autofree char *file = g_strdup_printf("flows/%s.yaml", name);
   g_autofree char *flow = source_path(file), *out = place(name);
@@ -184,14 +183,15 @@ static void test_circuit(void) {
   g_assert_cmpfloat(metric("circuit", "circuit", "transitions"), ==, 4);
   g_assert_cmpfloat(metric("circuit", "circuit", "unmeasured"), ==, 0);
   g_assert_cmpfloat(metric("circuit", "circuit", "tp_worst_before"), >, 10);
-  /* Ion within 0.5 %, and areas larger by 1.6 and 2.8 %, to be charged. */
+  /* Ion is within 0.5 %; the gate areas to be charged are larger by 1.6 and 2.8
+     %. */
   g_assert_cmpfloat(metric("circuit", "circuit", "tp_worst"), <, 2);
   expect_file("circuit", "circuit.png", 1000);
   expect_file("circuit", "delays.csv", 100);
 }
 
-/* Margins of the memory: those of a matched Ion, of matched areas as well, and
-   with L alone as the thesis simulates it. */
+/* Margins of the memory cell: with matched Ion, with matched areas as well, and
+   with corrected L only, as simulated in the thesis. */
 static void test_margins(void) {
   if (!have("circuit.ngspice")) return;
   g_autofree char *flow = source_path("flows/circuit.yaml"),
@@ -209,8 +209,8 @@ static void test_margins(void) {
   g_assert_cmpfloat(metric("margins/sram", "circuit", "cells"), ==, 32);
 }
 
-/* Three layers in one correction: transistors and metal both as they should be,
-   one file with all of them. */
+/* Three layers in one correction: transistors and metal within their limits,
+   all in one file. */
 static void test_metal(void) {
   run_ready("metal", NULL, NULL);
   g_assert_cmpfloat(metric("metal", "mask", "ion_max"), <, 0.1);
@@ -220,9 +220,9 @@ static void test_metal(void) {
   g_assert_nonnull(strstr(g_bytes_get_data(cost, NULL), "metal1,"));
 }
 
-/* Starts the demo on a processor that is emulated; 0 if nothing emulates one,
-   as under a sanitizer. Emulated, kernels take a minute, and processors are
-   emulated side by side. */
+/* Start the demo under processor emulation; 0 if no emulator is available, as
+   under a sanitizer. Emulated kernels take a minute, so the processors are
+   emulated concurrently. */
 static GPid start_emulated(const char *processor, const char *run) {
   g_autofree char *qemu = g_find_program_in_path("qemu-x86_64");
   g_autofree char *out = place(run), *flow = source_path("flows/demo.yaml");
@@ -250,10 +250,10 @@ static void expect_success(GPid pid) {
   g_assert_cmpint(status, ==, 0);
 }
 
-/* The same bits with AVX-512 (if this machine has it) and with AVX2 and FMA.
-   Without FMA, FFTW and the C library take other ways: currents and areas
-   differ by less than 1e-5 of themselves (the figures are deviations in %), the
-   mask does not. */
+/* Bit-identical results with AVX-512 (if available) and with AVX2 and FMA.
+   Without FMA, FFTW and the C library use other algorithms: currents and areas
+   differ by less than 1e-5 (the figures are deviations in %), the mask is
+   equal. */
 static void test_processors(void) {
   GPid haswell = start_emulated("Haswell", "haswell");
   if (!haswell) {
@@ -307,7 +307,7 @@ static void test_window(void) {
   expect_file("window", "process_window.csv", 100);
 }
 
-/* A table of two widths, which the flow of the whole reads again. */
+/* A table of two widths, reused by the flow of the full table. */
 static void test_characterize(void) {
   run_ready("characterize", "table.lengths=[65 nm]",
             "table.widths=[300 nm, 450 nm]");
@@ -322,9 +322,9 @@ static void test_characterize(void) {
   g_assert_cmpfloat(metric("adjusted", "mask", "ion_max"), <=, 0.5);
 }
 
-/* Path delays of a NAND2, one input at a time and both at once, each cell
-   simulated anew: as ngspice has them of the whole circuit, as drawn and as
-   printed. By tables of one input both at once would be off by 23 and 80 %. */
+/* Path delays of a NAND2, for one switching input and for both, with each cell
+   simulated, agree with ngspice on the whole circuit, as drawn and as printed.
+   Tables of a single input would be wrong by 23 and 80 % for two inputs. */
 static void test_timing(void) {
   if (!have("timing.characterize")) return;
   g_autofree char *flow = source_path("flows/timing.yaml"),
@@ -348,10 +348,9 @@ static void test_timing(void) {
   g_assert_cmpfloat(metric(runs[0], "paths", "lowest"), >, 0.5);
 }
 
-/* A NAND2 of which some transistors are made longer: what static timing
-   foresees prints, no path takes longer than the limit, and it leaks less than
-   with all as drawn by about what was foreseen, which ngspice and the table of
-   its transistors tell alike. */
+/* A NAND2 with some transistors lengthened: the print matches the prediction of
+   static timing, no path exceeds the limit, and the leakage falls by about the
+   predicted amount, both by ngspice and by the device table. */
 static void test_slack(void) {
   if (!have("timing.characterize")) return;
   g_autofree char *flow = source_path("flows/slack.yaml");
@@ -377,8 +376,8 @@ static void test_slack(void) {
                     metric(without, "paths", "static_deviation") + 0.3);
 }
 
-/* The table of methods: of two, the one that is nearer in Ion and leaves the
-   area alone is nearer in delay. */
+/* The table of methods: of two methods, the one with the smaller Ion deviation
+   and unchanged area has the smaller delay deviation. */
 static void test_timing_compare(void) {
   if (!have("timing.characterize")) return;
   g_autofree char *flow = source_path("flows/timing-compare.yaml"),

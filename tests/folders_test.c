@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Run folders as a user sees them: what --force replaces, what is left of runs
-   that were killed, that are at work, or that could not write. */
+/* Run folders: replacement by --force, and remains of runs that were killed,
+   are active, or could not write. */
 #include <gio/gio.h>
 #include <glib/gstdio.h>
 #include <signal.h>
@@ -12,12 +12,12 @@
 
 /* ---- help ---- */
 
-/* Run a shell script in which $O is opcflow; the exit code. */
+/* Run a shell script in which $O is opcflow; return the exit code. */
 static int sh(const char *script) {
   return spawn((const char *const[]){"/bin/sh", "-c", script, NULL});
 }
 
-/* All names in the folder, hidden ones too, with spaces between. */
+/* Check the names in a folder, including hidden ones, separated by spaces. */
 static void expect_names(const char *name, const char *want) {
   g_autofree char *script = g_strdup_printf("ls -A %s | xargs echo", name);
   g_assert_cmpint(sh(script), ==, 0);
@@ -69,7 +69,7 @@ static void test_force(void) {
          "that can be read), and is not replaced\n");
   g_assert_true(is_there("f/x/deep/er/out.txt"));
   expect_names("f", "keep x");
-  /* A run of which a file is missing is one still. */
+  /* A run folder with a missing file still counts as a run folder. */
   g_assert_cmpint(sh("mv f/keep f/x/manifest.json; $O run two.yaml --output "
                      "f/x --force"),
                   ==, 0);
@@ -106,14 +106,14 @@ static void test_places(void) {
   g_assert_cmpint(sh("$O run two.yaml --output /proc/x"), ==, 5);
   g_assert_true(
       g_str_has_prefix(err, "error: '/proc/x': cannot be made in '/proc': "));
-  /* A way through a link is one. */
+  /* A path through a symbolic link is accepted. */
   g_assert_cmpint(sh("ln -s p q; $O run two.yaml --output q/x --force"), ==, 0);
   expect_names("p", "file link x");
 }
 
 /* ---- runs that are at work ---- */
 
-/* A run whose second step waits for ever. */
+/* Start a run whose second step waits for ever. */
 static GSubprocess *start(const char *target) {
   const char *argv[] = {command,         "run",     "two.yaml",
                         "--output",      target,    "--set",
@@ -150,14 +150,14 @@ static void test_busy(void) {
                   "error: 'b/x': another run is being written there, in "
                   "'b/.x.opcflow-1'\n");
   g_assert_true(is_there("b/.x.opcflow-1/run/numbers.csv"));
-  /* Killed, it leaves what it has; the next one takes that away. */
+  /* A killed run leaves its files; the next run removes them. */
   g_assert_cmpint(end(first, SIGKILL), ==, -1);
   expect_names("b", ".x.opcflow-1 x");
   g_assert_cmpint(sh("$O run two.yaml --output b/x --force"), ==, 0);
   expect_names("b", "x");
 }
 
-/* Where names are numbered, runs of the same flow may be at work together. */
+/* With numbered names, several runs of a flow may be active. */
 static void test_together(void) {
   g_assert_cmpint(sh("mkdir t; cd t; cp ../two.yaml .; "
                      "for i in 1 2 3 4; do $O run two.yaml --quiet & done; "
@@ -171,7 +171,7 @@ static void test_hangup(void) {
   g_assert_cmpint(end(start("h/x"), SIGHUP), ==, 130);
   g_assert_cmpint(end(start("h/x"), SIGTERM), ==, 130);
   expect_names("h", "");
-  /* As nohup has it. */
+  /* A run that ignores SIGHUP, as under nohup. */
   g_assert_cmpint(
       sh("trap '' HUP; $O run two.yaml --output h/y --set b.behave=wait & "
          "until ls h/.y.*/run/manifest.json >/dev/null 2>&1; do sleep 0.01; "
@@ -184,7 +184,7 @@ static void test_hangup(void) {
 
 /* ---- what cannot be written ---- */
 
-/* No file has the name of one that could not be written. */
+/* A file that could not be written completely does not exist under its name. */
 static void test_full(void) {
   g_assert_cmpint(sh("ulimit -f 0; $O run two.yaml --output w/x"), ==, 5);
   g_assert_nonnull(strstr(err, "/deep/er/out.txt': "));
@@ -195,7 +195,7 @@ static void test_full(void) {
                   ==, 5);
   g_assert_nonnull(strstr(err, "/numbers.csv': File too large\n"));
   g_assert_cmpint(sh("find w -type f | grep ."), ==, 1);
-  /* The earlier run stays as it is if only the reports are too much. */
+  /* The earlier run is kept if only the reports do not fit. */
   g_assert_cmpint(sh("rm -r w; $O run two.yaml --output w/x --set b.whole=7"),
                   ==, 0);
   g_assert_cmpint(sh("ulimit -f 1; $O run two.yaml --output w/x --force"), ==,
@@ -245,8 +245,8 @@ static void test_names(void) {
       "but 'a' already writes 'd/x'\n");
 }
 
-/* A table makes room for a file that a parameter names, of its own step and of
-   one that comes later. */
+/* A table gives way to an output file of the same name, of its own or of a
+   later step. */
 static void test_tables(void) {
   write_text("names.yaml",
              "opcflow: 1\nsteps:\n  a: { use: test.numbers, size: 1 nm }\n"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Layouts keep their geometry from format to format: what a file holds, made
-   flat, is the same after it was written and read again. */
+/* Conversion between layout formats: the flattened geometry of a file is the
+   same after writing and reading. */
 #include <glib.h>
 #include <stdio.h>
 #include <string.h>
@@ -28,7 +28,8 @@ static eda_layout *read_good(const char *path) {
   return layout;
 }
 
-/* The path of `layout` written as `kind` ("gds", "oasis", "cif"), or NULL. */
+/* Return the path of `layout` written as `kind` ("gds", "oasis", "cif"), or
+   NULL. */
 static char *write_file(eda_layout *layout, const char *kind,
                         const char *layers, opc_error *error) {
   static int files;
@@ -60,8 +61,8 @@ static eda_point at(const eda_point *p, size_t n, size_t from, gboolean back,
   return p[back ? (from + n - k) % n : (from + k) % n];
 }
 
-/* A polygon as text that does not depend on where it begins, nor on its
-   direction: the least of all ways to say it. */
+/* Return a polygon as text, independent of start point and direction: the least
+   of all representations. */
 static char *say(const eda_point *p, size_t n) {
   size_t best = 0;
   gboolean best_back = FALSE;
@@ -89,7 +90,7 @@ static int by_text(const void *a, const void *b) {
   return strcmp(*(char *const *)a, *(char *const *)b);
 }
 
-/* All polygons of a layer below a cell, on a grid, sorted. */
+/* Return all flattened polygons of a layer below a cell, on a grid, sorted. */
 static GPtrArray *flat(const eda_layout *layout, int32_t cell, int32_t layer,
                        double grid) {
   opc_error e;
@@ -116,7 +117,7 @@ static size_t total(const eda_layout *layout,
   return sum;
 }
 
-/* "L9D0" of "9/0", for CIF. */
+/* Return the CIF name of a layer: "L9D0" for "9/0". */
 static char *renamed(const char *layer, gboolean cif) {
   unsigned a, b;
   char end;
@@ -125,7 +126,8 @@ static char *renamed(const char *layer, gboolean cif) {
   return g_strdup(layer);
 }
 
-/* All cells of `want` are in `got`, with the same shapes flat; how many. */
+/* Check that `got` has all cells of `want` with the same flattened shapes;
+   return their number. */
 static size_t assert_same(const eda_layout *got, const eda_layout *want,
                           gboolean cif) {
   size_t shapes = 0;
@@ -178,7 +180,7 @@ static void assert_instances(const eda_layout *got, const eda_layout *want) {
 
 /* ---- the round trips ---- */
 
-/* GDSII has short layer numbers; our own cells' have names. */
+/* Return a map of layer names to GDSII numbers. */
 static char *numbers(const eda_layout *layout) {
   GString *s = g_string_new("");
   for (size_t i = 0; i < eda_layout_layers(layout); i++) {
@@ -207,7 +209,8 @@ static void trip(const char *path) {
   eda_layout_free(first);
 }
 
-/* As CIF, or what CIF cannot say is told by name. */
+/* Convert by CIF; return FALSE, after a check of the message, for a layout that
+   CIF cannot express. */
 static gboolean trip_cif(const char *path) {
   opc_error e = {0};
   eda_layout *first = read_good(path);
@@ -240,7 +243,8 @@ static void test_corpus(void) {
     files++;
   }
   g_assert_cmpint(files, >, 0);
-  g_assert_cmpint(refused, >, 0); /* cells magnified, or turned by 22 degrees */
+  g_assert_cmpint(refused, >, 0); /* magnified cells, or cells rotated by 22
+                                     degrees */
   g_assert_cmpint(refused, <, files / 2);
 }
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* For unit tests of steps that run a flow inside of them: a flow whose metrics
-   and tables a function of the test computes (opcflow/inner.h). The step's
-   code is linked into the test. */
+/* Unit tests of steps with an inner flow (opcflow/inner.h): functions of the
+   test compute the metrics and tables of the inner flow. The step is linked
+   into the test. */
 #pragma once
 
 #include <opcflow/inner.h>
@@ -16,20 +16,21 @@ typedef struct inner_flow {
   /* Set by the test. */
   const opc_inner_axis *axes;
   size_t n_axes;
-  const opc_metric *metric; /* the only one, at `path` */
+  const opc_metric *metric; /* the only metric, at `path` */
   const char *path;         /* "mask.ion" */
-  const char *mask;         /* the step with a mask; NULL: there is none */
-  void *object;             /* that mask */
-  int (*point)(size_t point, opc_error *error); /* a run: sets what follows */
+  const char *mask;         /* the step with a mask; NULL: none */
+  void *object;             /* the mask */
+  int (*point)(size_t point, opc_error *error); /* a run: sets the members
+                                                   below */
 
   /* Set by `point`. */
   opc_inner_metric metrics[8], shared[8];
   size_t n_metrics, n_shared;
-  const opc_column *columns; /* of the only table, named by their columns */
+  const opc_column *columns; /* columns of the only table */
   size_t n_columns, rows;
   opc_inner_run whole;
 
-  /* Calls of the step, in order. */
+  /* Recorded calls of the step, in order. */
   int begun;
   size_t points[INNER_MOST], shares[INNER_MOST], n_points;
   int keep[INNER_MOST];
@@ -155,8 +156,7 @@ static inline const void *inner_service(const opc_host *host,
   return strcmp(name, OPC_INNER) ? NULL : &inner_functions;
 }
 
-/* Return the host of all tests, with the flow `inner`, of which nothing is set
-   but what `flow` says. */
+/* Return the host of all tests, with the inner flow `flow`. */
 static inline const opc_host *inner_host(inner_flow flow) {
   opc_host *host = (opc_host *)opc_test_host();
   host->service = inner_service;
@@ -172,5 +172,5 @@ static inline void inner_tell(const char *path, const opc_metric *metric,
   inner.metrics[inner.n_metrics++] = (opc_inner_metric){path, metric, value};
 }
 
-/* What plugin's code is linked. */
+/* Descriptor of the linked plugin. */
 const opc_plugin *opcflow_plugin(void);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Faulty input of whole flows: the message, the exit code, and no output; notes
-   on transistors, through all layout formats. */
+/* Faulty inputs of whole flows: message, exit code, and no output; and notes on
+   transistors in all layout formats. */
 #include <string.h>
 
 #include "tests/flow.h"
@@ -9,8 +9,8 @@
 
 /* ---- notes on transistors ---- */
 
-/* A transistor that wants 5 % more, four ways round, one of which is told
-   otherwise above. */
+/* A transistor with a goal of 5 % more Ion, placed in four orientations, one of
+   which has another goal at the top level. */
 static const char noted[] =
     "DS 1 1 10; 9 device; L CA; B 460 300 230 150;\n"
     "L CP; P 200 -200 265 -200 265 500 200 500;\n"
@@ -31,7 +31,7 @@ static char *noted_layout(const char *use, const char *file, int numbers) {
       numbers ? "10/0" : "CC", numbers ? "3/0" : "CW", numbers ? "63/5" : "XN");
 }
 
-/* The column ion_after, sorted by x of the transistors. */
+/* Read the column ion_after, sorted by x of the transistors. */
 static void read_ion(const char *run, double ion[4]) {
   g_autoptr(GBytes) text = bytes(run, "gates.csv");
   g_auto(GStrv) lines = g_strsplit(g_bytes_get_data(text, NULL), "\n", -1);
@@ -77,7 +77,7 @@ static void test_notes(void) {
     g_assert_cmpfloat_with_epsilon(ion[i], i == 3 ? -3 : 5, 0.6);
 }
 
-/* A word that is none; the table goes before the note. */
+/* A note with an invalid word; a table takes precedence over a note. */
 static void test_bad_note(void) {
   g_autofree char *cif = place("noted.cif"), *bad = place("bad-note.cif");
   g_autofree char *wishes = place("wishes.csv"),
@@ -141,8 +141,8 @@ static void simulate_evil(const char *name, const char *parameter,
   g_assert_false(g_file_test(out, G_FILE_TEST_EXISTS));
 }
 
-/* Model files that would run commands or have others read, through the flows
-   that simulate: refused with their place, and nothing is run or written. */
+/* Model files with commands or includes, in all flows that simulate, are
+   refused with their place; no command runs and no file is written. */
 static void test_model_files(void) {
   static const struct {
     const char *text, *say;
@@ -174,7 +174,7 @@ static void test_model_files(void) {
   }
 }
 
-/* Poly and active that never meet. */
+/* Poly and active do not overlap. */
 static void test_no_transistor(void) {
   g_autofree char *cif = place("apart.cif");
   g_assert_true(g_file_set_contents(
@@ -205,7 +205,8 @@ static void test_truncated(void) {
   g_assert_nonnull(strstr(errors, "byte"));
 }
 
-/* Nothing else is wrong with it: it prints, and comes as near as can be. */
+/* A wrong scale is the only fault: the layout prints and is corrected as far as
+   possible. */
 static void test_wrong_scale(void) {
   g_autofree char *flow = source_path("flows/demo.yaml"), *errors = NULL;
   g_autofree char *run = place("scale");

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* For the unit tests of library.* and command.library: two cells of a
-   transistor each, drawn by hand in nm, and the steps that make a library of
-   them. */
+/* Helpers for unit tests of library.* and command.library: two cells of one
+   transistor each, and the steps that build a library of them. */
 #pragma once
 
 #include <eda/gates.h>
@@ -18,7 +17,7 @@
   "pitch: 250 nm } }, extractor: { use: extractor.plain, devices: '%s' }, "   \
   "fine: off"
 
-/* A step that ran, and its output. */
+/* A finished step with its output. */
 typedef struct ran {
   opc_module *module;
   void *out;
@@ -49,7 +48,7 @@ static inline void add_box(eda_layout *l, int32_t cell, const char *layer,
   g_assert_cmpint(eda_layout_add_box(l, cell, k, b, &error), ==, OPC_OK);
 }
 
-/* A transistor: a vertical line of poly, L nm long, `wide` nm of active. */
+/* Add a transistor: a vertical line of poly, L nm long, `wide` nm of active. */
 static inline int32_t add_transistor(eda_layout *l, const char *name,
                                      int32_t length, int32_t wide) {
   opc_error error;
@@ -73,8 +72,8 @@ static inline void add_cell(eda_layout *l, int32_t top, int32_t cell,
                   OPC_OK);
 }
 
-/* A circuit of the cells "long" twice, once mirrored, and "wide", so far apart
-   that none sees another. */
+/* Return a circuit of the cells "long" twice, once mirrored, and "wide", too
+   far apart to interact. */
 static inline eda_layout *library_circuit(void) {
   opc_error error;
   eda_layout *l = eda_layout_new(1, &error);
@@ -105,7 +104,7 @@ static inline ran sheet_of(eda_layout *l, const char *mapping) {
   return r;
 }
 
-/* The map of a step with the models, and more. */
+/* Return the parameters of a step: the models and `more`. */
 static inline char *library_map(const char *models, const char *more) {
   g_autofree char *devices = source_path("data/devices/ptm65.yaml");
   g_autofree char *all = g_strdup_printf("{ %s, %s }", models, more);
@@ -117,7 +116,7 @@ static inline char *library_database(void) {
   return g_build_filename(opc_test_folder(), "cells.sqlite", NULL);
 }
 
-/* Correct the cells of a sheet into the test's database. */
+/* Correct the cells of a sheet and store them in the test's database. */
 static inline int build_library(ran *r, eda_layout *sheet, void *gates,
                                 const char *more, opc_error *error) {
   g_autofree char *database = library_database();

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* `opcflow lint`: what it finds in plugins that are made to be found, and that
-   it finds nothing in ours. */
+/* `opcflow lint`: detects the faults of test plugins, and none in the shipped
+   plugins. */
 #include <gio/gio.h>
 #include <glib/gstdio.h>
 #include <poll.h>
@@ -11,7 +11,7 @@
 
 static char *out, *err;
 
-/* Lint a plugin of a folder of the build; the exit code. */
+/* Lint a plugin of a folder of the build; return the exit code. */
 static int lint(const char *folder, const char *id, const char *with) {
   const char *build = g_getenv("OPCFLOW_BUILD");
   g_autofree char *command = g_build_filename(build, "opcflow", NULL);
@@ -83,16 +83,16 @@ static void test_untidy(void) {
   };
   for (size_t i = 0; i < G_N_ELEMENTS(findings); i++)
     if (!strstr(out, findings[i])) g_assert_cmpstr(out, ==, findings[i]);
-#ifndef __SANITIZE_ADDRESS__ /* it counts no memory */
+#ifndef __SANITIZE_ADDRESS__ /* it does not measure memory */
   const char *leak = strstr(out, "leaks 10");
   g_assert_nonnull(leak);
   g_assert_nonnull(strstr(leak, " bytes each time it is made and freed\n"));
 #endif
 }
 
-/* The last line of a plugin without a fault, and the exit code with --strict:
-   of one that was tried at work, of one that may not be tried twice at once,
-   and of one that its kind does not know how to try. */
+/* The last line for a plugin without a fault, and the exit code with --strict:
+   for a tested plugin, for one that is not reentrant, and for one whose kind
+   has no tests. */
 #define WORK                                                                 \
   "note: checked: exports, loading, check, work, the same work again, work " \
   "on several threads, "
@@ -141,8 +141,8 @@ static void test_good(void) {
   }
 }
 
-/* What is wanted can be given, and what cannot be checked is told: with
-   --strict, it fails. */
+/* Required inputs can be given; tests that could not be done are reported and
+   fail with --strict. */
 static void test_with(void) {
   g_assert_cmpint(
       lint("plugins", "extractor.plain", "{ devices: /proc/self/exe }"), ==, 1);
@@ -161,8 +161,8 @@ static void test_with(void) {
   g_assert_cmpint(lint("plugins", "none", NULL), ==, 5);
 }
 
-/* A child that works for ever ends with its parent, however that ends, and
-   nothing is left of either. */
+/* A child process in an endless loop ends with its parent, however the parent
+   ends. */
 static void test_killed(void) {
   g_autofree char *folder = g_dir_make_tmp("opcflow-XXXXXX", NULL);
   g_setenv("TMPDIR", folder, TRUE);
@@ -178,7 +178,8 @@ static void test_killed(void) {
   g_usleep(G_USEC_PER_SEC);
   g_assert_cmpint(kill(pid, SIGKILL), ==, 0);
   g_assert_cmpint(waitpid(pid, NULL, 0), ==, pid);
-  /* The child has the other end, too: the pipe ends when it does. */
+  /* The child holds the other end of the pipe, which closes when the child
+     ends. */
   struct pollfd end = {output, POLLIN, 0};
   char byte;
   g_assert_cmpint(poll(&end, 1, 5000), ==, 1);
@@ -188,8 +189,8 @@ static void test_killed(void) {
   g_assert_cmpint(g_rmdir(folder), ==, 0);
 }
 
-/* What takes long is no fault, if it can be stopped. All the other tests go on
-   while this one waits. */
+/* A slow plugin is no fault if it can be cancelled. The other tests run
+   meanwhile. */
 static GSubprocess *slow;
 
 static void start_slow(void) {
@@ -214,7 +215,7 @@ static void test_slow(void) {
   g_object_unref(slow);
 }
 
-/* Where there is no nm, that is said. */
+/* A missing nm is reported. */
 static void test_without_nm(void) {
   g_autofree char *path = g_strdup(g_getenv("PATH"));
   g_setenv("PATH", "/nowhere", TRUE);

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* `opcflow new`: every kind of plugin compiles without a warning as it comes,
-   passes its test, loads, and its flow runs with it; one is built as its
-   project says. */
+/* `opcflow new`: each new plugin compiles without warnings, passes its own
+   test, loads, and runs in its flow; one is built by its project files. */
 #include <glib/gstdio.h>
 #include <json-glib/json-glib.h>
 #include <stdlib.h>
@@ -13,7 +12,7 @@
 static char *folder, *command;
 static char *out, *err;
 
-/* Run a program; its exit code. */
+/* Run a program; return its exit code. */
 static int call(const char *const *argv) {
   int status;
   g_autoptr(GError) error = NULL;
@@ -28,7 +27,7 @@ static int call(const char *const *argv) {
 
 #define CALL(...) call((const char *const[]){__VA_ARGS__, NULL})
 
-/* The flags of the build that this is a test of. */
+/* Compiler flags of this build. */
 #ifdef __SANITIZE_ADDRESS__
 #define SANITIZE "-fsanitize=address,undefined"
 #define MESON_SANITIZE "-Db_sanitize=address,undefined"
@@ -37,8 +36,8 @@ static int call(const char *const *argv) {
 #define MESON_SANITIZE "-Db_sanitize=none"
 #endif
 
-/* Compile a file of a plugin's folder against this build, not installed;
-   `testing`: as a program that tests the plugin. */
+/* Compile a file of a plugin's folder against this uninstalled build;
+   `testing`: as a test program. */
 static void compile(const char *source, const char *object, gboolean testing) {
   const char *build = g_getenv("OPCFLOW_BUILD");
   g_autofree char *script = g_strdup_printf(
@@ -52,8 +51,7 @@ static void compile(const char *source, const char *object, gboolean testing) {
   if (CALL("sh", "-c", script)) g_error("%s", err);
 }
 
-/* The test of the plugin itself, which finds it beside the plugins of this
-   build. */
+/* Run the plugin's own test, which loads the plugin and those of this build. */
 static void run_test(const char *kind, const char *name) {
   g_autofree char *source = g_strdup_printf("%s/%s_test.c", kind, name);
   g_autofree char *program = g_strdup_printf("%s/%s_test", kind, name);
@@ -65,7 +63,7 @@ static void run_test(const char *kind, const char *name) {
   if (CALL("env", path, whole)) g_error("%s%s", out, err);
 }
 
-/* The plugin did the work: the run's manifest has it. */
+/* Run the flow; its manifest must list the plugin. */
 static void run_flow(const char *kind, const char *object) {
   g_autofree char *flow = g_strdup_printf("%s/flow.yaml", kind);
   g_autofree char *output = g_strdup_printf("%s/run", kind);
@@ -105,13 +103,13 @@ static void test_plugin(gconstpointer data) {
   g_assert_nonnull(strstr(recipe, id));
 }
 
-/* A synthesizer and its test take no more than 70 lines. */
+/* A synthesizer and its test have at most 70 lines. */
 static void test_lines(void) {
   if (CALL("sh", "-c", "cat synthesizer/*.c | wc -l")) g_error("%s", err);
   g_assert_cmpint(atoi(out), <=, 70);
 }
 
-/* As its README says, with this build in place of an installation. */
+/* Build by the commands of the README, with this build as the installation. */
 static void test_project(void) {
   g_autofree char *path =
       g_strdup_printf("%s/meson-uninstalled", g_getenv("OPCFLOW_BUILD"));
@@ -125,7 +123,7 @@ static void test_project(void) {
   g_assert_nonnull(strstr(out, "Ok:                 2"));
 }
 
-/* The worst deviation of a run's drive currents, %. */
+/* Return the largest deviation of a run's drive currents, %. */
 static double worst(const char *run) {
   g_autofree char *path = g_build_filename(folder, run, "metrics.json", NULL);
   g_autoptr(JsonParser) parser = json_parser_new();
@@ -135,7 +133,7 @@ static double worst(const char *run) {
   return json_array_get_double_element(json_node_get_array(found), 0);
 }
 
-/* The synthesizer corrects: as drawn, the worst transistor is 18 % off. */
+/* The synthesizer corrects: the worst uncorrected deviation is 18 %. */
 static void test_synthesizer(void) {
   g_assert_cmpfloat(worst("synthesizer/run"), <, 2.5);
 }
@@ -155,7 +153,7 @@ static void test_flow(void) {
   g_assert_cmpstr(out, ==, "./second.yaml\n");
 }
 
-/* A process of its own, found by its path, and the shipped ones by name. */
+/* A user's process is found by path, shipped processes by name. */
 static void test_process(void) {
   const char *source = g_getenv("OPCFLOW_SOURCE");
   g_autofree char *cell =
@@ -195,7 +193,7 @@ static void test_process(void) {
   g_assert_cmpint(CALL(command, "new", "flow", "--process", "own65", folder),
                   ==, 5);
   g_assert_nonnull(strstr(err, "not a regular file"));
-  /* In the user's folder, without plugins there. */
+  /* In the user's folder, which has no plugins. */
   g_autofree char *mine =
       g_build_filename(folder, "home", "opcflow", "flows", "processes", NULL);
   g_autofree char *copy = g_build_filename(mine, "homely.yaml", NULL);
@@ -210,7 +208,7 @@ static void test_process(void) {
     g_error("%s", err);
 }
 
-/* All that is shipped can be extended: nothing that it names is missing. */
+/* All shipped flows can be extended: no file that they name is missing. */
 static void test_shipped(void) {
   static const char *const all[] = {"ihp130", "nangate45", "nangate45-at-65",
                                     "own65", "sky130"};
@@ -224,8 +222,8 @@ static void test_shipped(void) {
   }
 }
 
-/* A variant that asks for a file is no fault of the flow; what else is wrong
-   with it is told. */
+/* A variant that requires a file is no fault of the flow; other faults of the
+   variant are reported. */
 static void test_variant_asks(void) {
   g_autofree char *file = g_build_filename(folder, "asks.yaml", NULL);
   const char *text =
@@ -247,8 +245,8 @@ static void test_variant_asks(void) {
                   2);
 }
 
-/* A scanner leaves more open than the layout: the flow says what. A layout in
-   the place of a flow's name is told how it is meant. */
+/* A scanner leaves further parameters open, which the flow lists. A layout in
+   place of a flow name causes a hint. */
 static void test_scanner(void) {
   const char *source = g_getenv("OPCFLOW_SOURCE");
   g_autofree char *cell =

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Settings and files that make no sense, one at a time: with little memory and
-   after one SIGTERM each ends in time, with a result or with a message. */
+/* Extreme settings and files, one at a time: with limited memory and after
+   SIGTERM each run ends in time, with a result or a message. */
 #include <gio/gio.h>
 #include <glib/gstdio.h>
 #include <signal.h>
@@ -14,13 +14,12 @@
 
 #include <store/files.h>
 
-/* What takes long goes on for a while before it is asked to stop, and may take
-   so long to, s. All else has to end by itself, on whatever machine. Machines
-   that do other work, too, are slow: stopping gets three times what it is to
-   take. */
+/* s: running time before SIGTERM of long runs; largest time to stop, three
+   times the nominal value to allow for loaded machines; limit of all other
+   runs. */
 enum { A_WHILE = 2, STOP = 3, MOST = 100 };
-/* Of the address space. A run that wants more has to say so. AddressSanitizer
-   takes terabytes of it. */
+/* Limit of the address space; a run that needs more must report that.
+   AddressSanitizer needs terabytes. */
 #ifdef __SANITIZE_ADDRESS__
 static const rlim_t room = RLIM_INFINITY;
 #else
@@ -37,7 +36,7 @@ static void limit(gpointer unused) {
   setrlimit(RLIMIT_AS, &most);
 }
 
-/* What is only much work. */
+/* Valid settings with very long run times. */
 static const char *const long_ones[] = {
     "mask.litho.error=1e-4",
     "litho.hopkins, source: quasar",
@@ -57,7 +56,7 @@ static gboolean is_long(const char *set) {
   return FALSE;
 }
 
-/* The exit code; what it said is in *said. */
+/* Run a verb; return the exit code, and the messages in *said. */
 static int run(const char *verb, const char *flow, const char *set,
                char **said) {
   const gint64 patience = is_long(set) ? A_WHILE : MOST;
@@ -97,7 +96,7 @@ static const char *const settings[] = {
 #include "odd_settings.inc"
 };
 
-/* With a result, or with a message. */
+/* Check that a run ends with a result or a message. */
 static void expect_end(const char *set, int code, const char *said) {
   g_assert_true(code == 0 || code == 1 || code == 2 || code == 4 || code == 5 ||
                 (code == 130 && is_long(set)));
@@ -106,7 +105,8 @@ static void expect_end(const char *set, int code, const char *said) {
   opc_remove_tree("runs");
 }
 
-/* Optics and resists in the flow that finds thresholds and prints finely. */
+/* Return the flow for a setting: optics and resists need the flow that
+   calibrates thresholds. */
 static const char *flow_for(const char *set) {
   return g_str_has_prefix(set, "mask.litho") ||
                  g_str_has_prefix(set, "mask.resist")
@@ -125,7 +125,7 @@ static void test_settings(void) {
   }
 }
 
-/* Of other flows; their steps are not in the flow above. */
+/* Settings of other flows, for steps that the flow above lacks. */
 static const struct {
   const char *flow, *set;
 } others[] = {
@@ -187,7 +187,7 @@ static void test_others(void) {
   }
 }
 
-/* Optics that no machine has the memory for, said before anything begins. */
+/* Optics that need more memory than any machine has are refused in advance. */
 static void test_optics(void) {
   static const struct {
     const char *set, *why;
@@ -206,7 +206,7 @@ static void test_optics(void) {
   }
 }
 
-/* A step whose memory is not there is refused before it begins. */
+/* A step is refused before it begins if the memory does not suffice. */
 static void test_memory(void) {
   if (room == RLIM_INFINITY) {
     g_test_skip("nothing limits what a sanitizer takes");
@@ -224,7 +224,7 @@ static void test_memory(void) {
 
 /* ---- files that are none ---- */
 
-/* What an input must be is said by `check`, before anything waits for it. */
+/* `check` reports invalid kinds of input files. */
 static void test_files(void) {
   static const char *const parameters[] = {
       "layout.file", "mask.extractor.devices", "mask.resist.table_file"};
@@ -254,7 +254,7 @@ static void test_files(void) {
   close(s);
 }
 
-/* Sums are made of what a file is when it is opened. */
+/* Hashes are made of the file at the time it is opened. */
 static void test_sum(void) {
   opc_error error = {0};
   g_assert_null(opc_file_sha256("pipe", NULL, &error));
@@ -269,7 +269,7 @@ static void test_sum(void) {
 
 /* ---- main ---- */
 
-/* Thresholds that need no anchor to be printed. */
+/* Thresholds that need no calibration. */
 #define RESIST                                             \
   "{ use: resist.threshold, anchor: ~, threshold: 0.404, " \
   "active_threshold: 0.271 }"

@@ -1,25 +1,25 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Run folders made by hand, so that a test knows what is in them; the data of
-   pages that are made of them. */
+/* Synthetic run folders with known content, and the data of report pages. */
 #pragma once
 
 #include <glib.h>
 #include <json-glib/json-glib.h>
 #include <string.h>
 
-/* The contents of a run folder; members that are NULL have a preset. */
+/* Content of a run folder; members that are NULL have a default. */
 typedef struct made_run {
   const char *folder;
   const char *metrics; /* { "step": { ... } } */
   const char *gates;   /* CSV; NULL: none */
   const char *view;    /* view.json; NULL: none */
-  const char *layout;  /* the SHA-256 of the layout */
+  const char *layout;  /* SHA-256 of the layout */
   const char *na, *target, *variant, *started;
-  const char *more;  /* of the manifest, with a comma behind */
-  const char *files; /* in its list of them */
+  const char *more;  /* further entries of the manifest, with a trailing
+                        comma */
+  const char *files; /* entries of the list of files */
 } made_run;
 
-/* A metric as metrics.json has it: texts all, as JSON writes them. */
+/* A metric in the form of metrics.json; all arguments are JSON texts. */
 #define RUN_METRIC(name, value, better, tolerance) \
   "\"" name "\" : { \"value\" : " value            \
   ", \"unit\" : \"%\", \"better\" : \"" better     \
@@ -42,7 +42,7 @@ static inline const char *or_else(const char *text, const char *preset) {
   return text ? text : preset;
 }
 
-/* Write it. */
+/* Write the run folder. */
 static inline void make_run(const made_run *m) {
   g_assert_false(g_mkdir_with_parents(m->folder, 0777));
   g_autofree char *manifest = g_strdup_printf(
@@ -68,8 +68,8 @@ static inline void make_run(const made_run *m) {
   if (m->view) put_file(m->folder, "view.json", m->view);
 }
 
-/* Return the page (g_free), and in *root the data in it: the element `data`,
-   parsed by a reader that is not ours (json_node_unref). */
+/* Return the page (g_free), and in *root the content of the element `data`,
+   parsed by json-glib (json_node_unref). */
 static inline char *read_page(const char *path, JsonNode **root) {
   static const char start[] = "id=\"data\">";
   char *page = NULL;
@@ -84,6 +84,6 @@ static inline char *read_page(const char *path, JsonNode **root) {
   g_autofree char *text = g_strndup(data, (gsize)(end - data));
   *root = json_from_string(text, &error);
   if (!*root) g_error("%s", error->message);
-  g_assert_null(strchr(text, '<')); /* no text of it ends the element */
+  g_assert_null(strchr(text, '<')); /* no text can end the element */
   return page;
 }

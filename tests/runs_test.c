@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What runs find and are held to; variants and sweeps. */
+/* Findings and requirements of runs; variants and sweeps. */
 #include <json-glib/json-glib.h>
 #include <string.h>
 
@@ -21,8 +21,8 @@ static void expect_finding(JsonArray *list, guint i, const char *step,
   g_assert_cmpstr(json_object_get_string_member(o, "text"), ==, text);
 }
 
-/* Said when it comes and as the last line, once each time, however often the
-   step says it. */
+/* A finding is shown at once and again at the end, once each time, however
+   often the step logs it. */
 static void test_findings(void) {
   g_autoptr(JsonNode) file = NULL, json = NULL, none = NULL;
   g_assert_cmpint(
@@ -43,7 +43,8 @@ static void test_findings(void) {
   g_assert_null(strstr(err, "finding"));
 }
 
-/* In one stream, too, findings and what was not kept come last. */
+/* Findings and violated requirements are the last lines, also with both streams
+   joined. */
 static void test_last_lines(void) {
   g_autofree char *line = g_strdup_printf(
       "'%s' run two.yaml --output last --set b.behave=find "
@@ -59,7 +60,7 @@ static void test_last_lines(void) {
       "--set require.b.sum: 'b.sum' is 75 nm, required is at most 70 nm\n"));
 }
 
-/* Many come from all threads, and from a step that then fails. */
+/* Many findings from all threads, and from a step that then fails. */
 static void test_many_findings(void) {
   g_autoptr(JsonNode) file = NULL;
   g_assert_cmpint(call("run two.yaml --output many --set a.behave=many --set "
@@ -73,7 +74,7 @@ static void test_many_findings(void) {
   g_assert_cmpint(json_object_get_int_member(root, "more_findings"), ==, 150);
 }
 
-/* Of each point, and in the folder of each. */
+/* Findings of each point, also in the folder of the point. */
 static void test_findings_of_points(void) {
   g_autoptr(JsonNode) file = NULL, one = NULL;
   g_assert_cmpint(call("run two.yaml --keep --output points --sweep "
@@ -96,10 +97,10 @@ static void test_findings_of_points(void) {
 
 /* ---- what is required ---- */
 
-/* a.sum is 69 nm, b.sum is 75 nm; which of the bounds are kept. */
+/* a.sum is 69 nm, b.sum is 75 nm; test bounds on both. */
 static void test_bounds(void) {
   static const struct {
-    const char *bound, *text; /* of what is not kept; NULL: it is */
+    const char *bound, *text; /* text of a violated bound; NULL: satisfied */
   } cases[] = {{"75~nm", NULL},
                {"0.075~um", NULL},
                {"74.9~nm", "at most 74.9 nm"},
@@ -108,7 +109,7 @@ static void test_bounds(void) {
                {">=75~nm", NULL},
                {">75~nm", "more than 75 nm"},
                {">=76~nm", "at least 76 nm"},
-               {"=75.05~nm", NULL}, /* its tolerance is 0.1 nm */
+               {"=75.05~nm", NULL}, /* the tolerance is 0.1 nm */
                {"=75.2~nm", "75.2 nm"},
                {"[75~nm,75~nm]", NULL},
                {"[75.1~nm,80~nm]", "from 75.1 nm to 80 nm"},
@@ -130,7 +131,8 @@ static void test_bounds(void) {
   }
 }
 
-/* All is written, under its own name, and the last line tells it. */
+/* All files are written under their names, and the last line reports the
+   violation. */
 static void test_require(void) {
   write_text("must.yaml",
              "opcflow: 1\nextends: two.yaml\nrequire:\n  b.sum: 70 nm\n"
@@ -155,13 +157,13 @@ static void test_require(void) {
   g_assert_false(json_object_get_boolean_member(first, "kept"));
   g_assert_true(json_object_get_boolean_member(
       json_array_get_object_element(list, 1), "kept"));
-  /* The resolved flow requires the same. */
+  /* The resolved flow has the same requirement. */
   g_assert_cmpint(call("run must/flow.yaml --json --output must-again"), ==, 1);
   JsonArray *problems = list_of(out, "problems", &json);
   g_assert_cmpint(json_object_get_int_member(
                       json_array_get_object_element(problems, 0), "exit"),
                   ==, 1);
-  /* A layer over it, and one that takes it away. */
+  /* A layer changes the requirement, and another one removes it. */
   g_assert_cmpint(call("run must.yaml --variant less --output must-less"), ==,
                   0);
   g_assert_cmpint(call("run must.yaml --variant none --output must-none"), ==,
@@ -207,7 +209,7 @@ static void test_require_faults(void) {
                   "musty.yaml:2:10: a step cannot be called 'require'\n");
 }
 
-/* A metric that did not come is not good. */
+/* A requirement on a missing metric is violated. */
 static void test_not_measured(void) {
   g_assert_cmpint(call("run two.yaml --output unmeasured --set b.behave=quiet "
                        "--set require.b.sum=100~nm"),
@@ -217,7 +219,7 @@ static void test_not_measured(void) {
                   "at most 100 nm\n");
 }
 
-/* Each point is judged; what all share, once. */
+/* Requirements are checked at each point; those on shared steps once. */
 static void test_require_of_points(void) {
   g_autoptr(JsonNode) file = NULL;
   g_assert_cmpint(call("run two.yaml --output judged --sweep "
@@ -251,7 +253,7 @@ static void test_variants(void) {
   g_assert_cmpint(call("run var.yaml --variant big"), ==, 0);
   g_autofree char *big = read_text("runs/var-big/b.numbers.csv");
   g_assert_nonnull(strstr(big, "plain,93.00,1\r\n"));
-  /* One that fails does not keep the others from running. */
+  /* A failed variant does not stop the others. */
   g_assert_cmpint(call("run var.yaml --variant all --output v"), ==, 4);
   g_assert_true(is_there("v/big/flow.yaml"));
   g_assert_true(is_there("v/bad.failed/flow.yaml"));
@@ -274,7 +276,7 @@ static void test_variants(void) {
                   "wrong.yaml:3:26: 'size' needs a length, not '1 V' (variant "
                   "'x')\n");
   g_assert_cmpint(call("run wrong.yaml"), ==, 0);
-  /* In two forms: wrong in one file, laid over each other in two. */
+  /* Both forms: an error in one file, merged across two files. */
   write_text("wrong.yaml",
              "opcflow: 1\nextends: two.yaml\nvariants:\n"
              "  x: { b.size: 1 nm, b: { size: 2 nm } }\n");
@@ -306,13 +308,13 @@ static void test_sweep(void) {
   g_assert_true(g_str_has_prefix(lines[3], "3,1,30,69,103,"));
   g_assert_true(g_str_has_prefix(lines[6], "6,2,30,69,104,"));
   g_assert_true(g_str_has_suffix(lines[6], ",good"));
-  /* a.sum does not change and is not shown. */
+  /* a.sum is constant and not shown. */
   g_assert_nonnull(strstr(out, "point  b.size (nm)  b.whole  b.sum (nm)\n"));
-  /* What a wrote is there once; of the points only the table. */
+  /* Files of the shared step a exist once; points have only their tables. */
   g_assert_true(is_there("s/deep/er/out.txt"));
   g_assert_true(is_there("s/numbers.csv"));
   g_assert_cmpuint(entries("s"), ==, 6);
-  /* The resolved flow sweeps again. */
+  /* The resolved flow repeats the sweep. */
   g_autofree char *resolved = read_text("s/flow.yaml");
   g_assert_nonnull(strstr(resolved, "\nsweep:\n  b.size: [1 nm, 2 nm]"));
   g_assert_cmpint(call("run s/flow.yaml --output s2 --keep"), ==, 0);
@@ -321,14 +323,14 @@ static void test_sweep(void) {
   g_auto(GStrv) others = g_strsplit(second, "\r\n", -1);
   g_assert_cmpstr(others[0], ==, lines[0]);
   g_assert_true(g_str_has_prefix(others[6], "6,2,30,69,104,"));
-  /* So does that of a point, alone. */
+  /* The resolved flow of a point runs alone. */
   g_assert_cmpint(call("run s2/0006/flow.yaml --output s3"), ==, 0);
   g_autofree char *csv = read_text("s3/b.numbers.csv");
   g_assert_nonnull(strstr(csv, "plain,104.00,1\r\n"));
   g_assert_cmpuint(entries("s3"), ==, 6);
 }
 
-/* A point that fails is told of, and the others run. */
+/* A failed point is reported, and the other points run. */
 static void test_failing_points(void) {
   g_assert_cmpint(call("run two.yaml --output p --sweep "
                        "b.behave=[well,fail,well]"),
@@ -345,7 +347,7 @@ static void test_failing_points(void) {
   g_assert_cmpint(call("run two.yaml --output q --sweep "
                        "b.behave=[well,limit]"),
                   ==, 1);
-  /* One that all points need is as ever. */
+  /* The failure of a shared step is reported as without a sweep. */
   g_assert_cmpint(call("run two.yaml --output p2 --set a.behave=fail --sweep "
                        "b.whole=[1,2]"),
                   ==, 4);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The JSON Schema of flow files: what it says, and, with Python's jsonschema,
-   what it accepts. */
+/* The JSON Schema of flow files: its content, and by Python's jsonschema the
+   documents that it accepts. */
 #include "tools/devel/schema.h"
 
 #include <glib/gstdio.h>
@@ -25,7 +25,7 @@ static JsonNode *make_schema(void) {
   return opc_flow_schema(plugins);
 }
 
-/* The only match of a path, as text. */
+/* Return the only match of a path, as text. */
 static char *look_up(JsonNode *schema, const char *path) {
   g_autoptr(GError) error = NULL;
   g_autoptr(JsonNode) found = json_path_query(path, schema, &error);
@@ -72,7 +72,7 @@ static void save(const char *name, JsonNode *node) {
   g_assert_true(g_file_set_contents(path, text, -1, NULL));
 }
 
-/* A flow as JSON, as an editor sees it. */
+/* Save a flow as JSON. */
 static void save_flow(const char *name, const char *text) {
   g_autoptr(opc_problems) problems = opc_problems_new();
   opc_source *source = opc_source_new(name, "");
@@ -84,7 +84,8 @@ static void save_flow(const char *name, const char *text) {
   opc_source_free(source);
 }
 
-/* A line for each document; NULL and a skipped test without a validator. */
+/* Return a line for each document; NULL, with the test skipped, if there is no
+   validator. */
 static char **validate(const GPtrArray *names) {
   g_autoptr(GPtrArray) argv = g_ptr_array_new();
   g_autofree char *script = g_build_filename(g_getenv("OPCFLOW_SOURCE"),
@@ -139,7 +140,7 @@ static void test_good(void) {
       g_error("%s: %s", (char *)names->pdata[i], lines[i]);
 }
 
-/* Each a step of the flow, wrong in one thing. */
+/* Each entry is a step with one fault. */
 static void test_wrong(void) {
   static const char *const steps[] = {
       "{ use: read.gsd, file: a.gds }",

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The step `search` through the command: against separate runs of the same
-   flow, one for each setting. */
+/* The step `search` through the command, compared with separate runs of the
+   same flow at each setting. */
 #include <math.h>
 #include <string.h>
 
@@ -42,7 +42,7 @@ static char *inner_text(void) {
       "  layout:\n    use: read.cif\n    file: %s\n"
       "    layers: { poly: CP, active: CA, contact: CC, nwell: CW }\n"
       "  gates: { use: segment.transistors, layout: ${layout}, grid: 1 nm }\n"
-      /* A fine print would change the figures of one of a run's settings. */
+      /* The accurate model would change the figures of a shared run. */
       "  mask:\n    use: correct\n    gates: ${gates}\n    fine: off\n"
       "    litho: { use: litho.hopkins, wavelength: 193 nm, na: 0.75, sigma: "
       "0.75 }\n"
@@ -70,7 +70,7 @@ static char *inner_text(void) {
 enum { LENGTHS = 2, MOVES = 3, ALL = LENGTHS * MOVES };
 static const char *const lengths[LENGTHS] = {"14 nm", "40 nm"};
 
-/* The truth: each setting alone, into alone-L-M; run once. */
+/* Return the figures of separate runs, alone-L-M, made once. */
 static const double *alone(void) {
   static double figure[ALL];
   if (figure[0] > 0) return figure;
@@ -95,7 +95,7 @@ static int least_of(const double *figure, int n) {
   return best;
 }
 
-/* The figures of settings.csv. */
+/* Read the figures of settings.csv. */
 static void read_figures(const char *run, int n, double *figure) {
   g_autofree char *text = read_file(run, "settings.csv");
   g_auto(GStrv) lines = g_strsplit(text, "\r\n", -1);
@@ -109,8 +109,8 @@ static void read_figures(const char *run, int n, double *figure) {
 
 /* ---- tests ---- */
 
-/* A search that shares runs and one that does not, against runs alone: the same
-   bits, the same mask. */
+/* Searches with and without shared runs equal the separate runs: bit-identical
+   figures and the same mask. */
 static void test_truth(void) {
   const double *truth = alone();
   int best = least_of(truth, ALL);
@@ -132,7 +132,7 @@ static void test_truth(void) {
   }
 }
 
-/* Two layers are printed at first and after each move. */
+/* Two layers are simulated at the start and after each displacement. */
 static void test_simulations(void) {
   alone();
   double single = 0;
@@ -149,7 +149,7 @@ static void test_simulations(void) {
   g_assert_cmpfloat(shared, <, single);
 }
 
-/* What one and four threads write is the same. */
+/* Identical files with one and four threads. */
 static void test_threads(void) {
   run_good("shared.yaml", "one", "--threads", "1");
   run_good("shared.yaml", "four", "--threads", "4");
@@ -160,8 +160,8 @@ static void test_threads(void) {
     expect_same("one", files[i], "four", files[i]);
 }
 
-/* Other plugins' parameters, another figure, the greatest one, a variant and
-   another plugin that is set. */
+/* Parameters of other plugins, another figure, maximisation, a variant, and a
+   replaced plugin. */
 static void test_others(void) {
   write_file(
       "others.yaml", HEAD
@@ -197,7 +197,7 @@ static void test_others(void) {
   expect_same("others", "mask.gds", run, "mask.gds");
 }
 
-/* Of settings that fail it is told, and the others count. */
+/* Failed settings are reported and excluded. */
 static void test_failing(void) {
   write_file("failing.yaml", HEAD
              "    set: { mask.max_iterations: 1 }\n    sweep:\n"
@@ -212,8 +212,8 @@ static void test_failing(void) {
   g_assert_nonnull(strstr(text, "20 nm exceeds the fragment length of 10 nm"));
 }
 
-/* The resolved flow runs again from elsewhere; files are relative to the flow
-   that names them; the manifest knows what the inner flow read and used. */
+/* The resolved flow runs from another folder; files are relative to the flow
+   that names them; the manifest lists files and plugins of the inner flow. */
 static void test_resolved(void) {
   g_autofree char *cif = source_path("data/cells65/nand2.cif"), *text = NULL;
   g_assert_true(g_file_get_contents(cif, &text, NULL, NULL));
@@ -237,7 +237,7 @@ static void test_resolved(void) {
   run_good(best, "third", NULL, NULL);
   g_assert_true(metric("third", "mask", "ion_mean") ==
                 metric("first", "best", "least"));
-  /* --set reaches into it. */
+  /* --set changes the inner flow. */
   g_autofree char *other = source_path("data/cells65/nor2.cif");
   g_autofree char *set = g_strdup_printf("best.set.layout.file=%s", other);
   run_good("sub/outer.yaml", "nor2", "--set", set);
@@ -247,7 +247,7 @@ static void test_resolved(void) {
 
 /* ---- what is refused ---- */
 
-/* Refused by `check`, and before anything runs. */
+/* Check that a flow is refused by `check` and by `run`. */
 static void expect(const char *text, const char *want) {
   write_file("bad.yaml", text);
   g_autofree char *errors = NULL, *again = NULL;
@@ -312,8 +312,8 @@ static void test_refused(void) {
          "figure\n");
 }
 
-/* A fault of the inner flow has its place there; a search does not search
-   itself; what only instances can tell. */
+/* Faults of the inner flow are reported with their place there; a search of
+   itself is refused; faults that only instances detect. */
 static void test_inner_faults(void) {
   write_file("wrong.yaml",
              "opcflow: 1\nextends: inner.yaml\nsteps:\n  mask:\n"
@@ -337,7 +337,7 @@ static void test_inner_faults(void) {
       "more)\n");
 }
 
-/* A table that is not there is found out at the first run. */
+/* A missing table is detected after the first run. */
 static void test_no_table(void) {
   static const char *const columns[][2] = {
       {"mask.hisotry.iteration",
@@ -358,7 +358,7 @@ static void test_no_table(void) {
   }
 }
 
-/* An inner step that fails at all settings is told with its place. */
+/* An inner step that fails at all settings is reported with its place. */
 static void test_all_fail(void) {
   write_file("empty.cif", "DS 1; L CP; B 100 100 0 0; DF; C 1; E\n");
   write_file("bad.yaml",

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What shells and man see: completion through bash and zsh, manual pages
-   through groff. */
+/* Shell completion in bash and zsh, and manual pages through groff. */
 #include <glib/gstdio.h>
 #include <string.h>
 #include <sys/wait.h>
@@ -9,8 +8,8 @@
 
 static char *folder, *command;
 
-/* Run a shell script in the folder; its standard output, and what it says on
-   standard error must be nothing. */
+/* Run a shell script in the folder; return its standard output. Standard error
+   must be empty. */
 static char *bash(const char *script) {
   const char *const argv[] = {"bash", "-c", script, NULL};
   char *out = NULL;
@@ -25,7 +24,7 @@ static char *bash(const char *script) {
   return out;
 }
 
-/* What bash offers at the end of a line, with spaces between. */
+/* Return the completions of bash at the end of a line, separated by spaces. */
 static char *offered(const char *line) {
   g_autofree char *script = g_strdup_printf(
       "source '%s/data/completion/opcflow.bash'\n"
@@ -36,7 +35,7 @@ static char *offered(const char *line) {
   return bash(script);
 }
 
-/* A flow, a folder with another, and one with plugins. */
+/* Make a flow, a folder with another one, and a folder with plugins. */
 static void make_flows(void) {
   g_autofree char *second = g_build_filename(folder, "flows", NULL);
   if (g_mkdir(second, 0777)) return;
@@ -78,7 +77,7 @@ static void test_completion(void) {
   }
 }
 
-/* A line, what Tab makes of it, and what is offered. */
+/* Each entry: a line, the line after Tab, and the completions. */
 static void test_zsh(void) {
   static const char *const cases[][2] = {
       {"opcflow ru", "opcflow run |run"},
@@ -102,7 +101,7 @@ static void test_zsh(void) {
        "opcflow run first.yaml --set mask.extractor.rule=|contour equal gauss"},
       {"opcflow run first.yaml --set mask.extractor.rule=g",
        "opcflow run first.yaml --set mask.extractor.rule=gauss |gauss"},
-      /* A file of any name, which zsh finds itself. */
+      /* File names are completed by zsh. */
       {"opcflow run first.yaml --output fl",
        "opcflow run first.yaml --output flows/|flows"},
   };
@@ -123,8 +122,8 @@ static void test_zsh(void) {
     g_assert_cmpstr(lines[i], ==, cases[i][1]);
 }
 
-/* Every verb has a page that roff takes without a warning, made by the build
-   and with all its options; that of the command names them all. */
+/* Each verb has a manual page, made by the build, with all its options, that
+   groff accepts without a warning; the page of the command lists all verbs. */
 static void test_pages(void) {
   g_autofree char *groff = g_find_program_in_path("groff");
   g_autofree char *first =

@@ -36,7 +36,7 @@ static opc_node *parse_preset(const binder *b, const opc_parameter *p) {
   return node;
 }
 
-/* Return the map of a slot: without `use`, its parameters are laid over the
+/* Return the map of a slot: without `use`, the given parameters override the
    default plugin's. */
 static const opc_node *over_default(const binder *b, const opc_parameter *p,
                                     const opc_node *node) {
@@ -344,7 +344,7 @@ void opc_binding_free(opc_binding *b) {
   g_free(b);
 }
 
-/* ---- finding one's way back ---- */
+/* ---- places of errors ---- */
 
 const opc_place *opc_binding_origin(const opc_binding *b, size_t i) {
   return b->origin[i] ? &b->origin[i]->at : &b->at;

@@ -80,10 +80,9 @@ const char *opc_binding_enter(const opc_binding *binding);
 void opc_binding_leave(const char *before);
 
 /* Add the problem that a function of the plugin reported in *error, and
-   terminate the texts of *error. With `run`, the label is followed by the
-   plugins in the slots that the error's parameter leads to, such as "step
-   'first' (sum), model (model.wide)" for "model" or "model.width". Returns
-   FALSE. */
+   terminate the texts of *error. With `run`, the plugins in the slots that the
+   error's parameter leads to follow the label, such as "step 'first' (sum),
+   model (model.wide)" for "model" or "model.width". Returns FALSE. */
 gboolean opc_binding_fail(const opc_binding *binding, gboolean run, int code,
                           opc_error *error, opc_problems *problems);
 
@@ -95,9 +94,9 @@ G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_binding, opc_binding_free)
    binding. */
 const opc_place *opc_binding_origin(const opc_binding *binding, size_t i);
 
-/* Return the place in the flow of an error of this instance: that of
-   `parameter`, which may belong to a slot (by its name or as "slot.name"), else
-   that of the binding. */
+/* Return the place in the flow of an error of this instance: the place of
+   `parameter`, else of the binding. The parameter may belong to a slot (NAME or
+   "slot.NAME"). */
 const opc_place *opc_binding_place(const opc_binding *binding,
                                    const char *parameter);
 

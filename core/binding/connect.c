@@ -83,7 +83,7 @@ static void connect_step(const connector *c) {
 
 /* ---- order ---- */
 
-/* Return the first unplaced step that this step depends on; NULL: it can
+/* Return the first unplaced step that this step depends on; NULL: the step can
    run. */
 static opc_flow_step *awaited(const opc_flow_step *step,
                               const gboolean *placed) {

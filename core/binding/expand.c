@@ -60,7 +60,7 @@ static part *part_copy(const part *from) {
   return p;
 }
 
-/* ---- what a path means ---- */
+/* ---- paths ---- */
 
 /* The binding of a path's step with a layer applied, and the parameter at the
    path. */
@@ -126,7 +126,7 @@ static const opc_parameter *pattern_parameter(const expander *e, const item *it,
                                                                          : NULL;
 }
 
-/* ---- what a plugin lists ---- */
+/* ---- values listed by plugins ---- */
 
 static void take_choice(void *data, const char *value) {
   g_ptr_array_add(data, g_strdup(value));
@@ -332,7 +332,7 @@ static void expand_map(expander *e, item *it, const opc_node *map) {
     add_layer(e, it, parts->pdata[i]);
 }
 
-/* ---- what is written ---- */
+/* ---- elements ---- */
 
 static void expand_node(expander *e, const char *name, const opc_node *node);
 

@@ -171,7 +171,7 @@ gboolean opc_flow_create(const opc_flow *flow, const gboolean *left_out,
   return good;
 }
 
-/* ---- checking: all that can be found without work ---- */
+/* ---- checking ---- */
 
 /* Values checked per axis; of a longer axis the first ones and the last one are
    checked. */

@@ -13,7 +13,7 @@
 /* Limit of nested inner flows: an experiment whose steps run searches. */
 enum { DEEPEST = 2 };
 
-/* ---- reading: what is laid over it ---- */
+/* ---- reading: variant and parameters ---- */
 
 /* Return the index of the parameter of that name and type, -1 if there is
    none. */
@@ -103,7 +103,7 @@ static void find_steps(opc_inner *inner, const opc_binding *b,
   }
 }
 
-/* ---- reading: all of it ---- */
+/* ---- reading: the whole ---- */
 
 static void open_recipe(opc_inner *inner, const opc_binding *b,
                         opc_problems *problems) {

@@ -39,7 +39,7 @@ gboolean *opc_inner_needed(const opc_inner *inner, const opc_flow *flow);
 /* End the runs of an inner flow after the step has run. `inner` may be NULL. */
 void opc_inner_end(opc_inner *inner);
 
-/* Return the flow at the first point of its sweep. */
+/* Return the flow at the first point of the sweep. */
 const opc_flow *opc_inner_flow(const opc_inner *inner);
 
 /* Call `visit` with the flow at the first point and at each value of each

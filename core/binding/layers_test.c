@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tests of changes applied to a flow: flows that extend it, variants, sweeps,
-   --set, and parameters of a default plugin. */
+/* Tests of changes applied to a flow: extending flows, variants, sweeps, --set,
+   and parameters of a default plugin. */
 #include <base/layers.h>
 #include <glib/gstdio.h>
 #include <store/files.h>
@@ -29,7 +29,7 @@ static void write_file(const char *name, const char *text) {
   g_assert_true(g_file_set_contents(name, text, -1, NULL));
 }
 
-/* A valid flow at a variant ("": none) and a point of its sweep. */
+/* A valid flow at a variant ("": none) and a point of the sweep. */
 typedef struct made {
   opc_recipe *recipe;
   opc_sweep *sweep;
@@ -174,7 +174,7 @@ static void test_removing(void) {
       "flow.yaml:6:3: unknown step 'ab'");
   check_text("opcflow: 1\nextends: base.yaml\nsteps:\n  a: ~\n",
              "base.yaml:3:3: no step is left");
-  /* '~' removes only where it is the whole value. */
+  /* '~' removes only as the whole value. */
   check_text(STEP "  b: { use: test.numbers, size: 1 nm, note: '~' }\n", "");
 }
 
@@ -476,7 +476,7 @@ static void test_bounds(void) {
   opc_flow_check(recipe, &choice, registry(), NULL, problems);
   g_autofree char *found = opc_problems_text(problems);
   g_assert_nonnull(strstr(found, "is deeper than 64"));
-  /* Of very many problems only the first ones are reported. */
+  /* The number of reported problems is limited. */
   g_string_assign(many, "opcflow: 1\nsteps:\n  a:\n");
   for (int i = 0; i < 2000; i++)
     g_string_append_printf(many, "    p%d: 1\n", i);

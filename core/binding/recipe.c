@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Reads a flow file and the files that it extends, and merges them from the
-   last to the first. */
+/* Reads a flow file and the extended files, and merges them from the last to
+   the first. */
 #include "core/binding/recipe.h"
 
 #include <base/file.h>
@@ -55,7 +55,7 @@ static char *flow_description(const opc_node *root, opc_problems *problems) {
 
 /* ---- files ---- */
 
-/* Return the index of the file among the files read, -1 if it is new. */
+/* Return the index of the file among the files read, -1 for a new file. */
 static int find_file(const opc_recipe *recipe, const char *path) {
   g_autofree char *real = realpath(path, NULL);
   for (guint i = 0; real && i < recipe->sources->len; i++) {
@@ -77,7 +77,7 @@ static void report_circle(const opc_recipe *recipe, guint first,
 }
 
 /* Return the path that `extends` of the last file names (g_free); NULL and a
-   problem if it is not valid. */
+   problem on error. */
 static char *next_file(const opc_recipe *recipe, const opc_node *extends,
                        opc_problems *problems) {
   if (extends->type != OPC_NODE_TEXT || !*extends->text ||
@@ -97,8 +97,8 @@ static char *next_file(const opc_recipe *recipe, const opc_node *extends,
   return NULL;
 }
 
-/* Read the file and, recursively, the files that it extends. Returns FALSE and
-   adds a problem, at `from` (the `extends` that names it) if given. */
+/* Read the file and, recursively, the extended files. Returns FALSE and adds a
+   problem, at `from` (the `extends` of the extending file) if given. */
 static gboolean read_file(opc_recipe *recipe, const char *path,
                           const opc_node *from, opc_problems *problems) {
   g_autofree char *folder = g_path_get_dirname(path);
@@ -117,9 +117,9 @@ static gboolean read_file(opc_recipe *recipe, const char *path,
   return next && read_file(recipe, next, extends, problems);
 }
 
-/* ---- what is in them ---- */
+/* ---- sections of files ---- */
 
-/* Return the map `name` of a file; NULL if it is missing or not valid. */
+/* Return the map `name` of a file; NULL if the map is missing or not valid. */
 static const opc_node *section(const opc_node *root, const char *name,
                                guint most, opc_problems *problems) {
   const opc_node *node = opc_node_get(root, name);
@@ -204,7 +204,7 @@ static void take_demands(opc_recipe *recipe, const opc_node *root,
                   problems);
 }
 
-/* Merge a sweep: an axis given again keeps its position and gets new values. */
+/* Merge a sweep: an axis given again keeps the position and gets new values. */
 static void take_sweep(opc_recipe *recipe, const opc_node *root,
                        opc_problems *problems) {
   opc_node *sweep = recipe->sweep;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A flow file merged with the files that it extends: the steps as text, the
+/* A flow file merged with the files listed by `extends`: the steps as text, the
    variants and the sweep, before plugins are bound. */
 #pragma once
 
@@ -17,8 +17,8 @@ typedef struct opc_recipe {
   opc_node *demands;  /* merged "require"; empty: none */
 } opc_recipe;
 
-/* Read a flow file and the files that it extends. Returns NULL if one cannot be
-   read; otherwise a recipe (opc_recipe_free), valid if no problem was added. */
+/* Read a flow file and the extended files. Returns NULL if one cannot be read;
+   otherwise a recipe (opc_recipe_free), valid if no problem was added. */
 opc_recipe *opc_recipe_read(const char *path, opc_problems *problems);
 void opc_recipe_free(opc_recipe *recipe);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_recipe, opc_recipe_free)

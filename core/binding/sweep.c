@@ -196,7 +196,7 @@ void opc_sweep_free(opc_sweep *sweep) {
   g_free(sweep);
 }
 
-/* ---- what depends on it ---- */
+/* ---- dependent steps ---- */
 
 static gboolean begins_with(const char *path, const char *step) {
   size_t n = strcspn(path, ".");

@@ -35,8 +35,8 @@ opc_sweep *opc_sweep_none(void);
 void opc_sweep_free(opc_sweep *sweep);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_sweep, opc_sweep_free)
 
-/* Replace or append the axes that `map` gives: paths, which may be split into
-   nested maps, with their values. */
+/* Replace or append the axes in `map`: paths, which may be split into nested
+   maps, with their values. */
 void opc_sweep_lay_over(opc_sweep *sweep, const opc_node *map,
                         opc_problems *problems);
 
@@ -57,8 +57,8 @@ gboolean opc_axis_touches(const opc_axis *axis, const opc_recipe *recipe,
 unsigned opc_sweep_depth(const opc_sweep *sweep);
 
 /* Return the level of each step at a point of the sweep, by step number
-   (g_free): 0 if no axis changes the step or a step that it depends on, else,
-   from 1, the level of the last axis that does. */
+   (g_free). The level is 0 if no axis changes the step, directly or through a
+   dependency; else, from 1, that of the last such axis. */
 struct opc_flow;
 unsigned *opc_sweep_levels(const opc_sweep *sweep, const struct opc_flow *flow);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* opcflow check: all that is wrong with a flow and its variants. */
+/* opcflow check: reports all problems of a flow and its variants. */
 #include "core/cli/cli.h"
 #include "core/run/forecast.h"
 
@@ -14,7 +14,8 @@ static const cli_option options[] = {
     {"json", "what is wrong as JSON, too", .flag = &json},
     {0}};
 
-/* What instances say, each thing once, however many variants say it. */
+/* Print each message of instances once, even if several variants log the
+   message. */
 static void take_log(void *data, const char *path, int level,
                      const char *message) {
   static GMutex lock;
@@ -25,9 +26,9 @@ static void take_log(void *data, const char *path, int level,
   g_mutex_unlock(&lock);
 }
 
-/* ---- what a run will want ---- */
+/* ---- forecasts of a run ---- */
 
-/* Bytes that are worth no line by themselves. */
+/* bytes below which a forecast of memory alone gets no line */
 static const double little = 1e6;
 
 static void forecast(const opc_recipe *recipe, const opc_choice *choice,
@@ -71,8 +72,9 @@ static GArray *open_files(const opc_recipe *recipe, const opc_choice *choice) {
   return cli_open_files(flow);
 }
 
-/* Whether a variant wants files that the flow itself does not, and what they
-   are: that is no fault of it, and the rest of it can be checked. */
+/* Return whether a variant requires files that the flow without it does not,
+   and report them. Such files are no problem: the rest of the variant is still
+   checked. */
 static gboolean asks(const opc_recipe *recipe, const opc_choice *choice,
                      JsonArray *told) {
   opc_choice itself = *choice;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Verbs that plugins of the kind "command" bring. Their parameters are their
-   options, and what they publish is shown, or is one JSON document. */
+/* Implements verbs of plugins of the kind "command": parameters become options;
+   published tables and metrics are printed as text or as one JSON document. */
 #include <base/file.h>
 #include <base/layers.h>
 #include <base/suggest.h>
@@ -16,13 +16,13 @@
 #include "core/report/json.h"
 #include "core/run/services.h"
 
-/* What the user wants: of each parameter of the plugin a text, or of an
-   OPC_BOOL whether it was given as --NAME or as --no-NAME. */
+/* Options given: one text per parameter; for an OPC_BOOL whether --NAME or
+   --no-NAME was given. */
 static GPtrArray **texts;
 static const char *threads, *wanted;
 static gboolean *yes, *no, json, csv, markdown;
 
-/* What comes of it, as text and as JSON. */
+/* Published tables and metrics, as text and as JSON. */
 static cli_progress progress;
 static GPtrArray *tables; /* opc_table * */
 static GPtrArray *cells;  /* char *: metric, value, unit, metric ... */
@@ -31,7 +31,8 @@ static JsonObject *metrics;
 
 /* ---- options ---- */
 
-/* "max_cases" is --max-cases. */
+/* Return the option of a parameter (g_free): "max_cases" becomes
+   --max-cases. */
 static char *option_name(const opc_parameter *p) {
   return g_strdelimit(g_strdup(p->name), "_", '-');
 }
@@ -68,7 +69,7 @@ static char *option_help(const opc_parameter *p) {
   return g_string_free(help, FALSE);
 }
 
-/* ---- what it says ---- */
+/* ---- published results ---- */
 
 static void take_log(void *data, const char *path, int level,
                      const char *message) {
@@ -106,9 +107,10 @@ static int take_metric(const opc_host *host, const char *name, double value,
   return OPC_OK;
 }
 
-static GPtrArray *given; /* paths of files that it writes */
+static GPtrArray *given; /* paths of files that the command writes */
 
-/* A command has no run folder: a new file in the present one. */
+/* Return the path of a new file in the current folder, as a command has no run
+   folder. */
 static const char *give_path(const opc_host *host, const char *name,
                              opc_error *error) {
   char *path = g_strdup(name);
@@ -149,8 +151,8 @@ static void show_json(opc_problems *problems) {
   cli_print_object(o);
 }
 
-/* Its name stands over each table, but over one that is CSV. What a command
-   does not print by itself is for programs, or asked for by its name. */
+/* Print a table with its name as title (no title for a single CSV table). A
+   table without OPC_TABLE_PRINT is printed only as CSV or if chosen by name. */
 static void show_table(const opc_table *table) {
   if (!csv && !wanted && !(table->flags & OPC_TABLE_PRINT)) return;
   if (markdown) {
@@ -170,7 +172,7 @@ static void show_table(const opc_table *table) {
   }
 }
 
-/* The one that is wanted; all others are dropped. */
+/* Keep only the table chosen by name. */
 static void choose_table(opc_problems *problems) {
   g_autoptr(GPtrArray) names = g_ptr_array_new_with_free_func(g_free);
   for (guint i = tables->len; i-- > 0;) {
@@ -196,8 +198,8 @@ static int show(opc_problems *problems) {
 
 /* ---- the work ---- */
 
-/* Put the value of a parameter into { VERB: { ... } }. Texts and files are as
-   the shell gave them; all else is written as in a flow. */
+/* Put the value of a parameter into { VERB: { ... } }. Texts and files are
+   taken literally; all other values are parsed as in a flow. */
 static void take_value(const cli_verb *verb, const opc_parameter *p,
                        const char *text, opc_node *steps, GPtrArray *sources,
                        opc_problems *problems) {
@@ -223,7 +225,7 @@ static void call(opc_binding *b, const GPtrArray *arguments,
   int code = command->run(b->module.self, arguments->len,
                           (const char *const *)arguments->pdata, &error);
   opc_binding_leave(before);
-  /* What could not be written to its end is not left as if it were whole. */
+  /* Remove files that may be incomplete. */
   for (guint i = 0; code == OPC_IO && i < given->len; i++)
     (void)remove(given->pdata[i]);
   error.parameter[sizeof error.parameter - 1] = 0;
@@ -282,7 +284,7 @@ static void add_options(GArray *list, const opc_plugin *plugin, size_t i) {
   g_array_append_val(list, option);
 }
 
-/* Nothing of it is freed: it is the one verb of the process. */
+/* Nothing is freed: the process runs one verb. */
 const cli_verb *cli_plugin_verb(const char *name, opc_error *error) {
   static const cli_option common[] = {
       {"threads", "default: as many as there are processors", "N",

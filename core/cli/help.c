@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* opcflow help, opcflow version: what there is. */
+/* opcflow help and opcflow version. */
 #include <string.h>
 
 #include "core/cli/cli.h"
 
 /* ---- help ---- */
 
-/* Those of plugins, each of which is loaded in a process of its own. */
+/* Print the verbs of plugins; each plugin is loaded in a child process. */
 static void print_plugin_verbs(void) {
   g_autoptr(GPtrArray) found =
       opc_registry_usable(cli_registry(), "command.", CLI_PATIENCE);

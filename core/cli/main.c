@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The opcflow command: its verbs. Those without a function are the program
-   opcflow-devel's. */
+/* The opcflow command and its verbs. Verbs without a function belong to
+   opcflow-devel. */
 #include "core/cli/cli.h"
 
 static const cli_verb cache = {CLI_CACHE}, explain = {CLI_EXPLAIN},

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The files that a flow leaves open: a process the layout, a variant what only
-   its user knows. */
+/* Finds the required files that a flow leaves open, such as the layout of a
+   process flow. */
 #include "core/cli/cli.h"
 #include "core/plugin/declaration.h"
 
 static void clear(void *data) { g_free(((cli_open_file *)data)->path); }
 
-/* Those that a plugin, or one in its slots, was not given. */
+/* Add the missing files of a plugin and of the plugins in its slots. */
 static void add(GArray *open, const opc_binding *b) {
   for (size_t i = 0; b && i < b->plugin->n_parameters; i++) {
     const opc_parameter *p = &b->plugin->parameters[i];

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Reads the words of a command line by the options of a verb, and tells what
-   they are. */
+/* Parses the words of a command line by the options of a verb, and prints their
+   help. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -34,7 +34,7 @@ opc_registry *cli_registry(void) {
 /* ---- help ---- */
 
 static gboolean help, version;
-static const char *taken; /* --plugin-path has been read before */
+static const char *taken; /* --plugin-path was read before */
 
 const cli_option cli_common_options[] = {
     {"plugin-path", "look for plugins here first", "DIR", .text = &taken},
@@ -44,7 +44,7 @@ const cli_option cli_common_options[] = {
     {"version", "tell the version", .flag = &version},
     {0}};
 
-/* In the form of which help2man makes manual pages. */
+/* Print help in the form that help2man converts to manual pages. */
 void cli_print_help(const cli_verb *verb) {
   cli_print("Usage: opcflow %s%s%s%s\n\n%s.\n\nOptions:\n", verb->name,
             *verb->arguments ? " " : "", verb->arguments,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the command says on standard error and on standard output. */
+/* Prints messages to standard error and results to standard output. */
 #include <base/sheet.h>
 #include <store/json.h>
 

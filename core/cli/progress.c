@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Shows how far the work is. */
+/* Prints progress. */
 #include "core/cli/progress.h"
 
 #include <guard/stop.h>
@@ -14,7 +14,7 @@ int cli_is_stopped(void *unused) {
   return stop_is_asked();
 }
 
-/* At most ten lines a second. */
+/* Shortest time between two lines, us. */
 enum { PAUSE = 100000 };
 
 void cli_progress_start(cli_progress *p, int level) {
@@ -24,7 +24,7 @@ void cli_progress_start(cli_progress *p, int level) {
   p->shown = level <= OPC_LOG_INFO && cli_is_terminal();
 }
 
-/* Take the line away, and put another in its place. */
+/* Replace the progress line on the terminal. */
 static void show(const cli_progress *p, const char *line) {
   if (!p->shown) return;
   fprintf(stderr, "\r\033[K%s", line);
@@ -59,7 +59,7 @@ void cli_progress_point(void *data, size_t number, size_t count) {
   g_mutex_unlock(&p->lock);
 }
 
-/* "point 3/12 [2/5] first" */
+/* Append the point and the step, such as "point 3/12 [2/5] first". */
 static void append_step(GString *line, const cli_progress *p) {
   if (p->points)
     g_string_append_printf(line, "point %zu/%zu ", p->point, p->points);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The line on a terminal that tells how far a run is. */
+/* The progress line of a run on a terminal. */
 #pragma once
 
 #include <glib.h>
@@ -7,20 +7,20 @@
 #include "core/plugin/host.h"
 
 typedef struct cli_progress {
-  gboolean shown; /* whether to show it at all */
-  int level;      /* OPC_LOG_*: the least that is told */
+  gboolean shown; /* FALSE: not printed */
+  int level;      /* lowest OPC_LOG_* level printed */
   GMutex lock;
   char *step;
   size_t number, count;
-  size_t point, points; /* of a sweep; 0: none */
-  gint64 began, last;   /* of the step, of the last line; us */
+  size_t point, points; /* point and points of a sweep; 0: none */
+  gint64 began, last;   /* start of the step; time of the last line; us */
 } cli_progress;
 
-/* `shown` is left FALSE where standard error is no terminal. */
+/* Initialize. `shown` stays FALSE if standard error is no terminal. */
 void cli_progress_start(cli_progress *progress, int level);
 void cli_progress_end(cli_progress *progress);
 
-/* The functions of an opc_watch whose data is a cli_progress. */
+/* Functions for an opc_watch whose data is a cli_progress. */
 void cli_progress_log(void *data, const char *path, int level,
                       const char *message);
 void cli_progress_step(void *data, const char *name, size_t number,

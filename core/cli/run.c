@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* opcflow run: runs a flow, or its variants, and shows what came of it. */
+/* opcflow run: runs a flow or its variants and prints the results. */
 
 #include <guard/stop.h>
 #include <limits.h>
@@ -12,12 +12,12 @@
 #include "core/run/pieces.h"
 #include "core/run/whole.h"
 
-/* What the user wants. */
+/* Options given. */
 static GPtrArray *sets, *variants, *sweeps;
 static const char *threads, *level_word;
 static opc_run_options wanted;
 static gboolean json, quiet, no_cache;
-static int level = OPC_LOG_INFO; /* the least that is told */
+static int level = OPC_LOG_INFO; /* lowest level printed */
 
 static const cli_option options[] = {
     {"set", "over what the flow says", "STEP.PARAMETER=VALUE", .list = &sets},
@@ -42,7 +42,7 @@ static const cli_option options[] = {
 
 /* ---- a sweep ---- */
 
-/* Whether the cells of a column differ. */
+/* Return whether the cells of a column differ. */
 static gboolean varies(const opc_column *c, size_t rows) {
   g_autofree char *first = rows ? opc_table_cell(c, 0) : NULL;
   for (size_t i = 1; i < rows; i++) {
@@ -52,7 +52,7 @@ static gboolean varies(const opc_column *c, size_t rows) {
   return FALSE;
 }
 
-/* What to look at: the parameters and the metrics that they change. */
+/* Print the table of a sweep: the parameters and the metrics that vary. */
 static void print_sweep(const opc_run *run) {
   const opc_table *all = run->out.points;
   guint parameters = run->out.sweep->axes->len;
@@ -72,7 +72,7 @@ static void print_sweep(const opc_run *run) {
   opc_table_free(table);
 }
 
-/* ---- what came of it ---- */
+/* ---- results ---- */
 
 static void print_text(const opc_run *run) {
   for (guint i = 0; i < run->out.tables->len; i++) {
@@ -125,12 +125,12 @@ static JsonObject *run_json(const opc_run *run, opc_problems *broken) {
 
 /* ---- the work ---- */
 
-/* What the runs of all variants share. */
+/* State shared by the runs of all variants. */
 typedef struct series {
   const opc_recipe *recipe;
   const opc_sweep *sweep;
   GPtrArray *chosen; /* char *: variants; NULL: none */
-  JsonArray *list;   /* a document of each, where there are several */
+  JsonArray *list;   /* one document per run, if there are several */
 } series;
 
 static opc_choice choice_of(const series *s, const char *variant) {
@@ -138,7 +138,8 @@ static opc_choice choice_of(const series *s, const char *variant) {
       .variant = variant, .sweep = s->sweep, .sets = cli_list(sets)};
 }
 
-/* One document, or an element of the one that all runs make. */
+/* Print one document, or append it to the list of several runs; takes ownership
+   of the object. */
 static void print_json(const series *s, JsonObject *object) {
   if (s->chosen->len > 1)
     json_array_add_object_element(s->list, object);
@@ -146,7 +147,7 @@ static void print_json(const series *s, JsonObject *object) {
     cli_print_object(object);
 }
 
-/* A run that came to nothing, or to a part; `run` may be NULL. */
+/* Return the document of a run that failed; `run` may be NULL. */
 static JsonObject *failure_json(const opc_run *run, opc_problems *problems) {
   JsonObject *o = json_object_new();
   if (run && run->out.folder)
@@ -156,7 +157,7 @@ static JsonObject *failure_json(const opc_run *run, opc_problems *problems) {
   return o;
 }
 
-/* The last lines, whatever else was printed and wherever to. */
+/* Print the findings last, after all other output. */
 static void tell_findings(const opc_run *run, const char *note) {
   g_autoptr(GPtrArray) lines = opc_findings_lines(&run->out.findings);
   cli_flush();
@@ -164,7 +165,8 @@ static void tell_findings(const opc_run *run, const char *note) {
     cli_message("finding", "%s%s", (char *)lines->pdata[i], note);
 }
 
-/* `note`: which variant it is, where there are several, or "". */
+/* Print the results of a run. `note`: the variant if there are several, or
+   "". */
 static int tell(const series *s, const opc_run *run, const char *note,
                 const opc_problems *found) {
   g_autoptr(opc_problems) problems = opc_problems_new();
@@ -194,7 +196,7 @@ static int tell(const series *s, const opc_run *run, const char *note,
   return run->out.points_code ? cli_exit_code(run->out.points_code) : code;
 }
 
-/* Whether this is a rank after the first one. */
+/* Return whether this is a rank other than the first. */
 static gboolean is_second(void) { return wanted.ranks && wanted.ranks->rank; }
 
 static int run_one(const series *s, const char *variant) {
@@ -207,7 +209,7 @@ static int run_one(const series *s, const char *variant) {
     if (json) print_json(s, failure_json(NULL, problems));
     return cli_problems(problems);
   }
-  /* DIR, or DIR/VARIANT where there are several. */
+  /* DIR, or DIR/VARIANT if there are several. */
   opc_run_options its = wanted;
   g_autofree char *output =
       wanted.output ? g_build_filename(wanted.output, name, NULL) : NULL;
@@ -229,7 +231,7 @@ static int run_one(const series *s, const char *variant) {
   return tell(s, run, note, problems);
 }
 
-/* The exit code of the first run that is not good. */
+/* Run all variants and return the exit code of the first failed run. */
 static int run_all(const series *s) {
   int code = CLI_GOOD;
   stop_on_signals(CLI_STOPPED);
@@ -262,15 +264,15 @@ static void choose_variants(series *s, opc_problems *problems) {
   if (!*names) g_ptr_array_add(s->chosen, NULL);
 }
 
-/* Fields come and go, each tens of megabytes and of the same sizes again: keep
-   their memory rather than have it mapped and cleared each time, which costs a
-   tenth of a correction. */
+/* Keep freed memory in the process: fields of tens of megabytes are allocated
+   and freed at the same sizes. Mapping and clearing them again costs a tenth of
+   a correction's time. */
 static void keep_memory(void) {
   mallopt(M_MMAP_THRESHOLD, 1 << 30);
   mallopt(M_TRIM_THRESHOLD, INT_MAX);
 }
 
-/* -1, or the exit code. */
+/* Set the level of messages. Returns -1, or the exit code. */
 static int set_level(void) {
   static const char *const words[] = {"debug", "info", "warning", NULL};
   if (quiet) level = OPC_LOG_WARNING;
@@ -285,7 +287,7 @@ static int set_level(void) {
                     : -1;
 }
 
-/* Without one, all steps run. */
+/* Return the store of results; NULL: all steps run. */
 static opc_store *open_store(void) {
   opc_error error = {0};
   opc_store *store = no_cache ? NULL : opc_store_open(&error);
@@ -296,8 +298,8 @@ static opc_store *open_store(void) {
 
 /* ---- ranks ---- */
 
-/* Where several processes were started to run the flow: one of them speaks. -1,
-   or the exit code. */
+/* Join the ranks if several processes were started to run the flow; only the
+   first one prints. Returns -1, or the exit code. */
 static int meet_ranks(void) {
   int rank, size;
   opc_error error;
@@ -309,8 +311,8 @@ static int meet_ranks(void) {
   return -1;
 }
 
-/* mpirun ends all as soon as one ends with another code than 0: the others wait
-   until the first one has said and written all. */
+/* Wait until the first rank has written everything and return the exit code.
+   Other ranks return CLI_GOOD, as mpirun ends all processes when one fails. */
 static int leave_ranks(int code) {
   cli_flush();
   if (wanted.ranks) wanted.ranks->end();
@@ -319,7 +321,7 @@ static int leave_ranks(int code) {
 
 /* ---- the verb ---- */
 
-/* All variants are checked before the first one runs. */
+/* Check all variants, then run them. */
 static int check_and_run(const char *path) {
   wanted.command = cli_command_line();
   g_autoptr(opc_problems) problems = opc_problems_new();

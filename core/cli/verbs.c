@@ -35,7 +35,7 @@ const cli_verb *cli_find_verb(const char *name, opc_error *error) {
   return NULL;
 }
 
-static char **all_words; /* as main() has them */
+static char **all_words; /* words of main() */
 
 void cli_become(const char *program) {
   cli_return_output();
@@ -49,8 +49,8 @@ int cli_run_devel(const cli_verb *verb) {
                    program ? "cannot start" : "there is no program");
 }
 
-/* The verb is the first word that is no option; what comes before it is read
-   as if it stood behind. */
+/* Run the verb: the first word that is no option. Options before the verb are
+   read like options after the verb. */
 static int work(int argc, char **argv) {
   int at = 1;
   while (at < argc && *argv[at] == '-') {
@@ -84,7 +84,8 @@ int cli_main(int argc, char **argv) {
   setlocale(LC_CTYPE, "");
   all_words = argv;
   cli_keep_output();
-  signal(SIGXFSZ, SIG_IGN); /* a file that is too large is a failed write */
+  signal(SIGXFSZ, SIG_IGN); /* a write beyond the file size limit fails
+                               instead */
   guard_install(cli_is_terminal() ? "\r\033[K" : NULL);
   int code = work(argc, argv);
   guard_done(code);

@@ -78,7 +78,7 @@ static void parallel(const opc_context *context, size_t n,
   pool_run(opc_threads(), n, task, data);
 }
 
-/* ---- where nothing is published ---- */
+/* ---- defaults without a run ---- */
 
 static int ignore_table(const opc_host *host, const char *name, uint32_t flags,
                         size_t rows, const opc_column *columns,

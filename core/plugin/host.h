@@ -24,7 +24,7 @@ typedef struct opc_watch {
    one after another. `path`, `watch` and `like` outlive the host. */
 opc_host *opc_host_new(const char *path, const opc_watch *watch,
                        const opc_host *like);
-/* Detach the host from its watch: no messages or progress from now on. */
+/* Detach the host from the watch: no messages or progress from now on. */
 void opc_host_ignore(opc_host *host);
 void opc_host_free(opc_host *host);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Finds plugins in folders and loads each at its first use. */
+/* Finds plugins in folders and loads each at the first use. */
 #include "core/plugin/registry.h"
 
 #include <base/file.h>
@@ -32,7 +32,7 @@ static gboolean same_folder(const char *a, const char *b) {
          s.st_ino == t.st_ino;
 }
 
-/* Add a folder unless it is known; takes ownership of the name. */
+/* Add a folder unless already known; takes ownership of the name. */
 static void add_folder(opc_registry *registry, char *folder) {
   gboolean known = !*folder;
   for (guint i = 0; !known && i < registry->folders->len; i++)
@@ -171,7 +171,7 @@ static loaded *look_for(opc_registry *registry, const char *id) {
   return l;
 }
 
-/* ---- what there is ---- */
+/* ---- all plugins ---- */
 
 static void candidate_free(gpointer item) {
   opc_candidate *c = item;
@@ -245,7 +245,7 @@ GPtrArray *opc_registry_ids(const opc_registry *registry, const char *prefix) {
   return ids;
 }
 
-/* ---- asking for one ---- */
+/* ---- loading by id ---- */
 
 static void explain_missing(const opc_registry *registry, const char *id,
                             opc_error *error) {

@@ -10,17 +10,17 @@
 typedef struct opc_candidate {
   char *id; /* id from the file name */
   char *path;
-  char *reason;          /* why it cannot be used; NULL: usable */
+  char *reason;          /* reason why not usable; NULL: usable */
   const char *hidden_by; /* path of an earlier file of the same id, or NULL */
   char *kind, *version, *licence, *summary; /* of usable plugins only */
 } opc_candidate;
 
 typedef struct opc_registry opc_registry;
 
-/* Return a registry (opc_registry_free) that searches, in this order: `folders`
-   (of --plugin-path, NULL-terminated, or NULL), OPCFLOW_PLUGIN_PATH, `plugins`
-   beside the executable, and, unless OPCFLOW_NO_SYSTEM_PLUGINS is set, the
-   user's data folder and the installed folder. Reads no folder yet. */
+/* Return a registry (opc_registry_free). The search order is: `folders` (of
+   --plugin-path, NULL-terminated, or NULL), OPCFLOW_PLUGIN_PATH, `plugins`
+   beside the executable, the user's data folder, the installed folder. The last
+   two are skipped if OPCFLOW_NO_SYSTEM_PLUGINS is set. Reads no folder yet. */
 opc_registry *opc_registry_new(const char *const *folders);
 
 /* Free the registry. Loaded plugins stay loaded: their threads and tables may
@@ -36,7 +36,7 @@ const GPtrArray *opc_registry_folders(const opc_registry *registry);
    if neither exists. */
 char *opc_find_installed(const char *in, const char *name);
 
-/* Return the plugin, loaded at its first use; NULL and *error (OPC_NO_PLUGIN)
+/* Return the plugin, loaded at the first use; NULL and *error (OPC_NO_PLUGIN)
    with the reason. */
 const opc_plugin *opc_registry_find(opc_registry *registry, const char *id,
                                     opc_error *error);
@@ -59,7 +59,7 @@ GPtrArray *opc_registry_usable(opc_registry *registry, const char *prefix,
    (char *, freed with the array). Loads none. */
 GPtrArray *opc_registry_ids(const opc_registry *registry, const char *prefix);
 
-/* Load a shared object and check its descriptor. Returns NULL and *reason
+/* Load a shared object and check the descriptor. Returns NULL and *reason
    (g_free) on failure. */
 const opc_plugin *opc_plugin_load(opc_registry *registry, const char *path,
                                   const char *id, char **reason);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Turns metrics and tables into JSON. */
+/* Converts metrics and tables to JSON. */
 #include "core/report/json.h"
 
 #include <math.h>
@@ -17,7 +17,7 @@ JsonNode *opc_metric_json(const opc_metric *metric, double value) {
   return node;
 }
 
-/* JSON has neither NAN nor infinity: null. */
+/* Add a cell; NAN and infinity become null, as JSON has neither. */
 static void add_cell(JsonArray *cells, const opc_column *c, size_t row) {
   double real = c->type == OPC_REAL ? ((const double *)c->data)[row] : 0;
   if (c->type == OPC_TEXT)

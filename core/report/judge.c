@@ -25,7 +25,7 @@ GPtrArray *opc_verdicts_new(void) {
 
 /* ---- one requirement ---- */
 
-/* NAN if the metric was not given. */
+/* Return the value of the metric; NAN if not published. */
 static double find_value(const GArray *metrics, const opc_requirement *r) {
   for (guint i = 0; i < metrics->len; i++) {
     const opc_inner_metric *m = &g_array_index(metrics, opc_inner_metric, i);
@@ -35,7 +35,7 @@ static double find_value(const GArray *metrics, const opc_requirement *r) {
   return NAN;
 }
 
-/* Not of NAN. */
+/* Return whether the value meets the requirement; FALSE for NAN. */
 static gboolean is_kept(const opc_requirement *r, double value) {
   return r->open ? value > r->least && value < r->most
                  : value >= r->least && value <= r->most;
@@ -68,7 +68,7 @@ void opc_verdicts_judge(GPtrArray *verdicts, const opc_flow *flow,
   }
 }
 
-/* A sweep tells of each point in sweep.csv, too. */
+/* Limit of failed requirements in a list; sweep.csv reports every point. */
 enum { MOST_VERDICTS = 1000 };
 
 void opc_verdicts_take(GPtrArray *verdicts, const GPtrArray *from, size_t point,
@@ -86,7 +86,8 @@ void opc_verdicts_take(GPtrArray *verdicts, const GPtrArray *from, size_t point,
   }
 }
 
-/* To six digits, or to all if those would look kept. */
+/* Return the value with six digits, or with all digits if the rounded value
+   would meet the requirement (g_free). */
 static char *value_text(const opc_verdict *v) {
   char digits[40];
   g_ascii_formatd(digits, sizeof digits, "%.6g", v->value);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The manifest of a run: where its result came from. */
+/* Writes the manifest of a run: the origin of the results. */
 #include <math.h>
 #include <string.h>
 #include <sys/utsname.h>
@@ -12,14 +12,14 @@ static void set_text(JsonObject *o, const char *key, const char *text) {
   json_object_set_string_member(o, key, text);
 }
 
-/* A list of texts that ends with NULL; NULL: an empty one. */
+/* Return a NULL-terminated list of texts as JSON; an empty list for NULL. */
 static JsonArray *texts_json(const char *const *texts) {
   JsonArray *list = json_array_new();
   for (; texts && *texts; texts++) json_array_add_string_element(list, *texts);
   return list;
 }
 
-/* Each once; `done`: opc_plugin *. */
+/* Add the plugins of a flow, each once; `done`: opc_plugin *. */
 static void add_plugins(JsonArray *list, GHashTable *done,
                         const opc_manifest *m, const opc_flow *flow) {
   g_autoptr(GPtrArray) all = opc_flow_bindings(flow);
@@ -64,7 +64,7 @@ static JsonObject *machine_json(void) {
   return o;
 }
 
-/* NULL without a store. */
+/* Return the part about the store; NULL without a store. */
 static JsonObject *store_json(const opc_manifest *m) {
   if (!m->store) return NULL;
   JsonObject *o = json_object_new();

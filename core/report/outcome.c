@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Begins and ends outcomes; metrics, findings and requirements as JSON. */
+/* Sets up and clears outcomes; returns metrics, findings and requirements as
+   JSON. */
 #include "core/report/outcome.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What came of a run, and its reports as JSON. */
+/* Outcome and reports of a run as JSON. */
 #pragma once
 
 #include <base/findings.h>
@@ -11,11 +11,11 @@
 #include "core/report/table.h"
 
 typedef struct opc_outcome {
-  char *folder;  /* of the result; NULL: nothing was kept */
-  char *failure; /* why a step failed; NULL: none did */
+  char *folder;  /* run folder; NULL: nothing was kept */
+  char *failure; /* why a step failed; NULL: no failure */
   GDateTime *started;
   double total;      /* seconds */
-  double *seconds;   /* of each step; NAN: it did not run */
+  double *seconds;   /* one per step; NAN: not run */
   GPtrArray *tables; /* opc_table * */
   GArray *metrics;   /* opc_inner_metric */
   GPtrArray *inputs; /* files read: path, SHA-256, path ... */
@@ -23,16 +23,17 @@ typedef struct opc_outcome {
   GPtrArray *verdicts; /* opc_verdict * */
   opc_histories histories;
   const opc_sweep *sweep; /* NULL: none */
-  opc_table *points;      /* of a sweep: parameters and metrics of all points */
-  size_t failed_points;   /* also of those that a step runs as points */
-  int points_code;        /* OPC_LIMIT if all failed points did, OPC_FAILED */
+  opc_table *points;      /* parameters and metrics of all points of a sweep */
+  size_t failed_points;   /* including failed points of inner flows */
+  int points_code;        /* OPC_LIMIT if that is the code of all failed points,
+                             else OPC_FAILED */
 } opc_outcome;
 
-/* Begin that of a run of `steps` steps, now. */
+/* Initialize the outcome of a run of `steps` steps that starts now. */
 void opc_outcome_init(opc_outcome *outcome, guint steps);
 void opc_outcome_clear(opc_outcome *outcome);
 
-/* Count a point that failed. */
+/* Count a failed point. */
 void opc_outcome_fail_point(opc_outcome *outcome, int code);
 
 /* Return the metrics by instance, in the order in which they were published. */
@@ -44,7 +45,7 @@ void opc_outcome_add_findings(JsonObject *object, const opc_outcome *outcome);
 /* Return metrics.json (g_free). */
 char *opc_outcome_metrics_text(const opc_outcome *outcome);
 
-/* What the manifest of a run lists beside its outcome. */
+/* Contents of a run's manifest besides the outcome. */
 typedef struct opc_manifest {
   const opc_outcome *outcome;
   const opc_flow *flow;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Copies tables, and writes them as texts. */
+/* Copies tables and writes them as text. */
 #include "core/report/table.h"
 
 #include <base/sheet.h>
@@ -88,7 +88,8 @@ char *opc_table_heading(const opc_column *c) {
 
 /* ---- as text ---- */
 
-/* `exact`: with all digits of numbers that have no number of decimals. */
+/* Return the table as a sheet. `exact`: numbers without a number of decimals
+   get all digits. */
 static opc_sheet *table_sheet(const opc_table *table, gboolean exact) {
   opc_sheet *s = opc_sheet_new(table->n_columns);
   for (size_t row = 0; row <= table->rows; row++)

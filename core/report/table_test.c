@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tables as CSV and as text. */
+/* Tests of tables as CSV and as text. */
 #include "core/report/table.h"
 
 #include <json-glib/json-glib.h>
@@ -26,8 +26,8 @@ static opc_table *sample(void) {
   return table;
 }
 
-/* A reader of RFC 4180 that knows nothing of the writer: the fields of all
-   records, each record ended by a NULL. */
+/* Return the fields of all records, each record followed by NULL. An RFC 4180
+   reader independent of the writer. */
 static GPtrArray *read_csv(const char *text) {
   GPtrArray *fields = g_ptr_array_new_with_free_func(g_free);
   while (*text) {
@@ -104,8 +104,8 @@ static void test_text(void) {
   opc_table_free(table);
 }
 
-/* Six digits, but of whole numbers all, and of those that were given decimals
-   these. */
+/* Numbers have six digits; whole numbers have all, and columns with decimals
+   have those. */
 static void test_digits(void) {
   static const double some[] = {1.0 / 3, 123456789, 1.23456789e-12, INFINITY};
   const opc_column columns[] = {{"a", NULL, OPC_REAL, -1, some},
@@ -123,7 +123,8 @@ static void test_digits(void) {
   opc_table_free(table);
 }
 
-/* What does not fit: the same once, the rest in blocks; no cell is lost. */
+/* A table too wide: constant columns once, the others in blocks; no cell is
+   lost. */
 static void test_narrow(void) {
   static const char *const who[] = {"nand2", "nor2"}, *const none[] = {"", ""},
                            *const kind[] = {"n", "n"};
@@ -191,7 +192,7 @@ static void test_narrow(void) {
   opc_table_free(table);
 }
 
-/* Blocks have as many of the first columns as tell rows apart. */
+/* Blocks repeat as many first columns as distinguish the rows. */
 static void test_keys(void) {
   static const char *const run[] = {"x", "x", "y", "y"},
                            *const metric[] = {"ion", "off", "ion", "off"},

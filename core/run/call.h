@@ -14,13 +14,13 @@ void opc_call_set_inputs(const opc_run *run, const opc_flow_step *step,
 int opc_call_check(const opc_run *run, const opc_flow_step *step,
                    opc_error *error);
 
-/* Ask a step whose inputs are present for its forecast. All fields are 0 if the
+/* Ask a step whose inputs are present for the forecast. All fields are 0 if the
    step has none. Returns OPC_OK, or a code and *error, also if the step needs
    more memory than the machine has. */
 int opc_call_forecast(const opc_run *run, const opc_flow_step *step,
                       opc_forecast *out, opc_error *error);
 
-/* Run a step and check its outputs, which `run` then owns. Returns OPC_OK or a
+/* Run a step and check the outputs, which `run` then owns. Returns OPC_OK or a
    code and *error. */
 int opc_call_run(opc_run *run, const opc_flow_step *step, opc_error *error);
 

@@ -38,7 +38,7 @@ static gboolean forecast_step(opc_run *run, const opc_flow_step *step,
 }
 
 /* Collect the forecasts in order. The outputs of a failed step are released, so
-   that the steps that depend on it are skipped. */
+   that all dependent steps are skipped. */
 static void forecast_steps(opc_run *run, GArray *outlooks,
                            opc_problems *problems) {
   const GPtrArray *order = run->flow->order;

@@ -54,7 +54,7 @@ static void put_given(const opc_inner *in, opc_run *run) {
   }
 }
 
-/* ---- running: who looks on ---- */
+/* ---- running: messages and progress ---- */
 
 /* Pass on a message. All points log the same informational messages, so only
    those of the kept run are passed on. */
@@ -216,7 +216,7 @@ static void take_shared(const opc_levels *levels, opc_run *run,
     if (!isnan(run->out.seconds[i])) run->out.total += run->out.seconds[i];
 }
 
-/* Complete a run, judge its requirements and write its reports. Only kept runs
+/* Complete a run, judge the requirements and write the reports. Only kept runs
    are judged: other points may miss the requirements. */
 static void keep_run(opc_inner_runs *runs, const char *prefix,
                      opc_problems *problems) {

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Collects the facts that a step's result depends on: builds of plugins and of
-   all objects that they link, values, contents of files, and the keys of the
-   steps it depends on. Neither thread counts nor places in files are part of a
-   key. */
+   all linked objects, values, contents of files, and the keys of the inputs.
+   Neither thread counts nor places in files are part of a key. */
 #include "core/run/key.h"
 
 #include <base/file.h>

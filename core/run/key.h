@@ -17,7 +17,7 @@ enum {
 
 typedef struct opc_key {
   char *sum;        /* the key; NULL: the result is not stored */
-  char *why;        /* reason why it is not stored */
+  char *why;        /* reason why not stored */
   GVariant *facts;  /* NULL: not stored */
   GPtrArray *files; /* path, checksum, path ...: of the files read */
 } opc_key;

@@ -34,8 +34,8 @@ void opc_levels_begin(opc_levels *levels, opc_run *trunk);
 /* Free all runs but the trunk and remove their folders. */
 void opc_levels_clear(opc_levels *levels);
 
-/* Run a point in a folder; `last` is its run. Levels whose values equal those
-   of the previous point are reused together with their problems. */
+/* Run a point in a folder and set `last`. Levels whose values equal those of
+   the previous point are reused together with their problems. */
 void opc_levels_run(opc_levels *levels, size_t point, const char *folder,
                     opc_problems *problems);
 

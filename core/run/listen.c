@@ -21,7 +21,7 @@ void opc_listen_take(opc_run *run, const opc_run *from) {
   run->out.findings.more += findings->more;
 }
 
-/* ---- for the next time ---- */
+/* ---- messages for reuse ---- */
 
 static void said_free(gpointer item) {
   opc_said *said = item;
@@ -80,7 +80,7 @@ static gboolean note_in_piece(opc_run *run, const char *path, int level,
 
 /* ---- passing on ---- */
 
-/* Pass on a message. A step that runs again for its outputs is silent: its
+/* Pass on a message. A step that runs again for its outputs is silent: the
    messages were reported before. */
 static void take_log(void *data, const char *path, int level,
                      const char *message) {

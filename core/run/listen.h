@@ -11,12 +11,12 @@ void opc_listen(opc_run *run, const opc_watch *told);
 /* Detach the instances that outlive the run: their messages are dropped. */
 void opc_listen_end(opc_run *run);
 
-/* Begin a step: its warnings are kept for its stored result. */
+/* Begin a step: warnings are kept for the stored result. */
 void opc_listen_step(opc_run *run);
 
-/* Begin a piece of work: its warnings and findings are kept apart until it
-   ends. The second function ends it and returns them (opc_said *, freed with
-   the array). */
+/* Begin a piece of work: warnings and findings are kept apart until the end of
+   the piece. The second function ends the piece and returns both (opc_said *,
+   freed with the array). */
 void opc_listen_piece(opc_run *run);
 GPtrArray *opc_listen_piece_end(opc_run *run);
 

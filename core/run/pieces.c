@@ -11,13 +11,13 @@
 #include "core/run/pieces.h"
 #include "core/run/result.h"
 
-/* Result of a piece, and the messages logged during its work. */
+/* Result of a piece, and the messages logged meanwhile. */
 #define PIECE_TYPE G_VARIANT_TYPE("(aya(uss))")
 
 /* Stored form of a step's pieces: `kept` wraps the plugin's pieces, looks them
    up in the store, and packs messages with the results. */
 typedef struct keeper {
-  opc_pieces kept; /* without a name, as the plugin's pieces prefix it */
+  opc_pieces kept; /* without a name, as the plugin's pieces add the name */
   const opc_pieces *pieces;
   opc_run *run;
   const opc_flow_step *step;
@@ -67,8 +67,8 @@ void opc_pieces_drop(opc_run *run) {
 
 /* ---- one ---- */
 
-/* Do a piece. Its messages are packed and replayed when the result is taken, or
-   at once if the piece fails. */
+/* Do a piece. Messages are packed and replayed when the result is taken, or at
+   once if the piece fails. */
 static GVariant *piece_do(const keeper *k, size_t i, opc_error *error) {
   GVariantBuilder warned;
   opc_listen_piece(k->run);

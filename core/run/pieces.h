@@ -15,6 +15,6 @@ extern const opc_pieces_service opc_pieces_of_run;
 gboolean opc_ranks_agree(const ranks_group *ranks, const char *what,
                          opc_problems *problems);
 
-/* Remove the pieces of the running step from the store; call when its result is
-   stored. */
+/* Remove the pieces of the running step from the store; call when the step's
+   result is stored. */
 void opc_pieces_drop(opc_run *run);

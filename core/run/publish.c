@@ -18,7 +18,7 @@ static int refuse(opc_run *run, const opc_error *error) {
   return error->code;
 }
 
-/* Fail inside a piece of work: it runs in only one of several processes. */
+/* Fail inside a piece of work: pieces run in only one of several processes. */
 static gboolean in_piece(const opc_run *run, const char *name,
                          opc_error *error) {
   if (run->heard.piece)

@@ -14,7 +14,7 @@
 #include "core/run/result.h"
 #include "core/run/reuse.h"
 
-/* ---- telling ---- */
+/* ---- histories and messages ---- */
 
 static void tell_complaint(opc_run *run) {
   opc_store *store = run->options->store;
@@ -22,8 +22,8 @@ static void tell_complaint(opc_run *run) {
   if (text) run->heard.watch.log(run, "store", OPC_LOG_WARNING, text);
 }
 
-/* Go to the containing run, and prefix the path with the step whose inner flow
-   it was in. */
+/* Go to the containing run, and prefix the path with the step of the inner flow
+   just left. */
 static void climb(opc_run **run, char **path) {
   *run = (*run)->main;
   if (!*run || !(*run)->at) return;
@@ -281,7 +281,7 @@ static gboolean do_all(const ranks_group *ranks, gboolean yes, gboolean *any) {
 }
 
 /* Load outputs from the store if all ranks have them; otherwise all ranks run
-   the step, as those that run it need every rank. */
+   the step together. */
 static gboolean restore_all(opc_run *run, const opc_flow_step *step) {
   gboolean any, here = restore(run, step);
   gboolean all = do_all(opc_run_ranks(run), here, &any);

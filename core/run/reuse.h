@@ -7,12 +7,12 @@
 /* Compute the keys of the steps that are not left out. */
 void opc_reuse_begin(opc_run *run);
 
-/* Return whether the step need not run: its stored result was published.
+/* Return whether the step need not run: the stored result was published.
    Returns TRUE and adds a problem if publishing failed. */
 gboolean opc_reuse_take(opc_run *run, const opc_flow_step *step,
                         opc_problems *problems);
 
-/* Store the result of a step that ran, with its tables from index `tables`. */
+/* Store the result of a step that ran, with the tables from index `tables`. */
 void opc_reuse_keep(opc_run *run, const opc_flow_step *step, guint tables);
 
 /* Load the outputs of a step, or run the step again for them. `whom`: the step

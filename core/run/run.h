@@ -73,7 +73,7 @@ struct opc_run {
   gboolean *left_out;      /* one per step: not run here */
   opc_run *main;           /* run that contains this one; NULL: none */
   const opc_flow_step *at; /* running step */
-  gboolean apart;          /* it runs in this rank only */
+  gboolean apart;          /* the step runs in this rank only */
   opc_outcome out;
   opc_heard heard;
   opc_written written;
@@ -81,7 +81,7 @@ struct opc_run {
   opc_kept kept;
 };
 
-/* Return a run of a valid flow (opc_run_free). Its instances get hosts like
+/* Return a run of a valid flow (opc_run_free). The instances get hosts like
    `like` (NULL: nothing is published) and report to `watch` (NULL: none). */
 opc_run *opc_run_new(opc_flow *flow, opc_registry *registry,
                      const opc_run_options *options, const opc_watch *watch,

@@ -12,7 +12,7 @@
 #include "core/run/reuse.h"
 
 /* Return, by step number, whether every rank runs a step (g_free): the step
-   distributes pieces, or such a step depends on it. */
+   distributes pieces, or is an input of such a step. */
 static gboolean *find_shared(const opc_run *run) {
   const GPtrArray *order = run->flow->order;
   gboolean *shared = g_new0(gboolean, run->flow->steps->len);
@@ -44,7 +44,7 @@ static gboolean are_alike(opc_run *run, opc_problems *problems) {
 }
 
 /* Write the reports that remain if the step crashes. An empty folder stays
-   empty, as it is not kept. */
+   empty and is not kept. */
 static void prepare_for_crash(opc_run *run, const opc_flow_step *step) {
   if (!run->written.guarded || !opc_reports_has_others(run)) return;
   g_autoptr(opc_problems) problems = opc_problems_new();
@@ -53,7 +53,7 @@ static void prepare_for_crash(opc_run *run, const opc_flow_step *step) {
   g_clear_pointer(&run->out.failure, g_free);
 }
 
-/* Reuse the result of a step, or run it with its inputs. */
+/* Reuse the result of a step, or run the step. */
 static gboolean do_step(opc_run *run, const opc_flow_step *step,
                         opc_problems *problems) {
   if (opc_reuse_take(run, step, problems)) return !problems->list->len;

@@ -8,8 +8,8 @@
    on failure. */
 gboolean opc_steps_run(opc_run *run, opc_problems *problems);
 
-/* Create the instances of the steps that are not left out and run them in the
-   folder `path` as a part of `main_run`, which gets the checksums of the files
-   read. */
+/* Create the instances of the steps that are not left out and run the steps in
+   the folder `path` as a part of `main_run`. The checksums of the files read
+   are added to `main_run`. */
 void opc_steps_run_in(opc_run *run, opc_run *main_run, const char *path,
                       opc_problems *problems);

@@ -14,8 +14,8 @@
 #include "core/run/reports.h"
 #include "core/run/steps.h"
 
-/* Open a temporary folder for ranks other than the first; it is removed
-   later. */
+/* Open a temporary folder for ranks other than the first, removed at the
+   end. */
 static void open_scratch(opc_run *run, opc_problems *problems) {
   g_autoptr(GError) fault = NULL;
   run->written.work = g_dir_make_tmp("opcflow-XXXXXX", &fault);

@@ -24,7 +24,7 @@ static int find_text(const opc_values *v, const char *text) {
   return -1;
 }
 
-/* Add a text unless an earlier pattern matched it. */
+/* Add a text unless an earlier pattern matched that text. */
 static void add_text(opc_values *v, const opc_node *like, const char *text,
                      char *star) {
   if (find_text(v, text) >= 0) {

@@ -201,7 +201,7 @@ static gboolean next_event(builder *b, yaml_event_t *event) {
                          parser->context ? parser->context : "");
 }
 
-/* Return why an event is no valid node; NULL if it is one. */
+/* Return why an event is no valid node; NULL if valid. */
 static char *event_fault(const builder *b, const yaml_event_t *event,
                          opc_node_type type, unsigned depth, gboolean is_key) {
   /* The structs of texts, lists and maps start with equal members. */
@@ -267,7 +267,7 @@ static void check_key(const builder *b, GHashTable *lines, const opc_node *key,
     g_hash_table_insert(lines, key->text, GUINT_TO_POINTER(at->line));
 }
 
-/* Read the contents of a list or map up to its end. */
+/* Read the contents of a list or map up to the end. */
 static gboolean read_items(builder *b, opc_node *node, unsigned depth) {
   g_autoptr(GHashTable) lines = g_hash_table_new(g_str_hash, g_str_equal);
   opc_node *key = NULL, *item = NULL;

@@ -115,8 +115,8 @@ static gboolean tells_apart(const opc_sheet *s, const GArray *list, guint k) {
   return TRUE;
 }
 
-/* Return the number of columns that identify a row: the first one, and text
-   columns after it while rows are equal, up to half of the width. */
+/* Return the number of columns that identify a row: the first one, and the
+   following text columns while rows are equal, up to half of the width. */
 static guint count_keys(const opc_sheet *s, const GArray *list, size_t width) {
   size_t total = s->widths[g_array_index(list, size_t, 0)];
   guint k = 1;
@@ -146,8 +146,8 @@ static void append_blocks(GString *out, const opc_sheet *s, const GArray *list,
   } while (k < list->len);
 }
 
-/* Append a transposed table: a line for each column, which starts with its
-   name. */
+/* Append a transposed table: a line for each column, which starts with the
+   column's name. */
 static void append_turned(GString *out, const opc_sheet *s, const GArray *list,
                           const size_t *widths) {
   for (guint k = 0; k < list->len; k++) {
@@ -164,7 +164,7 @@ static void append_turned(GString *out, const opc_sheet *s, const GArray *list,
 }
 
 /* Append the transposed table if it has few rows, many columns, and fits.
-   Return whether it does. */
+   Return whether the table was appended. */
 static gboolean append_if_turned(GString *out, const opc_sheet *s,
                                  const GArray *list, size_t width) {
   if (s->rows > list->len) return FALSE;
@@ -205,8 +205,8 @@ char *opc_sheet_text(opc_sheet *s, size_t width) {
 
 /* ---- Markdown ---- */
 
-/* Append a text with '|' and backslashes escaped, because a '|'
-   would end its cell. */
+/* Append a text with vertical bars and backslashes escaped, because a bar would
+   end the cell. */
 static void append_escaped(GString *out, const char *text) {
   for (; *text; text++) {
     if (strchr("|\\`*_<", *text)) g_string_append_c(out, '\\');

@@ -77,7 +77,7 @@ static int put_text(int file, const char *text) {
 }
 
 /* A file is written under a temporary name and renamed, so that readers never
-   see a part of it. Other than regular files (/dev/stdout) are written
+   see a part of a file. Other than regular files (/dev/stdout) are written
    directly. */
 int opc_write_file(const char *path, const char *text, opc_error *error) {
   struct stat about;

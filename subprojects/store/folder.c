@@ -81,7 +81,7 @@ static gboolean cannot_lock(int why) {
   return why == ENOLCK || why == EOPNOTSUPP || why == ENOSYS;
 }
 
-/* Create a slot unless it exists, and lock it. Return FALSE and errno,
+/* Create a slot unless present, and lock the slot. Return FALSE and errno,
    EWOULDBLOCK for a slot in use. */
 static gboolean lock_slot(opc_folder *f) {
   for (int i = 0; i < MOST_TRIES; i++) {
@@ -108,8 +108,8 @@ static gboolean lock_slot(opc_folder *f) {
   return FALSE;
 }
 
-/* Remove the remains of a killed run, but restore an earlier run that it was
-   about to replace. */
+/* Remove the remains of a killed run, but restore an earlier run that was about
+   to be replaced. */
 static void clear_slot(const opc_folder *f, const char *target) {
   if (is_there(f->old) && !is_there(target)) (void)rename(f->old, target);
   opc_remove_tree(f->work);
@@ -220,8 +220,8 @@ static int move(const char *from, const char *to) {
 }
 
 /* Exchange the run and the earlier one. Without an atomic exchange, the earlier
-   run is moved aside first; clear_slot restores it if this process is killed in
-   between. */
+   run is moved aside first; clear_slot restores the earlier run if this process
+   is killed in between. */
 static int exchange(const opc_folder *f, const char *target) {
   if (!renameat2(AT_FDCWD, f->work, AT_FDCWD, target, RENAME_EXCHANGE))
     return 0;

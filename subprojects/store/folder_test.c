@@ -119,8 +119,8 @@ static void expect(const char *folder, const char *word) {
 
 /* ---- replacing ---- */
 
-/* Kill a run before each of its renames in turn. The folder then holds the old
-   or the new run, except while the next run restores it. */
+/* Kill a run before each rename in turn. The folder then holds the old or the
+   new run, except while the next run restores the old one. */
 static void kill_at_each_rename(const char *target) {
   int at = 0, status = -1;
   g_assert_cmpint(make_run(target, "first"), ==, OPC_OK);

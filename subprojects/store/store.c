@@ -132,7 +132,7 @@ static gboolean write_all(int file, const void *data, gsize n) {
   return TRUE;
 }
 
-/* Write a value under a temporary name, locked while it is written. */
+/* Write a value under a temporary name, locked during the write. */
 static gboolean write_value(const char *fresh, int file, const char *path,
                             GVariant *value) {
   gsize n = g_variant_get_size(value);
@@ -179,7 +179,7 @@ void opc_store_drop(const opc_store *store, const char *key) {
   (void)unlink(path);
 }
 
-/* ---- all of it ---- */
+/* ---- all values ---- */
 
 typedef struct entry {
   char *path;

@@ -10,7 +10,7 @@
 #include "private.h"
 
 /* Age, ns, below which a file is not cached, because another change might leave
-   its times equal. Clocks of file systems have steps of up to 2 s (FAT), 4 ms
+   the times equal. Clocks of file systems have steps of up to 2 s (FAT), 4 ms
    in most cases. */
 static const gint64 step = G_GINT64_CONSTANT(2000000000);
 
@@ -142,7 +142,7 @@ static struct link_map *find_object(struct link_map *any, const char *name) {
   return any;
 }
 
-/* Add an object and all objects it needs, in the order of their names. Return
+/* Add an object and all needed objects, in the order of their names. Return
    FALSE if one is not found. */
 static gboolean add_object(GPtrArray *all, struct link_map *object) {
   const char *names = NULL;
@@ -170,7 +170,7 @@ static struct link_map *object_of(const void *address) {
   return map;
 }
 
-/* A loaded object does not change, so its sum is valid for the whole
+/* A loaded object does not change, so the sum is valid for the whole
    process. */
 static const char *sum_object(opc_store *store, const struct link_map *object) {
   static GHashTable *known; /* path to sum */

@@ -138,7 +138,7 @@ void job_begin(const job *j, FILE *out, double reltol, double abstol);
 void job_circuit(job *j, FILE *out, int sizes);
 void job_sources(const job *j, FILE *out);
 
-/* ---- patterns.c: what is applied ---- */
+/* ---- patterns.c: input patterns ---- */
 
 typedef struct transition {
   uint32_t from, to; /* numbers of patterns */
@@ -202,7 +202,7 @@ void states_save(const bench *b, const machine *m, FILE *out);
 void states_levels(const bench *b, const machine *m, const eda_spice_plot *plot,
                    double time, int8_t *level);
 
-/* ---- ways.c: through its states ---- */
+/* ---- ways.c: paths through the states ---- */
 
 /* Sequence of input changes, one per phase, after an initial phase. */
 typedef struct walk {
@@ -213,7 +213,7 @@ typedef struct walk {
 walk walk_new(const machine *m);
 void walk_clear(walk *w);
 void walk_step(const bench *b, const machine *m, walk *w, uint32_t input);
-/* Extend a walk to a state by the fewest changes. Returns 0 if no path is
+/* Extend a traversal to a state by the fewest changes. Returns 0 if no path is
    known. */
 int walk_to(const bench *b, const machine *m, walk *w, uint32_t state);
 /* Write the sources of the inputs and of the supplies, which rise from 0 V
@@ -226,8 +226,8 @@ void walk_command(const machine *m, const walk *w, FILE *out);
    others. Takes the first such set on the way from the power-up state. */
 void ways_back(const bench *b, const machine *m, uint8_t *mark);
 
-/* Extend an empty walk by changes that lead to the same state from all states
-   with all inputs at 0. Returns 0 if no such changes are known. */
+/* Extend an empty traversal by changes that lead to the same state from all
+   states with all inputs at 0. Returns 0 if no such changes are known. */
 int ways_synchronise(const bench *b, const machine *m, walk *w);
 
 /* ---- delays.c: transients ---- */
@@ -272,7 +272,7 @@ int delays_wave(bench *b, const patterns *p, const delays *d, size_t arrival,
 void wave_keep(bench *b, const arrival *a, const eda_spice_plot *plot,
                double begin, double end, wave *out);
 
-/* ---- walks.c: transients of circuits that keep a state ---- */
+/* ---- walks.c: transients of sequential circuits ---- */
 
 int walks_run(bench *b, const patterns *p, const delays *d, opc_error *error);
 int walks_wave(bench *b, const patterns *p, const delays *d, size_t arrival,

@@ -62,7 +62,7 @@ static void write_commands(job *j, FILE *out, const void *how) {
   }
 }
 
-/* ---- what is measured ---- */
+/* ---- measurement ---- */
 
 /* Measure the last edge of an output. Returns its end; NAN if the edge is
    incomplete or the output changes again. */

@@ -122,9 +122,9 @@ static int is_port(const uint32_t *port, size_t n, uint32_t net) {
   return 0;
 }
 
-/* Return the connection of a net of a cell: storage nodes are separate, rails
-   are connected to themselves, bit lines to the supply, word lines to the level
-   at which the access transistors conduct, or do not. */
+/* Return the connection of a net of a cell. Storage nodes are separate; rails
+   are unchanged. Bit lines connect to the supply. Word lines take the level at
+   which the access transistors conduct, or do not. */
 static const char *tie(const bench *b, const cell *m, uint32_t net) {
   const eda_circuit *c = b->circuit;
   int role = eda_circuit_role(c, net);

@@ -15,7 +15,7 @@
 /* Values of the parameter 'measure'. */
 enum { AUTO, DELAYS, LEAKAGE, SNM };
 
-/* ---- work: what there is ---- */
+/* ---- work: sets of sizes ---- */
 
 /* Return the distinct model names of all devices, separated by blanks. */
 static char *names_of_models(const bench *b) {

@@ -103,8 +103,8 @@ static const char *const drives[4][3] = {
     {"A 1>0, B 1", "pwl(0 1.1 20p 1.1 40p 0)", "1.1"},
     {"A 1, B 1>0", "1.1", "pwl(0 1.1 20p 1.1 40p 0)"}};
 
-/* Return delays of four transitions of a subcircuit `cell` with the ports A B Y
-   VDD VSS, simulated with plain ngspice. */
+/* Return the output of plain ngspice for four instances of the subcircuit
+   `cell` with the ports A B Y VDD VSS, each with one transition. */
 static char *four_by_hand(const char *card, const char *cell) {
   g_autoptr(GString) deck = g_string_new("by hand\n");
   g_string_append_printf(deck, ".include \"%s\"\n%s\n", card, cell);
@@ -378,7 +378,7 @@ static void test_floating(void) {
   g_assert_cmpfloat(opc_test_metric("transitions"), ==, 2);
 }
 
-/* ---- what is refused ---- */
+/* ---- errors ---- */
 
 /* Test that a library with the card in subcircuits, sizes in um and two bins
    has the same results as the card. */

@@ -12,7 +12,7 @@
 #include "bench.h"
 
 enum {
-  WALKS = 64,   /* walks per round; results are merged after each round */
+  WALKS = 64,   /* traversals per round; results are merged after each round */
   LONGER = 4,   /* factor on the phase if the circuit did not settle */
   LONGEST = 10, /* largest number of extensions */
   RINGS = 32,   /* changes of a net in one phase that count as oscillation */
@@ -20,7 +20,7 @@ enum {
 
 static const double first_phase = 1e-9;
 
-/* ---- what is looked at ---- */
+/* ---- observed nets ---- */
 
 static void list_watched(bench *b, machine *m) {
   const eda_circuit *c = b->circuit;
@@ -70,14 +70,14 @@ void states_levels(const bench *b, const machine *m, const eda_spice_plot *plot,
   }
 }
 
-/* ---- a round of walks ---- */
+/* ---- one round ---- */
 
-/* Result of a walk: levels, and whether all nets were constant in the second
-   half of each phase. */
+/* Result of a traversal: levels, and whether all nets were constant in the
+   second half of each phase. */
 typedef struct trip {
   walk way;
-  uint32_t target, input; /* state and input of the first change that the walk
-                             tries */
+  uint32_t target, input; /* state and input of the first change that the
+                             traversal tries */
   int8_t *level;          /* levels at the end of each phase */
   int rests;
 } trip;
@@ -204,7 +204,7 @@ static uint32_t state_of(map *a, const uint8_t *bit, const int8_t *level) {
   return (uint32_t)m->states++;
 }
 
-/* Record the result of a walk. If the same change has led to another state
+/* Record the result of a traversal. If the same change has led to another state
    before, the levels do not determine the state, and the transition is marked
    STATE_LOST. */
 static void put_down(map *a, const trip *seen) {
@@ -226,8 +226,8 @@ static void put_down(map *a, const trip *seen) {
   if (*next == STATE_UNKNOWN) *next = STATE_LOST;
 }
 
-/* Plan walks to states with untried inputs; each of these inputs changes and
-   returns. `tried` counts the changes, up to `most`. */
+/* Plan traversals to states with untried inputs; each of these inputs changes
+   and returns. `tried` counts the changes, up to `most`. */
 static size_t plan(const map *a, trip *trips, size_t *tried) {
   const bench *b = a->b;
   const machine *m = a->m;
@@ -291,10 +291,10 @@ static int explore(map *a, opc_error *error) {
   return 1;
 }
 
-/* ---- what is known in the end ---- */
+/* ---- resulting machine ---- */
 
 /* Remove all states but `kept`. The changes that lead to one of them become the
-   lead of each walk. */
+   lead of each traversal. */
 static void leave_out(bench *b, machine *m, const uint8_t *kept) {
   g_autofree uint32_t *number = g_new(uint32_t, m->states);
   walk w = walk_new(m);
@@ -335,8 +335,8 @@ static const void *keep(bench *b, const GArray *a, size_t count, size_t size) {
 }
 
 /* List states as patterns, with the transitions between them and the levels of
-   the outputs. States with a gate at an undefined level have no leakage
-   pattern. */
+   the outputs. Outputs have no level in a state with a net at an
+   undefined level. */
 static void list_patterns(bench *b, const machine *m, patterns *p, logic *l) {
   *p = (patterns){.count = m->states, .bit = m->bit};
   *l = (logic){0};

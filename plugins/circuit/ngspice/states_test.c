@@ -27,7 +27,7 @@
   "MN3 Z RN VSS VSS n 65 400,MN4 QN Q Z VSS n 65 400,"   \
   "MP3 QN RN VDD VDD p 65 450,MP4 QN Q VDD VDD p 65 450"
 
-/* ---- what follows what ---- */
+/* ---- transitions ---- */
 
 /* Check that the table has the rows "INPUTS OUTPUT WAY", in any order. */
 static void expect(const char *const *rows, size_t count) {

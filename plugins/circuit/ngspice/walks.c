@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Measures delays of sequential circuits in walks through their states, in
+/* Measures delays of sequential circuits in traversals through their states, in
    which outputs follow one change after another. */
 #include <glib.h>
 #include <math.h>
@@ -8,7 +8,7 @@
 
 #include "bench.h"
 
-enum { FLIPS = 8 }; /* transitions measured per walk */
+enum { FLIPS = 8 }; /* transitions measured per traversal */
 
 /* Relative tolerance and `trtol` (default 7) of the simulator. The tolerances
    of charges and currents alone bound the steps. The delays of a flip-flop
@@ -23,9 +23,9 @@ typedef struct study {
   const delays *d;
 } study;
 
-/* ---- one walk ---- */
+/* ---- one traversal ---- */
 
-/* Walk, and the phase of each of its measured transitions. */
+/* Traversal, and the phase of each of its measured transitions. */
 typedef struct tour {
   walk way;
   size_t step[FLIPS];

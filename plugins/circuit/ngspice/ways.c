@@ -6,7 +6,7 @@
 
 #include "bench.h"
 
-/* ---- walks ---- */
+/* ---- traversals ---- */
 
 walk walk_new(const machine *m) {
   walk w = {g_array_new(FALSE, FALSE, sizeof(uint32_t)), m->first};
@@ -52,7 +52,7 @@ static double end_of(const machine *m, const walk *w) {
 }
 
 /* Without supply the operating point is unique. Each change is a separate line,
-   as walks may be long. */
+   as traversals may be long. */
 void walk_sources(const bench *b, const machine *m, const walk *w, FILE *out) {
   const eda_circuit *c = b->circuit;
   for (size_t i = 0; i < c->ports; i++)
@@ -78,7 +78,7 @@ void walk_command(const machine *m, const walk *w, FILE *out) {
   fprintf(out, "tran %.17g %.17g 0 %.17g\n", step, end_of(m, w), step);
 }
 
-/* ---- the states that there is always a way back to ---- */
+/* ---- recurrent states ---- */
 
 /* Mark all states that lead to marked states. */
 static void mark_before(const machine *m, size_t inputs, uint8_t *mark) {
@@ -128,7 +128,7 @@ void ways_back(const bench *b, const machine *m, uint8_t *kept) {
   for (size_t s = 0; s < m->states; s++) kept[s] &= before[s];
 }
 
-/* ---- from whatever state it wakes up in ---- */
+/* ---- synchronizing sequence ---- */
 
 typedef struct pair {
   uint32_t s, t, from, input; /* two states, preceding pair, changed input */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The least squares: an edge term, whose decay is searched for, or a table,
-   which is linear. */
+/* Implements the least-squares fits: an edge term, with a search for the decay
+   length, or a table, which is a linear problem. */
 #include "fit.h"
 
 #include <eda/memory.h>
@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Decays are looked for from `least` to `most` nm. */
+/* Range of decay lengths, nm. */
 static const double least = 1, most = 300;
 enum { TRIALS = 60, CLOSE = 16, DECAYS = 12 };
 
@@ -51,10 +51,10 @@ static void fitted_init(fitted *f, size_t points) {
 typedef struct search {
   const sample *sample;
   double *x, *y;    /* of each transistor */
-  double amplitude; /* the best for the last decay */
+  double amplitude; /* optimum for the last decay length */
 } search;
 
-/* The sum of squares with the best amplitude. */
+/* Return the sum of squares at the optimal amplitude. */
 static double cost(double log_decay, void *data) {
   search *f = data;
   double decay = exp(log_decay), covariance, squares;
@@ -74,8 +74,8 @@ static double cost(double log_decay, void *data) {
   return squares;
 }
 
-/* The decay with the least cost: the best of many trials, then Brent's
-   method around it. */
+/* Return the decay length of least cost: the best of many trials, refined by
+   Brent's method. */
 static double best_decay(search *f) {
   double step = log(most / least) / TRIALS, best = INFINITY, at = 0;
   for (int i = 0; i <= TRIALS; i++) {
@@ -118,7 +118,7 @@ int fit_edge(const sample *s, fitted *out, opc_error *error) {
 
 /* ---- a table: linear ---- */
 
-/* What point j has in gamma at a distance from the edge. */
+/* Return the weight of point j in gamma at a distance x from the edge. */
 static double hat(const double *edge, size_t n, size_t j, double x) {
   if (x <= edge[0]) return j == 0;
   if (x >= edge[n - 1]) return j == n - 1;

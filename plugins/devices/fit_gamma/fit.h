@@ -1,21 +1,22 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The pieces of devices.fit_gamma: transistors with known currents, and gamma
-   from them by least squares of the relative errors of a current. */
+/* Internal interface of devices.fit_gamma: transistors with known currents, and
+   fits of gamma by least squares of the relative errors of a current. */
 #pragma once
 
 #include <eda/curves.h>
 
 /* ---- reference.c ---- */
 
-enum { REFERENCE_NODES = 256 }; /* slices of each */
+enum { REFERENCE_NODES = 256 }; /* slices per transistor */
 
 typedef struct transistor {
   int type;
   double width;   /* nm */
   double *length; /* from one active edge to the other, nm */
   size_t lengths;
-  double current[EDA_CURRENTS]; /* A; NAN where it is not given */
-  /* Of its slices: the distance from the nearer edge, and the plain current. */
+  double current[EDA_CURRENTS]; /* A; NAN: not given */
+  /* Slices: distance from the nearer edge, nm, and current of plain slicing,
+     A. */
   double edge[REFERENCE_NODES], part[EDA_CURRENTS][REFERENCE_NODES];
 } transistor;
 
@@ -24,22 +25,23 @@ typedef struct reference {
   transistor *transistor;
 } reference;
 
-/* Read a file and slice its transistors; to be cleared whatever comes back. */
+/* Read a file and slice its transistors. The caller clears `out`, also after an
+   error. */
 int reference_read(const char *path, const eda_curves *table, reference *out,
                    opc_error *error);
 void reference_clear(reference *r);
 
 /* ---- fit.c ---- */
 
-/* The transistors of one type that have one of the currents. */
+/* Transistors of one type that have a given current. */
 typedef struct sample {
   int type, current;
   size_t count;
   const transistor **transistor;
 } sample;
 
-/* gamma at increasing distances from the edge, linear between. For an edge
-   term, 1 + amplitude exp(-edge / decay), these lie close. */
+/* Gamma at increasing distances from the edge, linear in between. Points of an
+   edge term, 1 + amplitude exp(-edge / decay), are dense. */
 typedef struct fitted {
   double amplitude, decay; /* NAN for a table */
   size_t points;
@@ -54,6 +56,6 @@ int fit_table(const sample *s, const double *edge, size_t edges, fitted *out,
               opc_error *error);
 void fitted_clear(fitted *f);
 
-/* The deviation of the sliced current of a transistor from that given, %;
+/* Return the deviation of a transistor's sliced current from the given one, %;
    f NULL: plain slicing. */
 double fit_residual(const sample *s, size_t i, const fitted *f);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* devices.fit_gamma: the weights of extractor.gamma (thesis eq. 3.2) from
-   transistors whose currents are known, of TCAD or measured. */
+/* Implements devices.fit_gamma: fits the weights of extractor.gamma (thesis eq.
+   3.2) to transistors with known currents, from TCAD or measurement. */
 #include <eda/memory.h>
 #include <errno.h>
 #include <gsl/gsl_errno.h>
@@ -47,8 +47,8 @@ static int fit_all(fitter *f, opc_error *error) {
   return code;
 }
 
-/* The table that extractor.gamma reads. The width says nothing: there is one.
- */
+/* Write the table for extractor.gamma. The table has a single width, whose
+   value has no effect. */
 static int write_table(const fitter *f, opc_error *error) {
   const char *path = f->host->output_path(f->host, f->table, error);
   if (!path) return error->code;
@@ -138,7 +138,7 @@ static int summary_table(const fitter *f, opc_error *error) {
 static int run(void *self, void **outputs, opc_error *error) {
   fitter *f = self;
   (void)outputs;
-  gsl_set_error_handler_off(); /* its default aborts */
+  gsl_set_error_handler_off(); /* the default handler aborts */
   int code = eda_curves_read(&f->curves, f->devices, error);
   if (!code && f->curves.devices->narrow)
     code = opc_fail(error, OPC_INVALID, "devices",

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Known edge effects are found again, through the table that extractor.gamma
-   reads. */
+/* Tests that the fit recovers known edge effects, through the table read by
+   extractor.gamma. */
 #include <eda/extractor.h>
 #include <math.h>
 #include <string.h>
@@ -19,7 +19,7 @@ static opc_module *make(const char *id, const char *more, opc_error *error) {
   return opc_test_module(id, text, error);
 }
 
-/* What extractor.gamma makes of a transistor with many slices. */
+/* Compute the currents of extractor.gamma for a transistor with many slices. */
 static void currents(const opc_module *m, uint8_t type, double width,
                      double low, double high, double *ion, double *ioff) {
   enum { SLICES = 4000 };
@@ -56,8 +56,8 @@ static opc_module *extractor(const char *more) {
 
 static const double widths[] = {90, 120, 180, 270, 400, 800};
 
-/* References from an extractor: straight and tapered transistors of both types.
-   `worst` is the largest deviation of plain slicing, %. */
+/* Write a file of references computed by an extractor: straight and tapered
+   transistors of both types. `worst`: largest deviation of plain slicing, %. */
 static char *write_reference(const char *name, const char *terms,
                              double worst[2]) {
   g_autoptr(opc_module) truth = extractor(terms);
@@ -96,7 +96,7 @@ static void fit(const char *reference, const char *more) {
   if (!m || opc_test_run(m, NULL, &error)) g_error("%s", error.message);
 }
 
-/* The worst deviation, %, of the fitted table's extractor from the truth. */
+/* Return the largest deviation, %, of extractor.gamma with the fitted table. */
 static double check(const char *table) {
   g_autofree char *path = g_build_filename(opc_test_folder(), table, NULL);
   g_autofree char *more = g_strdup_printf(", table: '%s'", path);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Transistors with known currents, and what plain slicing says of them. */
+/* Reads transistors with known currents and computes their currents by plain
+   slicing. */
 #include <eda/csv.h>
 #include <eda/memory.h>
 #include <glib.h>
@@ -17,7 +18,7 @@ static const eda_csv_column columns[COLUMNS] = {
     [CURRENT + EDA_ION] = {"ion", "A", 0},
     [CURRENT + EDA_IOFF] = {"ioff", "A", 1}};
 
-/* One length, or several with ; between them. */
+/* Read one length, or several separated by semicolons. */
 static int read_lengths(const eda_csv *c, size_t row, transistor *t,
                         opc_error *error) {
   g_auto(GStrv) words = g_strsplit(eda_csv_text(c, row, LENGTH), ";", -1);
@@ -55,7 +56,7 @@ static double length_at(const transistor *t, double place) {
   return t->length[i] + (x - (double)i) * (t->length[i + 1] - t->length[i]);
 }
 
-/* Slices get thinner towards both edges. */
+/* Divide a transistor into slices that get thinner towards both edges. */
 static void slice(transistor *t, const eda_curves *table) {
   for (int i = 0; i < REFERENCE_NODES; i++) {
     double s = (i + 0.5) / REFERENCE_NODES, place = s * s * (3 - 2 * s);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tables from libraries: a small one of our own in all that `ends` can be,
-   compiled models, and open processes' tables against the plain simulator, as
-   extractor.plain reads them. */
+/* Tests tables from libraries: a small library with all values of `ends`,
+   compiled models, and tables of open processes, read by extractor.plain,
+   against plain ngspice. */
 #include <eda/curves.h>
 #include <eda/devices.h>
 #include <eda/extractor.h>
@@ -13,7 +13,7 @@
 
 /* ---- a library of our own ---- */
 
-/* Two bins, from 100 and 150 nm on and from 1 um of width. */
+/* Two bins, from 100 and 150 nm of length and from 1 um of width. */
 #define BINS(kind, vth)                                                \
   ".subckt " kind                                                      \
   " d g s b\n.param l=1 w=1\nm1 d g s b c l={l} w={w}\n"               \
@@ -66,7 +66,8 @@ static void test_ends(void) {
   eda_devices *cut = load("cut.yaml");
   g_assert_cmpfloat(cut->length[0], ==, 100);
   g_assert_nonnull(strstr(opc_test_log(), "the library has no bin"));
-  /* Of three widths that end there each current of each type is told once. */
+  /* For three widths that end there, each current of each type is reported
+     once. */
   opc_test_forget();
   if (make(SHORT ", widths: [2 um, 3 um, 4 um]", "wide.yaml", &error))
     g_error("%s", error.message);
@@ -97,7 +98,7 @@ static void test_ends(void) {
     g_assert_cmpfloat(fabs(slope->ion[t][1] / slope->ion[t][2] / step - 1), <,
                       1e-5);
     g_assert_cmpfloat(more->ion[t][0], >, more->ion[t][1]);
-    /* The model is no straight line. */
+    /* The model is not a straight line. */
     g_assert_cmpfloat(fabs(more->ion[t][0] / slope->ion[t][0] - 1), >, 1e-3);
   }
   eda_devices_free(cut);
@@ -105,8 +106,8 @@ static void test_ends(void) {
   eda_devices_free(slope);
 }
 
-/* wint takes 5 nm from each side of W and nothing else depends on it: the
-   current goes as W - 10 nm, also of widths that no bin has. */
+/* Test widths: wint takes 5 nm from each side of W and has no other effect, so
+   the current is proportional to W - 10 nm, also for widths without a bin. */
 static void test_widths(void) {
   static const double widths[] = {500, 1000, 1500, 3000};
   opc_error error;
@@ -139,8 +140,8 @@ static void test_widths(void) {
   " d g s b w=1u l=1u\nn1 d g s b m w=w l=l\n.model m squarelaw type=" type \
   " k=1m vt=0.4 leak=1n\n.ends\n"
 
-/* A square law behind the interface of compiled models: what its equations
-   say; or, where ngspice has none, that it has none. */
+/* Test a square-law model with the interface of compiled models against its
+   equations; without OSDI support in ngspice, test the error message. */
 static void test_osdi(void) {
   opc_error error;
   void *no_outputs[1];
@@ -179,10 +180,10 @@ static void test_osdi(void) {
 
 /* ---- capacitance of the gate ---- */
 
-/* What the gate of one transistor takes while it is driven in a nanosecond from
-   0 to `supply`, by it: the command `ngspice` and a transient, in which a
-   capacitor of 1 fF gathers its current (integrated as charges are) and leakage
-   is too small to count. NAN if there is no such command. */
+/* Return the charge into the gate of a transistor driven from 0 to `supply`
+   within 1 ns, divided by `supply`. A transient of the command `ngspice`
+   integrates the gate current on a capacitor of 1 fF, with the accuracy of
+   charges; leakage is negligible. NAN: no such command. */
 static double charge(const char *models, const char *name, int type,
                      double length, double width, double supply) {
   double v = type ? -supply : supply;
@@ -203,7 +204,7 @@ static double charge(const char *models, const char *name, int type,
   return fabs(1e-15 * g_ascii_strtod(at + 8, NULL)) / supply;
 }
 
-/* Of transistors between the table's lengths and widths. */
+/* Compare transistors between the lengths and widths of the table. */
 static void compare_charge(const char *table, const char *models,
                            const char *const names[2], double voltage,
                            const double sizes[][2], size_t count) {
@@ -237,7 +238,7 @@ static void test_capacitance(void) {
            "reference: { length: 120 nm, width: 1.5 um }",
            "c.yaml", &error))
     g_error("%s", error.message);
-  /* The plain simulator would draw by lot. */
+  /* Plain ngspice would draw random values. */
   g_auto(GStrv) parts = g_strsplit(library, "{agauss(0.4,0.5,1)}", 2);
   g_autofree char *nominal = g_strjoinv("0.4", parts);
   g_autofree char *path = g_build_filename(opc_test_folder(), "nom.lib", NULL);
@@ -281,13 +282,13 @@ typedef struct process {
   const char *osdi; /* NULL: none */
   const char *model[2], *flavour[2];
   double supply;               /* V */
-  double unit;                 /* of sizes in its decks, nm */
-  double length[2], width[2];  /* of gates, nm: from, to */
-  double abstol[EDA_CURRENTS]; /* A: what the models come to */
+  double unit;                 /* unit of sizes in the decks, nm */
+  double length[2], width[2];  /* range of gates, nm: from, to */
+  double abstol[EDA_CURRENTS]; /* A: accuracy of the models */
 } process;
 
-/* L and W of the cells and 10 % around; of SkyWater those that the models
-   have. */
+/* Lengths and widths of the cells and 10 % around; for SkyWater, those covered
+   by the models. */
 static const process sky130 = {
     "sky130",
     "sky130/models/sky130.lib.spice",
@@ -325,8 +326,8 @@ static void make_gates(const process *p, gate gates[GATES]) {
                       g_rand_double_range(lot, p->width[0], p->width[1])};
 }
 
-/* One current of them all, by the command `ngspice` and the whole library: 0
-   and a skip if something is not there. */
+/* Simulate one current of all gates with the command `ngspice` and the whole
+   library. If anything is missing, skips the test and returns 0. */
 static int simulate(const process *p, const gate gates[GATES], int current,
                     double out[GATES]) {
   g_autofree char *lib = find_data(p->library);
@@ -368,8 +369,8 @@ static int simulate(const process *p, const gate gates[GATES], int current,
   return 1;
 }
 
-/* Rectangles by extractor.plain, each in a few slices, and the shipped table.
- */
+/* Compute the currents of rectangles, each in a few slices, by extractor.plain
+   with the shipped table. */
 static void extract(const process *p, const gate gates[GATES],
                     double current[2][GATES]) {
   enum { SLICES = 12 };

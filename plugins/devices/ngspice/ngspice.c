@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* devices.ngspice: from a model card or a foundry's library of models to a
-   device table, the on and off currents of transistors against their length,
-   and their width (thesis 2.2.1), and the capacitance of their gates. */
+/* Implements devices.ngspice: computes a device table from a model card or a
+   foundry's model library. The table has the on and off currents of transistors
+   over length and width (thesis 2.2.1), and the capacitance of their gates. */
 #include "ngspice.h"
 
 #include <eda/drawing.h>
@@ -18,7 +18,7 @@
 
 enum { MOST_LENGTHS = 2000, LEAST_LENGTHS = 3 };
 
-/* ---- work: what is told ---- */
+/* ---- work: reports ---- */
 
 static const char *const types[TYPES] = {[EDA_NMOS] = "n", [EDA_PMOS] = "p"};
 
@@ -54,14 +54,15 @@ static int tell_table(const plan *p, const currents *c, opc_error *error) {
   return code;
 }
 
-/* What is no model's. */
+/* Report the extrapolated part of the table. */
 static void tell_extended(const plan *p, const currents *c) {
   char text[512];
   if (table_extended(p, c, text, sizeof text))
     p->host->log(p->host, OPC_LOG_WARNING, "of the table, %s", text);
 }
 
-/* The reference transistors, and how fast their currents change with length. */
+/* Report the reference transistors and the change of their currents with
+   length. */
 static int tell_reference(const plan *p, const currents *c, opc_error *error) {
   const double *n = c->reference[EDA_NMOS], *pm = c->reference[EDA_PMOS];
   struct {
@@ -114,10 +115,11 @@ static int write_all(const plan *p, const currents *c, opc_error *error) {
   return code ? code : tell_table(p, c, error);
 }
 
-/* The files' whole paths: the simulator stands elsewhere. */
+/* Find the absolute paths of the files: the simulator runs in another
+   folder. */
 static int find_files(plan *p, opc_error *error) {
   const char *parameter = p->library ? "library" : "card";
-  /* Here, so that a flow may leave it to who runs it. */
+  /* Checked here, as flows may leave these parameters to the caller. */
   if (!p->library && !p->card[EDA_NMOS])
     return opc_fail(error, OPC_INVALID, NULL,
                     "needs 'card' or 'library', a file of models");
@@ -289,7 +291,7 @@ static int check_texts(const plan *p, opc_error *error) {
   return OPC_OK;
 }
 
-/* What is given must belong together. */
+/* Check that the given parameters are consistent. */
 static int check_source(const plan *p, opc_error *error) {
   if (p->card[EDA_NMOS] && p->library)
     return refuse("library", p->library, "and 'card' are given, one is needed",
@@ -337,7 +339,7 @@ static int make_lengths(plan *p, opc_error *error) {
                   "is given, 'length.from' and 'length.to' are too", error);
   if (!list && (isnan(p->from) || isnan(p->to)))
     return refuse(NULL, "length", "needs 'from' and 'to', or a 'list'", error);
-  /* The last step reaches `to`, though not to the last bit. */
+  /* The last step reaches `to` except for rounding. */
   double n = list ? (double)p->list.count
                   : floor((p->to - p->from) / p->step + 1e-6) + 1;
   p->count = (size_t)fmin(fmax(n, 0), MOST_LENGTHS + 1);
@@ -379,7 +381,8 @@ static void clear(void *self) {
 
 /* ---- entry ---- */
 
-/* Cards and libraries include others, and the simulator is another program. */
+/* Cards and libraries may include other files, and the simulator is another
+   program. */
 static const opc_step functions = {.run = run, .flags = OPC_STEP_OUTSIDE};
 
 OPC_PLUGIN(plan, .id = "devices.ngspice", .kind = "step", .version = "0.2.0",

@@ -1,34 +1,34 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The pieces of devices.ngspice. Lengths in nm, currents in A and capacitances
-   in F of the transistor that was simulated. */
+/* Internal interface of devices.ngspice. Lengths in nm, currents in A and
+   capacitances in F of the simulated transistor. */
 #pragma once
 
 #include <eda/curves.h>
 #include <eda/models.h>
 #include <opcflow/step.h>
 
-/* What is measured: eda's currents and, if told to, the capacitance of the
-   gate. */
+/* Measured quantities: the currents of eda, and optionally the gate
+   capacitance. */
 enum { TYPES = 2, CGATE = EDA_CURRENTS, QUANTITIES };
 
-/* Where the models end, or a current that has to rise with decreasing length
-   does not. */
+/* Treatment of lengths outside of the models, or at which a current that must
+   increase with decreasing length does not. */
 enum {
   CUT,    /* the table begins there */
   REFUSE, /* an error */
-  EXTEND, /* the outermost bins go on; then as CUT */
-  SLOPE   /* the currents go on with the slope that they have there */
+  EXTEND, /* extrapolate the outermost bins; then as CUT */
+  SLOPE   /* extrapolate the currents with their slope at the end */
 };
 
 typedef struct bias {
-  double gate, drain; /* V, of the n-transistor; the p-transistor has -V */
+  double gate, drain; /* V, of the n-transistor; negated for the p-transistor */
 } bias;
 
-/* What is to be simulated. */
+/* Parameters and derived data of a simulation. */
 typedef struct plan {
   const opc_host *host;
   const char *card[TYPES];  /* parameters: files */
-  const char *model[TYPES]; /* names in them */
+  const char *model[TYPES]; /* model names in the files */
   const char *library, *corner, *osdi;
   int ends;
   opc_reals width_list;
@@ -36,12 +36,12 @@ typedef struct plan {
   double supply, temperature, width; /* V, C, nm */
   double from, to, step;
   opc_reals list;
-  bias bias[QUANTITIES]; /* of CGATE: where the swing of the gate ends */
+  bias bias[QUANTITIES]; /* CGATE: end of the gate's swing */
   int with_cgate;
   double reference_length, reference_width;    /* NAN: none */
-  const char *name, *file, *picture, *flavour; /* NULL: of none */
+  const char *name, *file, *picture, *flavour; /* NULL: not given */
   double limit;                                /* s */
-  char *path[TYPES];  /* of the cards, or of the library, whole */
+  char *path[TYPES];  /* absolute paths of the cards or the library */
   eda_models *models; /* NULL: cards */
   size_t count;
   double *length; /* increasing */
@@ -54,19 +54,20 @@ typedef struct currents {
   double *at[TYPES][QUANTITIES];
   double reference[TYPES][QUANTITIES];
   char simulator[32]; /* "ngspice-39" */
-  size_t first;       /* of the plan's lengths that the table begins with */
-  /* The first that was simulated at all widths; before it the slope goes on. */
+  size_t first;       /* first length of the table, index in plan.length */
+  /* First length simulated at all widths; shorter lengths are extrapolated. */
   size_t simulated[TYPES];
-  size_t cut[TYPES][QUANTITIES]; /* the first that is good, as was told; 0 */
-  double narrowest[TYPES]; /* nm; narrower ones go on by slope; 0: none does */
+  size_t cut[TYPES][QUANTITIES]; /* first valid length reported so far; 0:
+                                    all */
+  double narrowest[TYPES]; /* nm; narrower widths are extrapolated; 0: none */
 } currents;
 
-/* How many quantities there are. */
+/* Return the number of quantities. */
 static inline int quantities(const plan *p) {
   return p->with_cgate ? QUANTITIES : EDA_CURRENTS;
 }
 
-/* Those of the widest. */
+/* Return the values of the widest transistor, per length. */
 static inline const double *widest(const plan *p, const currents *c, int type,
                                    int current) {
   return c->at[type][current] + (p->widths - 1) * p->count;
@@ -74,20 +75,21 @@ static inline const double *widest(const plan *p, const currents *c, int type,
 
 /* ---- simulate.c ---- */
 
-/* Simulate all, and find where the table begins; `out` has the arrays, which
-   are zero. */
+/* Simulate all transistors and find the first length of the table. The arrays
+   of `out` are allocated and zero. */
 int simulate(const plan *p, currents *out, opc_error *error);
 
 /* ---- table.c ---- */
 
-/* What of the table is no model's, in words: FALSE if there is nothing. */
+/* Describe the extrapolated part of the table in `text`. Returns FALSE if
+   nothing is extrapolated. */
 int table_extended(const plan *p, const currents *c, char *text, size_t room);
 
 int table_write(const plan *p, const currents *c, const char *name,
                 opc_error *error);
 
-/* Per nm of length, in %: of the logarithm of a current at a length, by the
-   table's lengths next to it; NAN if they do not lie around it. */
+/* Return the relative slope of a current at a length, % per nm, from the
+   logarithms at the adjacent lengths of the table; NAN outside of the table. */
 double table_slope(const plan *p, const currents *c, int type, int current,
                    double length);
 

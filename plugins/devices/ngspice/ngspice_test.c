@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Cards with known answers, hand-written decks run by the plain simulator, and
-   what extractor.plain makes of the table. */
+/* Tests cards with known results, hand-written decks run by plain ngspice, and
+   the results of extractor.plain with the table. */
 #include <eda/devices.h>
 #include <eda/extractor.h>
 #include <math.h>
@@ -9,14 +9,14 @@
 #include "plain_test.h"
 #include "tests/data.h"
 
-/* A BSIM4 card of few parameters, for what needs no process. */
+/* A BSIM4 card of few parameters, for tests independent of the process. */
 #define SMALL(l)                                                \
   ".model n nmos level=54 version=4.5 toxe=2n vth0=0.4 lint=" l \
   "\n"                                                          \
   ".model p pmos level=54 version=4.5 toxe=2n vth0=-0.4 u0=0.01 lint=" l "\n"
 
-/* The path of a card with that text, or of a file of the project or of the
-   test data; NULL and a skip if it is not there. */
+/* Return the path of a card with that text, or of a file of the project or the
+   test data; if missing, skip the test and return NULL. */
 static char *card_of(const char *text) {
   static int n;
   g_autofree char *name = g_strdup_printf("card%d.pm", n++);
@@ -25,7 +25,7 @@ static char *card_of(const char *text) {
   return path;
 }
 
-/* Run it; the table's path is `table` in the test's folder. */
+/* Run the step with the table `table` in the test's folder. */
 static int run_step(const char *card, const char *rest, const char *table,
                     opc_error *error) {
   void *no_outputs[1];
@@ -48,8 +48,8 @@ static eda_devices *load(const char *table) {
 
 /* ---- against the plain simulator ---- */
 
-/* The drain current of a deck of its own, by the command `ngspice`; NAN if it
-   is not there. */
+/* Return the drain current of a deck run by the command `ngspice`; NAN if the
+   command is missing. */
 static double plain_current(const char *card, const char *model, double sign,
                             int on, double width, double length) {
   g_autofree char *deck = g_strdup_printf(
@@ -98,8 +98,8 @@ static void test_by_hand(void) {
 
 /* ---- tables that are known ---- */
 
-/* Thesis 2.2.1: an n-transistor of L 65, W 1000 gives 1.152 mA. And the table
-   that we ship is the one that this makes. */
+/* Test thesis 2.2.1: an n-transistor with L 65, W 1000 has 1.152 mA. The
+   shipped table must equal the computed one. */
 static void test_thesis(void) {
   opc_error error;
   if (!have_ngspice()) return;
@@ -130,7 +130,7 @@ static void test_thesis(void) {
   eda_devices_free(shipped);
 }
 
-/* Our own card against the table it was fitted to. */
+/* Compare our own card with the table to which the card was fitted. */
 static void test_own_card(void) {
   opc_error error;
   if (!have_ngspice()) return;
@@ -164,7 +164,7 @@ static void test_own_card(void) {
 
 /* ---- where a card ends ---- */
 
-/* The channel of this card has no length at 60 nm. */
+/* Test a card whose effective channel length is 0 at 60 nm. */
 static void test_clamped(void) {
   opc_error error;
   if (!have_ngspice()) return;
@@ -185,7 +185,7 @@ static void test_clamped(void) {
   g_assert_cmpfloat(d->length[0], ==, shortest);
   g_assert_cmpfloat(d->length[d->count - 1], ==, 120);
   eda_devices_free(d);
-  /* The same, with the simulator refusing at the next length. */
+  /* The same, where the simulator fails at the next length. */
   if (run_step(card,
                "nmos: n, pmos: p, supply: 1 V, "
                "length: { list: [60 nm, 90 nm, 100 nm, 120 nm] }",
@@ -194,7 +194,7 @@ static void test_clamped(void) {
   if (!strstr(opc_test_log(), "good from 90 nm on") ||
       !strstr(opc_test_log(), "Effective channel length"))
     g_error("'%s'", opc_test_log());
-  /* Before the simulator refuses, a current falls again. */
+  /* A current decreases before the simulator fails. */
   g_autofree char *own = source_path("data/devices/opcflow65.pm");
   if (run_step(own, "supply: 1.1 V, length: { from: 30 nm, to: 80 nm }",
                "end4.yaml", &error))
@@ -208,7 +208,7 @@ static void test_clamped(void) {
       g_assert_cmpfloat(d->ioff[t][i], <, d->ioff[t][i - 1]);
     }
   eda_devices_free(d);
-  /* Nothing is left. */
+  /* No valid length remains. */
   g_assert_cmpint(run_step(card,
                            "nmos: n, pmos: p, supply: 1 V, "
                            "length: { from: 50 nm, to: 60 nm, step: 5 nm }",
@@ -224,7 +224,7 @@ enum { SLICES = 2 };
 static const double slice_length[SLICES] = {60, 70};
 static const double slice_width[SLICES] = {400, 600};
 
-/* Ion and Ioff by extractor.plain. */
+/* Compute Ion and Ioff by extractor.plain. */
 static void sum_slices(const char *table, double current[2]) {
   opc_error error;
   const uint8_t type = EDA_NMOS;
@@ -250,9 +250,9 @@ static void sum_slices(const char *table, double current[2]) {
     g_error("%s", error.message);
 }
 
-/* Transistors in parallel, simulated together, against the sum of slices from
-   the table. What is left is what the card takes from each W: nothing in ours,
-   10 nm in PTM's. */
+/* Compare transistors in parallel, simulated together, with the sum of slices
+   from the table. The remaining difference is the width correction of the card
+   for each W: none for our card, 10 nm for PTM. */
 static void check_slices(const char *card, const char *table,
                          const char *overrides, double within) {
   opc_error error;

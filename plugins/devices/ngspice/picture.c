@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Charts over length, of the on and the off currents and of the capacitance of
-   the gate, on logarithmic axes, as they change by their share with each nm. */
+/* Draws charts over length of the on current, the off current and the gate
+   capacitance, on logarithmic axes, which show relative changes per nm. */
 #include <eda/drawing.h>
 #include <eda/memory.h>
 #include <math.h>
@@ -10,14 +10,14 @@
 #include "ngspice.h"
 
 static const double paper_height = 560;
-static const double chart_step = 590; /* from one chart to the next */
+static const double chart_step = 590; /* distance between charts */
 
-/* Of the n-transistor and the p-transistor. */
+/* Return the colour of the n- or p-transistor. */
 static eda_colour colour_of(int type) {
   return eda_layer_outline(type == EDA_NMOS ? 0 : 1);
 }
 
-/* One curve of `scale` times a current: what is no model's is dashed. */
+/* Draw a current at one width; extrapolated parts are dashed. */
 static void draw_curve(eda_chart *c, const plan *p, const currents *all,
                        int type, int current, size_t w) {
   double scale = p->widths > 1 ? 1000 / p->each_width[w] : 1;
@@ -35,7 +35,7 @@ static void draw_curve(eda_chart *c, const plan *p, const currents *all,
   free(y);
 }
 
-/* The ends of the axis: of all curves. */
+/* Set the range of the axis from all curves. */
 static void fit_axis(eda_axis *y, const plan *p, const currents *all,
                      int current) {
   double ends[2] = {INFINITY, 0};
@@ -109,7 +109,7 @@ int picture_draw(const plan *p, const currents *all, const char *name,
                  .height = 410,
                  .x.title = "drawn length, nm",
                  .y.log = 1};
-  /* Short ones are looked at closely, too. */
+  /* Short lengths need resolution, too. */
   c.x.log = p->length[p->count - 1] > 10 * p->length[all->first];
   eda_axis_fit(&c.x, p->length + all->first, p->count - all->first);
   for (int k = 0; k < quantities(p); k++) {

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* For the tests beside it: whether there is a simulator, and decks by hand run
-   by the command `ngspice`. */
+/* Shared by the tests: availability of the simulator, and hand-written decks
+   run by the command `ngspice`. */
 #pragma once
 
 #include <eda/simulator.h>
 
 #include "tools/devel/testing.h"
 
-/* Skips where there is none. */
+/* Return 1 if ngspice is available; else skip the test. */
 static inline int have_ngspice(void) {
   static int known = -1;
   static opc_error error;
@@ -21,7 +21,7 @@ static inline int have_ngspice(void) {
   return known;
 }
 
-/* What the command prints (g_free); NULL if it is not there. */
+/* Return the output of the command (g_free); NULL if the command is missing. */
 static inline char *by_hand(const char *deck) {
   g_autofree char *program = g_find_program_in_path("ngspice");
   if (!program) return NULL;

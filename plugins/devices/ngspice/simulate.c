@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Of a card: one transistor in a circuit of its own, whose length is altered
-   from the longest down, so that what is simulated before the card fails is
-   kept. Of a library, whose bins and expressions hang on L and W: one for each
-   length, all in one circuit. */
+/* Simulates the transistors. Card: one transistor per circuit, altered from the
+   longest length down, which keeps the results obtained before the card fails.
+   Library, whose bins and expressions depend on L and W: one transistor for
+   each length, all in one circuit. */
 #include <eda/memory.h>
 #include <eda/simulator.h>
 #include <glib.h>
@@ -12,14 +12,14 @@
 
 #include "ngspice.h"
 
-/* A type, a current and a width: one process. */
+/* Type, quantity and width: one process. */
 typedef struct job {
   const plan *p;
   currents *out;
   int type, current, code;
-  size_t width; /* its number */
-  size_t done;  /* lengths that were simulated, from the longest */
-  int narrower; /* than any bin: not simulated */
+  size_t width; /* index of the width */
+  size_t done;  /* number of simulated lengths, from the longest */
+  int narrower; /* 1: narrower than any bin, not simulated */
   opc_error error;
 } job;
 
@@ -28,23 +28,22 @@ static const char *const type_names[TYPES] = {
 static const char *const current_names[QUANTITIES] = {
     [EDA_ION] = "Ion", [EDA_IOFF] = "Ioff", [CGATE] = "Cgate"};
 
-/* The gate is excited so slowly that no resistance of it counts, and its
-   capacitance taken in the middle of each of so many parts of the swing: twice
-   as many change it by less than 1e-4. */
+/* Parts of the gate's swing. The gate is excited slowly enough that its
+   resistance has no effect; the capacitance is taken in the middle of each
+   part. Twice as many parts change the result by less than 1e-4. */
 enum { SWING = 32 };
 static const double frequency = 1e6; /* Hz */
 
-/* What the currents of a library's circuit are known to, A. Ioff may be 1e-13
-   A, for which junctions have a gmin of 1e-20 S. Sums of what flows in
-   transistors that conduct are rounded, and come no nearer to each other than
-   this; the small signals of a capacitance need no more than the simulator's
-   default. */
+/* Current tolerances of a library's circuit, A. Ioff may be 1e-13 A, so
+   junctions have a gmin of 1e-20 S. Rounding of the currents of conducting
+   transistors limits the tolerance of Ion. For a capacitance, the simulator's
+   default suffices. */
 static const double least_current[QUANTITIES] = {
     [EDA_ION] = 1e-15, [EDA_IOFF] = 1e-19, [CGATE] = 1e-12};
 
-/* Where no other way leads to an operating point, ngspice takes what a
-   transient of 10 us comes to, which is none: 2 % off for a long PSP
-   transistor. Without that it says that there is none. */
+/* If no other method finds the operating point, ngspice takes the final state
+   of a transient of 10 us, which need not be settled: 2 % error for a long PSP
+   transistor. Without the transient, ngspice reports a failure. */
 static const char no_transient[] = "optran 1 1 1 0 0 0\n";
 
 static double width_of(const job *j) { return j->p->each_width[j->width]; }
@@ -53,19 +52,18 @@ static double *currents_of(const job *j) {
   return j->out->at[j->type][j->current] + j->width * j->p->count;
 }
 
-/* Whether this one also simulates the reference transistor. */
+/* Return 1 if this job also simulates the reference transistor. */
 static int has_reference(const job *j) {
   return j->p->reference_length > 0 && j->width + 1 == j->p->widths;
 }
 
-/* Analyses for one transistor. */
+/* Return the number of analyses per transistor. */
 static size_t analyses(const job *j) { return j->current == CGATE ? SWING : 1; }
 
 static double sign_of(const job *j) { return j->type == EDA_PMOS ? -1 : 1; }
 
-/* The commands of these analyses. The gate's charge over the swing is the sum
-   of small-signal capacitances, in which leakage, being in phase, has no part.
- */
+/* Write the commands of the analyses. The gate charge over the swing is the sum
+   of small-signal capacitances; leakage is in phase and does not contribute. */
 static void put_analyses(const job *j, GString *out) {
   double end = sign_of(j) * j->p->bias[j->current].gate;
   if (j->current != CGATE) g_string_append(out, "op\n");
@@ -92,7 +90,8 @@ static char *make_deck(const job *j) {
       p->length[p->count - 1], sign * b->drain, sign * b->gate);
 }
 
-/* The reference, if there is one, then all lengths from the longest down. */
+/* Return the commands: the reference transistor, if any, then all lengths from
+   the longest down. */
 static char *make_commands(const job *j) {
   const plan *p = j->p;
   GString *out = g_string_new(no_transient);
@@ -115,16 +114,17 @@ static char *make_commands(const job *j) {
   return g_string_free(out, FALSE);
 }
 
-/* With the digits that a table has, so that it is the rounded currents that
-   are compared. */
+/* Round a value to the digits of the table, so that comparisons use the rounded
+   currents. */
 static double rounded(double x) {
   char text[32];
   g_snprintf(text, sizeof text, "%.6e", x);
   return g_ascii_strtod(text, NULL);
 }
 
-/* From the analyses of a transistor: the current of a source at its drain, or
-   at its gate, where a quarter of a period ahead is the real part. */
+/* Return the value of a transistor from its analyses: the current of the source
+   at the drain or the gate. The gate source has a phase of 90 degrees, so the
+   capacitive current is the real part. */
 static double value_of(const job *j, const eda_spice_plot *plot,
                        const char *name) {
   double sum = 0;
@@ -163,7 +163,7 @@ static void run_card(job *j) {
 
 /* ---- a library ---- */
 
-/* The first length that a bin has, or that one is made to reach. */
+/* Return the first length with a bin; 0 if bins are extended. */
 static size_t first_modelled(const job *j) {
   const plan *p = j->p;
   eda_sizes bins;
@@ -175,7 +175,7 @@ static size_t first_modelled(const job *j) {
   return i;
 }
 
-/* Whether the width is left to the slope. */
+/* Return 1 if the width is extrapolated. */
 static int is_narrower(const job *j) {
   const plan *p = j->p;
   eda_sizes bins;
@@ -265,15 +265,16 @@ static void run_job(void *data, size_t index) {
 
 /* ---- where a card ends ---- */
 
-/* Whether this current has to rise with decreasing length, for a length to be
-   told by it: where there are several widths, Ion of the widest does. */
+/* Return 1 if this current must increase with decreasing length, so that the
+   current determines the length. With several widths, only Ion of the widest
+   must. */
 static int must_rise(const job *j) {
   return (j->p->widths == 1 && j->current != CGATE) ||
          (j->current == EDA_ION && j->width + 1 == j->p->widths);
 }
 
-/* What is wrong with a current at length i, seen from the next longer one;
-   NULL if it will do. */
+/* Return the fault of a current at length i compared with the next longer one;
+   NULL: none. */
 static const char *fault(const job *j, size_t i) {
   const double *y = currents_of(j);
   if (i + j->done < j->p->count) return j->error.message;
@@ -286,8 +287,8 @@ static const char *fault(const job *j, size_t i) {
   return NULL;
 }
 
-/* "Ion of the p-transistor at 42 nm", with its width where there are several.
- */
+/* Write a text such as "Ion of the p-transistor at 42 nm", with the width if
+   there are several. */
 static void describe(const job *j, double length, char text[96]) {
   char width[32] = "";
   if (j->p->widths > 1)
@@ -296,11 +297,11 @@ static void describe(const job *j, double length, char text[96]) {
              current_names[j->current], type_names[j->type], width, length);
 }
 
-/* The first length from which on a current will do: 0 and *error if there is
-   none. *why: what is wrong with that before it, or NULL. */
+/* Find the first length from which all currents are valid. Returns an error if
+   too few remain. *why: fault of the length before; NULL: none. */
 static int find_end(const job *j, size_t *first, const char **why,
                     opc_error *error) {
-  enum { LEAST = 3 }; /* what an extractor's interpolation needs */
+  enum { LEAST = 3 }; /* needed by the interpolation of extractors */
   const plan *p = j->p;
   size_t i = p->count;
   *why = NULL;
@@ -312,9 +313,8 @@ static int find_end(const job *j, size_t *first, const char **why,
                   current_names[j->current], p->length[i - 1], *why);
 }
 
-/* Lengths before `first` have what a straight line of the logarithm says, by
-   the slope from there to a twentieth more of length: one step of a table is
-   too rough. */
+/* Extrapolate lengths before `first` linearly in the logarithm, with the slope
+   from there to a length 5 % larger: the step of a table is too coarse. */
 static int go_on(const job *j, size_t first, opc_error *error) {
   const double part = 1.05;
   const double *x = j->p->length;
@@ -333,7 +333,7 @@ static int go_on(const job *j, size_t first, opc_error *error) {
   return OPC_OK;
 }
 
-/* What one current has to say to where the table begins. */
+/* Determine the first valid length of one current. */
 static int settle_end(const job *j, opc_error *error) {
   const plan *p = j->p;
   currents *out = j->out;
@@ -345,7 +345,7 @@ static int settle_end(const job *j, opc_error *error) {
     if (first > out->simulated[j->type]) out->simulated[j->type] = first;
     return go_on(j, first, error);
   }
-  /* Said once, not for each width that ends there. */
+  /* Report once, not for each width. */
   size_t *told = &out->cut[j->type][j->current];
   if (first <= *told) return OPC_OK;
   *told = first;
@@ -368,9 +368,10 @@ static int check_reference(const job *j, opc_error *error) {
                   j->code ? j->error.message : "nothing was measured");
 }
 
-/* What the edges add to each width's current goes on as it is between the two
-   narrowest that were simulated, of which the second is a tenth wider: the
-   logarithm of the current by width in a straight line against 1 / W. */
+/* Extrapolate to narrower widths: the logarithm of current per width is linear
+   in 1 / W. The slope is that between the two narrowest simulated widths, of
+   which the second is at least 10 % wider. This continues the contribution of
+   the edges. */
 static int go_narrower(const job *j, opc_error *error) {
   const double part = 1.1;
   const plan *p = j->p;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The device table as a file (docs/reference/devices.md). */
+/* Writes the device table (docs/reference/devices.md). */
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -7,9 +7,9 @@
 
 #include "ngspice.h"
 
-enum { ROW = 8 }; /* values in a line */
+enum { ROW = 8 }; /* values per line */
 
-/* A text in quotes. */
+/* Write a text in quotes. */
 static void put_text(FILE *out, const char *text) {
   fputc('"', out);
   for (const char *c = text; *c; c++) {
@@ -58,7 +58,7 @@ static void put_source(FILE *out, const plan *p, const currents *c) {
   fputc('\n', out);
 }
 
-/* One thing more that is extended, in the buffer. */
+/* Add an extrapolated item to the text. */
 static void add(char *text, size_t room, const char *type, const char *what,
                 double bound, const char *how) {
   size_t n = strlen(text);
@@ -107,7 +107,7 @@ static void put_widths(FILE *out, const plan *p) {
   fputs("}\n", out);
 }
 
-/* All lengths; of several widths, a list for each. */
+/* Write a current at all lengths; with several widths, a list for each. */
 static void put_currents(FILE *out, const plan *p, const currents *c,
                          const double *at) {
   size_t n = p->count - c->first;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* netlist.annotate: a circuit with the sizes that its transistors print with,
-   as a SPICE netlist (thesis 3.3.3, equations 3.11 to 3.14). */
+/* Implements netlist.annotate: writes a circuit with the printed sizes of its
+   transistors as a SPICE netlist (thesis 3.3.3, equations 3.11 to 3.14). */
 #include <eda/netlist.h>
 #include <errno.h>
 #include <opcflow/step.h>
@@ -14,13 +14,13 @@ typedef struct annotator {
   const opc_host *host;
   const eda_circuit *circuit;
   const eda_mask *mask;
-  int state; /* EDA_DRAWN ..., -1 */
+  int state; /* EDA_DRAWN ...; -1: not given */
   const char *n_model, *p_model, *cards, *file;
   int subcircuits;
   double unit; /* nm; NAN: not given */
 } annotator;
 
-/* The names in `models`, if they are not given. */
+/* Default model names. */
 static const char *const presets[2] = {"nmos", "pmos"};
 
 /* ---- work ---- */
@@ -129,7 +129,7 @@ static const opc_metric metrics[] = {
 
 /* ---- entry ---- */
 
-/* Model cards may lie in files that `models` includes. */
+/* Model cards may be in files included by `models`. */
 static const opc_step functions = {.run = run, .flags = OPC_STEP_OUTSIDE};
 OPC_PLUGIN(annotator, .id = "netlist.annotate", .kind = "step",
            .version = "0.2.0", .licence = "BSD-3-Clause",

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The text by hand, and what ngspice makes of it: an inverter of the two gates
-   that every test has. */
+/* Tests the written text and its results in ngspice, for an inverter of the two
+   gates available in every test. */
 #include <eda/circuit.h>
 #include <glib/gstdio.h>
 #include <math.h>
@@ -9,7 +9,7 @@
 
 #include "tools/devel/testing.h"
 
-/* ---- an inverter, and what it prints as ---- */
+/* ---- an inverter and its printed sizes ---- */
 
 static const uint32_t fingers[2] = {0, 1};
 static const char *nets[] = {"IN", "OUT", "XU1/VDD", "VSS"};
@@ -45,8 +45,8 @@ static eda_circuit circuit = {.name = "inv",
                               .count = 2,
                               .device = devices};
 
-/* The n transistor: current of 62 nm, area of 57 nm by 210 nm; the p transistor
-   as drawn. */
+/* n-transistor: current of 62 nm, area of 57 nm by 210 nm; p-transistor as
+   drawn. */
 static double leq[2] = {62, 60}, weq[2] = {210, 300},
               area[2] = {57 * 210, 60 * 300};
 static uint32_t flags[2];
@@ -64,7 +64,7 @@ static const char card[] =
 static char *in_folder(const char *name, const char *text) {
   char *path = g_build_filename(opc_test_folder(), name, NULL);
   if (!text) return path;
-  g_unlink(path); /* what is new need not be flushed to the disk */
+  g_unlink(path); /* a new file does not have to be flushed to the disk */
   g_assert_true(g_file_set_contents(path, text, -1, NULL));
   return path;
 }
@@ -77,7 +77,7 @@ static void prepare(void) {
   flags[0] = 0;
 }
 
-/* The text; or the message, where `fails`. */
+/* Return the written text, or the error message if `fails`. */
 static char *annotate(const char *map, int with_mask, int fails) {
   static int number;
   opc_error error;
@@ -119,7 +119,7 @@ static void test_text(void) {
                   ".ends\n");
 }
 
-/* As a kit has it. */
+/* Test models as in a foundry's design kit. */
 static void test_kit(void) {
   prepare();
   g_autofree char *text =
@@ -132,7 +132,7 @@ static void test_kit(void) {
                   ".ends\n");
 }
 
-/* Models that are not given are the netlist's own, device by device. */
+/* Test that without given models each device keeps its model of the netlist. */
 static void test_own_models(void) {
   prepare();
   devices[0].model = "nfet_lvt";
@@ -142,7 +142,7 @@ static void test_own_models(void) {
   devices[0].model = NULL;
 }
 
-/* Equation 3.11: 5 nm + (62 nm - 57 nm) / 2, of the card's lint. */
+/* Test equation 3.11: 5 nm + (62 nm - 57 nm) / 2, with lint of the card. */
 static void test_dlc(void) {
   prepare();
   g_autofree char *cards = in_folder("cards.sp", card);
@@ -156,7 +156,7 @@ static void test_dlc(void) {
   g_assert_nonnull(strstr(text, " pmos w=300e-9 l=60e-9\n"));
   g_assert_cmpfloat(opc_test_metric("models"), ==, 1);
   g_assert_cmpfloat(opc_test_metric("transistors"), ==, 2);
-  /* A card's own dlc is what the correction is added to. */
+  /* The correction adds to a dlc given in the card. */
   area[1] = 61 * 300;
   g_autofree char *both = annotate(map, 1, 0);
   g_assert_nonnull(strstr(both, ".model pmos_dlcm50 pmos dlc=6.5e-9\n"));
@@ -164,8 +164,9 @@ static void test_dlc(void) {
   area[1] = 60 * 300;
 }
 
-/* What the models derive from XJ, or from their own DLC, is written down, as a
-   DLC would change it: 0.6 XJ Cox, and DLC Cox - CGSL. */
+/* Test that values which the models derive from XJ or DLC are written
+   explicitly, as the changed DLC would alter them: 0.6 XJ Cox, and DLC Cox -
+   CGSL. */
 static void test_overlap(void) {
   prepare();
   g_autofree char *cards =
@@ -183,7 +184,7 @@ static void test_overlap(void) {
   g_assert_nonnull(strstr(text, "cgdo=1e-10 cgso=1.24288506e-10\n"));
 }
 
-/* Fingers are devices in parallel. */
+/* Test that fingers become parallel devices. */
 static void test_fingers(void) {
   prepare();
   eda_device both = devices[0], *before = circuit.device;
@@ -201,7 +202,7 @@ static void test_fingers(void) {
   circuit.count = 2;
 }
 
-/* ---- what is refused ---- */
+/* ---- errors ---- */
 
 static void refused(const char *map, int with_mask, const char *pattern) {
   g_autofree char *message = annotate(map, with_mask, 1);
@@ -257,7 +258,8 @@ static void test_refused(void) {
 
 /* ---- the simulator ---- */
 
-/* What ngspice prints as NAME = NUMBER, in order. */
+/* Return the values of all lines "NAME = NUMBER" in the output of ngspice, in
+   order. */
 static GArray *simulate(const char *deck) {
   g_autofree char *program = g_find_program_in_path("ngspice");
   if (!program) {
@@ -281,7 +283,8 @@ static GArray *simulate(const char *deck) {
   return list;
 }
 
-/* Current at full drive and gate capacitance of an n transistor. */
+/* Return the current at full drive and the gate capacitance of an
+   n-transistor. */
 static GArray *current_and_capacitance(const char *cards, const char *models,
                                        const char *transistor) {
   g_autofree char *deck = g_strdup_printf(
@@ -295,8 +298,8 @@ static GArray *current_and_capacitance(const char *cards, const char *models,
 
 #define AT(array, i) g_array_index(array, double, i)
 
-/* Equation 3.13: the current is that of Leq, the capacitance that of a
-   transistor of the length area / Weq. */
+/* Test equation 3.13: the current is that of Leq, the capacitance that of a
+   transistor of length area / Weq. */
 static void test_capacitance(void) {
   prepare();
   g_autofree char *cards = in_folder("cards.sp", card);
@@ -318,7 +321,7 @@ static void test_capacitance(void) {
   g_assert_cmpfloat(fabs(AT(plain, 1) / AT(mean, 1) - 1), >, 0.02);
 }
 
-/* Drawn sizes give what the netlist that was read gives. */
+/* Test that drawn sizes give the results of the original netlist. */
 static void test_drawn(void) {
   prepare();
   static const char *const original =

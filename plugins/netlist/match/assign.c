@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Which device of a bundle is drawn as which of its gates. All of them have the
-   same nets, so that sizes and places decide, and then the order. */
+/* Assigns the devices of a bundle to gates of its counterpart. All have the
+   same nets, so sizes, then places, then the order decide. */
 #include <math.h>
 #include <stdio.h>
 
@@ -55,13 +55,14 @@ static int check_width(graph *g, const eda_transistor *d, const uint32_t *gates,
 typedef struct choice {
   graph *g;
   const eda_transistor *device;
-  const uint32_t *gate; /* of the bundle */
+  const uint32_t *gate; /* gates of the bundle */
   uint8_t *taken;
   uint32_t gates, first_free, left;
 } choice;
 
-/* The gate that is nearest to the device's place and of its size; else the
-   first of its size; else the first. */
+/* Return the free gate of matching size that is nearest to the device's place,
+   or the first of matching size if the place is unknown. If no size matches,
+   return the first free gate. */
 static uint32_t best_gate(const choice *c, double width) {
   const job *j = c->g->j;
   const eda_gates *o = j->gates;
@@ -90,8 +91,8 @@ static void take(choice *c, uint32_t at) {
   while (c->first_free < c->gates && c->taken[c->first_free]) c->first_free++;
 }
 
-/* The gates of one device: one; or all if it is alone; or as many as it says;
-   or until its width is there. */
+/* Take the gates of one device: a single gate; all gates if the device is
+   alone; the given number of fingers; or gates up to the device's width. */
 static int take_gates(choice *c, uint32_t owner, int alone, int one_each) {
   graph *g = c->g;
   const eda_transistor *d = c->device;

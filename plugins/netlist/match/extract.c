@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What is connected in the layout. Every layer becomes rectangles; those that
-   touch are one net, active without its gates. Each group is for itself. */
+/* Extracts the connectivity of the layout. Each layer is divided into
+   rectangles; touching rectangles form a net, on active without the gates.
+   Groups are separate. */
 #include <eda/index.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,7 +10,7 @@
 
 enum { UNKNOWN = UINT32_MAX - 1 };
 
-/* The rectangles of a layer. */
+/* Rectangles of a layer. */
 typedef struct conductor {
   size_t count, room;
   eda_box *box;
@@ -21,9 +22,9 @@ typedef struct conductor {
 typedef struct extractor {
   job *j;
   conductor layer[LAYERS];
-  uint32_t first[LAYERS + 1]; /* number of the first rectangle of a layer */
-  uint32_t *parent;           /* of all rectangles: a forest of nets */
-  uint32_t *group_of;         /* of placements that were seen */
+  uint32_t first[LAYERS + 1]; /* first rectangle of each layer */
+  uint32_t *parent;           /* union-find forest of all rectangles */
+  uint32_t *group_of;         /* cached groups of placements */
   size_t placements;
 } extractor;
 
@@ -46,7 +47,7 @@ static void join(extractor *x, uint32_t a, uint32_t b) {
 
 /* ---- loading ---- */
 
-/* Polygons that become a group's rectangles together. */
+/* Polygons of a group to be divided into rectangles. */
 typedef struct pieces {
   eda_shapes shapes;
   size_t room_start, room_points;
@@ -104,7 +105,7 @@ static eda_shapes gates_of(const job *j, const region *group) {
   return p.shapes;
 }
 
-/* Whether a polygon without slanted edges is a rectangle. */
+/* Return 1 if a polygon without slanted edges is a rectangle. */
 static int is_box(const eda_point *p, size_t n) {
   return n == 4 && p[0].x != p[2].x && p[0].y != p[2].y && p[1].x != p[3].x;
 }
@@ -118,7 +119,7 @@ static void add_box(extractor *x, conductor *c, eda_box box, uint32_t group) {
   c->group[c->count++] = group;
 }
 
-/* What a group draws on a layer, as rectangles; on active, without gates. */
+/* Add the rectangles of a group on a layer; on active without gates. */
 static int load_group(extractor *x, int layer, uint32_t group,
                       const eda_shapes *own) {
   job *j = x->j;
@@ -147,7 +148,7 @@ static int load_shapes(extractor *x, int layer, const eda_flat *flat) {
     uint32_t group = group_of_placement(x, flat->placement[i]);
     if (group == UINT32_MAX) continue;
     code = refuse_slanted(x->j, layer, p, n);
-    if (layer != ACTIVE && is_box(p, n)) /* as most contacts are */
+    if (layer != ACTIVE && is_box(p, n)) /* typical for contacts */
       add_box(x, &x->layer[layer], eda_bounds(p, n), group);
     else
       add_polygon(&of[group], p, n);
@@ -191,13 +192,13 @@ static int load(extractor *x) {
 
 /* ---- connecting ---- */
 
-/* A search for what a group has near a box on a layer. */
+/* Search for rectangles of a group near a box on a layer. */
 typedef struct search {
   const conductor *in;
   eda_finder finder;
   eda_box box;
   uint32_t group;
-  int64_t dx, dy; /* of the last one: how much it shares with the box */
+  int64_t dx, dy; /* overlap of the last result with the box */
 } search;
 
 static search look(const extractor *x, int layer, eda_box box, uint32_t group) {
@@ -206,7 +207,8 @@ static search look(const extractor *x, int layer, eda_box box, uint32_t group) {
   return s;
 }
 
-/* The next rectangle of the group that touches the box; 0 if there is none. */
+/* Find the next rectangle of the group that touches the box. Returns 0 at the
+   end. */
 static int next(search *s, uint32_t *number) {
   while (s->in->index && eda_index_next(&s->finder, number)) {
     const eda_box *a = &s->box, *b = &s->in->box[*number];
@@ -220,8 +222,8 @@ static int next(search *s, uint32_t *number) {
   return 0;
 }
 
-/* Shapes of a layer that only meet in a corner are not connected; those of two
-   layers must share area. */
+/* Connect rectangles. Within a layer, shapes that touch only in a corner are
+   not connected; shapes of two layers must share area. */
 static void connect_layers(extractor *x, int from, int to) {
   const conductor *c = &x->layer[from];
   for (size_t i = 0; i < c->count; i++) {
@@ -236,7 +238,7 @@ static void connect_all(extractor *x) {
   for (int k = 0; k < LAYERS; k++) connect_layers(x, k, k);
   connect_layers(x, CONTACT, POLY);
   for (int k = CONTACT; k < LAYERS; k += 2) {
-    connect_layers(x, k, k - 1); /* of a contact: active */
+    connect_layers(x, k, k - 1); /* contact to active */
     connect_layers(x, k, k + 1);
   }
 }
@@ -284,7 +286,7 @@ static int find_terminals(extractor *x) {
 
 /* ---- labels ---- */
 
-/* The rectangle below a text; UINT32_MAX: none. */
+/* Return the rectangle below a text; UINT32_MAX: none. */
 static uint32_t below(const extractor *x, uint32_t group, eda_point p,
                       int32_t layer) {
   for (int k = 0; k < LAYERS; k++) {
@@ -296,7 +298,8 @@ static uint32_t below(const extractor *x, uint32_t group, eda_point p,
   return UINT32_MAX;
 }
 
-/* The texts of a layer that groups have at their top; they name rectangles. */
+/* Read the texts of a layer at the top level of groups, which label
+   rectangles. */
 static int load_texts(extractor *x, int32_t layer) {
   job *j = x->j;
   eda_flat_texts texts;
@@ -328,7 +331,7 @@ static int by_group_of_label(const void *a, const void *b) {
   return (p->number > q->number) - (p->number < q->number);
 }
 
-/* Labels come group by group. Nets of a group with the same label are one. */
+/* Sort the labels by group and join nets of a group with equal labels. */
 static int load_labels(extractor *x) {
   job *j = x->j;
   for (int k = 0; k < LAYERS; k++) {
@@ -357,7 +360,7 @@ static int load_labels(extractor *x) {
 
 /* ---- the order of the work ---- */
 
-/* Nets get numbers in the order of the gates. */
+/* Number the nets in the order of the gates. */
 static void number_nets(extractor *x) {
   job *j = x->j;
   uint32_t *net = match_unknown(j, x->first[LAYERS]);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Why netlist and layout do not match. Bundles whose neighbourhood is equal are
-   taken for counterparts, from wide neighbourhoods to narrow ones; what is left
-   over is at fault. */
+/* Locates mismatches between netlist and layout. Bundles with equal
+   neighbourhoods are counterparts, from wide to narrow neighbourhoods; the
+   remaining bundles are reported. */
 #include <glib.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,8 +13,8 @@ enum { ROUNDS = 6, NAMES = 3 };
 
 typedef struct finder {
   graph *g;
-  uint64_t *colour[ROUNDS]; /* of each node, after each round */
-  uint32_t *left, n;        /* bundles that have no counterpart yet */
+  uint64_t *colour[ROUNDS]; /* colour of each node after each round */
+  uint32_t *left, n;        /* bundles without a counterpart */
 } finder;
 
 static void colour_nodes(finder *f) {
@@ -36,7 +36,7 @@ static void colour_nodes(finder *f) {
     }
 }
 
-/* Strike out pairs of equal colour. */
+/* Remove pairs of equal colour. */
 static void pair_up(finder *f, int round) {
   const uint64_t *colour = f->colour[round];
   uint32_t *left = f->left, kept = 0;
@@ -52,7 +52,7 @@ static void pair_up(finder *f, int round) {
   f->n = kept;
 }
 
-/* What is left over down to that round. */
+/* Find the bundles without a counterpart after the rounds down to `last`. */
 static void find(finder *f, int last) {
   uint32_t first = f->g->bundle0[NETLIST];
   f->n = f->g->nodes - first;
@@ -67,7 +67,7 @@ static int by_number(const void *a, const void *b) {
   return (p > q) - (p < q);
 }
 
-/* The transistors of all bundles that are left over on a side, in order. */
+/* Return the transistors of all remaining bundles of a side, in order. */
 static uint32_t *members(finder *f, int s, uint32_t *n) {
   const graph *g = f->g;
   size_t most = g->flat.devices + g->j->gates->count;

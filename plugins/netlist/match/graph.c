@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The graph of a group: bundles, nets and their names. */
+/* Builds the graph of a group: bundles, nets and their names. */
 #include "graph.h"
 
 #include <glib.h>
@@ -56,8 +56,8 @@ static gboolean same_nets(const void *a, const void *b) {
          p->b == q->b;
 }
 
-/* A side's transistors, each a bundle of itself, to bundles, which come in the
-   order of their first members. */
+/* Merge a side's transistors, each given as a bundle of its own, into bundles
+   in the order of their first members. */
 static void make_bundles(job *j, const bundle *parts, const uint32_t *member,
                          size_t n, side *s) {
   g_autoptr(GHashTable) known = g_hash_table_new(hash_nets, same_nets);
@@ -88,7 +88,8 @@ static void make_bundles(job *j, const bundle *parts, const uint32_t *member,
     s->member[--of[i]->first] = member ? member[i] : (uint32_t)i;
 }
 
-/* Number nets as they come; those without a transistor are not in the graph. */
+/* Return the number of a net, in the order of first use. Nets without a
+   transistor are not in the graph. */
 static uint32_t net_of(uint32_t *known, uint32_t net, side *s) {
   if (known[net] == UINT32_MAX) known[net] = s->nets++;
   return known[net];
@@ -138,8 +139,8 @@ static void layout_side(graph *g, uint32_t *known) {
 
 /* ---- names ---- */
 
-/* Ports that both sides have are each other's counterpart; other labels are a
-   hint. `known`: the numbers of the nets of each side. */
+/* Set the names of nets. Ports on both sides are counterparts; other common
+   labels are hints. `known`: numbers of the nets of each side. */
 static int name_nets(graph *g, uint32_t *const known[SIDES]) {
   job *j = g->j;
   eda_names net_of_name = {.pool = &j->pool};
@@ -216,7 +217,7 @@ int graph_make(job *j, const region *group, graph *g) {
   g->flat.pool = &j->pool;
   if (eda_netlist_flatten(&j->netlist, g->group->scope, &g->flat))
     return j->error->code;
-  /* Layout nets are numbered over all groups, gate by gate. */
+  /* Layout nets are numbered over all groups, in the order of gates. */
   uint32_t *known[SIDES] = {match_unknown(j, g->flat.nets), j->known};
   netlist_side(g, known[NETLIST]);
   layout_side(g, known[LAYOUT]);

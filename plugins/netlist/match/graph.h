@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Netlist and layout as one graph of nets and bundles, and its partition into
-   classes that look alike. A bundle is all transistors of one type with the
-   same net at the gate and the same two at source and drain: fingers of a
-   device, and devices in parallel. */
+/* Graph of the nets and bundles of netlist and layout, and its partition into
+   classes of equivalent nodes. A bundle consists of all transistors of one type
+   with the same gate net and the same pair of source and drain nets: fingers of
+   a device, and parallel devices. */
 #pragma once
 
 #include "match.h"
@@ -14,11 +14,11 @@ typedef struct nm_point {
 } nm_point;
 
 typedef struct bundle {
-  uint32_t gate, a, b; /* nets of its side; a <= b */
+  uint32_t gate, a, b; /* nets of the bundle's side; a <= b */
   uint8_t type;
-  uint32_t first, count; /* in the members of its side */
-  double length, width;  /* of the first; of all together */
-  nm_point middle;       /* of all, nm; NAN if not known */
+  uint32_t first, count; /* range in side.member */
+  double length, width;  /* length of the first, total width, nm */
+  nm_point middle;       /* mean centre, nm; NAN: unknown */
 } bundle;
 
 typedef struct side {
@@ -26,8 +26,9 @@ typedef struct side {
   uint32_t bundles;
   bundle *bundle;
   uint32_t *member;  /* devices of the flat netlist, or gates */
-  const char **seed; /* of each net: the port it is, on both sides; or NULL */
-  const char **name; /* of each net: the label on both sides, or NULL */
+  const char **seed; /* per net: name of the port common to both sides; NULL:
+                        none */
+  const char **name; /* per net: label common to both sides; NULL: none */
 } side;
 
 typedef struct arc {
@@ -35,7 +36,7 @@ typedef struct arc {
   uint32_t role; /* 1 gate, 2 source or drain */
 } arc;
 
-/* Nodes: nets of both sides, then bundles of both. */
+/* Nodes: nets of both sides, then bundles of both sides. */
 typedef struct graph {
   job *j;
   const region *group;
@@ -43,7 +44,7 @@ typedef struct graph {
   side side[SIDES];
   uint32_t nodes;
   uint32_t net0[SIDES], bundle0[SIDES];
-  uint32_t *start; /* of each node, in links */
+  uint32_t *start; /* first link of each node */
   arc *links;
 } graph;
 
@@ -63,30 +64,31 @@ static inline uint64_t graph_mix(uint64_t a, uint64_t b) {
   return h ^ h >> 31;
 }
 
-/* Where a device's gate is said to be, nm; NAN where nothing is. Only devices
-   of the top itself are at a place of the layout. */
+/* Return the place of a device's gate according to the netlist, nm; NAN: not
+   given. Only devices of the top circuit have a place. */
 nm_point graph_place(const graph *g, const eda_transistor *d);
 
-/* The middle of a gate, nm. */
+/* Return the centre of a gate, nm. */
 nm_point graph_middle(const job *j, uint32_t gate);
 
-/* From a place to another, nm; 0 if one is not known. */
+/* Return the distance of two places, nm; 0 if one is unknown. */
 double graph_distance(nm_point a, nm_point b);
 
-/* A name's, in any case; 0 for NULL. */
+/* Return the hash of a name, ignoring case; 0 for NULL. */
 uint64_t graph_hash(const char *name);
 
-/* Sort nodes by a mark that each has, then by number. */
+/* Sort nodes by mark, then by number. */
 void graph_sort(uint32_t *nodes, size_t n, const uint64_t *mark);
 
-/* graph.c: the graph of a group. */
+/* graph.c: build the graph of a group. */
 int graph_make(job *j, const region *group, graph *out);
 
-/* faults.c: tell which bundles have no counterpart. Returns the code. */
+/* faults.c: report the bundles without a counterpart. Returns the error
+   code. */
 int graph_tell(graph *g);
 
-/* assign.c: the devices of a bundle to the gates of its counterpart, with their
-   sizes checked. */
+/* assign.c: assign the devices of a bundle to the gates of its counterpart and
+   check their sizes. */
 int graph_assign(graph *g, const bundle *devices, const bundle *gates);
 
 /* ---- partition.c ---- */
@@ -94,23 +96,24 @@ int graph_assign(graph *g, const bundle *devices, const bundle *gates);
 typedef struct partition {
   const graph *g;
   uint32_t classes;
-  uint32_t *class_of;    /* of each node */
-  uint32_t *order;       /* nodes, class by class */
-  uint32_t *begin, *end; /* of each class, in order */
-  uint32_t *parent;      /* of each class: which it was split off */
+  uint32_t *class_of;    /* class of each node */
+  uint32_t *order;       /* nodes sorted by class */
+  uint32_t *begin, *end; /* range of each class in `order` */
+  uint32_t *parent;      /* class from which each class was split */
   uint8_t *touched;
-  uint64_t *mark; /* of each node: what it is told apart by */
+  uint64_t *mark; /* key of each node for the next split */
   uint32_t *list, *changed, *spare;
   uint32_t n_changed;
-  int odd; /* a class has not as many nodes of the one side as of the other */
+  int odd; /* 1: a class has different numbers of nodes of the two sides */
 } partition;
 
 void partition_make(const graph *g, partition *out);
-/* Tell apart what is connected differently. 0 if the sides differ. */
+/* Split classes until connected nodes agree in each class. Returns 0 if the
+   sides differ. */
 int partition_refine(partition *p);
 /* Split a class by the marks of its nodes. */
 void partition_split(partition *p, uint32_t class);
-/* Take two nodes as counterparts, one of each side. */
+/* Make two nodes, one of each side, counterparts. */
 void partition_pick(partition *p, uint32_t a, uint32_t b);
-/* Take back all splits beyond that number of classes. */
+/* Revert all splits beyond that number of classes. */
 void partition_undo(partition *p, uint32_t classes);

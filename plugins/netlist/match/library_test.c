@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The NanGate library, whose transistors KLayout has found, and circuits placed
-   of it. */
+/* Tests the NanGate library, with transistors as extracted by KLayout, and
+   circuits of its cells. */
 #include <math.h>
 
 #include "match_test.h"
@@ -32,7 +32,7 @@ static GArray *known_gates(void) {
   return all;
 }
 
-/* Nets of the one that are nets of the other. */
+/* Check that two nets correspond in both directions. */
 static void same_net(GHashTable *there, GHashTable *back, const char *a,
                      const char *b) {
   const char *known = g_hash_table_lookup(there, a);
@@ -43,9 +43,9 @@ static void same_net(GHashTable *there, GHashTable *back, const char *a,
   g_hash_table_insert(back, (void *)b, (void *)a);
 }
 
-/* The nets that KLayout found at each gate are those of its device, with inner
-   nets that are each other's like in either order. Returns how many gates have
-   the very device that KLayout chose. */
+/* Check that the nets of each device equal those found by KLayout at its gate.
+   Symmetric inner nets may be exchanged. Returns the number of gates with
+   exactly the device chosen by KLayout. */
 static size_t check_cell(const eda_circuit *c, const known_gate *k, size_t n) {
   g_autoptr(GHashTable) there = g_hash_table_new(g_str_hash, g_str_equal);
   g_autoptr(GHashTable) back = g_hash_table_new(g_str_hash, g_str_equal);
@@ -53,7 +53,7 @@ static size_t check_cell(const eda_circuit *c, const known_gate *k, size_t n) {
   g_assert_cmpuint(c->gates->count, ==, n);
   for (size_t i = 0; i < c->ports; i++)
     same_net(there, back, net(c, c->port[i]), net(c, c->port[i]));
-  /* First what has one end in common, then the rest. */
+  /* Devices with one known net first, then the others. */
   for (int pass = 0; pass < 8; pass++)
     for (uint32_t i = 0; i < c->count; i++) {
       const eda_device *d = &c->device[i];
@@ -148,7 +148,7 @@ static void test_placed(void) {
   drop(&r);
 }
 
-/* An instance that is missing, or another cell than the layout's. */
+/* Test a missing instance, and a cell other than that of the layout. */
 static void test_placed_faults(void) {
   run r = read_c432();
   if (!r.layout) return;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* netlist.match: which gate of a layout is which transistor of a netlist. */
+/* Implements netlist.match: assigns the gates of a layout to the transistors of
+   a netlist. */
 #include "match.h"
 
 #include <stdio.h>
@@ -36,8 +37,8 @@ const char *match_gate_name(const job *j, size_t gate, char *buffer,
   return buffer;
 }
 
-/* The name of a layer in the map of the flow, and those that it usually has:
-   those of data/cells65 and those of FreePDK45. */
+/* Set the names of a layer: the key in the map of the flow, and the usual names
+   in data/cells65 and FreePDK45. */
 static void layer_names(int k, char name[3][16]) {
   static const char *const first[] = {"poly", "active", "contact"};
   static const char *const cif[] = {"CP", "CA", "CC"};
@@ -69,8 +70,9 @@ static int find_layer(job *j, const opc_map *map, const char *parameter,
                   "the layout has no layer '%.200s' for '%s'", name, key);
 }
 
-/* Whether the flow gives a wire or via a name: then numbers without one are not
-   FreePDK45's, where another process may have an implant. */
+/* Return 1 if the flow or layout names a wire or via layer. Unnamed layer
+   numbers then do not follow FreePDK45; another process may use them for an
+   implant. */
 static int wires_are_named(const job *j, const matcher *m) {
   for (int k = METAL1; k < LAYERS; k++) {
     char name[3][16];
@@ -217,7 +219,7 @@ static const opc_metric metrics[] = {
 /* ---- entry ---- */
 
 static const opc_port outputs_of[] = {EDA_PORT_CIRCUIT("circuit")};
-/* A netlist includes others. */
+/* The netlist may include other files. */
 static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = run,
                                    .flags = OPC_STEP_OUTSIDE};
 OPC_PLUGIN(matcher, .id = "netlist.match", .kind = "step", .version = "0.2.0",

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Our own cells, whose netlists say where each gate lies; layouts made by hand;
-   netlists with faults. */
+/* Tests own cells, whose netlists contain the place of each gate, hand-made
+   layouts, and faulty netlists. */
 #include "match_test.h"
 
 #include <eda/layout.h>
@@ -31,8 +31,8 @@ static const char *const cells[] = {"nmos",  "pmos",          "inverter",
                                     "nand2", "nor2",          "nand2h",
                                     "sram4", "inverter_chain"};
 
-/* Each line of the netlist says where its gate is. `by_name`: the device must
-   be that one; else one with the same nets. */
+/* Check the gates against their places in the netlist. `by_name`: require that
+   device; else any device with the same nets. */
 static void check_places(const eda_circuit *c, const char *text, int by_name) {
   g_auto(GStrv) lines = g_strsplit(text, "\n", -1);
   g_autofree uint32_t *owner = g_new0(uint32_t, c->gates->count);
@@ -70,7 +70,7 @@ static void check_places(const eda_circuit *c, const char *text, int by_name) {
   g_assert_cmpuint(checked, ==, c->gates->count);
 }
 
-/* Without the comments, the wires alone must tell. */
+/* Return the netlist without places, so that connectivity alone decides. */
 static char *without_places(const char *text) {
   GString *out = g_string_new("");
   for (const char *s = text; *s; s++) {
@@ -90,7 +90,7 @@ static void test_cells(void) {
     g_assert_cmpfloat(opc_test_metric("by_order"), ==, 0);
     drop_circuit(&r);
     g_autofree char *bare_path = in_folder("b.sp", bare, -1);
-    /* Only the chain has fingers that are each other's like. */
+    /* Only the chain has interchangeable fingers. */
     int chain = strcmp(cells[i], "inverter_chain") == 0;
     check_places(match(&r, bare_path, "", NULL), text, !chain);
     g_assert_cmpfloat(opc_test_metric("by_order"), ==, chain ? 108 : 0);
@@ -98,7 +98,7 @@ static void test_cells(void) {
   }
 }
 
-/* Ports that have other names than the labels: the wires alone, once more. */
+/* Test ports whose names differ from the labels: connectivity alone decides. */
 static void test_no_labels(void) {
   run r = read_cell("nand2");
   g_autofree char *path =
@@ -135,17 +135,18 @@ static void test_roles(void) {
   drop(&r);
 }
 
-/* ---- ways to write it ---- */
+/* ---- notations ---- */
 
-/* Each stage of the chain as one device, with and without its fingers said;
-   parameters, expressions, subcircuits that the layout has not, an include. */
+/* Test each stage of the chain as one device, with and without the number of
+   fingers; parameters, expressions, subcircuits missing in the layout, an
+   include. */
 static void test_fingers(void) {
   static const uint32_t fingers[] = {1, 1, 1, 4, 12, 41};
   run r = read_cell("inverter_chain");
   double wn[6] = {0}, wp[6] = {0};
   for (size_t i = 0; i < 120; i++) {
     const eda_gates *g = r.gates;
-    /* Stages lie one after another, 250 nm a finger and 500 nm between. */
+    /* Stages follow one another: 250 nm per finger and 500 nm in between. */
     size_t stage = 0;
     double x = g->box[i].x0 * 0.5, end = 217.5 - 125;
     for (; stage < 6; stage++)
@@ -189,7 +190,7 @@ static void test_fingers(void) {
   drop(&r);
 }
 
-/* Sizes in micrometres, a wrapped transistor, models by name, globals. */
+/* Test sizes in micrometres, a wrapped transistor, models by name, globals. */
 static void test_units(void) {
   run r = read_cell("inverter");
   g_autofree char *path = in_folder(
@@ -210,7 +211,7 @@ static void test_units(void) {
   drop(&r);
 }
 
-/* A tree of 2^40 instances without a transistor. */
+/* Test a tree of 2^40 instances without a transistor. */
 static void test_empty(void) {
   run r = read_cell("nand2");
   g_autofree char *text = netlist_of("nand2");
@@ -238,7 +239,7 @@ static void refused(const char *cell, const char *netlist, const char *rest,
   drop(&r);
 }
 
-/* A NAND2 with one line replaced. */
+/* Expect an error for a NAND2 with one line replaced. */
 static void refused_line(int line, const char *instead, const char *pattern) {
   g_autofree char *text = netlist_of("nand2");
   g_auto(GStrv) lines = g_strsplit(text, "\n", -1);
@@ -266,7 +267,7 @@ static void test_mismatch(void) {
   refused_line(7, "MP2 Y B VDD VDD pmos w=450e-9 l=70e-9",
                "netlist device 'MP2' (*f.sp:7) has L 70 nm, its gate "
                "'nand2:4' 65 nm");
-  /* A second device where the layout has one gate. */
+  /* Two devices where the layout has one gate. */
   refused_line(7,
                "MP2 Y B VDD VDD pmos w=450n l=65n\n"
                "MP3 Y B VDD VDD pmos w=450n l=65n",
@@ -332,7 +333,8 @@ static void test_syntax(void) {
   refused("nand2", "* plus\n+ a", "", "*:2:1: '+' continues nothing");
 }
 
-/* Whatever is cut off or garbled is refused or matched, and nothing else. */
+/* Test that truncated or garbled files are refused or matched, without other
+   effects. */
 static void test_garbage(void) {
   run r = read_cell("nand2");
   g_autofree char *text = netlist_of("nand2");
@@ -364,7 +366,8 @@ static void box(void *layout, int32_t cell, const char *layer, int32_t x0,
   g_assert_cmpint(eda_layout_add_box(layout, cell, l, b, &error), ==, OPC_OK);
 }
 
-/* Two transistors in a row; a strap of metal over all three diffusions. */
+/* Return a layout of two transistors in a row, with a metal strap over all
+   three diffusions. */
 static void *two_in_a_row(int32_t *cell) {
   opc_error error;
   void *layout = eda_layout_new(1, &error);
@@ -377,7 +380,7 @@ static void *two_in_a_row(int32_t *cell) {
   return layout;
 }
 
-/* Contacts join what is below them with what is above, and nothing else. */
+/* Test that contacts join only the layers below and above. */
 static void test_contacts(void) {
   static const char *const netlists[] = {
       "* open\n.subckt pair g h a b c\nM1 a g b z nmos w=200n l=65n\n"
@@ -388,7 +391,7 @@ static void test_contacts(void) {
     int32_t cell;
     run r = {.layout = two_in_a_row(&cell)};
     box(r.layout, cell, "contact", 20, 60, 40, 80);
-    /* One that only touches the metal's corner joins nothing. */
+    /* A contact that touches only the corner of the metal does not connect. */
     if (joined)
       box(r.layout, cell, "contact", 500, 60, 520, 80);
     else
@@ -419,7 +422,7 @@ static const char ring[] =
     "* both ends are one net\n.subckt pair g h a b\n"
     "M1 a g b z nmos w=200n l=65n\nM2 b h a z nmos w=200n l=65n\n.ends\n";
 
-/* Nets with the same label are one; labels may have layers of their own. */
+/* Test that nets with equal labels are joined, and separate label layers. */
 static void test_same_label(void) {
   for (int labelled = 0; labelled < 2; labelled++) {
     int32_t cell;
@@ -436,7 +439,8 @@ static void test_same_label(void) {
   }
 }
 
-/* What the wires do not tell apart, sizes do, or labels of inner nets. */
+/* Test that sizes, or labels of inner nets, decide between nets with equal
+   connectivity. */
 static void test_hints(void) {
   opc_error error;
   for (int by_name = 0; by_name < 2; by_name++) {
@@ -465,8 +469,8 @@ static void test_hints(void) {
   }
 }
 
-/* Labels turn with their instances: an exchange of g and h is seen in each
-   orientation. */
+/* Test that labels rotate with their instances: exchanging g and h is detected
+   in each orientation. */
 static void test_orientations(void) {
   for (int k = 0; k < 8; k++) {
     opc_error error;
@@ -501,7 +505,7 @@ static void test_orientations(void) {
     const eda_circuit *c = match(&r, path, "", NULL);
     g_assert_cmpstr(c->device[0].name, ==, "XU0/XU1/M1");
     g_assert_cmpfloat(opc_test_metric("by_order"), ==, 0);
-    /* Where the placement puts the gate of M1, at (182.5, 100) of its cell. */
+    /* The place of the gate of M1, at (182.5, 100) in its cell. */
     double x = 182.5, y = k / 4 ? -100 : 100,
            turned[4][2] = {{x, y}, {-y, x}, {-x, -y}, {y, -x}};
     const eda_box *b = &c->gates->box[c->device[0].finger[0]];
@@ -513,8 +517,9 @@ static void test_orientations(void) {
   }
 }
 
-/* The second via by FreePDK45's number: taken where no wire has a name, so that
-   its slanted edge is refused; another process's implant where one has. */
+/* Test the second via by its FreePDK45 number: used if no wire layer is named,
+   so that a slanted edge on this layer is an error; otherwise ignored as
+   another process's implant. */
 static void test_numbers(void) {
   opc_error error;
   for (int named = 0; named < 2; named++) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Running the plugin on a layout that is read. */
+/* Runs the plugin on a layout from a file. */
 #pragma once
 
 #include <eda/circuit.h>
@@ -40,7 +40,7 @@ static inline void find_gates(run *r, const char *map) {
   if (opc_test_run(r->segment, &r->gates, &error)) g_error("%s", error.message);
 }
 
-/* The circuit; or NULL and the message. */
+/* Return the circuit, or NULL and the message. */
 static inline const eda_circuit *match(run *r, const char *netlist,
                                        const char *rest, char **message) {
   opc_error error;
@@ -87,7 +87,7 @@ static inline char *text_of(const char *path) {
 static inline char *in_folder(const char *name, const char *text, gssize n) {
   char *path = g_build_filename(opc_test_folder(), name, NULL);
   if (!text) return path;
-  /* A new file, as the disk is waited for when an old one is replaced. */
+  /* A new file: replacing an existing one waits for the disk. */
   g_unlink(path);
   FILE *file = fopen(path, "wb");
   size_t bytes = n < 0 ? strlen(text) : (size_t)n;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The circuit that netlist.match hands on, and what the run tells of it. */
+/* Builds the output circuit of netlist.match and reports the result. */
 #include <glib.h>
 #include <opcflow/table.h>
 #include <string.h>
@@ -64,7 +64,7 @@ eda_circuit *match_circuit(const job *j, const char *name, const char *supply,
   return c;
 }
 
-/* ---- what the run tells ---- */
+/* ---- reports ---- */
 
 static const char *gate_names(job *j, const eda_device *d) {
   g_autoptr(GString) text = g_string_new(NULL);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Which part of the layout a subcircuit is. Where the layout has instances of
-   the netlist's names and cells, each is matched for itself, and so needs no
-   wires between them; where it has not, a subcircuit is matched flat. */
+/* Assigns subcircuits to parts of the layout. Instances found by name and cell
+   in the layout are matched separately, without wires between them; otherwise a
+   subcircuit is matched flat. */
 #include <glib.h>
 #include <string.h>
 
@@ -18,7 +18,7 @@ static void add_group(job *j, const region *g) {
   j->group[j->groups++] = *g;
 }
 
-/* Names of the single instances of a cell. */
+/* List the names of the single instances of a cell. */
 static void list_instances(job *j, int32_t cell, eda_names *names) {
   for (size_t i = 0; i < eda_layout_instances(j->layout, cell); i++) {
     eda_placement p;
@@ -30,8 +30,8 @@ static void list_instances(job *j, int32_t cell, eda_names *names) {
   }
 }
 
-/* The instance of the layout that an element is by its name, with or without
-   its X; -1 if there is none. */
+/* Return the instance of the layout with the name of an element, with or
+   without its X; -1: none. */
 static int64_t by_name(const eda_names *names, const eda_element *e) {
   const char *name = e->name;
   uint32_t *at = eda_names_find(names, name);
@@ -39,7 +39,7 @@ static int64_t by_name(const eda_names *names, const eda_element *e) {
   return at && *at != (uint32_t)AMBIGUOUS ? (int64_t)*at : -1;
 }
 
-/* The name of an instance, and its cell. */
+/* Return the name of an instance, and set its cell. */
 static const char *instance(const job *j, int32_t cell, int64_t i,
                             int32_t *child) {
   eda_placement p;
@@ -50,7 +50,8 @@ static int is_cell(const job *j, int32_t cell, const char *name) {
   return eda_same_name(eda_layout_cell_name(j->layout, cell), name);
 }
 
-/* How many elements have their cell in the layout by name. */
+/* Return the number of elements with an instance of their name and cell in the
+   layout. */
 static size_t count_pairs(const job *j, const region *g,
                           const eda_names *names) {
   const eda_subcircuit *s = g->scope->of;
@@ -114,7 +115,7 @@ static int pair(job *j, const region *g) {
   return OPC_OK;
 }
 
-/* The group of an instance of that path: the deepest one that it lies in. */
+/* Returns the deepest group that contains the path. */
 uint32_t match_group_of(const job *j, const char *path) {
   g_autofree char *part = g_strdup(path);
   for (;;) {
@@ -125,7 +126,7 @@ uint32_t match_group_of(const job *j, const char *path) {
   }
 }
 
-/* The gates of each group, in order. */
+/* List the gates of each group, in order. */
 static void list_gates(job *j) {
   const eda_gates *g = j->gates;
   uint32_t *list = eda_pool_alloc(&j->pool, g->count, sizeof *list);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A group's devices and gates: told apart by what they are connected to, then
-   by size, by labels of inner nets, by place, and at last by their order. */
+/* Matches the devices and gates of a group by connectivity, then size, labels
+   of inner nets, place, and finally order. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -19,7 +19,7 @@ static int by_value(const void *a, const void *b) {
   return (p->node > q->node) - (p->node < q->node);
 }
 
-/* Mark the nodes of a class by length or width, equal within tolerance. */
+/* Mark the nodes of a class by length or width; equal within tolerance. */
 static void mark_sizes(partition *p, uint32_t class, int by_width,
                        sized *list) {
   const job *j = p->g->j;
@@ -71,7 +71,7 @@ static void take_hints(partition *p) {
 
 /* ---- choices ---- */
 
-/* The gates that a bundle may be, the nearest first. */
+/* Return the number of candidate gates of a bundle, listed by distance. */
 static uint32_t candidates(const partition *p, uint32_t node, sized *list) {
   const graph *g = p->g;
   const bundle *b = graph_bundle(g, node);
@@ -86,8 +86,8 @@ static uint32_t candidates(const partition *p, uint32_t node, sized *list) {
   return n;
 }
 
-/* Nodes of a class are alike in all that is connected to them, and so nearly
-   always the first choice is as good as any. */
+/* Choose a counterpart, with backtracking. Nodes of a class have equal
+   connectivity, so the first choice is almost always valid. */
 static int choose(partition *p, uint32_t node, sized *list) {
   uint32_t n = candidates(p, node, list);
   job *j = p->g->j;
@@ -101,7 +101,7 @@ static int choose(partition *p, uint32_t node, sized *list) {
   return 0;
 }
 
-/* Whether every bundle has one counterpart. */
+/* Return 1 if every bundle has one counterpart. */
 static int solve(partition *p) {
   const graph *g = p->g;
   if (p->odd || !partition_refine(p)) return 0;
@@ -122,7 +122,8 @@ static uint32_t counterpart(const partition *p, uint32_t node) {
   return a == node ? b : a;
 }
 
-/* The last word: each net of a device is that of its gate. */
+/* Return 1 if each net of a device corresponds to that of its gate (final
+   check). */
 static int holds(const partition *p, const bundle *a, const bundle *b) {
   const graph *g = p->g;
   const uint32_t *of = p->class_of;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Charts over focus: figures by dose, one curve each (J. W. Bossung, SPIE 100,
-   1977), and the doses that are good. */
+/* Draws charts over focus: quantities with one curve per dose (J. W. Bossung,
+   SPIE 100, 1977), and the doses within the limits. */
 #include <eda/drawing.h>
 #include <eda/memory.h>
 #include <math.h>
@@ -9,14 +9,15 @@
 
 #include "window.h"
 
-/* Pixels: a row of two charts, and the charts in it. */
+/* Pixels: a row with two charts, and the charts in the row. */
 enum { WIDTH = 1200, ROW = 560, TOP = 50, LEFT = 80, RIGHT = 690, SIDE = 430 };
 static const double font = 15;
 
-/* What a range is widened by. */
+/* Margins of a range: relative, least, and least on a logarithmic axis
+   (decades). */
 static const double share = 0.06, least = 1, least_decades = 0.1;
 
-/* Lines of the area that is kept, of each step of foci. */
+/* Lines that fill the area within the limits, per step of foci. */
 enum { LINES = 8 };
 
 static eda_colour colour_of(const window *w, size_t dose) {
@@ -25,7 +26,7 @@ static eda_colour colour_of(const window *w, size_t dose) {
   return eda_diverging(t < 0.5 ? fmin(t, 0.25) : fmax(t, 0.75));
 }
 
-/* The doses, in their colours. */
+/* Draw the key: doses and their colours. */
 static void draw_key(const eda_chart *c, const window *w) {
   double x = c->left + c->width + 0.6 * font, y = c->top + font;
   size_t skip = 1 + w->dose.count / 25;
@@ -53,7 +54,7 @@ static double ion_of(const window *w, const window_print *p) {
   return 1 + p->spread.ion_mean[2] / 100;
 }
 
-/* Of the type that has more. */
+/* Return the larger standard deviation of the two types. */
 static double ion_sd_of(const window *w, const window_print *p) {
   (void)w;
   double sd = fmax(p->spread.ion_sd[EDA_NMOS], p->spread.ion_sd[EDA_PMOS]);
@@ -113,7 +114,7 @@ static void draw_doses(eda_chart *c, const window *w) {
   }
 }
 
-/* What is kept between two lines of the list of doses. */
+/* Draw the area within the limits. */
 static void draw_kept(const eda_chart *c, const window *w, int limits,
                       eda_colour colour, double width) {
   for (size_t f = 0; f + 1 < w->focus.count; f++)

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Exposure latitude and depth of focus, from the cuts of all prints. */
+/* Computes exposure latitude and depth of focus from the cutlines of all
+   simulated contours. */
 #include <math.h>
 
 #include "window.h"
 
-/* A walk through the list of foci at the nominal dose, or through that of
-   doses at one focus. */
+/* Sequence of foci at the nominal dose, or of doses at one focus. */
 typedef struct walk {
   const window *w;
   opc_reals place;
@@ -13,8 +13,8 @@ typedef struct walk {
   int along_focus;
 } walk;
 
-/* How far a gate is off its drawn length at place k, % of it; NAN if it does
-   not print. */
+/* Return the length deviation of a gate at place i, % of the drawn length; NAN:
+   not printed. */
 static double at(const walk *k, size_t i, size_t gate) {
   const window *w = k->w;
   size_t focus = k->along_focus ? i : k->focus;
@@ -29,8 +29,8 @@ static int good(const walk *k, size_t i) {
   return 1;
 }
 
-/* The place between the good i and its neighbour `to` where the first gate
-   leaves the tolerance; that of i for gates that do not print at `to`. */
+/* Return the place between the valid place i and its neighbour `to` where the
+   first gate leaves the tolerance; place i if a gate does not print at `to`. */
 static double leaves(const walk *k, size_t i, size_t to) {
   const double *place = k->place.values;
   double t = k->w->tolerance, least = 1;

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Currents through dose, focus and mask errors: of images and devices that have
-   closed forms. */
+/* Tests currents over dose, focus and mask errors, with images and devices in
+   closed form. */
 #include <eda/extractor.h>
 
 #include "waves_test.h"
 
 /* ---- devices ---- */
 
-/* Ion = W / L, Ioff = W exp(-L / 10 nm). */
+/* Devices with Ion = W / L, Ioff = W exp(-L / 10 nm). */
 static int no_devices(void *self, opc_error *error) {
   (void)self;
   (void)error;
@@ -61,7 +61,8 @@ static double width_at(double dose) {
   return active_pitch / M_PI * acos((0.5 - level) / contrast(0));
 }
 
-/* Logarithms of printed over drawn, of a gate drawn so long. */
+/* Return the logarithm of printed over drawn Ion of a gate of drawn length
+   `length`. */
 static double log_ion(double defocus, double dose, double length) {
   double ils, printed = length_at(defocus, dose, &ils);
   return log(ion_of(width_at(dose), printed) / ion_of(drawn_width, length));
@@ -78,7 +79,7 @@ static void near(double got, double want, double error) {
   if (!(fabs(got - want) <= error)) g_error("%.10g, not %.10g", got, want);
 }
 
-/* Two lengths of each type: their mean, spread, worst and sums. */
+/* Test two lengths of each type: mean, spread, extremes and sums. */
 static void test_places(void) {
   lines l;
   make(&l);
@@ -125,8 +126,8 @@ static void test_places(void) {
   g_assert_cmpfloat(opc_test_metric("outside_max"), ==, 0);
 }
 
-/* The doses from -8 % to 8 % and foci from -120 to 120 nm that both lengths
-   keep, by trying a million of them. */
+/* Return the area of doses from -8 % to 8 % and foci from -120 to 120 nm in
+   which both lengths meet the limits, from a million samples. */
 static double count_area(int ion, int ioff, double a, double b) {
   enum { N = 1000 };
   size_t good = 0;
@@ -174,7 +175,7 @@ static void test_area(void) {
   g_string_free(mapping, TRUE);
 }
 
-/* Logarithms between four prints, by sampling them. */
+/* Compare the interpolation between four conditions with samples. */
 static void test_between(void) {
   enum { N = 1500 };
   lines l;
@@ -210,7 +211,7 @@ static void test_between(void) {
   }
 }
 
-/* How the length follows a mask whose shapes are all larger or smaller. */
+/* Test the length on masks with all shapes larger or smaller. */
 static void test_mask_error(void) {
   lines l;
   double ils, length[3], on[3];
@@ -236,8 +237,8 @@ static void test_mask_error(void) {
   near(opc_test_metric("ion_per_nm_max"), fabs(ion / sxx), 3e-3);
 }
 
-/* The optics of the thesis: lines of 65 nm at 250 nm, MEEF 2.2 to 2.6 by a
-   prototype with other code. */
+/* Test the optics of the thesis: lines of 65 nm at 250 nm pitch have a MEEF of
+   2.2 to 2.6 according to a prototype with other code. */
 static void test_meef(void) {
   lines l;
   opc_error error;
@@ -251,7 +252,8 @@ static void test_meef(void) {
   g_assert_cmpfloat(opc_test_metric("meef_max"), <, 2.6);
 }
 
-/* What fails has no current, and nothing is kept beside it. */
+/* Test that a failing gate has no current, and that no adjacent range meets the
+   limits. */
 static void test_failing(void) {
   lines l;
   make(&l);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* All prints: at each focus and dose, and of the mask with its edges moved. A
-   dose is a factor on an image that is there; a focus, and another mask, need
-   an image of their own. */
+/* Simulates the contours at each focus and dose, and of masks with moved edges.
+   A dose scales an existing image; a focus or another mask needs a new
+   image. */
 #include <eda/memory.h>
 #include <math.h>
 #include <stdlib.h>
@@ -10,14 +10,13 @@
 
 enum { LAYERS = 2 }; /* EDA_POLY, EDA_ACTIVE */
 
-/* What is needed of each mask. Without an extractor, nobody asks for the
-   active. */
+/* Data needed for each mask. Without an extractor, active is not needed. */
 typedef struct exposure {
   window *w;
   eda_printer printer;
   size_t layers;
   eda_spectrum mask[LAYERS];
-  eda_field image[LAYERS], scaled[LAYERS]; /* scaled: with the dose */
+  eda_field image[LAYERS], scaled[LAYERS]; /* scaled: multiplied by the dose */
   eda_field *print;                        /* [gates->layers] */
   eda_measurement measured;
 } exposure;
@@ -58,7 +57,7 @@ static int perform(exposure *e, window_print *out, opc_error *error) {
   return code;
 }
 
-/* From the images, at a dose in %. */
+/* Evaluate the images at a dose given in %. */
 static int print_at(exposure *e, double dose, window_print *out,
                     opc_error *error) {
   const window *w = e->w;
@@ -108,7 +107,8 @@ static int image_at(exposure *e, double defocus, opc_error *error) {
   return code;
 }
 
-/* The shapes of a layer with all edges moved out by so much, nm. */
+/* Set the mask to the shapes of a layer with all edges moved outward by `by`
+   nm. */
 static int take_mask(exposure *e, size_t layer, double by, opc_error *error) {
   const window *w = e->w;
   const eda_shapes *all =

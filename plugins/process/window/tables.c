@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tables and metrics of process.window. */
+/* Writes the tables and metrics of process.window. */
 #include <eda/memory.h>
 #include <math.h>
 #include <opcflow/table.h>
@@ -115,7 +115,7 @@ static int cut_table(const window *w, opc_error *error) {
 /* ---- currents ---- */
 
 typedef struct performance_row {
-  double a, b; /* the place: defocus and dose, or mask error and length */
+  double a, b; /* condition: defocus and dose, or mask error and length */
   eda_spread p;
   int64_t failed, outside;
 } performance_row;
@@ -241,7 +241,7 @@ int window_report(const window *w, opc_error *error) {
   for (size_t f = 0; f < w->focus.count; f++) most = fmax(most, latitude(w, f));
   for (size_t k = 0; k < prints; k++) {
     window_summary s = window_summarise(w, &w->print[k]);
-    nils = fmin(nils, s.nils); /* not if it is NAN */
+    nils = fmin(nils, s.nils); /* ignores NAN */
     failed = fmax(failed, s.failed);
   }
   double depth = isnan(w->depth_low) ? 0 : w->depth_high - w->depth_low;

@@ -21,7 +21,7 @@ typedef struct lines {
   eda_box box[GATES];
   uint8_t axis[GATES], type[GATES], corrected[2];
   double length[GATES], width[GATES], space[2 * GATES], extension[2 * GATES];
-  eda_shapes drawn[2]; /* one and the same: the images do not need an active */
+  eda_shapes drawn[2]; /* identical: the images need no active */
   eda_gates gates;
 } lines;
 
@@ -63,17 +63,18 @@ static inline void make(lines *l) {
 
 /* ---- an image with closed forms ---- */
 
-/* The poly prints 0.5 - m cos(2 pi (x - 125) / pitch) - s (dark - drawn), with
-   a contrast m that falls with the square of the defocus, and what part of the
-   mask is dark; the active 0.5 - 0.35 cos(2 pi (y - 1000) / 4000), 4000 nm
-   being the height of the frame. */
+/* Image of poly: 0.5 - m cos(2 pi (x - 125) / pitch) - s (dark - drawn). The
+   contrast m decreases with the square of the defocus; `dark` is the covered
+   share of the mask. Image of active: 0.5 - 0.35 cos(2 pi (y - 1000) / 4000),
+   where 4000 nm is the height of the frame. */
 static const double shadow = 2, active_pitch = 4000;
 
 static inline double contrast(double defocus) {
   return 0.35 * (1 - defocus * defocus / (400 * 400));
 }
 
-/* Of the frame of 3000 x 4000 nm, with all edges moved out by so much. */
+/* Return the covered share of the frame of 3000 x 4000 nm with all edges moved
+   outward by `by`. */
 static inline double dark(double by) {
   return GATES * (drawn + 2 * by) * (4000 * 0.5 + 2 * by) / (3000. * 4000);
 }
@@ -129,8 +130,8 @@ static const eda_litho one_focus = {
   "resist: { use: resist.threshold, threshold: 0.4, active_threshold: 0.2 }"
 #define LITHO "litho: { use: litho.hopkins }"
 
-/* Printed length and slope of the logarithm at its edges, of a mask with all
-   edges moved out. */
+/* Return the printed length, and the log slope at its edges, of a mask with all
+   edges moved outward. */
 static inline double length_of(double defocus, double dose, double by,
                                double *ils) {
   double level = 0.4 / (1 + dose / 100), m = contrast(defocus);

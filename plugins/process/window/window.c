@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* process.window: the gates of a mask, printed at lists of doses, foci and mask
-   errors
-   (Bossung curves; exposure latitude and depth of focus: C. A. Mack,
-   "Fundamental Principles of Optical Lithography", 2007, chapter 8). */
+/* Implements process.window: evaluates the gates of a mask at lists of doses,
+   foci and mask errors (Bossung curves; exposure latitude and depth of focus:
+   C. A. Mack, "Fundamental Principles of Optical Lithography", 2007, chapter
+   8). */
 #include "window.h"
 
 #include <eda/drawing.h>
@@ -25,7 +25,7 @@ static size_t nearest_to_0(opc_reals list) {
   return out;
 }
 
-/* Edges stay on the mask grid. */
+/* Check the mask errors: edges must stay on the mask grid. */
 static int check_mask_errors(const window *w, opc_error *error) {
   double grid = w->gates->grid;
   for (size_t k = 0; k < w->mask_error.count; k++) {
@@ -64,7 +64,7 @@ static int forecast(void *self, opc_forecast *out, opc_error *error) {
   const eda_gates *gates = w->mask ? w->mask->gates : w->as_drawn;
   eda_printer printer;
   (void)error;
-  if (!gates) return OPC_OK; /* run says so */
+  if (!gates) return OPC_OK; /* reported by run */
   eda_printer_init(&printer, w->host->context, gates, w->litho, w->resist,
                    w->margin);
   size_t layers = w->extractor ? 2 : 1;
@@ -186,7 +186,8 @@ static int check_list(const char *name, opc_reals list, size_t least,
   return OPC_OK;
 }
 
-/* What is not given. Foci: 50 and 100 nm at 193 nm, NA 0.75. */
+/* Set the default foci and margin; 50 and 100 nm of defocus at 193 nm, NA
+   0.75. */
 static void follow(window *w) {
   eda_scanner scanner = eda_scanner_of(w->litho);
   EDA_FOLLOW(w->host, "process.window", w, parameters, scanner);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The process window of gratings: against closed forms, with an image that has
-   them, and against known figures of the optics. */
+/* Tests the process window of gratings against closed forms, and against known
+   results of the optics. */
 #include "waves_test.h"
 
 static void test_closed_form(void) {
@@ -42,8 +42,8 @@ static void test_closed_form(void) {
   g_assert_cmpfloat(opc_test_metric("failed_max"), ==, 0);
 }
 
-/* The doses and foci where lengths leave the tolerance, by their closed form.
- */
+/* Test the doses and foci at which lengths leave the tolerance against the
+   closed form. */
 static void test_limits(void) {
   lines l;
   opc_error error;
@@ -87,7 +87,7 @@ static void test_limits(void) {
   g_assert_cmpfloat(fabs(opc_test_metric("exposure_latitude") - (high - low)),
                     <, 0.3);
   g_assert_cmpfloat(fabs(opc_test_metric("depth_of_focus") - 2 * depth), <, 3);
-  /* A gate that is drawn wider wants less dose. */
+  /* A gate drawn longer needs less dose. */
   l.length[2] = 1.02 * nominal;
   if (run_step(mapping->str, &with_focus, &l, &error))
     g_error("%s", error.message);
@@ -102,7 +102,8 @@ static void test_limits(void) {
   }
   g_assert_cmpfloat(want, <, high - 0.5);
   g_assert_cmpfloat(fabs(table_high[12] - want), <, 0.01);
-  /* One that no dose of the list prints well: no window at all. */
+  /* A gate that prints within tolerance at no dose of the list: no window at
+     all. */
   l.length[2] = 2 * nominal;
   if (run_step(mapping->str, &with_focus, &l, &error))
     g_error("%s", error.message);
@@ -111,9 +112,9 @@ static void test_limits(void) {
   g_string_free(mapping, TRUE);
 }
 
-/* The optics of the thesis: lengths at 0, 100 and 150 nm of defocus as a
-   prototype with other code gave them; the same on both sides of the focus,
-   and less with more dose. */
+/* Test the optics of the thesis: lengths at 0, 100 and 150 nm of defocus equal
+   those of a prototype with other code, are symmetric in focus, and decrease
+   with dose. */
 static void test_optics(void) {
   lines l;
   opc_error error;
@@ -142,7 +143,7 @@ static void test_optics(void) {
   g_assert_true(g_file_test(path, G_FILE_TEST_EXISTS));
 }
 
-/* Lines that do not print are counted, and end the window. */
+/* Test that lines that do not print are counted and end the window. */
 static void test_failing(void) {
   lines l;
   opc_error error;
@@ -187,7 +188,7 @@ static void test_refused(void) {
   refused("{ " LITHO ", " RESIST ", defocus: [0 nm] }", &l, "no transistors");
 }
 
-/* What is not given at 248 nm, NA 0.7: 0.1457 and 0.2915 * 248 / 0.49 = 73.7
+/* Test the defaults at 248 nm, NA 0.7: 0.1457 and 0.2915 * 248 / 0.49 = 73.7
    and 147.5 nm of defocus, 3.886 * 248 / 0.7 = 1376.8 nm of margin. */
 static void test_follows(void) {
   opc_error error;

@@ -194,7 +194,7 @@ static void list_arcs(study *s, eda_timing_cell *c) {
   }
 }
 
-/* ---- what matters to an arc ---- */
+/* ---- sizes relevant for an arc ---- */
 
 /* Mark the nets that may change with an input, through channels that conduct at
    some time of the transition. */

@@ -112,7 +112,7 @@ static int simulate(study *s, size_t *kept, opc_error *error) {
   return OPC_OK;
 }
 
-/* ---- work: what is told ---- */
+/* ---- work: reports ---- */
 
 typedef struct row {
   const char *cell, *trouble;

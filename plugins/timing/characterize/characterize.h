@@ -53,7 +53,7 @@ typedef struct study {
   size_t simulated; /* number of simulated transitions */
 } study;
 
-/* ---- cells.c: what a cell is ---- */
+/* ---- cells.c: pins, logic and arcs ---- */
 
 /* Find the pins, logic and arcs of a subcircuit. Sets `trouble` for cells that
    cannot be characterized. */
@@ -70,7 +70,7 @@ enum { NO_SIZE, WIDTH_ONLY, ALL_SIZES };
 void arc_sizes(const eda_timing_cell *c, const circuit *r,
                const eda_timing_arc *a, uint8_t *sizes);
 
-/* ---- symmetry.c: what of a cell behaves alike ---- */
+/* ---- symmetry.c: equivalent transistors and nets ---- */
 
 /* Build the reduced circuit of a cell and the bundles of its transistors. */
 void cell_join(eda_pool *pool, eda_timing_cell *c, circuit *r);

@@ -70,7 +70,7 @@ static const eda_timing_arc *arc(const eda_timing_cell *c, uint32_t input,
   return k < 0 ? NULL : &c->arc[k];
 }
 
-/* ---- what cells compute ---- */
+/* ---- logic functions ---- */
 
 static int aoi21(int a, int b1, int b2) { return !(a | (b1 & b2)); }
 
@@ -236,9 +236,8 @@ static void put_ramp(GString *deck, const char *net, int rises, double slew,
   g_string_append(deck, ")\n");
 }
 
-/* Return the delay from the middle of the cause to the middle of the output,
-   for nand2 whose A changes with a slew of 12 ps, and B `gap` later with 20
-   ps. */
+/* Return the delay from the middle of the cause to the middle of the output.
+   nand2: A changes with a slew of 12 ps, B `gap` later with 20 ps. */
 static double both_by_hand(int rises, double gap) {
   g_autofree char *card = data("devices/opcflow65.pm");
   const double middle = 60e-12;
@@ -301,7 +300,7 @@ static void test_pairs(void) {
   eda_timing_free(t);
 }
 
-/* ---- what is alike ---- */
+/* ---- equivalent transistors ---- */
 
 /* A NAND gate with two fingers per transistor and separate nets for the stacks,
    and one with single fingers in another order, whose values must equal those

@@ -20,9 +20,9 @@ static const double start = 2e-12; /* s, start of the input ramps */
 static const double arrived = 0.97;
 
 /* Duration of a run with unknown outputs: pilot_ramps input ramps, plus
-   pilot_rest (s), plus pilot_load (s/F) times the load, that is some ps for
-   each fF through a channel 1 um wide. pilot_steps: least number of steps, also
-   for pins. */
+   pilot_rest (s), plus pilot_load (s/F) times the load. A channel 1 um wide
+   needs some ps for each fF. pilot_steps: least number of steps, also for pins.
+ */
 static const double pilot_ramps = 2.8, pilot_rest = 30e-12, pilot_load = 8e3,
                     pilot_steps = 50;
 
@@ -185,7 +185,7 @@ static char *deck_text(const deck *d) {
   return text;
 }
 
-/* ---- what is measured ---- */
+/* ---- measurement ---- */
 
 static const double *vector_of(const eda_spice_plot *plot, const char *format,
                                size_t k, uint32_t net, size_t n) {

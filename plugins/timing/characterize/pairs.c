@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Characterizes the effect of other inputs on a delay: pin capacitances for
-   each pattern of the other inputs, and two inputs that change together
-   (Chandramouli and Sakallah, "Modeling the effects of temporal proximity of
-   input transitions on gate propagation delay and transition time", DAC 1996).
-   Each pair that switches an output is simulated at a few gaps, relative to one
-   input alone. */
+/* Characterizes the effect of other inputs on a delay. Measures pin
+   capacitances for each pattern of the other inputs, and two inputs that change
+   together (Chandramouli and Sakallah, "Modeling the effects of temporal
+   proximity of input transitions on gate propagation delay and transition
+   time", DAC 1996). Each pair that switches an output is simulated at a few
+   gaps, relative to one input alone. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -235,7 +235,7 @@ static int measure_pairs(study *s, eda_timing_cell *c, opc_error *error) {
   return code;
 }
 
-/* ---- pins by what the other inputs are ---- */
+/* ---- pin capacitances by pattern of the other inputs ---- */
 
 /* Uses the middle slew of the grid, as of inputs from gates: the circuit behind
    the pin responds while the input changes. */

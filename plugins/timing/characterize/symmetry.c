@@ -3,9 +3,9 @@
    (Weisfeiler and Leman 1968): nets and transistors get colours until no
    further refinement occurs. Nets of one colour connect to the same number of
    transistors of each colour, so equal voltages on all of them solve the
-   circuit equations: these nets can be joined, and transistors of one colour
-   merged into one with a multiplicity. The common divisor of the multiplicities
-   is the number of identical circuits in parallel. */
+   circuit equations. These nets can therefore be joined, and transistors of one
+   colour merged into one with a multiplicity. The common divisor of the
+   multiplicities is the number of identical circuits in parallel. */
 #include <eda/random.h>
 #include <stdlib.h>
 #include <string.h>

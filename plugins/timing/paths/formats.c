@@ -245,7 +245,7 @@ int write_verilog(const paths *p, const char *path, opc_error *error) {
   return close_file(out, path, error);
 }
 
-/* ---- what our own simulation has ---- */
+/* ---- events of the internal simulation ---- */
 
 typedef struct line {
   int64_t pattern, level;

@@ -41,10 +41,9 @@ typedef struct referee {
 static const double settled = 0.025;
 
 /* Start of the input ramps, s, and duration of a run after the latest arrival
-   of the event simulation: a factor of that arrival, for the error of some
-   percent of the event simulation, and the settling time of a slow output, s. A
-   run in which an output does not settle is repeated with twice the
-   duration. */
+   of the event simulation. `late`: factor on that arrival, which has an error
+   of some percent. `rest`: settling time of a slow output, s. A run in which an
+   output does not settle is repeated with twice the duration. */
 static const double start = 2e-12, late = 1.2, rest = 60e-12;
 
 /* Duration of the input ramps, in full linear ramps. */

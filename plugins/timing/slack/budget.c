@@ -145,7 +145,7 @@ double *budget_slack(const budget *b) {
   return slack;
 }
 
-/* ---- what a path would gain ---- */
+/* ---- gains on a path ---- */
 
 /* Return the difference of two delays at a slew (ps), from their rows over the
    slews of the grid, in ps. */

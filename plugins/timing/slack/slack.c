@@ -41,7 +41,7 @@ typedef struct job {
   double worst, at_first; /* latest arrival, ps, and leakage, A, as drawn */
 } job;
 
-/* ---- work: what a length does ---- */
+/* ---- work: effect of a length ---- */
 
 static double current(const slack *s, size_t gate, int which, double by) {
   const eda_gates *g = s->circuit->gates;
@@ -167,7 +167,7 @@ static eda_gates *with_wishes(const job *j) {
   return g;
 }
 
-/* ---- work: what is told ---- */
+/* ---- work: reports ---- */
 
 typedef struct wished {
   char *name;

@@ -20,7 +20,7 @@ static const double drop[2] = {0.02, 0.3}; /* Ion, Ioff */
 static const double most_ion = 0.9;
 enum { STEPS = 10 };
 
-/* Return the length increase (nm) that costs 10 % of Ion, in steps of ln L. */
+/* Return the length increase (nm) that costs 10 % of Ion. */
 static double longest(void) { return log(most_ion) / -drop[0]; }
 static double length_at(int step) {
   return 60 * (exp(log1p(longest() / 60) * step / STEPS) - 1);
@@ -121,7 +121,7 @@ static placed *place_all(size_t instances) {
   return p;
 }
 
-/* ---- the delay of an inverter, ps, whatever edge and slew ---- */
+/* ---- delay of an inverter, ps, equal for all edges and slews ---- */
 
 static const double base = 10, by_own = 8,
                     by_load = 2000;   /* ps, ps/ln, ps/pF */
@@ -481,7 +481,7 @@ static void test_slews(void) {
   free(p);
 }
 
-/* ---- what leaks at rest ---- */
+/* ---- static leakage ---- */
 
 /* Test leakage shares. z is the NAND of a and inverted a, always 1; its two
    series n-transistors leak in turn, the lower one less because the upper one
@@ -514,7 +514,7 @@ static void test_rest(void) {
   }
 }
 
-/* ---- wishes of the designer, and what is refused ---- */
+/* ---- goals of the designer, errors ---- */
 
 static const char chain[] =
     "XU1 a m VDD VSS INV\nXU2 m n VDD VSS INV\nXU3 n z VDD VSS INV\n";

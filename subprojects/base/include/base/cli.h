@@ -40,7 +40,7 @@ void cli_write(const char *text);
 /* Return COLUMNS or the width of the terminal; SIZE_MAX for unlimited width. */
 size_t cli_width(void);
 
-/* Flush standard output, so that it precedes later messages. */
+/* Flush standard output, so that later messages follow. */
 void cli_flush(void);
 
 /* Return whether all output was written; FALSE and a message otherwise. */
@@ -54,7 +54,7 @@ gboolean cli_is_written(void);
 typedef struct cli_option {
   const char *name; /* without dashes; NULL ends a table of options */
   const char *help;
-  const char *argument; /* name of its argument in the help; NULL: a flag */
+  const char *argument; /* name of the argument in the help; NULL: a flag */
   gboolean *flag;
   const char **text;
   GPtrArray **list;

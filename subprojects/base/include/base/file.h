@@ -5,8 +5,9 @@
 #include <glib.h>
 
 /* Return why the file at `path` cannot be read as a regular file: "no such
-   file", "is a pipe, not a regular file"; NULL if it can. The file is not
-   opened, because opening may block. Write its size to *size unless NULL. */
+   file", "is a pipe, not a regular file"; NULL if readable. The file is not
+   opened, because opening may block. Write the file's size to *size unless
+   NULL. */
 const char *opc_file_fault(const char *path, size_t *size);
 
 /* Return whether a relative file name stays inside its folder. */

@@ -20,7 +20,7 @@ typedef struct opc_findings {
 void opc_findings_init(opc_findings *findings);
 void opc_findings_clear(opc_findings *findings);
 
-/* Add a finding unless it exists. */
+/* Add a finding unless already present. */
 void opc_findings_add(opc_findings *findings, size_t point, const char *path,
                       const char *text);
 

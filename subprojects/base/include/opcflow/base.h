@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Result codes, errors, threads, and an object with its functions. The headers
-   of the kernel and those of the library eda include this file, so that their
-   errors are of one type although neither knows the other. */
+/* Result codes, errors, threads, and modules: objects with their functions.
+   Shared by the headers of the core and of the library eda, which do not depend
+   on each other, so that both use the same error type. */
 #pragma once
 
 #include <stdarg.h>

@@ -10,9 +10,9 @@
    FALSE if an entry could not be removed. */
 gboolean opc_remove_tree(const char *path);
 
-/* Return the SHA-256 of a regular file, up to its size at opening, in
+/* Return the SHA-256 of a regular file, up to the size at opening, in
    hexadecimal (g_free); NULL and *error on failure, OPC_CANCELLED if the user
-   stops it. `context` may be NULL. */
+   stops the calculation. `context` may be NULL. */
 char *opc_file_sha256(const char *path, const opc_context *context,
                       opc_error *error);
 

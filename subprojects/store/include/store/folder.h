@@ -33,5 +33,5 @@ opc_folder *opc_folder_open(const char *target, gboolean sole,
 int opc_folder_close(opc_folder *folder, const char *target, gboolean replace,
                      gboolean number, char **got, opc_error *error);
 
-/* Remove the slot with its contents and free the struct (NULL: nothing). */
+/* Remove the slot with all contents and free the struct (NULL: nothing). */
 void opc_folder_free(opc_folder *folder);

@@ -52,7 +52,7 @@ void opc_store_drop(const opc_store *store, const char *key);
    limit. */
 guint64 opc_store_most(const opc_store *store);
 
-/* ---- all of it ---- */
+/* ---- all values ---- */
 
 typedef struct opc_store_size {
   guint64 entries, bytes, limit;
@@ -80,7 +80,7 @@ char *opc_store_sum(opc_store *store, const char *path,
 /* Return whether a file still has a sum. */
 gboolean opc_store_same(opc_store *store, const char *path, const char *sum);
 
-/* Return the sum of the shared object that contains `address` and of all
-   objects it needs; of the program for NULL. The text lives as long as the
-   process; NULL if an object cannot be read. `store` may be NULL. */
+/* Return the sum of the shared object that contains `address` and of all needed
+   objects; of the program for NULL. The text lives as long as the process; NULL
+   if an object cannot be read. `store` may be NULL. */
 const char *opc_store_build(opc_store *store, const void *address);
