@@ -18,9 +18,9 @@ G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_sheet, opc_sheet_free)
 
 /* Return aligned columns, numbers to the right (g_free). For a table wider than
    `width`, columns with equal cells are listed once, in a last line. If that
-   does not suffice, a table of few rows is transposed, and any other table is
-   split into blocks below each other, each with the columns that identify a
-   row. Width 0: one line a row. Line breaks and tabs in cells become blanks. */
+   does not suffice, a table of few rows is transposed. Any other table is split
+   into blocks below each other, each with the columns that identify a row.
+   Width 0: one line a row. Line breaks and tabs in cells become blanks. */
 char *opc_sheet_text(opc_sheet *sheet, size_t width);
 
 /* Return a table in Markdown (g_free); line breaks in cells become blanks. */
