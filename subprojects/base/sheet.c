@@ -205,7 +205,7 @@ char *opc_sheet_text(opc_sheet *s, size_t width) {
 
 /* ---- Markdown ---- */
 
-/* Append a text with vertical bars and backslashes escaped, because a bar would
+/* Append a text with the special characters of Markdown escaped; a '|' would
    end the cell. */
 static void append_escaped(GString *out, const char *text) {
   for (; *text; text++) {
