@@ -52,8 +52,8 @@ static eda_field island(double level) {
   return f;
 }
 
-/* Make a cross of two lines with two transistors in the middle. The print of the
-   poly passes (333 1/3, 500), where the cosine is -1/2. */
+/* Make a cross of two lines with two transistors in the middle. The print of
+   the poly passes (333 1/3, 500), where the cosine is -1/2. */
 static void make_sample(drawing *d) {
   memset(d, 0, sizeof *d);
   rectangle(&d->drawn[EDA_POLY], 450, 100, 550, 900);

@@ -20,9 +20,7 @@ int disturb_draw(const opc_host *host, const eda_mask *mask,
 #define DISTURB_METRICS                                                        \
   {"disturbance_mean", "%", OPC_LOWER, 0.01,                                   \
    "mean growth of |Ion deviation| from the cell alone to the circuit"},       \
-      {"disturbance_max", "%", OPC_LOWER, 0.01,                                \
-       "largest disturbance"},                                  \
-  {                                                                            \
+      {"disturbance_max", "%", OPC_LOWER, 0.01, "largest disturbance"}, {      \
     "disturbed", "%", OPC_LOWER, 0.1,                                          \
         "fraction of transistors whose |Ion deviation| grew by 0.05 % or more" \
   }
