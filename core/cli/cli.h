@@ -53,8 +53,9 @@ extern const cli_verb cli_run, cli_check, cli_version, cli_help;
   .name = "explain", .arguments = "RUN", .summary = "Why each step of a run ran"
 #define CLI_PLUGINS \
   .name = "plugins", .arguments = "", .summary = "List the plugins"
-#define CLI_INSPECT \
-  .name = "inspect", .arguments = "ID", .summary = "Tell all about a plugin"
+#define CLI_INSPECT                     \
+  .name = "inspect", .arguments = "ID", \
+  .summary = "Show the declaration of a plugin"
 #define CLI_LINT                            \
   .name = "lint", .arguments = "PLUGIN.so", \
   .summary = "Check that a plugin keeps the contract"
@@ -66,7 +67,7 @@ extern const cli_verb cli_run, cli_check, cli_version, cli_help;
   .summary = "Write a plugin or a flow to begin with"
 #define CLI_COMPLETE                       \
   .name = "complete", .arguments = "LINE", \
-  .summary = "What may stand at the end of a line", .hidden = TRUE
+  .summary = "Completions of a command line", .hidden = TRUE
 
 /* Verbs of the program, NULL-terminated, hidden ones last. Each program defines
    this array. */

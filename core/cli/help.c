@@ -41,7 +41,7 @@ static int run_help(const cli_verb *verb, const GPtrArray *arguments) {
 
 const cli_verb cli_help = {.name = "help",
                            .arguments = "[VERB]",
-                           .summary = "Tell what there is",
+                           .summary = "Show help",
                            .most = 1,
                            .run = run_help};
 
@@ -69,6 +69,6 @@ static const cli_option version_options[] = {{"json", "as JSON", .flag = &json},
 
 const cli_verb cli_version = {.name = "version",
                               .arguments = "",
-                              .summary = "Tell the version",
+                              .summary = "Show the version",
                               .options = version_options,
                               .run = run_version};

@@ -121,17 +121,18 @@ static const opc_parameter parameters[] = {
                   .summary = "a variant of that flow, below all methods"),
     OPC_PARAMETER(experiment, cases, .type = OPC_MAP,
                   .flags = OPC_REQUIRED | OPC_MAP_OF_ANY | OPC_INNER_AXIS,
-                  .summary = "what is worked on: [{ step.parameter: value }], "
+                  .summary = "layouts: [{ step.parameter: value }], "
                              "with lists, patterns, { list: FILE }"),
     OPC_PARAMETER(experiment, methods, .type = OPC_MAP,
                   .flags = OPC_REQUIRED | OPC_MAP_OF_ANY | OPC_INNER_AXIS,
-                  .summary = "what is compared: [variant], or { name: { "
+                  .summary = "methods to compare: [variant], or { name: { "
                              "step.parameter: value } }"),
     OPC_PARAMETER(experiment, set, .type = OPC_MAP, .flags = OPC_MAP_OF_ANY,
                   .summary = "step.parameter: value, over all of them"),
     OPC_PARAMETER(experiment, columns, .type = OPC_MAP,
-                  .summary = "step.metric: heading, what the summary shows; "
-                             "what differs between methods"),
+                  .summary =
+                      "step.metric: heading, columns of the summary; if not "
+                      "given, the metrics that differ between methods"),
 };
 
 static const opc_metric metrics[] = {

@@ -11,7 +11,7 @@
 const eda_frame try_frame = {-1000, -1000, 2500, 3000};
 const eda_frame try_other_frame = {-1237, -1111, 2900, 3300};
 
-/* ---- telling ---- */
+/* ---- reports ---- */
 
 /* Return whether the call was cancelled because the time limit of lint expired.
    A loaded machine may cause that, so add a note, not a fault. */

@@ -9,7 +9,7 @@
 #include <opcflow/step.h>
 #include <string.h>
 
-/* ---- what to look for ---- */
+/* ---- the figure to minimise ---- */
 
 /* Attribute an error to the parameter, or to a key of it, and return the
    code. */
@@ -269,14 +269,16 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(search, flow, .type = OPC_FILE,
                   .flags = OPC_REQUIRED | OPC_INNER_FLOW,
                   .summary = "the flow whose parameters are searched"),
-    OPC_PARAMETER(search, gates, .type = OPC_INPUT, .flags = OPC_INNER_STEP,
-                  .choices = "gates",
-                  .summary = "what that flow corrects; what its own step "
-                             "'gates' makes"),
+    OPC_PARAMETER(
+        search, gates, .type = OPC_INPUT, .flags = OPC_INNER_STEP,
+        .choices = "gates",
+        .summary = "gates that the flow corrects; if not given, those of its "
+                   "own step 'gates'"),
     OPC_PARAMETER(search, variant, .type = OPC_TEXT,
                   .summary = "a variant of that flow"),
-    OPC_PARAMETER(search, set, .type = OPC_MAP, .flags = OPC_MAP_OF_ANY,
-                  .summary = "step.parameter: value, over what that flow says"),
+    OPC_PARAMETER(
+        search, set, .type = OPC_MAP, .flags = OPC_MAP_OF_ANY,
+        .summary = "step.parameter: value, in place of the values of the flow"),
     OPC_PARAMETER(search, sweep, .type = OPC_MAP, .flags = OPC_MAP_OF_ANY,
                   .summary = "step.parameter: [...] or { from: A, to: B, step: "
                              "C }; over that flow's own sweep"),

@@ -261,7 +261,7 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(bench, circuit, .type = OPC_INPUT, .flags = OPC_REQUIRED,
                   .choices = "circuit", .summary = "the netlist and its gates"),
     OPC_PARAMETER(bench, mask, .type = OPC_INPUT, .choices = "mask",
-                  .summary = "the corrected mask, with what it prints"),
+                  .summary = "the corrected mask and its printed image"),
     OPC_PARAMETER_NAMED("models", bench, models[0], .type = OPC_FILE,
                         .summary = "file with the model cards; this or "
                                    "`library` is needed"),
@@ -272,7 +272,8 @@ static const opc_parameter parameters[] = {
                   .summary = "a foundry's models: subcircuits or cards, in "
                              "sections and bins, of which the outermost go on"),
     OPC_PARAMETER(bench, corner, .type = OPC_TEXT,
-                  .summary = "its section; if not given, what stands in none"),
+                  .summary = "section of the library; if not given, the part "
+                             "outside of all sections"),
     OPC_PARAMETER(bench, osdi, .type = OPC_FILE,
                   .summary = "a shared object of compiled models that the "
                              "library's are of (OSDI)"),
@@ -286,7 +287,7 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(bench, stand_ins, .type = OPC_TEXT,
                   .summary = "names of the netlist's models in pairs, with "
                              "blanks between: one that `library` may lack, and "
-                             "the one that stands in for it"),
+                             "its replacement"),
     OPC_PARAMETER(bench, dlc, .type = OPC_BOOL, .preset = "true",
                   .summary = "gate capacitances are those of the printed area"),
     OPC_PARAMETER(
@@ -326,15 +327,14 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER_NAMED(
         "transitions", bench, several, .type = OPC_CHOICE,
         .choices = "single|several", .preset = "single",
-        .summary = "of one input at a time, or of several at once, too"),
+        .summary =
+            "transitions of one input at a time, or also of several at once"),
     OPC_PARAMETER(
         bench, most, .type = OPC_INT, .flags = OPC_AT_LEAST | OPC_AT_MOST,
         .preset = "1024", .min = 1, .max = 100000,
-        .summary =
-            "transitions to be tried; of more, so many are drawn at random"),
+        .summary = "largest number of transitions; a random sample of more"),
     OPC_PARAMETER(bench, seed, .type = OPC_INT, .flags = OPC_AT_LEAST,
-                  .preset = "1", .min = 0,
-                  .summary = "of what is drawn at random"),
+                  .preset = "1", .min = 0, .summary = "seed of random samples"),
     OPC_PARAMETER(
         bench, cell, .type = OPC_TEXT,
         .summary = "a storage node of the memory cell (default: all cells)"),

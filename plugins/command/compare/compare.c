@@ -44,7 +44,7 @@ static int check_pairs(const comparison *c, opc_error *error) {
   return all->len && !c->anyway ? refuse(all, error) : OPC_OK;
 }
 
-/* ---- work: what is to fail ---- */
+/* ---- work: limits that fail a comparison ---- */
 
 static int check_word(const char *word, opc_error *error) {
   if (!strcmp(word, "worse") || g_str_has_prefix(word, "worse:")) return OPC_OK;
@@ -163,11 +163,11 @@ static const opc_parameter parameters[] = {
                   .choices = "file|name|change|verdict",
                   .summary = "the order of metrics"),
     OPC_PARAMETER(comparison, all, .type = OPC_BOOL, .preset = "false",
-                  .summary = "also what is equal"),
+                  .summary = "also equal values"),
     OPC_PARAMETER(comparison, cases, .type = OPC_BOOL, .preset = "false",
-                  .summary = "of an experiment, also the metrics of each case"),
+                  .summary = "also the metrics of each case of an experiment"),
     OPC_PARAMETER(comparison, anyway, .type = OPC_BOOL, .preset = "false",
-                  .summary = "compare what has other inputs, models or "
+                  .summary = "compare runs with other inputs, models or "
                              "transistors"),
     OPC_PARAMETER(comparison, fail_on, .type = OPC_TEXT,
                   .summary = "'worse' or 'worse:METRIC': exit code 1 if there "

@@ -258,8 +258,8 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(verb, settings, .type = OPC_TEXT,
                   .summary = "only cells of settings whose sum begins so"),
     OPC_PARAMETER(verb, superseded, .type = OPC_BOOL, .preset = "false",
-                  .summary = "prune: of each cell and method all but what was "
-                             "made last"),
+                  .summary = "prune: all but the newest entry of each cell and "
+                             "method"),
 };
 
 /* ---- entry ---- */
@@ -269,6 +269,6 @@ static const opc_command functions = {
 
 OPC_PLUGIN(verb, .id = "command.library", .kind = "command",
            .version = OPC_VERSION, .licence = "BSD-3-Clause",
-           .summary = "what is in a library of corrected cells",
+           .summary = "content of a library of corrected cells",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
            OPC_PARAMETERS(parameters), OPC_FUNCTIONS(functions));

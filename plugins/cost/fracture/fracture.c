@@ -266,14 +266,15 @@ static const opc_parameter parameters[] = {
         .summary = "Shots narrower than this on the plate are slivers"),
     OPC_PARAMETER(counter, magnification, .type = OPC_REAL,
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "4", .min = 1,
-                  .max = 100, .summary = "Of the plate against the wafer"),
+                  .max = 100,
+                  .summary = "Scale of the plate relative to the wafer"),
     OPC_PARAMETER(counter, array, .type = OPC_REALS, .preset = "[1, 1]",
                   .summary = "Columns and rows of copies of the mask to count"),
     OPC_PARAMETER_NAMED(
         "array_space", counter, space, .type = OPC_REAL,
         .flags = OPC_AT_LEAST | OPC_AT_MOST, .unit = "nm", .preset = "200 nm",
         .min = 0, .max = 1e6,
-        .summary = "Between what is drawn in one copy and the next"),
+        .summary = "Space between the shapes of adjacent copies"),
 };
 
 static const opc_metric metrics[] = {

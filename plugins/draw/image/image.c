@@ -205,6 +205,6 @@ static const opc_step functions = {.run = image_run_step,
 OPC_PLUGIN(
     image_run, .id = "draw.image", .kind = "step", .version = "0.2.0",
     .licence = "BSD-3-Clause",
-    .summary = "Draw the image of a mask and what several models print of it",
+    .summary = "Draw the image of a mask and its contours by several models",
     .flags = OPC_DETERMINISTIC | OPC_REENTRANT, OPC_PARAMETERS(parameters),
     OPC_METRICS(metrics), .check = image_check, OPC_FUNCTIONS(functions));

@@ -269,11 +269,11 @@ static const opc_parameter parameters[] = {
     VIEW_PARAMETERS(drawer, "mask.png"),
     OPC_PARAMETER(drawer, state, .type = OPC_CHOICE, .preset = "after",
                   .choices = "before|after|difference",
-                  .summary = "The drawn mask, the corrected one, or what the "
-                             "correction has changed"),
+                  .summary = "The drawn mask, the corrected one, or their "
+                             "difference"),
     OPC_PARAMETER(drawer, scale, .type = OPC_TEXT, .preset = "auto",
                   .summary = "The deviation at the ends of the colours, as in "
-                             "2 %; auto: what holds 98 % of the transistors"),
+                             "2 %; auto: the range of 98 % of the transistors"),
     OPC_PARAMETER(drawer, insets, .type = OPC_INT,
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "4", .min = 0,
                   .max = 8,

@@ -78,7 +78,7 @@ static int sample(opc_inspector *in, const opc_module *m, int layer,
   return good;
 }
 
-/* ---- what images have to be ---- */
+/* ---- requirements of images ---- */
 
 static void try_clear_field(opc_inspector *in, const opc_module *m) {
   double value[PLACES];

@@ -41,7 +41,7 @@ static int image(const void *self, int layer, const eda_spectrum *mask,
                          .transfer = transfer,
                          .self = s,
                          .scale = {1, 0}};
-  (void)layer; /* all layers are exposed alike */
+  (void)layer; /* all layers have the same exposure */
   return eda_coherent_sum(s->host->context, mask, &systems, 0, out, error);
 }
 

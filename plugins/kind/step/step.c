@@ -100,6 +100,6 @@ typedef struct kind_state {
 
 OPC_PLUGIN(kind_state, .id = "kind.step", .kind = "kind", .version = "0.2.0",
            .licence = "BSD-3-Clause",
-           .summary = "steps: what they are tried with",
+           .summary = "steps: data and files of their trials",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
            OPC_FUNCTIONS(functions));

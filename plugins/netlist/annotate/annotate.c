@@ -95,7 +95,7 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(annotator, circuit, .type = OPC_INPUT, .flags = OPC_REQUIRED,
                   .choices = "circuit", .summary = "the netlist and its gates"),
     OPC_PARAMETER(annotator, mask, .type = OPC_INPUT, .choices = "mask",
-                  .summary = "the corrected mask, with what it prints"),
+                  .summary = "the corrected mask and its printed image"),
     OPC_PARAMETER(annotator, state, .type = OPC_CHOICE,
                   .choices = "drawn|before|after",
                   .summary = "whose sizes to write; if not given, after where "
@@ -114,7 +114,7 @@ static const opc_parameter parameters[] = {
                   .summary = "the models are subcircuits, X in place of M"),
     OPC_PARAMETER(annotator, unit, .type = OPC_REAL, .unit = "nm",
                   .flags = OPC_ABOVE | OPC_AT_MOST, .min = 0, .max = 1e9,
-                  .summary = "what the number 1 means as a size; if not given, "
+                  .summary = "length of the number 1 as a size; if not given, "
                              "sizes are in m: 65e-9"),
     OPC_PARAMETER(annotator, file, .type = OPC_OUTPUT, .preset = "netlist.sp",
                   .summary = "the netlist to write"),

@@ -98,7 +98,7 @@ static const opc_parameter parameters[] = {
                   .summary = "model of the resist, calibrated at 0 % and 0 nm"),
     OPC_PARAMETER(window, extractor, .type = OPC_SLOT, .choices = "extractor",
                   .summary = "performance of a printed transistor: with it, "
-                             "currents are told as well as lengths"),
+                             "currents are reported as well as lengths"),
     OPC_PARAMETER(window, dose, .type = OPC_REALS, .unit = "%",
                   .preset = "[-8 %, -4 %, 0 %, 4 %, 8 %]",
                   .summary = "more or less light, increasing"),
@@ -108,7 +108,8 @@ static const opc_parameter parameters[] = {
                    "+-0.1457 and +-0.2915 lambda/NA^2"),
     OPC_PARAMETER(window, tolerance, .type = OPC_REAL, .flags = OPC_ABOVE,
                   .unit = "%", .preset = "10 %", .min = 0,
-                  .summary = "of the drawn length, that a print may be off by"),
+                  .summary = "largest deviation of the printed length, "
+                             "relative to the drawn one"),
     OPC_PARAMETER(window, mask_error, .type = OPC_REALS, .unit = "nm",
                   .preset = "[]",
                   .summary = "by how much all edges of the mask are moved out, "

@@ -258,8 +258,7 @@ static const opc_parameter parameters[] = {
                   .summary = "random points at which the tables are checked, "
                              "with all sizes varied"),
     OPC_PARAMETER(study, seed, .type = OPC_INT, .flags = OPC_AT_LEAST,
-                  .preset = "1", .min = 0,
-                  .summary = "of what is drawn at random"),
+                  .preset = "1", .min = 0, .summary = "seed of random samples"),
     OPC_PARAMETER(study, liberty, .type = OPC_OUTPUT, .preset = "cells.lib",
                   .summary = "the cells as drawn"),
     TIMING_TIME_LIMIT(study),

@@ -75,9 +75,9 @@ static const opc_parameter parameters[] = {
                   .summary = "which gates its transistors are, for printed "
                              "sizes"),
     OPC_PARAMETER(paths, mask, .type = OPC_INPUT, .choices = "mask",
-                  .summary = "the corrected mask, with what it prints"),
+                  .summary = "the corrected mask and its printed image"),
     OPC_PARAMETER(paths, label, .type = OPC_TEXT, .preset = "printed",
-                  .summary = "what the mask is called in tables"),
+                  .summary = "name of the mask in tables"),
     OPC_PARAMETER(paths, prints, .type = OPC_MAP,
                   .summary = "further sizes, by tables gates.csv of runs with "
                              "the same layout: { dpb: runs/dpb/gates.csv }"),
@@ -86,11 +86,11 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(paths, transitions, .type = OPC_INT,
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "22000",
                   .min = 1, .max = 10000000,
-                  .summary = "of the inputs; of more, so many are drawn at "
-                             "random"),
+                  .summary =
+                      "largest number of transitions of the inputs; a random "
+                      "sample of more"),
     OPC_PARAMETER(paths, seed, .type = OPC_INT, .flags = OPC_AT_LEAST,
-                  .preset = "1", .min = 0,
-                  .summary = "of what is drawn at random"),
+                  .preset = "1", .min = 0, .summary = "seed of random samples"),
     OPC_PARAMETER(paths, changes, .type = OPC_CHOICE,
                   .choices = "single|several", .preset = "several",
                   .summary = "one input changes, or each may"),
@@ -108,7 +108,7 @@ static const opc_parameter parameters[] = {
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "0", .min = 0,
                   .max = 100000,
                   .summary = "transitions of which all events of the outputs, "
-                             "as drawn, are told"),
+                             "as drawn, are logged"),
     OPC_PARAMETER(paths, spice, .type = OPC_INT,
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "0", .min = 0,
                   .max = 100000,

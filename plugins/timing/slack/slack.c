@@ -332,8 +332,8 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(slack, ion, .type = OPC_REAL, .unit = "%",
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "10 %",
                   .min = 0, .max = 50,
-                  .summary = "the most of its Ion that a transistor gives for "
-                             "less leakage"),
+                  .summary = "largest reduction of Ion allowed in exchange for "
+                             "leakage"),
     OPC_PARAMETER_NAMED("delay_limit", slack, limit, .type = OPC_REAL,
                         .unit = "%", .former = "limit",
                         .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "0 %",
@@ -346,8 +346,8 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(slack, weight, .type = OPC_REAL,
                   .flags = OPC_ABOVE | OPC_AT_MOST, .preset = "1", .min = 0,
                   .max = 1,
-                  .summary = "of transistors that are to be longer: the "
-                             "correction's tolerance is divided by it"),
+                  .summary = "weight of lengthened transistors: divisor of the "
+                             "correction's tolerance"),
     TIMING_CONDITIONS(slack),
 };
 
@@ -381,7 +381,7 @@ static const opc_step functions = {OPC_OUTPUTS(outputs), .run = run,
 OPC_PLUGIN(slack, .id = "timing.slack", .kind = "step", .version = "0.1.0",
            .licence = "BSD-3-Clause",
            .summary =
-               "what slack lets transistors be printed as, for less "
+               "targets of transistors with timing slack, for less "
                "leakage",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
            OPC_PARAMETERS(parameters), OPC_METRICS(metrics), .clear = clear,
