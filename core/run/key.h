@@ -38,6 +38,6 @@ char *opc_binding_key(const opc_binding *binding, opc_store *store,
                       opc_error *error);
 
 /* Return the change of a fact of the step of that name, as opc_fact_text:
-   "mask.limit changed from 1 % to 2 %" (g_free). */
+   "step.size changed from 1 nm to 2 nm" (g_free). */
 char *opc_key_difference(const void *step, char about, const char *path,
                          const char *before, const char *now);
