@@ -2,9 +2,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Check the layers of the tree: which folder may include from which, and that
 # the kernel has no terms of its applications.
-# rooms_test.sh COMPILER...
+# rooms_test.sh [COMPILER...]
+# OPCFLOW_SOURCE: the tree; default: the folder above this script.
 set -u
-cd "$OPCFLOW_SOURCE" || exit 99
+cd "${OPCFLOW_SOURCE:-$(dirname "$0")/..}" || exit 99
+[ $# -gt 0 ] || set -- "${CC:-cc}"
 failed=0
 number=0
 
