@@ -10,7 +10,7 @@
 
 #include "tests/command.h"
 
-/* ---- verbs that only tell ---- */
+/* ---- verbs that only print ---- */
 
 static void test_usage(void) {
   g_assert_cmpint(call("rnu"), ==, 2);
@@ -266,7 +266,7 @@ static void test_manifest(void) {
                   "lower");
 }
 
-/* The resolved flow gives the same results, also from another folder. */
+/* The resolved flow produces the same results, also from another folder. */
 static void test_again(void) {
   g_assert_cmpint(call("run two.yaml --output first --set b.size=4~nm"), ==, 0);
   g_assert_cmpint(call("run first/flow.yaml --output second"), ==, 0);

@@ -39,7 +39,7 @@ static void make_mask(const char *run, const char *boxes, int shots) {
   put_file(run, "cost.csv", cost);
 }
 
-/* ---- what was printed ---- */
+/* ---- output of the command ---- */
 
 static JsonParser *parser;
 

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Binary compatibility. Plugins kept as binaries (tests/compat) run in this
-   opcflow, and in a build in which each extensible struct of the interface has
-   one more member: a function of each kind, a field of each declaration, a
-   function of each service. A plugin built against the extended interface runs
-   in this opcflow. */
+   opcflow, and in a build with an extended interface. There, each extensible
+   struct has one more member: a function of each kind, a field of each
+   declaration, a function of each service. A plugin built against the extended
+   interface runs in this opcflow. */
 #include <glib.h>
 #include <store/files.h>
 #include <string.h>

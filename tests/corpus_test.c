@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Each layout file of the corpus, compared with the data of KLayout: cells,
-   placements, shapes by layer, and for each top cell and layer the box and, for
-   rectilinear shapes, the merged area. */
+   placements and shapes by layer. For each top cell and layer also the box and,
+   for rectilinear shapes, the merged area. */
 #include <glib.h>
 #include <json-glib/json-glib.h>
 #include <math.h>

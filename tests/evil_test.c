@@ -291,7 +291,7 @@ static void test_loading(void) {
   }
 }
 
-/* ---- what they say ---- */
+/* ---- output of faulty plugins ---- */
 
 /* Output of plugins does not reach the standard output of the command. */
 static void test_output(void) {

@@ -188,7 +188,8 @@ static void test_files(void) {
   expect_cases(
       "    cases: [{ layout.file: 'cells/n*2.cif', layout.scale: [1, 2] }]\n",
       "nand2-1 nand2-2 nor2-1 nor2-2 ");
-  /* The first text gives the name; the plugin does if there is no text. */
+  /* The first text of a case names the case; without a text, the plugin does.
+   */
 #define OTHER "gates: { use: segment.transistors, grid: 2 nm }"
   expect_cases("    cases: [{ " OTHER " }, { " OTHER
                ", layout.file: cells/nor2.cif }]\n",

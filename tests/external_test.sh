@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# Install this build into a folder of its own, move the installation, and build,
-# test and install the project subprojects/examples against it, through
-# pkg-config alone; then run a flow with what that installed.
+# Install this build into a separate folder and move the installation. Build,
+# test and install the project subprojects/examples against the installation,
+# through pkg-config alone. Then run a flow with the installed plugins.
 # OPCFLOW_SOURCE, OPCFLOW_BUILD: the trees; $1: meson; $2: its value of
 # b_sanitize.
 set -eu
@@ -19,7 +19,7 @@ fail() {
   exit 1
 }
 
-# Run quietly; what it said is shown if it fails.
+# Run a command; show the output of the command only if it fails.
 try() {
   "$@" >"$work/log" 2>&1 || { cat "$work/log" >&2; fail "failed: $*"; }
 }

@@ -348,9 +348,9 @@ static void test_timing(void) {
   g_assert_cmpfloat(metric(runs[0], "paths", "lowest"), >, 0.5);
 }
 
-/* A NAND2 with some transistors lengthened: the print matches the prediction of
-   static timing, no path exceeds the limit, and the leakage falls by about the
-   predicted amount, both by ngspice and by the device table. */
+/* A NAND2 with some transistors lengthened. The simulation matches the
+   prediction of static timing and no path exceeds the limit. The leakage falls
+   by about the predicted amount, both by ngspice and by the device table. */
 static void test_slack(void) {
   if (!have("timing.characterize")) return;
   g_autofree char *flow = source_path("flows/slack.yaml");

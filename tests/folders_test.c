@@ -182,7 +182,7 @@ static void test_hangup(void) {
   expect_names("h", "");
 }
 
-/* ---- what cannot be written ---- */
+/* ---- files that cannot be written ---- */
 
 /* A file that could not be written completely does not exist under its name. */
 static void test_full(void) {
@@ -245,8 +245,8 @@ static void test_names(void) {
       "but 'a' already writes 'd/x'\n");
 }
 
-/* A table gives way to an output file of the same name, of its own or of a
-   later step. */
+/* An output file of the same or a later step replaces a table of the same
+   name. */
 static void test_tables(void) {
   write_text("names.yaml",
              "opcflow: 1\nsteps:\n  a: { use: test.numbers, size: 1 nm }\n"

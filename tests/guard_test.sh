@@ -1,8 +1,9 @@
 #!/bin/bash
 # SPDX-License-Identifier: BSD-3-Clause
-# What `correct` says when something went wrong, and what its guard promises, read off
-# the tables of runs of each method: no transistor is further off than drawn and than the limit, or its row names a rule or
-# a neighbour. Without the guard, some are. By fine prints, the drawn mask's Ion is known to a tenth of the limit, 0.05 %.
+# Messages of `correct` about faults, and the promise of the guard, read from the tables of runs of each method.
+# No transistor deviates by more than drawn and by more than the limit, or its row names a rule or a neighbour.
+# Without the guard, some transistors do. Accurate simulation of the drawn mask determines Ion to a tenth of the
+# limit, 0.05 %.
 set -u
 opcflow=$OPCFLOW_BUILD/opcflow
 cells=$OPCFLOW_SOURCE/data/cells65

@@ -1,8 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# Each public header by itself, in any order with itself, with nothing but its
-# own folder to include from, base.h and cairo: as C99 without extensions and, where there is a
-# compiler for it, as C++. TAP.
+# Compile each public header alone and included twice, with only its folder, base.h and
+# cairo on the include path. As C99 without extensions and, if a compiler exists, as C++. TAP.
 # OPCFLOW_SOURCE: the tree; $@: the C compiler.
 strict="-fsyntax-only -pedantic-errors -Wall -Wextra -Wundef -Werror"
 cxx=${CXX:-$(command -v c++ || command -v g++ || command -v clang++)}

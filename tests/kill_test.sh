@@ -76,7 +76,7 @@ for ((i = 1; i <= kills || (left == 0 && i <= 10 * kills); i++)); do
   fi
   rm -rf out/x.failed* # kept, in the open, of what does not heed SIGTERM
   [ "$(ls -A out)" = x ] || left=$((left + 1))
-  # What is hidden is to be gone after the next run, which is let be.
+  # The next run, which is not killed, must remove all hidden folders.
   if ((i % 4 == 0 || i == kills)); then
     run >log 2>&1 || { lost=$((lost + 1)); sed "s/^/# $i: next: /" log; }
     last=$(whole out/x) || mixed=$((mixed + 1))

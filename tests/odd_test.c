@@ -274,9 +274,9 @@ static void test_sum(void) {
   "{ use: resist.threshold, anchor: ~, threshold: 0.404, " \
   "active_threshold: 0.271 }"
 
-/* Two flows of one drawing: odd.yaml finds its thresholds, light.yaml goes
-   through more steps. Fine prints are coarse ones, which go the same way as
-   those of flows that are shipped, in a fifth of the time. */
+/* Two flows of one drawing: odd.yaml finds its thresholds, light.yaml has more
+   steps. The accurate simulations are coarse: they run the same code as those
+   of the shipped flows in a fifth of the time. */
 static void set_up(void) {
   folder = g_dir_make_tmp("opcflow-XXXXXX", NULL);
   g_assert_cmpint(g_chdir(folder), ==, 0);

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Work in pieces, in one process: results against the same sums made here, and
-what is found again after faults, kills and damage. PIECES_KILLS: how many."""
+"""Work units in one process: results against the same sums computed here, and the
+units reused after faults, kills and damage. PIECES_KILLS: number of kills."""
 import glob
 import json
 import os
@@ -49,7 +49,7 @@ def call(*words, store="store", code=0, **more):
 
 
 def run(*sets, options=(), **more):
-    """A new run folder, what the command said, and the pieces that were done."""
+    """Return a new run folder, the finished command, and the work units that ran."""
     global number
     number += 1
     folder = "runs/%d" % number
@@ -140,7 +140,7 @@ def test_fault():
 
 
 def test_said():
-    """What a piece warned of is said by a run that finds it in the store."""
+    """A run that reuses a work unit from the store repeats the warnings of the unit."""
     text = "b: piece 1 is odd"
     folder, said, _ = run("b.fault=warn", "b.at=1")
     assert said.stderr.count("warning: " + text) == 1 and said.stderr.count("finding: " + text) == 1, said.stderr

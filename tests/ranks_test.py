@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""A flow that several processes run together, by mpirun: the same bits as one
-process gives and as sums made here, whatever fails, is killed or damaged.
-RANKS_KILLS: how many kills; RANKS_SEED."""
+"""A flow that several processes run together, by mpirun: the same bits as from one
+process and as sums computed here, whatever fails, is killed or damaged.
+RANKS_KILLS: number of kills; RANKS_SEED."""
 import concurrent.futures
 import glob
 import json
@@ -31,7 +31,7 @@ steps:
   d: { use: test.pieces, add: "${b}", count: 5 }
 """
 ENV = dict(os.environ, OPCFLOW_PLUGIN_PATH=os.path.join(BUILD, "tests"), OMPI_ALLOW_RUN_AS_ROOT="1",
-           # MPI never frees what it has at the end.
+           # MPI never frees its memory at the end.
            ASAN_OPTIONS=os.environ.get("ASAN_OPTIONS", "") + ":detect_leaks=0",
            OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1", OMPI_MCA_btl_vader_single_copy_mechanism="none")
 ALL = sorted((w, i) for w in ("first", "second") for i in range(12))
@@ -63,7 +63,7 @@ class Place:
                                 cwd=self.folder, env=self.env, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
     def run(self, n, *sets, code=0, **more):
-        """The run folder, what was said, and the pieces that were done."""
+        """Return the run folder, the finished command, and the work units that ran."""
         process = self.start(n, *sets, **more)
         process.out, process.err = process.communicate(timeout=100)
         assert process.returncode == code, (process.returncode, process.out, process.err)
@@ -114,7 +114,7 @@ def test_same(place):
 
 
 def test_chip(place):
-    """A chip's windows: tables, figures, and what each window gave."""
+    """Windows of a chip: tables, figures, and results of each window."""
     env = dict(place.env, OPCFLOW_PLUGIN_PATH=os.path.join(BUILD, "plugins"))
     flow = os.path.join(os.environ["OPCFLOW_SOURCE"], "flows/chip.yaml")
     found = []
@@ -147,8 +147,8 @@ def test_said(place):
 
 
 def test_again(place):
-    """What was kept by several is found by one, and the other way round; outputs
-    that vanished come again."""
+    """One process reuses results kept by several, and the reverse; lost outputs are
+    written again."""
     place.run(2)
     assert not place.pieces()
     folder, said, done = place.run(0)
@@ -172,7 +172,7 @@ def test_sweep(place):
     assert [row[column] for row in told["sweep"]["rows"]] == [truth(count=2)[0], truth(count=3)[0]]
 
 
-# ---- what goes wrong ----
+# ---- faults ----
 
 def test_faults(place):
     said = place.run(2, "b.count=x", code=2)[1].err
@@ -191,7 +191,7 @@ def test_faults(place):
         folder, _, done = place.run(2)
         check(folder)
         assert not place.hidden(), (fault, place.hidden())
-        # What one rank could not take, the first one could, and it kept the result.
+        # The first rank received the result that another rank could not, and kept the result.
         assert len(done) == (24 - kept if fault != "rank" else 0), (kept, done)
         shutil.rmtree(place.path("store"))
 
@@ -214,7 +214,7 @@ def test_others(place):
 
 
 def test_job(place):
-    """The job for Slurm, by bash with what Slurm would tell it; by Slurm where it answers."""
+    """The job for Slurm, by bash with the variables that Slurm sets; by Slurm where available."""
     job = os.path.join(os.environ["OPCFLOW_SOURCE"], "data/opcflow.sbatch")
     n = "2" if os.cpu_count() > 1 else "1"
     env = dict(place.env, SLURM_NTASKS=n, SLURM_CPUS_PER_TASK="1", SLURM_SUBMIT_DIR=place.folder,
@@ -260,7 +260,7 @@ def ranks_of(process):
 
 
 def test_kills(place):
-    """Of one rank or of all, at a random moment, once and again until it is done."""
+    """Kill one rank or all at a random moment, repeatedly until a run is complete."""
     dice = random.Random(int(os.environ.get("RANKS_SEED", "1")))
     middle = 0
     for i in range(KILLS):
@@ -280,7 +280,7 @@ def test_kills(place):
         if process.returncode:
             assert "signal 9" in process.err, process.err
             middle += 1
-            place.number -= 1  # what is hidden goes with the next run of the name
+            place.number -= 1  # the next run of the name removes hidden folders
         kept = len(place.pieces())
         folder, _, done = place.run(dice.choice((0, 2, 4)))
         check(folder)

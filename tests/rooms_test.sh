@@ -1,14 +1,16 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# Whether every room of the house keeps to itself: which folder may include
-# from which, and that the kernel knows no word of what it is used for.
-# rooms_test.sh COMPILER...
+# Check the layers of the tree: which folder may include from which, and that
+# the kernel has no terms of its applications.
+# rooms_test.sh [COMPILER...]
+# OPCFLOW_SOURCE: the tree; default: the folder above this script.
 set -u
-cd "$OPCFLOW_SOURCE" || exit 99
+cd "${OPCFLOW_SOURCE:-$(dirname "$0")/..}" || exit 99
+[ $# -gt 0 ] || set -- "${CC:-cc}"
 failed=0
 number=0
 
-# check NAME FUNCTION [WORD...]: what the function prints is wrong.
+# check NAME FUNCTION [WORD...]: the function prints the faults.
 check() {
   name=$1
   shift
@@ -46,7 +48,7 @@ domain_words() {
   done
 }
 
-# What stands before does not include what stands behind.
+# A folder does not include from folders later in the list.
 kernel_order() {
   includes core | awk '
     BEGIN { n = split("plugin binding report run cli", rooms, " ")
@@ -118,8 +120,8 @@ library_alone() {
     xargs grep -nE '^ *# *include *["<](eda|plugins)/'
 }
 
-# From a plugin: its own folder, or what its family shares. Tests may see the
-# kernel's means of testing, and what tests share.
+# A plugin includes from its folder or the shared files of its family. Tests may
+# also include the test helpers of the kernel and of other tests.
 families() {
   includes plugins | awk '
     { split($1, from, "/"); n = split($2, to, "/")

@@ -95,7 +95,7 @@ static void test_findings_of_points(void) {
   expect_finding(list_of(point, "findings", &one), 0, "b", "4 nm is odd");
 }
 
-/* ---- what is required ---- */
+/* ---- required bounds ---- */
 
 /* a.sum is 69 nm, b.sum is 75 nm; test bounds on both. */
 static void test_bounds(void) {

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""schema_check.py SCHEMA DOCUMENT ...: one line each, good or what is wrong."""
+"""schema_check.py SCHEMA DOCUMENT ...: one line for each document, "good" or the fault."""
 import json
 import sys
 import warnings

@@ -245,7 +245,7 @@ static void test_resolved(void) {
                 metric("first", "best", "least"));
 }
 
-/* ---- what is refused ---- */
+/* ---- refused flows ---- */
 
 /* Check that a flow is refused by `check` and by `run`. */
 static void expect(const char *text, const char *want) {

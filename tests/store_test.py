@@ -1,9 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""The store of results, through the command: what runs and what is reused after
-each kind of change, that a reused run is as one that ran, and that neither
-damage, other processes, kills nor a full disk do harm. Runs with `--no-cache` are
-what is compared with."""
+"""The store of results, through the command: which steps run and which are reused
+after each kind of change. A reused run equals a run without reuse (`--no-cache`).
+Neither damage, other processes, kills nor a full disk do harm."""
 import glob
 import json
 import os
@@ -44,7 +43,7 @@ def call(*words, store="store", code=0, **more):
 
 
 def run(*words, flow="chain.yaml", **more):
-    """A new run folder, and what the command said."""
+    """Return a new run folder and the finished command."""
     global number
     number += 1
     folder = "runs/%d" % number
@@ -77,7 +76,7 @@ def fresh():
     os.makedirs("runs")
 
 
-# ---- what runs ----
+# ---- steps that run ----
 
 def test_again():
     truth, _ = run("--no-cache")
@@ -188,7 +187,7 @@ steps:
 
 
 def test_file_meanwhile():
-    """Of a file that changes before its step runs, nothing is kept."""
+    """Results of a file that changes before the step runs are not kept."""
     write("chain.yaml", "opcflow: 1\nname: x\nsteps:\n  a: { use: test.kept, wait: 400 }\n"
           "  b: { use: test.numbers, size: 1 nm, input: in.txt, add: ${a} }\n")
     env = dict(os.environ, OPCFLOW_STORE=os.path.abspath("store"))
@@ -221,7 +220,7 @@ def test_plugin():
 
 
 def test_fickle():
-    """What promises nothing is not kept, nor is what takes from it."""
+    """Results of a plugin without the promise, and of steps that use them, are not kept."""
     write("chain.yaml", FLOW.replace("c: { use: test.kept", "c: { use: test.fickle"))
     run()
     folder, _ = run()
@@ -250,7 +249,7 @@ def test_required():
 
 
 def test_failure():
-    """What fails is not kept."""
+    """A failed step is not kept."""
     for _ in range(2):
         done = call("run", "chain.yaml", "--quiet", "--set", "c.file=in/../../x", code=None)
         assert done.returncode
@@ -275,7 +274,7 @@ def test_sweep():
     def files(folder):
         return {f["path"]: f["sha256"] for f in manifest(folder)["files"] if f["path"] != "sweep.csv"}
     assert files(truth) == files(first) == files(second)
-    # One value more: only that point, with what it takes from the trunk.
+    # One more value: only that point runs, with outputs of the trunk.
     third, _ = run("--sweep", "c.number=[1, 2, 3, 4, 5, 6, 7, 8, 9]")
     assert set(ran(third)) == {"a", "c", "d"}
     assert [r["point"] for r in manifest(third)["store"]["results"] if r["result"] == "ran" and r["step"] == "c"] == [9]
@@ -309,7 +308,7 @@ def test_kills():
 
 
 def test_real():
-    """A mask that is read back, and a search, are worth the same as when they ran."""
+    """A mask that is read back, and a search, have the same metrics as when they ran."""
     paths = dict(OPCFLOW_PLUGIN_PATH=os.path.join(BUILD, "plugins"))
     flows = os.path.join(os.environ["OPCFLOW_SOURCE"], "flows")
     write("chain.yaml", """opcflow: 1
@@ -365,7 +364,7 @@ def test_outputs_gone():
 
 
 def test_edited():
-    """What is done to a run folder does no harm to the store."""
+    """Changes of a run folder do not change the store."""
     first, _ = run()
     second, _ = run()
     with open(second + "/b.txt", "a") as f:
@@ -401,7 +400,7 @@ def test_place():
     assert "no results are kept or reused" in done.stderr and "store" not in manifest(folder)
     first, _ = run()
     shutil.copytree("store", "full")
-    # Files of more than 512 bytes fail as on a full disk; what is there is used.
+    # Files of more than 512 bytes fail as on a full disk; stored results are used.
     env = dict(os.environ, OPCFLOW_STORE=os.path.abspath("full"))
     shutil.rmtree("full/new")
     write("full/new", "")  # nothing can be written

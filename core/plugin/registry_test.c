@@ -75,7 +75,7 @@ static void test_scan(void) {
   const opc_candidate *good = find(list, "bad.none");
   g_assert_cmpstr(good->reason, ==, NULL);
   g_assert_cmpstr(good->kind, ==, "regulator");
-  g_assert_cmpstr(good->summary, ==, "Not what it seems");
+  g_assert_cmpstr(good->summary, ==, "A plugin with a fault");
 }
 
 static void test_find(void) {

@@ -9,16 +9,17 @@
    instantiates its plugins and checks them at each swept value, before the
    step's own `check`.
 
-   A parameter with OPC_INNER_AXIS is an axis whose values are layers: variants
-   of the inner flow, or maps of paths and values, with lists, patterns and
-   files that the host expands (docs/reference/flow.md). These axes precede the
+   A parameter with OPC_INNER_AXIS is an axis whose values are layers. A layer
+   is a variant of the inner flow, or a map of paths and values with lists,
+   patterns and files that the host expands (docs/reference/flow.md). The axes
+   precede the
    axes of a sweep, in the order of declaration; a later axis overrides an
    earlier one. The host runs a step that depends only on the first axes once
    for all points that share the values of these axes.
 
    An OPC_INPUT with OPC_INNER_STEP, if given, replaces the step of the inner
-   flow that has the name of the parameter: the object of the input is used as
-   the output of that step, which does not run.
+   flow that has the name of the parameter. The host uses the object of the
+   input as the output of that step and does not run the step.
 
    A step gets the service by opc_get_inner, which returns NULL if the step has
    no inner flow. The host owns the returned objects; they are valid until the

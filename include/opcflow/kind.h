@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Kind "kind": declares a further kind of plugins. The kinds "step" (step.h),
    "command" (command.h) and "kind" are built in. Any other kind is declared by
-   a plugin "kind.NAME", found like any plugin, which states the size of the
-   struct of functions, tests plugins of the kind, and provides a template for
-   new ones. */
+   a plugin "kind.NAME", found like any plugin. The plugin states the size of
+   the struct of functions, tests plugins of the kind, and provides a template
+   for new ones. */
 #ifndef OPCFLOW_KIND_H
 #define OPCFLOW_KIND_H
 

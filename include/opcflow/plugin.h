@@ -52,9 +52,9 @@ OPC_C_BEGIN
 
 /* ---- parameters ------------------------------------------------------- */
 
-/* Type of a parameter, with the notation in a flow, the C type of the field of
-   the instance, and the value of that field where the parameter is neither
-   given nor has a default. */
+/* Type of a parameter, with the notation in a flow and the C type of the field
+   of the instance. The last column is the value of the field if neither the
+   flow nor a default sets one. */
 enum {
   OPC_BOOL = 1,   /* true, false            int                  -1 */
   OPC_INT = 2,    /* 12                     int64_t              OPC_NO_INT */
@@ -117,9 +117,9 @@ enum {
    "A", "C", "deg", "s", "1/nm"); the flow must write a unit of the same
    dimension. NULL: a plain number. `preset` is the default in the notation of a
    flow, NULL for none. `offset` and `width` locate the field of the instance.
-   `given` is the offset of an int that is set to 1 if the flow or the command
-   line gave the value, else to 0, also where the given value equals the
-   default; 0: no such field. */
+   `given` is the offset of an int that the host sets to 1 if the flow or the
+   command line sets the value, even to the default, else to 0. Offset 0: no
+   such field. */
 typedef struct opc_parameter {
   const char *name;
   uint32_t type;
@@ -172,8 +172,8 @@ typedef struct opc_metric {
 /* ---- the host --------------------------------------------------------- */
 
 /* Levels of log messages. A finding is a fault of the result that must not be
-   missed: the host shows a finding as a warning at once and again at the end of
-   the run, and keeps it in metrics.json. */
+   missed. The host shows a finding as a warning at once and again at the end of
+   the run, and writes the finding to metrics.json. */
 enum {
   OPC_LOG_DEBUG = 0,
   OPC_LOG_INFO = 1,

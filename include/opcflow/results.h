@@ -19,8 +19,8 @@ typedef struct opc_results {
      determines the results of the plugin in `slot`, or of this plugin for NULL:
      build, parameters, contents of files, and the plugins in the slots. Valid
      as long as the instance. Returns NULL and fills *error if a file cannot be
-     read, or if the plugin in the slot, or a plugin below it, takes the result
-     of a step ('${gates}'), which the hash would not include. */
+     read. Also if the plugin in the slot, or a plugin below it, takes the
+     result of a step ('${gates}'): the hash would not include that result. */
   const char *(*identity)(const opc_host *host, const char *slot,
                           opc_error *error);
 

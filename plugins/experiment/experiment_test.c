@@ -20,7 +20,7 @@ static const opc_inner_axis axes[] = {
 
 static const opc_metric ion = {"ion", "%", OPC_LOWER, 0, "a figure"},
                         shots = {"shots", NULL, OPC_LOWER, 0, "another one"},
-                        count = {"count", NULL, OPC_NEUTRAL, 0, "of no worth"},
+                        count = {"count", NULL, OPC_NEUTRAL, 0, "neutral"},
                         dose = {"ion", "mA", OPC_HIGHER, 0, "an other unit"};
 
 static double formula(size_t point) {

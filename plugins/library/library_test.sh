@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# The library of corrected cells: a cell in each of the eight orientations, what
-# is corrected again and what is not, and databases that are no good.
+# The library of corrected cells: a cell in each of the eight orientations, which
+# cells are corrected again, and databases that cannot be used.
 # library_test.sh OPCFLOW
 set -u
 opcflow=$1
@@ -138,9 +138,9 @@ code=$?
 check "another process: exit 2" exits 2
 check "and says what differs" says "made with another litho"
 
-# ---- light that does not see all ways alike ----
+# ---- illumination that is not equivalent in all orientations ----
 
-# A dipole sees lines along x otherwise than along y, and either as its mirror.
+# A dipole images lines along x unlike lines along y. Mirrored lines are equivalent.
 dipole() {
   layout "$1" 600 >"$work/turned.cif"
   run --set "layout.file=$work/turned.cif" \
@@ -176,8 +176,8 @@ check "refining takes that back" near "$(metric mask ion_mean)" 0 "$(metric plac
 check "by four cheap prints of each layer at most" near "$(metric mask simulations)" 0 8.5
 check "and no fine one" is mask fine_simulations 0.0
 cheap=$(metric placed ion_mean)
-# Those on the far sides print as alone, which a cheap print by itself does not
-# show: it is off by up to 0.15 %.
+# Transistors on the far sides print as those of a single cell. The fast simulation
+# alone does not show this: it deviates by up to 0.15 %.
 far_as_alone() {
   python3 - "$out/disturbance.csv" <<'PY'
 import csv, sys
@@ -241,7 +241,7 @@ code=$?
 check "a marker over a cell: exit 2" exits 2
 check "and says so" says "4 of 4 transistors are not in the library.*another flavour"
 
-# What depends on more than settings and the cell is not kept.
+# A correction that depends on more than the settings and the cell is not kept.
 rm -f "$work/db"
 run --set 'library.resist.anchor.gates=${cells}'
 code=$?
@@ -264,7 +264,7 @@ kill $locker
 check "locked: exit 5" exits 5
 check "and says so" says "is locked by another process"
 
-# Killed at random moments, the database is whole and has what it had.
+# After kills at random moments, the database is valid and keeps the earlier cells.
 rm -f "$work/db"
 run
 for wait in 0.01 0.05 0.1 0.15 0.2; do

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""The page of `opcflow report` in a browser: its numbers against the run folders' files,
-read by Python, and what pointer and keyboard do. Skipped where there is no Chromium."""
+"""The page of `opcflow report` in a browser: the numbers of the page against the files of the
+run folders, read by Python, and the effects of pointer and keyboard. Skipped without Chromium."""
 import base64
 import csv
 import json
@@ -121,7 +121,7 @@ class Browser:
         self.value('new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(1))))')
 
     def faults(self):
-        """Whatever the console, the policy or a dialog said; not of what this test reads back."""
+        """Return messages of the console, the policy and dialogs, without those of this test's read-backs."""
         bad = [e for e in self.events if e['method'] in ('Runtime.exceptionThrown', 'Page.javascriptDialogOpening')
                or e['method'] == 'Runtime.consoleAPICalled' and e['params']['type'] in ('error', 'warning')
                or e['method'] == 'Log.entryAdded' and e['params']['entry']['level'] in ('error', 'warning')]
@@ -133,7 +133,7 @@ class Browser:
         self.process.wait(20)
 
 
-# ---- what the page is held against ----
+# ---- reference values ----
 
 def unpack(text, stride):
     raw = zlib.decompress(base64.b64decode(text))
@@ -343,7 +343,7 @@ def test_narrow(b, runs):
 
 
 def test_experiment(b, runs, folder):
-    """Methods over all cases: means as Python takes them; what failed is said."""
+    """Methods over all cases: means as computed by Python; the page lists failed cases."""
     make_experiment(folder)
     b.open(folder + '/experiment.html')
     rows = b.value('''[...document.querySelectorAll('#summary table')[0].rows].map(r => [...r.cells].map(c => c.innerText.trim()))''')

@@ -225,7 +225,7 @@ static void test_turned(void) {
   g_assert_cmpfloat(opc_test_metric("setting"), ==, 1 + 1);
 }
 
-/* ---- what goes wrong ---- */
+/* ---- errors ---- */
 
 /* If the run of the best setting fails, the next best one wins. */
 static void test_failing(void) {

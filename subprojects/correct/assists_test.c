@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tests assist bars beside the two gates of the sample. With these optics, bars
-   of 8 nm and more print; bars of 6 nm transmit 0.68 of the light. */
+/* Tests scatter bars beside the two gates of the sample. With these optics,
+   scatter bars of 8 nm and more print. Those of 6 nm transmit 0.68 of the
+   light. */
 #include <correct/assists.h>
 
 #include "models_test.h"
@@ -61,8 +62,8 @@ static gate_bars set_rules(int rows, double width, double margin) {
 }
 
 /* Compare with rectangles computed by hand: gates at y 100..300 and 600..900 of
-   a line at x 0..60. The bars of the longer gate come first, the others end 90
-   nm before them. */
+   a line at x 0..60. The scatter bars of the longer gate are placed first, the
+   others end 90 nm before them. */
 static void test_places(void) {
   static const eda_box want[] = {{-156, 480, -150, 1020},
                                  {210, 480, 216, 1020},
@@ -79,8 +80,8 @@ static void test_places(void) {
       found |= !memcmp(&bars.box[k], &want[i], sizeof want[i]);
     g_assert_true(found);
   }
-  /* The bars are in the mask, beside the line that is shortened by 3 nm in one
-     part. */
+  /* The scatter bars are in the mask, beside the line that is shortened by 3 nm
+     in one part. */
   int64_t line = 60 * 1000 - 3 * 200, all = 6 * 2 * (540 + 410);
   g_assert_cmpint(eda_area2(&l.mask[EDA_POLY]), ==, 2 * (line + all));
   g_string_truncate(told, 0);
@@ -93,7 +94,7 @@ static void test_places(void) {
   correct_loop_clear(&l);
 }
 
-/* Bars that print, or nearly print, are removed from the mask. */
+/* Scatter bars that print, or nearly print, are removed from the mask. */
 static void test_dropped(void) {
   loop l;
   opc_error error = {0};

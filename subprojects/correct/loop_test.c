@@ -34,8 +34,8 @@ typedef struct synthesizer {
   const char *spoil; /* error to make */
   const eda_box *assists;
   size_t assist_count;
-  int drop;                   /* number of bars removed with the first
-                                 displacements */
+  int drop;                   /* number of scatter bars removed with the
+                                 first displacements */
   uint32_t first_simulations; /* simulations before the first displacements */
   int updates;
   eda_printer *printer;

@@ -56,7 +56,8 @@ static size_t field_nodes(const eda_field *f) {
   return (size_t)f->nx * (size_t)f->ny;
 }
 
-/* Set the weights near bars to 0: bars are checked for printing separately. */
+/* Set the weights near scatter bars to 0: their printing is checked separately.
+ */
 static void leave_out_bars(const loop *l, eda_field *f) {
   const eda_frame *r = &f->frame;
   double dx = r->width / f->nx, dy = r->height / f->ny, g = l->gates->grid;
@@ -73,8 +74,8 @@ static void leave_out_bars(const loop *l, eda_field *f) {
 }
 
 /* Convert a level set in place, at the nodes of the map, to the derivative of
-   the printed area by the level: a ridge along the contour whose integral is
-   the contour's length over its slope. */
+   the printed area by the level. The derivative is a ridge along the contour;
+   the integral of the ridge is the length of the contour over the slope. */
 static int find_edge(const loop *l, eda_field *f, opc_error *error) {
   int code = eda_field_resample(l->host->context, f, map_step, error);
   if (code) return code;
@@ -174,9 +175,9 @@ static int make_map(const loop *l, eda_field *map, opc_error *error) {
   return code;
 }
 
-/* ---- the bars ---- */
+/* ---- scatter bars ---- */
 
-/* Remove bars that no longer reduce the band. */
+/* Remove scatter bars that no longer reduce the band. */
 static void drop_idle(loop *l, const eda_field *map) {
   search_bars *s = &l->search;
   size_t kept = 0;

@@ -167,8 +167,8 @@ static void test_end(void) {
 
 /* Return the sensitivity of Ion, % per clear field, of a gate of this length or
    width in nm. An edge of one Gaussian kernel prints where the amplitude, a
-   normal distribution of `s` nm, is the root of the threshold; the slope of the
-   intensity there gives the displacement. */
+   normal distribution of `s` nm, is the root of the threshold. The displacement
+   is the change of intensity over the slope of the intensity there. */
 static double sensitivity_of(double size) {
   const double s = cut_off / G_PI / sqrt(2), z = 0.754089, a = sqrt(0.6);
   double slope = 2 * a * exp(-z * z / 2) / sqrt(2 * G_PI) / s;
@@ -187,8 +187,8 @@ static void test_how_fine(void) {
   g_assert_cmpint(eda_printer_prepare(&p, &error), ==, OPC_OK);
   g_assert_cmpint(eda_printer_print(&p, g->corrected, g->drawn, &error), ==,
                   OPC_OK);
-  /* Standard deviation of an error: a quarter of the largest. Of the gates, the
-     narrower one. */
+  /* Standard deviation of an error: a quarter of the largest. The narrower gate
+     counts. */
   double poly = sensitivity_of(60) / 4, active = sensitivity_of(200) / 4;
   const struct {
     double change;

@@ -22,7 +22,7 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(
         cv, capacitance, .type = OPC_REAL, .flags = OPC_ABOVE,
         .preset = "0.0173",
-        .summary = "of the gate, aF/nm^2; the default is an oxide of 2 nm"),
+        .summary = "gate capacitance, aF/nm^2; default: an oxide of 2 nm"),
 };
 
 /* ---- entry ---- */

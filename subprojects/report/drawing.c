@@ -14,10 +14,10 @@
 
 /* ---- state ---- */
 
-/* Contours are found in tiles, in parallel, with a grid step of `finest`, or
-   larger to limit the number of nodes, up to `coarsest` nm or the grid step of
-   the print, a quarter of the shortest period of its image. At twice that step,
-   lines of 65 nm would break. */
+/* Contours are found in tiles, in parallel. The grid step is `finest` nm, or
+   larger to limit the number of nodes. The step is at most `coarsest` nm or the
+   grid step of the simulation, a quarter of the shortest period of the image.
+   At twice that step, lines of 65 nm would break. */
 static const double tile = 4000, finest = 10, coarsest = 30, nodes = 2e6;
 static const double unit = 0.5; /* resolution of contour points, nm */
 /* Largest deviation of a chord from the contour, and of omitted points from the

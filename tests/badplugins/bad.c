@@ -102,7 +102,7 @@ static const opc_plugin plugin = {
     .licence = "BSD-3-Clause",
 #endif
 #ifndef BAD_SUMMARY
-    .summary = "Not what it seems",
+    .summary = "A plugin with a fault",
 #endif
     OPC_PARAMETERS(parameters),
 #ifdef BAD_INSTANCE

@@ -171,7 +171,7 @@ static const opc_parameter parameters[] = {
                   .preset = "well",
                   .choices = "well|fail|nan|limit|wait|leave|"
                              "find|many|quiet|tell",
-                  .summary = "what to do"),
+                  .summary = "behaviour of the step"),
 };
 
 static const opc_metric metrics[] = {

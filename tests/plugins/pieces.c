@@ -232,7 +232,7 @@ static const opc_parameter parameters[] = {
                   .summary = "pieces of each list"),
     OPC_PARAMETER(pieces, size, .type = OPC_INT, .preset = "3",
                   .flags = OPC_AT_LEAST, .min = 0,
-                  .summary = "numbers that a piece gives"),
+                  .summary = "number of results of a piece"),
     OPC_PARAMETER(pieces, wait, .type = OPC_INT, .flags = OPC_NO_EFFECT,
                   .preset = "0", .summary = "ms"),
     OPC_PARAMETER(pieces, kept, .type = OPC_BOOL, .flags = OPC_NO_EFFECT,
@@ -247,13 +247,14 @@ static const opc_parameter parameters[] = {
         pieces, fault, .type = OPC_CHOICE, .flags = OPC_NO_EFFECT,
         .preset = "none",
         .choices = "none|work|take|crash|exit|huge|publish|warn|nest|rank",
-        .summary = "what goes wrong in the second list"),
+        .summary = "fault in the second list"),
     OPC_PARAMETER(pieces, at, .type = OPC_INT, .flags = OPC_NO_EFFECT,
-                  .preset = "7", .summary = "in which piece"),
+                  .preset = "7",
+                  .summary = "index of the piece with the fault"),
 };
 
 static const opc_metric metrics[] = {
-    {"sum", NULL, OPC_NEUTRAL, 0, "of all pieces"},
+    {"sum", NULL, OPC_NEUTRAL, 0, "sum of all pieces"},
 };
 
 /* ---- entry ---- */

@@ -70,13 +70,13 @@ static const opc_parameter parameters[] = {
                   .summary = "say nothing"),
     OPC_PARAMETER(tell, sizes, .type = OPC_REALS, .unit = "nm",
                   .summary = "lengths"),
-    OPC_PARAMETER(tell, title, .type = OPC_TEXT, .summary = "what comes first"),
+    OPC_PARAMETER(tell, title, .type = OPC_TEXT, .summary = "first line"),
     OPC_PARAMETER(tell, output, .type = OPC_OUTPUT,
-                  .summary = "where to write words"),
+                  .summary = "file for the words"),
 };
 
 static const opc_metric metrics[] = {
-    {"sum", "nm", OPC_LOWER, 0, "of all sizes"},
+    {"sum", "nm", OPC_LOWER, 0, "sum of all sizes"},
 };
 
 static int check(void *self, opc_error *error) {
@@ -90,7 +90,7 @@ static int check(void *self, opc_error *error) {
 static const opc_command functions = {.arguments = "WORD ...", .run = run};
 
 OPC_PLUGIN(tell, .id = "command.tell", .kind = "command", .version = "1.0.0",
-           .licence = "BSD-3-Clause", .summary = "Tell what it is given",
+           .licence = "BSD-3-Clause", .summary = "Print the given words",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
            OPC_PARAMETERS(parameters), OPC_METRICS(metrics), .check = check,
            OPC_FUNCTIONS(functions));

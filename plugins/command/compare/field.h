@@ -24,11 +24,11 @@ typedef struct field {
   GPtrArray *lists; /* eda_run_cases * */
 } field;
 
-/* Open the runs to compare: run folders (two or more), variants of a flow (one
-   file, and the variant names separated by commas), one experiment (the first
-   method is the base), or two experiments (the first is the base, compared by
-   case and method). Cases without a run are reported by host->log. Call
-   field_clear in any case. */
+/* Open the runs to compare. Accepted are two or more run folders, or variants
+   of a flow (one file, and the variant names separated by commas). Also one
+   experiment (the first method is the base), or two experiments (the first is
+   the base, compared by case and method). Logs cases without a run by
+   host->log. Call field_clear also after an error. */
 int field_open(field *f, const opc_host *host, size_t n,
                const char *const *arguments, const char *variants,
                opc_error *error);

@@ -37,9 +37,10 @@ static void place_sample(eda_layout *layout, int32_t in, int32_t cell,
   g_assert_false(eda_layout_add_instance(layout, in, cell, &p, NULL, &e));
 }
 
-/* Return a layout with a cell of two transistors whose poly leaves it, blocks
-   of 30 x 20 cells that overlap at their seams, all eight orientations, a ring
-   around a hole, a line over all rows, and a cell within a cell. */
+/* Return a layout of blocks of 30 x 20 cells that overlap at their seams, in
+   all eight orientations. The cell has two transistors whose poly extends
+   beyond the cell. The layout also has a ring around a hole, a line over all
+   rows, and a cell within a cell. */
 static eda_layout *draw_sample(double unit) {
   opc_error e;
   eda_layout *layout = eda_layout_new(unit, &e);

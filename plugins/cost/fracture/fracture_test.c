@@ -378,7 +378,7 @@ static void test_slivers(void) {
 }
 
 /* With shots of one grid step, their number is the area of all rectangles: no
-   overlap and no gap for ragged towers of bars with chords in both
+   overlap and no gap for ragged towers of rectangles with chords in both
    directions. */
 static void test_ragged(void) {
   guint32 seed = 7;
@@ -454,8 +454,8 @@ static int64_t file_size(const char *writer, const eda_mask *mask,
   return (int64_t)n;
 }
 
-/* Return a mask as from an edge-based correction: bars with edges that jog
-   every few steps, some crossed by a wide one; merged. */
+/* Return a merged mask as from an edge-based correction: lines with edges that
+   jog every few steps, some crossed by a wide line. */
 static eda_shapes jagged(uint32_t seed, int bars) {
   opc_error error;
   g_autoptr(GRand) rand = g_rand_new_with_seed(seed);

@@ -105,7 +105,7 @@ static void test_map(void) {
   cairo_surface_destroy(p);
 }
 
-/* Of three parameters, the middle one has its best value. */
+/* The middle one of three parameters has its best value. */
 static void test_between(void) {
   const double figure[] = {9, 9, 3, 4, 9, 9, 5, 1, 9, 9, 6, 7};
   const eda_setting three[] = {both[0], both[1], both[1]};

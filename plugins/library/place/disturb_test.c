@@ -101,7 +101,7 @@ static int is_near(uint32_t p, eda_colour c) {
   return 1;
 }
 
-/* Gates in their colours on a grey chip, which gives the scale. */
+/* Gates in their colours on a grey chip, from which the scale is computed. */
 static void test_picture(void) {
   made d;
   opc_error error = {0};
@@ -127,8 +127,8 @@ static void test_picture(void) {
   double by_x = (x1 - x0 + 1) / (double)(e.x1 - e.x0);
   double by_y = (y1 - y0 + 1) / (double)(e.y1 - e.y0);
   g_assert_cmpfloat(fabs(by_x / by_y - 1), <, 0.2); /* square within 20 % */
-  /* Of five figures, the largest being 4 %, the next one is the end of the
-     colours. */
+  /* Five figures, the largest 4 %: the second largest is the end of the colour
+     scale. */
   const double range = 2;
   for (size_t i = 0; i < GATES; i++) {
     eda_box b = d.box[i];

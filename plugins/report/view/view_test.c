@@ -232,7 +232,7 @@ static void test_names(void) {
   eda_mask_free(m);
 }
 
-/* Of two transistors, the worse one and its environment. */
+/* The page shows the worse one of two transistors, and the environment. */
 static void test_worst(void) {
   eda_gates g = *eda_gates_sample();
   eda_box far = {9000, 9000, 9060, 9200}, boxes[2] = {g.box[0], far};

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Characterizes the effect of other inputs on a delay. Measures pin
-   capacitances for each pattern of the other inputs, and two inputs that change
-   together (Chandramouli and Sakallah, "Modeling the effects of temporal
-   proximity of input transitions on gate propagation delay and transition
-   time", DAC 1996). Each pair that switches an output is simulated at a few
-   gaps, relative to one input alone. */
+   capacitances for each pattern of the other inputs, and pairs of inputs that
+   change together. Each pair that switches an output is simulated at a few
+   gaps, relative to one input alone. Source: Chandramouli and Sakallah,
+   "Modeling the effects of temporal proximity of input transitions on gate
+   propagation delay and transition time", DAC 1996. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -256,7 +256,7 @@ static int by_value(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-/* Range of the histogram. One value in OUTLIERS at either end may lie outside
+/* Range of the histogram. One value in OUTLIERS at either end may be outside
    of the bins. Margins at both sides: a share of the range, and a minimum in
    percentage points. */
 enum { OUTLIERS = 100 };

@@ -71,8 +71,8 @@ int merge_next(const merge *m, double *time) {
 
 /* ---- one delay an arc ---- */
 
-/* Compute events like module paths of vvp (delay.cc, vvp_fun_modpath). Of
-   simultaneous inputs, the least delay counts. Each change of the function's
+/* Compute events like module paths of vvp (delay.cc, vvp_fun_modpath). The
+   least delay of simultaneous inputs counts. Each change of the function's
    value sets a time at which the output takes the value of the function at that
    time. */
 static void by_arcs(waves *w, const node *n, const state *s) {

@@ -186,7 +186,8 @@ int shelf_put(shelf *s, const shelf_row *row, GVariant *data,
   return finish(s, put, error);
 }
 
-/* What lies in two columns, sum and data; NULL if it is not what was kept. */
+/* Return the data of the columns `at` (hash) and `at` + 1 (data), or NULL if
+   the data do not match the hash. */
 static GVariant *read_data(sqlite3_stmt *from, int at,
                            const GVariantType *type) {
   const void *bytes = sqlite3_column_blob(from, at + 1);

@@ -10,7 +10,7 @@
 struct loop;
 
 typedef struct gate_bars {
-  int64_t rows;                  /* number of rows; 0: no bars */
+  int64_t rows;                  /* number of rows; 0: no scatter bars */
   double width, distance, space; /* nm */
   double min_length, overhang;   /* nm */
   double margin;                 /* distance to the printing threshold, clear
@@ -19,9 +19,9 @@ typedef struct gate_bars {
   size_t dropped;
 } gate_bars;
 
-/* Place the bars into the next trial mask. Call after the synthesizers have
-   begun. Returns OPC_OK, or OPC_INVALID if the synthesizer places bars of its
-   own or a width is below the mask grid. */
+/* Place the scatter bars into the next trial mask. Call after the synthesizers
+   have begun. Returns OPC_OK, or OPC_INVALID if the synthesizer also places
+   scatter bars or a width is below the mask grid. */
 OPC_EXPORT int correct_assists_begin(struct loop *loop, opc_error *error);
 OPC_EXPORT void correct_assists_clear(struct loop *loop);
 
@@ -29,7 +29,7 @@ OPC_EXPORT void correct_assists_clear(struct loop *loop);
    reaches beyond the simulation frame. */
 OPC_EXPORT int correct_assists_check(const struct loop *loop, opc_error *error);
 
-/* Remove the bars that print from the next trial mask. */
+/* Remove scatter bars that print from the next trial mask. */
 OPC_EXPORT void correct_assists_watch(struct loop *loop);
 
 /* Report the metrics "assists" and "assists_dropped". */

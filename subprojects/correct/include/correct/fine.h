@@ -21,10 +21,10 @@ OPC_EXPORT double correct_fine_change(const char *text, double limit);
    a standard deviation of Ion of about `change` %.
 
    The sensitivity of Ion to an error is computed from the fast simulation of
-   the drawn mask, whose images the printer still holds, and from the same
-   images at a slightly higher intensity. All simulations of these gates by
-   these models therefore use equal errors. Sets nothing if `change` is 0 or no
-   transistor prints. */
+   the drawn mask, whose images the printer still holds. The same images at a
+   slightly higher intensity determine the derivative. All simulations of these
+   gates by these models therefore use equal errors. Sets nothing if `change` is
+   0 or no transistor prints. */
 OPC_EXPORT int correct_fine_by_layer(eda_printer *printer, const opc_host *host,
                                      const eda_gates *gates,
                                      const opc_module *extractor, double change,
@@ -37,9 +37,9 @@ OPC_EXPORT int correct_fine_by_drawn(eda_printer *printer, const opc_host *host,
                                      const opc_module *extractor, double change,
                                      opc_error *error);
 
-/* Return the clear field around a layout in nm: `margin`, or if that is NAN the
-   distance that simulations with the error `fine` require for the scanner of
-   the model (NULL: as of eda_natural). Logs the computed value. */
+/* Return the clear field around a layout in nm: `margin` unless NAN, else the
+   distance that simulations with the error `fine` require. That distance is
+   computed for the scanner of the model (NULL: see eda_natural) and logged. */
 OPC_EXPORT double correct_fine_margin(const opc_host *host,
                                       const opc_module *litho, double margin,
                                       double fine);

@@ -6,9 +6,9 @@
    The derivative of the band's area by the mask transmission is the gradient of
    the images at the two borders (compare R. Socha and others, "Contact hole
    reticle optimization by using interference mapping lithography", SPIE 5377,
-   2004, for the intensity). Bars are placed where the derivative is most
-   negative, after compensation by the edges of the features, which hold the
-   nominal contour in place. */
+   2004, for the intensity). Scatter bars are placed where the derivative is
+   most negative, after compensation by the edges of the features, which hold
+   the nominal contour in place. */
 #pragma once
 
 #include <eda/bars.h>
@@ -26,7 +26,7 @@ typedef struct search_bars {
   double min_length, length;                  /* nm */
   double margin;                              /* distance to the printing
                                                  threshold, clear field 1 */
-  /* Bars of the present mask. */
+  /* Scatter bars of the present mask. */
   eda_box_list bars;
   size_t dropped;
   int64_t round;
@@ -36,7 +36,7 @@ typedef struct search_bars {
 OPC_EXPORT int correct_search_begin(struct loop *loop, opc_error *error);
 OPC_EXPORT void correct_search_clear(struct loop *loop);
 
-/* Narrow bars that print, and search for more when a round is due or all
+/* Narrow scatter bars that print. Search for more when a round is due or all
    synthesizers are `done`. Call after each simulation. */
 OPC_EXPORT int correct_search_watch(struct loop *loop, int done,
                                     opc_error *error);

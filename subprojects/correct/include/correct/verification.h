@@ -19,9 +19,9 @@ typedef struct verification {
   eda_field *image; /* both [layers]; NULL: not kept */
 } verification;
 
-/* Largest number of verifications. The difference changes by a fifth of its
-   value in each round of the loop (see the README), so two failures in a row
-   show a loop that does not converge. */
+/* Largest number of verifications. The difference changes by a fifth in each
+   round of the loop (see the README). Two failures in a row show a loop that
+   does not converge. */
 enum { VERIFICATIONS = 3 };
 
 /* Keep the fast simulation of the drawn mask. */
