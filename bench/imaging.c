@@ -72,7 +72,7 @@ typedef struct times {
 } times;
 
 /* Measure the Fourier transforms of a layer of that size, as full planes. */
-static double transforms(eda_frame f, const opc_module *m, size_t systems,
+static double transforms(eda_frame f, const opc_module *m, size_t kernels,
                          int fine) {
   const eda_litho *l = m->functions;
   double band = l->band(m->self), cutoff = 0.75 / 193;
@@ -87,7 +87,7 @@ static double transforms(eda_frame f, const opc_module *m, size_t systems,
                          fftwf_plan_dft_2d(n, n, c, c, FFTW_BACKWARD, flags),
                          fftwf_plan_dft_r2c_2d(n, n, a, c, flags),
                          fftwf_plan_dft_c2r_2d(fine, fine, c, a, flags)};
-  size_t repeats[4] = {1, systems, 1, 1};
+  size_t repeats[4] = {1, kernels, 1, 1};
   for (size_t i = 0; i < 2 * room; i++) a[i] = (float)(i % 17);
   double start = processor_time();
   for (int p = 0; p < 4; p++)
@@ -120,14 +120,14 @@ static double layer(const eda_shapes *s, eda_frame f, const opc_module *m,
 }
 
 /* Measure layer and transforms alternately; return the best of RUNS. */
-static times measure(double um, const opc_module *m, size_t systems) {
+static times measure(double um, const opc_module *m, size_t kernels) {
   eda_shapes s = rows_of_lines(1000 * um);
   eda_frame f = frame_of(1000 * um);
   times best = {INFINITY, INFINITY};
   for (int i = 0; i < RUNS; i++) {
     int fine;
     best.layer = fmin(best.layer, layer(&s, f, m, processor_time, &fine));
-    best.fft = fmin(best.fft, transforms(f, m, systems, fine));
+    best.fft = fmin(best.fft, transforms(f, m, kernels, fine));
   }
   g_free(s.start);
   g_free(s.points);
@@ -246,9 +246,9 @@ static void bench_prepare(void) {
 static void bench_time(void) {
   g_autoptr(opc_module) m = litho("{}");
   /* The number of kernels that litho.hopkins reports, and the residual. */
-  size_t systems = 13;
+  size_t kernels = 13;
   opc_set_threads(1);
-  times one = measure(80, m, systems);
+  times one = measure(80, m, kernels);
   bench_report("imaging.layer_80um.one_core", one.layer, "s", 0.40,
                BENCH_LOWER);
   bench_report("imaging.layer_80um.over_fft", one.layer / one.fft, "", 1.3,
@@ -293,10 +293,10 @@ static void no_transfer(const void *self, size_t s, const double *fx, double fy,
 
 enum { MOST_SYSTEMS = 64 };
 
-static eda_systems systems_of(size_t *count, double scale) {
+static eda_kernels kernels_of(size_t *count, double scale) {
   static double weight[MOST_SYSTEMS];
   for (size_t i = 0; i < *count; i++) weight[i] = 1 / (double)*count;
-  return (eda_systems){.count = *count,
+  return (eda_kernels){.count = *count,
                        .weight = weight,
                        .band = (1 + sigma) * cutoff,
                        .intensity_band = 2 * cutoff * scale,
@@ -305,12 +305,12 @@ static eda_systems systems_of(size_t *count, double scale) {
 }
 
 static double plain_sum(const eda_spectrum *mask, size_t count) {
-  eda_systems systems = systems_of(&count, 1);
+  eda_kernels kernels = kernels_of(&count, 1);
   eda_field field;
   opc_error error;
-  systems.transfer = no_transfer;
+  kernels.transfer = no_transfer;
   double start = processor_time();
-  must(eda_coherent_sum(host->context, mask, &systems, 0, &field, &error),
+  must(eda_coherent_sum(host->context, mask, &kernels, 0, &field, &error),
        &error);
   double time = processor_time() - start;
   eda_field_clear(&field);
@@ -372,14 +372,14 @@ static void bench_parts(void) {
 static eda_field sampled(const eda_shapes *s, eda_frame f, int raster, int grid,
                          int nodes) {
   size_t count = 16;
-  eda_systems systems = systems_of(&count, grid ? 4 : 1);
+  eda_kernels kernels = kernels_of(&count, grid ? 4 : 1);
   eda_spectrum mask;
   eda_field field;
   opc_error error;
   must(eda_mask_spectrum(host->context, s, 1, f,
-                         systems.band * (raster ? 3 : 1), &mask, &error),
+                         kernels.band * (raster ? 3 : 1), &mask, &error),
        &error);
-  must(eda_coherent_sum(host->context, &mask, &systems, nodes ? 8 : 32, &field,
+  must(eda_coherent_sum(host->context, &mask, &kernels, nodes ? 8 : 32, &field,
                         &error),
        &error);
   eda_spectrum_clear(&mask);

@@ -104,13 +104,13 @@ static int mask_image(const void *self, int layer, const eda_spectrum *mask,
   static const double one = 1;
   const opc_inspector *in = self;
   (void)layer;
-  const eda_systems systems = {.count = 1,
+  const eda_kernels kernels = {.count = 1,
                                .weight = &one,
                                .band = limit,
                                .intensity_band = 2 * limit,
                                .transfer = mask_transfer,
                                .scale = {1, 0}};
-  return eda_coherent_sum(in->context, mask, &systems, 0, out, error);
+  return eda_coherent_sum(in->context, mask, &kernels, 0, out, error);
 }
 
 opc_module try_litho(const opc_inspector *in) {

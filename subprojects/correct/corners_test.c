@@ -36,14 +36,14 @@ static int image_of(const eda_spectrum *mask, double defocus, double more,
                     eda_field *out, opc_error *error) {
   static const double one = 1;
   const double c = cut_off_at(defocus);
-  const eda_systems systems = {.count = 1,
+  const eda_kernels kernels = {.count = 1,
                                .weight = &one,
                                .band = limit,
                                .intensity_band = 2 * limit,
                                .transfer = transfer_at,
                                .self = &c,
                                .scale = {1, 0}};
-  int code = eda_coherent_sum(NULL, mask, &systems, 0, out, error);
+  int code = eda_coherent_sum(NULL, mask, &kernels, 0, out, error);
   for (int i = 0; !code && i < out->nx * out->ny; i++)
     out->coefficients[i] += (float)more;
   return code;

@@ -82,13 +82,13 @@ static int image(const void *self, int layer, const eda_spectrum *mask,
                  eda_field *out, opc_error *error) {
   static const double one = 1;
   (void)self, (void)layer;
-  const eda_systems systems = {.count = 1,
+  const eda_kernels kernels = {.count = 1,
                                .weight = &one,
                                .band = limit,
                                .intensity_band = 2 * limit,
                                .transfer = transfer,
                                .scale = {1, 0}};
-  return eda_coherent_sum(NULL, mask, &systems, 0, out, error);
+  return eda_coherent_sum(NULL, mask, &kernels, 0, out, error);
 }
 
 /* The accurate model adds a wave across the frame, of height fine_adds[n] for

@@ -37,14 +37,14 @@ static int image(const void *self, int layer, const eda_spectrum *mask,
   (void)self, (void)layer;
   int code = misbehave();
   if (code) return code;
-  const eda_systems systems = {.count = 1,
+  const eda_kernels kernels = {.count = 1,
                                .weight = &one,
                                .band = band_limit,
                                .intensity_band = 2 * band_limit,
                                .transfer = transfer,
                                .offset = {dark, 0},
                                .scale = {dark ? -1 : 1, 0}};
-  code = eda_coherent_sum(host->context, mask, &systems, 0, out, error);
+  code = eda_coherent_sum(host->context, mask, &kernels, 0, out, error);
   if (code) return code;
   if (does("nan")) out->coefficients[out->nx + 2] = NAN;
   if (does("infinite")) out->coefficients[0] = -INFINITY;

@@ -267,7 +267,7 @@ static void test_optics(void) {
   g_test_message("moved by %.4f nm, slope says %.4f nm", of("rms", 1), away);
   close_to(of("cd", 1) - of("cd", 0), 2 * away, 0.004);
   close_to(of("rms", 1), away, 0.002);
-  g_assert_cmpfloat(opc_test_metric("systems"), >, 3);
+  g_assert_cmpfloat(opc_test_metric("kernels"), >, 3);
   g_assert_cmpfloat(opc_test_metric("error"), <, 0.01);
 }
 

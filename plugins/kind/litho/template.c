@@ -21,10 +21,10 @@ static double litho_band(const void *self) {
   return 0.6 / ((const state *)self)->blur;
 }
 
-static void litho_transfer(const void *self, size_t system, const double *fx,
+static void litho_transfer(const void *self, size_t kernel, const double *fx,
                            double fy, size_t n, float *out) {
   double turns = 2 * acos(-1) * ((const state *)self)->blur;
-  (void)system; /* there is only one kernel */
+  (void)kernel; /* there is only one kernel */
   for (size_t i = 0; i < n; i++) {
     out[2 * i] = (float)exp(-pow(turns * hypot(fx[i], fy), 2) / 2);
     out[2 * i + 1] = 0;
@@ -34,7 +34,7 @@ static void litho_transfer(const void *self, size_t system, const double *fx,
 static int litho_image(const void *self, int layer, const eda_spectrum *mask,
                        eda_field *out, opc_error *error) {
   const state *s = self;
-  eda_systems systems = {.count = 1,
+  eda_kernels kernels = {.count = 1,
                          .weight = &(double){1},
                          .band = litho_band(s),
                          .intensity_band = 2 * litho_band(s),
@@ -42,7 +42,7 @@ static int litho_image(const void *self, int layer, const eda_spectrum *mask,
                          .self = s,
                          .scale = {1, 0}};
   (void)layer; /* all layers have the same exposure */
-  return eda_coherent_sum(s->host->context, mask, &systems, 0, out, error);
+  return eda_coherent_sum(s->host->context, mask, &kernels, 0, out, error);
 }
 
 static const opc_parameter parameters[] = {

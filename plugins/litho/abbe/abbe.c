@@ -156,12 +156,12 @@ static void view_transfer(const void *self, size_t s, const double *fx,
 
 /* Add a coherent sum to *sum; allocate *sum for the first one. */
 static int view_add_images(const view *v, const eda_spectrum *mask,
-                           const eda_systems *systems, double **sum,
+                           const eda_kernels *kernels, double **sum,
                            eda_field *out, opc_error *error) {
   /* Four samples for the shortest period of the intensity. */
-  double step = fmin(coarsest, 0.25 / systems->intensity_band);
+  double step = fmin(coarsest, 0.25 / kernels->intensity_band);
   eda_field_clear(out);
-  int code = eda_coherent_sum(v->model->host->context, mask, systems, step, out,
+  int code = eda_coherent_sum(v->model->host->context, mask, kernels, step, out,
                               error);
   if (code) return code;
   size_t n = (size_t)out->nx * (size_t)out->ny;
@@ -183,14 +183,14 @@ static int abbe_image_at(const void *self, int layer, const eda_spectrum *mask,
   size_t all = a->count * a->parts;
   for (v.first = half ? all / 2 : 0; v.first < all && !code; v.first += BATCH) {
     size_t left = all - v.first;
-    eda_systems systems = {.count = left < BATCH ? left : BATCH,
+    eda_kernels kernels = {.count = left < BATCH ? left : BATCH,
                            .weight = weight + v.first,
                            .band = abbe_band(a),
                            .intensity_band = 2 * a->optics.cutoff,
                            .transfer = view_transfer,
                            .self = &v};
-    optics_amplitudes(&a->optics, layer, systems.offset, systems.scale);
-    code = view_add_images(&v, mask, &systems, &sum, out, error);
+    optics_amplitudes(&a->optics, layer, kernels.offset, kernels.scale);
+    code = view_add_images(&v, mask, &kernels, &sum, out, error);
   }
   size_t n = (size_t)out->nx * (size_t)out->ny;
   for (size_t i = 0; i < n && !code; i++) out->coefficients[i] = (float)sum[i];

@@ -318,8 +318,8 @@ static void test_models(void) {
     eda_field want = image_of("litho.abbe", a, 0, shapes, 3, wide);
     eda_field got = image_of("litho.hopkins", h, 0, shapes, 3, wide);
     double worst = difference(&want, &got, 0);
-    g_test_message("%s: %g systems, %.2g off litho.abbe", h,
-                   opc_test_metric("systems"), worst);
+    g_test_message("%s: %g kernels, %.2g off litho.abbe", h,
+                   opc_test_metric("kernels"), worst);
     g_assert_cmpfloat(worst, <, cases[c].reach);
     eda_field_clear(&want);
     eda_field_clear(&got);

@@ -86,10 +86,10 @@ static void test_reached(void) {
     g_assert_cmpint(litho->prepare(m->self, &error), ==, OPC_OK);
     g_assert_cmpint(strstr(opc_test_log(), "scalar") != NULL, ==,
                     strstr(cases[i].parameters, "na: 1.35") != NULL);
-    double systems = opc_test_metric("systems"), off = opc_test_metric("error");
-    g_test_message("%s: %g systems, error %.2g", cases[i].parameters, systems,
+    double kernels = opc_test_metric("kernels"), off = opc_test_metric("error");
+    g_test_message("%s: %g kernels, error %.2g", cases[i].parameters, kernels,
                    off);
-    g_assert_cmpfloat(systems, <=, 200);
+    g_assert_cmpfloat(kernels, <=, 200);
     g_assert_cmpfloat(off, <=, cases[i].error);
   }
 }

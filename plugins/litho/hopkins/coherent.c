@@ -145,12 +145,12 @@ eda_mirrored radial_mirror(const void *self, size_t s) {
   const radial *r = self;
   if (s >= r->base.count)
     return (eda_mirrored){
-        .system = s, .conjugate = s > r->base.count, .odd = 1};
+        .kernel = s, .conjugate = s > r->base.count, .odd = 1};
   int order = r->kernels[s].order;
-  eda_mirrored m = {.system = s, .odd = order % 2 != 0};
+  eda_mirrored m = {.kernel = s, .odd = order % 2 != 0};
   if (r->real)
     m.conjugate = order != 0;
   else if (order)
-    m.system = order > 0 ? s + 1 : s - 1; /* the kernel of -order */
+    m.kernel = order > 0 ? s + 1 : s - 1; /* the kernel of -order */
   return m;
 }

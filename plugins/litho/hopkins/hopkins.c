@@ -77,19 +77,18 @@ enum { BINARY = -1 };
 static int hopkins_image_by(const hopkins *h, const kernels *k, int layer,
                             const eda_spectrum *mask, eda_field *out,
                             opc_error *error) {
-  eda_systems systems = {.count = k->count,
-                         .weight = k->weight,
-                         .band = k->radius * k->cutoff,
-                         .intensity_band = 2 * (1 - rim) * k->cutoff,
-                         .transfer = k->transfer,
-                         .residuals = k->residuals,
-                         .residual = k->filter,
-                         .self = k,
-                         .mirror = k->mirror};
+  eda_kernels sum = {.count = k->count,
+                     .weight = k->weight,
+                     .band = k->radius * k->cutoff,
+                     .intensity_band = 2 * (1 - rim) * k->cutoff,
+                     .transfer = k->transfer,
+                     .residuals = k->residuals,
+                     .residual = k->filter,
+                     .self = k,
+                     .mirror = k->mirror};
   if (layer != BINARY)
-    optics_amplitudes(&h->optics, layer, systems.offset, systems.scale);
-  return eda_coherent_sum(h->host->context, mask, &systems, step_of(h), out,
-                          error);
+    optics_amplitudes(&h->optics, layer, sum.offset, sum.scale);
+  return eda_coherent_sum(h->host->context, mask, &sum, step_of(h), out, error);
 }
 
 /* ---- work: number of kernels ---- */
@@ -322,7 +321,7 @@ static int hopkins_prepare(void *self, opc_error *error) {
   const cut *c = cut_add(h, 0, h->wanted, h->fixed, error);
   if (!c) return error->code;
   int code =
-      h->host->metric(h->host, "systems", (double)c->kernels->count, error);
+      h->host->metric(h->host, "kernels", (double)c->kernels->count, error);
   if (!code) code = h->host->metric(h->host, "error", c->error, error);
   if (!code) code = h->host->metric(h->host, "grid", step_of(h), error);
   return code;
@@ -399,7 +398,7 @@ static const opc_parameter parameters[] = {
 };
 
 static const opc_metric metrics[] = {
-    {"systems", NULL, OPC_NEUTRAL, 0, "number of coherent kernels"},
+    {"kernels", NULL, OPC_NEUTRAL, 0, "number of coherent kernels"},
     {"error", NULL, OPC_LOWER, 1e-5,
      "measured truncation error, clear field 1"},
     {"grid", "nm", OPC_LOWER, 1e-3, "largest grid spacing of an image"},

@@ -18,14 +18,14 @@ struct kernels {
   size_t count;         /* number of kernels in use, set by `keep` */
   int all;              /* no further kernels exist */
   const double *weight; /* weight of each kernel in use */
-  size_t residuals;     /* number of residual terms (eda_systems) */
+  size_t residuals;     /* number of residual terms (eda_kernels) */
 
   /* Use the n strongest kernels, or all if there are fewer. [main] */
   void (*keep)(kernels *self, size_t n);
   /* Free the data that only `keep` needs. No `keep` may follow; optics and
      context may be freed. NULL: not supported. [main] */
   void (*settle)(kernels *self);
-  /* As the members of eda_systems, with the kernels as `self`. [any] */
+  /* As the members of eda_kernels, with the kernels as `self`. [any] */
   void (*transfer)(const void *self, size_t s, const double *fx, double fy,
                    size_t n, float *out);
   void (*filter)(const void *self, size_t residual, const double *fx, double fy,

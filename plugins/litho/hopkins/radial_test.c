@@ -71,7 +71,7 @@ static void apply_kernels(const operator* o, const double *x, double *out) {
 
 /* Return the operator of the kernels at the frequencies of a grid, each times
    the root of the cell's area. */
-static operator kernels_operator(double error, size_t systems) {
+static operator kernels_operator(double error, size_t count) {
   enum { CELLS = 61 };
   static const optics o = {.wavelength = 193,
                            .na = 0.75,
@@ -81,15 +81,15 @@ static operator kernels_operator(double error, size_t systems) {
                            .sigma = 0.75};
   kernels *k = radial_new(NULL, &o, 0, 1, error);
   g_assert_nonnull(k);
-  k->keep(k, systems);
-  g_assert_cmpuint(k->count, ==, systems);
+  k->keep(k, count);
+  g_assert_cmpuint(k->count, ==, count);
   operator p = {
-      .n = (size_t)CELLS * CELLS, .apply = apply_kernels, .count = 2 * systems};
+      .n = (size_t)CELLS * CELLS, .apply = apply_kernels, .count = 2 * count};
   p.data = g_new(double, p.count *p.n);
   double step = 2 * k->radius / CELLS, fx[CELLS];
   for (int i = 0; i < CELLS; i++)
     fx[i] = (-k->radius + (i + 0.5) * step) * k->cutoff;
-  for (size_t s = 0; s < systems; s++)
+  for (size_t s = 0; s < count; s++)
     for (int j = 0; j < CELLS; j++) {
       float value[2 * CELLS];
       k->transfer(k, s, fx, fx[j], CELLS, value);
@@ -140,12 +140,12 @@ static void test_pupils(void) {
   double got[SPAN], want[SPAN];
   const struct {
     double error;
-    size_t systems;
+    size_t count;
   } cases[] = {{1e-4, 40}, {1e-3, 40}};
   operator pupils = pupils_operator();
   eigenvalues(&pupils, want);
   for (size_t c = 0; c < G_N_ELEMENTS(cases); c++) {
-    operator all = kernels_operator(cases[c].error, cases[c].systems);
+    operator all = kernels_operator(cases[c].error, cases[c].count);
     eigenvalues(&all, got);
     for (int i = 0; i < VALUES; i++) {
       g_test_message("eigenvalue %d: %.5f, by pupils %.5f", i, got[i], want[i]);
@@ -189,7 +189,7 @@ static void test_mirror(void) {
     for (size_t s = 0; s < k->count + k->residuals; s++) {
       eda_mirrored m = k->mirror(k, s);
       float want[2], got[2];
-      k->transfer(k, m.system, &fx, fy, 1, want);
+      k->transfer(k, m.kernel, &fx, fy, 1, want);
       if (m.conjugate) want[1] = -want[1];
       k->transfer(k, s, &fx, -fy, 1, got);
       for (int i = 0; i < 2; i++) g_assert_cmpfloat(got[i], ==, want[i]);

@@ -122,9 +122,9 @@ static double model_band(const void *self) {
   return fmax(set_band(m, &m->set[FOCUS]), set_band(m, &m->set[DEFOCUS]));
 }
 
-static eda_systems systems_of(const model *m, const view *v) {
+static eda_kernels kernels_of(const model *m, const view *v) {
   double sign = m->dark_field ? -1 : 1;
-  return (eda_systems){.count = v->set->count,
+  return (eda_kernels){.count = v->set->count,
                        .weight = v->set->weight,
                        .band = set_band(m, v->set),
                        .intensity_band = 2 * set_band(m, v->set),
@@ -138,10 +138,10 @@ static int image_of(const model *m, const kernel_set *set,
                     const eda_spectrum *mask, eda_field *out,
                     opc_error *error) {
   view v = {set, m->period};
-  eda_systems systems = systems_of(m, &v);
+  eda_kernels kernels = kernels_of(m, &v);
   /* Four samples for the shortest period of the intensity. */
-  double step = fmin(coarsest, 0.25 / systems.intensity_band);
-  return eda_coherent_sum(m->host->context, mask, &systems, step, out, error);
+  double step = fmin(coarsest, 0.25 / kernels.intensity_band);
+  return eda_coherent_sum(m->host->context, mask, &kernels, step, out, error);
 }
 
 static int model_image(const void *self, int layer, const eda_spectrum *mask,
@@ -176,8 +176,8 @@ static int model_gradient(const void *self, int layer, const eda_spectrum *mask,
   view v = {set_at(m, defocus, error), m->period};
   (void)layer;
   if (!v.set) return error->code;
-  eda_systems systems = systems_of(m, &v);
-  return eda_coherent_gradient(m->host->context, mask, &systems, weight, out,
+  eda_kernels kernels = kernels_of(m, &v);
+  return eda_coherent_gradient(m->host->context, mask, &kernels, weight, out,
                                error);
 }
 

@@ -95,7 +95,7 @@ static eda_shapes box_shapes(eda_box b, eda_point points[4],
 
 /* Two kernels: the orders -1, 0, 1 of x with different phases; and order (0,
    0). */
-static float complex two_systems(int s, int k, int l) {
+static float complex two_kernels(int s, int k, int l) {
   if (s == 1) return k == 0 && l == 0 ? 0.5f : 0;
   if (l != 0 || k < -1 || k > 1) return l == 1 && k == 0 ? 0.3f * I : 0;
   return k == 0 ? 1 : k == 1 ? 0.8f * I : 0.6f;
@@ -106,7 +106,7 @@ static float complex two_systems(int s, int k, int l) {
    larger than the period tests that order 1 belongs to the frequency 1 /
    period. */
 static void test_orders(void) {
-  write_set("2\n2.5\n4\n", 2, 5, two_systems);
+  write_set("2\n2.5\n4\n", 2, 5, two_kernels);
   g_autofree char *path = set_path();
   eda_point points[4];
   uint32_t start[2];
@@ -210,7 +210,7 @@ static void test_frames(void) {
 }
 
 static void test_first_kernels(void) {
-  write_set("2 2.5 4", 2, 5, two_systems);
+  write_set("2 2.5 4", 2, 5, two_kernels);
   g_autofree char *path = set_path();
   g_autoptr(opc_module) one = ready(path, ", kernels: 1, tone: clear");
   eda_shapes none = {0};
@@ -257,34 +257,34 @@ static float complex nothing(int s, int k, int l) {
 }
 
 static void test_refused(void) {
-  write_set("", 0, 5, two_systems);
+  write_set("", 0, 5, two_kernels);
   expect("scales.txt:1: expected a number of kernels");
-  write_set("0", 0, 5, two_systems);
+  write_set("0", 0, 5, two_kernels);
   expect("expected a number of kernels");
-  write_set("5000", 0, 5, two_systems);
+  write_set("5000", 0, 5, two_kernels);
   expect("expected a number of kernels");
-  write_set("2\n1.5\n", 2, 5, two_systems);
+  write_set("2\n1.5\n", 2, 5, two_kernels);
   expect("scales.txt:3: expected the weight of kernel 1");
-  write_set("2\n1.5\n-2", 2, 5, two_systems);
+  write_set("2\n1.5\n-2", 2, 5, two_kernels);
   expect("scales.txt:3: expected the weight");
-  write_set("3\n1 1 1", 2, 5, two_systems);
+  write_set("3\n1 1 1", 2, 5, two_kernels);
   expect("fh2.bin': No such file");
-  write_set("2\n1 1", 2, 4, two_systems);
+  write_set("2\n1 1", 2, 4, two_kernels);
   expect("fh0.bin': 4 x 4 frequencies at byte 0");
-  write_set("2\n1 1", 2, 5, two_systems);
+  write_set("2\n1 1", 2, 5, two_kernels);
   change("fh1.bin", 24 + 8 * 25 - 1, NULL, -1);
   expect("fh1.bin': ends at byte 223");
   change("fh1.bin", 11, NULL, -1);
   expect("fh1.bin': ends at byte 11");
-  write_set("2\n1 1", 2, 5, two_systems);
+  write_set("2\n1 1", 2, 5, two_kernels);
   change("fh1.bin", 3, "\x03\0\0\0\x03", 5);
   expect("expected 5 as in the preceding kernels");
   change("fh0.bin", 24 + 8, "\x7f\xc0\0\0", 4);
   expect("fh0.bin': value at byte 32 is not a finite number");
-  write_set("2\n1 1", 2, 5, two_systems);
+  write_set("2\n1 1", 2, 5, two_kernels);
   change("fh0.bin", 0, "\xff\xff\xff\xff", 4);
   expect("expected an odd square");
-  write_set("1\n1", 1, 5, two_systems);
+  write_set("1\n1", 1, 5, two_kernels);
   change("fh0.bin", 3, "\x03", 1);
   change("fh0.bin", 7, "\x03", 1);
   expect("more than 3 x 3 frequencies, at byte 96");

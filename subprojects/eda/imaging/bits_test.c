@@ -80,7 +80,7 @@ static void look_at(GString *out, const eda_field *f) {
 /* Return the results of all steps as hashes. */
 static char *work(void) {
   static const double weight[] = {0.5, 0.2, 0.1, 0.05};
-  const eda_systems systems = {.count = G_N_ELEMENTS(weight),
+  const eda_kernels kernels = {.count = G_N_ELEMENTS(weight),
                                .weight = weight,
                                .band = band,
                                .intensity_band = 1.5 * band,
@@ -92,7 +92,7 @@ static char *work(void) {
        2 * sizeof(float) * (size_t)mask.columns * (size_t)mask.rows);
   eda_field field;
   opc_error error;
-  if (eda_coherent_sum(NULL, &mask, &systems, 0, &field, &error))
+  if (eda_coherent_sum(NULL, &mask, &kernels, 0, &field, &error))
     g_error("%s", error.message);
   tell_field(out, "image", &field);
   if (eda_field_diffuse(NULL, &field, 20, &error)) g_error("%s", error.message);

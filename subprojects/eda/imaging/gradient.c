@@ -16,7 +16,7 @@ typedef float complex number;
 
 typedef struct job {
   const eda_spectrum *mask;
-  const eda_systems *systems;
+  const eda_kernels *kernels;
   const eda_field *weight;
   int nx, ny;
   int half, reach; /* rows |l| <= half, columns |k| <= reach are non-zero */
@@ -67,13 +67,13 @@ static void to_square(const job *j, number *values, number *square) {
   eda_fft_free(lines);
 }
 
-/* ---- one system ---- */
+/* ---- one kernel ---- */
 
 static number complex_of(const double a[2]) {
   return (float)a[0] + (float)a[1] * I;
 }
 
-static number scale_of(const eda_systems *s) {
+static number scale_of(const eda_kernels *s) {
   number scale = complex_of(s->scale);
   return scale == 0 ? 1 : scale;
 }
@@ -87,21 +87,21 @@ static number mask_at(const eda_spectrum *m, int k, int l) {
   return a[0] + (flip ? -a[1] : a[1]) * I;
 }
 
-static void gradient_transfer(const job *j, size_t system, number *out) {
-  const eda_systems *s = j->systems;
+static void gradient_transfer(const job *j, size_t kernel, number *out) {
+  const eda_kernels *s = j->kernels;
   double *fx = eda_alloc(j->columns, sizeof *fx);
   for (size_t c = 0; c < j->columns; c++)
     fx[c] = ((int)c - j->reach) / j->mask->frame.width;
   for (int l = -j->half; l <= j->half; l++)
-    s->transfer(s->self, system, fx, l / j->mask->frame.height, j->columns,
+    s->transfer(s->self, kernel, fx, l / j->mask->frame.height, j->columns,
                 (float *)(out + (size_t)(l + j->half) * j->columns));
   free(fx);
 }
 
-static void add_system(void *data, size_t i) {
+static void add_kernel(void *data, size_t i) {
   const job *j = data;
   size_t n = j->rows * j->columns, nodes = (size_t)j->nx * (size_t)j->ny;
-  number *sum = j->sums + i * n, scale = scale_of(j->systems);
+  number *sum = j->sums + i * n, scale = scale_of(j->kernels);
   number *through = eda_alloc(n, sizeof *through);
   number *field = eda_fft_alloc(nodes * sizeof *field);
   gradient_transfer(j, i, through);
@@ -109,13 +109,13 @@ static void add_system(void *data, size_t i) {
     int l = (int)(a / j->columns) - j->half;
     int k = (int)(a % j->columns) - j->reach;
     number light = scale * mask_at(j->mask, k, l);
-    if (!k && !l) light += complex_of(j->systems->offset);
+    if (!k && !l) light += complex_of(j->kernels->offset);
     sum[a] = through[a] * light;
   }
   to_nodes(j, sum, field);
   for (size_t a = 0; a < nodes; a++) field[a] *= j->weight->coefficients[a];
   to_square(j, field, sum);
-  float weight = (float)j->systems->weight[i];
+  float weight = (float)j->kernels->weight[i];
   for (size_t a = 0; a < n; a++) sum[a] *= weight * conjf(through[a]);
   eda_fft_free(field);
   free(through);
@@ -124,36 +124,36 @@ static void add_system(void *data, size_t i) {
 /* ---- all of it ---- */
 
 int eda_coherent_gradient(const opc_context *context, const eda_spectrum *mask,
-                          const eda_systems *systems, const eda_field *weight,
+                          const eda_kernels *kernels, const eda_field *weight,
                           eda_field *out, opc_error *error) {
-  double band = systems->band < mask->band ? systems->band : mask->band;
+  double band = kernels->band < mask->band ? kernels->band : mask->band;
   job j = {.mask = mask,
-           .systems = systems,
+           .kernels = kernels,
            .weight = weight,
            .nx = weight->nx,
            .ny = weight->ny,
            .half = (int)(mask->frame.height * band),
            .reach = (int)(mask->frame.width * band)};
   memset(out, 0, sizeof *out);
-  if (systems->mirror || j.nx % 2 || j.ny % 2 || j.nx <= 2 * j.reach ||
+  if (kernels->mirror || j.nx % 2 || j.ny % 2 || j.nx <= 2 * j.reach ||
       j.ny <= 2 * j.half)
     return opc_fail(error, OPC_INVALID, NULL,
-                    "no gradient of mirrored systems, or on %d x %d nodes for "
+                    "no gradient of mirrored kernels, or on %d x %d nodes for "
                     "%d x %d frequencies",
                     j.nx, j.ny, 2 * j.reach + 1, 2 * j.half + 1);
   j.columns = 2 * (size_t)j.reach + 1;
   j.rows = 2 * (size_t)j.half + 1;
   size_t n = j.rows * j.columns, nodes = (size_t)j.nx * (size_t)j.ny;
-  j.sums = eda_alloc(systems->count * n, sizeof *j.sums);
-  opc_parallel(context, systems->count, add_system, &j);
-  for (size_t i = 1; i < systems->count; i++)
+  j.sums = eda_alloc(kernels->count * n, sizeof *j.sums);
+  opc_parallel(context, kernels->count, add_kernel, &j);
+  for (size_t i = 1; i < kernels->count; i++)
     for (size_t a = 0; a < n; a++) j.sums[a] += j.sums[i * n + a];
   number *values = eda_fft_alloc(nodes * sizeof *values);
   to_nodes(&j, j.sums, values);
   *out = (eda_field){weight->frame, j.nx, j.ny,
                      eda_alloc(nodes, sizeof *out->coefficients)};
   /* Shapes are opaque: the spectrum is relative to a clear field. */
-  number scale = -2 * conjf(scale_of(systems));
+  number scale = -2 * conjf(scale_of(kernels));
   for (size_t a = 0; a < nodes; a++)
     out->coefficients[a] = crealf(scale * values[a]);
   eda_fft_free(values);

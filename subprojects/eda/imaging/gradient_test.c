@@ -29,7 +29,7 @@ static void pupil(const void *self, size_t s, const double *fx, double fy,
 
 static const double weights[] = {0.5, 0.3, 0.2};
 /* Phase-shifting features on a grey field. */
-static const eda_systems systems = {.count = 3,
+static const eda_kernels kernels = {.count = 3,
                                     .weight = weights,
                                     .band = 0.0065,
                                     .intensity_band = 0.008,
@@ -61,7 +61,7 @@ static double integral(const eda_spectrum *mask, const eda_field *weight) {
   eda_field image;
   opc_error error;
   double sum = 0;
-  g_assert_false(eda_coherent_sum(context, mask, &systems, 8, &image, &error));
+  g_assert_false(eda_coherent_sum(context, mask, &kernels, 8, &image, &error));
   double dx = frame.width / weight->nx, dy = frame.height / weight->ny;
   for (int j = 0; j < weight->ny; j++)
     for (int i = 0; i < weight->nx; i++) {
@@ -88,7 +88,7 @@ static void test_difference(void) {
   for (int i = 0; i < NX * NY; i++)
     weight.coefficients[i] = (float)g_rand_double_range(r, -1, 1);
   g_rand_free(r);
-  g_assert_false(eda_coherent_gradient(context, &mask, &systems, &weight,
+  g_assert_false(eda_coherent_gradient(context, &mask, &kernels, &weight,
                                        &gradient, &error));
   g_assert_cmpint(gradient.nx, ==, NX);
   size_t n = 2 * (size_t)mask.columns * (size_t)mask.rows;
@@ -130,7 +130,7 @@ static void test_refused(void) {
   eda_field weight = {frame, 20, 20, none}, out;
   opc_error error;
   g_assert_cmpint(
-      eda_coherent_gradient(context, &mask, &systems, &weight, &out, &error),
+      eda_coherent_gradient(context, &mask, &kernels, &weight, &out, &error),
       ==, OPC_INVALID);
   g_assert_null(out.coefficients);
   eda_spectrum_clear(&mask);

@@ -118,7 +118,7 @@ static void shifted_pupil(const void *self, size_t s, const double *fx,
 }
 
 static const double three_weights[] = {0.5, 0.3, 0.2};
-static const eda_systems three = {.count = 3,
+static const eda_kernels three = {.count = 3,
                                   .weight = three_weights,
                                   .band = 0.006,
                                   .intensity_band = 0.008,
@@ -226,7 +226,7 @@ static void off_axis(const void *self, size_t s, const double *fx, double fy,
 /* Return the intensity of E, or of E + c times the field of the clear mask. */
 static eda_field coherent(const eda_shapes *s, eda_frame f, float complex c) {
   static const double band = 0.0066, weight = 1;
-  eda_systems one = {.count = 1,
+  eda_kernels one = {.count = 1,
                      .weight = &weight,
                      .band = band,
                      .intensity_band = 2 * band,
@@ -316,7 +316,7 @@ static void spiral(const void *self, size_t s, const double *fx, double fy,
 
 static eda_mirrored spiral_mirror(const void *self, size_t s) {
   (void)self;
-  return (eda_mirrored){.system = s > 2 ? 7 - s : s,
+  return (eda_mirrored){.kernel = s > 2 ? 7 - s : s,
                         .conjugate = s == 1 || s == 2,
                         .odd = orders[s] % 2 != 0};
 }
@@ -339,7 +339,7 @@ static void test_mirrored(void) {
   for (size_t k = 0; k < G_N_ELEMENTS(masks); k++) {
     eda_field field[2];
     for (int quarter = 0; quarter < 2; quarter++) {
-      eda_systems all = {.count = G_N_ELEMENTS(orders),
+      eda_kernels all = {.count = G_N_ELEMENTS(orders),
                          .weight = spiral_weights,
                          .band = 0.006,
                          .intensity_band = 0.012,
@@ -356,7 +356,7 @@ static void test_mirrored(void) {
     for (int i = 0; i < field[0].nx * field[0].ny; i++)
       worst = fmax(worst, fabs((double)field[0].coefficients[i] -
                                (double)field[1].coefficients[i]));
-    g_test_message("mirrored systems are %.2g off", worst);
+    g_test_message("mirrored kernels are %.2g off", worst);
     g_assert_cmpfloat(worst, <, 3e-6);
     for (int i = 0; i < 2; i++) eda_field_clear(&field[i]);
   }

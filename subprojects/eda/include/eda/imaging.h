@@ -47,10 +47,10 @@ typedef struct eda_spectrum {
 } eda_spectrum;
 
 /* Symmetry of a kernel: its transfer function at (fx, -fy) is that of the
-   kernel `system` at (fx, fy), conjugated or not; at (-fx, fy) the value is the
+   kernel `kernel` at (fx, fy), conjugated or not; at (-fx, fy) the value is the
    same, times -1 if `odd`. */
 typedef struct eda_mirrored {
-  size_t system;
+  size_t kernel;
   int32_t conjugate, odd;
 } eda_mirrored;
 
@@ -58,7 +58,7 @@ enum { EDA_RESIDUALS = 2 };
 
 /* A sum of coherent kernels (SOCS): intensity = sum over s of weight[s]
    |E_s|^2, E_s being the mask filtered by the transfer function of kernel s. */
-typedef struct eda_systems {
+typedef struct eda_kernels {
   size_t count;
   const double *weight;
   double band;           /* cut-off of the transfer functions, 1/nm */
@@ -83,7 +83,7 @@ typedef struct eda_systems {
      `transfer` is called for fx >= 0 and fy >= 0 only, a quarter of the work.
      [any] */
   eda_mirrored (*mirror)(const void *self, size_t s);
-} eda_systems;
+} eda_kernels;
 
 /* All functions are [any]. Functions that take a context use its threads and
    return the same bits for any number of threads, and on all processors with
@@ -106,7 +106,7 @@ OPC_EXPORT int eda_mask_spectrum(const opc_context *context,
    method, or those of Hopkins' transmission cross coefficients. */
 OPC_EXPORT int eda_coherent_sum(const opc_context *context,
                                 const eda_spectrum *mask,
-                                const eda_systems *systems, double step,
+                                const eda_kernels *kernels, double step,
                                 eda_field *out, opc_error *error);
 
 /* Compute the gradient of F, the integral over a frame of weight * intensity,
@@ -118,7 +118,7 @@ OPC_EXPORT int eda_coherent_sum(const opc_context *context,
    for other grids. [any] */
 OPC_EXPORT int eda_coherent_gradient(const opc_context *context,
                                      const eda_spectrum *mask,
-                                     const eda_systems *systems,
+                                     const eda_kernels *kernels,
                                      const eda_field *weight, eda_field *out,
                                      opc_error *error);
 

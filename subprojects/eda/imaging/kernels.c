@@ -47,13 +47,13 @@ typedef struct lines {
 typedef struct job {
   const opc_context *context;
   const eda_spectrum *mask;
-  eda_systems systems;
+  eda_kernels kernels;
   float complex offset, scale; /* mask transmission */
   int nx, ny;                  /* grid of the fields */
   int half, reach; /* rows |l| <= half, columns |k| <= reach are non-zero */
-  size_t system, together; /* first kernel of the current group; size of the
+  size_t kernel, together; /* first kernel of the current group; size of the
                               group */
-  size_t room_for;
+  size_t group_most;       /* largest group */
   lines field[TOGETHER]; /* rows y side by side; column k at k or, if negative,
                             at left - k */
   size_t left;
@@ -97,7 +97,7 @@ static void give_back(job *j, eda_lanes *a) {
 
 /* A strip: columns k = first .. first + n - 1, and -k. */
 typedef struct strip {
-  size_t system;
+  size_t kernel;
   int first, n;
   int last; /* last column within the band in the current row */
 } strip;
@@ -116,14 +116,14 @@ typedef struct factor {
   const float *at; /* own values, or those of another quadrant */
 } factor;
 
-static void strip_transfer(const job *j, size_t system, const strip *p,
+static void strip_transfer(const job *j, size_t kernel, const strip *p,
                            int quadrant, int l, factor *out) {
-  const eda_systems *y = &j->systems;
+  const eda_kernels *y = &j->kernels;
   double step = (quadrant & LEFT ? -1 : 1) / j->mask->frame.width;
   double fy = (quadrant & BELOW ? -l : l) / j->mask->frame.height, fx[STRIP];
   int n = p->last - p->first + 1;
   for (int i = 0; i < n; i++) fx[i] = (p->first + i) * step;
-  y->transfer(y->self, system, fx, fy, (size_t)n, out->value);
+  y->transfer(y->self, kernel, fx, fy, (size_t)n, out->value);
   out->re = out->im = 1;
   out->at = out->value;
 }
@@ -131,11 +131,11 @@ static void strip_transfer(const job *j, size_t system, const strip *p,
 /* Derive the factors of all quadrants from one. */
 static void factors_mirror(const job *j, const strip *p, int l,
                            factor t[QUADRANTS]) {
-  eda_mirrored m = j->systems.mirror(j->systems.self, p->system);
+  eda_mirrored m = j->kernels.mirror(j->kernels.self, p->kernel);
   float sign = m.odd ? -1 : 1;
-  int from = m.system == p->system ? 0 : BELOW;
-  strip_transfer(j, p->system, p, 0, l, &t[0]);
-  if (from) strip_transfer(j, m.system, p, 0, l, &t[from]);
+  int from = m.kernel == p->kernel ? 0 : BELOW;
+  strip_transfer(j, p->kernel, p, 0, l, &t[0]);
+  if (from) strip_transfer(j, m.kernel, p, 0, l, &t[from]);
   t[BELOW].at = t[LEFT].at = t[from].value;
   t[LEFT | BELOW].at = t[0].value;
   t[BELOW].re = 1;
@@ -159,11 +159,11 @@ static void factors_scale(float complex by, int n, factor *t) {
 static void find_factors(const job *j, const strip *p, int l,
                          factor t[QUADRANTS]) {
   int n = p->last - p->first + 1;
-  if (j->systems.mirror)
+  if (j->kernels.mirror)
     factors_mirror(j, p, l, t);
   else
     for (int q = 0; q < QUADRANTS; q++)
-      strip_transfer(j, p->system, p, q, l, &t[q]);
+      strip_transfer(j, p->kernel, p, q, l, &t[q]);
   /* Quadrants that others refer to are the last ones. */
   static const int order[QUADRANTS] = {LEFT | BELOW, LEFT, BELOW, 0};
   for (int i = 0; i < QUADRANTS && j->scale != 1; i++)
@@ -222,7 +222,7 @@ static void fill_row(const job *j, const strip *p, int quadrant, int l,
 static void fill_rows(const job *j, strip *p, int l, eda_lanes *to,
                       size_t apart) {
   const eda_spectrum *m = j->mask;
-  double band = fmin(j->systems.band, m->band), fy = l / m->frame.height;
+  double band = fmin(j->kernels.band, m->band), fy = l / m->frame.height;
   double left = band * band - fy * fy;
   int last = left < 0 ? -1 : (int)floor(m->frame.width * sqrt(left));
   factor t[QUADRANTS];
@@ -258,7 +258,7 @@ static void field_along_y(void *data, size_t index) {
   job *j = data;
   if (opc_cancelled(j->context)) return;
   lines *field = &j->field[index / strips(j)];
-  strip s = {.system = j->system + index / strips(j),
+  strip s = {.kernel = j->kernel + index / strips(j),
              .first = (int)(index % strips(j)) * STRIP};
   s.n = MIN(STRIP, j->reach + 1 - s.first);
   size_t apart = j->rows * EDA_LANES;
@@ -292,16 +292,16 @@ static void square_along_x(void *data, size_t block) {
   size_t reach = (size_t)j->reach, n = (size_t)j->nx;
   for (size_t i = 0; i < j->together; i++) {
     const eda_lanes *row = j->field[i].at + block * j->field[i].n;
-    size_t system = j->system + i;
+    size_t kernel = j->kernel + i;
     memcpy(a, row, sizeof *a * (reach + 1));
     memset(a + reach + 1, 0, sizeof *a * (n - 2 * reach - 1));
     for (size_t k = 1; k <= reach; k++) a[n - k] = row[j->left + k];
     eda_lanes_backward(eda_lanes_plan_for(j->nx), a, a + n);
-    size_t count = j->systems.count;
-    float weight = system < count ? (float)j->systems.weight[system] : 1;
+    size_t count = j->kernels.count;
+    float weight = kernel < count ? (float)j->kernels.weight[kernel] : 1;
     eda_vector *sum =
-        j->sum[system < count ? 0 : system - count + 1] + block * n;
-    if (system == 0 || system >= count) memset(sum, 0, n * sizeof *sum);
+        j->sum[kernel < count ? 0 : kernel - count + 1] + block * n;
+    if (kernel == 0 || kernel >= count) memset(sum, 0, n * sizeof *sum);
     add_square(a, weight, j->nx, sum);
   }
   give_back(j, a);
@@ -313,25 +313,26 @@ static void make_fields(job *j, size_t count) {
   j->left = strips(j) * STRIP;
   size_t each = j->rows * 2 * j->left * sizeof *j->field->at;
   size_t most = MIN(count, MAX(1, FIELDS_ROOM / each));
-  for (j->room_for = 0; j->room_for < MIN(most, TOGETHER); j->room_for++) {
-    lines *field = &j->field[j->room_for];
+  for (j->group_most = 0; j->group_most < MIN(most, TOGETHER);
+       j->group_most++) {
+    lines *field = &j->field[j->group_most];
     field->n = 2 * j->left;
     field->at = eda_fft_alloc(each);
   }
-  for (size_t i = 0; i <= j->systems.residuals; i++)
+  for (size_t i = 0; i <= j->kernels.residuals; i++)
     j->sum[i] = eda_fft_alloc(n * sizeof *j->sum[i]);
 }
 
-static void add_systems(job *j) {
-  size_t count = j->systems.count + j->systems.residuals;
+static void add_kernels(job *j) {
+  size_t count = j->kernels.count + j->kernels.residuals;
   make_fields(j, count);
-  for (j->system = 0; j->system < count && !opc_cancelled(j->context);
-       j->system += j->together) {
-    j->together = MIN(j->room_for, count - j->system);
+  for (j->kernel = 0; j->kernel < count && !opc_cancelled(j->context);
+       j->kernel += j->together) {
+    j->together = MIN(j->group_most, count - j->kernel);
     opc_parallel(j->context, j->together * strips(j), field_along_y, j);
     opc_parallel(j->context, j->rows, square_along_x, j);
   }
-  for (size_t i = 0; i < j->room_for; i++) eda_fft_free(j->field[i].at);
+  for (size_t i = 0; i < j->group_most; i++) eda_fft_free(j->field[i].at);
 }
 
 /* ---- from the sums to the result ---- */
@@ -354,7 +355,7 @@ static void forth_along_x(void *data, size_t pair) {
   if (opc_cancelled(j->context)) return;
   eda_lanes *a = lanes_borrow(j), *tile = a + j->nx;
   size_t n = (size_t)j->nx, one = 2 * pair, other = MIN(one + 1, j->rows - 1);
-  for (size_t part = 0; part <= j->systems.residuals; part++) {
+  for (size_t part = 0; part <= j->kernels.residuals; part++) {
     const eda_vector *re = j->sum[part] + one * n,
                      *im = j->sum[part] + other * n;
     for (size_t x = 0; x < n; x++) a[x] = (eda_lanes){im[x], re[x]};
@@ -383,7 +384,7 @@ static void forth_along_x(void *data, size_t pair) {
 static void spline_coefficients(const job *j, int first, int l,
                                 const eda_lanes *const *sums, size_t at,
                                 eda_lanes *to) {
-  const eda_systems *s = &j->systems;
+  const eda_kernels *s = &j->kernels;
   const eda_frame *f = &j->mask->frame;
   double band = s->intensity_band, fy = l / f->height;
   double left = band * band - fy * fy, fx[EDA_LANES];
@@ -419,7 +420,7 @@ static void columns_to_fine(void *data, size_t block) {
   const eda_lanes *sums[SUMS];
   eda_lanes *work = fine + blocks(j->fine_y) * EDA_LANES;
   const eda_lanes_plan *plan = eda_lanes_plan_for(j->ny);
-  for (size_t k = 0; k <= j->systems.residuals; k++) {
+  for (size_t k = 0; k <= j->kernels.residuals; k++) {
     eda_lanes *sum = j->spectrum[k].at + block * j->spectrum[k].n;
     eda_lanes_backward(plan, sum, work);
     sums[k] = sum;
@@ -488,7 +489,7 @@ static void to_spline(job *j) {
   size_t fine = blocks(j->fine_y);
   j->by_x = over_samples(j->top_x, j->fine_x, 1.0 / j->nx);
   j->by_y = over_samples(j->top_y, j->fine_y, 1.0 / j->ny);
-  for (size_t i = 0; i <= j->systems.residuals; i++) {
+  for (size_t i = 0; i <= j->kernels.residuals; i++) {
     lines *s = &j->spectrum[i];
     s->n = j->rows * EDA_LANES;
     s->at = eda_fft_alloc(j->columns * s->n * sizeof *s->at);
@@ -522,7 +523,7 @@ eda_image_size eda_image_forecast(eda_frame f, double band) {
 }
 
 /* Return the samples along a side for fields, or the nodes of the result. */
-static int field_size(const eda_systems *s, double side) {
+static int field_size(const eda_kernels *s, double side) {
   /* The part of a square beyond the band of the intensity must not alias into
      that band. The outermost part of the square is so weak that aliasing it
      costs about 1e-5 of the clear field, and saves a quarter of the time. */
@@ -532,13 +533,13 @@ static int field_size(const eda_systems *s, double side) {
   return eda_lanes_size(fmax(side * samples, side * whole + 2));
 }
 
-static int fine_size(const eda_systems *s, double side, double step) {
+static int fine_size(const eda_kernels *s, double side, double step) {
   return eda_lanes_size(fmax(side / step, 2 * side * s->intensity_band + 2));
 }
 
 static void choose_grids(job *j, double step) {
   const eda_frame *f = &j->mask->frame;
-  const eda_systems *s = &j->systems;
+  const eda_kernels *s = &j->kernels;
   double band = fmin(s->band, j->mask->band);
   j->nx = field_size(s, f->width);
   j->ny = field_size(s, f->height);
@@ -563,23 +564,23 @@ static float complex complex_of(const double a[2]) {
 }
 
 int eda_coherent_sum(const opc_context *context, const eda_spectrum *mask,
-                     const eda_systems *systems, double step, eda_field *out,
+                     const eda_kernels *kernels, double step, eda_field *out,
                      opc_error *error) {
-  job j = {.context = context, .mask = mask, .systems = *systems};
+  job j = {.context = context, .mask = mask, .kernels = *kernels};
   memset(out, 0, sizeof *out);
-  if (!systems->count || systems->residuals > EDA_RESIDUALS ||
-      !(systems->band > 0 && systems->intensity_band > 0))
+  if (!kernels->count || kernels->residuals > EDA_RESIDUALS ||
+      !(kernels->band > 0 && kernels->intensity_band > 0))
     return opc_fail(error, OPC_INVALID, NULL,
-                    "an image needs a system, and at most %d residuals",
+                    "an image needs a kernel, and at most %d residuals",
                     EDA_RESIDUALS);
-  j.offset = complex_of(j.systems.offset);
-  j.scale = complex_of(j.systems.scale);
+  j.offset = complex_of(j.kernels.offset);
+  j.scale = complex_of(j.kernels.scale);
   if (j.scale == 0) j.scale = 1;
   choose_grids(&j, step > 0 ? step : default_step);
   j.scratch = g_ptr_array_new_with_free_func(eda_fft_free);
   g_mutex_init(&j.lock);
   j.out = eda_values_new((size_t)j.fine_x * (size_t)j.fine_y);
-  add_systems(&j);
+  add_kernels(&j);
   to_spline(&j);
   for (int i = 0; i < SUMS; i++) eda_fft_free(j.sum[i]);
   g_ptr_array_free(j.scratch, TRUE);
