@@ -347,9 +347,9 @@ static const char byte_order_mark[] = "\xEF\xBB\xBF";
 
 /* Return the documents of a text of at most `most` nodes; an empty list after
    problems. */
-static GPtrArray *parse(const opc_source *source, const char *text,
-                        size_t length, size_t most, gboolean one,
-                        opc_problems *problems) {
+static GPtrArray *documents_parse(const opc_source *source, const char *text,
+                                  size_t length, size_t most, gboolean one,
+                                  opc_problems *problems) {
   GPtrArray *roots =
       g_ptr_array_new_with_free_func((GDestroyNotify)opc_node_free);
   if (length >= 3 && !memcmp(text, byte_order_mark, 3)) {
@@ -377,13 +377,13 @@ static GPtrArray *parse(const opc_source *source, const char *text,
 opc_node *opc_node_parse(const opc_source *source, const char *text,
                          size_t length, opc_problems *problems) {
   g_autoptr(GPtrArray) roots =
-      parse(source, text, length, MOST_NODES, TRUE, problems);
+      documents_parse(source, text, length, MOST_NODES, TRUE, problems);
   return roots->len ? g_ptr_array_steal_index(roots, 0) : NULL;
 }
 
 GPtrArray *opc_node_parse_all(const opc_source *source, const char *text,
                               size_t length, opc_problems *problems) {
-  return parse(source, text, length, SIZE_MAX, FALSE, problems);
+  return documents_parse(source, text, length, SIZE_MAX, FALSE, problems);
 }
 
 /* Return the text of a file (g_free); NULL and a problem on failure. */
