@@ -187,15 +187,15 @@ static double bar_maximum(const eda_field *print, eda_box b, double grid) {
   return most;
 }
 
-typedef struct job {
+typedef struct bars_task {
   const eda_box_list *bars;
   const eda_field *print;
   double grid, margin;
   uint8_t *bad;
-} job;
+} bars_task;
 
 static void look_at_bar(void *data, size_t i) {
-  const job *j = data;
+  const bars_task *j = data;
   j->bad[i] = bar_maximum(j->print, j->bars->box[i], j->grid) > -j->margin;
 }
 
@@ -203,7 +203,7 @@ static void look_at_bar(void *data, size_t i) {
 static uint8_t *find_bright(const opc_context *context,
                             const eda_box_list *bars, const eda_field *print,
                             double grid, double margin) {
-  job j = {bars, print, grid, margin, eda_alloc(bars->count, 1)};
+  bars_task j = {bars, print, grid, margin, eda_alloc(bars->count, 1)};
   opc_parallel(context, bars->count, look_at_bar, &j);
   return j.bad;
 }
