@@ -138,6 +138,17 @@ static int find_former(const binder *b, const opc_node *key, const char *name) {
   return -1;
 }
 
+/* Return whether a name or former name of a parameter begins with `prefix`. */
+static gboolean group_exists(const opc_plugin *plugin, const char *prefix) {
+  gboolean found = FALSE;
+  for (size_t i = 0; i < plugin->n_parameters && !found; i++) {
+    const opc_parameter *p = &plugin->parameters[i];
+    found = g_str_has_prefix(p->name, prefix) ||
+            (p->former && g_str_has_prefix(p->former, prefix));
+  }
+  return found;
+}
+
 static void bind_map(const binder *b, const opc_node *map, const char *prefix);
 
 /* Bind the keys of a map; recursion is as deep as parameter names have dots. */
@@ -150,7 +161,6 @@ static void bind_group(const binder *b, const opc_node *map,
     if (!*prefix && !strcmp(key->text, "use")) continue;
     g_autofree char *name = g_strconcat(prefix, key->text, NULL);
     g_autofree char *deeper = g_strconcat(name, ".", NULL);
-    g_autoptr(GPtrArray) group = level_names(binding->plugin, deeper);
     int i = opc_parameter_find(binding->plugin, name);
     if (i < 0) i = find_former(b, key, name);
     if (i >= 0 && binding->origin[i]) {
@@ -160,7 +170,7 @@ static void bind_group(const binder *b, const opc_node *map,
       binding->origin[i] = node;
       binding->values[i].given = TRUE;
       bind_value(b, (size_t)i, node, &key->at);
-    } else if (!group->len) {
+    } else if (!group_exists(binding->plugin, deeper)) {
       unknown_parameter(b, key, prefix, name);
     } else if (node->type != OPC_NODE_MAP) {
       opc_wrong(b->problems, node, "'%s' is a group, as '%s: { ... }'", name,
