@@ -23,7 +23,7 @@ static int is_known(const char *line) {
   return 0;
 }
 
-static void check(const char *deck) {
+static void deck_check(const char *deck) {
   opc_error error;
   char *out = deck_write(deck, NULL, &error);
   if (!out) return;
@@ -39,7 +39,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   g_autofree char *text = g_strndup((const char *)data, size);
   g_autofree char *deck =
       g_strdup_printf("title\n.include '%s'\n.end\n", fuzz_file(data, size));
-  check(text);
-  check(deck);
+  deck_check(text);
+  deck_check(deck);
   return 0;
 }

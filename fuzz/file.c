@@ -11,7 +11,8 @@ typedef struct memory_file {
   int file; /* 0: not yet there */
 } memory_file;
 
-static const char *put(memory_file *m, const uint8_t *data, size_t size) {
+static const char *memory_file_put(memory_file *m, const uint8_t *data,
+                                   size_t size) {
   if (!m->file) {
     m->file = memfd_create("input", MFD_CLOEXEC);
     if (m->file < 0) g_error("no file in memory");
@@ -24,10 +25,10 @@ static const char *put(memory_file *m, const uint8_t *data, size_t size) {
 
 const char *fuzz_file(const uint8_t *data, size_t size) {
   static memory_file m;
-  return put(&m, data, size);
+  return memory_file_put(&m, data, size);
 }
 
 const char *fuzz_second_file(const uint8_t *data, size_t size) {
   static memory_file m;
-  return put(&m, data, size);
+  return memory_file_put(&m, data, size);
 }

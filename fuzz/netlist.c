@@ -16,7 +16,7 @@ static void look_at(const eda_flat_netlist *flat) {
     if (!flat->net[flat->port[i]]) g_error("a port without a net");
 }
 
-static void flatten(eda_netlist *n, uint32_t top) {
+static void netlist_flatten(eda_netlist *n, uint32_t top) {
   eda_pool pool = {0};
   eda_flat_netlist flat = {.pool = &pool};
   const eda_scope in = {NULL, &n->subcircuit[top], NULL};
@@ -30,7 +30,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   opc_error error = {0};
   eda_netlist n = {.error = &error, .scale = 1};
   if (!eda_netlist_read(&n, fuzz_file(data, size)))
-    for (size_t i = 0; i < n.subcircuits; i++) flatten(&n, (uint32_t)i);
+    for (size_t i = 0; i < n.subcircuits; i++) netlist_flatten(&n, (uint32_t)i);
   eda_netlist_clear(&n);
   return 0;
 }

@@ -9,7 +9,7 @@
 const opc_plugin *opcflow_plugin(void);
 
 /* Bind an instance to the file in memory. */
-static opc_binding *bind(const char *path) {
+static opc_binding *reader_bind(const char *path) {
   static opc_source *source;
   static opc_node *volatile map; /* volatile: visible to the leak checker */
   static const opc_place nowhere = {"fuzz", 0, 0};
@@ -30,7 +30,7 @@ static opc_binding *bind(const char *path) {
    its time. */
 enum { MOST_LAYERS = 4, MOST_FLAT = 1 << 22 };
 
-static void flatten(const eda_layout *layout, int32_t top) {
+static void layout_flatten(const eda_layout *layout, int32_t top) {
   size_t layers = MIN(eda_layout_layers(layout), MOST_LAYERS);
   for (size_t l = 0; l < layers; l++) {
     opc_error error;
@@ -46,7 +46,7 @@ static void flatten(const eda_layout *layout, int32_t top) {
 static void look_at(const eda_layout *layout) {
   opc_error error;
   int32_t top = eda_layout_top(layout, &error);
-  if (top >= 0) flatten(layout, top);
+  if (top >= 0) layout_flatten(layout, top);
   for (size_t c = 0; c < eda_layout_cells(layout); c++) {
     size_t n, polygons = eda_layout_polygons(layout, (int32_t)c);
     int32_t layer;
@@ -56,7 +56,7 @@ static void look_at(const eda_layout *layout) {
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
-  g_autoptr(opc_binding) binding = bind(fuzz_file(data, size));
+  g_autoptr(opc_binding) binding = reader_bind(fuzz_file(data, size));
   const opc_step *step = binding->module.functions;
   opc_error error = {0};
   void *output = NULL;

@@ -18,7 +18,7 @@ static const double patience = 5;
 static uint64_t state = 0x9e3779b97f4a7c15;
 
 /* xorshift64*, Vigna 2016 */
-static uint32_t below(uint32_t n) {
+static uint32_t random_below(uint32_t n) {
   state ^= state >> 12;
   state ^= state << 25;
   state ^= state >> 27;
@@ -64,7 +64,7 @@ static void add_test_data(GPtrArray *seeds, const char *suffix) {
 
 /* ---- mutations ---- */
 
-static void insert(GByteArray *a, guint at, const guint8 *data, guint n) {
+static void bytes_insert(GByteArray *a, guint at, const guint8 *data, guint n) {
   if (!n || a->len + n > LARGEST) return;
   g_byte_array_set_size(a, a->len + n);
   memmove(a->data + at + n, a->data + at, a->len - n - at);
@@ -79,27 +79,28 @@ static void put_number(GByteArray *a, guint at) {
       0x7fff,     0x8000,     0xffff,    0x7fffffff,
       0x80000000, 0xffffffff, INT64_MAX, (uint64_t)INT64_MIN,
       UINT64_MAX};
-  uint64_t v = edges[below(G_N_ELEMENTS(edges))];
-  guint n = 1u << below(4), big = below(2);
+  uint64_t v = edges[random_below(G_N_ELEMENTS(edges))];
+  guint n = 1u << random_below(4), big = random_below(2);
   for (guint i = 0; i < n && at + i < a->len; i++)
     a->data[at + i] = (guint8)(v >> 8 * (big ? n - 1 - i : i));
 }
 
-static void mutate(GByteArray *a, const GPtrArray *seeds) {
-  guint at = below(a->len + 1), n = below(1u << below(9));
+static void input_mutate(GByteArray *a, const GPtrArray *seeds) {
+  guint at = random_below(a->len + 1), n = random_below(1u << random_below(9));
   n = MIN(n, a->len - at);
   gsize size;
   const guint8 *other =
-      g_bytes_get_data(seeds->pdata[below(seeds->len)], &size);
-  guint from = below((guint)size), some = below(1u << below(9));
+      g_bytes_get_data(seeds->pdata[random_below(seeds->len)], &size);
+  guint from = random_below((guint)size),
+        some = random_below(1u << random_below(9));
   some = MIN(some, (guint)size - from);
   g_autofree guint8 *copy = NULL;
-  switch (below(7)) {
+  switch (random_below(7)) {
     case 0:
-      if (at < a->len) a->data[at] ^= (guint8)(1u << below(8));
+      if (at < a->len) a->data[at] ^= (guint8)(1u << random_below(8));
       break;
     case 1:
-      if (at < a->len) a->data[at] = (guint8)below(256);
+      if (at < a->len) a->data[at] = (guint8)random_below(256);
       break;
     case 2:
       put_number(a, at);
@@ -109,10 +110,10 @@ static void mutate(GByteArray *a, const GPtrArray *seeds) {
       break;
     case 4:
       copy = g_memdup2(a->data + at, n);
-      insert(a, below(a->len + 1), copy, n);
+      bytes_insert(a, random_below(a->len + 1), copy, n);
       break;
     case 5:
-      insert(a, at, other + from, some);
+      bytes_insert(a, at, other + from, some);
       break;
     default:
       memcpy(a->data + at, other + from, MIN(some, a->len - at));
@@ -154,8 +155,8 @@ int main(int argc, char **argv) {
         g_bytes_get_data(seeds->pdata[(guint)i % seeds->len], &size);
     g_byte_array_set_size(input, 0);
     g_byte_array_append(input, seed, (guint)size);
-    guint n = i < (long)seeds->len ? 0 : 1 + below(MUTATIONS);
-    while (n--) mutate(input, seeds);
+    guint n = i < (long)seeds->len ? 0 : 1 + random_below(MUTATIONS);
+    while (n--) input_mutate(input, seeds);
     run_one(input);
   }
   double seconds = (double)(g_get_monotonic_time() - before) * 1e-6;

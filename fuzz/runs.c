@@ -16,7 +16,7 @@ static const char *const good[] = {
 
 static char *folder;
 
-static void put(const char *file, const void *text, gssize size) {
+static void file_put(const char *file, const void *text, gssize size) {
   g_autofree char *path = g_build_filename(folder, file, NULL);
   if (!g_file_set_contents_full(path, text, size, G_FILE_SET_CONTENTS_NONE,
                                 0666, NULL))
@@ -33,7 +33,7 @@ static void read_all(void) {
   eda_run_cases_free(eda_run_cases_open(folder, &error));
 }
 
-static void clear(void) {
+static void folder_clear(void) {
   for (int i = 0; i < 4; i++) {
     g_autofree char *path = g_build_filename(folder, files[i], NULL);
     g_unlink(path);
@@ -44,13 +44,13 @@ static void clear(void) {
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   if (!folder) {
     folder = g_dir_make_tmp("fuzz-XXXXXX", NULL);
-    for (int i = 0; i < 4; i++) put(files[i], good[i], -1);
-    atexit(clear);
+    for (int i = 0; i < 4; i++) file_put(files[i], good[i], -1);
+    atexit(folder_clear);
   }
   /* The first byte selects the file. */
   int which = size ? data[0] % 4 : 0;
-  put(files[which], data + (size > 0), (gssize)size - (size > 0));
+  file_put(files[which], data + (size > 0), (gssize)size - (size > 0));
   read_all();
-  put(files[which], good[which], -1);
+  file_put(files[which], good[which], -1);
   return 0;
 }

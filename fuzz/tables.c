@@ -23,19 +23,19 @@ static void read_goals_of_two(const char *path) {
 }
 
 /* A litho model required to read a table; no image is computed. */
-static double band(const void *self) {
+static double unused_band(const void *self) {
   (void)self;
   return 1e-3;
 }
 
-static int image(const void *self, int layer, const eda_spectrum *mask,
-                 eda_field *out, opc_error *e) {
+static int unused_image(const void *self, int layer, const eda_spectrum *mask,
+                        eda_field *out, opc_error *e) {
   (void)self, (void)layer, (void)mask, (void)out;
   return opc_fail(e, OPC_FAILED, NULL, "no image");
 }
 
 static void read_widths(const char *path) {
-  static const eda_litho litho = {.band = band, .image = image};
+  static const eda_litho litho = {.band = unused_band, .image = unused_image};
   static opc_host *host;
   if (!host) host = opc_host_new("fuzz", NULL, NULL);
   const opc_module module = {.functions = &litho, .id = "fuzz"};

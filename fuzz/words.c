@@ -7,7 +7,7 @@
 #include "core/plugin/registry.h"
 #include "core/plugin/value.h"
 
-static void put(const char *word) {
+static void word_put(const char *word) {
   putchar('"');
   for (; *word; word++)
     if (*word == '"' || *word == '\\' || *word < ' ')
@@ -19,15 +19,15 @@ static void put(const char *word) {
 
 static void put_all(const char *choices) {
   g_auto(GStrv) words = opc_choice_list(choices);
-  for (guint i = 0; words[i]; i++) put(words[i]);
+  for (guint i = 0; words[i]; i++) word_put(words[i]);
 }
 
 static void put_plugin(const opc_plugin *plugin) {
-  put(plugin->id);
+  word_put(plugin->id);
   for (size_t i = 0; i < plugin->n_parameters; i++) {
     const opc_parameter *p = &plugin->parameters[i];
-    put(p->name);
-    if (p->preset && *p->preset) put(p->preset);
+    word_put(p->name);
+    if (p->preset && *p->preset) word_put(p->preset);
     if (p->choices) put_all(p->choices);
   }
 }
@@ -37,9 +37,9 @@ int main(void) {
       "opcflow: 1", "steps:", "use:", "{ use: ", "${", "}",  ": ",    "- ",
       "[",          "]",      "|",    ">",       "&a", "*a", "!!str", "---",
       "extends:",   "name:",  "#",    "\\x09",   "'",  "? ", "<<:",   "%"};
-  for (size_t i = 0; i < G_N_ELEMENTS(syntax); i++) put(syntax[i]);
+  for (size_t i = 0; i < G_N_ELEMENTS(syntax); i++) word_put(syntax[i]);
   g_autoptr(GPtrArray) units = opc_unit_names();
-  for (guint i = 0; i < units->len; i++) put(units->pdata[i]);
+  for (guint i = 0; i < units->len; i++) word_put(units->pdata[i]);
   g_autoptr(opc_registry) registry = opc_registry_new(NULL);
   g_autoptr(GPtrArray) list = opc_registry_scan(registry, "", 10);
   for (guint i = 0; i < list->len; i++) {

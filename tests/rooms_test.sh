@@ -179,6 +179,24 @@ own_tests() {
     done
 }
 
+# File-local functions named by a bare verb cannot be found by grep.
+bare_verbs() {
+  verbs=$(echo \
+    add allocate annotate answer append apply ask begin bind blame borrow build call change check \
+    choose claim clean clear clip collect collide compare complain complete compose copy count cut \
+    deposit describe differ draw drop end enter evaluate exchange execute expect explore extract \
+    fail fill find finish fit flatten flush follow forecast gather get go grow halve has image \
+    include insert join judge keep leave list load look make match measure meet merge mirror move \
+    multiply mutate need next note obey offer order own pair parse pass perform place plan prepare \
+    print probe provide prune publish push put reach refine refuse renumber resize restore reverse \
+    rule run same sample save say scale seek serve set settle share show shorten simulate slice snap \
+    solve spend split spoil spread stamp start step stretch stroke swap sweep take tell tie touch \
+    touches transform trim try turn understand unite update walk want warn widen work |
+    tr ' ' '|')
+  find core fuzz include plugins subprojects tools/devel -name '*.[ch]' ! -name '*_test.[ch]' | sort |
+    xargs grep -nE "^(static .*[ *])?($verbs)\\("
+}
+
 base_alone() {
   find subprojects/base -name '*.[ch]' | sort |
     xargs grep -nE '^ *# *include *["<](core|plugins|opcflow|eda)/' | grep -vF '<opcflow/base.h>'
@@ -186,7 +204,7 @@ base_alone() {
     xargs grep -nE '^ *# *include *["<]base/'
 }
 
-echo "1..13"
+echo "1..14"
 check "the kernel has no domain word" domain_words "$@"
 check "folders of the kernel include one way only" kernel_order
 check "at most four files of the kernel call each other in a circle" file_circles
@@ -200,4 +218,5 @@ check "the folder of a plugin is its id" ids
 check "base knows neither kernel nor library, and no plugin includes it" base_alone
 check "no file has more than 600 lines" long_files
 check "each plugin has a test of its own, which is built" own_tests
+check "no file-local function is named by a bare verb" bare_verbs
 exit $failed

@@ -274,7 +274,7 @@ char *opc_binding_label(const opc_binding *b) {
 }
 
 /* Allocate the instance and store all parameters but inputs. */
-static void fill(opc_binding *b) {
+static void binding_fill(opc_binding *b) {
   b->module = (opc_module){.functions = b->plugin->functions,
                            .self = g_malloc0(b->plugin->instance_size),
                            .id = b->plugin->id};
@@ -322,7 +322,7 @@ gboolean opc_binding_create(opc_binding *b, const opc_watch *watch,
   if (!like || !like->service) b->host->service = opc_binding_service;
   for (guint i = 0; i < b->renamed->len; i++)
     b->host->log(b->host, OPC_LOG_WARNING, "%s", (char *)b->renamed->pdata[i]);
-  fill(b);
+  binding_fill(b);
   opc_error error = {0};
   const char *before = opc_binding_enter(b);
   int code = b->inner ? b->nested->check(b->inner, &error) : OPC_OK;

@@ -85,8 +85,8 @@ static void connect_step(const connector *c) {
 
 /* Return the first unplaced step that this step depends on; NULL: the step can
    run. */
-static opc_flow_step *awaited(const opc_flow_step *step,
-                              const gboolean *placed) {
+static opc_flow_step *step_awaited(const opc_flow_step *step,
+                                   const gboolean *placed) {
   for (guint i = 0; i < step->inputs->len; i++) {
     const opc_flow_step *from =
         g_array_index(step->inputs, opc_flow_input, i).from;
@@ -105,7 +105,7 @@ static void report_circle(const opc_flow *flow, const gboolean *placed,
   g_autoptr(GPtrArray) trail = g_ptr_array_new();
   while (!g_ptr_array_find(trail, step, &first)) {
     g_ptr_array_add(trail, step);
-    step = awaited(step, placed);
+    step = step_awaited(step, placed);
   }
   g_autoptr(GString) text = g_string_new(NULL);
   for (guint i = first; i < trail->len; i++)
@@ -122,7 +122,7 @@ static void find_order(opc_flow *flow, opc_problems *problems) {
   while (flow->order->len < n) {
     opc_flow_step *next = NULL;
     for (guint i = 0; i < n && !next; i++)
-      if (!placed[i] && !awaited(flow->steps->pdata[i], placed))
+      if (!placed[i] && !step_awaited(flow->steps->pdata[i], placed))
         next = flow->steps->pdata[i];
     if (!next) {
       report_circle(flow, placed, problems);

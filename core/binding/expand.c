@@ -265,9 +265,11 @@ static void add_layer(expander *e, const item *it, const part *p) {
 
 /* Return each partial layer combined with each value of a key; NULL and
    problems. */
-static GPtrArray *multiply(const expander *e, const item *it, GPtrArray *parts,
-                           const opc_node *key, const opc_node *value,
-                           const opc_parameter *parameter, gboolean *several) {
+static GPtrArray *parts_multiply(const expander *e, const item *it,
+                                 GPtrArray *parts, const opc_node *key,
+                                 const opc_node *value,
+                                 const opc_parameter *parameter,
+                                 gboolean *several) {
   g_autoptr(GPtrArray) out = g_ptr_array_new_with_free_func(part_free);
   gboolean good = TRUE;
   *several |= count_of(value) > 1 || parameter;
@@ -323,8 +325,9 @@ static void expand_map(expander *e, item *it, const opc_node *map) {
   for (int listed = 0; listed < 2; listed++)
     for (guint i = 0; parts && i < map->items->len; i++) {
       if ((of[i] && of[i]->type != OPC_FILE) != listed) continue;
-      GPtrArray *more = multiply(e, it, parts, map->keys->pdata[i],
-                                 map->items->pdata[i], of[i], &it->several);
+      GPtrArray *more =
+          parts_multiply(e, it, parts, map->keys->pdata[i],
+                         map->items->pdata[i], of[i], &it->several);
       g_ptr_array_free(parts, TRUE);
       parts = more;
     }
@@ -349,8 +352,8 @@ static const char *take_variant(const expander *e, const opc_node *node) {
 }
 
 /* Put a value under a key whose place is that of `like`. */
-static void put(opc_node *map, const char *key, const opc_node *like,
-                const opc_node *value) {
+static void node_put_like(opc_node *map, const char *key, const opc_node *like,
+                          const opc_node *value) {
   g_autoptr(opc_node) name = opc_node_text_new(like->source, key);
   name->at = like->at;
   opc_node_put(map, name, value);
@@ -363,8 +366,9 @@ static void expand_element(expander *e, const char *name, const opc_node *map,
   for (guint i = 0; i < map->items->len; i++)
     if (strcmp(opc_node_key(map, i), "list") != 0)
       opc_node_put(whole, map->keys->pdata[i], map->items->pdata[i]);
-  if (key) put(whole, "name", key, key);
-  if (element->type == OPC_NODE_TEXT) put(whole, "variant", element, element);
+  if (key) node_put_like(whole, "name", key, key);
+  if (element->type == OPC_NODE_TEXT)
+    node_put_like(whole, "variant", element, element);
   for (guint i = 0; element->type == OPC_NODE_MAP && i < element->items->len;
        i++)
     opc_node_put(whole, element->keys->pdata[i], element->items->pdata[i]);

@@ -10,7 +10,7 @@ const char *const opc_reserved[OPC_RESERVED] = {"flow.yaml", "manifest.json",
                                                 "metrics.json", "sweep.csv"};
 
 /* Return whether the names are equal or one is inside the other as a folder. */
-static gboolean overlap(const char *a, const char *b) {
+static gboolean names_overlap(const char *a, const char *b) {
   size_t n = MIN(strlen(a), strlen(b));
   return !strncmp(a, b, n) && strchr("/", a[n]) && strchr("/", b[n]);
 }
@@ -20,13 +20,13 @@ static const char *find_overlap(GHashTable *outputs, const char *name) {
   gpointer taken;
   g_hash_table_iter_init(&all, outputs);
   while (g_hash_table_iter_next(&all, &taken, NULL))
-    if (overlap(taken, name)) return taken;
+    if (names_overlap(taken, name)) return taken;
   return NULL;
 }
 
 static const char *find_reserved(const char *name) {
   for (size_t i = 0; i < OPC_RESERVED; i++)
-    if (overlap(opc_reserved[i], name)) return opc_reserved[i];
+    if (names_overlap(opc_reserved[i], name)) return opc_reserved[i];
   return NULL;
 }
 

@@ -120,8 +120,8 @@ static gboolean read_file(opc_recipe *recipe, const char *path,
 /* ---- sections of files ---- */
 
 /* Return the map `name` of a file; NULL if the map is missing or not valid. */
-static const opc_node *section(const opc_node *root, const char *name,
-                               guint most, opc_problems *problems) {
+static const opc_node *recipe_section(const opc_node *root, const char *name,
+                                      guint most, opc_problems *problems) {
   const opc_node *node = opc_node_get(root, name);
   const char *noun = strcmp(name, "sweep") ? name : "parameters";
   if (!node) return NULL;
@@ -136,7 +136,7 @@ static const opc_node *section(const opc_node *root, const char *name,
 
 static void take_steps(opc_recipe *recipe, const opc_node *root,
                        opc_problems *problems) {
-  const opc_node *steps = section(root, "steps", MOST_STEPS, problems);
+  const opc_node *steps = recipe_section(root, "steps", MOST_STEPS, problems);
   if (!steps) return;
   if (!recipe->steps)
     recipe->steps = opc_node_map_new(steps->source, &steps->at);
@@ -172,7 +172,8 @@ static void add_variant(opc_recipe *recipe, const opc_node *key,
 
 static void take_variants(opc_recipe *recipe, const opc_node *root,
                           opc_problems *problems) {
-  const opc_node *all = section(root, "variants", MOST_VARIANTS, problems);
+  const opc_node *all =
+      recipe_section(root, "variants", MOST_VARIANTS, problems);
   for (guint i = 0; all && i < all->items->len; i++) {
     const opc_node *key = all->keys->pdata[i], *value = all->items->pdata[i];
     if (!opc_is_name(key->text, FALSE) || !strcmp(key->text, "all") ||
@@ -211,7 +212,7 @@ static void take_sweep(opc_recipe *recipe, const opc_node *root,
   const opc_node *all = opc_node_get(root, "sweep");
   gboolean none = all && opc_node_is_null(all);
   while (none && sweep->keys->len) remove_key(sweep, opc_node_key(sweep, 0));
-  all = none ? NULL : section(root, "sweep", MOST_STEPS, problems);
+  all = none ? NULL : recipe_section(root, "sweep", MOST_STEPS, problems);
   for (guint i = 0; all && i < all->items->len; i++) {
     const opc_node *key = all->keys->pdata[i], *value = all->items->pdata[i];
     if (opc_node_is_null(value)) {

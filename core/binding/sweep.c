@@ -24,7 +24,7 @@ static void axis_free(gpointer item) {
   g_free(axis);
 }
 
-static void describe(opc_axis *axis) {
+static void axis_describe(opc_axis *axis) {
   guint n = axis->values->len;
   char **texts = g_new0(char *, n + 1);
   for (guint i = 0; i < n; i++)
@@ -60,7 +60,7 @@ static opc_axis *axis_new(const char *path, const opc_place *at,
     opc_wrong(
         problems, values,
         "a sweep needs a list of values, or '{ from: A, to: B, step: C }'");
-  describe(axis);
+  axis_describe(axis);
   return axis;
 }
 

@@ -31,9 +31,9 @@ static void take_log(void *data, const char *path, int level,
 /* bytes below which a forecast of memory alone gets no line */
 static const double little = 1e6;
 
-static void forecast(const opc_recipe *recipe, const opc_choice *choice,
-                     const opc_watch *watch, JsonArray *told,
-                     opc_problems *problems) {
+static void variant_forecast(const opc_recipe *recipe, const opc_choice *choice,
+                             const opc_watch *watch, JsonArray *told,
+                             opc_problems *problems) {
   g_autoptr(GArray) list = g_array_new(FALSE, TRUE, sizeof(opc_outlook));
   opc_run_forecast(recipe, choice, cli_registry(), watch, list, problems);
   for (guint i = 0; i < list->len; i++) {
@@ -62,7 +62,7 @@ static void check_one(const opc_recipe *recipe, const opc_choice *choice,
   guint before = problems->list->len;
   opc_flow_check(recipe, choice, cli_registry(), watch, problems);
   if (!quick && problems->list->len == before)
-    forecast(recipe, choice, watch, told, problems);
+    variant_forecast(recipe, choice, watch, told, problems);
 }
 
 static GArray *open_files(const opc_recipe *recipe, const opc_choice *choice) {
@@ -75,8 +75,9 @@ static GArray *open_files(const opc_recipe *recipe, const opc_choice *choice) {
 /* Return whether a variant requires files that the flow without it does not,
    and report them. Such files are no problem: the rest of the variant is still
    checked. */
-static gboolean asks(const opc_recipe *recipe, const opc_choice *choice,
-                     JsonArray *told) {
+static gboolean variant_requires_files(const opc_recipe *recipe,
+                                       const opc_choice *choice,
+                                       JsonArray *told) {
   opc_choice itself = *choice;
   itself.variant = NULL;
   g_autoptr(GArray) its = open_files(recipe, choice);
@@ -106,7 +107,7 @@ static void check_all(const opc_recipe *recipe, JsonArray *told,
   check_one(recipe, &choice, &watch, told, problems);
   for (guint i = 0; i < recipe->variants->keys->len; i++) {
     choice.variant = opc_node_key(recipe->variants, i);
-    if (asks(recipe, &choice, open)) {
+    if (variant_requires_files(recipe, &choice, open)) {
       choice.bind = OPC_BIND_NO_FILES;
       opc_flow_check(recipe, &choice, cli_registry(), NULL, problems);
       choice.bind = 0;
@@ -116,7 +117,7 @@ static void check_all(const opc_recipe *recipe, JsonArray *told,
   }
 }
 
-static int run(const cli_verb *verb, const GPtrArray *arguments) {
+static int check_run(const cli_verb *verb, const GPtrArray *arguments) {
   const char *path = cli_flow(verb, arguments);
   if (!path) return CLI_USAGE;
   g_autoptr(opc_problems) problems = opc_problems_new();
@@ -143,4 +144,4 @@ const cli_verb cli_check = {
     .options = options,
     .least = 0,
     .most = 1,
-    .run = run};
+    .run = check_run};

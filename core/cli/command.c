@@ -186,7 +186,7 @@ static void choose_table(opc_problems *problems) {
                   "--table: there is no table '%s'%s", wanted, near);
 }
 
-static int show(opc_problems *problems) {
+static int command_print_results(opc_problems *problems) {
   static const char *const names[] = {"metric", "value", "unit"};
   if (wanted) choose_table(problems);
   if (json) show_json(problems);
@@ -217,8 +217,8 @@ static void take_value(const cli_verb *verb, const opc_parameter *p,
   opc_lay_at(steps, path, &value->at, value, problems);
 }
 
-static void call(opc_binding *b, const GPtrArray *arguments,
-                 opc_problems *problems) {
+static void command_call(opc_binding *b, const GPtrArray *arguments,
+                         opc_problems *problems) {
   const opc_command *command = b->module.functions;
   opc_error error = {0};
   const char *before = opc_binding_enter(b);
@@ -235,7 +235,7 @@ static void call(opc_binding *b, const GPtrArray *arguments,
                     *error.message ? error.message : "gave no reason");
 }
 
-static int run(const cli_verb *verb, const GPtrArray *arguments) {
+static int command_run(const cli_verb *verb, const GPtrArray *arguments) {
   int code = cli_set_threads(threads);
   if (code >= 0) return code;
   const opc_plugin *plugin = verb->plugin;
@@ -263,9 +263,9 @@ static int run(const cli_verb *verb, const GPtrArray *arguments) {
   cli_progress_step(&progress, verb->name, 1, 1);
   if (!problems->list->len &&
       opc_binding_create(b, &watch, &publisher, problems))
-    call(b, arguments, problems);
+    command_call(b, arguments, problems);
   cli_progress_end(&progress);
-  return show(problems);
+  return command_print_results(problems);
 }
 
 /* ---- the verb ---- */
@@ -316,7 +316,7 @@ const cli_verb *cli_plugin_verb(const char *name, opc_error *error) {
                     .summary = plugin->summary,
                     .options = (cli_option *)options->data,
                     .most = command->arguments ? G_MAXUINT : 0,
-                    .run = run,
+                    .run = command_run,
                     .plugin = plugin};
   return &verb;
 }

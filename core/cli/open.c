@@ -4,13 +4,15 @@
 #include "core/cli/cli.h"
 #include "core/plugin/declaration.h"
 
-static void clear(void *data) { g_free(((cli_open_file *)data)->path); }
+static void open_file_clear(void *data) {
+  g_free(((cli_open_file *)data)->path);
+}
 
 /* Add the missing files of a plugin and of the plugins in its slots. */
-static void add(GArray *open, const opc_binding *b) {
+static void open_files_add(GArray *open, const opc_binding *b) {
   for (size_t i = 0; b && i < b->plugin->n_parameters; i++) {
     const opc_parameter *p = &b->plugin->parameters[i];
-    if (b->slots[i]) add(open, b->slots[i]);
+    if (b->slots[i]) open_files_add(open, b->slots[i]);
     if (p->type != OPC_FILE || !(p->flags & OPC_REQUIRED) || b->origin[i])
       continue;
     const cli_open_file one = {g_strdup_printf("%s.%s", b->path, p->name),
@@ -21,8 +23,8 @@ static void add(GArray *open, const opc_binding *b) {
 
 GArray *cli_open_files(const opc_flow *flow) {
   GArray *open = g_array_new(FALSE, FALSE, sizeof(cli_open_file));
-  g_array_set_clear_func(open, clear);
+  g_array_set_clear_func(open, open_file_clear);
   for (guint i = 0; i < flow->steps->len; i++)
-    add(open, ((opc_flow_step *)flow->steps->pdata[i])->binding);
+    open_files_add(open, ((opc_flow_step *)flow->steps->pdata[i])->binding);
   return open;
 }

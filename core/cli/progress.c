@@ -25,14 +25,14 @@ void cli_progress_start(cli_progress *p, int level) {
 }
 
 /* Replace the progress line on the terminal. */
-static void show(const cli_progress *p, const char *line) {
+static void progress_show_line(const cli_progress *p, const char *line) {
   if (!p->shown) return;
   fprintf(stderr, "\r\033[K%s", line);
   fflush(stderr);
 }
 
 void cli_progress_end(cli_progress *p) {
-  show(p, "");
+  progress_show_line(p, "");
   g_free(p->step);
   g_mutex_clear(&p->lock);
 }
@@ -42,7 +42,7 @@ void cli_progress_log(void *data, const char *path, int level,
   cli_progress *p = data;
   if (level < p->level) return;
   g_mutex_lock(&p->lock);
-  show(p, "");
+  progress_show_line(p, "");
   if (level >= OPC_LOG_WARNING)
     cli_message("warning", "%s: %s", path, message);
   else
@@ -78,7 +78,7 @@ void cli_progress_step(void *data, const char *name, size_t number,
   p->last = 0;
   g_autoptr(GString) line = g_string_new(NULL);
   append_step(line, p);
-  show(p, line->str);
+  progress_show_line(p, line->str);
   g_mutex_unlock(&p->lock);
 }
 
@@ -110,7 +110,7 @@ void cli_progress_show(void *data, const char *path, const opc_progress *at) {
                              at->worst_unit ? " " : "",
                              at->worst_unit ? at->worst_unit : "");
     append_time_left(line, p, at, now);
-    show(p, line->str);
+    progress_show_line(p, line->str);
   }
   g_mutex_unlock(&p->lock);
 }

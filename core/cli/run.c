@@ -43,7 +43,7 @@ static const cli_option options[] = {
 /* ---- a sweep ---- */
 
 /* Return whether the cells of a column differ. */
-static gboolean varies(const opc_column *c, size_t rows) {
+static gboolean column_varies(const opc_column *c, size_t rows) {
   g_autofree char *first = rows ? opc_table_cell(c, 0) : NULL;
   for (size_t i = 1; i < rows; i++) {
     g_autofree char *cell = opc_table_cell(c, i);
@@ -61,7 +61,7 @@ static void print_sweep(const opc_run *run) {
   for (size_t i = 0; i < all->n_columns; i++) {
     const opc_column *c = &all->columns[i];
     if (i <= parameters ||
-        (varies(c, all->rows) && strcmp(c->name, "seconds")) ||
+        (column_varies(c, all->rows) && strcmp(c->name, "seconds")) ||
         (i + 1 == all->n_columns && run->out.failed_points))
       shown[n++] = *c;
   }
@@ -167,8 +167,8 @@ static void tell_findings(const opc_run *run, const char *note) {
 
 /* Print the results of a run. `note`: the variant if there are several, or
    "". */
-static int tell(const series *s, const opc_run *run, const char *note,
-                const opc_problems *found) {
+static int run_print_results(const series *s, const opc_run *run,
+                             const char *note, const opc_problems *found) {
   g_autoptr(opc_problems) problems = opc_problems_new();
   opc_problems_merge(problems, found, note);
   if (problems->list->len) {
@@ -228,7 +228,7 @@ static int run_one(const series *s, const char *variant) {
   g_autofree char *note = s->chosen->len > 1
                               ? g_strdup_printf(" (variant '%s')", name)
                               : g_strdup("");
-  return tell(s, run, note, problems);
+  return run_print_results(s, run, note, problems);
 }
 
 /* Run all variants and return the exit code of the first failed run. */
@@ -349,7 +349,7 @@ static int check_and_run(const char *path) {
   return cli_problems(problems);
 }
 
-static int run(const cli_verb *verb, const GPtrArray *arguments) {
+static int run_run(const cli_verb *verb, const GPtrArray *arguments) {
   int code = cli_set_threads(threads);
   if (code < 0) code = set_level();
   if (code < 0 && wanted.force && !wanted.output)
@@ -370,4 +370,4 @@ const cli_verb cli_run = {.name = "run",
                           .options = options,
                           .least = 0,
                           .most = 1,
-                          .run = run};
+                          .run = run_run};

@@ -51,7 +51,7 @@ int cli_run_devel(const cli_verb *verb) {
 
 /* Run the verb: the first word that is no option. Options before the verb are
    read like options after the verb. */
-static int work(int argc, char **argv) {
+static int verbs_run(int argc, char **argv) {
   int at = 1;
   while (at < argc && *argv[at] == '-') {
     gboolean path = !strcmp(argv[at], "--plugin-path");
@@ -87,7 +87,7 @@ int cli_main(int argc, char **argv) {
   signal(SIGXFSZ, SIG_IGN); /* a write beyond the file size limit fails
                                instead */
   guard_install(cli_is_terminal() ? "\r\033[K" : NULL);
-  int code = work(argc, argv);
+  int code = verbs_run(argc, argv);
   guard_done(code);
   return code;
 }

@@ -62,18 +62,18 @@ static int is_cancelled(const opc_context *context) {
   return own->watch->cancelled && own->watch->cancelled(own->watch->data);
 }
 
-static const char *enter(const opc_context *context, const char *id) {
+static const char *host_enter(const opc_context *context, const char *id) {
   (void)context;
   return guard_enter(id);
 }
 
-static void leave(const opc_context *context, const char *before) {
+static void host_leave(const opc_context *context, const char *before) {
   (void)context;
   guard_leave(before);
 }
 
-static void parallel(const opc_context *context, size_t n,
-                     void (*task)(void *, size_t), void *data) {
+static void host_parallel(const opc_context *context, size_t n,
+                          void (*task)(void *, size_t), void *data) {
   (void)context;
   pool_run(opc_threads(), n, task, data);
 }
@@ -115,10 +115,10 @@ opc_host *opc_host_new(const char *path, const opc_watch *watch,
   const opc_host *to = like ? like : &nowhere;
   instance_host *own = g_new(instance_host, 1);
   *own = (instance_host){
-      .context = {.parallel = parallel,
+      .context = {.parallel = host_parallel,
                   .cancelled = is_cancelled,
-                  .enter = enter,
-                  .leave = leave},
+                  .enter = host_enter,
+                  .leave = host_leave},
       .host = {.size = sizeof(opc_host),
                .context = &own->context,
                .log = host_log,

@@ -12,14 +12,15 @@ typedef struct buffer {
   gboolean full; /* data beyond the limit was dropped */
 } buffer;
 
-static void add(opc_bytes *bytes, const void *from, size_t size) {
+static void bytes_add(opc_bytes *bytes, const void *from, size_t size) {
   buffer *own = (buffer *)bytes;
   own->full |= size > OPC_PIECE_MOST - (size_t)own->all->len;
   if (!own->full && size) g_byte_array_append(own->all, from, (guint)size);
 }
 
 /* Prefix the error message with the name of the piece and return the code. */
-static int fail(const opc_pieces *p, size_t i, int code, opc_error *error) {
+static int piece_fail(const opc_pieces *p, size_t i, int code,
+                      opc_error *error) {
   const opc_error own = *error;
   if (!*own.message || !p->name) return code;
   return opc_fail(error, code, own.parameter, "%s %zu: %s", p->name, i,
@@ -27,14 +28,14 @@ static int fail(const opc_pieces *p, size_t i, int code, opc_error *error) {
 }
 
 GBytes *opc_piece_work(const opc_pieces *p, size_t i, opc_error *error) {
-  buffer b = {{add}, g_byte_array_new(), FALSE};
+  buffer b = {{bytes_add}, g_byte_array_new(), FALSE};
   *error = (opc_error){0};
   int code = p->work(p->data, i, &b.bytes, error);
   if (!code && b.full)
     code = opc_fail(error, OPC_FAILED, NULL, "gives more than %d bytes",
                     OPC_PIECE_MOST);
   if (!code) return g_byte_array_free_to_bytes(b.all);
-  error->code = fail(p, i, code, error);
+  error->code = piece_fail(p, i, code, error);
   g_byte_array_unref(b.all);
   return NULL;
 }
@@ -43,7 +44,7 @@ int opc_piece_take(const opc_pieces *p, size_t i, const void *bytes,
                    size_t size, opc_error *error) {
   *error = (opc_error){0};
   int code = p->take(p->data, i, bytes, size, error);
-  return code ? fail(p, i, code, error) : OPC_OK;
+  return code ? piece_fail(p, i, code, error) : OPC_OK;
 }
 
 /* ---- all ---- */

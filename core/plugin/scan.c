@@ -15,7 +15,7 @@ typedef struct trial {
 
 /* Write the report: 'E' and the reason, or 'K', kind, version, licence and
    summary, each terminated by NUL. */
-static void try(int out, void *data) {
+static void candidate_try(int out, void *data) {
   const trial *t = data;
   g_autofree char *reason = NULL;
   const opc_plugin *plugin = opc_plugin_load(t->registry, t->candidate->path,
@@ -40,7 +40,7 @@ static GPtrArray *report_texts(const GString *report) {
   return texts;
 }
 
-static void understand(opc_candidate *c, const GString *report) {
+static void candidate_read_report(opc_candidate *c, const GString *report) {
   g_autoptr(GPtrArray) texts = report_texts(report);
   const char *first = texts->len ? texts->pdata[0] : "";
   if (texts->len != 5) {
@@ -57,7 +57,7 @@ void opc_candidate_try(opc_registry *registry, opc_candidate *c,
                        double seconds) {
   trial t = {registry, c};
   int end;
-  g_autoptr(GString) report = child_run(try, &t, seconds, &end);
+  g_autoptr(GString) report = child_run(candidate_try, &t, seconds, &end);
   if (end == CHILD_NONE)
     c->reason = g_strdup(g_strerror(errno));
   else if (end == CHILD_LATE)
@@ -65,5 +65,5 @@ void opc_candidate_try(opc_registry *registry, opc_candidate *c,
   else if (end != CHILD_ENDED)
     c->reason = g_strdup_printf("crashed while loading (%s)", g_strsignal(end));
   else
-    understand(c, report);
+    candidate_read_report(c, report);
 }

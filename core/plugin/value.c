@@ -25,7 +25,7 @@ typedef struct conversion {
 
 #define WRONG(c, node, ...) opc_wrong((c)->problems, node, __VA_ARGS__)
 
-static void *own(const conversion *c, void *memory) {
+static void *conversion_own(const conversion *c, void *memory) {
   g_ptr_array_add(c->owned, memory);
   return memory;
 }
@@ -141,8 +141,8 @@ static gboolean need_text(const conversion *c, const opc_node *node) {
                opc_node_noun(node));
 }
 
-static gboolean number(const conversion *c, const opc_node *node,
-                       double *real) {
+static gboolean node_number(const conversion *c, const opc_node *node,
+                            double *real) {
   const opc_parameter *p = c->parameter;
   const char *text = node->text;
   size_t length = opc_number_length(text);
@@ -173,7 +173,7 @@ static gboolean number(const conversion *c, const opc_node *node,
 
 static gboolean read_real(const conversion *c, const opc_node *node,
                           opc_setting *value) {
-  return number(c, node, &value->field.real);
+  return node_number(c, node, &value->field.real);
 }
 
 static gboolean read_reals(const conversion *c, const opc_node *node,
@@ -183,11 +183,11 @@ static gboolean read_reals(const conversion *c, const opc_node *node,
     return WRONG(c, node, "'%s' needs a list, as '[1%s%s, ...]'", p->name,
                  p->unit ? " " : "", p->unit ? p->unit : "");
   guint n = node->items->len;
-  double *reals = own(c, g_new0(double, MAX(n, 1)));
+  double *reals = conversion_own(c, g_new0(double, MAX(n, 1)));
   gboolean good = TRUE;
   for (guint i = 0; i < n; i++)
     good &= need_text(c, node->items->pdata[i]) &&
-            number(c, node->items->pdata[i], &reals[i]);
+            node_number(c, node->items->pdata[i], &reals[i]);
   value->field.reals = (opc_reals){reals, n};
   return good;
 }
@@ -217,7 +217,7 @@ static gboolean read_bool(const conversion *c, const opc_node *node,
 
 static gboolean read_text(const conversion *c, const opc_node *node,
                           opc_setting *value) {
-  value->field.text = own(c, g_strdup(node->text));
+  value->field.text = conversion_own(c, g_strdup(node->text));
   return TRUE;
 }
 
@@ -248,7 +248,7 @@ static gboolean read_map(const conversion *c, const opc_node *node,
   if (p->choices && !list)
     good = opc_node_check_keys(node, p->choices, where, c->problems);
   guint n = node->items->len;
-  opc_pair *pairs = own(c, g_new0(opc_pair, MAX(n, 1)));
+  opc_pair *pairs = conversion_own(c, g_new0(opc_pair, MAX(n, 1)));
   for (guint i = 0; i < n; i++) {
     const opc_node *item = node->items->pdata[i];
     g_autofree char *key =
@@ -258,9 +258,10 @@ static gboolean read_map(const conversion *c, const opc_node *node,
                    any ? "value" : "text");
       continue;
     }
-    pairs[i].key = own(c, g_strdup(key));
-    pairs[i].value = own(c, item->type == OPC_NODE_TEXT ? g_strdup(item->text)
-                                                        : opc_node_line(item));
+    pairs[i].key = conversion_own(c, g_strdup(key));
+    pairs[i].value =
+        conversion_own(c, item->type == OPC_NODE_TEXT ? g_strdup(item->text)
+                                                      : opc_node_line(item));
   }
   value->field.map = (opc_map){pairs, n};
   return good;
@@ -270,7 +271,7 @@ static gboolean read_map(const conversion *c, const opc_node *node,
 
 static gboolean read_file(const conversion *c, const opc_node *node,
                           opc_setting *value) {
-  const char *path = value->field.text = own(c, opc_node_path(node));
+  const char *path = value->field.text = conversion_own(c, opc_node_path(node));
   if (!c->check_files) return TRUE;
   const char *why = opc_file_fault(path, NULL);
   if (!why && access(path, R_OK)) why = g_strerror(errno);
@@ -293,7 +294,7 @@ static gboolean read_input(const conversion *c, const opc_node *node,
   if (n < 4 || strncmp(text, "${", 2) || text[n - 1] != '}')
     return WRONG(c, node, "'%s' needs a reference to a step, as '${%s}'",
                  c->parameter->name, *text ? text : "step");
-  value->reference = own(c, g_strndup(text + 2, n - 3));
+  value->reference = conversion_own(c, g_strndup(text + 2, n - 3));
   return TRUE;
 }
 

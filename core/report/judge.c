@@ -41,8 +41,8 @@ static gboolean is_kept(const opc_requirement *r, double value) {
                  : value >= r->least && value <= r->most;
 }
 
-static void judge(GPtrArray *verdicts, const GArray *metrics,
-                  const opc_requirement *r) {
+static void requirement_judge(GPtrArray *verdicts, const GArray *metrics,
+                              const opc_requirement *r) {
   double value = find_value(metrics, r);
   opc_verdict *v = g_new(opc_verdict, 1);
   *v = (opc_verdict){.path = g_strdup(r->path),
@@ -64,7 +64,7 @@ void opc_verdicts_judge(GPtrArray *verdicts, const opc_flow *flow,
   for (guint i = 0; i < flow->requirements->len; i++) {
     const opc_requirement *r = flow->requirements->pdata[i];
     if (!left_out || !left_out[opc_flow_find(flow, r->path)->number])
-      judge(verdicts, metrics, r);
+      requirement_judge(verdicts, metrics, r);
   }
 }
 

@@ -21,7 +21,7 @@
 
 /* ---- state ---- */
 
-/* State of the runs of an inner flow, from `begin` on. */
+/* State of the runs of an inner flow, from `inner_runs_begin` on. */
 struct opc_inner_runs {
   opc_inner *in;
   opc_run *outer; /* run of the step */
@@ -119,7 +119,7 @@ static void free_runs(opc_inner_runs *runs) {
 /* Start the inner runs and run the trunk. Steps that no axis changes write to a
    folder of their own, as those of the other levels do; their files are copied
    to each run that is kept. */
-static int begin(const opc_host *host, opc_error *error) {
+static int inner_runs_begin(const opc_host *host, opc_error *error) {
   const opc_binding *b = host->data;
   g_autofree char *name = g_build_filename(b->path, "flow.yaml", NULL);
   const char *path = host->output_path(host, name, error);
@@ -358,7 +358,7 @@ const opc_inner_service opc_inner_functions = {
     .axis = opc_inner_find_axis,
     .metric = opc_inner_find_metric,
     .output = opc_inner_find_output,
-    .begin = begin,
+    .begin = inner_runs_begin,
     .run = run_point,
     .metrics = get_metrics,
     .column = get_column,

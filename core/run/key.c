@@ -28,14 +28,14 @@ static char *place_of(const keyer *k, const opc_binding *b, const char *name) {
   return g_strdup_printf("%s%s%s", rest, *rest && *name ? "." : "", name);
 }
 
-static void add(keyer *k, char about, const char *path, const char *shown,
-                const char *sum) {
+static void keyer_add(keyer *k, char about, const char *path, const char *shown,
+                      const char *sum) {
   opc_facts_add(&k->facts, about, path, shown, sum);
 }
 
 /* Mark the result as not to be stored, as a fact cannot be determined; takes
    ownership of the reason. */
-static void spoil(keyer *k, char *why) {
+static void keyer_exclude(keyer *k, char *why) {
   if (k->key->why)
     g_free(why);
   else
@@ -46,10 +46,10 @@ static void add_build(keyer *k, char about, const char *path, const char *shown,
                       const opc_plugin *plugin) {
   const char *sum = opc_store_build(k->store, plugin ? plugin->id : NULL);
   if (sum)
-    add(k, about, path, shown, sum);
+    keyer_add(k, about, path, shown, sum);
   else
-    spoil(k, g_strdup_printf("the objects that %s needs cannot be read",
-                             plugin ? plugin->id : "opcflow"));
+    keyer_exclude(k, g_strdup_printf("the objects that %s needs cannot be read",
+                                     plugin ? plugin->id : "opcflow"));
 }
 
 /* ---- values ---- */
@@ -60,10 +60,10 @@ static void add_file(keyer *k, const char *path, const char *file) {
   g_autofree char *name = g_path_get_basename(file);
   char *sum = opc_store_sum(k->store, whole, NULL, &error);
   if (!sum) {
-    spoil(k, g_strdup(error.message));
+    keyer_exclude(k, g_strdup(error.message));
     return;
   }
-  add(k, OPC_FACT_FILE, path, name, sum);
+  keyer_add(k, OPC_FACT_FILE, path, name, sum);
   g_ptr_array_add(k->key->files, g_steal_pointer(&whole));
   g_ptr_array_add(k->key->files, sum);
 }
@@ -79,7 +79,7 @@ static void add_beside(keyer *k, const char *path, const char *file) {
       g_ptr_array_remove_index(names, i);
   }
   if (!names || names->len > MOST) {
-    spoil(k, g_strdup_printf("'%s' has too many files", folder));
+    keyer_exclude(k, g_strdup_printf("'%s' has too many files", folder));
     return;
   }
   for (guint i = 0; i < names->len; i++) {
@@ -92,7 +92,7 @@ static void add_beside(keyer *k, const char *path, const char *file) {
 
 /* Append a text of a list or map, quoted so that the boundaries are
    unambiguous. */
-static void append(GString *out, const char *text) {
+static void text_append_quoted(GString *out, const char *text) {
   g_autofree char *quoted = g_strescape(text, NULL);
   g_string_append_printf(out, "%s\"%s\"", out->len ? " " : "", quoted);
 }
@@ -118,8 +118,8 @@ static char *value_text(const opc_parameter *p, const opc_field *f) {
       return g_strdup_printf("[%s]", out->str);
     case OPC_MAP:
       for (size_t i = 0; i < f->map.count; i++) {
-        append(out, f->map.pairs[i].key);
-        append(out, f->map.pairs[i].value);
+        text_append_quoted(out, f->map.pairs[i].key);
+        text_append_quoted(out, f->map.pairs[i].value);
       }
       return g_strdup_printf("{%s}", out->str);
     default:
@@ -142,7 +142,8 @@ static void add_value(keyer *k, const opc_binding *b, size_t i) {
     return;
   }
   g_autofree char *text = value_text(p, &v->field);
-  add(k, OPC_FACT_PARAMETER, path, text, p->given && v->given ? "given" : "");
+  keyer_add(k, OPC_FACT_PARAMETER, path, text,
+            p->given && v->given ? "given" : "");
 }
 
 /* ---- the flow that a step runs ---- */
@@ -159,8 +160,8 @@ static void take_flow(void *data, const opc_flow *flow) {
   for (guint i = 0; i < flow->steps->len; i++) {
     const opc_flow_step *step = flow->steps->pdata[i];
     if (!keys[i].sum)
-      spoil(in->keyer,
-            g_strdup_printf("in its flow, %s: %s", step->name, keys[i].why));
+      keyer_exclude(in->keyer, g_strdup_printf("in its flow, %s: %s",
+                                               step->name, keys[i].why));
     g_autofree char *line =
         g_strdup_printf("%s %s\n", step->name, keys[i].sum ? keys[i].sum : "");
     g_checksum_update(in->sum, (const guchar *)line, -1);
@@ -172,7 +173,7 @@ static void add_inner(keyer *k, const opc_binding *b) {
   g_autoptr(GChecksum) sum = g_checksum_new(G_CHECKSUM_SHA256);
   inner_sum in = {k, sum};
   opc_inner_visit(b->inner, take_flow, &in);
-  add(k, OPC_FACT_INNER, "", "", g_checksum_get_string(sum));
+  keyer_add(k, OPC_FACT_INNER, "", "", g_checksum_get_string(sum));
 }
 
 /* ---- a step ---- */
@@ -181,8 +182,9 @@ static void add_instance(keyer *k, const opc_binding *b) {
   g_autofree char *path = place_of(k, b, "");
   add_build(k, OPC_FACT_PLUGIN, path, b->plugin->id, b->plugin);
   if (!(b->plugin->flags & OPC_DETERMINISTIC))
-    spoil(k, g_strdup_printf("%s does not promise the same result twice",
-                             b->plugin->id));
+    keyer_exclude(k,
+                  g_strdup_printf("%s does not promise the same result twice",
+                                  b->plugin->id));
   for (size_t i = 0; i < b->plugin->n_parameters; i++) add_value(k, b, i);
   if (b->inner) add_inner(k, b);
 }
@@ -196,12 +198,14 @@ static void add_inputs(keyer *k) {
     g_autofree char *path = place_of(
         k, in->binding, in->binding->plugin->parameters[in->parameter].name);
     if (!sum)
-      spoil(k, g_strdup_printf("it takes from step '%s', whose result is not "
-                               "kept",
-                               in->from->name));
+      keyer_exclude(
+          k, g_strdup_printf("it takes from step '%s', whose result is not "
+                             "kept",
+                             in->from->name));
     else
-      add(k, OPC_FACT_INPUT, path,
-          ((const opc_step *)from->functions)->outputs[in->port].name, sum);
+      keyer_add(k, OPC_FACT_INPUT, path,
+                ((const opc_step *)from->functions)->outputs[in->port].name,
+                sum);
   }
 }
 
@@ -212,8 +216,8 @@ static void make_key(keyer *k) {
   k->key->files = g_ptr_array_new_with_free_func(g_free);
   g_variant_builder_init(&k->facts, OPC_FACTS_TYPE);
   if (functions->flags & OPC_STEP_OUTSIDE)
-    spoil(k,
-          g_strdup_printf("%s reads what no parameter names", b->plugin->id));
+    keyer_exclude(
+        k, g_strdup_printf("%s reads what no parameter names", b->plugin->id));
   add_build(k, OPC_FACT_COMMAND, "", opc_facts_machine(), NULL);
   opc_binding_list(b, instances);
   for (guint i = 0; i < instances->len; i++)

@@ -6,7 +6,7 @@
 /* ---- findings ---- */
 
 /* Keep a finding once; a step may report the same finding many times. */
-static void keep(opc_run *run, const char *path, const char *text) {
+static void finding_keep(opc_run *run, const char *path, const char *text) {
   g_mutex_lock(&run->heard.lock);
   opc_findings_add(&run->out.findings, run->heard.point, path, text);
   g_mutex_unlock(&run->heard.lock);
@@ -16,7 +16,7 @@ void opc_listen_take(opc_run *run, const opc_run *from) {
   const opc_findings *findings = &from->out.findings;
   for (guint i = 0; i < findings->list->len; i++) {
     const opc_finding *f = findings->list->pdata[i];
-    keep(run, f->path, f->text);
+    finding_keep(run, f->path, f->text);
   }
   run->out.findings.more += findings->more;
 }
@@ -47,7 +47,8 @@ static void add_said(GPtrArray *list, const char *path, int level,
   g_ptr_array_add(list, said);
 }
 
-static void note(opc_run *run, const char *path, int level, const char *text) {
+static void message_note(opc_run *run, const char *path, int level,
+                         const char *text) {
   g_mutex_lock(&run->heard.lock);
   if (run->heard.said && run->heard.said->len == MOST_SAID)
     g_clear_pointer(&run->heard.said, g_ptr_array_unref);
@@ -88,8 +89,8 @@ static void take_log(void *data, const char *path, int level,
   if (level >= OPC_LOG_WARNING && note_in_piece(run, path, level, message))
     return;
   if (run->heard.silent) return;
-  if (level >= OPC_LOG_WARNING) note(run, path, level, message);
-  if (level >= OPC_LOG_FINDING) keep(run, path, message);
+  if (level >= OPC_LOG_WARNING) message_note(run, path, level, message);
+  if (level >= OPC_LOG_FINDING) finding_keep(run, path, message);
   if (run->heard.told->log)
     run->heard.told->log(run->heard.told->data, path, level, message);
 }

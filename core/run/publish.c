@@ -13,7 +13,7 @@
 
 /* Record a refused publication: the step fails even if the plugin ignores the
    error. */
-static int refuse(opc_run *run, const opc_error *error) {
+static int publication_refuse(opc_run *run, const opc_error *error) {
   if (!run->written.refusal.code) run->written.refusal = *error;
   return error->code;
 }
@@ -38,8 +38,8 @@ static const char *owner_of(const opc_run *run, const char *name) {
 
 /* Claim a name in the run folder. Fails if the name is taken or outside the
    folder. */
-static int claim(opc_run *run, const opc_binding *b, const char *name,
-                 opc_error *error) {
+static int output_claim(opc_run *run, const opc_binding *b, const char *name,
+                        opc_error *error) {
   const char *owner = owner_of(run, name);
   gboolean taken = g_hash_table_contains(run->written.claims, name) ||
                    (owner && strcmp(owner, b->path));
@@ -60,7 +60,7 @@ static const char *give_path(const opc_host *host, const char *name,
                              opc_error *error) {
   const opc_binding *b = host->data;
   opc_run *run = b->run;
-  int code = claim(run, b, name, error);
+  int code = output_claim(run, b, name, error);
   char *path =
       g_build_filename(run->written.work ? run->written.work : "", name, NULL);
   g_autofree char *folder = g_path_get_dirname(path);
@@ -71,7 +71,7 @@ static const char *give_path(const opc_host *host, const char *name,
     g_ptr_array_add(run->written.given, g_strdup(path));
     return path;
   }
-  refuse(run, error);
+  publication_refuse(run, error);
   return NULL;
 }
 
@@ -93,25 +93,25 @@ static int take_table(const opc_host *host, const char *name, uint32_t flags,
                       size_t column_size, opc_error *error) {
   const opc_binding *b = host->data;
   opc_run *run = b->run;
-  if (in_piece(run, name, error)) return refuse(run, error);
+  if (in_piece(run, name, error)) return publication_refuse(run, error);
   if (run->heard.silent) return OPC_OK;
   opc_table *table =
       opc_table_new(name, flags, rows, columns, n_columns, column_size, error);
-  if (!table) return refuse(run, error);
+  if (!table) return publication_refuse(run, error);
   g_autofree char *file = table_file(run, b, name);
   int code = strchr(name, '/') ? opc_fail(error, OPC_FAILED, NULL,
                                           "'%s' is no name of a table", name)
-                               : claim(run, b, file, error);
+                               : output_claim(run, b, file, error);
   if (code) {
     opc_table_free(table);
-    return refuse(run, error);
+    return publication_refuse(run, error);
   }
   table->step = g_strdup(b->path);
   g_ptr_array_add(run->out.tables, table);
   g_autofree char *path = g_build_filename(run->written.work, file, NULL);
   g_autofree char *csv = opc_table_csv(table);
   code = opc_write_file(path, csv, error);
-  return code ? refuse(run, error) : OPC_OK;
+  return code ? publication_refuse(run, error) : OPC_OK;
 }
 
 static int take_metric(const opc_host *host, const char *name, double value,
@@ -120,7 +120,8 @@ static int take_metric(const opc_host *host, const char *name, double value,
   opc_run *run = b->run;
   opc_inner_metric entry = {
       b->path, opc_metric_check(b->plugin, name, value, error), value};
-  if (!entry.metric || in_piece(run, name, error)) return refuse(run, error);
+  if (!entry.metric || in_piece(run, name, error))
+    return publication_refuse(run, error);
   if (run->heard.silent) return OPC_OK;
   for (guint i = 0; i < run->out.metrics->len; i++) {
     opc_inner_metric *old =

@@ -24,7 +24,7 @@ static void tell_complaint(opc_run *run) {
 
 /* Go to the containing run, and prefix the path with the step of the inner flow
    just left. */
-static void climb(opc_run **run, char **path) {
+static void run_go_up(opc_run **run, char **path) {
   *run = (*run)->main;
   if (!*run || !(*run)->at) return;
   char *longer = g_strconcat((*run)->at->name, ".", *path, NULL);
@@ -34,10 +34,10 @@ static void climb(opc_run **run, char **path) {
 
 /* Record in the run, and in all runs that contain it, whether a step was
    reused. */
-static void tell(opc_run *run, const opc_flow_step *step, gboolean reused,
-                 const char *reason) {
+static void reuse_record(opc_run *run, const opc_flow_step *step,
+                         gboolean reused, const char *reason) {
   char *path = g_strdup(step->name);
-  for (opc_run *to = run; to; climb(&to, &path)) {
+  for (opc_run *to = run; to; run_go_up(&to, &path)) {
     const opc_history h = {to->heard.point, path,
                            reused,          run->kept.keys[step->number].sum,
                            (char *)reason,  run->out.seconds[step->number]};
@@ -56,7 +56,7 @@ static void tell_again(opc_run *run, const opc_flow_step *step,
     g_autofree char *text = g_strconcat("ran after all: ", why, NULL);
     run->heard.watch.log(run, step->name, OPC_LOG_INFO, text);
   }
-  for (opc_run *to = run; to; climb(&to, &path))
+  for (opc_run *to = run; to; run_go_up(&to, &path))
     opc_histories_rerun(&to->out.histories, path, why,
                         run->out.seconds[step->number]);
   g_free(path);
@@ -160,7 +160,7 @@ gboolean opc_reuse_take(opc_run *run, const opc_flow_step *step,
   if (code)
     opc_binding_fail(step->binding, TRUE, code, &error, problems);
   else
-    tell(run, step, TRUE, NULL);
+    reuse_record(run, step, TRUE, NULL);
   if (!code && !run->main)
     run->heard.watch.log(run, step->name, OPC_LOG_INFO, "reused");
   return TRUE;
@@ -205,7 +205,7 @@ void opc_reuse_keep(opc_run *run, const opc_flow_step *step, guint tables) {
   const opc_key *key = &run->kept.keys[step->number];
   if (!store || !opc_run_is_first(run)) return;
   g_autofree char *reason = find_reason(store, step, key);
-  tell(run, step, FALSE, reason);
+  reuse_record(run, step, FALSE, reason);
   GVariant *result =
       key->sum && !step->binding->inner && opc_key_is_unchanged(key, store)
           ? opc_result_new(run, step, tables)
@@ -223,7 +223,7 @@ void opc_reuse_keep(opc_run *run, const opc_flow_step *step, guint tables) {
 /* ---- outputs of steps that did not run ---- */
 
 /* Load the outputs of a step from the store. */
-static gboolean restore(opc_run *run, const opc_flow_step *step) {
+static gboolean step_restore(opc_run *run, const opc_flow_step *step) {
   const opc_binding *b = step->binding;
   const opc_step *functions = b->plugin->functions;
   if (!functions->restore || !run->kept.keys[step->number].sum) return FALSE;
@@ -283,14 +283,14 @@ static gboolean do_all(const ranks_group *ranks, gboolean yes, gboolean *any) {
 /* Load outputs from the store if all ranks have them; otherwise all ranks run
    the step together. */
 static gboolean restore_all(opc_run *run, const opc_flow_step *step) {
-  gboolean any, here = restore(run, step);
+  gboolean any, here = step_restore(run, step);
   gboolean all = do_all(opc_run_ranks(run), here, &any);
   if (here && !all) opc_run_release(run, step);
   return all;
 }
 
-static gboolean provide(opc_run *run, const opc_flow_step *step,
-                        const char *whom, opc_problems *problems) {
+static gboolean step_provide(opc_run *run, const opc_flow_step *step,
+                             const char *whom, opc_problems *problems) {
   if (run->objects[step->number]) return TRUE;
   for (guint i = 0; i < step->inputs->len; i++)
     if (!opc_reuse_provide(run,
@@ -313,7 +313,7 @@ gboolean opc_reuse_provide(opc_run *run, const opc_flow_step *step,
   gboolean any, before = run->apart;
   if (do_all(opc_run_ranks(run), run->objects[n] != NULL, &any)) return TRUE;
   run->apart = before || any;
-  gboolean good = provide(run, step, whom, problems);
+  gboolean good = step_provide(run, step, whom, problems);
   run->apart = before;
   return good;
 }

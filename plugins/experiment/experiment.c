@@ -45,7 +45,7 @@ static int check_columns(const experiment *e, opc_error *error) {
   return OPC_OK;
 }
 
-static int check(void *self, opc_error *error) {
+static int experiment_check(void *self, opc_error *error) {
   experiment *e = self;
   int code = check_sweep(e, error);
   const opc_inner_axis *cases = code ? NULL : find_axis(e, "cases", error);
@@ -92,7 +92,7 @@ static int run_one(experiment *e, size_t i, opc_error *error) {
   return OPC_OK;
 }
 
-static int run(void *self, void **outputs, opc_error *error) {
+static int experiment_run(void *self, void **outputs, opc_error *error) {
   experiment *e = self;
   e->folders = g_new0(char *, e->count);
   e->places = g_new0(char *, e->count);
@@ -147,7 +147,7 @@ static void free_texts(char **texts, size_t n) {
   g_free(texts);
 }
 
-static void clear(void *self) {
+static void experiment_clear(void *self) {
   experiment *e = self;
   free_texts(e->folders, e->count);
   free_texts(e->places, e->count);
@@ -159,11 +159,12 @@ static void clear(void *self) {
 /* ---- entry ---- */
 
 static const opc_port outputs[] = {EDA_PORT_EXPERIMENT("experiment")};
-static const opc_step functions = {OPC_OUTPUTS(outputs), .run = run};
+static const opc_step functions = {OPC_OUTPUTS(outputs), .run = experiment_run};
 
 OPC_PLUGIN(experiment, .id = "experiment", .kind = "step",
            .version = OPC_VERSION, .licence = "BSD-3-Clause",
            .summary = "run a flow by several methods on several cases",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), OPC_METRICS(metrics), .check = check,
-           .clear = clear, OPC_FUNCTIONS(functions));
+           OPC_PARAMETERS(parameters), OPC_METRICS(metrics),
+           .check = experiment_check, .clear = experiment_clear,
+           OPC_FUNCTIONS(functions));

@@ -102,7 +102,7 @@ static double mean_of(const experiment *e, const double *values,
   return n > 0 ? sum / n : NAN;
 }
 
-static gboolean differs(const experiment *e, const figure *f) {
+static gboolean figure_differs(const experiment *e, const figure *f) {
   double first = mean_of(e, f->values, 0);
   for (size_t m = 1; m < e->n_methods; m++)
     if (mean_of(e, f->values, m) != first) return TRUE;
@@ -110,7 +110,7 @@ static gboolean differs(const experiment *e, const figure *f) {
 }
 
 /* Round to four significant digits. */
-static double shorten(double value) {
+static double round_to_digits(double value) {
   char digits[40];
   g_ascii_formatd(digits, sizeof digits, "%.4g", value);
   return g_ascii_strtod(digits, NULL);
@@ -137,7 +137,7 @@ static gboolean add_means(summary *s, const char *head, const char *unit,
   double *means = g_new(double, e->n_methods);
   g_ptr_array_add(s->cells, means);
   for (size_t m = 0; m < e->n_methods; m++)
-    means[m] = shorten(mean_of(e, values, m));
+    means[m] = round_to_digits(mean_of(e, values, m));
   const opc_column column = {head, unit, OPC_REAL, -1, means};
   g_array_append_val(s->columns, column);
   return TRUE;
@@ -157,7 +157,7 @@ static void add_figures(summary *s) {
   }
   for (guint i = 0; !e->columns.count && i < e->figures->len; i++) {
     const figure *f = e->figures->pdata[i];
-    if (f->better != OPC_NEUTRAL && differs(e, f))
+    if (f->better != OPC_NEUTRAL && figure_differs(e, f))
       add_means(s, f->name, f->unit, f->values, FALSE);
   }
 }
@@ -188,7 +188,7 @@ static int print_summary(const experiment *e, opc_error *error) {
 
 /* ---- all of it ---- */
 
-static void tell(const experiment *e) {
+static void figures_report(const experiment *e) {
   const opc_host *host = e->host;
   if (e->failed)
     host->log(host, OPC_LOG_FINDING,
@@ -209,6 +209,6 @@ int experiment_report(experiment *e, opc_error *error) {
   int code = write_runs(e, error);
   if (!code) code = print_summary(e, error);
   if (!code) code = opc_put_metrics(e->host, OPC_ARRAY(values), error);
-  if (!code) tell(e);
+  if (!code) figures_report(e);
   return code;
 }

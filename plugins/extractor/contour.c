@@ -351,7 +351,7 @@ static int slices_try(const contour *c, int s, const shape *h,
   return 0;
 }
 
-static void swap(double *a, double *b) {
+static void swap_numbers(double *a, double *b) {
   double x = *a;
   *a = *b;
   *b = x;
@@ -374,8 +374,8 @@ static void slices_null_vector(const slices *s, size_t n, const size_t *slice,
         if (fabs(a[k][j]) > fabs(a[row][at])) row = k, at = j;
     /* For slices of equal length the functions differ only by rounding. */
     if (fabs(a[row][at]) < 1e-13) break;
-    for (size_t j = 0; j <= n; j++) swap(&a[row][j], &a[rank][j]);
-    for (size_t k = 0; k < n; k++) swap(&a[k][at], &a[k][rank]);
+    for (size_t j = 0; j <= n; j++) swap_numbers(&a[row][j], &a[rank][j]);
+    for (size_t k = 0; k < n; k++) swap_numbers(&a[k][at], &a[k][rank]);
     column[rank] = column[at];
     column[at] = was;
     for (size_t k = rank + 1; k < n; k++) {

@@ -79,18 +79,18 @@ int try_mask(opc_inspector *in, int layer, const eda_frame *frame, double band,
    at the limit (1/nm) it is 1/289 of its largest value. */
 static const double cut = 120, limit = 4 / 120.0;
 
-static int prepare(void *self, opc_error *error) {
+static int mask_prepare(void *self, opc_error *error) {
   (void)self, (void)error;
   return OPC_OK;
 }
 
-static double band(const void *self) {
+static double mask_band(const void *self) {
   (void)self;
   return limit;
 }
 
-static void transfer(const void *self, size_t s, const double *fx, double fy,
-                     size_t n, float *out) {
+static void mask_transfer(const void *self, size_t s, const double *fx,
+                          double fy, size_t n, float *out) {
   (void)self, (void)s;
   for (size_t i = 0; i < n; i++) {
     double r = (fx[i] * fx[i] + fy * fy) * cut * cut;
@@ -99,8 +99,8 @@ static void transfer(const void *self, size_t s, const double *fx, double fy,
   }
 }
 
-static int image(const void *self, int layer, const eda_spectrum *mask,
-                 eda_field *out, opc_error *error) {
+static int mask_image(const void *self, int layer, const eda_spectrum *mask,
+                      eda_field *out, opc_error *error) {
   static const double one = 1;
   const opc_inspector *in = self;
   (void)layer;
@@ -108,14 +108,14 @@ static int image(const void *self, int layer, const eda_spectrum *mask,
                                .weight = &one,
                                .band = limit,
                                .intensity_band = 2 * limit,
-                               .transfer = transfer,
+                               .transfer = mask_transfer,
                                .scale = {1, 0}};
   return eda_coherent_sum(in->context, mask, &kernels, 0, out, error);
 }
 
 opc_module try_litho(const opc_inspector *in) {
   static const eda_litho functions = {
-      .prepare = prepare, .band = band, .image = image};
+      .prepare = mask_prepare, .band = mask_band, .image = mask_image};
   return (opc_module){&functions, (void *)in, "lint.litho"};
 }
 
@@ -123,7 +123,7 @@ int try_print(opc_inspector *in, int layer, eda_field *intensity) {
   eda_spectrum mask;
   opc_error error = {0};
   if (!try_mask(in, layer, &try_frame, limit, &mask)) return 0;
-  int code = image(in, layer, &mask, intensity, &error);
+  int code = mask_image(in, layer, &mask, intensity, &error);
   eda_spectrum_clear(&mask);
   return try_is_sound(in, "the litho model of lint", code, &error);
 }
@@ -165,7 +165,7 @@ typedef struct caller {
   pthread_t thread;
 } caller;
 
-static double now(void) {
+static double time_now(void) {
   struct timespec t;
   clock_gettime(CLOCK_MONOTONIC, &t);
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
@@ -175,11 +175,11 @@ static void *call_often(void *data) {
   const caller *c = data;
   crowd *all = c->all;
   pthread_barrier_wait(&all->start);
-  double end = now() + moment;
+  double end = time_now() + moment;
   do {
     if (!all->task(all->data, c->i))
       __atomic_store_n(&all->bad, 1, __ATOMIC_RELAXED);
-  } while (!__atomic_load_n(&all->bad, __ATOMIC_RELAXED) && now() < end);
+  } while (!__atomic_load_n(&all->bad, __ATOMIC_RELAXED) && time_now() < end);
   return NULL;
 }
 

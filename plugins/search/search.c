@@ -13,7 +13,8 @@
 
 /* Attribute an error to the parameter, or to a key of it, and return the
    code. */
-static int blame(opc_error *error, const char *parameter, const char *key) {
+static int error_set_parameter(opc_error *error, const char *parameter,
+                               const char *key) {
   g_snprintf(error->parameter, sizeof error->parameter, "%s%s%s", parameter,
              key ? "." : "", key ? key : "");
   return error->code;
@@ -28,7 +29,8 @@ static int plan_figure(search *s, opc_error *error) {
   p->figure = p->greatest ? s->maximise : s->minimise;
   p->metric = opc_get_inner(s->host)->metric(s->host, p->figure, error);
   if (!p->metric)
-    return blame(error, p->greatest ? "maximise" : "minimise", NULL);
+    return error_set_parameter(error, p->greatest ? "maximise" : "minimise",
+                               NULL);
   p->of = g_strndup(p->figure, (gsize)(strrchr(p->figure, '.') - p->figure));
   return OPC_OK;
 }
@@ -38,7 +40,7 @@ static int plan_figure(search *s, opc_error *error) {
 static int plan_axis(search *s, const char *key, opc_error *error) {
   plan *p = &s->plan;
   p->along = opc_get_inner(s->host)->axis(s->host, key, error);
-  if (p->along < 0) return blame(error, "along", key);
+  if (p->along < 0) return error_set_parameter(error, "along", key);
   for (size_t i = (size_t)p->along + 1; i < s->n_axes; i++)
     p->stride *= s->axes[i]->count;
   const opc_inner_axis *axis = s->axes[p->along];
@@ -49,7 +51,7 @@ static int plan_axis(search *s, const char *key, opc_error *error) {
   if (good) return OPC_OK;
   opc_fail(error, OPC_INVALID, NULL,
            "'%s' needs plain numbers that increase, to share a run", key);
-  return blame(error, "along", key);
+  return error_set_parameter(error, "along", key);
 }
 
 static int plan_along(search *s, opc_error *error) {
@@ -71,7 +73,8 @@ static int plan_along(search *s, opc_error *error) {
              p->column[0]);
   else
     return OPC_OK;
-  return blame(error, "along", s->along.pairs[s->along.count - 1].key);
+  return error_set_parameter(error, "along",
+                             s->along.pairs[s->along.count - 1].key);
 }
 
 /* Select the step of the mask: the named step, or the step of the figure. */
@@ -89,7 +92,7 @@ static int plan_mask(search *s, opc_error *error) {
              "%.800s: 'mask' names the step whose mask is wanted, such as "
              "'%.80s'",
              why.message, other);
-  return s->mask ? blame(error, "mask", NULL) : error->code;
+  return s->mask ? error_set_parameter(error, "mask", NULL) : error->code;
 }
 
 /* Refuse an axis that affects neither figure nor mask. */
@@ -101,12 +104,12 @@ static int check_axes(search *s, opc_error *error) {
     opc_fail(error, OPC_INVALID, NULL,
              "'%s' changes nothing: step '%.*s' comes after the figure", path,
              (int)strcspn(path, "."), path);
-    return blame(error, "sweep", path);
+    return error_set_parameter(error, "sweep", path);
   }
   return OPC_OK;
 }
 
-static int check(void *self, opc_error *error) {
+static int search_check(void *self, opc_error *error) {
   search *s = self;
   int code = plan_figure(s, error);
   if (code) return code;
@@ -166,7 +169,7 @@ static int take_column(search *s, size_t setting, opc_error *error) {
                                  ? inner->column(s->host, p->of, p->column[1],
                                                  p->metric->name, &rows, error)
                                  : NULL;
-  if (!figure) return blame(error, "along", NULL);
+  if (!figure) return error_set_parameter(error, "along", NULL);
   const double *at = s->axes[p->along]->values;
   for (size_t k = 0, row = 0; k < p->count; k++) {
     while (row < rows && real_at(value, row) <= at[k]) row++;
@@ -178,7 +181,7 @@ static int take_column(search *s, size_t setting, opc_error *error) {
 /* ---- all runs ---- */
 
 /* Update the best setting; the first of equal settings wins. */
-static void compare(search *s, size_t setting) {
+static void search_compare(search *s, size_t setting) {
   double figure = s->figure[setting];
   if (isnan(figure)) return;
   double best = s->best < s->count ? s->figure[s->best] : NAN;
@@ -214,7 +217,7 @@ static int run_settings(search *s, size_t first, opc_error *error) {
   for (size_t k = 0; k < p->count; k++) {
     size_t setting = first + k * p->stride;
     s->run[setting] = (int64_t)s->runs;
-    if (!code) compare(s, setting);
+    if (!code) search_compare(s, setting);
   }
   return OPC_OK;
 }
@@ -245,7 +248,7 @@ static int run_best(search *s, opc_error *error) {
   return OPC_OK;
 }
 
-static int run(void *self, void **outputs, opc_error *error) {
+static int search_run(void *self, void **outputs, opc_error *error) {
   search *s = self;
   s->count = 1;
   for (size_t i = 0; i < s->n_axes; i++) s->count *= s->axes[i]->count;
@@ -309,7 +312,7 @@ static const opc_metric metrics[] = {
      "litho simulations in all, of one layer each"},
 };
 
-static void clear(void *self) {
+static void search_clear(void *self) {
   search *s = self;
   g_free(s->plan.of);
   g_strfreev(s->plan.column);
@@ -329,12 +332,12 @@ static const opc_port outputs[] = {{.name = "mask",
                                     .check = eda_mask_check,
                                     .release = keep_mask},
                                    EDA_PORT_SETTINGS("settings")};
-static const opc_step functions = {OPC_OUTPUTS(outputs), .run = run};
+static const opc_step functions = {OPC_OUTPUTS(outputs), .run = search_run};
 
 OPC_PLUGIN(
     search, .id = "search", .kind = "step", .version = OPC_VERSION,
     .licence = "BSD-3-Clause",
     .summary = "run a flow at many settings of its parameters, keep the best",
     .flags = OPC_DETERMINISTIC | OPC_REENTRANT, OPC_PARAMETERS(parameters),
-    OPC_METRICS(metrics), .check = check, .clear = clear,
+    OPC_METRICS(metrics), .check = search_check, .clear = search_clear,
     OPC_FUNCTIONS(functions));

@@ -20,7 +20,7 @@ typedef struct builder {
   opc_error *error;
 } builder;
 
-static int refuse(builder *b, const eda_element *e, const char *what) {
+static int instance_refuse(builder *b, const eda_element *e, const char *what) {
   char where[300];
   return opc_fail(b->error, OPC_INVALID, "file", "%s: instance '%.100s' %s",
                   eda_netlist_where(b->n, e, where, sizeof where), e->name,
@@ -44,21 +44,23 @@ static int64_t net_of(const eda_subcircuit *child, const eda_element *e,
 static int add_instance(builder *b, const eda_element *e) {
   graph *g = b->g;
   if (e->is_transistor)
-    return refuse(b, e, "is a transistor: a circuit of cells is wanted");
+    return instance_refuse(b, e,
+                           "is a transistor: a circuit of cells is wanted");
   const eda_subcircuit *child = &b->n->subcircuit[e->child];
   const eda_timing_cell *c = eda_timing_find(b->timing, child->name);
-  if (!c) return refuse(b, e, "is of a cell that was not characterised");
-  if (c->trouble) return refuse(b, e, "is of a cell without arcs");
+  if (!c)
+    return instance_refuse(b, e, "is of a cell that was not characterised");
+  if (c->trouble) return instance_refuse(b, e, "is of a cell without arcs");
   uint32_t *net = eda_pool_alloc(b->pool, c->inputs + c->outputs, sizeof *net);
   for (size_t i = 0; i < c->inputs + c->outputs; i++) {
     int64_t found = net_of(child, e, c->pin[i]);
-    if (found < 0) return refuse(b, e, "lacks a pin of its cell");
+    if (found < 0) return instance_refuse(b, e, "lacks a pin of its cell");
     net[i] = (uint32_t)found;
     if (i < c->inputs) g->fanout[found]++;
   }
   for (size_t o = 0; o < c->outputs; o++) {
     uint32_t to = net[c->inputs + o];
-    if (b->driver[to] >= 0) return refuse(b, e, "drives a net twice");
+    if (b->driver[to] >= 0) return instance_refuse(b, e, "drives a net twice");
     b->driver[to] = (int64_t)g->nodes;
     g->node[g->nodes++] = (node){.cell = c,
                                  .instance = (uint32_t)g->instances,
@@ -154,7 +156,7 @@ static int find_ports(builder *b) {
                   g->inputs ? "output" : "input");
 }
 
-static int build(builder *b) {
+static int graph_build(builder *b) {
   graph *g = b->g;
   size_t most = 0;
   g->name = own_text(b->pool, b->top->name);
@@ -194,7 +196,7 @@ int graph_read(graph *g, eda_pool *pool, const eda_timing *timing,
     code = error->code;
   else
     b.top = &n.subcircuit[at];
-  if (!code) code = build(&b);
+  if (!code) code = graph_build(&b);
   eda_netlist_clear(&n);
   return code;
 }

@@ -175,7 +175,7 @@ static int refuse_name(const char *name, const mask_layer *layers, size_t n,
 }
 
 /* Return 1 if two names are the same layer of the file. */
-static int collide(const char *a, const char *b) {
+static int names_collide(const char *a, const char *b) {
   eda_layer_number x, y;
   if (!eda_layer_number_read(a, UINT32_MAX, &x, NULL) ||
       !eda_layer_number_read(b, UINT32_MAX, &y, NULL))
@@ -198,7 +198,7 @@ static int name_mask(const writer *w, mask_layer *layers, size_t n,
   }
   for (size_t i = 0; i < n; i++)
     for (size_t j = 0; j < i; j++)
-      if (collide(layers[i].file_name, layers[j].file_name))
+      if (names_collide(layers[i].file_name, layers[j].file_name))
         return opc_fail(error, OPC_INVALID, "layers",
                         "'%.100s' and '%.100s' would both be layer %s; set "
                         "different ones, as in { %.100s: %s }",

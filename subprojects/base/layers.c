@@ -20,7 +20,7 @@ static void lay_map(const layer *l, opc_node *under, const opc_node *over);
 
 /* Copy a node. A map is applied over an empty one, so its keys to remove do not
    exist. */
-static opc_node *copy(const layer *l, const opc_node *node) {
+static opc_node *node_copy(const layer *l, const opc_node *node) {
   if (node->type != OPC_NODE_MAP) return opc_node_copy(node, NULL);
   opc_node *map = opc_node_map_new(node->source, &node->at);
   lay_map(l, map, node);
@@ -43,7 +43,7 @@ static void add_key(const layer *l, opc_node *under, const opc_node *key,
     opc_node_missing(under, key->text, &key->at, "unknown step", "",
                      l->problems);
   else
-    opc_node_add(under, opc_node_copy(key, NULL), copy(l, value));
+    opc_node_add(under, opc_node_copy(key, NULL), node_copy(l, value));
 }
 
 /* Apply a key that exists with the value `*old`: both become NULL if the key is
@@ -60,26 +60,28 @@ static void lay_key(const layer *l, gpointer *old_key, gpointer *old,
   opc_node_free(*old_key);
   opc_node_free(*old);
   *old_key = stays ? opc_node_copy(key, NULL) : NULL;
-  *old = stays ? copy(l, value) : NULL;
+  *old = stays ? node_copy(l, value) : NULL;
 }
 
 /* ---- keys with dots ---- */
 
-static void put(opc_node *map, const opc_node *key, const char *path,
-                const opc_node *value, gboolean deep, opc_problems *problems);
+static void map_put(opc_node *map, const opc_node *key, const char *path,
+                    const opc_node *value, gboolean deep,
+                    opc_problems *problems);
 
 /* Copy all keys of a map in a map; `deep`: also expand keys with dots. */
 static void put_all(opc_node *map, const opc_node *from, gboolean deep,
                     opc_problems *problems) {
   for (guint i = 0; i < from->keys->len; i++)
-    put(map, from->keys->pdata[i], opc_node_key(from, i), from->items->pdata[i],
-        deep, problems);
+    map_put(map, from->keys->pdata[i], opc_node_key(from, i),
+            from->items->pdata[i], deep, problems);
 }
 
 /* Insert a value; recursion is as deep as the dots of the path and as the
    value. */
-static void put(opc_node *map, const opc_node *key, const char *path,
-                const opc_node *value, gboolean deep, opc_problems *problems) {
+static void map_put(opc_node *map, const opc_node *key, const char *path,
+                    const opc_node *value, gboolean deep,
+                    opc_problems *problems) {
   size_t n = strcspn(path, ".");
   gboolean last = !path[n], is_map = value->type == OPC_NODE_MAP;
   g_autofree char *word = g_strndup(path, n);
@@ -102,7 +104,7 @@ static void put(opc_node *map, const opc_node *key, const char *path,
     opc_node_add(map, name, there);
   }
   if (!last)
-    put(there, key, path + n + 1, value, deep, problems);
+    map_put(there, key, path + n + 1, value, deep, problems);
   else if (!whole)
     put_all(there, value, deep, problems);
 }
@@ -116,7 +118,7 @@ opc_node *opc_undot(const opc_node *map, gboolean deep,
 
 /* Return whether a key of `map` continues a dotted key of `other`, which is a
    map: "a: { b: ... }" and "a.b: ...". */
-static gboolean meets(const opc_node *map, const opc_node *other) {
+static gboolean map_continues_key(const opc_node *map, const opc_node *other) {
   for (guint i = 0; i < map->keys->len; i++) {
     g_autofree char *path = g_strdup(opc_node_key(map, i));
     for (char *dot; (dot = strrchr(path, '.'));) {
@@ -147,7 +149,8 @@ static opc_node *undot_both(opc_node *under, const opc_node *over,
    size. */
 static void lay_map(const layer *l, opc_node *under, const opc_node *over) {
   g_autoptr(opc_node) undotted = NULL;
-  if (under != l->steps && (meets(over, under) || meets(under, over)))
+  if (under != l->steps &&
+      (map_continues_key(over, under) || map_continues_key(under, over)))
     undotted = undot_both(under, over, l->problems);
   if (undotted) over = undotted;
   /* Unmatched keys of the upper map. */

@@ -18,7 +18,7 @@ typedef struct csv {
   opc_problems *problems;
 } csv;
 
-static void step(csv *c) {
+static void csv_advance(csv *c) {
   c->place.column++;
   if (*c->at++ == '\n') {
     c->place.line++;
@@ -30,9 +30,9 @@ static void step(csv *c) {
 static gboolean read_quoted(csv *c, GString *text) {
   const opc_place start = c->place;
   gboolean open = TRUE;
-  for (step(c); *c->at; step(c)) {
+  for (csv_advance(c); *c->at; csv_advance(c)) {
     if (*c->at == '"') {
-      step(c);
+      csv_advance(c);
       open = *c->at == '"';
       if (!open) break;
     }
@@ -52,7 +52,7 @@ static opc_node *read_cell(csv *c) {
   g_autoptr(GString) text = g_string_new(NULL);
   gboolean quoted = *c->at == '"';
   if (quoted && !read_quoted(c, text)) return NULL;
-  for (; !quoted && *c->at && !strchr(",\r\n", *c->at); step(c))
+  for (; !quoted && *c->at && !strchr(",\r\n", *c->at); csv_advance(c))
     g_string_append_c(text, *c->at);
   if (++c->cells > MOST_CELLS) {
     opc_problem_add(c->problems, OPC_INVALID, &start, "more than %d cells",
@@ -76,10 +76,10 @@ static GPtrArray *read_line(csv *c) {
     if (!cell) return NULL;
     g_ptr_array_add(cells, cell);
     if (*c->at != ',') break;
-    step(c);
+    csv_advance(c);
   }
-  if (*c->at == '\r') step(c);
-  if (*c->at == '\n') step(c);
+  if (*c->at == '\r') csv_advance(c);
+  if (*c->at == '\n') csv_advance(c);
   return g_steal_pointer(&cells);
 }
 

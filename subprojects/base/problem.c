@@ -34,7 +34,7 @@ gboolean opc_problems_full(const opc_problems *problems) {
 }
 
 /* Cut a message between two characters. */
-static void cut(char *message) {
+static void message_truncate(char *message) {
   if (strlen(message) <= LONGEST_MESSAGE) return;
   char *end = g_utf8_find_prev_char(message, message + LONGEST_MESSAGE - 3);
   strcpy(end ? end : message, "...");
@@ -54,7 +54,7 @@ gboolean opc_problem_add(opc_problems *problems, int code,
       g_strdup_vprintf(last ? "there is more that is wrong" : format, args);
   va_end(args);
   problem->message = opc_shown(message, "");
-  cut(problem->message);
+  message_truncate(problem->message);
   g_ptr_array_add(problems->list, problem);
   return FALSE;
 }
@@ -106,7 +106,7 @@ static guint file_rank(const GPtrArray *files, const opc_problem *problem) {
   return MIN(rank, files->len);
 }
 
-static gint compare(gconstpointer a, gconstpointer b, gpointer files) {
+static gint problem_compare(gconstpointer a, gconstpointer b, gpointer files) {
   const opc_problem *p = *(opc_problem *const *)a,
                     *q = *(opc_problem *const *)b;
   guint i = file_rank(files, p), j = file_rank(files, q);
@@ -124,7 +124,7 @@ void opc_problems_sort(opc_problems *problems) {
       g_ptr_array_add(files, (char *)problem->at.file);
   }
   /* g_ptr_array_sort_with_data is stable. */
-  g_ptr_array_sort_with_data(problems->list, compare, files);
+  g_ptr_array_sort_with_data(problems->list, problem_compare, files);
 }
 
 char *opc_problem_text(const opc_problem *problem) {

@@ -21,8 +21,9 @@ static void append_json(GString *out, gunichar c) {
 }
 
 /* Return a printable copy; `escape` precedes an invalid byte. */
-static char *show(const char *text, const char *keep, const char *escape,
-                  void (*append)(GString *, gunichar)) {
+static char *text_printable(const char *text, const char *keep,
+                            const char *escape,
+                            void (*append)(GString *, gunichar)) {
   GString *out = g_string_sized_new(strlen(text));
   while (*text) {
     gunichar c = g_utf8_get_char_validated(text, -1);
@@ -41,11 +42,11 @@ static char *show(const char *text, const char *keep, const char *escape,
 }
 
 char *opc_shown(const char *text, const char *keep) {
-  return show(text, keep, "\\", append_text);
+  return text_printable(text, keep, "\\", append_text);
 }
 
 char *opc_shown_json(const char *json) {
-  return show(json, "\n", "\\\\", append_json);
+  return text_printable(json, "\n", "\\\\", append_json);
 }
 
 void opc_show_in_place(char *text, size_t size) {

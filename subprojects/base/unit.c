@@ -86,7 +86,7 @@ size_t opc_number_length(const char *text) {
 }
 
 /* Return the number times ten to the power of `shift`, rounded once. */
-static double shifted(const char *text, size_t n, int shift) {
+static double number_shifted(const char *text, size_t n, int shift) {
   g_autofree char *number = g_strndup(text, n);
   char *e = strpbrk(number, "eE");
   long exponent = shift;
@@ -102,10 +102,10 @@ static double shifted(const char *text, size_t n, int shift) {
 
 double opc_number_in(const char *text, size_t n, const opc_unit *from,
                      const opc_unit *to) {
-  if (from == to || !from || !to) return shifted(text, n, 0);
+  if (from == to || !from || !to) return number_shifted(text, n, 0);
   if (from->factor == 0 && to->factor == 0)
-    return shifted(text, n, from->exponent - to->exponent);
-  double base = shifted(text, n, from->exponent) *
+    return number_shifted(text, n, from->exponent - to->exponent);
+  double base = number_shifted(text, n, from->exponent) *
                     (from->factor != 0 ? from->factor : 1) +
                 from->offset;
   return (base - to->offset) / (to->factor != 0 ? to->factor : 1) /

@@ -74,8 +74,8 @@ static int add_run(const metrics *m, rows *r, size_t run, const char *folder,
   return OPC_OK;
 }
 
-static int publish(const metrics *m, const rows *r, const char *const *runs,
-                   opc_error *error) {
+static int metrics_publish(const metrics *m, const rows *r,
+                           const char *const *runs, opc_error *error) {
   g_autofree opc_column *columns = g_new0(opc_column, r->runs + 3);
   columns[0] = (opc_column){"step", NULL, OPC_TEXT, 0, r->step->pdata};
   columns[1] = (opc_column){"metric", NULL, OPC_TEXT, 0, r->metric->pdata};
@@ -87,8 +87,8 @@ static int publish(const metrics *m, const rows *r, const char *const *runs,
                        columns, r->runs + 3, error);
 }
 
-static int run(void *self, size_t n, const char *const *arguments,
-               opc_error *error) {
+static int metrics_run(void *self, size_t n, const char *const *arguments,
+                       opc_error *error) {
   int code =
       n ? OPC_OK : opc_fail(error, OPC_INVALID, NULL, "no run folder is given");
   rows r = {g_ptr_array_new_with_free_func(g_free),
@@ -98,7 +98,7 @@ static int run(void *self, size_t n, const char *const *arguments,
     r.values[i] = g_array_new(FALSE, TRUE, sizeof(double));
   for (size_t i = 0; i < n && !code; i++)
     code = add_run(self, &r, i, arguments[i], error);
-  if (!code) code = publish(self, &r, arguments, error);
+  if (!code) code = metrics_publish(self, &r, arguments, error);
   for (size_t i = 0; i < n; i++) g_array_free(r.values[i], TRUE);
   g_ptr_array_free(r.step, TRUE);
   g_ptr_array_free(r.metric, TRUE);
@@ -116,7 +116,8 @@ static const opc_parameter parameters[] = {
 
 /* ---- entry ---- */
 
-static const opc_command functions = {.arguments = "RUN ...", .run = run};
+static const opc_command functions = {.arguments = "RUN ...",
+                                      .run = metrics_run};
 
 OPC_PLUGIN(metrics, .id = "command.metrics", .kind = "command",
            .version = "1.0.0", .licence = "BSD-3-Clause",

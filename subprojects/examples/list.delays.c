@@ -30,7 +30,7 @@ static double *delays_of(const delays *s, const eda_performance *p) {
   return delay;
 }
 
-static int run(void *self, void **outputs, opc_error *error) {
+static int delays_run(void *self, void **outputs, opc_error *error) {
   const delays *s = self;
   const eda_gates *g = s->mask->gates;
   double *drawn = delays_of(s, &s->mask->design);
@@ -72,7 +72,7 @@ static const opc_metric metrics[] = {
 
 /* ---- entry ---- */
 
-static const opc_step functions = {.run = run};
+static const opc_step functions = {.run = delays_run};
 
 OPC_PLUGIN(delays, .id = "list.delays", .kind = "step", .version = "1.0.0",
            .licence = "BSD-3-Clause",

@@ -26,7 +26,7 @@ typedef struct entry {
 
 /* ---- work ---- */
 
-static int compare(const void *a, const void *b) {
+static int entry_compare(const void *a, const void *b) {
   const entry *p = a, *q = b;
   double x = fabs(p->deviation), y = fabs(q->deviation);
   if (x != y) return x > y ? -1 : 1;
@@ -34,7 +34,8 @@ static int compare(const void *a, const void *b) {
                                         tables */
 }
 
-static int publish(const list *s, const entry *e, size_t n, opc_error *error) {
+static int worst_publish(const list *s, const entry *e, size_t n,
+                         opc_error *error) {
   const opc_column columns[] = {{"cell", NULL, OPC_TEXT, 0, &e->cell},
                                 {"number", NULL, OPC_INT, 0, &e->number},
                                 {"ion", "%", OPC_REAL, 3, &e->deviation}};
@@ -44,7 +45,7 @@ static int publish(const list *s, const entry *e, size_t n, opc_error *error) {
   return s->host->metric(s->host, "worst", fabs(e[0].deviation), error);
 }
 
-static int run(void *self, void **outputs, opc_error *error) {
+static int worst_run(void *self, void **outputs, opc_error *error) {
   const list *s = self;
   size_t n = s->mask->gates->count, most = (size_t)s->most;
   entry *entries = eda_alloc(n, sizeof *entries);
@@ -57,8 +58,8 @@ static int run(void *self, void **outputs, opc_error *error) {
                 .deviation = 100 * (s->mask->after.ion[i] - drawn) / drawn,
                 .gate = i};
   }
-  qsort(entries, n, sizeof *entries, compare);
-  int code = publish(s, entries, n < most ? n : most, error);
+  qsort(entries, n, sizeof *entries, entry_compare);
+  int code = worst_publish(s, entries, n < most ? n : most, error);
   free(entries);
   return code;
 }
@@ -80,7 +81,7 @@ static const opc_metric metrics[] = {
 
 /* ---- entry ---- */
 
-static const opc_step functions = {.run = run};
+static const opc_step functions = {.run = worst_run};
 
 OPC_PLUGIN(list, .id = "list.worst", .kind = "step", .version = "1.0.0",
            .licence = "BSD-3-Clause",

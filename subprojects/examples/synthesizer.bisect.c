@@ -27,7 +27,7 @@ typedef struct bisect {
 
 /* ---- work ---- */
 
-static int begin(void *self, const eda_feedback *f, opc_error *error) {
+static int bisect_begin(void *self, const eda_feedback *f, opc_error *error) {
   bisect *b = self;
   int32_t far = (int32_t)(b->max_bias / f->gates->grid);
   (void)error;
@@ -52,8 +52,8 @@ static int32_t next_length(range *r, int32_t l, double deviation,
   return r->low + (r->high - r->low) / 2;
 }
 
-static int update(void *self, const eda_feedback *f, eda_moves *moves,
-                  int *done, opc_error *error) {
+static int bisect_update(void *self, const eda_feedback *f, eda_moves *moves,
+                         int *done, opc_error *error) {
   bisect *b = self;
   (void)error;
   *done = 1;
@@ -70,7 +70,7 @@ static int update(void *self, const eda_feedback *f, eda_moves *moves,
   return OPC_OK;
 }
 
-static const char *verdict(const void *self, size_t gate) {
+static const char *bisect_verdict(const void *self, size_t gate) {
   const bisect *b = self;
   return fabs(b->ranges[gate].deviation) <= b->ion_limit ? "within limit"
                                                          : "grid";
@@ -88,16 +88,16 @@ static const opc_parameter parameters[] = {
                   .summary = "how far a length may change"),
 };
 
-static void clear(void *self) { free(((bisect *)self)->ranges); }
+static void bisect_clear(void *self) { free(((bisect *)self)->ranges); }
 
 /* ---- entry ---- */
 
 static const eda_synthesizer functions = {
-    .begin = begin, .update = update, .verdict = verdict};
+    .begin = bisect_begin, .update = bisect_update, .verdict = bisect_verdict};
 
 OPC_PLUGIN(bisect, .id = "synthesizer.bisect", .kind = "synthesizer",
            .version = "1.0.0", .licence = "BSD-3-Clause",
            .summary = "length of each transistor by bisection",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), .clear = clear,
+           OPC_PARAMETERS(parameters), .clear = bisect_clear,
            OPC_FUNCTIONS(functions));

@@ -9,7 +9,7 @@ typedef struct cv {
   double capacitance; /* aF/nm^2 */
 } cv;
 
-static double delay(const void *self, double ion, double area) {
+static double cv_delay(const void *self, double ion, double area) {
   const cv *s = self;
   return s->capacitance * 1e-18 * area * s->supply / ion;
 }
@@ -27,7 +27,7 @@ static const opc_parameter parameters[] = {
 
 /* ---- entry ---- */
 
-static const timing functions = {.delay = delay};
+static const timing functions = {.delay = cv_delay};
 
 OPC_PLUGIN(cv, .id = "timing.cv", .kind = "timing", .version = "1.0.0",
            .licence = "BSD-3-Clause", .summary = "delay as C V / I",

@@ -31,20 +31,20 @@ static char lock[PATH_MAX], slot[PATH_MAX];
 static char wipe[16];
 static int exit_code = GUARD_CRASH_RUNNING;
 
-static void copy(char *to, size_t room, const char *from) {
+static void text_copy(char *to, size_t room, const char *from) {
   snprintf(to, room, "%s", from ? from : "");
 }
 
 void guard_where(const char *text, int code) {
-  copy(where, sizeof where, text);
+  text_copy(where, sizeof where, text);
   exit_code = text ? code : GUARD_CRASH_RUNNING;
 }
 
 void guard_folder(const char *folder, const char *name, const char *file) {
-  copy(work, sizeof work, folder);
-  copy(failed, sizeof failed, name);
-  copy(lock, sizeof lock, file);
-  copy(slot, sizeof slot, file);
+  text_copy(work, sizeof work, folder);
+  text_copy(failed, sizeof failed, name);
+  text_copy(lock, sizeof lock, file);
+  text_copy(slot, sizeof slot, file);
   char *end = strrchr(slot, '/');
   if (end) *end = 0;
 }
@@ -143,7 +143,7 @@ static worker *main_worker = &(worker){NULL, NULL, 0, NULL}, *workers;
 static pthread_mutex_t workers_lock = PTHREAD_MUTEX_INITIALIZER;
 static pthread_key_t ending;
 
-static void set(const char **field, const char *id) {
+static void field_set(const char **field, const char *id) {
   __atomic_store_n(field, id, __ATOMIC_RELAXED);
 }
 
@@ -237,53 +237,53 @@ static _Thread_local int in_batch;
 
 static _Thread_local double looked; /* when, s */
 
-static double now(void) {
+static double time_now(void) {
   struct timespec t;
   clock_gettime(CLOCK_MONOTONIC, &t);
   return (double)t.tv_sec + (double)t.tv_nsec * 1e-9;
 }
 
 /* The checks that cost nothing, after each call. */
-static void glance(void) {
+static void guard_check_thread(void) {
   const char *what = process_thread_change();
   if (forked) blame(me.inside, "forked and went on", "");
   if (what) blame(me.inside, what, "");
 }
 
 /* Whatever is not as it was, that plugin did, or one beside it. */
-static void look(const char *id) {
+static void guard_check_process(const char *id) {
   const char *detail;
   if (process_signals_change()) blame(id, "changed which signals come", "");
   const char *what = process_change(&detail);
   if (what) blame_all(id, what, detail);
-  set(&me.suspect, NULL);
-  looked = now();
+  field_set(&me.suspect, NULL);
+  looked = time_now();
 }
 
 const char *guard_enter(const char *id) {
   const char *before = me.inside;
   const char *who = me.suspect || in_batch ? me.suspect : before;
   begin_thread();
-  if (guarded && before) glance();
+  if (guarded && before) guard_check_thread();
   /* Before another one can be taken for it. */
-  if (guarded && id && who && id != who) look(who);
+  if (guarded && id && who && id != who) guard_check_process(who);
   calls++;
-  set(&me.inside, id);
+  field_set(&me.inside, id);
   return before;
 }
 
 void guard_leave(const char *before) {
   int last = !before && &me == main_worker;
-  if (guarded && me.inside) glance();
-  if (guarded && me.inside && !me.suspect) set(&me.suspect, me.inside);
-  if (guarded && me.suspect && (last || now() - looked > pause_of_looks))
-    look(me.suspect);
+  if (guarded && me.inside) guard_check_thread();
+  if (guarded && me.inside && !me.suspect) field_set(&me.suspect, me.inside);
+  if (guarded && me.suspect && (last || time_now() - looked > pause_of_looks))
+    guard_check_process(me.suspect);
   calls--;
-  set(&me.inside, before);
+  field_set(&me.inside, before);
 }
 
 void guard_gather(void) {
-  if (guarded && me.suspect) look(me.suspect);
+  if (guarded && me.suspect) guard_check_process(me.suspect);
 }
 
 const char *guard_join(const char *id) {
@@ -291,16 +291,16 @@ const char *guard_join(const char *id) {
   begin_thread();
   calls++;
   in_batch++;
-  set(&me.inside, id);
+  field_set(&me.inside, id);
   return before;
 }
 
 void guard_part(const char *before) {
-  if (guarded && me.inside) glance();
+  if (guarded && me.inside) guard_check_thread();
   guard_gather();
   in_batch--;
   calls--;
-  set(&me.inside, before);
+  field_set(&me.inside, before);
 }
 
 void guard_wait(int waits) {
@@ -309,7 +309,7 @@ void guard_wait(int waits) {
 
 void guard_adopt(const char *id) {
   begin_thread();
-  set(&me.inside, id);
+  field_set(&me.inside, id);
 }
 
 const char *guard_inside(void) { return me.inside; }
@@ -351,7 +351,7 @@ static int is_foreign(const siginfo_t *info) {
   return sent && info->si_pid != getpid();
 }
 
-static void crashed(int number, siginfo_t *info, void *unused) {
+static void guard_crash(int number, siginfo_t *info, void *unused) {
   (void)unused;
   const process_signal *s = process_signals;
   while (s->number != number) s++;
@@ -377,9 +377,9 @@ void guard_remove(void) {
 }
 
 void guard_install(const char *text) {
-  struct sigaction action = {.sa_sigaction = crashed,
+  struct sigaction action = {.sa_sigaction = guard_crash,
                              .sa_flags = SA_ONSTACK | SA_SIGINFO};
-  copy(wipe, sizeof wipe, text);
+  text_copy(wipe, sizeof wipe, text);
   for (const process_signal *s = process_signals; s->number; s++)
     if (s->means) sigaction(s->number, &action, NULL);
   process_settle();

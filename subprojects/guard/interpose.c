@@ -47,7 +47,7 @@ typedef struct beginning {
   const char *inside;
 } beginning;
 
-static void *begin(void *data) {
+static void *thread_begin(void *data) {
   beginning b = *(beginning *)data;
   free(data);
   guard_adopt(b.inside);
@@ -60,7 +60,7 @@ static void *begin(void *data) {
 enum { GUARD = 1 << 20 };
 
 /* As `how`, which may be NULL, with that guard. */
-static pthread_attr_t guarded(const pthread_attr_t *how) {
+static pthread_attr_t attributes_guarded(const pthread_attr_t *how) {
   pthread_attr_t own;
   size_t guard = 0;
   if (how)
@@ -76,12 +76,12 @@ EXPORT int pthread_create(pthread_t *thread, const pthread_attr_t *how,
                           void *(*work)(void *), void *data) {
   int (*next)(pthread_t *, const pthread_attr_t *, void *(*)(void *), void *);
   find_next("pthread_create", &next);
-  const pthread_attr_t own = guarded(how);
+  const pthread_attr_t own = attributes_guarded(how);
   const char *inside = guard_inside();
   beginning *b = inside ? malloc(sizeof *b) : NULL;
   if (!b) return next(thread, &own, work, data);
   *b = (beginning){work, data, inside};
-  int code = next(thread, &own, begin, b);
+  int code = next(thread, &own, thread_begin, b);
   if (code) free(b);
   return code;
 }

@@ -66,7 +66,7 @@ static place place_of(const struct stat *s, int code) {
   return code ? (place){0, 0} : (place){s->st_dev, s->st_ino};
 }
 
-static int differ(place a, place b) {
+static int places_differ(place a, place b) {
   return a.device != b.device || a.number != b.number;
 }
 
@@ -135,7 +135,7 @@ static const char *stream_change(void) {
       "closed or redirected standard output",
       "closed or redirected standard error"};
   for (int i = 0; i < STREAMS; i++)
-    if (differ(stream_now(i), settled.stream[i])) return names[i];
+    if (places_differ(stream_now(i), settled.stream[i])) return names[i];
   return NULL;
 }
 
@@ -164,7 +164,8 @@ const char *process_change(const char **detail) {
       *detail = process_signals[i].name;
       return "changed the handler of ";
     }
-  if (differ(folder_now(), settled.folder)) return "changed the working folder";
+  if (places_differ(folder_now(), settled.folder))
+    return "changed the working folder";
   /* Setting the recorded modes again hurts no other thread. */
   if (umask(settled.modes) != settled.modes)
     return "changed the modes of new files";

@@ -30,7 +30,7 @@ enum {
   SERVING = 200   /* us between looks at who asks for a turn */
 };
 
-static void nap(long us) {
+static void sleep_briefly(long us) {
   const struct timespec t = {0, us * 1000};
   (void)nanosleep(&t, NULL);
 }
@@ -45,7 +45,7 @@ static int wait_for(MPI_Request *request) {
     if (done) return 0;
     if (is_stopped()) return -1;
     if (i < AT_ONCE) continue;
-    nap(us);
+    sleep_briefly(us);
     us = us * 2 < LONGEST ? us * 2 : LONGEST;
   }
 }
@@ -80,14 +80,14 @@ int mpi_spread(void *bytes, size_t n, int from, opc_error *error) {
 
 enum { ASK = 1, TELL = 2 };
 
-static int64_t add(int64_t by) {
+static int64_t turns_add(int64_t by) {
   return __atomic_fetch_add(&turns, by, __ATOMIC_RELAXED);
 }
 
 void mpi_restart(void) { __atomic_store_n(&turns, 0, __ATOMIC_RELAXED); }
 
 /* All who ask now; with the lock. */
-static void answer(void) {
+static void turns_answer(void) {
   int asked = 1;
   while (asked) {
     MPI_Status status;
@@ -96,18 +96,18 @@ static void answer(void) {
     if (!asked) return;
     MPI_Recv(&value, 1, MPI_INT64_T, status.MPI_SOURCE, ASK, asking,
              MPI_STATUS_IGNORE);
-    value = add(value);
+    value = turns_add(value);
     MPI_Send(&value, 1, MPI_INT64_T, status.MPI_SOURCE, TELL, asking);
   }
 }
 
-static void *serve(void *unused) {
+static void *turns_serve(void *unused) {
   for (int going = 1; going;) {
     pthread_mutex_lock(&lock);
     going = !ended;
-    if (going) answer();
+    if (going) turns_answer();
     pthread_mutex_unlock(&lock);
-    nap(SERVING);
+    sleep_briefly(SERVING);
   }
   return unused;
 }
@@ -116,7 +116,7 @@ int64_t mpi_turn(int64_t by) {
   MPI_Request requests[2];
   int64_t got;
   if (over || is_stopped()) return -1;
-  if (own == 0) return add(by);
+  if (own == 0) return turns_add(by);
   pthread_mutex_lock(&lock);
   MPI_Irecv(&got, 1, MPI_INT64_T, 0, TELL, asking, &requests[1]);
   MPI_Isend(&by, 1, MPI_INT64_T, 0, ASK, asking, &requests[0]);
@@ -150,5 +150,5 @@ int mpi_start(int (*stopped)(void), int *rank, int *size) {
   MPI_Comm_size(MPI_COMM_WORLD, size);
   MPI_Comm_dup(MPI_COMM_WORLD, &asking);
   own = *rank;
-  return own == 0 ? pthread_create(&server, NULL, serve, NULL) : 0;
+  return own == 0 ? pthread_create(&server, NULL, turns_serve, NULL) : 0;
 }

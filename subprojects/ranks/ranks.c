@@ -30,7 +30,7 @@ static void fault_sign(opc_error *error) {
              g_get_host_name(), own.message);
 }
 
-static int meet(const char *what, int code, opc_error *error) {
+static int ranks_agree(const char *what, int code, opc_error *error) {
   opc_error own = {0};
   if (code == OPC_CANCELLED) mpi_stop(&own);
   int differs = compare_place(what, &own);
@@ -113,7 +113,7 @@ static int do_turns(sharing *s, opc_error *error) {
 }
 
 /* Give the result of unit i to all ranks, or its fault. NULL and *error. */
-static GBytes *exchange(sharing *s, size_t i, opc_error *error) {
+static GBytes *result_exchange(sharing *s, size_t i, opc_error *error) {
   const ranks_units *u = s->units;
   int from = (int)s->holders[i];
   gboolean here = from == group.rank;
@@ -141,7 +141,7 @@ static int take_all(sharing *s, opc_error *error) {
   int64_t faulty = s->holders[u->count];
   for (size_t i = faulty < NOBODY ? (size_t)faulty : 0; i < u->count; i++) {
     opc_error fault;
-    g_autoptr(GBytes) bytes = exchange(s, i, &fault);
+    g_autoptr(GBytes) bytes = result_exchange(s, i, &fault);
     if (!bytes) *error = fault;
     if (!bytes) return fault.code;
     gsize size;
@@ -152,13 +152,13 @@ static int take_all(sharing *s, opc_error *error) {
   return code;
 }
 
-static int share(const ranks_units *units, opc_error *error) {
+static int ranks_share_units(const ranks_units *units, opc_error *error) {
   size_t n = units->count;
   sharing s = {.units = units};
   s.holders = g_new0(int64_t, n + 1);
   s.own = g_new0(GBytes *, n + 1);
   g_autofree char *what = g_strdup_printf("%zu of %s", n, units->name);
-  int code = meet(what, OPC_OK, error);
+  int code = ranks_agree(what, OPC_OK, error);
   if (!code) code = find_holders(&s, error);
   if (!code) code = do_turns(&s, error);
   if (!code) code = take_all(&s, error);
@@ -173,10 +173,10 @@ static int share(const ranks_units *units, opc_error *error) {
 
 OPC_EXPORT const ranks_group *ranks_join(int (*stopped)(void));
 const ranks_group *ranks_join(int (*stopped)(void)) {
-  group = (ranks_group){.meet = meet,
+  group = (ranks_group){.meet = ranks_agree,
                         .least = mpi_least,
                         .spread = mpi_spread,
-                        .share = share,
+                        .share = ranks_share_units,
                         .end = mpi_end};
   return mpi_start(stopped, &group.rank, &group.size) ? NULL : &group;
 }

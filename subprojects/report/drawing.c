@@ -108,7 +108,7 @@ static part worst_part(const eda_mask *m, size_t n) {
   return p;
 }
 
-static part tiles(const eda_gates *g) {
+static part drawing_tiles(const eda_gates *g) {
   eda_frame f = frame_of(g, g->extent, around);
   size_t columns = (size_t)ceil(f.width / tile);
   size_t rows = (size_t)ceil(f.height / tile);
@@ -151,7 +151,7 @@ static int is_in(const part *p, eda_box b) {
   return eda_index_next(&f, &any);
 }
 
-static outlines polygons(const drawing *d, const eda_shapes *s) {
+static outlines drawing_polygons(const drawing *d, const eda_shapes *s) {
   outlines o = {0};
   for (size_t i = 0; i < s->count; i++) {
     uint32_t first = s->start[i], n = s->start[i + 1] - first;
@@ -291,8 +291,8 @@ static void numbers_append(numbers *to, const numbers *from) {
   to->count += from->count;
 }
 
-static int contours(const drawing *d, const eda_field *print, outlines *out,
-                    opc_error *error) {
+static int drawing_contours(const drawing *d, const eda_field *print,
+                            outlines *out, opc_error *error) {
   size_t n = d->part.count;
   search s = {d, print, eda_alloc(n, sizeof *s.found),
               eda_alloc(n, sizeof *s.error)};
@@ -385,7 +385,7 @@ static void write_outlines(drawing *d, size_t layer, const char *role,
 
 static void write_polygons(drawing *d, size_t layer, const char *role,
                            const eda_shapes *s) {
-  outlines o = polygons(d, s);
+  outlines o = drawing_polygons(d, s);
   if (o.sizes.count) write_outlines(d, layer, role, d->mask->gates->grid, &o);
   outlines_clear(&o);
 }
@@ -395,7 +395,7 @@ static int write_print(drawing *d, size_t layer, const char *role,
                        const eda_field *print, opc_error *error) {
   outlines o = {0};
   if (!print->coefficients) return OPC_OK;
-  int code = contours(d, print, &o, error);
+  int code = drawing_contours(d, print, &o, error);
   if (!code) write_outlines(d, layer, role, unit, &o);
   outlines_clear(&o);
   return code;
@@ -459,7 +459,7 @@ int drawing_write(const opc_context *context, const eda_mask *mask,
     return opc_fail(error, OPC_INVALID, "mask",
                     "the layout is empty, there is nothing to draw");
   d.part = g->count <= (size_t)limits->whole
-               ? tiles(g)
+               ? drawing_tiles(g)
                : worst_part(mask, MIN(g->count, (size_t)limits->worst));
   d.step = step_of(&d.part, mask);
   write_head(&d);

@@ -26,7 +26,7 @@ static const char *const gate_columns[] = {
 /* ---- work: JSON elements ---- */
 
 /* Append `, "name": `, without a comma after a bracket. */
-static void member(GString *out, const char *name) {
+static void append_member(GString *out, const char *name) {
   char last = out->len ? out->str[out->len - 1] : '{';
   g_string_append(out, last == '{' || last == '[' ? "" : ", ");
   json_text(out, name);
@@ -34,17 +34,17 @@ static void member(GString *out, const char *name) {
 }
 
 static void text_member(GString *out, const char *name, const char *text) {
-  member(out, name);
+  append_member(out, name);
   json_text(out, text);
 }
 
 static void number_member(GString *out, const char *name, double x) {
-  member(out, name);
+  append_member(out, name);
   json_number(out, x, 9);
 }
 
 static void open_member(GString *out, const char *name, char bracket) {
-  member(out, name);
+  append_member(out, name);
   g_string_append_c(out, bracket);
 }
 
@@ -106,7 +106,7 @@ static void add_metrics(GString *out, const eda_run_facts *f) {
   for (size_t i = 0; i < f->n_metrics; i++) {
     const eda_run_metric *m = &f->metrics[i];
     open_member(out, m->name, '{');
-    member(out, "value");
+    append_member(out, "value");
     json_number(out, m->value, 17);
     text_member(out, "unit", m->unit);
     text_member(out, "better", better[m->better]);
@@ -140,7 +140,7 @@ static void add_verdicts(GString *out, const eda_run_facts *f) {
     text_member(out, "required", r->required);
     number_member(out, "value", r->value);
     text_member(out, "unit", r->unit);
-    member(out, "kept");
+    append_member(out, "kept");
     g_string_append(out, r->kept ? "true}" : "false}");
   }
   g_string_append_c(out, ']');
@@ -210,7 +210,7 @@ static int add_view(page *p, GString *out, const char *folder,
     return opc_fail(error, OPC_INVALID, NULL,
                     "'%s' is no view of a mask of form 1", path);
   p->room -= (double)size;
-  member(out, "view");
+  append_member(out, "view");
   for (gsize i = 0; i < size; i++)
     if (text[i] == '<')
       g_string_append(out, "\\u003c");
@@ -250,7 +250,7 @@ static int add_facts(page *p, GString *out, eda_run *run, const char *label,
   text_member(out, "version", f->version);
   text_member(out, "started", f->started);
   text_member(out, "failure", running ? NULL : f->failure);
-  member(out, "running");
+  append_member(out, "running");
   g_string_append(out, running ? "true" : "false");
   number_member(out, "seconds", running ? NAN : f->seconds);
   number_member(out, "threads", (double)f->threads);

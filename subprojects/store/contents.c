@@ -40,14 +40,14 @@ JsonArray *opc_contents_json(const char *folder, opc_error *error) {
 
 /* ---- reading a list ---- */
 
-static JsonNode *member(JsonNode *node, const char *name, GType type) {
+static JsonNode *node_member(JsonNode *node, const char *name, GType type) {
   if (!node || !JSON_NODE_HOLDS_OBJECT(node)) return NULL;
   JsonNode *found = json_object_get_member(json_node_get_object(node), name);
   return found && json_node_get_value_type(found) == type ? found : NULL;
 }
 
 static const char *text_member(JsonNode *node, const char *name) {
-  JsonNode *found = member(node, name, G_TYPE_STRING);
+  JsonNode *found = node_member(node, name, G_TYPE_STRING);
   return found ? json_node_get_string(found) : NULL;
 }
 
@@ -63,7 +63,7 @@ JsonNode *opc_contents_parse(const char *text) {
 /* Return the files of a manifest with their sums, and their folders with NULL;
    NULL if the manifest is invalid. */
 static GHashTable *read_list(JsonNode *manifest) {
-  JsonNode *files = member(manifest, "files", JSON_TYPE_ARRAY);
+  JsonNode *files = node_member(manifest, "files", JSON_TYPE_ARRAY);
   if (!text_member(manifest, "opcflow") || !files) return NULL;
   GHashTable *known =
       g_hash_table_new_full(g_str_hash, g_str_equal, g_free, g_free);

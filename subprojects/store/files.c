@@ -100,8 +100,8 @@ static int by_name(gconstpointer a, gconstpointer b) {
 
 /* Visit all entries; `start` is the length of the path of the outermost
    folder. */
-static int walk(const char *folder, size_t start, opc_visit *visit, void *data,
-                opc_error *error) {
+static int folder_visit(const char *folder, size_t start, opc_visit *visit,
+                        void *data, opc_error *error) {
   GError *fault = NULL;
   GDir *dir = g_dir_open(folder, 0, &fault);
   if (!dir) {
@@ -120,7 +120,8 @@ static int walk(const char *folder, size_t start, opc_visit *visit, void *data,
     struct stat about;
     if (lstat(path, &about))
       return opc_fail(error, OPC_IO, NULL, "'%s': %s", path, g_strerror(errno));
-    if (S_ISDIR(about.st_mode)) code = walk(path, start, visit, data, error);
+    if (S_ISDIR(about.st_mode))
+      code = folder_visit(path, start, visit, data, error);
     if (!code) code = visit(data, path, path + start, &about, error);
   }
   return code;
@@ -129,7 +130,7 @@ static int walk(const char *folder, size_t start, opc_visit *visit, void *data,
 int opc_walk(const char *folder, opc_visit *visit, void *data,
              opc_error *error) {
   g_autofree char *whole = g_build_filename(folder, "x", NULL);
-  return walk(folder, strlen(whole) - 1, visit, data, error);
+  return folder_visit(folder, strlen(whole) - 1, visit, data, error);
 }
 
 static int sync_by(int sync(int file), const char *path, opc_error *error) {

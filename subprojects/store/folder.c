@@ -208,7 +208,7 @@ opc_folder *opc_folder_open(const char *target, gboolean sole,
 
 /* Rename a folder without replacing anything, except an empty folder created by
    this process. */
-static int move(const char *from, const char *to) {
+static int folder_move(const char *from, const char *to) {
   if (!renameat2(AT_FDCWD, from, AT_FDCWD, to, RENAME_NOREPLACE)) return 0;
   if (errno != EINVAL && errno != ENOSYS) return -1;
   if (mkdir(to, 0777)) return -1;
@@ -222,7 +222,7 @@ static int move(const char *from, const char *to) {
 /* Exchange the run and the earlier one. Without an atomic exchange, the earlier
    run is moved aside first; clear_slot restores the earlier run if this process
    is killed in between. */
-static int exchange(const opc_folder *f, const char *target) {
+static int folder_exchange(const opc_folder *f, const char *target) {
   if (!renameat2(AT_FDCWD, f->work, AT_FDCWD, target, RENAME_EXCHANGE))
     return 0;
   if (errno != EINVAL && errno != ENOSYS) return -1;
@@ -238,7 +238,7 @@ static int replace_run(const opc_folder *f, const char *target,
                        opc_error *error) {
   int code = opc_folder_allowed(target, TRUE, error);
   if (code) return code;
-  if (!exchange(f, target)) return OPC_OK;
+  if (!folder_exchange(f, target)) return OPC_OK;
   return opc_fail(error, OPC_IO, NULL, "'%s': cannot be replaced: %s", target,
                   g_strerror(errno));
 }
@@ -250,7 +250,7 @@ static int find_name(opc_folder *f, const char *target, gboolean number,
   for (int i = 1; i < MOST_RUNS; i++) {
     g_autofree char *name =
         i == 1 ? g_strdup(target) : g_strdup_printf("%s-%d", target, i);
-    if (!move(f->work, name)) {
+    if (!folder_move(f->work, name)) {
       *got = g_steal_pointer(&name);
       return code;
     }

@@ -73,7 +73,8 @@ char *opc_store_complaint(opc_store *store) {
   return g_steal_pointer(&store->complaint);
 }
 
-static void complain(opc_store *store, const char *path, const char *why) {
+static void store_complain(opc_store *store, const char *path,
+                           const char *why) {
   g_free(store->complaint);
   store->complaint = g_strdup_printf("'%s': %s", path, why);
 }
@@ -108,7 +109,7 @@ GVariant *opc_store_get(opc_store *store, const char *key,
     g_bytes_unref(all);
     return g_variant_ref_sink(value);
   }
-  complain(store, path, "is damaged, and was dropped");
+  store_complain(store, path, "is damaged, and was dropped");
   (void)unlink(path);
   return NULL;
 }
@@ -146,7 +147,7 @@ static gboolean write_value(const char *fresh, int file, const char *path,
          !rename(fresh, path);
 }
 
-static void trim(opc_store *store, guint64 most);
+static void store_trim(opc_store *store, guint64 most);
 
 guint64 opc_store_most(const opc_store *store) { return store->limit / 4; }
 
@@ -165,12 +166,12 @@ gboolean opc_store_put(opc_store *store, const char *key, GVariant *given) {
      file. */
   if (!good && errno != ENOENT && !store->told) {
     store->told = TRUE;
-    complain(store, store->folder, g_strerror(errno));
+    store_complain(store, store->folder, g_strerror(errno));
   }
   if (!good && file >= 0) (void)unlink(fresh);
   if (file >= 0) close(file);
   store->written += good ? n : 0;
-  if (store->written > store->limit / 10) trim(store, store->limit);
+  if (store->written > store->limit / 10) store_trim(store, store->limit);
   return good;
 }
 
@@ -234,7 +235,7 @@ static void remove_remains(const opc_store *store) {
 /* Remove the least recently used values until at most `most` bytes remain, and
    a tenth more, so that trimming is rarely needed. One process at a time
    trims. */
-static void trim(opc_store *store, guint64 most) {
+static void store_trim(opc_store *store, guint64 most) {
   g_autofree char *path = g_build_filename(store->folder, "lock", NULL);
   int lock = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0600);
   store->written = 0;
@@ -258,7 +259,7 @@ static void trim(opc_store *store, guint64 most) {
 void opc_store_close(opc_store *store) {
   if (!store) return;
   opc_sums_clear(store);
-  if (store->written) trim(store, store->limit);
+  if (store->written) store_trim(store, store->limit);
   g_free(store->complaint);
   g_free(store->folder);
   g_free(store);
@@ -292,6 +293,6 @@ gboolean opc_store_set_limit(opc_store *store, guint64 bytes,
   g_autofree char *text = g_strdup_printf("%" G_GUINT64_FORMAT "\n", bytes);
   if (opc_write_file(path, text, error)) return FALSE;
   store->limit = bytes;
-  trim(store, bytes);
+  store_trim(store, bytes);
   return TRUE;
 }

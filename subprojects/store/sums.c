@@ -57,7 +57,7 @@ static void read_kept(opc_store *store) {
   }
 }
 
-static void keep(opc_store *store) {
+static void sums_keep(opc_store *store) {
   GVariantBuilder all;
   GHashTableIter each;
   gpointer path, item;
@@ -73,7 +73,7 @@ static void keep(opc_store *store) {
 }
 
 void opc_sums_clear(opc_store *store) {
-  if (store->sums_new) keep(store);
+  if (store->sums_new) sums_keep(store);
   g_hash_table_destroy(store->sums);
 }
 

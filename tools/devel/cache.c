@@ -53,7 +53,8 @@ static int set_limit(opc_store *store, const GPtrArray *words,
   return opc_store_set_limit(store, bytes, error) ? OPC_OK : error->code;
 }
 
-static int change(opc_store *store, const GPtrArray *words, opc_error *error) {
+static int cache_change(opc_store *store, const GPtrArray *words,
+                        opc_error *error) {
   const char *what = words->len ? words->pdata[0] : "";
   if (!words->len) return OPC_OK;
   if (!strcmp(what, "limit")) return set_limit(store, words, error);
@@ -63,16 +64,16 @@ static int change(opc_store *store, const GPtrArray *words, opc_error *error) {
                   "'cache' takes 'clear' or 'limit SIZE', not '%s'", what);
 }
 
-static int run(const cli_verb *verb, const GPtrArray *arguments) {
+static int cache_run(const cli_verb *verb, const GPtrArray *arguments) {
   opc_error error = {0};
   (void)verb;
   g_autoptr(opc_store) store = opc_store_open(&error);
   if (!store && !error.code)
     return cli_error(CLI_USAGE, "OPCFLOW_STORE is empty: nothing is kept");
-  if (!store || change(store, arguments, &error)) return cli_fail(&error);
+  if (!store || cache_change(store, arguments, &error)) return cli_fail(&error);
   print_size(store);
   return CLI_GOOD;
 }
 
 const cli_verb devel_cache = {CLI_CACHE, .options = options, .least = 0,
-                              .most = 3, .run = run};
+                              .most = 3, .run = cache_run};

@@ -42,35 +42,35 @@ struct opc_inspection {
 };
 typedef struct opc_inspection inspector;
 
-static void say(const inspector *in, char letter, const char *text) {
+static void report_text(const inspector *in, char letter, const char *text) {
   g_autofree char *line = g_strdup_printf("%c%s", letter, text);
   g_strdelimit(line, "\n\r", ' ');
   g_autofree char *whole = g_strconcat(line, "\n", NULL);
   if (in->out >= 0) process_write(in->out, whole, strlen(whole));
 }
 
-static void vsay(const inspector *in, char letter, const char *format,
-                 va_list args) {
+static void report_format(const inspector *in, char letter, const char *format,
+                          va_list args) {
   g_autofree char *text = g_strdup_vprintf(format, args);
-  say(in, letter, text);
+  report_text(in, letter, text);
 }
 
-static void add(opc_inspector *hears, const void *data, size_t size) {
+static void digest_add(opc_inspector *hears, const void *data, size_t size) {
   g_checksum_update(((inspector *)hears)->digest, data, (gssize)size);
 }
 
-static void find(opc_inspector *hears, const char *format, ...) {
+static void report_finding(opc_inspector *hears, const char *format, ...) {
   va_list args;
   va_start(args, format);
-  vsay((inspector *)hears, 'F', format, args);
+  report_format((inspector *)hears, 'F', format, args);
   va_end(args);
 }
 
-static void note(opc_inspector *hears, const char *format, ...) {
+static void report_note(opc_inspector *hears, const char *format, ...) {
   va_list args;
   va_start(args, format);
   ((inspector *)hears)->notes++;
-  vsay((inspector *)hears, 'N', format, args);
+  report_format((inspector *)hears, 'N', format, args);
   va_end(args);
 }
 
@@ -81,7 +81,7 @@ static gint64 begun, granted;
 
 /* For how long this process wanted a processor and had none, us: on a busy
    machine not the plugin's fault. 0 where the kernel does not report it. */
-static gint64 waited(void) {
+static gint64 processor_wait(void) {
   unsigned long long ran, waits = 0; /* ns */
   FILE *f = fopen("/proc/self/schedstat", "r");
   if (!f) return 0;
@@ -94,7 +94,8 @@ static gint64 waited(void) {
 static int is_late(void *unused) {
   (void)unused;
   gint64 since = g_get_monotonic_time() - begun;
-  return since > granted && (since > 3 * granted || since - waited() > granted);
+  return since > granted &&
+         (since > 3 * granted || since - processor_wait() > granted);
 }
 
 static const opc_watch hurry = {.cancelled = is_late};
@@ -106,9 +107,9 @@ static char *sample_path(const inspector *in, size_t i) {
              : NULL;
 }
 
-static gboolean make(const inspector *in, const opc_parameter *changed,
-                     double number, const opc_host *like,
-                     opc_problems *problems, opc_instance *made) {
+static gboolean instance_make(const inspector *in, const opc_parameter *changed,
+                              double number, const opc_host *like,
+                              opc_problems *problems, opc_instance *made) {
   g_autofree char *file = sample_path(in, in->sample);
   /* A check looks at no content: the plugin itself is a file, too. */
   const opc_making making = {in->lint->registry,
@@ -125,8 +126,9 @@ static gboolean make(const inspector *in, const opc_parameter *changed,
 
 static void check_stop(inspector *in, const char *what, const char *text) {
   if (g_str_has_suffix(text, ".") || strchr(text, '\n'))
-    find(&in->hears, "the summary of %s is not one line without a full stop",
-         what);
+    report_finding(&in->hears,
+                   "the summary of %s is not one line without a full stop",
+                   what);
 }
 
 static void check_declaration(inspector *in) {
@@ -142,20 +144,20 @@ static void check_declaration(inspector *in) {
 static void check_with(inspector *in, const opc_parameter *p, double number) {
   g_autoptr(opc_problems) problems = opc_problems_new();
   opc_instance made;
-  if (!make(in, p, number, NULL, problems, &made)) {
+  if (!instance_make(in, p, number, NULL, problems, &made)) {
     g_autofree char *text = opc_problems_text(problems);
     if (strstr(text, "gave no reason"))
-      find(&in->hears, "check fails without a message%s%s", p ? " for " : "",
-           p ? p->name : "");
+      report_finding(&in->hears, "check fails without a message%s%s",
+                     p ? " for " : "", p ? p->name : "");
     else if (!p)
-      note(&in->hears, "check: %s, see --with", text);
+      report_note(&in->hears, "check: %s, see --with", text);
   }
   opc_instance_clear(&made);
 }
 
 /* The nearest number to a bound that fits. */
-static double inside(const opc_parameter *p, double bound, gboolean open,
-                     int sign) {
+static double bound_inside(const opc_parameter *p, double bound, gboolean open,
+                           int sign) {
   if (!open) return bound;
   if (p->type == OPC_INT) return bound + sign;
   return bound + sign * 1e-9 * (bound ? fabs(bound) : 1);
@@ -167,9 +169,11 @@ static void check_instances(inspector *in) {
     const opc_parameter *p = &in->plugin->parameters[i];
     if (p->type != OPC_INT && p->type != OPC_REAL) continue;
     if (p->flags & (OPC_AT_LEAST | OPC_ABOVE))
-      check_with(in, p, inside(p, p->min, (p->flags & OPC_ABOVE) != 0, 1));
+      check_with(in, p,
+                 bound_inside(p, p->min, (p->flags & OPC_ABOVE) != 0, 1));
     if (p->flags & (OPC_AT_MOST | OPC_BELOW))
-      check_with(in, p, inside(p, p->max, (p->flags & OPC_BELOW) != 0, -1));
+      check_with(in, p,
+                 bound_inside(p, p->max, (p->flags & OPC_BELOW) != 0, -1));
   }
 }
 
@@ -208,8 +212,8 @@ static gboolean give_inputs(inspector *in, opc_binding *b) {
     if (data)
       opc_binding_set(b, i, data);
     else
-      note(&in->hears, "run: wants an input '%s' (%s): %s", p->name,
-           p->choices ? p->choices : "anything", error.message);
+      report_note(&in->hears, "run: wants an input '%s' (%s): %s", p->name,
+                  p->choices ? p->choices : "anything", error.message);
     if (!data) return FALSE;
   }
   return TRUE;
@@ -222,19 +226,19 @@ static void run_step(inspector *in, const opc_module *m) {
   int code = step->run(m->self, outputs, &error);
   error.message[sizeof error.message - 1] = 0;
   if (code == OPC_CANCELLED && is_late(NULL))
-    note(&in->hears, "run: takes longer than %g s, see --with",
-         in->lint->seconds * part);
+    report_note(&in->hears, "run: takes longer than %g s, see --with",
+                in->lint->seconds * part);
   else if (code && !*error.message)
-    find(&in->hears, "run failed without a message");
+    report_finding(&in->hears, "run failed without a message");
   else if (code)
-    note(&in->hears, "run: %s", error.message);
+    report_note(&in->hears, "run: %s", error.message);
   for (size_t i = 0; i < step->n_outputs; i++) {
     if (!code && !outputs[i])
-      find(&in->hears, "run gave nothing as its output '%s'",
-           step->outputs[i].name);
+      report_finding(&in->hears, "run gave nothing as its output '%s'",
+                     step->outputs[i].name);
     else if (!code && step->outputs[i].check(outputs[i], &error))
-      find(&in->hears, "run: output '%s': %s", step->outputs[i].name,
-           error.message);
+      report_finding(&in->hears, "run: output '%s': %s", step->outputs[i].name,
+                     error.message);
   }
   for (size_t i = step->n_outputs; i-- > 0;)
     if (outputs[i]) step->outputs[i].release(outputs[i]);
@@ -263,8 +267,9 @@ static void trial_begin(const inspector *in, trial *t) {
   t->in = *in;
   opc_published_init(&t->published, in->lint->folder);
   t->in.digest = g_checksum_new(G_CHECKSUM_SHA256);
-  t->ready = make(in, NULL, 0, &t->published.host, problems, &t->made) &&
-             (!is_step(in) || give_inputs(&t->in, t->made.binding));
+  t->ready =
+      instance_make(in, NULL, 0, &t->published.host, problems, &t->made) &&
+      (!is_step(in) || give_inputs(&t->in, t->made.binding));
   if (t->ready) t->in.hears.context = t->made.binding->host->context;
 }
 
@@ -282,7 +287,7 @@ static gpointer trial_work(gpointer data) {
 static char *trial_end(trial *t) {
   opc_instance_clear(&t->made);
   g_autofree char *published = opc_published_digest(&t->published);
-  add(&t->in.hears, published, strlen(published));
+  digest_add(&t->in.hears, published, strlen(published));
   char *digest = g_strdup(g_checksum_get_string(t->in.digest));
   opc_published_clear(&t->published);
   g_checksum_free(t->in.digest);
@@ -292,7 +297,7 @@ static char *trial_end(trial *t) {
 
 /* Return the digest of an instance's results. NULL if the instance is not to be
    tried, or cannot be made, which check_instances reports. */
-static char *work(inspector *in) {
+static char *instance_work(inspector *in) {
   trial t;
   if (!can_try(in)) return NULL;
   trial_begin(in, &t);
@@ -301,8 +306,8 @@ static char *work(inspector *in) {
 }
 
 static void say_digest(inspector *in) {
-  g_autofree char *digest = work(in);
-  if (digest) say(in, 'D', digest);
+  g_autofree char *digest = instance_work(in);
+  if (digest) report_text(in, 'D', digest);
 }
 
 /* Which of the sample files it works with, or went on with until it was late; a
@@ -313,17 +318,18 @@ static void choose_sample(inspector *in, const char *parameter) {
   in->sample = OPC_NO_SAMPLE;
   for (size_t i = 0; i < in->kind->n_samples; i++) {
     nowhere.sample = i;
-    g_autofree char *digest = work(&nowhere);
+    g_autofree char *digest = instance_work(&nowhere);
     if (!digest && !is_late(NULL)) continue;
     in->sample = i;
     break;
   }
   g_autofree char *number = g_strdup_printf("%zu", in->sample);
-  say(in, 'S', number);
+  report_text(in, 'S', number);
   if (in->sample == OPC_NO_SAMPLE)
-    note(&in->hears,
-         "work: wants a file '%s', none that is made up suits, see --with",
-         parameter);
+    report_note(
+        &in->hears,
+        "work: wants a file '%s', none that is made up suits, see --with",
+        parameter);
 }
 
 /* The first parameter that must be a file and that nobody has given; NULL if
@@ -331,7 +337,7 @@ static void choose_sample(inspector *in, const char *parameter) {
 static char *wanted_file(const inspector *in) {
   g_autoptr(opc_problems) problems = opc_problems_new();
   opc_instance made;
-  gboolean good = make(in, NULL, 0, NULL, problems, &made);
+  gboolean good = instance_make(in, NULL, 0, NULL, problems, &made);
   char *found = good ? g_steal_pointer(&made.file) : NULL;
   opc_instance_clear(&made);
   return found;
@@ -340,15 +346,15 @@ static char *wanted_file(const inspector *in) {
 static void check_work(inspector *in) {
   g_autofree char *file = can_try(in) ? wanted_file(in) : NULL;
   if (!can_try(in))
-    note(&in->hears, "work: the kind '%s' does not say how to try it",
-         in->plugin->kind);
+    report_note(&in->hears, "work: the kind '%s' does not say how to try it",
+                in->plugin->kind);
   if (file) choose_sample(in, file);
   say_digest(in);
 }
 
 /* By a second instance, in a process where another one has worked. */
 static void check_again(inspector *in) {
-  g_free(work(in));
+  g_free(instance_work(in));
   say_digest(in);
 }
 
@@ -365,7 +371,7 @@ static void check_together(inspector *in) {
   inspector nowhere = *in;
   if (!can_try(in)) return;
   if (!(in->plugin->flags & OPC_REENTRANT)) {
-    note(&in->hears, "two instances at once: it is not OPC_REENTRANT");
+    report_note(&in->hears, "two instances at once: it is not OPC_REENTRANT");
     return;
   }
   nowhere.out = -1;
@@ -376,7 +382,7 @@ static void check_together(inspector *in) {
     if (thread[i]) g_thread_join(thread[i]);
   for (int i = 0; i < TOGETHER; i++) {
     g_autofree char *digest = trial_end(&t[i]);
-    if (digest) say(in, 'D', digest);
+    if (digest) report_text(in, 'D', digest);
   }
 }
 
@@ -384,7 +390,7 @@ static void check_together(inspector *in) {
 
 /* By how many bytes each life of an instance makes the memory in use grow, of
    up to `most` lives in SEGMENT seconds; 0 where it is little. */
-static double growth(const inspector *in, gboolean working, int most) {
+static double memory_growth(const inspector *in, gboolean working, int most) {
   inspector nowhere = *in;
   nowhere.out = -1;
   gint64 end = g_get_monotonic_time() + SEGMENT * G_USEC_PER_SEC;
@@ -392,12 +398,12 @@ static double growth(const inspector *in, gboolean working, int most) {
   int n = 0;
   for (; n < most && g_get_monotonic_time() < end; n++) {
     if (working) {
-      g_free(work(&nowhere));
+      g_free(instance_work(&nowhere));
       continue;
     }
     g_autoptr(opc_problems) problems = opc_problems_new();
     opc_instance made;
-    make(in, NULL, 0, NULL, problems, &made);
+    instance_make(in, NULL, 0, NULL, problems, &made);
     opc_instance_clear(&made);
   }
   struct mallinfo2 after = mallinfo2();
@@ -409,13 +415,14 @@ static double growth(const inspector *in, gboolean working, int most) {
 /* Memory that grows twice after the first use goes on growing. */
 static void check_leaks(inspector *in) {
   for (int working = 0; working < 2; working++) {
-    growth(in, working, 1);
+    memory_growth(in, working, 1);
     if (is_late(NULL)) return;
-    double one = growth(in, working, CYCLES);
-    double two = one > 0 ? growth(in, working, CYCLES) : 0;
+    double one = memory_growth(in, working, CYCLES);
+    double two = one > 0 ? memory_growth(in, working, CYCLES) : 0;
     if (!(two > 0)) continue;
-    find(&in->hears, "leaks %.0f bytes each time it is made%s and freed",
-         MIN(one, two), working ? ", used" : "");
+    report_finding(&in->hears,
+                   "leaks %.0f bytes each time it is made%s and freed",
+                   MIN(one, two), working ? ", used" : "");
     return;
   }
 }
@@ -444,7 +451,7 @@ static gboolean write_samples(inspector *in) {
     g_autoptr(GError) error = NULL;
     if (g_file_set_contents(path, sample->bytes, (gssize)sample->size, &error))
       continue;
-    find(&in->hears, "%s", error->message);
+    report_finding(&in->hears, "%s", error->message);
     return FALSE;
   }
   return TRUE;
@@ -453,18 +460,19 @@ static gboolean write_samples(inspector *in) {
 /* On one thread, unless the check says otherwise. */
 void opc_check_do(const opc_lint *lint, size_t i, int out) {
   opc_error error = {0};
-  inspector in = {.hears = {.add = add, .find = find, .note = note},
-                  .lint = lint,
-                  .sample = lint->sample,
-                  .out = out};
+  inspector in = {
+      .hears = {.add = digest_add, .find = report_finding, .note = report_note},
+      .lint = lint,
+      .sample = lint->sample,
+      .out = out};
   begun = g_get_monotonic_time();
   granted = (gint64)(lint->seconds * part * 1e6);
   opc_set_threads(1);
   in.plugin = opc_registry_find(lint->registry, lint->id, &error);
   in.kind = in.plugin ? opc_kind_trials(lint->registry, in.plugin->kind) : NULL;
   if (!in.kind)
-    find(&in.hears, "%s", error.message);
+    report_finding(&in.hears, "%s", error.message);
   else if (write_samples(&in))
     opc_checks[i].work(&in);
-  say(&in, 'E', "");
+  report_text(&in, 'E', "");
 }

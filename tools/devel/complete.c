@@ -21,12 +21,12 @@ typedef struct line {
                            help calls so; NULL: it is not */
 } line;
 
-static void offer(const line *l, const char *word) {
+static void offer_word(const line *l, const char *word) {
   if (g_str_has_prefix(word, l->current)) cli_print("%s\n", word);
 }
 
 static void offer_all(const line *l, const GPtrArray *words) {
-  for (guint i = 0; i < words->len; i++) offer(l, words->pdata[i]);
+  for (guint i = 0; i < words->len; i++) offer_word(l, words->pdata[i]);
 }
 
 /* ---- options ---- */
@@ -41,7 +41,7 @@ static const char *go_through_options(const line *l, const line *to,
   for (int i = 0; i < 2; i++)
     for (const cli_option *o = both[i]; o && o->name; o++) {
       g_autofree char *dashed = g_strconcat("--", o->name, NULL);
-      if (to) offer(to, dashed);
+      if (to) offer_word(to, dashed);
       if (word && !strcmp(dashed, word)) return o->argument;
     }
   return NULL;
@@ -65,7 +65,7 @@ static void read_words(line *l, const GPtrArray *words) {
 
 static void offer_words(const line *l, const char *choices) {
   g_auto(GStrv) words = opc_choice_list(choices);
-  for (guint i = 0; words[i]; i++) offer(l, words[i]);
+  for (guint i = 0; words[i]; i++) offer_word(l, words[i]);
 }
 
 static void offer_verbs(const line *l) {
@@ -78,7 +78,7 @@ static void offer_plugins(const line *l) {
       opc_registry_usable(cli_registry(), l->current, CLI_PATIENCE);
   for (guint i = 0; i < list->len; i++) {
     const opc_candidate *c = list->pdata[i];
-    offer(l, c->id);
+    offer_word(l, c->id);
   }
 }
 
@@ -94,9 +94,9 @@ static void offer_flows(const line *l) {
     g_autofree char *folder = g_strconcat(path, "/", NULL);
     if (*name == '.') continue;
     if (g_file_test(path, G_FILE_TEST_IS_DIR))
-      offer(l, folder);
+      offer_word(l, folder);
     else if (g_str_has_suffix(name, ".yaml") || g_str_has_suffix(name, ".yml"))
-      offer(l, path);
+      offer_word(l, path);
   }
 }
 
@@ -113,14 +113,14 @@ static void offer_settings(const line *l, const opc_binding *binding) {
     if (p->type == OPC_INPUT) continue;
     g_autofree char *word = g_strdup_printf("%s.%s=", binding->path, p->name);
     if (!equals)
-      offer(l, word);
+      offer_word(l, word);
     else if (!strncmp(word, l->current, strlen(word)))
       offer_values(l, p);
   }
   for (size_t i = 0; !equals && i < binding->plugin->n_metrics; i++) {
     g_autofree char *word = g_strdup_printf("require.%s.%s=", binding->path,
                                             binding->plugin->metrics[i].name);
-    if (g_str_has_prefix(l->current, "require.")) offer(l, word);
+    if (g_str_has_prefix(l->current, "require.")) offer_word(l, word);
   }
 }
 
@@ -150,7 +150,7 @@ static void offer_argument(line *l, const char *name) {
 
 /* ---- entry ---- */
 
-static void complete(line *l) {
+static void line_complete(line *l) {
   static const char set[] = "--set=";
   if (l->awaited) {
     offer_argument(l, l->awaited);
@@ -169,7 +169,7 @@ static void complete(line *l) {
 }
 
 /* The words behind the command, without their quotes. */
-static int run(const cli_verb *verb, const GPtrArray *arguments) {
+static int complete_run(const cli_verb *verb, const GPtrArray *arguments) {
   (void)verb;
   g_autoptr(GPtrArray) words = g_ptr_array_new();
   g_auto(GStrv) all = g_strsplit_set(arguments->pdata[0], " \t", -1);
@@ -186,9 +186,9 @@ static int run(const cli_verb *verb, const GPtrArray *arguments) {
   cli_take_plugin_path(words->len, (char **)words->pdata);
   line l = {.current = words->pdata[words->len - 1]};
   read_words(&l, words);
-  complete(&l);
+  line_complete(&l);
   return CLI_GOOD;
 }
 
 const cli_verb devel_complete = {CLI_COMPLETE, .least = 1, .most = 1,
-                                 .run = run};
+                                 .run = complete_run};

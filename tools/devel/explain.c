@@ -91,7 +91,7 @@ static void print_lines(JsonArray *results, JsonObject *store) {
 
 /* ---- the verb ---- */
 
-static int run(const cli_verb *verb, const GPtrArray *arguments) {
+static int explain_run(const cli_verb *verb, const GPtrArray *arguments) {
   const char *folder = arguments->pdata[0];
   g_autofree char *path = g_build_filename(folder, "manifest.json", NULL);
   g_autofree char *text = NULL;
@@ -115,4 +115,4 @@ static int run(const cli_verb *verb, const GPtrArray *arguments) {
 }
 
 const cli_verb devel_explain = {CLI_EXPLAIN, .options = options, .least = 1,
-                                .most = 1, .run = run};
+                                .most = 1, .run = explain_run};

@@ -211,7 +211,7 @@ static gboolean json;
 
 static const cli_option options[] = {{"json", "as JSON", .flag = &json}, {0}};
 
-static int run(const cli_verb *verb, const GPtrArray *arguments) {
+static int inspect_run(const cli_verb *verb, const GPtrArray *arguments) {
   (void)verb;
   opc_error error = {0};
   const opc_plugin *plugin =
@@ -226,4 +226,4 @@ static int run(const cli_verb *verb, const GPtrArray *arguments) {
 }
 
 const cli_verb devel_inspect = {CLI_INSPECT, .options = options, .least = 1,
-                                .most = 1, .run = run};
+                                .most = 1, .run = inspect_run};

@@ -47,8 +47,8 @@ static char *sample_text(const char *file, const opc_parameter *p) {
 /* ---- an instance ---- */
 
 /* Lay the value of a parameter, written as in a flow, over a map. */
-static void put(opc_node *map, const opc_source *source, const char *name,
-                const char *text, opc_problems *problems) {
+static void map_put(opc_node *map, const opc_source *source, const char *name,
+                    const char *text, opc_problems *problems) {
   g_autofree char *flow = g_strdup_printf("{ %s: %s }", name, text);
   g_autoptr(opc_node) over =
       opc_node_parse(source, flow, strlen(flow), problems);
@@ -89,7 +89,7 @@ static void make_up(const opc_making *making, const opc_plugin *plugin,
                                   : NULL;
     g_autofree char *text = inner ? g_strdup_printf("{ use: %s }", inner->id)
                                   : sample_text(making->file, p);
-    if (text) put(made->map, made->source, name, text, problems);
+    if (text) map_put(made->map, made->source, name, text, problems);
     if (text && p->type == OPC_FILE && !made->file) made->file = g_strdup(name);
     g_autofree char *slot = g_strconcat(name, ".", NULL);
     if (inner) make_up(making, inner, slot, depth + 1, made, problems);
@@ -116,7 +116,7 @@ gboolean opc_instance_make(const opc_making *making, const opc_host *like,
     opc_lay(made->map, made->given, problems);
   if (making->changed) {
     g_autofree char *text = opc_quantity_text(making->changed, making->number);
-    put(made->map, made->source, making->changed->name, text, problems);
+    map_put(made->map, made->source, making->changed->name, text, problems);
   }
   if (!problems->list->len)
     made->binding =

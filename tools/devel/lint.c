@@ -242,7 +242,7 @@ static const cli_option options[] = {
     {"json", "as JSON", .flag = &json},
     {0}};
 
-static int run(const cli_verb *verb, const GPtrArray *arguments) {
+static int lint_verb_run(const cli_verb *verb, const GPtrArray *arguments) {
   (void)verb;
   const char *path = arguments->pdata[0];
   if (!g_file_test(path, G_FILE_TEST_IS_REGULAR))
@@ -262,4 +262,4 @@ static int run(const cli_verb *verb, const GPtrArray *arguments) {
 }
 
 const cli_verb devel_lint = {CLI_LINT, .options = options, .least = 1,
-                             .most = 1, .run = run};
+                             .most = 1, .run = lint_verb_run};

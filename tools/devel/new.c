@@ -44,7 +44,8 @@ static char *fill_in(const char *text) {
 
 /* Write a template into the folder; -1 or the exit code. A file that is there
    stays if `keep`. */
-static int put(const char *file, const char *template, gboolean keep) {
+static int template_write(const char *file, const char *template,
+                          gboolean keep) {
   g_autofree char *filled = fill_in(file);
   g_autofree char *text = fill_in(template);
   g_autofree char *path = g_build_filename(folder, filled, NULL);
@@ -64,7 +65,7 @@ static int put_own(const char *group, const char *resource, const char *file,
       g_resources_lookup_data(path, G_RESOURCE_LOOKUP_FLAGS_NONE, NULL);
   g_autofree char *text =
       g_strndup(g_bytes_get_data(bytes, NULL), g_bytes_get_size(bytes));
-  return put(file, text, keep);
+  return template_write(file, text, keep);
 }
 
 /* The names of those; NULL if there are none. */
@@ -138,7 +139,8 @@ static int new_plugin(const GPtrArray *arguments) {
   for (guint i = 0; own && own[i] && code < 0; i++)
     code = put_own(kind, own[i], own[i], FALSE);
   for (size_t i = 0; i < its->n_templates && code < 0; i++)
-    code = put(its->templates[i].name, its->templates[i].text, FALSE);
+    code =
+        template_write(its->templates[i].name, its->templates[i].text, FALSE);
   return code;
 }
 
@@ -256,7 +258,7 @@ static int extend_process(const char *input, const char *file) {
     g_string_append_printf(text, "%s#   --set %s=FILE    %s\n",
                            i == 1 ? "# Still to be given, here or as\n" : "",
                            left[i].path, left[i].summary);
-  return put(file, text->str, FALSE);
+  return template_write(file, text->str, FALSE);
 }
 
 /* ---- a flow ---- */
@@ -308,7 +310,7 @@ static int new_flow(const GPtrArray *arguments) {
 
 /* ---- entry ---- */
 
-static int tell(void) {
+static int files_print(void) {
   if (json) {
     JsonObject *o = json_object_new();
     cli_add_texts(o, "files", files);
@@ -319,7 +321,7 @@ static int tell(void) {
   return CLI_GOOD;
 }
 
-static int run(const cli_verb *verb, const GPtrArray *arguments) {
+static int new_run(const cli_verb *verb, const GPtrArray *arguments) {
   (void)verb;
   const char *what = arguments->pdata[0];
   gboolean plugin = !strcmp(what, "plugin");
@@ -330,9 +332,9 @@ static int run(const cli_verb *verb, const GPtrArray *arguments) {
   if (plugin && process)
     return cli_error(CLI_USAGE, "'--process' goes with 'new flow'");
   int code = plugin ? new_plugin(arguments) : new_flow(arguments);
-  return code < 0 ? tell() : code;
+  return code < 0 ? files_print() : code;
 }
 
-const cli_verb devel_new = {CLI_NEW,    .options = options,
-                            .least = 1, .most = 3,
-                            .run = run, .words = "flow|plugin"};
+const cli_verb devel_new = {CLI_NEW,        .options = options,
+                            .least = 1,     .most = 3,
+                            .run = new_run, .words = "flow|plugin"};

@@ -56,7 +56,7 @@ static const cli_option options[] = {
     {"json", "as JSON", .flag = &json},
     {0}};
 
-static int run(const cli_verb *verb, const GPtrArray *arguments) {
+static int plugins_run(const cli_verb *verb, const GPtrArray *arguments) {
   (void)verb, (void)arguments;
   g_autoptr(GPtrArray) all =
       opc_registry_scan(cli_registry(), "", CLI_PATIENCE);
@@ -81,4 +81,5 @@ static int run(const cli_verb *verb, const GPtrArray *arguments) {
   return CLI_GOOD;
 }
 
-const cli_verb devel_plugins = {CLI_PLUGINS, .options = options, .run = run};
+const cli_verb devel_plugins = {CLI_PLUGINS, .options = options,
+                                .run = plugins_run};

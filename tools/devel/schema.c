@@ -66,14 +66,14 @@ static void set_text(JsonObject *o, const char *key, const char *text) {
 }
 
 /* The member `key` of `o`, an object, made if it is not there. */
-static JsonObject *member(JsonObject *o, const char *key) {
+static JsonObject *object_member(JsonObject *o, const char *key) {
   if (!json_object_has_member(o, key))
     json_object_set_object_member(o, key, json_object_new());
   return json_object_get_object_member(o, key);
 }
 
 /* The list `key` of `o`, made if it is not there. */
-static JsonArray *list(JsonObject *o, const char *key) {
+static JsonArray *object_list(JsonObject *o, const char *key) {
   if (!json_object_has_member(o, key))
     json_object_set_array_member(o, key, json_array_new());
   return json_object_get_array_member(o, key);
@@ -141,10 +141,10 @@ static JsonObject *one_of_words(const char *choices) {
     const opc_node plain = {
         .type = OPC_NODE_TEXT, .text = words[i], .plain = TRUE};
     g_autoptr(JsonNode) other = text_json(&plain);
-    json_array_add_string_element(list(o, "enum"), words[i]);
+    json_array_add_string_element(object_list(o, "enum"), words[i]);
     if (JSON_NODE_HOLDS_VALUE(other) &&
         json_node_get_value_type(other) != G_TYPE_STRING)
-      json_array_add_element(list(o, "enum"), g_steal_pointer(&other));
+      json_array_add_element(object_list(o, "enum"), g_steal_pointer(&other));
   }
   return o;
 }
@@ -177,7 +177,7 @@ static JsonObject *value_schema(const opc_parameter *p) {
       return piece("{ type: string, pattern: '^\\$\\{" REFERENCE "\\}$' }");
     case OPC_SLOT: /* beside a $ref nothing counts in draft-07 */
       o = json_object_new();
-      json_array_add_object_element(list(o, "allOf"),
+      json_array_add_object_element(object_list(o, "allOf"),
                                     new_reference("any.", p->choices));
       return o;
     default:
@@ -217,14 +217,14 @@ static JsonObject *parameter_schema(const opc_parameter *p) {
 
 /* Return the schema of the map that holds a parameter: that of the plugin, or
    of its group. */
-static JsonObject *home(JsonObject *plugin, const char *name,
-                        const char **last) {
+static JsonObject *parameter_home(JsonObject *plugin, const char *name,
+                                  const char **last) {
   JsonObject *at = plugin;
   for (const char *dot; (dot = strchr(name, '.')); name = dot + 1) {
     g_autofree char *word = g_strndup(name, (size_t)(dot - name));
-    at = member(member(at, "properties"), word);
+    at = object_member(object_member(at, "properties"), word);
     set_text(at, "type", "object");
-    member(member(at, "patternProperties"), "\\.");
+    object_member(object_member(at, "patternProperties"), "\\.");
     json_object_set_boolean_member(at, "additionalProperties", FALSE);
   }
   *last = name;
@@ -236,15 +236,15 @@ static JsonObject *plugin_schema(const opc_plugin *plugin) {
       "{ type: object, description: '', properties: "
       "{ use: {} }, patternProperties: { '\\.': {} }, additionalProperties: "
       "false }");
-  JsonObject *use = member(member(o, "properties"), "use");
+  JsonObject *use = object_member(object_member(o, "properties"), "use");
   set_text(o, "description", plugin->summary);
   set_text(use, "const", plugin->id);
   set_text(use, "description", plugin->summary);
   for (size_t i = 0; i < plugin->n_parameters; i++) {
     const opc_parameter *p = &plugin->parameters[i];
     const char *name;
-    JsonObject *map = home(o, p->name, &name);
-    json_object_set_object_member(member(map, "properties"), name,
+    JsonObject *map = parameter_home(o, p->name, &name);
+    json_object_set_object_member(object_member(map, "properties"), name,
                                   parameter_schema(p));
   }
   return o;
@@ -252,12 +252,12 @@ static JsonObject *plugin_schema(const opc_plugin *plugin) {
 
 /* Return the required keys: `use` and the required parameters, except those in
    groups, which may be written with dots. */
-static JsonObject *needs(const opc_plugin *plugin) {
+static JsonObject *required_keys(const opc_plugin *plugin) {
   JsonObject *o = piece("{ required: [use] }");
   for (size_t i = 0; i < plugin->n_parameters; i++) {
     const opc_parameter *p = &plugin->parameters[i];
     if (p->flags & OPC_REQUIRED && !p->preset && !strchr(p->name, '.'))
-      json_array_add_string_element(list(o, "required"), p->name);
+      json_array_add_string_element(object_list(o, "required"), p->name);
   }
   return o;
 }
@@ -271,12 +271,13 @@ static JsonObject *kind_schema(const GPtrArray *plugins, const char *kind) {
     const opc_plugin *plugin = plugins->pdata[i];
     if (strcmp(plugin->kind, kind) != 0) continue;
     JsonObject *one = json_object_new();
-    json_array_add_object_element(list(one, "allOf"),
+    json_array_add_object_element(object_list(one, "allOf"),
                                   new_reference("", plugin->id));
-    json_array_add_object_element(list(one, "allOf"), needs(plugin));
-    json_array_add_object_element(list(o, "oneOf"), one);
+    json_array_add_object_element(object_list(one, "allOf"),
+                                  required_keys(plugin));
+    json_array_add_object_element(object_list(o, "oneOf"), one);
   }
-  if (!json_object_has_member(o, "oneOf")) member(o, "not");
+  if (!json_object_has_member(o, "oneOf")) object_member(o, "not");
   return o;
 }
 
@@ -297,7 +298,7 @@ JsonNode *opc_flow_schema(const GPtrArray *plugins) {
   g_autoptr(GBytes) fixed = g_resource_lookup_data(
       opc_schema_get_resource(), "/opcflow/flow.schema.json", 0, NULL);
   g_autoptr(JsonObject) root = piece(g_bytes_get_data(fixed, NULL));
-  JsonObject *definitions = member(root, "definitions");
+  JsonObject *definitions = object_member(root, "definitions");
   for (guint i = 0; i < plugins->len; i++) {
     const opc_plugin *plugin = plugins->pdata[i];
     json_object_set_object_member(definitions, plugin->id,
@@ -335,7 +336,7 @@ static const char *output;
 static const cli_option options[] = {
     {"output", "default: standard output", "FILE", .text = &output}, {0}};
 
-static int run(const cli_verb *verb, const GPtrArray *arguments) {
+static int schema_run(const cli_verb *verb, const GPtrArray *arguments) {
   (void)verb, (void)arguments;
   g_autoptr(GPtrArray) plugins = usable_plugins();
   g_autofree char *text = opc_json_text(opc_flow_schema(plugins));
@@ -345,4 +346,5 @@ static int run(const cli_verb *verb, const GPtrArray *arguments) {
   return CLI_GOOD;
 }
 
-const cli_verb devel_schema = {CLI_SCHEMA, .options = options, .run = run};
+const cli_verb devel_schema = {CLI_SCHEMA, .options = options,
+                               .run = schema_run};

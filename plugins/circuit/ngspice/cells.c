@@ -14,7 +14,7 @@ typedef struct half {
   int type;
 } half;
 
-static int compare(const void *a, const void *b) {
+static int half_compare(const void *a, const void *b) {
   const half *p = a, *q = b;
   if (p->gate != q->gate) return p->gate < q->gate ? -1 : 1;
   if (p->out != q->out) return p->out < q->out ? -1 : 1;
@@ -37,19 +37,20 @@ static half *list_halves(bench *b, size_t *count) {
     if (drain == source) continue;
     list[(*count)++] = (half){d->gate, drain ? d->source : d->drain, d->type};
   }
-  qsort(list, *count, sizeof *list, compare);
+  qsort(list, *count, sizeof *list, half_compare);
   return list;
 }
 
-static int has(const half *list, size_t n, uint32_t gate, uint32_t out) {
+static int halves_have_pair(const half *list, size_t n, uint32_t gate,
+                            uint32_t out) {
   half n_half = {gate, out, EDA_NMOS}, p_half = {gate, out, EDA_PMOS};
-  return bsearch(&n_half, list, n, sizeof *list, compare) &&
-         bsearch(&p_half, list, n, sizeof *list, compare);
+  return bsearch(&n_half, list, n, sizeof *list, half_compare) &&
+         bsearch(&p_half, list, n, sizeof *list, half_compare);
 }
 
 /* ---- cells ---- */
 
-static int touches(const eda_device *d, uint32_t net) {
+static int device_touches(const eda_device *d, uint32_t net) {
   return d->drain == net || d->source == net;
 }
 
@@ -60,7 +61,7 @@ static int list_devices(const bench *b, cell *m, opc_error *error) {
   for (int access = 0; access < 2; access++)
     for (size_t i = 0; i < c->count; i++) {
       const eda_device *d = &c->device[i];
-      int at_q = touches(d, m->q), at_qb = touches(d, m->qb);
+      int at_q = device_touches(d, m->q), at_qb = device_touches(d, m->qb);
       if (!at_q && !at_qb) continue;
       uint32_t mine = at_q ? m->q : m->qb;
       uint32_t other = d->drain == mine ? d->source : d->drain;
@@ -90,7 +91,8 @@ int cells_find(bench *b, cell **out, size_t *count, opc_error *error) {
     if (h->gate >= h->out ||
         (i && h->gate == h[-1].gate && h->out == h[-1].out))
       continue;
-    if (!has(list, n, h->gate, h->out) || !has(list, n, h->out, h->gate))
+    if (!halves_have_pair(list, n, h->gate, h->out) ||
+        !halves_have_pair(list, n, h->out, h->gate))
       continue;
     cell *m = &(*out)[(*count)++];
     *m = (cell){.q = h->gate, .qb = h->out};

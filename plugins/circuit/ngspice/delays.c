@@ -66,8 +66,9 @@ static void write_commands(job *j, FILE *out, const void *how) {
 
 /* Measure the last edge of an output. Returns its end; NAN if the edge is
    incomplete or the output changes again. */
-static double measure(const bench *b, arrival *a, int state, double middle,
-                      const double *t, const double *h, size_t n) {
+static double last_edge_measure(const bench *b, arrival *a, int state,
+                                double middle, const double *t, const double *h,
+                                size_t n) {
   eda_wave_edge e;
   a->delay[state] = a->slope[state] = NAN;
   if (!eda_wave_find(h, n, b->low, b->high, &e) || !(h[n - 1] >= b->high))
@@ -101,7 +102,7 @@ double arrival_measure(const bench *b, arrival *a, int state,
   size_t n = part_of(b, a, plot, begin, end, &t, &v);
   g_autofree double *h = g_new(double, n);
   eda_wave_heights(v, n, b->supply, a->rises, h);
-  return measure(b, a, state, begin + b->slew / 2, t, h, n);
+  return last_edge_measure(b, a, state, begin + b->slew / 2, t, h, n);
 }
 
 /* Result of all arrivals of a process. */
@@ -127,7 +128,7 @@ static outcome measure_all(const job *j, const eda_spice_result *r) {
 
 /* ---- one process ---- */
 
-static outcome simulate(job *j, const char *deck, transient how) {
+static outcome delays_simulate(job *j, const char *deck, transient how) {
   eda_spice_result r;
   outcome all = {SIZE_MAX, 0};
   g_autofree char *commands = job_text(j, write_commands, &how);
@@ -145,7 +146,7 @@ static void find_window(job *j, const char *deck) {
   transient how = {first_window + 4 * b->slew, COARSE};
   outcome best = {SIZE_MAX, 0};
   for (int i = 0; i < TRIES_DRAWN && best.missing && !j->code; i++) {
-    outcome all = simulate(j, deck, how);
+    outcome all = delays_simulate(j, deck, how);
     if (all.missing < best.missing) best = all;
     how.window *= LONGER;
   }
@@ -163,7 +164,7 @@ static void run_job(job *j) {
   if (drawn && deck) find_window(j, deck);
   transient how = {d->window[j->from], POINTS};
   for (int i = 0; i < (drawn ? 1 : TRIES_PRINTED) && !j->code; i++) {
-    if (!simulate(j, deck, how).missing) break;
+    if (!delays_simulate(j, deck, how).missing) break;
     how.window *= LONGER;
     how.points *= LONGER;
   }
@@ -172,8 +173,8 @@ static void run_job(job *j) {
 /* ---- which transitions ---- */
 
 /* Return 1 if output o follows transition t; then also set `rises`. */
-static int follows(const bench *b, const patterns *p, const logic *l, size_t t,
-                   size_t o, int *rises) {
+static int output_follows(const bench *b, const patterns *p, const logic *l,
+                          size_t t, size_t o, int *rises) {
   int from = l->level[p->transition[t].from * b->outputs + o];
   *rises = l->level[p->transition[t].to * b->outputs + o];
   return from >= 0 && *rises >= 0 && from != *rises;
@@ -186,7 +187,7 @@ static void list_arrivals(bench *b, const patterns *p, const logic *l,
   int rises;
   for (size_t t = 0; t < p->transitions; t++)
     for (size_t o = 0; o < b->outputs; o++)
-      all += (size_t)follows(b, p, l, t, o, &rises);
+      all += (size_t)output_follows(b, p, l, t, o, &rises);
   d->flip = eda_pool_alloc(&b->pool, p->transitions, sizeof *d->flip);
   d->first = eda_pool_alloc(&b->pool, p->transitions + 1, sizeof *d->first);
   d->arrival = eda_pool_alloc(&b->pool, all, sizeof *d->arrival);
@@ -194,7 +195,7 @@ static void list_arrivals(bench *b, const patterns *p, const logic *l,
   for (uint32_t t = 0; t < p->transitions; t++) {
     size_t before = d->count;
     for (uint32_t o = 0; o < b->outputs; o++) {
-      if (!follows(b, p, l, t, o, &rises)) continue;
+      if (!output_follows(b, p, l, t, o, &rises)) continue;
       arrival *a = &d->arrival[d->count++];
       *a = (arrival){.flip = (uint32_t)d->flips, .output = o, .rises = rises};
       for (int s = 0; s < EDA_STATES; s++) a->delay[s] = a->slope[s] = NAN;

@@ -125,7 +125,7 @@ static int is_port(const uint32_t *port, size_t n, uint32_t net) {
 /* Return the connection of a net of a cell. Storage nodes are separate; rails
    are unchanged. Bit lines connect to the supply. Word lines take the level at
    which the access transistors conduct, or do not. */
-static const char *tie(const bench *b, const cell *m, uint32_t net) {
+static const char *net_connection(const bench *b, const cell *m, uint32_t net) {
   const eda_circuit *c = b->circuit;
   int role = eda_circuit_role(c, net);
   if (role == EDA_PIN_GROUND) return "0";
@@ -180,7 +180,7 @@ static void put_cell(job *j, FILE *out, size_t k) {
       else if (net == (side ? m->q : m->qb))
         fprintf(out, " %c%zu", "ab"[side], k);
       else
-        fprintf(out, " %s", tie(b, m, net));
+        fprintf(out, " %s", net_connection(b, m, net));
     }
     fprintf(out, " %s\n.save v(%c%zu)\n", name, "ab"[side], k);
   }

@@ -131,7 +131,7 @@ static int find_states(bench *b, opc_error *error) {
   return OPC_OK;
 }
 
-static int prepare(bench *b, opc_error *error) {
+static int circuit_prepare(bench *b, opc_error *error) {
   b->low = b->edges.values[0] / 100;
   b->high = b->edges.values[1] / 100;
   if (!b->library == !b->models[0])
@@ -235,12 +235,12 @@ static int is_memory(const cell *cells, size_t count) {
   return count && n == count;
 }
 
-static int run(void *self, void **outputs, opc_error *error) {
+static int circuit_run(void *self, void **outputs, opc_error *error) {
   bench *b = self;
   cell *cells;
   size_t count;
   (void)outputs;
-  if (prepare(b, error) || cells_find(b, &cells, &count, error))
+  if (circuit_prepare(b, error) || cells_find(b, &cells, &count, error))
     return error->code;
   if (b->measure == SNM || (b->measure == AUTO && is_memory(cells, count)))
     return run_margins(b, cells, count, error);
@@ -249,7 +249,7 @@ static int run(void *self, void **outputs, opc_error *error) {
                   : run_states(b, b->circuit->net[loop], error);
 }
 
-static void clear(void *self) {
+static void circuit_clear(void *self) {
   bench *b = self;
   free(b->statements);
   eda_pool_clear(&b->pool);
@@ -391,7 +391,7 @@ static const opc_metric metrics[] = {
     CHANGE("snm_right", "right noise margins"),
 };
 
-static int check(void *self, opc_error *error) {
+static int circuit_check(void *self, opc_error *error) {
   static const char *const names[] = {[EDA_NMOS] = "nmos", [EDA_PMOS] = "pmos"};
   bench *b = self;
   const double *edge = b->edges.values;
@@ -421,12 +421,14 @@ static int check(void *self, opc_error *error) {
 /* ---- entry ---- */
 
 /* Models may include other files, and the simulator is another program. */
-static const opc_step functions = {.run = run, .flags = OPC_STEP_OUTSIDE};
+static const opc_step functions = {.run = circuit_run,
+                                   .flags = OPC_STEP_OUTSIDE};
 OPC_PLUGIN(bench, .id = "circuit.ngspice", .kind = "step", .version = "0.2.0",
            .licence = "BSD-3-Clause",
            .summary =
                "delays, leakage and noise margins of a circuit as "
                "printed",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), OPC_METRICS(metrics), .check = check,
-           .clear = clear, OPC_FUNCTIONS(functions));
+           OPC_PARAMETERS(parameters), OPC_METRICS(metrics),
+           .check = circuit_check, .clear = circuit_clear,
+           OPC_FUNCTIONS(functions));

@@ -18,7 +18,7 @@ static double length_of(const eda_curves *all, const eda_gates *g, size_t i,
                                   is + log(printed / drawn), &w, g->length[i]);
 }
 
-static void resize(bench *b, const eda_curves *c, eda_performance *p) {
+static void device_resize(bench *b, const eda_curves *c, eda_performance *p) {
   const eda_gates *g = b->mask->gates;
   const eda_performance *drawn = &b->mask->design, was = *p;
   p->leq_ion = eda_pool_alloc(&b->pool, g->count, sizeof *p->leq_ion);
@@ -36,8 +36,8 @@ int sizes_by_length(bench *b, opc_error *error) {
   int code = eda_curves_read(&c, b->devices, error);
   if (code) return code;
   b->sized = *b->mask;
-  resize(b, &c, &b->sized.before);
-  resize(b, &c, &b->sized.after);
+  device_resize(b, &c, &b->sized.before);
+  device_resize(b, &c, &b->sized.after);
   b->printed = &b->sized;
   eda_curves_clear(&c);
   return OPC_OK;

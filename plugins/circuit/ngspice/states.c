@@ -33,7 +33,7 @@ static void list_watched(bench *b, machine *m) {
     if (seen[i] && !is_rail(eda_circuit_role(c, i))) m->net[m->watched++] = i;
 }
 
-static const char *probe(const bench *b, uint32_t net, char name[32]) {
+static const char *net_probe(const bench *b, uint32_t net, char name[32]) {
   int port = eda_circuit_role(b->circuit, net) >= 0;
   snprintf(name, 32, "v(%sn%u)", port ? "" : "x1.", net);
   return name;
@@ -42,7 +42,7 @@ static const char *probe(const bench *b, uint32_t net, char name[32]) {
 void states_save(const bench *b, const machine *m, FILE *out) {
   char name[32];
   for (size_t k = 0; k < m->watched; k++)
-    fprintf(out, ".save %s\n", probe(b, m->net[k], name));
+    fprintf(out, ".save %s\n", net_probe(b, m->net[k], name));
 }
 
 /* Return the value of a vector at a time. */
@@ -64,7 +64,7 @@ void states_levels(const bench *b, const machine *m, const eda_spice_plot *plot,
   char name[32];
   for (size_t k = 0; k < m->watched; k++) {
     const eda_spice_vector *v =
-        eda_spice_vector_find(plot, probe(b, m->net[k], name));
+        eda_spice_vector_find(plot, net_probe(b, m->net[k], name));
     double x = value_at(t, v, time) / b->supply;
     level[k] = (int8_t)(x >= b->high ? 1 : x <= b->low ? 0 : -1);
   }
@@ -105,7 +105,8 @@ static int count_changes(const bench *b, const eda_spice_plot *plot,
                          uint32_t net, double from, double to) {
   char name[32];
   const eda_spice_vector *t = eda_spice_vector_find(plot, "time");
-  const eda_spice_vector *v = eda_spice_vector_find(plot, probe(b, net, name));
+  const eda_spice_vector *v =
+      eda_spice_vector_find(plot, net_probe(b, net, name));
   int n = 0, was = -1;
   for (size_t i = 0; t && v && i < t->count && t->value[i] <= to; i++) {
     double x = v->value[i] / b->supply;
@@ -139,7 +140,7 @@ static int any_changes(const job *j, const eda_spice_plot *plot, double from,
   return 0;
 }
 
-static void look(job *j, trip *t, const eda_spice_plot *plot) {
+static void trip_read_levels(job *j, trip *t, const eda_spice_plot *plot) {
   const machine *m = ((const round_of *)j->of)->m;
   g_autofree int8_t *middle = g_new(int8_t, m->watched);
   for (size_t k = 0; k <= t->way.input->len; k++) {
@@ -169,7 +170,7 @@ static void run_job(job *j) {
   if (!j->code && result.count != 1)
     j->code = opc_fail(&j->error, OPC_FAILED, NULL,
                        "'ngspice' gave %zu transients, not 1", result.count);
-  if (!j->code) look(j, t, &result.plot[0]);
+  if (!j->code) trip_read_levels(j, t, &result.plot[0]);
   eda_spice_clear(&result);
 }
 
@@ -182,7 +183,7 @@ typedef struct map {
   GArray *bit, *level, *next;
 } map;
 
-static void show(map *a) {
+static void map_publish(map *a) {
   a->m->bit = (uint8_t *)a->bit->data;
   a->m->level = (int8_t *)a->level->data;
   a->m->next = (uint32_t *)a->next->data;
@@ -200,7 +201,7 @@ static uint32_t state_of(map *a, const uint8_t *bit, const int8_t *level) {
   g_array_append_vals(a->bit, bit, (guint)inputs);
   g_array_append_vals(a->level, level, (guint)m->watched);
   for (size_t i = 0; i < inputs; i++) g_array_append_val(a->next, unknown);
-  show(a);
+  map_publish(a);
   return (uint32_t)m->states++;
 }
 
@@ -228,7 +229,7 @@ static void put_down(map *a, const trip *seen) {
 
 /* Plan traversals to states with untried inputs; each of these inputs changes
    and returns. `tried` counts the changes, up to `most`. */
-static size_t plan(const map *a, trip *trips, size_t *tried) {
+static size_t trips_plan(const map *a, trip *trips, size_t *tried) {
   const bench *b = a->b;
   const machine *m = a->m;
   size_t n = 0;
@@ -254,7 +255,7 @@ static size_t plan(const map *a, trip *trips, size_t *tried) {
 }
 
 /* Run one round. Returns 1 if all nets settled, -1 on failure. */
-static int go(map *a, trip *trips, size_t n, opc_error *error) {
+static int trips_run(map *a, trip *trips, size_t n, opc_error *error) {
   const round_of r = {a->m, trips};
   int rests = 1;
   int code = jobs_run_at(a->b, EDA_DRAWN, n, 1, run_job, &r, error);
@@ -268,7 +269,7 @@ static int go(map *a, trip *trips, size_t n, opc_error *error) {
 }
 
 /* Run all rounds with phases of one length. */
-static int explore(map *a, opc_error *error) {
+static int map_explore(map *a, opc_error *error) {
   trip trips[WALKS];
   size_t tried = 0, n = 1;
   g_array_set_size(a->bit, 0);
@@ -277,9 +278,9 @@ static int explore(map *a, opc_error *error) {
   a->m->states = 0;
   trips[0] = (trip){.way = walk_new(a->m), .target = STATE_UNKNOWN};
   while (n) {
-    int rests = go(a, trips, n, error);
+    int rests = trips_run(a, trips, n, error);
     if (rests <= 0) return rests;
-    n = plan(a, trips, &tried);
+    n = trips_plan(a, trips, &tried);
   }
   for (size_t i = 0; i < a->m->states * a->b->inputs; i++)
     n += a->m->next[i] == STATE_UNKNOWN;
@@ -328,7 +329,8 @@ static void leave_out(bench *b, machine *m, const uint8_t *kept) {
   walk_clear(&w);
 }
 
-static const void *keep(bench *b, const GArray *a, size_t count, size_t size) {
+static const void *array_keep(bench *b, const GArray *a, size_t count,
+                              size_t size) {
   void *own = eda_pool_alloc(&b->pool, count, size);
   memcpy(own, a->data, count * size);
   return own;
@@ -358,7 +360,7 @@ static void list_patterns(bench *b, const machine *m, patterns *p, logic *l) {
   }
 }
 
-static void warn(const bench *b, const machine *m) {
+static void machine_warn(const bench *b, const machine *m) {
   const opc_host *host = b->host;
   size_t lost = 0;
   for (size_t i = 0; i < m->states * b->inputs; i++)
@@ -388,7 +390,7 @@ int states_find(bench *b, machine *m, patterns *p, logic *l, opc_error *error) {
   list_watched(b, m);
   for (int i = 0; i < LONGEST && !rests; i++) {
     if (i) m->phase *= LONGER;
-    rests = explore(&a, error);
+    rests = map_explore(&a, error);
   }
   if (!rests)
     opc_fail(error, OPC_FAILED, "circuit", "'%s' is not at rest after %g ns",
@@ -398,15 +400,15 @@ int states_find(bench *b, machine *m, patterns *p, logic *l, opc_error *error) {
     g_autofree uint8_t *kept = g_new(uint8_t, all);
     ways_back(b, m, kept);
     leave_out(b, m, kept);
-    m->bit = (uint8_t *)keep(b, a.bit, m->states * b->inputs, 1);
-    m->level = (int8_t *)keep(b, a.level, m->states * m->watched, 1);
-    m->next =
-        (uint32_t *)keep(b, a.next, m->states * b->inputs, sizeof *m->next);
+    m->bit = (uint8_t *)array_keep(b, a.bit, m->states * b->inputs, 1);
+    m->level = (int8_t *)array_keep(b, a.level, m->states * m->watched, 1);
+    m->next = (uint32_t *)array_keep(b, a.next, m->states * b->inputs,
+                                     sizeof *m->next);
     b->host->log(b->host, OPC_LOG_INFO,
                  "'%s' keeps a state: %zu with those of its inputs, of %zu "
                  "seen; changes are %g ns apart",
                  b->circuit->name, m->states, all, 1e9 * m->phase);
-    warn(b, m);
+    machine_warn(b, m);
     list_patterns(b, m, p, l);
   }
   g_array_free(a.bit, TRUE);

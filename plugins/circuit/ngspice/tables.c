@@ -9,12 +9,12 @@
 
 /* Return 100 (a - b) / b, thesis eq. 3.8 without absolute value; NAN unless b >
    0. */
-static double deviation(double a, double b) {
+static double percent_deviation(double a, double b) {
   return b > 0 ? 100 * (a - b) / b : (double)NAN;
 }
 
-static int metric(const bench *b, const char *name, double value,
-                  opc_error *error) {
+static int publish_metric(const bench *b, const char *name, double value,
+                          opc_error *error) {
   if (isnan(value)) return OPC_OK;
   return b->host->metric(b->host, name, value, error);
 }
@@ -28,20 +28,20 @@ typedef struct table {
   opc_column column[16];
 } table;
 
-static void *add(table *t, const char *name, const char *unit, uint32_t type,
-                 int decimals, size_t size) {
+static void *table_add_column(table *t, const char *name, const char *unit,
+                              uint32_t type, int decimals, size_t size) {
   void *data = eda_pool_alloc(&t->b->pool, t->rows, size);
   t->column[t->columns++] = (opc_column){name, unit, type, decimals, data};
   return data;
 }
 
 static const char **add_texts(table *t, const char *name) {
-  return add(t, name, NULL, OPC_TEXT, 0, sizeof(char *));
+  return table_add_column(t, name, NULL, OPC_TEXT, 0, sizeof(char *));
 }
 
 static double *add_numbers(table *t, const char *name, const char *unit,
                            int decimals) {
-  double *x = add(t, name, unit, OPC_REAL, decimals, sizeof *x);
+  double *x = table_add_column(t, name, unit, OPC_REAL, decimals, sizeof *x);
   for (size_t i = 0; i < t->rows; i++) x[i] = NAN;
   return x;
 }
@@ -56,8 +56,8 @@ static double *add_state(table *t, const char *what, int state,
                      decimals);
 }
 
-static int publish(const table *t, const char *name, uint32_t flags,
-                   opc_error *error) {
+static int table_publish(const table *t, const char *name, uint32_t flags,
+                         opc_error *error) {
   const opc_host *host = t->b->host;
   return opc_put_table(host, name, flags, t->rows, t->column, t->columns,
                        error);
@@ -74,7 +74,7 @@ typedef struct spread {
   int64_t count;
 } spread;
 
-static void include(spread *s, double x) {
+static void spread_include(spread *s, double x) {
   if (isnan(x)) return;
   if (!s->count || fabs(x) > fabs(s->worst)) s->worst = x;
   s->mean += (x - s->mean) / (double)++s->count;
@@ -95,7 +95,7 @@ static int worst_metric(const bench *b, const char *quantity, int state,
   char name[64];
   snprintf(name, sizeof name, "%s_worst%s", quantity,
            state == EDA_BEFORE ? "_before" : "");
-  return metric(b, name, fabs(worst_of(of)), error);
+  return publish_metric(b, name, fabs(worst_of(of)), error);
 }
 
 /* Columns of the extreme and mean deviations, last in a table. */
@@ -143,7 +143,8 @@ static int tell_quantities(bench *b, const delays *d, opc_error *error) {
   static const char *const ids[QUANTITIES] = {"tr", "tf", "tplh", "tphl", "tp"};
   table t = {.b = b, .rows = QUANTITIES};
   const char **quantity = add_texts(&t, "quantity");
-  int64_t *count = add(&t, "transitions", NULL, OPC_INT, 0, sizeof *count);
+  int64_t *count =
+      table_add_column(&t, "transitions", NULL, OPC_INT, 0, sizeof *count);
   double *drawn = add_numbers(&t, "drawn", "ps", 3);
   deviations changes = add_deviations(&t);
   for (size_t q = 0; q < QUANTITIES; q++) {
@@ -152,18 +153,18 @@ static int tell_quantities(bench *b, const delays *d, opc_error *error) {
       const arrival *a = &d->arrival[i];
       const double *v = value_of(a, (int)q);
       if (!is_of(a, (int)q)) continue;
-      include(&of[0], v[0]);
+      spread_include(&of[0], v[0]);
       for (int s = 1; s < EDA_STATES; s++)
-        if (b->has[s]) include(&of[s], deviation(v[s], v[0]));
+        if (b->has[s]) spread_include(&of[s], percent_deviation(v[s], v[0]));
     }
     quantity[q] = names[q];
     count[q] = of[0].count;
     drawn[q] = 1e12 * mean_of(&of[0]);
-    if (metric(b, ids[q], drawn[q], error) ||
+    if (publish_metric(b, ids[q], drawn[q], error) ||
         put_deviations(b, &changes, q, ids[q], of, error))
       return error->code;
   }
-  return publish(&t, "performance", OPC_TABLE_PRINT, error);
+  return table_publish(&t, "performance", OPC_TABLE_PRINT, error);
 }
 
 static int tell_arrivals(bench *b, const patterns *p, const delays *d,
@@ -187,10 +188,10 @@ static int tell_arrivals(bench *b, const patterns *p, const delays *d,
       for (int k = 0; b->has[s] && k < 2; k++) {
         const double *v = k ? a->slope : a->delay;
         x[k][s][i] = 1e12 * v[s];
-        if (s) change[k][s][i] = deviation(v[s], v[0]);
+        if (s) change[k][s][i] = percent_deviation(v[s], v[0]);
       }
   }
-  return publish(&t, "delays", 0, error);
+  return table_publish(&t, "delays", 0, error);
 }
 
 int tell_delays(bench *b, const patterns *p, const delays *d,
@@ -216,8 +217,8 @@ int tell_delays(bench *b, const patterns *p, const delays *d,
                  "%zu of %zu delays are not above 0 as drawn and have no "
                  "deviation: a shorter 'slew' helps",
                  early, d->count);
-  if (metric(b, "transitions", (double)d->flips, error) ||
-      metric(b, "unmeasured", (double)missing, error) ||
+  if (publish_metric(b, "transitions", (double)d->flips, error) ||
+      publish_metric(b, "unmeasured", (double)missing, error) ||
       tell_quantities(b, d, error))
     return error->code;
   return tell_arrivals(b, p, d, error);
@@ -231,7 +232,7 @@ int64_t worst_arrival(const delays *d, const bench *b, int rises) {
     const arrival *a = &d->arrival[i];
     /* With drawn sizes only, the slowest arrival. */
     double x = state == EDA_AFTER
-                   ? fabs(deviation(a->delay[state], a->delay[0]))
+                   ? fabs(percent_deviation(a->delay[state], a->delay[0]))
                    : a->delay[0] + 1;
     if (a->rises != rises || !(x > most)) continue;
     most = x;
@@ -260,20 +261,21 @@ int tell_leakage(bench *b, const patterns *p, const logic *l,
     for (size_t i = 0; b->has[s] && i < n; i++) {
       current[i] = 1e9 * l->current[s][i];
       power[i] = 1e9 * l->power[s][i];
-      if (s) change[i] = deviation(l->current[s][i], l->current[0][i]);
-      include(&all[s], s ? change[i] : l->current[s][i]);
-      if (!s) include(&watts, l->power[s][i]);
+      if (s) change[i] = percent_deviation(l->current[s][i], l->current[0][i]);
+      spread_include(&all[s], s ? change[i] : l->current[s][i]);
+      if (!s) spread_include(&watts, l->power[s][i]);
     }
   }
-  if (metric(b, "leakage", mean_of(&all[0]), error) ||
-      metric(b, "leakage_most", most, error) ||
-      metric(b, "power", mean_of(&watts), error) ||
+  if (publish_metric(b, "leakage", mean_of(&all[0]), error) ||
+      publish_metric(b, "leakage_most", most, error) ||
+      publish_metric(b, "power", mean_of(&watts), error) ||
       worst_metric(b, "leakage", EDA_BEFORE, &all[EDA_BEFORE], error) ||
       worst_metric(b, "leakage", EDA_AFTER, &all[EDA_AFTER], error) ||
-      metric(b, "leakage_mean_before", mean_of(&all[EDA_BEFORE]), error) ||
-      metric(b, "leakage_mean", mean_of(&all[EDA_AFTER]), error))
+      publish_metric(b, "leakage_mean_before", mean_of(&all[EDA_BEFORE]),
+                     error) ||
+      publish_metric(b, "leakage_mean", mean_of(&all[EDA_AFTER]), error))
     return error->code;
-  return publish(&t, "leakage", n <= 16 ? OPC_TABLE_PRINT : 0, error);
+  return table_publish(&t, "leakage", n <= 16 ? OPC_TABLE_PRINT : 0, error);
 }
 
 /* ---- noise margins ---- */
@@ -292,10 +294,10 @@ static int tell_cells(bench *b, const cell *cells, size_t count,
       for (size_t i = 0; b->has[s] && i < count; i++) {
         double margin = m->of[s][i].margin[side];
         x[i] = 1e3 * margin;
-        if (s) change[i] = deviation(margin, m->of[0][i].margin[side]);
+        if (s) change[i] = percent_deviation(margin, m->of[0][i].margin[side]);
       }
     }
-  return publish(&t, "margins", 0, error);
+  return table_publish(&t, "margins", 0, error);
 }
 
 static void warn_of_state(const bench *b, const cell *cells, size_t count,
@@ -332,15 +334,16 @@ int tell_margins(bench *b, const cell *cells, size_t count, const margins *m,
       least[side] = fmin(least[side], 1e3 * drawn);
       for (int s = 1; s < EDA_STATES; s++)
         if (b->has[s])
-          include(&of[s], deviation(m->of[s][i].margin[side], drawn));
+          spread_include(&of[s],
+                         percent_deviation(m->of[s][i].margin[side], drawn));
     }
     snprintf(name, sizeof name, "snm_%s", sides[side]);
-    if (metric(b, name, least[side], error) ||
+    if (publish_metric(b, name, least[side], error) ||
         put_deviations(b, &changes, side, name, of, error))
       return error->code;
   }
-  if (metric(b, "cells", (double)count, error) ||
-      publish(&t, "snm", OPC_TABLE_PRINT, error))
+  if (publish_metric(b, "cells", (double)count, error) ||
+      table_publish(&t, "snm", OPC_TABLE_PRINT, error))
     return error->code;
   return tell_cells(b, cells, count, m, error);
 }
@@ -352,9 +355,10 @@ size_t worst_cell(const bench *b, size_t count, const margins *m) {
   for (size_t i = 0; i < count; i++)
     for (int side = 0; side < 2; side++) {
       double drawn = m->of[0][i].margin[side];
-      double x = state == EDA_AFTER
-                     ? fabs(deviation(m->of[state][i].margin[side], drawn))
-                     : -drawn;
+      double x =
+          state == EDA_AFTER
+              ? fabs(percent_deviation(m->of[state][i].margin[side], drawn))
+              : -drawn;
       if (!(x > most)) continue;
       most = x;
       best = i;

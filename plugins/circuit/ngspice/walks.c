@@ -31,7 +31,7 @@ typedef struct tour {
   size_t step[FLIPS];
 } tour;
 
-static tour plan(const job *j) {
+static tour tour_plan(const job *j) {
   const study *s = j->of;
   const machine *m = s->d->machine;
   tour t = {.way = walk_new(m)};
@@ -69,7 +69,8 @@ static int is_in(const job *j, const eda_spice_plot *plot, uint32_t state,
   return !memcmp(level, m->level + state * m->watched, m->watched);
 }
 
-static void measure(const job *j, const tour *t, const eda_spice_plot *plot) {
+static void tour_measure(const job *j, const tour *t,
+                         const eda_spice_plot *plot) {
   const study *s = j->of;
   const double phase = s->d->machine->phase;
   for (size_t k = j->from; k < j->to; k++) {
@@ -84,8 +85,8 @@ static void measure(const job *j, const tour *t, const eda_spice_plot *plot) {
   }
 }
 
-static tour simulate(job *j, eda_spice_result *r) {
-  tour t = plan(j);
+static tour tour_simulate(job *j, eda_spice_result *r) {
+  tour t = tour_plan(j);
   g_autofree char *deck = job_text(j, write_deck, &t.way);
   g_autofree char *commands = job_text(j, write_commands, &t.way);
   job_simulate(j, deck, commands, r);
@@ -97,8 +98,8 @@ static tour simulate(job *j, eda_spice_result *r) {
 
 static void run_job(job *j) {
   eda_spice_result r;
-  tour t = simulate(j, &r);
-  if (!j->code) measure(j, &t, &r.plot[0]);
+  tour t = tour_simulate(j, &r);
+  if (!j->code) tour_measure(j, &t, &r.plot[0]);
   walk_clear(&t.way);
   eda_spice_clear(&r);
 }
@@ -117,7 +118,7 @@ int walks_wave(bench *b, const patterns *p, const delays *d, size_t index,
   job j = {
       .b = b, .of = &s, .state = state, .from = a->flip, .to = a->flip + 1};
   eda_spice_result r;
-  tour t = simulate(&j, &r);
+  tour t = tour_simulate(&j, &r);
   double begin = d->machine->phase * (double)t.step[0];
   if (!j.code)
     wave_keep(b, a, &r.plot[0], begin, begin + d->machine->phase, out);

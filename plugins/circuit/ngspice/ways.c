@@ -136,8 +136,8 @@ typedef struct pair {
 
 /* Find changes that lead two states to the same state, by breadth-first search.
    Returns 0 if none are known. */
-static int merge(const machine *m, size_t inputs, uint32_t s, uint32_t t,
-                 GArray *way) {
+static int states_merge(const machine *m, size_t inputs, uint32_t s, uint32_t t,
+                        GArray *way) {
   g_autoptr(GArray) queue = g_array_new(FALSE, FALSE, sizeof(pair));
   g_autoptr(GHashTable) seen = g_hash_table_new(NULL, NULL);
   const pair first = {s, t, 0, 0};
@@ -186,8 +186,8 @@ int ways_synchronise(const bench *b, const machine *m, walk *w) {
   }
   for (guint k = 1; k < set->len; k++) {
     g_autoptr(GArray) way = g_array_new(FALSE, FALSE, sizeof(uint32_t));
-    if (!merge(m, inputs, g_array_index(set, uint32_t, 0),
-               g_array_index(set, uint32_t, k), way) ||
+    if (!states_merge(m, inputs, g_array_index(set, uint32_t, 0),
+                      g_array_index(set, uint32_t, k), way) ||
         !go_on(m, inputs, way, set))
       return 0;
     g_array_append_vals(w->input, way->data, way->len);

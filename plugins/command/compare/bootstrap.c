@@ -26,7 +26,7 @@ typedef struct drawing {
 
 /* Draw sample i from a random sequence of its own, independent of the
    thread. */
-static void draw(void *data, size_t i) {
+static void sample_draw(void *data, size_t i) {
   drawing *d = data;
   uint64_t start = i, state = eda_random_draw(&start);
   double sum = 0;
@@ -96,7 +96,7 @@ interval bootstrap_mean(const double *values, size_t n,
   d->values = values;
   d->n = n;
   d->samples = (size_t)fmin(fmax(DRAWS / (double)n, FEWEST), MOST);
-  opc_parallel(context, d->samples, draw, d);
+  opc_parallel(context, d->samples, sample_draw, d);
   find_bounds(d, &out);
   g_free(d);
   return out;

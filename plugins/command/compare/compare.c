@@ -14,7 +14,7 @@
 /* Number of reasons in the message; further ones are counted. */
 enum { TOLD = 5 };
 
-static int refuse(const GPtrArray *why, opc_error *error) {
+static int compare_refuse(const GPtrArray *why, opc_error *error) {
   g_autoptr(GString) text = g_string_new("not comparable: ");
   for (guint i = 0; i < MIN(why->len, TOLD); i++)
     g_string_append_printf(text, "%s%.150s", i ? "; " : "",
@@ -41,7 +41,7 @@ static int check_pairs(const comparison *c, opc_error *error) {
         c->host->log(c->host, OPC_LOG_WARNING, "%s", text);
     }
   }
-  return all->len && !c->anyway ? refuse(all, error) : OPC_OK;
+  return all->len && !c->anyway ? compare_refuse(all, error) : OPC_OK;
 }
 
 /* ---- work: limits that fail a comparison ---- */
@@ -86,7 +86,7 @@ static int add_worse(const comparison *c, const char *word, GHashTable *seen,
   return meant;
 }
 
-static int judge(const comparison *c, opc_error *error) {
+static int compare_judge(const comparison *c, opc_error *error) {
   if (!c->fail_on) return OPC_OK;
   g_auto(GStrv) words = g_strsplit(c->fail_on, ",", -1);
   g_autoptr(GHashTable) seen = g_hash_table_new(NULL, NULL);
@@ -120,7 +120,7 @@ static int publish_counts(const comparison *c, opc_error *error) {
   return opc_put_metrics(c->host, OPC_ARRAY(values), error);
 }
 
-static int publish(comparison *c, opc_error *error) {
+static int compare_publish(comparison *c, opc_error *error) {
   int code = OPC_OK, experiment = c->field.experiment;
   if (!experiment) code = runs_publish(c, error);
   if (!code) code = parameters_publish(c, error);
@@ -132,8 +132,8 @@ static int publish(comparison *c, opc_error *error) {
   return code ? code : publish_counts(c, error);
 }
 
-static int run(void *self, size_t n, const char *const *arguments,
-               opc_error *error) {
+static int compare_run(void *self, size_t n, const char *const *arguments,
+                       opc_error *error) {
   comparison *c = self;
   c->rows = g_array_new(FALSE, FALSE, sizeof(metric_row));
   c->intervals = ROWS(transistor_row);
@@ -141,8 +141,8 @@ static int run(void *self, size_t n, const char *const *arguments,
   if (!code) code = check_pairs(c, error);
   if (!code && *c->field.base)
     c->host->log(c->host, OPC_LOG_INFO, "base: %s", c->field.base);
-  if (!code) code = publish(c, error);
-  if (!code) code = judge(c, error);
+  if (!code) code = compare_publish(c, error);
+  if (!code) code = compare_judge(c, error);
   field_clear(&c->field);
   g_array_free(c->rows, TRUE);
   g_array_free(c->intervals, TRUE);
@@ -184,7 +184,7 @@ static const opc_metric metrics[] = {
     {"missing", NULL, OPC_NEUTRAL, 0, "Metrics that one of them lacks"},
 };
 
-static int check(void *self, opc_error *error) {
+static int compare_check(void *self, opc_error *error) {
   const comparison *c = self;
   if (!c->fail_on) return OPC_OK;
   if (!*c->fail_on) return check_word("", error);
@@ -197,11 +197,12 @@ static int check(void *self, opc_error *error) {
 /* ---- entry ---- */
 
 static const opc_command functions = {
-    .arguments = "RUN RUN ... | FLOW | EXPERIMENT [EXPERIMENT]", .run = run};
+    .arguments = "RUN RUN ... | FLOW | EXPERIMENT [EXPERIMENT]",
+    .run = compare_run};
 
 OPC_PLUGIN(comparison, .id = "command.compare", .kind = "command",
            .version = "0.2.0", .licence = "BSD-3-Clause",
            .summary = "Compare runs, variants of a flow, or experiments",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), OPC_METRICS(metrics), .check = check,
-           OPC_FUNCTIONS(functions));
+           OPC_PARAMETERS(parameters), OPC_METRICS(metrics),
+           .check = compare_check, OPC_FUNCTIONS(functions));

@@ -8,7 +8,7 @@
 
 /* ---- state ---- */
 
-static char *keep(field *f, char *text) {
+static char *field_keep_text(field *f, char *text) {
   g_ptr_array_add(f->owned, text);
   return text;
 }
@@ -18,7 +18,7 @@ static eda_run *open_run(field *f, const char *folder, const char *label,
   eda_run *run = eda_run_open(folder, error);
   if (!run) return NULL;
   g_ptr_array_add(f->runs, run);
-  g_ptr_array_add(f->labels, keep(f, g_strdup(label)));
+  g_ptr_array_add(f->labels, field_keep_text(f, g_strdup(label)));
   if (!eda_run_told(run)->points) return run;
   opc_fail(error, OPC_INVALID, NULL,
            "'%s' is a sweep of %" PRId64 " points, not one run", folder,
@@ -53,7 +53,7 @@ static int open_runs(field *f, size_t n, const char *const *folders,
                     "needs two runs or more, an experiment, or a flow and "
                     "--variant");
   for (size_t i = 0; i < n; i++) {
-    char *label = keep(f, label_of(n, folders, i));
+    char *label = field_keep_text(f, label_of(n, folders, i));
     eda_run *run = open_run(f, folders[i], label, error);
     if (!run) return error->code;
     if (i)
@@ -98,7 +98,7 @@ static gboolean is_of(const char *folder, const char *name) {
 
 /* Return the latest run of a variant (NULL: of the flow itself) in `runs`; NULL
    if there is none. */
-static char *latest(const char *name, const char *variant) {
+static char *latest_run(const char *name, const char *variant) {
   g_autofree char *whole =
       variant ? g_strdup_printf("%s-%s", name, variant) : g_strdup(name);
   g_autoptr(GDir) dir = g_dir_open("runs", 0, NULL);
@@ -129,14 +129,14 @@ static int open_variants(field *f, const char *flow, const char *variants,
   g_autoptr(GPtrArray) folders = g_ptr_array_new();
   for (char **word = words; *word; word++) {
     const char *variant = strcmp(g_strstrip(*word), "base") ? *word : NULL;
-    char *folder = latest(name, variant);
+    char *folder = latest_run(name, variant);
     if (!folder)
       return opc_fail(error, OPC_INVALID, "variant",
                       "there is no run of '%s' in runs/: 'opcflow run %s%s%s' "
                       "makes it",
                       *word, flow, variant ? " --variant " : "",
                       variant ? variant : "");
-    g_ptr_array_add(folders, keep(f, folder));
+    g_ptr_array_add(folders, field_keep_text(f, folder));
   }
   return open_runs(f, folders->len, (const char *const *)folders->pdata, error);
 }

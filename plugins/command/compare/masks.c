@@ -28,7 +28,7 @@ typedef struct mask {
 
 /* ---- reading ---- */
 
-static int fail(const mask *m, const char *what, opc_error *error) {
+static int mask_fail(const mask *m, const char *what, opc_error *error) {
   return opc_fail(error, OPC_INVALID, NULL, "'%s', byte %zu: %s", m->path,
                   m->at, what);
 }
@@ -63,7 +63,7 @@ static int read_record(const mask *m, size_t *n, opc_error *error) {
   size_t left = m->size - m->at;
   size_t length = left < 4 ? 0 : eda_gds_u16(r);
   if (length < 4 || length > left)
-    return fail(m, "not GDSII, or cut short", error);
+    return mask_fail(m, "not GDSII, or cut short", error);
   *n = length - 4;
   return OPC_OK;
 }
@@ -79,7 +79,7 @@ static int take_record(mask *m, element *e, uint32_t type, const uint8_t *data,
   size_t least = type == EDA_GDS_UNITS                               ? 16
                  : type == EDA_GDS_LAYER || type == EDA_GDS_DATATYPE ? 2
                                                                      : 0;
-  if (n < least) return fail(m, "a record is too short", error);
+  if (n < least) return mask_fail(m, "a record is too short", error);
   switch (type) {
     case EDA_GDS_UNITS:
       m->unit = eda_gds_real(data + 8) * 1e9;
@@ -101,7 +101,7 @@ static int take_record(mask *m, element *e, uint32_t type, const uint8_t *data,
     case EDA_GDS_SREF:
     case EDA_GDS_AREF:
     case EDA_GDS_BOX:
-      return fail(m, "has more than the polygons of a mask", error);
+      return mask_fail(m, "has more than the polygons of a mask", error);
     case EDA_GDS_ENDEL:
       *e = (element){0};
       break;
@@ -126,7 +126,7 @@ static int read_mask(mask *m, const char *path, opc_error *error) {
     if (take_record(m, &e, type, r + 4, n, error)) return error->code;
     m->at += n + 4;
   }
-  if (!(m->unit > 0)) return fail(m, "tells no unit", error);
+  if (!(m->unit > 0)) return mask_fail(m, "tells no unit", error);
   return OPC_OK;
 }
 

@@ -13,7 +13,7 @@ const char *const verdict_words[VERDICTS] = {"better", "worse", "same",
 
 /* ---- choosing ---- */
 
-static int matches(const char *word, const char *metric) {
+static int metric_matches(const char *word, const char *metric) {
   const char *last = strrchr(metric, '.');
   return !strcmp(word, metric) || (last && !strcmp(word, last + 1)) ||
          g_pattern_match_simple(word, metric);
@@ -22,13 +22,14 @@ static int matches(const char *word, const char *metric) {
 int is_chosen(const char *list, const char *metric) {
   g_auto(GStrv) words = g_strsplit(list, ",", -1);
   for (char **word = words; *word; word++)
-    if (matches(g_strstrip(*word), metric)) return 1;
+    if (metric_matches(g_strstrip(*word), metric)) return 1;
   return 0;
 }
 
-static int chooses(const comparison *c, const char *word) {
+static int word_matches_any(const comparison *c, const char *word) {
   for (guint i = 0; i < c->rows->len; i++)
-    if (matches(word, g_array_index(c->rows, metric_row, i).metric)) return 1;
+    if (metric_matches(word, g_array_index(c->rows, metric_row, i).metric))
+      return 1;
   return 0;
 }
 
@@ -42,7 +43,7 @@ static int check_chosen(const comparison *c, opc_error *error) {
                     (char *)g_array_index(c->rows, metric_row, i).metric);
   g_ptr_array_add(known, NULL);
   for (char **word = words; *word; word++) {
-    if (chooses(c, g_strstrip(*word))) continue;
+    if (word_matches_any(c, g_strstrip(*word))) continue;
     const char *near = eda_nearest(*word, (const char *const *)known->pdata);
     return opc_fail(
         error, OPC_INVALID, "metrics", "there is no metric '%s'%s%s%s", *word,
@@ -94,7 +95,7 @@ static void add_pair(comparison *c, const pair *p) {
   }
 }
 
-static double relative(const metric_row *r) {
+static double row_relative(const metric_row *r) {
   double share = fabs(r->change) / fmax(fabs(r->base), 1e-300);
   return isnan(share) ? -1 : share;
 }
@@ -108,7 +109,8 @@ static int by_choice(const void *a, const void *b, void *data) {
   if (c->sort == SORT_NAME) order = strcmp(x->metric, y->metric);
   if (c->sort == SORT_VERDICT) order = rank[x->verdict] - rank[y->verdict];
   if (c->sort == SORT_CHANGE)
-    order = (relative(x) < relative(y)) - (relative(x) > relative(y));
+    order = (row_relative(x) < row_relative(y)) -
+            (row_relative(x) > row_relative(y));
   /* With several runs, group the rows by metric. */
   if (!order && c->sort == SORT_FILE && !c->field.experiment)
     order = strcmp(x->name, y->name);

@@ -75,8 +75,8 @@ static int is_worth(const eda_run *without, const eda_run_parameter *p) {
   return p->given || g_str_has_suffix(p->name, ".use");
 }
 
-static int differ(const pair *p, const eda_run_parameter *a,
-                  const eda_run_parameter *b) {
+static int parameters_differ(const pair *p, const eda_run_parameter *a,
+                             const eda_run_parameter *b) {
   const char *x = same_content(p->base, a), *y = same_content(p->other, b);
   return x && y ? strcmp(x, y) != 0 : strcmp(a->value, b->value) != 0;
 }
@@ -86,7 +86,7 @@ static void add_parameters(GArray *out, const pair *p) {
   for (size_t i = 0; i < a->n_parameters; i++) {
     const eda_run_parameter *x = &a->parameters[i];
     const eda_run_parameter *y = eda_run_parameter_of(p->other, x->name);
-    if (y ? !differ(p, x, y) : !is_worth(p->other, x)) continue;
+    if (y ? !parameters_differ(p, x, y) : !is_worth(p->other, x)) continue;
     const parameter_row row = {p->method, x->name, x->value,
                                y ? y->value : NULL};
     g_array_append_val(out, row);

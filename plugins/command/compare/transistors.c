@@ -28,7 +28,7 @@ static int is_drawn_alike(const transistors *t, size_t i) {
   return 1;
 }
 
-static void join(transistors *t, size_t a, size_t b) {
+static void transistors_match_rows(transistors *t, size_t a, size_t b) {
   g_autoptr(GHashTable) rows = g_hash_table_new(g_str_hash, g_str_equal);
   size_t others = eda_table_rows(t->other);
   t->n = eda_table_rows(t->base);
@@ -63,7 +63,7 @@ int transistors_join(const pair *p, transistors *t, opc_error *error) {
   if (a < 0 || b < 0) return OPC_OK; /* not a transistor table */
   t->base = base;
   t->other = other;
-  join(t, (size_t)a, (size_t)b);
+  transistors_match_rows(t, (size_t)a, (size_t)b);
   return OPC_OK;
 }
 

@@ -80,7 +80,7 @@ static int take_row(void *self, const shelf_row *row, GVariant *data,
   return OPC_OK;
 }
 
-static int list(const pass *p, opc_error *error) {
+static int library_list(const pass *p, opc_error *error) {
   const line none = {0}, *l = (const line *)(const void *)p->lines->data;
   size_t n = p->lines->len;
   if (!n) l = &none;
@@ -197,7 +197,7 @@ static int mark_chosen(void *self, const shelf_row *row, GVariant *data,
 
 /* Remove damaged rows, rows selected by name, and superseded rows if
    requested. */
-static int prune(pass *p, shelf *s, opc_error *error) {
+static int library_prune(pass *p, shelf *s, opc_error *error) {
   int code = OPC_OK;
   if (p->v->superseded)
     code = shelf_each(s, NULL, mark_superseded, p, error);
@@ -212,17 +212,18 @@ static int prune(pass *p, shelf *s, opc_error *error) {
 
 /* ---- the verb ---- */
 
-static int work(pass *p, shelf *s, const char *what, opc_error *error) {
+static int library_work(pass *p, shelf *s, const char *what, opc_error *error) {
   if (!strcmp(what, "show"))
     return shelf_each(s, ENTRY_TYPE, show_row, p, error);
   int code = shelf_each(s, ENTRY_TYPE, take_row, p, error);
   if (code) return code;
   if (!strcmp(what, "check")) return check_all(p, s, error);
-  return strcmp(what, "prune") ? list(p, error) : prune(p, s, error);
+  return strcmp(what, "prune") ? library_list(p, error)
+                               : library_prune(p, s, error);
 }
 
-static int run(void *self, size_t n, const char *const *arguments,
-               opc_error *error) {
+static int library_run(void *self, size_t n, const char *const *arguments,
+                       opc_error *error) {
   static const char *const verbs[] = {"list", "show", "check", "prune", NULL};
   const verb *v = self;
   if (!n || !g_strv_contains(verbs, arguments[0]))
@@ -241,7 +242,7 @@ static int run(void *self, size_t n, const char *const *arguments,
       .lines = g_array_new(FALSE, TRUE, sizeof(line)),
       .keys = g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL)};
   g_array_set_clear_func(p.lines, clear_line);
-  int code = work(&p, s, arguments[0], error);
+  int code = library_work(&p, s, arguments[0], error);
   g_array_free(p.lines, TRUE);
   g_hash_table_destroy(p.keys);
   g_free(p.cell);
@@ -265,7 +266,7 @@ static const opc_parameter parameters[] = {
 /* ---- entry ---- */
 
 static const opc_command functions = {
-    .arguments = "list|show|check|prune [CELL ...]", .run = run};
+    .arguments = "list|show|check|prune [CELL ...]", .run = library_run};
 
 OPC_PLUGIN(verb, .id = "command.library", .kind = "command",
            .version = OPC_VERSION, .licence = "BSD-3-Clause",

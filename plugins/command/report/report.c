@@ -15,8 +15,8 @@ typedef struct reporter {
 
 /* ---- work ---- */
 
-static int run(void *self, size_t n, const char *const *arguments,
-               opc_error *error) {
+static int report_run(void *self, size_t n, const char *const *arguments,
+                      opc_error *error) {
   const reporter *r = self;
   page p;
   int code = OPC_OK;
@@ -42,7 +42,8 @@ static const opc_parameter parameters[] = {
 
 /* ---- entry ---- */
 
-static const opc_command functions = {.arguments = "RUN ...", .run = run};
+static const opc_command functions = {.arguments = "RUN ...",
+                                      .run = report_run};
 
 OPC_PLUGIN(reporter, .id = "command.report", .kind = "command",
            .version = "0.1.0", .licence = "BSD-3-Clause",

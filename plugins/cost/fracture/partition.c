@@ -45,8 +45,12 @@ typedef struct work {
 
 /* ---- chords ---- */
 
-static int32_t along(eda_point p, int axis) { return axis ? p.y : p.x; }
-static int32_t across(eda_point p, int axis) { return axis ? p.x : p.y; }
+static int32_t coordinate_along(eda_point p, int axis) {
+  return axis ? p.y : p.x;
+}
+static int32_t coordinate_across(eda_point p, int axis) {
+  return axis ? p.x : p.y;
+}
 
 static eda_point corner_at(const work *w, int i) {
   return w->p[(i + w->n) % w->n];
@@ -57,8 +61,9 @@ static eda_point corner_at(const work *w, int i) {
 static int inward_sign(const work *w, int i, int axis) {
   eda_point p = corner_at(w, i), a = corner_at(w, i - 1),
             b = corner_at(w, i + 1);
-  eda_point other = across(a, axis) == across(p, axis) ? a : b;
-  return along(other, axis) < along(p, axis) ? 1 : -1;
+  eda_point other =
+      coordinate_across(a, axis) == coordinate_across(p, axis) ? a : b;
+  return coordinate_along(other, axis) < coordinate_along(p, axis) ? 1 : -1;
 }
 
 /* Return 1 if an edge crosses the line between two corners. */
@@ -66,8 +71,10 @@ static int is_blocked(const work *w, int32_t at, int32_t from, int32_t to,
                       int axis) {
   for (int i = 0; i < w->n; i++) {
     eda_point a = corner_at(w, i), b = corner_at(w, i + 1);
-    int32_t place = along(a, axis), s = across(a, axis), t = across(b, axis);
-    if (along(b, axis) != place || place <= from || place >= to) continue;
+    int32_t place = coordinate_along(a, axis), s = coordinate_across(a, axis),
+            t = coordinate_across(b, axis);
+    if (coordinate_along(b, axis) != place || place <= from || place >= to)
+      continue;
     if ((s <= at && t >= at) || (t <= at && s >= at)) return 1;
   }
   return 0;
@@ -77,11 +84,13 @@ static void find_chords(work *w, int axis) {
   w->chords[axis] = 0;
   for (int i = 0; i < w->n; i++) {
     if (!w->concave[i] || inward_sign(w, i, axis) < 0) continue;
-    int32_t at = across(w->p[i], axis), from = along(w->p[i], axis);
+    int32_t at = coordinate_across(w->p[i], axis),
+            from = coordinate_along(w->p[i], axis);
     for (int k = 0; k < w->n; k++) {
-      int32_t to = along(w->p[k], axis);
-      if (!w->concave[k] || across(w->p[k], axis) != at || to <= from ||
-          inward_sign(w, k, axis) > 0 || is_blocked(w, at, from, to, axis))
+      int32_t to = coordinate_along(w->p[k], axis);
+      if (!w->concave[k] || coordinate_across(w->p[k], axis) != at ||
+          to <= from || inward_sign(w, k, axis) > 0 ||
+          is_blocked(w, at, from, to, axis))
         continue;
       w->chord[axis][w->chords[axis]++] = (chord){at, from, to};
       break;
@@ -104,9 +113,10 @@ static int32_t cut_thickness(const work *w, chord c, int axis, int cuts,
                              int32_t sliver) {
   for (int k = 0; k < w->n; k++) {
     eda_point a = corner_at(w, k), b = corner_at(w, k + 1);
-    if (across(a, axis) == across(b, axis))
-      sliver = distance_beside(c, across(a, axis), along(a, axis),
-                               along(b, axis), sliver);
+    if (coordinate_across(a, axis) == coordinate_across(b, axis))
+      sliver = distance_beside(c, coordinate_across(a, axis),
+                               coordinate_along(a, axis),
+                               coordinate_along(b, axis), sliver);
   }
   for (int k = 0; k < cuts; k++) {
     chord o = w->chord[axis][k];
@@ -186,8 +196,9 @@ static int is_served(const work *w, int i) {
   for (int axis = 0; axis < 2; axis++)
     for (int k = 0; k < w->chords[axis]; k++) {
       chord c = w->chord[axis][k];
-      int32_t at = along(w->p[i], axis);
-      if (c.at == across(w->p[i], axis) && (c.from == at || c.to == at))
+      int32_t at = coordinate_along(w->p[i], axis);
+      if (c.at == coordinate_across(w->p[i], axis) &&
+          (c.from == at || c.to == at))
         return 1;
     }
   return 0;
@@ -195,14 +206,17 @@ static int is_served(const work *w, int i) {
 
 /* Return the cut from a corner to the next edge or cut. */
 static chord cut_from(const work *w, int i, int axis) {
-  int32_t at = across(w->p[i], axis), from = along(w->p[i], axis);
+  int32_t at = coordinate_across(w->p[i], axis),
+          from = coordinate_along(w->p[i], axis);
   int sign = inward_sign(w, i, axis);
   int64_t found = INT64_MAX;
   for (int k = 0; k < w->n; k++) {
     eda_point a = corner_at(w, k), b = corner_at(w, k + 1);
-    int32_t s = across(a, axis), t = across(b, axis);
-    int64_t d = sign * ((int64_t)along(a, axis) - from);
-    if (along(b, axis) != along(a, axis) || d <= 0 || d >= found) continue;
+    int32_t s = coordinate_across(a, axis), t = coordinate_across(b, axis);
+    int64_t d = sign * ((int64_t)coordinate_along(a, axis) - from);
+    if (coordinate_along(b, axis) != coordinate_along(a, axis) || d <= 0 ||
+        d >= found)
+      continue;
     if ((s <= at && t >= at) || (t <= at && s >= at)) found = d;
   }
   for (int k = 0; k < w->chords[!axis]; k++) {
@@ -242,8 +256,9 @@ static void find_lines(work *w) {
     int32_t *line = w->line[axis];
     int n = 0, kept = 0;
     for (int i = 0; i < w->n; i++)
-      if (along(corner_at(w, i), axis) == along(corner_at(w, i + 1), axis))
-        line[n++] = along(corner_at(w, i), axis);
+      if (coordinate_along(corner_at(w, i), axis) ==
+          coordinate_along(corner_at(w, i + 1), axis))
+        line[n++] = coordinate_along(corner_at(w, i), axis);
     qsort(line, (size_t)n, sizeof *line, by_value);
     for (int i = 0; i < n; i++)
       if (!i || line[i] != line[i - 1]) line[kept++] = line[i];
@@ -279,8 +294,9 @@ static void put_walls(work *w) {
   for (int i = 0; i < w->n; i++) {
     eda_point a = corner_at(w, i), b = corner_at(w, i + 1);
     int axis = a.x == b.x;
-    int32_t s = along(a, axis), t = along(b, axis);
-    put_wall(w, axis, (chord){across(a, axis), s < t ? s : t, s < t ? t : s},
+    int32_t s = coordinate_along(a, axis), t = coordinate_along(b, axis);
+    put_wall(w, axis,
+             (chord){coordinate_across(a, axis), s < t ? s : t, s < t ? t : s},
              EDGE);
   }
   for (int axis = 0; axis < 2; axis++)

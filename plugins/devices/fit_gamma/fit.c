@@ -55,7 +55,7 @@ typedef struct search {
 } search;
 
 /* Return the sum of squares at the optimal amplitude. */
-static double cost(double log_decay, void *data) {
+static double fit_cost(double log_decay, void *data) {
   search *f = data;
   double decay = exp(log_decay), covariance, squares;
   for (size_t i = 0; i < f->sample->count; i++) {
@@ -79,10 +79,10 @@ static double cost(double log_decay, void *data) {
 static double best_decay(search *f) {
   double step = log(most / least) / TRIALS, best = INFINITY, at = 0;
   for (int i = 0; i <= TRIALS; i++) {
-    double c = cost(log(least) + i * step, f);
+    double c = fit_cost(log(least) + i * step, f);
     if (c < best) best = c, at = log(least) + i * step;
   }
-  gsl_function function = {cost, f};
+  gsl_function function = {fit_cost, f};
   gsl_min_fminimizer *m = gsl_min_fminimizer_alloc(gsl_min_fminimizer_brent);
   if (m && !gsl_min_fminimizer_set(m, &function, at, at - step, at + step))
     for (int i = 0; i < 100; i++) {
@@ -92,7 +92,7 @@ static double best_decay(search *f) {
         break;
     }
   if (m) gsl_min_fminimizer_free(m);
-  cost(at, f);
+  fit_cost(at, f);
   return exp(at);
 }
 
@@ -119,7 +119,7 @@ int fit_edge(const sample *s, fitted *out, opc_error *error) {
 /* ---- a table: linear ---- */
 
 /* Return the weight of point j in gamma at a distance x from the edge. */
-static double hat(const double *edge, size_t n, size_t j, double x) {
+static double hat_weight(const double *edge, size_t n, size_t j, double x) {
   if (x <= edge[0]) return j == 0;
   if (x >= edge[n - 1]) return j == n - 1;
   if (j > 0 && x <= edge[j] && x > edge[j - 1])
@@ -129,14 +129,14 @@ static double hat(const double *edge, size_t n, size_t j, double x) {
   return 0;
 }
 
-static void fill(const sample *s, const double *edge, size_t edges,
-                 gsl_matrix *a, gsl_vector *y) {
+static void system_fill(const sample *s, const double *edge, size_t edges,
+                        gsl_matrix *a, gsl_vector *y) {
   for (size_t i = 0; i < s->count; i++) {
     const transistor *t = s->transistor[i];
     for (size_t j = 0; j < edges; j++) {
       double sum = 0;
       for (int k = 0; k < REFERENCE_NODES; k++)
-        sum += t->part[s->current][k] * hat(edge, edges, j, t->edge[k]);
+        sum += t->part[s->current][k] * hat_weight(edge, edges, j, t->edge[k]);
       gsl_matrix_set(a, i, j, sum / t->current[s->current]);
     }
     gsl_vector_set(y, i, 1);
@@ -156,7 +156,7 @@ int fit_table(const sample *s, const double *edge, size_t edges, fitted *out,
   size_t rank = 0;
   double squares;
   int code = OPC_OK;
-  fill(s, edge, edges, a, y);
+  system_fill(s, edge, edges, a, y);
   gsl_multifit_linear_tsvd(a, y, 1e-6, x, covariance, &squares, &rank, work);
   if (rank < edges)
     code = opc_fail(error, OPC_INVALID, "edges",
@@ -186,7 +186,7 @@ double fit_residual(const sample *s, size_t i, const fitted *f) {
   for (int k = 0; k < REFERENCE_NODES; k++) {
     double gamma = f ? 0 : 1;
     for (size_t j = 0; f && j < f->points; j++)
-      gamma += f->gamma[j] * hat(f->edge, f->points, j, t->edge[k]);
+      gamma += f->gamma[j] * hat_weight(f->edge, f->points, j, t->edge[k]);
     sum += gamma * t->part[s->current][k];
   }
   return 100 * (sum / t->current[s->current] - 1);

@@ -135,7 +135,7 @@ static int summary_table(const fitter *f, opc_error *error) {
   return code ? code : opc_put_metrics(f->host, OPC_ARRAY(values), error);
 }
 
-static int run(void *self, void **outputs, opc_error *error) {
+static int fit_gamma_run(void *self, void **outputs, opc_error *error) {
   fitter *f = self;
   (void)outputs;
   gsl_set_error_handler_off(); /* the default handler aborts */
@@ -178,7 +178,7 @@ static const opc_metric metrics[] = {
     {"ioff_max", "%", OPC_LOWER, 0.01, "largest |error| of Ioff after the fit"},
 };
 
-static int check(void *self, opc_error *error) {
+static int fit_gamma_check(void *self, opc_error *error) {
   opc_reals e = ((fitter *)self)->edges;
   int good = e.count > 0;
   for (size_t i = 0; i < e.count; i++)
@@ -188,7 +188,7 @@ static int check(void *self, opc_error *error) {
                   "distances rise, and none is below 0");
 }
 
-static void clear(void *self) {
+static void fit_gamma_clear(void *self) {
   fitter *f = self;
   for (int k = 0; k < FITS; k++) {
     sample_clear(&f->sample[k]);
@@ -200,11 +200,12 @@ static void clear(void *self) {
 
 /* ---- entry ---- */
 
-static const opc_step functions = {.run = run};
+static const opc_step functions = {.run = fit_gamma_run};
 
 OPC_PLUGIN(fitter, .id = "devices.fit_gamma", .kind = "step",
            .version = "0.2.0", .licence = "BSD-3-Clause",
            .summary = "fit the weights of gate slices to known currents",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), OPC_METRICS(metrics), .check = check,
-           .clear = clear, OPC_FUNCTIONS(functions));
+           OPC_PARAMETERS(parameters), OPC_METRICS(metrics),
+           .check = fit_gamma_check, .clear = fit_gamma_clear,
+           OPC_FUNCTIONS(functions));

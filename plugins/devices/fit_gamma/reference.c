@@ -57,7 +57,7 @@ static double length_at(const transistor *t, double place) {
 }
 
 /* Divide a transistor into slices that get thinner towards both edges. */
-static void slice(transistor *t, const eda_curves *table) {
+static void transistor_slice(transistor *t, const eda_curves *table) {
   for (int i = 0; i < REFERENCE_NODES; i++) {
     double s = (i + 0.5) / REFERENCE_NODES, place = s * s * (3 - 2 * s);
     double width = t->width * 6 * s * (1 - s) / REFERENCE_NODES;
@@ -77,7 +77,7 @@ int reference_read(const char *path, const eda_curves *table, reference *out,
   for (size_t row = 0; !code && row < eda_csv_rows(c); row++) {
     transistor *t = &out->transistor[out->count++];
     code = read_row(c, row, t, error);
-    if (!code) slice(t, table);
+    if (!code) transistor_slice(t, table);
   }
   eda_csv_free(c);
   return code;

@@ -151,7 +151,7 @@ static int read_library(plan *p, opc_error *error) {
   return OPC_OK;
 }
 
-static int run(void *self, void **outputs, opc_error *error) {
+static int devices_run(void *self, void **outputs, opc_error *error) {
   plan *p = self;
   currents c = {0};
   (void)outputs;
@@ -263,8 +263,8 @@ static const opc_metric metrics[] = {
     {"shortest", "nm", OPC_LOWER, 0, "length that the table begins with"},
 };
 
-static int refuse(const char *parameter, const char *what, const char *why,
-                  opc_error *error) {
+static int parameter_refuse(const char *parameter, const char *what,
+                            const char *why, opc_error *error) {
   return opc_fail(error, OPC_INVALID, parameter, "'%s' %s", what, why);
 }
 
@@ -272,42 +272,46 @@ static int check_texts(const plan *p, opc_error *error) {
   static const char *const models[TYPES] = {"nmos", "pmos"};
   for (int t = 0; t < TYPES; t++)
     if (!eda_spice_is_name(p->model[t]))
-      return refuse(models[t], p->model[t], "is not the name of a model",
-                    error);
+      return parameter_refuse(models[t], p->model[t],
+                              "is not the name of a model", error);
   for (size_t i = 0; i < p->overrides.count; i++) {
     const opc_pair *pair = &p->overrides.pairs[i];
     char *end;
     if (!eda_spice_is_name(pair->key))
-      return refuse("overrides", pair->key,
-                    "is not the name of a model parameter", error);
+      return parameter_refuse("overrides", pair->key,
+                              "is not the name of a model parameter", error);
     if (!isfinite(strtod(pair->value, &end)) || end == pair->value || *end)
-      return refuse("overrides", pair->value, "is not a plain number", error);
+      return parameter_refuse("overrides", pair->value, "is not a plain number",
+                              error);
   }
   if (p->flavour && !eda_spice_is_name(p->flavour))
-    return refuse("flavour", p->flavour, "is not a name", error);
+    return parameter_refuse("flavour", p->flavour, "is not a name", error);
   for (const char *c = p->name ? p->name : ""; *c; c++)
     if ((unsigned char)*c < 32)
-      return refuse("name", p->name, "has a control character", error);
+      return parameter_refuse("name", p->name, "has a control character",
+                              error);
   return OPC_OK;
 }
 
 /* Check that the given parameters are consistent. */
 static int check_source(const plan *p, opc_error *error) {
   if (p->card[EDA_NMOS] && p->library)
-    return refuse("library", p->library, "and 'card' are given, one is needed",
-                  error);
+    return parameter_refuse("library", p->library,
+                            "and 'card' are given, one is needed", error);
   if (p->library && p->card[EDA_PMOS])
-    return refuse("pmos_card", p->card[EDA_PMOS], "goes with 'card'", error);
+    return parameter_refuse("pmos_card", p->card[EDA_PMOS], "goes with 'card'",
+                            error);
   if (p->library && p->overrides.count)
-    return refuse("overrides", "overrides", "go with 'card'", error);
+    return parameter_refuse("overrides", "overrides", "go with 'card'", error);
   if (p->card[EDA_NMOS] && p->corner)
-    return refuse("corner", p->corner, "goes with 'library'", error);
+    return parameter_refuse("corner", p->corner, "goes with 'library'", error);
   if (p->osdi && !p->library)
-    return refuse("osdi", p->osdi, "goes with 'library'", error);
+    return parameter_refuse("osdi", p->osdi, "goes with 'library'", error);
   if (p->card[EDA_NMOS] && p->ends == EXTEND)
-    return refuse("ends", "extend", "goes with 'library'", error);
+    return parameter_refuse("ends", "extend", "goes with 'library'", error);
   if (p->corner && !eda_spice_is_name(p->corner))
-    return refuse("corner", p->corner, "is not the name of a section", error);
+    return parameter_refuse("corner", p->corner, "is not the name of a section",
+                            error);
   return OPC_OK;
 }
 
@@ -335,10 +339,12 @@ static int make_lengths(plan *p, opc_error *error) {
   int list = p->list.count > 0;
   const char *parameter = list ? "length.list" : "length.to";
   if (list && (!isnan(p->from) || !isnan(p->to)))
-    return refuse("length.list", "length.list",
-                  "is given, 'length.from' and 'length.to' are too", error);
+    return parameter_refuse("length.list", "length.list",
+                            "is given, 'length.from' and 'length.to' are too",
+                            error);
   if (!list && (isnan(p->from) || isnan(p->to)))
-    return refuse(NULL, "length", "needs 'from' and 'to', or a 'list'", error);
+    return parameter_refuse(NULL, "length",
+                            "needs 'from' and 'to', or a 'list'", error);
   /* The last step reaches `to` except for rounding. */
   double n = list ? (double)p->list.count
                   : floor((p->to - p->from) / p->step + 1e-6) + 1;
@@ -357,7 +363,7 @@ static int make_lengths(plan *p, opc_error *error) {
   return OPC_OK;
 }
 
-static int check(void *self, opc_error *error) {
+static int devices_check(void *self, opc_error *error) {
   plan *p = self;
   double *voltages[] = {&p->bias[EDA_ION].gate, &p->bias[EDA_ION].drain,
                         &p->bias[EDA_IOFF].drain};
@@ -371,7 +377,7 @@ static int check(void *self, opc_error *error) {
   return code ? code : make_lengths(p, error);
 }
 
-static void clear(void *self) {
+static void devices_clear(void *self) {
   plan *p = self;
   for (int t = 0; t < TYPES; t++) free(p->path[t]);
   free(p->length);
@@ -383,11 +389,13 @@ static void clear(void *self) {
 
 /* Cards and libraries may include other files, and the simulator is another
    program. */
-static const opc_step functions = {.run = run, .flags = OPC_STEP_OUTSIDE};
+static const opc_step functions = {.run = devices_run,
+                                   .flags = OPC_STEP_OUTSIDE};
 
 OPC_PLUGIN(plan, .id = "devices.ngspice", .kind = "step", .version = "0.2.0",
            .licence = "BSD-3-Clause",
            .summary = "device table from a model card or a foundry's library",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), OPC_METRICS(metrics), .check = check,
-           .clear = clear, OPC_FUNCTIONS(functions));
+           OPC_PARAMETERS(parameters), OPC_METRICS(metrics),
+           .check = devices_check, .clear = devices_clear,
+           OPC_FUNCTIONS(functions));

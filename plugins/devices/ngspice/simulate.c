@@ -116,7 +116,7 @@ static char *make_commands(const job *j) {
 
 /* Round a value to the digits of the table, so that comparisons use the rounded
    currents. */
-static double rounded(double x) {
+static double table_round(double x) {
   char text[32];
   g_snprintf(text, sizeof text, "%.6e", x);
   return g_ascii_strtod(text, NULL);
@@ -132,8 +132,8 @@ static double value_of(const job *j, const eda_spice_plot *plot,
     const eda_spice_vector *v = eda_spice_vector_find(&plot[i], name);
     sum += v && v->count ? v->value[0] : (double)NAN;
   }
-  return rounded(j->current == CGATE ? sum / (2 * G_PI * frequency * SWING)
-                                     : -sign_of(j) * sum);
+  return table_round(j->current == CGATE ? sum / (2 * G_PI * frequency * SWING)
+                                         : -sign_of(j) * sum);
 }
 
 static void keep_simulator(const job *j, const eda_spice_result *r) {
@@ -275,7 +275,7 @@ static int must_rise(const job *j) {
 
 /* Return the fault of a current at length i compared with the next longer one;
    NULL: none. */
-static const char *fault(const job *j, size_t i) {
+static const char *current_fault(const job *j, size_t i) {
   const double *y = currents_of(j);
   if (i + j->done < j->p->count) return j->error.message;
   if (!isfinite(y[i])) return "it is not a number";
@@ -289,7 +289,7 @@ static const char *fault(const job *j, size_t i) {
 
 /* Write a text such as "Ion of the p-transistor at 42 nm", with the width if
    there are several. */
-static void describe(const job *j, double length, char text[96]) {
+static void length_describe(const job *j, double length, char text[96]) {
   char width[32] = "";
   if (j->p->widths > 1)
     g_snprintf(width, sizeof width, ", W %g nm,", width_of(j));
@@ -305,7 +305,7 @@ static int find_end(const job *j, size_t *first, const char **why,
   const plan *p = j->p;
   size_t i = p->count;
   *why = NULL;
-  while (i > 0 && !(*why = fault(j, i - 1))) i--;
+  while (i > 0 && !(*why = current_fault(j, i - 1))) i--;
   *first = i;
   if (p->count - i >= LEAST && (!*why || p->ends != REFUSE)) return OPC_OK;
   return opc_fail(error, OPC_FAILED, j->type == EDA_PMOS ? "pmos" : "nmos",
@@ -324,12 +324,12 @@ static int go_on(const job *j, size_t first, opc_error *error) {
   double slope = log(y[to] / y[first]) / (x[to] - x[first]);
   if (must_rise(j) && !(slope < 0)) {
     char what[96];
-    describe(j, x[first], what);
+    length_describe(j, x[first], what);
     return opc_fail(error, OPC_FAILED, "ends", "%s has no slope to go on with",
                     what);
   }
   for (size_t i = 0; i < first; i++)
-    y[i] = rounded(y[first] * exp(slope * (x[i] - x[first])));
+    y[i] = table_round(y[first] * exp(slope * (x[i] - x[first])));
   return OPC_OK;
 }
 
@@ -350,7 +350,7 @@ static int settle_end(const job *j, opc_error *error) {
   if (first <= *told) return OPC_OK;
   *told = first;
   char what[96];
-  describe(j, p->length[first - 1], what);
+  length_describe(j, p->length[first - 1], what);
   p->host->log(p->host, OPC_LOG_WARNING,
                "model '%s' is good from %g nm on: %s: %s", p->model[j->type],
                p->length[first], what, why);
@@ -389,7 +389,7 @@ static int go_narrower(const job *j, opc_error *error) {
   const double *ya = currents_of(&row[a]), *yb = currents_of(&row[b]);
   for (size_t i = 0; i < p->count; i++) {
     double slope = log(ya[i] / wa) - log(yb[i] / wb);
-    currents_of(j)[i] = rounded(w / wa * ya[i] * exp(share * slope));
+    currents_of(j)[i] = table_round(w / wa * ya[i] * exp(share * slope));
   }
   j->out->narrowest[j->type] = wa;
   return OPC_OK;

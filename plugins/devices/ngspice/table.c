@@ -59,8 +59,8 @@ static void put_source(FILE *out, const plan *p, const currents *c) {
 }
 
 /* Add an extrapolated item to the text. */
-static void add(char *text, size_t room, const char *type, const char *what,
-                double bound, const char *how) {
+static void extrapolation_add(char *text, size_t room, const char *type,
+                              const char *what, double bound, const char *how) {
   size_t n = strlen(text);
   (void)snprintf(text + n, room - n, "%s%s %s than %.10g nm by %s",
                  n ? "; " : "", type, what, bound, how);
@@ -73,15 +73,17 @@ int table_extended(const plan *p, const currents *c, char *text, size_t room) {
     eda_sizes bins = {{0}, {0}};
     if (p->ends == EXTEND) (void)eda_models_bins(p->models, p->model[t], &bins);
     if (c->simulated[t])
-      add(text, room, names[t], "shorter", p->length[c->simulated[t]],
-          "the slope there");
+      extrapolation_add(text, room, names[t], "shorter",
+                        p->length[c->simulated[t]], "the slope there");
     if (c->narrowest[t] > 0)
-      add(text, room, names[t], "narrower", c->narrowest[t],
-          "the slope over 1/W there");
+      extrapolation_add(text, room, names[t], "narrower", c->narrowest[t],
+                        "the slope over 1/W there");
     if (p->length[c->first] < bins.length[0] - 1)
-      add(text, room, names[t], "shorter", bins.length[0], "the last bin");
+      extrapolation_add(text, room, names[t], "shorter", bins.length[0],
+                        "the last bin");
     if (p->each_width[0] < bins.width[0] - 1)
-      add(text, room, names[t], "narrower", bins.width[0], "the last bin");
+      extrapolation_add(text, room, names[t], "narrower", bins.width[0],
+                        "the last bin");
   }
   return *text != 0;
 }

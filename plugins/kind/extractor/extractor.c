@@ -75,8 +75,9 @@ static eda_performance room_in(double *figure) {
 
 /* Call the plugin for case c. `outside` may be NULL: the caller needs no such
    flags. */
-static int extract(const cases *all, size_t c, double *figure, uint8_t *outside,
-                   eda_performance *out, opc_error *error) {
+static int case_extract(const cases *all, size_t c, double *figure,
+                        uint8_t *outside, eda_performance *out,
+                        opc_error *error) {
   const eda_extractor *o = all->m->functions;
   *out = room_in(figure);
   out->outside = outside;
@@ -88,7 +89,7 @@ static int try_case(opc_inspector *in, cases *all, size_t c) {
   uint8_t outside[2] = {0};
   opc_error error = {0};
   eda_performance out;
-  int code = extract(all, c, all->figure[c], outside, &out, &error);
+  int code = case_extract(all, c, all->figure[c], outside, &out, &error);
   if (!try_went_well(in, "extract", code, &error)) return 0;
   code = eda_check_performance(all->gates, 0, c == OPEN ? open : NULL, &out,
                                &error);
@@ -121,7 +122,7 @@ static int same_figures(void *data, size_t c) {
   double figure[FIGURES];
   eda_performance out;
   opc_error error = {0};
-  if (extract(all, c, figure, NULL, &out, &error)) return 0;
+  if (case_extract(all, c, figure, NULL, &out, &error)) return 0;
   uint64_t now[FIGURES], before[FIGURES]; /* compared bit by bit */
   memcpy(now, figure, sizeof now);
   memcpy(before, all->figure[c], sizeof before);

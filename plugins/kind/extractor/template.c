@@ -10,14 +10,14 @@ typedef struct state {
   double alpha;
 } state;
 
-static int prepare(void *self, opc_error *error) {
+static int extractor_prepare(void *self, opc_error *error) {
   (void)self, (void)error; /* called once: read device tables here */
   return OPC_OK;
 }
 
 /* Return four slices of equal width. */
-static size_t slicing(const void *self, const double **place,
-                      const double **width) {
+static size_t extractor_slicing(const void *self, const double **place,
+                                const double **width) {
   static const double middle[] = {0.125, 0.375, 0.625, 0.875};
   static const double quarter[] = {0.25, 0.25, 0.25, 0.25};
   (void)self;
@@ -29,8 +29,8 @@ static size_t slicing(const void *self, const double **place,
 /* Compute currents and equivalent lengths. A slice of 65 nm length carries 1
    uA/nm and leaks 0.1 nA/nm, less by a factor of e for every further 8 nm. The
    lengths leq are those of rectangles with the same currents. */
-static int extract(const void *self, const eda_slices *in, eda_performance *out,
-                   opc_error *error) {
+static int extractor_extract(const void *self, const eda_slices *in,
+                             eda_performance *out, opc_error *error) {
   double alpha = ((const state *)self)->alpha;
   (void)error;
   for (size_t i = 0; i < in->count; i++) {
@@ -55,8 +55,9 @@ static int extract(const void *self, const eda_slices *in, eda_performance *out,
 static const opc_parameter parameters[] = {OPC_PARAMETER(
     state, alpha, .type = OPC_REAL, .flags = OPC_ABOVE | OPC_AT_MOST,
     .preset = "1", .max = 4, .summary = "drive current goes with 1 / L^alpha")};
-static const eda_extractor functions = {
-    .prepare = prepare, .slicing = slicing, .extract = extract};
+static const eda_extractor functions = {.prepare = extractor_prepare,
+                                        .slicing = extractor_slicing,
+                                        .extract = extractor_extract};
 OPC_PLUGIN(state, .id = "@ID@", .kind = "extractor", .version = "0.1.0",
            .licence = "BSD-3-Clause", .summary = "currents by a power law",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,

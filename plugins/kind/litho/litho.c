@@ -28,8 +28,9 @@ static const double coarse_error = 2e-3, fine_error = 5e-4, rounding = 2e-5;
 
 /* ---- calls ---- */
 
-static int call(opc_inspector *in, const opc_module *m, int layer,
-                const eda_spectrum *mask, double defocus, eda_field *out) {
+static int image_call(opc_inspector *in, const opc_module *m, int layer,
+                      const eda_spectrum *mask, double defocus,
+                      eda_field *out) {
   const eda_litho *o = m->functions;
   opc_error error = {0};
   int code = defocus == 0
@@ -49,7 +50,7 @@ static int call_fine(opc_inspector *in, const opc_module *m, int layer,
 static void try_image(opc_inspector *in, const opc_module *m, int layer,
                       const eda_spectrum *mask, double defocus) {
   eda_field field = {0};
-  if (call(in, m, layer, mask, defocus, &field))
+  if (image_call(in, m, layer, mask, defocus, &field))
     try_field(in, "image", "intensity", &field, &mask->frame);
   eda_field_clear(&field);
 }
@@ -58,8 +59,8 @@ static void try_image(opc_inspector *in, const opc_module *m, int layer,
    failure. */
 enum { PLACES = 64 };
 
-static int sample(opc_inspector *in, const opc_module *m, int layer,
-                  const eda_frame *frame, double *value) {
+static int spectrum_sample(opc_inspector *in, const opc_module *m, int layer,
+                           const eda_frame *frame, double *value) {
   const eda_litho *o = m->functions;
   eda_spectrum mask;
   eda_field field = {0};
@@ -70,8 +71,9 @@ static int sample(opc_inspector *in, const opc_module *m, int layer,
     y[i] = 200 + 500.0 * i / (PLACES - 1);
   }
   if (!try_mask(in, layer, frame, o->band(m->self), &mask)) return 0;
-  int good = call(in, m, layer < 0 ? EDA_POLY : layer, &mask, 0, &field) &&
-             !eda_check_field(&field, frame, "intensity", &error);
+  int good =
+      image_call(in, m, layer < 0 ? EDA_POLY : layer, &mask, 0, &field) &&
+      !eda_check_field(&field, frame, "intensity", &error);
   if (good) eda_field_sample(&field, x, y, PLACES, value);
   eda_field_clear(&field);
   eda_spectrum_clear(&mask);
@@ -82,10 +84,10 @@ static int sample(opc_inspector *in, const opc_module *m, int layer,
 
 static void try_clear_field(opc_inspector *in, const opc_module *m) {
   double value[PLACES];
-  if (!sample(in, m, TRY_EMPTY, &try_frame, value)) return;
+  if (!spectrum_sample(in, m, TRY_EMPTY, &try_frame, value)) return;
   /* On a dark-field mask the shapes are clear. */
   if (fabs(value[0]) <= clear_tolerance &&
-      !sample(in, m, TRY_FULL, &try_frame, value))
+      !spectrum_sample(in, m, TRY_FULL, &try_frame, value))
     return;
   for (int i = 0; i < PLACES; i++)
     if (!(fabs(value[i] - 1) <= clear_tolerance)) {
@@ -97,14 +99,14 @@ static void try_clear_field(opc_inspector *in, const opc_module *m) {
 
 static void try_range(opc_inspector *in, const opc_module *m) {
   double value[PLACES], other[PLACES];
-  if (!sample(in, m, EDA_POLY, &try_frame, value)) return;
+  if (!spectrum_sample(in, m, EDA_POLY, &try_frame, value)) return;
   for (int i = 0; i < PLACES; i++)
     if (value[i] < darkest || value[i] > brightest) {
       in->find(in, "image: the intensity %g is none, in clear fields",
                value[i]);
       return;
     }
-  if (!sample(in, m, EDA_POLY, &try_other_frame, other)) return;
+  if (!spectrum_sample(in, m, EDA_POLY, &try_other_frame, other)) return;
   for (int i = 0; i < PLACES; i++)
     if (fabs(value[i] - other[i]) > frame_tolerance) {
       in->find(in,
@@ -210,7 +212,7 @@ static void try_callers(opc_inspector *in, const opc_module *m) {
   size_t n = o->image_fine ? 2 * LAYERS : LAYERS;
   for (int i = 0; i < LAYERS && good; i++)
     good = try_mask(in, i, &try_frame, o->band(m->self), &all.mask[i]) &&
-           call(in, m, i, &all.mask[i], 0, &all.field[i]);
+           image_call(in, m, i, &all.mask[i], 0, &all.field[i]);
   for (int i = 0; i < LAYERS && good && o->image_fine; i++)
     good =
         call_fine(in, m, i, &all.mask[i], coarse_error, &all.field[LAYERS + i]);

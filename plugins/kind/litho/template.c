@@ -10,19 +10,19 @@ typedef struct state {
   double blur; /* nm, standard deviation of the point spread function */
 } state;
 
-static int prepare(void *self, opc_error *error) {
+static int litho_prepare(void *self, opc_error *error) {
   (void)self, (void)error; /* called once: compute kernels here */
   return OPC_OK;
 }
 
 /* Return the band limit: beyond this frequency (1/nm) the Gaussian is below
    1e-3. */
-static double band(const void *self) {
+static double litho_band(const void *self) {
   return 0.6 / ((const state *)self)->blur;
 }
 
-static void transfer(const void *self, size_t kernel, const double *fx,
-                     double fy, size_t n, float *out) {
+static void litho_transfer(const void *self, size_t kernel, const double *fx,
+                           double fy, size_t n, float *out) {
   double turns = 2 * acos(-1) * ((const state *)self)->blur;
   (void)kernel; /* there is only one kernel */
   for (size_t i = 0; i < n; i++) {
@@ -31,14 +31,14 @@ static void transfer(const void *self, size_t kernel, const double *fx,
   }
 }
 
-static int image(const void *self, int layer, const eda_spectrum *mask,
-                 eda_field *out, opc_error *error) {
+static int litho_image(const void *self, int layer, const eda_spectrum *mask,
+                       eda_field *out, opc_error *error) {
   const state *s = self;
   eda_kernels kernels = {.count = 1,
                          .weight = &(double){1},
-                         .band = band(s),
-                         .intensity_band = 2 * band(s),
-                         .transfer = transfer,
+                         .band = litho_band(s),
+                         .intensity_band = 2 * litho_band(s),
+                         .transfer = litho_transfer,
                          .self = s,
                          .scale = {1, 0}};
   (void)layer; /* all layers have the same exposure */
@@ -50,7 +50,7 @@ static const opc_parameter parameters[] = {
                   .unit = "nm", .preset = "40 nm", .min = 1,
                   .summary = "standard deviation of the spread of a point")};
 static const eda_litho functions = {
-    .prepare = prepare, .band = band, .image = image};
+    .prepare = litho_prepare, .band = litho_band, .image = litho_image};
 OPC_PLUGIN(state, .id = "@ID@", .kind = "litho", .version = "0.1.0",
            .licence = "BSD-3-Clause", .summary = "Gaussian blur of the light",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,

@@ -9,8 +9,8 @@ typedef struct state {
   double extension; /* nm */
 } state;
 
-static int rule(void *self, const eda_printed *p, eda_ruling *ruling,
-                opc_error *error) {
+static int regulator_rule(void *self, const eda_printed *p, eda_ruling *ruling,
+                          opc_error *error) {
   const state *s = self;
   (void)error;
   ruling->transistors = p->gates->count;
@@ -20,8 +20,9 @@ static int rule(void *self, const eda_printed *p, eda_ruling *ruling,
 }
 
 /* Count all violations and list as many as there is capacity for. */
-static int violations(void *self, const eda_printed *p, eda_violation *list,
-                      size_t room, size_t *count, opc_error *error) {
+static int regulator_violations(void *self, const eda_printed *p,
+                                eda_violation *list, size_t room, size_t *count,
+                                opc_error *error) {
   const state *s = self;
   (void)error;
   *count = 0;
@@ -37,7 +38,8 @@ static int violations(void *self, const eda_printed *p, eda_violation *list,
 static const opc_parameter parameters[] = {OPC_PARAMETER(
     state, extension, .type = OPC_REAL, .flags = OPC_AT_LEAST, .unit = "nm",
     .preset = "20 nm", .summary = "printed poly past the printed active")};
-static const eda_regulator functions = {.rule = rule, .violations = violations};
+static const eda_regulator functions = {.rule = regulator_rule,
+                                        .violations = regulator_violations};
 OPC_PLUGIN(state, .id = "@ID@", .kind = "regulator", .version = "0.1.0",
            .licence = "BSD-3-Clause", .summary = "line-end extension",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,

@@ -54,14 +54,14 @@ typedef struct prints {
   eda_field image[LAYERS], print[LAYERS];
 } prints;
 
-static size_t bytes(const eda_field *f) {
+static size_t field_bytes(const eda_field *f) {
   return (size_t)f->nx * (size_t)f->ny * sizeof *f->coefficients;
 }
 
-static eda_field copy(const eda_field *from) {
+static eda_field field_copy(const eda_field *from) {
   eda_field to = *from;
-  to.coefficients = eda_alloc(bytes(from), 1);
-  memcpy(to.coefficients, from->coefficients, bytes(from));
+  to.coefficients = eda_alloc(field_bytes(from), 1);
+  memcpy(to.coefficients, from->coefficients, field_bytes(from));
   return to;
 }
 
@@ -69,11 +69,11 @@ static int same_print(void *data, size_t i) {
   const prints *all = data;
   const eda_resist *o = all->m->functions;
   const eda_field *was = &all->print[i];
-  eda_field field = copy(&all->image[i]);
+  eda_field field = field_copy(&all->image[i]);
   opc_error error = {0};
   int same = !o->print(all->m->self, (int)i, &field, &error) &&
-             bytes(&field) == bytes(was) &&
-             !memcmp(field.coefficients, was->coefficients, bytes(was));
+             field_bytes(&field) == field_bytes(was) &&
+             !memcmp(field.coefficients, was->coefficients, field_bytes(was));
   eda_field_clear(&field);
   return same;
 }
@@ -86,7 +86,7 @@ static void try_callers(opc_inspector *in, const opc_module *m) {
   for (int i = 0; i < LAYERS && good; i++) {
     good = try_print(in, i, &all.image[i]);
     if (!good) break;
-    all.print[i] = copy(&all.image[i]);
+    all.print[i] = field_copy(&all.image[i]);
     good = !o->print(m->self, i, &all.print[i], &error);
   }
   if (good && !try_at_once(LAYERS, same_print, &all))

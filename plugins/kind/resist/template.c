@@ -9,7 +9,8 @@ typedef struct state {
   double threshold; /* relative to the clear-field intensity */
 } state;
 
-static int prepare(void *self, const opc_module *litho, opc_error *error) {
+static int resist_prepare(void *self, const opc_module *litho,
+                          opc_error *error) {
   (void)self, (void)litho, (void)error; /* called once: calibrate against litho
                                            here */
   return OPC_OK;
@@ -17,8 +18,8 @@ static int prepare(void *self, const opc_module *litho, opc_error *error) {
 
 /* Convert the intensity to a level set, positive where the feature prints. A
    constant added to all coefficients is added to the field. */
-static int print(const void *self, int layer, eda_field *field,
-                 opc_error *error) {
+static int resist_print(const void *self, int layer, eda_field *field,
+                        opc_error *error) {
   const state *s = self;
   (void)layer, (void)error;
   for (size_t i = 0; i < (size_t)field->nx * (size_t)field->ny; i++)
@@ -30,7 +31,8 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(state, threshold, .type = OPC_REAL,
                   .flags = OPC_ABOVE | OPC_BELOW, .preset = "0.25", .max = 1,
                   .summary = "intensity below which a feature prints")};
-static const eda_resist functions = {.prepare = prepare, .print = print};
+static const eda_resist functions = {.prepare = resist_prepare,
+                                     .print = resist_print};
 OPC_PLUGIN(state, .id = "@ID@", .kind = "resist", .version = "0.1.0",
            .licence = "BSD-3-Clause", .summary = "constant threshold",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,

@@ -59,14 +59,15 @@ static eda_shapes copy_shapes(const eda_shapes *from) {
   return to;
 }
 
-static void ignore(opc_inspector *in, const char *format, ...) {
+static void ignore_finding(opc_inspector *in, const char *format, ...) {
   (void)in, (void)format;
 }
 
 /* Return the uncorrected mask with its simulated image. */
 static const void *give_mask(opc_error *error) {
   static eda_mask *mask;
-  static opc_inspector nobody = {.find = ignore, .note = ignore};
+  static opc_inspector nobody = {.find = ignore_finding,
+                                 .note = ignore_finding};
   const eda_gates *g = eda_gates_sample();
   if (mask) return mask;
   mask = eda_mask_new(g);

@@ -12,7 +12,8 @@ typedef struct state {
                   current */
 } state;
 
-static int begin(void *self, const eda_feedback *f, opc_error *error) {
+static int synthesizer_begin(void *self, const eda_feedback *f,
+                             opc_error *error) {
   (void)self, (void)f, (void)error; /* called once: allocate the state of the
                                        loop here */
   return OPC_OK;
@@ -20,8 +21,8 @@ static int begin(void *self, const eda_feedback *f, opc_error *error) {
 
 /* Lengthen gates with too much current, shorten gates with too little; the gain
    decreases with the iteration. */
-static int update(void *self, const eda_feedback *f, eda_moves *moves,
-                  int *done, opc_error *error) {
+static int synthesizer_update(void *self, const eda_feedback *f,
+                              eda_moves *moves, int *done, opc_error *error) {
   double gain = ((const state *)self)->gain / (1 + 0.25 * f->iteration);
   (void)error;
   *done = 1;
@@ -40,7 +41,8 @@ static int update(void *self, const eda_feedback *f, eda_moves *moves,
 static const opc_parameter parameters[] = {OPC_PARAMETER(
     state, gain, .type = OPC_REAL, .flags = OPC_ABOVE, .preset = "0.25",
     .summary = "part of the deviation that a move takes from the length")};
-static const eda_synthesizer functions = {.begin = begin, .update = update};
+static const eda_synthesizer functions = {.begin = synthesizer_begin,
+                                          .update = synthesizer_update};
 OPC_PLUGIN(state, .id = "@ID@", .kind = "synthesizer", .version = "0.1.0",
            .licence = "BSD-3-Clause", .summary = "lengths in proportion",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,

@@ -29,7 +29,8 @@ static const double corner = 0.5, steepness = 1;
 /* ---- work: nodes ---- */
 
 /* Compute n Gauss-Legendre nodes and weights for an interval. */
-static void place(double from, double to, int n, double *node, double *weight) {
+static void gauss_legendre(double from, double to, int n, double *node,
+                           double *weight) {
   gsl_integration_glfixed_table *t =
       gsl_integration_glfixed_table_alloc((size_t)n);
   for (int i = 0; i < n; i++)
@@ -58,7 +59,7 @@ static void place_nodes(radial *r) {
     *q = (panel){breaks[p], breaks[p + 1], r->n, p ? r->other : FIRST};
     if (!(q->to > q->from + 1e-9)) q->n = 0;
     double *t = r->place + r->n, *w = r->weight + r->n;
-    if (q->n) place(0, 1, q->n, t, w);
+    if (q->n) gauss_legendre(0, 1, q->n, t, w);
     for (int i = 0; i < q->n; i++) {
       r->node[r->n + i] =
           q->from + (q->to - q->from) * t[i] * t[i] * (3 - 2 * t[i]);
@@ -71,7 +72,7 @@ static void place_nodes(radial *r) {
     r->root[i] = sqrt(r->weight[i] * r->node[i]) * spectrum_falling(r->node[i]);
 }
 
-static int ascending(const void *a, const void *b) {
+static int compare_ascending(const void *a, const void *b) {
   double x = *(const double *)a, y = *(const double *)b;
   return (x > y) - (x < y);
 }
@@ -88,8 +89,8 @@ static void place_rings(radial *r) {
     double b = fabs(1 - r->node[i]);
     if (b > r->sigma_in && b < r->sigma) breaks[n++] = b;
   }
-  qsort(breaks, (size_t)n, sizeof *breaks, ascending);
-  place(0, 1, RINGS, unit, weight);
+  qsort(breaks, (size_t)n, sizeof *breaks, compare_ascending);
+  gauss_legendre(0, 1, RINGS, unit, weight);
   for (int b = 0; b + 1 < n; b++) {
     double width = breaks[b + 1] - breaks[b];
     if (width < 1e-9) continue;
@@ -99,7 +100,7 @@ static void place_rings(radial *r) {
       r->ring_weight[r->rings] = 2 * width * unit[k] * weight[k] * q;
     }
   }
-  place(0, 1, ARC, r->arc, r->arc_weight);
+  gauss_legendre(0, 1, ARC, r->arc, r->arc_weight);
 }
 
 /* Compute the weights that interpolate a table from the values at the nodes of
@@ -332,7 +333,7 @@ static int by_value(const void *a, const void *b) {
 
 /* Return the number of eigenfunctions in the first n kernels. *count is the
    number of kernels, less than n if there are no more. */
-static size_t cut(const radial *r, size_t n, size_t *count) {
+static size_t count_eigenfunctions(const radial *r, size_t n, size_t *count) {
   int open = 0; /* 1: a kernel of order 0 can take a second function */
   size_t kept = 0;
   for (*count = 0; kept < r->n_sorted; kept++) {
@@ -354,7 +355,7 @@ size_t radial_solve(radial *r, size_t n) {
   for (;;) {
     double most = 0;
     for (int m = r->solved; m < ORDERS; m++) most = fmax(most, r->bound[m]);
-    size_t count, kept = cut(r, n, &count);
+    size_t count, kept = count_eigenfunctions(r, n, &count);
     if (r->solved == ORDERS) return kept;
     if (kept < r->n_sorted && r->sorted[kept].value > most) return kept;
     opc_parallel(r->base.context, BATCH, radial_solve_order, r);

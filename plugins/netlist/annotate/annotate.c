@@ -51,7 +51,8 @@ static int check_mask(const eda_annotation *a, opc_error *error) {
   return OPC_OK;
 }
 
-static int annotate(const annotator *s, eda_pool *pool, opc_error *error) {
+static int netlist_annotate(const annotator *s, eda_pool *pool,
+                            opc_error *error) {
   const opc_host *host = s->host;
   eda_card cards[2];
   eda_annotation a = {.circuit = s->circuit,
@@ -81,10 +82,10 @@ static int annotate(const annotator *s, eda_pool *pool, opc_error *error) {
   return code;
 }
 
-static int run(void *self, void **outputs, opc_error *error) {
+static int annotate_run(void *self, void **outputs, opc_error *error) {
   eda_pool pool = {0};
   (void)outputs;
-  int code = annotate(self, &pool, error);
+  int code = netlist_annotate(self, &pool, error);
   eda_pool_clear(&pool);
   return code;
 }
@@ -130,7 +131,8 @@ static const opc_metric metrics[] = {
 /* ---- entry ---- */
 
 /* Model cards may be in files included by `models`. */
-static const opc_step functions = {.run = run, .flags = OPC_STEP_OUTSIDE};
+static const opc_step functions = {.run = annotate_run,
+                                   .flags = OPC_STEP_OUTSIDE};
 OPC_PLUGIN(annotator, .id = "netlist.annotate", .kind = "step",
            .version = "0.2.0", .licence = "BSD-3-Clause",
            .summary =

@@ -6,7 +6,7 @@
 
 #include "graph.h"
 
-static double slack(const job *j, double nominal) {
+static double length_slack(const job *j, double nominal) {
   return fmax(j->tolerance * nominal, j->gates->grid) * (1 + 1e-9);
 }
 
@@ -25,7 +25,7 @@ static int check_length(graph *g, const eda_transistor *d, uint32_t gate) {
   const job *j = g->j;
   double drawn = j->gates->length[gate];
   char name[256], fault[400];
-  if (fabs(drawn - d->length) <= slack(j, d->length)) return OPC_OK;
+  if (fabs(drawn - d->length) <= length_slack(j, d->length)) return OPC_OK;
   snprintf(fault, sizeof fault, "has L %.6g nm, its gate '%s' %.6g nm",
            d->length, match_gate_name(j, gate, name, sizeof name), drawn);
   return refuse_device(g, d, fault);
@@ -37,7 +37,8 @@ static int check_width(graph *g, const eda_transistor *d, const uint32_t *gates,
   double drawn = 0;
   for (uint32_t i = 0; i < n; i++) drawn += j->gates->width[gates[i]];
   char name[256], fault[400];
-  if (fabs(drawn - d->width) <= fmax(slack(j, d->width), n * j->gates->grid))
+  if (fabs(drawn - d->width) <=
+      fmax(length_slack(j, d->width), n * j->gates->grid))
     return OPC_OK;
   match_gate_name(j, gates[0], name, sizeof name);
   if (n > 1)
@@ -73,8 +74,9 @@ static uint32_t best_gate(const choice *c, double width) {
   for (uint32_t i = c->first_free; i < c->gates && least > 0; i++) {
     uint32_t gate = c->gate[i];
     if (c->taken[i]) continue;
-    int misfit = fabs(o->length[gate] - d->length) > slack(j, d->length) ||
-                 (width > 0 && fabs(o->width[gate] - width) > slack(j, width));
+    int misfit =
+        fabs(o->length[gate] - d->length) > length_slack(j, d->length) ||
+        (width > 0 && fabs(o->width[gate] - width) > length_slack(j, width));
     double cost = graph_distance(said, graph_middle(j, gate));
     if (misfit) cost += 1e30;
     if (cost < least) {
@@ -85,7 +87,7 @@ static uint32_t best_gate(const choice *c, double width) {
   return best;
 }
 
-static void take(choice *c, uint32_t at) {
+static void choice_take(choice *c, uint32_t at) {
   c->taken[at] = 1;
   c->left--;
   while (c->first_free < c->gates && c->taken[c->first_free]) c->first_free++;
@@ -101,10 +103,11 @@ static int take_gates(choice *c, uint32_t owner, int alone, int one_each) {
   uint32_t said = one_each ? 1 : d->fingers,
            most = one_each || !alone ? said : 0;
   double width = said ? d->width / said : 0, sum = 0;
-  double enough = said || alone ? INFINITY : d->width - slack(g->j, d->width);
+  double enough =
+      said || alone ? INFINITY : d->width - length_slack(g->j, d->width);
   while (c->left && (!most || n < most) && sum < enough) {
     uint32_t at = best_gate(c, width);
-    take(c, at);
+    choice_take(c, at);
     mine[n++] = c->gate[at];
     sum += o->width[c->gate[at]];
     g->j->owner[c->gate[at]] = owner;

@@ -30,15 +30,15 @@ typedef struct extractor {
 
 /* ---- nets ---- */
 
-static uint32_t root(const extractor *x, uint32_t i) {
+static uint32_t group_root(const extractor *x, uint32_t i) {
   uint32_t *parent = x->parent;
   while (parent[i] != i) i = parent[i] = parent[parent[i]];
   return i;
 }
 
-static void join(extractor *x, uint32_t a, uint32_t b) {
-  a = root(x, a);
-  b = root(x, b);
+static void groups_join(extractor *x, uint32_t a, uint32_t b) {
+  a = group_root(x, a);
+  b = group_root(x, b);
   if (a < b)
     x->parent[b] = a;
   else
@@ -174,7 +174,7 @@ static int load_layer(extractor *x, int layer) {
   return code;
 }
 
-static int load(extractor *x) {
+static int layers_load(extractor *x) {
   job *j = x->j;
   size_t total = 0;
   for (int k = 0; k < LAYERS; k++) {
@@ -201,7 +201,8 @@ typedef struct search {
   int64_t dx, dy; /* overlap of the last result with the box */
 } search;
 
-static search look(const extractor *x, int layer, eda_box box, uint32_t group) {
+static search search_begin(const extractor *x, int layer, eda_box box,
+                           uint32_t group) {
   search s = {.in = &x->layer[layer], .box = box, .group = group};
   if (s.in->index) s.finder = eda_index_find(s.in->index, box);
   return s;
@@ -209,7 +210,7 @@ static search look(const extractor *x, int layer, eda_box box, uint32_t group) {
 
 /* Find the next rectangle of the group that touches the box. Returns 0 at the
    end. */
-static int next(search *s, uint32_t *number) {
+static int search_next(search *s, uint32_t *number) {
   while (s->in->index && eda_index_next(&s->finder, number)) {
     const eda_box *a = &s->box, *b = &s->in->box[*number];
     if (s->in->group[*number] != s->group) continue;
@@ -227,10 +228,10 @@ static int next(search *s, uint32_t *number) {
 static void connect_layers(extractor *x, int from, int to) {
   const conductor *c = &x->layer[from];
   for (size_t i = 0; i < c->count; i++) {
-    search s = look(x, to, c->box[i], c->group[i]);
-    for (uint32_t k; next(&s, &k);)
+    search s = search_begin(x, to, c->box[i], c->group[i]);
+    for (uint32_t k; search_next(&s, &k);)
       if (from == to ? s.dx > 0 || s.dy > 0 : s.dx > 0 && s.dy > 0)
-        join(x, x->first[from] + (uint32_t)i, x->first[to] + k);
+        groups_join(x, x->first[from] + (uint32_t)i, x->first[to] + k);
   }
 }
 
@@ -249,12 +250,12 @@ static terminals terminals_of(const extractor *x, size_t gate) {
   const eda_gates *g = x->j->gates;
   eda_box box = g->box[gate];
   terminals found = {UINT32_MAX, UINT32_MAX, UINT32_MAX};
-  search poly = look(x, POLY, box, x->j->of_group[gate]);
-  search active = look(x, ACTIVE, box, x->j->of_group[gate]);
+  search poly = search_begin(x, POLY, box, x->j->of_group[gate]);
+  search active = search_begin(x, ACTIVE, box, x->j->of_group[gate]);
   int along_x = g->axis[gate] == EDA_X;
-  for (uint32_t i; next(&poly, &i);)
+  for (uint32_t i; search_next(&poly, &i);)
     if (poly.dx > 0 && poly.dy > 0) found.gate = x->first[POLY] + i;
-  for (uint32_t i; next(&active, &i);) {
+  for (uint32_t i; search_next(&active, &i);) {
     const eda_box *b = &x->layer[ACTIVE].box[i];
     uint32_t number = x->first[ACTIVE] + i;
     if ((along_x ? active.dy : active.dx) <= 0) continue;
@@ -287,13 +288,13 @@ static int find_terminals(extractor *x) {
 /* ---- labels ---- */
 
 /* Return the rectangle below a text; UINT32_MAX: none. */
-static uint32_t below(const extractor *x, uint32_t group, eda_point p,
-                      int32_t layer) {
+static uint32_t rectangle_below(const extractor *x, uint32_t group, eda_point p,
+                                int32_t layer) {
   for (int k = 0; k < LAYERS; k++) {
     if (x->j->text_layer[k] != layer) continue;
-    search s = look(x, k, (eda_box){p.x, p.y, p.x, p.y}, group);
+    search s = search_begin(x, k, (eda_box){p.x, p.y, p.x, p.y}, group);
     uint32_t i;
-    if (next(&s, &i)) return x->first[k] + i;
+    if (search_next(&s, &i)) return x->first[k] + i;
   }
   return UINT32_MAX;
 }
@@ -311,7 +312,7 @@ static int load_texts(extractor *x, int32_t layer) {
                     sizeof path);
     const uint32_t *group = eda_names_find(&j->group_of, path);
     if (!group) continue;
-    uint32_t on = below(x, *group, texts.at.shapes.points[i], layer);
+    uint32_t on = rectangle_below(x, *group, texts.at.shapes.points[i], layer);
     if (on == UINT32_MAX) {
       j->loose++;
       continue;
@@ -353,7 +354,7 @@ static int load_labels(extractor *x) {
     if (*before == UINT32_MAX)
       *before = l->net;
     else
-      join(x, l->net, *before);
+      groups_join(x, l->net, *before);
   }
   return OPC_OK;
 }
@@ -369,18 +370,18 @@ static void number_nets(extractor *x) {
     if (t->gate == UINT32_MAX) continue;
     uint32_t *each[3] = {&t->gate, &t->low, &t->high};
     for (int k = 0; k < 3; k++) {
-      uint32_t at = root(x, *each[k]);
+      uint32_t at = group_root(x, *each[k]);
       if (net[at] == UINT32_MAX) net[at] = (uint32_t)j->nets++;
       *each[k] = net[at];
     }
   }
   for (size_t i = 0; i < j->labels; i++)
-    j->label[i].net = net[root(x, j->label[i].net)];
+    j->label[i].net = net[group_root(x, j->label[i].net)];
 }
 
 int match_extract(job *j) {
   extractor x = {.j = j};
-  int code = load(&x);
+  int code = layers_load(&x);
   if (!code) {
     connect_all(&x);
     code = find_terminals(&x);

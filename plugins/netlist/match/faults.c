@@ -53,7 +53,7 @@ static void pair_up(finder *f, int round) {
 }
 
 /* Find the bundles without a counterpart after the rounds down to `last`. */
-static void find(finder *f, int last) {
+static void faults_find(finder *f, int last) {
   uint32_t first = f->g->bundle0[NETLIST];
   f->n = f->g->nodes - first;
   for (uint32_t i = 0; i < f->n; i++) f->left[i] = first + i;
@@ -68,7 +68,7 @@ static int by_number(const void *a, const void *b) {
 }
 
 /* Return the transistors of all remaining bundles of a side, in order. */
-static uint32_t *members(finder *f, int s, uint32_t *n) {
+static uint32_t *side_members(finder *f, int s, uint32_t *n) {
   const graph *g = f->g;
   size_t most = g->flat.devices + g->j->gates->count;
   uint32_t *list = eda_pool_alloc(&g->j->pool, most, sizeof *list);
@@ -85,7 +85,7 @@ static uint32_t *members(finder *f, int s, uint32_t *n) {
 
 static void tell_devices(finder *f, FILE *out) {
   const graph *g = f->g;
-  uint32_t n, *list = members(f, NETLIST, &n);
+  uint32_t n, *list = side_members(f, NETLIST, &n);
   for (uint32_t i = 0; i < n && i < NAMES; i++) {
     const eda_transistor *d = &g->flat.device[list[i]];
     char where[256];
@@ -98,7 +98,7 @@ static void tell_devices(finder *f, FILE *out) {
 }
 
 static void tell_gates(finder *f, FILE *out) {
-  uint32_t n, *list = members(f, LAYOUT, &n);
+  uint32_t n, *list = side_members(f, LAYOUT, &n);
   if (n && ftell(out)) fputs("; ", out);
   for (uint32_t i = 0; i < n && i < NAMES; i++) {
     char name[256];
@@ -116,7 +116,7 @@ int graph_tell(graph *g) {
     f.colour[r] = eda_pool_alloc(&j->pool, g->nodes, sizeof(uint64_t));
   f.left = eda_pool_alloc(&j->pool, g->nodes, sizeof *f.left);
   colour_nodes(&f);
-  for (int last = 1; last < ROUNDS && !f.n; last++) find(&f, last);
+  for (int last = 1; last < ROUNDS && !f.n; last++) faults_find(&f, last);
   if (!f.n)
     return opc_fail(j->error, OPC_INVALID, "file",
                     "'%.100s': the nets of its transistors differ from those "

@@ -118,7 +118,7 @@ static int find_top(job *j) {
                   j->gates->name);
 }
 
-static int match(job *j, const matcher *m, eda_circuit **out) {
+static int match_netlist(job *j, const matcher *m, eda_circuit **out) {
   eda_netlist *n = &j->netlist;
   if (find_top(j) || find_layers(j, m) || eda_netlist_read(n, m->file))
     return j->error->code;
@@ -144,7 +144,7 @@ static int match(job *j, const matcher *m, eda_circuit **out) {
   return match_publish(j, *out);
 }
 
-static int run(void *self, void **outputs, opc_error *error) {
+static int match_run(void *self, void **outputs, opc_error *error) {
   const matcher *m = self;
   eda_circuit *circuit = NULL;
   job j = {.host = m->host,
@@ -157,7 +157,7 @@ static int run(void *self, void **outputs, opc_error *error) {
                        .scale = m->scale,
                        .n_models = m->n_models,
                        .p_models = m->p_models}};
-  int code = match(&j, m, &circuit);
+  int code = match_netlist(&j, m, &circuit);
   outputs[0] = circuit;
   eda_netlist_clear(&j.netlist);
   eda_pool_clear(&j.pool);
@@ -220,7 +220,7 @@ static const opc_metric metrics[] = {
 
 static const opc_port outputs_of[] = {EDA_PORT_CIRCUIT("circuit")};
 /* The netlist may include other files. */
-static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = run,
+static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = match_run,
                                    .flags = OPC_STEP_OUTSIDE};
 OPC_PLUGIN(matcher, .id = "netlist.match", .kind = "step", .version = "0.2.0",
            .licence = "BSD-3-Clause",

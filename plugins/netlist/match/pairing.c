@@ -40,8 +40,8 @@ static int64_t by_name(const eda_names *names, const eda_element *e) {
 }
 
 /* Return the name of an instance, and set its cell. */
-static const char *instance(const job *j, int32_t cell, int64_t i,
-                            int32_t *child) {
+static const char *instance_name(const job *j, int32_t cell, int64_t i,
+                                 int32_t *child) {
   eda_placement p;
   return eda_layout_instance(j->layout, cell, (size_t)i, child, &p);
 }
@@ -62,13 +62,13 @@ static size_t count_pairs(const job *j, const region *g,
     if (!j->netlist.subcircuit[e->child].devices) continue;
     int64_t at = by_name(names, e);
     int32_t child;
-    pairs += at >= 0 && instance(j, g->cell, at, &child) &&
+    pairs += at >= 0 && instance_name(j, g->cell, at, &child) &&
              is_cell(j, child, e->model);
   }
   return pairs;
 }
 
-static int pair(job *j, const region *g);
+static int pair_region(job *j, const region *g);
 
 static int pair_element(job *j, const region *g, const eda_element *e,
                         const eda_names *names, uint64_t first) {
@@ -81,7 +81,7 @@ static int pair_element(job *j, const region *g, const eda_element *e,
                     "'%.100s' of the layout",
                     e->name, where, eda_layout_cell_name(j->layout, g->cell));
   int32_t child;
-  const char *name = instance(j, g->cell, at, &child);
+  const char *name = instance_name(j, g->cell, at, &child);
   if (!is_cell(j, child, e->model))
     return opc_fail(j->error, OPC_INVALID, "file",
                     "netlist instance '%.100s' (%s) is a '%.100s', and a "
@@ -94,10 +94,10 @@ static int pair_element(job *j, const region *g, const eda_element *e,
                   .cell = child,
                   .path = eda_pool_path(&j->pool, g->path, name),
                   .first_device = first};
-  return pair(j, &below);
+  return pair_region(j, &below);
 }
 
-static int pair(job *j, const region *g) {
+static int pair_region(job *j, const region *g) {
   eda_names names = {.pool = &j->pool};
   const eda_subcircuit *s = g->scope->of;
   if (!j->ignore_hierarchy) list_instances(j, g->cell, &names);
@@ -149,7 +149,7 @@ static void list_gates(job *j) {
 int match_pair(job *j, const eda_scope *top) {
   j->group_of.pool = &j->pool;
   region whole = {.scope = top, .cell = j->top, .path = ""};
-  int code = pair(j, &whole);
+  int code = pair_region(j, &whole);
   if (!code) list_gates(j);
   return code;
 }

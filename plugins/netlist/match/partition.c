@@ -43,7 +43,8 @@ static uint32_t run_end(const partition *p, const uint32_t *nodes, uint32_t i,
   return k;
 }
 
-static int balanced(const partition *p, const uint32_t *nodes, uint32_t n) {
+static int nodes_balanced(const partition *p, const uint32_t *nodes,
+                          uint32_t n) {
   uint32_t layout = 0;
   for (uint32_t i = 0; i < n; i++)
     layout += (uint32_t)graph_side(p->g, nodes[i]);
@@ -61,7 +62,7 @@ static void split_off(partition *p, uint32_t class, uint32_t from,
     p->class_of[p->order[i]] = made;
     p->changed[p->n_changed++] = p->order[i];
   }
-  if (!balanced(p, p->order + from, to - from)) p->odd = 1;
+  if (!nodes_balanced(p, p->order + from, to - from)) p->odd = 1;
 }
 
 void partition_split(partition *p, uint32_t class) {
@@ -89,7 +90,7 @@ void partition_split(partition *p, uint32_t class) {
       split_off(p, class, b + i, b + k);
     }
   }
-  if (!balanced(p, nodes, kept)) p->odd = 1;
+  if (!nodes_balanced(p, nodes, kept)) p->odd = 1;
 }
 
 static void mark_class(partition *p, uint32_t class) {

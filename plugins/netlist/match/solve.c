@@ -72,7 +72,8 @@ static void take_hints(partition *p) {
 /* ---- choices ---- */
 
 /* Return the number of candidate gates of a bundle, listed by distance. */
-static uint32_t candidates(const partition *p, uint32_t node, sized *list) {
+static uint32_t gate_candidates(const partition *p, uint32_t node,
+                                sized *list) {
   const graph *g = p->g;
   const bundle *b = graph_bundle(g, node);
   uint32_t class = p->class_of[node], n = 0;
@@ -88,8 +89,8 @@ static uint32_t candidates(const partition *p, uint32_t node, sized *list) {
 
 /* Choose a counterpart, with backtracking. Nodes of a class have equal
    connectivity, so the first choice is almost always valid. */
-static int choose(partition *p, uint32_t node, sized *list) {
-  uint32_t n = candidates(p, node, list);
+static int choose_counterpart(partition *p, uint32_t node, sized *list) {
+  uint32_t n = gate_candidates(p, node, list);
   job *j = p->g->j;
   j->by_order += isnan(graph_bundle(p->g, node)->middle.x);
   for (uint32_t i = 0; i < n; i++) {
@@ -102,21 +103,23 @@ static int choose(partition *p, uint32_t node, sized *list) {
 }
 
 /* Return 1 if every bundle has one counterpart. */
-static int solve(partition *p) {
+static int partition_solve(partition *p) {
   const graph *g = p->g;
   if (p->odd || !partition_refine(p)) return 0;
   take_hints(p);
   sized *list = eda_pool_alloc(&g->j->pool, g->nodes, sizeof *list);
   for (uint32_t i = 0; i < g->side[NETLIST].bundles; i++) {
     uint32_t node = g->bundle0[NETLIST] + i, class = p->class_of[node];
-    if (p->end[class] - p->begin[class] > 2 && !choose(p, node, list)) return 0;
+    if (p->end[class] - p->begin[class] > 2 &&
+        !choose_counterpart(p, node, list))
+      return 0;
   }
   return 1;
 }
 
 /* ---- all groups ---- */
 
-static uint32_t counterpart(const partition *p, uint32_t node) {
+static uint32_t node_counterpart(const partition *p, uint32_t node) {
   uint32_t class = p->class_of[node];
   uint32_t a = p->order[p->begin[class]], b = p->order[p->begin[class] + 1];
   return a == node ? b : a;
@@ -124,7 +127,8 @@ static uint32_t counterpart(const partition *p, uint32_t node) {
 
 /* Return 1 if each net of a device corresponds to that of its gate (final
    check). */
-static int holds(const partition *p, const bundle *a, const bundle *b) {
+static int bundle_corresponds(const partition *p, const bundle *a,
+                              const bundle *b) {
   const graph *g = p->g;
   const uint32_t *of = p->class_of;
   uint32_t n = g->net0[NETLIST], l = g->net0[LAYOUT];
@@ -138,11 +142,12 @@ static int solve_group(job *j, const region *group) {
   partition p;
   if (graph_make(j, group, &g)) return j->error->code;
   partition_make(&g, &p);
-  if (!solve(&p)) return graph_tell(&g);
+  if (!partition_solve(&p)) return graph_tell(&g);
   for (uint32_t i = 0; i < g.side[NETLIST].bundles; i++) {
     const bundle *a = &g.side[NETLIST].bundle[i];
-    const bundle *b = graph_bundle(&g, counterpart(&p, g.bundle0[NETLIST] + i));
-    if (!holds(&p, a, b)) return graph_tell(&g);
+    const bundle *b =
+        graph_bundle(&g, node_counterpart(&p, g.bundle0[NETLIST] + i));
+    if (!bundle_corresponds(&p, a, b)) return graph_tell(&g);
     if (graph_assign(&g, a, b)) return j->error->code;
   }
   return OPC_OK;

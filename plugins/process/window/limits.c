@@ -15,7 +15,7 @@ typedef struct walk {
 
 /* Return the length deviation of a gate at place i, % of the drawn length; NAN:
    not printed. */
-static double at(const walk *k, size_t i, size_t gate) {
+static double gate_deviation(const walk *k, size_t i, size_t gate) {
   const window *w = k->w;
   size_t focus = k->along_focus ? i : k->focus;
   size_t dose = k->along_focus ? w->nominal_dose : i;
@@ -23,35 +23,35 @@ static double at(const walk *k, size_t i, size_t gate) {
                        w->gates->length[gate]);
 }
 
-static int good(const walk *k, size_t i) {
+static int place_valid(const walk *k, size_t i) {
   for (size_t gate = 0; gate < k->w->gates->count; gate++)
-    if (!(fabs(at(k, i, gate)) <= k->w->tolerance)) return 0;
+    if (!(fabs(gate_deviation(k, i, gate)) <= k->w->tolerance)) return 0;
   return 1;
 }
 
 /* Return the place between the valid place i and its neighbour `to` where the
    first gate leaves the tolerance; place i if a gate does not print at `to`. */
-static double leaves(const walk *k, size_t i, size_t to) {
+static double place_leaves(const walk *k, size_t i, size_t to) {
   const double *place = k->place.values;
   double t = k->w->tolerance, least = 1;
   for (size_t gate = 0; gate < k->w->gates->count; gate++) {
-    double a = at(k, i, gate), b = at(k, to, gate);
+    double a = gate_deviation(k, i, gate), b = gate_deviation(k, to, gate);
     if (isnan(b)) return place[i];
     if (fabs(b) > t) least = fmin(least, (copysign(t, b) - a) / (b - a));
   }
   return place[i] + least * (place[to] - place[i]);
 }
 
-static void widest(const walk *k, double *low, double *high) {
+static void interval_widest(const walk *k, double *low, double *high) {
   const double *place = k->place.values;
   size_t n = k->place.count;
   *low = *high = NAN;
   for (size_t i = 0; i < n; i++) {
-    if (!good(k, i)) continue;
+    if (!place_valid(k, i)) continue;
     size_t first = i;
-    while (i + 1 < n && good(k, i + 1)) i++;
-    double a = first ? leaves(k, first, first - 1) : place[first];
-    double b = i + 1 < n ? leaves(k, i, i + 1) : place[i];
+    while (i + 1 < n && place_valid(k, i + 1)) i++;
+    double a = first ? place_leaves(k, first, first - 1) : place[first];
+    double b = i + 1 < n ? place_leaves(k, i, i + 1) : place[i];
     if (isnan(*low) || b - a > *high - *low) *low = a, *high = b;
   }
 }
@@ -59,8 +59,8 @@ static void widest(const walk *k, double *low, double *high) {
 void window_limits(window *w) {
   for (size_t f = 0; f < w->focus.count; f++) {
     walk k = {.w = w, .place = w->dose, .focus = f};
-    widest(&k, &w->low[f], &w->high[f]);
+    interval_widest(&k, &w->low[f], &w->high[f]);
   }
   walk k = {.w = w, .place = w->focus, .along_focus = 1};
-  widest(&k, &w->depth_low, &w->depth_high);
+  interval_widest(&k, &w->depth_low, &w->depth_high);
 }

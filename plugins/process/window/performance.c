@@ -13,10 +13,10 @@ enum { LINES = 32 };
 /* ---- where limits are kept ---- */
 
 /* Reduce [low, high] to the t where a + (b - a) t is within [least, most]. */
-static void clip(double a, double b, double least, double most, double *low,
-                 double *high) {
+static void interval_clip(double a, double b, double least, double most,
+                          double *low, double *high) {
   if (a > b) {
-    clip(-a, -b, -most, -least, low, high);
+    interval_clip(-a, -b, -most, -least, low, high);
     return;
   }
   if (a == b) {
@@ -45,7 +45,7 @@ static void clip_gate(const patch *p, int ioff, size_t i, double least,
   if (isnan(end[0]) || isnan(end[1]))
     *high = -INFINITY;
   else
-    clip(end[0], end[1], least, most, low, high);
+    interval_clip(end[0], end[1], least, most, low, high);
 }
 
 int window_keeps(const window *w, int limits, size_t focus, double at,
@@ -68,7 +68,8 @@ int window_keeps(const window *w, int limits, size_t focus, double at,
   return 1;
 }
 
-static double kept(const window *w, int limits, size_t focus, double at) {
+static double length_kept(const window *w, int limits, size_t focus,
+                          double at) {
   double sum = 0, low, high;
   for (size_t d = 0; d + 1 < w->dose.count; d++)
     if (window_keeps(w, limits, focus, at, d, &low, &high)) sum += high - low;
@@ -76,7 +77,7 @@ static double kept(const window *w, int limits, size_t focus, double at) {
 }
 
 double window_kept_doses(const window *w, int limits, size_t focus) {
-  return kept(w, limits, focus, 0);
+  return length_kept(w, limits, focus, 0);
 }
 
 double window_kept_area(const window *w, int limits) {
@@ -84,7 +85,7 @@ double window_kept_area(const window *w, int limits) {
   for (size_t f = 0; f + 1 < w->focus.count; f++) {
     double step = (w->focus.values[f + 1] - w->focus.values[f]) / LINES;
     for (int k = 0; k < LINES; k++)
-      area += step * kept(w, limits, f, (k + 0.5) / LINES);
+      area += step * length_kept(w, limits, f, (k + 0.5) / LINES);
   }
   return area;
 }
@@ -93,7 +94,7 @@ double window_kept_area(const window *w, int limits) {
 
 /* Return the slope of a gate's length, or of the logarithm of its Ion, over
    mask_error. NAN if the gate fails at any mask error. */
-static double slope(const window *w, size_t i, int ion) {
+static double gate_slope(const window *w, size_t i, int ion) {
   const double *x = w->mask_error.values;
   size_t n = w->mask_error.count;
   double mean = 0, sxy = 0, sxx = 0;
@@ -111,7 +112,7 @@ static void mean_and_max(const window *w, int ion, double unit, double *mean,
   double n = 0;
   *mean = *max = 0;
   for (size_t i = 0; i < w->gates->count; i++) {
-    double s = fabs(slope(w, i, ion)) * unit;
+    double s = fabs(gate_slope(w, i, ion)) * unit;
     if (isnan(s)) continue;
     n++;
     *mean += s;

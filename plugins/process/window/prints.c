@@ -39,7 +39,7 @@ static double log_ratio(double printed, double drawn, int failed) {
   return failed || !(printed > 0) ? NAN : log(printed / drawn);
 }
 
-static int perform(exposure *e, window_print *out, opc_error *error) {
+static int exposure_measure(exposure *e, window_print *out, opc_error *error) {
   const window *w = e->w;
   const eda_performance *p = &e->measured.performance;
   int code = eda_measure(w->host->context, w->gates, e->print, w->extractor,
@@ -70,7 +70,7 @@ static int print_at(exposure *e, double dose, window_print *out,
   cutter c = {e, eda_alloc(w->gates->count, sizeof *c.cuts)};
   out->cuts = c.cuts;
   if (!code) opc_parallel(w->host->context, w->gates->count, cut_gate, &c);
-  if (!code && w->extractor) code = perform(e, out, error);
+  if (!code && w->extractor) code = exposure_measure(e, out, error);
   for (size_t k = 0; k < e->layers; k++) {
     eda_field_clear(&e->scaled[k]);
     eda_field_clear(&e->print[k]);
@@ -168,7 +168,7 @@ static int all_mask_errors(exposure *e, opc_error *error) {
   return code;
 }
 
-static int prepare(exposure *e, opc_error *error) {
+static int exposure_prepare(exposure *e, opc_error *error) {
   window *w = e->w;
   int code = eda_printer_prepare(&e->printer, error);
   if (code || !w->extractor) return code;
@@ -188,7 +188,7 @@ int window_expose(window *w, opc_error *error) {
   eda_measurement_init(&e.measured, n);
   eda_printer_init(&e.printer, w->host->context, w->gates, w->litho, w->resist,
                    w->margin);
-  int code = prepare(&e, error);
+  int code = exposure_prepare(&e, error);
   if (!code) code = all_places(&e, error);
   if (!code) code = all_mask_errors(&e, error);
   clear_images(&e);

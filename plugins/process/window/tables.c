@@ -58,13 +58,13 @@ static int window_table(const window *w, opc_error *error) {
   return code;
 }
 
-static double latitude(const window *w, size_t focus) {
+static double dose_latitude(const window *w, size_t focus) {
   return isnan(w->low[focus]) ? 0 : w->high[focus] - w->low[focus];
 }
 
 static int latitude_table(const window *w, opc_error *error) {
   double *range = eda_alloc(w->focus.count, sizeof *range);
-  for (size_t f = 0; f < w->focus.count; f++) range[f] = latitude(w, f);
+  for (size_t f = 0; f < w->focus.count; f++) range[f] = dose_latitude(w, f);
   const opc_column columns[] = {
       {"defocus", "nm", OPC_REAL, -1, w->focus.values},
       {"lowest_dose", "%", OPC_REAL, 2, w->low},
@@ -197,7 +197,7 @@ static int kept_table(const window *w, opc_error *error) {
   return code;
 }
 
-static int currents(const window *w, opc_error *error) {
+static int publish_currents(const window *w, opc_error *error) {
   double sd = 0, worst = 0, leakage = 0, failed = 0, outside = 0;
   for (size_t k = 0; k < w->focus.count * w->dose.count; k++) {
     eda_spread p = w->print[k].spread;
@@ -238,7 +238,8 @@ static int mask_errors(const window *w, opc_error *error) {
 int window_report(const window *w, opc_error *error) {
   size_t prints = w->focus.count * w->dose.count;
   double most = 0, nils = INFINITY, failed = 0;
-  for (size_t f = 0; f < w->focus.count; f++) most = fmax(most, latitude(w, f));
+  for (size_t f = 0; f < w->focus.count; f++)
+    most = fmax(most, dose_latitude(w, f));
   for (size_t k = 0; k < prints; k++) {
     window_summary s = window_summarise(w, &w->print[k]);
     nils = fmin(nils, s.nils); /* ignores NAN */
@@ -253,6 +254,6 @@ int window_report(const window *w, opc_error *error) {
                                      {isfinite(nils) ? "nils_min" : NULL, nils},
                                      {"failed_max", failed}};
   if (!code) code = opc_put_metrics(w->host, OPC_ARRAY(values), error);
-  if (!code && w->extractor) code = currents(w, error);
+  if (!code && w->extractor) code = publish_currents(w, error);
   return code || !w->mask_error.count ? code : mask_errors(w, error);
 }

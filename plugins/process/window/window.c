@@ -38,7 +38,7 @@ static int check_mask_errors(const window *w, opc_error *error) {
   return OPC_OK;
 }
 
-static int run(void *self, void **outputs, opc_error *error) {
+static int window_run(void *self, void **outputs, opc_error *error) {
   window *w = self;
   (void)outputs;
   if (!w->mask == !w->as_drawn)
@@ -59,7 +59,7 @@ static int run(void *self, void **outputs, opc_error *error) {
   return code ? code : window_draw(w, error);
 }
 
-static int forecast(void *self, opc_forecast *out, opc_error *error) {
+static int window_forecast(void *self, opc_forecast *out, opc_error *error) {
   const window *w = self;
   const eda_gates *gates = w->mask ? w->mask->gates : w->as_drawn;
   eda_printer printer;
@@ -189,7 +189,7 @@ static int check_list(const char *name, opc_reals list, size_t least,
 
 /* Set the default foci and margin; 50 and 100 nm of defocus at 193 nm, NA
    0.75. */
-static void follow(window *w) {
+static void window_set_defaults(window *w) {
   eda_scanner scanner = eda_scanner_of(w->litho);
   EDA_FOLLOW(w->host, "process.window", w, parameters, scanner);
   if (w->focus.count) return;
@@ -204,9 +204,9 @@ static void follow(window *w) {
                near, far);
 }
 
-static int check(void *self, opc_error *error) {
+static int window_check(void *self, opc_error *error) {
   window *w = self;
-  follow(w);
+  window_set_defaults(w);
   if (check_list("dose", w->dose, 1, -100, error) ||
       check_list("defocus", w->focus, 1, -1e6, error) ||
       check_list("mask_error", w->mask_error, 0, -1e3, error))
@@ -227,7 +227,7 @@ static void clear_prints(window_print *prints, size_t n) {
   free(prints);
 }
 
-static void clear(void *self) {
+static void window_clear(void *self) {
   window *w = self;
   clear_prints(w->print, w->focus.count * w->dose.count);
   clear_prints(w->wrong, w->mask_error.count);
@@ -238,7 +238,8 @@ static void clear(void *self) {
 
 /* ---- entry ---- */
 
-static const opc_step functions = {.run = run, .forecast = forecast};
+static const opc_step functions = {.run = window_run,
+                                   .forecast = window_forecast};
 
 OPC_PLUGIN(window, .id = "process.window", .kind = "step", .version = "0.3.0",
            .licence = "BSD-3-Clause",
@@ -246,5 +247,6 @@ OPC_PLUGIN(window, .id = "process.window", .kind = "step", .version = "0.3.0",
                "gate lengths, image slopes and currents through dose, "
                "focus and mask errors",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), OPC_METRICS(metrics), .check = check,
-           .clear = clear, OPC_FUNCTIONS(functions));
+           OPC_PARAMETERS(parameters), OPC_METRICS(metrics),
+           .check = window_check, .clear = window_clear,
+           OPC_FUNCTIONS(functions));

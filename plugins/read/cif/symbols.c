@@ -35,7 +35,7 @@ void cif_clear(cif *c) {
 
 /* Return 1 if a number mentioned at `at` has been deleted since by a DD with a
    number not above it. */
-static int forgotten(const cif *c, int64_t number, size_t at) {
+static int symbol_deleted(const cif *c, int64_t number, size_t at) {
   const cif_forgotten *all = (const cif_forgotten *)c->forgotten->data;
   size_t low = 0, high = c->forgotten->len;
   while (low < high) {
@@ -57,7 +57,7 @@ static void add_symbol(cif *c, int64_t number) {
 
 cif_symbol *cif_symbol_of(cif *c, int64_t number) {
   mention *e = g_hash_table_lookup(c->numbers, &number);
-  if (e && !forgotten(c, number, e->at)) return e->symbol;
+  if (e && !symbol_deleted(c, number, e->at)) return e->symbol;
   if (!e) {
     e = g_new0(mention, 1);
     e->number = number;

@@ -75,7 +75,7 @@ static int gds_next(gds *g) {
 
 /* Return the record's data; fail and return zeros unless it has `bytes`
    bytes. */
-static const uint8_t *data(gds *g, size_t bytes) {
+static const uint8_t *record_data(gds *g, size_t bytes) {
   static const uint8_t zeros[16];
   if (g->n >= bytes) return g->data;
   gds_refuse(g, "record too short for its kind");
@@ -120,25 +120,25 @@ static void take_record(gds *g) {
       take_points(g);
       break;
     case EDA_GDS_LAYER:
-      e->layer = (int32_t)eda_gds_u16(data(g, 2));
+      e->layer = (int32_t)eda_gds_u16(record_data(g, 2));
       break;
     case EDA_GDS_DATATYPE:
     case EDA_GDS_TEXTTYPE:
     case EDA_GDS_BOXTYPE:
     case EDA_GDS_NODETYPE:
-      e->datatype = (int32_t)eda_gds_u16(data(g, 2));
+      e->datatype = (int32_t)eda_gds_u16(record_data(g, 2));
       break;
     case EDA_GDS_WIDTH:
-      e->width = eda_gds_i32(data(g, 4));
+      e->width = eda_gds_i32(record_data(g, 4));
       break;
     case EDA_GDS_BGNEXTN:
-      e->begin = eda_gds_i32(data(g, 4));
+      e->begin = eda_gds_i32(record_data(g, 4));
       break;
     case EDA_GDS_ENDEXTN:
-      e->end = eda_gds_i32(data(g, 4));
+      e->end = eda_gds_i32(record_data(g, 4));
       break;
     case EDA_GDS_PATHTYPE:
-      e->ends = eda_gds_u16(data(g, 2));
+      e->ends = eda_gds_u16(record_data(g, 2));
       if (e->ends > 4 || e->ends == 3) gds_refuse(g, "unknown PATHTYPE");
       break;
     case EDA_GDS_SNAME:
@@ -148,20 +148,20 @@ static void take_record(gds *g) {
       gds_take_string(g, &e->string);
       break;
     case EDA_GDS_COLROW:
-      e->columns = eda_gds_u16(data(g, 4));
-      e->rows = eda_gds_u16(data(g, 4) + 2);
+      e->columns = eda_gds_u16(record_data(g, 4));
+      e->rows = eda_gds_u16(record_data(g, 4) + 2);
       break;
     case EDA_GDS_STRANS:
-      e->transform = eda_gds_u16(data(g, 2));
+      e->transform = eda_gds_u16(record_data(g, 2));
       break;
     case EDA_GDS_MAG:
-      e->magnification = eda_gds_real(data(g, 8));
+      e->magnification = eda_gds_real(record_data(g, 8));
       break;
     case EDA_GDS_ANGLE:
-      e->angle = eda_gds_real(data(g, 8));
+      e->angle = eda_gds_real(record_data(g, 8));
       break;
     case EDA_GDS_PROPATTR:
-      e->property = (int32_t)eda_gds_u16(data(g, 2));
+      e->property = (int32_t)eda_gds_u16(record_data(g, 2));
       break;
     case EDA_GDS_PROPVALUE:
       take_property(g);
@@ -363,7 +363,8 @@ static void gds_read_cell(gds *g) {
    digits removes the error of the base-16 representation. */
 static void take_units(gds *g) {
   char digits[40];
-  snprintf(digits, sizeof digits, "%.14g", eda_gds_real(data(g, 16) + 8) * 1e9);
+  snprintf(digits, sizeof digits, "%.14g",
+           eda_gds_real(record_data(g, 16) + 8) * 1e9);
   double unit = strtod(digits, NULL);
   if (g->b.layout)
     gds_refuse(g, "UNITS a second time");

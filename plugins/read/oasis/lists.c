@@ -48,14 +48,14 @@ void oasis_read_points(oasis *o, oasis_points *points, int closed) {
 
 /* ---- repetitions ---- */
 
-static uint64_t dimension(oasis *o) {
+static uint64_t read_dimension(oasis *o) {
   uint64_t n = oasis_uint(o);
   if (n < (uint64_t)1 << 62) return n + 2;
   oasis_refuse(o, "a repetition of too many members");
   return 2;
 }
 
-static int64_t space(oasis *o) { return oasis_size(o, oasis_uint(o)); }
+static int64_t read_space(oasis *o) { return oasis_size(o, oasis_uint(o)); }
 
 /* Return v times the grid of a list. */
 static int64_t on_grid(oasis *o, int64_t v, int64_t grid) {
@@ -66,8 +66,8 @@ static int64_t on_grid(oasis *o, int64_t v, int64_t grid) {
 
 /* Read the offsets of types 4 to 7, along x or y, and 10 and 11. */
 static void read_offsets(oasis *o, uint64_t type, oasis_points *out) {
-  uint64_t n = dimension(o);
-  int64_t grid = type & 1 ? space(o) : 1;
+  uint64_t n = read_dimension(o);
+  int64_t grid = type & 1 ? read_space(o) : 1;
   oasis_vector at = {0, 0};
   out->n = 0;
   if (!o->b.failed) add_point(out, at);
@@ -76,9 +76,9 @@ static void read_offsets(oasis *o, uint64_t type, oasis_points *out) {
     if (type >= 10)
       d = oasis_deltag(o);
     else if (type <= 5)
-      d.x = space(o);
+      d.x = read_space(o);
     else
-      d.y = space(o);
+      d.y = read_space(o);
     d.x = on_grid(o, d.x, grid);
     d.y = on_grid(o, d.y, grid);
     at = offsets_add(o, at, d);
@@ -97,7 +97,7 @@ static void bounds_extend(oasis_repetition *r, int64_t x, int64_t y) {
 }
 
 /* Return (n - 1) * step, or BEYOND. */
-static int64_t last(uint64_t n, int64_t step) {
+static int64_t last_offset(uint64_t n, int64_t step) {
   int64_t product;
   if (__builtin_mul_overflow((int64_t)n - 1, step, &product)) return BEYOND;
   return product > BEYOND ? BEYOND : product < -BEYOND ? -BEYOND : product;
@@ -108,9 +108,10 @@ static void repetition_bounds(oasis_repetition *r) {
   for (size_t i = 0; !r->lattice && i < r->offsets.n; i++)
     bounds_extend(r, r->offsets.p[i].x, r->offsets.p[i].y);
   if (!r->lattice) return;
-  int64_t cx = last(r->columns, r->column.x),
-          cy = last(r->columns, r->column.y);
-  int64_t rx = last(r->rows, r->row.x), ry = last(r->rows, r->row.y);
+  int64_t cx = last_offset(r->columns, r->column.x),
+          cy = last_offset(r->columns, r->column.y);
+  int64_t rx = last_offset(r->rows, r->row.x),
+          ry = last_offset(r->rows, r->row.y);
   bounds_extend(r, cx, cy);
   bounds_extend(r, rx, ry);
   bounds_extend(r, cx + rx, cy + ry);
@@ -129,10 +130,10 @@ void oasis_read_repetition(oasis *o) {
   r->column = r->row = (oasis_vector){0, 0};
   r->lattice = type <= 3 || type == 8 || type == 9;
   if (type == 1 || type == 2 || type == 8 || type == 9)
-    r->columns = dimension(o);
-  if (type == 1 || type == 3 || type == 8) r->rows = dimension(o);
-  if (type == 1 || type == 2) r->column.x = space(o);
-  if (type == 1 || type == 3) r->row.y = space(o);
+    r->columns = read_dimension(o);
+  if (type == 1 || type == 3 || type == 8) r->rows = read_dimension(o);
+  if (type == 1 || type == 2) r->column.x = read_space(o);
+  if (type == 1 || type == 3) r->row.y = read_space(o);
   if (type == 8 || type == 9) r->column = oasis_deltag(o);
   if (type == 8) r->row = oasis_deltag(o);
   if (!r->lattice) read_offsets(o, type, &r->offsets);

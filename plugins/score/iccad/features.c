@@ -8,14 +8,14 @@
 
 /* ---- pixels that hang together ---- */
 
-static int32_t root(int32_t *parent, int32_t i) {
+static int32_t set_root(int32_t *parent, int32_t i) {
   while (parent[i] != i) i = parent[i] = parent[parent[i]];
   return i;
 }
 
-static int32_t join(int32_t *parent, int32_t a, int32_t b) {
-  a = root(parent, a);
-  b = root(parent, b);
+static int32_t sets_join(int32_t *parent, int32_t a, int32_t b) {
+  a = set_root(parent, a);
+  b = set_root(parent, b);
   return a < b ? (parent[b] = a) : (parent[a] = b);
 }
 
@@ -27,12 +27,12 @@ static int32_t features_label(const iccad_tile *t, const uint8_t *pixels,
   for (int32_t i = 0; i < n; i++) {
     number[i] = pixels[i] ? i : -1;
     if (!pixels[i]) continue;
-    if (i % side && pixels[i - 1]) join(number, i, i - 1);
-    if (i >= side && pixels[i - side]) join(number, i, i - side);
+    if (i % side && pixels[i - 1]) sets_join(number, i, i - 1);
+    if (i >= side && pixels[i - side]) sets_join(number, i, i - side);
   }
   /* Roots precede the other pixels of their sets. */
   for (int32_t i = 0; i < n; i++)
-    if (pixels[i] && number[i] != i) number[i] = root(number, i);
+    if (pixels[i] && number[i] != i) number[i] = set_root(number, i);
   int32_t *of = eda_alloc((size_t)n, sizeof *of);
   for (int32_t i = 0; i < n; i++)
     if (pixels[i] && number[i] == i) of[i] = count++;

@@ -41,7 +41,7 @@ static void take_rails(study *s, const eda_flat_netlist *flat,
                           eda_in_list(s->grounds, flat->net[i]));
 }
 
-static int touches(const eda_timing_cell *c, uint32_t net, int channel) {
+static int cell_touches(const eda_timing_cell *c, uint32_t net, int channel) {
   for (size_t i = 0; i < c->devices; i++) {
     const eda_timing_device *d = &c->device[i];
     if (channel ? d->drain == net || d->source == net : d->gate == net)
@@ -60,8 +60,8 @@ static const char *take_pins(study *s, const eda_flat_netlist *flat,
     for (size_t i = 0; i < flat->ports; i++) {
       uint32_t net = flat->port[i];
       has[c->rail[net] + 1] = 1;
-      if (c->rail[net] || touches(c, net, 1) != outputs) continue;
-      if (!outputs && !touches(c, net, 0)) continue;
+      if (c->rail[net] || cell_touches(c, net, 1) != outputs) continue;
+      if (!outputs && !cell_touches(c, net, 0)) continue;
       c->pin[c->inputs + c->outputs] = own_text(s, flat->net[net]);
       c->port[c->inputs + c->outputs] = net;
       if (outputs)
@@ -84,7 +84,7 @@ typedef struct reach {
   uint8_t *by[2][2];
 } reach;
 
-static int conducts(const eda_timing_device *d, const uint8_t *value) {
+static int device_conducts(const eda_timing_device *d, const uint8_t *value) {
   int gate = value[d->gate];
   if (gate == UNKNOWN) return UNKNOWN;
   return d->type == EDA_NMOS ? gate : !gate;
@@ -92,30 +92,32 @@ static int conducts(const eda_timing_device *d, const uint8_t *value) {
 
 /* Propagate the state of one end of a channel to the other, unless fixed.
    Returns 1 if anything changed. */
-static int spread(uint8_t *held, const uint8_t *fixed, uint32_t a, uint32_t b) {
+static int state_propagate(uint8_t *held, const uint8_t *fixed, uint32_t a,
+                           uint32_t b) {
   int news = 0;
   if (held[a] && !held[b] && !fixed[b]) news = held[b] = 1;
   if (held[b] && !held[a] && !fixed[a]) news = held[a] = 1;
   return news;
 }
 
-static void settle(const eda_timing_cell *c, const uint8_t *fixed,
-                   const uint8_t *value, reach *r) {
+static void state_settle(const eda_timing_cell *c, const uint8_t *fixed,
+                         const uint8_t *value, reach *r) {
   for (int news = 1; news;) {
     news = 0;
     for (size_t i = 0; i < c->devices; i++) {
       const eda_timing_device *d = &c->device[i];
-      int on = conducts(d, value);
+      int on = device_conducts(d, value);
       for (int level = 0; level < 2 && on; level++)
         for (int perhaps = on == UNKNOWN; perhaps < 2; perhaps++)
-          news |= spread(r->by[level][perhaps], fixed, d->drain, d->source);
+          news |= state_propagate(r->by[level][perhaps], fixed, d->drain,
+                                  d->source);
     }
   }
 }
 
 /* Compute the levels of all nets from the `fixed` ones. */
-static void evaluate(const eda_timing_cell *c, const uint8_t *fixed,
-                     uint8_t *value) {
+static void cell_evaluate(const eda_timing_cell *c, const uint8_t *fixed,
+                          uint8_t *value) {
   const size_t n = c->nets;
   uint8_t *all = eda_alloc(4 * n, 1);
   reach r = {{{all, all + n}, {all + 2 * n, all + 3 * n}}};
@@ -124,7 +126,7 @@ static void evaluate(const eda_timing_cell *c, const uint8_t *fixed,
     memset(all, 0, 4 * n);
     for (size_t i = 0; i < n; i++)
       if (fixed[i]) r.by[value[i]][0][i] = r.by[value[i]][1][i] = 1;
-    settle(c, fixed, value, &r);
+    state_settle(c, fixed, value, &r);
     for (size_t i = 0; i < n; i++) {
       if (fixed[i] || value[i] != UNKNOWN) continue;
       for (int level = 0; level < 2; level++)
@@ -151,7 +153,7 @@ static void levels_at(const eda_timing_cell *c, size_t pattern, uint8_t *fixed,
     fixed[c->port[i]] = 1;
     value[c->port[i]] = pattern >> i & 1;
   }
-  evaluate(c, fixed, value);
+  cell_evaluate(c, fixed, value);
 }
 
 static const char *find_levels(study *s, eda_timing_cell *c) {
@@ -206,7 +208,7 @@ static void find_moves(const eda_timing_cell *c, const uint8_t *fixed,
       const eda_timing_device *d = &c->device[i];
       const uint32_t end[2] = {d->drain, d->source};
       int any = moves[d->gate] ||
-                (conducts(d, value) && (moves[end[0]] || moves[end[1]]));
+                (device_conducts(d, value) && (moves[end[0]] || moves[end[1]]));
       for (int k = 0; k < 2 && any; k++)
         if (!fixed[end[k]] && !moves[end[k]]) news = moves[end[k]] = 1;
     }
@@ -226,7 +228,7 @@ void arc_sizes(const eda_timing_cell *c, const circuit *r,
   for (size_t i = 0; i < c->devices; i++) {
     const eda_timing_device *d = &c->device[i];
     int ends = moves[d->drain] || moves[d->source];
-    sizes[d->bundle] = moves[d->gate] || (ends && conducts(d, value))
+    sizes[d->bundle] = moves[d->gate] || (ends && device_conducts(d, value))
                            ? ALL_SIZES
                        : ends ? WIDTH_ONLY
                               : NO_SIZE;

@@ -91,7 +91,7 @@ static int find_figures(study *s, eda_timing_cell *c, int *kept,
   return code;
 }
 
-static int simulate(study *s, size_t *kept, opc_error *error) {
+static int cells_simulate(study *s, size_t *kept, opc_error *error) {
   eda_timing *t = s->timing;
   double arcs = 0, done = 0;
   for (size_t i = 0; i < t->count; i++) arcs += (double)t->cell[i].arcs;
@@ -160,7 +160,7 @@ static int tell_cells(const study *s, opc_error *error) {
   return code;
 }
 
-static int tell(study *s, size_t kept, opc_error *error) {
+static int study_report(study *s, size_t kept, opc_error *error) {
   verdict v = {0};
   size_t arcs = 0, good = 0;
   for (size_t i = 0; i < s->timing->count; i++) {
@@ -188,15 +188,15 @@ static int tell(study *s, size_t kept, opc_error *error) {
   return liberty_write(s, path, error);
 }
 
-static int run(void *self, void **outputs, opc_error *error) {
+static int characterize_run(void *self, void **outputs, opc_error *error) {
   study *s = self;
   size_t kept = 0;
   s->simulated = 0;
   int code = eda_cards_read(&s->pool, s->models, s->model, s->dlc, s->cards,
                             s->card, error);
   if (!code) code = read_cells(s, error);
-  if (!code) code = simulate(s, &kept, error);
-  if (!code) code = tell(s, kept, error);
+  if (!code) code = cells_simulate(s, &kept, error);
+  if (!code) code = study_report(s, kept, error);
   if (code)
     eda_timing_free(s->timing);
   else
@@ -288,7 +288,7 @@ static int check_grid(const opc_reals *r, const char *name, double least,
                   EDA_TIMING_GRID, least);
 }
 
-static int check(void *self, opc_error *error) {
+static int characterize_check(void *self, opc_error *error) {
   static const char *const names[] = {[EDA_NMOS] = "nmos", [EDA_PMOS] = "pmos"};
   const study *s = self;
   const double *edge = s->edges.values;
@@ -309,11 +309,11 @@ static int check(void *self, opc_error *error) {
 
 static const opc_port ports[] = {EDA_PORT_TIMING("timing")};
 /* The step runs ngspice, and netlists may include other files. */
-static const opc_step functions = {OPC_OUTPUTS(ports), .run = run,
+static const opc_step functions = {OPC_OUTPUTS(ports), .run = characterize_run,
                                    .flags = OPC_STEP_OUTSIDE};
 OPC_PLUGIN(study, .id = "timing.characterize", .kind = "step",
            .version = "0.2.0", .licence = "BSD-3-Clause",
            .summary = "delays and slews of cells by ngspice",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), OPC_METRICS(metrics), .check = check,
-           OPC_FUNCTIONS(functions));
+           OPC_PARAMETERS(parameters), OPC_METRICS(metrics),
+           .check = characterize_check, OPC_FUNCTIONS(functions));

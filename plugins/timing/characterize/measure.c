@@ -53,7 +53,7 @@ static deck *deck_for(plan *p, double slew, care with, const copy *c,
   return &p->deck[p->count - 1];
 }
 
-static void add(deck *d, const copy *c) {
+static void deck_add(deck *d, const copy *c) {
   EDA_PUSH(d->copy, d->count, d->room, *c);
 }
 
@@ -96,7 +96,7 @@ static void plan_point(plan *p, care with, int rises, size_t slew,
   for (size_t k = 0; k < cell->arcs; k++) {
     if (input_rises(&cell->arc[k]) != rises) continue;
     copy c = copy_of(cell, &cell->arc[k], slew, load);
-    add(deck_for(p, cell->at_slew[slew], with, &c, 1), &c);
+    deck_add(deck_for(p, cell->at_slew[slew], with, &c, 1), &c);
   }
 }
 
@@ -115,7 +115,7 @@ static void plan_pilot(plan *p) {
    of input slew, the delay grows by `later` (the largest value for inverters of
    PTM 65 nm) and the slew by `slower` (the least value). The accuracy suffices:
    decks have a margin, and continue if an output has not settled. */
-static void expect(const eda_timing_cell *c) {
+static void cell_estimate(const eda_timing_cell *c) {
   const double later = 0.4, slower = 0.1;
   const size_t end = c->loads - 1;
   for (size_t k = 0; k < c->arcs; k++) {
@@ -156,7 +156,7 @@ static void plan_arc(plan *p, eda_timing_arc *a, const uint8_t *sizes,
   copy c = copy_of(cell, a, slew, load);
   c.point = point;
   deck *d = deck_for(p, cell->at_slew[slew], CHANGES, &c, 1 + n);
-  add(d, &c);
+  deck_add(d, &c);
   for (size_t k = 0; k < n; k++) {
     int of = sizes[k / EDA_SIZES];
     if (!is_size(p, k) || of == NO_SIZE ||
@@ -164,7 +164,7 @@ static void plan_arc(plan *p, eda_timing_arc *a, const uint8_t *sizes,
       continue;
     c.change = unit_of(p, k);
     c.size = k;
-    add(d, &c);
+    deck_add(d, &c);
   }
 }
 
@@ -218,13 +218,13 @@ static void plan_pin(plan *p, size_t i, int rises) {
               .of_pin = 1,
               .load = cell->at_load[cell->loads > 2],
               .size = none};
-    add(deck_for(p, slew, GRID, &c, 1), &c);
+    deck_add(deck_for(p, slew, GRID, &c, 1), &c);
     if (number++ % every) continue;
     for (size_t k = 0; k < n; k++) {
       if (!is_on(p, k / EDA_SIZES, i) || !is_size(p, k)) continue;
       c.change = unit_of(p, k);
       c.size = k;
-      add(deck_for(p, slew, GRID, &c, 1), &c);
+      deck_add(deck_for(p, slew, GRID, &c, 1), &c);
     }
   }
 }
@@ -286,7 +286,7 @@ static int run_all(plan *p, opc_error *error) {
 }
 
 /* Run the planned decks and store their results. */
-static int settle(plan *p, opc_error *error) {
+static int plan_settle(plan *p, opc_error *error) {
   int code = run_all(p, error);
   if (!code) take_all(p);
   clear_decks(p);
@@ -299,16 +299,16 @@ int cell_measure(study *s, eda_timing_cell *c, opc_error *error) {
   p.unit = eda_alloc(n * n, sizeof(double));
   for (size_t k = 0; k < n; k++) p.unit[k * n + k] = nudge;
   plan_pilot(&p);
-  int code = settle(&p, error);
+  int code = plan_settle(&p, error);
   if (!code) {
-    expect(c);
+    cell_estimate(c);
     plan_grid(&p);
     plan_pins(&p);
-    code = settle(&p, error);
+    code = plan_settle(&p, error);
   }
   if (!code) {
     plan_changes(&p);
-    code = settle(&p, error);
+    code = plan_settle(&p, error);
   }
   free(p.deck);
   free(p.unit);
@@ -321,7 +321,7 @@ int cell_measure(study *s, eda_timing_cell *c, opc_error *error) {
    methods print. */
 static const double spread = 0.03;
 
-static size_t below(uint64_t *state, size_t n) {
+static size_t random_below(uint64_t *state, size_t n) {
   return (size_t)(eda_random_unit(state) * (double)n);
 }
 
@@ -351,9 +351,9 @@ static void at_point(const deck *d, const copy *k, double *delay,
 static void plan_check(study *s, uint64_t *seed, deck *d) {
   const eda_timing *t = s->timing;
   const eda_timing_cell *c;
-  do c = &t->cell[below(seed, t->count)];
+  do c = &t->cell[random_below(seed, t->count)];
   while (c->trouble);
-  const eda_timing_arc *a = &c->arc[below(seed, c->arcs)];
+  const eda_timing_arc *a = &c->arc[random_below(seed, c->arcs)];
   size_t n = c->bundles * (size_t)EDA_SIZES;
   double *change = eda_pool_alloc(&s->pool, n, sizeof *change);
   for (size_t k = 0; k < n; k++)
@@ -370,11 +370,11 @@ static void plan_check(study *s, uint64_t *seed, deck *d) {
   for (int changed = 0; changed < 2; changed++) {
     k.change = changed ? change : NULL;
     at_point(d, &k, &k.delay, &k.slew);
-    add(d, &k);
+    deck_add(d, &k);
   }
 }
 
-static void judge(const deck *d, verdict *v) {
+static void deck_judge(const deck *d, verdict *v) {
   double delay[2], slew[2];
   for (int i = 0; i < 2; i++) at_point(d, &d->copy[i], &delay[i], &slew[i]);
   const copy *drawn = &d->copy[0], *other = &d->copy[1];
@@ -398,7 +398,7 @@ int cells_check(study *s, verdict *out, opc_error *error) {
   for (size_t i = 0; i < n; i++) plan_check(s, &seed, &p.deck[i]);
   int code = run_all(&p, error);
   *out = (verdict){0};
-  for (size_t i = 0; i < n && !code; i++) judge(&p.deck[i], out);
+  for (size_t i = 0; i < n && !code; i++) deck_judge(&p.deck[i], out);
   clear_decks(&p);
   free(p.deck);
   if (!out->points) return code;

@@ -85,8 +85,9 @@ static const eda_timing_arc *arc_of(const eda_timing_cell *c, size_t output,
 
 /* Return the arc of one input of the pair alone, with the other input at the
    level that makes this an arc. */
-static const eda_timing_arc *alone(const eda_timing_cell *c,
-                                   const eda_timing_pair *p, int second) {
+static const eda_timing_arc *pair_single_arc(const eda_timing_cell *c,
+                                             const eda_timing_pair *p,
+                                             int second) {
   size_t input = second ? p->second : p->first,
          other = second ? p->first : p->second;
   return arc_of(c, p->output, input,
@@ -139,7 +140,7 @@ static void plan_point(work *w, point *at) {
   const eda_timing_cell *c = w->cell;
   const eda_timing_pair *p = at->pair;
   int cause = !p->parallel;
-  const eda_timing_arc *arc = alone(c, p, cause);
+  const eda_timing_arc *arc = pair_single_arc(c, p, cause);
   double delay = fmax(0, arc->delay[grid_of(c, at->slew[cause])]),
          slew = arc->slew[grid_of(c, at->slew[cause])],
          after = delay * eda_timing_gap[at->gap],
@@ -170,7 +171,8 @@ static void plan_point(work *w, point *at) {
 
 /* Return the factor on the blend. With slow inputs the output may switch before
    them; the factor is then 1. */
-static double factor(double found, double gap, double cause, double other) {
+static double blend_factor(double found, double gap, double cause,
+                           double other) {
   return cause > 0 && other > 0 ? found / eda_timing_blend(gap, cause, other)
                                 : 1;
 }
@@ -180,16 +182,18 @@ static void take_point(work *w, const point *at) {
   const eda_timing_pair *p = at->pair;
   const copy *found = &w->deck[at->deck].copy[at->copy];
   int cause = !p->parallel;
-  const eda_timing_arc *by = alone(c, p, cause), *other = alone(c, p, !cause);
+  const eda_timing_arc *by = pair_single_arc(c, p, cause),
+                       *other = pair_single_arc(c, p, !cause);
   size_t own = grid_of(c, at->slew[cause]),
          others = grid_of(c, at->slew[!cause]),
          to = at->place * EDA_TIMING_GAPS + at->gap;
   double gap = eda_timing_gap[at->gap];
   p->delay[to] =
-      factor(found->delay, gap, by->delay[own], other->delay[others]);
-  p->slew[to] = factor(found->slew, gap, by->slew[own], other->slew[others]);
+      blend_factor(found->delay, gap, by->delay[own], other->delay[others]);
+  p->slew[to] =
+      blend_factor(found->slew, gap, by->slew[own], other->slew[others]);
   for (int k = 0; k < 2; k++) {
-    double alone_by = alone(c, p, k)->delay[grid_of(c, at->slew[k])],
+    double alone_by = pair_single_arc(c, p, k)->delay[grid_of(c, at->slew[k])],
            slew = c->at_slew[slew_of(c, at->slew[k])];
     p->at[k][at->slew[k]] = slew / fmax(alone_by, slew / SLOWEST);
   }
@@ -211,7 +215,7 @@ static int run_all(work *w, opc_error *error) {
   return OPC_OK;
 }
 
-static void clear(work *w) {
+static void work_clear(work *w) {
   for (size_t k = 0; k < w->count; k++) free(w->deck[k].copy);
   free(w->deck);
 }
@@ -230,7 +234,7 @@ static int measure_pairs(study *s, eda_timing_cell *c, opc_error *error) {
   }
   int code = run_all(&w, error);
   for (size_t i = 0; i < n && !code; i++) take_point(&w, &at[i]);
-  clear(&w);
+  work_clear(&w);
   free(at);
   return code;
 }
@@ -262,7 +266,7 @@ static int measure_pins(study *s, eda_timing_cell *c, opc_error *error) {
         c->pin_capacitance[found->point * EDA_CAPS + cap] =
             found->capacitance[cap];
     }
-  clear(&w);
+  work_clear(&w);
   return code;
 }
 

@@ -17,23 +17,23 @@
 /* Kinds of connection of a transistor to a net. */
 enum { AT_GATE = 1, AT_CHANNEL, AT_BULK };
 
-static uint64_t join(uint64_t a, uint64_t b) {
+static uint64_t hash_join(uint64_t a, uint64_t b) {
   return eda_random_mix(eda_random_mix(a) + EDA_RANDOM_STEP * (b + 1));
 }
 
 static uint64_t join_number(uint64_t a, double b) {
   uint64_t bits;
   memcpy(&bits, &b, sizeof bits);
-  return join(a, bits);
+  return hash_join(a, bits);
 }
 
 /* Return the colour of a part; drain and source are interchangeable. */
 static uint64_t colour_of(const part *p, const uint64_t *net) {
   uint64_t c = join_number(join_number(p->type, p->length), p->width);
-  c = join(join(c, net[p->gate]), net[p->bulk]);
-  return join(
-      join(c, eda_random_mix(net[p->drain]) + eda_random_mix(net[p->source])),
-      p->count);
+  c = hash_join(hash_join(c, net[p->gate]), net[p->bulk]);
+  return hash_join(hash_join(c, eda_random_mix(net[p->drain]) +
+                                    eda_random_mix(net[p->source])),
+                   p->count);
 }
 
 static int by_value(const void *a, const void *b) {
@@ -41,7 +41,7 @@ static int by_value(const void *a, const void *b) {
   return *x < *y ? -1 : *x > *y;
 }
 
-static size_t distinct(const uint64_t *net, size_t n) {
+static size_t count_distinct(const uint64_t *net, size_t n) {
   uint64_t *sorted = eda_alloc(n, sizeof *sorted);
   memcpy(sorted, net, n * sizeof *sorted);
   qsort(sorted, n, sizeof *sorted, by_value);
@@ -59,24 +59,24 @@ static void first_colours(const eda_timing_cell *c, uint64_t *net) {
 }
 
 /* Refine the colours. Only the first of joined nets is evaluated. */
-static void refine(const eda_timing_cell *c, const part *p, size_t n,
-                   const uint32_t *same, uint64_t *net) {
+static void colours_refine(const eda_timing_cell *c, const part *p, size_t n,
+                           const uint32_t *same, uint64_t *net) {
   const size_t nets = c->nets;
   uint64_t *said = eda_alloc(nets, sizeof *said);
   first_colours(c, net);
-  for (size_t before = 0, now = distinct(net, nets); now > before;) {
+  for (size_t before = 0, now = count_distinct(net, nets); now > before;) {
     memset(said, 0, nets * sizeof *said);
     for (size_t i = 0; i < n; i++) {
       uint64_t colour = colour_of(&p[i], net);
-      said[p[i].gate] += p[i].count * join(colour, AT_GATE);
-      said[p[i].drain] += p[i].count * join(colour, AT_CHANNEL);
-      said[p[i].source] += p[i].count * join(colour, AT_CHANNEL);
-      said[p[i].bulk] += p[i].count * join(colour, AT_BULK);
+      said[p[i].gate] += p[i].count * hash_join(colour, AT_GATE);
+      said[p[i].drain] += p[i].count * hash_join(colour, AT_CHANNEL);
+      said[p[i].source] += p[i].count * hash_join(colour, AT_CHANNEL);
+      said[p[i].bulk] += p[i].count * hash_join(colour, AT_BULK);
     }
     for (size_t i = 0; i < nets; i++)
-      net[i] = same[i] == i ? join(net[i], said[i]) : net[same[i]];
+      net[i] = same[i] == i ? hash_join(net[i], said[i]) : net[same[i]];
     before = now;
-    now = distinct(net, nets);
+    now = count_distinct(net, nets);
   }
   free(said);
 }
@@ -121,8 +121,8 @@ static void join_devices(eda_timing_cell *c, const uint64_t *net,
     c->device[i].share = 1.0 / r->part[c->device[i].bundle].count;
 }
 
-static uint32_t divisor(uint32_t a, uint32_t b) {
-  return b ? divisor(b, a % b) : a;
+static uint32_t common_divisor(uint32_t a, uint32_t b) {
+  return b ? common_divisor(b, a % b) : a;
 }
 
 static int by_colour(const void *a, const void *b) {
@@ -147,18 +147,18 @@ void cell_join(eda_pool *pool, eda_timing_cell *c, circuit *r) {
   for (uint32_t i = 0; i < c->nets; i++) same[i] = i;
   for (size_t i = 0; i < c->devices; i++)
     alone[i] = part_of(&c->device[i], same);
-  refine(c, alone, c->devices, same, net);
+  colours_refine(c, alone, c->devices, same, net);
   join_nets(c, net, same);
   r->part = eda_pool_alloc(pool, c->devices, sizeof *r->part);
   join_devices(c, net, same, r);
   uint32_t times = 0;
   for (size_t i = 0; i < r->parts; i++)
-    times = divisor(times, r->part[i].count);
+    times = common_divisor(times, r->part[i].count);
   for (size_t i = 0; times && i < r->parts; i++) r->part[i].count /= times;
   r->times = times;
   /* Colours of the reduced circuit; those above also contain the
      multiplicity. */
-  refine(c, r->part, r->parts, same, net);
+  colours_refine(c, r->part, r->parts, same, net);
   for (size_t i = 0; i < r->parts; i++)
     r->part[i].colour = colour_of(&r->part[i], net);
   sort_parts(c, r);

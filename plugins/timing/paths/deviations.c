@@ -87,11 +87,11 @@ void delays_clear(delays *d, size_t states) {
 
 /* ---- figures ---- */
 
-static int same(const delays *d, size_t s, size_t i) {
+static int path_same(const delays *d, size_t s, size_t i) {
   return d->arrival[s][i].path == d->arrival[0][i].path;
 }
 
-static double deviation(const delays *d, size_t s, size_t i) {
+static double arrival_deviation(const delays *d, size_t s, size_t i) {
   double drawn = d->arrival[0][i].time;
   return 100 * (d->arrival[s][i].time - drawn) / drawn;
 }
@@ -111,8 +111,8 @@ spread spread_of(const delays *d, size_t s) {
   spread r = {.lowest = (double)NAN, .highest = (double)NAN};
   double sum = 0, squares = 0, longest[2], shortest[2];
   for (size_t i = 0; i < d->count; i++) {
-    if (!same(d, s, i)) continue;
-    double x = deviation(d, s, i);
+    if (!path_same(d, s, i)) continue;
+    double x = arrival_deviation(d, s, i);
     r.compared++;
     sum += fabs(x);
     r.lowest = fmin(r.lowest, x);
@@ -120,8 +120,8 @@ spread spread_of(const delays *d, size_t s) {
   }
   r.mean = r.compared ? sum / (double)r.compared : (double)NAN;
   for (size_t i = 0; i < d->count; i++) {
-    double x = fabs(deviation(d, s, i)) - r.mean;
-    if (same(d, s, i)) squares += x * x;
+    double x = fabs(arrival_deviation(d, s, i)) - r.mean;
+    if (path_same(d, s, i)) squares += x * x;
   }
   if (r.compared > 1) r.stdv = sqrt(squares / (double)(r.compared - 1));
   find_ends(d, 0, &longest[0], &shortest[0]);
@@ -273,7 +273,7 @@ static void find_range(const delays *d, size_t states, double *low,
   for (size_t s = 1; s < states; s++) {
     size_t n = 0;
     for (size_t i = 0; i < d->count; i++)
-      if (same(d, s, i)) x[n++] = deviation(d, s, i);
+      if (path_same(d, s, i)) x[n++] = arrival_deviation(d, s, i);
     if (!n) continue;
     qsort(x, n, sizeof *x, by_value);
     *low = fmin(*low, x[n / OUTLIERS]);
@@ -301,8 +301,8 @@ int draw_histogram(const paths *p, const delays *d, const char *path,
   for (size_t s = 0; s < states; s++) {
     double unit = 100 / (double)spread_of(d, s + 1).compared;
     for (size_t i = 0; i < d->count; i++) {
-      if (!same(d, s + 1, i)) continue;
-      double at = (deviation(d, s + 1, i) - low) / step;
+      if (!path_same(d, s + 1, i)) continue;
+      double at = (arrival_deviation(d, s + 1, i) - low) / step;
       size_t b = at > 0 ? (size_t)at : 0;
       histogram *h = &bin[s * BINS + (b < BINS ? b : BINS - 1)];
       h->share += unit;

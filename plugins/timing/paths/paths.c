@@ -27,7 +27,7 @@ static int write_files(paths *p, opc_error *error) {
   return p->events ? tell_events(p, error) : OPC_OK;
 }
 
-static int simulate(paths *p, opc_error *error) {
+static int paths_simulate(paths *p, opc_error *error) {
   delays d = {0};
   const char *path = NULL;
   int code = delays_find(p, &d, error);
@@ -40,7 +40,7 @@ static int simulate(paths *p, opc_error *error) {
   return code;
 }
 
-static int run(void *self, void **outputs, opc_error *error) {
+static int paths_run(void *self, void **outputs, opc_error *error) {
   paths *p = self;
   (void)outputs;
   p->states = 0;
@@ -54,7 +54,7 @@ static int run(void *self, void **outputs, opc_error *error) {
   for (size_t s = 0; s < p->states && !code; s++)
     state_tables(&p->graph, p->at, &p->state[s]);
   if (!code) patterns_count(p);
-  if (!code) code = simulate(p, error);
+  if (!code) code = paths_simulate(p, error);
   if (!code) code = write_files(p, error);
   if (!code && p->spice) code = compare_with_spice(p, error);
   for (size_t s = 0; s < p->states; s++) state_clear(&p->state[s]);
@@ -144,7 +144,7 @@ static const opc_metric metrics[] = {
     COST("spice_deviation_max", "%", "the largest of them"),
 };
 
-static int check(void *self, opc_error *error) {
+static int paths_check(void *self, opc_error *error) {
   const paths *p = self;
   if (p->spice && !p->models[0])
     return opc_fail(error, OPC_INVALID, "models",
@@ -155,10 +155,10 @@ static int check(void *self, opc_error *error) {
 /* ---- entry ---- */
 
 /* The step runs ngspice, and the netlist may include other files. */
-static const opc_step functions = {.run = run, .flags = OPC_STEP_OUTSIDE};
+static const opc_step functions = {.run = paths_run, .flags = OPC_STEP_OUTSIDE};
 OPC_PLUGIN(paths, .id = "timing.paths", .kind = "step", .version = "0.2.0",
            .licence = "BSD-3-Clause",
            .summary = "path delays of a circuit as drawn and as printed",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), OPC_METRICS(metrics), .check = check,
-           OPC_FUNCTIONS(functions));
+           OPC_PARAMETERS(parameters), OPC_METRICS(metrics),
+           .check = paths_check, OPC_FUNCTIONS(functions));

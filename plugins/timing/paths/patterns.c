@@ -21,8 +21,8 @@ void patterns_count(paths *p) {
   p->patterns = p->all ? all : (size_t)p->transitions;
 }
 
-static void listed(const paths *p, size_t index, uint8_t *before,
-                   uint8_t *after) {
+static void pattern_listed(const paths *p, size_t index, uint8_t *before,
+                           uint8_t *after) {
   const size_t m = p->graph.inputs;
   size_t from, to;
   if (p->changes == SINGLE) {
@@ -46,7 +46,7 @@ void pattern_at(const paths *p, size_t index, uint8_t *before, uint8_t *after) {
   const size_t m = p->graph.inputs;
   if (!m) return;
   if (p->all) {
-    listed(p, index, before, after);
+    pattern_listed(p, index, before, after);
     return;
   }
   uint64_t seed = (uint64_t)p->seed;

@@ -168,8 +168,8 @@ static double arrival_of(const paths *p, const double *t, const double *v,
   return time;
 }
 
-static int take(referee *r, size_t sizes, size_t pattern, const waves *w,
-                const eda_spice_plot *plot) {
+static int referee_read_plot(referee *r, size_t sizes, size_t pattern,
+                             const waves *w, const eda_spice_plot *plot) {
   const paths *p = r->p;
   const graph *g = &p->graph;
   const eda_spice_vector *t = eda_spice_vector_find(plot, "time");
@@ -220,7 +220,8 @@ static void run_one(void *data, size_t index) {
              window, step);
     code = eda_spice_run(p->host->context, text, command, p->limit, &result,
                          &error);
-    if (!code) missing = take(r, sizes, pattern, &w, &result.plot[0]);
+    if (!code)
+      missing = referee_read_plot(r, sizes, pattern, &w, &result.plot[0]);
     eda_spice_clear(&result);
   }
   if (code) {
@@ -238,7 +239,7 @@ typedef struct sums {
   size_t lines;
 } sums;
 
-static sums compare(referee *r, size_t n, line *kept) {
+static sums referee_compare(referee *r, size_t n, line *kept) {
   sums s = {0};
   for (size_t i = 0; i < n; i++) {
     line *l = &r->line[i];
@@ -260,9 +261,9 @@ static sums compare(referee *r, size_t n, line *kept) {
   return s;
 }
 
-static int tell(referee *r, size_t n, opc_error *error) {
+static int referee_report(referee *r, size_t n, opc_error *error) {
   line *l = eda_pool_alloc(&r->p->pool, n + 1, sizeof *l);
-  sums s = compare(r, n, l);
+  sums s = referee_compare(r, n, l);
 #define PRINTED(name) (r->sizes > 1 ? (name) : NULL)
   const opc_metric_value values[] = {
       {"spice_delays", (double)s.lines},
@@ -299,7 +300,7 @@ int compare_with_spice(paths *p, opc_error *error) {
     code = r.code;
     if (code) *error = r.error;
   }
-  if (!code) code = tell(&r, n * p->graph.outputs, error);
+  if (!code) code = referee_report(&r, n * p->graph.outputs, error);
   for (size_t s = 0; s < r.sizes; s++) free(r.netlist[s]);
   free(r.cards);
   free(r.line);

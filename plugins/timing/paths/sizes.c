@@ -56,7 +56,7 @@ static void make_room(paths *p, state *s) {
   }
 }
 
-static int apply(paths *p, state *s, const printed *q, opc_error *error) {
+static int sizes_apply(paths *p, state *s, const printed *q, opc_error *error) {
   place *places = graph_places(&p->graph, p->circuit, error);
   if (!places) return error->code;
   make_room(p, s);
@@ -81,7 +81,7 @@ static int from_mask(paths *p, state *s, opc_error *error) {
   if (p->mask->gates != p->circuit->gates)
     return opc_fail(error, OPC_INVALID, "mask",
                     "the mask is of other gates than the circuit");
-  return apply(p, s, &q, error);
+  return sizes_apply(p, s, &q, error);
 }
 
 /* ---- from a table ---- */
@@ -143,7 +143,7 @@ static int from_table(paths *p, state *s, const char *path, opc_error *error) {
         GSIZE_TO_POINTER(i + 1));
   int code = take_rows(p, t, path, gates, &q, error);
   eda_table_free(t);
-  return code ? code : apply(p, s, &q, error);
+  return code ? code : sizes_apply(p, s, &q, error);
 }
 
 /* ---- from an experiment ---- */

@@ -83,8 +83,8 @@ static void find_load(gate *g, int rises, double time) {
 /* Return the factors on the delay and slew of a cause due to an input that
    changes `gap` earlier or later. `other`: values of that input alone. p: the
    pair; NULL if the other input changes only the path of the current. */
-static both factors(both alone, both other, const eda_timing_pair *p,
-                    double gap, double first, double second) {
+static both blend_factors(both alone, both other, const eda_timing_pair *p,
+                          double gap, double first, double second) {
   both f = {1, 1};
   if (p) eda_timing_pair_at(p, gap, first, second, &f.delay, &f.slew);
   f.delay *= eda_timing_blend(gap, alone.delay, other.delay) / alone.delay;
@@ -119,12 +119,12 @@ static void add_earlier(gate *g, size_t k) {
   if (p) {
     other = arc_alone(g, k, from ^ cause, e->slew);
     if (!(other.delay > 0)) return;
-    f = factors(g->alone, other, p, gap, e->slew / other.delay,
-                g->by.slew / g->alone.delay);
+    f = blend_factors(g->alone, other, p, gap, e->slew / other.delay,
+                      g->by.slew / g->alone.delay);
   } else {
     if (level_of(g, from) == level_of(g, from ^ cause)) return;
     other = arc_alone(g, (size_t)g->cause, from, g->by.slew);
-    f = factors(g->alone, other, NULL, fades * gap, 0, 0);
+    f = blend_factors(g->alone, other, NULL, fades * gap, 0, 0);
   }
   g->with.series.delay += f.delay - 1;
   g->with.series.slew += f.slew - 1;
@@ -142,13 +142,13 @@ static void add_later(gate *g, size_t k, const event *e) {
   if (p) {
     other = arc_alone(g, k, g->from, e->slew);
     if (!(other.delay > 0)) return;
-    f = factors(g->alone, other, p, gap, g->by.slew / g->alone.delay,
-                e->slew / other.delay);
+    f = blend_factors(g->alone, other, p, gap, g->by.slew / g->alone.delay,
+                      e->slew / other.delay);
   } else {
     uint32_t from = g->from ^ 1u << k;
     if (gap >= 1 || level_of(g, from) == level_of(g, from ^ cause)) return;
     other = arc_alone(g, (size_t)g->cause, from, g->by.slew);
-    f = factors(g->alone, other, NULL, gap, 0, 0);
+    f = blend_factors(g->alone, other, NULL, gap, 0, 0);
   }
   g->with.parallel.delay += 1 / f.delay - 1;
   g->with.parallel.slew += 1 / f.slew - 1;
@@ -165,7 +165,7 @@ static both with_others(const gate *g) {
 
 /* Start a transition of the output caused by an input; later inputs may modify
    the returned event. */
-static event start(gate *g, int cause, const event *e, uint32_t from) {
+static event event_start(gate *g, int cause, const event *e, uint32_t from) {
   int rises = !level_of(g, from);
   g->cause = cause;
   g->by = *e;
@@ -183,7 +183,7 @@ static event start(gate *g, int cause, const event *e, uint32_t from) {
 }
 
 /* Modify the pending transition for a further change of an input. */
-static void follow(gate *g, size_t first, size_t k, const event *e) {
+static void event_modify(gate *g, size_t first, size_t k, const event *e) {
   waves *w = g->w;
   if (g->cause < 0 || w->count == first || g->cause == (int)k) return;
   add_later(g, k, e);
@@ -206,12 +206,12 @@ void waves_by_slews(waves *w, const node *n, const state *s) {
     g.m.next[i]++;
     g.m.now ^= (uint32_t)1 << i;
     if (g.level[from] == g.level[g.m.now]) {
-      follow(&g, first, (size_t)i, &e);
+      event_modify(&g, first, (size_t)i, &e);
     } else if (w->count > first && w->event[w->count - 1].time > time) {
       w->count--;
       g.cause = -1;
     } else {
-      event out = start(&g, i, &e, from);
+      event out = event_start(&g, i, &e, from);
       if (w->count > first && out.time <= w->event[w->count - 1].time) {
         w->count--;
         g.cause = -1;

@@ -98,7 +98,7 @@ double budget_leak(const budget *b) {
 /* ---- arrivals ---- */
 
 /* Return the end of the latest path, net * 2 + rises. */
-static uint32_t latest(const budget *b, const arrivals *a) {
+static uint32_t latest_end(const budget *b, const arrivals *a) {
   const graph *g = b->g;
   uint32_t at = g->output[0] * 2;
   for (size_t o = 0; o < 2 * g->outputs; o++) {
@@ -111,7 +111,7 @@ static uint32_t latest(const budget *b, const arrivals *a) {
 double budget_worst(const budget *b) {
   eda_pool pool = {0};
   arrivals a = static_arrivals(b->g, &b->sizes, b->at.slew, &pool);
-  double worst = a.time[latest(b, &a)];
+  double worst = a.time[latest_end(b, &a)];
   eda_pool_clear(&pool);
   return worst;
 }
@@ -149,8 +149,8 @@ double *budget_slack(const budget *b) {
 
 /* Return the difference of two delays at a slew (ps), from their rows over the
    slews of the grid, in ps. */
-static double differ(const eda_timing_cell *c, const double *a, const double *b,
-                     double slew) {
+static double delay_difference(const eda_timing_cell *c, const double *a,
+                               const double *b, double slew) {
   double row[EDA_TIMING_GRID], coefficient[EDA_TIMING_POWERS * EDA_TIMING_GRID];
   for (size_t i = 0; i < c->slews; i++) row[i] = a[i] - b[i];
   eda_timing_cubic(c->at_slew, row, c->slews, coefficient);
@@ -178,7 +178,7 @@ static void gain_of_cell(const budget *b, const node *n, size_t arc,
     eda_timing_at(c, &c->arc[arc], load[EDA_CAP_DELAY], load[EDA_CAP_SLEW],
                   change, moved, out);
     unit_change(change, k, 0);
-    gain[b->first[n->instance] + k] += differ(c, moved, drawn, slew);
+    gain[b->first[n->instance] + k] += delay_difference(c, moved, drawn, slew);
   }
   free(change);
 }
@@ -203,7 +203,7 @@ static void gain_of_load(const budget *b, const node *n, size_t arc,
                 change, low, out);
   eda_timing_at(c, &c->arc[arc], load[EDA_CAP_DELAY] + step, load[EDA_CAP_SLEW],
                 change, high, out);
-  double by_load = differ(c, high, low, slew) / step;
+  double by_load = delay_difference(c, high, low, slew) / step;
   for (uint32_t i = b->pins_of[n->net]; i < b->pins_of[n->net + 1]; i++) {
     const node *m = &b->g->node[b->pin[i].node];
     const eda_timing_cell *d = m->cell;
@@ -242,7 +242,7 @@ static size_t latest_arc(const budget *b, const arrivals *a, const node *n,
    for all choices, and static analysis checks each step. */
 static void find_gain(const budget *b, const arrivals *a, double *gain) {
   for (size_t i = 0; i < b->count; i++) gain[i] = 0;
-  for (uint32_t at = latest(b, a); a->from[at] != UINT32_MAX;
+  for (uint32_t at = latest_end(b, a); a->from[at] != UINT32_MAX;
        at = a->from[at]) {
     const node *n = &b->g->node[b->driver[at / 2]];
     uint32_t from = a->from[at];
@@ -280,7 +280,7 @@ static choice *best_down(const budget *b, const double *gain) {
 static int speed_up(budget *b, double *gain) {
   eda_pool pool = {0};
   arrivals a = static_arrivals(b->g, &b->sizes, b->at.slew, &pool);
-  double late = a.time[latest(b, &a)] - b->limit, won = 0;
+  double late = a.time[latest_end(b, &a)] - b->limit, won = 0;
   int any = !(late > 0);
   if (!any) find_gain(b, &a, gain);
   eda_pool_clear(&pool);

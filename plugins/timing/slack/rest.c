@@ -36,8 +36,8 @@ static int is_on(const eda_timing_device *d, const uint8_t *level) {
 
 /* Propagate a level through a conducting channel. Returns 1 if the level of
    `to` is new. */
-static int pass(const eda_timing_device *d, uint32_t from, uint32_t to,
-                int weakly_too, levels *v) {
+static int level_propagate(const eda_timing_device *d, uint32_t from,
+                           uint32_t to, int weakly_too, levels *v) {
   int weak = v->weak[from] || v->of[from] == (d->type == EDA_NMOS ? HIGH : LOW);
   if (v->of[from] == FLOATS || v->of[to] != FLOATS || (weak && !weakly_too))
     return 0;
@@ -60,14 +60,14 @@ static void find_levels(const eda_timing_cell *c, uint32_t pattern, levels *v) {
       for (size_t i = 0; i < c->devices; i++) {
         const eda_timing_device *d = &c->device[i];
         if (!is_on(d, v->of)) continue;
-        news |= pass(d, d->drain, d->source, too, v);
-        news |= pass(d, d->source, d->drain, too, v);
+        news |= level_propagate(d, d->drain, d->source, too, v);
+        news |= level_propagate(d, d->source, d->drain, too, v);
       }
     }
 }
 
 /* Return the leakage of a transistor as a fraction of its Ioff. */
-static double leaks(const eda_timing_device *d, const levels *v) {
+static double device_leakage(const eda_timing_device *d, const levels *v) {
   uint8_t gate = v->of[d->gate];
   if (gate == FLOATS || is_on(d, v->of)) return 0;
   if (v->of[d->drain] + v->of[d->source] != LOW + HIGH) return 0;
@@ -82,7 +82,8 @@ typedef struct tally {
   uint32_t *times;
 } tally;
 
-static void count(const graph *g, uint8_t *level, const tally *tallies) {
+static void pattern_count(const graph *g, uint8_t *level,
+                          const tally *tallies) {
   for (size_t i = 0; i < g->nodes; i++) {
     const node *n = &g->node[i];
     uint32_t pattern = 0;
@@ -102,7 +103,7 @@ static void add_shares(const budget *b, const tally *t, size_t patterns,
     find_levels(c, k, &v);
     for (size_t d = 0; d < c->devices; d++)
       share[b->first[t->node->instance] + c->device[d].bundle] +=
-          leaks(&c->device[d], &v) * c->device[d].share * t->times[k] /
+          device_leakage(&c->device[d], &v) * c->device[d].share * t->times[k] /
           (double)patterns;
   }
   free(v.of);
@@ -127,7 +128,7 @@ double *rest_shares(const budget *b) {
   for (size_t i = 0; i < patterns; i++) {
     for (size_t k = 0; k < g->inputs; k++)
       level[g->input[k]] = all ? i >> k & 1 : eda_random_draw(&seed) >> 63;
-    count(g, level, tallies);
+    pattern_count(g, level, tallies);
   }
   double *share = eda_alloc(b->count, sizeof *share);
   for (size_t i = 0; i < g->instances; i++)

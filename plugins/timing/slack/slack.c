@@ -43,7 +43,7 @@ typedef struct job {
 
 /* ---- work: effect of a length ---- */
 
-static double current(const slack *s, size_t gate, int which, double by) {
+static double gate_current(const slack *s, size_t gate, int which, double by) {
   const eda_gates *g = s->circuit->gates;
   eda_curves_width w = eda_curves_among(&s->curves, g->width[gate]);
   return g->width[gate] *
@@ -52,11 +52,11 @@ static double current(const slack *s, size_t gate, int which, double by) {
 }
 
 /* Return ln of the largest allowed length of a gate over its drawn length. */
-static double longest(const slack *s, size_t gate) {
+static double gate_longest(const slack *s, size_t gate) {
   const eda_gates *g = s->circuit->gates;
   eda_curves_width w = eda_curves_among(&s->curves, g->width[gate]);
-  double wanted =
-      log(current(s, gate, EDA_ION, 0) / g->width[gate] * (1 - s->ion / 100));
+  double wanted = log(gate_current(s, gate, EDA_ION, 0) / g->width[gate] *
+                      (1 - s->ion / 100));
   double l = eda_curves_narrow_length(&s->curves, g->type[gate], EDA_ION,
                                       wanted, &w, g->length[gate]);
   l = fmin(l, eda_curves_longest(&s->curves));
@@ -101,7 +101,8 @@ static int fill_choices(job *j, opc_error *error) {
   for (size_t i = 0; i < c->gates->count; i++) {
     if (j->of[i] == NO_CHOICE) continue;
     double *most = &b->choice[j->of[i]].length[LEVELS];
-    double here = eda_gates_goal(c->gates, i).given ? NEVER : longest(s, i);
+    double here =
+        eda_gates_goal(c->gates, i).given ? NEVER : gate_longest(s, i);
     *most = *most == 0 ? here : fmin(*most, here);
   }
   for (size_t i = 0; i < b->count; i++) {
@@ -115,7 +116,7 @@ static int fill_choices(job *j, opc_error *error) {
     for (int level = 0; level <= LEVELS && j->of[i] != NO_CHOICE; level++) {
       choice *k = &b->choice[j->of[i]];
       k->leak[level] +=
-          share[j->of[i]] * current(s, i, EDA_IOFF, k->length[level]);
+          share[j->of[i]] * gate_current(s, i, EDA_IOFF, k->length[level]);
     }
   free(share);
   return OPC_OK;
@@ -132,7 +133,7 @@ static void free_gates(void *object) {
 static void free_circuit(void *object) { free(object); }
 
 /* Return the length increase of a gate, ln. */
-static double longer(const job *j, size_t gate) {
+static double gate_increase(const job *j, size_t gate) {
   if (j->of[gate] == NO_CHOICE) return 0;
   const choice *c = &j->budget.choice[j->of[gate]];
   return c->length[c->level];
@@ -144,13 +145,15 @@ static double wish_round(double factor) { return round(factor * 1e6) / 1e6; }
 
 static eda_goal wish_of(const job *j, size_t gate) {
   const slack *s = j->s;
-  double by = longer(j, gate);
+  double by = gate_increase(j, gate);
   return (eda_goal){
       .weight = s->weight,
-      .target = {[EDA_GOAL_ION] = wish_round(current(s, gate, EDA_ION, by) /
-                                             current(s, gate, EDA_ION, 0)),
-                 [EDA_GOAL_IOFF] = wish_round(current(s, gate, EDA_IOFF, by) /
-                                              current(s, gate, EDA_IOFF, 0)),
+      .target = {[EDA_GOAL_ION] =
+                     wish_round(gate_current(s, gate, EDA_ION, by) /
+                                gate_current(s, gate, EDA_ION, 0)),
+                 [EDA_GOAL_IOFF] =
+                     wish_round(gate_current(s, gate, EDA_IOFF, by) /
+                                gate_current(s, gate, EDA_IOFF, 0)),
                  [EDA_GOAL_AREA] = wish_round(exp(by))},
       .given = 1};
 }
@@ -163,7 +166,8 @@ static eda_gates *with_wishes(const job *j) {
   g->serial = 0;
   g->goal = eda_alloc(g->count, sizeof *g->goal);
   for (size_t i = 0; i < g->count; i++)
-    g->goal[i] = longer(j, i) > 0 ? wish_of(j, i) : eda_gates_goal(from, i);
+    g->goal[i] =
+        gate_increase(j, i) > 0 ? wish_of(j, i) : eda_gates_goal(from, i);
   return g;
 }
 
@@ -179,7 +183,7 @@ static int tell_wishes(const job *j, opc_error *error) {
   wished *row = eda_alloc(g->count, sizeof *row);
   size_t n = 0;
   for (size_t i = 0; i < g->count; i++) {
-    if (!(longer(j, i) > 0)) continue;
+    if (!(gate_increase(j, i) > 0)) continue;
     eda_goal w = wish_of(j, i);
     row[n++] = (wished){
         .name = g_strdup_printf("%s:%u", eda_gates_owner(g, i), g->number[i]),
@@ -240,12 +244,12 @@ static int tell_instances(const job *j, const double *after, opc_error *error) {
   return code;
 }
 
-static int tell(const job *j, opc_error *error) {
+static int slack_report(const job *j, opc_error *error) {
   const budget *b = &j->budget;
   const eda_gates *g = j->s->circuit->gates;
   double slower = 0, most = 0, leak = budget_leak(b), worst = budget_worst(b);
   for (size_t i = 0; i < g->count; i++) {
-    double by = longer(j, i);
+    double by = gate_increase(j, i);
     slower += by > 0;
     most = fmax(most, g->length[i] * (exp(by) - 1));
   }
@@ -263,7 +267,7 @@ static int tell(const job *j, opc_error *error) {
 
 /* ---- work: all ---- */
 
-static int spend(job *j, opc_error *error) {
+static int slack_spend(job *j, opc_error *error) {
   const slack *s = j->s;
   budget *b = &j->budget;
   b->at = s->at;
@@ -278,14 +282,14 @@ static int spend(job *j, opc_error *error) {
                     "%.3f ps are allowed",
                     j->graph.name, j->worst, b->limit);
   double *after = budget_slack(b);
-  int code = tell(j, error);
+  int code = slack_report(j, error);
   if (!code) code = tell_wishes(j, error);
   if (!code) code = tell_instances(j, after, error);
   free(after);
   return code;
 }
 
-static int run(void *self, void **outputs, opc_error *error) {
+static int slack_run(void *self, void **outputs, opc_error *error) {
   slack *s = self;
   job j = {.s = s};
   int code = eda_curves_read(&s->curves, s->devices, error);
@@ -297,7 +301,7 @@ static int run(void *self, void **outputs, opc_error *error) {
     code = fill_choices(&j, error);
   }
   if (!code) {
-    code = spend(&j, error);
+    code = slack_spend(&j, error);
     budget_clear(&j.budget);
     free(j.drawn);
   }
@@ -313,7 +317,9 @@ static int run(void *self, void **outputs, opc_error *error) {
   return code;
 }
 
-static void clear(void *self) { eda_curves_clear(&((slack *)self)->curves); }
+static void slack_clear(void *self) {
+  eda_curves_clear(&((slack *)self)->curves);
+}
 
 /* ---- parameters ---- */
 
@@ -376,7 +382,7 @@ static const opc_port outputs[] = {{.name = "gates",
                                     .release = free_circuit}};
 
 /* The netlist may include other files. */
-static const opc_step functions = {OPC_OUTPUTS(outputs), .run = run,
+static const opc_step functions = {OPC_OUTPUTS(outputs), .run = slack_run,
                                    .flags = OPC_STEP_OUTSIDE};
 OPC_PLUGIN(slack, .id = "timing.slack", .kind = "step", .version = "0.1.0",
            .licence = "BSD-3-Clause",
@@ -384,5 +390,5 @@ OPC_PLUGIN(slack, .id = "timing.slack", .kind = "step", .version = "0.1.0",
                "targets of transistors with timing slack, for less "
                "leakage",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), OPC_METRICS(metrics), .clear = clear,
-           OPC_FUNCTIONS(functions));
+           OPC_PARAMETERS(parameters), OPC_METRICS(metrics),
+           .clear = slack_clear, OPC_FUNCTIONS(functions));

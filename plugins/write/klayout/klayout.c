@@ -189,7 +189,7 @@ static int put_sheet(klayout *k, size_t i, const contours *found, target *t,
 
 /* Return the units of the file per step of the mask's grid, within the range of
    coordinates. */
-static int32_t fineness(const eda_gates *g) {
+static int32_t grid_fineness(const eda_gates *g) {
   const double most = 1 << 29;
   const eda_box *e = &g->extent;
   double far = fmax(fmax(fabs((double)e->x0), fabs((double)e->x1)),
@@ -200,7 +200,7 @@ static int32_t fineness(const eda_gates *g) {
 
 static eda_layout *sheet_build(klayout *k, opc_error *error) {
   const eda_gates *g = k->mask->gates;
-  target t = {.times = fineness(g)};
+  target t = {.times = grid_fineness(g)};
   t.unit = g->grid / t.times;
   t.layout = eda_layout_new(t.unit, error);
   if (!t.layout) return NULL;

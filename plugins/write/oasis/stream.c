@@ -93,7 +93,7 @@ static void put_text(void *self, eda_point at, const char *text) {
 /* ---- work: placements ---- */
 
 /* Return the multiple of a right angle, 0 to 3, or -1. */
-static int quarters(double angle) {
+static int angle_quarters(double angle) {
   for (int i = 0; i < 4; i++)
     if (angle == 90 * i) return i;
   return -1;
@@ -130,7 +130,7 @@ static void put_placement(void *self, int32_t child, const char *child_name,
                           const eda_placement *p, const char *name) {
   oasis *w = self;
   eda_oasis *out = w->out;
-  int turns = quarters(p->angle), array = p->columns > 1 || p->rows > 1;
+  int turns = angle_quarters(p->angle), array = p->columns > 1 || p->rows > 1;
   int plain = p->magnification == 1 && turns >= 0;
   uint32_t info = 0xf0 | (array ? 8u : 0) | (p->mirror ? 1u : 0);
   (void)child_name;

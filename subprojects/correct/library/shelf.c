@@ -28,7 +28,7 @@ static const char tables[] =
 
 /* ---- errors ---- */
 
-static int fail(const shelf *s, opc_error *error) {
+static int shelf_fail(const shelf *s, opc_error *error) {
   int code = sqlite3_errcode(s->db) & 0xff;
   if (code == SQLITE_BUSY || code == SQLITE_LOCKED)
     return opc_fail(error, OPC_IO, NULL,
@@ -47,23 +47,25 @@ static int fail(const shelf *s, opc_error *error) {
                   sqlite3_errmsg(s->db));
 }
 
-static int execute(const shelf *s, const char *sql, opc_error *error) {
+static int shelf_execute(const shelf *s, const char *sql, opc_error *error) {
   return sqlite3_exec(s->db, sql, NULL, NULL, NULL) == SQLITE_OK
              ? OPC_OK
-             : fail(s, error);
+             : shelf_fail(s, error);
 }
 
-static int prepare(const shelf *s, const char *sql, sqlite3_stmt **out,
-                   opc_error *error) {
+static int shelf_prepare(const shelf *s, const char *sql, sqlite3_stmt **out,
+                         opc_error *error) {
   *out = NULL;
   return sqlite3_prepare_v2(s->db, sql, -1, out, NULL) == SQLITE_OK
              ? OPC_OK
-             : fail(s, error);
+             : shelf_fail(s, error);
 }
 
 /* The end of a statement that changes something. */
-static int finish(const shelf *s, sqlite3_stmt *statement, opc_error *error) {
-  int code = sqlite3_step(statement) == SQLITE_DONE ? OPC_OK : fail(s, error);
+static int statement_finish(const shelf *s, sqlite3_stmt *statement,
+                            opc_error *error) {
+  int code =
+      sqlite3_step(statement) == SQLITE_DONE ? OPC_OK : shelf_fail(s, error);
   (void)sqlite3_finalize(statement);
   return code;
 }
@@ -78,8 +80,9 @@ char *shelf_place(void) {
 static int get_number(const shelf *s, const char *sql, gint64 *out,
                       opc_error *error) {
   sqlite3_stmt *statement;
-  int code = prepare(s, sql, &statement, error);
-  if (!code && sqlite3_step(statement) != SQLITE_ROW) code = fail(s, error);
+  int code = shelf_prepare(s, sql, &statement, error);
+  if (!code && sqlite3_step(statement) != SQLITE_ROW)
+    code = shelf_fail(s, error);
   if (!code) *out = sqlite3_column_int64(statement, 0);
   (void)sqlite3_finalize(statement);
   return code;
@@ -88,20 +91,20 @@ static int get_number(const shelf *s, const char *sql, gint64 *out,
 /* An empty database becomes a library; two processes may try at once. */
 static int make_tables(const shelf *s, opc_error *error) {
   gint64 there;
-  int code = execute(s, "BEGIN IMMEDIATE", error);
+  int code = shelf_execute(s, "BEGIN IMMEDIATE", error);
   if (code) return code;
   code = get_number(s, "SELECT count(*) FROM sqlite_schema", &there, error);
   if (!code && !there) {
     g_autofree char *head =
         g_strdup_printf("PRAGMA application_id=%d; PRAGMA user_version=%d; %s",
                         APPLICATION, VERSION, tables);
-    code = execute(s, head, error);
+    code = shelf_execute(s, head, error);
   }
   opc_error unheard = {0};
   if (code)
-    (void)execute(s, "ROLLBACK", &unheard);
+    (void)shelf_execute(s, "ROLLBACK", &unheard);
   else
-    code = execute(s, "COMMIT", error);
+    code = shelf_execute(s, "COMMIT", error);
   return code;
 }
 
@@ -136,7 +139,7 @@ shelf *shelf_open(const char *path, gboolean make, opc_error *error) {
   int flags = SQLITE_OPEN_READWRITE | (make ? SQLITE_OPEN_CREATE : 0);
   int code = sqlite3_open_v2(path, &s->db, flags, NULL) == SQLITE_OK
                  ? OPC_OK
-                 : fail(s, error);
+                 : shelf_fail(s, error);
   if (!code) (void)sqlite3_busy_timeout(s->db, PATIENCE);
   if (!code) code = look_at_head(s, make, error);
   if (!code) return s;
@@ -164,10 +167,10 @@ static void bind_text(sqlite3_stmt *statement, int at, const char *text) {
 int shelf_put(shelf *s, const shelf_row *row, GVariant *data,
               opc_error *error) {
   sqlite3_stmt *put;
-  int code = prepare(s,
-                     "INSERT OR REPLACE INTO cell VALUES"
-                     "(?,?,?,?,?,?,?,?,?,?,?,?,?,?)",
-                     &put, error);
+  int code = shelf_prepare(s,
+                           "INSERT OR REPLACE INTO cell VALUES"
+                           "(?,?,?,?,?,?,?,?,?,?,?,?,?,?)",
+                           &put, error);
   if (code) return code;
   gsize size = g_variant_get_size(data);
   const void *bytes = g_variant_get_data(data);
@@ -183,7 +186,7 @@ int shelf_put(shelf *s, const shelf_row *row, GVariant *data,
   (void)sqlite3_bind_double(put, 12, row->seconds);
   bind_text(put, 13, sum);
   (void)sqlite3_bind_blob64(put, 14, bytes, size, SQLITE_TRANSIENT);
-  return finish(s, put, error);
+  return statement_finish(s, put, error);
 }
 
 /* Return the data of the columns `at` (hash) and `at` + 1 (data), or NULL if
@@ -207,7 +210,8 @@ int shelf_get(shelf *s, const char *key, const GVariantType *type,
   sqlite3_stmt *get;
   *out = NULL;
   *damaged = FALSE;
-  int code = prepare(s, "SELECT sum, data FROM cell WHERE key=?", &get, error);
+  int code =
+      shelf_prepare(s, "SELECT sum, data FROM cell WHERE key=?", &get, error);
   if (code) return code;
   bind_text(get, 1, key);
   int found = sqlite3_step(get);
@@ -215,7 +219,7 @@ int shelf_get(shelf *s, const char *key, const GVariantType *type,
     *out = read_data(get, 0, type);
     *damaged = !*out;
   } else if (found != SQLITE_DONE) {
-    code = fail(s, error);
+    code = shelf_fail(s, error);
   }
   (void)sqlite3_finalize(get);
   return code;
@@ -246,15 +250,15 @@ int shelf_each(shelf *s, const GVariantType *type, shelf_visit *visit,
                void *self, opc_error *error) {
   sqlite3_stmt *all;
   int found = SQLITE_DONE;
-  int code =
-      prepare(s, "SELECT * FROM cell ORDER BY cell, made, key", &all, error);
+  int code = shelf_prepare(s, "SELECT * FROM cell ORDER BY cell, made, key",
+                           &all, error);
   while (!code && (found = sqlite3_step(all)) == SQLITE_ROW) {
     shelf_row row = row_at(all);
     GVariant *data = type ? read_data(all, 12, type) : NULL;
     code = visit(self, &row, data, error);
     if (data) g_variant_unref(data);
   }
-  if (!code && found != SQLITE_DONE) code = fail(s, error);
+  if (!code && found != SQLITE_DONE) code = shelf_fail(s, error);
   (void)sqlite3_finalize(all);
   return code;
 }
@@ -263,29 +267,29 @@ int shelf_remove(shelf *s, GHashTable *keys, opc_error *error) {
   GHashTableIter each;
   gpointer key;
   sqlite3_stmt *gone;
-  int code = execute(s, "BEGIN IMMEDIATE", error);
+  int code = shelf_execute(s, "BEGIN IMMEDIATE", error);
   if (code) return code;
   g_hash_table_iter_init(&each, keys);
   while (!code && g_hash_table_iter_next(&each, &key, NULL)) {
-    code = prepare(s, "DELETE FROM cell WHERE key=?", &gone, error);
+    code = shelf_prepare(s, "DELETE FROM cell WHERE key=?", &gone, error);
     if (code) break;
     bind_text(gone, 1, key);
-    code = finish(s, gone, error);
+    code = statement_finish(s, gone, error);
   }
   opc_error unheard = {0};
   if (code)
-    (void)execute(s, "ROLLBACK", &unheard);
+    (void)shelf_execute(s, "ROLLBACK", &unheard);
   else
-    code = execute(s, "COMMIT", error);
-  return code ? code : execute(s, "VACUUM", error);
+    code = shelf_execute(s, "COMMIT", error);
+  return code ? code : shelf_execute(s, "VACUUM", error);
 }
 
 int shelf_check(shelf *s, opc_error *error) {
   sqlite3_stmt *check;
-  int code = prepare(s, "PRAGMA integrity_check(1)", &check, error);
+  int code = shelf_prepare(s, "PRAGMA integrity_check(1)", &check, error);
   if (code) return code;
   if (sqlite3_step(check) != SQLITE_ROW)
-    code = fail(s, error);
+    code = shelf_fail(s, error);
   else if (strcmp(text_at(check, 0), "ok") != 0)
     code = opc_fail(error, OPC_IO, NULL, "'%s' is damaged: %s", s->path,
                     text_at(check, 0));

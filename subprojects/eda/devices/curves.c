@@ -352,8 +352,9 @@ double eda_curves_least_share(const eda_curves *c, int type, int k,
 
 /* Return the length between two lengths at which a falling curve has a
    value. */
-static double crossing(const eda_curves *c, int type, int k, double logarithm,
-                       const eda_curves_width *w, double low, double high) {
+static double curve_crossing(const eda_curves *c, int type, int k,
+                             double logarithm, const eda_curves_width *w,
+                             double low, double high) {
   double sign = eda_curves_narrow_at(c, type, k, low, w) > logarithm ? 1 : -1;
   for (int i = 0; i < MOST_TRIES && high - low > 1e-11 * high; i++) {
     double middle = (low + high) / 2;
@@ -367,16 +368,17 @@ static double crossing(const eda_curves *c, int type, int k, double logarithm,
 }
 
 /* Search step by step from a length for the nearest length with the current. */
-static double nearest(const eda_curves *c, int type, int k, double logarithm,
-                      const eda_curves_width *w, double near) {
+static double nearest_length(const eda_curves *c, int type, int k,
+                             double logarithm, const eda_curves_width *w,
+                             double near) {
   const double step = 1, most = 200; /* nm; larger distances are meaningless */
   int is_more = eda_curves_narrow_at(c, type, k, near, w) > logarithm;
   for (double far = step; far <= most; far += step)
     for (int side = -1; side < 2; side += 2) {
       double at = near + side * far, before = at - side * step;
       if ((eda_curves_narrow_at(c, type, k, at, w) > logarithm) != is_more)
-        return crossing(c, type, k, logarithm, w, fmin(at, before),
-                        fmax(at, before));
+        return curve_crossing(c, type, k, logarithm, w, fmin(at, before),
+                              fmax(at, before));
     }
   return near;
 }
@@ -387,10 +389,10 @@ double eda_curves_narrow_length(const eda_curves *c, int type, int k,
   const struct eda_curve *low = of_width(c, w->low, type, k),
                          *high = of_width(c, w->low + 1, type, k);
   if (!w->is_wide && low->falls && high->falls)
-    return crossing(c, type, k, logarithm, w,
-                    least_part * eda_curves_shortest(c),
-                    most_part * eda_curves_longest(c));
+    return curve_crossing(c, type, k, logarithm, w,
+                          least_part * eda_curves_shortest(c),
+                          most_part * eda_curves_longest(c));
   if (w->is_wide && c->exact[type * EDA_CURRENTS + k].falls)
     return eda_curves_length(c, type, k, logarithm);
-  return nearest(c, type, k, logarithm, w, near);
+  return nearest_length(c, type, k, logarithm, w, near);
 }

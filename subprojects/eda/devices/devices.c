@@ -44,7 +44,7 @@ static gboolean wrong(reader *r, const yaml_mark_t *at, const char *format,
 }
 
 /* Return the code and fill the error with the collected faults. */
-static int settle(reader *r, const char *path, opc_error *error) {
+static int end_read(reader *r, const char *path, opc_error *error) {
   if (!r->faults) return OPC_OK;
   char more[32] = "";
   if (r->faults > 1)
@@ -54,7 +54,7 @@ static int settle(reader *r, const char *path, opc_error *error) {
 }
 
 /* Return ", did you mean '...'?" for a similar word, or "". */
-static char *suggestion(const char *word, const char *const *known) {
+static char *similar_word(const char *word, const char *const *known) {
   const char *best = eda_nearest(word, known);
   return best ? g_strdup_printf(", did you mean '%s'?", best) : g_strdup("");
 }
@@ -105,7 +105,7 @@ static void check_keys(reader *r, const yaml_node_t *map,
     else
       g_hash_table_insert(seen, (char *)text_of(key), key);
     if (g_strv_contains(known, text_of(key))) continue;
-    g_autofree char *hint = suggestion(text_of(key), known);
+    g_autofree char *hint = similar_word(text_of(key), known);
     wrong(r, &key->start_mark, "unknown key '%s'%s", text_of(key), hint);
   }
 }
@@ -181,7 +181,7 @@ static const unit *check_unit(reader *r, const yaml_mark_t *at, const char *key,
   } else {
     const char *names[G_N_ELEMENTS(units) + 1] = {NULL};
     for (size_t i = 0; i < G_N_ELEMENTS(units); i++) names[i] = units[i].name;
-    g_autofree char *hint = suggestion(name, names);
+    g_autofree char *hint = similar_word(name, names);
     wrong(r, at, "unknown unit '%s' in '%s'%s", name, text, hint);
   }
   return NULL;
@@ -497,7 +497,7 @@ static void read_table(reader *r, const yaml_node_t *root) {
 
 /* Return where the parser stopped. For invalid bytes the parser knows the
    offset, but no line. */
-static yaml_mark_t place(const yaml_parser_t *parser, const char *text) {
+static yaml_mark_t parser_place(const yaml_parser_t *parser, const char *text) {
   yaml_mark_t at = parser->problem_mark;
   if (parser->error != YAML_READER_ERROR) return at;
   at = (yaml_mark_t){0};
@@ -516,7 +516,7 @@ static gboolean next_document(reader *r, yaml_parser_t *parser,
     *root = yaml_document_get_root_node(&r->document);
     return TRUE;
   }
-  yaml_mark_t at = place(parser, text);
+  yaml_mark_t at = parser_place(parser, text);
   return wrong(r, &at, "not YAML: %s%s%s", parser->problem,
                parser->context ? " " : "",
                parser->context ? parser->context : "");
@@ -567,7 +567,7 @@ eda_devices *eda_devices_read(const char *path, opc_error *error) {
       "^(([+-]?(?:[0-9]+\\.?[0-9]*|\\.[0-9]+))(?:[eE]([+-]?[0-9]+))?) *(.*)$",
       G_REGEX_DOTALL | G_REGEX_RAW, 0, NULL);
   read_text(&r, text, n);
-  int code = settle(&r, path, error);
+  int code = end_read(&r, path, error);
   g_regex_unref(r.number);
   g_free(r.fault);
   if (!code) return r.first;

@@ -111,7 +111,7 @@ static void text_of(const eda_axis *a, double value, char text[48]) {
 
 /* Return the largest width of the texts at an axis; labels take at most a
    quarter of the paper. */
-static double widest(const eda_paper *p, const eda_axis *a) {
+static double widest_text(const eda_paper *p, const eda_axis *a) {
   double tick[TICKS], out = 0;
   size_t n = a->label ? a->labels : find_ticks(a, tick);
   for (size_t i = 0; i < n; i++) {
@@ -125,7 +125,7 @@ static double widest(const eda_paper *p, const eda_axis *a) {
 }
 
 double eda_axis_width(const eda_paper *p, const eda_axis *a) {
-  return widest(p, a) + (a->title ? 2.6 : 1.4) * p->font;
+  return widest_text(p, a) + (a->title ? 2.6 : 1.4) * p->font;
 }
 
 static void grid_line(const eda_chart *c, double x0, double y0, double x1,
@@ -178,7 +178,7 @@ static void mark_axis(const eda_chart *c, const eda_axis *a, double length,
   }
 }
 
-static void frame(const eda_chart *c, double left, double width) {
+static void draw_frame(const eda_chart *c, double left, double width) {
   cairo_t *cairo = c->paper->cairo;
   cairo_set_line_width(cairo, 1);
   cairo_rectangle(cairo, floor(left) - 0.5, floor(c->top) - 0.5,
@@ -190,7 +190,7 @@ static void title_of_y(const eda_chart *c) {
   cairo_t *cairo = c->paper->cairo;
   cairo_save(cairo);
   cairo_translate(cairo,
-                  c->left - widest(c->paper, &c->y) - 1.3 * c->paper->font,
+                  c->left - widest_text(c->paper, &c->y) - 1.3 * c->paper->font,
                   c->top + c->height / 2);
   cairo_rotate(cairo, -M_PI / 2);
   eda_text(c->paper, 0, 0, EDA_MIDDLE, c->paper->height, c->y.title);
@@ -199,7 +199,8 @@ static void title_of_y(const eda_chart *c) {
 
 void eda_chart_axes(const eda_chart *c) {
   double font = c->paper->font, bottom = c->top + c->height;
-  mark_axis(c, &c->x, c->width, widest(c->paper, &c->x) + 0.6 * font, mark_x);
+  mark_axis(c, &c->x, c->width, widest_text(c->paper, &c->x) + 0.6 * font,
+            mark_x);
   mark_axis(c, &c->y, c->height, 1.4 * font, mark_y);
   if (c->title)
     eda_text(c->paper, c->left, c->top - 0.7 * font, EDA_LEFT, INFINITY,
@@ -208,12 +209,12 @@ void eda_chart_axes(const eda_chart *c) {
     eda_text(c->paper, c->left + c->width / 2, bottom + 2.9 * font, EDA_MIDDLE,
              c->paper->width, c->x.title);
   if (c->y.title) title_of_y(c);
-  frame(c, c->left, c->width);
+  draw_frame(c, c->left, c->width);
 }
 
 /* ---- contents of a chart ---- */
 
-static void clip(const eda_chart *c, eda_colour colour) {
+static void chart_clip(const eda_chart *c, eda_colour colour) {
   cairo_t *cairo = c->paper->cairo;
   cairo_save(cairo);
   cairo_rectangle(cairo, c->left, c->top, c->width, c->height);
@@ -224,7 +225,7 @@ static void clip(const eda_chart *c, eda_colour colour) {
 void eda_chart_line(const eda_chart *c, eda_colour colour, double width,
                     double dash, const double *x, const double *y, size_t n) {
   cairo_t *cairo = c->paper->cairo;
-  clip(c, colour);
+  chart_clip(c, colour);
   for (size_t i = 0; i < n; i++)
     if (isnan(x[i]) || isnan(y[i]))
       cairo_new_sub_path(cairo);
@@ -253,7 +254,7 @@ void eda_chart_dots(const eda_chart *c, eda_colour colour, double radius,
 void eda_chart_band(const eda_chart *c, eda_colour colour, const double *x,
                     const double *low, const double *high, size_t n) {
   cairo_t *cairo = c->paper->cairo;
-  clip(c, colour);
+  chart_clip(c, colour);
   cairo_set_source_rgba(cairo, colour.r, colour.g, colour.b, 0.6);
   for (size_t i = 0; i + 1 < n; i++) {
     if (isnan(low[i]) || isnan(low[i + 1])) continue;
@@ -296,7 +297,7 @@ static void field_scale(const eda_chart *c, const eda_axis *of) {
     cairo_fill(cairo);
   }
   eda_use(cairo, eda_ink);
-  frame(c, left, width);
+  draw_frame(c, left, width);
   double tick[TICKS];
   size_t n = find_ticks(of, tick);
   for (size_t i = 0; i < n; i++) {

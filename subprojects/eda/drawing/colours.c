@@ -52,7 +52,7 @@ eda_colour eda_layer_contour(size_t layer) {
 }
 
 /* Return a colour interpolated linearly between the stops. */
-static eda_colour between(const eda_colour *stops, size_t n, double t) {
+static eda_colour colour_between(const eda_colour *stops, size_t n, double t) {
   if (!(t > 0)) return stops[0];
   if (t >= 1) return stops[n - 1];
   double place = t * (double)(n - 1);
@@ -64,9 +64,9 @@ static eda_colour between(const eda_colour *stops, size_t n, double t) {
 }
 
 eda_colour eda_diverging(double t) {
-  return between(diverging, COUNT(diverging), t);
+  return colour_between(diverging, COUNT(diverging), t);
 }
 
 eda_colour eda_sequential(double t) {
-  return between(sequential, COUNT(sequential), t);
+  return colour_between(sequential, COUNT(sequential), t);
 }

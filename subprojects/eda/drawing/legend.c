@@ -18,7 +18,7 @@ static double width_of(const eda_paper *p, const char *text) {
 }
 
 /* Return the text shortened to the available width (free). */
-static char *fit(const eda_paper *p, const char *text, double room) {
+static char *text_fit(const eda_paper *p, const char *text, double room) {
   g_autofree char *all = g_utf8_make_valid(text, (gssize)strnlen(text, LINE));
   for (char *c = all; *c; c++)
     if ((unsigned char)*c < ' ') *c = '?';
@@ -33,7 +33,7 @@ static char *fit(const eda_paper *p, const char *text, double room) {
 
 void eda_text(const eda_paper *p, double x, double baseline, int place,
               double room, const char *text) {
-  g_autofree char *line = fit(p, text, room);
+  g_autofree char *line = text_fit(p, text, room);
   cairo_move_to(p->cairo, x - width_of(p, line) * place / 2, baseline);
   cairo_show_text(p->cairo, line);
   cairo_new_path(p->cairo); /* the end of the text is no point of a line */
@@ -53,8 +53,8 @@ double eda_heading(const eda_paper *p, double top, const char *text) {
 
 /* ---- signs ---- */
 
-static void stroke(const eda_paper *p, eda_colour colour, double line,
-                   double dash) {
+static void line_stroke(const eda_paper *p, eda_colour colour, double line,
+                        double dash) {
   eda_use(p->cairo, colour);
   cairo_set_line_width(p->cairo, line);
   cairo_set_dash(p->cairo, &dash, dash > 0, 0);
@@ -69,7 +69,7 @@ void eda_cross(const eda_paper *p, double x, double y, double width,
   cairo_rel_line_to(p->cairo, width, height);
   cairo_move_to(p->cairo, x, y + height);
   cairo_rel_line_to(p->cairo, width, -height);
-  stroke(p, eda_ink, fmin(0.07 * p->font, 0.2 * width), 0);
+  line_stroke(p, eda_ink, fmin(0.07 * p->font, 0.2 * width), 0);
 }
 
 void eda_ring(const eda_paper *p, double x, double y) {
@@ -77,7 +77,7 @@ void eda_ring(const eda_paper *p, double x, double y) {
   static const double lines[] = {0.32, 0.17};
   for (int i = 0; i < 2; i++) {
     cairo_arc(p->cairo, x, y, 0.55 * p->font, 0, 2 * M_PI);
-    stroke(p, white_red[i], lines[i] * p->font, 0);
+    line_stroke(p, white_red[i], lines[i] * p->font, 0);
   }
 }
 
@@ -89,12 +89,12 @@ static double sign_width(const eda_paper *p, const eda_sign *s) {
 }
 
 /* Draw a sharp box with a thin outline, filled with the present colour. */
-static void box(const eda_paper *p, double x, double y, double width,
-                double height) {
+static void draw_box(const eda_paper *p, double x, double y, double width,
+                     double height) {
   cairo_rectangle(p->cairo, floor(x) + 0.5, floor(y) + 0.5, floor(width),
                   floor(height));
   cairo_fill_preserve(p->cairo);
-  stroke(p, eda_faint, 1, 0);
+  line_stroke(p, eda_faint, 1, 0);
 }
 
 static void draw_bar(const eda_paper *p, double width, double x,
@@ -105,7 +105,7 @@ static void draw_bar(const eda_paper *p, double width, double x,
   cairo_line_to(p->cairo, x, y);
   cairo_line_to(p->cairo, x + width, y);
   cairo_line_to(p->cairo, x + width, y - high);
-  stroke(p, eda_ink, line, 0);
+  line_stroke(p, eda_ink, line, 0);
 }
 
 static void draw_ramp(const eda_paper *p, const eda_sign *s, double x,
@@ -121,7 +121,7 @@ static void draw_ramp(const eda_paper *p, const eda_sign *s, double x,
   }
   cairo_set_source(p->cairo, ramp);
   cairo_pattern_destroy(ramp);
-  box(p, x, baseline - 0.8 * p->font, width, 0.9 * p->font);
+  draw_box(p, x, baseline - 0.8 * p->font, width, 0.9 * p->font);
   eda_text(p, x + width + 0.5 * p->font, baseline, EDA_LEFT, INFINITY, s->high);
 }
 
@@ -130,7 +130,7 @@ static void draw_line(const eda_paper *p, eda_colour colour, double line,
   if (!(line > 0)) return;
   cairo_move_to(p->cairo, x, floor(baseline - 0.35 * p->font) + 0.5);
   cairo_rel_line_to(p->cairo, 1.6 * p->font, 0);
-  stroke(p, colour, line, dash);
+  line_stroke(p, colour, line, dash);
 }
 
 static void draw_sign(const eda_paper *p, const eda_sign *s, double x,
@@ -153,7 +153,7 @@ static void draw_sign(const eda_paper *p, const eda_sign *s, double x,
       break;
     default:
       eda_use(p->cairo, s->colour);
-      box(p, x, y, width, height);
+      draw_box(p, x, y, width, height);
       if (s->kind == EDA_SIGN_CROSS)
         eda_cross(p, floor(x) + 0.5, floor(y) + 0.5, floor(width),
                   floor(height));
@@ -175,7 +175,7 @@ void eda_legend_add(eda_legend *l, const eda_sign *sign, const char *format,
   va_start(arguments, format);
   g_autofree char *text = g_strdup_vprintf(format, arguments);
   va_end(arguments);
-  g_autofree char *shown = fit(p, text, right - p->margin - before);
+  g_autofree char *shown = text_fit(p, text, right - p->margin - before);
   double width = before + width_of(p, shown);
   if (!(l->height > 0)) l->height = line;
   if (l->x > p->margin && l->x + width > right) {

@@ -25,8 +25,8 @@ typedef struct sheet {
 
 /* ---- content ---- */
 
-static cairo_status_t put(void *closure, const unsigned char *data,
-                          unsigned n) {
+static cairo_status_t svg_append(void *closure, const unsigned char *data,
+                                 unsigned n) {
   sheet *s = closure;
   g_string_append_len(s->content, (const char *)data, n);
   return CAIRO_STATUS_SUCCESS;
@@ -35,7 +35,8 @@ static cairo_status_t put(void *closure, const unsigned char *data,
 /* Replace the numbers of groups and images in an SVG file, which cairo derives
    from the number of surfaces made so far. Groups are never referenced: their
    numbers are dropped. Images are counted from the first one of the file. */
-static gboolean renumber(const GMatchInfo *match, GString *out, void *data) {
+static gboolean svg_renumber(const GMatchInfo *match, GString *out,
+                             void *data) {
   g_autofree char *name = g_match_info_fetch(match, 1);
   g_autofree char *digits = g_match_info_fetch(match, 2);
   gint64 *first = data, number = g_ascii_strtoll(digits, NULL, 10);
@@ -54,7 +55,7 @@ static int write_content(sheet *s) {
                                 G_REGEX_RAW, 0, NULL);
     char *text =
         g_regex_replace_eval(regex, s->content->str, (gssize)s->content->len, 0,
-                             0, renumber, &first, NULL);
+                             0, svg_renumber, &first, NULL);
     g_string_assign(s->content, text);
     g_free(text);
     g_regex_unref(regex);
@@ -74,11 +75,11 @@ static cairo_surface_t *new_surface(sheet *s) {
   if (!(height > 0)) return cairo_image_surface_create(CAIRO_FORMAT_A8, 1, 1);
   switch (s->format) {
     case SVG:
-      out = cairo_svg_surface_create_for_stream(put, s, width, height);
+      out = cairo_svg_surface_create_for_stream(svg_append, s, width, height);
       cairo_svg_surface_set_document_unit(out, CAIRO_SVG_UNIT_PX);
       return out;
     case PDF:
-      out = cairo_pdf_surface_create_for_stream(put, s, width, height);
+      out = cairo_pdf_surface_create_for_stream(svg_append, s, width, height);
       cairo_pdf_surface_set_metadata(out, CAIRO_PDF_METADATA_CREATE_DATE,
                                      "1970-01-01T00:00:00Z");
       return out;
@@ -160,7 +161,7 @@ int eda_paper_close(eda_paper *paper, int code, opc_error *error) {
   cairo_status_t status = cairo_status(paper->cairo);
   cairo_destroy(paper->cairo);
   if (!code && !status && paper->pixels)
-    status = cairo_surface_write_to_png_stream(s->surface, put, s);
+    status = cairo_surface_write_to_png_stream(s->surface, svg_append, s);
   cairo_surface_finish(s->surface);
   if (!status) status = cairo_surface_status(s->surface);
   cairo_surface_destroy(s->surface);

@@ -16,7 +16,7 @@ typedef struct sorting {
 
 /* Return the lowest, then leftmost point; the unit square up and right of it is
    inside the polygon, also for a hole. */
-static eda_point lowest(const eda_shapes *s, size_t i) {
+static eda_point lowest_point(const eda_shapes *s, size_t i) {
   eda_point low = s->points[s->start[i]];
   for (uint32_t k = s->start[i] + 1; k < s->start[i + 1]; k++) {
     eda_point p = s->points[k];
@@ -27,7 +27,7 @@ static eda_point lowest(const eda_shapes *s, size_t i) {
 
 /* Return whether the middle of the unit square at p is inside outline i, by
    counting the vertical edges to its left. */
-static int inside(const eda_shapes *s, size_t i, eda_point p) {
+static int outline_contains(const eda_shapes *s, size_t i, eda_point p) {
   int in = 0;
   uint32_t start = s->start[i], end = s->start[i + 1];
   eda_point a = s->points[end - 1];
@@ -46,14 +46,14 @@ static double area(eda_box b) {
 /* Return the outline of hole h: the smallest one around it, -1 for none. */
 static int64_t outline_of(const sorting *o, size_t h) {
   const eda_shapes *s = o->shapes;
-  eda_point p = lowest(s, h);
+  eda_point p = lowest_point(s, h);
   int64_t best = -1;
   for (size_t i = 0; i < s->count; i++) {
     eda_box b = o->box[i], c = o->box[h];
     if (s->hole[i] || b.x0 > c.x0 || b.y0 > c.y0 || b.x1 < c.x1 ||
         b.y1 < c.y1 || (best >= 0 && area(b) >= area(o->box[best])))
       continue;
-    if (inside(s, i, p)) best = (int64_t)i;
+    if (outline_contains(s, i, p)) best = (int64_t)i;
   }
   return best;
 }
@@ -87,7 +87,7 @@ static void outline_add(eda_shapes *out, const eda_shapes *s, size_t from) {
 }
 
 /* Return an outline with its holes as separate shapes. */
-static eda_shapes gather(const sorting *o, size_t i) {
+static eda_shapes outline_gather(const sorting *o, size_t i) {
   const eda_shapes *s = o->shapes;
   size_t points = s->start[i + 1] - s->start[i], n = 1;
   for (uint32_t h = o->first[i]; h; h = o->next[h - 1], n++)
@@ -103,7 +103,7 @@ static eda_shapes gather(const sorting *o, size_t i) {
 
 static int put_boxes(const sorting *o, size_t i, const eda_polygon_taker *take,
                      opc_error *error) {
-  eda_shapes one = gather(o, i);
+  eda_shapes one = outline_gather(o, i);
   eda_box *boxes = NULL;
   size_t n = 0;
   int code = eda_fracture(&one, &boxes, &n, error);

@@ -49,7 +49,7 @@ static void piece_add(piece *out, eda_point p, int axis, int32_t at) {
   out->points[out->n++] = p;
 }
 
-static eda_point crossing(eda_point a, eda_point b, int axis, int32_t at) {
+static eda_point edge_crossing(eda_point a, eda_point b, int axis, int32_t at) {
   double ca = coordinate(a, axis), cb = coordinate(b, axis);
   double oa = coordinate(a, !axis), ob = coordinate(b, !axis);
   int32_t other = (int32_t)floor(oa + (ob - oa) * (at - ca) / (cb - ca) + 0.5);
@@ -57,7 +57,7 @@ static eda_point crossing(eda_point a, eda_point b, int axis, int32_t at) {
 }
 
 /* Return the part of `p` on one side of the line: side -1 below, 1 above. */
-static piece *clip(const piece *p, int axis, int32_t at, int side) {
+static piece *piece_clip(const piece *p, int axis, int32_t at, int side) {
   piece *out = piece_new(2 * p->n + 2);
   eda_point a = p->points[p->n - 1];
   for (size_t i = 0; i < p->n; i++) {
@@ -65,28 +65,28 @@ static piece *clip(const piece *p, int axis, int32_t at, int side) {
     int64_t da = ((int64_t)coordinate(a, axis) - at) * side;
     int64_t db = ((int64_t)coordinate(b, axis) - at) * side;
     if ((da < 0 && db > 0) || (da > 0 && db < 0))
-      piece_add(out, crossing(a, b, axis, at), axis, at);
+      piece_add(out, edge_crossing(a, b, axis, at), axis, at);
     if (db >= 0) piece_add(out, b, axis, at);
     a = b;
   }
   return out;
 }
 
-static size_t larger(const piece *const half[2]) {
+static size_t larger_half(const piece *const half[2]) {
   return half[0]->n > half[1]->n ? half[0]->n : half[1]->n;
 }
 
 /* Divide a polygon in two. Return 0 if no line makes both parts clearly
    smaller. */
-static int halve(const piece *p, piece *best[2]) {
+static int piece_halve(const piece *p, piece *best[2]) {
   int32_t *values = eda_alloc(p->n, sizeof *values);
   for (int axis = 0; axis < 2; axis++) {
     int32_t at;
     if (!median(p, axis, values, &at)) continue;
-    piece *half[2] = {clip(p, axis, at, -1), clip(p, axis, at, 1)};
-    if (larger((const piece *const *)half) <= p->n / 5 * 4 &&
-        (!best[0] || larger((const piece *const *)half) <
-                         larger((const piece *const *)best)))
+    piece *half[2] = {piece_clip(p, axis, at, -1), piece_clip(p, axis, at, 1)};
+    if (larger_half((const piece *const *)half) <= p->n / 5 * 4 &&
+        (!best[0] || larger_half((const piece *const *)half) <
+                         larger_half((const piece *const *)best)))
       for (int i = 0; i < 2; i++) {
         piece *worse = best[i];
         best[i] = half[i];
@@ -111,7 +111,7 @@ int eda_polygon_cut(const eda_point *points, size_t n,
     todo = p->next;
     if (!code && p->n <= take->most) {
       if (p->n > 2) code = take->polygon(take->data, p->points, p->n, error);
-    } else if (!code && !halve(p, half)) {
+    } else if (!code && !piece_halve(p, half)) {
       code = opc_fail(error, OPC_FAILED, NULL,
                       "a polygon of %zu points at (%d, %d) cannot be cut into "
                       "ones of %zu",

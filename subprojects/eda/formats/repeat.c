@@ -47,7 +47,7 @@ static int compare_shape(const eda_oasis *out, const oasis_shape *a,
                 (a->n - 1) * sizeof *out->steps);
 }
 
-static int compare(const void *first, const void *second, void *data) {
+static int shape_compare(const void *first, const void *second, void *data) {
   const oasis_shape *a = first, *b = second;
   int order = compare_shape(data, a, b);
   if (order) return order;
@@ -66,7 +66,7 @@ static int64_t dy(const oasis_shape *s) {
 
 /* Return the number of first shapes that form a regular row or column; the
    first two define the step. */
-static size_t regular(const oasis_shape *s, size_t n) {
+static size_t regular_shapes(const oasis_shape *s, size_t n) {
   size_t k = 1;
   while (k < n && dx(&s[k - 1]) == dx(s) && dy(&s[k - 1]) == dy(s)) k++;
   return k;
@@ -82,7 +82,7 @@ static size_t regular_rows(const oasis_shape *s, size_t n, size_t columns) {
     const oasis_shape *row = &s[rows * columns];
     if (row->at.x != s->at.x ||
         row->at.y - (int64_t)s->at.y != (int64_t)rows * step ||
-        regular(row, columns) < columns || dx(row) != dx(s) || dy(row))
+        regular_shapes(row, columns) < columns || dx(row) != dx(s) || dy(row))
       break;
   }
   return rows;
@@ -90,11 +90,11 @@ static size_t regular_rows(const oasis_shape *s, size_t n, size_t columns) {
 
 /* Choose the repetition of the first of n equal shapes. Return the number of
    shapes that it covers; one shape has no repetition. */
-static size_t choose(const oasis_shape *s, size_t n, size_t *columns,
-                     size_t *rows) {
+static size_t repetition_choose(const oasis_shape *s, size_t n, size_t *columns,
+                                size_t *rows) {
   if (n > MEMBERS) n = MEMBERS;
   *rows = 1;
-  *columns = regular(s, n);
+  *columns = regular_shapes(s, n);
   if (*columns == n || n == 1) return n;
   if (dy(s) == 0) {
     *rows = regular_rows(s, n, *columns);
@@ -175,7 +175,8 @@ static void put_shape(eda_oasis *out, const oasis_shape *s, int repeated) {
 
 void eda_oasis_end_shapes(eda_oasis *out) {
   if (out->n_shapes)
-    qsort_r(out->shapes, out->n_shapes, sizeof *out->shapes, compare, out);
+    qsort_r(out->shapes, out->n_shapes, sizeof *out->shapes, shape_compare,
+            out);
   for (size_t i = 0; i < out->n_shapes;) {
     const oasis_shape *first = &out->shapes[i];
     size_t end = i + 1, columns, rows;
@@ -183,7 +184,7 @@ void eda_oasis_end_shapes(eda_oasis *out) {
       end++;
     while (i < end) {
       const oasis_shape *s = &out->shapes[i];
-      size_t covered = choose(s, end - i, &columns, &rows);
+      size_t covered = repetition_choose(s, end - i, &columns, &rows);
       put_shape(out, s, covered > 1);
       if (covered > 1) put_repetition(out, s, covered, columns, rows);
       eda_oasis_end_record(out);

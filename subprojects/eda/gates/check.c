@@ -271,8 +271,8 @@ typedef struct cut_place {
   eda_point a, b;
 } cut_place;
 
-static int misplaced(const cut_place *c, const char *what, double x, double y,
-                     opc_error *error) {
+static int cut_misplaced(const cut_place *c, const char *what, double x,
+                         double y, opc_error *error) {
   return unsound(error,
                  "cuts %s: %s of fragment %u, (%g, %g) nm, is not on the edge "
                  "from (%g, %g) to (%g, %g) nm, or not in its order",
@@ -282,7 +282,7 @@ static int misplaced(const cut_place *c, const char *what, double x, double y,
 
 /* Return the position along the edge from a to b, 0 to its length; NAN for a
    point off the edge. */
-static double along(const cut_place *c, double x, double y) {
+static double position_along(const cut_place *c, double x, double y) {
   const double slack = 1e-3; /* rounding tolerance, nm */
   double ax = c->a.x * c->grid, ay = c->a.y * c->grid;
   double bx = c->b.x * c->grid, by = c->b.y * c->grid;
@@ -298,11 +298,11 @@ static double along(const cut_place *c, double x, double y) {
 static int check_cut(const cut_place *c, double at, eda_point next, double *end,
                      opc_error *error) {
   double x = next.x * c->grid, y = next.y * c->grid;
-  *end = along(c, x, y);
-  if (!(*end > at)) return misplaced(c, "the end", x, y, error);
+  *end = position_along(c, x, y);
+  if (!(*end > at)) return cut_misplaced(c, "the end", x, y, error);
   const double *site = c->cuts->site + 2 * (size_t)c->fragment;
-  if (!isnan(along(c, site[0], site[1]))) return OPC_OK;
-  return misplaced(c, "the site", site[0], site[1], error);
+  if (!isnan(position_along(c, site[0], site[1]))) return OPC_OK;
+  return cut_misplaced(c, "the site", site[0], site[1], error);
 }
 
 /* Check all fragments of polygon p along its edges. The first fragment may

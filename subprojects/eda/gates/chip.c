@@ -22,7 +22,7 @@ void eda_chip_free(void *object) {
 
 #define unsound(error, ...) opc_fail(error, OPC_FAILED, NULL, __VA_ARGS__)
 
-static int before(eda_box a, eda_box b) {
+static int box_before(eda_box a, eda_box b) {
   return a.y0 < b.y0 || (a.y0 == b.y0 && a.x0 < b.x0);
 }
 
@@ -31,7 +31,7 @@ static int check_gates(const eda_chip *c, opc_error *error) {
     const eda_chip_gate *g = &c->gate[i];
     if (g->box.x0 >= g->box.x1 || g->box.y0 >= g->box.y1)
       return unsound(error, "transistor %zu has no size", i);
-    if (i && !before(g[-1].box, g->box))
+    if (i && !box_before(g[-1].box, g->box))
       return unsound(error, "transistor %zu is out of order", i);
     if (g->mask >= c->masks || g->print >= c->prints)
       return unsound(error, "transistor %zu has no mask or no print", i);
@@ -74,7 +74,7 @@ size_t eda_chip_find(const eda_chip *c, eda_box box) {
   size_t from = 0, to = c->count;
   while (from < to) {
     size_t middle = from + (to - from) / 2;
-    if (before(c->gate[middle].box, box))
+    if (box_before(c->gate[middle].box, box))
       from = middle + 1;
     else
       to = middle;
@@ -88,27 +88,29 @@ size_t eda_chip_find(const eda_chip *c, eda_box box) {
 
 /* Convert a span between `low` and `high` to own coordinates, reversed if
    `flip` is set. The conversion is its own inverse except for the origin. */
-static void turn(int32_t low, int32_t high, int flip, int32_t *from,
-                 int32_t *to) {
+static void span_convert(int32_t low, int32_t high, int flip, int32_t *from,
+                         int32_t *to) {
   int32_t a = *from, b = *to;
   *from = flip ? high - b : low + a;
   *to = flip ? high - a : low + b;
 }
 
-static eda_box swapped(eda_box b) { return (eda_box){b.y0, b.x0, b.y1, b.x1}; }
+static eda_box box_swapped(eda_box b) {
+  return (eda_box){b.y0, b.x0, b.y1, b.x1};
+}
 
 eda_box eda_chip_place(eda_box gate, uint8_t axis, uint8_t flip, eda_box own) {
-  eda_box g = axis == EDA_X ? gate : swapped(gate);
-  turn(g.x0, g.x1, flip & EDA_FLIP_L, &own.x0, &own.x1);
-  turn(g.y0, g.y1, flip & EDA_FLIP_W, &own.y0, &own.y1);
-  return axis == EDA_X ? own : swapped(own);
+  eda_box g = axis == EDA_X ? gate : box_swapped(gate);
+  span_convert(g.x0, g.x1, flip & EDA_FLIP_L, &own.x0, &own.x1);
+  span_convert(g.y0, g.y1, flip & EDA_FLIP_W, &own.y0, &own.y1);
+  return axis == EDA_X ? own : box_swapped(own);
 }
 
 eda_box eda_chip_own(eda_box gate, uint8_t axis, uint8_t flip, eda_box placed) {
-  eda_box g = axis == EDA_X ? gate : swapped(gate);
-  eda_box b = axis == EDA_X ? placed : swapped(placed);
-  turn(-g.x0, g.x1, flip & EDA_FLIP_L, &b.x0, &b.x1);
-  turn(-g.y0, g.y1, flip & EDA_FLIP_W, &b.y0, &b.y1);
+  eda_box g = axis == EDA_X ? gate : box_swapped(gate);
+  eda_box b = axis == EDA_X ? placed : box_swapped(placed);
+  span_convert(-g.x0, g.x1, flip & EDA_FLIP_L, &b.x0, &b.x1);
+  span_convert(-g.y0, g.y1, flip & EDA_FLIP_W, &b.y0, &b.y1);
   return b;
 }
 

@@ -41,7 +41,7 @@ static int is_whole(const char *words, size_t n) {
   return i == n;
 }
 
-static int beyond(const char *side, const char *what, opc_error *error) {
+static int fence_overrun(const char *side, const char *what, opc_error *error) {
   return opc_fail(error, OPC_FAILED, NULL, "writes %s the array of %s", side,
                   what);
 }
@@ -51,8 +51,8 @@ int fence_check(const void *array, const char *what, opc_error *error) {
   const char *after = (const char *)array + f->bytes;
   /* If the words before the array are damaged, the size may be wrong. */
   if (!is_whole(f->words, sizeof f->words))
-    return beyond("before", what, error);
-  return is_whole(after, FENCE) ? OPC_OK : beyond("beyond", what, error);
+    return fence_overrun("before", what, error);
+  return is_whole(after, FENCE) ? OPC_OK : fence_overrun("beyond", what, error);
 }
 
 void fence_field(eda_field *field) {
@@ -68,5 +68,5 @@ int fence_check_field(const float *values, size_t n, const char *what,
                       opc_error *error) {
   return is_whole((const char *)(values + n), FENCE)
              ? OPC_OK
-             : beyond("beyond", what, error);
+             : fence_overrun("beyond", what, error);
 }

@@ -32,8 +32,8 @@ typedef struct section {
 } section;
 
 /* Cut through the field at a point. Return whether the point prints. */
-static int cut(const eda_field *field, int axis, double at, double place,
-               section *s) {
+static int field_cut(const eda_field *field, int axis, double at, double place,
+                     section *s) {
   eda_line line;
   eda_walk walk[2];
   eda_line_make(field, axis, at, &line);
@@ -87,7 +87,7 @@ static void measure_width(eda_gate *g) {
   g->from = g->to = g->middle[1];
   for (int k = 0; k < 3; k++) {
     int prints = section_take(found[k], &s) ||
-                 cut(g->active, g->axis[1], at[k], g->middle[1], &s);
+                 field_cut(g->active, g->axis[1], at[k], g->middle[1], &s);
     if (!prints && k == 1) g->flags |= EDA_PRINT_NO_ACTIVE;
     if (s.open) g->flags |= EDA_PRINT_MERGED;
     if (s.pieces) g->flags |= EDA_PRINT_ISLAND;
@@ -132,7 +132,7 @@ static void measure_lengths(eda_gate *g, size_t n, const double *place,
   cut_all(g->poly, g->axis[0], g->middle[0], n, at, found, &s);
   for (size_t j = 0; j < n; j++) {
     if (!section_take(found[j], &s) &&
-        !cut(g->poly, g->axis[0], at[j], g->middle[0], &s))
+        !field_cut(g->poly, g->axis[0], at[j], g->middle[0], &s))
       g->flags |= EDA_PRINT_OPEN;
     if (s.open) g->flags |= EDA_PRINT_MERGED;
     if (s.pieces) g->flags |= EDA_PRINT_ISLAND;

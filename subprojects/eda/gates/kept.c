@@ -19,7 +19,7 @@ typedef struct stream {
 
 /* ---- bytes ---- */
 
-static void move(stream *s, void *data, size_t size) {
+static void stream_move(stream *s, void *data, size_t size) {
   if (s->failed || !size) return;
   if (!s->writing && size > s->left)
     s->failed = 1;
@@ -34,19 +34,19 @@ static void move(stream *s, void *data, size_t size) {
 static void move_array(stream *s, void *address, size_t n, size_t size) {
   void **array = address;
   uint8_t is_there = *array != NULL;
-  move(s, &is_there, 1);
+  stream_move(s, &is_there, 1);
   if (s->failed || !is_there) return;
   if (!s->writing && n > s->left / size) {
     s->failed = 1;
     return;
   }
   if (!s->writing) *array = eda_alloc(n, size);
-  move(s, *array, n * size);
+  stream_move(s, *array, n * size);
 }
 
 static void move_count(stream *s, size_t *count) {
   uint64_t n = *count;
-  move(s, &n, sizeof n);
+  stream_move(s, &n, sizeof n);
   *count = (size_t)n;
 }
 
@@ -68,9 +68,9 @@ static void move_shapes(stream *s, eda_shapes *shapes) {
 }
 
 static void move_field(stream *s, eda_field *f) {
-  move(s, &f->frame, sizeof f->frame);
-  move(s, &f->nx, sizeof f->nx);
-  move(s, &f->ny, sizeof f->ny);
+  stream_move(s, &f->frame, sizeof f->frame);
+  stream_move(s, &f->nx, sizeof f->nx);
+  stream_move(s, &f->ny, sizeof f->ny);
   if (f->nx < 0 || f->ny < 0) s->failed = 1;
   if (!s->failed)
     move_array(s, &f->coefficients, (size_t)f->nx * (size_t)f->ny,
@@ -92,7 +92,7 @@ static void move_text(stream *s, const char **text) {
   move_count(s, &n);
   if (!s->writing && n > s->left) s->failed = 1;
   if (!s->writing) *text = copy = eda_alloc(s->failed ? 1 : n + 1, 1);
-  move(s, copy, n);
+  stream_move(s, copy, n);
 }
 
 static void move_violations(stream *s, eda_mask *m) {
@@ -107,11 +107,11 @@ static void move_violations(stream *s, eda_mask *m) {
     eda_violation *v = &m->violations[i];
     m->n_violations = s->writing ? n : i + 1;
     move_text(s, &v->rule);
-    move(s, &v->gate, sizeof v->gate);
-    move(s, &v->x, sizeof v->x);
-    move(s, &v->y, sizeof v->y);
-    move(s, &v->value, sizeof v->value);
-    move(s, &v->limit, sizeof v->limit);
+    stream_move(s, &v->gate, sizeof v->gate);
+    stream_move(s, &v->x, sizeof v->x);
+    stream_move(s, &v->y, sizeof v->y);
+    stream_move(s, &v->value, sizeof v->value);
+    stream_move(s, &v->limit, sizeof v->limit);
   }
 }
 
@@ -126,11 +126,11 @@ static void move_list(stream *s, eda_box_list *list) {
 static void move_fields(stream *s, eda_moved *m) {
   int32_t *const numbers[] = {m->w, m->aside, m->l, m->jog};
   for (size_t k = 0; k < G_N_ELEMENTS(numbers); k++)
-    move(s, numbers[k], m->gates * sizeof(int32_t));
-  move(s, m->end, 2 * m->gates * sizeof *m->end);
-  move(s, m->part, EDA_PARTS * m->gates * sizeof *m->part);
-  move(s, m->flip, m->gates);
-  move(s, m->seen, m->gates * sizeof *m->seen);
+    stream_move(s, numbers[k], m->gates * sizeof(int32_t));
+  stream_move(s, m->end, 2 * m->gates * sizeof *m->end);
+  stream_move(s, m->part, EDA_PARTS * m->gates * sizeof *m->part);
+  stream_move(s, m->flip, m->gates);
+  stream_move(s, m->seen, m->gates * sizeof *m->seen);
   for (size_t k = 0; k < m->layers && !s->failed; k++) {
     move_list(s, &m->patch[k]);
     move_list(s, &m->bite[k]);
@@ -139,7 +139,7 @@ static void move_fields(stream *s, eda_moved *m) {
 
 static void move_moved(stream *s, eda_mask *m) {
   uint8_t is_there = m->moved != NULL;
-  move(s, &is_there, 1);
+  stream_move(s, &is_there, 1);
   if (s->failed || !is_there) return;
   if (!s->writing) m->moved = eda_moved_new(m->layers, m->gates->count);
   move_fields(s, m->moved);
@@ -160,9 +160,9 @@ static void move_mask(stream *s, eda_mask *m) {
   move_performance(s, &m->before);
   move_performance(s, &m->after);
   move_array(s, &m->flags, count, sizeof *m->flags);
-  move(s, &m->iterations, sizeof m->iterations);
-  move(s, &m->simulations, sizeof m->simulations);
-  move(s, &m->fine_simulations, sizeof m->fine_simulations);
+  stream_move(s, &m->iterations, sizeof m->iterations);
+  stream_move(s, &m->simulations, sizeof m->simulations);
+  stream_move(s, &m->fine_simulations, sizeof m->fine_simulations);
   move_violations(s, m);
   move_moved(s, m);
 }

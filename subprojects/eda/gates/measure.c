@@ -78,8 +78,8 @@ static int slices_cut(const slices *s, size_t k, eda_gate *gate,
 }
 
 /* Call the extractor, which writes to copies between guard words. */
-static int extract(const slices *s, const eda_slices *in, eda_performance *out,
-                   opc_error *error) {
+static int extractor_call(const slices *s, const eda_slices *in,
+                          eda_performance *out, opc_error *error) {
   const eda_extractor *model = s->extractor->functions;
   eda_performance lent = {
       .count = out->count,
@@ -115,7 +115,7 @@ static int slices_extract(const slices *s, const eda_gates *gates, size_t first,
                    .length = s->length,
                    .edge = s->edge};
   if (gates->flavour) in.flavour = (const char *const *)gates->flavour + first;
-  int code = extract(s, &in, out, error);
+  int code = extractor_call(s, &in, out, error);
   if (!code) code = eda_check_performance(gates, first, flags, out, error);
   return eda_blame(error, code, slot);
 }
@@ -132,7 +132,8 @@ typedef struct job {
 } job;
 
 /* Return the performance of n gates from `first` on. */
-static eda_performance part(const eda_performance *p, size_t first, size_t n) {
+static eda_performance performance_part(const eda_performance *p, size_t first,
+                                        size_t n) {
   return (eda_performance){.count = n,
                            .ion = p->ion + first,
                            .ioff = p->ioff + first,
@@ -185,7 +186,7 @@ static int measure_block(void *data, size_t block, opc_error *error) {
   for (size_t k = 0; k < n && !code; k++)
     code = measure_one(j, first + k, &s, k, error);
   if (!code) {
-    eda_performance p = part(j->performance, first, n);
+    eda_performance p = performance_part(j->performance, first, n);
     uint32_t *flags = j->print ? j->out->flags + first : NULL;
     code = slices_extract(&s, j->gates, first, flags, &p, error);
     if (!code && flags) performance_settle(&p, flags);
@@ -194,7 +195,7 @@ static int measure_block(void *data, size_t block, opc_error *error) {
   return code;
 }
 
-static int measure(job *j, opc_error *error) {
+static int gates_measure(job *j, opc_error *error) {
   return eda_try_all(j->context, (j->gates->count + BLOCK - 1) / BLOCK,
                      measure_block, j, error);
 }
@@ -203,7 +204,7 @@ int eda_measure(const opc_context *context, const eda_gates *gates,
                 const eda_field *print, const opc_module *extractor,
                 eda_measurement *out, opc_error *error) {
   job j = {context, gates, print, extractor, out, &out->performance};
-  return measure(&j, error);
+  return gates_measure(&j, error);
 }
 
 int eda_measure_drawn(const opc_context *context, const eda_gates *gates,
@@ -213,7 +214,7 @@ int eda_measure_drawn(const opc_context *context, const eda_gates *gates,
            .gates = gates,
            .extractor = extractor,
            .performance = out};
-  return measure(&j, error);
+  return gates_measure(&j, error);
 }
 
 /* ---- common parts ---- */

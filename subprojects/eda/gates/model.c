@@ -16,25 +16,25 @@ static int model_keep_failure(eda_model *m, int code, opc_error *error) {
   return error->code;
 }
 
-static const eda_litho *inner(const eda_model *m) {
+static const eda_litho *inner_model(const eda_model *m) {
   return m->litho->functions;
 }
 
-static int prepare(void *self, opc_error *error) {
+static int model_prepare(void *self, opc_error *error) {
   eda_model *m = self;
   const char *before = eda_enter(m->context, m->litho, error);
-  int code = inner(m)->prepare(m->litho->self, error);
-  double band = code ? 1 : inner(m)->band(m->litho->self);
+  int code = inner_model(m)->prepare(m->litho->self, error);
+  double band = code ? 1 : inner_model(m)->band(m->litho->self);
   opc_leave(m->context, before);
   if (!(band > 0) || !isfinite(band))
     code = opc_fail(error, OPC_FAILED, NULL, "its band is %g 1/nm", band);
   return model_keep_failure(m, code, error);
 }
 
-static double band(const void *self) {
+static double model_band(const void *self) {
   const eda_model *m = self;
   const char *before = opc_enter(m->context, m->litho->id);
-  double value = inner(m)->band(m->litho->self);
+  double value = inner_model(m)->band(m->litho->self);
   opc_leave(m->context, before);
   return value;
 }
@@ -51,31 +51,31 @@ static int take_image(eda_model *m, int code, const char *before,
   return model_keep_failure(m, code, error);
 }
 
-static eda_scanner scanner(const void *self) {
+static eda_scanner model_scanner(const void *self) {
   const eda_model *m = self;
   const char *before = opc_enter(m->context, m->litho->id);
-  eda_scanner value = inner(m)->scanner(m->litho->self);
+  eda_scanner value = inner_model(m)->scanner(m->litho->self);
   opc_leave(m->context, before);
   return value;
 }
 
-static int image(const void *self, int layer, const eda_spectrum *mask,
-                 eda_field *out, opc_error *error) {
+static int model_image(const void *self, int layer, const eda_spectrum *mask,
+                       eda_field *out, opc_error *error) {
   eda_model *m = (eda_model *)self;
   memset(out, 0, sizeof *out);
   const char *before = eda_enter(m->context, m->litho, error);
-  int code = inner(m)->image(m->litho->self, layer, mask, out, error);
+  int code = inner_model(m)->image(m->litho->self, layer, mask, out, error);
   return take_image(m, code, before, mask, out, error);
 }
 
 static int image_at(const void *self, int layer, const eda_spectrum *mask,
                     double defocus, eda_field *out, opc_error *error) {
   eda_model *m = (eda_model *)self;
-  if (defocus == 0) return image(self, layer, mask, out, error);
+  if (defocus == 0) return model_image(self, layer, mask, out, error);
   memset(out, 0, sizeof *out);
   const char *before = eda_enter(m->context, m->litho, error);
-  int code =
-      inner(m)->image_at(m->litho->self, layer, mask, defocus, out, error);
+  int code = inner_model(m)->image_at(m->litho->self, layer, mask, defocus, out,
+                                      error);
   return take_image(m, code, before, mask, out, error);
 }
 
@@ -86,19 +86,19 @@ static int image_fine(const void *self, int layer, const eda_spectrum *mask,
   memset(out, 0, sizeof *out);
   if (m->fine > 0 && m->fine < wanted) wanted = m->fine;
   const char *before = eda_enter(m->context, m->litho, error);
-  int code = inner(m)->image_fine(m->litho->self, layer, mask, defocus, wanted,
-                                  out, error);
+  int code = inner_model(m)->image_fine(m->litho->self, layer, mask, defocus,
+                                        wanted, out, error);
   return take_image(m, code, before, mask, out, error);
 }
 
-static int gradient(const void *self, int layer, const eda_spectrum *mask,
-                    double defocus, const eda_field *weight, eda_field *out,
-                    opc_error *error) {
+static int model_gradient(const void *self, int layer, const eda_spectrum *mask,
+                          double defocus, const eda_field *weight,
+                          eda_field *out, opc_error *error) {
   eda_model *m = (eda_model *)self;
   memset(out, 0, sizeof *out);
   const char *before = eda_enter(m->context, m->litho, error);
-  int code = inner(m)->gradient(m->litho->self, layer, mask, defocus, weight,
-                                out, error);
+  int code = inner_model(m)->gradient(m->litho->self, layer, mask, defocus,
+                                      weight, out, error);
   return take_image(m, code, before, mask, out, error);
 }
 
@@ -122,12 +122,14 @@ static int check_spectrum(const eda_spectrum *s, const eda_frame *f,
   return OPC_OK;
 }
 
-static int transform(const void *self, const eda_shapes *mask, double grid,
-                     eda_frame frame, eda_spectrum *out, opc_error *error) {
+static int model_transform(const void *self, const eda_shapes *mask,
+                           double grid, eda_frame frame, eda_spectrum *out,
+                           opc_error *error) {
   eda_model *m = (eda_model *)self;
   memset(out, 0, sizeof *out);
   const char *before = eda_enter(m->context, m->litho, error);
-  int code = inner(m)->transform(m->litho->self, mask, grid, frame, out, error);
+  int code =
+      inner_model(m)->transform(m->litho->self, mask, grid, frame, out, error);
   if (!code) code = check_spectrum(out, &frame, error);
   opc_leave(m->context, before);
   return model_keep_failure(m, code, error);
@@ -146,15 +148,15 @@ int eda_litho_spectrum(const opc_context *context, const opc_module *litho,
 void eda_model_init(eda_model *m, const opc_context *context,
                     const opc_module *litho) {
   *m = (eda_model){.litho = litho, .context = context};
-  const eda_litho *there = inner(m);
+  const eda_litho *there = inner_model(m);
   m->functions =
-      (eda_litho){.prepare = prepare,
-                  .band = band,
-                  .image = image,
+      (eda_litho){.prepare = model_prepare,
+                  .band = model_band,
+                  .image = model_image,
                   .image_at = there->image_at ? image_at : NULL,
                   .image_fine = there->image_fine ? image_fine : NULL,
-                  .transform = there->transform ? transform : NULL,
-                  .gradient = there->gradient ? gradient : NULL,
-                  .scanner = there->scanner ? scanner : NULL};
+                  .transform = there->transform ? model_transform : NULL,
+                  .gradient = there->gradient ? model_gradient : NULL,
+                  .scanner = there->scanner ? model_scanner : NULL};
   m->module = (opc_module){&m->functions, m, litho->id};
 }

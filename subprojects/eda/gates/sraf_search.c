@@ -36,7 +36,7 @@ typedef struct candidate {
 
 /* ---- sums ---- */
 
-static size_t at(const searcher *s, int x, int y) {
+static size_t sample_index(const searcher *s, int x, int y) {
   return (size_t)y * (size_t)(s->nx + 1) + (size_t)x;
 }
 
@@ -49,23 +49,26 @@ static void sum_up(searcher *s) {
       size_t node = (size_t)y * (size_t)s->nx + (size_t)x;
       gain -= cell * (double)s->map->coefficients[node];
       taken += s->keep_out[node];
-      s->gain[at(s, x + 1, y + 1)] = s->gain[at(s, x + 1, y)] + gain;
-      s->taken[at(s, x + 1, y + 1)] = s->taken[at(s, x + 1, y)] + taken;
+      s->gain[sample_index(s, x + 1, y + 1)] =
+          s->gain[sample_index(s, x + 1, y)] + gain;
+      s->taken[sample_index(s, x + 1, y + 1)] =
+          s->taken[sample_index(s, x + 1, y)] + taken;
     }
   }
 }
 
 static int is_free(const searcher *s, const candidate *w) {
   const int32_t *t = s->taken;
-  return t[at(s, w->x1, w->y1)] - t[at(s, w->x0, w->y1)] -
-             t[at(s, w->x1, w->y0)] + t[at(s, w->x0, w->y0)] ==
+  return t[sample_index(s, w->x1, w->y1)] - t[sample_index(s, w->x0, w->y1)] -
+             t[sample_index(s, w->x1, w->y0)] +
+             t[sample_index(s, w->x0, w->y0)] ==
          0;
 }
 
 static double gain_of(const searcher *s, const candidate *w) {
   const double *g = s->gain;
-  return g[at(s, w->x1, w->y1)] - g[at(s, w->x0, w->y1)] -
-         g[at(s, w->x1, w->y0)] + g[at(s, w->x0, w->y0)];
+  return g[sample_index(s, w->x1, w->y1)] - g[sample_index(s, w->x0, w->y1)] -
+         g[sample_index(s, w->x1, w->y0)] + g[sample_index(s, w->x0, w->y0)];
 }
 
 /* ---- forbidden nodes ---- */

@@ -10,11 +10,11 @@
 
 /* ---- boxes ---- */
 
-static eda_box grow(eda_box b, int32_t by) {
+static eda_box box_grow(eda_box b, int32_t by) {
   return (eda_box){b.x0 - by, b.y0 - by, b.x1 + by, b.y1 + by};
 }
 
-static int meet(eda_box a, eda_box b) {
+static int boxes_meet(eda_box a, eda_box b) {
   return a.x0 < b.x1 && b.x0 < a.x1 && a.y0 < b.y1 && b.y0 < a.y1;
 }
 
@@ -63,7 +63,7 @@ static void cut_parts(planner *p, eda_box keep_out, int upright) {
   p->next.count = 0;
   for (size_t i = 0; i < p->parts.count; i++) {
     eda_box b = p->parts.box[i], low = b, high = b;
-    if (!meet(b, keep_out)) {
+    if (!boxes_meet(b, keep_out)) {
       eda_box_list_add(&p->next, b);
       continue;
     }
@@ -83,18 +83,18 @@ static void cut_parts(planner *p, eda_box keep_out, int upright) {
 /* Subtract the drawn shapes near a proposal from its parts. */
 static void cut_by_drawn(planner *p, const proposal *w) {
   int32_t off = p->rule->distance;
-  eda_finder f = eda_index_find(p->of_drawn, grow(w->box, off));
+  eda_finder f = eda_index_find(p->of_drawn, box_grow(w->box, off));
   for (uint32_t i; eda_index_next(&f, &i);)
-    cut_parts(p, grow(p->drawn[i], off), w->upright);
+    cut_parts(p, box_grow(p->drawn[i], off), w->upright);
 }
 
 /* Subtract the scatter bars of earlier proposals from the parts. */
 static void cut_by_srafs(planner *p, const proposal *w) {
   int32_t off = p->rule->space;
-  eda_finder f = eda_index_find(p->of_proposals, grow(w->box, off));
+  eda_finder f = eda_index_find(p->of_proposals, box_grow(w->box, off));
   for (uint32_t i; eda_index_next(&f, &i);)
     for (size_t n = p->proposals[i].first; n < p->proposals[i].end; n++)
-      cut_parts(p, grow(p->srafs.box[n], off), w->upright);
+      cut_parts(p, box_grow(p->srafs.box[n], off), w->upright);
 }
 
 /* Add the parts of a proposal that are clear of drawn shapes and of existing
@@ -175,7 +175,7 @@ static const double sraf_step = 10;
 
 /* Return the maximum of the level set on a bar: along its middle and its
    sides. */
-static double brightest(const eda_field *print, eda_box b, double grid) {
+static double bar_maximum(const eda_field *print, eda_box b, double grid) {
   double x0 = b.x0 * grid, y0 = b.y0 * grid, w = b.x1 * grid - x0,
          h = b.y1 * grid - y0, most = -INFINITY;
   int nx = (int)ceil(w / sraf_step), ny = (int)ceil(h / sraf_step);
@@ -197,7 +197,7 @@ typedef struct job {
 
 static void sraf_test_bright(void *data, size_t i) {
   const job *j = data;
-  j->bad[i] = brightest(j->print, j->srafs->box[i], j->grid) > -j->margin;
+  j->bad[i] = bar_maximum(j->print, j->srafs->box[i], j->grid) > -j->margin;
 }
 
 /* Return 1 for each bar that would print, 0 for the others (free()). */

@@ -27,7 +27,7 @@ enum { OPERAND = 1, MINUS = 2 };
 /* Each wall stands for two edges, and points are numbered with 31 bits. */
 enum { MOST_WALLS = 1 << 30 };
 
-static int inside(int op, const int32_t *wind) {
+static int region_inside(int op, const int32_t *wind) {
   int a = wind[0] != 0, b = wind[1] != 0;
   switch (op) {
     case EDA_OR:
@@ -100,10 +100,10 @@ static int change_range(sweep *s, uint32_t x, uint32_t r0, uint32_t r1,
   wind_below(s, r0, below);
   for (uint32_t r = r0, next; r < r1; r = next) {
     next = eda_rankset_after(&s->breaks, r);
-    int before = inside(s->op, s->wind[r]);
+    int before = region_inside(s->op, s->wind[r]);
     s->wind[r][0] += change[0];
     s->wind[r][1] += change[1];
-    int after = inside(s->op, s->wind[r]);
+    int after = region_inside(s->op, s->wind[r]);
     sweep_join(s, r, below);
     if (before == after) continue;
     int code = add_wall(s, x, r, next, after, error);
@@ -113,7 +113,7 @@ static int change_range(sweep *s, uint32_t x, uint32_t r0, uint32_t r1,
   return OPC_OK;
 }
 
-static void prepare(sweep *s) {
+static void sweep_prepare(sweep *s) {
   uint32_t ranks = 0;
   s->y = eda_rank_minor(s->events, s->n, &ranks);
   eda_sort(s->events, s->n, EDA_MAJOR);
@@ -125,7 +125,7 @@ static int sweep_run(sweep *s, opc_error *error) {
   if (s->n == 0) return OPC_OK;
   int32_t change[2] = {0, 0};
   int code = OPC_OK;
-  prepare(s);
+  sweep_prepare(s);
   for (size_t i = 0; !code && i < s->n; i++) {
     const eda_event *e = &s->events[i];
     change[e->payload & OPERAND] += e->payload & MINUS ? -1 : 1;

@@ -52,7 +52,7 @@ typedef struct fracture {
 
 /* ---- polygons and their holes ---- */
 
-static uint32_t root(fracture *f, uint32_t c) {
+static uint32_t chord_root(fracture *f, uint32_t c) {
   while (f->parent[c] != c) {
     f->parent[c] = f->parent[f->parent[c]];
     c = f->parent[c];
@@ -60,9 +60,9 @@ static uint32_t root(fracture *f, uint32_t c) {
   return c;
 }
 
-static void unite(fracture *f, uint32_t a, uint32_t b) {
-  a = root(f, a);
-  b = root(f, b);
+static void chords_unite(fracture *f, uint32_t a, uint32_t b) {
+  a = chord_root(f, a);
+  b = chord_root(f, b);
   if (a < b)
     f->parent[b] = a;
   else
@@ -71,19 +71,20 @@ static void unite(fracture *f, uint32_t a, uint32_t b) {
 
 /* ---- edges ---- */
 
-static eda_point point(const fracture *f, uint32_t i) {
+static eda_point corner_point(const fracture *f, uint32_t i) {
   eda_point p = f->shapes->points[i];
   return f->transpose ? (eda_point){p.y, p.x} : p;
 }
 
 /* Write both ends of each vertical edge as events; the payload holds the number
    of the edge and marks the upper end. Return the number of events. */
-static size_t collect(fracture *f, eda_event *events) {
+static size_t edges_collect(fracture *f, eda_event *events) {
   size_t n = 0;
   for (size_t c = 0; c < f->shapes->count; c++) {
     uint32_t first = f->shapes->start[c], end = f->shapes->start[c + 1];
     for (uint32_t i = first; i < end; i++) {
-      eda_point a = point(f, i), b = point(f, i + 1 < end ? i + 1 : first);
+      eda_point a = corner_point(f, i),
+                b = corner_point(f, i + 1 < end ? i + 1 : first);
       if (a.y == b.y) continue;
       uint32_t x = eda_bias(a.x);
       f->sides[n] = (side){a.x, 0, 0, (uint32_t)c};
@@ -129,7 +130,7 @@ static void prepare_sweep(fracture *f) {
   size_t most = f->shapes->start[f->shapes->count];
   eda_event *events = g_new(eda_event, 2 * most + 1);
   f->sides = g_new(side, most + 1);
-  f->n_sides = collect(f, events);
+  f->n_sides = edges_collect(f, events);
   rank_sides(f, events);
   g_free(events);
   f->slabs = g_new(slab, (gsize)f->ranks + 1);
@@ -176,7 +177,7 @@ static void unite_edges(fracture *f, const side *sides, size_t n) {
   for (size_t i = 0, j = 0; i < n && j < f->n_closed;) {
     const span *c = &f->closed[j];
     if (sides[i].r0 < c->r1 && c->r0 < sides[i].r1)
-      unite(f, sides[i].contour, c->contour);
+      chords_unite(f, sides[i].contour, c->contour);
     if (sides[i].r1 <= c->r1)
       i++;
     else
@@ -220,7 +221,7 @@ static void fracture_step(fracture *f, const side *sides, size_t n) {
     open_slab(f, sides, n, f->ends[i], f->ends[i + 1], &edge, &old);
 }
 
-static void sweep(fracture *f, int transpose) {
+static void sweep_chords(fracture *f, int transpose) {
   f->transpose = transpose;
   prepare_sweep(f);
   for (size_t i = 0, n; i < f->n_sides; i += n) {
@@ -239,11 +240,12 @@ static int by_corner(const void *a, const void *b) {
   return (p->x0 > q->x0) - (p->x0 < q->x0);
 }
 
-static void choose(fracture *f, eda_box **boxes, size_t *count) {
+static void fracture_choose(fracture *f, eda_box **boxes, size_t *count) {
   uint32_t *pieces = g_malloc0_n(f->shapes->count, 2 * sizeof *pieces);
   for (int way = 0; way < 2; way++)
     for (size_t i = 0; i < f->n_pieces[way]; i++)
-      pieces[2 * (size_t)root(f, f->pieces[way][i].contour) + (size_t)way]++;
+      pieces[2 * (size_t)chord_root(f, f->pieces[way][i].contour) +
+             (size_t)way]++;
   size_t total = 0;
   for (size_t c = 0; c < f->shapes->count; c++)
     total += MIN(pieces[2 * c], pieces[2 * c + 1]);
@@ -251,7 +253,7 @@ static void choose(fracture *f, eda_box **boxes, size_t *count) {
   for (int way = 0; way < 2; way++)
     for (size_t i = 0; i < f->n_pieces[way]; i++) {
       const uint32_t *n =
-          &pieces[2 * (size_t)root(f, f->pieces[way][i].contour)];
+          &pieces[2 * (size_t)chord_root(f, f->pieces[way][i].contour)];
       if ((n[1] <= n[0]) == way) (*boxes)[(*count)++] = f->pieces[way][i].box;
     }
   g_free(pieces);
@@ -267,9 +269,9 @@ int eda_fracture(const eda_shapes *shapes, eda_box **boxes, size_t *count,
   fracture f = {.shapes = shapes};
   f.parent = g_new(uint32_t, shapes->count);
   for (size_t c = 0; c < shapes->count; c++) f.parent[c] = (uint32_t)c;
-  sweep(&f, 0);
-  sweep(&f, 1);
-  choose(&f, boxes, count);
+  sweep_chords(&f, 0);
+  sweep_chords(&f, 1);
+  fracture_choose(&f, boxes, count);
   g_free(f.parent);
   g_free(f.pieces[0]);
   g_free(f.pieces[1]);

@@ -52,7 +52,7 @@ static void set_cell(eda_index *x, double size) {
 }
 
 /* Return the total number of items: for each box, the cells that it touches. */
-static uint64_t places(const eda_index *x) {
+static uint64_t index_items(const eda_index *x) {
   uint64_t sum = 0;
   for (size_t i = 0; i < x->n; i++) {
     if (is_empty(x->box[i])) continue;
@@ -64,7 +64,7 @@ static uint64_t places(const eda_index *x) {
 
 /* Count the boxes of each cell, or store them: start[k] advances from the first
    item of cell k to that of the next cell. */
-static void spread(eda_index *x) {
+static void index_fill(eda_index *x) {
   for (size_t i = 0; i < x->n; i++) {
     if (is_empty(x->box[i])) continue;
     eda_box c = cells_of(x, x->box[i]);
@@ -101,10 +101,11 @@ eda_index *eda_index_new(const eda_box *boxes, size_t n, int32_t cell) {
                              ((double)x->extent.y1 - x->extent.y0) /
                              (double)MAX(n, 1))));
   set_cell(x, side);
-  while (places(x) > PLACES_OF_BOX * (uint64_t)n) set_cell(x, 2.0 * x->cell);
+  while (index_items(x) > PLACES_OF_BOX * (uint64_t)n)
+    set_cell(x, 2.0 * x->cell);
   size_t cells = (size_t)x->columns * (size_t)x->rows;
   x->start = eda_alloc(cells + 1, sizeof *x->start);
-  spread(x);
+  index_fill(x);
   uint32_t sum = 0;
   for (size_t k = 0; k <= cells; k++) {
     uint32_t here = x->start[k];
@@ -112,7 +113,7 @@ eda_index *eda_index_new(const eda_box *boxes, size_t n, int32_t cell) {
     sum += here;
   }
   x->item = eda_alloc(sum, sizeof *x->item);
-  spread(x);
+  index_fill(x);
   for (size_t k = cells; k > 0; k--) x->start[k] = x->start[k - 1];
   x->start[0] = 0;
   return x;

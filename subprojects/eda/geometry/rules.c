@@ -13,8 +13,8 @@
 /* The sides of an edge. */
 enum { LEFT, RIGHT, BELOW, ABOVE };
 
-static int upright(int side) { return side == LEFT || side == RIGHT; }
-static int opposite(int side) { return side ^ 1; }
+static int side_upright(int side) { return side == LEFT || side == RIGHT; }
+static int side_opposite(int side) { return side ^ 1; }
 
 typedef struct facing {
   int32_t distance, low, high; /* interval of overlap */
@@ -48,10 +48,10 @@ static void mask_report(mask *m, int rule, double x, double y, double value) {
 
 /* Record edge i if it ends the searched region: the end of a shape faces back,
    the end of a space faces away. */
-static void face(mask *m, uint32_t i) {
+static void edge_record(mask *m, uint32_t i) {
   eda_box e = m->edge[i], f = m->from;
-  int flat = upright(m->side);
-  if (m->inwards[i] != (m->shape ? opposite(m->side) : m->side)) return;
+  int flat = side_upright(m->side);
+  if (m->inwards[i] != (m->shape ? side_opposite(m->side) : m->side)) return;
   int32_t distance = flat ? e.x0 - f.x0 : e.y0 - f.y0;
   int32_t low =
       flat ? (e.y0 > f.y0 ? e.y0 : f.y0) : (e.x0 > f.x0 ? e.x0 : f.x0);
@@ -70,7 +70,7 @@ static int by_distance(const void *a, const void *b) {
 
 static void tell_facing(mask *m, const facing *f) {
   double along = ((double)f->low + f->high) / 2;
-  int flat = upright(m->side);
+  int flat = side_upright(m->side);
   double across = (flat ? m->from.x0 : m->from.y0) + f->distance / 2.0;
   mask_report(m, m->shape, flat ? across : along, flat ? along : across,
               f->distance);
@@ -98,7 +98,7 @@ static void tell_visible(mask *m, size_t i) {
 static void look_from(mask *m, size_t i) {
   int inwards = m->inwards[i];
   m->shape = inwards == RIGHT || inwards == ABOVE;
-  m->side = m->shape ? inwards : opposite(inwards);
+  m->side = m->shape ? inwards : side_opposite(inwards);
   m->from = m->edge[i];
   m->n = 0;
   /* Search strictly below the limit, in whole steps. */
@@ -110,7 +110,7 @@ static void look_from(mask *m, size_t i) {
   else
     window.y1 += reach;
   eda_finder f = eda_index_find(m->edges, window);
-  for (uint32_t k; eda_index_next(&f, &k);) face(m, k);
+  for (uint32_t k; eda_index_next(&f, &k);) edge_record(m, k);
   if (m->n > 1) qsort(m->found, m->n, sizeof *m->found, by_distance);
   for (size_t k = 0; k < m->n; k++) tell_visible(m, k);
 }
@@ -166,14 +166,15 @@ static void look_from_corner(mask *m, size_t n) {
 
 /* ---- edges that are short ---- */
 
-static double length(const mask *m, size_t i) {
+static double edge_length(const mask *m, size_t i) {
   eda_box e = m->edge[i];
   return (double)e.x1 - e.x0 + ((double)e.y1 - e.y0);
 }
 
 /* Check edge i, located between the edges `before` and `next`. */
 static void look_at_edge(mask *m, size_t before, size_t i, size_t next) {
-  double own = length(m, i), a = length(m, before), b = length(m, next);
+  double own = edge_length(m, i), a = edge_length(m, before),
+         b = edge_length(m, next);
   double x = ((double)m->edge[i].x0 + m->edge[i].x1) / 2;
   double y = ((double)m->edge[i].y0 + m->edge[i].y1) / 2;
   int is_jog = (m->corner[i] ^ m->corner[next]) & CONVEX && a > own && b > own;
@@ -185,7 +186,7 @@ static void look_at_edge(mask *m, size_t before, size_t i, size_t next) {
 
 /* ---- all ---- */
 
-static size_t around(const eda_shapes *s, size_t p, uint32_t i, int by) {
+static size_t vertex_around(const eda_shapes *s, size_t p, uint32_t i, int by) {
   uint32_t first = s->start[p], n = s->start[p + 1] - first;
   return first + (i - first + n + (uint32_t)by) % n;
 }
@@ -200,7 +201,7 @@ static void find_edges(mask *m, size_t n) {
   m->corner = eda_alloc(n, 1);
   for (size_t p = 0; p < s->count; p++)
     for (uint32_t i = s->start[p]; i < s->start[p + 1]; i++) {
-      eda_point a = s->points[i], b = s->points[around(s, p, i, 1)];
+      eda_point a = s->points[i], b = s->points[vertex_around(s, p, i, 1)];
       points[i] = (eda_box){a.x, a.y, a.x, a.y};
       m->edge[i] = (eda_box){a.x < b.x ? a.x : b.x, a.y < b.y ? a.y : b.y,
                              a.x > b.x ? a.x : b.x, a.y > b.y ? a.y : b.y};
@@ -211,7 +212,8 @@ static void find_edges(mask *m, size_t n) {
     }
   for (size_t p = 0; p < s->count; p++)
     for (uint32_t i = s->start[p]; i < s->start[p + 1]; i++) {
-      size_t before = around(s, p, i, -1), next = around(s, p, i, 1);
+      size_t before = vertex_around(s, p, i, -1),
+             next = vertex_around(s, p, i, 1);
       m->corner[i] = corner_of(s->points[before], s->points[i], s->points[next],
                                m->inwards[before], m->inwards[i]);
     }
@@ -229,7 +231,8 @@ size_t eda_rules_check(const eda_shapes *shapes, double grid,
   for (size_t i = 0; i < n; i++) look_from_corner(&m, i);
   for (size_t p = 0; p < shapes->count; p++)
     for (uint32_t i = shapes->start[p]; i < shapes->start[p + 1]; i++)
-      look_at_edge(&m, around(shapes, p, i, -1), i, around(shapes, p, i, 1));
+      look_at_edge(&m, vertex_around(shapes, p, i, -1), i,
+                   vertex_around(shapes, p, i, 1));
   eda_index_free(m.edges);
   eda_index_free(m.points);
   free(m.edge);

@@ -13,8 +13,8 @@ static uint32_t key_of(const eda_event *e, int key) {
 
 /* Sort by one digit of the key. Return 0 if the digit is equal in all events,
    so that nothing was moved. */
-static int pass(const eda_event *from, eda_event *to, size_t n, int key,
-                unsigned shift) {
+static int sort_digit(const eda_event *from, eda_event *to, size_t n, int key,
+                      unsigned shift) {
   size_t place[BUCKETS] = {0};
   for (size_t i = 0; i < n; i++)
     place[(key_of(&from[i], key) >> shift) & (BUCKETS - 1)]++;
@@ -31,7 +31,7 @@ static int pass(const eda_event *from, eda_event *to, size_t n, int key,
 }
 
 /* Sort few events by insertion; stable like the passes. */
-static void insert(eda_event *events, size_t n, int key) {
+static void sort_insertion(eda_event *events, size_t n, int key) {
   for (size_t i = 1; i < n; i++) {
     eda_event e = events[i];
     size_t at = i;
@@ -43,12 +43,12 @@ static void insert(eda_event *events, size_t n, int key) {
 
 void eda_sort(eda_event *events, size_t n, int key) {
   if (n <= FEW) {
-    insert(events, n, key);
+    sort_insertion(events, n, key);
     return;
   }
   eda_event *scratch = g_new(eda_event, n), *from = events, *to = scratch;
   for (unsigned shift = 0; shift < 32; shift += DIGIT) {
-    if (!pass(from, to, n, key, shift)) continue;
+    if (!sort_digit(from, to, n, key, shift)) continue;
     eda_event *swap = from;
     from = to;
     to = swap;

@@ -10,14 +10,14 @@ typedef struct ring {
   int64_t most;
 } ring;
 
-static int64_t part(const ring *r, uint32_t i, int axis) {
+static int64_t edge_part(const ring *r, uint32_t i, int axis) {
   eda_point a = r->p[i % r->n], b = r->p[(i + 1) % r->n];
   return axis == 0 ? llabs((int64_t)b.x - a.x) : llabs((int64_t)b.y - a.y);
 }
 
 /* Return whether edge i has constant x (axis 0) or y (1), or nearly. */
-static int lies(const ring *r, uint32_t i, int axis) {
-  int64_t off = part(r, i, axis), along = part(r, i, !axis);
+static int edge_along_axis(const ring *r, uint32_t i, int axis) {
+  int64_t off = edge_part(r, i, axis), along = edge_part(r, i, !axis);
   return off <= r->most && (axis == 0 ? along > off : along >= off) &&
          (along || off);
 }
@@ -37,7 +37,7 @@ static size_t ring_level(const ring *r, uint32_t first, uint32_t count,
     int32_t at = *coordinate(r, i, axis);
     if (at < low) low = at;
     if (at > high) high = at;
-    if (i < first + count) slanted += part(r, i, axis) != 0;
+    if (i < first + count) slanted += edge_part(r, i, axis) != 0;
   }
   if (!slanted || (int64_t)high - low > r->most) return 0;
   for (uint32_t i = first; i <= first + count; i++)
@@ -50,11 +50,11 @@ static size_t ring_level(const ring *r, uint32_t first, uint32_t count,
 static size_t level_runs(const ring *r, int axis) {
   uint32_t begin = 0;
   size_t slanted = 0;
-  while (begin < r->n && lies(r, begin, axis)) begin++;
+  while (begin < r->n && edge_along_axis(r, begin, axis)) begin++;
   if (begin == r->n) return 0;
   for (uint32_t i = begin; i < begin + r->n;) {
     uint32_t count = 0;
-    while (count < r->n && lies(r, i + count, axis)) count++;
+    while (count < r->n && edge_along_axis(r, i + count, axis)) count++;
     if (count) slanted += ring_level(r, i, count, axis);
     i += count + 1;
   }

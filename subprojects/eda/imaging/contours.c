@@ -107,7 +107,7 @@ EDA_WIDE static void weigh_columns(const double *spline, const int *first,
 
 /* Evaluate a row of nodes. Nodes of a row share their splines along y, those of
    a column along x. */
-static void evaluate(const squares *s, int j, row *r) {
+static void row_evaluate(const squares *s, int j, row *r) {
   int n = s->nx;
   if (j == 0 || j == s->ny - 1) {
     memset(r->positive, 0, (size_t)n);
@@ -148,8 +148,8 @@ static double zero_in_cell(const double *c, double t0, double t1, double a,
 
 /* Return the zero between u0 and u1 of a spline whose first coefficient belongs
    to node `first`; a and b are its values there, of opposite signs. */
-static double zero(const double *spline, int first, double u0, double u1,
-                   double a, double b) {
+static double spline_zero(const double *spline, int first, double u0, double u1,
+                          double a, double b) {
   int cell = (int)floor(u0);
   for (;; cell++) {
     const double *c = spline + cell - 2 - first;
@@ -173,8 +173,9 @@ static void cross_row(const squares *s, strip *p, int j, int i, const row *r) {
   double x = node_x(s, i);
   if (i > 0 && i < s->nx - 2)
     x = s->field->frame.x0 +
-        s->field_dx * zero(r->spline, s->from, field_x(s, i), field_x(s, i + 1),
-                           r->value[i], r->value[i + 1]);
+        s->field_dx * spline_zero(r->spline, s->from, field_x(s, i),
+                                  field_x(s, i + 1), r->value[i],
+                                  r->value[i + 1]);
   add_point(p, x, node_y(s, j));
 }
 
@@ -198,8 +199,8 @@ static void cross_column(const squares *s, strip *p, int j, int i,
         sum += s->weight[k * s->nx + i] * c[x[k]];
       column[m] = sum;
     }
-    y = f->frame.y0 + s->field_dy * zero(column, first, u0, u1, low->value[i],
-                                         high->value[i]);
+    y = f->frame.y0 + s->field_dy * spline_zero(column, first, u0, u1,
+                                                low->value[i], high->value[i]);
   }
   add_point(p, node_x(s, i), y);
 }
@@ -209,7 +210,8 @@ static void cross_column(const squares *s, strip *p, int j, int i,
 /* Connect the crossings of a square. With the positive side on the left, a
    contour runs from an edge that leaves the positive region (counter-clockwise)
    to an edge that enters it. Edges are below, right, above, left. */
-static void join(strip *p, const int32_t edge[4], const double v[4], int set) {
+static void strip_join(strip *p, const int32_t edge[4], const double v[4],
+                       int set) {
   int centre = v[0] + v[1] + v[2] + v[3] > 0;
   for (int k = 0; k < 4; k++) {
     if (!(set >> k & 1) || set >> (k + 1) % 4 & 1) continue;
@@ -265,7 +267,8 @@ static int find_mixed(const squares *s, bench *b) {
 
 /* Number the crossings above row j, on the left sides of squares, and those on
    row j + 1. Only crossings below row `end` belong to the strip. */
-static void cross(const squares *s, strip *p, bench *b, int j, int n, int end) {
+static void row_cross(const squares *s, strip *p, bench *b, int j, int n,
+                      int end) {
   for (int m = 0; m < n; m++) {
     int i = b->mixed[m];
     if (b->low.positive[i] == b->high.positive[i]) continue;
@@ -295,14 +298,14 @@ static void join_row(strip *p, bench *b, int n) {
                          high->value[i]};
     int set = low->positive[i] | low->positive[i + 1] << 1 |
               high->positive[i + 1] << 2 | high->positive[i] << 3;
-    join(p, edge, v, set);
+    strip_join(p, edge, v, set);
   }
 }
 
 /* Number the crossings on the first row of a strip, which has no squares
    below. */
 static void begin_strip(const squares *s, strip *p, bench *b, int j) {
-  evaluate(s, j, &b->high);
+  row_evaluate(s, j, &b->high);
   for (int i = 0; i + 1 < s->nx; i++)
     if (b->high.positive[i] != b->high.positive[i + 1]) {
       b->high.crossing[i] = (int32_t)p->count;
@@ -325,9 +328,9 @@ static void make_strip(void *data, size_t k) {
     row low = b.low;
     b.low = b.high;
     b.high = low;
-    evaluate(s, j + 1, &b.high);
+    row_evaluate(s, j + 1, &b.high);
     int mixed = find_mixed(s, &b);
-    cross(s, p, &b, j, mixed, end);
+    row_cross(s, p, &b, j, mixed, end);
     join_row(p, &b, mixed);
   }
   free_row(&b.low);
@@ -355,7 +358,7 @@ static void take_strip(lines *all, const strip *p, size_t base) {
     if (p->next[i] >= 0) all->next[base + i] = (int32_t)base + p->next[i];
 }
 
-static lines merge(squares *s) {
+static lines strips_merge(squares *s) {
   lines all = {0};
   for (size_t k = 0; k < s->strips; k++) all.count += s->strip[k].count;
   all.point = eda_alloc(2 * all.count, sizeof *all.point);
@@ -435,7 +438,7 @@ int eda_contours(const opc_context *context, const eda_field *field,
   weigh_all(&s);
   s.strip = eda_alloc(s.strips, sizeof *s.strip);
   opc_parallel(context, s.strips, make_strip, &s);
-  lines all = merge(&s);
+  lines all = strips_merge(&s);
   free(s.strip);
   free(s.first);
   free(s.weight);

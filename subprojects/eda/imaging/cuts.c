@@ -191,8 +191,9 @@ EDA_WIDE static void find_places(batch *u) {
 
 /* ---- cuts ---- */
 
-static void cut(const eda_field *field, int axis, const window *w, size_t n,
-                const double *at, double (*distance)[2], batch *u) {
+static void cuts_batch(const eda_field *field, int axis, const window *w,
+                       size_t n, const double *at, double (*distance)[2],
+                       batch *u) {
   size_t number[TOGETHER];
   for (size_t j = 0; j < n; j++) {
     double place = in_steps(field, !axis, at[j]) - w->first;
@@ -232,8 +233,8 @@ void eda_cut_many(const eda_field *field, int axis, double middle, double half,
   batch u;
   if (make_window(field, axis, middle, half, n, at, &w))
     for (size_t j = 0; j < n; j += TOGETHER)
-      cut(field, axis, &w, n - j < TOGETHER ? n - j : TOGETHER, at + j,
-          distance + j, &u);
+      cuts_batch(field, axis, &w, n - j < TOGETHER ? n - j : TOGETHER, at + j,
+                 distance + j, &u);
   else
     for (size_t j = 0; j < n; j++) distance[j][0] = distance[j][1] = NAN;
 }

@@ -13,9 +13,9 @@ enum { DEGREE = EDA_SPLINE_TAPS - 1, HALVINGS = 24 };
 /* ---- one cell ---- */
 
 /* Compute the coefficients of the parts before and after t (de Casteljau). */
-static void split(const double b[EDA_SPLINE_TAPS], double t,
-                  double before[EDA_SPLINE_TAPS],
-                  double after[EDA_SPLINE_TAPS]) {
+static void spline_split(const double b[EDA_SPLINE_TAPS], double t,
+                         double before[EDA_SPLINE_TAPS],
+                         double after[EDA_SPLINE_TAPS]) {
   for (int i = 0; i <= DEGREE; i++) after[i] = b[i];
   for (int level = 0; level <= DEGREE; level++) {
     before[level] = after[0];
@@ -24,7 +24,7 @@ static void split(const double b[EDA_SPLINE_TAPS], double t,
   }
 }
 
-static int changes(const double b[EDA_SPLINE_TAPS]) {
+static int sign_changes(const double b[EDA_SPLINE_TAPS]) {
   int n = 0;
   for (int i = 0; i < DEGREE; i++) n += (b[i] > 0) != (b[i + 1] > 0);
   return n;
@@ -53,11 +53,11 @@ static double only_change(const double b[EDA_SPLINE_TAPS]) {
    for none. */
 static double first_change(const double b[EDA_SPLINE_TAPS], int halvings) {
   double before[EDA_SPLINE_TAPS], after[EDA_SPLINE_TAPS];
-  int n = changes(b);
+  int n = sign_changes(b);
   if (n == 0) return NAN;
   if (n == 1) return only_change(b);
   if (halvings == 0) return (b[0] > 0) != (b[DEGREE] > 0) ? 0.5 : NAN;
-  split(b, 0.5, before, after);
+  spline_split(b, 0.5, before, after);
   double t = first_change(before, halvings - 1);
   if (isnan(t)) t = 1 + first_change(after, halvings - 1);
   return t / 2;
@@ -84,7 +84,7 @@ void eda_line_make(const eda_field *field, int axis, double at,
         field->coefficients + next * (size_t)eda_wrap(row + k, across);
 }
 
-static double coefficient(const eda_line *line, int i) {
+static double line_coefficient(const eda_line *line, int i) {
   size_t offset = line->stride * (size_t)eda_wrap(i, line->n);
   double sum = 0;
   for (int k = 0; k < EDA_SPLINE_TAPS; k++)
@@ -114,7 +114,7 @@ static void cell_coefficients(const eda_line *line, int first,
     }
   } else {
     for (int i = 0; i < EDA_SPLINE_TAPS; i++)
-      c[i] = coefficient(line, first + i);
+      c[i] = line_coefficient(line, first + i);
   }
 }
 
@@ -132,7 +132,7 @@ double eda_line_start(const eda_line *line, double place, eda_walk *down,
   cell_coefficients(line, cell - 2, up->c);
   for (int k = 0; k < EDA_SPLINE_TAPS; k++) down->c[DEGREE - k] = up->c[k];
   eda_bernstein(up->c, b);
-  if (!changes(b)) {
+  if (!sign_changes(b)) {
     /* The cell has no change: only the sign is needed. */
     double weight[EDA_SPLINE_TAPS], value = 0;
     eda_spline_weights(t, weight);
@@ -140,16 +140,16 @@ double eda_line_start(const eda_line *line, double place, eda_walk *down,
     for (int k = 0; k < EDA_SPLINE_TAPS; k++) up->b[k] = down->b[k] = b[0];
     return value;
   }
-  split(b, t, reversed, up->b);
+  spline_split(b, t, reversed, up->b);
   for (int k = 0; k < EDA_SPLINE_TAPS; k++) down->b[k] = reversed[DEGREE - k];
   return up->b[0];
 }
 
 /* Advance from a found sign change to the part beyond. */
-static void pass(eda_walk *w) {
+static void walk_advance(eda_walk *w) {
   double before[EDA_SPLINE_TAPS], after[EDA_SPLINE_TAPS];
   int was = w->b[0] > 0;
-  split(w->b, w->found, before, after);
+  spline_split(w->b, w->found, before, after);
   after[0] = was ? -DBL_MIN : DBL_MIN;
   for (int k = 0; k < EDA_SPLINE_TAPS; k++) w->b[k] = after[k];
   w->done += w->found * w->part;
@@ -158,13 +158,13 @@ static void pass(eda_walk *w) {
 }
 
 double eda_walk_on(eda_walk *w) {
-  if (!isnan(w->found)) pass(w);
+  if (!isnan(w->found)) walk_advance(w);
   w->found = first_change(w->b, HALVINGS);
   if (!isnan(w->found)) return (w->done + w->found * w->part) * w->line->step;
   w->done += w->part;
   w->part = 1;
   for (int k = 0; k < DEGREE; k++) w->c[k] = w->c[k + 1];
-  w->c[DEGREE] = coefficient(w->line, w->next);
+  w->c[DEGREE] = line_coefficient(w->line, w->next);
   w->next += w->out;
   eda_bernstein(w->c, w->b);
   return NAN;

@@ -74,7 +74,7 @@ static void drop_idle(size_t limit) {
   }
 }
 
-static void *allocate(size_t unit, size_t size) {
+static void *fft_allocate(size_t unit, size_t size) {
   void *memory = aligned_alloc(unit, size);
   if (!memory) g_error("%s: failed to allocate %zu bytes", G_STRLOC, size);
   return memory;
@@ -85,7 +85,7 @@ static void *allocate(size_t unit, size_t size) {
 static block *new_block(size_t size) {
   size_t most = MAX(most_busy, busy + size);
   drop_idle(most + most / SPARE - size);
-  block b = {.at = allocate(HUGE_PAGE, size), .size = size};
+  block b = {.at = fft_allocate(HUGE_PAGE, size), .size = size};
   madvise(b.at, size, MADV_HUGEPAGE);
   if (!blocks) blocks = g_array_new(FALSE, FALSE, sizeof b);
   g_array_append_val(blocks, b);
@@ -96,7 +96,7 @@ static block *new_block(size_t size) {
 void *eda_fft_alloc(size_t n) {
   size_t unit = n < 2 * HUGE_PAGE ? ALIGNMENT : HUGE_PAGE;
   size_t size = (n + unit) & ~(unit - 1);
-  if (unit == ALIGNMENT) return allocate(unit, size);
+  if (unit == ALIGNMENT) return fft_allocate(unit, size);
   g_mutex_lock(&blocks_lock);
   block *b = find_idle(size);
   if (!b) b = new_block(size);

@@ -67,7 +67,7 @@ static double gain_of(const deed *d, int k, int n, int m, double length) {
   return sampled / eda_spline_sampled((double)k / m);
 }
 
-static float *gains(const deed *d, int n, int m, double length) {
+static float *filter_gains(const deed *d, int n, int m, double length) {
   int kept = (n < m ? n : m) / 2;
   float *gain = eda_alloc((size_t)kept + 1, sizeof *gain);
   for (int k = 0; k <= kept; k++) {
@@ -82,10 +82,10 @@ static float *gains(const deed *d, int n, int m, double length) {
 }
 
 /* Filter the field, which then has nx x ny nodes. */
-static void apply(const opc_context *context, eda_field *field, int nx, int ny,
-                  deed d) {
-  float *gx = gains(&d, field->nx, nx, field->frame.width);
-  float *gy = gains(&d, field->ny, ny, field->frame.height);
+static void filter_apply(const opc_context *context, eda_field *field, int nx,
+                         int ny, deed d) {
+  float *gx = filter_gains(&d, field->nx, nx, field->frame.width);
+  float *gy = filter_gains(&d, field->ny, ny, field->frame.height);
   float *wide = eda_fft_alloc(sizeof *wide * (size_t)nx * (size_t)field->ny);
   int same = nx == field->nx && ny == field->ny;
   float *out =
@@ -130,7 +130,7 @@ int eda_field_diffuse(const opc_context *context, eda_field *field,
   if (!(sigma >= 0) || isinf(sigma))
     return opc_fail(error, OPC_INVALID, NULL, "no diffusion of %g nm", sigma);
   if (sigma == 0) return OPC_OK;
-  apply(context, field, field->nx, field->ny, (deed){DIFFUSE, sigma});
+  filter_apply(context, field, field->nx, field->ny, (deed){DIFFUSE, sigma});
   return OPC_OK;
 }
 
@@ -143,16 +143,16 @@ int eda_field_resample(const opc_context *context, eda_field *field,
                     f->width / 1e3, f->height / 1e3, step);
   int nx = eda_fft_size(f->width / step), ny = eda_fft_size(f->height / step);
   if (nx == field->nx && ny == field->ny) return OPC_OK;
-  apply(context, field, nx, ny, (deed){RESAMPLE, 0});
+  filter_apply(context, field, nx, ny, (deed){RESAMPLE, 0});
   return OPC_OK;
 }
 
 void eda_field_samples(const opc_context *context, eda_field *field) {
-  apply(context, field, field->nx, field->ny, (deed){TO_SAMPLES, 0});
+  filter_apply(context, field, field->nx, field->ny, (deed){TO_SAMPLES, 0});
 }
 
 void eda_field_from_samples(const opc_context *context, eda_field *field) {
-  apply(context, field, field->nx, field->ny, (deed){FROM_SAMPLES, 0});
+  filter_apply(context, field, field->nx, field->ny, (deed){FROM_SAMPLES, 0});
 }
 
 void eda_field_gradient(const eda_field *field, const double *x,

@@ -87,7 +87,7 @@ static number mask_at(const eda_spectrum *m, int k, int l) {
   return a[0] + (flip ? -a[1] : a[1]) * I;
 }
 
-static void transfer(const job *j, size_t kernel, number *out) {
+static void gradient_transfer(const job *j, size_t kernel, number *out) {
   const eda_kernels *s = j->kernels;
   double *fx = eda_alloc(j->columns, sizeof *fx);
   for (size_t c = 0; c < j->columns; c++)
@@ -104,7 +104,7 @@ static void add_kernel(void *data, size_t i) {
   number *sum = j->sums + i * n, scale = scale_of(j->kernels);
   number *through = eda_alloc(n, sizeof *through);
   number *field = eda_fft_alloc(nodes * sizeof *field);
-  transfer(j, i, through);
+  gradient_transfer(j, i, through);
   for (size_t a = 0; a < n; a++) {
     int l = (int)(a / j->columns) - j->half;
     int k = (int)(a % j->columns) - j->reach;

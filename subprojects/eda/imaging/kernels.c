@@ -78,7 +78,7 @@ typedef struct job {
 static size_t blocks(int n) { return (size_t)(n + EDA_LANES - 1) / EDA_LANES; }
 
 /* Return a scratch array; as many exist as tasks run at a time. */
-static eda_lanes *borrow(job *j) {
+static eda_lanes *lanes_borrow(job *j) {
   g_mutex_lock(&j->lock);
   eda_lanes *a = j->scratch->len ? g_ptr_array_steal_index_fast(
                                        j->scratch, j->scratch->len - 1)
@@ -116,8 +116,8 @@ typedef struct factor {
   const float *at; /* own values, or those of another quadrant */
 } factor;
 
-static void ask(const job *j, size_t kernel, const strip *p, int quadrant,
-                int l, factor *out) {
+static void strip_transfer(const job *j, size_t kernel, const strip *p,
+                           int quadrant, int l, factor *out) {
   const eda_kernels *y = &j->kernels;
   double step = (quadrant & LEFT ? -1 : 1) / j->mask->frame.width;
   double fy = (quadrant & BELOW ? -l : l) / j->mask->frame.height, fx[STRIP];
@@ -129,12 +129,13 @@ static void ask(const job *j, size_t kernel, const strip *p, int quadrant,
 }
 
 /* Derive the factors of all quadrants from one. */
-static void mirror(const job *j, const strip *p, int l, factor t[QUADRANTS]) {
+static void factors_mirror(const job *j, const strip *p, int l,
+                           factor t[QUADRANTS]) {
   eda_mirrored m = j->kernels.mirror(j->kernels.self, p->kernel);
   float sign = m.odd ? -1 : 1;
   int from = m.kernel == p->kernel ? 0 : BELOW;
-  ask(j, p->kernel, p, 0, l, &t[0]);
-  if (from) ask(j, m.kernel, p, 0, l, &t[from]);
+  strip_transfer(j, p->kernel, p, 0, l, &t[0]);
+  if (from) strip_transfer(j, m.kernel, p, 0, l, &t[from]);
   t[BELOW].at = t[LEFT].at = t[from].value;
   t[LEFT | BELOW].at = t[0].value;
   t[BELOW].re = 1;
@@ -144,7 +145,7 @@ static void mirror(const job *j, const strip *p, int l, factor t[QUADRANTS]) {
   t[LEFT | BELOW].re = t[LEFT | BELOW].im = sign;
 }
 
-static void scale(float complex by, int n, factor *t) {
+static void factors_scale(float complex by, int n, factor *t) {
   for (int i = 0; i < n; i++) {
     float complex c =
         (t->re * t->at[2 * i] + t->im * t->at[2 * i + 1] * I) * by;
@@ -159,13 +160,14 @@ static void find_factors(const job *j, const strip *p, int l,
                          factor t[QUADRANTS]) {
   int n = p->last - p->first + 1;
   if (j->kernels.mirror)
-    mirror(j, p, l, t);
+    factors_mirror(j, p, l, t);
   else
-    for (int q = 0; q < QUADRANTS; q++) ask(j, p->kernel, p, q, l, &t[q]);
+    for (int q = 0; q < QUADRANTS; q++)
+      strip_transfer(j, p->kernel, p, q, l, &t[q]);
   /* Quadrants that others refer to are the last ones. */
   static const int order[QUADRANTS] = {LEFT | BELOW, LEFT, BELOW, 0};
   for (int i = 0; i < QUADRANTS && j->scale != 1; i++)
-    scale(j->scale, n, &t[order[i]]);
+    factors_scale(j->scale, n, &t[order[i]]);
 }
 
 /* Compute transfer * mask, the mask conjugated if sign is -1, for whole blocks.
@@ -260,7 +262,7 @@ static void field_along_y(void *data, size_t index) {
              .first = (int)(index % strips(j)) * STRIP};
   s.n = MIN(STRIP, j->reach + 1 - s.first);
   size_t apart = j->rows * EDA_LANES;
-  eda_lanes *a = borrow(j), *work = a + 2 * BLOCKS * apart;
+  eda_lanes *a = lanes_borrow(j), *work = a + 2 * BLOCKS * apart;
   const eda_lanes_plan *plan = eda_lanes_plan_for(j->ny);
   for (int l = 0; l <= j->half; l++) fill_rows(j, &s, l, a, apart);
   for (size_t b = 0; b < 2 * blocks(s.n); b++) {
@@ -286,7 +288,7 @@ EDA_WIDE static void add_square(const eda_lanes *restrict field, float weight,
 static void square_along_x(void *data, size_t block) {
   job *j = data;
   if (opc_cancelled(j->context)) return;
-  eda_lanes *a = borrow(j);
+  eda_lanes *a = lanes_borrow(j);
   size_t reach = (size_t)j->reach, n = (size_t)j->nx;
   for (size_t i = 0; i < j->together; i++) {
     const eda_lanes *row = j->field[i].at + block * j->field[i].n;
@@ -351,7 +353,7 @@ EDA_WIDE static void split(const eda_lanes *a, int n, int k, eda_lanes *first,
 static void forth_along_x(void *data, size_t pair) {
   job *j = data;
   if (opc_cancelled(j->context)) return;
-  eda_lanes *a = borrow(j), *tile = a + j->nx;
+  eda_lanes *a = lanes_borrow(j), *tile = a + j->nx;
   size_t n = (size_t)j->nx, one = 2 * pair, other = MIN(one + 1, j->rows - 1);
   for (size_t part = 0; part <= j->kernels.residuals; part++) {
     const eda_vector *re = j->sum[part] + one * n,
@@ -379,9 +381,9 @@ static void forth_along_x(void *data, size_t pair) {
 /* Compute number l of columns k of the result from the sum and the filtered
    residuals, as coefficients of the spline. The parts of sums[k][at] are
    exchanged. */
-static void coefficient(const job *j, int first, int l,
-                        const eda_lanes *const *sums, size_t at,
-                        eda_lanes *to) {
+static void spline_coefficients(const job *j, int first, int l,
+                                const eda_lanes *const *sums, size_t at,
+                                eda_lanes *to) {
   const eda_kernels *s = &j->kernels;
   const eda_frame *f = &j->mask->frame;
   double band = s->intensity_band, fy = l / f->height;
@@ -414,7 +416,7 @@ static void columns_to_fine(void *data, size_t block) {
   job *j = data;
   if (opc_cancelled(j->context)) return;
   size_t n = (size_t)j->ny;
-  eda_lanes *fine = borrow(j);
+  eda_lanes *fine = lanes_borrow(j);
   const eda_lanes *sums[SUMS];
   eda_lanes *work = fine + blocks(j->fine_y) * EDA_LANES;
   const eda_lanes_plan *plan = eda_lanes_plan_for(j->ny);
@@ -426,8 +428,8 @@ static void columns_to_fine(void *data, size_t block) {
   memset(fine, 0, sizeof *fine * (size_t)j->fine_y);
   for (int l = -j->top_y; l <= j->top_y; l++) {
     size_t at = l < 0 ? n - (size_t)-l : (size_t)l;
-    coefficient(j, (int)block * EDA_LANES, l, sums, at,
-                fine + (l < 0 ? l + j->fine_y : l));
+    spline_coefficients(j, (int)block * EDA_LANES, l, sums, at,
+                        fine + (l < 0 ? l + j->fine_y : l));
   }
   eda_lanes_backward(eda_lanes_plan_for(j->fine_y), fine, work);
   turn_lines(fine, j->fine_y, &j->fine, block * EDA_LANES);
@@ -462,7 +464,7 @@ static void write_rows(const job *j, const eda_vector *points, size_t block) {
 static void back_along_x(void *data, size_t pair) {
   job *j = data;
   if (opc_cancelled(j->context)) return;
-  eda_lanes *a = borrow(j);
+  eda_lanes *a = lanes_borrow(j);
   size_t all = blocks(j->fine_y), one = 2 * pair, other = MIN(one + 1, all - 1);
   join(j->fine.at + one * j->fine.n, j->fine.at + other * j->fine.n, j->top_x,
        j->fine_x, a);

@@ -35,12 +35,12 @@ struct eda_lanes_plan {
 
 /* ---- plans ---- */
 
-static twiddle root(int64_t k, int64_t n) {
+static twiddle root_of_unity(int64_t k, int64_t n) {
   double angle = 2 * M_PI * (double)(k % n) / (double)n;
   return (twiddle){(float)cos(angle), (float)sin(angle)};
 }
 
-static int factors(int n, int radix[MAX_STAGES]) {
+static int radix_factors(int n, int radix[MAX_STAGES]) {
   static const int try[] = {8, 4, 5, 3, 2};
   int stages = 0;
   for (size_t i = 0; i < G_N_ELEMENTS(try); i++)
@@ -51,12 +51,12 @@ static int factors(int n, int radix[MAX_STAGES]) {
 
 static void make_part(part *p, int n) {
   p->n = n;
-  p->stages = factors(n, p->radix);
+  p->stages = radix_factors(n, p->radix);
   for (int s = 0, length = n; s < p->stages; length /= p->radix[s++]) {
     int r = p->radix[s], m = length / r;
     twiddle *to = p->roots[s] = g_new(twiddle, (gsize)m * (gsize)(r - 1));
     for (int i = 0; i < m; i++)
-      for (int j = 1; j < r; j++) *to++ = root((int64_t)i * j, length);
+      for (int j = 1; j < r; j++) *to++ = root_of_unity((int64_t)i * j, length);
   }
 }
 
@@ -73,7 +73,7 @@ static eda_lanes_plan *make_plan(int n) {
   if (first == 1) return plan;
   twiddle *to = plan->between = g_new(twiddle, (gsize)n);
   for (int j = 0; j < n / first; j++)
-    for (int k = 0; k < first; k++) *to++ = root((int64_t)j * k, n);
+    for (int k = 0; k < first; k++) *to++ = root_of_unity((int64_t)j * k, n);
   return plan;
 }
 

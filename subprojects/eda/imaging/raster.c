@@ -69,8 +69,8 @@ EDA_WIDE static void add_corner(double *restrict to, size_t columns,
 
 /* Add a corner at (x, y), in steps from sample (0, 0), to rows low .. high - 1
    of the array. */
-static void deposit(const eda_raster *r, double x, double y, double sign,
-                    int low, int high, step *in_x, step *in_y) {
+static void corner_deposit(const eda_raster *r, double x, double y, double sign,
+                           int low, int high, step *in_x, step *in_y) {
   int j = (int)floor(y) - EDA_RASTER_DEGREE / 2 + EDA_RASTER_MARGIN;
   if (j >= high || j + EDA_STEP_TAPS <= low) return;
   make_step(x, in_x);
@@ -104,8 +104,8 @@ static void lay_polygon(const laying *l, size_t p, int low, int high) {
        it, from its end to its start. The next edge starts at the y of the end
        of this one. */
     int other = in_y[0].at == ay;
-    deposit(r, ax, by, 1, low, high, &in_x, &in_y[other]);
-    deposit(r, ax, ay, -1, low, high, &in_x, &in_y[!other]);
+    corner_deposit(r, ax, by, 1, low, high, &in_x, &in_y[other]);
+    corner_deposit(r, ax, ay, -1, low, high, &in_x, &in_y[!other]);
   }
 }
 

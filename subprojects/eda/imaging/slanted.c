@@ -22,8 +22,8 @@ static const double gauss[GAUSS / 2] = {
 
 /* Add the differences in x and y of a part of the edge of height `dy` at (x,
    y); dy is signed, because an upward edge has the inside on its left. */
-static void deposit(const eda_raster *r, double x, double y, double dy, int low,
-                    int high) {
+static void edge_deposit(const eda_raster *r, double x, double y, double dy,
+                         int low, int high) {
   int j = (int)floor(y) - EDA_RASTER_DEGREE / 2 + EDA_RASTER_MARGIN;
   if (j >= high || j + EDA_STEP_TAPS <= low) return;
   double wx[EDA_STEP_TAPS], wy[Y_TAPS], before = 0;
@@ -40,7 +40,7 @@ static void deposit(const eda_raster *r, double x, double y, double dy, int low,
 
 /* Return the fraction of an edge, from 0 to 1, at which it crosses grid line
    n. */
-static double crossing(double from, double length, double n) {
+static double grid_crossing(double from, double length, double n) {
   return (n - from) / length;
 }
 
@@ -54,7 +54,7 @@ void eda_raster_slanted(const eda_raster *raster, double ax, double ay,
   double dx = bx - ax, dy = by - ay;
   double nx = next_line(ax, dx), ny = next_line(ay, dy);
   for (double from = 0; from < 1;) {
-    double tx = crossing(ax, dx, nx), ty = crossing(ay, dy, ny);
+    double tx = grid_crossing(ax, dx, nx), ty = grid_crossing(ay, dy, ny);
     double to = fmin(1, fmin(tx, ty));
     if (tx <= to) nx += dx > 0 ? 1 : -1;
     if (ty <= to) ny += dy > 0 ? 1 : -1;
@@ -63,8 +63,8 @@ void eda_raster_slanted(const eda_raster *raster, double ax, double ay,
     for (int g = 0; g < GAUSS; g++) {
       int k = g % (GAUSS / 2);
       double t = from + half * (1 + (g == k ? node[k] : -node[k]));
-      deposit(raster, ax + t * dx, ay + t * dy, gauss[k] * half * dy, low,
-              high);
+      edge_deposit(raster, ax + t * dx, ay + t * dy, gauss[k] * half * dy, low,
+                   high);
     }
     from = to;
   }

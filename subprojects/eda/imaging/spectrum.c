@@ -73,7 +73,7 @@ static void forth_along_y(void *data, size_t block) {
   eda_fft_free(column);
 }
 
-static void transform(const opc_context *context, job *j) {
+static void spectrum_transform(const opc_context *context, job *j) {
   eda_spectrum *s = j->out;
   int half = (s->rows - 1) / 2;
   j->by_column =
@@ -117,7 +117,7 @@ int eda_mask_spectrum(const opc_context *context, const eda_shapes *shapes,
   eda_raster_lay(context, shapes, grid, frame, j.nx, j.ny, &raster);
   eda_raster_sum(context, &raster, j.samples);
   eda_raster_clear(&raster);
-  transform(context, &j);
+  spectrum_transform(context, &j);
   eda_fft_free(j.samples);
   if (!opc_cancelled(context)) return OPC_OK;
   eda_spectrum_clear(out);

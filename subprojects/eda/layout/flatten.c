@@ -64,7 +64,7 @@ typedef struct flattener {
   bool outside, too_many;
 } flattener;
 
-static double snap(double v, double *off) {
+static double grid_snap(double v, double *off) {
   double r = floor(v + (0.5 + EPSILON));
   *off = v - r;
   return r;
@@ -73,8 +73,8 @@ static double snap(double v, double *off) {
 static void put_point(flattener *f, const transform *t, int32_t px,
                       int32_t py) {
   double ex, ey;
-  double x = snap((t->xx * px + t->xy * py + t->dx) * f->ratio, &ex);
-  double y = snap((t->yx * px + t->yy * py + t->dy) * f->ratio, &ey);
+  double x = grid_snap((t->xx * px + t->xy * py + t->dx) * f->ratio, &ex);
+  double y = grid_snap((t->yx * px + t->yy * py + t->dy) * f->ratio, &ey);
   if (!(fabs(x) <= MAX_COORDINATE && fabs(y) <= MAX_COORDINATE)) {
     f->outside = true;
     x = y = 0;
@@ -117,7 +117,7 @@ static void put_shape(flattener *f, const frame *at, const sheet *s, size_t i) {
 
 /* Return the number of items of a cell itself: its shapes of the layer, or its
    texts of all layers. */
-static size_t own(const flattener *f, const cell *c, const sheet **s) {
+static size_t own_items(const flattener *f, const cell *c, const sheet **s) {
   *s = f->texts ? NULL : eda_layout_sheet(c, f->layer);
   if (f->texts) return c->n_labels;
   return *s ? sheet_boxes(*s) + (*s)->n_polygons : 0;
@@ -126,7 +126,7 @@ static size_t own(const flattener *f, const cell *c, const sheet **s) {
 static void put_all(flattener *f, const frame *at, uint32_t depth) {
   const cell *c = &f->layout->cells[at->cell];
   const sheet *s;
-  size_t n = own(f, c, &s);
+  size_t n = own_items(f, c, &s);
   for (size_t i = 0; i < n; i++)
     if (s)
       put_shape(f, at, s, i);
@@ -141,7 +141,7 @@ static int by_number(const void *a, const void *b) {
   return (p > q) - (p < q);
 }
 
-static void push(flattener *f, uint32_t i) {
+static void frame_push(flattener *f, uint32_t i) {
   EDA_PUSH(f->useful, f->n_useful, f->useful_room, i);
 }
 
@@ -149,7 +149,7 @@ static void push(flattener *f, uint32_t i) {
 static void push_found(flattener *f, const eda_index *index, extent window) {
   size_t from = f->n_useful;
   eda_finder finder = eda_index_find(index, extent_box(window));
-  for (uint32_t i; eda_index_next(&finder, &i);) push(f, i);
+  for (uint32_t i; eda_index_next(&finder, &i);) frame_push(f, i);
   if (f->n_useful > from)
     qsort(f->useful + from, f->n_useful - from, sizeof *f->useful, by_number);
 }
@@ -163,8 +163,8 @@ static void list_instances(flattener *f, frame *at) {
   else
     for (size_t i = 0; i < c->n_instances; i++)
       if (extents_touch(extent_of_all(f->reach, &c->instances[i]), at->window))
-        push(f, (uint32_t)i);
-  push(f, UINT32_MAX);
+        frame_push(f, (uint32_t)i);
+  frame_push(f, UINT32_MAX);
 }
 
 /* Reserve memory for another shape of n points. Return false if there are too
@@ -223,7 +223,7 @@ static void put_touching(flattener *f, const frame *at, const sheet *s,
 
 static void put_window(flattener *f, const frame *at, uint32_t depth) {
   const sheet *s;
-  size_t n = own(f, &f->layout->cells[at->cell], &s);
+  size_t n = own_items(f, &f->layout->cells[at->cell], &s);
   const eda_index *index = f->reach->own[at->cell];
   if (!n) return;
   if (!index) {
@@ -239,7 +239,7 @@ static void put_window(flattener *f, const frame *at, uint32_t depth) {
 
 /* Return whether fewer placements were traversed than allowed for the shapes
    found so far. */
-static bool bounded(flattener *f) {
+static bool flattener_bounded(flattener *f) {
   if (++f->taken > (uint64_t)f->n_shapes * STEPS_A_SHAPE + STEPS_MORE)
     f->too_many = true;
   return !f->too_many;
@@ -251,7 +251,7 @@ static bool bounded(flattener *f) {
 static void count_own(const flattener *f, const cell *c, uint64_t *shapes,
                       uint64_t *points) {
   const sheet *s;
-  *shapes = *points = own(f, c, &s);
+  *shapes = *points = own_items(f, c, &s);
   if (s) *points = 4 * sheet_boxes(s) + s->n_points;
   for (size_t i = 0; f->texts && i < c->n_labels; i++)
     *points = *shapes -= c->labels[i].layer != f->layer;
@@ -285,7 +285,7 @@ static void flattener_count(flattener *f) {
   }
 }
 
-static int allocate(flattener *f, int32_t top, opc_error *error) {
+static int flattener_allocate(flattener *f, int32_t top, opc_error *error) {
   eda_flat *out = f->out;
   uint64_t n = f->shapes[top];
   if (n == 0) return OPC_OK;
@@ -313,8 +313,8 @@ static int allocate(flattener *f, int32_t top, opc_error *error) {
 
 /* ---- down the hierarchy ---- */
 
-static frame enter(flattener *f, int32_t to, uint32_t number,
-                   const transform *at) {
+static frame frame_enter(flattener *f, int32_t to, uint32_t number,
+                         const transform *at) {
   frame down = {.at = *at, .cell = to, .number = number};
   if (f->window) {
     /* Half a unit for the displacement by the grid, half a unit for rounding
@@ -334,7 +334,7 @@ static frame enter(flattener *f, int32_t to, uint32_t number,
 static void frame_begin(const flattener *f, frame *up, const instance *in) {
   const eda_placement *p = &in->placement;
   up->begun = true;
-  up->child = placed(p);
+  up->child = transform_of(p);
   up->columns = (span){0, 0};
   up->rows = f->window
                  ? extent_rows(p, extent_of_first(f->reach, in), up->window)
@@ -346,14 +346,14 @@ static void frame_begin(const flattener *f, frame *up, const instance *in) {
 static bool next_member(flattener *f, frame *up, const instance *in) {
   const eda_placement *p = &in->placement;
   while (up->columns.from == up->columns.to) {
-    if (up->rows.from == up->rows.to || (f->window && !bounded(f)))
+    if (up->rows.from == up->rows.to || (f->window && !flattener_bounded(f)))
       return false;
     uint32_t row = up->rows.from++;
     up->columns = f->window ? extent_columns(p, extent_of_first(f->reach, in),
                                              up->window, row)
                             : (span){0, p->columns};
   }
-  return !f->window || bounded(f);
+  return !f->window || flattener_bounded(f);
 }
 
 /* Advance to the next member of the current or a later instance, and write its
@@ -375,9 +375,10 @@ static bool next_child(flattener *f, frame *up, frame *down) {
                (double)row * p->row_step.y;
     uint64_t size = f->layout->cells[in->child].placements;
     uint64_t member = (uint64_t)row * p->columns + column;
-    transform at = compose(&up->at, &up->child, x, y);
-    *down = enter(f, in->child,
-                  (uint32_t)(up->number + c->before[i] + member * size), &at);
+    transform at = transform_compose(&up->at, &up->child, x, y);
+    *down =
+        frame_enter(f, in->child,
+                    (uint32_t)(up->number + c->before[i] + member * size), &at);
     return true;
   }
   if (f->window) f->n_useful = up->first;
@@ -388,7 +389,7 @@ static void flattener_traverse(flattener *f, int32_t top) {
   static const transform none = {1, 0, 0, 1, 0, 0};
   size_t depth = 0, room = 0;
   frame *stack = NULL;
-  frame down = enter(f, top, 0, &none);
+  frame down = frame_enter(f, top, 0, &none);
   for (;;) {
     eda_grow(&stack, &room, depth + 1, sizeof *stack);
     if (f->window)
@@ -423,10 +424,10 @@ static void flattener_clear(flattener *f) {
 
 /* Count and allocate everything; for a window, memory grows during the
    traversal. */
-static int prepare(flattener *f, int32_t top, opc_error *error) {
+static int flattener_prepare(flattener *f, int32_t top, opc_error *error) {
   if (!f->window) {
     count_all(f);
-    return allocate(f, top, error);
+    return flattener_allocate(f, top, error);
   }
   f->reach = eda_layout_reach(f->layout, f->layer, f->texts != NULL);
   if (f->layout->cells[top].placements < EDA_MANY) return OPC_OK;
@@ -438,7 +439,7 @@ static int prepare(flattener *f, int32_t top, opc_error *error) {
 static int flattener_run(flattener *f, int32_t top, opc_error *error) {
   const char *cell_name = f->layout->cells[top].name;
   const char *layer_name = f->layout->layers[f->layer];
-  int code = prepare(f, top, error);
+  int code = flattener_prepare(f, top, error);
   if (code || !(f->window || f->out->shapes.count)) return code;
   flattener_traverse(f, top);
   if (f->too_many)
@@ -473,9 +474,9 @@ static int flatten_check(const eda_layout *layout, int32_t top, int32_t layer,
   return OPC_OK;
 }
 
-static int flatten(const eda_layout *layout, int32_t top, int32_t layer,
-                   double grid, const eda_box *window, eda_flat *out,
-                   eda_flat_texts *texts, opc_error *error) {
+static int flatten_items(const eda_layout *layout, int32_t top, int32_t layer,
+                         double grid, const eda_box *window, eda_flat *out,
+                         eda_flat_texts *texts, opc_error *error) {
   int code = flatten_check(layout, top, layer, grid, error);
   if (code) return code;
   flattener f = {.layout = layout,
@@ -507,7 +508,7 @@ int eda_layout_flatten_window(const eda_layout *layout, int32_t top,
                               int32_t layer, double grid, const eda_box *window,
                               eda_flat *out, opc_error *error) {
   *out = (eda_flat){0};
-  int code = flatten(layout, top, layer, grid, window, out, NULL, error);
+  int code = flatten_items(layout, top, layer, grid, window, out, NULL, error);
   if (code) eda_flat_clear(out);
   return code;
 }
@@ -522,7 +523,8 @@ int eda_layout_flatten_texts_window(const eda_layout *layout, int32_t top,
                                     const eda_box *window, eda_flat_texts *out,
                                     opc_error *error) {
   *out = (eda_flat_texts){0};
-  int code = flatten(layout, top, layer, grid, window, &out->at, out, error);
+  int code =
+      flatten_items(layout, top, layer, grid, window, &out->at, out, error);
   if (code) eda_flat_texts_clear(out);
   return code;
 }
@@ -544,7 +546,7 @@ int eda_layout_bounds(const eda_layout *layout, int32_t top, int32_t layer,
   double off, ratio = layout->unit / grid;
   double v[4] = {e.x0, e.y0, e.x1, e.y1};
   for (int i = 0; i < 4; i++) {
-    v[i] = snap(v[i] * ratio, &off);
+    v[i] = grid_snap(v[i] * ratio, &off);
     if (!(fabs(v[i]) <= MAX_COORDINATE))
       return opc_fail(error, OPC_INVALID, NULL, BEYOND, layout->cells[top].name,
                       layout->layers[layer], grid);

@@ -67,7 +67,7 @@ void eda_layout_free(void *object) {
   free(layout);
 }
 
-static void changed(eda_layout *layout) {
+static void layout_changed(eda_layout *layout) {
   layout->numbered = 0;
   layout->ordered = 0;
   drop_reach(layout);
@@ -95,7 +95,7 @@ int32_t eda_layout_cell(eda_layout *layout, const char *name,
   }
   cell new = {.name = g_strdup(name)};
   EDA_PUSH(layout->cells, layout->n_cells, layout->room_cells, new);
-  changed(layout);
+  layout_changed(layout);
   return keep_number(layout->cell_of, new.name, layout->n_cells);
 }
 
@@ -194,7 +194,7 @@ int eda_layout_add_box(eda_layout *layout, int32_t number, int32_t layer,
   if (box.x0 > box.x1 || box.y0 > box.y1)
     return opc_fail(error, OPC_INVALID, NULL, "a box is empty");
   put_box(sheet_for(&layout->cells[number], layer), box);
-  changed(layout);
+  layout_changed(layout);
   return OPC_OK;
 }
 
@@ -223,7 +223,7 @@ int eda_layout_add_polygon(eda_layout *layout, int32_t number, int32_t layer,
   memcpy(s->points + s->n_points, points, n * sizeof *points);
   s->n_points += n;
   EDA_PUSH(s->end, s->n_polygons, s->room_polygons, (uint32_t)s->n_points);
-  changed(layout);
+  layout_changed(layout);
   return OPC_OK;
 }
 
@@ -250,7 +250,7 @@ int eda_layout_add_text(eda_layout *layout, int32_t number, int32_t layer,
   uint32_t kept = keep_string(layout, text);
   if (!kept) return too_many("texts", error);
   EDA_PUSH(c->labels, c->n_labels, c->room_labels, (label){at, layer, kept});
-  changed(layout);
+  layout_changed(layout);
   return OPC_OK;
 }
 
@@ -273,7 +273,7 @@ int eda_layout_add_instance(eda_layout *layout, int32_t number, int32_t child,
   if (name && !kept) return too_many("names", error);
   EDA_PUSH(c->instances, c->n_instances, c->room_instances,
            (instance){*placement, child, kept});
-  changed(layout);
+  layout_changed(layout);
   return OPC_OK;
 }
 
@@ -416,7 +416,7 @@ int eda_layout_keep(eda_layout *layout, int32_t top, opc_error *error) {
       int32_t *child = &layout->cells[i].instances[j].child;
       *child = number[*child];
     }
-  changed(layout);
+  layout_changed(layout);
   free(marked);
   free(number);
   return OPC_OK;

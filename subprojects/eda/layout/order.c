@@ -12,7 +12,7 @@
 
 /* ---- order of the cells, numbers of the placements ---- */
 
-static uint64_t drawn(const cell *c) {
+static uint64_t cell_drawn(const cell *c) {
   uint64_t n = c->n_labels;
   for (size_t i = 0; i < c->n_sheets; i++)
     n += sheet_boxes(&c->sheets[i]) + c->sheets[i].n_polygons;
@@ -28,7 +28,7 @@ static void number_placements(eda_layout *layout, cell *c) {
     next = add_product(next, members(&c->instances[i]), child->placements,
                        EDA_MANY);
   }
-  c->placements = next == 1 && !drawn(c) ? 0 : next;
+  c->placements = next == 1 && !cell_drawn(c) ? 0 : next;
 }
 
 typedef struct visit {

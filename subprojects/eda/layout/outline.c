@@ -51,7 +51,7 @@ static void put_beside(outline *out, vector at, vector d, double along,
               at.y + along * d.y - half * d.x);
 }
 
-static vector direction(vector a, vector b, double *length) {
+static vector segment_direction(vector a, vector b, double *length) {
   *length = hypot(b.x - a.x, b.y - a.y);
   return (vector){(b.x - a.x) / *length, (b.y - a.y) / *length};
 }
@@ -80,11 +80,11 @@ static void put_corner(outline *out, const walk *w, vector at, vector d,
 
 static void put_walk(outline *out, const walk *w) {
   double length;
-  vector d = direction(w->points[0], w->points[1], &length);
+  vector d = segment_direction(w->points[0], w->points[1], &length);
   put_beside(out, w->points[0], d, -w->first, w->half);
   for (size_t i = 1; i + 1 < w->n; i++) {
     double next;
-    vector e = direction(w->points[i], w->points[i + 1], &next);
+    vector e = segment_direction(w->points[i], w->points[i + 1], &next);
     put_corner(out, w, w->points[i], d, e, fmin(length, next));
     d = e;
     length = next;
@@ -97,7 +97,7 @@ static void put_walk(outline *out, const walk *w) {
 }
 
 /* Copy the points without repeated and collinear ones. Return their number. */
-static size_t clean(const eda_point *points, size_t n, vector *out) {
+static size_t points_clean(const eda_point *points, size_t n, vector *out) {
   size_t m = 0;
   for (size_t i = 0; i < n; i++) {
     vector p = {points[i].x, points[i].y};
@@ -112,7 +112,7 @@ static size_t clean(const eda_point *points, size_t n, vector *out) {
   return m;
 }
 
-static void reverse(vector *points, size_t n) {
+static void points_reverse(vector *points, size_t n) {
   for (size_t i = 0; i < n / 2; i++) {
     vector kept = points[i];
     points[i] = points[n - 1 - i];
@@ -122,13 +122,13 @@ static void reverse(vector *points, size_t n) {
 
 /* Compute how far both ends extend; an end is shortened by at most its segment.
    Return false if the path vanishes. */
-static bool reach(const vector *points, size_t n, double half, int ends,
-                  double *begin, double *end) {
+static bool path_reach(const vector *points, size_t n, double half, int ends,
+                       double *begin, double *end) {
   if (ends == 0 || ends == 1) *begin = *end = 0;
   if (ends == 2) *begin = *end = half;
   double first, last;
-  direction(points[0], points[1], &first);
-  direction(points[n - 2], points[n - 1], &last);
+  segment_direction(points[0], points[1], &first);
+  segment_direction(points[n - 2], points[n - 1], &last);
   *begin = fmax(*begin, -first);
   *end = fmax(*end, -last);
   return n > 2 || first + *begin + *end > 0;
@@ -167,13 +167,13 @@ int eda_path_outline(const eda_point *points, size_t n, int32_t width, int ends,
   if (width == 0) return OPC_OK;
   vector *path = g_new(vector, n);
   outline out = {.points = g_new(eda_point, 6 * n + 4 * (size_t)ARC)};
-  size_t m = clean(points, n, path);
+  size_t m = points_clean(points, n, path);
   double half = width / 2.0, first = begin, last = end;
   if (m == 1) {
     put_dot(&out, path[0], half, ends, first, last);
-  } else if (reach(path, m, half, ends, &first, &last)) {
+  } else if (path_reach(path, m, half, ends, &first, &last)) {
     put_walk(&out, &(walk){path, m, half, first, last, ends == 1, false});
-    reverse(path, m);
+    points_reverse(path, m);
     put_walk(&out, &(walk){path, m, half, last, first, ends == 1, true});
   }
   free(path);

@@ -52,7 +52,7 @@ extent extent_back(const transform *t, extent window) {
 }
 
 extent extent_of_first(const reach *r, const instance *in) {
-  transform t = placed(&in->placement);
+  transform t = transform_of(&in->placement);
   t.dx = in->placement.origin.x;
   t.dy = in->placement.origin.y;
   return extent_through(&t, r->below[in->child]);
@@ -87,7 +87,7 @@ extent extent_of_shape(const sheet *s, size_t i) {
 
 /* Return those k of `in` for which k * step is within [low, high]. Values that
    are not finite count as within. */
-static span within(span in, double step, double low, double high) {
+static span steps_within(span in, double step, double low, double high) {
   if (step == 0) return low <= 0 && high >= 0 ? in : (span){0, 0};
   double a = low / step, b = high / step;
   double from = ceil(fmin(a, b) - 1e-6), to = floor(fmax(a, b) + 1e-6) + 1;
@@ -100,10 +100,10 @@ span extent_columns(const eda_placement *p, extent first, extent window,
                     uint32_t row) {
   double x = (double)row * p->row_step.x, y = (double)row * p->row_step.y;
   span all = {0, p->columns};
-  all = within(all, p->column_step.x, window.x0 - first.x1 - x,
-               window.x1 - first.x0 - x);
-  return within(all, p->column_step.y, window.y0 - first.y1 - y,
-                window.y1 - first.y0 - y);
+  all = steps_within(all, p->column_step.x, window.x0 - first.x1 - x,
+                     window.x1 - first.x0 - x);
+  return steps_within(all, p->column_step.y, window.y0 - first.y1 - y,
+                      window.y1 - first.y0 - y);
 }
 
 /* Restrict the rows by each direction alone, and for slanted arrays by the
@@ -116,13 +116,15 @@ span extent_rows(const eda_placement *p, extent first, extent window) {
   extent w = {window.x0 - first.x1, window.y0 - first.y1, window.x1 - first.x0,
               window.y1 - first.y0};
   span all = {0, p->rows};
-  all = within(all, vx, w.x0 - fmax(0, last * ux), w.x1 - fmin(0, last * ux));
-  all = within(all, vy, w.y0 - fmax(0, last * uy), w.y1 - fmin(0, last * uy));
+  all = steps_within(all, vx, w.x0 - fmax(0, last * ux),
+                     w.x1 - fmin(0, last * ux));
+  all = steps_within(all, vy, w.y0 - fmax(0, last * uy),
+                     w.y1 - fmin(0, last * uy));
   double det = ux * vy - uy * vx;
   if (det == 0 || !isfinite(w.x0 + w.x1 + w.y0 + w.y1)) return all;
   transform across = {-uy, ux, 0, 0, 0, 0};
   extent e = extent_through(&across, w);
-  return within(all, det, e.x0, e.x1);
+  return steps_within(all, det, e.x0, e.x1);
 }
 
 /* ---- cells ---- */

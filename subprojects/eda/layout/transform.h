@@ -14,7 +14,7 @@ typedef struct transform {
 
 /* Compute the cosine and sine of `angle` degrees; exact for right angles, also
    those with the rounding error of a division. */
-static inline void turn(double angle, double *cosine, double *sine) {
+static inline void rotation_of(double angle, double *cosine, double *sine) {
   static const double right[4][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
   double quarters = nearbyint(angle / 90);
   if (fabs(angle - 90 * quarters) < 1e-9) {
@@ -29,17 +29,18 @@ static inline void turn(double angle, double *cosine, double *sine) {
 }
 
 /* Return the transform of a placement without its translation. */
-static inline transform placed(const eda_placement *p) {
+static inline transform transform_of(const eda_placement *p) {
   double c, s, flip = p->mirror ? -1 : 1;
-  turn(p->angle, &c, &s);
+  rotation_of(p->angle, &c, &s);
   c *= p->magnification;
   s *= p->magnification;
   return (transform){c, -s * flip, s, c * flip, 0, 0};
 }
 
 /* Return `in`, translated by (x, y), followed by `out`. */
-static inline transform compose(const transform *out, const transform *in,
-                                double x, double y) {
+static inline transform transform_compose(const transform *out,
+                                          const transform *in, double x,
+                                          double y) {
   return (transform){
       out->xx * in->xx + out->xy * in->yx, out->xx * in->xy + out->xy * in->yy,
       out->yx * in->xx + out->yy * in->yx, out->yx * in->xy + out->yy * in->yy,

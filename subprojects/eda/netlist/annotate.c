@@ -39,8 +39,8 @@ typedef struct sizes {
   long dlc;             /* difference from the DLC of the card, in steps */
 } sizes;
 
-static int refuse(const eda_annotation *a, const eda_device *d, uint32_t gate,
-                  const char *what, opc_error *error) {
+static int device_refuse(const eda_annotation *a, const eda_device *d,
+                         uint32_t gate, const char *what, opc_error *error) {
   const eda_gates *g = a->circuit->gates;
   return opc_fail(
       error, OPC_FAILED, NULL,
@@ -51,7 +51,8 @@ static int refuse(const eda_annotation *a, const eda_device *d, uint32_t gate,
 
 /* Return the drawn size: that of the netlist, with the width divided among
    fingers as in the layout. */
-static sizes drawn(const eda_gates *g, const eda_device *d, uint32_t gate) {
+static sizes drawn_size(const eda_gates *g, const eda_device *d,
+                        uint32_t gate) {
   double sum = 0;
   for (uint32_t i = 0; i < d->fingers; i++) sum += g->width[d->finger[i]];
   return (sizes){d->length, d->width * (g->width[gate] / sum), 0};
@@ -59,21 +60,21 @@ static sizes drawn(const eda_gates *g, const eda_device *d, uint32_t gate) {
 
 /* Compute equation 3.12, the length effective for the capacitance, and 3.11,
    whose LINT is in the card. */
-static int printed(const eda_annotation *a, const eda_device *d, uint32_t gate,
-                   sizes *s, opc_error *error) {
+static int printed_size(const eda_annotation *a, const eda_device *d,
+                        uint32_t gate, sizes *s, opc_error *error) {
   const eda_mask *m = a->mask;
   const eda_performance *p = a->state == EDA_BEFORE ? &m->before : &m->after;
   if (a->state == EDA_AFTER && m->flags[gate] & ~(uint32_t)EDA_PRINT_NOTES)
-    return refuse(a, d, gate, "does not print well", error);
+    return device_refuse(a, d, gate, "does not print well", error);
   s->length = p->leq_ion[gate];
   s->width = p->weq[gate];
   double mean = p->area[gate] / s->width;
   if (!(s->length > 0 && s->width > 0 && mean > 0) || isinf(s->length) ||
       isinf(s->width) || isinf(mean))
-    return refuse(a, d, gate, "does not print", error);
+    return device_refuse(a, d, gate, "does not print", error);
   double dlc = (s->length - mean) / 2;
   if (fabs(dlc) > LONGEST_DLC)
-    return refuse(a, d, gate, "does not print well", error);
+    return device_refuse(a, d, gate, "does not print well", error);
   s->dlc = a->card[d->type] ? lround(dlc / DLC_STEP) : 0;
   return OPC_OK;
 }
@@ -88,8 +89,8 @@ static sizes *all_sizes(const eda_annotation *a, opc_error *error) {
     for (uint32_t k = 0; k < c->device[i].fingers; k++, at++) {
       const eda_device *d = &c->device[i];
       if (a->state == EDA_DRAWN) {
-        all[at] = drawn(c->gates, d, d->finger[k]);
-      } else if (printed(a, d, d->finger[k], &all[at], error)) {
+        all[at] = drawn_size(c->gates, d, d->finger[k]);
+      } else if (printed_size(a, d, d->finger[k], &all[at], error)) {
         free(all);
         return NULL;
       }

@@ -76,7 +76,7 @@ static int is_wrapped(const eda_element *e) {
 
 static int prepare_call(eda_netlist *n, eda_element *e, int depth);
 
-static int prepare(eda_netlist *n, uint32_t number, int depth) {
+static int subcircuit_prepare(eda_netlist *n, uint32_t number, int depth) {
   eda_subcircuit *s = &n->subcircuit[number];
   if (s->state == 2) return OPC_OK;
   s->state = 1;
@@ -121,11 +121,11 @@ static int prepare_call(eda_netlist *n, eda_element *e, int depth) {
     return lines_refuse(n->lines, e->at,
                         "'%.100s' has %zu nodes, '%.100s' %zu ports", e->name,
                         e->nodes, s->name, s->ports);
-  return prepare(n, *child, depth + 1);
+  return subcircuit_prepare(n, *child, depth + 1);
 }
 
 int eda_netlist_prepare(eda_netlist *n, uint32_t top) {
-  return prepare(n, top, 0);
+  return subcircuit_prepare(n, top, 0);
 }
 
 /* ---- devices ---- */

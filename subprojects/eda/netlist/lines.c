@@ -153,7 +153,7 @@ static char *read_whole(lines *r, const char *path, size_t *length) {
   return text;
 }
 
-static int flush(lines *r, line *l) {
+static int line_flush(lines *r, line *l) {
   int code = l->words ? r->take(r->data, l) : OPC_OK;
   l->words = l->length = 0;
   l->x = l->y = NAN;
@@ -181,14 +181,14 @@ static int read_lines(lines *r, const char *text, size_t length,
         else
           code = line_split(r, &l, s + 1, stop, file, number, begin);
       } else {
-        code = flush(r, &l);
+        code = line_flush(r, &l);
         if (!code && !r->ended)
           code = line_split(r, &l, s, stop, file, number, begin);
       }
     }
     s = stop + (stop < end);
   }
-  return code ? code : flush(r, &l);
+  return code ? code : line_flush(r, &l);
 }
 
 int lines_read_text(lines *r, const char *name, const char *text,

@@ -35,7 +35,7 @@ static int read_settings(eda_netlist *n, const line *l, size_t from,
 }
 
 /* Return `count` words as names. */
-static const char **names(eda_netlist *n, const word *w, size_t count) {
+static const char **words_names(eda_netlist *n, const word *w, size_t count) {
   const char **list = eda_pool_alloc(&n->pool, count, sizeof *list);
   for (size_t i = 0; i < count; i++) list[i] = w[i].text;
   return list;
@@ -91,7 +91,7 @@ static int read_element(eda_netlist *n, eda_subcircuit *s, const line *l) {
   e->model = last->text;
   e->model_at = last->at;
   e->nodes = nodes;
-  e->node = names(n, l->word + 1, nodes);
+  e->node = words_names(n, l->word + 1, nodes);
   e->x = l->x;
   e->y = l->y;
   if (read_settings(n, l, plain, &e->setting, &e->settings))
@@ -122,7 +122,7 @@ static int begin_subcircuit(eda_netlist *n, const line *l) {
   eda_subcircuit *s = &n->subcircuit[n->current = *number];
   *s = (eda_subcircuit){.name = name->text, .at = name->at, .ports = plain - 2};
   if (s->ports && !strcasecmp(l->word[plain - 1].text, "params:")) s->ports--;
-  s->port = names(n, l->word + 2, s->ports);
+  s->port = words_names(n, l->word + 2, s->ports);
   return read_settings(n, l, plain, &s->setting, &s->settings);
 }
 

@@ -16,14 +16,14 @@ struct eda_pool_block {
 
 enum { BLOCK = 1 << 16, ALIGN = 16 };
 
-static size_t aligned(size_t n) { return (n + ALIGN - 1) / ALIGN * ALIGN; }
+static size_t size_aligned(size_t n) { return (n + ALIGN - 1) / ALIGN * ALIGN; }
 
 void *eda_pool_alloc(eda_pool *pool, size_t count, size_t size) {
-  size_t bytes, head = aligned(sizeof(eda_pool_block));
+  size_t bytes, head = size_aligned(sizeof(eda_pool_block));
   /* An allocation of this size fails, and eda_alloc ends the program. */
   if (__builtin_mul_overflow(count, size, &bytes) || bytes > SIZE_MAX / 4)
     bytes = SIZE_MAX / 4;
-  bytes = aligned(bytes + !bytes);
+  bytes = size_aligned(bytes + !bytes);
   if (!pool->last || pool->last->room - pool->last->used < bytes) {
     size_t room = bytes > BLOCK / 4 ? bytes : BLOCK;
     eda_pool_block *block = eda_alloc(1, head + room);
@@ -80,12 +80,12 @@ uint64_t eda_name_hash(const char *name) {
   return h;
 }
 
-static guint fold(const void *name) {
+static guint name_fold(const void *name) {
   uint64_t h = eda_name_hash(name);
   return (guint)(h ^ h >> 29);
 }
 
-static gboolean same(const void *a, const void *b) {
+static gboolean name_same(const void *a, const void *b) {
   return eda_same_name(a, b);
 }
 
@@ -97,7 +97,7 @@ uint32_t *eda_names_add(eda_names *names, const char *key) {
   uint32_t *value = eda_names_find(names, key);
   if (value) return value;
   if (!names->table) {
-    names->table = g_hash_table_new(fold, same);
+    names->table = g_hash_table_new(name_fold, name_same);
     names->pool->tables = g_slist_prepend(names->pool->tables, names->table);
   }
   value = eda_pool_alloc(names->pool, 1, sizeof *value);

@@ -14,7 +14,7 @@ enum { MAX_STEPS = 10000, MAX_DEPTH = 64 };
 
 /* ---- numbers ---- */
 
-static double suffix(const char *s) {
+static double unit_suffix(const char *s) {
   static const struct {
     const char *text;
     double factor;
@@ -34,7 +34,7 @@ const char *netlist_number(const char *text, double *out) {
     return NULL;
   if (*s == '0' && (s[1] == 'x' || s[1] == 'X')) return NULL;
   char *end;
-  *out = strtod(text, &end) * suffix(end);
+  *out = strtod(text, &end) * unit_suffix(end);
   while (isalpha((unsigned char)*end))
     end++; /* the remaining letters are the
               unit */
@@ -54,29 +54,29 @@ typedef struct reader {
   int depth, code;
 } reader;
 
-static double sum(reader *r);
+static double parse_sum(reader *r);
 
 /* Record a fault; the first one is reported. */
-static double refuse(reader *r, const char *what) {
+static double value_refuse(reader *r, const char *what) {
   if (!r->code)
     r->code = lines_refuse(r->n->lines, r->whole->at, "%s in '%.200s'", what,
                            r->whole->value);
   return 0;
 }
 
-static double evaluate(reader *r) {
-  double value = sum(r);
-  if (*r->s) refuse(r, "something that is no expression");
-  if (!isfinite(value)) refuse(r, "a number without bounds");
+static double value_evaluate(reader *r) {
+  double value = parse_sum(r);
+  if (*r->s) value_refuse(r, "something that is no expression");
+  if (!isfinite(value)) value_refuse(r, "a number without bounds");
   return value;
 }
 
-static void blanks(reader *r) {
+static void skip_blanks(reader *r) {
   while (*r->s == ' ' || *r->s == '\t') r->s++;
 }
 
-static const eda_assignment *among(const eda_assignment *s, size_t n,
-                                   const char *name) {
+static const eda_assignment *find_assignment(const eda_assignment *s, size_t n,
+                                             const char *name) {
   for (size_t i = 0; i < n; i++)
     if (eda_same_name(s[i].name, name)) return &s[i];
   return NULL;
@@ -85,13 +85,14 @@ static const eda_assignment *among(const eda_assignment *s, size_t n,
 /* Return the value of a name: set by the call, otherwise by the subcircuit,
    otherwise by .param. Values of a call are evaluated in the scope of the
    call. */
-static double parameter(reader *r, const char *name) {
+static double parameter_value(reader *r, const char *name) {
   const eda_scope *in = r->in, *meant = in ? in->caller : NULL;
   const eda_assignment *s = NULL;
-  if (in && in->call) s = among(in->call->setting, in->call->settings, name);
+  if (in && in->call)
+    s = find_assignment(in->call->setting, in->call->settings, name);
   if (!s && in) {
     meant = in;
-    s = among(in->of->setting, in->of->settings, name);
+    s = find_assignment(in->of->setting, in->of->settings, name);
   }
   uint32_t *global = s ? NULL : eda_names_find(&r->n->setting_of, name);
   if (global) {
@@ -104,64 +105,66 @@ static double parameter(reader *r, const char *name) {
     return 0;
   }
   reader of = {r->n, meant, s, s->value, r->steps, r->depth + 1, OPC_OK};
-  double value = evaluate(&of);
+  double value = value_evaluate(&of);
   r->code = of.code;
   return value;
 }
 
-static double named(reader *r) {
+static double value_named(reader *r) {
   char text[128];
   size_t n = 0;
   while (isalnum((unsigned char)*r->s) || *r->s == '_') {
-    if (n + 1 == sizeof text) return refuse(r, "a name is too long");
+    if (n + 1 == sizeof text) return value_refuse(r, "a name is too long");
     text[n++] = *r->s++;
   }
   text[n] = '\0';
-  return parameter(r, text);
+  return parameter_value(r, text);
 }
 
-static double primary(reader *r) {
+static double parse_primary(reader *r) {
   double value;
   if (r->code) return 0;
   if (++*r->steps > MAX_STEPS || r->depth > MAX_DEPTH)
-    return refuse(r, "parameters go too deep or in a circle");
-  blanks(r);
+    return value_refuse(r, "parameters go too deep or in a circle");
+  skip_blanks(r);
   if (*r->s == '-' || *r->s == '+') {
     int minus = *r->s++ == '-';
     r->depth++;
-    value = primary(r);
+    value = parse_primary(r);
     r->depth--;
     return minus ? -value : value;
   }
   if (*r->s == '(') {
     r->s++;
     r->depth++;
-    value = sum(r);
+    value = parse_sum(r);
     r->depth--;
-    if (*r->s != ')') return refuse(r, "a bracket is not closed");
+    if (*r->s != ')') return value_refuse(r, "a bracket is not closed");
     r->s++;
   } else if (isalpha((unsigned char)*r->s) || *r->s == '_') {
-    value = named(r);
+    value = value_named(r);
   } else {
     const char *end = netlist_number(r->s, &value);
-    if (!end) return refuse(r, "a number is missing");
+    if (!end) return value_refuse(r, "a number is missing");
     r->s = end;
   }
-  blanks(r);
+  skip_blanks(r);
   return value;
 }
 
-static double product(reader *r) {
-  double value = primary(r);
+static double parse_product(reader *r) {
+  double value = parse_primary(r);
   while (!r->code && ((*r->s == '*' && r->s[1] != '*') || *r->s == '/'))
-    value = *r->s++ == '/' ? value / primary(r) : value * primary(r);
+    value =
+        *r->s++ == '/' ? value / parse_primary(r) : value * parse_primary(r);
   return value;
 }
 
-static double sum(reader *r) {
-  double value = product(r);
+static double parse_sum(reader *r) {
+  double value = parse_product(r);
   while (!r->code && (*r->s == '+' || *r->s == '-'))
-    value = *r->s++ == '-' ? value - product(r) : value + product(r);
+    value =
+        *r->s++ == '-' ? value - parse_product(r) : value + parse_product(r);
   return value;
 }
 
@@ -169,6 +172,6 @@ int netlist_value(const eda_netlist *n, const eda_scope *in,
                   const eda_assignment *s, double *out) {
   int steps = 0;
   reader r = {n, in, s, s->value, &steps, 0, OPC_OK};
-  *out = evaluate(&r);
+  *out = value_evaluate(&r);
   return r.code;
 }

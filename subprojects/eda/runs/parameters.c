@@ -14,7 +14,7 @@ typedef struct walk {
   opc_error *error;
 } walk;
 
-static char *keep(walk *w, char *text) {
+static char *text_keep(walk *w, char *text) {
   g_ptr_array_add(w->texts, text);
   return text;
 }
@@ -27,7 +27,7 @@ static void show_braces(GString *text) {
 
 /* Append a value on one line in the syntax of flows. Recursion is as deep as
    the flow. */
-static void append(walk *w, const yaml_node_t *node, GString *out) {
+static void value_append(walk *w, const yaml_node_t *node, GString *out) {
   if (node->type == YAML_SCALAR_NODE) {
     const char *text = runs_word(node);
     g_string_append(out, text ? text : "null");
@@ -36,7 +36,7 @@ static void append(walk *w, const yaml_node_t *node, GString *out) {
     g_string_append_c(out, '[');
     for (; item < node->data.sequence.items.top; item++) {
       if (item > node->data.sequence.items.start) g_string_append(out, ", ");
-      append(w, runs_node(w->flow, *item), out);
+      value_append(w, runs_node(w->flow, *item), out);
     }
     g_string_append_c(out, ']');
   } else if (node->type == YAML_MAPPING_NODE) {
@@ -44,9 +44,9 @@ static void append(walk *w, const yaml_node_t *node, GString *out) {
     g_string_append(out, "{ ");
     for (; pair < node->data.mapping.pairs.top; pair++) {
       if (pair > node->data.mapping.pairs.start) g_string_append(out, ", ");
-      append(w, runs_node(w->flow, pair->key), out);
+      value_append(w, runs_node(w->flow, pair->key), out);
       g_string_append(out, ": ");
-      append(w, runs_node(w->flow, pair->value), out);
+      value_append(w, runs_node(w->flow, pair->value), out);
     }
     g_string_append(out, " }");
   }
@@ -60,9 +60,9 @@ static int is_default(const walk *w, const yaml_node_t *value) {
 
 static void add_value(walk *w, const char *name, const yaml_node_t *value) {
   g_autoptr(GString) text = g_string_new(NULL);
-  append(w, value, text);
+  value_append(w, value, text);
   show_braces(text);
-  eda_run_parameter p = {name, keep(w, g_strdup(text->str)),
+  eda_run_parameter p = {name, text_keep(w, g_strdup(text->str)),
                          !is_default(w, value)};
   g_array_append_val(w->out, p);
 }
@@ -77,8 +77,8 @@ static int add_map(walk *w, const char *before, const yaml_node_t *map) {
     const yaml_node_t *value = runs_node(w->flow, pair->value);
     const char *word = runs_word(key);
     if (!word) return runs_fail(w->flow, key, w->error, "a key is no text");
-    const char *name =
-        keep(w, g_strdup_printf("%s%s%s", before, *before ? "." : "", word));
+    const char *name = text_keep(
+        w, g_strdup_printf("%s%s%s", before, *before ? "." : "", word));
     if (value->type == YAML_MAPPING_NODE)
       code = add_map(w, name, value);
     else

@@ -48,8 +48,8 @@ static void *read_list(reading *r, const char *key, size_t size, size_t *n,
 }
 
 /* Read the text of a required member. */
-static int need(reading *r, yaml_node_t *map, const char *key,
-                const char **text) {
+static int text_required(reading *r, yaml_node_t *map, const char *key,
+                         const char **text) {
   *text = runs_word(runs_get(r->tree, map, key));
   return *text
              ? OPC_OK
@@ -60,22 +60,25 @@ static int read_file(reading *r, yaml_node_t *node, void *to) {
   eda_run_file *f = to;
   double bytes = runs_number(runs_get(r->tree, node, "bytes"));
   f->bytes = bytes >= 0 && bytes < 9e15 ? (int64_t)bytes : -1;
-  return need(r, node, "path", &f->path) || need(r, node, "sha256", &f->sha256)
+  return text_required(r, node, "path", &f->path) ||
+                 text_required(r, node, "sha256", &f->sha256)
              ? r->error->code
              : OPC_OK;
 }
 
 static int read_plugin(reading *r, yaml_node_t *node, void *to) {
   eda_run_plugin *p = to;
-  return need(r, node, "id", &p->id) || need(r, node, "version", &p->version) ||
-                 need(r, node, "sha256", &p->sha256)
+  return text_required(r, node, "id", &p->id) ||
+                 text_required(r, node, "version", &p->version) ||
+                 text_required(r, node, "sha256", &p->sha256)
              ? r->error->code
              : OPC_OK;
 }
 
 static int read_finding(reading *r, yaml_node_t *node, void *to) {
   eda_run_finding *f = to;
-  return need(r, node, "step", &f->step) || need(r, node, "text", &f->text)
+  return text_required(r, node, "step", &f->step) ||
+                 text_required(r, node, "text", &f->text)
              ? r->error->code
              : OPC_OK;
 }
@@ -83,8 +86,9 @@ static int read_finding(reading *r, yaml_node_t *node, void *to) {
 static int read_requirement(reading *r, yaml_node_t *node, void *to) {
   eda_run_requirement *q = to;
   const char *kept;
-  if (need(r, node, "metric", &q->metric) ||
-      need(r, node, "required", &q->required) || need(r, node, "kept", &kept))
+  if (text_required(r, node, "metric", &q->metric) ||
+      text_required(r, node, "required", &q->required) ||
+      text_required(r, node, "kept", &kept))
     return r->error->code;
   q->unit = runs_word(runs_get(r->tree, node, "unit"));
   q->value = runs_number(runs_get(r->tree, node, "value"));
@@ -101,7 +105,7 @@ static int read_metric(reading *r, const char *step, const yaml_node_pair_t *at,
   const char *name = runs_word(runs_node(r->tree, at->key)), *better;
   if (!name || node->type != YAML_MAPPING_NODE)
     return runs_fail(r->tree, node, r->error, "is no metric");
-  if (need(r, node, "better", &better)) return r->error->code;
+  if (text_required(r, node, "better", &better)) return r->error->code;
   eda_run_metric m = {
       .name = g_strdup_printf("%s.%s", step, name),
       .unit = runs_word(runs_get(r->tree, node, "unit")),
@@ -171,7 +175,8 @@ static int read_manifest(reading *r) {
   eda_run_facts *f = &r->run->told;
   yaml_node_t *root = runs_root(r->tree);
   const char *result;
-  if (need(r, root, "opcflow", &f->version) || need(r, root, "result", &result))
+  if (text_required(r, root, "opcflow", &f->version) ||
+      text_required(r, root, "result", &result))
     return r->error->code;
   f->variant = runs_word(runs_get(r->tree, root, "variant"));
   f->started = runs_word(runs_get(r->tree, root, "started"));
@@ -202,7 +207,7 @@ static int read_flow(reading *r) {
     return runs_fail(r->tree, format ? format : root, r->error,
                      "is a flow of the format '%.20s', and '1' is known here",
                      format && runs_word(format) ? runs_word(format) : "");
-  if (need(r, root, "name", &f->name)) return r->error->code;
+  if (text_required(r, root, "name", &f->name)) return r->error->code;
   GArray *all = g_array_new(FALSE, FALSE, sizeof(eda_run_parameter));
   int code = runs_parameters(r->tree, all, r->run->texts, r->error);
   f->n_parameters = all->len;

@@ -153,7 +153,8 @@ static int32_t reach_of(const cutter *c, const span *a) {
 
 /* Return how far a span may extend past its gate: to the end of its reach.
    Along poly, a corner within the distance of a line end is included. */
-static int32_t grow(const cutter *c, const span *a, int64_t distance) {
+static int32_t span_extension(const cutter *c, const span *a,
+                              int64_t distance) {
   int32_t reach = reach_of(c, a);
   if (distance <= reach ||
       (c->layer == EDA_POLY && distance <= segment_line_end(c->s, a->gate)))
@@ -162,7 +163,7 @@ static int32_t grow(const cutter *c, const span *a, int64_t distance) {
 }
 
 /* Divide the interval between two neighbours equally. */
-static void part(const cutter *c, span *a, span *b) {
+static void spans_divide(const cutter *c, span *a, span *b) {
   int64_t gap = (int64_t)b->low - a->high, of_a = reach_of(c, a),
           of_b = reach_of(c, b);
   if (gap < of_a + of_b) {
@@ -176,16 +177,16 @@ static void part(const cutter *c, span *a, span *b) {
 
 static void part_edge(const cutter *c, const edge *e, span *spans, size_t n) {
   if (spans->role >= EDA_END_LOW) return;
-  spans[0].low -= grow(c, &spans[0], (int64_t)spans[0].low - e->low);
-  for (size_t k = 0; k + 1 < n; k++) part(c, &spans[k], &spans[k + 1]);
+  spans[0].low -= span_extension(c, &spans[0], (int64_t)spans[0].low - e->low);
+  for (size_t k = 0; k + 1 < n; k++) spans_divide(c, &spans[k], &spans[k + 1]);
   spans[n - 1].high +=
-      grow(c, &spans[n - 1], (int64_t)e->high - spans[n - 1].high);
+      span_extension(c, &spans[n - 1], (int64_t)e->high - spans[n - 1].high);
 }
 
 /* ---- fragments ---- */
 
-static void put(eda_edges *out, uint32_t *n, const edge *e, int32_t at,
-                const span *owner) {
+static void fragment_put(eda_edges *out, uint32_t *n, const edge *e, int32_t at,
+                         const span *owner) {
   eda_fragment *f = &out->fragments[(*n)++];
   f->from =
       e->across == EDA_X ? (eda_point){e->at, at} : (eda_point){at, e->at};
@@ -203,11 +204,11 @@ static void put_edge(eda_edges *out, uint32_t *n, const edge *e,
   for (size_t k = 0; k < count; k++) {
     const span *o = &spans[rising ? k : count - 1 - k];
     int32_t from = rising ? o->low : o->high;
-    if (from != at) put(out, n, e, at, NULL);
-    put(out, n, e, from, o);
+    if (from != at) fragment_put(out, n, e, at, NULL);
+    fragment_put(out, n, e, from, o);
     at = rising ? o->high : o->low;
   }
-  if (at != (rising ? e->high : e->low)) put(out, n, e, at, NULL);
+  if (at != (rising ? e->high : e->low)) fragment_put(out, n, e, at, NULL);
 }
 
 static void put_all(const cutter *c) {

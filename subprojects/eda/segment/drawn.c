@@ -78,8 +78,8 @@ static void set_size(double *size, double drawn, double grid) {
 
 /* Measure gate i. Edges that the grid has aligned were drawn in several lines:
    W is then known on the grid only. */
-static int measure(eda_gates *g, size_t i, double grid,
-                   const eda_shapes *regions, uint32_t region) {
+static int gate_measure(eda_gates *g, size_t i, double grid,
+                        const eda_shapes *regions, uint32_t region) {
   if (region == UINT32_MAX) return 0;
   const eda_point *p = regions->points + regions->start[region];
   if (regions->start[region + 1] - regions->start[region] != 4) return 0;
@@ -100,7 +100,7 @@ int segment_drawn(segment *s) {
   uint32_t *which = find_regions(s, grid, &regions);
   size_t others = 0;
   for (size_t i = 0; i < g->count; i++)
-    others += !measure(g, i, grid, &regions, which[i]);
+    others += !gate_measure(g, i, grid, &regions, which[i]);
   if (others)
     segment_tell(s, 1,
                  "%zu gate%s not drawn as a rectangle, "

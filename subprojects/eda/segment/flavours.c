@@ -26,7 +26,7 @@ static const char *markers_of(const eda_segment_settings *s, size_t i) {
   return s->flavours[2 * i + 1];
 }
 
-static int blame(opc_error *error, const char *flavour) {
+static int error_set_flavour(opc_error *error, const char *flavour) {
   (void)snprintf(error->parameter, sizeof error->parameter, "flavours.%.50s",
                  flavour);
   return error->code;
@@ -43,7 +43,7 @@ int segment_check_flavours(const eda_segment_settings *s, opc_error *error) {
                    "'%.50s' needs the layer that marks its transistors, or "
                    "several with blanks between, all of which do",
                    name_of(s, i));
-    return blame(error, name_of(s, i));
+    return error_set_flavour(error, name_of(s, i));
   }
   return OPC_OK;
 }
@@ -74,7 +74,7 @@ static int find_markers(segment *s, size_t flavour, uint8_t *covers,
     if (layer < 0) {
       (void)opc_fail(s->error, OPC_INVALID, NULL,
                      "the layout has no layer '%.*s'", (int)n, word);
-      code = blame(s->error, of);
+      code = error_set_flavour(s->error, of);
       break;
     }
     code = segment_flatten(s->layout, s->top, layer, s->grid, s->window, &flat,
@@ -92,7 +92,8 @@ static int find_markers(segment *s, size_t flavour, uint8_t *covers,
   return code;
 }
 
-static int refuse(segment *s, size_t region, const char *a, const char *b) {
+static int region_refuse(segment *s, size_t region, const char *a,
+                         const char *b) {
   char text[200];
   if (b)
     (void)snprintf(text, sizeof text,
@@ -119,7 +120,7 @@ int segment_flavours(segment *s) {
     code = find_markers(s, f, covers, &markers);
     for (size_t i = 0; i < n && !code; i++) {
       if (covers[i] == SEGMENT_PARTLY)
-        code = refuse(s, i, name_of(set, f), NULL);
+        code = region_refuse(s, i, name_of(set, f), NULL);
       if (covers[i] != SEGMENT_INSIDE || markers < most[i]) continue;
       rival[i] = markers == most[i] ? name_of(set, flavour[i]) : NULL;
       flavour[i] = f;
@@ -127,7 +128,8 @@ int segment_flavours(segment *s) {
     }
   }
   for (size_t i = 0; i < n && !code; i++) {
-    if (rival[i]) code = refuse(s, i, rival[i], name_of(set, flavour[i]));
+    if (rival[i])
+      code = region_refuse(s, i, rival[i], name_of(set, flavour[i]));
     if (!most[i] || code) continue;
     eda_gates *g = s->gates;
     if (!g->flavour) g->flavour = eda_alloc(g->count, sizeof *g->flavour);

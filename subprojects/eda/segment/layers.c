@@ -15,8 +15,8 @@ int32_t eda_segment_top(const eda_layout *layout, const char *name,
 }
 
 /* Merge flat shapes and clip them at the window. */
-static int merge(const eda_shapes *flat, const eda_box *window,
-                 eda_shapes *merged, opc_error *error) {
+static int shapes_merge(const eda_shapes *flat, const eda_box *window,
+                        eda_shapes *merged, opc_error *error) {
   if (!window) return eda_boolean(EDA_OR, flat, NULL, merged, error);
   eda_box w = *window;
   eda_point corners[] = {
@@ -37,7 +37,7 @@ int segment_flatten(const eda_layout *layout, int32_t top, int32_t layer,
   opc_error inner;
   flat->moved +=
       eda_shapes_straighten(&flat->shapes, (int32_t)lround(fmax(1, 1 / grid)));
-  code = merge(&flat->shapes, window, merged, &inner);
+  code = shapes_merge(&flat->shapes, window, merged, &inner);
   if (!code) return OPC_OK;
   eda_flat_clear(flat);
   return opc_fail(error, code, NULL, "layer '%s', in units of %g nm: %.800s",

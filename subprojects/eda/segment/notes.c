@@ -80,8 +80,8 @@ static int parse_notes(segment *s, const note *notes) {
   return OPC_OK;
 }
 
-static void warn(const segment *s, const eda_flat_texts *t,
-                 const uint32_t *which) {
+static void notes_warn(const segment *s, const eda_flat_texts *t,
+                       const uint32_t *which) {
   size_t beside = 0, first = 0;
   for (size_t i = t->at.shapes.count; i-- > 0;)
     if (which[i] == UINT32_MAX) {
@@ -120,7 +120,7 @@ int segment_notes(segment *s) {
   segment_find(points, n, &boxes, which);
   code = find_notes(s, &texts, which, notes);
   if (!code) code = parse_notes(s, notes);
-  if (!code) warn(s, &texts, which);
+  if (!code) notes_warn(s, &texts, which);
   eda_shapes_clear(&boxes);
   free(points);
   free(which);

@@ -8,7 +8,7 @@
 
 /* Return whether a polygon contains a point. Each point is inside exactly one
    of two abutting shapes. */
-static int contains(const eda_point *p, uint32_t n, doubled at) {
+static int polygon_contains(const eda_point *p, uint32_t n, doubled at) {
   int wind = 0;
   for (uint32_t i = 0; i < n; i++) {
     eda_point a = p[i], b = p[i + 1 < n ? i + 1 : 0];
@@ -34,7 +34,7 @@ void segment_find(const doubled *points, size_t n, const eda_shapes *shapes,
     uint32_t corners = shapes->start[s + 1] - shapes->start[s];
     eda_finder f = eda_index_find(index, eda_bounds(p, corners));
     for (uint32_t i; eda_index_next(&f, &i);)
-      if (which[i] == UINT32_MAX && contains(p, corners, points[i]))
+      if (which[i] == UINT32_MAX && polygon_contains(p, corners, points[i]))
         which[i] = (uint32_t)s;
   }
   eda_index_free(index);

@@ -78,7 +78,7 @@ int segment_refuse(segment *s, size_t i, const char *fault) {
 
 /* ---- the type ---- */
 
-static int before(eda_point a, eda_point b) {
+static int point_before(eda_point a, eda_point b) {
   return a.y < b.y || (a.y == b.y && a.x < b.x);
 }
 
@@ -90,9 +90,9 @@ static void mark_same(const segment *s, const eda_shapes *shapes, uint8_t mark,
   for (size_t i = 0, j = 0; i < r->count && j < shapes->count;) {
     const eda_point *p = r->points + r->start[i];
     const eda_point *q = shapes->points + shapes->start[j];
-    if (before(*p, *q)) {
+    if (point_before(*p, *q)) {
       i++;
-    } else if (before(*q, *p)) {
+    } else if (point_before(*q, *p)) {
       j++;
     } else {
       uint32_t n = shapes->start[j + 1] - shapes->start[j];

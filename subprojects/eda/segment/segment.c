@@ -40,7 +40,7 @@ static void get_sources(segment *s) {
 }
 
 /* Set the parameter of the error to a key of `also`. */
-static int blame(opc_error *error, const char *name) {
+static int error_set_key(opc_error *error, const char *name) {
   (void)snprintf(error->parameter, sizeof error->parameter, "also.%.58s", name);
   return error->code;
 }
@@ -81,7 +81,7 @@ int eda_segment_check(const eda_segment_settings *settings, opc_error *error) {
                       s.source[i].name);
     for (size_t j = 0; !code && j < i; j++)
       code = check_pair(&s.source[i], &s.source[j], error);
-    if (code) blame(error, s.source[i].name);
+    if (code) error_set_key(error, s.source[i].name);
   }
   free(s.source);
   return code ? code : segment_check_flavours(settings, error);
@@ -112,7 +112,7 @@ static int check_layers(segment *s) {
     if (k < KNOWN) return no_layer(s, from);
     opc_fail(s->error, OPC_INVALID, NULL, "the layout has no layer '%.200s'",
              from);
-    return blame(s->error, s->source[k].name);
+    return error_set_key(s->error, s->source[k].name);
   }
   return OPC_OK;
 }
@@ -135,7 +135,7 @@ static int find_bounds(segment *s) {
     else if (k >= KNOWN) {
       opc_fail(s->error, OPC_INVALID, NULL, "layer '%.200s' is empty",
                from->from);
-      return blame(s->error, from->name);
+      return error_set_key(s->error, from->name);
     }
   }
   return OPC_OK;
@@ -250,7 +250,8 @@ static int find_gates(segment *s) {
   return segment_notes(s);
 }
 
-static int go(segment *s, int (*const *steps)(segment *), size_t n) {
+static int segment_run_steps(segment *s, int (*const *steps)(segment *),
+                             size_t n) {
   int code = OPC_OK;
   for (size_t k = 0; !code && k < n; k++) {
     code = steps[k](s);
@@ -262,13 +263,13 @@ static int go(segment *s, int (*const *steps)(segment *), size_t n) {
 
 int segment_begin(segment *s) {
   static int (*const steps[])(segment *) = {check_layers, find_bounds};
-  return go(s, steps, 2);
+  return segment_run_steps(s, steps, 2);
 }
 
 int segment_finish(segment *s) {
   static int (*const steps[])(segment *) = {want_regions, make_gates,
                                             find_gates};
-  return go(s, steps, 3);
+  return segment_run_steps(s, steps, 3);
 }
 
 /* Return a length in grid units, limited to the range of coordinates. */
@@ -324,7 +325,7 @@ int eda_segment(const opc_context *context, const eda_layout *layout,
   static int (*const steps[])(segment *) = {segment_begin, segment_layers,
                                             segment_regions, segment_finish};
   segment s = segment_new(context, layout, top, settings, error);
-  int code = go(&s, steps, 4);
+  int code = segment_run_steps(&s, steps, 4);
   *report = s.report;
   *gates = segment_end(&s, code);
   return code;

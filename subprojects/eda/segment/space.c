@@ -24,7 +24,7 @@ static int by_value(const void *a, const void *b) {
 }
 
 /* Return the number of places at or before `at`. */
-static size_t rank(const look *l, int64_t at) {
+static size_t place_rank(const look *l, int64_t at) {
   size_t from = 0, to = l->n_places;
   while (from < to) {
     size_t middle = from + (to - from) / 2;
@@ -36,7 +36,7 @@ static size_t rank(const look *l, int64_t at) {
   return from;
 }
 
-static void prepare(look *l) {
+static void tree_prepare(look *l) {
   l->places = eda_alloc(2 * l->count, sizeof *l->places);
   for (size_t i = 0; i < l->count; i++) {
     l->places[2 * i] = 2 * (int64_t)l->edges[i].low;
@@ -53,18 +53,18 @@ static void prepare(look *l) {
 /* Enter an edge into the tree. Leaf k covers the interval between the places
    k-1 and k. Numbers grow in the order of the sweep, so the largest number over
    a place is the latest edge. */
-static void stamp(look *l, const edge *e, uint32_t number) {
-  size_t from = rank(l, 2 * (int64_t)e->low) + l->leaves;
-  size_t to = rank(l, 2 * (int64_t)e->high) + l->leaves;
+static void tree_enter(look *l, const edge *e, uint32_t number) {
+  size_t from = place_rank(l, 2 * (int64_t)e->low) + l->leaves;
+  size_t to = place_rank(l, 2 * (int64_t)e->high) + l->leaves;
   for (; from < to; from /= 2, to /= 2) {
     if (from & 1) l->latest[from++] = number;
     if (to & 1) l->latest[--to] = number;
   }
 }
 
-static uint32_t latest(const look *l, int64_t at) {
+static uint32_t tree_latest(const look *l, int64_t at) {
   uint32_t best = 0;
-  for (size_t k = rank(l, at) + l->leaves; k; k /= 2)
+  for (size_t k = place_rank(l, at) + l->leaves; k; k /= 2)
     if (l->latest[k] > best) best = l->latest[k];
   return best;
 }
@@ -93,18 +93,18 @@ static void run_look(const segment *s, int layer, int d, int side,
   size_t first = x->first[2 * d + facing];
   look l = {.edges = x->edges + first,
             .count = x->first[2 * d + facing + 1] - first};
-  prepare(&l);
+  tree_prepare(&l);
   size_t done = 0;
   for (size_t i = 0; i < n; i++) {
     const key *k = &keys[side ? n - 1 - i : i];
     for (; done < l.count; done++) {
       const edge *e = &l.edges[side ? l.count - 1 - done : done];
       if (side ? e->at < k->at : e->at > k->at) break;
-      stamp(&l, e, (uint32_t)done + 1);
+      tree_enter(&l, e, (uint32_t)done + 1);
     }
     const eda_box *b = &s->gates->box[k->gate];
     uint32_t found =
-        latest(&l, (int64_t)box_side(b, !d, LOW) + box_side(b, !d, HIGH));
+        tree_latest(&l, (int64_t)box_side(b, !d, LOW) + box_side(b, !d, HIGH));
     distance[k->gate] = INFINITY;
     if (!found) continue;
     const edge *e = &l.edges[side ? l.count - found : found - 1];

@@ -11,11 +11,11 @@
    other window of 65 nm circuits is repeated. */
 #define BEYOND 1000.0
 
-static eda_box grown(eda_box b, int32_t by) {
+static eda_box box_grown(eda_box b, int32_t by) {
   return (eda_box){b.x0 - by, b.y0 - by, b.x1 + by, b.y1 + by};
 }
 
-static int touch(eda_box a, eda_box b) {
+static int boxes_touch(eda_box a, eda_box b) {
   return a.x0 <= b.x1 && b.x0 <= a.x1 && a.y0 <= b.y1 && b.y0 <= a.y1;
 }
 
@@ -24,8 +24,8 @@ static eda_box box_of(const eda_shapes *s, size_t i) {
 }
 
 /* Clip a window to the bounds of the layout, where nothing is cut. */
-static void clip(eda_box *w, eda_box bounds) {
-  bounds = grown(bounds, 1);
+static void window_clip(eda_box *w, eda_box bounds) {
+  bounds = box_grown(bounds, 1);
   if (w->x0 < bounds.x0) w->x0 = bounds.x0;
   if (w->y0 < bounds.y0) w->y0 = bounds.y0;
   if (w->x1 > bounds.x1) w->x1 = bounds.x1;
@@ -35,7 +35,7 @@ static void clip(eda_box *w, eda_box bounds) {
 /* Remove the regions cut by the border of the window. */
 static void drop_cut(segment *s) {
   eda_shapes *r = &s->regions;
-  eda_box inner = grown(*s->window, -1);
+  eda_box inner = box_grown(*s->window, -1);
   uint32_t n = 0, points = 0;
   for (size_t i = 0; i < r->count; i++) {
     eda_box b = box_of(r, i);
@@ -60,7 +60,7 @@ int eda_segment_window(const eda_layout *layout, int32_t top,
   segment s = segment_new(NULL, layout, top, settings, error);
   eda_box w = *window;
   int code = segment_begin(&s);
-  clip(&w, s.bounds);
+  window_clip(&w, s.bounds);
   s.window = &w;
   if (!code) code = segment_layers(&s);
   if (!code) code = segment_regions(&s);
@@ -72,12 +72,12 @@ int eda_segment_window(const eda_layout *layout, int32_t top,
 
 /* ---- a core and its environment ---- */
 
-static int32_t most(int32_t a, int32_t b) { return a > b ? a : b; }
+static int32_t larger_of(int32_t a, int32_t b) { return a > b ? a : b; }
 
 /* Return the largest distance of a relevant shape from a transistor. */
 static int32_t reach_of(const segment *s) {
   /* The overhang and line end of a gate are at most half of the reach. */
-  return most(s->reach, 2 * most(s->overhang, s->line_end));
+  return larger_of(s->reach, 2 * larger_of(s->overhang, s->line_end));
 }
 
 int32_t eda_segment_halo(const eda_segment_settings *settings) {
@@ -90,11 +90,12 @@ int32_t eda_segment_halo(const eda_segment_settings *settings) {
 /* Extend `wanted` to the smallest window that region i needs: with the full
    reach for regions that touch the core, with the region itself for those
    within reach. */
-static void want(const segment *s, eda_box core, size_t i, eda_box *wanted) {
+static void window_extend(const segment *s, eda_box core, size_t i,
+                          eda_box *wanted) {
   eda_box b = box_of(&s->regions, i);
   int32_t reach = reach_of(s);
-  if (!touch(b, grown(core, reach))) return;
-  b = grown(b, touch(b, core) ? reach : 1);
+  if (!boxes_touch(b, box_grown(core, reach))) return;
+  b = box_grown(b, boxes_touch(b, core) ? reach : 1);
   if (b.x0 < wanted->x0) wanted->x0 = b.x0;
   if (b.y0 < wanted->y0) wanted->y0 = b.y0;
   if (b.x1 > wanted->x1) wanted->x1 = b.x1;
@@ -103,17 +104,18 @@ static void want(const segment *s, eda_box core, size_t i, eda_box *wanted) {
 
 /* Double the margin on the sides where more is wanted. Return 0 if the window
    is sufficient. */
-static int widen(const segment *s, eda_box core, eda_box *window) {
+static int window_widen(const segment *s, eda_box core, eda_box *window) {
   eda_box w = *window, wanted = w;
-  for (size_t i = 0; i < s->regions.count; i++) want(s, core, i, &wanted);
-  clip(&wanted, s->bounds);
+  for (size_t i = 0; i < s->regions.count; i++)
+    window_extend(s, core, i, &wanted);
+  window_clip(&wanted, s->bounds);
   eda_box far = {2 * w.x0 - core.x0, 2 * w.y0 - core.y0, 2 * w.x1 - core.x1,
                  2 * w.y1 - core.y1};
   if (wanted.x0 < w.x0) window->x0 = far.x0;
   if (wanted.y0 < w.y0) window->y0 = far.y0;
   if (wanted.x1 > w.x1) window->x1 = far.x1;
   if (wanted.y1 > w.y1) window->y1 = far.y1;
-  clip(window, s->bounds);
+  window_clip(window, s->bounds);
   return window->x0 != w.x0 || window->y0 != w.y0 || window->x1 != w.x1 ||
          window->y1 != w.y1;
 }
@@ -122,15 +124,15 @@ int eda_segment_core(const eda_layout *layout, int32_t top,
                      const eda_segment_settings *settings, eda_box core,
                      int32_t halo, eda_gates **gates, opc_error *error) {
   segment s = segment_new(NULL, layout, top, settings, error);
-  eda_box w = grown(core, most(halo, eda_segment_halo(settings)));
+  eda_box w = box_grown(core, larger_of(halo, eda_segment_halo(settings)));
   int code = segment_begin(&s);
-  clip(&w, s.bounds);
+  window_clip(&w, s.bounds);
   s.window = &w;
   do {
     segment_clear_layers(&s);
     if (!code) code = segment_layers(&s);
     if (!code) code = segment_regions(&s);
-  } while (!code && widen(&s, core, &w));
+  } while (!code && window_widen(&s, core, &w));
   if (!code) drop_cut(&s);
   if (!code) code = segment_finish(&s);
   *gates = segment_end(&s, code);

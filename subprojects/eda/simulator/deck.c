@@ -232,7 +232,7 @@ static int is_meant(const deck *d) {
   return d->section && eda_same_name(d->section, d->wanted);
 }
 
-static int refuse(deck *d, const word *w) {
+static int word_refuse(deck *d, const word *w) {
   return lines_refuse(
       &d->lines, w->at,
       "'%.100s' is refused: only models, parameters, subcircuits, devices "
@@ -257,15 +257,15 @@ static int take_line(void *data, const line *l) {
   if (!is_meant(d) && !is_section) return OPC_OK;
   /* Rejects "(.control". */
   if (strncmp(l->text, first->text, strlen(first->text)) != 0)
-    return refuse(d, first);
+    return word_refuse(d, first);
   if (first->text[0] != '.')
     return is_device(d, first->text) ? deck_copy_statement(d, l)
-                                     : refuse(d, first);
+                                     : word_refuse(d, first);
   for (size_t i = 0; i < sizeof statements / sizeof *statements; i++)
     if (eda_same_name(first->text, statements[i].name) &&
         (!statements[i].own || is_own(l)))
       return statements[i].take(d, l);
-  return refuse(d, first);
+  return word_refuse(d, first);
 }
 
 char *deck_write(const char *text, char **osdi, opc_error *error) {

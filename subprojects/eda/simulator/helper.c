@@ -134,7 +134,7 @@ static void limit_to(int resource, rlim_t most) {
 /* Limit this process: it ends with the thread that started it, and after some
    seconds of processor time in any case. It has its own process group, so that
    Ctrl-C goes to the parent only. */
-static void obey(const char *seconds, const char *parent) {
+static void process_limit(const char *seconds, const char *parent) {
   setpgid(0, 0);
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != (pid_t)atol(parent)) _exit(1);
@@ -215,25 +215,25 @@ typedef struct library {
   pvector_info (*vector)(char *);
 } library;
 
-static void *symbol(void *handle, const char *name) {
+static void *library_symbol(void *handle, const char *name) {
   void *found = dlsym(handle, name);
   if (!found) end_with(MISSING, dlerror());
   return found;
 }
 
-static library load(void) {
+static library library_load(void) {
   const char *own = getenv("OPCFLOW_NGSPICE");
   /* Compiled models require its functions. */
   dlopen(LIBM_SO, RTLD_NOW | RTLD_GLOBAL);
   void *handle = dlopen(own ? own : "libngspice.so.0", RTLD_NOW | RTLD_LOCAL);
   if (!handle) end_with(MISSING, dlerror());
   library l;
-  *(void **)&l.init = symbol(handle, "ngSpice_Init");
-  *(void **)&l.circuit = symbol(handle, "ngSpice_Circ");
-  *(void **)&l.command = symbol(handle, "ngSpice_Command");
-  *(void **)&l.plots = symbol(handle, "ngSpice_AllPlots");
-  *(void **)&l.vectors = symbol(handle, "ngSpice_AllVecs");
-  *(void **)&l.vector = symbol(handle, "ngGet_Vec_Info");
+  *(void **)&l.init = library_symbol(handle, "ngSpice_Init");
+  *(void **)&l.circuit = library_symbol(handle, "ngSpice_Circ");
+  *(void **)&l.command = library_symbol(handle, "ngSpice_Command");
+  *(void **)&l.plots = library_symbol(handle, "ngSpice_AllPlots");
+  *(void **)&l.vectors = library_symbol(handle, "ngSpice_AllVecs");
+  *(void **)&l.vector = library_symbol(handle, "ngGet_Vec_Info");
   return l;
 }
 
@@ -308,7 +308,7 @@ static size_t send_plots(const library *l, size_t before) {
   return n;
 }
 
-static void command(const library *l, const char *text) {
+static void library_command(const library *l, const char *text) {
   char *own = text_of("%s", text);
   l->command(own);
   free(own);
@@ -318,7 +318,7 @@ static void command(const library *l, const char *text) {
    descriptor, because ngspice splits names into words. */
 static void load_osdi(const library *l, const char *name, int file) {
   char *text = text_of("osdi /proc/self/fd/%d", file);
-  command(l, text);
+  library_command(l, text);
   free(text);
   if (strstr(trouble, "no such command")) end_with(NO_OSDI, "");
   trouble_check(name);
@@ -329,9 +329,10 @@ static void deck_run(const library *l, const char *osdi, int file, char *deck,
   l->init(on_words, NULL, on_exit_wish, NULL, NULL, on_thread, NULL);
   *trouble = 0;
   reset_signals(); /* handlers of ngspice would turn a crash into an exit */
-  command(l, "set num_threads=1");
-  command(l, "set rndseed=1");
-  command(l, "set no_mem_check"); /* newer versions would read /proc/meminfo */
+  library_command(l, "set num_threads=1");
+  library_command(l, "set rndseed=1");
+  library_command(
+      l, "set no_mem_check"); /* newer versions would read /proc/meminfo */
   if (osdi) load_osdi(l, osdi, file);
   size_t plots = length_of(l->plots());
   l->circuit(lines_of(deck));
@@ -339,7 +340,7 @@ static void deck_run(const library *l, const char *osdi, int file, char *deck,
   plots = send_plots(l, plots);
   for (char **c = lines_of(commands); *c; c++) {
     if (!(*c)[strspn(*c, " \t")]) continue;
-    command(l, *c);
+    library_command(l, *c);
     if (!*trouble) plots = send_plots(l, plots);
     trouble_check(*c);
   }
@@ -351,12 +352,12 @@ int main(int argc, char **argv) {
           stderr);
     return 2;
   }
-  obey(argv[1], argv[2]);
+  process_limit(argv[1], argv[2]);
   char *deck = read_text(), *commands = read_text();
   const char *osdi = argc == 4 ? argv[3] : NULL;
   stand_alone();
   int file = osdi ? open_osdi(osdi) : -1;
-  library l = load();
+  library l = library_load();
   lock_in(file);
   deck_run(&l, osdi, file, deck, commands);
   end_with(DONE, "");

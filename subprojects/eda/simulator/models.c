@@ -215,15 +215,15 @@ void eda_models_free(eda_models *l) {
 
 double eda_models_unit(const eda_models *l) { return l->unit; }
 
-static const piece *at(const eda_models *l, guint i) {
+static const piece *piece_at(const eda_models *l, guint i) {
   return &g_array_index(l->piece, piece, i);
 }
 
 int eda_models_kind(const eda_models *l, const char *name) {
   int kind = 0;
   for (guint i = 0; i < l->piece->len && !kind; i++)
-    if (at(l, i)->name && !g_ascii_strcasecmp(at(l, i)->name, name))
-      kind = at(l, i)->kind;
+    if (piece_at(l, i)->name && !g_ascii_strcasecmp(piece_at(l, i)->name, name))
+      kind = piece_at(l, i)->kind;
   return kind;
 }
 
@@ -253,14 +253,14 @@ static char *find_needed(const eda_models *l, const char *name) {
   for (char **n = names; *n; n++)
     if (**n) g_hash_table_add(words, g_ascii_strdown(*n, -1));
   for (guint i = 0; i < l->piece->len; i++) {
-    const char *first = at(l, i)->of->pdata[0];
-    keep[i] = !at(l, i)->kind && *first == '.';
-    if (keep[i]) add_words(words, at(l, i));
+    const char *first = piece_at(l, i)->of->pdata[0];
+    keep[i] = !piece_at(l, i)->kind && *first == '.';
+    if (keep[i]) add_words(words, piece_at(l, i));
   }
   while (more) {
     more = 0;
     for (guint i = 0; i < l->piece->len; i++) {
-      const piece *p = at(l, i);
+      const piece *p = piece_at(l, i);
       if (keep[i] || !p->kind || !g_hash_table_contains(words, p->name))
         continue;
       keep[i] = 1;
@@ -296,7 +296,7 @@ static int read_bin(const eda_models *l, const char *statement,
   return found == 15;
 }
 
-static void join(double into[2], const double more[2]) {
+static void bin_join(double into[2], const double more[2]) {
   into[0] = fmin(into[0], more[0]);
   into[1] = fmax(into[1], more[1]);
 }
@@ -310,25 +310,25 @@ static int are_one(const piece *a, const piece *b) {
 /* Compute the outermost bounds of the bins among the kept pieces: of all if
    `of` is NULL, otherwise of the model of that piece. Return whether any were
    found. */
-static int outermost(const eda_models *l, const char *keep, const piece *of,
-                     eda_sizes *out) {
+static int bins_outermost(const eda_models *l, const char *keep,
+                          const piece *of, eda_sizes *out) {
   int found = 0;
   *out = (eda_sizes){{INFINITY, 0}, {INFINITY, 0}};
   for (guint i = 0; i < l->piece->len; i++)
-    for (guint k = 0; keep[i] && k < at(l, i)->of->len; k++) {
+    for (guint k = 0; keep[i] && k < piece_at(l, i)->of->len; k++) {
       eda_sizes bin;
-      if (of && !are_one(of, at(l, i))) break;
-      if (!read_bin(l, at(l, i)->of->pdata[k], &bin)) continue;
+      if (of && !are_one(of, piece_at(l, i))) break;
+      if (!read_bin(l, piece_at(l, i)->of->pdata[k], &bin)) continue;
       found = 1;
-      join(out->length, bin.length);
-      join(out->width, bin.width);
+      bin_join(out->length, bin.length);
+      bin_join(out->width, bin.width);
     }
   return found;
 }
 
 int eda_models_bins(const eda_models *l, const char *name, eda_sizes *out) {
   char *keep = find_needed(l, name);
-  int found = outermost(l, keep, NULL, out);
+  int found = bins_outermost(l, keep, NULL, out);
   free(keep);
   return found;
 }
@@ -338,14 +338,14 @@ static const double same = 1e-3;
 
 /* Extend an outermost bin to the wanted sizes. Return whether the bin
    changed. */
-static int stretch(double bin[2], const double all[2], const double to[2]) {
+static int bin_stretch(double bin[2], const double all[2], const double to[2]) {
   const double was[2] = {bin[0], bin[1]};
   if (fabs(bin[0] - all[0]) < same) bin[0] = fmin(bin[0], to[0] - 1);
   if (fabs(bin[1] - all[1]) < same) bin[1] = fmax(bin[1], to[1] + 1);
   return bin[0] != was[0] || bin[1] != was[1];
 }
 
-static int touches(const double bin[2], const double want[2]) {
+static int bin_touches(const double bin[2], const double want[2]) {
   return bin[0] - same <= want[1] && bin[1] + same >= want[0];
 }
 
@@ -371,10 +371,11 @@ static void models_put_statement(const eda_models *l, GString *out,
   }
   int changed = 0;
   if (extend) {
-    changed |= stretch(bin.length, all->length, sizes->length);
-    changed |= stretch(bin.width, all->width, sizes->width);
+    changed |= bin_stretch(bin.length, all->length, sizes->length);
+    changed |= bin_stretch(bin.width, all->width, sizes->width);
   }
-  if (!touches(bin.length, sizes->length) || !touches(bin.width, sizes->width))
+  if (!bin_touches(bin.length, sizes->length) ||
+      !bin_touches(bin.width, sizes->width))
     return;
   if (!changed) {
     g_string_append_printf(out, "%s\n", statement);
@@ -392,9 +393,11 @@ char *eda_models_cut(const eda_models *l, const char *name,
   eda_sizes all = {{0}, {0}};
   char *keep = find_needed(l, name);
   for (guint i = 0; i < l->piece->len; i++)
-    for (guint k = 0; keep[i] && k < at(l, i)->of->len; k++) {
-      if (!k && at(l, i)->kind) (void)outermost(l, keep, at(l, i), &all);
-      models_put_statement(l, out, at(l, i)->of->pdata[k], &all, sizes, extend);
+    for (guint k = 0; keep[i] && k < piece_at(l, i)->of->len; k++) {
+      if (!k && piece_at(l, i)->kind)
+        (void)bins_outermost(l, keep, piece_at(l, i), &all);
+      models_put_statement(l, out, piece_at(l, i)->of->pdata[k], &all, sizes,
+                           extend);
     }
   free(keep);
   return g_string_free(out, FALSE);

@@ -153,7 +153,7 @@ static int tell_no_osdi(const reading *r, opc_error *error) {
       version ? version : "ngspice");
 }
 
-static int judge(const reading *r, GSubprocess *child, opc_error *error) {
+static int child_judge(const reading *r, GSubprocess *child, opc_error *error) {
   if (r->missing)
     return opc_fail(error, OPC_NO_PLUGIN, NULL,
                     "the library of ngspice is not installed (Debian "
@@ -265,7 +265,7 @@ static int helper_run(const opc_context *context, const char *deck,
   close(answer);
   g_subprocess_force_exit(child);
   g_subprocess_wait(child, NULL, NULL);
-  if (!code) code = judge(&r, child, error);
+  if (!code) code = child_judge(&r, child, error);
   out->words = g_string_free(r.words, FALSE);
   free(r.data);
   g_free(r.trouble);

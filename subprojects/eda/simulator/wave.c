@@ -33,7 +33,7 @@ double eda_wave_time(const double *t, const double *h, size_t i, double level) {
 }
 
 /* Evaluate the cubic through four points by Neville's scheme. */
-static double cubic(const double *t, const double *v, double at) {
+static double cubic_through(const double *t, const double *v, double at) {
   double p[CUBIC] = {v[0], v[1], v[2], v[3]};
   for (int n = 1; n < CUBIC; n++)
     for (int i = 0; i + n < CUBIC; i++)
@@ -49,7 +49,7 @@ double eda_wave_smooth_time(const double *t, const double *h, size_t n,
   if (first + CUBIC > n) first = n - CUBIC;
   for (int k = 0; k < BISECTIONS; k++) {
     double middle = (low + high) / 2;
-    if (cubic(t + first, h + first, middle) < level)
+    if (cubic_through(t + first, h + first, middle) < level)
       low = middle;
     else
       high = middle;

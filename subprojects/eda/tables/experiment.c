@@ -3,13 +3,13 @@
 #include <eda/experiment.h>
 #include <glib.h>
 
-static const char *const *copy(const char *const *texts, size_t n) {
+static const char *const *texts_copy(const char *const *texts, size_t n) {
   char **copies = g_new0(char *, n + 1);
   for (size_t i = 0; i < n; i++) copies[i] = g_strdup(texts[i]);
   return (const char *const *)copies;
 }
 
-static void drop(const char *const *texts, size_t n) {
+static void texts_free(const char *const *texts, size_t n) {
   for (size_t i = 0; i < n; i++) g_free((char *)texts[i]);
   g_free((char **)texts);
 }
@@ -20,18 +20,18 @@ eda_experiment *eda_experiment_new(size_t n_cases, const char *const *cases,
   eda_experiment *e = g_new0(eda_experiment, 1);
   e->n_cases = n_cases;
   e->n_methods = n_methods;
-  e->cases = copy(cases, n_cases);
-  e->methods = copy(methods, n_methods);
-  e->folders = copy(folders, n_cases * n_methods);
+  e->cases = texts_copy(cases, n_cases);
+  e->methods = texts_copy(methods, n_methods);
+  e->folders = texts_copy(folders, n_cases * n_methods);
   return e;
 }
 
 void eda_experiment_free(void *object) {
   eda_experiment *e = object;
   if (!e) return;
-  drop(e->cases, e->n_cases);
-  drop(e->methods, e->n_methods);
-  drop(e->folders, e->n_cases * e->n_methods);
+  texts_free(e->cases, e->n_cases);
+  texts_free(e->methods, e->n_methods);
+  texts_free(e->folders, e->n_cases * e->n_methods);
   g_free(e);
 }
 

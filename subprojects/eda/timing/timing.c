@@ -143,11 +143,12 @@ static double at_load(const eda_timing_cell *c, const double *row,
 
 /* Return the position of a value between the two values at which changes were
    simulated: 0 to 1, or beyond. */
-static double between(const double *at, const size_t near[2], double value) {
+static double position_between(const double *at, const size_t near[2],
+                               double value) {
   return (value - at[near[0]]) / (at[near[1]] - at[near[0]]);
 }
 
-static double plane(const double at[POINTS], double load, double slew) {
+static double plane_through(const double at[POINTS], double load, double slew) {
   return at[0] + load * (at[1] - at[0]) + slew * (at[2] - at[0]);
 }
 
@@ -165,16 +166,16 @@ void eda_timing_at(const eda_timing_cell *c, const eda_timing_arc *a,
                    double delay_load, double slew_load, const double *change,
                    double *delay, double *slew) {
   double by_delay[POINTS], by_slew[POINTS];
-  double d = between(c->at_load, c->near_load, delay_load),
-         l = between(c->at_load, c->near_load, slew_load);
+  double d = position_between(c->at_load, c->near_load, delay_load),
+         l = position_between(c->at_load, c->near_load, slew_load);
   sum_changes(c, a->delay_by, change, by_delay);
   sum_changes(c, a->slew_by, change, by_slew);
   for (size_t i = 0; i < c->slews; i++) {
-    double s = between(c->at_slew, c->near_slew, c->at_slew[i]);
-    delay[i] =
-        at_load(c, a->delay + i * c->loads, delay_load) + plane(by_delay, d, s);
-    slew[i] =
-        at_load(c, a->slew + i * c->loads, slew_load) + plane(by_slew, l, s);
+    double s = position_between(c->at_slew, c->near_slew, c->at_slew[i]);
+    delay[i] = at_load(c, a->delay + i * c->loads, delay_load) +
+               plane_through(by_delay, d, s);
+    slew[i] = at_load(c, a->slew + i * c->loads, slew_load) +
+              plane_through(by_slew, l, s);
   }
 }
 
@@ -224,7 +225,7 @@ static double factor_at(const double *value, int parallel, double gap) {
   return eda_timing_cubic_at(x, coefficient, LAST, gap);
 }
 
-static double flat(const double *v, double a, double b) {
+static double blend_linear(const double *v, double a, double b) {
   const size_t n = EDA_TIMING_GAPS;
   return (1 - a) * ((1 - b) * v[0] + b * v[n]) +
          a * ((1 - b) * v[2 * n] + b * v[3 * n]);
@@ -247,8 +248,8 @@ void eda_timing_pair_at(const eda_timing_pair *p, double gap, double first,
   for (int k = 0; k < 2; k++)
     for (size_t g = 0; g < EDA_TIMING_GAPS; g++) {
       const double *v = of[k] + g;
-      double over = v[4 * EDA_TIMING_GAPS] - flat(v, a0, b0);
-      part[k][g] = flat(v, a, b) + share * over;
+      double over = v[4 * EDA_TIMING_GAPS] - blend_linear(v, a0, b0);
+      part[k][g] = blend_linear(v, a, b) + share * over;
     }
   *delay = factor_at(part[0], p->parallel, gap);
   *slew = factor_at(part[1], p->parallel, gap);
