@@ -96,13 +96,14 @@ static void bind_default(const binder *b, size_t i) {
 
 /* ---- the map ---- */
 
-/* Return the valid names at this level: the next words of all parameters that
-   begin with `prefix`. */
+/* Return the valid names at this level: the next words of all parameters whose
+   name, or former name, begins with `prefix`. */
 static GPtrArray *level_names(const opc_plugin *plugin, const char *prefix) {
   GPtrArray *names = g_ptr_array_new_with_free_func(g_free);
   for (size_t i = 0; i < plugin->n_parameters; i++) {
     const char *name = plugin->parameters[i].name;
-    if (!g_str_has_prefix(name, prefix)) continue;
+    if (!g_str_has_prefix(name, prefix)) name = plugin->parameters[i].former;
+    if (!name || !g_str_has_prefix(name, prefix)) continue;
     name += strlen(prefix);
     g_ptr_array_add(names, g_strndup(name, strcspn(name, ".")));
   }
@@ -138,17 +139,6 @@ static int find_former(const binder *b, const opc_node *key, const char *name) {
   return -1;
 }
 
-/* Return whether a name or former name of a parameter begins with `prefix`. */
-static gboolean group_exists(const opc_plugin *plugin, const char *prefix) {
-  gboolean found = FALSE;
-  for (size_t i = 0; i < plugin->n_parameters && !found; i++) {
-    const opc_parameter *p = &plugin->parameters[i];
-    found = g_str_has_prefix(p->name, prefix) ||
-            (p->former && g_str_has_prefix(p->former, prefix));
-  }
-  return found;
-}
-
 static void bind_map(const binder *b, const opc_node *map, const char *prefix);
 
 /* Bind the keys of a map; recursion is as deep as parameter names have dots. */
@@ -161,6 +151,7 @@ static void bind_group(const binder *b, const opc_node *map,
     if (!*prefix && !strcmp(key->text, "use")) continue;
     g_autofree char *name = g_strconcat(prefix, key->text, NULL);
     g_autofree char *deeper = g_strconcat(name, ".", NULL);
+    g_autoptr(GPtrArray) group = level_names(binding->plugin, deeper);
     int i = opc_parameter_find(binding->plugin, name);
     if (i < 0) i = find_former(b, key, name);
     if (i >= 0 && binding->origin[i]) {
@@ -170,7 +161,7 @@ static void bind_group(const binder *b, const opc_node *map,
       binding->origin[i] = node;
       binding->values[i].given = TRUE;
       bind_value(b, (size_t)i, node, &key->at);
-    } else if (!group_exists(binding->plugin, deeper)) {
+    } else if (!group->len) {
       unknown_parameter(b, key, prefix, name);
     } else if (node->type != OPC_NODE_MAP) {
       opc_wrong(b->problems, node, "'%s' is a group, as '%s: { ... }'", name,
