@@ -33,7 +33,7 @@ static const char inner[] =
   "    cases: [{ layout.file: [cells/nand2.cif, cells/nor2.cif] }]\n"
 
 /* Check a flow: its exit code, and that the messages contain all of `words`. */
-static void expect(const char *flow, const char *words) {
+static void assert_flow(const char *flow, const char *words) {
   g_autofree char *errors = NULL;
   write_file("bad.yaml", flow);
   g_assert_cmpint(opcflow(&errors, "check", "--quick", "bad.yaml", NULL), !=,
@@ -194,8 +194,8 @@ static void test_files(void) {
   expect_cases("    cases: [{ " OTHER " }, { " OTHER
                ", layout.file: cells/nor2.cif }]\n",
                "transistors nor2 ");
-  expect(HEAD METHODS "    cases: [{ layout.file: 'cells/x*.cif' }]\n",
-         "bad.yaml:8:28: no file is called as 'cells/x*.cif'");
+  assert_flow(HEAD METHODS "    cases: [{ layout.file: 'cells/x*.cif' }]\n",
+              "bad.yaml:8:28: no file is called as 'cells/x*.cif'");
 }
 
 /* Two files of a case, matched by the star of the pattern. */
@@ -210,10 +210,10 @@ static void test_pairs(void) {
       "nand2 nor2 ");
   g_autofree char *resolved = read_file("good/e/nor2/fine", "flow.yaml");
   g_assert_true(strstr(resolved, "more/nor2.CIF"));
-  expect(HEAD METHODS
-         "    cases: [{ layout.file: 'cells/n*2.cif', other.file: "
-         "'none/n*2.cif' }]\n",
-         "bad.yaml:8:57: 'none/nand2.cif': no such file");
+  assert_flow(HEAD METHODS
+              "    cases: [{ layout.file: 'cells/n*2.cif', other.file: "
+              "'none/n*2.cif' }]\n",
+              "bad.yaml:8:57: 'none/nand2.cif': no such file");
   write_file("inner.yaml", inner);
 }
 
@@ -239,7 +239,7 @@ static void test_cells(void) {
   g_assert_true(strstr(csv, "\nALPHA,base,e/ALPHA/base,good,"));
   g_assert_true(strstr(csv, "\nBETA,base,"));
   g_assert_false(strstr(csv, "ALSO"));
-  expect(
+  assert_flow(
       "opcflow: 1\nname: outer\nsteps:\n  e:\n    use: experiment\n"
       "    flow: cells.yaml\n    methods: [base]\n"
       "    cases: [{ layout.top: 'GAM*' }]\n",
@@ -256,32 +256,34 @@ static void test_lists(void) {
              "b: { layout.file: ../cells/nor2.cif }\n");
   expect_cases("    cases: [{ list: lists/cases.yaml, layout.scale: 1.0 }]\n",
                "a b ");
-  expect(HEAD METHODS "    cases: [{ list: none.csv }]\n",
-         "bad.yaml:8:21: 'none.csv': no such file");
+  assert_flow(HEAD METHODS "    cases: [{ list: none.csv }]\n",
+              "bad.yaml:8:21: 'none.csv': no such file");
   write_file("lists/cases.csv", "name,layout.file\na\n");
-  expect(HEAD METHODS "    cases: [{ list: lists/cases.csv }]\n",
-         "lists/cases.csv:2:1: 1 cells, the first line has 2");
+  assert_flow(HEAD METHODS "    cases: [{ list: lists/cases.csv }]\n",
+              "lists/cases.csv:2:1: 1 cells, the first line has 2");
   write_file("lists/cases.csv", "name,layout.file\n\"a,b\n");
-  expect(HEAD METHODS "    cases: [{ list: lists/cases.csv }]\n",
-         "lists/cases.csv:2:1: a quote that does not end");
+  assert_flow(HEAD METHODS "    cases: [{ list: lists/cases.csv }]\n",
+              "lists/cases.csv:2:1: a quote that does not end");
 }
 
 static void test_refusals(void) {
-  expect(HEAD METHODS
-         "    cases: [{ layout.file: cells/nand2.cif }, { layout.file: "
-         "cells/nand2.cif, layout.scale: 2 }]\n",
-         "two of 'cases' are called 'nand2', the other one at bad.yaml:8:13");
-  expect(HEAD CASES "    methods: [coarse, corse]\n",
-         "bad.yaml:8:23: unknown variant 'corse', did you mean 'coarse'?");
-  expect(HEAD METHODS CASES "    set: { layout.file: cells/nor2.cif }\n",
-         "bad.yaml:8:15: 'layout.file' is what 'set' says at bad.yaml:9:12");
-  expect(HEAD METHODS "    cases: [{ layout.fiel: cells/nor2.cif }]\n",
-         "unknown parameter 'fiel'");
-  expect(HEAD METHODS "    cases: []\n", "'cases' has nothing in it");
-  expect(HEAD METHODS
-         "    cases: [{ name: a/b, layout.file: cells/nor2.cif }]\n",
-         "'a/b' is no name for a folder");
-  expect(HEAD CASES, "missing parameter 'methods'");
+  assert_flow(
+      HEAD METHODS
+      "    cases: [{ layout.file: cells/nand2.cif }, { layout.file: "
+      "cells/nand2.cif, layout.scale: 2 }]\n",
+      "two of 'cases' are called 'nand2', the other one at bad.yaml:8:13");
+  assert_flow(HEAD CASES "    methods: [coarse, corse]\n",
+              "bad.yaml:8:23: unknown variant 'corse', did you mean 'coarse'?");
+  assert_flow(
+      HEAD METHODS CASES "    set: { layout.file: cells/nor2.cif }\n",
+      "bad.yaml:8:15: 'layout.file' is what 'set' says at bad.yaml:9:12");
+  assert_flow(HEAD METHODS "    cases: [{ layout.fiel: cells/nor2.cif }]\n",
+              "unknown parameter 'fiel'");
+  assert_flow(HEAD METHODS "    cases: []\n", "'cases' has nothing in it");
+  assert_flow(HEAD METHODS
+              "    cases: [{ name: a/b, layout.file: cells/nor2.cif }]\n",
+              "'a/b' is no name for a folder");
+  assert_flow(HEAD CASES, "missing parameter 'methods'");
 }
 
 /* A former name of a parameter is accepted and reported; both names together

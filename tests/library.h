@@ -86,7 +86,7 @@ static inline eda_layout *library_circuit(void) {
   return l;
 }
 
-static inline ran segment(eda_layout *l) {
+static inline ran layout_segment(eda_layout *l) {
   ran r;
   opc_error error;
   if (run_step(&r, "segment.transistors", "{ grid: 1 nm }",

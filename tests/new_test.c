@@ -13,7 +13,7 @@ static char *folder, *command;
 static char *out, *err;
 
 /* Run a program; return its exit code. */
-static int call(const char *const *argv) {
+static int program_call(const char *const *argv) {
   int status;
   g_autoptr(GError) error = NULL;
   g_clear_pointer(&out, g_free);
@@ -25,7 +25,7 @@ static int call(const char *const *argv) {
   return WEXITSTATUS(status);
 }
 
-#define CALL(...) call((const char *const[]){__VA_ARGS__, NULL})
+#define CALL(...) program_call((const char *const[]){__VA_ARGS__, NULL})
 
 /* Compiler flags of this build. */
 #ifdef __SANITIZE_ADDRESS__
@@ -38,7 +38,8 @@ static int call(const char *const *argv) {
 
 /* Compile a file of a plugin's folder against this uninstalled build;
    `testing`: as a test program. */
-static void compile(const char *source, const char *object, gboolean testing) {
+static void file_compile(const char *source, const char *object,
+                         gboolean testing) {
   const char *build = g_getenv("OPCFLOW_BUILD");
   g_autofree char *script = g_strdup_printf(
       "cc -std=c99 -Wall -Wextra -Wshadow -Wmissing-prototypes "
@@ -59,7 +60,7 @@ static void run_test(const char *kind, const char *name) {
       g_strdup_printf("OPCFLOW_PLUGIN_PATH=%s/%s:%s/plugins", folder, kind,
                       g_getenv("OPCFLOW_BUILD"));
   g_autofree char *whole = g_build_filename(folder, program, NULL);
-  compile(source, program, TRUE);
+  file_compile(source, program, TRUE);
   if (CALL("env", path, whole)) g_error("%s%s", out, err);
 }
 
@@ -88,7 +89,7 @@ static void test_plugin(gconstpointer data) {
   g_assert_cmpint(CALL(command, "new", "plugin", "--kind", kind, name, kind),
                   ==, 0);
   g_assert_nonnull(strstr(out, source));
-  compile(source, object, FALSE);
+  file_compile(source, object, FALSE);
   g_assert_cmpint(CALL(command, "inspect", id, "--plugin-path", kind), ==, 0);
   run_test(kind, name);
   if (!strcmp(kind, "command"))

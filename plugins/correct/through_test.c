@@ -32,7 +32,7 @@ static void *run_step(opc_module *m, const char *input, void *object) {
   return outputs[0];
 }
 
-static void drop(opc_module *m, void *object) {
+static void object_drop(opc_module *m, void *object) {
   void *outputs[4] = {object};
   opc_test_release(m, outputs);
   opc_test_module_free(m);
@@ -101,9 +101,9 @@ static void test_one(void) {
         1e-4);
   }
   opc_test_module_free(windows);
-  drop(loop, mask);
-  drop(segments, gates);
-  drop(reader, layout);
+  object_drop(loop, mask);
+  object_drop(segments, gates);
+  object_drop(reader, layout);
 }
 
 /* A list parameter has its own unit. */

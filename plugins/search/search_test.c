@@ -281,7 +281,8 @@ static void test_differs(void) {
   g_assert_nonnull(strstr(opc_test_log(), both));
 }
 
-static void refused(search s, const char *parameter, const char *message) {
+static void assert_refused(search s, const char *parameter,
+                           const char *message) {
   opc_error error = {0};
   int code = opcflow_plugin()->check(&s, &error);
   opcflow_plugin()->clear(&s);
@@ -296,28 +297,31 @@ static void test_refused(void) {
                         none = {"mask.moves", "at"};
   const opc_host *host = inner_host(flow);
   const char *ion = "mask.ion";
-  refused((search){.host = host}, "", "needs either 'minimise' or 'maximise'");
-  refused((search){.host = host, .minimise = ion, .maximise = ion}, "",
-          "needs either");
-  refused((search){.host = host, .maximise = "mask.in"}, "maximise",
-          "no metric 'mask.in'");
-  refused((search){.host = host, .minimise = ion, .along = {&unit, 1}},
-          "along.mask.length", "needs plain numbers that increase");
-  refused((search){.host = host, .minimise = ion, .along = {&other, 1}},
-          "along.mask.moves", "not of 'gates'");
-  refused((search){.host = host, .minimise = ion, .along = {&none, 1}},
-          "along.mask.moves", "is no column");
-  refused((search){.host = host, .minimise = ion, .mask = "gates"}, "mask",
-          "'gates' makes no mask: 'mask' names the step whose mask is wanted, "
-          "such as 'mask'");
+  assert_refused((search){.host = host}, "",
+                 "needs either 'minimise' or 'maximise'");
+  assert_refused((search){.host = host, .minimise = ion, .maximise = ion}, "",
+                 "needs either");
+  assert_refused((search){.host = host, .maximise = "mask.in"}, "maximise",
+                 "no metric 'mask.in'");
+  assert_refused((search){.host = host, .minimise = ion, .along = {&unit, 1}},
+                 "along.mask.length", "needs plain numbers that increase");
+  assert_refused((search){.host = host, .minimise = ion, .along = {&other, 1}},
+                 "along.mask.moves", "not of 'gates'");
+  assert_refused((search){.host = host, .minimise = ion, .along = {&none, 1}},
+                 "along.mask.moves", "is no column");
+  assert_refused(
+      (search){.host = host, .minimise = ion, .mask = "gates"}, "mask",
+      "'gates' makes no mask: 'mask' names the step whose mask is wanted, "
+      "such as 'mask'");
   inner.n_axes = 0;
-  refused((search){.host = host, .minimise = ion}, "", "needs a 'sweep'");
+  assert_refused((search){.host = host, .minimise = ion}, "",
+                 "needs a 'sweep'");
   opc_inner_axis idle = axes[0];
   idle.used = 0;
   inner.axes = &idle;
   inner.n_axes = 1;
-  refused((search){.host = host, .minimise = ion}, "sweep.mask.length",
-          "changes nothing");
+  assert_refused((search){.host = host, .minimise = ion}, "sweep.mask.length",
+                 "changes nothing");
 }
 
 int main(int argc, char **argv) {

@@ -71,10 +71,12 @@ static int fine_at(const void *self, int layer, const eda_spectrum *mask,
   return image_of(mask, defocus, 0, out, error);
 }
 
-static const eda_litho with_focus = {
-    .prepare = nothing, .band = band, .image = cheap, .image_at = cheap_at};
-static const eda_litho with_fine = {.prepare = nothing,
-                                    .band = band,
+static const eda_litho with_focus = {.prepare = prepare_nothing,
+                                     .band = model_band,
+                                     .image = cheap,
+                                     .image_at = cheap_at};
+static const eda_litho with_fine = {.prepare = prepare_nothing,
+                                    .band = model_band,
                                     .image = cheap,
                                     .image_at = cheap_at,
                                     .image_fine = fine_at};
@@ -135,7 +137,7 @@ static const eda_synthesizer mover = {.begin = begin_moves,
 
 /* ---- the loop ---- */
 
-static corners_request request(const double *weight) {
+static corners_request corners_weights(const double *weight) {
   return (corners_request){{dose_of, DOSES},
                            {focus_of, FOCI},
                            {mask_of, MASKS},
@@ -201,7 +203,7 @@ static void test_figures(void) {
   double weight[ALL], sum = 0;
   for (size_t k = 0; k < ALL; k++) sum += weight[k] = (double)(k % 5);
   wanted_bias = -6;
-  g_assert_false(run_step(&l, &with_focus, request(weight), 0, &error));
+  g_assert_false(run_step(&l, &with_focus, corners_weights(weight), 0, &error));
   check_figures(&l, weight, -6);
   for (size_t i = 0; i < GATES; i++)
     check_near(seen[i], mean_of_gate(i, weight, -6), close_to);
@@ -224,7 +226,7 @@ static void test_weights(void) {
     weight[k] = exp(-1.5 * (d * d + f * f + m * m));
   }
   wanted_bias = 0;
-  g_assert_false(run_step(&l, &with_focus, request(NULL), 0, &error));
+  g_assert_false(run_step(&l, &with_focus, corners_weights(NULL), 0, &error));
   check_figures(&l, weight, 0);
   correct_loop_clear(&l);
 }
@@ -247,7 +249,7 @@ static void test_limit(void) {
   g_assert_cmpfloat(fabs(apart), >, 0.003);
   for (size_t k = 0; k < G_N_ELEMENTS(limits); k++) {
     double most = log1p(limits[k] / 100), own = CLAMP(apart, -most, most);
-    corners_request w = request(weight);
+    corners_request w = corners_weights(weight);
     w.free = 0;
     w.ion_cost = limits[k];
     g_assert_false(run_on(&pair, &l, &with_focus, w, 0, &error));
@@ -292,7 +294,8 @@ static void test_fine(void) {
   wanted_bias = -6;
   excess = 0.02;
   fine_images = cheap_images = 0;
-  g_assert_false(run_step(&l, &with_fine, request(weight), 1e-4, &error));
+  g_assert_false(
+      run_step(&l, &with_fine, corners_weights(weight), 1e-4, &error));
   for (size_t i = 0; i < GATES; i++)
     for (size_t k = 0; k < ALL; k++)
       check_near(l.corners.corner[k].measured.performance.ion[i],
@@ -326,8 +329,8 @@ static void test_lost(void) {
   correct_loop_clear(&l);
 }
 
-static void refused(corners_request w, const eda_litho *model,
-                    const char *why) {
+static void assert_refused(corners_request w, const eda_litho *model,
+                           const char *why) {
   loop l;
   opc_error error = {0};
   int code = model ? run_step(&l, model, w, 0, &error)
@@ -341,21 +344,23 @@ static void refused(corners_request w, const eda_litho *model,
 static void test_refused(void) {
   static const double some[] = {0, 1.5, 1.5}, low[] = {-100}, minus[] = {1, -1},
                       much[] = {1e308, 1e308};
-  refused((corners_request){.focus = {some, 2}}, &litho, "has one focus only");
-  refused((corners_request){.mask_error = {some, 2}}, &with_focus,
-          "1.5 nm is no multiple of the mask grid of 1 nm");
-  refused((corners_request){.dose = {some, 3}}, NULL, "has 1.5 twice");
-  refused((corners_request){.dose = {low, 1}}, NULL, "of -100 is out of range");
-  refused((corners_request){.dose = {some, 2}, .weight = {some, 3}}, NULL,
-          "3 weights for 2 corners");
-  refused((corners_request){.dose = {some, 2}, .weight = {minus, 2}}, NULL,
-          "a weight of -1");
-  refused((corners_request){.dose = {some, 2}, .weight = {much, 2}}, NULL,
-          "a weight of 1e+308");
-  refused((corners_request){.dose = {some, 1}, .weight = {some, 1}}, NULL,
-          "all weights are 0");
-  refused((corners_request){.weight = {some, 1}}, NULL,
-          "1 weights for 0 corners");
+  assert_refused((corners_request){.focus = {some, 2}}, &litho,
+                 "has one focus only");
+  assert_refused((corners_request){.mask_error = {some, 2}}, &with_focus,
+                 "1.5 nm is no multiple of the mask grid of 1 nm");
+  assert_refused((corners_request){.dose = {some, 3}}, NULL, "has 1.5 twice");
+  assert_refused((corners_request){.dose = {low, 1}}, NULL,
+                 "of -100 is out of range");
+  assert_refused((corners_request){.dose = {some, 2}, .weight = {some, 3}},
+                 NULL, "3 weights for 2 corners");
+  assert_refused((corners_request){.dose = {some, 2}, .weight = {minus, 2}},
+                 NULL, "a weight of -1");
+  assert_refused((corners_request){.dose = {some, 2}, .weight = {much, 2}},
+                 NULL, "a weight of 1e+308");
+  assert_refused((corners_request){.dose = {some, 1}, .weight = {some, 1}},
+                 NULL, "all weights are 0");
+  assert_refused((corners_request){.weight = {some, 1}}, NULL,
+                 "1 weights for 0 corners");
   /* %, nm and nm: values just inside and just outside the range. */
   static const double ends[][2] = {{-100, 1e6}, {-1e6, 1e6}, {-1e3, 1e6}};
   for (int k = 0; k < 3; k++)

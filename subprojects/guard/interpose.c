@@ -22,7 +22,7 @@ static void find_next(const char *name, void *to) {
 /* The guard hears of exit() and quick_exit() by itself as well, from within the
    C library; but while one thread is there, another one could end the process.
  */
-_Noreturn static void leave(const char *name, int code) {
+_Noreturn static void process_leave(const char *name, int code) {
   void (*next)(int);
   guard_exit();
   find_next(name, &next);
@@ -30,13 +30,15 @@ _Noreturn static void leave(const char *name, int code) {
   abort();
 }
 
-EXPORT _Noreturn void exit(int code) { leave("exit", code); }
+EXPORT _Noreturn void exit(int code) { process_leave("exit", code); }
 
-EXPORT _Noreturn void quick_exit(int code) { leave("quick_exit", code); }
+EXPORT _Noreturn void quick_exit(int code) {
+  process_leave("quick_exit", code);
+}
 
-EXPORT _Noreturn void _exit(int code) { leave("_exit", code); }
+EXPORT _Noreturn void _exit(int code) { process_leave("_exit", code); }
 
-EXPORT _Noreturn void _Exit(int code) { leave("_Exit", code); }
+EXPORT _Noreturn void _Exit(int code) { process_leave("_Exit", code); }
 
 /* ---- threads ---- */
 

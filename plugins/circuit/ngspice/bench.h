@@ -96,33 +96,34 @@ double bench_start(const bench *b);
 /* ---- jobs.c: processes ---- */
 
 /* Work unit of one process: a range of items at one set of sizes. */
-typedef struct job {
+typedef struct bench_task {
   const bench *b;
   const void *of; /* data of the caller */
   int state;
   size_t from, to; /* range of items */
   int code;        /* error code; OPC_OK on success */
   opc_error error;
-} job;
+} bench_task;
 
 /* Process `count` items at one set of sizes, `some` per job, with jobs in
    parallel. */
 int jobs_run_at(bench *b, int state, size_t count, size_t some,
-                void (*work)(job *j), const void *of, opc_error *error);
+                void (*work)(bench_task *j), const void *of, opc_error *error);
 
 /* Process `count` items at each set of sizes present. Jobs at the sizes before
    correction may fail. */
-int jobs_run(bench *b, size_t count, size_t some, void (*work)(job *j),
+int jobs_run(bench *b, size_t count, size_t some, void (*work)(bench_task *j),
              const void *of, opc_error *error);
 
 /* Return the text written by `write` (caller frees); NULL if the job has
    failed. */
-char *job_text(job *j, void (*write)(job *j, FILE *out, const void *how),
+char *job_text(bench_task *j,
+               void (*write)(bench_task *j, FILE *out, const void *how),
                const void *how);
 
 /* Run the simulator. Sets the code of the job on failure. If the job has
    already failed, the texts may be NULL. The caller clears the result. */
-void job_simulate(job *j, const char *deck, const char *commands,
+void job_simulate(bench_task *j, const char *deck, const char *commands,
                   eda_spice_result *out);
 
 /* Current tolerance of transients, A: 1e-5 of the switching currents. In the
@@ -134,9 +135,9 @@ void job_simulate(job *j, const char *deck, const char *commands,
 /* Write parts of a deck. job_begin: title, cards, and options with the relative
    tolerance and the current tolerance (A). job_circuit: the circuit and its
    loads. job_sources: supplies, and inputs at 0 V. */
-void job_begin(const job *j, FILE *out, double reltol, double abstol);
-void job_circuit(job *j, FILE *out, int sizes);
-void job_sources(const job *j, FILE *out);
+void job_begin(const bench_task *j, FILE *out, double reltol, double abstol);
+void job_circuit(bench_task *j, FILE *out, int sizes);
+void job_sources(const bench_task *j, FILE *out);
 
 /* ---- patterns.c: input patterns ---- */
 

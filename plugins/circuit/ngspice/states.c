@@ -87,7 +87,7 @@ typedef struct round_of {
   trip *trip;
 } round_of;
 
-static void write_deck(job *j, FILE *out, const void *how) {
+static void write_deck(bench_task *j, FILE *out, const void *how) {
   const round_of *r = j->of;
   job_begin(j, out, 1e-3, SWITCHING_CURRENT);
   job_circuit(j, out, SIZE_TIMED);
@@ -96,7 +96,7 @@ static void write_deck(job *j, FILE *out, const void *how) {
   fputs(".end\n", out);
 }
 
-static void write_walk(job *j, FILE *out, const void *how) {
+static void write_walk(bench_task *j, FILE *out, const void *how) {
   walk_command(((const round_of *)j->of)->m, how, out);
 }
 
@@ -117,8 +117,8 @@ static int count_changes(const bench *b, const eda_spice_plot *plot,
   return n;
 }
 
-static void check_ringing(job *j, const eda_spice_plot *plot, double from,
-                          double to) {
+static void check_ringing(bench_task *j, const eda_spice_plot *plot,
+                          double from, double to) {
   const bench *b = j->b;
   const machine *m = ((const round_of *)j->of)->m;
   for (size_t i = 0; i < m->watched && !j->code; i++)
@@ -132,15 +132,16 @@ static void check_ringing(job *j, const eda_spice_plot *plot, double from,
 
 /* Return 1 if any net changes between two times. Comparing the levels at the
    ends does not suffice: an oscillating net may return to its level. */
-static int any_changes(const job *j, const eda_spice_plot *plot, double from,
-                       double to) {
+static int any_changes(const bench_task *j, const eda_spice_plot *plot,
+                       double from, double to) {
   const machine *m = ((const round_of *)j->of)->m;
   for (size_t i = 0; i < m->watched; i++)
     if (count_changes(j->b, plot, m->net[i], from, to)) return 1;
   return 0;
 }
 
-static void trip_read_levels(job *j, trip *t, const eda_spice_plot *plot) {
+static void trip_read_levels(bench_task *j, trip *t,
+                             const eda_spice_plot *plot) {
   const machine *m = ((const round_of *)j->of)->m;
   g_autofree int8_t *middle = g_new(int8_t, m->watched);
   for (size_t k = 0; k <= t->way.input->len; k++) {
@@ -158,7 +159,7 @@ static void trip_read_levels(job *j, trip *t, const eda_spice_plot *plot) {
   }
 }
 
-static void run_job(job *j) {
+static void run_job(bench_task *j) {
   const round_of *r = j->of;
   trip *t = &r->trip[j->from];
   eda_spice_result result;

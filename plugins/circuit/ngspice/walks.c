@@ -31,7 +31,7 @@ typedef struct tour {
   size_t step[FLIPS];
 } tour;
 
-static tour tour_plan(const job *j) {
+static tour tour_plan(const bench_task *j) {
   const study *s = j->of;
   const machine *m = s->d->machine;
   tour t = {.way = walk_new(m)};
@@ -46,7 +46,7 @@ static tour tour_plan(const job *j) {
   return t;
 }
 
-static void write_deck(job *j, FILE *out, const void *how) {
+static void write_deck(bench_task *j, FILE *out, const void *how) {
   const machine *m = ((const study *)j->of)->d->machine;
   job_begin(j, out, share, SWITCHING_CURRENT);
   fprintf(out, ".options trtol=%g\n", steps);
@@ -56,20 +56,20 @@ static void write_deck(job *j, FILE *out, const void *how) {
   fputs(".end\n", out);
 }
 
-static void write_commands(job *j, FILE *out, const void *how) {
+static void write_commands(bench_task *j, FILE *out, const void *how) {
   walk_command(((const study *)j->of)->d->machine, how, out);
 }
 
 /* Return 1 if all nets have the levels of a state. */
-static int is_in(const job *j, const eda_spice_plot *plot, uint32_t state,
-                 double time) {
+static int is_in(const bench_task *j, const eda_spice_plot *plot,
+                 uint32_t state, double time) {
   const machine *m = ((const study *)j->of)->d->machine;
   g_autofree int8_t *level = g_new(int8_t, m->watched);
   states_levels(j->b, m, plot, time, level);
   return !memcmp(level, m->level + state * m->watched, m->watched);
 }
 
-static void tour_measure(const job *j, const tour *t,
+static void tour_measure(const bench_task *j, const tour *t,
                          const eda_spice_plot *plot) {
   const study *s = j->of;
   const double phase = s->d->machine->phase;
@@ -85,7 +85,7 @@ static void tour_measure(const job *j, const tour *t,
   }
 }
 
-static tour tour_simulate(job *j, eda_spice_result *r) {
+static tour tour_simulate(bench_task *j, eda_spice_result *r) {
   tour t = tour_plan(j);
   g_autofree char *deck = job_text(j, write_deck, &t.way);
   g_autofree char *commands = job_text(j, write_commands, &t.way);
@@ -96,7 +96,7 @@ static tour tour_simulate(job *j, eda_spice_result *r) {
   return t;
 }
 
-static void run_job(job *j) {
+static void run_job(bench_task *j) {
   eda_spice_result r;
   tour t = tour_simulate(j, &r);
   if (!j->code) tour_measure(j, &t, &r.plot[0]);
@@ -115,7 +115,7 @@ int walks_wave(bench *b, const patterns *p, const delays *d, size_t index,
                int state, wave *out, opc_error *error) {
   const arrival *a = &d->arrival[index];
   const study s = {p, d};
-  job j = {
+  bench_task j = {
       .b = b, .of = &s, .state = state, .from = a->flip, .to = a->flip + 1};
   eda_spice_result r;
   tour t = tour_simulate(&j, &r);

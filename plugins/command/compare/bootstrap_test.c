@@ -6,7 +6,8 @@
 #include <gsl/gsl_cdf.h>
 #include <math.h>
 
-static void spread(const double *v, size_t n, double *mean, double *error) {
+static void mean_spread(const double *v, size_t n, double *mean,
+                        double *error) {
   double sum = 0, square = 0;
   for (size_t i = 0; i < n; i++) sum += v[i];
   *mean = sum / (double)n;
@@ -21,7 +22,7 @@ static void test_normal(void) {
   for (int i = 0; i < N; i++)
     v[i] = 3 + 2 * gsl_cdf_ugaussian_Pinv(((i * 617) % N + 0.5) / N);
   double mean, error;
-  spread(v, N, &mean, &error);
+  mean_spread(v, N, &mean, &error);
   interval got = bootstrap_mean(v, N, NULL);
   g_assert_cmpfloat_with_epsilon(got.mean, 3, 1e-9);
   g_assert_cmpfloat_with_epsilon(got.low, mean - 1.96 * error, 0.12 * error);
@@ -36,7 +37,7 @@ static void test_skewed(void) {
   enum { N = 100 };
   double v[N], mean, error, cube = 0;
   for (int i = 0; i < N; i++) v[i] = -log(1 - (i + 0.5) / N);
-  spread(v, N, &mean, &error);
+  mean_spread(v, N, &mean, &error);
   for (int i = 0; i < N; i++) cube += pow(v[i] - mean, 3);
   double skewness = cube / N / pow(error * sqrt(N), 3);
   double shift = skewness * (2 * 1.96 * 1.96 + 1) / (6 * sqrt(N)) * error;

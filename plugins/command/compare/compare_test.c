@@ -12,15 +12,15 @@ static char *in_folder(const char *name) {
   return g_build_filename(opc_test_folder(), name, NULL);
 }
 
-static void make(const char *name, made_run run) {
+static void folder_make(const char *name, made_run run) {
   g_autofree char *folder = in_folder(name);
   run.folder = folder;
   make_run(&run);
 }
 
 /* Compare two folders and return the code. */
-static int compare(const char *mapping, const char *a, const char *b,
-                   opc_error *error) {
+static int folders_compare(const char *mapping, const char *a, const char *b,
+                           opc_error *error) {
   g_autofree char *one = in_folder(a), *other = b ? in_folder(b) : NULL;
   const char *const paths[] = {one, other};
   opc_test_forget();
@@ -33,7 +33,7 @@ static int compare(const char *mapping, const char *a, const char *b,
 
 static void compare_good(const char *mapping, const char *a, const char *b) {
   opc_error error;
-  if (compare(mapping, a, b, &error)) g_error("%s", error.message);
+  if (folders_compare(mapping, a, b, &error)) g_error("%s", error.message);
 }
 
 /* Return the row of a table whose column has that text. */
@@ -60,7 +60,7 @@ static void test_verdicts(void) {
             "\"%s\", \"tolerance\" : 0.5 }",
             w + i ? "," : "", w, i, 8 + k * changes[i], ways[w]);
     g_string_append(text, "} }");
-    make(k ? "b" : "a", (made_run){.metrics = text->str});
+    folder_make(k ? "b" : "a", (made_run){.metrics = text->str});
   }
   compare_good("{ all: true }", "a", "b");
   double better = 0, worse = 0, same = 0, differs = 0;
@@ -97,8 +97,8 @@ static void test_transistors(void) {
   g_autofree char *other =
       g_strconcat(gates_head, "a:3,p,65,100,-3,4\r\na:4,p,65,100,1,4\r\n",
                   "a:1,n,65,100,0.5,4\r\na:2,n,65,100,1.5,4\r\n", NULL);
-  make("a", (made_run){.gates = base});
-  make("b", (made_run){.gates = other});
+  folder_make("a", (made_run){.gates = base});
+  folder_make("b", (made_run){.gates = other});
   compare_good("{}", "a", "b");
   size_t ion = row_of("transistors", "figure", "ion");
   static const char *const changes[] = {"change", "low", "high"};
@@ -132,7 +132,7 @@ static void test_cases(void) {
             ions[method][one][which]);
         g_autofree char *name = g_strdup_printf("%s/%c/%c", which ? "e2" : "e1",
                                                 "AB"[one], "xy"[method]);
-        make(name, (made_run){.metrics = metrics});
+        folder_make(name, (made_run){.metrics = metrics});
       }
     put_file(top, "experiment.csv", list);
   }
@@ -167,13 +167,15 @@ static void test_fail_on(void) {
       {"{ metrics: mask.iom }", OPC_INVALID, "did you mean 'mask.ion'?"},
       {"{ metrics: 'mask.*' }", OPC_OK, ""}};
   opc_error error;
-  make("c", (made_run){.metrics = RUN_ION("1.0")});
-  make("d", (made_run){.metrics = RUN_ION("1.5")});
+  folder_make("c", (made_run){.metrics = RUN_ION("1.0")});
+  folder_make("d", (made_run){.metrics = RUN_ION("1.5")});
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
-    g_assert_cmpint(compare(cases[i].map, "c", "d", &error), ==, cases[i].code);
+    g_assert_cmpint(folders_compare(cases[i].map, "c", "d", &error), ==,
+                    cases[i].code);
     if (!strstr(error.message, cases[i].said)) g_error("%s", error.message);
   }
-  g_assert_cmpint(compare("{ fail_on: worse }", "d", "c", &error), ==, OPC_OK);
+  g_assert_cmpint(folders_compare("{ fail_on: worse }", "d", "c", &error), ==,
+                  OPC_OK);
 }
 
 /* Comparison is refused for different layouts or optics. */
@@ -182,16 +184,16 @@ static void test_refused(void) {
   static const char *const said[] = {"layout.file has another content (aa, bb)",
                                      "mask.litho.na is 0.75 and 0.85"};
   opc_error error;
-  make("c", (made_run){.na = NULL});
+  folder_make("c", (made_run){.na = NULL});
   for (int i = 0; i < 2; i++) {
-    make("d", others[i]);
-    g_assert_cmpint(compare("{}", "c", "d", &error), ==, OPC_INVALID);
+    folder_make("d", others[i]);
+    g_assert_cmpint(folders_compare("{}", "c", "d", &error), ==, OPC_INVALID);
     g_assert_nonnull(strstr(error.message, "not comparable: d: "));
     if (!strstr(error.message, said[i])) g_error("%s", error.message);
     compare_good("{ anyway: true }", "c", "d");
     g_assert_nonnull(strstr(opc_test_log(), said[i]));
   }
-  g_assert_cmpint(compare("{}", "c", NULL, &error), ==, OPC_INVALID);
+  g_assert_cmpint(folders_compare("{}", "c", NULL, &error), ==, OPC_INVALID);
 }
 
 int main(int argc, char **argv) {

@@ -30,12 +30,12 @@ static int library(const char *more, opc_error *error, const char *first, ...) {
 /* Figures of the cells, from the metrics of library.build. */
 static double built[2];
 
-static void build(const char *more) {
+static void library_build(const char *more) {
   opc_error error;
   ran r;
   eda_layout *circuit = library_circuit();
   ran sheet = sheet_of(circuit, "{}");
-  ran gates = segment(sheet.out);
+  ran gates = layout_segment(sheet.out);
   if (build_library(&r, sheet.out, gates.out, more, &error))
     g_error("%s", error.message);
   for (size_t i = 0; i < 2; i++)
@@ -49,10 +49,10 @@ static void build(const char *more) {
 static void make_anew(void) {
   g_autofree char *path = library_database();
   (void)g_remove(path);
-  build("");
+  library_build("");
 }
 
-static size_t listed(const char *more, const char *pattern) {
+static size_t rows_listed(const char *more, const char *pattern) {
   opc_error error;
   if (library(more, &error, "list", pattern, NULL))
     g_error("%s", error.message);
@@ -62,7 +62,7 @@ static size_t listed(const char *more, const char *pattern) {
 static void test_list(void) {
   static const char *const names[] = {"long", "wide"};
   make_anew();
-  g_assert_cmpuint(listed("", NULL), ==, 2);
+  g_assert_cmpuint(rows_listed("", NULL), ==, 2);
   for (size_t i = 0; i < 2; i++) {
     g_assert_cmpstr(opc_test_text("cells", "cell", i), ==, names[i]);
     g_assert_cmpstr(opc_test_text("cells", "method", i), ==,
@@ -71,15 +71,15 @@ static void test_list(void) {
     g_assert_cmpfloat(opc_test_number("cells", "transistors", i), ==, 1);
     g_assert_true(opc_test_number("cells", "ion_max", i) == built[i]);
   }
-  g_assert_cmpuint(listed("", "w*"), ==, 1);
+  g_assert_cmpuint(rows_listed("", "w*"), ==, 1);
   g_assert_cmpstr(opc_test_text("cells", "cell", 0), ==, "wide");
-  g_assert_cmpuint(listed("", "none"), ==, 0);
-  g_assert_cmpuint(listed(", settings: not-a-sum", NULL), ==, 0);
+  g_assert_cmpuint(rows_listed("", "none"), ==, 0);
+  g_assert_cmpuint(rows_listed(", settings: not-a-sum", NULL), ==, 0);
 }
 
 /* Execute a statement on the database; return the first text of the result, or
    NULL. */
-static char *ask(const char *statement) {
+static char *database_query(const char *statement) {
   g_autofree char *path = library_database();
   char *out = NULL;
   sqlite3 *db;
@@ -101,7 +101,8 @@ static char *ask(const char *statement) {
 static void test_show(void) {
   opc_error error;
   make_anew();
-  g_autofree char *key = ask("SELECT key FROM cell WHERE cell = 'wide'");
+  g_autofree char *key =
+      database_query("SELECT key FROM cell WHERE cell = 'wide'");
   g_autofree char *table = g_strdup_printf("wide_%.10s", key);
   g_assert_cmpint(library("", &error, "show", "w*", NULL), ==, OPC_OK);
   g_assert_cmpuint(opc_test_rows(table), ==, 1);
@@ -117,21 +118,21 @@ static void test_show(void) {
 static void test_superseded(void) {
   opc_error error;
   make_anew();
-  build(", max_iterations: 1");
-  g_assert_cmpuint(listed("", NULL), ==, 4);
+  library_build(", max_iterations: 1");
+  g_assert_cmpuint(rows_listed("", NULL), ==, 4);
   g_assert_cmpint(library("", &error, "prune", NULL), ==, OPC_OK);
-  g_assert_cmpuint(listed("", NULL), ==, 4);
+  g_assert_cmpuint(rows_listed("", NULL), ==, 4);
   g_assert_cmpint(library(", superseded: true", &error, "prune", "long", NULL),
                   ==, OPC_OK);
   g_assert_nonnull(strstr(opc_test_log(), "1 cells removed"));
-  g_assert_cmpuint(listed("", "long"), ==, 1);
-  g_assert_cmpuint(listed("", "wide"), ==, 2);
+  g_assert_cmpuint(rows_listed("", "long"), ==, 1);
+  g_assert_cmpuint(rows_listed("", "wide"), ==, 2);
   g_assert_cmpint(library(", superseded: true", &error, "prune", NULL), ==,
                   OPC_OK);
-  g_assert_cmpuint(listed("", "long"), ==, 1);
-  g_assert_cmpuint(listed("", "wide"), ==, 1);
+  g_assert_cmpuint(rows_listed("", "long"), ==, 1);
+  g_assert_cmpuint(rows_listed("", "wide"), ==, 1);
   g_assert_cmpint(library("", &error, "prune", "wide", NULL), ==, OPC_OK);
-  g_assert_cmpuint(listed("", NULL), ==, 1);
+  g_assert_cmpuint(rows_listed("", NULL), ==, 1);
 }
 
 /* A cell with truncated data is reported and pruned. */
@@ -141,14 +142,14 @@ static void test_damaged(void) {
   g_assert_cmpint(library("", &error, "check", NULL), ==, OPC_OK);
   g_assert_nonnull(strstr(opc_test_log(), "2 cells are sound"));
   g_free(
-      ask("UPDATE cell SET data = substr(data, 1, 100) WHERE cell = "
-          "'long'"));
+      database_query("UPDATE cell SET data = substr(data, 1, 100) WHERE cell = "
+                     "'long'"));
   g_assert_cmpint(library("", &error, "check", NULL), ==, OPC_IO);
   g_assert_nonnull(strstr(error.message, "1 of 2 cells are damaged"));
-  g_assert_cmpuint(listed("", "long"), ==, 1);
+  g_assert_cmpuint(rows_listed("", "long"), ==, 1);
   g_assert_cmpstr(opc_test_text("cells", "state", 0), ==, "damaged");
   g_assert_cmpint(library("", &error, "prune", NULL), ==, OPC_OK);
-  g_assert_cmpuint(listed("", NULL), ==, 1);
+  g_assert_cmpuint(rows_listed("", NULL), ==, 1);
   g_assert_cmpint(library("", &error, "check", NULL), ==, OPC_OK);
 }
 

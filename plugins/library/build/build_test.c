@@ -23,7 +23,7 @@ static made make_sheet(const char *cells) {
   add_box(m.circuit, pair, "poly", (eda_box){450, -120, 515, 420});
   g_autofree char *map = g_strdup_printf("{ cells: '%s' }", cells);
   m.sheet = sheet_of(m.circuit, map);
-  m.gates = segment(m.sheet.out);
+  m.gates = layout_segment(m.sheet.out);
   return m;
 }
 

@@ -24,13 +24,13 @@ static const eda_sraf_limits rule = {.most = 20,
                                      .distance = 70,
                                      .space = 40};
 
-static void fill(eda_box b, float value) {
+static void field_fill(eda_box b, float value) {
   for (int y = b.y0 / STEP; y < b.y1 / STEP; y++)
     for (int x = b.x0 / STEP; x < b.x1 / STEP; x++) values[y * NX + x] = value;
 }
 
-static eda_box_list search_map(const eda_sraf_limits *by,
-                               const eda_box *drawn) {
+static eda_box_list bars_search(const eda_sraf_limits *by,
+                                const eda_box *drawn) {
   const eda_box b = drawn ? *drawn : (eda_box){0};
   eda_point points[] = {{b.x0, b.y0}, {b.x1, b.y0}, {b.x1, b.y1}, {b.x0, b.y1}};
   uint32_t start[] = {0, 4};
@@ -45,10 +45,10 @@ static eda_box_list search_map(const eda_sraf_limits *by,
 /* Scatter bars exactly where the map is negative. */
 static void test_known(void) {
   const eda_box want = {200, 80, 250, 220}, line = {300, 300, 340, 480};
-  fill((eda_box){0, 0, NX * STEP, NY * STEP}, 1);
-  fill(want, -2);
-  fill((eda_box){280, 320, 300, 400}, -3); /* beside the line */
-  eda_box_list srafs = search_map(&rule, &line);
+  field_fill((eda_box){0, 0, NX * STEP, NY * STEP}, 1);
+  field_fill(want, -2);
+  field_fill((eda_box){280, 320, 300, 400}, -3); /* beside the line */
+  eda_box_list srafs = bars_search(&rule, &line);
   g_assert_cmpuint(srafs.count, ==, 1);
   g_assert_cmpmem(&srafs.box[0], sizeof want, &want, sizeof want);
   g_assert_cmpfloat(eda_srafs_gain(&map, want, 1), ==, 2 * 50 * 140);
@@ -57,16 +57,16 @@ static void test_known(void) {
      number. */
   eda_sraf_limits less = rule;
   less.min_gain = 2 * 50 * 140;
-  srafs = search_map(&less, &line);
+  srafs = bars_search(&less, &line);
   g_assert_cmpuint(srafs.count, ==, 0);
   less.min_gain = 100;
   less.most = 0;
-  srafs = search_map(&less, &line);
+  srafs = bars_search(&less, &line);
   g_assert_cmpuint(srafs.count, ==, 0);
   free(srafs.box);
 }
 
-static int off(eda_box a, eda_box b, int32_t by) {
+static int box_off(eda_box a, eda_box b, int32_t by) {
   return a.x1 + by <= b.x0 || b.x1 + by <= a.x0 || a.y1 + by <= b.y0 ||
          b.y1 + by <= a.y0;
 }
@@ -89,7 +89,7 @@ static double best_of_all(eda_box drawn) {
           for (int x = STEP; x < NX * STEP; x += STEP) {
             eda_box b = {x, y, x + (upright ? w : l), y + (upright ? l : w)};
             if (b.x1 > NX * STEP || b.y1 > NY * STEP ||
-                !off(b, drawn, rule.distance))
+                !box_off(b, drawn, rule.distance))
               continue;
             double sum = sum_of(b);
             if (sum > best) best = sum;
@@ -106,16 +106,16 @@ static void test_random(void) {
     const eda_box drawn = {250, 200, 290, 330};
     for (int i = 0; i < NX * NY; i++)
       values[i] = (float)g_rand_double_range(r, -1, 1);
-    eda_box_list srafs = search_map(&by, &drawn);
+    eda_box_list srafs = bars_search(&by, &drawn);
     all += srafs.count;
     g_assert_cmpuint(srafs.count, >, 0);
     g_assert_cmpfloat(fabs(sum_of(srafs.box[0]) - best_of_all(drawn)), <, 1e-2);
     for (size_t i = 0; i < srafs.count; i++) {
       g_assert_cmpfloat(eda_srafs_gain(&map, srafs.box[i], 1), >,
                         rule.min_gain);
-      g_assert_true(off(srafs.box[i], drawn, rule.distance));
+      g_assert_true(box_off(srafs.box[i], drawn, rule.distance));
       for (size_t k = 0; k < i; k++)
-        g_assert_true(off(srafs.box[i], srafs.box[k], rule.space));
+        g_assert_true(box_off(srafs.box[i], srafs.box[k], rule.space));
     }
     free(srafs.box);
   }

@@ -188,15 +188,15 @@ static double bar_maximum(const eda_field *print, eda_box b, double grid) {
   return most;
 }
 
-typedef struct job {
+typedef struct bars_task {
   const eda_box_list *srafs;
   const eda_field *print;
   double grid, margin;
   uint8_t *bad;
-} job;
+} bars_task;
 
-static void sraf_test_bright(void *data, size_t i) {
-  const job *j = data;
+static void look_at_bar(void *data, size_t i) {
+  const bars_task *j = data;
   j->bad[i] = bar_maximum(j->print, j->srafs->box[i], j->grid) > -j->margin;
 }
 
@@ -204,8 +204,8 @@ static void sraf_test_bright(void *data, size_t i) {
 static uint8_t *find_bright(const opc_context *context,
                             const eda_box_list *srafs, const eda_field *print,
                             double grid, double margin) {
-  job j = {srafs, print, grid, margin, eda_alloc(srafs->count, 1)};
-  opc_parallel(context, srafs->count, sraf_test_bright, &j);
+  bars_task j = {srafs, print, grid, margin, eda_alloc(srafs->count, 1)};
+  opc_parallel(context, srafs->count, look_at_bar, &j);
   return j.bad;
 }
 

@@ -30,8 +30,8 @@ static eda_field line_field(GRand *random, int axis, double middle, double half,
 
 /* Compute a result of eda_cut_many by searches. Return 0 if the cut is
    irregular, otherwise 1. */
-static int walk(const eda_field *f, int axis, double middle, double half,
-                double at, double distance[2]) {
+static int cut_by_search(const eda_field *f, int axis, double middle,
+                         double half, double at, double distance[2]) {
   eda_line line;
   eda_walk w[2];
   eda_line_make(f, axis, at, &line);
@@ -59,7 +59,7 @@ static void test_walks(void) {
       at[j] = first + g_rand_double_range(random, 0, 500);
     eda_cut_many(&f, axis, middle, half, CUTS, at, distance);
     for (int j = 0; j < CUTS; j++) {
-      int good = walk(&f, axis, middle, half, at[j], want);
+      int good = cut_by_search(&f, axis, middle, half, at[j], want);
       if (isnan(distance[j][0])) {
         g_assert_true(isnan(distance[j][1]));
         left += good;
@@ -126,7 +126,7 @@ static void test_long(void) {
   double found[3][2], want[2] = {0};
   eda_cut_many(&f, 0, 2500, HALF, 3, at, found);
   for (int j = 0; j < 3; j++) {
-    g_assert_true(walk(&f, 0, 2500, HALF, at[j], want));
+    g_assert_true(cut_by_search(&f, 0, 2500, HALF, at[j], want));
     for (int side = 0; side < 2; side++)
       g_assert_cmpfloat(fabs(found[j][side] - want[side]), <, 1e-3);
   }

@@ -62,8 +62,8 @@ static void test_wave(void) {
 }
 
 /* Return the nearest sign change of the samples, found in steps. */
-static double search(const eda_field *f, int axis, double x, double y,
-                     double reach, double step) {
+static double search_samples(const eda_field *f, int axis, double x, double y,
+                             double reach, double step) {
   gboolean inside = value_at(f, x, y) > 0;
   for (double d = step; d <= reach; d += step)
     for (int out = 1; out >= -1; out -= 2) {
@@ -97,7 +97,7 @@ static void test_noise(void) {
       int axis = i % 2;
       double reach = i % 3 ? 400 : 20;
       double got = edge(&f, axis, x, y, reach);
-      double want = search(&f, axis, x, y, reach, 0.5);
+      double want = search_samples(&f, axis, x, y, reach, 0.5);
       none += isnan(got);
       if (isnan(got))
         g_assert_true(isnan(want));
