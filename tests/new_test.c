@@ -202,11 +202,10 @@ static void test_process(void) {
   g_assert_cmpint(g_mkdir_with_parents(mine, 0700), ==, 0);
   g_assert_true(g_file_get_contents(base, &text, NULL, NULL));
   g_assert_true(g_file_set_contents(copy, text, -1, NULL));
-  if (CALL("sh", "-c",
-           "unset OPCFLOW_NO_SYSTEM_PLUGINS; XDG_DATA_HOME=$PWD/home \"$0\" "
-           "new flow --process homely \"$1\" homely.yaml",
-           command, cif))
-    g_error("%s", err);
+  static const char script[] =
+      "unset OPCFLOW_NO_SYSTEM_PLUGINS; XDG_DATA_HOME=$PWD/home \"$0\" "
+      "new flow --process homely \"$1\" homely.yaml";
+  if (CALL("sh", "-c", script, command, cif)) g_error("%s", err);
 }
 
 /* All shipped flows can be extended: no file that they name is missing. */
@@ -267,9 +266,9 @@ static void test_scanner(void) {
       g_strconcat("mask.extractor.devices=", table, NULL);
   g_assert_cmpint(CALL(command, "run", "arf.yaml", "--set", devices), ==, 2);
   g_assert_nonnull(strstr(err, "no layer 'poly', but 3/0, 4/0, "));
-  if (CALL(command, "run", "arf.yaml", "--set", devices, "--set",
-           "layout.layers={ poly: 9/0, active: 1/0, nwell: 3/0, contact: 10/0 "
-           "}"))
+  static const char layers[] =
+      "layout.layers={ poly: 9/0, active: 1/0, nwell: 3/0, contact: 10/0 }";
+  if (CALL(command, "run", "arf.yaml", "--set", devices, "--set", layers))
     g_error("%s%s", out, err);
   g_assert_nonnull(strstr(err, "65 nm lines at 250 nm, from the layout's"));
   g_assert_cmpint(CALL(command, "new", "flow", cell), ==, 2);

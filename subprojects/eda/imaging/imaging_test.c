@@ -495,8 +495,9 @@ static void test_contours_in_strips(void) {
     area += area_of(points[0] + 2 * (size_t)start[0][i],
                     start[0][i + 1] - start[0][i]);
   for (int i = 0; i < 1000000; i++) {
+    int row = i / 1000;
     x = window.x0 + (i % 1000 + 0.5) * 1.9;
-    y = window.y0 + ((double)(i / 1000) + 0.5) * 1.7;
+    y = window.y0 + (row + 0.5) * 1.7;
     eda_field_sample(&field, &x, &y, 1, &v);
     inside += v > 0;
   }

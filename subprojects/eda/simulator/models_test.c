@@ -58,9 +58,9 @@ static void cut_has(const eda_models *l, const eda_sizes *sizes, int extend,
                     const char *want, const char *bound) {
   char *cut = eda_models_cut(l, "nfet", sizes, extend);
   g_autoptr(GString) found = g_string_new(NULL);
-  for (char k = '1'; k <= '3'; k++) {
-    char name[] = {'c', 'o', 'r', 'e', '.', k, 0};
-    if (strstr(cut, name)) g_string_append_c(found, k);
+  for (const char *k = "123"; *k; k++) {
+    char name[] = {'c', 'o', 'r', 'e', '.', *k, 0};
+    if (strstr(cut, name)) g_string_append_c(found, *k);
   }
   g_assert_cmpstr(found->str, ==, want);
   g_assert_null(strstr(cut, "other"));
