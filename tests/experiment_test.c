@@ -294,10 +294,12 @@ static void test_former(void) {
   g_autofree char *err = NULL, *both = NULL;
   g_assert_cmpint(
       opcflow(&err, "run", flow, "--output", "former", "--set", "picture=~",
-              "--set", "mask.max_iterations=1", "--set",
+              "--set", "mask.max_iterations=1", "--set", "mask.seek.most=0",
+              "--set",
               "mask.synthesizer={ use: synthesizer.dpb, max_pde: 3 % }", NULL),
       ==, 1); /* one iteration violates the requirement of the flow */
   g_assert_nonnull(strstr(err, "'max_pde' is now called 'ion_limit'"));
+  g_assert_nonnull(strstr(err, "'seek.most' is now called 'search.most'"));
   g_autofree char *text = read_file("former", "flow.yaml");
   g_assert_nonnull(strstr(text, "ion_limit: 3 %"));
   g_assert_null(strstr(text, "max_pde"));

@@ -25,7 +25,7 @@ static void test_assists_of_the_model(void) {
     g_autofree char *out = place(names[k]);
     opcflow(NULL, "run", flow, "--set", clip, "--set", set[0], "--set", set[1],
             "--set", set[2], "--set", set[3], "--set",
-            k ? "mask.seek.most=60" : "mask.seek.most=0", "--output", out,
+            k ? "mask.search.most=60" : "mask.search.most=0", "--output", out,
             NULL);
     g_assert_cmpfloat(metric(names[k], "score", "extra"), ==, 0);
     g_assert_cmpfloat(metric(names[k], "score", "epe"), <=, 1);

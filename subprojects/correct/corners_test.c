@@ -137,22 +137,22 @@ static const eda_synthesizer mover = {.begin = begin_moves,
 
 /* ---- the loop ---- */
 
-static corners_wish corners_weights(const double *weight) {
-  return (corners_wish){{dose_of, DOSES},
-                        {focus_of, FOCI},
-                        {mask_of, MASKS},
-                        {weight, weight ? ALL : 0},
-                        .free = 1};
+static corners_request corners_weights(const double *weight) {
+  return (corners_request){{dose_of, DOSES},
+                           {focus_of, FOCI},
+                           {mask_of, MASKS},
+                           {weight, weight ? ALL : 0},
+                           .free = 1};
 }
 
 static int run_on(const eda_gates *gates, loop *l, const eda_litho *model,
-                  corners_wish w, double fine, opc_error *error) {
+                  corners_request w, double fine, opc_error *error) {
   *l = (loop){.host = &host,
               .gates = gates,
               .extractor = MODULE(&extractor, NULL),
               .max_iterations = 10,
               .ion_limit = 0.5,
-              .corners.wish = w,
+              .corners.request = w,
               .drivers[MAIN].module = MODULE(&mover, NULL)};
   eda_printer_init(&l->printer, NULL, l->gates, MODULE(model, NULL),
                    MODULE(&resist, NULL), 300);
@@ -161,7 +161,7 @@ static int run_on(const eda_gates *gates, loop *l, const eda_litho *model,
   return correct_loop_run(l, error);
 }
 
-static int run_step(loop *l, const eda_litho *model, corners_wish w,
+static int run_step(loop *l, const eda_litho *model, corners_request w,
                     double fine, opc_error *error) {
   return run_on(eda_gates_sample(), l, model, w, fine, error);
 }
@@ -249,7 +249,7 @@ static void test_limit(void) {
   g_assert_cmpfloat(fabs(apart), >, 0.003);
   for (size_t k = 0; k < G_N_ELEMENTS(limits); k++) {
     double most = log1p(limits[k] / 100), own = CLAMP(apart, -most, most);
-    corners_wish w = corners_weights(weight);
+    corners_request w = corners_weights(weight);
     w.free = 0;
     w.ion_cost = limits[k];
     g_assert_false(run_on(&pair, &l, &with_focus, w, 0, &error));
@@ -272,7 +272,7 @@ static void test_nominal(void) {
   loop a, b;
   opc_error error = {0};
   wanted_bias = -3;
-  corners_wish none = {.dose = {0}}, one = {.dose = {&zero, 1}};
+  corners_request none = {.dose = {0}}, one = {.dose = {&zero, 1}};
   g_assert_false(run_step(&a, &with_focus, none, 0, &error));
   g_assert_false(run_step(&b, &with_focus, one, 0, &error));
   for (size_t i = 0; i < GATES; i++) {
@@ -315,7 +315,7 @@ static void test_lost(void) {
   loop l;
   opc_error error = {0};
   wanted_bias = 0;
-  corners_wish w = {.dose = {doses, 2}};
+  corners_request w = {.dose = {doses, 2}};
   g_assert_false(run_step(&l, &with_focus, w, 0, &error));
   for (size_t i = 0; i < GATES; i++) {
     g_assert_cmpuint(l.measured.flags[i], ==, 0);
@@ -329,7 +329,7 @@ static void test_lost(void) {
   correct_loop_clear(&l);
 }
 
-static void assert_refused(corners_wish w, const eda_litho *model,
+static void assert_refused(corners_request w, const eda_litho *model,
                            const char *why) {
   loop l;
   opc_error error = {0};
@@ -344,22 +344,22 @@ static void assert_refused(corners_wish w, const eda_litho *model,
 static void test_refused(void) {
   static const double some[] = {0, 1.5, 1.5}, low[] = {-100}, minus[] = {1, -1},
                       much[] = {1e308, 1e308};
-  assert_refused((corners_wish){.focus = {some, 2}}, &litho,
+  assert_refused((corners_request){.focus = {some, 2}}, &litho,
                  "has one focus only");
-  assert_refused((corners_wish){.mask_error = {some, 2}}, &with_focus,
+  assert_refused((corners_request){.mask_error = {some, 2}}, &with_focus,
                  "1.5 nm is no multiple of the mask grid of 1 nm");
-  assert_refused((corners_wish){.dose = {some, 3}}, NULL, "has 1.5 twice");
-  assert_refused((corners_wish){.dose = {low, 1}}, NULL,
+  assert_refused((corners_request){.dose = {some, 3}}, NULL, "has 1.5 twice");
+  assert_refused((corners_request){.dose = {low, 1}}, NULL,
                  "of -100 is out of range");
-  assert_refused((corners_wish){.dose = {some, 2}, .weight = {some, 3}}, NULL,
-                 "3 weights for 2 corners");
-  assert_refused((corners_wish){.dose = {some, 2}, .weight = {minus, 2}}, NULL,
-                 "a weight of -1");
-  assert_refused((corners_wish){.dose = {some, 2}, .weight = {much, 2}}, NULL,
-                 "a weight of 1e+308");
-  assert_refused((corners_wish){.dose = {some, 1}, .weight = {some, 1}}, NULL,
-                 "all weights are 0");
-  assert_refused((corners_wish){.weight = {some, 1}}, NULL,
+  assert_refused((corners_request){.dose = {some, 2}, .weight = {some, 3}},
+                 NULL, "3 weights for 2 corners");
+  assert_refused((corners_request){.dose = {some, 2}, .weight = {minus, 2}},
+                 NULL, "a weight of -1");
+  assert_refused((corners_request){.dose = {some, 2}, .weight = {much, 2}},
+                 NULL, "a weight of 1e+308");
+  assert_refused((corners_request){.dose = {some, 1}, .weight = {some, 1}},
+                 NULL, "all weights are 0");
+  assert_refused((corners_request){.weight = {some, 1}}, NULL,
                  "1 weights for 0 corners");
   /* %, nm and nm: values just inside and just outside the range. */
   static const double ends[][2] = {{-100, 1e6}, {-1e6, 1e6}, {-1e3, 1e6}};
@@ -367,7 +367,7 @@ static void test_refused(void) {
     for (int up = 0; up < 2; up++)
       for (int out = 0; out < 2; out++) {
         double v = ends[k][up] * (1 + (out ? 1e-6 : -1e-6));
-        corners_wish w = {0};
+        corners_request w = {0};
         opc_error error = {0};
         *(k == 0   ? &w.dose
           : k == 1 ? &w.focus

@@ -7,9 +7,9 @@
 
 /* ---- a synthesizer with the drawn Ion as target ---- */
 
-typedef struct seeker {
+typedef struct mover {
   int32_t spoil; /* bias of transistor 1, instead of the correct one */
-} seeker;
+} mover;
 
 static int begin_moves(void *self, const eda_feedback *f, opc_error *error) {
   (void)self, (void)error;
@@ -21,7 +21,7 @@ static int begin_moves(void *self, const eda_feedback *f, opc_error *error) {
    effect in the print. */
 static int update_moves(void *self, const eda_feedback *f, eda_moves *m,
                         int *done, opc_error *error) {
-  const seeker *s = self;
+  const mover *s = self;
   (void)error;
   *done = 1;
   for (size_t i = 0; i < f->gates->count; i++) {
@@ -35,8 +35,8 @@ static int update_moves(void *self, const eda_feedback *f, eda_moves *m,
   return OPC_OK;
 }
 
-static const eda_synthesizer seeking = {.begin = begin_moves,
-                                        .update = update_moves};
+static const eda_synthesizer moving = {.begin = begin_moves,
+                                       .update = update_moves};
 
 /* ---- the loop ---- */
 
@@ -63,7 +63,7 @@ static double aim; /* standard deviation of Ion by accurate simulations, %; 0:
 
 static int try_to_run(loop *l, const eda_litho *model, double fine,
                       int32_t spoil, int64_t iterations, opc_error *error) {
-  seeker s = {spoil};
+  mover s = {spoil};
   *l = (loop){.host = &host,
               .gates = eda_gates_sample(),
               .extractor = MODULE(&extractor, NULL),
@@ -72,7 +72,7 @@ static int try_to_run(loop *l, const eda_litho *model, double fine,
               .hold = 1,
               .ion_limit = 3,
               .fine_change = aim,
-              .drivers[MAIN].module = MODULE(&seeking, &s)};
+              .drivers[MAIN].module = MODULE(&moving, &s)};
   eda_printer_init(&l->printer, NULL, l->gates, MODULE(model, NULL),
                    MODULE(&resist, NULL), 300);
   l->printer.fine = fine;
