@@ -5,16 +5,16 @@
 
 #include <string.h>
 
-typedef struct walk {
+typedef struct flat_parameters {
   runs_tree *flow;
   char **lines;
   size_t n_lines;
   GArray *out;
   GPtrArray *texts;
   opc_error *error;
-} walk;
+} flat_parameters;
 
-static char *text_keep(walk *w, char *text) {
+static char *text_keep(flat_parameters *w, char *text) {
   g_ptr_array_add(w->texts, text);
   return text;
 }
@@ -27,7 +27,8 @@ static void show_braces(GString *text) {
 
 /* Append a value on one line in the syntax of flows. Recursion is as deep as
    the flow. */
-static void value_append(walk *w, const yaml_node_t *node, GString *out) {
+static void value_append(flat_parameters *w, const yaml_node_t *node,
+                         GString *out) {
   if (node->type == YAML_SCALAR_NODE) {
     const char *text = runs_word(node);
     g_string_append(out, text ? text : "null");
@@ -52,13 +53,14 @@ static void value_append(walk *w, const yaml_node_t *node, GString *out) {
   }
 }
 
-static int is_default(const walk *w, const yaml_node_t *value) {
+static int is_default(const flat_parameters *w, const yaml_node_t *value) {
   size_t line = value->end_mark.line;
   return line < w->n_lines &&
          g_str_has_suffix(g_strchomp(w->lines[line]), " # default");
 }
 
-static void add_value(walk *w, const char *name, const yaml_node_t *value) {
+static void add_value(flat_parameters *w, const char *name,
+                      const yaml_node_t *value) {
   g_autoptr(GString) text = g_string_new(NULL);
   value_append(w, value, text);
   show_braces(text);
@@ -69,7 +71,8 @@ static void add_value(walk *w, const char *name, const yaml_node_t *value) {
 
 /* Add the entries of a map with longer names. Recursion is as deep as the
    flow. */
-static int add_map(walk *w, const char *before, const yaml_node_t *map) {
+static int add_map(flat_parameters *w, const char *before,
+                   const yaml_node_t *map) {
   int code = OPC_OK;
   const yaml_node_pair_t *pair = map->data.mapping.pairs.start;
   for (; !code && pair < map->data.mapping.pairs.top; pair++) {
@@ -93,11 +96,11 @@ int runs_parameters(runs_tree *flow, GArray *out, GPtrArray *texts,
   if (!steps || steps->type != YAML_MAPPING_NODE)
     return runs_fail(flow, runs_root(flow), error, "has no steps");
   g_auto(GStrv) lines = g_strsplit(flow->text, "\n", -1);
-  walk w = {.flow = flow,
-            .lines = lines,
-            .n_lines = g_strv_length(lines),
-            .out = out,
-            .texts = texts,
-            .error = error};
+  flat_parameters w = {.flow = flow,
+                       .lines = lines,
+                       .n_lines = g_strv_length(lines),
+                       .out = out,
+                       .texts = texts,
+                       .error = error};
   return add_map(&w, "", steps);
 }
