@@ -5,14 +5,14 @@
 
 #include <string.h>
 
-typedef struct walk {
+typedef struct flat_parameters {
   char **lines;
   size_t n_lines;
   GArray *out;
   GPtrArray *texts;
-} walk;
+} flat_parameters;
 
-static char *text_keep(walk *w, char *text) {
+static char *text_keep(flat_parameters *w, char *text) {
   g_ptr_array_add(w->texts, text);
   return text;
 }
@@ -34,13 +34,14 @@ static void value_append(const opc_node *node, GString *out) {
   g_string_append(out, node->keys ? " }" : "]");
 }
 
-static int is_default(const walk *w, const opc_node *value) {
+static int is_default(const flat_parameters *w, const opc_node *value) {
   size_t line = value->at.line - 1;
   return line < w->n_lines &&
          g_str_has_suffix(g_strchomp(w->lines[line]), " # default");
 }
 
-static void add_value(walk *w, const char *name, const opc_node *value) {
+static void add_value(flat_parameters *w, const char *name,
+                      const opc_node *value) {
   g_autoptr(GString) text = g_string_new(NULL);
   value_append(value, text);
   eda_run_parameter p = {name, text_keep(w, g_strdup(text->str)),
@@ -50,7 +51,8 @@ static void add_value(walk *w, const char *name, const opc_node *value) {
 
 /* Add the entries of a map with longer names. Recursion is as deep as the
    flow. */
-static void add_map(walk *w, const char *before, const opc_node *map) {
+static void add_map(flat_parameters *w, const char *before,
+                    const opc_node *map) {
   for (guint i = 0; i < map->items->len; i++) {
     const opc_node *value = map->items->pdata[i];
     const char *name =
@@ -69,10 +71,10 @@ int runs_parameters(const runs_tree *flow, GArray *out, GPtrArray *texts,
   if (!steps || steps->type != OPC_NODE_MAP)
     return runs_fail(runs_root(flow), error, "has no steps");
   g_auto(GStrv) lines = g_strsplit(flow->text, "\n", -1);
-  walk w = {.lines = lines,
-            .n_lines = g_strv_length(lines),
-            .out = out,
-            .texts = texts};
+  flat_parameters w = {.lines = lines,
+                       .n_lines = g_strv_length(lines),
+                       .out = out,
+                       .texts = texts};
   add_map(&w, "", steps);
   return OPC_OK;
 }
