@@ -65,7 +65,7 @@ static gboolean folder_claim(const char *folder, gboolean any) {
   return TRUE; /* a read-only folder needs no marker */
 }
 
-/* Return whether a folder of the store lies behind a symbolic link. */
+/* Return whether a folder of the store is a symbolic link. */
 static gboolean is_link(const char *folder, const char *name) {
   g_autofree char *path = g_build_filename(folder, name, NULL);
   struct stat about;

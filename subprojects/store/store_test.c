@@ -148,7 +148,7 @@ static void test_remains(void) {
   opc_store_close(store);
 }
 
-/* Neither a folder with other files nor folders behind links are a store: all
+/* Neither a folder with other files nor linked folders are a store: all
    files stay. */
 static void test_foreign(void) {
   g_autofree char *other = g_build_filename(folder, "other", NULL);
