@@ -19,7 +19,7 @@ enum {
       depend on threads */
 
 typedef struct block {
-  size_t count, room;
+  size_t count, capacity;
   arrival *arrival; /* [delay * states + state] */
 } block;
 
@@ -48,7 +48,7 @@ static void run_block(void *data, size_t index) {
         arrival a = waves_arrival(&w, o);
         if (isnan(a.time)) continue;
         if (!s) {
-          eda_grow(&b->arrival, &b->room, (k + 1) * p->states,
+          eda_grow(&b->arrival, &b->capacity, (k + 1) * p->states,
                    sizeof *b->arrival);
           b->count = k + 1;
         }
@@ -281,9 +281,9 @@ static void find_range(const delays *d, size_t states, double *low,
   }
   free(x);
   if (!(*low <= *high)) *low = *high = 0; /* no delay is compared */
-  double room = fmax(least_beside, beside * (*high - *low));
-  *low -= room;
-  *high += room;
+  double margin = fmax(least_beside, beside * (*high - *low));
+  *low -= margin;
+  *high += margin;
 }
 
 int draw_histogram(const paths *p, const delays *d, const char *path,
