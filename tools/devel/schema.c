@@ -251,14 +251,12 @@ static JsonObject *plugin_schema(const opc_plugin *plugin) {
 }
 
 /* Return the required keys: `use` and the required parameters, except those in
-   groups, which may be written with dots, and files, which a process leaves
-   open. */
+   groups, which may be written with dots. */
 static JsonObject *required_keys(const opc_plugin *plugin) {
   JsonObject *o = piece("{ required: [use] }");
   for (size_t i = 0; i < plugin->n_parameters; i++) {
     const opc_parameter *p = &plugin->parameters[i];
-    if (p->flags & OPC_REQUIRED && !p->preset && p->type != OPC_FILE &&
-        !strchr(p->name, '.'))
+    if (p->flags & OPC_REQUIRED && !p->preset && !strchr(p->name, '.'))
       json_array_add_string_element(object_list(o, "required"), p->name);
   }
   return o;
