@@ -2,6 +2,7 @@
 /* Implements the bootstrap confidence interval of a mean (BCa). */
 #include "bootstrap.h"
 
+#include <eda/memory.h>
 #include <eda/random.h>
 #include <glib.h>
 #include <gsl/gsl_cdf.h>
@@ -35,11 +36,6 @@ static void sample_draw(void *data, size_t i) {
   d->mean[i] = sum / (double)d->n;
 }
 
-static int by_size(const void *a, const void *b) {
-  double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-
 /* Return the acceleration of a mean by the jackknife: a sixth of the skewness
    of the leave-one-out means. */
 static double acceleration(const double *values, size_t n, double mean) {
@@ -68,7 +64,7 @@ static double bound(const drawing *d, double bias, double a, double z) {
 
 static void find_bounds(drawing *d, interval *out) {
   double below = 0, z = gsl_cdf_ugaussian_Pinv((1 + confidence) / 2);
-  qsort(d->mean, d->samples, sizeof *d->mean, by_size);
+  qsort(d->mean, d->samples, sizeof *d->mean, eda_doubles_rise);
   for (size_t i = 0; i < d->samples; i++)
     below += d->mean[i] < out->mean ? 1 : d->mean[i] > out->mean ? 0 : 0.5;
   /* Avoid an infinite bias where no sample, or every sample, is below the
