@@ -1,27 +1,32 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Functions of the C library that plugins find here first, as they look into
-   the command before it. They are the command's alone: programs that are linked
-   to the kernel keep their own. */
+/* Replaces functions of the C library that end the process or start a thread.
+   The dynamic linker searches the command before the C library, so that calls
+   by plugins reach these functions. Only the command contains them; other
+   programs that use the kernel call the C library. */
 #include <dlfcn.h>
+#include <errno.h>
 #include <guard/guard.h>
 #include <pthread.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #define EXPORT __attribute__((visibility("default")))
 
-/* The next one of that name, as a pointer to a function: `to` points to it. */
+/* Find the definition of a function in the C library. `to` points to the
+   function pointer to set. */
 static void find_next(const char *name, void *to) {
   void *next = dlsym(RTLD_NEXT, name);
   memcpy(to, &next, sizeof next);
 }
 
-/* ---- the end ---- */
+/* ---- end of the process ---- */
 
-/* The guard hears of exit() and quick_exit() by itself as well, from within the
-   C library; but while one thread is there, another one could end the process.
- */
+/* End the process with a function of the C library. The guard's own exit
+   handlers (atexit) run later, within exit() and quick_exit(), when another
+   thread could already have ended the process. Therefore guard_exit reports the
+   plugin first. */
 _Noreturn static void process_leave(const char *name, int code) {
   void (*next)(int);
   guard_exit();
@@ -40,9 +45,94 @@ EXPORT _Noreturn void _exit(int code) { process_leave("_exit", code); }
 
 EXPORT _Noreturn void _Exit(int code) { process_leave("_Exit", code); }
 
+/* ---- another program in this process ---- */
+
+/* A plugin that calls a function of the exec family would end the run with the
+   exit code of another program. Children may call them, so the next functions
+   are found early: dlsym() can wait for a lock in a child. */
+typedef int exec_path(const char *, char *const[]);
+typedef int exec_environment(const char *, char *const[], char *const[]);
+
+static struct {
+  exec_path *execv, *execvp;
+  exec_environment *execve, *execvpe;
+  int (*fexecve)(int, char *const[], char *const[]);
+  int (*execveat)(int, const char *, char *const[], char *const[], int);
+} next_exec;
+
+__attribute__((constructor)) static void exec_find(void) {
+  find_next("execv", &next_exec.execv);
+  find_next("execvp", &next_exec.execvp);
+  find_next("execve", &next_exec.execve);
+  find_next("execvpe", &next_exec.execvpe);
+  find_next("fexecve", &next_exec.fexecve);
+  find_next("execveat", &next_exec.execveat);
+}
+
+EXPORT int execv(const char *path, char *const words[]) {
+  guard_exit();
+  return next_exec.execv(path, words);
+}
+
+EXPORT int execvp(const char *file, char *const words[]) {
+  guard_exit();
+  return next_exec.execvp(file, words);
+}
+
+EXPORT int execve(const char *path, char *const words[],
+                  char *const environment[]) {
+  guard_exit();
+  return next_exec.execve(path, words, environment);
+}
+
+EXPORT int execvpe(const char *file, char *const words[],
+                   char *const environment[]) {
+  guard_exit();
+  return next_exec.execvpe(file, words, environment);
+}
+
+EXPORT int fexecve(int file, char *const words[], char *const environment[]) {
+  guard_exit();
+  return next_exec.fexecve(file, words, environment);
+}
+
+EXPORT int execveat(int folder, const char *path, char *const words[],
+                    char *const environment[], int flags) {
+  guard_exit();
+  return next_exec.execveat(folder, path, words, environment, flags);
+}
+
+/* Collect the words of execl() and its variants; more than the array can hold
+   are an error, as too many words are for the system. */
+enum { MAX_WORDS = 1024 };
+static int words_collect(const char *first, va_list more, char **words) {
+  int n = 0;
+  for (const char *w = first; w && n < MAX_WORDS; w = va_arg(more, char *))
+    memcpy(&words[n++], &w, sizeof w);
+  words[n] = NULL;
+  return n < MAX_WORDS ? 0 : E2BIG;
+}
+
+/* Define execl() and its variants by a function of an array of words. */
+#define EXEC_LIST(name, call)                             \
+  EXPORT int name(const char *path, const char *w, ...) { \
+    char *words[MAX_WORDS + 1];                           \
+    va_list more;                                         \
+    guard_exit();                                         \
+    va_start(more, w);                                    \
+    errno = words_collect(w, more, words);                \
+    int code = errno ? -1 : (call);                       \
+    va_end(more);                                         \
+    return code;                                          \
+  }
+EXEC_LIST(execl, next_exec.execv(path, words))
+EXEC_LIST(execlp, next_exec.execvp(path, words))
+EXEC_LIST(execle, next_exec.execve(path, words, va_arg(more, char **)))
+
 /* ---- threads ---- */
 
-/* A thread that a plugin starts is in that plugin. */
+/* Arguments of a new thread, and the plugin that starts the thread. The guard
+   attributes all work of the thread to that plugin. */
 typedef struct beginning {
   void *(*work)(void *);
   void *data;
@@ -56,12 +146,14 @@ static void *thread_begin(void *data) {
   return b.work(b.data);
 }
 
-/* Guard below the stack of each thread, bytes, as Linux keeps below the first
-   thread's. A function with much on the stack would step over the usual page,
-   into memory of another thread. */
+/* Size of the inaccessible area below the stack of each thread, bytes; equal to
+   the gap that Linux keeps below the stack of the first thread. A function with
+   large local variables would skip the default area, one page, and write to
+   memory of another thread. */
 enum { GUARD = 1 << 20 };
 
-/* As `how`, which may be NULL, with that guard. */
+/* Return a copy of `how` (NULL: default attributes) with an inaccessible area
+   of at least GUARD bytes. */
 static pthread_attr_t attributes_guarded(const pthread_attr_t *how) {
   pthread_attr_t own;
   size_t guard = 0;
