@@ -17,7 +17,7 @@ int cli_is_stopped(void *unused) {
 /* Shortest time between two lines, us. */
 enum { PAUSE = 100000 };
 
-/* Shortest time of a step that is worth a line, us. */
+/* Shortest time of a step that gets a line, us. */
 enum { LONG = 1000000 };
 
 void cli_progress_start(cli_progress *p, int level, gboolean steps) {
