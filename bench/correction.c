@@ -288,12 +288,10 @@ static const struct by_cells {
                 {"newton_2", "mask", 10, FALSE},
                 {"newton_0", "mask", 5, TRUE}};
 
-/* Run a variant; return the seconds of the steps that compute the mask, with
-   the cells already in the library, or -1. */
+/* Run a variant; return the seconds of the steps that compute the mask, without
+   those of library.build, or -1. */
 static double run_by_cells(const char *circuit, const char *variant,
                            const char *step, const char *folder, double *ion) {
-  g_autofree char *base = g_build_filename(folder, "library", NULL);
-  g_autofree char *database = g_strconcat("library.database=", base, NULL);
   g_autofree char *run = g_build_filename(folder, variant, NULL);
   g_autofree char *file = g_strconcat(circuit, ".gds", NULL);
   g_autofree char *layout = g_build_filename(setting("OPCFLOW_TEST_DATA", ""),
@@ -303,13 +301,11 @@ static double run_by_cells(const char *circuit, const char *variant,
                        .flow = "library-methods.yaml",
                        .variant = variant,
                        .sets = {flat ? NULL : "layout.layers.outline=235/0",
-                                "sheet.neighbours=itself", database}};
+                                "sheet.neighbours=itself"}};
   const version this = this_version();
   double seconds = -1, placed = 0;
-  for (int k = flat; k < 2; k++) { /* the first one builds the library */
-    opc_remove_tree(run);
-    if (run_once(&j, &this, NULL, layout, run) < 0) return -1;
-  }
+  opc_remove_tree(run);
+  if (run_once(&j, &this, NULL, layout, run) < 0) return -1;
   const figure mask = {step ? step : "placed", "seconds", 0, NULL},
                place = {"placed", "seconds", 0, NULL},
                off = {"verify", "ion_mean", 0, NULL};

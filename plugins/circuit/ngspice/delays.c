@@ -231,7 +231,7 @@ int delays_find(bench *b, const machine *m, const patterns *p, const logic *l,
   *out = (delays){.machine = m};
   list_arrivals(b, p, l, out);
   warn_of_outputs(b, p, l, out);
-  if (m) return walks_run(b, p, out, error);
+  if (m) return sequential_run(b, p, out, error);
   return jobs_run(b, out->flips, CHUNK, run_job, &s, error);
 }
 
@@ -258,7 +258,7 @@ int delays_wave(bench *b, const patterns *p, const delays *d, size_t index,
       .b = b, .of = &s, .state = state, .from = a->flip, .to = a->flip + 1};
   eda_spice_result r;
   *out = (wave){0};
-  if (d->machine) return walks_wave(b, p, d, index, state, out, error);
+  if (d->machine) return sequential_wave(b, p, d, index, state, out, error);
   g_autofree char *deck = job_text(&j, write_deck, NULL);
   g_autofree char *commands = job_text(&j, write_commands, &how);
   job_simulate(&j, deck, commands, &r);

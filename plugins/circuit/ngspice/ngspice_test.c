@@ -122,15 +122,16 @@ static char *four_by_hand(const char *card, const char *cell) {
                   "chgtol=1e-20\n.control\nset numdgt=12\n"
                   "tran 0.1p 120p 0 0.1p\n");
   for (int i = 0; i < 4; i++) {
-    const char *way = i < 2 ? "fall" : "rise";
+    const char *direction = i < 2 ? "fall" : "rise";
     const char *input = *drives[i][1] == 'p' ? "a" : "b";
     g_string_append_printf(deck,
                            "meas tran d%d trig v(%s%d) val=0.55 cross=1 targ "
                            "v(y%d) val=0.55 %s=1\n"
                            "meas tran t%d trig v(y%d) val=%s %s=1 targ v(y%d) "
                            "val=%s %s=1\n",
-                           i, input, i, i, way, i, i, i < 2 ? "0.99" : "0.11",
-                           way, i, i < 2 ? "0.11" : "0.99", way);
+                           i, input, i, i, direction, i, i,
+                           i < 2 ? "0.99" : "0.11", direction, i,
+                           i < 2 ? "0.11" : "0.99", direction);
   }
   g_string_append(deck, ".endc\n.end\n");
   return by_hand(deck->str);

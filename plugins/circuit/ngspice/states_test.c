@@ -160,15 +160,15 @@ static char *sequence_by_hand(const char *card, const char *cell,
                          2 * strlen(levels[0]));
   for (size_t i = 0; i < count; i++) {
     const event *e = &events[i];
-    const char *way = e->rises ? "rise" : "fall";
+    const char *direction = e->rises ? "rise" : "fall";
     g_string_append_printf(
         deck,
         "meas tran d%zu trig at=%d.01n targ v(%s) val=0.55 %s=1 td=%dn\n"
         "meas tran t%zu trig v(%s) val=%s %s=1 td=%dn targ v(%s) val=%s %s=1 "
         "td=%dn\n",
-        i, 2 * e->phase, e->output, way, 2 * e->phase, i, e->output,
-        e->rises ? "0.11" : "0.99", way, 2 * e->phase, e->output,
-        e->rises ? "0.99" : "0.11", way, 2 * e->phase);
+        i, 2 * e->phase, e->output, direction, 2 * e->phase, i, e->output,
+        e->rises ? "0.11" : "0.99", direction, 2 * e->phase, e->output,
+        e->rises ? "0.99" : "0.11", direction, 2 * e->phase);
   }
   g_string_append(deck, ".endc\n.end\n");
   return by_hand(deck->str);

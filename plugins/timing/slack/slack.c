@@ -111,7 +111,7 @@ static int fill_choices(slack_task *j, opc_error *error) {
     for (int level = 0; level <= LEVELS; level++)
       k->length[level] = k->most ? k->length[LEVELS] * level / LEVELS : 0;
   }
-  double *share = rest_shares(b);
+  double *share = static_leakage_shares(b);
   for (size_t i = 0; i < c->gates->count; i++)
     for (int level = 0; level <= LEVELS && j->of[i] != NO_CHOICE; level++) {
       choice *k = &b->choice[j->of[i]];

@@ -33,18 +33,18 @@ static eda_field line_field(GRand *random, int axis, double middle, double half,
 static int cut_by_search(const eda_field *f, int axis, double middle,
                          double half, double at, double distance[2]) {
   eda_line line;
-  eda_walk w[2];
+  eda_line_search w[2];
   eda_line_make(f, axis, at, &line);
   if (!(eda_line_start(&line, middle, &w[0], &w[1]) > 0)) return 0;
   for (int side = 0; side < 2; side++) {
-    distance[side] = eda_walk_to(&w[side], 10000);
+    distance[side] = eda_line_search_to(&w[side], 10000);
     if (isnan(distance[side])) return 0;
-    if (!isnan(eda_walk_to(&w[side], half))) return 0;
+    if (!isnan(eda_line_search_to(&w[side], half))) return 0;
   }
   return 1;
 }
 
-static void test_walks(void) {
+static void test_searches(void) {
   GRand *random = g_rand_new_with_seed(5);
   int found = 0, left = 0, none = 0;
   double worst = 0;
@@ -135,7 +135,7 @@ static void test_long(void) {
 
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
-  g_test_add_func("/cuts/walks", test_walks);
+  g_test_add_func("/cuts/walks", test_searches);
   g_test_add_func("/cuts/odd", test_odd);
   g_test_add_func("/cuts/long", test_long);
   return g_test_run();

@@ -176,7 +176,7 @@ static void test_image(void) {
   for (int axis = 0; axis < 2; axis++) {
     double at = axis ? 61.5 : -213.25, value;
     eda_line line;
-    eda_walk down, up;
+    eda_line_search down, up;
     eda_line_make(&field, axis, at, &line);
     for (int i = 0; i <= 80; i++) {
       double p = 12.5 * i - 700;

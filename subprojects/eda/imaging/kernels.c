@@ -557,7 +557,8 @@ static void choose_grids(sum_task *j, double step) {
   size_t work = 0, n[4] = {(size_t)j->nx, (size_t)j->ny, (size_t)j->fine_x,
                            (size_t)j->fine_y};
   for (int i = 0; i < 4; i++)
-    work = MAX(work, MAX(n[i], eda_lanes_room(eda_lanes_plan_for((int)n[i]))));
+    work =
+        MAX(work, MAX(n[i], eda_lanes_capacity(eda_lanes_plan_for((int)n[i]))));
   j->room = work + 2 * BLOCKS * EDA_LANES * j->rows +
             MAX(n[0], MAX(n[2], n[3]) + EDA_LANES) + 2 * EDA_LANES;
 }

@@ -151,7 +151,7 @@ static void test_bad_runs(void) {
       {0, OPC_INVALID, "[1]", "manifest.json:1:1: damaged: is no map"},
       {0, OPC_INVALID, "{\n \"opcflow\" : ", "manifest.json:3:1: damaged"},
       {0, OPC_INVALID, "{}", "manifest.json:1:1: there is no text 'opcflow'"},
-      {0, OPC_INVALID, "{ \"opcflow\": \"1\\0\" }", "no text 'opcflow'"},
+      {0, OPC_INVALID, "{ \"opcflow\": \"1\\0\" }", "a text with a NUL byte"},
       {0, OPC_INVALID,
        "{\"opcflow\":\"1\",\"result\":\"complete\",\n \"inputs\":3}",
        ":2:11: 'inputs' is no list"},
@@ -171,7 +171,7 @@ static void test_bad_runs(void) {
        " '2'"},
       {2, OPC_INVALID, "opcflow: 1\nname: x\n", "flow.yaml:1:1: has no steps"},
       {2, OPC_INVALID, "opcflow: 1\nname: x\nsteps:\n  a: &b\n    c: *b\n",
-       "flow.yaml:5:8: damaged: aliases cannot be used here"},
+       "flow.yaml:4:6: damaged: anchors and aliases ('&b') cannot be used"},
   };
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     const char *text = cases[i].text;
@@ -203,7 +203,8 @@ static void test_deep(void) {
     opc_error error = {0};
     eda_run *run = eda_run_open(folder, &error);
     g_assert_cmpint(!run, ==, depth > 61);
-    g_assert_cmpint(!run, ==, strstr(error.message, "nested too deep") != NULL);
+    g_assert_cmpint(!run, ==,
+                    strstr(error.message, "nested deeper than 64") != NULL);
     eda_run_free(run);
     folder_drop(folder);
   }
@@ -299,7 +300,6 @@ static void test_experiment(void) {
   g_assert_null(all[1].folder);
   g_assert_cmpstr(all[1].result, ==, "failed");
   g_assert_true(isnan(all[1].seconds));
-  g_assert_cmpuint(eda_table_columns(eda_run_cases_table(c)), ==, 6);
   eda_run_cases_free(c);
   folder_drop(folder);
 }
