@@ -78,7 +78,8 @@ static void report_note(opc_inspector *hears, const char *format, ...) {
 
 /* ---- the guard ---- */
 
-/* Of this process, for the guard: an ended thread has no stack. */
+/* The inspector of this process, for the guard: an ended thread has no stack.
+ */
 static inspector listening;
 
 /* The parent reports the end of a process by itself. */

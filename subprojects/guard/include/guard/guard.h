@@ -39,10 +39,10 @@ enum { GUARD_CRASH_LOADING = 3, GUARD_CRASH_RUNNING = 4 };
 
 /* Receives what the guard finds in a child of the command. */
 typedef struct guard_listener {
-  /* The plugin `id` broke a rule: `what` is the predicate, "changed the
+  /* Take the rule that the plugin `id` broke, as a predicate: "changed the
      locale". The child ends when the function returns. */
   void (*change)(const char *id, const char *what);
-  /* A call of a plugin has returned; at most once a second. */
+  /* Take note that a call of a plugin has returned; at most once a second. */
   void (*alive)(void);
 } guard_listener;
 
