@@ -330,16 +330,31 @@ static void test_refusals(void) {
   g_assert_cmpint(CALL(command, "new", "circle"), ==, 2);
   g_assert_cmpint(CALL(command, "new", "plugin"), ==, 2);
   g_assert_cmpint(CALL(command, "new", "plugin", "mine"), ==, 2);
+  const char *kinds =
+      "; kinds: command, extractor, kind, litho, regulator, resist, step, "
+      "synthesizer";
+  g_autofree char *nameless = g_strconcat(
+      "error: 'mine' has no kind: use 'opcflow new plugin KIND.mine'", kinds,
+      "\n", NULL);
+  g_assert_cmpstr(err, ==, nameless);
+  g_assert_cmpint(CALL(command, "new", "plugin", "synthesizer"), ==, 2);
   g_assert_cmpstr(err, ==,
-                  "error: 'new plugin' needs --kind, see 'opcflow help new'\n");
+                  "error: 'synthesizer' is a kind: give the plugin a name, for "
+                  "example 'opcflow new plugin synthesizer.mine'\n");
+  g_assert_cmpint(CALL(command, "new", "plugin", "foo.bar"), ==, 2);
+  g_autofree char *unknown =
+      g_strconcat("error: unknown kind 'foo'", kinds,
+                  "; a step has any first word: '--kind step'\n", NULL);
+  g_assert_cmpstr(err, ==, unknown);
   g_assert_cmpint(CALL(command, "new", "plugin", "command.run"), ==, 2);
   g_assert_cmpstr(err, ==,
                   "error: 'opcflow run' is there already: a plugin "
                   "'command.run' would never be called\n");
   g_assert_cmpint(CALL(command, "new", "plugin", "--kind", "lithos", "mine"),
                   ==, 2);
-  g_assert_cmpstr(err, ==,
-                  "error: unknown kind 'lithos', did you mean 'litho'?\n");
+  g_autofree char *near = g_strconcat(
+      "error: unknown kind 'lithos', did you mean 'litho'?", kinds, "\n", NULL);
+  g_assert_cmpstr(err, ==, near);
   g_assert_cmpint(CALL(command, "new", "plugin", "litho.Mine"), ==, 2);
   g_assert_cmpint(CALL(command, "new", "plugin", "litho.mine", "litho"), ==, 5);
   g_assert_cmpstr(err, ==, "error: 'litho' exists\n");

@@ -37,11 +37,11 @@ void guard_remove(void);
 /* Exit codes of the command. */
 enum { GUARD_CRASH_LOADING = 3, GUARD_CRASH_RUNNING = 4 };
 
-/* Receives what the guard finds in a child of the command. */
+/* Receives the findings of the guard in a child of the command. */
 typedef struct guard_listener {
   /* Take the rule that the plugin `id` broke, as a predicate: "changed the
      locale". The child ends when the function returns. */
-  void (*change)(const char *id, const char *what);
+  void (*change)(const char *id, const char *rule);
   /* Take note that a call of a plugin has returned; at most once a second. */
   void (*alive)(void);
 } guard_listener;
