@@ -452,7 +452,10 @@ def test_limit():
 def test_explain():
     folder, _ = run("--no-cache")
     assert "--no-cache" in call("explain", folder, code=2).stderr
-    call("explain", "nowhere", code=5)
+    assert "no such run folder" in call("explain", "nowhere", code=5).stderr
+    near = os.path.basename(folder) + "x"
+    assert f"did you mean '{folder}'?" in call(
+        "explain", os.path.join(os.path.dirname(folder), near), code=5).stderr
     write("runs/manifest.json", "[1")
     call("explain", "runs", code=2)
     write("runs/manifest.json", '{"store": {"results": [1, {"step": 2}, {}], "steps": "x"}}')
