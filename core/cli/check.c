@@ -32,7 +32,7 @@ static void take_log(void *data, const char *path, int level,
 static const double little = 1e6;
 
 static void variant_forecast(const opc_recipe *recipe, const opc_choice *choice,
-                             const opc_watch *watch, JsonArray *told,
+                             const opc_watch *watch, JsonArray *forecasts,
                              opc_problems *problems) {
   g_autoptr(GArray) list = g_array_new(FALSE, TRUE, sizeof(opc_outlook));
   opc_run_forecast(recipe, choice, cli_registry(), watch, list, problems);
@@ -46,7 +46,7 @@ static void variant_forecast(const opc_recipe *recipe, const opc_choice *choice,
     json_object_set_string_member(object, "work", o->forecast.work);
     if (o->forecast.memory > 0)
       json_object_set_double_member(object, "memory", o->forecast.memory);
-    json_array_add_object_element(told, object);
+    json_array_add_object_element(forecasts, object);
     if (!json && (*o->forecast.work || o->forecast.memory >= little))
       cli_print("%s%s%s: %s\n", choice->variant ? choice->variant : "",
                 choice->variant ? "/" : "", o->step, text);
@@ -57,12 +57,12 @@ static void variant_forecast(const opc_recipe *recipe, const opc_choice *choice,
 /* ---- the work ---- */
 
 static void check_one(const opc_recipe *recipe, const opc_choice *choice,
-                      const opc_watch *watch, JsonArray *told,
+                      const opc_watch *watch, JsonArray *forecasts,
                       opc_problems *problems) {
   guint before = problems->list->len;
   opc_flow_check(recipe, choice, cli_registry(), watch, problems);
   if (!quick && problems->list->len == before)
-    variant_forecast(recipe, choice, watch, told, problems);
+    variant_forecast(recipe, choice, watch, forecasts, problems);
 }
 
 static GArray *open_files(const opc_recipe *recipe, const opc_choice *choice) {
@@ -77,7 +77,7 @@ static GArray *open_files(const opc_recipe *recipe, const opc_choice *choice) {
    checked. */
 static gboolean variant_requires_files(const opc_recipe *recipe,
                                        const opc_choice *choice,
-                                       JsonArray *told) {
+                                       JsonArray *forecasts) {
   opc_choice itself = *choice;
   itself.variant = NULL;
   g_autoptr(GArray) its = open_files(recipe, choice);
@@ -88,7 +88,7 @@ static gboolean variant_requires_files(const opc_recipe *recipe,
     JsonObject *object = json_object_new();
     json_object_set_string_member(object, "variant", choice->variant);
     json_object_set_string_member(object, "parameter", file->path);
-    json_array_add_object_element(told, object);
+    json_array_add_object_element(forecasts, object);
     if (!json)
       cli_print("%s: asks for --set %s=FILE, %s\n", choice->variant, file->path,
                 file->summary);
@@ -96,7 +96,7 @@ static gboolean variant_requires_files(const opc_recipe *recipe,
   return TRUE;
 }
 
-static void check_all(const opc_recipe *recipe, JsonArray *told,
+static void check_all(const opc_recipe *recipe, JsonArray *forecasts,
                       JsonArray *open, opc_problems *problems) {
   g_autoptr(GHashTable) said =
       g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
@@ -104,7 +104,7 @@ static void check_all(const opc_recipe *recipe, JsonArray *told,
   g_autoptr(opc_sweep) sweep =
       opc_sweep_new(recipe, cli_list(sets), NULL, cli_list(sweeps), problems);
   opc_choice choice = {.sweep = sweep, .sets = cli_list(sets)};
-  check_one(recipe, &choice, &watch, told, problems);
+  check_one(recipe, &choice, &watch, forecasts, problems);
   for (guint i = 0; i < recipe->variants->keys->len; i++) {
     choice.variant = opc_node_key(recipe->variants, i);
     if (variant_requires_files(recipe, &choice, open)) {
@@ -112,7 +112,7 @@ static void check_all(const opc_recipe *recipe, JsonArray *told,
       opc_flow_check(recipe, &choice, cli_registry(), NULL, problems);
       choice.bind = 0;
     } else {
-      check_one(recipe, &choice, &watch, told, problems);
+      check_one(recipe, &choice, &watch, forecasts, problems);
     }
   }
 }
@@ -122,14 +122,14 @@ static int check_run(const cli_verb *verb, const GPtrArray *arguments) {
   if (!path) return CLI_USAGE;
   g_autoptr(opc_problems) problems = opc_problems_new();
   g_autoptr(opc_recipe) recipe = opc_recipe_read(path, problems);
-  g_autoptr(JsonArray) told = json_array_new();
+  g_autoptr(JsonArray) forecasts = json_array_new();
   g_autoptr(JsonArray) open = json_array_new();
-  if (recipe) check_all(recipe, told, open, problems);
+  if (recipe) check_all(recipe, forecasts, open, problems);
   if (json) {
     JsonObject *o = json_object_new();
     json_object_set_string_member(o, "flow", path);
     json_object_set_boolean_member(o, "valid", !problems->list->len);
-    json_object_set_array_member(o, "forecast", json_array_ref(told));
+    json_object_set_array_member(o, "forecast", json_array_ref(forecasts));
     json_object_set_array_member(o, "open", json_array_ref(open));
     cli_add_problems(o, problems);
     cli_print_object(o);

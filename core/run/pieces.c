@@ -122,7 +122,7 @@ static void kept_done(void *data, size_t n) {
 }
 
 /* Log the cost of the pieces, for sizing machines for larger layouts. */
-static void tell_cost(const opc_host *host, const keeper *k) {
+static void cost_report(const opc_host *host, const keeper *k) {
   const opc_pieces *p = k->pieces;
   double end = (double)(g_get_monotonic_time() - k->last) * 1e-6;
   host->log(host, OPC_LOG_DEBUG,
@@ -192,7 +192,7 @@ static int run_pieces(const opc_host *host, const opc_pieces *theirs,
   int code = ranks && functions->flags & OPC_STEP_PIECES
                  ? ranks->share(&units, error)
                  : opc_pieces_alone.run(host, &k.kept, sizeof k.kept, error);
-  tell_cost(host, &k);
+  cost_report(host, &k);
   return code;
 }
 

@@ -375,7 +375,7 @@ static void test_fragments(void) {
 
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
-  told = g_string_new(NULL);
+  published = g_string_new(NULL);
   g_test_add_func("/guard/good", test_good);
   g_test_add_func("/guard/open", test_open);
   g_test_add_func("/guard/worse", test_worse);
@@ -389,6 +389,6 @@ int main(int argc, char **argv) {
   g_test_add_func("/guard/rule-beside", test_rule_beside);
   g_test_add_func("/guard/fragments", test_fragments);
   int failed = g_test_run();
-  g_string_free(told, TRUE);
+  g_string_free(published, TRUE);
   return failed;
 }

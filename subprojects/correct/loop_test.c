@@ -543,29 +543,30 @@ static void test_report(void) {
   loop l;
   opc_error error = {0};
   own.spoil = NULL;
-  told = g_string_new(NULL);
+  published = g_string_new(NULL);
   g_assert_cmpint(run_step(&l, &cutter, NULL, &error), ==, OPC_OK);
   const eda_mask mask = {.gates = &metal,
                          .iterations = l.iterations,
                          .simulations = l.printer.simulations};
-  const report told_of = {.mask = &mask,
-                          .sites = l.sites,
-                          .extension = l.measured.extension,
-                          .biases = &l.now.biases,
-                          .synthesizer = MODULE(&cutter, &own)};
-  g_assert_cmpint(correct_report_mask(&host, &told_of, &error), ==, OPC_OK);
-  g_assert_cmpstr(told->str, ==,
+  const report report_input = {.mask = &mask,
+                               .sites = l.sites,
+                               .extension = l.measured.extension,
+                               .biases = &l.now.biases,
+                               .synthesizer = MODULE(&cutter, &own)};
+  g_assert_cmpint(correct_report_mask(&host, &report_input, &error), ==,
+                  OPC_OK);
+  g_assert_cmpstr(published->str, ==,
                   "gates[0] effort[1] transistors epe_mean epe_max epe_lost "
                   "iterations simulations fine_simulations failed ");
-  g_string_truncate(told, 0);
+  g_string_truncate(published, 0);
   g_assert_cmpint(correct_history_report(&l.history, &host, &error), ==,
                   OPC_OK);
   g_autofree char *want = g_strdup_printf(
       "history[%u],iteration,epe_mean,epe_max,simulations,"
       "fine_simulations,model ",
       l.printer.simulations - 1);
-  g_assert_cmpstr(told->str, ==, want);
-  g_string_free(told, TRUE);
+  g_assert_cmpstr(published->str, ==, want);
+  g_string_free(published, TRUE);
   correct_loop_clear(&l);
 }
 
