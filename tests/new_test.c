@@ -222,6 +222,56 @@ static void test_shipped(void) {
   }
 }
 
+/* Check all flows of a folder of the tree with all their variants. A flow that
+   needs no file runs from the tree alone; `needs`: the flows that do. */
+static void check_folder(const char *place, const char *needs) {
+  g_autofree char *path =
+      g_build_filename(g_getenv("OPCFLOW_SOURCE"), place, NULL);
+  g_autoptr(GDir) dir = g_dir_open(path, 0, NULL);
+  guint flows = 0;
+  for (const char *n; (n = g_dir_read_name(dir));) {
+    if (!g_str_has_suffix(n, ".yaml")) continue;
+    g_autofree char *flow = g_build_filename(path, n, NULL);
+    if (CALL(command, "check", flow)) g_error("%s: %s%s", flow, out, err);
+    if (g_str_has_prefix(out, "needs ") && !g_pattern_match_simple(needs, n))
+      g_error("%s does not run alone: %s", flow, out);
+    flows++;
+  }
+  g_assert_cmpuint(flows, >=, 5);
+}
+
+static void test_shipped_checks(void) {
+  check_folder("flows", "iccad.yaml");
+  check_folder("flows/processes", "*");
+  check_folder("flows/scanners", "*");
+}
+
+/* A flow or a variant that requires a file is reported; the others of
+   --variant are not checked. */
+static void test_needs(void) {
+  g_autofree char *file = g_build_filename(folder, "needs.yaml", NULL);
+  g_assert_true(g_file_set_contents(
+      file,
+      "opcflow: 1\nsteps:\n  layout: { use: read.gds }\nvariants:\n"
+      "  more: { other: { use: read.cif } }\n  bad: { layout.scael: 2 }\n",
+      -1, NULL));
+  g_assert_cmpint(CALL(command, "check", "needs.yaml"), ==, 2);
+  g_assert_cmpstr(out, ==,
+                  "needs --set layout.file=FILE, The GDSII file\n"
+                  "more: needs --set other.file=FILE, The CIF file\n");
+  g_assert_nonnull(strstr(err, "'scael'"));
+  g_assert_cmpint(CALL(command, "check", "--variant", "more", "needs.yaml"), ==,
+                  0);
+  g_assert_cmpstr(out, ==,
+                  "more: needs --set layout.file=FILE, The GDSII file\n"
+                  "more: needs --set other.file=FILE, The CIF file\n");
+  g_assert_cmpint(CALL(command, "check", "--variant", "base", "needs.yaml"), ==,
+                  0);
+  g_assert_cmpint(CALL(command, "check", "--variant", "mor", "needs.yaml"), ==,
+                  2);
+  g_assert_nonnull(strstr(err, "did you mean 'more'?"));
+}
+
 /* A variant that requires a file is no fault of the flow; other faults of the
    variant are reported. */
 static void test_variant_asks(void) {
@@ -233,7 +283,7 @@ static void test_variant_asks(void) {
       text, "variants: { more: { other: { use: read.gds } } }\n");
   g_assert_true(g_file_set_contents(file, good, -1, NULL));
   (void)CALL(command, "check", "--quick", "asks.yaml");
-  g_assert_nonnull(strstr(out, "more: asks for --set other.file=FILE, "));
+  g_assert_nonnull(strstr(out, "more: needs --set other.file=FILE, "));
   g_assert_null(strstr(err, "missing parameter"));
   g_autofree char *bad = g_strdup_printf(
       text, "variants: { more: { other: { use: read.gds, scael: 2 } } }\n");
@@ -315,6 +365,8 @@ int main(int argc, char **argv) {
   g_test_add_func("/new/flow", test_flow);
   g_test_add_func("/new/process", test_process);
   g_test_add_func("/new/shipped", test_shipped);
+  g_test_add_func("/new/shipped-checks", test_shipped_checks);
+  g_test_add_func("/new/needs", test_needs);
   g_test_add_func("/new/variant-asks", test_variant_asks);
   g_test_add_func("/new/scanner", test_scanner);
   g_test_add_func("/new/refusals", test_refusals);

@@ -3,11 +3,13 @@
 #include "core/cli/cli.h"
 #include "core/run/forecast.h"
 
-static GPtrArray *sets, *sweeps;
+static GPtrArray *sets, *variants, *sweeps;
 static gboolean json, quick;
 
 static const cli_option options[] = {
     {"set", "over what the flow says", "STEP.PARAMETER=VALUE", .list = &sets},
+    {"variant", "only this variant, 'base' or 'all'", "NAME",
+     .list = &variants},
     {"sweep", "also at these values", "STEP.PARAMETER=[...]", .list = &sweeps},
     {"quick", "without reading inputs and asking steps what they will want",
      .flag = &quick},
@@ -56,15 +58,6 @@ static void variant_forecast(const opc_recipe *recipe, const opc_choice *choice,
 
 /* ---- the work ---- */
 
-static void check_one(const opc_recipe *recipe, const opc_choice *choice,
-                      const opc_watch *watch, JsonArray *forecasts,
-                      opc_problems *problems) {
-  guint before = problems->list->len;
-  opc_flow_check(recipe, choice, cli_registry(), watch, problems);
-  if (!quick && problems->list->len == before)
-    variant_forecast(recipe, choice, watch, forecasts, problems);
-}
-
 static GArray *open_files(const opc_recipe *recipe, const opc_choice *choice) {
   g_autoptr(opc_problems) others = opc_problems_new();
   g_autoptr(opc_flow) flow =
@@ -72,48 +65,50 @@ static GArray *open_files(const opc_recipe *recipe, const opc_choice *choice) {
   return cli_open_files(flow);
 }
 
-/* Return whether a variant requires files that the flow without it does not,
-   and report them. Such files are no problem: the rest of the variant is still
-   checked. */
-static gboolean variant_requires_files(const opc_recipe *recipe,
-                                       const opc_choice *choice,
-                                       JsonArray *forecasts) {
-  opc_choice itself = *choice;
-  itself.variant = NULL;
+/* Return whether the flow or a variant leaves required files open, and report
+   them; for a variant, without those of the flow. They are no problem, because
+   processes are such flows; the rest of the flow is still checked. */
+static gboolean needs_files(const opc_recipe *recipe, const opc_choice *choice,
+                            GHashTable *reported, JsonArray *missing) {
   g_autoptr(GArray) its = open_files(recipe, choice);
-  g_autoptr(GArray) before = open_files(recipe, &itself);
-  if (its->len <= before->len) return FALSE;
   for (guint i = 0; i < its->len; i++) {
     const cli_open_file *file = &g_array_index(its, cli_open_file, i);
+    if (g_hash_table_contains(reported, file->path)) continue;
     JsonObject *object = json_object_new();
-    json_object_set_string_member(object, "variant", choice->variant);
+    if (choice->variant)
+      json_object_set_string_member(object, "variant", choice->variant);
+    else
+      g_hash_table_add(reported, g_strdup(file->path));
     json_object_set_string_member(object, "parameter", file->path);
-    json_array_add_object_element(forecasts, object);
+    json_array_add_object_element(missing, object);
     if (!json)
-      cli_print("%s: asks for --set %s=FILE, %s\n", choice->variant, file->path,
-                file->summary);
+      cli_print("%s%sneeds --set %s=FILE, %s\n",
+                choice->variant ? choice->variant : "",
+                choice->variant ? ": " : "", file->path, file->summary);
   }
-  return TRUE;
+  return its->len > 0;
 }
 
 static void check_all(const opc_recipe *recipe, JsonArray *forecasts,
                       JsonArray *open, opc_problems *problems) {
-  g_autoptr(GHashTable) said =
+  g_autoptr(GHashTable) reported =
       g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
-  const opc_watch watch = {.data = said, .log = take_log};
+  const opc_watch watch = {.data = reported, .log = take_log};
   g_autoptr(opc_sweep) sweep =
       opc_sweep_new(recipe, cli_list(sets), NULL, cli_list(sweeps), problems);
   opc_choice choice = {.sweep = sweep, .sets = cli_list(sets)};
-  check_one(recipe, &choice, &watch, forecasts, problems);
-  for (guint i = 0; i < recipe->variants->keys->len; i++) {
-    choice.variant = opc_node_key(recipe->variants, i);
-    if (variant_requires_files(recipe, &choice, open)) {
-      choice.bind = OPC_BIND_NO_FILES;
-      opc_flow_check(recipe, &choice, cli_registry(), NULL, problems);
-      choice.bind = 0;
-    } else {
-      check_one(recipe, &choice, &watch, forecasts, problems);
-    }
+  g_autoptr(GPtrArray) chosen =
+      cli_choose_variants(recipe, variants, TRUE, problems);
+  for (guint i = 0; i < chosen->len; i++) {
+    guint before = problems->list->len;
+    choice.variant = chosen->pdata[i];
+    choice.bind = 0;
+    gboolean needs = needs_files(recipe, &choice, reported, open);
+    if (needs) choice.bind = OPC_BIND_NO_FILES;
+    opc_flow_check(recipe, &choice, cli_registry(), needs ? NULL : &watch,
+                   problems);
+    if (!quick && !needs && problems->list->len == before)
+      variant_forecast(recipe, &choice, &watch, forecasts, problems);
   }
 }
 

@@ -148,6 +148,29 @@ static void test_remains(void) {
   opc_store_close(store);
 }
 
+/* Neither a folder with other files nor linked folders are a store: all
+   files stay. */
+static void test_foreign(void) {
+  g_autofree char *other = g_build_filename(folder, "other", NULL);
+  g_autofree char *fresh = g_build_filename(other, "new", NULL);
+  g_autofree char *file = g_build_filename(fresh, "file", NULL);
+  g_autofree char *empty = g_build_filename(folder, "empty", NULL);
+  g_autofree char *link = g_build_filename(empty, "new", NULL);
+  opc_error error;
+  g_assert_cmpint(g_mkdir_with_parents(fresh, 0700), ==, 0);
+  g_assert_true(g_file_set_contents(file, "x", 1, NULL));
+  g_setenv("OPCFLOW_STORE", other, TRUE);
+  g_assert_null(opc_store_open(&error));
+  g_assert_nonnull(strstr(error.message, "'opcflow-store'"));
+  g_setenv("OPCFLOW_STORE", empty, TRUE);
+  opc_store_close(open_store());
+  g_assert_cmpint(symlink(fresh, link), ==, 0);
+  g_assert_null(opc_store_open(&error));
+  g_assert_nonnull(strstr(error.message, "is a symbolic link"));
+  g_assert_true(g_file_test(file, G_FILE_TEST_EXISTS));
+  g_setenv("OPCFLOW_STORE", folder, TRUE);
+}
+
 /* ---- sums ---- */
 
 static void write_at(const char *path, const char *text, time_t when) {
@@ -200,6 +223,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/store/limit", test_limit);
   g_test_add_func("/store/sizes", test_sizes);
   g_test_add_func("/store/remains", test_remains);
+  g_test_add_func("/store/foreign", test_foreign);
   g_test_add_func("/store/sums", test_sums);
   g_test_add_func("/store/builds", test_builds);
   int code = g_test_run();

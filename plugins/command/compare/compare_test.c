@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Comparisons of synthetic run folders: verdicts by definition, paired
-   differences that are equal for all transistors, so that the intervals are
-   known, and means over cases. */
+   differences of transistors with intervals that are known, and means over
+   cases. */
 #include <math.h>
 #include <opcflow/command.h>
 
@@ -88,31 +88,56 @@ static void test_verdicts(void) {
   g_assert_cmpfloat(opc_test_metric("differs"), ==, differs);
 }
 
-/* Transistors are paired by name in any order: each deviation decreases by 0.5,
-   so the mean and both bounds are 0.5; Ioff does not change. */
+/* Transistors are paired by name in any order. Ion changes by -0.5 in four
+   cells of one transistor each, and by 1.5 and -0.5 in the cell e. The mean of
+   e is 0.5, so the range of the five cells contains zero. Ioff does not change.
+   Without e, four cells are too few. */
 static void test_transistors(void) {
-  g_autofree char *base =
-      g_strconcat(gates_head, "a:1,n,65,100,-1,4\r\na:2,n,65,100,2,4\r\n",
-                  "a:3,p,65,100,3.5,-4\r\na:4,p,65,100,,4\r\n", NULL);
+  static const char few[] =
+      "a:1,n,65,100,0.5,4\r\nb:1,n,65,100,1.5,4\r\n"
+      "c:1,p,65,100,-3,4\r\nd:1,p,65,100,1,4\r\n";
+  g_autofree char *base = g_strconcat(
+      gates_head, "a:1,n,65,100,-1,4\r\nb:1,n,65,100,2,4\r\n",
+      "c:1,p,65,100,3.5,-4\r\nd:1,p,65,100,1.5,4\r\n",
+      "e:1,p,65,100,1,4\r\ne:2,p,65,100,1,4\r\n", "e:3,p,65,100,,4\r\n", NULL);
   g_autofree char *other =
-      g_strconcat(gates_head, "a:3,p,65,100,-3,4\r\na:4,p,65,100,1,4\r\n",
-                  "a:1,n,65,100,0.5,4\r\na:2,n,65,100,1.5,4\r\n", NULL);
+      g_strconcat(gates_head, "e:3,p,65,100,1,4\r\ne:2,p,65,100,0.5,4\r\n",
+                  "e:1,p,65,100,2.5,4\r\n", few, NULL);
   folder_make("a", (made_run){.gates = base});
   folder_make("b", (made_run){.gates = other});
   compare_good("{}", "a", "b");
   size_t ion = row_of("transistors", "figure", "ion");
-  static const char *const changes[] = {"change", "low", "high"};
-  for (int i = 0; i < 3; i++)
+  static const struct {
+    const char *column;
+    double value;
+  } want[] = {{"base", 10.0 / 6}, {"change", -1.0 / 6}, {"median", -0.5},
+              {"low", -0.5},      {"high", 0.5},        {"better", 5},
+              {"worse", 1},       {"same", 0},          {"cells", 5}};
+  for (size_t i = 0; i < G_N_ELEMENTS(want); i++)
     g_assert_cmpfloat_with_epsilon(
-        opc_test_number("transistors", changes[i], ion), -0.5, 1e-12);
-  g_assert_cmpfloat_with_epsilon(opc_test_number("transistors", "base", ion),
-                                 6.5 / 3, 1e-12);
-  g_assert_cmpfloat(opc_test_number("transistors", "better", ion), ==, 3);
-  g_assert_cmpfloat(opc_test_number("transistors", "same", ion), ==, 0);
-  g_assert_cmpstr(opc_test_text("transistors", "verdict", ion), ==, "better");
+        opc_test_number("transistors", want[i].column, ion), want[i].value,
+        1e-12);
+  g_assert_cmpstr(opc_test_text("transistors", "verdict", ion), ==, "same");
   size_t ioff = row_of("transistors", "figure", "ioff");
-  g_assert_cmpfloat(opc_test_number("transistors", "same", ioff), ==, 4);
+  g_assert_cmpfloat(opc_test_number("transistors", "same", ioff), ==, 7);
   g_assert_cmpfloat(opc_test_number("transistors", "change", ioff), ==, 0);
+
+  g_autofree char *with =
+      g_strconcat(gates_head, few, "e:1,p,65,100,0.25,4", "\r\n", NULL);
+  g_autofree char *before = g_strndup(base, strlen(base) - 35);
+  folder_make("a", (made_run){.gates = before});
+  folder_make("b", (made_run){.gates = with});
+  compare_good("{}", "a", "b");
+  g_assert_cmpstr(opc_test_text("transistors", "verdict", ion), ==, "better");
+
+  g_autofree char *four = g_strconcat(gates_head, few, NULL);
+  g_autofree char *drawn = g_strndup(before, strlen(before) - 18);
+  folder_make("a", (made_run){.gates = drawn});
+  folder_make("b", (made_run){.gates = four});
+  compare_good("{}", "a", "b");
+  g_assert_cmpstr(opc_test_text("transistors", "verdict", ion), ==,
+                  "too few cells");
+  g_assert_true(isnan(opc_test_number("transistors", "low", ion)));
 }
 
 /* Ion changes by 1 and 3 with one method, by -2 and 0 with the other. */

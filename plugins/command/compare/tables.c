@@ -8,7 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bootstrap.h"
 #include "masks.h"
 #include "same.h"
 #include "transistors.h"
@@ -131,29 +130,29 @@ int parameters_publish(comparison *c, opc_error *error) {
 
 /* ---- transistors ---- */
 
-/* Tolerance of equal figures; gates.csv has two or three decimals of a
-   percent. */
-static const double EQUAL = 1e-9;
-
-static transistor_row row_of(const comparison *c, const char *method,
-                             int figure, const double *base, double *other,
-                             size_t n) {
-  transistor_row r = {
-      .method = method, .figure = figure_names[figure], .n = (int64_t)n};
-  for (size_t i = 0; i < n; i++) {
-    r.base += base[i] / (double)n;
-    r.value += other[i] / (double)n;
-    other[i] -= base[i];
-    r.better += other[i] < -EQUAL;
-    r.worse += other[i] > EQUAL;
-  }
-  r.same = r.n - r.better - r.worse;
-  interval in = bootstrap_mean(other, n, c->host->context);
-  r.change = in.mean;
-  r.low = in.low;
-  r.high = in.high;
-  r.verdict = in.high < 0 ? BETTER : in.low > 0 ? WORSE : SAME;
-  r.word = verdict_words[r.verdict];
+static transistor_row row_of(const char *method, int figure,
+                             const changes *of) {
+  eda_median m = changes_median(of);
+  double n = (double)of->n;
+  transistor_row r = {.method = method,
+                      .figure = figure_names[figure],
+                      .n = of->n,
+                      .cells = (int64_t)m.n,
+                      .base = of->base / n,
+                      .value = of->value / n,
+                      .change = (of->value - of->base) / n,
+                      .median = m.value,
+                      .low = m.low,
+                      .high = m.high,
+                      .better = of->better,
+                      .worse = of->worse,
+                      .same = of->n - of->better - of->worse};
+  r.verdict = m.high < 0 && r.change < 0  ? BETTER
+              : m.low > 0 && r.change > 0 ? WORSE
+                                          : SAME;
+  r.word = r.verdict == SAME && isnan(m.low) && r.same < r.n
+               ? "too few cells"
+               : verdict_words[r.verdict];
   return r;
 }
 
@@ -161,29 +160,23 @@ static transistor_row row_of(const comparison *c, const char *method,
 static int add_transistors(comparison *c, const char *method,
                            opc_error *error) {
   const field *f = &c->field;
-  GArray *values[FIGURES][2];
+  changes of[FIGURES];
   int code = OPC_OK;
-  for (int i = 0; i < FIGURES; i++)
-    for (int k = 0; k < 2; k++)
-      values[i][k] = g_array_new(FALSE, FALSE, sizeof(double));
+  for (int k = 0; k < FIGURES; k++) of[k] = changes_new();
   for (guint i = 0; i < f->pairs->len && !code; i++) {
     const pair *p = &g_array_index(f->pairs, pair, i);
     transistors t;
     if (strcmp(p->method, method) != 0) continue;
     code = transistors_join(p, &t, error);
-    for (int k = 0; k < FIGURES && !code; k++)
-      transistors_add(&t, k, values[k][0], values[k][1]);
+    for (int k = 0; k < FIGURES && !code; k++) changes_add(&of[k], &t, k);
     transistors_clear(&t);
   }
-  for (int i = 0; i < FIGURES; i++) {
-    guint n = values[i][0]->len;
-    if (n && !code) {
-      const transistor_row row =
-          row_of(c, method, i, (double *)(void *)values[i][0]->data,
-                 (double *)(void *)values[i][1]->data, n);
+  for (int k = 0; k < FIGURES; k++) {
+    if (of[k].n && !code) {
+      const transistor_row row = row_of(method, k, &of[k]);
       g_array_append_val(c->intervals, row);
     }
-    for (int k = 0; k < 2; k++) g_array_free(values[i][k], TRUE);
+    changes_clear(&of[k]);
   }
   return code;
 }
@@ -200,13 +193,15 @@ int transistors_publish(comparison *c, opc_error *error) {
                                 {"base", "%", OPC_REAL, 4, &r->base},
                                 {"value", "%", OPC_REAL, 4, &r->value},
                                 {"change", "%", OPC_REAL, 4, &r->change},
+                                {"median", "%", OPC_REAL, 4, &r->median},
                                 {"low", "%", OPC_REAL, 4, &r->low},
                                 {"high", "%", OPC_REAL, 4, &r->high},
                                 {"verdict", NULL, OPC_TEXT, 0, &r->word},
                                 {"better", NULL, OPC_INT, 0, &r->better},
                                 {"worse", NULL, OPC_INT, 0, &r->worse},
                                 {"same", NULL, OPC_INT, 0, &r->same},
-                                {"transistors", NULL, OPC_INT, 0, &r->n}};
+                                {"transistors", NULL, OPC_INT, 0, &r->n},
+                                {"cells", NULL, OPC_INT, 0, &r->cells}};
   return code ? code
               : put_of_methods(c, "transistors", c->intervals->len, sizeof *r,
                                columns, G_N_ELEMENTS(columns), error);

@@ -73,13 +73,74 @@ void transistors_clear(transistors *t) {
   *t = (transistors){0};
 }
 
-void transistors_add(const transistors *t, int figure, GArray *base,
-                     GArray *other) {
+/* ---- changes ---- */
+
+/* Largest change that counts as none; gates.csv has two or three decimals of a
+   percent. */
+static const double EQUAL = 1e-9;
+
+typedef struct cell {
+  double change; /* sum over its transistors */
+  double n;
+} cell;
+
+changes changes_new(void) {
+  return (changes){
+      .index = g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL),
+      .cells = g_array_new(FALSE, FALSE, sizeof(cell))};
+}
+
+void changes_clear(changes *c) {
+  g_hash_table_unref(c->index);
+  g_array_free(c->cells, TRUE);
+}
+
+/* Return the cell of a name, added if new. */
+static cell *changes_cell(changes *c, char *name) {
+  size_t at = GPOINTER_TO_SIZE(g_hash_table_lookup(c->index, name));
+  if (!at) {
+    const cell none = {0, 0};
+    g_array_append_val(c->cells, none);
+    at = c->cells->len;
+    g_hash_table_insert(c->index, g_strdup(name), GSIZE_TO_POINTER(at));
+  }
+  return &g_array_index(c->cells, cell, at - 1);
+}
+
+/* Return the name of the cell of a transistor: the column `cell`, or the path
+   before the last colon of the transistor's name. */
+static char *cell_name(const transistors *t, size_t row) {
+  int column = eda_table_find(t->base, "cell");
+  if (column >= 0)
+    return g_strdup(eda_table_text(t->base, row, (size_t)column));
+  column = eda_table_find(t->base, "transistor");
+  const char *name = eda_table_text(t->base, row, (size_t)column);
+  const char *end = strrchr(name, ':');
+  return end ? g_strndup(name, (gsize)(end - name)) : g_strdup(name);
+}
+
+void changes_add(changes *c, const transistors *t, int figure) {
   for (size_t i = 0; !t->fault && i < t->n; i++) {
     double a = fabs(number_of(t->base, columns[figure], i));
     double b = fabs(number_of(t->other, columns[figure], t->row[i]));
     if (!isfinite(a) || !isfinite(b)) continue;
-    g_array_append_val(base, a);
-    g_array_append_val(other, b);
+    g_autofree char *name = cell_name(t, i);
+    cell *of = changes_cell(c, name);
+    of->change += b - a;
+    of->n++;
+    c->base += a;
+    c->value += b;
+    c->n++;
+    c->better += b - a < -EQUAL;
+    c->worse += b - a > EQUAL;
   }
+}
+
+eda_median changes_median(const changes *c) {
+  g_autofree double *means = g_new(double, c->cells->len);
+  for (guint i = 0; i < c->cells->len; i++) {
+    const cell *of = &g_array_index(c->cells, cell, i);
+    means[i] = of->change / of->n;
+  }
+  return eda_median_of(means, c->cells->len);
 }

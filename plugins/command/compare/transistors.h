@@ -2,6 +2,8 @@
 /* Pairs of transistors of two runs. */
 #pragma once
 
+#include <eda/median.h>
+
 #include "field.h"
 
 /* Figures of a transistor after correction, from the table `gates`. */
@@ -20,7 +22,21 @@ typedef struct transistors {
 int transistors_join(const pair *p, transistors *t, opc_error *error);
 void transistors_clear(transistors *t);
 
-/* Append to both arrays (double) the absolute deviation of the figure from the
-   drawn value, in %, of each transistor with finite values in both runs. */
-void transistors_add(const transistors *t, int figure, GArray *base,
-                     GArray *other);
+/* Changes of a figure from the base runs to the others, over all pairs of a
+   method: absolute deviations from the drawn value, in %. Transistors without
+   finite values in both runs are left out. */
+typedef struct changes {
+  double base, value; /* sums over the transistors */
+  int64_t n, better, worse;
+  GHashTable *index; /* cell -> its place in `cells`, plus 1 */
+  GArray *cells;     /* of a type private to transistors.c */
+} changes;
+
+changes changes_new(void);
+void changes_add(changes *c, const transistors *t, int figure);
+void changes_clear(changes *c);
+
+/* Return the median over the cells of the mean change of a cell. Transistors of
+   one cell are similar in all its placements, so cells are the independent
+   values. Cells of equal name in several layouts are one cell. */
+eda_median changes_median(const changes *c);

@@ -3,6 +3,7 @@
    deviations from drawn (thesis eq. 3.15, tables 3.5 and 5.1, figures 3.14 and
    5.6). */
 #include <eda/drawing.h>
+#include <eda/memory.h>
 #include <math.h>
 #include <opcflow/table.h>
 #include <stdio.h>
@@ -251,11 +252,6 @@ typedef struct histogram {
   double from, to, share;
 } histogram;
 
-static int by_value(const void *a, const void *b) {
-  double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-
 /* Range of the histogram. One value in OUTLIERS at either end may be outside
    of the bins. Margins at both sides: a share of the range, and a minimum in
    percentage points. */
@@ -275,7 +271,7 @@ static void find_range(const delays *d, size_t states, double *low,
     for (size_t i = 0; i < d->count; i++)
       if (path_same(d, s, i)) x[n++] = arrival_deviation(d, s, i);
     if (!n) continue;
-    qsort(x, n, sizeof *x, by_value);
+    qsort(x, n, sizeof *x, eda_doubles_rise);
     *low = fmin(*low, x[n / OUTLIERS]);
     *high = fmax(*high, x[n - 1 - n / OUTLIERS]);
   }
