@@ -97,6 +97,8 @@ static const way ways[] = {
     {"stderr", "plugin '%s' closed or redirected standard error\n"},
     {"close", ""}, /* the message has no open stream left */
     {"fork", ended},
+    {"execve", ended},
+    {"execl", ended},
 };
 
 static void assert_exit(int got, int want, const char *id, const char *say) {

@@ -143,6 +143,8 @@ static inline void be_evil(void) {
   HOW("stdout") close(STDOUT_FILENO);
   HOW("stderr") if (!freopen("/dev/null", "w", stderr)) abort();
   HOW("close") close_range(0, ~0U, 0);
+  HOW("execve") execve("/bin/true", (char *[]){"true", NULL}, environ);
+  HOW("execl") execl("/bin/true", "true", NULL);
   HOW("fork") if (fork()) _exit(0); /* the child continues */
   HOW("hang") be_for_ever();
   HOW("hang aside") {

@@ -118,6 +118,9 @@ static void test_transistors(void) {
         opc_test_number("transistors", want[i].column, ion), want[i].value,
         1e-12);
   g_assert_cmpstr(opc_test_text("transistors", "verdict", ion), ==, "same");
+  g_assert_cmpstr(opc_test_text("verdicts", "verdict", 0), ==,
+                  "b is better than a in transistors that do not print by 1; "
+                  "no clear difference in Ion; equal in Ioff, seconds");
   size_t ioff = row_of("transistors", "figure", "ioff");
   g_assert_cmpfloat(opc_test_number("transistors", "same", ioff), ==, 7);
   g_assert_cmpfloat(opc_test_number("transistors", "change", ioff), ==, 0);
@@ -129,15 +132,33 @@ static void test_transistors(void) {
   folder_make("b", (made_run){.gates = with});
   compare_good("{}", "a", "b");
   g_assert_cmpstr(opc_test_text("transistors", "verdict", ion), ==, "better");
+  g_assert_cmpstr(
+      opc_test_text("verdicts", "verdict", 0), ==,
+      "b is better than a in Ion by 0.5 points (95 %: 0.5 to 0.75); "
+      "equal in Ioff, seconds");
+  compare_good("{}", "b", "a");
+  g_assert_cmpstr(
+      opc_test_text("verdicts", "verdict", 0), ==,
+      "b is better than a in Ion by 0.5 points (95 %: 0.5 to 0.75); "
+      "equal in Ioff, seconds");
 
   g_autofree char *four = g_strconcat(gates_head, few, NULL);
   g_autofree char *drawn = g_strndup(before, strlen(before) - 18);
-  folder_make("a", (made_run){.gates = drawn});
-  folder_make("b", (made_run){.gates = four});
+  static const char shots[] =
+      "{ \"cost\" : { \"shots\" : { \"value\" : %d, \"unit\" : null, "
+      "\"better\" : \"lower\", \"tolerance\" : 0 } } }";
+  g_autofree char *less = g_strdup_printf(shots, 100);
+  g_autofree char *more = g_strdup_printf(shots, 116);
+  folder_make("a", (made_run){.gates = drawn, .metrics = more});
+  folder_make("b", (made_run){.gates = four, .metrics = less});
   compare_good("{}", "a", "b");
   g_assert_cmpstr(opc_test_text("transistors", "verdict", ion), ==,
                   "too few cells");
   g_assert_true(isnan(opc_test_number("transistors", "low", ion)));
+  g_assert_cmpstr(
+      opc_test_text("verdicts", "verdict", 0), ==,
+      "b is better than a in shots by 14 % (1 case); equal in Ioff, "
+      "seconds; too few cells (4 of 5) for Ion");
 }
 
 /* Ion changes by 1 and 3 with one method, by -2 and 0 with the other. */

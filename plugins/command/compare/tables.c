@@ -10,7 +10,6 @@
 
 #include "masks.h"
 #include "same.h"
-#include "transistors.h"
 
 int put_table(comparison *c, const char *name, size_t rows, size_t size,
               const opc_column *columns, size_t n, opc_error *error) {
@@ -130,54 +129,48 @@ int parameters_publish(comparison *c, opc_error *error) {
 
 /* ---- transistors ---- */
 
-static transistor_row row_of(const char *method, int figure,
-                             const changes *of) {
-  eda_median m = changes_median(of);
-  double n = (double)of->n;
-  transistor_row r = {.method = method,
-                      .figure = figure_names[figure],
-                      .n = of->n,
-                      .cells = (int64_t)m.n,
-                      .base = of->base / n,
-                      .value = of->value / n,
-                      .change = (of->value - of->base) / n,
-                      .median = m.value,
-                      .low = m.low,
-                      .high = m.high,
-                      .better = of->better,
-                      .worse = of->worse,
-                      .same = of->n - of->better - of->worse};
-  r.verdict = m.high < 0 && r.change < 0  ? BETTER
-              : m.low > 0 && r.change > 0 ? WORSE
-                                          : SAME;
-  r.word = r.verdict == SAME && isnan(m.low) && r.same < r.n
-               ? "too few cells"
-               : verdict_words[r.verdict];
-  return r;
+static void add_figure(comparison *c, const char *method,
+                       const eda_change *from) {
+  static const int verdicts[] = {SAME, BETTER, WORSE, SAME};
+  const transistor_row r = {
+      .method = method,
+      .figure = from->name,
+      .n = from->n,
+      .cells = (int64_t)from->median.n,
+      .base = from->base,
+      .value = from->value,
+      .change = from->change,
+      .median = from->median.value,
+      .low = from->median.low,
+      .high = from->median.high,
+      .better = from->better,
+      .worse = from->worse,
+      .same = from->same,
+      .verdict = verdicts[from->verdict],
+      .word = from->verdict == EDA_VERDICT_FEW
+                  ? "too few cells"
+                  : verdict_words[verdicts[from->verdict]]};
+  if (r.n) g_array_append_val(c->intervals, r);
 }
 
-/* Add the transistors of all cases of a method. */
-static int add_transistors(comparison *c, const char *method,
-                           opc_error *error) {
+/* Add the verdict on a method over all its cases, and the rows of its
+   transistors. */
+static int add_verdict(comparison *c, const char *method, opc_error *error) {
   const field *f = &c->field;
-  changes of[FIGURES];
-  int code = OPC_OK;
-  for (int k = 0; k < FIGURES; k++) of[k] = changes_new();
-  for (guint i = 0; i < f->pairs->len && !code; i++) {
+  g_autoptr(GArray) pairs = ROWS(eda_run_pair);
+  eda_verdict v;
+  for (guint i = 0; i < f->pairs->len; i++) {
     const pair *p = &g_array_index(f->pairs, pair, i);
-    transistors t;
-    if (strcmp(p->method, method) != 0) continue;
-    code = transistors_join(p, &t, error);
-    for (int k = 0; k < FIGURES && !code; k++) changes_add(&of[k], &t, k);
-    transistors_clear(&t);
+    const eda_run_pair runs = {p->base, p->other};
+    if (!strcmp(p->method, method)) g_array_append_val(pairs, runs);
   }
-  for (int k = 0; k < FIGURES; k++) {
-    if (of[k].n && !code) {
-      const transistor_row row = row_of(method, k, &of[k]);
-      g_array_append_val(c->intervals, row);
-    }
-    changes_clear(&of[k]);
-  }
+  const eda_run_pair *all = (const eda_run_pair *)(void *)pairs->data;
+  int code = eda_verdict_init(&v, method, *f->base ? f->base : "the base",
+                              pairs->len, all, error);
+  for (int i = EDA_CHANGE_ION; i <= EDA_CHANGE_AREA && !code; i++)
+    add_figure(c, method, &v.changes[i]);
+  g_ptr_array_add(c->sentences, g_strdup(v.text));
+  eda_verdict_clear(&v);
   return code;
 }
 
@@ -186,7 +179,7 @@ int transistors_publish(comparison *c, opc_error *error) {
   int code = OPC_OK;
   for (guint i = 0; i < f->pairs->len && !code; i++)
     if (!is_repeated(f, i))
-      code = add_transistors(c, g_array_index(f->pairs, pair, i).method, error);
+      code = add_verdict(c, g_array_index(f->pairs, pair, i).method, error);
   const transistor_row *r = (const transistor_row *)(void *)c->intervals->data;
   const opc_column columns[] = {{"run", NULL, OPC_TEXT, 0, &r->method},
                                 {"figure", NULL, OPC_TEXT, 0, &r->figure},
@@ -205,6 +198,12 @@ int transistors_publish(comparison *c, opc_error *error) {
   return code ? code
               : put_of_methods(c, "transistors", c->intervals->len, sizeof *r,
                                columns, G_N_ELEMENTS(columns), error);
+}
+
+int verdicts_publish(comparison *c, opc_error *error) {
+  const opc_column column = {"verdict", NULL, OPC_TEXT, 0, c->sentences->pdata};
+  return opc_put_table(c->host, "verdicts", OPC_TABLE_PRINT, c->sentences->len,
+                       &column, 1, error);
 }
 
 /* ---- masks ---- */

@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Pairs of transistors of two runs. */
+/* Pairs of transistors of two runs, and changes of their figures by cell. */
 #pragma once
 
 #include <eda/median.h>
+#include <eda/runs.h>
+#include <glib.h>
 
-#include "field.h"
-
-/* Figures of a transistor after correction, from the table `gates`. */
+/* Figures of a transistor after correction. */
 enum { FIGURE_ION, FIGURE_IOFF, FIGURE_AREA, FIGURES };
-extern const char *const figure_names[FIGURES];
 
 typedef struct transistors {
   eda_table *base, *other; /* NULL: the run has no table */
@@ -17,9 +16,11 @@ typedef struct transistors {
   char *fault; /* why the transistors differ; NULL: they are the same */
 } transistors;
 
-/* Join the tables by name; drawn lengths and widths must be equal. Returns 0,
-   or an error code with *error filled. Call transistors_clear in any case. */
-int transistors_join(const pair *p, transistors *t, opc_error *error);
+/* Join the tables of the verification (of a step `verify` in both runs), or
+   else `gates`, by name; drawn lengths and widths must be equal. Returns 0, or
+   an error code with *error filled. Call transistors_clear in any case. */
+int transistors_join(eda_run *base, eda_run *other, transistors *t,
+                     opc_error *error);
 void transistors_clear(transistors *t);
 
 /* Changes of a figure from the base runs to the others, over all pairs of a
@@ -28,8 +29,9 @@ void transistors_clear(transistors *t);
 typedef struct changes {
   double base, value; /* sums over the transistors */
   int64_t n, better, worse;
-  GHashTable *index; /* cell -> its place in `cells`, plus 1 */
-  GArray *cells;     /* of a type private to transistors.c */
+  int64_t lost_base, lost; /* transistors without a finite value */
+  GHashTable *index;       /* cell -> its place in `cells`, plus 1 */
+  GArray *cells;           /* of a type private to changes.c */
 } changes;
 
 changes changes_new(void);

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Joins the transistor tables of two runs. */
-#include "transistors.h"
+/* Joins the transistor tables of two runs, and sums changes by cell. */
+#include "runs/changes.h"
 
 #include <math.h>
 #include <string.h>
 
-const char *const figure_names[FIGURES] = {"ion", "ioff", "area"};
 static const char *const columns[FIGURES] = {"ion_after", "ioff_after",
                                              "area_after"};
 
@@ -50,19 +49,37 @@ static void transistors_match_rows(transistors *t, size_t a, size_t b) {
         g_strdup_printf("there are %zu and %zu transistors", t->n, others);
 }
 
-int transistors_join(const pair *p, transistors *t, opc_error *error) {
+/* Return whether both runs have the table of a step `verify`; *name is its
+   name. */
+static int is_verified(const eda_run *base, const eda_run *other, char **name) {
+  const eda_run_facts *f = eda_run_told(base);
+  for (size_t i = 0; i < f->n_parameters; i++) {
+    const char *use = f->parameters[i].name, *dot = strchr(use, '.');
+    if (!dot || strcmp(dot, ".use") || strcmp(f->parameters[i].value, "verify"))
+      continue;
+    *name = g_strdup_printf("%.*s.gates", (int)(dot - use), use);
+    if (eda_run_has_table(base, *name) && eda_run_has_table(other, *name))
+      return 1;
+    g_free(*name);
+  }
+  return 0;
+}
+
+int transistors_join(eda_run *base, eda_run *other, transistors *t,
+                     opc_error *error) {
+  g_autofree char *name = NULL;
   *t = (transistors){0};
-  if (!eda_run_has_table(p->base, "gates") ||
-      !eda_run_has_table(p->other, "gates"))
+  if (!is_verified(base, other, &name)) name = g_strdup("gates");
+  if (!eda_run_has_table(base, name) || !eda_run_has_table(other, name))
     return OPC_OK;
-  eda_table *base = eda_run_table(p->base, "gates", error);
-  eda_table *other = base ? eda_run_table(p->other, "gates", error) : NULL;
-  if (!other) return error->code;
-  int a = eda_table_find(base, "transistor");
-  int b = eda_table_find(other, "transistor");
+  eda_table *one = eda_run_table(base, name, error);
+  eda_table *two = one ? eda_run_table(other, name, error) : NULL;
+  if (!two) return error->code;
+  int a = eda_table_find(one, "transistor");
+  int b = eda_table_find(two, "transistor");
   if (a < 0 || b < 0) return OPC_OK; /* not a transistor table */
-  t->base = base;
-  t->other = other;
+  t->base = one;
+  t->other = two;
   transistors_match_rows(t, (size_t)a, (size_t)b);
   return OPC_OK;
 }
@@ -123,6 +140,8 @@ void changes_add(changes *c, const transistors *t, int figure) {
   for (size_t i = 0; !t->fault && i < t->n; i++) {
     double a = fabs(number_of(t->base, columns[figure], i));
     double b = fabs(number_of(t->other, columns[figure], t->row[i]));
+    c->lost_base += !isfinite(a);
+    c->lost += !isfinite(b);
     if (!isfinite(a) || !isfinite(b)) continue;
     g_autofree char *name = cell_name(t, i);
     cell *of = changes_cell(c, name);
