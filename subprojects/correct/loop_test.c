@@ -137,7 +137,7 @@ static const eda_synthesizer hasty = {.begin = begin_moves,
 
 /* ---- a regulator with one added shape ---- */
 
-static const eda_box added = {-20, 100, 30, 140};
+static const eda_box shape = {-20, 100, 30, 140};
 static const eda_box *added_given, *cutout_given;
 
 static int set_rules(void *self, const eda_printed *p, eda_ruling *r,
@@ -235,14 +235,14 @@ static void test_added(void) {
   opc_error error = {0};
   own.spoil = NULL;
   for (int early = 0; early < 2; early++) {
-    added_given = &added;
+    added_given = &shape;
     g_assert_cmpint(run_step(&l, early ? &hasty : &cutter,
                              MODULE(&regulator, NULL), &error),
                     ==, OPC_OK);
     /* Settled before the first displacements, or together with them. */
     g_assert_cmpuint(own.first_simulations, ==, early ? 2 : 3);
     eda_shapes box, outside, both;
-    correct_shapes_of_boxes((boxes_lists){&(eda_boxes){&added, 1}, 1}, &box);
+    correct_shapes_of_boxes((boxes_lists){&(eda_boxes){&shape, 1}, 1}, &box);
     g_assert_false(
         eda_boolean(EDA_NOT, &box, &l.mask[EDA_POLY], &outside, &error));
     g_assert_false(eda_boolean(EDA_NOT, &l.mask[EDA_POLY],
@@ -282,7 +282,7 @@ static void test_cutouts(void) {
   opc_error error = {0};
   eda_shapes box, gone, kept, rest;
   own.spoil = "at once";
-  added_given = &added;
+  added_given = &shape;
   own.updates = 0;
   g_assert_cmpint(run_step(&without, &hasty, MODULE(&regulator, NULL), &error),
                   ==, OPC_OK);
@@ -442,7 +442,7 @@ static int update_edges(void *self, const eda_feedback *f, eda_moves *m,
                         int *done, opc_error *error) {
   g_assert_cmpint(m->l[0], ==, MIN(4 * (int)f->iteration, 8));
   m->l[0] = m->w[0] = m->jog[0] = 99;
-  m->assists[EDA_POLY] = (eda_boxes){&added, 1};
+  m->assists[EDA_POLY] = (eda_boxes){&shape, 1};
   return update_moves(self, f, m, done, error);
 }
 
