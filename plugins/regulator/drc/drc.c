@@ -111,8 +111,8 @@ static void drc_check_print(drc *r, const eda_printed *p, eda_ruling *ruling) {
   smooth_masks(r, p);
   smooth_add_boxes(r);
   for (size_t k = 0; k < r->layers; k++) {
-    ruling->patches[k] = (eda_boxes){r->added[k].box, r->added[k].count};
-    ruling->bites[k] = (eda_boxes){r->cutouts[k].box, r->cutouts[k].count};
+    ruling->added[k] = (eda_boxes){r->added[k].box, r->added[k].count};
+    ruling->cutouts[k] = (eda_boxes){r->cutouts[k].box, r->cutouts[k].count};
   }
 }
 

@@ -46,10 +46,11 @@ typedef struct loop {
   int prepared;          /* 1: the extractor is prepared */
   int traced;            /* 1: record each simulation in `trace` */
   int hold;              /* 1: the guard reverts transistors worse than drawn */
-  double ion_limit;   /* largest allowed |Ion deviation|, %, of the guard, the
-                         verification and synthesizers without a limit of their
-                         own */
-  double fine_change; /* parameter of correct_fine_by_layer */
+  double ion_limit;    /* largest allowed |Ion deviation|, %, of the guard, the
+                          verification and synthesizers without a limit of their
+                          own */
+  const double *rules; /* [EDA_RULES], mask rules, nm; NULL: unknown */
+  double fine_change;  /* parameter of correct_fine_by_layer */
   driver drivers[DRIVERS];
   eda_printer printer;
   uint8_t *driver_of;   /* [layers], MAIN or EDGES */
@@ -95,7 +96,8 @@ OPC_EXPORT int correct_loop_refine(loop *loop, opc_error *error);
 
 /* Return the added shapes or, for `cutouts`, the cut-outs of the loop's start.
  */
-OPC_EXPORT eda_boxes correct_loop_begun(const loop *l, size_t layer, int bites);
+OPC_EXPORT eda_boxes correct_loop_begun(const loop *l, size_t layer,
+                                        int cutouts);
 
 /* Return the last simulation in the form that regulators receive. */
 OPC_EXPORT eda_printed correct_loop_printed(const loop *loop);
