@@ -4,7 +4,7 @@
 const data = JSON.parse(document.getElementById('data').textContent);
 const runs = data.runs;
 const main = document.getElementById('main');
-const FEW = 20; /* runs that are told of at length */
+const FEW = 20; /* most runs that are listed in detail */
 const methods = [...new Set(runs.map(r => r.method))], cases = [...new Set(runs.map(r => r.case))];
 const series_of = run => methods.indexOf(run.method);
 const name_of = run => (cases.length > 1 ? run.label : run.method);
