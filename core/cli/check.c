@@ -7,11 +7,14 @@ static GPtrArray *sets, *sweeps;
 static gboolean json, quick;
 
 static const cli_option options[] = {
-    {"set", "over what the flow says", "STEP.PARAMETER=VALUE", .list = &sets},
-    {"sweep", "also at these values", "STEP.PARAMETER=[...]", .list = &sweeps},
-    {"quick", "without reading inputs and asking steps what they will want",
+    {"set", "parameter value that replaces that of the flow",
+     "STEP.PARAMETER=VALUE", .list = &sets},
+    {"sweep", "parameter values to check as well", "STEP.PARAMETER=[...]",
+     .list = &sweeps},
+    {"quick",
+     "skip reading inputs and asking steps for their required resources",
      .flag = &quick},
-    {"json", "what is wrong as JSON, too", .flag = &json},
+    {"json", "list of problems also as JSON", .flag = &json},
     {0}};
 
 /* Print each message of instances once, even if several variants log the
@@ -90,7 +93,7 @@ static gboolean variant_requires_files(const opc_recipe *recipe,
     json_object_set_string_member(object, "parameter", file->path);
     json_array_add_object_element(told, object);
     if (!json)
-      cli_print("%s: asks for --set %s=FILE, %s\n", choice->variant, file->path,
+      cli_print("%s: requires --set %s=FILE, %s\n", choice->variant, file->path,
                 file->summary);
   }
   return TRUE;

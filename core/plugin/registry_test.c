@@ -26,32 +26,31 @@ static const struct {
 } faults[] = {
     {"bad.crash", "crashed while loading"},
     {"bad.default",
-     "default of parameter 'size': 'size' must be at most 65 nm,"
-     " not '66 nm'"},
-    {"bad.entry", "it has no function opcflow_plugin()"},
-    {"bad.exit", "it ended while loading"},
-    {"bad.field", "parameter 'size': its field is not in the instance"},
+     "default of parameter 'size': 'size' must be at most 65 nm, found '66 "
+     "nm'"},
+    {"bad.entry", "missing function opcflow_plugin()"},
+    {"bad.exit", "the process ended while loading"},
+    {"bad.field", "parameter 'size': the field is outside of the instance"},
     {"bad.follows",
-     "parameter 'size' follows from something, and is no number, required or "
-     "has a default"},
-    {"bad.function", "its function 'violations' is missing"},
-    {"bad.functions", "its function 'violations' is missing"},
+     "parameter 'size' follows from other values, and must be a number, not "
+     "required and without a default"},
+    {"bad.function", "the function 'violations' is missing"},
+    {"bad.functions", "the function 'violations' is missing"},
     {"bad.hang", "did not load within 0.5 s"},
-    {"bad.instance", "its instance has no room for the host"},
+    {"bad.instance", "the instance is too small for the pointer to the host"},
     {"bad.kind",
-     "its kind 'nothing' is not known: unknown plugin 'kind.nothing'"},
-    {"bad.licence", "it has no licence"},
+     "the kind 'nothing' is unknown: unknown plugin 'kind.nothing'"},
+    {"bad.licence", "the descriptor has no licence"},
     {"bad.major", "built for plugin interface 9.8, this is 0.8"},
     {"bad.minor", "built for plugin interface 0.7, this is 0.8"},
-    {"bad.name", "its id is 'bad.other', its file is called 'bad.name'"},
+    {"bad.name", "the id is 'bad.other', but the file name is 'bad.name'"},
     {"bad.null", "opcflow_plugin() returned nothing"},
-    {"bad.summary", "it has no summary"},
-    {"bad.twice", "parameter 'size' is there twice"},
+    {"bad.summary", "the descriptor has no summary"},
+    {"bad.twice", "parameter 'size' is declared twice"},
     {"bad.unit", "parameter 'size' has the unknown unit 'parsec'"},
-    {"bad.version", "it has no version"},
+    {"bad.version", "the descriptor has no version"},
     {"bad.width",
-     "parameter 'size': its field has 4 bytes, a value of the type 'real' has "
-     "8"},
+     "parameter 'size': the field has 4 bytes, expected for the type 'real' 8"},
 };
 
 static const opc_candidate *find(const GPtrArray *list, const char *id) {

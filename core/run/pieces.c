@@ -126,8 +126,8 @@ static void tell_cost(const opc_host *host, const keeper *k) {
   const opc_pieces *p = k->pieces;
   double end = (double)(g_get_monotonic_time() - k->last) * 1e-6;
   host->log(host, OPC_LOG_DEBUG,
-            "%zu of '%s': %zu found and %zu done here in %.2f s, taken in "
-            "%.2f s, %.0f bytes each",
+            "%zu work units of '%s': %zu reused and %zu computed here in %.2f "
+            "s, merged in %.2f s, %.0f bytes each",
             p->count, p->name, k->found, k->worked,
             (double)(k->last - k->begun) * 1e-6, end,
             p->count ? (double)k->bytes / (double)p->count : 0);

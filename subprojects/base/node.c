@@ -362,8 +362,7 @@ opc_node *opc_node_parse(const opc_source *source, const char *text,
   const opc_place at = {source->name, 1, 1};
   yaml_parser_delete(&b.parser);
   if (problems->list->len > before) return NULL;
-  if (!root)
-    opc_problem_add(problems, OPC_INVALID, &at, "there is nothing in it");
+  if (!root) opc_problem_add(problems, OPC_INVALID, &at, "the file is empty");
   return g_steal_pointer(&root);
 }
 

@@ -28,7 +28,7 @@ static gboolean check_range_keys(const opc_node *range,
   if (!opc_node_get(range, "from") || !opc_node_get(range, "to") ||
       !opc_node_get(range, "step"))
     good = opc_wrong(problems, range,
-                     "a range needs '{ from: A, to: B, step: C }'");
+                     "a range must be '{ from: A, to: B, step: C }'");
   return opc_node_check_keys(range, "from|to|step", " of a range", problems) &&
          good;
 }
@@ -41,14 +41,14 @@ static gboolean read_quantity(const opc_node *range, const char *key,
   const char *text = node->type == OPC_NODE_TEXT ? node->text : "";
   size_t length = opc_number_length(text);
   if (!length)
-    return opc_wrong(problems, node, "'%s' of a range needs a number", key);
+    return opc_wrong(problems, node, "'%s' of a range must be a number", key);
   out->unit = text + length + strspn(text + length, " ");
   const opc_unit *unit = opc_unit_find(out->unit);
   if (*out->unit && !unit) return opc_unknown_unit(node, out->unit, problems);
   const opc_unit *to = from ? opc_unit_find(from->unit) : unit;
   if (!unit != !to || (unit && opc_unit_noun(unit) != opc_unit_noun(to)))
     return opc_wrong(problems, node,
-                     "'%s' must be of the same dimension as 'from', not '%s'",
+                     "'%s' must be of the same dimension as 'from', found '%s'",
                      key, text);
   out->number = opc_number_in(text, length, unit, to);
   return isfinite(out->number) ||
@@ -77,7 +77,7 @@ static guint range_count(const opc_node *range, const quantity *from,
           : g_strdup("");
   if (count > most_values && isfinite(count))
     opc_wrong(problems, range,
-              "a range of %.0f values; at most %.0f are possible", count,
+              "the range has %.0f values, expected at most %.0f", count,
               most_values);
   else
     opc_wrong(problems, opc_node_get(range, "step"),

@@ -348,9 +348,9 @@ static void test_refused(void) {
   refused((corners_wish){.dose = {some, 2}, .weight = {some, 3}}, NULL,
           "3 weights for 2 corners");
   refused((corners_wish){.dose = {some, 2}, .weight = {minus, 2}}, NULL,
-          "a weight of -1");
+          "weight -1");
   refused((corners_wish){.dose = {some, 2}, .weight = {much, 2}}, NULL,
-          "a weight of 1e+308");
+          "weight 1e+308");
   refused((corners_wish){.dose = {some, 1}, .weight = {some, 1}}, NULL,
           "all weights are 0");
   refused((corners_wish){.weight = {some, 1}}, NULL, "1 weights for 0 corners");

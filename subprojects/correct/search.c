@@ -208,7 +208,8 @@ static int search_round(loop *l, opc_error *error) {
   for (size_t i = 0; i < s->bars.count; i++)
     total += eda_bars_gain(&map, s->bars.box[i], l->gates->grid);
   l->host->log(l->host, OPC_LOG_INFO,
-               "assist bars, round %d: %zu, which gain %.0f nm^2; %zu dropped",
+               "scatter bars, round %d: %zu, which reduce the band by %.0f "
+               "nm^2; %zu removed",
                (int)s->round + 1, s->bars.count, total, s->dropped);
   eda_field_clear(&map);
   s->round++;

@@ -21,10 +21,11 @@ static const char *process; /* --process */
 static gboolean json;
 
 static const cli_option options[] = {
-    {"kind", "by default what NAME begins with", "KIND", .text = &wanted},
+    {"kind", "kind of the plugin (default: first word of NAME)", "KIND",
+     .text = &wanted},
     {"process", "a flow that extends this one and works on INPUT", "NAME",
      .text = &process},
-    {"json", "tell the files as JSON", .flag = &json},
+    {"json", "print the files as JSON", .flag = &json},
     {0}};
 
 /* The new thing: its name "mine"; of a plugin also its id "step.mine" and its
@@ -87,8 +88,8 @@ static gboolean is_own_verb(const char *word) {
 static int settle_names(const char *given) {
   if (!opc_is_id(given))
     return cli_error(CLI_USAGE,
-                     "'%s' is no name for a plugin: lower_case words with dots "
-                     "between them",
+                     "'%s' cannot be the name of a plugin, expected lower_case "
+                     "words separated by dots",
                      given);
   const char *dot = strrchr(given, '.');
   g_autoptr(GPtrArray) kinds = opc_kind_names(cli_registry());
@@ -96,15 +97,15 @@ static int settle_names(const char *given) {
   id = dot ? g_strdup(given) : g_strconcat(kind, ".", given, NULL);
   name = g_strdup(dot ? dot + 1 : given);
   if (!strcmp(kind, OPC_KIND_COMMAND) && is_own_verb(name))
-    return cli_error(CLI_USAGE,
-                     "'opcflow %s' is there already: a plugin '%s' would never "
-                     "be called",
-                     name, id);
+    return cli_error(
+        CLI_USAGE,
+        "'opcflow %s' is built in: a plugin '%s' would never be called", name,
+        id);
   if (g_ptr_array_find_with_equal_func(kinds, kind, g_str_equal, NULL))
     return -1;
   if (!wanted)
     return cli_error(CLI_USAGE,
-                     "'new plugin' needs --kind, see 'opcflow help new'");
+                     "'new plugin' requires --kind, see 'opcflow help new'");
   g_autofree char *suggestion = opc_suggestion(kind, kinds);
   return cli_error(CLI_USAGE, "unknown kind '%s'%s", kind,
                    *suggestion ? suggestion : ", see 'opcflow help new'");
@@ -124,7 +125,7 @@ static int make_folder(void) {
 static int new_plugin(const GPtrArray *arguments) {
   if (arguments->len < 2)
     return cli_error(CLI_USAGE,
-                     "'new plugin' needs NAME, see 'opcflow help new'");
+                     "'new plugin' requires NAME, see 'opcflow help new'");
   int code = settle_names(arguments->pdata[1]);
   if (code >= 0) return code;
   opc_error error = {0};
@@ -132,8 +133,7 @@ static int new_plugin(const GPtrArray *arguments) {
   if (!its) return cli_fail(&error);
   g_auto(GStrv) own = own_names(kind);
   if (!own && !its->n_templates)
-    return cli_error(CLI_PLUGIN, "the kind '%s' does not say how one begins",
-                     kind);
+    return cli_error(CLI_PLUGIN, "the kind '%s' has no template", kind);
   folder = g_strdup(arguments->len > 2 ? arguments->pdata[2] : id);
   code = make_folder();
   for (guint i = 0; own && own[i] && code < 0; i++)
@@ -221,7 +221,9 @@ static GArray *find_open(const char *path, int *code) {
   g_autoptr(GArray) open = flow ? cli_open_files(flow) : NULL;
   if (open && open->len) return g_steal_pointer(&open);
   *code = flow ? cli_error(CLI_USAGE,
-                           "'%s' leaves no file open: it is no process", path)
+                           "'%s' has no input file left to set and is "
+                           "therefore not a process",
+                           path)
                : cli_problems(problems);
   return NULL;
 }
@@ -256,7 +258,7 @@ static int extend_process(const char *input, const char *file) {
   g_string_append_c(text, '\n');
   for (guint i = 1; i < open->len; i++)
     g_string_append_printf(text, "%s#   --set %s=FILE    %s\n",
-                           i == 1 ? "# Still to be given, here or as\n" : "",
+                           i == 1 ? "# Parameters to set, here or as\n" : "",
                            left[i].path, left[i].summary);
   return template_write(file, text->str, FALSE);
 }
@@ -269,7 +271,7 @@ static int name_after(const char *file) {
   for (char *c = name; *c; c++)
     if (!g_ascii_isalnum(*c) && *c != '-') *c = '_';
   if (g_ascii_isalnum(*name)) return -1;
-  return cli_error(CLI_USAGE, "'%s' is no name for a flow", file);
+  return cli_error(CLI_USAGE, "'%s' cannot be the name of a flow", file);
 }
 
 /* The files that the flow reads may exist already. */
@@ -278,8 +280,7 @@ static int new_flow(const GPtrArray *arguments) {
   const char *path = arguments->len > at ? arguments->pdata[at] : "flow.yaml";
   if (process && arguments->len < 2)
     return cli_error(CLI_USAGE,
-                     "'--process' needs INPUT, the file that the "
-                     "flow works on");
+                     "'--process' requires INPUT, the input file of the flow");
   if (arguments->len > at + 1)
     return cli_error(CLI_USAGE, "'new flow' does not take '%s'",
                      (char *)arguments->pdata[at + 1]);
@@ -296,8 +297,8 @@ static int new_flow(const GPtrArray *arguments) {
     g_autoptr(GPtrArray) names = base_names(flows);
     g_autofree char *all = known_names(names);
     return cli_error(CLI_USAGE,
-                     "'%s' exists: a flow that works on it comes by 'opcflow "
-                     "new flow --process NAME %s'%s",
+                     "'%s' exists: create a flow for this file by 'opcflow new "
+                     "flow --process NAME %s'%s",
                      path, path, all);
   }
   int code = name_after(file);
@@ -327,10 +328,10 @@ static int new_run(const cli_verb *verb, const GPtrArray *arguments) {
   gboolean plugin = !strcmp(what, "plugin");
   files = g_ptr_array_new_with_free_func(g_free);
   if (!plugin && strcmp(what, "flow") != 0)
-    return cli_error(CLI_USAGE, "'new' makes a 'plugin' or a 'flow', not '%s'",
-                     what);
+    return cli_error(CLI_USAGE,
+                     "'new' creates a 'plugin' or a 'flow', found '%s'", what);
   if (plugin && process)
-    return cli_error(CLI_USAGE, "'--process' goes with 'new flow'");
+    return cli_error(CLI_USAGE, "'--process' requires 'new flow'");
   int code = plugin ? new_plugin(arguments) : new_flow(arguments);
   return code < 0 ? files_print() : code;
 }

@@ -132,11 +132,12 @@ static void test_bad(void) {
   g_assert_nonnull(strstr(error.message, "grids of 1 nm and 2 nm"));
   g_assert_null(d);
   compare(end(begin(1), TRUE), end(begin(1), FALSE), &d, &n, &error);
-  g_assert_nonnull(strstr(error.message, "byte 34: not GDSII, or cut short"));
+  g_assert_nonnull(
+      strstr(error.message, "byte 34: not a GDSII file, or truncated"));
   GByteArray *a = begin(1);
   put(a, EDA_GDS_SREF, EDA_GDS_NOTHING, "", 0);
   compare(end(a, TRUE), end(begin(1), TRUE), &d, &n, &error);
-  g_assert_nonnull(strstr(error.message, "more than the polygons"));
+  g_assert_nonnull(strstr(error.message, "other than the polygons"));
   a = begin(1);
   put(a, EDA_GDS_LAYER, EDA_GDS_INT2, "", 1);
   compare(end(a, TRUE), end(begin(1), TRUE), &d, &n, &error);

@@ -162,10 +162,10 @@ static int check_all(const pass *p, shelf *s, opc_error *error) {
   if (code) return code;
   if (p->damaged)
     return opc_fail(error, OPC_IO, NULL,
-                    "%zu of %u cells are damaged: 'opcflow library prune' "
-                    "takes them away, the next run corrects them anew",
+                    "%zu of %u cells are damaged: remove them by 'opcflow "
+                    "library prune', the next run corrects them again",
                     p->damaged, p->lines->len);
-  p->v->host->log(p->v->host, OPC_LOG_INFO, "%u cells are sound",
+  p->v->host->log(p->v->host, OPC_LOG_INFO, "%u cells are valid",
                   p->lines->len);
   return OPC_OK;
 }
@@ -228,7 +228,7 @@ static int library_run(void *self, size_t n, const char *const *arguments,
   const verb *v = self;
   if (!n || !g_strv_contains(verbs, arguments[0]))
     return opc_fail(error, OPC_INVALID, NULL,
-                    "say what to do: list, show, check or prune");
+                    "expected an action: list, show, check or prune");
   if (!strcmp(arguments[0], "show") && n < 2)
     return opc_fail(error, OPC_INVALID, NULL, "name the cells to show");
   g_autofree char *path = v->database ? g_strdup(v->database) : shelf_place();

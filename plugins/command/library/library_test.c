@@ -139,7 +139,7 @@ static void test_damaged(void) {
   opc_error error;
   make_anew();
   g_assert_cmpint(library("", &error, "check", NULL), ==, OPC_OK);
-  g_assert_nonnull(strstr(opc_test_log(), "2 cells are sound"));
+  g_assert_nonnull(strstr(opc_test_log(), "2 cells are valid"));
   g_free(
       ask("UPDATE cell SET data = substr(data, 1, 100) WHERE cell = "
           "'long'"));

@@ -467,10 +467,10 @@ static void test_refused(void) {
   refused("{ " PAIR("first", 0.3) ", file: a.jpg }", &w, &l, OPC_INVALID,
           ".png, .svg or .pdf");
   refused("{ " PAIR("first", 0.3) ", window: [0 nm, 1 nm] }", &w, &l,
-          OPC_INVALID, "needs 4 lengths");
+          OPC_INVALID, "must be 4 lengths");
   refused("{ " PAIR("first", 0.3) ", second: { litho: { use: litho.hopkins } } "
           "}",
-          &w, &l, OPC_INVALID, "'second.litho' needs 'second.resist'");
+          &w, &l, OPC_INVALID, "'second.litho' requires 'second.resist'");
   refused("{ " PAIR("first", 0.3) ", third: { resist: { use: resist.threshold "
           "} } }",
           &w, &l, OPC_INVALID, "'third.resist' needs 'third.litho'");
@@ -491,7 +491,7 @@ static void test_refused(void) {
   g_autoptr(opc_module) m =
       opc_test_module("draw.image", "{ " PAIR("first", 0.3) " }", &error);
   g_assert_cmpint(opc_test_run(m, none, &error), ==, OPC_INVALID);
-  g_assert_nonnull(strstr(error.message, "one of 'mask' and 'gates'"));
+  g_assert_nonnull(strstr(error.message, "either 'mask' or 'gates'"));
 }
 
 int main(int argc, char **argv) {

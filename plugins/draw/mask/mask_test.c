@@ -486,10 +486,11 @@ static void refused(const char *mapping, const char *parameter,
 static void test_refused(void) {
   refused("{ file: mask.jpg }", "'mask.jpg'", ".png, .svg or .pdf");
   refused("{ file: png }", "'png'", ".png, .svg or .pdf");
-  refused("{ window: [0 nm, 0 nm, 1 um] }", "window", "needs 4 lengths");
+  refused("{ window: [0 nm, 0 nm, 1 um] }", "window", "must be 4 lengths");
   refused("{ window: [0 nm, 1 um, 1 um, 1 um] }", "window", "at least 1 nm");
   refused("{ window: [1 um, 0 nm, 0 nm, 1 um] }", "window", "at least 1 nm");
-  refused("{ window: [-1e30 nm, 0 nm, 0 nm, 1 um] }", "window", "too far");
+  refused("{ window: [-1e30 nm, 0 nm, 0 nm, 1 um] }", "window",
+          "outside of the range");
   refused("{ width: 100 }", "width", "200");
   refused("{ scale: 2 }", "scale", "a percentage above 0");
   refused("{ scale: -2 % }", "scale", "a percentage above 0");

@@ -75,13 +75,16 @@ static void try_violations(opc_inspector *in, const opc_module *m,
   int code = o->violations(m->self, printed, list, ROOM, &many, &error);
   if (!try_went_well(in, "violations", code, &error)) return;
   code = o->violations(m->self, printed, NULL, 0, &none, &error);
-  if (!try_went_well(in, "violations without room", code, &error)) return;
+  if (!try_went_well(in, "no memory is provided for violations", code, &error))
+    return;
   code = eda_check_violations(list, many < ROOM ? many : ROOM,
                               printed->gates->count, &error);
   if (try_is_sound(in, "violations", code, &error))
     try_places(in, printed->gates, list, many < ROOM ? many : ROOM);
   if (many != none)
-    in->find(in, "violations counts %zu with room and %zu without", many, none);
+    in->find(in,
+             "violations returns the number %zu with an array and %zu without",
+             many, none);
 }
 
 static void exercise(const opc_module *m, opc_inspector *in) {
@@ -110,4 +113,4 @@ static void exercise(const opc_module *m, opc_inspector *in) {
 static const opc_function required[] = {
     OPC_FUNCTION(eda_regulator, rule), OPC_FUNCTION(eda_regulator, violations)};
 OPC_KIND("regulator", eda_regulator,
-         "regulators: what holds the correction within rules");
+         "regulators: rules that bound the correction");

@@ -123,7 +123,7 @@ static void try_verdicts(opc_inspector *in, const opc_module *m) {
   for (size_t i = 0; o->verdict && i < GATES; i++) {
     const char *why = o->verdict(m->self, i);
     if (why && !g_utf8_validate(why, -1, NULL))
-      in->find(in, "verdict gave a text that is not UTF-8");
+      in->find(in, "verdict returned a text that is not UTF-8");
   }
 }
 
@@ -179,4 +179,4 @@ static void exercise(const opc_module *m, opc_inspector *in) {
 static const opc_function required[] = {OPC_FUNCTION(eda_synthesizer, begin),
                                         OPC_FUNCTION(eda_synthesizer, update)};
 OPC_KIND("synthesizer", eda_synthesizer,
-         "synthesizers: from what was measured to the next moves");
+         "synthesizers: edge displacements from measured transistors");

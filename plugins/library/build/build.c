@@ -82,8 +82,8 @@ static GVariant *cell_pack(const builder *r, const cut_out *cell, loop *l) {
   eda_moved *moved = correct_moved_of(l);
   if (!moved) {
     opc_fail(r->error, OPC_INVALID, "synthesizer",
-             "%s moves fragments of edges or adds bars: a library requires a "
-             "synthesizer that moves transistors",
+             "%s moves fragments of edges or adds scatter bars: a library "
+             "requires a synthesizer that moves the edges of transistors",
              r->b->with.synthesizer->id);
     return NULL;
   }
@@ -150,7 +150,7 @@ static int take_cell(builder *r, const cut_out *cell, shelf_row *row,
   if (code) return code;
   if (damaged)
     r->b->host->log(r->b->host, OPC_LOG_WARNING,
-                    "cell '%s' is damaged in '%s': it is corrected anew",
+                    "cell '%s' is damaged in '%s' and is corrected again",
                     row->cell, r->out->database);
   g_autoptr(entry) e = data ? correct_entry_unpack(data) : NULL;
   if (e) sum_up(data, &result->ion_mean, &result->ion_max);
@@ -279,8 +279,8 @@ static const opc_parameter parameters[] = {
     CORRECT_FINE(build),
     CORRECT_GUARD(build),
     CORRECT_ION_LIMIT(build,
-                      "Largest allowed |Ion deviation|: the guard "
-                      "accepts it whatever the drawn mask has"),
+                      "Largest allowed |Ion deviation|: the guard accepts any "
+                      "transistor within the limit"),
 };
 
 static const opc_metric metrics[] = {

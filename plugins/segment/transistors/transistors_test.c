@@ -235,7 +235,7 @@ static void test_instances(void) {
   draw(&inverter, "poly", 200, -50, 240, 50);
   refused(&d, "{}", OPC_INVALID,
           "transistor from (1200, 0) to (1270, 100) nm, cell 'INV', instance "
-          "'X1': it is not a rectangle");
+          "'X1': the gate is not a rectangle");
 }
 
 static void test_cancel(void) {

@@ -86,7 +86,7 @@ static void refuse(const eda_placement *p, const char *name, const char *why) {
 
 static void test_refusals(void) {
   eda_placement p = {{0, 0}, 1, 0, 0, 1, 1, {0, 0}, {0, 0}};
-  refuse(&p, "A;B", "'A;B': CIF has no cells of such a name");
+  refuse(&p, "A;B", "'A;B' is not allowed as the name of a cell in CIF");
   p.magnification = 2;
   refuse(&p, "LEAF", "'LEAF' in 'TOP': CIF cannot magnify a cell");
   p.magnification = 1;
@@ -94,7 +94,7 @@ static void test_refusals(void) {
   refuse(&p, "LEAF", "'LEAF' in 'TOP': CIF output supports");
   p.angle = 0;
   p.columns = p.rows = 1u << 31;
-  refuse(&p, "LEAF", "'LEAF' in 'TOP': CIF knows no arrays");
+  refuse(&p, "LEAF", "'LEAF' in 'TOP': CIF has no arrays");
   opc_error e = {0};
   eda_layout *layout = new_layout(1e-10);
   eda_layout_cell(layout, "TOP", &e);

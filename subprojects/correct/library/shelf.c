@@ -31,17 +31,19 @@ static const char tables[] =
 static int shelf_fail(const shelf *s, opc_error *error) {
   int code = sqlite3_errcode(s->db) & 0xff;
   if (code == SQLITE_BUSY || code == SQLITE_LOCKED)
-    return opc_fail(error, OPC_IO, NULL,
-                    "'%s' is locked by another process since more than %d s",
-                    s->path, PATIENCE / 1000);
+    return opc_fail(
+        error, OPC_IO, NULL,
+        "'%s' has been locked by another process for more than %d s", s->path,
+        PATIENCE / 1000);
   if (code == SQLITE_NOTADB)
-    return opc_fail(error, OPC_INVALID, NULL,
-                    "'%s' is no database of SQLite, or its head is damaged",
-                    s->path);
+    return opc_fail(
+        error, OPC_INVALID, NULL,
+        "'%s' is not an SQLite database, or the file header is damaged",
+        s->path);
   if (code == SQLITE_CORRUPT)
     return opc_fail(error, OPC_IO, NULL,
-                    "'%s' is damaged (%s): remove it, and the cells are "
-                    "corrected anew",
+                    "'%s' is damaged (%s): remove the file, then all cells are "
+                    "corrected again",
                     s->path, sqlite3_errmsg(s->db));
   return opc_fail(error, OPC_IO, NULL, "'%s': %s", s->path,
                   sqlite3_errmsg(s->db));
@@ -121,8 +123,8 @@ static int look_at_head(const shelf *s, gboolean make, opc_error *error) {
                     s->path);
   if (version != VERSION)
     return opc_fail(error, OPC_INVALID, NULL,
-                    "'%s' is a library of version %d, and this opcflow has "
-                    "%d: give another 'database'",
+                    "'%s' is a library of version %d, but this opcflow "
+                    "requires version %d: set another 'database'",
                     s->path, (int)version, VERSION);
   return OPC_OK;
 }
@@ -130,7 +132,7 @@ static int look_at_head(const shelf *s, gboolean make, opc_error *error) {
 shelf *shelf_open(const char *path, gboolean make, opc_error *error) {
   g_autofree char *folder = g_path_get_dirname(path);
   if (!make && !g_file_test(path, G_FILE_TEST_EXISTS)) {
-    opc_fail(error, OPC_IO, NULL, "there is no library '%s'", path);
+    opc_fail(error, OPC_IO, NULL, "library '%s' does not exist", path);
     return NULL;
   }
   if (make) (void)g_mkdir_with_parents(folder, 0777);

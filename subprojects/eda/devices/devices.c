@@ -129,8 +129,8 @@ static const yaml_node_t *get_map(reader *r, const yaml_node_t *parent,
 static gboolean is_text(reader *r, const yaml_node_t *node, const char *key,
                         const char *wanted, const char *rest) {
   if (node->type != YAML_SCALAR_NODE)
-    return wrong(r, &node->start_mark, "'%s' needs %s%s, not %s", key, wanted,
-                 rest, noun(node));
+    return wrong(r, &node->start_mark, "'%s' requires %s%s, found %s", key,
+                 wanted, rest, noun(node));
   if (*text_of(node) || node->data.scalar.style != YAML_PLAIN_SCALAR_STYLE)
     return TRUE;
   return wrong(r, &node->start_mark, "'%s' has no value", key);
@@ -174,10 +174,10 @@ static const unit *check_unit(reader *r, const yaml_mark_t *at, const char *key,
   const unit *found = find_unit(name);
   if (found && found->noun == wanted->noun) return found;
   if (!*name) {
-    wrong(r, at, "'%s' needs %s with its unit, e.g. '%s %s'", key, wanted->noun,
-          number, wanted->name);
+    wrong(r, at, "'%s' requires %s with a unit, e.g. '%s %s'", key,
+          wanted->noun, number, wanted->name);
   } else if (found) {
-    wrong(r, at, "'%s' needs %s, not '%s'", key, wanted->noun, text);
+    wrong(r, at, "'%s' requires %s, found '%s'", key, wanted->noun, text);
   } else {
     const char *names[G_N_ELEMENTS(units) + 1] = {NULL};
     for (size_t i = 0; i < G_N_ELEMENTS(units); i++) names[i] = units[i].name;
@@ -194,12 +194,12 @@ static gboolean read_number(reader *r, const yaml_node_t *node, const char *key,
                             gboolean positive, double *out) {
   const unit *wanted = find_unit(in);
   const yaml_mark_t *at = &node->start_mark;
-  if (!is_text(r, node, key, wanted->noun, " with its unit")) return FALSE;
+  if (!is_text(r, node, key, wanted->noun, " with a unit")) return FALSE;
   g_autofree char *text =
       g_strjoin(given ? " " : NULL, text_of(node), given, NULL);
   g_autoptr(GMatchInfo) match = NULL;
   if (!g_regex_match(r->number, text, 0, &match))
-    return wrong(r, at, "'%s' needs %s with its unit, not '%s'", key,
+    return wrong(r, at, "'%s' requires %s with a unit, found '%s'", key,
                  wanted->noun, text);
   g_autofree char *number = g_match_info_fetch(match, 1);
   g_autofree char *digits = g_match_info_fetch(match, 2);
@@ -214,7 +214,7 @@ static gboolean read_number(reader *r, const yaml_node_t *node, const char *key,
   if (!isfinite(*out))
     return wrong(r, at, "'%s' is too large: '%s'", key, text);
   if (positive && !(*out > 0))
-    return wrong(r, at, "'%s' must be above 0 %s, not '%s'", key, in, text);
+    return wrong(r, at, "'%s' must be above 0 %s, found '%s'", key, in, text);
   return TRUE;
 }
 
@@ -251,7 +251,7 @@ static const yaml_node_t *get_list(reader *r, const yaml_node_t *parent,
     *given = text_of(of);
     return list;
   }
-  wrong(r, &map->start_mark, "'%s' needs '{ unit: %s, values: [...] }'", key,
+  wrong(r, &map->start_mark, "'%s' must be '{ unit: %s, values: [...] }'", key,
         in);
   return NULL;
 }
@@ -278,8 +278,9 @@ static double *get_rows(reader *r, const yaml_node_t *parent, const char *key,
   const yaml_node_t *list = get_list(r, parent, key, in, &given);
   if (!list) return NULL;
   if (items(list) != rows) {
-    wrong(r, &list->start_mark, "'%s' has %zu lists, 'width' has %zu", key,
-          items(list), rows);
+    wrong(r, &list->start_mark,
+          "'%s' has %zu lists, expected %zu as in 'width'", key, items(list),
+          rows);
     return NULL;
   }
   double *all = eda_alloc(rows * columns, sizeof *all), *to = all;
@@ -287,9 +288,9 @@ static double *get_rows(reader *r, const yaml_node_t *parent, const char *key,
   for (size_t i = 0; i < rows && good; i++) {
     const yaml_node_t *row = node_of(r, list->data.sequence.items.start[i]);
     if (!is_list(row) || items(row) != columns)
-      good =
-          wrong(r, &row->start_mark,
-                "'%s' needs a list of %zu values for each width", key, columns);
+      good = wrong(r, &row->start_mark,
+                   "'%s' must be a list of %zu values for each width", key,
+                   columns);
     else
       good = read_items(r, row, key, given, in, &to);
   }
@@ -318,7 +319,7 @@ static void read_lengths(reader *r, const yaml_node_t *root) {
   if (!lengths) return;
   const yaml_node_t *list = look_up(r, look_up(r, root, "length"), "values");
   if (d->count < 2)
-    wrong(r, &list->start_mark, "'length' needs two values or more");
+    wrong(r, &list->start_mark, "'length' must have at least two values");
   check_rise(r, root, "length", "lengths", lengths, d->count);
   d->length = lengths;
 }
@@ -337,7 +338,8 @@ static void read_widths(reader *r, const yaml_node_t *root) {
   double *widths = get_column(r, root, "width", "nm", &count);
   if (!widths) return;
   if (count < 2)
-    wrong(r, &node->start_mark, "a list of widths needs two values or more");
+    wrong(r, &node->start_mark,
+          "a list of widths must have at least two values");
   check_rise(r, root, "width", "widths", widths, count);
   if (count) d->width = widths[count - 1];
   d->narrow = count > 1 ? count - 1 : 0;
@@ -352,7 +354,8 @@ static double *read_row(reader *r, const yaml_node_t *map, const char *key,
   double *row = get_column(r, map, key, in, &count);
   if (row && d->length && count != d->count)
     wrong(r, &look_up(r, map, key)->start_mark,
-          "'%s' has %zu values, 'length' has %zu", key, count, d->count);
+          "'%s' has %zu values, expected %zu as in 'length'", key, count,
+          d->count);
   for (size_t j = 0; row && d->width > 0 && j < count; j++) row[j] /= d->width;
   return row;
 }
@@ -409,10 +412,10 @@ static void read_version(reader *r, const yaml_node_t *node, const char *key) {
   if (!is_text(r, node, key, "a whole number", "")) return;
   const char *text = text_of(node), *digits = text + (*text == '-');
   if (!*digits || strspn(digits, "0123456789") != strlen(digits))
-    wrong(r, &node->start_mark, "'%s' needs a whole number, not '%s'", key,
+    wrong(r, &node->start_mark, "'%s' must be a whole number, found '%s'", key,
           text);
   else if (strtoll(text, NULL, 10) != 1)
-    wrong(r, &node->start_mark, "'%s' must be at %s 1, not '%s'", key,
+    wrong(r, &node->start_mark, "'%s' must be at %s 1, found '%s'", key,
           strtoll(text, NULL, 10) < 1 ? "least" : "most", text);
 }
 
@@ -421,11 +424,11 @@ static void check_flavour(reader *r, const yaml_node_t *root) {
   const eda_devices *d = r->devices, *other = r->first;
   const yaml_node_t *node = look_up(r, root, "flavour");
   if (!node && d != other)
-    wrong(r, &root->start_mark, "a further table needs 'flavour'");
+    wrong(r, &root->start_mark,
+          "'flavour' is missing, required for all tables after the first");
   if (!node || !d->flavour) return;
   if (d == other)
-    wrong(r, &node->start_mark,
-          "the first table is of the transistors without a flavour");
+    wrong(r, &node->start_mark, "the first table must not have a 'flavour'");
   for (; other != d; other = other->next)
     if (other->flavour && !strcmp(other->flavour, d->flavour))
       wrong(r, &node->start_mark, "a second table of flavour '%s'", d->flavour);
@@ -471,7 +474,8 @@ static void read_table(reader *r, const yaml_node_t *root) {
       "temperature",     "width",    "length",  "ion",    "ioff",
       "cgate",           "extended", "nmos",    "pmos",   NULL};
   if (root->type != YAML_MAPPING_NODE) {
-    wrong(r, &root->start_mark, "a device table is a map, not %s", noun(root));
+    wrong(r, &root->start_mark, "a device table must be a map, found %s",
+          noun(root));
     return;
   }
   check_keys(r, root, known);
@@ -536,8 +540,7 @@ static void read_text(reader *r, const char *text, size_t n) {
     yaml_document_delete(&r->document);
   }
   yaml_document_delete(&r->document);
-  if (!r->first && !r->faults)
-    wrong(r, &(yaml_mark_t){0}, "there is nothing in it");
+  if (!r->first && !r->faults) wrong(r, &(yaml_mark_t){0}, "the file is empty");
   yaml_parser_delete(&parser);
 }
 

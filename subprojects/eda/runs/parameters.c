@@ -76,7 +76,7 @@ static int add_map(walk *w, const char *before, const yaml_node_t *map) {
     const yaml_node_t *key = runs_node(w->flow, pair->key);
     const yaml_node_t *value = runs_node(w->flow, pair->value);
     const char *word = runs_word(key);
-    if (!word) return runs_fail(w->flow, key, w->error, "a key is no text");
+    if (!word) return runs_fail(w->flow, key, w->error, "a key is not a text");
     const char *name = text_keep(
         w, g_strdup_printf("%s%s%s", before, *before ? "." : "", word));
     if (value->type == YAML_MAPPING_NODE)

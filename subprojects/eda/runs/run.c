@@ -35,7 +35,7 @@ static void *read_list(reading *r, const char *key, size_t size, size_t *n,
   *n = 0;
   if (!list) return NULL;
   if (list->type != YAML_SEQUENCE_NODE) {
-    runs_fail(r->tree, list, r->error, "'%s' is no list", key);
+    runs_fail(r->tree, list, r->error, "'%s' is not a list", key);
     return NULL;
   }
   const yaml_node_item_t *item = list->data.sequence.items.start;
@@ -51,9 +51,8 @@ static void *read_list(reading *r, const char *key, size_t size, size_t *n,
 static int text_required(reading *r, yaml_node_t *map, const char *key,
                          const char **text) {
   *text = runs_word(runs_get(r->tree, map, key));
-  return *text
-             ? OPC_OK
-             : runs_fail(r->tree, map, r->error, "there is no text '%s'", key);
+  return *text ? OPC_OK
+               : runs_fail(r->tree, map, r->error, "text '%s' is missing", key);
 }
 
 static int read_file(reading *r, yaml_node_t *node, void *to) {
@@ -104,7 +103,7 @@ static int read_metric(reading *r, const char *step, const yaml_node_pair_t *at,
   yaml_node_t *node = runs_node(r->tree, at->value);
   const char *name = runs_word(runs_node(r->tree, at->key)), *better;
   if (!name || node->type != YAML_MAPPING_NODE)
-    return runs_fail(r->tree, node, r->error, "is no metric");
+    return runs_fail(r->tree, node, r->error, "is not a metric");
   if (text_required(r, node, "better", &better)) return r->error->code;
   eda_run_metric m = {
       .name = g_strdup_printf("%s.%s", step, name),
@@ -115,10 +114,10 @@ static int read_metric(reading *r, const char *step, const yaml_node_pair_t *at,
   while (words[m.better] && strcmp(words[m.better], better) != 0) m.better++;
   if (!words[m.better])
     return runs_fail(r->tree, node, r->error,
-                     "'better' is neutral, lower or higher, not '%.40s'",
+                     "'better' must be neutral, lower or higher, found '%.40s'",
                      better);
   if (!(m.tolerance >= 0)) /* also for NAN */
-    return runs_fail(r->tree, node, r->error, "'tolerance' is no number");
+    return runs_fail(r->tree, node, r->error, "'tolerance' is not a number");
   g_array_append_val(out, m);
   return OPC_OK;
 }
@@ -205,7 +204,7 @@ static int read_flow(reading *r) {
   yaml_node_t *format = runs_get(r->tree, root, "opcflow");
   if (!format || g_strcmp0(runs_word(format), "1") != 0)
     return runs_fail(r->tree, format ? format : root, r->error,
-                     "is a flow of the format '%.20s', and '1' is known here",
+                     "is a flow of the format '%.20s', expected '1'",
                      format && runs_word(format) ? runs_word(format) : "");
   if (text_required(r, root, "name", &f->name)) return r->error->code;
   GArray *all = g_array_new(FALSE, FALSE, sizeof(eda_run_parameter));
@@ -232,7 +231,7 @@ static int open_all(eda_run *run, opc_error *error) {
     reading r = {run, parts[i].tree, error};
     if (!g_file_test(path, G_FILE_TEST_EXISTS))
       return opc_fail(error, OPC_IO, NULL,
-                      "'%s' is no run folder: it has no %s", folder,
+                      "'%s' is not a run folder: %s is missing", folder,
                       parts[i].file);
     code = runs_tree_open(r.tree, path, error);
     if (!code) code = parts[i].read(&r);

@@ -26,12 +26,13 @@ char *runs_text(const char *path, size_t most, opc_error *error) {
   else if (!S_ISREG(about.st_mode))
     opc_fail(error, OPC_IO, NULL, "'%s': is not a regular file", path);
   else if ((uint64_t)about.st_size > most)
-    opc_fail(error, OPC_INVALID, NULL, "'%s' has %jd bytes, more than %zu",
-             path, (intmax_t)about.st_size, most);
+    opc_fail(error, OPC_INVALID, NULL,
+             "'%s' has %jd bytes, expected at most %zu", path,
+             (intmax_t)about.st_size, most);
   else if (!g_file_get_contents(path, &text, &size, &trouble))
     opc_fail(error, OPC_IO, NULL, "%s", trouble->message);
   else if (!g_utf8_validate(text, (gssize)size, &end))
-    opc_fail(error, OPC_INVALID, NULL, "'%s': byte %zu is no UTF-8 text", path,
+    opc_fail(error, OPC_INVALID, NULL, "'%s': byte %zu is not UTF-8 text", path,
              (size_t)(end - text));
   else
     return g_steal_pointer(&text);
@@ -89,7 +90,7 @@ static int read_document(runs_tree *tree, opc_error *error) {
   }
   const yaml_node_t *root = runs_root(tree);
   if (!code && (!root || root->type != YAML_MAPPING_NODE))
-    code = opc_fail(error, OPC_INVALID, NULL, "%s:1:1: damaged: is no map",
+    code = opc_fail(error, OPC_INVALID, NULL, "%s:1:1: damaged: expected a map",
                     tree->path);
   return code;
 }
