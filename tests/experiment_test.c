@@ -150,7 +150,8 @@ static void test_failing(void) {
   const char *told = strstr(errors, "nmos by coarse failed");
   g_assert_null(strstr(told + 1, "nmos by coarse failed"));
   g_assert_true(strstr(errors, "no layer CW for 'nwell'"));
-  g_assert_true(strstr(errors, "finding: e: 2 of 4 runs failed: 'result' in "));
+  g_assert_true(
+      strstr(errors, "finding: e: 2 of 4 runs failed: see 'result' in "));
   g_autofree char *csv = read_file("fails", "experiment.csv");
   g_assert_true(strstr(csv, "nmos,fine,,"));
   g_assert_true(strstr(csv, "nor2,fine,e/nor2/fine,good,"));

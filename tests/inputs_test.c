@@ -157,7 +157,7 @@ static void test_model_files(void) {
       {".model m filesource(file=\"%s\")\n", "evil.pm:28:10: models of kind"},
       {".options rawfile=%s\n", "evil.pm:28:10: option 'rawfile'"},
       {".include '../../%s'\n", "evil.pm:28:10: "},
-      {".include /etc/hostname\n", "evil.pm:28:10: '/etc/hostname' lies"},
+      {".include /etc/hostname\n", "evil.pm:28:10: '/etc/hostname' is outside"},
       {".lib '/dev/zero' tt\n", "evil.pm:28:6: '/dev/zero' is outside"}};
   if (!have("devices.ngspice")) return;
   g_autofree char *own = source_path("data/devices/opcflow65.pm"), *card = NULL;

@@ -553,7 +553,7 @@ static void test_guard(void) {
   opc_test_forget();
   correct_findings_of_guard(host, &one, 1);
   said("1 transistor is worse than drawn because of neighbours", 1);
-  said("1 transistor went back", 1);
+  said("1 transistor reverted", 1);
   said("guard: off", 0);
   opc_test_forget();
   correct_findings_of_guard(host, &more, 0);
@@ -561,7 +561,7 @@ static void test_guard(void) {
       "guard: off: 2 transistors are worse than drawn and worse than the "
       "limit, 0 that printed with the drawn mask do not print any more",
       1);
-  said("3 transistors went back", 1);
+  said("3 transistors reverted", 1);
   said("because of neighbours", 0);
   opc_test_forget();
   correct_findings_of_guard(host, &none, 1);

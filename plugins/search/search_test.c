@@ -305,7 +305,7 @@ static void test_refused(void) {
   refused((search){.host = host, .minimise = ion, .along = {&unit, 1}},
           "along.mask.length", "requires increasing numbers");
   refused((search){.host = host, .minimise = ion, .along = {&other, 1}},
-          "along.mask.moves", "not of 'gates'");
+          "along.mask.moves", "found step 'gates'");
   refused((search){.host = host, .minimise = ion, .along = {&none, 1}},
           "along.mask.moves", "does not name a column");
   refused((search){.host = host, .minimise = ion, .mask = "gates"}, "mask",

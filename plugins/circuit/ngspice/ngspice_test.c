@@ -342,7 +342,7 @@ static void test_patterns(void) {
   g_assert_true(opc_test_metric("tp") == all);
   g_assert_cmpstr(opc_test_log(), ==, "");
   run(m, 0, card, "most: 5, measure: delays");
-  g_assert_nonnull(strstr(opc_test_log(), "5 transitions"));
+  g_assert_nonnull(strstr(opc_test_log(), "5 random transitions"));
   /* Too many to list: sampled one by one. */
   run(m, 0, card, "most: 3");
   g_assert_cmpuint(opc_test_rows("leakage"), ==, 6);

@@ -311,7 +311,7 @@ static void test_refused(void) {
           "must increase");
   refused(card,
           "supply: 1 V, length: { from: 50 nm, list: [50 nm, 55 nm, 60 nm] }",
-          "are too");
+          "excludes");
   g_autofree char *name = g_strdup_printf("nmos: 'a b', %s", range);
   refused(card, name, "'a b' is not the name of a model");
   g_autofree char *number = g_strdup_printf("overrides: { a: 1k }, %s", range);

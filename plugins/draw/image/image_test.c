@@ -473,9 +473,9 @@ static void test_refused(void) {
           &w, &l, OPC_INVALID, "'second.litho' requires 'second.resist'");
   refused("{ " PAIR("first", 0.3) ", third: { resist: { use: resist.threshold "
           "} } }",
-          &w, &l, OPC_INVALID, "'third.resist' needs 'third.litho'");
+          &w, &l, OPC_INVALID, "'third.resist' requires 'third.litho'");
   refused("{ " PAIR("first", 0.3) ", fourth: { label: Mine } }", &w, &l,
-          OPC_INVALID, "'fourth.label' needs 'fourth.litho'");
+          OPC_INVALID, "'fourth.label' requires 'fourth.litho'");
   opc_error error;
   g_assert_cmpint(
       draw_sample("{ " PLACE ", " PAIR("first", 0.3) " }", &w, 1, &l, &error),
@@ -484,7 +484,7 @@ static void test_refused(void) {
   g_assert_nonnull(strstr(error.message, "intensity"));
   g_assert_nonnull(strstr(error.message, "not a number"));
   refused("{ " PAIR("first", 0.3) ", layer: active }", &w, &l, OPC_INVALID,
-          "there is no active");
+          "the layout has no active");
   refused("{ " PAIR("first", 0.3) ", window: [5 um, 0 nm, 6 um, 1 um] }", &w,
           &l, OPC_INVALID, "is outside of the layout");
   void *none[1];

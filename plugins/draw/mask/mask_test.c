@@ -509,7 +509,7 @@ static void test_nothing_there(void) {
   g_assert_nonnull(strstr(error.message, "(100, 100) to (900, 900) nm"));
   d.gates.extent = (eda_box){1, 1, 0, 0};
   g_assert_cmpint(draw_sample(&d, "{}", &error), ==, OPC_INVALID);
-  g_assert_nonnull(strstr(error.message, "nothing to draw"));
+  g_assert_nonnull(strstr(error.message, "cannot be drawn"));
   clear(&d);
 }
 
