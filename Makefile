@@ -25,7 +25,7 @@ $(BUILD)/build.ninja:
 	@rm -f $(BUILD).log
 
 test: build
-	@tools/install-packages zsh groff qemu-user sqlite3 python3-jsonschema ngspice iverilog
+	@tools/install-packages zsh groff qemu-user python3-jsonschema ngspice iverilog
 	@tools/run-tests $(BUILD)
 
 bench: build

@@ -31,7 +31,7 @@ void bench_report(const char *name, double value, const char *unit,
   all.reached[i] = !isfinite(reach) ? "" : good ? "yes" : "no";
 }
 
-static void show(const char *name) {
+static void list_show(const char *name) {
   const opc_column columns[] = {
       {"name", NULL, OPC_TEXT, 0, all.name},
       {"value", NULL, OPC_REAL, 5, all.value},
@@ -82,18 +82,18 @@ int bench_write(const char *name) {
   g_autofree char *text = json_to_string(list, TRUE);
   g_autofree char *whole = g_strconcat(text, "\n", NULL);
   g_autoptr(GError) error = NULL;
-  show(name);
+  list_show(name);
   if (g_file_set_contents(path, whole, -1, &error)) return EXIT_SUCCESS;
   fprintf(stderr, "error: %s\n", error->message);
   return EXIT_FAILURE;
 }
 
-static int compare(const void *a, const void *b) {
+static int compare_names(const void *a, const void *b) {
   double x = *(const double *)a, y = *(const double *)b;
   return (x > y) - (x < y);
 }
 
 double bench_median(double *values, size_t n) {
-  qsort(values, n, sizeof *values, compare);
+  qsort(values, n, sizeof *values, compare_names);
   return n % 2 ? values[n / 2] : (values[n / 2 - 1] + values[n / 2]) / 2;
 }

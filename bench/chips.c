@@ -32,7 +32,7 @@ typedef struct cost {
   double seconds, megabytes; /* CPU time; peak memory */
 } cost;
 
-static gboolean run(char **argv, cost *c) {
+static gboolean program_run(char **argv, cost *c) {
   pid_t child = fork();
   if (!child) {
     int nowhere = open("/dev/null", O_RDWR);
@@ -66,15 +66,16 @@ static const char rest[] =
     "layers: { poly: 9/0, active: 1/0, contact: 10/0 } }\n"
     "  picture: { use: draw.chip, chip: \"${mask}\" }\n";
 
-static void report(const char *name, const char *what, double value,
-                   const char *unit, double reach) {
+static void figure_report(const char *name, const char *what, double value,
+                          const char *unit, double reach) {
   g_autofree char *full = g_strdup_printf("%s.%s", name, what);
   bench_report(full, value, unit, reach, BENCH_LOWER);
 }
 
 /* Measure a correction with fast simulations; `more` are further arguments. */
-static gboolean measure(const char *folder, const char *name, char **more,
-                        double transistors, double area, const char *layout) {
+static gboolean chip_measure(const char *folder, const char *name, char **more,
+                             double transistors, double area,
+                             const char *layout) {
   g_autofree char *flow = g_build_filename(folder, "bench.yaml", NULL);
   g_autofree char *result = g_build_filename(folder, "run", NULL);
   g_autofree char *mask = g_build_filename(result, "mask.oas", NULL);
@@ -96,14 +97,15 @@ static gboolean measure(const char *folder, const char *name, char **more,
   g_ptr_array_add(argv, NULL);
   cost c;
   opc_remove_tree(result);
-  if (!run((char **)argv->pdata, &c)) return FALSE;
-  report(name, "seconds", c.seconds, "s CPU", INFINITY);
-  report(name, "per_transistor", 1e6 * c.seconds / transistors, "us CPU",
-         INFINITY);
-  report(name, "per_area", 1e6 * c.seconds / area, "us CPU / um^2", INFINITY);
-  report(name, "memory", c.megabytes, "MB", INFINITY);
-  report(name, "mask_file", size_of(mask) / size_of(layout), "of the layout's",
-         3);
+  if (!program_run((char **)argv->pdata, &c)) return FALSE;
+  figure_report(name, "seconds", c.seconds, "s CPU", INFINITY);
+  figure_report(name, "per_transistor", 1e6 * c.seconds / transistors, "us CPU",
+                INFINITY);
+  figure_report(name, "per_area", 1e6 * c.seconds / area, "us CPU / um^2",
+                INFINITY);
+  figure_report(name, "memory", c.megabytes, "MB", INFINITY);
+  figure_report(name, "mask_file", size_of(mask) / size_of(layout),
+                "of the layout's", 3);
   return TRUE;
 }
 
@@ -144,8 +146,8 @@ static gboolean measure_square(const char *folder, int side) {
                           "nwell: CW }",
                   NULL};
   return make_square(path, columns, rows) &&
-         measure(folder, name, more, (double)TRANSISTORS * columns * rows,
-                 (double)PITCH_X * columns * PITCH_Y * rows, path);
+         chip_measure(folder, name, more, (double)TRANSISTORS * columns * rows,
+                      (double)PITCH_X * columns * PITCH_Y * rows, path);
 }
 
 /* ---- macros ---- */
@@ -158,7 +160,7 @@ static gboolean measure_macro(const char *folder, const char *data,
   g_autofree char *set = g_strconcat("layout.file=", file, NULL);
   char *more[] = {(char *)"--variant", (char *)"ihp130", (char *)"--set", set,
                   NULL};
-  return measure(folder, macro, more, transistors, area, file);
+  return chip_measure(folder, macro, more, transistors, area, file);
 }
 
 int main(void) {

@@ -25,7 +25,8 @@ static char *folder, *flow;
 
 /* ---- commands ---- */
 
-static GPid start(const char *store, const char *output, const char *set) {
+static GPid opcflow_start(const char *store, const char *output,
+                          const char *set) {
   g_autofree char *place = g_build_filename(folder, store, NULL);
   const char *command = g_getenv("OPCFLOW_COMMAND");
   char *words[] = {(char *)(command ? command : "opcflow"),
@@ -59,10 +60,11 @@ static double processor(void) {
 }
 
 /* Run to the end; return the wall-clock seconds. */
-static double run(const char *store, const char *output, const char *set) {
+static double opcflow_run(const char *store, const char *output,
+                          const char *set) {
   gint64 before = g_get_monotonic_time();
   int status;
-  GPid pid = start(store, output, set);
+  GPid pid = opcflow_start(store, output, set);
   if (waitpid(pid, &status, 0) != pid || !WIFEXITED(status) ||
       WEXITSTATUS(status))
     g_error("%s: the run failed", output);
@@ -70,11 +72,11 @@ static double run(const char *store, const char *output, const char *set) {
 }
 
 /* Measure a run and report both times. */
-static double measure(const char *name, double reach, const char *store,
-                      const char *output, const char *set) {
+static double run_measure(const char *name, double reach, const char *store,
+                          const char *output, const char *set) {
   g_autofree char *used = g_strconcat(name, "_processor", NULL);
   double before = processor();
-  double seconds = run(store, output, set);
+  double seconds = opcflow_run(store, output, set);
   bench_report(name, seconds, "s", reach, BENCH_LOWER);
   bench_report(used, processor() - before, "s", INFINITY, BENCH_LOWER);
   return seconds;
@@ -120,7 +122,7 @@ static void change_one(const char *source) {
   if (g_string_replace(changed, "w_step: proportional", "w_step: unit", 0) != 1)
     g_error("%s: w_step of dpb is not where it was", from);
   g_file_set_contents(to, changed->str, -1, NULL);
-  measure("cells.changed", INFINITY, "store", "cells", set);
+  run_measure("cells.changed", INFINITY, "store", "cells", set);
   double dpb, others;
   count_made("cells", &dpb, &others);
   bench_report("cells.changed_made", dpb, "masks", 7, BENCH_HIGHER);
@@ -174,18 +176,18 @@ static void kill_often(const char *source) {
       "CA, nwell: CW } }, layout.file: [%s/data/cells65/inverter.cif, "
       "%s/data/cells65/nand2.cif] }]",
       source, source);
-  double whole = run("store-whole", "whole", set);
+  double whole = opcflow_run("store-whole", "whole", set);
   g_autoptr(GRand) random = g_rand_new_with_seed(1);
   double killed = 0;
   for (int i = 0; i < KILLS; i++) {
-    GPid pid = start("store-killed", "killed", set);
+    GPid pid = opcflow_start("store-killed", "killed", set);
     int status;
     g_usleep((gulong)(g_rand_double_range(random, 0, 2 * whole / KILLS) * 1e6));
     kill(pid, SIGKILL);
     waitpid(pid, &status, 0);
     killed += WIFSIGNALED(status);
   }
-  measure("killed.rest", INFINITY, "store-killed", "killed", set);
+  run_measure("killed.rest", INFINITY, "store-killed", "killed", set);
   bench_report("killed.times", killed, "", KILLS, BENCH_HIGHER);
   bench_report("killed.same", is_same("whole", "killed"), "", 1, BENCH_HIGHER);
 }
@@ -196,8 +198,8 @@ int main(void) {
   if (!source) source = ".";
   folder = g_dir_make_tmp("opcflow-bench-XXXXXX", NULL);
   flow = g_build_filename(source, "flows", "compare.yaml", NULL);
-  measure("cells.first", 20, "store", "cells", NULL);
-  measure("cells.again", 0.5, "store", "cells", NULL);
+  run_measure("cells.first", 20, "store", "cells", NULL);
+  run_measure("cells.again", 0.5, "store", "cells", NULL);
   change_one(source);
   g_autofree char *circuit =
       data ? g_build_filename(data, "iscas85", "c1908", "c1908.gds", NULL)
@@ -205,8 +207,8 @@ int main(void) {
   if (circuit && g_file_test(circuit, G_FILE_TEST_EXISTS)) {
     g_autofree char *set = g_strdup_printf(
         "compare.cases=[{ layout.file: %s, layout.scale: 1.3 }]", circuit);
-    measure("c1908.first", 60, "store", "c1908", set);
-    measure("c1908.again", INFINITY, "store", "c1908", set);
+    run_measure("c1908.first", 60, "store", "c1908", set);
+    run_measure("c1908.again", INFINITY, "store", "c1908", set);
   }
   kill_often(source);
   opc_remove_tree(folder);

@@ -35,7 +35,7 @@ typedef struct version {
   char **environment;
 } version;
 
-typedef struct job {
+typedef struct correction_case {
   const char *name;           /* prefix of the figures */
   const char *flow;           /* in flows/ */
   const char *variant;        /* variant of the flow; NULL: none */
@@ -48,11 +48,11 @@ typedef struct job {
      other version; and the allowed ratio of the times. */
   const char *cheap[MAX_SETS];
   double times;
-} job;
+} correction_case;
 
 #define SCANNER "wavelength: 193 nm, na: 0.75, sigma: 0.75"
 
-static const job jobs[] = {
+static const correction_case jobs[] = {
     {.name = "demo",
      .flow = "demo.yaml",
      .repeats = 3,
@@ -167,11 +167,12 @@ static void add_sets(GPtrArray *argv, const char *const *sets) {
   }
 }
 
-/* Run a flow into `folder` with the settings of the job and `more`. Return the
+/* Run a flow into `folder` with the settings of the case and `more`. Return the
    seconds, or -1. A run that misses a requirement of its flow counts as well.
  */
-static double run_once(const job *j, const version *v, const char *const *more,
-                       const char *layout, const char *folder) {
+static double run_once(const correction_case *j, const version *v,
+                       const char *const *more, const char *layout,
+                       const char *folder) {
   g_autoptr(GPtrArray) argv = g_ptr_array_new();
   g_autofree char *flow = g_build_filename(v->source, "flows", j->flow, NULL);
   const char *start[] = {v->command, "run",  flow,        "--quiet",
@@ -222,13 +223,14 @@ static gboolean read_metric(const char *folder, const figure *f,
 }
 
 /* Report a figure; without a reference it is not compared. */
-static void tell(const job *j, const char *what, double value, const char *unit,
-                 double reach) {
+static void figure_report(const correction_case *j, const char *what,
+                          double value, const char *unit, double reach) {
   g_autofree char *name = g_strdup_printf("%s.%s", j->name, what);
   bench_report(name, value, unit, reach > 0 ? reach : INFINITY, BENCH_LOWER);
 }
 
-static gboolean measure(const job *j, const char *folder) {
+static gboolean correction_measure(const correction_case *j,
+                                   const char *folder) {
   g_autofree char *beside = g_build_filename(setting("OPCFLOW_SOURCE", "."),
                                              "..", "shared", "data", NULL);
   g_autofree char *layout = NULL, *run = NULL;
@@ -257,18 +259,18 @@ static gboolean measure(const job *j, const char *folder) {
     if (beside_it[i] < 0) return FALSE;
   }
   double median = bench_median(seconds, j->repeats);
-  tell(j, "seconds", median, "s", j->seconds);
+  figure_report(j, "seconds", median, "s", j->seconds);
   if (j->cheap[0]) {
     double cheap = bench_median(beside_it, j->repeats);
-    tell(j, other ? "seconds_before" : "seconds_cheap", cheap, "s", 0);
-    tell(j, other ? "times_before" : "times_cheap", median / cheap, "",
-         j->times);
+    figure_report(j, other ? "seconds_before" : "seconds_cheap", cheap, "s", 0);
+    figure_report(j, other ? "times_before" : "times_cheap", median / cheap, "",
+                  j->times);
   }
   for (size_t i = 0; i < MAX_FIGURES && j->figures[i].step; i++) {
     const figure *f = &j->figures[i];
     double value;
     if (!read_metric(run, f, &value)) return FALSE;
-    tell(j, f->metric, value, f->unit ? f->unit : "", f->reach);
+    figure_report(j, f->metric, value, f->unit ? f->unit : "", f->reach);
   }
   return TRUE;
 }
@@ -286,28 +288,24 @@ static const struct by_cells {
                 {"newton_2", "mask", 10, FALSE},
                 {"newton_0", "mask", 5, TRUE}};
 
-/* Run a variant; return the seconds of the steps that compute the mask, with
-   the cells already in the library, or -1. */
+/* Run a variant; return the seconds of the steps that compute the mask, without
+   those of library.build, or -1. */
 static double run_by_cells(const char *circuit, const char *variant,
                            const char *step, const char *folder, double *ion) {
-  g_autofree char *base = g_build_filename(folder, "library", NULL);
-  g_autofree char *database = g_strconcat("library.database=", base, NULL);
   g_autofree char *run = g_build_filename(folder, variant, NULL);
   g_autofree char *file = g_strconcat(circuit, ".gds", NULL);
   g_autofree char *layout = g_build_filename(setting("OPCFLOW_TEST_DATA", ""),
                                              "iscas85", circuit, file, NULL);
   gboolean flat = g_str_has_suffix(variant, "_flat");
-  job j = {.name = "library",
-           .flow = "library-methods.yaml",
-           .variant = variant,
-           .sets = {flat ? NULL : "layout.layers.outline=235/0",
-                    "sheet.neighbours=itself", database}};
+  correction_case j = {.name = "library",
+                       .flow = "library-methods.yaml",
+                       .variant = variant,
+                       .sets = {flat ? NULL : "layout.layers.outline=235/0",
+                                "sheet.neighbours=itself"}};
   const version this = this_version();
   double seconds = -1, placed = 0;
-  for (int k = flat; k < 2; k++) { /* the first one builds the library */
-    opc_remove_tree(run);
-    if (run_once(&j, &this, NULL, layout, run) < 0) return -1;
-  }
+  opc_remove_tree(run);
+  if (run_once(&j, &this, NULL, layout, run) < 0) return -1;
   const figure mask = {step ? step : "placed", "seconds", 0, NULL},
                place = {"placed", "seconds", 0, NULL},
                off = {"verify", "ion_mean", 0, NULL};
@@ -340,7 +338,7 @@ static gboolean measure_by_cells(const char *folder) {
   return TRUE;
 }
 
-static gboolean wanted(const job *j, int argc, char **argv) {
+static gboolean case_wanted(const correction_case *j, int argc, char **argv) {
   for (int i = 1; i < argc; i++)
     if (!strcmp(argv[i], j->name)) return TRUE;
   return argc == 1;
@@ -355,9 +353,11 @@ int main(int argc, char **argv) {
   }
   gboolean good = TRUE;
   for (size_t i = 0; i < G_N_ELEMENTS(jobs) && good; i++)
-    if (wanted(&jobs[i], argc, argv)) good = measure(&jobs[i], folder);
-  const job library = {.name = "library"};
-  if (good && wanted(&library, argc, argv)) good = measure_by_cells(folder);
+    if (case_wanted(&jobs[i], argc, argv))
+      good = correction_measure(&jobs[i], folder);
+  const correction_case library = {.name = "library"};
+  if (good && case_wanted(&library, argc, argv))
+    good = measure_by_cells(folder);
   opc_remove_tree(folder);
   return good ? bench_write("correction") : EXIT_FAILURE;
 }

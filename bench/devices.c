@@ -17,17 +17,17 @@ enum { RUNS = 5, SAMPLES = 60, FIGURES = 6 };
 static const opc_host *host;
 
 /* Return the processor time of this process, independent of other load. */
-static double now(void) {
+static double time_now(void) {
   struct timespec t;
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-static void must(int code, const opc_error *error) {
+static void require_good(int code, const opc_error *error) {
   if (code) g_error("%s", error->message);
 }
 
-static opc_module *make(const char *id, const char *parameters) {
+static opc_module *module_make(const char *id, const char *parameters) {
   opc_error error;
   opc_module *m = opc_test_module(id, parameters, &error);
   if (!m) g_error("%s", error.message);
@@ -46,14 +46,15 @@ typedef struct models {
 } models;
 
 static models models_make(void) {
-  models m = {
-      make("litho.hopkins", "{ wavelength: 193 nm, na: 0.75, sigma: 0.75 }"),
-      make("resist.threshold", "{ anchor: { line: 65 nm, pitch: 250 nm } }")};
+  models m = {module_make("litho.hopkins",
+                          "{ wavelength: 193 nm, na: 0.75, sigma: 0.75 }"),
+              module_make("resist.threshold",
+                          "{ anchor: { line: 65 nm, pitch: 250 nm } }")};
   const eda_litho *litho = m.litho->functions;
   const eda_resist *resist = m.resist->functions;
   opc_error error;
-  must(litho->prepare(m.litho->self, &error), &error);
-  must(resist->prepare(m.resist->self, m.litho, &error), &error);
+  require_good(litho->prepare(m.litho->self, &error), &error);
+  require_good(resist->prepare(m.resist->self, m.litho, &error), &error);
   return m;
 }
 
@@ -75,19 +76,19 @@ static void print_layer(const models *m, const eda_gates *g, int layer,
                  (b.y1 - b.y0) * g->grid + 2 * margin};
   eda_spectrum mask;
   opc_error error;
-  must(eda_mask_spectrum(host->context, &g->drawn[layer], g->grid, f,
-                         litho->band(m->litho->self), &mask, &error),
-       &error);
-  must(litho->image(m->litho->self, layer, &mask, out, &error), &error);
+  require_good(eda_mask_spectrum(host->context, &g->drawn[layer], g->grid, f,
+                                 litho->band(m->litho->self), &mask, &error),
+               &error);
+  require_good(litho->image(m->litho->self, layer, &mask, out, &error), &error);
   eda_spectrum_clear(&mask);
-  must(resist->print(m->resist->self, layer, out, &error), &error);
+  require_good(resist->print(m->resist->self, layer, out, &error), &error);
 }
 
 /* Returns 0 if the cell has no transistor. */
 static int chip_make(const models *m, eda_layout *layout, const char *top,
                      chip *c) {
   g_autofree char *map = g_strdup_printf("{ top: '%s' }", top);
-  c->segment = make("segment.transistors", map);
+  c->segment = module_make("segment.transistors", map);
   opc_test_input(c->segment, "layout", layout);
   opc_error error;
   void *gates = NULL;
@@ -96,7 +97,7 @@ static int chip_make(const models *m, eda_layout *layout, const char *top,
     opc_test_module_free(c->segment);
     return 0;
   }
-  must(code, &error);
+  require_good(code, &error);
   c->gates = gates;
   for (int layer = 0; layer < 2; layer++)
     print_layer(m, c->gates, layer, &c->print[layer]);
@@ -116,23 +117,24 @@ static opc_module *extractor(const char *more) {
   g_autofree char *devices = g_build_filename(
       setting("OPCFLOW_SOURCE", "."), "data", "devices", "ptm65.yaml", NULL);
   g_autofree char *map = g_strdup_printf("{ devices: '%s'%s }", devices, more);
-  opc_module *m = make("extractor.plain", map);
+  opc_module *m = module_make("extractor.plain", map);
   const eda_extractor *e = m->functions;
   opc_error error;
-  must(e->prepare(m->self, &error), &error);
+  require_good(e->prepare(m->self, &error), &error);
   return m;
 }
 
 /* Return all figures of a layout, FIGURES * count numbers, in the order of
    eda_performance. */
-static double *measure(const chip *c, const opc_module *extract,
-                       uint32_t *flags) {
+static double *layout_measure(const chip *c, const opc_module *extract,
+                              uint32_t *flags) {
   size_t n = c->gates->count;
   double *figures = g_new(double, FIGURES *n);
   eda_measurement out;
   eda_measurement_init(&out, n);
   opc_error error;
-  must(eda_measure(NULL, c->gates, c->print, extract, &out, &error), &error);
+  require_good(eda_measure(NULL, c->gates, c->print, extract, &out, &error),
+               &error);
   for (size_t k = 0; k < FIGURES; k++)
     memcpy(figures + k * n, (&out.performance.ion)[k], n * sizeof *figures);
   memcpy(flags, out.flags, n * sizeof *flags);
@@ -155,20 +157,20 @@ static eda_layout *rows_of_gates(void) {
     int32_t y = j * 1900, end = COLUMNS * 250;
     eda_box n = {-100, y, end, y + 540}, p = {-100, y + 760, end, y + 1580};
     eda_box well = {-200, y + 650, end + 100, y + 1750};
-    must(eda_layout_add_box(l, cell, layer[1], n, &error), &error);
-    must(eda_layout_add_box(l, cell, layer[1], p, &error), &error);
-    must(eda_layout_add_box(l, cell, layer[2], well, &error), &error);
+    require_good(eda_layout_add_box(l, cell, layer[1], n, &error), &error);
+    require_good(eda_layout_add_box(l, cell, layer[1], p, &error), &error);
+    require_good(eda_layout_add_box(l, cell, layer[2], well, &error), &error);
     for (int32_t i = 0; i < COLUMNS; i++) {
       eda_box line = {i * 250, y - 100 - i % 5 * 5, i * 250 + 65,
                       y + 1680 + i % 7 * 5};
-      must(eda_layout_add_box(l, cell, layer[0], line, &error), &error);
+      require_good(eda_layout_add_box(l, cell, layer[0], line, &error), &error);
     }
   }
   return l;
 }
 
-static double sample(const chip *c) {
-  double start = now(), sum = 0;
+static double chip_sample(const chip *c) {
+  double start = time_now(), sum = 0;
   for (size_t i = 0; i < c->gates->count; i++) {
     eda_box b = c->gates->box[i];
     double x[SAMPLES], y[SAMPLES], value[SAMPLES];
@@ -180,7 +182,7 @@ static double sample(const chip *c) {
     for (int k = 0; k < SAMPLES; k++) sum += value[k];
   }
   if (!isfinite(sum)) g_error("samples are not finite");
-  return now() - start;
+  return time_now() - start;
 }
 
 static void bench_time(const models *m) {
@@ -196,10 +198,10 @@ static void bench_time(const models *m) {
     g_autoptr(opc_module) extract = extractor(rules[r].more);
     double best = INFINITY, samples = INFINITY;
     for (int i = 0; i < RUNS; i++) {
-      double start = now();
-      g_free(measure(&c, extract, flags));
-      best = fmin(best, now() - start);
-      samples = fmin(samples, sample(&c));
+      double start = time_now();
+      g_free(layout_measure(&c, extract, flags));
+      best = fmin(best, time_now() - start);
+      samples = fmin(samples, chip_sample(&c));
     }
     g_autofree char *time =
         g_strdup_printf("devices.%s_%zu_gates", rules[r].name, c.gates->count);
@@ -237,9 +239,9 @@ static void errors_make(errors *e) {
 static void errors_add(errors *e, const chip *c) {
   size_t n = c->gates->count;
   g_autofree uint32_t *flags = g_new(uint32_t, n);
-  g_autofree double *want = measure(c, e->many, flags);
+  g_autofree double *want = layout_measure(c, e->many, flags);
   for (int r = 0; r < RULES; r++) {
-    g_autofree double *got = measure(c, e->extract[r], flags);
+    g_autofree double *got = layout_measure(c, e->extract[r], flags);
     for (size_t i = 0; i < CURRENTS * n; i++) {
       double error = 100 * fabs(got[i] / want[i] - 1);
       g_array_append_val(e->error[r][i / n], error);
@@ -288,10 +290,10 @@ static void bench_error(const models *m, const char *name, const char *file,
       "{ file: '%s', scale: 1.3, layers: { poly: 9/0, active: 1/0, "
       "contact: 10/0, nwell: 3/0 } }",
       path);
-  g_autoptr(opc_module) reader = make("read.gds", map);
+  g_autoptr(opc_module) reader = module_make("read.gds", map);
   opc_error error;
   void *layout = NULL;
-  must(opc_test_run(reader, &layout, &error), &error);
+  require_good(opc_test_run(reader, &layout, &error), &error);
   errors e;
   errors_make(&e);
   for (size_t k = 0; k < eda_layout_cells(layout); k++) {

@@ -21,7 +21,7 @@ enum { RUNS = 5 };
 
 static const opc_host *host;
 
-static double now(void) { return (double)g_get_monotonic_time() / 1e6; }
+static double time_now(void) { return (double)g_get_monotonic_time() / 1e6; }
 
 /* Processor time of all threads: independent of other load. */
 static double processor_time(void) {
@@ -30,7 +30,7 @@ static double processor_time(void) {
   return (double)t.tv_sec + (double)t.tv_nsec / 1e9;
 }
 
-static void must(int code, const opc_error *error) {
+static void require_good(int code, const opc_error *error) {
   if (code) g_error("%s", error->message);
 }
 
@@ -61,7 +61,7 @@ static opc_module *litho(const char *parameters) {
   opc_module *m = opc_test_module("litho.hopkins", parameters, &error);
   if (!m) g_error("%s", error.message);
   const eda_litho *l = m->functions;
-  must(l->prepare(m->self, &error), &error);
+  require_good(l->prepare(m->self, &error), &error);
   return m;
 }
 
@@ -108,10 +108,10 @@ static double layer(const eda_shapes *s, eda_frame f, const opc_module *m,
   eda_field field;
   opc_error error;
   double start = clock();
-  must(eda_mask_spectrum(host->context, s, 1, f, l->band(m->self), &mask,
-                         &error),
-       &error);
-  must(l->image(m->self, EDA_POLY, &mask, &field, &error), &error);
+  require_good(eda_mask_spectrum(host->context, s, 1, f, l->band(m->self),
+                                 &mask, &error),
+               &error);
+  require_good(l->image(m->self, EDA_POLY, &mask, &field, &error), &error);
   double time = clock() - start;
   *fine = field.nx;
   eda_spectrum_clear(&mask);
@@ -120,7 +120,7 @@ static double layer(const eda_shapes *s, eda_frame f, const opc_module *m,
 }
 
 /* Measure layer and transforms alternately; return the best of RUNS. */
-static times measure(double um, const opc_module *m, size_t kernels) {
+static times layer_measure(double um, const opc_module *m, size_t kernels) {
   eda_shapes s = rows_of_lines(1000 * um);
   eda_frame f = frame_of(1000 * um);
   times best = {INFINITY, INFINITY};
@@ -158,17 +158,17 @@ static double growth(double small, double large, const opc_module *m) {
 /* Measure one layer in each of two concurrent processes. */
 static double two_processes(const eda_shapes *s, eda_frame f,
                             const opc_module *m) {
-  double start = now();
+  double start = time_now();
   pid_t child[2];
   for (int i = 0; i < 2; i++) {
     child[i] = fork();
     if (child[i]) continue;
     int fine;
-    layer(s, f, m, now, &fine);
+    layer(s, f, m, time_now, &fine);
     _exit(0);
   }
   for (int i = 0; i < 2; i++) waitpid(child[i], NULL, 0);
-  return now() - start;
+  return time_now() - start;
 }
 
 /* Measure the speed-up of two threads, and the limit of this machine: two
@@ -182,15 +182,15 @@ static void bench_threads(const opc_module *m) {
   int fine;
   opc_set_threads(1);
   for (int i = 0; i < TURNS; i++) {
-    double alone = layer(&s, f, m, now, &fine);
+    double alone = layer(&s, f, m, time_now, &fine);
     limit[i] = 2 * alone / two_processes(&s, f, m);
   }
   opc_set_threads(2);
   for (int i = 0; i < TURNS; i++) {
     opc_set_threads(1);
-    one[i] = layer(&s, f, m, now, &fine);
+    one[i] = layer(&s, f, m, time_now, &fine);
     opc_set_threads(2);
-    two[i] = layer(&s, f, m, now, &fine);
+    two[i] = layer(&s, f, m, time_now, &fine);
     speed[i] = one[i] / two[i];
   }
   double ceiling = bench_median(limit, TURNS),
@@ -207,16 +207,17 @@ static void bench_threads(const opc_module *m) {
 }
 
 /* Measure a small defocused image, which needs other kernels. */
-static void defocused(const opc_module *m) {
+static void defocus_measure(const opc_module *m) {
   const eda_litho *l = m->functions;
   eda_shapes none = {0};
   eda_spectrum mask;
   eda_field field;
   opc_error error;
-  must(eda_mask_spectrum(host->context, &none, 1, frame_of(500),
-                         l->band(m->self), &mask, &error),
-       &error);
-  must(l->image_at(m->self, EDA_POLY, &mask, 100, &field, &error), &error);
+  require_good(eda_mask_spectrum(host->context, &none, 1, frame_of(500),
+                                 l->band(m->self), &mask, &error),
+               &error);
+  require_good(l->image_at(m->self, EDA_POLY, &mask, 100, &field, &error),
+               &error);
   eda_spectrum_clear(&mask);
   eda_field_clear(&field);
 }
@@ -229,13 +230,13 @@ static void bench_prepare(void) {
     g_autoptr(opc_module) m = litho("{}");
     best = fmin(best, processor_time() - start);
     start = processor_time();
-    defocused(m);
+    defocus_measure(m);
     focus = fmin(focus, processor_time() - start);
     g_autoptr(opc_module) r = opc_test_module("resist.threshold", "{}", &error);
     if (!r) g_error("%s", error.message);
     const eda_resist *operations = r->functions;
     start = processor_time();
-    must(operations->prepare(r->self, m, &error), &error);
+    require_good(operations->prepare(r->self, m, &error), &error);
     resist = fmin(resist, processor_time() - start);
   }
   bench_report("imaging.prepare.litho", best, "s", 0.03, BENCH_LOWER);
@@ -248,7 +249,7 @@ static void bench_time(void) {
   /* The number of kernels that litho.hopkins reports, and the residual. */
   size_t kernels = 13;
   opc_set_threads(1);
-  times one = measure(80, m, kernels);
+  times one = layer_measure(80, m, kernels);
   bench_report("imaging.layer_80um.one_core", one.layer, "s", 0.40,
                BENCH_LOWER);
   bench_report("imaging.layer_80um.over_fft", one.layer / one.fft, "", 1.3,
@@ -310,8 +311,9 @@ static double plain_sum(const eda_spectrum *mask, size_t count) {
   opc_error error;
   kernels.transfer = no_transfer;
   double start = processor_time();
-  must(eda_coherent_sum(host->context, mask, &kernels, 0, &field, &error),
-       &error);
+  require_good(
+      eda_coherent_sum(host->context, mask, &kernels, 0, &field, &error),
+      &error);
   double time = processor_time() - start;
   eda_field_clear(&field);
   return time;
@@ -328,7 +330,7 @@ static void bench_parts(void) {
   if (!r) g_error("%s", error.message);
   const eda_litho *l = m->functions;
   const eda_resist *resist = r->functions;
-  must(resist->prepare(r->self, m, &error), &error);
+  require_good(resist->prepare(r->self, m, &error), &error);
   eda_shapes s = rows_of_lines(60000);
   eda_frame f = frame_of(60000);
   double part[PARTS][TURNS];
@@ -337,12 +339,12 @@ static void bench_parts(void) {
     eda_spectrum mask;
     eda_field field;
     double start = processor_time();
-    must(eda_mask_spectrum(host->context, &s, 1, f, l->band(m->self), &mask,
-                           &error),
-         &error);
+    require_good(eda_mask_spectrum(host->context, &s, 1, f, l->band(m->self),
+                                   &mask, &error),
+                 &error);
     part[0][i] = processor_time() - start;
     start = processor_time();
-    must(l->image(m->self, EDA_POLY, &mask, &field, &error), &error);
+    require_good(l->image(m->self, EDA_POLY, &mask, &field, &error), &error);
     double image = processor_time() - start;
     double one = plain_sum(&mask, 1), all = plain_sum(&mask, SYSTEMS);
     double each = (all - one) / (SYSTEMS - 1);
@@ -350,7 +352,7 @@ static void bench_parts(void) {
     part[2][i] = SYSTEMS * each;
     part[3][i] = one - each;
     start = processor_time();
-    must(resist->print(r->self, EDA_POLY, &field, &error), &error);
+    require_good(resist->print(r->self, EDA_POLY, &field, &error), &error);
     part[4][i] = processor_time() - start;
     eda_spectrum_clear(&mask);
     eda_field_clear(&field);
@@ -369,19 +371,20 @@ static void bench_parts(void) {
 /* Compute an image through some source points, as the band of a scanner
    requires. Raster, grid of the fields and grid of the result can each be
    finer; the last is never coarser than the second requires. */
-static eda_field sampled(const eda_shapes *s, eda_frame f, int raster, int grid,
-                         int nodes) {
+static eda_field image_sampled(const eda_shapes *s, eda_frame f, int raster,
+                               int grid, int nodes) {
   size_t count = 16;
   eda_kernels kernels = kernels_of(&count, grid ? 4 : 1);
   eda_spectrum mask;
   eda_field field;
   opc_error error;
-  must(eda_mask_spectrum(host->context, s, 1, f,
-                         kernels.band * (raster ? 3 : 1), &mask, &error),
-       &error);
-  must(eda_coherent_sum(host->context, &mask, &kernels, nodes ? 8 : 32, &field,
-                        &error),
-       &error);
+  require_good(
+      eda_mask_spectrum(host->context, s, 1, f, kernels.band * (raster ? 3 : 1),
+                        &mask, &error),
+      &error);
+  require_good(eda_coherent_sum(host->context, &mask, &kernels, nodes ? 8 : 32,
+                                &field, &error),
+               &error);
   eda_spectrum_clear(&mask);
   size_t n = (size_t)field.nx * (size_t)field.ny;
   for (size_t i = 0; i < n; i++) field.coefficients[i] -= 0.35f;
@@ -396,8 +399,9 @@ static void compare_edges(const char *name, const eda_field *field,
   uint32_t *start;
   size_t lines;
   opc_error error;
-  must(eda_contours(NULL, fine, window, 8, &points, &start, &lines, &error),
-       &error);
+  require_good(
+      eda_contours(NULL, fine, window, 8, &points, &start, &lines, &error),
+      &error);
   for (uint32_t i = 0; i < start[lines]; i++) {
     double v, w, dx, dy, *p = points + (size_t)2 * i;
     eda_field_gradient(fine, p, p + 1, 1, &w, &dx, &dy);
@@ -419,10 +423,10 @@ static void bench_edges(void) {
                {"imaging.edge_rms.all", 0, 0, 0}};
   eda_shapes s = rows_of_lines(6000);
   eda_frame f = frame_of(6000);
-  eda_field fine = sampled(&s, f, 1, 1, 1);
+  eda_field fine = image_sampled(&s, f, 1, 1, 1);
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     eda_field field =
-        sampled(&s, f, cases[i].raster, cases[i].grid, cases[i].nodes);
+        image_sampled(&s, f, cases[i].raster, cases[i].grid, cases[i].nodes);
     compare_edges(cases[i].name, &field, &fine, 0.005);
     eda_field_clear(&field);
   }
@@ -455,23 +459,23 @@ static double width_at(const eda_field *f, double x, double y) {
 }
 
 /* Simulate the lines, with a resist calibrated to the same model. */
-static eda_field print(const char *parameters, const eda_shapes *s, eda_frame f,
-                       eda_field *intensity) {
+static eda_field lines_print(const char *parameters, const eda_shapes *s,
+                             eda_frame f, eda_field *intensity) {
   opc_error error;
   g_autoptr(opc_module) m = litho(parameters);
   g_autoptr(opc_module) r = opc_test_module("resist.threshold", "{}", &error);
   if (!r) g_error("%s", error.message);
   const eda_litho *l = m->functions;
   const eda_resist *resist = r->functions;
-  must(resist->prepare(r->self, m, &error), &error);
+  require_good(resist->prepare(r->self, m, &error), &error);
   eda_spectrum mask;
   eda_field field;
-  must(eda_mask_spectrum(host->context, s, 1, f, l->band(m->self), &mask,
-                         &error),
-       &error);
-  must(l->image(m->self, EDA_POLY, &mask, intensity, &error), &error);
-  must(l->image(m->self, EDA_POLY, &mask, &field, &error), &error);
-  must(resist->print(r->self, EDA_POLY, &field, &error), &error);
+  require_good(eda_mask_spectrum(host->context, s, 1, f, l->band(m->self),
+                                 &mask, &error),
+               &error);
+  require_good(l->image(m->self, EDA_POLY, &mask, intensity, &error), &error);
+  require_good(l->image(m->self, EDA_POLY, &mask, &field, &error), &error);
+  require_good(resist->print(r->self, EDA_POLY, &field, &error), &error);
   eda_spectrum_clear(&mask);
   return field;
 }
@@ -479,7 +483,8 @@ static eda_field print(const char *parameters, const eda_shapes *s, eda_frame f,
 static void bench_error(void) {
   eda_shapes s = rows_of_lines(6000);
   eda_frame f = frame_of(6000);
-  eda_field exact, exact_print = print("{ kernels: 2000 }", &s, f, &exact);
+  eda_field exact,
+      exact_print = lines_print("{ kernels: 2000 }", &s, f, &exact);
   const struct {
     const char *name, *parameters;
     double intensity, cd;
@@ -487,7 +492,7 @@ static void bench_error(void) {
                   {"sign_off", "{ error: 5e-4 }", 5e-4, 0.04},
                   {"finest", "{ error: 1e-4 }", 1e-4, 0.01}};
   for (size_t k = 0; k < G_N_ELEMENTS(settings); k++) {
-    eda_field field, p = print(settings[k].parameters, &s, f, &field);
+    eda_field field, p = lines_print(settings[k].parameters, &s, f, &field);
     double worst = 0, square = 0;
     for (int i = 0; i < field.nx * field.ny; i++)
       worst = fmax(worst,
@@ -531,13 +536,15 @@ static eda_shapes read_clip(const char *path) {
   g_autoptr(opc_module) m = opc_test_module("read.glp", parameters, &error);
   if (!m) g_error("%s", error.message);
   void *out[1];
-  must(opc_test_run(m, out, &error), &error);
+  require_good(opc_test_run(m, out, &error), &error);
   eda_flat flat;
   eda_shapes merged;
   int32_t layer = eda_layout_find_layer(out[0], "M1");
   int32_t top = eda_layout_top(out[0], &error);
-  must(eda_layout_flatten(out[0], top, layer, 1, &flat, &error), &error);
-  must(eda_boolean(EDA_OR, &flat.shapes, NULL, &merged, &error), &error);
+  require_good(eda_layout_flatten(out[0], top, layer, 1, &flat, &error),
+               &error);
+  require_good(eda_boolean(EDA_OR, &flat.shapes, NULL, &merged, &error),
+               &error);
   eda_flat_clear(&flat);
   opc_test_release(m, out);
   return merged;
@@ -557,7 +564,7 @@ static void bench_clip(void) {
       opc_test_module("litho.kernels", parameters, &error);
   if (!m) g_error("%s", error.message);
   const eda_litho *l = m->functions;
-  must(l->prepare(m->self, &error), &error);
+  require_good(l->prepare(m->self, &error), &error);
   eda_shapes shapes = read_clip(clip);
   double best = INFINITY;
   opc_set_threads(1);
@@ -565,14 +572,14 @@ static void bench_clip(void) {
     eda_spectrum mask;
     eda_field field[2];
     double start = processor_time();
-    must(eda_mask_spectrum(host->context, &shapes, 1,
-                           (eda_frame){-512, -512, 2048, 2048},
-                           l->band(m->self), &mask, &error),
-         &error);
+    require_good(eda_mask_spectrum(host->context, &shapes, 1,
+                                   (eda_frame){-512, -512, 2048, 2048},
+                                   l->band(m->self), &mask, &error),
+                 &error);
     for (int out = 0; out < 2; out++)
-      must(l->image_at(m->self, EDA_POLY, &mask, out ? 25 : 0, &field[out],
-                       &error),
-           &error);
+      require_good(l->image_at(m->self, EDA_POLY, &mask, out ? 25 : 0,
+                               &field[out], &error),
+                   &error);
     best = fmin(best, processor_time() - start);
     eda_spectrum_clear(&mask);
     for (int out = 0; out < 2; out++) eda_field_clear(&field[out]);

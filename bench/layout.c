@@ -160,7 +160,7 @@ static void write_oasis(FILE *file) {
   fwrite(head, 1, sizeof head, file);
 }
 
-static gboolean make(const char *path, void (*write_file)(FILE *file)) {
+static gboolean file_make(const char *path, void (*write_file)(FILE *file)) {
   FILE *file = fopen(path, "wb");
   static char buffer[1 << 20];
   if (file) {
@@ -176,7 +176,7 @@ static gboolean make(const char *path, void (*write_file)(FILE *file)) {
 /* ---- processes ---- */
 
 /* Run a program to the end, without output if `quiet`; FALSE on failure. */
-static gboolean run(char **argv, gboolean quiet, cost *c) {
+static gboolean program_run(char **argv, gboolean quiet, cost *c) {
   gint64 before = g_get_monotonic_time();
   pid_t child = fork();
   if (!child) {
@@ -195,13 +195,14 @@ static gboolean run(char **argv, gboolean quiet, cost *c) {
 }
 
 /* Measure the median time and the peak memory of several runs. */
-static gboolean repeat(char **argv, size_t n, const char *folder, cost *c) {
+static gboolean program_repeat(char **argv, size_t n, const char *folder,
+                               cost *c) {
   double seconds[CHECKS];
   c->megabytes = 0;
   for (size_t i = 0; i < n; i++) {
     cost one;
     if (folder) opc_remove_tree(folder);
-    if (!run(argv, FALSE, &one)) return FALSE;
+    if (!program_run(argv, FALSE, &one)) return FALSE;
     seconds[i] = one.seconds;
     c->megabytes = MAX(c->megabytes, one.megabytes);
   }
@@ -209,7 +210,8 @@ static gboolean repeat(char **argv, size_t n, const char *folder, cost *c) {
   return TRUE;
 }
 
-static void report(const char *name, cost c, double seconds, double megabytes) {
+static void figure_report(const char *name, cost c, double seconds,
+                          double megabytes) {
   g_autofree char *time = g_strconcat(name, ".seconds", NULL);
   g_autofree char *memory = g_strconcat(name, ".memory", NULL);
   bench_report(time, c.seconds, "s", seconds, BENCH_LOWER);
@@ -232,14 +234,14 @@ static gboolean read_by_command(const char *folder, const char *plugin,
                   (char *)"--output",
                   result,
                   NULL};
-  return repeat(argv, REPEATS, result, c);
+  return program_repeat(argv, REPEATS, result, c);
 }
 
 static gboolean has_klayout(void) {
   char *argv[] = {(char *)"python3", (char *)"-c", (char *)"import klayout.db",
                   NULL};
   cost c;
-  return run(argv, TRUE, &c);
+  return program_run(argv, TRUE, &c);
 }
 
 static gboolean read_by_klayout(const char *path, cost *c) {
@@ -247,17 +249,18 @@ static gboolean read_by_klayout(const char *path, cost *c) {
                   (char *)"import sys, klayout.db\n"
                           "klayout.db.Layout().read(sys.argv[1])",
                   (char *)path, NULL};
-  return repeat(argv, REPEATS, NULL, c);
+  return program_repeat(argv, REPEATS, NULL, c);
 }
 
 /* KLayout is the reference: its time, and half its memory. */
-static gboolean measure(const char *folder, const char *name,
-                        const char *plugin, void (*write_file)(FILE *file),
-                        gboolean klayout) {
+static gboolean reader_measure(const char *folder, const char *name,
+                               const char *plugin,
+                               void (*write_file)(FILE *file),
+                               gboolean klayout) {
   g_autofree char *path = g_build_filename(folder, name, NULL);
   g_autofree char *theirs = g_strconcat("klayout.", name, NULL);
   cost ours, other = {NAN, NAN};
-  gboolean good = make(path, write_file) &&
+  gboolean good = file_make(path, write_file) &&
                   read_by_command(folder, plugin, path, &ours) &&
                   (!klayout || read_by_klayout(path, &other));
   unlink(path);
@@ -265,16 +268,16 @@ static gboolean measure(const char *folder, const char *name,
     fprintf(stderr, "error: %s could not be read\n", name);
     return FALSE;
   }
-  report(name, ours, klayout ? other.seconds : INFINITY,
-         klayout ? other.megabytes / 2 : INFINITY);
-  if (klayout) report(theirs, other, INFINITY, INFINITY);
+  figure_report(name, ours, klayout ? other.seconds : INFINITY,
+                klayout ? other.megabytes / 2 : INFINITY);
+  if (klayout) figure_report(theirs, other, INFINITY, INFINITY);
   return TRUE;
 }
 
 /* ---- checking ---- */
 
 /* Make the kernel drop its cache of a folder's files. */
-static void forget(const char *folder) {
+static void cache_forget(const char *folder) {
   g_autoptr(GDir) dir = g_dir_open(folder, 0, NULL);
   for (const char *name; dir && (name = g_dir_read_name(dir));) {
     g_autofree char *path = g_build_filename(folder, name, NULL);
@@ -293,10 +296,11 @@ static gboolean measure_check(void) {
   g_autofree char *bin = g_path_get_dirname(command);
   char *argv[] = {(char *)command, (char *)"check", flow, NULL};
   cost cold, warm;
-  forget(flows);
-  forget(bin);
-  forget(setting("OPCFLOW_PLUGIN_PATH", "plugins"));
-  if (!repeat(argv, 1, NULL, &cold) || !repeat(argv, CHECKS, NULL, &warm)) {
+  cache_forget(flows);
+  cache_forget(bin);
+  cache_forget(setting("OPCFLOW_PLUGIN_PATH", "plugins"));
+  if (!program_repeat(argv, 1, NULL, &cold) ||
+      !program_repeat(argv, CHECKS, NULL, &warm)) {
     fprintf(stderr, "error: '%s' could not be checked\n", flow);
     return FALSE;
   }
@@ -316,8 +320,8 @@ int main(void) {
   if (!klayout) fprintf(stderr, "klayout: skipped, no Python module\n");
   gboolean good =
       measure_check() &&
-      measure(folder, "flat.gds", "read.gds", write_gds, klayout) &&
-      measure(folder, "flat.oas", "read.oasis", write_oasis, klayout);
+      reader_measure(folder, "flat.gds", "read.gds", write_gds, klayout) &&
+      reader_measure(folder, "flat.oas", "read.oasis", write_oasis, klayout);
   opc_remove_tree(folder);
   return good ? bench_write("layout") : EXIT_FAILURE;
 }

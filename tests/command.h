@@ -14,7 +14,7 @@ static char *folder, *command;
 static char *out, *err;
 
 /* Run a program; return its exit code, or 128 plus the signal that ended it. */
-static inline int spawn(const char *const *argv) {
+static inline int program_spawn(const char *const *argv) {
   int status;
   g_clear_pointer(&out, g_free);
   g_clear_pointer(&err, g_free);
@@ -25,14 +25,14 @@ static inline int spawn(const char *const *argv) {
 
 /* Run opcflow with the words of `line`, in which '~' stands for a space; return
    the exit code. */
-static inline int call(const char *line) {
+static inline int opcflow_call(const char *line) {
   g_auto(GStrv) words = g_strsplit(line, " ", -1);
   g_autoptr(GPtrArray) argv = g_ptr_array_new();
   g_ptr_array_add(argv, command);
   for (guint i = 0; words[i]; i++)
     g_ptr_array_add(argv, g_strdelimit(words[i], "~", ' '));
   g_ptr_array_add(argv, NULL);
-  return spawn((const char *const *)argv->pdata);
+  return program_spawn((const char *const *)argv->pdata);
 }
 
 /* Start a run and return once a plugin reports that it begins an endless

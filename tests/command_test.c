@@ -13,48 +13,48 @@
 /* ---- verbs that only print ---- */
 
 static void test_usage(void) {
-  g_assert_cmpint(call("rnu"), ==, 2);
+  g_assert_cmpint(opcflow_call("rnu"), ==, 2);
   g_assert_cmpstr(err, ==, "error: unknown verb 'rnu', did you mean 'run'?\n");
-  g_assert_cmpint(call("run"), ==, 2);
+  g_assert_cmpint(opcflow_call("run"), ==, 2);
   g_assert_cmpstr(err, ==,
                   "error: 'run' requires FLOW, see 'opcflow help run'\n");
-  g_assert_cmpint(call("run two.yaml --jsno"), ==, 2);
+  g_assert_cmpint(opcflow_call("run two.yaml --jsno"), ==, 2);
   g_assert_cmpstr(
       err, ==,
       "error: unknown option '--jsno' of 'run', did you mean '--json'?\n");
-  g_assert_cmpint(call("run two.yaml --threads=many"), ==, 2);
-  g_assert_cmpint(call("run two.yaml --set"), ==, 2);
-  g_assert_cmpint(call("check two.yaml three.yaml"), ==, 2);
+  g_assert_cmpint(opcflow_call("run two.yaml --threads=many"), ==, 2);
+  g_assert_cmpint(opcflow_call("run two.yaml --set"), ==, 2);
+  g_assert_cmpint(opcflow_call("check two.yaml three.yaml"), ==, 2);
   g_assert_cmpstr(out, ==, "");
-  g_assert_cmpint(call("help"), ==, 0);
-  g_assert_cmpint(call("help run"), ==, 0);
+  g_assert_cmpint(opcflow_call("help"), ==, 0);
+  g_assert_cmpint(opcflow_call("help run"), ==, 0);
   g_assert_nonnull(strstr(out, "--threads N"));
-  g_assert_cmpint(call("--version"), ==, 0);
+  g_assert_cmpint(opcflow_call("--version"), ==, 0);
   g_assert_cmpstr(out, ==, "opcflow " OPC_VERSION " (plugin interface 0.8)\n");
 }
 
 static void test_tell(void) {
-  g_assert_cmpint(call("version --json"), ==, 0);
+  g_assert_cmpint(opcflow_call("version --json"), ==, 0);
   g_autoptr(JsonNode) version = json_from_string(out, NULL);
   g_assert_cmpstr(
       json_object_get_string_member(json_node_get_object(version), "opcflow"),
       ==, OPC_VERSION);
-  g_assert_cmpint(call("inspect test.numbers --json"), ==, 0);
+  g_assert_cmpint(opcflow_call("inspect test.numbers --json"), ==, 0);
   g_autoptr(JsonNode) about = json_from_string(out, NULL);
   g_assert_cmpuint(json_array_get_length(json_object_get_array_member(
                        json_node_get_object(about), "parameters")),
                    ==, 16);
-  g_assert_cmpint(call("inspect test.number"), ==, 3);
+  g_assert_cmpint(opcflow_call("inspect test.number"), ==, 3);
   g_assert_cmpstr(err, ==,
                   "error: unknown plugin 'test.number', did you mean "
                   "'test.numbers'?\n");
-  g_assert_cmpint(call("inspect bad.major"), ==, 3);
+  g_assert_cmpint(opcflow_call("inspect bad.major"), ==, 3);
   g_assert_nonnull(strstr(err, "built for plugin interface 9.8, this is 0.8"));
 }
 
 /* The text printed by inspect is a valid flow except for the missing values. */
 static void test_stanza(void) {
-  g_assert_cmpint(call("inspect test.numbers"), ==, 0);
+  g_assert_cmpint(opcflow_call("inspect test.numbers"), ==, 0);
   const char *stanza = strstr(out, "\nnumbers:\n");
   g_assert_nonnull(stanza);
   g_assert_nonnull(strstr(stanza, "  size: ... nm\n"));
@@ -64,21 +64,22 @@ static void test_stanza(void) {
 }
 
 static void test_check(void) {
-  g_assert_cmpint(call("check two.yaml"), ==, 0);
+  g_assert_cmpint(opcflow_call("check two.yaml"), ==, 0);
   g_assert_cmpstr(out, ==, "");
   g_assert_cmpstr(err, ==, "");
-  g_assert_cmpint(call("check two.yaml --set a.size=3"), ==, 2);
+  g_assert_cmpint(opcflow_call("check two.yaml --set a.size=3"), ==, 2);
   g_assert_cmpstr(
       err, ==,
       "--set a.size: 'size' requires a length with a unit, e.g. '3 nm'\n");
-  g_assert_cmpint(call("check two.yaml --set a.plain=13"), ==, 2);
+  g_assert_cmpint(opcflow_call("check two.yaml --set a.plain=13"), ==, 2);
   g_assert_cmpstr(err, ==,
                   "--set a.plain: step 'a' (test.numbers): 13 is not "
                   "welcome\n");
-  g_assert_cmpint(call("check two.yaml --set a.use=test.none"), ==, 3);
-  g_assert_cmpint(call("check two.yaml --set a.use=bad.instance"), ==, 3);
-  g_assert_cmpint(call("check two.yaml --set a.input=none"), ==, 5);
-  g_assert_cmpint(call("check none.yaml"), ==, 5);
+  g_assert_cmpint(opcflow_call("check two.yaml --set a.use=test.none"), ==, 3);
+  g_assert_cmpint(opcflow_call("check two.yaml --set a.use=bad.instance"), ==,
+                  3);
+  g_assert_cmpint(opcflow_call("check two.yaml --set a.input=none"), ==, 5);
+  g_assert_cmpint(opcflow_call("check none.yaml"), ==, 5);
   g_assert_cmpstr(err, ==, "error: 'none.yaml': no such file\n");
 }
 
@@ -90,7 +91,7 @@ static void test_forecast(void) {
              "  b: { use: test.heavy, from: ${a}, memory: 2e-3 }\n"
              "  c: { use: test.heavy, from: ${b} }\n"
              "variants:\n  big: { b.memory: 1e9 }\n  bad: { b.memory: -1 }\n");
-  g_assert_cmpint(call("check wants.yaml"), ==, 2);
+  g_assert_cmpint(opcflow_call("check wants.yaml"), ==, 2);
   g_assert_cmpstr(out, ==,
                   "a: 1 sums\nb: 2 sums, 2 MB\n"
                   "big/a: 1 sums\nbig/b: 2 sums, 1000000000.0 GB\n"
@@ -105,21 +106,22 @@ static void test_forecast(void) {
                           "\nwants.yaml:8:20: step 'b' (test.heavy): less than "
                           "nothing (variant 'bad')\n"));
   g_assert_null(strstr(err, "ran with 2"));
-  g_assert_cmpint(call("check wants.yaml --quick"), ==, 0);
+  g_assert_cmpint(opcflow_call("check wants.yaml --quick"), ==, 0);
   g_assert_cmpstr(out, ==, "");
   write_text("little.yaml",
              "opcflow: 1\nsteps:\n"
              "  a: { use: test.light }\n"
              "  b: { use: test.heavy, from: ${a}, memory: 1e-5 }\n");
-  g_assert_cmpint(call("check little.yaml"), ==, 0);
+  g_assert_cmpint(opcflow_call("check little.yaml"), ==, 0);
   g_assert_cmpstr(out, ==, "a: 1 sums\nb: 2 sums, less than 1 MB\n");
-  g_assert_cmpint(call("check wants.yaml --json --set b.memory=3"), ==, 0);
+  g_assert_cmpint(opcflow_call("check wants.yaml --json --set b.memory=3"), ==,
+                  0);
   g_assert_nonnull(strstr(out, "\"work\" : \"2 sums\""));
   g_assert_nonnull(strstr(out, "\"memory\" : 3000000000.0"));
-  g_assert_cmpint(call("run wants.yaml --output wants"), ==, 0);
+  g_assert_cmpint(opcflow_call("run wants.yaml --output wants"), ==, 0);
   g_assert_nonnull(strstr(err, "ran with 4"));
   g_assert_true(opc_remove_tree("wants"));
-  g_assert_cmpint(call("run wants.yaml --variant big"), ==, 4);
+  g_assert_cmpint(opcflow_call("run wants.yaml --variant big"), ==, 4);
   g_assert_nonnull(strstr(err, "requires 1000000000.0 GB of memory"));
   g_assert_null(strstr(err, "ran with 2"));
 }
@@ -132,17 +134,18 @@ static JsonObject *member(JsonNode *node, const char *name) {
 
 /* Options correspond to the parameters, and published data is printed. */
 static void test_verb(void) {
-  g_assert_cmpint(call("tell a b~c --max-cases 3 --sizes [1~nm,0.002~um]"), ==,
-                  0);
+  g_assert_cmpint(
+      opcflow_call("tell a b~c --max-cases 3 --sizes [1~nm,0.002~um]"), ==, 0);
   g_assert_cmpstr(out, ==,
                   "words\nword  length\na          1\nb c        3\n\n"
                   "metric  value  unit\nsum     3      nm\n");
   g_assert_cmpstr(err, ==, "tell: 2 words, second, 3 cases\n");
-  g_assert_cmpint(call("tell --mode=first --quiet"), ==, 0);
+  g_assert_cmpint(opcflow_call("tell --mode=first --quiet"), ==, 0);
   g_assert_cmpstr(err, ==, "");
-  g_assert_cmpint(call("tell --no-quiet --title it's:~here -- --x"), ==, 0);
+  g_assert_cmpint(opcflow_call("tell --no-quiet --title it's:~here -- --x"), ==,
+                  0);
   g_assert_cmpstr(err, ==, "tell: it's: here: 1 words, second, 2 cases\n");
-  g_assert_cmpint(call("tell --json a"), ==, 0);
+  g_assert_cmpint(opcflow_call("tell --json a"), ==, 0);
   g_autoptr(JsonNode) json = json_from_string(out, NULL);
   JsonObject *sum =
       json_object_get_object_member(member(json, "metrics"), "sum");
@@ -158,9 +161,9 @@ static void test_verb(void) {
 }
 
 static void test_verb_help(void) {
-  g_assert_cmpint(call("help"), ==, 0);
+  g_assert_cmpint(opcflow_call("help"), ==, 0);
   g_assert_nonnull(strstr(strstr(out, "\nVerbs of plugins:\n"), "\n  tell "));
-  g_assert_cmpint(call("help tell"), ==, 0);
+  g_assert_cmpint(opcflow_call("help tell"), ==, 0);
   g_autofree char *help = g_strdup(out);
   g_assert_true(
       g_str_has_prefix(help, "Usage: opcflow tell WORD ... [OPTIONS]\n"));
@@ -172,41 +175,41 @@ static void test_verb_help(void) {
       "  --json                        print the result as JSON\n"};
   for (size_t i = 0; i < G_N_ELEMENTS(lines); i++)
     if (!strstr(help, lines[i])) g_assert_cmpstr(help, ==, lines[i]);
-  g_assert_cmpint(call("tell --help"), ==, 0);
+  g_assert_cmpint(opcflow_call("tell --help"), ==, 0);
   g_assert_cmpstr(out, ==, help);
-  g_assert_cmpint(call("tell --version"), ==, 0);
+  g_assert_cmpint(opcflow_call("tell --version"), ==, 0);
   g_assert_cmpstr(out, ==, "opcflow-tell (opcflow) " OPC_VERSION "\n");
 }
 
 static void test_verb_faults(void) {
-  g_assert_cmpint(call("tlel"), ==, 2);
+  g_assert_cmpint(opcflow_call("tlel"), ==, 2);
   g_assert_cmpstr(err, ==,
                   "error: unknown verb 'tlel', did you mean 'tell'?\n");
-  g_assert_cmpint(call("tell --max-case 3"), ==, 2);
+  g_assert_cmpint(opcflow_call("tell --max-case 3"), ==, 2);
   g_assert_cmpstr(err, ==,
                   "error: unknown option '--max-case' of 'tell', did you mean "
                   "'--max-cases'?\n");
-  g_assert_cmpint(call("tell --max-cases 0 --mode third"), ==, 2);
-  g_assert_cmpstr(err, ==,
-                  "--max-cases: 'max_cases' must be at least 1, found '0'\n"
-                  "--mode: 'mode' "
-                  "must be one of 'first', 'second', found 'third'\n");
-  g_assert_cmpint(call("tell --max-cases 13"), ==, 2);
+  g_assert_cmpint(opcflow_call("tell --max-cases 0 --mode third"), ==, 2);
+  g_assert_cmpstr(
+      err, ==,
+      "--max-cases: 'max_cases' must be at least 1, found '0'\n--mode: 'mode' "
+      "must be one of 'first', 'second', found 'third'\n");
+  g_assert_cmpint(opcflow_call("tell --max-cases 13"), ==, 2);
   g_assert_cmpstr(err, ==,
                   "--max-cases: command 'tell' (command.tell): 13 is not "
                   "welcome\n");
-  g_assert_cmpint(call("tell limit --max-cases 3"), ==, 1);
+  g_assert_cmpint(opcflow_call("tell limit --max-cases 3"), ==, 1);
   g_assert_cmpstr(err, ==,
                   "tell: 1 words, second, 3 cases\n"
                   "--max-cases: too much\n");
-  g_assert_cmpint(call("tell --json limit"), ==, 1);
+  g_assert_cmpint(opcflow_call("tell --json limit"), ==, 1);
   g_autoptr(JsonNode) json = json_from_string(out, NULL);
   JsonArray *problems =
       json_object_get_array_member(json_node_get_object(json), "problems");
   g_assert_cmpint(json_object_get_int_member(
                       json_array_get_object_element(problems, 0), "exit"),
                   ==, 1);
-  g_assert_cmpint(call("tell crash"), ==, 4);
+  g_assert_cmpint(opcflow_call("tell crash"), ==, 4);
   g_assert_nonnull(strstr(err,
                           "command 'tell' (command.tell): crashed in plugin "
                           "'command.tell': aborted\n"));
@@ -214,18 +217,18 @@ static void test_verb_faults(void) {
 
 /* Output files are written to the current folder and never overwrite a file. */
 static void test_verb_files(void) {
-  g_assert_cmpint(call("tell --output deep/told.txt one two"), ==, 0);
+  g_assert_cmpint(opcflow_call("tell --output deep/told.txt one two"), ==, 0);
   g_autofree char *text = read_text("deep/told.txt");
   g_assert_cmpstr(text, ==, "one\ntwo\n");
-  g_assert_cmpint(call("tell --output deep/told.txt one two"), ==, 5);
+  g_assert_cmpint(opcflow_call("tell --output deep/told.txt one two"), ==, 5);
   g_assert_nonnull(strstr(err, "'deep/told.txt' exists\n"));
-  g_assert_cmpint(call("tell --output ../told.txt"), ==, 2);
+  g_assert_cmpint(opcflow_call("tell --output ../told.txt"), ==, 2);
 }
 
 /* ---- runs ---- */
 
 static void test_run(void) {
-  g_assert_cmpint(call("run two.yaml --output one --threads 3"), ==, 0);
+  g_assert_cmpint(opcflow_call("run two.yaml --output one --threads 3"), ==, 0);
   g_assert_cmpstr(err, ==, "");
   g_assert_true(g_str_has_prefix(out,
                                  "a.numbers\n"
@@ -244,7 +247,7 @@ static void test_run(void) {
 
 /* The manifest has the hash of the input file, and all other entries. */
 static void test_manifest(void) {
-  g_assert_cmpint(call("run two.yaml --output told"), ==, 0);
+  g_assert_cmpint(opcflow_call("run two.yaml --output told"), ==, 0);
   g_autofree char *text = read_text("told/manifest.json");
   g_autoptr(JsonNode) node = json_from_string(text, NULL);
   JsonObject *manifest = json_node_get_object(node);
@@ -270,8 +273,9 @@ static void test_manifest(void) {
 
 /* The resolved flow produces the same results, also from another folder. */
 static void test_again(void) {
-  g_assert_cmpint(call("run two.yaml --output first --set b.size=4~nm"), ==, 0);
-  g_assert_cmpint(call("run first/flow.yaml --output second"), ==, 0);
+  g_assert_cmpint(opcflow_call("run two.yaml --output first --set b.size=4~nm"),
+                  ==, 0);
+  g_assert_cmpint(opcflow_call("run first/flow.yaml --output second"), ==, 0);
   g_autofree char *one = read_text("first/b.numbers.csv");
   g_autofree char *two = read_text("second/b.numbers.csv");
   g_assert_cmpstr(one, ==, two);
@@ -279,33 +283,35 @@ static void test_again(void) {
 }
 
 static void test_json(void) {
-  g_assert_cmpint(call("run two.yaml --json --output json"), ==, 0);
+  g_assert_cmpint(opcflow_call("run two.yaml --json --output json"), ==, 0);
   g_autoptr(JsonNode) node = json_from_string(out, NULL);
   JsonObject *result = json_node_get_object(node);
   g_assert_cmpstr(json_object_get_string_member(result, "folder"), ==, "json");
   g_assert_cmpuint(
       json_array_get_length(json_object_get_array_member(result, "tables")), ==,
       2);
-  g_assert_cmpint(call("run two.yaml --quiet --output quiet"), ==, 0);
+  g_assert_cmpint(opcflow_call("run two.yaml --quiet --output quiet"), ==, 0);
   g_assert_cmpstr(out, ==, "");
 }
 
 static void test_folders(void) {
-  g_assert_cmpint(call("run two.yaml"), ==, 0);
-  g_assert_cmpint(call("run two.yaml"), ==, 0);
-  g_assert_cmpint(call("run two.yaml"), ==, 0);
+  g_assert_cmpint(opcflow_call("run two.yaml"), ==, 0);
+  g_assert_cmpint(opcflow_call("run two.yaml"), ==, 0);
+  g_assert_cmpint(opcflow_call("run two.yaml"), ==, 0);
   g_assert_true(is_there("runs/two/flow.yaml"));
   g_assert_true(is_there("runs/two-2/flow.yaml"));
   g_assert_true(is_there("runs/two-3/flow.yaml"));
-  g_assert_cmpint(call("run two.yaml --output runs/two"), ==, 5);
+  g_assert_cmpint(opcflow_call("run two.yaml --output runs/two"), ==, 5);
   g_assert_cmpstr(
       err, ==,
       "error: 'runs/two' already exists: use --force to replace the folder\n");
-  g_assert_cmpint(call("run two.yaml --output runs/two/ --force"), ==, 0);
+  g_assert_cmpint(opcflow_call("run two.yaml --output runs/two/ --force"), ==,
+                  0);
   /* --force replaces run folders only. */
   g_assert_cmpint(g_mkdir("precious", 0777), ==, 0);
   write_text("precious/mine.txt", "");
-  g_assert_cmpint(call("run two.yaml --output precious --force"), ==, 5);
+  g_assert_cmpint(opcflow_call("run two.yaml --output precious --force"), ==,
+                  5);
   g_assert_cmpstr(err, ==,
                   "error: 'precious' is not replaced, because the folder has "
                   "no readable manifest.json of a run\n");
@@ -314,35 +320,38 @@ static void test_folders(void) {
 }
 
 static void test_failures(void) {
-  g_assert_cmpint(call("run two.yaml --output f/x --set b.behave=fail"), ==, 4);
+  g_assert_cmpint(opcflow_call("run two.yaml --output f/x --set b.behave=fail"),
+                  ==, 4);
   g_assert_cmpstr(err, ==,
                   "two.yaml:4:33: step 'b' (test.numbers): 2 nm is not "
                   "possible\n"
                   "note: files written so far are in 'f/x.failed'\n");
   g_assert_true(is_there("f/x.failed/numbers.csv"));
-  g_assert_cmpint(call("run two.yaml --output f/x --set b.behave=nan"), ==, 4);
+  g_assert_cmpint(opcflow_call("run two.yaml --output f/x --set b.behave=nan"),
+                  ==, 4);
   g_assert_nonnull(strstr(
       err, "metric 'sum' of 'test.numbers' is nan, expected a finite number"));
   g_assert_true(is_there("f/x.failed-2/numbers.csv"));
-  g_assert_cmpint(call("run two.yaml --output f/x --set b.behave=limit"), ==,
-                  1);
-  g_assert_cmpint(call("run two.yaml --output f/x --set b.behave=leave"), ==,
-                  2);
+  g_assert_cmpint(
+      opcflow_call("run two.yaml --output f/x --set b.behave=limit"), ==, 1);
+  g_assert_cmpint(
+      opcflow_call("run two.yaml --output f/x --set b.behave=leave"), ==, 2);
   g_assert_nonnull(strstr(err, "'../out' is outside of the run folder"));
   g_assert_cmpuint(entries("f"), ==, 4);
   /* A run that wrote no file leaves no folder. */
   write_text("bare.yaml",
              "opcflow: 1\nsteps:\n  a: { use: test.numbers, size: 1 nm, "
              "behave: fail }\n");
-  g_assert_cmpint(call("run bare.yaml --output f/bare"), ==, 4);
+  g_assert_cmpint(opcflow_call("run bare.yaml --output f/bare"), ==, 4);
   g_assert_cmpuint(entries("f"), ==, 4);
 }
 
 /* Two steps with the same output file are refused. */
 static void test_taken(void) {
   g_assert_cmpint(
-      call("run two.yaml --output taken --set b.output=deep/er/out.txt"), ==,
-      2);
+      opcflow_call(
+          "run two.yaml --output taken --set b.output=deep/er/out.txt"),
+      ==, 2);
   g_assert_cmpstr(err, ==,
                   "--set b.output: step 'b' (test.numbers): 'output' is "
                   "'deep/er/out.txt', but 'a' already writes "
@@ -362,22 +371,24 @@ static void test_tilde(void) {
         "--set %s: the shell turned ~ into '%s': quote it, or write '%s/' for "
         "the folder\n",
         paths[i], folder, folder);
-    g_assert_cmpint(call(line), ==, 2);
+    g_assert_cmpint(opcflow_call(line), ==, 2);
     g_assert_cmpstr(err, ==, message);
   }
-  g_assert_cmpint(call("check two.yaml --set b=null"), ==, 0);
+  g_assert_cmpint(opcflow_call("check two.yaml --set b=null"), ==, 0);
 }
 
 static void test_log(void) {
-  g_assert_cmpint(call("run two.yaml --output log-debug --log debug"), ==, 0);
-  g_assert_nonnull(strstr(err, "b: debug: 2 numbers\n"));
-  g_assert_cmpint(call("run two.yaml --output log-info"), ==, 0);
-  g_assert_cmpstr(err, ==, "");
-  g_assert_cmpint(call("run two.yaml --output log-warning --log warning --set "
-                       "b.behave=find"),
+  g_assert_cmpint(opcflow_call("run two.yaml --output log-debug --log debug"),
                   ==, 0);
+  g_assert_nonnull(strstr(err, "b: debug: 2 numbers\n"));
+  g_assert_cmpint(opcflow_call("run two.yaml --output log-info"), ==, 0);
+  g_assert_cmpstr(err, ==, "");
+  g_assert_cmpint(
+      opcflow_call("run two.yaml --output log-warning --log warning --set "
+                   "b.behave=find"),
+      ==, 0);
   g_assert_nonnull(strstr(err, "warning: b: 2 nm is odd\n"));
-  g_assert_cmpint(call("run two.yaml --log loud"), ==, 2);
+  g_assert_cmpint(opcflow_call("run two.yaml --log loud"), ==, 2);
   g_assert_cmpstr(
       err, ==, "error: '--log' must be debug, info or warning, found 'loud'\n");
 }
@@ -385,7 +396,7 @@ static void test_log(void) {
 /* ---- signals and terminals ---- */
 
 /* Interrupt a run whose second step waits. */
-static void interrupt(const char *option, const char *value) {
+static void run_interrupt(const char *option, const char *value) {
   const char *argv[] = {command, "run",  "two.yaml", "--output",
                         "i/x",   option, value,      NULL};
   g_autoptr(GError) fault = NULL;
@@ -406,8 +417,8 @@ static void interrupt(const char *option, const char *value) {
 }
 
 static void test_interrupt(void) {
-  interrupt("--set", "b.behave=wait");
-  interrupt("--sweep", "b.behave=[well,wait,well]");
+  run_interrupt("--set", "b.behave=wait");
+  run_interrupt("--sweep", "b.behave=[well,wait,well]");
 }
 
 /* Return the output of opcflow WORDS on a terminal and check the exit code;
@@ -481,7 +492,7 @@ static void test_progress(void) {
 /* Run opcflow by a shell and return the exit code. */
 static int shell(const char *words) {
   g_autofree char *line = g_strdup_printf("%s %s", command, words);
-  return spawn((const char *const[]){"/bin/sh", "-c", line, NULL});
+  return program_spawn((const char *const[]){"/bin/sh", "-c", line, NULL});
 }
 
 static void test_full(void) {

@@ -20,7 +20,8 @@ static void make_mask(const char *run, const char *boxes, int shots) {
              "  layout: { use: read.cif, file: mask.cif }\n"
              "  out: { use: write.gds, layout: ${layout}, file: mask.gds,\n"
              "    layers: { A: 9/0, B: 1/0 } }\n");
-  g_assert_cmpint(call("run mask.yaml --output written --force"), ==, 0);
+  g_assert_cmpint(opcflow_call("run mask.yaml --output written --force"), ==,
+                  0);
   make_run(
       &(made_run){.folder = run,
                   .files = "{ \"path\" : \"mask.gds\", \"sha256\" : \"cc\" }"});
@@ -44,9 +45,9 @@ static void make_mask(const char *run, const char *boxes, int shots) {
 static JsonParser *parser;
 
 /* Run with --json and return the exit code. */
-static int compare(const char *line) {
+static int runs_compare(const char *line) {
   g_autofree char *whole = g_strconcat("compare --json ", line, NULL);
-  int code = call(whole);
+  int code = opcflow_call(whole);
   g_clear_object(&parser);
   parser = json_parser_new();
   g_assert_true(json_parser_load_from_data(parser, out, -1, NULL));
@@ -142,7 +143,7 @@ static void test_verdicts(void) {
                                                                                               "1.0",
                                                                                               "lower",
                                                                                               "0.0") " } }"});
-  g_assert_cmpint(compare("a b --all"), ==, 0);
+  g_assert_cmpint(runs_compare("a b --all"), ==, 0);
   g_assert_cmpstr(verdict("mask.low"), ==, "worse");
   g_assert_cmpstr(verdict("mask.high"), ==, "better");
   g_assert_cmpstr(verdict("mask.near"), ==, "same");
@@ -156,16 +157,16 @@ static void test_verdicts(void) {
   g_assert_cmpfloat(number("metrics", low, "change"), ==, 0.25);
   /* Only differences are listed by default. */
   g_assert_cmpuint(rows_of("metrics"), ==, 7);
-  compare("a b");
+  runs_compare("a b");
   g_assert_cmpuint(rows_of("metrics"), ==, 6);
-  compare("b a --metrics low,same --sort verdict");
+  runs_compare("b a --metrics low,same --sort verdict");
   g_assert_cmpuint(rows_of("metrics"), ==, 2);
   g_assert_cmpstr(verdict("mask.low"), ==, "better");
-  compare("a b --metrics mask.* --sort verdict");
+  runs_compare("a b --metrics mask.* --sort verdict");
   g_assert_cmpstr(text("metrics", 0, "metric"), ==, "mask.low");
-  compare("a b --sort name");
+  runs_compare("a b --sort name");
   g_assert_cmpstr(text("metrics", 0, "metric"), ==, "mask.free");
-  compare("a b --metrics low,free --sort change");
+  runs_compare("a b --metrics low,free --sort change");
   g_assert_cmpstr(text("metrics", 0, "metric"), ==, "mask.free");
   g_assert_cmpuint(rows_of("parameters"), ==, 1);
   g_assert_cmpstr(text("parameters", 0, "parameter"), ==,
@@ -201,20 +202,20 @@ static void test_exit(void) {
   };
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     g_test_message("%s", cases[i].line);
-    g_assert_cmpint(call(cases[i].line), ==, cases[i].code);
+    g_assert_cmpint(opcflow_call(cases[i].line), ==, cases[i].code);
     if (!strstr(err, cases[i].said)) g_error("%s", err);
   }
 }
 
 static void test_forms(void) {
-  call("compare a b --metrics low --table metrics --csv");
+  opcflow_call("compare a b --metrics low --table metrics --csv");
   g_assert_cmpstr(out, ==,
                   "metric,unit,base,value,change,verdict,tolerance,better\n"
                   "mask.low,%,1,1.25,0.25,worse,0.1,lower\n");
-  call("compare a b --metrics low --table metrics --markdown");
+  opcflow_call("compare a b --metrics low --table metrics --markdown");
   g_assert_nonnull(strstr(
       out, "\n| mask.low | % | 1 | 1.25 | 0.25 | worse | 0.1 | lower |\n"));
-  call("compare a b --metrics low --table metrics");
+  opcflow_call("compare a b --metrics low --table metrics");
   g_assert_nonnull(
       strstr(out, "mask.low  %        1   1.25    0.25  worse          0.1  "));
 }
@@ -227,7 +228,7 @@ static void test_masks(void) {
 #define SAME "L A;B 1000 200 0 0;L B;B 400 400 0 1000;"
   make_mask("mask1", SAME "L A;B 200 100 0 -400;B 60 50 0 -900;", 7);
   make_mask("mask2", SAME "L A;B 200 100 50 -400;", 6);
-  g_assert_cmpint(compare("mask1 mask2"), ==, 0);
+  g_assert_cmpint(runs_compare("mask1 mask2"), ==, 0);
   g_assert_cmpuint(rows_of("masks"), ==, 1);
   g_assert_cmpstr(text("masks", 0, "layer"), ==, "poly");
   g_assert_cmpfloat_with_epsilon(number("masks", 0, "area_base"), 0.223, 1e-9);
@@ -236,9 +237,9 @@ static void test_masks(void) {
   g_assert_cmpint(json_node_get_int(cell("masks", 0, "places")), ==, 3);
   g_assert_cmpfloat(number("masks", 0, "shots_base"), ==, 7);
   g_assert_cmpfloat(number("masks", 0, "shots"), ==, 6);
-  g_assert_cmpint(compare("mask1 mask2 --all"), ==, 0);
+  g_assert_cmpint(runs_compare("mask1 mask2 --all"), ==, 0);
   g_assert_cmpuint(rows_of("masks"), ==, 2);
-  g_assert_cmpint(compare("mask1 mask1"), ==, 0);
+  g_assert_cmpint(runs_compare("mask1 mask1"), ==, 0);
   g_assert_cmpuint(rows_of("masks"), ==, 0);
 }
 
@@ -269,19 +270,19 @@ static void test_refusals(void) {
     m.gates = its;
     make_run(&m);
     g_test_message("%s", cases[i].said);
-    g_assert_cmpint(call("compare base other"), ==, 2);
+    g_assert_cmpint(opcflow_call("compare base other"), ==, 2);
     g_assert_nonnull(strstr(err, "not comparable: other: "));
     if (!strstr(err, cases[i].said)) g_error("%s", err);
     g_assert_cmpstr(out, ==, "");
-    g_assert_cmpint(call("compare base other --anyway"), ==, 0);
+    g_assert_cmpint(opcflow_call("compare base other --anyway"), ==, 0);
     if (!strstr(err, cases[i].said)) g_error("%s", err);
   }
   make_run(&(made_run){.folder = "other", .more = "\"points\" : 3,"});
-  g_assert_cmpint(call("compare base other --anyway"), ==, 2);
+  g_assert_cmpint(opcflow_call("compare base other --anyway"), ==, 2);
   g_assert_nonnull(strstr(err, "is a sweep of 3 points"));
   /* A different target of the same plugin is comparable. */
   make_run(&(made_run){.folder = "other", .target = "full"});
-  g_assert_cmpint(call("compare base other"), ==, 0);
+  g_assert_cmpint(opcflow_call("compare base other"), ==, 0);
 }
 
 /* Transistors are joined by name in any order and compared by absolute
@@ -299,7 +300,7 @@ static void test_transistors(void) {
                   NULL);
   make_run(&(made_run){.folder = "x", .gates = a});
   make_run(&(made_run){.folder = "y", .gates = b});
-  g_assert_cmpint(compare("x y"), ==, 0);
+  g_assert_cmpint(runs_compare("x y"), ==, 0);
   g_assert_cmpuint(rows_of("transistors"), ==, 2);
   g_assert_cmpstr(text("transistors", 0, "figure"), ==, "ion");
   g_assert_cmpfloat(number("transistors", 0, "transistors"), ==, 3);
@@ -326,14 +327,15 @@ static void test_variants(void) {
   make_run(&(made_run){.folder = "runs/demo-fast",
                        .metrics = RUN_ION("2.0"),
                        .variant = "fast"});
-  g_assert_cmpint(compare("demo.yaml --variant base --variant fast"), ==, 0);
+  g_assert_cmpint(runs_compare("demo.yaml --variant base --variant fast"), ==,
+                  0);
   g_assert_cmpuint(rows_of("metrics"), ==, 1);
   g_assert_cmpfloat(number("metrics", 0, "base"), ==, 3);
   g_assert_cmpfloat(number("metrics", 0, "value"), ==, 2);
-  g_assert_cmpint(call("compare demo.yaml --variant fast --variant slow"), ==,
-                  2);
+  g_assert_cmpint(
+      opcflow_call("compare demo.yaml --variant fast --variant slow"), ==, 2);
   g_assert_nonnull(strstr(err, "'opcflow run demo.yaml --variant slow'"));
-  compare("runs/demo runs/demo-2 runs/demo-fast");
+  runs_compare("runs/demo runs/demo-2 runs/demo-fast");
   g_assert_cmpuint(rows_of("metrics"), ==, 2);
   g_assert_cmpfloat(
       number("metrics", row_of("metrics", "run", "demo-fast", "mask.ion"),
@@ -379,7 +381,7 @@ static void make_experiment(const char *name, const char *nand,
 
 static void test_experiment(void) {
   make_experiment("one", "0.5", "1.25");
-  g_assert_cmpint(compare("one"), ==, 0);
+  g_assert_cmpint(runs_compare("one"), ==, 0);
   g_assert_cmpuint(rows_of("cases"), ==, 1);
   g_assert_cmpstr(text("cases", 0, "method"), ==, "pb");
   g_assert_cmpfloat(number("cases", 0, "cases"), ==, 2);
@@ -389,13 +391,13 @@ static void test_experiment(void) {
   g_assert_cmpfloat_with_epsilon(number("cases", 0, "change"), -0.125, 1e-12);
   g_assert_nonnull(strstr(err, "inv, pb: left out: no light"));
   g_assert_null(table_of("metrics"));
-  compare("one --cases");
+  runs_compare("one --cases");
   g_assert_cmpuint(rows_of("metrics"), ==, 2);
   g_assert_cmpstr(text("metrics", 0, "case"), ==, "nand");
-  g_assert_cmpint(call("compare one --fail-on worse"), ==, 1);
+  g_assert_cmpint(opcflow_call("compare one --fail-on worse"), ==, 1);
   g_assert_nonnull(strstr(err, "worse: nor, pb: mask.ion\n"));
   make_experiment("one", "0.5", "1.0625"); /* within the tolerance */
-  compare("one");
+  runs_compare("one");
   g_assert_cmpfloat(number("cases", 0, "ties"), ==, 1);
 }
 
@@ -427,10 +429,10 @@ static void test_many_methods(void) {
                              failed ? "" : "1.0");
     }
   put_file("many", "experiment.csv", table->str);
-  g_assert_cmpint(call("compare many"), ==, 0);
+  g_assert_cmpint(opcflow_call("compare many"), ==, 0);
   g_assert_cmpint(count_of(err, "inv, epe: left out: no light"), ==, 1);
   g_assert_null(strstr(out, "parameters\n"));
-  g_assert_cmpint(call("compare many --table parameters"), ==, 0);
+  g_assert_cmpint(opcflow_call("compare many --table parameters"), ==, 0);
   g_assert_cmpint(count_of(out, "full"), ==, 3);
 }
 
@@ -438,18 +440,18 @@ static void test_many_methods(void) {
 static void test_experiments(void) {
   make_experiment("one", "0.5", "1.0");
   make_experiment("two", "2.0", "0.25");
-  g_assert_cmpint(compare("one two"), ==, 0);
+  g_assert_cmpint(runs_compare("one two"), ==, 0);
   g_assert_cmpuint(rows_of("cases"), ==, 1);
   g_assert_cmpstr(text("cases", 0, "method"), ==, "pb");
   g_assert_cmpfloat(number("cases", 0, "wins"), ==, 1);
   g_assert_cmpfloat(number("cases", 0, "losses"), ==, 1);
   g_assert_cmpfloat_with_epsilon(number("cases", 0, "base"), 0.75, 1e-12);
   g_assert_cmpfloat_with_epsilon(number("cases", 0, "value"), 1.125, 1e-12);
-  compare("one two --all");
+  runs_compare("one two --all");
   g_assert_cmpuint(rows_of("cases"), ==, 2);
-  g_assert_cmpint(call("compare one a"), ==, 2);
+  g_assert_cmpint(opcflow_call("compare one a"), ==, 2);
   g_assert_nonnull(strstr(err, "an experiment can be compared with another"));
-  g_assert_cmpint(call("compare one two one"), ==, 2);
+  g_assert_cmpint(opcflow_call("compare one two one"), ==, 2);
 }
 
 int main(int argc, char **argv) {

@@ -14,7 +14,7 @@ static char *kept, *folder; /* folder of the binaries; folder of the runs */
 
 /* Run this opcflow or the grown one with words (no blanks in them) and the
    store in OPCFLOW_STORE. Return its output. */
-static char *call(gboolean grown, const char *words) {
+static char *opcflow_call(gboolean grown, const char *words) {
   const char *build = g_getenv("OPCFLOW_BUILD");
   g_autofree char *line = g_strdup_printf(
       "%s/%s %s --plugin-path %s --plugin-path %s/tests/compat", build,
@@ -42,7 +42,7 @@ static char *run_flow(gboolean grown, const char *flow, const char *more,
   g_autofree char *words = g_strdup_printf(
       "run %s/%s.yaml --output %s/run --force%s", kept, flow, folder, more);
   g_autofree char *run = g_build_filename(folder, "run", NULL);
-  g_free(call(grown, words));
+  g_free(opcflow_call(grown, words));
   return read_file(run, file);
 }
 
@@ -83,7 +83,7 @@ static void test_correction(void) {
 
 static void test_command(void) {
   for (int grown = 0; grown < 2; grown++) {
-    g_autofree char *out = call(grown, "compat a b c");
+    g_autofree char *out = opcflow_call(grown, "compat a b c");
     g_assert_nonnull(strstr(out, "arguments"));
     g_assert_nonnull(strstr(out, "3"));
   }

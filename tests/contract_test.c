@@ -129,7 +129,7 @@ static void test_failures(void) {
     while (!g_str_has_prefix(plugin, places[k].kind)) k++;
     write_correction(plugin);
     g_test_message("%s", plugin);
-    g_assert_cmpint(call("run bad.yaml --output x"), ==, 4);
+    g_assert_cmpint(opcflow_call("run bad.yaml --output x"), ==, 4);
     g_autofree char *want = g_strdup_printf(
         "bad.yaml:%s: step 'mask' (correct), %s (bad.%s): %s\n"
         "note: files "
@@ -143,7 +143,7 @@ static void test_failures(void) {
 /* The command exits with the code returned by the plugin. */
 static void test_code(void) {
   write_correction("synthesizer_begin");
-  g_assert_cmpint(call("run bad.yaml --output x"), ==, 2);
+  g_assert_cmpint(opcflow_call("run bad.yaml --output x"), ==, 2);
   expect_error(
       "bad.yaml:14:18: step 'mask' (correct), synthesizer "
       "(bad.synthesizer_begin): no error message\n*");
@@ -153,7 +153,7 @@ static void test_code(void) {
 /* A plugin without a fault causes no message. */
 static void test_good(void) {
   write_correction("none");
-  g_assert_cmpint(call("run bad.yaml --output good"), ==, 0);
+  g_assert_cmpint(opcflow_call("run bad.yaml --output good"), ==, 0);
   g_assert_cmpstr(err, ==, "");
   g_assert_true(is_there("good/gates.csv"));
 }
@@ -178,7 +178,7 @@ static void test_crashes(void) {
   for (size_t i = 0; i < G_N_ELEMENTS(crashes); i++) {
     write_correction(crashes[i].plugin);
     g_test_message("%s", crashes[i].plugin);
-    g_assert_cmpint(call("run bad.yaml --output x --threads 3"), ==, 4);
+    g_assert_cmpint(opcflow_call("run bad.yaml --output x --threads 3"), ==, 4);
     g_autofree char *want = g_strdup_printf(
         "bad.yaml:8:3: step 'mask' (correct): crashed in plugin 'bad.%s': "
         "%s\n"
@@ -194,10 +194,8 @@ static void test_numbered(void) {
   g_assert_cmpint(g_mkdir("x.failed", 0777), ==, 0);
   g_assert_cmpint(g_mkdir("x.failed-2", 0777), ==, 0);
   write_correction("litho_segv");
-  g_assert_cmpint(call("run bad.yaml --output x"), ==, 4);
-  expect_error(
-      "*\n"
-      "note: files written so far are in 'x.failed-3'\n");
+  g_assert_cmpint(opcflow_call("run bad.yaml --output x"), ==, 4);
+  expect_error("*\nnote: files written so far are in 'x.failed-3'\n");
   g_assert_true(is_there("x.failed-3/numbers.csv"));
   g_assert_cmpint(g_rmdir("x.failed"), ==, 0);
   g_assert_cmpint(g_rmdir("x.failed-2"), ==, 0);
@@ -248,7 +246,7 @@ static int call_step(const char *verb, const char *fault) {
       g_strdup_printf("opcflow: 1\nsteps:\n  a: { use: bad.step_%s }\n", fault);
   write_text("step.yaml", text);
   g_autofree char *line = g_strdup_printf("%s step.yaml", verb);
-  int code = call(line);
+  int code = opcflow_call(line);
   g_assert_false(is_there("runs/step"));
   g_assert_false(is_there("runs/step.failed"));
   return code;
@@ -297,7 +295,7 @@ static void test_steps(void) {
 static void test_clear(void) {
   write_text("clear.yaml",
              "opcflow: 1\nsteps:\n  a: { use: bad.step_clear }\n");
-  g_assert_cmpint(call("run clear.yaml --output cleared"), ==, 4);
+  g_assert_cmpint(opcflow_call("run clear.yaml --output cleared"), ==, 4);
   g_assert_cmpstr(err, ==,
                   "error: crashed in plugin 'bad.step_clear': segmentation "
                   "fault\n");
@@ -307,11 +305,11 @@ static void test_clear(void) {
 /* A plugin that crashes while it is loaded. */
 static void test_loading(void) {
   write_text("load.yaml", "opcflow: 1\nsteps:\n  a: { use: bad.crash }\n");
-  g_assert_cmpint(call("run load.yaml"), ==, 3);
+  g_assert_cmpint(opcflow_call("run load.yaml"), ==, 3);
   expect_error(
       "error: 'bad.crash': cannot use '*/tests/bad.crash.so': crashed "
       "in plugin 'bad.crash': aborted\n");
-  g_assert_cmpint(call("inspect bad.crash"), ==, 3);
+  g_assert_cmpint(opcflow_call("inspect bad.crash"), ==, 3);
 }
 
 int main(int argc, char **argv) {

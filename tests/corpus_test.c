@@ -22,7 +22,7 @@ static eda_layout *read_file(const char *path) {
   return output;
 }
 
-static int64_t count(JsonObject *object, const char *name) {
+static int64_t object_count(JsonObject *object, const char *name) {
   return json_object_get_int_member_with_default(object, name, 0);
 }
 
@@ -44,9 +44,9 @@ static void check_cells(const eda_layout *layout, JsonObject *cells) {
       placed += members;
     }
     JsonObject *want = json_object_get_object_member(cells, name);
-    g_assert_cmpint(single, ==, count(want, "single"));
-    g_assert_cmpint(arrays, ==, count(want, "arrays"));
-    g_assert_cmpint(placed, ==, count(want, "placed"));
+    g_assert_cmpint(single, ==, object_count(want, "single"));
+    g_assert_cmpint(arrays, ==, object_count(want, "arrays"));
+    g_assert_cmpint(placed, ==, object_count(want, "placed"));
   }
 }
 
@@ -77,10 +77,11 @@ static GHashTable *check_layers(const eda_layout *layout, JsonObject *layers) {
     const char *name = eda_layout_layer_name(layout, (int32_t)i);
     g_assert_true(json_object_has_member(layers, name));
     JsonObject *want = json_object_get_object_member(layers, name);
-    int64_t paths = count(want, "path");
-    int64_t less = count(want, "polygon") + count(want, "box") + paths;
+    int64_t paths = object_count(want, "path");
+    int64_t less =
+        object_count(want, "polygon") + object_count(want, "box") + paths;
     less -= shapes[i];
-    g_assert_cmpint(texts[i], ==, count(want, "text"));
+    g_assert_cmpint(texts[i], ==, object_count(want, "text"));
     g_assert_cmpint(less, >=, 0);
     g_assert_cmpint(less, <=, paths);
     g_hash_table_insert(missing, g_strdup(name), GINT_TO_POINTER((int)less));
@@ -114,7 +115,7 @@ static void check_area(const eda_shapes *flat, double unit, JsonObject *want) {
 /* For disjoint shapes, also slanted ones, compare the sum of areas. */
 static void check_sum(const eda_shapes *flat, double unit, JsonObject *want) {
   double twice = 0;
-  if (count(want, "polygons") != (int64_t)flat->count) return;
+  if (object_count(want, "polygons") != (int64_t)flat->count) return;
   for (size_t i = 0; i < flat->count; i++) {
     double one = 0;
     for (uint32_t k = flat->start[i]; k < flat->start[i + 1]; k++) {
@@ -173,7 +174,7 @@ static int check_top(const eda_layout *layout, const char *top,
     } else {
       g_assert_false(lost); /* their loss must be reported */
       if (!flat.moved &&
-          !count(json_object_get_object_member(layers, k->data), "path"))
+          !object_count(json_object_get_object_member(layers, k->data), "path"))
         check_sum(&flat.shapes, unit, want);
     }
     if (!lost) check_box(&flat.shapes, unit, want);

@@ -26,7 +26,7 @@ static int call_while(const char *line, const char *when, const char *how) {
   g_ptr_array_add(argv, command);
   for (guint i = 0; words[i]; i++) g_ptr_array_add(argv, words[i]);
   g_ptr_array_add(argv, NULL);
-  return spawn((const char *const *)argv->pdata);
+  return program_spawn((const char *const *)argv->pdata);
 }
 
 /* Write a correction flow in which the plugin bad.KIND has the fault of the
@@ -97,9 +97,11 @@ static const way ways[] = {
     {"stderr", "plugin '%s' closed or redirected standard error\n"},
     {"close", ""}, /* the message has no open stream left */
     {"fork", ended},
+    {"execve", ended},
+    {"execl", ended},
 };
 
-static void expect(int got, int want, const char *id, const char *say) {
+static void assert_exit(int got, int want, const char *id, const char *say) {
   char **parts = g_strsplit(say, "%s", -1);
   g_autofree char *text = g_strjoinv(id, parts);
   g_strfreev(parts);
@@ -124,8 +126,8 @@ static void try_correction(const char *kind, const char *when, const char *how,
   g_autofree char *id = g_strconcat("bad.", kind, NULL);
   write_correction(kind);
   /* One thread: with several, another faulty plugin may be named first. */
-  expect(call_while("run bad.yaml --output x --threads 1", when, how), 4, id,
-         say);
+  assert_exit(call_while("run bad.yaml --output x --threads 1", when, how), 4,
+              id, say);
   expect_kept();
 }
 
@@ -218,9 +220,9 @@ static void test_beside(void) {
     for (int again = 0; again < 4; again++) {
       g_autofree char *id = g_strdup_printf("'bad.%s'", kinds[i][0]);
       write_correction(kinds[i][0]);
-      expect(call_while("run bad.yaml --output x --threads 4", kinds[i][1],
-                        "chdir slowly"),
-             4, id, " changed the working folder\n");
+      assert_exit(call_while("run bad.yaml --output x --threads 4", kinds[i][1],
+                             "chdir slowly"),
+                  4, id, " changed the working folder\n");
       g_assert_nonnull(strstr(err, id));
       expect_kept();
     }
@@ -228,7 +230,7 @@ static void test_beside(void) {
 
 /* ---- steps, verbs, kinds ---- */
 
-static JsonNode *parse(const char *text) {
+static JsonNode *json_parse(const char *text) {
   g_autoptr(JsonParser) parser = json_parser_new();
   g_autoptr(GError) error = NULL;
   g_assert_true(g_utf8_validate(text, -1, NULL));
@@ -240,7 +242,7 @@ static JsonNode *parse(const char *text) {
 static void try_step(const char *verb, const char *when, const char *how,
                      int code, const char *say) {
   write_text("step.yaml", "opcflow: 1\nsteps:\n  a: { use: bad.step }\n");
-  expect(call_while(verb, when, how), code, "bad.step", say);
+  assert_exit(call_while(verb, when, how), code, "bad.step", say);
   g_assert_false(is_there("runs/step"));
   g_assert_false(is_there("runs/step.failed"));
 }
@@ -262,12 +264,12 @@ static void test_step(void) {
   try_step("check step.yaml", "", "endless", 0, "");
   g_assert_nonnull(strstr(out, "xxxx"));
   try_step("check step.yaml --json", "", "bytes", 0, "");
-  g_autoptr(JsonNode) check = parse(out);
+  g_autoptr(JsonNode) check = json_parse(out);
   try_step("run step.yaml", "run", "err", 4, ended);
   /* The exit code is always that of the command. */
   try_step("run step.yaml", "run", "atexit", 4, "(bad.step): no error message");
-  expect(call_while("run step.yaml --output z", "run", "atexit crash"), 4, "",
-         "crashed while the command ended: segmentation fault\n");
+  assert_exit(call_while("run step.yaml --output z", "run", "atexit crash"), 4,
+              "", "crashed while the command ended: segmentation fault\n");
   g_assert_true(opc_remove_tree("z"));
   try_step("run step.yaml", "", "memory", 4, "crashed in plugin '%s': trap\n");
   try_step("run step.yaml", "", "thread later", 4,
@@ -278,17 +280,17 @@ static void test_step(void) {
 
 static void test_verb(void) {
   for (size_t i = 0; i < G_N_ELEMENTS(ways); i++)
-    expect(call_while("bad", "run", ways[i].how), 4, "command.bad",
-           ways[i].say);
+    assert_exit(call_while("bad", "run", ways[i].how), 4, "command.bad",
+                ways[i].say);
 }
 
 /* Faults while a plugin of any kind is loaded. */
 static void test_loading(void) {
   for (size_t i = 0; i < G_N_ELEMENTS(ways); i++) {
-    expect(call_while("inspect kind.bad", "construct", ways[i].how), 3,
-           "kind.bad", ways[i].say);
-    expect(call_while("inspect bad.none", "load", ways[i].how), 3, "bad.none",
-           ways[i].say);
+    assert_exit(call_while("inspect kind.bad", "construct", ways[i].how), 3,
+                "kind.bad", ways[i].say);
+    assert_exit(call_while("inspect bad.none", "load", ways[i].how), 3,
+                "bad.none", ways[i].say);
   }
 }
 
@@ -300,17 +302,17 @@ static void test_output(void) {
   g_assert_cmpint(
       call_while("run bad.yaml --output x --json", "update", "print"), ==, 0);
   g_assert_nonnull(strstr(err, "not JSON\n"));
-  g_autoptr(JsonNode) run = parse(out);
+  g_autoptr(JsonNode) run = json_parse(out);
   g_assert_true(json_object_has_member(json_node_get_object(run), "metrics"));
   g_assert_true(opc_remove_tree("x"));
   g_assert_cmpint(call_while("inspect bad.none --json", "construct", "print"),
                   ==, 0);
-  g_autoptr(JsonNode) seen = parse(out);
+  g_autoptr(JsonNode) seen = json_parse(out);
   g_assert_cmpstr(
       json_object_get_string_member(json_node_get_object(seen), "id"), ==,
       "bad.none");
   g_assert_cmpint(call_while("bad --json", "run", "print"), ==, 0);
-  g_autoptr(JsonNode) verb = parse(out);
+  g_autoptr(JsonNode) verb = json_parse(out);
   g_assert_true(json_object_has_member(json_node_get_object(verb), "tables"));
 }
 
@@ -320,7 +322,7 @@ static void test_texts(void) {
   try_step("run step.yaml", "", "escape", 4, shown);
   g_assert_null(strchr(err, '\033'));
   try_step("run step.yaml --json", "", "escape", 4, shown);
-  g_autoptr(JsonNode) run = parse(out);
+  g_autoptr(JsonNode) run = json_parse(out);
   call_while("run step.yaml --output y", "", "escaped log");
   g_assert_nonnull(strstr(err, shown));
   g_assert_null(strchr(err, '\033'));
@@ -336,7 +338,7 @@ static void test_texts(void) {
 static void test_names(void) {
   write_text("\xFF\033[1m.yaml", "opcflow: 1\nsteps: {}\n");
   g_assert_cmpint(call_while("check \xFF\033[1m.yaml --json", "", ""), ==, 2);
-  g_autoptr(JsonNode) check = parse(out);
+  g_autoptr(JsonNode) check = json_parse(out);
   g_assert_cmpstr(
       json_object_get_string_member(json_node_get_object(check), "flow"), ==,
       "\\xff\033[1m.yaml");

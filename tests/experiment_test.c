@@ -33,7 +33,7 @@ static const char inner[] =
   "    cases: [{ layout.file: [cells/nand2.cif, cells/nor2.cif] }]\n"
 
 /* Check a flow: its exit code, and that the messages contain all of `words`. */
-static void expect(const char *flow, const char *words) {
+static void assert_flow(const char *flow, const char *words) {
   g_autofree char *errors = NULL;
   write_file("bad.yaml", flow);
   g_assert_cmpint(opcflow(&errors, "check", "--quick", "bad.yaml", NULL), !=,
@@ -195,8 +195,8 @@ static void test_files(void) {
   expect_cases("    cases: [{ " OTHER " }, { " OTHER
                ", layout.file: cells/nor2.cif }]\n",
                "transistors nor2 ");
-  expect(HEAD METHODS "    cases: [{ layout.file: 'cells/x*.cif' }]\n",
-         "bad.yaml:8:28: no file matches 'cells/x*.cif'");
+  assert_flow(HEAD METHODS "    cases: [{ layout.file: 'cells/x*.cif' }]\n",
+              "bad.yaml:8:28: no file matches 'cells/x*.cif'");
 }
 
 /* Two files of a case, matched by the star of the pattern. */
@@ -211,10 +211,10 @@ static void test_pairs(void) {
       "nand2 nor2 ");
   g_autofree char *resolved = read_file("good/e/nor2/fine", "flow.yaml");
   g_assert_true(strstr(resolved, "more/nor2.CIF"));
-  expect(HEAD METHODS
-         "    cases: [{ layout.file: 'cells/n*2.cif', other.file: "
-         "'none/n*2.cif' }]\n",
-         "bad.yaml:8:57: 'none/nand2.cif': no such file");
+  assert_flow(HEAD METHODS
+              "    cases: [{ layout.file: 'cells/n*2.cif', other.file: "
+              "'none/n*2.cif' }]\n",
+              "bad.yaml:8:57: 'none/nand2.cif': no such file");
   write_file("inner.yaml", inner);
 }
 
@@ -240,7 +240,7 @@ static void test_cells(void) {
   g_assert_true(strstr(csv, "\nALPHA,base,e/ALPHA/base,good,"));
   g_assert_true(strstr(csv, "\nBETA,base,"));
   g_assert_false(strstr(csv, "ALSO"));
-  expect(
+  assert_flow(
       "opcflow: 1\nname: outer\nsteps:\n  e:\n    use: experiment\n"
       "    flow: cells.yaml\n    methods: [base]\n"
       "    cases: [{ layout.top: 'GAM*' }]\n",
@@ -257,34 +257,34 @@ static void test_lists(void) {
              "b: { layout.file: ../cells/nor2.cif }\n");
   expect_cases("    cases: [{ list: lists/cases.yaml, layout.scale: 1.0 }]\n",
                "a b ");
-  expect(HEAD METHODS "    cases: [{ list: none.csv }]\n",
-         "bad.yaml:8:21: 'none.csv': no such file");
+  assert_flow(HEAD METHODS "    cases: [{ list: none.csv }]\n",
+              "bad.yaml:8:21: 'none.csv': no such file");
   write_file("lists/cases.csv", "name,layout.file\na\n");
-  expect(HEAD METHODS "    cases: [{ list: lists/cases.csv }]\n",
-         "lists/cases.csv:2:1: 1 cells, the first line has 2");
+  assert_flow(HEAD METHODS "    cases: [{ list: lists/cases.csv }]\n",
+              "lists/cases.csv:2:1: 1 cells, the first line has 2");
   write_file("lists/cases.csv", "name,layout.file\n\"a,b\n");
-  expect(HEAD METHODS "    cases: [{ list: lists/cases.csv }]\n",
-         "lists/cases.csv:2:1: unterminated quote");
+  assert_flow(HEAD METHODS "    cases: [{ list: lists/cases.csv }]\n",
+              "lists/cases.csv:2:1: unterminated quote");
 }
 
 static void test_refusals(void) {
-  expect(HEAD METHODS
-         "    cases: [{ layout.file: cells/nand2.cif }, { layout.file: "
-         "cells/nand2.cif, layout.scale: 2 }]\n",
-         "two layers of 'cases' have the name 'nand2', the other one is at "
-         "bad.yaml:8:13");
-  expect(HEAD CASES "    methods: [coarse, corse]\n",
-         "bad.yaml:8:23: unknown variant 'corse', did you mean 'coarse'?");
-  expect(HEAD METHODS CASES "    set: { layout.file: cells/nor2.cif }\n",
-         "bad.yaml:8:15: 'layout.file' is already fixed by 'set' at "
-         "bad.yaml:9:12");
-  expect(HEAD METHODS "    cases: [{ layout.fiel: cells/nor2.cif }]\n",
-         "unknown parameter 'fiel'");
-  expect(HEAD METHODS "    cases: []\n", "'cases' is empty");
-  expect(HEAD METHODS
-         "    cases: [{ name: a/b, layout.file: cells/nor2.cif }]\n",
-         "'a/b' cannot be the name of a folder");
-  expect(HEAD CASES, "required parameter 'methods'");
+  assert_flow(HEAD METHODS
+              "    cases: [{ layout.file: cells/nand2.cif }, { layout.file: "
+              "cells/nand2.cif, layout.scale: 2 }]\n",
+              "two layers of 'cases' have the name 'nand2', the other one is "
+              "at bad.yaml:8:13");
+  assert_flow(HEAD CASES "    methods: [coarse, corse]\n",
+              "bad.yaml:8:23: unknown variant 'corse', did you mean 'coarse'?");
+  assert_flow(HEAD METHODS CASES "    set: { layout.file: cells/nor2.cif }\n",
+              "bad.yaml:8:15: 'layout.file' is already fixed by 'set' at "
+              "bad.yaml:9:12");
+  assert_flow(HEAD METHODS "    cases: [{ layout.fiel: cells/nor2.cif }]\n",
+              "unknown parameter 'fiel'");
+  assert_flow(HEAD METHODS "    cases: []\n", "'cases' is empty");
+  assert_flow(HEAD METHODS
+              "    cases: [{ name: a/b, layout.file: cells/nor2.cif }]\n",
+              "'a/b' cannot be the name of a folder");
+  assert_flow(HEAD CASES, "required parameter 'methods'");
 }
 
 /* A former name of a parameter is accepted and reported; both names together
@@ -295,10 +295,12 @@ static void test_former(void) {
   g_autofree char *err = NULL, *both = NULL;
   g_assert_cmpint(
       opcflow(&err, "run", flow, "--output", "former", "--set", "picture=~",
-              "--set", "mask.max_iterations=1", "--set",
+              "--set", "mask.max_iterations=1", "--set", "mask.seek.most=0",
+              "--set",
               "mask.synthesizer={ use: synthesizer.dpb, max_pde: 3 % }", NULL),
       ==, 1); /* one iteration violates the requirement of the flow */
   g_assert_nonnull(strstr(err, "'max_pde' is now called 'ion_limit'"));
+  g_assert_nonnull(strstr(err, "'seek.most' is now called 'search.most'"));
   g_autofree char *text = read_file("former", "flow.yaml");
   g_assert_nonnull(strstr(text, "ion_limit: 3 %"));
   g_assert_null(strstr(text, "max_pde"));

@@ -91,7 +91,7 @@ static inline double metric(const char *run, const char *step,
 
 /* Return whether a plugin is available; some are not built without their
    libraries. */
-static inline int have(const char *id) {
+static inline int plugin_available(const char *id) {
   g_autofree char *errors = NULL;
   if (opcflow(&errors, "inspect", id, NULL) == 0) return TRUE;
   g_test_skip(id);

@@ -25,7 +25,7 @@ static void test_assists_of_the_model(void) {
     g_autofree char *out = place(names[k]);
     opcflow(NULL, "run", flow, "--set", clip, "--set", set[0], "--set", set[1],
             "--set", set[2], "--set", set[3], "--set",
-            k ? "mask.seek.most=60" : "mask.seek.most=0", "--output", out,
+            k ? "mask.search.most=60" : "mask.search.most=0", "--output", out,
             NULL);
     g_assert_cmpfloat(metric(names[k], "score", "extra"), ==, 0);
     g_assert_cmpfloat(metric(names[k], "score", "epe"), <=, 1);
@@ -178,7 +178,7 @@ static void expect_file(const char *run, const char *file, gsize least) {
 }
 
 static void test_circuit(void) {
-  if (!have("circuit.ngspice")) return;
+  if (!plugin_available("circuit.ngspice")) return;
   run_ready("circuit", NULL, NULL);
   g_assert_cmpfloat(metric("circuit", "circuit", "transitions"), ==, 4);
   g_assert_cmpfloat(metric("circuit", "circuit", "unmeasured"), ==, 0);
@@ -193,7 +193,7 @@ static void test_circuit(void) {
 /* Margins of the memory cell: with matched Ion, with matched areas as well, and
    with corrected L only, as simulated in the thesis. */
 static void test_margins(void) {
-  if (!have("circuit.ngspice")) return;
+  if (!plugin_available("circuit.ngspice")) return;
   g_autofree char *flow = source_path("flows/circuit.yaml"),
                   *out = place("margins");
   g_assert_cmpint(
@@ -326,7 +326,7 @@ static void test_characterize(void) {
    simulated, agree with ngspice on the whole circuit, as drawn and as printed.
    Tables of a single input would be wrong by 23 and 80 % for two inputs. */
 static void test_timing(void) {
-  if (!have("timing.characterize")) return;
+  if (!plugin_available("timing.characterize")) return;
   g_autofree char *flow = source_path("flows/timing.yaml"),
                   *cards = source_path("data/devices/opcflow65.pm");
   g_autofree char *set = g_strdup_printf("paths.models=%s", cards);
@@ -352,7 +352,7 @@ static void test_timing(void) {
    prediction of static timing and no path exceeds the limit. The leakage falls
    by about the predicted amount, both by ngspice and by the device table. */
 static void test_slack(void) {
-  if (!have("timing.characterize")) return;
+  if (!plugin_available("timing.characterize")) return;
   g_autofree char *flow = source_path("flows/slack.yaml");
   g_autofree char *out = place("slack");
   g_assert_cmpint(
@@ -379,7 +379,7 @@ static void test_slack(void) {
 /* The table of methods: of two methods, the one with the smaller Ion deviation
    and unchanged area has the smaller delay deviation. */
 static void test_timing_compare(void) {
-  if (!have("timing.characterize")) return;
+  if (!plugin_available("timing.characterize")) return;
   g_autofree char *flow = source_path("flows/timing-compare.yaml"),
                   *out = place("timings");
   g_assert_cmpint(opcflow(NULL, "run", flow, "--output", out, "--set",

@@ -14,7 +14,7 @@
 
 /* Run a shell script in which $O is opcflow; return the exit code. */
 static int sh(const char *script) {
-  return spawn((const char *const[]){"/bin/sh", "-c", script, NULL});
+  return program_spawn((const char *const[]){"/bin/sh", "-c", script, NULL});
 }
 
 /* Check the names in a folder, including hidden ones, separated by spaces. */
@@ -37,7 +37,7 @@ static void set_up_runs(void) {
 
 /* ---- --force ---- */
 
-static void refuse(const char *change, const char *want) {
+static void assert_refused(const char *change, const char *want) {
   g_assert_cmpint(sh(change), ==, 0);
   g_assert_cmpint(sh("$O run two.yaml --output f/x --force"), ==, 5);
   g_assert_cmpstr(err, ==, want);
@@ -45,28 +45,29 @@ static void refuse(const char *change, const char *want) {
 
 static void test_force(void) {
   g_assert_cmpint(sh("$O run two.yaml --output f/x --set b.whole=7"), ==, 0);
-  refuse("mkdir f/x/src && echo 'int x;' >f/x/src/x.c && touch f/x/zzz",
-         "error: 'f/x' is not replaced, because the folder has the file "
-         "'src/x.c', which the run did not write\n");
-  refuse("rm f/x/zzz f/x/src/x.c",
-         "error: 'f/x' is not replaced, because the folder has the folder "
-         "'src', which the run did not write\n");
-  refuse(
+  assert_refused("mkdir f/x/src && echo 'int x;' >f/x/src/x.c && touch f/x/zzz",
+                 "error: 'f/x' is not replaced, because the folder has the "
+                 "file 'src/x.c', which the run did not write\n");
+  assert_refused("rm f/x/zzz f/x/src/x.c",
+                 "error: 'f/x' is not replaced, because the folder has the "
+                 "folder 'src', which the run did not write\n");
+  assert_refused(
       "rmdir f/x/src && mv f/x/numbers.csv f/ && "
       "ln -s ../numbers.csv f/x/numbers.csv",
       "error: 'f/x' is not replaced, because the folder has the symbolic link "
       "'numbers.csv', which the run did not write\n");
-  refuse("mv f/numbers.csv f/x/numbers.csv && echo '# mine' >>f/x/flow.yaml",
-         "error: 'f/x' is not replaced, because the file 'flow.yaml' has "
-         "changed since the run\n");
-  refuse(
+  assert_refused(
+      "mv f/numbers.csv f/x/numbers.csv && echo '# mine' >>f/x/flow.yaml",
+      "error: 'f/x' is not replaced, because the file 'flow.yaml' has changed "
+      "since the run\n");
+  assert_refused(
       "cp f/x/manifest.json f/keep && sed -i '/\"files\"/,/]/d' "
       "f/x/manifest.json",
       "error: 'f/x' is not replaced, because manifest.json does not list the "
       "files of a run\n");
-  refuse("rm f/x/manifest.json f/x/flow.yaml",
-         "error: 'f/x' is not replaced, because the folder has no readable "
-         "manifest.json of a run\n");
+  assert_refused("rm f/x/manifest.json f/x/flow.yaml",
+                 "error: 'f/x' is not replaced, because the folder has no "
+                 "readable manifest.json of a run\n");
   g_assert_true(is_there("f/x/deep/er/out.txt"));
   expect_names("f", "keep x");
   /* A run folder with a missing file still counts as a run folder. */
@@ -113,7 +114,7 @@ static void test_places(void) {
 /* ---- runs that are at work ---- */
 
 /* Start a run whose second step waits for ever. */
-static GSubprocess *start(const char *target) {
+static GSubprocess *run_start(const char *target) {
   const char *argv[] = {command,         "run",     "two.yaml",
                         "--output",      target,    "--set",
                         "b.behave=wait", "--force", NULL};
@@ -131,7 +132,7 @@ static GSubprocess *start(const char *target) {
   return process;
 }
 
-static int end(GSubprocess *process, int number) {
+static int run_end(GSubprocess *process, int number) {
   g_subprocess_send_signal(process, number);
   g_assert_true(g_subprocess_wait(process, NULL, NULL));
   int code = g_subprocess_get_if_exited(process)
@@ -143,14 +144,14 @@ static int end(GSubprocess *process, int number) {
 
 static void test_busy(void) {
   g_assert_cmpint(sh("$O run two.yaml --output b/x"), ==, 0);
-  GSubprocess *first = start("b/x");
+  GSubprocess *first = run_start("b/x");
   g_assert_cmpint(sh("$O run two.yaml --output b/x --force"), ==, 5);
   g_assert_cmpstr(err, ==,
                   "error: 'b/x': another run is writing this folder, in "
                   "'b/.x.opcflow-1'\n");
   g_assert_true(is_there("b/.x.opcflow-1/run/numbers.csv"));
   /* A killed run leaves its files; the next run removes them. */
-  g_assert_cmpint(end(first, SIGKILL), ==, -1);
+  g_assert_cmpint(run_end(first, SIGKILL), ==, -1);
   expect_names("b", ".x.opcflow-1 x");
   g_assert_cmpint(sh("$O run two.yaml --output b/x --force"), ==, 0);
   expect_names("b", "x");
@@ -167,8 +168,8 @@ static void test_together(void) {
 }
 
 static void test_hangup(void) {
-  g_assert_cmpint(end(start("h/x"), SIGHUP), ==, 130);
-  g_assert_cmpint(end(start("h/x"), SIGTERM), ==, 130);
+  g_assert_cmpint(run_end(run_start("h/x"), SIGHUP), ==, 130);
+  g_assert_cmpint(run_end(run_start("h/x"), SIGTERM), ==, 130);
   expect_names("h", "");
   /* A run that ignores SIGHUP, as under nohup. */
   g_assert_cmpint(

@@ -63,7 +63,7 @@ static eda_point at(const eda_point *p, size_t n, size_t from, gboolean back,
 
 /* Return a polygon as text, independent of start point and direction: the least
    of all representations. */
-static char *say(const eda_point *p, size_t n) {
+static char *polygon_text(const eda_point *p, size_t n) {
   size_t best = 0;
   gboolean best_back = FALSE;
   for (size_t way = 1; way < 2 * n; way++) {
@@ -101,8 +101,8 @@ static GPtrArray *flat(const eda_layout *layout, int32_t cell, int32_t layer,
     g_error("%s", e.message);
   for (size_t i = 0; i < f.shapes.count; i++) {
     uint32_t start = f.shapes.start[i];
-    g_ptr_array_add(
-        list, say(f.shapes.points + start, f.shapes.start[i + 1] - start));
+    g_ptr_array_add(list, polygon_text(f.shapes.points + start,
+                                       f.shapes.start[i + 1] - start));
   }
   eda_flat_clear(&f);
   g_ptr_array_sort(list, by_text);
@@ -191,7 +191,7 @@ static char *numbers(const eda_layout *layout) {
   return g_string_free(s, FALSE);
 }
 
-static void trip(const char *path) {
+static void round_trip(const char *path) {
   eda_layout *first = read_good(path);
   g_autofree char *map = numbers(first);
   eda_layout *gds = through(first, "gds", map);
@@ -238,7 +238,7 @@ static void test_corpus(void) {
     if (!g_str_has_suffix(name, ".gds") && !g_str_has_suffix(name, ".oas"))
       continue;
     g_autofree char *path = g_build_filename(folder, name, NULL);
-    trip(path);
+    round_trip(path);
     refused += !trip_cif(path);
     files++;
   }
@@ -259,7 +259,7 @@ static void test_cells(void) {
     if (!g_str_has_suffix(name, ".gds") && !g_str_has_suffix(name, ".cif"))
       continue;
     g_autofree char *path = g_build_filename(folder, name, NULL);
-    trip(path);
+    round_trip(path);
     g_assert_true(trip_cif(path));
     files++;
   }

@@ -111,7 +111,7 @@ static void test_bad_note(void) {
 
 /* ---- bad input ---- */
 
-static void expect(int want, const char *say, const char *set) {
+static void assert_exit(int want, const char *say, const char *set) {
   g_autofree char *flow = source_path("flows/demo.yaml"), *out = place("bad");
   g_autofree char *errors = NULL;
   int code = opcflow(&errors, "run", flow, "--set", set, "--output", out, NULL);
@@ -122,10 +122,11 @@ static void expect(int want, const char *say, const char *set) {
 }
 
 static void test_bad_input(void) {
-  expect(5, "nowhere.cif", "layout.file=nowhere.cif");
-  expect(2, "XY", "layout.layers.poly=XY");
-  expect(2, "did you mean 'ion_limit'", "mask.synthesizer.ion_limti=0.5 %");
-  expect(3, "litho.hopkin", "mask.litho.use=litho.hopkin");
+  assert_exit(5, "nowhere.cif", "layout.file=nowhere.cif");
+  assert_exit(2, "XY", "layout.layers.poly=XY");
+  assert_exit(2, "did you mean 'ion_limit'",
+              "mask.synthesizer.ion_limti=0.5 %");
+  assert_exit(3, "litho.hopkin", "mask.litho.use=litho.hopkin");
 }
 
 static void simulate_evil(const char *name, const char *parameter,
@@ -159,7 +160,7 @@ static void test_model_files(void) {
       {".include '../../%s'\n", "evil.pm:28:10: "},
       {".include /etc/hostname\n", "evil.pm:28:10: '/etc/hostname' is outside"},
       {".lib '/dev/zero' tt\n", "evil.pm:28:6: '/dev/zero' is outside"}};
-  if (!have("devices.ngspice")) return;
+  if (!plugin_available("devices.ngspice")) return;
   g_autofree char *own = source_path("data/devices/opcflow65.pm"), *card = NULL;
   g_autofree char *path = place("evil.pm"), *made = place("made");
   g_assert_true(g_file_get_contents(own, &card, NULL, NULL));
@@ -183,7 +184,7 @@ static void test_no_transistor(void) {
       "L CW; B 200 200 500 0; E\n",
       -1, NULL));
   g_autofree char *set = g_strdup_printf("layout.file=%s", cif);
-  expect(2, "no transistor", set);
+  assert_exit(2, "no transistor", set);
 }
 
 static void test_truncated(void) {

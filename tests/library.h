@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Helpers for unit tests of library.* and command.library: two cells of one
+/* Helpers for unit tests of library.*: two cells of one
    transistor each, and the steps that build a library of them. */
 #pragma once
 
@@ -86,7 +86,7 @@ static inline eda_layout *library_circuit(void) {
   return l;
 }
 
-static inline ran segment(eda_layout *l) {
+static inline ran layout_segment(eda_layout *l) {
   ran r;
   opc_error error;
   if (run_step(&r, "segment.transistors", "{ grid: 1 nm }",
@@ -112,18 +112,13 @@ static inline char *library_map(const char *models, const char *more) {
   return g_strjoinv(devices, parts);
 }
 
-static inline char *library_database(void) {
-  return g_build_filename(opc_test_folder(), "cells.sqlite", NULL);
-}
-
-/* Correct the cells of a sheet and store them in the test's database. */
+/* Correct the cells of a sheet. */
 static inline int build_library(ran *r, eda_layout *sheet, void *gates,
                                 const char *more, opc_error *error) {
-  g_autofree char *database = library_database();
   g_autofree char *rest = g_strdup_printf(
-      "database: '%s', synthesizer: { use: synthesizer.newton }, regulator: { "
-      "use: regulator.drc, want_extension: 60 nm }%s",
-      database, more);
+      "synthesizer: { use: synthesizer.newton }, regulator: { use: "
+      "regulator.drc, want_extension: 60 nm }%s",
+      more);
   g_autofree char *map = library_map(LIBRARY_MODELS(LIBRARY_NA), rest);
   return run_step(r, "library.build", map,
                   (const char *const[]){"sheet", "gates", NULL},

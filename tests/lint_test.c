@@ -12,7 +12,7 @@
 static char *out, *err;
 
 /* Lint a plugin of a folder of the build; return the exit code. */
-static int lint(const char *folder, const char *id, const char *with) {
+static int plugin_lint(const char *folder, const char *id, const char *with) {
   const char *build = g_getenv("OPCFLOW_BUILD");
   g_autofree char *command = g_build_filename(build, "opcflow", NULL);
   g_autofree char *file = g_strconcat(id, ".so", NULL);
@@ -73,13 +73,13 @@ static const struct {
 static void test_bad(void) {
   for (size_t i = 0; i < G_N_ELEMENTS(bad); i++) {
     g_test_message("%s", bad[i].id);
-    g_assert_cmpint(lint("tests", bad[i].id, NULL), ==, 1);
+    g_assert_cmpint(plugin_lint("tests", bad[i].id, NULL), ==, 1);
     if (!strstr(out, bad[i].finding)) g_assert_cmpstr(out, ==, bad[i].finding);
   }
 }
 
 static void test_untidy(void) {
-  g_assert_cmpint(lint("tests", "test.untidy", NULL), ==, 1);
+  g_assert_cmpint(plugin_lint("tests", "test.untidy", NULL), ==, 1);
   static const char *const findings[] = {
       "exports 'untidy_helper'; only opcflow_plugin may be exported\n",
       "the summary of size is not one line without a full stop\n",
@@ -110,7 +110,7 @@ static const char alone[] = WORK
     "the plugin is not OPC_REENTRANT\n";
 static const char untried[] =
     "note: checked: exports, loading, check, creating and freeing; not "
-    "checked: work: not checked, the kind '*' has no test of plugins\n";
+    "checked: work: the kind '*' has no test of plugins\n";
 
 static const struct {
   const char *folder, *id, *said;
@@ -139,7 +139,7 @@ static const struct {
 
 static void test_good(void) {
   for (size_t i = 0; i < G_N_ELEMENTS(good); i++) {
-    int code = lint(good[i].folder, good[i].id, NULL);
+    int code = plugin_lint(good[i].folder, good[i].id, NULL);
     g_test_message("%s", good[i].id);
     g_assert_cmpstr(out, ==, "");
     if (!g_pattern_match_simple(good[i].said, err))
@@ -152,20 +152,21 @@ static void test_good(void) {
    fail with --strict. */
 static void test_with(void) {
   g_assert_cmpint(
-      lint("plugins", "extractor.plain", "{ devices: /proc/self/exe }"), ==, 1);
+      plugin_lint("plugins", "extractor.plain", "{ devices: /proc/self/exe }"),
+      ==, 1);
   g_assert_cmpstr(out, ==, "");
   g_assert_nonnull(
       strstr(err, "check, creating and freeing; not checked: prepare: "));
   g_autofree char *with = g_strdup_printf(
       "{ devices: %s/data/devices/ptm65.yaml }", g_getenv("OPCFLOW_SOURCE"));
-  g_assert_cmpint(lint("plugins", "extractor.plain", with), ==, 0);
+  g_assert_cmpint(plugin_lint("plugins", "extractor.plain", with), ==, 0);
   g_assert_cmpstr(err, ==, tried);
-  g_assert_cmpint(lint("plugins", "correct", "{ litho: {} }"), ==, 1);
+  g_assert_cmpint(plugin_lint("plugins", "correct", "{ litho: {} }"), ==, 1);
   g_assert_nonnull(strstr(err, "not checked: check: "));
-  g_assert_cmpint(lint("plugins", "litho.kernels", NULL), ==, 1);
+  g_assert_cmpint(plugin_lint("plugins", "litho.kernels", NULL), ==, 1);
   g_assert_nonnull(strstr(
       err, "work: requires a file 'focus' and no example file is accepted"));
-  g_assert_cmpint(lint("plugins", "none", NULL), ==, 5);
+  g_assert_cmpint(plugin_lint("plugins", "none", NULL), ==, 5);
 }
 
 /* A child process in an endless loop ends with its parent, however the parent
@@ -226,7 +227,7 @@ static void test_slow(void) {
 static void test_without_nm(void) {
   g_autofree char *path = g_strdup(g_getenv("PATH"));
   g_setenv("PATH", "/nowhere", TRUE);
-  g_assert_cmpint(lint("tests", "test.untidy", NULL), ==, 1);
+  g_assert_cmpint(plugin_lint("tests", "test.untidy", NULL), ==, 1);
   g_setenv("PATH", path, TRUE);
   g_assert_null(strstr(out, "exports"));
   g_assert_nonnull(strstr(err, "; not checked: exports: there is no nm here"));

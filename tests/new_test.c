@@ -13,7 +13,7 @@ static char *folder, *command;
 static char *out, *err;
 
 /* Run a program; return its exit code. */
-static int call(const char *const *argv) {
+static int program_call(const char *const *argv) {
   int status;
   g_autoptr(GError) error = NULL;
   g_clear_pointer(&out, g_free);
@@ -25,7 +25,7 @@ static int call(const char *const *argv) {
   return WEXITSTATUS(status);
 }
 
-#define CALL(...) call((const char *const[]){__VA_ARGS__, NULL})
+#define CALL(...) program_call((const char *const[]){__VA_ARGS__, NULL})
 
 /* Compiler flags of this build. */
 #ifdef __SANITIZE_ADDRESS__
@@ -38,7 +38,8 @@ static int call(const char *const *argv) {
 
 /* Compile a file of a plugin's folder against this uninstalled build;
    `testing`: as a test program. */
-static void compile(const char *source, const char *object, gboolean testing) {
+static void file_compile(const char *source, const char *object,
+                         gboolean testing) {
   const char *build = g_getenv("OPCFLOW_BUILD");
   g_autofree char *script = g_strdup_printf(
       "cc -std=c99 -Wall -Wextra -Wshadow -Wmissing-prototypes "
@@ -59,7 +60,7 @@ static void run_test(const char *kind, const char *name) {
       g_strdup_printf("OPCFLOW_PLUGIN_PATH=%s/%s:%s/plugins", folder, kind,
                       g_getenv("OPCFLOW_BUILD"));
   g_autofree char *whole = g_build_filename(folder, program, NULL);
-  compile(source, program, TRUE);
+  file_compile(source, program, TRUE);
   if (CALL("env", path, whole)) g_error("%s%s", out, err);
 }
 
@@ -88,7 +89,7 @@ static void test_plugin(gconstpointer data) {
   g_assert_cmpint(CALL(command, "new", "plugin", "--kind", kind, name, kind),
                   ==, 0);
   g_assert_nonnull(strstr(out, source));
-  compile(source, object, FALSE);
+  file_compile(source, object, FALSE);
   g_assert_cmpint(CALL(command, "inspect", id, "--plugin-path", kind), ==, 0);
   run_test(kind, name);
   if (!strcmp(kind, "command"))
@@ -201,11 +202,10 @@ static void test_process(void) {
   g_assert_cmpint(g_mkdir_with_parents(mine, 0700), ==, 0);
   g_assert_true(g_file_get_contents(base, &text, NULL, NULL));
   g_assert_true(g_file_set_contents(copy, text, -1, NULL));
-  if (CALL("sh", "-c",
-           "unset OPCFLOW_NO_SYSTEM_PLUGINS; XDG_DATA_HOME=$PWD/home \"$0\" "
-           "new flow --process homely \"$1\" homely.yaml",
-           command, cif))
-    g_error("%s", err);
+  static const char script[] =
+      "unset OPCFLOW_NO_SYSTEM_PLUGINS; XDG_DATA_HOME=$PWD/home \"$0\" "
+      "new flow --process homely \"$1\" homely.yaml";
+  if (CALL("sh", "-c", script, command, cif)) g_error("%s", err);
 }
 
 /* All shipped flows can be extended: no file that they name is missing. */
@@ -220,6 +220,56 @@ static void test_shipped(void) {
         CALL(command, "new", "flow", "--process", all[i], cell, file), ==, 0);
     if (CALL(command, "check", "--quick", file)) g_error("%s%s", out, err);
   }
+}
+
+/* Check all flows of a folder of the tree with all their variants. A flow that
+   needs no file runs from the tree alone; `needs`: the flows that do. */
+static void check_folder(const char *place, const char *needs) {
+  g_autofree char *path =
+      g_build_filename(g_getenv("OPCFLOW_SOURCE"), place, NULL);
+  g_autoptr(GDir) dir = g_dir_open(path, 0, NULL);
+  guint flows = 0;
+  for (const char *n; (n = g_dir_read_name(dir));) {
+    if (!g_str_has_suffix(n, ".yaml")) continue;
+    g_autofree char *flow = g_build_filename(path, n, NULL);
+    if (CALL(command, "check", flow)) g_error("%s: %s%s", flow, out, err);
+    if (g_str_has_prefix(out, "needs ") && !g_pattern_match_simple(needs, n))
+      g_error("%s does not run alone: %s", flow, out);
+    flows++;
+  }
+  g_assert_cmpuint(flows, >=, 5);
+}
+
+static void test_shipped_checks(void) {
+  check_folder("flows", "iccad.yaml");
+  check_folder("flows/processes", "*");
+  check_folder("flows/scanners", "*");
+}
+
+/* A flow or a variant that requires a file is reported; the others of
+   --variant are not checked. */
+static void test_needs(void) {
+  g_autofree char *file = g_build_filename(folder, "needs.yaml", NULL);
+  g_assert_true(g_file_set_contents(
+      file,
+      "opcflow: 1\nsteps:\n  layout: { use: read.gds }\nvariants:\n"
+      "  more: { other: { use: read.cif } }\n  bad: { layout.scael: 2 }\n",
+      -1, NULL));
+  g_assert_cmpint(CALL(command, "check", "needs.yaml"), ==, 2);
+  g_assert_cmpstr(out, ==,
+                  "requires --set layout.file=FILE, The GDSII file\n"
+                  "more: requires --set other.file=FILE, The CIF file\n");
+  g_assert_nonnull(strstr(err, "'scael'"));
+  g_assert_cmpint(CALL(command, "check", "--variant", "more", "needs.yaml"), ==,
+                  0);
+  g_assert_cmpstr(out, ==,
+                  "more: requires --set layout.file=FILE, The GDSII file\n"
+                  "more: requires --set other.file=FILE, The CIF file\n");
+  g_assert_cmpint(CALL(command, "check", "--variant", "base", "needs.yaml"), ==,
+                  0);
+  g_assert_cmpint(CALL(command, "check", "--variant", "mor", "needs.yaml"), ==,
+                  2);
+  g_assert_nonnull(strstr(err, "did you mean 'more'?"));
 }
 
 /* A variant that requires a file is no fault of the flow; other faults of the
@@ -266,9 +316,9 @@ static void test_scanner(void) {
       g_strconcat("mask.extractor.devices=", table, NULL);
   g_assert_cmpint(CALL(command, "run", "arf.yaml", "--set", devices), ==, 2);
   g_assert_nonnull(strstr(err, "no layer 'poly', but 3/0, 4/0, "));
-  if (CALL(command, "run", "arf.yaml", "--set", devices, "--set",
-           "layout.layers={ poly: 9/0, active: 1/0, nwell: 3/0, contact: 10/0 "
-           "}"))
+  static const char layers[] =
+      "layout.layers={ poly: 9/0, active: 1/0, nwell: 3/0, contact: 10/0 }";
+  if (CALL(command, "run", "arf.yaml", "--set", devices, "--set", layers))
     g_error("%s%s", out, err);
   g_assert_nonnull(strstr(err, "65 nm lines at 250 nm, from the layout's"));
   g_assert_cmpint(CALL(command, "new", "flow", cell), ==, 2);
@@ -314,6 +364,8 @@ int main(int argc, char **argv) {
   g_test_add_func("/new/flow", test_flow);
   g_test_add_func("/new/process", test_process);
   g_test_add_func("/new/shipped", test_shipped);
+  g_test_add_func("/new/shipped-checks", test_shipped_checks);
+  g_test_add_func("/new/needs", test_needs);
   g_test_add_func("/new/variant-asks", test_variant_asks);
   g_test_add_func("/new/scanner", test_scanner);
   g_test_add_func("/new/refusals", test_refusals);

@@ -30,7 +30,7 @@ static char *folder, *command;
 
 /* ---- running ---- */
 
-static void limit(gpointer unused) {
+static void limit_memory(gpointer unused) {
   (void)unused;
   const struct rlimit most = {room, room};
   setrlimit(RLIMIT_AS, &most);
@@ -57,8 +57,8 @@ static gboolean is_long(const char *set) {
 }
 
 /* Run a verb; return the exit code, and the messages in *said. */
-static int run(const char *verb, const char *flow, const char *set,
-               char **said) {
+static int verb_run(const char *verb, const char *flow, const char *set,
+                    char **said) {
   const gint64 patience = is_long(set) ? A_WHILE : MOST;
   const char *argv[] = {command, verb, flow, "--set", set, NULL};
   if (!set) argv[3] = NULL;
@@ -66,8 +66,8 @@ static int run(const char *verb, const char *flow, const char *set,
   int err, status = 0, asked = 0;
   g_assert_true(g_spawn_async_with_pipes(
       NULL, (char **)argv, NULL,
-      G_SPAWN_DO_NOT_REAP_CHILD | G_SPAWN_STDOUT_TO_DEV_NULL, limit, NULL,
-      &child, NULL, NULL, &err, NULL));
+      G_SPAWN_DO_NOT_REAP_CHILD | G_SPAWN_STDOUT_TO_DEV_NULL, limit_memory,
+      NULL, &child, NULL, NULL, &err, NULL));
   gint64 start = g_get_monotonic_time(), now;
   while (!waitpid(child, &status, WNOHANG)) {
     now = g_get_monotonic_time() - start;
@@ -118,7 +118,7 @@ static void test_settings(void) {
   for (size_t i = 0; i < G_N_ELEMENTS(settings); i++) {
     g_autofree char *said = NULL;
     g_test_timer_start();
-    int code = run("run", flow_for(settings[i]), settings[i], &said);
+    int code = verb_run("run", flow_for(settings[i]), settings[i], &said);
     g_test_message("%s: exit %d, %.1f s, %s", settings[i], code,
                    g_test_timer_elapsed(), said);
     expect_end(settings[i], code, said);
@@ -180,7 +180,7 @@ static void test_others(void) {
     g_auto(GStrv) parts = g_strsplit(others[i].set, "SOURCE", -1);
     g_autofree char *set = g_strjoinv(source, parts);
     g_test_timer_start();
-    int code = run("run", flow, set, &said);
+    int code = verb_run("run", flow, set, &said);
     g_test_message("%s %s: exit %d, %.1f s, %s", others[i].flow, set, code,
                    g_test_timer_elapsed(), said);
     expect_end(set, code, said);
@@ -201,7 +201,7 @@ static void test_optics(void) {
   for (size_t i = 0; i < G_N_ELEMENTS(odd); i++) {
     g_autofree char *set = g_strdelimit(g_strdup(odd[i].set), "~", ' ');
     g_autofree char *said = NULL;
-    g_assert_cmpint(run("check", "odd.yaml", set, &said), ==, 2);
+    g_assert_cmpint(verb_run("check", "odd.yaml", set, &said), ==, 2);
     g_assert_nonnull(strstr(said, odd[i].why));
   }
 }
@@ -213,7 +213,7 @@ static void test_memory(void) {
     return;
   }
   g_autofree char *said = NULL;
-  int code = run("run", "light.yaml", "window.margin=1 m", &said);
+  int code = verb_run("run", "light.yaml", "window.margin=1 m", &said);
   g_assert_cmpint(code, ==, 4);
   g_assert_nonnull(strstr(said, "step 'window' (process.window): wants "));
   g_assert_nonnull(strstr(said,
@@ -241,13 +241,13 @@ static void test_files(void) {
   g_assert_cmpint(mkfifo("pipe", 0600), ==, 0);
   for (size_t i = 0; i < G_N_ELEMENTS(odd); i++) {
     g_autofree char *said = NULL;
-    g_assert_cmpint(run("check", odd[i].path, NULL, &said), ==, 5);
+    g_assert_cmpint(verb_run("check", odd[i].path, NULL, &said), ==, 5);
     g_assert_nonnull(strstr(said, odd[i].why));
     for (size_t k = 0; k < G_N_ELEMENTS(parameters); k++) {
       g_autofree char *set =
           g_strdup_printf("%s=%s", parameters[k], odd[i].path);
       g_autofree char *words = NULL;
-      g_assert_cmpint(run("check", "odd.yaml", set, &words), ==, 5);
+      g_assert_cmpint(verb_run("check", "odd.yaml", set, &words), ==, 5);
       g_assert_nonnull(strstr(words, odd[i].why));
     }
   }

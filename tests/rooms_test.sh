@@ -183,18 +183,19 @@ own_tests() {
 bare_verbs() {
   verbs=$(echo \
     add allocate annotate answer append apply ask begin bind blame borrow build call change check \
-    choose claim clean clear clip collect collide compare complain complete compose copy count cut \
-    deposit describe differ draw drop end enter evaluate exchange execute expect explore extract \
-    fail fill find finish fit flatten flush follow forecast gather get go grow halve has image \
-    include insert join judge keep leave list load look make match measure meet merge mirror move \
-    multiply mutate need next note obey offer order own pair parse pass perform place plan prepare \
-    print probe provide prune publish push put reach refine refuse renumber resize restore reverse \
-    rule run same sample save say scale seek serve set settle share show shorten simulate slice snap \
-    solve spend split spoil spread stamp start step stretch stroke swap sweep take tell tie touch \
-    touches transform trim try turn understand unite update walk want warn widen work |
+    choose claim clean clear clip collect collide compare complain complete compose contract copy \
+    count cut deposit describe differ draw drop end enter evaluate exchange execute expect explore \
+    extract fail fill find finish fit flatten flush follow forecast gather get go grow halve has \
+    image include insert join judge keep leave list load look make match measure meet merge mirror \
+    move multiply mutate need next note obey offer order own pair parse pass perform place plan \
+    prepare print probe provide prune publish push put reach refine refuse renumber resize restore \
+    reverse rule run same sample save say scale seek serve set settle share show shorten simulate \
+    slice snap solve spend split spoil spread stamp start step stretch stroke swap sweep take tell \
+    tie touch touches transform trim try turn understand unite update walk want warn weigh widen \
+    work |
     tr ' ' '|')
   find core fuzz include plugins subprojects tools/devel -name '*.[ch]' ! -name '*_test.[ch]' | sort |
-    xargs grep -nE "^(static .*[ *])?($verbs)\\("
+    xargs grep -nE "^(([^\"]* )?static .*[ *])?($verbs)\\("
 }
 
 base_alone() {

@@ -26,18 +26,20 @@ static void expect_finding(JsonArray *list, guint i, const char *step,
 static void test_findings(void) {
   g_autoptr(JsonNode) file = NULL, json = NULL, none = NULL;
   g_assert_cmpint(
-      call("run two.yaml --quiet --output found --set b.behave=find"), ==, 0);
+      opcflow_call("run two.yaml --quiet --output found --set b.behave=find"),
+      ==, 0);
   g_assert_true(g_str_has_suffix(err, "\nfinding: b: 2 nm is odd\n"));
   g_assert_true(g_str_has_prefix(err, "warning: b: 2 nm is odd\n"));
   g_autofree char *metrics = read_text("found/metrics.json");
   expect_finding(list_of(metrics, "findings", &file), 0, "b", "2 nm is odd");
-  g_assert_cmpint(call("run two.yaml --json --output found-json --set "
-                       "b.behave=find"),
+  g_assert_cmpint(opcflow_call("run two.yaml --json --output found-json --set "
+                               "b.behave=find"),
                   ==, 0);
   JsonArray *list = list_of(out, "findings", &json);
   expect_finding(list, 0, "b", "2 nm is odd");
   g_assert_cmpuint(json_array_get_length(list), ==, 1);
-  g_assert_cmpint(call("run two.yaml --json --output found-none"), ==, 0);
+  g_assert_cmpint(opcflow_call("run two.yaml --json --output found-none"), ==,
+                  0);
   g_assert_cmpuint(json_array_get_length(list_of(out, "findings", &none)), ==,
                    0);
   g_assert_null(strstr(err, "finding"));
@@ -63,9 +65,10 @@ static void test_last_lines(void) {
 /* Many findings from all threads, and from a step that then fails. */
 static void test_many_findings(void) {
   g_autoptr(JsonNode) file = NULL;
-  g_assert_cmpint(call("run two.yaml --output many --set a.behave=many --set "
-                       "b.behave=fail"),
-                  ==, 4);
+  g_assert_cmpint(
+      opcflow_call("run two.yaml --output many --set a.behave=many --set "
+                   "b.behave=fail"),
+      ==, 4);
   g_assert_nonnull(strstr(err, "\nfinding: and 150 more findings\nnote: "));
   g_autofree char *metrics = read_text("many.failed/metrics.json");
   JsonArray *list = list_of(metrics, "findings", &file);
@@ -77,9 +80,9 @@ static void test_many_findings(void) {
 /* Findings of each point, also in the folder of the point. */
 static void test_findings_of_points(void) {
   g_autoptr(JsonNode) file = NULL, one = NULL;
-  g_assert_cmpint(call("run two.yaml --keep --output points --sweep "
-                       "b.size=[3~nm,4~nm] --set b.behave=find --set "
-                       "a.behave=find"),
+  g_assert_cmpint(opcflow_call("run two.yaml --keep --output points --sweep "
+                               "b.size=[3~nm,4~nm] --set b.behave=find --set "
+                               "a.behave=find"),
                   ==, 0);
   g_assert_true(g_str_has_suffix(err,
                                  "\nfinding: a: 65 nm is odd\n"
@@ -121,7 +124,7 @@ static void test_bounds(void) {
     line = g_strdup_printf(
         "run two.yaml --quiet --output bounds-%zu --set require.b.sum=%s", i,
         quoted);
-    g_assert_cmpint(call(line), ==, cases[i].text ? 1 : 0);
+    g_assert_cmpint(opcflow_call(line), ==, cases[i].text ? 1 : 0);
     list = cases[i].text ? g_strdup_printf(
                                "--set require.b.sum: 'b.sum' is 75 nm, "
                                "expected %s\n",
@@ -139,8 +142,8 @@ static void test_require(void) {
              "  a: { sum: '>= 0.069 um' }\n"
              "variants: { less: { b.size: 0.5 nm, require.b.sum: 74 nm }, "
              "none: { require: ~ } }\n");
-  g_assert_cmpint(call("check must.yaml"), ==, 0);
-  g_assert_cmpint(call("run must.yaml --output must"), ==, 1);
+  g_assert_cmpint(opcflow_call("check must.yaml"), ==, 0);
+  g_assert_cmpint(opcflow_call("run must.yaml --output must"), ==, 1);
   g_assert_cmpstr(err, ==,
                   "must.yaml:4:3: 'b.sum' is 75 nm, expected at most 70 "
                   "nm\n");
@@ -158,25 +161,27 @@ static void test_require(void) {
   g_assert_true(json_object_get_boolean_member(
       json_array_get_object_element(list, 1), "kept"));
   /* The resolved flow has the same requirement. */
-  g_assert_cmpint(call("run must/flow.yaml --json --output must-again"), ==, 1);
+  g_assert_cmpint(opcflow_call("run must/flow.yaml --json --output must-again"),
+                  ==, 1);
   JsonArray *problems = list_of(out, "problems", &json);
   g_assert_cmpint(json_object_get_int_member(
                       json_array_get_object_element(problems, 0), "exit"),
                   ==, 1);
   /* A layer changes the requirement, and another one removes it. */
-  g_assert_cmpint(call("run must.yaml --variant less --output must-less"), ==,
-                  0);
-  g_assert_cmpint(call("run must.yaml --variant none --output must-none"), ==,
-                  0);
-  g_assert_cmpint(call("run must.yaml --output must-set --set require.b=null"),
-                  ==, 0);
+  g_assert_cmpint(
+      opcflow_call("run must.yaml --variant less --output must-less"), ==, 0);
+  g_assert_cmpint(
+      opcflow_call("run must.yaml --variant none --output must-none"), ==, 0);
+  g_assert_cmpint(
+      opcflow_call("run must.yaml --output must-set --set require.b=null"), ==,
+      0);
 }
 
 static void test_require_faults(void) {
   write_text("musty.yaml",
              "opcflow: 1\nextends: two.yaml\nrequire:\n  c.sum: 1 nm\n"
              "  a.smu: 1 nm\n  b.sum: 1\n  a.sum: 1 V\n  sum: 3\n");
-  g_assert_cmpint(call("check musty.yaml"), ==, 2);
+  g_assert_cmpint(opcflow_call("check musty.yaml"), ==, 2);
   g_assert_cmpstr(
       err, ==,
       "musty.yaml:4:3: 'c' does not exist in 'musty.yaml'\n"
@@ -192,31 +197,32 @@ static void test_require_faults(void) {
   write_text("musty.yaml",
              "opcflow: 1\nextends: two.yaml\nrequire:\n  a.sum: 1 nm\n"
              "  a: { sum: 2 nm }\n");
-  g_assert_cmpint(call("check musty.yaml"), ==, 2);
+  g_assert_cmpint(opcflow_call("check musty.yaml"), ==, 2);
   g_assert_cmpstr(err, ==,
                   "musty.yaml:5:8: 'sum' is given here and at "
                   "musty.yaml:4:3\n");
   write_text("musty.yaml",
              "opcflow: 1\nextends: two.yaml\nrequire: { .a.sum: 1 nm }\n");
-  g_assert_cmpint(call("check musty.yaml"), ==, 2);
+  g_assert_cmpint(opcflow_call("check musty.yaml"), ==, 2);
   g_assert_cmpstr(err, ==,
                   "musty.yaml:3:12: '.a' does not exist in 'musty.yaml'\n");
-  g_assert_cmpint(call("check two.yaml --set require.a.sum=[2~nm,1~nm]"), ==,
+  g_assert_cmpint(
+      opcflow_call("check two.yaml --set require.a.sum=[2~nm,1~nm]"), ==, 2);
+  g_assert_cmpint(opcflow_call("check two.yaml --set require.a.sum=[2~nm]"), ==,
                   2);
-  g_assert_cmpint(call("check two.yaml --set require.a.sum=[2~nm]"), ==, 2);
-  g_assert_cmpint(call("check two.yaml --set require=~"), ==, 2);
+  g_assert_cmpint(opcflow_call("check two.yaml --set require=~"), ==, 2);
   write_text("musty.yaml",
              "opcflow: 1\nsteps: { require: { use: test.numbers, size: 1 nm } "
              "}\n");
-  g_assert_cmpint(call("check musty.yaml"), ==, 2);
+  g_assert_cmpint(opcflow_call("check musty.yaml"), ==, 2);
   g_assert_cmpstr(err, ==,
                   "musty.yaml:2:10: 'require' cannot be the name of a step\n");
 }
 
 /* A requirement on a missing metric is violated. */
 static void test_not_measured(void) {
-  g_assert_cmpint(call("run two.yaml --output unmeasured --set b.behave=quiet "
-                       "--set require.b.sum=100~nm"),
+  g_assert_cmpint(opcflow_call("run two.yaml --output unmeasured --set "
+                               "b.behave=quiet --set require.b.sum=100~nm"),
                   ==, 1);
   g_assert_cmpstr(
       err, ==,
@@ -226,10 +232,11 @@ static void test_not_measured(void) {
 /* Requirements are checked at each point; those on shared steps once. */
 static void test_require_of_points(void) {
   g_autoptr(JsonNode) file = NULL;
-  g_assert_cmpint(call("run two.yaml --output judged --sweep "
-                       "b.size=[3~nm,4~nm,5~nm] --set require.b.sum=77~nm "
-                       "--set require.a.sum=68~nm"),
-                  ==, 1);
+  g_assert_cmpint(
+      opcflow_call("run two.yaml --output judged --sweep "
+                   "b.size=[3~nm,4~nm,5~nm] --set require.b.sum=77~nm "
+                   "--set require.a.sum=68~nm"),
+      ==, 1);
   g_assert_true(g_str_has_suffix(
       err,
       "error: 1 of 3 points failed\n"
@@ -250,48 +257,47 @@ static void test_variants(void) {
              "opcflow: 1\nextends: two.yaml\nvariants:\n"
              "  big: { b.size: 20 nm }\n  bad: { b.behave: fail }\n"
              "  less: { b.add: ~ }\n");
-  g_assert_cmpint(call("check var.yaml"), ==, 0);
-  g_assert_cmpint(call("run var.yaml --variant bgi"), ==, 2);
+  g_assert_cmpint(opcflow_call("check var.yaml"), ==, 0);
+  g_assert_cmpint(opcflow_call("run var.yaml --variant bgi"), ==, 2);
   g_assert_cmpstr(err, ==,
                   "var.yaml: unknown variant 'bgi', did you mean 'big'?\n");
-  g_assert_cmpint(call("run var.yaml --variant big"), ==, 0);
+  g_assert_cmpint(opcflow_call("run var.yaml --variant big"), ==, 0);
   g_autofree char *big = read_text("runs/var-big/b.numbers.csv");
   g_assert_nonnull(strstr(big, "plain,93.00,1\r\n"));
   /* A failed variant does not stop the others. */
-  g_assert_cmpint(call("run var.yaml --variant all --output v"), ==, 4);
+  g_assert_cmpint(opcflow_call("run var.yaml --variant all --output v"), ==, 4);
   g_assert_true(is_there("v/big/flow.yaml"));
   g_assert_true(is_there("v/bad.failed/flow.yaml"));
   g_assert_nonnull(strstr(err, " (variant 'bad')\n"));
   g_assert_true(is_there("v/less/flow.yaml"));
   g_autofree char *less = read_text("v/less/numbers.csv");
   g_assert_nonnull(strstr(less, "plain,6.00,1\r\n"));
-  g_assert_cmpint(call("run v/big/flow.yaml --output v/again"), ==, 0);
+  g_assert_cmpint(opcflow_call("run v/big/flow.yaml --output v/again"), ==, 0);
   g_autofree char *again = read_text("v/again/b.numbers.csv");
   g_assert_cmpstr(big, ==, again);
-  g_assert_cmpint(call("run var.yaml --variant base --variant big --json"), ==,
-                  0);
+  g_assert_cmpint(
+      opcflow_call("run var.yaml --variant base --variant big --json"), ==, 0);
   g_autoptr(JsonNode) node = json_from_string(out, NULL);
   g_assert_cmpuint(json_array_get_length(json_node_get_array(node)), ==, 2);
   write_text("wrong.yaml",
              "opcflow: 1\nextends: two.yaml\nvariants: { x: { b.size: 1 V } "
              "}\n");
-  g_assert_cmpint(call("check wrong.yaml"), ==, 2);
+  g_assert_cmpint(opcflow_call("check wrong.yaml"), ==, 2);
   g_assert_cmpstr(
       err, ==,
-      "wrong.yaml:3:26: 'size' requires a length, found '1 V' (variant "
-      "'x')\n");
-  g_assert_cmpint(call("run wrong.yaml"), ==, 0);
+      "wrong.yaml:3:26: 'size' requires a length, found '1 V' (variant 'x')\n");
+  g_assert_cmpint(opcflow_call("run wrong.yaml"), ==, 0);
   /* Both forms: an error in one file, merged across two files. */
   write_text("wrong.yaml",
              "opcflow: 1\nextends: two.yaml\nvariants:\n"
              "  x: { b.size: 1 nm, b: { size: 2 nm } }\n");
-  g_assert_cmpint(call("check wrong.yaml"), ==, 2);
+  g_assert_cmpint(opcflow_call("check wrong.yaml"), ==, 2);
   g_assert_cmpstr(
       err, ==, "wrong.yaml:4:27: 'size' is given here and at wrong.yaml:4:8\n");
   write_text("over.yaml",
              "opcflow: 1\nextends: var.yaml\nvariants:\n"
              "  big: { b: { size: 2 nm } }\n");
-  g_assert_cmpint(call("check over.yaml"), ==, 0);
+  g_assert_cmpint(opcflow_call("check over.yaml"), ==, 0);
 }
 
 /* b depends on a, which is not swept: a runs once. */
@@ -300,8 +306,8 @@ static void test_sweep(void) {
              "opcflow: 1\nextends: two.yaml\nsweep:\n"
              "  b.size: [1 nm, 2 nm]\n"
              "  b.whole: { from: 10, to: 30, step: 10 }\n");
-  g_assert_cmpint(call("check sweep.yaml"), ==, 0);
-  g_assert_cmpint(call("run sweep.yaml --output s"), ==, 0);
+  g_assert_cmpint(opcflow_call("check sweep.yaml"), ==, 0);
+  g_assert_cmpint(opcflow_call("run sweep.yaml --output s"), ==, 0);
   g_assert_cmpstr(err, ==, "");
   g_autofree char *table = read_text("s/sweep.csv");
   g_auto(GStrv) lines = g_strsplit(table, "\r\n", -1);
@@ -322,14 +328,14 @@ static void test_sweep(void) {
   /* The resolved flow repeats the sweep. */
   g_autofree char *resolved = read_text("s/flow.yaml");
   g_assert_nonnull(strstr(resolved, "\nsweep:\n  b.size: [1 nm, 2 nm]"));
-  g_assert_cmpint(call("run s/flow.yaml --output s2 --keep"), ==, 0);
+  g_assert_cmpint(opcflow_call("run s/flow.yaml --output s2 --keep"), ==, 0);
   g_assert_cmpuint(entries("s2"), ==, 12);
   g_autofree char *second = read_text("s2/sweep.csv");
   g_auto(GStrv) others = g_strsplit(second, "\r\n", -1);
   g_assert_cmpstr(others[0], ==, lines[0]);
   g_assert_true(g_str_has_prefix(others[6], "6,2,30,69,104,"));
   /* The resolved flow of a point runs alone. */
-  g_assert_cmpint(call("run s2/0006/flow.yaml --output s3"), ==, 0);
+  g_assert_cmpint(opcflow_call("run s2/0006/flow.yaml --output s3"), ==, 0);
   g_autofree char *csv = read_text("s3/b.numbers.csv");
   g_assert_nonnull(strstr(csv, "plain,104.00,1\r\n"));
   g_assert_cmpuint(entries("s3"), ==, 6);
@@ -337,8 +343,8 @@ static void test_sweep(void) {
 
 /* A failed point is reported, and the other points run. */
 static void test_failing_points(void) {
-  g_assert_cmpint(call("run two.yaml --output p --sweep "
-                       "b.behave=[well,fail,well]"),
+  g_assert_cmpint(opcflow_call("run two.yaml --output p --sweep "
+                               "b.behave=[well,fail,well]"),
                   ==, 4);
   g_assert_cmpstr(err, ==, "error: 1 of 3 points failed\n");
   g_autofree char *table = read_text("p/sweep.csv");
@@ -349,21 +355,22 @@ static void test_failing_points(void) {
                           "step 'b' (test.numbers): 2 nm is not "
                           "possible"));
   g_assert_true(g_str_has_suffix(lines[3], ",good"));
-  g_assert_cmpint(call("run two.yaml --output q --sweep "
-                       "b.behave=[well,limit]"),
+  g_assert_cmpint(opcflow_call("run two.yaml --output q --sweep "
+                               "b.behave=[well,limit]"),
                   ==, 1);
   /* The failure of a shared step is reported as without a sweep. */
-  g_assert_cmpint(call("run two.yaml --output p2 --set a.behave=fail --sweep "
-                       "b.whole=[1,2]"),
-                  ==, 4);
+  g_assert_cmpint(
+      opcflow_call("run two.yaml --output p2 --set a.behave=fail --sweep "
+                   "b.whole=[1,2]"),
+      ==, 4);
   g_assert_false(is_there("p2"));
-  g_assert_cmpint(call("run two.yaml --output p3 --sweep b.whole=[1,x]"), ==,
-                  2);
+  g_assert_cmpint(
+      opcflow_call("run two.yaml --output p3 --sweep b.whole=[1,x]"), ==, 2);
   g_assert_cmpstr(
       err, ==, "--sweep b.whole: 'whole' must be a whole number, found 'x'\n");
   g_assert_false(is_there("p3"));
-  g_assert_cmpint(call("run two.yaml --output p3 --sweep b.whole=[1,2] "
-                       "--sweep b.size=[]"),
+  g_assert_cmpint(opcflow_call("run two.yaml --output p3 --sweep b.whole=[1,2] "
+                               "--sweep b.size=[]"),
                   ==, 2);
   g_assert_true(
       g_str_has_prefix(err, "--sweep b.size: a sweep must be a list"));

@@ -248,7 +248,7 @@ static void test_resolved(void) {
 /* ---- refused flows ---- */
 
 /* Check that a flow is refused by `check` and by `run`. */
-static void expect(const char *text, const char *want) {
+static void assert_refused(const char *text, const char *want) {
   write_file("bad.yaml", text);
   g_autofree char *errors = NULL, *again = NULL;
   int code = opcflow(&errors, "check", "bad.yaml", NULL);
@@ -261,50 +261,53 @@ static void expect(const char *text, const char *want) {
 }
 
 static void test_refused(void) {
-  expect(HEAD AXES "    minimise: mask.ion_maen\n",
-         "bad.yaml:10:15: step 'best' (search): 'mask' (correct) has no metric "
-         "'ion_maen', did you "
-         "mean 'ion_mean'?\n");
-  expect(HEAD AXES "    minimise: msak.ion_mean\n",
-         "bad.yaml:10:15: step 'best' (search): 'msak' does not exist in "
-         "'inner.yaml', did you mean 'mask'?\n");
-  expect(HEAD AXES "    minimise: ion_mean\n",
-         "bad.yaml:10:15: step 'best' (search): 'ion_mean' does not name a "
-         "metric, expected 'step.metric'\n");
-  expect(HEAD AXES,
-         "bad.yaml:4:3: step 'best' (search): a search requires either "
-         "'minimise' or 'maximise'\n");
-  expect(HEAD LEAST,
-         "bad.yaml:4:3: step 'best' (search): a search requires a 'sweep', "
-         "here or in 'inner.yaml'\n");
-  expect(HEAD "    sweep: { mask.synthesizer.fragmnt: [1 nm] }\n" LEAST,
-         "bad.yaml:7:14: unknown parameter 'fragmnt' of 'synthesizer.epe', did "
-         "you "
-         "mean 'fragment'?\n");
-  expect(HEAD "    sweep: { mask.max_iterations: [1, x] }\n" LEAST,
-         "bad.yaml:7:39: 'max_iterations' must be a whole number, found 'x'\n");
-  expect(HEAD "    set: { layuot.file: a }\n" AXES LEAST,
-         "bad.yaml:7:12: unknown step 'layuot', did you mean 'layout'?\n");
-  expect(HEAD "    variant: fwe\n" AXES LEAST,
-         "bad.yaml:7:14: unknown variant 'fwe', did you mean 'few'?\n");
-  expect(HEAD AXES LEAST
-         "    along: { mask.max_iteration: mask.history.iteration }\n",
-         "bad.yaml:11:14: step 'best' (search): 'mask.max_iteration' is not a "
-         "swept parameter, did you mean 'mask.max_iterations'?\n");
-  expect(HEAD AXES LEAST
-         "    along: { mask.synthesizer.fragment: mask.history.iteration }\n",
-         "bad.yaml:11:14: step 'best' (search): 'mask.synthesizer.fragment' "
-         "requires increasing numbers without units to share a run\n");
-  expect(HEAD AXES LEAST "    along: { mask.max_iterations: mask.history }\n",
-         "bad.yaml:11:14: step 'best' (search): 'mask.history' does not name a "
-         "column, expected 'step.table.column'\n");
-  expect(HEAD AXES "    minimise: cost.shots\n",
-         "bad.yaml:4:3: step 'best' (search): step 'cost' (cost.fracture) "
-         "makes no mask: 'mask' must name the step whose mask is the output, "
-         "such as 'mask'\n");
-  expect(HEAD "    sweep: { gds.file: [a.gds, b.gds] }\n" LEAST,
-         "bad.yaml:7:14: step 'best' (search): 'gds.file' has no effect: step "
-         "'gds' runs after the step of the metric\n");
+  assert_refused(HEAD AXES "    minimise: mask.ion_maen\n",
+                 "bad.yaml:10:15: step 'best' (search): 'mask' (correct) has "
+                 "no metric 'ion_maen', did you mean 'ion_mean'?\n");
+  assert_refused(HEAD AXES "    minimise: msak.ion_mean\n",
+                 "bad.yaml:10:15: step 'best' (search): 'msak' does not exist "
+                 "in 'inner.yaml', did you mean 'mask'?\n");
+  assert_refused(HEAD AXES "    minimise: ion_mean\n",
+                 "bad.yaml:10:15: step 'best' (search): 'ion_mean' does not "
+                 "name a metric, expected 'step.metric'\n");
+  assert_refused(HEAD AXES,
+                 "bad.yaml:4:3: step 'best' (search): a search requires either "
+                 "'minimise' or 'maximise'\n");
+  assert_refused(HEAD LEAST,
+                 "bad.yaml:4:3: step 'best' (search): a search requires a "
+                 "'sweep', here or in 'inner.yaml'\n");
+  assert_refused(HEAD "    sweep: { mask.synthesizer.fragmnt: [1 nm] }\n" LEAST,
+                 "bad.yaml:7:14: unknown parameter 'fragmnt' of "
+                 "'synthesizer.epe', did you mean 'fragment'?\n");
+  assert_refused(
+      HEAD "    sweep: { mask.max_iterations: [1, x] }\n" LEAST,
+      "bad.yaml:7:39: 'max_iterations' must be a whole number, found 'x'\n");
+  assert_refused(
+      HEAD "    set: { layuot.file: a }\n" AXES LEAST,
+      "bad.yaml:7:12: unknown step 'layuot', did you mean 'layout'?\n");
+  assert_refused(HEAD "    variant: fwe\n" AXES LEAST,
+                 "bad.yaml:7:14: unknown variant 'fwe', did you mean 'few'?\n");
+  assert_refused(
+      HEAD AXES LEAST
+      "    along: { mask.max_iteration: mask.history.iteration }\n",
+      "bad.yaml:11:14: step 'best' (search): 'mask.max_iteration' is not a "
+      "swept parameter, did you mean 'mask.max_iterations'?\n");
+  assert_refused(
+      HEAD AXES LEAST
+      "    along: { mask.synthesizer.fragment: mask.history.iteration }\n",
+      "bad.yaml:11:14: step 'best' (search): 'mask.synthesizer.fragment' "
+      "requires increasing numbers without units to share a run\n");
+  assert_refused(HEAD AXES LEAST
+                 "    along: { mask.max_iterations: mask.history }\n",
+                 "bad.yaml:11:14: step 'best' (search): 'mask.history' does "
+                 "not name a column, expected 'step.table.column'\n");
+  assert_refused(HEAD AXES "    minimise: cost.shots\n",
+                 "bad.yaml:4:3: step 'best' (search): step 'cost' "
+                 "(cost.fracture) makes no mask: 'mask' must name the step "
+                 "whose mask is the output, such as 'mask'\n");
+  assert_refused(HEAD "    sweep: { gds.file: [a.gds, b.gds] }\n" LEAST,
+                 "bad.yaml:7:14: step 'best' (search): 'gds.file' has no "
+                 "effect: step 'gds' runs after the step of the metric\n");
 }
 
 /* Faults of the inner flow are reported with their place there; a search of
@@ -313,19 +316,19 @@ static void test_inner_faults(void) {
   write_file("wrong.yaml",
              "opcflow: 1\nextends: inner.yaml\nsteps:\n  mask:\n"
              "    synthesizer: { fragmnt: 3 nm }\n");
-  expect(
+  assert_refused(
       "opcflow: 1\nsteps:\n  best:\n    use: search\n    flow: wrong.yaml\n"
       "    sweep: { mask.max_iterations: [1] }\n" LEAST,
       "wrong.yaml:5:20: unknown parameter 'fragmnt' of 'synthesizer.epe', did "
       "you "
       "mean 'fragment'?\n");
-  expect(
+  assert_refused(
       "opcflow: 1\nsteps:\n  best:\n    use: search\n    flow: bad.yaml\n"
       "    sweep: { mask.max_iterations: [1] }\n" LEAST,
       "bad.yaml:3:3: 'search' cannot be used here: inner flows may be nested "
       "only twice\n"
       "bad.yaml:6:14: unknown step 'mask'\n");
-  expect(
+  assert_refused(
       HEAD "    set: { mask.synthesizer.min_edge: 50 nm }\n" AXES LEAST,
       "bad.yaml:4:3: step 'best' (search): bad.yaml:7:39: 'mask.synthesizer' "
       "(synthesizer.epe): 50 nm exceeds the fragment length of 14 nm (and 1 "

@@ -97,13 +97,14 @@ static void bind_default(const binder *b, size_t i) {
 
 /* ---- the map ---- */
 
-/* Return the valid names at this level: the next words of all parameters that
-   begin with `prefix`. */
+/* Return the valid names at this level: the next words of all parameters whose
+   name, or former name, begins with `prefix`. */
 static GPtrArray *level_names(const opc_plugin *plugin, const char *prefix) {
   GPtrArray *names = g_ptr_array_new_with_free_func(g_free);
   for (size_t i = 0; i < plugin->n_parameters; i++) {
     const char *name = plugin->parameters[i].name;
-    if (!g_str_has_prefix(name, prefix)) continue;
+    if (!g_str_has_prefix(name, prefix)) name = plugin->parameters[i].former;
+    if (!name || !g_str_has_prefix(name, prefix)) continue;
     name += strlen(prefix);
     g_ptr_array_add(names, g_strndup(name, strcspn(name, ".")));
   }

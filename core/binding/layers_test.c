@@ -36,8 +36,8 @@ typedef struct made {
   opc_flow *flow;
 } made;
 
-static made make(const char *path, const char *variant, size_t point,
-                 const char *const *sets) {
+static made layers_make(const char *path, const char *variant, size_t point,
+                        const char *const *sets) {
   g_autoptr(opc_problems) problems = opc_problems_new();
   made m = {.recipe = opc_recipe_read(path, problems)};
   g_autofree char *faults = opc_problems_text(problems);
@@ -119,7 +119,7 @@ static void test_extends(void) {
              "opcflow: 1\nextends: middle.yaml\nsteps:\n"
              "  a: { share: ~ }\n  b: ~\n  c: { use: test.slotted }\n"
              "  d: { use: test.numbers, size: 9 nm, add: ${a} }\n");
-  made m = make("top.yaml", "", 0, NULL);
+  made m = layers_make("top.yaml", "", 0, NULL);
   g_assert_cmpstr(m.flow->name, ==, "top");
   g_assert_true(real_of(&m, "a", "size") == 2);
   g_assert_true(real_of(&m, "a", "share") == 0.5); /* the default again */
@@ -192,7 +192,7 @@ static const char variants[] = STEP
 static void test_variants(void) {
   write_file("flow.yaml", variants);
   check_faults("flow.yaml", "");
-  made m = make("flow.yaml", "dotted", 0, NULL);
+  made m = layers_make("flow.yaml", "dotted", 0, NULL);
   g_assert_cmpstr(m.flow->name, ==, "flow-dotted");
   g_assert_true(real_of(&m, "a", "size") == 2);
   g_assert_true(real_of(&m, "a", "anchor.line") == 70);
@@ -201,12 +201,12 @@ static void test_variants(void) {
   g_assert_nonnull(strstr(text, "# variant dotted, flow.yaml:6:21\n"));
   made_free(&m);
   const char *const sets[] = {"a.size=8 nm", NULL};
-  m = make("flow.yaml", "nested", 0, sets);
+  m = layers_make("flow.yaml", "nested", 0, sets);
   g_assert_true(real_of(&m, "a", "size") == 8); /* the command line wins */
   g_assert_true(real_of(&m, "a", "anchor.pitch") == 300);
   g_assert_null(step_of(m.flow, "b"));
   made_free(&m);
-  m = make("flow.yaml", "other", 0, NULL);
+  m = layers_make("flow.yaml", "other", 0, NULL);
   const opc_binding *rule = step_of(m.flow, "b")->slots[0];
   g_assert_true(value_of(rule, "size")->field.real == 61);
   made_free(&m);
@@ -219,7 +219,7 @@ static void test_inherited(void) {
   write_file("flow.yaml",
              "opcflow: 1\nextends: base.yaml\nsteps:\n  a: { whole: 4 }\n"
              "variants:\n  dotted: { a.size: 6 nm }\n  other: ~\n");
-  made m = make("flow.yaml", "dotted", 0, NULL);
+  made m = layers_make("flow.yaml", "dotted", 0, NULL);
   g_assert_true(real_of(&m, "a", "size") == 6);
   g_assert_true(real_of(&m, "a", "anchor.line") == 70);
   g_assert_cmpint(value_of(step_of(m.flow, "a"), "whole")->field.integer, ==,
@@ -273,7 +273,7 @@ static void test_grid(void) {
   static const double expected[6][2] = {{2, 0.1}, {2, 0.2}, {2, 0.3},
                                         {3, 0.1}, {3, 0.2}, {3, 0.3}};
   for (size_t i = 0; i < 6; i++) {
-    made m = make("flow.yaml", "", i, NULL);
+    made m = layers_make("flow.yaml", "", i, NULL);
     g_assert_cmpuint(m.sweep->points, ==, 6);
     g_assert_true(real_of(&m, "a", "size") == expected[i][0]);
     g_assert_true(real_of(&m, "a", "share") == expected[i][1]);
@@ -281,7 +281,7 @@ static void test_grid(void) {
   }
   /* A parameter fixed by --set is not swept. */
   const char *const sets[] = {"a.size=4 nm", NULL};
-  made m = make("flow.yaml", "", 2, sets);
+  made m = layers_make("flow.yaml", "", 2, sets);
   g_assert_cmpuint(m.sweep->points, ==, 3);
   g_assert_true(real_of(&m, "a", "size") == 4);
   g_assert_true(real_of(&m, "a", "share") == 0.3);
@@ -294,7 +294,7 @@ static void test_ranges(void) {
   write_file("flow.yaml", STEP
              "sweep: { a.size: { from: 20 nm, to: 0.008 um, step: -4 nm } "
              "}\n");
-  made m = make("flow.yaml", "", 3, NULL);
+  made m = layers_make("flow.yaml", "", 3, NULL);
   g_assert_cmpuint(m.sweep->points, ==, 4);
   g_assert_true(real_of(&m, "a", "size") == 8);
   made_free(&m);
@@ -355,7 +355,7 @@ static void test_dots(void) {
              "  b: { anchor.pitch: 203 nm, anchor.line: ~ }\n"
              "variants: { x: { a: { anchor.line: 62 nm }, s: { rule: { "
              "size: 31 nm } } } }\n");
-  made m = make("flow.yaml", "", 0, NULL);
+  made m = layers_make("flow.yaml", "", 0, NULL);
   g_assert_true(real_of(&m, "a", "anchor.line") == 60);
   g_assert_true(real_of(&m, "a", "anchor.pitch") == 202);
   g_assert_true(real_of(&m, "b", "anchor.line") == 65); /* the default */
@@ -368,7 +368,7 @@ static void test_dots(void) {
   g_assert_nonnull(strstr(text, "# base.yaml:3:52\n"));
   made_free(&m);
   const char *const sets[] = {"a.anchor.line=63 nm", NULL};
-  m = make("flow.yaml", "x", 0, sets);
+  m = layers_make("flow.yaml", "x", 0, sets);
   g_assert_true(real_of(&m, "a", "anchor.line") == 63);
   g_assert_true(real_of(&m, "a", "anchor.pitch") == 202);
   model = step_of(m.flow, "s")->slots[0];
@@ -405,7 +405,7 @@ static void test_byte_order_mark(void) {
 
 static void test_default_slot(void) {
   write_file("flow.yaml", "opcflow: 1\nsteps:\n  s: { use: test.slotted }\n");
-  made m = make("flow.yaml", "", 0, NULL);
+  made m = layers_make("flow.yaml", "", 0, NULL);
   g_assert_true(value_of(step_of(m.flow, "s")->slots[0], "size")->field.real ==
                 60);
   g_autofree char *text = opc_flow_resolved(m.flow, NULL);
@@ -413,13 +413,13 @@ static void test_default_slot(void) {
       strstr(text, "      size: 60 nm                           # default\n"));
   made_free(&m);
   const char *const sets[] = {"s.rule.size=64 nm", NULL};
-  m = make("flow.yaml", "", 0, sets);
+  m = layers_make("flow.yaml", "", 0, sets);
   g_assert_true(value_of(step_of(m.flow, "s")->slots[0], "size")->field.real ==
                 64);
   made_free(&m);
   /* A `use`, even of the same plugin, discards the earlier parameters. */
   const char *const uses[] = {"s.rule.use=bad.none", NULL};
-  m = make("flow.yaml", "", 0, uses);
+  m = layers_make("flow.yaml", "", 0, uses);
   g_assert_true(value_of(step_of(m.flow, "s")->slots[0], "size")->field.real ==
                 65);
   made_free(&m);
@@ -436,7 +436,7 @@ static void test_sets(void) {
   write_file("flow.yaml", variants);
   const char *const sets[] = {"b=~", "a.use=test.slotted",
                               "a.rule={ size: 63 nm }", NULL};
-  made m = make("flow.yaml", "", 0, sets);
+  made m = layers_make("flow.yaml", "", 0, sets);
   g_assert_null(step_of(m.flow, "b"));
   const opc_binding *a = step_of(m.flow, "a");
   g_assert_true(value_of(a->slots[0], "size")->field.real == 63);
@@ -450,10 +450,10 @@ static void test_again(void) {
              "opcflow: 1\nextends: base.yaml\n"
              "sweep: { a.share: [1 %, 2 %] }\n");
   const char *const sets[] = {"b.note=yes", NULL};
-  made m = make("flow.yaml", "dotted", 1, sets);
+  made m = layers_make("flow.yaml", "dotted", 1, sets);
   g_autofree char *text = opc_flow_resolved(m.flow, NULL);
   write_file("other/again.yaml", text);
-  made n = make("other/again.yaml", "", 0, NULL);
+  made n = layers_make("other/again.yaml", "", 0, NULL);
   g_assert_cmpuint(n.sweep->points, ==, 1);
   g_autofree char *second = opc_flow_resolved(n.flow, NULL);
   g_autoptr(GRegex) comment = g_regex_new(" +#.*", 0, 0, NULL);

@@ -3,12 +3,14 @@
 #include "core/cli/cli.h"
 #include "core/run/forecast.h"
 
-static GPtrArray *sets, *sweeps;
+static GPtrArray *sets, *variants, *sweeps;
 static gboolean json, quick;
 
 static const cli_option options[] = {
     {"set", "parameter value that replaces that of the flow",
      "STEP.PARAMETER=VALUE", .list = &sets},
+    {"variant", "only this variant, 'base' or 'all'", "NAME",
+     .list = &variants},
     {"sweep", "parameter values to check as well", "STEP.PARAMETER=[...]",
      .list = &sweeps},
     {"quick",
@@ -59,15 +61,6 @@ static void variant_forecast(const opc_recipe *recipe, const opc_choice *choice,
 
 /* ---- the work ---- */
 
-static void check_one(const opc_recipe *recipe, const opc_choice *choice,
-                      const opc_watch *watch, JsonArray *told,
-                      opc_problems *problems) {
-  guint before = problems->list->len;
-  opc_flow_check(recipe, choice, cli_registry(), watch, problems);
-  if (!quick && problems->list->len == before)
-    variant_forecast(recipe, choice, watch, told, problems);
-}
-
 static GArray *open_files(const opc_recipe *recipe, const opc_choice *choice) {
   g_autoptr(opc_problems) others = opc_problems_new();
   g_autoptr(opc_flow) flow =
@@ -75,28 +68,28 @@ static GArray *open_files(const opc_recipe *recipe, const opc_choice *choice) {
   return cli_open_files(flow);
 }
 
-/* Return whether a variant requires files that the flow without it does not,
-   and report them. Such files are no problem: the rest of the variant is still
-   checked. */
-static gboolean variant_requires_files(const opc_recipe *recipe,
-                                       const opc_choice *choice,
-                                       JsonArray *told) {
-  opc_choice itself = *choice;
-  itself.variant = NULL;
+/* Return whether the flow or a variant leaves required files open, and report
+   them; for a variant, without those of the flow. They are no problem, because
+   processes are such flows; the rest of the flow is still checked. */
+static gboolean needs_files(const opc_recipe *recipe, const opc_choice *choice,
+                            GHashTable *said, JsonArray *told) {
   g_autoptr(GArray) its = open_files(recipe, choice);
-  g_autoptr(GArray) before = open_files(recipe, &itself);
-  if (its->len <= before->len) return FALSE;
   for (guint i = 0; i < its->len; i++) {
     const cli_open_file *file = &g_array_index(its, cli_open_file, i);
+    if (g_hash_table_contains(said, file->path)) continue;
     JsonObject *object = json_object_new();
-    json_object_set_string_member(object, "variant", choice->variant);
+    if (choice->variant)
+      json_object_set_string_member(object, "variant", choice->variant);
+    else
+      g_hash_table_add(said, g_strdup(file->path));
     json_object_set_string_member(object, "parameter", file->path);
     json_array_add_object_element(told, object);
     if (!json)
-      cli_print("%s: requires --set %s=FILE, %s\n", choice->variant, file->path,
-                file->summary);
+      cli_print("%s%srequires --set %s=FILE, %s\n",
+                choice->variant ? choice->variant : "",
+                choice->variant ? ": " : "", file->path, file->summary);
   }
-  return TRUE;
+  return its->len > 0;
 }
 
 static void check_all(const opc_recipe *recipe, JsonArray *told,
@@ -107,16 +100,18 @@ static void check_all(const opc_recipe *recipe, JsonArray *told,
   g_autoptr(opc_sweep) sweep =
       opc_sweep_new(recipe, cli_list(sets), NULL, cli_list(sweeps), problems);
   opc_choice choice = {.sweep = sweep, .sets = cli_list(sets)};
-  check_one(recipe, &choice, &watch, told, problems);
-  for (guint i = 0; i < recipe->variants->keys->len; i++) {
-    choice.variant = opc_node_key(recipe->variants, i);
-    if (variant_requires_files(recipe, &choice, open)) {
-      choice.bind = OPC_BIND_NO_FILES;
-      opc_flow_check(recipe, &choice, cli_registry(), NULL, problems);
-      choice.bind = 0;
-    } else {
-      check_one(recipe, &choice, &watch, told, problems);
-    }
+  g_autoptr(GPtrArray) chosen =
+      cli_choose_variants(recipe, variants, TRUE, problems);
+  for (guint i = 0; i < chosen->len; i++) {
+    guint before = problems->list->len;
+    choice.variant = chosen->pdata[i];
+    choice.bind = 0;
+    gboolean needs = needs_files(recipe, &choice, said, open);
+    if (needs) choice.bind = OPC_BIND_NO_FILES;
+    opc_flow_check(recipe, &choice, cli_registry(), needs ? NULL : &watch,
+                   problems);
+    if (!quick && !needs && problems->list->len == before)
+      variant_forecast(recipe, &choice, &watch, told, problems);
   }
 }
 

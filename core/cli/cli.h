@@ -126,6 +126,13 @@ typedef struct cli_open_file {
    freed with the array). */
 GArray *cli_open_files(const opc_flow *flow);
 
+/* Return the variants that --variant names (char *, NULL: the flow itself;
+   owned by the recipe or `given`). Without --variant: the flow, and all
+   variants if `every`. Adds a problem for an unknown name. `recipe` may be
+   NULL. */
+GPtrArray *cli_choose_variants(const opc_recipe *recipe, GPtrArray *given,
+                               gboolean every, opc_problems *problems);
+
 /* Set the number of threads from the text of --threads, NULL if not given.
    Returns -1, or the exit code. */
 int cli_set_threads(const char *text);

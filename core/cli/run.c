@@ -243,26 +243,6 @@ static int run_all(const series *s) {
   return code;
 }
 
-static void choose_variants(series *s, opc_problems *problems) {
-  const char *const *names = cli_list(variants);
-  const opc_node *known = s->recipe->variants;
-  for (const char *const *name = names; *name; name++) {
-    gboolean all = !strcmp(*name, "all"), base = !strcmp(*name, "base");
-    for (guint k = 0; all && k < known->keys->len; k++)
-      g_ptr_array_add(s->chosen, (char *)opc_node_key(known, k));
-    if (all && !known->keys->len) {
-      const opc_place at = {s->recipe->path, 0, 0};
-      opc_problem_add(problems, OPC_INVALID, &at, "has no variants");
-    }
-    if (all) continue;
-    if (base || !opc_recipe_has(s->recipe, *name, NULL, problems))
-      g_ptr_array_add(s->chosen, NULL);
-    else
-      g_ptr_array_add(s->chosen, (char *)*name);
-  }
-  if (!*names) g_ptr_array_add(s->chosen, NULL);
-}
-
 /* Keep freed memory in the process: fields of tens of megabytes are allocated
    and freed at the same sizes. Mapping and clearing them again costs a tenth of
    a correction's time. */
@@ -327,15 +307,13 @@ static int check_and_run(const char *path) {
   g_autoptr(opc_problems) problems = opc_problems_new();
   g_autoptr(opc_recipe) recipe = opc_recipe_read(path, problems);
   g_autoptr(opc_sweep) sweep = NULL;
-  g_autoptr(GPtrArray) chosen = g_ptr_array_new();
+  g_autoptr(GPtrArray) chosen =
+      cli_choose_variants(recipe, variants, FALSE, problems);
   g_autoptr(JsonArray) list = json_array_new();
   series s = {recipe, NULL, chosen, list};
-  if (recipe) {
-    sweep =
+  if (recipe)
+    s.sweep = sweep =
         opc_sweep_new(recipe, cli_list(sets), NULL, cli_list(sweeps), problems);
-    s.sweep = sweep;
-    choose_variants(&s, problems);
-  }
   for (guint i = 0; i < chosen->len; i++) {
     const opc_choice choice = choice_of(&s, chosen->pdata[i]);
     opc_flow_check(recipe, &choice, cli_registry(), NULL, problems);

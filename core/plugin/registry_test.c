@@ -53,7 +53,8 @@ static const struct {
      "parameter 'size': the field has 4 bytes, expected for the type 'real' 8"},
 };
 
-static const opc_candidate *find(const GPtrArray *list, const char *id) {
+static const opc_candidate *candidate_find(const GPtrArray *list,
+                                           const char *id) {
   for (guint i = 0; i < list->len; i++) {
     const opc_candidate *c = list->pdata[i];
     if (!strcmp(c->id, id)) return c;
@@ -65,13 +66,13 @@ static void test_scan(void) {
   g_autoptr(opc_registry) registry = test_registry();
   g_autoptr(GPtrArray) list = opc_registry_scan(registry, "", 0.5);
   for (size_t i = 0; i < G_N_ELEMENTS(faults); i++) {
-    const opc_candidate *c = find(list, faults[i].id);
+    const opc_candidate *c = candidate_find(list, faults[i].id);
     g_assert_nonnull(c);
     g_assert_nonnull(c->reason);
     if (!strstr(c->reason, faults[i].reason))
       g_assert_cmpstr(c->reason, ==, faults[i].reason);
   }
-  const opc_candidate *good = find(list, "bad.none");
+  const opc_candidate *good = candidate_find(list, "bad.none");
   g_assert_cmpstr(good->reason, ==, NULL);
   g_assert_cmpstr(good->kind, ==, "regulator");
   g_assert_cmpstr(good->summary, ==, "A plugin with a fault");

@@ -144,32 +144,8 @@ static gboolean need_text(const conversion *c, const opc_node *node) {
 static gboolean node_number(const conversion *c, const opc_node *node,
                             double *real) {
   const opc_parameter *p = c->parameter;
-  const char *text = node->text;
-  size_t length = opc_number_length(text);
-  const char *name = text + length + strspn(text + length, " ");
-  const opc_unit *from = opc_unit_find(name),
-                 *to = p->unit ? opc_unit_find(p->unit) : NULL;
-  if (!length)
-    return WRONG(c, node, "'%s' requires %s%s, found '%s'", p->name,
-                 to ? opc_unit_noun(to) : "a number", to ? " with a unit" : "",
-                 text);
-  if (!to && *name)
-    return WRONG(c, node, "'%s' must be a number without a unit, found '%s'",
-                 p->name, text);
-  if (to && !*name && opc_unit_shares_zero(to) &&
-      opc_number_in(text, length, to, to) == 0)
-    from = to;
-  else if (to && !*name)
-    return WRONG(c, node, "'%s' requires %s with a unit, e.g. '%.*s %s'",
-                 p->name, opc_unit_noun(to), (int)length, text, p->unit);
-  if (to && !from) return opc_unknown_unit(node, name, c->problems);
-  if (to && opc_unit_noun(from) != opc_unit_noun(to))
-    return WRONG(c, node, "'%s' requires %s, found '%s'", p->name,
-                 opc_unit_noun(to), text);
-  *real = opc_number_in(text, length, from, to);
-  if (!isfinite(*real))
-    return WRONG(c, node, "'%s' is too large: '%s'", p->name, text);
-  return check_bounds(c, node, *real);
+  return opc_quantity_read(node, NULL, p->unit, p->name, real, c->problems) &&
+         check_bounds(c, node, *real);
 }
 
 static gboolean read_real(const conversion *c, const opc_node *node,

@@ -14,7 +14,7 @@ static const double sizes[] = {65.004, -0.001, NAN, INFINITY};
 static const int64_t counts[] = {1, -20, 300, -9007199254740993};
 static const double exact[] = {0.1, 1e-300, 1.0 / 3, -7};
 
-static opc_table *sample(void) {
+static opc_table *sample_table(void) {
   const opc_column columns[] = {{"name", NULL, OPC_TEXT, 0, names},
                                 {"size", "nm", OPC_REAL, 2, sizes},
                                 {"count", "", OPC_INT, 0, counts},
@@ -57,7 +57,7 @@ static GPtrArray *read_csv(const char *text) {
 }
 
 static void test_csv(void) {
-  opc_table *table = sample();
+  opc_table *table = sample_table();
   g_autofree char *csv = opc_table_csv(table);
   g_autoptr(GPtrArray) fields = read_csv(csv);
   static const char *const expected[] = {"name",
@@ -92,7 +92,7 @@ static void test_csv(void) {
 }
 
 static void test_text(void) {
-  opc_table *table = sample();
+  opc_table *table = sample_table();
   g_autofree char *text = opc_table_text(table, 0);
   g_assert_cmpstr(
       text, ==,
@@ -222,7 +222,7 @@ static void test_keys(void) {
 }
 
 static void test_markdown(void) {
-  opc_table *table = sample();
+  opc_table *table = sample_table();
   g_autofree char *text = opc_table_markdown(table);
   g_assert_true(g_str_has_prefix(
       text,
@@ -239,7 +239,7 @@ static void test_markdown(void) {
 }
 
 static void test_json(void) {
-  opc_table *table = sample();
+  opc_table *table = sample_table();
   g_autofree char *text = opc_json_text(opc_table_json(table));
   g_autoptr(JsonNode) node = json_from_string(text, NULL);
   JsonArray *rows =

@@ -15,7 +15,8 @@ const char opc_result_type[] = "(da(ssd)a(uss)a(suta(smsuiv))a(ayay))";
 /* ---- from a run ---- */
 
 /* Return the path relative to the step. */
-static const char *behind(const char *path, const opc_flow_step *step) {
+static const char *path_below_step(const char *path,
+                                   const opc_flow_step *step) {
   path += strlen(step->name);
   return path + (*path == '.');
 }
@@ -31,7 +32,7 @@ static void pack_metrics(GVariantBuilder *all, const opc_run *run,
     const opc_inner_metric *m =
         &g_array_index(run->out.metrics, opc_inner_metric, i);
     if (is_of(m->path, step))
-      g_variant_builder_add(all, "(ssd)", behind(m->path, step),
+      g_variant_builder_add(all, "(ssd)", path_below_step(m->path, step),
                             m->metric->name, m->value);
   }
 }
@@ -64,7 +65,7 @@ gboolean opc_said_pack(GVariantBuilder *all, const GPtrArray *said,
     const opc_said *s = said->pdata[i];
     gboolean own = is_of(s->path, step);
     g_variant_builder_add(all, "(uss)", s->level,
-                          own ? behind(s->path, step) : "", s->text);
+                          own ? path_below_step(s->path, step) : "", s->text);
     good &= own;
   }
   return good;
@@ -107,7 +108,7 @@ static const opc_host *host_of(const opc_flow_step *step, const char *rest) {
   opc_binding_list(step->binding, all);
   for (guint i = 0; i < all->len; i++) {
     const opc_binding *b = all->pdata[i];
-    if (!strcmp(behind(b->path, step), rest)) return b->host;
+    if (!strcmp(path_below_step(b->path, step), rest)) return b->host;
   }
   return step->binding->host;
 }

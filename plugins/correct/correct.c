@@ -24,9 +24,9 @@ typedef struct correct {
   loop_start start;
   correct_settings with;
   const opc_module *edges;
-  corners_wish corners;
-  gate_bars assists;
-  search_bars search;
+  corners_request corners;
+  gate_srafs assists;
+  sraf_search_state search;
   int trace;
   int prepared; /* 1: the extractor is prepared */
 } correct;
@@ -119,7 +119,7 @@ static int correct_run(void *self, void **outputs, opc_error *error) {
   l.prepared = c->prepared;
   l.traced = c->trace;
   l.drivers[EDGES].module = c->edges;
-  l.corners.wish = c->corners;
+  l.corners.request = c->corners;
   l.assists = c->assists;
   l.search = c->search;
   eda_mask *mask = eda_mask_new(c->gates);
@@ -240,16 +240,17 @@ static const opc_metric metrics[] = {
 
 /* Set the lengths of features that are switched off, which have no defaults. */
 static void set_unused(correct *c, double value) {
-  gate_bars *a = &c->assists;
-  search_bars *s = &c->search;
-  double *const bars[] = {&a->width, &a->distance, &a->space, &a->min_length,
-                          &a->overhang};
-  double *const sought[] = {&s->worth,      &s->defocus,  &s->least_width,
-                            &s->width,      &s->distance, &s->space,
-                            &s->min_length, &s->length};
-  for (size_t i = 0; i < G_N_ELEMENTS(bars) && !a->rows; i++) *bars[i] = value;
-  for (size_t i = 0; i < G_N_ELEMENTS(sought) && !s->most; i++)
-    *sought[i] = value;
+  gate_srafs *a = &c->assists;
+  sraf_search_state *s = &c->search;
+  double *const srafs[] = {&a->width, &a->distance, &a->space, &a->min_length,
+                           &a->overhang};
+  double *const searched[] = {&s->min_gain,   &s->defocus,  &s->least_width,
+                              &s->width,      &s->distance, &s->space,
+                              &s->min_length, &s->length};
+  for (size_t i = 0; i < G_N_ELEMENTS(srafs) && !a->rows; i++)
+    *srafs[i] = value;
+  for (size_t i = 0; i < G_N_ELEMENTS(searched) && !s->most; i++)
+    *searched[i] = value;
 }
 
 static void correct_follow(correct *c) {

@@ -111,12 +111,12 @@ static void make_sample(made *d) {
   d->sites[1] = (sites){.count = SITES - 4, .epe = d->epe + 4};
 }
 
-static int prints(const uint32_t *flags, int i) {
+static int gate_prints(const uint32_t *flags, int i) {
   return !(flags[i] & (EDA_PRINT_OPEN | EDA_PRINT_NO_ACTIVE | EDA_PRINT_MERGED |
                        EDA_PRINT_SHORT | EDA_PRINT_ISLAND));
 }
 
-static double off(const made *d, int which, int figure, int i) {
+static double deviation_of(const made *d, int which, int figure, int i) {
   return 100 * (d->of[which][figure][i] / d->of[0][figure][i] - 1);
 }
 
@@ -147,8 +147,9 @@ static plain group(const made *d, int which, int figure, const uint32_t *flags,
   double x[GATES];
   int n = 0;
   for (int i = 0; i < GATES; i++)
-    if (prints(flags, i) && (type == 2 || (d->type[i] == EDA_PMOS) == type))
-      x[n++] = off(d, which, figure, i);
+    if (gate_prints(flags, i) &&
+        (type == 2 || (d->type[i] == EDA_PMOS) == type))
+      x[n++] = deviation_of(d, which, figure, i);
   return plain_of(x, n);
 }
 
@@ -156,7 +157,7 @@ static double leakage(const made *d, int type) {
   double sum[2] = {0};
   for (int i = 0; i < GATES; i++)
     for (int k = 0; k < 2; k++)
-      if (prints(d->flags[0], i) &&
+      if (gate_prints(d->flags[0], i) &&
           (type == 2 || (d->type[i] == EDA_PMOS) == type))
         sum[k] += d->of[2 * k][1][i];
   return 100 * (sum[1] / sum[0] - 1);
@@ -170,30 +171,33 @@ static const void *data_of(const char *table, const char *column) {
   return c->data;
 }
 
-static void same(double got, double want, const char *what) {
+static void assert_same(double got, double want, const char *what) {
   if (!(isnan(want) ? isnan(got) : fabs(got - want) <= 1e-9 * (1 + fabs(want))))
     g_error("%s: %.12g, not %.12g", what, got, want);
 }
 
-static void cell(const char *table, const char *column, int row, double want) {
-  same(((const double *)data_of(table, column))[row], want, column);
+static void assert_cell(const char *table, const char *column, int row,
+                        double want) {
+  assert_same(((const double *)data_of(table, column))[row], want, column);
 }
 
-static void whole(const char *table, const char *column, int row, int want) {
-  same((double)((const int64_t *)data_of(table, column))[row], want, column);
+static void assert_whole(const char *table, const char *column, int row,
+                         int want) {
+  assert_same((double)((const int64_t *)data_of(table, column))[row], want,
+              column);
 }
 
 static const char *text(const char *table, const char *column, int row) {
   return ((char *const *)data_of(table, column))[row];
 }
 
-static void metric(const char *name, double want) {
-  same(opc_test_metric(name), want, name);
+static void assert_metric(const char *name, double want) {
+  assert_same(opc_test_metric(name), want, name);
 }
 
 /* ---- the tables ---- */
 
-static const char *says(const void *self, size_t gate) {
+static const char *model_says(const void *self, size_t gate) {
   (void)self;
   return gate == 13 ? NULL : gate % 2 ? "odd" : "even";
 }
@@ -201,37 +205,42 @@ static const char *says(const void *self, size_t gate) {
 static void assert_gate(const made *d, const report *r, int i) {
   const char *const figures[] = {"ion_after", "ioff_after", NULL,
                                  NULL,        NULL,         "area_after"};
-  int good = prints(d->flags[0], i), drawn = prints(d->flags_before, i);
+  int good = gate_prints(d->flags[0], i),
+      drawn = gate_prints(d->flags_before, i);
   g_autofree char *name =
       g_strdup_printf("%s:%d", i & 1 ? "X7" : "NAND", i + 1);
   g_assert_cmpstr(text("gates", "transistor", i), ==, name);
   g_assert_cmpstr(text("gates", "cell", i), ==, "NAND");
   g_assert_cmpstr(text("gates", "type", i), ==, i % 3 ? "n" : "p");
-  cell("gates", "l", i, d->length[i]);
-  cell("gates", "w", i, d->width[i]);
-  cell("gates", "x", i, (d->box[i].x0 + d->box[i].x1) / 4.0);
-  cell("gates", "y", i, (d->box[i].y0 + d->box[i].y1) / 4.0);
+  assert_cell("gates", "l", i, d->length[i]);
+  assert_cell("gates", "w", i, d->width[i]);
+  assert_cell("gates", "x", i, (d->box[i].x0 + d->box[i].x1) / 4.0);
+  assert_cell("gates", "y", i, (d->box[i].y0 + d->box[i].y1) / 4.0);
   for (int k = 0; k < 6; k++)
-    if (figures[k]) cell("gates", figures[k], i, good ? off(d, 2, k, i) : NAN);
-  cell("gates", "leq_ion", i, good ? d->of[2][2][i] : NAN);
-  cell("gates", "weq", i, good ? d->of[2][4][i] : NAN);
-  cell("gates", "extension_low", i, d->extension[2 * i]);
-  cell("gates", "extension_high", i, d->extension[2 * i + 1]);
+    if (figures[k])
+      assert_cell("gates", figures[k], i,
+                  good ? deviation_of(d, 2, k, i) : NAN);
+  assert_cell("gates", "leq_ion", i, good ? d->of[2][2][i] : NAN);
+  assert_cell("gates", "weq", i, good ? d->of[2][4][i] : NAN);
+  assert_cell("gates", "extension_low", i, d->extension[2 * i]);
+  assert_cell("gates", "extension_high", i, d->extension[2 * i + 1]);
   if (r->corrected) {
-    double by = off(d, 2, 0, i) - off(d, 3, 0, i);
-    cell("gates", "ion_change", i, good && prints(d->flags[1], i) ? by : NAN);
+    double by = deviation_of(d, 2, 0, i) - deviation_of(d, 3, 0, i);
+    assert_cell("gates", "ion_change", i,
+                good && gate_prints(d->flags[1], i) ? by : NAN);
     return;
   }
-  cell("gates", "ion_before", i, drawn ? off(d, 1, 0, i) : NAN);
+  assert_cell("gates", "ion_before", i, drawn ? deviation_of(d, 1, 0, i) : NAN);
   static const int32_t zeros[6 * GATES];
   const int32_t *m = d->moved, *b = r->biases->base ? m + 6 * GATES : zeros;
   int jog = m[3 * GATES + i] ? m[3 * GATES + i] : b[3 * GATES + i];
-  cell("gates", "mask_w", i, 0.5 * (m[i] + b[i]));
-  cell("gates", "mask_l", i, 0.5 * (m[2 * GATES + i] + b[2 * GATES + i]));
-  cell("gates", "mask_jog", i, 0.5 * jog);
+  assert_cell("gates", "mask_w", i, 0.5 * (m[i] + b[i]));
+  assert_cell("gates", "mask_l", i,
+              0.5 * (m[2 * GATES + i] + b[2 * GATES + i]));
+  assert_cell("gates", "mask_jog", i, 0.5 * jog);
   for (int s = 0; s < 2; s++)
-    cell("gates", s ? "end_high" : "end_low", i,
-         0.5 * (m[4 * GATES + 2 * i + s] + b[4 * GATES + 2 * i + s]));
+    assert_cell("gates", s ? "end_high" : "end_low", i,
+                0.5 * (m[4 * GATES + 2 * i + s] + b[4 * GATES + 2 * i + s]));
   const char *want = !good                                ? "does not print"
                      : r->held[i]                         ? r->held[i]
                      : d->flags[0][i] & EDA_PRINT_OUTSIDE ? "outside the table"
@@ -248,18 +257,18 @@ static void assert_summary(const made *d, int corrects) {
     plain area = group(d, 2, 5, d->flags[0], t);
     plain first = group(d, 1, 0, d->flags_before, t);
     g_assert_cmpstr(text("summary", "type", t), ==, names[t]);
-    whole("summary", "transistors", t, (int)ion.n);
-    cell("summary", "ion_mean_after", t, ion.mean);
-    cell("summary", "ion_max_after", t, ion.max);
-    cell("summary", "ion_stdv_after", t, ion.stdv);
-    cell("summary", "area_mean_after", t, area.mean);
-    cell("summary", "area_max_after", t, area.max);
-    cell("summary", "ioff_total_after", t, leakage(d, t));
+    assert_whole("summary", "transistors", t, (int)ion.n);
+    assert_cell("summary", "ion_mean_after", t, ion.mean);
+    assert_cell("summary", "ion_max_after", t, ion.max);
+    assert_cell("summary", "ion_stdv_after", t, ion.stdv);
+    assert_cell("summary", "area_mean_after", t, area.mean);
+    assert_cell("summary", "area_max_after", t, area.max);
+    assert_cell("summary", "ioff_total_after", t, leakage(d, t));
     if (!corrects) continue;
-    cell("summary", "ion_mean_before", t, first.mean);
-    cell("summary", "ion_max_before", t, first.max);
-    cell("summary", "area_mean_before", t,
-         group(d, 1, 5, d->flags_before, t).mean);
+    assert_cell("summary", "ion_mean_before", t, first.mean);
+    assert_cell("summary", "ion_max_before", t, first.max);
+    assert_cell("summary", "area_mean_before", t,
+                group(d, 1, 5, d->flags_before, t).mean);
   }
   int has =
       opc_table_column(opc_test_table("summary"), "ion_mean_before") != NULL;
@@ -272,52 +281,52 @@ static void assert_metrics(const made *d, int corrects) {
   plain area = group(d, 2, 5, d->flags[0], 2);
   int failures = 0, beyond = 0;
   for (int i = 0; i < GATES; i++) {
-    failures += !prints(d->flags[0], i);
+    failures += !gate_prints(d->flags[0], i);
     beyond += (d->flags[0][i] & EDA_PRINT_OUTSIDE) != 0;
   }
-  metric("ion_mean", ion.mean);
-  metric("ion_max", ion.max);
-  metric("ion_stdv", ion.stdv);
-  metric("ion_rms", ion.rms);
-  metric("ioff_rms", ioff.rms);
-  metric("ioff_mean", ioff.mean);
-  metric("ioff_max", ioff.max);
-  metric("area_mean", area.mean);
-  metric("area_max", area.max);
-  metric("ioff_total", leakage(d, 2));
-  metric("ioff_total_n", leakage(d, 0));
-  metric("ioff_total_p", leakage(d, 1));
-  metric("failed", failures);
-  metric("outside", beyond);
+  assert_metric("ion_mean", ion.mean);
+  assert_metric("ion_max", ion.max);
+  assert_metric("ion_stdv", ion.stdv);
+  assert_metric("ion_rms", ion.rms);
+  assert_metric("ioff_rms", ioff.rms);
+  assert_metric("ioff_mean", ioff.mean);
+  assert_metric("ioff_max", ioff.max);
+  assert_metric("area_mean", area.mean);
+  assert_metric("area_max", area.max);
+  assert_metric("ioff_total", leakage(d, 2));
+  assert_metric("ioff_total_n", leakage(d, 0));
+  assert_metric("ioff_total_p", leakage(d, 1));
+  assert_metric("failed", failures);
+  assert_metric("outside", beyond);
   if (corrects) {
     plain first = group(d, 1, 0, d->flags_before, 2);
     double near[SITES];
     int n = 0;
     for (int i = 0; i < SITES; i++)
       if (!isnan(d->epe[i])) near[n++] = d->epe[i];
-    metric("epe_mean", plain_of(near, n).mean);
-    metric("epe_max", plain_of(near, n).max);
-    metric("epe_lost", SITES - n);
-    metric("transistors", GATES);
-    metric("ion_mean_drawn", first.mean);
-    metric("ion_max_drawn", first.max);
-    metric("iterations", 3);
-    metric("simulations", 8);
-    metric("fine_simulations", 2);
-    whole("effort", "iterations", 0, 3);
-    whole("effort", "litho_simulations", 0, 8);
-    whole("effort", "fine_simulations", 0, 2);
-    whole("effort", "failed_transistors", 0, failures);
-    whole("effort", "fragments", 0, SITES);
-    cell("effort", "epe_mean", 0, plain_of(near, n).mean);
+    assert_metric("epe_mean", plain_of(near, n).mean);
+    assert_metric("epe_max", plain_of(near, n).max);
+    assert_metric("epe_lost", SITES - n);
+    assert_metric("transistors", GATES);
+    assert_metric("ion_mean_drawn", first.mean);
+    assert_metric("ion_max_drawn", first.max);
+    assert_metric("iterations", 3);
+    assert_metric("simulations", 8);
+    assert_metric("fine_simulations", 2);
+    assert_whole("effort", "iterations", 0, 3);
+    assert_whole("effort", "litho_simulations", 0, 8);
+    assert_whole("effort", "fine_simulations", 0, 2);
+    assert_whole("effort", "failed_transistors", 0, failures);
+    assert_whole("effort", "fragments", 0, SITES);
+    assert_cell("effort", "epe_mean", 0, plain_of(near, n).mean);
   } else {
     double x[GATES];
     int n = 0;
     for (int i = 0; i < GATES; i++)
-      if (prints(d->flags[0], i) && prints(d->flags[1], i))
-        x[n++] = off(d, 2, 0, i) - off(d, 3, 0, i);
-    metric("ion_change_mean", plain_of(x, n).mean);
-    metric("ion_change_max", plain_of(x, n).max);
+      if (gate_prints(d->flags[0], i) && gate_prints(d->flags[1], i))
+        x[n++] = deviation_of(d, 2, 0, i) - deviation_of(d, 3, 0, i);
+    assert_metric("ion_change_mean", plain_of(x, n).mean);
+    assert_metric("ion_change_max", plain_of(x, n).max);
   }
 }
 
@@ -339,7 +348,7 @@ static void assert_prints(void) {
   for (size_t k = 0; k < G_N_ELEMENTS(all); k++) {
     uint32_t graver = 0;
     g_assert_cmpstr(text("prints", "print", (int)k), ==, all[k].name);
-    whole("prints", "transistors", (int)k, all[k].count);
+    assert_whole("prints", "transistors", (int)k, all[k].count);
     for (size_t m = k; m < G_N_ELEMENTS(all); m++) graver |= all[m].flag;
     g_assert_cmpstr(correct_report_trouble(graver), ==, all[k].name);
   }
@@ -350,7 +359,7 @@ static void assert_prints(void) {
 static void test_mask(void) {
   static made d;
   opc_error error = {0};
-  const eda_synthesizer functions = {.verdict = says};
+  const eda_synthesizer functions = {.verdict = model_says};
   const opc_module synthesizer = {&functions, NULL, "synthesizer.test"};
   make_sample(&d);
   d.held[2] = "guard: as drawn";
@@ -401,20 +410,20 @@ static void test_history(void) {
                   OPC_OK);
   g_assert_cmpuint(opc_test_table("history")->rows, ==, 3);
   for (int i = 0; i < 3; i++) {
-    whole("history", "iteration", i, i);
-    whole("history", "simulations", i, 2 * i + 2);
-    whole("history", "fine_simulations", i, i ? 2 : 0);
+    assert_whole("history", "iteration", i, i);
+    assert_whole("history", "simulations", i, 2 * i + 2);
+    assert_whole("history", "fine_simulations", i, i ? 2 : 0);
     g_assert_cmpstr(text("history", "model", i), ==, i ? "fine" : "cheap");
-    cell("history", "ion_mean", i,
-         i ? 77 : group(&d, 2, 0, d.flags[0], 2).mean);
-    cell("history", "epe_max", i, s.epe_max);
+    assert_cell("history", "ion_mean", i,
+                i ? 77 : group(&d, 2, 0, d.flags[0], 2).mean);
+    assert_cell("history", "epe_max", i, s.epe_max);
   }
   correct_history_clear(&h);
 }
 
 /* ---- words ---- */
 
-static void said(const char *words, int whether) {
+static void assert_said(const char *words, int whether) {
   if ((strstr(opc_test_log(), words) != NULL) != whether)
     g_error("'%s'%s in:\n%s", words, whether ? " is not" : "", opc_test_log());
 }
@@ -431,32 +440,32 @@ static void test_violations(void) {
   g_assert_cmpint(
       correct_report_violations(opc_test_host(), &d.gates, v, 4, &error), ==,
       OPC_OK);
-  metric("violations", 4);
-  metric("violations_unexplained", 1);
-  said(
+  assert_metric("violations", 4);
+  assert_metric("violations_unexplained", 1);
+  assert_said(
       "2 locations cannot meet a rule: space; no room; the first is at (10, "
       "20) nm",
       1);
-  said(
+  assert_said(
       "1 location cannot meet a rule: space; drawn so; the first is at (12, "
       "22) nm",
       1);
-  said("first at (11, 21)", 0);
-  said("4 rule violations, 1 without a known", 1);
+  assert_said("first at (11, 21)", 0);
+  assert_said("4 rule violations, 1 without a known", 1);
   static const char *const names[] = {"X7:4", "", "X7:6", "NAND:3"};
   for (int i = 0; i < 4; i++) {
     g_assert_cmpstr(text("violations", "rule", i), ==, v[i].rule);
     g_assert_cmpstr(text("violations", "transistor", i), ==, names[i]);
-    cell("violations", "x", i, v[i].x);
-    cell("violations", "y", i, v[i].y);
-    cell("violations", "value", i, v[i].value);
-    cell("violations", "limit", i, v[i].limit);
+    assert_cell("violations", "x", i, v[i].x);
+    assert_cell("violations", "y", i, v[i].y);
+    assert_cell("violations", "value", i, v[i].value);
+    assert_cell("violations", "limit", i, v[i].limit);
   }
   opc_test_forget();
   g_assert_cmpint(
       correct_report_violations(opc_test_host(), &d.gates, v, 0, &error), ==,
       OPC_OK);
-  metric("violations", 0);
+  assert_metric("violations", 0);
   g_assert_null(opc_test_table("violations"));
 }
 
@@ -488,25 +497,25 @@ static void test_drawing(void) {
     shortest = cases[k].low * least;
     longest = cases[k].high * most;
     correct_findings_of_drawing(opc_test_host(), &d.gates, &extractor);
-    said("1 of 9 n-transistors are drawn with lengths", cases[k].beyond);
-    said("n-transistors are drawn with lengths",
-         cases[k].beyond | cases[k].near);
-    said("near an end of the device table", cases[k].near);
-    said("p-transistors", 0);
-    said("longer than wide", 0);
+    assert_said("1 of 9 n-transistors are drawn with lengths", cases[k].beyond);
+    assert_said("n-transistors are drawn with lengths",
+                cases[k].beyond | cases[k].near);
+    assert_said("near an end of the device table", cases[k].near);
+    assert_said("p-transistors", 0);
+    assert_said("longer than wide", 0);
   }
   for (int i = 0; i < 7; i++) d.width[i] = 1;
   opc_test_forget();
   correct_findings_of_drawing(opc_test_host(), &d.gates, &extractor);
-  said("longer than wide", 0); /* seven of fourteen are */
+  assert_said("longer than wide", 0); /* seven of fourteen are */
   d.width[7] = 1;
   correct_findings_of_drawing(opc_test_host(), &d.gates, &extractor);
-  said("8 of 14 transistors are drawn longer than wide", 1);
+  assert_said("8 of 14 transistors are drawn longer than wide", 1);
   /* One length and many widths: no warning. */
   for (int i = 0; i < GATES; i++) d.length[i] = 600, d.width[i] = 300 + i;
   opc_test_forget();
   correct_findings_of_drawing(opc_test_host(), &d.gates, &extractor);
-  said("longer than wide", 0);
+  assert_said("longer than wide", 0);
 }
 
 static void test_print(void) {
@@ -520,30 +529,30 @@ static void test_print(void) {
   opc_test_forget();
   correct_findings_of_print(opc_test_host(), &d.gates, d.flags[0],
                             d.flags_before);
-  said(first, 1);
-  said(
+  assert_said(first, 1);
+  assert_said(
       "4 transistors that printed with the drawn mask do not print any more: "
       "first X7:4 at",
       1);
-  said(
+  assert_said(
       "results of 1 of 14 transistors are extrapolated beyond the device table",
       1);
-  said("no transistor of the drawn mask prints", 0);
+  assert_said("no transistor of the drawn mask prints", 0);
   for (int i = 0; i < GATES; i++) d.flags_before[i] = EDA_PRINT_OPEN;
   opc_test_forget();
   correct_findings_of_print(opc_test_host(), &d.gates, d.flags[1],
                             d.flags_before);
-  said(
+  assert_said(
       "1 of 14 transistors does not print as one transistor, and has no "
       "results: first X7:10 at",
       1);
-  said("so no more", 0);
-  said("no transistor of the drawn mask prints", 1);
-  said("beyond the device table", 0);
+  assert_said("so no more", 0);
+  assert_said("no transistor of the drawn mask prints", 1);
+  assert_said("beyond the device table", 0);
   opc_test_forget();
   correct_findings_of_print(opc_test_host(), &d.gates, d.flags[1], NULL);
-  said("printed as drawn", 0);
-  said("drawn mask prints", 0);
+  assert_said("printed as drawn", 0);
+  assert_said("drawn mask prints", 0);
 }
 
 static void test_guard(void) {
@@ -552,17 +561,17 @@ static void test_guard(void) {
   const opc_host *host = opc_test_host();
   opc_test_forget();
   correct_findings_of_guard(host, &one, 1);
-  said("1 transistor is worse than drawn because of neighbours", 1);
-  said("1 transistor reverted", 1);
-  said("guard: off", 0);
+  assert_said("1 transistor is worse than drawn because of neighbours", 1);
+  assert_said("1 transistor reverted", 1);
+  assert_said("guard: off", 0);
   opc_test_forget();
   correct_findings_of_guard(host, &more, 0);
-  said(
+  assert_said(
       "guard: off: 2 transistors are worse than drawn and worse than the "
       "limit, 0 that printed with the drawn mask do not print any more",
       1);
-  said("3 transistors reverted", 1);
-  said("because of neighbours", 0);
+  assert_said("3 transistors reverted", 1);
+  assert_said("because of neighbours", 0);
   opc_test_forget();
   correct_findings_of_guard(host, &none, 1);
   g_assert_cmpstr(opc_test_log(), ==, "");

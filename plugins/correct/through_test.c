@@ -32,7 +32,7 @@ static void *run_step(opc_module *m, const char *input, void *object) {
   return outputs[0];
 }
 
-static void drop(opc_module *m, void *object) {
+static void object_drop(opc_module *m, void *object) {
   void *outputs[4] = {object};
   opc_test_release(m, outputs);
   opc_test_module_free(m);
@@ -101,9 +101,9 @@ static void test_one(void) {
         1e-4);
   }
   opc_test_module_free(windows);
-  drop(loop, mask);
-  drop(segments, gates);
-  drop(reader, layout);
+  object_drop(loop, mask);
+  object_drop(segments, gates);
+  object_drop(reader, layout);
 }
 
 /* A list parameter has its own unit. */
@@ -111,7 +111,7 @@ static void test_unit(void) {
   opc_error error = {0};
   g_assert_null(
       opc_test_module("correct", "{ corners: { dose: 3 % } }", &error));
-  g_assert_nonnull(strstr(error.message, "as '[1 %, ...]'"));
+  g_assert_nonnull(strstr(error.message, "as in '[1 %, ...]'"));
 }
 
 /* Defaults at 248 nm, NA 0.7, where wavelength / NA is 354.3 nm: 11.658, 0.155

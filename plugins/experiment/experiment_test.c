@@ -106,8 +106,9 @@ static void test_table(void) {
   eda_experiment_free(out);
 }
 
-/* Means over the cases of figures that have a direction and differ between
-   methods, or of the requested figures. */
+/* Means over the cases: first the figures that methods aim at and the seconds,
+   then figures that have a direction and differ between methods; or the
+   requested figures. */
 static void test_summary(void) {
   opc_error error;
   experiment e = {.host = inner_host(flow)};
@@ -120,7 +121,12 @@ static void test_summary(void) {
     g_assert_cmpfloat_with_epsilon(opc_test_number("summary", "seconds", m),
                                    mean(m, seconds), 5e-3);
   }
-  g_assert_true(isnan(opc_test_number("summary", "cost.shots", 0)));
+  static const char *const order[] = {"method", "cases", "cost.shots",
+                                      "seconds", "mask.ion"};
+  const opc_table *t = opc_test_table("summary");
+  g_assert_cmpuint(t->n_columns, ==, G_N_ELEMENTS(order));
+  for (size_t i = 0; i < t->n_columns; i++)
+    g_assert_cmpstr(t->columns[i].name, ==, order[i]);
   g_assert_true(isnan(opc_test_number("summary", "gates.count", 0)));
   static const opc_pair wanted[] = {{"cost.shots", "shots"},
                                     {"gates.number", "none"}};

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Report of an experiment: the figures of all runs, and their means by
    method. */
+#include <eda/verdicts.h>
 #include <math.h>
 #include <opcflow/table.h>
 #include <string.h>
@@ -9,6 +10,10 @@
 
 /* Largest width of the summary, in terminal columns. */
 enum { WIDEST = 100 };
+
+/* Figures that methods aim at: metrics of any step, first in the summary. */
+static const char *const aims[] = {"ion_mean",  "ion_max", "ioff_mean",
+                                   "area_mean", "shots",   "violations"};
 
 /* ---- figures ---- */
 
@@ -143,8 +148,36 @@ static gboolean add_means(summary *s, const char *head, const char *unit,
   return TRUE;
 }
 
-/* Add the requested figures, or else all figures that have a direction and
-   differ between methods, as far as the width permits. */
+/* Return the last figure with an aim as metric, since later steps verify
+   earlier ones; NULL if there is none. */
+static const figure *find_aim(const experiment *e, const char *aim) {
+  for (guint i = e->figures->len; i-- > 0;) {
+    const figure *f = e->figures->pdata[i];
+    if (!strcmp(strrchr(f->name, '.') + 1, aim)) return f;
+  }
+  return NULL;
+}
+
+/* Add the figures that methods aim at and the seconds, then all figures that
+   have a direction and differ between methods, as far as the width permits. */
+static void add_preset_figures(summary *s) {
+  const experiment *e = s->e;
+  g_autoptr(GHashTable) added = g_hash_table_new(NULL, NULL);
+  for (size_t i = 0; i < G_N_ELEMENTS(aims); i++) {
+    const figure *f = find_aim(e, aims[i]);
+    if (f && g_hash_table_add(added, (gpointer)f))
+      add_means(s, f->name, f->unit, f->values, TRUE);
+  }
+  add_means(s, "seconds", NULL, e->seconds, TRUE);
+  for (guint i = 0; i < e->figures->len; i++) {
+    const figure *f = e->figures->pdata[i];
+    if (f->better != OPC_NEUTRAL && !g_hash_table_contains(added, f) &&
+        figure_differs(e, f))
+      add_means(s, f->name, f->unit, f->values, FALSE);
+  }
+}
+
+/* Add the requested figures and the seconds. */
 static void add_figures(summary *s) {
   const experiment *e = s->e;
   for (size_t i = 0; i < e->columns.count; i++) {
@@ -156,11 +189,7 @@ static void add_figures(summary *s) {
       e->host->log(e->host, OPC_LOG_WARNING, "no run has a value of '%s'",
                    pair->key);
   }
-  for (guint i = 0; !e->columns.count && i < e->figures->len; i++) {
-    const figure *f = e->figures->pdata[i];
-    if (f->better != OPC_NEUTRAL && figure_differs(e, f))
-      add_means(s, f->name, f->unit, f->values, FALSE);
-  }
+  add_means(s, "seconds", NULL, e->seconds, TRUE);
 }
 
 /* Publish the summary by method: completed runs and means. */
@@ -176,14 +205,79 @@ static int print_summary(const experiment *e, opc_error *error) {
   g_array_append_vals(s.columns, head, G_N_ELEMENTS(head));
   for (size_t m = 0; m < e->n_methods; m++)
     s.width = MAX(s.width, strlen(e->method_names[m]));
-  s.width += strlen("cases") + strlen("seconds") + 6;
-  add_figures(&s);
-  add_means(&s, "seconds", NULL, e->seconds, TRUE);
+  s.width += strlen("cases") + 4;
+  if (e->columns.count)
+    add_figures(&s);
+  else
+    add_preset_figures(&s);
   int code = opc_put_table(e->host, "summary", OPC_TABLE_PRINT, e->n_methods,
                            (const opc_column *)(void *)s.columns->data,
                            s.columns->len, error);
   g_array_free(s.columns, TRUE);
   g_ptr_array_free(s.cells, TRUE);
+  return code;
+}
+
+/* ---- verdicts ---- */
+
+/* A change of a figure between two methods. */
+typedef struct pair_row {
+  const char *method, *against, *figure, *unit, *verdict;
+  double base, value, change, median, low, high;
+  int64_t n;
+} pair_row;
+
+/* Publish pairs.csv, the changes from each method to each later one. */
+static int write_pairs(const experiment *e, const eda_verdict *v, size_t n,
+                       opc_error *error) {
+  static const char *const words[] = {"same", "better", "worse", "too few"};
+  g_autofree pair_row *r = g_new0(pair_row, n * EDA_CHANGES + 1);
+  size_t rows = 0;
+  for (size_t i = 0; i < n * EDA_CHANGES; i++) {
+    const eda_verdict *of = &v[i / EDA_CHANGES];
+    const eda_change *c = &of->changes[i % EDA_CHANGES];
+    if (c->n)
+      r[rows++] =
+          (pair_row){of->method,    of->against,       c->name,
+                     c->unit,       words[c->verdict], c->base,
+                     c->value,      c->change,         c->median.value,
+                     c->median.low, c->median.high,    (int64_t)c->median.n};
+  }
+  const opc_column columns[] = {{"method", NULL, OPC_TEXT, 0, &r->method},
+                                {"against", NULL, OPC_TEXT, 0, &r->against},
+                                {"figure", NULL, OPC_TEXT, 0, &r->figure},
+                                {"base", NULL, OPC_REAL, -1, &r->base},
+                                {"value", NULL, OPC_REAL, -1, &r->value},
+                                {"change", NULL, OPC_REAL, -1, &r->change},
+                                {"unit", NULL, OPC_TEXT, 0, &r->unit},
+                                {"median", NULL, OPC_REAL, -1, &r->median},
+                                {"low", NULL, OPC_REAL, -1, &r->low},
+                                {"high", NULL, OPC_REAL, -1, &r->high},
+                                {"independent", NULL, OPC_INT, 0, &r->n},
+                                {"verdict", NULL, OPC_TEXT, 0, &r->verdict}};
+  return opc_put_rows(e->host, "pairs", 0, rows, sizeof *r, columns,
+                      G_N_ELEMENTS(columns), error);
+}
+
+/* Publish the verdicts on all pairs of methods; a run folder that cannot be
+   read is a warning. */
+static int print_verdicts(const experiment *e, opc_error *error) {
+  opc_error why = {0};
+  size_t n;
+  eda_verdict *v = eda_verdicts_new(e->n_cases, e->n_methods, e->method_names,
+                                    (const char *const *)e->folders, &n, &why);
+  if (!v) {
+    e->host->log(e->host, OPC_LOG_WARNING, "no verdicts: %s", why.message);
+    return OPC_OK;
+  }
+  g_autofree const char **texts = g_new(const char *, n + 1);
+  for (size_t i = 0; i < n; i++) texts[i] = v[i].text;
+  const opc_column column = {"verdict", NULL, OPC_TEXT, 0, texts};
+  int code = n ? write_pairs(e, v, n, error) : OPC_OK;
+  if (n && !code)
+    code = opc_put_table(e->host, "verdicts", OPC_TABLE_PRINT, n, &column, 1,
+                         error);
+  eda_verdicts_free(v, n);
   return code;
 }
 
@@ -209,6 +303,7 @@ int experiment_report(experiment *e, opc_error *error) {
                                      {"missed", (double)e->missed}};
   int code = write_runs(e, error);
   if (!code) code = print_summary(e, error);
+  if (!code) code = print_verdicts(e, error);
   if (!code) code = opc_put_metrics(e->host, OPC_ARRAY(values), error);
   if (!code) figures_report(e);
   return code;

@@ -69,7 +69,7 @@ static inline figures of_gate(const opc_module *m, uint8_t type, double w,
   return f;
 }
 
-static inline void near(double a, double b, double relative) {
+static inline void assert_near(double a, double b, double relative) {
   if (!(fabs(a - b) <= relative * fabs(b)))
     g_error("%.12g is not %.12g within %g", a, b, relative);
 }

@@ -73,7 +73,7 @@ static opc_module *given(const eda_gates *g, const eda_layout *layout,
   return m;
 }
 
-static double differ(const eda_shapes *a, const eda_shapes *b) {
+static double shapes_difference(const eda_shapes *a, const eda_shapes *b) {
   opc_error error = {0};
   eda_shapes x;
   g_assert_false(eda_boolean(EDA_XOR, a, b, &x, &error));
@@ -100,13 +100,15 @@ static void check_same(const char *fine, int before_too) {
   double worse = opc_test_metric("worse"), space = opc_test_metric("mask_edge");
   double mean = opc_test_metric("ion_mean"),
          off = opc_test_metric("ioff_total");
-  g_assert_cmpfloat(differ(&mask->shapes[EDA_POLY], &g->drawn[EDA_POLY]), >, 0);
+  g_assert_cmpfloat(
+      shapes_difference(&mask->shapes[EDA_POLY], &g->drawn[EDA_POLY]), >, 0);
   eda_layout *layout = layout_of(g, mask->shapes, 0.25, 4, 0);
   g_autofree char *more = g_strdup_printf(BOTH "%s", fine);
   opc_module *m = given(g, layout, more);
   eda_mask *out = run_step(m);
   for (size_t k = 0; k < g->layers; k++)
-    g_assert_cmpfloat(differ(&mask->shapes[k], &out->shapes[k]), ==, 0);
+    g_assert_cmpfloat(shapes_difference(&mask->shapes[k], &out->shapes[k]), ==,
+                      0);
   expect_same("Ion", mask->after.ion, out->after.ion);
   expect_same("Ioff", mask->after.ioff, out->after.ioff);
   expect_same("area", mask->after.area, out->after.area);
@@ -357,7 +359,8 @@ static opc_module *module(const char *id, const char *format, ...) {
   return m;
 }
 
-static void score(const eda_mask *mask, const char *optics, double out[4]) {
+static void mask_score(const eda_mask *mask, const char *optics,
+                       double out[4]) {
   static const char *const names[] = {"epe", "l2", "pvb", "shots"};
   opc_module *m = module("score.iccad", "{ %s }", optics);
   opc_error error = {0};
@@ -402,8 +405,8 @@ static void test_clip(void) {
   opc_test_input(m, "mask_layout", layout);
   eda_mask *out = run_step(m);
   double ours[4], theirs[4];
-  score(mask, optics, ours);
-  score(out, optics, theirs);
+  mask_score(mask, optics, ours);
+  mask_score(out, optics, theirs);
   g_assert_cmpmem(ours, sizeof ours, theirs, sizeof theirs);
   g_assert_cmpfloat(ours[1], >, 1000);
   release_sample(m, out);

@@ -23,7 +23,7 @@ typedef struct moments {
   double weight, x, y, xx, yy, xy, largest;
 } moments;
 
-static moments measure(const optics *o, double spacing) {
+static moments source_moments(const optics *o, double spacing) {
   moments m = {0};
   double *p = optics_source_points(o, spacing, &m.n);
   g_assert_nonnull(p);
@@ -66,7 +66,7 @@ static void test_moments(void) {
       optics o = air;
       o.source = cases[i].source;
       o.rotation = turn;
-      moments m = measure(&o, 0.02);
+      moments m = source_moments(&o, 0.02);
       double c = cos(turn * M_PI / 180), s = sin(turn * M_PI / 180);
       double xx = c * c * cases[i].xx + s * s * cases[i].yy;
       double xy = c * s * (cases[i].xx - cases[i].yy);

@@ -22,7 +22,7 @@ static inline eda_layout *read_by(const char *id, const char *path,
 
 /* Assert that any file results in a layout that can be flattened, or in an
    error with the path, in bounded time. */
-static inline void survive(const char *id, const char *path) {
+static inline void assert_survives(const char *id, const char *path) {
   opc_error e = {0};
   eda_layout *layout = read_by(id, path, "", &e);
   if (!layout) {

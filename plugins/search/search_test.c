@@ -281,7 +281,8 @@ static void test_differs(void) {
   g_assert_nonnull(strstr(opc_test_log(), both));
 }
 
-static void refused(search s, const char *parameter, const char *message) {
+static void assert_refused(search s, const char *parameter,
+                           const char *message) {
   opc_error error = {0};
   int code = opcflow_plugin()->check(&s, &error);
   opcflow_plugin()->clear(&s);
@@ -296,29 +297,31 @@ static void test_refused(void) {
                         none = {"mask.moves", "at"};
   const opc_host *host = inner_host(flow);
   const char *ion = "mask.ion";
-  refused((search){.host = host}, "",
-          "requires either 'minimise' or 'maximise'");
-  refused((search){.host = host, .minimise = ion, .maximise = ion}, "",
-          "requires either");
-  refused((search){.host = host, .maximise = "mask.in"}, "maximise",
-          "no metric 'mask.in'");
-  refused((search){.host = host, .minimise = ion, .along = {&unit, 1}},
-          "along.mask.length", "requires increasing numbers");
-  refused((search){.host = host, .minimise = ion, .along = {&other, 1}},
-          "along.mask.moves", "found step 'gates'");
-  refused((search){.host = host, .minimise = ion, .along = {&none, 1}},
-          "along.mask.moves", "does not name a column");
-  refused((search){.host = host, .minimise = ion, .mask = "gates"}, "mask",
-          "'gates' makes no mask: 'mask' must name the step whose mask is the "
-          "output, such as 'mask'");
+  assert_refused((search){.host = host}, "",
+                 "requires either 'minimise' or 'maximise'");
+  assert_refused((search){.host = host, .minimise = ion, .maximise = ion}, "",
+                 "requires either");
+  assert_refused((search){.host = host, .maximise = "mask.in"}, "maximise",
+                 "no metric 'mask.in'");
+  assert_refused((search){.host = host, .minimise = ion, .along = {&unit, 1}},
+                 "along.mask.length", "requires increasing numbers");
+  assert_refused((search){.host = host, .minimise = ion, .along = {&other, 1}},
+                 "along.mask.moves", "found step 'gates'");
+  assert_refused((search){.host = host, .minimise = ion, .along = {&none, 1}},
+                 "along.mask.moves", "does not name a column");
+  assert_refused((search){.host = host, .minimise = ion, .mask = "gates"},
+                 "mask",
+                 "'gates' makes no mask: 'mask' must name the step whose mask "
+                 "is the output, such as 'mask'");
   inner.n_axes = 0;
-  refused((search){.host = host, .minimise = ion}, "", "requires a 'sweep'");
+  assert_refused((search){.host = host, .minimise = ion}, "",
+                 "requires a 'sweep'");
   opc_inner_axis idle = axes[0];
   idle.used = 0;
   inner.axes = &idle;
   inner.n_axes = 1;
-  refused((search){.host = host, .minimise = ion}, "sweep.mask.length",
-          "has no effect");
+  assert_refused((search){.host = host, .minimise = ion}, "sweep.mask.length",
+                 "has no effect");
 }
 
 int main(int argc, char **argv) {

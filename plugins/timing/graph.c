@@ -108,8 +108,8 @@ static int sort_nodes(builder *b) {
   free(stack);
   g->node = sorted;
   for (size_t i = 1; i < done; i++)
-    sorted[i].table = sorted[i - 1].table +
-                      sorted[i - 1].cell->arcs * arc_room(sorted[i - 1].cell);
+    sorted[i].table = sorted[i - 1].table + sorted[i - 1].cell->arcs *
+                                                arc_doubles(sorted[i - 1].cell);
   if (loop < 0) return OPC_OK;
   return opc_fail(b->error, OPC_INVALID, "file",
                   "'%.100s' is sequential: net '%.100s' is on a loop", g->name,

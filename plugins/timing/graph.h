@@ -99,7 +99,7 @@ void state_clear(state *s);
 void net_loads(const graph *g, conditions at, state *s, uint32_t net);
 
 /* Return the number of doubles that hold the cubics of one arc. */
-size_t arc_room(const eda_timing_cell *cell);
+size_t arc_doubles(const eda_timing_cell *cell);
 
 /* Compute delay and output slew (ps) of an arc of a node at input slew `slew`
    (ps) and mean load. */

@@ -10,7 +10,7 @@
 
 static const double ps = 1e12, fs_of_ps = 1000;
 
-size_t arc_room(const eda_timing_cell *cell) {
+size_t arc_doubles(const eda_timing_cell *cell) {
   return ARC_PARTS * EDA_TIMING_POWERS * (cell->slews - 1);
 }
 
@@ -110,7 +110,7 @@ static void put_arc(const node *n, const state *s, size_t arc) {
                   s->change ? s->change[n->instance] : NULL, part[2 * k],
                   part[2 * k + 1]);
   }
-  double *to = s->table + n->table + arc * arc_room(c);
+  double *to = s->table + n->table + arc * arc_doubles(c);
   for (int k = 0; k < ARC_PARTS; k++) {
     double cubic[EDA_TIMING_POWERS * EDA_TIMING_GRID];
     eda_timing_cubic(c->at_slew, part[k], c->slews, cubic);
@@ -126,7 +126,7 @@ static void put_arc(const node *n, const state *s, size_t arc) {
 void arc_loaded(const node *n, const state *s, size_t arc, double slew,
                 const double load[EDA_CAPS], double *delay, double *out) {
   const eda_timing_cell *c = n->cell;
-  const double *a = s->table + n->table + arc * arc_room(c);
+  const double *a = s->table + n->table + arc * arc_doubles(c);
   double part[ARC_PARTS];
   size_t i = 0;
   while (i + 2 < c->slews && slew > c->at_slew[i + 1] * ps) i++;
@@ -238,7 +238,7 @@ void node_tables(const node *n, const state *s) {
 void state_tables(const graph *g, conditions at, state *s) {
   size_t all = 0;
   for (size_t i = 0; i < g->nodes; i++)
-    all += g->node[i].cell->arcs * arc_room(g->node[i].cell);
+    all += g->node[i].cell->arcs * arc_doubles(g->node[i].cell);
   s->table = eda_alloc(all, sizeof *s->table);
   find_loads(g, at, s);
   for (size_t i = 0; i < g->nodes; i++) node_tables(&g->node[i], s);

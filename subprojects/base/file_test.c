@@ -36,7 +36,8 @@ static void test_folder(void) {
   g_assert_cmpuint(names->len, ==, 3);
   for (guint i = 0; i < 3; i++) {
     g_autofree char *path = g_build_filename(folder, names->pdata[i], NULL);
-    g_assert_cmpint(*(const char *)names->pdata[i], ==, 'a' + (int)i);
+    const char name[] = {(char)('a' + i), 0};
+    g_assert_cmpstr(names->pdata[i], ==, name);
     g_unlink(path);
   }
   g_rmdir(folder);

@@ -181,7 +181,7 @@ typedef struct builder {
   const opc_source *source;
   opc_problems *problems;
   yaml_parser_t parser;
-  size_t nodes;
+  size_t nodes, most;
 } builder;
 
 static opc_place place_of(const builder *b, yaml_mark_t mark) {
@@ -218,8 +218,8 @@ static char *event_fault(const builder *b, const yaml_event_t *event,
     return g_strdup("a text with a NUL byte");
   if (type == OPC_NODE_TEXT && length > LONGEST_TEXT)
     return g_strdup_printf("a text of more than %d bytes", LONGEST_TEXT);
-  if (b->nodes >= MOST_NODES)
-    return g_strdup_printf("more than %d values", MOST_NODES);
+  if (b->nodes >= b->most)
+    return g_strdup_printf("more than %zu values", b->most);
   if (type != OPC_NODE_TEXT && is_key)
     return g_strdup_printf("a key cannot be a %s",
                            type == OPC_NODE_MAP ? "map" : "list");
@@ -324,64 +324,97 @@ static gboolean check_bytes(const opc_source *source, const char *text,
   return good && c == end;
 }
 
-/* Return the only document of a stream. */
-static opc_node *read_document(builder *b) {
-  opc_node *root = NULL;
+/* Append the documents of a stream to `roots`. Stop at the first problem, and
+   at a second document if only `one` is allowed. */
+static void read_documents(builder *b, gboolean one, GPtrArray *roots) {
   yaml_event_t event;
   for (gboolean going = TRUE; going && next_event(b, &event);) {
     opc_place at = place_of(b, event.start_mark);
+    opc_node *root = NULL;
     going = event.type != YAML_STREAM_END_EVENT;
-    if (root && event.type == YAML_DOCUMENT_START_EVENT)
+    if (one && roots->len && event.type == YAML_DOCUMENT_START_EVENT)
       going =
           opc_problem_add(b->problems, OPC_INVALID, &at, "a second document");
-    else if (!root)
+    else
       going &= read_node(b, &event, 0, FALSE, &root);
+    if (root) g_ptr_array_add(roots, root);
     yaml_event_delete(&event);
   }
-  return root;
 }
 
 /* Written by some editors at the start of UTF-8. */
 static const char byte_order_mark[] = "\xEF\xBB\xBF";
 
-opc_node *opc_node_parse(const opc_source *source, const char *text,
-                         size_t length, opc_problems *problems) {
+/* Return the documents of a text of at most `most` nodes; an empty list after
+   problems. */
+static GPtrArray *documents_parse(const opc_source *source, const char *text,
+                                  size_t length, size_t most, gboolean one,
+                                  opc_problems *problems) {
+  GPtrArray *roots =
+      g_ptr_array_new_with_free_func((GDestroyNotify)opc_node_free);
   if (length >= 3 && !memcmp(text, byte_order_mark, 3)) {
     text += 3;
     length -= 3;
   }
-  if (!check_bytes(source, text, length, problems)) return NULL;
+  if (!check_bytes(source, text, length, problems)) return roots;
   g_autofree char *hidden = hide_braces(text, length);
-  builder b = {.source = source, .problems = problems};
+  builder b = {.source = source, .problems = problems, .most = most};
   guint before = problems->list->len;
   if (!yaml_parser_initialize(&b.parser)) g_error("out of memory");
   yaml_parser_set_encoding(&b.parser, YAML_UTF8_ENCODING);
   yaml_parser_set_input_string(&b.parser, (const unsigned char *)hidden,
                                strlen(hidden));
-  g_autoptr(opc_node) root = read_document(&b);
+  read_documents(&b, one, roots);
   const opc_place at = {source->name, 1, 1};
   yaml_parser_delete(&b.parser);
-  if (problems->list->len > before) return NULL;
-  if (!root) opc_problem_add(problems, OPC_INVALID, &at, "the file is empty");
-  return g_steal_pointer(&root);
+  if (problems->list->len > before)
+    g_ptr_array_set_size(roots, 0);
+  else if (!roots->len)
+    opc_problem_add(problems, OPC_INVALID, &at, "the file is empty");
+  return roots;
+}
+
+opc_node *opc_node_parse(const opc_source *source, const char *text,
+                         size_t length, opc_problems *problems) {
+  g_autoptr(GPtrArray) roots =
+      documents_parse(source, text, length, MOST_NODES, TRUE, problems);
+  return roots->len ? g_ptr_array_steal_index(roots, 0) : NULL;
+}
+
+GPtrArray *opc_node_parse_all(const opc_source *source, const char *text,
+                              size_t length, opc_problems *problems) {
+  return documents_parse(source, text, length, SIZE_MAX, FALSE, problems);
+}
+
+/* Return the text of a file (g_free); NULL and a problem on failure. */
+static char *read_text(const char *path, const opc_place *at, gsize *length,
+                       opc_problems *problems) {
+  g_autoptr(GError) fault = NULL;
+  char *text = NULL;
+  const char *why = opc_file_fault(path, length);
+  if (why)
+    opc_problem_add(problems, OPC_IO, at, "'%s': %s", path, why);
+  else if (*length > LARGEST_FILE)
+    opc_problem_add(problems, OPC_INVALID, at, "'%s': larger than %d bytes",
+                    path, LARGEST_FILE);
+  else if (!g_file_get_contents(path, &text, length, &fault))
+    opc_problem_add(problems, OPC_IO, at, "'%s': %s", path, fault->message);
+  return text;
 }
 
 opc_node *opc_node_read(const opc_source *source, const char *path,
                         const opc_place *at, opc_problems *problems) {
-  g_autoptr(GError) fault = NULL;
-  g_autofree char *text = NULL;
   gsize length = 0;
-  const char *why = opc_file_fault(path, &length);
-  if (why)
-    opc_problem_add(problems, OPC_IO, at, "'%s': %s", path, why);
-  else if (length > LARGEST_FILE)
-    opc_problem_add(problems, OPC_INVALID, at, "'%s': larger than %d bytes",
-                    path, LARGEST_FILE);
-  else if (!g_file_get_contents(path, &text, &length, &fault))
-    opc_problem_add(problems, OPC_IO, at, "'%s': %s", path, fault->message);
-  else
-    return opc_node_parse(source, text, length, problems);
-  return NULL;
+  g_autofree char *text = read_text(path, at, &length, problems);
+  return text ? opc_node_parse(source, text, length, problems) : NULL;
+}
+
+GPtrArray *opc_node_read_all(const opc_source *source, const char *path,
+                             opc_problems *problems) {
+  gsize length = 0;
+  g_autofree char *text = read_text(path, NULL, &length, problems);
+  return text ? opc_node_parse_all(source, text, length, problems)
+              : g_ptr_array_new();
 }
 
 void opc_node_put(opc_node *map, const opc_node *key, const opc_node *value) {

@@ -8,12 +8,45 @@
 
 static const double most_values = OPC_RANGE_MOST;
 
-gboolean opc_unknown_unit(const opc_node *node, const char *name,
-                          opc_problems *problems) {
+static gboolean unknown_unit(const opc_node *node, const char *text,
+                             const char *name, opc_problems *problems) {
   g_autoptr(GPtrArray) names = opc_unit_names();
   g_autofree char *suggestion = opc_suggestion(name, names);
-  return opc_wrong(problems, node, "unknown unit '%s' in '%s'%s", name,
-                   node->text, suggestion);
+  return opc_wrong(problems, node, "unknown unit '%s' in '%s'%s", name, text,
+                   suggestion);
+}
+
+gboolean opc_quantity_read(const opc_node *node, const char *given,
+                           const char *to, const char *name, double *number,
+                           opc_problems *problems) {
+  g_autofree char *text =
+      g_strjoin(given ? " " : NULL, node->text, given, NULL);
+  size_t length = opc_number_length(text);
+  const char *unit = text + length + strspn(text + length, " ");
+  const opc_unit *from = opc_unit_find(unit),
+                 *in = to ? opc_unit_find(to) : NULL;
+  const char *noun = in ? opc_unit_noun(in) : "a number";
+  if (!length)
+    return opc_wrong(problems, node, "'%s' requires %s%s, found '%s'", name,
+                     noun, in ? " with a unit" : "", text);
+  if (!in && *unit)
+    return opc_wrong(problems, node,
+                     "'%s' must be a number without a unit, found '%s'", name,
+                     text);
+  if (in && !*unit && opc_unit_shares_zero(in) &&
+      opc_number_in(text, length, in, in) == 0)
+    from = in;
+  else if (in && !*unit)
+    return opc_wrong(problems, node,
+                     "'%s' requires %s with a unit, e.g. '%.*s %s'", name, noun,
+                     (int)length, text, to);
+  if (in && !from) return unknown_unit(node, text, unit, problems);
+  if (in && opc_unit_noun(from) != noun)
+    return opc_wrong(problems, node, "'%s' requires %s, found '%s'", name, noun,
+                     text);
+  *number = opc_number_in(text, length, from, in);
+  return isfinite(*number) ||
+         opc_wrong(problems, node, "'%s' is too large: '%s'", name, text);
 }
 
 /* A number and the text after it. */
@@ -44,7 +77,8 @@ static gboolean read_quantity(const opc_node *range, const char *key,
     return opc_wrong(problems, node, "'%s' of a range must be a number", key);
   out->unit = text + length + strspn(text + length, " ");
   const opc_unit *unit = opc_unit_find(out->unit);
-  if (*out->unit && !unit) return opc_unknown_unit(node, out->unit, problems);
+  if (*out->unit && !unit)
+    return unknown_unit(node, node->text, out->unit, problems);
   const opc_unit *to = from ? opc_unit_find(from->unit) : unit;
   if (!unit != !to || (unit && opc_unit_noun(unit) != opc_unit_noun(to)))
     return opc_wrong(problems, node,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include <base/sheet.h>
 
-static opc_sheet *sample(void) {
+static opc_sheet *sample_sheet(void) {
   static const char *const cells[] = {"name", "size",   "a,\"b\"",
                                       "7",    "c|d\ne", "12"};
   opc_sheet *s = opc_sheet_new(2);
@@ -12,7 +12,7 @@ static opc_sheet *sample(void) {
 }
 
 static void test_csv(void) {
-  g_autoptr(opc_sheet) s = sample();
+  g_autoptr(opc_sheet) s = sample_sheet();
   g_autofree char *csv = opc_sheet_csv(s);
   g_assert_cmpstr(csv, ==,
                   "name,size\r\n\"a,\"\"b\"\"\",7\r\n\"c|d\ne\",12\r\n");
@@ -22,7 +22,7 @@ static void test_csv(void) {
 }
 
 static void test_text(void) {
-  g_autoptr(opc_sheet) s = sample();
+  g_autoptr(opc_sheet) s = sample_sheet();
   g_autofree char *text = opc_sheet_text(s, 0);
   g_assert_cmpstr(text, ==,
                   "name   size\n"

@@ -3,7 +3,7 @@
 #include <base/shown.h>
 #include <json-glib/json-glib.h>
 
-static void expect(const char *text, const char *keep, const char *want) {
+static void assert_shown(const char *text, const char *keep, const char *want) {
   g_autofree char *shown = opc_shown(text, keep);
   g_assert_cmpstr(shown, ==, want);
   g_assert_true(g_utf8_validate(shown, -1, NULL));
@@ -12,22 +12,23 @@ static void expect(const char *text, const char *keep, const char *want) {
 }
 
 static void test_text(void) {
-  expect("", "", "");
-  expect("plain 'text' \\ 1 \xC2\xB5m, \xE2\x82\xAC", "",
-         "plain 'text' \\ 1 \xC2\xB5m, \xE2\x82\xAC");
-  expect("\033[31mred\007\177", "", "\\u{1b}[31mred\\u{7}\\u{7f}");
-  expect("one\nnote: all is well\r\t", "", "one\\nnote: all is well\\u{d}\\t");
-  expect("one\ntwo\t\r", "\n\t", "one\ntwo\t\\u{d}");
-  expect(
+  assert_shown("", "", "");
+  assert_shown("plain 'text' \\ 1 \xC2\xB5m, \xE2\x82\xAC", "",
+               "plain 'text' \\ 1 \xC2\xB5m, \xE2\x82\xAC");
+  assert_shown("\033[31mred\007\177", "", "\\u{1b}[31mred\\u{7}\\u{7f}");
+  assert_shown("one\nnote: all is well\r\t", "",
+               "one\\nnote: all is well\\u{d}\\t");
+  assert_shown("one\ntwo\t\r", "\n\t", "one\ntwo\t\\u{d}");
+  assert_shown(
       "\xC2\x9B"
       "2J",
       "", "\\u{9b}2J"); /* CSI of eight bits */
-  expect(
+  assert_shown(
       "\xE2\x80\xAE"
       "fdp",
       "", "\\u{202e}fdp"); /* right to left */
-  expect("a\xFF\xC3(\xED\xA0\x80", "", "a\\xff\\xc3(\\xed\\xa0\\x80");
-  expect("cut \xE2\x82", "", "cut \\xe2\\x82");
+  assert_shown("a\xFF\xC3(\xED\xA0\x80", "", "a\\xff\\xc3(\\xed\\xa0\\x80");
+  assert_shown("cut \xE2\x82", "", "cut \\xe2\\x82");
 }
 
 static void test_json(void) {

@@ -9,7 +9,7 @@
 
 static const opc_source source = {.name = (char *)"test"};
 
-static opc_node *parse(const char *text) {
+static opc_node *tree_parse(const char *text) {
   g_autoptr(opc_problems) problems = opc_problems_new();
   opc_node *node = opc_node_parse(&source, text, strlen(text), problems);
   g_assert_cmpuint(problems->list->len, ==, 0);
@@ -18,8 +18,9 @@ static opc_node *parse(const char *text) {
 
 static void test_layers(void) {
   g_autoptr(opc_problems) problems = opc_problems_new();
-  g_autoptr(opc_node) under = parse("{ a: { x: 1, y: 2 }, b: [1, 2], c: 3 }");
-  g_autoptr(opc_node) over = parse("{ a.x: 5, b: [3], c: ~, d: 4 }");
+  g_autoptr(opc_node) under =
+      tree_parse("{ a: { x: 1, y: 2 }, b: [1, 2], c: 3 }");
+  g_autoptr(opc_node) over = tree_parse("{ a.x: 5, b: [3], c: ~, d: 4 }");
   opc_lay(under, over, problems);
   g_autofree char *line = opc_node_line(under);
   g_assert_cmpstr(line, ==, "{ a: { x: 5, y: 2 }, b: [3], d: 4 }");
@@ -29,7 +30,7 @@ static void test_layers(void) {
 }
 
 static char *values_of(const char *text, opc_problems *problems) {
-  g_autoptr(opc_node) range = parse(text);
+  g_autoptr(opc_node) range = tree_parse(text);
   g_autoptr(GPtrArray) values = opc_range_values(range, &source, problems);
   GString *all = g_string_new(NULL);
   for (guint i = 0; i < values->len; i++)
@@ -65,7 +66,7 @@ static void test_numbers(void) {
                {"[1 x, 2 x]", NULL, FALSE},
                {"[a]", NULL, FALSE}};
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
-    g_autoptr(opc_node) list = parse(cases[i].list);
+    g_autoptr(opc_node) list = tree_parse(cases[i].list);
     const char *unit;
     g_autofree double *values = opc_range_numbers(list->items, &unit);
     g_assert_cmpint(values != NULL, ==, cases[i].numeric);
@@ -95,7 +96,7 @@ static void test_labels(void) {
                                          {"[1]", ""},
                                          {"~", ""}};
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
-    g_autoptr(opc_node) value = parse(cases[i][0]);
+    g_autoptr(opc_node) value = tree_parse(cases[i][0]);
     g_autofree char *label = opc_label(value);
     g_assert_cmpstr(label, ==, cases[i][1]);
   }

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-static double convert(const char *text, const char *to) {
+static double unit_convert(const char *text, const char *to) {
   size_t n = opc_number_length(text);
   g_assert_cmpuint(n, >, 0);
   const char *name = text + n;
@@ -19,27 +19,27 @@ static double convert(const char *text, const char *to) {
 /* Powers of ten are exact: a value in another unit yields the same number to
    the last bit. */
 static void test_exact(void) {
-  g_assert_true(convert("0.065 um", "nm") == 65);
-  g_assert_true(convert("193nm", "nm") == 193);
-  g_assert_true(convert("1930 angstrom", "nm") == 193);
-  g_assert_true(convert("0.1 um", "nm") == 100);
-  g_assert_true(convert("65 nm", "um") == 0.065);
-  g_assert_true(convert("1.1523 mA", "A") == 0.0011523);
-  g_assert_true(convert("3e2 pA", "nA") == 0.3);
-  g_assert_true(convert("1 1/um", "1/nm") == 0.001);
-  g_assert_true(convert("3 um^2", "nm^2") == 3e6);
-  g_assert_true(convert(".5 %", "%") == 0.5);
-  g_assert_true(convert("2.5 ns", "s") == 2.5e-9);
-  g_assert_true(convert("-1.e-3 m", "nm") == -1e6);
-  g_assert_true(convert("7 \xC2\xB5m", "nm") == 7000);
+  g_assert_true(unit_convert("0.065 um", "nm") == 65);
+  g_assert_true(unit_convert("193nm", "nm") == 193);
+  g_assert_true(unit_convert("1930 angstrom", "nm") == 193);
+  g_assert_true(unit_convert("0.1 um", "nm") == 100);
+  g_assert_true(unit_convert("65 nm", "um") == 0.065);
+  g_assert_true(unit_convert("1.1523 mA", "A") == 0.0011523);
+  g_assert_true(unit_convert("3e2 pA", "nA") == 0.3);
+  g_assert_true(unit_convert("1 1/um", "1/nm") == 0.001);
+  g_assert_true(unit_convert("3 um^2", "nm^2") == 3e6);
+  g_assert_true(unit_convert(".5 %", "%") == 0.5);
+  g_assert_true(unit_convert("2.5 ns", "s") == 2.5e-9);
+  g_assert_true(unit_convert("-1.e-3 m", "nm") == -1e6);
+  g_assert_true(unit_convert("7 \xC2\xB5m", "nm") == 7000);
 }
 
 static void test_other(void) {
-  g_assert_cmpfloat_with_epsilon(convert("300 K", "C"), 26.85, 1e-10);
-  g_assert_cmpfloat_with_epsilon(convert("27 C", "K"), 300.15, 1e-10);
-  g_assert_cmpfloat_with_epsilon(convert("3.14159265358979 rad", "deg"), 180,
-                                 1e-10);
-  g_assert_cmpfloat_with_epsilon(convert("90 deg", "rad"), G_PI_2, 1e-12);
+  g_assert_cmpfloat_with_epsilon(unit_convert("300 K", "C"), 26.85, 1e-10);
+  g_assert_cmpfloat_with_epsilon(unit_convert("27 C", "K"), 300.15, 1e-10);
+  g_assert_cmpfloat_with_epsilon(unit_convert("3.14159265358979 rad", "deg"),
+                                 180, 1e-10);
+  g_assert_cmpfloat_with_epsilon(unit_convert("90 deg", "rad"), G_PI_2, 1e-12);
 }
 
 static void test_numbers(void) {

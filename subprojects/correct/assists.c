@@ -11,9 +11,9 @@
 
 /* Return the side of a gate that faces smaller or larger coordinates along
    L. */
-static eda_bar_edge edge_of(const eda_gates *g, size_t i, int high) {
+static eda_sraf_edge edge_of(const eda_gates *g, size_t i, int high) {
   eda_box b = g->box[i];
-  eda_bar_edge e = {.upright = g->axis[i] == EDA_X, .sign = high ? 1 : -1};
+  eda_sraf_edge e = {.upright = g->axis[i] == EDA_X, .sign = high ? 1 : -1};
   e.at = e.upright ? (high ? b.x1 : b.x0) : (high ? b.y1 : b.y0);
   e.low = e.upright ? b.y0 : b.x0;
   e.high = e.upright ? b.y1 : b.x1;
@@ -27,7 +27,7 @@ static int32_t grid_steps(const loop *l, double nm) {
 static void assists_show(loop *l) {
   correct_trial_set_boxes(
       &l->next.assists[EDA_POLY],
-      (eda_boxes){l->assists.bars.box, l->assists.bars.count});
+      (eda_boxes){l->assists.srafs.box, l->assists.srafs.count});
 }
 
 /* The layout repeats beyond the clear field. A bar outside the frame would
@@ -36,9 +36,9 @@ int correct_assists_check(const loop *l, opc_error *error) {
   const eda_frame *f = &l->printer.frame;
   double g = l->gates->grid;
   for (size_t k = 0; k < l->gates->layers; k++) {
-    eda_boxes bars = l->next.assists[k];
-    for (size_t i = 0; i < bars.count; i++) {
-      eda_box b = bars.box[i];
+    eda_boxes srafs = l->next.assists[k];
+    for (size_t i = 0; i < srafs.count; i++) {
+      eda_box b = srafs.box[i];
       if (b.x0 * g >= f->x0 && b.x1 * g <= f->x0 + f->width &&
           b.y0 * g >= f->y0 && b.y1 * g <= f->y0 + f->height)
         continue;
@@ -53,45 +53,45 @@ int correct_assists_check(const loop *l, opc_error *error) {
 }
 
 int correct_assists_begin(loop *l, opc_error *error) {
-  gate_bars *a = &l->assists;
+  gate_srafs *a = &l->assists;
   size_t n = l->gates->count;
   if (!a->rows || !n) return OPC_OK;
   if (l->next.shift[EDA_POLY])
     return opc_fail(error, OPC_INVALID, "assist",
                     "'%s' moves all edges of the poly and places scatter bars",
                     l->drivers[MAIN].module->id);
-  const eda_bar_rule rule = {.rows = (int32_t)a->rows,
-                             .width = grid_steps(l, a->width),
-                             .distance = grid_steps(l, a->distance),
-                             .space = grid_steps(l, a->space),
-                             .min_length = grid_steps(l, a->min_length),
-                             .overhang = grid_steps(l, a->overhang)};
+  const eda_sraf_rule rule = {.rows = (int32_t)a->rows,
+                              .width = grid_steps(l, a->width),
+                              .distance = grid_steps(l, a->distance),
+                              .space = grid_steps(l, a->space),
+                              .min_length = grid_steps(l, a->min_length),
+                              .overhang = grid_steps(l, a->overhang)};
   if (rule.width < 1)
     return opc_fail(error, OPC_INVALID, "assist_width",
                     "%g nm is less than the mask grid of %g nm", a->width,
                     l->gates->grid);
-  eda_bar_edge *edges = eda_alloc(n, 2 * sizeof *edges);
+  eda_sraf_edge *edges = eda_alloc(n, 2 * sizeof *edges);
   for (size_t i = 0; i < 2 * n; i++) edges[i] = edge_of(l->gates, i / 2, i % 2);
-  int code = eda_bars_place(edges, 2 * n, &rule, &l->gates->drawn[EDA_POLY],
-                            &a->bars, error);
+  int code = eda_srafs_place(edges, 2 * n, &rule, &l->gates->drawn[EDA_POLY],
+                             &a->srafs, error);
   free(edges);
   if (!code) assists_show(l);
   return code;
 }
 
-void correct_assists_clear(loop *l) { free(l->assists.bars.box); }
+void correct_assists_clear(loop *l) { free(l->assists.srafs.box); }
 
 void correct_assists_watch(loop *l) {
-  gate_bars *a = &l->assists;
+  gate_srafs *a = &l->assists;
   size_t gone =
-      eda_bars_drop(l->host->context, &a->bars, &l->printer.print[EDA_POLY],
-                    l->gates->grid, a->margin);
+      eda_srafs_drop(l->host->context, &a->srafs, &l->printer.print[EDA_POLY],
+                     l->gates->grid, a->margin);
   a->dropped += gone;
   if (gone) assists_show(l);
 }
 
 int correct_assists_report(const loop *l, opc_error *error) {
-  const gate_bars *a = &l->assists;
+  const gate_srafs *a = &l->assists;
   if ((!a->rows || !l->gates->count) && !l->search.most) return OPC_OK;
   const opc_metric_value values[] = {
       {"assists", (double)l->now.assists[EDA_POLY].count},

@@ -37,28 +37,28 @@ static const eda_synthesizer mover = {.begin = begin_moves,
 static const eda_synthesizer cutter = {
     .begin = begin_moves, .update = update_moves, .cut = cut_layer};
 
-static int run_step(loop *l, const eda_synthesizer *s, gate_bars bars,
+static int run_step(loop *l, const eda_synthesizer *s, gate_srafs srafs,
                     opc_error *error) {
   *l = (loop){.host = &host,
               .gates = eda_gates_sample(),
               .extractor = MODULE(&extractor, NULL),
               .max_iterations = 10,
               .ion_limit = 0.5,
-              .assists = bars,
+              .assists = srafs,
               .drivers[MAIN].module = MODULE(s, NULL)};
   eda_printer_init(&l->printer, NULL, l->gates, MODULE(&litho, NULL),
                    MODULE(&resist, NULL), 500);
   return correct_loop_run(l, error);
 }
 
-static gate_bars set_rules(int rows, double width, double margin) {
-  return (gate_bars){.rows = rows,
-                     .width = width,
-                     .distance = 150,
-                     .space = 90,
-                     .min_length = 100,
-                     .overhang = 120,
-                     .margin = margin};
+static gate_srafs set_rules(int rows, double width, double margin) {
+  return (gate_srafs){.rows = rows,
+                      .width = width,
+                      .distance = 150,
+                      .space = 90,
+                      .min_length = 100,
+                      .overhang = 120,
+                      .margin = margin};
 }
 
 /* Compare with rectangles computed by hand: gates at y 100..300 and 600..900 of
@@ -72,12 +72,12 @@ static void test_places(void) {
   loop l;
   opc_error error = {0};
   g_assert_false(run_step(&l, &mover, set_rules(1, 6, 0.02), &error));
-  eda_boxes bars = l.now.assists[EDA_POLY];
-  g_assert_cmpuint(bars.count, ==, 4);
+  eda_boxes srafs = l.now.assists[EDA_POLY];
+  g_assert_cmpuint(srafs.count, ==, 4);
   for (int i = 0; i < 4; i++) {
     int found = 0;
     for (int k = 0; k < 4; k++)
-      found |= !memcmp(&bars.box[k], &want[i], sizeof want[i]);
+      found |= !memcmp(&srafs.box[k], &want[i], sizeof want[i]);
     g_assert_true(found);
   }
   /* The scatter bars are in the mask, beside the line that is shortened by 3 nm

@@ -27,13 +27,13 @@ static opc_reals list_or_nominal(opc_reals given) {
   return given.count ? given : nominal_only;
 }
 
-static size_t count_of(const corners_wish *w) {
+static size_t count_of(const corners_request *w) {
   if (!w->dose.count && !w->focus.count && !w->mask_error.count) return 0;
   return list_or_nominal(w->dose).count * list_or_nominal(w->focus).count *
          list_or_nominal(w->mask_error).count;
 }
 
-size_t correct_corners_images(const corners_wish *w) {
+size_t correct_corners_images(const corners_request *w) {
   return list_or_nominal(w->focus).count * list_or_nominal(w->mask_error).count;
 }
 
@@ -58,7 +58,7 @@ static int check_list(const char *name, opc_reals values, double above,
   return OPC_OK;
 }
 
-int correct_corners_check(const corners_wish *w, opc_error *error) {
+int correct_corners_check(const corners_request *w, opc_error *error) {
   size_t n = count_of(w);
   double sum = 0;
   if (check_list("corners.dose", w->dose, -100, error) ||
@@ -84,9 +84,9 @@ int correct_corners_check(const corners_wish *w, opc_error *error) {
 }
 
 static void list_corners(corners *c) {
-  opc_reals dose = list_or_nominal(c->wish.dose),
-            focus = list_or_nominal(c->wish.focus),
-            mask = list_or_nominal(c->wish.mask_error);
+  opc_reals dose = list_or_nominal(c->request.dose),
+            focus = list_or_nominal(c->request.focus),
+            mask = list_or_nominal(c->request.mask_error);
   double sum = 0;
   for (size_t k = 0; k < c->count; k++) {
     size_t d = k % dose.count, e = k / dose.count;
@@ -97,8 +97,8 @@ static void list_corners(corners *c) {
     one->mask_error = mask.values[m];
     one->exposure = e;
     one->weight =
-        c->wish.weight.count
-            ? c->wish.weight.values[k]
+        c->request.weight.count
+            ? c->request.weight.values[k]
             : share_of(dose, d) * share_of(focus, f) * share_of(mask, m);
     sum += one->weight;
   }
@@ -135,12 +135,12 @@ int correct_corners_begin(loop *l, opc_error *error) {
   corners *c = &l->corners;
   size_t n = l->gates->count;
   int code = OPC_OK;
-  c->count = count_of(&c->wish);
+  c->count = count_of(&c->request);
   if (!c->count) return OPC_OK;
   if (!n)
     return opc_fail(error, OPC_INVALID, "corners.dose",
                     "corners require transistors, found none");
-  c->exposures = correct_corners_images(&c->wish);
+  c->exposures = correct_corners_images(&c->request);
   c->corner = eda_alloc(c->count, sizeof *c->corner);
   c->exposure = eda_alloc(c->exposures, sizeof *c->exposure);
   l->printer.keeps = 1;
@@ -149,9 +149,9 @@ int correct_corners_begin(loop *l, opc_error *error) {
   for (size_t k = 0; k < c->count; k++)
     eda_measurement_init(&c->corner[k].measured, n);
   for (size_t e = 0; e < c->exposures && !code; e++)
-    code = begin_exposure(l, &c->exposure[e],
-                          &c->corner[e * list_or_nominal(c->wish.dose).count],
-                          error);
+    code = begin_exposure(
+        l, &c->exposure[e],
+        &c->corner[e * list_or_nominal(c->request.dose).count], error);
   return code;
 }
 
@@ -263,7 +263,7 @@ static double pull_of(const corners *c, const eda_performance *nominal,
    limit. */
 static void bound_pulls(const loop *l, double (*pull)[FIGURES]) {
   double sum[2][FIGURES] = {{0}}, count[2] = {0};
-  double most = log1p(l->corners.wish.ion_cost / 100);
+  double most = log1p(l->corners.request.ion_cost / 100);
   const uint8_t *type = l->gates->type;
   for (size_t i = 0; i < l->gates->count; i++) {
     if (!is_good(&l->measured, i)) continue;
@@ -288,7 +288,7 @@ static void corners_combine(loop *l) {
   for (size_t i = 0; i < out->count; i++)
     for (size_t k = 0; k < FIGURES && is_good(&l->measured, i); k++)
       pull[i][k] = pull_of(c, &c->nominal, k, i);
-  if (!c->wish.free) bound_pulls(l, pull);
+  if (!c->request.free) bound_pulls(l, pull);
   for (size_t i = 0; i < out->count; i++)
     for (size_t k = 0; k < FIGURES && is_good(&l->measured, i); k++) {
       double *v = &(&out->ion)[k][i];

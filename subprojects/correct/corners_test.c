@@ -71,10 +71,12 @@ static int fine_at(const void *self, int layer, const eda_spectrum *mask,
   return image_of(mask, defocus, 0, out, error);
 }
 
-static const eda_litho with_focus = {
-    .prepare = nothing, .band = band, .image = cheap, .image_at = cheap_at};
-static const eda_litho with_fine = {.prepare = nothing,
-                                    .band = band,
+static const eda_litho with_focus = {.prepare = prepare_nothing,
+                                     .band = model_band,
+                                     .image = cheap,
+                                     .image_at = cheap_at};
+static const eda_litho with_fine = {.prepare = prepare_nothing,
+                                    .band = model_band,
                                     .image = cheap,
                                     .image_at = cheap_at,
                                     .image_fine = fine_at};
@@ -135,22 +137,22 @@ static const eda_synthesizer mover = {.begin = begin_moves,
 
 /* ---- the loop ---- */
 
-static corners_wish wish(const double *weight) {
-  return (corners_wish){{dose_of, DOSES},
-                        {focus_of, FOCI},
-                        {mask_of, MASKS},
-                        {weight, weight ? ALL : 0},
-                        .free = 1};
+static corners_request corners_weights(const double *weight) {
+  return (corners_request){{dose_of, DOSES},
+                           {focus_of, FOCI},
+                           {mask_of, MASKS},
+                           {weight, weight ? ALL : 0},
+                           .free = 1};
 }
 
 static int run_on(const eda_gates *gates, loop *l, const eda_litho *model,
-                  corners_wish w, double fine, opc_error *error) {
+                  corners_request w, double fine, opc_error *error) {
   *l = (loop){.host = &host,
               .gates = gates,
               .extractor = MODULE(&extractor, NULL),
               .max_iterations = 10,
               .ion_limit = 0.5,
-              .corners.wish = w,
+              .corners.request = w,
               .drivers[MAIN].module = MODULE(&mover, NULL)};
   eda_printer_init(&l->printer, NULL, l->gates, MODULE(model, NULL),
                    MODULE(&resist, NULL), 300);
@@ -159,7 +161,7 @@ static int run_on(const eda_gates *gates, loop *l, const eda_litho *model,
   return correct_loop_run(l, error);
 }
 
-static int run_step(loop *l, const eda_litho *model, corners_wish w,
+static int run_step(loop *l, const eda_litho *model, corners_request w,
                     double fine, opc_error *error) {
   return run_on(eda_gates_sample(), l, model, w, fine, error);
 }
@@ -201,7 +203,7 @@ static void test_figures(void) {
   double weight[ALL], sum = 0;
   for (size_t k = 0; k < ALL; k++) sum += weight[k] = (double)(k % 5);
   wanted_bias = -6;
-  g_assert_false(run_step(&l, &with_focus, wish(weight), 0, &error));
+  g_assert_false(run_step(&l, &with_focus, corners_weights(weight), 0, &error));
   check_figures(&l, weight, -6);
   for (size_t i = 0; i < GATES; i++)
     check_near(seen[i], mean_of_gate(i, weight, -6), close_to);
@@ -224,7 +226,7 @@ static void test_weights(void) {
     weight[k] = exp(-1.5 * (d * d + f * f + m * m));
   }
   wanted_bias = 0;
-  g_assert_false(run_step(&l, &with_focus, wish(NULL), 0, &error));
+  g_assert_false(run_step(&l, &with_focus, corners_weights(NULL), 0, &error));
   check_figures(&l, weight, 0);
   correct_loop_clear(&l);
 }
@@ -247,7 +249,7 @@ static void test_limit(void) {
   g_assert_cmpfloat(fabs(apart), >, 0.003);
   for (size_t k = 0; k < G_N_ELEMENTS(limits); k++) {
     double most = log1p(limits[k] / 100), own = CLAMP(apart, -most, most);
-    corners_wish w = wish(weight);
+    corners_request w = corners_weights(weight);
     w.free = 0;
     w.ion_cost = limits[k];
     g_assert_false(run_on(&pair, &l, &with_focus, w, 0, &error));
@@ -270,7 +272,7 @@ static void test_nominal(void) {
   loop a, b;
   opc_error error = {0};
   wanted_bias = -3;
-  corners_wish none = {.dose = {0}}, one = {.dose = {&zero, 1}};
+  corners_request none = {.dose = {0}}, one = {.dose = {&zero, 1}};
   g_assert_false(run_step(&a, &with_focus, none, 0, &error));
   g_assert_false(run_step(&b, &with_focus, one, 0, &error));
   for (size_t i = 0; i < GATES; i++) {
@@ -292,7 +294,8 @@ static void test_fine(void) {
   wanted_bias = -6;
   excess = 0.02;
   fine_images = cheap_images = 0;
-  g_assert_false(run_step(&l, &with_fine, wish(weight), 1e-4, &error));
+  g_assert_false(
+      run_step(&l, &with_fine, corners_weights(weight), 1e-4, &error));
   for (size_t i = 0; i < GATES; i++)
     for (size_t k = 0; k < ALL; k++)
       check_near(l.corners.corner[k].measured.performance.ion[i],
@@ -312,7 +315,7 @@ static void test_lost(void) {
   loop l;
   opc_error error = {0};
   wanted_bias = 0;
-  corners_wish w = {.dose = {doses, 2}};
+  corners_request w = {.dose = {doses, 2}};
   g_assert_false(run_step(&l, &with_focus, w, 0, &error));
   for (size_t i = 0; i < GATES; i++) {
     g_assert_cmpuint(l.measured.flags[i], ==, 0);
@@ -326,7 +329,8 @@ static void test_lost(void) {
   correct_loop_clear(&l);
 }
 
-static void refused(corners_wish w, const eda_litho *model, const char *why) {
+static void assert_refused(corners_request w, const eda_litho *model,
+                           const char *why) {
   loop l;
   opc_error error = {0};
   int code = model ? run_step(&l, model, w, 0, &error)
@@ -340,27 +344,30 @@ static void refused(corners_wish w, const eda_litho *model, const char *why) {
 static void test_refused(void) {
   static const double some[] = {0, 1.5, 1.5}, low[] = {-100}, minus[] = {1, -1},
                       much[] = {1e308, 1e308};
-  refused((corners_wish){.focus = {some, 2}}, &litho, "has one focus only");
-  refused((corners_wish){.mask_error = {some, 2}}, &with_focus,
-          "1.5 nm is no multiple of the mask grid of 1 nm");
-  refused((corners_wish){.dose = {some, 3}}, NULL, "has 1.5 twice");
-  refused((corners_wish){.dose = {low, 1}}, NULL, "of -100 is out of range");
-  refused((corners_wish){.dose = {some, 2}, .weight = {some, 3}}, NULL,
-          "3 weights for 2 corners");
-  refused((corners_wish){.dose = {some, 2}, .weight = {minus, 2}}, NULL,
-          "weight -1");
-  refused((corners_wish){.dose = {some, 2}, .weight = {much, 2}}, NULL,
-          "weight 1e+308");
-  refused((corners_wish){.dose = {some, 1}, .weight = {some, 1}}, NULL,
-          "all weights are 0");
-  refused((corners_wish){.weight = {some, 1}}, NULL, "1 weights for 0 corners");
+  assert_refused((corners_request){.focus = {some, 2}}, &litho,
+                 "has one focus only");
+  assert_refused((corners_request){.mask_error = {some, 2}}, &with_focus,
+                 "1.5 nm is no multiple of the mask grid of 1 nm");
+  assert_refused((corners_request){.dose = {some, 3}}, NULL, "has 1.5 twice");
+  assert_refused((corners_request){.dose = {low, 1}}, NULL,
+                 "of -100 is out of range");
+  assert_refused((corners_request){.dose = {some, 2}, .weight = {some, 3}},
+                 NULL, "3 weights for 2 corners");
+  assert_refused((corners_request){.dose = {some, 2}, .weight = {minus, 2}},
+                 NULL, "weight -1");
+  assert_refused((corners_request){.dose = {some, 2}, .weight = {much, 2}},
+                 NULL, "weight 1e+308");
+  assert_refused((corners_request){.dose = {some, 1}, .weight = {some, 1}},
+                 NULL, "all weights are 0");
+  assert_refused((corners_request){.weight = {some, 1}}, NULL,
+                 "1 weights for 0 corners");
   /* %, nm and nm: values just inside and just outside the range. */
   static const double ends[][2] = {{-100, 1e6}, {-1e6, 1e6}, {-1e3, 1e6}};
   for (int k = 0; k < 3; k++)
     for (int up = 0; up < 2; up++)
       for (int out = 0; out < 2; out++) {
         double v = ends[k][up] * (1 + (out ? 1e-6 : -1e-6));
-        corners_wish w = {0};
+        corners_request w = {0};
         opc_error error = {0};
         *(k == 0   ? &w.dose
           : k == 1 ? &w.focus

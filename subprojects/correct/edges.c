@@ -43,7 +43,7 @@ void correct_pieces_clear(pieces *p) {
   *p = (pieces){0};
 }
 
-void correct_pieces_room(const pieces *p, eda_shapes *out) {
+void correct_pieces_alloc(const pieces *p, eda_shapes *out) {
   *out = (eda_shapes){.count = p->polygons};
   out->start = eda_alloc(p->polygons + 1, sizeof *out->start);
   out->points = eda_alloc(2 * p->room, sizeof *out->points);

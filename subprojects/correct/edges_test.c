@@ -55,7 +55,7 @@ static eda_shapes moved(moves m, int across) {
   pieces p;
   eda_shapes out;
   correct_pieces_of_edges(&edges, 0, &p);
-  correct_pieces_room(&p, &out);
+  correct_pieces_alloc(&p, &out);
   correct_pieces_follow(&gates, EDA_POLY, &by, &p);
   correct_pieces_build(&p, &out);
   g_assert_cmpuint(out.count, ==, 1);

@@ -2,6 +2,7 @@
 /* Implements the textual findings of a correction. */
 #include <correct/findings.h>
 
+#include <eda/memory.h>
 #include <glib.h>
 #include <math.h>
 #include <stdlib.h>
@@ -46,17 +47,12 @@ static void range_of_type(const opc_host *host, const eda_gates *g,
               name, least, most, low, high);
 }
 
-static int by_value(const void *a, const void *b) {
-  double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-
 /* Return the number of different values among n sizes. */
 static size_t count_different(const double *size, size_t n) {
   double *sorted = g_new(double, n);
   size_t count = 0;
   for (size_t i = 0; i < n; i++) sorted[i] = size[i];
-  qsort(sorted, n, sizeof *sorted, by_value);
+  qsort(sorted, n, sizeof *sorted, eda_doubles_rise);
   for (size_t i = 0; i < n; i++) count += !i || sorted[i] != sorted[i - 1];
   g_free(sorted);
   return count;

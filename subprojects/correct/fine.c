@@ -99,11 +99,6 @@ static int print_lit(const eda_printer *p, int layer, eda_field *out,
   return eda_printer_develop(p, layer, out, error);
 }
 
-static int by_value(const void *a, const void *b) {
-  double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-
 /* Sensitivities of Ion to intensity, % per clear field: displacement of the
    edges in the middle of a gate times the sensitivity of the drawn gate. Ion of
    the entire print is not used, because drawn line ends are about to open and
@@ -137,7 +132,7 @@ static double sensitivity(const eda_printer *p, const drawn *d, int layer,
   opc_parallel(p->context, n, find_sensitivity, &w);
   for (size_t i = 0; i < n; i++)
     if (isfinite(w.by[i])) w.by[count++] = w.by[i];
-  qsort(w.by, count, sizeof *w.by, by_value);
+  qsort(w.by, count, sizeof *w.by, eda_doubles_rise);
   double found = count ? w.by[3 * count / 4] : NAN;
   free(w.by);
   return found;

@@ -77,13 +77,14 @@ static int calls;
 
 static int extract_coupled(const void *self, const eda_slices *in,
                            eda_performance *out, opc_error *error) {
-  int code = extract(self, in, out, error);
+  int code = model_extract(self, in, out, error);
   if (calls++ && !(in->length[1] > 70)) out->ion[0] /= 2;
   return code;
 }
 
-static const eda_extractor coupled = {
-    .prepare = nothing, .slicing = slicing, .extract = extract_coupled};
+static const eda_extractor coupled = {.prepare = prepare_nothing,
+                                      .slicing = model_slicing,
+                                      .extract = extract_coupled};
 
 /* ---- the loop ---- */
 
@@ -107,7 +108,7 @@ static void run_step(loop *l, const opc_module *synthesizer,
   g_assert_cmpint(correct_loop_run(l, &error), ==, OPC_OK);
 }
 
-static double off(const loop *l, const eda_performance *p, size_t i) {
+static double deviation_of(const loop *l, const eda_performance *p, size_t i) {
   return fabs(eda_deviation(p->ion[i], l->design.ion[i]));
 }
 
@@ -123,8 +124,8 @@ static void test_good(void) {
   script s = {.l = {{-14, -14}}, .moves = 1, .target = {1, 1}};
   loop l;
   run_step(&l, SCRIPTED(s), &extractor, NULL, 1);
-  g_assert_cmpfloat(off(&l, &l.before, 0), >, 15);
-  g_assert_cmpfloat(off(&l, &l.measured.performance, 0), <, 2);
+  g_assert_cmpfloat(deviation_of(&l, &l.before, 0), >, 15);
+  g_assert_cmpfloat(deviation_of(&l, &l.measured.performance, 0), <, 2);
   expect_result(&l, 0, -14, NULL);
   expect_result(&l, 1, -14, NULL);
   g_assert_cmpuint(l.guard.prints, ==, 0);
@@ -298,8 +299,8 @@ static void test_neighbour(void) {
   g_assert_cmpuint(l.guard.worse, ==, 1);
   expect_result(&l, 0, -14, "neighbour at (30, 750) nm");
   expect_result(&l, 1, -14, NULL);
-  g_assert_cmpfloat(off(&l, &l.measured.performance, 0), >,
-                    off(&l, &l.before, 0));
+  g_assert_cmpfloat(deviation_of(&l, &l.measured.performance, 0), >,
+                    deviation_of(&l, &l.before, 0));
   correct_loop_clear(&l);
 }
 

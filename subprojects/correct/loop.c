@@ -257,7 +257,7 @@ static int cut_layer(loop *l, size_t layer, opc_error *error) {
     correct_pieces_of_edges(&g->edges[layer], l->base != NULL,
                             &l->pieces[layer]);
   eda_shapes *polygons = &l->polygons[layer];
-  correct_pieces_room(&l->pieces[layer], polygons);
+  correct_pieces_alloc(&l->pieces[layer], polygons);
   if (!g->drawn[layer].hole) return OPC_OK;
   polygons->hole = eda_alloc(polygons->count, 1);
   if (polygons->count)

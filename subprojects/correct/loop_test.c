@@ -212,9 +212,9 @@ static void test_fragments(void) {
 
 /* Edges that the final accurate simulation finds elsewhere are moved again. */
 static void test_proof(void) {
-  const eda_litho finer = {.prepare = nothing,
-                           .band = band,
-                           .image = image,
+  const eda_litho finer = {.prepare = prepare_nothing,
+                           .band = model_band,
+                           .image = model_image,
                            .image_fine = image_fine};
   loop l;
   opc_error error = {0};

@@ -58,18 +58,18 @@ static const opc_host host = {.log = hear_warnings,
 /* A single coherent kernel of a Gaussian. */
 static const double cut_off = 60, limit = 4 / 60.0;
 
-static int nothing(void *self, opc_error *error) {
+static int prepare_nothing(void *self, opc_error *error) {
   (void)self, (void)error;
   return OPC_OK;
 }
 
-static double band(const void *self) {
+static double model_band(const void *self) {
   (void)self;
   return limit;
 }
 
-static void transfer(const void *self, size_t s, const double *fx, double fy,
-                     size_t n, float *out) {
+static void model_transfer(const void *self, size_t s, const double *fx,
+                           double fy, size_t n, float *out) {
   (void)self, (void)s;
   for (size_t i = 0; i < n; i++) {
     double r = (fx[i] * fx[i] + fy * fy) * cut_off * cut_off;
@@ -78,15 +78,15 @@ static void transfer(const void *self, size_t s, const double *fx, double fy,
   }
 }
 
-static int image(const void *self, int layer, const eda_spectrum *mask,
-                 eda_field *out, opc_error *error) {
+static int model_image(const void *self, int layer, const eda_spectrum *mask,
+                       eda_field *out, opc_error *error) {
   static const double one = 1;
   (void)self, (void)layer;
   const eda_kernels kernels = {.count = 1,
                                .weight = &one,
                                .band = limit,
                                .intensity_band = 2 * limit,
-                               .transfer = transfer,
+                               .transfer = model_transfer,
                                .scale = {1, 0}};
   return eda_coherent_sum(NULL, mask, &kernels, 0, out, error);
 }
@@ -112,26 +112,29 @@ G_GNUC_UNUSED static int image_fine(const void *self, int layer,
   g_assert_cmpfloat(defocus, ==, 0);
   g_assert_cmpfloat(wanted, ==, fine_errors[layer]);
   g_assert_cmpint(n, <, FINE_PRINTS);
-  if (image(self, layer, mask, out, error)) return error->code;
+  if (model_image(self, layer, mask, out, error)) return error->code;
   for (int j = 0; j < out->ny; j++)
     for (int i = 0; i < out->nx; i++)
       out->coefficients[j * out->nx + i] += (float)wave(height, i, out->nx);
   return OPC_OK;
 }
 
-static int calibrate(void *self, const opc_module *litho, opc_error *error) {
+static int model_calibrate(void *self, const opc_module *litho,
+                           opc_error *error) {
   (void)self, (void)litho, (void)error;
   return OPC_OK;
 }
 
-static int print(const void *self, int layer, eda_field *f, opc_error *error) {
+static int model_print(const void *self, int layer, eda_field *f,
+                       opc_error *error) {
   (void)self, (void)layer, (void)error;
   for (int i = 0; i < f->nx * f->ny; i++)
     f->coefficients[i] = 0.6F - f->coefficients[i];
   return OPC_OK;
 }
 
-static size_t slicing(const void *self, const double **p, const double **s) {
+static size_t model_slicing(const void *self, const double **p,
+                            const double **s) {
   static const double middle = 0.5, all = 1;
   (void)self;
   *p = &middle;
@@ -140,8 +143,8 @@ static size_t slicing(const void *self, const double **p, const double **s) {
 }
 
 /* Return a current proportional to W / L. */
-static int extract(const void *self, const eda_slices *in, eda_performance *out,
-                   opc_error *error) {
+static int model_extract(const void *self, const eda_slices *in,
+                         eda_performance *out, opc_error *error) {
   (void)self, (void)error;
   for (size_t i = 0; i < in->count; i++) {
     double l = in->length[i], w = in->width[i];
@@ -154,9 +157,11 @@ static int extract(const void *self, const eda_slices *in, eda_performance *out,
 }
 
 static const eda_litho litho = {
-    .prepare = nothing, .band = band, .image = image};
-static const eda_resist resist = {.prepare = calibrate, .print = print};
-static const eda_extractor extractor = {
-    .prepare = nothing, .slicing = slicing, .extract = extract};
+    .prepare = prepare_nothing, .band = model_band, .image = model_image};
+static const eda_resist resist = {.prepare = model_calibrate,
+                                  .print = model_print};
+static const eda_extractor extractor = {.prepare = prepare_nothing,
+                                        .slicing = model_slicing,
+                                        .extract = model_extract};
 #define MODULE(functions_, self_) \
   (&(const opc_module){(functions_), (self_), "test.module"})

@@ -30,25 +30,25 @@ static int32_t grid_steps(const loop *l, double nm) {
 static void search_show(loop *l) {
   correct_trial_set_boxes(
       &l->next.assists[EDA_POLY],
-      (eda_boxes){l->search.bars.box, l->search.bars.count});
+      (eda_boxes){l->search.srafs.box, l->search.srafs.count});
 }
 
 int correct_search_begin(loop *l, opc_error *error) {
-  search_bars *s = &l->search;
+  sraf_search_state *s = &l->search;
   const eda_litho *litho = &l->printer.litho.functions;
   s->next = (uint32_t)s->every;
   if (!s->most) return OPC_OK;
   if (!litho->gradient || (s->defocus != 0 && !litho->image_at))
-    return opc_fail(error, OPC_INVALID, "seek.most",
+    return opc_fail(error, OPC_INVALID, "search.most",
                     "'%s' provides no gradient of the image by the mask",
                     l->printer.litho.litho->id);
   if (l->next.assists[EDA_POLY].count || l->assists.rows)
-    return opc_fail(error, OPC_INVALID, "seek.most",
+    return opc_fail(error, OPC_INVALID, "search.most",
                     "the synthesizer or 'assist' places scatter bars already");
   return OPC_OK;
 }
 
-void correct_search_clear(loop *l) { free(l->search.bars.box); }
+void correct_search_clear(loop *l) { free(l->search.srafs.box); }
 
 /* ---- the map ---- */
 
@@ -58,7 +58,7 @@ static size_t field_nodes(const eda_field *f) {
 
 /* Set the weights near scatter bars to 0: their printing is checked separately.
  */
-static void leave_out_bars(const loop *l, eda_field *f) {
+static void leave_out_srafs(const loop *l, eda_field *f) {
   const eda_frame *r = &f->frame;
   double dx = r->width / f->nx, dy = r->height / f->ny, g = l->gates->grid;
   double off = l->search.distance / 2;
@@ -84,7 +84,7 @@ static int find_edge(const loop *l, eda_field *f, opc_error *error) {
     double z = 1 / (1 + exp(-steepness * (double)f->coefficients[i]));
     f->coefficients[i] = (float)(steepness * z * (1 - z));
   }
-  leave_out_bars(l, f);
+  leave_out_srafs(l, f);
   return OPC_OK;
 }
 
@@ -179,19 +179,19 @@ static int make_map(const loop *l, eda_field *map, opc_error *error) {
 
 /* Remove scatter bars that no longer reduce the band. */
 static void drop_idle(loop *l, const eda_field *map) {
-  search_bars *s = &l->search;
+  sraf_search_state *s = &l->search;
   size_t kept = 0;
-  for (size_t i = 0; i < s->bars.count; i++)
-    if (eda_bars_gain(map, s->bars.box[i], l->gates->grid) > 0)
-      s->bars.box[kept++] = s->bars.box[i];
-  s->bars.count = kept;
+  for (size_t i = 0; i < s->srafs.count; i++)
+    if (eda_srafs_gain(map, s->srafs.box[i], l->gates->grid) > 0)
+      s->srafs.box[kept++] = s->srafs.box[i];
+  s->srafs.count = kept;
 }
 
 static int search_round(loop *l, opc_error *error) {
-  search_bars *s = &l->search;
-  const eda_bar_seek rule = {
+  sraf_search_state *s = &l->search;
+  const eda_sraf_limits rule = {
       .most = (size_t)(s->most * (s->round + 1) / s->rounds),
-      .worth = s->worth,
+      .min_gain = s->min_gain,
       .least_width = grid_steps(l, s->least_width),
       .most_width = grid_steps(l, s->width),
       .least_length = grid_steps(l, s->min_length),
@@ -202,15 +202,15 @@ static int search_round(loop *l, opc_error *error) {
   int code = make_map(l, &map, error);
   if (code) return code;
   drop_idle(l, &map);
-  code = eda_bars_seek(&map, &rule, &l->gates->drawn[EDA_POLY], l->gates->grid,
-                       &s->bars, error);
+  code = eda_srafs_search(&map, &rule, &l->gates->drawn[EDA_POLY],
+                          l->gates->grid, &s->srafs, error);
   double total = 0;
-  for (size_t i = 0; i < s->bars.count; i++)
-    total += eda_bars_gain(&map, s->bars.box[i], l->gates->grid);
+  for (size_t i = 0; i < s->srafs.count; i++)
+    total += eda_srafs_gain(&map, s->srafs.box[i], l->gates->grid);
   l->host->log(l->host, OPC_LOG_INFO,
                "scatter bars, round %d: %zu, which reduce the band by %.0f "
                "nm^2; %zu removed",
-               (int)s->round + 1, s->bars.count, total, s->dropped);
+               (int)s->round + 1, s->srafs.count, total, s->dropped);
   eda_field_clear(&map);
   s->round++;
   s->next = l->iterations + (uint32_t)s->every;
@@ -218,12 +218,12 @@ static int search_round(loop *l, opc_error *error) {
 }
 
 int correct_search_watch(loop *l, int done, opc_error *error) {
-  search_bars *s = &l->search;
+  sraf_search_state *s = &l->search;
   if (!s->most) return OPC_OK;
   size_t changed =
-      eda_bars_narrow(l->host->context, &s->bars, &l->printer.print[EDA_POLY],
-                      l->gates->grid, s->margin, grid_steps(l, thinner),
-                      grid_steps(l, s->least_width), &s->dropped);
+      eda_srafs_narrow(l->host->context, &s->srafs, &l->printer.print[EDA_POLY],
+                       l->gates->grid, s->margin, grid_steps(l, thinner),
+                       grid_steps(l, s->least_width), &s->dropped);
   int code = OPC_OK;
   if (s->round < s->rounds && (done || l->iterations >= s->next)) {
     code = search_round(l, error);

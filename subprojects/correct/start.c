@@ -81,7 +81,7 @@ int correct_start_mask(const eda_gates *g, const eda_moved *moved, size_t layer,
   correct_trial_init(&none, g->layers, g->count);
   none.biases.base = moved;
   correct_pieces_of_edges(&g->edges[layer], 1, &p);
-  correct_pieces_room(&p, &polygons);
+  correct_pieces_alloc(&p, &polygons);
   if (g->drawn[layer].hole && polygons.count) {
     polygons.hole = eda_alloc(polygons.count, 1);
     memcpy(polygons.hole, g->drawn[layer].hole, polygons.count);

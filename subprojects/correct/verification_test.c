@@ -7,9 +7,9 @@
 
 /* ---- a synthesizer with the drawn Ion as target ---- */
 
-typedef struct seeker {
+typedef struct mover {
   int32_t spoil; /* bias of transistor 1, instead of the correct one */
-} seeker;
+} mover;
 
 static int begin_moves(void *self, const eda_feedback *f, opc_error *error) {
   (void)self, (void)error;
@@ -21,7 +21,7 @@ static int begin_moves(void *self, const eda_feedback *f, opc_error *error) {
    effect in the print. */
 static int update_moves(void *self, const eda_feedback *f, eda_moves *m,
                         int *done, opc_error *error) {
-  const seeker *s = self;
+  const mover *s = self;
   (void)error;
   *done = 1;
   for (size_t i = 0; i < f->gates->count; i++) {
@@ -35,13 +35,15 @@ static int update_moves(void *self, const eda_feedback *f, eda_moves *m,
   return OPC_OK;
 }
 
-static const eda_synthesizer seeking = {.begin = begin_moves,
-                                        .update = update_moves};
+static const eda_synthesizer moving = {.begin = begin_moves,
+                                       .update = update_moves};
 
 /* ---- the loop ---- */
 
-static const eda_litho with_fine = {
-    .prepare = nothing, .band = band, .image = image, .image_fine = image_fine};
+static const eda_litho with_fine = {.prepare = prepare_nothing,
+                                    .band = model_band,
+                                    .image = model_image,
+                                    .image_fine = image_fine};
 static const double fine_is = 1e-4;
 
 /* Set fine_adds[n] for accurate simulation n; the last one holds for all later
@@ -61,7 +63,7 @@ static double aim; /* standard deviation of Ion by accurate simulations, %; 0:
 
 static int try_to_run(loop *l, const eda_litho *model, double fine,
                       int32_t spoil, int64_t iterations, opc_error *error) {
-  seeker s = {spoil};
+  mover s = {spoil};
   *l = (loop){.host = &host,
               .gates = eda_gates_sample(),
               .extractor = MODULE(&extractor, NULL),
@@ -70,7 +72,7 @@ static int try_to_run(loop *l, const eda_litho *model, double fine,
               .hold = 1,
               .ion_limit = 3,
               .fine_change = aim,
-              .drivers[MAIN].module = MODULE(&seeking, &s)};
+              .drivers[MAIN].module = MODULE(&moving, &s)};
   eda_printer_init(&l->printer, NULL, l->gates, MODULE(model, NULL),
                    MODULE(&resist, NULL), 300);
   l->printer.fine = fine;
@@ -115,7 +117,7 @@ static void measure_truth(const loop *l, const eda_shapes *mask, double height,
   eda_printer_clear(&p);
 }
 
-static double off(const loop *l, const double *ion, size_t i) {
+static double deviation_of(const loop *l, const double *ion, size_t i) {
   return fabs(eda_deviation(ion[i], l->design.ion[i]));
 }
 
@@ -157,8 +159,8 @@ static void test_end(void) {
   measure_truth(&l, l.gates->drawn, 0.03, before);
   for (size_t i = 0; i < 2; i++) {
     g_assert_cmpfloat(fabs(l.before.ion[i] / before[i] - 1), <, 1e-5);
-    g_assert_cmpfloat(off(&l, l.before.ion, i), >, 10);
-    g_assert_cmpfloat(off(&l, l.measured.performance.ion, i), <, 3);
+    g_assert_cmpfloat(deviation_of(&l, l.before.ion, i), >, 10);
+    g_assert_cmpfloat(deviation_of(&l, l.measured.performance.ion, i), <, 3);
   }
   correct_loop_clear(&l);
 }
@@ -241,7 +243,7 @@ static void test_goes_on(void) {
   run_step(&l, &with_fine, fine_is, 0, 20);
   expect_result(&l, 0.25, 0.02);
   for (size_t i = 0; i < 2; i++)
-    g_assert_cmpfloat(off(&l, l.measured.performance.ion, i), <, 3);
+    g_assert_cmpfloat(deviation_of(&l, l.measured.performance.ion, i), <, 3);
   g_assert_cmpint(fine_prints[EDA_POLY], ==, 3);
   g_assert_cmpuint(l.iterations, >, without.iterations);
   correct_loop_clear(&without);
@@ -274,8 +276,8 @@ static struct {
   int from, does, sent;
 } broken;
 
-static int mend(void *self, const eda_printed *p, eda_ruling *r,
-                opc_error *error) {
+static int repair_rule(void *self, const eda_printed *p, eda_ruling *r,
+                       opc_error *error) {
   (void)self, (void)p, (void)error;
   if (!broken.does || fine_prints[EDA_POLY] < broken.from) return OPC_OK;
   broken.sent = broken.does == MENDS;
@@ -296,7 +298,8 @@ static int violations(void *self, const eda_printed *p, eda_violation *v,
    shows, if it can be repaired; not after one with a reason or an earlier
    one. */
 static void test_rules(void) {
-  static const eda_regulator mender = {.rule = mend, .violations = violations};
+  static const eda_regulator mender = {.rule = repair_rule,
+                                       .violations = violations};
   static const struct {
     const char *rule;
     int from, does, prints, end;
@@ -355,8 +358,8 @@ static void test_margin(void) {
   g_autofree char *verdict = correct_guard_verdict(&l.guard, 1);
   g_assert_cmpstr(verdict, ==, "went back: its best mask");
   g_assert_cmpint(l.now.biases.l[1], ==, 0);
-  double more =
-      off(&l, l.measured.performance.ion, 1) - off(&l, l.before.ion, 1);
+  double more = deviation_of(&l, l.measured.performance.ion, 1) -
+                deviation_of(&l, l.before.ion, 1);
   g_assert_cmpfloat(more, >, 0.01);
   correct_loop_clear(&l);
 }
@@ -381,17 +384,17 @@ static int image_then(const void *self, int layer, const eda_spectrum *mask,
 
 static int image_moved(const void *self, int layer, const eda_spectrum *mask,
                        eda_field *out, opc_error *error) {
-  int code = image(self, layer, mask, out, error);
+  int code = model_image(self, layer, mask, out, error);
   return code || !was_fine ? code : eda_field_resample(NULL, out, 8, error);
 }
 
 static void test_grid(void) {
-  const eda_litho wrong[] = {{.prepare = nothing,
-                              .band = band,
-                              .image = image,
+  const eda_litho wrong[] = {{.prepare = prepare_nothing,
+                              .band = model_band,
+                              .image = model_image,
                               .image_fine = image_elsewhere},
-                             {.prepare = nothing,
-                              .band = band,
+                             {.prepare = prepare_nothing,
+                              .band = model_band,
                               .image = image_moved,
                               .image_fine = image_then}};
   for (size_t k = 0; k < G_N_ELEMENTS(wrong); k++) {
@@ -429,7 +432,7 @@ static int image_given(const void *self, int layer, const eda_spectrum *mask,
                        opc_error *error) {
   (void)defocus;
   given = wanted;
-  return image(self, layer, mask, out, error);
+  return model_image(self, layer, mask, out, error);
 }
 
 static int ask_printer(void *self, const opc_module *model, opc_error *error) {
@@ -448,11 +451,12 @@ static int ask_printer(void *self, const opc_module *model, opc_error *error) {
 }
 
 static void test_calibration(void) {
-  static const eda_litho there = {.prepare = nothing,
-                                  .band = band,
-                                  .image = image,
+  static const eda_litho there = {.prepare = prepare_nothing,
+                                  .band = model_band,
+                                  .image = model_image,
                                   .image_fine = image_given};
-  static const eda_resist asking = {.prepare = ask_printer, .print = print};
+  static const eda_resist asking = {.prepare = ask_printer,
+                                    .print = model_print};
   static const struct {
     double fine, asked, given;
   } cases[] = {{0, 1e-4, 1e-4}, {5e-5, 1e-4, 5e-5}, {1e-3, 1e-4, 1e-4}};

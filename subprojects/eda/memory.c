@@ -13,3 +13,8 @@ void eda_grow_to(void *array, size_t *room, size_t need, size_t size) {
   *room = MAX(*room + *room / 2 + 4, need);
   *at = g_realloc_n(*at, *room, size);
 }
+
+int eda_doubles_rise(const void *a, const void *b) {
+  double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}

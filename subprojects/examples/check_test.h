@@ -18,7 +18,7 @@
   } while (0)
 
 /* Create a plugin; abort the test with the error message on failure. */
-static inline opc_module *make(const char *id, const char *parameters) {
+static inline opc_module *module_make(const char *id, const char *parameters) {
   opc_error error = {0};
   opc_module *module = opc_test_module(id, parameters, &error);
   if (!module) fprintf(stderr, "%s\n", error.message);

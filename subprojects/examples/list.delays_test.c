@@ -6,8 +6,8 @@
 
 int main(void) {
   opc_error error = {0};
-  opc_module *module =
-      make("list.delays", "{ timing: { supply: 2 V, capacitance: 0.01 } }");
+  opc_module *module = module_make(
+      "list.delays", "{ timing: { supply: 2 V, capacitance: 0.01 } }");
   double design[2] = {1e-4, 1e-4}, after[2] = {1e-4, 0.5e-4};
   double area[2] = {12000, 18000};
   eda_mask mask = {.gates = eda_gates_sample()};

@@ -6,7 +6,7 @@
 
 static void run_with(const char *parameters, double n_ion, double p_ion) {
   opc_error error = {0};
-  opc_module *module = make("list.worst", parameters);
+  opc_module *module = module_make("list.worst", parameters);
   double design[2] = {1e-4, 2e-4}, after[2] = {n_ion, p_ion};
   eda_mask mask = {.gates = eda_gates_sample()};
   mask.design.ion = design;

@@ -15,7 +15,7 @@ int main(void) {
   eda_performance printed = {.count = 2, .ion = ion};
   opc_error error = {0};
 
-  opc_module *module = make("synthesizer.bisect", "{ ion_limit: 1 % }");
+  opc_module *module = module_make("synthesizer.bisect", "{ ion_limit: 1 % }");
   const eda_synthesizer *s = module->functions;
   CHECK(gates->count == 2);
   for (int i = 0; i < 2; i++) design_ion[i] = 1 / gates->length[i];

@@ -102,7 +102,7 @@ static void add_text(const char *text) {
 }
 
 /* Says where, and the words, which end with NULL. */
-_Noreturn static void end(const char *const *words, int code) {
+_Noreturn static void process_end(const char *const *words, int code) {
   static int taken;
   /* The first thread speaks; others wait for the end. */
   while (__atomic_exchange_n(&taken, 1, __ATOMIC_SEQ_CST)) pause();
@@ -120,11 +120,11 @@ _Noreturn static void end(const char *const *words, int code) {
   for (;;) syscall(SYS_exit_group, code); /* _exit() is a plugin's, below */
 }
 
-_Noreturn static void blame(const char *id, const char *what,
-                            const char *detail) {
+_Noreturn static void plugin_blame(const char *id, const char *what,
+                                   const char *detail) {
   const char *const words[] = {": plugin '", id,   "' ", what,
                                detail,       "\n", NULL};
-  end(words, exit_code);
+  process_end(words, exit_code);
 }
 
 /* ---- which plugin ---- */
@@ -187,7 +187,7 @@ static void blame_all(const char *id, const char *what, const char *detail) {
                                detail,
                                "\n",
                                NULL};
-  end(words, exit_code);
+  process_end(words, exit_code);
 }
 
 /* A handler needs a stack of its own, as that of the thread may be used up. */
@@ -206,7 +206,7 @@ static void give_stack(void) {
    wait for it, or the command ends well. */
 static void thread_ended(void *unused) {
   (void)unused;
-  if (guarded && calls > 0) blame(me.inside, "ended the thread", "");
+  if (guarded && calls > 0) plugin_blame(me.inside, "ended the thread", "");
   pthread_mutex_lock(&workers_lock);
   worker **at = &workers;
   while (*at && *at != &me) at = &(*at)->next;
@@ -246,14 +246,14 @@ static double time_now(void) {
 /* The checks that cost nothing, after each call. */
 static void guard_check_thread(void) {
   const char *what = process_thread_change();
-  if (forked) blame(me.inside, "forked and continued", "");
-  if (what) blame(me.inside, what, "");
+  if (forked) plugin_blame(me.inside, "forked and continued", "");
+  if (what) plugin_blame(me.inside, what, "");
 }
 
 /* Whatever is not as it was, that plugin did, or one beside it. */
 static void guard_check_process(const char *id) {
   const char *detail;
-  if (process_signals_change()) blame(id, "changed the signal mask", "");
+  if (process_signals_change()) plugin_blame(id, "changed the signal mask", "");
   const char *what = process_change(&detail);
   if (what) blame_all(id, what, detail);
   field_set(&me.suspect, NULL);
@@ -330,12 +330,12 @@ void guard_end(int code) {
                                : n > 0 ? ": stopped in plugin "
                                        : ": stopped",
                                list, "\n", NULL};
-  end(words, code);
+  process_end(words, code);
 }
 
 void guard_exit(void) {
   if (me.inside && getpid() == guarded)
-    blame(me.inside, "ended the process", "");
+    plugin_blame(me.inside, "ended the process", "");
 }
 
 static int done = -1; /* exit code */
@@ -357,7 +357,8 @@ static void guard_crash(int number, siginfo_t *info, void *unused) {
   while (s->number != number) s++;
   const char *const late[] = {": crashed while the command ended: ", s->means,
                               "\n", NULL};
-  if (!me.inside && done >= 0 && !is_foreign(info)) end(late, exit_code);
+  if (!me.inside && done >= 0 && !is_foreign(info))
+    process_end(late, exit_code);
   if (!me.inside || is_foreign(info)) { /* as if there were no handler */
     signal(number, SIG_DFL);
     raise(number);
@@ -365,7 +366,7 @@ static void guard_crash(int number, siginfo_t *info, void *unused) {
   }
   const char *const words[] = {
       ": crashed in plugin '", me.inside, "': ", s->means, "\n", NULL};
-  end(words, exit_code);
+  process_end(words, exit_code);
 }
 
 static void has_forked(void) { forked = 1; }

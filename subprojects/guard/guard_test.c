@@ -21,7 +21,7 @@
 
 /* Run a plugin 'bad' in a guarded process: its exit code (minus the signal that
    ended it), and its standard error in *said (g_free). */
-static int run(void (*plugin)(void), char **said) {
+static int guarded_run(void (*plugin)(void), char **said) {
   GString *text = g_string_new(NULL);
   int ends[2], status;
   char buffer[256];
@@ -50,13 +50,13 @@ static int run(void (*plugin)(void), char **said) {
 
 static void do_nothing(void) {}
 
-static void crash(void) { raise(SIGSEGV); }
+static void plugin_crash(void) { raise(SIGSEGV); }
 
-static void leave(void) { exit(0); }
+static void plugin_leave(void) { exit(0); }
 
 static void leave_at_once(void) { _exit(0); }
 
-static void move(void) { g_assert_cmpint(chdir("/"), ==, 0); }
+static void plugin_move(void) { g_assert_cmpint(chdir("/"), ==, 0); }
 
 static void close_input(void) { close(STDIN_FILENO); }
 
@@ -91,11 +91,11 @@ static const struct {
   const char *said;
 } cases[] = {
     {do_nothing, 7, ""},
-    {crash, 4, "here: crashed in plugin 'bad': segmentation fault\n"},
-    {leave, 4, "here: plugin 'bad' ended the process\n"},
+    {plugin_crash, 4, "here: crashed in plugin 'bad': segmentation fault\n"},
+    {plugin_leave, 4, "here: plugin 'bad' ended the process\n"},
     {leave_at_once, 4, "here: plugin 'bad' ended the process\n"},
     {leave_by_thread, 4, "here: plugin 'bad' ended the process\n"},
-    {move, 4, "here: plugin 'bad' changed the working folder\n"},
+    {plugin_move, 4, "here: plugin 'bad' changed the working folder\n"},
     {close_input, 4,
      "here: plugin 'bad' closed or redirected standard input\n"},
     {take_handler, 4, "here: plugin 'bad' changed the handler of SIGINT\n"},
@@ -107,7 +107,7 @@ static const struct {
 static void test_plugins(void) {
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     g_autofree char *said = NULL;
-    int code = run(cases[i].plugin, &said);
+    int code = guarded_run(cases[i].plugin, &said);
     g_assert_cmpstr(said, ==, cases[i].said);
     g_assert_cmpint(code, ==, cases[i].code);
   }
@@ -116,7 +116,7 @@ static void test_plugins(void) {
 /* The folder of a run that crashed gets its other name; an empty one goes. */
 static void crash_in_run(void) {
   guard_folder("work", "run.failed", "slot/lock");
-  crash();
+  plugin_crash();
 }
 
 static void test_folder(void) {
@@ -124,11 +124,11 @@ static void test_folder(void) {
   g_autofree char *said = NULL, *again = NULL;
   g_assert_cmpint(chdir(folder), ==, 0);
   g_assert_cmpint(g_mkdir("work", 0777) + g_mkdir("work/kept", 0777), ==, 0);
-  g_assert_cmpint(run(crash_in_run, &said), ==, 4);
-  g_assert_nonnull(strstr(said, "is in 'run.failed'\n"));
+  g_assert_cmpint(guarded_run(crash_in_run, &said), ==, 4);
+  g_assert_nonnull(strstr(said, "are in 'run.failed'\n"));
   g_assert_cmpint(rmdir("run.failed/kept") + rmdir("run.failed"), ==, 0);
   g_assert_cmpint(g_mkdir("work", 0777), ==, 0);
-  g_assert_cmpint(run(crash_in_run, &again), ==, 4);
+  g_assert_cmpint(guarded_run(crash_in_run, &again), ==, 4);
   g_assert_null(strstr(again, "run.failed"));
   g_assert_cmpint(chdir("/") + rmdir(folder), ==, 0);
 }

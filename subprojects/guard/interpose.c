@@ -3,8 +3,10 @@
    the command before it. They are the command's alone: programs that are linked
    to the kernel keep their own. */
 #include <dlfcn.h>
+#include <errno.h>
 #include <guard/guard.h>
 #include <pthread.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -22,7 +24,7 @@ static void find_next(const char *name, void *to) {
 /* The guard hears of exit() and quick_exit() by itself as well, from within the
    C library; but while one thread is there, another one could end the process.
  */
-_Noreturn static void leave(const char *name, int code) {
+_Noreturn static void process_leave(const char *name, int code) {
   void (*next)(int);
   guard_exit();
   find_next(name, &next);
@@ -30,13 +32,99 @@ _Noreturn static void leave(const char *name, int code) {
   abort();
 }
 
-EXPORT _Noreturn void exit(int code) { leave("exit", code); }
+EXPORT _Noreturn void exit(int code) { process_leave("exit", code); }
 
-EXPORT _Noreturn void quick_exit(int code) { leave("quick_exit", code); }
+EXPORT _Noreturn void quick_exit(int code) {
+  process_leave("quick_exit", code);
+}
 
-EXPORT _Noreturn void _exit(int code) { leave("_exit", code); }
+EXPORT _Noreturn void _exit(int code) { process_leave("_exit", code); }
 
-EXPORT _Noreturn void _Exit(int code) { leave("_Exit", code); }
+EXPORT _Noreturn void _Exit(int code) { process_leave("_Exit", code); }
+
+/* ---- another program in this process ---- */
+
+/* A plugin that calls a function of the exec family would end the run with the
+   exit code of another program. Children may call them, so the next functions
+   are found early: dlsym() can wait for a lock in a child. */
+typedef int exec_path(const char *, char *const[]);
+typedef int exec_environment(const char *, char *const[], char *const[]);
+
+static struct {
+  exec_path *execv, *execvp;
+  exec_environment *execve, *execvpe;
+  int (*fexecve)(int, char *const[], char *const[]);
+  int (*execveat)(int, const char *, char *const[], char *const[], int);
+} next_exec;
+
+__attribute__((constructor)) static void exec_find(void) {
+  find_next("execv", &next_exec.execv);
+  find_next("execvp", &next_exec.execvp);
+  find_next("execve", &next_exec.execve);
+  find_next("execvpe", &next_exec.execvpe);
+  find_next("fexecve", &next_exec.fexecve);
+  find_next("execveat", &next_exec.execveat);
+}
+
+EXPORT int execv(const char *path, char *const words[]) {
+  guard_exit();
+  return next_exec.execv(path, words);
+}
+
+EXPORT int execvp(const char *file, char *const words[]) {
+  guard_exit();
+  return next_exec.execvp(file, words);
+}
+
+EXPORT int execve(const char *path, char *const words[],
+                  char *const environment[]) {
+  guard_exit();
+  return next_exec.execve(path, words, environment);
+}
+
+EXPORT int execvpe(const char *file, char *const words[],
+                   char *const environment[]) {
+  guard_exit();
+  return next_exec.execvpe(file, words, environment);
+}
+
+EXPORT int fexecve(int file, char *const words[], char *const environment[]) {
+  guard_exit();
+  return next_exec.fexecve(file, words, environment);
+}
+
+EXPORT int execveat(int folder, const char *path, char *const words[],
+                    char *const environment[], int flags) {
+  guard_exit();
+  return next_exec.execveat(folder, path, words, environment, flags);
+}
+
+/* Collect the words of execl() and its variants; more than the array can hold
+   are an error, as too many words are for the system. */
+enum { MAX_WORDS = 1024 };
+static int words_collect(const char *first, va_list more, char **words) {
+  int n = 0;
+  for (const char *w = first; w && n < MAX_WORDS; w = va_arg(more, char *))
+    memcpy(&words[n++], &w, sizeof w);
+  words[n] = NULL;
+  return n < MAX_WORDS ? 0 : E2BIG;
+}
+
+/* Define execl() and its variants by a function of an array of words. */
+#define EXEC_LIST(name, call)                             \
+  EXPORT int name(const char *path, const char *w, ...) { \
+    char *words[MAX_WORDS + 1];                           \
+    va_list more;                                         \
+    guard_exit();                                         \
+    va_start(more, w);                                    \
+    errno = words_collect(w, more, words);                \
+    int code = errno ? -1 : (call);                       \
+    va_end(more);                                         \
+    return code;                                          \
+  }
+EXEC_LIST(execl, next_exec.execv(path, words))
+EXEC_LIST(execlp, next_exec.execvp(path, words))
+EXEC_LIST(execle, next_exec.execve(path, words, va_arg(more, char **)))
 
 /* ---- threads ---- */
 

@@ -11,7 +11,7 @@ const ranks_group *ranks_join(int (*stopped)(void));
 static const ranks_group *group;
 static int failed, number;
 
-static void check(int good, const char *text) {
+static void assert_true(int good, const char *text) {
   int64_t all = good;
   opc_error error;
   if (group->least(&all, 1, &error)) all = 0;
@@ -65,7 +65,7 @@ static void unit_done(void *data, size_t n) {
   t->told = MAX(t->told, n);
 }
 
-static int share(table *t, opc_error *error) {
+static int table_share(table *t, opc_error *error) {
   const ranks_units units = {t,        "unit",   UNITS,     unit_cost,
                              unit_has, unit_get, unit_take, unit_done};
   return group->share(&units, error);
@@ -76,9 +76,9 @@ static int share(table *t, opc_error *error) {
 static void test_share(void) {
   opc_error error = {0};
   table t = {.faulty = UNITS};
-  int code = share(&t, &error), once = 1, kept = 1;
-  check(!code && !t.wrong && t.next == UNITS && t.told == UNITS,
-        "all ranks take all results in order");
+  int code = table_share(&t, &error), once = 1, kept = 1;
+  assert_true(!code && !t.wrong && t.next == UNITS && t.told == UNITS,
+              "all ranks take all results in order");
   char all[3][UNITS];
   for (int r = 0; r < 3; r++) {
     memcpy(all[r], t.done, UNITS);
@@ -88,32 +88,34 @@ static void test_share(void) {
     once &= all[0][i] + all[1][i] + all[2][i] == 1;
     kept &= i % KEPT || all[1][i] == 1;
   }
-  check(once, "one rank does each unit");
-  check(kept, "units that a rank has are not done by others");
+  assert_true(once, "one rank does each unit");
+  assert_true(kept, "units that a rank has are not done by others");
 }
 
 static void test_fault(void) {
   opc_error error = {0};
   table t = {.faulty = 23};
-  int code = share(&t, &error);
-  check(code == OPC_LIMIT && !strcmp(error.message, "unit 23 is too wide") &&
-            !strcmp(error.parameter, "width") && t.next <= 23,
-        "the fault of a unit is the fault of all ranks");
+  int code = table_share(&t, &error);
+  assert_true(code == OPC_LIMIT &&
+                  !strcmp(error.message, "unit 23 is too wide") &&
+                  !strcmp(error.parameter, "width") && t.next <= 23,
+              "the fault of a unit is the fault of all ranks");
 }
 
 static void test_meet(void) {
   opc_error error = {0};
-  check(group->meet("here", OPC_OK, &error) == OPC_OK, "ranks meet");
+  assert_true(group->meet("here", OPC_OK, &error) == OPC_OK, "ranks meet");
   int code = group->meet(group->rank == 2 ? "there" : "here", OPC_OK, &error);
-  check(code == OPC_FAILED && g_str_has_prefix(error.message, "rank 2 on ") &&
-            strstr(error.message, "does not run the same as rank 0"),
-        "a rank that is elsewhere is named");
+  assert_true(code == OPC_FAILED &&
+                  g_str_has_prefix(error.message, "rank 2 on ") &&
+                  strstr(error.message, "does not run the same as rank 0"),
+              "a rank that is elsewhere is named");
   error = (opc_error){0};
   if (group->rank) opc_fail(&error, OPC_IO, NULL, "disk %d", group->rank);
   code = group->meet("here", error.code, &error);
-  check(code == OPC_IO && g_str_has_prefix(error.message, "rank 1 on ") &&
-            g_str_has_suffix(error.message, ": disk 1"),
-        "of several faults that of the lowest rank counts");
+  assert_true(code == OPC_IO && g_str_has_prefix(error.message, "rank 1 on ") &&
+                  g_str_has_suffix(error.message, ": disk 1"),
+              "of several faults that of the lowest rank counts");
 }
 
 static int go_on(void) { return 0; }
@@ -124,8 +126,8 @@ int main(void) {
   group = ranks_join(go_on);
   if (!group) return 1;
   if (!group->rank) printf("1..8\n");
-  check(told && rank == group->rank && size == 3 && group->size == 3,
-        "the environment tells of three ranks");
+  assert_true(told && rank == group->rank && size == 3 && group->size == 3,
+              "the environment tells of three ranks");
   test_share();
   test_fault();
   test_meet();

@@ -61,7 +61,7 @@ int syncfs(int file) {
 
 /* ---- runs ---- */
 
-static void put(const char *folder, const char *name, const char *text) {
+static void file_put(const char *folder, const char *name, const char *text) {
   g_autofree char *path = g_build_filename(folder, name, NULL);
   g_autofree char *parent = g_path_get_dirname(path);
   g_assert_cmpint(g_mkdir_with_parents(parent, 0777), ==, 0);
@@ -70,7 +70,7 @@ static void put(const char *folder, const char *name, const char *text) {
 
 static void put_run(const char *folder, const char *word) {
   opc_error error;
-  put(folder, "deep/file.txt", word);
+  file_put(folder, "deep/file.txt", word);
   JsonArray *files = opc_contents_json(folder, &error);
   g_autoptr(JsonNode) node = json_node_new(JSON_NODE_OBJECT);
   JsonObject *o = json_object_new();
@@ -78,7 +78,7 @@ static void put_run(const char *folder, const char *word) {
   json_object_set_array_member(o, "files", files);
   json_node_take_object(node, o);
   g_autofree char *text = json_to_string(node, FALSE);
-  put(folder, "manifest.json", text);
+  file_put(folder, "manifest.json", text);
 }
 
 /* Make a complete run. Return its code. */
@@ -112,7 +112,7 @@ static guint entries(const char *folder) {
   return n;
 }
 
-static void expect(const char *folder, const char *word) {
+static void assert_word(const char *folder, const char *word) {
   g_autofree char *its = word_of(folder);
   g_assert_cmpstr(its, ==, word);
 }
@@ -132,13 +132,13 @@ static void kill_at_each_rename(const char *target) {
     }
     g_assert_cmpint(waitpid(child, &status, 0), ==, child);
     g_assert_true(WIFEXITED(status));
-    if (!plain_renames) expect(target, status ? "first" : "second");
+    if (!plain_renames) assert_word(target, status ? "first" : "second");
     g_assert_cmpuint(entries("k"), ==, status ? (entries(target) ? 2 : 1) : 1);
     /* The next run clears remains first. */
     opc_error error;
     opc_folder *next = opc_folder_open(target, TRUE, &error);
     g_assert_nonnull(next);
-    expect(target, status ? "first" : "second");
+    assert_word(target, status ? "first" : "second");
     opc_folder_free(next);
     g_assert_cmpuint(entries("k"), ==, 1);
   }
@@ -166,9 +166,9 @@ static void test_numbers(void) {
       g_assert_cmpint(opc_folder_close(f, "n/x", FALSE, TRUE, &got, &error), ==,
                       OPC_OK);
       opc_folder_free(f);
-      expect(got, "word");
+      assert_word(got, "word");
     }
-    expect("n/x-3", "word");
+    assert_word("n/x-3", "word");
     g_assert_cmpuint(entries("n"), ==, 3);
     opc_remove_tree("n");
   }
@@ -182,13 +182,13 @@ static void test_meanwhile(void) {
   g_assert_cmpint(make_run("m/x", "first"), ==, OPC_OK);
   opc_folder *f = opc_folder_open("m/x", TRUE, &error);
   put_run(f->work, "second");
-  put("m/x", "mine.txt", "mine");
+  file_put("m/x", "mine.txt", "mine");
   g_assert_cmpint(opc_folder_close(f, "m/x", TRUE, FALSE, &got, &error), ==,
                   OPC_IO);
   g_assert_nonnull(strstr(error.message, "has the file 'mine.txt'"));
   opc_folder_free(f);
   g_assert_cmpstr(got, ==, "m/x-2");
-  expect("m/x-2", "second");
+  assert_word("m/x-2", "second");
   g_assert_true(g_file_test("m/x/mine.txt", G_FILE_TEST_EXISTS));
   opc_remove_tree("m");
 }
@@ -205,7 +205,8 @@ static void leave_slots(int n, pid_t *child) {
     opc_error error;
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     for (int i = 0; i < n; i++)
-      put(opc_folder_open("s/x", FALSE, &error)->work, "deep/part.txt", "part");
+      file_put(opc_folder_open("s/x", FALSE, &error)->work, "deep/part.txt",
+               "part");
     g_assert_cmpint(write(ready[1], "+", 1), ==, 1);
     for (;;) pause();
   }
@@ -229,20 +230,20 @@ static void test_slots(void) {
   g_assert_true(
       g_file_test("s/.x.opcflow-2/run/deep/part.txt", G_FILE_TEST_EXISTS));
   /* Similar names are not slots. */
-  put("s/.x.opcflow-mine", "run", "mine");
-  put("s/.xy.opcflow-1", "run", "mine");
+  file_put("s/.x.opcflow-mine", "run", "mine");
+  file_put("s/.xy.opcflow-1", "run", "mine");
   kill(child, SIGKILL);
   waitpid(child, NULL, 0);
   g_assert_cmpint(make_run("s/x", "word"), ==, OPC_OK);
   g_assert_cmpuint(entries("s"), ==, 3);
-  expect("s/x", "word");
+  assert_word("s/x", "word");
   opc_remove_tree("s");
 }
 
 /* A symbolic link in place of a slot is not followed. */
 static void test_link(void) {
   opc_error error;
-  put("l/other/run", "mine.txt", "mine");
+  file_put("l/other/run", "mine.txt", "mine");
   g_assert_cmpint(symlink("other", "l/.x.opcflow-1"), ==, 0);
   g_assert_null(opc_folder_open("l/x", TRUE, &error));
   g_assert_nonnull(strstr(error.message, "Not a directory"));
@@ -269,9 +270,9 @@ static void test_no_locks(void) {
 
 /* ---- contents ---- */
 
-static void refuse(const char *manifest, const char *want) {
+static void assert_refused(const char *manifest, const char *want) {
   opc_error error;
-  if (manifest) put("c/x", "manifest.json", manifest);
+  if (manifest) file_put("c/x", "manifest.json", manifest);
   g_assert_cmpint(opc_folder_allowed("c/x", TRUE, &error), ==, OPC_IO);
   if (!strstr(error.message, want)) g_error("%s", error.message);
 }
@@ -292,28 +293,29 @@ static void test_contents(void) {
   /* A missing file is accepted. */
   g_assert_cmpint(unlink("c/x/deep/file.txt"), ==, 0);
   g_assert_cmpint(opc_folder_allowed("c/x", TRUE, &error), ==, OPC_OK);
-  put("c/x", "deep/file.txt", "changed");
-  refuse(NULL, "the file 'deep/file.txt' has changed since the run");
-  put("c/x", "deep/file.txt", "word");
+  file_put("c/x", "deep/file.txt", "changed");
+  assert_refused(NULL, "the file 'deep/file.txt' has changed since the run");
+  file_put("c/x", "deep/file.txt", "word");
   g_assert_cmpint(opc_folder_allowed("c/x", TRUE, &error), ==, OPC_OK);
-  put("c/x", "deep/mine.txt", "");
-  put("c/x", "other.txt", "");
-  refuse(NULL, "has the file 'deep/mine.txt', which the run did not write");
+  file_put("c/x", "deep/mine.txt", "");
+  file_put("c/x", "other.txt", "");
+  assert_refused(NULL,
+                 "has the file 'deep/mine.txt', which the run did not write");
   g_assert_cmpint(unlink("c/x/deep/mine.txt"), ==, 0);
   g_assert_cmpint(unlink("c/x/other.txt"), ==, 0);
   g_assert_cmpint(g_mkdir("c/x/deep/er", 0777), ==, 0);
-  refuse(NULL, "has the folder 'deep/er'");
+  assert_refused(NULL, "has the folder 'deep/er'");
   g_assert_cmpint(rmdir("c/x/deep/er"), ==, 0);
   g_assert_cmpint(unlink("c/x/deep/file.txt"), ==, 0);
   g_assert_cmpint(symlink("/dev/zero", "c/x/deep/file.txt"), ==, 0);
-  refuse(NULL, "has the symbolic link 'deep/file.txt'");
+  assert_refused(NULL, "has the symbolic link 'deep/file.txt'");
   for (size_t i = 0; i < G_N_ELEMENTS(unsound); i++)
-    refuse(unsound[i], "does not list the files of a run");
+    assert_refused(unsound[i], "does not list the files of a run");
   g_autofree char *deep = g_strnfill(1000000, '[');
-  refuse(deep, "does not list the files of a run");
+  assert_refused(deep, "does not list the files of a run");
   g_assert_cmpint(unlink("c/x/manifest.json"), ==, 0);
   g_assert_cmpint(symlink("/dev/zero", "c/x/manifest.json"), ==, 0);
-  refuse(NULL, "no readable manifest.json of a run");
+  assert_refused(NULL, "no readable manifest.json of a run");
   opc_remove_tree("c");
 }
 
@@ -322,7 +324,7 @@ static void test_contents(void) {
 /* A failed write leaves the old file and nothing else. */
 static void test_write(void) {
   opc_error error;
-  put("w", "file.txt", "before");
+  file_put("w", "file.txt", "before");
   g_assert_cmpint(opc_write_file("w/file.txt", "after", &error), ==, OPC_OK);
   g_autofree char *text = NULL;
   g_assert_true(g_file_get_contents("w/file.txt", &text, NULL, NULL));
@@ -337,7 +339,7 @@ static void test_write(void) {
   g_assert_cmpuint(entries("w"), ==, 1);
   for (int i = 0; i < 100; i++) {
     g_autofree char *name = g_strdup_printf("%d.txt", i);
-    put("w", name, "");
+    file_put("w", name, "");
   }
   g_assert_cmpint(opc_sync_tree("w", &error), ==, OPC_IO);
   g_assert_cmpstr(error.message, ==, "'w': Input/output error");

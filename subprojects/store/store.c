@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Files of the store: FOLDER/entries/ab/cdef..., each a line of 16 bytes, 64
    digits of the SHA-256 of the remainder, and a GVariant; FOLDER/new/, files
-   being written, locked by their writers; FOLDER/limit. */
+   being written, locked by their writers; FOLDER/limit; FOLDER/opcflow-store,
+   an empty file that marks the folder as a store. */
 #include <store/store.h>
 
 #include <errno.h>
@@ -49,6 +50,28 @@ static guint64 find_limit(const char *folder) {
   return bytes;
 }
 
+/* Return whether the store may write to a folder and remove files from it: the
+   folder has the marker, or is empty and gets the marker. The folder of the
+   user's cache gets the marker in any case. */
+static gboolean folder_claim(const char *folder, gboolean any) {
+  g_autofree char *marker = g_build_filename(folder, "opcflow-store", NULL);
+  GDir *dir = g_dir_open(folder, 0, NULL);
+  gboolean empty = !dir || !g_dir_read_name(dir);
+  if (dir) g_dir_close(dir);
+  if (!access(marker, F_OK)) return TRUE;
+  if (!empty && !any) return FALSE;
+  int file = open(marker, O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
+  if (file >= 0) close(file);
+  return TRUE; /* a read-only folder needs no marker */
+}
+
+/* Return whether a folder of the store is a symbolic link. */
+static gboolean is_link(const char *folder, const char *name) {
+  g_autofree char *path = g_build_filename(folder, name, NULL);
+  struct stat about;
+  return !lstat(path, &about) && S_ISLNK(about.st_mode);
+}
+
 opc_store *opc_store_open(opc_error *error) {
   const char *own = g_getenv("OPCFLOW_STORE");
   if (own && !*own) return NULL;
@@ -56,6 +79,18 @@ opc_store *opc_store_open(opc_error *error) {
       own ? g_canonicalize_filename(own, NULL)
           : g_build_filename(g_get_user_cache_dir(), "opcflow", NULL);
   g_autofree char *entries = g_build_filename(folder, "entries", NULL);
+  if (!g_mkdir_with_parents(folder, 0700) && !folder_claim(folder, !own)) {
+    opc_fail(error, OPC_INVALID, NULL,
+             "'%s' has files, but no file 'opcflow-store': it is not a store "
+             "of opcflow; name a new or an empty folder",
+             folder);
+    return NULL;
+  }
+  if (is_link(folder, "entries") || is_link(folder, "new")) {
+    opc_fail(error, OPC_INVALID, NULL,
+             "'%s': 'entries' or 'new' is a symbolic link", folder);
+    return NULL;
+  }
   if (g_mkdir_with_parents(entries, 0700)) {
     opc_fail(error, OPC_IO, NULL, "'%s': %s", entries, g_strerror(errno));
     return NULL;

@@ -27,12 +27,12 @@ static GVariant *bytes(gsize n, int with) {
   return g_variant_new_fixed_array(G_VARIANT_TYPE_BYTE, data, n, 1);
 }
 
-static GVariant *get(opc_store *store, const char *key) {
+static GVariant *store_get(opc_store *store, const char *key) {
   return opc_store_get(store, key, G_VARIANT_TYPE_BYTESTRING);
 }
 
-static gboolean has(opc_store *store, const char *key) {
-  g_autoptr(GVariant) value = get(store, key);
+static gboolean store_has(opc_store *store, const char *key) {
+  g_autoptr(GVariant) value = store_get(store, key);
   return value != NULL;
 }
 
@@ -45,15 +45,15 @@ static char *path_of(const char *key) {
 
 static void test_values(void) {
   opc_store *store = open_store();
-  g_assert_false(has(store, "ab12.x"));
+  g_assert_false(store_has(store, "ab12.x"));
   g_assert_true(opc_store_put(store, "ab12.x", bytes(1000, 7)));
   opc_store_close(store);
   store = open_store();
-  g_autoptr(GVariant) value = get(store, "ab12.x");
+  g_autoptr(GVariant) value = store_get(store, "ab12.x");
   g_autoptr(GVariant) same = g_variant_ref_sink(bytes(1000, 7));
   g_assert_true(g_variant_equal(value, same));
   g_assert_true(opc_store_put(store, "ab12.x", bytes(0, 0)));
-  g_autoptr(GVariant) other = get(store, "ab12.x");
+  g_autoptr(GVariant) other = store_get(store, "ab12.x");
   g_assert_cmpuint(g_variant_get_size(other), ==, 0);
   g_assert_cmpuint(opc_store_measure(store).entries, ==, 1);
   opc_store_close(store);
@@ -71,7 +71,7 @@ static void test_damage(void) {
     if (i < n) bad[i] ^= 1;
     g_assert_true(
         g_file_set_contents(path, bad, (gssize)(i < n ? n : i - n), NULL));
-    g_assert_false(has(store, "cd34.x"));
+    g_assert_false(store_has(store, "cd34.x"));
     g_autofree char *told = opc_store_complaint(store);
     g_assert_nonnull(strstr(told, "damaged"));
     g_assert_false(g_file_test(path, G_FILE_TEST_EXISTS));
@@ -90,14 +90,14 @@ static void test_limit(void) {
   for (int i = 0; i < 30; i++) {
     g_autofree char *key = g_strdup_printf("%02d.x", i);
     g_assert_true(opc_store_put(store, key, bytes(10000, i)));
-    g_assert_true(has(store, "00.x")); /* used repeatedly */
+    g_assert_true(store_has(store, "00.x")); /* used repeatedly */
     g_usleep(2000);
   }
   const opc_store_size size = opc_store_measure(store);
   g_assert_cmpuint(size.bytes, <=, 110000);
   g_assert_cmpuint(size.entries, >, 5);
-  g_assert_true(has(store, "29.x"));
-  g_assert_false(has(store, "01.x"));
+  g_assert_true(store_has(store, "29.x"));
+  g_assert_false(store_has(store, "01.x"));
   g_assert_false(opc_store_put(store, "ee.x", bytes(25001, 1)));
   opc_store_close(store);
   store = open_store(); /* the limit is stored, too */
@@ -148,6 +148,29 @@ static void test_remains(void) {
   opc_store_close(store);
 }
 
+/* Neither a folder with other files nor linked folders are a store: all
+   files stay. */
+static void test_foreign(void) {
+  g_autofree char *other = g_build_filename(folder, "other", NULL);
+  g_autofree char *fresh = g_build_filename(other, "new", NULL);
+  g_autofree char *file = g_build_filename(fresh, "file", NULL);
+  g_autofree char *empty = g_build_filename(folder, "empty", NULL);
+  g_autofree char *link = g_build_filename(empty, "new", NULL);
+  opc_error error;
+  g_assert_cmpint(g_mkdir_with_parents(fresh, 0700), ==, 0);
+  g_assert_true(g_file_set_contents(file, "x", 1, NULL));
+  g_setenv("OPCFLOW_STORE", other, TRUE);
+  g_assert_null(opc_store_open(&error));
+  g_assert_nonnull(strstr(error.message, "'opcflow-store'"));
+  g_setenv("OPCFLOW_STORE", empty, TRUE);
+  opc_store_close(open_store());
+  g_assert_cmpint(symlink(fresh, link), ==, 0);
+  g_assert_null(opc_store_open(&error));
+  g_assert_nonnull(strstr(error.message, "is a symbolic link"));
+  g_assert_true(g_file_test(file, G_FILE_TEST_EXISTS));
+  g_setenv("OPCFLOW_STORE", folder, TRUE);
+}
+
 /* ---- sums ---- */
 
 static void write_at(const char *path, const char *text, time_t when) {
@@ -178,7 +201,7 @@ static void test_sums(void) {
   opc_store_close(store);
   /* Recently changed files are not cached. */
   store = open_store();
-  g_assert_false(has(store, "00sums"));
+  g_assert_false(store_has(store, "00sums"));
   opc_store_close(store);
 }
 
@@ -200,6 +223,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/store/limit", test_limit);
   g_test_add_func("/store/sizes", test_sizes);
   g_test_add_func("/store/remains", test_remains);
+  g_test_add_func("/store/foreign", test_foreign);
   g_test_add_func("/store/sums", test_sums);
   g_test_add_func("/store/builds", test_builds);
   int code = g_test_run();

@@ -151,6 +151,7 @@ static gboolean add_object(GPtrArray *all, struct link_map *object) {
   g_ptr_array_add(all, object);
   for (const ElfW(Dyn) *d = object->l_ld; d->d_tag != DT_NULL; d++)
     if (d->d_tag == DT_STRTAB) names = (const char *)d->d_un.d_ptr;
+  if (!names) return TRUE;
   for (const ElfW(Dyn) *d = object->l_ld; good && d->d_tag != DT_NULL; d++) {
     if (d->d_tag != DT_NEEDED) continue;
     struct link_map *other = find_object(object, names + d->d_un.d_val);

@@ -22,16 +22,16 @@ typedef struct bad {
 
 /* ---- work ---- */
 
-static int rule(void *self, const eda_printed *printed, eda_ruling *ruling,
-                opc_error *error) {
+static int bad_rule(void *self, const eda_printed *printed, eda_ruling *ruling,
+                    opc_error *error) {
   (void)self, (void)printed, (void)ruling, (void)error;
   return OPC_OK;
 }
 
 #ifndef BAD_FUNCTION
-static int violations(void *self, const eda_printed *printed,
-                      eda_violation *list, size_t most, size_t *count,
-                      opc_error *error) {
+static int bad_violations(void *self, const eda_printed *printed,
+                          eda_violation *list, size_t most, size_t *count,
+                          opc_error *error) {
   (void)self, (void)printed, (void)list, (void)most, (void)error;
   *count = 0;
   return OPC_OK;
@@ -67,9 +67,9 @@ static const opc_parameter parameters[] = {
 /* ---- entry ---- */
 
 static const eda_regulator functions = {
-    .rule = rule,
+    .rule = bad_rule,
 #ifndef BAD_FUNCTION
-    .violations = violations,
+    .violations = bad_violations,
 #endif
 };
 

@@ -22,15 +22,19 @@ typedef struct bad {
 static const opc_host *host;
 
 #ifdef BAD_FAULT
-static inline int does(const char *fault) { return !strcmp(BAD_FAULT, fault); }
+static inline int fault_is(const char *fault) {
+  return !strcmp(BAD_FAULT, fault);
+}
 #else
-static inline int does(const char *fault) { return is_word("BAD_HOW", fault); }
+static inline int fault_is(const char *fault) {
+  return is_word("BAD_HOW", fault);
+}
 #endif
 
-static inline int descend(volatile int *depth) {
+static inline int stack_descend(volatile int *depth) {
   volatile char room[4096] = {0};
   if (*depth < 0) return room[0];
-  return descend(depth) + room[1];
+  return stack_descend(depth) + room[1];
 }
 
 static inline void write_wildly(void *data, size_t i) {
@@ -40,42 +44,42 @@ static inline void write_wildly(void *data, size_t i) {
 }
 
 /* Faults that any function of a plugin can have. */
-static inline int misbehave(void) {
+static inline int fault_apply(void) {
   volatile int depth = 0;
 #ifndef BAD_FAULT
   return is_word("BAD_HOW", "atexit") ? OPC_FAILED : OPC_OK;
 #endif
-  if (does("loop")) be_for_ever();
-  if (does("silent")) return OPC_FAILED;
-  if (does("code")) return 42;
-  if (does("cancel")) return OPC_CANCELLED;
-  if (does("segv")) write_wildly(NULL, 7);
-  if (does("thread")) opc_parallel(host->context, 100, write_wildly, NULL);
-  if (does("stack")) return descend(&depth);
-  if (does("bus")) raise(SIGBUS);
-  if (does("fpe")) raise(SIGFPE);
-  if (does("ill")) raise(SIGILL);
-  if (does("abort")) raise(SIGABRT);
+  if (fault_is("loop")) be_for_ever();
+  if (fault_is("silent")) return OPC_FAILED;
+  if (fault_is("code")) return 42;
+  if (fault_is("cancel")) return OPC_CANCELLED;
+  if (fault_is("segv")) write_wildly(NULL, 7);
+  if (fault_is("thread")) opc_parallel(host->context, 100, write_wildly, NULL);
+  if (fault_is("stack")) return stack_descend(&depth);
+  if (fault_is("bus")) raise(SIGBUS);
+  if (fault_is("fpe")) raise(SIGFPE);
+  if (fault_is("ill")) raise(SIGILL);
+  if (fault_is("abort")) raise(SIGABRT);
   return OPC_OK;
 }
 
-static int check(void *self, opc_error *error) {
+static int bad_check(void *self, opc_error *error) {
   evil("check");
   (void)error;
   host = ((bad *)self)->host;
-  if (does("check")) write_wildly(NULL, 7);
-  return does("refuse") ? OPC_FAILED : OPC_OK;
+  if (fault_is("check")) write_wildly(NULL, 7);
+  return fault_is("refuse") ? OPC_FAILED : OPC_OK;
 }
 
-static void clear(void *self) {
+static void bad_clear(void *self) {
   evil("clear");
   (void)self;
-  if (does("clear")) write_wildly(NULL, 7);
+  if (fault_is("clear")) write_wildly(NULL, 7);
 }
 
 #define BAD_PLUGIN(KIND, FUNCTIONS)                                            \
   OPC_PLUGIN(bad, .id = BAD_ID, .kind = (KIND), .version = "1.0.0",            \
              .licence = "BSD-3-Clause", .summary = "Goes wrong while it runs", \
-             .check = check, .clear = clear, OPC_FUNCTIONS(FUNCTIONS))
+             .check = bad_check, .clear = bad_clear, OPC_FUNCTIONS(FUNCTIONS))
 
 #endif

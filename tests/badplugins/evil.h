@@ -26,7 +26,7 @@ static inline int is_word(const char *variable, const char *word) {
   return value && !strcmp(value, word);
 }
 
-static inline void *crash(void *unused) {
+static inline void *thread_crash(void *unused) {
   int *volatile nowhere = (int *)16;
   *nowhere = 1;
   return unused;
@@ -39,7 +39,7 @@ static inline void *end_process(void *unused) {
 
 /* Handlers for atexit. */
 static inline void end_well(void) { _exit(0); }
-static inline void end_badly(void) { crash(NULL); }
+static inline void end_badly(void) { thread_crash(NULL); }
 
 static inline void in_thread(void *(*work)(void *)) {
   pthread_t thread;
@@ -66,7 +66,7 @@ static inline void *step_over(void *unused) {
 /* Crash in a thread, after the plugin's function has returned. */
 static inline void *crash_later(void *data) {
   usleep(20000);
-  return crash(data);
+  return thread_crash(data);
 }
 
 static inline void leave_thread(void) {
@@ -92,7 +92,7 @@ static inline void chdir_slowly(void) {
   usleep(300000);
 }
 
-static inline void block(int number) {
+static inline void signal_block(int number) {
   sigset_t set;
   sigemptyset(&set);
   sigaddset(&set, number);
@@ -119,18 +119,18 @@ static inline void be_evil(void) {
   HOW("pthread_exit") pthread_exit(NULL);
   HOW("abort") abort();
   HOW("trap") raise(SIGTRAP);
-  HOW("segv") crash(NULL);
+  HOW("segv") thread_crash(NULL);
   HOW("usr1") raise(SIGUSR1);
   HOW("pipe") raise(SIGPIPE);
   HOW("alarm") raise(SIGALRM);
   HOW("profile") raise(SIGPROF);
   HOW("timer") alarm(1);
-  HOW("thread") in_thread(crash);
+  HOW("thread") in_thread(thread_crash);
   HOW("overflow") in_thread(step_over);
   HOW("thread_exit") in_thread(end_process);
   HOW("handler") signal(SIGSEGV, SIG_IGN);
   HOW("deaf") signal(SIGTERM, SIG_IGN);
-  HOW("block") block(SIGINT);
+  HOW("block") signal_block(SIGINT);
   HOW("chdir") if (chdir("/")) abort();
   HOW("chdir slowly") chdir_slowly();
   HOW("rounding") fesetround(FE_UPWARD);
@@ -143,6 +143,8 @@ static inline void be_evil(void) {
   HOW("stdout") close(STDOUT_FILENO);
   HOW("stderr") if (!freopen("/dev/null", "w", stderr)) abort();
   HOW("close") close_range(0, ~0U, 0);
+  HOW("execve") execve("/bin/true", (char *[]){"true", NULL}, environ);
+  HOW("execl") execl("/bin/true", "true", NULL);
   HOW("fork") if (fork()) _exit(0); /* the child continues */
   HOW("hang") be_for_ever();
   HOW("hang aside") {

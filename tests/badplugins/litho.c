@@ -7,20 +7,20 @@ static const double blur = 25, band_limit = 0.02; /* nm, 1/nm */
 /* Static memory, which cannot be freed. */
 static float fixed[1 << 20];
 
-static int prepare(void *self, opc_error *error) {
+static int bad_prepare(void *self, opc_error *error) {
   evil("prepare");
   (void)self, (void)error;
   return OPC_OK;
 }
 
-static double band(const void *self) {
+static double bad_band(const void *self) {
   evil("band");
   (void)self;
-  return does("band") ? NAN : band_limit;
+  return fault_is("band") ? NAN : band_limit;
 }
 
-static void transfer(const void *self, size_t s, const double *fx, double fy,
-                     size_t n, float *out) {
+static void bad_transfer(const void *self, size_t s, const double *fx,
+                         double fy, size_t n, float *out) {
   (void)self, (void)s;
   for (size_t i = 0; i < n; i++) {
     double f = M_PI * blur;
@@ -29,30 +29,30 @@ static void transfer(const void *self, size_t s, const double *fx, double fy,
   }
 }
 
-static int image(const void *self, int layer, const eda_spectrum *mask,
-                 eda_field *out, opc_error *error) {
-  const int dark = does("dark");
-  const double one = does("dim") || dark ? 0.9 : 1;
+static int bad_image(const void *self, int layer, const eda_spectrum *mask,
+                     eda_field *out, opc_error *error) {
+  const int dark = fault_is("dark");
+  const double one = fault_is("dim") || dark ? 0.9 : 1;
   evil("image");
   (void)self, (void)layer;
-  int code = misbehave();
+  int code = fault_apply();
   if (code) return code;
   const eda_kernels kernels = {.count = 1,
                                .weight = &one,
                                .band = band_limit,
                                .intensity_band = 2 * band_limit,
-                               .transfer = transfer,
+                               .transfer = bad_transfer,
                                .offset = {dark, 0},
                                .scale = {dark ? -1 : 1, 0}};
   code = eda_coherent_sum(host->context, mask, &kernels, 0, out, error);
   if (code) return code;
-  if (does("nan")) out->coefficients[out->nx + 2] = NAN;
-  if (does("infinite")) out->coefficients[0] = -INFINITY;
-  if (does("shape")) out->nx = 0;
-  if (does("frame")) out->frame.width *= 2;
-  if (does("empty")) eda_field_clear(out);
-  if (does("dangling")) out->coefficients = (float *)16;
-  if (does("static")) out->coefficients = fixed;
+  if (fault_is("nan")) out->coefficients[out->nx + 2] = NAN;
+  if (fault_is("infinite")) out->coefficients[0] = -INFINITY;
+  if (fault_is("shape")) out->nx = 0;
+  if (fault_is("frame")) out->frame.width *= 2;
+  if (fault_is("empty")) eda_field_clear(out);
+  if (fault_is("dangling")) out->coefficients = (float *)16;
+  if (fault_is("static")) out->coefficients = fixed;
   return OPC_OK;
 }
 
@@ -61,13 +61,15 @@ static int image_fine(const void *self, int layer, const eda_spectrum *mask,
                       double defocus, double wanted, eda_field *out,
                       opc_error *error) {
   (void)defocus;
-  int code = image(self, layer, mask, out, error);
-  for (int i = 0; !code && does("fine") && i < out->nx * out->ny; i++)
+  int code = bad_image(self, layer, mask, out, error);
+  for (int i = 0; !code && fault_is("fine") && i < out->nx * out->ny; i++)
     out->coefficients[i] *= (float)(1.01 - 2 * wanted);
   return code;
 }
 
-static const eda_litho functions = {
-    .prepare = prepare, .band = band, .image = image, .image_fine = image_fine};
+static const eda_litho functions = {.prepare = bad_prepare,
+                                    .band = bad_band,
+                                    .image = bad_image,
+                                    .image_fine = image_fine};
 
 BAD_PLUGIN("litho", functions);

@@ -2,18 +2,18 @@
 /* A faulty regulator without rules. */
 #include "bad.h"
 
-static int rule(void *self, const eda_printed *printed, eda_ruling *ruling,
-                opc_error *error) {
+static int bad_rule(void *self, const eda_printed *printed, eda_ruling *ruling,
+                    opc_error *error) {
   size_t n = printed->gates->count;
   (void)self, (void)error;
   evil("rule");
-  if (does("overrun")) ruling->vetoes[n] = 0;
-  if (does("underrun")) ruling->end[-1] = 0;
-  if (does("dangling patches"))
+  if (fault_is("overrun")) ruling->vetoes[n] = 0;
+  if (fault_is("underrun")) ruling->end[-1] = 0;
+  if (fault_is("dangling patches"))
     ruling->patches[0] = (eda_boxes){(const eda_box *)16, 3};
-  if (does("ends")) ruling->end[0] = 1 << 24;
-  if (does("vetoes")) ruling->vetoes[2] = 0x40;
-  return misbehave();
+  if (fault_is("ends")) ruling->end[0] = 1 << 24;
+  if (fault_is("vetoes")) ruling->vetoes[2] = 0x40;
+  return fault_apply();
 }
 
 /* Return a text without a terminating zero. */
@@ -22,24 +22,25 @@ static const char *endless(void) {
   return memset(text, 'x', sizeof text);
 }
 
-static int violations(void *self, const eda_printed *printed,
-                      eda_violation *list, size_t most, size_t *count,
-                      opc_error *error) {
+static int bad_violations(void *self, const eda_printed *printed,
+                          eda_violation *list, size_t most, size_t *count,
+                          opc_error *error) {
   (void)self, (void)printed, (void)error;
   evil("violations");
-  *count = does("count") || does("gate") || does("place") || does("dangling") ||
-           does("endless");
-  if (does("overrun violations")) list[most].gate = 0;
+  *count = fault_is("count") || fault_is("gate") || fault_is("place") ||
+           fault_is("dangling") || fault_is("endless");
+  if (fault_is("overrun violations")) list[most].gate = 0;
   if (!most) return OPC_OK;
   list[0] = (eda_violation){.gate = 99};
-  if (does("gate")) list[0].rule = "space";
-  if (does("dangling")) list[0] = (eda_violation){.rule = (const char *)16};
-  if (does("endless")) list[0] = (eda_violation){.rule = endless()};
-  if (does("place"))
+  if (fault_is("gate")) list[0].rule = "space";
+  if (fault_is("dangling")) list[0] = (eda_violation){.rule = (const char *)16};
+  if (fault_is("endless")) list[0] = (eda_violation){.rule = endless()};
+  if (fault_is("place"))
     list[0] = (eda_violation){.rule = "space", .x = -5000, .y = 40};
   return OPC_OK;
 }
 
-static const eda_regulator functions = {.rule = rule, .violations = violations};
+static const eda_regulator functions = {.rule = bad_rule,
+                                        .violations = bad_violations};
 
 BAD_PLUGIN("regulator", functions);

@@ -21,7 +21,7 @@ typedef struct kept {
 
 /* ---- work ---- */
 
-static int run(void *self, void **outputs, opc_error *error) {
+static int kept_run(void *self, void **outputs, opc_error *error) {
   const kept *k = self;
   double *sum = outputs[0] = malloc(sizeof *sum);
   double *twice = outputs[1] = malloc(sizeof *twice);
@@ -50,16 +50,16 @@ static int number_file(const char *folder, const char *mode, double *number) {
   return !fclose(file) && n == 1;
 }
 
-static int save(void *self, void *const *outputs, const char *folder,
-                opc_error *error) {
+static int kept_save(void *self, void *const *outputs, const char *folder,
+                     opc_error *error) {
   (void)self;
   return number_file(folder, "wb", outputs[0])
              ? OPC_OK
              : opc_fail(error, OPC_IO, NULL, "not saved");
 }
 
-static int restore(void *self, const char *folder, void **outputs,
-                   opc_error *error) {
+static int kept_restore(void *self, const char *folder, void **outputs,
+                        opc_error *error) {
   const kept *k = self;
   outputs[0] = malloc(sizeof(double));
   if (!number_file(folder, "rb", outputs[0]))
@@ -96,8 +96,8 @@ static const opc_metric metrics[] = {
 
 static const opc_port outputs[] = {{"sum", "number", check_number, free},
                                    {"twice", "number", check_number, free}};
-static const opc_step functions = {OPC_OUTPUTS(outputs), .run = run,
-                                   .save = save, .restore = restore};
+static const opc_step functions = {OPC_OUTPUTS(outputs), .run = kept_run,
+                                   .save = kept_save, .restore = kept_restore};
 
 OPC_PLUGIN(kept, .id = TEST_ID, .kind = "step", .version = "1.0.0",
            .licence = "BSD-3-Clause", .summary = "A number that is kept",

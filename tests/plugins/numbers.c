@@ -52,7 +52,7 @@ static int write_file(const numbers *n, opc_error *error) {
   return OPC_OK;
 }
 
-static int publish(const numbers *n, double sum, opc_error *error) {
+static int numbers_publish(const numbers *n, double sum, opc_error *error) {
   const char *names[] = {"plain", "with, comma", "with \"quotes\""};
   const double reals[] = {sum, -0.001, NAN};
   const int64_t integers[] = {1, -2, 3};
@@ -71,7 +71,7 @@ static void find_one(void *data, size_t i) {
 }
 
 /* The second report follows the first too soon to be shown. */
-static void tell(const numbers *n) {
+static void numbers_report(const numbers *n) {
   const opc_progress all[] = {
       {1, 1201, 0.5, "nm"}, {2, 1201, 0.5, "nm"}, {3, NAN, 0.25, NULL}};
   for (int i = 0; i < 3; i++) {
@@ -80,7 +80,7 @@ static void tell(const numbers *n) {
   }
 }
 
-static int misbehave(const numbers *n, opc_error *error) {
+static int numbers_fault(const numbers *n, opc_error *error) {
   switch (n->behave) {
     case FAIL:
       return opc_fail(error, OPC_FAILED, "size", "%g nm is not possible",
@@ -103,14 +103,14 @@ static int misbehave(const numbers *n, opc_error *error) {
       opc_parallel(n->host->context, 250, find_one, (void *)n);
       return OPC_OK;
     case TELL:
-      tell(n);
+      numbers_report(n);
       return OPC_OK;
     default:
       return OPC_OK;
   }
 }
 
-static int run(void *self, void **outputs, opc_error *error) {
+static int numbers_run(void *self, void **outputs, opc_error *error) {
   const numbers *n = self;
   double *sum = malloc(sizeof *sum);
   outputs[0] = sum;
@@ -122,8 +122,8 @@ static int run(void *self, void **outputs, opc_error *error) {
   if (called != 100)
     return opc_fail(error, OPC_FAILED, NULL, "%d calls", called);
   int code = n->output ? write_file(n, error) : OPC_OK;
-  if (!code) code = misbehave(n, error);
-  return code || n->behave == QUIET ? code : publish(n, *sum, error);
+  if (!code) code = numbers_fault(n, error);
+  return code || n->behave == QUIET ? code : numbers_publish(n, *sum, error);
 }
 
 static int check_number(const void *object, opc_error *error) {
@@ -178,7 +178,7 @@ static const opc_metric metrics[] = {
     {"sum", "nm", OPC_LOWER, 0.1, "the sum"},
 };
 
-static int check(void *self, opc_error *error) {
+static int numbers_check(void *self, opc_error *error) {
   const numbers *n = self;
   if (n->plain != 13) return OPC_OK;
   return opc_fail(error, OPC_INVALID, "plain", "13 is not welcome");
@@ -188,10 +188,10 @@ static int check(void *self, opc_error *error) {
 
 static const opc_port outputs[] = {{"sum", "number", check_number, free}};
 
-static const opc_step functions = {OPC_OUTPUTS(outputs), .run = run};
+static const opc_step functions = {OPC_OUTPUTS(outputs), .run = numbers_run};
 
 OPC_PLUGIN(numbers, .id = "test.numbers", .kind = "step", .version = "1.0.0",
            .licence = "BSD-3-Clause", .summary = "A parameter of every type",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), OPC_METRICS(metrics), .check = check,
-           OPC_FUNCTIONS(functions));
+           OPC_PARAMETERS(parameters), OPC_METRICS(metrics),
+           .check = numbers_check, OPC_FUNCTIONS(functions));

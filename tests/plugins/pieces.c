@@ -75,7 +75,7 @@ static int work_nested(void *data, size_t i, opc_bytes *out, opc_error *error) {
   return OPC_OK;
 }
 
-static int misbehave(pieces *p, size_t i, opc_bytes *out, opc_error *error) {
+static int pieces_fault(pieces *p, size_t i, opc_bytes *out, opc_error *error) {
   double three = 0;
   const opc_pieces nested = {.data = &three,
                              .name = "part",
@@ -109,9 +109,9 @@ static int misbehave(pieces *p, size_t i, opc_bytes *out, opc_error *error) {
   return OPC_OK;
 }
 
-static int work(void *data, size_t i, opc_bytes *out, opc_error *error) {
+static int piece_work(void *data, size_t i, opc_bytes *out, opc_error *error) {
   pieces *p = data;
-  if ((int64_t)i == p->at && p->sum > 0 && misbehave(p, i, out, error))
+  if ((int64_t)i == p->at && p->sum > 0 && pieces_fault(p, i, out, error))
     return error->code;
   (void)usleep((useconds_t)(p->wait * (1 + (int64_t)i % 3) * 1000));
   for (int64_t k = 0; k < p->size; k++) {
@@ -127,8 +127,8 @@ static int is_rank(int64_t at) {
   return rank && atoi(rank) == at;
 }
 
-static int take(void *data, size_t i, const void *bytes, size_t size,
-                opc_error *error) {
+static int piece_take(void *data, size_t i, const void *bytes, size_t size,
+                      opc_error *error) {
   pieces *p = data;
   const double *values = bytes;
   if (p->fault == TAKE && p->sum > 0 && (int64_t)i == p->at)
@@ -155,7 +155,7 @@ static const char *key(void *data, size_t i) {
    index. */
 static double cost(void *data, size_t i) { return (void)data, (double)(i % 3); }
 
-static void done(void *data, size_t n) { ((pieces *)data)->done = n; }
+static void pieces_done(void *data, size_t n) { ((pieces *)data)->done = n; }
 
 static int do_list(pieces *p, const char *name, opc_error *error) {
   const opc_pieces list = {.data = p,
@@ -163,9 +163,9 @@ static int do_list(pieces *p, const char *name, opc_error *error) {
                            .count = (size_t)p->count,
                            .key = p->kept ? key : NULL,
                            .cost = cost,
-                           .work = work,
-                           .take = take,
-                           .done = done};
+                           .work = piece_work,
+                           .take = piece_take,
+                           .done = pieces_done};
   p->n = p->done = 0;
   int code = opc_do_pieces(p->host, &list, error);
   if (!code && (p->n != list.count || p->done != list.count))
@@ -175,7 +175,7 @@ static int do_list(pieces *p, const char *name, opc_error *error) {
   return code;
 }
 
-static int run(void *self, void **outputs, opc_error *error) {
+static int pieces_run(void *self, void **outputs, opc_error *error) {
   pieces *p = self;
   double *out = outputs[0] = malloc(sizeof *out);
   p->taken = calloc((size_t)p->count + 1, sizeof *p->taken);
@@ -202,16 +202,16 @@ static int number_file(const char *folder, const char *mode, double *number) {
   return !fclose(file) && n == 1;
 }
 
-static int save(void *self, void *const *outputs, const char *folder,
-                opc_error *error) {
+static int pieces_save(void *self, void *const *outputs, const char *folder,
+                       opc_error *error) {
   (void)self;
   return number_file(folder, "wb", outputs[0])
              ? OPC_OK
              : opc_fail(error, OPC_IO, NULL, "not saved");
 }
 
-static int restore(void *self, const char *folder, void **outputs,
-                   opc_error *error) {
+static int pieces_restore(void *self, const char *folder, void **outputs,
+                          opc_error *error) {
   (void)self;
   outputs[0] = malloc(sizeof(double));
   return number_file(folder, "rb", outputs[0])
@@ -260,9 +260,9 @@ static const opc_metric metrics[] = {
 /* ---- entry ---- */
 
 static const opc_port outputs[] = {{"sum", "number", check_number, free}};
-static const opc_step functions = {OPC_OUTPUTS(outputs), .run = run,
-                                   .flags = OPC_STEP_PIECES, .save = save,
-                                   .restore = restore};
+static const opc_step functions = {
+    OPC_OUTPUTS(outputs), .run = pieces_run, .flags = OPC_STEP_PIECES,
+    .save = pieces_save, .restore = pieces_restore};
 
 OPC_PLUGIN(pieces, .id = TEST_ID, .kind = "step", .version = "1.0.0",
            .licence = "BSD-3-Clause", .summary = "Work in pieces",

@@ -10,7 +10,7 @@ typedef struct slotted {
 
 /* ---- work ---- */
 
-static int run(void *self, void **outputs, opc_error *error) {
+static int slotted_run(void *self, void **outputs, opc_error *error) {
   (void)self, (void)outputs, (void)error;
   return OPC_OK;
 }
@@ -25,7 +25,7 @@ static const opc_parameter parameters[] = {
 
 /* ---- entry ---- */
 
-static const opc_step functions = {.run = run};
+static const opc_step functions = {.run = slotted_run};
 
 OPC_PLUGIN(slotted, .id = "test.slotted", .kind = "step", .version = "1.0.0",
            .licence = "BSD-3-Clause", .summary = "A slot with a default",

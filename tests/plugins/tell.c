@@ -31,8 +31,8 @@ static int write_words(const tell *t, size_t n, const char *const *words,
   return OPC_OK;
 }
 
-static int publish(const tell *t, size_t n, const char *const *words,
-                   opc_error *error) {
+static int words_publish(const tell *t, size_t n, const char *const *words,
+                         opc_error *error) {
   int64_t *lengths = malloc((n + 1) * sizeof *lengths);
   double sum = 0;
   for (size_t i = 0; i < n; i++) lengths[i] = (int64_t)strlen(words[i]);
@@ -45,8 +45,8 @@ static int publish(const tell *t, size_t n, const char *const *words,
   return code ? code : t->host->metric(t->host, "sum", sum, error);
 }
 
-static int run(void *self, size_t n, const char *const *words,
-               opc_error *error) {
+static int tell_run(void *self, size_t n, const char *const *words,
+                    opc_error *error) {
   const tell *t = self;
   if (!t->quiet)
     t->host->log(t->host, OPC_LOG_INFO, "%s%s%zu words, %s, %d cases",
@@ -56,7 +56,7 @@ static int run(void *self, size_t n, const char *const *words,
     return opc_fail(error, OPC_LIMIT, "max_cases", "too much");
   if (n && !strcmp(words[0], "crash")) abort();
   if (t->output) return write_words(t, n, words, error);
-  return publish(t, n, words, error);
+  return words_publish(t, n, words, error);
 }
 
 /* ---- parameters ---- */
@@ -79,7 +79,7 @@ static const opc_metric metrics[] = {
     {"sum", "nm", OPC_LOWER, 0, "sum of all sizes"},
 };
 
-static int check(void *self, opc_error *error) {
+static int tell_check(void *self, opc_error *error) {
   const tell *t = self;
   if (t->max_cases != 13) return OPC_OK;
   return opc_fail(error, OPC_INVALID, "max_cases", "13 is not welcome");
@@ -87,10 +87,10 @@ static int check(void *self, opc_error *error) {
 
 /* ---- entry ---- */
 
-static const opc_command functions = {.arguments = "WORD ...", .run = run};
+static const opc_command functions = {.arguments = "WORD ...", .run = tell_run};
 
 OPC_PLUGIN(tell, .id = "command.tell", .kind = "command", .version = "1.0.0",
            .licence = "BSD-3-Clause", .summary = "Print the given words",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), OPC_METRICS(metrics), .check = check,
-           OPC_FUNCTIONS(functions));
+           OPC_PARAMETERS(parameters), OPC_METRICS(metrics),
+           .check = tell_check, OPC_FUNCTIONS(functions));

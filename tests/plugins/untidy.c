@@ -16,7 +16,7 @@ static _Thread_local int mine;
 
 /* ---- work ---- */
 
-static int prepare(void *self, opc_error *error) {
+static int untidy_prepare(void *self, opc_error *error) {
   (void)self, (void)error;
   return OPC_OK;
 }
@@ -30,19 +30,19 @@ static size_t slicing(const void *self, const double **place,
   return 1;
 }
 
-static void count(void *data, size_t i) {
+static void call_count(void *data, size_t i) {
   (void)data, (void)i;
   usleep(300);
   mine++;
 }
 
 /* The result depends on the number of calls and on the thread. */
-static int extract(const void *self, const eda_slices *in, eda_performance *out,
-                   opc_error *error) {
+static int untidy_extract(const void *self, const eda_slices *in,
+                          eda_performance *out, opc_error *error) {
   const untidy *u = self;
   (void)error;
   mine = 0;
-  opc_parallel(u->host->context, 40, count, NULL);
+  opc_parallel(u->host->context, 40, call_count, NULL);
   for (size_t i = 0; i < in->count; i++) {
     out->ion[i] = out->ioff[i] = 1 + calls * 1e-9 + mine;
     out->leq_ion[i] = out->leq_ioff[i] = in->length[i];
@@ -65,7 +65,7 @@ static const opc_parameter parameters[] = {
 };
 
 /* Leaks memory. */
-static int check(void *self, opc_error *error) {
+static int untidy_check(void *self, opc_error *error) {
   static void *volatile last;
   const untidy *u = self;
   (void)error;
@@ -76,9 +76,9 @@ static int check(void *self, opc_error *error) {
 /* ---- entry ---- */
 
 static const eda_extractor functions = {
-    .prepare = prepare, .slicing = slicing, .extract = extract};
+    .prepare = untidy_prepare, .slicing = slicing, .extract = untidy_extract};
 
 OPC_PLUGIN(untidy, .id = "test.untidy", .kind = "extractor", .version = "1.0.0",
            .licence = "BSD-3-Clause", .summary = "Breaks the contract",
-           OPC_PARAMETERS(parameters), .check = check,
+           OPC_PARAMETERS(parameters), .check = untidy_check,
            OPC_FUNCTIONS(functions));

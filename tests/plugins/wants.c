@@ -18,7 +18,7 @@ typedef struct wants {
 
 static double number(const wants *w) { return w->from ? *w->from : 1; }
 
-static int forecast(void *self, opc_forecast *out, opc_error *error) {
+static int wants_forecast(void *self, opc_forecast *out, opc_error *error) {
   const wants *w = self;
   out->memory = w->memory * 1e9;
   snprintf(out->work, sizeof out->work, "%g sums", number(w));
@@ -28,7 +28,7 @@ static int forecast(void *self, opc_forecast *out, opc_error *error) {
   return OPC_OK;
 }
 
-static int run(void *self, void **outputs, opc_error *error) {
+static int wants_run(void *self, void **outputs, opc_error *error) {
   const wants *w = self;
   double *twice = malloc(sizeof *twice);
   outputs[0] = twice;
@@ -57,8 +57,8 @@ static const opc_metric metrics[] = {{"twice", NULL, OPC_NEUTRAL, 0, "double"}};
 
 static const opc_port outputs[] = {{"twice", "number", check_number, free}};
 
-static const opc_step functions = {OPC_OUTPUTS(outputs), .run = run,
-                                   .forecast = forecast, .flags = FLAGS};
+static const opc_step functions = {OPC_OUTPUTS(outputs), .run = wants_run,
+                                   .forecast = wants_forecast, .flags = FLAGS};
 
 OPC_PLUGIN(wants, .id = ID, .kind = "step", .version = "1.0.0",
            .licence = "BSD-3-Clause", .summary = "Says what it wants",

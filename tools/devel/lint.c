@@ -34,13 +34,13 @@ static void take_line(opc_lint *lint, const char *line, const char *first,
   g_ptr_array_add(list, g_strdup(line + 1));
 }
 
-typedef struct job {
+typedef struct check_task {
   const opc_lint *lint;
   size_t check;
-} job;
+} check_task;
 
 static void do_in_child(int out, void *data) {
-  const job *j = data;
+  const check_task *j = data;
   opc_check_do(j->lint, j->check, out);
 }
 
@@ -50,7 +50,7 @@ static gboolean run_check(opc_lint *lint, size_t i, const char *first,
   const char *name = opc_checks[i].name;
   gboolean ended = FALSE;
   int end;
-  job j = {lint, i};
+  check_task j = {lint, i};
   g_autoptr(GString) text = child_run(do_in_child, &j, lint->seconds, &end);
   g_auto(GStrv) lines = g_strsplit(text->str, "\n", -1);
   for (guint k = 0; lines[k]; k++) {

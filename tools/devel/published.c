@@ -29,9 +29,10 @@ static int take_table(const opc_host *host, const char *name, uint32_t flags,
 static int take_metric(const opc_host *host, const char *name, double value,
                        opc_error *error) {
   const opc_plugin *plugin = ((const opc_binding *)host->data)->plugin;
-  const opc_published_metric m = {g_intern_string(name), value};
-  if (plugin && !opc_metric_check(plugin, name, value, error))
-    return error->code;
+  const opc_metric *declared =
+      plugin ? opc_metric_check(plugin, name, value, error) : NULL;
+  if (plugin && !declared) return error->code;
+  const opc_published_metric m = {g_intern_string(name), value, declared};
   g_array_append_val(published_of(host)->metrics, m);
   return OPC_OK;
 }

@@ -9,6 +9,7 @@
 typedef struct opc_published_metric {
   const char *name;
   double value;
+  const opc_metric *declared; /* NULL: the host of no plugin took the metric */
 } opc_published_metric;
 
 typedef struct opc_published {

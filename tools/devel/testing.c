@@ -31,7 +31,7 @@ static struct {
 static void remove_all(void) { opc_published_clear(&state.published); }
 
 /* Before main. The folders of plugins may still change. */
-__attribute__((constructor)) static void start(void) {
+__attribute__((constructor)) static void state_start(void) {
   state.source = opc_source_new("test", "");
   opc_published_init(&state.published, g_get_tmp_dir());
   state.log = g_string_new(NULL);

@@ -30,7 +30,7 @@ static int characterize_run(const char *rest, opc_error *error) {
   return code;
 }
 
-static void characterize(const char *rest) {
+static void step_characterize(const char *rest) {
   opc_error error;
   if (characterize_run(rest, &error)) g_error("%s", error.message);
 }
@@ -135,7 +135,7 @@ static double by_loop(int32_t length, int32_t width, int32_t grid, int adjust,
    loop counts two more iterations, which move nothing. The chosen start is the
    best. */
 static void test_brute_force(void) {
-  characterize(
+  step_characterize(
       "lengths: [70 nm], widths: [150 nm], w_step: proportional, "
       "from: -9 nm, to: 3 nm");
   g_assert_cmpuint(opc_test_rows("init_adjust_trials"), ==, 13);
@@ -158,7 +158,7 @@ static void test_brute_force(void) {
   }
   g_assert_cmpfloat(at_chosen, <, best + 0.02);
   /* On another grid. */
-  characterize(
+  step_characterize(
       "lengths: [70 nm], widths: [150 nm], w_step: proportional, grid: 2 nm, "
       "from: -4 nm, to: -4 nm");
   double iterations, pde = by_loop(70, 150, 2, -4, &iterations);
@@ -173,7 +173,7 @@ static void test_brute_force(void) {
    falls with L. It agrees with the printed length: at W 200 the line has about
    twice the deviation. */
 static void test_falls_with_length(void) {
-  characterize(
+  step_characterize(
       "lengths: [65 nm, 70 nm, 80 nm], widths: [200 nm, 300 nm], "
       "w_step: proportional, from: -16 nm, to: 2 nm, tie: 1 %");
   for (size_t w = 0; w < 2; w++) {
@@ -197,7 +197,7 @@ static void test_tie(void) {
         "lengths: [70 nm], widths: [200 nm], w_step: "
         "proportional, from: -8 nm, to: 2 nm, tie: %s",
         k ? "0.5 %" : "0 %");
-    characterize(text);
+    step_characterize(text);
     pde[k] = fabs(opc_test_number("init_adjust", "pde", 0));
     iterations[k] = opc_test_number("init_adjust", "iterations", 0);
     for (size_t i = 0; i < opc_test_rows("init_adjust_trials"); i++) {

@@ -96,33 +96,34 @@ double bench_start(const bench *b);
 /* ---- jobs.c: processes ---- */
 
 /* Work unit of one process: a range of items at one set of sizes. */
-typedef struct job {
+typedef struct bench_task {
   const bench *b;
   const void *of; /* data of the caller */
   int state;
   size_t from, to; /* range of items */
   int code;        /* error code; OPC_OK on success */
   opc_error error;
-} job;
+} bench_task;
 
 /* Process `count` items at one set of sizes, `some` per job, with jobs in
    parallel. */
 int jobs_run_at(bench *b, int state, size_t count, size_t some,
-                void (*work)(job *j), const void *of, opc_error *error);
+                void (*work)(bench_task *j), const void *of, opc_error *error);
 
 /* Process `count` items at each set of sizes present. Jobs at the sizes before
    correction may fail. */
-int jobs_run(bench *b, size_t count, size_t some, void (*work)(job *j),
+int jobs_run(bench *b, size_t count, size_t some, void (*work)(bench_task *j),
              const void *of, opc_error *error);
 
 /* Return the text written by `write` (caller frees); NULL if the job has
    failed. */
-char *job_text(job *j, void (*write)(job *j, FILE *out, const void *how),
+char *job_text(bench_task *j,
+               void (*write)(bench_task *j, FILE *out, const void *how),
                const void *how);
 
 /* Run the simulator. Sets the code of the job on failure. If the job has
    already failed, the texts may be NULL. The caller clears the result. */
-void job_simulate(job *j, const char *deck, const char *commands,
+void job_simulate(bench_task *j, const char *deck, const char *commands,
                   eda_spice_result *out);
 
 /* Current tolerance of transients, A: 1e-5 of the switching currents. In the
@@ -134,9 +135,9 @@ void job_simulate(job *j, const char *deck, const char *commands,
 /* Write parts of a deck. job_begin: title, cards, and options with the relative
    tolerance and the current tolerance (A). job_circuit: the circuit and its
    loads. job_sources: supplies, and inputs at 0 V. */
-void job_begin(const job *j, FILE *out, double reltol, double abstol);
-void job_circuit(job *j, FILE *out, int sizes);
-void job_sources(const job *j, FILE *out);
+void job_begin(const bench_task *j, FILE *out, double reltol, double abstol);
+void job_circuit(bench_task *j, FILE *out, int sizes);
+void job_sources(const bench_task *j, FILE *out);
 
 /* ---- patterns.c: input patterns ---- */
 
@@ -202,33 +203,36 @@ void states_save(const bench *b, const machine *m, FILE *out);
 void states_levels(const bench *b, const machine *m, const eda_spice_plot *plot,
                    double time, int8_t *level);
 
-/* ---- ways.c: paths through the states ---- */
+/* ---- traversal.c: paths through the states ---- */
 
 /* Sequence of input changes, one per phase, after an initial phase. */
-typedef struct walk {
+typedef struct traversal {
   GArray *input; /* uint32_t */
   uint32_t at;   /* state after the last change */
-} walk;
+} traversal;
 
-walk walk_new(const machine *m);
-void walk_clear(walk *w);
-void walk_step(const bench *b, const machine *m, walk *w, uint32_t input);
+traversal traversal_new(const machine *m);
+void traversal_clear(traversal *w);
+void traversal_step(const bench *b, const machine *m, traversal *w,
+                    uint32_t input);
 /* Extend a traversal to a state by the fewest changes. Returns 0 if no path is
    known. */
-int walk_to(const bench *b, const machine *m, walk *w, uint32_t state);
+int traversal_to(const bench *b, const machine *m, traversal *w,
+                 uint32_t state);
 /* Write the sources of the inputs and of the supplies, which rise from 0 V
    first. */
-void walk_sources(const bench *b, const machine *m, const walk *w, FILE *out);
+void traversal_sources(const bench *b, const machine *m, const traversal *w,
+                       FILE *out);
 /* Write the command of the transient analysis. */
-void walk_command(const machine *m, const walk *w, FILE *out);
+void traversal_command(const machine *m, const traversal *w, FILE *out);
 
 /* Mark a set of recurrent states: states that lead to each other and to no
    others. Takes the first such set on the way from the power-up state. */
-void ways_back(const bench *b, const machine *m, uint8_t *mark);
+void states_leading_to(const bench *b, const machine *m, uint8_t *mark);
 
 /* Extend an empty traversal by changes that lead to the same state from all
    states with all inputs at 0. Returns 0 if no such changes are known. */
-int ways_synchronise(const bench *b, const machine *m, walk *w);
+int traversal_synchronise(const bench *b, const machine *m, traversal *w);
 
 /* ---- delays.c: transients ---- */
 
@@ -272,11 +276,12 @@ int delays_wave(bench *b, const patterns *p, const delays *d, size_t arrival,
 void wave_keep(bench *b, const arrival *a, const eda_spice_plot *plot,
                double begin, double end, wave *out);
 
-/* ---- walks.c: transients of sequential circuits ---- */
+/* ---- sequential.c: transients of sequential circuits ---- */
 
-int walks_run(bench *b, const patterns *p, const delays *d, opc_error *error);
-int walks_wave(bench *b, const patterns *p, const delays *d, size_t arrival,
-               int state, wave *out, opc_error *error);
+int sequential_run(bench *b, const patterns *p, const delays *d,
+                   opc_error *error);
+int sequential_wave(bench *b, const patterns *p, const delays *d,
+                    size_t arrival, int state, wave *out, opc_error *error);
 
 /* ---- cells.c: memory ---- */
 

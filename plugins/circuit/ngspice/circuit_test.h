@@ -80,7 +80,7 @@ static inline void add_device(made *m, const char *line) {
 
 /* Return a circuit. Ports: "A:i Y:o VDD:s VSS:g". Devices, separated by commas:
    "MN1 drain gate source bulk n L W". */
-static inline made *make(const char *ports, const char *devices) {
+static inline made *circuit_make(const char *ports, const char *devices) {
   static const char letters[] = {[EDA_PIN_INPUT] = 'i',
                                  [EDA_PIN_OUTPUT] = 'o',
                                  [EDA_PIN_SUPPLY] = 's',
@@ -180,15 +180,15 @@ static inline int run_on(eda_circuit *circuit, eda_mask *mask, const char *card,
   return opc_test_run(m, none, error);
 }
 
-static inline void run(made *m, int with_mask, const char *card,
-                       const char *rest) {
+static inline void circuit_run(made *m, int with_mask, const char *card,
+                               const char *rest) {
   opc_error error;
   if (run_on(&m->circuit, with_mask ? &m->mask : NULL, card, rest, &error))
     g_error("%s", error.message);
 }
 
-static inline void refused(made *m, int with_mask, const char *card,
-                           const char *rest, const char *pattern) {
+static inline void assert_refused(made *m, int with_mask, const char *card,
+                                  const char *rest, const char *pattern) {
   opc_error error;
   if (!run_on(&m->circuit, with_mask ? &m->mask : NULL, card, rest, &error))
     g_error("'%s' works", rest);
@@ -268,7 +268,7 @@ static inline char *by_hand(const char *deck) {
 }
 
 /* Return the value of a line "NAME = VALUE" of the output. */
-static inline double printed(const char *out, const char *name) {
+static inline double printed_value(const char *out, const char *name) {
   g_autofree char *pattern = g_strdup_printf("(?m)^%s\\s*=\\s*(\\S+)", name);
   g_autoptr(GRegex) regex = g_regex_new(pattern, 0, 0, NULL);
   g_autoptr(GMatchInfo) match = NULL;
@@ -278,8 +278,8 @@ static inline double printed(const char *out, const char *name) {
   return g_ascii_strtod(value, NULL);
 }
 
-static inline void near(const char *what, double got, double want,
-                        double share) {
+static inline void assert_near(const char *what, double got, double want,
+                               double share) {
   g_test_message("%s: %.6g, by hand %.6g, %+.4f %%", what, got, want,
                  100 * (got / want - 1));
   if (!(fabs(got / want - 1) <= share)) g_error("%s", what);

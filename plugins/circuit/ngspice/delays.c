@@ -35,7 +35,7 @@ typedef struct transient {
 
 /* ---- decks ---- */
 
-static void write_deck(job *j, FILE *out, const void *how) {
+static void write_deck(bench_task *j, FILE *out, const void *how) {
   const bench *b = j->b;
   (void)how;
   job_begin(j, out, 1e-4, SWITCHING_CURRENT);
@@ -46,7 +46,7 @@ static void write_deck(job *j, FILE *out, const void *how) {
   fputs(".end\n", out);
 }
 
-static void write_commands(job *j, FILE *out, const void *how) {
+static void write_commands(bench_task *j, FILE *out, const void *how) {
   const bench *b = j->b;
   const study *s = j->of;
   const transient *w = how;
@@ -111,7 +111,7 @@ typedef struct outcome {
   double last; /* end of the latest complete arrival, s */
 } outcome;
 
-static outcome measure_all(const job *j, const eda_spice_result *r) {
+static outcome measure_all(const bench_task *j, const eda_spice_result *r) {
   const bench *b = j->b;
   const delays *d = ((const study *)j->of)->d;
   outcome all = {0, 0};
@@ -128,7 +128,7 @@ static outcome measure_all(const job *j, const eda_spice_result *r) {
 
 /* ---- one process ---- */
 
-static outcome delays_simulate(job *j, const char *deck, transient how) {
+static outcome delays_simulate(bench_task *j, const char *deck, transient how) {
   eda_spice_result r;
   outcome all = {SIZE_MAX, 0};
   g_autofree char *commands = job_text(j, write_commands, &how);
@@ -140,7 +140,7 @@ static outcome delays_simulate(job *j, const char *deck, transient how) {
 
 /* Find the duration in which all outputs settle, as drawn, as far as they
    do. */
-static void find_window(job *j, const char *deck) {
+static void find_window(bench_task *j, const char *deck) {
   const bench *b = j->b;
   const delays *d = ((const study *)j->of)->d;
   transient how = {first_window + 4 * b->slew, COARSE};
@@ -157,7 +157,7 @@ static void find_window(job *j, const char *deck) {
 
 /* Simulate printed sizes with the duration, and so the steps, of the drawn
    ones; longer if an output has not settled. */
-static void run_job(job *j) {
+static void run_job(bench_task *j) {
   const delays *d = ((const study *)j->of)->d;
   int drawn = j->state == EDA_DRAWN;
   g_autofree char *deck = job_text(j, write_deck, NULL);
@@ -231,7 +231,7 @@ int delays_find(bench *b, const machine *m, const patterns *p, const logic *l,
   *out = (delays){.machine = m};
   list_arrivals(b, p, l, out);
   warn_of_outputs(b, p, l, out);
-  if (m) return walks_run(b, p, out, error);
+  if (m) return sequential_run(b, p, out, error);
   return jobs_run(b, out->flips, CHUNK, run_job, &s, error);
 }
 
@@ -254,11 +254,11 @@ int delays_wave(bench *b, const patterns *p, const delays *d, size_t index,
   const arrival *a = &d->arrival[index];
   const study s = {p, d};
   const transient how = {d->window[a->flip], POINTS};
-  job j = {
+  bench_task j = {
       .b = b, .of = &s, .state = state, .from = a->flip, .to = a->flip + 1};
   eda_spice_result r;
   *out = (wave){0};
-  if (d->machine) return walks_wave(b, p, d, index, state, out, error);
+  if (d->machine) return sequential_wave(b, p, d, index, state, out, error);
   g_autofree char *deck = job_text(&j, write_deck, NULL);
   g_autofree char *commands = job_text(&j, write_commands, &how);
   job_simulate(&j, deck, commands, &r);

@@ -8,7 +8,7 @@
 
 /* Charges are of the order of fF times mV; the default tolerances of the
    simulator are 1 uV and 1e-14 C, and the second would ignore these charges. */
-void job_begin(const job *j, FILE *out, double reltol, double abstol) {
+void job_begin(const bench_task *j, FILE *out, double reltol, double abstol) {
   const bench *b = j->b;
   fputs("circuit.ngspice\n", out);
   for (int i = 0; i < 2; i++)
@@ -20,7 +20,7 @@ void job_begin(const job *j, FILE *out, double reltol, double abstol) {
           b->temperature, reltol, abstol);
 }
 
-void job_circuit(job *j, FILE *out, int sizes) {
+void job_circuit(bench_task *j, FILE *out, int sizes) {
   const bench *b = j->b;
   const eda_circuit *c = b->circuit;
   node_name node;
@@ -39,7 +39,7 @@ void job_circuit(job *j, FILE *out, int sizes) {
       fprintf(out, "cl%zu n%u 0 %.17g\n", i, b->output[i], b->load);
 }
 
-void job_sources(const job *j, FILE *out) {
+void job_sources(const bench_task *j, FILE *out) {
   const bench *b = j->b;
   const eda_circuit *c = b->circuit;
   for (size_t i = 0; i < c->ports; i++)
@@ -51,7 +51,8 @@ void job_sources(const job *j, FILE *out) {
 
 /* ---- one job ---- */
 
-char *job_text(job *j, void (*write)(job *j, FILE *out, const void *how),
+char *job_text(bench_task *j,
+               void (*write)(bench_task *j, FILE *out, const void *how),
                const void *how) {
   char *text = NULL;
   size_t size;
@@ -63,7 +64,7 @@ char *job_text(job *j, void (*write)(job *j, FILE *out, const void *how),
   return NULL;
 }
 
-void job_simulate(job *j, const char *deck, const char *commands,
+void job_simulate(bench_task *j, const char *deck, const char *commands,
                   eda_spice_result *out) {
   *out = (eda_spice_result){0};
   if (!j->code)
@@ -74,8 +75,8 @@ void job_simulate(job *j, const char *deck, const char *commands,
 /* ---- all jobs ---- */
 
 typedef struct jobs {
-  void (*work)(job *j);
-  job *job;
+  void (*work)(bench_task *j);
+  bench_task *job;
 } jobs;
 
 static void work_on(void *data, size_t index) {
@@ -84,16 +85,16 @@ static void work_on(void *data, size_t index) {
 }
 
 int jobs_run_at(bench *b, int state, size_t count, size_t some,
-                void (*work)(job *j), const void *of, opc_error *error) {
+                void (*work)(bench_task *j), const void *of, opc_error *error) {
   size_t n = (count + some - 1) / some;
-  jobs all = {work, g_new0(job, n)};
+  jobs all = {work, g_new0(bench_task, n)};
   int code = OPC_OK;
   for (size_t i = 0; i < n; i++)
-    all.job[i] = (job){.b = b,
-                       .of = of,
-                       .state = state,
-                       .from = i * some,
-                       .to = i + 1 < n ? (i + 1) * some : count};
+    all.job[i] = (bench_task){.b = b,
+                              .of = of,
+                              .state = state,
+                              .from = i * some,
+                              .to = i + 1 < n ? (i + 1) * some : count};
   opc_parallel(b->host->context, n, work_on, &all);
   for (size_t i = 0; i < n && !code; i++) {
     code = all.job[i].code;
@@ -103,7 +104,7 @@ int jobs_run_at(bench *b, int state, size_t count, size_t some,
   return code;
 }
 
-int jobs_run(bench *b, size_t count, size_t some, void (*work)(job *j),
+int jobs_run(bench *b, size_t count, size_t some, void (*work)(bench_task *j),
              const void *of, opc_error *error) {
   for (int state = 0; state < EDA_STATES; state++) {
     if (!b->has[state]) continue;

@@ -26,7 +26,9 @@ typedef struct study {
 
 /* Return the number of operating points per pattern: without and, as drawn,
    with the test current. */
-static size_t points_of(const job *j) { return j->state == EDA_DRAWN ? 2 : 1; }
+static size_t points_of(const bench_task *j) {
+  return j->state == EDA_DRAWN ? 2 : 1;
+}
 
 static double test_resistance(const bench *b, uint32_t net) {
   const eda_circuit *c = b->circuit;
@@ -37,7 +39,7 @@ static double test_resistance(const bench *b, uint32_t net) {
   return b->supply / 2 / (test_current * fmax(width, 1e-3));
 }
 
-static void write_deck(job *j, FILE *out, const void *how) {
+static void write_deck(bench_task *j, FILE *out, const void *how) {
   const bench *b = j->b;
   const eda_circuit *c = b->circuit;
   (void)how;
@@ -53,7 +55,7 @@ static void write_deck(job *j, FILE *out, const void *how) {
   fprintf(out, "vmiddle middle 0 %.17g\n.end\n", b->supply / 2);
 }
 
-static void write_commands(job *j, FILE *out, const void *how) {
+static void write_commands(bench_task *j, FILE *out, const void *how) {
   const bench *b = j->b;
   const study *s = j->of;
   (void)how;
@@ -81,7 +83,8 @@ static double value_of(const eda_spice_plot *plot, const char *format,
   return v && v->count ? v->value[0] : (double)NAN;
 }
 
-static void keep_point(const job *j, const eda_spice_plot *rest, size_t k) {
+static void keep_point(const bench_task *j, const eda_spice_plot *rest,
+                       size_t k) {
   const bench *b = j->b;
   const eda_circuit *c = b->circuit;
   const study *s = j->of;
@@ -101,7 +104,8 @@ static int level_of(const bench *b, double rest, double test) {
   return rest <= b->low && test <= 1 - least_height ? 0 : -1;
 }
 
-static void keep_levels(const job *j, const eda_spice_plot *plot, size_t k) {
+static void keep_levels(const bench_task *j, const eda_spice_plot *plot,
+                        size_t k) {
   const bench *b = j->b;
   const study *s = j->of;
   for (size_t i = 0; i < b->outputs; i++) {
@@ -112,7 +116,7 @@ static void keep_levels(const job *j, const eda_spice_plot *plot, size_t k) {
   }
 }
 
-static void run_job(job *j) {
+static void run_job(bench_task *j) {
   eda_spice_result r;
   g_autofree char *deck = job_text(j, write_deck, NULL);
   g_autofree char *commands = job_text(j, write_commands, NULL);

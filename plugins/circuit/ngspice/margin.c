@@ -143,7 +143,7 @@ static const char *net_connection(const bench *b, const cell *m, uint32_t net) {
 
 /* Write a cell as a subcircuit, and two instances: one driven at Q, one at
    QB. */
-static void put_cell(job *j, FILE *out, size_t k) {
+static void put_cell(bench_task *j, FILE *out, size_t k) {
   const bench *b = j->b;
   const study *s = j->of;
   const cell *m = &s->cells[k];
@@ -186,7 +186,7 @@ static void put_cell(job *j, FILE *out, size_t k) {
   }
 }
 
-static void write_deck(job *j, FILE *out, const void *how) {
+static void write_deck(bench_task *j, FILE *out, const void *how) {
   (void)how;
   job_begin(j, out, 1e-5, 1e-15);
   for (size_t k = j->from; k < j->to && !j->code; k++) put_cell(j, out, k);
@@ -205,7 +205,7 @@ static int keep_curve(const eda_spice_plot *plot, char side, size_t k,
   return 1;
 }
 
-static void run_job(job *j) {
+static void run_job(bench_task *j) {
   const bench *b = j->b;
   const study *s = j->of;
   eda_spice_result r;

@@ -87,9 +87,9 @@ static char *memory_deck(const char *card, const char *word, const char *data,
 static void compare_margins(const char *card, const char *access,
                             const char *word) {
   static const char *const sides[] = {"left", "right"};
-  g_autoptr(made) m = make(MEMORY_PORTS, MEMORY);
+  g_autoptr(made) m = circuit_make(MEMORY_PORTS, MEMORY);
   g_autofree char *rest = g_strdup_printf("access: %s", access);
-  run(m, 1, card, rest);
+  circuit_run(m, 1, card, rest);
   g_assert_cmpstr(opc_test_log(), ==, "");
   double margin[] = {opc_test_metric("snm_left") / 1000,
                      opc_test_metric("snm_right") / 1000};
@@ -105,7 +105,7 @@ static void compare_margins(const char *card, const char *access,
   for (int i = 0; i < 2; i++) {
     g_autofree char *metric = g_strdup_printf("snm_%s", sides[i]);
     double got = opc_test_metric(metric);
-    double flip = 1000 * printed(hand, sides[i]);
+    double flip = 1000 * printed_value(hand, sides[i]);
     g_test_message("%s, %s: %.3f mV, square %.3f mV, flips at %.3f mV", access,
                    sides[i], got, 1000 * square[i], flip);
     g_assert_cmpfloat(fabs(got - 1000 * square[i]), <, 0.1);
@@ -127,28 +127,28 @@ static void test_margins(void) {
 static void test_cells(void) {
   if (!have_ngspice()) return;
   g_autofree char *card = of_project("data/devices/opcflow65.pm");
-  g_autoptr(made) m = make(MEMORY_PORTS, MEMORY);
+  g_autoptr(made) m = circuit_make(MEMORY_PORTS, MEMORY);
   m->leq[1][1] = 70;
-  run(m, 1, card, "access: hold, cell: qb");
+  circuit_run(m, 1, card, "access: hold, cell: qb");
   double left = opc_test_metric("snm_left"),
          right = opc_test_metric("snm_right");
   g_assert_cmpfloat(opc_test_metric("cells"), ==, 1);
   g_assert_cmpfloat(opc_test_metric("snm_left_worst"), >, 0.1);
   g_assert_cmpfloat(opc_test_metric("snm_left_worst_before"), <, 1e-6);
   g_autoptr(made) turned =
-      make(MEMORY_PORTS,
-           "MA2 QB WL BLB VSS n 65 140,MA1 Q WL BL VSS n 65 140,"
-           "MD1 Q QB VSS VSS n 65 300,ML1 VDD QB Q VDD p 65 105,"
-           "MD2 VSS Q QB VSS n 65 330,ML2 QB Q VDD VDD p 65 160");
-  run(turned, 0, card, "access: hold");
-  near("left", opc_test_metric("snm_left"), right, 1e-6);
-  near("right", opc_test_metric("snm_right"), left, 1e-6);
+      circuit_make(MEMORY_PORTS,
+                   "MA2 QB WL BLB VSS n 65 140,MA1 Q WL BL VSS n 65 140,"
+                   "MD1 Q QB VSS VSS n 65 300,ML1 VDD QB Q VDD p 65 105,"
+                   "MD2 VSS Q QB VSS n 65 330,ML2 QB Q VDD VDD p 65 160");
+  circuit_run(turned, 0, card, "access: hold");
+  assert_near("left", opc_test_metric("snm_left"), right, 1e-6);
+  assert_near("right", opc_test_metric("snm_right"), left, 1e-6);
   g_autoptr(made) weak =
-      make(MEMORY_PORTS,
-           "MA1 Q WL BL VSS n 65 900,MD1 Q QB VSS VSS n 65 120,"
-           "ML1 Q QB VDD VDD p 65 105,MA2 QB WL BLB VSS n 65 900,"
-           "MD2 QB Q VSS VSS n 65 120,ML2 QB Q VDD VDD p 65 105");
-  run(weak, 0, card, "access: read");
+      circuit_make(MEMORY_PORTS,
+                   "MA1 Q WL BL VSS n 65 900,MD1 Q QB VSS VSS n 65 120,"
+                   "ML1 Q QB VDD VDD p 65 105,MA2 QB WL BLB VSS n 65 900,"
+                   "MD2 QB Q VSS VSS n 65 120,ML2 QB Q VDD VDD p 65 105");
+  circuit_run(weak, 0, card, "access: read");
   g_assert_cmpfloat(opc_test_metric("snm_left"), ==, 0);
   g_assert_nonnull(strstr(opc_test_log(), "1 of 1 cells do not hold both"));
 }

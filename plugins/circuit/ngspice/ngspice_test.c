@@ -21,28 +21,30 @@ static void test_closed_form(void) {
       in_folder("square.pm",
                 "* cards\n.model nmos nmos level=1 vto=0.3 kp=1e-4\n"
                 ".model pmos pmos level=1 vto=-0.25 kp=4e-5\n");
-  g_autoptr(made) m = make("A:i Y:o VDD:s VSS:g",
-                           "MN Y A VSS VSS n 100 300,MP Y A VDD VDD p 100 450");
-  run(m, 0, card, "dlc: false, load: 1 pF, slew: 0.01 ps, edges: [20 %, 70 %]");
+  g_autoptr(made) m =
+      circuit_make("A:i Y:o VDD:s VSS:g",
+                   "MN Y A VSS VSS n 100 300,MP Y A VDD VDD p 100 450");
+  circuit_run(m, 0, card,
+              "dlc: false, load: 1 pF, slew: 0.01 ps, edges: [20 %, 70 %]");
   double v = 1.1, c = 1e-12, kn = 3e-4, kp = 1.8e-4;
-  near("tphl", opc_test_metric("tphl"), 1e12 * discharge(c, kn, v, 0.3, v / 2),
-       1e-3);
-  near("tplh", opc_test_metric("tplh"), 1e12 * discharge(c, kp, v, 0.25, v / 2),
-       1e-3);
-  near("tf", opc_test_metric("tf"),
-       1e12 * (discharge(c, kn, v, 0.3, 0.3 * v) -
-               discharge(c, kn, v, 0.3, 0.8 * v)),
-       1e-3);
-  near("tr", opc_test_metric("tr"),
-       1e12 * (discharge(c, kp, v, 0.25, 0.3 * v) -
-               discharge(c, kp, v, 0.25, 0.8 * v)),
-       1e-3);
+  assert_near("tphl", opc_test_metric("tphl"),
+              1e12 * discharge(c, kn, v, 0.3, v / 2), 1e-3);
+  assert_near("tplh", opc_test_metric("tplh"),
+              1e12 * discharge(c, kp, v, 0.25, v / 2), 1e-3);
+  assert_near("tf", opc_test_metric("tf"),
+              1e12 * (discharge(c, kn, v, 0.3, 0.3 * v) -
+                      discharge(c, kn, v, 0.3, 0.8 * v)),
+              1e-3);
+  assert_near("tr", opc_test_metric("tr"),
+              1e12 * (discharge(c, kp, v, 0.25, 0.3 * v) -
+                      discharge(c, kp, v, 0.25, 0.8 * v)),
+              1e-3);
   /* All times scale with 1 / K. */
   for (int i = 0; i < 2; i++) {
     m->leq[0][i] = 110;
     m->leq[1][i] = i ? 98 : 101;
   }
-  run(m, 1, card, "dlc: false, load: 1 pF, slew: 0.01 ps");
+  circuit_run(m, 1, card, "dlc: false, load: 1 pF, slew: 0.01 ps");
   g_assert_cmpfloat(fabs(opc_test_metric("tp_worst_before") - 10), <, 0.02);
   g_assert_cmpfloat(fabs(opc_test_metric("tp_worst") - 2), <, 0.02);
   g_assert_cmpfloat(fabs(opc_test_metric("tplh_worst") - 2), <, 0.02);
@@ -68,8 +70,9 @@ static void test_osdi(void) {
       "pmos: p, load: 1 "
       "pF, slew: 0.01 ps",
       g_getenv("OPCFLOW_BUILD"));
-  g_autoptr(made) m = make("A:i Y:o VDD:s VSS:g",
-                           "MN Y A VSS VSS n 100 300,MP Y A VDD VDD p 100 450");
+  g_autoptr(made) m =
+      circuit_make("A:i Y:o VDD:s VSS:g",
+                   "MN Y A VSS VSS n 100 300,MP Y A VDD VDD p 100 450");
   int code = run_on(&m->circuit, NULL, path, rest, &error);
   if (code == OPC_NO_PLUGIN) {
     g_assert_nonnull(strstr(error.message, "compiled models (OSDI)"));
@@ -78,20 +81,20 @@ static void test_osdi(void) {
   }
   if (code) g_error("%s", error.message);
   double v = 1.1, c = 1e-12;
-  near("tphl", opc_test_metric("tphl"),
-       1e12 * discharge(c, 3e-4, v, 0.3, v / 2), 1e-3);
-  near("tplh", opc_test_metric("tplh"),
-       1e12 * discharge(c, 1.8e-4, v, 0.25, v / 2), 1e-3);
+  assert_near("tphl", opc_test_metric("tphl"),
+              1e12 * discharge(c, 3e-4, v, 0.3, v / 2), 1e-3);
+  assert_near("tplh", opc_test_metric("tplh"),
+              1e12 * discharge(c, 1.8e-4, v, 0.25, v / 2), 1e-3);
 }
 
 /* Test that an inverter with a large load takes about C V / 2 Ion. */
 static void test_estimate(void) {
   if (!have_ngspice()) return;
   g_autofree char *card = of_project("data/devices/opcflow65.pm");
-  g_autoptr(made) m = make("A:i Y:o VDD:s VSS:g", INVERTER);
-  run(m, 0, card, "load: 100 fF, slew: 1 ps, measure: delays");
-  near("tphl", opc_test_metric("tphl"), 100e-3 * 0.55 / 347.7e-6, 0.2);
-  near("tplh", opc_test_metric("tplh"), 100e-3 * 0.55 / 241.2e-6, 0.2);
+  g_autoptr(made) m = circuit_make("A:i Y:o VDD:s VSS:g", INVERTER);
+  circuit_run(m, 0, card, "load: 100 fF, slew: 1 ps, measure: delays");
+  assert_near("tphl", opc_test_metric("tphl"), 100e-3 * 0.55 / 347.7e-6, 0.2);
+  assert_near("tplh", opc_test_metric("tplh"), 100e-3 * 0.55 / 241.2e-6, 0.2);
 }
 
 /* ---- delays by hand ---- */
@@ -119,15 +122,16 @@ static char *four_by_hand(const char *card, const char *cell) {
                   "chgtol=1e-20\n.control\nset numdgt=12\n"
                   "tran 0.1p 120p 0 0.1p\n");
   for (int i = 0; i < 4; i++) {
-    const char *way = i < 2 ? "fall" : "rise";
+    const char *direction = i < 2 ? "fall" : "rise";
     const char *input = *drives[i][1] == 'p' ? "a" : "b";
     g_string_append_printf(deck,
                            "meas tran d%d trig v(%s%d) val=0.55 cross=1 targ "
                            "v(y%d) val=0.55 %s=1\n"
                            "meas tran t%d trig v(y%d) val=%s %s=1 targ v(y%d) "
                            "val=%s %s=1\n",
-                           i, input, i, i, way, i, i, i < 2 ? "0.99" : "0.11",
-                           way, i, i < 2 ? "0.11" : "0.99", way);
+                           i, input, i, i, direction, i, i,
+                           i < 2 ? "0.99" : "0.11", direction, i,
+                           i < 2 ? "0.11" : "0.99", direction);
   }
   g_string_append(deck, ".endc\n.end\n");
   return by_hand(deck->str);
@@ -140,10 +144,10 @@ static void compare_four(const char *hand, const char *state) {
   for (size_t i = 0; i < 4; i++) {
     g_autofree char *d = g_strdup_printf("d%zu", i);
     g_autofree char *t = g_strdup_printf("t%zu", i);
-    near(drives[i][0], opc_test_number("delays", delay, i),
-         1e12 * printed(hand, d), 1e-3);
-    near(drives[i][0], opc_test_number("delays", slope, i),
-         1e12 * printed(hand, t), 1e-3);
+    assert_near(drives[i][0], opc_test_number("delays", delay, i),
+                1e12 * printed_value(hand, d), 1e-3);
+    assert_near(drives[i][0], opc_test_number("delays", slope, i),
+                1e12 * printed_value(hand, t), 1e-3);
   }
 }
 
@@ -163,12 +167,12 @@ static char *nand_by_hand(const char *card, double length, double width) {
 static void test_delays(void) {
   if (!have_ngspice()) return;
   g_autofree char *card = of_project("data/devices/opcflow65.pm");
-  g_autoptr(made) m = make("A:i B:i Y:o VDD:s VSS:g", NAND);
+  g_autoptr(made) m = circuit_make("A:i B:i Y:o VDD:s VSS:g", NAND);
   m->leq[1][0] = 66.5;
   m->weq[1][3] = 430;
   m->area[1][0] = 66.5 * 400;
   m->area[1][3] = 65 * 430;
-  run(m, 1, card, "slew: 20 ps, load: 4 fF, measure: delays");
+  circuit_run(m, 1, card, "slew: 20 ps, load: 4 fF, measure: delays");
   g_assert_cmpstr(opc_test_log(), ==, "");
   g_autofree char *drawn = nand_by_hand(card, 65, 450);
   if (!drawn) return;
@@ -182,8 +186,9 @@ static void test_delays(void) {
   double worst = 0;
   for (int i = 0; i < 4; i++) {
     g_autofree char *name = g_strdup_printf("d%d", i);
-    worst = fmax(worst,
-                 100 * fabs(printed(after, name) / printed(drawn, name) - 1));
+    worst = fmax(worst, 100 * fabs(printed_value(after, name) /
+                                       printed_value(drawn, name) -
+                                   1));
   }
   g_test_message("worst deviation %g %%", worst);
   g_assert_cmpfloat(worst, >, 1);
@@ -205,13 +210,13 @@ static void test_capacitance(void) {
   if (!have_ngspice()) return;
   g_autofree char *card = of_project("data/devices/opcflow65.pm");
   g_autoptr(made) m =
-      make("A:i Y:o VDD:s VSS:g",
-           "MN B A VSS VSS n 65 300,MP B A VDD VDD p 65 450,"
-           "MN2 Y B VSS VSS n 65 3000,MP2 Y B VDD VDD p 65 4500");
+      circuit_make("A:i Y:o VDD:s VSS:g",
+                   "MN B A VSS VSS n 65 300,MP B A VDD VDD p 65 450,"
+                   "MN2 Y B VSS VSS n 65 3000,MP2 Y B VDD VDD p 65 4500");
   for (int i = 2; i < 4; i++) m->area[1][i] *= 1.2;
-  run(m, 1, card, "measure: delays, load: 0 F");
+  circuit_run(m, 1, card, "measure: delays, load: 0 F");
   g_assert_cmpfloat(opc_test_metric("tp_worst"), >, 3);
-  run(m, 1, card, "measure: delays, load: 0 F, dlc: false");
+  circuit_run(m, 1, card, "measure: delays, load: 0 F, dlc: false");
   g_assert_cmpfloat(opc_test_metric("tp_worst"), <, 1e-6);
 }
 
@@ -221,11 +226,11 @@ static void test_overlap(void) {
   if (!have_ngspice()) return;
   g_autofree char *card = of_project("data/devices/opcflow65.pm");
   g_autoptr(made) m =
-      make("A:i Y:o VDD:s VSS:g",
-           "MN B A VSS VSS n 65 300,MP B A VDD VDD p 65 450,"
-           "MN2 Y B VSS VSS n 65 3000,MP2 Y B VDD VDD p 65 4500");
+      circuit_make("A:i Y:o VDD:s VSS:g",
+                   "MN B A VSS VSS n 65 300,MP B A VDD VDD p 65 450,"
+                   "MN2 Y B VSS VSS n 65 3000,MP2 Y B VDD VDD p 65 4500");
   for (int i = 0; i < 4; i++) m->area[1][i] *= 1.0004;
-  run(m, 1, card, "measure: delays, load: 0 F");
+  circuit_run(m, 1, card, "measure: delays, load: 0 F");
   g_assert_cmpfloat(fabs(opc_test_metric("tp_worst")), >, 1e-3);
   g_assert_cmpfloat(fabs(opc_test_metric("tp_worst")), <, 0.05);
 }
@@ -242,7 +247,7 @@ static void test_length(void) {
   g_autofree char *table = of_project("data/devices/ptm65.yaml");
   eda_devices *d = eda_devices_read(table, &error);
   g_assert_nonnull(d);
-  g_autoptr(made) m = make("A:i Y:o VDD:s VSS:g", INVERTER);
+  g_autoptr(made) m = circuit_make("A:i Y:o VDD:s VSS:g", INVERTER);
   uint8_t type[2] = {EDA_NMOS, EDA_PMOS};
   double ion[2][2], ioff[2][2];
   m->gates.type = type;
@@ -261,13 +266,13 @@ static void test_length(void) {
   for (int i = 0; i < 2; i++) m->leq[1][i] = 64;
   static const char *const figures[] = {"tr_worst", "tf_worst", "tp_worst"};
   double want[3];
-  run(m, 1, card, "measure: delays, dlc: false");
+  circuit_run(m, 1, card, "measure: delays, dlc: false");
   for (int k = 0; k < 3; k++) want[k] = opc_test_metric(figures[k]);
   g_assert_cmpfloat(fabs(want[2]), >, 0.5);
   for (int i = 0; i < 2; i++) m->leq[1][i] = 60, m->weq[1][i] *= 0.9;
   g_autofree char *rest = g_strdup_printf(
       "measure: delays, dlc: false, sizes: length, devices: '%s'", table);
-  run(m, 1, card, rest);
+  circuit_run(m, 1, card, rest);
   for (int k = 0; k < 3; k++)
     g_assert_cmpfloat(fabs(opc_test_metric(figures[k]) - want[k]), <, 0.001);
   g_autofree char *wrong =
@@ -281,10 +286,10 @@ static void test_length(void) {
 static void test_leakage(void) {
   if (!have_ngspice()) return;
   g_autofree char *card = of_project("data/devices/opcflow65.pm");
-  g_autoptr(made) m = make("A:i B:i Y:o VDD:s VSS:g", NAND);
+  g_autoptr(made) m = circuit_make("A:i B:i Y:o VDD:s VSS:g", NAND);
   m->off[1][0] = 62; /* differs from the length of the on current */
   m->leq[1][0] = 80;
-  run(m, 1, card, "measure: leakage");
+  circuit_run(m, 1, card, "measure: leakage");
   g_assert_cmpuint(opc_test_rows("leakage"), ==, 4);
   g_autoptr(GString) deck = g_string_new("by hand\n");
   g_string_append_printf(deck, ".include \"%s\"\n", card);
@@ -315,18 +320,20 @@ static void test_leakage(void) {
   for (size_t i = 0; i < 4; i++)
     for (int after = 0; after < 2; after++) {
       g_autofree char *name = g_strdup_printf("q%d%zu", after, i);
-      double want = printed(hand, name);
-      near(opc_test_text("leakage", "inputs", i),
-           1e-9 * opc_test_number("leakage",
-                                  after ? "leakage after" : "leakage drawn", i),
-           want, 1e-4);
-      near("power",
-           1e-9 * opc_test_number("leakage",
-                                  after ? "power after" : "power drawn", i),
-           1.1 * want, 1e-4);
+      double want = printed_value(hand, name);
+      assert_near(
+          opc_test_text("leakage", "inputs", i),
+          1e-9 * opc_test_number("leakage",
+                                 after ? "leakage after" : "leakage drawn", i),
+          want, 1e-4);
+      assert_near(
+          "power",
+          1e-9 * opc_test_number("leakage",
+                                 after ? "power after" : "power drawn", i),
+          1.1 * want, 1e-4);
       if (!after) sum += want;
     }
-  near("mean", opc_test_metric("leakage"), sum / 4, 1e-4);
+  assert_near("mean", opc_test_metric("leakage"), sum / 4, 1e-4);
 }
 
 /* ---- patterns ---- */
@@ -334,20 +341,20 @@ static void test_leakage(void) {
 static void test_patterns(void) {
   if (!have_ngspice()) return;
   g_autofree char *card = of_project("data/devices/opcflow65.pm");
-  g_autoptr(made) m = make("A:i B:i Y:o VDD:s VSS:g", NAND);
-  run(m, 0, card, "transitions: several, measure: delays");
+  g_autoptr(made) m = circuit_make("A:i B:i Y:o VDD:s VSS:g", NAND);
+  circuit_run(m, 0, card, "transitions: several, measure: delays");
   g_assert_cmpfloat(opc_test_metric("transitions"), ==, 6);
   double all = opc_test_metric("tp");
-  run(m, 0, card, "transitions: several, measure: delays, most: 12");
+  circuit_run(m, 0, card, "transitions: several, measure: delays, most: 12");
   g_assert_true(opc_test_metric("tp") == all);
   g_assert_cmpstr(opc_test_log(), ==, "");
-  run(m, 0, card, "most: 5, measure: delays");
+  circuit_run(m, 0, card, "most: 5, measure: delays");
   g_assert_nonnull(strstr(opc_test_log(), "5 random transitions"));
   /* Too many to list: sampled one by one. */
-  run(m, 0, card, "most: 3");
+  circuit_run(m, 0, card, "most: 3");
   g_assert_cmpuint(opc_test_rows("leakage"), ==, 6);
   /* The other port is now an output and never changes. */
-  run(m, 0, card, "inputs: B, measure: delays");
+  circuit_run(m, 0, card, "inputs: B, measure: delays");
   g_assert_nonnull(strstr(opc_test_log(), "output 'A' does not change"));
 }
 
@@ -355,9 +362,9 @@ static void test_still(void) {
   if (!have_ngspice()) return;
   g_autofree char *card = of_project("data/devices/opcflow65.pm");
   g_autoptr(made) m =
-      make("A:i Y:o Z:o VDD:s VSS:g",
-           INVERTER ",MN2 Z VDD VSS VSS n 65 300,MP2 Z VDD VDD VDD p 65 450");
-  run(m, 0, card, "measure: delays");
+      circuit_make("A:i Y:o Z:o VDD:s VSS:g", INVERTER
+                   ",MN2 Z VDD VSS VSS n 65 300,MP2 Z VDD VDD VDD p 65 450");
+  circuit_run(m, 0, card, "measure: delays");
   g_assert_nonnull(strstr(opc_test_log(), "output 'Z' does not change"));
   g_assert_null(strstr(opc_test_log(), "'Y'"));
   g_assert_cmpuint(opc_test_rows("delays"), ==, 2);
@@ -368,11 +375,12 @@ static void test_still(void) {
 static void test_floating(void) {
   if (!have_ngspice()) return;
   g_autofree char *card = of_project("data/devices/opcflow65.pm");
-  g_autoptr(made) m = make("A:i E:i Y:o VDD:s VSS:g",
-                           "MN1 Y A X VSS n 65 300,MN2 X E VSS VSS n 65 300,"
-                           "MP1 Y A Z VDD p 65 450,MP2 Z F VDD VDD p 65 450,"
-                           "MN3 F E VSS VSS n 65 300,MP3 F E VDD VDD p 65 450");
-  run(m, 0, card, "measure: delays");
+  g_autoptr(made) m =
+      circuit_make("A:i E:i Y:o VDD:s VSS:g",
+                   "MN1 Y A X VSS n 65 300,MN2 X E VSS VSS n 65 300,"
+                   "MP1 Y A Z VDD p 65 450,MP2 Z F VDD VDD p 65 450,"
+                   "MN3 F E VSS VSS n 65 300,MP3 F E VDD VDD p 65 450");
+  circuit_run(m, 0, card, "measure: delays");
   g_assert_cmpstr(opc_test_log(), ==,
                   "output 'Y' is at no logic level in 2 of 4 patterns\n");
   g_assert_cmpfloat(opc_test_metric("transitions"), ==, 2);
@@ -410,24 +418,26 @@ static void test_library(void) {
   }
   g_string_append(lib, ".endl\n");
   g_assert_true(g_file_set_contents(path, lib->str, -1, NULL));
-  g_autoptr(made) m = make("A:i Y:o VDD:s VSS:g", INVERTER);
+  g_autoptr(made) m = circuit_make("A:i Y:o VDD:s VSS:g", INVERTER);
   m->leq[1][0] = m->off[1][0] = 66.7; /* in the other bin */
   m->leq[1][1] = m->off[1][1] = 58;   /* shorter than the shortest bin */
-  run(m, 1, card, "load: 4 fF, measure: delays, dlc: false");
+  circuit_run(m, 1, card, "load: 4 fF, measure: delays, dlc: false");
   double tp = opc_test_metric("tp"), worst = opc_test_metric("tp_worst");
-  run(m, 1, path,
+  circuit_run(
+      m, 1, path,
       "load: 4 fF, measure: delays, corner: tt, nmos: nfet, pmos: pfet");
   g_assert_cmpfloat(worst, >, 1);
   g_assert_cmpfloat_with_epsilon(opc_test_metric("tp"), tp, 1e-5 * tp);
   g_assert_cmpfloat_with_epsilon(opc_test_metric("tp_worst"), worst, 1e-3);
   /* A model missing in the library. */
   m->device[0].model = "other_nfet";
-  refused(m, 0, path, "corner: tt, pmos: pfet", "*has no model 'other_nfet'*");
-  refused(m, 0, path, "corner: tt, pmos: pfet, stand_ins: other_nfet",
-          "'other_nfet' has no substitute model");
-  run(m, 1, path,
-      "load: 4 fF, measure: delays, corner: tt, pmos: pfet, stand_ins: "
-      "other_nfet nfet");
+  assert_refused(m, 0, path, "corner: tt, pmos: pfet",
+                 "*has no model 'other_nfet'*");
+  assert_refused(m, 0, path, "corner: tt, pmos: pfet, stand_ins: other_nfet",
+                 "'other_nfet' has no substitute model");
+  circuit_run(m, 1, path,
+              "load: 4 fF, measure: delays, corner: tt, pmos: pfet, stand_ins: "
+              "other_nfet nfet");
   g_assert_nonnull(strstr(opc_test_log(), "replaces 'other_nfet' in 1 "));
   g_assert_cmpfloat_with_epsilon(opc_test_metric("tp_worst"), worst, 1e-3);
 }
@@ -435,48 +445,55 @@ static void test_library(void) {
 static void test_refused(void) {
   if (!have_ngspice()) return;
   g_autofree char *card = of_project("data/devices/opcflow65.pm");
-  g_autoptr(made) m = make("A:i Y:o VDD:s VSS:g", INVERTER);
-  refused(m, 0, card, "nmos: nfet", "*has no model 'nfet'");
-  refused(m, 0, card, "nmos: nfet, dlc: false", "'ngspice' failed*nfet*");
+  g_autoptr(made) m = circuit_make("A:i Y:o VDD:s VSS:g", INVERTER);
+  assert_refused(m, 0, card, "nmos: nfet", "*has no model 'nfet'");
+  assert_refused(m, 0, card, "nmos: nfet, dlc: false",
+                 "'ngspice' failed*nfet*");
   g_autofree char *both = g_strdup_printf("library: '%s'", card);
-  refused(m, 0, card, both, "set either 'models' or 'library'");
+  assert_refused(m, 0, card, both, "set either 'models' or 'library'");
   g_autofree char *osdi = g_strdup_printf("osdi: '%s'", card);
-  refused(m, 0, card, osdi, "*requires 'library'");
-  refused(m, 0, card, "time_limit: 1 ns", "'ngspice' did not finish within*");
-  refused(m, 0, card, "inputs: A VSS", "'VSS' is no port of 'made'*");
-  refused(m, 0, card, "edges: [60 %, 90 %]",
-          "*'edges' must be two thresholds*");
-  refused(m, 0, card, "nmos: 'n m'", "*is not the name of a model*");
-  refused(m, 0, card, "measure: snm", "'made' has no cross-coupled*");
+  assert_refused(m, 0, card, osdi, "*requires 'library'");
+  assert_refused(m, 0, card, "time_limit: 1 ns",
+                 "'ngspice' did not finish within*");
+  assert_refused(m, 0, card, "inputs: A VSS", "'VSS' is no port of 'made'*");
+  assert_refused(m, 0, card, "edges: [60 %, 90 %]",
+                 "*'edges' must be two thresholds*");
+  assert_refused(m, 0, card, "nmos: 'n m'", "*is not the name of a model*");
+  assert_refused(m, 0, card, "measure: snm", "'made' has no cross-coupled*");
   m->flags[0] = EDA_PRINT_OPEN;
-  refused(m, 1, card, "measure: auto", "netlist device 'MN' has no size*");
+  assert_refused(m, 1, card, "measure: auto",
+                 "netlist device 'MN' has no size*");
   m->flags[0] = 0;
   eda_gates other = m->gates;
   m->mask.gates = &other;
-  refused(m, 1, card, "measure: auto", "the mask and the circuit belong to*");
+  assert_refused(m, 1, card, "measure: auto",
+                 "the mask and the circuit belong to*");
   m->mask.gates = &m->gates;
   m->role[2] = EDA_PIN_INPUT;
-  refused(m, 0, card, "measure: auto", "'made' has no supply among its ports");
-  g_autoptr(made) latch = make(MEMORY_PORTS, MEMORY);
-  refused(latch, 0, card, "measure: leakage", "*is sequential: net 'QB'*");
-  refused(latch, 0, card, "measure: delays, transitions: several",
-          "*is sequential*set one changing input at a time");
-  refused(latch, 0, card, "cell: WL", "'WL' is not a storage node of 'made'");
+  assert_refused(m, 0, card, "measure: auto",
+                 "'made' has no supply among its ports");
+  g_autoptr(made) latch = circuit_make(MEMORY_PORTS, MEMORY);
+  assert_refused(latch, 0, card, "measure: leakage",
+                 "*is sequential: net 'QB'*");
+  assert_refused(latch, 0, card, "measure: delays, transitions: several",
+                 "*is sequential*set one changing input at a time");
+  assert_refused(latch, 0, card, "cell: WL",
+                 "'WL' is not a storage node of 'made'");
 }
 
 /* Test that a mask that does not print before correction is no error. */
 static void test_before(void) {
   if (!have_ngspice()) return;
   g_autofree char *card = of_project("data/devices/opcflow65.pm");
-  g_autoptr(made) m = make("A:i Y:o VDD:s VSS:g", INVERTER);
+  g_autoptr(made) m = circuit_make("A:i Y:o VDD:s VSS:g", INVERTER);
   m->leq[0][0] = NAN;
-  run(m, 1, card, "measure: auto");
+  circuit_run(m, 1, card, "measure: auto");
   g_assert_nonnull(
       strstr(opc_test_log(), "the circuit as drawn has no results"));
   g_assert_true(isnan(opc_test_metric("tp_worst_before")));
   g_assert_cmpfloat(opc_test_metric("tp_worst"), <, 1e-6);
   m->leq[0][0] = 2; /* shorter than the simulator accepts */
-  run(m, 1, card, "measure: auto");
+  circuit_run(m, 1, card, "measure: auto");
   g_assert_cmpfloat(opc_test_metric("tp_worst"), <, 1e-6);
 }
 

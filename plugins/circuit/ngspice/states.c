@@ -75,7 +75,7 @@ void states_levels(const bench *b, const machine *m, const eda_spice_plot *plot,
 /* Result of a traversal: levels, and whether all nets were constant in the
    second half of each phase. */
 typedef struct trip {
-  walk way;
+  traversal path;
   uint32_t target, input; /* state and input of the first change that the
                              traversal tries */
   int8_t *level;          /* levels at the end of each phase */
@@ -87,17 +87,17 @@ typedef struct round_of {
   trip *trip;
 } round_of;
 
-static void write_deck(job *j, FILE *out, const void *how) {
+static void write_deck(bench_task *j, FILE *out, const void *how) {
   const round_of *r = j->of;
   job_begin(j, out, 1e-3, SWITCHING_CURRENT);
   job_circuit(j, out, SIZE_TIMED);
-  walk_sources(j->b, r->m, how, out);
+  traversal_sources(j->b, r->m, how, out);
   states_save(j->b, r->m, out);
   fputs(".end\n", out);
 }
 
-static void write_walk(job *j, FILE *out, const void *how) {
-  walk_command(((const round_of *)j->of)->m, how, out);
+static void write_traversal(bench_task *j, FILE *out, const void *how) {
+  traversal_command(((const round_of *)j->of)->m, how, out);
 }
 
 /* Return the number of level changes of a net between two times. */
@@ -117,8 +117,8 @@ static int count_changes(const bench *b, const eda_spice_plot *plot,
   return n;
 }
 
-static void check_ringing(job *j, const eda_spice_plot *plot, double from,
-                          double to) {
+static void check_ringing(bench_task *j, const eda_spice_plot *plot,
+                          double from, double to) {
   const bench *b = j->b;
   const machine *m = ((const round_of *)j->of)->m;
   for (size_t i = 0; i < m->watched && !j->code; i++)
@@ -132,18 +132,19 @@ static void check_ringing(job *j, const eda_spice_plot *plot, double from,
 
 /* Return 1 if any net changes between two times. Comparing the levels at the
    ends does not suffice: an oscillating net may return to its level. */
-static int any_changes(const job *j, const eda_spice_plot *plot, double from,
-                       double to) {
+static int any_changes(const bench_task *j, const eda_spice_plot *plot,
+                       double from, double to) {
   const machine *m = ((const round_of *)j->of)->m;
   for (size_t i = 0; i < m->watched; i++)
     if (count_changes(j->b, plot, m->net[i], from, to)) return 1;
   return 0;
 }
 
-static void trip_read_levels(job *j, trip *t, const eda_spice_plot *plot) {
+static void trip_read_levels(bench_task *j, trip *t,
+                             const eda_spice_plot *plot) {
   const machine *m = ((const round_of *)j->of)->m;
   g_autofree int8_t *middle = g_new(int8_t, m->watched);
-  for (size_t k = 0; k <= t->way.input->len; k++) {
+  for (size_t k = 0; k <= t->path.input->len; k++) {
     int8_t *end = t->level + k * m->watched;
     double from = m->phase * (double)k, half = m->phase * ((double)k + 0.5),
            to = m->phase * ((double)k + 1);
@@ -158,14 +159,14 @@ static void trip_read_levels(job *j, trip *t, const eda_spice_plot *plot) {
   }
 }
 
-static void run_job(job *j) {
+static void run_job(bench_task *j) {
   const round_of *r = j->of;
   trip *t = &r->trip[j->from];
   eda_spice_result result;
-  g_autofree char *deck = job_text(j, write_deck, &t->way);
-  g_autofree char *commands = job_text(j, write_walk, &t->way);
+  g_autofree char *deck = job_text(j, write_deck, &t->path);
+  g_autofree char *commands = job_text(j, write_traversal, &t->path);
   t->rests = 1;
-  t->level = g_new(int8_t, (t->way.input->len + 1) * r->m->watched);
+  t->level = g_new(int8_t, (t->path.input->len + 1) * r->m->watched);
   job_simulate(j, deck, commands, &result);
   if (!j->code && result.count != 1)
     j->code =
@@ -214,8 +215,8 @@ static void put_down(map *a, const trip *seen) {
   machine *m = a->m;
   g_autofree uint8_t *bit = g_new0(uint8_t, inputs);
   uint32_t s = state_of(a, bit, seen->level);
-  for (size_t k = 0; k < seen->way.input->len; k++) {
-    uint32_t input = g_array_index(seen->way.input, uint32_t, k);
+  for (size_t k = 0; k < seen->path.input->len; k++) {
+    uint32_t input = g_array_index(seen->path.input, uint32_t, k);
     bit[input] ^= 1;
     uint32_t t = state_of(a, bit, seen->level + (k + 1) * m->watched);
     uint32_t *next = &m->next[s * inputs + input];
@@ -240,15 +241,15 @@ static size_t trips_plan(const map *a, trip *trips, size_t *tried) {
     while (i < b->inputs && next[i] != STATE_UNKNOWN) i++;
     if (i == b->inputs || *tried >= (size_t)b->most) continue;
     trip *t = &trips[n];
-    *t = (trip){.way = walk_new(m), .target = s, .input = i};
-    if (!walk_to(b, m, &t->way, s)) {
-      walk_clear(&t->way);
+    *t = (trip){.path = traversal_new(m), .target = s, .input = i};
+    if (!traversal_to(b, m, &t->path, s)) {
+      traversal_clear(&t->path);
       continue;
     }
     for (n++; i < b->inputs && *tried < (size_t)b->most; i++) {
       if (next[i] != STATE_UNKNOWN) continue;
-      walk_step(b, m, &t->way, i);
-      walk_step(b, m, &t->way, i);
+      traversal_step(b, m, &t->path, i);
+      traversal_step(b, m, &t->path, i);
       ++*tried;
     }
   }
@@ -263,7 +264,7 @@ static int trips_run(map *a, trip *trips, size_t n, opc_error *error) {
   for (size_t i = 0; i < n; i++) rests &= trips[i].rests;
   for (size_t i = 0; i < n; i++) {
     if (!code && rests) put_down(a, &trips[i]);
-    walk_clear(&trips[i].way);
+    traversal_clear(&trips[i].path);
     g_free(trips[i].level);
   }
   return code ? -1 : rests;
@@ -277,7 +278,7 @@ static int map_explore(map *a, opc_error *error) {
   g_array_set_size(a->level, 0);
   g_array_set_size(a->next, 0);
   a->m->states = 0;
-  trips[0] = (trip){.way = walk_new(a->m), .target = STATE_UNKNOWN};
+  trips[0] = (trip){.path = traversal_new(a->m), .target = STATE_UNKNOWN};
   while (n) {
     int rests = trips_run(a, trips, n, error);
     if (rests <= 0) return rests;
@@ -299,16 +300,16 @@ static int map_explore(map *a, opc_error *error) {
    lead of each traversal. */
 static void leave_out(bench *b, machine *m, const uint8_t *kept) {
   g_autofree uint32_t *number = g_new(uint32_t, m->states);
-  walk w = walk_new(m);
+  traversal w = traversal_new(m);
   uint32_t first = 0, n = 0;
   while (!kept[first]) first++;
-  if (!ways_synchronise(b, m, &w) || !kept[w.at]) {
+  if (!traversal_synchronise(b, m, &w) || !kept[w.at]) {
     b->host->log(b->host, OPC_LOG_WARNING,
                  "no sequence of input changes is known that leads from all "
                  "states to one: the simulator chooses the initial state");
-    walk_clear(&w);
-    w = walk_new(m);
-    walk_to(b, m, &w, first);
+    traversal_clear(&w);
+    w = traversal_new(m);
+    traversal_to(b, m, &w, first);
   }
   m->leads = w.input->len;
   m->lead = eda_pool_alloc(&b->pool, m->leads, sizeof *m->lead);
@@ -327,7 +328,7 @@ static void leave_out(bench *b, machine *m, const uint8_t *kept) {
   }
   m->states = n;
   m->first = number[w.at];
-  walk_clear(&w);
+  traversal_clear(&w);
 }
 
 static const void *array_keep(bench *b, const GArray *a, size_t count,
@@ -399,7 +400,7 @@ int states_find(bench *b, machine *m, patterns *p, logic *l, opc_error *error) {
   if (rests > 0) {
     size_t all = m->states;
     g_autofree uint8_t *kept = g_new(uint8_t, all);
-    ways_back(b, m, kept);
+    states_leading_to(b, m, kept);
     leave_out(b, m, kept);
     m->bit = (uint8_t *)array_keep(b, a.bit, m->states * b->inputs, 1);
     m->level = (int8_t *)array_keep(b, a.level, m->states * m->watched, 1);

@@ -30,7 +30,7 @@
 /* ---- transitions ---- */
 
 /* Check that the table has the rows "INPUTS OUTPUT WAY", in any order. */
-static void expect(const char *const *rows, size_t count) {
+static void assert_rows(const char *const *rows, size_t count) {
   g_assert_cmpuint(opc_test_rows("delays"), ==, count);
   for (size_t k = 0; k < count; k++) {
     size_t n = 0;
@@ -59,13 +59,13 @@ static const char *const of_crossed[] = {
 static void test_crossed(void) {
   if (!have_ngspice()) return;
   g_autofree char *card = of_project("data/devices/opcflow65.pm");
-  g_autoptr(made) m = make("SN:i RN:i Q:o QN:o VDD:s VSS:g", CROSSED);
-  run(m, 0, card, "measure: delays");
-  expect(of_crossed, G_N_ELEMENTS(of_crossed));
+  g_autoptr(made) m = circuit_make("SN:i RN:i Q:o QN:o VDD:s VSS:g", CROSSED);
+  circuit_run(m, 0, card, "measure: delays");
+  assert_rows(of_crossed, G_N_ELEMENTS(of_crossed));
   g_assert_nonnull(strstr(opc_test_log(), "is sequential: 5 "));
-  run(m, 0, card, "measure: delays, most: 3");
+  circuit_run(m, 0, card, "measure: delays, most: 3");
   g_assert_nonnull(strstr(opc_test_log(), "more exist"));
-  run(m, 0, card, "measure: delays, most: 1");
+  circuit_run(m, 0, card, "measure: delays, most: 1");
   g_assert_nonnull(strstr(opc_test_log(),
                           "output 'QN' does not change for the tried inputs"));
 }
@@ -76,11 +76,11 @@ static void test_once(void) {
   if (!have_ngspice()) return;
   g_autofree char *card = of_project("data/devices/opcflow65.pm");
   g_autoptr(made) m =
-      make("SN:i Q:o VDD:s VSS:g",
-           "MN1 X SN VSS VSS n 65 400,MN2 Q QN X VSS n 65 400,"
-           "MP1 Q SN VDD VDD p 65 450,MP2 Q QN VDD VDD p 65 450,"
-           "MN4 QN Q VSS VSS n 65 400,MP4 QN Q VDD VDD p 65 450");
-  run(m, 0, card, "measure: delays");
+      circuit_make("SN:i Q:o VDD:s VSS:g",
+                   "MN1 X SN VSS VSS n 65 400,MN2 Q QN X VSS n 65 400,"
+                   "MP1 Q SN VDD VDD p 65 450,MP2 Q QN VDD VDD p 65 450,"
+                   "MN4 QN Q VSS VSS n 65 400,MP4 QN Q VDD VDD p 65 450");
+  circuit_run(m, 0, card, "measure: delays");
   g_assert_cmpuint(opc_test_rows("delays"), ==, 0);
   g_assert_nonnull(strstr(opc_test_log(), "output 'Q' does not change"));
 }
@@ -90,8 +90,8 @@ static void test_halving(void) {
   if (!have_ngspice()) return;
   g_autofree char *card = of_project("data/devices/opcflow65.pm");
   g_autoptr(made) m =
-      make("CK:i Q:o VDD:s VSS:g", FLIP_FLOP "," INVERT("9", "Q", "D"));
-  run(m, 0, card, "measure: delays");
+      circuit_make("CK:i Q:o VDD:s VSS:g", FLIP_FLOP "," INVERT("9", "Q", "D"));
+  circuit_run(m, 0, card, "measure: delays");
   g_assert_cmpuint(opc_test_rows("delays"), ==, 2);
   g_assert_nonnull(
       strstr(opc_test_log(), "no sequence of input changes is known"));
@@ -104,15 +104,16 @@ static void test_ringing(void) {
   if (!have_ngspice()) return;
   g_autofree char *card = of_project("data/devices/opcflow65.pm");
   g_autoptr(made) m =
-      make("E:i C:o VDD:s VSS:g",
-           "MN1 X E VSS VSS n 65 400,MN2 A C X VSS n 65 400,"
-           "MP1 A E VDD VDD p 65 450,MP2 A C VDD VDD p 65 450," INVERT(
-               "3", "A", "B") "," INVERT("4", "B", "C"));
+      circuit_make("E:i C:o VDD:s VSS:g",
+                   "MN1 X E VSS VSS n 65 400,MN2 A C X VSS n 65 400,"
+                   "MP1 A E VDD VDD p 65 450,MP2 A C VDD VDD p 65 450," INVERT(
+                       "3", "A", "B") "," INVERT("4", "B", "C"));
   for (size_t i = 0; i < G_N_ELEMENTS(loads); i++) {
     g_autofree char *rest =
         g_strdup_printf("measure: delays, load: %s fF", loads[i]);
-    refused(m, 0, card, rest,
-            "'made' does not settle: net '*' changes at least 32 times*");
+    assert_refused(
+        m, 0, card, rest,
+        "'made' does not settle: net '*' changes at least 32 times*");
   }
 }
 
@@ -160,22 +161,22 @@ static char *sequence_by_hand(const char *card, const char *cell,
                          2 * strlen(levels[0]));
   for (size_t i = 0; i < count; i++) {
     const event *e = &events[i];
-    const char *way = e->rises ? "rise" : "fall";
+    const char *direction = e->rises ? "rise" : "fall";
     g_string_append_printf(
         deck,
         "meas tran d%zu trig at=%d.01n targ v(%s) val=0.55 %s=1 td=%dn\n"
         "meas tran t%zu trig v(%s) val=%s %s=1 td=%dn targ v(%s) val=%s %s=1 "
         "td=%dn\n",
-        i, 2 * e->phase, e->output, way, 2 * e->phase, i, e->output,
-        e->rises ? "0.11" : "0.99", way, 2 * e->phase, e->output,
-        e->rises ? "0.99" : "0.11", way, 2 * e->phase);
+        i, 2 * e->phase, e->output, direction, 2 * e->phase, i, e->output,
+        e->rises ? "0.11" : "0.99", direction, 2 * e->phase, e->output,
+        e->rises ? "0.99" : "0.11", direction, 2 * e->phase);
   }
   g_string_append(deck, ".endc\n.end\n");
   return by_hand(deck->str);
 }
 
-static void compare(const char *hand, const char *state, const event *events,
-                    size_t count) {
+static void assert_states(const char *hand, const char *state,
+                          const event *events, size_t count) {
   g_autofree char *delay = g_strdup_printf("delay %s", state);
   g_autofree char *slope = g_strdup_printf("slope %s", state);
   for (size_t k = 0; k < count; k++) {
@@ -186,10 +187,10 @@ static void compare(const char *hand, const char *state, const event *events,
     while (strcmp(opc_test_text("delays", "inputs", i), e->inputs) ||
            g_ascii_strcasecmp(opc_test_text("delays", "output", i), e->output))
       i++;
-    near(e->inputs, opc_test_number("delays", delay, i),
-         1e12 * printed(hand, d), 2.5e-3);
-    near(e->inputs, opc_test_number("delays", slope, i),
-         1e12 * printed(hand, t), 2.5e-3);
+    assert_near(e->inputs, opc_test_number("delays", delay, i),
+                1e12 * printed_value(hand, d), 2.5e-3);
+    assert_near(e->inputs, opc_test_number("delays", slope, i),
+                1e12 * printed_value(hand, t), 2.5e-3);
   }
 }
 
@@ -225,16 +226,16 @@ static void test_sequence(const char *ports, const char *devices,
                           const char *const *levels, const event *events,
                           size_t count) {
   g_autofree char *card = of_project("data/devices/opcflow65.pm");
-  g_autoptr(made) m = make(ports, devices);
+  g_autoptr(made) m = circuit_make(ports, devices);
   print_changed(m);
-  run(m, 1, card, "measure: delays, dlc: false");
+  circuit_run(m, 1, card, "measure: delays, dlc: false");
   g_assert_cmpfloat(opc_test_metric("tp_worst"), >, 1);
   g_assert_cmpfloat(opc_test_metric("tp_worst_before"), <, 0.001);
   for (int after = 0; after < 2; after++) {
     g_autofree char *cell = cell_of(m, hand_ports, after);
     g_autofree char *hand =
         sequence_by_hand(card, cell, hand_ports, inputs, levels, events, count);
-    if (hand) compare(hand, after ? "after" : "drawn", events, count);
+    if (hand) assert_states(hand, after ? "after" : "drawn", events, count);
   }
 }
 
@@ -247,7 +248,7 @@ static void test_latch(void) {
   if (!have_ngspice()) return;
   test_sequence("D:i G:i Q:o VDD:s VSS:g", LATCH, "D G Q VDD VSS", inputs,
                 levels, events, 3);
-  expect(of_latch, G_N_ELEMENTS(of_latch));
+  assert_rows(of_latch, G_N_ELEMENTS(of_latch));
   g_assert_nonnull(strstr(opc_test_log(), "is sequential: 6 "));
 }
 
@@ -262,7 +263,7 @@ static void test_flip_flop(void) {
   if (!have_ngspice()) return;
   test_sequence("D:i CK:i Q:o VDD:s VSS:g", FLIP_FLOP, "D CK Q VDD VSS", inputs,
                 clock_levels, events, 2);
-  expect(of_flip_flop, G_N_ELEMENTS(of_flip_flop));
+  assert_rows(of_flip_flop, G_N_ELEMENTS(of_flip_flop));
   g_assert_nonnull(strstr(opc_test_log(), "is sequential: 8 "));
 }
 
@@ -296,7 +297,7 @@ static void test_nangate(void) {
   g_autofree char *hand =
       sequence_by_hand(n_card, cell, "d ck q qn vdd vss", inputs, clock_levels,
                        events, G_N_ELEMENTS(events));
-  if (hand) compare(hand, "drawn", events, G_N_ELEMENTS(events));
+  if (hand) assert_states(hand, "drawn", events, G_N_ELEMENTS(events));
 }
 
 int main(int argc, char **argv) {

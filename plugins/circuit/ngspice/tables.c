@@ -172,7 +172,8 @@ static int tell_arrivals(bench *b, const patterns *p, const delays *d,
   static const char *const whats[] = {"delay", "slope"};
   table t = {.b = b, .rows = d->count};
   const char **inputs = add_texts(&t, "inputs");
-  const char **output = add_texts(&t, "output"), **way = add_texts(&t, "way");
+  const char **output = add_texts(&t, "output"),
+             **direction = add_texts(&t, "way");
   double *x[2][EDA_STATES], *change[2][EDA_STATES] = {{NULL}};
   for (int s = 0; s < states_of(b); s++)
     for (int k = 0; k < 2; k++) {
@@ -183,7 +184,7 @@ static int tell_arrivals(bench *b, const patterns *p, const delays *d,
     const arrival *a = &d->arrival[i];
     inputs[i] = patterns_say(b, p, p->transition[d->flip[a->flip]]);
     output[i] = b->circuit->net[b->output[a->output]];
-    way[i] = a->rises ? "rises" : "falls";
+    direction[i] = a->rises ? "rises" : "falls";
     for (int s = 0; s < EDA_STATES; s++)
       for (int k = 0; b->has[s] && k < 2; k++) {
         const double *v = k ? a->slope : a->delay;

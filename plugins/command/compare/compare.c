@@ -129,6 +129,7 @@ static int compare_publish(comparison *c, opc_error *error) {
   if (!code && (!experiment || c->cases)) code = metrics_publish(c, error);
   if (!code) code = transistors_publish(c, error);
   if (!code) code = masks_publish(c, error);
+  if (!code) code = verdicts_publish(c, error);
   return code ? code : publish_counts(c, error);
 }
 
@@ -137,6 +138,7 @@ static int compare_run(void *self, size_t n, const char *const *arguments,
   comparison *c = self;
   c->rows = g_array_new(FALSE, FALSE, sizeof(metric_row));
   c->intervals = ROWS(transistor_row);
+  c->sentences = g_ptr_array_new_with_free_func(g_free);
   int code = field_open(&c->field, c->host, n, arguments, c->variant, error);
   if (!code) code = check_pairs(c, error);
   if (!code && *c->field.base)
@@ -146,6 +148,7 @@ static int compare_run(void *self, size_t n, const char *const *arguments,
   field_clear(&c->field);
   g_array_free(c->rows, TRUE);
   g_array_free(c->intervals, TRUE);
+  g_ptr_array_free(c->sentences, TRUE);
   return code;
 }
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Comparisons of synthetic run folders: verdicts by definition, paired
-   differences that are equal for all transistors, so that the intervals are
-   known, and means over cases. */
+   differences of transistors with intervals that are known, and means over
+   cases. */
 #include <math.h>
 #include <opcflow/command.h>
 
@@ -12,15 +12,15 @@ static char *in_folder(const char *name) {
   return g_build_filename(opc_test_folder(), name, NULL);
 }
 
-static void make(const char *name, made_run run) {
+static void folder_make(const char *name, made_run run) {
   g_autofree char *folder = in_folder(name);
   run.folder = folder;
   make_run(&run);
 }
 
 /* Compare two folders and return the code. */
-static int compare(const char *mapping, const char *a, const char *b,
-                   opc_error *error) {
+static int folders_compare(const char *mapping, const char *a, const char *b,
+                           opc_error *error) {
   g_autofree char *one = in_folder(a), *other = b ? in_folder(b) : NULL;
   const char *const paths[] = {one, other};
   opc_test_forget();
@@ -33,7 +33,7 @@ static int compare(const char *mapping, const char *a, const char *b,
 
 static void compare_good(const char *mapping, const char *a, const char *b) {
   opc_error error;
-  if (compare(mapping, a, b, &error)) g_error("%s", error.message);
+  if (folders_compare(mapping, a, b, &error)) g_error("%s", error.message);
 }
 
 /* Return the row of a table whose column has that text. */
@@ -60,7 +60,7 @@ static void test_verdicts(void) {
             "\"%s\", \"tolerance\" : 0.5 }",
             w + i ? "," : "", w, i, 8 + k * changes[i], ways[w]);
     g_string_append(text, "} }");
-    make(k ? "b" : "a", (made_run){.metrics = text->str});
+    folder_make(k ? "b" : "a", (made_run){.metrics = text->str});
   }
   compare_good("{ all: true }", "a", "b");
   double better = 0, worse = 0, same = 0, differs = 0;
@@ -88,31 +88,77 @@ static void test_verdicts(void) {
   g_assert_cmpfloat(opc_test_metric("differs"), ==, differs);
 }
 
-/* Transistors are paired by name in any order: each deviation decreases by 0.5,
-   so the mean and both bounds are 0.5; Ioff does not change. */
+/* Transistors are paired by name in any order. Ion changes by -0.5 in four
+   cells of one transistor each, and by 1.5 and -0.5 in the cell e. The mean of
+   e is 0.5, so the range of the five cells contains zero. Ioff does not change.
+   Without e, four cells are too few. */
 static void test_transistors(void) {
-  g_autofree char *base =
-      g_strconcat(gates_head, "a:1,n,65,100,-1,4\r\na:2,n,65,100,2,4\r\n",
-                  "a:3,p,65,100,3.5,-4\r\na:4,p,65,100,,4\r\n", NULL);
+  static const char few[] =
+      "a:1,n,65,100,0.5,4\r\nb:1,n,65,100,1.5,4\r\n"
+      "c:1,p,65,100,-3,4\r\nd:1,p,65,100,1,4\r\n";
+  g_autofree char *base = g_strconcat(
+      gates_head, "a:1,n,65,100,-1,4\r\nb:1,n,65,100,2,4\r\n",
+      "c:1,p,65,100,3.5,-4\r\nd:1,p,65,100,1.5,4\r\n",
+      "e:1,p,65,100,1,4\r\ne:2,p,65,100,1,4\r\n", "e:3,p,65,100,,4\r\n", NULL);
   g_autofree char *other =
-      g_strconcat(gates_head, "a:3,p,65,100,-3,4\r\na:4,p,65,100,1,4\r\n",
-                  "a:1,n,65,100,0.5,4\r\na:2,n,65,100,1.5,4\r\n", NULL);
-  make("a", (made_run){.gates = base});
-  make("b", (made_run){.gates = other});
+      g_strconcat(gates_head, "e:3,p,65,100,1,4\r\ne:2,p,65,100,0.5,4\r\n",
+                  "e:1,p,65,100,2.5,4\r\n", few, NULL);
+  folder_make("a", (made_run){.gates = base});
+  folder_make("b", (made_run){.gates = other});
   compare_good("{}", "a", "b");
   size_t ion = row_of("transistors", "figure", "ion");
-  static const char *const changes[] = {"change", "low", "high"};
-  for (int i = 0; i < 3; i++)
+  static const struct {
+    const char *column;
+    double value;
+  } want[] = {{"base", 10.0 / 6}, {"change", -1.0 / 6}, {"median", -0.5},
+              {"low", -0.5},      {"high", 0.5},        {"better", 5},
+              {"worse", 1},       {"same", 0},          {"cells", 5}};
+  for (size_t i = 0; i < G_N_ELEMENTS(want); i++)
     g_assert_cmpfloat_with_epsilon(
-        opc_test_number("transistors", changes[i], ion), -0.5, 1e-12);
-  g_assert_cmpfloat_with_epsilon(opc_test_number("transistors", "base", ion),
-                                 6.5 / 3, 1e-12);
-  g_assert_cmpfloat(opc_test_number("transistors", "better", ion), ==, 3);
-  g_assert_cmpfloat(opc_test_number("transistors", "same", ion), ==, 0);
-  g_assert_cmpstr(opc_test_text("transistors", "verdict", ion), ==, "better");
+        opc_test_number("transistors", want[i].column, ion), want[i].value,
+        1e-12);
+  g_assert_cmpstr(opc_test_text("transistors", "verdict", ion), ==, "same");
+  g_assert_cmpstr(opc_test_text("verdicts", "verdict", 0), ==,
+                  "b is better than a in transistors that do not print by 1; "
+                  "no clear difference in Ion; equal in Ioff, seconds");
   size_t ioff = row_of("transistors", "figure", "ioff");
-  g_assert_cmpfloat(opc_test_number("transistors", "same", ioff), ==, 4);
+  g_assert_cmpfloat(opc_test_number("transistors", "same", ioff), ==, 7);
   g_assert_cmpfloat(opc_test_number("transistors", "change", ioff), ==, 0);
+
+  g_autofree char *with =
+      g_strconcat(gates_head, few, "e:1,p,65,100,0.25,4", "\r\n", NULL);
+  g_autofree char *before = g_strndup(base, strlen(base) - 35);
+  folder_make("a", (made_run){.gates = before});
+  folder_make("b", (made_run){.gates = with});
+  compare_good("{}", "a", "b");
+  g_assert_cmpstr(opc_test_text("transistors", "verdict", ion), ==, "better");
+  g_assert_cmpstr(
+      opc_test_text("verdicts", "verdict", 0), ==,
+      "b is better than a in Ion by 0.5 points (95 %: 0.5 to 0.75); "
+      "equal in Ioff, seconds");
+  compare_good("{}", "b", "a");
+  g_assert_cmpstr(
+      opc_test_text("verdicts", "verdict", 0), ==,
+      "b is better than a in Ion by 0.5 points (95 %: 0.5 to 0.75); "
+      "equal in Ioff, seconds");
+
+  g_autofree char *four = g_strconcat(gates_head, few, NULL);
+  g_autofree char *drawn = g_strndup(before, strlen(before) - 18);
+  static const char shots[] =
+      "{ \"cost\" : { \"shots\" : { \"value\" : %d, \"unit\" : null, "
+      "\"better\" : \"lower\", \"tolerance\" : 0 } } }";
+  g_autofree char *less = g_strdup_printf(shots, 100);
+  g_autofree char *more = g_strdup_printf(shots, 116);
+  folder_make("a", (made_run){.gates = drawn, .metrics = more});
+  folder_make("b", (made_run){.gates = four, .metrics = less});
+  compare_good("{}", "a", "b");
+  g_assert_cmpstr(opc_test_text("transistors", "verdict", ion), ==,
+                  "too few cells");
+  g_assert_true(isnan(opc_test_number("transistors", "low", ion)));
+  g_assert_cmpstr(
+      opc_test_text("verdicts", "verdict", 0), ==,
+      "b is better than a in shots by 14 % (1 case); equal in Ioff, "
+      "seconds; too few cells (4 of 5) for Ion");
 }
 
 /* Ion changes by 1 and 3 with one method, by -2 and 0 with the other. */
@@ -132,7 +178,7 @@ static void test_cases(void) {
             ions[method][one][which]);
         g_autofree char *name = g_strdup_printf("%s/%c/%c", which ? "e2" : "e1",
                                                 "AB"[one], "xy"[method]);
-        make(name, (made_run){.metrics = metrics});
+        folder_make(name, (made_run){.metrics = metrics});
       }
     put_file(top, "experiment.csv", list);
   }
@@ -168,13 +214,15 @@ static void test_fail_on(void) {
       {"{ metrics: mask.iom }", OPC_INVALID, "did you mean 'mask.ion'?"},
       {"{ metrics: 'mask.*' }", OPC_OK, ""}};
   opc_error error;
-  make("c", (made_run){.metrics = RUN_ION("1.0")});
-  make("d", (made_run){.metrics = RUN_ION("1.5")});
+  folder_make("c", (made_run){.metrics = RUN_ION("1.0")});
+  folder_make("d", (made_run){.metrics = RUN_ION("1.5")});
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
-    g_assert_cmpint(compare(cases[i].map, "c", "d", &error), ==, cases[i].code);
+    g_assert_cmpint(folders_compare(cases[i].map, "c", "d", &error), ==,
+                    cases[i].code);
     if (!strstr(error.message, cases[i].said)) g_error("%s", error.message);
   }
-  g_assert_cmpint(compare("{ fail_on: worse }", "d", "c", &error), ==, OPC_OK);
+  g_assert_cmpint(folders_compare("{ fail_on: worse }", "d", "c", &error), ==,
+                  OPC_OK);
 }
 
 /* Comparison is refused for different layouts or optics. */
@@ -183,16 +231,16 @@ static void test_refused(void) {
   static const char *const said[] = {"layout.file differs in content (aa, bb)",
                                      "mask.litho.na is 0.75 and 0.85"};
   opc_error error;
-  make("c", (made_run){.na = NULL});
+  folder_make("c", (made_run){.na = NULL});
   for (int i = 0; i < 2; i++) {
-    make("d", others[i]);
-    g_assert_cmpint(compare("{}", "c", "d", &error), ==, OPC_INVALID);
+    folder_make("d", others[i]);
+    g_assert_cmpint(folders_compare("{}", "c", "d", &error), ==, OPC_INVALID);
     g_assert_nonnull(strstr(error.message, "not comparable: d: "));
     if (!strstr(error.message, said[i])) g_error("%s", error.message);
     compare_good("{ anyway: true }", "c", "d");
     g_assert_nonnull(strstr(opc_test_log(), said[i]));
   }
-  g_assert_cmpint(compare("{}", "c", NULL, &error), ==, OPC_INVALID);
+  g_assert_cmpint(folders_compare("{}", "c", NULL, &error), ==, OPC_INVALID);
 }
 
 int main(int argc, char **argv) {

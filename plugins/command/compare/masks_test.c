@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void put(GByteArray *to, uint32_t type, uint32_t kind, const void *data,
-                size_t n) {
+static void record_put(GByteArray *to, uint32_t type, uint32_t kind,
+                       const void *data, size_t n) {
   uint8_t head[4];
   eda_gds_put_u16(head, (uint32_t)n + 4);
   head[2] = (uint8_t)type;
@@ -21,17 +21,17 @@ static void put(GByteArray *to, uint32_t type, uint32_t kind, const void *data,
 static void put_number(GByteArray *to, uint32_t type, uint32_t number) {
   uint8_t data[2];
   eda_gds_put_u16(data, number);
-  put(to, type, EDA_GDS_INT2, data, 2);
+  record_put(to, type, EDA_GDS_INT2, data, 2);
 }
 
-static GByteArray *begin(double unit) {
+static GByteArray *file_begin(double unit) {
   GByteArray *to = g_byte_array_new();
   uint8_t units[16];
   eda_gds_put_real(units, unit * 1e-3);
   eda_gds_put_real(units + 8, unit * 1e-9);
   put_number(to, EDA_GDS_HEADER, 600);
-  put(to, EDA_GDS_UNITS, EDA_GDS_REAL8, units, 16);
-  put(to, EDA_GDS_BGNSTR, EDA_GDS_INT2, units, 0);
+  record_put(to, EDA_GDS_UNITS, EDA_GDS_REAL8, units, 16);
+  record_put(to, EDA_GDS_BGNSTR, EDA_GDS_INT2, units, 0);
   return to;
 }
 
@@ -40,19 +40,19 @@ static void put_box(GByteArray *to, uint32_t layer, int x0, int y0, int x1,
   const int xy[10] = {x0, y0, x1, y0, x1, y1, x0, y1, x0, y0};
   uint8_t data[40];
   for (int i = 0; i < 10; i++) eda_gds_put_i32(data + 4 * i, xy[i]);
-  put(to, EDA_GDS_BOUNDARY, EDA_GDS_NOTHING, data, 0);
+  record_put(to, EDA_GDS_BOUNDARY, EDA_GDS_NOTHING, data, 0);
   put_number(to, EDA_GDS_LAYER, layer);
   put_number(to, EDA_GDS_DATATYPE, 0);
-  put(to, EDA_GDS_XY, EDA_GDS_INT4, data, 40);
-  put(to, EDA_GDS_ENDEL, EDA_GDS_NOTHING, data, 0);
+  record_put(to, EDA_GDS_XY, EDA_GDS_INT4, data, 40);
+  record_put(to, EDA_GDS_ENDEL, EDA_GDS_NOTHING, data, 0);
 }
 
 /* Complete the file and return its path (g_free). */
-static char *end(GByteArray *to, gboolean whole) {
+static char *file_end(GByteArray *to, gboolean whole) {
   char *path = NULL;
   g_assert_cmpint(g_file_open_tmp("mask-XXXXXX", &path, NULL), >=, 0);
-  put(to, EDA_GDS_ENDSTR, EDA_GDS_NOTHING, "", 0);
-  if (whole) put(to, EDA_GDS_ENDLIB, EDA_GDS_NOTHING, "", 0);
+  record_put(to, EDA_GDS_ENDSTR, EDA_GDS_NOTHING, "", 0);
+  if (whole) record_put(to, EDA_GDS_ENDLIB, EDA_GDS_NOTHING, "", 0);
   g_assert_true(
       g_file_set_contents(path, (char *)to->data, (gssize)to->len, NULL));
   g_byte_array_unref(to);
@@ -60,8 +60,8 @@ static char *end(GByteArray *to, gboolean whole) {
 }
 
 /* Compare two files and remove them. */
-static int compare(char *a, char *b, mask_difference **out, size_t *n,
-                   opc_error *error) {
+static int files_compare(char *a, char *b, mask_difference **out, size_t *n,
+                         opc_error *error) {
   int code = masks_compare(a, b, out, n, error);
   g_test_message("%s", code ? error->message : "good");
   g_unlink(a);
@@ -72,7 +72,7 @@ static int compare(char *a, char *b, mask_difference **out, size_t *n,
 }
 
 static void test_areas(void) {
-  GByteArray *a = begin(1), *b = begin(1);
+  GByteArray *a = file_begin(1), *b = file_begin(1);
   /* Layer 9: the box grows by 100 nm at the left and the right; the upper part
      of the grown box is a separate polygon. */
   put_box(a, 9, 0, 0, 1000, 2000);
@@ -88,7 +88,8 @@ static void test_areas(void) {
   mask_difference *d;
   opc_error error = {0};
   size_t n;
-  g_assert_false(compare(end(a, TRUE), end(b, TRUE), &d, &n, &error));
+  g_assert_false(
+      files_compare(file_end(a, TRUE), file_end(b, TRUE), &d, &n, &error));
   g_assert_cmpuint(n, ==, 3);
   g_assert_cmpuint(d[0].layer, ==, 1);
   g_assert_cmpfloat(d[0].area, ==, 0);
@@ -108,13 +109,14 @@ static void test_areas(void) {
 
 /* A frame is one polygon, not two. */
 static void test_hole(void) {
-  GByteArray *a = begin(2), *b = begin(2);
+  GByteArray *a = file_begin(2), *b = file_begin(2);
   put_box(a, 9, 0, 0, 500, 500);
   put_box(b, 9, 100, 100, 400, 400);
   mask_difference *d;
   opc_error error = {0};
   size_t n;
-  g_assert_false(compare(end(a, TRUE), end(b, TRUE), &d, &n, &error));
+  g_assert_false(
+      files_compare(file_end(a, TRUE), file_end(b, TRUE), &d, &n, &error));
   g_assert_cmpuint(n, ==, 1);
   g_assert_cmpint(d->places, ==, 1);
   g_assert_cmpint(d->rectangles, ==, 4);
@@ -126,21 +128,24 @@ static void test_bad(void) {
   mask_difference *d;
   opc_error error = {0};
   size_t n;
-  g_assert_cmpint(
-      compare(end(begin(1), TRUE), end(begin(2), TRUE), &d, &n, &error), ==,
-      OPC_INVALID);
+  g_assert_cmpint(files_compare(file_end(file_begin(1), TRUE),
+                                file_end(file_begin(2), TRUE), &d, &n, &error),
+                  ==, OPC_INVALID);
   g_assert_nonnull(strstr(error.message, "grids of 1 nm and 2 nm"));
   g_assert_null(d);
-  compare(end(begin(1), TRUE), end(begin(1), FALSE), &d, &n, &error);
+  files_compare(file_end(file_begin(1), TRUE), file_end(file_begin(1), FALSE),
+                &d, &n, &error);
   g_assert_nonnull(
       strstr(error.message, "byte 34: not a GDSII file, or truncated"));
-  GByteArray *a = begin(1);
-  put(a, EDA_GDS_SREF, EDA_GDS_NOTHING, "", 0);
-  compare(end(a, TRUE), end(begin(1), TRUE), &d, &n, &error);
+  GByteArray *a = file_begin(1);
+  record_put(a, EDA_GDS_SREF, EDA_GDS_NOTHING, "", 0);
+  files_compare(file_end(a, TRUE), file_end(file_begin(1), TRUE), &d, &n,
+                &error);
   g_assert_nonnull(strstr(error.message, "other than the polygons"));
-  a = begin(1);
-  put(a, EDA_GDS_LAYER, EDA_GDS_INT2, "", 1);
-  compare(end(a, TRUE), end(begin(1), TRUE), &d, &n, &error);
+  a = file_begin(1);
+  record_put(a, EDA_GDS_LAYER, EDA_GDS_INT2, "", 1);
+  files_compare(file_end(a, TRUE), file_end(file_begin(1), TRUE), &d, &n,
+                &error);
   g_assert_nonnull(strstr(error.message, "byte 30: a record is too short"));
   g_assert_cmpint(masks_compare("/nowhere", "/nowhere", &d, &n, &error), ==,
                   OPC_IO);

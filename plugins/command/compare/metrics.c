@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Compares metrics of runs: a verdict for each metric, and sums over cases. */
+#include <eda/median.h>
 #include <eda/words.h>
 #include <math.h>
 #include <opcflow/table.h>
 #include <string.h>
 
-#include "bootstrap.h"
 #include "tables.h"
 
 const char *const verdict_words[VERDICTS] = {"better", "worse", "same",
@@ -173,7 +173,7 @@ int metrics_publish(comparison *c, opc_error *error) {
 typedef struct case_row {
   const char *method, *metric, *unit, *better;
   GArray *changes; /* double, finite values only */
-  double base, value, change, low, high;
+  double base, value, change, median, low, high;
   int64_t n, wins, losses, ties;
 } case_row;
 
@@ -202,15 +202,22 @@ static void add_to_case(GHashTable *index, GArray *out, const metric_row *r) {
   g_array_append_val(row->changes, r->change);
 }
 
-static void finish_case(const comparison *c, case_row *row) {
-  interval i = bootstrap_mean((const double *)(void *)row->changes->data,
-                              row->changes->len, c->host->context);
+static void finish_case(case_row *row) {
+  const double *changes = (const double *)(void *)row->changes->data;
+  eda_median m = eda_median_of(changes, row->changes->len);
   row->base /= (double)row->n;
   row->value /= (double)row->n;
-  row->change = i.mean;
-  row->low = i.low;
-  row->high = i.high;
-  g_array_free(row->changes, TRUE);
+  row->change = row->value - row->base;
+  row->median = m.value;
+  row->low = m.low;
+  row->high = m.high;
+}
+
+/* Return whether any case differs or lacks the metric. */
+static int is_changed(const case_row *row) {
+  for (guint i = 0; i < row->changes->len; i++)
+    if (g_array_index(row->changes, double, i) != 0) return 1;
+  return !row->n;
 }
 
 int cases_publish(comparison *c, opc_error *error) {
@@ -221,9 +228,10 @@ int cases_publish(comparison *c, opc_error *error) {
     add_to_case(index, all, &g_array_index(c->rows, metric_row, i));
   for (guint i = all->len; i-- > 0;) {
     case_row *row = &g_array_index(all, case_row, i);
-    finish_case(c, row);
-    if (!c->all && !c->chosen && row->n && row->low == 0 && row->high == 0)
-      g_array_remove_index(all, i);
+    finish_case(row);
+    int shown = c->all || c->chosen || is_changed(row);
+    g_array_free(row->changes, TRUE);
+    if (!shown) g_array_remove_index(all, i);
   }
   const case_row *r = (const case_row *)(void *)all->data;
   const opc_column columns[] = {{"method", NULL, OPC_TEXT, 0, &r->method},
@@ -234,6 +242,7 @@ int cases_publish(comparison *c, opc_error *error) {
                                 {"base", NULL, OPC_REAL, -1, &r->base},
                                 {"value", NULL, OPC_REAL, -1, &r->value},
                                 {"change", NULL, OPC_REAL, -1, &r->change},
+                                {"median", NULL, OPC_REAL, -1, &r->median},
                                 {"low", NULL, OPC_REAL, -1, &r->low},
                                 {"high", NULL, OPC_REAL, -1, &r->high},
                                 {"wins", NULL, OPC_INT, 0, &r->wins},

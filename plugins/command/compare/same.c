@@ -4,9 +4,9 @@
    parameters may differ. */
 #include "same.h"
 
+#include <eda/verdicts.h>
+#include <stdlib.h>
 #include <string.h>
-
-#include "transistors.h"
 
 /* Slots of the models that determine the printed image and the currents. */
 static const char *const judges[] = {"litho", "resist", "extractor", NULL};
@@ -88,9 +88,9 @@ int same_check(const pair *p, GPtrArray *why, opc_error *error) {
           why, g_strdup_printf("'%s' failed: %s", f->folder, f->failure));
   }
   check_parameters(p, why);
-  transistors t;
-  int code = transistors_join(p, &t, error);
-  if (!code && t.fault) g_ptr_array_add(why, g_strdup(t.fault));
-  transistors_clear(&t);
+  char *unlike;
+  int code = eda_run_unlike(p->base, p->other, &unlike, error);
+  if (unlike) g_ptr_array_add(why, g_strdup(unlike));
+  free(unlike);
   return code;
 }

@@ -8,10 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bootstrap.h"
 #include "masks.h"
 #include "same.h"
-#include "transistors.h"
 
 int put_table(comparison *c, const char *name, size_t rows, size_t size,
               const opc_column *columns, size_t n, opc_error *error) {
@@ -131,60 +129,48 @@ int parameters_publish(comparison *c, opc_error *error) {
 
 /* ---- transistors ---- */
 
-/* Tolerance of equal figures; gates.csv has two or three decimals of a
-   percent. */
-static const double EQUAL = 1e-9;
-
-static transistor_row row_of(const comparison *c, const char *method,
-                             int figure, const double *base, double *other,
-                             size_t n) {
-  transistor_row r = {
-      .method = method, .figure = figure_names[figure], .n = (int64_t)n};
-  for (size_t i = 0; i < n; i++) {
-    r.base += base[i] / (double)n;
-    r.value += other[i] / (double)n;
-    other[i] -= base[i];
-    r.better += other[i] < -EQUAL;
-    r.worse += other[i] > EQUAL;
-  }
-  r.same = r.n - r.better - r.worse;
-  interval in = bootstrap_mean(other, n, c->host->context);
-  r.change = in.mean;
-  r.low = in.low;
-  r.high = in.high;
-  r.verdict = in.high < 0 ? BETTER : in.low > 0 ? WORSE : SAME;
-  r.word = verdict_words[r.verdict];
-  return r;
+static void add_figure(comparison *c, const char *method,
+                       const eda_change *from) {
+  static const int verdicts[] = {SAME, BETTER, WORSE, SAME};
+  const transistor_row r = {
+      .method = method,
+      .figure = from->name,
+      .n = from->n,
+      .cells = (int64_t)from->median.n,
+      .base = from->base,
+      .value = from->value,
+      .change = from->change,
+      .median = from->median.value,
+      .low = from->median.low,
+      .high = from->median.high,
+      .better = from->better,
+      .worse = from->worse,
+      .same = from->same,
+      .verdict = verdicts[from->verdict],
+      .word = from->verdict == EDA_VERDICT_FEW
+                  ? "too few cells"
+                  : verdict_words[verdicts[from->verdict]]};
+  if (r.n) g_array_append_val(c->intervals, r);
 }
 
-/* Add the transistors of all cases of a method. */
-static int add_transistors(comparison *c, const char *method,
-                           opc_error *error) {
+/* Add the verdict on a method over all its cases, and the rows of its
+   transistors. */
+static int add_verdict(comparison *c, const char *method, opc_error *error) {
   const field *f = &c->field;
-  GArray *values[FIGURES][2];
-  int code = OPC_OK;
-  for (int i = 0; i < FIGURES; i++)
-    for (int k = 0; k < 2; k++)
-      values[i][k] = g_array_new(FALSE, FALSE, sizeof(double));
-  for (guint i = 0; i < f->pairs->len && !code; i++) {
+  g_autoptr(GArray) pairs = ROWS(eda_run_pair);
+  eda_verdict v;
+  for (guint i = 0; i < f->pairs->len; i++) {
     const pair *p = &g_array_index(f->pairs, pair, i);
-    transistors t;
-    if (strcmp(p->method, method) != 0) continue;
-    code = transistors_join(p, &t, error);
-    for (int k = 0; k < FIGURES && !code; k++)
-      transistors_add(&t, k, values[k][0], values[k][1]);
-    transistors_clear(&t);
+    const eda_run_pair runs = {p->base, p->other};
+    if (!strcmp(p->method, method)) g_array_append_val(pairs, runs);
   }
-  for (int i = 0; i < FIGURES; i++) {
-    guint n = values[i][0]->len;
-    if (n && !code) {
-      const transistor_row row =
-          row_of(c, method, i, (double *)(void *)values[i][0]->data,
-                 (double *)(void *)values[i][1]->data, n);
-      g_array_append_val(c->intervals, row);
-    }
-    for (int k = 0; k < 2; k++) g_array_free(values[i][k], TRUE);
-  }
+  const eda_run_pair *all = (const eda_run_pair *)(void *)pairs->data;
+  int code = eda_verdict_init(&v, method, *f->base ? f->base : "the base",
+                              pairs->len, all, error);
+  for (int i = EDA_CHANGE_ION; i <= EDA_CHANGE_AREA && !code; i++)
+    add_figure(c, method, &v.changes[i]);
+  g_ptr_array_add(c->sentences, g_strdup(v.text));
+  eda_verdict_clear(&v);
   return code;
 }
 
@@ -193,23 +179,31 @@ int transistors_publish(comparison *c, opc_error *error) {
   int code = OPC_OK;
   for (guint i = 0; i < f->pairs->len && !code; i++)
     if (!is_repeated(f, i))
-      code = add_transistors(c, g_array_index(f->pairs, pair, i).method, error);
+      code = add_verdict(c, g_array_index(f->pairs, pair, i).method, error);
   const transistor_row *r = (const transistor_row *)(void *)c->intervals->data;
   const opc_column columns[] = {{"run", NULL, OPC_TEXT, 0, &r->method},
                                 {"figure", NULL, OPC_TEXT, 0, &r->figure},
                                 {"base", "%", OPC_REAL, 4, &r->base},
                                 {"value", "%", OPC_REAL, 4, &r->value},
                                 {"change", "%", OPC_REAL, 4, &r->change},
+                                {"median", "%", OPC_REAL, 4, &r->median},
                                 {"low", "%", OPC_REAL, 4, &r->low},
                                 {"high", "%", OPC_REAL, 4, &r->high},
                                 {"verdict", NULL, OPC_TEXT, 0, &r->word},
                                 {"better", NULL, OPC_INT, 0, &r->better},
                                 {"worse", NULL, OPC_INT, 0, &r->worse},
                                 {"same", NULL, OPC_INT, 0, &r->same},
-                                {"transistors", NULL, OPC_INT, 0, &r->n}};
+                                {"transistors", NULL, OPC_INT, 0, &r->n},
+                                {"cells", NULL, OPC_INT, 0, &r->cells}};
   return code ? code
               : put_of_methods(c, "transistors", c->intervals->len, sizeof *r,
                                columns, G_N_ELEMENTS(columns), error);
+}
+
+int verdicts_publish(comparison *c, opc_error *error) {
+  const opc_column column = {"verdict", NULL, OPC_TEXT, 0, c->sentences->pdata};
+  return opc_put_table(c->host, "verdicts", OPC_TABLE_PRINT, c->sentences->len,
+                       &column, 1, error);
 }
 
 /* ---- masks ---- */

@@ -2,6 +2,8 @@
 /* Rows and tables of a comparison. */
 #pragma once
 
+#include <eda/verdicts.h>
+
 #include "field.h"
 
 enum { SORT_FILE, SORT_NAME, SORT_CHANGE, SORT_VERDICT };
@@ -16,8 +18,9 @@ typedef struct comparison {
                                              none */
   int sort;
   field field;
-  GArray *rows;      /* metric_row, all selected metrics */
-  GArray *intervals; /* transistor_row */
+  GArray *rows;         /* metric_row, all selected metrics */
+  GArray *intervals;    /* transistor_row */
+  GPtrArray *sentences; /* char *, a verdict for each method */
 } comparison;
 
 /* Allocate an array of rows of a type; `data` is not NULL even when empty. */
@@ -34,8 +37,8 @@ typedef struct metric_row {
 /* A figure over all transistors of the pairs of a method. */
 typedef struct transistor_row {
   const char *method, *figure, *word;
-  int64_t n;
-  double base, value, change, low, high;
+  int64_t n, cells;
+  double base, value, change, median, low, high;
   int64_t better, worse, same;
   int verdict;
 } transistor_row;
@@ -55,6 +58,9 @@ int cases_publish(comparison *c, opc_error *error);
 int runs_publish(comparison *c, opc_error *error);
 int parameters_publish(comparison *c, opc_error *error);
 int transistors_publish(comparison *c, opc_error *error);
+
+/* Publish the verdicts that transistors_publish found. Returns the status. */
+int verdicts_publish(comparison *c, opc_error *error);
 int masks_publish(comparison *c, opc_error *error);
 
 /* Publish a table without the leading columns (case, method) that are equal in

@@ -11,8 +11,8 @@ static const char evil[] = "</script><b a='1'>";
 
 /* Make a page of folders below the test folder; return the code, the page and
    the embedded data. */
-static int report(const char *mapping, const char *const *folders, char **page,
-                  JsonNode **root, opc_error *error) {
+static int page_make(const char *mapping, const char *const *folders,
+                     char **page, JsonNode **root, opc_error *error) {
   g_autoptr(GPtrArray) paths = g_ptr_array_new_with_free_func(g_free);
   g_autofree char *path =
       g_build_filename(opc_test_folder(), "page.html", NULL);
@@ -33,12 +33,12 @@ static int report(const char *mapping, const char *const *folders, char **page,
 static JsonObject *report_good(const char *mapping, const char *const *folders,
                                char **page, JsonNode **root) {
   opc_error error;
-  if (report(mapping, folders, page, root, &error))
+  if (page_make(mapping, folders, page, root, &error))
     g_error("%s", error.message);
   return json_node_get_object(*root);
 }
 
-static void make(const char *name, made_run run) {
+static void folder_make(const char *name, made_run run) {
   g_autofree char *folder = g_build_filename(opc_test_folder(), name, NULL);
   run.folder = folder;
   make_run(&run);
@@ -73,8 +73,10 @@ static void test_figures(void) {
   static const char *const both[] = {"one", "deeper/one", NULL};
   g_autofree char *gates = g_strdup_printf(
       "%sa:1,n,65,100,-1.25,\r\n%s,p,65,200.5,3e-7,2\r\n", gates_head, evil);
-  make("one", (made_run){.gates = gates, .na = "0.85", .variant = "plain"});
-  make("deeper/one", (made_run){.metrics = RUN_ION("0.1234567890123456")});
+  folder_make("one",
+              (made_run){.gates = gates, .na = "0.85", .variant = "plain"});
+  folder_make("deeper/one",
+              (made_run){.metrics = RUN_ION("0.1234567890123456")});
   g_autofree char *page = NULL;
   g_autoptr(JsonNode) root = NULL;
   JsonObject *o = report_good(", title: A title", both, &page, &root);
@@ -113,8 +115,8 @@ static void test_figures(void) {
 /* All runs of an experiment folder, with the reason of a failed run. */
 static void test_experiment(void) {
   static const char *const folders[] = {"whole", NULL};
-  make("whole/A/fast", (made_run){.metrics = RUN_ION("1.5")});
-  make("whole/A/fine", (made_run){.metrics = RUN_ION("0.5")});
+  folder_make("whole/A/fast", (made_run){.metrics = RUN_ION("1.5")});
+  folder_make("whole/A/fine", (made_run){.metrics = RUN_ION("0.5")});
   g_autofree char *top = g_build_filename(opc_test_folder(), "whole", NULL);
   put_file(top, "experiment.csv",
            "case,method,folder,result,seconds (s)\r\nA,fast,A/fast,good,1\r\n"
@@ -148,7 +150,7 @@ static void test_pictures(void) {
   g_autofree char *blanks = g_strnfill(600 * 1000, ' ');
   g_autofree char *view =
       g_strdup_printf("{ \"view\": 1, \"cell\": \"%s\"%s }", evil, blanks);
-  make("seen", (made_run){.view = view});
+  folder_make("seen", (made_run){.view = view});
   for (int fits = 0; fits < 2; fits++) {
     g_autofree char *page = NULL;
     g_autoptr(JsonNode) root = NULL;
@@ -171,15 +173,15 @@ static void test_refused(void) {
   opc_error error = {0};
   char *page;
   JsonNode *root;
-  g_assert_cmpint(report("", none, &page, &root, &error), ==, OPC_INVALID);
+  g_assert_cmpint(page_make("", none, &page, &root, &error), ==, OPC_INVALID);
   g_assert_cmpstr(error.message, ==, "no run folder is given");
-  g_assert_cmpint(report("", gone, &page, &root, &error), !=, OPC_OK);
+  g_assert_cmpint(page_make("", gone, &page, &root, &error), !=, OPC_OK);
   g_assert_nonnull(strstr(error.message, "gone"));
-  make("other", (made_run){.view = "{ \"view\": 2 }"});
-  g_assert_cmpint(report("", other, &page, &root, &error), ==, OPC_INVALID);
+  folder_make("other", (made_run){.view = "{ \"view\": 2 }"});
+  g_assert_cmpint(page_make("", other, &page, &root, &error), ==, OPC_INVALID);
   g_assert_nonnull(strstr(error.message, "view.json' is not a view of a mask"));
-  make("good", (made_run){.view = NULL});
-  g_assert_cmpint(report(", limit: 0", good, &page, &root, &error), !=, 0);
+  folder_make("good", (made_run){.view = NULL});
+  g_assert_cmpint(page_make(", limit: 0", good, &page, &root, &error), !=, 0);
   g_autoptr(opc_module) m = opc_test_module(
       "command.report", "{ output: /nowhere/at/all.html }", &error);
   g_autofree char *folder = g_build_filename(opc_test_folder(), "good", NULL);

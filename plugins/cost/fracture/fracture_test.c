@@ -126,8 +126,8 @@ static void count_as(const drawing drawn[LAYERS],
   g_assert_cmpuint(t->flags, ==, OPC_TABLE_PRINT);
 }
 
-static void count(const drawing drawn[LAYERS], const drawing corrected[LAYERS],
-                  double grid) {
+static void assert_count(const drawing drawn[LAYERS],
+                         const drawing corrected[LAYERS], double grid) {
   count_as(drawn, corrected, grid, (eda_box){0, 0, 700, 100}, "{}");
 }
 
@@ -146,7 +146,7 @@ static void test_shapes(void) {
     for (int layer = 0; layer < 2; layer++) {
       drawing drawn[LAYERS] = {0}, corrected[LAYERS] = {0};
       cases[i].draw(&corrected[layer]);
-      count(drawn, corrected, 2);
+      assert_count(drawn, corrected, 2);
       g_assert_cmpint(integer("rectangles", layer), ==, cases[i].rectangles);
       g_assert_cmpint(integer("vertices", layer), ==, cases[i].vertices);
       g_assert_cmpfloat(fabs(real("area", layer) - cases[i].area * 4e-6), <,
@@ -171,7 +171,7 @@ static void test_places(void) {
   ell(&corrected[EDA_ACTIVE]);
   ring(&corrected[EDA_ACTIVE]);
   comb(&corrected[EDA_ACTIVE]);
-  count(drawn, corrected, 1);
+  assert_count(drawn, corrected, 1);
   const opc_column *names = opc_table_column(opc_test_table("cost"), "layer");
   g_assert_cmpstr(((const char *const *)names->data)[0], ==, "poly");
   g_assert_cmpstr(((const char *const *)names->data)[1], ==, "active");
@@ -194,7 +194,7 @@ static void test_third_layer(void) {
   ell(&corrected[EDA_ACTIVE]);
   square(&drawn[2]);
   comb(&corrected[2]);
-  count(drawn, corrected, 1);
+  assert_count(drawn, corrected, 1);
   g_assert_cmpstr(opc_test_text("cost", "layer", 2), ==, "metal1");
   g_assert_cmpint(integer("rectangles", 2), ==, 4);
   g_assert_cmpint(integer("rectangles_drawn", 2), ==, 1);
@@ -209,7 +209,7 @@ static void test_same(void) {
     ring(&mask[layer]);
     comb(&mask[layer]);
   }
-  count(mask, mask, 1);
+  assert_count(mask, mask, 1);
   for (size_t layer = 0; layer < 2; layer++) {
     g_assert_cmpint(integer("rectangles", layer), ==,
                     integer("rectangles_drawn", layer));

@@ -13,7 +13,8 @@ static char *devices(void) {
                           "ptm65.yaml", NULL);
 }
 
-static opc_module *make(const char *id, const char *more, opc_error *error) {
+static opc_module *module_make(const char *id, const char *more,
+                               opc_error *error) {
   g_autofree char *file = devices();
   g_autofree char *text = g_strdup_printf("{ devices: '%s'%s }", file, more);
   return opc_test_module(id, text, error);
@@ -47,7 +48,7 @@ static void currents(const opc_module *m, uint8_t type, double width,
 
 static opc_module *extractor(const char *more) {
   opc_error error;
-  opc_module *m = make("extractor.gamma", more, &error);
+  opc_module *m = module_make("extractor.gamma", more, &error);
   if (!m) g_error("%s", error.message);
   const eda_extractor *e = m->functions;
   if (e->prepare(m->self, &error)) g_error("%s", error.message);
@@ -88,16 +89,16 @@ static const char terms[] =
     "30 nm }";
 static const double truth[4][2] = {{0.4, 22}, {3, 9}, {-0.3, 14}, {-0.6, 30}};
 
-static void fit(const char *reference, const char *more) {
+static void gamma_fit(const char *reference, const char *more) {
   g_autofree char *map =
       g_strdup_printf(", reference: '%s'%s", reference, more);
   opc_error error;
-  g_autoptr(opc_module) m = make("devices.fit_gamma", map, &error);
+  g_autoptr(opc_module) m = module_make("devices.fit_gamma", map, &error);
   if (!m || opc_test_run(m, NULL, &error)) g_error("%s", error.message);
 }
 
 /* Return the largest deviation, %, of extractor.gamma with the fitted table. */
-static double check(const char *table) {
+static double table_check(const char *table) {
   g_autofree char *path = g_build_filename(opc_test_folder(), table, NULL);
   g_autofree char *more = g_strdup_printf(", table: '%s'", path);
   g_autoptr(opc_module) found = extractor(more);
@@ -118,7 +119,7 @@ static void test_edge(void) {
   double plain[2];
   g_autofree char *reference = write_reference("edge.csv", terms, plain);
   opc_test_forget();
-  fit(reference, ", table: edge-gamma.csv");
+  gamma_fit(reference, ", table: edge-gamma.csv");
   g_assert_cmpuint(opc_test_rows("gamma"), ==, 4);
   for (size_t k = 0; k < 4; k++) {
     double a = opc_test_number("gamma", "edge", k);
@@ -135,7 +136,7 @@ static void test_edge(void) {
   g_assert_cmpfloat(plain[0], >, 5);
   g_assert_cmpfloat(opc_test_metric("ion_max"), <, 0.1);
   g_assert_cmpuint(opc_test_rows("gamma_residuals"), ==, 48);
-  double worst = check("edge-gamma.csv");
+  double worst = table_check("edge-gamma.csv");
   g_test_message("other transistors: %.4f %% off", worst);
   g_assert_cmpfloat(worst, <, 0.2);
 }
@@ -144,21 +145,22 @@ static void test_table(void) {
   double plain[2];
   g_autofree char *reference = write_reference("free.csv", terms, plain);
   opc_test_forget();
-  fit(reference,
-      ", form: table, edges: [0 nm, 15 nm, 40 nm, 120 nm], "
-      "table: free-gamma.csv");
+  gamma_fit(reference,
+            ", form: table, edges: [0 nm, 15 nm, 40 nm, 120 nm], "
+            "table: free-gamma.csv");
   g_assert_true(isnan(opc_test_number("gamma", "edge", 0)));
-  double worst = check("free-gamma.csv");
+  double worst = table_check("free-gamma.csv");
   g_test_message("other transistors: %.4f %% off", worst);
   g_assert_cmpfloat(worst, <, 1);
 }
 
-static void refused(const char *text, const char *more, const char *message) {
+static void assert_refused(const char *text, const char *more,
+                           const char *message) {
   g_autofree char *path = g_build_filename(opc_test_folder(), "bad.csv", NULL);
   g_assert_true(g_file_set_contents(path, text, -1, NULL));
   g_autofree char *map = g_strdup_printf(", reference: '%s'%s", path, more);
   opc_error error;
-  g_autoptr(opc_module) m = make("devices.fit_gamma", map, &error);
+  g_autoptr(opc_module) m = module_make("devices.fit_gamma", map, &error);
   if (m) g_assert_cmpint(opc_test_run(m, NULL, &error), ==, OPC_INVALID);
   if (!strstr(error.message, message))
     g_error("'%s' is not '%s'", error.message, message);
@@ -181,7 +183,7 @@ static void test_refused(void) {
   };
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     g_autofree char *text = g_strconcat(head, cases[i].rows, NULL);
-    refused(text, cases[i].more, cases[i].message);
+    assert_refused(text, cases[i].more, cases[i].message);
   }
 }
 

@@ -45,11 +45,11 @@ static int make_of(const char *nmos, const char *rest, const char *table,
   return opc_test_run(m, no_outputs, error);
 }
 
-static int make(const char *rest, const char *table, opc_error *error) {
+static int table_make(const char *rest, const char *table, opc_error *error) {
   return make_of("n", rest, table, error);
 }
 
-static eda_devices *load(const char *table) {
+static eda_devices *table_load(const char *table) {
   opc_error error;
   g_autofree char *path = g_build_filename(opc_test_folder(), table, NULL);
   eda_devices *d = eda_devices_read(path, &error);
@@ -62,32 +62,32 @@ static eda_devices *load(const char *table) {
 static void test_ends(void) {
   opc_error error;
   if (!have_ngspice()) return;
-  if (make(SHORT, "cut.yaml", &error)) g_error("%s", error.message);
-  eda_devices *cut = load("cut.yaml");
+  if (table_make(SHORT, "cut.yaml", &error)) g_error("%s", error.message);
+  eda_devices *cut = table_load("cut.yaml");
   g_assert_cmpfloat(cut->length[0], ==, 100);
   g_assert_nonnull(
       strstr(opc_test_log(), "the library has no bin for the size"));
   /* For three widths that end there, each current of each type is reported
      once. */
   opc_test_forget();
-  if (make(SHORT ", widths: [2 um, 3 um, 4 um]", "wide.yaml", &error))
+  if (table_make(SHORT ", widths: [2 um, 3 um, 4 um]", "wide.yaml", &error))
     g_error("%s", error.message);
   int told = 0;
   for (const char *at = opc_test_log(); (at = strstr(at, "no bin")); at++)
     told++;
   g_assert_cmpint(told, ==, 4);
-  g_assert_cmpint(make(SHORT ", ends: refuse", "no.yaml", &error), ==,
+  g_assert_cmpint(table_make(SHORT ", ends: refuse", "no.yaml", &error), ==,
                   OPC_FAILED);
   g_assert_nonnull(
       strstr(error.message, "at 90 nm: the library has no bin for the size"));
-  if (make(SHORT ", ends: extend", "more.yaml", &error))
+  if (table_make(SHORT ", ends: extend", "more.yaml", &error))
     g_error("%s", error.message);
-  eda_devices *more = load("more.yaml");
+  eda_devices *more = table_load("more.yaml");
   g_assert_nonnull(
       strstr(opc_test_log(), "shorter than 100 nm by the last bin"));
-  if (make(SHORT ", ends: slope", "slope.yaml", &error))
+  if (table_make(SHORT ", ends: slope", "slope.yaml", &error))
     g_error("%s", error.message);
-  eda_devices *slope = load("slope.yaml");
+  eda_devices *slope = table_load("slope.yaml");
   g_assert_nonnull(strstr(opc_test_log(), "shorter than 100 nm by the slope"));
   g_assert_cmpfloat(more->length[0], ==, 80);
   g_assert_cmpfloat(slope->length[0], ==, 80);
@@ -114,13 +114,14 @@ static void test_widths(void) {
   static const double widths[] = {500, 1000, 1500, 3000};
   opc_error error;
   if (!have_ngspice()) return;
-  if (make("length: { list: [100 nm, 120 nm, 140 nm] }, ends: slope, widths: "
-           "[500 nm, 1000 nm, 1500 nm, 3000 nm]",
-           "w.yaml", &error))
+  if (table_make(
+          "length: { list: [100 nm, 120 nm, 140 nm] }, ends: slope, widths: "
+          "[500 nm, 1000 nm, 1500 nm, 3000 nm]",
+          "w.yaml", &error))
     g_error("%s", error.message);
   g_assert_nonnull(
       strstr(opc_test_log(), "narrower than 1000 nm by the slope"));
-  eda_devices *d = load("w.yaml");
+  eda_devices *d = table_load("w.yaml");
   g_assert_cmpuint(d->narrow, ==, 3);
   g_assert_cmpfloat(d->width, ==, 3000);
   for (int t = 0; t < 2; t++)
@@ -169,7 +170,7 @@ static void test_osdi(void) {
     return;
   }
   if (code) g_error("%s", error.message);
-  eda_devices *d = load("sq.yaml");
+  eda_devices *d = table_load("sq.yaml");
   for (int t = 0; t < 2; t++)
     for (size_t i = 0; i < 3; i++) {
       double on = 1 / d->length[i] * (1e-3 / 2 * 0.6 * 0.6 + 1e-9);
@@ -210,7 +211,7 @@ static double charge(const char *models, const char *name, int type,
 static void compare_charge(const char *table, const char *models,
                            const char *const names[2], double voltage,
                            const double sizes[][2], size_t count) {
-  eda_devices *d = load(table);
+  eda_devices *d = table_load(table);
   double worst = 0;
   for (size_t i = 0; i < 2 * count; i++) {
     int type = i % 2;
@@ -235,10 +236,10 @@ static void test_capacitance(void) {
   static const double sizes[][2] = {{105, 1234}, {127, 1600}, {144, 2900}};
   opc_error error;
   if (!have_ngspice()) return;
-  if (make("length: { list: [100 nm, 110 nm, 120 nm, 135 nm, 149 nm] }, "
-           "capacitance: true, widths: [1 um, 1.5 um, 3 um], "
-           "reference: { length: 120 nm, width: 1.5 um }",
-           "c.yaml", &error))
+  if (table_make("length: { list: [100 nm, 110 nm, 120 nm, 135 nm, 149 nm] }, "
+                 "capacitance: true, widths: [1 um, 1.5 um, 3 um], "
+                 "reference: { length: 120 nm, width: 1.5 um }",
+                 "c.yaml", &error))
     g_error("%s", error.message);
   /* Plain ngspice would draw random values. */
   g_auto(GStrv) parts = g_strsplit(library, "{agauss(0.4,0.5,1)}", 2);
@@ -246,7 +247,7 @@ static void test_capacitance(void) {
   g_autofree char *path = g_build_filename(opc_test_folder(), "nom.lib", NULL);
   g_assert_true(g_file_set_contents(path, nominal, -1, NULL));
   compare_charge("c.yaml", path, names, 1, sizes, G_N_ELEMENTS(sizes));
-  eda_devices *d = load("c.yaml");
+  eda_devices *d = table_load("c.yaml");
   for (int t = 0; t < 2; t++) {
     double want = eda_devices_cgate(d, t, 120, 1500);
     double got = opc_test_metric(t ? "cgate_p" : "cgate_n");
@@ -255,24 +256,25 @@ static void test_capacitance(void) {
   eda_devices_free(d);
 }
 
-static void refused(const char *rest, const char *why) {
+static void assert_refused(const char *rest, const char *why) {
   opc_error error;
-  int code = make(rest, "refused.yaml", &error);
+  int code = table_make(rest, "refused.yaml", &error);
   if (!code || !strstr(error.message, why))
     g_error("'%s' does not say '%s'", code ? error.message : "", why);
 }
 
 static void test_refused(void) {
-  refused(SHORT ", widths: [1 um]", "2 to 200 widths, found 1");
-  refused(SHORT ", widths: [2 um, 1 um]", "widths must increase");
+  assert_refused(SHORT ", widths: [1 um]", "2 to 200 widths, found 1");
+  assert_refused(SHORT ", widths: [2 um, 1 um]", "widths must increase");
   g_autofree char *both =
       g_strdup_printf(SHORT ", card: %s/own.lib", opc_test_folder());
-  refused(both, "exclude each other");
+  assert_refused(both, "exclude each other");
   opc_error error;
   g_assert_cmpint(make_of("q", SHORT, "q.yaml", &error), ==, OPC_INVALID);
   g_assert_nonnull(
       strstr(error.message, "neither a subcircuit nor a model 'q'"));
-  refused(SHORT ", overrides: { vth0: 1 }", "'overrides' require 'card'");
+  assert_refused(SHORT ", overrides: { vth0: 1 }",
+                 "'overrides' require 'card'");
 }
 
 /* ---- open processes: shipped tables against the kits' models ---- */
@@ -330,8 +332,8 @@ static void make_gates(const process *p, gate gates[GATES]) {
 
 /* Simulate one current of all gates with the command `ngspice` and the whole
    library. If anything is missing, skips the test and returns 0. */
-static int simulate(const process *p, const gate gates[GATES], int current,
-                    double out[GATES]) {
+static int gates_simulate(const process *p, const gate gates[GATES],
+                          int current, double out[GATES]) {
   g_autofree char *lib = find_data(p->library);
   g_autofree char *osdi = lib && p->osdi ? find_data(p->osdi) : NULL;
   if (!lib || (p->osdi && !osdi)) return 0;
@@ -373,8 +375,8 @@ static int simulate(const process *p, const gate gates[GATES], int current,
 
 /* Compute the currents of rectangles, each in a few slices, by extractor.plain
    with the shipped table. */
-static void extract(const process *p, const gate gates[GATES],
-                    double current[2][GATES]) {
+static void gates_extract(const process *p, const gate gates[GATES],
+                          double current[2][GATES]) {
   enum { SLICES = 12 };
   opc_error error;
   uint8_t type[GATES], outside[GATES];
@@ -417,8 +419,8 @@ static void test_process(gconstpointer data) {
   double want[2][GATES], got[2][GATES], worst[2] = {0};
   make_gates(p, gates);
   for (int k = 0; k < EDA_CURRENTS; k++)
-    if (!simulate(p, gates, k, want[k])) return;
-  extract(p, gates, got);
+    if (!gates_simulate(p, gates, k, want[k])) return;
+  gates_extract(p, gates, got);
   for (int k = 0; k < 2; k++) {
     for (int i = 0; i < GATES; i++) {
       double off = fabs(got[k][i] / want[k][i] - 1);

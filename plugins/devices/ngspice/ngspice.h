@@ -63,13 +63,13 @@ typedef struct currents {
 } currents;
 
 /* Return the number of quantities. */
-static inline int quantities(const plan *p) {
+static inline int plan_quantities(const plan *p) {
   return p->with_cgate ? QUANTITIES : EDA_CURRENTS;
 }
 
 /* Return the values of the widest transistor, per length. */
-static inline const double *widest(const plan *p, const currents *c, int type,
-                                   int current) {
+static inline const double *currents_widest(const plan *p, const currents *c,
+                                            int type, int current) {
   return c->at[type][current] + (p->widths - 1) * p->count;
 }
 

@@ -38,7 +38,7 @@ static int run_step(const char *card, const char *rest, const char *table,
   return opc_test_run(m, no_outputs, error);
 }
 
-static eda_devices *load(const char *table) {
+static eda_devices *table_load(const char *table) {
   opc_error error;
   g_autofree char *path = g_build_filename(opc_test_folder(), table, NULL);
   eda_devices *d = eda_devices_read(path, &error);
@@ -76,7 +76,7 @@ static void test_by_hand(void) {
                "hand.yaml", &error))
     g_error("%s", error.message);
   g_assert_cmpstr(opc_test_log(), ==, "");
-  eda_devices *d = load("hand.yaml");
+  eda_devices *d = table_load("hand.yaml");
   g_assert_cmpuint(d->count, ==, 4);
   g_assert_cmpfloat(d->supply, ==, 1);
   g_assert_cmpfloat(d->width, ==, 10000);
@@ -115,7 +115,7 @@ static void test_thesis(void) {
   g_test_message("%.5f mA, %+.3f %% from 1.152", 1e3 * ion,
                  100 * (1e3 * ion / 1.152 - 1));
   g_assert_cmpfloat(fabs(1e3 * ion - 1.152), <, 0.0005);
-  eda_devices *d = load("ptm.yaml");
+  eda_devices *d = table_load("ptm.yaml");
   g_autofree char *path = source_path("data/devices/ptm65.yaml");
   eda_devices *shipped = eda_devices_read(path, &error);
   if (!shipped) g_error("%s", error.message);
@@ -138,7 +138,7 @@ static void test_own_card(void) {
   if (run_step(card, "supply: 1.1 V, length: { from: 44 nm, to: 120 nm }",
                "own.yaml", &error))
     g_error("%s", error.message);
-  eda_devices *d = load("own.yaml");
+  eda_devices *d = table_load("own.yaml");
   g_autofree char *path = source_path("data/devices/ptm65.yaml");
   eda_devices *want = eda_devices_read(path, &error);
   if (!want) g_error("%s", error.message);
@@ -181,7 +181,7 @@ static void test_clamped(void) {
   double shortest = opc_test_metric("shortest");
   g_assert_cmpfloat(shortest, >, 60);
   g_assert_cmpfloat(shortest, <=, 80);
-  eda_devices *d = load("end.yaml");
+  eda_devices *d = table_load("end.yaml");
   g_assert_cmpfloat(d->length[0], ==, shortest);
   g_assert_cmpfloat(d->length[d->count - 1], ==, 120);
   eda_devices_free(d);
@@ -202,7 +202,7 @@ static void test_clamped(void) {
   if (!strstr(opc_test_log(),
               "the current does not rise with decreasing length"))
     g_error("'%s'", opc_test_log());
-  d = load("end4.yaml");
+  d = table_load("end4.yaml");
   for (int t = 0; t < 2; t++)
     for (size_t i = 1; i < d->count; i++) {
       g_assert_cmpfloat(d->ion[t][i], <, d->ion[t][i - 1]);
@@ -292,7 +292,8 @@ static void test_slices(void) {
 
 /* ---- refused ---- */
 
-static void refused(const char *card, const char *rest, const char *why) {
+static void assert_refused(const char *card, const char *rest,
+                           const char *why) {
   opc_error error;
   int code = run_step(card, rest, "refused.yaml", &error);
   if (!code || !strstr(error.message, why))
@@ -302,30 +303,31 @@ static void refused(const char *card, const char *rest, const char *why) {
 static void test_refused(void) {
   g_autofree char *card = card_of(SMALL("10n")), *text = card_of("hello\n");
   const char *range = "supply: 1 V, length: { from: 50 nm, to: 60 nm }";
-  refused(card, "supply: 1 V", "requires 'from' and 'to', or a 'list'");
-  refused(card, "supply: 1 V, length: { from: 50 nm, to: 51 nm }",
-          "3 to 2000 lengths, found 2");
-  refused(card, "supply: 1 V, length: { from: 50 nm, to: 60 nm, step: 1 pm }",
-          "found 2001");
-  refused(card, "supply: 1 V, length: { list: [50 nm, 50 nm, 60 nm] }",
-          "must increase");
-  refused(card,
-          "supply: 1 V, length: { from: 50 nm, list: [50 nm, 55 nm, 60 nm] }",
-          "excludes");
+  assert_refused(card, "supply: 1 V", "requires 'from' and 'to', or a 'list'");
+  assert_refused(card, "supply: 1 V, length: { from: 50 nm, to: 51 nm }",
+                 "3 to 2000 lengths, found 2");
+  assert_refused(card,
+                 "supply: 1 V, length: { from: 50 nm, to: 60 nm, step: 1 pm }",
+                 "found 2001");
+  assert_refused(card, "supply: 1 V, length: { list: [50 nm, 50 nm, 60 nm] }",
+                 "must increase");
+  assert_refused(
+      card, "supply: 1 V, length: { from: 50 nm, list: [50 nm, 55 nm, 60 nm] }",
+      "excludes");
   g_autofree char *name = g_strdup_printf("nmos: 'a b', %s", range);
-  refused(card, name, "'a b' is not the name of a model");
+  assert_refused(card, name, "'a b' is not the name of a model");
   g_autofree char *number = g_strdup_printf("overrides: { a: 1k }, %s", range);
-  refused(card, number, "'1k' is not a plain number");
+  assert_refused(card, number, "'1k' is not a plain number");
   g_autofree char *osdi = g_strdup_printf("osdi: %s, %s", card, range);
-  refused(card, osdi, "requires 'library'");
+  assert_refused(card, osdi, "requires 'library'");
   if (!have_ngspice()) return;
-  refused(card, range, "could not find a valid modelname");
-  refused(text, range, "Error");
+  assert_refused(card, range, "could not find a valid modelname");
+  assert_refused(text, range, "Error");
   g_autofree char *unknown =
       g_strdup_printf("nmos: n, pmos: p, overrides: { igbmd: 0 }, %s", range);
-  refused(card, unknown, "no such parameter igbmd");
+  assert_refused(card, unknown, "no such parameter igbmd");
   g_setenv("OPCFLOW_NGSPICE", "/nowhere/libngspice.so", TRUE);
-  refused(card, range, "package 'libngspice0'");
+  assert_refused(card, range, "package 'libngspice0'");
   g_unsetenv("OPCFLOW_NGSPICE");
 }
 

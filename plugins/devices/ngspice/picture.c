@@ -96,10 +96,10 @@ static void draw_key(const eda_paper *paper, const plan *p, const currents *all,
 int picture_draw(const plan *p, const currents *all, const char *name,
                  opc_error *error) {
   const char *path = p->host->output_path(p->host, p->picture, error);
-  eda_paper *paper = path
-                         ? eda_paper_open(path, 20 + chart_step * quantities(p),
-                                          paper_height, 15, error)
-                         : NULL;
+  eda_paper *paper =
+      path ? eda_paper_open(path, 20 + chart_step * plan_quantities(p),
+                            paper_height, 15, error)
+           : NULL;
   if (!paper) return error->code;
   paper->margin = 70;
   draw_key(paper, p, all, 5 + eda_heading(paper, 5, name));
@@ -112,7 +112,7 @@ int picture_draw(const plan *p, const currents *all, const char *name,
   /* Short lengths need resolution, too. */
   c.x.log = p->length[p->count - 1] > 10 * p->length[all->first];
   eda_axis_fit(&c.x, p->length + all->first, p->count - all->first);
-  for (int k = 0; k < quantities(p); k++) {
+  for (int k = 0; k < plan_quantities(p); k++) {
     c.left = 100 + chart_step * k;
     draw_chart(&c, p, all, k);
   }

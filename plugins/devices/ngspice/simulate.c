@@ -13,7 +13,7 @@
 #include "ngspice.h"
 
 /* Type, quantity and width: one process. */
-typedef struct job {
+typedef struct simulation_task {
   const plan *p;
   currents *out;
   int type, current, code;
@@ -21,7 +21,7 @@ typedef struct job {
   size_t done;  /* number of simulated lengths, from the longest */
   int narrower; /* 1: narrower than any bin, not simulated */
   opc_error error;
-} job;
+} simulation_task;
 
 static const char *const type_names[TYPES] = {
     [EDA_NMOS] = "n", [EDA_PMOS] = "p"};
@@ -46,25 +46,31 @@ static const double least_current[QUANTITIES] = {
    transistor. Without the transient, ngspice reports a failure. */
 static const char no_transient[] = "optran 1 1 1 0 0 0\n";
 
-static double width_of(const job *j) { return j->p->each_width[j->width]; }
+static double width_of(const simulation_task *j) {
+  return j->p->each_width[j->width];
+}
 
-static double *currents_of(const job *j) {
+static double *currents_of(const simulation_task *j) {
   return j->out->at[j->type][j->current] + j->width * j->p->count;
 }
 
-/* Return 1 if this job also simulates the reference transistor. */
-static int has_reference(const job *j) {
+/* Return 1 if this task also simulates the reference transistor. */
+static int has_reference(const simulation_task *j) {
   return j->p->reference_length > 0 && j->width + 1 == j->p->widths;
 }
 
 /* Return the number of analyses per transistor. */
-static size_t analyses(const job *j) { return j->current == CGATE ? SWING : 1; }
+static size_t analyses(const simulation_task *j) {
+  return j->current == CGATE ? SWING : 1;
+}
 
-static double sign_of(const job *j) { return j->type == EDA_PMOS ? -1 : 1; }
+static double sign_of(const simulation_task *j) {
+  return j->type == EDA_PMOS ? -1 : 1;
+}
 
 /* Write the commands of the analyses. The gate charge over the swing is the sum
    of small-signal capacitances; leakage is in phase and does not contribute. */
-static void put_analyses(const job *j, GString *out) {
+static void put_analyses(const simulation_task *j, GString *out) {
   double end = sign_of(j) * j->p->bias[j->current].gate;
   if (j->current != CGATE) g_string_append(out, "op\n");
   for (int i = 0; j->current == CGATE && i < SWING; i++)
@@ -74,7 +80,7 @@ static void put_analyses(const job *j, GString *out) {
 
 /* ---- a card ---- */
 
-static char *make_deck(const job *j) {
+static char *make_deck(const simulation_task *j) {
   const plan *p = j->p;
   const bias *b = &p->bias[j->current];
   double sign = sign_of(j);
@@ -92,7 +98,7 @@ static char *make_deck(const job *j) {
 
 /* Return the commands: the reference transistor, if any, then all lengths from
    the longest down. */
-static char *make_commands(const job *j) {
+static char *make_commands(const simulation_task *j) {
   const plan *p = j->p;
   GString *out = g_string_new(no_transient);
   for (size_t i = 0; i < p->overrides.count; i++)
@@ -125,7 +131,7 @@ static double table_round(double x) {
 /* Return the value of a transistor from its analyses: the current of the source
    at the drain or the gate. The gate source has a phase of 90 degrees, so the
    capacitive current is the real part. */
-static double value_of(const job *j, const eda_spice_plot *plot,
+static double value_of(const simulation_task *j, const eda_spice_plot *plot,
                        const char *name) {
   double sum = 0;
   for (size_t i = 0; i < analyses(j); i++) {
@@ -136,14 +142,15 @@ static double value_of(const job *j, const eda_spice_plot *plot,
                                          : -sign_of(j) * sum);
 }
 
-static void keep_simulator(const job *j, const eda_spice_result *r) {
+static void keep_simulator(const simulation_task *j,
+                           const eda_spice_result *r) {
   const char *at = r->words ? strstr(r->words, "ngspice-") : NULL;
   if (j->type || j->current || j->width + 1 < j->p->widths) return;
   g_snprintf(j->out->simulator, sizeof j->out->simulator, "%.*s",
              at ? (int)strcspn(at, " \n") : 7, at ? at : "ngspice");
 }
 
-static void run_card(job *j) {
+static void run_card(simulation_task *j) {
   eda_spice_result r = {0};
   g_autofree char *deck = make_deck(j), *commands = make_commands(j);
   const char *source = j->current == CGATE ? "i(vgate)" : "i(vdrain)";
@@ -164,7 +171,7 @@ static void run_card(job *j) {
 /* ---- a library ---- */
 
 /* Return the first length with a bin; 0 if bins are extended. */
-static size_t first_modelled(const job *j) {
+static size_t first_modelled(const simulation_task *j) {
   const plan *p = j->p;
   eda_sizes bins;
   size_t i = 0;
@@ -176,7 +183,7 @@ static size_t first_modelled(const job *j) {
 }
 
 /* Return 1 if the width is extrapolated. */
-static int is_narrower(const job *j) {
+static int is_narrower(const simulation_task *j) {
   const plan *p = j->p;
   eda_sizes bins;
   return p->ends == SLOPE && p->models &&
@@ -184,8 +191,8 @@ static int is_narrower(const job *j) {
          width_of(j) < bins.width[0] - 1e-3;
 }
 
-static void put_device(const job *j, GString *out, size_t i, double length,
-                       double width) {
+static void put_device(const simulation_task *j, GString *out, size_t i,
+                       double length, double width) {
   const plan *p = j->p;
   double unit = eda_models_unit(p->models);
   int kind = eda_models_kind(p->models, p->model[j->type]);
@@ -196,7 +203,7 @@ static void put_device(const job *j, GString *out, size_t i, double length,
                          i, sign_of(j) * p->bias[j->current].drain);
 }
 
-static char *library_deck(const job *j, size_t first) {
+static char *library_deck(const simulation_task *j, size_t first) {
   const plan *p = j->p;
   double width = width_of(j);
   eda_sizes sizes = {{p->length[first], p->length[p->count - 1]},
@@ -224,7 +231,7 @@ static char *library_deck(const job *j, size_t first) {
   return g_string_free(out, FALSE);
 }
 
-static void run_library(job *j) {
+static void run_library(simulation_task *j) {
   const plan *p = j->p;
   size_t first = first_modelled(j);
   if (first == p->count) {
@@ -256,7 +263,7 @@ static void run_library(job *j) {
 }
 
 static void run_job(void *data, size_t index) {
-  job *j = (job *)data + index;
+  simulation_task *j = (simulation_task *)data + index;
   j->narrower = is_narrower(j);
   if (j->narrower) return;
   if (j->p->models)
@@ -270,14 +277,14 @@ static void run_job(void *data, size_t index) {
 /* Return 1 if this current must increase with decreasing length, so that the
    current determines the length. With several widths, only Ion of the widest
    must. */
-static int must_rise(const job *j) {
+static int must_rise(const simulation_task *j) {
   return (j->p->widths == 1 && j->current != CGATE) ||
          (j->current == EDA_ION && j->width + 1 == j->p->widths);
 }
 
 /* Return the fault of a current at length i compared with the next longer one;
    NULL: none. */
-static const char *current_fault(const job *j, size_t i) {
+static const char *current_fault(const simulation_task *j, size_t i) {
   const double *y = currents_of(j);
   if (i + j->done < j->p->count) return j->error.message;
   if (!isfinite(y[i])) return "the value is not a number";
@@ -292,7 +299,8 @@ static const char *current_fault(const job *j, size_t i) {
 
 /* Write a text such as "Ion of the p-transistor at 42 nm", with the width if
    there are several. */
-static void length_describe(const job *j, double length, char text[96]) {
+static void length_describe(const simulation_task *j, double length,
+                            char text[96]) {
   char width[32] = "";
   if (j->p->widths > 1)
     g_snprintf(width, sizeof width, ", W %g nm,", width_of(j));
@@ -302,7 +310,7 @@ static void length_describe(const job *j, double length, char text[96]) {
 
 /* Find the first length from which all currents are valid. Returns an error if
    too few remain. *why: fault of the length before; NULL: none. */
-static int find_end(const job *j, size_t *first, const char **why,
+static int find_end(const simulation_task *j, size_t *first, const char **why,
                     opc_error *error) {
   enum { LEAST = 3 }; /* needed by the interpolation of extractors */
   const plan *p = j->p;
@@ -318,7 +326,7 @@ static int find_end(const job *j, size_t *first, const char **why,
 
 /* Extrapolate lengths before `first` linearly in the logarithm, with the slope
    from there to a length 5 % larger: the step of a table is too coarse. */
-static int go_on(const job *j, size_t first, opc_error *error) {
+static int go_on(const simulation_task *j, size_t first, opc_error *error) {
   const double part = 1.05;
   const double *x = j->p->length;
   double *y = currents_of(j);
@@ -338,7 +346,7 @@ static int go_on(const job *j, size_t first, opc_error *error) {
 }
 
 /* Determine the first valid length of one current. */
-static int settle_end(const job *j, opc_error *error) {
+static int settle_end(const simulation_task *j, opc_error *error) {
   const plan *p = j->p;
   currents *out = j->out;
   const char *why;
@@ -362,7 +370,7 @@ static int settle_end(const job *j, opc_error *error) {
   return OPC_OK;
 }
 
-static int check_reference(const job *j, opc_error *error) {
+static int check_reference(const simulation_task *j, opc_error *error) {
   double value = j->out->reference[j->type][j->current];
   if (!has_reference(j)) return OPC_OK;
   if (isfinite(value) && value > 0) return OPC_OK;
@@ -376,10 +384,10 @@ static int check_reference(const job *j, opc_error *error) {
    in 1 / W. The slope is that between the two narrowest simulated widths, of
    which the second is at least 10 % wider. This continues the contribution of
    the edges. */
-static int go_narrower(const job *j, opc_error *error) {
+static int go_narrower(const simulation_task *j, opc_error *error) {
   const double part = 1.1;
   const plan *p = j->p;
-  const job *row = j - j->width; /* of the narrowest */
+  const simulation_task *row = j - j->width; /* of the narrowest */
   size_t a = 0, b;
   while (a < p->widths && row[a].narrower) a++;
   for (b = a + 1; b + 1 < p->widths; b++)
@@ -399,9 +407,10 @@ static int go_narrower(const job *j, opc_error *error) {
   return OPC_OK;
 }
 
-static int settle_all(const job *jobs, size_t count, opc_error *error) {
+static int settle_all(const simulation_task *jobs, size_t count,
+                      opc_error *error) {
   for (size_t i = 0; i < count; i++) {
-    const job *j = &jobs[i];
+    const simulation_task *j = &jobs[i];
     if (j->code && j->code != OPC_FAILED) {
       *error = j->error;
       return j->code;
@@ -416,15 +425,15 @@ static int settle_all(const job *jobs, size_t count, opc_error *error) {
 }
 
 int simulate(const plan *p, currents *out, opc_error *error) {
-  int each = quantities(p);
+  int each = plan_quantities(p);
   size_t count = (size_t)(TYPES * each) * p->widths;
-  job *jobs = eda_alloc(count, sizeof *jobs);
+  simulation_task *jobs = eda_alloc(count, sizeof *jobs);
   for (size_t i = 0; i < count; i++)
-    jobs[i] = (job){.p = p,
-                    .out = out,
-                    .width = i % p->widths,
-                    .type = (int)(i / p->widths) / each,
-                    .current = (int)(i / p->widths) % each};
+    jobs[i] = (simulation_task){.p = p,
+                                .out = out,
+                                .width = i % p->widths,
+                                .type = (int)(i / p->widths) / each,
+                                .current = (int)(i / p->widths) % each};
   opc_parallel(p->host->context, count, run_job, jobs);
   int code = settle_all(jobs, count, error);
   free(jobs);

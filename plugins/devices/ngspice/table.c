@@ -153,7 +153,7 @@ static void put_table(FILE *out, const plan *p, const currents *c,
   fputs("}\n", out);
   for (int type = 0; type < TYPES; type++) {
     fprintf(out, "%s:\n", types[type]);
-    for (int i = 0; i < quantities(p); i++) {
+    for (int i = 0; i < plan_quantities(p); i++) {
       fprintf(out, "  %s: {unit: %s, values:\n", names[i],
               i == CGATE ? "F" : "A");
       put_currents(out, p, c, c->at[type][i]);
@@ -177,7 +177,7 @@ int table_write(const plan *p, const currents *c, const char *name,
 
 double table_slope(const plan *p, const currents *c, int type, int current,
                    double length) {
-  const double *x = p->length, *y = widest(p, c, type, current);
+  const double *x = p->length, *y = currents_widest(p, c, type, current);
   size_t low = c->first, high;
   if (!(length > x[low] && length < x[p->count - 1])) return NAN;
   while (low + 1 < p->count && x[low + 1] < length) low++;

@@ -53,7 +53,7 @@ static cairo_surface_t *draw_sample(eda_chip *chip, const char *map) {
 }
 
 /* Count the pixels of a colour below the legend. */
-static int count(cairo_surface_t *s, uint32_t colour) {
+static int count_pixels(cairo_surface_t *s, uint32_t colour) {
   int width = cairo_image_surface_get_width(s);
   int height = cairo_image_surface_get_height(s), n = 0;
   const unsigned char *data = cairo_image_surface_get_data(s);
@@ -74,7 +74,7 @@ static uint32_t rgb(eda_colour c) {
          (uint32_t)(255 * c.b + 0.5);
 }
 
-static void near(int a, double b) {
+static void assert_near(int a, double b) {
   g_assert_cmpfloat(a, >, 0.9 * b);
   g_assert_cmpfloat(a, <, 1.1 * b);
 }
@@ -84,17 +84,17 @@ static void test_colours(void) {
   /* 400 pixels minus a font of 9 on each side for 4 um */
   double gate = 0.8 * 382 / 4 * 0.8 * 382 / 4;
   cairo_surface_t *s = draw_sample(c, "{ width: 400 }");
-  near(count(s, rgb(eda_diverging(1))), gate);
-  near(count(s, rgb(eda_ink)), gate);
+  assert_near(count_pixels(s, rgb(eda_diverging(1))), gate);
+  assert_near(count_pixels(s, rgb(eda_ink)), gate);
   /* equal to the colour of the paper */
-  int white = count(s, rgb(eda_diverging(0.5)));
+  int white = count_pixels(s, rgb(eda_diverging(0.5)));
   cairo_surface_destroy(s);
   s = draw_sample(c, "{ width: 400, show: before }");
-  near(count(s, rgb(eda_diverging(0.5))) - white, 2 * gate);
+  assert_near(count_pixels(s, rgb(eda_diverging(0.5))) - white, 2 * gate);
   cairo_surface_destroy(s);
   s = draw_sample(c, "{ width: 400, show: classes }");
-  near(count(s, rgb(eda_sequential(0))), gate);
-  near(count(s, rgb(eda_sequential(log2(15) / 4))), 15 * gate);
+  assert_near(count_pixels(s, rgb(eda_sequential(0))), gate);
+  assert_near(count_pixels(s, rgb(eda_sequential(log2(15) / 4))), 15 * gate);
   cairo_surface_destroy(s);
   eda_chip_free(c);
 }
@@ -107,8 +107,8 @@ static void test_many(void) {
   cairo_surface_t *b = draw_sample(many, "{ width: 300 }");
   g_assert_cmpint(cairo_image_surface_get_height(a), ==,
                   cairo_image_surface_get_height(b));
-  g_assert_cmpint(count(b, rgb(eda_diverging(1))), >, 0);
-  g_assert_cmpint(count(b, rgb(eda_ink)), >, 0);
+  g_assert_cmpint(count_pixels(b, rgb(eda_diverging(1))), >, 0);
+  g_assert_cmpint(count_pixels(b, rgb(eda_ink)), >, 0);
   cairo_surface_destroy(a);
   cairo_surface_destroy(b);
   eda_chip_free(few);

@@ -81,8 +81,8 @@ static double some_band(const void *self) {
   return 0.005;
 }
 
-static int image(const void *self, int which, const eda_spectrum *mask,
-                 eda_field *out, opc_error *error) {
+static int waves_image(const void *self, int which, const eda_spectrum *mask,
+                       eda_field *out, opc_error *error) {
   (void)error;
   const waves *w = self;
   (void)which;
@@ -100,7 +100,7 @@ static int image(const void *self, int which, const eda_spectrum *mask,
 }
 
 static const eda_litho waves_functions = {
-    .prepare = no_preparation, .band = some_band, .image = image};
+    .prepare = no_preparation, .band = some_band, .image = waves_image};
 
 #define PAIR(group, threshold)                             \
   group                                                    \
@@ -126,7 +126,7 @@ static void must_draw(const char *mapping, const waves *w, int n, lines *l) {
   if (draw_sample(mapping, w, n, l, &error)) g_error("%s", error.message);
 }
 
-static double of(const char *column, size_t row) {
+static double column_value(const char *column, size_t row) {
   return opc_test_number("models", column, row);
 }
 
@@ -154,11 +154,11 @@ static void test_same(void) {
   g_assert_cmpstr(opc_test_text("models", "model", 1), ==,
                   "hopkins, threshold");
   for (size_t k = 0; k < 2; k++) {
-    g_assert_cmpfloat(of("rms", k), ==, 0);
-    g_assert_cmpfloat(of("max", k), ==, 0);
-    g_assert_cmpfloat(of("mean", k), ==, 0);
+    g_assert_cmpfloat(column_value("rms", k), ==, 0);
+    g_assert_cmpfloat(column_value("max", k), ==, 0);
+    g_assert_cmpfloat(column_value("mean", k), ==, 0);
   }
-  g_assert_cmpfloat(of("cd", 0), ==, of("cd", 1));
+  g_assert_cmpfloat(column_value("cd", 0), ==, column_value("cd", 1));
   g_assert_cmpfloat(opc_test_metric("max"), ==, 0);
 }
 
@@ -173,21 +173,21 @@ static void test_shift(void) {
   double first = half(&w, 0.4), second = half(&w, 0.41), away = second - first;
   double slope = w.deep * 2 * M_PI / pitch * sin(2 * M_PI * first / pitch);
   close_to(away, 0.01 / slope, 0.01 * away);
-  close_to(of("rms", 1), away, 1e-4);
-  close_to(of("max", 1), away, 2e-4);
-  close_to(of("mean", 1), away, 1e-4);
-  close_to(of("cd", 0), 2 * first, 1e-3);
-  close_to(of("cd", 1), 2 * second, 1e-3);
-  close_to(of("ils", 0), slope / 0.4, 1e-5);
-  close_to(of("nils", 0), drawn * slope / 0.4, 1e-3);
-  close_to(of("intensity_low", 1), 0.41, 1e-4);
-  close_to(of("intensity_high", 1), 0.41, 1e-4);
+  close_to(column_value("rms", 1), away, 1e-4);
+  close_to(column_value("max", 1), away, 2e-4);
+  close_to(column_value("mean", 1), away, 1e-4);
+  close_to(column_value("cd", 0), 2 * first, 1e-3);
+  close_to(column_value("cd", 1), 2 * second, 1e-3);
+  close_to(column_value("ils", 0), slope / 0.4, 1e-5);
+  close_to(column_value("nils", 0), drawn * slope / 0.4, 1e-3);
+  close_to(column_value("intensity_low", 1), 0.41, 1e-4);
+  close_to(column_value("intensity_high", 1), 0.41, 1e-4);
   close_to(opc_test_metric("rms"), away, 1e-3);
   /* In the opposite order, less is printed. */
   must_draw("{ " FRAME
             ", width: 300, " PAIR("first", 0.41) ", " PAIR("second", 0.4) " }",
             &w, 2, &l);
-  close_to(of("mean", 1), -away, 1e-4);
+  close_to(column_value("mean", 1), -away, 1e-4);
 }
 
 /* Distances are perpendicular to the contour in any direction. */
@@ -202,8 +202,8 @@ static void test_slanted(void) {
     double turned = hypot(1 / pitch, (double)slope / SIDE) * pitch;
     double away = (half(&w, 0.5) - half(&w, 0.4)) / turned;
     g_assert_cmpfloat(away, >, 5);
-    close_to(of("rms", 1), away, 3e-4);
-    close_to(of("max", 1), away, 1e-3);
+    close_to(column_value("rms", 1), away, 3e-4);
+    close_to(column_value("max", 1), away, 1e-3);
   }
 }
 
@@ -238,16 +238,16 @@ static void test_missing(void) {
   double other = crossing(&w, 0.15, 375, 250);
   for (int k = 0; k < 2; k++) {
     must_draw(both_ways[k], &w, 2, &l);
-    close_to(of("max", 1), other - left, 0.01);
-    close_to(of("x", 1), left, 0.1);
-    g_assert_cmpint((int)of("failed", k), ==, 2);
-    g_assert_cmpint((int)of("failed", 1 - k), ==, 0);
+    close_to(column_value("max", 1), other - left, 0.01);
+    close_to(column_value("x", 1), left, 0.1);
+    g_assert_cmpint((int)column_value("failed", k), ==, 2);
+    g_assert_cmpint((int)column_value("failed", 1 - k), ==, 0);
   }
   must_draw("{ " FRAME
             ", width: 300, " PAIR("first", 0.3) ", " PAIR("second", 0.05) " }",
             &w, 2, &l);
-  g_assert_true(isnan(of("max", 1)) && isnan(of("cd", 1)));
-  g_assert_cmpint((int)of("failed", 1), ==, GATES);
+  g_assert_true(isnan(column_value("max", 1)) && isnan(column_value("cd", 1)));
+  g_assert_cmpint((int)column_value("failed", 1), ==, GATES);
   g_assert_true(isnan(opc_test_metric("max")));
 }
 
@@ -259,14 +259,16 @@ static void test_optics(void) {
       "{ margin: 0 nm, width: 300, window: [200 nm, 100 nm, 300 nm, "
       "900 nm], " PAIR("first", 0.4) ", " PAIR("second", 0.404) " }",
       NULL, 0, &l);
-  g_assert_true(isnan(of("cd", 0))); /* between gates */
+  g_assert_true(isnan(column_value("cd", 0))); /* between gates */
   must_draw("{ " FRAME
             ", width: 300, " PAIR("first", 0.4) ", " PAIR("second", 0.404) " }",
             NULL, 0, &l);
-  double away = 0.004 / (0.402 * (of("ils", 0) + of("ils", 1)) / 2);
-  g_test_message("moved by %.4f nm, slope says %.4f nm", of("rms", 1), away);
-  close_to(of("cd", 1) - of("cd", 0), 2 * away, 0.004);
-  close_to(of("rms", 1), away, 0.002);
+  double away =
+      0.004 / (0.402 * (column_value("ils", 0) + column_value("ils", 1)) / 2);
+  g_test_message("moved by %.4f nm, slope says %.4f nm", column_value("rms", 1),
+                 away);
+  close_to(column_value("cd", 1) - column_value("cd", 0), 2 * away, 0.004);
+  close_to(column_value("rms", 1), away, 0.002);
   g_assert_cmpfloat(opc_test_metric("kernels"), >, 3);
   g_assert_cmpfloat(opc_test_metric("error"), <, 0.01);
 }
@@ -402,14 +404,14 @@ static void test_mask(void) {
   eda_shapes shapes[] = {wide.layers[EDA_POLY], wide.layers[EDA_POLY]};
   eda_mask mask = {.gates = &l.gates, .shapes = shapes};
   must_draw("{ " PLACE ", " PAIR("first", 0.4) " }", NULL, 0, &l);
-  double narrow = of("cd", 0);
+  double narrow = column_value("cd", 0);
   opc_test_forget();
   g_autoptr(opc_module) m = opc_test_module(
       "draw.image", "{ " PLACE ", " PAIR("first", 0.4) " }", &error);
   g_assert_nonnull(m);
   opc_test_input(m, "mask", &mask);
   if (opc_test_run(m, none, &error)) g_error("%s", error.message);
-  double broad = of("cd", 0);
+  double broad = column_value("cd", 0);
   g_assert_cmpfloat(broad, >, narrow + 20);
   picture p = load_picture("image.png", 0.25);
   close_to(part_of(&p, 125 + drawn / 2 + 20, 0x101010), 1, 0.02);
@@ -423,8 +425,8 @@ static void test_mask(void) {
   for (int i = 0; i < GATES; i++) l.axis[i] = EDA_Y;
   opc_test_input(active, "mask", &mask);
   if (opc_test_run(active, none, &error)) g_error("%s", error.message);
-  g_assert_cmpfloat(of("cd", 0), >, narrow);
-  g_assert_cmpfloat(of("cd", 0), <, broad - 5); /* at 0.3 */
+  g_assert_cmpfloat(column_value("cd", 0), >, narrow);
+  g_assert_cmpfloat(column_value("cd", 0), <, broad - 5); /* at 0.3 */
 }
 
 static void test_formats(void) {
@@ -452,8 +454,8 @@ static void test_formats(void) {
 
 /* ---- refusals ---- */
 
-static void refused(const char *mapping, const waves *w, lines *l, int code,
-                    const char *why) {
+static void assert_refused(const char *mapping, const waves *w, lines *l,
+                           int code, const char *why) {
   opc_error error;
   g_assert_cmpint(draw_sample(mapping, w, 1, l, &error), ==, code);
   if (!strstr(error.message, why))
@@ -464,18 +466,18 @@ static void test_refused(void) {
   lines l;
   make_sample(&l);
   waves w = {.deep = 0.5, .fault = NAN};
-  refused("{ " PAIR("first", 0.3) ", file: a.jpg }", &w, &l, OPC_INVALID,
-          ".png, .svg or .pdf");
-  refused("{ " PAIR("first", 0.3) ", window: [0 nm, 1 nm] }", &w, &l,
-          OPC_INVALID, "must be 4 lengths");
-  refused("{ " PAIR("first", 0.3) ", second: { litho: { use: litho.hopkins } } "
+  assert_refused("{ " PAIR("first", 0.3) ", file: a.jpg }", &w, &l, OPC_INVALID,
+                 ".png, .svg or .pdf");
+  assert_refused("{ " PAIR("first", 0.3) ", window: [0 nm, 1 nm] }", &w, &l,
+                 OPC_INVALID, "must be 4 lengths");
+  assert_refused("{ " PAIR("first", 0.3) ", second: { litho: { use: litho.hopkins } } " 
           "}",
-          &w, &l, OPC_INVALID, "'second.litho' requires 'second.resist'");
-  refused("{ " PAIR("first", 0.3) ", third: { resist: { use: resist.threshold "
+ &w, &l, OPC_INVALID, "'second.litho' requires 'second.resist'");
+  assert_refused("{ " PAIR("first", 0.3) ", third: { resist: { use: resist.threshold " 
           "} } }",
-          &w, &l, OPC_INVALID, "'third.resist' requires 'third.litho'");
-  refused("{ " PAIR("first", 0.3) ", fourth: { label: Mine } }", &w, &l,
-          OPC_INVALID, "'fourth.label' requires 'fourth.litho'");
+ &w, &l, OPC_INVALID, "'third.resist' requires 'third.litho'");
+  assert_refused("{ " PAIR("first", 0.3) ", fourth: { label: Mine } }", &w, &l,
+                 OPC_INVALID, "'fourth.label' requires 'fourth.litho'");
   opc_error error;
   g_assert_cmpint(
       draw_sample("{ " PLACE ", " PAIR("first", 0.3) " }", &w, 1, &l, &error),
@@ -483,10 +485,10 @@ static void test_refused(void) {
   g_assert_cmpstr(error.parameter, ==, "first.litho");
   g_assert_nonnull(strstr(error.message, "intensity"));
   g_assert_nonnull(strstr(error.message, "not a number"));
-  refused("{ " PAIR("first", 0.3) ", layer: active }", &w, &l, OPC_INVALID,
-          "the layout has no active");
-  refused("{ " PAIR("first", 0.3) ", window: [5 um, 0 nm, 6 um, 1 um] }", &w,
-          &l, OPC_INVALID, "is outside of the layout");
+  assert_refused("{ " PAIR("first", 0.3) ", layer: active }", &w, &l,
+                 OPC_INVALID, "the layout has no active");
+  assert_refused("{ " PAIR("first", 0.3) ", window: [5 um, 0 nm, 6 um, 1 um] }",
+                 &w, &l, OPC_INVALID, "is outside of the layout");
   void *none[1];
   g_autoptr(opc_module) m =
       opc_test_module("draw.image", "{ " PAIR("first", 0.3) " }", &error);

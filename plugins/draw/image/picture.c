@@ -155,8 +155,8 @@ static double lens_gap(const view *v) { return ceil(0.8 * v->paper->font); }
 
 /* Return the width of a lens, equal for any number of models. */
 static double lens_width(const view *v) {
-  double room = v->paper->width - 2 * v->paper->margin;
-  return floor((room - (IMAGE_MODELS - 2) * lens_gap(v)) / (IMAGE_MODELS - 1));
+  double width = v->paper->width - 2 * v->paper->margin;
+  return floor((width - (IMAGE_MODELS - 2) * lens_gap(v)) / (IMAGE_MODELS - 1));
 }
 
 static double lens_height(const view *v) { return floor(0.6 * lens_width(v)); }

@@ -47,11 +47,6 @@ double drawer_figure(const drawer *d, size_t gate) {
                              : fabs(after) - fabs(before);
 }
 
-static int by_value(const void *a, const void *b) {
-  const double *p = a, *q = b;
-  return (*p > *q) - (*p < *q);
-}
-
 static double rounded_up(double x) {
   static const double steps[] = {0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100};
   size_t k = 0;
@@ -66,7 +61,7 @@ void drawer_set_range(drawer *d) {
     double x = fabs(drawer_figure(d, i));
     if (!drawer_fails(d, i) && !isnan(x)) all[n++] = x;
   }
-  qsort(all, n, sizeof *all, by_value);
+  qsort(all, n, sizeof *all, eda_doubles_rise);
   d->range = d->asked > 0 ? d->asked
              : n          ? rounded_up(all[(size_t)ceil(holds * (double)n) - 1])
                           : rounded_up(0);

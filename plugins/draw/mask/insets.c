@@ -89,9 +89,9 @@ static double inset_gap(const view *v) { return ceil(0.8 * v->paper->font); }
 
 static double width_of(const drawer *d) {
   const view *v = &d->view;
-  double room = v->paper->width - 2 * v->paper->margin;
+  double width = v->paper->width - 2 * v->paper->margin;
   double n = (double)(d->insets > 4 ? d->insets : 4);
-  return floor((room - (n - 1) * inset_gap(v)) / n);
+  return floor((width - (n - 1) * inset_gap(v)) / n);
 }
 
 double drawer_insets_height(const drawer *d) {

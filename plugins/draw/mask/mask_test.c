@@ -93,7 +93,7 @@ static void make_sample(drawing *d) {
   d->print[EDA_POLY] = island(-1.5);
 }
 
-static void clear(drawing *d) {
+static void drawing_clear(drawing *d) {
   for (int layer = 0; layer < LAYERS; layer++)
     g_free(d->print[layer].coefficients);
 }
@@ -113,7 +113,7 @@ static double pixels_per_nm(const picture *m, double nm) {
 }
 
 /* Return the pixel of a position in a window that begins at (0, 0). */
-static uint32_t at(const picture *m, double window, double x, double y) {
+static uint32_t pixel_at(const picture *m, double window, double x, double y) {
   double scale = pixels_per_nm(m, window);
   return pixel(m, m->left + (int)floor(x * scale),
                m->bottom - (int)floor(y * scale));
@@ -128,18 +128,19 @@ static double brightness(uint32_t c) {
 /* ---- tests ---- */
 
 static void check_fills(const picture *m) {
-  g_assert_cmphex(at(m, SIDE, 20, 20), ==, 0xffffff);
-  g_assert_cmphex(at(m, SIDE, 980, 500), ==, 0xffffff);
-  uint32_t poly = at(m, SIDE, 500, 200), active = at(m, SIDE, 200, 600);
+  g_assert_cmphex(pixel_at(m, SIDE, 20, 20), ==, 0xffffff);
+  g_assert_cmphex(pixel_at(m, SIDE, 980, 500), ==, 0xffffff);
+  uint32_t poly = pixel_at(m, SIDE, 500, 200),
+           active = pixel_at(m, SIDE, 200, 600);
   g_assert_cmphex(poly, !=, active);
   g_assert_cmpfloat(brightness(poly), >, 200);
   g_assert_cmpfloat(brightness(active), >, 200);
-  g_assert_cmphex(at(m, SIDE, 500, 800), ==, poly);
-  g_assert_cmphex(at(m, SIDE, 800, 400), ==, active);
+  g_assert_cmphex(pixel_at(m, SIDE, 500, 800), ==, poly);
+  g_assert_cmphex(pixel_at(m, SIDE, 800, 400), ==, active);
   /* Transistors at the end and in the middle of the lower half of a scale of 2
      %: Brewer's colours. */
-  g_assert_cmphex(at(m, SIDE, 480, 400), ==, 0xb2182b);
-  g_assert_cmphex(at(m, SIDE, 520, 600), ==, 0x92c5de);
+  g_assert_cmphex(pixel_at(m, SIDE, 480, 400), ==, 0xb2182b);
+  g_assert_cmphex(pixel_at(m, SIDE, 520, 600), ==, 0x92c5de);
 }
 
 /* Return the darkest pixel near a position, along x. */
@@ -173,7 +174,8 @@ static void check_lines(const picture *m) {
   g_assert_cmpint(ABS(where), <=, 1);
   g_assert_cmpfloat(darkest_near(m, 120, 650, 3, &where), <, 160);
   g_assert_cmpint(ABS(where), <=, 1);
-  uint32_t poly = at(m, SIDE, 430, 870), active = at(m, SIDE, 120, 650);
+  uint32_t poly = pixel_at(m, SIDE, 430, 870),
+           active = pixel_at(m, SIDE, 120, 650);
   g_assert_cmpuint(poly >> 16, >, poly & 255);     /* orange */
   g_assert_cmpuint(active >> 16, <, active & 255); /* green */
   check_print(m);
@@ -209,7 +211,7 @@ static void test_png(void) {
     check_lines(&m);
     check_bar(&m, SIDE, 100);
     cairo_surface_destroy(m.surface);
-    clear(&d);
+    drawing_clear(&d);
   }
 }
 
@@ -226,9 +228,9 @@ static void test_window(void) {
       ==, OPC_OK);
   picture m = load_picture("part.png", 0.5);
   g_assert_cmpint(abs(m.right - m.left - 2 * (m.bottom - m.top)), <=, 2);
-  g_assert_cmphex(at(&m, 500, 400, 200), ==, 0xffffff);
-  g_assert_cmphex(at(&m, 500, 480, 150), !=, 0xffffff);
-  g_assert_cmphex(at(&m, 500, 480, 90), ==, 0xffffff);
+  g_assert_cmphex(pixel_at(&m, 500, 400, 200), ==, 0xffffff);
+  g_assert_cmphex(pixel_at(&m, 500, 480, 150), !=, 0xffffff);
+  g_assert_cmphex(pixel_at(&m, 500, 480, 90), ==, 0xffffff);
   check_bar(&m, 500, 50);
   cairo_surface_destroy(m.surface);
   /* A millionth of the window, inside a bar: one colour. */
@@ -239,11 +241,11 @@ static void test_window(void) {
                   ==, OPC_OK);
   m = load_picture("deep.png", 0.5);
   for (int i = 0; i < 15; i++)
-    g_assert_cmphex(at(&m, 1, 0.01 + 0.07 * i, 0.01 + 0.07 * i), ==,
-                    at(&m, 1, 0.5, 0.5));
-  g_assert_cmphex(at(&m, 1, 0.5, 0.5), !=, 0xffffff);
+    g_assert_cmphex(pixel_at(&m, 1, 0.01 + 0.07 * i, 0.01 + 0.07 * i), ==,
+                    pixel_at(&m, 1, 0.5, 0.5));
+  g_assert_cmphex(pixel_at(&m, 1, 0.5, 0.5), !=, 0xffffff);
   cairo_surface_destroy(m.surface);
-  clear(&d);
+  drawing_clear(&d);
 }
 
 /* Without a window: everything with a margin. */
@@ -256,7 +258,7 @@ static void test_all(void) {
   g_assert_cmpint(m.width, ==, 1600);
   check_fills(&m); /* 100 nm around 100 .. 900, as with an equal window */
   cairo_surface_destroy(m.surface);
-  clear(&d);
+  drawing_clear(&d);
 }
 
 /* Transistors that fail, have no current, or are beyond the scale. */
@@ -270,18 +272,19 @@ static void test_failing(void) {
   g_assert_cmpint(draw_sample(&d, "{ " WINDOW ", file: failing.png }", &error),
                   ==, OPC_OK);
   picture m = load_picture("failing.png", 0.5);
-  g_assert_cmphex(at(&m, SIDE, 480, 400), ==, 0x2166ac);
-  g_assert_cmpfloat(brightness(at(&m, SIDE, 500, 400)), <, 60); /* the cross */
-  uint32_t unknown = at(&m, SIDE, 500, 600);
+  g_assert_cmphex(pixel_at(&m, SIDE, 480, 400), ==, 0x2166ac);
+  g_assert_cmpfloat(brightness(pixel_at(&m, SIDE, 500, 400)), <,
+                    60); /* the cross */
+  uint32_t unknown = pixel_at(&m, SIDE, 500, 600);
   g_assert_cmphex(unknown >> 16, ==, unknown & 255); /* grey */
   cairo_surface_destroy(m.surface);
   d.flags[0] = EDA_PRINT_BITE; /* a note, not a failure */
   g_assert_cmpint(draw_sample(&d, "{ " WINDOW ", file: failing.png }", &error),
                   ==, OPC_OK);
   m = load_picture("failing.png", 0.5);
-  g_assert_cmpfloat(brightness(at(&m, SIDE, 500, 400)), >, 60);
+  g_assert_cmpfloat(brightness(pixel_at(&m, SIDE, 500, 400)), >, 60);
   cairo_surface_destroy(m.surface);
-  clear(&d);
+  drawing_clear(&d);
 }
 
 /* Count the pixels of a colour from a row downwards. */
@@ -304,8 +307,8 @@ static void check_gates(drawing *d, const char *more, uint32_t first,
                         uint32_t second) {
   g_autofree char *map = g_strdup_printf(WINDOW ", %s", more);
   picture m = draw_and_load(d, map);
-  g_assert_cmphex(at(&m, SIDE, 480, 400), ==, first);
-  g_assert_cmphex(at(&m, SIDE, 520, 600), ==, second);
+  g_assert_cmphex(pixel_at(&m, SIDE, 480, 400), ==, first);
+  g_assert_cmphex(pixel_at(&m, SIDE, 520, 600), ==, second);
   cairo_surface_destroy(m.surface);
 }
 
@@ -319,7 +322,7 @@ static void test_states(void) {
   check_gates(&d, "state: before", 0x2166ac, 0x2166ac);
   d.after[1] = d.after[0]; /* 2 minus 20 */
   check_gates(&d, "state: difference, scale: 36 %", 0x92c5de, 0x92c5de);
-  clear(&d);
+  drawing_clear(&d);
 }
 
 /* The drawn mask has its own print and no outline. */
@@ -338,7 +341,7 @@ static void test_drawn_print(void) {
   g_assert_cmpfloat(darkest_near(&m, 430, 200, 4, &where), <, 200);
   cairo_surface_destroy(m.surface);
   d.print[EDA_POLY] = drawn[EDA_POLY];
-  clear(&d);
+  drawing_clear(&d);
 }
 
 /* In a window of 10 um a gate has a few pixels; in an inset, hundreds. */
@@ -355,7 +358,7 @@ static void test_insets(void) {
   g_assert_cmpint(count_colour(&without, without.bottom + 2, 0xb2182b), <, 60);
   cairo_surface_destroy(with.surface);
   cairo_surface_destroy(without.surface);
-  clear(&d);
+  drawing_clear(&d);
 }
 
 /* One violation has a ring; with very many, the layout stays visible. */
@@ -383,7 +386,7 @@ static void test_violations(void) {
   int white = count_colour(&m, m.top, 0xffffff);
   g_assert_cmpint(white, >, (m.right - m.left) * (m.bottom - m.top) / 4);
   cairo_surface_destroy(m.surface);
-  clear(&d);
+  drawing_clear(&d);
 }
 
 /* A drawn contact layer and a corrected third layer have their own colours;
@@ -401,8 +404,8 @@ static void test_layers(void) {
   g_assert_cmpint(draw_sample(&d, "{ " WINDOW ", file: layers.png }", &error),
                   ==, OPC_OK);
   picture m = load_picture("layers.png", 0.5);
-  g_assert_cmphex(at(&m, SIDE, 150, 350), ==, 0xbcbcbc);
-  g_assert_cmphex(at(&m, SIDE, 200, 150), ==, 0xffffff);
+  g_assert_cmphex(pixel_at(&m, SIDE, 150, 350), ==, 0xbcbcbc);
+  g_assert_cmphex(pixel_at(&m, SIDE, 200, 150), ==, 0xffffff);
   int height = m.height;
   cairo_surface_destroy(m.surface);
   d.corrected[METAL] = 1;
@@ -411,18 +414,19 @@ static void test_layers(void) {
   g_assert_cmpint(draw_sample(&d, "{ " WINDOW ", file: layers.png }", &error),
                   ==, OPC_OK);
   m = load_picture("layers.png", 0.5);
-  uint32_t metal = at(&m, SIDE, 200, 150), edge = at(&m, SIDE, 10, 150);
+  uint32_t metal = pixel_at(&m, SIDE, 200, 150),
+           edge = pixel_at(&m, SIDE, 10, 150);
   int where;
   g_assert_cmphex(metal, !=, 0xffffff);
-  g_assert_cmphex(metal, !=, at(&m, SIDE, 500, 200)); /* poly */
-  g_assert_cmphex(metal, !=, at(&m, SIDE, 800, 600)); /* active */
+  g_assert_cmphex(metal, !=, pixel_at(&m, SIDE, 500, 200)); /* poly */
+  g_assert_cmphex(metal, !=, pixel_at(&m, SIDE, 800, 600)); /* active */
   g_assert_cmpfloat(brightness(edge), <, brightness(metal) - 30);
   double least = acos(-0.8) / (2 * M_PI) * SIDE; /* its print, at y = 500 */
   g_assert_cmpfloat(darkest_near(&m, least, 500, 8, &where), <, 100);
   g_assert_cmpint(ABS(where), <=, 1);
   g_assert_cmpint(m.height, >=, height); /* named in the legend */
   cairo_surface_destroy(m.surface);
-  clear(&d);
+  drawing_clear(&d);
 }
 
 static void test_formats(void) {
@@ -450,7 +454,7 @@ static void test_formats(void) {
     g_free(content[0]);
     g_free(content[1]);
   }
-  clear(&d);
+  drawing_clear(&d);
 }
 
 /* A malicious name, and a picture too narrow for it. */
@@ -467,13 +471,13 @@ static void test_names(void) {
   for (int y = 0; y < m.height; y++)
     g_assert_cmphex(pixel(&m, m.width - 1, y), ==, 0xffffff);
   cairo_surface_destroy(m.surface);
-  clear(&d);
+  drawing_clear(&d);
 }
 
 /* ---- refusals ---- */
 
-static void refused(const char *mapping, const char *parameter,
-                    const char *reason) {
+static void assert_refused(const char *mapping, const char *parameter,
+                           const char *reason) {
   opc_error error;
   g_autoptr(opc_module) m = opc_test_module("draw.mask", mapping, &error);
   g_assert_null(m);
@@ -484,18 +488,21 @@ static void refused(const char *mapping, const char *parameter,
 }
 
 static void test_refused(void) {
-  refused("{ file: mask.jpg }", "'mask.jpg'", ".png, .svg or .pdf");
-  refused("{ file: png }", "'png'", ".png, .svg or .pdf");
-  refused("{ window: [0 nm, 0 nm, 1 um] }", "window", "must be 4 lengths");
-  refused("{ window: [0 nm, 1 um, 1 um, 1 um] }", "window", "at least 1 nm");
-  refused("{ window: [1 um, 0 nm, 0 nm, 1 um] }", "window", "at least 1 nm");
-  refused("{ window: [-1e30 nm, 0 nm, 0 nm, 1 um] }", "window",
-          "outside of the range");
-  refused("{ width: 100 }", "width", "200");
-  refused("{ scale: 2 }", "scale", "a percentage above 0");
-  refused("{ scale: -2 % }", "scale", "a percentage above 0");
-  refused("{ scale: some }", "scale", "a percentage above 0");
-  refused("{ state: now }", "state", "before");
+  assert_refused("{ file: mask.jpg }", "'mask.jpg'", ".png, .svg or .pdf");
+  assert_refused("{ file: png }", "'png'", ".png, .svg or .pdf");
+  assert_refused("{ window: [0 nm, 0 nm, 1 um] }", "window",
+                 "must be 4 lengths");
+  assert_refused("{ window: [0 nm, 1 um, 1 um, 1 um] }", "window",
+                 "at least 1 nm");
+  assert_refused("{ window: [1 um, 0 nm, 0 nm, 1 um] }", "window",
+                 "at least 1 nm");
+  assert_refused("{ window: [-1e30 nm, 0 nm, 0 nm, 1 um] }", "window",
+                 "outside of the range");
+  assert_refused("{ width: 100 }", "width", "200");
+  assert_refused("{ scale: 2 }", "scale", "a percentage above 0");
+  assert_refused("{ scale: -2 % }", "scale", "a percentage above 0");
+  assert_refused("{ scale: some }", "scale", "a percentage above 0");
+  assert_refused("{ state: now }", "state", "before");
 }
 
 static void test_nothing_there(void) {
@@ -510,7 +517,7 @@ static void test_nothing_there(void) {
   d.gates.extent = (eda_box){1, 1, 0, 0};
   g_assert_cmpint(draw_sample(&d, "{}", &error), ==, OPC_INVALID);
   g_assert_nonnull(strstr(error.message, "cannot be drawn"));
-  clear(&d);
+  drawing_clear(&d);
 }
 
 /* Missing write permission. */
@@ -531,7 +538,7 @@ static void test_unwritable(void) {
     g_assert_cmpint(draw_sample(&d, mapping, &error), ==, OPC_IO);
     g_assert_nonnull(strstr(error.message, "No space left on device"));
   }
-  clear(&d);
+  drawing_clear(&d);
 }
 
 /* A cancelled run leaves no file. */
@@ -546,7 +553,7 @@ static void test_cancelled(void) {
   g_autofree char *path =
       g_build_filename(opc_test_folder(), "never.svg", NULL);
   g_assert_false(g_file_test(path, G_FILE_TEST_EXISTS));
-  clear(&d);
+  drawing_clear(&d);
 }
 
 int main(int argc, char **argv) {

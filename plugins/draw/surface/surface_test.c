@@ -187,8 +187,8 @@ static void test_formats(void) {
   }
 }
 
-static void refused(const double *figure, const char *mapping,
-                    const char *parameter) {
+static void assert_refused(const double *figure, const char *mapping,
+                           const char *parameter) {
   eda_settings s = settings(figure, 2, 6, 0);
   opc_error error;
   g_assert_cmpint(draw_sample(&s, mapping, &error), ==, OPC_INVALID);
@@ -199,9 +199,9 @@ static void test_refused(void) {
   const double zero[] = {0, 3, 5, 1, 4, 2};
   const double none[] = {NAN, NAN, NAN, NAN, NAN, NAN};
   const double wild[] = {1, INFINITY, 1, 1, 1, 1};
-  refused(zero, "{ scale: log }", "scale");
-  refused(none, "{}", "settings");
-  refused(wild, "{}", "settings");
+  assert_refused(zero, "{ scale: log }", "scale");
+  assert_refused(none, "{}", "settings");
+  assert_refused(wild, "{}", "settings");
   eda_settings few = settings(wild, 2, 5, 0);
   opc_error fault;
   g_assert_cmpint(draw_sample(&few, "{}", &fault), ==, OPC_INVALID);

@@ -9,7 +9,7 @@ static char *devices(void) {
                           "ptm65.yaml", NULL);
 }
 
-static opc_module *make(const char *id, const char *more) {
+static opc_module *module_make(const char *id, const char *more) {
   g_autofree char *file = devices();
   g_autofree char *text = g_strdup_printf("{ devices: '%s'%s }", file, more);
   opc_error error = {0};
@@ -36,7 +36,7 @@ static const char ones[] =
     "n,ion,200,0,1\nn,ion,200,30,1\nn,ion,900,0,1\nn,ion,900,30,1\n"
     "p,ioff,500,10,1\n";
 
-static int same(const figures *a, const figures *b) {
+static int figures_same(const figures *a, const figures *b) {
   return a->ion == b->ion && a->ioff == b->ioff && a->leq_ion == b->leq_ion &&
          a->leq_ioff == b->leq_ioff && a->weq == b->weq && a->area == b->area;
 }
@@ -49,15 +49,15 @@ static void test_one(void) {
     g_autofree char *rule = g_strdup_printf(", rule: %s", rules[r]);
     g_autofree char *both =
         g_strdup_printf(", rule: %s, table: '%s'", rules[r], path);
-    g_autoptr(opc_module) plain = make("extractor.plain", rule);
-    g_autoptr(opc_module) terms = make("extractor.gamma", rule);
-    g_autoptr(opc_module) table = make("extractor.gamma", both);
+    g_autoptr(opc_module) plain = module_make("extractor.plain", rule);
+    g_autoptr(opc_module) terms = module_make("extractor.gamma", rule);
+    g_autoptr(opc_module) table = module_make("extractor.gamma", both);
     for (size_t k = 0; k < 2; k++)
       for (uint8_t type = 0; type < 2; type++) {
         figures a = of_gate(plain, type, 400, shapes[k], 20);
         figures b = of_gate(terms, type, 400, shapes[k], 20);
         figures c = of_gate(table, type, 400, shapes[k], 20);
-        if (!same(&a, &b) || !same(&a, &c))
+        if (!figures_same(&a, &b) || !figures_same(&a, &c))
           g_error("%s shape %zu type %d: %.17g %.17g %.17g, %.17g %.17g %.17g",
                   rules[r], k, type, a.ion, b.ion, c.ion, a.leq_ion, b.leq_ion,
                   c.leq_ion);
@@ -79,18 +79,20 @@ static const char terms[] =
 static void test_edge(void) {
   static const double a[2][2] = {{0.3, -0.5}, {-0.2, 2}};
   static const double decay[2][2] = {{25, 8}, {15, 40}};
-  g_autoptr(opc_module) plain = make("extractor.plain", "");
-  g_autoptr(opc_module) gamma = make("extractor.gamma", terms);
+  g_autoptr(opc_module) plain = module_make("extractor.plain", "");
+  g_autoptr(opc_module) gamma = module_make("extractor.gamma", terms);
   for (uint8_t type = 0; type < 2; type++)
     for (double w = 120; w < 1000; w *= 1.7) {
       figures p = of_gate(plain, type, w, straight, 100);
       figures g = of_gate(gamma, type, w, straight, 100);
-      near(g.ion / p.ion, mean_weight(a[type][0], decay[type][0], w), 1e-4);
-      near(g.ioff / p.ioff, mean_weight(a[type][1], decay[type][1], w), 1e-4);
+      assert_near(g.ion / p.ion, mean_weight(a[type][0], decay[type][0], w),
+                  1e-4);
+      assert_near(g.ioff / p.ioff, mean_weight(a[type][1], decay[type][1], w),
+                  1e-4);
       /* The equivalent length of a rectangle is its length. */
-      near(g.leq_ion, 66, 1e-9);
-      near(g.leq_ioff, 66, 1e-9);
-      near(g.area, p.area, 1e-12);
+      assert_near(g.leq_ion, 66, 1e-9);
+      assert_near(g.leq_ioff, 66, 1e-9);
+      assert_near(g.area, p.area, 1e-12);
     }
 }
 
@@ -105,8 +107,8 @@ static void test_table(void) {
   g_autofree char *more = g_strdup_printf(", table: '%s'", path);
   g_autofree char *many =
       g_strdup_printf("%s, rule: equal, slices: 10000", more);
-  g_autoptr(opc_module) plain = make("extractor.plain", "");
-  g_autoptr(opc_module) gamma = make("extractor.gamma", many);
+  g_autoptr(opc_module) plain = module_make("extractor.plain", "");
+  g_autoptr(opc_module) gamma = module_make("extractor.gamma", many);
   static const struct {
     double width, mean;
   } cases[] = {{100, 1.2 + 0.2 * 40 / 100},
@@ -118,8 +120,8 @@ static void test_table(void) {
     double w = cases[i].width;
     figures p = of_gate(plain, EDA_NMOS, w, straight, 100);
     figures g = of_gate(gamma, EDA_NMOS, w, straight, 100);
-    near(g.ion / p.ion, cases[i].mean, 1e-6);
-    near(g.ioff, p.ioff, 1e-12);
+    assert_near(g.ion / p.ion, cases[i].mean, 1e-6);
+    assert_near(g.ioff, p.ioff, 1e-12);
   }
 }
 
@@ -127,19 +129,19 @@ static void test_table(void) {
 static void test_contour(void) {
   g_autofree char *more =
       g_strdup_printf("%s, rule: equal, slices: 10000", terms);
-  g_autoptr(opc_module) many = make("extractor.gamma", more);
-  g_autoptr(opc_module) gamma = make("extractor.gamma", terms);
+  g_autoptr(opc_module) many = module_make("extractor.gamma", more);
+  g_autoptr(opc_module) gamma = module_make("extractor.gamma", terms);
   for (uint8_t type = 0; type < 2; type++) {
     figures want = of_gate(many, type, 500, rounded, 15);
     figures got = of_gate(gamma, type, 500, rounded, 15);
     g_test_message("Ion %.5f %%, Ioff %.5f %%", 100 * (got.ion / want.ion - 1),
                    100 * (got.ioff / want.ioff - 1));
-    near(got.ion, want.ion, 1e-4);
-    near(got.ioff, want.ioff, 2e-3);
+    assert_near(got.ion, want.ion, 1e-4);
+    assert_near(got.ioff, want.ioff, 2e-3);
   }
 }
 
-static void refused(const char *text, const char *message) {
+static void assert_refused(const char *text, const char *message) {
   g_autofree char *path = write_text("bad.csv", text);
   g_autofree char *file = devices();
   g_autofree char *map =
@@ -176,13 +178,15 @@ static void test_refused(void) {
   };
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     g_autofree char *text = g_strconcat(head, cases[i].rows, NULL);
-    refused(text, cases[i].message);
+    assert_refused(text, cases[i].message);
   }
-  refused("type,current,width,edge\n", "bad.csv:1:1: missing column 'gamma'");
-  refused("type,typ\n", "bad.csv:1:6: unknown column 'typ'");
-  refused("type , typ\n", "bad.csv:1:8: unknown column 'typ'");
-  refused("type,width (um)\n", "bad.csv:1:6: a wrong unit: 'width (um)'");
-  refused("type,type\n", "bad.csv:1:6: a column twice: 'type'");
+  assert_refused("type,current,width,edge\n",
+                 "bad.csv:1:1: missing column 'gamma'");
+  assert_refused("type,typ\n", "bad.csv:1:6: unknown column 'typ'");
+  assert_refused("type , typ\n", "bad.csv:1:8: unknown column 'typ'");
+  assert_refused("type,width (um)\n",
+                 "bad.csv:1:6: a wrong unit: 'width (um)'");
+  assert_refused("type,type\n", "bad.csv:1:6: a column twice: 'type'");
   g_autofree char *path = write_text("both.csv", ones);
   g_autofree char *file = devices();
   g_autofree char *map = g_strdup_printf(

@@ -36,7 +36,7 @@ static char *write_table(const char *name, double bend) {
   return path;
 }
 
-static opc_module *make(const char *file, const char *more, int expect) {
+static opc_module *module_make(const char *file, const char *more, int expect) {
   g_autofree char *text = g_strdup_printf("{ devices: '%s'%s }", file, more);
   opc_error error = {0};
   opc_module *m = opc_test_module("extractor.plain", text, &error);
@@ -83,7 +83,7 @@ static const char *const rules[] = {"contour", "gauss", "equal"};
 static opc_module *make_rule(const char *file, const char *rule, int slices) {
   g_autofree char *more =
       g_strdup_printf(", rule: %s, slices: %d", rule, slices);
-  return make(file, more, OPC_OK);
+  return module_make(file, more, OPC_OK);
 }
 
 /* Test that rectangles are exact for every rule. */
@@ -94,19 +94,19 @@ static void test_rectangle(void) {
       g_autoptr(opc_module) m = make_rule(file, rules[r], slices);
       for (int type = EDA_NMOS; type <= EDA_PMOS; type++) {
         figures f = of_gate(m, (uint8_t)type, 350, straight, 100);
-        near(f.ion, 350 * current(type, 0, 71.3), 1e-8);
-        near(f.ioff, 350 * current(type, 1, 71.3), 1e-8);
-        near(f.leq_ion, 71.3, 1e-9);
-        near(f.leq_ioff, 71.3, 1e-9);
-        near(f.weq, 350, 1e-12);
-        near(f.area, 350 * 71.3, 1e-12);
+        assert_near(f.ion, 350 * current(type, 0, 71.3), 1e-8);
+        assert_near(f.ioff, 350 * current(type, 1, 71.3), 1e-8);
+        assert_near(f.leq_ion, 71.3, 1e-9);
+        assert_near(f.leq_ioff, 71.3, 1e-9);
+        assert_near(f.weq, 350, 1e-12);
+        assert_near(f.area, 350 * 71.3, 1e-12);
       }
     }
   /* At a length of the table the current is that of the table for any number of
      slices. */
-  g_autoptr(opc_module) m = make(file, "", OPC_OK);
-  near(of_gate(m, EDA_NMOS, 1000, tabulated, 0).ion, 1000 * current(0, 0, 70),
-       1e-9);
+  g_autoptr(opc_module) m = module_make(file, "", OPC_OK);
+  assert_near(of_gate(m, EDA_NMOS, 1000, tabulated, 0).ion,
+              1000 * current(0, 0, 70), 1e-9);
 }
 
 /* Test that slices without corrections have the widths nearest to their
@@ -114,7 +114,7 @@ static void test_rectangle(void) {
 static void test_nearest(void) {
   enum { SLICES = 12 };
   g_autofree char *file = write_table("nearest.yaml", 1);
-  g_autoptr(opc_module) m = make(file, "", OPC_OK);
+  g_autoptr(opc_module) m = module_make(file, "", OPC_OK);
   const eda_extractor *e = m->functions;
   shape *s = straight;
   double place[SLICES], share[SLICES];
@@ -145,11 +145,11 @@ static void test_trapezoid(void) {
     double within = r ? 1e-8 : 1e-6;
     g_autoptr(opc_module) m = make_rule(file, rules[r], 12);
     figures f = of_gate(m, EDA_NMOS, 400, slope, 100);
-    near(f.ion, ion, within);
-    near(f.ioff, ioff, 30 * within);
-    near(f.leq_ion, 65 - 30 * log(ion / 400 / 1e-6), within);
-    near(f.leq_ioff, 65 - 6 * log(ioff / 400 / 1e-6), within);
-    near(f.area, 400 * 67, 1e-7);
+    assert_near(f.ion, ion, within);
+    assert_near(f.ioff, ioff, 30 * within);
+    assert_near(f.leq_ion, 65 - 30 * log(ion / 400 / 1e-6), within);
+    assert_near(f.leq_ioff, 65 - 6 * log(ioff / 400 / 1e-6), within);
+    assert_near(f.area, 400 * 67, 1e-7);
     g_assert_cmpfloat(f.leq_ioff, <, f.leq_ion); /* equivalent length of leakage
                                                     is the shortest */
   }
@@ -166,7 +166,7 @@ static double rounded_current(int off, double from, double to) {
 
 static void test_rounded(void) {
   g_autofree char *file = write_table("rounded.yaml", 1);
-  g_autoptr(opc_module) m = make(file, "", OPC_OK);
+  g_autoptr(opc_module) m = module_make(file, "", OPC_OK);
   g_autoptr(opc_module) gauss = make_rule(file, "gauss", 12);
   for (low = 30; low < 61; low += 7.5) {
     double ion = 300 * rounded_current(0, low, 110);
@@ -177,8 +177,8 @@ static void test_rounded(void) {
         100 * (f.ion / ion - 1), 100 * (f.ioff / ioff - 1),
         100 * (of_gate(gauss, EDA_NMOS, 300, rounded, 10).ion / ion - 1),
         100 * (of_gate(gauss, EDA_NMOS, 300, rounded, 10).ioff / ioff - 1));
-    near(f.ion, ion, 1e-5);
-    near(f.ioff, ioff, 1e-4);
+    assert_near(f.ion, ion, 1e-5);
+    assert_near(f.ioff, ioff, 1e-4);
   }
 }
 
@@ -188,7 +188,7 @@ static void test_many(void) {
   static const double extension[] = {80, 20, -40, -40}; /* nm, with a width of
                                                            400 nm */
   g_autofree char *file = write_table("many.yaml", 1);
-  g_autoptr(opc_module) m = make(file, "", OPC_OK);
+  g_autoptr(opc_module) m = module_make(file, "", OPC_OK);
   g_autoptr(opc_module) many = make_rule(file, "equal", 10000);
   low = 35;
   for (size_t k = 0; k < G_N_ELEMENTS(shapes); k++) {
@@ -199,21 +199,23 @@ static void test_many(void) {
                    100 * (got.ioff / want.ioff - 1));
     /* The last shape ends on one side only and has a corner. The extension
        given for the other side is wrong; extraction still succeeds. */
-    near(got.ion, want.ion, k == 2 ? 0.2 : 1e-4);
-    if (k != 2) near(got.ioff, want.ioff, 5e-4);
+    assert_near(got.ion, want.ion, k == 2 ? 0.2 : 1e-4);
+    if (k != 2) assert_near(got.ioff, want.ioff, 5e-4);
   }
 }
 
 /* Test a step with the matching number of slices. */
 static void test_two_lengths(void) {
   g_autofree char *file = write_table("two.yaml", 1);
-  g_autoptr(opc_module) m = make(file, ", rule: equal, slices: 10", OPC_OK);
+  g_autoptr(opc_module) m =
+      module_make(file, ", rule: equal, slices: 10", OPC_OK);
   figures f = of_gate(m, EDA_PMOS, 200, two_lengths, 100);
-  near(f.ion, 100 * current(1, 0, 60) + 100 * current(1, 0, 75), 1e-8);
-  near(f.area, 100 * 60 + 100 * 75, 1e-12);
+  assert_near(f.ion, 100 * current(1, 0, 60) + 100 * current(1, 0, 75), 1e-8);
+  assert_near(f.area, 100 * 60 + 100 * 75, 1e-12);
   /* Simulated contours have no steps; the contour rule is approximate. */
-  g_autoptr(opc_module) contour = make(file, "", OPC_OK);
-  near(of_gate(contour, EDA_PMOS, 200, two_lengths, 100).ion, f.ion, 0.02);
+  g_autoptr(opc_module) contour = module_make(file, "", OPC_OK);
+  assert_near(of_gate(contour, EDA_PMOS, 200, two_lengths, 100).ion, f.ion,
+              0.02);
 }
 
 /* Test extrapolation beyond the ends of the table, down to a quarter of its
@@ -226,19 +228,19 @@ static void test_outside(void) {
     for (middle = 15; middle < 200; middle += 5) {
       figures f = of_gate(m, EDA_NMOS, 100, any, 100);
       /* The table has nine digits. */
-      near(f.ion, 100 * current(0, 0, middle), 1e-6);
-      near(f.ioff, 100 * current(0, 1, middle), 1e-6);
-      near(f.leq_ion, middle, 1e-9);
-      near(f.leq_ioff, middle, 1e-9);
+      assert_near(f.ion, 100 * current(0, 0, middle), 1e-6);
+      assert_near(f.ioff, 100 * current(0, 1, middle), 1e-6);
+      assert_near(f.leq_ion, middle, 1e-9);
+      assert_near(f.leq_ioff, middle, 1e-9);
       g_assert_cmpuint(f.outside, ==, middle < 40 || middle > 120);
     }
   }
   /* A difference this small still counts as another length. */
-  g_autoptr(opc_module) m = make(file, "", OPC_OK);
+  g_autoptr(opc_module) m = module_make(file, "", OPC_OK);
   middle = 120.05;
   g_assert_cmpuint(of_gate(m, EDA_NMOS, 100, any, 100).outside, ==, 1);
   figures f = of_gate(m, EDA_NMOS, 100, no_length, 100);
-  near(f.ion, 100 * current(0, 0, 10), 1e-6);
+  assert_near(f.ion, 100 * current(0, 0, 10), 1e-6);
   g_assert_cmpuint(f.outside, ==, 1);
   f = of_gate(m, EDA_NMOS, 100, wild, 100);
   g_assert_true(isnan(f.area));
@@ -260,7 +262,7 @@ static double notable_part(double end) {
 
 static void test_in_part(void) {
   g_autofree char *file = write_table("part.yaml", 1);
-  g_autoptr(opc_module) m = make(file, "", OPC_OK);
+  g_autoptr(opc_module) m = module_make(file, "", OPC_OK);
   g_autoptr(opc_module) many = make_rule(file, "gauss", 1000);
   int marked = 0, not_marked = 0;
   for (flare = -20; flare <= 20; flare += 10)
@@ -269,8 +271,8 @@ static void test_in_part(void) {
       middle = flare > 0 ? end - from : end + from;
       figures f = of_gate(m, EDA_NMOS, 400, flared, 100);
       figures g = of_gate(many, EDA_NMOS, 400, flared, 100);
-      near(f.ion, g.ion, 1e-5);
-      near(f.ioff, g.ioff, 1e-4);
+      assert_near(f.ion, g.ion, 1e-5);
+      assert_near(f.ioff, g.ioff, 1e-4);
       double part = notable_part(end);
       if (fabs(part - 1) < 0.2) continue; /* within the accuracy of 12 slices */
       g_assert_cmpuint(g.outside, ==, part > 1);
@@ -287,7 +289,7 @@ static void test_real_table(void) {
   const char *source = g_getenv("OPCFLOW_SOURCE");
   g_autofree char *file = g_build_filename(source ? source : ".", "data",
                                            "devices", "ptm65.yaml", NULL);
-  g_autoptr(opc_module) m = make(file, "", OPC_OK);
+  g_autoptr(opc_module) m = module_make(file, "", OPC_OK);
   g_autoptr(opc_module) many = make_rule(file, "gauss", 1000);
   for (low = 20; low < 50; low += 3)
     for (uint8_t type = 0; type < 2; type++) {
@@ -295,14 +297,14 @@ static void test_real_table(void) {
       figures g = of_gate(many, type, 400, rounded, 10);
       g_test_message("from %g nm: Ion %.5f %%, Ioff %.5f %%", low,
                      100 * (f.ion / g.ion - 1), 100 * (f.ioff / g.ioff - 1));
-      near(f.ion, g.ion, 2e-4);
-      near(f.ioff, g.ioff, 2e-4);
+      assert_near(f.ion, g.ion, 2e-4);
+      assert_near(f.ioff, g.ioff, 2e-4);
     }
 }
 
 static void test_range(void) {
   g_autofree char *file = write_table("range.yaml", 1);
-  g_autoptr(opc_module) m = make(file, "", OPC_OK);
+  g_autoptr(opc_module) m = module_make(file, "", OPC_OK);
   const eda_extractor *e = m->functions;
   double shortest = 0, longest = 0;
   g_assert_true(e->range(m->self, EDA_PMOS, &shortest, &longest));
@@ -373,30 +375,30 @@ static void test_widths(void) {
     for (int edge = 10; edge < 2000; edge *= 12) {
       g_autofree char *more =
           g_strdup_printf(", edge: %d nm, rule: %s", edge, rules[r]);
-      g_autoptr(opc_module) m = make(file, more, OPC_OK);
+      g_autoptr(opc_module) m = module_make(file, more, OPC_OK);
       for (double w = 131; w < 1500; w *= 1.31) {
         figures f = of_gate(m, EDA_PMOS, w, straight, 100);
-        near(f.ion, (w - 2 * DEPTH) * current(1, 0, 71.3), 1e-4);
-        near(f.ioff, (w - 2 * DEPTH) * current(1, 1, 71.3), 1e-4);
-        near(f.leq_ion, 71.3, 1e-7);
+        assert_near(f.ion, (w - 2 * DEPTH) * current(1, 0, 71.3), 1e-4);
+        assert_near(f.ioff, (w - 2 * DEPTH) * current(1, 1, 71.3), 1e-4);
+        assert_near(f.leq_ion, 71.3, 1e-7);
         g_assert_cmpuint(f.outside, ==, 0);
       }
       g_assert_cmpuint(of_gate(m, EDA_PMOS, 119, straight, 100).outside, ==, 1);
     }
   /* Beyond the end of the line the length is the shortest allowed one, and
      edges reduce its current. */
-  g_autoptr(opc_module) contour = make(file, ", edge: 30 nm", OPC_OK);
+  g_autoptr(opc_module) contour = module_make(file, ", edge: 30 nm", OPC_OK);
   g_autoptr(opc_module) many =
-      make(file, ", edge: 30 nm, rule: equal, slices: 10000", OPC_OK);
+      module_make(file, ", edge: 30 nm, rule: equal, slices: 10000", OPC_OK);
   figures got = of_gate(contour, EDA_NMOS, 400, ellipse, -40);
   figures want = of_gate(many, EDA_NMOS, 400, ellipse, -40);
   /* The midpoint represents each missing end. */
-  near(got.ion, want.ion, 3e-3);
-  near(got.ioff, want.ioff, 3e-3);
+  assert_near(got.ion, want.ion, 3e-3);
+  assert_near(got.ioff, want.ioff, 3e-3);
   /* The edge current depends on the local length: nearly all of it on 60 nm,
      except for the part further from the edges than a quarter of the width. */
   g_autoptr(opc_module) m =
-      make(file, ", edge: 30 nm, rule: equal, slices: 2000", OPC_OK);
+      module_make(file, ", edge: 30 nm, rule: equal, slices: 2000", OPC_OK);
   double decay = 2 * 2 * DEPTH / (1 - 2 * DEPTH / 1000); /* edges.h */
   double far = exp(-250 / decay), all = 1 - exp(-500 / decay);
   double less = 2 * DEPTH *
@@ -406,7 +408,7 @@ static void test_widths(void) {
   double plain = 500 * (current(0, 0, 60) + current(0, 0, 80));
   figures f = of_gate(m, EDA_NMOS, 1000, waisted, 100);
   g_test_message("%g of %g", f.ion, plain - less);
-  near(f.ion, plain - less, 1e-4);
+  assert_near(f.ion, plain - less, 1e-4);
 }
 
 /* A gate as masks with a jog print: a rounded end, a flared end, and a step
@@ -423,9 +425,9 @@ static double jogged(double t) {
 static void test_real_widths(void) {
   g_autofree char *file = g_build_filename(g_getenv("OPCFLOW_SOURCE"), "data",
                                            "devices", "ihp130.yaml", NULL);
-  g_autoptr(opc_module) few = make(file, "", OPC_OK);
+  g_autoptr(opc_module) few = module_make(file, "", OPC_OK);
   g_autoptr(opc_module) many =
-      make(file, ", rule: equal, slices: 4000", OPC_OK);
+      module_make(file, ", rule: equal, slices: 4000", OPC_OK);
   double worst[2] = {0}, at = 0;
   for (int i = 0; i < 400; i++) {
     double u = fmod(i * 0.618034, 1), v = fmod(i * 0.754878, 1),

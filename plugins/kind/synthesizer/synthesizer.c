@@ -108,9 +108,9 @@ static int try_moves(opc_inspector *in, const opc_module *m, eda_feedback f,
     in->add(in, part, sizeof part);
     in->add(in, aside, sizeof aside);
     for (size_t k = 0; k < g->layers; k++) {
-      const eda_boxes *bars = &own->assists[k];
+      const eda_boxes *srafs = &own->assists[k];
       in->add(in, own->shift[k], own->count[k] * sizeof(int32_t));
-      in->add(in, bars->box, bars->count * sizeof(eda_box));
+      in->add(in, srafs->box, srafs->count * sizeof(eda_box));
     }
   }
   if (!done)

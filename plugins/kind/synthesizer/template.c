@@ -8,12 +8,10 @@
 
 typedef struct state {
   const opc_host *host;
-  double gain; /* relative length change per relative deviation of the
-                  current */
+  double gain; /* relative length change per relative current deviation */
 } state;
 
-static int synthesizer_begin(void *self, const eda_feedback *f,
-                             opc_error *error) {
+static int state_begin(void *self, const eda_feedback *f, opc_error *error) {
   (void)self, (void)f, (void)error; /* called once: allocate the state of the
                                        loop here */
   return OPC_OK;
@@ -21,8 +19,8 @@ static int synthesizer_begin(void *self, const eda_feedback *f,
 
 /* Lengthen gates with too much current, shorten gates with too little; the gain
    decreases with the iteration. */
-static int synthesizer_update(void *self, const eda_feedback *f,
-                              eda_moves *moves, int *done, opc_error *error) {
+static int state_update(void *self, const eda_feedback *f, eda_moves *moves,
+                        int *done, opc_error *error) {
   double gain = ((const state *)self)->gain / (1 + 0.25 * f->iteration);
   (void)error;
   *done = 1;
@@ -41,8 +39,8 @@ static int synthesizer_update(void *self, const eda_feedback *f,
 static const opc_parameter parameters[] = {OPC_PARAMETER(
     state, gain, .type = OPC_REAL, .flags = OPC_ABOVE, .preset = "0.25",
     .summary = "part of the deviation that a move takes from the length")};
-static const eda_synthesizer functions = {.begin = synthesizer_begin,
-                                          .update = synthesizer_update};
+static const eda_synthesizer functions = {.begin = state_begin,
+                                          .update = state_update};
 OPC_PLUGIN(state, .id = "@ID@", .kind = "synthesizer", .version = "0.1.0",
            .licence = "BSD-3-Clause", .summary = "lengths in proportion",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,

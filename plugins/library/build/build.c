@@ -1,18 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the step `library.build`: corrects each cell of a sheet alone
-   (thesis 4.2.1) and stores the cells in a database for later runs. */
+   (thesis 4.2.1) and keeps the results for later runs. */
 #include <eda/memory.h>
 #include <math.h>
 #include <opcflow/table.h>
 #include <string.h>
-#include <time.h>
 
 #include <correct/cut.h>
 #include <correct/entry.h>
 #include <correct/library.h>
 #include <correct/loop.h>
 #include <correct/settings.h>
-#include <correct/shelf.h>
 #include <correct/start.h>
 #include <correct/units.h>
 
@@ -22,7 +20,6 @@ typedef struct build {
   const opc_host *host;
   const eda_layout *sheet;
   const eda_gates *gates;
-  const char *database;
   correct_settings with;
 } build;
 
@@ -35,9 +32,8 @@ typedef struct line {
 
 typedef struct builder {
   const build *b;
-  shelf *shelf;
   library *out;
-  char *process;
+  const opc_results *results;
   GArray *lines; /* line */
   size_t corrected, simulations;
   opc_error *error;
@@ -51,12 +47,6 @@ static char *key_of(const builder *r, const char *geometry,
   g_autofree char *all = g_strdup_printf("%s %s %s %a", geometry, settings, cut,
                                          r->b->gates->grid);
   return g_compute_checksum_for_string(G_CHECKSUM_SHA256, all, -1);
-}
-
-static double cpu_seconds(void) {
-  struct timespec t;
-  (void)clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
 /* Simulate the mask with the fast model without corrections by an accurate one.
@@ -99,63 +89,45 @@ static GVariant *cell_pack(const builder *r, const cut_out *cell, loop *l) {
   return data;
 }
 
-/* Return mean and largest |Ion deviation| of a cell's own transistors. */
-static void sum_up(GVariant *data, double *mean, double *max) {
-  g_autoptr(entry) e = correct_entry_unpack(data);
-  *mean = *max = 0;
-  for (size_t i = 0; e && i < e->gates; i++) {
+/* Set mean and largest |Ion deviation| of a cell's own transistors. */
+static void sum_up(const entry *e, line *result) {
+  for (size_t i = 0; i < e->gates; i++) {
     double off = fabs(eda_deviation(e->after.ion[i], e->design[i]));
-    *max = fmax(*max, off);
-    *mean += off / (double)e->gates;
+    result->ion_max = fmax(result->ion_max, off);
+    result->ion_mean += off / (double)e->gates;
   }
 }
 
-static int cell_keep(builder *r, const cut_out *cell, loop *l, shelf_row *row,
-                     line *result) {
-  g_autoptr(GVariant) data = cell_pack(r, cell, l);
-  if (!data) return r->error->code;
-  sum_up(data, &row->ion_mean, &row->ion_max);
-  row->simulations = l->printer.simulations + l->printer.fine_simulations;
-  result->simulations = row->simulations;
-  result->ion_mean = row->ion_mean;
-  result->ion_max = row->ion_max;
-  result->state = "corrected";
-  r->corrected++;
-  r->simulations += (size_t)row->simulations;
-  return shelf_put(r->shelf, row, data, r->error);
-}
-
-/* Correct a cell as the step `correct` does, and store the result. */
-static int correct_cell(builder *r, const cut_out *cell, shelf_row *row,
-                        line *result) {
+/* Correct a cell as the step `correct` does, and keep the result. Returns NULL
+   and fills *r->error on failure. */
+static entry *correct_cell(builder *r, const cut_out *cell, const char *key,
+                           line *result) {
   const build *b = r->b;
-  double before = cpu_seconds();
+  g_autoptr(GVariant) data = NULL;
   loop l;
   correct_loop_init(&l, b->host, cell->gates, &b->with);
   l.printer.drawn = NULL; /* all cells share one resist calibration */
-  int code = correct_loop_run(&l, r->error);
-  row->seconds = cpu_seconds() - before;
-  if (!code) code = cell_keep(r, cell, &l, row, result);
+  if (!correct_loop_run(&l, r->error)) data = cell_pack(r, cell, &l);
+  result->simulations =
+      (int64_t)(l.printer.simulations + l.printer.fine_simulations);
+  result->state = "corrected";
+  r->corrected++;
+  r->simulations += (size_t)result->simulations;
   correct_loop_clear(&l);
-  return code;
+  if (!data) return NULL;
+  r->results->keep(b->host, key, g_variant_get_data(data),
+                   g_variant_get_size(data));
+  return correct_entry_unpack(data);
 }
 
-/* Take a cell from the database, or correct it. */
-static int take_cell(builder *r, const cut_out *cell, shelf_row *row,
-                     line *result) {
-  gboolean damaged;
-  GVariant *data;
-  int code =
-      shelf_get(r->shelf, row->key, ENTRY_TYPE, &data, &damaged, r->error);
-  if (code) return code;
-  if (damaged)
-    r->b->host->log(r->b->host, OPC_LOG_WARNING,
-                    "cell '%s' is damaged in '%s' and is corrected again",
-                    row->cell, r->out->database);
-  g_autoptr(entry) e = data ? correct_entry_unpack(data) : NULL;
-  if (e) sum_up(data, &result->ion_mean, &result->ion_max);
-  if (data) g_variant_unref(data);
-  return e ? OPC_OK : correct_cell(r, cell, row, result);
+/* Return a kept cell, or NULL. */
+static entry *find_kept(const builder *r, const char *key) {
+  size_t size = 0;
+  void *bytes = r->results->find(r->b->host, key, &size);
+  if (!bytes) return NULL;
+  g_autoptr(GVariant) data = g_variant_ref_sink(
+      g_variant_new_from_data(ENTRY_TYPE, bytes, size, FALSE, free, bytes));
+  return g_variant_is_normal_form(data) ? correct_entry_unpack(data) : NULL;
 }
 
 static int add_cell(builder *r, int32_t top, size_t i, const char *settings) {
@@ -169,17 +141,13 @@ static int add_cell(builder *r, int32_t top, size_t i, const char *settings) {
   line result = {.cell = c.name, .state = "kept"};
   for (size_t k = 0; k < cell.gates->count; k++)
     result.transistors += cell.own[k];
-  c.key = c.geometry ? key_of(r, c.geometry, settings, cell.gates) : NULL;
+  g_autofree char *key =
+      c.geometry ? key_of(r, c.geometry, settings, cell.gates) : NULL;
+  if (key) c.entry = find_kept(r, key);
+  if (key && !c.entry) c.entry = correct_cell(r, &cell, key, &result);
+  if (c.entry) sum_up(c.entry, &result);
+  code = c.entry ? OPC_OK : r->error->code;
   g_array_append_val(r->out->cells, c);
-  shelf_row row = {.key = c.key,
-                   .cell = c.name,
-                   .geometry = c.geometry,
-                   .process = r->process,
-                   .settings = settings,
-                   .method = b->with.synthesizer->id,
-                   .made = g_get_real_time() / G_USEC_PER_SEC,
-                   .transistors = result.transistors};
-  code = c.key ? take_cell(r, &cell, &row, &result) : r->error->code;
   g_array_append_val(r->lines, result);
   correct_cut_clear(&cell);
   return code;
@@ -220,16 +188,12 @@ static int build_report(const builder *r) {
 
 static int build_all(builder *r) {
   const build *b = r->b;
-  const char *settings =
-      opc_get_results(b->host)->identity(b->host, NULL, r->error);
+  const char *settings = r->results->identity(b->host, NULL, r->error);
   int32_t top = eda_layout_top(b->sheet, r->error);
   int code = settings && top >= 0
                  ? correct_library_take_models(b->host, r->out->model, r->error)
                  : r->error->code;
   if (code) return code;
-  g_autofree char *models = g_strjoin(" ", r->out->model[0], r->out->model[1],
-                                      r->out->model[2], NULL);
-  r->process = g_compute_checksum_for_string(G_CHECKSUM_SHA256, models, -1);
   size_t n = eda_layout_instances(b->sheet, top);
   for (size_t i = 0; i < n && !code; i++) {
     const opc_progress at = {
@@ -247,16 +211,11 @@ static int build_all(builder *r) {
 
 static int build_run(void *self, void **outputs, opc_error *error) {
   const build *b = self;
-  g_autofree char *path = b->database ? g_strdup(b->database) : shelf_place();
-  builder r = {.b = b, .error = error};
-  outputs[0] = r.out = correct_library_new(path, b->gates->grid);
-  r.shelf = shelf_open(path, TRUE, error);
-  if (!r.shelf) return error->code;
+  builder r = {.b = b, .results = opc_get_results(b->host), .error = error};
+  outputs[0] = r.out = correct_library_new(b->gates->grid);
   r.lines = g_array_new(FALSE, TRUE, sizeof(line));
   int code = build_all(&r);
   g_array_free(r.lines, TRUE);
-  g_free(r.process);
-  shelf_close(r.shelf);
   return code;
 }
 
@@ -268,10 +227,6 @@ static const opc_parameter parameters[] = {
                   .summary = "Layout made by library.sheet"),
     OPC_PARAMETER(build, gates, .type = OPC_INPUT, .flags = OPC_REQUIRED,
                   .choices = "gates", .summary = "Transistors of the sheet"),
-    OPC_PARAMETER(build, database, .type = OPC_TEXT, .flags = OPC_NO_EFFECT,
-                  .summary =
-                      "Database of the cells, created if missing (default: "
-                      "opcflow/library.sqlite in the user's data folder)"),
     CORRECT_PRINT_SLOTS(build),
     CORRECT_MOVE_SLOTS(build),
     CORRECT_MAX_ITERATIONS(build, "Largest number of iterations for a cell"),
@@ -286,7 +241,7 @@ static const opc_parameter parameters[] = {
 static const opc_metric metrics[] = {
     {"cells", NULL, OPC_NEUTRAL, 0, "cells with transistors"},
     {"corrected", NULL, OPC_NEUTRAL, 0, "cells corrected in this run"},
-    {"kept", NULL, OPC_NEUTRAL, 0, "cells taken from the database"},
+    {"kept", NULL, OPC_NEUTRAL, 0, "cells taken from earlier runs"},
     {"ion_mean", "%", OPC_LOWER, 0.01,
      "mean of |Ion deviation| of all transistors, each cell alone"},
     {"ion_max", "%", OPC_LOWER, 0.01, "largest |Ion deviation|"},
@@ -301,12 +256,11 @@ static int build_check(void *self, opc_error *error) {
 /* ---- entry ---- */
 
 static const opc_port outputs_of[] = {LIBRARY_PORT("library")};
-static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = build_run,
-                                   .flags = OPC_STEP_OUTSIDE};
+static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = build_run};
 
 OPC_PLUGIN(build, .id = "library.build", .kind = "step", .version = OPC_VERSION,
            .licence = "BSD-3-Clause",
-           .summary = "correct each cell alone and store it in a database",
+           .summary = "correct each cell alone and keep the results",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
            OPC_PARAMETERS(parameters), OPC_METRICS(metrics),
            .check = build_check, OPC_FUNCTIONS(functions));

@@ -12,7 +12,7 @@ static const double alone[GATES] = {101, 98, 100, 103, 99, 102};
 static const double placed[GATES] = {103, 98.5, 100.04, 101, 95, 90};
 static const uint8_t known[GATES] = {1, 1, 1, 1, 1, 0};
 
-static double want(size_t i) {
+static double wanted_disturbance(size_t i) {
   return known[i] ? fabs(placed[i] - 100) - fabs(alone[i] - 100) : NAN;
 }
 
@@ -56,7 +56,7 @@ static double cell(const char *column, size_t at) {
   return ((const double *)c->data)[at];
 }
 
-static void same(double got, double expected) {
+static void assert_same(double got, double expected) {
   g_assert_true(isnan(expected) ? isnan(got) : fabs(got - expected) < 1e-9);
 }
 
@@ -68,19 +68,19 @@ static void test_table(void) {
                   OPC_OK);
   double sum = 0, most = -INFINITY, worse = 0;
   for (size_t i = 0; i < GATES; i++) {
-    same(cell("ion_cell", i), known[i] ? alone[i] - 100 : NAN);
-    same(cell("ion_placed", i), placed[i] - 100);
-    same(cell("disturbance", i), want(i));
-    same(cell("x", i), 600.0 * (double)i + 100);
-    same(cell("y", i), 1000.0 * (double)(i % 3) + 200);
+    assert_same(cell("ion_cell", i), known[i] ? alone[i] - 100 : NAN);
+    assert_same(cell("ion_placed", i), placed[i] - 100);
+    assert_same(cell("disturbance", i), wanted_disturbance(i));
+    assert_same(cell("x", i), 600.0 * (double)i + 100);
+    assert_same(cell("y", i), 1000.0 * (double)(i % 3) + 200);
     if (!known[i]) continue;
-    sum += want(i);
-    most = fmax(most, want(i));
-    worse += want(i) >= 0.05;
+    sum += wanted_disturbance(i);
+    most = fmax(most, wanted_disturbance(i));
+    worse += wanted_disturbance(i) >= 0.05;
   }
-  same(opc_test_metric("disturbance_mean"), sum / 5);
-  same(opc_test_metric("disturbance_max"), most);
-  same(opc_test_metric("disturbed"), 100 * worse / 5);
+  assert_same(opc_test_metric("disturbance_mean"), sum / 5);
+  assert_same(opc_test_metric("disturbance_max"), most);
+  assert_same(opc_test_metric("disturbed"), 100 * worse / 5);
 }
 
 /* ---- the picture ---- */
@@ -132,7 +132,7 @@ static void test_picture(void) {
   const double range = 2;
   for (size_t i = 0; i < GATES; i++) {
     eda_box b = d.box[i];
-    double t = 0.5 + want(i) / range / 2;
+    double t = 0.5 + wanted_disturbance(i) / range / 2;
     eda_colour c = known[i] ? eda_diverging(t) : eda_unknown;
     for (int k = 0; k < 8; k++) {
       /* Its middle and inside its corners; outside of them the chip. */

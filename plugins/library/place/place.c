@@ -12,7 +12,6 @@
 #include <correct/library.h>
 #include <correct/report.h>
 #include <correct/settings.h>
-#include <correct/shelf.h>
 #include <correct/start.h>
 #include <correct/symmetry.h>
 #include "disturb.h"
@@ -37,8 +36,8 @@ typedef struct place {
 typedef struct placer {
   const place *p;
   stitch stitch;
-  entry **entry;   /* NULL: not in the library */
-  uint8_t *looked; /* 1: the library was searched */
+  const entry **entry; /* of the library; NULL: not in the library */
+  uint8_t *looked;     /* 1: the library was searched */
   size_t placed, cells, unknown;
   opc_error *error;
 } placer;
@@ -74,25 +73,17 @@ static const library_cell *find_cell(const library *l, gboolean by_name,
   return NULL;
 }
 
-/* Load a cell from the library, by the checksum of its shapes. */
-static int look_up(placer *r, shelf *from, int32_t cell) {
+/* Find a cell in the library, by the checksum of its shapes. */
+static int look_up(placer *r, int32_t cell) {
   const place *p = r->p;
-  gboolean damaged = FALSE;
-  GVariant *data = NULL;
   g_autofree char *geometry = correct_units_sum(p->layout, cell, r->error);
   if (!geometry) return r->error->code;
   const library_cell *c = find_cell(p->library, FALSE, geometry);
   r->looked[cell] = 1;
   if (!c) return OPC_OK;
-  int code = shelf_get(from, c->key, ENTRY_TYPE, &data, &damaged, r->error);
-  if (!code && data) r->entry[cell] = correct_entry_unpack(data);
-  if (data) g_variant_unref(data);
-  if (!code && !r->entry[cell])
-    code = opc_fail(
-        r->error, OPC_IO, NULL, "cell '%s' is %s '%s': build the library again",
-        c->name, damaged ? "damaged in" : "no longer in", p->library->database);
+  r->entry[cell] = c->entry;
   r->cells++;
-  return code;
+  return OPC_OK;
 }
 
 /* ---- orientations ---- */
@@ -141,11 +132,11 @@ static int check_orientations(const placer *r, const units *found) {
 
 /* ---- the mask ---- */
 
-static int place_all(placer *r, shelf *from, const units *found) {
+static int place_all(placer *r, const units *found) {
   int code = OPC_OK;
   for (size_t i = 0; i < found->count && !code; i++) {
     int32_t cell = found->unit[i].cell;
-    if (!r->looked[cell]) code = look_up(r, from, cell);
+    if (!r->looked[cell]) code = look_up(r, cell);
     if (code || !r->entry[cell]) continue;
     (void)stitch_place(&r->stitch, r->entry[cell], &found->unit[i].at);
     r->placed++;
@@ -190,13 +181,11 @@ static int stitch_all(placer *r) {
     return opc_fail(r->error, OPC_INVALID, "top", "cell '%s' does not exist",
                     p->top);
   if (top < 0) return r->error->code;
-  g_autoptr(shelf) from = shelf_open(p->library->database, FALSE, r->error);
-  if (!from) return r->error->code;
   r->entry = eda_alloc(cells, sizeof(entry *));
   r->looked = eda_alloc(cells, 1);
   int code = correct_units_find(p->layout, top, &found, r->error);
   if (!code) code = check_orientations(r, &found);
-  if (!code) code = place_all(r, from, &found);
+  if (!code) code = place_all(r, &found);
   g_free(found.unit);
   return code ? code : place_report_unknown(r);
 }
@@ -299,8 +288,6 @@ static int place_run(void *self, void **outputs, opc_error *error) {
     else if (!code)
       code = place_print_report(&r, mask);
   }
-  for (size_t c = 0; r.entry && c < eda_layout_cells(p->layout); c++)
-    correct_entry_free(r.entry[c]);
   free(r.entry);
   free(r.looked);
   stitch_clear(&r.stitch);
@@ -388,8 +375,7 @@ static int place_check(void *self, opc_error *error) {
 
 static const opc_port outputs[] = {EDA_PORT_MASK("mask")};
 static const opc_step functions = {OPC_OUTPUTS(outputs), .run = place_run,
-                                   .forecast = place_forecast,
-                                   .flags = OPC_STEP_OUTSIDE};
+                                   .forecast = place_forecast};
 
 OPC_PLUGIN(place, .id = "library.place", .kind = "step", .version = OPC_VERSION,
            .licence = "BSD-3-Clause",

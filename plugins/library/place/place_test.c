@@ -18,11 +18,11 @@ static made make_sample(const char *cells) {
   made m = {.circuit = library_circuit()};
   g_autofree char *map = g_strdup_printf("{ cells: '%s' }", cells);
   m.sheet = sheet_of(m.circuit, map);
-  m.cells = segment(m.sheet.out);
+  m.cells = layout_segment(m.sheet.out);
   if (build_library(&m.library, m.sheet.out, m.cells.out, "", &error))
     g_error("%s", error.message);
   m.ion = opc_test_metric("ion_max");
-  m.gates = segment(m.circuit);
+  m.gates = layout_segment(m.circuit);
   return m;
 }
 

@@ -129,7 +129,7 @@ static int put_neighbours(const maker *m, int32_t cell, const char *name,
 
 static int sheet_place(maker *m, int32_t cell, const char *name,
                        const extents *of) {
-  eda_box b = of->boundary, room = of->shapes;
+  eda_box b = of->boundary, extent = of->shapes;
   int around = m->sheet->neighbours == ITSELF;
   eda_point at = {0, 0};
   if (around && b.x0 > b.x1)
@@ -139,10 +139,10 @@ static int sheet_place(maker *m, int32_t cell, const char *name,
                     name, m->sheet->boundary);
   if (around) {
     int32_t wide = b.x1 - b.x0, high = b.y1 - b.y0;
-    room = (eda_box){room.x0 - wide, room.y0 - high, room.x1 + wide,
-                     room.y1 + high};
+    extent = (eda_box){extent.x0 - wide, extent.y0 - high, extent.x1 + wide,
+                       extent.y1 + high};
   }
-  int code = find_place(m, room, &at);
+  int code = find_place(m, extent, &at);
   if (!code) code = sheet_put(m, cell, name, at, 0);
   return code || !around ? code : put_neighbours(m, cell, name, at, b);
 }

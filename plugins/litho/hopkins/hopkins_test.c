@@ -37,8 +37,8 @@ static double cross_coefficient(double x1, double y1, double x2, double y2) {
 }
 
 /* Compute the intensity of an opaque rectangle at (x, y) by the double sum. */
-static void direct(eda_box b, const double *x, const double *y, size_t n,
-                   double *out) {
+static void image_direct(eda_box b, const double *x, const double *y, size_t n,
+                         double *out) {
   enum { MOST = 200 };
   double fx[MOST], fy[MOST];
   double complex a[MOST];
@@ -96,8 +96,8 @@ static void image_within(double wanted, const char *parameters,
   eda_spectrum_clear(&mask);
 }
 
-static void image(const char *parameters, const eda_shapes *shapes, eda_frame f,
-                  eda_field *field) {
+static void hopkins_image(const char *parameters, const eda_shapes *shapes,
+                          eda_frame f, eda_field *field) {
   image_within(0, parameters, shapes, f, field);
 }
 
@@ -111,7 +111,7 @@ static void test_definition(void) {
     y[i] = g_rand_double_range(random, -400, 400);
   }
   g_rand_free(random);
-  direct(b, x, y, PLACES, want);
+  image_direct(b, x, y, PLACES, want);
   eda_point points[] = {{b.x0, b.y0}, {b.x1, b.y0}, {b.x1, b.y1}, {b.x0, b.y1}};
   uint32_t start[] = {0, 4};
   eda_shapes shapes = {1, start, points, NULL};
@@ -153,7 +153,7 @@ static void test_lines(void) {
     x[i] = -350 + 17.5 * i;
     y[i] = 13 * i - 300;
   }
-  direct(b, x, y, PLACES, want);
+  image_direct(b, x, y, PLACES, want);
   eda_point points[] = {{b.x0, b.y0}, {b.x1, b.y0}, {b.x1, b.y1}, {b.x0, b.y1}};
   uint32_t start[] = {0, 4};
   eda_shapes shapes = {1, start, points, NULL};
@@ -164,7 +164,7 @@ static void test_lines(void) {
     g_autofree char *best = g_strdup_printf("{ error: 5e-5, %s }", shifting);
     eda_field field;
     if (attenuated) {
-      image(best, &shapes, frame, &field);
+      hopkins_image(best, &shapes, frame, &field);
       eda_field_sample(&field, x, y, PLACES, want);
       eda_field_clear(&field);
     }
@@ -234,8 +234,8 @@ static void test_coarse(void) {
   eda_shapes shapes = {1, start, points, NULL};
   for (size_t k = 0; k < G_N_ELEMENTS(parameters); k++) {
     eda_field best, own, fine;
-    image("{ error: 5e-5 }", &shapes, frame, &best);
-    image(parameters[k], &shapes, frame, &own);
+    hopkins_image("{ error: 5e-5 }", &shapes, frame, &best);
+    hopkins_image(parameters[k], &shapes, frame, &own);
     image_within(0.09, parameters[k], &shapes, frame, &fine);
     double off[2] = {0};
     for (int n = 0; n < best.nx * best.ny; n++) {
@@ -254,7 +254,7 @@ static void test_coarse(void) {
 static void test_clear(void) {
   eda_shapes none = {0};
   eda_field field;
-  image("{ error: 3e-4 }", &none, frame, &field);
+  hopkins_image("{ error: 3e-4 }", &none, frame, &field);
   double x = 12, y = 34, value;
   eda_field_sample(&field, &x, &y, 1, &value);
   eda_field_clear(&field);
@@ -268,7 +268,7 @@ static void test_too_fine(void) {
   uint32_t start[] = {0, 4};
   eda_shapes line = {1, start, points, NULL};
   eda_field field;
-  image("{ error: 1e-4 }", &line, (eda_frame){0, 0, 50, 400}, &field);
+  hopkins_image("{ error: 1e-4 }", &line, (eda_frame){0, 0, 50, 400}, &field);
   double x[] = {0, 10, 33}, y[] = {0, 100, 321}, value[3];
   eda_field_sample(&field, x, y, 3, value);
   eda_field_clear(&field);
@@ -286,8 +286,8 @@ static void test_symmetry(void) {
   eda_shapes a = {1, start, points, NULL}, b = {1, start, mirrored, NULL};
   eda_frame f = {-450, -450, 900, 900};
   eda_field fields[2];
-  image("{}", &a, f, &fields[0]);
-  image("{}", &b, f, &fields[1]);
+  hopkins_image("{}", &a, f, &fields[0]);
+  hopkins_image("{}", &b, f, &fields[1]);
   for (int i = 0; i < 50; i++) {
     double x = 17.3 * i - 400, y = 300 - 11.1 * i, p, q, mx = -y, my = -x;
     eda_field_sample(&fields[0], &x, &y, 1, &p);
@@ -319,7 +319,7 @@ static eda_field wide_image(double x, double y, int mirror) {
   uint32_t start[] = {0, 4, 8};
   eda_shapes shapes = {2, start, points, NULL};
   eda_field field;
-  image("{ error: 5e-4 }", &shapes, (eda_frame){0, 0, w, h}, &field);
+  hopkins_image("{ error: 5e-4 }", &shapes, (eda_frame){0, 0, w, h}, &field);
   return field;
 }
 

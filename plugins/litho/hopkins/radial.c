@@ -72,11 +72,6 @@ static void place_nodes(radial *r) {
     r->root[i] = sqrt(r->weight[i] * r->node[i]) * spectrum_falling(r->node[i]);
 }
 
-static int compare_ascending(const void *a, const void *b) {
-  double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-
 /* Place the nodes of the source's radius. Breaks are the radii where the rim of
    a shifted pupil enters the source. g_m behaves there like a square root,
    which nodes in the square of a variable integrate accurately. */
@@ -89,7 +84,7 @@ static void place_rings(radial *r) {
     double b = fabs(1 - r->node[i]);
     if (b > r->sigma_in && b < r->sigma) breaks[n++] = b;
   }
-  qsort(breaks, (size_t)n, sizeof *breaks, compare_ascending);
+  qsort(breaks, (size_t)n, sizeof *breaks, eda_doubles_rise);
   gauss_legendre(0, 1, RINGS, unit, weight);
   for (int b = 0; b + 1 < n; b++) {
     double width = breaks[b + 1] - breaks[b];

@@ -229,7 +229,7 @@ static void test_first_kernels(void) {
 
 /* ---- files with something wrong ---- */
 
-static void expect(const char *words) {
+static void assert_refused(const char *words) {
   g_autofree char *path = set_path();
   g_autoptr(opc_module) m = model(path, "");
   const eda_litho *litho = m->functions;
@@ -239,7 +239,8 @@ static void expect(const char *words) {
   g_assert_nonnull(strstr(error.message, words));
 }
 
-static void change(const char *name, size_t at, const void *bytes, gssize n) {
+static void file_change(const char *name, size_t at, const void *bytes,
+                        gssize n) {
   g_autofree char *file = g_build_filename(opc_test_folder(), name, NULL);
   char *text;
   gsize size;
@@ -258,38 +259,38 @@ static float complex nothing(int s, int k, int l) {
 
 static void test_refused(void) {
   write_set("", 0, 5, two_kernels);
-  expect("scales.txt:1: expected a number of kernels");
+  assert_refused("scales.txt:1: expected a number of kernels");
   write_set("0", 0, 5, two_kernels);
-  expect("expected a number of kernels");
+  assert_refused("expected a number of kernels");
   write_set("5000", 0, 5, two_kernels);
-  expect("expected a number of kernels");
+  assert_refused("expected a number of kernels");
   write_set("2\n1.5\n", 2, 5, two_kernels);
-  expect("scales.txt:3: expected the weight of kernel 1");
+  assert_refused("scales.txt:3: expected the weight of kernel 1");
   write_set("2\n1.5\n-2", 2, 5, two_kernels);
-  expect("scales.txt:3: expected the weight");
+  assert_refused("scales.txt:3: expected the weight");
   write_set("3\n1 1 1", 2, 5, two_kernels);
-  expect("fh2.bin': No such file");
+  assert_refused("fh2.bin': No such file");
   write_set("2\n1 1", 2, 4, two_kernels);
-  expect("fh0.bin': 4 x 4 frequencies at byte 0");
+  assert_refused("fh0.bin': 4 x 4 frequencies at byte 0");
   write_set("2\n1 1", 2, 5, two_kernels);
-  change("fh1.bin", 24 + 8 * 25 - 1, NULL, -1);
-  expect("fh1.bin': ends at byte 223");
-  change("fh1.bin", 11, NULL, -1);
-  expect("fh1.bin': ends at byte 11");
+  file_change("fh1.bin", 24 + 8 * 25 - 1, NULL, -1);
+  assert_refused("fh1.bin': ends at byte 223");
+  file_change("fh1.bin", 11, NULL, -1);
+  assert_refused("fh1.bin': ends at byte 11");
   write_set("2\n1 1", 2, 5, two_kernels);
-  change("fh1.bin", 3, "\x03\0\0\0\x03", 5);
-  expect("expected 5 as in the preceding kernels");
-  change("fh0.bin", 24 + 8, "\x7f\xc0\0\0", 4);
-  expect("fh0.bin': value at byte 32 is not a finite number");
+  file_change("fh1.bin", 3, "\x03\0\0\0\x03", 5);
+  assert_refused("expected 5 as in the preceding kernels");
+  file_change("fh0.bin", 24 + 8, "\x7f\xc0\0\0", 4);
+  assert_refused("fh0.bin': value at byte 32 is not a finite number");
   write_set("2\n1 1", 2, 5, two_kernels);
-  change("fh0.bin", 0, "\xff\xff\xff\xff", 4);
-  expect("expected an odd square");
+  file_change("fh0.bin", 0, "\xff\xff\xff\xff", 4);
+  assert_refused("expected an odd square");
   write_set("1\n1", 1, 5, two_kernels);
-  change("fh0.bin", 3, "\x03", 1);
-  change("fh0.bin", 7, "\x03", 1);
-  expect("more than 3 x 3 frequencies, at byte 96");
+  file_change("fh0.bin", 3, "\x03", 1);
+  file_change("fh0.bin", 7, "\x03", 1);
+  assert_refused("more than 3 x 3 frequencies, at byte 96");
   write_set("1\n1", 1, 5, nothing);
-  expect("pass only the zero order");
+  assert_refused("pass only the zero order");
 }
 
 /* ---- the contest's ---- */
@@ -349,8 +350,8 @@ static float float_at(const uint8_t *p) {
 }
 
 /* Compute the intensities at n places from the definition. */
-static void direct(const char *scales, const eda_shapes *clip, const double *x,
-                   const double *y, int n, double *out) {
+static void image_direct(const char *scales, const eda_shapes *clip,
+                         const double *x, const double *y, int n, double *out) {
   g_autofree char *text = NULL;
   g_autofree char *folder = g_path_get_dirname(scales);
   g_assert_true(g_file_get_contents(scales, &text, NULL, NULL));
@@ -400,7 +401,7 @@ static void test_contest(void) {
   }
   for (int out = 0; out < 2; out++) {
     eda_field f = image_of(m, &shapes, tile, out ? 25 : 0);
-    direct(out ? defocus : focus, &shapes, x, y, PLACES, want);
+    image_direct(out ? defocus : focus, &shapes, x, y, PLACES, want);
     double worst = 0, top = 0;
     for (int i = 0; i < PLACES; i++) {
       worst = fmax(worst, fabs(value_at(&f, x[i], y[i]) - want[i]));

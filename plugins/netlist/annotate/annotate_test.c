@@ -69,7 +69,7 @@ static char *in_folder(const char *name, const char *text) {
   return path;
 }
 
-static void prepare(void) {
+static void gates_prepare(void) {
   circuit.gates = mask.gates = eda_gates_sample();
   mask.after = mask.before =
       (eda_performance){.count = 2, .leq_ion = leq, .weq = weq, .area = area};
@@ -78,7 +78,7 @@ static void prepare(void) {
 }
 
 /* Return the written text, or the error message if `fails`. */
-static char *annotate(const char *map, int with_mask, int fails) {
+static char *netlist_annotate(const char *map, int with_mask, int fails) {
   static int number;
   opc_error error;
   g_autofree char *name = g_strdup_printf("out%d.sp", number++);
@@ -100,17 +100,17 @@ static char *annotate(const char *map, int with_mask, int fails) {
 /* ---- the text ---- */
 
 static void test_text(void) {
-  prepare();
-  g_autofree char *drawn = annotate("", 0, 0);
+  gates_prepare();
+  g_autofree char *drawn = netlist_annotate("", 0, 0);
   g_assert_cmpstr(drawn, ==,
                   "* inv: sizes as drawn\n"
                   ".subckt inv IN OUT XU1.VDD VSS\n"
                   "MN OUT IN VSS VSS nmos w=200e-9 l=60e-9\n"
                   "M.XU1.MP OUT IN XU1.VDD XU1.VDD pmos w=300e-9 l=60e-9\n"
                   ".ends\n");
-  g_autofree char *same = annotate(", state: drawn", 1, 0);
+  g_autofree char *same = netlist_annotate(", state: drawn", 1, 0);
   g_assert_cmpstr(same, ==, drawn);
-  g_autofree char *after = annotate(", nmos: n1, pmos: p1", 1, 0);
+  g_autofree char *after = netlist_annotate(", nmos: n1, pmos: p1", 1, 0);
   g_assert_cmpstr(after, ==,
                   "* inv: sizes as printed after correction\n"
                   ".subckt inv IN OUT XU1.VDD VSS\n"
@@ -121,9 +121,9 @@ static void test_text(void) {
 
 /* Test models as in a foundry's design kit. */
 static void test_kit(void) {
-  prepare();
-  g_autofree char *text =
-      annotate(", nmos: nfet, pmos: pfet, subcircuits: true, unit: 1 um", 1, 0);
+  gates_prepare();
+  g_autofree char *text = netlist_annotate(
+      ", nmos: nfet, pmos: pfet, subcircuits: true, unit: 1 um", 1, 0);
   g_assert_cmpstr(text, ==,
                   "* inv: sizes as printed after correction\n"
                   ".subckt inv IN OUT XU1.VDD VSS\n"
@@ -134,9 +134,9 @@ static void test_kit(void) {
 
 /* Test that without given models each device keeps its model of the netlist. */
 static void test_own_models(void) {
-  prepare();
+  gates_prepare();
   devices[0].model = "nfet_lvt";
-  g_autofree char *text = annotate(", pmos: pfet", 1, 0);
+  g_autofree char *text = netlist_annotate(", pmos: pfet", 1, 0);
   g_assert_nonnull(strstr(text, "MN OUT IN VSS VSS nfet_lvt w=210e-9"));
   g_assert_nonnull(strstr(text, "XU1.VDD pfet w=300e-9"));
   devices[0].model = NULL;
@@ -144,10 +144,10 @@ static void test_own_models(void) {
 
 /* Test equation 3.11: 5 nm + (62 nm - 57 nm) / 2, with lint of the card. */
 static void test_dlc(void) {
-  prepare();
+  gates_prepare();
   g_autofree char *cards = in_folder("cards.sp", card);
   g_autofree char *map = g_strdup_printf(", models: '%s'", cards);
-  g_autofree char *text = annotate(map, 1, 0);
+  g_autofree char *text = netlist_annotate(map, 1, 0);
   g_assert_nonnull(strstr(text,
                           ".model nmos_dlc250 nmos dlc=7.5e-9\n+ level=54 "
                           "version=4.5 toxe=1.8e-9 xl=-1e-8 LINT=5n "
@@ -158,7 +158,7 @@ static void test_dlc(void) {
   g_assert_cmpfloat(opc_test_metric("transistors"), ==, 2);
   /* The correction adds to a dlc given in the card. */
   area[1] = 61 * 300;
-  g_autofree char *both = annotate(map, 1, 0);
+  g_autofree char *both = netlist_annotate(map, 1, 0);
   g_assert_nonnull(strstr(both, ".model pmos_dlcm50 pmos dlc=6.5e-9\n"));
   g_assert_null(strstr(both, "dlc=7n"));
   area[1] = 60 * 300;
@@ -168,7 +168,7 @@ static void test_dlc(void) {
    explicitly, as the changed DLC would alter them: 0.6 XJ Cox, and DLC Cox -
    CGSL. */
 static void test_overlap(void) {
-  prepare();
+  gates_prepare();
   g_autofree char *cards =
       in_folder("overlap.sp",
                 ".model nmos nmos level=54 toxe=1.8e-9 xj=4e-8 lint=5n\n"
@@ -176,7 +176,7 @@ static void test_overlap(void) {
                 "cgdo=1e-10\n");
   g_autofree char *map = g_strdup_printf(", models: '%s'", cards);
   area[1] = 61 * 300;
-  g_autofree char *text = annotate(map, 1, 0);
+  g_autofree char *text = netlist_annotate(map, 1, 0);
   area[1] = 60 * 300;
   g_assert_nonnull(strstr(text,
                           "lint=5n cgso=4.6041736e-10 "
@@ -186,14 +186,14 @@ static void test_overlap(void) {
 
 /* Test that fingers become parallel devices. */
 static void test_fingers(void) {
-  prepare();
+  gates_prepare();
   eda_device both = devices[0], *before = circuit.device;
   both.fingers = 2;
   both.width = 1000;
   both.length = 59;
   circuit.device = &both;
   circuit.count = 1;
-  g_autofree char *drawn = annotate("", 0, 0);
+  g_autofree char *drawn = netlist_annotate("", 0, 0);
   g_assert_cmpstr(strchr(drawn, 'M'), ==,
                   "MN OUT IN VSS VSS nmos w=400e-9 l=59e-9\n"
                   "MN_f2 OUT IN VSS VSS nmos w=600e-9 l=59e-9\n"
@@ -204,8 +204,9 @@ static void test_fingers(void) {
 
 /* ---- errors ---- */
 
-static void refused(const char *map, int with_mask, const char *pattern) {
-  g_autofree char *message = annotate(map, with_mask, 1);
+static void assert_refused(const char *map, int with_mask,
+                           const char *pattern) {
+  g_autofree char *message = netlist_annotate(map, with_mask, 1);
   if (!g_pattern_match_simple(pattern, message))
     g_error("'%s' is not '%s'", message, pattern);
 }
@@ -213,24 +214,24 @@ static void refused(const char *map, int with_mask, const char *pattern) {
 static void refused_card(const char *text, const char *pattern) {
   g_autofree char *path = in_folder("bad.sp", text);
   g_autofree char *map = g_strdup_printf(", models: '%s'", path);
-  refused(map, 1, pattern);
+  assert_refused(map, 1, pattern);
 }
 
 static void test_refused(void) {
-  prepare();
-  refused(", state: after", 0, "a mask is needed for state 'after'");
+  gates_prepare();
+  assert_refused(", state: after", 0, "a mask is needed for state 'after'");
   leq[0] = NAN;
-  refused("", 1,
-          "netlist device 'MN' has no size: the gate '*' does not print");
+  assert_refused(
+      "", 1, "netlist device 'MN' has no size: the gate '*' does not print");
   leq[0] = 62;
   flags[0] = EDA_PRINT_OPEN;
-  refused("", 1, "netlist device 'MN' *:1' does not print well");
+  assert_refused("", 1, "netlist device 'MN' *:1' does not print well");
   flags[0] = EDA_PRINT_NECK;
-  g_autofree char *fine = annotate("", 1, 0);
+  g_autofree char *fine = netlist_annotate("", 1, 0);
   flags[0] = 0;
   eda_gates other = *circuit.gates;
   mask.gates = &other;
-  refused("", 1, "the mask and the circuit belong to different gates");
+  assert_refused("", 1, "the mask and the circuit belong to different gates");
   mask.gates = circuit.gates;
   refused_card("*\n", "'*bad.sp' has no model 'nmos'");
   refused_card(".model nmos nmos level=54 toxe='2*t'\n",
@@ -260,7 +261,7 @@ static void test_refused(void) {
 
 /* Return the values of all lines "NAME = NUMBER" in the output of ngspice, in
    order. */
-static GArray *simulate(const char *deck) {
+static GArray *deck_simulate(const char *deck) {
   g_autofree char *program = g_find_program_in_path("ngspice");
   if (!program) {
     g_test_skip("no ngspice");
@@ -293,7 +294,7 @@ static GArray *current_and_capacitance(const char *cards, const char *models,
       "ac lin 1 1e6 1e6\nlet qc=abs(imag(i(vh)))*1e9/6.2831853\nprint "
       "qc\n.endc\n.end\n",
       cards, models, transistor, transistor);
-  return simulate(deck);
+  return deck_simulate(deck);
 }
 
 #define AT(array, i) g_array_index(array, double, i)
@@ -301,10 +302,10 @@ static GArray *current_and_capacitance(const char *cards, const char *models,
 /* Test equation 3.13: the current is that of Leq, the capacitance that of a
    transistor of length area / Weq. */
 static void test_capacitance(void) {
-  prepare();
+  gates_prepare();
   g_autofree char *cards = in_folder("cards.sp", card);
   g_autofree char *map = g_strdup_printf(", models: '%s'", cards);
-  g_autofree char *text = annotate(map, 1, 0);
+  g_autofree char *text = netlist_annotate(map, 1, 0);
   *strstr(text, ".subckt") = '\0';
   g_autoptr(GArray) plain = current_and_capacitance(card + strlen("* cards\n"),
                                                     "", "nmos w=210n l=62n");
@@ -323,7 +324,7 @@ static void test_capacitance(void) {
 
 /* Test that drawn sizes give the results of the original netlist. */
 static void test_drawn(void) {
-  prepare();
+  gates_prepare();
   static const char *const original =
       ".subckt inv in out vdd vss\n"
       "mn out in vss vss nmos w=0.2u l=0.06u\n"
@@ -332,13 +333,13 @@ static void test_drawn(void) {
       "VDD s 0 1.1\nVI i 0 0.45\nX1 i o s 0 inv\nRL o 0 100k\n.control\nop\n"
       "let qv=v(o)\nprint qv\nlet qi=i(vdd)\nprint qi\ntf v(o) vi\n"
       "let qt=transfer_function\nprint qt\n.endc\n.end\n";
-  g_autofree char *text = annotate("", 0, 0);
+  g_autofree char *text = netlist_annotate("", 0, 0);
   g_autofree char *deck = g_strdup_printf("* deck\n%s%s%s", card, text, rest);
   g_autofree char *deck0 =
       g_strdup_printf("* deck\n%s%s%s", card, original, rest);
-  g_autoptr(GArray) got = simulate(deck);
+  g_autoptr(GArray) got = deck_simulate(deck);
   if (!got) return;
-  g_autoptr(GArray) wanted = simulate(deck0);
+  g_autoptr(GArray) wanted = deck_simulate(deck0);
   g_assert_cmpuint(got->len, ==, wanted->len);
   g_assert_cmpuint(got->len, >=, 2);
   g_test_message("%g V %g A", AT(got, 0), AT(got, 1));

@@ -6,7 +6,7 @@
 
 #include "graph.h"
 
-static double length_slack(const job *j, double nominal) {
+static double length_slack(const match_task *j, double nominal) {
   return fmax(j->tolerance * nominal, j->gates->grid) * (1 + 1e-9);
 }
 
@@ -22,7 +22,7 @@ static int refuse_device(graph *g, const eda_transistor *d, const char *fault) {
 /* ---- sizes ---- */
 
 static int check_length(graph *g, const eda_transistor *d, uint32_t gate) {
-  const job *j = g->j;
+  const match_task *j = g->j;
   double drawn = j->gates->length[gate];
   char name[256], fault[400];
   if (fabs(drawn - d->length) <= length_slack(j, d->length)) return OPC_OK;
@@ -33,7 +33,7 @@ static int check_length(graph *g, const eda_transistor *d, uint32_t gate) {
 
 static int check_width(graph *g, const eda_transistor *d, const uint32_t *gates,
                        uint32_t n) {
-  const job *j = g->j;
+  const match_task *j = g->j;
   double drawn = 0;
   for (uint32_t i = 0; i < n; i++) drawn += j->gates->width[gates[i]];
   char name[256], fault[400];
@@ -66,7 +66,7 @@ typedef struct choice {
    or the first of matching size if the place is unknown. If no size matches,
    return the first free gate. */
 static uint32_t best_gate(const choice *c, double width) {
-  const job *j = c->g->j;
+  const match_task *j = c->g->j;
   const eda_gates *o = j->gates;
   const eda_transistor *d = c->device;
   nm_point said = graph_place(c->g, d);
@@ -119,7 +119,7 @@ static int take_gates(choice *c, uint32_t owner, int alone, int one_each) {
 }
 
 int graph_assign(graph *g, const bundle *devices, const bundle *gates) {
-  job *j = g->j;
+  match_task *j = g->j;
   const side *n = &g->side[NETLIST], *l = &g->side[LAYOUT];
   choice c = {.g = g,
               .gate = l->member + gates->first,

@@ -20,7 +20,7 @@ typedef struct conductor {
 } conductor;
 
 typedef struct extractor {
-  job *j;
+  match_task *j;
   conductor layer[LAYERS];
   uint32_t first[LAYERS + 1]; /* first rectangle of each layer */
   uint32_t *parent;           /* union-find forest of all rectangles */
@@ -64,7 +64,7 @@ static void add_polygon(pieces *p, const eda_point *points, size_t n) {
 }
 
 static uint32_t group_of_placement(extractor *x, uint32_t p) {
-  job *j = x->j;
+  match_task *j = x->j;
   size_t room = x->placements;
   eda_pool_grow(&j->pool, &x->group_of, &room, (size_t)p + 1,
                 sizeof *x->group_of);
@@ -78,7 +78,7 @@ static uint32_t group_of_placement(extractor *x, uint32_t p) {
   return x->group_of[p];
 }
 
-static int refuse_slanted(const job *j, int layer, const eda_point *p,
+static int refuse_slanted(const match_task *j, int layer, const eda_point *p,
                           size_t n) {
   double nm = j->gates->grid;
   for (size_t i = 0; i < n; i++) {
@@ -94,7 +94,7 @@ static int refuse_slanted(const job *j, int layer, const eda_point *p,
   return OPC_OK;
 }
 
-static eda_shapes gates_of(const job *j, const region *group) {
+static eda_shapes gates_of(const match_task *j, const region *group) {
   pieces p = {0};
   for (size_t i = 0; i < group->gates; i++) {
     const eda_box *b = &j->gates->box[group->gate[i]];
@@ -122,7 +122,7 @@ static void add_box(extractor *x, conductor *c, eda_box box, uint32_t group) {
 /* Add the rectangles of a group on a layer; on active without gates. */
 static int load_group(extractor *x, int layer, uint32_t group,
                       const eda_shapes *own) {
-  job *j = x->j;
+  match_task *j = x->j;
   eda_shapes gates = {0}, merged = {0};
   eda_box *box = NULL;
   size_t boxes = 0;
@@ -163,7 +163,7 @@ static int load_shapes(extractor *x, int layer, const eda_flat *flat) {
 }
 
 static int load_layer(extractor *x, int layer) {
-  job *j = x->j;
+  match_task *j = x->j;
   conductor *c = &x->layer[layer];
   eda_flat flat = {0};
   int code = eda_layout_flatten(j->layout, j->top, j->layer[layer],
@@ -175,7 +175,7 @@ static int load_layer(extractor *x, int layer) {
 }
 
 static int layers_load(extractor *x) {
-  job *j = x->j;
+  match_task *j = x->j;
   size_t total = 0;
   for (int k = 0; k < LAYERS; k++) {
     x->first[k] = (uint32_t)total;
@@ -266,7 +266,7 @@ static terminals terminals_of(const extractor *x, size_t gate) {
 }
 
 static int find_terminals(extractor *x) {
-  job *j = x->j;
+  match_task *j = x->j;
   size_t n = j->gates->count;
   j->terminals = eda_pool_alloc(&j->pool, n, sizeof *j->terminals);
   for (size_t i = 0; i < n; i++) {
@@ -302,7 +302,7 @@ static uint32_t rectangle_below(const extractor *x, uint32_t group, eda_point p,
 /* Read the texts of a layer at the top level of groups, which label
    rectangles. */
 static int load_texts(extractor *x, int32_t layer) {
-  job *j = x->j;
+  match_task *j = x->j;
   eda_flat_texts texts;
   int code = eda_layout_flatten_texts(j->layout, j->top, layer, j->gates->grid,
                                       &texts, j->error);
@@ -334,7 +334,7 @@ static int by_group_of_label(const void *a, const void *b) {
 
 /* Sort the labels by group and join nets of a group with equal labels. */
 static int load_labels(extractor *x) {
-  job *j = x->j;
+  match_task *j = x->j;
   for (int k = 0; k < LAYERS; k++) {
     int done = j->text_layer[k] < 0;
     for (int i = 0; i < k; i++) done |= j->text_layer[i] == j->text_layer[k];
@@ -363,7 +363,7 @@ static int load_labels(extractor *x) {
 
 /* Number the nets in the order of the gates. */
 static void number_nets(extractor *x) {
-  job *j = x->j;
+  match_task *j = x->j;
   uint32_t *net = match_unknown(j, x->first[LAYERS]);
   for (size_t i = 0; i < j->gates->count; i++) {
     terminals *t = &j->terminals[i];
@@ -379,7 +379,7 @@ static void number_nets(extractor *x) {
     j->label[i].net = net[group_root(x, j->label[i].net)];
 }
 
-int match_extract(job *j) {
+int match_extract(match_task *j) {
   extractor x = {.j = j};
   int code = layers_load(&x);
   if (!code) {

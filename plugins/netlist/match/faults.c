@@ -111,7 +111,7 @@ static void tell_gates(finder *f, FILE *out) {
 
 int graph_tell(graph *g) {
   finder f = {.g = g};
-  job *j = g->j;
+  match_task *j = g->j;
   for (int r = 0; r < ROUNDS; r++)
     f.colour[r] = eda_pool_alloc(&j->pool, g->nodes, sizeof(uint64_t));
   f.left = eda_pool_alloc(&j->pool, g->nodes, sizeof *f.left);

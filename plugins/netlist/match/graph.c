@@ -32,7 +32,7 @@ nm_point graph_place(const graph *g, const eda_transistor *d) {
   return (nm_point){d->from->x * scale, d->from->y * scale};
 }
 
-nm_point graph_middle(const job *j, uint32_t gate) {
+nm_point graph_middle(const match_task *j, uint32_t gate) {
   const eda_box *b = &j->gates->box[gate];
   return (nm_point){j->gates->grid * ((double)b->x0 + b->x1) / 2,
                     j->gates->grid * ((double)b->y0 + b->y1) / 2};
@@ -58,8 +58,8 @@ static gboolean same_nets(const void *a, const void *b) {
 
 /* Merge a side's transistors, each given as a bundle of its own, into bundles
    in the order of their first members. */
-static void make_bundles(job *j, const bundle *parts, const uint32_t *member,
-                         size_t n, side *s) {
+static void make_bundles(match_task *j, const bundle *parts,
+                         const uint32_t *member, size_t n, side *s) {
   g_autoptr(GHashTable) known = g_hash_table_new(hash_nets, same_nets);
   bundle **of = eda_pool_alloc(&j->pool, n, sizeof *of);
   s->bundle = eda_pool_alloc(&j->pool, n, sizeof *s->bundle);
@@ -142,7 +142,7 @@ static void layout_side(graph *g, uint32_t *known) {
 /* Set the names of nets. Ports on both sides are counterparts; other common
    labels are hints. `known`: numbers of the nets of each side. */
 static int name_nets(graph *g, uint32_t *const known[SIDES]) {
-  job *j = g->j;
+  match_task *j = g->j;
   eda_names net_of_name = {.pool = &j->pool};
   uint8_t *is_port = eda_pool_alloc(&j->pool, g->flat.nets, 1);
   for (size_t i = 0; i < g->flat.ports; i++) is_port[g->flat.port[i]] = 1;
@@ -212,7 +212,7 @@ static void make_links(graph *g) {
   put_links(g, at);
 }
 
-int graph_make(job *j, const region *group, graph *g) {
+int graph_make(match_task *j, const region *group, graph *g) {
   *g = (graph){.j = j, .group = group};
   g->flat.pool = &j->pool;
   if (eda_netlist_flatten(&j->netlist, g->group->scope, &g->flat))

@@ -38,7 +38,7 @@ typedef struct arc {
 
 /* Nodes: nets of both sides, then bundles of both sides. */
 typedef struct graph {
-  job *j;
+  match_task *j;
   const region *group;
   eda_flat_netlist flat;
   side side[SIDES];
@@ -69,7 +69,7 @@ static inline uint64_t graph_mix(uint64_t a, uint64_t b) {
 nm_point graph_place(const graph *g, const eda_transistor *d);
 
 /* Return the centre of a gate, nm. */
-nm_point graph_middle(const job *j, uint32_t gate);
+nm_point graph_middle(const match_task *j, uint32_t gate);
 
 /* Return the distance of two places, nm; 0 if one is unknown. */
 double graph_distance(nm_point a, nm_point b);
@@ -81,7 +81,7 @@ uint64_t graph_hash(const char *name);
 void graph_sort(uint32_t *nodes, size_t n, const uint64_t *mark);
 
 /* graph.c: build the graph of a group. */
-int graph_make(job *j, const region *group, graph *out);
+int graph_make(match_task *j, const region *group, graph *out);
 
 /* faults.c: report the bundles without a counterpart. Returns the error
    code. */

@@ -99,7 +99,7 @@ static void test_nangate(void) {
     g_autofree char *map =
         g_strdup_printf("{ top: %s, grid: 2.5 nm }", k[i].cell);
     find_gates(&r, map);
-    same += check_cell(match(&r, cdl, "", NULL), k + i, e - i);
+    same += check_cell(circuit_match(&r, cdl, "", NULL), k + i, e - i);
     drop_gates(&r);
     cells_done++;
   }
@@ -128,7 +128,7 @@ static void test_placed(void) {
   if (!r.layout) return;
   g_autofree char *path = find_data("iscas85/c432/c432.sp");
   gint64 begin = g_get_monotonic_time();
-  const eda_circuit *c = match(&r, path, ", scale: 1.3", NULL);
+  const eda_circuit *c = circuit_match(&r, path, ", scale: 1.3", NULL);
   double seconds = (double)(g_get_monotonic_time() - begin) * 1e-6;
   g_test_message("%.3f s", seconds);
   g_assert_cmpfloat(seconds, <, 5);
@@ -145,7 +145,7 @@ static void test_placed(void) {
         g_strdup_printf("X%s/", c->gates->instance[d->finger[0]]);
     g_assert_true(g_str_has_prefix(d->name, start));
   }
-  drop(&r);
+  run_drop(&r);
 }
 
 /* Test a missing instance, and a cell other than that of the layout. */
@@ -165,12 +165,12 @@ static void test_placed_faults(void) {
     g_assert_cmpuint(g_strv_length(parts), ==, 2);
     g_autofree char *changed = g_strjoinv(cases[i].to, parts), *message = NULL;
     g_autofree char *bad = in_folder("c.sp", changed, -1);
-    g_assert_null(match(&r, bad, ", scale: 1.3", &message));
+    g_assert_null(circuit_match(&r, bad, ", scale: 1.3", &message));
     if (!g_pattern_match_simple(cases[i].pattern, message))
       g_error("'%s' is not '%s'", message, cases[i].pattern);
     drop_circuit(&r);
   }
-  drop(&r);
+  run_drop(&r);
 }
 
 int main(int argc, char **argv) {

@@ -22,13 +22,13 @@ typedef struct matcher {
 
 /* ---- work ---- */
 
-uint32_t *match_unknown(job *j, size_t n) {
+uint32_t *match_unknown(match_task *j, size_t n) {
   uint32_t *list = eda_pool_alloc(&j->pool, n, sizeof *list);
   for (size_t i = 0; i < n; i++) list[i] = UINT32_MAX;
   return list;
 }
 
-const char *match_gate_name(const job *j, size_t gate, char *buffer,
+const char *match_gate_name(const match_task *j, size_t gate, char *buffer,
                             size_t room) {
   const eda_gates *g = j->gates;
   snprintf(buffer, room, "%.200s:%u",
@@ -58,7 +58,7 @@ static void layer_names(int k, char name[3][16]) {
   snprintf(name[2], 16, "%d/0", k - METAL1 + 11);
 }
 
-static int find_layer(job *j, const opc_map *map, const char *parameter,
+static int find_layer(match_task *j, const opc_map *map, const char *parameter,
                       const char *key, int32_t *layer) {
   const char *name = NULL;
   for (size_t i = 0; i < map->count; i++)
@@ -73,7 +73,7 @@ static int find_layer(job *j, const opc_map *map, const char *parameter,
 /* Return 1 if the flow or layout names a wire or via layer. Unnamed layer
    numbers then do not follow FreePDK45; another process may use them for an
    implant. */
-static int wires_are_named(const job *j, const matcher *m) {
+static int wires_are_named(const match_task *j, const matcher *m) {
   for (int k = METAL1; k < LAYERS; k++) {
     char name[3][16];
     layer_names(k, name);
@@ -84,7 +84,7 @@ static int wires_are_named(const job *j, const matcher *m) {
   return 0;
 }
 
-static int find_layers(job *j, const matcher *m) {
+static int find_layers(match_task *j, const matcher *m) {
   char used[400] = "";
   size_t n = 0;
   int ways = wires_are_named(j, m) ? 2 : 3;
@@ -109,7 +109,7 @@ static int find_layers(job *j, const matcher *m) {
   return OPC_OK;
 }
 
-static int find_top(job *j) {
+static int find_top(match_task *j) {
   j->top = eda_layout_find_cell(j->layout, j->gates->name);
   if (j->top >= 0) return OPC_OK;
   return opc_fail(j->error, OPC_INVALID, "layout",
@@ -117,7 +117,7 @@ static int find_top(job *j) {
                   j->gates->name);
 }
 
-static int match_netlist(job *j, const matcher *m, eda_circuit **out) {
+static int match_netlist(match_task *j, const matcher *m, eda_circuit **out) {
   eda_netlist *n = &j->netlist;
   if (find_top(j) || find_layers(j, m) || eda_netlist_read(n, m->file))
     return j->error->code;
@@ -144,16 +144,16 @@ static int match_netlist(job *j, const matcher *m, eda_circuit **out) {
 static int match_run(void *self, void **outputs, opc_error *error) {
   const matcher *m = self;
   eda_circuit *circuit = NULL;
-  job j = {.host = m->host,
-           .error = error,
-           .layout = m->layout,
-           .gates = m->gates,
-           .ignore_hierarchy = m->flat,
-           .tolerance = m->tolerance / 100,
-           .netlist = {.error = error,
-                       .scale = m->scale,
-                       .n_models = m->n_models,
-                       .p_models = m->p_models}};
+  match_task j = {.host = m->host,
+                  .error = error,
+                  .layout = m->layout,
+                  .gates = m->gates,
+                  .ignore_hierarchy = m->flat,
+                  .tolerance = m->tolerance / 100,
+                  .netlist = {.error = error,
+                              .scale = m->scale,
+                              .n_models = m->n_models,
+                              .p_models = m->p_models}};
   int code = match_netlist(&j, m, &circuit);
   outputs[0] = circuit;
   eda_netlist_clear(&j.netlist);

@@ -35,7 +35,7 @@ typedef struct terminals {
   uint32_t gate, low, high;
 } terminals;
 
-typedef struct job {
+typedef struct match_task {
   const opc_host *host;
   opc_error *error;
   eda_pool pool;
@@ -62,29 +62,29 @@ typedef struct job {
   eda_flat_netlist flat; /* the whole netlist */
   uint32_t *owner;       /* device of each gate; UINT32_MAX: none */
   size_t by_order;       /* number of choices decided by the order alone */
-} job;
+} match_task;
 
 /* Return an array of `n` numbers, all UINT32_MAX, owned by the pool. */
-uint32_t *match_unknown(job *j, size_t n);
+uint32_t *match_unknown(match_task *j, size_t n);
 
 /* Return "NAME:NUMBER" of a gate, for messages, in `buffer`. */
-const char *match_gate_name(const job *j, size_t gate, char *buffer,
+const char *match_gate_name(const match_task *j, size_t gate, char *buffer,
                             size_t room);
 
 /* pairing.c: assign subcircuits to parts of the layout. */
-int match_pair(job *j, const eda_scope *top);
+int match_pair(match_task *j, const eda_scope *top);
 /* Return the group of an instance path; UINT32_MAX: none. */
-uint32_t match_group_of(const job *j, const char *path);
+uint32_t match_group_of(const match_task *j, const char *path);
 
 /* extract.c: extract the connectivity of the layout. */
-int match_extract(job *j);
+int match_extract(match_task *j);
 
 /* solve.c: assign the devices of all groups to gates. Sets j->owner. */
-int match_solve(job *j);
+int match_solve(match_task *j);
 
 /* output.c: return the circuit, from the flat netlist and the owners of the
    gates. `supply` and `ground` are lists of net names separated by blanks.
    match_publish writes the table of devices and the metrics. */
-eda_circuit *match_circuit(const job *j, const char *name, const char *supply,
-                           const char *ground);
-int match_publish(job *j, const eda_circuit *circuit);
+eda_circuit *match_circuit(const match_task *j, const char *name,
+                           const char *supply, const char *ground);
+int match_publish(match_task *j, const eda_circuit *circuit);

@@ -86,15 +86,15 @@ static void test_cells(void) {
     g_autofree char *text = netlist_of(cells[i]);
     g_autofree char *bare = without_places(text);
     g_autofree char *path = in_folder("a.sp", text, -1);
-    check_places(match(&r, path, "", NULL), text, 1);
+    check_places(circuit_match(&r, path, "", NULL), text, 1);
     g_assert_cmpfloat(opc_test_metric("by_order"), ==, 0);
     drop_circuit(&r);
     g_autofree char *bare_path = in_folder("b.sp", bare, -1);
     /* Only the chain has interchangeable fingers. */
     int chain = strcmp(cells[i], "inverter_chain") == 0;
-    check_places(match(&r, bare_path, "", NULL), text, !chain);
+    check_places(circuit_match(&r, bare_path, "", NULL), text, !chain);
     g_assert_cmpfloat(opc_test_metric("by_order"), ==, chain ? 108 : 0);
-    drop(&r);
+    run_drop(&r);
   }
 }
 
@@ -110,17 +110,17 @@ static void test_no_labels(void) {
                 "MP1 P3 P1 P4 P4 pmos w=0.45u l=0.065u\n"
                 "MP2 P3 P2 P4 P4 pmos w=0.45u l=0.065u\n.ends\n",
                 -1);
-  const eda_circuit *c = match(&r, path, "", NULL);
+  const eda_circuit *c = circuit_match(&r, path, "", NULL);
   for (uint32_t i = 0; i < 4; i++)
     g_assert_cmpuint(c->device[i].finger[0], ==, i);
-  drop(&r);
+  run_drop(&r);
 }
 
 static void test_roles(void) {
   run r = read_cell("nand2");
   g_autofree char *text = netlist_of("nand2");
   g_autofree char *path = in_folder("a.sp", text, -1);
-  const eda_circuit *c = match(&r, path, "", NULL);
+  const eda_circuit *c = circuit_match(&r, path, "", NULL);
   static const uint8_t usual[] = {EDA_PIN_INPUT, EDA_PIN_INPUT, EDA_PIN_OUTPUT,
                                   EDA_PIN_SUPPLY, EDA_PIN_GROUND};
   g_assert_cmpuint(c->ports, ==, 5);
@@ -128,11 +128,11 @@ static void test_roles(void) {
   g_assert_cmpstr(c->name, ==, "nand2");
   g_assert_cmpuint(c->nets, ==, 6);
   drop_circuit(&r);
-  c = match(&r, path, ", supply: 'vcc a', ground: 'vdd'", NULL);
+  c = circuit_match(&r, path, ", supply: 'vcc a', ground: 'vdd'", NULL);
   static const uint8_t odd[] = {EDA_PIN_SUPPLY, EDA_PIN_INPUT, EDA_PIN_OUTPUT,
                                 EDA_PIN_GROUND, EDA_PIN_OUTPUT};
   g_assert_cmpmem(c->role, 5, odd, 5);
-  drop(&r);
+  run_drop(&r);
 }
 
 /* ---- notations ---- */
@@ -177,7 +177,7 @@ static void test_fingers(void) {
                   "mp z a p p pmos l=65n w=wp nf='f'\n.ends\n",
                   -1);
     g_autofree char *path = in_folder("a.sp", s->str, -1);
-    const eda_circuit *c = match(&r, path, ", tolerance: 2 %", NULL);
+    const eda_circuit *c = circuit_match(&r, path, ", tolerance: 2 %", NULL);
     g_assert_cmpuint(c->count, ==, 12);
     for (uint32_t i = 0; i < 12; i++) {
       g_assert_cmpuint(c->device[i].fingers, ==, fingers[i / 2]);
@@ -187,7 +187,7 @@ static void test_fingers(void) {
     g_string_free(s, TRUE);
     drop_circuit(&r);
   }
-  drop(&r);
+  run_drop(&r);
 }
 
 /* Test sizes in micrometres, a wrapped transistor, models by name, globals. */
@@ -201,14 +201,14 @@ static void test_units(void) {
       "Xn y a vss vss some_nfet_01v8 w=0.15 l=0.0325\n"
       "Mp y a vdd vdd strange w=0.225 l=0.0325\n.ends\n.end\nwhatever\n",
       -1);
-  const eda_circuit *c = match(&r, path, ", scale: 2", NULL);
+  const eda_circuit *c = circuit_match(&r, path, ", scale: 2", NULL);
   g_assert_cmpuint(c->ports, ==, 4);
   g_assert_cmpstr(net(c, c->port[2]), ==, "VDD");
   g_assert_cmpint(c->role[2], ==, EDA_PIN_SUPPLY);
   g_assert_cmpint(c->role[3], ==, EDA_PIN_GROUND);
   g_assert_cmpint(c->device[0].type, ==, EDA_NMOS);
   g_assert_cmpfloat(fabs(c->device[1].width - 450), <, 1e-9);
-  drop(&r);
+  run_drop(&r);
 }
 
 /* Test a tree of 2^40 instances without a transistor. */
@@ -223,20 +223,20 @@ static void test_empty(void) {
   g_string_append_printf(netlist, "%.*sxe A e40\n%s", (int)(end - text), text,
                          end);
   g_autofree char *path = in_folder("empty.sp", netlist->str, -1);
-  check_places(match(&r, path, "", NULL), text, 1);
-  drop(&r);
+  check_places(circuit_match(&r, path, "", NULL), text, 1);
+  run_drop(&r);
 }
 
 /* ---- faults ---- */
 
-static void refused(const char *cell, const char *netlist, const char *rest,
-                    const char *pattern) {
+static void assert_refused(const char *cell, const char *netlist,
+                           const char *rest, const char *pattern) {
   run r = read_cell(cell);
   g_autofree char *path = in_folder("f.sp", netlist, -1), *message = NULL;
-  const eda_circuit *c = match(&r, path, rest, &message);
+  const eda_circuit *c = circuit_match(&r, path, rest, &message);
   if (c || !g_pattern_match_simple(pattern, message))
     g_error("'%s' is not '%s'", message, pattern);
-  drop(&r);
+  run_drop(&r);
 }
 
 /* Expect an error for a NAND2 with one line replaced. */
@@ -246,7 +246,7 @@ static void refused_line(int line, const char *instead, const char *pattern) {
   g_free(lines[line - 1]);
   lines[line - 1] = g_strdup(instead);
   g_autofree char *changed = g_strjoinv("\n", lines);
-  refused("nand2", changed, "", pattern);
+  assert_refused("nand2", changed, "", pattern);
 }
 
 static void test_mismatch(void) {
@@ -274,10 +274,10 @@ static void test_mismatch(void) {
                "netlist device 'MP3' (*f.sp:8) has no gate in the layout");
   refused_line(3, ".subckt nand3 A B Y VDD VSS",
                "*:8:7: .ends of 'nand2' in 'nand3'");
-  refused("nor2", "*\n.subckt other a\n.ends\n", "",
-          "'*f.sp' has no subcircuit 'nor2'; it has 'other'");
-  refused("nor2", "*\n", ", layers: { metal1: M1 }",
-          "the layout has no layer 'M1' for 'metal1'");
+  assert_refused("nor2", "*\n.subckt other a\n.ends\n", "",
+                 "'*f.sp' has no subcircuit 'nor2'; it has 'other'");
+  assert_refused("nor2", "*\n", ", layers: { metal1: M1 }",
+                 "the layout has no layer 'M1' for 'metal1'");
 }
 
 static void test_syntax(void) {
@@ -330,11 +330,11 @@ static void test_syntax(void) {
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     g_autofree char *text =
         g_strdup_printf("* title\n.subckt nand2 a\n%s\n.ends\n", cases[i].text);
-    refused("nand2", text, "", cases[i].pattern);
+    assert_refused("nand2", text, "", cases[i].pattern);
   }
-  refused("nand2", "* no end\n.subckt nand2 a", "",
-          "*:2:9: 'nand2' has no .ends");
-  refused("nand2", "* plus\n+ a", "", "*:2:1: '+' continues nothing");
+  assert_refused("nand2", "* no end\n.subckt nand2 a", "",
+                 "*:2:9: 'nand2' has no .ends");
+  assert_refused("nand2", "* plus\n+ a", "", "*:2:1: '+' continues nothing");
 }
 
 /* Test that truncated or garbled files are refused or matched, without other
@@ -350,14 +350,14 @@ static void test_garbage(void) {
       cut[g_rand_int_range(random, 0, (int)n)] =
           "()='{}$*+./x9M \n\t\xff"[g_rand_int_range(random, 0, 18)];
     g_autofree char *path = in_folder("g.sp", cut, (gssize)(i < n ? i : n));
-    good += match(&r, path, "", &message) != NULL;
+    good += circuit_match(&r, path, "", &message) != NULL;
     drop_circuit(&r);
   }
   g_rand_free(random);
   g_test_message("%zu matched", good);
   g_assert_cmpuint(good, >, 100);
   g_assert_cmpuint(good, <, 1000);
-  drop(&r);
+  run_drop(&r);
 }
 
 /* ---- layouts by hand ---- */
@@ -404,7 +404,7 @@ static void test_contacts(void) {
     for (int k = 0; k < 2; k++) {
       g_autofree char *path = in_folder("c.sp", netlists[k], -1),
                       *message = NULL;
-      const eda_circuit *c = match(&r, path, "", &message);
+      const eda_circuit *c = circuit_match(&r, path, "", &message);
       g_assert_true((c != NULL) == (k == joined));
       drop_circuit(&r);
     }
@@ -436,7 +436,7 @@ static void test_same_label(void) {
     find_gates(&r, "{}");
     g_autofree char *path = in_folder("l.sp", ring, -1), *message = NULL;
     const eda_circuit *c =
-        match(&r, path, ", labels: { active: pins }", &message);
+        circuit_match(&r, path, ", labels: { active: pins }", &message);
     g_assert_true((c != NULL) == labelled);
     drop_gates(&r);
     eda_layout_free(r.layout);
@@ -464,7 +464,7 @@ static void test_hints(void) {
         "M2 c p d z nmos w=200n l=65n\n.ends\n",
         by_name ? 200 : 300);
     g_autofree char *path = in_folder("h.sp", deck, -1);
-    const eda_circuit *c = match(&r, path, "", NULL);
+    const eda_circuit *c = circuit_match(&r, path, "", NULL);
     g_assert_cmpuint(c->device[0].finger[0], ==, 1);
     g_assert_cmpuint(c->device[1].finger[0], ==, 0);
     g_assert_cmpfloat(opc_test_metric("by_order"), ==, 0);
@@ -506,7 +506,7 @@ static void test_orientations(void) {
                   ".subckt middle x y\nXU1 x x y y y pair\n.ends\n"
                   ".subckt top\nXU0 1 2 middle\n.ends\n",
                   -1);
-    const eda_circuit *c = match(&r, path, "", NULL);
+    const eda_circuit *c = circuit_match(&r, path, "", NULL);
     g_assert_cmpstr(c->device[0].name, ==, "XU0/XU1/M1");
     g_assert_cmpfloat(opc_test_metric("by_order"), ==, 0);
     /* The place of the gate of M1, at (182.5, 100) in its cell. */
@@ -541,7 +541,7 @@ static void test_numbers(void) {
     g_autofree char *message = NULL;
     g_autofree char *path = in_folder(
         "v.sp", "*\n.subckt one\nM1 a b c d n w=200n l=65n\n.ends\n", -1);
-    const eda_circuit *c = match(&r, path, "", &message);
+    const eda_circuit *c = circuit_match(&r, path, "", &message);
     if (named)
       g_assert_nonnull(c);
     else
@@ -563,7 +563,7 @@ static void test_slanted(void) {
   g_autofree char *message = NULL;
   g_autofree char *path =
       in_folder("s.sp", "*\n.subckt pair\nM1 a b c d n w=1 l=1\n.ends\n", -1);
-  g_assert_null(match(&r, path, "", &message));
+  g_assert_null(circuit_match(&r, path, "", &message));
   g_assert_cmpstr(message, ==,
                   "layer 'metal1' has a slanted edge from (100, 300) to (0, "
                   "400) nm; only edges along x and y can be followed");

@@ -41,8 +41,9 @@ static inline void find_gates(run *r, const char *map) {
 }
 
 /* Return the circuit, or NULL and the message. */
-static inline const eda_circuit *match(run *r, const char *netlist,
-                                       const char *rest, char **message) {
+static inline const eda_circuit *circuit_match(run *r, const char *netlist,
+                                               const char *rest,
+                                               char **message) {
   opc_error error;
   g_autofree char *map = g_strdup_printf("{ file: '%s'%s }", netlist, rest);
   r->match = module_of("netlist.match", map);
@@ -66,7 +67,7 @@ static inline void drop_gates(run *r) {
   opc_test_module_free(r->segment);
 }
 
-static inline void drop(run *r) {
+static inline void run_drop(run *r) {
   drop_gates(r);
   opc_test_release(r->read, &r->layout);
   opc_test_module_free(r->read);

@@ -12,7 +12,7 @@ static const char *own_text(eda_circuit *c, const char *text) {
   return eda_pool_text(&c->memory, text, strlen(text));
 }
 
-static void put_devices(const job *j, eda_circuit *c) {
+static void put_devices(const match_task *j, eda_circuit *c) {
   const eda_gates *g = j->gates;
   for (size_t i = 0; i < c->count; i++) {
     const eda_transistor *d = &j->flat.device[i];
@@ -52,8 +52,8 @@ static void put_roles(eda_circuit *c, const char *supply, const char *ground) {
   }
 }
 
-eda_circuit *match_circuit(const job *j, const char *name, const char *supply,
-                           const char *ground) {
+eda_circuit *match_circuit(const match_task *j, const char *name,
+                           const char *supply, const char *ground) {
   const eda_flat_netlist *f = &j->flat;
   eda_circuit *c =
       eda_circuit_new(j->gates, name, f->nets, f->ports, f->devices);
@@ -66,7 +66,7 @@ eda_circuit *match_circuit(const job *j, const char *name, const char *supply,
 
 /* ---- reports ---- */
 
-static const char *gate_names(job *j, const eda_device *d) {
+static const char *gate_names(match_task *j, const eda_device *d) {
   g_autoptr(GString) text = g_string_new(NULL);
   for (uint32_t i = 0; i < d->fingers; i++) {
     char name[256];
@@ -76,7 +76,7 @@ static const char *gate_names(job *j, const eda_device *d) {
   return eda_pool_text(&j->pool, text->str, text->len);
 }
 
-static int publish_table(job *j, const eda_circuit *c) {
+static int publish_table(match_task *j, const eda_circuit *c) {
   typedef struct row {
     const char *device, *type, *drain, *gate, *source, *gates;
     double length, width;
@@ -107,7 +107,7 @@ static int publish_table(job *j, const eda_circuit *c) {
                       OPC_ARRAY(columns), j->error);
 }
 
-int match_publish(job *j, const eda_circuit *c) {
+int match_publish(match_task *j, const eda_circuit *c) {
   const opc_metric_value values[] = {{"devices", (double)c->count},
                                      {"gates", (double)j->gates->count},
                                      {"nets", (double)c->nets},

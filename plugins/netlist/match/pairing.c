@@ -11,7 +11,7 @@
 
 enum { AMBIGUOUS = UINT32_MAX - 1 };
 
-static void add_group(job *j, const region *g) {
+static void add_group(match_task *j, const region *g) {
   eda_pool_grow(&j->pool, &j->group, &j->room_groups, j->groups + 1,
                 sizeof *j->group);
   *eda_names_add(&j->group_of, g->path) = (uint32_t)j->groups;
@@ -19,7 +19,7 @@ static void add_group(job *j, const region *g) {
 }
 
 /* List the names of the single instances of a cell. */
-static void list_instances(job *j, int32_t cell, eda_names *names) {
+static void list_instances(match_task *j, int32_t cell, eda_names *names) {
   for (size_t i = 0; i < eda_layout_instances(j->layout, cell); i++) {
     eda_placement p;
     int32_t child;
@@ -40,19 +40,19 @@ static int64_t by_name(const eda_names *names, const eda_element *e) {
 }
 
 /* Return the name of an instance, and set its cell. */
-static const char *instance_name(const job *j, int32_t cell, int64_t i,
+static const char *instance_name(const match_task *j, int32_t cell, int64_t i,
                                  int32_t *child) {
   eda_placement p;
   return eda_layout_instance(j->layout, cell, (size_t)i, child, &p);
 }
 
-static int is_cell(const job *j, int32_t cell, const char *name) {
+static int is_cell(const match_task *j, int32_t cell, const char *name) {
   return eda_same_name(eda_layout_cell_name(j->layout, cell), name);
 }
 
 /* Return the number of elements with an instance of their name and cell in the
    layout. */
-static size_t count_pairs(const job *j, const region *g,
+static size_t count_pairs(const match_task *j, const region *g,
                           const eda_names *names) {
   const eda_subcircuit *s = g->scope->of;
   size_t pairs = 0;
@@ -68,9 +68,9 @@ static size_t count_pairs(const job *j, const region *g,
   return pairs;
 }
 
-static int pair_region(job *j, const region *g);
+static int pair_region(match_task *j, const region *g);
 
-static int pair_element(job *j, const region *g, const eda_element *e,
+static int pair_element(match_task *j, const region *g, const eda_element *e,
                         const eda_names *names, uint64_t first) {
   char where[256];
   int64_t at = by_name(names, e);
@@ -97,7 +97,7 @@ static int pair_element(job *j, const region *g, const eda_element *e,
   return pair_region(j, &below);
 }
 
-static int pair_region(job *j, const region *g) {
+static int pair_region(match_task *j, const region *g) {
   eda_names names = {.pool = &j->pool};
   const eda_subcircuit *s = g->scope->of;
   if (!j->ignore_hierarchy) list_instances(j, g->cell, &names);
@@ -116,7 +116,7 @@ static int pair_region(job *j, const region *g) {
 }
 
 /* Returns the deepest group that contains the path. */
-uint32_t match_group_of(const job *j, const char *path) {
+uint32_t match_group_of(const match_task *j, const char *path) {
   g_autofree char *part = g_strdup(path);
   for (;;) {
     uint32_t *at = eda_names_find(&j->group_of, part);
@@ -127,7 +127,7 @@ uint32_t match_group_of(const job *j, const char *path) {
 }
 
 /* List the gates of each group, in order. */
-static void list_gates(job *j) {
+static void list_gates(match_task *j) {
   const eda_gates *g = j->gates;
   uint32_t *list = eda_pool_alloc(&j->pool, g->count, sizeof *list);
   j->of_group = eda_pool_alloc(&j->pool, g->count, sizeof *j->of_group);
@@ -146,7 +146,7 @@ static void list_gates(job *j) {
     if (j->of_group[i] != UINT32_MAX) *end[j->of_group[i]]++ = (uint32_t)i;
 }
 
-int match_pair(job *j, const eda_scope *top) {
+int match_pair(match_task *j, const eda_scope *top) {
   j->group_of.pool = &j->pool;
   region whole = {.scope = top, .cell = j->top, .path = ""};
   int code = pair_region(j, &whole);

@@ -22,7 +22,7 @@ static int by_value(const void *a, const void *b) {
 /* Mark the nodes of a class by length or width; equal within tolerance. */
 static void mark_sizes(partition *p, uint32_t class, int by_width,
                        sized *list) {
-  const job *j = p->g->j;
+  const match_task *j = p->g->j;
   uint32_t n = 0;
   for (uint32_t i = p->begin[class]; i < p->end[class]; i++) {
     const bundle *b = graph_bundle(p->g, p->order[i]);
@@ -91,7 +91,7 @@ static uint32_t gate_candidates(const partition *p, uint32_t node,
    connectivity, so the first choice is almost always valid. */
 static int choose_counterpart(partition *p, uint32_t node, sized *list) {
   uint32_t n = gate_candidates(p, node, list);
-  job *j = p->g->j;
+  match_task *j = p->g->j;
   j->by_order += isnan(graph_bundle(p->g, node)->middle.x);
   for (uint32_t i = 0; i < n; i++) {
     uint32_t before = p->classes;
@@ -137,7 +137,7 @@ static int bundle_corresponds(const partition *p, const bundle *a,
          (of[n + a->a] == of[l + b->b] && of[n + a->b] == of[l + b->a]);
 }
 
-static int solve_group(job *j, const region *group) {
+static int solve_group(match_task *j, const region *group) {
   graph g;
   partition p;
   if (graph_make(j, group, &g)) return j->error->code;
@@ -153,7 +153,7 @@ static int solve_group(job *j, const region *group) {
   return OPC_OK;
 }
 
-int match_solve(job *j) {
+int match_solve(match_task *j) {
   j->owner = match_unknown(j, j->gates->count);
   j->known = match_unknown(j, j->nets);
   for (size_t k = 0; k < j->groups; k++) {

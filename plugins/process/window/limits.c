@@ -6,16 +6,16 @@
 #include "window.h"
 
 /* Sequence of foci at the nominal dose, or of doses at one focus. */
-typedef struct walk {
+typedef struct line_scan {
   const window *w;
   opc_reals place;
   size_t focus;
   int along_focus;
-} walk;
+} line_scan;
 
 /* Return the length deviation of a gate at place i, % of the drawn length; NAN:
    not printed. */
-static double gate_deviation(const walk *k, size_t i, size_t gate) {
+static double gate_deviation(const line_scan *k, size_t i, size_t gate) {
   const window *w = k->w;
   size_t focus = k->along_focus ? i : k->focus;
   size_t dose = k->along_focus ? w->nominal_dose : i;
@@ -23,7 +23,7 @@ static double gate_deviation(const walk *k, size_t i, size_t gate) {
                        w->gates->length[gate]);
 }
 
-static int place_valid(const walk *k, size_t i) {
+static int place_valid(const line_scan *k, size_t i) {
   for (size_t gate = 0; gate < k->w->gates->count; gate++)
     if (!(fabs(gate_deviation(k, i, gate)) <= k->w->tolerance)) return 0;
   return 1;
@@ -31,7 +31,7 @@ static int place_valid(const walk *k, size_t i) {
 
 /* Return the place between the valid place i and its neighbour `to` where the
    first gate leaves the tolerance; place i if a gate does not print at `to`. */
-static double place_leaves(const walk *k, size_t i, size_t to) {
+static double place_leaves(const line_scan *k, size_t i, size_t to) {
   const double *place = k->place.values;
   double t = k->w->tolerance, least = 1;
   for (size_t gate = 0; gate < k->w->gates->count; gate++) {
@@ -42,7 +42,7 @@ static double place_leaves(const walk *k, size_t i, size_t to) {
   return place[i] + least * (place[to] - place[i]);
 }
 
-static void interval_widest(const walk *k, double *low, double *high) {
+static void interval_widest(const line_scan *k, double *low, double *high) {
   const double *place = k->place.values;
   size_t n = k->place.count;
   *low = *high = NAN;
@@ -58,9 +58,9 @@ static void interval_widest(const walk *k, double *low, double *high) {
 
 void window_limits(window *w) {
   for (size_t f = 0; f < w->focus.count; f++) {
-    walk k = {.w = w, .place = w->dose, .focus = f};
+    line_scan k = {.w = w, .place = w->dose, .focus = f};
     interval_widest(&k, &w->low[f], &w->high[f]);
   }
-  walk k = {.w = w, .place = w->focus, .along_focus = 1};
+  line_scan k = {.w = w, .place = w->focus, .along_focus = 1};
   interval_widest(&k, &w->depth_low, &w->depth_high);
 }

@@ -29,8 +29,8 @@ static double ioff_of(double width, double length) {
   return width * exp(-length / 10);
 }
 
-static int extract(const void *self, const eda_slices *in, eda_performance *out,
-                   opc_error *error) {
+static int length_extract(const void *self, const eda_slices *in,
+                          eda_performance *out, opc_error *error) {
   (void)self;
   (void)error;
   for (size_t i = 0; i < in->count; i++) {
@@ -45,10 +45,10 @@ static int extract(const void *self, const eda_slices *in, eda_performance *out,
 }
 
 static const eda_extractor devices = {
-    .prepare = no_devices, .slicing = in_the_middle, .extract = extract};
+    .prepare = no_devices, .slicing = in_the_middle, .extract = length_extract};
 static opc_module extractor = {&devices, NULL, "extractor.simple"};
 
-static void run(const char *mapping, const eda_litho *litho, lines *l) {
+static void window_run(const char *mapping, const eda_litho *litho, lines *l) {
   opc_error error;
   if (run_with(mapping, litho, &extractor, l, &error))
     g_error("%s", error.message);
@@ -75,19 +75,19 @@ static double log_ioff(double defocus, double dose, double length) {
 
 /* ---- tests ---- */
 
-static void near(double got, double want, double error) {
+static void assert_near(double got, double want, double error) {
   if (!(fabs(got - want) <= error)) g_error("%.10g, not %.10g", got, want);
 }
 
 /* Test two lengths of each type: mean, spread, extremes and sums. */
 static void test_places(void) {
   lines l;
-  make(&l);
+  lines_make(&l);
   const double lengths[] = {65, 70, 66, 75}; /* n, p, n, p */
   memcpy(l.length, lengths, sizeof lengths);
-  run("{ " LITHO ", " RESIST
-      ", dose: [-4 %, 0 %, 3 %], defocus: [-90 nm, 0 nm] }",
-      &with_focus, &l);
+  window_run("{ " LITHO ", " RESIST
+             ", dose: [-4 %, 0 %, 3 %], defocus: [-90 nm, 0 nm] }",
+             &with_focus, &l);
   const double focus[] = {-90, 0}, dose[] = {-4, 0, 3};
   double sd_max = 0, worst_max = 0, leakage_max = 0;
   for (int k = 0; k < 6; k++) {
@@ -102,26 +102,28 @@ static void test_places(void) {
           ioff * exp(log_ioff(focus[k / 3], dose[k % 3], lengths[i]));
     }
     printed[2] = printed[0] + printed[1];
-    near(column("performance_window", "ion_n")[k], (off[0] + off[2]) / 2, 1e-3);
-    near(column("performance_window", "ion_p")[k], (off[1] + off[3]) / 2, 1e-3);
-    near(column("performance_window", "sd_n")[k], fabs(off[0] - off[2]) / 2,
-         1e-3);
-    near(column("performance_window", "sd_p")[k], fabs(off[1] - off[3]) / 2,
-         1e-3);
-    near(column("performance_window", "ion_worst")[k], worst, 1e-3);
-    near(column("performance_window", "leakage_n")[k], printed[0] / as_drawn[0],
-         1e-4);
-    near(column("performance_window", "leakage_p")[k], printed[1] / as_drawn[1],
-         1e-4);
-    near(column("performance_window", "leakage")[k], printed[2] / as_drawn[2],
-         1e-4);
+    assert_near(column("performance_window", "ion_n")[k], (off[0] + off[2]) / 2,
+                1e-3);
+    assert_near(column("performance_window", "ion_p")[k], (off[1] + off[3]) / 2,
+                1e-3);
+    assert_near(column("performance_window", "sd_n")[k],
+                fabs(off[0] - off[2]) / 2, 1e-3);
+    assert_near(column("performance_window", "sd_p")[k],
+                fabs(off[1] - off[3]) / 2, 1e-3);
+    assert_near(column("performance_window", "ion_worst")[k], worst, 1e-3);
+    assert_near(column("performance_window", "leakage_n")[k],
+                printed[0] / as_drawn[0], 1e-4);
+    assert_near(column("performance_window", "leakage_p")[k],
+                printed[1] / as_drawn[1], 1e-4);
+    assert_near(column("performance_window", "leakage")[k],
+                printed[2] / as_drawn[2], 1e-4);
     sd_max = fmax(sd_max, fabs(off[1] - off[3]) / 2);
     worst_max = fmax(worst_max, fabs(worst));
     leakage_max = fmax(leakage_max, printed[2] / as_drawn[2]);
   }
-  near(opc_test_metric("ion_sd_max"), sd_max, 1e-3);
-  near(opc_test_metric("ion_worst"), worst_max, 1e-3);
-  near(opc_test_metric("leakage_max"), leakage_max, 1e-3);
+  assert_near(opc_test_metric("ion_sd_max"), sd_max, 1e-3);
+  assert_near(opc_test_metric("ion_worst"), worst_max, 1e-3);
+  assert_near(opc_test_metric("leakage_max"), leakage_max, 1e-3);
   g_assert_cmpfloat(opc_test_metric("transistors_failed_max"), ==, 0);
   g_assert_cmpfloat(opc_test_metric("outside_max"), ==, 0);
 }
@@ -146,7 +148,7 @@ static double count_area(int ion, int ioff, double a, double b) {
 static void test_area(void) {
   lines l;
   double ils, length = length_at(60, 0, &ils);
-  make(&l);
+  lines_make(&l);
   for (int i = 0; i < GATES; i++) {
     l.length[i] = i == 2 ? 1.03 * length : length;
   }
@@ -158,7 +160,7 @@ static void test_area(void) {
   for (int f = -12; f <= 12; f++)
     g_string_append_printf(mapping, "%s%d nm", f > -12 ? ", " : "", 10 * f);
   g_string_append(mapping, "] }");
-  run(mapping->str, &with_focus, &l);
+  window_run(mapping->str, &with_focus, &l);
   static const struct {
     int ion, ioff;
     const char *name;
@@ -180,12 +182,12 @@ static void test_between(void) {
   enum { N = 1500 };
   lines l;
   double ils, length = length_at(0, 0, &ils);
-  make(&l);
+  lines_make(&l);
   for (int i = 0; i < GATES; i++) l.length[i] = length;
-  run("{ " LITHO ", " RESIST
-      ", ion_limit: 4 %, ioff_limit: 20 %, dose: [-7 %, 6 %], "
-      "defocus: [0 nm, 140 nm] }",
-      &with_focus, &l);
+  window_run("{ " LITHO ", " RESIST
+             ", ion_limit: 4 %, ioff_limit: 20 %, dose: [-7 %, 6 %], "
+             "defocus: [0 nm, 140 nm] }",
+             &with_focus, &l);
   size_t good[3] = {0};
   for (int i = 0; i < N; i++)
     for (int k = 0; k < N; k++) {
@@ -215,8 +217,9 @@ static void test_between(void) {
 static void test_mask_error(void) {
   lines l;
   double ils, length[3], on[3];
-  make(&l);
-  run("{ " LITHO ", " RESIST
+  lines_make(&l);
+  window_run(
+      "{ " LITHO ", " RESIST
       ", dose: [0 %], defocus: [0 nm], mask_error: [-1 nm, 0 nm, 1.5 nm] }",
       &with_focus, &l);
   const double by[] = {-1, 0, 1.5};
@@ -224,17 +227,17 @@ static void test_mask_error(void) {
   for (int k = 0; k < 3; k++) {
     length[k] = length_of(0, 0, by[k], &ils);
     on[k] = log(ion_of(width_at(0), length[k]));
-    near(column("mask_error", "mean")[k], length[k] - drawn, 1e-3);
+    assert_near(column("mask_error", "mean")[k], length[k] - drawn, 1e-3);
     sxx += (by[k] - mean) * (by[k] - mean);
     meef += (by[k] - mean) * length[k] / 2;
     ion += (by[k] - mean) * on[k] * 100;
   }
   g_test_message("MEEF %.4f, Ion %.3f %% per nm", meef / sxx, ion / sxx);
   g_assert_cmpfloat(meef / sxx, >, 0.1);
-  near(opc_test_metric("meef_mean"), meef / sxx, 1e-3);
-  near(opc_test_metric("meef_max"), meef / sxx, 1e-3);
-  near(opc_test_metric("ion_per_nm_mean"), fabs(ion / sxx), 3e-3);
-  near(opc_test_metric("ion_per_nm_max"), fabs(ion / sxx), 3e-3);
+  assert_near(opc_test_metric("meef_mean"), meef / sxx, 1e-3);
+  assert_near(opc_test_metric("meef_max"), meef / sxx, 1e-3);
+  assert_near(opc_test_metric("ion_per_nm_mean"), fabs(ion / sxx), 3e-3);
+  assert_near(opc_test_metric("ion_per_nm_max"), fabs(ion / sxx), 3e-3);
 }
 
 /* Test the optics of the thesis: lines of 65 nm at 250 nm pitch have a MEEF of
@@ -242,7 +245,7 @@ static void test_mask_error(void) {
 static void test_meef(void) {
   lines l;
   opc_error error;
-  make(&l);
+  lines_make(&l);
   if (run_step("{ " LITHO ", resist: { use: resist.threshold }, margin: 0 nm, "
                "dose: [0 %], defocus: [0 nm], mask_error: [-1 nm, 1 nm] }",
                NULL, &l, &error))
@@ -256,9 +259,10 @@ static void test_meef(void) {
    limits. */
 static void test_failing(void) {
   lines l;
-  make(&l);
+  lines_make(&l);
   for (int i = 0; i < GATES; i++) l.length[i] = 85;
-  run("{ " LITHO ", " RESIST
+  window_run(
+      "{ " LITHO ", " RESIST
       ", ion_limit: 500 %, ioff_limit: 1e9 %, "
       "dose: [0 %, 5 %, 200 %], defocus: [0 nm, 10 nm], file: failing.png }",
       &with_focus, &l);
@@ -268,14 +272,14 @@ static void test_failing(void) {
   g_assert_cmpint(failed[2], ==, GATES);
   g_assert_true(isnan(column("performance_window", "ion_n")[2]));
   g_assert_cmpfloat(opc_test_metric("transistors_failed_max"), ==, GATES);
-  near(column("kept_doses", "both")[0], 5, 1e-9);
-  near(opc_test_metric("both_window"), 50, 1e-9);
+  assert_near(column("kept_doses", "both")[0], 5, 1e-9);
+  assert_near(opc_test_metric("both_window"), 50, 1e-9);
 }
 
-static void refused(const char *mapping, const char *why) {
+static void assert_refused(const char *mapping, const char *why) {
   lines l;
   opc_error error;
-  make(&l);
+  lines_make(&l);
   g_assert_cmpint(run_with(mapping, &with_focus, &extractor, &l, &error), ==,
                   OPC_INVALID);
   if (!strstr(error.message, why))
@@ -283,12 +287,12 @@ static void refused(const char *mapping, const char *why) {
 }
 
 static void test_refused(void) {
-  refused("{ " LITHO ", " RESIST ", mask_error: [-1 nm, 0.7 nm] }",
-          "0.7 nm is no multiple of the mask grid of 0.5 nm");
-  refused("{ " LITHO ", " RESIST ", mask_error: [1 nm] }",
-          "requires at least two values");
-  refused("{ " LITHO ", " RESIST ", mask_error: [1 nm, 0 nm] }",
-          "must increase");
+  assert_refused("{ " LITHO ", " RESIST ", mask_error: [-1 nm, 0.7 nm] }",
+                 "0.7 nm is no multiple of the mask grid of 0.5 nm");
+  assert_refused("{ " LITHO ", " RESIST ", mask_error: [1 nm] }",
+                 "requires at least two values");
+  assert_refused("{ " LITHO ", " RESIST ", mask_error: [1 nm, 0 nm] }",
+                 "must increase");
 }
 
 int main(int argc, char **argv) {

@@ -27,7 +27,7 @@ typedef struct lines {
 
 static char *const layer[] = {"poly", "active"};
 
-static inline void make(lines *l) {
+static inline void lines_make(lines *l) {
   memset(l, 0, sizeof *l);
   for (int i = 0; i < GATES; i++) {
     int32_t x0 = (int32_t)(2 * (125 - drawn / 2 + pitch * i));
@@ -114,17 +114,18 @@ static inline int waves_at(const void *self, int which,
   return OPC_OK;
 }
 
-static inline int waves(const void *self, int which, const eda_spectrum *mask,
-                        eda_field *out, opc_error *error) {
+static inline int waves_image(const void *self, int which,
+                              const eda_spectrum *mask, eda_field *out,
+                              opc_error *error) {
   return waves_at(self, which, mask, 0, out, error);
 }
 
 static const eda_litho with_focus = {.prepare = no_preparation,
                                      .band = some_band,
-                                     .image = waves,
+                                     .image = waves_image,
                                      .image_at = waves_at};
 static const eda_litho one_focus = {
-    .prepare = no_preparation, .band = some_band, .image = waves};
+    .prepare = no_preparation, .band = some_band, .image = waves_image};
 
 #define RESIST \
   "resist: { use: resist.threshold, threshold: 0.4, active_threshold: 0.2 }"

@@ -6,7 +6,7 @@
 static void test_closed_form(void) {
   lines l;
   opc_error error;
-  make(&l);
+  lines_make(&l);
   int code = run_step("{ " LITHO ", " RESIST
                       ", dose: [-12 %, -5 %, 0 %, 6 %], "
                       "defocus: [-120 nm, 0 nm, 90 nm], cut_lines: true }",
@@ -48,7 +48,7 @@ static void test_limits(void) {
   lines l;
   opc_error error;
   double ils, nominal = length_at(0, 0, &ils);
-  make(&l);
+  lines_make(&l);
   for (int i = 0; i < GATES; i++) l.length[i] = nominal;
   GString *mapping = g_string_new("{ " LITHO ", " RESIST
                                   ", file: w.svg, tolerance: 4 %, dose: [");
@@ -118,7 +118,7 @@ static void test_limits(void) {
 static void test_optics(void) {
   lines l;
   opc_error error;
-  make(&l);
+  lines_make(&l);
   int code =
       run_step("{ " LITHO
                ", resist: { use: resist.threshold }, margin: 0 nm, "
@@ -147,7 +147,7 @@ static void test_optics(void) {
 static void test_failing(void) {
   lines l;
   opc_error error;
-  make(&l);
+  lines_make(&l);
   int code = run_step("{ " LITHO ", " RESIST
                       ", tolerance: 50 %, "
                       "dose: [-45 %, 0 %, 60 %, 200 %], defocus: [0 nm] }",
@@ -163,7 +163,7 @@ static void test_failing(void) {
   g_assert_cmpfloat(opc_test_metric("failed_max"), ==, GATES);
 }
 
-static void refused(const char *mapping, lines *l, const char *why) {
+static void assert_refused(const char *mapping, lines *l, const char *why) {
   opc_error error;
   g_assert_cmpint(run_step(mapping, &one_focus, l, &error), ==, OPC_INVALID);
   if (!strstr(error.message, why))
@@ -172,20 +172,25 @@ static void refused(const char *mapping, lines *l, const char *why) {
 
 static void test_refused(void) {
   lines l;
-  make(&l);
-  refused("{ " LITHO ", " RESIST " }", &l, "'litho.one' has one focus only");
-  refused("{ " LITHO ", " RESIST ", defocus: [0 nm] }", NULL,
-          "set either 'mask' or 'gates'");
-  refused("{ " LITHO ", " RESIST ", dose: [1 %, 1 %] }", &l, "must increase");
-  refused("{ " LITHO ", " RESIST ", dose: [-100 %, 1 %] }", &l, "out of range");
+  lines_make(&l);
+  assert_refused("{ " LITHO ", " RESIST " }", &l,
+                 "'litho.one' has one focus only");
+  assert_refused("{ " LITHO ", " RESIST ", defocus: [0 nm] }", NULL,
+                 "set either 'mask' or 'gates'");
+  assert_refused("{ " LITHO ", " RESIST ", dose: [1 %, 1 %] }", &l,
+                 "must increase");
+  assert_refused("{ " LITHO ", " RESIST ", dose: [-100 %, 1 %] }", &l,
+                 "out of range");
   GString *many = g_string_new("{ " LITHO ", " RESIST ", dose: [0 %");
   for (int i = 1; i <= 100; i++) g_string_append_printf(many, ", %d %%", i);
   g_string_append(many, "] }");
-  refused(many->str, &l, "must have 1 to 100 values, found 101");
+  assert_refused(many->str, &l, "must have 1 to 100 values, found 101");
   g_string_free(many, TRUE);
-  refused("{ " LITHO ", " RESIST ", file: a.jpg }", &l, ".png, .svg or .pdf");
+  assert_refused("{ " LITHO ", " RESIST ", file: a.jpg }", &l,
+                 ".png, .svg or .pdf");
   l.gates.count = 0;
-  refused("{ " LITHO ", " RESIST ", defocus: [0 nm] }", &l, "no transistors");
+  assert_refused("{ " LITHO ", " RESIST ", defocus: [0 nm] }", &l,
+                 "no transistors");
 }
 
 /* Test the defaults at 248 nm, NA 0.7: 0.1457 and 0.2915 * 248 / 0.49 = 73.7

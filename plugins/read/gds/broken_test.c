@@ -28,34 +28,34 @@ static char *save_packed(const void *bytes, size_t n, size_t most) {
 
 static void test_refusals(void) {
   GByteArray *file = new_file();
-  g_autofree char *path = save(file);
-  refuse(path, "", OPC_IO, "ends before ENDLIB, at byte 62");
+  g_autofree char *path = file_save(file);
+  assert_refused(path, "", OPC_IO, "ends before ENDLIB, at byte 62");
   put_cell(file, "A");
   put_empty(file, EDA_GDS_ENDSTR);
   guint second = file->len + 28;
   put_cell(file, "A");
-  g_free(save(file));
+  g_free(file_save(file));
   g_autofree char *twice =
       g_strdup_printf("'%s': cell 'A' a second time at byte %u", path, second);
-  refuse(path, "", OPC_IO, twice);
+  assert_refused(path, "", OPC_IO, twice);
   g_byte_array_set_size(file, 62);
   g_byte_array_append(file, (const uint8_t[]){0, 5, 5, 2, 0}, 5);
-  g_free(save(file));
-  refuse(path, "", OPC_IO, "impossible record length at byte 62");
+  g_free(file_save(file));
+  assert_refused(path, "", OPC_IO, "impossible record length at byte 62");
   g_byte_array_set_size(file, 62);
   g_byte_array_append(file, (const uint8_t[]){0, 28, 5, 2, 0}, 5);
-  g_free(save(file));
-  refuse(path, "", OPC_IO, "truncated record at byte 62");
+  g_free(file_save(file));
+  assert_refused(path, "", OPC_IO, "truncated record at byte 62");
   g_byte_array_set_size(file, 62);
   put_empty(file, EDA_GDS_ENDEL);
-  g_free(save(file));
-  refuse(path, "", OPC_IO, "unexpected record at byte 62");
+  g_free(file_save(file));
+  assert_refused(path, "", OPC_IO, "unexpected record at byte 62");
   g_byte_array_free(file, TRUE);
   g_assert_true(g_file_set_contents(path, "hello, world", -1, NULL));
-  refuse(path, "", OPC_IO, "not a GDSII file: no HEADER at byte 0");
+  assert_refused(path, "", OPC_IO, "not a GDSII file: no HEADER at byte 0");
   /* Interpreted as GDSII, the length of the first record exceeds the file. */
   g_assert_true(g_file_set_contents(path, "(CIF file);\n", -1, NULL));
-  refuse(path, "", OPC_IO, "not a GDSII file: no HEADER at byte 0");
+  assert_refused(path, "", OPC_IO, "not a GDSII file: no HEADER at byte 0");
 }
 
 static void test_truncated(void) {
@@ -98,7 +98,7 @@ static void test_flipped(void) {
         copy[at] = (char)(copy[at] ^ 1 << g_rand_int_range(rand, 0, 8));
       }
       write_bytes(path, copy, n);
-      survive("read.gds", path);
+      assert_survives("read.gds", path);
     }
     g_rand_free(rand);
   }
@@ -122,8 +122,8 @@ static void test_hostile(void) {
   }
   put_cell(file, "TOP");
   put_box(file, 1, 1);
-  g_autofree char *path = finish(file);
-  survive("read.gds", path);
+  g_autofree char *path = file_finish(file);
+  assert_survives("read.gds", path);
   file = new_file();
   put_leaf(file);
   put_cell(file, "TOP");
@@ -132,8 +132,8 @@ static void test_hostile(void) {
   put_u16s(file, EDA_GDS_COLROW, 2, (uint32_t[]){65535, 65535});
   put_i32s(file, EDA_GDS_XY, 6, (int32_t[]){0, 0, 65534, 0, 0, 65534});
   put_empty(file, EDA_GDS_ENDEL);
-  g_free(finish(file));
-  refuse(path, "", OPC_IO, "too many arrays");
+  g_free(file_finish(file));
+  assert_refused(path, "", OPC_IO, "too many arrays");
   file = new_file(); /* fewer instances with long names */
   put_leaf(file);
   put_cell(file, "TOP");
@@ -145,8 +145,8 @@ static void test_hostile(void) {
   g_autofree char *name = g_strnfill(200, 'n');
   put_text(file, EDA_GDS_PROPVALUE, name);
   put_empty(file, EDA_GDS_ENDEL);
-  g_free(finish(file));
-  refuse(path, "", OPC_IO, "too many arrays");
+  g_free(file_finish(file));
+  assert_refused(path, "", OPC_IO, "too many arrays");
 }
 
 /* Test a compressed file against the plain one. A truncated file, a wrong check
@@ -164,18 +164,19 @@ static void test_packed(void) {
   g_assert_true(g_file_get_contents(path, &packed, &n, NULL));
   g_free(path);
   path = save_packed(packed, n, G_MAXSIZE);
-  refuse(path, "", OPC_IO, "gzip: the content is compressed again");
+  assert_refused(path, "", OPC_IO, "gzip: the content is compressed again");
   packed[n - 8] ^= 1; /* part of the check sum */
   g_assert_true(g_file_set_contents(path, packed, (gssize)n, NULL));
-  refuse(path, "", OPC_IO, "gzip: incorrect data check");
+  assert_refused(path, "", OPC_IO, "gzip: incorrect data check");
   g_free(path);
   path = save_packed(file->data, file->len, n / 2);
-  refuse(path, "", OPC_IO, "gzip: the data end too early");
+  assert_refused(path, "", OPC_IO, "gzip: the data end too early");
   g_free(path);
   const size_t many = 120 << 20;
   g_autofree char *nothing = g_malloc0(many);
   path = save_packed(nothing, many, G_MAXSIZE);
-  refuse(path, "", OPC_IO, "gzip: the content is larger than any layout");
+  assert_refused(path, "", OPC_IO,
+                 "gzip: the content is larger than any layout");
   g_free(path);
   g_byte_array_free(file, TRUE);
 }

@@ -103,7 +103,7 @@ static void test_layers(void) {
   put_box(file, 10, 1);
   put_box(file, 10, 2);
   put_box(file, 40000, 60000);
-  g_autofree char *path = finish(file);
+  g_autofree char *path = file_finish(file);
   eda_layout *layout =
       read_good(path, ", layers: { poly: 9/0, contact: '10' }, scale: 1.3");
   g_assert_cmpuint(eda_layout_layers(layout), ==, 4);
@@ -131,17 +131,19 @@ static void test_parameters(void) {
   put_empty(file, EDA_GDS_ENDSTR);
   put_cell(file, "OTHER");
   put_box(file, 1, 0);
-  g_autofree char *path = finish(file);
-  refuse(path, ", layers: { poly: 9/0, active: 2/0 }", OPC_INVALID,
-         "no layer 2/0 for 'active'; the file has 1/0, 9/0");
-  refuse(path, ", layers: { poly: nine }", OPC_INVALID, "'nine': expected");
-  refuse(path, ", layers: { poly: 9/0, gate: 9/0 }", OPC_INVALID,
-         "layer 9/0 is 'poly' already");
-  refuse(path, ", layers: { '3/0': 9/0 }", OPC_INVALID,
-         "not allowed as a name");
-  refuse(path, ", top: NONE", OPC_INVALID, "cell 'NONE' does not exist");
-  refuse(path, ", top: OTHR", OPC_INVALID,
-         "cell 'OTHR' does not exist, did you mean 'OTHER'?");
+  g_autofree char *path = file_finish(file);
+  assert_refused(path, ", layers: { poly: 9/0, active: 2/0 }", OPC_INVALID,
+                 "no layer 2/0 for 'active'; the file has 1/0, 9/0");
+  assert_refused(path, ", layers: { poly: nine }", OPC_INVALID,
+                 "'nine': expected");
+  assert_refused(path, ", layers: { poly: 9/0, gate: 9/0 }", OPC_INVALID,
+                 "layer 9/0 is 'poly' already");
+  assert_refused(path, ", layers: { '3/0': 9/0 }", OPC_INVALID,
+                 "not allowed as a name");
+  assert_refused(path, ", top: NONE", OPC_INVALID,
+                 "cell 'NONE' does not exist");
+  assert_refused(path, ", top: OTHR", OPC_INVALID,
+                 "cell 'OTHR' does not exist, did you mean 'OTHER'?");
   opc_error e;
   eda_layout *layout = read_good(path, "");
   g_assert_cmpint(eda_layout_top(layout, &e), ==, -1);
@@ -183,7 +185,7 @@ static void test_placements(void) {
   put_u16s(file, EDA_GDS_COLROW, 2, (uint32_t[]){3, 0});
   put_i32s(file, EDA_GDS_XY, 6, (int32_t[]){0, 0, -60, 3, 0, 40});
   put_empty(file, EDA_GDS_ENDEL);
-  g_autofree char *path = finish(file);
+  g_autofree char *path = file_finish(file);
   eda_layout *layout = read_good(path, "");
   int32_t top = eda_layout_find_cell(layout, "T\\xE4\\x0A"), child;
   g_assert_cmpint(top, >=, 0);
@@ -231,7 +233,7 @@ static void test_odd_records(void) {
   put_text(file, EDA_GDS_SNAME, "GONE");
   put_i32s(file, EDA_GDS_XY, 2, (int32_t[]){1, 2});
   put_empty(file, EDA_GDS_ENDEL);
-  g_autofree char *path = finish(file);
+  g_autofree char *path = file_finish(file);
   opc_test_forget();
   eda_layout *layout = read_good(path, "");
   g_assert_nonnull(strstr(opc_test_log(), "1 placed cells are not defined"));

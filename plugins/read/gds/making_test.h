@@ -24,8 +24,8 @@ static inline eda_layout *read_good(const char *path, const char *more) {
 
 /* ---- files made here ---- */
 
-static inline void put(GByteArray *file, uint32_t type, uint32_t kind,
-                       const void *data, size_t n) {
+static inline void record_put(GByteArray *file, uint32_t type, uint32_t kind,
+                              const void *data, size_t n) {
   uint8_t head[4];
   eda_gds_put_u16(head, (uint32_t)n + 4);
   head[2] = (uint8_t)type;
@@ -38,14 +38,14 @@ static inline void put_text(GByteArray *file, uint32_t type, const char *text) {
   size_t n = strlen(text);
   char padded[256] = "";
   memcpy(padded, text, n);
-  put(file, type, EDA_GDS_ASCII, padded, n + n % 2);
+  record_put(file, type, EDA_GDS_ASCII, padded, n + n % 2);
 }
 
 static inline void put_u16s(GByteArray *file, uint32_t type, size_t n,
                             const uint32_t *v) {
   uint8_t data[64];
   for (size_t i = 0; i < n; i++) eda_gds_put_u16(data + 2 * i, v[i]);
-  put(file, type, EDA_GDS_INT2, data, 2 * n);
+  record_put(file, type, EDA_GDS_INT2, data, 2 * n);
 }
 
 static inline void put_u16(GByteArray *file, uint32_t type, uint32_t v) {
@@ -56,7 +56,7 @@ static inline void put_i32s(GByteArray *file, uint32_t type, size_t n,
                             const int32_t *v) {
   uint8_t data[128];
   for (size_t i = 0; i < n; i++) eda_gds_put_i32(data + 4 * i, v[i]);
-  put(file, type, EDA_GDS_INT4, data, 4 * n);
+  record_put(file, type, EDA_GDS_INT4, data, 4 * n);
 }
 
 static inline void put_cell(GByteArray *file, const char *name) {
@@ -66,7 +66,7 @@ static inline void put_cell(GByteArray *file, const char *name) {
 }
 
 static inline void put_empty(GByteArray *file, uint32_t type) {
-  put(file, type, EDA_GDS_NOTHING, NULL, 0);
+  record_put(file, type, EDA_GDS_NOTHING, NULL, 0);
 }
 
 static inline GByteArray *new_file(void) {
@@ -78,7 +78,7 @@ static inline GByteArray *new_file(void) {
   put_text(file, EDA_GDS_LIBNAME, "TEST");
   eda_gds_put_real(units, 1e-3);
   eda_gds_put_real(units + 8, 1e-9);
-  put(file, EDA_GDS_UNITS, EDA_GDS_REAL8, units, 16);
+  record_put(file, EDA_GDS_UNITS, EDA_GDS_REAL8, units, 16);
   return file;
 }
 
@@ -97,23 +97,23 @@ static inline void put_leaf(GByteArray *file) {
   put_empty(file, EDA_GDS_ENDSTR);
 }
 
-static inline char *save(GByteArray *file) {
+static inline char *file_save(GByteArray *file) {
   char *path = g_build_filename(opc_test_folder(), "made.gds", NULL);
   g_assert_true(g_file_set_contents(path, (const char *)file->data,
                                     (gssize)file->len, NULL));
   return path;
 }
 
-static inline char *finish(GByteArray *file) {
+static inline char *file_finish(GByteArray *file) {
   put_empty(file, EDA_GDS_ENDSTR);
   put_empty(file, EDA_GDS_ENDLIB);
-  char *path = save(file);
+  char *path = file_save(file);
   g_byte_array_free(file, TRUE);
   return path;
 }
 
-static inline void refuse(const char *path, const char *more, int code,
-                          const char *why) {
+static inline void assert_refused(const char *path, const char *more, int code,
+                                  const char *why) {
   opc_error e = {0};
   g_assert_null(read_more(path, more, &e));
   if (!strstr(e.message, why)) g_error("%s", e.message);

@@ -38,7 +38,7 @@ static const known want[] = {
     {EDA_NOT, METAL1, CONTACT, 5458842500, 513, 10, 13024},
 };
 
-static void check(const known *w, const eda_flat *flat) {
+static void cell_check(const known *w, const eda_flat *flat) {
   eda_shapes out;
   opc_error error;
   eda_box *boxes;
@@ -80,7 +80,7 @@ static void test_c432(void) {
                            eda_layout_find_layer(layout, names[k]),
                            eda_layout_unit(layout), &flat[k], &error),
         ==, OPC_OK);
-  for (size_t i = 0; i < G_N_ELEMENTS(want); i++) check(&want[i], flat);
+  for (size_t i = 0; i < G_N_ELEMENTS(want); i++) cell_check(&want[i], flat);
   for (int k = 0; k < LAYERS; k++) eda_flat_clear(&flat[k]);
   opc_test_release(reader, &layout);
   opc_test_module_free(reader);

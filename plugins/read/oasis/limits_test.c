@@ -13,13 +13,14 @@ typedef struct place {
 
 /* Return a random step: distances up to 2^26, so that all fit between the
    limits. */
-static int64_t some(GRand *rand) {
+static int64_t random_step(GRand *rand) {
   return g_rand_int_range(rand, -(1 << 26), (1 << 26) + 1);
 }
 
 /* Write a step: x as an unsigned integer with two additional bits, y signed. */
 static void put_step(GByteArray *f, place d) {
-  put(f, "us", (unsigned long)llabs(d.x) << 2 | (d.x < 0) << 1 | 1, (long)d.y);
+  values_put(f, "us", (unsigned long)llabs(d.x) << 2 | (d.x < 0) << 1 | 1,
+             (long)d.y);
 }
 
 /* Write a repetition of that type and return the number of its members. */
@@ -27,16 +28,18 @@ static size_t put_repetition(GByteArray *f, GRand *rand, int type,
                              place *members) {
   size_t columns = (size_t)g_rand_int_range(rand, 2, MOST + 1),
          rows = (size_t)g_rand_int_range(rand, 2, MOST + 1), n = 0;
-  place column = {some(rand), some(rand)}, row = {some(rand), some(rand)};
+  place column = {random_step(rand), random_step(rand)},
+        row = {random_step(rand), random_step(rand)};
   if (type <= 3)
     column = (place){llabs(column.x), 0}, row = (place){0, llabs(row.y)};
   if (type == 2 || type == 9) rows = 1;
   if (type == 3) columns = 1;
-  put(f, "u", (unsigned long)type);
-  if (type != 3) put(f, "u", (unsigned long)columns - 2);
-  if (type == 1 || type == 3 || type == 8) put(f, "u", (unsigned long)rows - 2);
-  if (type == 1 || type == 2) put(f, "u", (unsigned long)column.x);
-  if (type == 1 || type == 3) put(f, "u", (unsigned long)row.y);
+  values_put(f, "u", (unsigned long)type);
+  if (type != 3) values_put(f, "u", (unsigned long)columns - 2);
+  if (type == 1 || type == 3 || type == 8)
+    values_put(f, "u", (unsigned long)rows - 2);
+  if (type == 1 || type == 2) values_put(f, "u", (unsigned long)column.x);
+  if (type == 1 || type == 3) values_put(f, "u", (unsigned long)row.y);
   if (type == 8 || type == 9) put_step(f, column);
   if (type == 8) put_step(f, row);
   if (type == 10) rows = 1;
@@ -45,7 +48,7 @@ static size_t put_repetition(GByteArray *f, GRand *rand, int type,
       const int64_t c = (int64_t)i, k = (int64_t)j;
       members[n] = (place){c * column.x + k * row.x, c * column.y + k * row.y};
       if (type != 10 || !i) continue;
-      const place d = {some(rand), some(rand)};
+      const place d = {random_step(rand), random_step(rand)};
       members[n] = (place){members[n - 1].x + d.x, members[n - 1].y + d.y};
       put_step(f, d);
     }
@@ -63,7 +66,8 @@ static void test_edges(void) {
     GByteArray *repetition = g_byte_array_new();
     place members[MOST * MOST], low = {0, 0}, high = {0, 0};
     size_t n = put_repetition(repetition, rand, type, members);
-    const int64_t w = 1 + (some(rand) & 0xffff), h = 1 + (some(rand) & 0xffff);
+    const int64_t w = 1 + (random_step(rand) & 0xffff),
+                  h = 1 + (random_step(rand) & 0xffff);
     for (size_t i = 0; i < n; i++) {
       low = (place){MIN(low.x, members[i].x), MIN(low.y, members[i].y)};
       high = (place){MAX(high.x, members[i].x), MAX(high.y, members[i].y)};
@@ -74,15 +78,15 @@ static void test_edges(void) {
     if (side == 2) at.y = INT32_MIN - low.y - beyond;
     if (side == 3) at.y = INT32_MAX - high.y - h + beyond;
     GByteArray *f = new_cell();
-    put(f, "bbuuuuss", EDA_OASIS_RECTANGLE, 0x7f, 1ul, 2ul, (unsigned long)w,
-        (unsigned long)h, (long)at.x, (long)at.y);
+    values_put(f, "bbuuuuss", EDA_OASIS_RECTANGLE, 0x7f, 1ul, 2ul,
+               (unsigned long)w, (unsigned long)h, (long)at.x, (long)at.y);
     g_byte_array_append(f, repetition->data, repetition->len);
     g_byte_array_free(repetition, TRUE);
     if (beyond) {
-      refuse(finish(f), OPC_IO, "a coordinate beyond 32 bits");
+      assert_refused(file_finish(f), OPC_IO, "a coordinate beyond 32 bits");
       continue;
     }
-    eda_layout *layout = read_made(finish(f));
+    eda_layout *layout = read_made(file_finish(f));
     const int32_t top = eda_layout_find_cell(layout, "TOP");
     g_assert_cmpuint(eda_layout_polygons(layout, top), ==, n);
     for (size_t i = 0; i < n; i++) {

@@ -20,7 +20,7 @@ static void put_uint(GByteArray *f, uint64_t v) {
 
 /* Write values: u, an unsigned integer (unsigned long); s, a signed one (long);
    b, a byte (int); r, an integer as real (int); t, a string. */
-static void put(GByteArray *f, const char *format, ...) {
+static void values_put(GByteArray *f, const char *format, ...) {
   va_list list;
   va_start(list, format);
   for (const char *c = format; *c; c++) {
@@ -48,17 +48,17 @@ static void put(GByteArray *f, const char *format, ...) {
 static GByteArray *new_file(void) {
   GByteArray *f = g_byte_array_new();
   g_byte_array_append(f, (const uint8_t *)EDA_OASIS_MAGIC, 13);
-  put(f, "btrb", EDA_OASIS_START, "1.0", 1000, 1);
+  values_put(f, "btrb", EDA_OASIS_START, "1.0", 1000, 1);
   return f;
 }
 
 static GByteArray *new_cell(void) {
   GByteArray *f = new_file();
-  put(f, "bt", EDA_OASIS_CELL, "TOP");
+  values_put(f, "bt", EDA_OASIS_CELL, "TOP");
   return f;
 }
 
-static char *save(const GByteArray *f) {
+static char *file_save(const GByteArray *f) {
   char *path = g_build_filename(opc_test_folder(), "made.oas", NULL);
   remove(path);
   FILE *file = fopen(path, "wb");
@@ -72,24 +72,24 @@ static char *save(const GByteArray *f) {
    path. */
 static char *finish_sum(GByteArray *f, int scheme, uint32_t wrong) {
   guint start = f->len;
-  put(f, "b", EDA_OASIS_END);
-  for (int i = 0; i < 12; i++) put(f, "b", 0);
+  values_put(f, "b", EDA_OASIS_END);
+  for (int i = 0; i < 12; i++) values_put(f, "b", 0);
   guint length = 256 - 1 - 12 - 2 - 1 - (scheme ? 4 : 0);
-  put(f, "u", (unsigned long)length);
-  for (guint i = 0; i < length; i++) put(f, "b", 'x');
-  put(f, "b", scheme);
+  values_put(f, "u", (unsigned long)length);
+  for (guint i = 0; i < length; i++) values_put(f, "b", 'x');
+  values_put(f, "b", scheme);
   uint32_t sum = wrong;
   if (scheme == EDA_OASIS_CRC32) sum += (uint32_t)crc32(0, f->data, f->len);
   for (guint i = 0; i < f->len && scheme == EDA_OASIS_SUM32; i++)
     sum += f->data[i];
-  for (int i = 0; i < 4 && scheme; i++) put(f, "b", sum >> 8 * i & 0xff);
+  for (int i = 0; i < 4 && scheme; i++) values_put(f, "b", sum >> 8 * i & 0xff);
   g_assert_cmpuint(f->len, ==, start + 256);
-  char *path = save(f);
+  char *path = file_save(f);
   g_byte_array_free(f, TRUE);
   return path;
 }
 
-static char *finish(GByteArray *f) {
+static char *file_finish(GByteArray *f) {
   return finish_sum(f, EDA_OASIS_NO_CHECK, 0);
 }
 
@@ -108,7 +108,7 @@ static eda_layout *read_made(char *path) {
 }
 
 /* Assert that a file is rejected with a message; free the path. */
-static void refuse(char *path, int code, const char *why) {
+static void assert_refused(char *path, int code, const char *why) {
   opc_error e = {0};
   g_assert_null(read_more(path, "", &e));
   if (!strstr(e.message, why) || e.code != code)

@@ -9,7 +9,7 @@
 /* ---- comparing ---- */
 
 /* Return the points of all polygons and texts of TOP as text. */
-static char *dump(const eda_layout *layout) {
+static char *layout_dump(const eda_layout *layout) {
   GString *s = g_string_new(NULL);
   int32_t top = eda_layout_find_cell(layout, "TOP"), layer;
   for (size_t i = 0; i < eda_layout_polygons(layout, top); i++) {
@@ -30,9 +30,9 @@ static char *dump(const eda_layout *layout) {
   return g_string_free(s, FALSE);
 }
 
-static void expect(GByteArray *f, const char *want) {
-  eda_layout *layout = read_made(finish(f));
-  g_autofree char *got = dump(layout);
+static void assert_dump(GByteArray *f, const char *want) {
+  eda_layout *layout = read_made(file_finish(f));
+  g_autofree char *got = layout_dump(layout);
   g_assert_cmpstr(got, ==, want);
   eda_layout_free(layout);
 }
@@ -60,12 +60,12 @@ static void test_reals(void) {
   };
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     GByteArray *f = new_cell();
-    put(f, "bbt", EDA_OASIS_PLACEMENT_REAL, 0x80 | 4 | 2, "A");
+    values_put(f, "bbt", EDA_OASIS_PLACEMENT_REAL, 0x80 | 4 | 2, "A");
     g_byte_array_append(f, cases[i].bytes, (guint)cases[i].n);
-    put(f, "bbbb", 5, 45, 2, EDA_OASIS_PAD); /* an angle of -45 / 2 */
-    char *path = finish(f);
+    values_put(f, "bbbb", 5, 45, 2, EDA_OASIS_PAD); /* an angle of -45 / 2 */
+    char *path = file_finish(f);
     if (cases[i].value < 0) {
-      refuse(path, OPC_IO, "impossible magnification at byte 27");
+      assert_refused(path, OPC_IO, "impossible magnification at byte 27");
       continue;
     }
     eda_layout *layout = read_made(path);
@@ -81,27 +81,30 @@ static void test_reals(void) {
 
 static void test_bounds(void) {
   GByteArray *f = new_cell();
-  put(f, "bbuuuu", EDA_OASIS_RECTANGLE, 0x63, 1ul, 0ul, 0xfffffffful,
-      0xfffffffful);
-  refuse(finish(f), OPC_IO, "a coordinate beyond 32 bits at byte 27");
+  values_put(f, "bbuuuu", EDA_OASIS_RECTANGLE, 0x63, 1ul, 0ul, 0xfffffffful,
+             0xfffffffful);
+  assert_refused(file_finish(f), OPC_IO,
+                 "a coordinate beyond 32 bits at byte 27");
   f = new_cell();
-  put(f, "bbuuuuss", EDA_OASIS_RECTANGLE, 0x7b, 4294967295ul, 4294967295ul,
-      0xfffffffful, 0xfffffffful, -2147483648l, -2147483648l);
-  expect(f,
-         "4294967295/4294967295 -2147483648,-2147483648 "
-         "2147483647,-2147483648 2147483647,2147483647 "
-         "-2147483648,2147483647\n");
+  values_put(f, "bbuuuuss", EDA_OASIS_RECTANGLE, 0x7b, 4294967295ul,
+             4294967295ul, 0xfffffffful, 0xfffffffful, -2147483648l,
+             -2147483648l);
+  assert_dump(f,
+              "4294967295/4294967295 -2147483648,-2147483648 "
+              "2147483647,-2147483648 2147483647,2147483647 "
+              "-2147483648,2147483647\n");
   f = new_cell();
-  put(f, "bbuuuus", EDA_OASIS_RECTANGLE, 0x73, 1ul, 0ul, 1ul, 1ul, 2147483648l);
-  refuse(finish(f), OPC_IO, "a coordinate beyond 32 bits");
+  values_put(f, "bbuuuus", EDA_OASIS_RECTANGLE, 0x73, 1ul, 0ul, 1ul, 1ul,
+             2147483648l);
+  assert_refused(file_finish(f), OPC_IO, "a coordinate beyond 32 bits");
   f = new_cell();
-  put(f, "bbu", EDA_OASIS_RECTANGLE, 0x63, 4294967296ul);
-  refuse(finish(f), OPC_IO, "a layer beyond 32 bits");
+  values_put(f, "bbu", EDA_OASIS_RECTANGLE, 0x63, 4294967296ul);
+  assert_refused(file_finish(f), OPC_IO, "a layer beyond 32 bits");
   f = new_cell();
-  put(f, "bbuu", EDA_OASIS_RECTANGLE, 0x63, 1ul, 0ul);
-  for (int i = 0; i < 9; i++) put(f, "b", 0xff);
-  put(f, "b", 2); /* the 65th bit */
-  refuse(finish(f), OPC_IO, "an integer beyond 64 bits");
+  values_put(f, "bbuu", EDA_OASIS_RECTANGLE, 0x63, 1ul, 0ul);
+  for (int i = 0; i < 9; i++) values_put(f, "b", 0xff);
+  values_put(f, "b", 2); /* the 65th bit */
+  assert_refused(file_finish(f), OPC_IO, "an integer beyond 64 bits");
 }
 
 /* ---- repetitions, point lists ---- */
@@ -129,9 +132,10 @@ static void test_repetitions(void) {
   };
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     GByteArray *f = new_cell();
-    put(f, "bbtuu", EDA_OASIS_TEXT, 0x47, "T", 1ul, 2ul);
-    for (size_t k = 0; cases[i].format[k]; k++) put(f, "u", cases[i].v[k]);
-    put(f, "bbsb", EDA_OASIS_TEXT, 0x14, 100l, 0); /* same place */
+    values_put(f, "bbtuu", EDA_OASIS_TEXT, 0x47, "T", 1ul, 2ul);
+    for (size_t k = 0; cases[i].format[k]; k++)
+      values_put(f, "u", cases[i].v[k]);
+    values_put(f, "bbsb", EDA_OASIS_TEXT, 0x14, 100l, 0); /* same place */
     GString *want = g_string_new(NULL);
     for (int again = 0; again < 2; again++) {
       g_auto(GStrv) places = g_strsplit(cases[i].places, " ", -1);
@@ -141,13 +145,13 @@ static void test_repetitions(void) {
                                y);
       }
     }
-    expect(f, want->str);
+    assert_dump(f, want->str);
     g_string_free(want, TRUE);
   }
   GByteArray *f = new_cell();
-  put(f, "bbtuub", EDA_OASIS_TEXT, 0x47, "T", 1ul, 2ul, 0);
-  refuse(finish(f), OPC_IO,
-         "a reference to the preceding repetition without one");
+  values_put(f, "bbtuub", EDA_OASIS_TEXT, 0x47, "T", 1ul, 2ul, 0);
+  assert_refused(file_finish(f), OPC_IO,
+                 "a reference to the preceding repetition without one");
 }
 
 static void test_points(void) {
@@ -165,10 +169,10 @@ static void test_points(void) {
   };
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     GByteArray *f = new_cell();
-    put(f, "bbuu", EDA_OASIS_POLYGON, 0x23, 1ul, 2ul);
-    for (size_t k = 0; k < cases[i].n; k++) put(f, "u", cases[i].v[k]);
+    values_put(f, "bbuu", EDA_OASIS_POLYGON, 0x23, 1ul, 2ul);
+    for (size_t k = 0; k < cases[i].n; k++) values_put(f, "u", cases[i].v[k]);
     g_autofree char *want = g_strdup_printf("1/2 %s\n", cases[i].points);
-    expect(f, want);
+    assert_dump(f, want);
   }
 }
 
@@ -177,37 +181,41 @@ static void test_points(void) {
 static void test_shapes(void) {
   GByteArray *f = new_cell();
   /* A square; the next one in relative coordinates with the modal layer. */
-  put(f, "bbuuuss", EDA_OASIS_RECTANGLE, 0xdb, 1ul, 2ul, 5ul, 10l, 20l);
-  put(f, "b", EDA_OASIS_XYRELATIVE);
-  put(f, "bbuss", EDA_OASIS_RECTANGLE, 0x38, 7ul, 1l, 2l);
-  put(f, "b", EDA_OASIS_XYABSOLUTE);
-  put(f, "bbuussss", EDA_OASIS_TRAPEZOID, 0x78, 20ul, 10ul, 3l, -4l, 0l, 0l);
-  put(f, "bbuusss", EDA_OASIS_TRAPEZOID_A, 0xf8, 10ul, 20ul, -3l, 0l, 0l);
-  put(f, "bbuusss", EDA_OASIS_TRAPEZOID_B, 0x78, 10ul, 20ul, 10l, 0l, 0l);
-  expect(f,
-         "1/2 10,20 15,20 15,25 10,25\n1/2 11,22 16,22 16,29 11,29\n"
-         "1/2 0,0 20,0 16,10 3,10\n1/2 0,0 10,3 10,20 0,20\n"
-         "1/2 0,0 10,20 0,20\n");
+  values_put(f, "bbuuuss", EDA_OASIS_RECTANGLE, 0xdb, 1ul, 2ul, 5ul, 10l, 20l);
+  values_put(f, "b", EDA_OASIS_XYRELATIVE);
+  values_put(f, "bbuss", EDA_OASIS_RECTANGLE, 0x38, 7ul, 1l, 2l);
+  values_put(f, "b", EDA_OASIS_XYABSOLUTE);
+  values_put(f, "bbuussss", EDA_OASIS_TRAPEZOID, 0x78, 20ul, 10ul, 3l, -4l, 0l,
+             0l);
+  values_put(f, "bbuusss", EDA_OASIS_TRAPEZOID_A, 0xf8, 10ul, 20ul, -3l, 0l,
+             0l);
+  values_put(f, "bbuusss", EDA_OASIS_TRAPEZOID_B, 0x78, 10ul, 20ul, 10l, 0l,
+             0l);
+  assert_dump(f,
+              "1/2 10,20 15,20 15,25 10,25\n1/2 11,22 16,22 16,29 11,29\n"
+              "1/2 0,0 20,0 16,10 3,10\n1/2 0,0 10,3 10,20 0,20\n"
+              "1/2 0,0 10,20 0,20\n");
   f = new_cell();
-  put(f, "bbuuuuss", EDA_OASIS_TRAPEZOID, 0x63, 1ul, 2ul, 20ul, 10ul, 15l,
-      -16l);
-  refuse(finish(f), OPC_IO, "a trapezoid whose sides cross");
+  values_put(f, "bbuuuuss", EDA_OASIS_TRAPEZOID, 0x63, 1ul, 2ul, 20ul, 10ul,
+             15l, -16l);
+  assert_refused(file_finish(f), OPC_IO, "a trapezoid whose sides cross");
   f = new_cell();
-  put(f, "bbuuuuu", EDA_OASIS_CTRAPEZOID, 0xe3, 1ul, 2ul, 4ul, 20ul, 11ul);
-  refuse(finish(f), OPC_IO, "a trapezoid whose sides cross");
+  values_put(f, "bbuuuuu", EDA_OASIS_CTRAPEZOID, 0xe3, 1ul, 2ul, 4ul, 20ul,
+             11ul);
+  assert_refused(file_finish(f), OPC_IO, "a trapezoid whose sides cross");
   f = new_cell();
-  put(f, "bbuuuu", EDA_OASIS_CTRAPEZOID, 0xe3, 1ul, 2ul, 26ul, 20ul);
-  refuse(finish(f), OPC_IO, "an unknown kind of trapezoid");
+  values_put(f, "bbuuuu", EDA_OASIS_CTRAPEZOID, 0xe3, 1ul, 2ul, 26ul, 20ul);
+  assert_refused(file_finish(f), OPC_IO, "an unknown kind of trapezoid");
 }
 
 /* Half a width longer at the start, 7 at the end. */
 static void test_path(void) {
   GByteArray *f = new_cell();
-  put(f, "bbuuuusuuuss", EDA_OASIS_PATH, 0xfb, 1ul, 2ul, 5ul, 2ul << 2 | 3, 7l,
-      4ul, 1ul, 100ul << 4, 3l, 4l);
-  put(f, "bbuu", EDA_OASIS_PATH, 0xc0, 4ul, 1ul << 2 | 1); /* the same point
-                                                              list */
-  eda_layout *layout = read_made(finish(f));
+  values_put(f, "bbuuuusuuuss", EDA_OASIS_PATH, 0xfb, 1ul, 2ul, 5ul,
+             2ul << 2 | 3, 7l, 4ul, 1ul, 100ul << 4, 3l, 4l);
+  values_put(f, "bbuu", EDA_OASIS_PATH, 0xc0, 4ul, 1ul << 2 | 1); /* the same
+                                                              point list */
+  eda_layout *layout = read_made(file_finish(f));
   opc_error e;
   eda_flat flat;
   g_assert_cmpint(eda_layout_flatten(layout, 0, 0, 1, &flat, &e), ==, 0);
@@ -229,8 +237,8 @@ static void test_path(void) {
 
 static void test_circle(void) {
   GByteArray *f = new_cell();
-  put(f, "bbuuuss", EDA_OASIS_CIRCLE, 0x3b, 1ul, 2ul, 100000ul, 7l, -9l);
-  eda_layout *layout = read_made(finish(f));
+  values_put(f, "bbuuuss", EDA_OASIS_CIRCLE, 0x3b, 1ul, 2ul, 100000ul, 7l, -9l);
+  eda_layout *layout = read_made(file_finish(f));
   size_t n;
   int32_t layer;
   const eda_point *p = eda_layout_polygon(layout, 0, 0, &n, &layer);
@@ -249,13 +257,15 @@ static void test_circle(void) {
 /* Test that unknown records are skipped and update modal variables. */
 static void test_extensions(void) {
   GByteArray *f = new_file();
-  put(f, "but", EDA_OASIS_XNAME, 1ul, "?");
-  put(f, "btuuuuu", EDA_OASIS_LAYERNAME, "POLY", 4ul, 1ul, 9ul, 3ul, 0ul);
-  put(f, "bt", EDA_OASIS_CELL, "TOP");
-  put(f, "but", EDA_OASIS_XELEMENT, 1ul, "?");
-  put(f, "bbuuutss", EDA_OASIS_XGEOMETRY, 0x1b, 1ul, 4ul, 5ul, "?", 7l, 8l);
-  put(f, "bbuu", EDA_OASIS_RECTANGLE, 0x60, 1ul, 2ul);
-  expect(f, "4/5 7,8 8,8 8,10 7,10\n");
+  values_put(f, "but", EDA_OASIS_XNAME, 1ul, "?");
+  values_put(f, "btuuuuu", EDA_OASIS_LAYERNAME, "POLY", 4ul, 1ul, 9ul, 3ul,
+             0ul);
+  values_put(f, "bt", EDA_OASIS_CELL, "TOP");
+  values_put(f, "but", EDA_OASIS_XELEMENT, 1ul, "?");
+  values_put(f, "bbuuutss", EDA_OASIS_XGEOMETRY, 0x1b, 1ul, 4ul, 5ul, "?", 7l,
+             8l);
+  values_put(f, "bbuu", EDA_OASIS_RECTANGLE, 0x60, 1ul, 2ul);
+  assert_dump(f, "4/5 7,8 8,8 8,10 7,10\n");
 }
 
 /* ---- names ---- */
@@ -264,16 +274,20 @@ static void test_extensions(void) {
 static void test_names(void) {
   for (int explicit = 0; explicit < 2; explicit ++) {
     GByteArray *f = new_file();
-    put(f, "bu", EDA_OASIS_CELL_NUMBER, 1ul);
-    put(f, "bbu", EDA_OASIS_PLACEMENT, 0xc0, 0ul);
-    put(f, "bbuuuuu", EDA_OASIS_PROPERTY, 0x27, 1ul, 8ul, 5ul, 14ul, 1ul);
-    put(f, "bbuuuuu", EDA_OASIS_PROPERTY, 0x27, 1ul, 8ul, 61ul, 14ul, 0ul);
-    put(f, "bbu", EDA_OASIS_PLACEMENT, 0xc0, 0ul);
-    put(f, "bbuuuuu", EDA_OASIS_PROPERTY, 0x27, 1ul, 8ul, 5ul, 14ul, 1ul);
-    put(f, "b", EDA_OASIS_PROPERTY_AGAIN);
-    put(f, "bb", EDA_OASIS_PLACEMENT, 0);
-    put(f, "bbuuuuu", EDA_OASIS_PROPERTY, 0x27, 0ul, 8ul, 61ul, 14ul, 1ul);
-    put(f, "bbuuu", EDA_OASIS_TEXT, 0x63, 1ul, 6ul, 7ul);
+    values_put(f, "bu", EDA_OASIS_CELL_NUMBER, 1ul);
+    values_put(f, "bbu", EDA_OASIS_PLACEMENT, 0xc0, 0ul);
+    values_put(f, "bbuuuuu", EDA_OASIS_PROPERTY, 0x27, 1ul, 8ul, 5ul, 14ul,
+               1ul);
+    values_put(f, "bbuuuuu", EDA_OASIS_PROPERTY, 0x27, 1ul, 8ul, 61ul, 14ul,
+               0ul);
+    values_put(f, "bbu", EDA_OASIS_PLACEMENT, 0xc0, 0ul);
+    values_put(f, "bbuuuuu", EDA_OASIS_PROPERTY, 0x27, 1ul, 8ul, 5ul, 14ul,
+               1ul);
+    values_put(f, "b", EDA_OASIS_PROPERTY_AGAIN);
+    values_put(f, "bb", EDA_OASIS_PLACEMENT, 0);
+    values_put(f, "bbuuuuu", EDA_OASIS_PROPERTY, 0x27, 0ul, 8ul, 61ul, 14ul,
+               1ul);
+    values_put(f, "bbuuu", EDA_OASIS_TEXT, 0x63, 1ul, 6ul, 7ul);
     const struct {
       int record;
       const char *name[2];
@@ -286,11 +300,11 @@ static void test_names(void) {
     for (size_t t = 0; t < G_N_ELEMENTS(tables); t++)
       for (int k = 0; k < 2; k++) {
         int i = explicit ? !k : k;
-        put(f, "bt", tables[t].record + explicit, tables[t].name[i]);
-        if (explicit) put(f, "u", (unsigned long)i);
+        values_put(f, "bt", tables[t].record + explicit, tables[t].name[i]);
+        if (explicit) values_put(f, "u", (unsigned long)i);
       }
-    put(f, "bu", EDA_OASIS_CELL_NUMBER, 0ul);
-    eda_layout *layout = read_made(finish(f));
+    values_put(f, "bu", EDA_OASIS_CELL_NUMBER, 0ul);
+    eda_layout *layout = read_made(file_finish(f));
     int32_t top = eda_layout_find_cell(layout, "TOP"), child;
     eda_placement p;
     static const char *const want[] = {"XU1", "XU2", NULL};
@@ -301,34 +315,37 @@ static void test_names(void) {
                       want[i]);
       g_assert_cmpstr(eda_layout_cell_name(layout, child), ==, "LEAF");
     }
-    g_autofree char *got = dump(layout);
+    g_autofree char *got = layout_dump(layout);
     g_assert_cmpstr(got, ==, "6/7 0,0 'yes \\xE4'\n");
     eda_layout_free(layout);
   }
   GByteArray *f = new_file();
-  put(f, "bu", EDA_OASIS_CELL_NUMBER, 7ul);
-  refuse(finish(f), OPC_IO, "a cell whose number has no name at byte 22");
+  values_put(f, "bu", EDA_OASIS_CELL_NUMBER, 7ul);
+  assert_refused(file_finish(f), OPC_IO,
+                 "a cell whose number has no name at byte 22");
   f = new_file();
-  put(f, "btubtu", EDA_OASIS_CELLNAME_NUMBER, "A", 1ul,
-      EDA_OASIS_CELLNAME_NUMBER, "B", 1ul);
-  refuse(finish(f), OPC_IO, "a second name for the same number at byte 26");
+  values_put(f, "btubtu", EDA_OASIS_CELLNAME_NUMBER, "A", 1ul,
+             EDA_OASIS_CELLNAME_NUMBER, "B", 1ul);
+  assert_refused(file_finish(f), OPC_IO,
+                 "a second name for the same number at byte 26");
   f = new_cell();
-  put(f, "bt", EDA_OASIS_CELL, "TOP");
-  refuse(finish(f), OPC_IO, "cell 'TOP' a second time at byte 27");
+  values_put(f, "bt", EDA_OASIS_CELL, "TOP");
+  assert_refused(file_finish(f), OPC_IO, "cell 'TOP' a second time at byte 27");
 }
 
 /* Test that modal variables are undefined at the start of a cell. */
 static void test_modal(void) {
   GByteArray *f = new_cell();
-  put(f, "bbuuuuss", EDA_OASIS_RECTANGLE, 0x7b, 1ul, 2ul, 3ul, 4ul, 5l, 6l);
-  put(f, "bt", EDA_OASIS_CELL, "OTHER");
+  values_put(f, "bbuuuuss", EDA_OASIS_RECTANGLE, 0x7b, 1ul, 2ul, 3ul, 4ul, 5l,
+             6l);
+  values_put(f, "bt", EDA_OASIS_CELL, "OTHER");
   guint at = f->len;
-  put(f, "bbuu", EDA_OASIS_RECTANGLE, 0x60, 3ul, 4ul);
+  values_put(f, "bbuu", EDA_OASIS_RECTANGLE, 0x60, 3ul, 4ul);
   g_autofree char *why = g_strdup_printf("without a layer at byte %u", at);
-  refuse(finish(f), OPC_IO, why);
+  assert_refused(file_finish(f), OPC_IO, why);
   f = new_file();
-  put(f, "bbuu", EDA_OASIS_RECTANGLE, 0x60, 3ul, 4ul);
-  refuse(finish(f), OPC_IO, "not in a cell, at byte 22");
+  values_put(f, "bbuu", EDA_OASIS_RECTANGLE, 0x60, 3ul, 4ul);
+  assert_refused(file_finish(f), OPC_IO, "not in a cell, at byte 22");
 }
 
 /* ---- blocks and sums ---- */
@@ -344,8 +361,8 @@ static void put_block(GByteArray *f, const GByteArray *content, long more) {
   g_assert_cmpint(deflate(&z, Z_FINISH), ==, Z_STREAM_END);
   guint n = (guint)(sizeof packed - z.avail_out);
   deflateEnd(&z);
-  put(f, "bbuu", EDA_OASIS_CBLOCK, 0,
-      (unsigned long)((long)content->len + more), (unsigned long)n);
+  values_put(f, "bbuu", EDA_OASIS_CBLOCK, 0,
+             (unsigned long)((long)content->len + more), (unsigned long)n);
   g_byte_array_append(f, packed, n);
 }
 
@@ -361,18 +378,18 @@ static void test_blocks(void) {
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     g_autoptr(GByteArray) content = g_byte_array_new();
     GByteArray *f = new_cell();
-    put(content, "bbuuuuss", EDA_OASIS_RECTANGLE, 0x7b, 1ul, 2ul, 3ul, 4ul, 5l,
-        6l);
-    for (int k = 0; k < 100; k++) put(content, "b", EDA_OASIS_PAD);
-    put(content, "bbs", EDA_OASIS_RECTANGLE, 0x10, 300l);
+    values_put(content, "bbuuuuss", EDA_OASIS_RECTANGLE, 0x7b, 1ul, 2ul, 3ul,
+               4ul, 5l, 6l);
+    for (int k = 0; k < 100; k++) values_put(content, "b", EDA_OASIS_PAD);
+    values_put(content, "bbs", EDA_OASIS_RECTANGLE, 0x10, 300l);
     put_block(f, content, cases[i].more);
-    put(f, "bbs", EDA_OASIS_RECTANGLE, 0x10, 9l);
+    values_put(f, "bbs", EDA_OASIS_RECTANGLE, 0x10, 9l);
     if (cases[i].why)
-      refuse(finish(f), OPC_IO, cases[i].why);
+      assert_refused(file_finish(f), OPC_IO, cases[i].why);
     else
-      expect(f,
-             "1/2 5,6 8,6 8,10 5,10\n1/2 300,6 303,6 303,10 300,10\n"
-             "1/2 9,6 12,6 12,10 9,10\n");
+      assert_dump(f,
+                  "1/2 5,6 8,6 8,10 5,10\n1/2 300,6 303,6 303,10 300,10\n"
+                  "1/2 9,6 12,6 12,10 9,10\n");
   }
 }
 
@@ -380,11 +397,13 @@ static void test_sums(void) {
   for (int scheme = 0; scheme <= EDA_OASIS_SUM32; scheme++)
     for (uint32_t wrong = 0; wrong < 2; wrong++) {
       GByteArray *f = new_cell();
-      for (int i = 0; i < 300000; i++) put(f, "b", EDA_OASIS_PAD);
-      put(f, "bbuuuuss", EDA_OASIS_RECTANGLE, 0x7b, 1ul, 2ul, 3ul, 4ul, 5l, 6l);
+      for (int i = 0; i < 300000; i++) values_put(f, "b", EDA_OASIS_PAD);
+      values_put(f, "bbuuuuss", EDA_OASIS_RECTANGLE, 0x7b, 1ul, 2ul, 3ul, 4ul,
+                 5l, 6l);
       char *path = finish_sum(f, scheme, wrong);
       if (wrong && scheme)
-        refuse(path, OPC_IO, scheme == 1 ? "the CRC32 is" : "the sum is");
+        assert_refused(path, OPC_IO,
+                       scheme == 1 ? "the CRC32 is" : "the sum is");
       else
         eda_layout_free(read_made(path));
     }
@@ -394,9 +413,9 @@ static void test_sums(void) {
 static void test_parameters(void) {
   GByteArray *f = new_cell();
   opc_error e = {0};
-  put(f, "bbuuuu", EDA_OASIS_RECTANGLE, 0x63, 9ul, 5ul, 3ul, 4ul);
-  put(f, "bt", EDA_OASIS_CELL, "OTHER");
-  g_autofree char *path = finish(f);
+  values_put(f, "bbuuuu", EDA_OASIS_RECTANGLE, 0x63, 9ul, 5ul, 3ul, 4ul);
+  values_put(f, "bt", EDA_OASIS_CELL, "OTHER");
+  g_autofree char *path = file_finish(f);
   eda_layout *layout =
       read_more(path, ", layers: { poly: '9' }, scale: 1.3, top: TOP", &e);
   g_assert_nonnull(layout);
@@ -457,7 +476,7 @@ static void test_flipped(void) {
           copy[n - 4 + (size_t)k] = (char)(sum >> 8 * k);
       }
       write_bytes(path, copy, n);
-      survive("read.oasis", path);
+      assert_survives("read.oasis", path);
     }
     g_rand_free(rand);
   }
@@ -467,12 +486,12 @@ static void test_flipped(void) {
    to each other. */
 static void test_circles(void) {
   GByteArray *f = new_cell();
-  put(f, "bbt", EDA_OASIS_PLACEMENT, 0x80, "TOP");
-  put(f, "bbt", EDA_OASIS_PLACEMENT, 0x80, "OTHER");
-  put(f, "bbuuuu", EDA_OASIS_RECTANGLE, 0x63, 1ul, 2ul, 3ul, 4ul);
-  put(f, "bt", EDA_OASIS_CELL, "OTHER");
-  put(f, "bbt", EDA_OASIS_PLACEMENT, 0x80, "TOP");
-  eda_layout *layout = read_made(finish(f));
+  values_put(f, "bbt", EDA_OASIS_PLACEMENT, 0x80, "TOP");
+  values_put(f, "bbt", EDA_OASIS_PLACEMENT, 0x80, "OTHER");
+  values_put(f, "bbuuuu", EDA_OASIS_RECTANGLE, 0x63, 1ul, 2ul, 3ul, 4ul);
+  values_put(f, "bt", EDA_OASIS_CELL, "OTHER");
+  values_put(f, "bbt", EDA_OASIS_PLACEMENT, 0x80, "TOP");
+  eda_layout *layout = read_made(file_finish(f));
   opc_error e = {0};
   eda_flat flat;
   g_assert_cmpint(eda_layout_top(layout, &e), ==, -1);
@@ -481,10 +500,10 @@ static void test_circles(void) {
   eda_layout_free(layout);
   f = g_byte_array_new(); /* tables at the place of START */
   g_byte_array_append(f, (const uint8_t *)EDA_OASIS_MAGIC, 13);
-  put(f, "btrb", EDA_OASIS_START, "1.0", 1000, 0);
-  for (int i = 0; i < 6; i++) put(f, "bb", 1, 13);
-  put(f, "bu", EDA_OASIS_CELL_NUMBER, 0ul);
-  refuse(save(f), OPC_IO, "at byte ");
+  values_put(f, "btrb", EDA_OASIS_START, "1.0", 1000, 0);
+  for (int i = 0; i < 6; i++) values_put(f, "bb", 1, 13);
+  values_put(f, "bu", EDA_OASIS_CELL_NUMBER, 0ul);
+  assert_refused(file_save(f), OPC_IO, "at byte ");
   g_byte_array_free(f, TRUE);
 }
 
@@ -493,11 +512,11 @@ static void test_circles(void) {
 static void test_arrays(void) {
   const unsigned long million = 999998;
   GByteArray *f = new_cell();
-  put(f, "bbtuuuuu", EDA_OASIS_PLACEMENT, 0x88, "A", 1ul, million, million,
-      20ul, 20ul);
-  put(f, "bt", EDA_OASIS_CELL, "A");
-  put(f, "bbuuuu", EDA_OASIS_RECTANGLE, 0x63, 1ul, 2ul, 3ul, 4ul);
-  eda_layout *layout = read_made(finish(f));
+  values_put(f, "bbtuuuuu", EDA_OASIS_PLACEMENT, 0x88, "A", 1ul, million,
+             million, 20ul, 20ul);
+  values_put(f, "bt", EDA_OASIS_CELL, "A");
+  values_put(f, "bbuuuu", EDA_OASIS_RECTANGLE, 0x63, 1ul, 2ul, 3ul, 4ul);
+  eda_layout *layout = read_made(file_finish(f));
   opc_error e = {0};
   eda_flat flat;
   eda_placement p;
@@ -508,37 +527,44 @@ static void test_arrays(void) {
   g_assert_cmpint(eda_layout_flatten(layout, 0, 0, 1, &flat, &e), !=, 0);
   eda_layout_free(layout);
   f = new_cell();
-  put(f, "bbuuuuuuuuu", EDA_OASIS_RECTANGLE, 0x67, 1ul, 2ul, 3ul, 4ul, 1ul,
-      million, million, 20ul, 20ul);
-  refuse(finish(f), OPC_IO, "too many shapes for the length of the file");
+  values_put(f, "bbuuuuuuuuu", EDA_OASIS_RECTANGLE, 0x67, 1ul, 2ul, 3ul, 4ul,
+             1ul, million, million, 20ul, 20ul);
+  assert_refused(file_finish(f), OPC_IO,
+                 "too many shapes for the length of the file");
   f = new_cell(); /* bounded memory and time */
-  put(f, "bbuuuuuuuuu", EDA_OASIS_RECTANGLE, 0x67, 1ul, 2ul, 3ul, 4ul, 1ul,
-      1030ul, 1030ul, 20ul, 20ul);
-  refuse(finish(f), OPC_IO, "too many shapes for the length of the file");
+  values_put(f, "bbuuuuuuuuu", EDA_OASIS_RECTANGLE, 0x67, 1ul, 2ul, 3ul, 4ul,
+             1ul, 1030ul, 1030ul, 20ul, 20ul);
+  assert_refused(file_finish(f), OPC_IO,
+                 "too many shapes for the length of the file");
   f = new_cell();
-  put(f, "bbtuuuuuuu", EDA_OASIS_TEXT, 0x47, "T", 1ul, 2ul, 1ul, million,
-      million, 0ul, 0ul);
-  refuse(finish(f), OPC_IO, "too many shapes for the length of the file");
+  values_put(f, "bbtuuuuuuu", EDA_OASIS_TEXT, 0x47, "T", 1ul, 2ul, 1ul, million,
+             million, 0ul, 0ul);
+  assert_refused(file_finish(f), OPC_IO,
+                 "too many shapes for the length of the file");
   f = new_cell(); /* a long name, repeatedly */
   g_autofree char *name = g_strnfill(100000, 'n');
-  put(f, "bbt", EDA_OASIS_PLACEMENT, 0x80, "A");
-  put(f, "bbtuuut", EDA_OASIS_PROPERTY, 0x24, "S_GDS_PROPERTY", 8ul, 61ul, 10ul,
-      name);
+  values_put(f, "bbt", EDA_OASIS_PLACEMENT, 0x80, "A");
+  values_put(f, "bbtuuut", EDA_OASIS_PROPERTY, 0x24, "S_GDS_PROPERTY", 8ul,
+             61ul, 10ul, name);
   for (int i = 0; i < 1000; i++)
-    put(f, "bbb", EDA_OASIS_PLACEMENT, 0, EDA_OASIS_PROPERTY_AGAIN);
-  refuse(finish(f), OPC_IO, "too many shapes for the length of the file");
+    values_put(f, "bbb", EDA_OASIS_PLACEMENT, 0, EDA_OASIS_PROPERTY_AGAIN);
+  assert_refused(file_finish(f), OPC_IO,
+                 "too many shapes for the length of the file");
   f = new_cell(); /* a long polygon, repeatedly */
-  put(f, "bbuuuu", EDA_OASIS_POLYGON, 0x23, 1ul, 2ul, 4ul, 100000ul);
-  for (int i = 0; i < 100000; i++) put(f, "u", 1ul << 4 | (i % 2 ? 2 : 0));
-  for (int i = 0; i < 5000; i++) put(f, "bb", EDA_OASIS_POLYGON, 0);
-  refuse(finish(f), OPC_IO, "too many shapes for the length of the file");
+  values_put(f, "bbuuuu", EDA_OASIS_POLYGON, 0x23, 1ul, 2ul, 4ul, 100000ul);
+  for (int i = 0; i < 100000; i++)
+    values_put(f, "u", 1ul << 4 | (i % 2 ? 2 : 0));
+  for (int i = 0; i < 5000; i++) values_put(f, "bb", EDA_OASIS_POLYGON, 0);
+  assert_refused(file_finish(f), OPC_IO,
+                 "too many shapes for the length of the file");
   f = new_cell();
-  put(f, "bbuuuuuu", EDA_OASIS_RECTANGLE, 0x67, 1ul, 2ul, 3ul, 4ul, 10ul, ~0ul);
-  refuse(finish(f), OPC_IO, "a repetition of too many");
+  values_put(f, "bbuuuuuu", EDA_OASIS_RECTANGLE, 0x67, 1ul, 2ul, 3ul, 4ul, 10ul,
+             ~0ul);
+  assert_refused(file_finish(f), OPC_IO, "a repetition of too many");
   f = new_cell();
-  put(f, "bbuuuuuu", EDA_OASIS_RECTANGLE, 0x67, 1ul, 2ul, 3ul, 4ul, 10ul,
-      1ul << 61);
-  refuse(finish(f), OPC_IO, "at byte ");
+  values_put(f, "bbuuuuuu", EDA_OASIS_RECTANGLE, 0x67, 1ul, 2ul, 3ul, 4ul, 10ul,
+             1ul << 61);
+  assert_refused(file_finish(f), OPC_IO, "at byte ");
 }
 
 int main(int argc, char **argv) {

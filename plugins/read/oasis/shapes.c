@@ -176,8 +176,8 @@ void oasis_read_trapezoid(oasis *o, uint64_t record) {
   int64_t w = o->m.width, h = o->m.height;
   int64_t a0 = a < 0 ? -a : 0, a1 = a > 0 ? a : 0;
   int64_t b0 = b < 0 ? -b : 0, b1 = b > 0 ? b : 0;
-  int64_t room = info & TOP ? h : w; /* length of the parallel sides */
-  if (a0 + b1 > room || a1 + b0 > room) {
+  int64_t side = info & TOP ? h : w; /* length of the parallel sides */
+  if (a0 + b1 > side || a1 + b0 > side) {
     oasis_refuse(o, "a trapezoid whose sides cross");
     return;
   }

@@ -37,7 +37,7 @@ static double ion_of(JsonObject *run) {
       json_object_get_object_member(metrics, "mask.ion"), "value");
 }
 
-static gboolean lacks(JsonNode *root, const char *text) {
+static gboolean page_lacks(JsonNode *root, const char *text) {
   JsonArray *missing =
       json_object_get_array_member(json_node_get_object(root), "missing");
   for (guint i = 0; i < json_array_get_length(missing); i++)
@@ -75,8 +75,8 @@ static void test_experiment(void) {
                     folders[i]);
     g_assert_true(ion_of(run) == 1.5 + i);
   }
-  g_assert_true(lacks(root, "B, y: the run failed"));
-  g_assert_false(lacks(root, "B, x: the run failed"));
+  g_assert_true(page_lacks(root, "B, y: the run failed"));
+  g_assert_false(page_lacks(root, "B, x: the run failed"));
   eda_experiment_free(e);
   for (int i = 0; i < 3; i++) g_free(folders[i]);
 }

@@ -71,7 +71,7 @@ static JsonNode *view_of(eda_mask *m, const char *mapping) {
 
 /* ---- unpacking ---- */
 
-static GBytes *inflate(const char *text) {
+static GBytes *text_inflate(const char *text) {
   gsize size;
   g_autofree guchar *packed = g_base64_decode(text, &size);
   g_autoptr(GConverter) zlib =
@@ -87,8 +87,9 @@ static GBytes *inflate(const char *text) {
   return g_memory_output_stream_steal_as_bytes(G_MEMORY_OUTPUT_STREAM(out));
 }
 
-static GArray *unpack(JsonObject *o, const char *name, guint stride) {
-  g_autoptr(GBytes) bytes = inflate(json_object_get_string_member(o, name));
+static GArray *array_unpack(JsonObject *o, const char *name, guint stride) {
+  g_autoptr(GBytes) bytes =
+      text_inflate(json_object_get_string_member(o, name));
   gsize size;
   const guint8 *b = g_bytes_get_data(bytes, &size);
   GArray *out = g_array_new(FALSE, FALSE, sizeof(gint32));
@@ -105,8 +106,8 @@ static GArray *unpack(JsonObject *o, const char *name, guint stride) {
 
 /* Return the area of closed lines, in their units. */
 static double area_of(JsonObject *shape) {
-  g_autoptr(GArray) sizes = unpack(shape, "sizes", 1);
-  g_autoptr(GArray) p = unpack(shape, "points", 2);
+  g_autoptr(GArray) sizes = array_unpack(shape, "sizes", 1);
+  g_autoptr(GArray) p = array_unpack(shape, "points", 2);
   const gint32 *at = (const gint32 *)p->data;
   double twice = 0;
   for (guint i = 0; i < sizes->len; i++) {
@@ -146,7 +147,8 @@ static void test_areas(void) {
     g_assert_cmpfloat(area_of(shape_of(view, k, "mask")), ==,
                       (double)eda_area2(&m->shapes[k]) / 2);
   }
-  g_autoptr(GArray) boxes = unpack(json_node_get_object(view), "boxes", 4);
+  g_autoptr(GArray) boxes =
+      array_unpack(json_node_get_object(view), "boxes", 4);
   g_assert_cmpuint(boxes->len, ==, 4 * g->count);
   for (size_t i = 0; i < g->count; i++)
     g_assert_cmpmem(&g_array_index(boxes, gint32, 4 * i), sizeof *g->box,
@@ -181,7 +183,7 @@ static void test_contours(void) {
   double found = area_of(s) * unit * unit, exact = island_area(-1.5);
   g_test_message("area %.1f, exact %.1f", found, exact);
   g_assert_cmpfloat_with_epsilon(found, exact, 2e-3 * exact);
-  g_autoptr(GArray) p = unpack(s, "points", 2);
+  g_autoptr(GArray) p = array_unpack(s, "points", 2);
   double worst = 0;
   for (guint i = 0; i + 1 < p->len; i += 2) {
     double x = g_array_index(p, gint32, i) * unit;
@@ -201,7 +203,8 @@ static void test_image(void) {
   g_autoptr(JsonNode) view = view_of(m, "{}");
   JsonObject *o =
       json_object_get_object_member(json_node_get_object(view), "image");
-  g_autoptr(GBytes) bytes = inflate(json_object_get_string_member(o, "bytes"));
+  g_autoptr(GBytes) bytes =
+      text_inflate(json_object_get_string_member(o, "bytes"));
   gsize size, columns = (gsize)json_object_get_int_member(o, "columns");
   const guint8 *grey = g_bytes_get_data(bytes, &size);
   double pixel = json_object_get_double_member(o, "pixel");
@@ -245,7 +248,7 @@ static void test_worst(void) {
   m->flags[0] = EDA_PRINT_OPEN;
   g_autoptr(JsonNode) other = view_of(m, "{ whole: 1, worst: 1 }");
   g_assert_nonnull(shape_of(other, 0, "drawn"));
-  g_autoptr(GArray) all = unpack(json_node_get_object(other), "boxes", 4);
+  g_autoptr(GArray) all = array_unpack(json_node_get_object(other), "boxes", 4);
   g_assert_cmpuint(all->len, ==, 8);
   eda_mask_free(m);
 }

@@ -37,19 +37,19 @@ static void test_constant(void) {
 static const double period = 400, mean = 0.55, first = -0.3, second = 0.08;
 
 /* Return an image along x and its derivative. */
-static double image(double x, double *slope) {
+static double line_image(double x, double *slope) {
   double w = 2 * M_PI / period;
   *slope = -w * (first * sin(w * x) + 2 * second * sin(2 * w * x));
   return mean + first * cos(w * x) + second * cos(2 * w * x);
 }
 
 /* Compute M and S at x by a sum over a grid of 0.25 nm. */
-static void integrate(double x, double radius, double slope_radius, double *m,
-                      double *s) {
+static void moments_integrate(double x, double radius, double slope_radius,
+                              double *m, double *s) {
   double sums[2] = {0}, weights[2] = {0}, r[2] = {radius, slope_radius};
   for (int k = 0; k < 2; k++) {
     for (double t = -2 * r[k]; t <= 2 * r[k]; t += 0.25) {
-      double slope, value = image(x + t, &slope),
+      double slope, value = line_image(x + t, &slope),
                     g = exp(-2 * t * t / (r[k] * r[k]));
       sums[k] += g * (k ? slope * slope : pow(value, 8));
       weights[k] += g;
@@ -66,7 +66,7 @@ static eda_field make_image(int axis) {
   for (int i = 0; i < 256; i++) {
     double slope;
     f.coefficients[i] =
-        (float)image((axis ? i / 16 : i % 16) * period / 16, &slope);
+        (float)line_image((axis ? i / 16 : i % 16) * period / 16, &slope);
   }
   eda_field_from_samples(host->context, &f);
   return f;
@@ -94,9 +94,9 @@ static void test_definition(void) {
       g_assert_cmpint(resist->print(m->self, EDA_POLY, &f, &error), ==, OPC_OK);
       for (double x = 0; x < period; x += 3.7) {
         double maximum, s, slope;
-        integrate(x, 150, 50, &maximum, &s);
-        double level =
-            0.1 + 0.3 * maximum + 7 * s - 3 * maximum * s - image(x, &slope);
+        moments_integrate(x, 150, 50, &maximum, &s);
+        double level = 0.1 + 0.3 * maximum + 7 * s - 3 * maximum * s -
+                       line_image(x, &slope);
         double other = 10, got;
         eda_field_sample(&f, tone ? &other : &x, tone ? &x : &other, 1, &got);
         worst = fmax(worst, fabs(got - (tone ? -level : level)));

@@ -11,7 +11,7 @@ enum { SIDE = 24, PIXELS = SIDE * SIDE };
 static const iccad_tile tile = {.side = SIDE};
 
 /* Compute for each pixel the least index + 1 of its connected set. */
-static void spread(const uint8_t *pixels, int *number) {
+static void pixels_spread(const uint8_t *pixels, int *number) {
   static const int dx[] = {1, -1, 0, 0}, dy[] = {0, 0, 1, -1};
   int again = 1;
   for (int i = 0; i < PIXELS; i++) number[i] = pixels[i] ? i + 1 : 0;
@@ -29,7 +29,7 @@ static void spread(const uint8_t *pixels, int *number) {
   }
 }
 
-static int overlap(const int *a, int in_a, const int *b, int in_b) {
+static int sets_overlap(const int *a, int in_a, const int *b, int in_b) {
   for (int i = 0; i < PIXELS; i++)
     if (a[i] == in_a && b[i] == in_b) return 1;
   return 0;
@@ -43,7 +43,7 @@ static void meetings(const int *a, const int *b, int64_t *none, int64_t *more) {
     if (a[i] != i + 1) continue;
     int met = 0;
     for (int j = 0; j < PIXELS; j++)
-      if (b[j] == j + 1) met += overlap(a, i + 1, b, j + 1);
+      if (b[j] == j + 1) met += sets_overlap(a, i + 1, b, j + 1);
     *none += !met;
     if (met) *more += met - 1;
   }
@@ -60,8 +60,8 @@ static void test_random(void) {
       target[i] = g_rand_double(rand) < part;
       print[i] = g_rand_double(rand) < 0.2 ? !target[i] : target[i];
     }
-    spread(target, feature);
-    spread(print, piece);
+    pixels_spread(target, feature);
+    pixels_spread(print, piece);
     iccad_features got = iccad_compare(&tile, target, print), want;
     meetings(feature, piece, &want.lost, &want.broken);
     meetings(piece, feature, &want.extra, &want.bridged);

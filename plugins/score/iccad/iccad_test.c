@@ -17,7 +17,7 @@ static const eda_gates gates = {
     .grid = 1, .extent = {0, 0, 200, 60}, .layers = 1, .drawn = drawn};
 static eda_mask mask = {.gates = &gates, .shapes = drawn};
 
-static opc_module *score(const char *more) {
+static opc_module *score_module(const char *more) {
   opc_error error;
   g_autofree char *p = g_strdup_printf("{ %s }", more);
   opc_module *m = opc_test_module("score.iccad", p, &error);
@@ -25,7 +25,7 @@ static opc_module *score(const char *more) {
   return m;
 }
 
-static void expect(const char *column, double value) {
+static void assert_value(const char *column, double value) {
   g_assert_cmpfloat(opc_test_number("iccad", column, 0), ==, value);
 }
 
@@ -54,24 +54,24 @@ static void test_extremes(void) {
         "1024 nm, focus: '%s' }, resist: { use: resist.threshold, tone: %s, "
         "threshold: 0.5, active_threshold: 0.5 }",
         kernel, all ? "dark" : "bright");
-    g_autoptr(opc_module) m = score(p);
+    g_autoptr(opc_module) m = score_module(p);
     opc_error error;
     opc_test_input(m, "mask", &mask);
     if (opc_test_run(m, NULL, &error)) g_error("%s", error.message);
-    expect("sites", 10);
-    expect("epe_inner", all ? 0 : 10);
-    expect("epe_outer", all ? 10 : 0);
-    expect("l2", all ? 1024 * 1024 - 200 * 60 : 200 * 60);
-    expect("pvb", 0);
-    expect("shots", 1);
-    expect("lost", all ? 0 : 3);
-    expect("bridged", 0);
+    assert_value("sites", 10);
+    assert_value("epe_inner", all ? 0 : 10);
+    assert_value("epe_outer", all ? 10 : 0);
+    assert_value("l2", all ? 1024 * 1024 - 200 * 60 : 200 * 60);
+    assert_value("pvb", 0);
+    assert_value("shots", 1);
+    assert_value("lost", all ? 0 : 3);
+    assert_value("bridged", 0);
     g_assert_cmpfloat(opc_test_metric("epe"), ==, 10);
   }
 }
 
 static void test_refused(void) {
-  g_autoptr(opc_module) m = score(
+  g_autoptr(opc_module) m = score_module(
       "tile: 128 nm, litho: { use: litho.hopkins }, resist: { use: "
       "resist.threshold, threshold: 0.4, active_threshold: 0.4 }");
   opc_error error;
@@ -101,7 +101,7 @@ static void test_clip(void) {
       "resist.threshold, tone: bright, threshold: 0.225, active_threshold: "
       "0.225 }",
       folder, folder);
-  g_autoptr(opc_module) m = score(p);
+  g_autoptr(opc_module) m = score_module(p);
   const eda_gates *g = edges[0];
   eda_mask drawn_mask = {.gates = g, .shapes = g->drawn};
   opc_test_input(m, "mask", &drawn_mask);

@@ -23,8 +23,8 @@ static eda_layout *make_layout(int layers) {
   return l;
 }
 
-static int segment(eda_layout *layout, const char *parameters, void **out,
-                   opc_module **m, opc_error *error) {
+static int layout_segment(eda_layout *layout, const char *parameters,
+                          void **out, opc_module **m, opc_error *error) {
   *m = opc_test_module("segment.edges", parameters, error);
   g_assert_nonnull(*m);
   opc_test_input(*m, "layout", layout);
@@ -36,7 +36,7 @@ static void test_shapes(void) {
   void *out[1];
   eda_layout *layout = make_layout(1);
   g_autoptr(opc_module) m = NULL;
-  g_assert_cmpint(segment(layout, "{ grid: 2 nm }", out, &m, &error), ==,
+  g_assert_cmpint(layout_segment(layout, "{ grid: 2 nm }", out, &m, &error), ==,
                   OPC_OK);
   const eda_gates *g = out[0];
   g_assert_cmpuint(g->count, ==, 0);
@@ -80,7 +80,7 @@ static void test_slanted(void) {
                                &error),
         ==, OPC_OK);
     g_autoptr(opc_module) m = NULL;
-    int code = segment(l, "{}", out, &m, &error);
+    int code = layout_segment(l, "{}", out, &m, &error);
     if (off == 2) {
       const eda_gates *g = out[0];
       g_assert_cmpint(code, ==, OPC_OK);
@@ -95,22 +95,24 @@ static void test_slanted(void) {
   }
 }
 
-static void refuse(int layers, const char *parameters, const char *message) {
+static void assert_refused(int layers, const char *parameters,
+                           const char *message) {
   opc_error error;
   void *out[1];
   eda_layout *layout = make_layout(layers);
   g_autoptr(opc_module) m = NULL;
-  g_assert_cmpint(segment(layout, parameters, out, &m, &error), !=, OPC_OK);
+  g_assert_cmpint(layout_segment(layout, parameters, out, &m, &error), !=,
+                  OPC_OK);
   if (!strstr(error.message, message))
     g_error("'%s' instead of '%s'", error.message, message);
   eda_layout_free(layout);
 }
 
 static void test_refused(void) {
-  refuse(1, "{ layer: M7 }", "no layer 'M7'");
-  refuse(2, "{}", "2 layers");
-  refuse(2, "{ layer: M2 }", "'M2' is empty");
-  refuse(1, "{ top: NONE }", "no cell 'NONE'");
+  assert_refused(1, "{ layer: M7 }", "no layer 'M7'");
+  assert_refused(2, "{}", "2 layers");
+  assert_refused(2, "{ layer: M2 }", "'M2' is empty");
+  assert_refused(1, "{ top: NONE }", "no cell 'NONE'");
 }
 
 int main(int argc, char **argv) {

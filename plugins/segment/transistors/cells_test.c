@@ -123,7 +123,7 @@ static void test_c432(void) {
   opc_module *reader = read_gds("iscas85/c432/c432.gds", 1.3, &layout);
   if (!reader) return;
   opc_test_forget();
-  result r = segment(layout, "{}");
+  result r = layout_segment(layout, "{}");
   const eda_gates *g = r.gates;
   check_all(g);
   g_assert_cmpuint(g->count, ==, 820);

@@ -35,8 +35,8 @@ static inline void box(drawing *d, const char *layer, int32_t x0, int32_t y0,
 
 /* 1: x and y are exchanged. */
 static int swap;
-static inline void draw(drawing *d, const char *layer, int32_t x0, int32_t y0,
-                        int32_t x1, int32_t y1) {
+static inline void drawing_box(drawing *d, const char *layer, int32_t x0,
+                               int32_t y0, int32_t x1, int32_t y1) {
   if (swap)
     box(d, layer, y0, x0, y1, x1);
   else
@@ -50,7 +50,7 @@ typedef struct result {
   void *gates;
 } result;
 
-static inline result segment(void *layout, const char *map) {
+static inline result layout_segment(void *layout, const char *map) {
   opc_error error;
   result r = {opc_test_module("segment.transistors", map, &error), NULL};
   if (!r.module) g_error("%s", error.message);
@@ -64,8 +64,8 @@ static inline void result_free(result *r) {
   opc_test_module_free(r->module);
 }
 
-static inline void refused(drawing *d, const char *map, int code,
-                           const char *message) {
+static inline void assert_refused(drawing *d, const char *map, int code,
+                                  const char *message) {
   opc_error error;
   void *out;
   g_autoptr(opc_module) m = opc_test_module("segment.transistors", map, &error);
@@ -183,7 +183,7 @@ static inline void check_all(const eda_gates *g) {
 
 static inline void segment_is(drawing *d, const char *map, const char *gates,
                               const char *poly, const char *active) {
-  result r = segment(d->layout, map);
+  result r = layout_segment(d->layout, map);
   const eda_gates *g = r.gates;
   check_all(g);
   g_autofree char *got = tell_gates(g);
@@ -197,7 +197,7 @@ static inline void segment_is(drawing *d, const char *map, const char *gates,
 }
 
 static inline void draw_single(drawing *d) {
-  draw(d, "active", 0, 0, 400, 200);
-  draw(d, "poly", 150, -100, 215, 300);
-  draw(d, "nimplant", -50, -50, 450, 250);
+  drawing_box(d, "active", 0, 0, 400, 200);
+  drawing_box(d, "poly", 150, -100, 215, 300);
+  drawing_box(d, "nimplant", -50, -50, 450, 250);
 }

@@ -39,7 +39,7 @@ static void draw_gate(drawing *d) {
   box(d, "poly", 201, -300, 252, 700);
 }
 
-static opc_module *segment(void *layout, void **gates) {
+static opc_module *layout_segment(void *layout, void **gates) {
   opc_error error;
   opc_test_forget();
   opc_module *m = opc_test_module("segment.transistors", "{}", &error);
@@ -50,9 +50,9 @@ static opc_module *segment(void *layout, void **gates) {
 }
 
 /* Assert the size of the first gate within `error` nm. */
-static void check(drawing *d, double length, double width, double error) {
+static void assert_size(drawing *d, double length, double width, double error) {
   void *out;
-  opc_module *m = segment(d->layout, &out);
+  opc_module *m = layout_segment(d->layout, &out);
   const eda_gates *g = out;
   g_test_message("L %.6f, W %.6f nm", g->length[0], g->width[0]);
   g_assert_cmpfloat(fabs(g->length[0] - length), <, error);
@@ -66,7 +66,7 @@ static void check(drawing *d, double length, double width, double error) {
 static void test_unit(void) {
   drawing d = drawing_new(0.65);
   draw_gate(&d);
-  check(&d, 51 * 0.65, 401 * 0.65, 1e-9);
+  assert_size(&d, 51 * 0.65, 401 * 0.65, 1e-9);
   eda_layout_free(d.layout);
 }
 
@@ -83,7 +83,7 @@ static void test_magnified(void) {
                      .rows = 1};
   g_assert_false(
       eda_layout_add_instance(d.layout, top, d.cell, &p, NULL, &error));
-  check(&d, 51 * 0.5 * 1.037, 401 * 0.5 * 1.037, 0.5 / 16 + 1e-9);
+  assert_size(&d, 51 * 0.5 * 1.037, 401 * 0.5 * 1.037, 0.5 / 16 + 1e-9);
   eda_layout_free(d.layout);
 }
 
@@ -93,7 +93,7 @@ static void test_fine_unit(void) {
   box(&d, "nwell", 0, 0, 1000, 1000);
   box(&d, "active", 800000000, 0, 800600000, 401000);
   box(&d, "poly", 800200000, -300000, 800251001, 700000);
-  check(&d, 51001 * 0.0011, 401000 * 0.0011, 1e-9);
+  assert_size(&d, 51001 * 0.0011, 401000 * 0.0011, 1e-9);
   eda_layout_free(d.layout);
 }
 
@@ -104,7 +104,7 @@ static void test_stepped(void) {
   box(&d, "active", 0, 0, 2300, 4003);
   box(&d, "active", 2300, 0, 6000, 4001);
   box(&d, "poly", 2000, -3000, 2651, 7000);
-  check(&d, 65, 400, 1e-9);
+  assert_size(&d, 65, 400, 1e-9);
   g_assert_nonnull(strstr(opc_test_log(), "1 gate is not drawn as a rect"));
   eda_layout_free(d.layout);
 }
@@ -115,7 +115,7 @@ static int by_text(const void *a, const void *b) {
   return strcmp(*(char *const *)a, *(char *const *)b);
 }
 
-static char *tell(const char *cell, char type, double l, double w) {
+static char *size_text(const char *cell, char type, double l, double w) {
   return g_strdup_printf("%s %c %.4f %.4f", cell, type, l, w);
 }
 
@@ -127,9 +127,10 @@ static void read_line(const char *line, double scale, char *cell,
   const char *last = strrchr(line, ' ');
   (void)sscanf(line, ".SUBCKT %63s", cell);
   if (*line == 'M')
-    g_ptr_array_add(devices, tell(cell, strstr(line, "PMOS") ? 'p' : 'n',
-                                  1000 * scale * g_ascii_strtod(l + 3, NULL),
-                                  1000 * scale * g_ascii_strtod(w + 3, NULL)));
+    g_ptr_array_add(devices,
+                    size_text(cell, strstr(line, "PMOS") ? 'p' : 'n',
+                              1000 * scale * g_ascii_strtod(l + 3, NULL),
+                              1000 * scale * g_ascii_strtod(w + 3, NULL)));
   for (guint i = 0; *line == 'X' && i < devices->len; i++) {
     const char *d = devices->pdata[i];
     size_t n = strlen(last + 1);
@@ -165,7 +166,7 @@ static void test_c432(void) {
   opc_module *reader = opc_test_module("read.gds", map, &error);
   if (!reader || opc_test_run(reader, &layout, &error))
     g_error("%s", error.message);
-  opc_module *m = segment(layout, &out);
+  opc_module *m = layout_segment(layout, &out);
   const eda_gates *g = out;
   g_autofree char *netlist = data_path("iscas85/c432/c432.sp");
   g_autoptr(GPtrArray) want = read_netlist(netlist, 1.3);
@@ -175,8 +176,8 @@ static void test_c432(void) {
     eda_box b = g->box[i];
     double on_grid = g->grid * (g->axis[i] ? b.x1 - b.x0 : b.y1 - b.y0);
     off = fmax(off, fabs(on_grid - g->width[i]));
-    g_ptr_array_add(
-        got, tell(g->cell[i], "np"[g->type[i]], g -> length[i], g -> width[i]));
+    g_ptr_array_add(got, size_text(g->cell[i], "np"[g->type[i]], g -> length[i],
+                                   g -> width[i]));
   }
   qsort(got->pdata, got->len, sizeof *got->pdata, by_text);
   g_assert_cmpuint(got->len, ==, want->len);

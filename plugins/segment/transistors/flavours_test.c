@@ -23,7 +23,7 @@ static void box(const char *layer, int32_t x0, int32_t y0, int32_t x1,
 
 /* Draw GATES n-transistors in a row, L 150 and W 600, and one distant
    n-well. */
-static void draw(void) {
+static void gates_draw(void) {
   opc_error error;
   layout = eda_layout_new(1, &error);
   (void)eda_layout_cell(layout, "TOP", &error);
@@ -35,12 +35,12 @@ static void draw(void) {
 }
 
 /* Draw a marker that covers the gates a .. b. */
-static void mark(const char *layer, int32_t a, int32_t b) {
+static void gates_mark(const char *layer, int32_t a, int32_t b) {
   box(layer, PITCH * a - 200, -200, PITCH * b + 900, 800);
 }
 
-static opc_module *segment(const char *map, void **gates, int expect,
-                           opc_error *error) {
+static opc_module *layout_segment(const char *map, void **gates, int expect,
+                                  opc_error *error) {
   opc_module *m = opc_test_module("segment.transistors", map, error);
   if (!m) g_error("%s", error->message);
   opc_test_input(m, "layout", layout);
@@ -52,7 +52,7 @@ static opc_module *segment(const char *map, void **gates, int expect,
 static void expect_flavours(const char *map, const char *want) {
   opc_error error;
   void *gates;
-  g_autoptr(opc_module) m = segment(map, &gates, OPC_OK, &error);
+  g_autoptr(opc_module) m = layout_segment(map, &gates, OPC_OK, &error);
   g_autoptr(GString) is = g_string_new(NULL);
   for (size_t i = 0; i < GATES; i++)
     g_string_append_printf(
@@ -65,7 +65,7 @@ static void expect_flavours(const char *map, const char *want) {
 static void expect_refused(const char *map, const char *want) {
   opc_error error;
   void *gates;
-  g_autoptr(opc_module) m = segment(map, &gates, OPC_INVALID, &error);
+  g_autoptr(opc_module) m = layout_segment(map, &gates, OPC_INVALID, &error);
   if (!g_pattern_match_simple(want, error.message))
     g_error("%s", error.message);
 }
@@ -73,10 +73,10 @@ static void expect_refused(const char *map, const char *want) {
 /* Test that of two flavours that cover a gate the one with more markers
    counts. */
 static void test_markers(void) {
-  draw();
+  gates_draw();
   expect_flavours("{}", "- - - -");
-  mark("LVTN", 1, 2);
-  mark("HVI", 2, 3);
+  gates_mark("LVTN", 1, 2);
+  gates_mark("HVI", 2, 3);
   expect_flavours("{ flavours: { lvt: LVTN } }", "- lvt lvt -");
   expect_flavours("{ flavours: { lvt: LVTN, hv: HVI, nvt: HVI LVTN } }",
                   "- lvt nvt hv");
@@ -117,9 +117,9 @@ static void test_currents(void) {
   opc_error error;
   void *gates;
   g_autoptr(GString) text = g_string_new(NULL);
-  draw();
-  mark("LVTN", 1, 2);
-  mark("HVI", 2, 3);
+  gates_draw();
+  gates_mark("LVTN", 1, 2);
+  gates_mark("HVI", 2, 3);
   put_table(text, ion[0]);
   g_string_append(text, "---\nflavour: lvt\n");
   put_table(text, ion[1]);
@@ -129,7 +129,7 @@ static void test_currents(void) {
       g_build_filename(opc_test_folder(), "devices.yaml", NULL);
   g_autofree char *map = g_strdup_printf("{ devices: '%s' }", path);
   g_assert_true(g_file_set_contents(path, text->str, -1, NULL));
-  g_autoptr(opc_module) m = segment(
+  g_autoptr(opc_module) m = layout_segment(
       "{ flavours: { lvt: LVTN, hv: HVI, nvt: HVI LVTN } }", &gates, 0, &error);
   eda_performance out;
   eda_performance_init(&out, GATES);

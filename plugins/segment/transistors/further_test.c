@@ -19,11 +19,11 @@ static void test_also(void) {
   for (int contacts = 0; contacts < 2; contacts++) {
     drawing d = drawing_new();
     draw_single(&d);
-    draw(&d, "M1", 2000, 0, 2100, 50);
-    draw(&d, "M1", 2050, 50, 2100, 90);
-    draw(&d, "M2", 0, 0, 10, 10);
-    if (contacts) draw(&d, "contact", 20, 20, 80, 80);
-    result r = segment(d.layout, "{ also: { metal2: M2, metal1: M1 } }");
+    drawing_box(&d, "M1", 2000, 0, 2100, 50);
+    drawing_box(&d, "M1", 2050, 50, 2100, 90);
+    drawing_box(&d, "M2", 0, 0, 10, 10);
+    if (contacts) drawing_box(&d, "contact", 20, 20, 80, 80);
+    result r = layout_segment(d.layout, "{ also: { metal2: M2, metal1: M1 } }");
     const eda_gates *g = r.gates;
     size_t first = contacts ? 3 : 2;
     check_owned(g);
@@ -63,12 +63,13 @@ static void test_also_refused(void) {
   }
   drawing d = drawing_new();
   draw_single(&d);
-  refused(&d, "{ also: { metal1: M1 } }", OPC_INVALID,
-          "the layout has no layer 'M1'");
+  assert_refused(&d, "{ also: { metal1: M1 } }", OPC_INVALID,
+                 "the layout has no layer 'M1'");
   d = drawing_new();
   draw_single(&d);
   eda_layout_layer(d.layout, "M1", &error);
-  refused(&d, "{ also: { metal1: M1 } }", OPC_INVALID, "layer 'M1' is empty");
+  assert_refused(&d, "{ also: { metal1: M1 } }", OPC_INVALID,
+                 "layer 'M1' is empty");
 }
 
 /* ---- notes ---- */
@@ -95,10 +96,10 @@ static drawing noted(drawing *inverter) {
   drawing d = drawing_new();
   *inverter = d;
   inverter->cell = eda_layout_cell(d.layout, "INV", &error);
-  draw(inverter, "active", 0, 0, 300, 100);
-  draw(inverter, "active", 0, 400, 300, 600);
-  draw(inverter, "nwell", -100, 300, 400, 700);
-  draw(inverter, "poly", 100, -100, 165, 700);
+  drawing_box(inverter, "active", 0, 0, 300, 100);
+  drawing_box(inverter, "active", 0, 400, 300, 600);
+  drawing_box(inverter, "nwell", -100, 300, 400, 700);
+  drawing_box(inverter, "poly", 100, -100, 165, 700);
   write_note(inverter, 100, 0, "weight=2");
   for (int i = 0; i < 4; i++)
     g_assert_cmpint(eda_layout_add_instance(d.layout, d.cell, inverter->cell,
@@ -116,7 +117,7 @@ static void test_notes(void) {
   write_note(&d, 1130, 500, "ion=0.9");
   write_note(&d, 1131, 501, "ion=0.9");
   opc_test_forget();
-  result r = segment(d.layout, "{ top: TOP }");
+  result r = layout_segment(d.layout, "{ top: TOP }");
   const eda_gates *g = r.gates;
   g_assert_cmpuint(g->count, ==, 14);
   for (size_t i = 0; i < g->count; i++) {
@@ -136,21 +137,23 @@ static void test_notes(void) {
   /* 1 nm beside the gate, in every instance. */
   write_note(&inverter, 166, 50, "lost");
   opc_test_forget();
-  r = segment(d.layout, "{ top: TOP }");
+  r = layout_segment(d.layout, "{ top: TOP }");
   g_assert_nonnull(strstr(opc_test_log(),
                           "texts of layer 'notes' on no transistor: 7, the "
                           "first 'lost' at (1166, 50) nm, instance 'X1'"));
   opc_test_release(r.module, &r.gates);
   opc_test_module_free(r.module);
   write_note(&inverter, 130, 50, "weight=3");
-  refused(&d, "{ top: TOP }", OPC_INVALID,
-          "transistor 'X2:2' has two notes: 'weight=2', and at (-50, 2130) nm "
-          "'weight=3'");
+  assert_refused(
+      &d, "{ top: TOP }", OPC_INVALID,
+      "transistor 'X2:2' has two notes: 'weight=2', and at (-50, 2130) nm "
+      "'weight=3'");
   drawing bad = drawing_new();
   draw_single(&bad);
   write_note(&bad, 160, 100, "wieght=2");
-  refused(&bad, "{}", OPC_INVALID,
-          "note of 'TOP:1': unknown word 'wieght', did you mean 'weight'?");
+  assert_refused(
+      &bad, "{}", OPC_INVALID,
+      "note of 'TOP:1': unknown word 'wieght', did you mean 'weight'?");
 }
 
 /* Test a missing layer, a layer without texts, and a coarse grid. */
@@ -158,12 +161,12 @@ static void test_no_notes(void) {
   opc_error error;
   drawing d = drawing_new();
   draw_single(&d);
-  result r = segment(d.layout, "{}");
+  result r = layout_segment(d.layout, "{}");
   g_assert_null(((const eda_gates *)r.gates)->goal);
   opc_test_release(r.module, &r.gates);
   opc_test_module_free(r.module);
   eda_layout_layer(d.layout, "notes", &error);
-  r = segment(d.layout, "{}");
+  r = layout_segment(d.layout, "{}");
   const eda_gates *g = r.gates;
   g_assert_nonnull(g->goal);
   for (size_t i = 0; i < g->count; i++)
@@ -172,7 +175,7 @@ static void test_no_notes(void) {
   opc_test_release(r.module, &r.gates);
   opc_test_module_free(r.module);
   write_note(&d, b.x1, b.y1, "area=1.5");
-  r = segment(d.layout, "{ grid: 5 nm }");
+  r = layout_segment(d.layout, "{ grid: 5 nm }");
   g = r.gates;
   g_assert_cmpfloat(g->goal[0].target[EDA_GOAL_AREA], ==, 1.5);
   opc_test_release(r.module, &r.gates);

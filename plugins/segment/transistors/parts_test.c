@@ -24,7 +24,7 @@ typedef struct drawing {
   int turned; /* 1: the line is along x */
 } drawing;
 
-static drawing draw(void) {
+static drawing parts_draw(void) {
   drawing d = {.before = by_lot(20, 260),
                .past = by_lot(20, 260),
                .width = {by_lot(90, 300), by_lot(90, 300)},
@@ -37,8 +37,8 @@ static drawing draw(void) {
   return d;
 }
 
-static void put(eda_layout *l, int32_t cell, const char *layer, int turned,
-                eda_box b) {
+static void box_put(eda_layout *l, int32_t cell, const char *layer, int turned,
+                    eda_box b) {
   opc_error error;
   if (turned) b = (eda_box){b.y0, b.x0, b.y1, b.x1};
   g_assert_cmpint(eda_layout_add_box(
@@ -51,11 +51,11 @@ static eda_layout *layout_of(const drawing *d) {
   eda_layout *l = eda_layout_new(1, &error);
   int32_t cell = eda_layout_cell(l, "TOP", &error), x0 = -d->beside[0];
   int32_t x1 = L + d->beside[1], second = d->width[0] + d->gap;
-  put(l, cell, "active", d->turned, (eda_box){x0, 0, x1, d->width[0]});
-  put(l, cell, "active", d->turned,
-      (eda_box){x0, second, x1, second + d->width[1]});
-  put(l, cell, "nimplant", d->turned, (eda_box){-500, -900, 900, 1900});
-  put(l, cell, "poly", d->turned, (eda_box){0, -d->before, L, d->end});
+  box_put(l, cell, "active", d->turned, (eda_box){x0, 0, x1, d->width[0]});
+  box_put(l, cell, "active", d->turned,
+          (eda_box){x0, second, x1, second + d->width[1]});
+  box_put(l, cell, "nimplant", d->turned, (eda_box){-500, -900, 900, 1900});
+  box_put(l, cell, "poly", d->turned, (eda_box){0, -d->before, L, d->end});
   return l;
 }
 
@@ -98,7 +98,7 @@ static void assert_piece(const drawing *d, const eda_fragment *f,
 
 static void test_line(void) {
   for (int n = 0; n < 150; n++) {
-    drawing d = draw();
+    drawing d = parts_draw();
     opc_error error;
     void *out = NULL;
     g_autofree char *p = g_strdup_printf("{ overhang: %d nm, line_end: %d nm }",

@@ -11,23 +11,24 @@ static void type_is(const char *layers, int code, const char *want) {
   static const char letters[] = "npNP";
   static const char *const names[] = {"nwell", "pwell", "nimplant", "pimplant"};
   drawing d = drawing_new();
-  draw(&d, "active", 0, 0, 400, 200);
-  draw(&d, "poly", 150, -100, 215, 300);
+  drawing_box(&d, "active", 0, 0, 400, 200);
+  drawing_box(&d, "poly", 150, -100, 215, 300);
   int shift = 0;
   for (const char *c = layers; *c; c++) {
     if (*c == '(') shift = 1000;
     if (*c == ')') shift = 0;
     if (*c == '<') shift = 580;
     const char *l = strchr(letters, *c);
-    if (l) draw(&d, names[l - letters], -400 + shift, -400, 600 + shift, 600);
+    if (l)
+      drawing_box(&d, names[l - letters], -400 + shift, -400, 600 + shift, 600);
   }
   if (code) {
     g_autofree char *message = g_strdup_printf(
         "transistor from (150, 0) to (215, 200) nm, cell 'TOP': %s", want);
-    refused(&d, "{}", code, message);
+    assert_refused(&d, "{}", code, message);
     return;
   }
-  result r = segment(d.layout, "{}");
+  result r = layout_segment(d.layout, "{}");
   const eda_gates *g = r.gates;
   g_assert_cmpuint(g->count, ==, 1);
   g_assert_true("np"[g->type[0]] == *want);
@@ -72,12 +73,12 @@ static void test_no_well(void) {
     for (int shapes = 0; shapes < 2; shapes++) {
       opc_error error;
       drawing d = drawing_new();
-      draw(&d, "active", 0, 0, 400, 200);
-      draw(&d, "poly", 150, -100, 215, 300);
+      drawing_box(&d, "active", 0, 0, 400, 200);
+      drawing_box(&d, "poly", 150, -100, 215, 300);
       g_assert_cmpint(eda_layout_layer(d.layout, wells[k], &error), >=, 0);
-      if (shapes) draw(&d, wells[k], 1000, 0, 1100, 100);
+      if (shapes) drawing_box(&d, wells[k], 1000, 0, 1100, 100);
       opc_test_forget();
-      result r = segment(d.layout, "{}");
+      result r = layout_segment(d.layout, "{}");
       g_autofree char *want = g_strdup_printf(
           "layer '%s' has no shape, so that all transistors are "
           "%c-transistors",
@@ -92,18 +93,19 @@ static void test_no_well(void) {
 
 static void test_refused(void) {
   drawing d = drawing_new();
-  draw(&d, "active", 0, 0, 400, 200);
-  refused(&d, "{}", OPC_INVALID,
-          "no transistors: the layout has no layer 'poly', but active; name "
-          "the layer in 'layers' of the reader");
+  drawing_box(&d, "active", 0, 0, 400, 200);
+  assert_refused(&d, "{}", OPC_INVALID,
+                 "no transistors: the layout has no layer 'poly', but active; "
+                 "name the layer in 'layers' of the reader");
   d = drawing_new();
-  draw(&d, "active", 0, 0, 400, 200);
-  draw(&d, "poly", 400, 0, 465, 200);
-  refused(&d, "{}", OPC_INVALID,
-          "no transistors: layers 'poly' and 'active' do not overlap");
+  drawing_box(&d, "active", 0, 0, 400, 200);
+  drawing_box(&d, "poly", 400, 0, 465, 200);
+  assert_refused(&d, "{}", OPC_INVALID,
+                 "no transistors: layers 'poly' and 'active' do not overlap");
   d = drawing_new();
   draw_single(&d);
-  refused(&d, "{ top: NAND }", OPC_INVALID, "the layout has no cell 'NAND'");
+  assert_refused(&d, "{ top: NAND }", OPC_INVALID,
+                 "the layout has no cell 'NAND'");
 
   static const struct {
     eda_box poly[2];
@@ -137,26 +139,27 @@ static void test_refused(void) {
     g_autofree char *message =
         g_strdup_printf("transistor from %s", bad[i].fault);
     d = drawing_new();
-    draw(&d, "active", 0, 0, 400, 200);
-    draw(&d, "nwell", 0, 0, 1, 1);
+    drawing_box(&d, "active", 0, 0, 400, 200);
+    drawing_box(&d, "nwell", 0, 0, 1, 1);
     for (int k = 0; k < 2 && bad[i].poly[k].x1; k++)
-      draw(&d, "poly", bad[i].poly[k].x0, bad[i].poly[k].y0, bad[i].poly[k].x1,
-           bad[i].poly[k].y1);
-    refused(&d, "{}", OPC_INVALID, message);
+      drawing_box(&d, "poly", bad[i].poly[k].x0, bad[i].poly[k].y0,
+                  bad[i].poly[k].x1, bad[i].poly[k].y1);
+    assert_refused(&d, "{}", OPC_INVALID, message);
   }
 }
 
 static void test_refused_shapes(void) {
   /* A ring of poly on active; a slanted edge. */
   drawing d = drawing_new();
-  draw(&d, "active", 0, 0, 500, 500);
-  draw(&d, "poly", 100, 100, 400, 150);
-  draw(&d, "poly", 100, 350, 400, 400);
-  draw(&d, "poly", 100, 100, 150, 400);
-  draw(&d, "poly", 350, 100, 400, 400);
-  refused(&d, "{}", OPC_INVALID,
-          "transistor from (100, 100) to (400, 400) nm, cell 'TOP': poly ends "
-          "on active");
+  drawing_box(&d, "active", 0, 0, 500, 500);
+  drawing_box(&d, "poly", 100, 100, 400, 150);
+  drawing_box(&d, "poly", 100, 350, 400, 400);
+  drawing_box(&d, "poly", 100, 100, 150, 400);
+  drawing_box(&d, "poly", 350, 100, 400, 400);
+  assert_refused(
+      &d, "{}", OPC_INVALID,
+      "transistor from (100, 100) to (400, 400) nm, cell 'TOP': poly ends "
+      "on active");
   d = drawing_new();
   draw_single(&d);
   opc_error error;
@@ -164,9 +167,10 @@ static void test_refused_shapes(void) {
   eda_layout_add_polygon(d.layout, d.cell,
                          eda_layout_layer(d.layout, "poly", &error), slanted, 3,
                          &error);
-  refused(&d, "{}", OPC_INVALID,
-          "layer 'poly', in units of 1 nm: slanted edge from (100, 0) to (0, "
-          "100)");
+  assert_refused(
+      &d, "{}", OPC_INVALID,
+      "layer 'poly', in units of 1 nm: slanted edge from (100, 0) to (0, "
+      "100)");
 }
 
 int main(int argc, char **argv) {

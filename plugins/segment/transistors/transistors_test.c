@@ -31,10 +31,10 @@ static void test_vertical(void) {
    length `length`. */
 static int owns_end(int length, int reach) {
   drawing d = drawing_new();
-  draw(&d, "active", 0, 0, 2000, 1000);
-  draw(&d, "poly", 700, -reach, 700 + length, 1000 + reach);
-  draw(&d, "nimplant", -50, -50, 2050, 1050);
-  result r = segment(d.layout, "{}");
+  drawing_box(&d, "active", 0, 0, 2000, 1000);
+  drawing_box(&d, "poly", 700, -reach, 700 + length, 1000 + reach);
+  drawing_box(&d, "nimplant", -50, -50, 2050, 1050);
+  result r = layout_segment(d.layout, "{}");
   const eda_gates *g = r.gates;
   int owns = isfinite(g->extension[0]) != 0;
   g_assert_cmpint(owns, ==, isfinite(g->extension[1]) != 0);
@@ -55,9 +55,9 @@ static void test_lengths(void) {
 /* Test that the space is at least L before edges count as merged. */
 static void test_narrow_active(void) {
   drawing d = drawing_new();
-  draw(&d, "active", 120, 0, 400, 200);
-  draw(&d, "poly", 150, -100, 215, 300);
-  draw(&d, "nimplant", -50, -50, 450, 250);
+  drawing_box(&d, "active", 120, 0, 400, 200);
+  drawing_box(&d, "poly", 150, -100, 215, 300);
+  drawing_box(&d, "nimplant", -50, -50, 450, 250);
   segment_is(&d, "{}", "nx 150,0 65x200 space 130 370 ends 100 100\n",
              "150,-100 E<0; 215,-100 L>0; 215,300 E>0; 150,300 L<0\n",
              "120,0 W<0; 400,0 -; 400,200 W>0; 120,200 -\n");
@@ -77,12 +77,12 @@ static void test_horizontal(void) {
    line, three on each diffusion; the left two lines extend far beyond. */
 static void test_figure(void) {
   drawing d = drawing_new();
-  draw(&d, "active", 0, 0, 900, 100);
-  draw(&d, "active", 0, 300, 900, 500);
-  draw(&d, "nwell", -100, 200, 1000, 600);
-  draw(&d, "poly", 100, -400, 165, 900);
-  draw(&d, "poly", 365, -120, 430, 620);
-  draw(&d, "poly", 700, -120, 765, 620);
+  drawing_box(&d, "active", 0, 0, 900, 100);
+  drawing_box(&d, "active", 0, 300, 900, 500);
+  drawing_box(&d, "nwell", -100, 200, 1000, 600);
+  drawing_box(&d, "poly", 100, -400, 165, 900);
+  drawing_box(&d, "poly", 365, -120, 430, 620);
+  drawing_box(&d, "poly", 700, -120, 765, 620);
   segment_is(
       &d, "{}",
       "nx 100,0 65x100 space 200 200 ends inf inf\n"
@@ -106,11 +106,11 @@ static void test_figure(void) {
 /* Test that an edge too short for two overhangs is divided equally. */
 static void test_shared_poly(void) {
   drawing d = drawing_new();
-  draw(&d, "active", -100, -200, 200, -100);
-  draw(&d, "active", -100, 51, 200, 150);
-  draw(&d, "nimplant", -150, -250, 250, -50);
-  draw(&d, "pimplant", -150, 0, 250, 200);
-  draw(&d, "poly", 0, -300, 65, 250);
+  drawing_box(&d, "active", -100, -200, 200, -100);
+  drawing_box(&d, "active", -100, 51, 200, 150);
+  drawing_box(&d, "nimplant", -150, -250, 250, -50);
+  drawing_box(&d, "pimplant", -150, 0, 250, 200);
+  drawing_box(&d, "poly", 0, -300, 65, 250);
   segment_is(&d, "{}",
              "nx 0,-200 65x100 space 200 270 ends 100 inf\n"
              "px 0,51 65x99 space 200 270 ends inf 100\n",
@@ -123,11 +123,11 @@ static void test_shared_poly(void) {
 /* Test that a near line end beyond another gate is not owned. */
 static void test_near_end(void) {
   drawing d = drawing_new();
-  draw(&d, "active", -100, 0, 200, 100);
-  draw(&d, "active", -100, 200, 200, 300);
-  draw(&d, "active", -100, 400, 200, 500);
-  draw(&d, "nwell", -150, -50, 250, 550);
-  draw(&d, "poly", 0, -100, 65, 600);
+  drawing_box(&d, "active", -100, 0, 200, 100);
+  drawing_box(&d, "active", -100, 200, 200, 300);
+  drawing_box(&d, "active", -100, 400, 200, 500);
+  drawing_box(&d, "nwell", -150, -50, 250, 550);
+  drawing_box(&d, "poly", 0, -100, 65, 600);
   segment_is(&d, "{ line_end: 2000 nm }",
              "px 0,0 65x100 space 200 270 ends 100 inf\n"
              "px 0,200 65x100 space 200 270 ends inf inf\n"
@@ -143,11 +143,11 @@ static void test_near_end(void) {
    it. */
 static void test_turning_poly(void) {
   drawing d = drawing_new();
-  draw(&d, "active", 0, 0, 400, 200);
-  draw(&d, "pwell", -500, -500, 900, 900);
-  draw(&d, "poly", 150, -60, 215, 600);
-  draw(&d, "poly", 215, 250, 700, 350);
-  draw(&d, "poly", 450, -60, 515, 150);
+  drawing_box(&d, "active", 0, 0, 400, 200);
+  drawing_box(&d, "pwell", -500, -500, 900, 900);
+  drawing_box(&d, "poly", 150, -60, 215, 600);
+  drawing_box(&d, "poly", 215, 250, 700, 350);
+  drawing_box(&d, "poly", 450, -60, 515, 150);
   segment_is(
       &d, "{}", "nx 150,0 65x200 space 300 235 ends 60 inf\n",
       "150,-60 E<0; 215,-60 L>0; 215,250 -; 700,250 -; 700,350 -; 215,350 -; "
@@ -161,11 +161,11 @@ static void test_turning_poly(void) {
    direction. */
 static void test_bent_active(void) {
   drawing d = drawing_new();
-  draw(&d, "active", 0, 0, 300, 200);
-  draw(&d, "active", 215, 0, 300, 700);
-  draw(&d, "pwell", -500, -500, 900, 900);
-  draw(&d, "poly", 150, -100, 215, 300);
-  draw(&d, "poly", 50, 400, 500, 465);
+  drawing_box(&d, "active", 0, 0, 300, 200);
+  drawing_box(&d, "active", 215, 0, 300, 700);
+  drawing_box(&d, "pwell", -500, -500, 900, 900);
+  drawing_box(&d, "poly", 150, -100, 215, 300);
+  drawing_box(&d, "poly", 50, 400, 500, 465);
   segment_is(&d, "{}",
              "nx 150,0 65x200 space 300 170 ends 100 100\n"
              "ny 215,400 65x85 space 800 470 ends 165 200\n",
@@ -182,10 +182,10 @@ static void test_instances(void) {
   opc_error error;
   drawing inverter = d;
   inverter.cell = eda_layout_cell(d.layout, "INV", &error);
-  draw(&inverter, "active", 0, 0, 300, 100);
-  draw(&inverter, "active", 0, 400, 300, 600);
-  draw(&inverter, "nwell", -100, 300, 400, 700);
-  draw(&inverter, "poly", 100, -100, 165, 700);
+  drawing_box(&inverter, "active", 0, 0, 300, 100);
+  drawing_box(&inverter, "active", 0, 400, 300, 600);
+  drawing_box(&inverter, "nwell", -100, 300, 400, 700);
+  drawing_box(&inverter, "poly", 100, -100, 165, 700);
   eda_placement p = {
       .origin = {1000, 0}, .magnification = 1, .columns = 1, .rows = 1};
   g_assert_cmpint(eda_layout_add_instance(d.layout, d.cell, inverter.cell, &p,
@@ -198,11 +198,11 @@ static void test_instances(void) {
                   ==, OPC_OK);
   /* The top cell's own poly over the active of X1; its active touches that of
      X1 and covers one of X2, where it comes first. */
-  draw(&d, "active", -100, 1000, 0, 1300);
-  draw(&d, "poly", 1230, -100, 1270, 200);
-  draw(&d, "active", 1300, 0, 1500, 100);
-  draw(&d, "poly", 1400, -100, 1440, 200);
-  result r = segment(d.layout, "{ top: TOP }");
+  drawing_box(&d, "active", -100, 1000, 0, 1300);
+  drawing_box(&d, "poly", 1230, -100, 1270, 200);
+  drawing_box(&d, "active", 1300, 0, 1500, 100);
+  drawing_box(&d, "poly", 1400, -100, 1440, 200);
+  result r = layout_segment(d.layout, "{ top: TOP }");
   const eda_gates *g = r.gates;
   check_all(g);
   static const struct {
@@ -232,17 +232,17 @@ static void test_instances(void) {
   g_assert_cmpint(g->extent.x0, ==, -700);
   g_assert_cmpint(g->extent.x1, ==, 1500);
   result_free(&r);
-  draw(&inverter, "poly", 200, -50, 240, 50);
-  refused(&d, "{}", OPC_INVALID,
-          "transistor from (1200, 0) to (1270, 100) nm, cell 'INV', instance "
-          "'X1': the gate is not a rectangle");
+  drawing_box(&inverter, "poly", 200, -50, 240, 50);
+  assert_refused(&d, "{}", OPC_INVALID,
+                 "transistor from (1200, 0) to (1270, 100) nm, cell 'INV', "
+                 "instance 'X1': the gate is not a rectangle");
 }
 
 static void test_cancel(void) {
   drawing d = drawing_new();
   draw_single(&d);
   opc_test_cancel(TRUE);
-  refused(&d, "{}", OPC_CANCELLED, "cancelled");
+  assert_refused(&d, "{}", OPC_CANCELLED, "cancelled");
   opc_test_cancel(FALSE);
 }
 

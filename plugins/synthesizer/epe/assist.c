@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements assist features beside all edges (eda/bars.h) and the limits that
+/* Implements assist features beside all edges (eda/srafs.h) and the limits that
    they set to fragments beside them. */
-#include <eda/bars.h>
 #include <eda/memory.h>
+#include <eda/srafs.h>
 #include <string.h>
 
 #include "epe.h"
@@ -15,7 +15,7 @@ static int boxes_meet(eda_box a, eda_box b) {
 
 /* Limit the outward moves of fragment i so that it keeps min_space to the
    assist features, wherever its ends move. */
-static void limit_fragment(epe_layer *l, const eda_index *bars, uint32_t i) {
+static void limit_fragment(epe_layer *l, const eda_index *srafs, uint32_t i) {
   const epe_rules *r = l->rules;
   const epe_fragment *p = &l->fragments[i];
   int32_t space = r->min_space, most = r->max_shift, reach = most + space;
@@ -26,17 +26,17 @@ static void limit_fragment(epe_layer *l, const eda_index *bars, uint32_t i) {
   int32_t near = p->sign > 0 ? line : line - reach;
   eda_box box = p->axis == EDA_X ? (eda_box){near, low, near + reach, high}
                                  : (eda_box){low, near, high, near + reach};
-  eda_finder f = eda_index_find(bars, box);
+  eda_finder f = eda_index_find(srafs, box);
   for (uint32_t k; eda_index_next(&f, &k);) {
-    eda_box bar = l->bars.box[k];
-    if (!boxes_meet(bar, box)) continue;
+    eda_box sraf = l->srafs.box[k];
+    if (!boxes_meet(sraf, box)) continue;
     int32_t off = p->axis == EDA_X
-                      ? (p->sign > 0 ? bar.x0 - line : line - bar.x1)
-                      : (p->sign > 0 ? bar.y0 - line : line - bar.y1);
+                      ? (p->sign > 0 ? sraf.x0 - line : line - sraf.x1)
+                      : (p->sign > 0 ? sraf.y0 - line : line - sraf.y1);
     /* Diagonally off a corner, the spacing along one axis is sufficient: the
        edge with the larger distance has to keep it. */
-    int32_t a = p->axis == EDA_X ? bar.y0 : bar.x0;
-    int32_t b = p->axis == EDA_X ? bar.y1 : bar.x1;
+    int32_t a = p->axis == EDA_X ? sraf.y0 : sraf.x0;
+    int32_t b = p->axis == EDA_X ? sraf.y1 : sraf.x1;
     int32_t past = (int32_t)epe_max(a - (m < n ? n : m), (m < n ? m : n) - b);
     if (past > off && past > 0) continue;
     int32_t spacing = off > space ? off - space : 0;
@@ -47,41 +47,42 @@ static void limit_fragment(epe_layer *l, const eda_index *bars, uint32_t i) {
 static void limit_fragments(epe_layer *l) {
   for (uint32_t i = 0; i < l->count; i++)
     l->most[i] = l->fragments[i].still ? 0 : l->rules->max_shift;
-  eda_index *bars = eda_index_new(l->bars.box, l->bars.count,
-                                  l->rules->max_shift + l->rules->min_space);
-  for (uint32_t i = 0; i < l->count; i++) limit_fragment(l, bars, i);
-  eda_index_free(bars);
+  eda_index *srafs = eda_index_new(l->srafs.box, l->srafs.count,
+                                   l->rules->max_shift + l->rules->min_space);
+  for (uint32_t i = 0; i < l->count; i++) limit_fragment(l, srafs, i);
+  eda_index_free(srafs);
 }
 
 /* ---- placement ---- */
 
 /* Return edge e as drawn. */
-static eda_bar_edge edge_of(const epe_layer *l, size_t e) {
+static eda_sraf_edge edge_of(const epe_layer *l, size_t e) {
   const epe_fragment *first = &l->fragments[l->edge[e]];
   const epe_fragment *last = &l->fragments[l->edge[e + 1] - 1];
   int32_t a = epe_along(first, first->from), b = epe_along(last, last->to);
-  return (eda_bar_edge){first->axis == EDA_X, first->sign,
-                        epe_line(first, NULL, 0), a < b ? a : b, a < b ? b : a};
+  return (eda_sraf_edge){first->axis == EDA_X, first->sign,
+                         epe_line(first, NULL, 0), a < b ? a : b,
+                         a < b ? b : a};
 }
 
-int epe_place_bars(epe_layer *l, const eda_bar_rule *rule,
-                   const eda_shapes *drawn, opc_error *error) {
-  eda_bar_edge *edges = eda_alloc(l->edges, sizeof *edges);
+int epe_place_srafs(epe_layer *l, const eda_sraf_rule *rule,
+                    const eda_shapes *drawn, opc_error *error) {
+  eda_sraf_edge *edges = eda_alloc(l->edges, sizeof *edges);
   for (size_t e = 0; e < l->edges; e++) edges[e] = edge_of(l, e);
-  int code = eda_bars_place(edges, l->edges, rule, drawn, &l->bars, error);
+  int code = eda_srafs_place(edges, l->edges, rule, drawn, &l->srafs, error);
   free(edges);
-  if (!code && l->bars.count) limit_fragments(l);
+  if (!code && l->srafs.count) limit_fragments(l);
   return code;
 }
 
-int epe_replace_bars(epe_layer *l, eda_boxes bars) {
-  if (bars.count == l->bars.count &&
-      (!bars.count ||
-       !memcmp(bars.box, l->bars.box, bars.count * sizeof *bars.box)))
+int epe_replace_srafs(epe_layer *l, eda_boxes srafs) {
+  if (srafs.count == l->srafs.count &&
+      (!srafs.count ||
+       !memcmp(srafs.box, l->srafs.box, srafs.count * sizeof *srafs.box)))
     return 0;
-  l->bars.count = 0;
-  for (size_t i = 0; i < bars.count; i++)
-    eda_box_list_add(&l->bars, bars.box[i]);
+  l->srafs.count = 0;
+  for (size_t i = 0; i < srafs.count; i++)
+    eda_box_list_add(&l->srafs, srafs.box[i]);
   limit_fragments(l);
   return 1;
 }

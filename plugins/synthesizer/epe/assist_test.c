@@ -21,10 +21,11 @@ static eda_shapes as_shapes(GArray *boxes, int32_t grown, uint32_t **start,
 }
 
 /* Return the area of the grown assist features within `in`. */
-static int64_t covered_area(GArray *bars, int32_t grown, const eda_shapes *in) {
+static int64_t covered_area(GArray *srafs, int32_t grown,
+                            const eda_shapes *in) {
   g_autofree uint32_t *start = NULL;
   g_autofree eda_point *points = NULL;
-  eda_shapes b = as_shapes(bars, grown, &start, &points), both;
+  eda_shapes b = as_shapes(srafs, grown, &start, &points), both;
   opc_error error;
   g_assert_cmpint(eda_boolean(EDA_AND, &b, in, &both, &error), ==, 0);
   int64_t area = eda_area2(&both) / 2;
@@ -32,16 +33,16 @@ static int64_t covered_area(GArray *bars, int32_t grown, const eda_shapes *in) {
   return area;
 }
 
-static GArray *bars_of(const trial *t) {
-  GArray *bars = g_array_new(FALSE, FALSE, sizeof(eda_box));
+static GArray *srafs_of(const trial *t) {
+  GArray *srafs = g_array_new(FALSE, FALSE, sizeof(eda_box));
   if (t->cuts.assists.count)
-    g_array_append_vals(bars, t->cuts.assists.box,
+    g_array_append_vals(srafs, t->cuts.assists.box,
                         (guint)t->cuts.assists.count);
-  return bars;
+  return srafs;
 }
 
-static int has_bar(const trial *t, int32_t x0, int32_t y0, int32_t x1,
-                   int32_t y1) {
+static int has_sraf(const trial *t, int32_t x0, int32_t y0, int32_t x1,
+                    int32_t y1) {
   for (size_t i = 0; i < t->cuts.assists.count; i++) {
     eda_box b = t->cuts.assists.box[i];
     if (b.x0 == x0 && b.y0 == y0 && b.x1 == x1 && b.y1 == y1) return 1;
@@ -61,19 +62,19 @@ static void test_assists(void) {
   trial t = trial_correct("{ assist: 1, assist_overhang: 0 nm, " BARS " }",
                           &s->gates, straight);
   g_assert_cmpuint(t.cuts.assists.count, ==, 4);
-  g_assert_true(has_bar(&t, -150, 0, -110, 1000));
-  g_assert_true(has_bar(&t, 175, 0, 215, 1000));
-  g_assert_true(has_bar(&t, 0, -150, 65, -110));
-  g_assert_true(has_bar(&t, 0, 1110, 65, 1150));
+  g_assert_true(has_sraf(&t, -150, 0, -110, 1000));
+  g_assert_true(has_sraf(&t, 175, 0, 215, 1000));
+  g_assert_true(has_sraf(&t, 0, -150, 65, -110));
+  g_assert_true(has_sraf(&t, 0, 1110, 65, 1150));
   trial_clear(&t);
   t = trial_correct("{ assist: 2, assist_overhang: 150 nm, " BARS " }",
                     &s->gates, straight);
   g_assert_cmpuint(t.cuts.assists.count, ==, 8);
-  g_assert_true(has_bar(&t, -150, -150, -110, 1150));
-  g_assert_true(has_bar(&t, -250, -150, -210, 1150));
-  g_assert_true(has_bar(&t, -50, -150, 115, -110));
-  g_assert_true(has_bar(&t, -50, -250, 115, -210) ||
-                has_bar(&t, -150, -250, 215, -210));
+  g_assert_true(has_sraf(&t, -150, -150, -110, 1150));
+  g_assert_true(has_sraf(&t, -250, -150, -210, 1150));
+  g_assert_true(has_sraf(&t, -50, -150, 115, -110));
+  g_assert_true(has_sraf(&t, -50, -250, 115, -210) ||
+                has_sraf(&t, -150, -250, 215, -210));
   trial_clear(&t);
   t = trial_correct("{ " BARS " }", &s->gates, straight);
   g_assert_cmpuint(t.cuts.assists.count, ==, 0);
@@ -84,7 +85,7 @@ static void test_assists(void) {
     g_autoptr(shapes) pair = make_shapes(two, 2);
     t = trial_correct("{ assist: 1, assist_overhang: 0 nm, " BARS " }",
                       &pair->gates, straight);
-    g_assert_cmpint(has_bar(&t, 175, 0, 215, 1000), ==, more);
+    g_assert_cmpint(has_sraf(&t, 175, 0, 215, 1000), ==, more);
     g_assert_cmpuint(t.cuts.assists.count, ==, 6 + (size_t)more);
     trial_clear(&t);
   }
@@ -101,20 +102,20 @@ static void test_assists_apart(void) {
         "assist_space: 50 nm, assist_overhang: 70 nm, "
         "assist_min_length: 50 nm, min_space: 40 nm, iterations: 8 }",
         &s->gates, nonsense);
-    g_autoptr(GArray) bars = bars_of(&t);
-    found += (int)bars->len;
-    g_assert_cmpint(covered_area(bars, 80, s->drawn), ==, 0);
+    g_autoptr(GArray) srafs = srafs_of(&t);
+    found += (int)srafs->len;
+    g_assert_cmpint(covered_area(srafs, 80, s->drawn), ==, 0);
     eda_shapes moved = moved_of(&t, &s->gates);
-    g_assert_cmpint(covered_area(bars, 40, &moved), ==, 0);
-    pressed += covered_area(bars, 42, &moved) > 0;
+    g_assert_cmpint(covered_area(srafs, 40, &moved), ==, 0);
+    pressed += covered_area(srafs, 42, &moved) > 0;
     eda_shapes_clear(&moved);
-    for (guint i = 0; i < bars->len; i++) {
-      eda_box b = g_array_index(bars, eda_box, i);
+    for (guint i = 0; i < srafs->len; i++) {
+      eda_box b = g_array_index(srafs, eda_box, i);
       int w = b.x1 - b.x0, h = b.y1 - b.y0;
       g_assert_cmpint(MIN(w, h), ==, 30);
       g_assert_cmpint(MAX(w, h), >=, 50);
       for (guint k = 0; k < i; k++) {
-        eda_box c = g_array_index(bars, eda_box, k);
+        eda_box c = g_array_index(srafs, eda_box, k);
         g_assert_true(b.x0 - c.x1 >= 50 || c.x0 - b.x1 >= 50 ||
                       b.y0 - c.y1 >= 50 || c.y0 - b.y1 >= 50);
       }

@@ -321,6 +321,6 @@ void epe_clear(epe_layer *l) {
   free(l->reals);
   free(l->integers);
   free(l->runs);
-  free(l->bars.box);
+  free(l->srafs.box);
   *l = (epe_layer){0};
 }

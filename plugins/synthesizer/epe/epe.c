@@ -31,12 +31,12 @@ typedef struct epe {
   double step, damping, stiffness;
   int64_t iterations;
   int which_layers, which_best;
-  int64_t bar_rows;
-  double bar_width, bar_distance, bar_space, bar_min_length, bar_overhang;
-  double bar_margin, window_level, window_weight;
+  int64_t sraf_rows;
+  double sraf_width, sraf_distance, sraf_space, sraf_min_length, sraf_overhang;
+  double sraf_margin, window_level, window_weight;
 
   epe_rules rules;
-  eda_bar_rule assist;
+  eda_sraf_rule assist;
   epe_layer *layers;
   size_t n_layers;
   double grid;
@@ -88,13 +88,13 @@ static void rules_set(epe *d) {
                          .min_jog = grid_steps(d, d->min_jog),
                          .max_shift = grid_steps(d, d->max_shift),
                          .blur = d->blur / d->grid};
-  d->assist = (eda_bar_rule){
-      .rows = (int32_t)d->bar_rows,
-      .width = at_least(grid_steps(d, d->bar_width), 1),
-      .distance = grid_steps(d, d->bar_distance),
-      .space = grid_steps(d, d->bar_space),
-      .min_length = at_least(grid_steps(d, d->bar_min_length), 1),
-      .overhang = grid_steps(d, d->bar_overhang)};
+  d->assist = (eda_sraf_rule){
+      .rows = (int32_t)d->sraf_rows,
+      .width = at_least(grid_steps(d, d->sraf_width), 1),
+      .distance = grid_steps(d, d->sraf_distance),
+      .space = grid_steps(d, d->sraf_space),
+      .min_length = at_least(grid_steps(d, d->sraf_min_length), 1),
+      .overhang = grid_steps(d, d->sraf_overhang)};
 }
 
 static void epe_follow(epe *d, eda_scanner scanner);
@@ -137,13 +137,13 @@ static int epe_cut_layer(void *self, const eda_gates *gates, int layer,
   epe_cut(l, gates, layer);
   epe_find_pairs(l);
   epe_couple(l, d->grid);
-  int code = epe_place_bars(l, &d->assist, &gates->drawn[layer], error);
+  int code = epe_place_srafs(l, &d->assist, &gates->drawn[layer], error);
   if (code) return code;
   *cuts = (eda_cuts){.polygons = l->polygons,
                      .start = l->start,
                      .from = l->from,
                      .site = l->site,
-                     .assists = {l->bars.box, l->bars.count}};
+                     .assists = {l->srafs.box, l->srafs.count}};
   return OPC_OK;
 }
 
@@ -227,8 +227,8 @@ static const eda_field *print_of(const eda_feedback *f, size_t layer) {
 static void assists_drop(epe *d, const eda_feedback *f) {
   size_t all = 0;
   for (size_t k = 0; k < d->n_layers && f->print; k++)
-    all += eda_bars_drop(d->host->context, &d->layers[k].bars, print_of(f, k),
-                         d->grid, d->bar_margin);
+    all += eda_srafs_drop(d->host->context, &d->layers[k].srafs, print_of(f, k),
+                          d->grid, d->sraf_margin);
   if (all) d->best = INFINITY;
   d->dropped += all;
 }
@@ -239,7 +239,7 @@ static void assists_take(epe *d, const eda_moves *moves) {
   int other = 0;
   for (size_t k = 0; k < d->n_layers && !d->assist.rows; k++)
     if (d->layers[k].count)
-      other |= epe_replace_bars(&d->layers[k], moves->assists[k]);
+      other |= epe_replace_srafs(&d->layers[k], moves->assists[k]);
   if (other) d->best = INFINITY;
 }
 
@@ -248,7 +248,7 @@ static void assists_take(epe *d, const eda_moves *moves) {
 static int assists_write_metrics(const epe *d, opc_error *error) {
   if (!d->assist.rows) return OPC_OK;
   size_t n = 0;
-  for (size_t k = 0; k < d->n_layers; k++) n += d->layers[k].bars.count;
+  for (size_t k = 0; k < d->n_layers; k++) n += d->layers[k].srafs.count;
   const opc_metric_value values[] = {{"assists", (double)n},
                                      {"assists_dropped", (double)d->dropped}};
   return opc_put_metrics(d->host, OPC_ARRAY(values), error);
@@ -279,7 +279,7 @@ static int epe_update(void *self, const eda_feedback *f, eda_moves *moves,
   for (size_t k = 0; k < d->n_layers; k++) {
     epe_layer *l = &d->layers[k];
     if (!l->count) continue;
-    moves->assists[k] = (eda_boxes){l->bars.box, l->bars.count};
+    moves->assists[k] = (eda_boxes){l->srafs.box, l->srafs.count};
     if (*done) {
       memcpy(moves->shift[k], l->best, l->count * sizeof *l->best);
       continue;
@@ -358,20 +358,20 @@ static const opc_parameter parameters[] = {
                         .summary = "criterion of the best iteration: least "
                                    "mean |EPE|, or least mean |Ion deviation|"),
     OPC_PARAMETER_NAMED(
-        "assist", epe, bar_rows, .type = OPC_INT,
+        "assist", epe, sraf_rows, .type = OPC_INT,
         .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "0", .max = 4,
         .summary = "rows of assist features beside isolated edges"),
-    LENGTH("assist_width", bar_width, OPC_ABOVE, "0.194 lambda/NA",
+    LENGTH("assist_width", sraf_width, OPC_ABOVE, "0.194 lambda/NA",
            "width of an assist feature"),
-    LENGTH("assist_distance", bar_distance, OPC_ABOVE, "0.583 lambda/NA",
+    LENGTH("assist_distance", sraf_distance, OPC_ABOVE, "0.583 lambda/NA",
            "distance of the first row from drawn shapes"),
-    LENGTH("assist_space", bar_space, OPC_ABOVE, "0.311 lambda/NA",
+    LENGTH("assist_space", sraf_space, OPC_ABOVE, "0.311 lambda/NA",
            "space between assist features"),
-    LENGTH("assist_min_length", bar_min_length, OPC_ABOVE, "0.311 lambda/NA",
+    LENGTH("assist_min_length", sraf_min_length, OPC_ABOVE, "0.311 lambda/NA",
            "least length of an assist feature"),
-    LENGTH("assist_overhang", bar_overhang, OPC_AT_LEAST, "0.389 lambda/NA",
+    LENGTH("assist_overhang", sraf_overhang, OPC_AT_LEAST, "0.389 lambda/NA",
            "extension of an assist feature past the ends of its edge"),
-    NUMBER("assist_margin", bar_margin, OPC_AT_LEAST, 0, "0.02",
+    NUMBER("assist_margin", sraf_margin, OPC_AT_LEAST, 0, "0.02",
            "intensity margin to printing below which an assist feature is "
            "removed; clear field 1"),
     NUMBER("window.level", window_level, OPC_ABOVE, 0, "0.01",

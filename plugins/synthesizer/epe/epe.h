@@ -3,8 +3,8 @@
    in steps of the mask grid unless a comment says nm. */
 #pragma once
 
-#include <eda/bars.h>
 #include <eda/index.h>
+#include <eda/srafs.h>
 #include <eda/synthesizer.h>
 #include <stdlib.h>
 
@@ -103,7 +103,7 @@ typedef struct epe_layer {
   int32_t *best;
   int32_t *low, *high; /* bounds of the shift by the mask rules */
   int32_t *most;       /* largest outward shift */
-  eda_box_list bars;   /* assist features */
+  eda_box_list srafs;  /* assist features */
   epe_run *runs;       /* runs of each edge, at the index of its first
                           fragment */
   int32_t *settled;    /* shifts under construction in rules.c */
@@ -117,12 +117,12 @@ void epe_clear(epe_layer *layer);
 
 /* Place assist features and limit the shifts of fragments beside them
    (assist.c). Return OPC_OK or an error. */
-int epe_place_bars(epe_layer *layer, const eda_bar_rule *rule,
-                   const eda_shapes *drawn, opc_error *error);
+int epe_place_srafs(epe_layer *layer, const eda_sraf_rule *rule,
+                    const eda_shapes *drawn, opc_error *error);
 
-/* Replace the assist features by `bars`. Return whether they differ
+/* Replace the assist features by `srafs`. Return whether they differ
    (assist.c). */
-int epe_replace_bars(epe_layer *layer, eda_boxes bars);
+int epe_replace_srafs(epe_layer *layer, eda_boxes srafs);
 
 /* Find the pairs of fragments that may come too near to each other
    (pairs.c). */

@@ -90,13 +90,13 @@ static double width_at(printed *p, double defocus) {
 /* Assist features beside a line preserve its width out of focus. */
 static void test_depth(void) {
   double lost[2];
-  for (int bars = 0; bars < 2; bars++) {
-    printed p = print_line(bars ? "assist: 1, assist_width: 50 nm, "
-                                  "assist_distance: 150 nm"
-                                : "assist: 0");
+  for (int srafs = 0; srafs < 2; srafs++) {
+    printed p = print_line(srafs ? "assist: 1, assist_width: 50 nm, "
+                                   "assist_distance: 150 nm"
+                                 : "assist: 0");
     g_assert_cmpfloat(fabs(width_at(&p, 0) - 65), <, 1.5);
-    lost[bars] = 65 - width_at(&p, 100);
-    g_test_message("65 nm less %.2f at 100 nm", lost[bars]);
+    lost[srafs] = 65 - width_at(&p, 100);
+    g_test_message("65 nm less %.2f at 100 nm", lost[srafs]);
     clear_print(&p);
   }
   g_assert_cmpfloat(fabs(lost[1]), <, 0.8 * fabs(lost[0]));

@@ -34,7 +34,8 @@ static const char more_cells[] =
     "M7 y B VDD VDD pmos w=400n l=65n\nM8 QN Q y VDD pmos w=400n "
     "l=65n\n.ends\n";
 
-static eda_timing *run(const char *file, const char *more, opc_error *error) {
+static eda_timing *cells_run(const char *file, const char *more,
+                             opc_error *error) {
   g_autofree char *card = data("devices/opcflow65.pm");
   g_autofree char *text = g_strdup_printf(
       "{ file: '%s', models: '%s', supply: 1.1 V, %s }", file, card, more);
@@ -49,7 +50,7 @@ static eda_timing *run(const char *file, const char *more, opc_error *error) {
 
 static eda_timing *run_well(const char *file, const char *more) {
   opc_error error;
-  eda_timing *t = run(file, more, &error);
+  eda_timing *t = cells_run(file, more, &error);
   if (!t) g_error("%s", error.message);
   if (eda_timing_check(t, &error)) g_error("%s", error.message);
   return t;
@@ -115,14 +116,15 @@ static void test_logic(void) {
   g_assert_nonnull(strstr(l->trouble, "is sequential"));
   g_assert_nonnull(strstr(log_of_more, "'latch' has no arcs"));
   opc_error error;
-  g_assert_null(run(file, "cells: latch", &error));
+  g_assert_null(cells_run(file, "cells: latch", &error));
   g_assert_nonnull(strstr(error.message, "no cell that can be"));
 }
 
 /* ---- by hand ---- */
 
 /* Return the last time at which v(node) crosses a level, s. */
-static double passes(const eda_spice_plot *p, const char *node, double level) {
+static double last_crossing(const eda_spice_plot *p, const char *node,
+                            double level) {
   const eda_spice_vector *t = eda_spice_vector_find(p, "time"),
                          *v = eda_spice_vector_find(p, node);
   for (size_t i = t->count - 1; i-- > 0;)
@@ -158,10 +160,10 @@ static void by_hand(const char *devices, double slew, double *delay,
   if (eda_spice_run(NULL, deck->str, "tran 2e-13 2e-10 0 2e-13\n", 100, &r,
                     &error))
     g_error("%s", error.message);
-  *delay = passes(&r.plot[0], "v(y)", supply / 2) -
-           passes(&r.plot[0], "v(b)", supply / 2);
-  *out = fabs(passes(&r.plot[0], "v(y)", 0.7 * supply) -
-              passes(&r.plot[0], "v(y)", 0.3 * supply));
+  *delay = last_crossing(&r.plot[0], "v(y)", supply / 2) -
+           last_crossing(&r.plot[0], "v(b)", supply / 2);
+  *out = fabs(last_crossing(&r.plot[0], "v(y)", 0.7 * supply) -
+              last_crossing(&r.plot[0], "v(y)", 0.3 * supply));
   eda_spice_clear(&r);
 }
 
@@ -259,7 +261,7 @@ static double both_by_hand(int rises, double gap) {
   if (eda_spice_run(NULL, deck->str, "tran 2e-13 3e-10 0 2e-13\n", 100, &r,
                     &error))
     g_error("%s", error.message);
-  double y = passes(&r.plot[0], "v(y)", supply / 2);
+  double y = last_crossing(&r.plot[0], "v(y)", supply / 2);
   eda_spice_clear(&r);
   return y - middle - (rises ? gap : 0);
 }

@@ -3,6 +3,7 @@
    deviations from drawn (thesis eq. 3.15, tables 3.5 and 5.1, figures 3.14 and
    5.6). */
 #include <eda/drawing.h>
+#include <eda/memory.h>
 #include <math.h>
 #include <opcflow/table.h>
 #include <stdio.h>
@@ -19,7 +20,7 @@ enum {
       depend on threads */
 
 typedef struct block {
-  size_t count, room;
+  size_t count, capacity;
   arrival *arrival; /* [delay * states + state] */
 } block;
 
@@ -48,7 +49,7 @@ static void run_block(void *data, size_t index) {
         arrival a = waves_arrival(&w, o);
         if (isnan(a.time)) continue;
         if (!s) {
-          eda_grow(&b->arrival, &b->room, (k + 1) * p->states,
+          eda_grow(&b->arrival, &b->capacity, (k + 1) * p->states,
                    sizeof *b->arrival);
           b->count = k + 1;
         }
@@ -252,11 +253,6 @@ typedef struct histogram {
   double from, to, share;
 } histogram;
 
-static int by_value(const void *a, const void *b) {
-  double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-
 /* Range of the histogram. One value in OUTLIERS at either end may be outside
    of the bins. Margins at both sides: a share of the range, and a minimum in
    percentage points. */
@@ -276,15 +272,15 @@ static void find_range(const delays *d, size_t states, double *low,
     for (size_t i = 0; i < d->count; i++)
       if (path_same(d, s, i)) x[n++] = arrival_deviation(d, s, i);
     if (!n) continue;
-    qsort(x, n, sizeof *x, by_value);
+    qsort(x, n, sizeof *x, eda_doubles_rise);
     *low = fmin(*low, x[n / OUTLIERS]);
     *high = fmax(*high, x[n - 1 - n / OUTLIERS]);
   }
   free(x);
   if (!(*low <= *high)) *low = *high = 0; /* no delay is compared */
-  double room = fmax(least_beside, beside * (*high - *low));
-  *low -= room;
-  *high += room;
+  double margin = fmax(least_beside, beside * (*high - *low));
+  *low -= margin;
+  *high += margin;
 }
 
 int draw_histogram(const paths *p, const delays *d, const char *path,

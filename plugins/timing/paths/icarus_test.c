@@ -34,7 +34,7 @@ static char *random_ports(void) {
   return g_string_free(text, FALSE);
 }
 
-static char *run(const char *const *argv) {
+static char *program_run(const char *const *argv) {
   char *out = NULL;
   g_autofree char *words = NULL;
   g_autoptr(GError) fault = NULL;
@@ -94,8 +94,8 @@ static void test_same(void) {
       TRANSITIONS, TRANSITIONS);
   if (run_paths(t, ports, circuit, more, NULL, NULL, &error))
     g_error("%s", error.message);
-  g_free(run(compile));
-  g_autofree char *out = run(simulate);
+  g_free(program_run(compile));
+  g_autofree char *out = program_run(simulate);
   g_auto(GStrv) theirs = g_strsplit(g_strchomp(out), "\n", -1),
                 ours = our_lines();
   sort_lines(theirs);

@@ -30,7 +30,7 @@ static inline double slew_of(size_t cell, const eda_timing_arc *a, double slew,
   return part(cell, a) * (3e-12 + 0.1 * slew + 1.5e3 * load);
 }
 
-static inline void fill(eda_timing *t, size_t k) {
+static inline void cell_fill(eda_timing *t, size_t k) {
   eda_timing_cell *c = &t->cell[k];
   const size_t patterns = (size_t)1 << c->inputs;
   c->slews = SLEWS;
@@ -95,7 +95,7 @@ static inline eda_timing *library(void) {
     c->level = levels[k];
     c->devices = 2;
     c->device = devices;
-    fill(t, k);
+    cell_fill(t, k);
   }
   return t;
 }

@@ -144,5 +144,5 @@ int write_sdf(const paths *p, const state *s, const char *path,
 int write_verilog(const paths *p, const char *path, opc_error *error);
 int tell_events(const paths *p, opc_error *error);
 
-/* ---- referee.c ---- */
+/* ---- reference.c ---- */
 int compare_with_spice(paths *p, opc_error *error);

@@ -6,7 +6,7 @@ static void close_to(double a, double b, double within) {
   if (!(fabs(a - b) <= within)) g_error("%.12g is not %.12g", a, b);
 }
 
-static void good(int code, const opc_error *error) {
+static void assert_good(int code, const opc_error *error) {
   if (code) g_error("%s", error->message);
 }
 
@@ -18,8 +18,8 @@ static const eda_timing_arc *arc(const eda_timing *t, size_t cell,
 }
 
 /* Add the delay of one more cell to at[0] and replace the slew at[1]. */
-static void step(const eda_timing *t, size_t cell, uint32_t input,
-                 uint32_t from, double load, double at[2]) {
+static void delay_step(const eda_timing *t, size_t cell, uint32_t input,
+                       uint32_t from, double load, double at[2]) {
   const eda_timing_arc *a = arc(t, cell, input, from);
   double slew = at[1];
   at[0] += delay_of(cell, a, slew, load);
@@ -31,18 +31,18 @@ static void step(const eda_timing *t, size_t cell, uint32_t input,
 static void test_chain(void) {
   opc_error error;
   eda_timing *t = library();
-  good(run_paths(t, "a z",
-                 "XU1 a n VDD VSS INV\nXU3 m z VDD VSS INV\n"
-                 "XU2 n m VDD VSS INV\n",
-                 ", load: 7 fF, wire: 1 fF, slew: 8 ps, events: 2", NULL, NULL,
-                 &error),
-       &error);
+  assert_good(run_paths(t, "a z",
+                        "XU1 a n VDD VSS INV\nXU3 m z VDD VSS INV\n"
+                        "XU2 n m VDD VSS INV\n",
+                        ", load: 7 fF, wire: 1 fF, slew: 8 ps, events: 2", NULL,
+                        NULL, &error),
+              &error);
   double worst = 0, delay = 0;
   for (uint32_t high = 0; high < 2; high++) {
     double at[2] = {0, 8e-12};
-    step(t, 0, 0, high, pin_load + 1e-15, at);
-    step(t, 0, 0, !high, pin_load + 1e-15, at);
-    step(t, 0, 0, high, 7e-15, at);
+    delay_step(t, 0, 0, high, pin_load + 1e-15, at);
+    delay_step(t, 0, 0, !high, pin_load + 1e-15, at);
+    delay_step(t, 0, 0, high, 7e-15, at);
     close_to(opc_test_number("events", "time", high), at[0] * 1e12, 6e-4);
     close_to(opc_test_number("events", "level", high), high, 0);
     worst = fmax(worst, at[0] * 1e12);
@@ -68,17 +68,17 @@ static void test_pulse(void) {
       ", slew: 8 ps, events: 2, load: 20 fF"};
   for (int slow = 0; slow < 2; slow++) {
     eda_timing *t = library();
-    good(run_paths(t, "a z y",
-                   "XU1 a n VDD VSS INV\nXU2 a n z VDD VSS NAND2\n"
-                   "XU3 a y VDD VSS INV\n",
-                   more[slow], NULL, NULL, &error),
-         &error);
+    assert_good(run_paths(t, "a z y",
+                          "XU1 a n VDD VSS INV\nXU2 a n z VDD VSS NAND2\n"
+                          "XU3 a y VDD VSS INV\n",
+                          more[slow], NULL, NULL, &error),
+                &error);
     double wire = slow ? 0 : 4e-15, z = slow ? 20e-15 : 0.1e-15;
     double up[2] = {0, 8e-12}, down[2] = {0, 8e-12};
-    step(t, 1, 0, 2, z, up); /* a rises while n is 1: z falls */
-    step(t, 0, 0, 0, pin_load + wire, down);
+    delay_step(t, 1, 0, 2, z, up); /* a rises while n is 1: z falls */
+    delay_step(t, 0, 0, 0, pin_load + wire, down);
     int passes = down[0] >= up[0];
-    step(t, 1, 1, 3, z, down); /* n falls: z rises */
+    delay_step(t, 1, 1, 3, z, down); /* n falls: z rises */
     g_assert_cmpint(passes, ==, !slow);
     g_assert_cmpuint(opc_test_rows("events"), ==, slow ? 2 : 4);
     for (size_t i = 0; i < opc_test_rows("events") && !slow; i++) {
@@ -139,9 +139,9 @@ static void test_printed(void) {
   for (size_t a = 0; a < 2; a++)
     for (size_t k = 0; k < 18; k++)
       c->arc[a].delay_by[k] = by[k % 6] * (a ? 1 : -0.5);
-  good(run_paths(t, "a z", "XU1 a z VDD VSS INV\n", ", slew: 8 ps, load: 4 fF",
-                 &circuit, mask, &error),
-       &error);
+  assert_good(run_paths(t, "a z", "XU1 a z VDD VSS INV\n",
+                        ", slew: 8 ps, load: 4 fF", &circuit, mask, &error),
+              &error);
   double moved = by[0] * log(62.0 / 60) + by[1] * log(210.0 / 200) +
                  by[2] * log(57.0 / 60) + by[4] * log(297.0 / 300);
   double sum = 0, low = INFINITY, high = -INFINITY, x[2];
@@ -182,11 +182,11 @@ static void test_others(void) {
     for (size_t k = 0; k < 2 * 18; k++) /* by ln of the length */
       c->arc[k / 18].delay_by[k % 18] = k % 6 ? 0 : swap ? 200e-12 : 1e-12;
     leq[0] = leq[1] = 62;
-    good(run_paths(t, "a z y",
-                   "XU1 a m VDD VSS INV\nXU2 a n VDD VSS INV\n"
-                   "XU3 n y VDD VSS INV\nXU4 m n z VDD VSS NAND2\n",
-                   ", slew: 8 ps, load: 4 fF", &circuit, mask, &error),
-         &error);
+    assert_good(run_paths(t, "a z y",
+                          "XU1 a m VDD VSS INV\nXU2 a n VDD VSS INV\n"
+                          "XU3 n y VDD VSS INV\nXU4 m n z VDD VSS NAND2\n",
+                          ", slew: 8 ps, load: 4 fF", &circuit, mask, &error),
+                &error);
     close_to(opc_test_metric("delays"), 4, 0);
     close_to(opc_test_metric("others"), swap ? 2 : 0, 0);
     close_to(opc_test_number("paths", "others", 1), swap ? 2 : 0, 0);
@@ -229,18 +229,19 @@ static void test_together(void) {
   }
   c->pair = pair;
   c->pairs = 2;
-  good(run_paths(t, "a b z w", "XU1 a b z VDD VSS NAND2\nXU2 z w VDD VSS INV\n",
-                 ", slew: 8 ps, load: 3 fF, events: 12", NULL, NULL, &error),
-       &error);
+  assert_good(
+      run_paths(t, "a b z w", "XU1 a b z VDD VSS NAND2\nXU2 z w VDD VSS INV\n",
+                ", slew: 8 ps, load: 3 fF, events: 12", NULL, NULL, &error),
+      &error);
   const double load = 3e-15 + pin_load;
   for (uint32_t rises = 0; rises < 2; rises++) {
     double a[2] = {0, 8e-12}, b[2] = {0, 8e-12};
-    step(t, 1, 0, rises ? 2 : 3, load, a);
-    step(t, 1, 1, rises ? 1 : 3, load, b);
+    delay_step(t, 1, 0, rises ? 2 : 3, load, a);
+    delay_step(t, 1, 1, rises ? 1 : 3, load, b);
     double z[2] = {factor[!rises][0] * (a[0] + b[0]) / 2,
                    factor[!rises][1] * (a[1] + b[1]) / 2};
     double w[2] = {z[0], z[1]};
-    step(t, 0, 0, rises, 3e-15, w);
+    delay_step(t, 0, 0, rises, 3e-15, w);
     int found = 0;
     for (size_t i = 0; i < opc_test_rows("events"); i++) {
       double at = opc_test_number("events", "time", i);
@@ -263,20 +264,20 @@ static void refused_with(const char *ports, const char *instances,
   eda_timing_free(t);
 }
 
-static void refused(const char *ports, const char *instances,
-                    const char *words) {
+static void assert_refused(const char *ports, const char *instances,
+                           const char *words) {
   refused_with(ports, instances, "", words);
 }
 
 static void test_refused(void) {
-  refused("a z", "XU1 a n VDD VSS INV\nXU2 n b z VDD VSS NAND2\n",
-          "nothing drives net 'b'");
-  refused("a z", "XU1 a z VDD VSS INV\nXU2 a z VDD VSS INV\n",
-          "'XU2' drives a net that has another driver");
-  refused("a z", "XU1 a m z VDD VSS NAND2\nXU2 z m VDD VSS INV\n",
-          "is on a loop");
-  refused("a z", "XU1 a z VDD VSS INV\nM1 z a VSS VSS nmos w=1u l=1u\n",
-          "'M1' is a transistor");
+  assert_refused("a z", "XU1 a n VDD VSS INV\nXU2 n b z VDD VSS NAND2\n",
+                 "nothing drives net 'b'");
+  assert_refused("a z", "XU1 a z VDD VSS INV\nXU2 a z VDD VSS INV\n",
+                 "'XU2' drives a net that has another driver");
+  assert_refused("a z", "XU1 a m z VDD VSS NAND2\nXU2 z m VDD VSS INV\n",
+                 "is on a loop");
+  assert_refused("a z", "XU1 a z VDD VSS INV\nM1 z a VSS VSS nmos w=1u l=1u\n",
+                 "'M1' is a transistor");
   /* Any file will do: the step does not read the file before the circuit is
      needed. */
   g_autofree char *more =

@@ -63,8 +63,8 @@ double budget_leak(const budget *b);
    allows. Returns 0 if even the drawn lengths exceed the limit. */
 int budget_spend(budget *b);
 
-/* ---- rest.c ---- */
+/* ---- static_leakage.c ---- */
 
 /* Return, for each choice, the share of the static input patterns in which its
    transistors leak (caller frees). Uses only `g`, `first` and `count`. */
-double *rest_shares(const budget *b);
+double *static_leakage_shares(const budget *b);

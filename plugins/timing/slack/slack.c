@@ -31,7 +31,7 @@ static const size_t NO_CHOICE = SIZE_MAX;
 static const double NEVER = -1; /* marks a choice whose length is fixed */
 
 /* State of a run. */
-typedef struct job {
+typedef struct slack_task {
   const slack *s;
   eda_pool pool;
   graph graph;
@@ -39,7 +39,7 @@ typedef struct job {
   size_t *of;             /* choice of each gate; NO_CHOICE: none */
   double *drawn;          /* slack of each net as drawn, ps */
   double worst, at_first; /* latest arrival, ps, and leakage, A, as drawn */
-} job;
+} slack_task;
 
 /* ---- work: effect of a length ---- */
 
@@ -65,7 +65,7 @@ static double gate_longest(const slack *s, size_t gate) {
 
 /* ---- work: choices ---- */
 
-static void number_choices(job *j) {
+static void number_choices(slack_task *j) {
   const graph *g = &j->graph;
   budget *b = &j->budget;
   size_t most = 0;
@@ -85,7 +85,7 @@ static void number_choices(job *j) {
 
 /* Fill in lengths and leakage of the choices. The largest length is the
    smallest of the choice's gates; levels are equidistant in ln L. */
-static int fill_choices(job *j, opc_error *error) {
+static int fill_choices(slack_task *j, opc_error *error) {
   const slack *s = j->s;
   const eda_circuit *c = s->circuit;
   budget *b = &j->budget;
@@ -111,7 +111,7 @@ static int fill_choices(job *j, opc_error *error) {
     for (int level = 0; level <= LEVELS; level++)
       k->length[level] = k->most ? k->length[LEVELS] * level / LEVELS : 0;
   }
-  double *share = rest_shares(b);
+  double *share = static_leakage_shares(b);
   for (size_t i = 0; i < c->gates->count; i++)
     for (int level = 0; level <= LEVELS && j->of[i] != NO_CHOICE; level++) {
       choice *k = &b->choice[j->of[i]];
@@ -133,7 +133,7 @@ static void free_gates(void *object) {
 static void free_circuit(void *object) { free(object); }
 
 /* Return the length increase of a gate, ln. */
-static double gate_increase(const job *j, size_t gate) {
+static double gate_increase(const slack_task *j, size_t gate) {
   if (j->of[gate] == NO_CHOICE) return 0;
   const choice *c = &j->budget.choice[j->of[gate]];
   return c->length[c->level];
@@ -143,7 +143,7 @@ static double gate_increase(const job *j, size_t gate) {
    on whether a synthesizer reads the gates or the file. */
 static double wish_round(double factor) { return round(factor * 1e6) / 1e6; }
 
-static eda_goal wish_of(const job *j, size_t gate) {
+static eda_goal wish_of(const slack_task *j, size_t gate) {
   const slack *s = j->s;
   double by = gate_increase(j, gate);
   return (eda_goal){
@@ -159,7 +159,7 @@ static eda_goal wish_of(const job *j, size_t gate) {
 }
 
 /* Return a copy of the gates with the new goals; shares all other arrays. */
-static eda_gates *with_wishes(const job *j) {
+static eda_gates *with_wishes(const slack_task *j) {
   const eda_gates *from = j->s->circuit->gates;
   eda_gates *g = eda_alloc(1, sizeof *g);
   *g = *from;
@@ -178,7 +178,7 @@ typedef struct wished {
   double weight, ion, ioff, area;
 } wished;
 
-static int tell_wishes(const job *j, opc_error *error) {
+static int tell_wishes(const slack_task *j, opc_error *error) {
   const eda_gates *g = j->s->circuit->gates;
   wished *row = eda_alloc(g->count, sizeof *row);
   size_t n = 0;
@@ -210,7 +210,8 @@ typedef struct row {
   double before, after, drawn, leak;
 } row;
 
-static int tell_instances(const job *j, const double *after, opc_error *error) {
+static int tell_instances(const slack_task *j, const double *after,
+                          opc_error *error) {
   const graph *g = &j->graph;
   const budget *b = &j->budget;
   row *rows = eda_alloc(g->instances, sizeof *rows);
@@ -244,7 +245,7 @@ static int tell_instances(const job *j, const double *after, opc_error *error) {
   return code;
 }
 
-static int slack_report(const job *j, opc_error *error) {
+static int slack_report(const slack_task *j, opc_error *error) {
   const budget *b = &j->budget;
   const eda_gates *g = j->s->circuit->gates;
   double slower = 0, most = 0, leak = budget_leak(b), worst = budget_worst(b);
@@ -267,7 +268,7 @@ static int slack_report(const job *j, opc_error *error) {
 
 /* ---- work: all ---- */
 
-static int slack_spend(job *j, opc_error *error) {
+static int slack_spend(slack_task *j, opc_error *error) {
   const slack *s = j->s;
   budget *b = &j->budget;
   b->at = s->at;
@@ -291,7 +292,7 @@ static int slack_spend(job *j, opc_error *error) {
 
 static int slack_run(void *self, void **outputs, opc_error *error) {
   slack *s = self;
-  job j = {.s = s};
+  slack_task j = {.s = s};
   int code = eda_curves_read(&s->curves, s->devices, error);
   const char *top = s->top ? s->top : s->circuit->name;
   if (!code)

@@ -10,7 +10,7 @@ static void close_to(double a, double b, double within) {
   if (!(fabs(a - b) <= within)) g_error("%.12g is not %.12g", a, b);
 }
 
-static void good(int code, const opc_error *error) {
+static void assert_good(int code, const opc_error *error) {
   if (code) g_error("%s", error->message);
 }
 
@@ -157,9 +157,9 @@ static eda_timing *made_up(void) {
   return t;
 }
 
-static int run(eda_timing *t, placed *p, const char *ports,
-               const char *instances, const char *more, eda_goal *wishes,
-               opc_error *error) {
+static int slack_run(eda_timing *t, placed *p, const char *ports,
+                     const char *instances, const char *more, eda_goal *wishes,
+                     opc_error *error) {
   g_autofree char *path = write_circuit(ports, instances);
   g_autofree char *text = g_strdup_printf(
       "{ file: %s, top: top, devices: %s%s%s }", path, devices(),
@@ -309,7 +309,8 @@ static void test_all_combinations(void) {
       double limit = longest_path(s, drawn) * (1 + limits[l] / 100);
       g_autofree char *more =
           g_strdup_printf(", delay_limit: %g %%", limits[l]);
-      good(run(t, p, s->ports, s->instances, more, NULL, &error), &error);
+      assert_good(slack_run(t, p, s->ports, s->instances, more, NULL, &error),
+                  &error);
       find_steps(p, both);
       for (size_t i = 0; i < s->count; i++) {
         step[i] = both[2 * i];
@@ -355,7 +356,7 @@ static void test_paths(void) {
     eda_timing *t = made_up();
     eda_timing_cell *c = &t->cell[0];
     c->arcs = 0;
-    fill(t, 0);
+    cell_fill(t, 0);
     for (size_t a = 0; a < c->arcs; a++)
       for (size_t k = 0; k < 3 * 2 * EDA_SIZES; k++) {
         c->arc[a].delay_by[k] = 1e-12 * g_rand_double_range(r, 0, 12);
@@ -378,7 +379,8 @@ static void test_paths(void) {
     g_autofree char *more = g_strdup_printf(
         ", delay_limit: %g %%, load: 3 fF, wire: 0.2 fF", limit);
     int step[2 * MOST];
-    good(run(t, p, ports->str, text->str, more, NULL, &error), &error);
+    assert_good(slack_run(t, p, ports->str, text->str, more, NULL, &error),
+                &error);
     double by =
         100 * (opc_test_metric("latest") / opc_test_metric("drawn") - 1);
     find_steps(p, step);
@@ -391,10 +393,10 @@ static void test_paths(void) {
         .gates = &p->gates,
         .flags = flags,
         .after = {.count = 2 * MOST, .leq_ion = leq, .weq = weq, .area = area}};
-    good(run_paths(t, ports->str, text->str,
-                   ", load: 3 fF, wire: 0.2 fF, transitions: 1", &p->circuit,
-                   &mask, &error),
-         &error);
+    assert_good(run_paths(t, ports->str, text->str,
+                          ", load: 3 fF, wire: 0.2 fF, transitions: 1",
+                          &p->circuit, &mask, &error),
+                &error);
     double judged = opc_test_metric("static_deviation");
     close_to(judged, by, 1e-9);
     g_assert_cmpfloat(judged, <=, limit + 1e-9);
@@ -423,7 +425,7 @@ static eda_timing *with_nand(void) {
   c->devices = 4;
   c->device = devices;
   c->arcs = 0;
-  fill(t, 1);
+  cell_fill(t, 1);
   return t;
 }
 
@@ -436,11 +438,11 @@ static void test_spare(void) {
   placed *p = place_all(5);
   strcpy(p->name[8], "XU2/MN2");
   strcpy(p->name[9], "XU2/MP2");
-  good(run(t, p, "a b z",
-           "XU1 a p VDD VSS INV\nXU2 p r z VDD VSS NAND2\n"
-           "XU3 b q VDD VSS INV\nXU4 q r VDD VSS INV\n",
-           "", NULL, &error),
-       &error);
+  assert_good(slack_run(t, p, "a b z",
+                        "XU1 a p VDD VSS INV\nXU2 p r z VDD VSS NAND2\n"
+                        "XU3 b q VDD VSS INV\nXU4 q r VDD VSS INV\n",
+                        "", NULL, &error),
+              &error);
   const double one = base + by_load * pin_load * 1e12;
   double last[2] = {0, 0}; /* through each input; the other input is 1 */
   for (uint32_t k = 0; k < c->arcs; k++)
@@ -461,7 +463,7 @@ static void test_slews(void) {
   eda_timing *t = made_up();
   eda_timing_cell *c = &t->cell[0];
   c->arcs = 0;
-  fill(t, 0);
+  cell_fill(t, 0);
   for (size_t k = 0; k < 2 * 3 * 2 * EDA_SIZES; k++) {
     eda_timing_arc *a = &c->arc[k / (3 * 2 * EDA_SIZES)];
     a->delay_by[k % (3 * 2 * EDA_SIZES)] = 0;
@@ -470,10 +472,12 @@ static void test_slews(void) {
   for (size_t k = 0; k < c->inputs * 2 * EDA_CAPS * 2 * EDA_SIZES; k++)
     c->capacitance_by[k] = 0;
   placed *p = place_all(3);
-  good(run(t, p, "a z",
-           "XU1 a m VDD VSS INV\nXU2 m n VDD VSS INV\nXU3 n z VDD VSS INV\n",
-           ", delay_limit: 0.5 %", NULL, &error),
-       &error);
+  assert_good(
+      slack_run(
+          t, p, "a z",
+          "XU1 a m VDD VSS INV\nXU2 m n VDD VSS INV\nXU3 n z VDD VSS INV\n",
+          ", delay_limit: 0.5 %", NULL, &error),
+      &error);
   double by = opc_test_metric("latest") / opc_test_metric("drawn") - 1;
   g_assert_cmpfloat(by, <=, 0.005);
   g_assert_cmpfloat(by, >, 0.002); /* a step is 0.0026 */
@@ -499,11 +503,12 @@ static void test_rest(void) {
     strcpy(all->name[5], "XU2/MP2");
     all->goal[3] = (eda_goal){2, {1, 1, 1}, 1}; /* one of two parallel
                                                    transistors */
-    good(run(t, all, two ? "a n m z" : "a z",
-             two ? "XU1 a m VDD VSS INV\nXU2 a n z VDD VSS NAND2\n"
-                 : "XU1 a n VDD VSS INV\nXU2 a n z VDD VSS NAND2\n",
-             "", NULL, &error),
-         &error);
+    assert_good(
+        slack_run(t, all, two ? "a n m z" : "a z",
+                  two ? "XU1 a m VDD VSS INV\nXU2 a n z VDD VSS NAND2\n"
+                      : "XU1 a n VDD VSS INV\nXU2 a n z VDD VSS NAND2\n",
+                  "", NULL, &error),
+        &error);
     double nand = two ? (1.4 * n + 2 * p) / 4 : 1.4 * n / 2;
     for (size_t r = 0; r < opc_test_rows("wishes"); r++)
       g_assert_cmpstr(opc_test_text("wishes", "transistor", r), !=, "XU3:2");
@@ -538,14 +543,15 @@ static void test_designer(void) {
                      1};
   p->goal[2] = designer;
   eda_goal wish[6];
-  good(
-      run(t, p, "a z", chain, ", delay_limit: 50 %, weight: 0.5", wish, &error),
-      &error);
+  assert_good(slack_run(t, p, "a z", chain, ", delay_limit: 50 %, weight: 0.5",
+                        wish, &error),
+              &error);
   for (int i = 0; i < 6; i++) check_wish(&wish[i], i == 2 ? designer : longer);
   close_to(opc_test_metric("longer"), 5, 0);
   close_to(opc_test_metric("longer_most"), longest(), 1e-6);
   /* No choice has a gain: all lengths as drawn. */
-  good(run(t, p, "a z", chain, ", ion: 0 %", NULL, &error), &error);
+  assert_good(slack_run(t, p, "a z", chain, ", ion: 0 %", NULL, &error),
+              &error);
   close_to(opc_test_metric("longer"), 0, 0);
   close_to(opc_test_metric("leakage_change"), 0, 1e-12);
   eda_timing_free(t);
@@ -557,22 +563,23 @@ static void test_refused(void) {
   placed *p = place_all(3);
   eda_timing *t = made_up();
   double drawn;
-  good(run(t, p, "a z", chain, "", NULL, &error), &error);
+  assert_good(slack_run(t, p, "a z", chain, "", NULL, &error), &error);
   drawn = opc_test_metric("drawn");
   g_autofree char *clock = g_strdup_printf(", clock: %.6f ps", drawn - 0.01),
                   *late = g_strdup_printf(", clock: %.6f ps", drawn + 1);
-  g_assert_cmpint(run(t, p, "a z", chain, clock, NULL, &error), ==,
+  g_assert_cmpint(slack_run(t, p, "a z", chain, clock, NULL, &error), ==,
                   OPC_INVALID);
   g_assert_cmpstr(error.parameter, ==, "clock");
   g_assert_nonnull(strstr(error.message, "as drawn"));
   g_assert_cmpint(
-      run(t, p, "a z", chain, ", delay_limit: -0.1 %", NULL, &error), ==,
+      slack_run(t, p, "a z", chain, ", delay_limit: -0.1 %", NULL, &error), ==,
       OPC_INVALID);
   g_assert_cmpstr(error.parameter, ==, "delay_limit");
-  good(run(t, p, "a z", chain, late, NULL, &error), &error);
+  assert_good(slack_run(t, p, "a z", chain, late, NULL, &error), &error);
   close_to(opc_test_metric("allowed"), drawn + 1, 1e-6);
   g_strlcpy(p->name[5], "XU9/MP", sizeof p->name[5]);
-  g_assert_cmpint(run(t, p, "a z", chain, "", NULL, &error), ==, OPC_INVALID);
+  g_assert_cmpint(slack_run(t, p, "a z", chain, "", NULL, &error), ==,
+                  OPC_INVALID);
   g_assert_nonnull(strstr(error.message, "'XU9/MP' is in no characterised"));
   eda_timing_free(t);
   free(p);

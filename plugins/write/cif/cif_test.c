@@ -73,7 +73,8 @@ static void test_text(void) {
   eda_layout_free(layout);
 }
 
-static void refuse(const eda_placement *p, const char *name, const char *why) {
+static void assert_refused(const eda_placement *p, const char *name,
+                           const char *why) {
   opc_error e = {0};
   eda_layout *layout = new_layout(1);
   int32_t top = eda_layout_cell(layout, "TOP", &e),
@@ -86,15 +87,16 @@ static void refuse(const eda_placement *p, const char *name, const char *why) {
 
 static void test_refusals(void) {
   eda_placement p = {{0, 0}, 1, 0, 0, 1, 1, {0, 0}, {0, 0}};
-  refuse(&p, "A;B", "'A;B' is not allowed as the name of a cell in CIF");
+  assert_refused(&p, "A;B",
+                 "'A;B' is not allowed as the name of a cell in CIF");
   p.magnification = 2;
-  refuse(&p, "LEAF", "'LEAF' in 'TOP': CIF cannot magnify a cell");
+  assert_refused(&p, "LEAF", "'LEAF' in 'TOP': CIF cannot magnify a cell");
   p.magnification = 1;
   p.angle = 45;
-  refuse(&p, "LEAF", "'LEAF' in 'TOP': CIF output supports");
+  assert_refused(&p, "LEAF", "'LEAF' in 'TOP': CIF output supports");
   p.angle = 0;
   p.columns = p.rows = 1u << 31;
-  refuse(&p, "LEAF", "'LEAF' in 'TOP': CIF has no arrays");
+  assert_refused(&p, "LEAF", "'LEAF' in 'TOP': CIF has no arrays");
   opc_error e = {0};
   eda_layout *layout = new_layout(1e-10);
   eda_layout_cell(layout, "TOP", &e);

@@ -48,7 +48,7 @@ static eda_layout *read_good(const char *path, const char *parameters) {
 }
 
 /* Return a layout as text. */
-static char *dump(const eda_layout *layout) {
+static char *layout_dump(const eda_layout *layout) {
   GString *s = g_string_new(NULL);
   g_string_append_printf(s, "%.17g\n", eda_layout_unit(layout));
   for (size_t c = 0; c < eda_layout_cells(layout); c++) {
@@ -113,7 +113,7 @@ static void test_everything(void) {
                             i % 2 ? "XU1" : NULL, &e);
   g_autofree char *path = write_good("layout", layout, "");
   eda_layout *back = read_good(path, "");
-  g_autofree char *want = dump(layout), *got = dump(back);
+  g_autofree char *want = layout_dump(layout), *got = layout_dump(back);
   g_assert_cmpstr(got, ==, want);
   eda_layout_free(back);
   eda_layout_free(layout);
@@ -133,7 +133,7 @@ static void test_corpus(void) {
     eda_layout *layout = read_good(path, "");
     g_autofree char *first = write_good("layout", layout, "");
     eda_layout *back = read_good(first, "");
-    g_autofree char *want = dump(layout), *got = dump(back);
+    g_autofree char *want = layout_dump(layout), *got = layout_dump(back);
     g_assert_cmpstr(got, ==, want);
     g_autofree char *second = write_good("layout", back, "");
     g_autofree char *bytes = NULL, *again = NULL;
@@ -277,7 +277,8 @@ static eda_shapes boxes(const eda_box *list, size_t n) {
   return s;
 }
 
-static eda_shapes combine(int op, const eda_shapes *a, const eda_shapes *b) {
+static eda_shapes shapes_combine(int op, const eda_shapes *a,
+                                 const eda_shapes *b) {
   opc_error e;
   eda_shapes out;
   if (eda_boolean(op, a, b, &out, &e)) g_error("%s", e.message);
@@ -301,8 +302,9 @@ static eda_shapes holed(void) {
   const eda_box hole[] = {{400, 400, 600, 600}};
   eda_shapes a = boxes(solid, G_N_ELEMENTS(solid)), b = boxes(cut, n);
   eda_shapes c = boxes(island, 1), d = boxes(hole, 1);
-  eda_shapes ab = combine(EDA_NOT, &a, &b), abc = combine(EDA_OR, &ab, &c);
-  eda_shapes out = combine(EDA_NOT, &abc, &d);
+  eda_shapes ab = shapes_combine(EDA_NOT, &a, &b),
+             abc = shapes_combine(EDA_OR, &ab, &c);
+  eda_shapes out = shapes_combine(EDA_NOT, &abc, &d);
   eda_shapes_clear(&ab);
   eda_shapes_clear(&abc);
   eda_shapes_clear(&a);
@@ -316,7 +318,7 @@ static eda_shapes holed(void) {
 static void assert_layer(const eda_layout *layout, const char *layer,
                          const eda_shapes *want) {
   eda_flat out = flat(layout, layer);
-  eda_shapes wrong = combine(EDA_XOR, &out.shapes, want);
+  eda_shapes wrong = shapes_combine(EDA_XOR, &out.shapes, want);
   g_assert_cmpuint(wrong.count, ==, 0);
   eda_shapes_clear(&wrong);
   eda_flat_clear(&out);

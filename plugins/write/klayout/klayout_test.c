@@ -58,7 +58,7 @@ static opc_module *module(const char *id, const char *map) {
 }
 
 /* Return a mask with moved edges and both printed images. */
-static opc_module *correct(eda_mask **mask) {
+static opc_module *mask_correct(eda_mask **mask) {
   opc_error error = {0};
   void *out[1];
   g_autofree char *map = g_strdup_printf(
@@ -90,7 +90,7 @@ static char *content(const char *name) {
   return text;
 }
 
-static char *spawn(const char *const *argv) {
+static char *program_spawn(const char *const *argv) {
   char *out = NULL, *err = NULL;
   int status = -1;
   g_auto(GStrv) environment =
@@ -121,9 +121,9 @@ static char *ask_klayout(void) {
                                     "import klayout.lay; print('end')", NULL};
   g_assert_true(g_file_set_contents(path, script, -1, NULL));
   g_autofree char *program = g_find_program_in_path("klayout");
-  g_autofree char *module_there = spawn(has_module);
+  g_autofree char *module_there = program_spawn(has_module);
   if (!program && !module_there) return NULL;
-  char *out = spawn(module_there ? by_module : by_program);
+  char *out = program_spawn(module_there ? by_module : by_program);
   if (!out) g_error("KLayout does not read the files");
   return out;
 }
@@ -163,7 +163,7 @@ static void expect_layer(const char *answer, const char *name, int number,
   g_assert_cmpfloat(fabs(there / area - 1), <=, within);
 }
 
-static void expect(const char *text, const char *part) {
+static void assert_contains(const char *text, const char *part) {
   if (!strstr(text, part)) g_error("no '%s' in:\n%s", part, text);
 }
 
@@ -175,15 +175,15 @@ static const eda_violation violations[] = {
 static void test_klayout(void) {
   eda_mask *mask;
   void *out[1];
-  opc_module *m = correct(&mask);
+  opc_module *m = mask_correct(&mask);
   const eda_gates *g = mask->gates;
   eda_mask_set_violations(mask, violations, G_N_ELEMENTS(violations));
   write_files(mask, "{ worst: 1 }");
   g_autofree char *answer = ask_klayout();
   if (answer) {
-    expect(answer, "top ");
+    assert_contains(answer, "top ");
     g_autofree char *cell = g_strdup_printf("cell %s\n", g->name);
-    expect(answer, cell);
+    assert_contains(answer, cell);
     expect_layer(answer, "poly.mask", 9, area_of(g, &mask->shapes[0]), 1e-9);
     expect_layer(answer, "active.mask", 1, area_of(g, &mask->shapes[1]), 1e-9);
     expect_layer(answer, "poly.drawn", 109, area_of(g, &g->drawn[0]), 1e-9);
@@ -197,13 +197,13 @@ static void test_klayout(void) {
                  area_printed(&mask->drawn_print[0]), 1.5e-3);
     expect_layer(answer, "active.before", 201,
                  area_printed(&mask->drawn_print[1]), 1.5e-3);
-    expect(
+    assert_contains(
         answer,
         "\n'worst_Ioff'=1 'worst_Ion'=1 'worst_area'=1 violations.bridging=1 "
         "violations.extension=2\ncategories 5\n");
-    expect(answer, "\nbox 0.05 0.05 0.15 0.15\n"); /* um */
-    expect(answer, "look poly.mask 9/0 e07000\n");
-    expect(answer, "look active.after 301/0 00402e\n");
+    assert_contains(answer, "\nbox 0.05 0.05 0.15 0.15\n"); /* um */
+    assert_contains(answer, "look poly.mask 9/0 e07000\n");
+    assert_contains(answer, "look active.after 301/0 00402e\n");
     g_assert_null(strstr(answer, "holes"));
   } else {
     g_test_skip("neither klayout nor its module for python3");
@@ -217,7 +217,7 @@ static void test_klayout(void) {
 static void test_markers(void) {
   eda_mask *mask;
   void *out[1];
-  opc_module *m = correct(&mask);
+  opc_module *m = mask_correct(&mask);
   write_files(mask, "{}");
   g_autofree char *text = content("run.lyrdb");
   for (size_t i = 0; i < mask->gates->count; i++) {
@@ -225,13 +225,13 @@ static void test_markers(void) {
         g_strdup_printf("Ion %+.3f %% (as drawn %+.3f %%)",
                         100 * (mask->after.ion[i] / mask->design.ion[i] - 1),
                         100 * (mask->before.ion[i] / mask->design.ion[i] - 1));
-    expect(text, figure);
+    assert_contains(text, figure);
   }
   /* A transistor that does not print is marked as such, without figures. */
   mask->flags[0] |= EDA_PRINT_OPEN;
   write_files(mask, "{}");
   g_autofree char *now = content("run.lyrdb");
-  expect(now, "does not print&apos;</category>");
+  assert_contains(now, "does not print&apos;</category>");
   g_autofree char *lost = g_strdup_printf(
       "Ion %+.3f %% (", 100 * (mask->after.ion[0] / mask->design.ion[0] - 1));
   g_assert_null(strstr(now, lost));

@@ -45,7 +45,7 @@ static eda_layout *new_layout(double unit) {
 
 /* ---- placements, names, units ---- */
 
-static char *dump(const eda_layout *layout, const char *cell) {
+static char *layout_dump(const eda_layout *layout, const char *cell) {
   GString *s = g_string_new(NULL);
   int32_t number = eda_layout_find_cell(layout, cell), child, layer;
   g_string_append_printf(s, "%.17g\n", eda_layout_unit(layout));
@@ -93,7 +93,8 @@ static void test_placements(void) {
                               i % 2 ? (i % 4 == 1 ? "XU1" : "XU2") : NULL, &e);
     g_autofree char *path = write_good("layout", layout);
     eda_layout *back = read_good(path);
-    g_autofree char *want = dump(layout, "TOP"), *got = dump(back, "TOP");
+    g_autofree char *want = layout_dump(layout, "TOP"),
+                    *got = layout_dump(back, "TOP");
     g_auto(GStrv) parts = g_strsplit(want, "LE AF", -1);
     g_autofree char *named = g_strjoinv("LE\\x20AF", parts);
     g_assert_cmpstr(got, ==, named);
@@ -106,7 +107,7 @@ static void test_placements(void) {
 
 /* Return the sum over all points of x * y, which detects missing or moved
    shapes; the file depends only on the shapes. */
-static uint64_t weigh(const eda_layout *layout, size_t *n_shapes) {
+static uint64_t layout_weigh(const eda_layout *layout, size_t *n_shapes) {
   uint64_t sum = 0;
   int32_t layer;
   *n_shapes = eda_layout_polygons(layout, 0);
@@ -158,7 +159,7 @@ static void test_shapes(void) {
   g_autofree char *path = write_good("layout", layout);
   eda_layout *back = read_good(path);
   size_t n, m;
-  uint64_t want = weigh(layout, &n), got = weigh(back, &m);
+  uint64_t want = layout_weigh(layout, &n), got = layout_weigh(back, &m);
   g_assert_cmpuint(m, ==, n);
   g_assert_cmpuint(got, ==, want);
   g_autofree char *second_path = write_good("layout", back);

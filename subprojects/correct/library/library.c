@@ -9,12 +9,11 @@ static void clear_cell(gpointer item) {
   library_cell *c = item;
   g_free(c->name);
   g_free(c->geometry);
-  g_free(c->key);
+  correct_entry_free(c->entry);
 }
 
-library *correct_library_new(const char *database, double grid) {
+library *correct_library_new(double grid) {
   library *l = g_new0(library, 1);
-  l->database = g_strdup(database);
   l->grid = grid;
   l->cells = g_array_new(FALSE, TRUE, sizeof(library_cell));
   g_array_set_clear_func(l->cells, clear_cell);
@@ -24,7 +23,6 @@ library *correct_library_new(const char *database, double grid) {
 void correct_library_free(void *object) {
   library *l = object;
   if (!l) return;
-  g_free(l->database);
   for (int k = 0; k < LIBRARY_MODELS; k++) g_free(l->model[k]);
   g_array_free(l->cells, TRUE);
   g_free(l);
@@ -32,9 +30,9 @@ void correct_library_free(void *object) {
 
 int correct_library_check(const void *object, opc_error *error) {
   const library *l = object;
-  return l->database && l->cells
-             ? OPC_OK
-             : opc_fail(error, OPC_FAILED, NULL, "a library has no database");
+  return l->cells ? OPC_OK
+                  : opc_fail(error, OPC_FAILED, NULL,
+                             "the library has no list of cells");
 }
 
 int correct_library_take_models(const opc_host *host,

@@ -57,7 +57,7 @@ static void test_values(void) {
   g_assert_null(c.devices);
 }
 
-static void same(double a, double b, double within) {
+static void assert_same(double a, double b, double within) {
   if (!(fabs(a - b) <= within)) g_error("%.12g is not %.12g", a, b);
 }
 
@@ -74,17 +74,17 @@ static void test_beyond(void) {
     for (double l = 10; l < 220; l += l < 40 || l > 80 ? 0.7 : 41) {
       double at = eda_curves_at(&c, EDA_NMOS, k, l), quick[EDA_CURRENTS];
       eda_curves_quick(&c, EDA_NMOS, l, quick);
-      same(at, log(unit[k]) - l / fall[k] * M_LN2, 1e-9);
-      same(quick[k] / exp(at), 1, 1e-5);
-      same(eda_curves_length(&c, EDA_NMOS, k, at), l, 1e-6);
+      assert_same(at, log(unit[k]) - l / fall[k] * M_LN2, 1e-9);
+      assert_same(quick[k] / exp(at), 1, 1e-5);
+      assert_same(eda_curves_length(&c, EDA_NMOS, k, at), l, 1e-6);
     }
     double far[] = {eda_curves_at(&c, 0, k, 10),
                     eda_curves_at(&c, 0, k, last[k])};
     static const double lengths[] = {0, -5, 9, NAN, 1e12, INFINITY};
     for (size_t i = 0; i < G_N_ELEMENTS(lengths); i++)
-      same(eda_curves_at(&c, 0, k, lengths[i]), far[i > 3], 1e-9);
-    same(eda_curves_length(&c, 0, k, INFINITY), 10, 0);
-    same(eda_curves_length(&c, 0, k, -INFINITY), last[k], 1e-6);
+      assert_same(eda_curves_at(&c, 0, k, lengths[i]), far[i > 3], 1e-9);
+    assert_same(eda_curves_length(&c, 0, k, INFINITY), 10, 0);
+    assert_same(eda_curves_length(&c, 0, k, -INFINITY), last[k], 1e-6);
   }
   eda_curves_clear(&c);
 }
@@ -99,7 +99,7 @@ static double slope_beyond(int high, double smaller) {
   double end = high ? 120 : 40, out = high ? 130 : 30;
   double at[] = {eda_curves_at(&c, EDA_NMOS, EDA_ION, end),
                  eda_curves_at(&c, EDA_NMOS, EDA_ION, out)};
-  same(eda_curves_length(&c, EDA_NMOS, EDA_ION, at[1]), out, 1e-6);
+  assert_same(eda_curves_length(&c, EDA_NMOS, EDA_ION, at[1]), out, 1e-6);
   eda_curves_clear(&c);
   return (at[1] - at[0]) / (out - end) / (-M_LN2 / 50);
 }
@@ -109,11 +109,11 @@ static double slope_beyond(int high, double smaller) {
 static void test_rough_end(void) {
   const double step = 2 * M_LN2 / 50;
   for (int high = 0; high < 2; high++) {
-    same(slope_beyond(high, 0), 1, 1e-9);
-    same(slope_beyond(high, 0.3 * step), 0.7, 1e-9);
-    same(slope_beyond(high, 0.999 * step), 3.001 / 4 / 2, 1e-9);
-    same(slope_beyond(high, -step), 2, 1e-9);
-    same(slope_beyond(high, -5 * step), 9.0 / 4 * 2, 1e-9);
+    assert_same(slope_beyond(high, 0), 1, 1e-9);
+    assert_same(slope_beyond(high, 0.3 * step), 0.7, 1e-9);
+    assert_same(slope_beyond(high, 0.999 * step), 3.001 / 4 / 2, 1e-9);
+    assert_same(slope_beyond(high, -step), 2, 1e-9);
+    assert_same(slope_beyond(high, -5 * step), 9.0 / 4 * 2, 1e-9);
   }
 }
 
@@ -159,7 +159,7 @@ static void read_widths(eda_curves *c) {
 static void test_widths(void) {
   eda_curves c = {0};
   read_widths(&c);
-  same(eda_curves_narrowest(&c), 200, 0);
+  assert_same(eda_curves_narrowest(&c), 200, 0);
   for (double width = 200; width < 5000; width *= 1.17) {
     eda_curves_width w = eda_curves_among(&c, width);
     g_assert_false(w.is_wide);
@@ -169,22 +169,25 @@ static void test_widths(void) {
         eda_curves_narrow_quick(&c, t, l, &w, quick);
         for (int k = 0; k < EDA_CURRENTS; k++) {
           double want = made_up(t, k, l, width);
-          same(eda_curves_narrow_at(&c, t, k, l, &w), want, 1e-9);
-          same(log(quick[k]), want, 1e-5);
+          assert_same(eda_curves_narrow_at(&c, t, k, l, &w), want, 1e-9);
+          assert_same(log(quick[k]), want, 1e-5);
           /* From a distance of 5 nm, also where the current rises. */
-          same(eda_curves_narrow_length(&c, t, k, want, &w, l + 5), l, 1e-6);
+          assert_same(eda_curves_narrow_length(&c, t, k, want, &w, l + 5), l,
+                      1e-6);
         }
       }
     double least = exp(part[EDA_ION] * (1 / width - 1.0 / 5000));
-    same(eda_curves_least_share(&c, 0, EDA_ION, &w), least, 2e-2);
-    same(eda_curves_least_share(&c, 0, EDA_IOFF, &w), 1, 1e-12);
+    assert_same(eda_curves_least_share(&c, 0, EDA_ION, &w), least, 2e-2);
+    assert_same(eda_curves_least_share(&c, 0, EDA_IOFF, &w), 1, 1e-12);
   }
   /* Smaller and larger widths use the nearest width. */
   eda_curves_width w = eda_curves_among(&c, 90);
-  same(eda_curves_narrow_at(&c, 0, 0, 55, &w), made_up(0, 0, 55, 200), 1e-9);
+  assert_same(eda_curves_narrow_at(&c, 0, 0, 55, &w), made_up(0, 0, 55, 200),
+              1e-9);
   w = eda_curves_among(&c, 5001);
   g_assert_true(w.is_wide);
-  same(eda_curves_narrow_at(&c, 0, 0, 55, &w), made_up(0, 0, 55, 5000), 1e-9);
+  assert_same(eda_curves_narrow_at(&c, 0, 0, 55, &w), made_up(0, 0, 55, 5000),
+              1e-9);
   eda_curves_clear(&c);
 }
 

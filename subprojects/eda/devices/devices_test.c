@@ -7,7 +7,7 @@
 
 static char *folder;
 
-static eda_devices *load(const char *text, opc_error *error) {
+static eda_devices *table_load(const char *text, opc_error *error) {
   g_assert_true(g_file_set_contents("table.yaml", text, -1, NULL));
   return eda_devices_read("table.yaml", error);
 }
@@ -23,7 +23,7 @@ static const char good[] =
 
 static void test_good(void) {
   opc_error error;
-  eda_devices *d = load(good, &error);
+  eda_devices *d = table_load(good, &error);
   g_assert_nonnull(d);
   g_assert_cmpuint(d->count, ==, 3);
   g_assert_cmpstr(d->name, ==, "test bulk");
@@ -50,7 +50,7 @@ static const char wide[] =
 
 static void test_widths(void) {
   opc_error error;
-  eda_devices *d = load(wide, &error);
+  eda_devices *d = table_load(wide, &error);
   g_assert_nonnull(d);
   g_assert_cmpuint(d->narrow, ==, 2);
   g_assert_true(d->width == 10000);
@@ -72,7 +72,7 @@ static void check_fault_of(const char *table, const char *old, const char *new,
   g_autofree char *head = g_strndup(table, (gsize)(at - table));
   g_autofree char *text = g_strconcat(head, new, at + strlen(old), NULL);
   opc_error error = {0};
-  g_assert_null(load(text, &error));
+  g_assert_null(table_load(text, &error));
   g_assert_cmpint(error.code, ==, OPC_INVALID);
   if (!g_pattern_match_simple(expected, error.message))
     g_error("%s\nnot\n%s", error.message, expected);
@@ -194,7 +194,7 @@ static void test_cgate(void) {
   opc_error error;
   g_autofree char *text =
       with_cgate(wide, N | P, 3, some_widths, 2, two_lengths);
-  eda_devices *d = load(text, &error);
+  eda_devices *d = table_load(text, &error);
   if (!d) g_error("%s", error.message);
   for (int type = 0; type < 2; type++) {
     for (size_t l = 0; l < G_N_ELEMENTS(lengths); l++) {
@@ -217,12 +217,12 @@ static void test_cgate(void) {
 static void test_cgate_one_width(void) {
   opc_error error;
   g_autofree char *text = with_cgate(good, N | P, 1, one_width, 3, few_lengths);
-  eda_devices *d = load(text, &error);
+  eda_devices *d = table_load(text, &error);
   if (!d) g_error("%s", error.message);
   check_made_up(d, EDA_NMOS, 50, 1e4, made_up(EDA_NMOS, 50, 1e4));
   check_made_up(d, EDA_PMOS, 500, 100, made_up(EDA_PMOS, 500, 1e4) / 100);
   eda_devices_free(d);
-  d = load(good, &error);
+  d = table_load(good, &error);
   g_assert_null(d->cgate[EDA_NMOS]);
   g_assert_true(isnan(eda_devices_cgate(d, EDA_NMOS, 50, 1e4)));
   eda_devices_free(d);
@@ -237,7 +237,7 @@ static void test_cgate_bent(void) {
   const char *pmos = strstr(wide, "pmos:");
   g_autofree char *head = g_strndup(wide, (gsize)(pmos - wide));
   g_autofree char *text = g_strconcat(head, lines, pmos, lines, NULL);
-  eda_devices *d = load(text, &error);
+  eda_devices *d = table_load(text, &error);
   if (!d) g_error("%s", error.message);
   check_made_up(d, EDA_NMOS, 55, 750, 2.75e-15);
   check_made_up(d, EDA_PMOS, 55, 5500, 27e-15);
@@ -245,7 +245,7 @@ static void test_cgate_bent(void) {
   pmos = strstr(good, "pmos:");
   g_autofree char *start = g_strndup(good, (gsize)(pmos - good));
   g_autofree char *other = g_strconcat(start, line, pmos, line, NULL);
-  d = load(other, &error);
+  d = table_load(other, &error);
   if (!d) g_error("%s", error.message);
   check_made_up(d, EDA_NMOS, 54.5, 1e4, 15e-15);
   check_made_up(d, EDA_PMOS, 532.5, 1e4, 60e-15);
@@ -280,7 +280,7 @@ static void test_flavours(void) {
   opc_error error;
   g_autofree char *both = g_strconcat(good, "---\nflavour: lvt\n", wide,
                                       "---\nflavour: hv\n", good, NULL);
-  eda_devices *d = load(both, &error);
+  eda_devices *d = table_load(both, &error);
   if (!d) g_error("%s", error.message);
   g_assert_null(d->flavour);
   g_assert_cmpuint(d->count, ==, 3);
@@ -301,16 +301,16 @@ static void test_flavours(void) {
   };
   for (size_t i = 0; i < G_N_ELEMENTS(bad); i++) {
     g_autofree char *text = g_strconcat(good, "---\n", bad[i].head, good, NULL);
-    g_assert_null(load(text, &error));
+    g_assert_null(table_load(text, &error));
     if (!g_pattern_match_simple(bad[i].want, error.message))
       g_error("%s", error.message);
   }
   g_autofree char *twice = g_strconcat(good, "---\nflavour: hv\n", good,
                                        "---\n", good, "flavour: hv\n", NULL);
-  g_assert_null(load(twice, &error));
+  g_assert_null(table_load(twice, &error));
   g_assert_nonnull(strstr(error.message, "a second table of flavour 'hv'"));
   g_autofree char *first = g_strconcat("flavour: hv\n", good, NULL);
-  g_assert_null(load(first, &error));
+  g_assert_null(table_load(first, &error));
   g_assert_cmpstr(error.message, ==,
                   "table.yaml:1:10: the first table must not have a 'flavour'");
 }

@@ -155,20 +155,20 @@ static void mark_y(const eda_chart *c, double y, const char *text) {
 }
 
 /* Return n so that every n-th label is shown, where each label has `part` of
-   the axis and needs `room`. */
-static size_t label_step(double part, double room) {
+   the axis and needs `width`. */
+static size_t label_step(double part, double width) {
   size_t step = 1;
-  for (int k = 0; (double)step * part < room; k++) /* 1, 2, 5, 10 .. */
+  for (int k = 0; (double)step * part < width; k++) /* 1, 2, 5, 10 .. */
     step = k % 3 == 1 ? step / 2 * 5 : step * 2;
   return step;
 }
 
 static void mark_axis(const eda_chart *c, const eda_axis *a, double length,
-                      double room,
+                      double width,
                       void (*mark)(const eda_chart *c, double at,
                                    const char *text)) {
   double tick[TICKS];
-  size_t step = label_step(length / (double)a->labels, room);
+  size_t step = label_step(length / (double)a->labels, width);
   for (size_t i = 0; i < a->labels; i += step) mark(c, (double)i, a->label[i]);
   size_t n = a->label ? 0 : find_ticks(a, tick);
   for (size_t i = 0; i < n; i++) {

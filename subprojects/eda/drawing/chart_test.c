@@ -27,7 +27,7 @@ static eda_chart chart_on(const eda_paper *paper) {
                      .y = {.low = 1e-6, .high = 1, .log = 1, .unit = "A"}};
 }
 
-static void draw(const char *path) {
+static void chart_draw(const char *path) {
   static const double x[] = {0, 2, 4, 6, 8, 10};
   static const double y[] = {1e-6, 1e-5, 1e-4, NAN, 1e-2, 0.1};
   opc_error error;
@@ -52,7 +52,7 @@ static uint32_t pixel(cairo_surface_t *s, double x, double y) {
 
 static void test_places(void) {
   g_autofree char *path = path_of("places.png");
-  draw(path);
+  chart_draw(path);
   cairo_surface_t *s = cairo_image_surface_create_from_png(path);
   g_assert_cmpint(cairo_surface_status(s), ==, CAIRO_STATUS_SUCCESS);
   /* A decade of the line is 50 pixels high and 80 wide. */
@@ -75,7 +75,7 @@ static void test_equal_files(void) {
     char *text[2];
     gsize size[2];
     for (int k = 0; k < 2; k++) {
-      draw(path);
+      chart_draw(path);
       g_assert_true(g_file_get_contents(path, &text[k], &size[k], NULL));
     }
     g_assert_cmpmem(text[0], size[0], text[1], size[1]);

@@ -18,12 +18,12 @@ static double width_of(const eda_paper *p, const char *text) {
 }
 
 /* Return the text shortened to the available width (free). */
-static char *text_fit(const eda_paper *p, const char *text, double room) {
+static char *text_fit(const eda_paper *p, const char *text, double width) {
   g_autofree char *all = g_utf8_make_valid(text, (gssize)strnlen(text, LINE));
   for (char *c = all; *c; c++)
     if ((unsigned char)*c < ' ') *c = '?';
   char *out = g_strdup(all);
-  for (glong n = g_utf8_strlen(all, -1); n > 1 && width_of(p, out) > room;) {
+  for (glong n = g_utf8_strlen(all, -1); n > 1 && width_of(p, out) > width;) {
     g_autofree char *begin = g_utf8_substring(all, 0, --n);
     g_free(out);
     out = g_strconcat(begin, "...", NULL);
@@ -32,8 +32,8 @@ static char *text_fit(const eda_paper *p, const char *text, double room) {
 }
 
 void eda_text(const eda_paper *p, double x, double baseline, int place,
-              double room, const char *text) {
-  g_autofree char *line = text_fit(p, text, room);
+              double width, const char *text) {
+  g_autofree char *line = text_fit(p, text, width);
   cairo_move_to(p->cairo, x - width_of(p, line) * place / 2, baseline);
   cairo_show_text(p->cairo, line);
   cairo_new_path(p->cairo); /* the end of the text is no point of a line */

@@ -43,7 +43,8 @@ typedef struct sum {
   int64_t area2;
 } sum;
 
-static int add(void *data, const eda_point *p, size_t n, opc_error *error) {
+static int shape_add(void *data, const eda_point *p, size_t n,
+                     opc_error *error) {
   sum *s = data;
   for (size_t i = 0; i < n; i++) {
     eda_point a = p[i], b = p[i + 1 < n ? i + 1 : 0];
@@ -69,7 +70,7 @@ static void test_cut(void) {
   p[n - 2].x = 10;
   sum s = {0};
   opc_error e;
-  eda_polygon_taker take = {add, &s, 40};
+  eda_polygon_taker take = {shape_add, &s, 40};
   g_assert_cmpint(eda_polygon_cut(p, n, &take, &e), ==, OPC_OK);
   g_assert_cmpint(s.area2, ==, 2 * (3 * (20 * TEETH - 10) + 100 * TEETH));
   g_assert_cmpuint(s.most, <=, 40);
@@ -94,7 +95,7 @@ static void test_holes(void) {
   eda_shapes shapes = {5, start, p, hole};
   sum s = {0};
   opc_error e;
-  const eda_polygon_taker take = {add, &s, 1000};
+  const eda_polygon_taker take = {shape_add, &s, 1000};
   g_assert_cmpint(eda_polygons_without_holes(&shapes, &take, &e), ==, OPC_OK);
   g_assert_cmpint(s.area2, ==, eda_area2(&shapes));
   g_assert_cmpuint(s.n, ==, 9);

@@ -10,7 +10,7 @@ enum { W = 6, L = 3, GATES = 8 };
 
 static uint32_t state = 3;
 
-static int32_t draw(int32_t low, int32_t high) {
+static int32_t random_draw(int32_t low, int32_t high) {
   state = state * 1664525u + 1013904223u;
   return low + (int32_t)((state >> 8) % (uint32_t)(high - low + 1));
 }
@@ -24,7 +24,7 @@ static eda_chip_gate lying(int k, int32_t x, int32_t y) {
       .flip = (uint8_t)((k & 1 ? EDA_FLIP_L : 0) | (k & 2 ? EDA_FLIP_W : 0))};
 }
 
-static int has(eda_box b, int32_t x, int32_t y) {
+static int box_has(eda_box b, int32_t x, int32_t y) {
   return x >= b.x0 && x < b.x1 && y >= b.y0 && y < b.y1;
 }
 
@@ -39,15 +39,15 @@ static void unit_of(const eda_chip_gate *g, int32_t l, int32_t w, int32_t *x,
 
 static void test_place(void) {
   for (int n = 0; n < 80; n++) {
-    eda_chip_gate g = lying(n % 8, draw(-50, 50), draw(-50, 50));
-    int32_t l = draw(-5, 5), w = draw(-5, 5);
-    eda_box own = {l, w, l + draw(1, 4), w + draw(1, 4)};
+    eda_chip_gate g = lying(n % 8, random_draw(-50, 50), random_draw(-50, 50));
+    int32_t l = random_draw(-5, 5), w = random_draw(-5, 5);
+    eda_box own = {l, w, l + random_draw(1, 4), w + random_draw(1, 4)};
     eda_box placed = eda_chip_place(g.box, g.axis, g.flip, own);
     for (l = -12; l < 12; l++)
       for (w = -12; w < 12; w++) {
         int32_t x, y;
         unit_of(&g, l, w, &x, &y);
-        g_assert_cmpint(has(placed, x, y), ==, has(own, l, w));
+        g_assert_cmpint(box_has(placed, x, y), ==, box_has(own, l, w));
       }
     eda_box back = eda_chip_own(g.box, g.axis, g.flip, placed);
     g_assert_cmpmem(&back, sizeof back, &own, sizeof own);
@@ -67,7 +67,7 @@ typedef struct whole {
   uint8_t corrected[2];
 } whole;
 
-static void make(whole *t) {
+static void whole_make(whole *t) {
   *t = (whole){.mask = {{.w = 3,
                          .aside = 2,
                          .l = -1,
@@ -99,7 +99,7 @@ static void make(whole *t) {
 
 static void test_find(void) {
   whole t;
-  make(&t);
+  whole_make(&t);
   for (size_t k = 0; k < GATES; k++) {
     eda_box b = t.gate[k].box;
     g_assert_cmpuint(eda_chip_find(&t.chip, b), ==, k);
@@ -125,7 +125,7 @@ static int32_t by_at(const eda_part *part, int n, int32_t at) {
 
 static void test_moved(void) {
   whole t;
-  make(&t);
+  whole_make(&t);
   eda_box box[GATES + 1];
   for (int k = 0; k < GATES; k++) box[GATES - k] = t.gate[k].box;
   box[0] = (eda_box){0, 0, 3, 5}; /* not of the chip */
@@ -160,43 +160,48 @@ static void test_moved(void) {
   eda_moved_free(to);
 }
 
-static void refused(whole *t, const char *why) {
+static void assert_refused(whole *t, const char *why) {
   opc_error error = {0};
   g_assert_cmpint(eda_chip_check(&t->chip, &error), ==, OPC_FAILED);
   if (!strstr(error.message, why)) g_error("%s: %s", why, error.message);
-  make(t);
+  whole_make(t);
 }
 
 static void test_check(void) {
   whole t;
   opc_error error = {0};
-  make(&t);
+  whole_make(&t);
   if (eda_chip_check(&t.chip, &error)) g_error("%s", error.message);
   g_assert_cmpint(eda_chip_check(NULL, &error), ==, OPC_FAILED);
-  t.chip.layout = NULL, refused(&t, "the layout");
-  t.chip.top = -1, refused(&t, "the layout");
-  t.chip.grid = 0, refused(&t, "the grid is missing");
-  t.chip.layers = 1, refused(&t, "missing");
-  t.chip.layer = NULL, refused(&t, "missing");
-  t.chip.corrected = NULL, refused(&t, "missing");
-  t.chip.gate = NULL, refused(&t, "missing");
-  t.chip.mask = NULL, refused(&t, "missing");
-  t.chip.print = NULL, refused(&t, "missing");
-  t.gate[3].box.x1 = t.gate[3].box.x0, refused(&t, "transistor 3 has no size");
-  t.gate[3].box.y1 = t.gate[3].box.y0, refused(&t, "transistor 3 has no size");
-  t.gate[4].box = t.gate[3].box, refused(&t, "4 is out of order");
-  t.gate[2].box.y0 -= 1, refused(&t, "2 is out of order");
-  t.gate[5].mask = 2, refused(&t, "5 has no mask");
-  t.gate[5].print = 1, refused(&t, "5 has no mask or no print");
-  t.gate[6].type = EDA_PMOS + 1, refused(&t, "6 has no type");
-  t.gate[6].axis = EDA_Y + 1, refused(&t, "6 has no type or no direction");
-  t.gate[6].flip = 1 + (EDA_FLIP_L | EDA_FLIP_W), refused(&t, "6 has no type");
+  t.chip.layout = NULL, assert_refused(&t, "the layout");
+  t.chip.top = -1, assert_refused(&t, "the layout");
+  t.chip.grid = 0, assert_refused(&t, "the grid is missing");
+  t.chip.layers = 1, assert_refused(&t, "missing");
+  t.chip.layer = NULL, assert_refused(&t, "missing");
+  t.chip.corrected = NULL, assert_refused(&t, "missing");
+  t.chip.gate = NULL, assert_refused(&t, "missing");
+  t.chip.mask = NULL, assert_refused(&t, "missing");
+  t.chip.print = NULL, assert_refused(&t, "missing");
+  t.gate[3].box.x1 = t.gate[3].box.x0,
+  assert_refused(&t, "transistor 3 has no size");
+  t.gate[3].box.y1 = t.gate[3].box.y0,
+  assert_refused(&t, "transistor 3 has no size");
+  t.gate[4].box = t.gate[3].box, assert_refused(&t, "4 is out of order");
+  t.gate[2].box.y0 -= 1, assert_refused(&t, "2 is out of order");
+  t.gate[5].mask = 2, assert_refused(&t, "5 has no mask");
+  t.gate[5].print = 1, assert_refused(&t, "5 has no mask or no print");
+  t.gate[6].type = EDA_PMOS + 1, assert_refused(&t, "6 has no type");
+  t.gate[6].axis = EDA_Y + 1,
+  assert_refused(&t, "6 has no type or no direction");
+  t.gate[6].flip = 1 + (EDA_FLIP_L | EDA_FLIP_W),
+  assert_refused(&t, "6 has no type");
   t.mask[1].parts = EDA_PARTS + 1, t.chip.parts = EDA_PARTS + 1;
-  refused(&t, "mask 1 refers to parts");
+  assert_refused(&t, "mask 1 refers to parts");
   t.mask[1].part = 1, t.mask[1].parts = 2,
-  refused(&t, "mask 1 refers to parts");
-  t.mask[1].box = 2, t.mask[1].boxes = 1, refused(&t, "mask 1 refers to parts");
-  t.box[1].layer = 2, refused(&t, "box 1 has no valid layer");
+  assert_refused(&t, "mask 1 refers to parts");
+  t.mask[1].box = 2, t.mask[1].boxes = 1,
+  assert_refused(&t, "mask 1 refers to parts");
+  t.box[1].layer = 2, assert_refused(&t, "box 1 has no valid layer");
   /* The largest allowed numbers. */
   t.mask[1] = (eda_chip_mask){.part = 1, .parts = 1, .box = 1, .boxes = 1};
   g_assert_cmpint(eda_chip_check(&t.chip, &error), ==, OPC_OK);

@@ -35,19 +35,19 @@ typedef struct section {
 static int field_cut(const eda_field *field, int axis, double at, double place,
                      section *s) {
   eda_line line;
-  eda_walk walk[2];
+  eda_line_search search[2];
   eda_line_make(field, axis, at, &line);
-  int prints = eda_line_start(&line, place, &walk[0], &walk[1]) > 0;
+  int prints = eda_line_start(&line, place, &search[0], &search[1]) > 0;
   s->open = s->pieces = 0;
   for (int side = 0; side < 2; side++) {
-    double d =
-        eda_walk_to(&walk[side], prints ? s->limit[side] : s->drawn[side]);
+    double d = eda_line_search_to(&search[side],
+                                  prints ? s->limit[side] : s->drawn[side]);
     if (!prints)
       s->pieces |= !isnan(d);
     else if (isnan(d))
       s->open = 1;
     else if (d < s->drawn[side])
-      s->pieces |= !isnan(eda_walk_to(&walk[side], s->drawn[side]));
+      s->pieces |= !isnan(eda_line_search_to(&search[side], s->drawn[side]));
     s->distance[side] = !prints ? 0 : isnan(d) ? s->limit[side] : d;
   }
   return prints;
@@ -108,15 +108,16 @@ static double measure_extension(eda_gate *g, int side) {
   double edge = side ? g->to : g->from;
   if (isinf(drawn)) return INFINITY;
   eda_line line;
-  eda_walk walk[2];
+  eda_line_search search[2];
   eda_line_make(g->poly, g->axis[1], g->middle[0], &line);
-  if (eda_line_start(&line, edge, &walk[0], &walk[1]) > 0) {
+  if (eda_line_start(&line, edge, &search[0], &search[1]) > 0) {
     double limit = (side ? g->high[1] : g->low[1]) + out * (drawn + reach);
-    double distance = eda_walk_to(&walk[side], out * (limit - edge));
+    double distance = eda_line_search_to(&search[side], out * (limit - edge));
     return isnan(distance) ? INFINITY : distance;
   }
   g->flags |= EDA_PRINT_SHORT;
-  double distance = eda_walk_to(&walk[!side], fabs(edge - g->middle[1]));
+  double distance =
+      eda_line_search_to(&search[!side], fabs(edge - g->middle[1]));
   return isnan(distance) ? -(g->high[1] - g->low[1]) / 2 : -distance;
 }
 

@@ -38,7 +38,8 @@ typedef struct result {
 
 /* Measure a gate of L 60 and W 300 around (0, 0) that ends 80 nm beyond the
    active at its low side and has `space` beside it. */
-static result look(level *poly, level *active, double space, int across) {
+static result gate_measure(level *poly, level *active, double space,
+                           int across) {
   eda_box box =
       across ? (eda_box){-150, -30, 150, 30} : (eda_box){-30, -150, 30, 150};
   uint8_t type = EDA_NMOS, axis = across ? EDA_Y : EDA_X;
@@ -137,13 +138,13 @@ static double low_less(double l, double w) {
 
 static void test_good(void) {
   for (int across = 0; across < 2; across++) {
-    result r = look(line, stripe, 400, across);
+    result r = gate_measure(line, stripe, 400, across);
     g_assert_cmphex(r.flags, ==, 0);
     g_assert_cmpfloat(fabs(r.from + 150), <, 0.01);
     g_assert_cmpfloat(fabs(r.to - 150), <, 0.01);
     for (int k = 0; k <= 40; k++)
       g_assert_cmpfloat(fabs(r.length[k] - 60), <, 0.05);
-    r = look(ended, stripe, 400, across);
+    r = gate_measure(ended, stripe, 400, across);
     g_assert_cmphex(r.flags & ~(uint32_t)EDA_PRINT_NOTES, ==, 0);
     g_assert_cmpfloat(fabs(r.extension[0] - 40), <, 0.05);
     double want = 60 * sqrt(1 - exp(-1)); /* at the edge of the active */
@@ -156,11 +157,11 @@ static void test_good(void) {
    without a flag at this slope. For a disk it equals the mean of a circle. */
 static void test_width(void) {
   for (int across = 0; across < 2; across++) {
-    result r = look(line, sloped, 400, across);
+    result r = gate_measure(line, sloped, 400, across);
     g_assert_cmphex(r.flags, ==, 0);
     g_assert_cmpfloat(fabs(r.from + 150), <, 0.05);
     g_assert_cmpfloat(fabs(r.to - 150), <, 0.05);
-    r = look(line, disk, 400, across);
+    r = gate_measure(line, disk, 400, across);
     double area = 0;
     enum { STEPS = 6000 };
     for (int i = 0; i < STEPS; i++) {
@@ -200,7 +201,8 @@ static void test_flags(void) {
   };
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++)
     for (int across = 0; across < 2; across++) {
-      result r = look(cases[i].poly, cases[i].active, cases[i].room, across);
+      result r =
+          gate_measure(cases[i].poly, cases[i].active, cases[i].room, across);
       if ((r.flags & cases[i].must) != cases[i].must ||
           r.flags & ~(cases[i].must | cases[i].may))
         g_error("case %zu, %d: flags %#x, not %#x", i, across, r.flags,

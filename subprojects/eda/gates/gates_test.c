@@ -89,7 +89,7 @@ static void test_layers(void) {
   eda_gates_free(NULL);
 }
 
-static void refused(eda_gates *g, const char *message) {
+static void assert_refused(eda_gates *g, const char *message) {
   opc_error error;
   g_assert_cmpint(eda_gates_check(g, &error), ==, OPC_FAILED);
   g_assert_cmpstr(error.message, ==, message);
@@ -101,19 +101,19 @@ static void test_unsound(void) {
   eda_gates *g = four_layers();
   char *name = g->layer[METAL];
   g->layer[METAL] = NULL;
-  refused(g, "layer 4 has no name");
+  assert_refused(g, "layer 4 has no name");
   g->layer[METAL] = g->layer[EDA_POLY];
-  refused(g, "two layers have the name 'poly'");
+  assert_refused(g, "two layers have the name 'poly'");
   g->layer[METAL] = name;
   g->layers = 1;
-  refused(g, "1 layers are too few for transistors");
+  assert_refused(g, "1 layers are too few for transistors");
   g->layers = LAYERS;
   g->length[1] = 0;
-  refused(g, "transistor 2 is not valid");
+  assert_refused(g, "transistor 2 is not valid");
   g->length[1] = 60;
   g->grid = 0;
-  refused(g,
-          "the grid of the gates is 0 nm, expected a positive finite number");
+  assert_refused(
+      g, "the grid of the gates is 0 nm, expected a positive finite number");
   eda_gates_free(g);
 }
 

@@ -6,7 +6,7 @@
 #include <glib/gstdio.h>
 #include <string.h>
 
-static void check(const eda_goal *w, eda_goal want) {
+static void assert_goal(const eda_goal *w, eda_goal want) {
   g_assert_cmpint(w->given, ==, want.given);
   g_assert_cmpfloat(w->weight, ==, want.weight);
   for (int k = 0; k < EDA_GOAL_TARGETS; k++)
@@ -32,7 +32,7 @@ static void test_good_notes(void) {
   for (size_t i = 0; i < G_N_ELEMENTS(good); i++) {
     eda_goal w;
     g_assert_null(eda_goal_parse(good[i].note, &w));
-    check(&w, good[i].want);
+    assert_goal(&w, good[i].want);
     g_assert_null(eda_goal_fault(&w));
   }
 }
@@ -95,8 +95,8 @@ static void test_table(void) {
   g_assert_cmpint(
       read_table("transistor,weight,ioff\nXU7:1,3,\nINV:3,,0.5\n", w, &error),
       ==, OPC_OK);
-  check(&w[0], (eda_goal){3, {1.5, 1, 1}, 1});
-  check(&w[1], (eda_goal){1, {1, 0.5, 1}, 1});
+  assert_goal(&w[0], (eda_goal){3, {1.5, 1, 1}, 1});
+  assert_goal(&w[1], (eda_goal){1, {1, 0.5, 1}, 1});
   g_assert_cmpint(read_table("transistor,ion\nINV:3,20\n", w, &error), ==,
                   OPC_INVALID);
   g_assert_cmpstr(error.parameter, ==, "wishes");

@@ -9,7 +9,7 @@
 
 static const eda_gates *gates;
 
-static eda_mask *make(void) {
+static eda_mask *mask_make(void) {
   eda_mask *m = eda_mask_new(gates);
   opc_error error;
   for (size_t k = 0; k < gates->layers; k++) {
@@ -73,7 +73,7 @@ static void test_equal(void) {
   g_autofree char *folder = g_dir_make_tmp("kept-XXXXXX", NULL);
   g_autofree char *path = g_build_filename(folder, "mask", NULL);
   opc_error error;
-  eda_mask *a = make();
+  eda_mask *a = mask_make();
   void *made = NULL;
   g_assert_cmpint(eda_mask_save(a, folder, &error), ==, OPC_OK);
   g_assert_cmpint(eda_mask_restore(gates, folder, &made, &error), ==, OPC_OK);
@@ -124,7 +124,7 @@ static void test_damaged(void) {
   g_autofree char *folder = g_dir_make_tmp("kept-XXXXXX", NULL);
   g_autofree char *path = g_build_filename(folder, "mask", NULL);
   opc_error error;
-  eda_mask *a = make();
+  eda_mask *a = mask_make();
   gsize n;
   g_assert_cmpint(eda_mask_save(a, folder, &error), ==, OPC_OK);
   eda_mask_free(a);

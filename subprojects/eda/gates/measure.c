@@ -122,14 +122,14 @@ static int slices_extract(const slices *s, const eda_gates *gates, size_t first,
 
 /* ---- all gates ---- */
 
-typedef struct job {
+typedef struct measure_task {
   const opc_context *context;
   const eda_gates *gates;
   const eda_field *print; /* NULL: as drawn */
   const opc_module *extractor;
   eda_measurement *out; /* NULL as drawn: performance only */
   eda_performance *performance;
-} job;
+} measure_task;
 
 /* Return the performance of n gates from `first` on. */
 static eda_performance performance_part(const eda_performance *p, size_t first,
@@ -162,8 +162,8 @@ static void performance_settle(eda_performance *p, uint32_t *flags) {
 }
 
 /* Measure gate i, number k of a block. */
-static int measure_one(const job *j, size_t i, const slices *s, size_t k,
-                       opc_error *error) {
+static int measure_one(const measure_task *j, size_t i, const slices *s,
+                       size_t k, opc_error *error) {
   eda_gate gate;
   if (!j->print) {
     eda_gate_draw(j->gates, i, &gate);
@@ -178,7 +178,7 @@ static int measure_one(const job *j, size_t i, const slices *s, size_t k,
 }
 
 static int measure_block(void *data, size_t block, opc_error *error) {
-  const job *j = data;
+  const measure_task *j = data;
   size_t first = block * BLOCK, n = j->gates->count - first;
   if (n > BLOCK) n = BLOCK;
   slices s;
@@ -195,7 +195,7 @@ static int measure_block(void *data, size_t block, opc_error *error) {
   return code;
 }
 
-static int gates_measure(job *j, opc_error *error) {
+static int gates_measure(measure_task *j, opc_error *error) {
   return eda_try_all(j->context, (j->gates->count + BLOCK - 1) / BLOCK,
                      measure_block, j, error);
 }
@@ -203,17 +203,17 @@ static int gates_measure(job *j, opc_error *error) {
 int eda_measure(const opc_context *context, const eda_gates *gates,
                 const eda_field *print, const opc_module *extractor,
                 eda_measurement *out, opc_error *error) {
-  job j = {context, gates, print, extractor, out, &out->performance};
+  measure_task j = {context, gates, print, extractor, out, &out->performance};
   return gates_measure(&j, error);
 }
 
 int eda_measure_drawn(const opc_context *context, const eda_gates *gates,
                       const opc_module *extractor, eda_performance *out,
                       opc_error *error) {
-  job j = {.context = context,
-           .gates = gates,
-           .extractor = extractor,
-           .performance = out};
+  measure_task j = {.context = context,
+                    .gates = gates,
+                    .extractor = extractor,
+                    .performance = out};
   return gates_measure(&j, error);
 }
 

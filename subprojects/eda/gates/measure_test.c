@@ -38,8 +38,8 @@ static size_t slicing(const void *self, const double **p, const double **s) {
   return SLICES;
 }
 
-static int keep(const void *self, const eda_slices *in, eda_performance *out,
-                opc_error *error) {
+static int slices_keep(const void *self, const eda_slices *in,
+                       eda_performance *out, opc_error *error) {
   (void)self;
   (void)error;
   for (int i = 0; i < SLICES; i++) {
@@ -52,7 +52,8 @@ static int keep(const void *self, const eda_slices *in, eda_performance *out,
   return OPC_OK;
 }
 
-static const eda_extractor keeper = {.slicing = slicing, .extract = keep};
+static const eda_extractor keeper = {.slicing = slicing,
+                                     .extract = slices_keep};
 
 typedef struct result {
   uint32_t flags;
@@ -62,8 +63,8 @@ typedef struct result {
 } result;
 
 /* Measure a gate of L 60 and W 300 around (0, 0), vertical or horizontal. */
-static result measure(eda_field poly, eda_field active, uint8_t axis,
-                      double space, double extension) {
+static result gate_measure(eda_field poly, eda_field active, uint8_t axis,
+                           double space, double extension) {
   eda_box box = axis == EDA_X ? (eda_box){-30, -150, 30, 150}
                               : (eda_box){-150, -30, 150, 30};
   uint8_t type = EDA_NMOS;
@@ -102,7 +103,7 @@ static void test_slices(void) {
     uint8_t axis = across ? EDA_Y : EDA_X;
     eda_field poly = level(a, across ? taper : 1, across ? 1 : taper);
     eda_field active = level(-wave(half), across, !across);
-    result r = measure(poly, active, axis, 400, INFINITY);
+    result r = gate_measure(poly, active, axis, 400, INFINITY);
     g_assert_cmpuint(r.flags, ==, 0);
     for (int i = 0; i < SLICES; i++) {
       double y = half * (2 * place[i] - 1);
@@ -120,12 +121,13 @@ static void test_slices(void) {
 /* Poly that ends at y = -199 (the level varies along y only). */
 static void test_extension(void) {
   eda_field poly = level(-wave(199), 0, 1), active = level(-wave(145), 0, 1);
-  result r = measure(poly, active, EDA_X, 400, 84);
+  result r = gate_measure(poly, active, EDA_X, 400, 84);
   g_assert_cmpfloat(fabs(r.extension[0] - 54), <, 1e-3);
   g_assert_true(isinf(r.extension[1]));
   g_assert_true(r.flags & EDA_PRINT_MERGED); /* no edge along x */
   /* The poly ends 20 nm inside the active. */
-  r = measure(level(-wave(125), 0, 1), level(-wave(145), 0, 1), EDA_X, 400, 84);
+  r = gate_measure(level(-wave(125), 0, 1), level(-wave(145), 0, 1), EDA_X, 400,
+                   84);
   g_assert_cmpfloat(fabs(r.extension[0] + 20), <, 1e-3);
   g_assert_true(r.flags & EDA_PRINT_SHORT);
   g_assert_true(r.flags & EDA_PRINT_OPEN); /* its outer slices */
@@ -136,15 +138,15 @@ static void test_extension(void) {
 static void test_figures(void) {
   for (beyond_table = 0; beyond_table < 2; beyond_table++) {
     uint32_t mark = beyond_table ? EDA_PRINT_OUTSIDE : 0;
-    result r = measure(level(-wave(30), 1, 0), level(-wave(145), 0, 1), EDA_X,
-                       400, 84);
+    result r = gate_measure(level(-wave(30), 1, 0), level(-wave(145), 0, 1),
+                            EDA_X, 400, 84);
     g_assert_cmpuint(r.flags & EDA_PRINT_OUTSIDE, ==, mark);
     g_assert_cmpuint(r.outside, ==, beyond_table);
     g_assert_cmpuint(r.flags & ~(uint32_t)EDA_PRINT_NOTES, ==, 0);
     for (int k = 0; k < 6; k++) g_assert_cmpfloat(r.figure[k], ==, 1);
     const result none[] = {
-        measure(level(-2, 1, 0), level(-wave(145), 0, 1), EDA_X, 400, 84),
-        measure(level(-wave(30), 1, 0), level(-2, 0, 1), EDA_X, 400, 84)};
+        gate_measure(level(-2, 1, 0), level(-wave(145), 0, 1), EDA_X, 400, 84),
+        gate_measure(level(-wave(30), 1, 0), level(-2, 0, 1), EDA_X, 400, 84)};
     for (int i = 0; i < 2; i++) {
       g_assert_cmpuint(none[i].flags & EDA_PRINT_OUTSIDE, ==, 0);
       g_assert_cmpuint(none[i].outside, ==, 0);
@@ -156,14 +158,17 @@ static void test_figures(void) {
 
 static void test_trouble(void) {
   /* The middle does not print. */
-  result r = measure(level(-2, 1, 0), level(-wave(145), 0, 1), EDA_X, 400, 84);
+  result r =
+      gate_measure(level(-2, 1, 0), level(-wave(145), 0, 1), EDA_X, 400, 84);
   g_assert_true(r.flags & EDA_PRINT_OPEN);
-  r = measure(level(-wave(30), 1, 0), level(-2, 0, 1), EDA_X, 400, 84);
+  r = gate_measure(level(-wave(30), 1, 0), level(-2, 0, 1), EDA_X, 400, 84);
   g_assert_true(r.flags & EDA_PRINT_NO_ACTIVE);
   /* Wider than half the space: 30 + 50 is less than 81, more than 79. */
-  r = measure(level(-wave(81), 1, 0), level(-wave(145), 0, 1), EDA_X, 100, 84);
+  r = gate_measure(level(-wave(81), 1, 0), level(-wave(145), 0, 1), EDA_X, 100,
+                   84);
   g_assert_true(r.flags & EDA_PRINT_MERGED);
-  r = measure(level(-wave(79), 1, 0), level(-wave(145), 0, 1), EDA_X, 100, 84);
+  r = gate_measure(level(-wave(79), 1, 0), level(-wave(145), 0, 1), EDA_X, 100,
+                   84);
   g_assert_false(r.flags & EDA_PRINT_MERGED);
 }
 

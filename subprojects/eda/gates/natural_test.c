@@ -43,10 +43,12 @@ static void test_unknown(void) {
     g_assert_true(isnan(eda_natural(&krf, wrong[i])));
 }
 
-static eda_scanner tell(const void *self) { return *(const eda_scanner *)self; }
+static eda_scanner model_scanner(const void *self) {
+  return *(const eda_scanner *)self;
+}
 
 static void test_model(void) {
-  static const eda_litho knows = {.scanner = tell}, silent = {0};
+  static const eda_litho knows = {.scanner = model_scanner}, silent = {0};
   eda_scanner s = krf, bad = {-1, 0.7};
   opc_module m = {&knows, &s, "litho.mine"};
   g_assert_cmpfloat(eda_scanner_of(&m).wavelength, ==, 248);

@@ -25,14 +25,15 @@ eda_section eda_gate_section(const eda_gates *g, size_t i, int layer,
   int poly = layer == EDA_POLY, axis = poly ? g->axis[i] : !g->axis[i];
   double half = (poly ? g->length[i] : g->width[i]) / 2, end[2];
   eda_line line;
-  eda_walk walk[2];
+  eda_line_search search[2];
   eda_section none = {NAN, NAN, NAN};
   eda_line_make(print, axis, axis == EDA_X ? y : x, &line);
-  if (!(eda_line_start(&line, axis == EDA_X ? x : y, &walk[0], &walk[1]) > 0))
+  if (!(eda_line_start(&line, axis == EDA_X ? x : y, &search[0], &search[1]) >
+        0))
     return none;
   for (size_t side = 0; side < 2; side++) {
     double space = poly ? g->space[2 * i + side] / 2 : INFINITY;
-    end[side] = eda_walk_to(&walk[side], half + fmin(reach, space));
+    end[side] = eda_line_search_to(&search[side], half + fmin(reach, space));
   }
   if (isnan(end[0]) || isnan(end[1])) return none;
   return (eda_section){end[0] + end[1], log_slope(image, axis, x, y, -end[0]),

@@ -33,7 +33,7 @@ static void check_canonical(const eda_shapes *s) {
   }
 }
 
-static int same(const eda_shapes *a, const eda_shapes *b) {
+static int shapes_same(const eda_shapes *a, const eda_shapes *b) {
   if (a->count != b->count) return 0;
   if (a->count == 0) return 1;
   return !memcmp(a->start, b->start, (a->count + 1) * sizeof *a->start) &&
@@ -86,14 +86,14 @@ static void test_random(void) {
       area[op] = eda_area2(&out[op]);
       g_assert_cmpint(eda_boolean(EDA_OR, &out[op], NULL, &again, &error), ==,
                       OPC_OK);
-      g_assert_true(same(&out[op], &again));
+      g_assert_true(shapes_same(&out[op], &again));
       eda_shapes_clear(&again);
     }
     g_assert_cmpint(area[EDA_XOR], ==, area[EDA_OR] - area[EDA_AND]);
     g_assert_cmpint(
         eda_boolean(EDA_NOT, &out[EDA_OR], &out[EDA_AND], &again, &error), ==,
         OPC_OK);
-    g_assert_true(same(&out[EDA_XOR], &again));
+    g_assert_true(shapes_same(&out[EDA_XOR], &again));
     eda_shapes_clear(&again);
     for (int op = 0; op < 4; op++) eda_shapes_clear(&out[op]);
     builder_free(&ba);
@@ -158,7 +158,7 @@ static void test_hole(void) {
   merge_is(&b, "poly 0,0 9,0 9,9 0,9; ");
 }
 
-static void refused(builder *b, const char *message) {
+static void assert_refused(builder *b, const char *message) {
   eda_shapes s = builder_shapes(b), out;
   opc_error error;
   eda_box *boxes;
@@ -177,11 +177,11 @@ static void test_refused(void) {
   builder_point(&b, 10, 0);
   builder_point(&b, 7, -3);
   builder_close(&b);
-  refused(&b, "slanted edge from (10, 0) to (7, -3)");
+  assert_refused(&b, "slanted edge from (10, 0) to (7, -3)");
   b = builder_new();
   builder_box(&b, 0, 0, 1, 1);
   builder_box(&b, 0, 0, (1 << 30) + 1, 1);
-  refused(&b, "point (1073741825, 0) is beyond 2^30");
+  assert_refused(&b, "point (1073741825, 0) is beyond 2^30");
   b = builder_new();
   eda_shapes s = builder_shapes(&b), out;
   opc_error error;

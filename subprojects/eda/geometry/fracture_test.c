@@ -20,7 +20,7 @@ static size_t count_slabs(const labels *l, int label, int way) {
   return n;
 }
 
-static void check(const eda_shapes *s) {
+static void fracture_check(const eda_shapes *s) {
   opc_error error;
   eda_box *boxes;
   size_t n, want = 0;
@@ -53,7 +53,7 @@ static void test_random(void) {
     eda_shapes s = builder_shapes(&b), merged;
     opc_error error;
     g_assert_cmpint(eda_boolean(EDA_OR, &s, NULL, &merged, &error), ==, OPC_OK);
-    check(&merged);
+    fracture_check(&merged);
     eda_shapes_clear(&merged);
     builder_free(&b);
   }

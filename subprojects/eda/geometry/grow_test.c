@@ -30,7 +30,7 @@ static void draw_inside(bitmap *b, const eda_shapes *s) {
   builder_free(&frame);
 }
 
-static void check(const eda_shapes *merged, int by) {
+static void grow_check(const eda_shapes *merged, int by) {
   opc_error error;
   eda_shapes out;
   bitmap was, got, want;
@@ -51,7 +51,7 @@ static void test_random(void) {
     eda_shapes s = builder_shapes(&b), merged;
     opc_error error;
     g_assert_false(eda_boolean(EDA_OR, &s, NULL, &merged, &error));
-    for (int by = -2; by <= 2; by++) check(&merged, by);
+    for (int by = -2; by <= 2; by++) grow_check(&merged, by);
     eda_shapes_clear(&merged);
     builder_free(&b);
   }

@@ -4,7 +4,7 @@
 #include <glib.h>
 #include <string.h>
 
-static int touch(eda_box a, eda_box b) {
+static int boxes_touch(eda_box a, eda_box b) {
   return a.x0 <= b.x1 && b.x0 <= a.x1 && a.y0 <= b.y1 && b.y0 <= a.y1;
 }
 
@@ -17,8 +17,8 @@ static eda_box random_box(GRand *r, int span, int most) {
 
 /* Check that each box that touches the window is returned once, that no other
    box is, and that a second search returns the same order. */
-static void check(const eda_index *index, const eda_box *box, size_t n,
-                  eda_box window) {
+static void index_check(const eda_index *index, const eda_box *box, size_t n,
+                        eda_box window) {
   g_autofree uint8_t *found = g_new0(uint8_t, n + 1);
   eda_finder f = eda_index_find(index, window), again = f;
   for (uint32_t i, j; eda_index_next(&f, &i);) {
@@ -29,7 +29,7 @@ static void check(const eda_index *index, const eda_box *box, size_t n,
     g_assert_cmpuint(i, ==, j);
   }
   for (size_t i = 0; i < n; i++)
-    g_assert_cmpint(found[i], ==, touch(box[i], window));
+    g_assert_cmpint(found[i], ==, boxes_touch(box[i], window));
 }
 
 static void test_random(void) {
@@ -44,7 +44,7 @@ static void test_random(void) {
       box[i] = random_box(r, span, i % 9 ? span / 10 : 3 * span);
     eda_index *index = eda_index_new(box, n, cells[k % 5]);
     for (int q = 0; q < 30; q++)
-      check(index, box, n, random_box(r, 2 * span, q % 3 ? span / 5 : 0));
+      index_check(index, box, n, random_box(r, 2 * span, q % 3 ? span / 5 : 0));
     eda_index_free(index);
   }
   g_rand_free(r);

@@ -19,7 +19,7 @@ typedef struct drawing {
   eda_shapes shapes;
 } drawing;
 
-static void add(drawing *d, const int32_t (*xy)[2], size_t n) {
+static void drawing_add(drawing *d, const int32_t (*xy)[2], size_t n) {
   size_t i = d->shapes.count++;
   g_assert_cmpuint(d->start[i] + n, <=, MOST);
   for (size_t k = 0; k < n; k++)
@@ -31,13 +31,13 @@ static void add(drawing *d, const int32_t (*xy)[2], size_t n) {
 #define ADD(d, ...)                               \
   do {                                            \
     static const int32_t xy[][2] = {__VA_ARGS__}; \
-    add(d, xy, G_N_ELEMENTS(xy));                 \
+    drawing_add(d, xy, G_N_ELEMENTS(xy));         \
   } while (0)
 
 /* Return the number of violations of a rule on a grid of 0.5 nm, and the last
    violation. */
-static size_t count(const drawing *d, int rule, double least,
-                    eda_rule_fault *last) {
+static size_t count_violations(const drawing *d, int rule, double least,
+                               eda_rule_fault *last) {
   double limit[EDA_RULES] = {0};
   eda_rule_fault *fault;
   limit[rule] = least;
@@ -63,15 +63,15 @@ static void test_edges(void) {
   drawing d = {0};
   eda_rule_fault f;
   line(&d);
-  g_assert_cmpuint(count(&d, EDA_RULE_EDGE, 15, &f), ==, 3);
+  g_assert_cmpuint(count_violations(&d, EDA_RULE_EDGE, 15, &f), ==, 3);
   /* The bump is 15 nm long. */
-  g_assert_cmpuint(count(&d, EDA_RULE_EDGE, 15.5, &f), ==, 4);
-  g_assert_cmpuint(count(&d, EDA_RULE_EDGE, 5.5, &f), ==, 2);
-  g_assert_cmpuint(count(&d, EDA_RULE_EDGE, 4, &f), ==, 0);
+  g_assert_cmpuint(count_violations(&d, EDA_RULE_EDGE, 15.5, &f), ==, 4);
+  g_assert_cmpuint(count_violations(&d, EDA_RULE_EDGE, 5.5, &f), ==, 2);
+  g_assert_cmpuint(count_violations(&d, EDA_RULE_EDGE, 4, &f), ==, 0);
   drawing bump = {0};
   ADD(&bump, {0, 0}, {100, 0}, {100, 400}, {104, 400}, {104, 430}, {100, 430},
       {100, 1000}, {0, 1000});
-  g_assert_cmpuint(count(&bump, EDA_RULE_EDGE, 16, &f), ==, 1);
+  g_assert_cmpuint(count_violations(&bump, EDA_RULE_EDGE, 16, &f), ==, 1);
   g_assert_cmpfloat(f.x, ==, 52);
   g_assert_cmpfloat(f.y, ==, 207.5);
   g_assert_cmpfloat(f.value, ==, 15);
@@ -84,15 +84,15 @@ static void test_jogs(void) {
   eda_rule_fault f;
   ADD(&d, {0, 0}, {100, 0}, {100, 400}, {104, 400}, {104, 1000}, {-6, 1000},
       {-6, 500}, {0, 500});
-  g_assert_cmpuint(count(&d, EDA_RULE_JOG, 2, &f), ==, 0);
-  g_assert_cmpuint(count(&d, EDA_RULE_JOG, 3, &f), ==, 1);
+  g_assert_cmpuint(count_violations(&d, EDA_RULE_JOG, 2, &f), ==, 0);
+  g_assert_cmpuint(count_violations(&d, EDA_RULE_JOG, 3, &f), ==, 1);
   g_assert_cmpfloat(f.value, ==, 2);
   g_assert_cmpfloat(f.x, ==, 51);
   g_assert_cmpfloat(f.y, ==, 200);
-  g_assert_cmpuint(count(&d, EDA_RULE_JOG, 3.5, &f), ==, 2);
+  g_assert_cmpuint(count_violations(&d, EDA_RULE_JOG, 3.5, &f), ==, 2);
   drawing box = {0};
   ADD(&box, {0, 0}, {4, 0}, {4, 400}, {0, 400});
-  g_assert_cmpuint(count(&box, EDA_RULE_JOG, 10, &f), ==, 0);
+  g_assert_cmpuint(count_violations(&box, EDA_RULE_JOG, 10, &f), ==, 0);
 }
 
 /* Random lines side by side: each space and each line is reported once; lines
@@ -111,12 +111,12 @@ static void test_bars(void) {
       narrow += w < 8;
       x += gap;
       const int32_t xy[4][2] = {{x, 0}, {x + w, 0}, {x + w, 90}, {x, 90}};
-      add(&d, xy, 4);
+      drawing_add(&d, xy, 4);
       x += w;
     }
     eda_rule_fault f;
-    g_assert_cmpuint(count(&d, EDA_RULE_WIDTH, 4, &f), ==, narrow);
-    g_assert_cmpuint(count(&d, EDA_RULE_SPACE, 4, &f), ==, near);
+    g_assert_cmpuint(count_violations(&d, EDA_RULE_WIDTH, 4, &f), ==, narrow);
+    g_assert_cmpuint(count_violations(&d, EDA_RULE_SPACE, 4, &f), ==, near);
   }
 }
 
@@ -126,8 +126,8 @@ static void test_corners(void) {
   eda_rule_fault f;
   ADD(&d, {0, 0}, {50, 0}, {50, 50}, {0, 50});
   ADD(&d, {53, 54}, {100, 54}, {100, 100}, {53, 100});
-  g_assert_cmpuint(count(&d, EDA_RULE_SPACE, 2.5, &f), ==, 0);
-  g_assert_cmpuint(count(&d, EDA_RULE_SPACE, 2.6, &f), ==, 1);
+  g_assert_cmpuint(count_violations(&d, EDA_RULE_SPACE, 2.5, &f), ==, 0);
+  g_assert_cmpuint(count_violations(&d, EDA_RULE_SPACE, 2.6, &f), ==, 1);
   g_assert_cmpfloat(f.value, ==, 2.5);
   g_assert_cmpfloat(f.x, ==, 51.5 / 2);
 }

@@ -16,8 +16,8 @@ enum { LINES = 24, POINTS = 400, CUTS = 40 };
 static const double band = 0.0065; /* 1/nm */
 
 /* Artificial transfer functions: even or odd along x, and complex. */
-static void transfer(const void *self, size_t s, const double *fx, double fy,
-                     size_t n, float *out) {
+static void kernel_transfer(const void *self, size_t s, const double *fx,
+                            double fy, size_t n, float *out) {
   (void)self;
   for (size_t i = 0; i < n; i++) {
     double square = (fx[i] * fx[i] + fy * fy) / (band * band);
@@ -27,15 +27,16 @@ static void transfer(const void *self, size_t s, const double *fx, double fy,
   }
 }
 
-static void tell(GString *out, const char *what, const void *data, size_t n) {
+static void hash_append(GString *out, const char *what, const void *data,
+                        size_t n) {
   g_autofree char *hash =
       g_compute_checksum_for_data(G_CHECKSUM_SHA256, data, n);
   g_string_append_printf(out, "%s %s\n", what, hash);
 }
 
 static void tell_field(GString *out, const char *what, const eda_field *f) {
-  tell(out, what, f->coefficients,
-       sizeof(float) * (size_t)f->nx * (size_t)f->ny);
+  hash_append(out, what, f->coefficients,
+              sizeof(float) * (size_t)f->nx * (size_t)f->ny);
 }
 
 /* Return the spectrum of rows of lines whose positions differ by a
@@ -66,30 +67,30 @@ static void look_at(GString *out, const eda_field *f) {
     y[i] = fmod(i * 811.3, f->frame.height);
   }
   eda_field_sample(f, x, y, POINTS, value);
-  tell(out, "sample", value, sizeof value);
+  hash_append(out, "sample", value, sizeof value);
   eda_field_gradient(f, x, y, POINTS, value, dx, dy);
-  tell(out, "gradient", dx, sizeof dx);
+  hash_append(out, "gradient", dx, sizeof dx);
   for (int i = 0; i < POINTS; i++)
     value[i] = eda_field_edge(f, i % 2, x[i], y[i], 200);
-  tell(out, "edge", value, sizeof value);
+  hash_append(out, "edge", value, sizeof value);
   for (int i = 0; i < CUTS; i++) at[i] = 200 + 20 * i;
   eda_cut_many(f, 0, 130, 40, CUTS, at, distance);
-  tell(out, "cuts", distance, sizeof distance);
+  hash_append(out, "cuts", distance, sizeof distance);
 }
 
 /* Return the results of all steps as hashes. */
-static char *work(void) {
+static char *all_hashes(void) {
   static const double weight[] = {0.5, 0.2, 0.1, 0.05};
   const eda_kernels kernels = {.count = G_N_ELEMENTS(weight),
                                .weight = weight,
                                .band = band,
                                .intensity_band = 1.5 * band,
-                               .transfer = transfer,
+                               .transfer = kernel_transfer,
                                .scale = {1, 0}};
   GString *out = g_string_new(NULL);
   eda_spectrum mask = mask_of_lines((eda_frame){0, 0, 3100, 2900});
-  tell(out, "spectrum", mask.data,
-       2 * sizeof(float) * (size_t)mask.columns * (size_t)mask.rows);
+  hash_append(out, "spectrum", mask.data,
+              2 * sizeof(float) * (size_t)mask.columns * (size_t)mask.rows);
   eda_field field;
   opc_error error;
   if (eda_coherent_sum(NULL, &mask, &kernels, 0, &field, &error))
@@ -116,7 +117,7 @@ static void test_haswell(void) {
                      (char *)"Haswell",     program,
                      (char *)"--hashes",    NULL};
   g_autofree char *emulator = g_find_program_in_path(command[0]);
-  g_autofree char *there = NULL, *here = work();
+  g_autofree char *there = NULL, *here = all_hashes();
   int status = 0;
 #if defined(__AVX512F__) || defined(__SANITIZE_ADDRESS__) || \
     defined(__SANITIZE_THREAD__) || !defined(__x86_64__)
@@ -136,7 +137,7 @@ static void test_haswell(void) {
 
 int main(int argc, char **argv) {
   if (argc > 1 && !strcmp(argv[1], "--hashes")) {
-    g_autofree char *hashes = work();
+    g_autofree char *hashes = all_hashes();
     g_print("%s", hashes);
     return 0;
   }

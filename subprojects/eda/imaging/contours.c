@@ -70,9 +70,9 @@ static double field_y(const squares *s, int j) {
   return (node_y(s, j) - s->field->frame.y0) / s->field_dy;
 }
 
-EDA_WIDE static void weigh(const float *const c[EDA_SPLINE_TAPS],
-                           const double w[EDA_SPLINE_TAPS], int n,
-                           double *out) {
+EDA_WIDE static void nodes_weigh(const float *const c[EDA_SPLINE_TAPS],
+                                 const double w[EDA_SPLINE_TAPS], int n,
+                                 double *out) {
   for (int i = 0; i < n; i++)
     out[i] = w[0] * c[0][i] + w[1] * c[1][i] + w[2] * c[2][i] + w[3] * c[3][i] +
              w[4] * c[4][i] + w[5] * c[5][i];
@@ -90,7 +90,7 @@ static void weigh_rows(const squares *s, double y, double *out) {
     for (int k = 0; k < EDA_SPLINE_TAPS; k++)
       c[k] =
           f->coefficients + (size_t)eda_wrap(first + k, f->ny) * f->nx + column;
-    weigh(c, w, n, out + done);
+    nodes_weigh(c, w, n, out + done);
   }
 }
 

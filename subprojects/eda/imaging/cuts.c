@@ -109,7 +109,7 @@ static int make_window(const eda_field *field, int axis, double middle,
 
 /* ---- cells ---- */
 
-EDA_WIDE static void weigh(size_t n, batch *u) {
+EDA_WIDE static void batch_weigh(size_t n, batch *u) {
   for (size_t j = 0; j < n; j++) {
     double weight[TAPS];
     eda_spline_cell(u->part[j], weight);
@@ -118,7 +118,7 @@ EDA_WIDE static void weigh(size_t n, batch *u) {
 }
 
 /* Compute the coefficients of each cut. */
-EDA_WIDE static void contract(const window *w, size_t n, batch *u) {
+EDA_WIDE static void batch_contract(const window *w, size_t n, batch *u) {
   size_t pitch = w->pitch;
   for (size_t j = 0; j < n; j++) {
     const float *row = u->row[j];
@@ -201,8 +201,8 @@ static void cuts_batch(const eda_field *field, int axis, const window *w,
     u->part[j] = place - (double)cell;
     u->row[j] = w->block + w->pitch * (cell - 2);
   }
-  weigh(n, u);
-  contract(w, n, u);
+  batch_weigh(n, u);
+  batch_contract(w, n, u);
   size_t all = n * w->pitch;
   for (size_t i = all; i < all + TAPS; i++) u->c[i] = 0;
   count_changes(all, u->c, u->node, u->changes);

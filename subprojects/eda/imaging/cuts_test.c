@@ -30,21 +30,21 @@ static eda_field line_field(GRand *random, int axis, double middle, double half,
 
 /* Compute a result of eda_cut_many by searches. Return 0 if the cut is
    irregular, otherwise 1. */
-static int walk(const eda_field *f, int axis, double middle, double half,
-                double at, double distance[2]) {
+static int cut_by_search(const eda_field *f, int axis, double middle,
+                         double half, double at, double distance[2]) {
   eda_line line;
-  eda_walk w[2];
+  eda_line_search w[2];
   eda_line_make(f, axis, at, &line);
   if (!(eda_line_start(&line, middle, &w[0], &w[1]) > 0)) return 0;
   for (int side = 0; side < 2; side++) {
-    distance[side] = eda_walk_to(&w[side], 10000);
+    distance[side] = eda_line_search_to(&w[side], 10000);
     if (isnan(distance[side])) return 0;
-    if (!isnan(eda_walk_to(&w[side], half))) return 0;
+    if (!isnan(eda_line_search_to(&w[side], half))) return 0;
   }
   return 1;
 }
 
-static void test_walks(void) {
+static void test_searches(void) {
   GRand *random = g_rand_new_with_seed(5);
   int found = 0, left = 0, none = 0;
   double worst = 0;
@@ -59,7 +59,7 @@ static void test_walks(void) {
       at[j] = first + g_rand_double_range(random, 0, 500);
     eda_cut_many(&f, axis, middle, half, CUTS, at, distance);
     for (int j = 0; j < CUTS; j++) {
-      int good = walk(&f, axis, middle, half, at[j], want);
+      int good = cut_by_search(&f, axis, middle, half, at[j], want);
       if (isnan(distance[j][0])) {
         g_assert_true(isnan(distance[j][1]));
         left += good;
@@ -126,7 +126,7 @@ static void test_long(void) {
   double found[3][2], want[2] = {0};
   eda_cut_many(&f, 0, 2500, HALF, 3, at, found);
   for (int j = 0; j < 3; j++) {
-    g_assert_true(walk(&f, 0, 2500, HALF, at[j], want));
+    g_assert_true(cut_by_search(&f, 0, 2500, HALF, at[j], want));
     for (int side = 0; side < 2; side++)
       g_assert_cmpfloat(fabs(found[j][side] - want[side]), <, 1e-3);
   }
@@ -135,7 +135,7 @@ static void test_long(void) {
 
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
-  g_test_add_func("/cuts/walks", test_walks);
+  g_test_add_func("/cuts/walks", test_searches);
   g_test_add_func("/cuts/odd", test_odd);
   g_test_add_func("/cuts/long", test_long);
   return g_test_run();

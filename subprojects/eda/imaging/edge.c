@@ -118,16 +118,16 @@ static void cell_coefficients(const eda_line *line, int first,
   }
 }
 
-double eda_line_start(const eda_line *line, double place, eda_walk *down,
-                      eda_walk *up) {
+double eda_line_start(const eda_line *line, double place, eda_line_search *down,
+                      eda_line_search *up) {
   double x = (place - line->origin) / line->step;
   if (!(x >= 0 && x < line->n)) x -= line->n * floor(x / line->n);
   if (!(x >= 0 && x <= line->n)) x = 0; /* too far away to resolve */
   int cell = (int)x;
   double t = x - cell, b[EDA_SPLINE_TAPS], reversed[EDA_SPLINE_TAPS];
-  *up = (eda_walk){
+  *up = (eda_line_search){
       .line = line, .out = 1, .next = cell + 4, .part = 1 - t, .found = NAN};
-  *down = (eda_walk){
+  *down = (eda_line_search){
       .line = line, .out = -1, .next = cell - 3, .part = t, .found = NAN};
   cell_coefficients(line, cell - 2, up->c);
   for (int k = 0; k < EDA_SPLINE_TAPS; k++) down->c[DEGREE - k] = up->c[k];
@@ -146,7 +146,7 @@ double eda_line_start(const eda_line *line, double place, eda_walk *down,
 }
 
 /* Advance from a found sign change to the part beyond. */
-static void walk_advance(eda_walk *w) {
+static void search_advance(eda_line_search *w) {
   double before[EDA_SPLINE_TAPS], after[EDA_SPLINE_TAPS];
   int was = w->b[0] > 0;
   spline_split(w->b, w->found, before, after);
@@ -157,8 +157,8 @@ static void walk_advance(eda_walk *w) {
   w->found = NAN;
 }
 
-double eda_walk_on(eda_walk *w) {
-  if (!isnan(w->found)) walk_advance(w);
+double eda_line_search_cell(eda_line_search *w) {
+  if (!isnan(w->found)) search_advance(w);
   w->found = first_change(w->b, HALVINGS);
   if (!isnan(w->found)) return (w->done + w->found * w->part) * w->line->step;
   w->done += w->part;
@@ -172,14 +172,14 @@ double eda_walk_on(eda_walk *w) {
 
 /* Return whether the search continues: below `limit` and within a period. False
    for NAN. */
-static int is_within(const eda_walk *w, double limit) {
+static int is_within(const eda_line_search *w, double limit) {
   return w->done * w->line->step <= limit && w->done <= w->line->n;
 }
 
-double eda_walk_to(eda_walk *w, double limit) {
+double eda_line_search_to(eda_line_search *w, double limit) {
   limit = fmin(limit, w->line->n * w->line->step);
   double found = NAN;
-  while (isnan(found) && is_within(w, limit)) found = eda_walk_on(w);
+  while (isnan(found) && is_within(w, limit)) found = eda_line_search_cell(w);
   return found <= limit ? found : NAN;
 }
 
@@ -188,21 +188,21 @@ double eda_field_edge(const eda_field *field, int axis, double x, double y,
   double at = axis ? x : y, place = axis ? y : x, found = NAN;
   if (!isfinite(at) || !isfinite(place) || !(reach >= 0)) return NAN;
   eda_line line;
-  eda_walk walk[2];
+  eda_line_search search[2];
   eda_line_make(field, axis, at, &line);
-  eda_line_start(&line, place, &walk[0], &walk[1]);
+  eda_line_start(&line, place, &search[0], &search[1]);
   reach = fmin(reach, line.n * line.step);
   /* Advance the search that has covered the smaller distance. */
   for (;;) {
-    int up = walk[1].done <= walk[0].done;
-    if (!is_within(&walk[up], reach)) break;
-    double distance = eda_walk_on(&walk[up]);
+    int up = search[1].done <= search[0].done;
+    if (!is_within(&search[up], reach)) break;
+    double distance = eda_line_search_cell(&search[up]);
     if (isnan(distance)) continue;
     if (distance <= reach) {
       reach = distance;
       found = up ? distance : -distance;
     }
-    walk[up].done = INFINITY;
+    search[up].done = INFINITY;
   }
   return found;
 }
@@ -210,9 +210,9 @@ double eda_field_edge(const eda_field *field, int axis, double x, double y,
 double eda_field_epe(const eda_field *field, int axis, int out, double x,
                      double y, double reach) {
   eda_line line;
-  eda_walk walk[2]; /* down, up */
+  eda_line_search search[2]; /* down, up */
   eda_line_make(field, axis, axis ? x : y, &line);
-  double value = eda_line_start(&line, axis ? y : x, &walk[0], &walk[1]);
+  double value = eda_line_start(&line, axis ? y : x, &search[0], &search[1]);
   int sign = value > 0 ? 1 : -1;
-  return sign * eda_walk_to(&walk[sign * out > 0], reach);
+  return sign * eda_line_search_to(&search[sign * out > 0], reach);
 }

@@ -15,7 +15,7 @@ typedef struct eda_line {
 } eda_line;
 
 /* A search along a line. */
-typedef struct eda_walk {
+typedef struct eda_line_search {
   const eda_line *line;
   double done;               /* covered distance from the start, in steps */
   double part;               /* part of a cell ahead */
@@ -23,7 +23,7 @@ typedef struct eda_walk {
   double b[EDA_SPLINE_TAPS]; /* Bernstein coefficients of the part */
   double c[EDA_SPLINE_TAPS]; /* spline coefficients of the cell */
   int out, next;             /* direction, +-1; number of the next c */
-} eda_walk;
+} eda_line_search;
 
 static inline double eda_node(const double *c) {
   return (c[0] + c[4] + 26 * (c[1] + c[3]) + 66 * c[2]) * (1 / 120.0);
@@ -70,14 +70,14 @@ void eda_line_make(const eda_field *field, int axis, double at, eda_line *line);
 
 /* Start two searches at `place`, towards smaller and larger coordinates. Return
    the value of the field there. */
-double eda_line_start(const eda_line *line, double place, eda_walk *down,
-                      eda_walk *up);
+double eda_line_start(const eda_line *line, double place, eda_line_search *down,
+                      eda_line_search *up);
 
 /* Search the part of a cell ahead. Return the distance from the start, nm, to
    the first sign change, beyond which the next call continues; or NAN, after
    which the next call searches the next cell. */
-double eda_walk_on(eda_walk *walk);
+double eda_line_search_cell(eda_line_search *search);
 
 /* Search for the next sign change. Return its distance from the start, nm, at
    most `limit`; NAN for none. */
-double eda_walk_to(eda_walk *walk, double limit);
+double eda_line_search_to(eda_line_search *search, double limit);

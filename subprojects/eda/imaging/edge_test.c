@@ -62,8 +62,8 @@ static void test_wave(void) {
 }
 
 /* Return the nearest sign change of the samples, found in steps. */
-static double search(const eda_field *f, int axis, double x, double y,
-                     double reach, double step) {
+static double search_samples(const eda_field *f, int axis, double x, double y,
+                             double reach, double step) {
   gboolean inside = value_at(f, x, y) > 0;
   for (double d = step; d <= reach; d += step)
     for (int out = 1; out >= -1; out -= 2) {
@@ -97,7 +97,7 @@ static void test_noise(void) {
       int axis = i % 2;
       double reach = i % 3 ? 400 : 20;
       double got = edge(&f, axis, x, y, reach);
-      double want = search(&f, axis, x, y, reach, 0.5);
+      double want = search_samples(&f, axis, x, y, reach, 0.5);
       none += isnan(got);
       if (isnan(got))
         g_assert_true(isnan(want));
@@ -137,19 +137,19 @@ static void test_close(void) {
 }
 
 /* A search finds one change after another up to its limit. */
-static void test_walk(void) {
+static void test_search(void) {
   double period = frame.width / 4;
   eda_field f = wave(0, 4, cos(2 * M_PI * 0.3));
   eda_line line;
-  eda_walk walk[2];
+  eda_line_search search[2];
   eda_line_make(&f, 0, 300, &line);
-  g_assert_cmpfloat(eda_line_start(&line, frame.x0 + 5, &walk[0], &walk[1]), >,
-                    0);
+  g_assert_cmpfloat(eda_line_start(&line, frame.x0 + 5, &search[0], &search[1]),
+                    >, 0);
   for (int side = 0; side < 2; side++)
     for (int i = 0; i < 7; i++) {
       int whole = i / 2;
       double want = (whole + (i % 2 ? 0.7 : 0.3)) * period + (side ? -5 : 5);
-      double got = eda_walk_to(&walk[side], 900);
+      double got = eda_line_search_to(&search[side], 900);
       if (want < 900)
         g_assert_cmpfloat(fabs(got - want), <, 2e-3);
       else
@@ -188,10 +188,11 @@ static void test_no_numbers(void) {
         g_assert_true(isnan(d) ||
                       fabs(d) <= fmax(odd.frame.width, odd.frame.height));
         eda_line line;
-        eda_walk walk[2];
+        eda_line_search search[2];
         eda_line_make(&odd, axis, 20, &line);
-        eda_line_start(&line, 10, &walk[0], &walk[1]);
-        for (int i = 0; i < 10; i++) eda_walk_to(&walk[i % 2], INFINITY);
+        eda_line_start(&line, 10, &search[0], &search[1]);
+        for (int i = 0; i < 10; i++)
+          eda_line_search_to(&search[i % 2], INFINITY);
       }
   for (int i = 0; i < NX * NY; i += 3)
     f.coefficients[i] = i % 2 ? NAN : INFINITY;
@@ -225,7 +226,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/edge/wave", test_wave);
   g_test_add_func("/edge/noise", test_noise);
   g_test_add_func("/edge/close", test_close);
-  g_test_add_func("/edge/walk", test_walk);
+  g_test_add_func("/edge/walk", test_search);
   g_test_add_func("/edge/nothing", test_nothing);
   g_test_add_func("/edge/no-numbers", test_no_numbers);
   g_test_add_func("/edge/time", test_time);

@@ -14,7 +14,7 @@
 
 typedef float complex number;
 
-typedef struct job {
+typedef struct gradient_task {
   const eda_spectrum *mask;
   const eda_kernels *kernels;
   const eda_field *weight;
@@ -22,14 +22,15 @@ typedef struct job {
   int half, reach; /* rows |l| <= half, columns |k| <= reach are non-zero */
   size_t columns, rows;
   number *sums; /* [kernel][row l][column k] */
-} job;
+} gradient_task;
 
 static size_t modulo(int i, int n) { return (size_t)(i < 0 ? i + n : i); }
 
 /* ---- between a square of frequencies and the nodes ---- */
 
 /* Copy square[row l][column k] to values[y][x] and transform to nodes. */
-static void to_nodes(const job *j, const number *square, number *values) {
+static void to_nodes(const gradient_task *j, const number *square,
+                     number *values) {
   size_t nx = (size_t)j->nx, ny = (size_t)j->ny;
   number *lines = eda_fft_alloc(j->columns * ny * sizeof *lines);
   memset(lines, 0, j->columns * ny * sizeof *lines);
@@ -49,7 +50,7 @@ static void to_nodes(const job *j, const number *square, number *values) {
 }
 
 /* Transform back to Fourier coefficients; destroys `values`. */
-static void to_square(const job *j, number *values, number *square) {
+static void to_square(const gradient_task *j, number *values, number *square) {
   size_t nx = (size_t)j->nx, ny = (size_t)j->ny;
   float scale = 1 / ((float)j->nx * (float)j->ny);
   number *lines = eda_fft_alloc(j->columns * ny * sizeof *lines);
@@ -87,7 +88,8 @@ static number mask_at(const eda_spectrum *m, int k, int l) {
   return a[0] + (flip ? -a[1] : a[1]) * I;
 }
 
-static void gradient_transfer(const job *j, size_t kernel, number *out) {
+static void gradient_transfer(const gradient_task *j, size_t kernel,
+                              number *out) {
   const eda_kernels *s = j->kernels;
   double *fx = eda_alloc(j->columns, sizeof *fx);
   for (size_t c = 0; c < j->columns; c++)
@@ -99,7 +101,7 @@ static void gradient_transfer(const job *j, size_t kernel, number *out) {
 }
 
 static void add_kernel(void *data, size_t i) {
-  const job *j = data;
+  const gradient_task *j = data;
   size_t n = j->rows * j->columns, nodes = (size_t)j->nx * (size_t)j->ny;
   number *sum = j->sums + i * n, scale = scale_of(j->kernels);
   number *through = eda_alloc(n, sizeof *through);
@@ -127,13 +129,13 @@ int eda_coherent_gradient(const opc_context *context, const eda_spectrum *mask,
                           const eda_kernels *kernels, const eda_field *weight,
                           eda_field *out, opc_error *error) {
   double band = kernels->band < mask->band ? kernels->band : mask->band;
-  job j = {.mask = mask,
-           .kernels = kernels,
-           .weight = weight,
-           .nx = weight->nx,
-           .ny = weight->ny,
-           .half = (int)(mask->frame.height * band),
-           .reach = (int)(mask->frame.width * band)};
+  gradient_task j = {.mask = mask,
+                     .kernels = kernels,
+                     .weight = weight,
+                     .nx = weight->nx,
+                     .ny = weight->ny,
+                     .half = (int)(mask->frame.height * band),
+                     .reach = (int)(mask->frame.width * band)};
   memset(out, 0, sizeof *out);
   if (kernels->mirror || j.nx % 2 || j.ny % 2 || j.nx <= 2 * j.reach ||
       j.ny <= 2 * j.half)

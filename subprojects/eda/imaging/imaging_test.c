@@ -176,7 +176,7 @@ static void test_image(void) {
   for (int axis = 0; axis < 2; axis++) {
     double at = axis ? 61.5 : -213.25, value;
     eda_line line;
-    eda_walk down, up;
+    eda_line_search down, up;
     eda_line_make(&field, axis, at, &line);
     for (int i = 0; i <= 80; i++) {
       double p = 12.5 * i - 700;
@@ -495,8 +495,9 @@ static void test_contours_in_strips(void) {
     area += area_of(points[0] + 2 * (size_t)start[0][i],
                     start[0][i + 1] - start[0][i]);
   for (int i = 0; i < 1000000; i++) {
+    int row = i / 1000;
     x = window.x0 + (i % 1000 + 0.5) * 1.9;
-    y = window.y0 + ((double)(i / 1000) + 0.5) * 1.7;
+    y = window.y0 + (row + 0.5) * 1.7;
     eda_field_sample(&field, &x, &y, 1, &v);
     inside += v > 0;
   }

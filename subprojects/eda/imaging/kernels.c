@@ -44,7 +44,7 @@ typedef struct lines {
   eda_lanes *at;
 } lines;
 
-typedef struct job {
+typedef struct sum_task {
   const opc_context *context;
   const eda_spectrum *mask;
   eda_kernels kernels;
@@ -73,12 +73,12 @@ typedef struct job {
   size_t room; /* points of a scratch array */
   GMutex lock;
   GPtrArray *scratch; /* idle scratch arrays */
-} job;
+} sum_task;
 
 static size_t blocks(int n) { return (size_t)(n + EDA_LANES - 1) / EDA_LANES; }
 
 /* Return a scratch array; as many exist as tasks run at a time. */
-static eda_lanes *lanes_borrow(job *j) {
+static eda_lanes *lanes_borrow(sum_task *j) {
   g_mutex_lock(&j->lock);
   eda_lanes *a = j->scratch->len ? g_ptr_array_steal_index_fast(
                                        j->scratch, j->scratch->len - 1)
@@ -87,7 +87,7 @@ static eda_lanes *lanes_borrow(job *j) {
   return a ? a : eda_fft_alloc(j->room * sizeof *a);
 }
 
-static void give_back(job *j, eda_lanes *a) {
+static void give_back(sum_task *j, eda_lanes *a) {
   g_mutex_lock(&j->lock);
   g_ptr_array_add(j->scratch, a);
   g_mutex_unlock(&j->lock);
@@ -102,7 +102,7 @@ typedef struct strip {
   int last; /* last column within the band in the current row */
 } strip;
 
-static size_t strips(const job *j) {
+static size_t strips(const sum_task *j) {
   return (size_t)(j->reach + STRIP) / STRIP;
 }
 
@@ -116,7 +116,7 @@ typedef struct factor {
   const float *at; /* own values, or those of another quadrant */
 } factor;
 
-static void strip_transfer(const job *j, size_t kernel, const strip *p,
+static void strip_transfer(const sum_task *j, size_t kernel, const strip *p,
                            int quadrant, int l, factor *out) {
   const eda_kernels *y = &j->kernels;
   double step = (quadrant & LEFT ? -1 : 1) / j->mask->frame.width;
@@ -129,7 +129,7 @@ static void strip_transfer(const job *j, size_t kernel, const strip *p,
 }
 
 /* Derive the factors of all quadrants from one. */
-static void factors_mirror(const job *j, const strip *p, int l,
+static void factors_mirror(const sum_task *j, const strip *p, int l,
                            factor t[QUADRANTS]) {
   eda_mirrored m = j->kernels.mirror(j->kernels.self, p->kernel);
   float sign = m.odd ? -1 : 1;
@@ -156,7 +156,7 @@ static void factors_scale(float complex by, int n, factor *t) {
   t->at = t->value;
 }
 
-static void find_factors(const job *j, const strip *p, int l,
+static void find_factors(const sum_task *j, const strip *p, int l,
                          factor t[QUADRANTS]) {
   int n = p->last - p->first + 1;
   if (j->kernels.mirror)
@@ -173,9 +173,10 @@ static void find_factors(const job *j, const strip *p, int l,
 /* Compute transfer * mask, the mask conjugated if sign is -1, for whole blocks.
    Signs are changed before and after, so that all quadrants have equal
    products. */
-EDA_WIDE static void multiply(const float *restrict t, float by_re, float by_im,
-                              const float *restrict a, float sign, int n,
-                              eda_lanes *restrict to, size_t apart) {
+EDA_WIDE static void lanes_multiply(const float *restrict t, float by_re,
+                                    float by_im, const float *restrict a,
+                                    float sign, int n, eda_lanes *restrict to,
+                                    size_t apart) {
   sign *= by_re * by_im;
   for (int b = 0; b < n; b++, to += apart) {
     float *re = (float *)&to->re, *im = (float *)&to->im;
@@ -189,7 +190,7 @@ EDA_WIDE static void multiply(const float *restrict t, float by_re, float by_im,
 
 /* Write row l or -l of one side of a strip of the field spectrum to the points
    to[block * apart]. */
-static void fill_row(const job *j, const strip *p, int quadrant, int l,
+static void fill_row(const sum_task *j, const strip *p, int quadrant, int l,
                      const factor *f, eda_lanes *to, size_t apart) {
   const eda_spectrum *m = j->mask;
   int left = quadrant & LEFT, n = MAX(0, p->last - p->first + 1);
@@ -202,13 +203,14 @@ static void fill_row(const job *j, const strip *p, int quadrant, int l,
   ptrdiff_t next = (down ? -2 : 2) * (ptrdiff_t)m->columns;
   for (int i = 0; i < n && !left && l && l < j->half; i += EDA_LANES / 2)
     __builtin_prefetch(a + next + 2 * (ptrdiff_t)i);
-  if (whole) multiply(f->at, f->re, f->im, a, sign, whole, to, apart);
+  if (whole) lanes_multiply(f->at, f->re, f->im, a, sign, whole, to, apart);
   if (rest) {
     float t[2 * EDA_LANES] = {0}, end[2 * EDA_LANES] = {0};
     size_t done = (size_t)whole * 2 * EDA_LANES;
     memcpy(t, f->at + done, sizeof *t * 2 * (size_t)rest);
     memcpy(end, a + done, sizeof *end * 2 * (size_t)rest);
-    multiply(t, f->re, f->im, end, sign, 1, to + (size_t)whole * apart, apart);
+    lanes_multiply(t, f->re, f->im, end, sign, 1, to + (size_t)whole * apart,
+                   apart);
   }
   for (int b = whole + (rest > 0); b < BLOCKS; b++)
     to[(size_t)b * apart] = (eda_lanes){0};
@@ -219,7 +221,7 @@ static void fill_row(const job *j, const strip *p, int quadrant, int l,
 }
 
 /* Write rows l and -l of a strip; the columns -k follow the others. */
-static void fill_rows(const job *j, strip *p, int l, eda_lanes *to,
+static void fill_rows(const sum_task *j, strip *p, int l, eda_lanes *to,
                       size_t apart) {
   const eda_spectrum *m = j->mask;
   double band = fmin(j->kernels.band, m->band), fy = l / m->frame.height;
@@ -255,7 +257,7 @@ static void turn_lines(eda_lanes *from, int n, lines *to, size_t column) {
 }
 
 static void field_along_y(void *data, size_t index) {
-  job *j = data;
+  sum_task *j = data;
   if (opc_cancelled(j->context)) return;
   lines *field = &j->field[index / strips(j)];
   strip s = {.kernel = j->kernel + index / strips(j),
@@ -286,7 +288,7 @@ EDA_WIDE static void add_square(const eda_lanes *restrict field, float weight,
 /* Square the fields of the current group of kernels, one after another; the
    first one of each sum initialises the sum. */
 static void square_along_x(void *data, size_t block) {
-  job *j = data;
+  sum_task *j = data;
   if (opc_cancelled(j->context)) return;
   eda_lanes *a = lanes_borrow(j);
   size_t reach = (size_t)j->reach, n = (size_t)j->nx;
@@ -308,7 +310,7 @@ static void square_along_x(void *data, size_t block) {
 }
 
 /* Allocate the fields of some kernels and the sums. */
-static void make_fields(job *j, size_t count) {
+static void make_fields(sum_task *j, size_t count) {
   size_t n = j->rows * (size_t)j->nx;
   j->left = strips(j) * STRIP;
   size_t each = j->rows * 2 * j->left * sizeof *j->field->at;
@@ -323,7 +325,7 @@ static void make_fields(job *j, size_t count) {
     j->sum[i] = eda_fft_alloc(n * sizeof *j->sum[i]);
 }
 
-static void add_kernels(job *j) {
+static void add_kernels(sum_task *j) {
   size_t count = j->kernels.count + j->kernels.residuals;
   make_fields(j, count);
   for (j->kernel = 0; j->kernel < count && !opc_cancelled(j->context);
@@ -340,8 +342,8 @@ static void add_kernels(job *j) {
 /* Separate number k of two blocks of real rows that are the parts of a complex
    one. Exchanging the parts before and after a transform reverses its
    direction; here the parts are exchanged on both sides. */
-EDA_WIDE static void split(const eda_lanes *a, int n, int k, eda_lanes *first,
-                           eda_lanes *second) {
+EDA_WIDE static void lanes_split(const eda_lanes *a, int n, int k,
+                                 eda_lanes *first, eda_lanes *second) {
   const eda_lanes *p = a + k, *q = a + (k ? n - k : 0);
   first->re = 0.5f * (p->re - q->re);
   first->im = 0.5f * (p->im + q->im);
@@ -351,7 +353,7 @@ EDA_WIDE static void split(const eda_lanes *a, int n, int k, eda_lanes *first,
 
 /* Transform two blocks of rows of a sum along x; keep columns 0 .. top_x. */
 static void forth_along_x(void *data, size_t pair) {
-  job *j = data;
+  sum_task *j = data;
   if (opc_cancelled(j->context)) return;
   eda_lanes *a = lanes_borrow(j), *tile = a + j->nx;
   size_t n = (size_t)j->nx, one = 2 * pair, other = MIN(one + 1, j->rows - 1);
@@ -366,7 +368,7 @@ static void forth_along_x(void *data, size_t pair) {
           there = MIN(EDA_LANES, j->top_x + 1 - first);
       memset(tile, 0, 2 * EDA_LANES * sizeof *tile);
       for (int k = 0; k < there; k++)
-        split(a, j->nx, first + k, tile + k, tile + EDA_LANES + k);
+        lanes_split(a, j->nx, first + k, tile + k, tile + EDA_LANES + k);
       for (size_t i = 0; i < 2; i++) {
         const eda_lanes *from = tile + i * EDA_LANES;
         eda_lanes *out = to->at + b * to->n + (i ? other : one) * EDA_LANES;
@@ -381,7 +383,7 @@ static void forth_along_x(void *data, size_t pair) {
 /* Compute number l of columns k of the result from the sum and the filtered
    residuals, as coefficients of the spline. The parts of sums[k][at] are
    exchanged. */
-static void spline_coefficients(const job *j, int first, int l,
+static void spline_coefficients(const sum_task *j, int first, int l,
                                 const eda_lanes *const *sums, size_t at,
                                 eda_lanes *to) {
   const eda_kernels *s = &j->kernels;
@@ -413,7 +415,7 @@ static void spline_coefficients(const job *j, int first, int l,
 /* Transform a block of columns forward along y, and back on the grid of the
    result. */
 static void columns_to_fine(void *data, size_t block) {
-  job *j = data;
+  sum_task *j = data;
   if (opc_cancelled(j->context)) return;
   size_t n = (size_t)j->ny;
   eda_lanes *fine = lanes_borrow(j);
@@ -438,8 +440,8 @@ static void columns_to_fine(void *data, size_t block) {
 
 /* Combine the numbers k and -k of two blocks of real rows in one complex
    one. */
-EDA_WIDE static void join(const eda_lanes *first, const eda_lanes *second,
-                          int top, int n, eda_lanes *a) {
+EDA_WIDE static void lanes_join(const eda_lanes *first, const eda_lanes *second,
+                                int top, int n, eda_lanes *a) {
   memset(a + top + 1, 0, sizeof *a * (size_t)(n - 2 * top - 1));
   for (int k = top; k >= 0; k--) {
     const eda_lanes *p = first + k, *q = second + k;
@@ -449,7 +451,8 @@ EDA_WIDE static void join(const eda_lanes *first, const eda_lanes *second,
 }
 
 /* Write EDA_LANES rows of the result from points [x] of rows. */
-static void write_rows(const job *j, const eda_vector *points, size_t block) {
+static void write_rows(const sum_task *j, const eda_vector *points,
+                       size_t block) {
   size_t n = (size_t)j->fine_x, first = block * EDA_LANES;
   size_t rows = MIN((size_t)EDA_LANES, (size_t)j->fine_y - first);
   for (size_t x = 0; x < n; x += EDA_LANES) {
@@ -462,12 +465,12 @@ static void write_rows(const job *j, const eda_vector *points, size_t block) {
 }
 
 static void back_along_x(void *data, size_t pair) {
-  job *j = data;
+  sum_task *j = data;
   if (opc_cancelled(j->context)) return;
   eda_lanes *a = lanes_borrow(j);
   size_t all = blocks(j->fine_y), one = 2 * pair, other = MIN(one + 1, all - 1);
-  join(j->fine.at + one * j->fine.n, j->fine.at + other * j->fine.n, j->top_x,
-       j->fine_x, a);
+  lanes_join(j->fine.at + one * j->fine.n, j->fine.at + other * j->fine.n,
+             j->top_x, j->fine_x, a);
   eda_lanes_backward(eda_lanes_plan_for(j->fine_x), a,
                      a + blocks(j->fine_x) * EDA_LANES);
   write_rows(j, &a->re, one);
@@ -485,7 +488,7 @@ static float *over_samples(int top, int n, double scale) {
 }
 
 /* Compute the coefficients of the spline through the band-limited samples. */
-static void to_spline(job *j) {
+static void to_spline(sum_task *j) {
   size_t fine = blocks(j->fine_y);
   j->by_x = over_samples(j->top_x, j->fine_x, 1.0 / j->nx);
   j->by_y = over_samples(j->top_y, j->fine_y, 1.0 / j->ny);
@@ -537,7 +540,7 @@ static int fine_size(const eda_kernels *s, double side, double step) {
   return eda_lanes_size(fmax(side / step, 2 * side * s->intensity_band + 2));
 }
 
-static void choose_grids(job *j, double step) {
+static void choose_grids(sum_task *j, double step) {
   const eda_frame *f = &j->mask->frame;
   const eda_kernels *s = &j->kernels;
   double band = fmin(s->band, j->mask->band);
@@ -554,7 +557,8 @@ static void choose_grids(job *j, double step) {
   size_t work = 0, n[4] = {(size_t)j->nx, (size_t)j->ny, (size_t)j->fine_x,
                            (size_t)j->fine_y};
   for (int i = 0; i < 4; i++)
-    work = MAX(work, MAX(n[i], eda_lanes_room(eda_lanes_plan_for((int)n[i]))));
+    work =
+        MAX(work, MAX(n[i], eda_lanes_capacity(eda_lanes_plan_for((int)n[i]))));
   j->room = work + 2 * BLOCKS * EDA_LANES * j->rows +
             MAX(n[0], MAX(n[2], n[3]) + EDA_LANES) + 2 * EDA_LANES;
 }
@@ -566,7 +570,7 @@ static float complex complex_of(const double a[2]) {
 int eda_coherent_sum(const opc_context *context, const eda_spectrum *mask,
                      const eda_kernels *kernels, double step, eda_field *out,
                      opc_error *error) {
-  job j = {.context = context, .mask = mask, .kernels = *kernels};
+  sum_task j = {.context = context, .mask = mask, .kernels = *kernels};
   memset(out, 0, sizeof *out);
   if (!kernels->count || kernels->residuals > EDA_RESIDUALS ||
       !(kernels->band > 0 && kernels->intensity_band > 0))

@@ -91,7 +91,7 @@ const eda_lanes_plan *eda_lanes_plan_for(int n) {
   return plan;
 }
 
-size_t eda_lanes_room(const eda_lanes_plan *plan) {
+size_t eda_lanes_capacity(const eda_lanes_plan *plan) {
   size_t longer = (size_t)MAX(plan->first.n, plan->second.n);
   return (size_t)plan->n + 3 * longer;
 }

@@ -21,11 +21,11 @@ typedef struct eda_lanes_plan eda_lanes_plan;
 const eda_lanes_plan *eda_lanes_plan_for(int n);
 
 /* Compute sum a[k] exp(+2 pi i k x / n) in place; `work` has
-   eda_lanes_room(plan) points. Not normalised. Both arrays come from
+   eda_lanes_capacity(plan) points. Not normalised. Both arrays come from
    eda_fft_alloc. Any thread. */
 void eda_lanes_backward(const eda_lanes_plan *plan, eda_lanes *a,
                         eda_lanes *work);
-size_t eda_lanes_room(const eda_lanes_plan *plan);
+size_t eda_lanes_capacity(const eda_lanes_plan *plan);
 
 /* Transpose: lane j of from[i * from_stride] becomes lane i of to[j *
    to_stride], for EDA_LANES vectors. Any thread. */

@@ -28,7 +28,7 @@ static void test_sums(void) {
     const eda_lanes_plan *plan = eda_lanes_plan_for(n);
     eda_lanes *a = eda_fft_alloc((size_t)n * sizeof *a);
     eda_lanes *b = eda_fft_alloc((size_t)n * sizeof *b);
-    eda_lanes *work = eda_fft_alloc(eda_lanes_room(plan) * sizeof *work);
+    eda_lanes *work = eda_fft_alloc(eda_lanes_capacity(plan) * sizeof *work);
     for (int i = 0; i < n; i++)
       for (int lane = 0; lane < EDA_LANES; lane++) {
         a[i].re[lane] = (float)random_number(random);

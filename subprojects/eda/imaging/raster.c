@@ -165,8 +165,8 @@ typedef struct summing {
   float *out;
 } summing;
 
-EDA_WIDE static void add(double *restrict to, const double *restrict from,
-                         int n) {
+EDA_WIDE static void row_add(double *restrict to, const double *restrict from,
+                             int n) {
   for (int i = 0; i < n; i++) to[i] += from[i];
 }
 
@@ -182,7 +182,7 @@ static void sum_columns(void *data, size_t block) {
   int n = r->columns - x < COLUMNS ? r->columns - x : COLUMNS;
   for (int j = 1; j < r->rows; j++) {
     double *row = r->step + (size_t)j * r->columns + x;
-    add(row, row - r->columns, n);
+    row_add(row, row - r->columns, n);
   }
 }
 

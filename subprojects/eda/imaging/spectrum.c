@@ -17,17 +17,17 @@ static const double oversampling = 3.1;
 
 enum { MAX_SAMPLES = 1 << 28, LINES = 16 };
 
-typedef struct job {
+typedef struct spectrum_task {
   const opc_context *context;
   eda_spectrum *out;
   int nx, ny;
   float *samples;           /* [y][x] */
   float complex *by_column; /* [y][k], 0 <= k < columns */
   float *along;             /* 1 / transform of the smoothing along y: [l] */
-} job;
+} spectrum_task;
 
 static void forth_along_x(void *data, size_t block) {
-  job *j = data;
+  spectrum_task *j = data;
   if (opc_cancelled(j->context)) return;
   int y = (int)block * LINES, lines = j->ny - y < LINES ? j->ny - y : LINES;
   int width = j->nx / 2 + 1, columns = j->out->columns;
@@ -43,7 +43,7 @@ static void forth_along_x(void *data, size_t block) {
 
 /* Transform some columns along y; keep the band and divide by the smoothing. */
 static void forth_along_y(void *data, size_t block) {
-  job *j = data;
+  spectrum_task *j = data;
   if (opc_cancelled(j->context)) return;
   eda_spectrum *s = j->out;
   int k = (int)block * LINES,
@@ -73,7 +73,7 @@ static void forth_along_y(void *data, size_t block) {
   eda_fft_free(column);
 }
 
-static void spectrum_transform(const opc_context *context, job *j) {
+static void spectrum_transform(const opc_context *context, spectrum_task *j) {
   eda_spectrum *s = j->out;
   int half = (s->rows - 1) / 2;
   j->by_column =
@@ -103,10 +103,10 @@ int eda_mask_spectrum(const opc_context *context, const eda_shapes *shapes,
     return opc_fail(error, OPC_INVALID, NULL,
                     "a frame of %g x %g um is too large for one field",
                     frame.width / 1e3, frame.height / 1e3);
-  job j = {.context = context,
-           .out = out,
-           .nx = eda_fft_size(frame.width * band * oversampling),
-           .ny = eda_fft_size(frame.height * band * oversampling)};
+  spectrum_task j = {.context = context,
+                     .out = out,
+                     .nx = eda_fft_size(frame.width * band * oversampling),
+                     .ny = eda_fft_size(frame.height * band * oversampling)};
   *out = (eda_spectrum){.frame = frame, .band = band};
   out->columns = (int)floor(frame.width * band) + 1;
   out->rows = 2 * (int)floor(frame.height * band) + 1;

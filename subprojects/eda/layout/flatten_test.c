@@ -24,14 +24,14 @@ static int32_t cell(fixture *f, const char *name) {
   return eda_layout_cell(f->layout, name, &e);
 }
 
-static void draw(fixture *f, const char *in, eda_box box) {
+static void cell_draw(fixture *f, const char *in, eda_box box) {
   opc_error e;
   g_assert_cmpint(eda_layout_add_box(f->layout, cell(f, in), f->layer, box, &e),
                   ==, 0);
 }
 
-static void place(fixture *f, const char *in, const char *child,
-                  eda_placement p, const char *name) {
+static void cell_place(fixture *f, const char *in, const char *child,
+                       eda_placement p, const char *name) {
   opc_error e;
   if (p.magnification == 0) p.magnification = 1;
   if (!p.columns) p.columns = 1;
@@ -50,7 +50,7 @@ static eda_flat flat(fixture *f, const char *top, double grid) {
   return out;
 }
 
-static int refused(fixture *f, const char *top, const char *why) {
+static int assert_refused(fixture *f, const char *top, const char *why) {
   opc_error e;
   eda_flat out;
   int code = eda_layout_flatten(f->layout, cell(f, top), f->layer, 1, &out, &e);
@@ -77,10 +77,13 @@ static void test_orientations(void) {
         eda_layout_add_polygon(f.layout, cell(&f, "A"), f.layer, flag, 3, &e),
         ==, 0);
     double angle = 90 * (i % 4) + (i % 2 ? 360 : -360);
-    place(&f, "B", "A",
-          (eda_placement){{10, 20}, 1, angle, i >= 4, 1, 1, {0}, {0}}, NULL);
-    place(&f, "C", "B", (eda_placement){.angle = 180, .origin = {0, 1}}, NULL);
-    place(&f, "D", "C", (eda_placement){.angle = 180, .origin = {0, 1}}, NULL);
+    cell_place(&f, "B", "A",
+               (eda_placement){{10, 20}, 1, angle, i >= 4, 1, 1, {0}, {0}},
+               NULL);
+    cell_place(&f, "C", "B", (eda_placement){.angle = 180, .origin = {0, 1}},
+               NULL);
+    cell_place(&f, "D", "C", (eda_placement){.angle = 180, .origin = {0, 1}},
+               NULL);
     for (const char *top = "BD"; *top; top++) {
       char name[2] = {*top, 0};
       eda_flat out = flat(&f, name, 1);
@@ -98,15 +101,15 @@ static void test_orientations(void) {
 static void test_array(void) {
   fixture f;
   set_up(&f, 1);
-  draw(&f, "A", (eda_box){0, 0, 1, 1});
-  place(&f, "B", "A",
-        (eda_placement){.origin = {100, 0},
-                        .angle = 90,
-                        .columns = 3,
-                        .rows = 2,
-                        .column_step = {10, 1},
-                        .row_step = {-2, 20}},
-        NULL);
+  cell_draw(&f, "A", (eda_box){0, 0, 1, 1});
+  cell_place(&f, "B", "A",
+             (eda_placement){.origin = {100, 0},
+                             .angle = 90,
+                             .columns = 3,
+                             .rows = 2,
+                             .column_step = {10, 1},
+                             .row_step = {-2, 20}},
+             NULL);
   eda_flat out = flat(&f, "B", 1);
   g_assert_cmpuint(out.shapes.count, ==, 6);
   for (int i = 0; i < 6; i++) {
@@ -125,9 +128,11 @@ static void test_array(void) {
 static void test_any_angle(void) {
   fixture f;
   set_up(&f, 1);
-  draw(&f, "A", (eda_box){0, 0, 10, 30});
-  place(&f, "B", "A", (eda_placement){.magnification = 2, .angle = 45}, NULL);
-  place(&f, "C", "B", (eda_placement){.magnification = 0.5, .angle = 45}, NULL);
+  cell_draw(&f, "A", (eda_box){0, 0, 10, 30});
+  cell_place(&f, "B", "A", (eda_placement){.magnification = 2, .angle = 45},
+             NULL);
+  cell_place(&f, "C", "B", (eda_placement){.magnification = 0.5, .angle = 45},
+             NULL);
   eda_flat out = flat(&f, "B", 1);
   const eda_point b[] = {{0, 0}, {14, 14}, {-28, 57}, {-42, 42}};
   g_assert_cmpmem(out.shapes.points, sizeof b, b, sizeof b);
@@ -150,7 +155,7 @@ static void test_halves(void) {
   fixture f;
   set_up(&f, 0.13);
   for (int i = -200; i < 200; i++)
-    draw(&f, "A", (eda_box){1450 + 100 * i, 50, 1550 + 100 * i, 150});
+    cell_draw(&f, "A", (eda_box){1450 + 100 * i, 50, 1550 + 100 * i, 150});
   eda_flat out = flat(&f, "A", 1);
   for (int i = -200; i < 200; i++) {
     const eda_point *p = out.shapes.points + 4 * (i + 200);
@@ -179,7 +184,7 @@ static void test_hundredths(void) {
     fixture f;
     set_up(&f, units[k] / 100.0);
     for (int x = -5000; x < 5000; x++)
-      draw(&f, "A", (eda_box){x, x, x + 1, x + 1});
+      cell_draw(&f, "A", (eda_box){x, x, x + 1, x + 1});
     eda_flat out = flat(&f, "A", 1);
     for (int x = -5000; x < 5000; x++) {
       int twice = 2 * units[k] * x + 100; /* x + 1/2, in 1/200 */
@@ -198,8 +203,9 @@ typedef struct reference {
   GArray *placements;
 } reference;
 
-static void descend(fixture *f, int32_t number, const int m[4], int64_t dx,
-                    int64_t dy, const char *path, reference *out) {
+static void reference_descend(fixture *f, int32_t number, const int m[4],
+                              int64_t dx, int64_t dy, const char *path,
+                              reference *out) {
   size_t here = out->paths->len;
   g_ptr_array_add(out->paths, g_strdup(path));
   for (size_t i = 0; i < eda_layout_polygons(f->layout, number); i++) {
@@ -239,8 +245,8 @@ static void descend(fixture *f, int32_t number, const int m[4], int64_t dx,
                                       : g_strdup("");
         g_autofree char *below =
             g_strdup_printf("%s%s%s%s", path, *path ? "/" : "", own, member);
-        descend(f, child, all, m[0] * x + m[1] * y + dx,
-                m[2] * x + m[3] * y + dy, below, out);
+        reference_descend(f, child, all, m[0] * x + m[1] * y + dx,
+                          m[2] * x + m[3] * y + dy, below, out);
       }
   }
 }
@@ -321,7 +327,7 @@ static void test_against_recursion(void) {
     reference want = {g_ptr_array_new_with_free_func(g_free),
                       g_array_new(FALSE, FALSE, sizeof(eda_point)),
                       g_array_new(FALSE, FALSE, sizeof(size_t))};
-    descend(&f, 0, (const int[]){1, 0, 0, 1}, 0, 0, "", &want);
+    reference_descend(&f, 0, (const int[]){1, 0, 0, 1}, 0, 0, "", &want);
     eda_flat out = flat(&f, "C0", 1);
     g_assert_cmpuint(out.shapes.count, ==, want.corners->len);
     for (size_t i = 0; i < out.shapes.count; i++) {
@@ -351,14 +357,15 @@ static void test_texts(void) {
   opc_error e;
   eda_flat_texts t;
   set_up(&f, 0.5);
-  draw(&f, "TOP", (eda_box){0, 0, 1, 1});
+  cell_draw(&f, "TOP", (eda_box){0, 0, 1, 1});
   eda_layout_add_text(f.layout, cell(&f, "NOTE"), f.layer, (eda_point){4, 2},
                       "a b", &e);
-  place(&f, "TOP", "NOTE", (eda_placement){.origin = {100, 0}}, "X1");
-  place(&f, "TOP", "NOTE",
-        (eda_placement){
-            .origin = {200, 0}, .angle = 90, .magnification = 2, .mirror = 1},
-        "X2");
+  cell_place(&f, "TOP", "NOTE", (eda_placement){.origin = {100, 0}}, "X1");
+  cell_place(
+      &f, "TOP", "NOTE",
+      (eda_placement){
+          .origin = {200, 0}, .angle = 90, .magnification = 2, .mirror = 1},
+      "X2");
   g_assert_cmpint(
       eda_layout_flatten_texts(f.layout, cell(&f, "TOP"), f.layer, 1, &t, &e),
       ==, 0);
@@ -389,10 +396,11 @@ static void test_path(void) {
   fixture f;
   char path[64], small[6];
   set_up(&f, 1);
-  draw(&f, "NAND", (eda_box){0, 0, 1, 1});
-  place(&f, "BLOCK", "EMPTY", (eda_placement){0}, "nothing");
-  place(&f, "BLOCK", "NAND", (eda_placement){.columns = 2, .rows = 2}, NULL);
-  place(&f, "TOP", "BLOCK", (eda_placement){0}, "XU1");
+  cell_draw(&f, "NAND", (eda_box){0, 0, 1, 1});
+  cell_place(&f, "BLOCK", "EMPTY", (eda_placement){0}, "nothing");
+  cell_place(&f, "BLOCK", "NAND", (eda_placement){.columns = 2, .rows = 2},
+             NULL);
+  cell_place(&f, "TOP", "BLOCK", (eda_placement){0}, "XU1");
   int32_t top = cell(&f, "TOP");
   g_assert_cmpint(eda_layout_path(f.layout, top, 0, path, sizeof path), ==,
                   top);
@@ -412,12 +420,12 @@ static void test_path(void) {
 static void test_hostile(void) {
   fixture f;
   set_up(&f, 1);
-  draw(&f, "0", (eda_box){0, 0, 1, 1});
+  cell_draw(&f, "0", (eda_box){0, 0, 1, 1});
   for (int i = 1; i < 20000; i++) {
     char up[16], down[16];
     g_snprintf(up, sizeof up, "%d", i);
     g_snprintf(down, sizeof down, "%d", i - 1);
-    place(&f, up, down, (eda_placement){.origin = {1, 0}}, NULL);
+    cell_place(&f, up, down, (eda_placement){.origin = {1, 0}}, NULL);
   }
   eda_flat out = flat(&f, "19999", 1);
   g_assert_cmpuint(out.shapes.count, ==, 1);
@@ -425,26 +433,29 @@ static void test_hostile(void) {
   eda_flat_clear(&out);
   /* 10^10 members, then more than 64 bits can count */
   eda_placement many = {.columns = 100000, .rows = 100000};
-  place(&f, "many", "0", many, NULL);
-  place(&f, "more", "many", many, NULL);
-  place(&f, "most", "more", many, NULL);
-  g_assert_cmpint(refused(&f, "many", "too large to flatten: 10000000000"), ==,
+  cell_place(&f, "many", "0", many, NULL);
+  cell_place(&f, "more", "many", many, NULL);
+  cell_place(&f, "most", "more", many, NULL);
+  g_assert_cmpint(
+      assert_refused(&f, "many", "too large to flatten: 10000000000"), ==,
+      OPC_INVALID);
+  g_assert_cmpint(assert_refused(&f, "most", "too large to flatten"), ==,
                   OPC_INVALID);
-  g_assert_cmpint(refused(&f, "most", "too large to flatten"), ==, OPC_INVALID);
   /* a hundred shapes, two million placements */
-  place(&f, "deep", "19999", (eda_placement){.columns = 100, .rows = 1}, NULL);
-  g_assert_cmpint(refused(&f, "deep", "100 shapes, 400 points"), ==,
+  cell_place(&f, "deep", "19999", (eda_placement){.columns = 100, .rows = 1},
+             NULL);
+  g_assert_cmpint(assert_refused(&f, "deep", "100 shapes, 400 points"), ==,
                   OPC_INVALID);
   /* all of these are empty */
-  place(&f, "void", "hole", many, NULL);
-  place(&f, "voids", "void", many, NULL);
+  cell_place(&f, "void", "hole", many, NULL);
+  cell_place(&f, "voids", "void", many, NULL);
   out = flat(&f, "voids", 1);
   g_assert_cmpuint(out.shapes.count, ==, 0);
   eda_flat_clear(&out);
-  place(&f, "19999", "self", (eda_placement){0}, NULL);
-  place(&f, "self", "self", (eda_placement){0}, NULL);
-  g_assert_cmpint(refused(&f, "self", "circle"), ==, OPC_INVALID);
-  g_assert_cmpint(refused(&f, "19999", "circle"), ==, OPC_INVALID);
+  cell_place(&f, "19999", "self", (eda_placement){0}, NULL);
+  cell_place(&f, "self", "self", (eda_placement){0}, NULL);
+  g_assert_cmpint(assert_refused(&f, "self", "cycle"), ==, OPC_INVALID);
+  g_assert_cmpint(assert_refused(&f, "19999", "cycle"), ==, OPC_INVALID);
   out = flat(&f, "19998", 1);
   g_assert_cmpuint(out.shapes.count, ==, 1);
   eda_flat_clear(&out);
@@ -454,15 +465,15 @@ static void test_hostile(void) {
 static void test_range(void) {
   fixture f;
   set_up(&f, 1);
-  draw(&f, "A", (eda_box){0, 0, 1 << 30, 1});
+  cell_draw(&f, "A", (eda_box){0, 0, 1 << 30, 1});
   eda_flat out = flat(&f, "A", 1);
   g_assert_cmpint(out.shapes.points[1].x, ==, 1 << 30);
   eda_flat_clear(&out);
-  place(&f, "B", "A", (eda_placement){.origin = {1, 0}}, NULL);
-  g_assert_cmpint(refused(&f, "B", "2^30"), ==, OPC_INVALID);
-  place(&f, "C0", "A", (eda_placement){.magnification = 1e300}, NULL);
-  place(&f, "C1", "C0", (eda_placement){.magnification = 1e300}, NULL);
-  g_assert_cmpint(refused(&f, "C1", "2^30"), ==, OPC_INVALID);
+  cell_place(&f, "B", "A", (eda_placement){.origin = {1, 0}}, NULL);
+  g_assert_cmpint(assert_refused(&f, "B", "2^30"), ==, OPC_INVALID);
+  cell_place(&f, "C0", "A", (eda_placement){.magnification = 1e300}, NULL);
+  cell_place(&f, "C1", "C0", (eda_placement){.magnification = 1e300}, NULL);
+  g_assert_cmpint(assert_refused(&f, "C1", "2^30"), ==, OPC_INVALID);
   tear_down(&f);
 }
 

@@ -13,7 +13,7 @@ static eda_layout *new_layout(void) {
   return layout;
 }
 
-static void place(eda_layout *layout, const char *in, const char *child) {
+static void cell_place(eda_layout *layout, const char *in, const char *child) {
   opc_error e;
   eda_placement p = {.magnification = 1, .columns = 1, .rows = 1};
   int32_t a = eda_layout_cell(layout, in, &e),
@@ -157,16 +157,16 @@ static void test_top(void) {
   opc_error e;
   eda_layout *layout = new_layout();
   g_assert_cmpint(eda_layout_top(layout, &e), ==, -1);
-  place(layout, "TOP", "A");
-  place(layout, "A", "B");
+  cell_place(layout, "TOP", "A");
+  cell_place(layout, "A", "B");
   g_assert_cmpint(eda_layout_top(layout, &e), ==, 0);
-  place(layout, "OTHER", "B");
+  cell_place(layout, "OTHER", "B");
   g_assert_cmpint(eda_layout_top(layout, &e), ==, -1);
   g_assert_nonnull(strstr(e.message, "'TOP', 'OTHER'"));
-  place(layout, "TOP", "OTHER");
+  cell_place(layout, "TOP", "OTHER");
   g_assert_cmpint(eda_layout_top(layout, &e), ==, 0);
-  place(layout, "C", "D");
-  place(layout, "D", "C");
+  cell_place(layout, "C", "D");
+  cell_place(layout, "D", "C");
   g_assert_cmpint(eda_layout_top(layout, &e), ==, -1);
   g_assert_nonnull(strstr(e.message, "cycle: 'C', 'D'"));
   eda_layout_free(layout);
@@ -196,9 +196,9 @@ static void test_many_tops(void) {
 static void test_keep(void) {
   opc_error e;
   eda_layout *layout = new_layout();
-  place(layout, "X", "B");
-  place(layout, "TOP", "A");
-  place(layout, "A", "B");
+  cell_place(layout, "X", "B");
+  cell_place(layout, "TOP", "A");
+  cell_place(layout, "A", "B");
   int32_t one = eda_layout_layer(layout, "1", &e),
           b = eda_layout_find_cell(layout, "B");
   g_assert_cmpint(eda_layout_add_box(layout, b, one, (eda_box){0, 0, 1, 1}, &e),

@@ -19,14 +19,14 @@ typedef struct vector {
 } vector;
 
 /* A traversal of a path. */
-typedef struct walk {
+typedef struct outline_pass {
   const vector *points;
   size_t n;
   double half;        /* half of the width */
   double first, last; /* extensions beyond both ends */
   bool round;         /* last end is round */
   bool back;          /* backwards */
-} walk;
+} outline_pass;
 
 typedef struct outline {
   eda_point *points;
@@ -57,7 +57,7 @@ static vector segment_direction(vector a, vector b, double *length) {
 }
 
 /* Add the right side of a corner between segments of the directions d and e. */
-static void put_corner(outline *out, const walk *w, vector at, vector d,
+static void put_corner(outline *out, const outline_pass *w, vector at, vector d,
                        vector e, double shorter) {
   double h = w->half;
   double cross = d.x * e.y - d.y * e.x, dot = d.x * e.x + d.y * e.y;
@@ -78,7 +78,7 @@ static void put_corner(outline *out, const walk *w, vector at, vector d,
   }
 }
 
-static void put_walk(outline *out, const walk *w) {
+static void put_outline_pass(outline *out, const outline_pass *w) {
   double length;
   vector d = segment_direction(w->points[0], w->points[1], &length);
   put_beside(out, w->points[0], d, -w->first, w->half);
@@ -172,9 +172,11 @@ int eda_path_outline(const eda_point *points, size_t n, int32_t width, int ends,
   if (m == 1) {
     put_dot(&out, path[0], half, ends, first, last);
   } else if (path_reach(path, m, half, ends, &first, &last)) {
-    put_walk(&out, &(walk){path, m, half, first, last, ends == 1, false});
+    put_outline_pass(
+        &out, &(outline_pass){path, m, half, first, last, ends == 1, false});
     points_reverse(path, m);
-    put_walk(&out, &(walk){path, m, half, last, first, ends == 1, true});
+    put_outline_pass(
+        &out, &(outline_pass){path, m, half, last, first, ends == 1, true});
   }
   free(path);
   if (out.outside) {

@@ -38,7 +38,7 @@ static eda_point *outline(const eda_point *points, size_t n, int32_t width,
   return p;
 }
 
-static void cover(uint8_t *covered, int x0, int y0, int x1, int y1) {
+static void pixels_cover(uint8_t *covered, int x0, int y0, int x1, int y1) {
   for (int y = MIN(y0, y1); y < MAX(y0, y1); y++)
     for (int x = MIN(x0, x1); x < MAX(x0, x1); x++) covered[y * SIDE + x] = 1;
 }
@@ -55,10 +55,12 @@ static void cover_segment(uint8_t *covered, eda_point a, eda_point b,
     if (dx == -ex && dy == -ey)
       last = half;
     else
-      cover(covered, b.x, b.y, b.x + half * (dx - ex), b.y + half * (dy - ey));
+      pixels_cover(covered, b.x, b.y, b.x + half * (dx - ex),
+                   b.y + half * (dy - ey));
   }
-  cover(covered, a.x - first * dx - half * dy, a.y - first * dy - half * dx,
-        b.x + last * dx + half * dy, b.y + last * dy + half * dx);
+  pixels_cover(covered, a.x - first * dx - half * dy,
+               a.y - first * dy - half * dx, b.x + last * dx + half * dy,
+               b.y + last * dy + half * dx);
 }
 
 /* Random rectilinear paths that turn, reverse and cross, compared with the

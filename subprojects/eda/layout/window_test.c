@@ -75,7 +75,7 @@ static eda_layout *random_layout(GRand *rand, bool right) {
   return layout;
 }
 
-static bool touches(const eda_flat *all, size_t i, eda_box w) {
+static bool shape_touches(const eda_flat *all, size_t i, eda_box w) {
   uint32_t from = all->shapes.start[i], n = all->shapes.start[i + 1] - from;
   eda_box b = eda_bounds(all->shapes.points + from, n);
   return b.x0 <= w.x1 && w.x0 <= b.x1 && b.y0 <= w.y1 && w.y0 <= b.y1;
@@ -87,7 +87,7 @@ static int64_t turned(eda_point a, eda_point b, int64_t x, int64_t y) {
 
 /* Return whether a line along an edge separates a convex shape from the
    window. */
-static bool apart(const eda_point *p, uint32_t n, eda_box w) {
+static bool shape_apart(const eda_point *p, uint32_t n, eda_box w) {
   for (uint32_t i = 0; i < n; i++)
     for (int sign = -1; sign <= 1; sign += 2) {
       eda_point a = p[i], b = p[(i + 1) % n];
@@ -103,8 +103,8 @@ static bool apart(const eda_point *p, uint32_t n, eda_box w) {
   return false;
 }
 
-static bool same(const eda_flat *all, size_t i, const eda_flat *part,
-                 size_t n) {
+static bool shape_same(const eda_flat *all, size_t i, const eda_flat *part,
+                       size_t n) {
   if (n == part->shapes.count || all->placement[i] != part->placement[n])
     return false;
   uint32_t a = all->shapes.start[i], b = part->shapes.start[n];
@@ -117,17 +117,17 @@ static bool same(const eda_flat *all, size_t i, const eda_flat *part,
 /* Check that the window returns the shapes selected from all shapes, in order.
    At arbitrary angles, shapes that touch by their bounding box only may be
    missing. */
-static void compare(const eda_flat *all, const eda_flat *part, eda_box w,
-                    bool right) {
+static void assert_selection(const eda_flat *all, const eda_flat *part,
+                             eda_box w, bool right) {
   size_t n = 0;
   for (size_t i = 0; i < all->shapes.count; i++) {
-    if (!touches(all, i, w)) continue;
+    if (!shape_touches(all, i, w)) continue;
     uint32_t from = all->shapes.start[i];
-    if (same(all, i, part, n))
+    if (shape_same(all, i, part, n))
       n++;
     else
-      g_assert_true(!right && apart(all->shapes.points + from,
-                                    all->shapes.start[i + 1] - from, w));
+      g_assert_true(!right && shape_apart(all->shapes.points + from,
+                                          all->shapes.start[i + 1] - from, w));
   }
   g_assert_cmpuint(n, ==, part->shapes.count);
   g_assert_true((n == 0) == (part->shapes.start == NULL));
@@ -144,10 +144,10 @@ static void compare_texts(const eda_layout *layout, int32_t layer,
   g_assert_cmpint(
       eda_layout_flatten_texts_window(layout, 0, layer, 1, &w, &part, &e), ==,
       0);
-  compare(&all->at, &part.at, w, true);
+  assert_selection(&all->at, &part.at, w, true);
   size_t n = 0;
   for (size_t i = 0; i < all->at.shapes.count; i++) {
-    if (!touches(&all->at, i, w)) continue;
+    if (!shape_touches(&all->at, i, w)) continue;
     g_assert_cmpstr(part.text[n], ==, all->text[i]);
     g_assert_cmpuint(part.depth[n], ==, all->depth[i]);
     n++;
@@ -181,7 +181,7 @@ static void check_layer(const eda_layout *layout, int32_t layer, bool right,
     eda_flat part;
     g_assert_cmpint(
         eda_layout_flatten_window(layout, 0, layer, 1, &w, &part, &e), ==, 0);
-    compare(&all, &part, w, right);
+    assert_selection(&all, &part, w, right);
     eda_flat_clear(&part);
     compare_texts(layout, layer, &texts, w);
   }
@@ -247,7 +247,7 @@ static void test_large(void) {
   g_assert_cmpint(
       eda_layout_flatten_window(layout, top, layer, 1, &w, &part, &e), ==,
       OPC_INVALID);
-  g_assert_nonnull(strstr(e.message, "circle"));
+  g_assert_nonnull(strstr(e.message, "cycle"));
   eda_layout_free(layout);
 }
 

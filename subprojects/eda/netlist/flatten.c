@@ -131,12 +131,12 @@ int eda_netlist_prepare(eda_netlist *n, uint32_t top) {
 
 /* ---- devices ---- */
 
-typedef struct walk {
+typedef struct flattener {
   eda_netlist *n;
   eda_flat_netlist *out;
   uint32_t *global; /* net of each .global, UINT32_MAX: none yet */
   uint32_t ground;  /* net "0", UINT32_MAX: none yet */
-} walk;
+} flattener;
 
 /* Look up a size or multiple by name; *value stays unchanged if it is not
    set. */
@@ -187,7 +187,7 @@ static int size_device(eda_netlist *n, const eda_scope *in,
   return OPC_OK;
 }
 
-static uint32_t new_net(walk *w, const char *path, const char *name) {
+static uint32_t new_net(flattener *w, const char *path, const char *name) {
   eda_flat_netlist *f = w->out;
   eda_pool_grow(f->pool, &f->net, &f->room_nets, f->nets + 1, sizeof *f->net);
   f->net[f->nets] = eda_pool_path(f->pool, path, name);
@@ -195,7 +195,7 @@ static uint32_t new_net(walk *w, const char *path, const char *name) {
 }
 
 /* Return the net of node k of a subcircuit, which is no port. */
-static uint32_t inner_net(walk *w, const eda_subcircuit *s, size_t k,
+static uint32_t inner_net(flattener *w, const eda_subcircuit *s, size_t k,
                           const char *path) {
   const char *name = s->node[k];
   uint32_t *shared = NULL;
@@ -210,7 +210,7 @@ static uint32_t inner_net(walk *w, const eda_subcircuit *s, size_t k,
   return *shared;
 }
 
-static int add_device(walk *w, const eda_scope *in, const eda_element *e,
+static int add_device(flattener *w, const eda_scope *in, const eda_element *e,
                       const char *path, double multiple, const uint32_t *net) {
   eda_flat_netlist *f = w->out;
   eda_pool_grow(f->pool, &f->device, &f->room_devices, f->devices + 1,
@@ -228,7 +228,7 @@ static int add_device(walk *w, const eda_scope *in, const eda_element *e,
 /* Expand the elements of a subcircuit whose ports are the nets `port`.
    Subcircuits without transistors are skipped, because only the number of
    devices is limited. */
-static int go_down(walk *w, const eda_scope *in, const char *path,
+static int go_down(flattener *w, const eda_scope *in, const char *path,
                    double multiple, const uint32_t *port) {
   const eda_subcircuit *s = in->of;
   eda_pool *pool = w->out->pool;
@@ -257,7 +257,7 @@ static int go_down(walk *w, const eda_scope *in, const char *path,
 
 /* Ports are the first nodes, and therefore the first nets, unless they are
    global. */
-static int list_ports(walk *w, const eda_subcircuit *s) {
+static int list_ports(flattener *w, const eda_subcircuit *s) {
   const eda_netlist *n = w->n;
   eda_flat_netlist *out = w->out;
   eda_names first = {.pool = out->pool};
@@ -285,7 +285,7 @@ static int list_ports(walk *w, const eda_subcircuit *s) {
 
 int eda_netlist_flatten(eda_netlist *n, const eda_scope *top,
                         eda_flat_netlist *out) {
-  walk w = {.n = n, .out = out, .ground = UINT32_MAX};
+  flattener w = {.n = n, .out = out, .ground = UINT32_MAX};
   w.global = eda_pool_alloc(out->pool, n->globals, sizeof *w.global);
   for (size_t i = 0; i < n->globals; i++) w.global[i] = UINT32_MAX;
   int code = go_down(&w, top, "", 1, NULL);

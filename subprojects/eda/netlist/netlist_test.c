@@ -129,7 +129,7 @@ static expression number(GRand *rand) {
                       (digits + (i % 2 ? 0.5 : 0)) * suffixes[i].factor};
 }
 
-static expression grow(GRand *rand, int depth) {
+static expression expression_grow(GRand *rand, int depth) {
   int kind = g_rand_int_range(rand, 0, depth > 0 ? 7 : 2);
   if (kind == 0) return number(rand);
   if (kind == 1) {
@@ -137,7 +137,8 @@ static expression grow(GRand *rand, int depth) {
         &parameters[g_rand_int_range(rand, 0, G_N_ELEMENTS(parameters))];
     return (expression){g_strdup(p->text), p->value};
   }
-  expression a = grow(rand, depth - 1), b = grow(rand, depth - 1), all;
+  expression a = expression_grow(rand, depth - 1),
+             b = expression_grow(rand, depth - 1), all;
   const char *gap = g_rand_boolean(rand) ? " " : "";
   if (kind == 2)
     all = (expression){g_strdup_printf("(-(%s))", a.text), -a.value};
@@ -159,7 +160,7 @@ static expression grow(GRand *rand, int depth) {
 }
 
 /* Read a deck and flatten the subcircuit "s"; the caller clears the pool. */
-static int flatten(eda_netlist *n, const char *text, eda_flat_netlist *f) {
+static int deck_flatten(eda_netlist *n, const char *text, eda_flat_netlist *f) {
   g_autofree char *folder = g_dir_make_tmp("netlist-test-XXXXXX", NULL);
   g_autofree char *path = g_build_filename(folder, "s.sp", NULL);
   g_assert_true(g_file_set_contents(path, text, -1, NULL));
@@ -185,7 +186,7 @@ static void test_expressions(void) {
                            parameters[i].value);
   g_string_append(text, "\n.subckt s a\n");
   for (int i = 0; i < MANY;) {
-    expression e = grow(rand, 5);
+    expression e = expression_grow(rand, 5);
     if (isfinite(e.value) && fabs(e.value) > 1e-200 && fabs(e.value) < 1e200)
       g_string_append_printf(text, "M%d a a a a n l=1u w='(%s) * %.17g'\n", i,
                              e.text, (100 + i) * 1e-9 / e.value),
@@ -196,7 +197,7 @@ static void test_expressions(void) {
   opc_error error;
   eda_netlist n = {.error = &error, .scale = 1};
   eda_flat_netlist f;
-  if (flatten(&n, text->str, &f)) g_error("%s", error.message);
+  if (deck_flatten(&n, text->str, &f)) g_error("%s", error.message);
   g_assert_cmpuint(f.devices, ==, MANY);
   for (int i = 0; i < MANY; i++)
     if (fabs(f.device[i].width / (100 + i) - 1) > 1e-6)
@@ -222,7 +223,7 @@ static void test_wrapped(void) {
     opc_error error;
     eda_netlist n = {.error = &error, .scale = 1};
     eda_flat_netlist f;
-    int code = flatten(&n, text, &f);
+    int code = deck_flatten(&n, text, &f);
     g_assert_cmpint(code, ==, cases[i].good ? OPC_OK : OPC_INVALID);
     if (code) g_assert_nonnull(strstr(error.message, "no subcircuit"));
     if (!code) g_assert_cmpuint(f.devices, ==, 1);
@@ -247,7 +248,7 @@ static eda_circuit *sound(void) {
   return c;
 }
 
-static void refused(eda_circuit *c, const char *words) {
+static void assert_refused(eda_circuit *c, const char *words) {
   opc_error error;
   g_assert_cmpint(eda_circuit_check(c, &error), ==, OPC_FAILED);
   if (!strstr(error.message, words))
@@ -264,11 +265,11 @@ static void test_check(void) {
   g_assert_cmpint(eda_circuit_role(c, 1), ==, -1);
   eda_circuit_free(c);
   eda_circuit_free(NULL);
-  refused(NULL, "incomplete");
+  assert_refused(NULL, "incomplete");
 #define SPOILED(change, words) \
   c = sound();                 \
   change;                      \
-  refused(c, words)
+  assert_refused(c, words)
   SPOILED(c->net[2] = NULL, "net 2 has no name");
   SPOILED(c->port[0] = 3, "port 0");
   SPOILED(c->role[0] = 4, "port 0");

@@ -102,5 +102,3 @@ const eda_run_case *eda_run_cases_all(const eda_run_cases *c, size_t *n) {
   *n = c->all->len;
   return (const eda_run_case *)(void *)c->all->data;
 }
-
-eda_table *eda_run_cases_table(eda_run_cases *c) { return c->table; }

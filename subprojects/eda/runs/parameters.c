@@ -5,63 +5,45 @@
 
 #include <string.h>
 
-typedef struct walk {
-  runs_tree *flow;
+typedef struct flat_parameters {
   char **lines;
   size_t n_lines;
   GArray *out;
   GPtrArray *texts;
-  opc_error *error;
-} walk;
+} flat_parameters;
 
-static char *text_keep(walk *w, char *text) {
+static char *text_keep(flat_parameters *w, char *text) {
   g_ptr_array_add(w->texts, text);
   return text;
 }
 
-/* Restore the braces hidden by hide_braces of text.c. */
-static void show_braces(GString *text) {
-  g_string_replace(text, "\xEE\x80\x80", "{", 0);
-  g_string_replace(text, "\xEE\x80\x81", "}", 0);
-}
-
 /* Append a value on one line in the syntax of flows. Recursion is as deep as
    the flow. */
-static void value_append(walk *w, const yaml_node_t *node, GString *out) {
-  if (node->type == YAML_SCALAR_NODE) {
+static void value_append(const opc_node *node, GString *out) {
+  if (node->type == OPC_NODE_TEXT) {
     const char *text = runs_word(node);
     g_string_append(out, text ? text : "null");
-  } else if (node->type == YAML_SEQUENCE_NODE) {
-    const yaml_node_item_t *item = node->data.sequence.items.start;
-    g_string_append_c(out, '[');
-    for (; item < node->data.sequence.items.top; item++) {
-      if (item > node->data.sequence.items.start) g_string_append(out, ", ");
-      value_append(w, runs_node(w->flow, *item), out);
-    }
-    g_string_append_c(out, ']');
-  } else if (node->type == YAML_MAPPING_NODE) {
-    const yaml_node_pair_t *pair = node->data.mapping.pairs.start;
-    g_string_append(out, "{ ");
-    for (; pair < node->data.mapping.pairs.top; pair++) {
-      if (pair > node->data.mapping.pairs.start) g_string_append(out, ", ");
-      value_append(w, runs_node(w->flow, pair->key), out);
-      g_string_append(out, ": ");
-      value_append(w, runs_node(w->flow, pair->value), out);
-    }
-    g_string_append(out, " }");
+    return;
   }
+  g_string_append(out, node->keys ? "{ " : "[");
+  for (guint i = 0; i < node->items->len; i++) {
+    if (i) g_string_append(out, ", ");
+    if (node->keys) g_string_append_printf(out, "%s: ", opc_node_key(node, i));
+    value_append(node->items->pdata[i], out);
+  }
+  g_string_append(out, node->keys ? " }" : "]");
 }
 
-static int is_default(const walk *w, const yaml_node_t *value) {
-  size_t line = value->end_mark.line;
+static int is_default(const flat_parameters *w, const opc_node *value) {
+  size_t line = value->at.line - 1;
   return line < w->n_lines &&
          g_str_has_suffix(g_strchomp(w->lines[line]), " # default");
 }
 
-static void add_value(walk *w, const char *name, const yaml_node_t *value) {
+static void add_value(flat_parameters *w, const char *name,
+                      const opc_node *value) {
   g_autoptr(GString) text = g_string_new(NULL);
-  value_append(w, value, text);
-  show_braces(text);
+  value_append(value, text);
   eda_run_parameter p = {name, text_keep(w, g_strdup(text->str)),
                          !is_default(w, value)};
   g_array_append_val(w->out, p);
@@ -69,35 +51,30 @@ static void add_value(walk *w, const char *name, const yaml_node_t *value) {
 
 /* Add the entries of a map with longer names. Recursion is as deep as the
    flow. */
-static int add_map(walk *w, const char *before, const yaml_node_t *map) {
-  int code = OPC_OK;
-  const yaml_node_pair_t *pair = map->data.mapping.pairs.start;
-  for (; !code && pair < map->data.mapping.pairs.top; pair++) {
-    const yaml_node_t *key = runs_node(w->flow, pair->key);
-    const yaml_node_t *value = runs_node(w->flow, pair->value);
-    const char *word = runs_word(key);
-    if (!word) return runs_fail(w->flow, key, w->error, "a key is not a text");
-    const char *name = text_keep(
-        w, g_strdup_printf("%s%s%s", before, *before ? "." : "", word));
-    if (value->type == YAML_MAPPING_NODE)
-      code = add_map(w, name, value);
+static void add_map(flat_parameters *w, const char *before,
+                    const opc_node *map) {
+  for (guint i = 0; i < map->items->len; i++) {
+    const opc_node *value = map->items->pdata[i];
+    const char *name =
+        text_keep(w, g_strdup_printf("%s%s%s", before, *before ? "." : "",
+                                     opc_node_key(map, i)));
+    if (value->type == OPC_NODE_MAP)
+      add_map(w, name, value);
     else
       add_value(w, name, value);
   }
-  return code;
 }
 
-int runs_parameters(runs_tree *flow, GArray *out, GPtrArray *texts,
+int runs_parameters(const runs_tree *flow, GArray *out, GPtrArray *texts,
                     opc_error *error) {
-  const yaml_node_t *steps = runs_get(flow, runs_root(flow), "steps");
-  if (!steps || steps->type != YAML_MAPPING_NODE)
-    return runs_fail(flow, runs_root(flow), error, "has no steps");
+  const opc_node *steps = opc_node_get(runs_root(flow), "steps");
+  if (!steps || steps->type != OPC_NODE_MAP)
+    return runs_fail(runs_root(flow), error, "has no steps");
   g_auto(GStrv) lines = g_strsplit(flow->text, "\n", -1);
-  walk w = {.flow = flow,
-            .lines = lines,
-            .n_lines = g_strv_length(lines),
-            .out = out,
-            .texts = texts,
-            .error = error};
-  return add_map(&w, "", steps);
+  flat_parameters w = {.lines = lines,
+                       .n_lines = g_strv_length(lines),
+                       .out = out,
+                       .texts = texts};
+  add_map(&w, "", steps);
+  return OPC_OK;
 }

@@ -8,5 +8,5 @@
 
 /* Add all parameters to `out` (eda_run_parameter); `texts` (char *) owns their
    texts. Return an OPC_* code. */
-int runs_parameters(runs_tree *flow, GArray *out, GPtrArray *texts,
+int runs_parameters(const runs_tree *flow, GArray *out, GPtrArray *texts,
                     opc_error *error);

@@ -29,35 +29,34 @@ typedef struct reading {
    `key` of a map, set by `read`, and their number *n. NULL: an empty list, or
    *error is set. */
 static void *read_list(reading *r, const char *key, size_t size, size_t *n,
-                       int (*read)(reading *r, yaml_node_t *node, void *to)) {
-  yaml_node_t *list = runs_get(r->tree, runs_root(r->tree), key);
+                       int (*read)(reading *r, const opc_node *node,
+                                   void *to)) {
+  const opc_node *list = opc_node_get(runs_root(r->tree), key);
   r->error->code = OPC_OK;
   *n = 0;
   if (!list) return NULL;
-  if (list->type != YAML_SEQUENCE_NODE) {
-    runs_fail(r->tree, list, r->error, "'%s' is not a list", key);
+  if (list->type != OPC_NODE_LIST) {
+    runs_fail(list, r->error, "'%s' is not a list", key);
     return NULL;
   }
-  const yaml_node_item_t *item = list->data.sequence.items.start;
-  size_t count = (size_t)(list->data.sequence.items.top - item);
+  size_t count = list->items->len;
   char *all = g_malloc0_n(MAX(count, 1), size);
   for (size_t i = 0; i < count && !r->error->code; i++)
-    read(r, runs_node(r->tree, item[i]), all + i * size);
+    read(r, list->items->pdata[i], all + i * size);
   *n = count;
   return all;
 }
 
 /* Read the text of a required member. */
-static int text_required(reading *r, yaml_node_t *map, const char *key,
+static int text_required(reading *r, const opc_node *map, const char *key,
                          const char **text) {
-  *text = runs_word(runs_get(r->tree, map, key));
-  return *text ? OPC_OK
-               : runs_fail(r->tree, map, r->error, "text '%s' is missing", key);
+  *text = runs_word(opc_node_get(map, key));
+  return *text ? OPC_OK : runs_fail(map, r->error, "text '%s' is missing", key);
 }
 
-static int read_file(reading *r, yaml_node_t *node, void *to) {
+static int read_file(reading *r, const opc_node *node, void *to) {
   eda_run_file *f = to;
-  double bytes = runs_number(runs_get(r->tree, node, "bytes"));
+  double bytes = runs_number(opc_node_get(node, "bytes"));
   f->bytes = bytes >= 0 && bytes < 9e15 ? (int64_t)bytes : -1;
   return text_required(r, node, "path", &f->path) ||
                  text_required(r, node, "sha256", &f->sha256)
@@ -65,7 +64,7 @@ static int read_file(reading *r, yaml_node_t *node, void *to) {
              : OPC_OK;
 }
 
-static int read_plugin(reading *r, yaml_node_t *node, void *to) {
+static int read_plugin(reading *r, const opc_node *node, void *to) {
   eda_run_plugin *p = to;
   return text_required(r, node, "id", &p->id) ||
                  text_required(r, node, "version", &p->version) ||
@@ -74,7 +73,7 @@ static int read_plugin(reading *r, yaml_node_t *node, void *to) {
              : OPC_OK;
 }
 
-static int read_finding(reading *r, yaml_node_t *node, void *to) {
+static int read_finding(reading *r, const opc_node *node, void *to) {
   eda_run_finding *f = to;
   return text_required(r, node, "step", &f->step) ||
                  text_required(r, node, "text", &f->text)
@@ -82,42 +81,41 @@ static int read_finding(reading *r, yaml_node_t *node, void *to) {
              : OPC_OK;
 }
 
-static int read_requirement(reading *r, yaml_node_t *node, void *to) {
+static int read_requirement(reading *r, const opc_node *node, void *to) {
   eda_run_requirement *q = to;
   const char *kept;
   if (text_required(r, node, "metric", &q->metric) ||
       text_required(r, node, "required", &q->required) ||
       text_required(r, node, "kept", &kept))
     return r->error->code;
-  q->unit = runs_word(runs_get(r->tree, node, "unit"));
-  q->value = runs_number(runs_get(r->tree, node, "value"));
+  q->unit = runs_word(opc_node_get(node, "unit"));
+  q->value = runs_number(opc_node_get(node, "value"));
   q->kept = !strcmp(kept, "true");
   return OPC_OK;
 }
 
 /* ---- metrics ---- */
 
-static int read_metric(reading *r, const char *step, const yaml_node_pair_t *at,
-                       GArray *out) {
+static int read_metric(reading *r, const char *step, const char *name,
+                       const opc_node *node, GArray *out) {
   static const char *const words[] = {"neutral", "lower", "higher", NULL};
-  yaml_node_t *node = runs_node(r->tree, at->value);
-  const char *name = runs_word(runs_node(r->tree, at->key)), *better;
-  if (!name || node->type != YAML_MAPPING_NODE)
-    return runs_fail(r->tree, node, r->error, "is not a metric");
+  const char *better;
+  if (node->type != OPC_NODE_MAP)
+    return runs_fail(node, r->error, "is not a metric");
   if (text_required(r, node, "better", &better)) return r->error->code;
   eda_run_metric m = {
       .name = g_strdup_printf("%s.%s", step, name),
-      .unit = runs_word(runs_get(r->tree, node, "unit")),
-      .value = runs_number(runs_get(r->tree, node, "value")),
-      .tolerance = runs_number(runs_get(r->tree, node, "tolerance"))};
+      .unit = runs_word(opc_node_get(node, "unit")),
+      .value = runs_number(opc_node_get(node, "value")),
+      .tolerance = runs_number(opc_node_get(node, "tolerance"))};
   g_ptr_array_add(r->run->texts, (char *)m.name);
   while (words[m.better] && strcmp(words[m.better], better) != 0) m.better++;
   if (!words[m.better])
-    return runs_fail(r->tree, node, r->error,
+    return runs_fail(node, r->error,
                      "'better' must be neutral, lower or higher, found '%.40s'",
                      better);
   if (!(m.tolerance >= 0)) /* also for NAN */
-    return runs_fail(r->tree, node, r->error, "'tolerance' is not a number");
+    return runs_fail(node, r->error, "'tolerance' is not a number");
   g_array_append_val(out, m);
   return OPC_OK;
 }
@@ -125,16 +123,13 @@ static int read_metric(reading *r, const char *step, const yaml_node_pair_t *at,
 /* Read the metrics of all steps. Members that are no maps belong to no step. */
 static int read_metrics(reading *r) {
   GArray *out = g_array_new(FALSE, FALSE, sizeof(eda_run_metric));
-  const yaml_node_t *root = runs_root(r->tree);
-  const yaml_node_pair_t *step = root->data.mapping.pairs.start;
+  const opc_node *root = runs_root(r->tree);
   int code = OPC_OK;
-  for (; !code && step < root->data.mapping.pairs.top; step++) {
-    const char *name = runs_word(runs_node(r->tree, step->key));
-    const yaml_node_t *map = runs_node(r->tree, step->value);
-    if (!name || map->type != YAML_MAPPING_NODE) continue;
-    const yaml_node_pair_t *at = map->data.mapping.pairs.start;
-    for (; !code && at < map->data.mapping.pairs.top; at++)
-      code = read_metric(r, name, at, out);
+  for (guint i = 0; !code && i < root->items->len; i++) {
+    const opc_node *map = root->items->pdata[i];
+    for (guint k = 0; map->keys && !code && k < map->items->len; k++)
+      code = read_metric(r, opc_node_key(root, i), opc_node_key(map, k),
+                         map->items->pdata[k], out);
   }
   eda_run_facts *f = &r->run->told;
   f->n_metrics = out->len;
@@ -151,38 +146,35 @@ static int read_metrics(reading *r) {
 /* ---- manifest ---- */
 
 static void read_steps(reading *r) {
-  const yaml_node_t *map = runs_get(r->tree, runs_root(r->tree), "steps");
-  if (!map || map->type != YAML_MAPPING_NODE) return;
-  const yaml_node_pair_t *at = map->data.mapping.pairs.start;
-  size_t n = (size_t)(map->data.mapping.pairs.top - at);
+  const opc_node *map = opc_node_get(runs_root(r->tree), "steps");
+  if (!map || map->type != OPC_NODE_MAP) return;
+  size_t n = map->items->len;
   eda_run_step *steps = g_new0(eda_run_step, n);
-  for (size_t i = 0; i < n; i++) {
-    const char *name = runs_word(runs_node(r->tree, at[i].key));
-    steps[i] = (eda_run_step){name ? name : "",
-                              runs_number(runs_node(r->tree, at[i].value))};
-  }
+  for (guint i = 0; i < n; i++)
+    steps[i] =
+        (eda_run_step){opc_node_key(map, i), runs_number(map->items->pdata[i])};
   r->run->told.steps = steps;
   r->run->told.n_steps = n;
 }
 
 static int64_t whole_number(reading *r, const char *key) {
-  double n = runs_number(runs_get(r->tree, runs_root(r->tree), key));
+  double n = runs_number(opc_node_get(runs_root(r->tree), key));
   return n >= 0 && n < 9e15 ? (int64_t)n : 0;
 }
 
 static int read_manifest(reading *r) {
   eda_run_facts *f = &r->run->told;
-  yaml_node_t *root = runs_root(r->tree);
+  const opc_node *root = runs_root(r->tree);
   const char *result;
   if (text_required(r, root, "opcflow", &f->version) ||
       text_required(r, root, "result", &result))
     return r->error->code;
-  f->variant = runs_word(runs_get(r->tree, root, "variant"));
-  f->started = runs_word(runs_get(r->tree, root, "started"));
-  f->failure = runs_word(runs_get(r->tree, root, "failure"));
+  f->variant = runs_word(opc_node_get(root, "variant"));
+  f->started = runs_word(opc_node_get(root, "started"));
+  f->failure = runs_word(opc_node_get(root, "failure"));
   if (!f->started) f->started = "";
   if (!f->failure && strcmp(result, "complete") != 0) f->failure = result;
-  f->seconds = runs_number(runs_get(r->tree, root, "seconds"));
+  f->seconds = runs_number(opc_node_get(root, "seconds"));
   f->threads = whole_number(r, "threads");
   f->points = whole_number(r, "points");
   read_steps(r);
@@ -200,10 +192,10 @@ static int read_manifest(reading *r) {
 
 static int read_flow(reading *r) {
   eda_run_facts *f = &r->run->told;
-  yaml_node_t *root = runs_root(r->tree);
-  yaml_node_t *format = runs_get(r->tree, root, "opcflow");
+  const opc_node *root = runs_root(r->tree);
+  const opc_node *format = opc_node_get(root, "opcflow");
   if (!format || g_strcmp0(runs_word(format), "1") != 0)
-    return runs_fail(r->tree, format ? format : root, r->error,
+    return runs_fail(format ? format : root, r->error,
                      "is a flow of the format '%.20s', expected '1'",
                      format && runs_word(format) ? runs_word(format) : "");
   if (text_required(r, root, "name", &f->name)) return r->error->code;

@@ -44,22 +44,22 @@ static const char flow[] =
     "    list: [1 nm, ${x.y}, { a: ${b} }] # default\n"
     "require:\n  mask.ion_max: 0.2 %\n";
 
-static void put(const char *folder, const char *file, const char *text) {
+static void file_put(const char *folder, const char *file, const char *text) {
   g_autofree char *path = g_build_filename(folder, file, NULL);
   g_assert_true(g_file_set_contents(path, text, -1, NULL));
 }
 
 /* Return a folder with a run (g_free); NULL selects the valid text of a
    file. */
-static char *make(const char *a, const char *b, const char *c) {
+static char *folder_make(const char *a, const char *b, const char *c) {
   char *folder = g_dir_make_tmp("runs-XXXXXX", NULL);
-  put(folder, "manifest.json", a ? a : manifest);
-  put(folder, "metrics.json", b ? b : metrics);
-  put(folder, "flow.yaml", c ? c : flow);
+  file_put(folder, "manifest.json", a ? a : manifest);
+  file_put(folder, "metrics.json", b ? b : metrics);
+  file_put(folder, "flow.yaml", c ? c : flow);
   return folder;
 }
 
-static void drop(char *folder) {
+static void folder_drop(char *folder) {
   GDir *dir = g_dir_open(folder, 0, NULL);
   const char *name;
   while ((name = g_dir_read_name(dir))) {
@@ -72,7 +72,7 @@ static void drop(char *folder) {
 }
 
 static void test_run(void) {
-  char *folder = make(NULL, NULL, NULL);
+  char *folder = folder_make(NULL, NULL, NULL);
   opc_error error = {0};
   eda_run *run = eda_run_open(folder, &error);
   g_test_message("%s", error.message);
@@ -111,7 +111,7 @@ static void test_run(void) {
   g_assert_cmpint(m->better, ==, EDA_RUN_HIGHER);
   g_assert_null(eda_run_metric_of(run, "yield"));
   eda_run_free(run);
-  drop(folder);
+  folder_drop(folder);
 }
 
 static void test_parameters(void) {
@@ -126,7 +126,7 @@ static void test_parameters(void) {
       {"mask.litho.na", "0.75", 1},
       {"mask.list", "[1 nm, ${x.y}, { a: ${b} }]", 0},
   };
-  char *folder = make(NULL, NULL, NULL);
+  char *folder = folder_make(NULL, NULL, NULL);
   opc_error error = {0};
   eda_run *run = eda_run_open(folder, &error);
   const eda_run_facts *f = eda_run_told(run);
@@ -138,7 +138,7 @@ static void test_parameters(void) {
     g_assert_cmpint(p->given, ==, want[i].given);
   }
   eda_run_free(run);
-  drop(folder);
+  folder_drop(folder);
 }
 
 static void test_bad_runs(void) {
@@ -151,8 +151,7 @@ static void test_bad_runs(void) {
       {0, OPC_INVALID, "[1]", "manifest.json:1:1: damaged: expected a map"},
       {0, OPC_INVALID, "{\n \"opcflow\" : ", "manifest.json:3:1: damaged"},
       {0, OPC_INVALID, "{}", "manifest.json:1:1: text 'opcflow' is missing"},
-      {0, OPC_INVALID, "{ \"opcflow\": \"1\\0\" }",
-       "text 'opcflow' is missing"},
+      {0, OPC_INVALID, "{ \"opcflow\": \"1\\0\" }", "a text with a NUL byte"},
       {0, OPC_INVALID,
        "{\"opcflow\":\"1\",\"result\":\"complete\",\n \"inputs\":3}",
        ":2:11: 'inputs' is not a list"},
@@ -175,19 +174,19 @@ static void test_bad_runs(void) {
        " '2'"},
       {2, OPC_INVALID, "opcflow: 1\nname: x\n", "flow.yaml:1:1: has no steps"},
       {2, OPC_INVALID, "opcflow: 1\nname: x\nsteps:\n  a: &b\n    c: *b\n",
-       "flow.yaml:5:8: damaged: aliases cannot be used here"},
+       "flow.yaml:4:6: damaged: anchors and aliases ('&b') cannot be used"},
   };
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     const char *text = cases[i].text;
     int file = cases[i].file;
-    char *folder = make(!file ? text : NULL, file == 1 ? text : NULL,
-                        file == 2 ? text : NULL);
+    char *folder = folder_make(!file ? text : NULL, file == 1 ? text : NULL,
+                               file == 2 ? text : NULL);
     opc_error error = {0};
     g_assert_null(eda_run_open(folder, &error));
     g_test_message("%s", error.message);
     g_assert_nonnull(strstr(error.message, cases[i].why));
     g_assert_cmpint(error.code, ==, cases[i].code);
-    drop(folder);
+    folder_drop(folder);
   }
   opc_error error = {0};
   g_assert_null(eda_run_open("/nowhere", &error));
@@ -203,23 +202,24 @@ static void test_deep(void) {
     for (int i = 0; i < depth; i++) g_string_append_c(text, '[');
     for (int i = 0; i < depth; i++) g_string_append_c(text, ']');
     g_string_append(text, " } }");
-    char *folder = make(NULL, NULL, text->str);
+    char *folder = folder_make(NULL, NULL, text->str);
     opc_error error = {0};
     eda_run *run = eda_run_open(folder, &error);
     g_assert_cmpint(!run, ==, depth > 61);
-    g_assert_cmpint(!run, ==, strstr(error.message, "nested too deep") != NULL);
+    g_assert_cmpint(!run, ==,
+                    strstr(error.message, "nested deeper than 64") != NULL);
     eda_run_free(run);
-    drop(folder);
+    folder_drop(folder);
   }
 }
 
 static void test_table(void) {
-  char *folder = make(NULL, NULL, NULL);
-  put(folder, "gates.csv",
-      "transistor,ion (%),\"x \"\"y\"\", z\",n,none\r\n"
-      "a/b:1,-0.5,\"two\r\nlines\",1,\r\n"
-      "\"c,d\",,\"\",inf,\r\n"
-      "e,2e1,z,-inf,");
+  char *folder = folder_make(NULL, NULL, NULL);
+  file_put(folder, "gates.csv",
+           "transistor,ion (%),\"x \"\"y\"\", z\",n,none\r\n"
+           "a/b:1,-0.5,\"two\r\nlines\",1,\r\n"
+           "\"c,d\",,\"\",inf,\r\n"
+           "e,2e1,z,-inf,");
   opc_error error = {0};
   eda_run *run = eda_run_open(folder, &error);
   g_assert_true(eda_run_has_table(run, "gates"));
@@ -250,7 +250,7 @@ static void test_table(void) {
   g_assert_null(eda_run_table(run, "other", &error));
   g_assert_cmpint(error.code, ==, OPC_IO);
   eda_run_free(run);
-  drop(folder);
+  folder_drop(folder);
 }
 
 static void test_bad_tables(void) {
@@ -272,13 +272,13 @@ static void test_bad_tables(void) {
   g_autofree char *path = g_build_filename(folder, "t.csv", NULL);
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     opc_error error = {0};
-    put(folder, "t.csv", cases[i].text);
+    file_put(folder, "t.csv", cases[i].text);
     g_assert_null(eda_table_read(path, &error));
     g_test_message("%s", error.message);
     g_assert_nonnull(strstr(error.message, cases[i].why));
     g_assert_cmpint(error.code, ==, OPC_INVALID);
   }
-  drop(folder);
+  folder_drop(folder);
 }
 
 #define HEAD "case,method,folder,result,seconds (s),mask.ion_max (%)\r\n"
@@ -287,10 +287,10 @@ static void test_experiment(void) {
   char *folder = g_dir_make_tmp("runs-XXXXXX", NULL);
   opc_error error = {0};
   g_assert_false(eda_run_is_experiment(folder));
-  put(folder, "experiment.csv",
-      HEAD
-      "nand2,epe,x/nand2/epe,complete,1.5,0.25\r\n"
-      "nand2,pb,,failed,,\r\n");
+  file_put(folder, "experiment.csv",
+           HEAD
+           "nand2,epe,x/nand2/epe,complete,1.5,0.25\r\n"
+           "nand2,pb,,failed,,\r\n");
   g_assert_true(eda_run_is_experiment(folder));
   eda_run_cases *c = eda_run_cases_open(folder, &error);
   g_test_message("%s", error.message);
@@ -305,9 +305,8 @@ static void test_experiment(void) {
   g_assert_null(all[1].folder);
   g_assert_cmpstr(all[1].result, ==, "failed");
   g_assert_true(isnan(all[1].seconds));
-  g_assert_cmpuint(eda_table_columns(eda_run_cases_table(c)), ==, 6);
   eda_run_cases_free(c);
-  drop(folder);
+  folder_drop(folder);
 }
 
 static void test_bad_experiments(void) {
@@ -325,13 +324,13 @@ static void test_bad_experiments(void) {
   char *folder = g_dir_make_tmp("runs-XXXXXX", NULL);
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     opc_error error = {0};
-    put(folder, "experiment.csv", cases[i].text);
+    file_put(folder, "experiment.csv", cases[i].text);
     g_assert_null(eda_run_cases_open(folder, &error));
     g_test_message("%s", error.message);
     g_assert_nonnull(strstr(error.message, cases[i].why));
     g_assert_cmpint(error.code, ==, OPC_INVALID);
   }
-  drop(folder);
+  folder_drop(folder);
 }
 
 int main(int argc, char **argv) {

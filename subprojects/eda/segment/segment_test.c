@@ -105,7 +105,7 @@ static GPtrArray *gates_in(const eda_gates *g, eda_box core) {
 }
 
 /* Clip an edge from a to b to the core. Return whether a part remains. */
-static bool clip(eda_point *a, eda_point *b, eda_box c) {
+static bool edge_clip(eda_point *a, eda_point *b, eda_box c) {
   int *from[2] = {&a->x, &a->y}, *to[2] = {&b->x, &b->y};
   int low[2] = {c.x0, c.y0}, high[2] = {c.x1, c.y1};
   for (int d = 0; d < 2; d++) {
@@ -131,7 +131,7 @@ static GPtrArray *edges_in(const eda_gates *g, eda_box core) {
         const eda_fragment *f = &e->fragments[i];
         uint32_t next = i + 1 < e->start[p + 1] ? i + 1 : e->start[p];
         eda_point a = f->from, b = e->fragments[next].from;
-        if (!clip(&a, &b, core)) continue;
+        if (!edge_clip(&a, &b, core)) continue;
         eda_box of = f->gate >= 0 ? g->box[f->gate] : (eda_box){0, 0, 0, 0};
         g_ptr_array_add(
             all, g_strdup_printf("%s %d,%d %d,%d %d of %d,%d %d,%d",
@@ -143,7 +143,7 @@ static GPtrArray *edges_in(const eda_gates *g, eda_box core) {
   return all;
 }
 
-static void same(GPtrArray *a, GPtrArray *b) {
+static void assert_same(GPtrArray *a, GPtrArray *b) {
   for (guint i = 0; i < MIN(a->len, b->len); i++)
     g_assert_cmpstr(a->pdata[i], ==, b->pdata[i]);
   g_assert_cmpuint(a->len, ==, b->len);
@@ -189,8 +189,8 @@ static void check_windows(const eda_layout *layout, const eda_gates *all,
       check_extent(g);
       GPtrArray *gates = gates_in(g, core);
       seen += gates->len;
-      same(gates, gates_in(all, core));
-      same(edges_in(g, core), edges_in(all, core));
+      assert_same(gates, gates_in(all, core));
+      assert_same(edges_in(g, core), edges_in(all, core));
       eda_gates_free(g);
     }
   g_assert_cmpuint(seen, ==, all->count);

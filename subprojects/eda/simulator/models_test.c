@@ -26,7 +26,7 @@ static const char text[] =
     ".model alone pmos level=54 version=4.5 toxe=2n\n"
     ".endl\n.lib ss\n.param vt=0.6\n.endl ss\n";
 
-static eda_models *load(const char *section) {
+static eda_models *models_load(const char *section) {
   opc_error error;
   eda_models *l = eda_models_read(path, section, NULL, &error);
   if (!l) g_error("%s", error.message);
@@ -34,7 +34,7 @@ static eda_models *load(const char *section) {
 }
 
 static void test_facts(void) {
-  eda_models *l = load("tt");
+  eda_models *l = models_load("tt");
   eda_sizes bins;
   g_assert_cmpint(eda_models_kind(l, "NFET"), ==, EDA_MODEL_SUBCIRCUIT);
   g_assert_cmpint(eda_models_kind(l, "alone"), ==, EDA_MODEL_CARD);
@@ -47,7 +47,7 @@ static void test_facts(void) {
   g_assert_cmpfloat_with_epsilon(bins.width[1], 9000, 1e-9);
   g_assert_false(eda_models_bins(l, "alone", &bins));
   eda_models_free(l);
-  l = load("ss");
+  l = models_load("ss");
   g_assert_cmpint(eda_models_kind(l, "nfet"), ==, 0);
   g_assert_cmpfloat(eda_models_unit(l), ==, 1e9);
   eda_models_free(l);
@@ -58,9 +58,9 @@ static void cut_has(const eda_models *l, const eda_sizes *sizes, int extend,
                     const char *want, const char *bound) {
   char *cut = eda_models_cut(l, "nfet", sizes, extend);
   g_autoptr(GString) found = g_string_new(NULL);
-  for (char k = '1'; k <= '3'; k++) {
-    char name[] = {'c', 'o', 'r', 'e', '.', k, 0};
-    if (strstr(cut, name)) g_string_append_c(found, k);
+  for (const char *k = "123"; *k; k++) {
+    char name[] = {'c', 'o', 'r', 'e', '.', *k, 0};
+    if (strstr(cut, name)) g_string_append_c(found, *k);
   }
   g_assert_cmpstr(found->str, ==, want);
   g_assert_null(strstr(cut, "other"));
@@ -72,7 +72,7 @@ static void cut_has(const eda_models *l, const eda_sizes *sizes, int extend,
 }
 
 static void test_cut(void) {
-  eda_models *l = load("tt");
+  eda_models *l = models_load("tt");
   cut_has(l, &(eda_sizes){{120, 150}, {1500, 1500}}, 0, "1", "lmin = 1E-7");
   cut_has(l, &(eda_sizes){{120, 200}, {1500, 1500}}, 0, "12", NULL);
   cut_has(l, &(eda_sizes){{120, 250}, {500, 9000}}, 0, "123", NULL);
@@ -105,7 +105,7 @@ static double current_of(const char *models) {
 /* An excerpt simulates like a card written by hand with nominal values, not
    with random ones. */
 static void test_current(void) {
-  eda_models *l = load("tt");
+  eda_models *l = models_load("tt");
   char *cut =
       eda_models_cut(l, "nfet", &(eda_sizes){{150, 150}, {1500, 1500}}, 0);
   double current = current_of(cut);

@@ -36,7 +36,7 @@ static char *own; /* ngspice library given by the user; NULL: the installed
                      one */
 
 /* Select the ngspice library; NULL: that of the user. */
-static void use(const char *library) {
+static void library_use(const char *library) {
   if (library || own)
     g_setenv("OPCFLOW_NGSPICE", library ? library : own, TRUE);
   else
@@ -104,8 +104,8 @@ static void test_closed_form(void) {
   eda_spice_clear(&r);
 }
 
-static void fails(const char *deck, const char *commands, double limit,
-                  int code, const char *words, size_t plots) {
+static void assert_fails(const char *deck, const char *commands, double limit,
+                         int code, const char *words, size_t plots) {
   eda_spice_result r;
   opc_error error;
   int got = eda_spice_run(&context, deck, commands, limit, &r, &error);
@@ -119,33 +119,33 @@ static void fails(const char *deck, const char *commands, double limit,
 
 static void test_words(void) {
   if (!have_ngspice()) return;
-  fails("t\nm1 d 0 0 0 nope w=1u l=1u\nv1 d 0 1\n.end\n", "op", LIMIT,
-        OPC_FAILED, "m1 d 0 0 0 nope w=1u l=1u; could not find a valid model",
-        0);
-  fails("t\nv1 a 0 1\n.include \"/nowhere/at.all\"\n.end", "op", LIMIT,
-        OPC_INVALID, "deck:3:10: '/nowhere/at.all': No such file", 0);
-  fails("t\nv1 a 0 1\n", "op", LIMIT, OPC_FAILED, ".end statement is missing",
-        0);
-  fails("", "op", LIMIT, OPC_FAILED, ".end statement is missing", 0);
-  fails("t\n.param x={lacking+1}\nv1 a 0 {x}\nr1 a 0 1\n.end\n", "op", LIMIT,
-        OPC_FAILED, "Undefined parameter [lacking]", 0);
-  fails(rc, "op\ndc v9 0 1 1\nop", LIMIT, OPC_FAILED,
-        "'dc v9 0 1 1': Fatal error", 1);
-  fails(rc, "op\nfly 1", LIMIT, OPC_FAILED, "fly: no such command", 1);
-  fails("two sources\nv1 a 0 1\nv2 a 0 2\n.end", "op", LIMIT, OPC_FAILED,
-        "'op': Error", 0);
+  assert_fails("t\nm1 d 0 0 0 nope w=1u l=1u\nv1 d 0 1\n.end\n", "op", LIMIT,
+               OPC_FAILED,
+               "m1 d 0 0 0 nope w=1u l=1u; could not find a valid model", 0);
+  assert_fails("t\nv1 a 0 1\n.include \"/nowhere/at.all\"\n.end", "op", LIMIT,
+               OPC_INVALID, "deck:3:10: '/nowhere/at.all': No such file", 0);
+  assert_fails("t\nv1 a 0 1\n", "op", LIMIT, OPC_FAILED,
+               ".end statement is missing", 0);
+  assert_fails("", "op", LIMIT, OPC_FAILED, ".end statement is missing", 0);
+  assert_fails("t\n.param x={lacking+1}\nv1 a 0 {x}\nr1 a 0 1\n.end\n", "op",
+               LIMIT, OPC_FAILED, "Undefined parameter [lacking]", 0);
+  assert_fails(rc, "op\ndc v9 0 1 1\nop", LIMIT, OPC_FAILED,
+               "'dc v9 0 1 1': Fatal error", 1);
+  assert_fails(rc, "op\nfly 1", LIMIT, OPC_FAILED, "fly: no such command", 1);
+  assert_fails("two sources\nv1 a 0 1\nv2 a 0 2\n.end", "op", LIMIT, OPC_FAILED,
+               "'op': Error", 0);
 }
 
 /* A library that exits or hangs does not stop the caller. */
 static void test_death(void) {
   static const char endless[] = "tran 1f 1000";
   if (!have_ngspice()) return;
-  fails(rc, "op\nquit 3", LIMIT, OPC_FAILED, "a quit command", 1);
+  assert_fails(rc, "op\nquit 3", LIMIT, OPC_FAILED, "a quit command", 1);
   gint64 start = g_get_monotonic_time();
-  fails(rc, endless, 0.3, OPC_FAILED, "not finish within 0.3 s", 0);
+  assert_fails(rc, endless, 0.3, OPC_FAILED, "not finish within 0.3 s", 0);
   g_assert_cmpint(g_get_monotonic_time() - start, <, 5 * G_USEC_PER_SEC);
   stop = 1;
-  fails(rc, endless, LIMIT, OPC_CANCELLED, "stopped", 0);
+  assert_fails(rc, endless, LIMIT, OPC_CANCELLED, "stopped", 0);
   stop = 0;
 }
 
@@ -172,10 +172,11 @@ static const char with_osdi[] = "t\n.osdi \"" EDA_OSDI_BUILT "\"\n.end";
 
 /* Check that an attempt of the evil library fails with a message or ends the
    process, with and without compiled models. */
-static void cannot(const char *deed, const char *path, const char *words) {
+static void assert_cannot(const char *deed, const char *path,
+                          const char *words) {
   g_autofree char *command = g_strdup_printf("%s %s", deed, path);
-  fails("t\n.end", command, LIMIT, OPC_FAILED, words, 0);
-  fails(with_osdi, command, LIMIT, OPC_FAILED, words, 0);
+  assert_fails("t\n.end", command, LIMIT, OPC_FAILED, words, 0);
+  assert_fails(with_osdi, command, LIMIT, OPC_FAILED, words, 0);
 }
 
 /* No attempt of the library changes a file or starts a program. */
@@ -193,19 +194,21 @@ static void test_sandbox(void) {
   g_autofree char *old = g_build_filename(folder, "old", NULL);
   g_autofree char *new = g_build_filename(folder, "new", NULL);
   g_assert_true(g_file_set_contents(old, "unchanged", -1, NULL));
-  use(EDA_EVIL_BUILT);
+  library_use(EDA_EVIL_BUILT);
   for (size_t i = 0; i < G_N_ELEMENTS(deeds); i++) {
-    cannot(deeds[i].deed, old, deeds[i].words);
-    cannot(deeds[i].deed, new, deeds[i].words);
+    assert_cannot(deeds[i].deed, old, deeds[i].words);
+    assert_cannot(deeds[i].deed, new, deeds[i].words);
   }
-  cannot("read", old, denied);
-  if (!SANDBOX_ANY_MEMORY) cannot("memory", "", "(Cannot allocate memory)");
+  assert_cannot("read", old, denied);
+  if (!SANDBOX_ANY_MEMORY)
+    assert_cannot("memory", "", "(Cannot allocate memory)");
   /* Signal settings of the caller are not inherited. */
   signal(SIGSEGV, SIG_IGN);
-  cannot("crash", "", "crashed (Segmentation fault)");
+  assert_cannot("crash", "", "crashed (Segmentation fault)");
   signal(SIGSEGV, SIG_DFL);
-  fails("t\n.end", "hang", 0.3, OPC_FAILED, "not finish within 0.3 s", 0);
-  use(NULL);
+  assert_fails("t\n.end", "hang", 0.3, OPC_FAILED, "not finish within 0.3 s",
+               0);
+  library_use(NULL);
   g_autofree char *text = NULL;
   g_assert_true(g_file_get_contents(old, &text, NULL, NULL));
   g_assert_cmpstr(text, ==, "unchanged");
@@ -215,11 +218,12 @@ static void test_sandbox(void) {
 
 /* Only the given file is readable, by any of its names. */
 static void test_osdi_file(void) {
-  use(EDA_EVIL_BUILT);
-  fails(with_osdi, "read " EDA_OSDI_BUILT, LIMIT, OPC_FAILED, "read gave 5", 0);
-  cannot("change", EDA_OSDI_BUILT, "start a program or to write a file");
-  cannot("read", EDA_EVIL_BUILT, "gave -1 (Permission denied)");
-  use(NULL);
+  library_use(EDA_EVIL_BUILT);
+  assert_fails(with_osdi, "read " EDA_OSDI_BUILT, LIMIT, OPC_FAILED,
+               "read gave 5", 0);
+  assert_cannot("change", EDA_OSDI_BUILT, "start a program or to write a file");
+  assert_cannot("read", EDA_EVIL_BUILT, "gave -1 (Permission denied)");
+  library_use(NULL);
 }
 
 /* ---- compiled models ---- */
@@ -256,10 +260,10 @@ static void test_no_osdi(void) {
   g_autofree char *none = g_build_filename(folder, "none.osdi", NULL);
   g_autofree char *deck = g_strdup_printf("t\n.osdi \"%s\"\n.end", none);
   g_assert_true(g_file_set_contents(none, "no object", -1, NULL));
-  use(EDA_EVIL_BUILT);
-  fails(deck, "op", LIMIT, OPC_NO_PLUGIN, "cannot load compiled models (OSDI)",
-        0);
-  use(NULL);
+  library_use(EDA_EVIL_BUILT);
+  assert_fails(deck, "op", LIMIT, OPC_NO_PLUGIN,
+               "cannot load compiled models (OSDI)", 0);
+  library_use(NULL);
   eda_spice_result r;
   opc_error error;
   int code = eda_spice_run(&context, deck, "op", LIMIT, &r, &error);
@@ -347,7 +351,7 @@ static gpointer tell_helper(gpointer unused) {
 static int run_endless(void) {
   eda_spice_result r;
   opc_error error;
-  use(EDA_EVIL_BUILT);
+  library_use(EDA_EVIL_BUILT);
   g_thread_unref(g_thread_new("tell", tell_helper, NULL));
   return eda_spice_run(&context, "t\n.end", "hang", LIMIT, &r, &error);
 }
@@ -405,12 +409,12 @@ static void test_parent(void) {
 }
 
 static void test_missing(void) {
-  use("/nowhere/libngspice.so");
-  fails(rc, "op", LIMIT, OPC_NO_PLUGIN, "package 'libngspice0'", 0);
-  use(NULL);
+  library_use("/nowhere/libngspice.so");
+  assert_fails(rc, "op", LIMIT, OPC_NO_PLUGIN, "package 'libngspice0'", 0);
+  library_use(NULL);
   g_setenv("OPCFLOW_SIMULATOR", "/nowhere/opcflow-simulator", TRUE);
-  fails(rc, "op", LIMIT, OPC_NO_PLUGIN,
-        "program that loads ngspice is not installed", 0);
+  assert_fails(rc, "op", LIMIT, OPC_NO_PLUGIN,
+               "program that loads ngspice is not installed", 0);
   g_unsetenv("OPCFLOW_SIMULATOR");
 }
 
@@ -458,7 +462,7 @@ static void test_together(void) {
     thread[i] = g_thread_new("run", one_run, &last[i]);
   for (int i = 0; i < THREADS; i++) g_thread_join(thread[i]);
   for (int i = 1; i < THREADS; i++) g_assert_cmpfloat(last[i], ==, last[0]);
-  fails(bsim, "op", LIMIT, OPC_FAILED, "oxe", 0);
+  assert_fails(bsim, "op", LIMIT, OPC_FAILED, "oxe", 0);
   g_assert_cmpuint(entries(temporary), ==, 0);
   g_assert_cmpuint(entries(here), ==, before);
   g_assert_cmpint(g_rmdir(temporary), ==, 0);

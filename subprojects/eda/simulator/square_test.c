@@ -107,7 +107,8 @@ __attribute__((constructor)) static void look_around(void) {
 
 /* ---- work ---- */
 
-static void *find(void *instance, void *model, uint32_t id, uint32_t flags) {
+static void *access_find(void *instance, void *model, uint32_t id,
+                         uint32_t flags) {
   enum { INSTANCE = 4 };
   transistor *t = instance;
   card *c = model;
@@ -127,8 +128,8 @@ static void set_instance(void *handle, void *instance, void *model,
   *out = (faults){0};
 }
 
-static uint32_t evaluate(void *handle, void *instance, const void *model,
-                         const state *at) {
+static uint32_t model_evaluate(void *handle, void *instance, const void *model,
+                               const state *at) {
   (void)handle;
   transistor *t = instance;
   const card *c = model;
@@ -227,10 +228,10 @@ const descriptor OSDI_DESCRIPTORS[] = {{
     .bound_step = NONE,
     .instance = sizeof(transistor),
     .model = sizeof(card),
-    .access = find,
+    .access = access_find,
     .setup_model = set_model,
     .setup_instance = set_instance,
-    .eval = evaluate,
+    .eval = model_evaluate,
     .load_noise = add_no_noise,
     .residual_resist = add_nothing,
     .residual_react = add_nothing,

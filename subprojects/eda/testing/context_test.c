@@ -16,7 +16,7 @@ typedef struct work {
   void *data;
 } work;
 
-static gpointer take(gpointer shared) {
+static gpointer context_take(gpointer shared) {
   work *w = shared;
   for (;;) {
     size_t i = __atomic_fetch_add(&w->next, 1, __ATOMIC_SEQ_CST);
@@ -32,8 +32,8 @@ static void parallel(const opc_context *context, size_t n,
   work w = {.n = n, .task = task, .data = data};
   g_autoptr(GPtrArray) threads = g_ptr_array_new();
   for (unsigned i = 1; i < t->threads && i < n; i++)
-    g_ptr_array_add(threads, g_thread_new("test", take, &w));
-  take(&w);
+    g_ptr_array_add(threads, g_thread_new("test", context_take, &w));
+  context_take(&w);
   for (guint i = 0; i < threads->len; i++) g_thread_join(threads->pdata[i]);
 }
 
@@ -42,20 +42,21 @@ static int cancelled(const opc_context *context) {
   return 0;
 }
 
-static const char *enter(const opc_context *context, const char *id) {
+static const char *context_enter(const opc_context *context, const char *id) {
   (void)context;
   (void)id;
   return NULL;
 }
 
-static void leave(const opc_context *context, const char *before) {
+static void context_leave(const opc_context *context, const char *before) {
   (void)context;
   (void)before;
 }
 
 const opc_context *eda_test_context_new(unsigned threads) {
   test_context *t = g_new(test_context, 1);
-  *t = (test_context){{parallel, cancelled, enter, leave}, threads};
+  *t = (test_context){{parallel, cancelled, context_enter, context_leave},
+                      threads};
   return &t->context;
 }
 

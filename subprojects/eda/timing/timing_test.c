@@ -38,7 +38,7 @@ static double moves(double s, double l, int k) {
   return (k + 1) * (2 + 3 * l - 0.5 * s);
 }
 
-static eda_timing *make(void) {
+static eda_timing *timing_make(void) {
   eda_timing *t = eda_timing_new(1);
   eda_timing_cell *c = &t->cell[0];
   *c = (eda_timing_cell){.name = "inv",
@@ -76,7 +76,7 @@ static eda_timing *make(void) {
 }
 
 static void test_look_up(void) {
-  eda_timing *t = make();
+  eda_timing *t = timing_make();
   const eda_timing_cell *c = eda_timing_find(t, "INV");
   double delay[SLEWS], slew[SLEWS];
   const double change[BUNDLES * EDA_SIZES] = {0, 0.01, 0, 0, -0.02, 0};
@@ -101,7 +101,7 @@ static void test_look_up(void) {
 
 static void test_check(void) {
   opc_error error;
-  eda_timing *t = make();
+  eda_timing *t = timing_make();
   g_assert_cmpint(eda_timing_check(t, &error), ==, OPC_OK);
   t->cell[0].figure[7] = (double)NAN;
   g_assert_cmpint(eda_timing_check(t, &error), ==, OPC_FAILED);

@@ -42,6 +42,14 @@ opc_node *opc_node_parse(const opc_source *source, const char *text,
 opc_node *opc_node_read(const opc_source *source, const char *path,
                         const opc_place *at, opc_problems *problems);
 
+/* Return the trees of all documents of a data file or its text (opc_node *,
+   freed with the array), which may have any number of nodes; an empty list and
+   problems on failure. */
+GPtrArray *opc_node_parse_all(const opc_source *source, const char *text,
+                              size_t length, opc_problems *problems);
+GPtrArray *opc_node_read_all(const opc_source *source, const char *path,
+                             opc_problems *problems);
+
 opc_node *opc_node_text_new(const opc_source *source, const char *text);
 opc_node *opc_node_map_new(const opc_source *source, const opc_place *at);
 /* Return a deep copy whose nodes refer to `source`; NULL: that of `node`. */

@@ -6,9 +6,12 @@
 
 enum { OPC_RANGE_MOST = 100000 }; /* limit on the values of a range */
 
-/* Add a problem for the unknown unit in the text of a node. Return FALSE. */
-gboolean opc_unknown_unit(const opc_node *node, const char *name,
-                          opc_problems *problems);
+/* Convert the text of a node, with the unit `given` appended unless NULL, to
+   the unit `to`; a plain number if `to` is NULL. `name` names the value in
+   problems. Return FALSE and a problem on failure. */
+gboolean opc_quantity_read(const opc_node *node, const char *given,
+                           const char *to, const char *name, double *number,
+                           opc_problems *problems);
 
 /* Return the values of "{ from: A, to: B, step: C }" in the unit of A, as texts
    of `source` (opc_node *, freed with the array). Return none and add problems

@@ -4,20 +4,20 @@
    permit. */
 #pragma once
 
-#include <eda/bars.h>
+#include <eda/srafs.h>
 #include <opcflow/plugin.h>
 
 struct loop;
 
-typedef struct gate_bars {
+typedef struct gate_srafs {
   int64_t rows;                  /* number of rows; 0: no scatter bars */
   double width, distance, space; /* nm */
   double min_length, overhang;   /* nm */
   double margin;                 /* distance to the printing threshold, clear
                                     field 1 */
-  eda_box_list bars;
+  eda_box_list srafs;
   size_t dropped;
-} gate_bars;
+} gate_srafs;
 
 /* Place the scatter bars into the next trial mask. Call after the synthesizers
    have begun. Returns OPC_OK, or OPC_INVALID if the synthesizer also places

@@ -19,13 +19,13 @@
 struct loop;
 
 /* Parameters of the corners. */
-typedef struct corners_wish {
+typedef struct corners_request {
   opc_reals dose, focus, mask_error; /* %, nm, nm */
   opc_reals weight;
   double ion_cost; /* largest deviation of nominal Ion caused by the corners,
                       % */
   int free;        /* 1: no such bound */
-} corners_wish;
+} corners_request;
 
 typedef struct corner {
   double dose, focus, mask_error;
@@ -43,7 +43,7 @@ typedef struct exposure {
 } exposure;
 
 typedef struct corners {
-  corners_wish wish;
+  corners_request request;
   size_t count, exposures; /* 0: no corners */
   corner *corner;
   exposure *exposure;
@@ -52,11 +52,11 @@ typedef struct corners {
 
 /* Return OPC_INVALID with the parameter's name if values, weights or the number
    of corners are not valid. */
-OPC_EXPORT int correct_corners_check(const corners_wish *wish,
+OPC_EXPORT int correct_corners_check(const corners_request *request,
                                      opc_error *error);
 
 /* Return the number of images per layer and simulation; 1 without corners. */
-OPC_EXPORT size_t correct_corners_images(const corners_wish *wish);
+OPC_EXPORT size_t correct_corners_images(const corners_request *request);
 
 /* Allocate the corners and their printers. The printer of the loop must have
    been prepared. Returns OPC_INVALID if the model of the optics has one focus

@@ -41,7 +41,7 @@ OPC_EXPORT void correct_pieces_follow(const eda_gates *gates, size_t layer,
                                       const biases *biases, pieces *out);
 
 /* Allocate the polygons for these fragments. */
-OPC_EXPORT void correct_pieces_room(const pieces *pieces, eda_shapes *out);
+OPC_EXPORT void correct_pieces_alloc(const pieces *pieces, eda_shapes *out);
 
 /* Build the polygons of displaced fragments, in their order, without repeated
    or collinear corners. A polygon that vanishes has no points. Polygons may

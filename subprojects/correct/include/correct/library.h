@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Data kind "library": references to the corrected cells of a sheet. */
+/* Data kind "library": the corrected cells of a sheet. */
 #pragma once
 
 #include <glib.h>
 #include <opcflow/results.h>
 #include <opcflow/step.h>
+
+#include <correct/entry.h>
 
 enum { LIBRARY_LITHO, LIBRARY_RESIST, LIBRARY_EXTRACTOR, LIBRARY_MODELS };
 
@@ -13,17 +15,16 @@ OPC_EXPORT extern const char *const correct_library_models[LIBRARY_MODELS];
 
 typedef struct library_cell {
   char *name, *geometry; /* name, checksum of the shapes (units.h) */
-  char *key;             /* key in the database */
+  entry *entry;          /* the correction */
 } library_cell;
 
 typedef struct library {
-  char *database;
   char *model[LIBRARY_MODELS]; /* opc_host.identity of each model */
   double grid;                 /* nm */
   GArray *cells;               /* library_cell, of cells with transistors */
 } library;
 
-OPC_EXPORT library *correct_library_new(const char *database, double grid);
+OPC_EXPORT library *correct_library_new(double grid);
 OPC_EXPORT void correct_library_free(void *library);
 OPC_EXPORT int correct_library_check(const void *library, opc_error *error);
 

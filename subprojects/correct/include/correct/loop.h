@@ -65,8 +65,8 @@ typedef struct loop {
   eda_measurement shown; /* measurement passed to synthesizers if `still` is
                             set */
   corners corners;
-  gate_bars assists;
-  search_bars search;
+  gate_srafs assists;
+  sraf_search_state search;
   summary summary; /* statistics of the last measurement */
   history history;
   guard guard;

@@ -11,27 +11,27 @@
    the nominal contour in place. */
 #pragma once
 
-#include <eda/bars.h>
+#include <eda/srafs.h>
 #include <opcflow/plugin.h>
 
 struct loop;
 
-typedef struct search_bars {
+typedef struct sraf_search_state {
   /* Parameters; `most` = 0 disables the search. */
   int64_t most, rounds, every;
-  double worth;                               /* smallest reduction of the band
-                                                 by a bar, nm^2 */
+  double min_gain;                            /* smallest reduction of the band
+                                              by a bar, nm^2 */
   double dose, defocus;                       /* %, nm */
   double least_width, width, distance, space; /* nm */
   double min_length, length;                  /* nm */
   double margin;                              /* distance to the printing
                                                  threshold, clear field 1 */
   /* Scatter bars of the present mask. */
-  eda_box_list bars;
+  eda_box_list srafs;
   size_t dropped;
   int64_t round;
   uint32_t next; /* iteration of the next round */
-} search_bars;
+} sraf_search_state;
 
 OPC_EXPORT int correct_search_begin(struct loop *loop, opc_error *error);
 OPC_EXPORT void correct_search_clear(struct loop *loop);
@@ -41,13 +41,15 @@ OPC_EXPORT void correct_search_clear(struct loop *loop);
 OPC_EXPORT int correct_search_watch(struct loop *loop, int done,
                                     opc_error *error);
 
-#define SEARCH_LENGTH(state, name_, member, from_, text)                     \
-  OPC_PARAMETER_NAMED("seek." name_, state, search.member, .type = OPC_REAL, \
-                      .flags = OPC_ABOVE, .unit = "nm", .follows = from_,    \
+#define SEARCH_LENGTH(state, name_, member, from_, text)                  \
+  OPC_PARAMETER_NAMED("search." name_, state, search.member,              \
+                      .former = "seek." name_, .type = OPC_REAL,          \
+                      .flags = OPC_ABOVE, .unit = "nm", .follows = from_, \
                       .summary = text)
-#define SEARCH_COUNT(state, name_, member, preset_, least, text)            \
-  OPC_PARAMETER_NAMED("seek." name_, state, search.member, .type = OPC_INT, \
-                      .flags = OPC_AT_LEAST | OPC_AT_MOST, .min = least,    \
+#define SEARCH_COUNT(state, name_, member, preset_, least, text)         \
+  OPC_PARAMETER_NAMED("search." name_, state, search.member,             \
+                      .former = "seek." name_, .type = OPC_INT,          \
+                      .flags = OPC_AT_LEAST | OPC_AT_MOST, .min = least, \
                       .max = 100000, .preset = preset_, .summary = text)
 #define SEARCH_PARAMETERS(state)                                               \
   SEARCH_COUNT(state, "most", most, "0", 0,                                    \
@@ -57,17 +59,18 @@ OPC_EXPORT int correct_search_watch(struct loop *loop, int done,
       SEARCH_COUNT(state, "every", every, "6", 1,                              \
                    "Iterations between two searches"),                         \
       OPC_PARAMETER_NAMED(                                                     \
-          "seek.worth", state, search.worth, .type = OPC_REAL,                 \
-          .flags = OPC_ABOVE, .unit = "nm^2",                                  \
+          "search.min_gain", state, search.min_gain, .former = "seek.worth",   \
+          .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "nm^2",                \
           .follows = "0.003775 (lambda/NA)^2",                                 \
           .summary = "Smallest reduction of the band's area by a bar"),        \
       OPC_PARAMETER_NAMED(                                                     \
-          "seek.dose", state, search.dose, .type = OPC_REAL,                   \
-          .flags = OPC_ABOVE | OPC_BELOW, .unit = "%", .preset = "4 %",        \
-          .max = 100, .summary = "Dose variation of the band, up and down"),   \
-      OPC_PARAMETER_NAMED("seek.defocus", state, search.defocus,               \
-                          .type = OPC_REAL, .unit = "nm",                      \
-                          .follows = "0.073 lambda/NA^2",                      \
+          "search.dose", state, search.dose, .former = "seek.dose",            \
+          .type = OPC_REAL, .flags = OPC_ABOVE | OPC_BELOW, .unit = "%",       \
+          .preset = "4 %", .max = 100,                                         \
+          .summary = "Dose variation of the band, up and down"),               \
+      OPC_PARAMETER_NAMED("search.defocus", state, search.defocus,             \
+                          .former = "seek.defocus", .type = OPC_REAL,          \
+                          .unit = "nm", .follows = "0.073 lambda/NA^2",        \
                           .summary = "Defocus of the band's lower dose"),      \
       SEARCH_LENGTH(state, "least_width", least_width, "0.093 lambda/NA",      \
                     "Smallest width of a bar"),                                \
@@ -81,9 +84,9 @@ OPC_EXPORT int correct_search_watch(struct loop *loop, int done,
                     "Distance from drawn shapes to a bar"),                    \
       SEARCH_LENGTH(state, "space", space, "0.187 lambda/NA",                  \
                     "Space between bars"),                                     \
-      OPC_PARAMETER_NAMED("seek.margin", state, search.margin,                 \
-                          .type = OPC_REAL, .flags = OPC_AT_LEAST,             \
-                          .preset = "0.01", .min = 0,                          \
+      OPC_PARAMETER_NAMED("search.margin", state, search.margin,               \
+                          .former = "seek.margin", .type = OPC_REAL,           \
+                          .flags = OPC_AT_LEAST, .preset = "0.01", .min = 0,   \
                           .summary =                                           \
                               "Smallest intensity margin to printing, clear "  \
                               "field 1; bars below it are narrowed")

@@ -80,9 +80,9 @@ OPC_EXPORT int eda_paper_close(eda_paper *paper, int code, opc_error *error);
 enum { EDA_LEFT, EDA_MIDDLE, EDA_RIGHT };
 
 /* Draw a line of text whose left end, middle or right end is at x, in the
-   current colour, truncated to the width `room`, which may be INFINITY. */
+   current colour, truncated to the width `width`, which may be INFINITY. */
 OPC_EXPORT void eda_text(const eda_paper *paper, double x, double baseline,
-                         int place, double room, const char *text);
+                         int place, double width, const char *text);
 
 /* Draw a line of large text below `top`; return its height. */
 OPC_EXPORT double eda_heading(const eda_paper *paper, double top,

@@ -2,7 +2,6 @@
 /* All headers of the library except <eda/drawing.h>, which needs cairo. */
 #pragma once
 
-#include <eda/bars.h>
 #include <eda/check.h>
 #include <eda/chip.h>
 #include <eda/circuit.h>
@@ -34,6 +33,7 @@
 #include <eda/settings.h>
 #include <eda/simd.h>
 #include <eda/simulator.h>
+#include <eda/srafs.h>
 #include <eda/synthesizer.h>
 #include <eda/timing.h>
 #include <eda/wave.h>

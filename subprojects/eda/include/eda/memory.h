@@ -29,4 +29,7 @@ OPC_UNUSED static inline void eda_grow(void *array, size_t *room, size_t need,
   (eda_grow(&(array), &(room), (count) + 1, sizeof *(array)), \
    (void)((array)[(count)++] = __VA_ARGS__))
 
+/* Compare two doubles for qsort, the smaller one first. [any] */
+OPC_EXPORT int eda_doubles_rise(const void *a, const void *b);
+
 OPC_C_END

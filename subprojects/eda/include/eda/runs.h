@@ -177,7 +177,4 @@ OPC_EXPORT void eda_run_cases_free(eda_run_cases *cases);
 OPC_EXPORT const eda_run_case *eda_run_cases_all(const eda_run_cases *cases,
                                                  size_t *n);
 
-/* Return the table with its metrics, owned by the cases. */
-OPC_EXPORT eda_table *eda_run_cases_table(eda_run_cases *cases);
-
 OPC_C_END

@@ -27,49 +27,49 @@ typedef struct study {
 
 /* Traversal, and the phase of each of its measured transitions. */
 typedef struct tour {
-  walk way;
+  traversal path;
   size_t step[FLIPS];
 } tour;
 
-static tour tour_plan(const job *j) {
+static tour tour_plan(const bench_task *j) {
   const study *s = j->of;
   const machine *m = s->d->machine;
-  tour t = {.way = walk_new(m)};
+  tour t = {.path = traversal_new(m)};
   for (size_t k = j->from; k < j->to; k++) {
     transition flip = s->p->transition[s->d->flip[k]];
     uint32_t input = 0;
-    walk_to(j->b, m, &t.way, flip.from);
+    traversal_to(j->b, m, &t.path, flip.from);
     while (m->next[flip.from * j->b->inputs + input] != flip.to) input++;
-    walk_step(j->b, m, &t.way, input);
-    t.step[k - j->from] = t.way.input->len;
+    traversal_step(j->b, m, &t.path, input);
+    t.step[k - j->from] = t.path.input->len;
   }
   return t;
 }
 
-static void write_deck(job *j, FILE *out, const void *how) {
+static void write_deck(bench_task *j, FILE *out, const void *how) {
   const machine *m = ((const study *)j->of)->d->machine;
   job_begin(j, out, share, SWITCHING_CURRENT);
   fprintf(out, ".options trtol=%g\n", steps);
   job_circuit(j, out, SIZE_TIMED);
-  walk_sources(j->b, m, how, out);
+  traversal_sources(j->b, m, how, out);
   states_save(j->b, m, out);
   fputs(".end\n", out);
 }
 
-static void write_commands(job *j, FILE *out, const void *how) {
-  walk_command(((const study *)j->of)->d->machine, how, out);
+static void write_commands(bench_task *j, FILE *out, const void *how) {
+  traversal_command(((const study *)j->of)->d->machine, how, out);
 }
 
 /* Return 1 if all nets have the levels of a state. */
-static int is_in(const job *j, const eda_spice_plot *plot, uint32_t state,
-                 double time) {
+static int is_in(const bench_task *j, const eda_spice_plot *plot,
+                 uint32_t state, double time) {
   const machine *m = ((const study *)j->of)->d->machine;
   g_autofree int8_t *level = g_new(int8_t, m->watched);
   states_levels(j->b, m, plot, time, level);
   return !memcmp(level, m->level + state * m->watched, m->watched);
 }
 
-static void tour_measure(const job *j, const tour *t,
+static void tour_measure(const bench_task *j, const tour *t,
                          const eda_spice_plot *plot) {
   const study *s = j->of;
   const double phase = s->d->machine->phase;
@@ -85,10 +85,10 @@ static void tour_measure(const job *j, const tour *t,
   }
 }
 
-static tour tour_simulate(job *j, eda_spice_result *r) {
+static tour tour_simulate(bench_task *j, eda_spice_result *r) {
   tour t = tour_plan(j);
-  g_autofree char *deck = job_text(j, write_deck, &t.way);
-  g_autofree char *commands = job_text(j, write_commands, &t.way);
+  g_autofree char *deck = job_text(j, write_deck, &t.path);
+  g_autofree char *commands = job_text(j, write_commands, &t.path);
   job_simulate(j, deck, commands, r);
   if (!j->code && r->count != 1)
     j->code =
@@ -97,33 +97,34 @@ static tour tour_simulate(job *j, eda_spice_result *r) {
   return t;
 }
 
-static void run_job(job *j) {
+static void run_job(bench_task *j) {
   eda_spice_result r;
   tour t = tour_simulate(j, &r);
   if (!j->code) tour_measure(j, &t, &r.plot[0]);
-  walk_clear(&t.way);
+  traversal_clear(&t.path);
   eda_spice_clear(&r);
 }
 
-int walks_run(bench *b, const patterns *p, const delays *d, opc_error *error) {
+int sequential_run(bench *b, const patterns *p, const delays *d,
+                   opc_error *error) {
   const study s = {p, d};
   for (size_t k = 0; k < d->flips; k++)
     d->window[k] = bench_start(b) + d->machine->phase;
   return jobs_run(b, d->flips, FLIPS, run_job, &s, error);
 }
 
-int walks_wave(bench *b, const patterns *p, const delays *d, size_t index,
-               int state, wave *out, opc_error *error) {
+int sequential_wave(bench *b, const patterns *p, const delays *d, size_t index,
+                    int state, wave *out, opc_error *error) {
   const arrival *a = &d->arrival[index];
   const study s = {p, d};
-  job j = {
+  bench_task j = {
       .b = b, .of = &s, .state = state, .from = a->flip, .to = a->flip + 1};
   eda_spice_result r;
   tour t = tour_simulate(&j, &r);
   double begin = d->machine->phase * (double)t.step[0];
   if (!j.code)
     wave_keep(b, a, &r.plot[0], begin, begin + d->machine->phase, out);
-  walk_clear(&t.way);
+  traversal_clear(&t.path);
   eda_spice_clear(&r);
   if (j.code) *error = j.error;
   return j.code;

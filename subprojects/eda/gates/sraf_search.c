@@ -3,8 +3,8 @@
    the one with the largest gain. Then follows the best of those clear of the
    first, and so on. The gain of a rectangle is a difference of four cumulative
    sums. */
-#include <eda/bars.h>
 #include <eda/memory.h>
+#include <eda/srafs.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,29 +18,29 @@ enum { PASSES = 4 };
    %. */
 static const double part_of_best = 0.3;
 
-typedef struct seeker {
+typedef struct searcher {
   const eda_field *map;
-  const eda_bar_seek *rule;
+  const eda_sraf_limits *rule;
   double grid, dx, dy; /* nm */
   int nx, ny;
   double *gain;      /* cumulative gain left of and below each node, nm^2 */
   int32_t *taken;    /* cumulative number of forbidden nodes */
   uint8_t *keep_out; /* forbidden nodes */
-} seeker;
+} searcher;
 
 /* A candidate bar on the lattice: the cells x0 .. x1 - 1, y0 .. y1 - 1. */
-typedef struct wish {
+typedef struct candidate {
   double gain;
   int x0, y0, x1, y1;
-} wish;
+} candidate;
 
 /* ---- sums ---- */
 
-static size_t sample_index(const seeker *s, int x, int y) {
+static size_t sample_index(const searcher *s, int x, int y) {
   return (size_t)y * (size_t)(s->nx + 1) + (size_t)x;
 }
 
-static void sum_up(seeker *s) {
+static void sum_up(searcher *s) {
   double cell = s->dx * s->dy;
   for (int y = 0; y < s->ny; y++) {
     double gain = 0;
@@ -57,7 +57,7 @@ static void sum_up(seeker *s) {
   }
 }
 
-static int is_free(const seeker *s, const wish *w) {
+static int is_free(const searcher *s, const candidate *w) {
   const int32_t *t = s->taken;
   return t[sample_index(s, w->x1, w->y1)] - t[sample_index(s, w->x0, w->y1)] -
              t[sample_index(s, w->x1, w->y0)] +
@@ -65,7 +65,7 @@ static int is_free(const seeker *s, const wish *w) {
          0;
 }
 
-static double gain_of(const seeker *s, const wish *w) {
+static double gain_of(const searcher *s, const candidate *w) {
   const double *g = s->gain;
   return g[sample_index(s, w->x1, w->y1)] - g[sample_index(s, w->x0, w->y1)] -
          g[sample_index(s, w->x1, w->y0)] + g[sample_index(s, w->x0, w->y0)];
@@ -74,7 +74,7 @@ static double gain_of(const seeker *s, const wish *w) {
 /* ---- forbidden nodes ---- */
 
 /* Forbid the nodes of a box (grid steps) and `off` around it. */
-static void keep_out(seeker *s, eda_box b, int32_t off) {
+static void keep_out(searcher *s, eda_box b, int32_t off) {
   const eda_frame *f = &s->map->frame;
   int x0 = (int)floor(((b.x0 - off) * s->grid - f->x0) / s->dx + 0.5);
   int y0 = (int)floor(((b.y0 - off) * s->grid - f->y0) / s->dy + 0.5);
@@ -92,15 +92,16 @@ static void keep_out(seeker *s, eda_box b, int32_t off) {
 /* ---- candidates ---- */
 
 /* Try all sizes on the lattice, in cells, from the smallest allowed size on. */
-static void try_sizes(const seeker *s, int x, int y, int upright, wish *best) {
-  const eda_bar_seek *r = s->rule;
+static void try_sizes(const searcher *s, int x, int y, int upright,
+                      candidate *best) {
+  const eda_sraf_limits *r = s->rule;
   double across = (upright ? s->dx : s->dy) / s->grid;
   double along = (upright ? s->dy : s->dx) / s->grid;
   for (int w = (int)ceil(r->least_width / across - 1e-6);
        w * across <= r->most_width + 1e-6; w++)
     for (int l = (int)ceil(r->least_length / along - 1e-6);
          l * along <= r->most_length + 1e-6; l += 1 + l / 8) {
-      wish one = {0, x, y, x + (upright ? w : l), y + (upright ? l : w)};
+      candidate one = {0, x, y, x + (upright ? w : l), y + (upright ? l : w)};
       if (one.x1 > s->nx || one.y1 > s->ny || !is_free(s, &one)) break;
       one.gain = gain_of(s, &one);
       if (one.gain > best->gain) *best = one;
@@ -108,26 +109,26 @@ static void try_sizes(const seeker *s, int x, int y, int upright, wish *best) {
 }
 
 static int by_gain(const void *a, const void *b) {
-  const wish *p = a, *q = b;
+  const candidate *p = a, *q = b;
   if (p->gain != q->gain) return p->gain > q->gain ? -1 : 1;
   return p->y0 != q->y0 ? p->y0 - q->y0 : p->x0 - q->x0;
 }
 
-static size_t make_wishes(const seeker *s, wish *wishes) {
+static size_t make_candidates(const searcher *s, candidate *candidates) {
   size_t n = 0;
   for (int y = 0; y < s->ny; y++)
     for (int x = 0; x < s->nx; x++) {
-      wish best = {.gain = s->rule->worth};
+      candidate best = {.gain = s->rule->min_gain};
       if (s->keep_out[(size_t)y * (size_t)s->nx + (size_t)x]) continue;
       try_sizes(s, x, y, 0, &best);
       try_sizes(s, x, y, 1, &best);
-      if (best.x1) wishes[n++] = best;
+      if (best.x1) candidates[n++] = best;
     }
-  qsort(wishes, n, sizeof *wishes, by_gain);
+  qsort(candidates, n, sizeof *candidates, by_gain);
   return n;
 }
 
-static eda_box box_of(const seeker *s, const wish *w) {
+static eda_box box_of(const searcher *s, const candidate *w) {
   const eda_frame *f = &s->map->frame;
   /* A node is the middle of its cell. */
   return (eda_box){(int32_t)lround((f->x0 + (w->x0 - 0.5) * s->dx) / s->grid),
@@ -137,26 +138,26 @@ static eda_box box_of(const seeker *s, const wish *w) {
 }
 
 /* Add candidates while they are clear of earlier ones. Return their number. */
-static size_t seeker_grant(seeker *s, const wish *wishes, size_t n, size_t room,
-                           eda_box_list *bars) {
-  size_t granted = 0;
-  for (size_t i = 0; i < n && granted < room; i++) {
-    const wish *w = &wishes[i];
-    if (w->gain < part_of_best * wishes[0].gain) break;
+static size_t searcher_add(searcher *s, const candidate *candidates, size_t n,
+                           size_t capacity, eda_box_list *srafs) {
+  size_t added = 0;
+  for (size_t i = 0; i < n && added < capacity; i++) {
+    const candidate *w = &candidates[i];
+    if (w->gain < part_of_best * candidates[0].gain) break;
     if (i && !is_free(s, w)) continue;
     eda_box b = box_of(s, w);
-    eda_box_list_add(bars, b);
+    eda_box_list_add(srafs, b);
     keep_out(s, b, s->rule->space);
     sum_up(s);
-    granted++;
+    added++;
   }
-  return granted;
+  return added;
 }
 
-int eda_bars_seek(const eda_field *map, const eda_bar_seek *rule,
-                  const eda_shapes *drawn, double grid, eda_box_list *bars,
-                  opc_error *error) {
-  seeker s = {
+int eda_srafs_search(const eda_field *map, const eda_sraf_limits *rule,
+                     const eda_shapes *drawn, double grid, eda_box_list *srafs,
+                     opc_error *error) {
+  searcher s = {
       .map = map, .rule = rule, .grid = grid, .nx = map->nx, .ny = map->ny};
   eda_box *box = NULL;
   size_t n = 0, cells = (size_t)s.nx * (size_t)s.ny;
@@ -169,18 +170,18 @@ int eda_bars_seek(const eda_field *map, const eda_bar_seek *rule,
   s.taken = eda_alloc(sums, sizeof *s.taken);
   s.keep_out = eda_alloc(cells, 1);
   for (size_t i = 0; i < n; i++) keep_out(&s, box[i], rule->distance);
-  for (size_t i = 0; i < bars->count; i++)
-    keep_out(&s, bars->box[i], rule->space);
+  for (size_t i = 0; i < srafs->count; i++)
+    keep_out(&s, srafs->box[i], rule->space);
   /* Scatter bars stay within the frame: the first cells are half outside. */
   memset(s.keep_out, 1, (size_t)s.nx);
   for (int y = 0; y < s.ny; y++) s.keep_out[(size_t)y * (size_t)s.nx] = 1;
   sum_up(&s);
-  wish *wishes = eda_alloc(cells, sizeof *wishes);
-  for (int pass = 0; pass < PASSES && bars->count < rule->most; pass++)
-    if (!seeker_grant(&s, wishes, make_wishes(&s, wishes),
-                      rule->most - bars->count, bars))
+  candidate *candidates = eda_alloc(cells, sizeof *candidates);
+  for (int pass = 0; pass < PASSES && srafs->count < rule->most; pass++)
+    if (!searcher_add(&s, candidates, make_candidates(&s, candidates),
+                      rule->most - srafs->count, srafs))
       break;
-  free(wishes);
+  free(candidates);
   free(box);
   free(s.gain);
   free(s.taken);
@@ -188,7 +189,7 @@ int eda_bars_seek(const eda_field *map, const eda_bar_seek *rule,
   return OPC_OK;
 }
 
-double eda_bars_gain(const eda_field *map, eda_box b, double grid) {
+double eda_srafs_gain(const eda_field *map, eda_box b, double grid) {
   const eda_frame *f = &map->frame;
   double dx = f->width / map->nx, dy = f->height / map->ny, sum = 0;
   for (int y = (int)ceil((b.y0 * grid - f->y0) / dy);

@@ -2,9 +2,9 @@
 /* Rows of sub-resolution assist features (scatter bars) beside edges: a
    proposed bar for each edge and row, reduced by drawn shapes and earlier
    scatter bars. */
-#include <eda/bars.h>
 #include <eda/index.h>
 #include <eda/memory.h>
+#include <eda/srafs.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -26,33 +26,33 @@ static int32_t length_of(eda_box b) {
 /* ---- where scatter bars may be ---- */
 
 /* A bar as proposed by the rule. */
-typedef struct wish {
+typedef struct proposal {
   eda_box box;
   uint32_t number; /* number in the order of the edges */
   uint8_t upright;
-  size_t first, end; /* its remaining parts, in `bars` */
-} wish;
+  size_t first, end; /* its remaining parts, in `srafs` */
+} proposal;
 
 typedef struct planner {
-  const eda_bar_edge *edges;
+  const eda_sraf_edge *edges;
   size_t edge_count;
-  const eda_bar_rule *rule;
-  wish *wishes;
+  const eda_sraf_rule *rule;
+  proposal *proposals;
   size_t count;
-  eda_index *of_drawn, *of_wishes;
+  eda_index *of_drawn, *of_proposals;
   eda_box *drawn; /* rectangles of the drawn shapes */
   size_t drawn_count;
   eda_box_list parts, next; /* remaining parts of the current proposal */
-  eda_box_list bars;
+  eda_box_list srafs;
 } planner;
 
 /* Return the proposed bar of row `row` beside an edge. */
-static wish wish_of(const planner *p, const eda_bar_edge *e, int row) {
-  const eda_bar_rule *r = p->rule;
+static proposal proposal_of(const planner *p, const eda_sraf_edge *e, int row) {
+  const eda_sraf_rule *r = p->rule;
   int32_t near = r->distance + row * (r->width + r->space);
   int32_t low = e->low - r->overhang, high = e->high + r->overhang;
   int32_t from = e->sign > 0 ? e->at + near : e->at - near - r->width;
-  wish w = {.upright = e->upright};
+  proposal w = {.upright = e->upright};
   w.box = w.upright ? (eda_box){from, low, from + r->width, high}
                     : (eda_box){low, from, high, from + r->width};
   return w;
@@ -81,7 +81,7 @@ static void cut_parts(planner *p, eda_box keep_out, int upright) {
 }
 
 /* Subtract the drawn shapes near a proposal from its parts. */
-static void cut_by_drawn(planner *p, const wish *w) {
+static void cut_by_drawn(planner *p, const proposal *w) {
   int32_t off = p->rule->distance;
   eda_finder f = eda_index_find(p->of_drawn, box_grow(w->box, off));
   for (uint32_t i; eda_index_next(&f, &i);)
@@ -89,80 +89,81 @@ static void cut_by_drawn(planner *p, const wish *w) {
 }
 
 /* Subtract the scatter bars of earlier proposals from the parts. */
-static void cut_by_bars(planner *p, const wish *w) {
+static void cut_by_srafs(planner *p, const proposal *w) {
   int32_t off = p->rule->space;
-  eda_finder f = eda_index_find(p->of_wishes, box_grow(w->box, off));
+  eda_finder f = eda_index_find(p->of_proposals, box_grow(w->box, off));
   for (uint32_t i; eda_index_next(&f, &i);)
-    for (size_t n = p->wishes[i].first; n < p->wishes[i].end; n++)
-      cut_parts(p, box_grow(p->bars.box[n], off), w->upright);
+    for (size_t n = p->proposals[i].first; n < p->proposals[i].end; n++)
+      cut_parts(p, box_grow(p->srafs.box[n], off), w->upright);
 }
 
 /* Add the parts of a proposal that are clear of drawn shapes and of existing
    scatter bars. */
-static void planner_grant(planner *p, wish *w) {
+static void planner_place(planner *p, proposal *w) {
   p->parts.count = 0;
-  w->first = w->end = p->bars.count;
+  w->first = w->end = p->srafs.count;
   eda_box_list_add(&p->parts, w->box);
   cut_by_drawn(p, w);
-  cut_by_bars(p, w);
+  cut_by_srafs(p, w);
   for (size_t i = 0; i < p->parts.count; i++)
     if (length_of(p->parts.box[i]) >= p->rule->min_length)
-      eda_box_list_add(&p->bars, p->parts.box[i]);
-  w->end = p->bars.count;
+      eda_box_list_add(&p->srafs, p->parts.box[i]);
+  w->end = p->srafs.count;
 }
 
 /* Order: lower rows first, then longer scatter bars. */
 static int by_rank(const void *a, const void *b) {
-  const wish *p = *(const wish *const *)a, *q = *(const wish *const *)b;
+  const proposal *p = *(const proposal *const *)a,
+                 *q = *(const proposal *const *)b;
   if (p->first != q->first) return p->first < q->first ? -1 : 1;
   int32_t m = length_of(p->box), n = length_of(q->box);
   if (m != n) return m > n ? -1 : 1;
   return (p->number > q->number) - (p->number < q->number);
 }
 
-static void grant_all(planner *p) {
-  wish **order = eda_alloc(p->count, sizeof(wish *));
-  for (size_t i = 0; i < p->count; i++) order[i] = &p->wishes[i];
-  qsort(order, p->count, sizeof(wish *), by_rank);
+static void place_all(planner *p) {
+  proposal **order = eda_alloc(p->count, sizeof(proposal *));
+  for (size_t i = 0; i < p->count; i++) order[i] = &p->proposals[i];
+  qsort(order, p->count, sizeof(proposal *), by_rank);
   for (size_t i = 0; i < p->count; i++)
-    p->wishes[i].first = p->wishes[i].end = 0;
-  for (size_t i = 0; i < p->count; i++) planner_grant(p, order[i]);
+    p->proposals[i].first = p->proposals[i].end = 0;
+  for (size_t i = 0; i < p->count; i++) planner_place(p, order[i]);
   free(order);
 }
 
-static void make_wishes(planner *p) {
-  size_t room = p->edge_count * (size_t)p->rule->rows;
-  p->wishes = eda_alloc(room, sizeof *p->wishes);
-  eda_box *all = eda_alloc(room, sizeof *all);
+static void make_proposals(planner *p) {
+  size_t capacity = p->edge_count * (size_t)p->rule->rows;
+  p->proposals = eda_alloc(capacity, sizeof *p->proposals);
+  eda_box *all = eda_alloc(capacity, sizeof *all);
   for (int row = 0; row < p->rule->rows; row++)
     for (size_t e = 0; e < p->edge_count; e++) {
-      wish w = wish_of(p, &p->edges[e], row);
+      proposal w = proposal_of(p, &p->edges[e], row);
       w.number = (uint32_t)p->count;
       w.first = (size_t)row; /* by_rank */
       all[p->count] = w.box;
-      p->wishes[p->count++] = w;
+      p->proposals[p->count++] = w;
     }
-  p->of_wishes = eda_index_new(all, p->count, p->rule->distance);
+  p->of_proposals = eda_index_new(all, p->count, p->rule->distance);
   free(all);
 }
 
-int eda_bars_place(const eda_bar_edge *edges, size_t n,
-                   const eda_bar_rule *rule, const eda_shapes *drawn,
-                   eda_box_list *out, opc_error *error) {
+int eda_srafs_place(const eda_sraf_edge *edges, size_t n,
+                    const eda_sraf_rule *rule, const eda_shapes *drawn,
+                    eda_box_list *out, opc_error *error) {
   planner p = {.edges = edges, .edge_count = n, .rule = rule};
   if (!rule->rows) return OPC_OK;
   int code = eda_fracture(drawn, &p.drawn, &p.drawn_count, error);
   if (code) return code;
   p.of_drawn = eda_index_new(p.drawn, p.drawn_count, rule->distance);
-  make_wishes(&p);
-  grant_all(&p);
+  make_proposals(&p);
+  place_all(&p);
   free(p.drawn);
-  free(p.wishes);
+  free(p.proposals);
   free(p.parts.box);
   free(p.next.box);
   eda_index_free(p.of_drawn);
-  eda_index_free(p.of_wishes);
-  *out = p.bars;
+  eda_index_free(p.of_proposals);
+  *out = p.srafs;
   return OPC_OK;
 }
 
@@ -170,14 +171,14 @@ int eda_bars_place(const eda_bar_edge *edges, size_t n,
 
 /* Distance of the points at which a bar is tested, nm; the optics resolve no
    less than 100 nm. Half and twice the value reject the same scatter bars. */
-static const double bar_step = 10;
+static const double sraf_step = 10;
 
 /* Return the maximum of the level set on a bar: along its middle and its
    sides. */
 static double bar_maximum(const eda_field *print, eda_box b, double grid) {
   double x0 = b.x0 * grid, y0 = b.y0 * grid, w = b.x1 * grid - x0,
          h = b.y1 * grid - y0, most = -INFINITY;
-  int nx = (int)ceil(w / bar_step), ny = (int)ceil(h / bar_step);
+  int nx = (int)ceil(w / sraf_step), ny = (int)ceil(h / sraf_step);
   for (int j = 0; j <= ny; j++)
     for (int i = 0; i <= nx; i++) {
       double x = x0 + w * i / nx, y = y0 + h * j / ny, value;
@@ -187,47 +188,47 @@ static double bar_maximum(const eda_field *print, eda_box b, double grid) {
   return most;
 }
 
-typedef struct job {
-  const eda_box_list *bars;
+typedef struct bars_task {
+  const eda_box_list *srafs;
   const eda_field *print;
   double grid, margin;
   uint8_t *bad;
-} job;
+} bars_task;
 
 static void look_at_bar(void *data, size_t i) {
-  const job *j = data;
-  j->bad[i] = bar_maximum(j->print, j->bars->box[i], j->grid) > -j->margin;
+  const bars_task *j = data;
+  j->bad[i] = bar_maximum(j->print, j->srafs->box[i], j->grid) > -j->margin;
 }
 
 /* Return 1 for each bar that would print, 0 for the others (free()). */
 static uint8_t *find_bright(const opc_context *context,
-                            const eda_box_list *bars, const eda_field *print,
+                            const eda_box_list *srafs, const eda_field *print,
                             double grid, double margin) {
-  job j = {bars, print, grid, margin, eda_alloc(bars->count, 1)};
-  opc_parallel(context, bars->count, look_at_bar, &j);
+  bars_task j = {srafs, print, grid, margin, eda_alloc(srafs->count, 1)};
+  opc_parallel(context, srafs->count, look_at_bar, &j);
   return j.bad;
 }
 
-size_t eda_bars_drop(const opc_context *context, eda_box_list *bars,
-                     const eda_field *print, double grid, double margin) {
-  size_t all = bars->count, kept = 0;
+size_t eda_srafs_drop(const opc_context *context, eda_box_list *srafs,
+                      const eda_field *print, double grid, double margin) {
+  size_t all = srafs->count, kept = 0;
   if (!all) return 0;
-  uint8_t *bad = find_bright(context, bars, print, grid, margin);
+  uint8_t *bad = find_bright(context, srafs, print, grid, margin);
   for (size_t i = 0; i < all; i++)
-    if (!bad[i]) bars->box[kept++] = bars->box[i];
-  bars->count = kept;
+    if (!bad[i]) srafs->box[kept++] = srafs->box[i];
+  srafs->count = kept;
   free(bad);
   return all - kept;
 }
 
-size_t eda_bars_narrow(const opc_context *context, eda_box_list *bars,
-                       const eda_field *print, double grid, double margin,
-                       int32_t by, int32_t least, size_t *dropped) {
-  size_t all = bars->count, kept = 0, changed = 0;
+size_t eda_srafs_narrow(const opc_context *context, eda_box_list *srafs,
+                        const eda_field *print, double grid, double margin,
+                        int32_t by, int32_t least, size_t *dropped) {
+  size_t all = srafs->count, kept = 0, changed = 0;
   if (!all) return 0;
-  uint8_t *bad = find_bright(context, bars, print, grid, margin);
+  uint8_t *bad = find_bright(context, srafs, print, grid, margin);
   for (size_t i = 0; i < all; i++) {
-    eda_box b = bars->box[i];
+    eda_box b = srafs->box[i];
     if (bad[i]) {
       int upright = b.x1 - b.x0 < b.y1 - b.y0;
       changed++;
@@ -235,9 +236,9 @@ size_t eda_bars_narrow(const opc_context *context, eda_box_list *bars,
       *(upright ? &b.x1 : &b.y1) -= by;
       if ((upright ? b.x1 - b.x0 : b.y1 - b.y0) < least) continue;
     }
-    bars->box[kept++] = b;
+    srafs->box[kept++] = b;
   }
-  bars->count = kept;
+  srafs->count = kept;
   *dropped += all - kept;
   free(bad);
   return changed;

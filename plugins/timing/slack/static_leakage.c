@@ -110,7 +110,7 @@ static void add_shares(const budget *b, const tally *t, size_t patterns,
   free(v.weak);
 }
 
-double *rest_shares(const budget *b) {
+double *static_leakage_shares(const budget *b) {
   const graph *g = b->g;
   eda_pool pool = {0};
   tally *tallies = eda_pool_alloc(&pool, g->instances, sizeof *tallies);

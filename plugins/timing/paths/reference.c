@@ -25,7 +25,7 @@ typedef struct line {
   int there[SIZES];
 } line;
 
-typedef struct referee {
+typedef struct reference {
   paths *p;
   char *netlist[SIZES], *cards;
   uint32_t *port; /* net of the circuit for each input and output of the
@@ -34,7 +34,7 @@ typedef struct referee {
   line *line; /* [pattern * outputs + output] */
   int code;
   opc_error error;
-} referee;
+} reference;
 
 /* Largest distance of a settled output from its level, relative to the
    supply. */
@@ -64,7 +64,7 @@ static int find_port(const eda_circuit *c, const char *name, uint32_t *out) {
   return 0;
 }
 
-static int find_ports(referee *r, opc_error *error) {
+static int find_ports(reference *r, opc_error *error) {
   const graph *g = &r->p->graph;
   r->port =
       eda_pool_alloc(&r->p->pool, g->inputs + g->outputs, sizeof *r->port);
@@ -90,7 +90,7 @@ static eda_circuit plain_circuit(paths *p) {
   return c;
 }
 
-static int make_netlists(referee *r, opc_error *error) {
+static int make_netlists(reference *r, opc_error *error) {
   paths *p = r->p;
   eda_circuit plain = plain_circuit(p);
   eda_card card[2];
@@ -118,7 +118,7 @@ static int make_netlists(referee *r, opc_error *error) {
   return OPC_OK;
 }
 
-static char *deck_text(const referee *r, size_t sizes, const uint8_t *before,
+static char *deck_text(const reference *r, size_t sizes, const uint8_t *before,
                        const uint8_t *after) {
   const paths *p = r->p;
   const graph *g = &p->graph;
@@ -168,8 +168,8 @@ static double arrival_of(const paths *p, const double *t, const double *v,
   return time;
 }
 
-static int referee_read_plot(referee *r, size_t sizes, size_t pattern,
-                             const waves *w, const eda_spice_plot *plot) {
+static int reference_read_plot(reference *r, size_t sizes, size_t pattern,
+                               const waves *w, const eda_spice_plot *plot) {
   const paths *p = r->p;
   const graph *g = &p->graph;
   const eda_spice_vector *t = eda_spice_vector_find(plot, "time");
@@ -197,7 +197,7 @@ static int referee_read_plot(referee *r, size_t sizes, size_t pattern,
 }
 
 static void run_one(void *data, size_t index) {
-  referee *r = data;
+  reference *r = data;
   const paths *p = r->p;
   size_t pattern = index / r->sizes, sizes = index % r->sizes;
   opc_error error = {0};
@@ -221,7 +221,7 @@ static void run_one(void *data, size_t index) {
     code = eda_spice_run(p->host->context, text, command, p->limit, &result,
                          &error);
     if (!code)
-      missing = referee_read_plot(r, sizes, pattern, &w, &result.plot[0]);
+      missing = reference_read_plot(r, sizes, pattern, &w, &result.plot[0]);
     eda_spice_clear(&result);
   }
   if (code) {
@@ -239,7 +239,7 @@ typedef struct sums {
   size_t lines;
 } sums;
 
-static sums referee_compare(referee *r, size_t n, line *kept) {
+static sums reference_compare(reference *r, size_t n, line *kept) {
   sums s = {0};
   for (size_t i = 0; i < n; i++) {
     line *l = &r->line[i];
@@ -261,9 +261,9 @@ static sums referee_compare(referee *r, size_t n, line *kept) {
   return s;
 }
 
-static int referee_report(referee *r, size_t n, opc_error *error) {
+static int reference_report(reference *r, size_t n, opc_error *error) {
   line *l = eda_pool_alloc(&r->p->pool, n + 1, sizeof *l);
-  sums s = referee_compare(r, n, l);
+  sums s = reference_compare(r, n, l);
 #define PRINTED(name) (r->sizes > 1 ? (name) : NULL)
   const opc_metric_value values[] = {
       {"spice_delays", (double)s.lines},
@@ -291,7 +291,7 @@ static int referee_report(referee *r, size_t n, opc_error *error) {
 
 int compare_with_spice(paths *p, opc_error *error) {
   size_t n = (size_t)p->spice < p->patterns ? (size_t)p->spice : p->patterns;
-  referee r = {.p = p, .sizes = p->mask ? 2 : 1};
+  reference r = {.p = p, .sizes = p->mask ? 2 : 1};
   r.line = eda_alloc(n * p->graph.outputs, sizeof *r.line);
   int code = find_ports(&r, error);
   if (!code) code = make_netlists(&r, error);
@@ -300,7 +300,7 @@ int compare_with_spice(paths *p, opc_error *error) {
     code = r.code;
     if (code) *error = r.error;
   }
-  if (!code) code = referee_report(&r, n * p->graph.outputs, error);
+  if (!code) code = reference_report(&r, n * p->graph.outputs, error);
   for (size_t s = 0; s < r.sizes; s++) free(r.netlist[s]);
   free(r.cards);
   free(r.line);

@@ -8,21 +8,23 @@
 
 /* ---- traversals ---- */
 
-walk walk_new(const machine *m) {
-  walk w = {g_array_new(FALSE, FALSE, sizeof(uint32_t)), m->first};
+traversal traversal_new(const machine *m) {
+  traversal w = {g_array_new(FALSE, FALSE, sizeof(uint32_t)), m->first};
   g_array_append_vals(w.input, m->lead, (guint)m->leads);
   return w;
 }
 
-void walk_clear(walk *w) { g_array_free(w->input, TRUE); }
+void traversal_clear(traversal *w) { g_array_free(w->input, TRUE); }
 
-void walk_step(const bench *b, const machine *m, walk *w, uint32_t input) {
+void traversal_step(const bench *b, const machine *m, traversal *w,
+                    uint32_t input) {
   g_array_append_val(w->input, input);
   if (w->at < STATE_LOST) w->at = m->next[w->at * b->inputs + input];
 }
 
 /* Uses breadth-first search, then follows the predecessors back. */
-int walk_to(const bench *b, const machine *m, walk *w, uint32_t state) {
+int traversal_to(const bench *b, const machine *m, traversal *w,
+                 uint32_t state) {
   g_autofree uint32_t *from = g_new(uint32_t, m->states);
   g_autofree uint32_t *by = g_new(uint32_t, m->states);
   g_autofree uint32_t *queue = g_new(uint32_t, m->states);
@@ -43,17 +45,18 @@ int walk_to(const bench *b, const machine *m, walk *w, uint32_t state) {
   if (from[state] == STATE_UNKNOWN) return 0;
   size_t steps = 0;
   for (uint32_t s = state; s != w->at; s = from[s]) queue[steps++] = by[s];
-  while (steps--) walk_step(b, m, w, queue[steps]);
+  while (steps--) traversal_step(b, m, w, queue[steps]);
   return 1;
 }
 
-static double end_of(const machine *m, const walk *w) {
+static double end_of(const machine *m, const traversal *w) {
   return m->phase * (w->input->len + 1);
 }
 
 /* Without supply the operating point is unique. Each change is a separate line,
    as traversals may be long. */
-void walk_sources(const bench *b, const machine *m, const walk *w, FILE *out) {
+void traversal_sources(const bench *b, const machine *m, const traversal *w,
+                       FILE *out) {
   const eda_circuit *c = b->circuit;
   for (size_t i = 0; i < c->ports; i++)
     if (c->role[i] == EDA_PIN_SUPPLY)
@@ -73,7 +76,7 @@ void walk_sources(const bench *b, const machine *m, const walk *w, FILE *out) {
   }
 }
 
-void walk_command(const machine *m, const walk *w, FILE *out) {
+void traversal_command(const machine *m, const traversal *w, FILE *out) {
   const double step = m->phase / 20;
   fprintf(out, "tran %.17g %.17g 0 %.17g\n", step, end_of(m, w), step);
 }
@@ -112,7 +115,7 @@ static int is_end(const machine *m, size_t inputs, size_t s) {
 }
 
 /* Descends from one strongly connected set of states to the next. */
-void ways_back(const bench *b, const machine *m, uint8_t *kept) {
+void states_leading_to(const bench *b, const machine *m, uint8_t *kept) {
   const size_t inputs = b->inputs;
   g_autofree uint8_t *before = g_new(uint8_t, m->states);
   size_t c = 0;
@@ -137,7 +140,7 @@ typedef struct pair {
 /* Find changes that lead two states to the same state, by breadth-first search.
    Returns 0 if none are known. */
 static int states_merge(const machine *m, size_t inputs, uint32_t s, uint32_t t,
-                        GArray *way) {
+                        GArray *sequence) {
   g_autoptr(GArray) queue = g_array_new(FALSE, FALSE, sizeof(pair));
   g_autoptr(GHashTable) seen = g_hash_table_new(NULL, NULL);
   const pair first = {s, t, 0, 0};
@@ -146,7 +149,7 @@ static int states_merge(const machine *m, size_t inputs, uint32_t s, uint32_t t,
     const pair p = g_array_index(queue, pair, head);
     if (p.s == p.t) {
       for (uint32_t k = head; k; k = g_array_index(queue, pair, k).from)
-        g_array_prepend_val(way, g_array_index(queue, pair, k).input);
+        g_array_prepend_val(sequence, g_array_index(queue, pair, k).input);
       return 1;
     }
     for (uint32_t i = 0; i < inputs; i++) {
@@ -163,12 +166,12 @@ static int states_merge(const machine *m, size_t inputs, uint32_t s, uint32_t t,
 
 /* Advance a set of states by changes; returns 0 where a transition is
    unknown. */
-static int go_on(const machine *m, size_t inputs, const GArray *way,
+static int go_on(const machine *m, size_t inputs, const GArray *sequence,
                  GArray *set) {
   for (size_t k = 0; k < set->len; k++) {
     uint32_t *s = &g_array_index(set, uint32_t, k);
-    for (size_t i = 0; i < way->len; i++) {
-      *s = m->next[*s * inputs + g_array_index(way, uint32_t, i)];
+    for (size_t i = 0; i < sequence->len; i++) {
+      *s = m->next[*s * inputs + g_array_index(sequence, uint32_t, i)];
       if (*s >= STATE_LOST) return 0;
     }
   }
@@ -176,7 +179,7 @@ static int go_on(const machine *m, size_t inputs, const GArray *way,
 }
 
 /* Merges states pair by pair (D. Eppstein, SIAM J. Comput. 19, 1990). */
-int ways_synchronise(const bench *b, const machine *m, walk *w) {
+int traversal_synchronise(const bench *b, const machine *m, traversal *w) {
   const size_t inputs = b->inputs;
   g_autoptr(GArray) set = g_array_new(FALSE, FALSE, sizeof(uint32_t));
   for (uint32_t s = 0; s < m->states; s++) {
@@ -185,12 +188,12 @@ int ways_synchronise(const bench *b, const machine *m, walk *w) {
     if (i == inputs) g_array_append_val(set, s);
   }
   for (guint k = 1; k < set->len; k++) {
-    g_autoptr(GArray) way = g_array_new(FALSE, FALSE, sizeof(uint32_t));
+    g_autoptr(GArray) sequence = g_array_new(FALSE, FALSE, sizeof(uint32_t));
     if (!states_merge(m, inputs, g_array_index(set, uint32_t, 0),
-                      g_array_index(set, uint32_t, k), way) ||
-        !go_on(m, inputs, way, set))
+                      g_array_index(set, uint32_t, k), sequence) ||
+        !go_on(m, inputs, sequence, set))
       return 0;
-    g_array_append_vals(w->input, way->data, way->len);
+    g_array_append_vals(w->input, sequence->data, sequence->len);
   }
   w->at = g_array_index(set, uint32_t, 0);
   return 1;

@@ -14,7 +14,7 @@
 #include "core/cli/progress.h"
 #include "core/plugin/declaration.h"
 #include "core/report/json.h"
-#include "core/run/services.h"
+#include "tools/devel/published.h"
 
 /* Options given: one text per parameter; for an OPC_BOOL whether --NAME or
    --no-NAME was given. */
@@ -22,12 +22,9 @@ static GPtrArray **texts;
 static const char *threads, *wanted;
 static gboolean *yes, *no, json, csv, markdown;
 
-/* Published tables and metrics, as text and as JSON. */
 static cli_progress progress;
-static GPtrArray *tables; /* opc_table * */
-static GPtrArray *cells;  /* char *: metric, value, unit, metric ... */
+static opc_published published;
 static JsonArray *messages;
-static JsonObject *metrics;
 
 /* ---- options ---- */
 
@@ -84,29 +81,6 @@ static void take_log(void *data, const char *path, int level,
   g_mutex_unlock(&progress.lock);
 }
 
-static int take_table(const opc_host *host, const char *name, uint32_t flags,
-                      size_t rows, const opc_column *columns, size_t n_columns,
-                      size_t column_size, opc_error *error) {
-  (void)host;
-  opc_table *table =
-      opc_table_new(name, flags, rows, columns, n_columns, column_size, error);
-  if (!table) return error->code;
-  g_ptr_array_add(tables, table);
-  return OPC_OK;
-}
-
-static int take_metric(const opc_host *host, const char *name, double value,
-                       opc_error *error) {
-  const opc_plugin *plugin = ((const opc_binding *)host->data)->plugin;
-  const opc_metric *m = opc_metric_check(plugin, name, value, error);
-  if (!m) return error->code;
-  json_object_set_member(metrics, name, opc_metric_json(m, value));
-  g_ptr_array_add(cells, g_strdup(name));
-  g_ptr_array_add(cells, opc_number_text(value));
-  g_ptr_array_add(cells, g_strdup(m->unit ? m->unit : ""));
-  return OPC_OK;
-}
-
 static GPtrArray *given; /* paths of files that the command writes */
 
 /* Return the path of a new file in the current folder, as a command has no run
@@ -134,17 +108,35 @@ static const opc_watch watch = {.data = &progress,
                                 .progress = cli_progress_show,
                                 .cancelled = cli_is_stopped};
 
-static const opc_host publisher = {.table = take_table,
-                                   .metric = take_metric,
-                                   .output_path = give_path,
-                                   .service = opc_results_service};
+static const opc_published_metric *metric_at(guint i) {
+  return &g_array_index(published.metrics, opc_published_metric, i);
+}
+
+static void show_metrics(void) {
+  static const char *const names[] = {"metric", "value", "unit"};
+  g_autoptr(GPtrArray) cells = g_ptr_array_new_with_free_func(g_free);
+  for (guint i = 0; i < published.metrics->len; i++) {
+    const opc_published_metric *m = metric_at(i);
+    const char *unit = m->declared->unit;
+    g_ptr_array_add(cells, g_strdup(m->name));
+    g_ptr_array_add(cells, opc_number_text(m->value));
+    g_ptr_array_add(cells, g_strdup(unit ? unit : ""));
+  }
+  cli_print_rows(names, 3, cells);
+}
 
 static void show_json(opc_problems *problems) {
   JsonObject *o = json_object_new();
+  JsonObject *metrics = json_object_new();
   JsonArray *list = json_array_new();
-  for (guint i = 0; i < tables->len; i++)
-    json_array_add_element(list, opc_table_json(tables->pdata[i]));
-  json_object_set_object_member(o, "metrics", json_object_ref(metrics));
+  for (guint i = 0; i < published.tables->len; i++)
+    json_array_add_element(list, opc_table_json(published.tables->pdata[i]));
+  for (guint i = 0; i < published.metrics->len; i++) {
+    const opc_published_metric *m = metric_at(i);
+    json_object_set_member(metrics, m->name,
+                           opc_metric_json(m->declared, m->value));
+  }
+  json_object_set_object_member(o, "metrics", metrics);
   json_object_set_array_member(o, "tables", list);
   json_object_set_array_member(o, "messages", json_array_ref(messages));
   if (problems->list->len) cli_add_problems(o, problems);
@@ -161,10 +153,10 @@ static void show_table(const opc_table *table) {
   } else if (csv) {
     g_autofree char *text = opc_table_csv(table);
     g_auto(GStrv) lines = g_strsplit(text, "\r\n", -1);
-    if (tables->len > 1) cli_print("# %s\n", table->name);
+    if (published.tables->len > 1) cli_print("# %s\n", table->name);
     for (char **line = lines; *line && line[1]; line++)
       cli_print("%s\n", *line);
-    if (tables->len > 1) cli_print("\n");
+    if (published.tables->len > 1) cli_print("\n");
   } else {
     cli_print("%s\n", table->name);
     cli_print_table(table);
@@ -175,23 +167,23 @@ static void show_table(const opc_table *table) {
 /* Keep only the table chosen by name. */
 static void choose_table(opc_problems *problems) {
   g_autoptr(GPtrArray) names = g_ptr_array_new_with_free_func(g_free);
-  for (guint i = tables->len; i-- > 0;) {
-    const char *name = ((const opc_table *)tables->pdata[i])->name;
+  for (guint i = published.tables->len; i-- > 0;) {
+    const char *name = ((const opc_table *)published.tables->pdata[i])->name;
     g_ptr_array_add(names, g_strdup(name));
-    if (strcmp(name, wanted)) g_ptr_array_remove_index(tables, i);
+    if (strcmp(name, wanted)) g_ptr_array_remove_index(published.tables, i);
   }
-  if (tables->len || problems->list->len) return;
+  if (published.tables->len || problems->list->len) return;
   g_autofree char *near = opc_suggestion(wanted, names);
   opc_problem_add(problems, OPC_INVALID, NULL,
                   "--table: table '%s' does not exist%s", wanted, near);
 }
 
 static int command_print_results(opc_problems *problems) {
-  static const char *const names[] = {"metric", "value", "unit"};
   if (wanted) choose_table(problems);
   if (json) show_json(problems);
-  for (guint i = 0; !json && i < tables->len; i++) show_table(tables->pdata[i]);
-  if (!json && !csv && !markdown && !wanted) cli_print_rows(names, 3, cells);
+  for (guint i = 0; !json && i < published.tables->len; i++)
+    show_table(published.tables->pdata[i]);
+  if (!json && !csv && !markdown && !wanted) show_metrics();
   int code = cli_problems(problems);
   return code && cli_is_stopped(NULL) ? CLI_STOPPED : code;
 }
@@ -262,7 +254,7 @@ static int command_run(const cli_verb *verb, const GPtrArray *arguments) {
   cli_progress_start(&progress, OPC_LOG_INFO);
   cli_progress_step(&progress, verb->name, 1, 1);
   if (!problems->list->len &&
-      opc_binding_create(b, &watch, &publisher, problems))
+      opc_binding_create(b, &watch, &published.host, problems))
     command_call(b, arguments, problems);
   cli_progress_end(&progress);
   return command_print_results(problems);
@@ -306,11 +298,10 @@ const cli_verb *cli_plugin_verb(const char *name, opc_error *error) {
   no = g_new0(gboolean, n);
   for (size_t i = 0; i < n; i++) add_options(options, plugin, i);
   g_array_append_vals(options, common, G_N_ELEMENTS(common));
-  cells = g_ptr_array_new_with_free_func(g_free);
   given = g_ptr_array_new();
-  tables = g_ptr_array_new_with_free_func((GDestroyNotify)opc_table_free);
+  opc_published_init(&published, NULL);
+  published.host.output_path = give_path;
   messages = json_array_new();
-  metrics = json_object_new();
   verb = (cli_verb){.name = plugin->id + strlen("command."),
                     .arguments = command->arguments ? command->arguments : "",
                     .summary = plugin->summary,

@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Scatter bars beside the edges of random rectangles: positions beside a single
    rectangle, and distances from each other and from drawn shapes. */
-#include <eda/bars.h>
 #include <eda/memory.h>
+#include <eda/srafs.h>
 #include <glib.h>
 #include <stdlib.h>
 #include <string.h>
 
-static const eda_bar_rule rule = {.rows = 2,
-                                  .width = 40,
-                                  .distance = 150,
-                                  .space = 80,
-                                  .min_length = 100,
-                                  .overhang = 60};
+static const eda_sraf_rule rule = {.rows = 2,
+                                   .width = 40,
+                                   .distance = 150,
+                                   .space = 80,
+                                   .min_length = 100,
+                                   .overhang = 60};
 
 static eda_shapes shapes_of(const eda_box *b, size_t n) {
   eda_shapes all = {.count = n}, merged;
@@ -33,11 +33,11 @@ static eda_shapes shapes_of(const eda_box *b, size_t n) {
 }
 
 /* Return the left, right, lower and upper edge of a box. */
-static void edges_of(eda_box b, eda_bar_edge out[4]) {
-  out[0] = (eda_bar_edge){1, -1, b.x0, b.y0, b.y1};
-  out[1] = (eda_bar_edge){1, 1, b.x1, b.y0, b.y1};
-  out[2] = (eda_bar_edge){0, -1, b.y0, b.x0, b.x1};
-  out[3] = (eda_bar_edge){0, 1, b.y1, b.x0, b.x1};
+static void edges_of(eda_box b, eda_sraf_edge out[4]) {
+  out[0] = (eda_sraf_edge){1, -1, b.x0, b.y0, b.y1};
+  out[1] = (eda_sraf_edge){1, 1, b.x1, b.y0, b.y1};
+  out[2] = (eda_sraf_edge){0, -1, b.y0, b.x0, b.x1};
+  out[3] = (eda_sraf_edge){0, 1, b.y1, b.x0, b.x1};
 }
 
 static int nearer(eda_box a, eda_box b, int32_t by) {
@@ -53,19 +53,19 @@ static void test_single(void) {
                           {-60, -190, 120, -150},  {-60, 1150, 120, 1190},
                           {-310, -60, -270, 1060}, {330, -60, 370, 1060}};
   eda_shapes drawn = shapes_of(&line, 1);
-  eda_bar_edge edges[4];
-  eda_box_list bars = {0};
+  eda_sraf_edge edges[4];
+  eda_box_list srafs = {0};
   opc_error error;
   edges_of(line, edges);
-  g_assert_false(eda_bars_place(edges, 4, &rule, &drawn, &bars, &error));
-  g_assert_cmpuint(bars.count, ==, 8);
+  g_assert_false(eda_srafs_place(edges, 4, &rule, &drawn, &srafs, &error));
+  g_assert_cmpuint(srafs.count, ==, 8);
   for (size_t i = 0; i < G_N_ELEMENTS(want); i++) {
     int found = 0;
-    for (size_t k = 0; k < bars.count; k++)
-      found |= !memcmp(&bars.box[k], &want[i], sizeof want[i]);
+    for (size_t k = 0; k < srafs.count; k++)
+      found |= !memcmp(&srafs.box[k], &want[i], sizeof want[i]);
     g_assert_true(found);
   }
-  free(bars.box);
+  free(srafs.box);
   eda_shapes_clear(&drawn);
 }
 
@@ -75,7 +75,7 @@ static void test_random(void) {
   size_t all = 0;
   for (int round = 0; round < ROUNDS; round++) {
     eda_box box[N];
-    eda_bar_edge edges[4 * N];
+    eda_sraf_edge edges[4 * N];
     for (int i = 0; i < N; i++) {
       int x = g_rand_int_range(r, 0, 3000), y = g_rand_int_range(r, 0, 3000);
       box[i] = (eda_box){x, y, x + g_rand_int_range(r, 50, 600),
@@ -83,19 +83,21 @@ static void test_random(void) {
       edges_of(box[i], edges + 4 * i);
     }
     eda_shapes drawn = shapes_of(box, N);
-    eda_box_list bars = {0};
+    eda_box_list srafs = {0};
     opc_error error;
-    g_assert_false(eda_bars_place(edges, 4 * N, &rule, &drawn, &bars, &error));
-    for (size_t i = 0; i < bars.count; i++) {
-      eda_box b = bars.box[i];
+    g_assert_false(
+        eda_srafs_place(edges, 4 * N, &rule, &drawn, &srafs, &error));
+    for (size_t i = 0; i < srafs.count; i++) {
+      eda_box b = srafs.box[i];
       int w = b.x1 - b.x0, h = b.y1 - b.y0;
       g_assert_cmpint(MIN(w, h), ==, 40);
       g_assert_cmpint(MAX(w, h), >=, 100);
       for (int k = 0; k < N; k++) g_assert_false(nearer(b, box[k], 150));
-      for (size_t k = 0; k < i; k++) g_assert_false(nearer(b, bars.box[k], 80));
+      for (size_t k = 0; k < i; k++)
+        g_assert_false(nearer(b, srafs.box[k], 80));
     }
-    all += bars.count;
-    free(bars.box);
+    all += srafs.count;
+    free(srafs.box);
     eda_shapes_clear(&drawn);
   }
   g_assert_cmpuint(all, >, 5 * ROUNDS);
@@ -104,7 +106,7 @@ static void test_random(void) {
 
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
-  g_test_add_func("/bars/single", test_single);
-  g_test_add_func("/bars/random", test_random);
+  g_test_add_func("/srafs/single", test_single);
+  g_test_add_func("/srafs/random", test_random);
   return g_test_run();
 }

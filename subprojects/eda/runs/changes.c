@@ -1,0 +1,165 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Joins the transistor tables of two runs, and sums changes by cell. */
+#include "runs/changes.h"
+
+#include <math.h>
+#include <string.h>
+
+static const char *const columns[FIGURES] = {"ion_after", "ioff_after",
+                                             "area_after"};
+
+/* Return the number in a cell, NAN if the column is missing. */
+static double number_of(eda_table *table, const char *column, size_t row) {
+  int i = eda_table_find(table, column);
+  const double *numbers = i < 0 ? NULL : eda_table_numbers(table, (size_t)i);
+  return numbers ? numbers[row] : NAN;
+}
+
+/* Return whether drawn length and width are equal, where both tables have
+   them. */
+static int is_drawn_alike(const transistors *t, size_t i) {
+  static const char *const sizes[] = {"l", "w"};
+  for (int k = 0; k < 2; k++) {
+    double a = number_of(t->base, sizes[k], i);
+    double b = number_of(t->other, sizes[k], t->row[i]);
+    if (a > b || a < b) return 0;
+  }
+  return 1;
+}
+
+static void transistors_match_rows(transistors *t, size_t a, size_t b) {
+  g_autoptr(GHashTable) rows = g_hash_table_new(g_str_hash, g_str_equal);
+  size_t others = eda_table_rows(t->other);
+  t->n = eda_table_rows(t->base);
+  t->row = g_new0(size_t, t->n);
+  for (size_t i = 0; i < others; i++)
+    g_hash_table_insert(rows, (char *)eda_table_text(t->other, i, b),
+                        GSIZE_TO_POINTER(i + 1));
+  for (size_t i = 0; i < t->n && !t->fault; i++) {
+    const char *name = eda_table_text(t->base, i, a);
+    size_t found = GPOINTER_TO_SIZE(g_hash_table_lookup(rows, name));
+    t->row[i] = found - 1;
+    if (!found)
+      t->fault = g_strdup_printf("only the base has a transistor '%s'", name);
+    else if (!is_drawn_alike(t, i))
+      t->fault = g_strdup_printf("transistor '%s' is drawn differently", name);
+  }
+  if (!t->fault && others != t->n)
+    t->fault =
+        g_strdup_printf("the runs have %zu and %zu transistors", t->n, others);
+}
+
+/* Return whether both runs have the table of a step `verify`; *name is its
+   name. */
+static int is_verified(const eda_run *base, const eda_run *other, char **name) {
+  const eda_run_facts *f = eda_run_told(base);
+  for (size_t i = 0; i < f->n_parameters; i++) {
+    const char *use = f->parameters[i].name, *dot = strchr(use, '.');
+    if (!dot || strcmp(dot, ".use") || strcmp(f->parameters[i].value, "verify"))
+      continue;
+    *name = g_strdup_printf("%.*s.gates", (int)(dot - use), use);
+    if (eda_run_has_table(base, *name) && eda_run_has_table(other, *name))
+      return 1;
+    g_free(*name);
+  }
+  return 0;
+}
+
+int transistors_join(eda_run *base, eda_run *other, transistors *t,
+                     opc_error *error) {
+  g_autofree char *name = NULL;
+  *t = (transistors){0};
+  if (!is_verified(base, other, &name)) name = g_strdup("gates");
+  if (!eda_run_has_table(base, name) || !eda_run_has_table(other, name))
+    return OPC_OK;
+  eda_table *one = eda_run_table(base, name, error);
+  eda_table *two = one ? eda_run_table(other, name, error) : NULL;
+  if (!two) return error->code;
+  int a = eda_table_find(one, "transistor");
+  int b = eda_table_find(two, "transistor");
+  if (a < 0 || b < 0) return OPC_OK; /* not a transistor table */
+  t->base = one;
+  t->other = two;
+  transistors_match_rows(t, (size_t)a, (size_t)b);
+  return OPC_OK;
+}
+
+void transistors_clear(transistors *t) {
+  g_free(t->row);
+  g_free(t->fault);
+  *t = (transistors){0};
+}
+
+/* ---- changes ---- */
+
+/* Largest change that counts as none; gates.csv has two or three decimals of a
+   percent. */
+static const double EQUAL = 1e-9;
+
+typedef struct cell {
+  double change; /* sum over its transistors */
+  double n;
+} cell;
+
+changes changes_new(void) {
+  return (changes){
+      .index = g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL),
+      .cells = g_array_new(FALSE, FALSE, sizeof(cell))};
+}
+
+void changes_clear(changes *c) {
+  g_hash_table_unref(c->index);
+  g_array_free(c->cells, TRUE);
+}
+
+/* Return the cell of a name, added if new. */
+static cell *changes_cell(changes *c, char *name) {
+  size_t at = GPOINTER_TO_SIZE(g_hash_table_lookup(c->index, name));
+  if (!at) {
+    const cell none = {0, 0};
+    g_array_append_val(c->cells, none);
+    at = c->cells->len;
+    g_hash_table_insert(c->index, g_strdup(name), GSIZE_TO_POINTER(at));
+  }
+  return &g_array_index(c->cells, cell, at - 1);
+}
+
+/* Return the name of the cell of a transistor: the column `cell`, or the path
+   before the last colon of the transistor's name. */
+static char *cell_name(const transistors *t, size_t row) {
+  int column = eda_table_find(t->base, "cell");
+  if (column >= 0)
+    return g_strdup(eda_table_text(t->base, row, (size_t)column));
+  column = eda_table_find(t->base, "transistor");
+  const char *name = eda_table_text(t->base, row, (size_t)column);
+  const char *end = strrchr(name, ':');
+  return end ? g_strndup(name, (gsize)(end - name)) : g_strdup(name);
+}
+
+void changes_add(changes *c, const transistors *t, int figure) {
+  for (size_t i = 0; !t->fault && i < t->n; i++) {
+    double a = fabs(number_of(t->base, columns[figure], i));
+    double b = fabs(number_of(t->other, columns[figure], t->row[i]));
+    c->lost_base += !isfinite(a);
+    c->lost += !isfinite(b);
+    if (!isfinite(a) || !isfinite(b)) continue;
+    g_autofree char *name = cell_name(t, i);
+    cell *of = changes_cell(c, name);
+    of->change += b - a;
+    of->n++;
+    c->base += a;
+    c->value += b;
+    c->n++;
+    c->better += b - a < -EQUAL;
+    c->worse += b - a > EQUAL;
+  }
+}
+
+eda_median changes_median(const changes *c) {
+  g_autofree double *means = g_new(double, c->cells->len);
+  for (guint i = 0; i < c->cells->len; i++) {
+    const cell *of = &g_array_index(c->cells, cell, i);
+    means[i] = of->change / of->n;
+  }
+  return eda_median_of(means, c->cells->len);
+}
