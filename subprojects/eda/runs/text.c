@@ -48,7 +48,7 @@ int runs_tree_open(runs_tree *tree, const char *path, opc_error *error) {
   const opc_node *root = runs_root(tree);
   const opc_place start = {path, 1, 1};
   if (root && root->type != OPC_NODE_MAP)
-    opc_problem_add(problems, OPC_INVALID, &start, "is no map");
+    opc_problem_add(problems, OPC_INVALID, &start, "expected a map");
   if (!problems->list->len) return OPC_OK;
   const opc_problem *first = problems->list->pdata[0];
   return opc_fail(error, OPC_INVALID, NULL, "%s:%u:%u: damaged: %s", path,
