@@ -204,6 +204,7 @@ static eda_feedback feedback_of(const loop *l, const driver *d) {
                         .next_end = l->next.biases.end,
                         .print = l->printer.print,
                         .ion_limit = &l->ion_limit,
+                        .rules = l->rules,
                         .scanner = eda_scanner_of(&l->printer.litho.module)};
 }
 
@@ -363,6 +364,17 @@ static const char *worst_unit(const loop *l) {
   return l->summary.gates ? "%" : "nm";
 }
 
+/* Report a loop that ends before its synthesizers do. Transistors that are all
+   within the limit need no further moves. */
+static void loop_log_unconverged(const loop *l) {
+  int within = l->summary.gates && loop_worst(l) <= l->ion_limit;
+  l->host->log(l->host, within ? OPC_LOG_INFO : OPC_LOG_FINDING,
+               "not converged after %d iteration%s ('max_iterations'): worst "
+               "deviation %.3g %s",
+               (int)l->max_iterations, l->max_iterations == 1 ? "" : "s",
+               loop_worst(l), worst_unit(l));
+}
+
 static int loop_is_cancelled(const loop *l) {
   opc_progress progress = {.done = l->iterations,
                            .total = (double)l->max_iterations,
@@ -416,10 +428,7 @@ static int loop_iterate(loop *l, opc_error *error) {
     if (l->iterations == 0 && !l->base && wait && prints++ < l->max_iterations)
       continue;
     if (l->iterations == l->max_iterations) {
-      l->host->log(l->host, OPC_LOG_WARNING,
-                   "not done after %d iteration%s: worst deviation %.3g %s",
-                   (int)l->max_iterations, l->max_iterations == 1 ? "" : "s",
-                   loop_worst(l), worst_unit(l));
+      loop_log_unconverged(l);
       return OPC_OK;
     }
     if ((code = move_all(l, ruled, error))) return code;

@@ -141,6 +141,12 @@ int correct_save_mask(void *self, void *const *outputs, const char *folder,
   return eda_mask_save(outputs[0], folder, error);
 }
 
+static int guard_is_on(const correct_settings *with) {
+  if (with->guard != CORRECT_GUARD_AUTO) return with->guard == CORRECT_GUARD_ON;
+  const eda_synthesizer *s = with->synthesizer->functions;
+  return !s->cut;
+}
+
 void correct_loop_init(loop *l, const opc_host *host, const eda_gates *gates,
                        const correct_settings *with) {
   *l = (loop){
@@ -150,8 +156,9 @@ void correct_loop_init(loop *l, const opc_host *host, const eda_gates *gates,
       .extractor = with->extractor,
       .regulator = with->regulator,
       .max_iterations = with->max_iterations,
-      .hold = with->guard == CORRECT_GUARD_ON,
+      .hold = guard_is_on(with),
       .ion_limit = with->ion_limit,
+      .rules = with->rules,
       .fine_change = correct_fine_change(with->fine_text, with->ion_limit),
       .drivers = {[MAIN].module = with->synthesizer}};
   eda_printer_init(&l->printer, host->context, gates, with->litho, with->resist,

@@ -96,7 +96,8 @@ static const opc_parameter parameters[] = {
         .summary =
             "largest correction of L or W; W moves by at most half of W"),
     OPC_PARAMETER_NAMED("w_step", dpb, proportional, .type = OPC_CHOICE,
-                        .preset = "unit", .choices = "unit|proportional",
+                        .preset = "proportional",
+                        .choices = "unit|proportional",
                         .summary = "steps of W: one grid unit, or proportional "
                                    "to the error, as Ion is proportional to W"),
 };

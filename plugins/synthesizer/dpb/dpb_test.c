@@ -104,7 +104,7 @@ static const char *model_verdict(opc_module *m, size_t i) {
      5  +0.2  within the limit: no correction
      6  +0.2  nothing changed since: done */
 static void test_by_hand(void) {
-  g_autoptr(opc_module) m = model_make("{ ion_limit: 0.5 % }");
+  g_autoptr(opc_module) m = model_make("{ w_step: unit, ion_limit: 0.5 % }");
   model t = {.n = 1, .offset = {7}, .by_l = {-3}, .by_w = {0.8}};
   model_run(m, &t);
   g_assert_cmpstr(t.trace->str, ==, "1,0 2,0 3,0 2,0 2,-1 2,-1 2,-1 ");
@@ -115,7 +115,7 @@ static void test_by_hand(void) {
 /* The same with too little current: W grows by single steps, -6.5 % from L -2;
    -1, and L -3 would result in +2. */
 static void test_by_hand_shorter(void) {
-  g_autoptr(opc_module) m = model_make("{ ion_limit: 0.5 % }");
+  g_autoptr(opc_module) m = model_make("{ w_step: unit, ion_limit: 0.5 % }");
   model t = {.n = 1, .offset = {-7}, .by_l = {-3}, .by_w = {0.2}};
   model_run(m, &t);
   g_assert_cmpstr(t.trace->str, ==,
@@ -123,15 +123,15 @@ static void test_by_hand_shorter(void) {
   g_string_free(t.trace, TRUE);
 }
 
-/* Defaults of all synthesizers at 248 nm, NA 0.7: 0.311 and 0.155 of 354.3
-   nm. */
+/* Defaults of all synthesizers at 248 nm, NA 0.7: 0.311, 0.155 and 0.233 of
+   354.3 nm. */
 static void test_follows(void) {
   static const char *const all[][2] = {
       {"synthesizer.dpb", "max_bias 110 nm"},
       {"synthesizer.ic", "max_bias 110 nm"},
       {"synthesizer.pb", "max_bias 110 nm"},
       {"synthesizer.newton", "min_jog 55 nm, max_bias 110 nm"},
-      {"synthesizer.epe", "fragment 55 nm"}};
+      {"synthesizer.epe", "fragment 83 nm"}};
   const eda_feedback f = {.gates = eda_gates_sample(), .scanner = {248, 0.7}};
   for (size_t i = 0; i < G_N_ELEMENTS(all); i++) {
     opc_error error;
@@ -151,12 +151,12 @@ static void test_limit_of_step(void) {
     const char *parameters;
     const double *ion_limit;
     int moves;
-  } cases[] = {{"{}", &wide, 0},
-               {"{}", &narrow, 1},
-               {"{}", NULL, 1},
-               {"{ ion_limit: 8 % }", &narrow, 0},
-               {"{ ion_limit: 6 % }", &wide, 1},
-               {"{ limit: 8 % }", &narrow, 0}};
+  } cases[] = {{"{ w_step: unit }", &wide, 0},
+               {"{ w_step: unit }", &narrow, 1},
+               {"{ w_step: unit }", NULL, 1},
+               {"{ w_step: unit, ion_limit: 8 % }", &narrow, 0},
+               {"{ w_step: unit, ion_limit: 6 % }", &wide, 1},
+               {"{ w_step: unit, limit: 8 % }", &narrow, 0}};
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     g_autoptr(opc_module) m = model_make(cases[i].parameters);
     model t = {.n = 1,
@@ -174,13 +174,13 @@ static void test_limit_of_step(void) {
    steps longer in the wrong direction, which single steps then undo. */
 static void test_init_adjust(void) {
   g_autoptr(opc_module) m =
-      model_make("{ ion_limit: 0.5 %, init_adjust: -3 nm }");
+      model_make("{ w_step: unit, ion_limit: 0.5 %, init_adjust: -3 nm }");
   model t = {.n = 1, .offset = {-9.2}, .by_l = {-3}, .by_w = {0.8}};
   model_run(m, &t);
   g_assert_cmpstr(t.trace->str, ==, "-3,0 -3,0 -3,0 ");
   g_string_free(t.trace, TRUE);
   g_autoptr(opc_module) wrong =
-      model_make("{ ion_limit: 0.5 %, init_adjust: 2 nm }");
+      model_make("{ w_step: unit, ion_limit: 0.5 %, init_adjust: 2 nm }");
   model u = {.n = 1, .offset = {-3.2}, .by_l = {-3}, .by_w = {0.8}};
   model_run(wrong, &u);
   g_assert_cmpstr(u.trace->str, ==, "2,0 1,0 0,0 -1,0 -1,0 -1,0 ");
@@ -191,7 +191,7 @@ static void test_init_adjust(void) {
    steps; it is not reverted as a whole. */
 static void test_init_adjust_too_far(void) {
   g_autoptr(opc_module) m =
-      model_make("{ ion_limit: 0.5 %, init_adjust: 5 nm }");
+      model_make("{ w_step: unit, ion_limit: 0.5 %, init_adjust: 5 nm }");
   model t = {.n = 1, .offset = {7}, .by_l = {-3}, .by_w = {0.8}};
   model_run(m, &t);
   g_assert_cmpstr(t.trace->str, ==, "5,0 4,0 3,0 2,0 2,-1 2,-1 2,-1 ");
@@ -241,7 +241,7 @@ static void test_exchange(void) {
 
 /* No width moves while any length moves. */
 static void test_coarse_before_fine(void) {
-  g_autoptr(opc_module) m = model_make("{ ion_limit: 0.5 % }");
+  g_autoptr(opc_module) m = model_make("{ w_step: unit, ion_limit: 0.5 % }");
   model t = {.n = 2, .offset = {1, 15.2}, .by_l = {-3, -3}, .by_w = {0.6, 0.6}};
   model_run(m, &t);
   g_assert_cmpstr(t.trace->str, ==, "1,0 0,0 0,0 0,0 0,0 0,-1 0,-1 0,-1 ");
@@ -251,7 +251,7 @@ static void test_coarse_before_fine(void) {
 
 /* A transistor within the limit does not move. */
 static void test_within(void) {
-  g_autoptr(opc_module) m = model_make("{ ion_limit: 0.5 % }");
+  g_autoptr(opc_module) m = model_make("{ w_step: unit, ion_limit: 0.5 % }");
   model t = {.n = 1, .offset = {-0.49}, .by_l = {-3}, .by_w = {0.8}};
   model_run(m, &t);
   g_assert_cmpstr(t.trace->str, ==, "0,0 ");
@@ -263,7 +263,7 @@ static void test_within(void) {
    W and its verdict is a stall. PDE 7, 4, 1, -2, 1; W: -2 % per step, 1 -> -1
    (no better, not worse) -> -3 rises -> revert. */
 static void test_grid(void) {
-  g_autoptr(opc_module) m = model_make("{ ion_limit: 0.1 % }");
+  g_autoptr(opc_module) m = model_make("{ w_step: unit, ion_limit: 0.1 % }");
   model t = {.n = 1, .offset = {7}, .by_l = {-3}, .by_w = {2}};
   model_run(m, &t);
   g_assert_cmpint(t.l[0], ==, 2);
@@ -274,7 +274,7 @@ static void test_grid(void) {
 
 /* At L = 2 the gate bridges: L returns to 1, and W decreases to the limit. */
 static void test_veto(void) {
-  g_autoptr(opc_module) m = model_make("{ ion_limit: 0.5 % }");
+  g_autoptr(opc_module) m = model_make("{ w_step: unit, ion_limit: 0.5 % }");
   model t = {.n = 1,
              .offset = {7},
              .by_l = {-3},
@@ -290,7 +290,7 @@ static void test_veto(void) {
 
 /* The same in the other direction: at L = -2 the gate is open. */
 static void test_veto_of_shorter(void) {
-  g_autoptr(opc_module) m = model_make("{ ion_limit: 0.5 % }");
+  g_autoptr(opc_module) m = model_make("{ w_step: unit, ion_limit: 0.5 % }");
   model t = {.n = 1,
              .offset = {-7},
              .by_l = {-3},
@@ -306,7 +306,7 @@ static void test_veto_of_shorter(void) {
 
 /* W may not decrease: the transistor stays, and its verdict names the veto. */
 static void test_veto_of_narrower(void) {
-  g_autoptr(opc_module) m = model_make("{ ion_limit: 0.5 % }");
+  g_autoptr(opc_module) m = model_make("{ w_step: unit, ion_limit: 0.5 % }");
   model t = {.n = 1,
              .offset = {1},
              .by_l = {-3},
@@ -334,7 +334,8 @@ static void test_widest(void) {
 
 /* W moves by at most half of W at any max_bias. */
 static void test_half_width(void) {
-  g_autoptr(opc_module) m = model_make("{ ion_limit: 0.5 %, max_bias: 20 nm }");
+  g_autoptr(opc_module) m =
+      model_make("{ w_step: unit, ion_limit: 0.5 %, max_bias: 20 nm }");
   model t = {.n = 1, .offset = {200}, .by_l = {-3}, .by_w = {5}, .width = {13}};
   model_run(m, &t);
   g_assert_cmpint(t.l[0], ==, 20);
@@ -344,7 +345,8 @@ static void test_half_width(void) {
 }
 
 static void test_bias_limit(void) {
-  g_autoptr(opc_module) m = model_make("{ ion_limit: 0.5 %, max_bias: 2 nm }");
+  g_autoptr(opc_module) m =
+      model_make("{ w_step: unit, ion_limit: 0.5 %, max_bias: 2 nm }");
   model t = {.n = 1, .offset = {30}, .by_l = {-3}, .by_w = {0.8}};
   model_run(m, &t);
   g_assert_cmpint(t.l[0], ==, 2);
@@ -356,7 +358,7 @@ static void test_bias_limit(void) {
 /* An open line has no current; it gets thicker until it prints. Each transistor
    converges independently, and the loop ends after the last one. */
 static void test_open(void) {
-  g_autoptr(opc_module) m = model_make("{}");
+  g_autoptr(opc_module) m = model_make("{ w_step: unit }");
   model t = {
       .n = 1, .offset = {12}, .by_l = {-3}, .by_w = {1}, .prints_from = {3}};
   model_run(m, &t);
@@ -366,7 +368,7 @@ static void test_open(void) {
 }
 
 static void test_independent(void) {
-  g_autoptr(opc_module) m = model_make("{ ion_limit: 0.5 % }");
+  g_autoptr(opc_module) m = model_make("{ w_step: unit, ion_limit: 0.5 % }");
   model t = {.n = 3,
              .offset = {7, -0.2, -9.2},
              .by_l = {-3, -3, -3},
@@ -417,15 +419,15 @@ static void test_taken_up(void) {
       {0.4, -2.07, "1,-1 1,-2 1,-3 1,-2 1,-2 1,-2 "},
   };
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
-    g_autofree char *got =
-        after_jump("{ ion_limit: 0.1 % }", cases[i].rest, cases[i].jump);
+    g_autofree char *got = after_jump("{ w_step: unit, ion_limit: 0.1 % }",
+                                      cases[i].rest, cases[i].jump);
     g_assert_cmpstr(got, ==, cases[i].trace);
   }
 }
 
 /* It resumes at most eight times. */
 static void test_taken_up_often(void) {
-  g_autoptr(opc_module) m = model_make("{ ion_limit: 0.1 % }");
+  g_autoptr(opc_module) m = model_make("{ w_step: unit, ion_limit: 0.1 % }");
   model t = {.n = 1, .offset = {8.2}, .by_l = {-3.3}, .by_w = {1.2}};
   t.neighbours.by = 0.011;
   t.neighbours.from = 8;
@@ -454,8 +456,8 @@ static void test_table(void) {
   g_autofree char *path = write_table(
       "l (nm),w (nm),init_adjust (nm),iterations\n"
       "60,200,9,1\n65,300,7,1\n65,150,2,1\n100,200,5,1\n");
-  g_autofree char *given =
-      g_strdup_printf("{ ion_limit: 0.5 %%, init_adjust_table: %s }", path);
+  g_autofree char *given = g_strdup_printf(
+      "{ w_step: unit, ion_limit: 0.5 %%, init_adjust_table: %s }", path);
   g_autoptr(opc_module) m = model_make(given);
   model t = {.n = 1, .offset = {7}, .by_l = {-3}, .by_w = {0.8}};
   model_run(m, &t);
@@ -466,7 +468,8 @@ static void test_table(void) {
 /* Check that reading the table fails with this message. */
 static void check_refused(const char *text, const char *want) {
   g_autofree char *path = write_table(text);
-  g_autofree char *given = g_strdup_printf("{ init_adjust_table: %s }", path);
+  g_autofree char *given =
+      g_strdup_printf("{ w_step: unit, init_adjust_table: %s }", path);
   g_autoptr(opc_module) m = model_make(given);
   const eda_synthesizer *s = m->functions;
   eda_gates gates = {.grid = 1};

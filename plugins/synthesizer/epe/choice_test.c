@@ -140,7 +140,7 @@ static void test_kept(void) {
     drawing_draw(&d, 400, 1000);
     g_autofree char *p = g_strdup_printf(
         "{ fragment: 200 nm, corner_edge: 30 nm, min_edge: 30 nm, line_end: 0 "
-        "nm, max_shift: 12 nm, iterations: %d, best: %s }",
+        "nm, max_shift: 12 nm, stiffness: 0.1, iterations: %d, best: %s }",
         ROUNDS - 1, by_ion ? "ion" : "epe");
     g_autoptr(opc_module) m = drawing_begin(p, &d, &cuts);
     const eda_synthesizer *s = m->functions;
@@ -208,7 +208,9 @@ static void test_gain(void) {
       drawing_draw(&d, 400 * FINE, 3000 * FINE);
       d.gates.grid = 1.0 / FINE;
       g_autoptr(opc_module) m = drawing_begin(
-          "{ damping: 1, stiffness: 1e-4, step: 60 nm, max_shift: 90 nm "
+          "{ fragment: 40 nm, damping: 1, stiffness: 1e-4, best: epe, step: 60 "
+          "nm, max_shift: "
+          "90 nm "
           "}",
           &d, &cuts);
       const eda_synthesizer *s = m->functions;
@@ -243,14 +245,58 @@ static void test_gain(void) {
     }
 }
 
+/* Run one module with errors of +-`error`(iteration), nm, whose signs
+   alternate. Return the number of iterations. */
+static uint32_t run_with(const char *parameters, double (*error)(uint32_t)) {
+  drawing d;
+  eda_cuts cuts = {0};
+  drawing_draw(&d, 400, 1000);
+  g_autoptr(opc_module) m = drawing_begin(parameters, &d, &cuts);
+  const eda_synthesizer *s = m->functions;
+  int32_t now[MOST] = {0}, *shift[LAYERS] = {now};
+  double errors[MOST];
+  const double *epe[LAYERS] = {errors};
+  eda_boxes assists[LAYERS] = {cuts.assists};
+  eda_feedback f = {.gates = &d.gates, .epe = epe};
+  eda_moves moves = {.shift = shift, .assists = assists};
+  for (int done = 0; !done; f.iteration++) {
+    opc_error e;
+    g_assert_cmpuint(f.iteration, <, 300);
+    for (size_t i = 0; i < cuts.start[1]; i++)
+      errors[i] = error(f.iteration) * (f.iteration % 2 ? 1 : -1);
+    g_assert_cmpint(s->update(m->self, &f, &moves, &done, &e), ==, OPC_OK);
+  }
+  return f.iteration - 1;
+}
+
+static double falling(uint32_t iteration) { return 30 * pow(0.9, iteration); }
+static double slowly(uint32_t iteration) { return 30 * pow(0.999, iteration); }
+static double until_20(uint32_t iteration) {
+  return falling(iteration < 20 ? iteration : 20);
+}
+
+/* The loop ends 20 iterations after the last decrease by 5 %. A loop that ends
+   before, by `iterations`, reports so once. */
+static void test_convergence(void) {
+  const char *told = "not converged after 30 iterations";
+  opc_test_forget();
+  g_assert_cmpuint(run_with("{ best: epe }", until_20), ==, 40);
+  g_assert_cmpuint(run_with("{ best: epe }", slowly), ==, 20);
+  g_assert_null(strstr(opc_test_log(), "not converged"));
+  g_assert_cmpuint(run_with("{ best: epe, iterations: 30 }", falling), ==, 30);
+  const char *first = strstr(opc_test_log(), told);
+  g_assert_nonnull(first);
+  g_assert_null(strstr(first + 1, told));
+}
+
 /* A constant error: all fragments move to their limits, and the loop ends after
    four iterations without a move. */
 static void test_constant_error(void) {
   drawing d;
   eda_cuts cuts = {0};
   drawing_draw(&d, 400, 1000);
-  g_autoptr(opc_module) m =
-      drawing_begin("{ max_shift: 20 nm, iterations: 90 }", &d, &cuts);
+  g_autoptr(opc_module) m = drawing_begin(
+      "{ max_shift: 20 nm, stiffness: 0.1, best: epe }", &d, &cuts);
   const eda_synthesizer *s = m->functions;
   size_t n = cuts.start[1];
   int32_t now[MOST] = {0}, last[MOST], *shift[LAYERS] = {now};
@@ -278,6 +324,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/choice/even", test_even);
   g_test_add_func("/choice/kept", test_kept);
   g_test_add_func("/choice/gain", test_gain);
+  g_test_add_func("/choice/convergence", test_convergence);
   g_test_add_func("/choice/rest", test_constant_error);
   return g_test_run();
 }

@@ -6,6 +6,7 @@
 #include "epe.h"
 
 #include <eda/memory.h>
+#include <eda/rules.h>
 #include <math.h>
 #include <opcflow/follow.h>
 #include <stdlib.h>
@@ -16,7 +17,7 @@
 /* ---- state ---- */
 
 enum { LAYERS_BOTH, LAYERS_POLY, LAYERS_ACTIVE };
-enum { BEST_EPE, BEST_ION };
+enum { BEST_AUTO, BEST_EPE, BEST_ION };
 
 /* Verdicts of transistors. */
 enum { WITHIN, GRID, LIMIT, RULE, NO_EDGE, UNMOVED, VERDICTS };
@@ -25,7 +26,7 @@ static const char *const verdicts[VERDICTS] = {
 
 typedef struct epe {
   const opc_host *host;
-  /* Parameters, nm. NAN: equal to fragment; min_edge: half of fragment. */
+  /* Parameters, nm. NAN: equal to fragment. */
   double fragment, concave_corner, corner_edge, line_end, ripple, ripple_reach;
   double min_edge, tangency, min_width, min_space, min_jog, max_shift, blur;
   double step, damping, stiffness;
@@ -42,9 +43,12 @@ typedef struct epe {
   double grid;
   size_t count; /* transistors */
   uint8_t *verdict;
-  double best;    /* least cost; INFINITY: none yet */
-  size_t dropped; /* printed assist features that were removed */
-  int still;      /* iterations since the last move */
+  double best;      /* least cost; INFINITY: none yet */
+  double milestone; /* cost of the last substantial decrease */
+  int64_t reached;  /* iteration of the milestone */
+  int reported;     /* 1: the missing convergence is reported */
+  size_t dropped;   /* printed assist features that were removed */
+  int still;        /* iterations since the last move */
 } epe;
 
 /* ---- work: begin and cut ---- */
@@ -73,8 +77,7 @@ static int32_t corner_length(const epe *d, double nm) {
 }
 
 static void rules_set(epe *d) {
-  double min_edge = isnan(d->min_edge) ? d->fragment / 2 : d->min_edge;
-  d->rules.min_edge = at_least(grid_steps(d, min_edge), 1);
+  d->rules.min_edge = at_least(grid_steps(d, d->min_edge), 1);
   d->rules = (epe_rules){.fragment = at_least(grid_steps(d, d->fragment), 1),
                          .min_edge = d->rules.min_edge,
                          .concave_corner = corner_length(d, d->concave_corner),
@@ -97,21 +100,25 @@ static void rules_set(epe *d) {
       .overhang = grid_steps(d, d->sraf_overhang)};
 }
 
-static void epe_follow(epe *d, eda_scanner scanner);
+/* Begin the search for the best mask anew. */
+static void best_forget(epe *d) { d->best = d->milestone = INFINITY; }
+
+static void epe_follow(epe *d, const eda_feedback *f);
 static int epe_check(void *self, opc_error *error);
 
 static int epe_begin_run(void *self, const eda_feedback *f, opc_error *error) {
   epe *d = self;
-  epe_follow(d, f->scanner);
+  epe_follow(d, f);
   epe_clear_all(d);
   d->grid = f->gates->grid;
   d->count = f->gates->count;
   d->n_layers = f->gates->layers;
   d->layers = eda_alloc(d->n_layers, sizeof *d->layers);
   d->verdict = eda_alloc(d->count, 1);
-  d->best = INFINITY;
+  best_forget(d);
   d->still = 0;
   d->dropped = 0;
+  d->reported = 0;
   if (epe_check(d, error)) return error->code;
   rules_set(d);
   if (d->which_best == BEST_ION && !d->count)
@@ -193,6 +200,14 @@ static double mean_ion(const eda_feedback *f) {
   return sum / (double)f->gates->count;
 }
 
+/* Return whether Ion selects the best iteration. Ion does not depend on layers
+   without transistors. */
+static int best_is_by_ion(const epe *d) {
+  if (d->which_best != BEST_AUTO) return d->which_best == BEST_ION;
+  return d->count > 0 && d->n_layers > EDA_ACTIVE &&
+         (d->layers[EDA_POLY].count || d->layers[EDA_ACTIVE].count);
+}
+
 static void verdict_add(epe *d, const epe_layer *l, size_t i) {
   int32_t gate = l->fragments[i].gate;
   if (gate < 0 || (size_t)gate >= d->count) return;
@@ -229,7 +244,7 @@ static void assists_drop(epe *d, const eda_feedback *f) {
   for (size_t k = 0; k < d->n_layers && f->print; k++)
     all += eda_srafs_drop(d->host->context, &d->layers[k].srafs, print_of(f, k),
                           d->grid, d->sraf_margin);
-  if (all) d->best = INFINITY;
+  if (all) best_forget(d);
   d->dropped += all;
 }
 
@@ -240,7 +255,7 @@ static void assists_take(epe *d, const eda_moves *moves) {
   for (size_t k = 0; k < d->n_layers && !d->assist.rows; k++)
     if (d->layers[k].count)
       other |= epe_replace_srafs(&d->layers[k], moves->assists[k]);
-  if (other) d->best = INFINITY;
+  if (other) best_forget(d);
 }
 
 /* Write the numbers of assist features on the mask and of removed ones as
@@ -254,6 +269,35 @@ static int assists_write_metrics(const epe *d, opc_error *error) {
   return opc_put_metrics(d->host, OPC_ARRAY(values), error);
 }
 
+/* Keep the measured mask if its cost is the least so far. */
+static void cost_take(epe *d, const eda_feedback *f) {
+  double cost = best_is_by_ion(d) ? mean_ion(f) : mean_epe(d);
+  if (cost < (1 - tuned.progress) * d->milestone) {
+    d->milestone = cost;
+    d->reached = f->iteration;
+  }
+  if (!(cost < d->best)) return;
+  d->best = cost;
+  best_keep(d);
+}
+
+static int has_converged(const epe *d, int64_t iteration) {
+  return d->still >= tuned.still || is_solved(d) ||
+         (isfinite(d->milestone) && iteration - d->reached >= tuned.patience);
+}
+
+static void epe_log_unconverged(epe *d) {
+  if (!d->reported && d->iterations > 0)
+    d->host->log(d->host, OPC_LOG_FINDING,
+                 "synthesizer.epe: not converged after %d iterations "
+                 "('iterations'): the mean |%s| still decreases, %.3g %s",
+                 (int)d->iterations,
+                 best_is_by_ion(d) ? "Ion deviation" : "EPE",
+                 best_is_by_ion(d) ? 100 * d->best : d->best,
+                 best_is_by_ion(d) ? "%" : "nm");
+  d->reported = 1;
+}
+
 static int epe_update(void *self, const eda_feedback *f, eda_moves *moves,
                       int *done, opc_error *error) {
   epe *d = self;
@@ -264,18 +308,15 @@ static int epe_update(void *self, const eda_feedback *f, eda_moves *moves,
     layer_store(l, f->epe[k], moves->shift[k], print_of(f, k), d->grid);
     epe_weigh(l, print_of(f, k), d->window_weight, d->window_level, d->grid);
   }
-  double cost = d->which_best == BEST_ION ? mean_ion(f) : mean_epe(d);
-  if (cost < d->best) {
-    d->best = cost;
-    best_keep(d);
-  }
+  cost_take(d, f);
   assists_take(d, moves);
   const epe_steering steering = {.step = d->step / d->grid,
                                  .damping = d->damping,
                                  .stiffness = d->stiffness};
   int moved = 0;
-  *done =
-      f->iteration >= d->iterations || d->still >= tuned.still || is_solved(d);
+  int converged = has_converged(d, f->iteration);
+  *done = converged || f->iteration >= d->iterations;
+  if (*done && !converged) epe_log_unconverged(d);
   for (size_t k = 0; k < d->n_layers; k++) {
     epe_layer *l = &d->layers[k];
     if (!l->count) continue;
@@ -311,7 +352,7 @@ static const char *epe_verdict(const void *self, size_t gate) {
                       .max = (MAX), .preset = (PRESET), .summary = (SUMMARY))
 
 static const opc_parameter parameters[] = {
-    LENGTH("fragment", fragment, OPC_ABOVE, "0.155 lambda/NA",
+    LENGTH("fragment", fragment, OPC_ABOVE, "0.233 lambda/NA",
            "length of the fragments of an edge"),
     LENGTH("concave_corner", concave_corner, OPC_ABOVE, "fragment",
            "length of a fragment beside a concave corner"),
@@ -324,14 +365,14 @@ static const opc_parameter parameters[] = {
            "length of the fragments beside the projection of a corner of "
            "another edge"),
     FROM_0(ripple_reach, "largest distance of such a corner; 0: none"),
-    LENGTH("min_edge", min_edge, OPC_ABOVE, "half of fragment",
+    LENGTH("min_edge", min_edge, OPC_ABOVE, "min_edge of the step",
            "least length of a segment of an edge"),
     LENGTH("tangency", tangency, OPC_AT_LEAST, "0.155 lambda/NA",
            "distance of measurement sites from corners, where the contour is "
            "round"),
-    LENGTH("min_width", min_width, OPC_AT_LEAST, "0.155 lambda/NA",
+    LENGTH("min_width", min_width, OPC_AT_LEAST, "min_mask_width of the step",
            "least width of the mask, including nubs of edges"),
-    LENGTH("min_space", min_space, OPC_AT_LEAST, "0.155 lambda/NA",
+    LENGTH("min_space", min_space, OPC_AT_LEAST, "min_space of the step",
            "least space of the mask, including notches of edges"),
     FROM_0(min_jog,
            "least jog; neighbouring fragments whose shifts differ by less get "
@@ -342,21 +383,24 @@ static const opc_parameter parameters[] = {
            "largest move of a fragment per iteration"),
     NUMBER("damping", damping, OPC_ABOVE | OPC_AT_MOST, 1, "0.7",
            "part of an error corrected by one move"),
-    NUMBER("stiffness", stiffness, OPC_ABOVE, 0, "0.1",
+    NUMBER("stiffness", stiffness, OPC_ABOVE, 0, "1",
            "weight of moves against errors: larger values converge slower and "
            "more safely; 2 if features hardly print"),
     LENGTH(
         "blur", blur, OPC_ABOVE, "0.155 lambda/NA",
         "standard deviation of the effect of a move on the contour (Gaussian)"),
     OPC_PARAMETER(epe, iterations, .type = OPC_INT, .flags = OPC_AT_LEAST,
-                  .preset = "20", .summary = "largest number of moves"),
+                  .preset = "80",
+                  .summary = "largest number of moves; the synthesizer stops "
+                             "when the best iteration hardly improves"),
     OPC_PARAMETER_NAMED("layers", epe, which_layers, .type = OPC_CHOICE,
                         .preset = "both", .choices = "both|poly|active",
                         .summary = "corrected layers"),
     OPC_PARAMETER_NAMED("best", epe, which_best, .type = OPC_CHOICE,
-                        .preset = "epe", .choices = "epe|ion",
+                        .preset = "auto", .choices = "auto|epe|ion",
                         .summary = "criterion of the best iteration: least "
-                                   "mean |EPE|, or least mean |Ion deviation|"),
+                                   "mean |EPE|, or least mean |Ion deviation|; "
+                                   "auto: ion if transistors are corrected"),
     OPC_PARAMETER_NAMED(
         "assist", epe, sraf_rows, .type = OPC_INT,
         .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "0", .max = 4,
@@ -381,9 +425,22 @@ static const opc_parameter parameters[] = {
            "weight of the errors at other doses in the feedback"),
 };
 
+/* Set a rule that is not given to that of the step, or to `otherwise`. */
+static void rule_follow(const eda_feedback *f, int rule, const char *otherwise,
+                        double *nm) {
+  if (!isnan(*nm)) return;
+  *nm = f->rules && f->rules[rule] > 0 ? f->rules[rule]
+                                       : eda_natural(&f->scanner, otherwise);
+}
+
 /* Compute the defaults of parameters that are not set. */
-static void epe_follow(epe *d, eda_scanner scanner) {
-  EDA_FOLLOW(d->host, "synthesizer.epe", d, parameters, scanner);
+static void epe_follow(epe *d, const eda_feedback *f) {
+  rule_follow(f, EDA_RULE_WIDTH, "0.155 lambda/NA", &d->min_width);
+  rule_follow(f, EDA_RULE_SPACE, "0.155 lambda/NA", &d->min_space);
+  int given = !isnan(d->min_edge);
+  rule_follow(f, EDA_RULE_EDGE, "0.078 lambda/NA", &d->min_edge);
+  EDA_FOLLOW(d->host, "synthesizer.epe", d, parameters, f->scanner);
+  if (!given) d->min_edge = fmin(d->min_edge, d->fragment);
 }
 
 static const opc_metric metrics[] = {

@@ -21,7 +21,7 @@ static void test_solved(void) {
   const eda_box line = {0, 0, 100, 2000};
   g_autoptr(shapes) s = make_shapes(&line, 1);
   trial t = trial_correct("{}", &s->gates, straight);
-  g_assert_cmpuint(t.count, >, 80);
+  g_assert_cmpuint(t.count, >, 60);
   for (size_t i = 0; i < t.count; i++) g_assert_cmpint(t.shift[i], ==, 6);
   trial_clear(&t);
   t = trial_correct("{ iterations: 40 }", &s->gates, coupled);

@@ -10,8 +10,8 @@
 static const struct {
   double least_gain, most_gain, ignored, least_step, growth, lost, lost_cost;
   double enough, coupling_reach, jog_part;
-  double window_step, window_reach;
-  int neighbours, descents, whole_after, drawn_after, still;
+  double window_step, window_reach, progress;
+  int neighbours, descents, whole_after, drawn_after, still, patience;
 } tuned = {
     /* ---- feedback: steer.c, couple.c ---- */
 
@@ -64,6 +64,12 @@ static const struct {
 
     /* Iterations without a move at which the loop stops. */
     .still = 4,
+
+    /* The loop has converged if the cost has not fallen by this part within
+       `patience` iterations. Rounding to the grid changes Ion by more from one
+       iteration to the next. */
+    .progress = 0.05,
+    .patience = 20,
 
     /* ---- other doses: window.c ---- */
 

@@ -56,7 +56,7 @@ static int newton_begin(void *self, const eda_feedback *f, opc_error *error) {
   eda_follow_ion_limit(f, &t->ion_limit);
   newton_clear(t);
   t->count = f->gates->count;
-  t->rest = t->settled = 0;
+  t->rest = t->settled = t->reported = 0;
   if (t->target != PLAIN) t->weight[IOFF] = tuned.leak;
   t->state = eda_alloc(t->count, sizeof *t->state);
   t->sides = eda_alloc(t->count, sizeof *t->sides);
@@ -427,6 +427,21 @@ static void transistor_decide(void *data, size_t i) {
     s->next = k == last ? s->best : next;
 }
 
+/* Report transistors beyond the limit whose next move was not made, once. */
+static void newton_log_unconverged(newton *t, int64_t print) {
+  size_t open = 0;
+  if (t->reported || print < last_move(t)) return;
+  for (size_t i = 0; i < t->count; i++)
+    open += t->state[i].verdict == MOVING && t->goal[i].weight > 0 &&
+            !(t->state[i].best_size <= newton_ion_limit(t));
+  if (open)
+    t->host->log(t->host, OPC_LOG_FINDING,
+                 "synthesizer.newton: not converged after %d iterations: %zu "
+                 "of %zu transistors could move further",
+                 (int)last_move(t), open, t->count);
+  t->reported = 1;
+}
+
 static int newton_update(void *self, const eda_feedback *f, eda_moves *moves,
                          int *done, opc_error *error) {
   newton *t = self;
@@ -456,6 +471,7 @@ static int newton_update(void *self, const eda_feedback *f, eda_moves *moves,
     shape_write(&p, &next.shape, moves->part + EDA_PARTS * i);
   }
   newton_predict(t, f);
+  newton_log_unconverged(t, f->iteration);
   return OPC_OK;
 }
 

@@ -78,6 +78,7 @@ typedef struct newton {
   double mean;    /* mean size of the last iteration; while all rest, the least
                      so far */
   int settled;    /* 1: shapes and W are final; L alone corrects Ion */
+  int reported;   /* 1: the missing convergence is reported */
   int rest;       /* 1: nothing moved in the last iteration */
   eda_goal *goal; /* goal of each transistor */
   transistor *state;

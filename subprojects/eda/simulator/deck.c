@@ -26,6 +26,10 @@ typedef struct deck {
   int found;
   const char *section; /* current section; NULL: none */
   eda_place section_at;
+  /* Names of models, with their scopes, to the places of their statements. */
+  GHashTable *models;
+  unsigned scope; /* 0: outside of subcircuits; others are unique */
+  unsigned scopes, depth, branches; /* branches: open .if */
 } deck;
 
 /* ---- known statements ---- */
@@ -97,10 +101,37 @@ static int is_compiled(const deck *d, const char *kind) {
   return 0;
 }
 
+/* Refuse a second model of a name in a scope, because the simulator would use
+   one of them silently. A file that is included twice has its models once;
+   branches of .if are alternatives. */
+static int check_unique(deck *d, const line *l) {
+  const word *name = &l->word[1];
+  if (d->branches) return OPC_OK;
+  g_autofree char *lower = g_ascii_strdown(name->text, -1);
+  char *key = g_strdup_printf("%u %s", d->scope, lower);
+  char *place = g_strdup_printf("%s:%u", d->lines.file[name->at.file],
+                                (unsigned)name->at.line);
+  const char *first = g_hash_table_lookup(d->models, key);
+  int code = OPC_OK;
+  if (first && strcmp(first, place) != 0)
+    code = lines_refuse(&d->lines, name->at,
+                        "model '%.100s' is defined twice, first at %s",
+                        name->text, first);
+  if (!first) {
+    g_hash_table_insert(d->models, key, place);
+    return code;
+  }
+  g_free(key);
+  g_free(place);
+  return code;
+}
+
 static int take_model(deck *d, const line *l) {
   if (l->words < 3)
     return lines_refuse(&d->lines, l->word[0].at,
                         ".model without a name and a kind");
+  int code = check_unique(d, l);
+  if (code) return code;
   const word *kind = &l->word[2];
   if (!kind->quoted && eda_in_list(model_kinds, kind->text))
     return deck_copy_statement(d, l);
@@ -112,6 +143,28 @@ static int take_model(deck *d, const line *l) {
   /* Libraries contain models that a circuit does not use and that are not
      compiled; the simulator rejects devices of such models. */
   return is_compiled(d, kind->text) ? deck_copy_statement(d, l) : OPC_OK;
+}
+
+static int take_subcircuit(deck *d, const line *l) {
+  d->depth++;
+  d->scope = ++d->scopes;
+  return deck_copy_statement(d, l);
+}
+
+/* After the end of a nested subcircuit the outer one is a new scope, so that no
+   valid model is refused. */
+static int take_ends(deck *d, const line *l) {
+  if (d->depth) d->depth--;
+  d->scope = d->depth ? ++d->scopes : 0;
+  return deck_copy_statement(d, l);
+}
+
+static int take_branch(deck *d, const line *l) {
+  if (eda_same_name(l->word[0].text, ".if"))
+    d->branches++;
+  else if (d->branches)
+    d->branches--;
+  return deck_copy_statement(d, l);
 }
 
 /* Check NAME=NUMBER or NAME options. */
@@ -208,14 +261,14 @@ static const struct {
 } statements[] = {
     {".model", take_model, 0},
     {".param", deck_copy_statement, 0},
-    {".subckt", deck_copy_statement, 0},
-    {".ends", deck_copy_statement, 0},
+    {".subckt", take_subcircuit, 0},
+    {".ends", take_ends, 0},
     {".global", deck_copy_statement, 0},
     {".func", deck_copy_statement, 0},
-    {".if", deck_copy_statement, 0},
+    {".if", take_branch, 0},
     {".elseif", deck_copy_statement, 0},
     {".else", deck_copy_statement, 0},
-    {".endif", deck_copy_statement, 0},
+    {".endif", take_branch, 0},
     {".option", take_options, 0},
     {".options", take_options, 0},
     {".opt", take_options, 0},
@@ -275,6 +328,7 @@ char *deck_write(const char *text, char **osdi, opc_error *error) {
   size_t size;
   deck d = {
       .lines = {.error = error, .pool = &pool, .take = take_line, .wraps = 1},
+      .models = g_hash_table_new_full(g_str_hash, g_str_equal, g_free, g_free),
       .out = open_memstream(&out, &size)};
   d.lines.data = &d;
   /* The simulator takes the first line as a title, even "*ng_script". */
@@ -282,6 +336,7 @@ char *deck_write(const char *text, char **osdi, opc_error *error) {
   int code = lines_read_text(&d.lines, "deck", text, strlen(text));
   fclose(d.out);
   if (osdi) *osdi = code ? NULL : g_strdup(d.osdi);
+  g_hash_table_unref(d.models);
   g_clear_pointer(&d.objects, g_mapped_file_unref);
   eda_pool_clear(&pool);
   if (!code) return out;

@@ -159,6 +159,21 @@ static void test_hidden(void) {
                  "requires a number");
 }
 
+/* A second model of a name is refused, but not in another subcircuit, in
+   branches of .if, or by a second inclusion of a file. */
+static void test_twice(void) {
+  assert_refused(".model m nmos vto=1\n.model M nmos vto=2\n", -1, "2:8",
+                 "'M' is defined twice, first at ");
+  static const char *const good[] = {
+      ".subckt a x\n.model m r r=1\n.ends\n"
+      ".subckt b x\n.model m r r=2\n.ends\n.model m r r=3\n",
+      ".if (1)\n.model m r r=1\n.else\n.model m r r=2\n.endif\n",
+      ".model m.1 nmos lmin=1\n.model m.2 nmos lmin=2\n"};
+  for (size_t i = 0; i < G_N_ELEMENTS(good); i++) free(taken(good[i]));
+  file_put("card.pm", ".model m r r=1\n", -1);
+  free(taken(".include card.pm\n.include card.pm\n"));
+}
+
 static void test_bytes(void) {
   assert_refused(".param a\0=1\n", 12, "1:8", "byte 0x00");
   assert_refused("\0.control\n", 10, "1:1", "byte 0x00");
@@ -306,6 +321,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/deck/own", test_own);
   g_test_add_func("/deck/statements", test_statements);
   g_test_add_func("/deck/hidden", test_hidden);
+  g_test_add_func("/deck/twice", test_twice);
   g_test_add_func("/deck/bytes", test_bytes);
   g_test_add_func("/deck/folder", test_folder);
   g_test_add_func("/deck/bomb", test_bomb);

@@ -46,10 +46,11 @@ typedef struct loop {
   int prepared;          /* 1: the extractor is prepared */
   int traced;            /* 1: record each simulation in `trace` */
   int hold;              /* 1: the guard reverts transistors worse than drawn */
-  double ion_limit;   /* largest allowed |Ion deviation|, %, of the guard, the
-                         verification and synthesizers without a limit of their
-                         own */
-  double fine_change; /* parameter of correct_fine_by_layer */
+  double ion_limit;    /* largest allowed |Ion deviation|, %, of the guard, the
+                          verification and synthesizers without a limit of their
+                          own */
+  const double *rules; /* [EDA_RULES], mask rules, nm; NULL: unknown */
+  double fine_change;  /* parameter of correct_fine_by_layer */
   driver drivers[DRIVERS];
   eda_printer printer;
   uint8_t *driver_of;   /* [layers], MAIN or EDGES */

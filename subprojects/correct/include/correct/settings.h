@@ -7,7 +7,10 @@
 #include <eda/rules.h>
 #include <opcflow/step.h>
 
-enum { CORRECT_GUARD_ON, CORRECT_GUARD_OFF };
+/* AUTO: on, unless the synthesizer dissects edges (`cut`). The fragments around
+   a transistor are corrected for each other, so that reverting some of them
+   makes the transistor and its neighbours worse. */
+enum { CORRECT_GUARD_AUTO, CORRECT_GUARD_ON, CORRECT_GUARD_OFF };
 
 /* Default of ion_limit for steps without that parameter, %. */
 #define CORRECT_USUAL_LIMIT 0.5
@@ -102,13 +105,14 @@ OPC_EXPORT int correct_save_mask(void *self, void *const *outputs,
           "Image error of the accurate simulations that produce the reported " \
           "figures, clear field 1; off: fast simulations only")
 
-#define CORRECT_GUARD(state)                                          \
-  OPC_PARAMETER_NAMED("guard", state, with.guard, .type = OPC_CHOICE, \
-                      .preset = "on", .choices = "on|off",            \
-                      .summary =                                      \
-                          "Revert moves that end worse than the "     \
-                          "drawn mask; off: keep the synthesizer's "  \
-                          "result")
+#define CORRECT_GUARD(state)                                                \
+  OPC_PARAMETER_NAMED(                                                      \
+      "guard", state, with.guard, .type = OPC_CHOICE, .preset = "auto",     \
+      .choices = "auto|on|off",                                             \
+      .summary =                                                            \
+          "Revert moves that end worse than the drawn mask; off: keep the " \
+          "synthesizer's result; auto: off for synthesizers of edge "       \
+          "fragments, otherwise on")
 
 #define CORRECT_ION_LIMIT(state, SUMMARY)                                    \
   OPC_PARAMETER_NAMED("ion_limit", state, with.ion_limit, .type = OPC_REAL,  \

@@ -45,6 +45,10 @@ typedef struct eda_feedback {
   /* Largest |Ion deviation| that the step allows, %; NULL: unknown. The default
      of a synthesizer's own limit. */
   const double *ion_limit;
+
+  /* [EDA_RULES]: mask rules of the step, nm, 0 for none; NULL: unknown. The
+     defaults of a synthesizer's own rules. Since 0.8. */
+  const double *rules;
 } eda_feedback;
 
 /* Set the limit of a synthesizer that the flow does not give (NAN) to that of
