@@ -259,7 +259,7 @@ static void test_bad_tables(void) {
   } cases[] = {
       {"", ":1:1: a column without a name"},
       {"a,,b\n", ":1:3: a column without a name"},
-      {"a,b\n1\n", "found :2:1: 1 fields, expected 2"},
+      {"a,b\n1\n", ":2:1: found 1 fields, expected 2"},
       {"a,b\n1,2\n1,2,3\n", ":3:5: more than 2 fields"},
       {"a,b\n1,\"2\n3", ":2:3: a quote is not closed"},
       {"a,b\n"
