@@ -230,7 +230,8 @@ static void test_without_nm(void) {
   g_assert_cmpint(plugin_lint("tests", "test.untidy", NULL), ==, 1);
   g_setenv("PATH", path, TRUE);
   g_assert_null(strstr(out, "exports"));
-  g_assert_nonnull(strstr(err, "; not checked: exports: the program nm is missing"));
+  g_assert_nonnull(
+      strstr(err, "; not checked: exports: the program nm is missing"));
 }
 
 int main(int argc, char **argv) {

@@ -208,6 +208,20 @@ static void test_process(void) {
   if (CALL("sh", "-c", script, command, cif)) g_error("%s", err);
 }
 
+/* A relative data folder of the user is ignored, so that no plugin of the
+   working folder is loaded. */
+static void test_relative_data(void) {
+  static const char script[] =
+      "mkdir -p home/opcflow/plugins && echo none >home/opcflow/plugins/"
+      "litho.mine.so; unset OPCFLOW_NO_SYSTEM_PLUGINS; "
+      "XDG_DATA_HOME=$1home \"$0\" inspect litho.mine";
+  g_autofree char *here = g_strconcat(folder, "/", NULL);
+  g_assert_cmpint(CALL("sh", "-c", script, command, here), !=, 0);
+  g_assert_nonnull(strstr(err, "cannot use '"));
+  g_assert_cmpint(CALL("sh", "-c", script, command, ""), !=, 0);
+  g_assert_nonnull(strstr(err, "unknown plugin 'litho.mine'"));
+}
+
 /* All shipped flows can be extended: no file that they name is missing. */
 static void test_shipped(void) {
   static const char *const all[] = {"ihp130", "nangate45", "nangate45-at-65",
@@ -363,6 +377,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/new/project", test_project);
   g_test_add_func("/new/flow", test_flow);
   g_test_add_func("/new/process", test_process);
+  g_test_add_func("/new/relative-data", test_relative_data);
   g_test_add_func("/new/shipped", test_shipped);
   g_test_add_func("/new/shipped-checks", test_shipped_checks);
   g_test_add_func("/new/needs", test_needs);

@@ -313,7 +313,7 @@ static void test_bad_experiments(void) {
   static const struct {
     const char *text, *why;
   } cases[] = {
-      {"case,method,folder,result\n", "there is no column 'seconds'"},
+      {"case,method,folder,result\n", "column 'seconds' is missing"},
       {HEAD "a,,b,complete,1,\n", ":2: column 'method': is empty: ''"},
       {HEAD "a,m,../b,complete,1,\n", "path outside of the folder: '../b'"},
       {HEAD "a,m,b/../../c,complete,1,\n", "path outside of the folder"},
