@@ -383,6 +383,9 @@ static void test_log(void) {
   g_assert_nonnull(strstr(err, "b: debug: 2 numbers\n"));
   g_assert_cmpint(opcflow_call("run two.yaml --output log-info"), ==, 0);
   g_assert_cmpstr(err, ==, "");
+  g_assert_cmpint(opcflow_call("run two.yaml --output log-steps --log steps"),
+                  ==, 0);
+  g_assert_cmpstr(err, ==, "");
   g_assert_cmpint(
       opcflow_call("run two.yaml --output log-warning --log warning --set "
                    "b.behave=find"),
@@ -390,7 +393,8 @@ static void test_log(void) {
   g_assert_nonnull(strstr(err, "warning: b: 2 nm is odd\n"));
   g_assert_cmpint(opcflow_call("run two.yaml --log loud"), ==, 2);
   g_assert_cmpstr(
-      err, ==, "error: '--log' must be debug, info or warning, found 'loud'\n");
+      err, ==,
+      "error: '--log' must be debug, info, steps or warning, found 'loud'\n");
 }
 
 /* ---- signals and terminals ---- */

@@ -332,7 +332,8 @@ static void test_scanner(void) {
   g_assert_nonnull(strstr(err, "no layer 'poly', but 3/0, 4/0, "));
   static const char layers[] =
       "layout.layers={ poly: 9/0, active: 1/0, nwell: 3/0, contact: 10/0 }";
-  if (CALL(command, "run", "arf.yaml", "--set", devices, "--set", layers))
+  if (CALL(command, "run", "arf.yaml", "--log", "info", "--set", devices,
+           "--set", layers))
     g_error("%s%s", out, err);
   g_assert_nonnull(strstr(err, "65 nm lines at 250 nm, from the layout's"));
   g_assert_cmpint(CALL(command, "new", "flow", cell), ==, 2);
@@ -344,16 +345,31 @@ static void test_refusals(void) {
   g_assert_cmpint(CALL(command, "new", "circle"), ==, 2);
   g_assert_cmpint(CALL(command, "new", "plugin"), ==, 2);
   g_assert_cmpint(CALL(command, "new", "plugin", "mine"), ==, 2);
-  g_assert_cmpstr(
-      err, ==, "error: 'new plugin' requires --kind, see 'opcflow help new'\n");
+  const char *kinds =
+      "; kinds: command, extractor, kind, litho, regulator, resist, step, "
+      "synthesizer";
+  g_autofree char *nameless = g_strconcat(
+      "error: 'mine' has no kind: use 'opcflow new plugin KIND.mine'", kinds,
+      "\n", NULL);
+  g_assert_cmpstr(err, ==, nameless);
+  g_assert_cmpint(CALL(command, "new", "plugin", "synthesizer"), ==, 2);
+  g_assert_cmpstr(err, ==,
+                  "error: 'synthesizer' is a kind: give the plugin a name, for "
+                  "example 'opcflow new plugin synthesizer.mine'\n");
+  g_assert_cmpint(CALL(command, "new", "plugin", "foo.bar"), ==, 2);
+  g_autofree char *unknown =
+      g_strconcat("error: unknown kind 'foo'", kinds,
+                  "; a step has any first word: '--kind step'\n", NULL);
+  g_assert_cmpstr(err, ==, unknown);
   g_assert_cmpint(CALL(command, "new", "plugin", "command.run"), ==, 2);
   g_assert_cmpstr(err, ==,
                   "error: 'opcflow run' is built in: a plugin 'command.run' "
                   "would never be called\n");
   g_assert_cmpint(CALL(command, "new", "plugin", "--kind", "lithos", "mine"),
                   ==, 2);
-  g_assert_cmpstr(err, ==,
-                  "error: unknown kind 'lithos', did you mean 'litho'?\n");
+  g_autofree char *near = g_strconcat(
+      "error: unknown kind 'lithos', did you mean 'litho'?", kinds, "\n", NULL);
+  g_assert_cmpstr(err, ==, near);
   g_assert_cmpint(CALL(command, "new", "plugin", "litho.Mine"), ==, 2);
   g_assert_cmpint(CALL(command, "new", "plugin", "litho.mine", "litho"), ==, 5);
   g_assert_cmpstr(err, ==, "error: 'litho' exists\n");
