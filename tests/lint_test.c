@@ -124,7 +124,7 @@ static void test_evil(void) {
       {"bad.synthesizer", "", "assists",
        "update: writes beyond the array of assists"},
       {"bad.synthesizer", "", "endless",
-       "verdict: a verdict is no text of at most 200 bytes"},
+       "verdict: a verdict is not a text of at most 200 bytes"},
       {"bad.resist", "", "overrun",
        "print: writes beyond the array of level sets"},
       {"bad.extractor", "", "overrun",
@@ -146,11 +146,11 @@ static void test_evil(void) {
       {"bad.regulator", "rule", "stdout",
        "closed or redirected standard output: work\n"},
       {"bad.regulator", "violations", "exit", "ends the process: work\n"},
-      {"bad.synthesizer", "update", "pthread_exit", "ended its thread: work\n"},
+      {"bad.synthesizer", "update", "pthread_exit", "ended the thread: work\n"},
       {"bad.step", "check", "chdir", "changed the working folder: check\n"},
       {"bad.step", "forecast", "chdir", "changed the working folder: work\n"},
       {"bad.step", "release", "chdir", "changed the working folder: work\n"},
-      {"bad.none", "load", "block", "changed which signals come: loading\n"},
+      {"bad.none", "load", "block", "changed the signal mask: loading\n"},
   };
   for (size_t i = 0; i < G_N_ELEMENTS(faults); i++) {
     g_setenv("BAD_WHEN", faults[i].when, TRUE);
