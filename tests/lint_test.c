@@ -292,8 +292,8 @@ static struct {
   GSubprocess *process;
 } endless[] = {
     {"bad.step_slow", "",
-     "note: checked: exports, loading, check, being made and freed; not "
-     "checked: run: takes longer than 10 s, see --with\n",
+     "note: checked: exports, loading, check, creating and freeing; not "
+     "checked: run: stopped after 10 s, see --with\n",
      0, NULL},
     {"bad.hang", "does not end within 15 s: loading\n", "", 1, NULL},
     {"bad.synthesizer_loop", "does not end within 15 s: work\n", "", 1, NULL},
