@@ -181,7 +181,7 @@ static void test_crashes(void) {
         "note: what was written so far is in 'x.failed'\n",
         crashes[i].plugin, crashes[i].what);
     g_assert_cmpstr(err, ==, want);
-    expect_kept("ended while step 'mask' ran");
+    expect_kept("the process ended while step 'mask' ran");
   }
 }
 
@@ -224,7 +224,7 @@ static void test_loops(void) {
              "bad.yaml:8:3: step 'mask' (correct): stopped in plugin "
              "'bad.synthesizer_loop'\n"
              "note: what was written so far is in 'x.failed'\n");
-  expect_kept("ended while step 'mask' ran");
+  expect_kept("the process ended while step 'mask' ran");
   /* A run that wrote no file leaves no folder. */
   write_text("loop.yaml", "opcflow: 1\nsteps:\n  a: { use: bad.step_loop }\n");
   expect_end(start_loop("loop.yaml"), SIGTERM, SIGINT,

@@ -240,6 +240,20 @@ static void test_comparison(void) {
   g_assert_nonnull(strstr(err, "'none' is not a regular file"));
 }
 
+/* A relative data folder of the user is ignored, so that no plugin of the
+   working folder is loaded. */
+static void test_relative_data(void) {
+  static const char script[] =
+      "mkdir -p home/opcflow/plugins && echo none >home/opcflow/plugins/"
+      "litho.mine.so; unset OPCFLOW_NO_SYSTEM_PLUGINS; "
+      "XDG_DATA_HOME=$1home \"$0\" inspect litho.mine";
+  g_autofree char *here = g_strconcat(folder, "/", NULL);
+  g_assert_cmpint(CALL("sh", "-c", script, command, here), !=, 0);
+  g_assert_nonnull(strstr(err, "cannot use '"));
+  g_assert_cmpint(CALL("sh", "-c", script, command, ""), !=, 0);
+  g_assert_nonnull(strstr(err, "unknown plugin 'litho.mine'"));
+}
+
 /* All shipped flows can be extended: no file that they name is missing. */
 static void test_shipped(void) {
   static const char *const all[] = {"ihp130", "nangate45", "nangate45-at-65",
@@ -350,7 +364,8 @@ static void test_scanner(void) {
   g_assert_nonnull(strstr(err, "no layer 'poly', but 3/0, 4/0, "));
   static const char layers[] =
       "layout.layers={ poly: 9/0, active: 1/0, nwell: 3/0, contact: 10/0 }";
-  if (CALL(command, "run", "arf.yaml", "--set", devices, "--set", layers))
+  if (CALL(command, "run", "arf.yaml", "--log", "info", "--set", devices,
+           "--set", layers))
     g_error("%s%s", out, err);
   g_assert_nonnull(strstr(err, "65 nm lines at 250 nm, from the layout's"));
   g_assert_cmpint(CALL(command, "new", "flow", cell), ==, 2);
@@ -362,16 +377,31 @@ static void test_refusals(void) {
   g_assert_cmpint(CALL(command, "new", "circle"), ==, 2);
   g_assert_cmpint(CALL(command, "new", "plugin"), ==, 2);
   g_assert_cmpint(CALL(command, "new", "plugin", "mine"), ==, 2);
+  const char *kinds =
+      "; kinds: command, extractor, kind, litho, regulator, resist, step, "
+      "synthesizer";
+  g_autofree char *nameless = g_strconcat(
+      "error: 'mine' has no kind: use 'opcflow new plugin KIND.mine'", kinds,
+      "\n", NULL);
+  g_assert_cmpstr(err, ==, nameless);
+  g_assert_cmpint(CALL(command, "new", "plugin", "synthesizer"), ==, 2);
   g_assert_cmpstr(err, ==,
-                  "error: 'new plugin' needs --kind, see 'opcflow help new'\n");
+                  "error: 'synthesizer' is a kind: give the plugin a name, for "
+                  "example 'opcflow new plugin synthesizer.mine'\n");
+  g_assert_cmpint(CALL(command, "new", "plugin", "foo.bar"), ==, 2);
+  g_autofree char *unknown =
+      g_strconcat("error: unknown kind 'foo'", kinds,
+                  "; a step has any first word: '--kind step'\n", NULL);
+  g_assert_cmpstr(err, ==, unknown);
   g_assert_cmpint(CALL(command, "new", "plugin", "command.run"), ==, 2);
   g_assert_cmpstr(err, ==,
                   "error: 'opcflow run' is there already: a plugin "
                   "'command.run' would never be called\n");
   g_assert_cmpint(CALL(command, "new", "plugin", "--kind", "lithos", "mine"),
                   ==, 2);
-  g_assert_cmpstr(err, ==,
-                  "error: unknown kind 'lithos', did you mean 'litho'?\n");
+  g_autofree char *near = g_strconcat(
+      "error: unknown kind 'lithos', did you mean 'litho'?", kinds, "\n", NULL);
+  g_assert_cmpstr(err, ==, near);
   g_assert_cmpint(CALL(command, "new", "plugin", "litho.Mine"), ==, 2);
   g_assert_cmpint(CALL(command, "new", "plugin", "litho.mine", "litho"), ==, 5);
   g_assert_cmpstr(err, ==, "error: 'litho' exists\n");
@@ -397,6 +427,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/new/flow", test_flow);
   g_test_add_func("/new/process", test_process);
   g_test_add_func("/new/comparison", test_comparison);
+  g_test_add_func("/new/relative-data", test_relative_data);
   g_test_add_func("/new/shipped", test_shipped);
   g_test_add_func("/new/shipped-checks", test_shipped_checks);
   g_test_add_func("/new/needs", test_needs);

@@ -87,8 +87,14 @@ def test_again():
     same(truth, first)
     same(first, second)
     assert said.stderr == again.stderr and "finding: a: 2 nm is odd" in again.stderr
-    shown = call("run", "chain.yaml", "--output", "runs/x")
+    shown = call("run", "chain.yaml", "--output", "runs/x", "--log", "info")
     assert "5 of 5 steps reused" in shown.stdout and "a: reused" in shown.stderr
+    # By default a line for each step of a second or more, and none for reused ones.
+    silent = call("run", "chain.yaml", "--output", "runs/z").stderr
+    assert "reused" not in silent and "] " not in silent, silent
+    slow = ("run", "chain.yaml", "--no-cache", "--set", "b.wait=1100", "--output")
+    assert "[2/5] b: 1." in call(*slow, "runs/slow").stderr
+    assert "[2/5]" not in call(*slow, "runs/slower", "--quiet").stderr
     told = json.loads(call("run", "chain.yaml", "--json", "--output", "runs/y").stdout)
     assert (told["steps"], told["reused"]) == (5, 5)
     results = manifest(second)["store"]["results"]
@@ -104,8 +110,10 @@ def test_parameter():
     assert ran(folder) == {"a": "its output was wanted by step 'b'", "c": "c.number changed from 7 to 8",
                            "d": "what it takes as d.add changed"}, ran(folder)
     same(folder, run("--set", "c.number=8", "--no-cache")[0])
-    shown = call("run", "chain.yaml", "--set", "c.number=9", "--output", "runs/told").stderr
-    assert "a: reused\n" in shown and "a: ran after all: its output was wanted by step 'b'\n" in shown, shown
+    shown = call("run", "chain.yaml", "--set", "c.number=9", "--log", "info",
+                 "--output", "runs/told").stderr
+    assert "b: reused\n" in shown and "a: ran again: its output was wanted by step 'b'\n" in shown, shown
+    assert "a: reused" not in shown, shown
     text = call("explain", folder).stdout
     assert "c.number changed from 7 to 8" in text and "2 of 5 steps reused" in text, text
     assert json.loads(call("explain", folder, "--json").stdout)["reused"] == 2
@@ -444,7 +452,10 @@ def test_limit():
 def test_explain():
     folder, _ = run("--no-cache")
     assert "--no-cache" in call("explain", folder, code=2).stderr
-    call("explain", "nowhere", code=5)
+    assert "no such run folder" in call("explain", "nowhere", code=5).stderr
+    near = os.path.basename(folder) + "x"
+    assert f"did you mean '{folder}'?" in call(
+        "explain", os.path.join(os.path.dirname(folder), near), code=5).stderr
     write("runs/manifest.json", "[1")
     call("explain", "runs", code=2)
     write("runs/manifest.json", '{"store": {"results": [1, {"step": 2}, {}], "steps": "x"}}')

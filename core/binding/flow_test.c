@@ -70,8 +70,17 @@ static void test_not_yaml(void) {
   check_faults("", "flow.yaml:1:1: there is nothing in it");
   check_faults("# only this\n", "flow.yaml:1:1: there is nothing in it");
   check_faults("opcflow: [1\n",
-               "flow.yaml:2:1: not YAML: did not find expected ',' or ']' "
-               "while parsing a flow sequence");
+               "flow.yaml:1:10: not YAML: '[' is not closed: no ',' or ']' "
+               "before line 2, column 1");
+  check_faults("opcflow: 1\nsteps:\n  a: { use: test.numbers\n  b: {}\n",
+               "flow.yaml:3:6: not YAML: '{' is not closed: no ',' or '}' "
+               "before line 4, column 4");
+  check_faults(
+      "opcflow: 1\nsteps:\n  a:\n    use:test.numbers\n    size: 1 nm\n",
+      "flow.yaml:4:8: not YAML: no space after the colon of 'use:'");
+  check_faults("opcflow: 1\nsteps:\n  a:\n    use: a\n    x: y: z\n",
+               "flow.yaml:5:9: not YAML: mapping values are not allowed in "
+               "this context");
   check_faults("opcflow: 1\n\tsteps: {}\n",
                "flow.yaml:2:1: not YAML: found a tab character that violates "
                "indentation while scanning a plain scalar");
@@ -201,6 +210,8 @@ static void test_numbers(void) {
              "'3 nm'");
   check_step("{ use: test.numbers, size: 3 V }",
              "flow.yaml:3:33: 'size' needs a length, not '3 V'");
+  check_step("{ use: test.numbers, size: 3 NM }",
+             "flow.yaml:3:33: unknown unit 'NM' in '3 NM', did you mean 'nm'?");
   check_step("{ use: test.numbers, size: 3 nn }",
              "flow.yaml:3:33: unknown unit 'nn' in '3 nn', did you mean "
              "'nm'?");

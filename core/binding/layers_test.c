@@ -160,7 +160,7 @@ static void test_chains(void) {
     write_file(name, text);
   }
   check_faults("chain0.yaml",
-               "chain15.yaml:2:10: more than 16 flows extend each other");
+               "chain15.yaml:2:10: more than 16 files in a chain of 'extends'");
 }
 
 static void test_removing(void) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Reads a flow file and the extended files, and merges them from the last to
-   the first. */
+/* Reads a flow file and the chain of files that it extends, and merges them.
+   The last file of the chain is the base; each file overrides the file that it
+   extends. */
 #include "core/binding/recipe.h"
 
 #include <base/file.h>
@@ -91,14 +92,15 @@ static char *next_file(const opc_recipe *recipe, const opc_node *extends,
   if (known >= 0)
     report_circle(recipe, (guint)known, extends, problems);
   else
-    opc_wrong(problems, extends, "more than %d flows extend each other",
+    opc_wrong(problems, extends, "more than %d files in a chain of 'extends'",
               MOST_FILES);
   g_free(path);
   return NULL;
 }
 
-/* Read the file and, recursively, the extended files. Returns FALSE and adds a
-   problem, at `from` (the `extends` of the extending file) if given. */
+/* Read a file and, recursively, the files that it extends. Returns FALSE and
+   adds a problem on failure. `from` is the `extends` of the extending file,
+   where an unreadable file is reported; NULL: none. */
 static gboolean read_file(opc_recipe *recipe, const char *path,
                           const opc_node *from, opc_problems *problems) {
   g_autofree char *folder = g_path_get_dirname(path);
@@ -217,7 +219,7 @@ static void take_sweep(opc_recipe *recipe, const opc_node *root,
     const opc_node *key = all->keys->pdata[i], *value = all->items->pdata[i];
     if (opc_node_is_null(value)) {
       if (!remove_key(sweep, key->text))
-        opc_wrong(problems, key, "there is no '%s' to remove", key->text);
+        opc_wrong(problems, key, "the sweep has no '%s' to remove", key->text);
     } else {
       opc_node_put(sweep, key, value);
     }

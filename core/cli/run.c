@@ -17,7 +17,8 @@ static GPtrArray *sets, *variants, *sweeps;
 static const char *threads, *level_word;
 static opc_run_options wanted;
 static gboolean json, quiet, no_cache;
-static int level = OPC_LOG_INFO; /* lowest level printed */
+static int level = OPC_LOG_WARNING; /* lowest level printed */
+static gboolean steps = TRUE;       /* report steps and progress */
 
 static const cli_option options[] = {
     {"set", "over what the flow says", "STEP.PARAMETER=VALUE", .list = &sets},
@@ -35,8 +36,8 @@ static const cli_option options[] = {
     {"threads", "default: as many as there are processors", "N",
      .text = &threads},
     {"json", "the result as JSON", .flag = &json},
-    {"log", "what steps say while they run (default: info)",
-     "debug|info|warning", .text = &level_word},
+    {"log", "what steps say while they run (default: steps, that they ran)",
+     "debug|info|steps|warning", .text = &level_word},
     {"quiet", "nothing but warnings and errors", .flag = &quiet},
     {0}};
 
@@ -216,7 +217,7 @@ static int run_one(const series *s, const char *variant) {
   if (s->chosen->len > 1) its.output = output;
   if (s->chosen->len > 1 && !json && !quiet) cli_print("variant %s\n\n", name);
   cli_progress progress;
-  cli_progress_start(&progress, level);
+  cli_progress_start(&progress, level, steps);
   const opc_watch shown = {&progress,         cli_progress_log,
                            cli_progress_step, cli_progress_show,
                            cli_is_stopped,    cli_progress_point};
@@ -254,17 +255,20 @@ static void keep_memory(void) {
 
 /* Set the level of messages. Returns -1, or the exit code. */
 static int set_level(void) {
-  static const char *const words[] = {"debug", "info", "warning", NULL};
-  if (quiet) level = OPC_LOG_WARNING;
+  static const char *const words[] = {"debug", "info", "steps", "warning",
+                                      NULL};
+  steps = !quiet;
   for (int i = 0; level_word && words[i]; i++)
     if (!strcmp(words[i], level_word)) {
-      level = i;
+      level = MIN(i, OPC_LOG_WARNING);
+      steps = i <= OPC_LOG_WARNING;
       return -1;
     }
-  return level_word ? cli_error(CLI_USAGE,
-                                "'--log' is debug, info or warning, not '%s'",
-                                level_word)
-                    : -1;
+  return level_word
+             ? cli_error(CLI_USAGE,
+                         "'--log' is debug, info, steps or warning, not '%s'",
+                         level_word)
+             : -1;
 }
 
 /* Return the store of results; NULL: all steps run. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the functions that instances call back. */
+/* Implements opc_host, the functions of the host that plugins call. */
 #include "core/plugin/host.h"
 
 #include <base/shown.h>
@@ -44,8 +44,8 @@ static void host_log(const opc_host *host, int level, const char *format, ...) {
 static void host_progress(const opc_host *host, const opc_progress *progress) {
   const instance_host *own = (const instance_host *)host;
   if (!own->watch->progress) return;
-  opc_progress told = *progress; /* copied before guard_enter: a fault in
-                                    reading is the plugin's */
+  opc_progress told = *progress; /* read before guard_enter, so that a crash
+                                    by a bad pointer names the plugin */
   char unit[16];
   g_snprintf(unit, sizeof unit, "%s", told.worst_unit ? told.worst_unit : "");
   g_autofree char *shown = opc_shown(unit, "");

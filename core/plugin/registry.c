@@ -62,8 +62,11 @@ static void add_standard_folders(opc_registry *registry) {
   g_autofree char *folder = opc_executable_folder();
   if (folder) add_folder(registry, g_build_filename(folder, "plugins", NULL));
   if (!system) return;
-  add_folder(registry, g_build_filename(g_get_user_data_dir(), "opcflow",
-                                        "plugins", NULL));
+  /* Relative folders are ignored, as the XDG specification requires: plugins
+     of a working folder are never loaded unasked. */
+  const char *data = g_get_user_data_dir();
+  if (g_path_is_absolute(data))
+    add_folder(registry, g_build_filename(data, "opcflow", "plugins", NULL));
   char *own = opc_installed(places, OPC_LIBDIR, "plugins");
   if (own) add_folder(registry, own);
 }

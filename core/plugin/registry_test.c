@@ -110,6 +110,9 @@ static void test_refused(void) {
   g_assert_cmpstr(
       error.message, ==,
       "unknown plugin 'test.nubmers', did you mean 'test.numbers'?");
+  g_assert_null(opc_registry_find(registry, "nubmers", &error));
+  g_assert_cmpstr(error.message, ==,
+                  "unknown plugin 'nubmers', did you mean 'test.numbers'?");
   g_assert_null(opc_registry_find(registry, "../evil", &error));
   g_assert_cmpstr(error.message, ==, "unknown plugin '../evil'");
 }

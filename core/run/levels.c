@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Creates the runs of levels; each run borrows the outputs of the levels
-   below. */
+/* Runs the levels of a sweep (levels.h), each in an opc_run of its own, which
+   uses the outputs of the lower levels. */
 #include "core/run/levels.h"
 
 #include <store/files.h>
@@ -43,7 +43,8 @@ static void claim_copy(gpointer name, gpointer owner, gpointer claims) {
   g_hash_table_insert(claims, g_strdup(name), g_strdup(owner));
 }
 
-/* Return the run of a level at a point; NULL and problems. */
+/* Return a new run of a level at a point of the sweep. Returns NULL and adds
+   problems on failure. */
 static opc_run *run_make(const opc_levels *l, unsigned level, size_t point,
                          opc_problems *problems) {
   unsigned below = level ? level - 1 : 0;
@@ -81,8 +82,9 @@ static void level_drop(opc_levels *l, unsigned level) {
   opc_remove_tree(folder);
 }
 
-/* Run a level between the first and the last at a point. The level's problems
-   are kept and apply to all points that share the level. */
+/* Run an intermediate level, neither the trunk nor the last level, at a point
+   of the sweep. The problems of the level are kept and apply to all points that
+   share the level. */
 static void level_open(opc_levels *l, unsigned level, size_t point) {
   opc_problems *problems = l->failures[level] = opc_problems_new();
   g_autofree char *folder = opc_levels_folder(l, level);
@@ -95,7 +97,8 @@ static void level_open(opc_levels *l, unsigned level, size_t point) {
     opc_run_free(run);
 }
 
-/* Bring all levels but the last one to a point and add their problems. */
+/* Prepare all intermediate levels for a point of the sweep: run each level
+   that depends on a changed value, and add the problems of all these levels. */
 static void levels_enter(opc_levels *l, size_t point, opc_problems *problems) {
   gboolean same = TRUE;
   for (unsigned level = 1; level < l->depth; level++) {

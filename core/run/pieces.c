@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements pieces of a step's work, stored as they finish, so that a run
-   restarted after a kill reuses them; done here or distributed over the
-   ranks. */
+/* Implements the service for pieces (work units of a step). Computes the pieces
+   in this process or distributes them over the ranks. Stores each result at
+   once, so that a run restarted after a kill reuses the result. */
 #include "core/plugin/pieces.h"
 
 #include <guard/guard.h>
@@ -14,10 +14,11 @@
 /* Result of a piece, and the messages logged meanwhile. */
 #define PIECE_TYPE G_VARIANT_TYPE("(aya(uss))")
 
-/* Stored form of a step's pieces: `kept` wraps the plugin's pieces, looks them
-   up in the store, and packs messages with the results. */
+/* Pieces of a step with their results in the store. The functions of `kept`
+   call those of the plugin's `pieces`, look results up in the store, and add
+   the logged messages to each result. */
 typedef struct keeper {
-  opc_pieces kept; /* without a name, as the plugin's pieces add the name */
+  opc_pieces kept; /* `name` is NULL: errors of `pieces` contain its name */
   const opc_pieces *pieces;
   opc_run *run;
   const opc_flow_step *step;
@@ -121,16 +122,18 @@ static void kept_done(void *data, size_t n) {
   if (p->done) p->done(p->data, n);
 }
 
-/* Log the cost of the pieces, for sizing machines for larger layouts. */
+/* Log time and memory of the pieces, from which a user can estimate those of a
+   larger layout. */
 static void tell_cost(const opc_host *host, const keeper *k) {
   const opc_pieces *p = k->pieces;
   double end = (double)(g_get_monotonic_time() - k->last) * 1e-6;
-  host->log(host, OPC_LOG_DEBUG,
-            "%zu of '%s': %zu found and %zu done here in %.2f s, taken in "
-            "%.2f s, %.0f bytes each",
-            p->count, p->name, k->found, k->worked,
-            (double)(k->last - k->begun) * 1e-6, end,
-            p->count ? (double)k->bytes / (double)p->count : 0);
+  host->log(
+      host, OPC_LOG_DEBUG,
+      "%zu work units '%s': %zu read from the store and %zu computed here "
+      "in %.2f s, results received in %.2f s, %.0f bytes per result",
+      p->count, p->name, k->found, k->worked,
+      (double)(k->last - k->begun) * 1e-6, end,
+      p->count ? (double)k->bytes / (double)p->count : 0);
 }
 
 /* ---- among ranks ---- */

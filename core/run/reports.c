@@ -29,7 +29,8 @@ gboolean opc_reports_write_file(const opc_run *run, const char *name,
   return !code;
 }
 
-/* List the files of the folder, complete but for the manifest. */
+/* Add the files of the run folder to the manifest. All files but the manifest
+   must already exist. */
 static gboolean list_files(const opc_run *run, JsonNode *manifest,
                            opc_problems *problems) {
   opc_error error;

@@ -46,14 +46,23 @@ static void reuse_record(opc_run *run, const opc_flow_step *step,
   g_free(path);
 }
 
-/* Record that a reused step ran after all. */
+void opc_reuse_report(const opc_run *run) {
+  const GPtrArray *list = run->out.histories.list;
+  for (guint i = 0; i < list->len && !run->main; i++) {
+    const opc_history *h = list->pdata[i];
+    if (h->reused)
+      run->heard.watch.log((void *)run, h->path, OPC_LOG_INFO, "reused");
+  }
+}
+
+/* Record that a reused step ran again for its outputs. */
 static void tell_again(opc_run *run, const opc_flow_step *step,
                        const char *whom) {
   char *path = g_strdup(step->name);
   g_autofree char *why =
       g_strdup_printf("its output was wanted by step '%s'", whom);
   if (!run->main) {
-    g_autofree char *text = g_strconcat("ran after all: ", why, NULL);
+    g_autofree char *text = g_strconcat("ran again: ", why, NULL);
     run->heard.watch.log(run, step->name, OPC_LOG_INFO, text);
   }
   for (opc_run *to = run; to; run_go_up(&to, &path))
@@ -161,8 +170,6 @@ gboolean opc_reuse_take(opc_run *run, const opc_flow_step *step,
     opc_binding_fail(step->binding, TRUE, code, &error, problems);
   else
     reuse_record(run, step, TRUE, NULL);
-  if (!code && !run->main)
-    run->heard.watch.log(run, step->name, OPC_LOG_INFO, "reused");
   return TRUE;
 }
 

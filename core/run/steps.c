@@ -11,8 +11,9 @@
 #include "core/run/reports.h"
 #include "core/run/reuse.h"
 
-/* Return, by step number, whether every rank runs a step (g_free): the step
-   distributes pieces, or is an input of such a step. */
+/* Return, by step number, whether every rank runs the step (g_free). Every rank
+   runs the steps that distribute pieces and the steps that provide their
+   inputs. */
 static gboolean *find_shared(const opc_run *run) {
   const GPtrArray *order = run->flow->order;
   gboolean *shared = g_new0(gboolean, run->flow->steps->len);
@@ -27,8 +28,8 @@ static gboolean *find_shared(const opc_run *run) {
   return shared;
 }
 
-/* Return whether all ranks agree on files, builds and processors, without which
-   results are not bit-identical. */
+/* Return whether all ranks have the same files, builds and processors. If these
+   differ, results are not bit-identical. */
 static gboolean are_alike(opc_run *run, opc_problems *problems) {
   const ranks_group *ranks = opc_run_ranks(run);
   guint n = run->flow->steps->len;
@@ -43,12 +44,13 @@ static gboolean are_alike(opc_run *run, opc_problems *problems) {
   return opc_ranks_agree(ranks, text->str, problems);
 }
 
-/* Write the reports that remain if the step crashes. An empty folder stays
-   empty and is not kept. */
+/* Write the reports that remain if the step crashes. Write none to a folder
+   without other files, because the guard keeps only folders with files. */
 static void prepare_for_crash(opc_run *run, const opc_flow_step *step) {
   if (!run->written.guarded || !opc_reports_has_others(run)) return;
   g_autoptr(opc_problems) problems = opc_problems_new();
-  run->out.failure = g_strdup_printf("ended while step '%s' ran", step->name);
+  run->out.failure =
+      g_strdup_printf("the process ended while step '%s' ran", step->name);
   opc_reports_write(run, FALSE, problems);
   g_clear_pointer(&run->out.failure, g_free);
 }
@@ -102,6 +104,7 @@ gboolean opc_steps_run(opc_run *run, opc_problems *problems) {
     if (!do_step_together(run, step, shared[step->number], problems))
       return FALSE;
   }
+  opc_reuse_report(run);
   return TRUE;
 }
 

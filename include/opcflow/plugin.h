@@ -35,12 +35,12 @@ OPC_C_BEGIN
       knows; no plugin copies them or makes arrays of them. A plugin for a later
       minor version tests OPC_HAS before the use of a field that was added to a
       struct with `size`.
-   4. Rare functions have a name, such as "opcflow.inner/1". A plugin gets those
-      of the host by opc_host.service; the host gets those of the plugin by
-      opc_plugin.extension. NULL: not available. A change that rules 1 and 2
-      forbid gets another name.
-   5. The functions of a kind follow rules 1 and 2: the required functions are
-      those of the kind's first version. */
+   4. Functions that few plugins need are in structs that are found by name,
+      such as "opcflow.inner/1". opc_host.service returns the structs of the
+      host, opc_plugin.extension those of the plugin. NULL: not available. A
+      change that rules 1 and 2 forbid gets another name.
+   5. The functions of a kind of plugins (kind.h) follow rules 1 and 2. A plugin
+      must have the functions of the first version of its kind. */
 #define OPC_ABI_MAJOR 0u
 #define OPC_ABI_MINOR 8u
 #define OPC_ABI_OLDEST 8u
@@ -66,11 +66,11 @@ enum {
   OPC_OUTPUT = 7, /* a file's name inside the run folder, for
                      opc_host.output_path   const char *         NULL */
   OPC_REALS = 8,  /* [1 nm, 2 nm]           opc_reals            NULL, 0 */
-  OPC_MAP = 9,    /* { poly: 9/0, ... }; `choices` lists the keys, or is
-                     NULL for free ones     opc_map              NULL, 0 */
-  OPC_INPUT = 10, /* ${step} or ${step.port}; `choices` names the data
-                     kinds it may be of     const void *, while  NULL
-                                            running */
+  OPC_MAP = 9,    /* { poly: 9/0, ... }; `choices` lists the allowed keys,
+                     NULL: any key          opc_map              NULL, 0 */
+  OPC_INPUT = 10, /* ${step} or ${step.port}; `choices` lists the allowed
+                     data kinds; the host sets the field only while the step
+                     runs                   const void *         NULL */
   OPC_SLOT = 11   /* { use: litho.hopkins, ... }; `choices` names the plugin
                      kind                   const opc_module *   NULL */
 };
@@ -98,11 +98,13 @@ enum {
   OPC_AT_MOST = 1 << 3,    /* value <= max */
   OPC_BELOW = 1 << 4,      /* value <  max */
   OPC_NO_EFFECT = 1 << 5,  /* does not change the result (threads, verbosity) */
-  OPC_MAP_OF_ANY = 1 << 6, /* for an OPC_MAP: values of any form, as the flow
-                              writes them on one line */
+  OPC_MAP_OF_ANY = 1 << 6, /* for an OPC_MAP: values may also be lists and maps;
+                              the plugin receives the text of each value, as
+                              written in a flow on one line */
   OPC_INNER_FLOW = 1 << 7, /* for an OPC_FILE: names the inner flow; inner.h */
-  OPC_INNER_AXIS = 1 << 8, /* for an OPC_MAP of any: layers applied in turn to
-                              the inner flow, also as a list */
+  OPC_INNER_AXIS = 1 << 8, /* for an OPC_MAP with OPC_MAP_OF_ANY: each value is
+                              a layer of changes to the inner flow; the flow may
+                              write a list instead of a map; inner.h */
   OPC_INNER_STEP = 1 << 9, /* for an OPC_INPUT: replaces the step of the inner
                               flow that has the name of the parameter */
   OPC_LISTED = 1 << 10,    /* for an OPC_TEXT: the plugin lists the allowed
@@ -132,17 +134,17 @@ typedef struct opc_parameter {
   size_t offset, width, given;
   const char *former; /* earlier names, separated by |; their use is reported.
                          NULL: none */
-  /* For an OPC_REAL without `preset`: the expression of the derived default,
-     for readers ("0.155 lambda/NA"), shown in place of a default. The plugin
-     computes the value (opcflow/follow.h). NULL: none. */
+  /* Expression of the derived default of an OPC_REAL without `preset`, for
+     example "0.155 lambda/NA". The host only shows the expression as the
+     default; the plugin computes the value (opcflow/follow.h). NULL: none. */
   const char *follows;
   OPC_MAY_GROW
 } opc_parameter;
 
-/* Initialise an element of an array of parameters: `member` is the field of the
-   instance type `state` that receives the value; further fields are designated
-   initialisers. The parameter has the name of the field; OPC_PARAMETER_NAMED
-   sets another name. */
+/* Initialise an element of an array of parameters. `member` is the field of the
+   instance type `state` that receives the value. The other arguments are
+   designated initialisers of opc_parameter. The name of the parameter is that
+   of the field; OPC_PARAMETER_NAMED sets another name. */
 #define OPC_PARAMETER(state, member, ...) \
   OPC_PARAMETER_NAMED(#member, state, member, __VA_ARGS__)
 #define OPC_PARAMETER_NAMED(label, state, member, ...) \
@@ -201,9 +203,10 @@ typedef struct opc_column {
   OPC_MAY_GROW
 } opc_column;
 
-/* Functions of the host. Each instance has its own table, from before `check`
-   until after `clear`, and passes it as the first argument of every function.
-   The functions are [any] unless stated otherwise. */
+/* Functions of the host. Each instance has its own opc_host, valid from before
+   `check` until after `clear`, and passes a pointer to this opc_host as the
+   first argument of every function. The functions are [any] unless stated
+   otherwise. */
 typedef struct opc_host opc_host;
 struct opc_host {
   size_t size;                /* of this struct */
@@ -273,14 +276,14 @@ typedef struct opc_plugin {
   /* Size of an instance: a struct whose first member is `const opc_host *host`.
      The host allocates the instance, fills it with zeros, sets `host` and the
      fields of all parameters, and frees it. The host owns the data that
-     parameters point to; it lives as long as the instance. */
+     parameters point to, valid as long as the instance. */
   size_t instance_size;
 
   /* Check constraints that the declaration cannot express, such as two bounds
      against each other, and prepare whatever needs little time. The content of
-     files is not checked here. Inputs are not available; `opcflow check` calls
-     this function, too. Returns 0, or an error code with *error filled. NULL:
-     nothing to do. [main] */
+     files is not checked here. Inputs are not available yet. `opcflow check`
+     also calls this function. Returns 0, or an error code with *error filled.
+     NULL: nothing to do. [main] */
   int (*check)(void *self, opc_error *error);
 
   /* Release the resources of the instance before the host frees it; also called
@@ -293,9 +296,9 @@ typedef struct opc_plugin {
   size_t functions_size;
 
   /* Return the extension of that name, a constant struct that a header
-     declares, or NULL; the field may be NULL, too:
+     declares; NULL if the plugin has no such extension:
        "opcflow.choices/1"  values that a parameter may have     choices.h
-     [any] */
+     A plugin without extensions sets this field to NULL. [any] */
   const void *(*extension)(const char *name);
   OPC_MAY_GROW
 } opc_plugin;

@@ -200,8 +200,8 @@ static const opc_parameter parameters[] = {
     SEARCH_PARAMETERS(correct),
     CORRECT_GUARD(correct),
     CORRECT_ION_LIMIT(correct,
-                      "Largest allowed |Ion deviation|: the guard "
-                      "accepts it whatever the drawn mask has"),
+                      "Largest allowed |Ion deviation|; the guard reverts "
+                      "a larger one only if the drawn mask has a smaller one"),
     RULES_PARAMETERS(correct),
     OPC_PARAMETER(
         correct, trace, .type = OPC_BOOL, .preset = "false",

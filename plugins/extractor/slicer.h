@@ -13,15 +13,17 @@ typedef struct slicer {
   const char *path; /* path of the device table */
   int64_t slices;
   int rule;
-  double *place, *width; /* slices of all gates, or of gates that the contour
-                            rule rejects */
-  contour *contour;      /* NULL: equal slicing of all gates */
+  double *place, *width; /* [slices]: centres and widths of the slices, as
+                            fractions of the width of the gate. The rule
+                            `contour` uses them only for gates for which
+                            contour_slice fails */
+  contour *contour;      /* NULL: the rule is not `contour` */
   eda_curves curves;
-  contour_weight *weight; /* NULL: 1 */
+  contour_weight *weight; /* weight of a slice; NULL: all weights are 1 */
   double reach;           /* decay length of the edge current, nm */
 } slicer;
 
-/* clang-format off */ /* it takes the elements for nested ones */
+/* clang-format off */ /* clang-format would nest the indentation */
 #define SLICER_PARAMETERS                                                     \
   {.name = "devices", .type = OPC_FILE, .flags = OPC_REQUIRED,                \
    .summary = "device table: currents by length, or by length and width",     \
@@ -32,13 +34,14 @@ typedef struct slicer {
    OPC_FIELD(slicer, slices)},                                                \
   {.name = "rule", .type = OPC_CHOICE, .preset = "contour",                   \
    .choices = "contour|gauss|equal",                                          \
-   .summary = "places of slices: by the contour, at Gauss-Legendre "          \
-              "nodes, or equidistant",                                        \
+   .summary = "slices adapted to the contour of each gate, at "               \
+              "Gauss-Legendre nodes, or of equal width",                      \
    OPC_FIELD(slicer, rule)},                                                  \
   {.name = "edge", .type = OPC_REAL, .unit = "nm", .preset = "30 nm",         \
    .flags = OPC_AT_LEAST | OPC_AT_MOST, .min = 1, .max = 1e6,                 \
-   .summary = "decay length of the edge current from the active edges, "      \
-              "for a table of several widths; no effect for rectangles",      \
+   .summary = "decay length of the edge current, from the active edges "      \
+              "inwards; used with device tables of several widths for gates " \
+              "that are not rectangles",                                      \
    OPC_FIELD(slicer, reach)}
 /* clang-format on */
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Shapes of a mask from a layout, with checks that they belong to the gates. */
+/* Import of the shapes of a mask from a layout, with checks that position and
+   size of the shapes match the drawn layout of the gates. */
 #pragma once
 
 #include <eda/gates.h>
@@ -12,12 +13,13 @@ typedef struct import {
   const eda_layout *layout;
   const char *top; /* NULL: the cell with the name of the gates, or else the
                       only top cell */
-  opc_map layers;  /* layer of the gates: layer of the layout */
+  opc_map layers;  /* key: layer of the gates; value: layer of the layout */
   double margin;   /* simulated margin around the drawing, nm */
 } import;
 
 /* Read the shapes of all corrected layers, merged on the grid of the gates,
    into mask->shapes, which must be empty. Layers missing in the map are as
-   drawn. Reports the vertices moved by the grid as the metrics snapped and
-   snapped_worst. */
+   drawn. Publishes the number of vertices that are not on the grid as the
+   metric snapped, and the largest distance to the grid, nm, as snapped_worst.
+ */
 int import_shapes(const import *import, eda_mask *mask, opc_error *error);

@@ -42,6 +42,12 @@ int try_is_sound(opc_inspector *in, const char *what, int code,
   return !code;
 }
 
+int try_call(opc_inspector *in, const char *what, int own, int code,
+             opc_error *error) {
+  if (own) return try_went_well(in, what, own, error);
+  return try_is_sound(in, what, code, error);
+}
+
 void try_field(opc_inspector *in, const char *function, const char *what,
                const eda_field *field, const eda_frame *frame) {
   opc_error error = {0};

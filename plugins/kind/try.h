@@ -18,6 +18,19 @@ extern const eda_frame try_other_frame;
 int try_went_well(opc_inspector *in, const char *what, int code,
                   opc_error *error);
 
+/* The plugin as a function of the library that checks results (eda_call_...)
+   calls it: the functions of `module` forward to the plugin and keep the code
+   that the plugin returns. */
+typedef struct try_shim {
+  const opc_module *plugin;
+  int *code;
+} try_shim;
+
+/* Return whether such a call succeeded with `code`, where the plugin itself
+   returned `own`; otherwise report as try_went_well or try_is_sound. */
+int try_call(opc_inspector *in, const char *what, int own, int code,
+             opc_error *error);
+
 /* Return whether a check of the library returned no error; otherwise report the
    message as a fault. */
 int try_is_sound(opc_inspector *in, const char *what, int code,

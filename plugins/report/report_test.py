@@ -186,12 +186,15 @@ def make_runs(folder):
 
 
 def make_experiment(folder):
-    """The two runs as methods on a case, a second case with one of them, and a failure."""
+    """The two runs as methods on a case, a second case with one of them, a failure, and a method
+    with the transistors of the first one."""
     top = folder + '/experiment/'
     for case, name in (('A', 'one'), ('A', 'two'), ('B', 'one')):
         shutil.copytree(folder + '/' + name, top + case + '/' + name)
+    shutil.copytree(folder + '/one', top + 'A/three')
     rows = [['case', 'method', 'folder', 'result', 'seconds (s)'],
             ['A', 'one', 'A/one', 'complete', '1'], ['A', 'two', 'A/two', 'complete', '1'],
+            ['A', 'three', 'A/three', 'complete', '1'],
             ['B', 'one', 'B/one', 'complete', '1'], ['B', 'two', '', 'no litho ' + EVIL, '0']]
     csv.writer(open(top + 'experiment.csv', 'w', newline='')).writerows(rows)
     done = opcflow('report', top, '--output', folder + '/experiment.html')
@@ -251,8 +254,8 @@ def test_pointing(b, runs):
             expect(text in told, True, 'tip %r of %s' % (told, text))
         facts = b.value('''Object.fromEntries([...document.querySelectorAll('.tip .facts div')].map(d =>
             [d.firstChild.textContent, d.lastChild.textContent]))''')
-        found = float(facts['Ion'].replace('\u2212', '-').split('\u202f')[0])
-        expect(abs(found - float(run.gates[i]['ion_after'])) < 5e-4, True, 'Ion ' + facts['Ion'])
+        found = float(facts['ΔIon'].replace('\u2212', '-').split('\u202f')[0])
+        expect(abs(found - float(run.gates[i]['ion_after'])) < 5e-4, True, 'Ion ' + facts['ΔIon'])
 
 
 def test_colours(b, runs):
@@ -346,11 +349,14 @@ def test_experiment(b, runs, folder):
     """Methods over all cases: means as computed by Python; the page lists failed cases."""
     make_experiment(folder)
     b.open(folder + '/experiment.html')
-    rows = b.value('''[...document.querySelectorAll('#summary table')[0].rows].map(r => [...r.cells].map(c => c.innerText.trim()))''')
-    expect([r[0] for r in rows[1:]], ['one', 'two'], 'methods')
+    rows = b.value('''[...document.querySelectorAll('#summary > .wide table')[0].rows].map(r => [...r.cells].map(c => c.innerText.trim()))''')
+    expect([r[0] for r in rows[1:]], ['one', 'two', 'three'], 'methods')
+    verdicts = b.value("""[...document.querySelectorAll('#summary .note')].filter(n =>
+        n.firstChild.innerText === 'Verdicts').map(n => n.innerText.split('\\n').slice(1))""")
+    expect(verdicts, [['three against one: equal in Ion, Ioff, area, shots, violations, seconds']], 'verdicts')
     ion = [abs(float(g['ion_after'])) for g in runs[0].gates]
     expect(int(rows[1][1]), 2 * len(ion), 'transistors')
-    at = [k for k, name in enumerate(rows[0]) if name.startswith('|Ion| mean')][0]
+    at = [k for k, name in enumerate(rows[0]) if name.startswith('mean |ΔIon|')][0]
     expect(abs(float(rows[1][at]) - sum(ion) / len(ion)) < 1e-3 * max(ion), True, 'mean, ' + rows[1][at])
     expect('B, two: no litho ' + EVIL in b.value('document.getElementById("summary").innerText'), True, 'the failure')
     b.open(folder + '/page.html')

@@ -179,6 +179,7 @@ static char *show_braces(const char *text) {
 
 typedef struct builder {
   const opc_source *source;
+  const char *text;
   opc_problems *problems;
   yaml_parser_t parser;
   size_t nodes, most;
@@ -189,16 +190,73 @@ static opc_place place_of(const builder *b, yaml_mark_t mark) {
                      (unsigned)mark.column + 1};
 }
 
-static gboolean next_event(builder *b, yaml_event_t *event) {
+/* Return the start of line `line`, counted from 0. */
+static const char *line_start(const char *text, size_t line) {
+  for (; text && line; line--) {
+    text = strchr(text, '\n');
+    if (text) text++;
+  }
+  return text;
+}
+
+/* Return the length of "KEY:" where a value follows without a space, as in
+   "use:write.gds", at the beginning of a line; 0 if the line is no such text.
+   "x:/y" and "x::y" may be meant as values. */
+static size_t joined_key(const char *line) {
+  size_t n = 0;
+  while (g_ascii_isalnum(line[n]) || line[n] == '_' || line[n] == '.') n++;
+  return n && line[n] == ':' &&
+                 (g_ascii_isalnum(line[n + 1]) ||
+                  (line[n + 1] && strchr("$'\"{[", line[n + 1])))
+             ? n + 1
+             : 0;
+}
+
+/* Find a likely cause before the place where libyaml notices the fault: a key
+   without a space after the colon, in the last lines up to there. */
+static gboolean find_joined_key(const builder *b) {
+  enum { LINES = 2 };
+  size_t last = b->parser.problem_mark.line;
+  for (size_t k = 0; k < LINES && k <= last; k++) {
+    const char *line = line_start(b->text, last - k);
+    if (!line) continue;
+    size_t indent = strspn(line, " -"), n = joined_key(line + indent);
+    if (!n) continue;
+    opc_place at = {b->source->name, (unsigned)(last - k) + 1,
+                    (unsigned)(indent + n)};
+    opc_problem_add(b->problems, OPC_INVALID, &at,
+                    "not YAML: no space after the colon of '%.*s'", (int)n,
+                    line + indent);
+    return TRUE;
+  }
+  return FALSE;
+}
+
+/* Report a fault of libyaml, at the open bracket if one is not closed. */
+static gboolean event_fails(const builder *b) {
   const yaml_parser_t *parser = &b->parser;
-  if (yaml_parser_parse(&b->parser, event)) return TRUE;
   opc_place at = place_of(b, parser->problem_mark);
   const char *fault = parser->problem ? parser->problem : "out of memory";
+  const char *context = parser->context ? parser->context : "";
+  gboolean map = strstr(context, "flow mapping") != NULL;
+  if ((map || strstr(context, "flow sequence")) &&
+      g_str_has_prefix(fault, "did not find expected ',' or")) {
+    opc_place open = place_of(b, parser->context_mark);
+    return opc_problem_add(b->problems, OPC_INVALID, &open,
+                           "not YAML: '%s' is not closed: no ',' or '%s' "
+                           "before line %u, column %u",
+                           map ? "{" : "[", map ? "}" : "]", at.line,
+                           at.column);
+  }
+  if (find_joined_key(b)) return FALSE;
   if (!strcmp(fault, "found character that cannot start any token"))
     fault = "found a tab or a character that cannot begin a value";
   return opc_problem_add(b->problems, OPC_INVALID, &at, "not YAML: %s%s%s",
-                         fault, parser->context ? " " : "",
-                         parser->context ? parser->context : "");
+                         fault, *context ? " " : "", context);
+}
+
+static gboolean next_event(builder *b, yaml_event_t *event) {
+  return yaml_parser_parse(&b->parser, event) || event_fails(b);
 }
 
 /* Return why an event is no valid node; NULL if valid. */
@@ -358,7 +416,8 @@ static GPtrArray *documents_parse(const opc_source *source, const char *text,
   }
   if (!check_bytes(source, text, length, problems)) return roots;
   g_autofree char *hidden = hide_braces(text, length);
-  builder b = {.source = source, .problems = problems, .most = most};
+  builder b = {
+      .source = source, .text = hidden, .problems = problems, .most = most};
   guint before = problems->list->len;
   if (!yaml_parser_initialize(&b.parser)) g_error("out of memory");
   yaml_parser_set_encoding(&b.parser, YAML_UTF8_ENCODING);

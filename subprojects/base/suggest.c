@@ -30,6 +30,8 @@ unsigned opc_edit_distance(const char *a, const char *b) {
 const char *opc_nearest(const char *word, const GPtrArray *words) {
   unsigned limit = MAX(1, (unsigned)strnlen(word, LONGEST) / 3);
   const char *nearest = NULL;
+  for (guint i = 0; i < words->len; i++)
+    if (!g_ascii_strcasecmp(word, words->pdata[i])) return words->pdata[i];
   for (guint i = 0; i < words->len; i++) {
     unsigned distance = opc_edit_distance(word, words->pdata[i]);
     /* A word without a common letter is no suggestion, however short. */
@@ -54,12 +56,28 @@ char *opc_suggestion_of(const char *word, char *const *words) {
   return opc_suggestion(word, list);
 }
 
+/* A single word: an id that is near, else one with a last word that is near. */
+static char *suggestion_of_word(const char *word, const GPtrArray *ids) {
+  g_autoptr(GPtrArray) lasts = g_ptr_array_new();
+  const char *nearest = opc_nearest(word, ids);
+  for (guint i = 0; i < ids->len && !nearest; i++) {
+    const char *dot = strrchr(ids->pdata[i], '.');
+    g_ptr_array_add(lasts, dot ? (char *)dot + 1 : ids->pdata[i]);
+  }
+  const char *last = nearest ? NULL : opc_nearest(word, lasts);
+  guint i;
+  if (last && g_ptr_array_find(lasts, last, &i)) nearest = ids->pdata[i];
+  return nearest ? g_strdup_printf(", did you mean '%s'?", nearest)
+                 : g_strdup("");
+}
+
 char *opc_suggestion_of_id(const char *id, const GPtrArray *ids) {
   const char *dot = strchr(id, '.'), *best = NULL;
   unsigned least = G_MAXUINT;
+  if (!dot) return suggestion_of_word(id, ids);
   g_autofree char *turned =
-      dot ? g_strdup_printf("%s.%.*s", dot + 1, (int)(dot - id), id) : NULL;
-  for (guint i = 0; dot && i < ids->len && least; i++) {
+      g_strdup_printf("%s.%.*s", dot + 1, (int)(dot - id), id);
+  for (guint i = 0; i < ids->len && least; i++) {
     const char *other = ids->pdata[i], *its = strchr(other, '.');
     gboolean same = !strcmp(other, turned);
     if (!same && (!its || strcmp(its, dot) != 0)) continue;

@@ -15,11 +15,40 @@
 
 enum { LONGEST_REPORT = 1 << 20 };
 
-/* All that comes before the end or the deadline (g_get_monotonic_time); FALSE
-   if that came first. */
-static gboolean read_report(int in, gint64 deadline, GString *report) {
+gint64 child_waited(int pid) {
+  unsigned long long ran, waits = 0; /* ns */
+  char path[64] = "/proc/self/schedstat";
+  if (pid) g_snprintf(path, sizeof path, "/proc/%d/schedstat", pid);
+  FILE *f = fopen(path, "r");
+  if (!f) return 0;
+  if (fscanf(f, "%llu %llu", &ran, &waits) != 2) waits = 0;
+  fclose(f);
+  return (gint64)(waits / 1000);
+}
+
+/* The time at which a child was last seen at work, us. */
+typedef struct sign_of_life {
+  int pid;
+  gint64 granted, seen, waited;
+} sign_of_life;
+
+static void child_seen(sign_of_life *s) {
+  s->seen = g_get_monotonic_time();
+  s->waited = child_waited(s->pid);
+}
+
+/* Return the time that is left, us. */
+static gint64 child_time(const sign_of_life *s) {
+  gint64 left = s->granted - (g_get_monotonic_time() - s->seen);
+  if (left > 0) return left;
+  return left + MIN(child_waited(s->pid) - s->waited, 2 * s->granted);
+}
+
+/* All that comes before the end; FALSE if the child is too late. */
+static gboolean read_report(int in, sign_of_life *child, GString *report) {
+  child_seen(child);
   for (;;) {
-    gint64 left = (deadline - g_get_monotonic_time()) / 1000;
+    gint64 left = child_time(child) / 1000;
     struct pollfd wait = {in, POLLIN, 0};
     if (left <= 0 || report->len > LONGEST_REPORT) return FALSE;
     if (poll(&wait, 1, (int)MIN(left, 1000)) <= 0) continue;
@@ -28,16 +57,17 @@ static gboolean read_report(int in, gint64 deadline, GString *report) {
     if (n < 0 && errno == EINTR) continue;
     if (n <= 0) return TRUE;
     g_string_append_len(report, buffer, n);
+    child_seen(child);
   }
 }
 
 /* In the child: end with the parent, however the parent ends. A limit of
    processor time, which children of the child inherit, ends work that nobody
-   waits for. It is a second longer than granted, so that the parent is the one
-   to report. */
+   waits for. It is longer than granted, so that the parent is the one to
+   report, also on work of many parts that each take their time. */
 static void bind_to_parent(pid_t parent, double seconds) {
-  enum { SPARE = 1 /* s */ };
-  rlim_t most = (rlim_t)(seconds * g_get_num_processors()) + SPARE;
+  enum { SPARE = 1 /* s */, PARTS = 16 };
+  rlim_t most = (rlim_t)(seconds * PARTS * g_get_num_processors()) + SPARE;
   struct rlimit limit = {most, most};
   setrlimit(RLIMIT_CPU, &limit);
   prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -60,9 +90,9 @@ GString *child_run(void (*work)(int out, void *data), void *data,
     _exit(0);
   }
   close(ends[1]);
-  gint64 deadline = g_get_monotonic_time() + (gint64)(seconds * 1e6);
   if (pid > 0) {
-    gboolean in_time = read_report(ends[0], deadline, report);
+    sign_of_life child = {.pid = pid, .granted = (gint64)(seconds * 1e6)};
+    gboolean in_time = read_report(ends[0], &child, report);
     if (!in_time) kill(pid, SIGKILL);
     int status = 0;
     while (waitpid(pid, &status, 0) < 0 && errno == EINTR) continue;

@@ -120,8 +120,22 @@ _Noreturn static void process_end(const char *const *words, int code) {
   for (;;) syscall(SYS_exit_group, code); /* _exit() is a plugin's, below */
 }
 
+/* NULL, except in a child that reports by itself. */
+static const guard_listener *listener;
+
+_Noreturn static void listener_tell(const char *id, const char *what,
+                                    const char *detail) {
+  static int taken;
+  while (__atomic_exchange_n(&taken, 1, __ATOMIC_SEQ_CST)) pause();
+  add_text(what);
+  add_text(detail);
+  listener->change(id, said);
+  for (;;) syscall(SYS_exit_group, 0);
+}
+
 _Noreturn static void plugin_blame(const char *id, const char *what,
                                    const char *detail) {
+  if (listener) listener_tell(id, what, detail);
   const char *const words[] = {": plugin '", id,   "' ", what,
                                detail,       "\n", NULL};
   process_end(words, exit_code);
@@ -177,6 +191,7 @@ static int add_others(char *list, size_t room, int n, int suspects) {
    it. */
 static void blame_all(const char *id, const char *what, const char *detail) {
   char list[1024] = "";
+  if (listener) listener_tell(id, what, detail);
   int n = add_name(list, sizeof list, 0, id);
   pthread_mutex_lock(&workers_lock);
   n = add_others(list, sizeof list, n, 1);
@@ -250,6 +265,13 @@ static void guard_check_thread(void) {
   if (what) plugin_blame(me.inside, what, "");
 }
 
+static void listener_wake(void) {
+  static _Thread_local double last;
+  if (looked - last < 1) return;
+  last = looked;
+  listener->alive();
+}
+
 /* Whatever is not as it was, that plugin did, or one beside it. */
 static void guard_check_process(const char *id) {
   const char *detail;
@@ -259,6 +281,7 @@ static void guard_check_process(const char *id) {
   if (what) blame_all(id, what, detail);
   field_set(&me.suspect, NULL);
   looked = time_now();
+  if (listener) listener_wake();
 }
 
 const char *guard_enter(const char *id) {
@@ -274,7 +297,7 @@ const char *guard_enter(const char *id) {
 }
 
 void guard_leave(const char *before) {
-  int last = !before && &me == main_worker;
+  int last = listener || (!before && &me == main_worker);
   if (guarded && me.inside) guard_check_thread();
   if (guarded && me.inside && !me.suspect) field_set(&me.suspect, me.inside);
   if (guarded && me.suspect && (last || time_now() - looked > pause_of_looks))
@@ -376,6 +399,16 @@ void guard_remove(void) {
   guarded = 0;
   for (const process_signal *s = process_signals; s->number; s++)
     if (s->means) signal(s->number, SIG_DFL);
+}
+
+void guard_listen(const guard_listener *to) {
+  listener = to;
+  process_settle();
+  workers = NULL; /* threads of the parent */
+  me = (worker){NULL, NULL, 0, NULL};
+  main_worker = &me;
+  calls = forked = has_stack = 0;
+  guarded = getpid();
 }
 
 void guard_install(const char *text) {

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Functions of the C library that plugins find here first, as they look into
-   the command before it. They are the command's alone: programs that are linked
-   to the kernel keep their own. */
+/* Replaces functions of the C library that end the process or start a thread.
+   The dynamic linker searches the command before the C library, so that calls
+   by plugins reach these functions. Only the command contains them; other
+   programs that use the kernel call the C library. */
 #include <dlfcn.h>
 #include <errno.h>
 #include <guard/guard.h>
@@ -13,17 +14,19 @@
 
 #define EXPORT __attribute__((visibility("default")))
 
-/* The next one of that name, as a pointer to a function: `to` points to it. */
+/* Find the definition of a function in the C library. `to` points to the
+   function pointer to set. */
 static void find_next(const char *name, void *to) {
   void *next = dlsym(RTLD_NEXT, name);
   memcpy(to, &next, sizeof next);
 }
 
-/* ---- the end ---- */
+/* ---- end of the process ---- */
 
-/* The guard hears of exit() and quick_exit() by itself as well, from within the
-   C library; but while one thread is there, another one could end the process.
- */
+/* End the process with a function of the C library. The guard's own exit
+   handlers (atexit) run later, within exit() and quick_exit(), when another
+   thread could already have ended the process. Therefore guard_exit reports the
+   plugin first. */
 _Noreturn static void process_leave(const char *name, int code) {
   void (*next)(int);
   guard_exit();
@@ -128,7 +131,8 @@ EXEC_LIST(execle, next_exec.execve(path, words, va_arg(more, char **)))
 
 /* ---- threads ---- */
 
-/* A thread that a plugin starts is in that plugin. */
+/* Arguments of a new thread, and the plugin that starts the thread. The guard
+   attributes all work of the thread to that plugin. */
 typedef struct beginning {
   void *(*work)(void *);
   void *data;
@@ -142,12 +146,14 @@ static void *thread_begin(void *data) {
   return b.work(b.data);
 }
 
-/* Guard below the stack of each thread, bytes, as Linux keeps below the first
-   thread's. A function with much on the stack would step over the usual page,
-   into memory of another thread. */
+/* Size of the inaccessible area below the stack of each thread, bytes; equal to
+   the gap that Linux keeps below the stack of the first thread. A function with
+   large local variables would skip the default area, one page, and write to
+   memory of another thread. */
 enum { GUARD = 1 << 20 };
 
-/* As `how`, which may be NULL, with that guard. */
+/* Return a copy of `how` (NULL: default attributes) with an inaccessible area
+   of at least GUARD bytes. */
 static pthread_attr_t attributes_guarded(const pthread_attr_t *how) {
   pthread_attr_t own;
   size_t guard = 0;

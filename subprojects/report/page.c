@@ -3,7 +3,7 @@
    assembles the page. */
 #include <report/page.h>
 
-#include <eda/runs.h>
+#include <eda/verdicts.h>
 #include <json-glib/json-glib.h>
 #include <math.h>
 #include <opcflow/kind.h>
@@ -279,6 +279,11 @@ int page_add_run(page *p, const char *folder, const char *of_case,
   g_autoptr(GString) out = g_string_new("{");
   text_member(out, "case", of_case ? of_case : "");
   int code = add_facts(p, out, run, label, method, running, error);
+  if (!running && !eda_run_told(run)->failure) {
+    g_ptr_array_add(p->places, g_strdup(of_case ? of_case : ""));
+    g_ptr_array_add(p->places, g_strdup(method ? method : label));
+    g_ptr_array_add(p->places, g_strdup(folder));
+  }
   eda_run_free(run);
   if (code) return code;
   g_string_append_printf(p->runs, "%s%s}", p->runs->len ? ",\n" : "", out->str);
@@ -315,19 +320,87 @@ void page_lacks(page *p, const char *format, ...) {
   json_text(p->missing, text);
 }
 
+/* ---- work: verdicts ---- */
+
+/* Return the place of a text in an array, added if new. */
+static size_t place_of(GPtrArray *texts, char *text) {
+  guint at;
+  if (g_ptr_array_find_with_equal_func(texts, text, g_str_equal, &at))
+    return at;
+  g_ptr_array_add(texts, text);
+  return texts->len - 1;
+}
+
+static void add_change(GString *out, const eda_change *c) {
+  static const char *const words[] = {"same", "better", "worse", "too few"};
+  open_member(out, c->name, '{');
+  text_member(out, "title", c->title);
+  text_member(out, "unit", c->unit);
+  number_member(out, "base", c->base);
+  number_member(out, "value", c->value);
+  number_member(out, "change", c->change);
+  number_member(out, "median", c->median.value);
+  number_member(out, "low", c->median.low);
+  number_member(out, "high", c->median.high);
+  number_member(out, "independent", (double)c->median.n);
+  text_member(out, "verdict", words[c->verdict]);
+  g_string_append_c(out, '}');
+}
+
+static void add_verdict(GString *out, const eda_verdict *v) {
+  open_element(out);
+  text_member(out, "method", v->method);
+  text_member(out, "against", v->against);
+  text_member(out, "text", v->text);
+  open_member(out, "changes", '{');
+  for (int i = 0; i < EDA_CHANGES; i++)
+    if (v->changes[i].n) add_change(out, &v->changes[i]);
+  g_string_append(out, "}}");
+}
+
+/* Append the verdicts on the methods of the page, without those that have no
+   transistors in common. */
+static void add_all_verdicts(page *p, GString *out) {
+  g_autoptr(GPtrArray) cases = g_ptr_array_new();
+  g_autoptr(GPtrArray) methods = g_ptr_array_new();
+  char *const *place = (char *const *)p->places->pdata;
+  opc_error error = {0};
+  size_t n;
+  for (guint i = 0; i < p->places->len; i += 3) {
+    place_of(cases, place[i]);
+    place_of(methods, place[i + 1]);
+  }
+  g_autofree const char **folders =
+      g_new0(const char *, (gsize)cases->len * methods->len + 1);
+  for (guint i = 0; i < p->places->len; i += 3)
+    folders[place_of(cases, place[i]) * methods->len +
+            place_of(methods, place[i + 1])] = place[i + 2];
+  eda_verdict *v = eda_verdicts_new(cases->len, methods->len,
+                                    (const char *const *)methods->pdata,
+                                    folders, &n, &error);
+  if (!v) {
+    page_lacks(p, "no verdicts: %s", error.message);
+    return;
+  }
+  for (size_t i = 0; i < n; i++)
+    if (v[i].changes[EDA_CHANGE_ION].n) add_verdict(out, &v[i]);
+  eda_verdicts_free(v, n);
+}
+
 /* ---- work: the page ---- */
 
 void page_init(page *p, double megabytes) {
   /* A third is reserved for tables and the page itself. */
   *p = (page){g_string_new(NULL), g_string_new(NULL),
               g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL),
-              megabytes * 1e6 * 2 / 3};
+              g_ptr_array_new_with_free_func(g_free), megabytes * 1e6 * 2 / 3};
 }
 
 void page_clear(page *p) {
   g_string_free(p->runs, TRUE);
   g_string_free(p->missing, TRUE);
   g_hash_table_unref(p->labels);
+  g_ptr_array_free(p->places, TRUE);
 }
 
 /* Append the files with this suffix, for @STYLE@ and @SCRIPT@. */
@@ -337,16 +410,18 @@ static void append_files(GString *out, const char *end) {
       g_string_append_len(out, samples[i].bytes, (gssize)samples[i].size);
 }
 
-static void append_data(const page *p, const char *title, GString *out) {
+static void append_data(page *p, const char *title, GString *out) {
+  g_autoptr(GString) verdicts = g_string_new("[");
+  add_all_verdicts(p, verdicts);
   g_string_append(out, "{\"report\": 1");
   text_member(out, "opcflow", OPC_VERSION);
   text_member(out, "title", title);
-  g_string_append_printf(out, ", \"missing\": [%s],\n\"runs\": [\n%s]}",
-                         p->missing->str, p->runs->str);
+  g_string_append_printf(
+      out, ", \"missing\": [%s],\n\"verdicts\": %s],\n\"runs\": [\n%s]}",
+      p->missing->str, verdicts->str, p->runs->str);
 }
 
-int page_write(const page *p, const char *title, const char *path,
-               opc_error *error) {
+int page_write(page *p, const char *title, const char *path, opc_error *error) {
   g_autoptr(GString) frame = g_string_new(NULL), out = g_string_new(NULL);
   g_autoptr(GError) fault = NULL;
   append_files(frame, ".html");

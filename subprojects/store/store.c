@@ -79,6 +79,12 @@ opc_store *opc_store_open(opc_error *error) {
       own ? g_canonicalize_filename(own, NULL)
           : g_build_filename(g_get_user_cache_dir(), "opcflow", NULL);
   g_autofree char *entries = g_build_filename(folder, "entries", NULL);
+  if (!g_path_is_absolute(folder)) {
+    opc_fail(error, OPC_INVALID, NULL,
+             "the user's cache folder '%s' is relative",
+             g_get_user_cache_dir());
+    return NULL;
+  }
   if (!g_mkdir_with_parents(folder, 0700) && !folder_claim(folder, !own)) {
     opc_fail(error, OPC_INVALID, NULL,
              "'%s' has files, but no file 'opcflow-store': it is not a store "

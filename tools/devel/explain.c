@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* opcflow explain: why each step of a run ran, or that it was reused; from the
    run's manifest. */
+#include <base/file.h>
+#include <base/suggest.h>
 #include <string.h>
 
 #include <store/contents.h>
@@ -91,15 +93,48 @@ static void print_lines(JsonArray *results, JsonObject *store) {
 
 /* ---- the verb ---- */
 
+/* Return a suggestion for the name of a run folder (g_free): the nearest run
+   beside it, or in 'runs'. */
+static char *run_suggestion(const char *folder) {
+  g_autofree char *parent = g_path_get_dirname(folder);
+  g_autofree char *base = g_path_get_basename(folder);
+  const char *const places[] = {parent, "runs"};
+  for (size_t i = 0; i < G_N_ELEMENTS(places); i++) {
+    g_autoptr(GPtrArray) names = opc_folder_names(places[i]);
+    const char *near = names ? opc_nearest(base, names) : NULL;
+    g_autofree char *path =
+        near ? g_build_filename(places[i], near, NULL) : g_strdup("");
+    g_autofree char *file = g_build_filename(path, "manifest.json", NULL);
+    if (near && g_file_test(file, G_FILE_TEST_EXISTS))
+      return g_strdup_printf(", did you mean '%s'?", path);
+  }
+  return g_strdup(": pass the folder that 'opcflow run' wrote, 'runs/NAME'");
+}
+
+/* Return the text of a run's manifest (g_free); NULL, after a message. */
+static char *read_manifest(const char *folder, const char *path) {
+  char *text = NULL;
+  const char *fault = opc_file_fault(path, NULL);
+  g_autofree char *hint = run_suggestion(folder);
+  if (!g_file_test(folder, G_FILE_TEST_EXISTS))
+    cli_message("error", "'%s': no such run folder%s", folder, hint);
+  else if (!g_file_test(folder, G_FILE_TEST_IS_DIR))
+    cli_message("error", "'%s': is a file, not the folder of a run", folder);
+  else if (!g_file_test(path, G_FILE_TEST_EXISTS))
+    cli_message("error", "'%s': is not the folder of a run: no manifest.json",
+                folder);
+  else if (fault || !g_file_get_contents(path, &text, NULL, NULL))
+    cli_message("error", "'%s': %s", path, fault ? fault : "cannot be read");
+  return text;
+}
+
 static int explain_run(const cli_verb *verb, const GPtrArray *arguments) {
   const char *folder = arguments->pdata[0];
   g_autofree char *path = g_build_filename(folder, "manifest.json", NULL);
-  g_autofree char *text = NULL;
-  g_autoptr(GError) fault = NULL;
+  g_autofree char *text = read_manifest(folder, path);
   JsonObject *store;
   (void)verb;
-  if (!g_file_get_contents(path, &text, NULL, &fault))
-    return cli_error(CLI_IO, "%s", fault->message);
+  if (!text) return CLI_IO;
   g_autoptr(JsonNode) manifest = opc_contents_parse(text);
   JsonArray *results = results_of(manifest, &store);
   if (!results)

@@ -48,13 +48,14 @@ static void do_in_child(int out, void *data) {
 static gboolean run_check(opc_lint *lint, size_t i, const char *first,
                           char **digest) {
   const char *name = opc_checks[i].name;
-  gboolean ended = FALSE;
+  gboolean ended = FALSE, blamed = FALSE;
   int end;
   check_task j = {lint, i};
   g_autoptr(GString) text = child_run(do_in_child, &j, lint->seconds, &end);
   g_auto(GStrv) lines = g_strsplit(text->str, "\n", -1);
   for (guint k = 0; lines[k]; k++) {
     ended |= *lines[k] == 'E';
+    blamed |= *lines[k] == 'B';
     take_line(lint, lines[k], first, digest);
   }
   char *crash = NULL;
@@ -63,10 +64,10 @@ static gboolean run_check(opc_lint *lint, size_t i, const char *first,
         g_strdup_printf("does not end within %g s: %s", lint->seconds, name);
   else if (end > 0)
     crash = g_strdup_printf("crashes (%s): %s", g_strsignal(end), name);
-  else if (!ended)
+  else if (!ended && !blamed)
     crash = g_strdup_printf("ends the process: %s", name);
   if (crash) g_ptr_array_add(lint->findings, crash);
-  return !crash;
+  return ended && !crash;
 }
 
 /* ---- exports ---- */
@@ -195,8 +196,8 @@ static void lint_end(opc_lint *lint) {
 
 /* ---- the verb ---- */
 
-/* How long one check may take, s. */
-static const double patience = 60;
+/* Time that a call of the plugin may take, s. */
+static const double patience = 15;
 
 /* Begin anew without malloc's cache of each thread: free memory in the cache
    counts as used, and would look like a leak. */

@@ -13,7 +13,7 @@ typedef struct opc_lint {
   char *id;
   opc_registry *registry; /* for its kind and the plugins in its slots */
   const char *parameters; /* a map in flow syntax, over the made-up one */
-  double seconds;         /* that one check may take */
+  double seconds;         /* that a call may take */
   char *folder;           /* for sample files and output of plugins */
   int alive, janitor;  /* a pipe's end; who removes the folder when it ends */
   size_t sample;       /* the file that the plugin works with */
@@ -36,5 +36,6 @@ extern const opc_check opc_checks[];
 
 /* Run check i and write its report: lines of a letter and a text. F: a fault;
    N: a check that was not made, and why; D: the digest of the results; S: the
-   number of the sample file; E: the end. */
+   number of the sample file; T: a sign of life; B: the plugin changed the
+   process, which ends; E: the end. */
 void opc_check_do(const opc_lint *lint, size_t i, int out);

@@ -85,6 +85,28 @@ static gboolean is_own_verb(const char *word) {
   return FALSE;
 }
 
+/* "; kinds: command, extractor, ..." (g_free). */
+static char *kind_list(const GPtrArray *kinds) {
+  GString *all = g_string_new(NULL);
+  for (guint i = 0; i < kinds->len; i++)
+    g_string_append_printf(all, "%s%s",
+                           i ? ", " : "; kinds: ", (char *)kinds->pdata[i]);
+  return g_string_free(all, FALSE);
+}
+
+/* Report that a plugin cannot be named without its kind or its own name. */
+static int lacks_name(const char *given, GPtrArray *kinds) {
+  g_autofree char *all = kind_list(kinds);
+  if (g_ptr_array_find_with_equal_func(kinds, given, g_str_equal, NULL))
+    return cli_error(CLI_USAGE,
+                     "'%s' is a kind: give the plugin a name, for example "
+                     "'opcflow new plugin %s.mine'",
+                     given, given);
+  return cli_error(CLI_USAGE,
+                   "'%s' has no kind: use 'opcflow new plugin KIND.%s'%s",
+                   given, given, all);
+}
+
 /* Find name, id and kind from the given ones; -1 or the exit code. */
 static int settle_names(const char *given) {
   if (!opc_is_id(given))
@@ -94,6 +116,7 @@ static int settle_names(const char *given) {
                      given);
   const char *dot = strrchr(given, '.');
   g_autoptr(GPtrArray) kinds = opc_kind_names(cli_registry());
+  if (!dot && !wanted) return lacks_name(given, kinds);
   kind = wanted ? g_strdup(wanted) : g_strndup(given, strcspn(given, "."));
   id = dot ? g_strdup(given) : g_strconcat(kind, ".", given, NULL);
   name = g_strdup(dot ? dot + 1 : given);
@@ -104,12 +127,10 @@ static int settle_names(const char *given) {
                      name, id);
   if (g_ptr_array_find_with_equal_func(kinds, kind, g_str_equal, NULL))
     return -1;
-  if (!wanted)
-    return cli_error(CLI_USAGE,
-                     "'new plugin' needs --kind, see 'opcflow help new'");
   g_autofree char *suggestion = opc_suggestion(kind, kinds);
-  return cli_error(CLI_USAGE, "unknown kind '%s'%s", kind,
-                   *suggestion ? suggestion : ", see 'opcflow help new'");
+  g_autofree char *all = kind_list(kinds);
+  return cli_error(CLI_USAGE, "unknown kind '%s'%s%s%s", kind, suggestion, all,
+                   wanted ? "" : "; a step has any first word: '--kind step'");
 }
 
 static int make_folder(void) {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The pairs of runs to compare, each with a base run, by case and method. */
+/* Pairs of runs to compare: a run and its base run, for each case and method.
+ */
 #pragma once
 
 #include <eda/runs.h>
@@ -24,11 +25,15 @@ typedef struct field {
   GPtrArray *lists; /* eda_run_cases * */
 } field;
 
-/* Open the runs to compare. Accepted are two or more run folders, or variants
-   of a flow (one file, and the variant names separated by commas). Also one
-   experiment (the first method is the base), or two experiments (the first is
-   the base, compared by case and method). Logs cases without a run by
-   host->log. Call field_clear also after an error. */
+/* Open the runs to compare. The arguments are one of:
+     - two or more run folders; the first run is the base of all others;
+     - a flow file, with `variants`, names separated by commas; the latest run
+   of the first variant is the base;
+     - an experiment; in each case, the run of the first method is the base;
+     - two experiments; each run of the second has as its base the run of the
+       same case and method of the first.
+   Logs cases without a run by host->log. Call field_clear also after an
+   error. */
 int field_open(field *f, const opc_host *host, size_t n,
                const char *const *arguments, const char *variants,
                opc_error *error);

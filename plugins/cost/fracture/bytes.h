@@ -4,11 +4,12 @@
 
 #include <eda/formats.h>
 
-/* Compute the size of merged shapes as elements of a GDSII file by
-   write.gds. */
+/* Compute the number of bytes that merged shapes take in a GDSII file written
+   by write.gds. Only the elements are counted, without headers. */
 int gdsii_bytes(const eda_shapes *shapes, int64_t *bytes, opc_error *error);
 
-/* Compute the size of merged shapes as compressed records of layer LAYER/0 in
-   an OASIS file by write.oasis, without other layers in their blocks. */
+/* Compute the number of bytes that merged shapes on layer LAYER/0 take in an
+   OASIS file written by write.oasis, as compressed blocks that contain no other
+   layer. */
 int oasis_bytes(const eda_shapes *shapes, uint32_t layer, int64_t *bytes,
                 opc_error *error);

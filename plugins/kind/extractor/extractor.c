@@ -60,10 +60,9 @@ static void fill_slices(cases *all, size_t c, size_t n, const double *place,
                                 .edge = edge};
 }
 
-/* Return a performance whose arrays are in `figure`, filled with NAN to detect
-   missing results. */
+/* Return a performance whose arrays are in `figure`. */
 static eda_performance room_in(double *figure) {
-  for (size_t i = 0; i < FIGURES; i++) figure[i] = NAN;
+  memset(figure, 0, FIGURES * sizeof *figure);
   return (eda_performance){.count = 2,
                            .ion = figure,
                            .ioff = figure + 2,
@@ -73,15 +72,31 @@ static eda_performance room_in(double *figure) {
                            .area = figure + 10};
 }
 
-/* Call the plugin for case c. `outside` may be NULL: the caller needs no such
-   flags. */
-static int case_extract(const cases *all, size_t c, double *figure,
-                        uint8_t *outside, eda_performance *out,
-                        opc_error *error) {
-  const eda_extractor *o = all->m->functions;
+static int forward_extract(const void *self, const eda_slices *in,
+                           eda_performance *out, opc_error *error) {
+  const try_shim *shim = self;
+  const eda_extractor *o = shim->plugin->functions;
+  for (size_t i = 0; i < in->count; i++) /* detects missing results */
+    out->ion[i] = out->ioff[i] = out->leq_ion[i] = out->leq_ioff[i] =
+        out->weq[i] = out->area[i] = NAN;
+  return *shim->code = o->extract(shim->plugin->self, in, out, error);
+}
+
+static const eda_extractor forwards = {.extract = forward_extract};
+
+/* Call the plugin for case c. */
+static int case_extract(opc_inspector *in, const cases *all, size_t c,
+                        double *figure, uint8_t *outside,
+                        eda_performance *out) {
+  int own = OPC_OK;
+  const try_shim shim = {all->m, &own};
+  const opc_module shown = {&forwards, (void *)&shim, all->m->id};
+  opc_error error = {0};
   *out = room_in(figure);
   out->outside = outside;
-  return o->extract(all->m->self, &all->slices[c], out, error);
+  int code =
+      eda_call_extract(in->context, &shown, &all->slices[c], out, &error);
+  return try_call(in, "extract", own, code, &error);
 }
 
 static int try_case(opc_inspector *in, cases *all, size_t c) {
@@ -89,10 +104,9 @@ static int try_case(opc_inspector *in, cases *all, size_t c) {
   uint8_t outside[2] = {0};
   opc_error error = {0};
   eda_performance out;
-  int code = case_extract(all, c, all->figure[c], outside, &out, &error);
-  if (!try_went_well(in, "extract", code, &error)) return 0;
-  code = eda_check_performance(all->gates, 0, c == OPEN ? open : NULL, &out,
-                               &error);
+  if (!case_extract(in, all, c, all->figure[c], outside, &out)) return 0;
+  int code = eda_check_performance(all->gates, 0, c == OPEN ? open : NULL, &out,
+                                   &error);
   if (!try_is_sound(in, "extract", code, &error)) return 0;
   in->add(in, all->figure[c], sizeof all->figure[c]);
   return 1;
@@ -120,9 +134,10 @@ static void try_currents(opc_inspector *in, const cases *all) {
 static int same_figures(void *data, size_t c) {
   const cases *all = data;
   double figure[FIGURES];
-  eda_performance out;
+  eda_performance out = room_in(figure); /* no `outside`: not wanted */
+  const eda_extractor *o = all->m->functions;
   opc_error error = {0};
-  if (case_extract(all, c, figure, NULL, &out, &error)) return 0;
+  if (o->extract(all->m->self, &all->slices[c], &out, &error)) return 0;
   uint64_t now[FIGURES], before[FIGURES]; /* compared bit by bit */
   memcpy(now, figure, sizeof now);
   memcpy(before, all->figure[c], sizeof before);
@@ -162,7 +177,6 @@ static void printed_lengths(const eda_printed_gate *gate, size_t n,
 }
 
 static void try_slice(opc_inspector *in, const opc_module *m, size_t n) {
-  const eda_extractor *o = m->functions;
   const eda_gates *g = eda_gates_sample();
   double *slicing = eda_alloc(2 * n, sizeof *slicing);
   for (size_t i = 0; i < g->count; i++) {
@@ -174,8 +188,7 @@ static void try_slice(opc_inspector *in, const opc_module *m, size_t n) {
                                    .length = printed_length,
                                    .lengths = printed_lengths};
     opc_error error = {0};
-    o->slice(m->self, &gate, slicing, slicing + n);
-    int code = eda_check_slicing(n, slicing, slicing + n, &error);
+    int code = eda_call_slice(in->context, m, &gate, n, slicing, &error);
     if (!try_is_sound(in, "slice", code, &error)) break;
     in->add(in, slicing, 2 * n * sizeof *slicing);
   }
@@ -186,8 +199,10 @@ static void try_range(opc_inspector *in, const opc_module *m) {
   const eda_extractor *o = m->functions;
   for (int type = EDA_NMOS; type <= EDA_PMOS; type++) {
     double low = NAN, high = NAN;
-    if (o->range(m->self, type, &low, &high) &&
-        !(low > 0 && low < high && isfinite(high)))
+    const char *before = opc_enter(in->context, m->id);
+    int known = o->range(m->self, type, &low, &high);
+    opc_leave(in->context, before);
+    if (known && !(low > 0 && low < high && isfinite(high)))
       in->find(in, "range: %g to %g nm", low, high);
   }
 }
@@ -195,12 +210,16 @@ static void try_range(opc_inspector *in, const opc_module *m) {
 static void exercise(const opc_module *m, opc_inspector *in) {
   const eda_extractor *o = m->functions;
   opc_error error = {0};
-  if (!try_went_well(in, "prepare", o->prepare(m->self, &error), &error))
-    return;
+  const char *before = eda_enter(in->context, m, &error);
+  int code = o->prepare(m->self, &error);
+  opc_leave(in->context, before);
+  if (!try_went_well(in, "prepare", code, &error)) return;
   if (o->range) try_range(in, m);
   const double *place = NULL, *share = NULL;
+  before = eda_enter(in->context, m, &error);
   size_t n = o->slicing(m->self, &place, &share);
-  int code = eda_check_slicing(n, place, share, &error);
+  code = eda_check_slicing(n, place, share, &error);
+  opc_leave(in->context, before);
   if (!try_is_sound(in, "slicing", code, &error) || n > SLICES_MOST) return;
   if (o->slice) try_slice(in, m, n);
   try_slices(in, m, n, place, share);

@@ -33,9 +33,11 @@ static int image_call(opc_inspector *in, const opc_module *m, int layer,
                       eda_field *out) {
   const eda_litho *o = m->functions;
   opc_error error = {0};
+  const char *before = eda_enter(in->context, m, &error);
   int code = defocus == 0
                  ? o->image(m->self, layer, mask, out, &error)
                  : o->image_at(m->self, layer, mask, defocus, out, &error);
+  opc_leave(in->context, before);
   return try_went_well(in, defocus == 0 ? "image" : "image_at", code, &error);
 }
 
@@ -43,7 +45,9 @@ static int call_fine(opc_inspector *in, const opc_module *m, int layer,
                      const eda_spectrum *mask, double wanted, eda_field *out) {
   const eda_litho *o = m->functions;
   opc_error error = {0};
+  const char *before = eda_enter(in->context, m, &error);
   int code = o->image_fine(m->self, layer, mask, 0, wanted, out, &error);
+  opc_leave(in->context, before);
   return try_went_well(in, "image_fine", code, &error);
 }
 
@@ -231,9 +235,13 @@ static void try_callers(opc_inspector *in, const opc_module *m) {
 static void exercise(const opc_module *m, opc_inspector *in) {
   const eda_litho *o = m->functions;
   opc_error error = {0};
-  if (!try_went_well(in, "prepare", o->prepare(m->self, &error), &error))
-    return;
+  const char *before = eda_enter(in->context, m, &error);
+  int code = o->prepare(m->self, &error);
+  opc_leave(in->context, before);
+  if (!try_went_well(in, "prepare", code, &error)) return;
+  before = eda_enter(in->context, m, &error);
   double band = o->band(m->self);
+  opc_leave(in->context, before);
   if (!(band > 0) || !isfinite(band)) {
     in->find(in, "its band is %g 1/nm", band);
     return;

@@ -2,6 +2,7 @@
 /* Kind "regulator": required functions, tests of a plugin, and the template of
    a new one. */
 #include <eda/regulator.h>
+#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -20,9 +21,27 @@ static int print_drawn(opc_inspector *in, const eda_gates *g,
   return 1;
 }
 
+static int forward_rule(void *self, const eda_printed *printed,
+                        eda_ruling *ruling, opc_error *error) {
+  const try_shim *shim = self;
+  const eda_regulator *o = shim->plugin->functions;
+  return *shim->code = o->rule(shim->plugin->self, printed, ruling, error);
+}
+
+static int forward_violations(void *self, const eda_printed *printed,
+                              eda_violation *list, size_t most, size_t *count,
+                              opc_error *error) {
+  const try_shim *shim = self;
+  const eda_regulator *o = shim->plugin->functions;
+  return *shim->code = o->violations(shim->plugin->self, printed, list, most,
+                                     count, error);
+}
+
+static const eda_regulator forwards = {.rule = forward_rule,
+                                       .violations = forward_violations};
+
 static int try_rule(opc_inspector *in, const opc_module *m,
                     const eda_printed *printed) {
-  const eda_regulator *o = m->functions;
   const eda_gates *g = printed->gates;
   uint32_t vetoes[GATES] = {0};
   int32_t end[2 * GATES] = {0};
@@ -32,12 +51,11 @@ static int try_rule(opc_inspector *in, const opc_module *m,
                        .patches = patches,
                        .bites = patches + g->layers};
   opc_error error = {0};
-  int code = o->rule(m->self, printed, &ruling, &error);
-  int good = try_went_well(in, "rule", code, &error);
-  if (good) {
-    code = eda_check_ruling(g, &ruling, &error);
-    good = try_is_sound(in, "rule", code, &error);
-  }
+  int own = OPC_OK;
+  const try_shim shim = {m, &own};
+  const opc_module shown = {&forwards, (void *)&shim, m->id};
+  int code = eda_call_rule(in->context, &shown, printed, &ruling, &error);
+  int good = try_call(in, "rule", own, code, &error);
   if (good) {
     in->add(in, vetoes, sizeof vetoes);
     in->add(in, end, sizeof end);
@@ -64,24 +82,35 @@ static void try_places(opc_inspector *in, const eda_gates *g,
   }
 }
 
+/* Return the number of violations, of which at most `most` are in the list; -1
+   on failure. */
+static int64_t violations_call(opc_inspector *in, const opc_module *m,
+                               const eda_printed *printed, eda_violation *list,
+                               size_t most) {
+  opc_error error = {0};
+  size_t count = 0;
+  int own = OPC_OK;
+  const try_shim shim = {m, &own};
+  const opc_module shown = {&forwards, (void *)&shim, m->id};
+  int code = eda_call_violations(in->context, &shown, printed, list, most,
+                                 &count, &error);
+  const char *what = most ? "violations" : "violations without room";
+  return try_call(in, what, own, code, &error) ? (int64_t)count : -1;
+}
+
 /* Check the violations, and that their number does not depend on the capacity
    of the list. */
 static void try_violations(opc_inspector *in, const opc_module *m,
                            const eda_printed *printed) {
-  const eda_regulator *o = m->functions;
   eda_violation list[ROOM] = {{0}};
-  opc_error error = {0};
-  size_t many = 0, none = 0;
-  int code = o->violations(m->self, printed, list, ROOM, &many, &error);
-  if (!try_went_well(in, "violations", code, &error)) return;
-  code = o->violations(m->self, printed, NULL, 0, &none, &error);
-  if (!try_went_well(in, "violations without room", code, &error)) return;
-  code = eda_check_violations(list, many < ROOM ? many : ROOM,
-                              printed->gates->count, &error);
-  if (try_is_sound(in, "violations", code, &error))
-    try_places(in, printed->gates, list, many < ROOM ? many : ROOM);
-  if (many != none)
-    in->find(in, "violations counts %zu with room and %zu without", many, none);
+  int64_t many = violations_call(in, m, printed, list, ROOM), none;
+  if (many < 0) return;
+  try_places(in, printed->gates, list, many < ROOM ? (size_t)many : ROOM);
+  none = violations_call(in, m, printed, NULL, 0);
+  if (none >= 0 && many != none)
+    in->find(in,
+             "violations counts %" PRId64 " with room and %" PRId64 " without",
+             many, none);
 }
 
 static void exercise(const opc_module *m, opc_inspector *in) {

@@ -14,17 +14,32 @@ enum { LAYERS = 3, NODES = 16 };
 
 /* ---- work ---- */
 
+static int forward_print(const void *self, int layer, eda_field *field,
+                         opc_error *error) {
+  const try_shim *shim = self;
+  const eda_resist *o = shim->plugin->functions;
+  return *shim->code = o->print(shim->plugin->self, layer, field, error);
+}
+
+static const eda_resist forwards = {.print = forward_print};
+
+static int print_call(opc_inspector *in, const opc_module *m, int layer,
+                      eda_field *field) {
+  int own = OPC_OK;
+  const try_shim shim = {m, &own};
+  const opc_module shown = {&forwards, (void *)&shim, m->id};
+  opc_error error = {0};
+  int code = eda_call_print(in->context, &shown, layer, field, &error);
+  return try_call(in, "print", own, code, &error);
+}
+
 /* Return the level set of a constant field; NAN, with a note, on failure. */
 static double level_of(opc_inspector *in, const opc_module *m, double value) {
-  const eda_resist *o = m->functions;
   eda_field field = {try_frame, NODES, NODES,
                      eda_alloc(NODES * NODES, sizeof(float))};
   double x = 30, y = 200, level = NAN;
-  opc_error error = {0};
   for (int i = 0; i < NODES * NODES; i++) field.coefficients[i] = (float)value;
-  int code = o->print(m->self, EDA_POLY, &field, &error);
-  if (try_went_well(in, "print", code, &error) &&
-      !eda_check_field(&field, &try_frame, "level set", &error))
+  if (print_call(in, m, EDA_POLY, &field))
     eda_field_sample(&field, &x, &y, 1, &level);
   eda_field_clear(&field);
   return level;
@@ -102,14 +117,14 @@ static void exercise(const opc_module *m, opc_inspector *in) {
   const eda_resist *o = m->functions;
   const opc_module litho = try_litho(in);
   opc_error error = {0};
-  if (!try_went_well(in, "prepare", o->prepare(m->self, &litho, &error),
-                     &error))
-    return;
+  const char *before = eda_enter(in->context, m, &error);
+  int code = o->prepare(m->self, &litho, &error);
+  opc_leave(in->context, before);
+  if (!try_went_well(in, "prepare", code, &error)) return;
   for (int layer = 0; layer < LAYERS; layer++) {
     eda_field field;
     if (!try_print(in, layer, &field)) return;
-    int code = o->print(m->self, layer, &field, &error);
-    if (try_went_well(in, "print", code, &error))
+    if (print_call(in, m, layer, &field))
       try_field(in, "print", "level set", &field, &try_frame);
     eda_field_clear(&field);
   }

@@ -2,7 +2,6 @@
 /* Kind "synthesizer": required functions, tests of a plugin, and the template
    of a new one. */
 #include <eda/synthesizer.h>
-#include <glib.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -54,7 +53,9 @@ static int try_cut(opc_inspector *in, const opc_module *m, int layer,
   const eda_gates *g = eda_gates_sample();
   eda_cuts cuts = {0};
   opc_error error = {0};
+  const char *before = eda_enter(in->context, m, &error);
   int code = o->cut(m->self, g, layer, &cuts, &error);
+  opc_leave(in->context, before);
   if (!try_went_well(in, "cut", code, &error)) return 0;
   code = eda_check_cuts(g, layer, &cuts, &error);
   if (!try_is_sound(in, "cut", code, &error)) return 0;
@@ -75,11 +76,19 @@ static void open_gate(eda_performance *p, size_t i) {
   p->weq[i] = p->area[i] = 0;
 }
 
+static int forward_update(void *self, const eda_feedback *f, eda_moves *moves,
+                          int *done, opc_error *error) {
+  const try_shim *shim = self;
+  const eda_synthesizer *o = shim->plugin->functions;
+  return *shim->code = o->update(shim->plugin->self, f, moves, done, error);
+}
+
+static const eda_synthesizer forwards = {.update = forward_update};
+
 /* Run iterations, with a veto in the third and an open gate in the fourth,
    until the synthesizer reports that it is done. */
 static int try_moves(opc_inspector *in, const opc_module *m, eda_feedback f,
                      eda_performance *printed, fragments *own) {
-  const eda_synthesizer *o = m->functions;
   const eda_gates *g = f.gates;
   uint32_t flags[GATES] = {0}, vetoes[GATES] = {0};
   int32_t l[GATES] = {0}, w[GATES] = {0}, jog[GATES] = {0};
@@ -98,10 +107,12 @@ static int try_moves(opc_inspector *in, const opc_module *m, eda_feedback f,
     vetoes[0] = f.iteration == 2 ? EDA_VETO_LONGER : 0;
     flags[1] = f.iteration == 3 ? EDA_PRINT_OPEN : 0;
     if (flags[1]) open_gate(printed, 1);
-    int code = o->update(m->self, &f, &moves, &done, &error);
-    if (!try_went_well(in, "update", code, &error)) return 0;
-    code = eda_check_moves(g, &moves, own->count, &error);
-    if (!try_is_sound(in, "update", code, &error)) return 0;
+    int its = OPC_OK;
+    const try_shim shim = {m, &its};
+    const opc_module shown = {&forwards, (void *)&shim, m->id};
+    int code = eda_call_update(in->context, &shown, &f, own->count, &moves,
+                               &done, &error);
+    if (!try_call(in, "update", its, code, &error)) return 0;
     in->add(in, l, sizeof l);
     in->add(in, w, sizeof w);
     in->add(in, jog, sizeof jog);
@@ -119,18 +130,20 @@ static int try_moves(opc_inspector *in, const opc_module *m, eda_feedback f,
 }
 
 static void try_verdicts(opc_inspector *in, const opc_module *m) {
-  const eda_synthesizer *o = m->functions;
-  for (size_t i = 0; o->verdict && i < GATES; i++) {
-    const char *why = o->verdict(m->self, i);
-    if (why && !g_utf8_validate(why, -1, NULL))
-      in->find(in, "verdict gave a text that is not UTF-8");
+  for (size_t i = 0; i < GATES; i++) {
+    const char *verdict;
+    opc_error error = {0};
+    int code = eda_call_verdict(in->context, m, i, &verdict, &error);
+    if (!try_is_sound(in, "verdict", code, &error)) return;
   }
 }
 
 static void try_targets(opc_inspector *in, const opc_module *m) {
   const eda_synthesizer *o = m->functions;
   for (size_t i = 0; o->target && i < GATES; i++) {
+    const char *before = opc_enter(in->context, m->id);
     double target = o->target(m->self, i);
+    opc_leave(in->context, before);
     if (!isnan(target) && !(target > 0 && isfinite(target)))
       in->find(in, "target of transistor %zu is %g", i + 1, target);
   }
@@ -157,7 +170,10 @@ static void exercise(const opc_module *m, opc_inspector *in) {
                           .epe = (const double *const *)own.epe,
                           .end = end,
                           .next_end = end};
-  int good = try_went_well(in, "begin", o->begin(m->self, &f, &error), &error);
+  const char *before = eda_enter(in->context, m, &error);
+  int code = o->begin(m->self, &f, &error);
+  opc_leave(in->context, before);
+  int good = try_went_well(in, "begin", code, &error);
   for (size_t k = 0; k < g->layers && good; k++)
     if (o->cut && g->corrected[k]) good = try_cut(in, m, (int)k, &own);
   if (good) try_targets(in, m);

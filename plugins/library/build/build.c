@@ -49,9 +49,10 @@ static char *key_of(const builder *r, const char *geometry,
   return g_compute_checksum_for_string(G_CHECKSUM_SHA256, all, -1);
 }
 
-/* Simulate the mask with the fast model without corrections by an accurate one.
-   The ratios to the accurate figures allow later steps to use fast
-   simulations. */
+/* Simulate the mask with the fast model, without the difference to the accurate
+   model. Set seen[i] to the logarithm of Ion of this simulation over `ion`, Ion
+   of the accurate model. With these ratios, later steps can replace accurate
+   simulations by fast ones. */
 static int look_cheaply(loop *l, const double *ion, double *seen,
                         opc_error *error) {
   for (size_t k = 0; k < l->gates->layers; k++)
@@ -71,10 +72,11 @@ static GVariant *cell_pack(const builder *r, const cut_out *cell, loop *l) {
   eda_measurement end;
   eda_moved *moved = correct_moved_of(l);
   if (!moved) {
-    opc_fail(r->error, OPC_INVALID, "synthesizer",
-             "%s moves fragments of edges or adds bars: a library requires a "
-             "synthesizer that moves transistors",
-             r->b->with.synthesizer->id);
+    opc_fail(
+        r->error, OPC_INVALID, "synthesizer",
+        "%s moves fragments of edges or adds bars, but a library requires "
+        "a synthesizer that only changes lengths and widths of transistors",
+        r->b->with.synthesizer->id);
     return NULL;
   }
   size_t n = l->gates->count;
@@ -89,7 +91,8 @@ static GVariant *cell_pack(const builder *r, const cut_out *cell, loop *l) {
   return data;
 }
 
-/* Set mean and largest |Ion deviation| of a cell's own transistors. */
+/* Set mean and largest |Ion deviation| of the transistors of a cell, without
+   those of its neighbours. */
 static void sum_up(const entry *e, line *result) {
   for (size_t i = 0; i < e->gates; i++) {
     double off = fabs(eda_deviation(e->after.ion[i], e->design[i]));
@@ -234,8 +237,8 @@ static const opc_parameter parameters[] = {
     CORRECT_FINE(build),
     CORRECT_GUARD(build),
     CORRECT_ION_LIMIT(build,
-                      "Largest allowed |Ion deviation|: the guard "
-                      "accepts it whatever the drawn mask has"),
+                      "Largest allowed |Ion deviation|; the guard reverts "
+                      "a larger one only if the drawn mask has a smaller one"),
 };
 
 static const opc_metric metrics[] = {
@@ -243,7 +246,7 @@ static const opc_metric metrics[] = {
     {"corrected", NULL, OPC_NEUTRAL, 0, "cells corrected in this run"},
     {"kept", NULL, OPC_NEUTRAL, 0, "cells taken from earlier runs"},
     {"ion_mean", "%", OPC_LOWER, 0.01,
-     "mean of |Ion deviation| of all transistors, each cell alone"},
+     "mean |Ion deviation| of all transistors, in simulations of single cells"},
     {"ion_max", "%", OPC_LOWER, 0.01, "largest |Ion deviation|"},
     {"simulations", NULL, OPC_LOWER, 0, "litho simulations of this run"},
 };

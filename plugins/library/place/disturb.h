@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Disturbance of placed masks: thesis eq. 4.1 and figures 4.4 to 4.6. */
+/* Disturbance of the transistors of placed masks: |Ion deviation| in the
+   circuit minus |Ion deviation| in the cell alone (thesis eq. 4.1, figures 4.4
+   to 4.6). */
 #pragma once
 
 #include <eda/gates.h>
@@ -17,10 +19,10 @@ int disturb_draw(const opc_host *host, const eda_mask *mask,
                  const uint8_t *known, const char *file, double width,
                  opc_error *error);
 
-#define DISTURB_METRICS                                                        \
-  {"disturbance_mean", "%", OPC_LOWER, 0.01,                                   \
-   "mean growth of |Ion deviation| from the cell alone to the circuit"},       \
-      {"disturbance_max", "%", OPC_LOWER, 0.01, "largest disturbance"}, {      \
-    "disturbed", "%", OPC_LOWER, 0.1,                                          \
-        "fraction of transistors whose |Ion deviation| grew by 0.05 % or more" \
+#define DISTURB_METRICS                                                    \
+  {"disturbance_mean", "%", OPC_LOWER, 0.01,                               \
+   "mean of |Ion deviation| in the circuit minus that in the cell alone"}, \
+      {"disturbance_max", "%", OPC_LOWER, 0.01, "largest disturbance"}, {  \
+    "disturbed", "%", OPC_LOWER, 0.1,                                      \
+        "fraction of transistors with a disturbance of 0.05 % or more"     \
   }

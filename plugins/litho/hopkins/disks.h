@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #pragma once
 
-/* Return the common area of the source, a disk of radius sigma around the
-   origin, and two shifted pupils, unit disks around (r1, 0) and r2 (cos angle,
-   sin angle). Exact: an integral along the arcs of the border. [any] */
+/* Return the area of the intersection of three disks. The first disk, with
+   radius sigma around the origin, is the source. The other two, with radius 1
+   around (r1, 0) and around (r2 cos(angle), r2 sin(angle)), are shifted pupils.
+   The result is exact: an integral along the arcs that bound the intersection.
+   [any] (opcflow/plugin.h) */
 double opc_common_area(double sigma, double r1, double r2, double angle);

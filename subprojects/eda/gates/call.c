@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Calls of synthesizers and regulators. Plugins write to copies between guard
-   words; the data behind their pointers is read within the call, so that a
-   crash is attributed to the plugin. */
+/* Calls of extractors, resists, synthesizers and regulators. Plugins write to
+   copies between guard words; the data behind their pointers is read within the
+   call, so that a crash is attributed to the plugin. */
 #include <eda/check.h>
 #include <eda/memory.h>
 #include <glib.h>
@@ -40,6 +40,68 @@ int eda_call_verdict(const opc_context *context, const opc_module *synthesizer,
   if (why) *verdict = keep_text(why, "a verdict", error);
   opc_leave(context, before);
   return *verdict ? OPC_OK : OPC_FAILED;
+}
+
+/* ---- figures and prints ---- */
+
+enum { FIGURES = 6 /* arrays of eda_performance, one after another */ };
+
+int eda_call_extract(const opc_context *context, const opc_module *extractor,
+                     const eda_slices *slices, eda_performance *out,
+                     opc_error *error) {
+  const eda_extractor *model = extractor->functions;
+  size_t n = slices->count;
+  eda_performance lent = {.count = n};
+  if (out->outside) lent.outside = fence_new(n, sizeof *out->outside, NULL);
+  for (size_t k = 0; k < FIGURES; k++)
+    (&lent.ion)[k] = fence_new(n, sizeof(double), NULL);
+  const eda_performance kept = lent; /* the plugin may change the pointers of
+                                        `lent` */
+  const char *before = eda_enter(context, extractor, error);
+  int code = model->extract(extractor->self, slices, &lent, error);
+  opc_leave(context, before);
+  for (size_t k = 0; k < FIGURES; k++)
+    if (!code) code = fence_check((&kept.ion)[k], "figures", error);
+  if (!code && kept.outside) code = fence_check(kept.outside, "outside", error);
+  for (size_t k = 0; k < FIGURES; k++) {
+    if (!code && n) memcpy((&out->ion)[k], (&kept.ion)[k], n * sizeof(double));
+    fence_free((&kept.ion)[k]);
+  }
+  if (!code && n && kept.outside) memcpy(out->outside, kept.outside, n);
+  fence_free(kept.outside);
+  return code;
+}
+
+int eda_call_slice(const opc_context *context, const opc_module *extractor,
+                   const eda_printed_gate *gate, size_t n, double *slicing,
+                   opc_error *error) {
+  const eda_extractor *model = extractor->functions;
+  double *lent = fence_new(2 * n, sizeof *lent, NULL);
+  const char *before = eda_enter(context, extractor, error);
+  model->slice(extractor->self, gate, lent, lent + n);
+  opc_leave(context, before);
+  int code = fence_check(lent, "places and widths", error);
+  if (!code) code = eda_check_slicing(n, lent, lent + n, error);
+  if (!code) memcpy(slicing, lent, 2 * n * sizeof *lent);
+  fence_free(lent);
+  return code;
+}
+
+int eda_call_print(const opc_context *context, const opc_module *resist,
+                   int layer, eda_field *field, opc_error *error) {
+  const eda_resist *model = resist->functions;
+  const eda_frame frame = field->frame;
+  fence_field(field);
+  const float *values = field->coefficients;
+  size_t n = (size_t)field->nx * (size_t)field->ny;
+  const char *before = eda_enter(context, resist, error);
+  int code = model->print(resist->self, layer, field, error);
+  /* The plugin may have replaced the coefficients. */
+  if (!code && field->coefficients == values)
+    code = fence_check_field(values, n, "level sets", error);
+  if (!code) code = eda_check_field(field, &frame, "level set", error);
+  opc_leave(context, before);
+  return code;
 }
 
 /* ---- moves ---- */

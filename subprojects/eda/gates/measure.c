@@ -5,14 +5,11 @@
 #include <eda/print.h>
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
-#include "gates/fence.h"
 #include "gates/gate.h"
 
 enum {
-  BLOCK = 64, /* gates measured by a thread at a time */
-  FIGURES = 6 /* arrays of eda_performance, one after another */
+  BLOCK = 64 /* gates measured by a thread at a time */
 };
 
 static const char slot[] = "extractor";
@@ -25,8 +22,8 @@ typedef struct slices {
   const double *place, *share; /* common slices of all gates without own
                                   slices */
   size_t n;
-  double *own;                   /* places and shares of a gate with own slices,
-                                    between guard words; NULL: none */
+  double *own;                   /* places and shares of a gate with own slices;
+                                    NULL: none */
   double *width, *length, *edge; /* [gate * n + slice]; one array */
 } slices;
 
@@ -44,29 +41,25 @@ static int slices_init(slices *s, const opc_context *context,
   s->width = eda_alloc(3 * all, sizeof *s->width);
   s->length = s->width + all;
   s->edge = s->length + all;
-  s->own = model->slice ? fence_new(2 * s->n, sizeof *s->own, NULL) : NULL;
+  s->own = model->slice ? eda_alloc(2 * s->n, sizeof *s->own) : NULL;
   return OPC_OK;
 }
 
 static void slices_clear(slices *s) {
   free(s->width);
-  fence_free(s->own);
+  free(s->own);
 }
 
 /* Slice a gate, number k of the block. */
 static int slices_cut(const slices *s, size_t k, eda_gate *gate,
                       opc_error *error) {
-  const eda_extractor *model = s->extractor->functions;
   const double *place = s->place, *share = s->share;
   if (s->own) {
-    const char *before = eda_enter(s->context, s->extractor, error);
-    model->slice(s->extractor->self, &gate->shown, s->own, s->own + s->n);
-    opc_leave(s->context, before);
+    int code = eda_call_slice(s->context, s->extractor, &gate->shown, s->n,
+                              s->own, error);
+    if (code) return eda_blame(error, code, slot);
     place = s->own;
     share = s->own + s->n;
-    int code = fence_check(s->own, "places and widths", error);
-    if (!code) code = eda_check_slicing(s->n, place, share, error);
-    if (code) return eda_blame(error, code, slot);
   }
   for (size_t i = 0; i < s->n; i++) {
     double t = place[i], width = gate->shown.width;
@@ -75,32 +68,6 @@ static int slices_cut(const slices *s, size_t k, eda_gate *gate,
   }
   gate->shown.lengths(&gate->shown, s->n, place, s->length + k * s->n);
   return OPC_OK;
-}
-
-/* Call the extractor, which writes to copies between guard words. */
-static int extractor_call(const slices *s, const eda_slices *in,
-                          eda_performance *out, opc_error *error) {
-  const eda_extractor *model = s->extractor->functions;
-  eda_performance lent = {
-      .count = out->count,
-      .outside = fence_new(out->count, sizeof *out->outside, NULL)};
-  for (size_t k = 0; k < FIGURES; k++)
-    (&lent.ion)[k] = fence_new(out->count, sizeof(double), NULL);
-  const eda_performance kept = lent; /* the plugin may change the pointers of
-                                        `lent` */
-  const char *before = eda_enter(s->context, s->extractor, error);
-  int code = model->extract(s->extractor->self, in, &lent, error);
-  opc_leave(s->context, before);
-  for (size_t k = 0; k < FIGURES; k++) {
-    double *figures = (&kept.ion)[k];
-    if (!code) code = fence_check(figures, "figures", error);
-    memcpy((&out->ion)[k], figures, out->count * sizeof(double));
-    fence_free(figures);
-  }
-  if (!code) code = fence_check(kept.outside, "outside", error);
-  memcpy(out->outside, kept.outside, out->count);
-  fence_free(kept.outside);
-  return code;
 }
 
 /* Extract the performance of the gates from `first` on; `flags` of each as in
@@ -115,7 +82,7 @@ static int slices_extract(const slices *s, const eda_gates *gates, size_t first,
                    .length = s->length,
                    .edge = s->edge};
   if (gates->flavour) in.flavour = (const char *const *)gates->flavour + first;
-  int code = extractor_call(s, &in, out, error);
+  int code = eda_call_extract(s->context, s->extractor, &in, out, error);
   if (!code) code = eda_check_performance(gates, first, flags, out, error);
   return eda_blame(error, code, slot);
 }

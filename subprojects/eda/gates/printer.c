@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "gates/fence.h"
 #include "imaging/fft.h"
 
 void eda_printer_init(eda_printer *p, const opc_context *context,
@@ -71,17 +70,7 @@ int eda_printer_spectrum(const eda_printer *p, const eda_shapes *mask,
 
 int eda_printer_develop(const eda_printer *p, int layer, eda_field *field,
                         opc_error *error) {
-  const eda_resist *resist = p->resist->functions;
-  fence_field(field);
-  const float *values = field->coefficients;
-  size_t n = (size_t)field->nx * (size_t)field->ny;
-  const char *before = eda_enter(p->context, p->resist, error);
-  int code = resist->print(p->resist->self, layer, field, error);
-  /* The plugin may have replaced the coefficients. */
-  if (!code && field->coefficients == values)
-    code = fence_check_field(values, n, "level sets", error);
-  if (!code) code = eda_check_field(field, &p->frame, "level set", error);
-  opc_leave(p->context, before);
+  int code = eda_call_print(p->context, p->resist, layer, field, error);
   return blame_resist(p, code, error);
 }
 

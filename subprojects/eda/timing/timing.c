@@ -29,8 +29,9 @@ const eda_timing_cell *eda_timing_find(const eda_timing *timing,
 }
 
 enum {
-  POINTS = 3,    /* simulated size changes */
-  CORNERS = 5,   /* pairs of slews at which a pair of inputs is simulated */
+  POINTS = 3,    /* grid points at which size changes are simulated */
+  CORNERS = 5,   /* simulated pairs of slews of two inputs: four corners of a
+                    square and one point inside */
   PAIR_SLEWS = 6 /* slews of both inputs of a pair, three each */
 };
 
@@ -141,8 +142,8 @@ static double at_load(const eda_timing_cell *c, const double *row,
   return eda_timing_cubic_at(c->at_load, coefficient, c->loads, load);
 }
 
-/* Return the position of a value between the two values at which changes were
-   simulated: 0 to 1, or beyond. */
+/* Return the position of a value relative to the two values at which changes
+   were simulated: 0 at the first, 1 at the second. */
 static double position_between(const double *at, const size_t near[2],
                                double value) {
   return (value - at[near[0]]) / (at[near[1]] - at[near[0]]);
@@ -191,7 +192,8 @@ double eda_timing_capacitance(const eda_timing_cell *c, size_t input, int rises,
 
 /* ---- two inputs at once ---- */
 
-/* Denser where two inputs interact most; chosen for this program. */
+/* The gaps are denser where two inputs interact most. The values were chosen
+   for this program. */
 const double eda_timing_gap[EDA_TIMING_GAPS] = {0, 0.2, 0.45, 0.8, 1.3, 2.5};
 
 double eda_timing_blend(double gap, double cause, double other) {
@@ -199,20 +201,23 @@ double eda_timing_blend(double gap, double cause, double other) {
   return (1 - part) * cause + part * other;
 }
 
-/* Extrapolation of factors beyond the simulated slews, relative to their
-   distance; factors bend further out. Chosen for this program. */
+/* Limit of the extrapolation of factors beyond the two simulated slews, as a
+   fraction of the distance between these slews. Further out, factors are not
+   linear in the slew. Chosen for this program. */
 static const double beyond = 0.5;
 
-/* Return the position of a value between two values, from 0 to 1, at most
-   `beyond` outside. */
+/* Return the position of a value relative to at[0] (position 0) and at[1]
+   (position 1), limited to -beyond .. 1 + beyond. */
 static double place_of(const double at[2], double value) {
   double place = (value - at[0]) / (at[1] - at[0]);
   return fmin(1 + beyond, fmax(-beyond, place));
 }
 
-/* Interpolation is linear over the last step, where cubics would overshoot the
-   small remainder. Beyond that step, two parallel inputs are independent; for
-   inputs in series, the second finds nodes charged as the first left them. */
+/* Return a factor at a gap. The interpolation is cubic, but linear between the
+   last two simulated gaps, where cubics would overshoot. Beyond the last gap,
+   two parallel inputs are independent, and the factor is 1. With inputs in
+   series, the first input has changed the charge of the inner nodes for good,
+   so the factor keeps its last value. */
 static double factor_at(const double *value, int parallel, double gap) {
   enum { LAST = EDA_TIMING_GAPS - 1 };
   const double *x = eda_timing_gap;
@@ -231,8 +236,8 @@ static double blend_linear(const double *v, double a, double b) {
          a * ((1 - b) * v[2 * n] + b * v[3 * n]);
 }
 
-/* Return a function that is 0 on the edges of the square of slews and at most
-   1/16 inside. */
+/* Return a weight for the positions a and b of two slews: at most 1/16 inside
+   the square 0 < a, b < 1, and 0 on its border and outside. */
 static double bulge(double a, double b) {
   return fmax(0, a * (1 - a)) * fmax(0, b * (1 - b));
 }
@@ -257,16 +262,19 @@ void eda_timing_pair_at(const eda_timing_pair *p, double gap, double first,
 
 /* ---- the input ---- */
 
-/* End of the linear part. At outputs of 65 nm inverters and NAND gates with
-   loads of 0 to 8 fF, the time from 50 to 90 % was 1.4 to 1.8 (rising) and 1.1
-   to 1.3 (falling) of that from 30 to 70 %; this ramp has 1.7 and 1.3. With 0.5
-   for both, falling outputs of a chain are 5 % too early and rising ones too
-   late. */
+/* Level at which the linear part of a ramp ends and the exponential part
+   begins, for falling [0] and rising [1] ramps. Let r be the time from 50 to 90
+   % of a transition, divided by the time from 30 to 70 %. In simulations of 65
+   nm inverters and NAND gates with loads of 0 to 8 fF, r was 1.4 to 1.8 for
+   rising and 1.1 to 1.3 for falling outputs; the ramps have 1.7 and 1.3. With
+   the level 0.5 for both, falling outputs of a chain are 5 % too early and
+   rising ones too late. */
 static const double bend[] = {0.7, 0.55};
 
-/* Level of the last point on the exponential, and the duration of the step from
-   there to 1, relative to the whole linear ramp. Chosen for this program: the
-   last percent of the input of a gate changes no relevant current. */
+/* End of the ramp: level of the last point on the exponential, and duration of
+   the final step from this level to 1. The unit of time is the duration of a
+   straight line from 0 to 1 with the initial slope. Chosen for this program:
+   the last percent of the input of a gate changes no relevant current. */
 static const double ramp_last = 0.99, ramp_step = 0.1;
 
 double eda_timing_ramp(int rises, double level) {
@@ -279,7 +287,7 @@ void eda_timing_ramp_points(int rises, double time[EDA_TIMING_RAMP],
   const double first = bend[!!rises], last = ramp_last;
   level[0] = time[0] = 0;
   for (int i = 1; i < EDA_TIMING_RAMP - 1; i++) {
-    /* Equal steps of the logarithm of the exponential. */
+    /* The distances of these levels from 1 form a geometric series. */
     double part = (double)(i - 1) / (EDA_TIMING_RAMP - 3);
     level[i] = 1 - (1 - first) * pow((1 - last) / (1 - first), part);
     time[i] = eda_timing_ramp(rises, level[i]);

@@ -255,8 +255,8 @@ function facts_of(run, i) {
   const pair = (word, name, unit) => (at(name) === undefined ? [] : [[word, quantity(at(name), unit)]]);
   return [['transistor', at('transistor') ?? '#' + (i + 1)], ...(at('cell') ? [['cell', at('cell')]] : []),
     ...(at('type') ? [['type', at('type')]] : []), ...pair('L', 'l', 'nm'), ...pair('W', 'w', 'nm'),
-    ...pair('Ion as drawn', 'ion_before', '%'), ...pair('Ion', 'ion_after', '%'), ...pair('Ioff', 'ioff_after', '%'),
-    ...pair('area', 'area_after', '%'), ...pair('mask L', 'mask_l', 'nm'), ...pair('mask W', 'mask_w', 'nm'),
+    ...pair('ΔIon as drawn', 'ion_before', '%'), ...pair('ΔIon', 'ion_after', '%'), ...pair('ΔIoff', 'ioff_after', '%'),
+    ...pair('Δarea', 'area_after', '%'), ...pair('mask L', 'mask_l', 'nm'), ...pair('mask W', 'mask_w', 'nm'),
     ...(at('print') ? [['print', at('print')]] : []), ...(at('verdict') ? [['verdict', at('verdict')]] : [])];
 }
 const facts_list = (run, i) => el('dl', {class: 'facts'},

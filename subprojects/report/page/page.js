@@ -7,6 +7,7 @@ const main = document.getElementById('main');
 const FEW = 20; /* runs that are told of at length */
 const methods = [...new Set(runs.map(r => r.method))], cases = [...new Set(runs.map(r => r.case))];
 const series_of = run => methods.indexOf(run.method);
+const name_of = run => (cases.length > 1 ? run.label : run.method);
 
 function section(id, title, ...content) {
   const there = some(content);
@@ -15,9 +16,12 @@ function section(id, title, ...content) {
   document.getElementById('contents').append(el('li', null, el('a', {href: '#' + id}, title)));
 }
 
+/* A heading that keeps |...| on one line. */
+const unbroken = text => text.split(/(\|[^|]+\|,?)/).map((part, k) => (k % 2 ? el('span', {class: 'name'}, part) : part));
+
 /* A table from columns { name, unit, cell(row), text } and rows. */
 function table(caption, columns, rows) {
-  const head = c => el('th', {scope: 'col', class: c.text ? null : 'number'}, c.name, c.unit ? el('span', {class: 'unit'}, ' ' + c.unit) : null);
+  const head = c => el('th', {scope: 'col', class: c.text ? null : 'number'}, unbroken(c.name), c.unit ? el('span', {class: 'unit'}, ' ' + c.unit) : null);
   return el('div', {class: 'wide', role: 'region', tabindex: 0, 'aria-label': caption}, el('table', null,
     el('caption', null, caption), el('thead', null, el('tr', null, columns.map(head))),
     el('tbody', null, rows.map(row => el('tr', null, columns.map((c, k) => {
@@ -30,10 +34,11 @@ function table(caption, columns, rows) {
 /* ---- summary ---- */
 
 /* Of the metrics of all steps, those that most is asked for. */
-const CHOSEN = [['transistors', 'transistors'], ['ion_mean_drawn', '|Ion| mean, drawn'], ['ion_mean', '|Ion| mean'],
-  ['ion_max', '|Ion| max'], ['area_mean', '|area| mean'],
-  ['ioff_mean', '|Ioff| mean'], ['ioff_total', 'Ioff total'], ['epe_mean', 'EPE mean'], ['failed', 'do not print'],
-  ['worse', 'worse than drawn'], ['violations', 'violations'], ['shots', 'shots'], ['simulations', 'simulations']];
+const CHOSEN = [['transistors', 'transistors'], ['ion_mean_drawn', 'mean |ΔIon|, drawn'], ['ion_mean', 'mean |ΔIon|'],
+  ['ion_max', 'max |ΔIon|'], ['ioff_mean', 'mean |ΔIoff|'], ['area_mean', 'mean |Δarea|'], ['epe_mean', 'mean EPE'],
+  ['shots', 'shots'], ['violations', 'violations'], ['failed', 'do not print'], ['worse', 'worse than drawn'],
+  ['simulations', 'simulations']];
+const DELTA = 'Δ is the deviation from the drawn transistor.';
 
 /* The first one called so: of `mask`, not of a step that looks again. */
 const metric_named = (run, name) => Object.keys(run.metrics).find(m => m.endsWith('.' + name)) || '';
@@ -51,19 +56,37 @@ function summary() {
   ...(cases.length > 1 ? [{name: 'case', text: true, cell: r => r.case}] : []),
   ...used.map(([name, label]) => ({name: label, unit: unit(name), cell: r => metric_cell(r, metric_named(r, name))})),
   {name: 'time', unit: 's', cell: r => number(r.seconds ?? NaN)},
-  {name: 'result', text: true, cell: result_of}];
-  const each = table('Each run: metrics as in its metrics.json', columns, runs);
+  ...(runs.some(result_of) ? [{name: 'result', text: true, cell: r => el('td', {class: 'name'}, result_of(r) || 'complete')}] : [])];
+  const each = table(`Each run, by its own model. ${DELTA}` + (runs.some(r => r.running) ? ' This run was not yet at its end.' : ''), columns, runs);
   const pooled = cases.length > 1 ? by_method() : null;
-  section('summary', 'Summary', notes(), pooled,
+  section('summary', 'Summary', notes(), verdicts(), pooled,
     pooled && runs.length > 24 ? el('details', null, el('summary', null, `Each of the ${runs.length} runs`), each) : each,
     requirements(), findings());
 }
 
+/* The fault of a run in short: tables and notes below have all of it. */
 function result_of(run) {
   const broken = run.requirements.filter(q => !q.kept).length;
-  if (run.running) return 'this run, not yet at its end';
-  if (run.failure) return 'failed: ' + run.failure;
-  return broken ? `${broken} of ${run.requirements.length} required not kept` : 'complete';
+  return run.failure ? 'failed' : broken ? `misses ${broken} of ${run.requirements.length}` : '';
+}
+
+/* Sentences on each pair of methods, and a table of their figures. */
+function verdicts() {
+  const all = data.verdicts, few = all.slice(0, 12);
+  if (!all.length) return null;
+  const figures = Object.entries(Object.assign({}, ...all.map(v => v.changes)));
+  const cell = c => {
+    if (!c) return '\u2013';
+    const has_interval = is(c.low) && c.unit;
+    return [number(has_interval ? c.median : c.change), el('div', {class: 'unit'}, c.verdict +
+      (has_interval ? `, ${number(c.low)} to ${number(c.high)}` : ''))];
+  };
+  return [el('div', {class: 'note'}, el('h3', null, 'Verdicts'), el('ul', null, few.map(v => el('li', null, v.text)),
+    all.length > few.length ? el('li', null, `${all.length - few.length} more in the table below`) : null)),
+  el('details', null, el('summary', null, 'Changes and 95 % intervals'),
+    table('Change from the second method to the first: medians over cells or cases, by the verification where the runs have one',
+      [{name: 'methods', text: true, cell: v => v.method + ' against ' + v.against},
+        ...figures.map(([name, c]) => ({name: c.title, unit: c.unit, cell: v => cell(v.changes[name])}))], all))];
 }
 
 /* Of many texts the first ones, and how many more there are. */
@@ -94,20 +117,20 @@ const size = Math.abs;
 const off_line = p => mean(p.pairs.map(q => size(q[0] - q[1])));
 
 function by_method() {
-  return table(`Each method, all transistors of ${cases.length} cases`, [
+  return table(`Each method, all transistors of ${cases.length} cases, by its own model. ${DELTA}`, [
     {name: 'method', text: true, cell: m => m.name}, {name: 'transistors', cell: m => number(m.ion.length)},
-    {name: '|Ion| mean', unit: '%', cell: m => number(mean(m.ion.map(size)))},
-    {name: '|Ion| max', unit: '%', cell: m => number(largest(m.ion.map(size)))},
-    {name: 'Ion stdv', unit: '%', cell: m => number(stdv(m.ion))},
-    {name: '|area| mean', unit: '%', cell: m => number(mean(m.area.map(size)))},
-    {name: '|Ioff| mean', unit: '%', cell: m => number(mean(m.ioff.map(size)))},
-    {name: '|area − Ion| mean', unit: '%', cell: m => number(off_line(m))},
+    {name: 'mean |ΔIon|', unit: '%', cell: m => number(mean(m.ion.map(size)))},
+    {name: 'max |ΔIon|', unit: '%', cell: m => number(largest(m.ion.map(size)))},
+    {name: 'standard deviation of Ion', unit: '%', cell: m => number(stdv(m.ion))},
+    {name: 'mean |ΔIoff|', unit: '%', cell: m => number(mean(m.ioff.map(size)))},
+    {name: 'mean |Δarea|', unit: '%', cell: m => number(mean(m.area.map(size)))},
+    {name: 'mean |Δarea − ΔIon|', unit: '%', cell: m => number(off_line(m))},
     {name: 'shots', cell: m => number(m.shots)}, {name: 'time', unit: 's', cell: m => number(m.seconds)},
   ], methods.map(name => ({name, ...pool(name)})));
 }
 
 function requirements() {
-  const broken = runs.flatMap(r => r.requirements.filter(q => !q.kept).map(q => ({run: r.label, ...q})));
+  const broken = runs.flatMap(r => r.requirements.filter(q => !q.kept).map(q => ({run: name_of(r), ...q})));
   if (!broken.length) return null;
   return table('Requirements that were not kept', [{name: 'run', text: true, cell: q => q.run},
     {name: 'metric', text: true, cell: q => q.metric}, {name: 'required', text: true, cell: q => q.required},
@@ -115,7 +138,8 @@ function requirements() {
 }
 
 function findings() {
-  const all = runs.flatMap(r => r.findings.map(f => (runs.length > 1 ? r.label + ', ' : '') + f.step + ': ' + f.text));
+  const all = runs.flatMap(r => [...(r.failure ? [{step: 'failed', text: r.failure}] : []), ...r.findings]
+    .map(f => (runs.length > 1 ? name_of(r) + ', ' : '') + f.step + ': ' + f.text));
   return all.length ? el('div', {class: 'note'}, el('h3', null, 'Findings'),
     el('ul', null, first_of(all).map(text => el('li', null, text)))) : null;
 }
@@ -141,7 +165,7 @@ function charts_of(only) {
 }
 
 function histograms(pools) {
-  const kinds = [['ion', 'Ion'], ['ioff', 'Ioff'], ['area', 'gate area']];
+  const kinds = [['ion', 'Ion deviation'], ['ioff', 'Ioff deviation'], ['area', 'gate area deviation']];
   const range = kinds.map(([k]) => range_of(pools.flatMap(p => p[k])));
   return methods.map((name, k) => el('div', {class: 'row'}, el('h4', null, name), el('div', {class: 'charts'},
     kinds.map(([kind, word], j) => pools[k][kind].length
@@ -151,8 +175,8 @@ function histograms(pools) {
 function scatters(pools) {
   const of = i => range_of(pools.flatMap(p => p.pairs.map(q => q[i])));
   const [area, ion] = [of(0), of(1)];
-  const each = methods.map((name, k) => scatter(name, `mean of |area − Ion|: ${number(off_line(pools[k]))} %`,
-    {label: 'gate area, %', low: -area, high: area}, {label: 'Ion, %', low: -ion, high: ion}, k, pools[k].pairs));
+  const each = methods.map((name, k) => scatter(name, `mean |Δarea − ΔIon|: ${number(off_line(pools[k]))} %`,
+    {label: 'Δarea, %', low: -area, high: area}, {label: 'ΔIon, %', low: -ion, high: ion}, k, pools[k].pairs));
   return [el('div', {class: 'charts'}, means_chart(pools), each)];
 }
 
@@ -165,7 +189,7 @@ function means_chart(pools) {
   const axis = {log: true, low: Math.min(...values) / 1.5, high: largest(values) * 1.5};
   return el('div', null, chart({title: 'Means and standard deviations',
     about: 'Mean of the size as a filled mark, standard deviation as a ring around it.', height: 250,
-    x: {...axis, label: 'gate area, %'}, y: {...axis, label: 'Ion, %'}, draw: p => {
+    x: {...axis, label: '|Δarea|, %'}, y: {...axis, label: '|ΔIon|, %'}, draw: p => {
       iso(p, axis, axis);
       for (const [k, a, i, sa, si] of at) { /* nothing is 0 on such a scale */
         const means = a > 0 && i > 0, spread = sa > 0 && si > 0;
@@ -230,7 +254,7 @@ function corners() {
     .map(c => c.name + ' ' + quantity(c.values[i], c.unit)).join(', ');
   section('corners', 'Corners of the process', runs.filter(r => r.tables.corners).slice(0, FEW).map(r => {
     const one = (what, of) => bars_of(`Leakage of ${of}, over that as drawn`, column(r, 'corners', what) || [], i => name(r, i), series_of(r));
-    return [el('h3', null, r.label), el('div', {class: 'charts'}, one('leakage', 'all'), one('leakage_n', 'n'), one('leakage_p', 'p')),
+    return [el('h3', null, name_of(r)), el('div', {class: 'charts'}, one('leakage', 'all'), one('leakage_n', 'n'), one('leakage_p', 'p')),
       plain_table(r, 'corners')];
   }));
 }
@@ -251,7 +275,7 @@ function bars_of(title, values, name, k) {
 
 function plain_table(run, name) {
   const t = run.tables[name], rows = [...Array(t.rows).keys()];
-  return table(`${name}.csv of ${run.label}`, t.columns.map(c => ({name: c.name, unit: c.unit, text: c.values.some(v => typeof v === 'string'),
+  return table(`${name}.csv of ${name_of(run)}`, t.columns.map(c => ({name: c.name, unit: c.unit, text: c.values.some(v => typeof v === 'string'),
     cell: i => (typeof c.values[i] === 'string' ? c.values[i] : number(c.values[i] ?? NaN))})), rows);
 }
 
@@ -273,18 +297,18 @@ let repaint = () => {};
 
 function worst_ten(place, viewer) {
   const scene = viewer.scene, ten = worst_first(scene.value.after).slice(0, 10);
-  const ranges = {before: range_of(finite(Array.from(scene.value.before))), after: range_of(finite(Array.from(scene.value.after)))};
+  const range = state => viewer.ranges(scene, ['before', 'after'])[state];
   const close_up = (i, state) => {
     const canvas = el('canvas', {class: 'close', role: 'img', 'aria-label': `${STATES[state]}, ${facts_of(scene.run, i)[0][1]}`});
     const c = viewer.centre(i), k = 4 * i, b = scene.boxes;
     const wide = Math.max(b[k + 2] - b[k], b[k + 3] - b[k + 1]) + 300;
-    const draw = () => paint(canvas, {scene, state, values: scene.value[state], range: ranges[state], chosen: -1, show: {...viewer.show, image: false}},
+    const draw = () => paint(canvas, {scene, state, values: scene.value[state], range: range(state), chosen: -1, show: {...viewer.show, image: false}},
       {...c, scale: (canvas.clientWidth || 150) / wide});
     canvas.addEventListener('repaint', draw);
     requestAnimationFrame(draw);
     return el('figure', null, canvas, el('figcaption', null, STATES[state]));
   };
-  place.replaceChildren(el('p', {class: 'about'}, `Of ${scene.run.label}, by the size of the Ion deviation; those that do not print come first.`),
+  place.replaceChildren(el('p', {class: 'about'}, `Of ${name_of(scene.run)}, by the size of the Ion deviation; those that do not print come first.`),
     el('ol', {class: 'cards'}, ten.map(i => el('li', null, el('div', {class: 'pair'},
       scene.value.before.length ? close_up(i, 'before') : null, close_up(i, 'after')), facts_list(scene.run, i),
     el('button', {type: 'button', onclick: () => { viewer.element.scrollIntoView(); viewer.choose(i, true); viewer.canvas().focus({preventScroll: true}); }}, 'Show in the layout')))));
@@ -318,7 +342,7 @@ function facts() {
     table('Steps', [{name: 'step', text: true, cell: s => s.name}, {name: 'time', unit: 's', cell: s => number(s.seconds)}], r.steps),
     table('Plugins', [{name: 'plugin', text: true, cell: p => p.id}, {name: 'version', text: true, cell: p => p.version},
       {name: 'SHA-256', text: true, cell: p => short(p.sha256)}], r.plugins)];
-  section('facts', 'Facts of the runs', parameters(), all_metrics(), runs.map(r => folded(r.label, runs.length === 1, () => inside(r))));
+  section('facts', 'Facts of the runs', parameters(), all_metrics(), runs.map(r => folded(name_of(r), runs.length === 1, () => inside(r))));
 }
 
 /* What is made when it is unfolded; of few runs at once, so that it is printed. */
@@ -334,7 +358,7 @@ function all_metrics() {
   const any = n => runs.find(r => r.metrics[n]).metrics[n];
   return el('details', null, el('summary', null, 'All metrics' + (few.length < runs.length ? ` of the first ${few.length} runs` : '')),
     table('All metrics', [{name: 'metric', text: true, cell: n => n}, {name: 'unit', text: true, cell: n => any(n).unit || ''},
-      {name: 'better', text: true, cell: n => any(n).better}, ...few.map(r => ({name: r.label, cell: n => metric_cell(r, n)}))], names));
+      {name: 'better', text: true, cell: n => any(n).better}, ...few.map(r => ({name: name_of(r), cell: n => metric_cell(r, n)}))], names));
 }
 
 /* ---- the page ---- */
@@ -358,7 +382,7 @@ function theme() {
 }
 
 function head() {
-  const title = data.title || (runs.length > 4 ? methods : runs.map(r => r.label)).join(', ');
+  const title = data.title || (cases.length === 1 && cases[0] ? cases[0] + ': ' : '') + methods.join(', ');
   document.title = title + ' · opcflow report';
   document.getElementById('title').textContent = title;
   document.getElementById('subtitle').textContent = [

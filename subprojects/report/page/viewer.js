@@ -10,7 +10,7 @@ class Viewer {
   constructor(runs) {
     this.runs = runs;
     this.show = {drawn: true, mask: true, print: true, image: false, violations: true};
-    this.common = false;
+    this.common = true; /* one scale of colours */
     this.chosen = -1;
     this.panes = [0, 1, 2].map(() => this.new_pane());
     this.told = el('div', {class: 'told', 'aria-live': 'polite', id: 'told'});
@@ -24,7 +24,7 @@ class Viewer {
   /* ---- its parts ---- */
 
   controls() {
-    const options = this.runs.map((r, i) => el('option', {value: i}, r.label));
+    const options = this.runs.map((r, i) => el('option', {value: i}, name_of(r)));
     const change = () => this.open();
     this.first = el('select', {onchange: change, id: 'run'}, options);
     this.second = el('select', {onchange: change, id: 'beside'});
@@ -35,7 +35,7 @@ class Viewer {
     return el('div', {class: 'controls'},
       el('label', null, 'Run ', this.first), el('label', null, 'beside ', this.second),
       el('span', {class: 'group', role: 'group', 'aria-label': 'What is shown'}, boxes),
-      el('label', null, el('input', {type: 'checkbox', onchange: e => { this.common = e.target.checked; this.draw(); }}), 'one scale'),
+      el('label', null, el('input', {type: 'checkbox', checked: true, onchange: e => { this.common = e.target.checked; repaint(); }}), 'one scale'),
       el('span', {class: 'group'}, button('+', 'nearer', () => this.zoom(1.5)),
         button('\u2212', 'further', () => this.zoom(1 / 1.5)), button('all', 'show all', () => this.fit())));
   }
@@ -88,7 +88,7 @@ class Viewer {
     const a = this.runs[Number(this.first.value)], like = this.runs.filter(r => r !== a && is_like(r, a));
     const kept = this.second.value;
     this.second.replaceChildren(el('option', {value: ''}, 'the drawn mask'),
-      ...like.map(r => el('option', {value: this.runs.indexOf(r)}, r.label)));
+      ...like.map(r => el('option', {value: this.runs.indexOf(r)}, name_of(r))));
     if ([...this.second.options].some(o => o.value === kept)) this.second.value = kept;
     const b = this.second.value === '' ? null : this.runs[Number(this.second.value)];
     const [sa, sb] = [await scene_of(a), b && await scene_of(b)];
@@ -96,8 +96,8 @@ class Viewer {
     this.scene = sa;
     const change = sb && sb.value.after.map((v, i) => Math.abs(v) - Math.abs(sa.value.after[i]));
     const content = b
-      ? [[sa, 'after', sa.value.after, a.label], [sb, 'after', sb.value.after, b.label],
-        [sb, 'change', change, `|${b.label}| less |${a.label}|`]]
+      ? [[sa, 'after', sa.value.after, name_of(a)], [sb, 'after', sb.value.after, name_of(b)],
+        [sb, 'change', change, `|deviation| of ${name_of(b)} less ${name_of(a)}`]]
       : ['before', 'after', 'change'].map(s => [sa, s, sa.value[s], STATES[s]]);
     this.panes.forEach((pane, k) => {
       const [scene, state, values, title] = content[k];
@@ -126,6 +126,12 @@ class Viewer {
       pane.key.replaceChildren(...colour_key(what));
     }
     for (const name of ['x', 'y', 'scale']) this.element.dataset[name] = this.window[name].toPrecision(6);
+  }
+
+  /* The ranges of the colours of states: one of all, unless each has its own. */
+  ranges(scene, states) {
+    const each = states.map(s => range_of(finite(Array.from(scene.value[s]))));
+    return Object.fromEntries(states.map((s, i) => [s, this.common ? Math.max(...each) : each[i]]));
   }
 
   /* ---- moving ---- */
@@ -197,7 +203,7 @@ class Viewer {
     if (i >= 0) {
       const runs = [...new Set(this.panes.map(p => p.what.scene.run))], c = this.centre(i), w = this.window;
       for (const run of runs)
-        this.told.append(runs.length > 1 ? el('h4', null, run.label) : '', facts_list(run, i));
+        this.told.append(runs.length > 1 ? el('h4', null, name_of(run)) : '', facts_list(run, i));
       if (near) w.scale = Math.max(w.scale, 0.25);
       const half = {x: this.canvas().clientWidth / 2.4 / w.scale, y: this.canvas().clientHeight / 2.4 / w.scale};
       if (near || Math.abs(c.x - w.x) > half.x || Math.abs(c.y - w.y) > half.y) w.x = c.x, w.y = c.y;

@@ -10,12 +10,14 @@
 unsigned opc_edit_distance(const char *a, const char *b);
 
 /* Return the first nearest of `words` (const char *), NULL if none is near: at
-   most a third of the letters of the word, but at least one, may differ. */
+   most a third of the letters of the word, but at least one, may differ. Upper
+   and lower case are equal. */
 const char *opc_nearest(const char *word, const GPtrArray *words);
 
 /* Return a suggestion, as opc_suggestion, for names of two words with a dot
    between. Prefer the name with both words swapped, then the nearest name with
-   the same last word. */
+   the same last word. For one word without a dot, prefer a near id, then an id
+   with a near last word. */
 char *opc_suggestion_of_id(const char *id, const GPtrArray *ids);
 
 /* Return ", did you mean 'x'?" or "" (g_free). */

@@ -83,6 +83,23 @@ OPC_EXPORT int eda_call_verdict(const opc_context *context,
                                 const opc_module *synthesizer, size_t gate,
                                 const char **verdict, opc_error *error);
 
+/* Call eda_extractor.extract, where out->outside may be NULL, and
+   eda_extractor.slice, for [n] places followed by [n] widths. Figures are not
+   checked (eda_check_performance), slices are. */
+OPC_EXPORT int eda_call_extract(const opc_context *context,
+                                const opc_module *extractor,
+                                const eda_slices *slices, eda_performance *out,
+                                opc_error *error);
+OPC_EXPORT int eda_call_slice(const opc_context *context,
+                              const opc_module *extractor,
+                              const eda_printed_gate *gate, size_t n,
+                              double *slicing, opc_error *error);
+
+/* Call eda_resist.print, which replaces the intensity in *field. */
+OPC_EXPORT int eda_call_print(const opc_context *context,
+                              const opc_module *resist, int layer,
+                              eda_field *field, opc_error *error);
+
 /* Call eda_regulator.rule and read at most `most` of its violations; *count is
    the number of all. */
 OPC_EXPORT int eda_call_rule(const opc_context *context,

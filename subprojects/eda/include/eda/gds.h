@@ -2,8 +2,9 @@
 /* GDSII records: record types and number formats. Used by the plugins read.gds
    and write.gds (GDSII Stream Format Manual, release 6.0).
 
-   A record consists of its length (2 bytes, including the 4-byte header), its
-   type, its data type, and the data. All numbers are big-endian. */
+   A record consists of its length (2 bytes), its type and its data type (1 byte
+   each), and the data. The length counts all bytes of the record, including
+   these four. All numbers are big-endian. */
 #pragma once
 
 #include <math.h>
@@ -88,8 +89,8 @@ static inline int32_t eda_gds_i32(const uint8_t *p) {
 }
 
 /* Return the value of an 8-byte GDSII real: sign, 7-bit exponent to base 16
-   with bias 64, 56-bit fraction. Exact, except that fractions of more than 53
-   bits are rounded once. */
+   with bias 64, 56-bit fraction. The result is exact, except that fractions of
+   more than 53 bits are rounded once. */
 static inline double eda_gds_real(const uint8_t *p) {
   uint64_t fraction = 0;
   for (int i = 1; i < 8; i++) fraction = fraction << 8 | p[i];
@@ -107,8 +108,8 @@ static inline void eda_gds_put_i32(uint8_t *p, int32_t v) {
   eda_gds_put_u16(p + 2, (uint32_t)v & 0xffff);
 }
 
-/* Write an 8-byte GDSII real. Exact for 16^-65 <= |v| < 16^63; smaller values
-   are written as 0. */
+/* Write an 8-byte GDSII real; |v| must be less than 16^63. The written value is
+   exact for |v| >= 16^-65; smaller values are written as 0. */
 static inline void eda_gds_put_real(uint8_t *p, double v) {
   int e;
   double m = frexp(fabs(v), &e); /* |v| = m 2^e, m in [1/2, 1) */

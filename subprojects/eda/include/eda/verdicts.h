@@ -52,13 +52,13 @@ typedef struct eda_verdict {
   char *text; /* the sentence; the better method is named first */
 } eda_verdict;
 
-/* Fill *out with the changes over n pairs of runs, one for each case. A figure
-   of transistors is better or worse if the interval over the cells and the
-   change of the mean are on one side. Shots and seconds are judged in the same
-   way over the cases; with too few cases, a change of the sum decides (of
-   seconds one above 10 %). The sums decide for violations and transistors that
-   do not print. Call eda_verdict_clear in any case. Errors as in eda_run_table.
-   [main] */
+/* Fill *out with the changes over n pairs of runs, one for each case. Pairs
+   with different transistors are left out. A figure of transistors is better or
+   worse if the interval over the cells and the change of the mean are on one
+   side. Shots and seconds are judged in the same way over the cases; with too
+   few cases, a change of the sum decides (of seconds one above 10 %). The sums
+   decide for violations and transistors that do not print. Call
+   eda_verdict_clear in any case. Errors as in eda_run_table. [main] */
 OPC_EXPORT int eda_verdict_init(eda_verdict *out, const char *method,
                                 const char *against, size_t n,
                                 const eda_run_pair *pairs, opc_error *error);

@@ -37,6 +37,20 @@ void guard_remove(void);
 /* Exit codes of the command. */
 enum { GUARD_CRASH_LOADING = 3, GUARD_CRASH_RUNNING = 4 };
 
+/* Receives the findings of the guard in a child of the command. */
+typedef struct guard_listener {
+  /* Take the rule that the plugin `id` broke, as a predicate: "changed the
+     locale". The child ends when the function returns. */
+  void (*change)(const char *id, const char *rule);
+  /* Take note that a call of a plugin has returned; at most once a second. */
+  void (*alive)(void);
+} guard_listener;
+
+/* In a child of the command (child.h), after guard_remove: find changes of the
+   process as in the command, but after each call, and pass them to `to`.
+   Signals act as without the guard. [main] */
+void guard_listen(const guard_listener *to);
+
 /* Set the place for messages, "WHERE: crashed in plugin 'ID': segmentation
    fault", and the exit code of a crash there. The text is copied; NULL stands
    for "error" and GUARD_CRASH_RUNNING. [main] */

@@ -10,6 +10,7 @@ typedef struct page {
   GString *runs;      /* JSON, separated by commas */
   GString *missing;   /* JSON texts: missing parts of the page */
   GHashTable *labels; /* set of char * */
+  GPtrArray *places;  /* char *: case, method and folder of each complete run */
   double room;        /* bytes left for pictures */
 } page;
 
@@ -32,8 +33,7 @@ void page_lacks(page *p, const char *format, ...) OPC_PRINTF(2, 3);
 
 /* Write the page. `title` NULL: names of the runs. Returns OPC_OK, or OPC_IO
    with the parameter `file`. */
-int page_write(const page *p, const char *title, const char *path,
-               opc_error *error);
+int page_write(page *p, const char *title, const char *path, opc_error *error);
 
 /* Parameter of page_init; the default loads in two seconds. */
 #define PAGE_LIMIT(state, member)                                        \
