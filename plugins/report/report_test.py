@@ -353,7 +353,7 @@ def test_experiment(b, runs, folder):
     expect([r[0] for r in rows[1:]], ['one', 'two', 'three'], 'methods')
     verdicts = b.value("""[...document.querySelectorAll('#summary .note')].filter(n =>
         n.firstChild.innerText === 'Verdicts').map(n => n.innerText.split('\\n').slice(1))""")
-    expect(verdicts, [['three against one: equal in Ion, Ioff, area, shots, violations, seconds']], 'verdicts')
+    expect(verdicts, [['no verdict on three against one; equal in Ion, Ioff, area, shots, violations, seconds']], 'verdicts')
     ion = [abs(float(g['ion_after'])) for g in runs[0].gates]
     expect(int(rows[1][1]), 2 * len(ion), 'transistors')
     at = [k for k, name in enumerate(rows[0]) if name.startswith('mean |ΔIon|')][0]

@@ -332,7 +332,6 @@ static size_t place_of(GPtrArray *texts, char *text) {
 }
 
 static void add_change(GString *out, const eda_change *c) {
-  static const char *const words[] = {"same", "better", "worse", "too few"};
   open_member(out, c->name, '{');
   text_member(out, "title", c->title);
   text_member(out, "unit", c->unit);
@@ -343,7 +342,7 @@ static void add_change(GString *out, const eda_change *c) {
   number_member(out, "low", c->median.low);
   number_member(out, "high", c->median.high);
   number_member(out, "independent", (double)c->median.n);
-  text_member(out, "verdict", words[c->verdict]);
+  text_member(out, "verdict", c->word);
   g_string_append_c(out, '}');
 }
 

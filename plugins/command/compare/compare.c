@@ -77,10 +77,11 @@ static int add_worse(const comparison *c, const char *word, GHashTable *seen,
   }
   for (guint i = 0; i < c->intervals->len; i++) {
     const transistor_row *r = &g_array_index(c->intervals, transistor_row, i);
-    g_autofree char *name = g_strconcat("transistors.", r->figure, NULL);
+    g_autofree char *name = g_strconcat("transistors.", r->c.name, NULL);
     if (metric && strcmp(metric + 1, name) != 0) continue;
     meant = 1;
-    if (r->verdict == WORSE && g_hash_table_add(seen, (gpointer)r))
+    if (r->c.verdict == EDA_VERDICT_WORSE &&
+        g_hash_table_add(seen, (gpointer)r))
       g_ptr_array_add(worse, g_strdup_printf("%s: %s", r->method, name));
   }
   return meant;

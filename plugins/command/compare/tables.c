@@ -129,30 +129,6 @@ int parameters_publish(comparison *c, opc_error *error) {
 
 /* ---- transistors ---- */
 
-static void add_figure(comparison *c, const char *method,
-                       const eda_change *from) {
-  static const int verdicts[] = {SAME, BETTER, WORSE, SAME};
-  const transistor_row r = {
-      .method = method,
-      .figure = from->name,
-      .n = from->n,
-      .cells = (int64_t)from->median.n,
-      .base = from->base,
-      .value = from->value,
-      .change = from->change,
-      .median = from->median.value,
-      .low = from->median.low,
-      .high = from->median.high,
-      .better = from->better,
-      .worse = from->worse,
-      .same = from->same,
-      .verdict = verdicts[from->verdict],
-      .word = from->verdict == EDA_VERDICT_FEW
-                  ? "too few cells"
-                  : verdict_words[verdicts[from->verdict]]};
-  if (r.n) g_array_append_val(c->intervals, r);
-}
-
 /* Add the verdict on a method over all its cases, and the rows of its
    transistors. */
 static int add_verdict(comparison *c, const char *method, opc_error *error) {
@@ -167,8 +143,10 @@ static int add_verdict(comparison *c, const char *method, opc_error *error) {
   const eda_run_pair *all = (const eda_run_pair *)(void *)pairs->data;
   int code = eda_verdict_init(&v, method, *f->base ? f->base : "the base",
                               pairs->len, all, error);
-  for (int i = EDA_CHANGE_ION; i <= EDA_CHANGE_AREA && !code; i++)
-    add_figure(c, method, &v.changes[i]);
+  for (int i = EDA_CHANGE_ION; i <= EDA_CHANGE_AREA && !code; i++) {
+    const transistor_row row = {method, v.changes[i]};
+    if (row.c.n) g_array_append_val(c->intervals, row);
+  }
   g_ptr_array_add(c->sentences, g_strdup(v.text));
   eda_verdict_clear(&v);
   return code;
@@ -181,20 +159,21 @@ int transistors_publish(comparison *c, opc_error *error) {
     if (!is_repeated(f, i))
       code = add_verdict(c, g_array_index(f->pairs, pair, i).method, error);
   const transistor_row *r = (const transistor_row *)(void *)c->intervals->data;
-  const opc_column columns[] = {{"run", NULL, OPC_TEXT, 0, &r->method},
-                                {"figure", NULL, OPC_TEXT, 0, &r->figure},
-                                {"base", "%", OPC_REAL, 4, &r->base},
-                                {"value", "%", OPC_REAL, 4, &r->value},
-                                {"change", "%", OPC_REAL, 4, &r->change},
-                                {"median", "%", OPC_REAL, 4, &r->median},
-                                {"low", "%", OPC_REAL, 4, &r->low},
-                                {"high", "%", OPC_REAL, 4, &r->high},
-                                {"verdict", NULL, OPC_TEXT, 0, &r->word},
-                                {"better", NULL, OPC_INT, 0, &r->better},
-                                {"worse", NULL, OPC_INT, 0, &r->worse},
-                                {"same", NULL, OPC_INT, 0, &r->same},
-                                {"transistors", NULL, OPC_INT, 0, &r->n},
-                                {"cells", NULL, OPC_INT, 0, &r->cells}};
+  const opc_column columns[] = {
+      {"run", NULL, OPC_TEXT, 0, &r->method},
+      {"figure", NULL, OPC_TEXT, 0, &r->c.name},
+      {"base", "%", OPC_REAL, 4, &r->c.base},
+      {"value", "%", OPC_REAL, 4, &r->c.value},
+      {"change", "%", OPC_REAL, 4, &r->c.change},
+      {"median", "%", OPC_REAL, 4, &r->c.median.value},
+      {"low", "%", OPC_REAL, 4, &r->c.median.low},
+      {"high", "%", OPC_REAL, 4, &r->c.median.high},
+      {"verdict", NULL, OPC_TEXT, 0, &r->c.word},
+      {"better", NULL, OPC_INT, 0, &r->c.better},
+      {"worse", NULL, OPC_INT, 0, &r->c.worse},
+      {"same", NULL, OPC_INT, 0, &r->c.same},
+      {"transistors", NULL, OPC_INT, 0, &r->c.n},
+      {"cells", NULL, OPC_INT, 0, &r->c.median.n}};
   return code ? code
               : put_of_methods(c, "transistors", c->intervals->len, sizeof *r,
                                columns, G_N_ELEMENTS(columns), error);
