@@ -234,10 +234,18 @@ static void test_comparison(void) {
       CALL(command, "new", "comparison", "--process", "own65", cell), ==, 5);
   g_assert_nonnull(strstr(err, "comparison.yaml' exists"));
   g_assert_cmpint(CALL(command, "new", "comparison", cell), ==, 2);
-  g_assert_nonnull(strstr(err, "needs --process NAME and layouts"));
+  g_assert_nonnull(strstr(err, "needs --process NAME and files"));
   g_assert_cmpint(
       CALL(command, "new", "comparison", "--process", "own65", "none"), ==, 5);
   g_assert_nonnull(strstr(err, "'none' is not a regular file"));
+  /* A flow without a correction. */
+  if (CALL("rm", "comparison.yaml", "comparison-methods.yaml"))
+    g_error("%s", err);
+  g_assert_cmpint(
+      CALL(command, "new", "comparison", "--process", "base.yaml", cell), ==,
+      2);
+  g_assert_nonnull(strstr(err, "has no mask.litho: it is no process"));
+  g_assert_cmpint(CALL("test", "-e", "comparison.yaml"), ==, 1);
 }
 
 /* A relative data folder of the user is ignored, so that no plugin of the

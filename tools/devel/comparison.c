@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the texts of a comparison: models of a process for the step that
-   judges all masks, and its layouts as cases. */
+   judges all results, and the files as cases. */
 #include "tools/devel/comparison.h"
 
 #include <string.h>
@@ -9,8 +9,10 @@
 #include "core/cli/cli.h"
 #include "core/plugin/declaration.h"
 
-/* Append a plugin with its parameters of the flow, on one line. Names
-   of files become absolute. Slots in slots are as deep as the flow. */
+/* ---- plugins of the process ---- */
+
+/* Append a plugin with its parameters of the flow, on one line. Names of files
+   become absolute. Slots in slots are as deep as the flow. */
 static void append_plugin(GString *out, const opc_binding *b) {
   g_string_append_printf(out, "{ use: %s", b->plugin->id);
   for (size_t i = 0; i < b->plugin->n_parameters; i++) {
@@ -31,95 +33,102 @@ static void append_plugin(GString *out, const opc_binding *b) {
   g_string_append(out, " }");
 }
 
-/* Return the text of the plugin in a slot of a step; NULL if there is none. */
-static char *slot_text(const opc_flow_step *step, const char *slot) {
-  const opc_binding *b = step->binding;
-  for (size_t i = 0; i < b->plugin->n_parameters; i++) {
-    if (strcmp(b->plugin->parameters[i].name, slot) != 0 || !b->slots[i])
-      continue;
-    GString *out = g_string_new(NULL);
+/* Append the plugin at "step.slot"; return FALSE if there is none. */
+static gboolean append_slot(GString *out, const opc_flow *flow,
+                            const char *path) {
+  const char *dot = strchr(path, '.');
+  g_autofree char *name = dot ? g_strndup(path, (gsize)(dot - path)) : NULL;
+  const opc_flow_step *step = name ? opc_flow_find(flow, name) : NULL;
+  const opc_binding *b = step ? step->binding : NULL;
+  for (size_t i = 0; b && i < b->plugin->n_parameters; i++) {
+    if (strcmp(b->plugin->parameters[i].name, dot + 1) != 0) continue;
+    if (!b->slots[i]) return FALSE;
     append_plugin(out, b->slots[i]);
-    return g_string_free(out, FALSE);
+    return TRUE;
   }
-  return NULL;
+  return FALSE;
 }
 
-static const opc_flow_step *find_correction(const opc_flow *flow) {
-  for (guint i = 0; i < flow->steps->len; i++) {
-    const opc_flow_step *s = flow->steps->pdata[i];
-    if (s->binding && !strcmp(s->binding->plugin->id, "correct")) return s;
-  }
-  return NULL;
-}
+/* ---- other words ---- */
 
-/* Return the removal of steps that draw or report a single run. */
-static char *removed_steps(const opc_flow *flow) {
-  GString *out = g_string_new(NULL);
+static void append_removed(GString *out, const opc_flow *flow) {
   for (guint i = 0; i < flow->steps->len; i++) {
     const opc_flow_step *s = flow->steps->pdata[i];
     const char *id = s->binding ? s->binding->plugin->id : "";
     if (g_str_has_prefix(id, "draw.") || g_str_has_prefix(id, "report."))
       g_string_append_printf(out, "  %s: ~\n", s->name);
   }
-  return g_string_free(out, FALSE);
 }
 
-static char *cases_text(const char *file, const GPtrArray *inputs) {
-  GString *out = g_string_new(NULL);
-  g_string_append_printf(out, "      - %s:\n", file);
+/* Append the removal of all requirements, "STEP: ~, ". */
+static void append_demands(GString *out, const opc_flow *flow) {
+  const opc_node *all = opc_node_get(flow->demands, "require");
+  g_autoptr(GHashTable) seen =
+      g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
+  for (guint i = 0; all && i < all->keys->len; i++) {
+    const char *key = opc_node_key(all, i);
+    char *step = g_strndup(key, strcspn(key, "."));
+    g_autofree char *shown = g_strdup(step);
+    if (g_hash_table_add(seen, step))
+      g_string_append_printf(out, "%s: ~, ", shown);
+  }
+}
+
+/* Append the cases; return FALSE if the process leaves no file open. */
+static gboolean append_cases(GString *out, const opc_flow *flow,
+                             const GPtrArray *inputs) {
+  g_autoptr(GArray) open = cli_open_files(flow);
+  if (!open->len) return FALSE;
+  g_string_append_printf(out, "      - %s:\n",
+                         g_array_index(open, cli_open_file, 0).path);
   for (guint i = 0; i < inputs->len; i++) {
     g_string_append(out, "          - ");
     opc_text_append(out, inputs->pdata[i]);
     g_string_append_c(out, '\n');
   }
-  return g_string_free(out, FALSE);
+  return TRUE;
 }
 
-/* Return whether the flow has requirements of a step. */
-static gboolean has_demands(const opc_flow *flow, const char *step) {
-  const opc_node *all = opc_node_get(flow->demands, "require");
-  size_t n = strlen(step);
-  for (guint i = 0; all && i < all->keys->len; i++) {
-    const char *key = opc_node_key(all, i);
-    if (!strncmp(key, step, n) && (!key[n] || key[n] == '.')) return TRUE;
-  }
-  return FALSE;
+/* ---- templates ---- */
+
+/* Append the text of a word; return FALSE if the process does not have it. */
+static gboolean append_word(GString *out, const char *word,
+                            const opc_flow *flow, const char *process,
+                            const GPtrArray *inputs) {
+  if (!strcmp(word, "CASES")) return append_cases(out, flow, inputs);
+  if (!strcmp(word, "PROCESS"))
+    opc_text_append(out, process);
+  else if (!strcmp(word, "REMOVED"))
+    append_removed(out, flow);
+  else if (!strcmp(word, "DEMANDS"))
+    append_demands(out, flow);
+  else if (!strcmp(word, "NAME"))
+    g_string_append(out, "@NAME@");
+  else
+    return append_slot(out, flow, word);
+  return TRUE;
 }
 
-static void word_clear(void *data) { g_free(((comparison_word *)data)->text); }
-
-static GArray *words_of(const opc_flow *flow, const opc_flow_step *mask,
-                        const char *path, const GPtrArray *inputs) {
-  g_autoptr(GArray) open = cli_open_files(flow);
-  const char *name = mask->name;
-  const char *file =
-      open->len ? g_array_index(open, cli_open_file, 0).path : "layout.file";
-  gboolean demands = has_demands(flow, name);
-  GString *process = g_string_new(NULL);
-  opc_text_append(process, path);
-  const comparison_word words[] = {
-      {"@PROCESS@", g_string_free(process, FALSE)},
-      {"@MASK@", g_strdup(name)},
-      {"@LITHO@", slot_text(mask, "litho")},
-      {"@RESIST@", slot_text(mask, "resist")},
-      {"@EXTRACTOR@", slot_text(mask, "extractor")},
-      {"@REMOVED@", removed_steps(flow)},
-      {"@DEMANDS@", demands ? g_strdup_printf("%s: ~, ", name) : g_strdup("")},
-      {"@CASES@", cases_text(file, inputs)}};
-  GArray *all = g_array_new(FALSE, FALSE, sizeof *words);
-  g_array_set_clear_func(all, word_clear);
-  g_array_append_vals(all, words, G_N_ELEMENTS(words));
-  return all;
-}
-
-GArray *comparison_words(const char *path, const GPtrArray *inputs, int *code) {
+char *comparison_text(const char *template, const char *process,
+                      const GPtrArray *inputs, int *code) {
   g_autoptr(opc_problems) problems = opc_problems_new();
   g_autoptr(opc_flow) flow =
-      opc_flow_load(path, NULL, cli_registry(), problems);
-  const opc_flow_step *mask = flow ? find_correction(flow) : NULL;
-  if (mask) return words_of(flow, mask, path, inputs);
-  *code = flow ? cli_error(CLI_USAGE,
-                           "'%s' has no step 'correct': it is no process", path)
-               : cli_problems(problems);
-  return NULL;
+      opc_flow_load(process, NULL, cli_registry(), problems);
+  if (!flow) {
+    *code = cli_problems(problems);
+    return NULL;
+  }
+  g_auto(GStrv) parts = g_strsplit(template, "@", -1);
+  GString *out = g_string_new(NULL);
+  for (guint i = 0; parts[i]; i++) {
+    if (i % 2 == 0) {
+      g_string_append(out, parts[i]);
+    } else if (!append_word(out, parts[i], flow, process, inputs)) {
+      *code = cli_error(CLI_USAGE, "'%s' has no %s: it is no process", process,
+                        strcmp(parts[i], "CASES") ? parts[i] : "open file");
+      g_string_free(out, TRUE);
+      return NULL;
+    }
+  }
+  return g_string_free(out, FALSE);
 }

@@ -1,18 +1,17 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* opcflow new comparison: an experiment of all methods on layouts of a
-   process. */
+/* opcflow new comparison: an experiment of all methods on files that a process
+   leaves open. */
 #pragma once
 
 #include <glib.h>
 
-/* Names in the templates of a comparison, and the text for each. */
-typedef struct comparison_word {
-  const char *word; /* "@LITHO@" */
-  char *text;
-} comparison_word;
+/* Return a template with its words replaced (g_free). `process` is the path of
+   a flow that leaves a file open; `inputs` (char *) are such files, as they are
+   named in the folder of the comparison. Return NULL and the exit code in
+   *code, with messages, if the process lacks a part.
 
-/* Return the words of a comparison of `inputs` (char *), layouts as they are
-   named in the flow's folder, that extends the process at `path`: an array of
-   comparison_word (g_array_unref). Return NULL and the exit code in *code, with
-   messages, if the flow is no process. */
-GArray *comparison_words(const char *path, const GPtrArray *inputs, int *code);
+   Words: @PROCESS@ is the path, and @CASES@ has a case for each input.
+   @REMOVED@ removes the steps that draw or report a single run, @DEMANDS@ all
+   requirements. @STEP.SLOT@ is the plugin in that slot. */
+char *comparison_text(const char *template, const char *process,
+                      const GPtrArray *inputs, int *code);

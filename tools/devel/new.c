@@ -23,8 +23,7 @@ static gboolean json;
 
 static const cli_option options[] = {
     {"kind", "by default what NAME begins with", "KIND", .text = &wanted},
-    {"process",
-     "a flow or comparison that extends this one and works on the layouts",
+    {"process", "a flow or comparison that extends this one and works on INPUT",
      "NAME", .text = &process},
     {"json", "tell the files as JSON", .flag = &json},
     {0}};
@@ -333,28 +332,25 @@ static int new_flow(const GPtrArray *arguments) {
 
 /* ---- a comparison ---- */
 
-/* Write one template of a comparison, in which `words` stand for their texts.
- */
-static int comparison_put(const char *resource, const GArray *words) {
-  g_autofree char *path =
+/* Return the text of one file of a comparison (g_free); NULL and the exit code
+   in *code. */
+static char *comparison_file(const char *resource, const char *path,
+                             const GPtrArray *inputs, int *code) {
+  g_autofree char *from =
       g_build_path("/", "/opcflow/comparison", resource, NULL);
   g_autoptr(GBytes) bytes =
-      g_resources_lookup_data(path, G_RESOURCE_LOOKUP_FLAGS_NONE, NULL);
-  g_autoptr(GString) text = g_string_new_len(g_bytes_get_data(bytes, NULL),
-                                             (gssize)g_bytes_get_size(bytes));
-  for (guint i = 0; i < words->len; i++) {
-    const comparison_word *w = &g_array_index(words, comparison_word, i);
-    g_string_replace(text, w->word, w->text ? w->text : "~", 0);
-  }
-  return template_write(resource, text->str, FALSE);
+      g_resources_lookup_data(from, G_RESOURCE_LOOKUP_FLAGS_NONE, NULL);
+  g_autofree char *template =
+      g_strndup(g_bytes_get_data(bytes, NULL), g_bytes_get_size(bytes));
+  return comparison_text(template, path, inputs, code);
 }
 
-/* Write comparison.yaml, an experiment on layouts of a process, and the flow of
+/* Write comparison.yaml, an experiment on files of a process, and the flow of
    its methods. */
 static int new_comparison(const GPtrArray *arguments) {
   if (!process || arguments->len < 2)
     return cli_error(CLI_USAGE,
-                     "'new comparison' needs --process NAME and layouts, see "
+                     "'new comparison' needs --process NAME and files, see "
                      "'opcflow help new'");
   g_autoptr(GPtrArray) inputs = g_ptr_array_new();
   for (guint i = 1; i < arguments->len; i++) {
@@ -363,16 +359,16 @@ static int new_comparison(const GPtrArray *arguments) {
                        (char *)arguments->pdata[i]);
     g_ptr_array_add(inputs, arguments->pdata[i]);
   }
-  int code = CLI_USAGE;
   name = g_strdup("comparison");
   folder = g_strdup(".");
   g_autofree char *path = find_process();
-  g_autoptr(GArray) words = path ? comparison_words(path, inputs, &code) : NULL;
-  if (!words) return code;
   g_auto(GStrv) own = own_names("comparison");
-  code = -1;
+  int code = path ? -1 : CLI_USAGE;
+  g_autoptr(GPtrArray) texts = g_ptr_array_new_with_free_func(g_free);
   for (guint i = 0; own[i] && code < 0; i++)
-    code = comparison_put(own[i], words);
+    g_ptr_array_add(texts, comparison_file(own[i], path, inputs, &code));
+  for (guint i = 0; own[i] && code < 0; i++)
+    code = template_write(own[i], texts->pdata[i], FALSE);
   return code;
 }
 
