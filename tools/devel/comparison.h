@@ -10,8 +10,9 @@
    named in the folder of the comparison. Return NULL and the exit code in
    *code, with messages, if the process lacks a part.
 
-   Words: @PROCESS@ is the path, and @CASES@ has a case for each input.
-   @REMOVED@ removes the steps that draw or report a single run, @DEMANDS@ all
-   requirements. @STEP.SLOT@ is the plugin in that slot. */
+   The word @PROCESS@ is the path, and @CASES@ has a case for each input. The
+   word @REMOVED@ removes the steps that draw or report a single run. The word
+   @DEMANDS@ removes all requirements. The word @STEP.SLOT@ is the plugin in
+   that slot, with its parameters. */
 char *comparison_text(const char *template, const char *process,
                       const GPtrArray *inputs, int *code);

@@ -43,7 +43,7 @@ int runs_publish(comparison *c, opc_error *error) {
   const field *f = &c->field;
   g_autofree run_row *r = g_new0(run_row, f->runs->len);
   for (guint i = 0; i < f->runs->len; i++) {
-    const eda_run_facts *t = eda_run_told(f->runs->pdata[i]);
+    const eda_run_facts *t = eda_run_info(f->runs->pdata[i]);
     r[i] = (run_row){f->labels->pdata[i], t->folder,  t->variant,
                      t->version,          t->seconds, t->started};
   }
@@ -80,7 +80,7 @@ static int parameters_differ(const pair *p, const eda_run_parameter *a,
 }
 
 static void add_parameters(GArray *out, const pair *p) {
-  const eda_run_facts *a = eda_run_told(p->base), *b = eda_run_told(p->other);
+  const eda_run_facts *a = eda_run_info(p->base), *b = eda_run_info(p->other);
   for (size_t i = 0; i < a->n_parameters; i++) {
     const eda_run_parameter *x = &a->parameters[i];
     const eda_run_parameter *y = eda_run_parameter_of(p->other, x->name);
@@ -203,7 +203,7 @@ static eda_table *open_cost(eda_run *run) {
    number; NULL if there is none. */
 static const char *named_by(const eda_run *run, const char *start,
                             const mask_difference *d) {
-  const eda_run_facts *f = eda_run_told(run);
+  const eda_run_facts *f = eda_run_info(run);
   g_autofree char *number = g_strdup_printf("%u/%u", d->layer, d->datatype);
   for (size_t i = 0; i < f->n_parameters; i++) {
     const char *name = f->parameters[i].name;
@@ -272,8 +272,8 @@ static void add_mask(GArray *out, const pair *p, const char *step,
 
 static int add_masks(GArray *out, const pair *p, const char *step,
                      const char *base, const char *other, opc_error *error) {
-  const char *from = eda_run_told(p->base)->folder;
-  const char *to = eda_run_told(p->other)->folder;
+  const char *from = eda_run_info(p->base)->folder;
+  const char *to = eda_run_info(p->other)->folder;
   g_autofree char *one = g_build_filename(from, base, NULL);
   g_autofree char *two = g_build_filename(to, other, NULL);
   mask_difference *d;
@@ -294,7 +294,7 @@ static const char *mask_file(const eda_run *run, const char *step) {
   if (!plugin || !name || strcmp(plugin->value, "write.gds") != 0 ||
       !eda_run_parameter_of(run, mask))
     return NULL;
-  const eda_run_facts *f = eda_run_told(run);
+  const eda_run_facts *f = eda_run_info(run);
   for (size_t i = 0; i < f->n_files; i++)
     if (!strcmp(f->files[i].path, name->value)) return name->value;
   return NULL;
@@ -302,7 +302,7 @@ static const char *mask_file(const eda_run *run, const char *step) {
 
 /* Compare the masks of the first step that wrote a mask in both runs. */
 static int compare_masks(GArray *out, const pair *p, opc_error *error) {
-  const eda_run_facts *f = eda_run_told(p->base);
+  const eda_run_facts *f = eda_run_info(p->base);
   for (size_t i = 0; i < f->n_parameters; i++) {
     const char *name = f->parameters[i].name;
     const char *dot = strchr(name, '.');

@@ -31,7 +31,7 @@ static const double SECONDS = 10;
 /* Return the last metric of a name in any step, since later steps verify
    earlier ones; NAN if there is none. */
 static double metric_of(const eda_run *run, const char *name) {
-  const eda_run_facts *f = eda_run_told(run);
+  const eda_run_facts *f = eda_run_info(run);
   for (size_t i = f->n_metrics; i-- > 0;) {
     const char *last = strrchr(f->metrics[i].name, '.');
     if (last && !strcmp(last + 1, name)) return f->metrics[i].value;
@@ -40,7 +40,7 @@ static double metric_of(const eda_run *run, const char *name) {
 }
 
 static double figure_of(const eda_run *run, int figure) {
-  return figure == EDA_CHANGE_SECONDS ? eda_run_told(run)->seconds
+  return figure == EDA_CHANGE_SECONDS ? eda_run_info(run)->seconds
                                       : metric_of(run, figures[figure].name);
 }
 
