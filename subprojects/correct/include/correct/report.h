@@ -48,7 +48,7 @@ typedef struct summary {
   }
 #define REPORT_PRINT_METRICS                                            \
   {"failed", NULL, OPC_LOWER, 0,                                        \
-   "transistors that do not print as one of their own"},                \
+   "transistors that do not print as one separate transistor"},         \
   {                                                                     \
     "outside", NULL, OPC_LOWER, 0,                                      \
         "transistors with figures extrapolated beyond the device table" \

@@ -79,11 +79,11 @@ OPC_EXPORT int correct_save_mask(void *self, void *const *outputs,
       CORRECT_SLOT(state, resist, OPC_REQUIRED, "Model of the resist"), \
       CORRECT_SLOT(state, extractor, OPC_REQUIRED,                      \
                    "Model of a printed transistor's performance")
-#define CORRECT_MOVE_SLOTS(state)                        \
-  CORRECT_SLOT(state, synthesizer, OPC_REQUIRED,         \
-               "Algorithm that moves the mask's edges"), \
-      CORRECT_SLOT(state, regulator, 0,                  \
-                   "Rules that keep the print free of failures")
+#define CORRECT_MOVE_SLOTS(state)                                 \
+  CORRECT_SLOT(state, synthesizer, OPC_REQUIRED,                  \
+               "Algorithm that displaces the edges of the mask"), \
+      CORRECT_SLOT(state, regulator, 0,                           \
+                   "Rules that prevent printing failures")
 
 #define CORRECT_MAX_ITERATIONS(state, SUMMARY)                              \
   OPC_PARAMETER_NAMED("max_iterations", state, with.max_iterations,         \
