@@ -12,13 +12,13 @@ static int32_t grid_steps(double limit, double most, double grid) {
   return (int32_t)floor(fmax(0, fmin(most, limit)) / grid + 1e-9);
 }
 
-/* Compute the largest outward move of a line end. Contacts that poly must not
-   touch do not move. The line end owns half of the drawn spacing, as another
-   line end may move from the other side. */
+/* Compute the largest outward move of a line end. The line end may use the
+   whole spacing to contacts, which do not move, but its share is half of the
+   drawn spacing to poly, as an opposite line end may move as well. */
 static void end_find_length(const drc *r, line_end *e) {
   double grid = r->grid;
   int32_t range = (int32_t)ceil((2 * r->max_growth + r->min_space) / grid) + 1;
-  /* From the next step on, to exclude the line end. */
+  /* The window begins one step before the tip, to exclude the tip. */
   eda_box window =
       box_window(e->tip, e->side, 1, range, (int32_t)ceil(r->min_space / grid));
   double own =
@@ -31,7 +31,7 @@ static void end_find_length(const drc *r, line_end *e) {
       grid_steps(((own + 1) * grid - r->min_space) / 2, e->most * grid, grid);
 }
 
-/* Return the head, `wider` beyond each flank of the line. */
+/* Return the head: `by` beyond the tip and `wider` beyond each flank. */
 static eda_box head_of(const line_end *e, int32_t by, int32_t wider) {
   eda_box b = box_window(e->tip, e->side, -e->start, by, 0);
   if (side_upright(e->side))
@@ -41,8 +41,8 @@ static eda_box head_of(const line_end *e, int32_t by, int32_t wider) {
   return b;
 }
 
-/* Compute the largest width of the head: the head begins clear of the active,
-   and owns half of the spacing on both sides. */
+/* Compute the largest extension of the head beyond the flanks. The head begins
+   2 overlays outside of the active and may use half of the spacing to poly. */
 static void end_find_width(const drc *r, line_end *e, double most,
                            double extension) {
   double grid = r->grid, limit = most;
@@ -94,8 +94,7 @@ void ends_find(drc *r) {
 
 /* ---- moves ---- */
 
-/* Return whether nothing prints for some distance before the printed line
-   end. */
+/* Return whether nothing prints near, and before, the printed line end. */
 static int end_is_clear(const eda_printed *p, const line_end *e) {
   double grid = p->gates->grid, value;
   double x = (e->tip.x0 + e->tip.x1) / 2.0 * grid;
@@ -103,7 +102,7 @@ static int end_is_clear(const eda_printed *p, const line_end *e) {
   double *along = side_upright(e->side) ? &x : &y;
   double out = e->side == LEFT || e->side == BELOW ? -1 : 1;
   const eda_field *print = &p->print[EDA_POLY];
-  *along -= out * e->start * grid; /* at a place where the line prints */
+  *along -= out * e->start * grid; /* where the line prints */
   for (double d = 0; d < tuned.reach; d += grid, *along += out * grid) {
     eda_field_sample(print, &x, &y, 1, &value);
     if (value <= 0) break;
@@ -115,9 +114,9 @@ static int end_is_clear(const eda_printed *p, const line_end *e) {
   return 1;
 }
 
-/* Return the largest move that neighbours allow at present. Two opposite line
-   ends may move at once: within its share, one uses at most two thirds of the
-   spacing, beyond it a third. */
+/* Return the largest move that neighbours allow at present. An opposite line
+   end may move in the same iteration. Therefore a move within the share uses at
+   most two thirds of the spacing, a move beyond the share a third. */
 static int32_t outward_limit(drc *r, const eda_printed *p, const line_end *e,
                              int32_t bias) {
   int32_t share = e->share < e->most ? e->share : e->most;
@@ -129,9 +128,9 @@ static int32_t outward_limit(drc *r, const eda_printed *p, const line_end *e,
   return bias + left < share ? bias + left : share;
 }
 
-/* Return the required printed extension or, if there is spacing before the line
-   end, the desired one. A request of the synthesizer holds in all iterations,
-   as the synthesizer knows the effect. */
+/* Return the printed extension to aim at: the desired one if nothing prints
+   before the line end, else the required one. A request of the synthesizer is
+   valid in all iterations, as the synthesizer accounts for the effect. */
 static double wanted_extension(const drc *r, const eda_printed *p, size_t end) {
   const line_end *one = &r->ends[end];
   double extension = p->extension[end], desired = r->min_extension;

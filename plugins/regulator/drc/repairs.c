@@ -26,15 +26,15 @@ static int is_contact(const site *s) {
   return s->kind == SITE_ENCLOSURE || s->kind == SITE_CONTACT;
 }
 
-/* Return the distance from the box at which the image is checked, nm: contacts
-   may be misplaced by the overlay. */
+/* Return the distance from the site's box at which the image is checked, nm:
+   the overlay error for contacts, else 0. */
 static double site_margin(const drc *r, const site *s) {
   return is_contact(s) ? r->overlay : 0;
 }
 
-/* Compute the checked points of a site. Return their number. Forbidden images
-   are checked at corners too, required ones away from corners, which print
-   round. */
+/* Compute the checked points of a site. Return their number. Checks of a layer
+   that must not touch a contact include the corners. Checks of a layer that
+   must cover a contact do not, as corners print rounded. */
 static int site_points(const drc *r, const site *s, double *x, double *y,
                        uint8_t *side) {
   double m = site_margin(r, s), grid = r->grid;
@@ -98,8 +98,8 @@ static void sites_check_block(void *data, size_t block) {
   free(q);
 }
 
-/* Return the distance of the contour outwards from a side of the site's box,
-   nm: the least of its points. */
+/* Return the distance from a side of the site's box outwards to the contour,
+   nm: the least value of the checked points on that side. */
 static double site_contour(const drc *r, const eda_printed *p, const site *s,
                            int side) {
   double x[POINTS], y[POINTS], least = INFINITY, m = site_margin(r, s);
@@ -115,7 +115,7 @@ static double site_contour(const drc *r, const eda_printed *p, const site *s,
     int good = (value > 0) == site_wants(s);
     d = out * eda_field_edge(print, axis, x[k], y[k], tuned.reach);
     if (isnan(d)) d = good ? tuned.reach : -tuned.reach;
-    /* The contour nearest to a point that passes may be in either direction. */
+    /* With the correct sign the nearest contour may be on either side. */
     least = fmin(least, m + (good ? fabs(d) : -fabs(d)));
   }
   return least;
@@ -131,8 +131,8 @@ static void repair_measure(void *data, size_t i) {
 
 /* ---- segments and limits ---- */
 
-/* Return the outward move of a corner by the width of a gate: half of the bias,
-   an odd step on the HIGH side, and the shift of both ends. */
+/* Return the outward move of a corner that a change of a gate's width causes:
+   half of the change (the larger half at HIGH) and the shift of both ends. */
 static int32_t corner_move(const eda_printed *p, const eda_fragment *f) {
   if (!f) return 0;
   int32_t w = p->w[f->gate], low = w >> 1;
@@ -140,7 +140,7 @@ static int32_t corner_move(const eda_printed *p, const eda_fragment *f) {
   return f->role == EDA_W_LOW ? low - aside : w - low + aside;
 }
 
-/* Return whether the segment on a side reaches the edge on the next one. */
+/* Return whether the segment on `side` ends at the edge on the side `next`. */
 static int segment_reaches(const drc *r, const repair *one, int side,
                            int next) {
   eda_box b = r->sites[one->site].box;
@@ -156,8 +156,8 @@ static int segment_reaches(const drc *r, const repair *one, int side,
   }
 }
 
-/* Return the extension of the end of a repair shape by the shape on the next
-   side, if both cover a common corner. */
+/* Return the extension of the repair shape on `side` over the corner shared
+   with the repair shape on the adjacent side `next`; 0 if they share none. */
 static int32_t segment_overlap(const drc *r, const repair *one, int side,
                                int next) {
   return segment_reaches(r, one, side, next) &&
@@ -189,9 +189,8 @@ static int32_t segment_into_corner(const drc *r, const repair *one, int side,
   return 0;
 }
 
-/* Return the repair shape on a side: the segment of the drawn edge, outwards to
-   the present move, and inwards by the least mask width. The ends move with the
-   corners. */
+/* Return the repair shape on a side: a box from min_mask_width inwards of the
+   drawn edge to the present move outwards. The ends move with the corners. */
 static eda_box repair_shape(const drc *r, const eda_printed *printed,
                             const repair *one, int side) {
   int32_t in = (int32_t)ceil(r->min_mask_width / r->grid - 1e-9);
@@ -212,8 +211,9 @@ static eda_box repair_shape(const drc *r, const eda_printed *printed,
   return p;
 }
 
-/* Return the distance to the next edge of the same layer. An edge that begins
-   at the window's edge belongs to a concave corner, which the mask may fill. */
+/* Return the distance to the next edge of the same layer. An edge that only
+   touches the border of the window forms a concave corner, which the mask may
+   fill, and is ignored. */
 static int32_t layer_spacing(const places *edges, eda_box window, int side,
                              int32_t none) {
   eda_finder f = eda_index_find(edges->index, window);
@@ -230,9 +230,9 @@ static int32_t layer_spacing(const places *edges, eda_box window, int side,
   return found;
 }
 
-/* Return the largest outward move on a side. An opposite edge may move as far;
-   contacts that poly must not touch, and poly or active as the other layer, do
-   not move. */
+/* Return the largest outward move on a side. An opposite edge of the same layer
+   may move as far, so half of that spacing is available. Contacts, and active
+   for poly or poly for active, are assumed not to move. */
 static int32_t outward_limit(const drc *r, const site *s, const repair *one,
                              int side) {
   double grid = r->grid;
@@ -257,8 +257,7 @@ static int32_t outward_limit(const drc *r, const site *s, const repair *one,
   return (int32_t)floor(fmax(0, fmin(r->max_growth, most)) / grid + 1e-9);
 }
 
-/* Return the edge that moves the corner at an end of the edge on `side`; NULL
-   if none does. */
+/* Return the edge that moves a corner of the edge on `side`; NULL: none. */
 static const eda_fragment *corner_edge(const drc *r, int side, int32_t x,
                                        int32_t y) {
   const eda_fragment *found = NULL;
@@ -270,14 +269,15 @@ static const eda_fragment *corner_edge(const drc *r, int side, int32_t x,
   return found;
 }
 
-/* Compute the segment of the drawn edge that the site needs, up to a corner
-   nearby. Return whether there is an edge of that direction, in `edge`. */
+/* Compute the segment of the drawn edge in front of a side of the site,
+   extended to corners within tuned.corner. Return whether a contact has an edge
+   there parallel to the side, in `edge`. */
 static int repair_find_segment(const drc *r, const site *s, repair *one,
                                int side, eda_box *edge) {
   double grid = r->grid;
   int32_t far = (int32_t)(2 * tuned.reach / grid), more = 0;
   eda_box b = s->box;
-  /* From one step inside, to include an edge at the side of the box. */
+  /* The window begins one step inside, to include an edge on the side. */
   one->edge[side] =
       places_nearest(&r->edges[s->layer], box_window(b, side, -1, far, 0), side,
                      far + 1, edge) -
@@ -308,8 +308,8 @@ static void repair_find_corners(const drc *r, const site *s, repair *one,
       one->to[side] == high ? corner_edge(r, side, edge.x1, edge.y1) : NULL;
 }
 
-/* Choose the segment to move on a side: the whole edge, which adds no jog, or,
-   where the whole edge is more limited, the segment that the site needs. */
+/* Choose the segment to move on a side: the whole edge, which adds no jog, or
+   only the part in front of the site if that part can move further. */
 static void repair_find_edge(const drc *r, const site *s, repair *one,
                              int side) {
   eda_box edge = {0};
@@ -326,7 +326,7 @@ static void repair_find_edge(const drc *r, const site *s, repair *one,
   repair_find_corners(r, s, one, side, edge);
 }
 
-/* Reduce a whole edge that closed a gap to the segment that the site needs. */
+/* Replace a whole edge that caused bridging by the site's segment. */
 static void repair_keep_segment(const drc *r, const site *s, repair *one,
                                 int side) {
   eda_box edge = {0};
@@ -356,16 +356,16 @@ void repairs_check(drc *r, const eda_printed *p) {
 
 /* ---- repairs ---- */
 
-/* Return the checked figure of a side; a line only needs the total width, at
-   any position. */
+/* Return the figure of a side that is compared with the limit. For a line the
+   total width counts, so both sides have half of the sum. */
 static double repair_figure(const site *s, const repair *one, int side) {
   return s->kind == SITE_LINE
              ? (one->value[side] + one->value[side_opposite(side)]) / 2
              : one->value[side];
 }
 
-/* Move the corners of a side that cannot move further, by moving the adjacent
-   sides, as long as the image improves. */
+/* Move the two adjacent sides, and so the corners, of a side that cannot move
+   further, as long as the contour at that side improves. */
 static void repair_grow_flanks(repair *one, int side, double grid) {
   int32_t step = (int32_t)ceil(tuned.flank_step / grid);
   double value = one->value[side], before = one->flanked[side];
@@ -399,9 +399,9 @@ static int boxes_meet(eda_box a, eda_box b) {
   return a.x0 <= b.x1 && b.x0 <= a.x1 && a.y0 <= b.y1 && b.y0 <= a.y1;
 }
 
-/* Reduce repair shapes that close a gap or touch a contact by `step`, and limit
-   them there: those facing the site (`facing`), or all within `near`. Return
-   whether there were any. */
+/* Reduce by `step` the repair shapes that bridge the gap or touch the contact
+   of site `wrong`, and limit their growth: the shapes that face the site
+   (`facing`), or all shapes within `near`. Return whether there were any. */
 static int shapes_reduce(drc *r, const eda_printed *p, const site *wrong,
                          int32_t near, int32_t step, int facing) {
   int32_t flank = (int32_t)(tuned.corner / r->grid);
@@ -434,8 +434,8 @@ static int shapes_reduce(drc *r, const eda_printed *p, const site *wrong,
   return found;
 }
 
-/* Remove a forbidden image: reduce repair shapes that face the site, else trim
-   drawn edges of poly, else reduce repair shapes nearby. */
+/* Clear a site where the layer must not print: reduce repair shapes that face
+   the site, else trim edges of poly, else reduce repair shapes nearby. */
 static void site_clear(drc *r, const eda_printed *p, site *wrong) {
   int32_t near = (int32_t)(tuned.reach / r->grid);
   int32_t step = (int32_t)ceil(tuned.back / r->grid);
@@ -445,8 +445,9 @@ static void site_clear(drc *r, const eda_printed *p, site *wrong) {
   shapes_reduce(r, p, wrong, near, step, 0);
 }
 
-/* Repair violations of mask rules: drop smoothed jogs there, and reduce repair
-   shapes that are too near to each other, each by half of the missing space. */
+/* Repair violations of mask rules: drop smoothings there; reduce each of two
+   repair shapes that are too near to each other by half of the missing space.
+   */
 static void mask_repair(drc *r, const eda_printed *p, size_t layer) {
   int32_t near = (int32_t)ceil(r->min_space / r->grid);
   eda_rule_fault *fault;
@@ -488,7 +489,7 @@ void repairs_add_shapes(drc *r, const eda_printed *p) {
     const repair *one = &r->repairs[i];
     for (int k = 0; k < SIDES; k++) {
       eda_box b = repair_shape(r, p, one, k);
-      /* Corners that moved inwards may leave nothing between them. */
+      /* The box is empty if the corners have moved inwards past each other. */
       if (one->grow[k] && b.x0 < b.x1 && b.y0 < b.y1)
         eda_box_list_add(&r->added[r->sites[one->site].layer], b);
     }
@@ -534,7 +535,7 @@ static void report_line(const drc *r, const site *s, eda_violation v,
   int low = s->sides & 1 << LEFT ? LEFT : BELOW;
   double box = (double)s->box.x1 - s->box.x0 + ((double)s->box.y1 - s->box.y0);
   double width = box * r->grid + one->value[low] + one->value[low + 1];
-  /* Wide enough, but off the drawn centre: no violation. */
+  /* A line that prints wide enough beside the drawn centre is no violation. */
   if (width >= r->min_width) return;
   v.value = fmax(0, width);
   v.limit = r->min_width;

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the search for drawn shapes by place, and for the sites at which
-   each printed image is checked: contacts, lines outside of gates, and gaps
-   between lines. */
+/* Implements the search for the sites at which each printed image is checked:
+   contacts, lines outside of gates, and gaps between lines. */
 #include <eda/memory.h>
 #include <math.h>
 #include <stdio.h>
@@ -27,8 +26,7 @@ static double interval_distance(int32_t a0, int32_t a1, int32_t b0,
   return fmax(fmax((double)b0 - a1, (double)a0 - b1), 0);
 }
 
-/* Return the nearest gate, the first of several equally near ones; -1 if there
-   is none. */
+/* Return the nearest gate (the first of equally near ones); -1: none. */
 static int32_t nearest_gate(const drc *r, eda_box b) {
   int32_t reach = (int32_t)(tuned.near_gate / r->grid), found = INT32_MAX;
   double least = reach;
@@ -97,11 +95,11 @@ static int sort_contacts(const drc *r, const eda_shapes *contacts,
   return OPC_OK;
 }
 
-/* Add the sites of a contact. A layer that contains the whole contact must
-   cover it, and poly that does not touch the contact must remain clear. A
-   contact partly on a layer is drawn so. Layers without transistors keep their
-   own edges: a repair shape there would work against the synthesizer that moves
-   them. */
+/* Add the sites of a contact. A layer that is drawn over the whole contact must
+   cover the contact. Poly that does not touch the contact must remain clear of
+   it. A contact that is drawn partly on a layer is not checked there. Layers
+   after active have no enclosure sites, as repair shapes would work against the
+   synthesizer that moves their edges. */
 static void add_contact(drc *r, eda_box box, const uint8_t *how, size_t n,
                         eda_box_list *apart_from_poly, eda_box_list *on_poly) {
   site one = {.box = box,
@@ -149,7 +147,7 @@ static int add_contacts(drc *r, opc_error *error) {
 /* A drawn edge and its direction. */
 typedef struct wall {
   eda_point a, b;
-  int inwards;   /* the side on which the shape is */
+  int inwards;   /* direction from the edge to the inside of the polygon */
   int convex[2]; /* 1 for each convex corner */
 } wall;
 
@@ -179,7 +177,7 @@ static eda_point wall_point(const wall *w, double t, double length) {
       w->a.y + (int32_t)lround(((double)w->b.y - w->a.y) * t / length)};
 }
 
-/* Return the point half a line width, or half a gap, away from the wall. */
+/* Return the point at the distance `d` from p towards `side`. */
 static eda_point point_beyond(eda_point p, int side, int32_t d) {
   return side == ABOVE ? (eda_point){p.x, p.y + d} : (eda_point){p.x + d, p.y};
 }
@@ -219,9 +217,8 @@ static void add_gap(drc *r, size_t layer, eda_point middle, int side) {
                      .sides = side == ABOVE ? 1 << BELOW : 1 << LEFT});
 }
 
-/* Add sites from a wall towards the right or upwards: through the shape for
-   lines, outwards for gaps, so that each is found once. Lines of active are
-   wide and not checked. */
+/* Add the sites of the line or gap on the right of or above an edge, so that
+   each is found once. Lines of active are wide and not checked. */
 static void add_wall(drc *r, double step, size_t layer, const wall *w) {
   int line = w->inwards == ABOVE || w->inwards == RIGHT;
   if (line && layer == EDA_ACTIVE) return;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements smoothing of jogs. A repaired notch can no longer be detected,
-   and its repair may protrude once adjacent edges have moved. Therefore a
-   repair is kept while the edge that caused it is on the mask. */
+/* Implements smoothing: filling of notches and removal of bumps. A filled notch
+   can no longer be detected on the mask, and the filling may protrude once
+   adjacent edges have moved. Therefore a smoothing is kept while the straight
+   edge that replaced the notch or bump is on the mask. */
 #include <eda/memory.h>
 #include <math.h>
 #include <stdlib.h>
@@ -14,22 +15,21 @@ static int turns_left(eda_point a, eda_point b, eda_point c) {
          ((int64_t)b.y - a.y) * ((int64_t)c.x - b.x);
 }
 
-/* ---- repairs to keep ---- */
+/* ---- smoothings to keep ---- */
 
 static int is_between(int32_t v, int32_t a, int32_t b) {
   return a < b ? v >= a && v <= b : v >= b && v <= a;
 }
 
-/* Return whether an end of the straight edge is valid: not a corner of the
-   mask, or one that turns as the repair requires. Beside it the mask must be
-   further out than a notch, or further in than a bump. */
+/* Return whether an end of the straight edge is valid: within an edge of the
+   mask, or at a corner b that turns left for a removed bump and not left for a
+   filled notch. At other corners the smoothing protrudes. */
 static int is_valid_corner(const smoothing *m, eda_point end, eda_point a,
                            eda_point b, eda_point c) {
   return end.x != b.x || end.y != b.y || turns_left(a, b, c) == m->bump;
 }
 
-/* Return whether the edge from q[1] to q[2] contains the straight edge of the
-   repair. */
+/* Return whether the edge from q[1] to q[2] contains the straight edge of m. */
 static int smoothing_confirmed_by(const eda_point *q, const smoothing *m) {
   int same_way = q[1].y == q[2].y
                      ? m->from.y == q[1].y && m->to.y == q[1].y &&
@@ -52,7 +52,7 @@ static void polygon_corners(const eda_shapes *mask, size_t p, uint32_t i,
   for (uint32_t k = 0; k < 4; k++) q[k] = at[(i + k) % n];
 }
 
-/* Mark the repairs whose edges are on the mask. */
+/* Mark the smoothings whose straight edges are on the mask. */
 static void smoothings_mark(smoothings *s, const eda_shapes *mask,
                             double grid) {
   if (!s->n) return;
@@ -74,7 +74,7 @@ static void smoothings_mark(smoothings *s, const eda_shapes *mask,
   places_clear(&edges);
 }
 
-/* ---- new repairs ---- */
+/* ---- new smoothings ---- */
 
 static int32_t edge_length(eda_point a, eda_point b) {
   return abs(b.x - a.x) + abs(b.y - a.y);
@@ -85,10 +85,10 @@ static int smoothings_touch(const smoothing *a, const smoothing *b) {
          a->box.y0 <= b->box.y1 && b->box.y0 <= a->box.y1;
 }
 
-/* Return whether a repair has to wait. A bump beside a notch may be wide enough
-   once the notch is filled; the next iteration decides. A notch beside a
-   removed bump is the result of the removal: undo the removal and check both
-   again. `before` is the number of repairs before this iteration. */
+/* Return whether a smoothing must wait for the next iteration. A bump beside a
+   notch may be wide enough once the notch is filled. A notch beside a removed
+   bump results from the removal: the bump is restored. `before`: number of
+   smoothings before this iteration. */
 static int smoothing_must_wait(drc *r, smoothings *s, const smoothing *m,
                                size_t before) {
   int wait = 0;
@@ -103,8 +103,8 @@ static int smoothing_must_wait(drc *r, smoothings *s, const smoothing *m,
   return wait;
 }
 
-/* Remove repairs that are not marked, except those that touch a new repair of
-   the same kind, which may be the other half. */
+/* Remove smoothings that are not marked, except if they touch a new smoothing
+   of the same kind: both may be parts of one notch or bump. */
 static void smoothings_drop(smoothings *s, size_t before) {
   size_t kept = 0;
   for (size_t i = 0; i < s->n; i++) {
@@ -116,8 +116,8 @@ static void smoothings_drop(smoothings *s, size_t before) {
   s->n = kept;
 }
 
-/* Add a repair from q[1] to q[2] if that is the bottom of a notch or the top of
-   a bump; its depth is that of the shallower jog. */
+/* Add a smoothing if the edge from q[1] to q[2] is the bottom of a notch or the
+   top of a bump. The depth is the length of the shorter adjacent edge. */
 static void smoothing_find(drc *r, smoothings *s, const eda_point q[4],
                            int bump, size_t before) {
   double least = bump ? r->min_mask_width : r->min_space;
@@ -168,9 +168,9 @@ void smooth_drop(drc *r, size_t layer, eda_box place) {
   s->n = kept;
 }
 
-/* Return the box of a repair, extended by the least width into the shape behind
-   a notch, or by the least space before a bump. The edge there may still move
-   and must not leave a slit or a sliver. */
+/* Return the box of a smoothing, extended by min_mask_width into the shape
+   behind a notch, or by min_space outwards of a bump. The extension prevents a
+   slit or a sliver if the edge there moves later. */
 static eda_box smoothing_box(const drc *r, const smoothing *m) {
   int32_t by =
       (int32_t)((m->bump ? -r->min_space : r->min_mask_width) / r->grid);

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements trims: edges of poly that move inwards where the gap before them
-   bridges. */
+/* Implements trims: inward moves of poly edges at bridged gaps. */
 #include <eda/memory.h>
 #include <math.h>
 #include <string.h>
@@ -10,17 +9,18 @@
 
 /* ---- limits of trims ---- */
 
-/* A stretch of a wall and the boxes behind it. */
+/* The stretch of a drawn edge (wall) that may be trimmed. */
 typedef struct stretch {
   eda_box wall;
-  int behind; /* the side of the wall on which the poly is */
+  int behind; /* direction from the wall into the poly */
   int32_t at; /* position of the gap along the wall */
   int32_t least, beside;
   int32_t from, to, limit;
 } stretch;
 
-/* Keep `keep` between the trimmed wall and a box: limit the depth or, if that
-   is too little, end the stretch beside the box. */
+/* Keep the distance `keep` between the trimmed wall and a box behind it: limit
+   the depth or, if less than `least` remains, end the stretch before the box.
+   */
 static void stretch_shorten(stretch *s, eda_box b, int32_t keep) {
   eda_box w = s->wall;
   int32_t d = s->behind == LEFT    ? w.x0 - b.x1
@@ -84,8 +84,7 @@ static trim trim_of(const drc *r, eda_box wall, int side, int32_t at) {
 
 /* ---- gaps ---- */
 
-/* Find the edge of poly seen from the middle of a gap. Return 0 if there is
-   none. */
+/* Find the edge of poly on a side of the middle p of a gap; 0: none. */
 static int wall_at(const drc *r, eda_point p, int side, eda_box *wall) {
   int32_t far = (int32_t)(2 * tuned.of_gate / r->grid);
   eda_box dot = {p.x, p.y, p.x, p.y};
@@ -119,7 +118,7 @@ static void add_pair(drc *r, site *gap) {
   gap->repair = (int32_t)r->n_pairs++;
   if (!wall_at(r, p, low, &wall[0]) || !wall_at(r, p, low + 1, &wall[1]))
     return;
-  for (int i = 0; i < 2; i++) { /* over their common extent */
+  for (int i = 0; i < 2; i++) { /* trim both walls over their common extent */
     eda_box w = wall[i], o = wall[!i];
     if (low == LEFT) {
       w.y0 = o.y0 > w.y0 ? o.y0 : w.y0;
