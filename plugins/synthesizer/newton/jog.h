@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Correction of length by a step over a part of the width. */
+/* Correction of L by less than a grid step: a step of one poly edge over a part
+   of the width (jog). */
 #pragma once
 
 #include <eda/gates.h>
 
-/* Positions along W, in grid steps from the box of the gate. LOW and HIGH edge
-   of the poly that move with a gate: begin, end, begin and end of their effect,
-   and the smoothing length of the optics. */
+/* The LOW and HIGH poly edge that move with a gate. Positions along W in grid
+   steps from the box of the gate: ends of each edge (from, to); ends of the
+   range in which the edges affect the gate (low, high). blur: standard
+   deviation of the optical smoothing, grid steps. */
 typedef struct sides {
   int32_t from[2], to[2];
   double low, high, blur;
@@ -15,24 +17,23 @@ typedef struct sides {
 /* Compute the sides of all gates. */
 void sides_find(const eda_gates *gates, sides *out);
 
-/* A length in grid steps: whole steps, and one more over the first `jog` steps
-   of the edge that takes the next one, from its LOW end on. */
+/* A change of L in grid steps: `l` whole steps, and one more step of one edge
+   over the first `jog` grid steps of that edge from its LOW end. */
 typedef struct length {
   int32_t l, jog;
 } length;
 
-/* Return the effective length, as a number of steps. */
+/* Return the effective change of L, grid steps. */
 double length_value(const sides *s, length x);
 
-/* Return the share of a step of both edges up to `to` (grid steps from the box
-   of the gate) in the effect of the whole length; `to` is limited to the ends
-   of the edges. */
+/* Return the effect of a step of both edges up to position `to`, relative to a
+   step of the whole edges. `to` is limited to the ends of the edges. */
 double length_share(const sides *s, double to);
 
-/* Return the position of the jog, grid steps from the box of the gate; NAN
-   without a jog. */
+/* Return the position of the jog, grid steps from the box of the gate; NAN if
+   there is no jog. */
 double length_jog(const sides *s, length x);
 
-/* Return the length nearest to `value`; the jog keeps `least` steps from both
-   ends of its edge. */
+/* Return the change of L nearest to `value`, grid steps. The jog is at least
+   `least` steps away from both ends of its edge. */
 length length_nearest(const sides *s, double value, int32_t least);

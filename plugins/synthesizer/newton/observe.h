@@ -13,73 +13,72 @@
 typedef struct biases {
   int32_t l, w, jog;
   shape shape;
-  int32_t aside; /* as eda_moves.aside */
+  int32_t aside; /* see eda_moves.aside */
 } biases;
 
-/* Targets: by the weights; Ion and Ioff by L and W; both and the area, with
-   flat edges. */
+/* Targets: by `weight`; Ion and Ioff; Ion, Ioff and the gate area. */
 enum { PLAIN, BALANCED, FULL, TARGETS };
 
-/* State of a transistor. An error is the logarithm of printed over target;
-   errors_size combines the errors of a transistor into one figure. */
+/* State of a transistor. An error is log(printed / target); errors_size
+   combines the errors of a transistor into their size. */
 typedef struct transistor {
-  biases now;           /* mask measured last */
-  int failed;           /* 1: that mask did not print; the following figures are
-                           those of the last mask that did */
+  biases now;           /* last simulated mask */
+  int failed;           /* 1: `now` did not print; the fields below then
+                           describe `valid` */
   biases valid;         /* last mask that printed */
-  double x[MOVES];      /* moves of that mask in grid steps, the jog as a
-                           fraction */
-  point point;          /* point on the device curve */
-  double error[ERRORS]; /* errors; in the first iteration those expected after
-                           the line ends have moved */
+  double x[MOVES];      /* moves of `valid`, grid steps; a jog is a fraction of
+                           a step */
+  point point;          /* printed point of the device curve */
+  double error[ERRORS]; /* errors; in the first iteration as expected once the
+                           line ends have moved */
   double size;          /* size of the errors; INFINITY if no mask has
                            printed */
   ripple ripple;        /* ripple of the length along W */
-  double pull;          /* error of Ion that requires the same move of L */
+  double pull;          /* error of Ion alone that requires the same move of L
+                           as `error` */
   biases next;          /* requested mask */
-  biases best;          /* mask of the least size so far */
+  biases best;          /* mask with the least size so far */
   double best_size;
-  double settled_size;      /* least size since the last move */
-  response response, first; /* learnt and initial response */
+  double settled_size;      /* least size since the transistor's last move */
+  response response, first; /* present and initial response */
   trust trust;              /* trust region of the next L */
-  int32_t print_limit[2];   /* largest outward moves of the LOW and HIGH end of
-                               the width, grid steps; the gate did not print
-                               beyond */
-  int32_t outward_limit[2]; /* the same, limited also to the region where the
-                               poly is not thin */
-  int32_t given;            /* grid steps of width that the ends lose in the
-                               next mask */
-  int32_t end[2];           /* line ends of the mask measured last */
-  double uncertainty; /* uncertainty of the next log Ion, beyond that of the
-                         response, caused by line ends and neighbours */
-  uint8_t disturbed;  /* 1: causes other than its own moves changed the
-                         transistor */
-  uint8_t outside;    /* 1: the figures of the best mask are extrapolated beyond
-                         the device table */
-  uint8_t revert;     /* 1: the next mask is the best one */
+  int32_t print_limit[2];   /* largest outward moves, grid steps, of the LOW and
+                               HIGH end of the width at which the gate prints */
+  int32_t outward_limit[2]; /* print_limit, also limited to the region where the
+                               printed length does not leak */
+  int32_t given;            /* grid steps by which bound_ends narrows W */
+  int32_t end[2];           /* line ends of the last simulated mask */
+  double uncertainty;       /* uncertainty of the next log Ion due to line ends,
+                               shapes and neighbours */
+  uint8_t disturbed; /* 1: other causes than the transistor's own moves changed
+                        the currents */
+  uint8_t outside;   /* 1: currents of the best mask are extrapolated beyond
+                        the device table */
+  uint8_t revert;    /* 1: the next mask is `best` */
   uint8_t verdict;
 } transistor;
 
 typedef struct newton {
   const opc_host *host;
   int target;            /* PLAIN ... */
-  double weight[ERRORS]; /* weights in the size of errors */
-  double steer[ERRORS];  /* weights for the L that compensates a W */
-  double price;          /* % of the area that a jog has to save */
+  double weight[ERRORS]; /* weights of errors in their size */
+  double steer[ERRORS];  /* weights for the choice of L */
+  double price;          /* reduction of the area deviation that justifies a
+                            jog, % */
   const eda_gates *gates;
   parts *parts;                /* parts of each transistor */
-  curve curve[2];              /* curve of wide transistors, by type */
+  curve curve[2];              /* slopes of wide transistors, [type] */
   double tolerance, ion_limit; /* % */
   double gain[MOVES];
   double max_bias, min_jog; /* nm */
   int fine;
   int64_t iterations;
   const char *goals_path;
-  double mean;    /* mean size of the last iteration; while all rest, the least
-                     so far */
+  double mean;    /* mean size in the last iteration; at rest, the least mean
+                     since then */
   int settled;    /* 1: shapes and W are final; L alone corrects Ion */
-  int reported;   /* 1: the missing convergence is reported */
-  int rest;       /* 1: nothing moved in the last iteration */
+  int reported;   /* 1: missing convergence was logged */
+  int rest;       /* 1: newton_is_done was true in the last iteration */
   eda_goal *goal; /* goal of each transistor */
   transistor *state;
   sides *sides;
@@ -91,29 +90,28 @@ int biases_equal(biases a, biases b);
 /* Return `ion_limit` as an error. */
 double newton_ion_limit(const newton *t);
 
-/* Return the weighted size of errors; |error| for a single error of weight
-   1. */
+/* Return the size of errors: the root of the weighted sum of squares. */
 double errors_size(const newton *t, const double error[ERRORS]);
 
-/* Return the parts of a mask of transistor i; the jog may have moved their
-   ends. */
+/* Return the parts of a mask of transistor i, with ends moved clear of the jog.
+ */
 parts mask_parts(const newton *t, size_t i, biases b);
 
-/* Return the length of a mask of transistor i in grid steps, the jog as a
-   fraction. */
+/* Return the effective change of L of a mask of transistor i, grid steps; a jog
+   counts as a fraction of a step. */
 double mask_length(const newton *t, size_t i, biases b);
 
-/* Return whether W and shapes move for Ioff. */
+/* Return whether W moves to correct Ioff. */
 int corrects_ioff(const newton *t);
 
-/* Return whether edges are flattened in this iteration. */
+/* Return whether parts of edges move in this iteration. */
 int newton_reshapes(const newton *t, const eda_feedback *f);
 
-/* Set free[m] to 1 for each move that the weights use. */
+/* Set free[m] to 1 for each move m that the weights require, else 0. */
 void moves_free(const newton *t, int free[MOVES]);
 
-/* Return the shift of the active of a transistor to HIGH for a width `w`: if
-   one end is at its limit, the other end takes the remainder. */
+/* Return the shift of both ends of the width towards HIGH, grid steps, at a
+   width bias `w`: if one end is at its limit, the other end moves further. */
 int32_t width_aside(const transistor *s, int32_t w);
 
 /* Update the state of all transistors from the simulated mask of `moves`. */

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Response of the errors of a transistor to moves of its mask, and the
-   resulting correction. */
+/* Response of the errors of a transistor to moves of the transistor's mask, and
+   computation of the move that corrects the errors. */
 #pragma once
 
 #include <eda/synthesizer.h>
 
-/* Errors: logarithms of printed over target. Moves: L (with a jog, a fraction
-   of a grid step) and W, in grid steps. */
+/* Errors: log(printed / target). Moves: L and W in grid steps; a jog is a
+   fraction of a step of L. */
 enum {
   ION = EDA_GOAL_ION,
   IOFF = EDA_GOAL_IOFF,
@@ -15,59 +15,59 @@ enum {
 };
 enum { BY_L, BY_W, MOVES };
 
-/* Response to the moves. `doubt` is the relative uncertainty for each move. */
+/* by: d error / d move, per grid step. doubt: relative uncertainty of `by`. */
 typedef struct response {
   double by[ERRORS][MOVES], doubt[MOVES];
-  double slope; /* slope of the device curve, d log(I / W) / dL, of that
-                   response */
+  double slope; /* d log(Ion / W) / dL, 1/nm, used in `by` */
 } response;
 
-/* Response of wide transistors of a type: d log(I / W) / dL, 1/nm, and d L / d
-   mask L from the first simulations. */
+/* Slopes of wide transistors of a type, 1/nm: d log(I / W) / dL, d log(area /
+   W) / dL. */
 typedef struct curve {
   double slope[ERRORS];
 } curve;
 
-/* A point of the device curve of a transistor: equivalent length, nm, and log(I
-   / W); NAN without one. */
+/* A point of the device curve of a transistor: equivalent length of Ion, nm,
+   and log(Ion / W). Both are NAN if unknown. */
 typedef struct point {
   double length, drive;
 } point;
 
 point point_of(const eda_performance *p, size_t i);
 
-/* Compute the slopes of the device curves of both types from the equivalent
-   lengths of printed transistors; without valid ones, Ion ~ 1 / L. */
+/* Compute the slopes of both types from the currents and equivalent lengths of
+   printed transistors; tuned.slope / L if none of the type printed. */
 void curves_measure(const eda_feedback *f, curve out[2]);
 
-/* Compute the log errors of gate i. Return 0 and no errors if the gate has no
-   performance, or prints open, merged or in pieces. */
+/* Compute the errors of gate i. Return 0 and set the errors to 0 if the gate
+   has no currents, or prints open, merged or in pieces. */
 int errors_of(const eda_feedback *f, size_t i, const double target[ERRORS],
               double out[ERRORS]);
 
-/* Compute the errors expected once line ends that print short have grown. */
+/* Change errors of gate i to those expected once short line ends are repaired.
+ */
 void errors_with_line_ends(const eda_feedback *f, size_t i,
                            const curve *of_type, double error[ERRORS]);
 
-/* Return the response of gate i before any move. `gain` is d printed / d mask
-   of each move. */
+/* Return the initial response of gate i. `gain`: d printed / d mask of each
+   move. */
 response response_first(const eda_gates *gates, size_t i, const curve *of_type,
                         const double gain[MOVES]);
 
-/* Adapt a response and its first estimate to lengths between two points of the
-   device curve, which is not straight. Nothing changes if the points are less
-   than `least` (nm) apart or the slope between them does not fall. */
+/* Scale a response and the initial response to the slope between two points of
+   the device curve. Nothing changes if the points are less than `least` nm
+   apart or the slope is not negative. */
 void response_bend(response *r, response *first, point from, point to,
                    double least);
 
-/* Update a response by Broyden's formula, weighted by the uncertainties: after
-   a move by dx the errors changed by de, with an uncertainty of `noise` from
-   other causes. The response stays near `first`. */
+/* Update a response by Broyden's formula, weighted by the uncertainties. dx:
+   move; de: change of the errors, of which log Ion has an uncertainty of
+   `noise` from other causes. tuned.trust limits the ratio to `first`. */
 void response_learn(response *r, const response *first, const double dx[MOVES],
                     const double de[ERRORS], double noise);
 
 /* Compute the move that minimizes the sum of weight[k] * error[k]^2 for a
-   linear response, without moves m with free[m] = 0. */
+   linear response. dx[m] is 0 where free[m] is 0. */
 void response_solve(const response *r, const double error[ERRORS],
                     const double weight[ERRORS], const int free[MOVES],
                     double dx[MOVES]);

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tuned constants of synthesizer.newton, with unit and source. Values without a
    source were chosen on the cells of the NanGate library and the ISCAS'85
-   circuits at scale 1.3. tuning.md has the effect of half and double of each
-   constant; tools/tuned-constants measures these effects and writes that
-   table. */
+   circuits at scale 1.3. tuning.md lists the effect of half and twice each
+   value, as measured by tools/tuned-constants. Targets (plain, balanced, full):
+   see the parameter `target`. */
 #pragma once
 
 #include <stdint.h>
@@ -21,146 +21,144 @@ static const struct {
 } tuned = {
     /* ---- the first estimate of a response ---- */
 
-    /* d log I / d log L of Ion and Ioff, if no simulation determines a slope. A
-       long channel has -1; -15 is that of PTM 65 nm at L 65 nm. */
+    /* d log I / d log L of Ion and Ioff if no simulation determines a slope: -1
+       is the value of a long channel, -15 that of PTM 65 nm at L 65 nm. */
     .slope = {-1, -15},
 
-    /* Largest factor by which the first simulations change the response to L of
-       all transistors of a type. */
+    /* Largest common factor by which the first moves change the responses to L
+       of all transistors of a type. */
     .gain_bound = 2.5,
 
-    /* Relative uncertainty of a first response to L and to W. */
+    /* Relative uncertainty of an initial response to L and to W. */
     .doubt = {0.3, 0.1},
 
     /* Least relative uncertainty of a response: the response changes with the
        mask. */
     .least_doubt = 0.15,
 
-    /* Least number of transistors of a type that separates a common factor from
-       individual ones, and the relative uncertainty of each response to L after
-       that. */
+    /* Least number of transistors of a type for which a common factor of their
+       responses to L is fitted, and the relative uncertainty of each response
+       to L after the fit. */
     .many = 16,
     .doubt_of_many = 0.15,
 
     /* ---- moves ---- */
 
-    /* Thin poly (target: balanced): excess of log Ioff of a gate and of the
-       strips at an end of its width at which the gate loses those strips; and
-       log Ioff of a strip beyond the end above which the gate does not extend
-       there. */
+    /* Target balanced: a gate whose error of log Ioff exceeds the first value
+       loses the strips at the ends of its width that exceed the value, too. A
+       gate is not widened over strips that exceed the second value. */
     .thin_end = {0.7, 2.5},
 
-    /* Factor around the first estimate within which a response to L and to W
-       stays. The response to W is geometry and well known. */
+    /* Largest factor between a response and its initial estimate, for L and for
+       W. The response to W is geometric and well known. */
     .trust = {4, 1.5},
 
     /* nm: initial trust radius of L (trust.c adapts the radius). */
     .longest = 20,
 
-    /* nm: increase of L per iteration of a line that does not print. */
+    /* nm: increase of L per iteration while the line does not print. */
     .open_step = 5,
 
     /* ---- influences on a transistor besides its moves ---- */
 
-    /* nm: a move of a line end larger than this changes its transistor. */
+    /* nm: largest move of a line end that has no effect on the transistor. */
     .still = 2,
 
-    /* Relative uncertainty of the predicted effect of the first move of line
-       ends on log Ion. */
+    /* Relative uncertainty of the predicted effect on log Ion of the first
+       moves of line ends and of parts of edges. */
     .unforeseen = 0.15,
 
-    /* Largest effect on log Ion of a line end that moves later. */
+    /* Uncertainty of log Ion if a line end moves after the first iteration. */
     .late = 0.01,
 
-    /* Effect of neighbours on log Ion, relative to the mean move (root mean
-       square) of all transistors. Measured at 193 nm, NA 0.75: at most a
-       tenth. */
+    /* Effect of neighbours on log Ion, relative to the root mean square of the
+       predicted changes of log Ion of all transistors. Measured at 193 nm, NA
+       0.75: at most 0.1. */
     .coupling = 0.1,
 
-    /* Uncertainty of log Ion in each simulation. */
+    /* Uncertainty of log Ion due to the simulation. */
     .noise_floor = 1e-4,
 
     /* ---- changes by other causes: is_foreign ---- */
 
-    /* Least significant change of log Ion, as a part of `limit`. */
+    /* Least significant change of log Ion, relative to `ion_limit`. */
     .odd_limit = 0.5,
 
     /* Least significant change of log Ion, as a multiple of the expected
        uncertainty; added to odd_limit. */
     .odd_surprise = 2,
 
-    /* If less than the reciprocal of this of a predicted change occurs, the
-       radius shrinks or the bracket is bisected. */
+    /* If a change is smaller than the predicted one by more than this factor,
+       the trust radius is reduced or the bracket is bisected. */
     .unanswered = 10,
 
     /* ---- selection of moves ---- */
 
-    /* W corrects the error that jogs leave beyond so many times `tolerance`. */
+    /* W corrects an error that remains after jogs if it exceeds both
+       `ion_limit` and this multiple of `tolerance`. */
     .coarse = 10,
 
-    /* A move is made if the expected error is at most this part of the present
-       one. */
+    /* A move is made if the expected error is at most this fraction of the
+       present error. */
     .worthwhile = 0.8,
 
-    /* The loop ends if the mean error is below `limit` over this. */
+    /* The loop ends if the mean error is below `ion_limit` / mean_part. */
     .mean_part = 10,
 
-    /* Transistors that the regulator still moves follow for at most so many
-       times `iterations`. */
+    /* Transistors that the regulator still disturbs after the last iteration
+       move until this multiple of that iteration. */
     .patience = 2,
 
     /* ---- jogs: jog.c ---- */
 
-    /* nm: the optics smooth a step along an edge as a Gaussian of this standard
-       deviation, about a quarter of the resolution. This and the three
-       constants below fit the effect of jogs on about a thousand gates at 193
+    /* nm: standard deviation of the Gaussian by which the optics smooth a step
+       of an edge, about a quarter of the resolution. `blur` and the next three
+       constants are fitted to the effect of jogs on about 1,000 gates at 193
        nm, NA 0.75. */
     .blur = 60,
 
-    /* In units of blur. A line that ends within short_end of the gate is thin
-       at its end and yields easily: its edges have half of their effect up to
-       past_end beyond the gate. The edges of a line that continues have an
-       effect only up to before_end before the end of the gate. */
+    /* The effect of an edge on the gate falls to half at a position along W. If
+       the poly ends within short_end * blur of the gate, the position is blur *
+       past_end beyond the end of the gate, else blur / before_end inside. */
     .short_end = 2,
     .past_end = 1 / 2.0,
     .before_end = 3,
 
     /* ---- flat edges: shape.c ---- */
 
-    /* nm: standard deviation with which the optics smooth a part of the
-       edges. */
+    /* nm: the same as blur, for moves of parts of both edges. */
     .smooth = 50,
 
-    /* Tikhonov's term, relative to the response of a whole edge. */
+    /* Tikhonov regularization, relative to the response of a whole edge. */
     .firm = 0.15,
 
-    /* Response of a part of 60 nm, relative to that of a whole edge; half is a
-       price four times as high. */
+    /* Response of a part of 60 nm, relative to that of a whole edge. Half of
+       the value quadruples the cost of a jog. */
     .local = 0.5,
 
-    /* nm: least extension of the poly past the active for a part of its own;
-       equal to the default of min_jog. */
+    /* nm: least extension of the poly past the active that forms a separate
+       part; equal to the default of min_jog. */
     .tail = 40,
 
-    /* Grid steps: a length error below this ends the search beside the ends of
-       parts. Without that search some gates keep an Ion deviation of 0.9 %. */
+    /* Grid steps: length error at which the search for jogs at and beside the
+       ends of parts stops. Without the search some gates keep an Ion deviation
+       of 0.9 %. */
     .near_jog = 0.02,
 
-    /* Weight of a squared error of Ioff against one of Ion in the comparison of
-       masks, until L alone continues. */
+    /* Weight of the squared error of log Ioff, relative to that of log Ion,
+       until only L moves. */
     .leak = 0.003,
 
-    /* Logarithmic error of Ioff beyond which it is reported. */
+    /* Error of log Ioff above which the verdict reports Ioff. */
     .leaks = 0.26,
 
-    /* Iterations, by target, in which parts move, and after which W rests and L
-       alone corrects Ion. */
+    /* By target (plain, balanced, full): last iteration in which parts move,
+       and iteration after which only L moves and corrects Ion. */
     .shapes = {0, 2, 6},
     .settled = {0, 6, 9},
 
-    /* Iterations after that until transistors within the limit rest, and then
-       until those beyond it stop: resting transistors keep neighbours and
-       regulator still. */
+    /* Iterations from `settled` until transistors within the limit stop, and
+       from there until all others stop. Fewer moves disturb neighbours less. */
     .polish = 2,
     .rest = 3,
 };
