@@ -53,7 +53,7 @@ static inline int inner_axis(const opc_host *host, const char *path,
   (void)host;
   for (size_t i = 0; i < inner.n_axes; i++)
     if (!strcmp(inner.axes[i].path, path)) return (int)i;
-  opc_fail(error, OPC_INVALID, NULL, "'%s' is not swept", path);
+  opc_fail(error, OPC_INVALID, NULL, "'%s' is not a swept parameter", path);
   return -1;
 }
 
@@ -166,8 +166,8 @@ static inline const opc_host *inner_host(inner_flow flow) {
 }
 
 /* Append a metric of the last run. */
-static inline void inner_tell(const char *path, const opc_metric *metric,
-                              double value) {
+static inline void inner_report(const char *path, const opc_metric *metric,
+                                double value) {
   g_assert_cmpuint(inner.n_metrics, <, G_N_ELEMENTS(inner.metrics));
   inner.metrics[inner.n_metrics++] = (opc_inner_metric){path, metric, value};
 }

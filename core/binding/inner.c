@@ -96,7 +96,8 @@ static void find_steps(opc_inner *inner, const opc_binding *b,
     if (!plugin || opc_port_count(plugin) != 1 ||
         strcmp(opc_port_at(plugin, 0)->kind, p->choices) != 0)
       opc_problem_add(problems, OPC_INVALID, opc_binding_origin(b, i),
-                      "'%s' has no step '%s' that gives %s and nothing else",
+                      "'%s' has no step '%s' with an output of the kind %s as "
+                      "the only output",
                       inner->recipe->path, p->name, p->choices);
     else
       g_hash_table_insert(inner->given, g_strdup(p->name), g_new0(void *, 1));
@@ -120,16 +121,16 @@ static void open_recipe(opc_inner *inner, const opc_binding *b,
   opc_flow_check(inner->recipe, &inner->choice, inner->registry, NULL,
                  problems);
   if (problems->list->len > before) return;
-  g_autoptr(opc_problems) told = opc_problems_new();
+  g_autoptr(opc_problems) known = opc_problems_new();
   inner->flow =
-      opc_flow_make(inner->recipe, &inner->choice, inner->registry, told);
+      opc_flow_make(inner->recipe, &inner->choice, inner->registry, known);
   if (set) make_files_absolute(inner->flow, "", (opc_node *)set);
   if (sweep) make_files_absolute(inner->flow, "", (opc_node *)sweep);
   find_steps(inner, b, problems);
   const GPtrArray *axes = inner->sweep->axes;
   inner->axes = g_new0(opc_inner_axis *, axes->len + 1);
   for (guint i = 0; i < axes->len; i++)
-    inner->axes[i] = &((opc_axis *)axes->pdata[i])->told;
+    inner->axes[i] = &((opc_axis *)axes->pdata[i])->info;
 }
 
 static void inner_free(opc_inner *inner) {
@@ -154,7 +155,7 @@ static int inner_check(const opc_inner *inner, opc_error *error) {
 
 /* Fail: outside runs an inner flow cannot be started. */
 static int refuse_to_begin(const opc_host *host, opc_error *error) {
-  return opc_fail(error, OPC_FAILED, NULL, "a %s runs in a flow only",
+  return opc_fail(error, OPC_FAILED, NULL, "%s runs in flows only",
                   ((const opc_binding *)host->data)->plugin->id);
 }
 
@@ -176,10 +177,10 @@ static void open_one(opc_binding *binding, opc_registry *registry,
     i++;
   if (i == plugin->n_parameters || !binding->values[i].present) return;
   if (flags / OPC_BIND_INNER >= DEEPEST) {
-    opc_problem_add(problems, OPC_INVALID, &binding->at,
-                    "'%s' cannot stand in a flow that a step of a flow runs "
-                    "that a step runs",
-                    plugin->id);
+    opc_problem_add(
+        problems, OPC_INVALID, &binding->at,
+        "'%s' cannot be used here: inner flows may be nested only twice",
+        plugin->id);
     return;
   }
   opc_inner *inner = binding->inner = g_new0(opc_inner, 1);
@@ -216,9 +217,9 @@ void opc_inner_visit(const opc_inner *inner,
     for (guint i = 1; i < axis->values->len; i++) {
       opc_choice choice = inner->choice;
       choice.point = opc_sweep_point(inner->sweep, a, i);
-      g_autoptr(opc_problems) told = opc_problems_new();
+      g_autoptr(opc_problems) known = opc_problems_new();
       g_autoptr(opc_flow) flow =
-          opc_flow_make(inner->recipe, &choice, inner->registry, told);
+          opc_flow_make(inner->recipe, &choice, inner->registry, known);
       visit(data, flow);
     }
   }
@@ -300,6 +301,7 @@ int opc_inner_find_axis(const opc_host *host, const char *path,
     g_ptr_array_add(paths, (char *)in->axes[i]->path);
   }
   g_autofree char *suggestion = opc_suggestion(path, paths);
-  opc_fail(error, OPC_INVALID, NULL, "'%s' is not swept%s", path, suggestion);
+  opc_fail(error, OPC_INVALID, NULL, "'%s' is not a swept parameter%s", path,
+           suggestion);
   return -1;
 }

@@ -28,14 +28,16 @@ static int run_help(const cli_verb *verb, const GPtrArray *arguments) {
     return CLI_GOOD;
   }
   cli_print(
-      "Usage: opcflow VERB ...\n\n"
-      "Runs flows: YAML files that say which plugins work one after another, "
-      "with\nwhich parameters.\n\nVerbs:\n");
+      "Usage: opcflow VERB ...\n"
+      "\n"
+      "Runs flows: YAML files that list plugins in "
+      "their order, with parameters.\n"
+      "\nVerbs:\n");
   for (size_t i = 0; cli_verbs[i] && !cli_verbs[i]->hidden; i++)
     cli_print_pair(cli_verbs[i]->name, cli_verbs[i]->arguments,
                    cli_verbs[i]->summary);
   print_plugin_verbs();
-  cli_print("\n'opcflow help VERB' tells the options of one.\n");
+  cli_print("\n'opcflow help VERB' prints the options of a verb.\n");
   return CLI_GOOD;
 }
 

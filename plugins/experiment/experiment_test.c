@@ -35,9 +35,9 @@ static int run_point(size_t point, opc_error *error) {
   inner.n_metrics = 0;
   if ((int)point == failing)
     return opc_fail(error, OPC_FAILED, NULL, "no light at %zu", point);
-  inner_tell("mask", &ion, formula(point));
-  inner_tell("cost", &shots, 5); /* equal for all methods */
-  inner_tell("gates", &count, (double)point);
+  inner_report("mask", &ion, formula(point));
+  inner_report("cost", &shots, 5); /* equal for all methods */
+  inner_report("gates", &count, (double)point);
   g_snprintf(folder, sizeof folder, "/runs/e/%s",
              inner.places[inner.n_points - 1]);
   inner.whole = (opc_inner_run){folder, 2 + (double)point, point == 1};
@@ -210,7 +210,7 @@ static void test_refused(void) {
   other.point = run_dark;
   experiment dark = {.host = inner_host(other)};
   g_assert_cmpint(run_experiment(&dark, NULL, &error), ==, OPC_FAILED);
-  g_assert_cmpstr(error.message, ==, "no run is good: dark 0");
+  g_assert_cmpstr(error.message, ==, "no run succeeded: dark 0");
   other.point = run_cancelled;
   experiment ended = {.host = inner_host(other)};
   g_assert_cmpint(run_experiment(&ended, NULL, &error), ==, OPC_CANCELLED);

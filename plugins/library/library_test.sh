@@ -152,7 +152,7 @@ check "a mirrored cell by a dipole" is placed unknown 0.0
 dipole "R 0 1"
 code=$?
 check "a turned one: exit 2" exits 2
-check "and says why" says "cell 'nand2' is placed turned by a right angle, which the optics do not see alike"
+check "and says why" says "cell 'nand2' is placed turned by a right angle, and the optics are not symmetric"
 
 # ---- without prints, and by cheap ones ----
 
@@ -160,7 +160,7 @@ run
 cp "$out/mask.cif" "$work/printed.cif"
 run --set placed.print=false
 check "placed without a print: the same mask" cmp -s "$work/printed.cif" "$out/mask.cif"
-check "and nothing is told of a print" test ! -e "$out/disturbance.csv"
+check "and no disturbance is written" test ! -e "$out/disturbance.csv"
 run --set placed.print=false --set placed.picture=d.png
 code=$?
 check "a picture of it: exit 2" exits 2
@@ -185,7 +185,7 @@ off = [abs(float(r["disturbance (%)"])) for r in csv.DictReader(open(sys.argv[1]
 sys.exit(not (len(off) == 8 and sorted(off)[3] < 0.01))
 PY
 }
-check "a cheap print tells what a fine one would" far_as_alone
+check "fast and fine simulation find the same reach" far_as_alone
 run "$@" --set placed.fine=5e-5
 check "which it does" near "$cheap" "$(metric placed ion_mean)" 0.05
 cp "$work/one.yaml" "$work/flow.yaml"
@@ -215,7 +215,7 @@ rm -rf "$work/store"
 run --set 'library.resist.anchor.gates=${cells}'
 code=$?
 check "an anchor of the layout's gates: exit 2" exits 2
-check "and says why" says "resist (resist.threshold): what is kept beyond a run cannot depend on 'cells'"
+check "and says why" says "resist (resist.threshold): results kept beyond a run cannot depend on 'cells'"
 
 # After kills at random moments, the cells that are kept are those of a whole run.
 rm -rf "$work/store"

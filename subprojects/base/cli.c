@@ -90,10 +90,10 @@ void cli_write(const char *text) {
 size_t cli_width(void) {
   const char *columns = g_getenv("COLUMNS");
   struct winsize size;
-  guint64 told;
+  guint64 value;
   if (columns &&
-      g_ascii_string_to_unsigned(columns, 10, 1, 100000, &told, NULL))
-    return (size_t)told;
+      g_ascii_string_to_unsigned(columns, 10, 1, 100000, &value, NULL))
+    return (size_t)value;
   if (isatty(fileno(out)) && !ioctl(fileno(out), TIOCGWINSZ, &size) &&
       size.ws_col)
     return size.ws_col;
@@ -161,7 +161,8 @@ gboolean cli_take_option(const cli_option *const *tables, const char *verb,
   if (!o->argument && equals)
     return cli_refuse("option '--%s' takes no value", o->name);
   if (o->argument && !equals && *i + 1 == n)
-    return cli_refuse("option '--%s' needs a value: %s", o->name, o->argument);
+    return cli_refuse("option '--%s' requires a value: %s", o->name,
+                      o->argument);
   if (o->flag) *o->flag = TRUE;
   if (!o->argument) return TRUE;
   const char *value = equals ? equals + 1 : words[++*i];

@@ -187,18 +187,18 @@ static int add_view(page *p, GString *out, const char *folder,
   gsize size;
   if (!g_file_test(path, G_FILE_TEST_EXISTS)) {
     page_lacks(p,
-               "%s: no view.json, which the step report.view writes, and "
-               "so no pictures",
+               "%s: no pictures, because view.json is missing (add the step "
+               "report.view)",
                label);
     return OPC_OK;
   }
   if (!g_file_get_contents(path, &text, &size, &fault))
     return opc_fail(error, OPC_IO, NULL, "%s", fault->message);
   if ((double)size > p->room) {
-    page_lacks(p,
-               "%s: its pictures, %.1f MB, would make the page larger than "
-               "it may be",
-               label, (double)size / 1e6);
+    page_lacks(
+        p,
+        "%s: pictures of %.1f MB omitted, because the page would be too large",
+        label, (double)size / 1e6);
     return OPC_OK;
   }
   if (!json_parser_load_from_data(parser, text, (gssize)size, &fault))
@@ -208,7 +208,7 @@ static int add_view(page *p, GString *out, const char *folder,
       root && JSON_NODE_HOLDS_OBJECT(root) ? json_node_get_object(root) : NULL;
   if (!o || json_object_get_int_member_with_default(o, "view", 0) != 1)
     return opc_fail(error, OPC_INVALID, NULL,
-                    "'%s' is no view of a mask of form 1", path);
+                    "'%s' is not a view of a mask of format 1", path);
   p->room -= (double)size;
   append_member(out, "view");
   for (gsize i = 0; i < size; i++)
@@ -241,7 +241,7 @@ static char *name_of(const eda_run_facts *f, const char *folder, int running) {
 
 static int add_facts(page *p, GString *out, eda_run *run, const char *label,
                      const char *method, int running, opc_error *error) {
-  const eda_run_facts *f = eda_run_told(run);
+  const eda_run_facts *f = eda_run_info(run);
   text_member(out, "label", label);
   text_member(out, "method", method ? method : label);
   text_member(out, "folder", running ? NULL : f->folder);
@@ -260,9 +260,7 @@ static int add_facts(page *p, GString *out, eda_run *run, const char *label,
   add_origins(out, f);
   int code = add_tables(out, run, error);
   if (!code && !eda_run_has_table(run, "gates"))
-    page_lacks(p,
-               "%s: no table of transistors (gates.csv), and so no charts "
-               "of them",
+    page_lacks(p, "%s: no charts of transistors, because gates.csv is missing",
                label);
   return code ? code : add_view(p, out, f->folder, label, error);
 }
@@ -274,12 +272,12 @@ int page_add_run(page *p, const char *folder, const char *of_case,
   g_autofree char *name =
       method && of_case ? g_strdup_printf("%s, %s", of_case, method)
       : method          ? g_strdup(method)
-                        : name_of(eda_run_told(run), folder, running);
+                        : name_of(eda_run_info(run), folder, running);
   g_autofree char *label = label_of(p, name);
   g_autoptr(GString) out = g_string_new("{");
   text_member(out, "case", of_case ? of_case : "");
   int code = add_facts(p, out, run, label, method, running, error);
-  if (!running && !eda_run_told(run)->failure) {
+  if (!running && !eda_run_info(run)->failure) {
     g_ptr_array_add(p->places, g_strdup(of_case ? of_case : ""));
     g_ptr_array_add(p->places, g_strdup(method ? method : label));
     g_ptr_array_add(p->places, g_strdup(folder));
@@ -332,7 +330,6 @@ static size_t place_of(GPtrArray *texts, char *text) {
 }
 
 static void add_change(GString *out, const eda_change *c) {
-  static const char *const words[] = {"same", "better", "worse", "too few"};
   open_member(out, c->name, '{');
   text_member(out, "title", c->title);
   text_member(out, "unit", c->unit);
@@ -343,7 +340,7 @@ static void add_change(GString *out, const eda_change *c) {
   number_member(out, "low", c->median.low);
   number_member(out, "high", c->median.high);
   number_member(out, "independent", (double)c->median.n);
-  text_member(out, "verdict", words[c->verdict]);
+  text_member(out, "verdict", c->word);
   g_string_append_c(out, '}');
 }
 

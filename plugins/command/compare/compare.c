@@ -12,23 +12,23 @@
 /* ---- work: whether it may be compared ---- */
 
 /* Number of reasons in the message; further ones are counted. */
-enum { TOLD = 5 };
+enum { LISTED = 5 };
 
 static int compare_refuse(const GPtrArray *why, opc_error *error) {
   g_autoptr(GString) text = g_string_new("not comparable: ");
-  for (guint i = 0; i < MIN(why->len, TOLD); i++)
+  for (guint i = 0; i < MIN(why->len, LISTED); i++)
     g_string_append_printf(text, "%s%.150s", i ? "; " : "",
                            (char *)why->pdata[i]);
-  if (why->len > TOLD)
-    g_string_append_printf(text, "; and %u more", why->len - TOLD);
-  return opc_fail(error, OPC_INVALID, NULL, "%s (--anyway compares them)",
-                  text->str);
+  if (why->len > LISTED)
+    g_string_append_printf(text, "; and %u more", why->len - LISTED);
+  return opc_fail(error, OPC_INVALID, NULL,
+                  "%s (use --anyway to compare in spite of this)", text->str);
 }
 
 static int check_pairs(const comparison *c, opc_error *error) {
   const field *f = &c->field;
   g_autoptr(GPtrArray) all = g_ptr_array_new_with_free_func(g_free);
-  g_autoptr(GHashTable) told = g_hash_table_new(g_str_hash, g_str_equal);
+  g_autoptr(GHashTable) listed = g_hash_table_new(g_str_hash, g_str_equal);
   for (guint i = 0; i < f->pairs->len; i++) {
     const pair *p = &g_array_index(f->pairs, pair, i);
     g_autoptr(GPtrArray) why = g_ptr_array_new_with_free_func(g_free);
@@ -37,7 +37,7 @@ static int check_pairs(const comparison *c, opc_error *error) {
       char *text = g_strdup_printf("%s%s%s: %s", p->name, *p->name ? ", " : "",
                                    p->method, (char *)why->pdata[k]);
       g_ptr_array_add(all, text);
-      if (c->anyway && g_hash_table_add(told, text))
+      if (c->anyway && g_hash_table_add(listed, text))
         c->host->log(c->host, OPC_LOG_WARNING, "%s", text);
     }
   }
@@ -49,7 +49,7 @@ static int check_pairs(const comparison *c, opc_error *error) {
 static int check_word(const char *word, opc_error *error) {
   if (!strcmp(word, "worse") || g_str_has_prefix(word, "worse:")) return OPC_OK;
   return opc_fail(error, OPC_INVALID, "fail_on",
-                  "'%s': is 'worse' or 'worse:METRIC'", word);
+                  "'%s' must be 'worse' or 'worse:METRIC'", word);
 }
 
 /* Return why a row counts as worse: the metric is worse, or is missing in the
@@ -77,10 +77,11 @@ static int add_worse(const comparison *c, const char *word, GHashTable *seen,
   }
   for (guint i = 0; i < c->intervals->len; i++) {
     const transistor_row *r = &g_array_index(c->intervals, transistor_row, i);
-    g_autofree char *name = g_strconcat("transistors.", r->figure, NULL);
+    g_autofree char *name = g_strconcat("transistors.", r->c.name, NULL);
     if (metric && strcmp(metric + 1, name) != 0) continue;
     meant = 1;
-    if (r->verdict == WORSE && g_hash_table_add(seen, (gpointer)r))
+    if (r->c.verdict == EDA_VERDICT_WORSE &&
+        g_hash_table_add(seen, (gpointer)r))
       g_ptr_array_add(worse, g_strdup_printf("%s: %s", r->method, name));
   }
   return meant;
@@ -94,9 +95,9 @@ static int compare_judge(const comparison *c, opc_error *error) {
   for (char **word = words; *word; word++)
     if (!add_worse(c, g_strstrip(*word), seen, worse))
       return opc_fail(error, OPC_INVALID, "fail_on",
-                      "'%s': there is no such metric", *word);
+                      "'%s': metric does not exist", *word);
   if (!worse->len) return OPC_OK;
-  guint shown = MIN(worse->len, TOLD);
+  guint shown = MIN(worse->len, LISTED);
   g_autoptr(GString) text = g_string_new(NULL);
   for (guint i = 0; i < shown; i++)
     g_string_append_printf(text, "%s%.150s", i ? "; " : "",
@@ -178,13 +179,13 @@ static const opc_parameter parameters[] = {
 };
 
 static const opc_metric metrics[] = {
-    {"better", NULL, OPC_HIGHER, 0, "Metrics that are better than the base's"},
-    {"worse", NULL, OPC_LOWER, 0, "Metrics that are worse"},
-    {"same", NULL, OPC_NEUTRAL, 0,
-     "Metrics that are the same within tolerance"},
+    {"better", NULL, OPC_HIGHER, 0, "Number of metrics better than the base"},
+    {"worse", NULL, OPC_LOWER, 0, "Number of metrics worse than the base"},
+    {"same", NULL, OPC_NEUTRAL, 0, "Number of metrics equal within tolerance"},
     {"differs", NULL, OPC_NEUTRAL, 0,
-     "Metrics without a direction that are not the same"},
-    {"missing", NULL, OPC_NEUTRAL, 0, "Metrics that one of them lacks"},
+     "Number of metrics without a direction that differ"},
+    {"missing", NULL, OPC_NEUTRAL, 0,
+     "Number of metrics that one of the runs lacks"},
 };
 
 static int compare_check(void *self, opc_error *error) {

@@ -45,9 +45,10 @@ static int check_chosen(const comparison *c, opc_error *error) {
   for (char **word = words; *word; word++) {
     if (word_matches_any(c, g_strstrip(*word))) continue;
     const char *near = eda_nearest(*word, (const char *const *)known->pdata);
-    return opc_fail(
-        error, OPC_INVALID, "metrics", "there is no metric '%s'%s%s%s", *word,
-        near ? ", did you mean '" : "", near ? near : "", near ? "'?" : "");
+    return opc_fail(error, OPC_INVALID, "metrics",
+                    "metric '%s' does not exist%s%s%s", *word,
+                    near ? ", did you mean '" : "", near ? near : "",
+                    near ? "'?" : "");
   }
   return OPC_OK;
 }
@@ -85,7 +86,7 @@ static void add_row(comparison *c, const pair *p, const eda_run_metric *m) {
 
 /* Add the metrics of the base run, then those only in the other run. */
 static void add_pair(comparison *c, const pair *p) {
-  const eda_run_facts *a = eda_run_told(p->base), *b = eda_run_told(p->other);
+  const eda_run_facts *a = eda_run_info(p->base), *b = eda_run_info(p->other);
   for (size_t i = 0; i < a->n_metrics; i++) add_row(c, p, &a->metrics[i]);
   for (size_t i = 0; i < b->n_metrics; i++) {
     if (eda_run_metric_of(p->base, b->metrics[i].name)) continue;

@@ -35,7 +35,7 @@ void fitted_clear(fitted *f) {
 
 static int too_few(const sample *s, size_t need, opc_error *error) {
   return opc_fail(error, OPC_INVALID, "reference",
-                  "%zu %c-transistor%s with %s, at least %zu are needed",
+                  "%zu %c-transistor%s with %s, expected at least %zu",
                   s->count, "np"[s->type], s -> count == 1 ? "" : "s",
                   currents[s->current], need);
 }
@@ -160,7 +160,7 @@ int fit_table(const sample *s, const double *edge, size_t edges, fitted *out,
   gsl_multifit_linear_tsvd(a, y, 1e-6, x, covariance, &squares, &rank, work);
   if (rank < edges)
     code = opc_fail(error, OPC_INVALID, "edges",
-                    "%s of the %c-transistors tells gamma at %zu of %zu "
+                    "%s of the %c-transistors determine gamma at %zu of %zu "
                     "distances only",
                     currents[s->current], "np"[s->type], rank, edges);
   for (size_t j = 0; j < edges && !code; j++) {

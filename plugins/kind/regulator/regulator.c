@@ -45,11 +45,11 @@ static int try_rule(opc_inspector *in, const opc_module *m,
   const eda_gates *g = printed->gates;
   uint32_t vetoes[GATES] = {0};
   int32_t end[2 * GATES] = {0};
-  eda_boxes *patches = eda_alloc(2 * g->layers, sizeof *patches);
+  eda_boxes *added = eda_alloc(2 * g->layers, sizeof *added);
   eda_ruling ruling = {.vetoes = vetoes,
                        .end = end,
-                       .patches = patches,
-                       .bites = patches + g->layers};
+                       .added = added,
+                       .cutouts = added + g->layers};
   opc_error error = {0};
   int own = OPC_OK;
   const try_shim shim = {m, &own};
@@ -60,9 +60,9 @@ static int try_rule(opc_inspector *in, const opc_module *m,
     in->add(in, vetoes, sizeof vetoes);
     in->add(in, end, sizeof end);
     for (size_t k = 0; k < 2 * g->layers; k++)
-      in->add(in, patches[k].box, patches[k].count * sizeof(eda_box));
+      in->add(in, added[k].box, added[k].count * sizeof(eda_box));
   }
-  free(patches);
+  free(added);
   return good;
 }
 
@@ -94,7 +94,7 @@ static int64_t violations_call(opc_inspector *in, const opc_module *m,
   const opc_module shown = {&forwards, (void *)&shim, m->id};
   int code = eda_call_violations(in->context, &shown, printed, list, most,
                                  &count, &error);
-  const char *what = most ? "violations" : "violations without room";
+  const char *what = most ? "violations" : "violations without an array";
   return try_call(in, what, own, code, &error) ? (int64_t)count : -1;
 }
 
@@ -109,7 +109,8 @@ static void try_violations(opc_inspector *in, const opc_module *m,
   none = violations_call(in, m, printed, NULL, 0);
   if (none >= 0 && many != none)
     in->find(in,
-             "violations counts %" PRId64 " with room and %" PRId64 " without",
+             "violations counts %" PRId64 " with an array and %" PRId64
+             " without",
              many, none);
 }
 
@@ -139,4 +140,4 @@ static void exercise(const opc_module *m, opc_inspector *in) {
 static const opc_function required[] = {
     OPC_FUNCTION(eda_regulator, rule), OPC_FUNCTION(eda_regulator, violations)};
 OPC_KIND("regulator", eda_regulator,
-         "regulators: what holds the correction within rules");
+         "regulators: rules that bound the correction");

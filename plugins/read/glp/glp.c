@@ -87,7 +87,8 @@ static int32_t need_number(clip *c) {
   word w = next_word(c);
   if (!word_number(w, &value))
     glp_refuse_at(
-        c, w.s, w.n ? "not a whole number within 2^31" : "a number is missing");
+        c, w.s,
+        w.n ? "expected a whole number within 2^31" : "a number is missing");
   return value;
 }
 
@@ -127,7 +128,7 @@ static void begin_cell(clip *c) {
   if (!b->layout && !b->failed) {
     double unit = c->unit > 0 ? c->unit : 1;
     b->layout = eda_layout_new(unit * b->r->scale, &b->said);
-    reading_told(b, b->layout ? OPC_OK : b->said.code);
+    reading_check(b, b->layout ? OPC_OK : b->said.code);
   }
   if (b->failed) return;
   if (eda_layout_find_cell(b->layout, name) >= 0)
@@ -152,8 +153,8 @@ static void take_box(clip *c) {
   if (x > INT32_MAX || y > INT32_MAX) glp_refuse(c, "RECT beyond 2^31");
   eda_box box = {v[0], v[1], (int32_t)x, (int32_t)y};
   if (!b->failed)
-    reading_told(b,
-                 eda_layout_add_box(b->layout, b->cell, layer, box, &b->said));
+    reading_check(b,
+                  eda_layout_add_box(b->layout, b->cell, layer, box, &b->said));
 }
 
 static void take_polygon(clip *c) {
@@ -163,13 +164,13 @@ static void take_polygon(clip *c) {
   for (word w = next_word(c); w.n; w = next_word(c), n++) {
     eda_grow(&c->points, &c->room, n + 1, sizeof *c->points);
     if (!word_number(w, &c->points[n].x))
-      glp_refuse_at(c, w.s, "not a whole number within 2^31");
+      glp_refuse_at(c, w.s, "expected a whole number within 2^31");
     c->points[n].y = need_number(c);
   }
   if (n < 3) glp_refuse(c, "PGON of less than 3 points");
   if (!b->failed)
-    reading_told(b, eda_layout_add_polygon(b->layout, b->cell, layer, c->points,
-                                           n, &b->said));
+    reading_check(b, eda_layout_add_polygon(b->layout, b->cell, layer,
+                                            c->points, n, &b->said));
 }
 
 /* Read one line. Return 0 at ENDMSG. */
@@ -193,7 +194,7 @@ static int take_record(clip *c) {
     else
       take_polygon(c);
     word more = next_word(c);
-    if (more.n) glp_refuse_at(c, more.s, "one number too many");
+    if (more.n) glp_refuse_at(c, more.s, "unexpected number at the end");
   }
   return 1;
 }

@@ -125,7 +125,7 @@ static int set_curve(const eda_curves *c, struct eda_curve *curve,
     if (!falls && must)
       return opc_fail(error, OPC_INVALID, "devices",
                       "'%s': a current%s does not fall from %g to %g nm, so "
-                      "that it tells no length",
+                      "that it states no length",
                       path, of_width_text(d, width).text, d->length[i - 1],
                       d->length[i]);
     curve->logarithm[i] = log(current[i]);
@@ -176,7 +176,7 @@ static int make_curves(eda_curves *c, const char *path, opc_error *error) {
   unsigned least = gsl_interp_type_min_size(gsl_interp_steffen);
   if (d->count < least)
     return opc_fail(error, OPC_INVALID, "devices",
-                    "'%s' has %zu lengths, at least %u are needed", path,
+                    "'%s' has %zu lengths, expected at least %u", path,
                     d->count, least);
   double range = d->length[d->count - 1] - d->length[0];
   c->steps = (size_t)fmin(MOST_STEPS, ceil(range / finest));

@@ -20,10 +20,10 @@ static const char *keep_text(const char *text, const char *what,
   size_t n = strnlen(text, LONGEST_TEXT + 1);
   const char *bad = NULL;
   if (n > LONGEST_TEXT)
-    opc_fail(error, OPC_FAILED, NULL, "%s is no text of at most %d bytes", what,
-             LONGEST_TEXT);
+    opc_fail(error, OPC_FAILED, NULL, "%s is not a text of at most %d bytes",
+             what, LONGEST_TEXT);
   else if (!g_utf8_validate(text, (gssize)n, &bad))
-    opc_fail(error, OPC_FAILED, NULL, "%s is no UTF-8: byte %zu is 0x%02x",
+    opc_fail(error, OPC_FAILED, NULL, "%s is not UTF-8: byte %zu is 0x%02x",
              what, (size_t)(bad - text) + 1, (unsigned)(unsigned char)*bad);
   else
     return g_intern_string(text);
@@ -184,28 +184,28 @@ int eda_call_rule(const opc_context *context, const opc_module *regulator,
   eda_ruling lent = {
       .vetoes = fence_new(count, sizeof(uint32_t), ruling->vetoes),
       .end = fence_new(2 * count, sizeof(int32_t), ruling->end),
-      .patches = fence_new(layers, sizeof(eda_boxes), ruling->patches),
-      .bites = fence_new(layers, sizeof(eda_boxes), ruling->bites)};
+      .added = fence_new(layers, sizeof(eda_boxes), ruling->added),
+      .cutouts = fence_new(layers, sizeof(eda_boxes), ruling->cutouts)};
   eda_ruling kept = lent;
   const char *before = eda_enter(context, regulator, error);
   int code = r->rule(regulator->self, printed, &lent, error);
   if (!code) code = fence_check(kept.vetoes, "vetoes", error);
   if (!code) code = fence_check(kept.end, "line ends", error);
-  if (!code) code = fence_check(kept.patches, "patches", error);
-  if (!code) code = fence_check(kept.bites, "bites", error);
+  if (!code) code = fence_check(kept.added, "added shapes", error);
+  if (!code) code = fence_check(kept.cutouts, "cut-outs", error);
   if (!code) code = eda_check_ruling(g, &kept, error);
   opc_leave(context, before);
   if (!code) {
     memcpy(ruling->vetoes, kept.vetoes, count * sizeof *kept.vetoes);
     memcpy(ruling->end, kept.end, 2 * count * sizeof *kept.end);
-    memcpy(ruling->patches, kept.patches, layers * sizeof *kept.patches);
-    memcpy(ruling->bites, kept.bites, layers * sizeof *kept.bites);
+    memcpy(ruling->added, kept.added, layers * sizeof *kept.added);
+    memcpy(ruling->cutouts, kept.cutouts, layers * sizeof *kept.cutouts);
     ruling->transistors = lent.transistors;
   }
   fence_free(kept.vetoes);
   fence_free(kept.end);
-  fence_free(kept.patches);
-  fence_free(kept.bites);
+  fence_free(kept.added);
+  fence_free(kept.cutouts);
   return code;
 }
 

@@ -47,20 +47,20 @@ static int check_masks(const eda_chip *c, opc_error *error) {
     const eda_chip_mask *m = &c->mask[i];
     if (m->parts > EDA_PARTS || (size_t)m->part + m->parts > c->parts ||
         (size_t)m->box + m->boxes > c->boxes)
-      return unsound(error, "mask %zu has parts or boxes that are not there",
-                     i);
+      return unsound(error,
+                     "mask %zu refers to parts or boxes that do not exist", i);
   }
   for (size_t i = 0; i < c->boxes; i++)
     if (c->box[i].layer >= c->layers)
-      return unsound(error, "box %zu is of no layer", i);
+      return unsound(error, "box %zu has no valid layer", i);
   return OPC_OK;
 }
 
 int eda_chip_check(const void *object, opc_error *error) {
   const eda_chip *c = object;
-  if (!c) return unsound(error, "there is no chip");
+  if (!c) return unsound(error, "the chip is missing");
   if (!c->layout || c->top < 0 || !(c->grid > 0))
-    return unsound(error, "there is no layout or no grid");
+    return unsound(error, "the layout or the grid is missing");
   if (c->layers <= EDA_ACTIVE || !c->layer || !c->corrected || !c->gate ||
       !c->mask || !c->print)
     return unsound(error, "an array is missing");
@@ -128,7 +128,7 @@ static void put_boxes(const eda_chip *c, const eda_chip_gate *g, eda_box at,
                       const eda_chip_mask *m, eda_moved *to) {
   for (uint32_t k = 0; k < m->boxes; k++) {
     const eda_chip_box *b = &c->box[m->box + k];
-    eda_box_list *list = b->bite ? to->bite : to->patch;
+    eda_box_list *list = b->cutout ? to->cutouts : to->added;
     eda_box_list_add(&list[b->layer],
                      eda_chip_place(at, g->axis, g->flip, b->box));
   }

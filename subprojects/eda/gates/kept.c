@@ -132,8 +132,8 @@ static void move_fields(stream *s, eda_moved *m) {
   stream_move(s, m->flip, m->gates);
   stream_move(s, m->seen, m->gates * sizeof *m->seen);
   for (size_t k = 0; k < m->layers && !s->failed; k++) {
-    move_list(s, &m->patch[k]);
-    move_list(s, &m->bite[k]);
+    move_list(s, &m->added[k]);
+    move_list(s, &m->cutouts[k]);
   }
 }
 
@@ -177,7 +177,8 @@ static int close_stream(stream *s, const char *path, opc_error *error) {
     code = opc_fail(error, OPC_IO, NULL, "'%s': cannot be %s", path,
                     s->writing ? "written" : "read");
   else if (s->failed || s->left)
-    code = opc_fail(error, OPC_FAILED, NULL, "'%s': is not that mask", path);
+    code = opc_fail(error, OPC_FAILED, NULL,
+                    "'%s': the file does not belong to this mask", path);
   return code;
 }
 

@@ -11,7 +11,7 @@
 
 struct eda_run {
   runs_tree manifest, metrics, flow;
-  eda_run_facts told;
+  eda_run_facts facts;
   GPtrArray *texts;   /* texts not owned by a tree, char * */
   GHashTable *tables; /* name to eda_table */
 };
@@ -36,7 +36,7 @@ static void *read_list(reading *r, const char *key, size_t size, size_t *n,
   *n = 0;
   if (!list) return NULL;
   if (list->type != OPC_NODE_LIST) {
-    runs_fail(list, r->error, "'%s' is no list", key);
+    runs_fail(list, r->error, "'%s' is not a list", key);
     return NULL;
   }
   size_t count = list->items->len;
@@ -51,8 +51,7 @@ static void *read_list(reading *r, const char *key, size_t size, size_t *n,
 static int text_required(reading *r, const opc_node *map, const char *key,
                          const char **text) {
   *text = runs_word(opc_node_get(map, key));
-  return *text ? OPC_OK
-               : runs_fail(map, r->error, "there is no text '%s'", key);
+  return *text ? OPC_OK : runs_fail(map, r->error, "text '%s' is missing", key);
 }
 
 static int read_file(reading *r, const opc_node *node, void *to) {
@@ -102,7 +101,7 @@ static int read_metric(reading *r, const char *step, const char *name,
   static const char *const words[] = {"neutral", "lower", "higher", NULL};
   const char *better;
   if (node->type != OPC_NODE_MAP)
-    return runs_fail(node, r->error, "is no metric");
+    return runs_fail(node, r->error, "is not a metric");
   if (text_required(r, node, "better", &better)) return r->error->code;
   eda_run_metric m = {
       .name = g_strdup_printf("%s.%s", step, name),
@@ -113,10 +112,10 @@ static int read_metric(reading *r, const char *step, const char *name,
   while (words[m.better] && strcmp(words[m.better], better) != 0) m.better++;
   if (!words[m.better])
     return runs_fail(node, r->error,
-                     "'better' is neutral, lower or higher, not '%.40s'",
+                     "'better' must be neutral, lower or higher, found '%.40s'",
                      better);
   if (!(m.tolerance >= 0)) /* also for NAN */
-    return runs_fail(node, r->error, "'tolerance' is no number");
+    return runs_fail(node, r->error, "'tolerance' is not a number");
   g_array_append_val(out, m);
   return OPC_OK;
 }
@@ -132,7 +131,7 @@ static int read_metrics(reading *r) {
       code = read_metric(r, opc_node_key(root, i), opc_node_key(map, k),
                          map->items->pdata[k], out);
   }
-  eda_run_facts *f = &r->run->told;
+  eda_run_facts *f = &r->run->facts;
   f->n_metrics = out->len;
   f->metrics = (eda_run_metric *)(void *)g_array_free(out, FALSE);
   if (code) return code;
@@ -154,8 +153,8 @@ static void read_steps(reading *r) {
   for (guint i = 0; i < n; i++)
     steps[i] =
         (eda_run_step){opc_node_key(map, i), runs_number(map->items->pdata[i])};
-  r->run->told.steps = steps;
-  r->run->told.n_steps = n;
+  r->run->facts.steps = steps;
+  r->run->facts.n_steps = n;
 }
 
 static int64_t whole_number(reading *r, const char *key) {
@@ -164,7 +163,7 @@ static int64_t whole_number(reading *r, const char *key) {
 }
 
 static int read_manifest(reading *r) {
-  eda_run_facts *f = &r->run->told;
+  eda_run_facts *f = &r->run->facts;
   const opc_node *root = runs_root(r->tree);
   const char *result;
   if (text_required(r, root, "opcflow", &f->version) ||
@@ -192,12 +191,12 @@ static int read_manifest(reading *r) {
 /* ---- the flow ---- */
 
 static int read_flow(reading *r) {
-  eda_run_facts *f = &r->run->told;
+  eda_run_facts *f = &r->run->facts;
   const opc_node *root = runs_root(r->tree);
   const opc_node *format = opc_node_get(root, "opcflow");
   if (!format || g_strcmp0(runs_word(format), "1") != 0)
     return runs_fail(format ? format : root, r->error,
-                     "is a flow of the format '%.20s', and '1' is known here",
+                     "is a flow of the format '%.20s', expected '1'",
                      format && runs_word(format) ? runs_word(format) : "");
   if (text_required(r, root, "name", &f->name)) return r->error->code;
   GArray *all = g_array_new(FALSE, FALSE, sizeof(eda_run_parameter));
@@ -217,14 +216,14 @@ static int open_all(eda_run *run, opc_error *error) {
   } parts[] = {{"manifest.json", &run->manifest, read_manifest},
                {"metrics.json", &run->metrics, read_metrics},
                {"flow.yaml", &run->flow, read_flow}};
-  const char *folder = run->told.folder;
+  const char *folder = run->facts.folder;
   int code = OPC_OK;
   for (size_t i = 0; i < G_N_ELEMENTS(parts) && !code; i++) {
     g_autofree char *path = g_build_filename(folder, parts[i].file, NULL);
     reading r = {run, parts[i].tree, error};
     if (!g_file_test(path, G_FILE_TEST_EXISTS))
       return opc_fail(error, OPC_IO, NULL,
-                      "'%s' is no run folder: it has no %s", folder,
+                      "'%s' is not a run folder: %s is missing", folder,
                       parts[i].file);
     code = runs_tree_open(r.tree, path, error);
     if (!code) code = parts[i].read(&r);
@@ -237,7 +236,7 @@ eda_run *eda_run_open(const char *folder, opc_error *error) {
   run->texts = g_ptr_array_new_with_free_func(g_free);
   run->tables = g_hash_table_new_full(g_str_hash, g_str_equal, g_free,
                                       (GDestroyNotify)eda_table_free);
-  run->told.folder = g_strdup(folder);
+  run->facts.folder = g_strdup(folder);
   if (!open_all(run, error)) return run;
   eda_run_free(run);
   return NULL;
@@ -245,7 +244,7 @@ eda_run *eda_run_open(const char *folder, opc_error *error) {
 
 void eda_run_free(eda_run *run) {
   if (!run) return;
-  eda_run_facts *f = &run->told;
+  eda_run_facts *f = &run->facts;
   g_free((char *)f->folder);
   g_free((void *)f->metrics);
   g_free((void *)f->parameters);
@@ -265,25 +264,26 @@ void eda_run_free(eda_run *run) {
 
 /* ---- looking ---- */
 
-const eda_run_facts *eda_run_told(const eda_run *run) { return &run->told; }
+const eda_run_facts *eda_run_info(const eda_run *run) { return &run->facts; }
 
 const eda_run_metric *eda_run_metric_of(const eda_run *run, const char *name) {
-  for (size_t i = 0; i < run->told.n_metrics; i++)
-    if (!strcmp(run->told.metrics[i].name, name)) return &run->told.metrics[i];
+  for (size_t i = 0; i < run->facts.n_metrics; i++)
+    if (!strcmp(run->facts.metrics[i].name, name))
+      return &run->facts.metrics[i];
   return NULL;
 }
 
 const eda_run_parameter *eda_run_parameter_of(const eda_run *run,
                                               const char *name) {
-  for (size_t i = 0; i < run->told.n_parameters; i++)
-    if (!strcmp(run->told.parameters[i].name, name))
-      return &run->told.parameters[i];
+  for (size_t i = 0; i < run->facts.n_parameters; i++)
+    if (!strcmp(run->facts.parameters[i].name, name))
+      return &run->facts.parameters[i];
   return NULL;
 }
 
 static char *table_path(const eda_run *run, const char *name) {
   g_autofree char *file = g_strconcat(name, ".csv", NULL);
-  return g_build_filename(run->told.folder, file, NULL);
+  return g_build_filename(run->facts.folder, file, NULL);
 }
 
 int eda_run_has_table(const eda_run *run, const char *name) {

@@ -140,9 +140,9 @@ static void test_words(void) {
 static void test_death(void) {
   static const char endless[] = "tran 1f 1000";
   if (!have_ngspice()) return;
-  assert_fails(rc, "op\nquit 3", LIMIT, OPC_FAILED, "told to quit", 1);
+  assert_fails(rc, "op\nquit 3", LIMIT, OPC_FAILED, "made it quit", 1);
   gint64 start = g_get_monotonic_time();
-  assert_fails(rc, endless, 0.3, OPC_FAILED, "not done after 0.3 s", 0);
+  assert_fails(rc, endless, 0.3, OPC_FAILED, "not finish within 0.3 s", 0);
   g_assert_cmpint(g_get_monotonic_time() - start, <, 5 * G_USEC_PER_SEC);
   stop = 1;
   assert_fails(rc, endless, LIMIT, OPC_CANCELLED, "stopped", 0);
@@ -206,7 +206,8 @@ static void test_sandbox(void) {
   signal(SIGSEGV, SIG_IGN);
   assert_cannot("crash", "", "crashed (Segmentation fault)");
   signal(SIGSEGV, SIG_DFL);
-  assert_fails("t\n.end", "hang", 0.3, OPC_FAILED, "not done after 0.3 s", 0);
+  assert_fails("t\n.end", "hang", 0.3, OPC_FAILED, "not finish within 0.3 s",
+               0);
   library_use(NULL);
   g_autofree char *text = NULL;
   g_assert_true(g_file_get_contents(old, &text, NULL, NULL));
@@ -331,7 +332,7 @@ static void test_evil_decks(void) {
 }
 
 /* Wait for a helper that hangs, in a thread, and print its process number. */
-static gpointer tell_helper(gpointer unused) {
+static gpointer helper_call(gpointer unused) {
   (void)unused;
   g_autofree char *path =
       g_strdup_printf("/proc/self/task/%d/children", (int)getpid());
@@ -351,7 +352,7 @@ static int run_endless(void) {
   eda_spice_result r;
   opc_error error;
   library_use(EDA_EVIL_BUILT);
-  g_thread_unref(g_thread_new("tell", tell_helper, NULL));
+  g_thread_unref(g_thread_new("call", helper_call, NULL));
   return eda_spice_run(&context, "t\n.end", "hang", LIMIT, &r, &error);
 }
 

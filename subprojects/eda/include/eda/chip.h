@@ -31,11 +31,11 @@ typedef struct eda_chip_mask {
 } eda_chip_mask;
 
 /* A rectangle added to a layer of the mask, or cut out after all additions
-   (`bite` = 1); own coordinates with l as x, w as y. */
+   (`cutout` = 1); own coordinates with l as x, w as y. */
 typedef struct eda_chip_box {
   eda_box box;
   uint16_t layer;
-  uint16_t bite;
+  uint16_t cutout;
 } eda_chip_box;
 
 /* Result of the simulation of one transistor and its neighbours. All
