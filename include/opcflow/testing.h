@@ -37,6 +37,17 @@ OPC_EXPORT int opc_test_run(opc_module *module, void **outputs,
                             opc_error *error);
 OPC_EXPORT void opc_test_release(opc_module *module, void **outputs);
 
+/* Acceptance test of a plugin of the correction loop: correct a NAND gate of
+   65 nm rules with `plugin`, "{ use: synthesizer.mine }", in the slot "litho",
+   "resist", "extractor", "synthesizer" or "regulator", and with shipped plugins
+   in the other slots. The guard of the loop is off. Returns OPC_OK if the loop
+   converged, every transistor prints and none is worse than drawn, and the
+   largest |Ion deviation| is smaller than as drawn or 0.5 %; otherwise an error
+   code and the reason in *error. Metrics of the correction, such as "ion_max",
+   can be read afterwards. Since 0.8. */
+OPC_EXPORT int opc_test_corrects(const char *slot, const char *plugin,
+                                 opc_error *error);
+
 /* Return the last value of a metric since the last opc_test_forget; NAN if
    there is none. */
 OPC_EXPORT double opc_test_metric(const char *name);
