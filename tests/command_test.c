@@ -379,14 +379,17 @@ static void test_log(void) {
   g_assert_nonnull(strstr(err, "b: debug: 2 numbers\n"));
   g_assert_cmpint(opcflow_call("run two.yaml --output log-info"), ==, 0);
   g_assert_cmpstr(err, ==, "");
+  g_assert_cmpint(opcflow_call("run two.yaml --output log-steps --log steps"),
+                  ==, 0);
+  g_assert_cmpstr(err, ==, "");
   g_assert_cmpint(
       opcflow_call("run two.yaml --output log-warning --log warning --set "
                    "b.behave=find"),
       ==, 0);
   g_assert_nonnull(strstr(err, "warning: b: 2 nm is odd\n"));
   g_assert_cmpint(opcflow_call("run two.yaml --log loud"), ==, 2);
-  g_assert_cmpstr(err, ==,
-                  "error: '--log' is debug, info or warning, not 'loud'\n");
+  g_assert_cmpstr(
+      err, ==, "error: '--log' is debug, info, steps or warning, not 'loud'\n");
 }
 
 /* ---- signals and terminals ---- */

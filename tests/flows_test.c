@@ -37,7 +37,13 @@ static void test_assists_of_the_model(void) {
 
 static void test_demo(void) {
   g_autofree char *flow = source_path("flows/demo.yaml"), *out = place("demo");
-  g_assert_cmpint(opcflow(NULL, "run", flow, "--output", out, NULL), ==, 0);
+  g_autofree char *errors = NULL;
+  g_assert_cmpint(opcflow(&errors, "run", flow, "--output", out, NULL), ==, 0);
+  /* A line for each long step, and nothing else. */
+  g_auto(GStrv) lines = g_strsplit(errors, "\n", -1);
+  g_assert_cmpuint(g_strv_length(lines), <=, 4 + 1);
+  for (int i = 0; *lines[i]; i++)
+    g_assert_true(g_str_has_prefix(lines[i], "["));
   g_assert_cmpfloat(metric("demo", "mask", "transistors"), ==, 4);
   g_assert_cmpfloat(metric("demo", "mask", "ion_max_drawn"), >, 5);
   g_assert_cmpfloat(metric("demo", "mask", "ion_max"), <=, 0.5);

@@ -390,7 +390,8 @@ static void test_scanner(void) {
   g_assert_nonnull(strstr(err, "no layer 'poly', but 3/0, 4/0, "));
   static const char layers[] =
       "layout.layers={ poly: 9/0, active: 1/0, nwell: 3/0, contact: 10/0 }";
-  if (CALL(command, "run", "arf.yaml", "--set", devices, "--set", layers))
+  if (CALL(command, "run", "arf.yaml", "--log", "info", "--set", devices,
+           "--set", layers))
     g_error("%s%s", out, err);
   g_assert_nonnull(strstr(err, "65 nm lines at 250 nm, from the layout's"));
   g_assert_cmpint(CALL(command, "new", "flow", cell), ==, 2);

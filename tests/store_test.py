@@ -87,10 +87,16 @@ def test_again():
     same(truth, first)
     same(first, second)
     assert said.stderr == again.stderr and "finding: a: 2 nm is odd" in again.stderr
-    shown = call("run", "chain.yaml", "--output", "runs/x")
+    shown = call("run", "chain.yaml", "--output", "runs/x", "--log", "info")
     assert "5 of 5 steps reused" in shown.stdout and "a: reused" in shown.stderr
-    told = json.loads(call("run", "chain.yaml", "--json", "--output", "runs/y").stdout)
-    assert (told["steps"], told["reused"]) == (5, 5)
+    # By default a line for each step of a second or more, and none for reused ones.
+    silent = call("run", "chain.yaml", "--output", "runs/z").stderr
+    assert "reused" not in silent and "] " not in silent, silent
+    slow = ("run", "chain.yaml", "--no-cache", "--set", "b.wait=1100", "--output")
+    assert "[2/5] b: 1." in call(*slow, "runs/slow").stderr
+    assert "[2/5]" not in call(*slow, "runs/slower", "--quiet").stderr
+    printed = json.loads(call("run", "chain.yaml", "--json", "--output", "runs/y").stdout)
+    assert (printed["steps"], printed["reused"]) == (5, 5)
     results = manifest(second)["store"]["results"]
     before = manifest(first)["store"]["results"]
     assert [r["key"] for r in results] == [r["key"] for r in before]
@@ -104,8 +110,10 @@ def test_parameter():
     assert ran(folder) == {"a": "its output was wanted by step 'b'", "c": "c.number changed from 7 to 8",
                            "d": "what it takes as d.add changed"}, ran(folder)
     same(folder, run("--set", "c.number=8", "--no-cache")[0])
-    shown = call("run", "chain.yaml", "--set", "c.number=9", "--output", "runs/told").stderr
-    assert "a: reused\n" in shown and "a: ran after all: its output was wanted by step 'b'\n" in shown, shown
+    shown = call("run", "chain.yaml", "--set", "c.number=9", "--log", "info",
+                 "--output", "runs/printed").stderr
+    assert "b: reused\n" in shown and "a: ran again: its output was wanted by step 'b'\n" in shown, shown
+    assert "a: reused" not in shown, shown
     text = call("explain", folder).stdout
     assert "c.number changed from 7 to 8" in text and "2 of 5 steps reused" in text, text
     assert json.loads(call("explain", folder, "--json").stdout)["reused"] == 2
@@ -324,8 +332,8 @@ steps:
     folder, _ = run(**paths)
     assert set(ran(folder)) == {"best", "best.layout", "best.gates", "surface", "cost", "gds", "picture", "again"}, ran(folder)
     same(truth, folder)
-    told = manifest(folder + "/best")["store"]  # with steps that its points share
-    assert told["reused"] == sum(r["result"] == "reused" for r in told["results"]) > 0, told
+    printed = manifest(folder + "/best")["store"]  # with steps that its points share
+    assert printed["reused"] == sum(r["result"] == "reused" for r in printed["results"]) > 0, printed
     folder, _ = run("--set", "best.sweep.mask.synthesizer.fragment=[30 nm, 60 nm]", **paths)
     assert ran(folder)["best.mask"].startswith("mask.synthesizer.fragment changed from "), ran(folder)["best.mask"]
     assert manifest(folder)["store"]["reused"] >= 1

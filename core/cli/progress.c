@@ -17,11 +17,15 @@ int cli_is_stopped(void *unused) {
 /* Shortest time between two lines, us. */
 enum { PAUSE = 100000 };
 
-void cli_progress_start(cli_progress *p, int level) {
+/* Shortest time of a step that gets a line, us. */
+enum { LONG = 1000000 };
+
+void cli_progress_start(cli_progress *p, int level, gboolean steps) {
   memset(p, 0, sizeof *p);
   g_mutex_init(&p->lock);
   p->level = level;
-  p->shown = level <= OPC_LOG_INFO && cli_is_terminal();
+  p->steps = steps;
+  p->shown = steps && cli_is_terminal();
 }
 
 /* Replace the progress line on the terminal. */
@@ -31,9 +35,28 @@ static void progress_show_line(const cli_progress *p, const char *line) {
   fflush(stderr);
 }
 
+/* Append the point and the step, such as "point 3/12 [2/5] first". */
+static void append_step(GString *line, const cli_progress *p) {
+  if (p->points)
+    g_string_append_printf(line, "point %zu/%zu ", p->point, p->points);
+  g_string_append_printf(line, "[%zu/%zu] %s", p->number, p->count, p->step);
+}
+
+/* End the current step, if any, and print its time. */
+static void step_end(cli_progress *p) {
+  gint64 time = g_get_monotonic_time() - p->began;
+  if (p->steps && p->step && time >= LONG) {
+    g_autoptr(GString) line = g_string_new(NULL);
+    append_step(line, p);
+    progress_show_line(p, "");
+    fprintf(stderr, "%s: %.1f s\n", line->str, (double)time * 1e-6);
+  }
+  g_clear_pointer(&p->step, g_free);
+}
+
 void cli_progress_end(cli_progress *p) {
+  step_end(p);
   progress_show_line(p, "");
-  g_free(p->step);
   g_mutex_clear(&p->lock);
 }
 
@@ -54,23 +77,17 @@ void cli_progress_log(void *data, const char *path, int level,
 void cli_progress_point(void *data, size_t number, size_t count) {
   cli_progress *p = data;
   g_mutex_lock(&p->lock);
+  step_end(p);
   p->point = number;
   p->points = count;
   g_mutex_unlock(&p->lock);
-}
-
-/* Append the point and the step, such as "point 3/12 [2/5] first". */
-static void append_step(GString *line, const cli_progress *p) {
-  if (p->points)
-    g_string_append_printf(line, "point %zu/%zu ", p->point, p->points);
-  g_string_append_printf(line, "[%zu/%zu] %s", p->number, p->count, p->step);
 }
 
 void cli_progress_step(void *data, const char *name, size_t number,
                        size_t count) {
   cli_progress *p = data;
   g_mutex_lock(&p->lock);
-  g_free(p->step);
+  step_end(p);
   p->step = g_strdup(name);
   p->number = number;
   p->count = count;
@@ -98,7 +115,7 @@ void cli_progress_show(void *data, const char *path, const opc_progress *at) {
   if (!p->shown) return;
   g_mutex_lock(&p->lock);
   gint64 now = g_get_monotonic_time();
-  if (now - p->last >= PAUSE) {
+  if (p->step && now - p->last >= PAUSE) {
     p->last = now;
     g_autoptr(GString) line = g_string_new(NULL);
     append_step(line, p);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The progress line of a run on a terminal. */
+/* The progress line of a run on a terminal, and the lines of its steps. */
 #pragma once
 
 #include <glib.h>
@@ -8,6 +8,7 @@
 
 typedef struct cli_progress {
   gboolean shown; /* FALSE: not printed */
+  gboolean steps; /* print a line for each step of a second or more */
   int level;      /* lowest OPC_LOG_* level printed */
   GMutex lock;
   char *step;
@@ -16,8 +17,9 @@ typedef struct cli_progress {
   gint64 began, last;   /* start of the step; time of the last line; us */
 } cli_progress;
 
-/* Initialize. `shown` stays FALSE if standard error is no terminal. */
-void cli_progress_start(cli_progress *progress, int level);
+/* Initialize. `steps`: report steps and progress; `shown` stays FALSE if
+   standard error is no terminal. */
+void cli_progress_start(cli_progress *progress, int level, gboolean steps);
 void cli_progress_end(cli_progress *progress);
 
 /* Functions for an opc_watch whose data is a cli_progress. */

@@ -17,7 +17,8 @@ static GPtrArray *sets, *variants, *sweeps;
 static const char *threads, *level_word;
 static opc_run_options wanted;
 static gboolean json, quiet, no_cache;
-static int level = OPC_LOG_INFO; /* lowest level printed */
+static int level = OPC_LOG_WARNING; /* lowest level printed */
+static gboolean steps = TRUE;       /* report steps and progress */
 
 static const cli_option options[] = {
     {"set", "over what the flow says", "STEP.PARAMETER=VALUE", .list = &sets},
@@ -35,8 +36,8 @@ static const cli_option options[] = {
     {"threads", "default: as many as there are processors", "N",
      .text = &threads},
     {"json", "the result as JSON", .flag = &json},
-    {"log", "what steps say while they run (default: info)",
-     "debug|info|warning", .text = &level_word},
+    {"log", "what steps say while they run (default: steps, that they ran)",
+     "debug|info|steps|warning", .text = &level_word},
     {"quiet", "nothing but warnings and errors", .flag = &quiet},
     {0}};
 
@@ -158,7 +159,7 @@ static JsonObject *failure_json(const opc_run *run, opc_problems *problems) {
 }
 
 /* Print the findings last, after all other output. */
-static void tell_findings(const opc_run *run, const char *note) {
+static void findings_print(const opc_run *run, const char *note) {
   g_autoptr(GPtrArray) lines = opc_findings_lines(&run->out.findings);
   cli_flush();
   for (guint i = 0; i < lines->len; i++)
@@ -175,7 +176,7 @@ static int run_print_results(const series *s, const opc_run *run,
     if (json) print_json(s, failure_json(run, problems));
     int code = cli_problems(problems);
     if (run->out.points && run->out.points->rows && !quiet) print_text(run);
-    tell_findings(run, note);
+    findings_print(run, note);
     if (run->out.folder)
       cli_message("note", "what was written so far is in '%s'",
                   run->out.folder);
@@ -188,7 +189,7 @@ static int run_print_results(const series *s, const opc_run *run,
     print_json(s, run_json(run, problems));
   else if (!quiet)
     print_text(run);
-  tell_findings(run, note);
+  findings_print(run, note);
   if (run->out.failed_points && run->out.sweep)
     cli_message("error", "%zu of %zu points failed", run->out.failed_points,
                 run->out.sweep->points);
@@ -216,7 +217,7 @@ static int run_one(const series *s, const char *variant) {
   if (s->chosen->len > 1) its.output = output;
   if (s->chosen->len > 1 && !json && !quiet) cli_print("variant %s\n\n", name);
   cli_progress progress;
-  cli_progress_start(&progress, level);
+  cli_progress_start(&progress, level, steps);
   const opc_watch shown = {&progress,         cli_progress_log,
                            cli_progress_step, cli_progress_show,
                            cli_is_stopped,    cli_progress_point};
@@ -254,17 +255,20 @@ static void keep_memory(void) {
 
 /* Set the level of messages. Returns -1, or the exit code. */
 static int set_level(void) {
-  static const char *const words[] = {"debug", "info", "warning", NULL};
-  if (quiet) level = OPC_LOG_WARNING;
+  static const char *const words[] = {"debug", "info", "steps", "warning",
+                                      NULL};
+  steps = !quiet;
   for (int i = 0; level_word && words[i]; i++)
     if (!strcmp(words[i], level_word)) {
-      level = i;
+      level = MIN(i, OPC_LOG_WARNING);
+      steps = i <= OPC_LOG_WARNING;
       return -1;
     }
-  return level_word ? cli_error(CLI_USAGE,
-                                "'--log' is debug, info or warning, not '%s'",
-                                level_word)
-                    : -1;
+  return level_word
+             ? cli_error(CLI_USAGE,
+                         "'--log' is debug, info, steps or warning, not '%s'",
+                         level_word)
+             : -1;
 }
 
 /* Return the store of results; NULL: all steps run. */
@@ -283,7 +287,7 @@ static opc_store *open_store(void) {
 static int meet_ranks(void) {
   int rank, size;
   opc_error error;
-  if (!ranks_told(&rank, &size)) return -1;
+  if (!ranks_launched(&rank, &size)) return -1;
   g_autofree char *object = opc_find_installed(OPC_LIBDIR, RANKS_OBJECT);
   wanted.ranks = ranks_load(object, stop_is_asked, &error);
   if (!wanted.ranks) return cli_fail(&error);

@@ -16,7 +16,7 @@
 
 /* ---- histories and messages ---- */
 
-static void tell_complaint(opc_run *run) {
+static void store_warn(opc_run *run) {
   opc_store *store = run->options->store;
   g_autofree char *text = store ? opc_store_complaint(store) : NULL;
   if (text) run->heard.watch.log(run, "store", OPC_LOG_WARNING, text);
@@ -46,14 +46,23 @@ static void reuse_record(opc_run *run, const opc_flow_step *step,
   g_free(path);
 }
 
-/* Record that a reused step ran after all. */
-static void tell_again(opc_run *run, const opc_flow_step *step,
-                       const char *whom) {
+void opc_reuse_report(const opc_run *run) {
+  const GPtrArray *list = run->out.histories.list;
+  for (guint i = 0; i < list->len && !run->main; i++) {
+    const opc_history *h = list->pdata[i];
+    if (h->reused)
+      run->heard.watch.log((void *)run, h->path, OPC_LOG_INFO, "reused");
+  }
+}
+
+/* Record that a reused step ran again for its outputs. */
+static void rerun_record(opc_run *run, const opc_flow_step *step,
+                         const char *whom) {
   char *path = g_strdup(step->name);
   g_autofree char *why =
       g_strdup_printf("its output was wanted by step '%s'", whom);
   if (!run->main) {
-    g_autofree char *text = g_strconcat("ran after all: ", why, NULL);
+    g_autofree char *text = g_strconcat("ran again: ", why, NULL);
     run->heard.watch.log(run, step->name, OPC_LOG_INFO, text);
   }
   for (opc_run *to = run; to; run_go_up(&to, &path))
@@ -152,7 +161,7 @@ gboolean opc_reuse_take(opc_run *run, const opc_flow_step *step,
   g_autoptr(GVariant) result =
       opc_run_is_first(run) ? find_result(run, step) : NULL;
   char found = result != NULL;
-  tell_complaint(run);
+  store_warn(run);
   if (ranks && ranks->spread(&found, 1, 0, &error))
     return opc_problem_add(problems, error.code, NULL, "%s", error.message);
   if (!found || !result) return found;
@@ -161,8 +170,6 @@ gboolean opc_reuse_take(opc_run *run, const opc_flow_step *step,
     opc_binding_fail(step->binding, TRUE, code, &error, problems);
   else
     reuse_record(run, step, TRUE, NULL);
-  if (!code && !run->main)
-    run->heard.watch.log(run, step->name, OPC_LOG_INFO, "reused");
   return TRUE;
 }
 
@@ -217,7 +224,7 @@ void opc_reuse_keep(opc_run *run, const opc_flow_step *step, guint tables) {
     if (kept) keep_facts(store, step, key->facts);
     if (kept && outputs) opc_pieces_drop(run);
   }
-  tell_complaint(run);
+  store_warn(run);
 }
 
 /* ---- outputs of steps that did not run ---- */
@@ -245,7 +252,7 @@ static gboolean step_restore(opc_run *run, const opc_flow_step *step) {
     if (code) opc_run_release(run, step);
   }
   close_scratch(folder);
-  tell_complaint(run);
+  store_warn(run);
   return !code;
 }
 
@@ -266,7 +273,7 @@ static gboolean run_again(opc_run *run, const opc_flow_step *step,
   g_hash_table_destroy(run->written.claims);
   run->written.work = work;
   run->written.claims = claims;
-  tell_again(run, step, whom);
+  rerun_record(run, step, whom);
   return good;
 }
 

@@ -12,6 +12,10 @@ void opc_reuse_begin(opc_run *run);
 gboolean opc_reuse_take(opc_run *run, const opc_flow_step *step,
                         opc_problems *problems);
 
+/* Log which steps of a run were reused and did not run again for their
+   outputs. */
+void opc_reuse_report(const opc_run *run);
+
 /* Store the result of a step that ran, with the tables from index `tables`. */
 void opc_reuse_keep(opc_run *run, const opc_flow_step *step, guint tables);
 

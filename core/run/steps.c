@@ -104,6 +104,7 @@ gboolean opc_steps_run(opc_run *run, opc_problems *problems) {
     if (!do_step_together(run, step, shared[step->number], problems))
       return FALSE;
   }
+  opc_reuse_report(run);
   return TRUE;
 }
 

@@ -251,7 +251,7 @@ static int command_run(const cli_verb *verb, const GPtrArray *arguments) {
       opc_bind_plugin(cli_registry(), plugin, opc_node_get(steps, verb->name),
                       verb->name, &at, 0, problems);
   stop_on_signals(CLI_STOPPED);
-  cli_progress_start(&progress, OPC_LOG_INFO);
+  cli_progress_start(&progress, OPC_LOG_INFO, TRUE);
   cli_progress_step(&progress, verb->name, 1, 1);
   if (!problems->list->len &&
       opc_binding_create(b, &watch, &published.host, problems))

@@ -24,7 +24,7 @@ static const cli_option options[] = {
     {"kind", "by default what NAME begins with", "KIND", .text = &wanted},
     {"process", "a flow that extends this one and works on INPUT", "NAME",
      .text = &process},
-    {"json", "tell the files as JSON", .flag = &json},
+    {"json", "print the files as JSON", .flag = &json},
     {0}};
 
 /* The new thing: its name "mine"; of a plugin also its id "step.mine" and its
