@@ -2,11 +2,10 @@
 /* The acceptance test of <opcflow/testing.h>: corrects a NAND gate with a
    plugin in a slot of the correction loop. The files are the samples of
    kind.step. */
+#include <glib.h>
+#include <opcflow/kind.h>
+#include <opcflow/testing.h>
 #include <string.h>
-
-#include "core/plugin/declaration.h"
-#include "core/plugin/kind.h"
-#include "tools/devel/testing.h"
 
 enum { MOST_ITERATIONS = 80 };
 
@@ -28,8 +27,8 @@ static const struct {
 
 static gboolean samples_write(opc_error *error) {
   static const char *const names[] = {"nand2.cif", "ptm65.yaml"};
-  g_autoptr(opc_registry) registry = opc_registry_new(NULL);
-  const opc_kind *kind = opc_kind_trials(registry, OPC_KIND_STEP);
+  opc_module *m = opc_test_module("kind.step", "{}", error);
+  const opc_kind *kind = m ? m->functions : NULL;
   gsize found = 0;
   for (size_t i = 0; kind && i < kind->n_samples; i++) {
     const opc_sample *sample = &kind->samples[i];
@@ -40,6 +39,7 @@ static gboolean samples_write(opc_error *error) {
           g_file_set_contents(path, sample->bytes, (gssize)sample->size, NULL))
         found++;
   }
+  opc_test_module_free(m);
   if (found == G_N_ELEMENTS(names)) return TRUE;
   opc_fail(error, OPC_NO_PLUGIN, NULL,
            "the acceptance test needs the plugins of opcflow: add `pkg-config "
