@@ -41,7 +41,7 @@ typedef struct eda_printed {
 typedef struct eda_ruling {
   uint32_t *vetoes;
   int32_t *end;
-  size_t transistors; /* number of transistors that print merged */
+  size_t transistors; /* number of transistors that print without a failure */
   /* [layers]: all rectangles added to the next mask, in grid units, for example
      to enlarge the enclosure of a contact; all rectangles cut out afterwards.
      Empty on entry; the regulator owns them until its next call. */
