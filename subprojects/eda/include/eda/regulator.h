@@ -14,8 +14,7 @@ typedef struct eda_printed {
   const uint32_t *flags; /* EDA_PRINT_* */
   const int32_t *l, *w;  /* biases of the simulated mask (eda_moves) */
   /* Extension of the printed poly beyond the printed active, nm, [2 * i +
-     side]; negative if the poly ends within the active; INFINITY where it
-     continues. */
+     side]; negative if the poly ends within the active; INFINITY: no end. */
   const double *extension;
   const eda_shapes *shapes; /* [layers]: the simulated mask, merged, in grid
                                units of the gates */

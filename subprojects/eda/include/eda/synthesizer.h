@@ -115,14 +115,14 @@ typedef struct eda_cuts {
 
 /* Properties of a synthesizer, as flags. */
 enum {
-  /* Line ends and additions of the regulator may change together with the first
-     moves. Otherwise they are settled before the first moves, because the
-     synthesizer would attribute their effect to its own moves. */
+  /* The regulator may change line ends and added shapes together with the first
+     moves. Otherwise the regulator finishes before the first moves, because the
+     synthesizer would attribute its effect to the moves. */
   EDA_SYNTHESIZER_ENDS_ANYTIME = 1 << 0
 };
 
 typedef struct eda_synthesizer {
-  /* Start a loop; feedback->printed is NULL. A further call starts a new loop.
+  /* Start a loop; feedback->printed is NULL. A later call starts anew.
      [main] */
   int (*begin)(void *self, const eda_feedback *feedback, opc_error *error);
 
@@ -133,8 +133,8 @@ typedef struct eda_synthesizer {
                 int *done, opc_error *error);
 
   /* Optional. Return the reason for the remaining deviation of a gate in a few
-     words ("within limit", "grid", "bridging"), for the table of gates; NULL:
-     none. [main] */
+     words ("within limit", "grid", "bridging"), for a table; NULL: none.
+     [main] */
   const char *(*verdict)(const void *self, size_t gate);
 
   /* Optional; NULL: only biases of gates. Define the fragments of a layer that

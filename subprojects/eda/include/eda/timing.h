@@ -38,17 +38,15 @@ typedef struct eda_timing_device {
   double share;         /* share of the effect of the bundle */
 } eda_timing_device;
 
-/* An arc: a change of one input, with constant other inputs, switches an
-   output. */
+/* An arc: a change of one input, the others constant, switches an output. */
 typedef struct eda_timing_arc {
   uint8_t input, output;
   uint8_t rises; /* the output */
   uint32_t from; /* inputs before the change: bit i is input i */
   /* Tables, [slew * loads + load]. */
   double *delay, *slew;
-  /* Sensitivities of delay and slew to changes of sizes, s, at the three points
-     of near_slew and near_load: [(point * bundles + bundle) * EDA_SIZES +
-     size]. */
+  /* Sensitivities of delay and slew to changes of sizes, s, at three points
+     (near_slew): [(point * bundles + bundle) * EDA_SIZES + size]. */
   double *delay_by, *slew_by;
 } eda_timing_arc;
 
@@ -126,16 +124,15 @@ OPC_EXPORT const eda_timing_cell *eda_timing_find(const eda_timing *timing,
 /* Allocate the tables of a cell; its other fields must be set before. */
 OPC_EXPORT void eda_timing_cell_figures(eda_pool *pool, eda_timing_cell *cell);
 
-/* Compute delay[slews] and slew[slews] of an arc at all slews of the grid, for
-   the loads delay_load and slew_load, F, and changes of sizes ([bundle *
-   EDA_SIZES + size], NULL: none). [any] */
+/* Compute delay[slews] and slew[slews] of an arc at all slews of the grid.
+   Loads are in F. change[bundle * EDA_SIZES + size]: changes of sizes; NULL:
+   none. [any] */
 OPC_EXPORT void eda_timing_at(const eda_timing_cell *cell,
                               const eda_timing_arc *arc, double delay_load,
                               double slew_load, const double *change,
                               double *delay, double *slew);
 
-/* Return the capacitance of an input pin with changes of sizes as above.
-   [any] */
+/* Return the capacitance of an input pin; `change` as above. [any] */
 OPC_EXPORT double eda_timing_capacitance(const eda_timing_cell *cell,
                                          size_t input, int rises, int cap,
                                          const double *change);
@@ -172,8 +169,7 @@ OPC_EXPORT double eda_timing_ramp(int rises, double level);
 enum { EDA_TIMING_RAMP = 8 };
 OPC_EXPORT void eda_timing_ramp_points(int rises, double time[EDA_TIMING_RAMP],
                                        double level[EDA_TIMING_RAMP]);
-/* Return this unit of time, s, for a slew between the levels of `timing`.
-   [any] */
+/* Return the unit of time, s, for a slew between levels of `timing`. [any] */
 OPC_EXPORT double eda_timing_ramp_time(const eda_timing *timing, double slew,
                                        int rises);
 /* Write a ramp from level `from` to level `to` (0 or 1, times the supply; may

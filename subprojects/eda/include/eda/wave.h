@@ -35,8 +35,7 @@ OPC_EXPORT double eda_wave_time(const double *t, const double *h, size_t i,
                                 double level);
 
 /* As eda_wave_time, by the cubic through the four nearest of n >= 4 points.
-   With five points per slew, linear interpolation has an error of 0.5 % of the
-   slew. [any] */
+   Linear interpolation of five points per slew has an error of 0.5 %. [any] */
 OPC_EXPORT double eda_wave_smooth_time(const double *t, const double *h,
                                        size_t n, size_t i, double level);
 
