@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Slices that follow the contour of a printed gate. */
+/* Slicing of a gate (rule `contour`): few slices that preserve the width, area
+   and currents of the printed contour. */
 #pragma once
 
 #include <eda/curves.h>
 #include <eda/extractor.h>
 
-enum { CONTOUR_LEAST = 8, CONTOUR_MOST = 96 }; /* slices */
+enum { CONTOUR_LEAST = 8, CONTOUR_MOST = 96 }; /* number of slices */
 
 /* Return the weight of a slice at `edge` nm from the nearer active edge of a
    transistor of `width` nm. The weight is the current relative to that of a
@@ -18,9 +19,9 @@ typedef struct contour contour;
 contour *contour_new(void);
 void contour_free(contour *c);
 
-/* Find n slices of a gate: places and widths as fractions of its width.
-   `weight` may be NULL: 1. `reach`: decay length of the edge current, nm.
-   Return 0 if the contour is too irregular. */
+/* Find n slices of a gate. [n]: centres (place) and widths, fractions of the
+   gate's width. weight NULL: all weights are 1. `reach`: decay length of the
+   edge current, nm. Return 0 if no slices preserve the sums. */
 int contour_slice(const contour *c, const eda_curves *table, double reach,
                   contour_weight *weight, const void *self,
                   const eda_printed_gate *gate, size_t n, double *place,

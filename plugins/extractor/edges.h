@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Contribution of the active edges to the current of a slice (thesis 3.2.1,
-   with a device table of several widths). A rectangle of width W has the
-   current of a wide transistor, W j(L), plus an edge current, the difference to
-   the table's current at W. The edge current decays with `decay` from the edges
-   and depends on the local gate length. */
+/* Contribution of the active edges to the current of a slice (thesis 3.2.1),
+   for a device table of several widths. The current of a rectangle of width W
+   and length L is W j(L), with j of a wide transistor, plus an edge current.
+   The edge current is the difference to the table's current. It decays
+   exponentially from both edges and depends on the local length. */
 #pragma once
 
 #include <eda/curves.h>
@@ -11,13 +11,11 @@
 typedef struct edges {
   eda_curves_width width;
   double decay[EDA_CURRENTS]; /* nm */
-  double most[EDA_CURRENTS];  /* share at the edge; its mean over the width is
-                                 1 */
+  double most[EDA_CURRENTS];  /* share at the edge; the mean over W is 1 */
 } edges;
 
-/* Return the edge currents of a transistor of that type and width, nm. The
-   decay is `reach`, nm, or longer if that is necessary for a positive current
-   of every slice. */
+/* Return the edge currents of a transistor. `width`, nm. The decay length is
+   `reach`, nm, or longer if a slice would have a negative current otherwise. */
 static inline edges edges_of(const eda_curves *c, int type, double width,
                              double reach) {
   edges e = {.width = eda_curves_among(c, width)};
@@ -32,8 +30,8 @@ static inline edges edges_of(const eda_curves *c, int type, double width,
   return e;
 }
 
-/* Return the share of the edge current of a slice at `edge` nm from the nearer
-   edge, relative to the mean. */
+/* Return the edge current per width at `edge` nm from the nearer edge, relative
+   to the mean over the width. */
 static inline double edges_share(const edges *e, int k, double edge) {
   return e->most[k] * exp(-edge / e->decay[k]);
 }

@@ -12,10 +12,10 @@
 
 enum { CONTOUR, GAUSS, EQUAL };
 
-/* Limit of the extrapolated part of each current above which a gate is marked,
-   equal to the effect of a third of a nm. Within a few nm, extrapolated changes
-   of Ion are accurate to a tenth (docs/reference/devices.md), so smaller parts
-   are errors below 0.1 % of Ion. */
+/* Extrapolated part of a current, relative to the current, above which a gate
+   is marked: the effect of 1/3 nm of length. Within a few nm the error of the
+   extrapolated part of Ion is a tenth of the part (docs/reference/devices.md),
+   so an unmarked gate has an error below 0.1 % of Ion. */
 static const double notable[EDA_CURRENTS] = {
     [EDA_ION] = 0.01, [EDA_IOFF] = 0.1};
 
@@ -61,8 +61,8 @@ static int length_within(const eda_curves *table, double length) {
          length <= eda_curves_longest(table);
 }
 
-/* Return the absolute extrapolated part of a current per width: the difference
-   to the current at the end of the table. */
+/* Return the extrapolated part of a current per width: |difference| to the
+   current at the end of the table; 0 within the table. */
 static double current_extrapolated(const eda_curves *table, int type, int c,
                                    double length, double current) {
   if (length_within(table, length)) return 0;
@@ -78,7 +78,7 @@ typedef struct strips {
   int type;
   size_t count;
   const double *width, *length, *edge; /* one value per slice */
-  double sum, area;                    /* sum of widths; area, nm^2 */
+  double sum, area;                    /* sum of the widths, nm; area, nm^2 */
   edges edges;
 } strips;
 
@@ -90,8 +90,8 @@ static double edges_scale(const strips *g, int c) {
   return g->sum / sum;
 }
 
-/* Return the current of a slice per width from the table; `part` scales the sum
-   of edge shares to 1. */
+/* Return the current of slice k per width. `part`: result of edges_scale;
+   `wide`: current per width of a wide transistor of that length. */
 static double current_at(const strips *g, int c, size_t k, double part,
                          double wide) {
   if (g->edges.width.is_wide) return wide;
@@ -100,9 +100,9 @@ static double current_at(const strips *g, int c, size_t k, double part,
   return wide + (narrow - wide) * part * edges_share(&g->edges, c, g->edge[k]);
 }
 
-/* Compute one current of a gate and the length of the rectangle of equal width
-   and current whose slices have equal weights (eq. 2.2 and 3.2). Return 1 if
-   more than the limit is extrapolated. */
+/* Compute one current of a gate and the equivalent length: that of a rectangle
+   of equal width, current and weights (eq. 2.2 and 3.2). Return 1 if more than
+   the limit `notable` is extrapolated. */
 static int extract_current(const strips *g, int c, double *current,
                            double *leq) {
   const slicer *s = g->slicer;
@@ -179,7 +179,7 @@ static void place_slices(slicer *s) {
     gsl_integration_glfixed_point(0, 1, i, &s->place[i], &s->width[i], t);
     sum += s->width[i];
   }
-  /* Some rules are accurate only to 1e-11. */
+  /* GSL's weights of some n are accurate only to 1e-11. */
   for (size_t i = 0; i < n; i++) s->width[i] /= sum;
   gsl_integration_glfixed_table_free(t);
 }

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Common part of the extractors that slice gates (thesis eq. 2.1 to 2.4 and
-   3.2). A plugin adds parameters and the weight of a slice. */
+   3.2). A plugin may add parameters and weights of slices. */
 #pragma once
 
 #include <opcflow/plugin.h>
 
 #include "contour.h"
 
-/* First member of the instance of such an extractor. */
+/* First member of the instance of each extractor that slices gates. */
 typedef struct slicer {
   const opc_host *host;
   const char *path; /* path of the device table */
@@ -15,15 +15,15 @@ typedef struct slicer {
   int rule;
   double *place, *width; /* [slices]: centres and widths of the slices, as
                             fractions of the width of the gate. The rule
-                            `contour` uses them only for gates for which
-                            contour_slice fails */
+                            `contour` uses them only where contour_slice fails
+                            */
   contour *contour;      /* NULL: the rule is not `contour` */
   eda_curves curves;
   contour_weight *weight; /* weight of a slice; NULL: all weights are 1 */
   double reach;           /* decay length of the edge current, nm */
 } slicer;
 
-/* clang-format off */ /* clang-format would nest the indentation */
+/* clang-format off */
 #define SLICER_PARAMETERS                                                     \
   {.name = "devices", .type = OPC_FILE, .flags = OPC_REQUIRED,                \
    .summary = "device table: currents by length, or by length and width",     \
@@ -45,11 +45,11 @@ typedef struct slicer {
    OPC_FIELD(slicer, reach)}
 /* clang-format on */
 
-/* Implement `check` and `clear` of a plugin. */
+/* Implement `check` and `clear` of opc_plugin (opcflow/plugin.h). */
 int slicer_check(void *self, opc_error *error);
 void slicer_clear(void *self);
 
-/* Implement the functions of an extractor. */
+/* Implement the functions of eda_extractor (eda/extractor.h). */
 int slicer_prepare(void *self, opc_error *error);
 size_t slicer_slicing(const void *self, const double **place,
                       const double **width);

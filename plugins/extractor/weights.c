@@ -105,8 +105,8 @@ void weights_clear(weights *w) {
   *w = (weights){0};
 }
 
-/* Return the index of the upper neighbour of x among n increasing places, 1 ..
-   n - 1, and the fraction of the interval; x beyond the ends is clamped. */
+/* Return the index, 1 .. n - 1, of the end of the interval of n increasing
+   positions that contains x, and the fraction of the interval; x is clamped. */
 static size_t grid_between(const double *place, size_t n, double x,
                            double *fraction) {
   *fraction = 0;

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tables of gamma (thesis eq. 3.2) against the distance from the nearer active
-   edge and the width of the transistor, for each type and current. Linear
-   between points, constant beyond them. */
+/* Tables of gamma, the weight of a slice (thesis eq. 3.2), by distance from the
+   nearer active edge and width of the transistor, for each type and current.
+   Interpolation is linear, extrapolation constant. */
 #pragma once
 
 #include <eda/curves.h>
 
-/* value[i * edges + j] at width[i] and edge[j], nm, both increasing. A grid
-   without widths is 1 everywhere. */
+/* value[i * edges + j] is gamma at width[i] and edge[j], nm, both increasing.
+   With widths = 0, gamma is 1 everywhere. */
 typedef struct grid {
   size_t widths, edges;
   double *width, *edge, *value;
@@ -18,9 +18,8 @@ typedef struct weights {
 } weights;
 
 /* Read a file with the columns type (n, p), current (ion, ioff), width (nm),
-   edge (nm) and gamma. For each type and current the file has a complete grid
-   of widths and edges, or no row. Return OPC_OK or an error that names
-   `parameter`. */
+   edge (nm) and gamma. The rows of a type and current form a complete grid of
+   widths and edges. Return OPC_OK or an error that names `parameter`. */
 int weights_read(const char *path, const char *parameter, weights *out,
                  opc_error *error);
 void weights_clear(weights *w);

@@ -13,8 +13,8 @@ static int32_t grid_steps(double limit, double most, double grid) {
 }
 
 /* Compute the largest outward move of a line end. The line end may use the
-   whole spacing to contacts, which do not move, but its share is half of the
-   drawn spacing to poly, as an opposite line end may move as well. */
+   whole spacing to contacts, which do not move. The share is half of the drawn
+   spacing to poly, as an opposite line end may move as well. */
 static void end_find_length(const drc *r, line_end *e) {
   double grid = r->grid;
   int32_t range = (int32_t)ceil((2 * r->max_growth + r->min_space) / grid) + 1;

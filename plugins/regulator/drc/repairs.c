@@ -400,8 +400,8 @@ static int boxes_meet(eda_box a, eda_box b) {
 }
 
 /* Reduce by `step` the repair shapes that bridge the gap or touch the contact
-   of site `wrong`, and limit their growth: the shapes that face the site
-   (`facing`), or all shapes within `near`. Return whether there were any. */
+   of site `wrong`, and limit their growth. `facing`: only shapes that face the
+   site, else all within `near`. Return whether there were any. */
 static int shapes_reduce(drc *r, const eda_printed *p, const site *wrong,
                          int32_t near, int32_t step, int facing) {
   int32_t flank = (int32_t)(tuned.corner / r->grid);

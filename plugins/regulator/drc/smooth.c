@@ -22,8 +22,8 @@ static int is_between(int32_t v, int32_t a, int32_t b) {
 }
 
 /* Return whether an end of the straight edge is valid: within an edge of the
-   mask, or at a corner b that turns left for a removed bump and not left for a
-   filled notch. At other corners the smoothing protrudes. */
+   mask, or at a corner b that turns left for a bump, right for a notch.
+   Elsewhere the smoothing protrudes. */
 static int is_valid_corner(const smoothing *m, eda_point end, eda_point a,
                            eda_point b, eda_point c) {
   return end.x != b.x || end.y != b.y || turns_left(a, b, c) == m->bump;

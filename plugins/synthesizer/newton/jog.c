@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the effect of a jog: an edge moved over a part of its length
-   changes the gate by the share of the edge's effect in that part. */
+/* Implements the effect of a jog. The optics smooth moves of an edge along W,
+   so the effect of a move of a part of an edge is the integral of a smoothed
+   window. */
 #include "jog.h"
 
 #include <math.h>
 
 #include "tuning.h"
 
-/* Return the distance beyond the end of the gate within which the edges have
-   half of their effect; `extension` is that of the poly, in grid steps like
-   `blur`. */
+/* Return the distance beyond the end of the gate at which the effect of the
+   edges is half. `extension` of the poly past the active, `blur`: grid steps.
+   */
 static double extension_effect(double extension, double blur) {
   return extension < tuned.short_end * blur ? blur * tuned.past_end
                                             : -blur / tuned.before_end;
@@ -41,7 +42,7 @@ void sides_find(const eda_gates *g, sides *out) {
     }
 }
 
-/* Return the integral of a smoothed step. */
+/* Return the integral from -infinity to x of a step smoothed by `blur`. */
 static double ramp_integral(double x, double blur) {
   double z = x / blur;
   return x * 0.5 * erfc(-z * M_SQRT1_2) +
@@ -54,8 +55,7 @@ static double edge_weight(const sides *s, double at) {
          ramp_integral(at - s->high, s->blur);
 }
 
-/* Return the share of the first `jog` grid steps in the effect of the whole
-   edge. */
+/* Return the effect of a jog relative to a step of the whole edge. */
 static double edge_share(const sides *s, int side, int32_t jog) {
   double from = edge_weight(s, s->from[side]);
   double all = edge_weight(s, s->to[side]) - from;
@@ -75,8 +75,7 @@ double length_share(const sides *s, double to) {
   return sum;
 }
 
-/* Return the edge that takes the next step: HIGH after an even number of
-   steps. */
+/* Return the edge that makes the next step: HIGH (1) if l is even. */
 static int edge_next(int32_t l) { return !(l & 1); }
 
 double length_value(const sides *s, length x) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Correction of L by less than a grid step: a step of one poly edge over a part
-   of the width (jog). */
+/* Jogs: steps of one poly edge over a part of the width, which change L by a
+   fraction of a grid step. */
 #pragma once
 
 #include <eda/gates.h>
@@ -30,8 +30,7 @@ double length_value(const sides *s, length x);
    step of the whole edges. `to` is limited to the ends of the edges. */
 double length_share(const sides *s, double to);
 
-/* Return the position of the jog, grid steps from the box of the gate; NAN if
-   there is no jog. */
+/* Return the position of the jog, grid steps from the gate's box; NAN: none. */
 double length_jog(const sides *s, length x);
 
 /* Return the change of L nearest to `value`, grid steps. The jog is at least

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements synthesizer.newton: correction of all transistors at once by
-   Newton's method. The response of current, leakage and area to changes of the
-   mask is estimated from the device curves and then updated from the results of
-   the moves (Broyden). A jog in the poly, one edge moved by a grid step over a
-   part of the width, corrects the rounding error of the grid. */
+   Newton's method. The response of Ion, Ioff and area to moves of the mask is
+   estimated from the device curves and then updated from the results of the
+   moves (Broyden). A jog in the poly corrects the rounding error of the grid:
+   one edge moves by a further grid step over a part of the width. */
 #include <eda/goals.h>
 #include <eda/memory.h>
 #include <math.h>
@@ -70,8 +70,7 @@ static int newton_begin(void *self, const eda_feedback *f, opc_error *error) {
 
 /* ---- work: the next mask of one transistor ---- */
 
-/* Return the part of a step that vetoes and bounds allow; set *why if that is
-   less. */
+/* Return the allowed part of a step; set *why if a veto or `most` limits it. */
 static double move_bounded(double x, double dx, double most, uint32_t veto_up,
                            uint32_t veto_down, uint8_t *why) {
   if ((dx > 0 && veto_up) || (dx < 0 && veto_down)) {
@@ -83,7 +82,7 @@ static double move_bounded(double x, double dx, double most, uint32_t veto_up,
   return to - x;
 }
 
-/* Compute the errors expected at L and W of the mask, by the response. */
+/* Compute the errors predicted at mask length l and width w. */
 static void errors_after(const transistor *s, double l, double w,
                          double rest[ERRORS]) {
   for (int k = 0; k < ERRORS; k++)
@@ -91,9 +90,9 @@ static void errors_after(const transistor *s, double l, double w,
               s->response.by[k][BY_W] * (w - s->x[BY_W]);
 }
 
-/* Return the mask with the nearest length, with the jog clear of the ends of
-   parts. The end of a part beside the jog changes the length, so that no jog
-   there may result in the wanted length. */
+/* Return `b` or a mask with a length nearer to l, with a jog at or beside the
+   end of a part. A jog near such an end moves the end and so changes the
+   length: mask_with_jog may find no jog with the wanted length. */
 static biases mask_clear_jog(const newton *t, size_t i, double l, int32_t least,
                              biases b) {
   const parts *p = &t->parts[i];
@@ -117,8 +116,8 @@ static biases mask_clear_jog(const newton *t, size_t i, double l, int32_t least,
   return found;
 }
 
-/* Return the nearest mask with a jog for a wanted L. Parts that end at the jog
-   change the length, so iterate. */
+/* Return the mask with a jog whose length is nearest to l. Iterates, as the jog
+   moves ends of parts and so changes the length. */
 static biases mask_with_jog(const newton *t, const eda_gates *g, size_t i,
                             double l, int32_t w) {
   int32_t least = (int32_t)ceil(t->min_jog / g->grid);
@@ -133,15 +132,15 @@ static biases mask_with_jog(const newton *t, const eda_gates *g, size_t i,
   return mask_clear_jog(t, i, l, least, b);
 }
 
-/* Return the better of `best`, the mask with the nearest jog, and masks with W
-   one or two steps away and their jogs. A narrow gate may need this. */
+/* Return `best`, or a mask with another W (by up to two steps) and jog if its
+   predicted size of errors is less, as for narrow gates. */
 static biases mask_with_width(const newton *t, const eda_feedback *f, size_t i,
                               biases best) {
   static const int only_l[MOVES] = {1, 0};
   const transistor *s = &t->state[i];
   double rest[ERRORS], more[MOVES], grid = f->gates->grid;
   double most = fmin(t->max_bias, f->gates->width[i] / 2) / grid;
-  int any = corrects_ioff(t); /* W moves in any case */
+  int any = corrects_ioff(t); /* W moves for Ioff */
   double enough =
       any ? newton_tolerance(t)
           : fmax(newton_ion_limit(t), tuned.coarse * newton_tolerance(t));
@@ -192,8 +191,7 @@ static biases mask_on_grid(const newton *t, const eda_feedback *f, size_t i,
       .l = whole, .w = w + (int32_t)lround(more[BY_W]), .shape = *edges};
 }
 
-/* Return the expected size of the errors of a mask: prediction and uncertainty
-   of the response. */
+/* Return the size of the predicted errors of a mask and their uncertainty. */
 static double mask_expected_size(const newton *t, size_t i, biases next) {
   const transistor *s = &t->state[i];
   const response *r = &s->response;
@@ -210,8 +208,7 @@ static double width_limit(const transistor *s) {
   return s->outward_limit[0] + s->outward_limit[1];
 }
 
-/* Compute the W with the drawn Ioff after L has compensated for that W, and
-   this L. */
+/* Compute the move of W that corrects Ioff, and add its effect on L to dx. */
 static void move_with_leakage(const newton *t, const eda_feedback *f, size_t i,
                               uint32_t veto, double dx[MOVES]) {
   static const int both[MOVES] = {1, 1}, only_l[MOVES] = {1, 0};
@@ -234,16 +231,16 @@ static void move_with_leakage(const newton *t, const eda_feedback *f, size_t i,
 /* Return whether a move rounds to zero on the grid. */
 static int is_no_step(double steps) { return lround(steps) == 0; }
 
-/* Return the mask after Newton's step of one transistor. W moves if its weights
-   require it, or if L has no effect: vetoed, at its bound, or undone by the
-   repairs of the regulator. */
+/* Return the mask after Newton's step of one transistor. W moves if the weights
+   require W or L cannot correct Ion. Causes: L is vetoed or at the bound, or
+   repairs of the regulator undo moves of L, so that the trust radius is below a
+   grid step. */
 static biases newton_step(const newton *t, const eda_feedback *f, size_t i,
                           double enough, uint8_t *why, int *cut) {
   static const int only_w[MOVES] = {0, 1};
   const transistor *s = &t->state[i];
   const eda_gates *g = f->gates;
-  /* Vetoes of a mask that did not print do not apply to steps from the last
-     valid mask. */
+  /* Vetoes belong to `now`; after a failure the step starts at `valid`. */
   uint32_t veto = s->failed ? 0 : f->vetoes[i];
   double most_w = fmin(t->max_bias, g->width[i] / 2) / g->grid;
   int free[MOVES], repaired;
@@ -272,8 +269,8 @@ static biases newton_step(const newton *t, const eda_feedback *f, size_t i,
   return next;
 }
 
-/* Return the next mask of a transistor that never printed: away from the
-   failing length or, if the opposite end is known, half the way to it. */
+/* Return the next mask of a transistor that never printed: longer if the line
+   is open, shorter if merged. A known bracket is bisected. */
 static biases mask_search(const newton *t, const eda_feedback *f, size_t i) {
   const transistor *s = &t->state[i];
   double grid = f->gates->grid, step = ceil(tuned.open_step / grid);
@@ -285,7 +282,7 @@ static biases mask_search(const newton *t, const eda_feedback *f, size_t i) {
   return (biases){(int32_t)lround(l), s->now.w, 0, s->now.shape, s->now.aside};
 }
 
-/* Flatten the edges. Return whether any of them moves. */
+/* Choose a shape for uniform length. Return whether the shape changes. */
 static int edges_flatten(newton *t, const eda_feedback *f, size_t i) {
   transistor *s = &t->state[i];
   if (!newton_reshapes(t, f)) return 0;
@@ -331,15 +328,15 @@ static biases mask_propose(newton *t, const eda_feedback *f, size_t i) {
 
 /* ---- work: termination ---- */
 
-/* Return the iteration after which transistors beyond the limit revert to their
-   best masks. */
+/* Return the iteration in which transistors beyond the limit revert to `best`.
+ */
 static int64_t last_move(const newton *t) {
   int64_t most = tuned.settled[t->target] + tuned.polish + tuned.rest;
   return t->target == PLAIN || t->iterations < most ? t->iterations : most;
 }
 
-/* Return whether the moves for Ion alone are complete: further moves have
-   little effect and keep neighbours and regulator moving. */
+/* Return whether transistors within the limit stop: further moves have little
+   effect, but disturb neighbours and the regulator. */
 static int newton_is_late(const newton *t, int64_t print) {
   return t->settled && print >= tuned.settled[t->target] + tuned.polish;
 }
@@ -352,16 +349,16 @@ static int is_within(const newton *t, size_t i) {
 
 /* ---- work: all transistors ---- */
 
-/* Return whether other causes increased the error of a transistor that did not
-   move. */
+/* Return whether the error has increased since the transistor's last move. */
 static int has_drifted(const newton *t, const transistor *s, double weight) {
   return s->size * weight > newton_ion_limit(t) * tuned.odd_limit &&
          s->settled_size < tuned.worthwhile * s->size;
 }
 
 /* Return whether to stop: all transistors are within the limit, none has
-   drifted, and their mean error is small or has hardly decreased since the last
-   iteration. Once stopped, remain so unless the mean increases by as much. */
+   drifted, and the mean error is small or has decreased by less than the factor
+   `worthwhile`. Once stopped, resume only if the mean increases by that factor.
+   */
 static int newton_is_done(newton *t, int64_t print) {
   double worst = 0, mean = 0, before = print ? t->mean : INFINITY;
   int drifted = 0;
@@ -381,8 +378,7 @@ static int newton_is_done(newton *t, int64_t print) {
                    (mean <= newton_ion_limit(t) / tuned.mean_part || unchanged);
 }
 
-/* End the moves of L and W for Ioff: from the best mask of both currents on, L
-   alone corrects Ion. */
+/* End the correction of Ioff: from `best` on, only L moves and corrects Ion. */
 static void newton_settle(newton *t) {
   t->settled = 1;
   t->weight[IOFF] = 0;
@@ -391,8 +387,7 @@ static void newton_settle(newton *t) {
     s->revert = !biases_equal(s->now, s->best);
     s->best_size = s->revert ? INFINITY : errors_size(t, s->error);
     s->size = s->settled_size = errors_size(t, s->error);
-    s->trust.error[SHORT] = s->trust.error[LONG] = 0; /* these belong to other
-                                                         widths */
+    s->trust.error[SHORT] = s->trust.error[LONG] = 0; /* of another W */
   }
 }
 

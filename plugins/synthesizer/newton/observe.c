@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the update of the state of all transistors from a simulated mask:
-   responses to their moves, and trust regions of the next moves. */
+   errors, responses, trust regions and best masks. */
 #include "observe.h"
 
 #include <glib.h>
@@ -62,15 +62,15 @@ static int ends_moved(const eda_gates *g, const int32_t *a, const int32_t *b) {
          abs(a[1] - b[1]) * g->grid > tuned.still;
 }
 
-/* Return the least change of log Ion that neighbours cannot explain. */
+/* Return the least significant change of log Ion. */
 static double least_visible(const newton *t, const transistor *s) {
   return newton_ion_limit(t) * tuned.odd_limit +
          tuned.odd_surprise * s->uncertainty;
 }
 
-/* Return whether a transistor changed by more than its moves explain at the
-   largest plausible response, so that a regulator shape or a neighbour changed
-   it. */
+/* Return whether log Ion changed by more than the moves can cause at the
+   largest response, so that a regulator shape or a neighbour caused the change.
+   */
 static int is_foreign(const newton *t, const transistor *s, const change *c) {
   double most = least_visible(t, s);
   for (int m = 0; m < MOVES; m++)
@@ -78,8 +78,8 @@ static int is_foreign(const newton *t, const transistor *s, const change *c) {
   return fabs(c->de[ION]) > most;
 }
 
-/* Keep the best mask. The size of the best mask is void after other causes
-   changed the transistor. */
+/* Update the best mask. After a change by other causes the present mask becomes
+   the best one, as the size of the earlier one is no longer valid. */
 static void keep_best(transistor *s, uint32_t flags, int first) {
   if (!first && !s->disturbed && s->size >= s->best_size &&
       !biases_equal(s->now, s->best))
@@ -89,8 +89,7 @@ static void keep_best(transistor *s, uint32_t flags, int first) {
   s->outside = (flags & EDA_PRINT_OUTSIDE) != 0;
 }
 
-/* Return the pull: the error of Ion alone that would require the same move of
-   L. */
+/* Return the error of Ion alone that requires the same move of L. */
 static double pull_of(const newton *t, const transistor *s) {
   int free[MOVES];
   double dx[MOVES];
@@ -99,8 +98,7 @@ static double pull_of(const newton *t, const transistor *s) {
   return -dx[BY_L] * s->response.by[ION][BY_L];
 }
 
-/* Return the effect of a step of W on the pull; 0 if W moves for errors of its
-   own. */
+/* Return d pull / d W; 0 if the weights require moves of W. */
 static double pull_by_w(const newton *t, const transistor *s) {
   int free[MOVES];
   moves_free(t, free);
@@ -119,10 +117,9 @@ static void ends_of(biases b, int32_t at[2]) {
   at[1] = b.w - at[0];
 }
 
-/* Limit the ends of the width after a wider mask failed to print: each end may
-   move half as far. The active merged with a neighbour or left its line end
-   behind. Return whether W moved more than L and is therefore the likely
-   cause. */
+/* Limit the ends of the width after a wider mask did not print: each end may
+   move half as far. Causes are active that merged with a neighbour or extends
+   beyond the line end. Return whether an end moved more than L. */
 static int width_limit_ends(transistor *s, double by_l) {
   int32_t good[2], now[2];
   int wider = 0;
@@ -138,8 +135,8 @@ static int width_limit_ends(transistor *s, double by_l) {
   return wider;
 }
 
-/* Process a mask that does not print: set the end of the bracket that the flags
-   determine, or reduce the bounds of the move that caused the failure. */
+/* Process a mask that does not print: reduce the limit of the move that caused
+   the failure, and make L an end of the bracket. */
 static void transistor_fail(transistor *s, const double x[MOVES],
                             uint32_t flags) {
   double dx = x[BY_L] - s->x[BY_L];
@@ -151,8 +148,7 @@ static void transistor_fail(transistor *s, const double x[MOVES],
   trust_see(&s->trust, x[BY_L], open ? INFINITY : -INFINITY);
 }
 
-/* Update the trust region from the present errors. `foreseen` is the predicted
-   pull. */
+/* Update the trust region. `foreseen`: predicted pull. */
 static void trust_update(const newton *t, transistor *s, const change *c,
                          double foreseen) {
   double before = s->pull, due = foreseen - before;
@@ -162,7 +158,7 @@ static void trust_update(const newton *t, transistor *s, const change *c,
   s->trust.slow = 0;
   trust_drift(&s->trust, pull_by_w(t, s) * c->dx[BY_W], drift);
   int by_l =
-      !corrects_ioff(t) || c->dx[BY_W] == 0; /* W has responded as well */
+      !corrects_ioff(t) || c->dx[BY_W] == 0; /* not after moves of W for Ioff */
   if (by_l && !s->disturbed && before * s->pull > 0 &&
       fabs(before) - fabs(foreseen) > least_visible(t, s))
     trust_judge(&s->trust, c->dx[BY_L], fabs(before), fabs(foreseen),
@@ -176,9 +172,9 @@ int32_t width_aside(const transistor *s, int32_t w) {
   return up > 0 ? up : down > 0 ? -down : 0;
 }
 
-/* Limit the ends of the width to the region where the poly is not thin, and to
-   half of the largest correction. A gate that leaks twice as much as drawn
-   loses the strips of its ends that leak. */
+/* Limit the ends of the width to the region where the printed length does not
+   leak. A gate that leaks twice as much as drawn is narrowed by the leaking
+   strips at its ends (tuned.thin_end). */
 static void bound_ends(const newton *t, transistor *s, const eda_feedback *f,
                        size_t i) {
   double grid = f->gates->grid;
@@ -203,7 +199,7 @@ static void bound_ends(const newton *t, transistor *s, const eda_feedback *f,
   if (s->given) s->error[IOFF] = 0; /* predicted */
 }
 
-/* Update the state of a transistor after the moves to `now`. `common` is the
+/* Update the state of a transistor from the simulation of mask `now`. `common`:
    change of log Ion common to all transistors of the type. */
 static void transistor_update(const newton *t, transistor *s,
                               const eda_feedback *f, size_t i, biases now,
@@ -255,8 +251,8 @@ static void transistor_update(const newton *t, transistor *s,
 
 /* ---- work: all transistors ---- */
 
-/* Compute the initial responses, and the errors expected once the line ends
-   have moved: the regulator moves line ends together with the first moves. */
+/* Compute the initial responses, and the errors expected after the next moves
+   of line ends, which the regulator makes in the same iteration. */
 static void newton_start(newton *t, const eda_feedback *f) {
   curve *curves = t->curve;
   curves_measure(f, curves);
@@ -303,9 +299,9 @@ static void line_fit(const newton *t, const eda_feedback *f,
   }
 }
 
-/* Update the responses of all transistors of a type after the first moves: the
-   slope of the fit is a common factor of all responses to L; its intercept,
-   common[type], is the change common to all. */
+/* Update the responses of all transistors of a type after the first moves by a
+   linear fit. The slope is a common factor of the responses to L. The
+   intercept, common[type], is the change of log Ion common to all. */
 static void responses_learn_common(newton *t, const eda_feedback *f,
                                    const eda_moves *moves, double common[2]) {
   line of[2] = {{0}};
@@ -329,8 +325,7 @@ static void responses_learn_common(newton *t, const eda_feedback *f,
     t->state[i].first = t->state[i].response;
 }
 
-/* Return the simulated mask; the loop may have reverted to another one than
-   requested. */
+/* Return the simulated mask, which the loop may have changed. */
 static biases mask_simulated(const newton *t, const eda_moves *moves,
                              size_t i) {
   biases b = {moves->l[i], moves->w[i], moves->jog[i], t->state[i].next.shape,
@@ -378,8 +373,7 @@ void newton_reshape(newton *t, size_t i, const shape *to) {
   trust_drift(&s->trust, s->pull - before, s->uncertainty);
 }
 
-/* Neighbours share a part of the mean change of log Ion, and line ends may
-   move. */
+/* The uncertainty has parts due to neighbours and line ends. */
 void newton_predict(newton *t, const eda_feedback *f) {
   double sum = 0;
   for (size_t i = 0; i < t->count; i++) {

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* State of the transistors in synthesizer.newton, and its update from simulated
-   masks. */
+/* State of synthesizer.newton, and its update from simulated masks. */
 #pragma once
 
 #include <opcflow/plugin.h>
@@ -93,8 +92,7 @@ double newton_ion_limit(const newton *t);
 /* Return the size of errors: the root of the weighted sum of squares. */
 double errors_size(const newton *t, const double error[ERRORS]);
 
-/* Return the parts of a mask of transistor i, with ends moved clear of the jog.
- */
+/* Return the parts of a mask of transistor i, clear of the jog. */
 parts mask_parts(const newton *t, size_t i, biases b);
 
 /* Return the effective change of L of a mask of transistor i, grid steps; a jog
@@ -117,8 +115,7 @@ int32_t width_aside(const transistor *s, int32_t w);
 /* Update the state of all transistors from the simulated mask of `moves`. */
 void newton_observe(newton *t, const eda_feedback *f, const eda_moves *moves);
 
-/* Set the shape of the next mask of transistor i and predict the effect on its
-   currents. */
+/* Predict the errors of transistor i after a change to shape `to`. */
 void newton_reshape(newton *t, size_t i, const shape *to);
 
 /* Compute the uncertainty of the next log Ion of each transistor. */

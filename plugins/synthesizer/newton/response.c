@@ -62,9 +62,9 @@ int errors_of(const eda_feedback *f, size_t i, const double target[ERRORS],
   return 1;
 }
 
-/* A short line end makes the gate short over a small part of the width, which
-   carries much of the current. The mean length hardly shows this; the lost
-   current returns as the line end grows. */
+/* A short line end makes the length short over a small part of the width. That
+   part carries much of the current but changes the mean length little. The
+   repaired gate is expected to have the current of the mean length. */
 void errors_with_line_ends(const eda_feedback *f, size_t i,
                            const curve *of_type, double error[ERRORS]) {
   const eda_performance *p = f->printed;

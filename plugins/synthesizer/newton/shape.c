@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements flat edges. The moves that best correct the ripple are a
-   least-squares problem, as the optics smooth the mask; whole steps with few
-   jogs follow by dynamic programming (a Potts functional). */
+/* Implements parts, ripple and shapes. Real-valued moves of parts that minimize
+   the ripple follow by least squares from a linear model of the optical
+   smoothing; whole steps with few jogs by dynamic programming (Potts
+   functional). */
 #include "shape.h"
 
 #include <math.h>
@@ -20,7 +21,7 @@ parts parts_of(const eda_gates *g, size_t i, const sides *s) {
   int n = (int)fmin(floor(width / step), EDA_PARTS - 2), m = 0;
   parts p = {0};
   if (n < 1) return p;
-  int all = n < EDA_PARTS - 2; /* a wide gate ripples near its ends */
+  int all = n < EDA_PARTS - 2; /* else the middle parts are wider */
   if (all) step = (double)width / n;
   if (low <= -least) p.edge[m++] = low;
   p.first = m;
@@ -138,8 +139,7 @@ static double normal_distribution(double z) {
   return 0.5 * erfc(-z * M_SQRT1_2);
 }
 
-/* Return the effect of a step of part k on the printed length at sample j,
-   nm. */
+/* Return the change of length, nm, at sample j by a step of part k. */
 static double part_effect(const parts *p, int k, int j, double gain,
                           double blur) {
   double at = sample_position(p, j);
@@ -166,8 +166,7 @@ double ripple_excess(const ripple *r, double slope) {
   return log(sum / r->count);
 }
 
-/* Both currents increase by half the square of their slopes; two equations for
-   L and W. */
+/* A ripple r increases a current by slope^2 r^2 / 2; L and W compensate. */
 double ripple_cost(double drawn, const curve *c) {
   double ion = -c->slope[ION], ioff = -c->slope[IOFF];
   return (ion + ioff) / 2 / drawn + ion * ioff / 2;
@@ -254,9 +253,7 @@ shape shape_flat(const parts *p, const ripple *now, const shape *from,
     x[k] += from->by[k];
     if (p->first <= k && k < p->last) sum += x[k];
   }
-  for (int k = 0; k < p->count; k++)
-    x[k] -= sum / n; /* L compensates the
-                        mean */
+  for (int k = 0; k < p->count; k++) x[k] -= sum / n; /* by L */
   double nm = gain * tuned.local;
   potts_steps(p->count, x, high, price * n / (nm * nm), s.by);
   return s;

@@ -8,8 +8,7 @@
 #include "jog.h"
 #include "response.h"
 
-/* Additional mask length in each part of the width, grid steps; all 0 if the
-   gate has no parts. */
+/* Additional mask length, grid steps, in each part of the width. */
 typedef struct shape {
   int16_t by[EDA_PARTS];
 } shape;
@@ -40,8 +39,7 @@ parts parts_of(const eda_gates *gates, size_t i, const sides *edges);
    NAN: no jog. */
 parts parts_beside(const parts *p, const sides *edges, double at, double least);
 
-/* Write a shape as eda_moves.part; neighbouring parts of equal steps are
-   merged. */
+/* Write a shape as eda_moves.part; neighbours of equal steps are merged. */
 void shape_write(const parts *p, const shape *s, eda_part out[EDA_PARTS]);
 
 /* Return the change of the effective length by a shape, grid steps. */

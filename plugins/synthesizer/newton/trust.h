@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Trust region of the next length of a transistor, from the results of previous
-   moves. */
+/* Trust region of the next L of a transistor, from results of moves. */
 #pragma once
 
 enum { SHORT, LONG, ENDS };
