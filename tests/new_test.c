@@ -183,7 +183,7 @@ static void test_process(void) {
   g_assert_cmpint(
       CALL(command, "new", "flow", "--process", "mine.yaml", cif, "no.yaml"),
       ==, 2);
-  g_assert_nonnull(strstr(err, "leaves no file open"));
+  g_assert_nonnull(strstr(err, "has no input file left to set"));
   g_assert_cmpint(CALL(command, "new", "flow", "--process", "own56", cell), ==,
                   2);
   g_assert_nonnull(
@@ -206,6 +206,46 @@ static void test_process(void) {
       "unset OPCFLOW_NO_SYSTEM_PLUGINS; XDG_DATA_HOME=$PWD/home \"$0\" "
       "new flow --process homely \"$1\" homely.yaml";
   if (CALL("sh", "-c", script, command, cif)) g_error("%s", err);
+}
+
+/* A comparison of layouts of a process passes the check with all its cases and
+   methods, for each shipped process, and runs. */
+static void test_comparison(void) {
+  static const char *const all[] = {"ihp130", "nangate45", "nangate45-at-65",
+                                    "sky130", "own65"};
+  g_autofree char *cell = g_build_filename(g_getenv("OPCFLOW_SOURCE"), "data",
+                                           "cells65", "sram4.gds", NULL);
+  for (size_t i = 0; i < G_N_ELEMENTS(all); i++) {
+    if (CALL("rm", "-f", "comparison.yaml", "comparison-methods.yaml"))
+      g_error("%s", err);
+    if (CALL(command, "new", "comparison", "--process", all[i], cell))
+      g_error("%s", err);
+    g_assert_cmpstr(out, ==, "./comparison.yaml\n./comparison-methods.yaml\n");
+    if (CALL(command, "check", "--quick", "comparison.yaml"))
+      g_error("%s: %s%s", all[i], out, err);
+  }
+  if (CALL(command, "run", "comparison.yaml", "--set",
+           "compare.methods=[newton, dpb]", "--output", "compared"))
+    g_error("%s%s", out, err);
+  if (CALL("test", "-s", "compared/experiment.csv") ||
+      CALL("test", "-s", "compared/report.html"))
+    g_error("a file of the run is missing");
+  g_assert_cmpint(
+      CALL(command, "new", "comparison", "--process", "own65", cell), ==, 5);
+  g_assert_nonnull(strstr(err, "comparison.yaml' exists"));
+  g_assert_cmpint(CALL(command, "new", "comparison", cell), ==, 2);
+  g_assert_nonnull(strstr(err, "needs --process NAME and files"));
+  g_assert_cmpint(
+      CALL(command, "new", "comparison", "--process", "own65", "none"), ==, 5);
+  g_assert_nonnull(strstr(err, "'none' is not a regular file"));
+  /* A flow without a correction. */
+  if (CALL("rm", "comparison.yaml", "comparison-methods.yaml"))
+    g_error("%s", err);
+  g_assert_cmpint(
+      CALL(command, "new", "comparison", "--process", "base.yaml", cell), ==,
+      2);
+  g_assert_nonnull(strstr(err, "has no mask.litho: it is no process"));
+  g_assert_cmpint(CALL("test", "-e", "comparison.yaml"), ==, 1);
 }
 
 /* A relative data folder of the user is ignored, so that no plugin of the
@@ -271,14 +311,14 @@ static void test_needs(void) {
       -1, NULL));
   g_assert_cmpint(CALL(command, "check", "needs.yaml"), ==, 2);
   g_assert_cmpstr(out, ==,
-                  "needs --set layout.file=FILE, The GDSII file\n"
-                  "more: needs --set other.file=FILE, The CIF file\n");
+                  "requires --set layout.file=FILE, The GDSII file\n"
+                  "more: requires --set other.file=FILE, The CIF file\n");
   g_assert_nonnull(strstr(err, "'scael'"));
   g_assert_cmpint(CALL(command, "check", "--variant", "more", "needs.yaml"), ==,
                   0);
   g_assert_cmpstr(out, ==,
-                  "more: needs --set layout.file=FILE, The GDSII file\n"
-                  "more: needs --set other.file=FILE, The CIF file\n");
+                  "more: requires --set layout.file=FILE, The GDSII file\n"
+                  "more: requires --set other.file=FILE, The CIF file\n");
   g_assert_cmpint(CALL(command, "check", "--variant", "base", "needs.yaml"), ==,
                   0);
   g_assert_cmpint(CALL(command, "check", "--variant", "mor", "needs.yaml"), ==,
@@ -297,14 +337,14 @@ static void test_variant_asks(void) {
       text, "variants: { more: { other: { use: read.gds } } }\n");
   g_assert_true(g_file_set_contents(file, good, -1, NULL));
   (void)CALL(command, "check", "--quick", "asks.yaml");
-  g_assert_nonnull(strstr(out, "more: needs --set other.file=FILE, "));
-  g_assert_null(strstr(err, "missing parameter"));
+  g_assert_nonnull(strstr(out, "more: requires --set other.file=FILE, "));
+  g_assert_null(strstr(err, "required parameter"));
   g_autofree char *bad = g_strdup_printf(
       text, "variants: { more: { other: { use: read.gds, scael: 2 } } }\n");
   g_assert_true(g_file_set_contents(file, bad, -1, NULL));
   g_assert_cmpint(CALL(command, "check", "--quick", "asks.yaml"), ==, 2);
   g_assert_nonnull(strstr(err, "'scael' of 'read.gds'"));
-  g_assert_null(strstr(err, "missing parameter"));
+  g_assert_null(strstr(err, "required parameter"));
   g_assert_cmpint(CALL(command, "run", "--variant", "more", "asks.yaml"), ==,
                   2);
 }
@@ -325,7 +365,7 @@ static void test_scanner(void) {
   g_assert_true(g_file_get_contents(made, &text, NULL, NULL));
   g_assert_nonnull(strstr(text, "--set mask.extractor.devices=FILE"));
   g_assert_cmpint(CALL(command, "run", "arf.yaml"), ==, 2);
-  g_assert_nonnull(strstr(err, "missing parameter 'devices'"));
+  g_assert_nonnull(strstr(err, "required parameter 'devices'"));
   g_autofree char *devices =
       g_strconcat("mask.extractor.devices=", table, NULL);
   g_assert_cmpint(CALL(command, "run", "arf.yaml", "--set", devices), ==, 2);
@@ -363,8 +403,8 @@ static void test_refusals(void) {
   g_assert_cmpstr(err, ==, unknown);
   g_assert_cmpint(CALL(command, "new", "plugin", "command.run"), ==, 2);
   g_assert_cmpstr(err, ==,
-                  "error: 'opcflow run' is there already: a plugin "
-                  "'command.run' would never be called\n");
+                  "error: 'opcflow run' is built in: a plugin 'command.run' "
+                  "would never be called\n");
   g_assert_cmpint(CALL(command, "new", "plugin", "--kind", "lithos", "mine"),
                   ==, 2);
   g_autofree char *near = g_strconcat(
@@ -374,8 +414,7 @@ static void test_refusals(void) {
   g_assert_cmpint(CALL(command, "new", "plugin", "litho.mine", "litho"), ==, 5);
   g_assert_cmpstr(err, ==, "error: 'litho' exists\n");
   g_assert_cmpint(CALL(command, "new", "plugin", "kind.mine"), ==, 3);
-  g_assert_cmpstr(err, ==,
-                  "error: the kind 'kind' does not say how one begins\n");
+  g_assert_cmpstr(err, ==, "error: the kind 'kind' has no template\n");
 }
 
 int main(int argc, char **argv) {
@@ -394,6 +433,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/new/project", test_project);
   g_test_add_func("/new/flow", test_flow);
   g_test_add_func("/new/process", test_process);
+  g_test_add_func("/new/comparison", test_comparison);
   g_test_add_func("/new/relative-data", test_relative_data);
   g_test_add_func("/new/shipped", test_shipped);
   g_test_add_func("/new/shipped-checks", test_shipped_checks);

@@ -14,6 +14,7 @@
 #include "core/cli/cli.h"
 #include "core/plugin/declaration.h"
 #include "core/plugin/kind.h"
+#include "tools/devel/comparison.h"
 #include "tools/devel/verbs.h"
 
 static const char *wanted;  /* --kind */
@@ -21,9 +22,10 @@ static const char *process; /* --process */
 static gboolean json;
 
 static const cli_option options[] = {
-    {"kind", "by default what NAME begins with", "KIND", .text = &wanted},
-    {"process", "a flow that extends this one and works on INPUT", "NAME",
-     .text = &process},
+    {"kind", "kind of the plugin (default: first word of NAME)", "KIND",
+     .text = &wanted},
+    {"process", "a flow or comparison that extends this one and works on INPUT",
+     "NAME", .text = &process},
     {"json", "print the files as JSON", .flag = &json},
     {0}};
 
@@ -109,8 +111,8 @@ static int lacks_name(const char *given, GPtrArray *kinds) {
 static int settle_names(const char *given) {
   if (!opc_is_id(given))
     return cli_error(CLI_USAGE,
-                     "'%s' is no name for a plugin: lower_case words with dots "
-                     "between them",
+                     "'%s' cannot be the name of a plugin, expected lower_case "
+                     "words separated by dots",
                      given);
   const char *dot = strrchr(given, '.');
   g_autoptr(GPtrArray) kinds = opc_kind_names(cli_registry());
@@ -119,10 +121,10 @@ static int settle_names(const char *given) {
   id = dot ? g_strdup(given) : g_strconcat(kind, ".", given, NULL);
   name = g_strdup(dot ? dot + 1 : given);
   if (!strcmp(kind, OPC_KIND_COMMAND) && is_own_verb(name))
-    return cli_error(CLI_USAGE,
-                     "'opcflow %s' is there already: a plugin '%s' would never "
-                     "be called",
-                     name, id);
+    return cli_error(
+        CLI_USAGE,
+        "'opcflow %s' is built in: a plugin '%s' would never be called", name,
+        id);
   if (g_ptr_array_find_with_equal_func(kinds, kind, g_str_equal, NULL))
     return -1;
   g_autofree char *suggestion = opc_suggestion(kind, kinds);
@@ -145,7 +147,7 @@ static int make_folder(void) {
 static int new_plugin(const GPtrArray *arguments) {
   if (arguments->len < 2)
     return cli_error(CLI_USAGE,
-                     "'new plugin' needs NAME, see 'opcflow help new'");
+                     "'new plugin' requires NAME, see 'opcflow help new'");
   int code = settle_names(arguments->pdata[1]);
   if (code >= 0) return code;
   opc_error error = {0};
@@ -153,8 +155,7 @@ static int new_plugin(const GPtrArray *arguments) {
   if (!its) return cli_fail(&error);
   g_auto(GStrv) own = own_names(kind);
   if (!own && !its->n_templates)
-    return cli_error(CLI_PLUGIN, "the kind '%s' does not say how one begins",
-                     kind);
+    return cli_error(CLI_PLUGIN, "the kind '%s' has no template", kind);
   folder = g_strdup(arguments->len > 2 ? arguments->pdata[2] : id);
   code = make_folder();
   for (guint i = 0; own && own[i] && code < 0; i++)
@@ -242,7 +243,9 @@ static GArray *find_open(const char *path, int *code) {
   g_autoptr(GArray) open = flow ? cli_open_files(flow) : NULL;
   if (open && open->len) return g_steal_pointer(&open);
   *code = flow ? cli_error(CLI_USAGE,
-                           "'%s' leaves no file open: it is no process", path)
+                           "'%s' has no input file left to set and is "
+                           "therefore not a process",
+                           path)
                : cli_problems(problems);
   return NULL;
 }
@@ -277,7 +280,7 @@ static int extend_process(const char *input, const char *file) {
   g_string_append_c(text, '\n');
   for (guint i = 1; i < open->len; i++)
     g_string_append_printf(text, "%s#   --set %s=FILE    %s\n",
-                           i == 1 ? "# Still to be given, here or as\n" : "",
+                           i == 1 ? "# Parameters to set, here or as\n" : "",
                            left[i].path, left[i].summary);
   return template_write(file, text->str, FALSE);
 }
@@ -290,7 +293,7 @@ static int name_after(const char *file) {
   for (char *c = name; *c; c++)
     if (!g_ascii_isalnum(*c) && *c != '-') *c = '_';
   if (g_ascii_isalnum(*name)) return -1;
-  return cli_error(CLI_USAGE, "'%s' is no name for a flow", file);
+  return cli_error(CLI_USAGE, "'%s' cannot be the name of a flow", file);
 }
 
 /* The files that the flow reads may exist already. */
@@ -299,8 +302,7 @@ static int new_flow(const GPtrArray *arguments) {
   const char *path = arguments->len > at ? arguments->pdata[at] : "flow.yaml";
   if (process && arguments->len < 2)
     return cli_error(CLI_USAGE,
-                     "'--process' needs INPUT, the file that the "
-                     "flow works on");
+                     "'--process' requires INPUT, the input file of the flow");
   if (arguments->len > at + 1)
     return cli_error(CLI_USAGE, "'new flow' does not take '%s'",
                      (char *)arguments->pdata[at + 1]);
@@ -317,8 +319,8 @@ static int new_flow(const GPtrArray *arguments) {
     g_autoptr(GPtrArray) names = base_names(flows);
     g_autofree char *all = known_names(names);
     return cli_error(CLI_USAGE,
-                     "'%s' exists: a flow that works on it comes by 'opcflow "
-                     "new flow --process NAME %s'%s",
+                     "'%s' exists: create a flow for this file by 'opcflow new "
+                     "flow --process NAME %s'%s",
                      path, path, all);
   }
   int code = name_after(file);
@@ -326,6 +328,48 @@ static int new_flow(const GPtrArray *arguments) {
   if (code < 0) code = put_own("flow", "flow.yaml", file, FALSE);
   for (guint i = 0; read[i] && code < 0; i++)
     code = put_own("flow/read", read[i], read[i], TRUE);
+  return code;
+}
+
+/* ---- a comparison ---- */
+
+/* Return the text of one file of a comparison (g_free); NULL and the exit code
+   in *code. */
+static char *comparison_file(const char *resource, const char *path,
+                             const GPtrArray *inputs, int *code) {
+  g_autofree char *from =
+      g_build_path("/", "/opcflow/comparison", resource, NULL);
+  g_autoptr(GBytes) bytes =
+      g_resources_lookup_data(from, G_RESOURCE_LOOKUP_FLAGS_NONE, NULL);
+  g_autofree char *template =
+      g_strndup(g_bytes_get_data(bytes, NULL), g_bytes_get_size(bytes));
+  return comparison_text(template, path, inputs, code);
+}
+
+/* Write comparison.yaml, an experiment on files of a process, and the flow of
+   its methods. */
+static int new_comparison(const GPtrArray *arguments) {
+  if (!process || arguments->len < 2)
+    return cli_error(CLI_USAGE,
+                     "'new comparison' needs --process NAME and files, see "
+                     "'opcflow help new'");
+  g_autoptr(GPtrArray) inputs = g_ptr_array_new();
+  for (guint i = 1; i < arguments->len; i++) {
+    if (!g_file_test(arguments->pdata[i], G_FILE_TEST_IS_REGULAR))
+      return cli_error(CLI_IO, "'%s' is not a regular file",
+                       (char *)arguments->pdata[i]);
+    g_ptr_array_add(inputs, arguments->pdata[i]);
+  }
+  name = g_strdup("comparison");
+  folder = g_strdup(".");
+  g_autofree char *path = find_process();
+  g_auto(GStrv) own = own_names("comparison");
+  int code = path ? -1 : CLI_USAGE;
+  g_autoptr(GPtrArray) texts = g_ptr_array_new_with_free_func(g_free);
+  for (guint i = 0; own[i] && code < 0; i++)
+    g_ptr_array_add(texts, comparison_file(own[i], path, inputs, &code));
+  for (guint i = 0; own[i] && code < 0; i++)
+    code = template_write(own[i], texts->pdata[i], FALSE);
   return code;
 }
 
@@ -347,15 +391,24 @@ static int new_run(const cli_verb *verb, const GPtrArray *arguments) {
   const char *what = arguments->pdata[0];
   gboolean plugin = !strcmp(what, "plugin");
   files = g_ptr_array_new_with_free_func(g_free);
-  if (!plugin && strcmp(what, "flow") != 0)
-    return cli_error(CLI_USAGE, "'new' makes a 'plugin' or a 'flow', not '%s'",
-                     what);
+  gboolean comparison = !strcmp(what, "comparison");
+  if (!plugin && !comparison && strcmp(what, "flow") != 0)
+    return cli_error(
+        CLI_USAGE,
+        "'new' creates a 'plugin', a 'flow' or a 'comparison', found '%s'",
+        what);
   if (plugin && process)
-    return cli_error(CLI_USAGE, "'--process' goes with 'new flow'");
-  int code = plugin ? new_plugin(arguments) : new_flow(arguments);
+    return cli_error(CLI_USAGE,
+                     "'--process' requires 'new flow' and 'new comparison'");
+  if (plugin && arguments->len > 3)
+    return cli_error(CLI_USAGE, "'new plugin' does not take '%s'",
+                     (char *)arguments->pdata[3]);
+  int code = plugin       ? new_plugin(arguments)
+             : comparison ? new_comparison(arguments)
+                          : new_flow(arguments);
   return code < 0 ? files_print() : code;
 }
 
 const cli_verb devel_new = {CLI_NEW,        .options = options,
-                            .least = 1,     .most = 3,
-                            .run = new_run, .words = "flow|plugin"};
+                            .least = 1,     .most = G_MAXUINT,
+                            .run = new_run, .words = "comparison|flow|plugin"};

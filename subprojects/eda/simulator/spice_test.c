@@ -142,7 +142,7 @@ static void test_death(void) {
   if (!have_ngspice()) return;
   assert_fails(rc, "op\nquit 3", LIMIT, OPC_FAILED, "made it quit", 1);
   gint64 start = g_get_monotonic_time();
-  assert_fails(rc, endless, 0.3, OPC_FAILED, "not done after 0.3 s", 0);
+  assert_fails(rc, endless, 0.3, OPC_FAILED, "not finish within 0.3 s", 0);
   g_assert_cmpint(g_get_monotonic_time() - start, <, 5 * G_USEC_PER_SEC);
   stop = 1;
   assert_fails(rc, endless, LIMIT, OPC_CANCELLED, "stopped", 0);
@@ -206,7 +206,8 @@ static void test_sandbox(void) {
   signal(SIGSEGV, SIG_IGN);
   assert_cannot("crash", "", "crashed (Segmentation fault)");
   signal(SIGSEGV, SIG_DFL);
-  assert_fails("t\n.end", "hang", 0.3, OPC_FAILED, "not done after 0.3 s", 0);
+  assert_fails("t\n.end", "hang", 0.3, OPC_FAILED, "not finish within 0.3 s",
+               0);
   library_use(NULL);
   g_autofree char *text = NULL;
   g_assert_true(g_file_get_contents(old, &text, NULL, NULL));
