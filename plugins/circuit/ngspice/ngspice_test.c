@@ -453,7 +453,7 @@ static void test_refused(void) {
   g_autofree char *osdi = g_strdup_printf("osdi: '%s'", card);
   assert_refused(m, 0, card, osdi, "*goes with 'library'");
   assert_refused(m, 0, card, "time_limit: 1 ns",
-                 "'ngspice' was not done after*");
+                 "*'ngspice' was not done after*raise 'time_limit'*");
   assert_refused(m, 0, card, "inputs: A VSS", "'VSS' is no port of 'made'*");
   assert_refused(m, 0, card, "edges: [60 %, 90 %]",
                  "*'edges' are one place above*");
