@@ -93,7 +93,7 @@ class Report:
     def __init__(self):
         self.number, self.failed = 0, 0
 
-    def tell(self, name, fault):
+    def record(self, name, fault):
         self.number += 1
         self.failed += bool(fault)
         print("%sok %d - %s" % ("not " if fault else "", self.number, name))
@@ -141,7 +141,7 @@ def try_links(report):
                 faults.append("no such file: " + target)
             elif heading and heading not in anchors(file):
                 faults.append("no such heading: " + target)
-        report.tell("links of " + os.path.relpath(path, ROOT), "\n".join(faults))
+        report.record("links of " + os.path.relpath(path, ROOT), "\n".join(faults))
 
 
 def try_flows(report):
@@ -151,7 +151,7 @@ def try_flows(report):
             if not mark.startswith("yaml") or len(mark.split()) > 1 or not re.search("^opcflow: 1", text, re.M):
                 continue
             expected = found[k + 1][2] if k + 1 < len(found) else ""
-            report.tell("%s:%d" % (os.path.relpath(path, ROOT), line), check_flow(text, expected))
+            report.record("%s:%d" % (os.path.relpath(path, ROOT), line), check_flow(text, expected))
 
 
 def try_tutorial(report, path):
@@ -176,7 +176,7 @@ def try_tutorial(report, path):
                 fault = missing and "not said: %s\nsaid:\n%s" % (missing, said)
             else:
                 continue
-            report.tell(name, fault)
+            report.record(name, fault)
     finally:
         shutil.rmtree(folder)
 

@@ -193,7 +193,7 @@ static void test_dangling(void) {
   static const char *const faults[][2] = {
       {"litho", "dangling"},       {"resist", "dangling"},
       {"synthesizer", "dangling"}, {"synthesizer", "dangling assists"},
-      {"regulator", "dangling"},   {"regulator", "dangling patches"}};
+      {"regulator", "dangling"},   {"regulator", "dangling shapes"}};
   for (size_t i = 0; i < G_N_ELEMENTS(faults); i++)
     try_correction(faults[i][0], "", faults[i][1],
                    "crashed in plugin '%s': segmentation fault\n");

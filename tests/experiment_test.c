@@ -147,8 +147,8 @@ static void test_failing(void) {
   g_assert_cmpint(
       opcflow(&errors, "run", "fails.yaml", "--output", "fails", NULL), ==, 4);
   g_assert_true(strstr(errors, "warning: e: nmos by coarse failed: "));
-  const char *told = strstr(errors, "nmos by coarse failed");
-  g_assert_null(strstr(told + 1, "nmos by coarse failed"));
+  const char *reported = strstr(errors, "nmos by coarse failed");
+  g_assert_null(strstr(reported + 1, "nmos by coarse failed"));
   g_assert_true(strstr(errors, "there is no layer CW for 'nwell'"));
   g_assert_true(strstr(errors, "finding: e: 2 of 4 runs failed: 'result' in "));
   g_autofree char *csv = read_file("fails", "experiment.csv");

@@ -59,7 +59,7 @@ grep -q "$work/private/plugins/synthesizer.bisect.so" "$work/run/manifest.json" 
   fail "synthesizer.bisect is not the installed one"
 [ -z "$("$opcflow" plugins --failed)" ] || fail "$("$opcflow" plugins --failed)"
 "$opcflow" help | grep -q '^  metrics .*side by side' ||
-  fail "the verb of command.metrics is not told of"
+  fail "the verb of command.metrics is not listed"
 
 # A plugin of the kind that the project has brought.
 "$opcflow" new plugin timing.mine "$work/mine" >&2

@@ -40,7 +40,7 @@ chain="{ use: read.cif, file: $cells/inverter_chain.cif, layers: { poly: CP, act
 
 echo 1..10
 n=0
-tell() { # RESULT NAME
+report() { # RESULT NAME
   n=$((n + 1))
   [ "$1" = 0 ] && echo "ok $n - $2" || echo "not ok $n - $2"
 }
@@ -53,29 +53,29 @@ for method in pb dpb ic epe newton; do
     echo "# $method: $worse of $all worse than drawn, $unnamed of them without a reason"
     [ "$all" -ge 100 ] && [ "$unnamed" = 0 ] || result=1
   done
-  tell $result "$method holds to the drawn mask"
+  report $result "$method holds to the drawn mask"
 done
 
 correct ic "$sram" --set mask.guard=off
 read -r worse unnamed all < <(count)
 [ "$worse" -gt 0 ] && [ "$unnamed" = "$worse" ] &&
   grep -q "guard: off: $worse transistors are worse than drawn" "$work/said"
-tell $? "without the guard some are worse, and that is said ($worse of $all)"
+report $? "without the guard some are worse, and a message reports them ($worse of $all)"
 
 # says TEXT NAME: the run before said that.
 says() {
   grep -q "$1" "$work/said"
-  tell $? "$2"
+  report $? "$2"
 }
 
 exchanged="{ use: read.gds, file: $cells/sram4.gds, layers: { poly: 1/0, active: 9/0, contact: 10/0, nwell: 3/0 } }"
 small="{ use: read.gds, file: $cells/sram4.gds, scale: 0.66, layers: { poly: 9/0, active: 1/0, contact: 10/0, nwell: 3/0 } }"
 correct newton "$exchanged"
 says 'transistors are drawn longer than wide: are the layers poly and active exchanged?' \
-  'exchanged layers are told'
+  'exchanged layers are reported'
 correct newton "$small"
 says 'are drawn with lengths (42.9 to 42.9 nm) beyond the device table.s 44 to 120 nm: is the layout.s .scale. right' \
-  'a scale that was forgotten is told'
+  'a missing scale is reported'
 says '^finding: mask: no transistor prints as drawn: is the layout.s .scale. right' \
   'so it is when nothing prints as drawn'
 says "^finding: mask: figures of [0-9]* of 192 transistors are from beyond the device table" \

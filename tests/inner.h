@@ -166,8 +166,8 @@ static inline const opc_host *inner_host(inner_flow flow) {
 }
 
 /* Append a metric of the last run. */
-static inline void inner_tell(const char *path, const opc_metric *metric,
-                              double value) {
+static inline void inner_report(const char *path, const opc_metric *metric,
+                                double value) {
   g_assert_cmpuint(inner.n_metrics, <, G_N_ELEMENTS(inner.metrics));
   inner.metrics[inner.n_metrics++] = (opc_inner_metric){path, metric, value};
 }

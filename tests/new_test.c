@@ -212,6 +212,46 @@ static void test_process(void) {
   if (CALL("sh", "-c", script, command, cif)) g_error("%s", err);
 }
 
+/* A comparison of layouts of a process passes the check with all its cases and
+   methods, for each shipped process, and runs. */
+static void test_comparison(void) {
+  static const char *const all[] = {"ihp130", "nangate45", "nangate45-at-65",
+                                    "sky130", "own65"};
+  g_autofree char *cell = g_build_filename(g_getenv("OPCFLOW_SOURCE"), "data",
+                                           "cells65", "sram4.gds", NULL);
+  for (size_t i = 0; i < G_N_ELEMENTS(all); i++) {
+    if (CALL("rm", "-f", "comparison.yaml", "comparison-methods.yaml"))
+      g_error("%s", err);
+    if (CALL(command, "new", "comparison", "--process", all[i], cell))
+      g_error("%s", err);
+    g_assert_cmpstr(out, ==, "./comparison.yaml\n./comparison-methods.yaml\n");
+    if (CALL(command, "check", "--quick", "comparison.yaml"))
+      g_error("%s: %s%s", all[i], out, err);
+  }
+  if (CALL(command, "run", "comparison.yaml", "--set",
+           "compare.methods=[newton, dpb]", "--output", "compared"))
+    g_error("%s%s", out, err);
+  if (CALL("test", "-s", "compared/experiment.csv") ||
+      CALL("test", "-s", "compared/report.html"))
+    g_error("a file of the run is missing");
+  g_assert_cmpint(
+      CALL(command, "new", "comparison", "--process", "own65", cell), ==, 5);
+  g_assert_nonnull(strstr(err, "comparison.yaml' exists"));
+  g_assert_cmpint(CALL(command, "new", "comparison", cell), ==, 2);
+  g_assert_nonnull(strstr(err, "needs --process NAME and files"));
+  g_assert_cmpint(
+      CALL(command, "new", "comparison", "--process", "own65", "none"), ==, 5);
+  g_assert_nonnull(strstr(err, "'none' is not a regular file"));
+  /* A flow without a correction. */
+  if (CALL("rm", "comparison.yaml", "comparison-methods.yaml"))
+    g_error("%s", err);
+  g_assert_cmpint(
+      CALL(command, "new", "comparison", "--process", "base.yaml", cell), ==,
+      2);
+  g_assert_nonnull(strstr(err, "has no mask.litho: it is no process"));
+  g_assert_cmpint(CALL("test", "-e", "comparison.yaml"), ==, 1);
+}
+
 /* A relative data folder of the user is ignored, so that no plugin of the
    working folder is loaded. */
 static void test_relative_data(void) {
@@ -398,6 +438,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/new/project", test_project);
   g_test_add_func("/new/flow", test_flow);
   g_test_add_func("/new/process", test_process);
+  g_test_add_func("/new/comparison", test_comparison);
   g_test_add_func("/new/relative-data", test_relative_data);
   g_test_add_func("/new/shipped", test_shipped);
   g_test_add_func("/new/shipped-checks", test_shipped_checks);

@@ -167,9 +167,9 @@ def test_again(place):
 
 def test_sweep(place):
     folder, said, done = place.run(2, options=["--sweep", "b.count=[2, 3]", "--json"])
-    told = json.loads(said.out)
-    column = [c["name"] for c in told["sweep"]["columns"]].index("b.sum")
-    assert [row[column] for row in told["sweep"]["rows"]] == [truth(count=2)[0], truth(count=3)[0]]
+    printed = json.loads(said.out)
+    column = [c["name"] for c in printed["sweep"]["columns"]].index("b.sum")
+    assert [row[column] for row in printed["sweep"]["rows"]] == [truth(count=2)[0], truth(count=3)[0]]
 
 
 # ---- faults ----

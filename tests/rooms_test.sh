@@ -190,7 +190,7 @@ bare_verbs() {
     move multiply mutate need next note obey offer order own pair parse pass perform place plan \
     prepare print probe provide prune publish push put reach refine refuse renumber resize restore \
     reverse rule run same sample save say scale seek serve set settle share show shorten simulate \
-    slice snap solve spend split spoil spread stamp start step stretch stroke swap sweep take tell \
+    slice snap solve spend split spoil spread stamp start step stretch stroke swap sweep take \
     tie touch touches transform trim try turn understand unite update walk want warn weigh widen \
     work |
     tr ' ' '|')

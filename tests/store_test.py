@@ -95,8 +95,8 @@ def test_again():
     slow = ("run", "chain.yaml", "--no-cache", "--set", "b.wait=1100", "--output")
     assert "[2/5] b: 1." in call(*slow, "runs/slow").stderr
     assert "[2/5]" not in call(*slow, "runs/slower", "--quiet").stderr
-    told = json.loads(call("run", "chain.yaml", "--json", "--output", "runs/y").stdout)
-    assert (told["steps"], told["reused"]) == (5, 5)
+    printed = json.loads(call("run", "chain.yaml", "--json", "--output", "runs/y").stdout)
+    assert (printed["steps"], printed["reused"]) == (5, 5)
     results = manifest(second)["store"]["results"]
     before = manifest(first)["store"]["results"]
     assert [r["key"] for r in results] == [r["key"] for r in before]
@@ -111,7 +111,7 @@ def test_parameter():
                            "d": "what it takes as d.add changed"}, ran(folder)
     same(folder, run("--set", "c.number=8", "--no-cache")[0])
     shown = call("run", "chain.yaml", "--set", "c.number=9", "--log", "info",
-                 "--output", "runs/told").stderr
+                 "--output", "runs/printed").stderr
     assert "b: reused\n" in shown and "a: ran again: its output was wanted by step 'b'\n" in shown, shown
     assert "a: reused" not in shown, shown
     text = call("explain", folder).stdout
@@ -332,8 +332,8 @@ steps:
     folder, _ = run(**paths)
     assert set(ran(folder)) == {"best", "best.layout", "best.gates", "surface", "cost", "gds", "picture", "again"}, ran(folder)
     same(truth, folder)
-    told = manifest(folder + "/best")["store"]  # with steps that its points share
-    assert told["reused"] == sum(r["result"] == "reused" for r in told["results"]) > 0, told
+    printed = manifest(folder + "/best")["store"]  # with steps that its points share
+    assert printed["reused"] == sum(r["result"] == "reused" for r in printed["results"]) > 0, printed
     folder, _ = run("--set", "best.sweep.mask.synthesizer.fragment=[30 nm, 60 nm]", **paths)
     assert ran(folder)["best.mask"].startswith("mask.synthesizer.fragment changed from "), ran(folder)["best.mask"]
     assert manifest(folder)["store"]["reused"] >= 1

@@ -87,7 +87,7 @@ static void lay_point(opc_flow *flow, const opc_sweep *sweep, size_t point,
       lay_variant(flow, axis->variants[i], problems);
       lay_paths(flow, value, problems);
     } else {
-      opc_lay_at(flow->nodes, axis->told.path, &axis->at, value, problems);
+      opc_lay_at(flow->nodes, axis->info.path, &axis->at, value, problems);
     }
   }
 }

@@ -120,16 +120,16 @@ static void open_recipe(opc_inner *inner, const opc_binding *b,
   opc_flow_check(inner->recipe, &inner->choice, inner->registry, NULL,
                  problems);
   if (problems->list->len > before) return;
-  g_autoptr(opc_problems) told = opc_problems_new();
+  g_autoptr(opc_problems) known = opc_problems_new();
   inner->flow =
-      opc_flow_make(inner->recipe, &inner->choice, inner->registry, told);
+      opc_flow_make(inner->recipe, &inner->choice, inner->registry, known);
   if (set) make_files_absolute(inner->flow, "", (opc_node *)set);
   if (sweep) make_files_absolute(inner->flow, "", (opc_node *)sweep);
   find_steps(inner, b, problems);
   const GPtrArray *axes = inner->sweep->axes;
   inner->axes = g_new0(opc_inner_axis *, axes->len + 1);
   for (guint i = 0; i < axes->len; i++)
-    inner->axes[i] = &((opc_axis *)axes->pdata[i])->told;
+    inner->axes[i] = &((opc_axis *)axes->pdata[i])->info;
 }
 
 static void inner_free(opc_inner *inner) {
@@ -216,9 +216,9 @@ void opc_inner_visit(const opc_inner *inner,
     for (guint i = 1; i < axis->values->len; i++) {
       opc_choice choice = inner->choice;
       choice.point = opc_sweep_point(inner->sweep, a, i);
-      g_autoptr(opc_problems) told = opc_problems_new();
+      g_autoptr(opc_problems) known = opc_problems_new();
       g_autoptr(opc_flow) flow =
-          opc_flow_make(inner->recipe, &choice, inner->registry, told);
+          opc_flow_make(inner->recipe, &choice, inner->registry, known);
       visit(data, flow);
     }
   }

@@ -96,9 +96,9 @@ static void append_sweep(GString *out, const opc_flow *flow,
   g_string_append(out, "sweep:\n");
   for (guint a = 0; a < sweep->axes->len; a++) {
     const opc_axis *axis = sweep->axes->pdata[a];
-    const opc_parameter *p = opc_flow_parameter(flow, axis->told.path);
+    const opc_parameter *p = opc_flow_parameter(flow, axis->info.path);
     size_t start = out->len;
-    g_string_append_printf(out, "  %s: [", axis->told.path);
+    g_string_append_printf(out, "  %s: [", axis->info.path);
     for (guint i = 0; i < axis->values->len; i++) {
       if (i) g_string_append(out, ", ");
       append_node(out, p, axis->values->pdata[i]);

@@ -15,9 +15,9 @@ static const double most_points = OPC_RANGE_MOST;
 
 static void axis_free(gpointer item) {
   opc_axis *axis = item;
-  g_free((char *)axis->told.path);
-  g_free((double *)axis->told.values);
-  g_strfreev((char **)axis->told.texts);
+  g_free((char *)axis->info.path);
+  g_free((double *)axis->info.values);
+  g_strfreev((char **)axis->info.texts);
   g_strfreev(axis->variants);
   g_ptr_array_free(axis->values, TRUE);
   opc_source_free(axis->source);
@@ -29,9 +29,9 @@ static void axis_describe(opc_axis *axis) {
   char **texts = g_new0(char *, n + 1);
   for (guint i = 0; i < n; i++)
     texts[i] = opc_node_line(axis->values->pdata[i]);
-  axis->told.count = n;
-  axis->told.texts = (const char *const *)texts;
-  axis->told.values = opc_range_numbers(axis->values, &axis->told.unit);
+  axis->info.count = n;
+  axis->info.texts = (const char *const *)texts;
+  axis->info.values = opc_range_numbers(axis->values, &axis->info.unit);
 }
 
 /* Return a new axis; takes ownership of the source. */
@@ -39,7 +39,7 @@ static opc_axis *axis_new(const char *path, const opc_place *at,
                           opc_source *source, const opc_node *values,
                           opc_problems *problems) {
   opc_axis *axis = g_new0(opc_axis, 1);
-  axis->told.path = g_strdup(path);
+  axis->info.path = g_strdup(path);
   axis->source = source;
   axis->at = *at;
   axis->at.file = source->name;
@@ -81,7 +81,7 @@ static void put_axis(opc_sweep *sweep, opc_axis *axis) {
   }
   for (guint i = 0; i < sweep->axes->len; i++) {
     const opc_axis *old = sweep->axes->pdata[i];
-    if (strcmp(old->told.path, axis->told.path) != 0) continue;
+    if (strcmp(old->info.path, axis->info.path) != 0) continue;
     axis_free(sweep->axes->pdata[i]);
     sweep->axes->pdata[i] = axis;
     return;
@@ -178,9 +178,9 @@ void opc_sweep_add_layers(opc_sweep *sweep, const char *path,
                           GPtrArray *layers, char **names, char **variants,
                           opc_problems *problems) {
   opc_axis *axis = g_new0(opc_axis, 1);
-  axis->told.path = g_strdup(path);
-  axis->told.count = layers->len;
-  axis->told.texts = (const char *const *)names;
+  axis->info.path = g_strdup(path);
+  axis->info.count = layers->len;
+  axis->info.texts = (const char *const *)names;
   axis->at = *at;
   axis->at.file = source->name;
   axis->source = source;
@@ -211,7 +211,7 @@ static gboolean map_touches(const opc_node *map, const char *step) {
 
 gboolean opc_axis_touches(const opc_axis *axis, const opc_recipe *recipe,
                           const char *step) {
-  if (!axis->variants) return begins_with(axis->told.path, step);
+  if (!axis->variants) return begins_with(axis->info.path, step);
   for (guint i = 0; i < axis->values->len; i++)
     if (map_touches(axis->values->pdata[i], step) ||
         map_touches(opc_node_get(recipe->variants, axis->variants[i]), step))

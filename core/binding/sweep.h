@@ -8,13 +8,13 @@
 
 /* A swept parameter, or an axis of layers. */
 typedef struct opc_axis {
-  opc_inner_axis told; /* as passed to steps; texts as written */
+  opc_inner_axis info; /* as passed to steps; texts as written */
   opc_place at;
   opc_source *source; /* source of the values */
   GPtrArray *values;  /* opc_node *; of an axis of layers: maps of paths and
                          values */
   char **variants;    /* of an axis of layers: variant below each layer, "" for
-                         none; the texts in `told` are then layer names. NULL:
+                         none; the texts in `info` are then layer names. NULL:
                          of a parameter */
 } opc_axis;
 

@@ -34,7 +34,7 @@ static void take_log(void *data, const char *path, int level,
 static const double little = 1e6;
 
 static void variant_forecast(const opc_recipe *recipe, const opc_choice *choice,
-                             const opc_watch *watch, JsonArray *told,
+                             const opc_watch *watch, JsonArray *forecasts,
                              opc_problems *problems) {
   g_autoptr(GArray) list = g_array_new(FALSE, TRUE, sizeof(opc_outlook));
   opc_run_forecast(recipe, choice, cli_registry(), watch, list, problems);
@@ -48,7 +48,7 @@ static void variant_forecast(const opc_recipe *recipe, const opc_choice *choice,
     json_object_set_string_member(object, "work", o->forecast.work);
     if (o->forecast.memory > 0)
       json_object_set_double_member(object, "memory", o->forecast.memory);
-    json_array_add_object_element(told, object);
+    json_array_add_object_element(forecasts, object);
     if (!json && (*o->forecast.work || o->forecast.memory >= little))
       cli_print("%s%s%s: %s\n", choice->variant ? choice->variant : "",
                 choice->variant ? "/" : "", o->step, text);
@@ -69,18 +69,18 @@ static GArray *open_files(const opc_recipe *recipe, const opc_choice *choice) {
    them; for a variant, without those of the flow. They are no problem, because
    processes are such flows; the rest of the flow is still checked. */
 static gboolean needs_files(const opc_recipe *recipe, const opc_choice *choice,
-                            GHashTable *said, JsonArray *told) {
+                            GHashTable *reported, JsonArray *missing) {
   g_autoptr(GArray) its = open_files(recipe, choice);
   for (guint i = 0; i < its->len; i++) {
     const cli_open_file *file = &g_array_index(its, cli_open_file, i);
-    if (g_hash_table_contains(said, file->path)) continue;
+    if (g_hash_table_contains(reported, file->path)) continue;
     JsonObject *object = json_object_new();
     if (choice->variant)
       json_object_set_string_member(object, "variant", choice->variant);
     else
-      g_hash_table_add(said, g_strdup(file->path));
+      g_hash_table_add(reported, g_strdup(file->path));
     json_object_set_string_member(object, "parameter", file->path);
-    json_array_add_object_element(told, object);
+    json_array_add_object_element(missing, object);
     if (!json)
       cli_print("%s%sneeds --set %s=FILE, %s\n",
                 choice->variant ? choice->variant : "",
@@ -89,11 +89,11 @@ static gboolean needs_files(const opc_recipe *recipe, const opc_choice *choice,
   return its->len > 0;
 }
 
-static void check_all(const opc_recipe *recipe, JsonArray *told,
+static void check_all(const opc_recipe *recipe, JsonArray *forecasts,
                       JsonArray *open, opc_problems *problems) {
-  g_autoptr(GHashTable) said =
+  g_autoptr(GHashTable) reported =
       g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
-  const opc_watch watch = {.data = said, .log = take_log};
+  const opc_watch watch = {.data = reported, .log = take_log};
   g_autoptr(opc_sweep) sweep =
       opc_sweep_new(recipe, cli_list(sets), NULL, cli_list(sweeps), problems);
   opc_choice choice = {.sweep = sweep, .sets = cli_list(sets)};
@@ -103,12 +103,12 @@ static void check_all(const opc_recipe *recipe, JsonArray *told,
     guint before = problems->list->len;
     choice.variant = chosen->pdata[i];
     choice.bind = 0;
-    gboolean needs = needs_files(recipe, &choice, said, open);
+    gboolean needs = needs_files(recipe, &choice, reported, open);
     if (needs) choice.bind = OPC_BIND_NO_FILES;
     opc_flow_check(recipe, &choice, cli_registry(), needs ? NULL : &watch,
                    problems);
     if (!quick && !needs && problems->list->len == before)
-      variant_forecast(recipe, &choice, &watch, told, problems);
+      variant_forecast(recipe, &choice, &watch, forecasts, problems);
   }
 }
 
@@ -117,14 +117,14 @@ static int check_run(const cli_verb *verb, const GPtrArray *arguments) {
   if (!path) return CLI_USAGE;
   g_autoptr(opc_problems) problems = opc_problems_new();
   g_autoptr(opc_recipe) recipe = opc_recipe_read(path, problems);
-  g_autoptr(JsonArray) told = json_array_new();
+  g_autoptr(JsonArray) forecasts = json_array_new();
   g_autoptr(JsonArray) open = json_array_new();
-  if (recipe) check_all(recipe, told, open, problems);
+  if (recipe) check_all(recipe, forecasts, open, problems);
   if (json) {
     JsonObject *o = json_object_new();
     json_object_set_string_member(o, "flow", path);
     json_object_set_boolean_member(o, "valid", !problems->list->len);
-    json_object_set_array_member(o, "forecast", json_array_ref(told));
+    json_object_set_array_member(o, "forecast", json_array_ref(forecasts));
     json_object_set_array_member(o, "open", json_array_ref(open));
     cli_add_problems(o, problems);
     cli_print_object(o);

@@ -62,9 +62,11 @@ extern const cli_verb cli_run, cli_check, cli_version, cli_help;
 #define CLI_SCHEMA                   \
   .name = "schema", .arguments = "", \
   .summary = "Write a JSON Schema of flow files, for editors"
-#define CLI_NEW                                                          \
-  .name = "new", .arguments = "plugin NAME [DIR] | flow [INPUT] [FILE]", \
-  .summary = "Write a plugin or a flow to begin with"
+#define CLI_NEW                                                        \
+  .name = "new",                                                       \
+  .arguments =                                                         \
+      "plugin NAME [DIR] | flow [INPUT] [FILE] | comparison INPUT...", \
+  .summary = "Write a plugin, a flow or a comparison to begin with"
 #define CLI_COMPLETE                       \
   .name = "complete", .arguments = "LINE", \
   .summary = "Completions of a command line", .hidden = TRUE

@@ -35,7 +35,7 @@ static int run_help(const cli_verb *verb, const GPtrArray *arguments) {
     cli_print_pair(cli_verbs[i]->name, cli_verbs[i]->arguments,
                    cli_verbs[i]->summary);
   print_plugin_verbs();
-  cli_print("\n'opcflow help VERB' tells the options of one.\n");
+  cli_print("\n'opcflow help VERB' prints the options of a verb.\n");
   return CLI_GOOD;
 }
 

@@ -41,7 +41,7 @@ const cli_option cli_common_options[] = {
     {"wide", "tables with all columns side by side, and all digits",
      .flag = &cli_wide},
     {"help", "show this", .flag = &help},
-    {"version", "tell the version", .flag = &version},
+    {"version", "print the version", .flag = &version},
     {0}};
 
 /* Print help in the form that help2man converts to manual pages. */

@@ -159,7 +159,7 @@ static JsonObject *failure_json(const opc_run *run, opc_problems *problems) {
 }
 
 /* Print the findings last, after all other output. */
-static void tell_findings(const opc_run *run, const char *note) {
+static void findings_print(const opc_run *run, const char *note) {
   g_autoptr(GPtrArray) lines = opc_findings_lines(&run->out.findings);
   cli_flush();
   for (guint i = 0; i < lines->len; i++)
@@ -176,7 +176,7 @@ static int run_print_results(const series *s, const opc_run *run,
     if (json) print_json(s, failure_json(run, problems));
     int code = cli_problems(problems);
     if (run->out.points && run->out.points->rows && !quiet) print_text(run);
-    tell_findings(run, note);
+    findings_print(run, note);
     if (run->out.folder)
       cli_message("note", "what was written so far is in '%s'",
                   run->out.folder);
@@ -189,7 +189,7 @@ static int run_print_results(const series *s, const opc_run *run,
     print_json(s, run_json(run, problems));
   else if (!quiet)
     print_text(run);
-  tell_findings(run, note);
+  findings_print(run, note);
   if (run->out.failed_points && run->out.sweep)
     cli_message("error", "%zu of %zu points failed", run->out.failed_points,
                 run->out.sweep->points);
@@ -287,7 +287,7 @@ static opc_store *open_store(void) {
 static int meet_ranks(void) {
   int rank, size;
   opc_error error;
-  if (!ranks_told(&rank, &size)) return -1;
+  if (!ranks_launched(&rank, &size)) return -1;
   g_autofree char *object = opc_find_installed(OPC_LIBDIR, RANKS_OBJECT);
   wanted.ranks = ranks_load(object, stop_is_asked, &error);
   if (!wanted.ranks) return cli_fail(&error);

@@ -44,14 +44,14 @@ static void host_log(const opc_host *host, int level, const char *format, ...) {
 static void host_progress(const opc_host *host, const opc_progress *progress) {
   const instance_host *own = (const instance_host *)host;
   if (!own->watch->progress) return;
-  opc_progress told = *progress; /* read before guard_enter, so that a crash
+  opc_progress copy = *progress; /* read before guard_enter, so that a crash
                                     by a bad pointer names the plugin */
   char unit[16];
-  g_snprintf(unit, sizeof unit, "%s", told.worst_unit ? told.worst_unit : "");
+  g_snprintf(unit, sizeof unit, "%s", copy.worst_unit ? copy.worst_unit : "");
   g_autofree char *shown = opc_shown(unit, "");
-  told.worst_unit = told.worst_unit ? shown : NULL;
+  copy.worst_unit = copy.worst_unit ? shown : NULL;
   const char *before = guard_enter(NULL);
-  own->watch->progress(own->watch->data, own->path, &told);
+  own->watch->progress(own->watch->data, own->path, &copy);
   guard_leave(before);
 }
 

@@ -32,7 +32,7 @@ struct opc_inner_runs {
   size_t count;                     /* runs without full reports */
   size_t done, share;               /* finished points; points of the current
                                        run */
-  gboolean telling;                 /* pass on informational messages, too */
+  gboolean verbose;                 /* pass on informational messages, too */
   opc_inner_run whole;              /* result of the last run with full
                                        reports */
   const opc_inner_metric **metrics; /* result of the last get_metrics */
@@ -62,7 +62,7 @@ static void take_log(void *data, const char *path, int level,
                      const char *message) {
   const opc_inner_runs *runs = data;
   const opc_watch *watch = &runs->outer->heard.watch;
-  if (!runs->telling && level >= OPC_LOG_INFO) return;
+  if (!runs->verbose && level >= OPC_LOG_INFO) return;
   g_autofree char *whole =
       g_strdup_printf("%s.%s", runs->in->binding->path, path);
   watch->log(watch->data, whole, level, message);
@@ -70,7 +70,7 @@ static void take_log(void *data, const char *path, int level,
 
 /* Report the number of finished points, with the fraction `part` of the points
    of the current run. */
-static void tell_progress(const opc_inner_runs *runs, double part) {
+static void runs_progress(const opc_inner_runs *runs, double part) {
   const opc_host *host = runs->in->binding->host;
   const opc_progress progress = {
       .done = (double)runs->done + floor(part * (double)runs->share),
@@ -84,7 +84,7 @@ static void take_progress(void *data, const char *path,
   const opc_inner_runs *runs = data;
   (void)path;
   gboolean known = at->total > 0 && at->done >= 0 && at->done < at->total;
-  if (runs->share) tell_progress(runs, known ? at->done / at->total : 0);
+  if (runs->share) runs_progress(runs, known ? at->done / at->total : 0);
 }
 
 static int is_cancelled(void *data) {
@@ -135,7 +135,7 @@ static int inner_runs_begin(const opc_host *host, opc_error *error) {
                                      .progress = take_progress,
                                      .cancelled = is_cancelled},
                            .folder = g_path_get_dirname(path),
-                           .telling = TRUE};
+                           .verbose = TRUE};
   runs->levels = (opc_levels){.recipe = in->recipe,
                               .choice = in->choice,
                               .registry = in->registry,
@@ -153,7 +153,7 @@ static int inner_runs_begin(const opc_host *host, opc_error *error) {
   g_autofree char *folder = opc_levels_folder(&runs->levels, 0);
   g_autoptr(opc_problems) problems = opc_problems_new();
   opc_steps_run_in(trunk, runs->outer, folder, problems);
-  tell_progress(runs, 0);
+  runs_progress(runs, 0);
   return opc_problems_error(problems, error);
 }
 
@@ -238,7 +238,7 @@ static int end_point(opc_inner_runs *runs, size_t share, opc_problems *problems,
   }
   runs->done += share;
   runs->share = 0;
-  if (share) tell_progress(runs, 0);
+  if (share) runs_progress(runs, 0);
   g_autofree char *text = opc_problems_text(problems);
   return code ? opc_fail(error, code, NULL, "%s", text) : OPC_OK;
 }
@@ -247,7 +247,7 @@ static int run_point(const opc_host *host, size_t point, int keep, size_t share,
                      opc_error *error) {
   opc_inner_runs *runs = runs_of(host);
   runs->share = share;
-  runs->telling = keep;
+  runs->verbose = keep;
   g_autofree char *name = g_strdup_printf("%04zu", ++runs->count);
   g_autofree char *folder = keep ? g_strdup(runs->folder)
                                  : g_build_filename(runs->folder, name, NULL);
@@ -267,7 +267,7 @@ static int run_whole(const opc_host *host, size_t point, const char *name,
                      opc_error *error) {
   opc_inner_runs *runs = runs_of(host);
   runs->share = share;
-  runs->telling = FALSE;
+  runs->verbose = FALSE;
   g_autofree char *folder = g_build_filename(runs->folder, name, NULL);
   g_autofree char *prefix =
       g_strdup_printf("%s/%s: ", runs->in->binding->path, name);

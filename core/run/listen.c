@@ -91,35 +91,35 @@ static void take_log(void *data, const char *path, int level,
   if (run->heard.silent) return;
   if (level >= OPC_LOG_WARNING) message_note(run, path, level, message);
   if (level >= OPC_LOG_FINDING) finding_keep(run, path, message);
-  if (run->heard.told->log)
-    run->heard.told->log(run->heard.told->data, path, level, message);
+  if (run->heard.to->log)
+    run->heard.to->log(run->heard.to->data, path, level, message);
 }
 
 static void pass_step(void *data, const char *name, size_t number,
                       size_t count) {
-  const opc_watch *to = ((const opc_run *)data)->heard.told;
+  const opc_watch *to = ((const opc_run *)data)->heard.to;
   if (to->step) to->step(to->data, name, number, count);
 }
 
 static void pass_progress(void *data, const char *path,
                           const opc_progress *progress) {
-  const opc_watch *to = ((const opc_run *)data)->heard.told;
+  const opc_watch *to = ((const opc_run *)data)->heard.to;
   if (to->progress) to->progress(to->data, path, progress);
 }
 
 static int pass_cancelled(void *data) {
-  const opc_watch *to = ((const opc_run *)data)->heard.told;
+  const opc_watch *to = ((const opc_run *)data)->heard.to;
   return to->cancelled && to->cancelled(to->data);
 }
 
 static void pass_point(void *data, size_t number, size_t count) {
-  const opc_watch *to = ((const opc_run *)data)->heard.told;
+  const opc_watch *to = ((const opc_run *)data)->heard.to;
   if (to->point) to->point(to->data, number, count);
 }
 
-void opc_listen(opc_run *run, const opc_watch *told) {
+void opc_listen(opc_run *run, const opc_watch *to) {
   static const opc_watch nobody = {.data = NULL};
-  run->heard.told = told ? told : &nobody;
+  run->heard.to = to ? to : &nobody;
   run->heard.watch = (opc_watch){.data = run,
                                  .log = take_log,
                                  .step = pass_step,

@@ -5,8 +5,8 @@
 #include "core/run/run.h"
 
 /* Keep the findings of the run's instances from now on and pass all messages to
-   `told` (NULL: none). */
-void opc_listen(opc_run *run, const opc_watch *told);
+   `to` (NULL: none). */
+void opc_listen(opc_run *run, const opc_watch *to);
 
 /* Detach the instances that outlive the run: their messages are dropped. */
 void opc_listen_end(opc_run *run);

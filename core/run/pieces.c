@@ -124,7 +124,7 @@ static void kept_done(void *data, size_t n) {
 
 /* Log time and memory of the pieces, from which a user can estimate those of a
    larger layout. */
-static void tell_cost(const opc_host *host, const keeper *k) {
+static void cost_report(const opc_host *host, const keeper *k) {
   const opc_pieces *p = k->pieces;
   double end = (double)(g_get_monotonic_time() - k->last) * 1e-6;
   host->log(
@@ -195,7 +195,7 @@ static int run_pieces(const opc_host *host, const opc_pieces *theirs,
   int code = ranks && functions->flags & OPC_STEP_PIECES
                  ? ranks->share(&units, error)
                  : opc_pieces_alone.run(host, &k.kept, sizeof k.kept, error);
-  tell_cost(host, &k);
+  cost_report(host, &k);
   return code;
 }
 

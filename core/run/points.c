@@ -14,7 +14,7 @@ static void add_axes(const opc_points *s, opc_table *table) {
   for (size_t i = 0; i < table->rows; i++) numbers[i] = (int64_t)i + 1;
   for (guint a = 0; a < s->trunk->out.sweep->axes->len; a++) {
     const opc_inner_axis *axis =
-        &((opc_axis *)s->trunk->out.sweep->axes->pdata[a])->told;
+        &((opc_axis *)s->trunk->out.sweep->axes->pdata[a])->info;
     void *data = opc_table_add(table, axis->path, axis->unit,
                                axis->values ? OPC_REAL : OPC_TEXT, -1);
     for (size_t i = 0; i < table->rows; i++) {

@@ -16,7 +16,7 @@
 
 /* ---- histories and messages ---- */
 
-static void tell_complaint(opc_run *run) {
+static void store_warn(opc_run *run) {
   opc_store *store = run->options->store;
   g_autofree char *text = store ? opc_store_complaint(store) : NULL;
   if (text) run->heard.watch.log(run, "store", OPC_LOG_WARNING, text);
@@ -56,8 +56,8 @@ void opc_reuse_report(const opc_run *run) {
 }
 
 /* Record that a reused step ran again for its outputs. */
-static void tell_again(opc_run *run, const opc_flow_step *step,
-                       const char *whom) {
+static void rerun_record(opc_run *run, const opc_flow_step *step,
+                         const char *whom) {
   char *path = g_strdup(step->name);
   g_autofree char *why =
       g_strdup_printf("its output was wanted by step '%s'", whom);
@@ -161,7 +161,7 @@ gboolean opc_reuse_take(opc_run *run, const opc_flow_step *step,
   g_autoptr(GVariant) result =
       opc_run_is_first(run) ? find_result(run, step) : NULL;
   char found = result != NULL;
-  tell_complaint(run);
+  store_warn(run);
   if (ranks && ranks->spread(&found, 1, 0, &error))
     return opc_problem_add(problems, error.code, NULL, "%s", error.message);
   if (!found || !result) return found;
@@ -224,7 +224,7 @@ void opc_reuse_keep(opc_run *run, const opc_flow_step *step, guint tables) {
     if (kept) keep_facts(store, step, key->facts);
     if (kept && outputs) opc_pieces_drop(run);
   }
-  tell_complaint(run);
+  store_warn(run);
 }
 
 /* ---- outputs of steps that did not run ---- */
@@ -252,7 +252,7 @@ static gboolean step_restore(opc_run *run, const opc_flow_step *step) {
     if (code) opc_run_release(run, step);
   }
   close_scratch(folder);
-  tell_complaint(run);
+  store_warn(run);
   return !code;
 }
 
@@ -273,7 +273,7 @@ static gboolean run_again(opc_run *run, const opc_flow_step *step,
   g_hash_table_destroy(run->written.claims);
   run->written.work = work;
   run->written.claims = claims;
-  tell_again(run, step, whom);
+  rerun_record(run, step, whom);
   return good;
 }
 

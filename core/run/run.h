@@ -28,14 +28,14 @@ typedef struct opc_said {
 
 /* listen.c: messages of instances. */
 typedef struct opc_heard {
-  opc_watch watch;       /* watch of the instances: keeps findings, calls
-                            `told` */
-  const opc_watch *told; /* receiver of the messages */
-  GMutex lock;           /* guards findings, `said` and `piece` */
-  size_t point;          /* running point of a sweep; 0: none */
-  gboolean silent;       /* a step runs again for its outputs only */
-  GPtrArray *said;       /* opc_said * of the running step; NULL: too many */
-  GPtrArray *piece;      /* opc_said * of the running piece; NULL: none */
+  opc_watch watch;     /* watch of the instances: keeps findings, calls
+                          `to` */
+  const opc_watch *to; /* receiver of the messages */
+  GMutex lock;         /* guards findings, `said` and `piece` */
+  size_t point;        /* running point of a sweep; 0: none */
+  gboolean silent;     /* a step runs again for its outputs only */
+  GPtrArray *said;     /* opc_said * of the running step; NULL: too many */
+  GPtrArray *piece;    /* opc_said * of the running piece; NULL: none */
 } opc_heard;
 
 /* publish.c: files that instances write. */

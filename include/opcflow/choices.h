@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Extension "opcflow.choices/1": a plugin lists the values that an OPC_LISTED
-   parameter may have, such as the cells of a layout file. */
+/* Extension "opcflow.choices/1": a plugin lists the allowed values of a
+   parameter with the flag OPC_LISTED, such as the cells of a layout file. */
 #ifndef OPCFLOW_CHOICES_H
 #define OPCFLOW_CHOICES_H
 
@@ -11,9 +11,9 @@ OPC_C_BEGIN
 #define OPC_CHOICES "opcflow.choices/1"
 
 typedef struct opc_choices {
-  /* Call `take` once with each value that `parameter` may have, given the other
-     parameters of the instance; in any order. `take` copies the text. Inputs
-     may be missing. Returns 0, or an error code with *error filled. [main] */
+  /* Call `take` once with each allowed value of `parameter`, in any order;
+     `take` copies it. Inputs may be NULL. Returns 0, or an error code with
+     *error filled. [main] */
   int (*list)(void *self, const char *parameter,
               void (*take)(void *data, const char *value), void *data,
               opc_error *error);

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Kind "command": a verb of the command line. The plugin "command.NAME" is
-   called as `opcflow NAME [OPTION ...] [ARGUMENT ...]`. The plugin's parameters
-   are the options: `max_cases` is `--max-cases VALUE`, written as in a flow; a
-   parameter of the type OPC_BOOL is a switch, `--quiet`. Help, completion and
-   manual page are made from the declaration. The host prints tables, metrics
-   and messages as text, or as one JSON object with `--json`. */
+   called as `opcflow NAME [OPTION ...] [ARGUMENT ...]`. Each parameter of the
+   plugin is an option: `max_cases` is `--max-cases VALUE`, with VALUE in the
+   notation of a flow; an OPC_BOOL is a switch, `--quiet`. The host generates
+   help, completion and manual page from the descriptor, and prints tables,
+   metrics and messages as text or, with `--json`, as one JSON object. */
 #ifndef OPCFLOW_COMMAND_H
 #define OPCFLOW_COMMAND_H
 
@@ -13,7 +13,8 @@
 OPC_C_BEGIN
 
 typedef struct opc_command {
-  const char *arguments; /* for the help text: "RUN ..."; NULL: no arguments */
+  const char *arguments; /* shown in the help text: "RUN ..."; NULL: no
+                            arguments */
 
   /* Run the command on `n` arguments. Returns the exit code; on failure *error
      is filled. [main] */

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Derived defaults (opc_parameter.follows): values of parameters that the user
-   did not give and that the plugin computes from other data. A plugin calls
-   opc_follow as soon as that data is known. */
+/* Derived defaults (opc_parameter.follows): if the user does not set such a
+   parameter, the plugin computes the value from other data, for example from
+   the wavelength. The plugin calls opc_follow as soon as that data is known.
+   [main]: see plugin.h. */
 #ifndef OPCFLOW_FOLLOW_H
 #define OPCFLOW_FOLLOW_H
 
@@ -14,10 +15,9 @@ OPC_C_BEGIN
    NAN leaves the field unchanged. */
 typedef double opc_follow_value(const void *data, const char *follows);
 
-/* Set each field of the instance `self` that has no value yet (NAN) to the
-   derived default of the parameter. Logs all derived values in one line at info
-   level: "ID: SOURCE: NAME VALUE UNIT, ...". A second call does nothing.
-   [main] */
+/* Set each field of the instance `self` that is NAN to the derived default of
+   its parameter. `data` is passed to `value`. Logs one line of all derived
+   values: "ID: WHENCE: NAME VALUE UNIT, ...". [main] */
 OPC_UNUSED static void opc_follow(const opc_host *host, const char *id,
                                   void *self, const opc_parameter *parameters,
                                   size_t n, opc_follow_value *value,
@@ -38,9 +38,9 @@ OPC_UNUSED static void opc_follow(const opc_host *host, const char *id,
   if (used) host->log(host, OPC_LOG_INFO, "%s: %s: %s", id, whence, said);
 }
 
-/* Publish the table `settings` of a step: each parameter that has a derived
-   default, with the value in use. Returns 0, or an error code with *error
-   filled. [main], while a step runs. */
+/* Publish the table `settings` of a step: one row for each parameter with a
+   derived default, with the value in use. Returns 0, or an error code with
+   *error filled. [main], while a step runs. */
 OPC_UNUSED static int opc_put_followed(const opc_host *host, const void *self,
                                        const opc_parameter *parameters,
                                        size_t n, opc_error *error) {

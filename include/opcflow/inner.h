@@ -3,28 +3,27 @@
    points of a sweep or at combinations of layers.
 
    A step has an inner flow if a parameter of the type OPC_FILE carries
-   OPC_INNER_FLOW and names a flow file. Changes to that flow are in the step's
-   parameters `variant` (OPC_TEXT), `set` and `sweep` (OPC_MAP with
-   OPC_MAP_OF_ANY), where the step declares them. The host reads the flow,
-   instantiates its plugins and checks them at each swept value, before the
-   step's own `check`.
+   OPC_INNER_FLOW and names a flow file. The optional parameters `variant`
+   (OPC_TEXT), `set` and `sweep` (OPC_MAP with OPC_MAP_OF_ANY) of the step
+   change that flow. Before the step's own `check`, the host reads the inner
+   flow, creates its plugins and checks them at each swept value.
 
    A parameter with OPC_INNER_AXIS is an axis whose values are layers. A layer
-   is a variant of the inner flow, or a map of paths and values with lists,
-   patterns and files that the host expands (docs/reference/flow.md). The axes
-   precede the
-   axes of a sweep, in the order of declaration; a later axis overrides an
-   earlier one. The host runs a step that depends only on the first axes once
-   for all points that share the values of these axes.
+   is a set of changes to the inner flow: a variant, or a map of paths and
+   values. The host expands lists, patterns and files in the map
+   (docs/reference/flow.md). Axes of layers precede the axes of `sweep`, in the
+   order of declaration. If two axes change the same path, the later axis
+   applies. A step that depends only on the first axes runs once for all points
+   with equal values of these axes.
 
    An OPC_INPUT with OPC_INNER_STEP, if given, replaces the step of the inner
    flow that has the name of the parameter. The host uses the object of the
    input as the output of that step and does not run the step.
 
    A step gets the service by opc_get_inner, which returns NULL if the step has
-   no inner flow. The host owns the returned objects; they are valid until the
-   next call of `run` unless stated otherwise. A function that returns NULL has
-   filled *error. All functions are [main]. */
+   no inner flow. The host owns the returned objects, which are valid until the
+   next call of `run` unless stated otherwise. Functions that return NULL fill
+   *error. All functions are [main] (plugin.h). */
 #ifndef OPCFLOW_INNER_H
 #define OPCFLOW_INNER_H
 
@@ -32,15 +31,16 @@
 
 OPC_C_BEGIN
 
-/* A swept parameter. Valid as long as the instance. */
+/* A swept parameter. Valid until the instance is cleared. */
 typedef struct opc_inner_axis {
   const char *path; /* "mask.synthesizer.fragment" */
   const char *unit; /* NULL: plain numbers or texts */
   size_t count;
-  const double *values;     /* in `unit`; NULL: not numbers of one unit */
+  const double *values;     /* in `unit`; NULL: values are not numbers of one
+                               unit */
   const char *const *texts; /* as written in the flow; for layers: their names,
                                unique and valid as folder names */
-  int used;                 /* whether a value asked for by `metric` or `output`
+  int used;                 /* 1: a result requested by `metric` or `output`
                                depends on this axis */
   OPC_MAY_GROW
 } opc_inner_axis;
@@ -68,18 +68,18 @@ typedef struct opc_inner_service {
 
   /* ---- from `check` on ---- */
 
-  /* Return the axes. Points are numbered from 0; the last axis varies
-     fastest. */
+  /* Return the axes. A point is one combination of their values; points are
+     numbered from 0, the last axis varies fastest. */
   const opc_inner_axis *const *(*axes)(const opc_host *host, size_t *count);
   /* Return the index of the axis with that path; -1 and *error if the path is
      not swept. */
   int (*axis)(const opc_host *host, const char *path, opc_error *error);
 
-  /* `metric`: return the declaration of the metric "step.metric". `output`:
-     return the name of `step` if that step has an output of the data kind; for
-     NULL, the name of the first step that has. Only the steps asked for here,
-     and the steps that provide their inputs, will run; all steps if none was
-     asked for. */
+  /* `metric`: return the declaration of the metric with the path "step.metric".
+     `output`: return the name of `step` if that step has an output of the data
+     kind; if `step` is NULL, the name of the first step with such an output.
+     Only the steps requested by these calls run, and the steps that provide
+     their inputs; without any request, all steps run. */
   const opc_metric *(*metric)(const opc_host *host, const char *path,
                               opc_error *error);
   const char *(*output)(const opc_host *host, const char *step,
@@ -91,16 +91,16 @@ typedef struct opc_inner_service {
      `run`. Returns 0, or an error code with *error filled. */
   int (*begin)(const opc_host *host, opc_error *error);
 
-  /* Run the remaining steps at a point. `keep`: keep the written files, in a
-     folder with the name of the step; otherwise the files are kept only if the
-     user keeps all points. Progress is counted in points; this one counts for
-     `share` points. Returns OPC_CANCELLED if the user stops the run. After any
-     other failure, further points may be run. */
+  /* Run the remaining steps at a point. `keep`, 1: keep the written files, in a
+     folder with the name of the calling step; otherwise the files are kept only
+     if the user keeps all points. The call counts as `share` points of
+     progress. Returns OPC_CANCELLED if the user stops the run. After any other
+     failure, further points may be run. */
   int (*run)(const opc_host *host, size_t point, int keep, size_t share,
              opc_error *error);
 
-  /* Return the metrics of the last run; `shared`: of `begin`, common to all
-     points. */
+  /* Return the metrics of the last run or, if `shared` is 1, those of `begin`,
+     which are equal for all points. */
   const opc_inner_metric *const *(*metrics)(const opc_host *host, int shared,
                                             size_t *count);
 
@@ -109,17 +109,17 @@ typedef struct opc_inner_service {
                               const char *table, const char *column,
                               size_t *rows, opc_error *error);
 
-  /* Return the object of the last run that was asked for by `output`. If no
-     other run follows, the object is valid as long as the instance. */
+  /* Return the object of the last run that was requested by `output`. If no
+     other run follows, the object is valid until the instance is cleared. */
   void *(*object)(const opc_host *host, const char *step, const char *kind);
 
-  /* Run a point as `run` does, and write a complete run folder named `folder`
-     inside a folder with the name of the step, including the shared steps:
-     flow.yaml, metrics.json and manifest.json. `metrics` then returns the
-     metrics of all steps. Returns OPC_LIMIT if the run is complete but violates
-     a requirement of the flow. After any other failure *out is NULL and no
-     folder exists. A failure affects the exit code like that of a sweep
-     point. */
+  /* Run a point as `run` does, and write the complete run folder STEP/`folder`,
+     where STEP is the calling step. The folder has flow.yaml, metrics.json,
+     manifest.json and the files of all steps, including those of `begin`.
+     `metrics` then returns the metrics of all steps. Returns OPC_LIMIT if the
+     run is complete but violates a requirement of the flow. After any other
+     failure *out is NULL and no folder exists. A failure affects the exit code
+     like that of a sweep point. */
   int (*run_whole)(const opc_host *host, size_t point, const char *folder,
                    size_t share, const opc_inner_run **out, opc_error *error);
   OPC_MAY_GROW

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Kind "kind": declares a further kind of plugins. The kinds "step" (step.h),
-   "command" (command.h) and "kind" are built in. Any other kind is declared by
-   a plugin "kind.NAME", found like any plugin. The plugin states the size of
-   the struct of functions, tests plugins of the kind, and provides a template
-   for new ones. */
+/* Kind "kind": a plugin declares another kind of plugins. The kinds "step"
+   (step.h), "command" (command.h) and "kind" are built in. The plugin
+   "kind.NAME" declares the kind NAME: size of its struct of functions, test and
+   template of its plugins. [main]: see plugin.h. */
 #ifndef OPCFLOW_KIND_H
 #define OPCFLOW_KIND_H
 
@@ -24,10 +23,11 @@ typedef struct opc_function {
 /* Receives results and faults while `opcflow lint` tests a plugin. */
 typedef struct opc_inspector opc_inspector;
 struct opc_inspector {
-  /* Record the bytes of a result. The same input must produce the same bytes
-     again, in another instance and for any number of threads. */
+  /* Record the bytes of a result. The same input must produce the same bytes in
+     every instance and for any number of threads. */
   void (*add)(opc_inspector *inspector, const void *data, size_t size);
-  /* Report a fault, or a test that could not be done, with the reason. */
+  /* `find`: report a fault. `note`: report a test that could not be done, with
+     the reason. */
   void (*find)(opc_inspector *inspector, const char *format, ...)
       OPC_PRINTF(2, 3);
   void (*note)(opc_inspector *inspector, const char *format, ...)
@@ -36,8 +36,9 @@ struct opc_inspector {
   OPC_MAY_GROW
 };
 
-/* A file of a new plugin, written by `opcflow new plugin KIND.NAME`. In both
-   texts @NAME@ stands for the last word of the id, @ID@ for the id. */
+/* A file of a new plugin, written by `opcflow new plugin KIND.NAME`. In `name`
+   and `text`, the host replaces @ID@ by the id of the plugin and @NAME@ by the
+   last word of the id. */
 typedef struct opc_template {
   const char *name; /* "@ID@.c" */
   const char *text;
@@ -52,7 +53,7 @@ typedef struct opc_sample {
   OPC_MAY_GROW
 } opc_sample;
 
-/* Example data for an input of a step, by data kind. */
+/* Example object of a data kind, for inputs of steps. */
 typedef struct opc_example {
   const char *kind;
   /* Return the object, created at the first call and constant from then on;
@@ -70,16 +71,15 @@ typedef struct opc_kind {
   const opc_function *functions;
 
   /* Test an instance on synthetic inputs of realistic form and size; report
-     faults of the results to `inspector`. Runs in a process of its own.
-     [main] */
+     faults of the results to `inspector`. Runs in a separate process. [main] */
   void (*exercise)(const opc_module *module, opc_inspector *inspector);
 
   size_t n_templates, template_size;
   const opc_template *templates;
 
-  /* Sample files that lint passes to plugins of this kind with a required file
-     parameter, one after another until the plugin accepts one, and examples for
-     inputs of steps. The plugin "kind.step" has the samples for steps. */
+  /* `opcflow lint` passes the sample files one after another to a plugin with a
+     required file parameter, until the plugin accepts one. Examples are objects
+     for inputs of steps; the plugin "kind.step" has the samples for steps. */
   size_t n_samples, sample_size;
   const opc_sample *samples;
   size_t n_examples, example_size;

@@ -8,22 +8,23 @@
 
 OPC_C_BEGIN
 
-/* Result of a work unit, a growing byte string: `add` appends a copy. [main] */
+/* Byte string for the result of a work unit; `add` appends `size` bytes.
+   [main]: see plugin.h. */
 typedef struct opc_bytes opc_bytes;
 struct opc_bytes {
   void (*add)(opc_bytes *bytes, const void *from, size_t size);
   OPC_MAY_GROW
 };
 
-/* A list of independent work units. Each unit is computed once: here or, if
-   several processes run the flow together, in one of them. Results with a key
-   are kept and reused after an interrupted run. All functions are [main] and
-   get `data`.
+/* A list of independent work units. Each unit is computed once, in one of the
+   processes that run the flow together. Results with a key are kept and reused
+   after an interrupted run. All functions are [main] and receive `data` as
+   their first argument.
 
-   `work` must be a deterministic function of the step's inputs, of earlier
-   calls of `take`, and of i, in every process. `work` publishes nothing;
-   warnings and findings that it logs are kept with the result and logged before
-   the result is taken. Publish figures, tables and metrics in `take` or
+   The result of `work` must depend only on i, on the step's inputs and on
+   earlier calls of `take`, and must be equal in every process. The host keeps
+   warnings and findings that `work` logs with the result, and logs them before
+   `take`. `work` must not publish tables and metrics; publish them in `take` or
    later. */
 typedef struct opc_pieces {
   void *data;
@@ -31,15 +32,14 @@ typedef struct opc_pieces {
                        step */
   size_t count;
 
-  /* Return a text with all that unit i depends on beyond the dependencies of
-     the step's own result (docs/reference/flow.md); valid until the next call.
-     NULL, also for the function pointer: the result is not kept. Units of equal
-     name and key are identical. */
+  /* Return a text that identifies the dependencies of unit i, except those of
+     the step's own result (docs/reference/flow.md). The text is valid until the
+     next call. Units with equal name and key have equal results. If the text or
+     this field is NULL, the result is not kept. */
   const char *(*key)(void *data, size_t i);
 
-  /* Return the expected cost of unit i, in any unit of measure; units of
-     highest cost start first. Must be the same in every process. NULL: equal
-     costs. */
+  /* Return the relative cost of unit i, equal in every process; units of high
+     cost start first. NULL: equal costs. */
   double (*cost)(void *data, size_t i);
 
   /* Compute unit i and append the result to `out`, at most 2^30 bytes, in the
@@ -52,7 +52,7 @@ typedef struct opc_pieces {
   int (*take)(void *data, size_t i, const void *bytes, size_t size,
               opc_error *error);
 
-  /* Receive the number of finished units, over all processes, for
+  /* Receive the number of finished units of all processes, to report it by
      host->progress. NULL: not needed. */
   void (*done)(void *data, size_t done);
   OPC_MAY_GROW
@@ -63,8 +63,7 @@ typedef struct opc_pieces {
 typedef struct opc_pieces_service {
   size_t size; /* of this struct */
 
-  /* Implements opc_do_pieces; `own_size` is sizeof(opc_pieces) in the
-     plugin. */
+  /* Implement opc_do_pieces; `own_size` is sizeof(opc_pieces) in the plugin. */
   int (*run)(const opc_host *host, const opc_pieces *pieces, size_t own_size,
              opc_error *error);
   OPC_MAY_GROW
@@ -72,8 +71,8 @@ typedef struct opc_pieces_service {
 
 /* Compute all work units and pass the results to `take`. Returns 0, or the
    first error of `work` or `take`. A step without the flag OPC_STEP_PIECES
-   computes all units in its own process. Nested calls, from `work`, compute in
-   the calling process and keep no results. [main], while a step runs. */
+   computes all units in its own process. A call from inside `work` computes in
+   the calling process and keeps no results. [main], while a step runs. */
 OPC_UNUSED static int opc_do_pieces(const opc_host *host,
                                     const opc_pieces *shared,
                                     opc_error *error) {

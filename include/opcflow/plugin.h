@@ -12,7 +12,7 @@
      [main]  called from one thread at a time for one instance;
      [any]   may be called from several threads at once for one instance.
 
-   Errors. See base.h. A plugin prints nothing and never aborts. */
+   Errors: see base.h. A plugin does not print and does not abort. */
 #ifndef OPCFLOW_PLUGIN_H
 #define OPCFLOW_PLUGIN_H
 
@@ -21,24 +21,25 @@
 OPC_C_BEGIN
 
 /* Version of the interface that a plugin was built for. The host refuses
-   another major version, and minor versions before OPC_ABI_OLDEST. Plugins of
-   any other minor version run, older or newer, because of these rules:
+   plugins of another major version and of minor versions before OPC_ABI_OLDEST.
+   Plugins of all other minor versions, older or newer than the host, run
+   because of these rules:
 
-   1. Existing fields, functions, flags and names never change their meaning or
-      place. opc_error, opc_module, opc_reals, opc_pair, opc_map, opc_progress
-      and the first three fields of opc_plugin are frozen.
+   1. Existing fields, functions, flags and names keep their meaning and
+      position. opc_error, opc_module, opc_reals, opc_pair, opc_map,
+      opc_progress and the first three fields of opc_plugin are frozen.
    2. A struct that ends with OPC_MAY_GROW (base.h) may get fields before that
-      line. A plugin passes the size of each struct that it declares, and the
-      host reads no more. Fields that an older plugin lacks are 0; the host
-      ignores unknown fields.
-   3. Structs that the host passes to plugins may be longer than the plugin
-      knows; no plugin copies them or makes arrays of them. A plugin for a later
-      minor version tests OPC_HAS before the use of a field that was added to a
-      struct with `size`.
-   4. Functions that few plugins need are in structs that are found by name,
+      line. A plugin passes the size of each struct that it declares. The host
+      reads fields within that size, takes missing fields as 0, and ignores
+      unknown fields.
+   3. Structs that the host passes may be longer than the plugin's header
+   declares; no plugin copies them or makes arrays of them. A plugin tests by
+   OPC_HAS whether an older host has a field that was added to a struct with
+   `size`. 4. Functions that few plugins need are in structs that are found by
+   name,
       such as "opcflow.inner/1". opc_host.service returns the structs of the
-      host, opc_plugin.extension those of the plugin. NULL: not available. A
-      change that rules 1 and 2 forbid gets another name.
+      host, opc_plugin.extension those of the plugin. NULL: not available. If a
+      change would violate rules 1 and 2, the struct gets a new name.
    5. The functions of a kind of plugins (kind.h) follow rules 1 and 2. A plugin
       must have the functions of the first version of its kind. */
 #define OPC_ABI_MAJOR 0u
@@ -97,7 +98,8 @@ enum {
   OPC_ABOVE = 1 << 2,      /* value >  min */
   OPC_AT_MOST = 1 << 3,    /* value <= max */
   OPC_BELOW = 1 << 4,      /* value <  max */
-  OPC_NO_EFFECT = 1 << 5,  /* does not change the result (threads, verbosity) */
+  OPC_NO_EFFECT = 1 << 5,  /* the value does not affect results (threads,
+                              verbosity) */
   OPC_MAP_OF_ANY = 1 << 6, /* for an OPC_MAP: values may also be lists and maps;
                               the plugin receives the text of each value, as
                               written in a flow on one line */
@@ -114,14 +116,14 @@ enum {
 };
 
 /* Declaration of a parameter, written with OPC_PARAMETER. Names are lower_case;
-   a dot makes a group: "anchor.line" is written `anchor: { line: 65 nm }`.
-   `unit` is the unit of the number that the plugin receives ("nm", "%", "V",
-   "A", "C", "deg", "s", "1/nm"); the flow must write a unit of the same
-   dimension. NULL: a plain number. `preset` is the default in the notation of a
-   flow, NULL for none. `offset` and `width` locate the field of the instance.
-   `given` is the offset of an int that the host sets to 1 if the flow or the
-   command line sets the value, even to the default, else to 0. Offset 0: no
-   such field. */
+   a dot separates a group and its member: "anchor.line" is written `anchor: {
+   line: 65 nm }`. `unit` is the unit of the number that the plugin receives
+   ("nm", "%", "V", "A", "C", "deg", "s", "1/nm"); the flow must write a unit of
+   the same dimension. NULL: a plain number. `preset` is the default in the
+   notation of a flow, NULL for none. `offset` and `width` are position and size
+   of the field in the instance, bytes. `given` is the offset of an int field
+   that the host sets to 1 if the flow or the command line sets the parameter,
+   even to the default, else to 0; 0: no such field. */
 typedef struct opc_parameter {
   const char *name;
   uint32_t type;
@@ -154,19 +156,14 @@ typedef struct opc_parameter {
 
 /* ---- metrics ---------------------------------------------------------- */
 
-enum {
-  OPC_NEUTRAL = 0,
-  OPC_LOWER = 1,
-  OPC_HIGHER = 2
-}; /* whether lower or
-      higher values are
-      better */
+/* Values of opc_metric.better: the direction in which a metric improves. */
+enum { OPC_NEUTRAL = 0, OPC_LOWER = 1, OPC_HIGHER = 2 };
 
 typedef struct opc_metric {
   const char *name;
   const char *unit; /* NULL: a plain number */
   uint32_t better;
-  double tolerance; /* smaller differences are insignificant; same unit */
+  double tolerance; /* in `unit`; smaller differences are insignificant */
   const char *summary;
   OPC_MAY_GROW
 } opc_metric;
@@ -183,7 +180,7 @@ enum {
   OPC_LOG_FINDING = 3
 };
 
-/* Progress of a long step. NAN: unknown. */
+/* Progress of a long step. A number is NAN if unknown. */
 typedef struct opc_progress {
   double done, total; /* in any unit that the step counts */
   double worst;       /* the error that the step minimises */
@@ -198,7 +195,7 @@ typedef struct opc_column {
   const char *name;
   const char *unit;
   uint32_t type;
-  int32_t decimals; /* for an OPC_REAL; -1: shortest exact form */
+  int32_t decimals; /* of an OPC_REAL; -1: shortest exact form */
   const void *data;
   OPC_MAY_GROW
 } opc_column;
@@ -213,7 +210,7 @@ struct opc_host {
   const opc_context *context; /* threads; base.h */
   void *data;                 /* private data of the host */
 
-  /* Log one line for the user, without a newline. */
+  /* Log one line for the user; `format` does not end with a newline. */
   void (*log)(const opc_host *host, int level, const char *format, ...)
       OPC_PRINTF(3, 4);
   void (*progress)(const opc_host *host, const opc_progress *progress);
@@ -231,15 +228,16 @@ struct opc_host {
   int (*metric)(const opc_host *host, const char *name, double value,
                 opc_error *error);
 
-  /* Return the path for the output file `name` (a plain relative name), valid
-     as long as the instance; NULL and *error if the name leaves the run folder
-     or is in use. [main], while a step runs. */
+  /* Return the path at which to write the output file `name`, a path relative
+     to the run folder. The path is valid as long as the instance. Returns NULL
+     and fills *error if `name` is outside the run folder or already in use.
+     [main], while a step runs. */
   const char *(*output_path)(const opc_host *host, const char *name,
                              opc_error *error);
 
-  /* Return the service of that name, a struct that a header declares; NULL if
-     this host or this instance has no such service. Valid as long as the
-     instance:
+  /* Return the service `name`, valid as long as the instance; NULL if this host
+     or this instance has no such service. The listed header declares the
+     struct:
        "opcflow.inner/1"    flows that a step runs               inner.h
        "opcflow.pieces/1"   distributed work units               pieces.h
        "opcflow.results/1"  results kept beyond a run            results.h */
@@ -255,7 +253,7 @@ enum {
 };
 
 /* Descriptor of a plugin. All data that the descriptor points to is constant
-   and valid as long as the object is loaded. */
+   and valid as long as the shared object is loaded. */
 typedef struct opc_plugin {
   uint16_t abi_major, abi_minor;
   uint32_t size;    /* of this struct */
@@ -266,7 +264,7 @@ typedef struct opc_plugin {
   const char *summary; /* one line, no full stop */
   uint32_t flags;      /* OPC_DETERMINISTIC, OPC_REENTRANT */
 
-  /* Each array is given with the size of an element. */
+  /* Arrays, each with the size of its elements. */
   uint32_t parameter_size, metric_size;
   size_t n_parameters;
   const opc_parameter *parameters;
@@ -275,14 +273,15 @@ typedef struct opc_plugin {
 
   /* Size of an instance: a struct whose first member is `const opc_host *host`.
      The host allocates the instance, fills it with zeros, sets `host` and the
-     fields of all parameters, and frees it. The host owns the data that
-     parameters point to, valid as long as the instance. */
+     fields of all parameters, and frees the instance. The host owns data that
+     parameters point to; this data is valid as long as the instance. */
   size_t instance_size;
 
-  /* Check constraints that the declaration cannot express, such as two bounds
-     against each other, and prepare whatever needs little time. The content of
-     files is not checked here. Inputs are not available yet. `opcflow check`
-     also calls this function. Returns 0, or an error code with *error filled.
+  /* Check constraints that declarations of parameters cannot express, such as
+     the order of two bounds, and prepare the instance as far as that takes
+     little time. The content of files is not checked here. Fields of inputs are
+     NULL. The host calls this function for every command that reads the flow,
+     such as `opcflow check`. Returns 0, or an error code with *error filled.
      NULL: nothing to do. [main] */
   int (*check)(void *self, opc_error *error);
 
@@ -295,7 +294,7 @@ typedef struct opc_plugin {
   const void *functions;
   size_t functions_size;
 
-  /* Return the extension of that name, a constant struct that a header
+  /* Return the extension `name`, a constant struct that the listed header
      declares; NULL if the plugin has no such extension:
        "opcflow.choices/1"  values that a parameter may have     choices.h
      A plugin without extensions sets this field to NULL. [any] */

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Service "opcflow.results/1": results that a plugin keeps beyond a run, in the
-   store of the host, for later runs. The user limits the store (OPCFLOW_STORE,
-   --no-cache, `opcflow cache`), so any result may be missing at any time. */
+/* Service "opcflow.results/1": a plugin keeps results for later runs in the
+   store of the host. The user can limit, clear or disable the store
+   (OPCFLOW_STORE, --no-cache, `opcflow cache`), so any result may be missing at
+   any time. [main]: see plugin.h. */
 #ifndef OPCFLOW_RESULTS_H
 #define OPCFLOW_RESULTS_H
 
@@ -15,22 +16,21 @@ OPC_C_BEGIN
 typedef struct opc_results {
   size_t size; /* of this struct */
 
-  /* Return the hash (SHA-256 in hexadecimal) of everything except inputs that
-     determines the results of the plugin in `slot`, or of this plugin for NULL:
-     build, parameters, contents of files, and the plugins in the slots. Valid
-     as long as the instance. Returns NULL and fills *error if a file cannot be
-     read. Also if the plugin in the slot, or a plugin below it, takes the
-     result of a step ('${gates}'): the hash would not include that result. */
+  /* Return a hash (SHA-256, hexadecimal) of the plugin in `slot`, or of this
+     plugin for NULL. The hash covers build, parameters, contents of files, and
+     slots, but no inputs. The text is valid as long as the instance. Returns
+     NULL and fills *error if a file cannot be read, or if the plugin in `slot`,
+     or a plugin in one of its slots, has an input ('${gates}'). */
   const char *(*identity)(const opc_host *host, const char *slot,
                           opc_error *error);
 
   /* Return a copy of the bytes stored under `key`, to be freed by free(); NULL
-     if there are none. `key` is any text that identifies the dependencies of
+     if nothing is stored. `key` is any text that identifies the dependencies of
      the result; the host adds the id and the build of the plugin. */
   void *(*find)(const opc_host *host, const char *key, size_t *size);
 
-  /* Store bytes under `key`, replacing earlier ones. The host reports a failure
-     to the user; the caller continues. */
+  /* Store bytes under `key` and replace those stored before. If this fails, the
+     host informs the user and the caller continues. */
   void (*keep)(const opc_host *host, const char *key, const void *bytes,
                size_t size);
   OPC_MAY_GROW

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Kind "step": a stage of a flow with typed inputs and outputs. */
+/* Kind "step": a stage of a flow, with typed inputs and outputs. */
 #ifndef OPCFLOW_STEP_H
 #define OPCFLOW_STEP_H
 
@@ -7,9 +7,9 @@
 
 OPC_C_BEGIN
 
-/* Declaration of an output. `kind` names the data kind, with the functions to
-   check and release an object. Libraries define ports of their kinds as macros
-   (eda: EDA_PORT_LAYOUT ...). */
+/* Declaration of an output. `kind` names the data kind; `check` and `release`
+   handle objects of that kind. Libraries define macros for outputs of their
+   data kinds (eda: EDA_PORT_LAYOUT ...). */
 typedef struct opc_port {
   const char *name;
   const char *kind;
@@ -18,17 +18,18 @@ typedef struct opc_port {
      arrays. Returns 0, or an error code with *error filled. [main] */
   int (*check)(const void *object, opc_error *error);
 
-  /* Free the object, before the instance that made it is cleared. [main] */
+  /* Free the object. Called before `clear` of the instance that made it.
+     [main] */
   void (*release)(void *object);
   OPC_MAY_GROW
 } opc_port;
 
-/* Expected resources of a step's run. The texts are for the user, plain and on
-   one line; they may stay empty. */
+/* Expected resources of a step's run. The texts are shown to the user, one line
+   each; they may be empty. */
 typedef struct opc_forecast {
-  double memory;  /* peak memory in bytes, without the inputs; 0: unknown.
-                     Prefer a low estimate: a step that needs more than the
-                     machine has is refused */
+  double memory;  /* peak memory without the inputs, bytes; 0: unknown. Estimate
+                     low rather than high: the host refuses a step that needs
+                     more memory than the machine has */
   char work[200]; /* "at least 36 simulations of 2048 x 1024 points" */
   char help[200]; /* how to reduce the cost: "a smaller 'na'" */
   OPC_MAY_GROW
@@ -38,11 +39,11 @@ enum {
   OPC_STEP_LIGHT = 1 << 0,   /* takes a few seconds at most and writes no file:
                                 `opcflow check` runs the step, so that later
                                 steps have inputs for their forecasts */
-  OPC_STEP_OUTSIDE = 1 << 1, /* depends on more than parameters, the files they
-                                name, and inputs: on files named in those files,
-                                or on other programs. The result is never
-                                reused */
-  OPC_STEP_PIECES = 1 << 2   /* distributes its work by pieces.h over the
+  OPC_STEP_OUTSIDE = 1 << 1, /* the result also depends on data other than
+                                inputs, parameters and files named by
+                                parameters, such as other programs; the host
+                                never reuses the result */
+  OPC_STEP_PIECES = 1 << 2   /* distributes work units (pieces.h) over the
                                 processes that run the flow together. The step
                                 and the steps that provide its inputs run in
                                 every process, all other steps in the first one
@@ -51,30 +52,30 @@ enum {
 
 typedef struct opc_step {
   /* Outputs; `${step}` refers to the first one. Inputs are parameters of the
-     type OPC_INPUT. An output may point into the inputs of the step: they live
-     at least as long. */
+     type OPC_INPUT. An output may point into the inputs of the step, which live
+     at least as long as the output. */
   size_t n_outputs, output_size; /* sizeof(opc_port) */
   const opc_port *outputs;
 
   /* Run the step once, with all inputs available. Stores n_outputs objects in
-     `outputs` (filled with NULL by the host); on failure the host releases
-     those stored so far. Returns 0, or an error code with *error filled.
+     `outputs` (filled with NULL by the host); on failure the host releases the
+     objects stored so far. Returns 0, or an error code with *error filled.
      [main] */
   int (*run)(void *self, void **outputs, opc_error *error);
 
   /* Estimate the resources of `run`, with all inputs available; *out is filled
-     with zeros by the host. May log warnings and may fail for the reasons `run`
-     would. Called before `run`, and by `opcflow check`. NULL: no estimate.
+     with zeros by the host. May log warnings, and may fail for the same reasons
+     as `run`. Called before `run` and by `opcflow check`. NULL: no estimate.
      [main] */
   int (*forecast)(void *self, opc_forecast *out, opc_error *error);
   uint32_t flags; /* OPC_STEP_* */
 
-  /* Write the outputs into an empty folder (`save`), and read them back from
-     that folder on the same machine (`restore`), bit-identical for all users of
-     the outputs. Inputs are available, and equal ones for `restore`, which may
-     be called in place of `run`. If `restore` fails, the host releases the
-     objects in `outputs` and runs the step. NULL, both: the step runs again
-     whenever a later step that runs needs the outputs. [main] */
+  /* `save` writes the outputs into an empty folder. `restore`, called in place
+     of `run`, reads them from that folder on the same machine, bit-identical
+     for all later steps. Inputs are available and equal in both calls. If
+     `restore` fails, the host releases the objects in `outputs` and runs the
+     step. Both NULL: the step runs whenever a later step that runs needs the
+     outputs. [main] */
   int (*save)(void *self, void *const *outputs, const char *folder,
               opc_error *error);
   int (*restore)(void *self, const char *folder, void **outputs,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Helpers to publish several metrics, or a table from an array of structs, in
-   one call. */
+/* Functions that publish several metrics, or a table from an array of structs,
+   in one call. [main]: see plugin.h. */
 #ifndef OPCFLOW_TABLE_H
 #define OPCFLOW_TABLE_H
 
@@ -15,7 +15,7 @@ OPC_C_BEGIN
 
 /* ---- metrics ---- */
 
-/* A metric with its value; the name is NULL if the metric has no value. */
+/* A metric with its value. If the name is NULL, the element is skipped. */
 typedef struct opc_metric_value {
   const char *name;
   double value;
@@ -46,7 +46,7 @@ OPC_UNUSED static int opc_put_table(const opc_host *host, const char *name,
 }
 
 /* Publish a table of `rows` structs of `size` bytes each and return the status.
-   The data of a column is the member of the first struct. [main] */
+   `data` of a column points to the member in the first struct. [main] */
 OPC_UNUSED static int opc_put_rows(const opc_host *host, const char *name,
                                    uint32_t flags, size_t rows, size_t size,
                                    const opc_column *columns, size_t n,

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Unit tests of plugins: create and run one plugin, without a flow, from
    parameters in the syntax of a flow. Link with the library opcflow-testing
-   (pkg-config: opcflow-testing). For single-threaded test programs only.
-   Plugins are searched for as the command does: set OPCFLOW_PLUGIN_PATH to the
-   folder of your build, followed by the folder of the installed plugins
-   (`pkg-config --variable=pluginsdir opcflow`). */
+   (pkg-config: opcflow-testing). For single-threaded test programs only. The
+   library finds plugins in the same folders as the command `opcflow`: set
+   OPCFLOW_PLUGIN_PATH to the folder of your build, followed by the folder of
+   the installed plugins (`pkg-config --variable=pluginsdir opcflow`). */
 #ifndef OPCFLOW_TESTING_H
 #define OPCFLOW_TESTING_H
 
@@ -12,15 +12,15 @@
 
 OPC_C_BEGIN
 
-/* Return the host of all test instances. output_path returns paths in a new
-   folder, which is removed at the end of the program. */
+/* Return the host of all test instances, and the folder of its output files,
+   which is removed at the end of the program. */
 OPC_EXPORT const opc_host *opc_test_host(void);
 OPC_EXPORT const char *opc_test_folder(void);
 
 /* Create the plugin `id` with parameters from a map in flow syntax, "{
-   wavelength: 193 nm, litho: { use: litho.hopkins } }" ("{}" for none); files
-   are relative to the current folder. An OPC_INPUT need not be given. Returns
-   NULL and *error, with all faults, if the parameters are refused. */
+   wavelength: 193 nm, litho: { use: litho.hopkins } }" ("{}" for none); file
+   names are relative to the current folder. An OPC_INPUT may be missing. If the
+   parameters are not valid, returns NULL and writes all faults to *error. */
 OPC_EXPORT opc_module *opc_test_module(const char *id, const char *mapping,
                                        opc_error *error);
 OPC_EXPORT void opc_test_module_free(opc_module *module);
@@ -41,10 +41,10 @@ OPC_EXPORT void opc_test_release(opc_module *module, void **outputs);
    there is none. */
 OPC_EXPORT double opc_test_metric(const char *name);
 
-/* Return data of the last table of that name: the number of rows, 0 if there is
-   none; a cell, by row and name of the column without unit, as text, "" if
-   there is none, valid until the next call; a cell as a number, NAN if it is
-   not a number. */
+/* Return data of the last table named `table`. opc_test_rows: the number of
+   rows, 0 without such a table. opc_test_text: the text of a cell, valid until
+   the next call; "" if the cell does not exist. opc_test_number: the number in
+   a cell; NAN if the cell has no number. `column` is a name without unit. */
 OPC_EXPORT size_t opc_test_rows(const char *table);
 OPC_EXPORT const char *opc_test_text(const char *table, const char *column,
                                      size_t row);

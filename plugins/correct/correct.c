@@ -35,7 +35,7 @@ typedef struct correct {
 
 static void correct_log_overlaps(const loop *l) {
   for (size_t k = 0; k < l->gates->layers; k++)
-    if (!l->base && !l->now.patches[k].count && !l->now.bites[k].count &&
+    if (!l->base && !l->now.added[k].count && !l->now.cutouts[k].count &&
         !l->now.assists[k].count &&
         eda_area2(&l->polygons[k]) != eda_area2(&l->mask[k])) {
       l->host->log(l->host, OPC_LOG_WARNING,

@@ -50,7 +50,7 @@ static void make_sample(made *d) {
                                    EDA_PRINT_SHORT | EDA_PRINT_WIDE,
                                    EDA_PRINT_OUTSIDE,
                                    EDA_PRINT_MERGED | EDA_PRINT_OPEN,
-                                   EDA_PRINT_BITE,
+                                   EDA_PRINT_NOTCH,
                                    0,
                                    EDA_PRINT_ISLAND | EDA_PRINT_OUTSIDE,
                                    EDA_PRINT_WIDE | EDA_PRINT_NECK,
@@ -343,7 +343,7 @@ static void assert_prints(void) {
              {EDA_PRINT_SHORT, "short line end", 1},
              {EDA_PRINT_NECK, "neck", 2},
              {EDA_PRINT_WIDE, "wide", 2},
-             {EDA_PRINT_BITE, "bite", 1},
+             {EDA_PRINT_NOTCH, "bite", 1},
              {EDA_PRINT_OUTSIDE, "outside the table", 2}};
   for (size_t k = 0; k < G_N_ELEMENTS(all); k++) {
     uint32_t graver = 0;

@@ -35,9 +35,9 @@ static int run_point(size_t point, opc_error *error) {
   inner.n_metrics = 0;
   if ((int)point == failing)
     return opc_fail(error, OPC_FAILED, NULL, "no light at %zu", point);
-  inner_tell("mask", &ion, formula(point));
-  inner_tell("cost", &shots, 5); /* equal for all methods */
-  inner_tell("gates", &count, (double)point);
+  inner_report("mask", &ion, formula(point));
+  inner_report("cost", &shots, 5); /* equal for all methods */
+  inner_report("gates", &count, (double)point);
   g_snprintf(folder, sizeof folder, "/runs/e/%s",
              inner.places[inner.n_points - 1]);
   inner.whole = (opc_inner_run){folder, 2 + (double)point, point == 1};

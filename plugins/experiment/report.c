@@ -221,39 +221,33 @@ static int print_summary(const experiment *e, opc_error *error) {
 
 /* A change of a figure between two methods. */
 typedef struct pair_row {
-  const char *method, *against, *figure, *unit, *verdict;
-  double base, value, change, median, low, high;
-  int64_t n;
+  const char *method, *against;
+  eda_change c;
 } pair_row;
 
 /* Publish pairs.csv, the changes from each method to each later one. */
 static int write_pairs(const experiment *e, const eda_verdict *v, size_t n,
                        opc_error *error) {
-  static const char *const words[] = {"same", "better", "worse", "too few"};
   g_autofree pair_row *r = g_new0(pair_row, n * EDA_CHANGES + 1);
   size_t rows = 0;
   for (size_t i = 0; i < n * EDA_CHANGES; i++) {
     const eda_verdict *of = &v[i / EDA_CHANGES];
     const eda_change *c = &of->changes[i % EDA_CHANGES];
-    if (c->n)
-      r[rows++] =
-          (pair_row){of->method,    of->against,       c->name,
-                     c->unit,       words[c->verdict], c->base,
-                     c->value,      c->change,         c->median.value,
-                     c->median.low, c->median.high,    (int64_t)c->median.n};
+    if (c->n) r[rows++] = (pair_row){of->method, of->against, *c};
   }
-  const opc_column columns[] = {{"method", NULL, OPC_TEXT, 0, &r->method},
-                                {"against", NULL, OPC_TEXT, 0, &r->against},
-                                {"figure", NULL, OPC_TEXT, 0, &r->figure},
-                                {"base", NULL, OPC_REAL, -1, &r->base},
-                                {"value", NULL, OPC_REAL, -1, &r->value},
-                                {"change", NULL, OPC_REAL, -1, &r->change},
-                                {"unit", NULL, OPC_TEXT, 0, &r->unit},
-                                {"median", NULL, OPC_REAL, -1, &r->median},
-                                {"low", NULL, OPC_REAL, -1, &r->low},
-                                {"high", NULL, OPC_REAL, -1, &r->high},
-                                {"independent", NULL, OPC_INT, 0, &r->n},
-                                {"verdict", NULL, OPC_TEXT, 0, &r->verdict}};
+  const opc_column columns[] = {
+      {"method", NULL, OPC_TEXT, 0, &r->method},
+      {"against", NULL, OPC_TEXT, 0, &r->against},
+      {"figure", NULL, OPC_TEXT, 0, &r->c.name},
+      {"base", NULL, OPC_REAL, -1, &r->c.base},
+      {"value", NULL, OPC_REAL, -1, &r->c.value},
+      {"change", NULL, OPC_REAL, -1, &r->c.change},
+      {"unit", NULL, OPC_TEXT, 0, &r->c.unit},
+      {"median", NULL, OPC_REAL, -1, &r->c.median.value},
+      {"low", NULL, OPC_REAL, -1, &r->c.median.low},
+      {"high", NULL, OPC_REAL, -1, &r->c.median.high},
+      {"independent", NULL, OPC_INT, 0, &r->c.median.n},
+      {"verdict", NULL, OPC_TEXT, 0, &r->c.word}};
   return opc_put_rows(e->host, "pairs", 0, rows, sizeof *r, columns,
                       G_N_ELEMENTS(columns), error);
 }

@@ -162,8 +162,8 @@ static void test_worse(void) {
 /* ---- rejected input ---- */
 
 /* Check that the run succeeds and logs these words. */
-static void expect_told(eda_layout *layout, const char *more,
-                        const char *const *words) {
+static void expect_logged(eda_layout *layout, const char *more,
+                          const char *const *words) {
   opc_module *m = given(eda_gates_sample(), layout, more);
   eda_mask *out = run_step(m);
   for (; *words; words++)
@@ -190,20 +190,20 @@ static void expect_refused(eda_layout *layout, const char *more,
 #define WORDS(...) \
   (const char *const[]) { __VA_ARGS__, NULL }
 
-static void test_told(void) {
+static void test_logged(void) {
   const eda_gates *g = eda_gates_sample();
-  expect_told(
+  expect_logged(
       layout_of(g, g->drawn, 1, 1, 300), QUICK,
       WORDS("covers nothing of what is drawn", "is it moved, by (300, 0) nm?",
             "2 of 2 transistors do not print"));
-  expect_told(layout_of(g, g->drawn, 0.5, 1, 0), QUICK,
-              WORDS("it is 0.5 times as large: is the 'scale'"));
-  expect_told(layout_of(g, g->drawn, 0.5, 2, 1), QUICK,
-              WORDS("the grid of 1 nm moved", "by 0.5 nm at most"));
+  expect_logged(layout_of(g, g->drawn, 0.5, 1, 0), QUICK,
+                WORDS("it is 0.5 times as large: is the 'scale'"));
+  expect_logged(layout_of(g, g->drawn, 0.5, 2, 1), QUICK,
+                WORDS("the grid of 1 nm moved", "by 0.5 nm at most"));
   g_assert_true(opc_test_metric("snapped_worst") == 0.5);
-  expect_told(layout_of(g, g->drawn, 1, 1, 0),
-              ", fine: off, layers: { poly: poly }",
-              WORDS("'layers' does not name 'active': its mask is as drawn"));
+  expect_logged(layout_of(g, g->drawn, 1, 1, 0),
+                ", fine: off, layers: { poly: poly }",
+                WORDS("'layers' does not name 'active': its mask is as drawn"));
 }
 
 static eda_layout *empty_layout(void) {
@@ -419,7 +419,7 @@ int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/given/same", test_same);
   g_test_add_func("/given/worse", test_worse);
-  g_test_add_func("/given/told", test_told);
+  g_test_add_func("/given/logged", test_logged);
   g_test_add_func("/given/refused", test_refused);
   g_test_add_func("/given/flows", test_flows);
   g_test_add_func("/given/clip", test_clip);

@@ -160,7 +160,7 @@ run
 cp "$out/mask.cif" "$work/printed.cif"
 run --set placed.print=false
 check "placed without a print: the same mask" cmp -s "$work/printed.cif" "$out/mask.cif"
-check "and nothing is told of a print" test ! -e "$out/disturbance.csv"
+check "and no disturbance is written" test ! -e "$out/disturbance.csv"
 run --set placed.print=false --set placed.picture=d.png
 code=$?
 check "a picture of it: exit 2" exits 2
@@ -185,7 +185,7 @@ off = [abs(float(r["disturbance (%)"])) for r in csv.DictReader(open(sys.argv[1]
 sys.exit(not (len(off) == 8 and sorted(off)[3] < 0.01))
 PY
 }
-check "a cheap print tells what a fine one would" far_as_alone
+check "fast and fine simulation find the same reach" far_as_alone
 run "$@" --set placed.fine=5e-5
 check "which it does" near "$cheap" "$(metric placed ion_mean)" 0.05
 cp "$work/one.yaml" "$work/flow.yaml"

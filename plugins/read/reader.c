@@ -91,17 +91,17 @@ static void check_format(reading *b) {
 }
 
 int reading_goes_on(reading *b, size_t at, int show) {
-  if (at < b->told || b->failed) return !b->failed;
+  if (at < b->next_progress || b->failed) return !b->failed;
   const opc_host *host = b->r->host;
   opc_progress progress = {(double)at, (double)b->n, NAN, NULL};
-  b->told = at + STRETCH;
+  b->next_progress = at + STRETCH;
   if (show) host->progress(host, &progress);
   if (opc_cancelled(host->context))
     b->failed = opc_fail(b->error, OPC_CANCELLED, NULL, "cancelled");
   return !b->failed;
 }
 
-int reading_told(reading *b, int code) {
+int reading_check(reading *b, int code) {
   if (code && !b->failed) {
     b->refuse(b, b->said.message);
     b->error->code = b->failed = code;
@@ -110,7 +110,7 @@ int reading_told(reading *b, int code) {
 }
 
 int32_t reading_number(reading *b, int32_t number) {
-  reading_told(b, number < 0 ? b->said.code : OPC_OK);
+  reading_check(b, number < 0 ? b->said.code : OPC_OK);
   return number;
 }
 

@@ -99,9 +99,9 @@ typedef struct reading {
      exists. */
   void (*refuse)(void *reading, const char *what);
 
-  char *bytes;      /* of the file */
-  const char *text; /* the same n bytes */
-  size_t n, told;   /* size; place of the next progress update */
+  char *bytes;             /* of the file */
+  const char *text;        /* the same n bytes */
+  size_t n, next_progress; /* size; place of the next progress update */
 
   eda_layout *layout;
   opc_error said; /* error of calls of the layout */
@@ -124,9 +124,9 @@ int reading_run(void *state, void *self, void **outputs, opc_error *error,
 int reading_goes_on(reading *b, size_t at, int show);
 
 /* Convert an error of the layout, in b->said, to a failure at the place in the
-   file. reading_told returns 1 if no failure occurred; reading_number returns
+   file. reading_check returns 1 if no failure occurred; reading_number returns
    the number of a cell or layer. */
-int reading_told(reading *b, int code);
+int reading_check(reading *b, int code);
 int32_t reading_number(reading *b, int32_t number);
 
 /* Return the layout's layer for a layer of the file, a new one if necessary; -1

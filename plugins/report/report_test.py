@@ -249,9 +249,9 @@ def test_pointing(b, runs):
     run = runs[0]
     for i in range(len(run.gates)):
         b.mouse('mouseMoved', *place(b, 1, run.centre(i)))
-        told = b.value('''document.querySelector('.tip').hidden ? '' : document.querySelector('.tip').innerText''')
+        shown = b.value('''document.querySelector('.tip').hidden ? '' : document.querySelector('.tip').innerText''')
         for text in (run.gates[i]['transistor'], run.gates[i]['cell']):
-            expect(text in told, True, 'tip %r of %s' % (told, text))
+            expect(text in shown, True, 'tip %r of %s' % (shown, text))
         facts = b.value('''Object.fromEntries([...document.querySelectorAll('.tip .facts div')].map(d =>
             [d.firstChild.textContent, d.lastChild.textContent]))''')
         found = float(facts['ΔIon'].replace('\u2212', '-').split('\u202f')[0])
@@ -293,17 +293,17 @@ def test_keyboard(b, runs):
     run = runs[0]
     b.value('document.querySelectorAll(".pane canvas")[1].focus()')
     b.key('0', 48)
-    told = '''document.getElementById('told').innerText'''
+    details = '''document.getElementById('details').innerText'''
     for rank, i in enumerate(run.worst()[:3]):
         b.key('PageDown', 34)
-        expect(run.gates[i]['transistor'] in b.value(told), True, 'rank %d: %s' % (rank, b.value(told)))
+        expect(run.gates[i]['transistor'] in b.value(details), True, 'rank %d: %s' % (rank, b.value(details)))
     b.key('Escape', 27)
-    expect(b.value(told), '', 'after Escape')
+    expect(b.value(details), '', 'after Escape')
     b.key('0', 48)
     seen = set()
     for name, code in (('ArrowLeft', 37), ('ArrowUp', 38), ('ArrowRight', 39), ('ArrowDown', 40)):
         b.key(name, code)
-        seen.add(b.value(told))
+        seen.add(b.value(details))
     expect(len(seen - {''}) >= 3, True, 'transistors reached: %r' % seen)
     scale = window(b)['scale']
     b.key('+', 187)
@@ -353,7 +353,7 @@ def test_experiment(b, runs, folder):
     expect([r[0] for r in rows[1:]], ['one', 'two', 'three'], 'methods')
     verdicts = b.value("""[...document.querySelectorAll('#summary .note')].filter(n =>
         n.firstChild.innerText === 'Verdicts').map(n => n.innerText.split('\\n').slice(1))""")
-    expect(verdicts, [['three against one: equal in Ion, Ioff, area, shots, violations, seconds']], 'verdicts')
+    expect(verdicts, [['no verdict on three against one; equal in Ion, Ioff, area, shots, violations, seconds']], 'verdicts')
     ion = [abs(float(g['ion_after'])) for g in runs[0].gates]
     expect(int(rows[1][1]), 2 * len(ion), 'transistors')
     at = [k for k, name in enumerate(rows[0]) if name.startswith('mean |ΔIon|')][0]

@@ -153,7 +153,7 @@ static resist_drawn drawn_default(const resist_base *r, const char *id,
   resist_drawn d = {.line = eda_natural(&scanner, least_line),
                     .pitch = eda_natural(&scanner, least_pitch)};
   char whence[128];
-  if (r->layer[0].told) return d;
+  if (r->layer[0].logged) return d;
   eda_natural_text(scanner, whence, sizeof whence);
   r->host->log(r->host, OPC_LOG_WARNING,
                "%s: no anchor is given, and no whole layout defines one: %g nm "
@@ -545,12 +545,12 @@ int resist_fit(resist_base *resist, int set, const opc_module *litho,
     layer_clear(layer);
     return code;
   }
-  if (!set && !layer->told) {
+  if (!set && !layer->logged) {
     anchor_warn(resist, layer, id, scanner);
     code = anchor_publish(resist, layer, error);
     if (code) return code;
   }
-  layer->told = 1;
+  layer->logged = 1;
   for (size_t k = 0; k < n; k++) wanted += fit[k] != 0;
   if (wanted > layer->count)
     return opc_fail(error, OPC_INVALID, layer->source,

@@ -28,7 +28,7 @@ typedef struct resist_layer {
      during a step; and the printed ones. NULL: none. */
   const eda_gates *gates, *drawn;
   int gates_given;
-  int told; /* 1: the anchor, or a warning about it, was logged */
+  int logged; /* 1: the anchor, or a warning about it, was logged */
   opc_reals table;
   int table_given;
   const char *file; /* NULL: none */

@@ -37,12 +37,13 @@ static double later;     /* added to the figure when the best setting runs
 
 static int run_point(size_t point, opc_error *error) {
   inner.n_metrics = 0;
-  inner_tell("mask", &effort, 7);
+  inner_report("mask", &effort, 7);
   if ((int)point == failing)
     return opc_fail(error, OPC_FAILED, NULL, "no light at %zu", point);
   int last = inner.keep[inner.n_points - 1];
-  inner_tell("mask.synthesizer", &figure, -1000); /* metric of another plugin */
-  inner_tell("mask", &figure, truth(point) + (last ? later : 0));
+  inner_report("mask.synthesizer", &figure,
+               -1000); /* metric of another plugin */
+  inner_report("mask", &figure, truth(point) + (last ? later : 0));
   return OPC_OK;
 }
 

@@ -90,10 +90,10 @@ void cli_write(const char *text) {
 size_t cli_width(void) {
   const char *columns = g_getenv("COLUMNS");
   struct winsize size;
-  guint64 told;
+  guint64 value;
   if (columns &&
-      g_ascii_string_to_unsigned(columns, 10, 1, 100000, &told, NULL))
-    return (size_t)told;
+      g_ascii_string_to_unsigned(columns, 10, 1, 100000, &value, NULL))
+    return (size_t)value;
   if (isatty(fileno(out)) && !ioctl(fileno(out), TIOCGWINSZ, &size) &&
       size.ws_col)
     return size.ws_col;

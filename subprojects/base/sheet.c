@@ -102,7 +102,7 @@ static void drop_constants(const opc_sheet *s, GArray *list, size_t width,
 }
 
 /* Return whether the first k columns of a list identify all rows. */
-static gboolean tells_apart(const opc_sheet *s, const GArray *list, guint k) {
+static gboolean rows_differ(const opc_sheet *s, const GArray *list, guint k) {
   g_autoptr(GHashTable) seen =
       g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
   for (size_t row = 1; row < s->rows; row++) {
@@ -120,7 +120,7 @@ static gboolean tells_apart(const opc_sheet *s, const GArray *list, guint k) {
 static guint count_keys(const opc_sheet *s, const GArray *list, size_t width) {
   size_t total = s->widths[g_array_index(list, size_t, 0)];
   guint k = 1;
-  for (; k < list->len && !tells_apart(s, list, k); k++) {
+  for (; k < list->len && !rows_differ(s, list, k); k++) {
     size_t i = g_array_index(list, size_t, k);
     total += s->widths[i] + GAP;
     if (!s->left[i] || total > width / 2) break;

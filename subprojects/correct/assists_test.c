@@ -84,9 +84,9 @@ static void test_places(void) {
      in one part. */
   int64_t line = 60 * 1000 - 3 * 200, all = 6 * 2 * (540 + 410);
   g_assert_cmpint(eda_area2(&l.mask[EDA_POLY]), ==, 2 * (line + all));
-  g_string_truncate(told, 0);
+  g_string_truncate(published, 0);
   g_assert_false(correct_assists_report(&l, &error));
-  g_assert_cmpstr(told->str, ==, "assists assists_dropped ");
+  g_assert_cmpstr(published->str, ==, "assists assists_dropped ");
   g_assert_cmpuint(l.assists.dropped, ==, 0);
   correct_loop_clear(&l);
   g_assert_false(run_step(&l, &mover, set_rules(2, 6, 0.02), &error));
@@ -114,9 +114,9 @@ static void test_none(void) {
   opc_error error = {0};
   g_assert_false(run_step(&l, &mover, set_rules(0, 6, 0.02), &error));
   g_assert_cmpuint(l.now.assists[EDA_POLY].count, ==, 0);
-  g_string_truncate(told, 0);
+  g_string_truncate(published, 0);
   g_assert_false(correct_assists_report(&l, &error));
-  g_assert_cmpstr(told->str, ==, "");
+  g_assert_cmpstr(published->str, ==, "");
   correct_loop_clear(&l);
 }
 
@@ -143,12 +143,12 @@ static void test_refused(void) {
 
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
-  told = g_string_new(NULL);
+  published = g_string_new(NULL);
   g_test_add_func("/assists/places", test_places);
   g_test_add_func("/assists/dropped", test_dropped);
   g_test_add_func("/assists/none", test_none);
   g_test_add_func("/assists/refused", test_refused);
   int failed = g_test_run();
-  g_string_free(told, TRUE);
+  g_string_free(published, TRUE);
   return failed;
 }

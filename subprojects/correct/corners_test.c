@@ -207,9 +207,9 @@ static void test_figures(void) {
   check_figures(&l, weight, -6);
   for (size_t i = 0; i < GATES; i++)
     check_near(seen[i], mean_of_gate(i, weight, -6), close_to);
-  g_string_truncate(told, 0);
+  g_string_truncate(published, 0);
   g_assert_false(correct_corners_report(&l, &error));
-  g_assert_cmpstr(told->str, ==,
+  g_assert_cmpstr(published->str, ==,
                   "corners[18] all_corners[1] corners_ion_sd "
                   "corners_ion_worst corners_leakage corners_failed ");
   correct_loop_clear(&l);
@@ -379,7 +379,7 @@ static void test_refused(void) {
 
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
-  told = g_string_new(NULL);
+  published = g_string_new(NULL);
   g_test_add_func("/corners/figures", test_figures);
   g_test_add_func("/corners/weights", test_weights);
   g_test_add_func("/corners/limit", test_limit);
@@ -388,6 +388,6 @@ int main(int argc, char **argv) {
   g_test_add_func("/corners/lost", test_lost);
   g_test_add_func("/corners/refused", test_refused);
   int failed = g_test_run();
-  g_string_free(told, TRUE);
+  g_string_free(published, TRUE);
   return failed;
 }

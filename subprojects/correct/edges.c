@@ -299,10 +299,10 @@ void correct_shapes_of_boxes(boxes_lists from, eda_shapes *out) {
 }
 
 int correct_mask_merge(const eda_shapes *polygons, boxes_lists added,
-                       boxes_lists bites, eda_shapes *out, opc_error *error) {
+                       boxes_lists cutouts, eda_shapes *out, opc_error *error) {
   eda_shapes more, less, whole;
   correct_shapes_of_boxes(added, &more);
-  correct_shapes_of_boxes(bites, &less);
+  correct_shapes_of_boxes(cutouts, &less);
   int code = eda_boolean(EDA_OR, polygons, more.count ? &more : NULL,
                          less.count ? &whole : out, error);
   if (!code && less.count) {

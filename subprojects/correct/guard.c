@@ -304,9 +304,9 @@ static void drop_rules(hold *h, size_t gate, double nm) {
   l->next.biases.end[2 * gate] = l->next.biases.end[2 * gate + 1] = 0;
   for (size_t k = 0; k < l->gates->layers; k++) {
     if (l->driver_of[k] != MAIN) continue;
-    correct_trial_reset_boxes(&l->next.patches[k], window,
+    correct_trial_reset_boxes(&l->next.added[k], window,
                               correct_loop_begun(l, k, 0));
-    correct_trial_reset_boxes(&l->next.bites[k], window,
+    correct_trial_reset_boxes(&l->next.cutouts[k], window,
                               correct_loop_begun(l, k, 1));
   }
 }
@@ -390,8 +390,8 @@ static void hold_revert_all(hold *h) {
   for (size_t k = 0; k < next->layers; k++) {
     if (h->l->driver_of[k] != MAIN) continue;
     next->assists[k].count = 0;
-    correct_trial_set_boxes(&next->patches[k], correct_loop_begun(h->l, k, 0));
-    correct_trial_set_boxes(&next->bites[k], correct_loop_begun(h->l, k, 1));
+    correct_trial_set_boxes(&next->added[k], correct_loop_begun(h->l, k, 0));
+    correct_trial_set_boxes(&next->cutouts[k], correct_loop_begun(h->l, k, 1));
     if (next->shift[k])
       memset(next->shift[k], 0, next->fragments[k] * sizeof(int32_t));
   }

@@ -266,16 +266,16 @@ static void test_rule_of_two(void) {
 
 /* A cut-out that opens a gate in spite of its own mask is removed with
    everything around it, but not shapes further away. */
-static int bite_through(void *self, const eda_printed *p, eda_ruling *r,
-                        opc_error *error) {
+static int cutout_through(void *self, const eda_printed *p, eda_ruling *r,
+                          opc_error *error) {
   static const eda_box all = {0, 150, 60, 250};
   (void)self, (void)p, (void)error;
-  r->bites[EDA_POLY] = (eda_boxes){&all, 1};
+  r->cutouts[EDA_POLY] = (eda_boxes){&all, 1};
   return OPC_OK;
 }
 
 static void test_surrounded(void) {
-  static const eda_regulator cuts = {.rule = bite_through,
+  static const eda_regulator cuts = {.rule = cutout_through,
                                      .violations = violations};
   script s = {.l = {{-14, -14}}, .moves = 1, .target = {1, 1}};
   loop l;
@@ -283,7 +283,7 @@ static void test_surrounded(void) {
   run_step(&l, MODULE(&hasty, &s), &extractor, MODULE(&cuts, NULL), 1);
   expect_result(&l, 0, 0, "went back: as drawn, with all around");
   expect_result(&l, 1, -14, NULL);
-  g_assert_cmpuint(l.now.bites[EDA_POLY].count, ==, 0);
+  g_assert_cmpuint(l.now.cutouts[EDA_POLY].count, ==, 0);
   g_assert_cmpuint(l.guard.back, ==, 1);
   g_assert_cmpuint(l.guard.lost, ==, 0);
   correct_loop_clear(&l);
@@ -306,23 +306,23 @@ static void test_neighbour(void) {
 
 /* The cause is not a displaced transistor but the regulator's work beside
    one. */
-static int bite_neighbour(void *self, const eda_printed *p, eda_ruling *r,
-                          opc_error *error) {
+static int cutout_neighbour(void *self, const eda_printed *p, eda_ruling *r,
+                            opc_error *error) {
   static const eda_box sides[] = {{0, 600, 7, 900}, {53, 600, 60, 900}};
   (void)self, (void)p, (void)error;
-  r->bites[EDA_POLY] = (eda_boxes){sides, 2};
+  r->cutouts[EDA_POLY] = (eda_boxes){sides, 2};
   return OPC_OK;
 }
 
 static void test_rule_beside(void) {
-  static const eda_regulator biter = {.rule = bite_neighbour,
+  static const eda_regulator biter = {.rule = cutout_neighbour,
                                       .violations = violations};
   script s = {.l = {{-14, 0}}, .moves = 1, .target = {1, 1}};
   loop l;
   drawn = moved = 0;
   run_step(&l, MODULE(&hasty, &s), &coupled, MODULE(&biter, NULL), 1);
   expect_result(&l, 0, -14, "rule: patch beside at (30, 200) nm");
-  g_assert_cmpuint(l.now.bites[EDA_POLY].count, ==, 2);
+  g_assert_cmpuint(l.now.cutouts[EDA_POLY].count, ==, 2);
   g_assert_cmpuint(l.guard.worse, ==, 1);
   correct_loop_clear(&l);
 }
@@ -375,7 +375,7 @@ static void test_fragments(void) {
 
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
-  told = g_string_new(NULL);
+  published = g_string_new(NULL);
   g_test_add_func("/guard/good", test_good);
   g_test_add_func("/guard/open", test_open);
   g_test_add_func("/guard/worse", test_worse);
@@ -389,6 +389,6 @@ int main(int argc, char **argv) {
   g_test_add_func("/guard/rule-beside", test_rule_beside);
   g_test_add_func("/guard/fragments", test_fragments);
   int failed = g_test_run();
-  g_string_free(told, TRUE);
+  g_string_free(published, TRUE);
   return failed;
 }

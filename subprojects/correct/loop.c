@@ -48,9 +48,9 @@ static int make_mask(loop *l, size_t layer, opc_error *error) {
     correct_pieces_follow(l->gates, layer, &l->now.biases, p);
   correct_pieces_build(p, &l->polygons[layer]);
   eda_shapes_clear(&l->mask[layer]);
-  const eda_boxes added[] = {l->now.patches[layer], l->now.assists[layer]};
-  return correct_mask_merge(&l->polygons[layer], (boxes_lists){added, 2},
-                            (boxes_lists){&l->now.bites[layer], 1},
+  const eda_boxes all[] = {l->now.added[layer], l->now.assists[layer]};
+  return correct_mask_merge(&l->polygons[layer], (boxes_lists){all, 2},
+                            (boxes_lists){&l->now.cutouts[layer], 1},
                             &l->mask[layer], error);
 }
 
@@ -164,10 +164,10 @@ static int loop_rule(loop *l, eda_ruling *ruling, opc_error *error) {
     /* Added shapes repair the drawn edges of transistors. Layers that a
        synthesizer dissects are checked only. */
     if (l->gates->count && k <= EDA_ACTIVE && l->next.shift[k]) continue;
-    correct_trial_set_both(&l->next.patches[k], correct_loop_begun(l, k, 0),
-                           ruling->patches[k]);
-    correct_trial_set_both(&l->next.bites[k], correct_loop_begun(l, k, 1),
-                           ruling->bites[k]);
+    correct_trial_set_both(&l->next.added[k], correct_loop_begun(l, k, 0),
+                           ruling->added[k]);
+    correct_trial_set_both(&l->next.cutouts[k], correct_loop_begun(l, k, 1),
+                           ruling->cutouts[k]);
   }
   return OPC_OK;
 }
@@ -180,12 +180,12 @@ static int loop_judge(loop *l, opc_error *error) {
   if (!l->regulator) return OPC_OK;
   eda_ruling ruling = {.vetoes = l->vetoes,
                        .end = l->next.biases.end,
-                       .patches = eda_alloc(layers, sizeof *ruling.patches),
-                       .bites = eda_alloc(layers, sizeof *ruling.bites)};
-  eda_boxes *patches = ruling.patches, *bites = ruling.bites;
+                       .added = eda_alloc(layers, sizeof *ruling.added),
+                       .cutouts = eda_alloc(layers, sizeof *ruling.cutouts)};
+  eda_boxes *added = ruling.added, *cutouts = ruling.cutouts;
   int code = loop_rule(l, &ruling, error);
-  free(patches);
-  free(bites);
+  free(added);
+  free(cutouts);
   drop_biases(l);
   keep_still(l);
   return code;
@@ -472,8 +472,8 @@ static int loop_iterate_verified(loop *l, opc_error *error) {
   return code;
 }
 
-eda_boxes correct_loop_begun(const loop *l, size_t layer, int bites) {
-  return l->begun[(bites ? l->gates->layers : 0) + layer];
+eda_boxes correct_loop_begun(const loop *l, size_t layer, int cutouts) {
+  return l->begun[(cutouts ? l->gates->layers : 0) + layer];
 }
 
 static void begin_with(loop *l) {
@@ -483,13 +483,14 @@ static void begin_with(loop *l) {
   l->base = l->start.mask->moved;
   l->now.biases.base = l->next.biases.base = l->base;
   for (size_t k = 0; k < layers; k++) {
-    const eda_box_list *patch = &l->base->patch[k], *bite = &l->base->bite[k];
+    const eda_box_list *added = &l->base->added[k],
+                       *cutouts = &l->base->cutouts[k];
     correct_trial_set_boxes(&l->begun[k],
-                            (eda_boxes){patch->box, patch->count});
+                            (eda_boxes){added->box, added->count});
     correct_trial_set_boxes(&l->begun[layers + k],
-                            (eda_boxes){bite->box, bite->count});
-    correct_trial_set_boxes(&l->next.patches[k], correct_loop_begun(l, k, 0));
-    correct_trial_set_boxes(&l->next.bites[k], correct_loop_begun(l, k, 1));
+                            (eda_boxes){cutouts->box, cutouts->count});
+    correct_trial_set_boxes(&l->next.added[k], correct_loop_begun(l, k, 0));
+    correct_trial_set_boxes(&l->next.cutouts[k], correct_loop_begun(l, k, 1));
   }
 }
 

@@ -135,20 +135,20 @@ static const eda_synthesizer hasty = {.begin = begin_moves,
                                       .cut = cut_layer,
                                       .flags = EDA_SYNTHESIZER_ENDS_ANYTIME};
 
-/* ---- a regulator with one patch ---- */
+/* ---- a regulator with one added shape ---- */
 
-static const eda_box patch = {-20, 100, 30, 140};
-static const eda_box *patch_given, *bite_given;
+static const eda_box shape = {-20, 100, 30, 140};
+static const eda_box *added_given, *cutout_given;
 
 static int set_rules(void *self, const eda_printed *p, eda_ruling *r,
                      opc_error *error) {
   (void)self, (void)error;
   g_assert_cmpuint(p->shapes[EDA_POLY].count, ==, 2);
   g_assert_nonnull(p->print[EDA_ACTIVE].coefficients);
-  g_assert_cmpuint(r->patches[EDA_POLY].count + r->bites[EDA_POLY].count, ==,
+  g_assert_cmpuint(r->added[EDA_POLY].count + r->cutouts[EDA_POLY].count, ==,
                    0);
-  r->patches[EDA_POLY] = (eda_boxes){patch_given, 1};
-  r->bites[EDA_POLY] = (eda_boxes){bite_given, bite_given != NULL};
+  r->added[EDA_POLY] = (eda_boxes){added_given, 1};
+  r->cutouts[EDA_POLY] = (eda_boxes){cutout_given, cutout_given != NULL};
   return OPC_OK;
 }
 
@@ -230,19 +230,19 @@ static void test_proof(void) {
   correct_loop_clear(&l);
 }
 
-static void test_patches(void) {
+static void test_added(void) {
   loop l;
   opc_error error = {0};
   own.spoil = NULL;
   for (int early = 0; early < 2; early++) {
-    patch_given = &patch;
+    added_given = &shape;
     g_assert_cmpint(run_step(&l, early ? &hasty : &cutter,
                              MODULE(&regulator, NULL), &error),
                     ==, OPC_OK);
     /* Settled before the first displacements, or together with them. */
     g_assert_cmpuint(own.first_simulations, ==, early ? 2 : 3);
     eda_shapes box, outside, both;
-    correct_shapes_of_boxes((boxes_lists){&(eda_boxes){&patch, 1}, 1}, &box);
+    correct_shapes_of_boxes((boxes_lists){&(eda_boxes){&shape, 1}, 1}, &box);
     g_assert_false(
         eda_boolean(EDA_NOT, &box, &l.mask[EDA_POLY], &outside, &error));
     g_assert_false(eda_boolean(EDA_NOT, &l.mask[EDA_POLY],
@@ -264,35 +264,35 @@ static void test_patches(void) {
   correct_loop_clear(&l);
   own.spoil = NULL;
   static const eda_box wrong = {10, 0, 10, 5};
-  patch_given = &wrong;
+  added_given = &wrong;
   g_assert_cmpint(run_step(&l, &cutter, MODULE(&regulator, NULL), &error), ==,
                   OPC_FAILED);
   g_assert_cmpstr(error.parameter, ==, "regulator");
   g_assert_cmpstr(
       error.message, ==,
-      "number 1 of the patches of poly is no box: (10, 0) to (10, 5)");
+      "number 1 of the added shapes of poly is no box: (10, 0) to (10, 5)");
   correct_loop_clear(&l);
 }
 
 /* Cut-outs remove area from added shapes and from the mask, and nothing
    else. */
-static void test_bites(void) {
-  static const eda_box bite = {-20, 120, 10, 160};
+static void test_cutouts(void) {
+  static const eda_box cutout = {-20, 120, 10, 160};
   loop with, without;
   opc_error error = {0};
   eda_shapes box, gone, kept, rest;
   own.spoil = "at once";
-  patch_given = &patch;
+  added_given = &shape;
   own.updates = 0;
   g_assert_cmpint(run_step(&without, &hasty, MODULE(&regulator, NULL), &error),
                   ==, OPC_OK);
-  bite_given = &bite;
+  cutout_given = &cutout;
   own.updates = 0;
   g_assert_cmpint(run_step(&with, &hasty, MODULE(&regulator, NULL), &error), ==,
                   OPC_OK);
-  bite_given = NULL;
+  cutout_given = NULL;
   own.spoil = NULL;
-  correct_shapes_of_boxes((boxes_lists){&(eda_boxes){&bite, 1}, 1}, &box);
+  correct_shapes_of_boxes((boxes_lists){&(eda_boxes){&cutout, 1}, 1}, &box);
   g_assert_false(
       eda_boolean(EDA_AND, &box, &with.mask[EDA_POLY], &kept, &error));
   g_assert_cmpuint(kept.count, ==, 0);
@@ -442,7 +442,7 @@ static int update_edges(void *self, const eda_feedback *f, eda_moves *m,
                         int *done, opc_error *error) {
   g_assert_cmpint(m->l[0], ==, MIN(4 * (int)f->iteration, 8));
   m->l[0] = m->w[0] = m->jog[0] = 99;
-  m->assists[EDA_POLY] = (eda_boxes){&patch, 1};
+  m->assists[EDA_POLY] = (eda_boxes){&shape, 1};
   return update_moves(self, f, m, done, error);
 }
 
@@ -506,13 +506,13 @@ static void test_edges(void) {
 
 /* A shape added to such a layer waits for the layer's synthesizer, as in poly,
    and does not affect the other one. */
-static const eda_box metal_patch = {-20, 180, 30, 220};
+static const eda_box metal_added = {-20, 180, 30, 220};
 
 static int rule_metal(void *self, const eda_printed *p, eda_ruling *r,
                       opc_error *error) {
   (void)self, (void)error;
   g_assert_cmpuint(p->shapes[METAL].count, >=, 2);
-  r->patches[METAL] = (eda_boxes){&metal_patch, 1};
+  r->added[METAL] = (eda_boxes){&metal_added, 1};
   return OPC_OK;
 }
 
@@ -526,7 +526,7 @@ static void test_edges_ruled(void) {
   g_assert_cmpint(mover_updates, ==, 2);
   eda_shapes box, outside;
   opc_error error;
-  correct_shapes_of_boxes((boxes_lists){&(eda_boxes){&metal_patch, 1}, 1},
+  correct_shapes_of_boxes((boxes_lists){&(eda_boxes){&metal_added, 1}, 1},
                           &box);
   g_assert_false(eda_boolean(EDA_NOT, &box, &l.mask[METAL], &outside, &error));
   g_assert_cmpuint(outside.count, ==, 0);
@@ -543,29 +543,30 @@ static void test_report(void) {
   loop l;
   opc_error error = {0};
   own.spoil = NULL;
-  told = g_string_new(NULL);
+  published = g_string_new(NULL);
   g_assert_cmpint(run_step(&l, &cutter, NULL, &error), ==, OPC_OK);
   const eda_mask mask = {.gates = &metal,
                          .iterations = l.iterations,
                          .simulations = l.printer.simulations};
-  const report told_of = {.mask = &mask,
-                          .sites = l.sites,
-                          .extension = l.measured.extension,
-                          .biases = &l.now.biases,
-                          .synthesizer = MODULE(&cutter, &own)};
-  g_assert_cmpint(correct_report_mask(&host, &told_of, &error), ==, OPC_OK);
-  g_assert_cmpstr(told->str, ==,
+  const report report_input = {.mask = &mask,
+                               .sites = l.sites,
+                               .extension = l.measured.extension,
+                               .biases = &l.now.biases,
+                               .synthesizer = MODULE(&cutter, &own)};
+  g_assert_cmpint(correct_report_mask(&host, &report_input, &error), ==,
+                  OPC_OK);
+  g_assert_cmpstr(published->str, ==,
                   "gates[0] effort[1] transistors epe_mean epe_max epe_lost "
                   "iterations simulations fine_simulations failed ");
-  g_string_truncate(told, 0);
+  g_string_truncate(published, 0);
   g_assert_cmpint(correct_history_report(&l.history, &host, &error), ==,
                   OPC_OK);
   g_autofree char *want = g_strdup_printf(
       "history[%u],iteration,epe_mean,epe_max,simulations,"
       "fine_simulations,model ",
       l.printer.simulations - 1);
-  g_assert_cmpstr(told->str, ==, want);
-  g_string_free(told, TRUE);
+  g_assert_cmpstr(published->str, ==, want);
+  g_string_free(published, TRUE);
   correct_loop_clear(&l);
 }
 
@@ -573,8 +574,8 @@ int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/loop/fragments", test_fragments);
   g_test_add_func("/loop/proof", test_proof);
-  g_test_add_func("/loop/patches", test_patches);
-  g_test_add_func("/loop/bites", test_bites);
+  g_test_add_func("/loop/added", test_added);
+  g_test_add_func("/loop/cutouts", test_cutouts);
   g_test_add_func("/loop/assists", test_assists);
   g_test_add_func("/loop/faults", test_faults);
   g_test_add_func("/loop/edges", test_edges);

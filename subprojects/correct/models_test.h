@@ -13,7 +13,7 @@
 
 /* ---- a host ---- */
 
-static GString *told; /* metrics, tables and their columns */
+static GString *published; /* metrics, tables and their columns */
 
 static int warnings;
 
@@ -32,7 +32,7 @@ static int keep_metric(const opc_host *h, const char *name, double value,
                        opc_error *error) {
   (void)h, (void)error;
   g_assert_true(isfinite(value));
-  g_string_append_printf(told, "%s ", name);
+  g_string_append_printf(published, "%s ", name);
   return OPC_OK;
 }
 
@@ -40,11 +40,11 @@ static int keep_table(const opc_host *h, const char *name, uint32_t flags,
                       size_t rows, const opc_column *columns, size_t n,
                       size_t size, opc_error *error) {
   (void)h, (void)flags, (void)size, (void)error;
-  g_string_append_printf(told, "%s[%zu]", name, rows);
+  g_string_append_printf(published, "%s[%zu]", name, rows);
   if (!strcmp(name, "history"))
     for (size_t i = 0; i < n; i++)
-      g_string_append_printf(told, ",%s", columns[i].name);
-  g_string_append_c(told, ' ');
+      g_string_append_printf(published, ",%s", columns[i].name);
+  g_string_append_c(published, ' ');
   return OPC_OK;
 }
 

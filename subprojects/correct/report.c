@@ -169,7 +169,7 @@ static const struct {
                 {EDA_PRINT_SHORT, "short line end"},
                 {EDA_PRINT_NECK, "neck"},
                 {EDA_PRINT_WIDE, "wide"},
-                {EDA_PRINT_BITE, "bite"},
+                {EDA_PRINT_NOTCH, "bite"},
                 {EDA_PRINT_OUTSIDE, "outside the table"}};
 
 /* Return the first finding. */

@@ -75,9 +75,10 @@ int correct_start_mask(const eda_gates *g, const eda_moved *moved, size_t layer,
   trial none;
   pieces p;
   eda_shapes polygons;
-  const eda_box_list *patch = &moved->patch[layer], *bite = &moved->bite[layer];
-  const eda_boxes added = {patch->box, patch->count},
-                  bites = {bite->box, bite->count};
+  const eda_box_list *added = &moved->added[layer],
+                     *cutouts = &moved->cutouts[layer];
+  const eda_boxes more = {added->box, added->count},
+                  cut = {cutouts->box, cutouts->count};
   correct_trial_init(&none, g->layers, g->count);
   none.biases.base = moved;
   correct_pieces_of_edges(&g->edges[layer], 1, &p);
@@ -88,8 +89,8 @@ int correct_start_mask(const eda_gates *g, const eda_moved *moved, size_t layer,
   }
   correct_pieces_follow(g, layer, &none.biases, &p);
   correct_pieces_build(&p, &polygons);
-  int code = correct_mask_merge(&polygons, (boxes_lists){&added, 1},
-                                (boxes_lists){&bites, 1}, out, error);
+  int code = correct_mask_merge(&polygons, (boxes_lists){&more, 1},
+                                (boxes_lists){&cut, 1}, out, error);
   eda_shapes_clear(&polygons);
   correct_pieces_clear(&p);
   correct_trial_clear(&none);
@@ -120,8 +121,8 @@ eda_moved *correct_moved_of(const loop *l) {
   memcpy(m->end, t->biases.end, 2 * n * sizeof *m->end);
   memcpy(m->part, t->biases.part, EDA_PARTS * n * sizeof *m->part);
   for (size_t k = 0; k < layers; k++) {
-    m->patch[k] = copy_of(t->patches[k]);
-    m->bite[k] = copy_of(t->bites[k]);
+    m->added[k] = copy_of(t->added[k]);
+    m->cutouts[k] = copy_of(t->cutouts[k]);
   }
   return m;
 }

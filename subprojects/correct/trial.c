@@ -21,8 +21,8 @@ void correct_trial_init(trial *t, size_t layers, size_t gates) {
   t->biases = correct_biases_in(all, gates);
   t->fragments = eda_alloc(layers, sizeof *t->fragments);
   t->shift = eda_alloc(layers, sizeof *t->shift);
-  t->patches = eda_alloc(layers, sizeof *t->patches);
-  t->bites = eda_alloc(layers, sizeof *t->bites);
+  t->added = eda_alloc(layers, sizeof *t->added);
+  t->cutouts = eda_alloc(layers, sizeof *t->cutouts);
   t->assists = eda_alloc(layers, sizeof *t->assists);
 }
 
@@ -30,14 +30,14 @@ void correct_trial_clear(trial *t) {
   free(t->biases.w);
   for (size_t k = 0; t->shift && k < t->layers; k++) {
     free(t->shift[k]);
-    free((eda_box *)t->patches[k].box);
-    free((eda_box *)t->bites[k].box);
+    free((eda_box *)t->added[k].box);
+    free((eda_box *)t->cutouts[k].box);
     free((eda_box *)t->assists[k].box);
   }
   free(t->fragments);
   free(t->shift);
-  free(t->patches);
-  free(t->bites);
+  free(t->added);
+  free(t->cutouts);
   free(t->assists);
 }
 
@@ -95,8 +95,8 @@ void correct_trial_copy(trial *to, const trial *from) {
   memcpy(to->biases.w, from->biases.w,
          TRIAL_BIASES * from->gates * sizeof(int32_t));
   for (size_t k = 0; k < from->layers; k++) {
-    correct_trial_set_boxes(&to->patches[k], from->patches[k]);
-    correct_trial_set_boxes(&to->bites[k], from->bites[k]);
+    correct_trial_set_boxes(&to->added[k], from->added[k]);
+    correct_trial_set_boxes(&to->cutouts[k], from->cutouts[k]);
     correct_trial_set_boxes(&to->assists[k], from->assists[k]);
     if (!from->shift[k]) continue;
     if (!to->shift[k]) correct_trial_cut(to, k, from->fragments[k]);
@@ -115,8 +115,8 @@ static int other_boxes(eda_boxes a, eda_boxes b) {
 
 int correct_trial_differs(const trial *a, const trial *b, size_t layer) {
   size_t n = a->gates;
-  if (other_boxes(a->patches[layer], b->patches[layer]) ||
-      other_boxes(a->bites[layer], b->bites[layer]) ||
+  if (other_boxes(a->added[layer], b->added[layer]) ||
+      other_boxes(a->cutouts[layer], b->cutouts[layer]) ||
       other_boxes(a->assists[layer], b->assists[layer]))
     return 1;
   if (a->shift[layer])

@@ -16,7 +16,7 @@ static gboolean read_number(const char *name, int *value) {
 }
 
 /* By mpirun of Open MPI, and by Slurm's srun with PMIx or PMI. */
-gboolean ranks_told(int *rank, int *size) {
+gboolean ranks_launched(int *rank, int *size) {
   static const char *const names[][2] = {
       {"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"},
       {"PMIX_RANK", "SLURM_STEP_NUM_TASKS"},

@@ -78,7 +78,7 @@ int mpi_spread(void *bytes, size_t n, int from, opc_error *error) {
 
 /* ---- turns ---- */
 
-enum { ASK = 1, TELL = 2 };
+enum { ASK = 1, REPLY = 2 };
 
 static int64_t turns_add(int64_t by) {
   return __atomic_fetch_add(&turns, by, __ATOMIC_RELAXED);
@@ -97,7 +97,7 @@ static void turns_answer(void) {
     MPI_Recv(&value, 1, MPI_INT64_T, status.MPI_SOURCE, ASK, asking,
              MPI_STATUS_IGNORE);
     value = turns_add(value);
-    MPI_Send(&value, 1, MPI_INT64_T, status.MPI_SOURCE, TELL, asking);
+    MPI_Send(&value, 1, MPI_INT64_T, status.MPI_SOURCE, REPLY, asking);
   }
 }
 
@@ -118,7 +118,7 @@ int64_t mpi_turn(int64_t by) {
   if (over || is_stopped()) return -1;
   if (own == 0) return turns_add(by);
   pthread_mutex_lock(&lock);
-  MPI_Irecv(&got, 1, MPI_INT64_T, 0, TELL, asking, &requests[1]);
+  MPI_Irecv(&got, 1, MPI_INT64_T, 0, REPLY, asking, &requests[1]);
   MPI_Isend(&by, 1, MPI_INT64_T, 0, ASK, asking, &requests[0]);
   pthread_mutex_unlock(&lock);
   return wait_for(&requests[0]) || wait_for(&requests[1]) ? -1 : got;

@@ -22,9 +22,9 @@ static void assert_true(int good, const char *text) {
 /* ---- units whose results are known ---- */
 
 typedef struct table {
-  char done[UNITS];  /* by this rank */
-  size_t next, told; /* the unit to be taken; the largest of done() */
-  size_t faulty;     /* UNITS: none */
+  char done[UNITS];     /* by this rank */
+  size_t next, largest; /* the unit to be taken; the largest of done() */
+  size_t faulty;        /* UNITS: none */
   int wrong;
 } table;
 
@@ -62,7 +62,7 @@ static int unit_take(void *data, size_t i, const void *bytes, size_t size,
 
 static void unit_done(void *data, size_t n) {
   table *t = data;
-  t->told = MAX(t->told, n);
+  t->largest = MAX(t->largest, n);
 }
 
 static int table_share(table *t, opc_error *error) {
@@ -77,7 +77,7 @@ static void test_share(void) {
   opc_error error = {0};
   table t = {.faulty = UNITS};
   int code = table_share(&t, &error), once = 1, kept = 1;
-  assert_true(!code && !t.wrong && t.next == UNITS && t.told == UNITS,
+  assert_true(!code && !t.wrong && t.next == UNITS && t.largest == UNITS,
               "all ranks take all results in order");
   char all[3][UNITS];
   for (int r = 0; r < 3; r++) {
@@ -122,12 +122,12 @@ static int go_on(void) { return 0; }
 
 int main(void) {
   int rank, size;
-  gboolean told = ranks_told(&rank, &size);
+  gboolean launched = ranks_launched(&rank, &size);
   group = ranks_join(go_on);
   if (!group) return 1;
   if (!group->rank) printf("1..8\n");
-  assert_true(told && rank == group->rank && size == 3 && group->size == 3,
-              "the environment tells of three ranks");
+  assert_true(launched && rank == group->rank && size == 3 && group->size == 3,
+              "the environment reports three ranks");
   test_share();
   test_fault();
   test_meet();

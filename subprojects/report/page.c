@@ -241,7 +241,7 @@ static char *name_of(const eda_run_facts *f, const char *folder, int running) {
 
 static int add_facts(page *p, GString *out, eda_run *run, const char *label,
                      const char *method, int running, opc_error *error) {
-  const eda_run_facts *f = eda_run_told(run);
+  const eda_run_facts *f = eda_run_info(run);
   text_member(out, "label", label);
   text_member(out, "method", method ? method : label);
   text_member(out, "folder", running ? NULL : f->folder);
@@ -274,12 +274,12 @@ int page_add_run(page *p, const char *folder, const char *of_case,
   g_autofree char *name =
       method && of_case ? g_strdup_printf("%s, %s", of_case, method)
       : method          ? g_strdup(method)
-                        : name_of(eda_run_told(run), folder, running);
+                        : name_of(eda_run_info(run), folder, running);
   g_autofree char *label = label_of(p, name);
   g_autoptr(GString) out = g_string_new("{");
   text_member(out, "case", of_case ? of_case : "");
   int code = add_facts(p, out, run, label, method, running, error);
-  if (!running && !eda_run_told(run)->failure) {
+  if (!running && !eda_run_info(run)->failure) {
     g_ptr_array_add(p->places, g_strdup(of_case ? of_case : ""));
     g_ptr_array_add(p->places, g_strdup(method ? method : label));
     g_ptr_array_add(p->places, g_strdup(folder));
@@ -332,7 +332,6 @@ static size_t place_of(GPtrArray *texts, char *text) {
 }
 
 static void add_change(GString *out, const eda_change *c) {
-  static const char *const words[] = {"same", "better", "worse", "too few"};
   open_member(out, c->name, '{');
   text_member(out, "title", c->title);
   text_member(out, "unit", c->unit);
@@ -343,7 +342,7 @@ static void add_change(GString *out, const eda_change *c) {
   number_member(out, "low", c->median.low);
   number_member(out, "high", c->median.high);
   number_member(out, "independent", (double)c->median.n);
-  text_member(out, "verdict", words[c->verdict]);
+  text_member(out, "verdict", c->word);
   g_string_append_c(out, '}');
 }
 

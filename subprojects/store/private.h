@@ -9,7 +9,7 @@ struct opc_store {
   guint64 limit;      /* bytes */
   guint64 written;    /* bytes since the last check of the limit */
   char *complaint;    /* problem not yet reported */
-  gboolean told;      /* a write failure was reported, once */
+  gboolean reported;  /* a write failure was reported, once */
   GHashTable *sums;   /* path to opc_sum */
   gboolean sums_read; /* stored sums were loaded */
   gboolean sums_new;  /* sums were added since */

@@ -205,8 +205,8 @@ gboolean opc_store_put(opc_store *store, const char *key, GVariant *given) {
   gboolean good = file >= 0 && write_value(fresh, file, path, value);
   /* Another process that clears the store at this moment may have removed the
      file. */
-  if (!good && errno != ENOENT && !store->told) {
-    store->told = TRUE;
+  if (!good && errno != ENOENT && !store->reported) {
+    store->reported = TRUE;
     store_complain(store, store->folder, g_strerror(errno));
   }
   if (!good && file >= 0) (void)unlink(fresh);

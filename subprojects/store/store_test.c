@@ -72,8 +72,8 @@ static void test_damage(void) {
     g_assert_true(
         g_file_set_contents(path, bad, (gssize)(i < n ? n : i - n), NULL));
     g_assert_false(store_has(store, "cd34.x"));
-    g_autofree char *told = opc_store_complaint(store);
-    g_assert_nonnull(strstr(told, "damaged"));
+    g_autofree char *complaint = opc_store_complaint(store);
+    g_assert_nonnull(strstr(complaint, "damaged"));
     g_assert_false(g_file_test(path, G_FILE_TEST_EXISTS));
     g_assert_null(opc_store_complaint(store));
   }

@@ -9,8 +9,8 @@ static int bad_rule(void *self, const eda_printed *printed, eda_ruling *ruling,
   evil("rule");
   if (fault_is("overrun")) ruling->vetoes[n] = 0;
   if (fault_is("underrun")) ruling->end[-1] = 0;
-  if (fault_is("dangling patches"))
-    ruling->patches[0] = (eda_boxes){(const eda_box *)16, 3};
+  if (fault_is("dangling shapes"))
+    ruling->added[0] = (eda_boxes){(const eda_box *)16, 3};
   if (fault_is("ends")) ruling->end[0] = 1 << 24;
   if (fault_is("vetoes")) ruling->vetoes[2] = 0x40;
   return fault_apply();

@@ -139,7 +139,7 @@ static int explain_run(const cli_verb *verb, const GPtrArray *arguments) {
   JsonArray *results = results_of(manifest, &store);
   if (!results)
     return cli_error(CLI_USAGE,
-                     "'%s': does not tell; was it run with '--no-cache', or "
+                     "'%s': no record; was the run made with '--no-cache', or "
                      "by an earlier version?",
                      path);
   if (json)

@@ -14,6 +14,7 @@
 #include "core/cli/cli.h"
 #include "core/plugin/declaration.h"
 #include "core/plugin/kind.h"
+#include "tools/devel/comparison.h"
 #include "tools/devel/verbs.h"
 
 static const char *wanted;  /* --kind */
@@ -22,9 +23,9 @@ static gboolean json;
 
 static const cli_option options[] = {
     {"kind", "by default what NAME begins with", "KIND", .text = &wanted},
-    {"process", "a flow that extends this one and works on INPUT", "NAME",
-     .text = &process},
-    {"json", "tell the files as JSON", .flag = &json},
+    {"process", "a flow or comparison that extends this one and works on INPUT",
+     "NAME", .text = &process},
+    {"json", "print the files as JSON", .flag = &json},
     {0}};
 
 /* The new thing: its name "mine"; of a plugin also its id "step.mine" and its
@@ -335,6 +336,48 @@ static int new_flow(const GPtrArray *arguments) {
   return code;
 }
 
+/* ---- a comparison ---- */
+
+/* Return the text of one file of a comparison (g_free); NULL and the exit code
+   in *code. */
+static char *comparison_file(const char *resource, const char *path,
+                             const GPtrArray *inputs, int *code) {
+  g_autofree char *from =
+      g_build_path("/", "/opcflow/comparison", resource, NULL);
+  g_autoptr(GBytes) bytes =
+      g_resources_lookup_data(from, G_RESOURCE_LOOKUP_FLAGS_NONE, NULL);
+  g_autofree char *template =
+      g_strndup(g_bytes_get_data(bytes, NULL), g_bytes_get_size(bytes));
+  return comparison_text(template, path, inputs, code);
+}
+
+/* Write comparison.yaml, an experiment on files of a process, and the flow of
+   its methods. */
+static int new_comparison(const GPtrArray *arguments) {
+  if (!process || arguments->len < 2)
+    return cli_error(CLI_USAGE,
+                     "'new comparison' needs --process NAME and files, see "
+                     "'opcflow help new'");
+  g_autoptr(GPtrArray) inputs = g_ptr_array_new();
+  for (guint i = 1; i < arguments->len; i++) {
+    if (!g_file_test(arguments->pdata[i], G_FILE_TEST_IS_REGULAR))
+      return cli_error(CLI_IO, "'%s' is not a regular file",
+                       (char *)arguments->pdata[i]);
+    g_ptr_array_add(inputs, arguments->pdata[i]);
+  }
+  name = g_strdup("comparison");
+  folder = g_strdup(".");
+  g_autofree char *path = find_process();
+  g_auto(GStrv) own = own_names("comparison");
+  int code = path ? -1 : CLI_USAGE;
+  g_autoptr(GPtrArray) texts = g_ptr_array_new_with_free_func(g_free);
+  for (guint i = 0; own[i] && code < 0; i++)
+    g_ptr_array_add(texts, comparison_file(own[i], path, inputs, &code));
+  for (guint i = 0; own[i] && code < 0; i++)
+    code = template_write(own[i], texts->pdata[i], FALSE);
+  return code;
+}
+
 /* ---- entry ---- */
 
 static int files_print(void) {
@@ -353,15 +396,23 @@ static int new_run(const cli_verb *verb, const GPtrArray *arguments) {
   const char *what = arguments->pdata[0];
   gboolean plugin = !strcmp(what, "plugin");
   files = g_ptr_array_new_with_free_func(g_free);
-  if (!plugin && strcmp(what, "flow") != 0)
-    return cli_error(CLI_USAGE, "'new' makes a 'plugin' or a 'flow', not '%s'",
-                     what);
+  gboolean comparison = !strcmp(what, "comparison");
+  if (!plugin && !comparison && strcmp(what, "flow") != 0)
+    return cli_error(
+        CLI_USAGE,
+        "'new' makes a 'plugin', a 'flow' or a 'comparison', not '%s'", what);
   if (plugin && process)
-    return cli_error(CLI_USAGE, "'--process' goes with 'new flow'");
-  int code = plugin ? new_plugin(arguments) : new_flow(arguments);
+    return cli_error(CLI_USAGE,
+                     "'--process' goes with 'new flow' and 'new comparison'");
+  if (plugin && arguments->len > 3)
+    return cli_error(CLI_USAGE, "'new plugin' does not take '%s'",
+                     (char *)arguments->pdata[3]);
+  int code = plugin       ? new_plugin(arguments)
+             : comparison ? new_comparison(arguments)
+                          : new_flow(arguments);
   return code < 0 ? files_print() : code;
 }
 
 const cli_verb devel_new = {CLI_NEW,        .options = options,
-                            .least = 1,     .most = 3,
-                            .run = new_run, .words = "flow|plugin"};
+                            .least = 1,     .most = G_MAXUINT,
+                            .run = new_run, .words = "comparison|flow|plugin"};

@@ -323,10 +323,12 @@ int margins_find(bench *b, const cell *cells, size_t count, margins *out,
 
 /* ---- tables.c ---- */
 
-int tell_delays(bench *b, const patterns *p, const delays *d, opc_error *error);
-int tell_leakage(bench *b, const patterns *p, const logic *l, opc_error *error);
-int tell_margins(bench *b, const cell *cells, size_t count, const margins *m,
-                 opc_error *error);
+int delays_report(bench *b, const patterns *p, const delays *d,
+                  opc_error *error);
+int leakage_report(bench *b, const patterns *p, const logic *l,
+                   opc_error *error);
+int margins_report(bench *b, const cell *cells, size_t count, const margins *m,
+                   opc_error *error);
 
 /* Return the arrival with the largest delay deviation among rising or falling
    ones; -1: none. */

@@ -157,7 +157,7 @@ static const char *picture_path(const bench *b, opc_error *error) {
 static int finish_delays(bench *b, const machine *m, const patterns *p,
                          const logic *l, opc_error *error) {
   delays d;
-  if (delays_find(b, m, p, l, &d, error) || tell_delays(b, p, &d, error))
+  if (delays_find(b, m, p, l, &d, error) || delays_report(b, p, &d, error))
     return error->code;
   const char *path = picture_path(b, error);
   return path ? draw_delays(b, p, &d, path, error) : error->code;
@@ -173,7 +173,7 @@ static int run_logic(bench *b, opc_error *error) {
                  "more",
                  p.transitions);
   if (logic_find(b, &p, &l, error)) return error->code;
-  if (b->measure != DELAYS && tell_leakage(b, &p, &l, error))
+  if (b->measure != DELAYS && leakage_report(b, &p, &l, error))
     return error->code;
   return b->measure == LEAKAGE ? OPC_OK : finish_delays(b, NULL, &p, &l, error);
 }
@@ -219,7 +219,7 @@ static int run_margins(bench *b, cell *cells, size_t count, opc_error *error) {
                     b->circuit->name);
   if (pick_cell(b, cells, &count, error) ||
       margins_find(b, cells, count, &m, error) ||
-      tell_margins(b, cells, count, &m, error))
+      margins_report(b, cells, count, &m, error))
     return error->code;
   const char *path = picture_path(b, error);
   return path ? draw_margins(b, cells, count, &m, path, error) : error->code;

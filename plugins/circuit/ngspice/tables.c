@@ -137,7 +137,7 @@ static const double *value_of(const arrival *a, int quantity) {
   return quantity == TR || quantity == TF ? a->slope : a->delay;
 }
 
-static int tell_quantities(bench *b, const delays *d, opc_error *error) {
+static int quantities_report(bench *b, const delays *d, opc_error *error) {
   static const char *const names[QUANTITIES] = {
       "rise time", "fall time", "delay, rising", "delay, falling", "delay"};
   static const char *const ids[QUANTITIES] = {"tr", "tf", "tplh", "tphl", "tp"};
@@ -167,8 +167,8 @@ static int tell_quantities(bench *b, const delays *d, opc_error *error) {
   return table_publish(&t, "performance", OPC_TABLE_PRINT, error);
 }
 
-static int tell_arrivals(bench *b, const patterns *p, const delays *d,
-                         opc_error *error) {
+static int arrivals_report(bench *b, const patterns *p, const delays *d,
+                           opc_error *error) {
   static const char *const whats[] = {"delay", "slope"};
   table t = {.b = b, .rows = d->count};
   const char **inputs = add_texts(&t, "inputs");
@@ -195,8 +195,8 @@ static int tell_arrivals(bench *b, const patterns *p, const delays *d,
   return table_publish(&t, "delays", 0, error);
 }
 
-int tell_delays(bench *b, const patterns *p, const delays *d,
-                opc_error *error) {
+int delays_report(bench *b, const patterns *p, const delays *d,
+                  opc_error *error) {
   size_t missing = 0, before = 0, early = 0;
   for (size_t i = 0; i < d->count; i++) {
     const arrival *a = &d->arrival[i];
@@ -220,9 +220,9 @@ int tell_delays(bench *b, const patterns *p, const delays *d,
                  early, d->count);
   if (publish_metric(b, "transitions", (double)d->flips, error) ||
       publish_metric(b, "unmeasured", (double)missing, error) ||
-      tell_quantities(b, d, error))
+      quantities_report(b, d, error))
     return error->code;
-  return tell_arrivals(b, p, d, error);
+  return arrivals_report(b, p, d, error);
 }
 
 int64_t worst_arrival(const delays *d, const bench *b, int rises) {
@@ -244,8 +244,8 @@ int64_t worst_arrival(const delays *d, const bench *b, int rises) {
 
 /* ---- leakage ---- */
 
-int tell_leakage(bench *b, const patterns *p, const logic *l,
-                 opc_error *error) {
+int leakage_report(bench *b, const patterns *p, const logic *l,
+                   opc_error *error) {
   size_t n = p->count;
   double most = 0;
   spread all[EDA_STATES] = {{0}}, watts = {0};
@@ -283,8 +283,8 @@ int tell_leakage(bench *b, const patterns *p, const logic *l,
 
 static const char *const sides[] = {"left", "right"};
 
-static int tell_cells(bench *b, const cell *cells, size_t count,
-                      const margins *m, opc_error *error) {
+static int margins_cells(bench *b, const cell *cells, size_t count,
+                         const margins *m, opc_error *error) {
   table t = {.b = b, .rows = count};
   const char **q = add_texts(&t, "cell");
   for (size_t i = 0; i < count; i++) q[i] = b->circuit->net[cells[i].q];
@@ -317,8 +317,8 @@ static void warn_of_state(const bench *b, const cell *cells, size_t count,
                  count, when[state], b->circuit->net[cells[first].q]);
 }
 
-int tell_margins(bench *b, const cell *cells, size_t count, const margins *m,
-                 opc_error *error) {
+int margins_report(bench *b, const cell *cells, size_t count, const margins *m,
+                   opc_error *error) {
   table t = {.b = b, .rows = 2};
   const char **margin = add_texts(&t, "margin");
   double *least = add_numbers(&t, "least drawn", "mV", 2);
@@ -346,7 +346,7 @@ int tell_margins(bench *b, const cell *cells, size_t count, const margins *m,
   if (publish_metric(b, "cells", (double)count, error) ||
       table_publish(&t, "snm", OPC_TABLE_PRINT, error))
     return error->code;
-  return tell_cells(b, cells, count, m, error);
+  return margins_cells(b, cells, count, m, error);
 }
 
 size_t worst_cell(const bench *b, size_t count, const margins *m) {

@@ -12,15 +12,15 @@
 /* ---- work: whether it may be compared ---- */
 
 /* Number of reasons in the message; further ones are counted. */
-enum { TOLD = 5 };
+enum { LISTED = 5 };
 
 static int compare_refuse(const GPtrArray *why, opc_error *error) {
   g_autoptr(GString) text = g_string_new("not comparable: ");
-  for (guint i = 0; i < MIN(why->len, TOLD); i++)
+  for (guint i = 0; i < MIN(why->len, LISTED); i++)
     g_string_append_printf(text, "%s%.150s", i ? "; " : "",
                            (char *)why->pdata[i]);
-  if (why->len > TOLD)
-    g_string_append_printf(text, "; and %u more", why->len - TOLD);
+  if (why->len > LISTED)
+    g_string_append_printf(text, "; and %u more", why->len - LISTED);
   return opc_fail(error, OPC_INVALID, NULL, "%s (--anyway compares them)",
                   text->str);
 }
@@ -28,7 +28,7 @@ static int compare_refuse(const GPtrArray *why, opc_error *error) {
 static int check_pairs(const comparison *c, opc_error *error) {
   const field *f = &c->field;
   g_autoptr(GPtrArray) all = g_ptr_array_new_with_free_func(g_free);
-  g_autoptr(GHashTable) told = g_hash_table_new(g_str_hash, g_str_equal);
+  g_autoptr(GHashTable) listed = g_hash_table_new(g_str_hash, g_str_equal);
   for (guint i = 0; i < f->pairs->len; i++) {
     const pair *p = &g_array_index(f->pairs, pair, i);
     g_autoptr(GPtrArray) why = g_ptr_array_new_with_free_func(g_free);
@@ -37,7 +37,7 @@ static int check_pairs(const comparison *c, opc_error *error) {
       char *text = g_strdup_printf("%s%s%s: %s", p->name, *p->name ? ", " : "",
                                    p->method, (char *)why->pdata[k]);
       g_ptr_array_add(all, text);
-      if (c->anyway && g_hash_table_add(told, text))
+      if (c->anyway && g_hash_table_add(listed, text))
         c->host->log(c->host, OPC_LOG_WARNING, "%s", text);
     }
   }
@@ -77,10 +77,11 @@ static int add_worse(const comparison *c, const char *word, GHashTable *seen,
   }
   for (guint i = 0; i < c->intervals->len; i++) {
     const transistor_row *r = &g_array_index(c->intervals, transistor_row, i);
-    g_autofree char *name = g_strconcat("transistors.", r->figure, NULL);
+    g_autofree char *name = g_strconcat("transistors.", r->c.name, NULL);
     if (metric && strcmp(metric + 1, name) != 0) continue;
     meant = 1;
-    if (r->verdict == WORSE && g_hash_table_add(seen, (gpointer)r))
+    if (r->c.verdict == EDA_VERDICT_WORSE &&
+        g_hash_table_add(seen, (gpointer)r))
       g_ptr_array_add(worse, g_strdup_printf("%s: %s", r->method, name));
   }
   return meant;
@@ -96,7 +97,7 @@ static int compare_judge(const comparison *c, opc_error *error) {
       return opc_fail(error, OPC_INVALID, "fail_on",
                       "'%s': there is no such metric", *word);
   if (!worse->len) return OPC_OK;
-  guint shown = MIN(worse->len, TOLD);
+  guint shown = MIN(worse->len, LISTED);
   g_autoptr(GString) text = g_string_new(NULL);
   for (guint i = 0; i < shown; i++)
     g_string_append_printf(text, "%s%.150s", i ? "; " : "",

@@ -152,13 +152,12 @@ static void test_transistors(void) {
   folder_make("a", (made_run){.gates = drawn, .metrics = more});
   folder_make("b", (made_run){.gates = four, .metrics = less});
   compare_good("{}", "a", "b");
-  g_assert_cmpstr(opc_test_text("transistors", "verdict", ion), ==,
-                  "too few cells");
+  g_assert_cmpstr(opc_test_text("transistors", "verdict", ion), ==, "too few");
   g_assert_true(isnan(opc_test_number("transistors", "low", ion)));
   g_assert_cmpstr(
       opc_test_text("verdicts", "verdict", 0), ==,
       "b is better than a in shots by 14 % (1 case); equal in Ioff, "
-      "seconds; too few cells (4 of 5) for Ion");
+      "seconds; too few cells for Ion (4 of 5)");
 }
 
 /* Ion changes by 1 and 3 with one method, by -2 and 0 with the other. */

@@ -19,10 +19,10 @@ static eda_run *open_run(field *f, const char *folder, const char *label,
   if (!run) return NULL;
   g_ptr_array_add(f->runs, run);
   g_ptr_array_add(f->labels, field_keep_text(f, g_strdup(label)));
-  if (!eda_run_told(run)->points) return run;
+  if (!eda_run_info(run)->points) return run;
   opc_fail(error, OPC_INVALID, NULL,
            "'%s' is a sweep of %" PRId64 " points, not one run", folder,
-           eda_run_told(run)->points);
+           eda_run_info(run)->points);
   return NULL;
 }
 
@@ -108,13 +108,13 @@ static char *latest_run(const char *name, const char *variant) {
     opc_error error;
     g_autofree char *path = g_build_filename("runs", entry, NULL);
     eda_run *run = is_of(entry, whole) ? eda_run_open(path, &error) : NULL;
-    const eda_run_facts *told = run ? eda_run_told(run) : NULL;
-    if (told && !told->points && !g_strcmp0(told->variant, variant) &&
-        (!started || strcmp(told->started, started) > 0)) {
+    const eda_run_facts *facts = run ? eda_run_info(run) : NULL;
+    if (facts && !facts->points && !g_strcmp0(facts->variant, variant) &&
+        (!started || strcmp(facts->started, started) > 0)) {
       g_free(best);
       g_free(started);
       best = g_steal_pointer(&path);
-      started = g_strdup(told->started);
+      started = g_strdup(facts->started);
     }
     eda_run_free(run);
   }
@@ -171,7 +171,7 @@ static int case_run(field *f, const opc_host *host, GHashTable *runs,
     g_autofree char *label = g_strdup_printf("%s, %s", c->name, c->method);
     *run = open_run(f, c->folder, label, error);
     if (!*run) return error->code;
-    fault = eda_run_told(*run)->failure;
+    fault = eda_run_info(*run)->failure;
   }
   if (fault) {
     host->log(host, OPC_LOG_WARNING, "%s, %s: left out: %s", c->name, c->method,

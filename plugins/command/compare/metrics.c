@@ -85,7 +85,7 @@ static void add_row(comparison *c, const pair *p, const eda_run_metric *m) {
 
 /* Add the metrics of the base run, then those only in the other run. */
 static void add_pair(comparison *c, const pair *p) {
-  const eda_run_facts *a = eda_run_told(p->base), *b = eda_run_told(p->other);
+  const eda_run_facts *a = eda_run_info(p->base), *b = eda_run_info(p->other);
   for (size_t i = 0; i < a->n_metrics; i++) add_row(c, p, &a->metrics[i]);
   for (size_t i = 0; i < b->n_metrics; i++) {
     if (eda_run_metric_of(p->base, b->metrics[i].name)) continue;

@@ -26,7 +26,7 @@ int same_is_shared(const eda_run *run, const char *name) {
 }
 
 const char *same_content(const eda_run *run, const eda_run_parameter *p) {
-  const eda_run_facts *f = eda_run_told(run);
+  const eda_run_facts *f = eda_run_info(run);
   if (!g_path_is_absolute(p->value)) return NULL;
   for (size_t i = 0; i < f->n_inputs; i++) {
     g_autofree char *path = g_canonicalize_filename(f->inputs[i].path, NULL);
@@ -60,7 +60,7 @@ static void check_parameter(const pair *p, const eda_run_parameter *a,
 /* Check the parameters of common steps; a step that one run lacks is
    ignored. */
 static void check_parameters(const pair *p, GPtrArray *why) {
-  const eda_run_facts *a = eda_run_told(p->base), *b = eda_run_told(p->other);
+  const eda_run_facts *a = eda_run_info(p->base), *b = eda_run_info(p->other);
   for (size_t i = 0; i < a->n_parameters; i++) {
     const eda_run_parameter *one = &a->parameters[i];
     g_autofree char *step = step_use(one->name);
@@ -82,7 +82,7 @@ static void check_parameters(const pair *p, GPtrArray *why) {
 int same_check(const pair *p, GPtrArray *why, opc_error *error) {
   const eda_run *const runs[] = {p->base, p->other};
   for (int i = 0; i < 2; i++) {
-    const eda_run_facts *f = eda_run_told(runs[i]);
+    const eda_run_facts *f = eda_run_info(runs[i]);
     if (f->failure)
       g_ptr_array_add(
           why, g_strdup_printf("'%s' failed: %s", f->folder, f->failure));

@@ -43,7 +43,7 @@ int runs_publish(comparison *c, opc_error *error) {
   const field *f = &c->field;
   g_autofree run_row *r = g_new0(run_row, f->runs->len);
   for (guint i = 0; i < f->runs->len; i++) {
-    const eda_run_facts *t = eda_run_told(f->runs->pdata[i]);
+    const eda_run_facts *t = eda_run_info(f->runs->pdata[i]);
     r[i] = (run_row){f->labels->pdata[i], t->folder,  t->variant,
                      t->version,          t->seconds, t->started};
   }
@@ -80,7 +80,7 @@ static int parameters_differ(const pair *p, const eda_run_parameter *a,
 }
 
 static void add_parameters(GArray *out, const pair *p) {
-  const eda_run_facts *a = eda_run_told(p->base), *b = eda_run_told(p->other);
+  const eda_run_facts *a = eda_run_info(p->base), *b = eda_run_info(p->other);
   for (size_t i = 0; i < a->n_parameters; i++) {
     const eda_run_parameter *x = &a->parameters[i];
     const eda_run_parameter *y = eda_run_parameter_of(p->other, x->name);
@@ -129,30 +129,6 @@ int parameters_publish(comparison *c, opc_error *error) {
 
 /* ---- transistors ---- */
 
-static void add_figure(comparison *c, const char *method,
-                       const eda_change *from) {
-  static const int verdicts[] = {SAME, BETTER, WORSE, SAME};
-  const transistor_row r = {
-      .method = method,
-      .figure = from->name,
-      .n = from->n,
-      .cells = (int64_t)from->median.n,
-      .base = from->base,
-      .value = from->value,
-      .change = from->change,
-      .median = from->median.value,
-      .low = from->median.low,
-      .high = from->median.high,
-      .better = from->better,
-      .worse = from->worse,
-      .same = from->same,
-      .verdict = verdicts[from->verdict],
-      .word = from->verdict == EDA_VERDICT_FEW
-                  ? "too few cells"
-                  : verdict_words[verdicts[from->verdict]]};
-  if (r.n) g_array_append_val(c->intervals, r);
-}
-
 /* Add the verdict on a method over all its cases, and the rows of its
    transistors. */
 static int add_verdict(comparison *c, const char *method, opc_error *error) {
@@ -167,8 +143,10 @@ static int add_verdict(comparison *c, const char *method, opc_error *error) {
   const eda_run_pair *all = (const eda_run_pair *)(void *)pairs->data;
   int code = eda_verdict_init(&v, method, *f->base ? f->base : "the base",
                               pairs->len, all, error);
-  for (int i = EDA_CHANGE_ION; i <= EDA_CHANGE_AREA && !code; i++)
-    add_figure(c, method, &v.changes[i]);
+  for (int i = EDA_CHANGE_ION; i <= EDA_CHANGE_AREA && !code; i++) {
+    const transistor_row row = {method, v.changes[i]};
+    if (row.c.n) g_array_append_val(c->intervals, row);
+  }
   g_ptr_array_add(c->sentences, g_strdup(v.text));
   eda_verdict_clear(&v);
   return code;
@@ -181,20 +159,21 @@ int transistors_publish(comparison *c, opc_error *error) {
     if (!is_repeated(f, i))
       code = add_verdict(c, g_array_index(f->pairs, pair, i).method, error);
   const transistor_row *r = (const transistor_row *)(void *)c->intervals->data;
-  const opc_column columns[] = {{"run", NULL, OPC_TEXT, 0, &r->method},
-                                {"figure", NULL, OPC_TEXT, 0, &r->figure},
-                                {"base", "%", OPC_REAL, 4, &r->base},
-                                {"value", "%", OPC_REAL, 4, &r->value},
-                                {"change", "%", OPC_REAL, 4, &r->change},
-                                {"median", "%", OPC_REAL, 4, &r->median},
-                                {"low", "%", OPC_REAL, 4, &r->low},
-                                {"high", "%", OPC_REAL, 4, &r->high},
-                                {"verdict", NULL, OPC_TEXT, 0, &r->word},
-                                {"better", NULL, OPC_INT, 0, &r->better},
-                                {"worse", NULL, OPC_INT, 0, &r->worse},
-                                {"same", NULL, OPC_INT, 0, &r->same},
-                                {"transistors", NULL, OPC_INT, 0, &r->n},
-                                {"cells", NULL, OPC_INT, 0, &r->cells}};
+  const opc_column columns[] = {
+      {"run", NULL, OPC_TEXT, 0, &r->method},
+      {"figure", NULL, OPC_TEXT, 0, &r->c.name},
+      {"base", "%", OPC_REAL, 4, &r->c.base},
+      {"value", "%", OPC_REAL, 4, &r->c.value},
+      {"change", "%", OPC_REAL, 4, &r->c.change},
+      {"median", "%", OPC_REAL, 4, &r->c.median.value},
+      {"low", "%", OPC_REAL, 4, &r->c.median.low},
+      {"high", "%", OPC_REAL, 4, &r->c.median.high},
+      {"verdict", NULL, OPC_TEXT, 0, &r->c.word},
+      {"better", NULL, OPC_INT, 0, &r->c.better},
+      {"worse", NULL, OPC_INT, 0, &r->c.worse},
+      {"same", NULL, OPC_INT, 0, &r->c.same},
+      {"transistors", NULL, OPC_INT, 0, &r->c.n},
+      {"cells", NULL, OPC_INT, 0, &r->c.median.n}};
   return code ? code
               : put_of_methods(c, "transistors", c->intervals->len, sizeof *r,
                                columns, G_N_ELEMENTS(columns), error);
@@ -224,7 +203,7 @@ static eda_table *open_cost(eda_run *run) {
    number; NULL if there is none. */
 static const char *named_by(const eda_run *run, const char *start,
                             const mask_difference *d) {
-  const eda_run_facts *f = eda_run_told(run);
+  const eda_run_facts *f = eda_run_info(run);
   g_autofree char *number = g_strdup_printf("%u/%u", d->layer, d->datatype);
   for (size_t i = 0; i < f->n_parameters; i++) {
     const char *name = f->parameters[i].name;
@@ -293,8 +272,8 @@ static void add_mask(GArray *out, const pair *p, const char *step,
 
 static int add_masks(GArray *out, const pair *p, const char *step,
                      const char *base, const char *other, opc_error *error) {
-  const char *from = eda_run_told(p->base)->folder;
-  const char *to = eda_run_told(p->other)->folder;
+  const char *from = eda_run_info(p->base)->folder;
+  const char *to = eda_run_info(p->other)->folder;
   g_autofree char *one = g_build_filename(from, base, NULL);
   g_autofree char *two = g_build_filename(to, other, NULL);
   mask_difference *d;
@@ -315,7 +294,7 @@ static const char *mask_file(const eda_run *run, const char *step) {
   if (!plugin || !name || strcmp(plugin->value, "write.gds") != 0 ||
       !eda_run_parameter_of(run, mask))
     return NULL;
-  const eda_run_facts *f = eda_run_told(run);
+  const eda_run_facts *f = eda_run_info(run);
   for (size_t i = 0; i < f->n_files; i++)
     if (!strcmp(f->files[i].path, name->value)) return name->value;
   return NULL;
@@ -323,7 +302,7 @@ static const char *mask_file(const eda_run *run, const char *step) {
 
 /* Compare the masks of the first step that wrote a mask in both runs. */
 static int compare_masks(GArray *out, const pair *p, opc_error *error) {
-  const eda_run_facts *f = eda_run_told(p->base);
+  const eda_run_facts *f = eda_run_info(p->base);
   for (size_t i = 0; i < f->n_parameters; i++) {
     const char *name = f->parameters[i].name;
     const char *dot = strchr(name, '.');

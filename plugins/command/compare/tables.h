@@ -36,11 +36,8 @@ typedef struct metric_row {
 
 /* A figure over all transistors of the pairs of a method. */
 typedef struct transistor_row {
-  const char *method, *figure, *word;
-  int64_t n, cells;
-  double base, value, change, median, low, high;
-  int64_t better, worse, same;
-  int verdict;
+  const char *method;
+  eda_change c;
 } transistor_row;
 
 /* Return whether a comma-separated list selects the metric: by full name, by

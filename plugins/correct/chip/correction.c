@@ -83,16 +83,16 @@ typedef struct owned {
 } owned;
 
 static void own_layer(const correction *m, const loop *l,
-                      const eda_index *index, size_t layer, int bite,
+                      const eda_index *index, size_t layer, int cutout,
                       owned *to) {
   const eda_gates *g = l->gates;
-  eda_boxes b = bite ? l->now.bites[layer] : l->now.patches[layer];
+  eda_boxes b = cutout ? l->now.cutouts[layer] : l->now.added[layer];
   for (size_t i = b.count; i-- > 0;) {
     uint32_t gate = owner_of(m, g, index, b.box[i]);
     if (gate == UINT32_MAX) continue;
     to->box[to->count] =
         (eda_chip_box){eda_chip_own(g->box[gate], g->axis[gate], 0, b.box[i]),
-                       (uint16_t)layer, (uint16_t)bite};
+                       (uint16_t)layer, (uint16_t)cutout};
     to->next[to->count] = to->first[gate];
     to->first[gate] = (uint32_t)++to->count;
   }
@@ -102,13 +102,14 @@ static void own_all(const correction *m, const loop *l, owned *out) {
   const eda_gates *g = l->gates;
   size_t all = 0;
   for (size_t k = 0; k < g->layers; k++)
-    all += l->now.patches[k].count + l->now.bites[k].count;
+    all += l->now.added[k].count + l->now.cutouts[k].count;
   *out = (owned){.box = eda_alloc(all, sizeof *out->box),
                  .next = eda_alloc(all, sizeof *out->next),
                  .first = eda_alloc(g->count, sizeof *out->first)};
   eda_index *index = eda_index_new(g->box, g->count, 0);
   for (size_t k = g->layers; k-- > 0;)
-    for (int bite = 1; bite >= 0; bite--) own_layer(m, l, index, k, bite, out);
+    for (int cutout = 1; cutout >= 0; cutout--)
+      own_layer(m, l, index, k, cutout, out);
   eda_index_free(index);
 }
 

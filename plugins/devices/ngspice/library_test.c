@@ -71,10 +71,10 @@ static void test_ends(void) {
   opc_test_forget();
   if (table_make(SHORT ", widths: [2 um, 3 um, 4 um]", "wide.yaml", &error))
     g_error("%s", error.message);
-  int told = 0;
+  int warnings = 0;
   for (const char *at = opc_test_log(); (at = strstr(at, "no bin")); at++)
-    told++;
-  g_assert_cmpint(told, ==, 4);
+    warnings++;
+  g_assert_cmpint(warnings, ==, 4);
   g_assert_cmpint(table_make(SHORT ", ends: refuse", "no.yaml", &error), ==,
                   OPC_FAILED);
   g_assert_nonnull(strstr(error.message, "at 90 nm: the library has no bin"));

@@ -26,7 +26,7 @@ typedef struct point {
   double width, length, current[TYPES][QUANTITIES];
 } point;
 
-static int tell_table(const plan *p, const currents *c, opc_error *error) {
+static int table_report(const plan *p, const currents *c, opc_error *error) {
   size_t count = p->count - c->first, n = p->widths * count;
   point *rows = eda_alloc(n, sizeof *rows);
   for (size_t i = 0; i < n; i++) {
@@ -47,15 +47,15 @@ static int tell_table(const plan *p, const currents *c, opc_error *error) {
       {"cgate_n", "F", OPC_REAL, -1, &rows->current[EDA_NMOS][CGATE]},
       {"cgate_p", "F", OPC_REAL, -1, &rows->current[EDA_PMOS][CGATE]},
   };
-  size_t told = sizeof columns / sizeof *columns - (p->with_cgate ? 0 : 2);
-  int code = opc_put_rows(p->host, "devices", 0, n, sizeof *rows, columns, told,
-                          error);
+  size_t n_columns = sizeof columns / sizeof *columns - (p->with_cgate ? 0 : 2);
+  int code = opc_put_rows(p->host, "devices", 0, n, sizeof *rows, columns,
+                          n_columns, error);
   free(rows);
   return code;
 }
 
 /* Report the extrapolated part of the table. */
-static void tell_extended(const plan *p, const currents *c) {
+static void extended_report(const plan *p, const currents *c) {
   char text[512];
   if (table_extended(p, c, text, sizeof text))
     p->host->log(p->host, OPC_LOG_WARNING, "of the table, %s", text);
@@ -63,7 +63,8 @@ static void tell_extended(const plan *p, const currents *c) {
 
 /* Report the reference transistors and the change of their currents with
    length. */
-static int tell_reference(const plan *p, const currents *c, opc_error *error) {
+static int reference_report(const plan *p, const currents *c,
+                            opc_error *error) {
   const double *n = c->reference[EDA_NMOS], *pm = c->reference[EDA_PMOS];
   struct {
     double length, width, ion, ioff, on_slope, off_slope, cgate;
@@ -94,11 +95,11 @@ static int tell_reference(const plan *p, const currents *c, opc_error *error) {
       {"dIoff/dL", "%/nm", OPC_REAL, 1, &row->off_slope},
       {"Cgate", "fF", OPC_REAL, 3, &row->cgate},
   };
-  size_t told = sizeof columns / sizeof *columns - (p->with_cgate ? 0 : 1);
+  size_t n_columns = sizeof columns / sizeof *columns - (p->with_cgate ? 0 : 1);
   int code = opc_put_metrics(p->host, values, p->with_cgate ? 6 : 4, error);
   return code ? code
               : opc_put_rows(p->host, "reference", OPC_TABLE_PRINT, TYPES,
-                             sizeof *row, columns, told, error);
+                             sizeof *row, columns, n_columns, error);
 }
 
 /* ---- work: a run ---- */
@@ -110,9 +111,9 @@ static int write_all(const plan *p, const currents *c, opc_error *error) {
   if (!code) code = picture_draw(p, c, name, error);
   if (!code)
     code = p->host->metric(p->host, "shortest", p->length[c->first], error);
-  if (!code) code = tell_reference(p, c, error);
-  tell_extended(p, c);
-  return code ? code : tell_table(p, c, error);
+  if (!code) code = reference_report(p, c, error);
+  extended_report(p, c);
+  return code ? code : table_report(p, c, error);
 }
 
 /* Find the absolute paths of the files: the simulator runs in another

@@ -354,9 +354,9 @@ static int settle_end(const simulation_task *j, opc_error *error) {
     return go_on(j, first, error);
   }
   /* Report once, not for each width. */
-  size_t *told = &out->cut[j->type][j->current];
-  if (first <= *told) return OPC_OK;
-  *told = first;
+  size_t *logged = &out->cut[j->type][j->current];
+  if (first <= *logged) return OPC_OK;
+  *logged = first;
   char what[96];
   length_describe(j, p->length[first - 1], what);
   p->host->log(p->host, OPC_LOG_WARNING,

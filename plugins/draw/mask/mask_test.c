@@ -278,7 +278,7 @@ static void test_failing(void) {
   uint32_t unknown = pixel_at(&m, SIDE, 500, 600);
   g_assert_cmphex(unknown >> 16, ==, unknown & 255); /* grey */
   cairo_surface_destroy(m.surface);
-  d.flags[0] = EDA_PRINT_BITE; /* a note, not a failure */
+  d.flags[0] = EDA_PRINT_NOTCH; /* a note, not a failure */
   g_assert_cmpint(draw_sample(&d, "{ " WINDOW ", file: failing.png }", &error),
                   ==, OPC_OK);
   m = load_picture("failing.png", 0.5);

@@ -45,11 +45,11 @@ static int try_rule(opc_inspector *in, const opc_module *m,
   const eda_gates *g = printed->gates;
   uint32_t vetoes[GATES] = {0};
   int32_t end[2 * GATES] = {0};
-  eda_boxes *patches = eda_alloc(2 * g->layers, sizeof *patches);
+  eda_boxes *added = eda_alloc(2 * g->layers, sizeof *added);
   eda_ruling ruling = {.vetoes = vetoes,
                        .end = end,
-                       .patches = patches,
-                       .bites = patches + g->layers};
+                       .added = added,
+                       .cutouts = added + g->layers};
   opc_error error = {0};
   int own = OPC_OK;
   const try_shim shim = {m, &own};
@@ -60,9 +60,9 @@ static int try_rule(opc_inspector *in, const opc_module *m,
     in->add(in, vetoes, sizeof vetoes);
     in->add(in, end, sizeof end);
     for (size_t k = 0; k < 2 * g->layers; k++)
-      in->add(in, patches[k].box, patches[k].count * sizeof(eda_box));
+      in->add(in, added[k].box, added[k].count * sizeof(eda_box));
   }
-  free(patches);
+  free(added);
   return good;
 }
 

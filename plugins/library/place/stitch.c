@@ -137,13 +137,14 @@ static void take_box(const stitch *s, const entry *e, const turn *t,
 static void take_boxes(stitch *s, const entry *e, const turn *t,
                        const int64_t *match) {
   for (size_t k = 0; k < e->layers; k++) {
-    const eda_box_list *patch = &e->moved->patch[k], *bite = &e->moved->bite[k];
+    const eda_box_list *added = &e->moved->added[k],
+                       *cutouts = &e->moved->cutouts[k];
     int layer = eda_gates_layer(s->gates, e->layer[k]);
     if (layer < 0) continue;
-    for (size_t i = 0; i < patch->count; i++)
-      take_box(s, e, t, match, patch->box[i], &s->moved->patch[layer]);
-    for (size_t i = 0; i < bite->count; i++)
-      take_box(s, e, t, match, bite->box[i], &s->moved->bite[layer]);
+    for (size_t i = 0; i < added->count; i++)
+      take_box(s, e, t, match, added->box[i], &s->moved->added[layer]);
+    for (size_t i = 0; i < cutouts->count; i++)
+      take_box(s, e, t, match, cutouts->box[i], &s->moved->cutouts[layer]);
   }
 }
 

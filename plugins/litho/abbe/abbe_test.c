@@ -267,7 +267,7 @@ static void test_opposite(void) {
   static const struct {
     const char *points;
     double left, right, middle; /* expected weights of light by direction */
-    const char *told;
+    const char *logged;
   } cases[] = {
       {"0.6, 0, 1, -0.6, 0, 1", 0.5, 0.5, 0, "2 source points in opp"},
       {"0.6, 0, 1, -0.6, 0, 3", 0.75, 0.25, 0, "2 source points\n"},
@@ -284,7 +284,7 @@ static void test_opposite(void) {
         waves[k] = defocus / 193.0 * (sqrt(1 - sine[k] * sine[k]) - 1);
       opc_test_forget();
       eda_field f = grating(p, defocus, width, pitch);
-      g_assert_nonnull(strstr(opc_test_log(), cases[i].told));
+      g_assert_nonnull(strstr(opc_test_log(), cases[i].logged));
       for (double x = -pitch / 2; x < pitch / 2; x += 11) {
         double want = cases[i].right * beams(-1, 0, waves, x, width, pitch) +
                       cases[i].left * beams(-1, 0, waves, -x, width, pitch) +

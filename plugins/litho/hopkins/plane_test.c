@@ -76,14 +76,14 @@ static void test_sources(void) {
 static void test_warned(void) {
   static const struct {
     eda_frame frame;
-    const char *told;
+    const char *logged;
     double least, most;
   } cases[] = {{{-1600, -1600, 3200, 3200}, "0.6 %", 0.0055, 0.0065},
                {{-400, -400, 800, 800}, "2 to 3 %", 0.02, 0.03}};
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     opc_test_forget();
     eda_field got = image_of("litho.hopkins", "{ " LISTED " }", cases[i].frame);
-    g_assert_nonnull(strstr(opc_test_log(), cases[i].told));
+    g_assert_nonnull(strstr(opc_test_log(), cases[i].logged));
     eda_field want = image_of("litho.abbe", "{ " LISTED " }", cases[i].frame);
     double worst = worst_difference(&got, &want);
     g_test_message("a frame of %g nm: %.2g", cases[i].frame.width, worst);

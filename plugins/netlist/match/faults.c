@@ -83,7 +83,7 @@ static uint32_t *side_members(finder *f, int s, uint32_t *n) {
   return list;
 }
 
-static void tell_devices(finder *f, FILE *out) {
+static void devices_report(finder *f, FILE *out) {
   const graph *g = f->g;
   uint32_t n, *list = side_members(f, NETLIST, &n);
   for (uint32_t i = 0; i < n && i < NAMES; i++) {
@@ -97,7 +97,7 @@ static void tell_devices(finder *f, FILE *out) {
   if (n) fprintf(out, " ha%s no gate in the layout", n > 1 ? "ve" : "s");
 }
 
-static void tell_gates(finder *f, FILE *out) {
+static void gates_text(finder *f, FILE *out) {
   uint32_t n, *list = side_members(f, LAYOUT, &n);
   if (n && ftell(out)) fputs("; ", out);
   for (uint32_t i = 0; i < n && i < NAMES; i++) {
@@ -109,7 +109,7 @@ static void tell_gates(finder *f, FILE *out) {
   if (n) fprintf(out, " %s not in the netlist", n > 1 ? "are" : "is");
 }
 
-int graph_tell(graph *g) {
+int graph_report(graph *g) {
   finder f = {.g = g};
   match_task *j = g->j;
   for (int r = 0; r < ROUNDS; r++)
@@ -124,8 +124,8 @@ int graph_tell(graph *g) {
                     g->group->scope->of->name);
   char text[840] = "";
   FILE *out = fmemopen(text, sizeof text, "w");
-  tell_devices(&f, out);
-  tell_gates(&f, out);
+  devices_report(&f, out);
+  gates_text(&f, out);
   fclose(out);
   return opc_fail(j->error, OPC_INVALID, "file", "%s", text);
 }

@@ -85,7 +85,7 @@ int graph_make(match_task *j, const region *group, graph *out);
 
 /* faults.c: report the bundles without a counterpart. Returns the error
    code. */
-int graph_tell(graph *g);
+int graph_report(graph *g);
 
 /* assign.c: assign the devices of a bundle to the gates of its counterpart and
    check their sizes. */

@@ -142,12 +142,12 @@ static int solve_group(match_task *j, const region *group) {
   partition p;
   if (graph_make(j, group, &g)) return j->error->code;
   partition_make(&g, &p);
-  if (!partition_solve(&p)) return graph_tell(&g);
+  if (!partition_solve(&p)) return graph_report(&g);
   for (uint32_t i = 0; i < g.side[NETLIST].bundles; i++) {
     const bundle *a = &g.side[NETLIST].bundle[i];
     const bundle *b =
         graph_bundle(&g, node_counterpart(&p, g.bundle0[NETLIST] + i));
-    if (!bundle_corresponds(&p, a, b)) return graph_tell(&g);
+    if (!bundle_corresponds(&p, a, b)) return graph_report(&g);
     if (graph_assign(&g, a, b)) return j->error->code;
   }
   return OPC_OK;

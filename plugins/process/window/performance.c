@@ -28,12 +28,12 @@ static void interval_clip(double a, double b, double least, double most,
 }
 
 /* Interpolation of a current between four simulated conditions. */
-typedef struct patch {
+typedef struct grid_cell {
   const window_print *corner[2][2]; /* [focus][dose] */
   double at;                        /* focus, 0 to 1 */
-} patch;
+} grid_cell;
 
-static void clip_gate(const patch *p, int ioff, size_t i, double least,
+static void clip_gate(const grid_cell *p, int ioff, size_t i, double least,
                       double most, double *low, double *high) {
   double end[2];
   for (int d = 0; d < 2; d++) {
@@ -51,9 +51,10 @@ static void clip_gate(const patch *p, int ioff, size_t i, double least,
 int window_keeps(const window *w, int limits, size_t focus, double at,
                  size_t dose, double *low, double *high) {
   size_t next = focus + 1 < w->focus.count ? focus + 1 : focus;
-  const patch p = {{{window_at(w, focus, dose), window_at(w, focus, dose + 1)},
-                    {window_at(w, next, dose), window_at(w, next, dose + 1)}},
-                   at};
+  const grid_cell p = {
+      {{window_at(w, focus, dose), window_at(w, focus, dose + 1)},
+       {window_at(w, next, dose), window_at(w, next, dose + 1)}},
+      at};
   double least = log1p(-fmin(w->ion_limit, 100) / 100);
   double most = log1p(w->ion_limit / 100), leak = log1p(w->ioff_limit / 100);
   double from = 0, to = 1;

@@ -343,7 +343,7 @@ static void take_command(cif *c, int kind) {
 void cif_parse(cif *c) {
   cif_begin(c);
   set_layer(c, "", 0);
-  c->b.told = 0;
+  c->b.next_progress = 0;
   for (;;) {
     c->command = cif_skip(c);
     int kind = cif_peek(c);

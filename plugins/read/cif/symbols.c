@@ -157,7 +157,7 @@ void cif_make_cells(cif *c) {
   double unit = choose_unit(c);
   if (c->b.failed) return;
   c->b.layout = eda_layout_new(unit, &c->b.said);
-  reading_told(&c->b, c->b.layout ? OPC_OK : c->b.said.code);
+  reading_check(&c->b, c->b.layout ? OPC_OK : c->b.said.code);
   g_autoptr(GHashTable) tried =
       g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
   for (size_t i = 1; i < c->symbols->len && !c->b.failed; i++) {

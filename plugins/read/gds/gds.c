@@ -210,15 +210,15 @@ static void add_shape(gds *g) {
     if (n >= 3) /* fewer points have no area */
       code = eda_layout_add_polygon(b->layout, b->cell, layer, p, n, &b->said);
   }
-  reading_told(b, code);
+  reading_check(b, code);
 }
 
 /* ---- work: placements ---- */
 
 static int put_instance(gds *g, int32_t child, const eda_placement *p) {
-  return reading_told(&g->b,
-                      eda_layout_add_instance(g->b.layout, g->b.cell, child, p,
-                                              g->e.instance, &g->b.said));
+  return reading_check(&g->b,
+                       eda_layout_add_instance(g->b.layout, g->b.cell, child, p,
+                                               g->e.instance, &g->b.said));
 }
 
 /* Divide (x, y) into `count` steps of an array. Return 1 if the step is an
@@ -372,7 +372,7 @@ static void take_units(gds *g) {
     gds_refuse(g, "impossible UNITS");
   if (g->b.failed) return;
   g->b.layout = eda_layout_new(unit * g->b.r->scale, &g->b.said);
-  reading_told(&g->b, g->b.layout ? OPC_OK : g->b.said.code);
+  reading_check(&g->b, g->b.layout ? OPC_OK : g->b.said.code);
 }
 
 static void gds_read_library(void *self) {

@@ -127,7 +127,7 @@ static void begin_cell(clip *c) {
   if (!b->layout && !b->failed) {
     double unit = c->unit > 0 ? c->unit : 1;
     b->layout = eda_layout_new(unit * b->r->scale, &b->said);
-    reading_told(b, b->layout ? OPC_OK : b->said.code);
+    reading_check(b, b->layout ? OPC_OK : b->said.code);
   }
   if (b->failed) return;
   if (eda_layout_find_cell(b->layout, name) >= 0)
@@ -152,8 +152,8 @@ static void take_box(clip *c) {
   if (x > INT32_MAX || y > INT32_MAX) glp_refuse(c, "RECT beyond 2^31");
   eda_box box = {v[0], v[1], (int32_t)x, (int32_t)y};
   if (!b->failed)
-    reading_told(b,
-                 eda_layout_add_box(b->layout, b->cell, layer, box, &b->said));
+    reading_check(b,
+                  eda_layout_add_box(b->layout, b->cell, layer, box, &b->said));
 }
 
 static void take_polygon(clip *c) {
@@ -168,8 +168,8 @@ static void take_polygon(clip *c) {
   }
   if (n < 3) glp_refuse(c, "PGON of less than 3 points");
   if (!b->failed)
-    reading_told(b, eda_layout_add_polygon(b->layout, b->cell, layer, c->points,
-                                           n, &b->said));
+    reading_check(b, eda_layout_add_polygon(b->layout, b->cell, layer,
+                                            c->points, n, &b->said));
 }
 
 /* Read one line. Return 0 at ENDMSG. */

@@ -105,8 +105,8 @@ static void add_texts(oasis *o, int repeated, int32_t layer,
   for (uint64_t i = 0; i < n && !b->failed; i++)
     if (find_member(o, repeated, i, o->m.text_x, o->m.text_y,
                     "a coordinate beyond 32 bits", &at))
-      reading_told(b, eda_layout_add_text(b->layout, b->cell, layer, at, string,
-                                          &b->said));
+      reading_check(b, eda_layout_add_text(b->layout, b->cell, layer, at,
+                                           string, &b->said));
 }
 
 void oasis_read_text(oasis *o) {
@@ -195,8 +195,8 @@ void oasis_end_placement(oasis *o) {
   for (uint64_t i = 0; i < n && !b->failed; i++)
     if (find_member(o, !single, i, first.x, first.y,
                     "an array leaves the range of coordinates", &p.origin))
-      reading_told(b, eda_layout_add_instance(b->layout, b->cell, o->child, &p,
-                                              name, &b->said));
+      reading_check(b, eda_layout_add_instance(b->layout, b->cell, o->child, &p,
+                                               name, &b->said));
 }
 
 /* ---- properties ---- */

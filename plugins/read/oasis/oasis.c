@@ -83,7 +83,7 @@ static void make_layout(oasis *o, double steps) {
   snprintf(digits, sizeof digits, "%.14g", 1000 / steps);
   o->b.layout =
       eda_layout_new(strtod(digits, NULL) * o->b.r->scale, &o->b.said);
-  reading_told(&o->b, o->b.layout ? OPC_OK : o->b.said.code);
+  reading_check(&o->b, o->b.layout ? OPC_OK : o->b.said.code);
 }
 
 static void read_start(oasis *o) {

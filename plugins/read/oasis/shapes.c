@@ -80,7 +80,7 @@ static void add_points(oasis *o, int repeated, const oasis_vector *p, size_t n,
                                           (int32_t)o->m.end, &b->said)
                     : eda_layout_add_polygon(b->layout, b->cell, layer,
                                              o->points, n, &b->said);
-    reading_told(b, code);
+    reading_check(b, code);
   }
 }
 

@@ -78,7 +78,7 @@ typedef struct chip {
   eda_shapes shapes[LAYERS], mask[LAYERS];
   eda_edges edges[LAYERS];
   eda_field print[LAYERS];
-  eda_boxes patches[LAYERS], bites[LAYERS];
+  eda_boxes added[LAYERS], cutouts[LAYERS];
   eda_printed p;
   eda_ruling ruling;
   uint32_t veto[1];
@@ -110,7 +110,7 @@ static inline void chip_judge(opc_module *m, chip *c) {
   const eda_regulator *r = m->functions;
   opc_error error;
   c->ruling =
-      (eda_ruling){.vetoes = c->veto, .patches = c->patches, .bites = c->bites};
+      (eda_ruling){.vetoes = c->veto, .added = c->added, .cutouts = c->cutouts};
   g_assert_cmpint(r->rule(m->self, &c->p, &c->ruling, &error), ==, OPC_OK);
 }
 

@@ -32,7 +32,7 @@ typedef struct chip {
   int32_t l[1], w[1], end[2];
   eda_field print[LAYERS];
   eda_shapes mask[LAYERS];
-  eda_boxes patches[LAYERS], bites[LAYERS];
+  eda_boxes added[LAYERS], cutouts[LAYERS];
   eda_printed p;
   eda_ruling ruling;
 } chip;
@@ -82,7 +82,7 @@ static inline void chip_begin(chip *c) {
                        .extension = c->extension,
                        .shapes = c->mask,
                        .print = c->print};
-  c->ruling = (eda_ruling){.patches = c->patches, .bites = c->bites};
+  c->ruling = (eda_ruling){.added = c->added, .cutouts = c->cutouts};
 }
 
 /* Set the printed image to a function that is positive inside poly. */
@@ -138,10 +138,10 @@ static inline void chip_end(chip *c) {
 }
 
 /* Return the extent of repair shapes beyond the right edge x at height y. */
-static inline int32_t patch_extent(const chip *c, int32_t x, double y) {
+static inline int32_t added_extent(const chip *c, int32_t x, double y) {
   int32_t by = 0;
-  for (size_t i = 0; i < c->ruling.patches[EDA_POLY].count; i++) {
-    eda_box b = c->ruling.patches[EDA_POLY].box[i];
+  for (size_t i = 0; i < c->ruling.added[EDA_POLY].count; i++) {
+    eda_box b = c->ruling.added[EDA_POLY].box[i];
     if (y >= b.y0 && y <= b.y1) by = MAX(by, b.x1 - x);
   }
   return by;
@@ -179,9 +179,9 @@ static inline void chip_follow(chip *c) {
 
 /* Return the width of the head beyond the line on each side; 0 for none. */
 static inline int32_t head_width(const chip *c) {
-  if (!c->ruling.patches[EDA_POLY].count) return 0;
-  g_assert_cmpuint(c->ruling.patches[EDA_POLY].count, ==, 1);
-  eda_box b = c->ruling.patches[EDA_POLY].box[0];
+  if (!c->ruling.added[EDA_POLY].count) return 0;
+  g_assert_cmpuint(c->ruling.added[EDA_POLY].count, ==, 1);
+  eda_box b = c->ruling.added[EDA_POLY].box[0];
   g_assert_cmpint(-b.x0, ==, b.x1 - 65);
   g_assert_cmpint(b.y0, ==, 320); /* twice the overlay past the active */
   g_assert_cmpint(b.y1, ==, 400 + c->end[1]);
@@ -193,8 +193,8 @@ static inline int32_t head_width(const chip *c) {
 static inline int32_t cutout_depth(const chip *c, double x, int32_t y,
                                    int down) {
   int32_t depth = 0;
-  for (size_t i = 0; i < c->ruling.bites[EDA_POLY].count; i++) {
-    eda_box b = c->ruling.bites[EDA_POLY].box[i];
+  for (size_t i = 0; i < c->ruling.cutouts[EDA_POLY].count; i++) {
+    eda_box b = c->ruling.cutouts[EDA_POLY].box[i];
     if (x < b.x0 || x > b.x1) continue;
     if (down ? b.y0 < y && b.y1 >= y : b.y1 > y && b.y0 <= y)
       depth = MAX(depth, down ? y - b.y0 : b.y1 - y);

@@ -22,14 +22,14 @@ static void drc_clear(void *self) {
     if (r->edges) places_clear(&r->edges[k]);
     if (r->bridging) free(r->bridging[k]);
     free(r->smoothings[k].at);
-    free(r->patch[k].box);
-    free(r->cutout[k].box);
+    free(r->added[k].box);
+    free(r->cutouts[k].box);
   }
   free(r->edges);
   free(r->bridging);
   free(r->smoothings);
-  free(r->patch);
-  free(r->cutout);
+  free(r->added);
+  free(r->cutouts);
   places_clear(&r->boxes);
   places_clear(&r->contacts);
   places_clear(&r->pads);
@@ -58,8 +58,8 @@ static int drc_find_sites(drc *r, const eda_printed *p, opc_error *error) {
   r->grid = g->grid;
   r->layers = g->layers;
   r->smoothings = eda_alloc(r->layers, sizeof *r->smoothings);
-  r->patch = eda_alloc(r->layers, sizeof *r->patch);
-  r->cutout = eda_alloc(r->layers, sizeof *r->cutout);
+  r->added = eda_alloc(r->layers, sizeof *r->added);
+  r->cutouts = eda_alloc(r->layers, sizeof *r->cutouts);
   r->iteration = p->iteration;
   int code = sites_find(r, error);
   if (code)
@@ -104,15 +104,15 @@ static void drc_check_print(drc *r, const eda_printed *p, eda_ruling *ruling) {
       ruling->vetoes[s->gate] |= EDA_VETO_LONGER;
   }
   for (size_t k = 0; k < r->layers; k++)
-    r->patch[k].count = r->cutout[k].count = 0;
+    r->added[k].count = r->cutouts[k].count = 0;
   repairs_add_shapes(r, p);
   ends_add_heads(r);
   trims_add_cutouts(r);
   smooth_masks(r, p);
   smooth_add_boxes(r);
   for (size_t k = 0; k < r->layers; k++) {
-    ruling->patches[k] = (eda_boxes){r->patch[k].box, r->patch[k].count};
-    ruling->bites[k] = (eda_boxes){r->cutout[k].box, r->cutout[k].count};
+    ruling->added[k] = (eda_boxes){r->added[k].box, r->added[k].count};
+    ruling->cutouts[k] = (eda_boxes){r->cutouts[k].box, r->cutouts[k].count};
   }
 }
 

@@ -142,7 +142,7 @@ typedef struct drc {
   smoothings *smoothings; /* [layers] */
   int reverted;           /* number of smoothed jogs reverted for another one */
 
-  eda_box_list *patch, *cutout; /* [layers]: shapes added and cut out by the
+  eda_box_list *added, *cutouts; /* [layers]: shapes added and cut out by the
                                    last ruling */
 } drc;
 

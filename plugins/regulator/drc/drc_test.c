@@ -14,7 +14,7 @@ typedef struct fixture {
   double space[4], extension[4];
   uint32_t flags[2], vetoes[2];
   int32_t l[2], w[2], end[4];
-  eda_boxes patches[LAYERS], bites[LAYERS];
+  eda_boxes added[LAYERS], cutouts[LAYERS];
   eda_shapes drawn[LAYERS], mask[LAYERS];
   eda_edges edges[LAYERS];
   eda_gates gates;
@@ -73,8 +73,8 @@ static size_t fixture_rule(opc_module *m, fixture *f) {
   memset(f->vetoes, 0, sizeof f->vetoes);
   eda_ruling ruling = {.vetoes = f->vetoes,
                        .end = f->end,
-                       .patches = f->patches,
-                       .bites = f->bites};
+                       .added = f->added,
+                       .cutouts = f->cutouts};
   opc_error error;
   g_assert_cmpint(r->rule(m->self, &p, &ruling, &error), ==, OPC_OK);
   return ruling.transistors;
@@ -248,7 +248,7 @@ static void test_back(void) {
   p.print = print;
   p.shapes = mask;
   eda_ruling ruling = {
-      .vetoes = f.vetoes, .end = f.end, .patches = f.patches, .bites = f.bites};
+      .vetoes = f.vetoes, .end = f.end, .added = f.added, .cutouts = f.cutouts};
   for (int i = 1; i < 4; i++) {
     int32_t before = f.end[1];
     g_assert_cmpint(r->rule(m->self, &p, &ruling, &error), ==, OPC_OK);

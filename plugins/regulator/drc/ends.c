@@ -196,7 +196,7 @@ void ends_add_heads(drc *r) {
   for (size_t i = 0; i < 2 * r->gates->count; i++) {
     const line_end *e = &r->ends[i];
     if (e->wider)
-      eda_box_list_add(&r->patch[EDA_POLY], head_of(e, e->by, e->wider));
+      eda_box_list_add(&r->added[EDA_POLY], head_of(e, e->by, e->wider));
   }
 }
 

@@ -148,13 +148,13 @@ static void test_corners(void) {
 /* Return the level set of a pad that prints 4 nm beyond the contact on the
    right, and follows repair shapes. */
 static double short_pad(const chip *c, double x, double y) {
-  return fmin(fmin(x + 20, 104 + patch_extent(c, 106, 70) - x),
+  return fmin(fmin(x + 20, 104 + added_extent(c, 106, 70) - x),
               fmin(y + 20, 160 - y));
 }
 
 /* A repair shape of poly keeps the least space to contacts that poly must not
    touch, and to active. */
-static void test_patch_beside(void) {
+static void test_added_beside(void) {
   for (int active = 0; active < 2; active++)
     for (int32_t d = 38; d < 60; d += 3) {
       static const uint32_t one[] = {0, 4}, two[] = {0, 4, 8};
@@ -176,8 +176,8 @@ static void test_patch_beside(void) {
         chip_judge(m, &c);
       }
       int32_t spacing = MAX(d - 40, 0), wanted = 7; /* and 1 nm more */
-      g_assert_cmpint(patch_extent(&c, 106, 70), <=, MIN(spacing, wanted + 2));
-      g_assert_cmpint(patch_extent(&c, 106, 70), >=, MIN(spacing, wanted));
+      g_assert_cmpint(added_extent(&c, 106, 70), <=, MIN(spacing, wanted + 2));
+      g_assert_cmpint(added_extent(&c, 106, 70), >=, MIN(spacing, wanted));
       chip_end(&c);
     }
 }
@@ -264,7 +264,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/regulator/end-before-contact", test_end_before_contact);
   g_test_add_func("/regulator/head-beside", test_head_beside);
   g_test_add_func("/regulator/corners", test_corners);
-  g_test_add_func("/regulator/patch-beside", test_patch_beside);
+  g_test_add_func("/regulator/added-beside", test_added_beside);
   g_test_add_func("/regulator/before-gate", test_before_gate);
   g_test_add_func("/regulator/waist", test_waist);
   return g_test_run();

@@ -40,12 +40,12 @@ static void test_trims(void) {
     if (cases[k].contact) add_contact(&c, 410, 10, 490, 94);
     chip_begin(&c);
     for (; rounds < 20; rounds++) {
-      size_t n = c.ruling.bites[EDA_POLY].count;
+      size_t n = c.ruling.cutouts[EDA_POLY].count;
       int32_t before =
           cutout_depth(&c, 200, 100, 1) + cutout_depth(&c, 200, 196, 0);
       chip_print(&c, two_bars);
       chip_judge(m, &c);
-      if (n == c.ruling.bites[EDA_POLY].count &&
+      if (n == c.ruling.cutouts[EDA_POLY].count &&
           before ==
               cutout_depth(&c, 200, 100, 1) + cutout_depth(&c, 200, 196, 0))
         break;
@@ -62,8 +62,8 @@ static void test_trims(void) {
       g_assert_true(!cases[k].contact || (v[i].x > 380 && v[i].x < 520));
     }
     if (cases[k].rule) g_assert_cmpuint(n, >, 0);
-    for (size_t i = 0; i < c.ruling.bites[EDA_POLY].count; i++) {
-      eda_box b = c.ruling.bites[EDA_POLY].box[i];
+    for (size_t i = 0; i < c.ruling.cutouts[EDA_POLY].count; i++) {
+      eda_box b = c.ruling.cutouts[EDA_POLY].box[i];
       g_assert_true(!cases[k].contact || b.y0 >= 148 || b.x1 <= 410 ||
                     b.x0 >= 490);
       g_assert_true(b.y0 == 148 || b.y1 == 148);
@@ -105,12 +105,12 @@ static void test_pinched(void) {
 /* Return the level set of two lines side by side that face each other above y
    300 and bridge where the left one grows. The contact is below. */
 static double beside(const chip *c, double x, double y) {
-  double left = fmin(fmin(x + 20, 104 + patch_extent(c, 106, y) - x),
+  double left = fmin(fmin(x + 20, 104 + added_extent(c, 106, y) - x),
                      fmin(y + 20, 620 - y));
   double right = fmin(fmin(x - 310, 500 - x), fmin(y - 300, 600 - y));
   double bridge = fmin(fmin(x, 500 - x), fmin(y - 350, 450 - y));
   double bars = fmax(left, right);
-  return patch_extent(c, 106, 400) > 0 ? fmax(bars, bridge) : bars;
+  return added_extent(c, 106, 400) > 0 ? fmax(bars, bridge) : bars;
 }
 
 /* An edge whose full length closes a gap moves outwards only beside the
@@ -125,14 +125,14 @@ static void test_segment(void) {
   chip_begin(&c);
   chip_print(&c, beside);
   chip_judge(m, &c);
-  g_assert_cmpint(patch_extent(&c, 106, 400), >, 0); /* the whole edge, without
+  g_assert_cmpint(added_extent(&c, 106, 400), >, 0); /* the whole edge, without
                                                  a jog */
   for (int i = 0; i < 6; i++) {
     chip_print(&c, beside);
     chip_judge(m, &c);
   }
-  g_assert_cmpint(patch_extent(&c, 106, 70), >=, 6);
-  g_assert_cmpint(patch_extent(&c, 106, 200), ==, 0);
+  g_assert_cmpint(added_extent(&c, 106, 70), >=, 6);
+  g_assert_cmpint(added_extent(&c, 106, 200), ==, 0);
   g_assert_cmpuint(drc_violations(m, &c, v, 1), ==, 0);
   chip_end(&c);
 }
@@ -141,8 +141,8 @@ static void test_segment(void) {
    on the left and below, and follows repair shapes there. */
 static double short_bar(const chip *c, double x, double y) {
   int32_t left = 0, below = 0;
-  for (size_t i = 0; i < c->ruling.patches[EDA_POLY].count; i++) {
-    eda_box b = c->ruling.patches[EDA_POLY].box[i];
+  for (size_t i = 0; i < c->ruling.added[EDA_POLY].count; i++) {
+    eda_box b = c->ruling.added[EDA_POLY].box[i];
     if (b.x1 < 100) left = MAX(left, -b.x0);
     if (b.x1 > 100) below = MAX(below, -b.y0);
   }
@@ -165,8 +165,8 @@ static void test_corner(void) {
     chip_print(&c, short_bar);
     chip_judge(m, &c);
   }
-  for (size_t i = 0; i < c.ruling.patches[EDA_POLY].count; i++) {
-    eda_box b = c.ruling.patches[EDA_POLY].box[i];
+  for (size_t i = 0; i < c.ruling.added[EDA_POLY].count; i++) {
+    eda_box b = c.ruling.added[EDA_POLY].box[i];
     left += b.x0 < 0;
     below += b.y0 < 0;
     g_assert_false(b.x0 < 0 && b.y0 < 0);
@@ -180,8 +180,8 @@ static void test_corner(void) {
    or as far as a repair shape. */
 static double pad(const chip *c, double x, double y) {
   int32_t top = 0;
-  for (size_t i = 0; i < c->ruling.patches[EDA_POLY].count; i++)
-    top = MAX(top, c->ruling.patches[EDA_POLY].box[i].y1 - 140);
+  for (size_t i = 0; i < c->ruling.added[EDA_POLY].count; i++)
+    top = MAX(top, c->ruling.added[EDA_POLY].box[i].y1 - 140);
   double box = fmin(fmin(x + 20, 171 - x), fmin(y + 20, 138 + top - y));
   return fmax(box, fmin(fmin(x - 100, 180 - x), fmin(y + 320, 520 - y)));
 }
@@ -206,8 +206,8 @@ static void test_concave(void) {
     chip_print(&c, pad);
     chip_judge(m, &c);
   }
-  g_assert_cmpuint(c.ruling.patches[EDA_POLY].count, ==, 1);
-  eda_box b = c.ruling.patches[EDA_POLY].box[0];
+  g_assert_cmpuint(c.ruling.added[EDA_POLY].count, ==, 1);
+  eda_box b = c.ruling.added[EDA_POLY].box[0];
   g_assert_cmpint(b.y1, >=, 146);
   g_assert_cmpint(b.x0, ==, 0);
   g_assert_cmpint(b.x1, >, 106);
@@ -216,7 +216,7 @@ static void test_concave(void) {
 }
 
 static double plain_bar(const chip *c, double x, double y) {
-  double bar = fmin(fmin(x + 20, 104 + patch_extent(c, 106, y) - x),
+  double bar = fmin(fmin(x + 20, 104 + added_extent(c, 106, y) - x),
                     fmin(y + 20, 160 - y));
   return fmax(bar, fmin(fmin(x - 160, 300 - x), fmin(y - 145, 300 - y)));
 }
@@ -232,15 +232,15 @@ static void test_too_near(void) {
   chip_begin(&c);
   chip_print(&c, plain_bar);
   chip_judge(m, &c);
-  g_assert_cmpint(patch_extent(&c, 106, 135), ==, 7); /* half of 54 - 40 */
+  g_assert_cmpint(added_extent(&c, 106, 135), ==, 7); /* half of 54 - 40 */
   chip_judge(m, &c);
-  g_assert_cmpint(patch_extent(&c, 106, 135), ==, 7);
+  g_assert_cmpint(added_extent(&c, 106, 135), ==, 7);
   memcpy(c.moved, c.points, sizeof c.moved);
   c.moved[1].x = c.moved[2].x = 125; /* 35 nm from the other corner */
   c.mask[EDA_POLY].points = c.moved;
   chip_judge(m, &c);
-  g_assert_cmpint(patch_extent(&c, 106, 135), ==, 0);
-  g_assert_cmpint(patch_extent(&c, 106, 70), ==, 7);
+  g_assert_cmpint(added_extent(&c, 106, 135), ==, 0);
+  g_assert_cmpint(added_extent(&c, 106, 70), ==, 7);
   chip_end(&c);
 }
 
@@ -248,8 +248,8 @@ static void test_too_near(void) {
    repair shape for a contact; that shape bridges the lines. */
 static double two_pads(const chip *c, double x, double y) {
   int32_t up = 0;
-  for (size_t i = 0; i < c->ruling.patches[EDA_POLY].count; i++) {
-    eda_box b = c->ruling.patches[EDA_POLY].box[i];
+  for (size_t i = 0; i < c->ruling.added[EDA_POLY].count; i++) {
+    eda_box b = c->ruling.added[EDA_POLY].box[i];
     if (x >= b.x0 && x <= b.x1) up = MAX(up, b.y1 - 100);
   }
   int32_t low = 100 + up - cutout_depth(c, x, 100, 1);

@@ -13,13 +13,13 @@ static void test_enclosure(void) {
   add_box(&c.printed[EDA_POLY], -10, -10, 104, 150);
   chip_show(&c);
   chip_judge(m, &c);
-  g_assert_cmpuint(c.ruling.patches[EDA_ACTIVE].count, ==, 0);
-  g_assert_cmpuint(c.ruling.patches[EDA_POLY].count, ==, 1);
-  eda_box patch = c.ruling.patches[EDA_POLY].box[0];
-  g_assert_cmpint(patch.y0, ==, 0);
-  g_assert_cmpint(patch.y1, ==, 140);
-  g_assert_cmpint(patch.x1, >=, 112);
-  g_assert_cmpint(patch.x1, <=, 116);
+  g_assert_cmpuint(c.ruling.added[EDA_ACTIVE].count, ==, 0);
+  g_assert_cmpuint(c.ruling.added[EDA_POLY].count, ==, 1);
+  eda_box added = c.ruling.added[EDA_POLY].box[0];
+  g_assert_cmpint(added.y0, ==, 0);
+  g_assert_cmpint(added.y1, ==, 140);
+  g_assert_cmpint(added.x1, >=, 112);
+  g_assert_cmpint(added.x1, <=, 116);
   g_assert_cmpuint(drc_violations(m, &c.p, &v, 1), ==, 1);
   g_assert_cmpstr(v.rule, ==, "enclosure: could still move");
   g_assert_cmpfloat(fabs(v.value - 4), <, 0.5);
@@ -28,8 +28,8 @@ static void test_enclosure(void) {
   c.printed[EDA_POLY].points[1].x = c.printed[EDA_POLY].points[2].x = 111;
   chip_show(&c);
   chip_judge(m, &c);
-  g_assert_cmpuint(c.ruling.patches[EDA_POLY].count, ==, 1); /* unchanged */
-  g_assert_cmpint(c.ruling.patches[EDA_POLY].box[0].x1, ==, patch.x1);
+  g_assert_cmpuint(c.ruling.added[EDA_POLY].count, ==, 1); /* unchanged */
+  g_assert_cmpint(c.ruling.added[EDA_POLY].box[0].x1, ==, added.x1);
   g_assert_cmpuint(drc_violations(m, &c.p, &v, 1), ==, 0);
   chip_end(&c);
 }
@@ -46,15 +46,15 @@ static void test_near_neighbour(void) {
   add_box(&c.printed[EDA_ACTIVE], -10, -10, 104, 150);
   chip_show(&c);
   chip_judge(m, &c);
-  g_assert_cmpuint(c.ruling.patches[EDA_ACTIVE].count, ==, 1);
-  g_assert_cmpint(c.ruling.patches[EDA_ACTIVE].box[0].x1, ==, 109);
+  g_assert_cmpuint(c.ruling.added[EDA_ACTIVE].count, ==, 1);
+  g_assert_cmpint(c.ruling.added[EDA_ACTIVE].box[0].x1, ==, 109);
   chip_judge(m, &c);
-  g_assert_cmpuint(c.ruling.patches[EDA_ACTIVE].count, ==, 3);
+  g_assert_cmpuint(c.ruling.added[EDA_ACTIVE].count, ==, 3);
   drc_violations(m, &c.p, &v, 1);
   g_assert_cmpstr(v.rule, ==, "enclosure: could still move");
   for (int i = 0; i < 12; i++) chip_judge(m, &c);
   for (size_t i = 0; i < 3; i++)
-    g_assert_cmpint(c.ruling.patches[EDA_ACTIVE].box[i].x1, ==, 109);
+    g_assert_cmpint(c.ruling.added[EDA_ACTIVE].box[i].x1, ==, 109);
   g_assert_cmpuint(drc_violations(m, &c.p, &v, 1), ==, 1);
   g_assert_cmpstr(v.rule, ==, "enclosure; too near a neighbour");
   chip_end(&c);
@@ -85,8 +85,8 @@ static void test_width(void) {
     c.p.aside = &cases[i].aside;
     chip_judge(m, &c);
     size_t n = cases[i].low < cases[i].high;
-    g_assert_cmpuint(c.ruling.patches[EDA_ACTIVE].count, ==, n);
-    eda_box b = n ? c.ruling.patches[EDA_ACTIVE].box[0] : (eda_box){0};
+    g_assert_cmpuint(c.ruling.added[EDA_ACTIVE].count, ==, n);
+    eda_box b = n ? c.ruling.added[EDA_ACTIVE].box[0] : (eda_box){0};
     g_assert_cmpint(b.y0, ==, n ? cases[i].low : 0);
     g_assert_cmpint(b.y1, ==, n ? cases[i].high : 0);
     chip_end(&c);
@@ -136,9 +136,9 @@ static void test_neck(void) {
     g_assert_cmpfloat(fabs(v[i].y - 500), <=, 60);
     g_assert_cmpfloat(v[i].x, ==, 30);
   }
-  g_assert_cmpuint(c.ruling.patches[EDA_POLY].count, ==, 2 * n);
+  g_assert_cmpuint(c.ruling.added[EDA_POLY].count, ==, 2 * n);
   for (size_t i = 0; i < 2 * n; i++) {
-    eda_box b = c.ruling.patches[EDA_POLY].box[i];
+    eda_box b = c.ruling.added[EDA_POLY].box[i];
     g_assert_cmpint(b.y0, >, 380);
     g_assert_cmpint(b.y1, <, 620);
     g_assert_true((b.x1 >= 69 && b.x1 <= 75) || (b.x0 <= -9 && b.x0 >= -15));
@@ -192,8 +192,8 @@ static void test_metal(void) {
   add_box(&c.printed[METAL], 50, 300, 260, 500);
   chip_show(&c);
   chip_judge(m, &c);
-  g_assert_cmpuint(c.ruling.patches[EDA_POLY].count, ==, 0);
-  g_assert_cmpuint(c.ruling.patches[METAL].count, ==, 0);
+  g_assert_cmpuint(c.ruling.added[EDA_POLY].count, ==, 0);
+  g_assert_cmpuint(c.ruling.added[METAL].count, ==, 0);
   size_t n = drc_violations(m, &c.p, v, 20);
   g_assert_cmpuint(n, ==, 3); /* one per 60 nm */
   for (size_t i = 0; i < n; i++) {
@@ -215,7 +215,7 @@ static void test_no_print(void) {
   c.p.shapes = NULL;
   c.p.print = NULL;
   chip_judge(m, &c);
-  g_assert_cmpuint(c.ruling.patches[EDA_POLY].count, ==, 0);
+  g_assert_cmpuint(c.ruling.added[EDA_POLY].count, ==, 0);
   g_assert_cmpuint(drc_violations(m, &c.p, &v, 1), ==, 0);
   chip_end(&c);
 }

@@ -282,7 +282,7 @@ static int repair_find_segment(const drc *r, const site *s, repair *one,
       places_nearest(&r->edges[s->layer], box_window(b, side, -1, far, 0), side,
                      far + 1, edge) -
       1;
-  if (s->kind == SITE_LINE) more = (int32_t)(tuned.half_patch / grid);
+  if (s->kind == SITE_LINE) more = (int32_t)(tuned.half_added / grid);
   one->from[side] = (side_upright(side) ? b.y0 : b.x0) - more;
   one->to[side] = (side_upright(side) ? b.y1 : b.x1) + more;
   if (s->kind == SITE_LINE || one->edge[side] == far ||
@@ -414,9 +414,9 @@ static int shapes_reduce(drc *r, const eda_printed *p, const site *wrong,
       continue;
     for (int k = 0; k < SIDES; k++) {
       if (!one->grow[k]) continue;
-      eda_box patch = repair_shape(r, p, one, k);
-      if (!boxes_meet(facing ? box_window(patch, k, 0, near, flank)
-                             : box_widened(patch, near),
+      eda_box added = repair_shape(r, p, one, k);
+      if (!boxes_meet(facing ? box_window(added, k, 0, near, flank)
+                             : box_widened(added, near),
                       wrong->box))
         continue;
       found = 1;
@@ -469,7 +469,7 @@ static void mask_repair(drc *r, const eda_printed *p, size_t layer) {
 void repairs_grow(drc *r, const eda_printed *p) {
   r->round++;
   for (size_t layer = 0; layer < r->layers; layer++)
-    if (r->patch[layer].count || r->cutout[layer].count)
+    if (r->added[layer].count || r->cutouts[layer].count)
       mask_repair(r, p, layer);
   for (size_t i = 0; i < r->n_sites; i++)
     if (r->sites[i].failing && !site_wants(&r->sites[i]))
@@ -490,7 +490,7 @@ void repairs_add_shapes(drc *r, const eda_printed *p) {
       eda_box b = repair_shape(r, p, one, k);
       /* Corners that moved inwards may leave nothing between them. */
       if (one->grow[k] && b.x0 < b.x1 && b.y0 < b.y1)
-        eda_box_list_add(&r->patch[r->sites[one->site].layer], b);
+        eda_box_list_add(&r->added[r->sites[one->site].layer], b);
     }
   }
 }

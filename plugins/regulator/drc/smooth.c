@@ -186,7 +186,7 @@ void smooth_add_boxes(drc *r) {
   for (size_t layer = 0; layer < r->layers; layer++)
     for (size_t i = 0; i < r->smoothings[layer].n; i++) {
       const smoothing *m = &r->smoothings[layer].at[i];
-      eda_box_list_add(m->bump ? &r->cutout[layer] : &r->patch[layer],
+      eda_box_list_add(m->bump ? &r->cutouts[layer] : &r->added[layer],
                        smoothing_box(r, m));
     }
 }

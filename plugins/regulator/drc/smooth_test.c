@@ -14,7 +14,7 @@ static eda_shapes ruled_mask(const eda_shapes *base, const eda_ruling *r) {
   eda_shapes now, next;
   g_assert_cmpint(eda_boolean(EDA_OR, base, NULL, &now, &error), ==, OPC_OK);
   for (int k = 0; k < 2; k++) {
-    const eda_boxes *b = k ? &r->bites[EDA_POLY] : &r->patches[EDA_POLY];
+    const eda_boxes *b = k ? &r->cutouts[EDA_POLY] : &r->added[EDA_POLY];
     for (size_t i = 0; i < b->count; i++) {
       eda_point q[4];
       uint32_t start[] = {0, 4};

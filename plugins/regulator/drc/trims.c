@@ -188,7 +188,7 @@ void trims_add_cutouts(drc *r) {
     const trim *t = &r->trims[i];
     if (t->depth)
       eda_box_list_add(
-          &r->cutout[EDA_POLY],
+          &r->cutouts[EDA_POLY],
           box_window(t->wall, side_opposite(t->side), -t->front, t->depth, 0));
   }
 }

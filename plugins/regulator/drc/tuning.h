@@ -11,7 +11,7 @@
 static const struct {
   double usual, least, most, largest_step, spare, back;
   double pitch, rounding, wide, near_gate, most_sites, reach, inset;
-  double half_patch, corner, into, flank_step;
+  double half_added, corner, into, flank_step;
   double steep, ahead;
   double of_gate, beside;
   uint32_t extend_until, smooth_until;
@@ -70,7 +70,7 @@ static const struct {
 
     /* nm: extent of the repair shape of a line along the line, on either
        side. */
-    .half_patch = 40,
+    .half_added = 40,
 
     /* nm: a repair shape includes a corner at this distance. */
     .corner = 20,

@@ -79,7 +79,7 @@ static inline void assert_refused(drawing *d, const char *map, int code,
 
 /* ---- checks ---- */
 
-static inline char *tell_gates(const eda_gates *g) {
+static inline char *gates_text(const eda_gates *g) {
   GString *s = g_string_new("");
   for (size_t i = 0; i < g->count; i++)
     g_string_append_printf(s, "%c%c %d,%d %gx%g space %g %g ends %g %g\n",
@@ -91,7 +91,7 @@ static inline char *tell_gates(const eda_gates *g) {
 }
 
 /* Return a text of the start, role and gate of each fragment. */
-static inline char *tell_edges(const eda_edges *e) {
+static inline char *edges_text(const eda_edges *e) {
   static const char *const roles[] = {"-", "L<", "L>", "W<", "W>", "E<", "E>"};
   GString *s = g_string_new("");
   for (size_t p = 0; p < e->polygons; p++) {
@@ -186,9 +186,9 @@ static inline void segment_is(drawing *d, const char *map, const char *gates,
   result r = layout_segment(d->layout, map);
   const eda_gates *g = r.gates;
   check_all(g);
-  g_autofree char *got = tell_gates(g);
-  g_autofree char *got_poly = tell_edges(&g->edges[EDA_POLY]);
-  g_autofree char *got_active = tell_edges(&g->edges[EDA_ACTIVE]);
+  g_autofree char *got = gates_text(g);
+  g_autofree char *got_poly = edges_text(&g->edges[EDA_POLY]);
+  g_autofree char *got_active = edges_text(&g->edges[EDA_ACTIVE]);
   g_assert_cmpstr(got, ==, gates);
   g_assert_cmpstr(got_poly, ==, poly);
   g_assert_cmpstr(got_active, ==, active);

@@ -9,7 +9,7 @@ static void check_layer(const eda_gates *g, size_t layer, const char *name,
                         int corrected, const char *edges) {
   g_assert_cmpstr(g->layer[layer], ==, name);
   g_assert_cmpint(g->corrected[layer], ==, corrected);
-  g_autofree char *got = tell_edges(&g->edges[layer]);
+  g_autofree char *got = edges_text(&g->edges[layer]);
   g_assert_cmpstr(got, ==, edges);
 }
 

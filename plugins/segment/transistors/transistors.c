@@ -47,7 +47,7 @@ static void transistors_log(void *data, int warning, const char *message) {
 static int transistors_run(void *self, void **outputs, opc_error *error) {
   const transistors *t = self;
   eda_segment_settings settings = EDA_SEGMENT_SETTINGS(t);
-  settings.tell = transistors_log;
+  settings.log = transistors_log;
   settings.data = (void *)t->host;
   int32_t top = eda_segment_top(t->layout, t->top, error);
   if (top < 0) return error->code;

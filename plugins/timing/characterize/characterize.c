@@ -139,7 +139,7 @@ static row row_of(const eda_timing_cell *c) {
   return r;
 }
 
-static int tell_cells(const study *s, opc_error *error) {
+static int cells_report(const study *s, opc_error *error) {
   const eda_timing *t = s->timing;
   row *r = eda_alloc(t->count, sizeof *r);
   for (size_t i = 0; i < t->count; i++) r[i] = row_of(&t->cell[i]);
@@ -181,7 +181,7 @@ static int study_report(study *s, size_t kept, opc_error *error) {
       {WHERE(v.points, "change_error"), v.change_rms}};
 #undef WHERE
   int code = opc_put_metrics(s->host, OPC_ARRAY(values), error);
-  if (!code) code = tell_cells(s, error);
+  if (!code) code = cells_report(s, error);
   const char *path =
       code ? NULL : s->host->output_path(s->host, s->liberty, error);
   if (!path) return error->code;

@@ -164,8 +164,8 @@ static row row_of(const paths *p, const delays *d, size_t s, double drawn) {
   return r;
 }
 
-static int tell_metrics(paths *p, const delays *d, const row *r, size_t n,
-                        opc_error *error) {
+static int metrics_report(paths *p, const delays *d, const row *r, size_t n,
+                          opc_error *error) {
   /* The mask if given, else the first of the printed sets. */
   const row *first = n > 1 && r[1].by.compared ? &r[1] : NULL;
 #define PRINTED(name) (first ? (name) : NULL)
@@ -190,7 +190,7 @@ static int tell_metrics(paths *p, const delays *d, const row *r, size_t n,
 }
 
 /* Report the latest path of static analysis, as drawn. */
-static int tell_path(paths *p, opc_error *error) {
+static int path_report(paths *p, opc_error *error) {
   const graph *g = &p->graph;
   arrivals a = static_arrivals(g, &p->state[0], p->at.slew, &p->pool);
   uint32_t at = g->output[0] * 2;
@@ -217,7 +217,7 @@ static int tell_path(paths *p, opc_error *error) {
                       OPC_ARRAY(columns), error);
 }
 
-int tell_delays(paths *p, const delays *d, opc_error *error) {
+int delays_report(paths *p, const delays *d, opc_error *error) {
   row *r = eda_pool_alloc(&p->pool, p->states, sizeof *r);
   for (size_t s = 0; s < p->states; s++)
     r[s] = row_of(p, d, s, r[0].statically);
@@ -239,8 +239,8 @@ int tell_delays(paths *p, const delays *d, opc_error *error) {
   };
   int code = opc_put_rows(p->host, "paths", OPC_TABLE_PRINT, p->states,
                           sizeof *r, OPC_ARRAY(columns), error);
-  if (!code) code = tell_metrics(p, d, r, p->states, error);
-  return code ? code : tell_path(p, error);
+  if (!code) code = metrics_report(p, d, r, p->states, error);
+  return code ? code : path_report(p, error);
 }
 
 /* ---- the histogram ---- */

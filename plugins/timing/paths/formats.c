@@ -253,7 +253,7 @@ typedef struct line {
   double time;
 } line;
 
-int tell_events(const paths *p, opc_error *error) {
+int events_report(const paths *p, opc_error *error) {
   const graph *g = &p->graph;
   size_t count = 0, room = 0;
   line *all = NULL;

@@ -24,14 +24,14 @@ static int write_files(paths *p, opc_error *error) {
     const char *path = p->host->output_path(p->host, p->verilog, error);
     if (!path || write_verilog(p, path, error)) return error->code;
   }
-  return p->events ? tell_events(p, error) : OPC_OK;
+  return p->events ? events_report(p, error) : OPC_OK;
 }
 
 static int paths_simulate(paths *p, opc_error *error) {
   delays d = {0};
   const char *path = NULL;
   int code = delays_find(p, &d, error);
-  if (!code) code = tell_delays(p, &d, error);
+  if (!code) code = delays_report(p, &d, error);
   if (!code && p->states > 1) {
     path = p->host->output_path(p->host, p->picture, error);
     code = path ? draw_histogram(p, &d, path, error) : error->code;

@@ -134,7 +134,7 @@ typedef struct spread {
                                          of all delays */
 } spread;
 spread spread_of(const delays *d, size_t s);
-int tell_delays(paths *p, const delays *d, opc_error *error);
+int delays_report(paths *p, const delays *d, opc_error *error);
 int draw_histogram(const paths *p, const delays *d, const char *path,
                    opc_error *error);
 
@@ -142,7 +142,7 @@ int draw_histogram(const paths *p, const delays *d, const char *path,
 int write_sdf(const paths *p, const state *s, const char *path,
               opc_error *error);
 int write_verilog(const paths *p, const char *path, opc_error *error);
-int tell_events(const paths *p, opc_error *error);
+int events_report(const paths *p, opc_error *error);
 
 /* ---- reference.c ---- */
 int compare_with_spice(paths *p, opc_error *error);

@@ -178,7 +178,7 @@ typedef struct wished {
   double weight, ion, ioff, area;
 } wished;
 
-static int tell_wishes(const slack_task *j, opc_error *error) {
+static int requests_report(const slack_task *j, opc_error *error) {
   const eda_gates *g = j->s->circuit->gates;
   wished *row = eda_alloc(g->count, sizeof *row);
   size_t n = 0;
@@ -210,8 +210,8 @@ typedef struct row {
   double before, after, drawn, leak;
 } row;
 
-static int tell_instances(const slack_task *j, const double *after,
-                          opc_error *error) {
+static int instances_report(const slack_task *j, const double *after,
+                            opc_error *error) {
   const graph *g = &j->graph;
   const budget *b = &j->budget;
   row *rows = eda_alloc(g->instances, sizeof *rows);
@@ -284,8 +284,8 @@ static int slack_spend(slack_task *j, opc_error *error) {
                     j->graph.name, j->worst, b->limit);
   double *after = budget_slack(b);
   int code = slack_report(j, error);
-  if (!code) code = tell_wishes(j, error);
-  if (!code) code = tell_instances(j, after, error);
+  if (!code) code = requests_report(j, error);
+  if (!code) code = instances_report(j, after, error);
   free(after);
   return code;
 }

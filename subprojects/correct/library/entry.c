@@ -60,8 +60,8 @@ GVariant *correct_entry_pack(const cut_out *cell, const eda_performance *design,
   return g_variant_new(
       "(@as@a(iiiiyydddddddddyuiiiiiia(iii)ds)@aa(iiii)@aa(iiii))",
       g_variant_new_strv((const char *const *)g->layer, (gssize)g->layers),
-      g_variant_builder_end(&all), pack_boxes(m->patch, g->layers, cell->box),
-      pack_boxes(m->bite, g->layers, cell->box));
+      g_variant_builder_end(&all), pack_boxes(m->added, g->layers, cell->box),
+      pack_boxes(m->cutouts, g->layers, cell->box));
 }
 
 /* ---- from bytes ---- */
@@ -110,8 +110,8 @@ static gboolean unpack_boxes(GVariant *from, size_t layers,
 
 entry *correct_entry_unpack(GVariant *data) {
   g_autoptr(GVariant) gates = g_variant_get_child_value(data, 1);
-  g_autoptr(GVariant) patches = g_variant_get_child_value(data, 2);
-  g_autoptr(GVariant) bites = g_variant_get_child_value(data, 3);
+  g_autoptr(GVariant) added = g_variant_get_child_value(data, 2);
+  g_autoptr(GVariant) cutouts = g_variant_get_child_value(data, 3);
   entry *e = g_new0(entry, 1);
   size_t n = e->gates = g_variant_n_children(gates);
   g_variant_get_child(data, 0, "^as", &e->layer);
@@ -126,8 +126,8 @@ entry *correct_entry_unpack(GVariant *data) {
   e->flags = eda_alloc(n, sizeof *e->flags);
   eda_performance_init(&e->after, n);
   e->moved = eda_moved_new(e->layers, n);
-  gboolean good = unpack_boxes(patches, e->layers, e->moved->patch) &&
-                  unpack_boxes(bites, e->layers, e->moved->bite);
+  gboolean good = unpack_boxes(added, e->layers, e->moved->added) &&
+                  unpack_boxes(cutouts, e->layers, e->moved->cutouts);
   for (size_t i = 0; i < n && good; i++) {
     g_autoptr(GVariant) one = g_variant_get_child_value(gates, i);
     good = unpack_gate(e, i, one);

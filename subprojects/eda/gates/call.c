@@ -184,28 +184,28 @@ int eda_call_rule(const opc_context *context, const opc_module *regulator,
   eda_ruling lent = {
       .vetoes = fence_new(count, sizeof(uint32_t), ruling->vetoes),
       .end = fence_new(2 * count, sizeof(int32_t), ruling->end),
-      .patches = fence_new(layers, sizeof(eda_boxes), ruling->patches),
-      .bites = fence_new(layers, sizeof(eda_boxes), ruling->bites)};
+      .added = fence_new(layers, sizeof(eda_boxes), ruling->added),
+      .cutouts = fence_new(layers, sizeof(eda_boxes), ruling->cutouts)};
   eda_ruling kept = lent;
   const char *before = eda_enter(context, regulator, error);
   int code = r->rule(regulator->self, printed, &lent, error);
   if (!code) code = fence_check(kept.vetoes, "vetoes", error);
   if (!code) code = fence_check(kept.end, "line ends", error);
-  if (!code) code = fence_check(kept.patches, "patches", error);
-  if (!code) code = fence_check(kept.bites, "bites", error);
+  if (!code) code = fence_check(kept.added, "added shapes", error);
+  if (!code) code = fence_check(kept.cutouts, "cut-outs", error);
   if (!code) code = eda_check_ruling(g, &kept, error);
   opc_leave(context, before);
   if (!code) {
     memcpy(ruling->vetoes, kept.vetoes, count * sizeof *kept.vetoes);
     memcpy(ruling->end, kept.end, 2 * count * sizeof *kept.end);
-    memcpy(ruling->patches, kept.patches, layers * sizeof *kept.patches);
-    memcpy(ruling->bites, kept.bites, layers * sizeof *kept.bites);
+    memcpy(ruling->added, kept.added, layers * sizeof *kept.added);
+    memcpy(ruling->cutouts, kept.cutouts, layers * sizeof *kept.cutouts);
     ruling->transistors = lent.transistors;
   }
   fence_free(kept.vetoes);
   fence_free(kept.end);
-  fence_free(kept.patches);
-  fence_free(kept.bites);
+  fence_free(kept.added);
+  fence_free(kept.cutouts);
   return code;
 }
 

@@ -245,8 +245,8 @@ int eda_check_ruling(const eda_gates *gates, const eda_ruling *r,
       if (is_far(r->end[2 * i + side]))
         return far_move("line end", i, r->end[2 * i + side], error);
   }
-  int code = check_all_boxes(gates, "patches", r->patches, error);
-  return code ? code : check_all_boxes(gates, "bites", r->bites, error);
+  int code = check_all_boxes(gates, "added shapes", r->added, error);
+  return code ? code : check_all_boxes(gates, "cut-outs", r->cutouts, error);
 }
 
 int eda_check_violations(const eda_violation *v, size_t n, size_t gates,

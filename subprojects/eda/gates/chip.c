@@ -128,7 +128,7 @@ static void put_boxes(const eda_chip *c, const eda_chip_gate *g, eda_box at,
                       const eda_chip_mask *m, eda_moved *to) {
   for (uint32_t k = 0; k < m->boxes; k++) {
     const eda_chip_box *b = &c->box[m->box + k];
-    eda_box_list *list = b->bite ? to->bite : to->patch;
+    eda_box_list *list = b->cutout ? to->cutouts : to->added;
     eda_box_list_add(&list[b->layer],
                      eda_chip_place(at, g->axis, g->flip, b->box));
   }

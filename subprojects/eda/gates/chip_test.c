@@ -149,14 +149,14 @@ static void test_moved(void) {
       g_assert_cmpint(by_at(part, EDA_PARTS, w), ==,
                       by_at(t.part, 2, back ? W - 1 - w : w));
     for (int b = 0; b < 2; b++) {
-      const eda_box_list *list = b ? &to->bite[1] : &to->patch[0];
+      const eda_box_list *list = b ? &to->cutouts[1] : &to->added[0];
       eda_box want = eda_chip_place(g->box, g->axis, g->flip, t.box[b].box);
       g_assert_cmpuint(list->count, ==, GATES);
       g_assert_cmpmem(&list->box[GATES - 1 - k], sizeof want, &want,
                       sizeof want);
     }
   }
-  g_assert_cmpuint(to->patch[1].count + to->bite[0].count, ==, 0);
+  g_assert_cmpuint(to->added[1].count + to->cutouts[0].count, ==, 0);
   eda_moved_free(to);
 }
 

@@ -18,7 +18,7 @@ static const double neck = 0.75, wide = 2;
    width are in series and carry the current of their harmonic mean. Relative to
    the mean width, this current is smaller by the variance of the width over its
    square. */
-static const double bite = 1e-3;
+static const double notch_limit = 1e-3;
 
 /* A cut through the printed image at a point of a line: distances of its edges
    from the point towards smaller and larger coordinates. */
@@ -98,7 +98,7 @@ static void measure_width(eda_gate *g) {
     square += share[k] * w * w;
   }
   if (g->flags & EDA_PRINT_NO_ACTIVE) g->from = g->to = g->middle[1];
-  if (square > (1 + bite) * width * width) g->flags |= EDA_PRINT_BITE;
+  if (square > (1 + notch_limit) * width * width) g->flags |= EDA_PRINT_NOTCH;
 }
 
 /* Return the extension of the printed poly beyond the printed active on

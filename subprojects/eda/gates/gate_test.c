@@ -170,7 +170,7 @@ static void test_width(void) {
     }
     g_test_message("a disk: %.3f nm, mean chord %.3f nm", r.to - r.from, area);
     g_assert_cmpfloat(fabs(r.to - r.from - area), <, 0.5);
-    g_assert_cmphex(r.flags & EDA_PRINT_BITE, ==, EDA_PRINT_BITE);
+    g_assert_cmphex(r.flags & EDA_PRINT_NOTCH, ==, EDA_PRINT_NOTCH);
   }
 }
 
@@ -197,7 +197,7 @@ static void test_flags(void) {
       {line, islands, 400, EDA_PRINT_ISLAND, 0},
       {waist, stripe, 400, EDA_PRINT_NECK, 0},
       {belly, stripe, 800, EDA_PRINT_WIDE, 0},
-      {line, disk, 400, EDA_PRINT_BITE, 0},
+      {line, disk, 400, EDA_PRINT_NOTCH, 0},
   };
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++)
     for (int across = 0; across < 2; across++) {

@@ -137,8 +137,8 @@ eda_moved *eda_moved_new(size_t layers, size_t gates) {
   m->end = eda_alloc(2 * gates, sizeof *m->end);
   m->part = eda_alloc(EDA_PARTS * gates, sizeof *m->part);
   m->flip = eda_alloc(gates, sizeof *m->flip);
-  m->patch = eda_alloc(layers, sizeof *m->patch);
-  m->bite = eda_alloc(layers, sizeof *m->bite);
+  m->added = eda_alloc(layers, sizeof *m->added);
+  m->cutouts = eda_alloc(layers, sizeof *m->cutouts);
   m->seen = eda_alloc(gates, sizeof *m->seen);
   return m;
 }
@@ -146,8 +146,8 @@ eda_moved *eda_moved_new(size_t layers, size_t gates) {
 void eda_moved_free(eda_moved *m) {
   if (!m) return;
   for (size_t k = 0; k < m->layers; k++) {
-    free(m->patch[k].box);
-    free(m->bite[k].box);
+    free(m->added[k].box);
+    free(m->cutouts[k].box);
   }
   free(m->w);
   free(m->aside);
@@ -156,8 +156,8 @@ void eda_moved_free(eda_moved *m) {
   free(m->end);
   free(m->part);
   free(m->flip);
-  free(m->patch);
-  free(m->bite);
+  free(m->added);
+  free(m->cutouts);
   free(m->seen);
   free(m);
 }

@@ -132,8 +132,8 @@ static void move_fields(stream *s, eda_moved *m) {
   stream_move(s, m->flip, m->gates);
   stream_move(s, m->seen, m->gates * sizeof *m->seen);
   for (size_t k = 0; k < m->layers && !s->failed; k++) {
-    move_list(s, &m->patch[k]);
-    move_list(s, &m->bite[k]);
+    move_list(s, &m->added[k]);
+    move_list(s, &m->cutouts[k]);
   }
 }
 

@@ -44,6 +44,6 @@ void eda_natural_text(eda_scanner s, char *out, size_t size) {
   else
     (void)snprintf(out, size,
                    "as at %g nm and NA %g, since the model of the optics does "
-                   "not tell its own",
+                   "not state its own",
                    usual.wavelength, usual.na);
 }

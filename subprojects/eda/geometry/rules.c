@@ -68,7 +68,7 @@ static int by_distance(const void *a, const void *b) {
   return (p->low > q->low) - (p->low < q->low);
 }
 
-static void tell_facing(mask *m, const facing *f) {
+static void facing_report(mask *m, const facing *f) {
   double along = ((double)f->low + f->high) / 2;
   int flat = side_upright(m->side);
   double across = (flat ? m->from.x0 : m->from.y0) + f->distance / 2.0;
@@ -77,7 +77,7 @@ static void tell_facing(mask *m, const facing *f) {
 }
 
 /* Report the parts of found[i] that no nearer edge covers. */
-static void tell_visible(mask *m, size_t i) {
+static void visible_report(mask *m, size_t i) {
   int32_t at = m->found[i].low, end = m->found[i].high;
   while (at < end) {
     int32_t stop = end, covered = 0;
@@ -90,7 +90,7 @@ static void tell_visible(mask *m, size_t i) {
     }
     if (stop > end) stop = end;
     facing part = {m->found[i].distance, at, stop};
-    if (!covered) tell_facing(m, &part);
+    if (!covered) facing_report(m, &part);
     at = stop;
   }
 }
@@ -112,7 +112,7 @@ static void look_from(mask *m, size_t i) {
   eda_finder f = eda_index_find(m->edges, window);
   for (uint32_t k; eda_index_next(&f, &k);) edge_record(m, k);
   if (m->n > 1) qsort(m->found, m->n, sizeof *m->found, by_distance);
-  for (size_t k = 0; k < m->n; k++) tell_visible(m, k);
+  for (size_t k = 0; k < m->n; k++) visible_report(m, k);
 }
 
 /* ---- corners ---- */

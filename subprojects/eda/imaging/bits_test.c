@@ -34,7 +34,7 @@ static void hash_append(GString *out, const char *what, const void *data,
   g_string_append_printf(out, "%s %s\n", what, hash);
 }
 
-static void tell_field(GString *out, const char *what, const eda_field *f) {
+static void field_append(GString *out, const char *what, const eda_field *f) {
   hash_append(out, what, f->coefficients,
               sizeof(float) * (size_t)f->nx * (size_t)f->ny);
 }
@@ -95,12 +95,12 @@ static char *all_hashes(void) {
   opc_error error;
   if (eda_coherent_sum(NULL, &mask, &kernels, 0, &field, &error))
     g_error("%s", error.message);
-  tell_field(out, "image", &field);
+  field_append(out, "image", &field);
   if (eda_field_diffuse(NULL, &field, 20, &error)) g_error("%s", error.message);
-  tell_field(out, "diffuse", &field);
+  field_append(out, "diffuse", &field);
   if (eda_field_resample(NULL, &field, 15, &error))
     g_error("%s", error.message);
-  tell_field(out, "resample", &field);
+  field_append(out, "resample", &field);
   size_t n = (size_t)field.nx * (size_t)field.ny;
   for (size_t i = 0; i < n; i++)
     field.coefficients[i] = 0.3f - field.coefficients[i];

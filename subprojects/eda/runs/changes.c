@@ -52,7 +52,7 @@ static void transistors_match_rows(transistors *t, size_t a, size_t b) {
 /* Return whether both runs have the table of a step `verify`; *name is its
    name. */
 static int is_verified(const eda_run *base, const eda_run *other, char **name) {
-  const eda_run_facts *f = eda_run_told(base);
+  const eda_run_facts *f = eda_run_info(base);
   for (size_t i = 0; i < f->n_parameters; i++) {
     const char *use = f->parameters[i].name, *dot = strchr(use, '.');
     if (!dot || strcmp(dot, ".use") || strcmp(f->parameters[i].value, "verify"))

@@ -31,7 +31,7 @@ static size_t depth_of(size_t n) {
 }
 
 eda_median eda_median_of(const double *values, size_t n) {
-  eda_median out = {NAN, NAN, NAN, n};
+  eda_median out = {NAN, NAN, NAN, (int64_t)n};
   if (!n) return out;
   g_autofree double *x = g_new(double, n);
   memcpy(x, values, n * sizeof *x);

@@ -11,7 +11,7 @@
 
 struct eda_run {
   runs_tree manifest, metrics, flow;
-  eda_run_facts told;
+  eda_run_facts facts;
   GPtrArray *texts;   /* texts not owned by a tree, char * */
   GHashTable *tables; /* name to eda_table */
 };
@@ -132,7 +132,7 @@ static int read_metrics(reading *r) {
       code = read_metric(r, opc_node_key(root, i), opc_node_key(map, k),
                          map->items->pdata[k], out);
   }
-  eda_run_facts *f = &r->run->told;
+  eda_run_facts *f = &r->run->facts;
   f->n_metrics = out->len;
   f->metrics = (eda_run_metric *)(void *)g_array_free(out, FALSE);
   if (code) return code;
@@ -154,8 +154,8 @@ static void read_steps(reading *r) {
   for (guint i = 0; i < n; i++)
     steps[i] =
         (eda_run_step){opc_node_key(map, i), runs_number(map->items->pdata[i])};
-  r->run->told.steps = steps;
-  r->run->told.n_steps = n;
+  r->run->facts.steps = steps;
+  r->run->facts.n_steps = n;
 }
 
 static int64_t whole_number(reading *r, const char *key) {
@@ -164,7 +164,7 @@ static int64_t whole_number(reading *r, const char *key) {
 }
 
 static int read_manifest(reading *r) {
-  eda_run_facts *f = &r->run->told;
+  eda_run_facts *f = &r->run->facts;
   const opc_node *root = runs_root(r->tree);
   const char *result;
   if (text_required(r, root, "opcflow", &f->version) ||
@@ -192,7 +192,7 @@ static int read_manifest(reading *r) {
 /* ---- the flow ---- */
 
 static int read_flow(reading *r) {
-  eda_run_facts *f = &r->run->told;
+  eda_run_facts *f = &r->run->facts;
   const opc_node *root = runs_root(r->tree);
   const opc_node *format = opc_node_get(root, "opcflow");
   if (!format || g_strcmp0(runs_word(format), "1") != 0)
@@ -217,7 +217,7 @@ static int open_all(eda_run *run, opc_error *error) {
   } parts[] = {{"manifest.json", &run->manifest, read_manifest},
                {"metrics.json", &run->metrics, read_metrics},
                {"flow.yaml", &run->flow, read_flow}};
-  const char *folder = run->told.folder;
+  const char *folder = run->facts.folder;
   int code = OPC_OK;
   for (size_t i = 0; i < G_N_ELEMENTS(parts) && !code; i++) {
     g_autofree char *path = g_build_filename(folder, parts[i].file, NULL);
@@ -237,7 +237,7 @@ eda_run *eda_run_open(const char *folder, opc_error *error) {
   run->texts = g_ptr_array_new_with_free_func(g_free);
   run->tables = g_hash_table_new_full(g_str_hash, g_str_equal, g_free,
                                       (GDestroyNotify)eda_table_free);
-  run->told.folder = g_strdup(folder);
+  run->facts.folder = g_strdup(folder);
   if (!open_all(run, error)) return run;
   eda_run_free(run);
   return NULL;
@@ -245,7 +245,7 @@ eda_run *eda_run_open(const char *folder, opc_error *error) {
 
 void eda_run_free(eda_run *run) {
   if (!run) return;
-  eda_run_facts *f = &run->told;
+  eda_run_facts *f = &run->facts;
   g_free((char *)f->folder);
   g_free((void *)f->metrics);
   g_free((void *)f->parameters);
@@ -265,25 +265,26 @@ void eda_run_free(eda_run *run) {
 
 /* ---- looking ---- */
 
-const eda_run_facts *eda_run_told(const eda_run *run) { return &run->told; }
+const eda_run_facts *eda_run_info(const eda_run *run) { return &run->facts; }
 
 const eda_run_metric *eda_run_metric_of(const eda_run *run, const char *name) {
-  for (size_t i = 0; i < run->told.n_metrics; i++)
-    if (!strcmp(run->told.metrics[i].name, name)) return &run->told.metrics[i];
+  for (size_t i = 0; i < run->facts.n_metrics; i++)
+    if (!strcmp(run->facts.metrics[i].name, name))
+      return &run->facts.metrics[i];
   return NULL;
 }
 
 const eda_run_parameter *eda_run_parameter_of(const eda_run *run,
                                               const char *name) {
-  for (size_t i = 0; i < run->told.n_parameters; i++)
-    if (!strcmp(run->told.parameters[i].name, name))
-      return &run->told.parameters[i];
+  for (size_t i = 0; i < run->facts.n_parameters; i++)
+    if (!strcmp(run->facts.parameters[i].name, name))
+      return &run->facts.parameters[i];
   return NULL;
 }
 
 static char *table_path(const eda_run *run, const char *name) {
   g_autofree char *file = g_strconcat(name, ".csv", NULL);
-  return g_build_filename(run->told.folder, file, NULL);
+  return g_build_filename(run->facts.folder, file, NULL);
 }
 
 int eda_run_has_table(const eda_run *run, const char *name) {

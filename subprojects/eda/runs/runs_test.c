@@ -76,7 +76,7 @@ static void test_run(void) {
   opc_error error = {0};
   eda_run *run = eda_run_open(folder, &error);
   g_test_message("%s", error.message);
-  const eda_run_facts *f = eda_run_told(run);
+  const eda_run_facts *f = eda_run_info(run);
   g_assert_cmpstr(f->folder, ==, folder);
   g_assert_cmpstr(f->name, ==, "test");
   g_assert_cmpstr(f->variant, ==, "plain");
@@ -129,7 +129,7 @@ static void test_parameters(void) {
   char *folder = folder_make(NULL, NULL, NULL);
   opc_error error = {0};
   eda_run *run = eda_run_open(folder, &error);
-  const eda_run_facts *f = eda_run_told(run);
+  const eda_run_facts *f = eda_run_info(run);
   g_assert_cmpuint(f->n_parameters, ==, G_N_ELEMENTS(want));
   for (size_t i = 0; i < G_N_ELEMENTS(want); i++) {
     const eda_run_parameter *p = eda_run_parameter_of(run, want[i].name);

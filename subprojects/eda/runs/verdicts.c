@@ -22,6 +22,8 @@ static const struct {
     {"seconds", "seconds", "%"},
 };
 
+static const char *const words[] = {"same", "better", "worse", "too few"};
+
 /* Smallest change of the sum of seconds that decides without an interval, in
    %. */
 static const double SECONDS = 10;
@@ -29,7 +31,7 @@ static const double SECONDS = 10;
 /* Return the last metric of a name in any step, since later steps verify
    earlier ones; NAN if there is none. */
 static double metric_of(const eda_run *run, const char *name) {
-  const eda_run_facts *f = eda_run_told(run);
+  const eda_run_facts *f = eda_run_info(run);
   for (size_t i = f->n_metrics; i-- > 0;) {
     const char *last = strrchr(f->metrics[i].name, '.');
     if (last && !strcmp(last + 1, name)) return f->metrics[i].value;
@@ -38,7 +40,7 @@ static double metric_of(const eda_run *run, const char *name) {
 }
 
 static double figure_of(const eda_run *run, int figure) {
-  return figure == EDA_CHANGE_SECONDS ? eda_run_told(run)->seconds
+  return figure == EDA_CHANGE_SECONDS ? eda_run_info(run)->seconds
                                       : metric_of(run, figures[figure].name);
 }
 
@@ -145,7 +147,7 @@ static void append_change(GString *out, const eda_change *c, int swapped) {
   append_number(out, size_of(c, change, swapped));
   g_string_append_printf(out, "%s%s", *c->unit ? " " : "", c->unit);
   if (!has_interval && c->median.n)
-    g_string_append_printf(out, " (%zu case%s)", c->median.n,
+    g_string_append_printf(out, " (%" G_GINT64_FORMAT " case%s)", c->median.n,
                            c->median.n > 1 ? "s" : "");
   if (!has_interval) return;
   double a = size_of(c, c->median.low, swapped);
@@ -157,10 +159,9 @@ static void append_change(GString *out, const eda_change *c, int swapped) {
   g_string_append_c(out, ')');
 }
 
-/* Append the changes of a verdict after a text; return whether there are any.
- */
-static int append_all(GString *out, const eda_verdict *v, int verdict,
-                      int equal, int swapped, const char *before) {
+/* Append the changes of a verdict after a text, if there are any. */
+static void append_all(GString *out, const eda_verdict *v, int verdict,
+                       int equal, int swapped, const char *before) {
   int found = 0;
   for (int i = 0; i < EDA_CHANGES; i++) {
     const eda_change *c = &v->changes[i];
@@ -171,7 +172,10 @@ static int append_all(GString *out, const eda_verdict *v, int verdict,
     else
       g_string_append(out, c->title);
   }
-  return found;
+  if (found && verdict == EDA_VERDICT_FEW)
+    g_string_append_printf(out, " (%" G_GINT64_FORMAT " of %d)",
+                           v->changes[EDA_CHANGE_ION].median.n,
+                           EDA_MEDIAN_FEWEST);
 }
 
 static int first_decided(const eda_verdict *v) {
@@ -183,31 +187,23 @@ static int first_decided(const eda_verdict *v) {
 }
 
 static char *sentence_of(const eda_verdict *v) {
-  GString *out = g_string_new(NULL);
   int first = first_decided(v), swapped = first == EDA_VERDICT_WORSE;
-  int other = swapped ? EDA_VERDICT_BETTER : EDA_VERDICT_WORSE;
-  const char *a = swapped ? v->against : v->method;
-  const char *b = swapped ? v->method : v->against;
-  if (first == EDA_VERDICT_SAME)
-    g_string_append_printf(out, "%s against %s", a, b);
-  else
-    g_string_append_printf(out, "%s is better than %s", a, b);
-  const char *before = " ";
-  if (first != EDA_VERDICT_SAME) {
-    append_all(out, v, first, 0, swapped, " ");
-    append_all(out, v, other, 0, swapped, ", worse ");
-    before = "; ";
-  } else {
-    before = ": ";
-  }
-  g_autofree char *same = g_strconcat(before, "no clear difference in ", NULL);
-  if (append_all(out, v, EDA_VERDICT_SAME, 0, 0, same)) before = "; ";
-  g_autofree char *equal = g_strconcat(before, "equal in ", NULL);
-  if (append_all(out, v, EDA_VERDICT_SAME, 1, 0, equal)) before = "; ";
-  g_autofree char *few =
-      g_strdup_printf("%stoo few cells (%zu of %d) for ", before,
-                      v->changes[EDA_CHANGE_ION].median.n, EDA_MEDIAN_FEWEST);
-  append_all(out, v, EDA_VERDICT_FEW, 0, 0, few);
+  const struct {
+    int verdict, equal;
+    const char *before;
+  } clauses[] = {
+      {first, 0, " "},
+      {swapped ? EDA_VERDICT_BETTER : EDA_VERDICT_WORSE, 0, ", worse "},
+      {EDA_VERDICT_SAME, 0, "; no clear difference in "},
+      {EDA_VERDICT_SAME, 1, "; equal in "},
+      {EDA_VERDICT_FEW, 0, "; too few cells for "}};
+  GString *out = g_string_new(NULL);
+  g_string_printf(
+      out, first ? "%s is better than %s" : "no verdict on %s against %s",
+      swapped ? v->against : v->method, swapped ? v->method : v->against);
+  for (size_t i = first ? 0 : 2; i < G_N_ELEMENTS(clauses); i++)
+    append_all(out, v, clauses[i].verdict, clauses[i].equal, swapped,
+               clauses[i].before);
   return g_string_free(out, FALSE);
 }
 
@@ -244,6 +240,7 @@ int eda_verdict_init(eda_verdict *out, const char *method, const char *against,
   }
   for (int i = EDA_CHANGE_SHOTS; i < EDA_CHANGES; i++)
     take_cases(&c[i], i, n_alike, alike);
+  for (int i = 0; i < EDA_CHANGES; i++) c[i].word = words[c[i].verdict];
   out->text = sentence_of(out);
   return code;
 }

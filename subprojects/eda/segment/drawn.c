@@ -102,10 +102,10 @@ int segment_drawn(segment *s) {
   for (size_t i = 0; i < g->count; i++)
     others += !gate_measure(g, i, grid, &regions, which[i]);
   if (others)
-    segment_tell(s, 1,
-                 "%zu gate%s not drawn as a rectangle, "
-                 "but on the grid of %g nm: L and W are those on the grid",
-                 others, others == 1 ? " is" : "s are", s->grid);
+    segment_log(s, 1,
+                "%zu gate%s not drawn as a rectangle, "
+                "but on the grid of %g nm: L and W are those on the grid",
+                others, others == 1 ? " is" : "s are", s->grid);
   free(which);
   eda_shapes_clear(&regions);
   return OPC_OK;

@@ -98,7 +98,7 @@ static int region_refuse(segment *s, size_t region, const char *a,
   if (b)
     (void)snprintf(text, sizeof text,
                    "it is marked as '%.50s' and as '%.50s': a flavour of both "
-                   "markers, 'NAME: A B', would tell",
+                   "markers, 'NAME: A B', would define",
                    a, b);
   else
     (void)snprintf(text, sizeof text, "a marker of '%.50s' covers it in part",

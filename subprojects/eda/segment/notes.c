@@ -92,11 +92,11 @@ static void notes_warn(const segment *s, const eda_flat_texts *t,
   eda_point p = t->at.shapes.points[first];
   int32_t cell;
   char *path = segment_path(s, t->at.placement[first], &cell);
-  segment_tell(s, 1,
-               "texts of layer '%s' on no transistor: %zu, the first '%.100s' "
-               "at (%g, %g) nm%s%.200s%s",
-               layer_name, beside, t->text[first], p.x * s->grid, p.y * s->grid,
-               *path ? ", instance '" : "", path, *path ? "'" : "");
+  segment_log(s, 1,
+              "texts of layer '%s' on no transistor: %zu, the first '%.100s' "
+              "at (%g, %g) nm%s%.200s%s",
+              layer_name, beside, t->text[first], p.x * s->grid, p.y * s->grid,
+              *path ? ", instance '" : "", path, *path ? "'" : "");
   free(path);
 }
 

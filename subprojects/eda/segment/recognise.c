@@ -146,10 +146,10 @@ static void warn_of_well(const segment *s) {
   if (s->has_doping[NIMPLANT] || s->has_doping[PIMPLANT] ||
       !s->has_doping[well] || s->doping[well].count)
     return;
-  segment_tell(s, 1,
-               "layer '%s' has no shape, so that all transistors are "
-               "%c-transistors: is it the right one?",
-               well == NWELL ? "nwell" : "pwell", well == NWELL ? 'n' : 'p');
+  segment_log(s, 1,
+              "layer '%s' has no shape, so that all transistors are "
+              "%c-transistors: is it the right one?",
+              well == NWELL ? "nwell" : "pwell", well == NWELL ? 'n' : 'p');
 }
 
 static int find_types(segment *s) {

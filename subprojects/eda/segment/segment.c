@@ -15,14 +15,14 @@ static const char *const dopings[DOPINGS] = {"nwell", "pwell", "nimplant",
 enum { CONTACT = 2, KNOWN = 3 };
 static const char *const known[KNOWN] = {"poly", "active", "contact"};
 
-void segment_tell(const segment *s, int warning, const char *format, ...) {
-  if (!s->settings->tell || s->window) return;
+void segment_log(const segment *s, int warning, const char *format, ...) {
+  if (!s->settings->log || s->window) return;
   char text[1024];
   va_list arguments;
   va_start(arguments, format);
   (void)vsnprintf(text, sizeof text, format, arguments);
   va_end(arguments);
-  s->settings->tell(s->settings->data, warning, text);
+  s->settings->log(s->settings->data, warning, text);
 }
 
 /* ---- settings ---- */
@@ -167,11 +167,11 @@ static void count_moved(segment *s, size_t k, const eda_flat *flat) {
   s->report.worst = fmax(s->report.worst, flat->worst);
   if (k <= EDA_ACTIVE) s->moved += flat->moved;
   if (flat->moved)
-    segment_tell(
-        s, 0,
-        "the grid of %g nm moved %zu of %zu vertices of layer '%s', by "
-        "%.3g nm at most",
-        s->grid, flat->moved, flat->vertices, s->source[k].from, flat->worst);
+    segment_log(s, 0,
+                "the grid of %g nm moved %zu of %zu vertices of layer '%s', by "
+                "%.3g nm at most",
+                s->grid, flat->moved, flat->vertices, s->source[k].from,
+                flat->worst);
 }
 
 int segment_layers(segment *s) {

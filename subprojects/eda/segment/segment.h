@@ -90,7 +90,7 @@ void segment_cut_plain(eda_gates *gates, size_t layer);
 /* segment.c: send a message or warning to the user if the settings have a
    receiver. */
 OPC_PRINTF(3, 4)
-void segment_tell(const segment *s, int warning, const char *format, ...);
+void segment_log(const segment *s, int warning, const char *format, ...);
 
 /* Functions that return int return an OPC_* code with *s->error filled. */
 

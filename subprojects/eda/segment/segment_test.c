@@ -87,7 +87,7 @@ static bool starts_in(eda_box core, eda_box b) {
 }
 
 /* Return all fields of a gate as text, exact to the bit. */
-static char *tell_gate(const eda_gates *g, size_t i) {
+static char *gate_text(const eda_gates *g, size_t i) {
   eda_box b = g->box[i];
   eda_goal wish = eda_gates_goal(g, i);
   return g_strdup_printf(
@@ -100,7 +100,7 @@ static char *tell_gate(const eda_gates *g, size_t i) {
 static GPtrArray *gates_in(const eda_gates *g, eda_box core) {
   GPtrArray *all = g_ptr_array_new_with_free_func(g_free);
   for (size_t i = 0; i < g->count; i++)
-    if (starts_in(core, g->box[i])) g_ptr_array_add(all, tell_gate(g, i));
+    if (starts_in(core, g->box[i])) g_ptr_array_add(all, gate_text(g, i));
   return all;
 }
 

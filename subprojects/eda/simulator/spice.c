@@ -155,7 +155,7 @@ static char *last_words(const GString *words) {
                       ' ');
 }
 
-static int tell_no_osdi(const reading *r, opc_error *error) {
+static int osdi_refuse(const reading *r, opc_error *error) {
   const char *version = strstr(r->words->str, "ngspice-");
   return opc_fail(
       error, OPC_NO_PLUGIN, NULL,
@@ -172,7 +172,7 @@ static int child_judge(const reading *r, GSubprocess *child, opc_error *error) {
                     "the library of ngspice is not installed (Debian "
                     "package 'libngspice0'): %s",
                     r->trouble);
-  if (r->no_osdi) return tell_no_osdi(r, error);
+  if (r->no_osdi) return osdi_refuse(r, error);
   if (r->trouble)
     return opc_fail(error, OPC_FAILED, NULL, "'ngspice' failed: %s",
                     r->trouble);

@@ -140,7 +140,7 @@ static void test_words(void) {
 static void test_death(void) {
   static const char endless[] = "tran 1f 1000";
   if (!have_ngspice()) return;
-  assert_fails(rc, "op\nquit 3", LIMIT, OPC_FAILED, "told to quit", 1);
+  assert_fails(rc, "op\nquit 3", LIMIT, OPC_FAILED, "made it quit", 1);
   gint64 start = g_get_monotonic_time();
   assert_fails(rc, endless, 0.5, OPC_FAILED, "not done after 0.5 s", 0);
   assert_fails(rc, "tran 1n 1000 0 1n", 0.5, OPC_FAILED,
@@ -335,7 +335,7 @@ static void test_evil_decks(void) {
 }
 
 /* Wait for a helper that hangs, in a thread, and print its process number. */
-static gpointer tell_helper(gpointer unused) {
+static gpointer helper_call(gpointer unused) {
   (void)unused;
   g_autofree char *path =
       g_strdup_printf("/proc/self/task/%d/children", (int)getpid());
@@ -355,7 +355,7 @@ static int run_endless(void) {
   eda_spice_result r;
   opc_error error;
   library_use(EDA_EVIL_BUILT);
-  g_thread_unref(g_thread_new("tell", tell_helper, NULL));
+  g_thread_unref(g_thread_new("call", helper_call, NULL));
   return eda_spice_run(&context, "t\n.end", "hang", LIMIT, &r, &error);
 }
 

@@ -87,7 +87,7 @@ async function inflate(text) {
   return new Response(stream).arrayBuffer();
 }
 
-/* Integers, as json.h tells. */
+/* Integers, as specified in json.h. */
 async function unpack(text, stride) {
   const numbers = new Int32Array(await inflate(text));
   for (let i = stride; i < numbers.length; i++) numbers[i] += numbers[i - stride];
@@ -116,7 +116,7 @@ function oklch(lightness, chroma, hue) {
 }
 
 /* From blue by the paper's colour to orange, lightness in even steps: 2 LEVELS + 1
-   colours, told apart by lightness and by the axis of colour that all but the
+   colours, distinguished by lightness and by the axis of colour that all but the
    rarest of the colour-blind see. */
 const LEVELS = 32;
 function diverging() {

@@ -71,9 +71,9 @@ function counts(values, range) {
   return out;
 }
 
-/* How values are spread over -range .. range: bars, and as a line what they were
-   before, if half of that is in the range. What lies beyond is in the last bars,
-   and is told. */
+/* Draw the histogram of values over -range .. range as bars, and that of `before`
+   as a line if half of its values are in the range. Values out of range count in
+   the last bars, and a note reports them. */
 function histogram(title, unit, k, values, before, range) {
   const in_range = before.filter(v => Math.abs(v) <= range).length;
   const bars = counts(values, range), line = 2 * in_range > before.length ? counts(before, range) : null;
@@ -120,9 +120,9 @@ const MOST = 4000;
 function scatter(title, about, x, y, k, points) {
   const every = Math.ceil(points.length / MOST);
   const shown = points.filter((p, i) => i % every === 0 || Math.abs(p[0]) > x.high * 0.8 || Math.abs(p[1]) > y.high * 0.8);
-  const told = every > 1 ? ` One in ${every} is shown, and all that are far out.` : '';
+  const sampled = every > 1 ? ` One in ${every} is shown, and all that are far out.` : '';
   const clamp = (v, a) => Math.max(a.low, Math.min(a.high, v));
-  return chart({title, about: about + told, height: 250, x, y, draw: p => {
+  return chart({title, about: about + sampled, height: 250, x, y, draw: p => {
     iso(p, x, y);
     p.body.append(svg('path', {class: 'dots', style: 'stroke:' + colour_of(k),
       d: shown.map(q => `M${p.x(clamp(q[0], x)).toFixed(1)} ${p.y(clamp(q[1], y)).toFixed(1)}h0`).join('')}));

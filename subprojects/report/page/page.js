@@ -4,7 +4,7 @@
 const data = JSON.parse(document.getElementById('data').textContent);
 const runs = data.runs;
 const main = document.getElementById('main');
-const FEW = 20; /* runs that are told of at length */
+const FEW = 20; /* most runs that are listed in detail */
 const methods = [...new Set(runs.map(r => r.method))], cases = [...new Set(runs.map(r => r.case))];
 const series_of = run => methods.indexOf(run.method);
 const name_of = run => (cases.length > 1 ? run.label : run.method);
@@ -38,6 +38,7 @@ const CHOSEN = [['transistors', 'transistors'], ['ion_mean_drawn', 'mean |ΔIon|
   ['ion_max', 'max |ΔIon|'], ['ioff_mean', 'mean |ΔIoff|'], ['area_mean', 'mean |Δarea|'], ['epe_mean', 'mean EPE'],
   ['shots', 'shots'], ['violations', 'violations'], ['failed', 'do not print'], ['worse', 'worse than drawn'],
   ['simulations', 'simulations']];
+const FAULTS = ['failed', 'worse']; /* without a column if all are 0 */
 const DELTA = 'Δ is the deviation from the drawn transistor.';
 
 /* The first one called so: of `mask`, not of a step that looks again. */
@@ -49,25 +50,19 @@ function metric_cell(run, name) {
 }
 
 function summary() {
-  const used = CHOSEN.filter(([name]) => runs.some(r => metric_named(r, name)));
+  const values = name => runs.map(r => r.metrics[metric_named(r, name)]).filter(m => m).map(m => m.value);
+  const used = CHOSEN.filter(([name]) => values(name).some(v => v || !FAULTS.includes(name)));
   const unit = name => { const r = runs.find(r => metric_named(r, name)); return r.metrics[metric_named(r, name)].unit; };
   const columns = [{name: cases.length > 1 || runs.length > methods.length ? 'method' : 'run', text: true,
     cell: r => el('th', {scope: 'row', class: 'name'}, el('span', {class: 'swatch', style: 'background:' + colour_of(series_of(r))}), r.method)},
   ...(cases.length > 1 ? [{name: 'case', text: true, cell: r => r.case}] : []),
   ...used.map(([name, label]) => ({name: label, unit: unit(name), cell: r => metric_cell(r, metric_named(r, name))})),
-  {name: 'time', unit: 's', cell: r => number(r.seconds ?? NaN)},
-  ...(runs.some(result_of) ? [{name: 'result', text: true, cell: r => el('td', {class: 'name'}, result_of(r) || 'complete')}] : [])];
+  {name: 'time', unit: 's', cell: r => number(r.seconds ?? NaN)}];
   const each = table(`Each run, by its own model. ${DELTA}` + (runs.some(r => r.running) ? ' This run was not yet at its end.' : ''), columns, runs);
   const pooled = cases.length > 1 ? by_method() : null;
   section('summary', 'Summary', notes(), verdicts(), pooled,
     pooled && runs.length > 24 ? el('details', null, el('summary', null, `Each of the ${runs.length} runs`), each) : each,
     requirements(), findings());
-}
-
-/* The fault of a run in short: tables and notes below have all of it. */
-function result_of(run) {
-  const broken = run.requirements.filter(q => !q.kept).length;
-  return run.failure ? 'failed' : broken ? `misses ${broken} of ${run.requirements.length}` : '';
 }
 
 /* Sentences on each pair of methods, and a table of their figures. */

@@ -13,11 +13,11 @@ class Viewer {
     this.common = true; /* one scale of colours */
     this.chosen = -1;
     this.panes = [0, 1, 2].map(() => this.new_pane());
-    this.told = el('div', {class: 'told', 'aria-live': 'polite', id: 'told'});
+    this.details = el('div', {class: 'details', 'aria-live': 'polite', id: 'details'});
     this.tip = el('div', {class: 'tip', hidden: true});
     this.element = el('div', {class: 'viewer'}, this.controls(),
       el('p', {class: 'about', id: 'viewer-help'}, HELP),
-      el('div', {class: 'panes'}, this.panes.map(p => p.element)), this.told, this.tip);
+      el('div', {class: 'panes'}, this.panes.map(p => p.element)), this.details, this.tip);
     new ResizeObserver(() => (this.fits ? this.fit() : this.draw())).observe(this.element);
   }
 
@@ -41,7 +41,7 @@ class Viewer {
   }
 
   new_pane() {
-    const canvas = el('canvas', {tabindex: 0, role: 'application', 'aria-describedby': 'viewer-help told'});
+    const canvas = el('canvas', {tabindex: 0, role: 'application', 'aria-describedby': 'viewer-help details'});
     const title = el('h4'), key = el('div', {class: 'key'});
     const pane = {canvas, title, key, element: el('div', {class: 'pane'}, title, canvas, key)};
     canvas.addEventListener('keydown', e => this.key_down(e));
@@ -196,14 +196,14 @@ class Viewer {
     return {x: (b[k] + b[k + 2]) / 2, y: (b[k + 1] + b[k + 3]) / 2};
   }
 
-  /* Tell of a transistor, and bring it into the window. */
+  /* Show the details of a transistor and move the window to it. */
   choose(i, near) {
     this.chosen = i;
-    this.told.replaceChildren();
+    this.details.replaceChildren();
     if (i >= 0) {
       const runs = [...new Set(this.panes.map(p => p.what.scene.run))], c = this.centre(i), w = this.window;
       for (const run of runs)
-        this.told.append(runs.length > 1 ? el('h4', null, name_of(run)) : '', facts_list(run, i));
+        this.details.append(runs.length > 1 ? el('h4', null, name_of(run)) : '', facts_list(run, i));
       if (near) w.scale = Math.max(w.scale, 0.25);
       const half = {x: this.canvas().clientWidth / 2.4 / w.scale, y: this.canvas().clientHeight / 2.4 / w.scale};
       if (near || Math.abs(c.x - w.x) > half.x || Math.abs(c.y - w.y) > half.y) w.x = c.x, w.y = c.y;

@@ -61,5 +61,5 @@ OPC_EXPORT void correct_shapes_of_boxes(boxes_lists boxes, eda_shapes *out);
    merged so that overlaps do not count twice. Returns the codes of
    eda_boolean. */
 OPC_EXPORT int correct_mask_merge(const eda_shapes *polygons, boxes_lists added,
-                                  boxes_lists bites, eda_shapes *out,
+                                  boxes_lists cutouts, eda_shapes *out,
                                   opc_error *error);

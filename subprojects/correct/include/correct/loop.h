@@ -94,8 +94,10 @@ OPC_EXPORT int correct_loop_print(loop *loop, int all, opc_error *error);
    accurate simulation are not repeated. */
 OPC_EXPORT int correct_loop_refine(loop *loop, opc_error *error);
 
-/* Return the added shapes or, for `bites`, the cut-outs of the loop's start. */
-OPC_EXPORT eda_boxes correct_loop_begun(const loop *l, size_t layer, int bites);
+/* Return the added shapes or, for `cutouts`, the cut-outs of the loop's start.
+ */
+OPC_EXPORT eda_boxes correct_loop_begun(const loop *l, size_t layer,
+                                        int cutouts);
 
 /* Return the last simulation in the form that regulators receive. */
 OPC_EXPORT eda_printed correct_loop_printed(const loop *loop);

@@ -30,10 +30,10 @@ OPC_EXPORT int correct_rules_report(const opc_host *host,
 
 /* Parameters of the rules, stored in with.rules of `state`. Violations are
    counted, not repaired. clang-format off */
-#define RULES_PARAMETER(state, name, rule, from, tells)                       \
+#define RULES_PARAMETER(state, name, rule, from, text)                        \
   OPC_PARAMETER_NAMED(name, state, with.rules[rule], .type = OPC_REAL,        \
                       .flags = OPC_AT_LEAST, .unit = "nm", .follows = (from), \
-                      .min = 0, .summary = (tells))
+                      .min = 0, .summary = (text))
 #define RULES_PARAMETERS(state)                                            \
   RULES_PARAMETER(state, "min_space", EDA_RULE_SPACE, "0.155 lambda/NA",   \
                   "Smallest allowed space of the mask"),                   \

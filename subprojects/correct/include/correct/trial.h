@@ -18,8 +18,8 @@ typedef struct trial {
   biases biases;
   size_t *fragments;  /* lengths of `shift` */
   int32_t **shift;    /* of layers dissected by a synthesizer; else NULL */
-  eda_boxes *patches; /* shapes added by the regulator */
-  eda_boxes *bites;   /* shapes cut out by the regulator */
+  eda_boxes *added;   /* shapes added by the regulator */
+  eda_boxes *cutouts; /* shapes cut out by the regulator */
   eda_boxes *assists; /* SRAFs of the synthesizers */
 } trial;
 

@@ -33,7 +33,7 @@ typedef struct eda_chip_mask {
 typedef struct eda_chip_box {
   eda_box box;
   uint16_t layer;
-  uint16_t bite;
+  uint16_t cutout;
 } eda_chip_box;
 
 /* A transistor that was simulated among its neighbours, all with their masks.

@@ -171,8 +171,8 @@ enum {
   /* The last four flags are warnings, not failures. */
   EDA_PRINT_NECK = 1 << 5,    /* a slice is far shorter than the drawn gate */
   EDA_PRINT_WIDE = 1 << 6,    /* a slice is far longer than the drawn gate */
-  EDA_PRINT_BITE = 1 << 7,    /* the printed edge of the active is not straight
-                                 in the channel */
+  EDA_PRINT_NOTCH = 1 << 7,   /* the printed edge of the active is not straight
+                                in the channel */
   EDA_PRINT_OUTSIDE = 1 << 8, /* as eda_performance.outside */
   EDA_PRINT_NOTES = 15 << 5   /* mask of the warning flags */
 };
@@ -246,11 +246,11 @@ enum { EDA_FLIP_L = 1 << 0, EDA_FLIP_W = 1 << 1 };
 typedef struct eda_moved {
   size_t layers, gates;
   int32_t *w, *aside, *l, *jog;
-  int32_t *end;        /* [2 * i + side] */
-  eda_part *part;      /* [EDA_PARTS * i + k] */
-  uint8_t *flip;       /* EDA_FLIP_* of each gate */
-  eda_box_list *patch; /* [layers], shapes added to the mask */
-  eda_box_list *bite;  /* [layers], shapes cut out of the mask afterwards */
+  int32_t *end;          /* [2 * i + side] */
+  eda_part *part;        /* [EDA_PARTS * i + k] */
+  uint8_t *flip;         /* EDA_FLIP_* of each gate */
+  eda_box_list *added;   /* [layers], shapes added to the mask */
+  eda_box_list *cutouts; /* [layers], shapes cut out of the mask afterwards */
   double *seen; /* [gates], known excess of the logarithm of Ion in a fast
                    simulation over an accurate one; 0: unknown. Since 0.6. */
 } eda_moved;

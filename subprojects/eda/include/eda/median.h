@@ -13,7 +13,7 @@ enum { EDA_MEDIAN_FEWEST = 5 };
 
 typedef struct eda_median {
   double value, low, high; /* NAN: no value; low, high: too few values */
-  size_t n;
+  int64_t n;               /* number of values */
 } eda_median;
 
 /* Return the median of n finite values, and a 95 % confidence interval of the

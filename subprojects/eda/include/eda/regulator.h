@@ -44,7 +44,7 @@ typedef struct eda_ruling {
      example a larger enclosure of a contact; and rectangles cut out of the mask
      afterwards. Complete at each call. Owned by the regulator until its next
      call; empty on entry. */
-  eda_boxes *patches, *bites;
+  eda_boxes *added, *cutouts;
 } eda_ruling;
 
 typedef struct eda_regulator {

@@ -133,7 +133,7 @@ OPC_EXPORT eda_run *eda_run_open(const char *folder, opc_error *error);
 OPC_EXPORT void eda_run_free(eda_run *run);
 
 /* Return the facts of a run, owned by the run. [any] */
-OPC_EXPORT const eda_run_facts *eda_run_told(const eda_run *run);
+OPC_EXPORT const eda_run_facts *eda_run_info(const eda_run *run);
 
 /* Return a metric by name, NULL if none exists. [any] */
 OPC_EXPORT const eda_run_metric *eda_run_metric_of(const eda_run *run,

@@ -31,7 +31,7 @@ typedef struct eda_segment_settings {
   int paths;
   /* Optional. Receives messages for the user about a whole layout, on the
      calling thread. */
-  void (*tell)(void *data, int warning, const char *message);
+  void (*log)(void *data, int warning, const char *message);
   void *data;
   /* Flavours of transistors (eda/gates.h): two texts for each, its name and the
      marker layers of the layout, separated by blanks if all of several must be

@@ -118,7 +118,7 @@ typedef struct eda_cuts {
 
 /* Properties of a synthesizer, as flags. */
 enum {
-  /* Line ends and patches of the regulator may change together with the first
+  /* Line ends and additions of the regulator may change together with the first
      moves. Otherwise they are settled before the first moves, because the
      synthesizer would attribute their effect to its own moves. */
   EDA_SYNTHESIZER_ENDS_ANYTIME = 1 << 0

@@ -40,6 +40,7 @@ typedef struct eda_change {
   int64_t n;          /* transistors or cases; 0: no run has the figure */
   int64_t better, worse, same; /* of these */
   int verdict;                 /* EDA_VERDICT_SAME ... */
+  const char *word;            /* "same", "better", "worse", "too few" */
 } eda_change;
 
 typedef struct eda_run_pair {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Processes that work together, as mpirun starts them: the ranks, from 0. All
    of them make the same calls in the same order. A process that is alone needs
-   ranks_told() only: the group comes from an object that is loaded. All
+   ranks_launched() only: the group comes from an object that is loaded. All
    functions are [main]. */
 #pragma once
 
@@ -60,7 +60,7 @@ typedef struct ranks_group {
 
 /* Return whether mpirun or srun started several processes, and this one's
    number among them. Starts nothing. */
-gboolean ranks_told(int *rank, int *size);
+gboolean ranks_launched(int *rank, int *size);
 
 /* Load the object at `path` (NULL: there is none) and join the group, once.
    `stopped` returns whether the user wants to stop. NULL and OPC_NO_PLUGIN if
