@@ -16,7 +16,8 @@ static void test_usage(void) {
   g_assert_cmpint(opcflow_call("rnu"), ==, 2);
   g_assert_cmpstr(err, ==, "error: unknown verb 'rnu', did you mean 'run'?\n");
   g_assert_cmpint(opcflow_call("run"), ==, 2);
-  g_assert_cmpstr(err, ==, "error: 'run' needs FLOW, see 'opcflow help run'\n");
+  g_assert_cmpstr(err, ==,
+                  "error: 'run' requires FLOW, see 'opcflow help run'\n");
   g_assert_cmpint(opcflow_call("run two.yaml --jsno"), ==, 2);
   g_assert_cmpstr(
       err, ==,
@@ -67,9 +68,9 @@ static void test_check(void) {
   g_assert_cmpstr(out, ==, "");
   g_assert_cmpstr(err, ==, "");
   g_assert_cmpint(opcflow_call("check two.yaml --set a.size=3"), ==, 2);
-  g_assert_cmpstr(err, ==,
-                  "--set a.size: 'size' needs a length with its unit, e.g. "
-                  "'3 nm'\n");
+  g_assert_cmpstr(
+      err, ==,
+      "--set a.size: 'size' requires a length with a unit, e.g. '3 nm'\n");
   g_assert_cmpint(opcflow_call("check two.yaml --set a.plain=13"), ==, 2);
   g_assert_cmpstr(err, ==,
                   "--set a.plain: step 'a' (test.numbers): 13 is not "
@@ -95,11 +96,11 @@ static void test_forecast(void) {
                   "a: 1 sums\nb: 2 sums, 2 MB\n"
                   "big/a: 1 sums\nbig/b: 2 sums, 1000000000.0 GB\n"
                   "bad/a: 1 sums\nbad/b: 2 sums\n");
-  g_assert_true(g_str_has_prefix(
-      err,
-      "warning: a: ran with 1\n"
-      "wants.yaml:4:3: step 'b' (test.heavy): wants 1000000000.0 GB of memory "
-      "for 2 sums, but "));
+  g_assert_true(g_str_has_prefix(err,
+                                 "warning: a: ran with 1\n"
+                                 "wants.yaml:4:3: step 'b' (test.heavy): "
+                                 "requires 1000000000.0 GB of memory "
+                                 "for 2 sums, but "));
   g_assert_nonnull(strstr(err,
                           " left; less with a smaller 'memory' (variant 'big')"
                           "\nwants.yaml:8:20: step 'b' (test.heavy): less than "
@@ -121,7 +122,7 @@ static void test_forecast(void) {
   g_assert_nonnull(strstr(err, "ran with 4"));
   g_assert_true(opc_remove_tree("wants"));
   g_assert_cmpint(opcflow_call("run wants.yaml --variant big"), ==, 4);
-  g_assert_nonnull(strstr(err, "wants 1000000000.0 GB of memory"));
+  g_assert_nonnull(strstr(err, "requires 1000000000.0 GB of memory"));
   g_assert_null(strstr(err, "ran with 2"));
 }
 
@@ -171,7 +172,7 @@ static void test_verb_help(void) {
       "  --mode first|second           a word; default: second\n",
       "  --quiet                       say nothing; default: false\n",
       "  --no-quiet                    not --quiet\n",
-      "  --json                        the result as JSON\n"};
+      "  --json                        print the result as JSON\n"};
   for (size_t i = 0; i < G_N_ELEMENTS(lines); i++)
     if (!strstr(help, lines[i])) g_assert_cmpstr(help, ==, lines[i]);
   g_assert_cmpint(opcflow_call("tell --help"), ==, 0);
@@ -189,9 +190,10 @@ static void test_verb_faults(void) {
                   "error: unknown option '--max-case' of 'tell', did you mean "
                   "'--max-cases'?\n");
   g_assert_cmpint(opcflow_call("tell --max-cases 0 --mode third"), ==, 2);
-  g_assert_cmpstr(err, ==,
-                  "--max-cases: 'max_cases' must be at least 1, not '0'\n"
-                  "--mode: 'mode' is one of 'first', 'second', not 'third'\n");
+  g_assert_cmpstr(
+      err, ==,
+      "--max-cases: 'max_cases' must be at least 1, found '0'\n--mode: 'mode' "
+      "must be one of 'first', 'second', found 'third'\n");
   g_assert_cmpint(opcflow_call("tell --max-cases 13"), ==, 2);
   g_assert_cmpstr(err, ==,
                   "--max-cases: command 'tell' (command.tell): 13 is not "
@@ -300,8 +302,9 @@ static void test_folders(void) {
   g_assert_true(is_there("runs/two-2/flow.yaml"));
   g_assert_true(is_there("runs/two-3/flow.yaml"));
   g_assert_cmpint(opcflow_call("run two.yaml --output runs/two"), ==, 5);
-  g_assert_cmpstr(err, ==,
-                  "error: 'runs/two': already exists, --force replaces it\n");
+  g_assert_cmpstr(
+      err, ==,
+      "error: 'runs/two' already exists: use --force to replace the folder\n");
   g_assert_cmpint(opcflow_call("run two.yaml --output runs/two/ --force"), ==,
                   0);
   /* --force replaces run folders only. */
@@ -310,8 +313,8 @@ static void test_folders(void) {
   g_assert_cmpint(opcflow_call("run two.yaml --output precious --force"), ==,
                   5);
   g_assert_cmpstr(err, ==,
-                  "error: 'precious': is not the folder of a run (it has no "
-                  "manifest.json that can be read), and is not replaced\n");
+                  "error: 'precious' is not replaced, because the folder has "
+                  "no readable manifest.json of a run\n");
   g_assert_true(is_there("precious/mine.txt"));
   g_assert_cmpuint(entries("runs"), ==, 3);
 }
@@ -322,17 +325,18 @@ static void test_failures(void) {
   g_assert_cmpstr(err, ==,
                   "two.yaml:4:33: step 'b' (test.numbers): 2 nm is not "
                   "possible\n"
-                  "note: what was written so far is in 'f/x.failed'\n");
+                  "note: files written so far are in 'f/x.failed'\n");
   g_assert_true(is_there("f/x.failed/numbers.csv"));
   g_assert_cmpint(opcflow_call("run two.yaml --output f/x --set b.behave=nan"),
                   ==, 4);
-  g_assert_nonnull(strstr(err, "the metric 'sum' of 'test.numbers' is nan"));
+  g_assert_nonnull(strstr(
+      err, "metric 'sum' of 'test.numbers' is nan, expected a finite number"));
   g_assert_true(is_there("f/x.failed-2/numbers.csv"));
   g_assert_cmpint(
       opcflow_call("run two.yaml --output f/x --set b.behave=limit"), ==, 1);
   g_assert_cmpint(
       opcflow_call("run two.yaml --output f/x --set b.behave=leave"), ==, 2);
-  g_assert_nonnull(strstr(err, "'../out' leaves the run folder"));
+  g_assert_nonnull(strstr(err, "'../out' is outside of the run folder"));
   g_assert_cmpuint(entries("f"), ==, 4);
   /* A run that wrote no file leaves no folder. */
   write_text("bare.yaml",
@@ -389,7 +393,8 @@ static void test_log(void) {
   g_assert_nonnull(strstr(err, "warning: b: 2 nm is odd\n"));
   g_assert_cmpint(opcflow_call("run two.yaml --log loud"), ==, 2);
   g_assert_cmpstr(
-      err, ==, "error: '--log' is debug, info, steps or warning, not 'loud'\n");
+      err, ==,
+      "error: '--log' must be debug, info, steps or warning, found 'loud'\n");
 }
 
 /* ---- signals and terminals ---- */
@@ -498,7 +503,7 @@ static void test_full(void) {
   if (is_there("/dev/full"))
     g_assert_cmpint(shell("help > /dev/full"), ==, 5);
   else
-    g_test_skip("there is no /dev/full");
+    g_test_skip("does not exist /dev/full");
 }
 
 /* Closed standard streams are not attributed to a plugin, and no file takes

@@ -187,17 +187,18 @@ static void test_exit(void) {
       {"compare a b --fail-on worse:high", 0, ""},
       {"compare b a --fail-on worse:low", 0, ""},
       {"compare b a --fail-on worse", 1, "mask.high"},
-      {"compare a b --fail-on worse:lwo", 2, "no such metric"},
+      {"compare a b --fail-on worse:lwo", 2, "metric does not exist"},
       {"compare a b --fail-on worse:gone", 1, "b: mask.gone is missing"},
       {"compare b a --fail-on worse:gone", 0, ""},
-      {"compare a b --fail-on=", 2, "'': is 'worse' or"},
-      {"compare a b --fail-on better", 2, "'better': is 'worse' or"},
+      {"compare a b --fail-on=", 2, "'' must be 'worse' or"},
+      {"compare a b --fail-on better", 2, "'better' must be 'worse' or"},
       {"compare a b --metrics mask.lwo", 2, "did you mean 'mask.low'?"},
-      {"compare a", 2, "needs two runs or more"},
+      {"compare a", 2, "expected two or more runs"},
       {"compare a a", 0, ""}, /* tables without rows */
-      {"compare a nowhere", 5, "'nowhere' is no run folder"},
-      {"compare a b --table mask", 2, "there is no table 'mask'"},
-      {"compare a b --variant x", 2, "goes with one flow file"},
+      {"compare a nowhere", 5, "'nowhere' is not a run folder"},
+      {"compare a b --table mask", 2, "table 'mask' does not exist"},
+      {"compare a b --variant x", 2,
+       "'--variant' requires exactly one flow file"},
   };
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     g_test_message("%s", cases[i].line);
@@ -247,15 +248,15 @@ static void test_refusals(void) {
     made_run other;
     const char *said;
   } cases[] = {
-      {{.layout = "bb"}, "layout.file has another content (aa, bb)"},
+      {{.layout = "bb"}, "layout.file differs in content (aa, bb)"},
       {{.na = "0.85"}, "mask.litho.na is 0.75 and 0.85"},
       {{.gates = "a:1,n,65,100,1,1\r\na:3,n,65,100,1,1\r\n"},
        "only the base has a transistor 'a:2'"},
       {{.gates = "a:1,n,65,100,1,1\r\na:2,n,65,130,1,1\r\n"},
-       "transistor 'a:2' was drawn otherwise"},
+       "transistor 'a:2' is drawn differently"},
       {{.gates = "a:2,n,65,100,1,1\r\na:1,n,65,100,1,1\r\na:3,n,65,100,1,1"
                  "\r\n"},
-       "there are 2 and 3 transistors"},
+       "the runs have 2 and 3 transistors"},
       {{.more = "\"failure\" : \"no light\","}, "'other' failed: no light"},
   };
   g_autofree char *gates =
@@ -331,7 +332,7 @@ static void test_variants(void) {
   g_assert_cmpfloat(number("metrics", 0, "value"), ==, 2);
   g_assert_cmpint(
       opcflow_call("compare demo.yaml --variant fast --variant slow"), ==, 2);
-  g_assert_nonnull(strstr(err, "'opcflow run demo.yaml --variant slow' makes"));
+  g_assert_nonnull(strstr(err, "'opcflow run demo.yaml --variant slow'"));
   runs_compare("runs/demo runs/demo-2 runs/demo-fast");
   g_assert_cmpuint(rows_of("metrics"), ==, 2);
   g_assert_cmpfloat(
@@ -447,7 +448,7 @@ static void test_experiments(void) {
   runs_compare("one two --all");
   g_assert_cmpuint(rows_of("cases"), ==, 2);
   g_assert_cmpint(opcflow_call("compare one a"), ==, 2);
-  g_assert_nonnull(strstr(err, "an experiment is held against another one"));
+  g_assert_nonnull(strstr(err, "an experiment can be compared with another"));
   g_assert_cmpint(opcflow_call("compare one two one"), ==, 2);
 }
 

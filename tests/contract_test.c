@@ -73,37 +73,39 @@ static const struct {
 static const struct {
   const char *plugin, *message;
 } failures[] = {
-    {"litho_silent", "gave no reason"},
-    {"litho_code", "gave no reason"},
-    {"litho_cancel", "gave no reason"},
-    {"litho_band", "its band is nan 1/nm"},
+    {"litho_silent", "no error message"},
+    {"litho_code", "no error message"},
+    {"litho_cancel", "no error message"},
+    {"litho_band", "the band is nan 1/nm"},
     {"litho_nan", "intensity is not a number at (*) nm"},
     {"litho_infinite", "intensity is infinite at (*) nm"},
     {"litho_shape", "intensity is a field of 0 x * without values"},
     {"litho_empty", "intensity is a field of 0 x 0 without values"},
     {"litho_frame",
-     "intensity has the frame (*) * x * nm, its mask (*) * x * nm"},
-    {"resist_silent", "gave no reason"},
+     "intensity has the frame (*) * x * nm, but the mask has (*) * x * nm"},
+    {"resist_silent", "no error message"},
     {"resist_nan", "level set is not a number at (*) nm"},
-    {"extractor_silent", "gave no reason"},
+    {"extractor_silent", "no error message"},
     {"extractor_nan", "ioff of transistor 'nand2:2' is nan"},
     {"extractor_negative", "ion of transistor 'nand2:1' is -1"},
     {"extractor_slices", "cuts a gate into 0 slices"},
     {"extractor_order",
      "slice 2 is at 0.25 of the width, not within 0.75 to 1"},
     {"extractor_sum",
-     "the slices have 0.9 of the width of a gate, not all of it"},
-    {"synthesizer_silent", "gave no reason"},
+     "the widths of the slices sum to 0.9 of the width of the gate, expected "
+     "1"},
+    {"synthesizer_silent", "no error message"},
     {"synthesizer_moves",
-     "moves the width of transistor 2 by -2147483648 steps, at most 1048576 "
-     "are possible"},
-    {"regulator_silent", "gave no reason"},
+     "moves the width of transistor 2 by -2147483648 steps, expected at most "
+     "1048576"},
+    {"regulator_silent", "no error message"},
     {"regulator_ends",
-     "moves the line end of transistor 1 by 16777216 steps, at most 1048576 "
-     "are possible"},
+     "moves the line end of transistor 1 by 16777216 steps, expected at most "
+     "1048576"},
     {"regulator_vetoes", "the veto 0x40 of transistor 3 is unknown"},
     {"regulator_count", "violation 1 has no rule"},
-    {"regulator_gate", "violation 1 is of transistor 100, there are 4"},
+    {"regulator_gate",
+     "violation 1 names transistor 100, but the layout has 4"},
 };
 
 /* Check that the files of finished steps are kept, and that the reports have
@@ -130,7 +132,8 @@ static void test_failures(void) {
     g_assert_cmpint(opcflow_call("run bad.yaml --output x"), ==, 4);
     g_autofree char *want = g_strdup_printf(
         "bad.yaml:%s: step 'mask' (correct), %s (bad.%s): %s\n"
-        "note: what was written so far is in 'x.failed'\n",
+        "note: files "
+        "written so far are in 'x.failed'\n",
         places[k].place, places[k].kind, plugin, failures[i].message);
     expect_error(want);
     expect_kept("\"failure\"");
@@ -143,8 +146,8 @@ static void test_code(void) {
   g_assert_cmpint(opcflow_call("run bad.yaml --output x"), ==, 2);
   expect_error(
       "bad.yaml:14:18: step 'mask' (correct), synthesizer "
-      "(bad.synthesizer_begin): gave no reason\n*");
-  expect_kept("gave no reason");
+      "(bad.synthesizer_begin): no error message\n*");
+  expect_kept("no error message");
 }
 
 /* A plugin without a fault causes no message. */
@@ -177,8 +180,9 @@ static void test_crashes(void) {
     g_test_message("%s", crashes[i].plugin);
     g_assert_cmpint(opcflow_call("run bad.yaml --output x --threads 3"), ==, 4);
     g_autofree char *want = g_strdup_printf(
-        "bad.yaml:8:3: step 'mask' (correct): crashed in plugin 'bad.%s': %s\n"
-        "note: what was written so far is in 'x.failed'\n",
+        "bad.yaml:8:3: step 'mask' (correct): crashed in plugin 'bad.%s': "
+        "%s\n"
+        "note: files written so far are in 'x.failed'\n",
         crashes[i].plugin, crashes[i].what);
     g_assert_cmpstr(err, ==, want);
     expect_kept("the process ended while step 'mask' ran");
@@ -191,7 +195,7 @@ static void test_numbered(void) {
   g_assert_cmpint(g_mkdir("x.failed-2", 0777), ==, 0);
   write_correction("litho_segv");
   g_assert_cmpint(opcflow_call("run bad.yaml --output x"), ==, 4);
-  expect_error("*\nnote: what was written so far is in 'x.failed-3'\n");
+  expect_error("*\nnote: files written so far are in 'x.failed-3'\n");
   g_assert_true(is_there("x.failed-3/numbers.csv"));
   g_assert_cmpint(g_rmdir("x.failed"), ==, 0);
   g_assert_cmpint(g_rmdir("x.failed-2"), ==, 0);
@@ -223,7 +227,7 @@ static void test_loops(void) {
   expect_end(start_loop("bad.yaml"), SIGINT, SIGTERM,
              "bad.yaml:8:3: step 'mask' (correct): stopped in plugin "
              "'bad.synthesizer_loop'\n"
-             "note: what was written so far is in 'x.failed'\n");
+             "note: files written so far are in 'x.failed'\n");
   expect_kept("the process ended while step 'mask' ran");
   /* A run that wrote no file leaves no folder. */
   write_text("loop.yaml", "opcflow: 1\nsteps:\n  a: { use: bad.step_loop }\n");
@@ -254,18 +258,18 @@ static void test_steps(void) {
                   "step.yaml:3:3: step 'a' (bad.step_segv): crashed in plugin "
                   "'bad.step_segv': segmentation fault\n");
   g_assert_cmpint(call_step("run", "silent"), ==, 4);
-  g_assert_cmpstr(err, ==,
-                  "step.yaml:3:3: step 'a' (bad.step_silent): gave no "
-                  "reason\n");
+  g_assert_cmpstr(
+      err, ==, "step.yaml:3:3: step 'a' (bad.step_silent): no error message\n");
   g_assert_cmpint(call_step("run", "code"), ==, 4); /* the step returns 42 */
   g_assert_cmpint(call_step("run", "output"), ==, 4);
   g_assert_cmpstr(err, ==,
-                  "step.yaml:3:3: step 'a' (bad.step_output): gave no output "
-                  "'gates'\n");
+                  "step.yaml:3:3: step 'a' (bad.step_output): returned no "
+                  "output 'gates'\n");
   g_assert_cmpint(call_step("run", "grid"), ==, 4);
-  g_assert_cmpstr(err, ==,
-                  "step.yaml:3:3: step 'a' (bad.step_grid): output 'gates': "
-                  "gates have a grid of 0 nm\n");
+  g_assert_cmpstr(
+      err, ==,
+      "step.yaml:3:3: step 'a' (bad.step_grid): output 'gates': the grid of "
+      "the gates is 0 nm, expected a positive finite number\n");
   g_assert_cmpint(call_step("run", "arrays"), ==, 4);
   g_assert_cmpstr(err, ==,
                   "step.yaml:3:3: step 'a' (bad.step_arrays): output 'gates': "
@@ -281,9 +285,9 @@ static void test_steps(void) {
                     "step.yaml:3:3: step 'a' (bad.step_check): crashed in "
                     "plugin 'bad.step_check': segmentation fault\n");
     g_assert_cmpint(call_step(verbs[i], "refuse"), ==, 4);
-    g_assert_cmpstr(err, ==,
-                    "step.yaml:3:3: step 'a' (bad.step_refuse): gave no "
-                    "reason\n");
+    g_assert_cmpstr(
+        err, ==,
+        "step.yaml:3:3: step 'a' (bad.step_refuse): no error message\n");
   }
 }
 

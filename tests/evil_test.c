@@ -69,7 +69,7 @@ static const way ways[] = {
     {"_exit", ended},
     {"_Exit", ended},
     {"thread_exit", ended},
-    {"pthread_exit", "plugin '%s' ended its thread\n"},
+    {"pthread_exit", "plugin '%s' ended the thread\n"},
     {"abort", "crashed in plugin '%s': aborted\n"},
     {"trap", "crashed in plugin '%s': trap\n"},
     {"segv", "crashed in plugin '%s': segmentation fault\n"},
@@ -82,7 +82,7 @@ static const way ways[] = {
     {"overflow", "crashed in plugin '%s': segmentation fault\n"},
     {"handler", "plugin '%s' changed the handler of SIGSEGV\n"},
     {"deaf", "plugin '%s' changed the handler of SIGTERM\n"},
-    {"block", "plugin '%s' changed which signals come\n"},
+    {"block", "plugin '%s' changed the signal mask\n"},
     {"chdir", "plugin '%s' changed the working folder\n"},
     {"rounding", numbers},
     {"unmask", numbers},
@@ -171,13 +171,14 @@ static void test_arrays(void) {
       {"synthesizer", "overrun", "writes beyond the array of jogs"},
       {"synthesizer", "underrun", "writes before the array of moves of L"},
       {"synthesizer", "assists", "writes beyond the array of assists"},
-      {"synthesizer", "endless", "a verdict is no text of at most 200 bytes"},
-      {"synthesizer", "bytes", "a verdict is no UTF-8: byte 2 is 0xff"},
+      {"synthesizer", "endless",
+       "a verdict is not a text of at most 200 bytes"},
+      {"synthesizer", "bytes", "a verdict is not UTF-8: byte 2 is 0xff"},
       {"regulator", "overrun", "writes beyond the array of vetoes"},
       {"regulator", "underrun", "writes before the array of line ends"},
       {"regulator", "overrun violations",
        "writes beyond the array of violations"},
-      {"regulator", "endless", "a rule is no text of at most 200 bytes"},
+      {"regulator", "endless", "a rule is not a text of at most 200 bytes"},
   };
   for (size_t i = 0; i < G_N_ELEMENTS(faults); i++) {
     const char *kind = faults[i].kind;
@@ -266,7 +267,7 @@ static void test_step(void) {
   g_autoptr(JsonNode) check = json_parse(out);
   try_step("run step.yaml", "run", "err", 4, ended);
   /* The exit code is always that of the command. */
-  try_step("run step.yaml", "run", "atexit", 4, "(bad.step): gave no reason");
+  try_step("run step.yaml", "run", "atexit", 4, "(bad.step): no error message");
   assert_exit(call_while("run step.yaml --output z", "run", "atexit crash"), 4,
               "", "crashed while the command ended: segmentation fault\n");
   g_assert_true(opc_remove_tree("z"));

@@ -149,8 +149,9 @@ static void test_failing(void) {
   g_assert_true(strstr(errors, "warning: e: nmos by coarse failed: "));
   const char *reported = strstr(errors, "nmos by coarse failed");
   g_assert_null(strstr(reported + 1, "nmos by coarse failed"));
-  g_assert_true(strstr(errors, "there is no layer CW for 'nwell'"));
-  g_assert_true(strstr(errors, "finding: e: 2 of 4 runs failed: 'result' in "));
+  g_assert_true(strstr(errors, "no layer CW for 'nwell'"));
+  g_assert_true(
+      strstr(errors, "finding: e: 2 of 4 runs failed: see 'result' in "));
   g_autofree char *csv = read_file("fails", "experiment.csv");
   g_assert_true(strstr(csv, "nmos,fine,,"));
   g_assert_true(strstr(csv, "nor2,fine,e/nor2/fine,good,"));
@@ -195,7 +196,7 @@ static void test_files(void) {
                ", layout.file: cells/nor2.cif }]\n",
                "transistors nor2 ");
   assert_flow(HEAD METHODS "    cases: [{ layout.file: 'cells/x*.cif' }]\n",
-              "bad.yaml:8:28: no file is called as 'cells/x*.cif'");
+              "bad.yaml:8:28: no file matches 'cells/x*.cif'");
 }
 
 /* Two files of a case, matched by the star of the pattern. */
@@ -263,27 +264,27 @@ static void test_lists(void) {
               "lists/cases.csv:2:1: 1 cells, the first line has 2");
   write_file("lists/cases.csv", "name,layout.file\n\"a,b\n");
   assert_flow(HEAD METHODS "    cases: [{ list: lists/cases.csv }]\n",
-              "lists/cases.csv:2:1: a quote that does not end");
+              "lists/cases.csv:2:1: unterminated quote");
 }
 
 static void test_refusals(void) {
-  assert_flow(
-      HEAD METHODS
-      "    cases: [{ layout.file: cells/nand2.cif }, { layout.file: "
-      "cells/nand2.cif, layout.scale: 2 }]\n",
-      "two of 'cases' are called 'nand2', the other one at bad.yaml:8:13");
+  assert_flow(HEAD METHODS
+              "    cases: [{ layout.file: cells/nand2.cif }, { layout.file: "
+              "cells/nand2.cif, layout.scale: 2 }]\n",
+              "two layers of 'cases' have the name 'nand2', the other one is "
+              "at bad.yaml:8:13");
   assert_flow(HEAD CASES "    methods: [coarse, corse]\n",
               "bad.yaml:8:23: unknown variant 'corse', did you mean 'coarse'?");
-  assert_flow(
-      HEAD METHODS CASES "    set: { layout.file: cells/nor2.cif }\n",
-      "bad.yaml:8:15: 'layout.file' is what 'set' says at bad.yaml:9:12");
+  assert_flow(HEAD METHODS CASES "    set: { layout.file: cells/nor2.cif }\n",
+              "bad.yaml:8:15: 'layout.file' is already fixed by 'set' at "
+              "bad.yaml:9:12");
   assert_flow(HEAD METHODS "    cases: [{ layout.fiel: cells/nor2.cif }]\n",
               "unknown parameter 'fiel'");
-  assert_flow(HEAD METHODS "    cases: []\n", "'cases' has nothing in it");
+  assert_flow(HEAD METHODS "    cases: []\n", "'cases' is empty");
   assert_flow(HEAD METHODS
               "    cases: [{ name: a/b, layout.file: cells/nor2.cif }]\n",
-              "'a/b' is no name for a folder");
-  assert_flow(HEAD CASES, "missing parameter 'methods'");
+              "'a/b' cannot be the name of a folder");
+  assert_flow(HEAD CASES, "required parameter 'methods'");
 }
 
 /* A former name of a parameter is accepted and reported; both names together
@@ -310,7 +311,7 @@ static void test_former(void) {
           "1 % }",
           NULL),
       ==, 2);
-  g_assert_nonnull(strstr(both, "which is given, too"));
+  g_assert_nonnull(strstr(both, "which is also set"));
 }
 
 int main(int argc, char **argv) {

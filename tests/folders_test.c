@@ -45,32 +45,29 @@ static void assert_refused(const char *change, const char *want) {
 
 static void test_force(void) {
   g_assert_cmpint(sh("$O run two.yaml --output f/x --set b.whole=7"), ==, 0);
-  assert_refused(
-      "mkdir f/x/src && echo 'int x;' >f/x/src/x.c && touch f/x/zzz",
-      "error: 'f/x': has the file 'src/x.c', which its run did not write, "
-      "and is not replaced\n");
-  assert_refused(
-      "rm f/x/zzz f/x/src/x.c",
-      "error: 'f/x': has the folder 'src', which its run did not write, and "
-      "is not replaced\n");
+  assert_refused("mkdir f/x/src && echo 'int x;' >f/x/src/x.c && touch f/x/zzz",
+                 "error: 'f/x' is not replaced, because the folder has the "
+                 "file 'src/x.c', which the run did not write\n");
+  assert_refused("rm f/x/zzz f/x/src/x.c",
+                 "error: 'f/x' is not replaced, because the folder has the "
+                 "folder 'src', which the run did not write\n");
   assert_refused(
       "rmdir f/x/src && mv f/x/numbers.csv f/ && "
       "ln -s ../numbers.csv f/x/numbers.csv",
-      "error: 'f/x': has the symbolic link 'numbers.csv', which its run did "
-      "not write, and is not replaced\n");
+      "error: 'f/x' is not replaced, because the folder has the symbolic link "
+      "'numbers.csv', which the run did not write\n");
   assert_refused(
       "mv f/numbers.csv f/x/numbers.csv && echo '# mine' >>f/x/flow.yaml",
-      "error: 'f/x': the file 'flow.yaml' has changed since its run, and "
-      "the folder is not replaced\n");
+      "error: 'f/x' is not replaced, because the file 'flow.yaml' has changed "
+      "since the run\n");
   assert_refused(
       "cp f/x/manifest.json f/keep && sed -i '/\"files\"/,/]/d' "
       "f/x/manifest.json",
-      "error: 'f/x': its manifest.json does not list the files of a run, "
-      "and the folder is not replaced\n");
-  assert_refused(
-      "rm f/x/manifest.json f/x/flow.yaml",
-      "error: 'f/x': is not the folder of a run (it has no manifest.json "
-      "that can be read), and is not replaced\n");
+      "error: 'f/x' is not replaced, because manifest.json does not list the "
+      "files of a run\n");
+  assert_refused("rm f/x/manifest.json f/x/flow.yaml",
+                 "error: 'f/x' is not replaced, because the folder has no "
+                 "readable manifest.json of a run\n");
   g_assert_true(is_there("f/x/deep/er/out.txt"));
   expect_names("f", "keep x");
   /* A run folder with a missing file still counts as a run folder. */
@@ -86,30 +83,29 @@ static void test_places(void) {
   g_assert_cmpint(sh("ln -s x p/link; $O run two.yaml --output p/link --force"),
                   ==, 5);
   g_assert_cmpstr(err, ==,
-                  "error: 'p/link': is a symbolic link, to 'x', and is not "
-                  "replaced\n");
+                  "error: 'p/link' is not replaced, because the name is a "
+                  "symbolic link to 'x'\n");
   g_assert_cmpint(sh("touch p/file; $O run two.yaml --output p/file --force"),
                   ==, 5);
-  g_assert_cmpstr(err, ==,
-                  "error: 'p/file': is a file, and a run needs a folder\n");
+  g_assert_cmpstr(err, ==, "error: 'p/file' is a file, expected a folder\n");
   static const char *const nameless[] = {"''", ".", "..", "/", "p/.", "p/x/.."};
   for (guint i = 0; i < G_N_ELEMENTS(nameless); i++) {
     g_autofree char *line =
         g_strdup_printf("$O run two.yaml --force --output %s", nameless[i]);
     g_assert_cmpint(sh(line), ==, 2);
-    g_assert_nonnull(strstr(err, "' does not end in a name"));
+    g_assert_nonnull(strstr(err, "' does not end in the name"));
   }
   expect_names("p", "file link x");
   g_assert_cmpint(sh("$O run two.yaml --force"), ==, 2);
-  g_assert_cmpstr(err, ==,
-                  "error: '--force' needs '--output', which names what it "
-                  "replaces\n");
+  g_assert_cmpstr(
+      err, ==,
+      "error: '--force' requires '--output', the run folder to replace\n");
   g_assert_cmpint(sh("$O run two.yaml --output p/file/x"), ==, 5);
   g_assert_cmpstr(err, ==,
-                  "error: 'p/file': cannot be made: Not a directory\n");
+                  "error: 'p/file' cannot be created: Not a directory\n");
   g_assert_cmpint(sh("$O run two.yaml --output /proc/x"), ==, 5);
   g_assert_true(
-      g_str_has_prefix(err, "error: '/proc/x': cannot be made in '/proc': "));
+      g_str_has_prefix(err, "error: '/proc/x' cannot be created in '/proc': "));
   /* A path through a symbolic link is accepted. */
   g_assert_cmpint(sh("ln -s p q; $O run two.yaml --output q/x --force"), ==, 0);
   expect_names("p", "file link x");
@@ -151,7 +147,7 @@ static void test_busy(void) {
   GSubprocess *first = run_start("b/x");
   g_assert_cmpint(sh("$O run two.yaml --output b/x --force"), ==, 5);
   g_assert_cmpstr(err, ==,
-                  "error: 'b/x': another run is being written there, in "
+                  "error: 'b/x': another run is writing this folder, in "
                   "'b/.x.opcflow-1'\n");
   g_assert_true(is_there("b/.x.opcflow-1/run/numbers.csv"));
   /* A killed run leaves its files; the next run removes them. */
@@ -188,7 +184,7 @@ static void test_hangup(void) {
 
 /* ---- files that cannot be written ---- */
 
-/* A file that could not be written completely does not exist under its name. */
+/* A file that could not be written completely there is no under its name. */
 static void test_full(void) {
   g_assert_cmpint(sh("ulimit -f 0; $O run two.yaml --output w/x"), ==, 5);
   g_assert_nonnull(strstr(err, "/deep/er/out.txt': "));
@@ -233,7 +229,7 @@ static void test_names(void) {
         "  a: { use: test.numbers, size: 1 nm, output: %s }\n", own[i]);
     g_autofree char *want = g_strdup_printf(
         "names.yaml:3:47: step 'a' (test.numbers): 'output' is '%s', but the "
-        "run itself writes '%s'\n",
+        "run writes '%s'\n",
         own[i], own[i]);
     expect_fault(steps, want);
   }

@@ -71,8 +71,7 @@ says() {
 exchanged="{ use: read.gds, file: $cells/sram4.gds, layers: { poly: 1/0, active: 9/0, contact: 10/0, nwell: 3/0 } }"
 small="{ use: read.gds, file: $cells/sram4.gds, scale: 0.66, layers: { poly: 9/0, active: 1/0, contact: 10/0, nwell: 3/0 } }"
 correct newton "$exchanged"
-says 'transistors are drawn longer than wide: are the layers poly and active exchanged?' \
-  'exchanged layers are reported'
+says 'transistors are drawn longer than wide: check that the layers poly and active are not exchanged' \ 'exchanged layers are reported' 
 correct newton "$small"
 says 'are drawn with lengths (42.9 to 42.9 nm) beyond the device table.s 44 to 120 nm: is the layout.s .scale. right' \
   'a missing scale is reported'

@@ -53,7 +53,7 @@ static inline int inner_axis(const opc_host *host, const char *path,
   (void)host;
   for (size_t i = 0; i < inner.n_axes; i++)
     if (!strcmp(inner.axes[i].path, path)) return (int)i;
-  opc_fail(error, OPC_INVALID, NULL, "'%s' is not swept", path);
+  opc_fail(error, OPC_INVALID, NULL, "'%s' is not a swept parameter", path);
   return -1;
 }
 

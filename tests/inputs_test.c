@@ -158,8 +158,8 @@ static void test_model_files(void) {
       {".model m filesource(file=\"%s\")\n", "evil.pm:28:10: models of kind"},
       {".options rawfile=%s\n", "evil.pm:28:10: option 'rawfile'"},
       {".include '../../%s'\n", "evil.pm:28:10: "},
-      {".include /etc/hostname\n", "evil.pm:28:10: '/etc/hostname' lies"},
-      {".lib '/dev/zero' tt\n", "evil.pm:28:6: '/dev/zero' lies outside"}};
+      {".include /etc/hostname\n", "evil.pm:28:10: '/etc/hostname' is outside"},
+      {".lib '/dev/zero' tt\n", "evil.pm:28:6: '/dev/zero' is outside"}};
   if (!plugin_available("devices.ngspice")) return;
   g_autofree char *own = source_path("data/devices/opcflow65.pm"), *card = NULL;
   g_autofree char *path = place("evil.pm"), *made = place("made");
@@ -214,9 +214,8 @@ static void test_wrong_scale(void) {
   g_assert_cmpint(opcflow(&errors, "run", flow, "--output", run, "--set",
                           "layout.scale=3", "--quiet", NULL),
                   ==, 1);
-  g_assert_nonnull(strstr(errors, "is the layout's 'scale' right"));
-  g_assert_nonnull(
-      strstr(errors, "'mask.outside' is 4, required is at most 0\n"));
+  g_assert_nonnull(strstr(errors, "check the 'scale' of the layout"));
+  g_assert_nonnull(strstr(errors, "'mask.outside' is 4, expected at most 0\n"));
 }
 
 static void test_typo(void) {

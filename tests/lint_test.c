@@ -41,22 +41,28 @@ static const struct {
     {"bad.litho_frame", "image: intensity has the frame"},
     {"bad.litho_silent", "image failed without a message"},
     {"bad.litho_code", "image returned the unknown code 42"},
-    {"bad.litho_band", "its band is nan 1/nm"},
+    {"bad.litho_band", "the band is nan 1/nm"},
     {"bad.resist_nan", "print: level set is not a number at ("},
-    {"bad.extractor_sum", "slicing: the slices have 0.9 of the width"},
+    {"bad.extractor_sum",
+     "slicing: the widths of the slices sum to 0.9 of the width"},
     {"bad.extractor_negative", "extract: ion of transistor 'sample:1' is -1"},
     {"bad.synthesizer_moves",
      "update: moves the width of transistor 2 by -2147483648"},
-    {"bad.litho_dim", "image: the clear field has the intensity 0.9, not 1"},
-    {"bad.litho_dark", "image: the clear field has the intensity 0.9, not 1"},
-    {"bad.litho_fine", "image_fine: within 0.002 it gives the intensity"},
-    {"bad.resist_sign", "print: nothing prints in the dark"},
+    {"bad.litho_dim",
+     "image: the intensity of the clear field is 0.9, expected 1"},
+    {"bad.litho_dark",
+     "image: the intensity of the clear field is 0.9, expected 1"},
+    {"bad.litho_fine", "image_fine: the intensity for the error 0.002 is"},
+    {"bad.resist_sign", "print: a dark field must print, found no shape"},
     {"bad.extractor_milli",
-     "extract: Ion of a gate of L 60, W 200 nm is 0.333333 A; 1e-08 to 0.01 "
-     "are plausible"},
-    {"bad.extractor_narrow", "extract: twice the width has 1 times the Ion"},
+     "extract: Ion of a gate of L 60, W 200 nm is 0.333333 A, expected 1e-08 "
+     "to 0.01"},
+    {"bad.extractor_narrow",
+     "extract: a gate of twice the width has 1 times the Ion, expected about "
+     "2"},
     {"bad.extractor_scratch",
-     "extract gives other bits while other threads call it; it is [any]"},
+     "extract returns different bits while other threads call the function, "
+     "although declared [any]"},
     {"bad.synthesizer_restless", "update is not done after 500 iterations"},
     {"bad.regulator_place",
      "violations: 'space' at (-5000, 40) nm is not in the layout"},
@@ -118,7 +124,7 @@ static void test_evil(void) {
       {"bad.synthesizer", "", "assists",
        "update: writes beyond the array of assists"},
       {"bad.synthesizer", "", "endless",
-       "verdict: a verdict is no text of at most 200 bytes"},
+       "verdict: a verdict is not a text of at most 200 bytes"},
       {"bad.resist", "", "overrun",
        "print: writes beyond the array of level sets"},
       {"bad.extractor", "", "overrun",
@@ -140,11 +146,11 @@ static void test_evil(void) {
       {"bad.regulator", "rule", "stdout",
        "closed or redirected standard output: work\n"},
       {"bad.regulator", "violations", "exit", "ends the process: work\n"},
-      {"bad.synthesizer", "update", "pthread_exit", "ended its thread: work\n"},
+      {"bad.synthesizer", "update", "pthread_exit", "ended the thread: work\n"},
       {"bad.step", "check", "chdir", "changed the working folder: check\n"},
       {"bad.step", "forecast", "chdir", "changed the working folder: work\n"},
       {"bad.step", "release", "chdir", "changed the working folder: work\n"},
-      {"bad.none", "load", "block", "changed which signals come: loading\n"},
+      {"bad.none", "load", "block", "changed the signal mask: loading\n"},
   };
   for (size_t i = 0; i < G_N_ELEMENTS(faults); i++) {
     g_setenv("BAD_WHEN", faults[i].when, TRUE);
@@ -162,18 +168,19 @@ static void test_evil(void) {
 static void test_untidy(void) {
   g_assert_cmpint(plugin_lint("tests", "test.untidy", NULL), ==, 1);
   static const char *const findings[] = {
-      "exports 'untidy_helper'; only opcflow_plugin is to be seen\n",
+      "exports 'untidy_helper'; only opcflow_plugin may be exported\n",
       "the summary of size is not one line without a full stop\n",
       "check fails without a message for size\n",
-      "gives other bits the second time, for the same input\n",
-      "gives other bits on several threads than on one\n",
+      "returns different bits the second time, for the same input\n",
+      "returns different bits on several threads than on one\n",
   };
   for (size_t i = 0; i < G_N_ELEMENTS(findings); i++)
     if (!strstr(out, findings[i])) g_assert_cmpstr(out, ==, findings[i]);
 #ifndef __SANITIZE_ADDRESS__ /* it does not measure memory */
   const char *leak = strstr(out, "leaks 10");
   g_assert_nonnull(leak);
-  g_assert_nonnull(strstr(leak, " bytes each time it is made and freed\n"));
+  g_assert_nonnull(
+      strstr(leak, " bytes each time an instance is created and freed\n"));
 #endif
 }
 
@@ -184,13 +191,13 @@ static void test_untidy(void) {
   "note: checked: exports, loading, check, work, the same work again, work " \
   "on several threads, "
 static const char tried[] =
-    WORK "two instances at once, being made and freed; not checked: nothing\n";
+    WORK "two instances at once, creating and freeing; not checked: nothing\n";
 static const char alone[] = WORK
-    "being made and freed; not checked: two instances at once: it is not "
-    "OPC_REENTRANT\n";
+    "creating and freeing; not checked: two instances at once: "
+    "the plugin is not OPC_REENTRANT\n";
 static const char untried[] =
-    "note: checked: exports, loading, check, being made and freed; not "
-    "checked: work: the kind '*' does not say how to try it\n";
+    "note: checked: exports, loading, check, creating and freeing; not "
+    "checked: work: the kind '*' has no test of plugins\n";
 
 static const struct {
   const char *folder, *id, *said;
@@ -236,7 +243,7 @@ static void test_with(void) {
       ==, 1);
   g_assert_cmpstr(out, ==, "");
   g_assert_nonnull(
-      strstr(err, "check, being made and freed; not checked: prepare: "));
+      strstr(err, "check, creating and freeing; not checked: prepare: "));
   g_autofree char *with = g_strdup_printf(
       "{ devices: %s/data/devices/ptm65.yaml }", g_getenv("OPCFLOW_SOURCE"));
   g_assert_cmpint(plugin_lint("plugins", "extractor.plain", with), ==, 0);
@@ -244,8 +251,8 @@ static void test_with(void) {
   g_assert_cmpint(plugin_lint("plugins", "correct", "{ litho: {} }"), ==, 1);
   g_assert_nonnull(strstr(err, "not checked: check: "));
   g_assert_cmpint(plugin_lint("plugins", "litho.kernels", NULL), ==, 1);
-  g_assert_nonnull(
-      strstr(err, "work: wants a file 'focus', none that is made up suits"));
+  g_assert_nonnull(strstr(
+      err, "work: requires a file 'focus' and no example file is accepted"));
   g_assert_cmpint(plugin_lint("plugins", "none", NULL), ==, 5);
 }
 
@@ -285,8 +292,8 @@ static struct {
   GSubprocess *process;
 } endless[] = {
     {"bad.step_slow", "",
-     "note: checked: exports, loading, check, being made and freed; not "
-     "checked: run: takes longer than 10 s, see --with\n",
+     "note: checked: exports, loading, check, creating and freeing; not "
+     "checked: run: stopped after 10 s, see --with\n",
      0, NULL},
     {"bad.hang", "does not end within 15 s: loading\n", "", 1, NULL},
     {"bad.synthesizer_loop", "does not end within 15 s: work\n", "", 1, NULL},
@@ -325,7 +332,8 @@ static void test_without_nm(void) {
   g_assert_cmpint(plugin_lint("tests", "test.untidy", NULL), ==, 1);
   g_setenv("PATH", path, TRUE);
   g_assert_null(strstr(out, "exports"));
-  g_assert_nonnull(strstr(err, "; not checked: exports: there is no nm here"));
+  g_assert_nonnull(
+      strstr(err, "; not checked: exports: the program nm is missing"));
 }
 
 int main(int argc, char **argv) {

@@ -187,7 +187,7 @@ static void test_process(void) {
   g_assert_cmpint(
       CALL(command, "new", "flow", "--process", "mine.yaml", cif, "no.yaml"),
       ==, 2);
-  g_assert_nonnull(strstr(err, "leaves no file open"));
+  g_assert_nonnull(strstr(err, "has no input file left to set"));
   g_assert_cmpint(CALL(command, "new", "flow", "--process", "own56", cell), ==,
                   2);
   g_assert_nonnull(
@@ -315,14 +315,14 @@ static void test_needs(void) {
       -1, NULL));
   g_assert_cmpint(CALL(command, "check", "needs.yaml"), ==, 2);
   g_assert_cmpstr(out, ==,
-                  "needs --set layout.file=FILE, The GDSII file\n"
-                  "more: needs --set other.file=FILE, The CIF file\n");
+                  "requires --set layout.file=FILE, The GDSII file\n"
+                  "more: requires --set other.file=FILE, The CIF file\n");
   g_assert_nonnull(strstr(err, "'scael'"));
   g_assert_cmpint(CALL(command, "check", "--variant", "more", "needs.yaml"), ==,
                   0);
   g_assert_cmpstr(out, ==,
-                  "more: needs --set layout.file=FILE, The GDSII file\n"
-                  "more: needs --set other.file=FILE, The CIF file\n");
+                  "more: requires --set layout.file=FILE, The GDSII file\n"
+                  "more: requires --set other.file=FILE, The CIF file\n");
   g_assert_cmpint(CALL(command, "check", "--variant", "base", "needs.yaml"), ==,
                   0);
   g_assert_cmpint(CALL(command, "check", "--variant", "mor", "needs.yaml"), ==,
@@ -341,14 +341,14 @@ static void test_variant_asks(void) {
       text, "variants: { more: { other: { use: read.gds } } }\n");
   g_assert_true(g_file_set_contents(file, good, -1, NULL));
   (void)CALL(command, "check", "--quick", "asks.yaml");
-  g_assert_nonnull(strstr(out, "more: needs --set other.file=FILE, "));
-  g_assert_null(strstr(err, "missing parameter"));
+  g_assert_nonnull(strstr(out, "more: requires --set other.file=FILE, "));
+  g_assert_null(strstr(err, "required parameter"));
   g_autofree char *bad = g_strdup_printf(
       text, "variants: { more: { other: { use: read.gds, scael: 2 } } }\n");
   g_assert_true(g_file_set_contents(file, bad, -1, NULL));
   g_assert_cmpint(CALL(command, "check", "--quick", "asks.yaml"), ==, 2);
   g_assert_nonnull(strstr(err, "'scael' of 'read.gds'"));
-  g_assert_null(strstr(err, "missing parameter"));
+  g_assert_null(strstr(err, "required parameter"));
   g_assert_cmpint(CALL(command, "run", "--variant", "more", "asks.yaml"), ==,
                   2);
 }
@@ -369,7 +369,7 @@ static void test_scanner(void) {
   g_assert_true(g_file_get_contents(made, &text, NULL, NULL));
   g_assert_nonnull(strstr(text, "--set mask.extractor.devices=FILE"));
   g_assert_cmpint(CALL(command, "run", "arf.yaml"), ==, 2);
-  g_assert_nonnull(strstr(err, "missing parameter 'devices'"));
+  g_assert_nonnull(strstr(err, "required parameter 'devices'"));
   g_autofree char *devices =
       g_strconcat("mask.extractor.devices=", table, NULL);
   g_assert_cmpint(CALL(command, "run", "arf.yaml", "--set", devices), ==, 2);
@@ -407,8 +407,8 @@ static void test_refusals(void) {
   g_assert_cmpstr(err, ==, unknown);
   g_assert_cmpint(CALL(command, "new", "plugin", "command.run"), ==, 2);
   g_assert_cmpstr(err, ==,
-                  "error: 'opcflow run' is there already: a plugin "
-                  "'command.run' would never be called\n");
+                  "error: 'opcflow run' is built in: a plugin 'command.run' "
+                  "would never be called\n");
   g_assert_cmpint(CALL(command, "new", "plugin", "--kind", "lithos", "mine"),
                   ==, 2);
   g_autofree char *near = g_strconcat(
@@ -418,8 +418,7 @@ static void test_refusals(void) {
   g_assert_cmpint(CALL(command, "new", "plugin", "litho.mine", "litho"), ==, 5);
   g_assert_cmpstr(err, ==, "error: 'litho' exists\n");
   g_assert_cmpint(CALL(command, "new", "plugin", "kind.mine"), ==, 3);
-  g_assert_cmpstr(err, ==,
-                  "error: the kind 'kind' does not say how one begins\n");
+  g_assert_cmpstr(err, ==, "error: the kind 'kind' has no template\n");
 }
 
 int main(int argc, char **argv) {

@@ -126,8 +126,8 @@ def test_alone():
 
 def test_fault():
     for fault, said in (("work", "second 7: does not want to"), ("take", "second 7: is not taken"),
-                        ("huge", "second 7: gives more than 1073741824 bytes"),
-                        ("publish", "'sum' is published by a piece of work"), ("crash", "crashed in plugin")):
+                        ("huge", "second 7: the result of a work unit exceeds 1073741824 bytes"),
+                        ("publish", "'sum' is published by a work unit"), ("crash", "crashed in plugin")):
         fresh()
         _, failed, done = run("b.fault=" + fault, code=4)
         assert said in failed.stderr and failed.stderr.count("error") <= 1, failed.stderr
@@ -196,7 +196,7 @@ def test_damage():
         folder, said, done = run()
         check(folder)
         assert len(done) == 24 - 18 + 5
-        assert ("is damaged, and was dropped" in said.stderr) == (harm is not os.unlink), said.stderr
+        assert ("was damaged and has been removed" in said.stderr) == (harm is not os.unlink), said.stderr
 
 
 def test_limits():

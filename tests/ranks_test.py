@@ -247,7 +247,7 @@ def test_damage(place):
     folder, said, done = place.run(2)
     check(folder)
     assert len(done) == 24 - len(kept) + 4
-    assert "is damaged, and was dropped" in said.err, said.err
+    assert "was damaged and has been removed" in said.err, said.err
 
 
 def ranks_of(process):

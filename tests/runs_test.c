@@ -59,7 +59,7 @@ static void test_last_lines(void) {
   g_assert_true(g_str_has_suffix(
       all,
       " s\nfinding: b: 2 nm is odd\n"
-      "--set require.b.sum: 'b.sum' is 75 nm, required is at most 70 nm\n"));
+      "--set require.b.sum: 'b.sum' is 75 nm, expected at most 70 nm\n"));
 }
 
 /* Many findings from all threads, and from a step that then fails. */
@@ -127,7 +127,7 @@ static void test_bounds(void) {
     g_assert_cmpint(opcflow_call(line), ==, cases[i].text ? 1 : 0);
     list = cases[i].text ? g_strdup_printf(
                                "--set require.b.sum: 'b.sum' is 75 nm, "
-                               "required is %s\n",
+                               "expected %s\n",
                                cases[i].text)
                          : g_strdup("");
     g_assert_cmpstr(err, ==, list);
@@ -145,7 +145,7 @@ static void test_require(void) {
   g_assert_cmpint(opcflow_call("check must.yaml"), ==, 0);
   g_assert_cmpint(opcflow_call("run must.yaml --output must"), ==, 1);
   g_assert_cmpstr(err, ==,
-                  "must.yaml:4:3: 'b.sum' is 75 nm, required is at most 70 "
+                  "must.yaml:4:3: 'b.sum' is 75 nm, expected at most 70 "
                   "nm\n");
   g_assert_nonnull(strstr(out, "\nmust: "));
   g_assert_false(is_there("must.failed"));
@@ -184,12 +184,16 @@ static void test_require_faults(void) {
   g_assert_cmpint(opcflow_call("check musty.yaml"), ==, 2);
   g_assert_cmpstr(
       err, ==,
-      "musty.yaml:4:3: there is no 'c' in 'musty.yaml'\n"
-      "musty.yaml:5:3: 'a' (test.numbers) has no metric 'smu', did you mean "
+      "musty.yaml:4:3: 'c' does not exist in 'musty.yaml'\n"
+      "musty.yaml:5:3: 'a' "
+      "(test.numbers) has no metric 'smu', did you mean "
       "'sum'?\n"
-      "musty.yaml:6:10: 'b.sum' needs a length with its unit, e.g. '1 nm'\n"
-      "musty.yaml:7:10: 'a.sum' needs a length, not '1 V'\n"
-      "musty.yaml:8:3: 'sum' is no figure, as 'step.metric'\n");
+      "musty.yaml:6:10: 'b.sum' requires a length with a unit, e.g. '1 "
+      "nm'\n"
+      "musty.yaml:7:10: 'a.sum' requires a length, found '1 "
+      "V'\n"
+      "musty.yaml:8:3: 'sum' does not name a metric, expected "
+      "'step.metric'\n");
   write_text("musty.yaml",
              "opcflow: 1\nextends: two.yaml\nrequire:\n  a.sum: 1 nm\n"
              "  a: { sum: 2 nm }\n");
@@ -201,7 +205,7 @@ static void test_require_faults(void) {
              "opcflow: 1\nextends: two.yaml\nrequire: { .a.sum: 1 nm }\n");
   g_assert_cmpint(opcflow_call("check musty.yaml"), ==, 2);
   g_assert_cmpstr(err, ==,
-                  "musty.yaml:3:12: there is no '.a' in 'musty.yaml'\n");
+                  "musty.yaml:3:12: '.a' does not exist in 'musty.yaml'\n");
   g_assert_cmpint(
       opcflow_call("check two.yaml --set require.a.sum=[2~nm,1~nm]"), ==, 2);
   g_assert_cmpint(opcflow_call("check two.yaml --set require.a.sum=[2~nm]"), ==,
@@ -212,18 +216,17 @@ static void test_require_faults(void) {
              "}\n");
   g_assert_cmpint(opcflow_call("check musty.yaml"), ==, 2);
   g_assert_cmpstr(err, ==,
-                  "musty.yaml:2:10: a step cannot be called 'require'\n");
+                  "musty.yaml:2:10: 'require' cannot be the name of a step\n");
 }
 
 /* A requirement on a missing metric is violated. */
 static void test_not_measured(void) {
-  g_assert_cmpint(
-      opcflow_call("run two.yaml --output unmeasured --set b.behave=quiet "
-                   "--set require.b.sum=100~nm"),
-      ==, 1);
-  g_assert_cmpstr(err, ==,
-                  "--set require.b.sum: 'b.sum' was not measured, required is "
-                  "at most 100 nm\n");
+  g_assert_cmpint(opcflow_call("run two.yaml --output unmeasured --set "
+                               "b.behave=quiet --set require.b.sum=100~nm"),
+                  ==, 1);
+  g_assert_cmpstr(
+      err, ==,
+      "--set require.b.sum: 'b.sum' has no value, expected at most 100 nm\n");
 }
 
 /* Requirements are checked at each point; those on shared steps once. */
@@ -237,9 +240,9 @@ static void test_require_of_points(void) {
   g_assert_true(g_str_has_suffix(
       err,
       "error: 1 of 3 points failed\n"
-      "--set require.b.sum: point 3: 'b.sum' is 78 nm, required is at most 77 "
+      "--set require.b.sum: point 3: 'b.sum' is 78 nm, expected at most 77 "
       "nm\n"
-      "--set require.a.sum: 'a.sum' is 69 nm, required is at most 68 nm\n"));
+      "--set require.a.sum: 'a.sum' is 69 nm, expected at most 68 nm\n"));
   g_autofree char *csv = read_text("judged/sweep.csv");
   g_assert_nonnull(strstr(csv, "--set require.b.sum: 'b.sum' is 78 nm"));
   g_autofree char *text = read_text("judged/metrics.json");
@@ -280,9 +283,9 @@ static void test_variants(void) {
              "opcflow: 1\nextends: two.yaml\nvariants: { x: { b.size: 1 V } "
              "}\n");
   g_assert_cmpint(opcflow_call("check wrong.yaml"), ==, 2);
-  g_assert_cmpstr(err, ==,
-                  "wrong.yaml:3:26: 'size' needs a length, not '1 V' (variant "
-                  "'x')\n");
+  g_assert_cmpstr(
+      err, ==,
+      "wrong.yaml:3:26: 'size' requires a length, found '1 V' (variant 'x')\n");
   g_assert_cmpint(opcflow_call("run wrong.yaml"), ==, 0);
   /* Both forms: an error in one file, merged across two files. */
   write_text("wrong.yaml",
@@ -363,13 +366,14 @@ static void test_failing_points(void) {
   g_assert_false(is_there("p2"));
   g_assert_cmpint(
       opcflow_call("run two.yaml --output p3 --sweep b.whole=[1,x]"), ==, 2);
-  g_assert_cmpstr(err, ==,
-                  "--sweep b.whole: 'whole' needs a whole number, not 'x'\n");
+  g_assert_cmpstr(
+      err, ==, "--sweep b.whole: 'whole' must be a whole number, found 'x'\n");
   g_assert_false(is_there("p3"));
   g_assert_cmpint(opcflow_call("run two.yaml --output p3 --sweep b.whole=[1,2] "
                                "--sweep b.size=[]"),
                   ==, 2);
-  g_assert_true(g_str_has_prefix(err, "--sweep b.size: a sweep needs a list"));
+  g_assert_true(
+      g_str_has_prefix(err, "--sweep b.size: a sweep must be a list"));
 }
 
 int main(int argc, char **argv) {

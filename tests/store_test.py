@@ -107,12 +107,11 @@ def test_parameter():
     run()
     folder, _ = run("--set", "c.number=8")
     # b's output is read back, and needs its input's, which cannot be kept.
-    assert ran(folder) == {"a": "its output was wanted by step 'b'", "c": "c.number changed from 7 to 8",
-                           "d": "what it takes as d.add changed"}, ran(folder)
+    assert ran(folder) == {"a": "step 'b' requires the output", "c": "c.number changed from 7 to 8",
+                           "d": "input d.add changed"}, ran(folder)
     same(folder, run("--set", "c.number=8", "--no-cache")[0])
     shown = call("run", "chain.yaml", "--set", "c.number=9", "--log", "info",
-                 "--output", "runs/printed").stderr
-    assert "b: reused\n" in shown and "a: ran again: its output was wanted by step 'b'\n" in shown, shown
+ "--output", "runs/printed").stderr assert "b: reused\n" in shown and "a: ran again: step 'b' requires the output\n" in shown, shown 
     assert "a: reused" not in shown, shown
     text = call("explain", folder).stdout
     assert "c.number changed from 7 to 8" in text and "2 of 5 steps reused" in text, text
@@ -131,7 +130,7 @@ steps:
 """)
     run()
     assert ran(run()[0]) == {}
-    assert ran(run("--set", "a.number=1.0")[0])["a"] == "whether a.number was given, as 1"
+    assert ran(run("--set", "a.number=1.0")[0])["a"] == "a.number was set or unset, with the same value 1"
     folder, _ = run("--set", "b.add=${a.twice}")
     assert "b" in ran(folder)
     same(folder, run("--set", "b.add=${a.twice}", "--no-cache")[0])
@@ -253,7 +252,7 @@ def test_required():
     write("chain.yaml", FLOW + "require: { d.sum: 1 }\n")
     _, first = run(code=1)
     folder, second = run(code=1)
-    assert ran(folder) == {} and first.stderr == second.stderr and "required is at most 1" in second.stderr
+    assert ran(folder) == {} and first.stderr == second.stderr and "expected at most 1" in second.stderr
 
 
 def test_failure():
@@ -356,7 +355,7 @@ def test_damaged():
                 f.write(spoil(data))
         folder, done = run()
         same(first, folder)
-        assert set(ran(folder)) == ALL and "is damaged, and was dropped" in done.stderr
+        assert set(ran(folder)) == ALL and "was damaged and has been removed" in done.stderr
         assert ran(run()[0]) == {}
 
 
@@ -367,7 +366,7 @@ def test_outputs_gone():
         os.unlink(name)
     folder, _ = run("--set", "d.number=10")
     assert set(ran(folder)) == {"a", "b", "c", "d"}
-    assert ran(folder)["c"] == "its output was wanted by step 'd'", ran(folder)
+    assert ran(folder)["c"] == "step 'd' requires the output", ran(folder)
     same(folder, run("--set", "d.number=10", "--no-cache")[0])
 
 

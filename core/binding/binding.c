@@ -89,7 +89,8 @@ static void bind_default(const binder *b, size_t i) {
   } else if (p->flags & OPC_REQUIRED &&
              (p->type != OPC_INPUT || !(b->flags & OPC_BIND_NO_INPUTS)) &&
              (p->type != OPC_FILE || !(b->flags & OPC_BIND_NO_FILES))) {
-    opc_wrong(b->problems, binding, "missing parameter '%s' of '%s'", p->name,
+    opc_wrong(b->problems, binding,
+              "required parameter '%s' of '%s' is missing", p->name,
               binding->plugin->id);
   }
 }
@@ -155,8 +156,10 @@ static void bind_group(const binder *b, const opc_node *map,
     int i = opc_parameter_find(binding->plugin, name);
     if (i < 0) i = find_former(b, key, name);
     if (i >= 0 && binding->origin[i]) {
-      opc_wrong(b->problems, key, "'%s' is '%s', which is given, too", name,
-                binding->plugin->parameters[i].name);
+      opc_wrong(b->problems, key,
+                "'%s' is the former name of '%s', which is also set: remove "
+                "one of them",
+                name, binding->plugin->parameters[i].name);
     } else if (i >= 0) {
       binding->origin[i] = node;
       binding->values[i].given = TRUE;
@@ -164,8 +167,10 @@ static void bind_group(const binder *b, const opc_node *map,
     } else if (!group->len) {
       unknown_parameter(b, key, prefix, name);
     } else if (node->type != OPC_NODE_MAP) {
-      opc_wrong(b->problems, node, "'%s' is a group, as '%s: { ... }'", name,
-                key->text);
+      opc_wrong(
+          b->problems, node,
+          "'%s' is a group of parameters, expected a map as in '%s: { ... }'",
+          name, key->text);
     } else {
       bind_map(b, node, deeper);
     }
@@ -227,14 +232,14 @@ static opc_binding *bind_use(const binder *like, const opc_node *map,
   opc_error error = {0};
   if (!use)
     opc_problem_add(like->problems, OPC_INVALID, at,
-                    "missing 'use', the plugin of '%s'", path);
+                    "'use' is missing: name the plugin of '%s'", path);
   else if (use->type != OPC_NODE_TEXT || !*use->text)
-    opc_wrong(like->problems, use, "'use' needs the id of a plugin");
+    opc_wrong(like->problems, use, "'use' must be the id of a plugin");
   else if (!(plugin = opc_registry_find(like->registry, use->text, &error)))
     opc_problem_add(like->problems, error.code, &use->at, "%s", error.message);
   else if (strcmp(plugin->kind, kind) != 0)
     opc_wrong(like->problems, use,
-              "'%s' is a plugin of the kind '%s', not '%s'", plugin->id,
+              "'%s' is a plugin of the kind '%s', expected '%s'", plugin->id,
               plugin->kind, kind);
   else
     return bind_plugin(like, plugin, map, path, at);
@@ -398,7 +403,7 @@ gboolean opc_binding_fail(const opc_binding *b, gboolean run, int code,
   g_autoptr(GString) trail = g_string_new(NULL);
   error->message[sizeof error->message - 1] = 0;
   error->parameter[sizeof error->parameter - 1] = 0;
-  if (!*error->message) strcpy(error->message, "gave no reason");
+  if (!*error->message) strcpy(error->message, "no error message");
   if (code < OPC_INVALID || code > OPC_CANCELLED) code = OPC_FAILED;
   if (run && *error->parameter) find_parameter(b, error->parameter, trail);
   return opc_problem_add(problems, code, opc_binding_place(b, error->parameter),

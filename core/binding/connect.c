@@ -63,9 +63,10 @@ static gboolean connect_input(const connector *c, opc_binding *binding,
     const char *kind = opc_port_at(from->binding->plugin, input.port)->kind;
     g_auto(GStrv) wanted = opc_choice_list(p->choices);
     if (!g_strv_contains((const char *const *)wanted, kind))
-      return opc_wrong(c->problems, node,
-                       "'%s' needs data of the kind '%s', '%s' is '%s'",
-                       p->name, p->choices, node->text, kind);
+      return opc_wrong(
+          c->problems, node,
+          "'%s' requires data of the kind '%s', but '%s' is of the kind '%s'",
+          p->name, p->choices, node->text, kind);
   }
   g_array_append_val(c->step->inputs, input);
   return TRUE;
@@ -111,8 +112,8 @@ static void report_circle(const opc_flow *flow, const gboolean *placed,
   for (guint i = first; i < trail->len; i++)
     g_string_append_printf(text, "%s -> ",
                            ((opc_flow_step *)trail->pdata[i])->name);
-  opc_wrong(problems, step->key, "steps that need each other: %s%s", text->str,
-            step->name);
+  opc_wrong(problems, step->key, "steps depend on each other in a cycle: %s%s",
+            text->str, step->name);
 }
 
 /* Order the steps: always the first step of the file that can run. */

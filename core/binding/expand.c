@@ -202,7 +202,8 @@ static gboolean find_values(const expander *e, const item *it,
     }
   }
   if (good && !out->nodes->len)
-    good = opc_wrong(e->problems, value, "'%s' has no value left", path);
+    good =
+        opc_wrong(e->problems, value, "all values of '%s' are excluded", path);
   return good;
 }
 
@@ -231,8 +232,8 @@ static void check_fixed(const expander *e, const opc_node *map) {
       if (strncmp(key->text, fixed->text, n) || !strchr(".", key->text[n]))
         continue;
       g_autofree char *place = opc_place_text(&fixed->at);
-      opc_wrong(e->problems, key, "'%s' is what 'set' says at %s", key->text,
-                place);
+      opc_wrong(e->problems, key, "'%s' is already fixed by 'set' at %s",
+                key->text, place);
     }
 }
 
@@ -241,16 +242,16 @@ static void add_layer(expander *e, const item *it, const part *p) {
   const opc_node *other = g_hash_table_lookup(e->known, name);
   if (!opc_is_name(name, TRUE) || strlen(name) > LONGEST) {
     opc_wrong(e->problems, it->node,
-              "'%s' is no name for a folder: give 'name', of letters, digits, "
-              "'_', '-' and '.', at most %d",
+              "'%s' cannot be the name of a folder: set 'name' to letters, "
+              "digits, '_', '-' and '.', at most %d",
               name, LONGEST);
     return;
   }
   if (other) {
     g_autofree char *place = opc_place_text(&other->at);
     opc_wrong(e->problems, it->node,
-              "two of '%s' are called '%s', the other one at %s: give one a "
-              "'name'",
+              "two layers of '%s' have the name '%s', the other one is at %s: "
+              "set 'name' of one",
               e->axis, name, place);
     return;
   }
@@ -341,7 +342,7 @@ static void expand_node(expander *e, const char *name, const opc_node *node);
 
 static const char *take_variant(const expander *e, const opc_node *node) {
   if (node->type != OPC_NODE_TEXT) {
-    opc_wrong(e->problems, node, "'variant' needs a name, not %s",
+    opc_wrong(e->problems, node, "'variant' must be a name, found %s",
               opc_node_noun(node));
     return NULL;
   }
@@ -373,7 +374,7 @@ static void expand_element(expander *e, const char *name, const opc_node *map,
        i++)
     opc_node_put(whole, element->keys->pdata[i], element->items->pdata[i]);
   if (element->type == OPC_NODE_LIST)
-    opc_wrong(e->problems, element, "a list in a list");
+    opc_wrong(e->problems, element, "a list must not contain a list");
   else
     expand_node(e, name, whole);
 }
@@ -382,8 +383,8 @@ static void expand_list(expander *e, const char *name, const opc_node *map,
                         const opc_node *file) {
   if (file->type != OPC_NODE_TEXT || e->depth == DEEPEST) {
     opc_wrong(e->problems, file,
-              file->type == OPC_NODE_TEXT ? "lists deeper than %d"
-                                          : "'list' needs the name of a file",
+              file->type == OPC_NODE_TEXT ? "lists are nested deeper than %d"
+                                          : "'list' must be the name of a file",
               DEEPEST);
     return;
   }
@@ -424,7 +425,7 @@ static void expand_words(expander *e, const char *name, const opc_node *node) {
     } else if (value->type == OPC_NODE_TEXT) {
       it.name = value->text;
     } else {
-      opc_wrong(e->problems, value, "'name' needs a text");
+      opc_wrong(e->problems, value, "'name' must be a text");
       return;
     }
   }
@@ -441,7 +442,8 @@ static void expand_node(expander *e, const char *name, const opc_node *node) {
     if (it.variant) expand_map(e, &it, none);
   } else {
     opc_wrong(e->problems, node,
-              "one of '%s' is a variant or a map, not a list", e->axis);
+              "a layer of '%s' must be a variant or a map, found a list",
+              e->axis);
   }
 }
 
@@ -471,7 +473,7 @@ void opc_expand(opc_sweep *sweep, const char *name, const opc_node *node,
                 node->items->pdata[i]);
   g_hash_table_destroy(e.known);
   if (!e.layers->len && problems->list->len == before)
-    opc_wrong(problems, node, "'%s' has nothing in it", name);
+    opc_wrong(problems, node, "'%s' is empty", name);
   char **names = take_texts(e.names), **variants = take_texts(e.variants);
   if (e.layers->len) {
     opc_sweep_add_layers(sweep, name, &node->at,

@@ -33,14 +33,15 @@ static void read_step(opc_flow *flow, const opc_node *key, const opc_node *node,
   g_ptr_array_add(flow->steps, step);
   guint before = problems->list->len;
   if (!strcmp(key->text, "require") || !strcmp(key->text, "findings"))
-    opc_wrong(problems, key, "a step cannot be called '%s'", key->text);
+    opc_wrong(problems, key, "'%s' cannot be the name of a step", key->text);
   if (!opc_is_name(key->text, FALSE))
-    opc_wrong(problems, key,
-              "the step '%s' needs a name of letters, digits, '_' and '-'",
-              key->text);
+    opc_wrong(
+        problems, key,
+        "the name of step '%s' must consist of letters, digits, '_' and '-'",
+        key->text);
   if (node->type != OPC_NODE_MAP)
-    opc_wrong(problems, node, "the step '%s' needs a map, as '{ use: PLUGIN }'",
-              key->text);
+    opc_wrong(problems, node,
+              "step '%s' must be a map, as in '{ use: PLUGIN }'", key->text);
   else
     step->binding =
         opc_bind(registry, node, step->name, &key->at, flags, problems);
@@ -124,7 +125,7 @@ opc_flow *opc_flow_make(const opc_recipe *recipe, const opc_choice *choice,
   flow->nodes = opc_node_copy(recipe->steps, NULL);
   if (choice) lay_choice(flow, choice, problems);
   if (!flow->nodes->items->len)
-    opc_wrong(problems, flow->nodes, "no step is left");
+    opc_wrong(problems, flow->nodes, "the flow has no steps");
   const GPtrArray *keys = flow->nodes->keys, *items = flow->nodes->items;
   for (guint i = 0; i < keys->len && !opc_problems_full(problems); i++)
     read_step(flow, keys->pdata[i], items->pdata[i], registry,

@@ -67,8 +67,8 @@ static const opc_setting *value_of(const opc_flow *flow, guint step,
 /* ---- the file as such ---- */
 
 static void test_not_yaml(void) {
-  check_faults("", "flow.yaml:1:1: there is nothing in it");
-  check_faults("# only this\n", "flow.yaml:1:1: there is nothing in it");
+  check_faults("", "flow.yaml:1:1: the file is empty");
+  check_faults("# only this\n", "flow.yaml:1:1: the file is empty");
   check_faults("opcflow: [1\n",
                "flow.yaml:1:10: not YAML: '[' is not closed: no ',' or ']' "
                "before line 2, column 1");
@@ -90,7 +90,7 @@ static void test_not_yaml(void) {
   check_faults("caf\xE9: 1\n", "flow.yaml:1:4: not YAML: not UTF-8 text");
   check_faults("opcflow: 1\n---\nopcflow: 1\n",
                "flow.yaml:2:1: a second document");
-  check_faults("- a\n", "flow.yaml:1:1: a flow is a map, not a list");
+  check_faults("- a\n", "flow.yaml:1:1: a flow must be a map, found a list");
   check_faults("[a]: b\n", "flow.yaml:1:1: a key cannot be a list");
   check_faults("a: \"\\0\"\n", "flow.yaml:1:4: a text with a NUL byte");
   check_faults("a: !!int 3\n",
@@ -143,18 +143,23 @@ static void test_duplicates(void) {
 }
 
 static void test_head(void) {
-  check_faults("stesp: {}\nname: 3 / 4\ndescription: [a]\n",
-               "flow.yaml:1:1: unknown key 'stesp', did you mean 'steps'?\n"
-               "flow.yaml:1:1: missing 'opcflow: 1', the version of the "
-               "format\n"
-               "flow.yaml:1:1: missing 'steps'\n"
-               "flow.yaml:2:7: 'name' is made of letters, digits, '.', '_' and "
-               "'-'\n"
-               "flow.yaml:3:14: 'description' needs a text, not a list");
+  check_faults(
+      "stesp: {}\n"
+      "name: 3 / 4\n"
+      "description: [a]\n",
+      "flow.yaml:1:1: unknown key 'stesp', did you mean "
+      "'steps'?\n"
+      "flow.yaml:1:1: 'opcflow: 1', the version of the format, is "
+      "missing\n"
+      "flow.yaml:1:1: missing 'steps'\n"
+      "flow.yaml:2:7: 'name' must "
+      "consist of letters, digits, '.', '_' and '-'\n"
+      "flow.yaml:3:14: "
+      "'description' must be a text, found a list");
   check_faults("opcflow: 2\nsteps: {}\n",
                "flow.yaml:1:10: 'opcflow' must be 1, the version of the "
                "format\n"
-               "flow.yaml:2:8: 'steps' needs a map of steps");
+               "flow.yaml:2:8: 'steps' must be a map of steps");
 }
 
 /* ---- steps and parameters ---- */
@@ -164,19 +169,22 @@ static void test_steps(void) {
       "opcflow: 1\nsteps:\n  a.b: { use: test.numbers, size: 1 nm }\n"
       "  b: test.numbers\n  c: { size: 1 nm }\n  d: { use: test.numbres }\n"
       "  e: { use: bad.none }\n",
-      "flow.yaml:3:3: the step 'a.b' needs a name of letters, digits, '_' and "
-      "'-'\n"
-      "flow.yaml:4:6: the step 'b' needs a map, as '{ use: PLUGIN }'\n"
-      "flow.yaml:5:3: missing 'use', the plugin of 'c'\n"
+      "flow.yaml:3:3: the name of step 'a.b' must consist of letters, digits, "
+      "'_' and '-'\n"
+      "flow.yaml:4:6: step 'b' must be a map, as in '{ use: "
+      "PLUGIN }'\n"
+      "flow.yaml:5:3: 'use' is missing: name the plugin of "
+      "'c'\n"
       "flow.yaml:6:13: unknown plugin 'test.numbres', did you mean "
       "'test.numbers'?\n"
-      "flow.yaml:7:13: 'bad.none' is a plugin of the kind 'regulator', not "
-      "'step'");
+      "flow.yaml:7:13: 'bad.none' is a plugin of the kind "
+      "'regulator', expected 'step'");
 }
 
 static void test_parameters(void) {
-  check_step("{ use: test.numbers }",
-             "flow.yaml:3:3: missing parameter 'size' of 'test.numbers'");
+  check_step(
+      "{ use: test.numbers }",
+      "flow.yaml:3:3: required parameter 'size' of 'test.numbers' is missing");
   check_step("{ use: test.numbers, size: 1 nm, shaer: 1 % }",
              "flow.yaml:3:39: unknown parameter 'shaer' of 'test.numbers', did "
              "you mean 'share'?");
@@ -184,16 +192,18 @@ static void test_parameters(void) {
              "flow.yaml:3:49: unknown parameter 'anchor.lime' of "
              "'test.numbers', did you mean 'anchor.line'?");
   check_step("{ use: test.numbers, size: 1 nm, anchor: 1 nm }",
-             "flow.yaml:3:47: 'anchor' is a group, as 'anchor: { ... }'");
+             "flow.yaml:3:47: 'anchor' is a group of parameters, expected a "
+             "map as in 'anchor: { ... }'");
   check_step("{ use: test.numbers, size: 1 nm, note: }",
              "flow.yaml:3:45: 'note' has no value");
   check_step("{ use: test.numbers, size: 1 nm, word: thrid, flag: yes }",
              "flow.yaml:3:45: 'word' cannot be 'thrid', did you mean "
              "'third'?\n"
-             "flow.yaml:3:58: 'flag' is 'true' or 'false', not 'yes'");
+             "flow.yaml:3:58: 'flag' must be 'true' or 'false', "
+             "found 'yes'");
   check_step("{ use: test.numbers, size: 1 nm, word: other }",
-             "flow.yaml:3:45: 'word' is one of 'first', 'second', 'third', not "
-             "'other'");
+             "flow.yaml:3:45: 'word' must be one of 'first', 'second', "
+             "'third', found 'other'");
   check_step("{ use: test.numbers, size: 1 nm, names: { poli: 9/0 } }",
              "flow.yaml:3:48: unknown key 'poli' in 'names', did you mean "
              "'poly'?");
@@ -201,53 +211,55 @@ static void test_parameters(void) {
              "flow.yaml:3:46: 'none.txt': no such file");
   check_step("{ use: test.numbers, size: 1 nm, output: ../x }",
              "flow.yaml:3:47: 'output' must name a file inside the run folder, "
-             "not '../x'");
+             "found '../x'");
 }
 
 static void test_numbers(void) {
-  check_step("{ use: test.numbers, size: 3 }",
-             "flow.yaml:3:33: 'size' needs a length with its unit, e.g. "
-             "'3 nm'");
+  check_step(
+      "{ use: test.numbers, size: 3 }",
+      "flow.yaml:3:33: 'size' requires a length with a unit, e.g. '3 nm'");
   check_step("{ use: test.numbers, size: 3 V }",
-             "flow.yaml:3:33: 'size' needs a length, not '3 V'");
+             "flow.yaml:3:33: 'size' requires a length, found '3 V'");
   check_step("{ use: test.numbers, size: 3 NM }",
              "flow.yaml:3:33: unknown unit 'NM' in '3 NM', did you mean 'nm'?");
   check_step("{ use: test.numbers, size: 3 nn }",
              "flow.yaml:3:33: unknown unit 'nn' in '3 nn', did you mean "
              "'nm'?");
-  check_step("{ use: test.numbers, size: wide }",
-             "flow.yaml:3:33: 'size' needs a length with its unit, not "
-             "'wide'");
-  check_step("{ use: test.numbers, size: [1 nm] }",
-             "flow.yaml:3:33: 'size' needs a length with its unit, not a "
-             "list");
+  check_step(
+      "{ use: test.numbers, size: wide }",
+      "flow.yaml:3:33: 'size' requires a length with a unit, found 'wide'");
+  check_step(
+      "{ use: test.numbers, size: [1 nm] }",
+      "flow.yaml:3:33: 'size' requires a length with a unit, found a list");
   check_step("{ use: test.numbers, size: 0 nm }",
-             "flow.yaml:3:33: 'size' must be above 0 nm, not '0 nm'");
+             "flow.yaml:3:33: 'size' must be above 0 nm, found '0 nm'");
   check_step("{ use: test.numbers, size: 0 }",
-             "flow.yaml:3:33: 'size' must be above 0 nm, not '0'");
+             "flow.yaml:3:33: 'size' must be above 0 nm, found '0'");
   check_step("{ use: test.numbers, size: 1 um }",
-             "flow.yaml:3:33: 'size' must be below 1000 nm, not '1 um'");
+             "flow.yaml:3:33: 'size' must be below 1000 nm, found '1 um'");
   check_step("{ use: test.numbers, size: 1e999 nm }",
              "flow.yaml:3:33: 'size' is too large: '1e999 nm'");
-  check_step("{ use: test.numbers, size: 1 nm, plain: 3 nm }",
-             "flow.yaml:3:46: 'plain' takes a plain number, not '3 nm'");
+  check_step(
+      "{ use: test.numbers, size: 1 nm, plain: 3 nm }",
+      "flow.yaml:3:46: 'plain' must be a number without a unit, found '3 nm'");
   check_step("{ use: test.numbers, size: 1 nm, whole: 1.5, share: -1 % }",
-             "flow.yaml:3:46: 'whole' needs a whole number, not '1.5'\n"
-             "flow.yaml:3:58: 'share' must be at least 0 %, not '-1 %'");
+             "flow.yaml:3:46: 'whole' must be a whole number, found "
+             "'1.5'\n"
+             "flow.yaml:3:58: 'share' must be at least 0 %, found '-1 %'");
   check_step("{ use: test.numbers, size: 1 nm, whole: 101 }",
-             "flow.yaml:3:46: 'whole' must be at most 100, not '101'");
-  check_step("{ use: test.numbers, size: 1 nm, list: [1 nm, 0, 2] }",
-             "flow.yaml:3:55: 'list' needs a length with its unit, e.g. "
-             "'2 nm'");
+             "flow.yaml:3:46: 'whole' must be at most 100, found '101'");
+  check_step(
+      "{ use: test.numbers, size: 1 nm, list: [1 nm, 0, 2] }",
+      "flow.yaml:3:55: 'list' requires a length with a unit, e.g. '2 nm'");
 }
 
 static void test_slots(void) {
-  check_step("{ use: test.numbers, size: 1 nm, model: litho.x }",
-             "flow.yaml:3:46: 'model' needs a plugin, as '{ use: litho.NAME "
-             "}'");
+  check_step(
+      "{ use: test.numbers, size: 1 nm, model: litho.x }",
+      "flow.yaml:3:46: 'model' needs a plugin, as in '{ use: litho.NAME }'");
   check_step("{ use: test.numbers, size: 1 nm, model: { use: test.numbers } }",
              "flow.yaml:3:53: 'test.numbers' is a plugin of the kind 'step', "
-             "not 'litho'");
+             "expected 'litho'");
 }
 
 /* ---- references ---- */
@@ -262,10 +274,12 @@ static void test_references(void) {
       "  e: { use: test.numbers, size: 1 nm, add: \"${a b}\" }\n",
       "flow.yaml:4:44: unknown step 'frist' in '${frist}', did you mean "
       "'first'?\n"
-      "flow.yaml:5:44: 'add' needs a reference to a step, as '${first}'\n"
-      "flow.yaml:6:44: step 'first' (test.numbers) has no output 'smu', did "
-      "you mean 'sum'?\n"
-      "flow.yaml:7:44: unknown step 'a b' in '${a b}'");
+      "flow.yaml:5:44: 'add' must be a reference to a step, as in "
+      "'${first}'\n"
+      "flow.yaml:6:44: step 'first' (test.numbers) has no output "
+      "'smu', did you mean 'sum'?\n"
+      "flow.yaml:7:44: unknown step 'a b' in '${a "
+      "b}'");
 }
 
 static void test_circles(void) {
@@ -274,9 +288,9 @@ static void test_circles(void) {
       "  a: { use: test.numbers, size: 1 nm, add: ${b} }\n"
       "  b: { use: test.numbers, size: 1 nm, add: ${c} }\n"
       "  c: { use: test.numbers, size: 1 nm, add: ${b} }\n",
-      "flow.yaml:4:3: steps that need each other: b -> c -> b");
+      "flow.yaml:4:3: steps depend on each other in a cycle: b -> c -> b");
   check_step("{ use: test.numbers, size: 1 nm, add: ${a} }",
-             "flow.yaml:3:3: steps that need each other: a -> a");
+             "flow.yaml:3:3: steps depend on each other in a cycle: a -> a");
 }
 
 static void test_order(void) {
@@ -352,17 +366,22 @@ static void test_wrong_sets(void) {
   g_autofree char *found = opc_problems_text(problems);
   g_assert_cmpstr(
       found, ==,
-      "--set acb.size: unknown step 'acb', did you mean 'abc'?\n"
-      "--set abc.word: has no value\n"
-      "--set abc: needs the form 'step.parameter=value'\n"
-      "--set abc.size: needs the form 'step.parameter=value'\n"
-      "--set abc.size: 'size' needs a length with its unit, e.g. '2 nm'\n"
-      "--set abc.list: not YAML: did not find expected node content while "
-      "parsing a flow node\n"
-      "--set abc.\\xe7: its name is not UTF-8 text\n"
-      "--set abc.siez: unknown parameter 'siez' of 'test.numbers', did you "
-      "mean 'size'?\n"
-      "--set abc.plain.x: 'plain' needs a number, not a map");
+      "--set acb.size: unknown step 'acb', did you mean 'abc'?\n--set "
+      "abc.word: has no value\n"
+      "--set abc: expected the form "
+      "'step.parameter=value'\n"
+      "--set abc.size: expected the form "
+      "'step.parameter=value'\n"
+      "--set abc.size: 'size' requires a length with a "
+      "unit, e.g. '2 nm'\n"
+      "--set abc.list: not YAML: did not find expected node "
+      "content while parsing a flow node\n"
+      "--set abc.\\xe7: the name is not "
+      "UTF-8 text\n"
+      "--set abc.siez: unknown parameter 'siez' of 'test.numbers', "
+      "did you mean 'size'?\n"
+      "--set abc.plain.x: 'plain' requires a number, found a "
+      "map");
 }
 
 /* ---- the resolved flow ---- */

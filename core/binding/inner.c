@@ -96,7 +96,8 @@ static void find_steps(opc_inner *inner, const opc_binding *b,
     if (!plugin || opc_port_count(plugin) != 1 ||
         strcmp(opc_port_at(plugin, 0)->kind, p->choices) != 0)
       opc_problem_add(problems, OPC_INVALID, opc_binding_origin(b, i),
-                      "'%s' has no step '%s' that gives %s and nothing else",
+                      "'%s' has no step '%s' with an output of the kind %s as "
+                      "the only output",
                       inner->recipe->path, p->name, p->choices);
     else
       g_hash_table_insert(inner->given, g_strdup(p->name), g_new0(void *, 1));
@@ -154,7 +155,7 @@ static int inner_check(const opc_inner *inner, opc_error *error) {
 
 /* Fail: outside runs an inner flow cannot be started. */
 static int refuse_to_begin(const opc_host *host, opc_error *error) {
-  return opc_fail(error, OPC_FAILED, NULL, "a %s runs in a flow only",
+  return opc_fail(error, OPC_FAILED, NULL, "%s runs in flows only",
                   ((const opc_binding *)host->data)->plugin->id);
 }
 
@@ -176,10 +177,10 @@ static void open_one(opc_binding *binding, opc_registry *registry,
     i++;
   if (i == plugin->n_parameters || !binding->values[i].present) return;
   if (flags / OPC_BIND_INNER >= DEEPEST) {
-    opc_problem_add(problems, OPC_INVALID, &binding->at,
-                    "'%s' cannot stand in a flow that a step of a flow runs "
-                    "that a step runs",
-                    plugin->id);
+    opc_problem_add(
+        problems, OPC_INVALID, &binding->at,
+        "'%s' cannot be used here: inner flows may be nested only twice",
+        plugin->id);
     return;
   }
   opc_inner *inner = binding->inner = g_new0(opc_inner, 1);
@@ -300,6 +301,7 @@ int opc_inner_find_axis(const opc_host *host, const char *path,
     g_ptr_array_add(paths, (char *)in->axes[i]->path);
   }
   g_autofree char *suggestion = opc_suggestion(path, paths);
-  opc_fail(error, OPC_INVALID, NULL, "'%s' is not swept%s", path, suggestion);
+  opc_fail(error, OPC_INVALID, NULL, "'%s' is not a swept parameter%s", path,
+           suggestion);
   return -1;
 }

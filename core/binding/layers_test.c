@@ -142,17 +142,18 @@ static void test_chains(void) {
   write_file("one.yaml", "opcflow: 1\nextends: deep/two.yaml\n");
   write_file("deep/two.yaml", "opcflow: 1\nextends: ../deep/../one.yaml\n");
   check_faults("one.yaml",
-               "deep/two.yaml:2:10: flows that extend each other: one.yaml -> "
-               "deep/two.yaml -> one.yaml");
+               "deep/two.yaml:2:10: flows extend each other in a cycle: "
+               "one.yaml -> deep/two.yaml -> one.yaml");
   check_text("opcflow: 1\nextends: none.yaml\n",
              "flow.yaml:2:10: 'none.yaml': no such file");
   check_text("opcflow: 1\nextends: [a]\n",
-             "flow.yaml:2:10: 'extends' needs the name of a flow file");
+             "flow.yaml:2:10: 'extends' must be the name of a flow file");
   write_file("bad.yaml", "opcflow: 1\nsteps:\n  a: { use: test.numbers }\n");
   check_text("opcflow: 1\nextends: bad.yaml\nsteps:\n  a: { shaer: 1 % }\n",
              "flow.yaml:4:8: unknown parameter 'shaer' of 'test.numbers', did "
              "you mean 'share'?\n"
-             "bad.yaml:3:3: missing parameter 'size' of 'test.numbers'");
+             "bad.yaml:3:3: required parameter 'size' of "
+             "'test.numbers' is missing");
   for (int i = 0; i < 20; i++) {
     g_autofree char *name = g_strdup_printf("chain%d.yaml", i);
     g_autofree char *text =
@@ -168,12 +169,13 @@ static void test_removing(void) {
   check_text(
       "opcflow: 1\nextends: base.yaml\nsteps:\n  ax: ~\n"
       "  a: { siez: ~ }\n  ab: { size: 2 nm }\n",
-      "flow.yaml:4:3: there is no 'ax' to remove\n"
-      "flow.yaml:5:8: there is no 'siez' to remove, did you mean "
-      "'size'?\n"
+      "flow.yaml:4:3: cannot remove 'ax', which does not "
+      "exist\n"
+      "flow.yaml:5:8: cannot remove 'siez', which does not exist, "
+      "did you mean 'size'?\n"
       "flow.yaml:6:3: unknown step 'ab'");
   check_text("opcflow: 1\nextends: base.yaml\nsteps:\n  a: ~\n",
-             "base.yaml:3:3: no step is left");
+             "base.yaml:3:3: the flow has no steps");
   /* '~' removes only as the whole value. */
   check_text(STEP "  b: { use: test.numbers, size: 1 nm, note: '~' }\n", "");
 }
@@ -233,26 +235,33 @@ static void test_inherited(void) {
 }
 
 static void test_wrong_variants(void) {
-  check_text(STEP
-             "variants:\n  x: { a.siez: 1 nm }\n  y: { aa.size: 1 nm }\n"
-             "  z: { a.size: ~ }\n  all: {}\n  w: [1]\n  v: { a..b: 1 }\n",
-             "flow.yaml:3:3: missing parameter 'size' of 'test.numbers' "
-             "(variant 'z')\n"
-             "flow.yaml:5:8: unknown parameter 'siez' of 'test.numbers', did "
-             "you mean 'size'? (variant 'x')\n"
-             "flow.yaml:6:8: unknown step 'aa' (variant "
-             "'y')\n"
-             "flow.yaml:8:3: a variant needs a name of letters, digits, '_' "
-             "and '-', other than 'all' and 'base', not 'all'\n"
-             "flow.yaml:9:6: the variant 'w' needs a map of at most 1000 "
-             "parameters\n"
-             "flow.yaml:10:8: 'a..b' is no path, as 'step.parameter' (variant "
-             "'v')");
+  check_text(
+      STEP
+      "variants:\n"
+      "  x: { a.siez: 1 nm }\n"
+      "  y: { aa.size: 1 nm }\n"
+      "  z: { a.size: ~ }\n"
+      "  all: {}\n"
+      "  w: [1]\n"
+      "  v: { a..b: 1 }\n",
+      "flow.yaml:3:3: required parameter 'size' of 'test.numbers' is missing "
+      "(variant 'z')\n"
+      "flow.yaml:5:8: unknown parameter 'siez' of "
+      "'test.numbers', did you mean 'size'? (variant 'x')\n"
+      "flow.yaml:6:8: "
+      "unknown step 'aa' (variant 'y')\n"
+      "flow.yaml:8:3: the name of a variant "
+      "must consist of letters, digits, '_' and '-' and must not be 'all' or "
+      "'base', found 'all'\n"
+      "flow.yaml:9:6: variant 'w' must be a map of at "
+      "most 1000 parameters\n"
+      "flow.yaml:10:8: 'a..b' is not a path, expected "
+      "'step.parameter' (variant 'v')");
   /* A problem independent of the variant is reported once. */
   check_text(
       "opcflow: 1\nsteps:\n  a: { use: test.numbers, size: 1 V }\n"
       "variants: { x: { a.whole: 2 }, y: { a.whole: 3 } }\n",
-      "flow.yaml:3:33: 'size' needs a length, not '1 V'");
+      "flow.yaml:3:33: 'size' requires a length, found '1 V'");
 }
 
 /* ---- sweeps ---- */
@@ -290,37 +299,43 @@ static void test_ranges(void) {
   g_assert_true(real_of(&m, "a", "size") == 8);
   made_free(&m);
   check_text(STEP
-             "sweep:\n  a.size: { from: 1 nm, to: 5 nm, step: -1 nm }\n"
+             "sweep:\n"
+             "  a.size: { from: 1 nm, to: 5 nm, step: -1 nm }\n"
              "  a.whole: { from: 1, to: 5, stpe: 1 }\n"
              "  a.share: { from: 1 %, to: 5 nm, step: 1 % }\n"
              "  a.plain: { from: 1, to: 2e6, step: 1 }\n"
-             "  a.note: word\n  a: [1]\n"
+             "  a.note: word\n"
+             "  a: [1]\n"
              "  a.anchor.line: { from: 1 nn, to: 2 nm, step: 1 nm }\n"
              "  a.anchor.pitch: { from: 1 nm, to: 2 nm, step: 0.3 nm }\n",
-             "flow.yaml:5:41: 'step' does not lead from '1 nm' to '5 nm'\n"
-             "flow.yaml:6:12: a range needs '{ from: A, to: B, step: C }'\n"
+             "flow.yaml:5:41: 'step' does not lead from '1 nm' to '5 "
+             "nm'\n"
+             "flow.yaml:6:12: a range must be '{ from: A, to: B, step: C "
+             "}'\n"
              "flow.yaml:6:30: unknown key 'stpe' of a range, did you mean "
              "'step'?\n"
              "flow.yaml:7:29: 'to' must be of the same dimension as 'from', "
-             "not '5 nm'\n"
-             "flow.yaml:8:12: a range of 2000000 values; at most 100000 are "
-             "possible\n"
-             "flow.yaml:9:11: a sweep needs a list of values, or '{ from: A, "
-             "to: B, step: C }'\n"
-             "flow.yaml:10:3: 'a' is a step; a sweep needs 'step.parameter'\n"
-             "flow.yaml:11:26: unknown unit 'nn' in '1 nn', did you mean "
-             "'nm'?\n"
-             "flow.yaml:12:49: 'step' does not lead from '1 nm' to '2 nm', but "
-             "to 1.9 nm");
-  check_text(STEP
-             "sweep:\n  a.plain: { from: 1, to: 1000, step: 1 }\n"
-             "  a.share: { from: 1 %, to: 1000 %, step: 1 % }\n",
-             "flow.yaml:5:3: a sweep of 1000000 points; at most 100000 are "
-             "possible");
+             "found '5 nm'\n"
+             "flow.yaml:8:12: the range has 2000000 values, expected at "
+             "most 100000\n"
+             "flow.yaml:9:11: a sweep must be a list of values, or '{ "
+             "from: A, to: B, step: C }'\n"
+             "flow.yaml:10:3: 'a' is a step, but a sweep "
+             "requires 'step.parameter'\n"
+             "flow.yaml:11:26: unknown unit 'nn' in '1 "
+             "nn', did you mean 'nm'?\n"
+             "flow.yaml:12:49: 'step' does not lead from '1 "
+             "nm' to '2 nm', but to 1.9 nm");
+  check_text(
+      STEP
+      "sweep:\n"
+      "  a.plain: { from: 1, to: 1000, step: 1 }\n"
+      "  a.share: { from: 1 %, to: 1000 %, step: 1 % }\n",
+      "flow.yaml:5:3: the sweep has 1000000 points, expected at most 100000");
   /* Each value is checked. */
   check_text(STEP "sweep: { a.size: [1 nm, 2 nm, 3 V], a.plain: [1, x] }\n",
-             "flow.yaml:4:31: 'size' needs a length, not '3 V'\n"
-             "flow.yaml:4:50: 'plain' needs a number, not 'x'");
+             "flow.yaml:4:31: 'size' requires a length, found '3 V'\n"
+             "flow.yaml:4:50: 'plain' requires a number, found 'x'");
 }
 
 /* ---- keys with dots ---- */
@@ -380,9 +395,10 @@ static void test_byte_order_mark(void) {
   check_text(
       "\xEF\xBB\xBF"
       "opcflow: 2\nsteps: {}\n",
-      "flow.yaml:1:10: 'opcflow' must be 1, the version of the format\n"
-      "flow.yaml:2:8: 'steps' needs a map of steps");
-  check_text("\xEF\xBB\xBF", "flow.yaml:1:1: there is nothing in it");
+      "flow.yaml:1:10: 'opcflow' must be 1, the version of the "
+      "format\n"
+      "flow.yaml:2:8: 'steps' must be a map of steps");
+  check_text("\xEF\xBB\xBF", "flow.yaml:1:1: the file is empty");
 }
 
 /* ---- slots with a default ---- */

@@ -55,7 +55,7 @@ const opc_binding *opc_flow_binding(const opc_flow *flow, const char *path,
     g_ptr_array_add(paths, b->path);
   }
   g_autofree char *suggestion = opc_suggestion(path, paths);
-  opc_fail(error, OPC_INVALID, NULL, "there is no '%s' in '%s'%s", path,
+  opc_fail(error, OPC_INVALID, NULL, "'%s' does not exist in '%s'%s", path,
            flow->recipe->path, suggestion);
   return NULL;
 }
@@ -65,8 +65,8 @@ const opc_metric *opc_flow_metric(const opc_flow *flow, const char *path,
                                   opc_error *error) {
   const char *dot = strrchr(path, '.');
   if (!dot) {
-    opc_fail(error, OPC_INVALID, NULL, "'%s' is no figure, as 'step.metric'",
-             path);
+    opc_fail(error, OPC_INVALID, NULL,
+             "'%s' does not name a metric, expected 'step.metric'", path);
     return NULL;
   }
   g_autofree char *of = g_strndup(path, (gsize)(dot - path));

@@ -40,7 +40,7 @@ static void add_output(GHashTable *outputs, const opc_binding *b, size_t i,
   g_autofree char *label = opc_binding_label(b);
   if (reserved && problems)
     opc_problem_add(problems, OPC_INVALID, at,
-                    "%s: '%s' is '%s', but the run itself writes '%s'", label,
+                    "%s: '%s' is '%s', but the run writes '%s'", label,
                     parameter, name, reserved);
   else if (taken && problems)
     opc_problem_add(problems, OPC_INVALID, at,

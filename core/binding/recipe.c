@@ -22,7 +22,7 @@ static void check_version(const opc_node *root, opc_problems *problems) {
   const opc_node *version = opc_node_get(root, "opcflow");
   if (!version)
     opc_wrong(problems, root,
-              "missing 'opcflow: 1', the version of the format");
+              "'opcflow: 1', the version of the format, is missing");
   else if (version->type != OPC_NODE_TEXT || strcmp(version->text, "1"))
     opc_wrong(problems, version,
               "'opcflow' must be 1, the version of the format");
@@ -36,7 +36,7 @@ static char *flow_name(const opc_node *root, const char *path,
     return g_strdup(name->text);
   if (name)
     opc_wrong(problems, name,
-              "'name' is made of letters, digits, '.', '_' and '-'");
+              "'name' must consist of letters, digits, '.', '_' and '-'");
   char *base = g_path_get_basename(path);
   char *dot = strrchr(base, '.');
   if (dot && dot > base) *dot = 0;
@@ -49,7 +49,7 @@ static char *flow_description(const opc_node *root, opc_problems *problems) {
   const opc_node *text = opc_node_get(root, "description");
   if (!text) return NULL;
   if (text->type == OPC_NODE_TEXT) return g_strdup(text->text);
-  opc_wrong(problems, text, "'description' needs a text, not %s",
+  opc_wrong(problems, text, "'description' must be a text, found %s",
             opc_node_noun(text));
   return NULL;
 }
@@ -73,7 +73,7 @@ static void report_circle(const opc_recipe *recipe, guint first,
   for (guint i = first; i < recipe->sources->len; i++)
     g_string_append_printf(text, "%s -> ",
                            ((opc_source *)recipe->sources->pdata[i])->name);
-  opc_wrong(problems, at, "flows that extend each other: %s%s", text->str,
+  opc_wrong(problems, at, "flows extend each other in a cycle: %s%s", text->str,
             ((opc_source *)recipe->sources->pdata[first])->name);
 }
 
@@ -83,7 +83,7 @@ static char *next_file(const opc_recipe *recipe, const opc_node *extends,
                        opc_problems *problems) {
   if (extends->type != OPC_NODE_TEXT || !*extends->text ||
       opc_node_is_null(extends)) {
-    opc_wrong(problems, extends, "'extends' needs the name of a flow file");
+    opc_wrong(problems, extends, "'extends' must be the name of a flow file");
     return NULL;
   }
   char *path = opc_node_path(extends);
@@ -111,7 +111,7 @@ static gboolean read_file(opc_recipe *recipe, const char *path,
   if (!root) return FALSE;
   g_ptr_array_add(recipe->roots, root);
   if (root->type != OPC_NODE_MAP)
-    return opc_wrong(problems, root, "a flow is a map, not %s",
+    return opc_wrong(problems, root, "a flow must be a map, found %s",
                      opc_node_noun(root));
   const opc_node *extends = opc_node_get(root, "extends");
   if (!extends) return TRUE;
@@ -128,7 +128,7 @@ static const opc_node *recipe_section(const opc_node *root, const char *name,
   const char *noun = strcmp(name, "sweep") ? name : "parameters";
   if (!node) return NULL;
   if (node->type != OPC_NODE_MAP || !node->items->len)
-    opc_wrong(problems, node, "'%s' needs a map of %s", name, noun);
+    opc_wrong(problems, node, "'%s' must be a map of %s", name, noun);
   else if (node->items->len > most)
     opc_wrong(problems, node, "more than %u %s", most, noun);
   else
@@ -181,16 +181,16 @@ static void take_variants(opc_recipe *recipe, const opc_node *root,
     if (!opc_is_name(key->text, FALSE) || !strcmp(key->text, "all") ||
         !strcmp(key->text, "base")) {
       opc_wrong(problems, key,
-                "a variant needs a name of letters, digits, '_' and '-', other "
-                "than 'all' and 'base', not '%s'",
+                "the name of a variant must consist of letters, digits, '_' "
+                "and '-' and must not be 'all' or 'base', found '%s'",
                 key->text);
     } else if (opc_node_is_null(value)) {
       if (!remove_key(recipe->variants, key->text))
         opc_node_missing(recipe->variants, key->text, &key->at,
-                         "there is no variant", " to remove", problems);
+                         "'variants' is empty", " to remove", problems);
     } else if (value->type != OPC_NODE_MAP || value->items->len > MOST_STEPS) {
       opc_wrong(problems, value,
-                "the variant '%s' needs a map of at most %d parameters",
+                "variant '%s' must be a map of at most %d parameters",
                 key->text, MOST_STEPS);
     } else {
       add_variant(recipe, key, value, problems);

@@ -58,14 +58,15 @@ static gboolean read_range(const reader *in, opc_requirement *r,
     good = ((const opc_node *)items[i])->type == OPC_NODE_TEXT;
   if (!good)
     return opc_wrong(in->problems, list,
-                     "a range of '%s' needs two numbers, as '[FROM, TO]'",
+                     "a range of '%s' must be two numbers, as in '[FROM, TO]'",
                      r->path);
   const opc_node *from = items[0], *to = items[1];
   good = read_bound(in, r, from, from->text, &r->least) &&
          read_bound(in, r, to, to->text, &r->most);
   if (!good) return FALSE;
   if (r->least > r->most)
-    return opc_wrong(in->problems, list, "'%s' is not from less to more",
+    return opc_wrong(in->problems, list,
+                     "the range of '%s' must start at the smaller number",
                      r->path);
   g_autofree char *left = bound_text(r, "from ", r->least);
   g_autofree char *right = bound_text(r, " to ", r->most);
@@ -158,7 +159,7 @@ void opc_flow_require(opc_flow *flow, opc_problems *problems) {
   if (!given) return;
   if (given->type != OPC_NODE_MAP) {
     opc_wrong(problems, given,
-              "'require' needs a map, as '{ STEP.METRIC: BOUND }'");
+              "'require' must be a map, as in '{ STEP.METRIC: BOUND }'");
     return;
   }
   read_map(&in, NULL, given);

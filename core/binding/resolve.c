@@ -123,7 +123,8 @@ static void append_requirements(GString *out, const opc_flow *flow) {
 
 char *opc_flow_resolved(const opc_flow *flow, const opc_sweep *sweep) {
   GString *out = g_string_new(
-      "# The flow as it ran: every parameter, and where its value came from.\n"
+      "# The flow of this run: every parameter, with the source of the "
+      "value.\n"
       "opcflow: 1\nname: ");
   opc_text_append(out, flow->name);
   g_string_append_c(out, '\n');

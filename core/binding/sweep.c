@@ -49,7 +49,8 @@ static opc_axis *axis_new(const char *path, const opc_place *at,
             : g_ptr_array_new_with_free_func((GDestroyNotify)opc_node_free);
   if (!strchr(path, '.'))
     opc_problem_add(problems, OPC_INVALID, at,
-                    "'%s' is a step; a sweep needs 'step.parameter'", path);
+                    "'%s' is a step, but a sweep requires 'step.parameter'",
+                    path);
   else if (range)
     ;
   else if (values->type == OPC_NODE_LIST && values->items->len)
@@ -59,7 +60,7 @@ static opc_axis *axis_new(const char *path, const opc_place *at,
   else
     opc_wrong(
         problems, values,
-        "a sweep needs a list of values, or '{ from: A, to: B, step: C }'");
+        "a sweep must be a list of values, or '{ from: A, to: B, step: C }'");
   axis_describe(axis);
   return axis;
 }
@@ -117,7 +118,7 @@ static void count_points(opc_sweep *sweep, opc_problems *problems) {
   if (points <= most_points) return;
   const opc_axis *first = sweep->axes->pdata[0];
   opc_problem_add(problems, OPC_INVALID, &first->at,
-                  "a sweep of %.0f points; at most %.0f are possible", points,
+                  "the sweep has %.0f points, expected at most %.0f", points,
                   most_points);
 }
 

@@ -7,13 +7,16 @@ static GPtrArray *sets, *variants, *sweeps;
 static gboolean json, quick;
 
 static const cli_option options[] = {
-    {"set", "over what the flow says", "STEP.PARAMETER=VALUE", .list = &sets},
+    {"set", "parameter value that replaces that of the flow",
+     "STEP.PARAMETER=VALUE", .list = &sets},
     {"variant", "only this variant, 'base' or 'all'", "NAME",
      .list = &variants},
-    {"sweep", "also at these values", "STEP.PARAMETER=[...]", .list = &sweeps},
-    {"quick", "without reading inputs and asking steps what they will want",
+    {"sweep", "parameter values to check as well", "STEP.PARAMETER=[...]",
+     .list = &sweeps},
+    {"quick",
+     "skip reading inputs and asking steps for their required resources",
      .flag = &quick},
-    {"json", "what is wrong as JSON, too", .flag = &json},
+    {"json", "list of problems also as JSON", .flag = &json},
     {0}};
 
 /* Print each message of instances once, even if several variants log the
@@ -82,7 +85,7 @@ static gboolean needs_files(const opc_recipe *recipe, const opc_choice *choice,
     json_object_set_string_member(object, "parameter", file->path);
     json_array_add_object_element(missing, object);
     if (!json)
-      cli_print("%s%sneeds --set %s=FILE, %s\n",
+      cli_print("%s%srequires --set %s=FILE, %s\n",
                 choice->variant ? choice->variant : "",
                 choice->variant ? ": " : "", file->path, file->summary);
   }

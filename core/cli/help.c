@@ -28,9 +28,11 @@ static int run_help(const cli_verb *verb, const GPtrArray *arguments) {
     return CLI_GOOD;
   }
   cli_print(
-      "Usage: opcflow VERB ...\n\n"
-      "Runs flows: YAML files that say which plugins work one after another, "
-      "with\nwhich parameters.\n\nVerbs:\n");
+      "Usage: opcflow VERB ...\n"
+      "\n"
+      "Runs flows: YAML files that list plugins in "
+      "their order, with parameters.\n"
+      "\nVerbs:\n");
   for (size_t i = 0; cli_verbs[i] && !cli_verbs[i]->hidden; i++)
     cli_print_pair(cli_verbs[i]->name, cli_verbs[i]->arguments,
                    cli_verbs[i]->summary);

@@ -37,7 +37,8 @@ static gboolean help, version;
 static const char *taken; /* --plugin-path was read before */
 
 const cli_option cli_common_options[] = {
-    {"plugin-path", "look for plugins here first", "DIR", .text = &taken},
+    {"plugin-path", "folder to search first for plugins", "DIR",
+     .text = &taken},
     {"wide", "tables with all columns side by side, and all digits",
      .flag = &cli_wide},
     {"help", "show this", .flag = &help},
@@ -59,7 +60,7 @@ const char *cli_flow(const cli_verb *verb, const GPtrArray *arguments) {
   static const char usual[] = "flow.yaml";
   if (arguments->len) return arguments->pdata[0];
   if (g_file_test(usual, G_FILE_TEST_EXISTS)) return usual;
-  cli_message("error", "'%s' needs FLOW, see 'opcflow help %s'", verb->name,
+  cli_message("error", "'%s' requires FLOW, see 'opcflow help %s'", verb->name,
               verb->name);
   return NULL;
 }
@@ -79,7 +80,7 @@ int cli_parse(const cli_verb *verb, guint n, char **words, GPtrArray *rest) {
   if (version) cli_print("opcflow-%s (opcflow) %s\n", verb->name, OPC_VERSION);
   if (help || version) return CLI_GOOD;
   if (rest->len < verb->least)
-    return cli_error(CLI_USAGE, "'%s' needs %s, see 'opcflow help %s'",
+    return cli_error(CLI_USAGE, "'%s' requires %s, see 'opcflow help %s'",
                      verb->name, verb->arguments, verb->name);
   if (rest->len > verb->most)
     return cli_error(CLI_USAGE,
@@ -93,8 +94,9 @@ int cli_set_threads(const char *text) {
   char *end;
   unsigned long n = strtoul(text, &end, 10);
   if (!g_ascii_isdigit(*text) || *end || !n || n > 4096)
-    return cli_error(
-        CLI_USAGE, "'--threads' needs a number from 1 to 4096, not '%s'", text);
+    return cli_error(CLI_USAGE,
+                     "'--threads' must be a number from 1 to 4096, found '%s'",
+                     text);
   opc_set_threads((unsigned)n);
   return -1;
 }

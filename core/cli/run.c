@@ -21,24 +21,24 @@ static int level = OPC_LOG_WARNING; /* lowest level printed */
 static gboolean steps = TRUE;       /* report steps and progress */
 
 static const cli_option options[] = {
-    {"set", "over what the flow says", "STEP.PARAMETER=VALUE", .list = &sets},
-    {"variant", "a variant of the flow, 'base' or 'all'", "NAME",
+    {"set", "parameter value that replaces that of the flow",
+     "STEP.PARAMETER=VALUE", .list = &sets},
+    {"variant", "variant of the flow, 'base' or 'all'", "NAME",
      .list = &variants},
-    {"sweep", "run at each of these values", "STEP.PARAMETER=[...]",
+    {"sweep", "parameter values, one run for each", "STEP.PARAMETER=[...]",
      .list = &sweeps},
-    {"keep", "keep what each point of a sweep writes", .flag = &wanted.keep},
-    {"output", "the run folder (default: runs/NAME)", "DIR",
+    {"keep", "keep the files of each point of a sweep", .flag = &wanted.keep},
+    {"output", "run folder (default: runs/NAME)", "DIR",
      .text = &wanted.output},
-    {"force",
-     "replace an earlier run in DIR, if all of it is as it was written",
+    {"force", "replace an earlier run in DIR if the run is unchanged since",
      .flag = &wanted.force},
-    {"no-cache", "run every step, and keep no result", .flag = &no_cache},
-    {"threads", "default: as many as there are processors", "N",
+    {"no-cache", "run all steps and store no results", .flag = &no_cache},
+    {"threads", "number of threads (default: number of processors)", "N",
      .text = &threads},
-    {"json", "the result as JSON", .flag = &json},
-    {"log", "what steps say while they run (default: steps, that they ran)",
+    {"json", "print the result as JSON", .flag = &json},
+    {"log", "lowest level of messages (default: steps, that they ran)",
      "debug|info|steps|warning", .text = &level_word},
-    {"quiet", "nothing but warnings and errors", .flag = &quiet},
+    {"quiet", "print only warnings and errors", .flag = &quiet},
     {0}};
 
 /* ---- a sweep ---- */
@@ -178,8 +178,7 @@ static int run_print_results(const series *s, const opc_run *run,
     if (run->out.points && run->out.points->rows && !quiet) print_text(run);
     findings_print(run, note);
     if (run->out.folder)
-      cli_message("note", "what was written so far is in '%s'",
-                  run->out.folder);
+      cli_message("note", "files written so far are in '%s'", run->out.folder);
     return cli_is_stopped(NULL) ? CLI_STOPPED : code;
   }
   g_autoptr(opc_problems) missed = opc_problems_new();
@@ -265,9 +264,10 @@ static int set_level(void) {
       return -1;
     }
   return level_word
-             ? cli_error(CLI_USAGE,
-                         "'--log' is debug, info, steps or warning, not '%s'",
-                         level_word)
+             ? cli_error(
+                   CLI_USAGE,
+                   "'--log' must be debug, info, steps or warning, found '%s'",
+                   level_word)
              : -1;
 }
 
@@ -335,9 +335,8 @@ static int run_run(const cli_verb *verb, const GPtrArray *arguments) {
   int code = cli_set_threads(threads);
   if (code < 0) code = set_level();
   if (code < 0 && wanted.force && !wanted.output)
-    code = cli_error(CLI_USAGE,
-                     "'--force' needs '--output', which names what "
-                     "it replaces");
+    code = cli_error(
+        CLI_USAGE, "'--force' requires '--output', the run folder to replace");
   const char *path = code < 0 ? cli_flow(verb, arguments) : NULL;
   if (code < 0 && !path) code = CLI_USAGE;
   if (code < 0) code = meet_ranks();

@@ -46,7 +46,7 @@ int cli_run_devel(const cli_verb *verb) {
   g_autofree char *program = opc_find_installed(OPC_LIBEXECDIR, CLI_DEVEL);
   if (program) cli_become(program);
   return cli_error(CLI_PLUGIN, "cannot run '%s': %s " CLI_DEVEL, verb->name,
-                   program ? "cannot start" : "there is no program");
+                   program ? "cannot start" : "the program does not exist");
 }
 
 /* Run the verb: the first word that is no option. Options before the verb are

@@ -39,7 +39,8 @@ const opc_metric *opc_metric_check(const opc_plugin *plugin, const char *name,
   const opc_metric *metric = opc_metric_find(plugin, name);
   if (metric && isfinite(value)) return metric;
   if (metric)
-    opc_fail(error, OPC_FAILED, NULL, "the metric '%s' of '%s' is %g", name,
+    opc_fail(error, OPC_FAILED, NULL,
+             "metric '%s' of '%s' is %g, expected a finite number", name,
              plugin->id, value);
   else
     opc_fail(error, OPC_FAILED, NULL, "'%s' declares no metric '%s'",
@@ -80,11 +81,12 @@ static const char *parameter_flaw(const opc_plugin *plugin,
   /* The field must be inside the instance, after `host`. */
   if (p->offset < sizeof(opc_host *) || p->offset > size ||
       size - p->offset < p->width)
-    return ": its field is not in the instance";
+    return ": the field is outside of the instance";
   if (p->given && (p->given > size || size - p->given < sizeof(int)))
-    return ": its 'given' is not in the instance";
+    return ": 'given' is outside of the instance";
   if (p->flags & OPC_LISTED && (p->type != OPC_TEXT || !opc_choices_of(plugin)))
-    return " has nobody who lists it";
+    return " is OPC_LISTED, but is no text or the plugin has no function that "
+           "lists choices";
   if (!p->choices &&
       (p->type == OPC_CHOICE || p->type == OPC_SLOT || p->type == OPC_INPUT))
     return " has no choices";
@@ -92,13 +94,13 @@ static const char *parameter_flaw(const opc_plugin *plugin,
     return " has an empty choice";
   if (low == (OPC_AT_LEAST | OPC_ABOVE) || high == (OPC_AT_MOST | OPC_BELOW) ||
       (low && high && !(p->min <= p->max)))
-    return " has bounds that fit no value";
+    return " has bounds that no value meets";
   if (p->preset && p->flags & OPC_REQUIRED)
     return " is required and has a default";
   if (p->follows &&
       (p->preset || p->flags & OPC_REQUIRED || p->type != OPC_REAL))
-    return " follows from something, and is no number, required or has a "
-           "default";
+    return " follows from other values, and must be a number, not required and "
+           "without a default";
   return p->preset && p->type == OPC_INPUT ? ": an input has no default" : NULL;
 }
 
@@ -124,14 +126,16 @@ static gboolean are_nested(const char *a, const char *b) {
 static char *parameter_fault(const opc_plugin *plugin, size_t i) {
   const opc_parameter *p = &plugin->parameters[i];
   if (!p->name || !opc_is_id(p->name) || !strcmp(p->name, "use"))
-    return g_strdup_printf("parameter %zu has no proper name", i + 1);
+    return g_strdup_printf("parameter %zu has no valid name", i + 1);
   for (size_t j = 0; j < i; j++) {
     const char *other = plugin->parameters[j].name;
     if (!strcmp(p->name, other))
-      return g_strdup_printf("parameter '%s' is there twice", p->name);
+      return g_strdup_printf("parameter '%s' is declared twice", p->name);
     if (are_nested(p->name, other))
-      return g_strdup_printf("parameters '%s' and '%s' get in each other's way",
-                             other, p->name);
+      return g_strdup_printf(
+          "parameter '%s' and parameter '%s' conflict: one is a group of the "
+          "other",
+          other, p->name);
   }
   if (!opc_type_name(p->type))
     return g_strdup_printf("parameter '%s' has the unknown type %u", p->name,
@@ -141,14 +145,14 @@ static char *parameter_fault(const opc_plugin *plugin, size_t i) {
                            p->unit);
   if (p->width != opc_setting_width(p->type))
     return g_strdup_printf(
-        "parameter '%s': its field has %zu bytes, a value of the type '%s' has "
+        "parameter '%s': the field has %zu bytes, expected for the type '%s' "
         "%zu",
         p->name, p->width, opc_type_name(p->type), opc_setting_width(p->type));
   const char *flaw = parameter_flaw(plugin, p);
   if (flaw) return g_strdup_printf("parameter '%s'%s", p->name, flaw);
   if (p->type == OPC_SLOT && !opc_is_id(p->choices))
-    return g_strdup_printf("parameter '%s': '%s' is no kind of plugin", p->name,
-                           p->choices);
+    return g_strdup_printf("parameter '%s': '%s' is not a kind of plugin",
+                           p->name, p->choices);
   return preset_fault(p);
 }
 
@@ -158,9 +162,10 @@ static char *metric_fault(const opc_plugin *plugin, size_t i) {
     return g_strdup_printf("metric %zu has no name", i + 1);
   for (size_t j = 0; j < i; j++)
     if (!strcmp(m->name, plugin->metrics[j].name))
-      return g_strdup_printf("metric '%s' is there twice", m->name);
+      return g_strdup_printf("metric '%s' is declared twice", m->name);
   if (m->better > OPC_HIGHER || !m->summary)
-    return g_strdup_printf("metric '%s' is not complete", m->name);
+    return g_strdup_printf("metric '%s' has no direction, unit or summary",
+                           m->name);
   return NULL;
 }
 
@@ -189,7 +194,8 @@ opc_plugin *opc_plugin_copy(const opc_plugin *theirs, char **fault) {
   opc_plugin *own = (opc_plugin *)OPC_DECLARED_COPY(opc_plugin, extension,
                                                     theirs, 1, theirs->size);
   if (!own) {
-    *fault = g_strdup_printf("its descriptor has %u bytes", theirs->size);
+    *fault = g_strdup_printf(
+        "the size of the descriptor, %u bytes, is not valid", theirs->size);
     return NULL;
   }
   own->parameters = OPC_DECLARED_COPY(opc_parameter, follows, own->parameters,
@@ -197,17 +203,17 @@ opc_plugin *opc_plugin_copy(const opc_plugin *theirs, char **fault) {
   own->metrics = OPC_DECLARED_COPY(opc_metric, summary, own->metrics,
                                    own->n_metrics, own->metric_size);
   if (!own->parameters)
-    *fault = g_strdup("its parameters are not an array of opc_parameter");
+    *fault = g_strdup("the parameters are not an array of opc_parameter");
   else if (!own->metrics)
-    *fault = g_strdup("its metrics are not an array of opc_metric");
+    *fault = g_strdup("the metrics are not an array of opc_metric");
   return *fault ? NULL : own;
 }
 
 char *opc_plugin_fault(const opc_plugin *plugin, const char *id) {
   if (!plugin->id || !opc_is_id(plugin->id))
-    return g_strdup("its id is not made of lower-case words and dots");
+    return g_strdup("the id does not consist of lower-case words and dots");
   if (strcmp(plugin->id, id) != 0)
-    return g_strdup_printf("its id is '%s', its file is called '%s'",
+    return g_strdup_printf("the id is '%s', but the file name is '%s'",
                            plugin->id, id);
   const struct {
     const char *name, *text;
@@ -217,9 +223,9 @@ char *opc_plugin_fault(const opc_plugin *plugin, const char *id) {
                {"summary", plugin->summary}};
   for (size_t i = 0; i < G_N_ELEMENTS(texts); i++)
     if (!texts[i].text || !*texts[i].text)
-      return g_strdup_printf("it has no %s", texts[i].name);
+      return g_strdup_printf("the descriptor has no %s", texts[i].name);
   if (plugin->instance_size < sizeof(opc_host *))
-    return g_strdup("its instance has no room for the host");
-  if (!plugin->functions) return g_strdup("it has no functions");
+    return g_strdup("the instance is too small for the pointer to the host");
+  if (!plugin->functions) return g_strdup("the plugin has no functions");
   return arrays_fault(plugin);
 }

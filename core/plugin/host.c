@@ -98,7 +98,7 @@ static int ignore_metric(const opc_host *host, const char *name, double value,
 static const char *refuse_path(const opc_host *host, const char *name,
                                opc_error *error) {
   (void)host;
-  opc_fail(error, OPC_FAILED, NULL, "'%s': there is no run folder", name);
+  opc_fail(error, OPC_FAILED, NULL, "'%s': no run folder exists", name);
   return NULL;
 }
 

@@ -70,7 +70,7 @@ static char *ports_fault(opc_step *step) {
   step->outputs = OPC_DECLARED_COPY(opc_port, release, step->outputs,
                                     step->n_outputs, step->output_size);
   if (!step->outputs)
-    return g_strdup("its outputs are not an array of opc_port");
+    return g_strdup("the outputs are not an array of opc_port");
   for (size_t i = 0; i < step->n_outputs; i++) {
     const opc_port *port = &step->outputs[i];
     if (!port->name || !port->kind || !opc_is_id(port->name))
@@ -92,12 +92,13 @@ static char *kind_fault(opc_kind *kind) {
                                      kind->n_examples, kind->example_size);
   if (!kind->functions || !kind->templates || !kind->samples || !kind->examples)
     return g_strdup(
-        "its functions, templates, samples or examples are not arrays");
+        "the functions, templates, samples or examples are not arrays");
   for (size_t i = 0; i < kind->n_functions; i++)
     if (!kind->functions[i].name ||
         kind->functions[i].offset + sizeof(void *) > kind->functions_size)
-      return g_strdup_printf("function %zu of the kind is not in its struct",
-                             i + 1);
+      return g_strdup_printf(
+          "function %zu of the kind is outside of the struct of functions",
+          i + 1);
   return NULL;
 }
 
@@ -109,13 +110,13 @@ char *opc_functions_adopt(opc_registry *registry, opc_plugin *plugin) {
   opc_error error = {0};
   const opc_kind *kind = opc_kind_of(registry, plugin->kind, &error);
   if (!kind)
-    return g_strdup_printf("its kind '%s' is not known: %s", plugin->kind,
+    return g_strdup_printf("the kind '%s' is unknown: %s", plugin->kind,
                            error.message);
   size_t size = MAX(plugin->functions_size, kind->functions_size) + SPARE;
   void *functions = (void *)opc_declared_copy(plugin->functions, 1,
                                               plugin->functions_size, 0, size);
   if (!functions)
-    return g_strdup_printf("its functions have %zu bytes",
+    return g_strdup_printf("the size of the functions, %zu bytes, is not valid",
                            plugin->functions_size);
   plugin->functions = functions;
   for (size_t i = 0; i < kind->n_functions; i++) {
@@ -123,7 +124,7 @@ char *opc_functions_adopt(opc_registry *registry, opc_plugin *plugin) {
     memcpy(&function, (char *)functions + kind->functions[i].offset,
            sizeof function);
     if (!function)
-      return g_strdup_printf("its function '%s' is missing",
+      return g_strdup_printf("the function '%s' is missing",
                              kind->functions[i].name);
   }
   if (!strcmp(plugin->kind, OPC_KIND_STEP)) return ports_fault(functions);

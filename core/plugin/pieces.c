@@ -32,8 +32,9 @@ GBytes *opc_piece_work(const opc_pieces *p, size_t i, opc_error *error) {
   *error = (opc_error){0};
   int code = p->work(p->data, i, &b.bytes, error);
   if (!code && b.full)
-    code = opc_fail(error, OPC_FAILED, NULL, "gives more than %d bytes",
-                    OPC_PIECE_MOST);
+    code =
+        opc_fail(error, OPC_FAILED, NULL,
+                 "the result of a work unit exceeds %d bytes", OPC_PIECE_MOST);
   if (!code) return g_byte_array_free_to_bytes(b.all);
   error->code = piece_fail(p, i, code, error);
   g_byte_array_unref(b.all);

@@ -145,7 +145,7 @@ const opc_plugin *opc_plugin_load(opc_registry *registry, const char *path,
   opc_plugin_entry entry;
   void *symbol = dlsym(object, OPC_ENTRY_NAME);
   if (!symbol) {
-    *reason = g_strdup("it has no function " OPC_ENTRY_NAME "()");
+    *reason = g_strdup("missing function " OPC_ENTRY_NAME "()");
     dlclose(object);
     return NULL;
   }

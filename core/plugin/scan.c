@@ -44,7 +44,8 @@ static void candidate_read_report(opc_candidate *c, const GString *report) {
   g_autoptr(GPtrArray) texts = report_texts(report);
   const char *first = texts->len ? texts->pdata[0] : "";
   if (texts->len != 5) {
-    c->reason = g_strdup(*first == 'E' ? first + 1 : "it ended while loading");
+    c->reason =
+        g_strdup(*first == 'E' ? first + 1 : "the process ended while loading");
     return;
   }
   c->kind = g_strdup(texts->pdata[1]);

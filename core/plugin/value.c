@@ -62,7 +62,7 @@ static const struct {
         {"reals", "a list of numbers", sizeof(opc_reals), {0}, read_reals},
     [OPC_MAP] = {"map", "a map", sizeof(opc_map), {0}, read_map},
     [OPC_INPUT] = {"input",
-                   "a reference such as '${step}'",
+                   "a reference as in '${step}'",
                    sizeof(void *),
                    {0},
                    read_input},
@@ -88,10 +88,10 @@ char *opc_setting_noun(const opc_parameter *p) {
   g_auto(GStrv) words = opc_choice_list(p->choices);
   g_autofree char *list = g_strjoinv("', '", words);
   if (p->type == OPC_REAL && unit)
-    return g_strdup_printf("%s with its unit", opc_unit_noun(unit));
+    return g_strdup_printf("%s with a unit", opc_unit_noun(unit));
   if (p->type == OPC_CHOICE) return g_strdup_printf("one of '%s'", list);
   if (p->type == OPC_SLOT)
-    return g_strdup_printf("a plugin, as '{ use: %s.NAME }'", p->choices);
+    return g_strdup_printf("a plugin, as in '{ use: %s.NAME }'", p->choices);
   return g_strdup(types[p->type].noun);
 }
 
@@ -127,7 +127,7 @@ static gboolean check_bounds(const conversion *c, const opc_node *node,
   if (p->flags & OPC_BELOW && !(value < p->max)) rule = "below";
   if (!rule) return TRUE;
   g_autofree char *limit = opc_quantity_text(p, bound);
-  return WRONG(c, node, "'%s' must be %s %s, not '%s'", p->name, rule, limit,
+  return WRONG(c, node, "'%s' must be %s %s, found '%s'", p->name, rule, limit,
                node->text);
 }
 
@@ -137,7 +137,7 @@ static gboolean need_text(const conversion *c, const opc_node *node) {
     return WRONG(c, node, "'%s' has no value", p->name);
   if (node->type == OPC_NODE_TEXT) return TRUE;
   g_autofree char *noun = opc_setting_noun(p);
-  return WRONG(c, node, "'%s' needs %s, not %s", p->name, noun,
+  return WRONG(c, node, "'%s' requires %s, found %s", p->name, noun,
                opc_node_noun(node));
 }
 
@@ -157,7 +157,7 @@ static gboolean read_reals(const conversion *c, const opc_node *node,
                            opc_setting *value) {
   const opc_parameter *p = c->parameter;
   if (node->type != OPC_NODE_LIST)
-    return WRONG(c, node, "'%s' needs a list, as '[1%s%s, ...]'", p->name,
+    return WRONG(c, node, "'%s' must be a list, as in '[1%s%s, ...]'", p->name,
                  p->unit ? " " : "", p->unit ? p->unit : "");
   guint n = node->items->len;
   double *reals = conversion_own(c, g_new0(double, MAX(n, 1)));
@@ -173,7 +173,7 @@ static gboolean read_int(const conversion *c, const opc_node *node,
                          opc_setting *value) {
   const char *text = node->text, *digits = text + (*text == '-');
   if (!*digits || strspn(digits, "0123456789") != strlen(digits))
-    return WRONG(c, node, "'%s' needs a whole number, not '%s'",
+    return WRONG(c, node, "'%s' must be a whole number, found '%s'",
                  c->parameter->name, text);
   errno = 0;
   value->field.integer = g_ascii_strtoll(text, NULL, 10);
@@ -188,7 +188,7 @@ static gboolean read_bool(const conversion *c, const opc_node *node,
                           opc_setting *value) {
   value->field.flag = !strcmp(node->text, "true");
   if (value->field.flag || !strcmp(node->text, "false")) return TRUE;
-  return WRONG(c, node, "'%s' is 'true' or 'false', not '%s'",
+  return WRONG(c, node, "'%s' must be 'true' or 'false', found '%s'",
                c->parameter->name, node->text);
 }
 
@@ -211,7 +211,8 @@ static gboolean read_choice(const conversion *c, const opc_node *node,
     return WRONG(c, node, "'%s' cannot be '%s'%s", p->name, node->text,
                  suggestion);
   g_autofree char *noun = opc_setting_noun(p);
-  return WRONG(c, node, "'%s' is %s, not '%s'", p->name, noun, node->text);
+  return WRONG(c, node, "'%s' must be %s, found '%s'", p->name, noun,
+               node->text);
 }
 
 static gboolean read_map(const conversion *c, const opc_node *node,
@@ -220,7 +221,8 @@ static gboolean read_map(const conversion *c, const opc_node *node,
   gboolean any = (p->flags & OPC_MAP_OF_ANY) != 0, good = TRUE;
   gboolean list = p->flags & OPC_INNER_AXIS && node->type == OPC_NODE_LIST;
   if (node->type != OPC_NODE_MAP && !list)
-    return WRONG(c, node, "'%s' needs a map, as '{ key: value }'", p->name);
+    return WRONG(c, node, "'%s' must be a map, as in '{ key: value }'",
+                 p->name);
   g_autofree char *where = g_strdup_printf(" in '%s'", p->name);
   if (p->choices && !list)
     good = opc_node_check_keys(node, p->choices, where, c->problems);
@@ -260,7 +262,8 @@ static gboolean read_output(const conversion *c, const opc_node *node,
                             opc_setting *value) {
   read_text(c, node, value);
   if (opc_name_is_inside(node->text)) return TRUE;
-  return WRONG(c, node, "'%s' must name a file inside the run folder, not '%s'",
+  return WRONG(c, node,
+               "'%s' must name a file inside the run folder, found '%s'",
                c->parameter->name, node->text);
 }
 
@@ -269,7 +272,7 @@ static gboolean read_input(const conversion *c, const opc_node *node,
   const char *text = node->text;
   size_t n = strlen(text);
   if (n < 4 || strncmp(text, "${", 2) || text[n - 1] != '}')
-    return WRONG(c, node, "'%s' needs a reference to a step, as '${%s}'",
+    return WRONG(c, node, "'%s' must be a reference to a step, as in '${%s}'",
                  c->parameter->name, *text ? text : "step");
   value->reference = conversion_own(c, g_strndup(text + 2, n - 3));
   return TRUE;

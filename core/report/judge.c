@@ -108,11 +108,10 @@ void opc_verdicts_add_broken(const GPtrArray *verdicts,
     g_autofree char *value = value_text(v);
     if (isnan(v->value))
       opc_problem_add(problems, OPC_LIMIT, &v->at,
-                      "%s'%s' was not measured, required is %s", point, v->path,
+                      "%s'%s' has no value, expected %s", point, v->path,
                       v->required);
     else
-      opc_problem_add(problems, OPC_LIMIT, &v->at,
-                      "%s'%s' is %s, required is %s", point, v->path, value,
-                      v->required);
+      opc_problem_add(problems, OPC_LIMIT, &v->at, "%s'%s' is %s, expected %s",
+                      point, v->path, value, v->required);
   }
 }

@@ -31,7 +31,7 @@ opc_table *opc_table_new(const char *name, uint32_t flags, size_t rows,
            MIN(column_size, sizeof own));
     if (!c->name || (rows && !c->data) ||
         (c->type != OPC_TEXT && c->type != OPC_REAL && c->type != OPC_INT)) {
-      opc_fail(error, OPC_FAILED, NULL, "table '%s': column %zu is not sound",
+      opc_fail(error, OPC_FAILED, NULL, "table '%s': column %zu is not valid",
                name, i + 1);
       opc_table_free(table);
       return NULL;

@@ -265,7 +265,7 @@ static void test_unsound(void) {
   g_assert_null(
       opc_table_new("t", 0, 1, &empty, 1, sizeof(opc_column), &error));
   g_assert_null(opc_table_new("t", 0, 1, &odd, 1, sizeof(opc_column), &error));
-  g_assert_cmpstr(error.message, ==, "table 't': column 1 is not sound");
+  g_assert_cmpstr(error.message, ==, "table 't': column 1 is not valid");
   opc_table *none =
       opc_table_new("t", 0, 0, &empty, 1, sizeof(opc_column), &error);
   g_autofree char *csv = opc_table_csv(none);

@@ -31,7 +31,7 @@ int opc_call_check(const opc_run *run, const opc_flow_step *step,
     const void *object = run->objects[step->number][i];
     opc_error fault = {0};
     if (!object)
-      return opc_fail(error, OPC_FAILED, NULL, "gave no output '%s'",
+      return opc_fail(error, OPC_FAILED, NULL, "returned no output '%s'",
                       port->name);
     const char *before = opc_binding_enter(step->binding);
     int code = port->check(object, &fault);
@@ -52,9 +52,9 @@ static int check_memory(const opc_forecast *wanted, opc_error *error) {
   g_autofree char *most = opc_bytes_text(wanted->memory);
   g_autofree char *left = opc_bytes_text(bytes);
   return opc_fail(error, OPC_FAILED, NULL,
-                  "wants %s of memory%s%s, but %s has only %s left%s%s", most,
-                  *wanted->work ? " for " : "", wanted->work, source, left,
-                  *wanted->help ? "; less with " : "", wanted->help);
+                  "requires %s of memory%s%s, but %s has only %s left%s%s",
+                  most, *wanted->work ? " for " : "", wanted->work, source,
+                  left, *wanted->help ? "; less with " : "", wanted->help);
 }
 
 int opc_call_forecast(const opc_run *run, const opc_flow_step *step,

@@ -335,8 +335,8 @@ static const opc_column *get_column(const opc_host *host, const char *step,
     g_ptr_array_add(names, (char *)table->columns[i].name);
   g_autofree char *suggestion = opc_suggestion(name, names);
   opc_fail(error, OPC_INVALID, NULL,
-           "the table '%s' of '%s' has no numbers '%s'%s", table_name, step,
-           name, suggestion);
+           "table '%s' of '%s' has no column of numbers '%s'%s", table_name,
+           step, name, suggestion);
   return NULL;
 }
 

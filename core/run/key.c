@@ -48,7 +48,7 @@ static void add_build(keyer *k, char about, const char *path, const char *shown,
   if (sum)
     keyer_add(k, about, path, shown, sum);
   else
-    keyer_exclude(k, g_strdup_printf("the objects that %s needs cannot be read",
+    keyer_exclude(k, g_strdup_printf("the shared objects of %s cannot be read",
                                      plugin ? plugin->id : "opcflow"));
 }
 
@@ -182,9 +182,9 @@ static void add_instance(keyer *k, const opc_binding *b) {
   g_autofree char *path = place_of(k, b, "");
   add_build(k, OPC_FACT_PLUGIN, path, b->plugin->id, b->plugin);
   if (!(b->plugin->flags & OPC_DETERMINISTIC))
-    keyer_exclude(k,
-                  g_strdup_printf("%s does not promise the same result twice",
-                                  b->plugin->id));
+    keyer_exclude(
+        k, g_strdup_printf("%s does not promise equal results for equal inputs",
+                           b->plugin->id));
   for (size_t i = 0; i < b->plugin->n_parameters; i++) add_value(k, b, i);
   if (b->inner) add_inner(k, b);
 }
@@ -199,9 +199,9 @@ static void add_inputs(keyer *k) {
         k, in->binding, in->binding->plugin->parameters[in->parameter].name);
     if (!sum)
       keyer_exclude(
-          k, g_strdup_printf("it takes from step '%s', whose result is not "
-                             "kept",
-                             in->from->name));
+          k, g_strdup_printf(
+                 "the step uses the output of step '%s', which is not stored",
+                 in->from->name));
     else
       keyer_add(k, OPC_FACT_INPUT, path,
                 ((const opc_step *)from->functions)->outputs[in->port].name,
@@ -216,8 +216,8 @@ static void make_key(keyer *k) {
   k->key->files = g_ptr_array_new_with_free_func(g_free);
   g_variant_builder_init(&k->facts, OPC_FACTS_TYPE);
   if (functions->flags & OPC_STEP_OUTSIDE)
-    keyer_exclude(
-        k, g_strdup_printf("%s reads what no parameter names", b->plugin->id));
+    keyer_exclude(k, g_strdup_printf("%s reads files that no parameter names",
+                                     b->plugin->id));
   add_build(k, OPC_FACT_COMMAND, "", opc_facts_machine(), NULL);
   opc_binding_list(b, instances);
   for (guint i = 0; i < instances->len; i++)
@@ -282,11 +282,11 @@ char *opc_key_difference(const void *step, char about, const char *path,
   switch (about) {
     case OPC_FACT_COMMAND:
       return g_strcmp0(before, now)
-                 ? g_strdup_printf("the processor is another: %s", now)
+                 ? g_strdup_printf("the processor is different: %s", now)
                  : g_strdup("opcflow was rebuilt");
     case OPC_FACT_PLUGIN:
       if (!before) return g_strdup_printf("%s is new: %s", whole, now);
-      if (!now) return g_strdup_printf("%s was left out", whole);
+      if (!now) return g_strdup_printf("%s was removed", whole);
       return strcmp(before, now)
                  ? g_strdup_printf("%s changed from %s to %s", whole, before,
                                    now)
@@ -297,12 +297,13 @@ char *opc_key_difference(const void *step, char about, const char *path,
       break;
     case OPC_FACT_PARAMETER:
       if (before && now && !strcmp(before, now))
-        return g_strdup_printf("whether %s was given, as %s", whole, now);
+        return g_strdup_printf("%s was set or unset, with the same value %s",
+                               whole, now);
       break;
     case OPC_FACT_INPUT:
-      return g_strdup_printf("what it takes as %s changed", whole);
+      return g_strdup_printf("input %s changed", whole);
     case OPC_FACT_INNER:
-      return g_strdup("the flow that it runs changed");
+      return g_strdup("the inner flow changed");
   }
   return g_strdup_printf("%s changed from %s to %s", whole,
                          before ? before : "nothing", now ? now : "nothing");

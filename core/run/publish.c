@@ -23,8 +23,8 @@ static gboolean in_piece(const opc_run *run, const char *name,
                          opc_error *error) {
   if (run->heard.piece)
     opc_fail(error, OPC_FAILED, NULL,
-             "'%s' is published by a piece of work, which may be done in "
-             "another process",
+             "'%s' is published by a work unit, but work units may run in "
+             "another process: publish results in the step",
              name);
   return run->heard.piece != NULL;
 }
@@ -47,8 +47,8 @@ static int output_claim(opc_run *run, const opc_binding *b, const char *name,
   if (!run->written.work)
     return opc_fail(error, OPC_FAILED, NULL, "'%s': no step is running", name);
   if (!opc_name_is_inside(name))
-    return opc_fail(error, OPC_INVALID, NULL, "'%s' leaves the run folder",
-                    name);
+    return opc_fail(error, OPC_INVALID, NULL,
+                    "'%s' is outside of the run folder", name);
   if (taken)
     return opc_fail(error, OPC_INVALID, NULL, "'%s' is already written by '%s'",
                     name, owner);
@@ -99,9 +99,10 @@ static int take_table(const opc_host *host, const char *name, uint32_t flags,
       opc_table_new(name, flags, rows, columns, n_columns, column_size, error);
   if (!table) return publication_refuse(run, error);
   g_autofree char *file = table_file(run, b, name);
-  int code = strchr(name, '/') ? opc_fail(error, OPC_FAILED, NULL,
-                                          "'%s' is no name of a table", name)
-                               : output_claim(run, b, file, error);
+  int code = strchr(name, '/')
+                 ? opc_fail(error, OPC_FAILED, NULL,
+                            "'%s' cannot be the name of a table", name)
+                 : output_claim(run, b, file, error);
   if (code) {
     opc_table_free(table);
     return publication_refuse(run, error);

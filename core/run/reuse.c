@@ -59,8 +59,7 @@ void opc_reuse_report(const opc_run *run) {
 static void rerun_record(opc_run *run, const opc_flow_step *step,
                          const char *whom) {
   char *path = g_strdup(step->name);
-  g_autofree char *why =
-      g_strdup_printf("its output was wanted by step '%s'", whom);
+  g_autofree char *why = g_strdup_printf("step '%s' requires the output", whom);
   if (!run->main) {
     g_autofree char *text = g_strconcat("ran again: ", why, NULL);
     run->heard.watch.log(run, step->name, OPC_LOG_INFO, text);
@@ -84,7 +83,7 @@ static char *find_reason(opc_store *store, const opc_flow_step *step,
                          const opc_key *key) {
   if (!key->facts) return g_strdup(key->why);
   if (step->binding->inner)
-    return g_strdup("runs a flow, whose steps are reused one by one");
+    return g_strdup("runs an inner flow, whose steps are reused individually");
   g_autofree char *name = facts_name(step);
   return opc_facts_reason(store, name, key->facts, opc_key_difference,
                           step->name);

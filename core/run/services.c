@@ -39,7 +39,7 @@ static gboolean takes_nothing(const opc_binding *b, const opc_binding *of,
       g_autofree char *path =
           g_strdup_printf("%s.%s", in->path + strlen(b->path) + 1, name);
       opc_fail(error, OPC_INVALID, path,
-               "what is kept beyond a run cannot depend on '%s'",
+               "results kept beyond a run cannot depend on '%s'",
                in->values[i].reference);
       return FALSE;
     }

@@ -39,7 +39,7 @@ static void correct_log_overlaps(const loop *l) {
         !l->now.assists[k].count &&
         eda_area2(&l->polygons[k]) != eda_area2(&l->mask[k])) {
       l->host->log(l->host, OPC_LOG_WARNING,
-                   "mask edges have met: their polygons were merged");
+                   "mask edges touched: the polygons were merged");
       return;
     }
 }
@@ -146,11 +146,11 @@ static int correct_run(void *self, void **outputs, opc_error *error) {
 static int correct_step_forecast(void *self, opc_forecast *out,
                                  opc_error *error) {
   correct *c = self;
-  char prints[40], fine_prints[80];
-  (void)snprintf(prints, sizeof prints, "at most %" PRId64 " prints",
+  char prints[48], fine_prints[80];
+  (void)snprintf(prints, sizeof prints, "at most %" PRId64 " simulations",
                  c->with.max_iterations + 1);
-  (void)snprintf(fine_prints, sizeof fine_prints, "%s and %d fine ones", prints,
-                 VERIFICATIONS + 1);
+  (void)snprintf(fine_prints, sizeof fine_prints, "%s and %d accurate ones",
+                 prints, VERIFICATIONS + 1);
   correct_forecast(&c->with, c->host, c->gates, prints, fine_prints, out);
   out->memory *= (double)correct_corners_images(&c->corners);
   int code = eda_extractor_prepare(c->host->context, c->with.extractor, error);
@@ -222,14 +222,14 @@ static const opc_metric metrics[] = {
     {"epe_lost", NULL, OPC_LOWER, 0,
      "fragments without a printed edge within 0.389 lambda/NA"},
     {"refined", NULL, OPC_NEUTRAL, 0,
-     "transistors moved in spite of 'max_diff'"},
+     "transistors corrected in spite of 'max_diff'"},
     {"iterations", NULL, OPC_LOWER, 0, "number of iterations"},
     {"simulations", NULL, OPC_LOWER, 0, "litho simulations of one layer each"},
     {"fine_simulations", NULL, OPC_LOWER, 0,
      "additional simulations of the accurate model"},
     REPORT_PRINT_METRICS,
     {"went_back", NULL, OPC_LOWER, 0,
-     "transistors that the guard reverted towards the drawn mask"},
+     "transistors reverted towards the drawn mask by the guard"},
     REPORT_JUDGED_METRICS,
     CORNERS_METRICS,
     {"assists", NULL, OPC_NEUTRAL, 0, "scatter bars of the mask"},

@@ -443,11 +443,15 @@ static void test_violations(void) {
   assert_metric("violations", 4);
   assert_metric("violations_unexplained", 1);
   assert_said(
-      "2 places cannot keep a rule: space; no room; first at (10, 20) nm", 1);
+      "2 locations cannot meet a rule: space; no room; the first is at (10, "
+      "20) nm",
+      1);
   assert_said(
-      "1 place cannot keep a rule: space; drawn so; first at (12, 22) nm", 1);
+      "1 location cannot meet a rule: space; drawn so; the first is at (12, "
+      "22) nm",
+      1);
   assert_said("first at (11, 21)", 0);
-  assert_said("4 rules are not kept, 1 without a reason", 1);
+  assert_said("4 rule violations, 1 without a known", 1);
   static const char *const names[] = {"X7:4", "", "X7:6", "NAND:3"};
   for (int i = 0; i < 4; i++) {
     g_assert_cmpstr(text("violations", "rule", i), ==, v[i].rule);
@@ -518,33 +522,37 @@ static void test_print(void) {
   static made d;
   make_sample(&d);
   g_autofree char *first = g_strdup_printf(
-      "5 of 14 transistors do not print as one, and have no "
-      "figures: first X7:4 at (%g, %g) nm",
+      "5 of 14 transistors do not print as one transistor, and have no "
+      "results: "
+      "first X7:4 at (%g, %g) nm",
       (d.box[3].x0 + d.box[3].x1) / 4.0, (d.box[3].y0 + d.box[3].y1) / 4.0);
   opc_test_forget();
   correct_findings_of_print(opc_test_host(), &d.gates, d.flags[0],
                             d.flags_before);
   assert_said(first, 1);
   assert_said(
-      "4 transistors that printed as drawn do so no more: first X7:4 at", 1);
-  assert_said("figures of 1 of 14 transistors are from beyond the device table",
-              1);
-  assert_said("no transistor prints as drawn", 0);
+      "4 transistors that printed with the drawn mask do not print any more: "
+      "first X7:4 at",
+      1);
+  assert_said(
+      "results of 1 of 14 transistors are extrapolated beyond the device table",
+      1);
+  assert_said("no transistor of the drawn mask prints", 0);
   for (int i = 0; i < GATES; i++) d.flags_before[i] = EDA_PRINT_OPEN;
   opc_test_forget();
   correct_findings_of_print(opc_test_host(), &d.gates, d.flags[1],
                             d.flags_before);
   assert_said(
-      "1 of 14 transistors does not print as one, and has no figures: first "
-      "X7:10 at",
+      "1 of 14 transistors does not print as one transistor, and has no "
+      "results: first X7:10 at",
       1);
   assert_said("so no more", 0);
-  assert_said("no transistor prints as drawn", 1);
+  assert_said("no transistor of the drawn mask prints", 1);
   assert_said("beyond the device table", 0);
   opc_test_forget();
   correct_findings_of_print(opc_test_host(), &d.gates, d.flags[1], NULL);
   assert_said("printed as drawn", 0);
-  assert_said("prints as drawn", 0);
+  assert_said("drawn mask prints", 0);
 }
 
 static void test_guard(void) {
@@ -553,17 +561,17 @@ static void test_guard(void) {
   const opc_host *host = opc_test_host();
   opc_test_forget();
   correct_findings_of_guard(host, &one, 1);
-  assert_said("1 transistor is worse than drawn, as neighbours", 1);
-  assert_said("1 transistor went back", 1);
+  assert_said("1 transistor is worse than drawn because of neighbours", 1);
+  assert_said("1 transistor reverted", 1);
   assert_said("guard: off", 0);
   opc_test_forget();
   correct_findings_of_guard(host, &more, 0);
   assert_said(
-      "guard: off: 2 transistors are worse than drawn and than the limit, 0 "
-      "that printed as drawn do so no more",
+      "guard: off: 2 transistors are worse than drawn and worse than the "
+      "limit, 0 that printed with the drawn mask do not print any more",
       1);
-  assert_said("3 transistors went back", 1);
-  assert_said("as neighbours", 0);
+  assert_said("3 transistors reverted", 1);
+  assert_said("because of neighbours", 0);
   opc_test_forget();
   correct_findings_of_guard(host, &none, 1);
   g_assert_cmpstr(opc_test_log(), ==, "");

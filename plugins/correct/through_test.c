@@ -111,7 +111,7 @@ static void test_unit(void) {
   opc_error error = {0};
   g_assert_null(
       opc_test_module("correct", "{ corners: { dose: 3 % } }", &error));
-  g_assert_nonnull(strstr(error.message, "as '[1 %, ...]'"));
+  g_assert_nonnull(strstr(error.message, "as in '[1 %, ...]'"));
 }
 
 /* Defaults at 248 nm, NA 0.7, where wavelength / NA is 354.3 nm: 11.658, 0.155

@@ -17,12 +17,13 @@ int view_check(const view *v, opc_error *error) {
   if (!v->asked.window.count) return OPC_OK;
   if (v->asked.window.count != 4)
     return opc_fail(error, OPC_INVALID, "window",
-                    "'window' needs 4 lengths, [x0, y0, x1, y1], not %zu",
+                    "'window' must be 4 lengths, [x0, y0, x1, y1], found %zu",
                     v->asked.window.count);
   for (int i = 0; i < 4; i++)
     if (!(fabs(w[i]) <= max_place))
       return opc_fail(error, OPC_INVALID, "window",
-                      "'window': %g nm is too far away", w[i]);
+                      "'window': %g nm is outside of the range of coordinates",
+                      w[i]);
   if (!(w[2] - w[0] >= 1 && w[3] - w[1] >= 1))
     return opc_fail(error, OPC_INVALID, "window",
                     "'window': x1 and y1 must be at least 1 nm above "
@@ -50,7 +51,7 @@ int view_init(view *v, const opc_host *host, const eda_gates *gates,
   v->grid = gates->grid;
   if (e.x0 >= e.x1 || e.y0 >= e.y1)
     return opc_fail(error, OPC_INVALID, source,
-                    "the layout is empty, there is nothing to draw");
+                    "the layout is empty and cannot be drawn");
   if (!v->asked.window.count) {
     show_all(v, all);
   } else if (w[0] >= all[2] + around || w[2] <= all[0] - around ||

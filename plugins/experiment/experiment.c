@@ -38,7 +38,7 @@ static int check_columns(const experiment *e, opc_error *error) {
       g_snprintf(error->parameter, sizeof error->parameter, "columns.%s",
                  e->columns.pairs[i].key);
       g_snprintf(error->message, sizeof error->message,
-                 "'%s' is no figure, as 'step.metric'",
+                 "'%s' does not name a metric, expected 'step.metric'",
                  e->columns.pairs[i].key);
       return error->code = OPC_INVALID;
     }
@@ -103,7 +103,7 @@ static int experiment_run(void *self, void **outputs, opc_error *error) {
   for (size_t i = 0; i < e->count && !code; i++) code = run_one(e, i, error);
   if (code) return code;
   if (e->failed == e->count)
-    return opc_fail(error, OPC_FAILED, NULL, "no run is good: %s",
+    return opc_fail(error, OPC_FAILED, NULL, "no run succeeded: %s",
                     e->results[0]);
   outputs[0] =
       eda_experiment_new(e->n_cases, e->case_names, e->n_methods,
@@ -136,10 +136,11 @@ static const opc_parameter parameters[] = {
 };
 
 static const opc_metric metrics[] = {
-    {"cases", NULL, OPC_NEUTRAL, 0, "how many there are"},
-    {"methods", NULL, OPC_NEUTRAL, 0, "how many there are"},
-    {"failed", NULL, OPC_LOWER, 0, "runs that could not be done"},
-    {"missed", NULL, OPC_LOWER, 0, "runs that do not keep their requirements"},
+    {"cases", NULL, OPC_NEUTRAL, 0, "total number"},
+    {"methods", NULL, OPC_NEUTRAL, 0, "total number"},
+    {"failed", NULL, OPC_LOWER, 0, "runs that failed"},
+    {"missed", NULL, OPC_LOWER, 0,
+     "runs that do not meet the requirements of the flow"},
 };
 
 static void free_texts(char **texts, size_t n) {

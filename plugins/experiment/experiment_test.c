@@ -210,7 +210,7 @@ static void test_refused(void) {
   other.point = run_dark;
   experiment dark = {.host = inner_host(other)};
   g_assert_cmpint(run_experiment(&dark, NULL, &error), ==, OPC_FAILED);
-  g_assert_cmpstr(error.message, ==, "no run is good: dark 0");
+  g_assert_cmpstr(error.message, ==, "no run succeeded: dark 0");
   other.point = run_cancelled;
   experiment ended = {.host = inner_host(other)};
   g_assert_cmpint(run_experiment(&ended, NULL, &error), ==, OPC_CANCELLED);

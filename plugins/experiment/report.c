@@ -186,7 +186,8 @@ static void add_figures(summary *s) {
     if (f)
       add_means(s, pair->value, f->unit, f->values, TRUE);
     else
-      e->host->log(e->host, OPC_LOG_WARNING, "no run gave '%s'", pair->key);
+      e->host->log(e->host, OPC_LOG_WARNING, "no run has a value of '%s'",
+                   pair->key);
   }
   add_means(s, "seconds", NULL, e->seconds, TRUE);
 }
@@ -280,13 +281,13 @@ static void figures_report(const experiment *e) {
   const opc_host *host = e->host;
   if (e->failed)
     host->log(host, OPC_LOG_FINDING,
-              "%zu of %zu runs failed: 'result' in experiment.csv says why",
+              "%zu of %zu runs failed: see 'result' in experiment.csv",
               e->failed, e->count);
   if (e->with_findings)
-    host->log(host, OPC_LOG_FINDING,
-              "%zu of %zu runs have findings of their own: see metrics.json in "
-              "their folders",
-              e->with_findings, e->count);
+    host->log(
+        host, OPC_LOG_FINDING,
+        "%zu of %zu runs have findings: see metrics.json in the run folders",
+        e->with_findings, e->count);
 }
 
 int experiment_report(experiment *e, opc_error *error) {

@@ -37,7 +37,7 @@ static int point_read(const eda_csv *c, size_t row, point *p,
   p->current = !strcmp(text, "ioff") ? EDA_IOFF : EDA_ION;
   int code = eda_csv_type(c, row, TYPE, &p->type, error);
   if (!code && p->current == EDA_ION && strcmp(text, "ion"))
-    code = eda_csv_fail(c, row, CURRENT, "neither 'ion' nor 'ioff':", error);
+    code = eda_csv_fail(c, row, CURRENT, "expected 'ion' or 'ioff':", error);
   if (!code) code = eda_csv_number(c, row, WIDTH, 0, &p->width, error);
   if (!code) code = eda_csv_number(c, row, EDGE, -1e-300, &p->edge, error);
   if (!code) code = eda_csv_number(c, row, GAMMA, 0, &p->gamma, error);
@@ -61,7 +61,7 @@ static int grid_init(const eda_csv *c, const point *p, size_t n, grid *g,
     if (p[i].width != first->width || p[i].edge != p[i % g->edges].edge)
       return eda_csv_fail(
           c, p[i].row, EDGE,
-          "not all widths have the same edges; this is odd:", error);
+          "all widths must have the same edges, unexpected row:", error);
     g->width[i / g->edges] = p[i].width;
     g->edge[i % g->edges] = p[i].edge;
     g->value[i] = p[i].gamma;
@@ -69,7 +69,8 @@ static int grid_init(const eda_csv *c, const point *p, size_t n, grid *g,
   if (n % g->edges == 0) return OPC_OK;
   return eda_csv_fail(
       c, p[n - 1].row, EDGE,
-      "not all widths have the same edges; this is the last:", error);
+      "all widths must have the same edges, missing after the last row:",
+      error);
 }
 
 int weights_read(const char *path, const char *parameter, weights *out,

@@ -101,7 +101,7 @@ static int given_forecast(void *self, opc_forecast *out, opc_error *error) {
   const given *s = self;
   (void)error;
   correct_forecast(&s->with, s->host, s->import.gates, "two prints",
-                   "two fine prints", out);
+                   "two accurate simulations", out);
   return OPC_OK;
 }
 
@@ -122,12 +122,13 @@ static const opc_parameter parameters[] = {
                         .summary = "Cell of the mask (default: the cell with "
                                    "the gates' name, or the only top cell)"),
     CORRECT_PRINT_SLOTS(given),
-    CORRECT_SLOT(given, regulator, 0, "Rules to check the print against"),
+    CORRECT_SLOT(given, regulator, 0,
+                 "Rules that the simulated contours are checked against"),
     CORRECT_MARGIN(given),
     CORRECT_FINE(given),
     CORRECT_ION_LIMIT(given,
-                      "Largest allowed |Ion deviation|: within it no "
-                      "transistor counts as worse than drawn"),
+                      "Largest |Ion deviation| below which no transistor "
+                      "counts as worse than drawn"),
     RULES_PARAMETERS(given),
 };
 

@@ -192,18 +192,19 @@ static void expect_refused(eda_layout *layout, const char *more,
 
 static void test_logged(void) {
   const eda_gates *g = eda_gates_sample();
-  expect_logged(
-      layout_of(g, g->drawn, 1, 1, 300), QUICK,
-      WORDS("covers nothing of what is drawn", "is it moved, by (300, 0) nm?",
-            "2 of 2 transistors do not print"));
+  expect_logged(layout_of(g, g->drawn, 1, 1, 300), QUICK,
+                WORDS("covers nothing of the drawn shapes",
+                      "the mask seems displaced by (300, 0) nm",
+                      "2 of 2 transistors do not print"));
   expect_logged(layout_of(g, g->drawn, 0.5, 1, 0), QUICK,
-                WORDS("it is 0.5 times as large: is the 'scale'"));
+                WORDS("the mask is 0.5 times as large: check the 'scale'"));
   expect_logged(layout_of(g, g->drawn, 0.5, 2, 1), QUICK,
                 WORDS("the grid of 1 nm moved", "by 0.5 nm at most"));
   g_assert_true(opc_test_metric("snapped_worst") == 0.5);
   expect_logged(layout_of(g, g->drawn, 1, 1, 0),
                 ", fine: off, layers: { poly: poly }",
-                WORDS("'layers' does not name 'active': its mask is as drawn"));
+                WORDS("'layers' does not name 'active': the drawn shapes are "
+                      "the mask of this layer"));
 }
 
 static eda_layout *empty_layout(void) {
@@ -219,22 +220,22 @@ static eda_layout *empty_layout(void) {
 
 static void test_refused(void) {
   const eda_gates *g = eda_gates_sample();
-  expect_refused(empty_layout(), ", fine: off, layers: { poly: poly }",
-                 "layers.poly",
-                 "layer 'poly' of cell 'EMPTY' is empty: there is no mask");
+  expect_refused(
+      empty_layout(), ", fine: off, layers: { poly: poly }", "layers.poly",
+      "layer 'poly' of cell 'EMPTY' is empty, expected the shapes of a mask");
   expect_refused(empty_layout(), ", fine: off, layers: { poly: other }",
                  "layers.poly", "no layer 'other'");
   expect_refused(empty_layout(), ", fine: off, layers: { metal: poly }",
-                 "layers.metal", "no layer of that name");
+                 "layers.metal", "no layer of this name");
   expect_refused(empty_layout(),
                  ", fine: off, top: NONE, layers: { poly: poly }", "top",
                  "no cell 'NONE'");
   expect_refused(empty_layout(), ", fine: off, layers: { poly: slanted }",
                  "layers.poly", "(");
   expect_refused(layout_of(g, g->drawn, 1000, 1, 0), QUICK, "layers.poly",
-                 "it is 1000 times as large");
+                 "the mask is 1000 times as large");
   expect_refused(layout_of(g, g->drawn, 1, 1, 5000), QUICK, "layers.poly",
-                 "is it moved, by (5000, 0) nm?");
+                 "the mask seems displaced by (5000, 0) nm");
 }
 
 /* ---- through files ---- */

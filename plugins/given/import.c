@@ -47,14 +47,14 @@ static char *guess_cause(const eda_gates *g, eda_box mask, eda_box drawn) {
   if (most < tuned.scale * least &&
       (least > tuned.scale || most < 1 / tuned.scale))
     return g_strdup_printf(
-        "it is %.4g times as large: is the 'scale' of its file right?",
+        "the mask is %.4g times as large: check the 'scale' of the file",
         sqrt(width * height));
   if (most < tuned.scale && least > 1 / tuned.scale &&
       hypot(dx, dy) > tuned.place)
-    return g_strdup_printf("is it moved, by (%g, %g) nm?", dx, dy);
+    return g_strdup_printf("the mask seems displaced by (%g, %g) nm", dx, dy);
   return g_strdup(
-      "is it of this cell and layer, and of dark shapes upon a "
-      "clear field?");
+      "check that the mask belongs to this cell and layer and has dark shapes "
+      "on a clear field");
 }
 
 /* ---- one layer ---- */
@@ -87,8 +87,8 @@ static int stays_inside(const import *t, size_t layer, eda_box mask,
                      fmax((double)e.y0 - mask.y0, (double)mask.y1 - e.y1));
   if (over * g->grid < t->margin) return OPC_OK;
   opc_fail(error, OPC_INVALID, NULL,
-           "the mask reaches %g nm beyond the drawn layout, of which %g nm "
-           "('margin') are printed: %s",
+           "the mask extends %g nm beyond the drawn layout, but only %g nm "
+           "('margin') are simulated: %s",
            over * g->grid, t->margin, why);
   return blame_layer(error, g->layer[layer]);
 }
@@ -108,8 +108,8 @@ static int import_check_cover(const import *t, size_t layer,
   g_autofree char *much =
       share > 0 ? g_strdup_printf("%.0f %%", 100 * share) : g_strdup("nothing");
   t->host->log(t->host, OPC_LOG_FINDING,
-               "the mask of '%s' covers %s of what is drawn: it goes from %s, "
-               "the drawing from %s; %s",
+               "the mask of '%s' covers %s of the drawn shapes: the mask "
+               "extends from %s, the drawn shapes from %s; %s",
                g->layer[layer], much, from, to, why);
   return OPC_OK;
 }
@@ -127,9 +127,8 @@ static void import_log_grid(const import *t, const char *from,
   if (flat->moved)
     t->host->log(
         t->host, OPC_LOG_FINDING,
-        "the grid of %g nm moved %zu of %zu vertices of the mask layer "
-        "'%s', by %.3g nm at most: a finer 'grid' of the gates would "
-        "leave them",
+        "the grid of %g nm moved %zu of %zu vertices of the mask layer '%s', "
+        "by %.3g nm at most: a finer 'grid' of the gates avoids this",
         t->gates->grid, flat->moved, flat->vertices, from, flat->worst);
 }
 
@@ -152,8 +151,9 @@ static int import_layer(const import *t, int32_t top, size_t layer,
   if (code) return blame_layer(error, name);
   if (!out->count && t->gates->drawn[layer].count) {
     opc_fail(error, OPC_INVALID, NULL,
-             "layer '%.200s' of cell '%.200s' is empty: there is no mask", from,
-             eda_layout_cell_name(t->layout, top));
+             "layer '%.200s' of cell '%.200s' is empty, expected the shapes of "
+             "a mask",
+             from, eda_layout_cell_name(t->layout, top));
     return blame_layer(error, name);
   }
   return import_check_cover(t, layer, out, error);
@@ -176,7 +176,7 @@ static int check_map(const import *t, opc_error *error) {
     const char *key = t->layers.pairs[i].key;
     int layer = eda_gates_layer(t->gates, key);
     if (layer >= 0 && t->gates->corrected[layer]) continue;
-    opc_fail(error, OPC_INVALID, NULL, "the gates have no %s of that name",
+    opc_fail(error, OPC_INVALID, NULL, "the gates have no %s of this name",
              layer < 0 ? "layer" : "corrected layer");
     return blame_layer(error, key);
   }
@@ -204,7 +204,8 @@ int import_shapes(const import *t, eda_mask *mask, opc_error *error) {
       continue;
     }
     t->host->log(t->host, OPC_LOG_WARNING,
-                 "'layers' does not name '%s': its mask is as drawn",
+                 "'layers' does not name '%s': the drawn shapes are the mask "
+                 "of this layer",
                  g->layer[k]);
     code = eda_boolean(EDA_OR, &g->drawn[k], NULL, &mask->shapes[k], error);
   }

@@ -17,7 +17,7 @@ const eda_frame try_other_frame = {-1237, -1111, 2900, 3300};
    A loaded machine may cause that, so add a note, not a fault. */
 static int was_stopped(opc_inspector *in, const char *what, int code) {
   if (code != OPC_CANCELLED || !opc_cancelled(in->context)) return 0;
-  in->note(in, "%s: stopped, it takes longer than the lint grants", what);
+  in->note(in, "%s: stopped after the time limit of lint", what);
   return 1;
 }
 

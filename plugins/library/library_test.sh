@@ -152,7 +152,7 @@ check "a mirrored cell by a dipole" is placed unknown 0.0
 dipole "R 0 1"
 code=$?
 check "a turned one: exit 2" exits 2
-check "and says why" says "cell 'nand2' is placed turned by a right angle, which the optics do not see alike"
+check "and says why" says "cell 'nand2' is placed turned by a right angle, and the optics are not symmetric"
 
 # ---- without prints, and by cheap ones ----
 
@@ -215,7 +215,7 @@ rm -rf "$work/store"
 run --set 'library.resist.anchor.gates=${cells}'
 code=$?
 check "an anchor of the layout's gates: exit 2" exits 2
-check "and says why" says "resist (resist.threshold): what is kept beyond a run cannot depend on 'cells'"
+check "and says why" says "resist (resist.threshold): results kept beyond a run cannot depend on 'cells'"
 
 # After kills at random moments, the cells that are kept are those of a whole run.
 rm -rf "$work/store"

@@ -86,7 +86,7 @@ static void check_format(reading *b) {
         strcmp(b->format, formats[i].name) != 0)
       b->failed =
           opc_fail(b->error, OPC_IO, NULL,
-                   "'%s': is a file of %s, not of %s: read it by 'use: %s'",
+                   "'%s': is a file of %s, expected %s: use the reader '%s'",
                    b->r->file, formats[i].name, b->format, formats[i].reader);
 }
 
@@ -137,7 +137,7 @@ int reader_check(const reader *r, uint32_t most, opc_error *error) {
     if (most && eda_layer_number_read(pairs[i].key, UINT32_MAX, &number, NULL))
       return opc_fail(error, OPC_INVALID, "layers",
                       "'%s': not allowed as a name, because layers without a "
-                      "name are called so",
+                      "name have names of this form",
                       pairs[i].key);
     for (size_t j = 0; j < i; j++)
       if (same_layer(pairs[i].value, pairs[j].value, most))
@@ -250,10 +250,9 @@ static int check_layers(const reading *b) {
   for (size_t i = 0; i < n && all->len < MOST; i++)
     g_string_append_printf(all, ", %.200s", name_in_file(b, i));
   return opc_fail(b->error, OPC_INVALID, "layers",
-                  "'%s': there is no layer %s for '%s'; there are %s",
-                  b->r->file, map->pairs[missing].value,
-                  map->pairs[missing].key,
-                  all->len ? all->str + 2 : "no layers at all");
+                  "'%s': no layer %s for '%s'; the file has %s", b->r->file,
+                  map->pairs[missing].value, map->pairs[missing].key,
+                  all->len ? all->str + 2 : "no layers");
 }
 
 /* ---- cells ---- */
@@ -291,8 +290,8 @@ static void reading_warn_undefined(const reading *b) {
     }
   if (missing)
     b->r->host->log(b->r->host, OPC_LOG_WARNING,
-                    "'%s': %zu placed cells are not defined and taken as "
-                    "empty, the first '%.200s'",
+                    "'%s': %zu placed cells are not defined and are read as "
+                    "empty, the first is '%.200s'",
                     b->r->file, missing,
                     eda_layout_cell_name(b->layout, first));
 }
@@ -307,7 +306,7 @@ static int reading_miss_top(const reading *b) {
   g_ptr_array_add(names, NULL);
   const char *near = eda_nearest(b->r->top, (const char *const *)names->pdata);
   return opc_fail(b->error, OPC_INVALID, "top",
-                  "'%s': there is no cell '%.200s'%s%.200s%s", b->r->file,
+                  "'%s': cell '%.200s' does not exist%s%.200s%s", b->r->file,
                   b->r->top, near ? ", did you mean '" : "", near ? near : "",
                   near ? "'?" : "");
 }

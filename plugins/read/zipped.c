@@ -24,8 +24,8 @@ static int gzip_is_packed(const char *bytes) {
 
 static void gzip_refuse(reading *b, const char *what) {
   if (!b->failed)
-    b->failed = opc_fail(b->error, OPC_IO, NULL, "'%s': packed by gzip, %s",
-                         b->r->file, what);
+    b->failed =
+        opc_fail(b->error, OPC_IO, NULL, "'%s': gzip: %s", b->r->file, what);
 }
 
 /* Decompress the next bytes of the file to *out, across the members of the
@@ -45,9 +45,9 @@ static int gzip_unpack(reading *b, z_stream *z, size_t *at) {
     return more;
   }
   if (code == Z_BUF_ERROR && dry)
-    gzip_refuse(b, "it ends too early");
+    gzip_refuse(b, "the data end too early");
   else if (code != Z_OK && code != Z_BUF_ERROR)
-    gzip_refuse(b, z->msg ? z->msg : "it is damaged");
+    gzip_refuse(b, z->msg ? z->msg : "the data are damaged");
   return !b->failed;
 }
 
@@ -63,7 +63,7 @@ void reading_unzip(reading *b) {
   while (more && !b->failed) {
     if (opc_cancelled(b->r->host->context))
       b->failed = opc_fail(b->error, OPC_CANCELLED, NULL, "cancelled");
-    if (n >= most) gzip_refuse(b, "it holds far more than a layout would");
+    if (n >= most) gzip_refuse(b, "the content is larger than any layout");
     eda_grow(&out, &room, n + PIECE, 1);
     z.next_out = (Bytef *)out + n;
     z.avail_out = PIECE;
@@ -72,7 +72,7 @@ void reading_unzip(reading *b) {
   }
   inflateEnd(&z);
   if (n >= 2 && gzip_is_packed(out))
-    gzip_refuse(b, "and what it holds is so again");
+    gzip_refuse(b, "the content is compressed again");
   free(b->bytes);
   b->bytes = out;
   b->n = n;

@@ -25,7 +25,7 @@ static const char *const sources[RESIST_SETS][3] = {
    coordinates. */
 static const double most = 1e5;
 
-static const char too_far[] = "lines and pitches go up to 100 um";
+static const char too_far[] = "lines and pitches must be at most 100 um";
 
 static int is_far(const resist_line *l) {
   return fmax(l->pitch, fmax(l->line, l->cd)) > most;
@@ -37,7 +37,7 @@ static const char *line_fault(const resist_line *l) {
   if (!(l->line > 0 && l->cd > 0)) return "widths must be above 0";
   if (!(l->pitch >= 0)) return "a pitch must be 0 (isolated) or above";
   if (l->pitch > 0 && fmax(l->line, l->cd) >= l->pitch)
-    return "there is no space between its lines";
+    return "no space remains between the lines";
   return NULL;
 }
 
@@ -89,7 +89,7 @@ int resist_layer_check(resist_layer *r, int set, opc_error *error) {
                     too_far);
   if (a->pitch > 0 && fmax(a->line, a->cd) >= a->pitch)
     return opc_fail(error, OPC_INVALID, r->source,
-                    "'%s' has no space between its lines: %g nm every %g nm",
+                    "'%s' has no space between the lines: %g nm every %g nm",
                     r->source, fmax(a->line, a->cd), a->pitch);
   return OPC_OK;
 }
@@ -156,7 +156,7 @@ static resist_drawn drawn_default(const resist_base *r, const char *id,
   if (r->layer[0].logged) return d;
   eda_natural_text(scanner, whence, sizeof whence);
   r->host->log(r->host, OPC_LOG_WARNING,
-               "%s: no anchor is given, and no whole layout defines one: %g nm "
+               "%s: 'anchor' is not set and no whole layout defines one: %g nm "
                "lines at %g nm, %s; set 'anchor' in numbers",
                id, d.line, d.pitch, whence);
   return d;
@@ -219,15 +219,16 @@ static void anchor_warn(const resist_base *resist, const resist_layer *r,
   resist_drawn d;
   if (resist_layer_has_table(r)) return;
   if (scanner.na > 0 && k1 < least_k1)
-    host->log(host, OPC_LOG_WARNING,
-              "%s: 'anchor': %g nm are %.2f of wavelength / NA; dense lines do "
-              "not print below %g: check that it belongs to these optics",
-              id, line, k1, least_k1);
+    host->log(
+        host, OPC_LOG_WARNING,
+        "%s: 'anchor': %g nm are %.2f of wavelength / NA; dense lines do not "
+        "print below %g: check that the anchor belongs to these optics",
+        id, line, k1, least_k1);
   if (!r->drawn || !resist_drawn_of(r->drawn, &d)) return;
   if (d.line > longer * line || d.line < shorter * line)
     host->log(host, OPC_LOG_WARNING,
-              "%s: 'anchor' is a line of %g nm, the layout's shortest gate has "
-              "%g nm: check that it belongs to this process",
+              "%s: 'anchor' is a line of %g nm, but the shortest gate of the "
+              "layout has %g nm: check that the anchor belongs to this process",
               id, line, d.line);
 }
 
@@ -398,7 +399,7 @@ static int specimen_init(const fitting *f, specimen *s, opc_error *error) {
                    s->want->line, s->want->pitch);
   return opc_fail(error, OPC_INVALID, r->source,
                   "'%s'%s cannot be printed: intensity %.3f at the centre of "
-                  "the line, %.3f at its edge, %.3f between lines",
+                  "the line, %.3f at the edge, %.3f between lines",
                   r->source, line, v[1], v[0], v[2]);
 }
 
@@ -509,8 +510,8 @@ static void fit_log(const fitting *f) {
   for (size_t i = 0; i < l->count; i++) {
     const specimen *s = &f->specimens[i];
     host->log(host, OPC_LOG_INFO,
-              "%s: %s, line %g nm, pitch %g nm: prints %.2f nm, wanted "
-              "%.2f nm (%+.2f nm)",
+              "%s: %s, line %g nm, pitch %g nm: prints %.2f nm, expected %.2f "
+              "nm (%+.2f nm)",
               f->id, set_name[l->set], s->want->line, s->want->pitch,
               2 * s->edge, s->want->cd, 2 * s->edge - s->want->cd);
   }
@@ -571,8 +572,8 @@ int resist_fit(resist_base *resist, int set, const opc_module *litho,
   }
   if (!code && !fit_iterate(&f, coefficient))
     code = opc_fail(error, OPC_INVALID, layer->source,
-                    "'%s' cannot be fitted: no coefficients print all its "
-                    "lines, or its lines do not determine them",
+                    "'%s' cannot be fitted: no coefficients print all lines, "
+                    "or the lines do not determine the coefficients",
                     layer->source);
   if (!code) fit_log(&f);
   specimens_clear(&f);

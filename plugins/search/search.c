@@ -24,7 +24,7 @@ static int plan_figure(search *s, opc_error *error) {
   plan *p = &s->plan;
   if (!s->minimise == !s->maximise)
     return opc_fail(error, OPC_INVALID, NULL,
-                    "a search needs either 'minimise' or 'maximise'");
+                    "a search requires either 'minimise' or 'maximise'");
   p->greatest = s->maximise != NULL;
   p->figure = p->greatest ? s->maximise : s->minimise;
   p->metric = opc_get_inner(s->host)->metric(s->host, p->figure, error);
@@ -50,7 +50,8 @@ static int plan_axis(search *s, const char *key, opc_error *error) {
   p->count = axis->count;
   if (good) return OPC_OK;
   opc_fail(error, OPC_INVALID, NULL,
-           "'%s' needs plain numbers that increase, to share a run", key);
+           "'%s' requires increasing numbers without units to share a run",
+           key);
   return error_set_parameter(error, "along", key);
 }
 
@@ -66,10 +67,10 @@ static int plan_along(search *s, opc_error *error) {
     opc_fail(error, OPC_INVALID, NULL, "only one parameter can share runs");
   else if (g_strv_length(p->column) != 3)
     opc_fail(error, OPC_INVALID, NULL,
-             "'%s' is no column, as 'step.table.column'", text);
+             "'%s' does not name a column, expected 'step.table.column'", text);
   else if (strcmp(p->column[0], p->of))
     opc_fail(error, OPC_INVALID, NULL,
-             "the table has to be of the step of the figure, not of '%s'",
+             "the table must belong to the step of the metric, found step '%s'",
              p->column[0]);
   else
     return OPC_OK;
@@ -89,8 +90,8 @@ static int plan_mask(search *s, opc_error *error) {
   const opc_error why = *error;
   if (other)
     opc_fail(error, OPC_INVALID, NULL,
-             "%.800s: 'mask' names the step whose mask is wanted, such as "
-             "'%.80s'",
+             "%.800s: 'mask' must name the step whose mask is the output, such "
+             "as '%.80s'",
              why.message, other);
   return s->mask ? error_set_parameter(error, "mask", NULL) : error->code;
 }
@@ -101,9 +102,10 @@ static int check_axes(search *s, opc_error *error) {
   for (size_t i = 0; i < s->n_axes; i++) {
     const char *path = s->axes[i]->path;
     if (s->axes[i]->used || !path) continue;
-    opc_fail(error, OPC_INVALID, NULL,
-             "'%s' changes nothing: step '%.*s' comes after the figure", path,
-             (int)strcspn(path, "."), path);
+    opc_fail(
+        error, OPC_INVALID, NULL,
+        "'%s' has no effect: step '%.*s' runs after the step of the metric",
+        path, (int)strcspn(path, "."), path);
     return error_set_parameter(error, "sweep", path);
   }
   return OPC_OK;
@@ -116,7 +118,7 @@ static int search_check(void *self, opc_error *error) {
   s->axes = opc_get_inner(s->host)->axes(s->host, &s->n_axes);
   if (!s->n_axes)
     return opc_fail(error, OPC_INVALID, NULL,
-                    "a search needs a 'sweep', here or in '%s'", s->flow);
+                    "a search requires a 'sweep', here or in '%s'", s->flow);
   code = plan_along(s, error);
   if (!code) code = plan_mask(s, error);
   return code ? code : check_axes(s, error);
@@ -230,7 +232,7 @@ static int run_all(search *s, opc_error *error) {
   for (size_t i = 0; i < s->count && !code; i++)
     if (i % block < s->plan.stride) code = run_settings(s, i, error);
   if (code || s->best < s->count) return code;
-  return opc_fail(error, OPC_FAILED, NULL, "no setting has a figure: %s",
+  return opc_fail(error, OPC_FAILED, NULL, "no setting has a value: %s",
                   s->results[0]);
 }
 
@@ -242,8 +244,8 @@ static int run_best(search *s, opc_error *error) {
   double figure = get_figure(s);
   if (figure != s->figure[s->best])
     s->host->log(s->host, OPC_LOG_WARNING,
-                 "the best setting run alone has %.9g, not %.9g: its run does "
-                 "not begin as the shared one does",
+                 "the best setting run alone has %.9g, expected %.9g: the run "
+                 "does not begin like the shared run",
                  figure, s->figure[s->best]);
   return OPC_OK;
 }
@@ -300,16 +302,16 @@ static const opc_parameter parameters[] = {
 };
 
 static const opc_metric metrics[] = {
-    {"least", NULL, OPC_LOWER, 0,
-     "the figure of the best setting, in its unit"},
-    {"greatest", NULL, OPC_HIGHER, 0, "the same where the greatest is best"},
-    {"setting", NULL, OPC_NEUTRAL, 0, "the number of the best one"},
-    {"settings", NULL, OPC_NEUTRAL, 0, "how many there are"},
-    {"failed", NULL, OPC_LOWER, 0, "settings that could not be run"},
+    {"least", NULL, OPC_LOWER, 0, "metric of the best setting, if minimised"},
+    {"greatest", NULL, OPC_HIGHER, 0,
+     "metric of the best setting, if maximised"},
+    {"setting", NULL, OPC_NEUTRAL, 0, "number of the best setting"},
+    {"settings", NULL, OPC_NEUTRAL, 0, "total number"},
+    {"failed", NULL, OPC_LOWER, 0, "settings whose runs failed"},
     {"runs", NULL, OPC_LOWER, 0,
-     "runs of the flow, without that of the best setting again"},
+     "runs of the flow, without the repeated run of the best setting"},
     {"simulations", NULL, OPC_LOWER, 0,
-     "litho simulations in all, of one layer each"},
+     "litho simulations of all runs, one layer each"},
 };
 
 static void search_clear(void *self) {

@@ -266,7 +266,7 @@ static void test_ends(void) {
   other.point = run_dark;
   search t = {.host = inner_host(other), .minimise = "mask.ion"};
   g_assert_cmpint(run_search(&t, &error), ==, OPC_FAILED);
-  g_assert_cmpstr(error.message, ==, "no setting has a figure: dark 0");
+  g_assert_cmpstr(error.message, ==, "no setting has a value: dark 0");
 }
 
 /* A differing figure in the repeated run of the best setting causes a warning
@@ -278,7 +278,7 @@ static void test_differs(void) {
   g_assert_cmpint(run_search(&s, &error), ==, OPC_OK);
   later = 0;
   g_autofree char *both = g_strdup_printf(
-      "has %.9g, not %.9g", truth(best_of(0)) + 0.5, truth(best_of(0)));
+      "has %.9g, expected %.9g", truth(best_of(0)) + 0.5, truth(best_of(0)));
   g_assert_nonnull(strstr(opc_test_log(), both));
 }
 
@@ -299,30 +299,30 @@ static void test_refused(void) {
   const opc_host *host = inner_host(flow);
   const char *ion = "mask.ion";
   assert_refused((search){.host = host}, "",
-                 "needs either 'minimise' or 'maximise'");
+                 "requires either 'minimise' or 'maximise'");
   assert_refused((search){.host = host, .minimise = ion, .maximise = ion}, "",
-                 "needs either");
+                 "requires either");
   assert_refused((search){.host = host, .maximise = "mask.in"}, "maximise",
                  "no metric 'mask.in'");
   assert_refused((search){.host = host, .minimise = ion, .along = {&unit, 1}},
-                 "along.mask.length", "needs plain numbers that increase");
+                 "along.mask.length", "requires increasing numbers");
   assert_refused((search){.host = host, .minimise = ion, .along = {&other, 1}},
-                 "along.mask.moves", "not of 'gates'");
+                 "along.mask.moves", "found step 'gates'");
   assert_refused((search){.host = host, .minimise = ion, .along = {&none, 1}},
-                 "along.mask.moves", "is no column");
-  assert_refused(
-      (search){.host = host, .minimise = ion, .mask = "gates"}, "mask",
-      "'gates' makes no mask: 'mask' names the step whose mask is wanted, "
-      "such as 'mask'");
+                 "along.mask.moves", "does not name a column");
+  assert_refused((search){.host = host, .minimise = ion, .mask = "gates"},
+                 "mask",
+                 "'gates' makes no mask: 'mask' must name the step whose mask "
+                 "is the output, such as 'mask'");
   inner.n_axes = 0;
   assert_refused((search){.host = host, .minimise = ion}, "",
-                 "needs a 'sweep'");
+                 "requires a 'sweep'");
   opc_inner_axis idle = axes[0];
   idle.used = 0;
   inner.axes = &idle;
   inner.n_axes = 1;
   assert_refused((search){.host = host, .minimise = ion}, "sweep.mask.length",
-                 "changes nothing");
+                 "has no effect");
 }
 
 int main(int argc, char **argv) {

@@ -45,22 +45,25 @@ static int add_instance(builder *b, const eda_element *e) {
   graph *g = b->g;
   if (e->is_transistor)
     return instance_refuse(b, e,
-                           "is a transistor: a circuit of cells is wanted");
+                           "is a transistor, expected an instance of a cell");
   const eda_subcircuit *child = &b->n->subcircuit[e->child];
   const eda_timing_cell *c = eda_timing_find(b->timing, child->name);
   if (!c)
-    return instance_refuse(b, e, "is of a cell that was not characterised");
-  if (c->trouble) return instance_refuse(b, e, "is of a cell without arcs");
+    return instance_refuse(
+        b, e, "is an instance of a cell that was not characterised");
+  if (c->trouble)
+    return instance_refuse(b, e, "is an instance of a cell without arcs");
   uint32_t *net = eda_pool_alloc(b->pool, c->inputs + c->outputs, sizeof *net);
   for (size_t i = 0; i < c->inputs + c->outputs; i++) {
     int64_t found = net_of(child, e, c->pin[i]);
-    if (found < 0) return instance_refuse(b, e, "lacks a pin of its cell");
+    if (found < 0) return instance_refuse(b, e, "lacks a pin of the cell");
     net[i] = (uint32_t)found;
     if (i < c->inputs) g->fanout[found]++;
   }
   for (size_t o = 0; o < c->outputs; o++) {
     uint32_t to = net[c->inputs + o];
-    if (b->driver[to] >= 0) return instance_refuse(b, e, "drives a net twice");
+    if (b->driver[to] >= 0)
+      return instance_refuse(b, e, "drives a net that has another driver");
     b->driver[to] = (int64_t)g->nodes;
     g->node[g->nodes++] = (node){.cell = c,
                                  .instance = (uint32_t)g->instances,
@@ -109,7 +112,7 @@ static int sort_nodes(builder *b) {
                                                 arc_doubles(sorted[i - 1].cell);
   if (loop < 0) return OPC_OK;
   return opc_fail(b->error, OPC_INVALID, "file",
-                  "'%.100s' keeps a state: net '%.100s' is on a loop", g->name,
+                  "'%.100s' is sequential: net '%.100s' is on a loop", g->name,
                   g->net[loop]);
 }
 
@@ -247,8 +250,8 @@ place *graph_places(const graph *g, const eda_circuit *circuit,
     else if (fabs(d->length / t->length - 1) > same_size ||
              fabs(d->width / t->width - 1) > same_size)
       opc_fail(error, OPC_INVALID, "circuit",
-               "device '%.200s' is %g x %g nm, its cell was "
-               "characterised with %g x %g nm: another scale?",
+               "device '%.200s' is %g x %g nm, but the cell was characterised "
+               "with %g x %g nm: check the scale",
                d->name, d->length, d->width, t->length, t->width);
     else
       continue;

@@ -6,17 +6,18 @@
 #include <opcflow/step.h>
 
 /* Uses the members models[2] and model[2]. */
-#define TIMING_MODELS(self_type, flag, text)                              \
-  OPC_PARAMETER_NAMED("models", self_type, models[0], .type = OPC_FILE,   \
-                      .flags = (flag), .summary = (text)),                \
-      OPC_PARAMETER_NAMED(                                                \
-          "pmos_models", self_type, models[1], .type = OPC_FILE,          \
-          .summary = "that of the p-transistor, if it is another"),       \
-      OPC_PARAMETER_NAMED("nmos", self_type, model[EDA_NMOS],             \
-                          .type = OPC_TEXT, .preset = "nmos",             \
-                          .summary = "name of the n-transistor's model"), \
-      OPC_PARAMETER_NAMED("pmos", self_type, model[EDA_PMOS],             \
-                          .type = OPC_TEXT, .preset = "pmos",             \
+#define TIMING_MODELS(self_type, flag, text)                                 \
+  OPC_PARAMETER_NAMED("models", self_type, models[0], .type = OPC_FILE,      \
+                      .flags = (flag), .summary = (text)),                   \
+      OPC_PARAMETER_NAMED(                                                   \
+          "pmos_models", self_type, models[1], .type = OPC_FILE,             \
+          .summary =                                                         \
+              "file with the model card of the p-transistor, if different"), \
+      OPC_PARAMETER_NAMED("nmos", self_type, model[EDA_NMOS],                \
+                          .type = OPC_TEXT, .preset = "nmos",                \
+                          .summary = "name of the n-transistor's model"),    \
+      OPC_PARAMETER_NAMED("pmos", self_type, model[EDA_PMOS],                \
+                          .type = OPC_TEXT, .preset = "pmos",                \
                           .summary = "name of the p-transistor's model")
 
 /* Uses the member limit, s. */

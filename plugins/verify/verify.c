@@ -46,7 +46,7 @@ static int verify_forecast(void *self, opc_forecast *out, opc_error *error) {
   const verify *v = self;
   (void)error;
   correct_forecast(&v->with, v->host, v->mask->gates, "one print",
-                   "one fine print", out);
+                   "one accurate simulation", out);
   return OPC_OK;
 }
 
@@ -71,9 +71,10 @@ static const opc_parameter parameters[] = {
 static const opc_metric metrics[] = {
     REPORT_METRICS,
     {"ion_change_mean", "%", OPC_LOWER, 0.01,
-     "mean of |difference| of the Ion deviation to that in the loop"},
+     "mean |difference| between the Ion deviations of verification and loop"},
     {"ion_change_max", "%", OPC_LOWER, 0.01,
-     "largest |difference| of the Ion deviation to that in the loop"},
+     "largest |difference| between the Ion deviations of verification and "
+     "loop"},
     REPORT_PRINT_METRICS,
 };
 

@@ -141,7 +141,8 @@ static void test_words(void) {
     g_autofree char *more = g_strdup_printf(", fine: %s", wrong[k]);
     g_assert_null(try_to_make("verify", "litho.hopkins", more, &error));
     g_autofree char *text = g_strdup_printf(
-        "'fine' is '%s': a number above 0 and below 0.1, or off", wrong[k]);
+        "'fine' is '%s', expected a number above 0 and below 0.1, or off",
+        wrong[k]);
     g_assert_nonnull(strstr(error.message, text));
   }
 }

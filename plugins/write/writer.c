@@ -35,8 +35,8 @@ void writer_fail(writer *w, const char *format, ...) {
 
 static int no_layer(const writer *w, const char *name, opc_error *error) {
   return opc_fail(error, OPC_INVALID, "layers",
-                  "'%s': the layer has no %s; set one, as in { %s: %s }", name,
-                  strchr(w->format->layer, '/') ? "number" : "name", name,
+                  "'%s': the layer has no %s; set a number, as in { %s: %s }",
+                  name, strchr(w->format->layer, '/') ? "number" : "name", name,
                   w->format->layer);
 }
 
@@ -304,7 +304,7 @@ int writer_run(void *self, void **outputs, opc_error *error) {
   (void)outputs;
   if (!w->layout == !w->mask)
     return opc_fail(error, OPC_INVALID, "layout",
-                    "needs either a layout or a mask");
+                    "set either 'layout' or 'mask'");
   w->path = w->host->output_path(w->host, w->name, error);
   return w->path ? put_file(w, error) : error->code;
 }
@@ -330,7 +330,7 @@ int writer_check(writer *w, const write_format *format, opc_error *error) {
   w->format = format;
   if (w->layout_given && w->mask_given)
     return opc_fail(error, OPC_INVALID, "layout",
-                    "a layout and a mask cannot go into one file");
+                    "'layout' and 'mask' exclude each other");
   for (size_t i = 0; i < w->layers.count; i++)
     if (!format->set_layer(w, w->layers.pairs[i].value))
       return opc_fail(error, OPC_INVALID, "layers",

@@ -161,7 +161,8 @@ gboolean cli_take_option(const cli_option *const *tables, const char *verb,
   if (!o->argument && equals)
     return cli_refuse("option '--%s' takes no value", o->name);
   if (o->argument && !equals && *i + 1 == n)
-    return cli_refuse("option '--%s' needs a value: %s", o->name, o->argument);
+    return cli_refuse("option '--%s' requires a value: %s", o->name,
+                      o->argument);
   if (o->flag) *o->flag = TRUE;
   if (!o->argument) return TRUE;
   const char *value = equals ? equals + 1 : words[++*i];

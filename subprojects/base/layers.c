@@ -37,8 +37,8 @@ static gboolean is_other(const opc_node *under, const opc_node *over) {
 static void add_key(const layer *l, opc_node *under, const opc_node *key,
                     const opc_node *value) {
   if (opc_node_is_null(value))
-    opc_node_missing(under, key->text, &key->at, "there is no", " to remove",
-                     l->problems);
+    opc_node_missing(under, key->text, &key->at, "cannot remove",
+                     ", which does not exist", l->problems);
   else if (under == l->steps && !opc_node_get(value, "use"))
     opc_node_missing(under, key->text, &key->at, "unknown step", "",
                      l->problems);
@@ -200,8 +200,9 @@ static gboolean check_path(char **words, const char *path, const opc_place *at,
   for (guint i = 0; i < n; i++) good &= *words[i] != 0;
   if (!good)
     opc_problem_add(problems, OPC_INVALID, at,
-                    n > DEEPEST ? "'%s' is deeper than 64"
-                                : "'%s' is no path, as 'step.parameter'",
+                    n > DEEPEST
+                        ? "'%s' is deeper than 64"
+                        : "'%s' is not a path, expected 'step.parameter'",
                     path);
   return good;
 }
@@ -276,7 +277,7 @@ opc_node *opc_argument_parse(const char *option, const char *text, char **path,
   *source = opc_source_new(name, NULL);
   const opc_place at = {(*source)->name, 0, 0};
   if (!g_utf8_validate(*path, -1, NULL)) {
-    opc_problem_add(problems, OPC_INVALID, &at, "its name is not UTF-8 text");
+    opc_problem_add(problems, OPC_INVALID, &at, "the name is not UTF-8 text");
     return NULL;
   }
   opc_node *value = equals ? parse_value(equals + 1, *source, problems) : NULL;
@@ -286,7 +287,7 @@ opc_node *opc_argument_parse(const char *option, const char *text, char **path,
     good = value->type == OPC_NODE_MAP || opc_node_is_null(value);
   if (good || (equals && is_expanded(equals + 1))) return value;
   opc_problem_add(problems, OPC_INVALID, &at,
-                  "needs the form 'step.parameter=value'");
+                  "expected the form 'step.parameter=value'");
   opc_node_free(value);
   return NULL;
 }

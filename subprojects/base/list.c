@@ -40,10 +40,10 @@ static gboolean read_quoted(csv *c, GString *text) {
   }
   if (open)
     return opc_problem_add(c->problems, OPC_INVALID, &start,
-                           "a quote that does not end");
+                           "unterminated quote");
   return !*c->at || strchr(",\r\n", *c->at) ||
          opc_problem_add(c->problems, OPC_INVALID, &c->place,
-                         "text behind a quote that has ended");
+                         "unexpected text after a closing quote");
 }
 
 /* Return a cell, up to the comma or the end of the line (exclusive). */
@@ -109,7 +109,7 @@ static gboolean check_head(const csv *c, const GPtrArray *head) {
       return opc_wrong(c->problems, name, "a column has no name");
     for (guint k = 0; k < i; k++)
       if (!strcmp(((const opc_node *)head->pdata[k])->text, name->text))
-        return opc_wrong(c->problems, name, "two columns are called '%s'",
+        return opc_wrong(c->problems, name, "two columns have the name '%s'",
                          name->text);
   }
   return TRUE;

@@ -70,8 +70,7 @@ gboolean opc_match_files(const opc_node *node, opc_values *out,
     add_text(out, node, path, star_of(pattern, found.gl_pathv[i]));
   }
   if (!code) globfree(&found);
-  return !code ||
-         opc_wrong(problems, node, "no file is called as '%s'", pattern);
+  return !code || opc_wrong(problems, node, "no file matches '%s'", pattern);
 }
 
 /* Find the file that belongs to the one whose star matched `star`. */
@@ -96,7 +95,7 @@ gboolean opc_match_choices(const opc_node *node, const GPtrArray *list,
     add_text(out, node, list->pdata[i], g_strdup(""));
     any = TRUE;
   }
-  return any || opc_wrong(problems, node, "none of %u is called as '%s'",
+  return any || opc_wrong(problems, node, "none of %u names matches '%s'",
                           list->len, node->text);
 }
 

@@ -429,7 +429,7 @@ static GPtrArray *documents_parse(const opc_source *source, const char *text,
   if (problems->list->len > before)
     g_ptr_array_set_size(roots, 0);
   else if (!roots->len)
-    opc_problem_add(problems, OPC_INVALID, &at, "there is nothing in it");
+    opc_problem_add(problems, OPC_INVALID, &at, "the file is empty");
   return roots;
 }
 

@@ -51,7 +51,7 @@ gboolean opc_problem_add(opc_problems *problems, int code,
   problem->at.file = g_strdup(problem->at.file);
   problem->code = code;
   g_autofree char *message =
-      g_strdup_vprintf(last ? "there is more that is wrong" : format, args);
+      g_strdup_vprintf(last ? "further problems are not listed" : format, args);
   va_end(args);
   problem->message = opc_shown(message, "");
   message_truncate(problem->message);

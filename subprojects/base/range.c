@@ -27,21 +27,22 @@ gboolean opc_quantity_read(const opc_node *node, const char *given,
                  *in = to ? opc_unit_find(to) : NULL;
   const char *noun = in ? opc_unit_noun(in) : "a number";
   if (!length)
-    return opc_wrong(problems, node, "'%s' needs %s%s, not '%s'", name, noun,
-                     in ? " with its unit" : "", text);
+    return opc_wrong(problems, node, "'%s' requires %s%s, found '%s'", name,
+                     noun, in ? " with a unit" : "", text);
   if (!in && *unit)
-    return opc_wrong(problems, node, "'%s' takes a plain number, not '%s'",
-                     name, text);
+    return opc_wrong(problems, node,
+                     "'%s' must be a number without a unit, found '%s'", name,
+                     text);
   if (in && !*unit && opc_unit_shares_zero(in) &&
       opc_number_in(text, length, in, in) == 0)
     from = in;
   else if (in && !*unit)
     return opc_wrong(problems, node,
-                     "'%s' needs %s with its unit, e.g. '%.*s %s'", name, noun,
+                     "'%s' requires %s with a unit, e.g. '%.*s %s'", name, noun,
                      (int)length, text, to);
   if (in && !from) return unknown_unit(node, text, unit, problems);
   if (in && opc_unit_noun(from) != noun)
-    return opc_wrong(problems, node, "'%s' needs %s, not '%s'", name, noun,
+    return opc_wrong(problems, node, "'%s' requires %s, found '%s'", name, noun,
                      text);
   *number = opc_number_in(text, length, from, in);
   return isfinite(*number) ||
@@ -60,7 +61,7 @@ static gboolean check_range_keys(const opc_node *range,
   if (!opc_node_get(range, "from") || !opc_node_get(range, "to") ||
       !opc_node_get(range, "step"))
     good = opc_wrong(problems, range,
-                     "a range needs '{ from: A, to: B, step: C }'");
+                     "a range must be '{ from: A, to: B, step: C }'");
   return opc_node_check_keys(range, "from|to|step", " of a range", problems) &&
          good;
 }
@@ -73,7 +74,7 @@ static gboolean read_quantity(const opc_node *range, const char *key,
   const char *text = node->type == OPC_NODE_TEXT ? node->text : "";
   size_t length = opc_number_length(text);
   if (!length)
-    return opc_wrong(problems, node, "'%s' of a range needs a number", key);
+    return opc_wrong(problems, node, "'%s' of a range must be a number", key);
   out->unit = text + length + strspn(text + length, " ");
   const opc_unit *unit = opc_unit_find(out->unit);
   if (*out->unit && !unit)
@@ -81,7 +82,7 @@ static gboolean read_quantity(const opc_node *range, const char *key,
   const opc_unit *to = from ? opc_unit_find(from->unit) : unit;
   if (!unit != !to || (unit && opc_unit_noun(unit) != opc_unit_noun(to)))
     return opc_wrong(problems, node,
-                     "'%s' must be of the same dimension as 'from', not '%s'",
+                     "'%s' must be of the same dimension as 'from', found '%s'",
                      key, text);
   out->number = opc_number_in(text, length, unit, to);
   return isfinite(out->number) ||
@@ -110,7 +111,7 @@ static guint range_count(const opc_node *range, const quantity *from,
           : g_strdup("");
   if (count > most_values && isfinite(count))
     opc_wrong(problems, range,
-              "a range of %.0f values; at most %.0f are possible", count,
+              "the range has %.0f values, expected at most %.0f", count,
               most_values);
   else
     opc_wrong(problems, opc_node_get(range, "step"),

@@ -42,12 +42,11 @@ int correct_assists_check(const loop *l, opc_error *error) {
       if (b.x0 * g >= f->x0 && b.x1 * g <= f->x0 + f->width &&
           b.y0 * g >= f->y0 && b.y1 * g <= f->y0 + f->height)
         continue;
-      return opc_fail(error, OPC_INVALID, "margin",
-                      "an assist bar of layer '%s', from (%g, %g) to (%g, %g) "
-                      "nm, reaches past the clear field, into the next copy "
-                      "of the layout",
-                      l->gates->layer[k], b.x0 * g, b.y0 * g, b.x1 * g,
-                      b.y1 * g);
+      return opc_fail(
+          error, OPC_INVALID, "margin",
+          "a scatter bar of layer '%s', from (%g, %g) to (%g, %g) nm, extends "
+          "beyond the clear field into the next copy of the layout",
+          l->gates->layer[k], b.x0 * g, b.y0 * g, b.x1 * g, b.y1 * g);
     }
   }
   return OPC_OK;
@@ -59,8 +58,7 @@ int correct_assists_begin(loop *l, opc_error *error) {
   if (!a->rows || !n) return OPC_OK;
   if (l->next.shift[EDA_POLY])
     return opc_fail(error, OPC_INVALID, "assist",
-                    "'%s' moves all edges of the poly and places its own "
-                    "assist bars",
+                    "'%s' moves all edges of the poly and places scatter bars",
                     l->drivers[MAIN].module->id);
   const eda_sraf_rule rule = {.rows = (int32_t)a->rows,
                               .width = grid_steps(l, a->width),

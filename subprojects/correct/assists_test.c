@@ -125,7 +125,7 @@ static void test_refused(void) {
   opc_error error = {0};
   g_assert_cmpint(run_step(&l, &cutter, set_rules(1, 6, 0.02), &error), ==,
                   OPC_INVALID);
-  g_assert_nonnull(strstr(error.message, "places its own assist bars"));
+  g_assert_nonnull(strstr(error.message, "places scatter bars"));
   correct_loop_clear(&l);
   g_assert_cmpint(run_step(&l, &mover, set_rules(1, 0.3, 0.02), &error), ==,
                   OPC_INVALID);

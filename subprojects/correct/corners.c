@@ -76,7 +76,7 @@ int correct_corners_check(const corners_request *w, opc_error *error) {
     double v = w->weight.values[i];
     if (!(v >= 0) || v > 1e6)
       return opc_fail(error, OPC_INVALID, "corners.weight",
-                      "a weight of %g is not possible", v);
+                      "weight %g, expected a finite number of at least 0", v);
     sum += v;
   }
   if (sum > 0) return OPC_OK;
@@ -139,7 +139,7 @@ int correct_corners_begin(loop *l, opc_error *error) {
   if (!c->count) return OPC_OK;
   if (!n)
     return opc_fail(error, OPC_INVALID, "corners.dose",
-                    "corners are for transistors, and there are none");
+                    "corners require transistors, found none");
   c->exposures = correct_corners_images(&c->request);
   c->corner = eda_alloc(c->count, sizeof *c->corner);
   c->exposure = eda_alloc(c->exposures, sizeof *c->exposure);
@@ -392,11 +392,11 @@ static void corners_log_failed(const loop *l, const row *r) {
     at = k;
   }
   if (most)
-    l->host->log(l->host, OPC_LOG_WARNING,
-                 "corners: %d of %zu transistors do not print at %g %% dose, "
-                 "%g nm focus, %g nm mask, and count for nothing there: see "
-                 "corners.csv",
-                 (int)most, n, r[at].dose, r[at].focus, r[at].mask_error);
+    l->host->log(
+        l->host, OPC_LOG_WARNING,
+        "corners: %d of %zu transistors do not print at %g %% dose, %g nm "
+        "focus, %g nm mask, and are ignored there: see corners.csv",
+        (int)most, n, r[at].dose, r[at].focus, r[at].mask_error);
 }
 
 int correct_corners_report(const loop *l, opc_error *error) {

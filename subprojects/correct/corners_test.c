@@ -354,9 +354,9 @@ static void test_refused(void) {
   assert_refused((corners_request){.dose = {some, 2}, .weight = {some, 3}},
                  NULL, "3 weights for 2 corners");
   assert_refused((corners_request){.dose = {some, 2}, .weight = {minus, 2}},
-                 NULL, "a weight of -1");
+                 NULL, "weight -1");
   assert_refused((corners_request){.dose = {some, 2}, .weight = {much, 2}},
-                 NULL, "a weight of 1e+308");
+                 NULL, "weight 1e+308");
   assert_refused((corners_request){.dose = {some, 1}, .weight = {some, 1}},
                  NULL, "all weights are 0");
   assert_refused((corners_request){.weight = {some, 1}}, NULL,

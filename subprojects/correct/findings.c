@@ -35,14 +35,15 @@ static void range_of_type(const opc_host *host, const eda_gates *g,
   if (beyond)
     host->log(host, OPC_LOG_WARNING,
               "%zu of %zu %s-transistors are drawn with lengths (%g to %g nm) "
-              "beyond the device table's %g to %g nm: is the layout's 'scale' "
-              "right, and is it the table of this process?",
+              "beyond the device table (%g to %g nm): check the 'scale' of the "
+              "layout and that the table belongs to this process",
               beyond, count, name, least, most, low, high);
   else if (count &&
            (least * (1 - near_end) < low || most * (1 + near_end) > high))
     host->log(host, OPC_LOG_WARNING,
               "%s-transistors are drawn with lengths (%g to %g nm) near an end "
-              "of the device table, %g to %g nm: prints may go beyond it",
+              "of the device table (%g to %g nm): printed lengths may be "
+              "beyond the table",
               name, least, most, low, high);
 }
 
@@ -67,8 +68,8 @@ void correct_findings_of_drawing(const opc_host *host, const eda_gates *g,
   if (2 * longer > g->count && count_different(g->length, g->count) >
                                    count_different(g->width, g->count))
     host->log(host, OPC_LOG_WARNING,
-              "%zu of %zu transistors are drawn longer than wide: are the "
-              "layers poly and active exchanged?",
+              "%zu of %zu transistors are drawn longer than wide: check that "
+              "the layers poly and active are not exchanged",
               longer, g->count);
   for (int type = 0; model->range && type < 2; type++)
     range_of_type(host, g, extractor, type);
@@ -100,8 +101,8 @@ static void of_failed(const opc_host *host, const eda_gates *g,
   if (bad) {
     char *place = place_of(g, first);
     host->log(host, OPC_LOG_FINDING,
-              "%zu of %zu transistor%s %s not print as one, and %s no figures: "
-              "first %s",
+              "%zu of %zu transistor%s %s not print as one transistor, and %s "
+              "no results: first %s",
               bad, g->count, plural_of(g->count), verb_of(bad),
               bad == 1 ? "has" : "have", place);
     g_free(place);
@@ -109,15 +110,16 @@ static void of_failed(const opc_host *host, const eda_gates *g,
   if (lost) {
     char *place = place_of(g, first_lost);
     host->log(host, OPC_LOG_FINDING,
-              "%zu transistor%s that printed as drawn %s so no more: first %s",
+              "%zu transistor%s that printed with the drawn mask %s not print "
+              "any more: first %s",
               lost, plural_of(lost), verb_of(lost), place);
     g_free(place);
   }
   if (before && g->count && !good_before)
     host->log(host, OPC_LOG_FINDING,
-              "no transistor prints as drawn: is the layout's 'scale' right, "
-              "do optics and resist belong to its process, are poly and active "
-              "exchanged?");
+              "no transistor of the drawn mask prints: check the 'scale' of "
+              "the layout, that optics and resist belong to the process, and "
+              "that poly and active are not exchanged");
 }
 
 void correct_findings_of_print(const opc_host *host, const eda_gates *g,
@@ -128,8 +130,8 @@ void correct_findings_of_print(const opc_host *host, const eda_gates *g,
     outside += !eda_print_failed(flags[i]) && (flags[i] & EDA_PRINT_OUTSIDE);
   if (outside)
     host->log(host, OPC_LOG_FINDING,
-              "figures of %zu of %zu transistors are from beyond the device "
-              "table, where it goes on by its last slope: not to be trusted",
+              "results of %zu of %zu transistors are extrapolated beyond the "
+              "device table by the last slope and are not reliable",
               outside, g->count);
 }
 
@@ -138,18 +140,19 @@ void correct_findings_of_print(const opc_host *host, const eda_gates *g,
 void correct_findings_of_guard(const opc_host *host, const guard *g, int held) {
   const char *are = g->worse == 1 ? " is" : "s are";
   if (!held)
-    host->log(host, OPC_LOG_FINDING,
-              "guard: off: %zu transistor%s worse than drawn and than the "
-              "limit, %zu that printed as drawn %s so no more",
-              g->worse, are, g->lost, verb_of(g->lost));
+    host->log(
+        host, OPC_LOG_FINDING,
+        "guard: off: %zu transistor%s worse than drawn and worse than the "
+        "limit, %zu that printed with the drawn mask %s not print any more",
+        g->worse, are, g->lost, verb_of(g->lost));
   else if (g->worse)
     host->log(host, OPC_LOG_FINDING,
-              "%zu transistor%s worse than drawn, as neighbours or rules stand "
-              "in the way: 'verdict' in gates.csv names them",
+              "%zu transistor%s worse than drawn because of neighbours or "
+              "rules: see 'verdict' in gates.csv",
               g->worse, are);
   if (g->back)
-    host->log(host, OPC_LOG_INFO,
-              "%zu transistor%s went back towards the drawn mask, which was "
-              "better",
-              g->back, plural_of(g->back));
+    host->log(
+        host, OPC_LOG_INFO,
+        "%zu transistor%s reverted towards the drawn mask, which was better",
+        g->back, plural_of(g->back));
 }

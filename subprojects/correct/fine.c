@@ -58,9 +58,9 @@ int correct_fine_error(const char *text, double limit, double *fine,
   if (!g_strcmp0(text, "off")) return OPC_OK;
   *fine = g_ascii_strtod(text, &end);
   if (end != text && !*end && *fine > 0 && *fine < 0.1) return OPC_OK;
-  return opc_fail(error, OPC_INVALID, "fine",
-                  "'fine' is '%s': a number above 0 and below 0.1, or off",
-                  text);
+  return opc_fail(
+      error, OPC_INVALID, "fine",
+      "'fine' is '%s', expected a number above 0 and below 0.1, or off", text);
 }
 
 double correct_fine_change(const char *text, double limit) {
@@ -157,8 +157,8 @@ static int set_layer(eda_printer *p, const opc_host *host, drawn *d, int layer,
   if (!(by > 0)) return code;
   p->fine_of[layer] = error_rounded(tuned.peak * change / by);
   host->log(host, OPC_LOG_DEBUG,
-            "fine prints of '%s' within %.0e: 1e-4 of the clear field is "
-            "%.3f %% of Ion",
+            "accurate simulations of '%s' within %.0e: 1e-4 of the clear field "
+            "changes Ion by %.3f %%",
             d->gates->layer[layer], p->fine_of[layer], by * 1e-4);
   return OPC_OK;
 }

@@ -276,8 +276,8 @@ static void loop_log_idle(const loop *l) {
       edges |= l->driver_of[k] == EDGES;
     else if (!has_gates(l->gates, k))
       host->log(host, OPC_LOG_WARNING,
-                "layer '%s' stays as drawn: neither 'synthesizer' nor 'edges' "
-                "moves its edges",
+                "layer '%s' keeps the drawn mask: neither 'synthesizer' nor "
+                "'edges' moves the edges of this layer",
                 l->gates->layer[k]);
   }
   if (l->drivers[EDGES].module && !edges)

@@ -268,9 +268,9 @@ static void test_added(void) {
   g_assert_cmpint(run_step(&l, &cutter, MODULE(&regulator, NULL), &error), ==,
                   OPC_FAILED);
   g_assert_cmpstr(error.parameter, ==, "regulator");
-  g_assert_cmpstr(
-      error.message, ==,
-      "number 1 of the added shapes of poly is no box: (10, 0) to (10, 5)");
+  g_assert_cmpstr(error.message, ==,
+                  "number 1 of the added shapes of poly is not a valid box: "
+                  "(10, 0) to (10, 5)");
   correct_loop_clear(&l);
 }
 
@@ -338,13 +338,13 @@ static void test_assists(void) {
   g_assert_cmpint(run_step(&l, &cutter, NULL, &error), ==, OPC_FAILED);
   g_assert_cmpstr(error.parameter, ==, "synthesizer");
   g_assert_cmpstr(error.message, ==,
-                  "number 2 of the assists of poly is no box: (10, 400) to (5, "
-                  "410)");
+                  "number 2 of the assists of poly is not a valid box: (10, "
+                  "400) to (5, 410)");
   correct_loop_clear(&l);
   own.assists = NULL;
   g_assert_cmpint(run_step(&l, &cutter, NULL, &error), ==, OPC_FAILED);
   g_assert_cmpstr(error.message, ==,
-                  "gives 2 assists of poly without their boxes");
+                  "returns 2 assists of poly without an array of boxes");
   correct_loop_clear(&l);
   own.assist_count = 0;
 }
@@ -353,28 +353,30 @@ static void test_faults(void) {
   const struct {
     const char *spoil, *message;
   } cases[] = {
-      {"count", "cuts 1 polygons of poly, there are 2"},
+      {"count", "fragments 1 polygons of poly, expected 2"},
       {"corner",
-       "cuts poly: the end of fragment 4, (400, 40) nm, is not on the "
-       "edge from (0, 0) to (400, 0) nm, or not in its order"},
-      {"first corner", "cuts poly: no fragment begins at the corner (0, 0) nm"},
+       "fragments of poly: the end of fragment 4, (400, 40) nm, is not on the "
+       "edge from (0, 0) to (400, 0) nm, or not in order along the edge"},
+      {"first corner",
+       "fragments of poly: no fragment begins at the corner (0, 0) nm"},
       {"order",
-       "cuts poly: the end of fragment 2, (264, 0) nm, is not on the "
-       "edge from (0, 0) to (400, 0) nm, or not in its order"},
+       "fragments of poly: the end of fragment 2, (264, 0) nm, is not on the "
+       "edge from (0, 0) to (400, 0) nm, or not in order along the edge"},
       {"off",
-       "cuts poly: the end of fragment 4, (402, 40) nm, is not on the "
-       "edge from (400, 0) to (400, 120) nm, or not in its order"},
+       "fragments of poly: the end of fragment 4, (402, 40) nm, is not on the "
+       "edge from (400, 0) to (400, 120) nm, or not in order along the edge"},
       {"site",
-       "cuts poly: the site of fragment 5, (400, 1060) nm, is not on "
-       "the edge from (400, 0) to (400, 120) nm, or not in its order"},
+       "fragments of poly: the site of fragment 5, (400, 1060) nm, is not on "
+       "the edge from (400, 0) to (400, 120) nm, or not in order along the "
+       "edge"},
       {"nan",
-       "cuts poly: the site of fragment 1, (nan, 0) nm, is not on the "
-       "edge from (0, 0) to (400, 0) nm, or not in its order"},
-      {"end", "cuts poly: the fragments of polygon 2 end before they begin"},
-      {"none", "cuts poly: fragments are missing"},
+       "fragments of poly: the site of fragment 1, (nan, 0) nm, is not on the "
+       "edge from (0, 0) to (400, 0) nm, or not in order along the edge"},
+      {"end",
+       "fragments of poly: the fragments of polygon 2 end before they begin"},
+      {"none", "fragments of poly: array is missing"},
       {"far",
-       "moves fragment 8 of poly by 2097152 steps, at most 1048576 are "
-       "possible"},
+       "moves fragment 8 of poly by 2097152 steps, expected at most 1048576"},
   };
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     loop l;

@@ -488,9 +488,10 @@ static size_t violations_log_reasons(const opc_host *host,
       count += !strcmp(v[i].rule, v[k].rule);
     }
     if (count && !before)
-      host->log(host, OPC_LOG_FINDING,
-                "%zu place%s cannot keep a rule: %s; first at (%g, %g) nm",
-                count, count == 1 ? "" : "s", v[i].rule, v[i].x, v[i].y);
+      host->log(
+          host, OPC_LOG_FINDING,
+          "%zu location%s cannot meet a rule: %s; the first is at (%g, %g) nm",
+          count, count == 1 ? "" : "s", v[i].rule, v[i].x, v[i].y);
   }
   return without;
 }
@@ -504,9 +505,10 @@ int correct_report_violations(const opc_host *host, const eda_gates *gates,
       {"violations_unexplained", (double)unexplained}};
   int code = opc_put_metrics(host, OPC_ARRAY(values), error);
   if (code || !n) return code;
-  host->log(host, OPC_LOG_WARNING,
-            "%zu rule%s not kept, %zu without a reason: see violations.csv", n,
-            n == 1 ? " is" : "s are", unexplained);
+  host->log(
+      host, OPC_LOG_WARNING,
+      "%zu rule violation%s, %zu without a known cause: see violations.csv", n,
+      n == 1 ? "" : "s", unexplained);
   struct {
     char *gate;
     eda_violation v;

@@ -208,7 +208,8 @@ static int search_round(loop *l, opc_error *error) {
   for (size_t i = 0; i < s->srafs.count; i++)
     total += eda_srafs_gain(&map, s->srafs.box[i], l->gates->grid);
   l->host->log(l->host, OPC_LOG_INFO,
-               "assist bars, round %d: %zu, which gain %.0f nm^2; %zu dropped",
+               "scatter bars, round %d: %zu, which reduce the band by %.0f "
+               "nm^2; %zu removed",
                (int)s->round + 1, s->srafs.count, total, s->dropped);
   eda_field_clear(&map);
   s->round++;

@@ -46,8 +46,8 @@ int correct_start_hold(loop *l, opc_error *error) {
                                   l->measured.flags, i) <= s->max_diff;
     refined += !l->still[i];
   }
-  l->host->log(l->host, OPC_LOG_INFO,
-               "%zu of %zu transistors are to be refined", refined, n);
+  l->host->log(l->host, OPC_LOG_INFO, "%zu of %zu transistors are refined",
+               refined, n);
   return l->host->metric(l->host, "refined", (double)refined, error);
 }
 

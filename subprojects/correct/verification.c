@@ -163,11 +163,11 @@ static int transistors_hold(const loop *l, const seen *before,
   }
   double mean = count > 0 ? sum / count : 0;
   int holds = !crossed && mean <= tuned.part * l->ion_limit;
-  l->host->log(l->host, holds ? OPC_LOG_DEBUG : OPC_LOG_INFO,
-               "fine print: Ion is off by %.3f %% in the mean and %.3f %% at "
-               "most from what the loop saw; %zu transistor%s beyond the limit "
-               "by that",
-               mean, most, crossed, crossed == 1 ? "" : "s");
+  l->host->log(
+      l->host, holds ? OPC_LOG_DEBUG : OPC_LOG_INFO,
+      "accurate simulation: Ion differs from that of the loop by %.3f %% in "
+      "the mean and %.3f %% at most; %zu more transistor%s beyond the limit",
+      mean, most, crossed, crossed == 1 ? "" : "s");
   return holds;
 }
 

@@ -404,7 +404,7 @@ static void test_grid(void) {
     g_assert_cmpint(try_to_run(&l, &wrong[k], fine_is, 0, 10, &error), ==,
                     OPC_FAILED);
     g_assert_cmpstr(error.parameter, ==, "litho");
-    g_assert_true(g_str_has_prefix(error.message, "its images of one frame "));
+    g_assert_true(g_str_has_prefix(error.message, "two images of one frame "));
     correct_loop_clear(&l);
   }
 }

@@ -62,7 +62,8 @@ static int add_run(const metrics *m, rows *r, size_t run, const char *folder,
     return opc_fail(error, OPC_IO, NULL, "%s", fault->message);
   JsonNode *root = json_parser_get_root(parser);
   if (!root || !JSON_NODE_HOLDS_OBJECT(root))
-    return opc_fail(error, OPC_IO, NULL, "'%s': no metrics of a run", path);
+    return opc_fail(error, OPC_IO, NULL,
+                    "'%s' is not the metrics file of a run", path);
   JsonObject *all = json_node_get_object(root);
   GList *names = json_object_get_members(all);
   for (GList *name = names; name; name = name->next)

@@ -21,7 +21,7 @@ static void exercise(const opc_module *module, opc_inspector *inspector) {
     if (!(delay > 0) || !isfinite(delay))
       inspector->find(inspector, "delay: %g s for %g A", delay, ion);
     else if (delay > last)
-      inspector->find(inspector, "delay: more current takes longer");
+      inspector->find(inspector, "delay: a larger current has a longer delay");
     last = delay;
     inspector->add(inspector, &delay, sizeof delay);
   }

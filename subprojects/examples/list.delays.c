@@ -67,7 +67,7 @@ static const opc_parameter parameters[] = {
 };
 
 static const opc_metric metrics[] = {
-    {"slower", "%", OPC_LOWER, 0.01, "by how much the worst one got slower"},
+    {"slower", "%", OPC_LOWER, 0.01, "increase of the largest delay"},
 };
 
 /* ---- entry ---- */

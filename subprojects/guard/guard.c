@@ -112,7 +112,7 @@ _Noreturn static void process_end(const char *const *words, int code) {
   process_say(said);
   /* A copy that a plugin made of the process keeps nothing. */
   if (getpid() == guarded && keep_folder()) {
-    process_say("note: what was written so far is in '");
+    process_say("note: files written so far are in '");
     process_say(failed);
     process_say("'\n");
   }
@@ -221,7 +221,7 @@ static void give_stack(void) {
    wait for it, or the command ends well. */
 static void thread_ended(void *unused) {
   (void)unused;
-  if (guarded && calls > 0) plugin_blame(me.inside, "ended its thread", "");
+  if (guarded && calls > 0) plugin_blame(me.inside, "ended the thread", "");
   pthread_mutex_lock(&workers_lock);
   worker **at = &workers;
   while (*at && *at != &me) at = &(*at)->next;
@@ -261,7 +261,7 @@ static double time_now(void) {
 /* The checks that cost nothing, after each call. */
 static void guard_check_thread(void) {
   const char *what = process_thread_change();
-  if (forked) plugin_blame(me.inside, "forked and went on", "");
+  if (forked) plugin_blame(me.inside, "forked and continued", "");
   if (what) plugin_blame(me.inside, what, "");
 }
 
@@ -275,8 +275,7 @@ static void listener_wake(void) {
 /* Whatever is not as it was, that plugin did, or one beside it. */
 static void guard_check_process(const char *id) {
   const char *detail;
-  if (process_signals_change())
-    plugin_blame(id, "changed which signals come", "");
+  if (process_signals_change()) plugin_blame(id, "changed the signal mask", "");
   const char *what = process_change(&detail);
   if (what) blame_all(id, what, detail);
   field_set(&me.suspect, NULL);

@@ -125,7 +125,7 @@ static void test_folder(void) {
   g_assert_cmpint(chdir(folder), ==, 0);
   g_assert_cmpint(g_mkdir("work", 0777) + g_mkdir("work/kept", 0777), ==, 0);
   g_assert_cmpint(guarded_run(crash_in_run, &said), ==, 4);
-  g_assert_nonnull(strstr(said, "is in 'run.failed'\n"));
+  g_assert_nonnull(strstr(said, "are in 'run.failed'\n"));
   g_assert_cmpint(rmdir("run.failed/kept") + rmdir("run.failed"), ==, 0);
   g_assert_cmpint(g_mkdir("work", 0777), ==, 0);
   g_assert_cmpint(guarded_run(crash_in_run, &again), ==, 4);

@@ -15,11 +15,10 @@ static int compare_place(const char *what, opc_error *error) {
       g_compute_checksum_for_string(G_CHECKSUM_SHA256, what, -1);
   g_autofree char *first = g_strdup(sum);
   if (mpi_spread(first, strlen(first), 0, error)) return OPC_CANCELLED;
-  return strcmp(first, sum)
-             ? opc_fail(error, OPC_FAILED, NULL,
-                        "does not do the same as rank 0: its flow, files, "
-                        "builds or processor are others")
-             : OPC_OK;
+  return strcmp(first, sum) ? opc_fail(error, OPC_FAILED, NULL,
+                                       "does not run the same as rank 0: flow, "
+                                       "files, builds or processor differ")
+                            : OPC_OK;
 }
 
 /* Put the rank before the message, before it is spread. */

@@ -108,7 +108,7 @@ static void test_meet(void) {
   int code = group->meet(group->rank == 2 ? "there" : "here", OPC_OK, &error);
   assert_true(code == OPC_FAILED &&
                   g_str_has_prefix(error.message, "rank 2 on ") &&
-                  strstr(error.message, "does not do the same as rank 0"),
+                  strstr(error.message, "does not run the same as rank 0"),
               "a rank that is elsewhere is named");
   error = (opc_error){0};
   if (group->rank) opc_fail(&error, OPC_IO, NULL, "disk %d", group->rank);

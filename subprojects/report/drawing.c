@@ -457,7 +457,7 @@ int drawing_write(const opc_context *context, const eda_mask *mask,
   drawing d = {.context = context, .mask = mask, .out = out};
   if (g->extent.x0 >= g->extent.x1 || g->extent.y0 >= g->extent.y1)
     return opc_fail(error, OPC_INVALID, "mask",
-                    "the layout is empty, there is nothing to draw");
+                    "the layout is empty and cannot be drawn");
   d.part = g->count <= (size_t)limits->whole
                ? drawing_tiles(g)
                : worst_part(mask, MIN(g->count, (size_t)limits->worst));

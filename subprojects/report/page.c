@@ -187,18 +187,18 @@ static int add_view(page *p, GString *out, const char *folder,
   gsize size;
   if (!g_file_test(path, G_FILE_TEST_EXISTS)) {
     page_lacks(p,
-               "%s: no view.json, which the step report.view writes, and "
-               "so no pictures",
+               "%s: no pictures, because view.json is missing (add the step "
+               "report.view)",
                label);
     return OPC_OK;
   }
   if (!g_file_get_contents(path, &text, &size, &fault))
     return opc_fail(error, OPC_IO, NULL, "%s", fault->message);
   if ((double)size > p->room) {
-    page_lacks(p,
-               "%s: its pictures, %.1f MB, would make the page larger than "
-               "it may be",
-               label, (double)size / 1e6);
+    page_lacks(
+        p,
+        "%s: pictures of %.1f MB omitted, because the page would be too large",
+        label, (double)size / 1e6);
     return OPC_OK;
   }
   if (!json_parser_load_from_data(parser, text, (gssize)size, &fault))
@@ -208,7 +208,7 @@ static int add_view(page *p, GString *out, const char *folder,
       root && JSON_NODE_HOLDS_OBJECT(root) ? json_node_get_object(root) : NULL;
   if (!o || json_object_get_int_member_with_default(o, "view", 0) != 1)
     return opc_fail(error, OPC_INVALID, NULL,
-                    "'%s' is no view of a mask of form 1", path);
+                    "'%s' is not a view of a mask of format 1", path);
   p->room -= (double)size;
   append_member(out, "view");
   for (gsize i = 0; i < size; i++)
@@ -260,9 +260,7 @@ static int add_facts(page *p, GString *out, eda_run *run, const char *label,
   add_origins(out, f);
   int code = add_tables(out, run, error);
   if (!code && !eda_run_has_table(run, "gates"))
-    page_lacks(p,
-               "%s: no table of transistors (gates.csv), and so no charts "
-               "of them",
+    page_lacks(p, "%s: no charts of transistors, because gates.csv is missing",
                label);
   return code ? code : add_view(p, out, f->folder, label, error);
 }

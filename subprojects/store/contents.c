@@ -99,8 +99,8 @@ static int compare_entry(void *data, const char *path, const char *name,
   if (S_ISREG(about->st_mode) && !strcmp(name, manifest_name)) return OPC_OK;
   if (!listed || (sum ? !S_ISREG(about->st_mode) : !S_ISDIR(about->st_mode)))
     return opc_fail(error, OPC_IO, NULL,
-                    "'%s': has the %s '%s', which its run did not write, and "
-                    "is not replaced",
+                    "'%s' is not replaced, because the folder has the %s '%s', "
+                    "which the run did not write",
                     c->folder,
                     S_ISDIR(about->st_mode)   ? "folder"
                     : S_ISLNK(about->st_mode) ? "symbolic link"
@@ -110,10 +110,10 @@ static int compare_entry(void *data, const char *path, const char *name,
   g_autofree char *now = opc_file_sha256(path, NULL, error);
   if (!now) return error->code;
   if (!strcmp(now, sum)) return OPC_OK;
-  return opc_fail(error, OPC_IO, NULL,
-                  "'%s': the file '%s' has changed since its run, and the "
-                  "folder is not replaced",
-                  c->folder, name);
+  return opc_fail(
+      error, OPC_IO, NULL,
+      "'%s' is not replaced, because the file '%s' has changed since the run",
+      c->folder, name);
 }
 
 static gboolean is_empty(const char *folder) {
@@ -131,15 +131,15 @@ int opc_contents_check(const char *folder, opc_error *error) {
   if (lstat(path, &about) || !S_ISREG(about.st_mode) ||
       !g_file_get_contents(path, &text, NULL, NULL))
     return opc_fail(error, OPC_IO, NULL,
-                    "'%s': is not the folder of a run (it has no manifest.json "
-                    "that can be read), and is not replaced",
+                    "'%s' is not replaced, because the folder has no readable "
+                    "manifest.json of a run",
                     folder);
   g_autoptr(JsonNode) manifest = opc_contents_parse(text);
   g_autoptr(GHashTable) known = read_list(manifest);
   comparison c = {folder, known};
   if (known) return opc_walk(folder, compare_entry, &c, error);
   return opc_fail(error, OPC_IO, NULL,
-                  "'%s': its manifest.json does not list the files of a run, "
-                  "and the folder is not replaced",
+                  "'%s' is not replaced, because manifest.json does not list "
+                  "the files of a run",
                   folder);
 }

@@ -126,7 +126,7 @@ char *opc_facts_reason(opc_store *store, const char *name, GVariant *now,
     char *why = opc_facts_difference(before, now, text, data, &count);
     if (!count) {
       g_free(why);
-      why = g_strdup("its result is no longer kept");
+      why = g_strdup("the stored result was removed");
     }
     if (count < least) {
       g_free(best);

@@ -53,16 +53,18 @@ int opc_folder_allowed(const char *target, gboolean force, opc_error *error) {
   if (lstat(target, &about)) return OPC_OK;
   if (S_ISLNK(about.st_mode)) {
     g_autofree char *to = g_file_read_link(target, NULL);
-    return opc_fail(error, OPC_IO, NULL,
-                    "'%s': is a symbolic link, to '%s', and is not replaced",
-                    target, to ? to : "?");
+    return opc_fail(
+        error, OPC_IO, NULL,
+        "'%s' is not replaced, because the name is a symbolic link to '%s'",
+        target, to ? to : "?");
   }
   if (!S_ISDIR(about.st_mode))
-    return opc_fail(error, OPC_IO, NULL,
-                    "'%s': is a file, and a run needs a folder", target);
+    return opc_fail(error, OPC_IO, NULL, "'%s' is a file, expected a folder",
+                    target);
   if (!force)
     return opc_fail(error, OPC_IO, NULL,
-                    "'%s': already exists, --force replaces it", target);
+                    "'%s' already exists: use --force to replace the folder",
+                    target);
   return opc_contents_check(target, error);
 }
 
@@ -162,19 +164,19 @@ static opc_folder *find_slot(const char *target, const char *parent,
     int why = errno;
     free_names(f);
     if (why != EWOULDBLOCK) {
-      opc_fail(error, OPC_IO, NULL, "'%s': cannot be made in '%s': %s", target,
-               parent, g_strerror(why));
+      opc_fail(error, OPC_IO, NULL, "'%s' cannot be created in '%s': %s",
+               target, parent, g_strerror(why));
       return NULL;
     }
     if (sole) {
       opc_fail(error, OPC_IO, NULL,
-               "'%s': another run is being written there, in '%s'", target,
+               "'%s': another run is writing this folder, in '%s'", target,
                path);
       return NULL;
     }
   }
-  opc_fail(error, OPC_IO, NULL, "'%s': %d runs of that name are at work",
-           target, MOST_SLOTS);
+  opc_fail(error, OPC_IO, NULL, "'%s': %d runs of this name are active", target,
+           MOST_SLOTS);
   return NULL;
 }
 
@@ -186,11 +188,11 @@ opc_folder *opc_folder_open(const char *target, gboolean sole,
   if (!*target || !strcmp(base, ".") || !strcmp(base, "..") ||
       strchr(base, '/')) {
     opc_fail(error, OPC_INVALID, NULL,
-             "'%s' does not end in a name, which a run folder needs", target);
+             "'%s' does not end in the name of a run folder", target);
     return NULL;
   }
   if (g_mkdir_with_parents(parent, 0777)) {
-    opc_fail(error, OPC_IO, NULL, "'%s': cannot be made: %s", parent,
+    opc_fail(error, OPC_IO, NULL, "'%s' cannot be created: %s", parent,
              g_strerror(errno));
     return NULL;
   }
@@ -239,7 +241,7 @@ static int replace_run(const opc_folder *f, const char *target,
   int code = opc_folder_allowed(target, TRUE, error);
   if (code) return code;
   if (!folder_exchange(f, target)) return OPC_OK;
-  return opc_fail(error, OPC_IO, NULL, "'%s': cannot be replaced: %s", target,
+  return opc_fail(error, OPC_IO, NULL, "'%s' cannot be replaced: %s", target,
                   g_strerror(errno));
 }
 
@@ -256,10 +258,10 @@ static int find_name(opc_folder *f, const char *target, gboolean number,
     }
     if (errno != EEXIST) break;
     if (!number && !code)
-      code = opc_fail(error, OPC_IO, NULL,
-                      "'%s': came to be while the run was at work, and is not "
-                      "replaced",
-                      target);
+      code = opc_fail(
+          error, OPC_IO, NULL,
+          "'%s' is not replaced, because the folder was created during the run",
+          target);
   }
   f->kept = TRUE;
   *got = g_strdup(f->work);

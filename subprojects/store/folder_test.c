@@ -221,9 +221,9 @@ static void test_slots(void) {
   leave_slots(3, &child);
   /* The runs are active: nothing is changed. */
   g_assert_null(opc_folder_open("s/x", TRUE, &error));
-  g_assert_cmpstr(error.message, ==,
-                  "'s/x': another run is being written there, in "
-                  "'s/.x.opcflow-1'");
+  g_assert_cmpstr(
+      error.message, ==,
+      "'s/x': another run is writing this folder, in 's/.x.opcflow-1'");
   opc_folder *fourth = opc_folder_open("s/x", FALSE, &error);
   g_assert_cmpstr(fourth->slot, ==, "s/.x.opcflow-4");
   opc_folder_free(fourth);
@@ -294,13 +294,13 @@ static void test_contents(void) {
   g_assert_cmpint(unlink("c/x/deep/file.txt"), ==, 0);
   g_assert_cmpint(opc_folder_allowed("c/x", TRUE, &error), ==, OPC_OK);
   file_put("c/x", "deep/file.txt", "changed");
-  assert_refused(NULL, "the file 'deep/file.txt' has changed since its run");
+  assert_refused(NULL, "the file 'deep/file.txt' has changed since the run");
   file_put("c/x", "deep/file.txt", "word");
   g_assert_cmpint(opc_folder_allowed("c/x", TRUE, &error), ==, OPC_OK);
   file_put("c/x", "deep/mine.txt", "");
   file_put("c/x", "other.txt", "");
   assert_refused(NULL,
-                 "has the file 'deep/mine.txt', which its run did not write");
+                 "has the file 'deep/mine.txt', which the run did not write");
   g_assert_cmpint(unlink("c/x/deep/mine.txt"), ==, 0);
   g_assert_cmpint(unlink("c/x/other.txt"), ==, 0);
   g_assert_cmpint(g_mkdir("c/x/deep/er", 0777), ==, 0);
@@ -315,7 +315,7 @@ static void test_contents(void) {
   assert_refused(deep, "does not list the files of a run");
   g_assert_cmpint(unlink("c/x/manifest.json"), ==, 0);
   g_assert_cmpint(symlink("/dev/zero", "c/x/manifest.json"), ==, 0);
-  assert_refused(NULL, "is not the folder of a run");
+  assert_refused(NULL, "no readable manifest.json of a run");
   opc_remove_tree("c");
 }
 

@@ -150,7 +150,7 @@ GVariant *opc_store_get(opc_store *store, const char *key,
     g_bytes_unref(all);
     return g_variant_ref_sink(value);
   }
-  store_complain(store, path, "is damaged, and was dropped");
+  store_complain(store, path, "was damaged and has been removed");
   (void)unlink(path);
   return NULL;
 }

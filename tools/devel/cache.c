@@ -9,7 +9,7 @@
 static gboolean json;
 
 static const cli_option options[] = {
-    {"json", "the result as JSON", .flag = &json}, {0}};
+    {"json", "print the result as JSON", .flag = &json}, {0}};
 
 /* "1.2 GB" (g_free) */
 static char *size_text(guint64 bytes) {
@@ -49,7 +49,8 @@ static int set_limit(opc_store *store, const GPtrArray *words,
                       : g_strdup(words->len == 2 ? words->pdata[1] : "");
   if (!opc_store_read_size(text, &bytes))
     return opc_fail(error, OPC_INVALID, NULL,
-                    "'cache limit' needs a size, e.g. '5 GB', not '%s'", text);
+                    "'cache limit' requires a size, e.g. '5 GB', found '%s'",
+                    text);
   return opc_store_set_limit(store, bytes, error) ? OPC_OK : error->code;
 }
 
@@ -61,7 +62,7 @@ static int cache_change(opc_store *store, const GPtrArray *words,
   if (!strcmp(what, "clear") && words->len == 1)
     return opc_store_clear(store, error) ? OPC_OK : error->code;
   return opc_fail(error, OPC_INVALID, NULL,
-                  "'cache' takes 'clear' or 'limit SIZE', not '%s'", what);
+                  "'cache' accepts 'clear' or 'limit SIZE', found '%s'", what);
 }
 
 static int cache_run(const cli_verb *verb, const GPtrArray *arguments) {
@@ -69,7 +70,8 @@ static int cache_run(const cli_verb *verb, const GPtrArray *arguments) {
   (void)verb;
   g_autoptr(opc_store) store = opc_store_open(&error);
   if (!store && !error.code)
-    return cli_error(CLI_USAGE, "OPCFLOW_STORE is empty: nothing is kept");
+    return cli_error(CLI_USAGE,
+                     "OPCFLOW_STORE is empty: no results are stored");
   if (!store || cache_change(store, arguments, &error)) return cli_fail(&error);
   print_size(store);
   return CLI_GOOD;

@@ -161,7 +161,7 @@ static void check_with(inspector *in, const opc_parameter *p, double number) {
   opc_instance made;
   if (!instance_make(in, p, number, NULL, problems, &made)) {
     g_autofree char *text = opc_problems_text(problems);
-    if (strstr(text, "gave no reason"))
+    if (strstr(text, "no error message"))
       report_finding(&in->hears, "check fails without a message%s%s",
                      p ? " for " : "", p ? p->name : "");
     else if (!p)
@@ -221,13 +221,13 @@ static gboolean give_inputs(inspector *in, opc_binding *b) {
   for (size_t i = 0; i < in->plugin->n_parameters; i++) {
     const opc_parameter *p = &in->plugin->parameters[i];
     if (!is_given(in, i)) continue;
-    opc_error error = {.message = "none is made up"};
+    opc_error error = {.message = "no example data exist"};
     const opc_example *example = find_example(in, p);
     const void *data = example ? example->give(&error) : NULL;
     if (data)
       opc_binding_set(b, i, data);
     else
-      report_note(&in->hears, "run: wants an input '%s' (%s): %s", p->name,
+      report_note(&in->hears, "run: requires an input '%s' (%s): %s", p->name,
                   p->choices ? p->choices : "anything", error.message);
     if (!data) return FALSE;
   }
@@ -268,7 +268,7 @@ static void run_step(inspector *in, const opc_module *m) {
   guard_leave(before);
   error.message[sizeof error.message - 1] = 0;
   if (code == OPC_CANCELLED && is_late(NULL))
-    report_note(&in->hears, "run: takes longer than %g s, see --with",
+    report_note(&in->hears, "run: stopped after %g s, see --with",
                 in->lint->seconds * part);
   else if (code && !*error.message)
     report_finding(&in->hears, "run failed without a message");
@@ -276,7 +276,7 @@ static void run_step(inspector *in, const opc_module *m) {
     report_note(&in->hears, "run: %s", error.message);
   for (size_t i = 0; i < step->n_outputs; i++) {
     if (!code && !outputs[i])
-      report_finding(&in->hears, "run gave nothing as its output '%s'",
+      report_finding(&in->hears, "run returned no output '%s'",
                      step->outputs[i].name);
     else if (!code && output_check(in, &step->outputs[i], outputs[i], &error))
       report_finding(&in->hears, "run: output '%s': %s", step->outputs[i].name,
@@ -374,10 +374,10 @@ static void choose_sample(inspector *in, const char *parameter) {
   g_autofree char *number = g_strdup_printf("%zu", in->sample);
   report_text(in, 'S', number);
   if (in->sample == OPC_NO_SAMPLE)
-    report_note(
-        &in->hears,
-        "work: wants a file '%s', none that is made up suits, see --with",
-        parameter);
+    report_note(&in->hears,
+                "work: requires a file '%s' and no example file "
+                "is accepted, see --with",
+                parameter);
 }
 
 /* The first parameter that must be a file and that nobody has given; NULL if
@@ -394,7 +394,7 @@ static char *wanted_file(const inspector *in) {
 static void check_work(inspector *in) {
   g_autofree char *file = can_try(in) ? wanted_file(in) : NULL;
   if (!can_try(in))
-    report_note(&in->hears, "work: the kind '%s' does not say how to try it",
+    report_note(&in->hears, "work: the kind '%s' has no test of plugins",
                 in->plugin->kind);
   if (file) choose_sample(in, file);
   say_digest(in);
@@ -419,7 +419,8 @@ static void check_together(inspector *in) {
   inspector nowhere = *in;
   if (!can_try(in)) return;
   if (!(in->plugin->flags & OPC_REENTRANT)) {
-    report_note(&in->hears, "two instances at once: it is not OPC_REENTRANT");
+    report_note(&in->hears,
+                "two instances at once: the plugin is not OPC_REENTRANT");
     return;
   }
   nowhere.out = -1;
@@ -468,9 +469,10 @@ static void check_leaks(inspector *in) {
     double one = memory_growth(in, working, CYCLES);
     double two = one > 0 ? memory_growth(in, working, CYCLES) : 0;
     if (!(two > 0)) continue;
-    report_finding(&in->hears,
-                   "leaks %.0f bytes each time it is made%s and freed",
-                   MIN(one, two), working ? ", used" : "");
+    report_finding(
+        &in->hears,
+        "leaks %.0f bytes each time an instance is created%s and freed",
+        MIN(one, two), working ? ", used" : "");
     return;
   }
 }
@@ -482,12 +484,12 @@ const opc_check opc_checks[] = {
     {"check", FALSE, NULL, check_instances},
     {"work", TRUE, NULL, check_work},
     {"the same work again", TRUE,
-     "gives other bits the second time, for the same input", check_again},
+     "returns different bits the second time, for the same input", check_again},
     {"work on several threads", TRUE,
-     "gives other bits on several threads than on one", check_threads},
+     "returns different bits on several threads than on one", check_threads},
     {"two instances at once", TRUE,
-     "gives other bits while another instance works", check_together},
-    {"being made and freed", FALSE, NULL, check_leaks},
+     "returns different bits while another instance works", check_together},
+    {"creating and freeing", FALSE, NULL, check_leaks},
     {NULL, FALSE, NULL, NULL},
 };
 

@@ -91,7 +91,7 @@ static const char *give_path(const opc_host *host, const char *name,
   g_autofree char *folder = g_path_get_dirname(name);
   g_ptr_array_add(((const opc_binding *)host->data)->owned, path);
   if (!opc_name_is_inside(name))
-    opc_fail(error, OPC_INVALID, NULL, "'%s' leaves the folder", name);
+    opc_fail(error, OPC_INVALID, NULL, "'%s' is outside of the folder", name);
   else if (g_file_test(name, G_FILE_TEST_EXISTS))
     opc_fail(error, OPC_IO, NULL, "'%s' exists", name);
   else if (g_mkdir_with_parents(folder, 0777))
@@ -175,7 +175,7 @@ static void choose_table(opc_problems *problems) {
   if (published.tables->len || problems->list->len) return;
   g_autofree char *near = opc_suggestion(wanted, names);
   opc_problem_add(problems, OPC_INVALID, NULL,
-                  "--table: there is no table '%s'%s", wanted, near);
+                  "--table: table '%s' does not exist%s", wanted, near);
 }
 
 static int command_print_results(opc_problems *problems) {
@@ -224,7 +224,7 @@ static void command_call(opc_binding *b, const GPtrArray *arguments,
   error.message[sizeof error.message - 1] = 0;
   if (code)
     opc_problem_add(problems, code, opc_binding_place(b, error.parameter), "%s",
-                    *error.message ? error.message : "gave no reason");
+                    *error.message ? error.message : "no error message");
 }
 
 static int command_run(const cli_verb *verb, const GPtrArray *arguments) {
@@ -279,12 +279,12 @@ static void add_options(GArray *list, const opc_plugin *plugin, size_t i) {
 /* Nothing is freed: the process runs one verb. */
 const cli_verb *cli_plugin_verb(const char *name, opc_error *error) {
   static const cli_option common[] = {
-      {"threads", "default: as many as there are processors", "N",
+      {"threads", "number of threads (default: number of processors)", "N",
        .text = &threads},
-      {"table", "this table alone", "NAME", .text = &wanted},
+      {"table", "print only this table", "NAME", .text = &wanted},
       {"csv", "tables as CSV", .flag = &csv},
       {"markdown", "tables as Markdown", .flag = &markdown},
-      {"json", "the result as JSON", .flag = &json}};
+      {"json", "print the result as JSON", .flag = &json}};
   static cli_verb verb;
   static GArray *options;
   g_autofree char *id = g_strconcat("command.", name, NULL);

@@ -12,7 +12,7 @@
 static gboolean json;
 
 static const cli_option options[] = {
-    {"json", "the result as JSON", .flag = &json}, {0}};
+    {"json", "print the result as JSON", .flag = &json}, {0}};
 
 /* ---- reading ---- */
 
@@ -88,7 +88,7 @@ static void print_lines(JsonArray *results, JsonObject *store) {
   cli_print_rows(names, G_N_ELEMENTS(names), cells);
   double steps = number_of(store, "steps");
   cli_print("\n%.0f of %.0f steps reused\n", number_of(store, "reused"), steps);
-  if (steps > n) cli_print("the manifest lists the first %u of them\n", n);
+  if (steps > n) cli_print("the manifest lists the first %u\n", n);
 }
 
 /* ---- the verb ---- */

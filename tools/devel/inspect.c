@@ -26,7 +26,7 @@ static void print_cells(const char *const *names, size_t n,
 
 static void print_parameters(const opc_plugin *plugin) {
   static const char *const names[] = {"parameter", "type",   "unit",
-                                      "default",   "limits", "what it is"};
+                                      "default",   "limits", "meaning"};
   g_autoptr(GPtrArray) cells = g_ptr_array_new_with_free_func(g_free);
   for (size_t i = 0; i < plugin->n_parameters; i++) {
     const opc_parameter *p = &plugin->parameters[i];
@@ -44,7 +44,7 @@ static void print_parameters(const opc_plugin *plugin) {
 }
 
 static void print_metrics(const opc_plugin *plugin) {
-  static const char *const names[] = {"metric", "unit", "better", "what it is"};
+  static const char *const names[] = {"metric", "unit", "better", "meaning"};
   g_autoptr(GPtrArray) cells = g_ptr_array_new_with_free_func(g_free);
   for (size_t i = 0; i < plugin->n_metrics; i++) {
     const opc_metric *m = &plugin->metrics[i];

@@ -83,12 +83,13 @@ static gboolean check_exports(opc_lint *lint) {
   if (!g_spawn_sync(NULL, (char **)argv, NULL,
                     G_SPAWN_SEARCH_PATH | G_SPAWN_STDERR_TO_DEV_NULL, NULL,
                     NULL, &text, NULL, &status, NULL)) {
-    g_ptr_array_add(lint->notes, g_strdup("exports: there is no nm here"));
+    g_ptr_array_add(lint->notes,
+                    g_strdup("exports: the program nm is missing"));
     return TRUE;
   }
   if (status) {
     g_ptr_array_add(lint->findings,
-                    g_strdup("it is no shared object of this machine"));
+                    g_strdup("not a shared object of this machine"));
     return FALSE;
   }
   g_auto(GStrv) lines = g_strsplit(text, "\n", -1);
@@ -98,7 +99,7 @@ static gboolean check_exports(opc_lint *lint) {
     if (!*name || !strcmp(name, OPC_ENTRY_NAME) || *name == '_') continue;
     g_ptr_array_add(
         lint->findings,
-        g_strdup_printf("exports '%s'; only " OPC_ENTRY_NAME " is to be seen",
+        g_strdup_printf("exports '%s'; only " OPC_ENTRY_NAME " may be exported",
                         name));
   }
   g_ptr_array_add(lint->checked, g_strdup("exports"));
@@ -158,9 +159,9 @@ static void give_up(opc_lint *lint, size_t i, const char *why) {
 static void lint_run(opc_lint *lint) {
   g_autofree char *first = NULL;
   if (!lint->folder)
-    g_ptr_array_add(lint->findings, g_strdup("no folder for made-up files"));
+    g_ptr_array_add(lint->findings, g_strdup("no folder for example files"));
   if (!lint->folder || !check_exports(lint)) {
-    give_up(lint, 0, "it was not loaded");
+    give_up(lint, 0, "the plugin was not loaded");
     return;
   }
   for (size_t i = 0; opc_checks[i].name; i++) {
@@ -171,7 +172,8 @@ static void lint_run(opc_lint *lint) {
     gboolean survived = run_check(lint, i, first, &digest);
     if (!survived || (i == 0 && lint->findings->len > findings &&
                       strstr(lint->findings->pdata[findings], "cannot use"))) {
-      give_up(lint, i + 1, "it ended before, or could not be used");
+      give_up(lint, i + 1,
+              "the plugin ended the process earlier or cannot be used");
       return;
     }
     if (check->differs && digest && g_strcmp0(first, digest))
@@ -239,7 +241,7 @@ static const char *parameters = "{}";
 static const cli_option options[] = {
     {"with", "parameters, as in a flow", "{ PARAMETER: VALUE }",
      .text = &parameters},
-    {"strict", "fail if anything could not be checked", .flag = &strict},
+    {"strict", "fail if a check was skipped", .flag = &strict},
     {"json", "as JSON", .flag = &json},
     {0}};
 

@@ -22,7 +22,8 @@ static const char *process; /* --process */
 static gboolean json;
 
 static const cli_option options[] = {
-    {"kind", "by default what NAME begins with", "KIND", .text = &wanted},
+    {"kind", "kind of the plugin (default: first word of NAME)", "KIND",
+     .text = &wanted},
     {"process", "a flow or comparison that extends this one and works on INPUT",
      "NAME", .text = &process},
     {"json", "print the files as JSON", .flag = &json},
@@ -110,8 +111,8 @@ static int lacks_name(const char *given, GPtrArray *kinds) {
 static int settle_names(const char *given) {
   if (!opc_is_id(given))
     return cli_error(CLI_USAGE,
-                     "'%s' is no name for a plugin: lower_case words with dots "
-                     "between them",
+                     "'%s' cannot be the name of a plugin, expected lower_case "
+                     "words separated by dots",
                      given);
   const char *dot = strrchr(given, '.');
   g_autoptr(GPtrArray) kinds = opc_kind_names(cli_registry());
@@ -120,10 +121,10 @@ static int settle_names(const char *given) {
   id = dot ? g_strdup(given) : g_strconcat(kind, ".", given, NULL);
   name = g_strdup(dot ? dot + 1 : given);
   if (!strcmp(kind, OPC_KIND_COMMAND) && is_own_verb(name))
-    return cli_error(CLI_USAGE,
-                     "'opcflow %s' is there already: a plugin '%s' would never "
-                     "be called",
-                     name, id);
+    return cli_error(
+        CLI_USAGE,
+        "'opcflow %s' is built in: a plugin '%s' would never be called", name,
+        id);
   if (g_ptr_array_find_with_equal_func(kinds, kind, g_str_equal, NULL))
     return -1;
   g_autofree char *suggestion = opc_suggestion(kind, kinds);
@@ -146,7 +147,7 @@ static int make_folder(void) {
 static int new_plugin(const GPtrArray *arguments) {
   if (arguments->len < 2)
     return cli_error(CLI_USAGE,
-                     "'new plugin' needs NAME, see 'opcflow help new'");
+                     "'new plugin' requires NAME, see 'opcflow help new'");
   int code = settle_names(arguments->pdata[1]);
   if (code >= 0) return code;
   opc_error error = {0};
@@ -154,8 +155,7 @@ static int new_plugin(const GPtrArray *arguments) {
   if (!its) return cli_fail(&error);
   g_auto(GStrv) own = own_names(kind);
   if (!own && !its->n_templates)
-    return cli_error(CLI_PLUGIN, "the kind '%s' does not say how one begins",
-                     kind);
+    return cli_error(CLI_PLUGIN, "the kind '%s' has no template", kind);
   folder = g_strdup(arguments->len > 2 ? arguments->pdata[2] : id);
   code = make_folder();
   for (guint i = 0; own && own[i] && code < 0; i++)
@@ -243,7 +243,9 @@ static GArray *find_open(const char *path, int *code) {
   g_autoptr(GArray) open = flow ? cli_open_files(flow) : NULL;
   if (open && open->len) return g_steal_pointer(&open);
   *code = flow ? cli_error(CLI_USAGE,
-                           "'%s' leaves no file open: it is no process", path)
+                           "'%s' has no input file left to set and is "
+                           "therefore not a process",
+                           path)
                : cli_problems(problems);
   return NULL;
 }
@@ -284,7 +286,7 @@ static int extend_process(const char *input, const char *file) {
   g_string_append_c(text, '\n');
   for (guint i = 1; i < open->len; i++)
     g_string_append_printf(text, "%s#   --set %s=FILE    %s\n",
-                           i == 1 ? "# Still to be given, here or as\n" : "",
+                           i == 1 ? "# Parameters to set, here or as\n" : "",
                            left[i].path, left[i].summary);
   return template_write(file, text->str, FALSE);
 }
@@ -297,7 +299,7 @@ static int name_after(const char *file) {
   for (char *c = name; *c; c++)
     if (!g_ascii_isalnum(*c) && *c != '-') *c = '_';
   if (g_ascii_isalnum(*name)) return -1;
-  return cli_error(CLI_USAGE, "'%s' is no name for a flow", file);
+  return cli_error(CLI_USAGE, "'%s' cannot be the name of a flow", file);
 }
 
 /* The files that the flow reads may exist already. */
@@ -306,8 +308,7 @@ static int new_flow(const GPtrArray *arguments) {
   const char *path = arguments->len > at ? arguments->pdata[at] : "flow.yaml";
   if (process && arguments->len < 2)
     return cli_error(CLI_USAGE,
-                     "'--process' needs INPUT, the file that the "
-                     "flow works on");
+                     "'--process' requires INPUT, the input file of the flow");
   if (arguments->len > at + 1)
     return cli_error(CLI_USAGE, "'new flow' does not take '%s'",
                      (char *)arguments->pdata[at + 1]);
@@ -324,8 +325,8 @@ static int new_flow(const GPtrArray *arguments) {
     g_autoptr(GPtrArray) names = base_names(flows);
     g_autofree char *all = known_names(names);
     return cli_error(CLI_USAGE,
-                     "'%s' exists: a flow that works on it comes by 'opcflow "
-                     "new flow --process NAME %s'%s",
+                     "'%s' exists: create a flow for this file by 'opcflow new "
+                     "flow --process NAME %s'%s",
                      path, path, all);
   }
   int code = name_after(file);
@@ -400,10 +401,11 @@ static int new_run(const cli_verb *verb, const GPtrArray *arguments) {
   if (!plugin && !comparison && strcmp(what, "flow") != 0)
     return cli_error(
         CLI_USAGE,
-        "'new' makes a 'plugin', a 'flow' or a 'comparison', not '%s'", what);
+        "'new' creates a 'plugin', a 'flow' or a 'comparison', found '%s'",
+        what);
   if (plugin && process)
     return cli_error(CLI_USAGE,
-                     "'--process' goes with 'new flow' and 'new comparison'");
+                     "'--process' requires 'new flow' and 'new comparison'");
   if (plugin && arguments->len > 3)
     return cli_error(CLI_USAGE, "'new plugin' does not take '%s'",
                      (char *)arguments->pdata[3]);

@@ -52,7 +52,8 @@ static void print_failed(const GPtrArray *list) {
 static gboolean failed, json;
 
 static const cli_option options[] = {
-    {"failed", "those that cannot be used, and why", .flag = &failed},
+    {"failed", "list plugins that cannot be used, with the reasons",
+     .flag = &failed},
     {"json", "as JSON", .flag = &json},
     {0}};
 

@@ -44,7 +44,8 @@ static const char *give_path(const opc_host *host, const char *name,
   g_autofree char *folder = g_path_get_dirname(path);
   g_ptr_array_add(p->paths, path);
   if (!opc_name_is_inside(name))
-    opc_fail(error, OPC_INVALID, NULL, "'%s' leaves the run folder", name);
+    opc_fail(error, OPC_INVALID, NULL, "'%s' is outside of the run folder",
+             name);
   else if (g_mkdir_with_parents(folder, 0777))
     opc_fail(error, OPC_IO, NULL, "'%s': %s", folder, g_strerror(errno));
   else

@@ -97,8 +97,7 @@ int bench_forgive(bench *b, int state, int code, const opc_error *error) {
   if (code != OPC_FAILED || state != EDA_BEFORE) return code;
   if (b->has[state])
     b->host->log(b->host, OPC_LOG_WARNING,
-                 "no figures of the circuit before correction: %s",
-                 error->message);
+                 "the circuit as drawn has no results: %s", error->message);
   b->has[state] = 0;
   return OPC_OK;
 }

@@ -220,8 +220,8 @@ static void warn_of_outputs(const bench *b, const patterns *p, const logic *l,
                    "output '%s' is at no logic level in %zu of %zu patterns",
                    name, unknown, p->count);
     if (i == d->count)
-      b->host->log(b->host, OPC_LOG_WARNING, "output '%s' never changes%s",
-                   name, p->sampled ? " in what was tried" : "");
+      b->host->log(b->host, OPC_LOG_WARNING, "output '%s' does not change%s",
+                   name, p->sampled ? " for the tried inputs" : "");
   }
 }
 

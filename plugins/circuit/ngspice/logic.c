@@ -123,9 +123,9 @@ static void run_job(bench_task *j) {
   job_simulate(j, deck, commands, &r);
   size_t points = points_of(j), all = points * (j->to - j->from);
   if (!j->code && r.count != all)
-    j->code =
-        opc_fail(&j->error, OPC_FAILED, NULL,
-                 "'ngspice' gave %zu operating points, not %zu", r.count, all);
+    j->code = opc_fail(&j->error, OPC_FAILED, NULL,
+                       "'ngspice' returned %zu operating points, expected %zu",
+                       r.count, all);
   for (size_t k = j->from; !j->code && k < j->to; k++) {
     const eda_spice_plot *plot = &r.plot[points * (k - j->from)];
     keep_point(j, plot, k);

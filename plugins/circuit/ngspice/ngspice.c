@@ -39,10 +39,11 @@ static int check_names(bench *b, const eda_models *l, const char *names,
     if (i && (kind == EDA_MODEL_SUBCIRCUIT) != b->subcircuits) kind = 0;
     b->subcircuits = kind == EDA_MODEL_SUBCIRCUIT;
     if (!kind)
-      return opc_fail(error, OPC_INVALID, "library",
-                      "'%s' has no '%s', or it is not as the others are; "
-                      "'nmos' and 'pmos' give the models' names there",
-                      b->library, name[i]);
+      return opc_fail(
+          error, OPC_INVALID, "library",
+          "'%s' has no model '%s', or the model is of another kind than the "
+          "others; set 'nmos' and 'pmos' to the names of the models",
+          b->library, name[i]);
   }
   return OPC_OK;
 }
@@ -57,7 +58,7 @@ static int put_stand_ins(bench *b, const eda_models *l, opc_error *error) {
     size_t n = 0;
     if (!p[1])
       return opc_fail(error, OPC_INVALID, "stand_ins",
-                      "'%s' has none that stands in for it", *p);
+                      "'%s' has no substitute model", *p);
     const char *name = eda_pool_text(&b->pool, p[1], strlen(p[1]));
     for (size_t i = 0; i < count && !eda_models_kind(l, *p); i++) {
       if (!device[i].model || !eda_same_name(device[i].model, *p)) continue;
@@ -66,7 +67,7 @@ static int put_stand_ins(bench *b, const eda_models *l, opc_error *error) {
     }
     if (n)
       b->host->log(b->host, OPC_LOG_INFO,
-                   "'%s' stands in for '%s' in %zu transistors", p[1], *p, n);
+                   "model '%s' replaces '%s' in %zu transistors", p[1], *p, n);
   }
   b->own = *b->circuit;
   b->own.device = device;
@@ -116,7 +117,7 @@ static int find_states(bench *b, opc_error *error) {
   static const int kinds[] = {SIZE_TIMED, SIZE_OFF};
   if (b->mask && b->mask->gates != b->circuit->gates)
     return opc_fail(error, OPC_INVALID, "mask",
-                    "the mask is of other gates than the circuit");
+                    "the mask and the circuit belong to different gates");
   b->printed = b->mask;
   if (b->sizes == SIZES_LENGTH && sizes_by_length(b, error)) return error->code;
   for (int state = 0; state < EDA_STATES; state++) {
@@ -136,7 +137,7 @@ static int circuit_prepare(bench *b, opc_error *error) {
   b->high = b->edges.values[1] / 100;
   if (!b->library == !b->models[0])
     return opc_fail(error, OPC_INVALID, b->library ? "library" : "models",
-                    "one of 'models' and 'library' is needed");
+                    "set either 'models' or 'library'");
   /* DLC of library models cannot be changed. */
   if (b->library) b->dlc = 0;
   if (b->library ? read_library(b, error)
@@ -169,8 +170,7 @@ static int run_logic(bench *b, opc_error *error) {
   if (patterns_make(b, &p, error)) return error->code;
   if (p.sampled)
     b->host->log(b->host, OPC_LOG_INFO,
-                 "%zu transitions of the inputs, drawn at random: there are "
-                 "more",
+                 "%zu random transitions of the inputs are simulated, not all",
                  p.transitions);
   if (logic_find(b, &p, &l, error)) return error->code;
   if (b->measure != DELAYS && leakage_report(b, &p, &l, error))
@@ -185,10 +185,10 @@ static int run_states(bench *b, const char *net, opc_error *error) {
   logic l;
   if (b->measure == LEAKAGE || b->several)
     return opc_fail(error, OPC_INVALID, "circuit",
-                    "'%s' keeps a state: its net '%s' is on a loop; %s",
+                    "'%s' is sequential: net '%s' is on a loop; %s",
                     b->circuit->name, net,
-                    b->several ? "its inputs change one at a time"
-                               : "leakage is of circuits without");
+                    b->several ? "set one changing input at a time"
+                               : "leakage requires a combinational circuit");
   if (bench_drives(b, error) || states_find(b, &m, &p, &l, error))
     return error->code;
   return finish_delays(b, &m, &p, &l, error);
@@ -207,16 +207,16 @@ static int pick_cell(const bench *b, cell *cells, size_t *count,
       *count = 1;
       return OPC_OK;
     }
-  return opc_fail(error, OPC_INVALID, "cell", "'%s' is no storage node of '%s'",
-                  b->cell, b->circuit->name);
+  return opc_fail(error, OPC_INVALID, "cell",
+                  "'%s' is not a storage node of '%s'", b->cell,
+                  b->circuit->name);
 }
 
 static int run_margins(bench *b, cell *cells, size_t count, opc_error *error) {
   margins m;
   if (!count)
     return opc_fail(error, OPC_INVALID, "circuit",
-                    "'%s' has no inverters that drive each other",
-                    b->circuit->name);
+                    "'%s' has no cross-coupled inverters", b->circuit->name);
   if (pick_cell(b, cells, &count, error) ||
       margins_find(b, cells, count, &m, error) ||
       margins_report(b, cells, count, &m, error))
@@ -262,12 +262,13 @@ static const opc_parameter parameters[] = {
                   .choices = "circuit", .summary = "the netlist and its gates"),
     OPC_PARAMETER(bench, mask, .type = OPC_INPUT, .choices = "mask",
                   .summary = "the corrected mask and its printed image"),
-    OPC_PARAMETER_NAMED("models", bench, models[0], .type = OPC_FILE,
-                        .summary = "file with the model cards; this or "
-                                   "`library` is needed"),
+    OPC_PARAMETER_NAMED(
+        "models", bench, models[0], .type = OPC_FILE,
+        .summary = "file with the model cards; required without `library`"),
     OPC_PARAMETER_NAMED(
         "pmos_models", bench, models[1], .type = OPC_FILE,
-        .summary = "that of the p-transistor, if it is another"),
+        .summary =
+            "file with the model card of the p-transistor, if different"),
     OPC_PARAMETER(bench, library, .type = OPC_FILE,
                   .summary = "a foundry's models: subcircuits or cards, in "
                              "sections and bins, of which the outermost go on"),
@@ -275,8 +276,8 @@ static const opc_parameter parameters[] = {
                   .summary = "section of the library; if not given, the part "
                              "outside of all sections"),
     OPC_PARAMETER(bench, osdi, .type = OPC_FILE,
-                  .summary = "a shared object of compiled models that the "
-                             "library's are of (OSDI)"),
+                  .summary = "shared object of the compiled models that the "
+                             "library uses (OSDI)"),
     OPC_PARAMETER_NAMED("nmos", bench, model[EDA_NMOS], .type = OPC_TEXT,
                         .summary = "name of the n-transistor's model; if not "
                                    "given, nmos, or with `library` the "
@@ -361,13 +362,13 @@ static const opc_parameter parameters[] = {
    .summary = ("largest deviation of " text)},                        \
   {                                                                   \
     .name = (id "_worst_before"), .unit = "%", .better = OPC_NEUTRAL, \
-    .summary = ("before correction, that of " text)                   \
+    .summary = ("before correction, the same of " text)               \
   }
 
 static const opc_metric metrics[] = {
     FIGURE("transitions", NULL, "input transitions that an output follows"),
     {"unmeasured", NULL, OPC_LOWER, 0,
-     "outputs that did not get there, as drawn or corrected"},
+     "outputs that did not reach the final level, as drawn or corrected"},
     FIGURE("tr", "ps", "mean rise time as drawn"),
     FIGURE("tf", "ps", "mean fall time as drawn"),
     FIGURE("tplh", "ps", "mean delay of rising outputs as drawn"),
@@ -382,7 +383,8 @@ static const opc_metric metrics[] = {
     FIGURE("leakage_most", "A", "largest supply current at rest as drawn"),
     FIGURE("power", "W", "mean static power as drawn"),
     FIGURE("leakage_mean", "%", "mean deviation of the leakage"),
-    FIGURE("leakage_mean_before", "%", "that before correction"),
+    FIGURE("leakage_mean_before", "%",
+           "mean deviation of the leakage before correction"),
     CHANGE("leakage", "the leakage"),
     FIGURE("cells", NULL, "memory cells"),
     FIGURE("snm_left", "mV", "smallest left noise margin as drawn"),
@@ -402,18 +404,19 @@ static int circuit_check(void *self, opc_error *error) {
       return opc_fail(error, OPC_INVALID, names[type],
                       "'%s' is not the name of a model", b->model[type]);
   if (b->sizes == SIZES_LENGTH && !b->devices)
-    return opc_fail(error, OPC_INVALID, "devices",
-                    "missing: 'sizes: length' needs a table of devices");
+    return opc_fail(
+        error, OPC_INVALID, "devices",
+        "'devices' is missing: 'sizes: length' requires a device table");
   if (b->edges.count != 2 || !(edge[0] > 0) || !(edge[0] < 50) ||
       !(edge[1] > 50) || !(edge[1] < 100))
     return opc_fail(error, OPC_INVALID, "edges",
-                    "'edges' are one place above 0 and one below 100 %%, with "
-                    "the middle between them");
+                    "'edges' must be two thresholds between 0 and 100 %%, one "
+                    "below and one above 50 %%");
   if (b->corner && !eda_spice_is_name(b->corner))
     return opc_fail(error, OPC_INVALID, "corner",
                     "'%s' is not the name of a section", b->corner);
   if (b->osdi && !b->library)
-    return opc_fail(error, OPC_INVALID, "osdi", "'%s' goes with 'library'",
+    return opc_fail(error, OPC_INVALID, "osdi", "'%s' requires 'library'",
                     b->osdi);
   return eda_paper_check(b->picture, "picture", error);
 }

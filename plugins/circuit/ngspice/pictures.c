@@ -105,7 +105,7 @@ int draw_delays(bench *b, const patterns *p, const delays *d, const char *path,
   eda_chart c;
   char title[256];
   snprintf(title, sizeof title, "%.120s: %s", b->circuit->name,
-           b->has[EDA_AFTER] ? "the delays that deviate most"
+           b->has[EDA_AFTER] ? "delays with the largest deviations"
                              : "the longest delays");
   eda_paper *paper = open_paper(b, path, &c, title, "input", error);
   if (!paper) return error->code;

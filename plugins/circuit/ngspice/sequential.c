@@ -91,8 +91,9 @@ static tour tour_simulate(bench_task *j, eda_spice_result *r) {
   g_autofree char *commands = job_text(j, write_commands, &t.path);
   job_simulate(j, deck, commands, r);
   if (!j->code && r->count != 1)
-    j->code = opc_fail(&j->error, OPC_FAILED, NULL,
-                       "'ngspice' gave %zu transients, not 1", r->count);
+    j->code =
+        opc_fail(&j->error, OPC_FAILED, NULL,
+                 "'ngspice' returned %zu transients, expected 1", r->count);
   return t;
 }
 

@@ -123,11 +123,11 @@ static void check_ringing(bench_task *j, const eda_spice_plot *plot,
   const machine *m = ((const round_of *)j->of)->m;
   for (size_t i = 0; i < m->watched && !j->code; i++)
     if (count_changes(b, plot, m->net[i], from, to) >= RINGS)
-      j->code = opc_fail(&j->error, OPC_INVALID, "circuit",
-                         "'%s' does not come to rest: its net '%s' changes "
-                         "%d times and more in %g ns",
-                         b->circuit->name, b->circuit->net[m->net[i]], RINGS,
-                         1e9 * (to - from));
+      j->code = opc_fail(
+          &j->error, OPC_INVALID, "circuit",
+          "'%s' does not settle: net '%s' changes at least %d times in %g ns",
+          b->circuit->name, b->circuit->net[m->net[i]], RINGS,
+          1e9 * (to - from));
 }
 
 /* Return 1 if any net changes between two times. Comparing the levels at the
@@ -169,8 +169,9 @@ static void run_job(bench_task *j) {
   t->level = g_new(int8_t, (t->path.input->len + 1) * r->m->watched);
   job_simulate(j, deck, commands, &result);
   if (!j->code && result.count != 1)
-    j->code = opc_fail(&j->error, OPC_FAILED, NULL,
-                       "'ngspice' gave %zu transients, not 1", result.count);
+    j->code =
+        opc_fail(&j->error, OPC_FAILED, NULL,
+                 "'ngspice' returned %zu transients, expected 1", result.count);
   if (!j->code) trip_read_levels(j, t, &result.plot[0]);
   eda_spice_clear(&result);
 }
@@ -286,10 +287,10 @@ static int map_explore(map *a, opc_error *error) {
   for (size_t i = 0; i < a->m->states * a->b->inputs; i++)
     n += a->m->next[i] == STATE_UNKNOWN;
   if (n)
-    a->b->host->log(a->b->host, OPC_LOG_INFO,
-                    "%zu changes of inputs tried, nearest to where the circuit "
-                    "wakes up: there are more",
-                    tried);
+    a->b->host->log(
+        a->b->host, OPC_LOG_INFO,
+        "%zu input changes tried, nearest to the initial state; more exist",
+        tried);
   return 1;
 }
 
@@ -304,8 +305,8 @@ static void leave_out(bench *b, machine *m, const uint8_t *kept) {
   while (!kept[first]) first++;
   if (!traversal_synchronise(b, m, &w) || !kept[w.at]) {
     b->host->log(b->host, OPC_LOG_WARNING,
-                 "no changes of inputs are known that lead to one state from "
-                 "all: it is the simulator that wakes up in one");
+                 "no sequence of input changes is known that leads from all "
+                 "states to one: the simulator chooses the initial state");
     traversal_clear(&w);
     w = traversal_new(m);
     traversal_to(b, m, &w, first);
@@ -369,7 +370,7 @@ static void machine_warn(const bench *b, const machine *m) {
   if (lost)
     host->log(host, OPC_LOG_WARNING,
               "%zu changes of an input do not always lead to the same state "
-              "and are left out",
+              "and are omitted",
               lost);
   for (size_t k = 0; k < m->watched; k++) {
     size_t n = 0;
@@ -377,8 +378,8 @@ static void machine_warn(const bench *b, const machine *m) {
       n += m->level[s * m->watched + k] < 0;
     if (n)
       host->log(host, OPC_LOG_WARNING,
-                "net '%s' is at no logic level in %zu of %zu states, which "
-                "are left out",
+                "net '%s' is at no logic level in %zu of %zu states, which are "
+                "omitted",
                 b->circuit->net[m->net[k]], n, m->states);
   }
 }
@@ -394,7 +395,7 @@ int states_find(bench *b, machine *m, patterns *p, logic *l, opc_error *error) {
     rests = map_explore(&a, error);
   }
   if (!rests)
-    opc_fail(error, OPC_FAILED, "circuit", "'%s' is not at rest after %g ns",
+    opc_fail(error, OPC_FAILED, "circuit", "'%s' has not settled after %g ns",
              b->circuit->name, 1e9 * m->phase);
   if (rests > 0) {
     size_t all = m->states;
@@ -406,8 +407,8 @@ int states_find(bench *b, machine *m, patterns *p, logic *l, opc_error *error) {
     m->next = (uint32_t *)array_keep(b, a.next, m->states * b->inputs,
                                      sizeof *m->next);
     b->host->log(b->host, OPC_LOG_INFO,
-                 "'%s' keeps a state: %zu with those of its inputs, of %zu "
-                 "seen; changes are %g ns apart",
+                 "'%s' is sequential: %zu states including inputs are used, of "
+                 "%zu found; changes are %g ns apart",
                  b->circuit->name, m->states, all, 1e9 * m->phase);
     machine_warn(b, m);
     list_patterns(b, m, p, l);

@@ -206,17 +206,19 @@ int delays_report(bench *b, const patterns *p, const delays *d,
     early += a->delay[0] <= 0;
   }
   if (before)
-    b->host->log(b->host, OPC_LOG_WARNING,
-                 "before correction %zu of %zu outputs do not get there",
-                 before, d->count);
+    b->host->log(
+        b->host, OPC_LOG_WARNING,
+        "before correction, %zu of %zu outputs do not reach the final level",
+        before, d->count);
   if (missing)
-    b->host->log(b->host, OPC_LOG_WARNING,
-                 "%zu of %zu outputs did not get there and are left out",
-                 missing, d->count);
+    b->host->log(
+        b->host, OPC_LOG_WARNING,
+        "%zu of %zu outputs did not reach the final level and are omitted",
+        missing, d->count);
   if (early)
     b->host->log(b->host, OPC_LOG_WARNING,
-                 "%zu of %zu delays are not above 0 as drawn and have no "
-                 "deviation: a shorter 'slew' helps",
+                 "%zu of %zu delays as drawn are not above 0 and have no "
+                 "deviation: use a shorter 'slew'",
                  early, d->count);
   if (publish_metric(b, "transitions", (double)d->flips, error) ||
       publish_metric(b, "unmeasured", (double)missing, error) ||

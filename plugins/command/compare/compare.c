@@ -21,8 +21,8 @@ static int compare_refuse(const GPtrArray *why, opc_error *error) {
                            (char *)why->pdata[i]);
   if (why->len > LISTED)
     g_string_append_printf(text, "; and %u more", why->len - LISTED);
-  return opc_fail(error, OPC_INVALID, NULL, "%s (--anyway compares them)",
-                  text->str);
+  return opc_fail(error, OPC_INVALID, NULL,
+                  "%s (use --anyway to compare in spite of this)", text->str);
 }
 
 static int check_pairs(const comparison *c, opc_error *error) {
@@ -49,7 +49,7 @@ static int check_pairs(const comparison *c, opc_error *error) {
 static int check_word(const char *word, opc_error *error) {
   if (!strcmp(word, "worse") || g_str_has_prefix(word, "worse:")) return OPC_OK;
   return opc_fail(error, OPC_INVALID, "fail_on",
-                  "'%s': is 'worse' or 'worse:METRIC'", word);
+                  "'%s' must be 'worse' or 'worse:METRIC'", word);
 }
 
 /* Return why a row counts as worse: the metric is worse, or is missing in the
@@ -95,7 +95,7 @@ static int compare_judge(const comparison *c, opc_error *error) {
   for (char **word = words; *word; word++)
     if (!add_worse(c, g_strstrip(*word), seen, worse))
       return opc_fail(error, OPC_INVALID, "fail_on",
-                      "'%s': there is no such metric", *word);
+                      "'%s': metric does not exist", *word);
   if (!worse->len) return OPC_OK;
   guint shown = MIN(worse->len, LISTED);
   g_autoptr(GString) text = g_string_new(NULL);
@@ -179,13 +179,13 @@ static const opc_parameter parameters[] = {
 };
 
 static const opc_metric metrics[] = {
-    {"better", NULL, OPC_HIGHER, 0, "Metrics that are better than the base's"},
-    {"worse", NULL, OPC_LOWER, 0, "Metrics that are worse"},
-    {"same", NULL, OPC_NEUTRAL, 0,
-     "Metrics that are the same within tolerance"},
+    {"better", NULL, OPC_HIGHER, 0, "Number of metrics better than the base"},
+    {"worse", NULL, OPC_LOWER, 0, "Number of metrics worse than the base"},
+    {"same", NULL, OPC_NEUTRAL, 0, "Number of metrics equal within tolerance"},
     {"differs", NULL, OPC_NEUTRAL, 0,
-     "Metrics without a direction that are not the same"},
-    {"missing", NULL, OPC_NEUTRAL, 0, "Metrics that one of them lacks"},
+     "Number of metrics without a direction that differ"},
+    {"missing", NULL, OPC_NEUTRAL, 0,
+     "Number of metrics that one of the runs lacks"},
 };
 
 static int compare_check(void *self, opc_error *error) {

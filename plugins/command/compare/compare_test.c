@@ -207,8 +207,9 @@ static void test_fail_on(void) {
   } cases[] = {
       {"{ fail_on: worse }", OPC_LIMIT, "worse: d: mask.ion"},
       {"{ fail_on: 'worse:mask.ion' }", OPC_LIMIT, "worse: d: mask.ion"},
-      {"{ fail_on: 'worse:io?' }", OPC_INVALID, "'worse:io?': there is no"},
-      {"{ fail_on: better }", OPC_INVALID, "'better': is 'worse' or"},
+      {"{ fail_on: 'worse:io?' }", OPC_INVALID,
+       "'worse:io?': metric does not exist"},
+      {"{ fail_on: better }", OPC_INVALID, "'better' must be 'worse' or"},
       {"{ metrics: mask.iom }", OPC_INVALID, "did you mean 'mask.ion'?"},
       {"{ metrics: 'mask.*' }", OPC_OK, ""}};
   opc_error error;
@@ -226,7 +227,7 @@ static void test_fail_on(void) {
 /* Comparison is refused for different layouts or optics. */
 static void test_refused(void) {
   static const made_run others[] = {{.layout = "bb"}, {.na = "0.85"}};
-  static const char *const said[] = {"layout.file has another content (aa, bb)",
+  static const char *const said[] = {"layout.file differs in content (aa, bb)",
                                      "mask.litho.na is 0.75 and 0.85"};
   opc_error error;
   folder_make("c", (made_run){.na = NULL});

@@ -49,9 +49,9 @@ static int open_runs(field *f, size_t n, const char *const *folders,
                      opc_error *error) {
   eda_run *base = NULL;
   if (n < 2)
-    return opc_fail(error, OPC_INVALID, NULL,
-                    "needs two runs or more, an experiment, or a flow and "
-                    "--variant");
+    return opc_fail(
+        error, OPC_INVALID, NULL,
+        "expected two or more runs, an experiment, or a flow and --variant");
   for (size_t i = 0; i < n; i++) {
     char *label = field_keep_text(f, label_of(n, folders, i));
     eda_run *run = open_run(f, folders[i], label, error);
@@ -131,11 +131,10 @@ static int open_variants(field *f, const char *flow, const char *variants,
     const char *variant = strcmp(g_strstrip(*word), "base") ? *word : NULL;
     char *folder = latest_run(name, variant);
     if (!folder)
-      return opc_fail(error, OPC_INVALID, "variant",
-                      "there is no run of '%s' in runs/: 'opcflow run %s%s%s' "
-                      "makes it",
-                      *word, flow, variant ? " --variant " : "",
-                      variant ? variant : "");
+      return opc_fail(
+          error, OPC_INVALID, "variant",
+          "runs/ has no run of '%s': start one by 'opcflow run %s%s%s'", *word,
+          flow, variant ? " --variant " : "", variant ? variant : "");
     g_ptr_array_add(folders, field_keep_text(f, folder));
   }
   return open_runs(f, folders->len, (const char *const *)folders->pdata, error);
@@ -198,7 +197,8 @@ static int pair_cases(field *f, const opc_host *host, const eda_run_cases *base,
         find_case(base, all[i].name, method ? method : all[i].method);
     eda_run *a, *b = NULL;
     if (!from) {
-      host->log(host, OPC_LOG_WARNING, "%s, %s: left out: the base has none",
+      host->log(host, OPC_LOG_WARNING,
+                "%s, %s: omitted, because the base has no such run",
                 all[i].name, all[i].method);
       continue;
     }
@@ -213,16 +213,16 @@ static int pair_cases(field *f, const opc_host *host, const eda_run_cases *base,
   f->cases = g_hash_table_size(names);
   f->methods = g_hash_table_size(methods);
   f->experiment = 1;
-  return f->pairs->len ? OPC_OK
-                       : opc_fail(error, OPC_INVALID, NULL,
-                                  "there are no two runs of one case");
+  return f->pairs->len
+             ? OPC_OK
+             : opc_fail(error, OPC_INVALID, NULL, "no case has two runs");
 }
 
 static int open_experiments(field *f, const opc_host *host, size_t n,
                             const char *const *folders, opc_error *error) {
   if (n > 2)
     return opc_fail(error, OPC_INVALID, NULL,
-                    "takes one experiment or two, not %zu", n);
+                    "expected one or two experiments, found %zu", n);
   const eda_run_cases *first = open_cases(f, folders[0], error);
   if (!first) return error->code;
   size_t count;
@@ -255,13 +255,14 @@ int field_open(field *f, const opc_host *host, size_t n,
   if (variants && n == 1)
     return open_variants(f, arguments[0], variants, error);
   if (variants)
-    return opc_fail(error, OPC_INVALID, "variant", "goes with one flow file");
+    return opc_fail(error, OPC_INVALID, "variant",
+                    "'--variant' requires exactly one flow file");
   if (experiments && experiments == n)
     return open_experiments(f, host, n, arguments, error);
   if (experiments)
     return opc_fail(error, OPC_INVALID, NULL,
-                    "an experiment is held against another one, not against a "
-                    "run");
+                    "an experiment can be compared with another experiment "
+                    "only, not with a run");
   return open_runs(f, n, arguments, error);
 }
 

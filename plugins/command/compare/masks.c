@@ -63,7 +63,7 @@ static int read_record(const mask *m, size_t *n, opc_error *error) {
   size_t left = m->size - m->at;
   size_t length = left < 4 ? 0 : eda_gds_u16(r);
   if (length < 4 || length > left)
-    return mask_fail(m, "not GDSII, or cut short", error);
+    return mask_fail(m, "not a GDSII file, or truncated", error);
   *n = length - 4;
   return OPC_OK;
 }
@@ -101,7 +101,8 @@ static int take_record(mask *m, element *e, uint32_t type, const uint8_t *data,
     case EDA_GDS_SREF:
     case EDA_GDS_AREF:
     case EDA_GDS_BOX:
-      return mask_fail(m, "has more than the polygons of a mask", error);
+      return mask_fail(m, "has elements other than the polygons of a mask",
+                       error);
     case EDA_GDS_ENDEL:
       *e = (element){0};
       break;

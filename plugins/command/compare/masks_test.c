@@ -135,12 +135,13 @@ static void test_bad(void) {
   g_assert_null(d);
   files_compare(file_end(file_begin(1), TRUE), file_end(file_begin(1), FALSE),
                 &d, &n, &error);
-  g_assert_nonnull(strstr(error.message, "byte 34: not GDSII, or cut short"));
+  g_assert_nonnull(
+      strstr(error.message, "byte 34: not a GDSII file, or truncated"));
   GByteArray *a = file_begin(1);
   record_put(a, EDA_GDS_SREF, EDA_GDS_NOTHING, "", 0);
   files_compare(file_end(a, TRUE), file_end(file_begin(1), TRUE), &d, &n,
                 &error);
-  g_assert_nonnull(strstr(error.message, "more than the polygons"));
+  g_assert_nonnull(strstr(error.message, "other than the polygons"));
   a = file_begin(1);
   record_put(a, EDA_GDS_LAYER, EDA_GDS_INT2, "", 1);
   files_compare(file_end(a, TRUE), file_end(file_begin(1), TRUE), &d, &n,

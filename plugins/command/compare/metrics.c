@@ -45,9 +45,10 @@ static int check_chosen(const comparison *c, opc_error *error) {
   for (char **word = words; *word; word++) {
     if (word_matches_any(c, g_strstrip(*word))) continue;
     const char *near = eda_nearest(*word, (const char *const *)known->pdata);
-    return opc_fail(
-        error, OPC_INVALID, "metrics", "there is no metric '%s'%s%s%s", *word,
-        near ? ", did you mean '" : "", near ? near : "", near ? "'?" : "");
+    return opc_fail(error, OPC_INVALID, "metrics",
+                    "metric '%s' does not exist%s%s%s", *word,
+                    near ? ", did you mean '" : "", near ? near : "",
+                    near ? "'?" : "");
   }
   return OPC_OK;
 }

@@ -50,7 +50,7 @@ static void check_parameter(const pair *p, const eda_run_parameter *a,
   }
   const char *x = same_content(p->base, a), *y = same_content(p->other, b);
   if (x && y && strcmp(x, y) != 0)
-    g_ptr_array_add(why, g_strdup_printf("%s has another content (%.8s, %.8s)",
+    g_ptr_array_add(why, g_strdup_printf("%s differs in content (%.8s, %.8s)",
                                          a->name, x, y));
   else if (!(x && y) && strcmp(a->value, b->value) != 0)
     g_ptr_array_add(

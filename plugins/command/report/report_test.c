@@ -162,7 +162,7 @@ static void test_pictures(void) {
           text_of(json_object_get_object_member(run_of(o, 0), "view"), "cell"),
           ==, evil);
     else
-      g_assert_nonnull(strstr(page, "seen: its pictures, 0.6 MB, would"));
+      g_assert_nonnull(strstr(page, "seen: pictures of 0.6 MB omitted"));
   }
 }
 
@@ -179,7 +179,7 @@ static void test_refused(void) {
   g_assert_nonnull(strstr(error.message, "gone"));
   folder_make("other", (made_run){.view = "{ \"view\": 2 }"});
   g_assert_cmpint(page_make("", other, &page, &root, &error), ==, OPC_INVALID);
-  g_assert_nonnull(strstr(error.message, "view.json' is no view of a mask"));
+  g_assert_nonnull(strstr(error.message, "view.json' is not a view of a mask"));
   folder_make("good", (made_run){.view = NULL});
   g_assert_cmpint(page_make(", limit: 0", good, &page, &root, &error), !=, 0);
   g_autoptr(opc_module) m = opc_test_module(

@@ -144,10 +144,10 @@ static int work_refine(work *w, int *done, opc_error *error) {
   size_t n = find_failing(w, prints);
   *done = !n;
   if (n)
-    w->host->log(
-        w->host, OPC_LOG_INFO,
-        "%zu of %zu prints are beyond the limit and are corrected individually",
-        n, w->chip->prints);
+    w->host->log(w->host, OPC_LOG_INFO,
+                 "%zu of %zu verified transistors exceed the limit and are "
+                 "corrected individually",
+                 n, w->chip->prints);
   int code = n ? correct_prints(w, prints, n, error) : OPC_OK;
   free(prints);
   return code;
@@ -335,9 +335,8 @@ static const opc_parameter parameters[] = {
     CORRECT_FINE(chip),
     CORRECT_GUARD(chip),
     CORRECT_ION_LIMIT(chip,
-                      "Largest allowed |Ion deviation|: a transistor "
-                      "beyond it among its neighbours gets a correction "
-                      "of its own"),
+                      "Largest allowed |Ion deviation|: a transistor above the "
+                      "limit is corrected individually"),
     RULES_PARAMETERS(chip),
 };
 
@@ -350,7 +349,7 @@ static const opc_metric metrics[] = {
      "different masked environments within 'margin', equal to the number of "
      "verified transistors"},
     {"refined", NULL, OPC_LOWER, 0,
-     "transistors with a mask of their own after a verification"},
+     "transistors corrected individually after a verification"},
     {"sheets", NULL, OPC_LOWER, 0, "sheets that were corrected or simulated"},
     REPORT_METRICS,
     REPORT_DRAWN_METRICS,
@@ -374,8 +373,9 @@ static int chip_check(void *self, opc_error *error) {
       correct_fine_margin(c->host, c->with.litho, c->with.margin, c->with.fine);
   EDA_FOLLOW(c->host, "correct.chip", c, parameters, scanner);
   if (!code && c->also.count)
-    return opc_fail(error, OPC_INVALID, "also",
-                    "correct.chip moves poly and active only: remove 'also'");
+    return opc_fail(
+        error, OPC_INVALID, "also",
+        "correct.chip corrects poly and active only: remove 'also'");
   if (!code && c->radius > c->window)
     return opc_fail(error, OPC_INVALID, "radius",
                     "%.4g nm: more than 'window', %.4g nm", c->radius,

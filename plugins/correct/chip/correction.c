@@ -147,9 +147,9 @@ static int put_all(const correction *m, const loop *l, const sheet *s,
   for (size_t k = 0; k < l->gates->layers; k++)
     if (l->now.shift[k] || l->now.assists[k].count)
       return opc_fail(error, OPC_INVALID, "synthesizer",
-                      "%s moves fragments of edges or adds bars, but a chip "
-                      "requires a synthesizer that only changes lengths and "
-                      "widths of transistors",
+                      "%s moves fragments of edges or adds scatter bars, but a "
+                      "chip requires a synthesizer that only changes lengths "
+                      "and widths of transistors",
                       m->on.work->with->synthesizer->id);
   owned o;
   own_all(m, l, &o);

@@ -159,13 +159,12 @@ static void heap_add(heap *h, const frame *f, const edge *e) {
 
 static int too_large(const seen *s, size_t i, opc_error *error) {
   eda_box b = s->gates->box[i];
-  return opc_fail(
-      error, OPC_INVALID, NULL,
-      "transistor from (%.10g, %.10g) to (%.10g, %.10g) nm: it is "
-      "larger than %.10g nm less twice the radius, the most on this "
-      "grid",
-      b.x0 * s->gates->grid, b.y0 * s->gates->grid, b.x1 * s->gates->grid,
-      b.y1 * s->gates->grid, FURTHEST * s->gates->grid);
+  return opc_fail(error, OPC_INVALID, NULL,
+                  "transistor from (%.10g, %.10g) to (%.10g, %.10g) nm: larger "
+                  "than %.10g nm less twice the radius, the limit on this grid",
+                  b.x0 * s->gates->grid, b.y0 * s->gates->grid,
+                  b.x1 * s->gates->grid, b.y1 * s->gates->grid,
+                  FURTHEST * s->gates->grid);
 }
 
 /* Add the edges within the radius, clipped. */

@@ -260,15 +260,15 @@ static int report_texts(const work *w, const tally *all, opc_error *error) {
       unexplained += t->count;
     else
       w->host->log(w->host, OPC_LOG_FINDING,
-                   "%zu place%s cannot keep a rule: %s; first beside the "
-                   "transistor at (%g, %g) nm",
+                   "%zu location%s cannot meet a rule: %s; the first is beside "
+                   "the transistor at (%g, %g) nm",
                    t->count, t->count == 1 ? "" : "s", r.rule, r.x, r.y);
   }
   if (count)
-    w->host->log(w->host, OPC_LOG_WARNING,
-                 "%zu rule%s not kept, %zu without a reason: see "
-                 "violations.csv",
-                 count, count == 1 ? " is" : "s are", unexplained);
+    w->host->log(
+        w->host, OPC_LOG_WARNING,
+        "%zu rule violation%s, %zu without a known cause: see violations.csv",
+        count, count == 1 ? "" : "s", unexplained);
   const opc_column columns[] = {{"rule", NULL, OPC_TEXT, 0, &row->rule},
                                 {"places", NULL, OPC_INT, 0, &row->places},
                                 {"x", "nm", OPC_REAL, 1, &row->x},

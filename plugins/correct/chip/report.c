@@ -219,15 +219,16 @@ int report_all(const work *w, opc_error *error) {
   memset(&s, 0, sizeof s);
   find_in_drawing(w);
   for (size_t i = 0; i < w->chip->count; i++) sums_add(w, i, &s);
-  fault_log(w, &s.failed, "do not print as one, and have no figures");
-  fault_log(w, &s.lost, "printed as drawn and do so no more");
-  fault_log(w, &s.worse, "are further off than drawn and than the limit");
-  fault_log(w, &s.outside, "have figures from beyond the device table");
+  fault_log(w, &s.failed, "do not print as one transistor and have no results");
+  fault_log(w, &s.lost, "print with the drawn mask but not with this mask");
+  fault_log(w, &s.worse,
+            "deviate more than with the drawn mask and more than the limit");
+  fault_log(w, &s.outside, "have results extrapolated beyond the device table");
   if (!s.drawn.ion[2].n)
     w->host->log(w->host, OPC_LOG_FINDING,
-                 "no transistor prints as drawn: is the layout's 'scale' "
-                 "right, do optics and resist belong to its process, are poly "
-                 "and active exchanged?");
+                 "no transistor of the drawn mask prints: check the 'scale' of "
+                 "the layout, that optics and resist belong to the process, "
+                 "and that poly and active are not exchanged");
   int code = correct_groups_table(w->host, &s.drawn, &s.printed, error);
   if (!code) code = class_table(w, "masks", w->chip->masks, 0, error);
   if (!code) code = class_table(w, "prints", w->chip->prints, 1, error);

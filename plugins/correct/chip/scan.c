@@ -192,8 +192,9 @@ int scan_all(work *w, opc_error *error) {
                            .done = scan_done};
   code = opc_do_pieces(w->host, &some, error);
   if (!code && !w->chip->count)
-    code = opc_fail(error, OPC_INVALID, "layout",
-                    "no transistor: layers 'poly' and 'active' do not cross");
+    code =
+        opc_fail(error, OPC_INVALID, "layout",
+                 "no transistors: layers 'poly' and 'active' do not overlap");
   if (code) return code;
   qsort(w->found, w->chip->count, sizeof *w->found, by_corner);
   find_classes(w);

@@ -147,8 +147,8 @@ static int put_gate(maker *m, const ref *r, size_t k, opc_error *error) {
   size_t i = r->i, number = eda_chip_find(m->chip, from->box[i]);
   if (number == SIZE_MAX)
     return opc_fail(error, OPC_FAILED, NULL,
-                    "a window has a transistor at (%d, %d) that the layout "
-                    "had not",
+                    "a window has a transistor at (%d, %d) that was not found "
+                    "in the layout",
                     (int)from->box[i].x0, (int)from->box[i].y0);
   m->out->of[k] = (uint32_t)number;
   m->out->by[k] = p->by;

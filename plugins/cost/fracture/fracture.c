@@ -84,7 +84,7 @@ static int check_copies(const ruler *r, const eda_box *boxes, size_t n,
   if ((a->columns > 1 && (int64_t)all.x1 - all.x0 >= a->step_x) ||
       (a->rows > 1 && (int64_t)all.y1 - all.y0 >= a->step_y))
     return opc_fail(error, OPC_INVALID, "array_space",
-                    "copies of the mask touch each other");
+                    "copies of the mask in the array touch each other");
   return OPC_OK;
 }
 
@@ -107,7 +107,7 @@ static int count_shots(const counter *c, const ruler *r, const eda_box *boxes,
   }
   if (all * (double)(r->array.columns * r->array.rows) > 9e15)
     return opc_fail(error, OPC_INVALID, "max_shot",
-                    "more shots than can be counted: %g", all);
+                    "the number of shots, %g, is too large to count", all);
   *shots = (int64_t)all;
   *slivers = (int64_t)narrow;
   return OPC_OK;
@@ -287,7 +287,7 @@ static const opc_metric metrics[] = {
     {"shots_drawn", NULL, OPC_NEUTRAL, 0,
      "Shots of a variable shaped beam for the mask as drawn"},
     {"slivers", NULL, OPC_LOWER, 0,
-     "Shots of the corrected mask that are too narrow"},
+     "Shots of the corrected mask narrower than the limit"},
     {"vertices", NULL, OPC_LOWER, 0,
      "Vertices of the corrected mask, of all its layers"},
     {"gdsii_bytes", NULL, OPC_LOWER, 0,
@@ -309,7 +309,7 @@ static int fracture_check(void *self, opc_error *error) {
   }
   return good ? OPC_OK
               : opc_fail(error, OPC_INVALID, "array",
-                         "needs the numbers of columns and rows, 1 to %d",
+                         "must be the numbers of columns and rows, 1 to %d",
                          MOST_COPIES);
 }
 

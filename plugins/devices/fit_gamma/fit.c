@@ -35,7 +35,7 @@ void fitted_clear(fitted *f) {
 
 static int too_few(const sample *s, size_t need, opc_error *error) {
   return opc_fail(error, OPC_INVALID, "reference",
-                  "%zu %c-transistor%s with %s, at least %zu are needed",
+                  "%zu %c-transistor%s with %s, expected at least %zu",
                   s->count, "np"[s->type], s -> count == 1 ? "" : "s",
                   currents[s->current], need);
 }

@@ -142,7 +142,8 @@ static int fit_gamma_run(void *self, void **outputs, opc_error *error) {
   int code = eda_curves_read(&f->curves, f->devices, error);
   if (!code && f->curves.devices->narrow)
     code = opc_fail(error, OPC_INVALID, "devices",
-                    "'%s' has several widths, and with them what the edges do",
+                    "'%s' has several widths and therefore already includes "
+                    "the effect of the edges",
                     f->devices);
   if (!code)
     code = reference_read(f->reference_file, &f->curves, &f->reference, error);
@@ -185,7 +186,7 @@ static int fit_gamma_check(void *self, opc_error *error) {
     good &= e.values[i] >= 0 && (i == 0 || e.values[i] > e.values[i - 1]);
   if (good) return OPC_OK;
   return opc_fail(error, OPC_INVALID, "edges",
-                  "distances rise, and none is below 0");
+                  "distances must increase and must not be negative");
 }
 
 static void fit_gamma_clear(void *self) {

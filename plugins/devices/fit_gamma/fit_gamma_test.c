@@ -171,16 +171,15 @@ static void test_refused(void) {
   static const struct {
     const char *rows, *more, *message;
   } cases[] = {
-      {"n,100,65,1e-4,\n", "",
-       "1 n-transistor with Ion, at least 2 are needed"},
+      {"n,100,65,1e-4,\n", "", "1 n-transistor with Ion, expected at least 2"},
       {"n,100,,1e-4,\n", "", "bad.csv:2:7: no length: ''"},
       {"n,100,65;x,1e-4,\n", "",
-       "bad.csv:2:7: a length that is none in '65;x'"},
+       "bad.csv:2:7: a length is not a number above 0 in '65;x'"},
       {"n,100,65,-1,\n", "", "bad.csv:2:10: not above 0: '-1'"},
       {"n,100,65,1,y\n", "", "bad.csv:2:12: not a number: 'y'"},
       {"n,100,65,1e-4,\nn,100,65,1e-4,\n",
-       ", form: table, edges: [0 nm, 10 nm]", "at 1 of 2 distances only"},
-      {"n,100,65,1e-4,\n", ", edges: [10 nm, 0 nm]", "distances rise"},
+       ", form: table, edges: [0 nm, 10 nm]", "at only 1 of 2 distances"},
+      {"n,100,65,1e-4,\n", ", edges: [10 nm, 0 nm]", "distances must increase"},
   };
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     g_autofree char *text = g_strconcat(head, cases[i].rows, NULL);

@@ -31,7 +31,8 @@ static int read_lengths(const eda_csv *c, size_t row, transistor *t,
     char *text = g_strstrip(words[t->lengths]), *end;
     double l = t->length[t->lengths] = g_ascii_strtod(text, &end);
     if (end == text || *end || !isfinite(l) || !(l > 0))
-      return eda_csv_fail(c, row, LENGTH, "a length that is none in", error);
+      return eda_csv_fail(c, row, LENGTH, "a length is not a number above 0 in",
+                          error);
   }
   return OPC_OK;
 }

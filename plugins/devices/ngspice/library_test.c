@@ -65,7 +65,8 @@ static void test_ends(void) {
   if (table_make(SHORT, "cut.yaml", &error)) g_error("%s", error.message);
   eda_devices *cut = table_load("cut.yaml");
   g_assert_cmpfloat(cut->length[0], ==, 100);
-  g_assert_nonnull(strstr(opc_test_log(), "the library has no bin"));
+  g_assert_nonnull(
+      strstr(opc_test_log(), "the library has no bin for the size"));
   /* For three widths that end there, each current of each type is reported
      once. */
   opc_test_forget();
@@ -77,7 +78,8 @@ static void test_ends(void) {
   g_assert_cmpint(warnings, ==, 4);
   g_assert_cmpint(table_make(SHORT ", ends: refuse", "no.yaml", &error), ==,
                   OPC_FAILED);
-  g_assert_nonnull(strstr(error.message, "at 90 nm: the library has no bin"));
+  g_assert_nonnull(
+      strstr(error.message, "at 90 nm: the library has no bin for the size"));
   if (table_make(SHORT ", ends: extend", "more.yaml", &error))
     g_error("%s", error.message);
   eda_devices *more = table_load("more.yaml");
@@ -262,17 +264,17 @@ static void assert_refused(const char *rest, const char *why) {
 }
 
 static void test_refused(void) {
-  assert_refused(SHORT ", widths: [1 um]", "2 to 200 widths, not 1");
+  assert_refused(SHORT ", widths: [1 um]", "2 to 200 widths, found 1");
   assert_refused(SHORT ", widths: [2 um, 1 um]", "widths must increase");
   g_autofree char *both =
       g_strdup_printf(SHORT ", card: %s/own.lib", opc_test_folder());
-  assert_refused(both, "one is needed");
+  assert_refused(both, "exclude each other");
   opc_error error;
   g_assert_cmpint(make_of("q", SHORT, "q.yaml", &error), ==, OPC_INVALID);
   g_assert_nonnull(
       strstr(error.message, "neither a subcircuit nor a model 'q'"));
   assert_refused(SHORT ", overrides: { vth0: 1 }",
-                 "'overrides' go with 'card'");
+                 "'overrides' require 'card'");
 }
 
 /* ---- open processes: shipped tables against the kits' models ---- */

@@ -123,7 +123,7 @@ static int find_files(plan *p, opc_error *error) {
   /* Checked here, as flows may leave these parameters to the caller. */
   if (!p->library && !p->card[EDA_NMOS])
     return opc_fail(error, OPC_INVALID, NULL,
-                    "needs 'card' or 'library', a file of models");
+                    "set 'card' or 'library', a file of models");
   for (int t = 0; t < TYPES; t++) {
     const char *file = p->library   ? p->library
                        : p->card[t] ? p->card[t]
@@ -134,7 +134,9 @@ static int find_files(plan *p, opc_error *error) {
                       strerror(errno));
     if (strpbrk(p->path[t], "\"\n"))
       return opc_fail(error, OPC_INVALID, parameter,
-                      "'%s': the simulator takes no such name of a file", file);
+                      "'%s': the simulator cannot open a file name with a "
+                      "quote or line break",
+                      file);
   }
   return OPC_OK;
 }
@@ -183,19 +185,20 @@ static int devices_run(void *self, void **outputs, opc_error *error) {
 
 static const opc_parameter parameters[] = {
     {TEXT("card", OPC_FILE, card[EDA_NMOS],
-          "file with the model cards; this or `library` is needed")},
+          "file with the model cards; required without `library`")},
     {TEXT("pmos_card", OPC_FILE, card[EDA_PMOS],
-          "that of the p-transistor, if it is another")},
+          "file with the model card of the p-transistor, if different")},
     {TEXT("library", OPC_FILE, library,
-          "a foundry's models: subcircuits or cards, in sections and bins")},
+          "model library of a foundry: subcircuits or cards, in sections and "
+          "bins")},
     {TEXT("corner", OPC_TEXT, corner,
-          "its section; if not given, what stands in none")},
+          "section of the library (default: the models outside of sections)")},
+    {TEXT("osdi", OPC_FILE, osdi,
+          "shared object of the compiled models that the library uses (OSDI)")},
     {TEXT(
-        "osdi", OPC_FILE, osdi,
-        "a shared object of compiled models that the library's are of (OSDI)")},
-    {TEXT("ends", OPC_CHOICE, ends,
-          "where a model ends: the table begins there; an error; the "
-          "outermost bins go on; the currents do, by the slope they have"),
+         "ends", OPC_CHOICE, ends,
+         "treatment of lengths beyond the model: begin the table there; error; "
+         "use the outermost bins; extrapolate the currents by their slope"),
      .choices = "cut|refuse|extend|slope", .preset = "cut"},
     {TEXT("nmos", OPC_TEXT, model[EDA_NMOS],
           "name of the n-transistor's model, or subcircuit"),
@@ -204,7 +207,7 @@ static const opc_parameter parameters[] = {
           "name of the p-transistor's model, or subcircuit"),
      .preset = "pmos"},
     {TEXT("overrides", OPC_MAP, overrides,
-          "model parameters to be changed in both cards, { igbmod: 0 }")},
+          "model parameters to change in both cards, { igbmod: 0 }")},
     OPC_PARAMETER(plan, supply, .type = OPC_REAL, .unit = "V",
                   .flags = OPC_REQUIRED | OPC_ABOVE | OPC_AT_MOST, .min = 0,
                   .max = 20, .summary = "supply voltage"),
@@ -215,14 +218,14 @@ static const opc_parameter parameters[] = {
     {LENGTH("width", width, "drawn width of the transistors of the table"),
      .preset = "10 um"},
     {TEXT("widths", OPC_REALS, width_list,
-          "for a table of length and width, in place of `width`: the widths, "
-          "increasing, of which slices take the last one's current"),
+          "for a table of length and width, in place of `width`: increasing "
+          "widths; slices use the current of the last one"),
      .unit = "nm"},
-    {LENGTH("length.from", from, "shortest drawn length to be tried")},
+    {LENGTH("length.from", from, "shortest drawn length")},
     {LENGTH("length.to", to, "longest drawn length")},
-    {LENGTH("length.step", step, "between two lengths"), .preset = "1 nm"},
+    {LENGTH("length.step", step, "step between two lengths"), .preset = "1 nm"},
     {TEXT("length.list", OPC_REALS, list,
-          "in place of these: the lengths, increasing"),
+          "increasing lengths, in place of a range"),
      .unit = "nm"},
     {VOLTAGE("ion.vgs", bias[EDA_ION].gate,
              "gate voltage of Ion (default: the supply)")},
@@ -233,19 +236,22 @@ static const opc_parameter parameters[] = {
     {VOLTAGE("ioff.vds", bias[EDA_IOFF].drain,
              "drain voltage of Ioff (default: the supply)")},
     {TEXT("capacitance", OPC_BOOL, with_cgate,
-          "also measure the capacitance of the gate: its charge over a swing "
-          "from 0 to the supply, by the supply, with the drain at the supply"),
+          "measure the gate capacitance as well: charge of the gate over a "
+          "swing from 0 to the supply, divided by the supply, with the drain "
+          "at the supply"),
      .preset = "false"},
     {LENGTH("reference.length", reference_length,
             "length of the transistors whose currents are metrics")},
     {LENGTH("reference.width", reference_width, "their width"),
      .preset = "1 um"},
     {TEXT("name", OPC_TEXT, name,
-          "of the table (default: what the card is called)")},
+          "name of the table (default: name of the card)")},
     {TEXT("flavour", OPC_TEXT, flavour,
-          "whose table it is, to stand behind others in a file: lvt, hv")},
+          "flavour of the transistors, for a table behind others in a file: "
+          "lvt, hv")},
     {TEXT("file", OPC_OUTPUT, file, "the table"), .preset = "devices.yaml"},
-    {TEXT("picture", OPC_OUTPUT, picture, "the curves, .png, .svg or .pdf"),
+    {TEXT("picture", OPC_OUTPUT, picture,
+          "picture of the curves, .png, .svg or .pdf"),
      .preset = "devices.png"},
     OPC_PARAMETER_NAMED("time_limit", plan, limit, .type = OPC_REAL,
                         .unit = "s", .former = "limit",
@@ -261,7 +267,7 @@ static const opc_metric metrics[] = {
     {"ioff_p", "A", OPC_NEUTRAL, 0, "Ioff of the reference p-transistor"},
     {"cgate_n", "F", OPC_NEUTRAL, 0, "Cgate of the reference n-transistor"},
     {"cgate_p", "F", OPC_NEUTRAL, 0, "Cgate of the reference p-transistor"},
-    {"shortest", "nm", OPC_LOWER, 0, "length that the table begins with"},
+    {"shortest", "nm", OPC_LOWER, 0, "smallest length of the table"},
 };
 
 static int parameter_refuse(const char *parameter, const char *what,
@@ -298,18 +304,18 @@ static int check_texts(const plan *p, opc_error *error) {
 static int check_source(const plan *p, opc_error *error) {
   if (p->card[EDA_NMOS] && p->library)
     return parameter_refuse("library", p->library,
-                            "and 'card' are given, one is needed", error);
+                            "and 'card' exclude each other", error);
   if (p->library && p->card[EDA_PMOS])
-    return parameter_refuse("pmos_card", p->card[EDA_PMOS], "goes with 'card'",
+    return parameter_refuse("pmos_card", p->card[EDA_PMOS], "requires 'card'",
                             error);
   if (p->library && p->overrides.count)
-    return parameter_refuse("overrides", "overrides", "go with 'card'", error);
+    return parameter_refuse("overrides", "overrides", "require 'card'", error);
   if (p->card[EDA_NMOS] && p->corner)
-    return parameter_refuse("corner", p->corner, "goes with 'library'", error);
+    return parameter_refuse("corner", p->corner, "requires 'library'", error);
   if (p->osdi && !p->library)
-    return parameter_refuse("osdi", p->osdi, "goes with 'library'", error);
+    return parameter_refuse("osdi", p->osdi, "requires 'library'", error);
   if (p->card[EDA_NMOS] && p->ends == EXTEND)
-    return parameter_refuse("ends", "extend", "goes with 'library'", error);
+    return parameter_refuse("ends", "extend", "requires 'library'", error);
   if (p->corner && !eda_spice_is_name(p->corner))
     return parameter_refuse("corner", p->corner, "is not the name of a section",
                             error);
@@ -321,7 +327,7 @@ static int make_widths(plan *p, opc_error *error) {
   const opc_reals *list = &p->width_list;
   if (list->count == 1 || list->count > MOST_WIDTHS)
     return opc_fail(error, OPC_INVALID, "widths",
-                    "a table has 2 to %d widths, not %zu", MOST_WIDTHS,
+                    "a table has 2 to %d widths, found %zu", MOST_WIDTHS,
                     list->count);
   p->widths = list->count ? list->count : 1;
   p->each_width = eda_alloc(p->widths, sizeof *p->each_width);
@@ -341,18 +347,17 @@ static int make_lengths(plan *p, opc_error *error) {
   const char *parameter = list ? "length.list" : "length.to";
   if (list && (!isnan(p->from) || !isnan(p->to)))
     return parameter_refuse("length.list", "length.list",
-                            "is given, 'length.from' and 'length.to' are too",
-                            error);
+                            "excludes 'length.from' and 'length.to'", error);
   if (!list && (isnan(p->from) || isnan(p->to)))
     return parameter_refuse(NULL, "length",
-                            "needs 'from' and 'to', or a 'list'", error);
+                            "requires 'from' and 'to', or a 'list'", error);
   /* The last step reaches `to` except for rounding. */
   double n = list ? (double)p->list.count
                   : floor((p->to - p->from) / p->step + 1e-6) + 1;
   p->count = (size_t)fmin(fmax(n, 0), MOST_LENGTHS + 1);
   if (p->count < LEAST_LENGTHS || p->count > MOST_LENGTHS)
     return opc_fail(error, OPC_INVALID, parameter,
-                    "a table needs %d to %d lengths, not %zu", LEAST_LENGTHS,
+                    "a table has %d to %d lengths, found %zu", LEAST_LENGTHS,
                     MOST_LENGTHS, p->count);
   double *x = p->length = eda_alloc(p->count, sizeof *x);
   for (size_t i = 0; i < p->count; i++) {

@@ -191,7 +191,7 @@ static void test_clamped(void) {
                "length: { list: [60 nm, 90 nm, 100 nm, 120 nm] }",
                "end2.yaml", &error))
     g_error("%s", error.message);
-  if (!strstr(opc_test_log(), "good from 90 nm on") ||
+  if (!strstr(opc_test_log(), "valid from 90 nm") ||
       !strstr(opc_test_log(), "Effective channel length"))
     g_error("'%s'", opc_test_log());
   /* A current decreases before the simulator fails. */
@@ -199,7 +199,8 @@ static void test_clamped(void) {
   if (run_step(own, "supply: 1.1 V, length: { from: 30 nm, to: 80 nm }",
                "end4.yaml", &error))
     g_error("%s", error.message);
-  if (!strstr(opc_test_log(), "it does not rise with decreasing length"))
+  if (!strstr(opc_test_log(),
+              "the current does not rise with decreasing length"))
     g_error("'%s'", opc_test_log());
   d = table_load("end4.yaml");
   for (int t = 0; t < 2; t++)
@@ -302,23 +303,23 @@ static void assert_refused(const char *card, const char *rest,
 static void test_refused(void) {
   g_autofree char *card = card_of(SMALL("10n")), *text = card_of("hello\n");
   const char *range = "supply: 1 V, length: { from: 50 nm, to: 60 nm }";
-  assert_refused(card, "supply: 1 V", "needs 'from' and 'to', or a 'list'");
+  assert_refused(card, "supply: 1 V", "requires 'from' and 'to', or a 'list'");
   assert_refused(card, "supply: 1 V, length: { from: 50 nm, to: 51 nm }",
-                 "3 to 2000 lengths, not 2");
+                 "3 to 2000 lengths, found 2");
   assert_refused(card,
                  "supply: 1 V, length: { from: 50 nm, to: 60 nm, step: 1 pm }",
-                 "not 2001");
+                 "found 2001");
   assert_refused(card, "supply: 1 V, length: { list: [50 nm, 50 nm, 60 nm] }",
                  "must increase");
   assert_refused(
       card, "supply: 1 V, length: { from: 50 nm, list: [50 nm, 55 nm, 60 nm] }",
-      "are too");
+      "excludes");
   g_autofree char *name = g_strdup_printf("nmos: 'a b', %s", range);
   assert_refused(card, name, "'a b' is not the name of a model");
   g_autofree char *number = g_strdup_printf("overrides: { a: 1k }, %s", range);
   assert_refused(card, number, "'1k' is not a plain number");
   g_autofree char *osdi = g_strdup_printf("osdi: %s, %s", card, range);
-  assert_refused(card, osdi, "goes with 'library'");
+  assert_refused(card, osdi, "requires 'library'");
   if (!have_ngspice()) return;
   assert_refused(card, range, "could not find a valid modelname");
   assert_refused(text, range, "Error");

@@ -90,7 +90,7 @@ static void draw_key(const eda_paper *paper, const plan *p, const currents *all,
         &l,
         &(eda_sign){
             .kind = EDA_SIGN_LINE, .colour = eda_ink, .line = 2.5, .dash = 5},
-        "beyond the model, by slope");
+        "extrapolated beyond the model");
 }
 
 int picture_draw(const plan *p, const currents *all, const char *name,

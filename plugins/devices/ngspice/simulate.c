@@ -235,7 +235,8 @@ static void run_library(simulation_task *j) {
   const plan *p = j->p;
   size_t first = first_modelled(j);
   if (first == p->count) {
-    j->code = opc_fail(&j->error, OPC_FAILED, NULL, "the library has no bin");
+    j->code = opc_fail(&j->error, OPC_FAILED, NULL,
+                       "the library has no bin for the size");
     return;
   }
   eda_spice_result r = {0};
@@ -255,7 +256,8 @@ static void run_library(simulation_task *j) {
   }
   j->done = whole ? p->count - first : 0;
   if (!j->code)
-    (void)opc_fail(&j->error, OPC_FAILED, NULL, "the library has no bin");
+    (void)opc_fail(&j->error, OPC_FAILED, NULL,
+                   "the library has no bin for the size");
   keep_simulator(j, &r);
   eda_spice_clear(&r);
 }
@@ -285,12 +287,13 @@ static int must_rise(const simulation_task *j) {
 static const char *current_fault(const simulation_task *j, size_t i) {
   const double *y = currents_of(j);
   if (i + j->done < j->p->count) return j->error.message;
-  if (!isfinite(y[i])) return "it is not a number";
+  if (!isfinite(y[i])) return "the value is not a number";
   if (!(y[i] > 0))
-    return j->current == CGATE ? "it is not above 0"
-                               : "it does not flow from drain to source";
+    return j->current == CGATE
+               ? "the value is not above 0"
+               : "the current does not flow from drain to source";
   if (must_rise(j) && i + 1 < j->p->count && !(y[i] > y[i + 1]))
-    return "it does not rise with decreasing length";
+    return "the current does not rise with decreasing length";
   return NULL;
 }
 
@@ -333,7 +336,8 @@ static int go_on(const simulation_task *j, size_t first, opc_error *error) {
   if (must_rise(j) && !(slope < 0)) {
     char what[96];
     length_describe(j, x[first], what);
-    return opc_fail(error, OPC_FAILED, "ends", "%s has no slope to go on with",
+    return opc_fail(error, OPC_FAILED, "ends",
+                    "%s cannot be extrapolated: the slope is not negative",
                     what);
   }
   for (size_t i = 0; i < first; i++)
@@ -360,7 +364,7 @@ static int settle_end(const simulation_task *j, opc_error *error) {
   char what[96];
   length_describe(j, p->length[first - 1], what);
   p->host->log(p->host, OPC_LOG_WARNING,
-               "model '%s' is good from %g nm on: %s: %s", p->model[j->type],
+               "model '%s' is valid from %g nm: %s: %s", p->model[j->type],
                p->length[first], what, why);
   if (first > out->first) out->first = first;
   return OPC_OK;
@@ -373,7 +377,7 @@ static int check_reference(const simulation_task *j, opc_error *error) {
   return opc_fail(error, OPC_FAILED, "reference.length",
                   "model '%s', %s at %g nm: %s", j->p->model[j->type],
                   current_names[j->current], j->p->reference_length,
-                  j->code ? j->error.message : "nothing was measured");
+                  j->code ? j->error.message : "no value was measured");
 }
 
 /* Extrapolate to narrower widths: the logarithm of current per width is linear
@@ -390,7 +394,7 @@ static int go_narrower(const simulation_task *j, opc_error *error) {
     if (p->each_width[b] >= part * p->each_width[a]) break;
   if (b >= p->widths)
     return opc_fail(error, OPC_FAILED, "widths",
-                    "less than two are in the bins of model '%s'",
+                    "fewer than two widths are in the bins of model '%s'",
                     p->model[j->type]);
   double wa = p->each_width[a], wb = p->each_width[b], w = width_of(j);
   double share = (1 / w - 1 / wa) / (1 / wa - 1 / wb);

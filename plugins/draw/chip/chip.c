@@ -146,7 +146,7 @@ static double draw_head(const drawer *d, const eda_paper *paper, double range) {
   static const char *const titles[] = {
       "Ion deviation after correction", "Ion deviation as drawn",
       "|Ion deviation|, after less before: below 0 is better",
-      "How many transistors have the same mask"};
+      "Number of transistors with the same mask"};
   char low[32], high[32];
   int classes = d->show == CLASSES;
   (void)snprintf(low, sizeof low, classes ? "1" : "%g %%", -range);

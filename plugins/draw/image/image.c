@@ -22,13 +22,12 @@ static const char *const groups[IMAGE_MODELS] = {"first", "second", "third",
 static int choose_mask(image_run *r, opc_error *error) {
   const eda_mask *mask = r->asked.mask;
   if (!mask == !r->asked.gates)
-    return opc_fail(error, OPC_INVALID, "mask",
-                    "one of 'mask' and 'gates' is needed, and not both");
+    return opc_fail(error, OPC_INVALID, "mask", "set either 'mask' or 'gates'");
   r->gates = mask ? mask->gates : r->asked.gates;
   int layer = eda_gates_layer(r->gates, r->asked.layer);
   const eda_shapes *all = mask ? mask->shapes : r->gates->drawn;
   if (layer < 0 || !all[layer].count)
-    return opc_fail(error, OPC_INVALID, "layer", "there is no %s in the layout",
+    return opc_fail(error, OPC_INVALID, "layer", "the layout has no %s",
                     r->asked.layer);
   r->layer = (size_t)layer;
   r->shapes = &all[layer];
@@ -173,10 +172,10 @@ static const opc_parameter parameters[] = {
 
 static const opc_metric metrics[] = {
     {"rms", "nm", OPC_LOWER, 0.001,
-     "root of the mean square distance of contours from the first's, of the "
-     "model with most"},
+     "root mean square distance of contours from those of the first model, of "
+     "the model with the largest"},
     {"max", "nm", OPC_LOWER, 0.001,
-     "largest distance of a contour from the first's"},
+     "largest distance of a contour from that of the first model"},
 };
 
 static int image_check(void *self, opc_error *error) {
@@ -191,8 +190,8 @@ static int image_check(void *self, opc_error *error) {
     const char *has = litho ? "litho" : resist ? "resist" : "label";
     char name[32];
     snprintf(name, sizeof name, "%s.%s", groups[k], has);
-    return opc_fail(error, OPC_INVALID, name, "'%s' needs '%s.%s' beside it",
-                    name, groups[k], litho ? "resist" : "litho");
+    return opc_fail(error, OPC_INVALID, name, "'%s' requires '%s.%s'", name,
+                    groups[k], litho ? "resist" : "litho");
   }
   return OPC_OK;
 }

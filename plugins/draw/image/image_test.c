@@ -469,15 +469,15 @@ static void test_refused(void) {
   assert_refused("{ " PAIR("first", 0.3) ", file: a.jpg }", &w, &l, OPC_INVALID,
                  ".png, .svg or .pdf");
   assert_refused("{ " PAIR("first", 0.3) ", window: [0 nm, 1 nm] }", &w, &l,
-                 OPC_INVALID, "needs 4 lengths");
-  assert_refused("{ " PAIR("first", 0.3) ", second: { litho: { use: litho.hopkins } } "
+                 OPC_INVALID, "must be 4 lengths");
+  assert_refused("{ " PAIR("first", 0.3) ", second: { litho: { use: litho.hopkins } } " 
           "}",
-          &w, &l, OPC_INVALID, "'second.litho' needs 'second.resist'");
-  assert_refused("{ " PAIR("first", 0.3) ", third: { resist: { use: resist.threshold "
+ &w, &l, OPC_INVALID, "'second.litho' requires 'second.resist'");
+  assert_refused("{ " PAIR("first", 0.3) ", third: { resist: { use: resist.threshold " 
           "} } }",
-          &w, &l, OPC_INVALID, "'third.resist' needs 'third.litho'");
+ &w, &l, OPC_INVALID, "'third.resist' requires 'third.litho'");
   assert_refused("{ " PAIR("first", 0.3) ", fourth: { label: Mine } }", &w, &l,
-                 OPC_INVALID, "'fourth.label' needs 'fourth.litho'");
+                 OPC_INVALID, "'fourth.label' requires 'fourth.litho'");
   opc_error error;
   g_assert_cmpint(
       draw_sample("{ " PLACE ", " PAIR("first", 0.3) " }", &w, 1, &l, &error),
@@ -486,14 +486,14 @@ static void test_refused(void) {
   g_assert_nonnull(strstr(error.message, "intensity"));
   g_assert_nonnull(strstr(error.message, "not a number"));
   assert_refused("{ " PAIR("first", 0.3) ", layer: active }", &w, &l,
-                 OPC_INVALID, "there is no active");
+                 OPC_INVALID, "the layout has no active");
   assert_refused("{ " PAIR("first", 0.3) ", window: [5 um, 0 nm, 6 um, 1 um] }",
                  &w, &l, OPC_INVALID, "is outside of the layout");
   void *none[1];
   g_autoptr(opc_module) m =
       opc_test_module("draw.image", "{ " PAIR("first", 0.3) " }", &error);
   g_assert_cmpint(opc_test_run(m, none, &error), ==, OPC_INVALID);
-  g_assert_nonnull(strstr(error.message, "one of 'mask' and 'gates'"));
+  g_assert_nonnull(strstr(error.message, "either 'mask' or 'gates'"));
 }
 
 int main(int argc, char **argv) {

@@ -22,10 +22,10 @@ int drawer_check_scale(drawer *d, opc_error *error) {
   if (end != d->scale && !strcmp(end, "%") && d->asked > 0 &&
       d->asked <= most_asked)
     return OPC_OK;
-  return opc_fail(error, OPC_INVALID, "scale",
-                  "'scale' is '%.100s': a percentage above 0, as in 2 %%, or "
-                  "auto",
-                  d->scale);
+  return opc_fail(
+      error, OPC_INVALID, "scale",
+      "'scale' is '%.100s', expected a percentage above 0, as in 2 %%, or auto",
+      d->scale);
 }
 
 int drawer_fails(const drawer *d, size_t gate) {

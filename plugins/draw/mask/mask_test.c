@@ -490,13 +490,14 @@ static void assert_refused(const char *mapping, const char *parameter,
 static void test_refused(void) {
   assert_refused("{ file: mask.jpg }", "'mask.jpg'", ".png, .svg or .pdf");
   assert_refused("{ file: png }", "'png'", ".png, .svg or .pdf");
-  assert_refused("{ window: [0 nm, 0 nm, 1 um] }", "window", "needs 4 lengths");
+  assert_refused("{ window: [0 nm, 0 nm, 1 um] }", "window",
+                 "must be 4 lengths");
   assert_refused("{ window: [0 nm, 1 um, 1 um, 1 um] }", "window",
                  "at least 1 nm");
   assert_refused("{ window: [1 um, 0 nm, 0 nm, 1 um] }", "window",
                  "at least 1 nm");
   assert_refused("{ window: [-1e30 nm, 0 nm, 0 nm, 1 um] }", "window",
-                 "too far");
+                 "outside of the range");
   assert_refused("{ width: 100 }", "width", "200");
   assert_refused("{ scale: 2 }", "scale", "a percentage above 0");
   assert_refused("{ scale: -2 % }", "scale", "a percentage above 0");
@@ -515,7 +516,7 @@ static void test_nothing_there(void) {
   g_assert_nonnull(strstr(error.message, "(100, 100) to (900, 900) nm"));
   d.gates.extent = (eda_box){1, 1, 0, 0};
   g_assert_cmpint(draw_sample(&d, "{}", &error), ==, OPC_INVALID);
-  g_assert_nonnull(strstr(error.message, "nothing to draw"));
+  g_assert_nonnull(strstr(error.message, "cannot be drawn"));
   drawing_clear(&d);
 }
 

@@ -30,16 +30,16 @@ static int check_settings(const eda_settings *s, const eda_axis *scale,
   for (size_t a = 0; a < s->n_parameters; a++) count *= s->parameters[a].count;
   if (count != s->count)
     return opc_fail(error, OPC_INVALID, "settings",
-                    "%zu figures for %zu settings", s->count, count);
+                    "%zu values for %zu settings", s->count, count);
   if (!(scale->low <= scale->high) || !s->n_parameters || s->best >= s->count)
     return opc_fail(error, OPC_INVALID, "settings",
-                    "no setting has a figure: nothing to draw");
+                    "no setting has a value to draw");
   if (!isfinite(scale->low) || !isfinite(scale->high))
     return opc_fail(error, OPC_INVALID, "settings",
-                    "a figure of '%s' is not finite", s->name);
+                    "a value of '%s' is not finite", s->name);
   if (scale->log && scale->low <= 0)
     return opc_fail(error, OPC_INVALID, "scale",
-                    "a 'log' scale needs figures above 0, one of '%s' is %g",
+                    "a 'log' scale requires values above 0, one of '%s' is %g",
                     s->name, scale->low);
   return OPC_OK;
 }

@@ -205,7 +205,7 @@ static void test_refused(void) {
   eda_settings few = settings(wild, 2, 5, 0);
   opc_error fault;
   g_assert_cmpint(draw_sample(&few, "{}", &fault), ==, OPC_INVALID);
-  g_assert_nonnull(strstr(fault.message, "5 figures for 6 settings"));
+  g_assert_nonnull(strstr(fault.message, "5 values for 6 settings"));
   opc_error error;
   g_assert_null(opc_test_module("draw.surface", "{ file: a.jpg }", &error));
   g_assert_nonnull(strstr(error.message, ".png, .svg or .pdf"));

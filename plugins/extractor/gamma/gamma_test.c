@@ -163,7 +163,7 @@ static void test_refused(void) {
   } cases[] = {
       {"", "has no rows"},
       {"x,ion,1,0,1\n", "bad.csv:2:1: neither 'n' nor 'p': 'x'"},
-      {"n,ioN,1,0,1\n", "bad.csv:2:3: neither 'ion' nor 'ioff': 'ioN'"},
+      {"n,ioN,1,0,1\n", "bad.csv:2:3: expected 'ion' or 'ioff': 'ioN'"},
       {"n,ion,0,0,1\n", "bad.csv:2:7: not above 0: '0'"},
       {"n,ion,1,-1,1\n", "bad.csv:2:9: not above"},
       {"n,ion,1,0,nan\n", "bad.csv:2:11: not a number: 'nan'"},
@@ -172,16 +172,16 @@ static void test_refused(void) {
       {"n,ion,1,0,0\n", "bad.csv:2:11: not above 0: '0'"},
       {"n,ion,1,0,1\nn,ion,1,0,2\n", "bad.csv:3:9: a second row"},
       {"n,ion,1,0,1\nn,ion,1,5,1\nn,ion,2,0,1\n",
-       "bad.csv:4:9: not all widths have the same edges"},
+       "bad.csv:4:9: all widths must have the same edges"},
       {"n,ion,1,0,1\nn,ion,2,5,1\n",
-       "bad.csv:3:9: not all widths have the same edges"},
+       "bad.csv:3:9: all widths must have the same edges"},
   };
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     g_autofree char *text = g_strconcat(head, cases[i].rows, NULL);
     assert_refused(text, cases[i].message);
   }
   assert_refused("type,current,width,edge\n",
-                 "bad.csv:1:1: there is no column 'gamma'");
+                 "bad.csv:1:1: missing column 'gamma'");
   assert_refused("type,typ\n", "bad.csv:1:6: unknown column 'typ'");
   assert_refused("type , typ\n", "bad.csv:1:8: unknown column 'typ'");
   assert_refused("type,width (um)\n",

@@ -120,14 +120,17 @@ static void try_currents(opc_inspector *in, const cases *all) {
     double ion = drawn[i], ioff = drawn[2 + i];
     double gain = all->figure[TWICE_AS_WIDE][i] / ion;
     if (!(ion >= least_ion && ion <= most_ion))
-      in->find(in,
-               "extract: Ion of a gate of L %g, W %g nm is %g A; %g to %g are "
-               "plausible",
-               g->length[i], g->width[i], ion, least_ion, most_ion);
+      in->find(
+          in,
+          "extract: Ion of a gate of L %g, W %g nm is %g A, expected %g to %g",
+          g->length[i], g->width[i], ion, least_ion, most_ion);
     if (!(ioff < ion))
       in->find(in, "extract: Ioff of %g A is not below Ion of %g A", ioff, ion);
     if (!(gain >= least_gain && gain <= most_gain))
-      in->find(in, "extract: twice the width has %g times the Ion", gain);
+      in->find(in,
+               "extract: a gate of twice the width has %g times the Ion, "
+               "expected about 2",
+               gain);
   }
 }
 
@@ -154,8 +157,8 @@ static void try_slices(opc_inspector *in, const opc_module *m, size_t n,
   if (good) try_currents(in, &all);
   if (good && !try_at_once(CASES, same_figures, &all))
     in->find(in,
-             "extract gives other bits while other threads call it; it is "
-             "[any]");
+             "extract returns different bits while other threads call the "
+             "function, although declared [any]");
   for (size_t c = 0; c < CASES; c++) free(all.slice[c]);
   if (!good) return;
   const eda_slices none = {.slices = n};
@@ -231,5 +234,5 @@ static const opc_function required[] = {OPC_FUNCTION(eda_extractor, prepare),
                                         OPC_FUNCTION(eda_extractor, slicing),
                                         OPC_FUNCTION(eda_extractor, extract)};
 OPC_KIND("extractor", eda_extractor,
-         "extractors: from the print of a gate to its performance",
+         "extractors: performance of a gate from the printed contour",
          OPC_SAMPLES(samples));

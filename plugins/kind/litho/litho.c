@@ -95,7 +95,7 @@ static void try_clear_field(opc_inspector *in, const opc_module *m) {
     return;
   for (int i = 0; i < PLACES; i++)
     if (!(fabs(value[i] - 1) <= clear_tolerance)) {
-      in->find(in, "image: the clear field has the intensity %g, not 1",
+      in->find(in, "image: the intensity of the clear field is %g, expected 1",
                value[i]);
       return;
     }
@@ -106,16 +106,17 @@ static void try_range(opc_inspector *in, const opc_module *m) {
   if (!spectrum_sample(in, m, EDA_POLY, &try_frame, value)) return;
   for (int i = 0; i < PLACES; i++)
     if (value[i] < darkest || value[i] > brightest) {
-      in->find(in, "image: the intensity %g is none, in clear fields",
-               value[i]);
+      in->find(
+          in, "image: the intensity %g is not between 0 and a few clear fields",
+          value[i]);
       return;
     }
   if (!spectrum_sample(in, m, EDA_POLY, &try_other_frame, other)) return;
   for (int i = 0; i < PLACES; i++)
     if (fabs(value[i] - other[i]) > frame_tolerance) {
       in->find(in,
-               "image: the same mask gives the intensity %g in one frame and "
-               "%g in another",
+               "image: the same mask has the intensity %g in one frame and %g "
+               "in another",
                value[i], other[i]);
       return;
     }
@@ -146,7 +147,8 @@ static void try_fine(opc_inspector *in, const opc_module *m, int layer,
   for (int i = 0; i < PLACES && !isnan(value[0][0] + value[1][0]); i++)
     if (!(fabs(value[0][i] - value[1][i]) <= allowed)) {
       in->find(in,
-               "image_fine: within %g it gives the intensity %g, within %g %g",
+               "image_fine: the intensity for the error %g is %g, for the "
+               "error %g %g",
                coarse_error, value[0][i], fine_error, value[1][i]);
       break;
     }
@@ -171,8 +173,8 @@ static void try_transform(opc_inspector *in, const opc_module *m) {
   if (try_went_well(in, "transform", code, &error)) {
     if (!mask.data || mask.columns != usual.columns || mask.rows != usual.rows)
       in->find(in,
-               "transform: a mask has %d x %d frequencies, not %d x %d as its "
-               "band says",
+               "transform: a mask has %d x %d frequencies, expected %d x %d "
+               "from the band",
                mask.columns, mask.rows, usual.columns, usual.rows);
     else
       try_image(in, m, EDA_POLY, &mask, 0);
@@ -222,7 +224,8 @@ static void try_callers(opc_inspector *in, const opc_module *m) {
         call_fine(in, m, i, &all.mask[i], coarse_error, &all.field[LAYERS + i]);
   if (good && !try_at_once(n, same_image, &all))
     in->find(in,
-             "image gives other bits while other threads call it; it is [any]");
+             "image returns different bits while other threads call the "
+             "function, although declared [any]");
   for (int i = 0; i < LAYERS; i++) {
     eda_spectrum_clear(&all.mask[i]);
     eda_field_clear(&all.field[i]);
@@ -243,7 +246,7 @@ static void exercise(const opc_module *m, opc_inspector *in) {
   double band = o->band(m->self);
   opc_leave(in->context, before);
   if (!(band > 0) || !isfinite(band)) {
-    in->find(in, "its band is %g 1/nm", band);
+    in->find(in, "the band is %g 1/nm", band);
     return;
   }
   for (int layer = 0; layer < LAYERS; layer++) {
@@ -265,5 +268,4 @@ static void exercise(const opc_module *m, opc_inspector *in) {
 static const opc_function required[] = {OPC_FUNCTION(eda_litho, prepare),
                                         OPC_FUNCTION(eda_litho, band),
                                         OPC_FUNCTION(eda_litho, image)};
-OPC_KIND("litho", eda_litho,
-         "litho models: from a mask to the intensity it gives");
+OPC_KIND("litho", eda_litho, "litho models: aerial image of a mask");

@@ -94,7 +94,7 @@ static int64_t violations_call(opc_inspector *in, const opc_module *m,
   const opc_module shown = {&forwards, (void *)&shim, m->id};
   int code = eda_call_violations(in->context, &shown, printed, list, most,
                                  &count, &error);
-  const char *what = most ? "violations" : "violations without room";
+  const char *what = most ? "violations" : "violations without an array";
   return try_call(in, what, own, code, &error) ? (int64_t)count : -1;
 }
 
@@ -109,7 +109,8 @@ static void try_violations(opc_inspector *in, const opc_module *m,
   none = violations_call(in, m, printed, NULL, 0);
   if (none >= 0 && many != none)
     in->find(in,
-             "violations counts %" PRId64 " with room and %" PRId64 " without",
+             "violations counts %" PRId64 " with an array and %" PRId64
+             " without",
              many, none);
 }
 
@@ -139,4 +140,4 @@ static void exercise(const opc_module *m, opc_inspector *in) {
 static const opc_function required[] = {
     OPC_FUNCTION(eda_regulator, rule), OPC_FUNCTION(eda_regulator, violations)};
 OPC_KIND("regulator", eda_regulator,
-         "regulators: what holds the correction within rules");
+         "regulators: rules that bound the correction");

@@ -52,8 +52,10 @@ static void try_sign(opc_inspector *in, const opc_module *m) {
   double last = level_of(in, m, 0), clear = level_of(in, m, 1);
   int signs = 0;
   if (isnan(last) || isnan(clear)) return;
-  if (!(last > 0)) in->find(in, "print: nothing prints in the dark");
-  if (!(clear < 0)) in->find(in, "print: the clear field prints");
+  if (!(last > 0))
+    in->find(in, "print: a dark field must print, found no shape");
+  if (!(clear < 0))
+    in->find(in, "print: a clear field must not print, found a shape");
   for (int i = 1; i <= STEPS; i++) {
     double level = level_of(in, m, (double)i / STEPS);
     if (isnan(level)) return;
@@ -61,7 +63,10 @@ static void try_sign(opc_inspector *in, const opc_module *m) {
     last = level;
   }
   if (signs > 1)
-    in->find(in, "print: %d intensities are its threshold, not one", signs);
+    in->find(
+        in,
+        "print: the result changes at %d intensities, expected one threshold",
+        signs);
 }
 
 typedef struct prints {
@@ -106,7 +111,8 @@ static void try_callers(opc_inspector *in, const opc_module *m) {
   }
   if (good && !try_at_once(LAYERS, same_print, &all))
     in->find(in,
-             "print gives other bits while other threads call it; it is [any]");
+             "print returns different bits while other threads call the "
+             "function, although declared [any]");
   for (int i = 0; i < LAYERS; i++) {
     eda_field_clear(&all.image[i]);
     eda_field_clear(&all.print[i]);
@@ -136,5 +142,4 @@ static void exercise(const opc_module *m, opc_inspector *in) {
 
 static const opc_function required[] = {OPC_FUNCTION(eda_resist, prepare),
                                         OPC_FUNCTION(eda_resist, print)};
-OPC_KIND("resist", eda_resist,
-         "resists: from the intensity to the shapes that print");
+OPC_KIND("resist", eda_resist, "resist models: printed shapes of an intensity");

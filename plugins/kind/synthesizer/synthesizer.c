@@ -195,4 +195,4 @@ static void exercise(const opc_module *m, opc_inspector *in) {
 static const opc_function required[] = {OPC_FUNCTION(eda_synthesizer, begin),
                                         OPC_FUNCTION(eda_synthesizer, update)};
 OPC_KIND("synthesizer", eda_synthesizer,
-         "synthesizers: from what was measured to the next moves");
+         "synthesizers: edge displacements from measured transistors");

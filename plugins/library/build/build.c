@@ -72,11 +72,11 @@ static GVariant *cell_pack(const builder *r, const cut_out *cell, loop *l) {
   eda_measurement end;
   eda_moved *moved = correct_moved_of(l);
   if (!moved) {
-    opc_fail(
-        r->error, OPC_INVALID, "synthesizer",
-        "%s moves fragments of edges or adds bars, but a library requires "
-        "a synthesizer that only changes lengths and widths of transistors",
-        r->b->with.synthesizer->id);
+    opc_fail(r->error, OPC_INVALID, "synthesizer",
+             "%s moves fragments of edges or adds scatter bars, but a library "
+             "requires a synthesizer that only changes lengths and widths of "
+             "transistors",
+             r->b->with.synthesizer->id);
     return NULL;
   }
   size_t n = l->gates->count;

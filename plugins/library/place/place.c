@@ -51,14 +51,14 @@ static int check_process(const place *p, opc_error *error) {
   for (int k = 0; k < LIBRARY_MODELS && !code; k++)
     if (strcmp(own.model[k], p->library->model[k]) != 0)
       code = opc_fail(error, OPC_INVALID, correct_library_models[k],
-                      "the library was made with another %s",
+                      "the library was built with another %s",
                       correct_library_models[k]);
   for (int k = 0; k < LIBRARY_MODELS; k++) g_free(own.model[k]);
   if (!code && p->library->grid != p->gates->grid)
-    code = opc_fail(error, OPC_INVALID, "gates",
-                    "the library is on a grid of %g nm, the circuit on one of "
-                    "%g nm",
-                    p->library->grid, p->gates->grid);
+    code =
+        opc_fail(error, OPC_INVALID, "gates",
+                 "the grid of the library is %g nm, that of the circuit %g nm",
+                 p->library->grid, p->gates->grid);
   return code;
 }
 
@@ -121,13 +121,13 @@ static int check_orientations(const placer *r, const units *found) {
   int code = find_symmetry(p, &orientations, r->error);
   if (code || orientations_for(&found->unit[worst].at) <= orientations)
     return code;
-  return opc_fail(
-      r->error, OPC_INVALID, "layout",
-      "cell '%s' is %s, which the optics do not see alike (source, "
-      "polarisation or aberrations): a mask from a library is none for it",
-      eda_layout_cell_name(p->layout, found->unit[worst].cell),
-      found->unit[worst].at.xy ? "placed turned by a right angle"
-                               : "placed mirrored or upside down");
+  return opc_fail(r->error, OPC_INVALID, "layout",
+                  "cell '%s' is %s, and the optics are not symmetric in this "
+                  "orientation (source, polarisation or aberrations): the mask "
+                  "of the library is not valid",
+                  eda_layout_cell_name(p->layout, found->unit[worst].cell),
+                  found->unit[worst].at.xy ? "placed turned by a right angle"
+                                           : "placed mirrored or upside down");
 }
 
 /* ---- the mask ---- */
@@ -157,15 +157,17 @@ static int place_report_unknown(placer *r) {
   const char *cell = g->cell[first];
   g_autofree char *name = correct_report_gate_name(g, first);
   g_autofree char *text = g_strdup_printf(
-      "%zu of %zu transistors are not in the library, first %s: cell '%s' %s",
+      "%zu of %zu transistors are not in the library, the first is %s: cell "
+      "'%s' %s",
       r->unknown, g->count, name, cell,
       find_cell(p->library, TRUE, cell)
-          ? "is drawn or cut otherwise in the library, or marked there for "
-            "another flavour"
+          ? "is drawn or fragmented differently in the library, or has another "
+            "flavour there"
           : "is missing");
   if (p->missing == REFUSE)
     return opc_fail(r->error, OPC_INVALID, "library", "%s", text);
-  p->host->log(p->host, OPC_LOG_FINDING, "%s: they are as drawn", text);
+  p->host->log(p->host, OPC_LOG_FINDING,
+               "%s: these transistors keep the drawn mask", text);
   return OPC_OK;
 }
 
@@ -176,7 +178,7 @@ static int stitch_all(placer *r) {
   int32_t top = p->top ? eda_layout_find_cell(p->layout, p->top)
                        : eda_layout_top(p->layout, r->error);
   if (p->top && top < 0)
-    return opc_fail(r->error, OPC_INVALID, "top", "there is no cell '%s'",
+    return opc_fail(r->error, OPC_INVALID, "top", "cell '%s' does not exist",
                     p->top);
   if (top < 0) return r->error->code;
   r->entry = eda_alloc(cells, sizeof(entry *));
@@ -296,8 +298,8 @@ static int place_forecast(void *self, opc_forecast *out, opc_error *error) {
   const place *p = self;
   (void)error;
   if (!p->print) return OPC_OK;
-  correct_forecast(&p->with, p->host, p->gates, "one print", "one fine print",
-                   out);
+  correct_forecast(&p->with, p->host, p->gates, "one print",
+                   "one accurate simulation", out);
   return OPC_OK;
 }
 
@@ -311,11 +313,12 @@ static const opc_parameter parameters[] = {
     INPUT(gates, "gates", "Transistors of the circuit"),
     INPUT(library, "library", "Corrected cells"),
     CORRECT_SLOT(place, litho, OPC_REQUIRED,
-                 "model of the optics, as of the library"),
+                 "model of the optics, the same as in the library"),
     CORRECT_SLOT(place, resist, OPC_REQUIRED,
-                 "model of the resist, as of the library"),
+                 "model of the resist, the same as in the library"),
     CORRECT_SLOT(place, extractor, OPC_REQUIRED,
-                 "performance of a printed transistor, as of the library"),
+                 "model of a printed transistor's performance, the same as in "
+                 "the library"),
     OPC_PARAMETER(place, top, .type = OPC_TEXT,
                   .summary = "Top cell of the circuit (default: the only cell "
                              "that no other places)"),
@@ -350,7 +353,7 @@ static const opc_metric metrics[] = {
      "mean of |Ion deviation| of the cells alone"},
     {"ion_max_drawn", "%", OPC_NEUTRAL, 0,
      "largest |Ion deviation| of the cells alone"},
-    {"iterations", NULL, OPC_LOWER, 0, "0: no edge is moved"},
+    {"iterations", NULL, OPC_LOWER, 0, "0: no edge is displaced"},
     {"simulations", NULL, OPC_LOWER, 0, "litho simulations of one layer each"},
     {"fine_simulations", NULL, OPC_LOWER, 0,
      "simulations of the accurate model"},
@@ -363,7 +366,7 @@ static int place_check(void *self, opc_error *error) {
   int code = correct_settings_check(&p->with, p->host, error);
   if (!code && p->picture && !p->print)
     code = opc_fail(error, OPC_INVALID, "picture",
-                    "without 'print' there is no disturbance to draw");
+                    "requires 'print: true', which computes the disturbance");
   if (!code && p->picture) code = eda_paper_check(p->picture, "picture", error);
   return code;
 }

@@ -164,7 +164,7 @@ static void test_refused(void) {
   g_assert_cmpint(place_sample(&m, LIBRARY_MODELS(LIBRARY_NA),
                                "print: false, top: none", &r, &error),
                   ==, OPC_INVALID);
-  g_assert_cmpstr(error.message, ==, "there is no cell 'none'");
+  g_assert_cmpstr(error.message, ==, "cell 'none' does not exist");
   opc_test_module_free(r.module);
   made_clear(&m);
 }

@@ -136,8 +136,8 @@ static int sheet_place(maker *m, int32_t cell, const char *name,
   eda_point at = {0, 0};
   if (around && b.x0 > b.x1)
     return opc_fail(m->error, OPC_INVALID, "boundary",
-                    "cell '%s' draws nothing on layer '%s': where it abuts is "
-                    "not known",
+                    "cell '%s' has no shape on layer '%s', so that the "
+                    "abutment box is unknown",
                     name, m->sheet->boundary);
   if (around) {
     int32_t wide = b.x1 - b.x0, high = b.y1 - b.y0;
@@ -198,7 +198,7 @@ static int sheet_make(maker *m) {
   units found = {0};
   int32_t top = s->top ? eda_layout_find_cell(s->layout, s->top) : -1;
   if (s->top && top < 0)
-    return opc_fail(m->error, OPC_INVALID, "top", "there is no cell '%s'",
+    return opc_fail(m->error, OPC_INVALID, "top", "cell '%s' does not exist",
                     s->top);
   int code = correct_units_find(s->layout, top, &found, m->error);
   m->top = eda_layout_cell(m->out, "library sheet", m->error);

@@ -47,7 +47,7 @@ static int check_mask(const eda_annotation *a, opc_error *error) {
                     "a mask is needed for state '%s'", states[a->state]);
   if (a->mask->gates != a->circuit->gates)
     return opc_fail(error, OPC_INVALID, "mask",
-                    "the mask is of other gates than the circuit");
+                    "the mask and the circuit belong to different gates");
   return OPC_OK;
 }
 
@@ -123,9 +123,9 @@ static const opc_parameter parameters[] = {
 
 static const opc_metric metrics[] = {
     {"transistors", NULL, OPC_NEUTRAL, 0,
-     "transistors written, finger by finger"},
+     "number of written transistors; each finger counts"},
     {"models", NULL, OPC_NEUTRAL, 0,
-     "model cards written, one for each DLC of its own"},
+     "number of written model cards, one for each DLC"},
 };
 
 /* ---- entry ---- */

@@ -222,7 +222,7 @@ static void test_refused(void) {
   assert_refused(", state: after", 0, "a mask is needed for state 'after'");
   leq[0] = NAN;
   assert_refused(
-      "", 1, "netlist device 'MN' has no size: its gate '*' does not print");
+      "", 1, "netlist device 'MN' has no size: the gate '*' does not print");
   leq[0] = 62;
   flags[0] = EDA_PRINT_OPEN;
   assert_refused("", 1, "netlist device 'MN' *:1' does not print well");
@@ -231,14 +231,14 @@ static void test_refused(void) {
   flags[0] = 0;
   eda_gates other = *circuit.gates;
   mask.gates = &other;
-  assert_refused("", 1, "the mask is of other gates than the circuit");
+  assert_refused("", 1, "the mask and the circuit belong to different gates");
   mask.gates = circuit.gates;
   refused_card("*\n", "'*bad.sp' has no model 'nmos'");
-  refused_card(
-      ".model nmos nmos level=54 toxe='2*t'\n",
-      "*:1:1: model 'nmos' has no cgso: with a DLC it would be another");
+  refused_card(".model nmos nmos level=54 toxe='2*t'\n",
+               "*:1:1: model 'nmos' has no cgso, without which a DLC would "
+               "change other properties");
   refused_card("*\n.model nmos pmos level=54\n",
-               "*bad.sp:2:13: model 'nmos' is no nmos");
+               "*bad.sp:2:13: model 'nmos' is not of the type nmos");
   refused_card("*\n.model nmos nmos level=1\n",
                "*bad.sp:2:24: a model of level 1 has no DLC*");
   refused_card("*\n.model nmos nmos lint=1n\n",
@@ -252,9 +252,9 @@ static void test_refused(void) {
   refused_card("*\n.model nmos nmos level=54 toxe=1e-300 xj=1e300\n",
                "*bad.sp:2:1: cgso of model 'nmos' would not be finite");
   refused_card("*\n.model nmos nmos level=54 lint\n",
-               "*:2:27: 'lint' is no NAME=VALUE");
+               "*:2:27: 'lint' is not of the form NAME=VALUE");
   refused_card("*\n.model nmos nmos level=54\n.model nmos nmos level=54\n",
-               "*:3:8: there is a 'nmos' already");
+               "*:3:8: 'nmos' is already defined");
 }
 
 /* ---- the simulator ---- */

@@ -26,7 +26,7 @@ static int check_length(graph *g, const eda_transistor *d, uint32_t gate) {
   double drawn = j->gates->length[gate];
   char name[256], fault[400];
   if (fabs(drawn - d->length) <= length_slack(j, d->length)) return OPC_OK;
-  snprintf(fault, sizeof fault, "has L %.6g nm, its gate '%s' %.6g nm",
+  snprintf(fault, sizeof fault, "has L %.6g nm, but the gate '%s' has %.6g nm",
            d->length, match_gate_name(j, gate, name, sizeof name), drawn);
   return refuse_device(g, d, fault);
 }
@@ -43,11 +43,12 @@ static int check_width(graph *g, const eda_transistor *d, const uint32_t *gates,
   match_gate_name(j, gates[0], name, sizeof name);
   if (n > 1)
     snprintf(fault, sizeof fault,
-             "has W %.6g nm, its %u gates ('%s' ...) %.6g nm", d->width, n,
-             name, drawn);
+             "has W %.6g nm, but the %u gates ('%s' ...) have %.6g nm",
+             d->width, n, name, drawn);
   else
-    snprintf(fault, sizeof fault, "has W %.6g nm, its gate '%s' %.6g nm",
-             d->width, name, drawn);
+    snprintf(fault, sizeof fault,
+             "has W %.6g nm, but the gate '%s' has %.6g nm", d->width, name,
+             drawn);
   return refuse_device(g, d, fault);
 }
 

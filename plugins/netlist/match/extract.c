@@ -277,8 +277,8 @@ static int find_terminals(extractor *x) {
     *t = terminals_of(x, i);
     if (t->gate == UINT32_MAX || t->low == UINT32_MAX || t->high == UINT32_MAX)
       return opc_fail(j->error, OPC_INVALID, NULL,
-                      "transistor '%s' has no %s in its own instance; "
-                      "set 'flat' to match across instances",
+                      "transistor '%s' has no %s in the same instance; set "
+                      "'flat' to match across instances",
                       match_gate_name(j, i, name, sizeof name),
                       t->gate == UINT32_MAX ? "poly" : "source or drain");
   }

@@ -113,8 +113,7 @@ static int find_top(match_task *j) {
   j->top = eda_layout_find_cell(j->layout, j->gates->name);
   if (j->top >= 0) return OPC_OK;
   return opc_fail(j->error, OPC_INVALID, "layout",
-                  "the layout has no cell '%.200s', which the gates are "
-                  "of",
+                  "the layout has no cell '%.200s', to which the gates belong",
                   j->gates->name);
 }
 
@@ -132,13 +131,11 @@ static int match_netlist(match_task *j, const matcher *m, eda_circuit **out) {
     return j->error->code;
   if (j->loose)
     j->host->log(j->host, OPC_LOG_WARNING,
-                 "netlist.match: labels that lie on no shape of their layer: "
-                 "%zu",
+                 "netlist.match: %zu labels are on no shape of their layer",
                  j->loose);
   if (n->left_out)
     j->host->log(j->host, OPC_LOG_WARNING,
-                 "netlist.match: capacitors and diodes of '%s' that are left "
-                 "out: %zu",
+                 "netlist.match: capacitors and diodes of '%s' ignored: %zu",
                  m->file, n->left_out);
   *out = match_circuit(j, top.of->name, m->supply, m->ground);
   return match_publish(j, *out);
@@ -210,10 +207,10 @@ static const opc_parameter parameters[] = {
 
 static const opc_metric metrics[] = {
     {"devices", NULL, OPC_NEUTRAL, 0, "transistors of the netlist"},
-    {"gates", NULL, OPC_NEUTRAL, 0, "gates that they are drawn as"},
+    {"gates", NULL, OPC_NEUTRAL, 0, "number of matched gates"},
     {"nets", NULL, OPC_NEUTRAL, 0, "nets of the netlist"},
     {"by_order", NULL, OPC_LOWER, 0,
-     "choices among like transistors that only their order settled"},
+     "number of choices among equivalent transistors decided by their order"},
 };
 
 /* ---- entry ---- */

@@ -262,11 +262,11 @@ static void test_mismatch(void) {
                "netlist device 'MN1' (*f.sp:4) has no gate in the layout; "
                "transistor 'nand2:1' is not in the netlist");
   refused_line(4, "MN1 VSS A X VSS nmos w=410e-9 l=65e-9",
-               "netlist device 'MN1' (*f.sp:4) has W 410 nm, its gate "
-               "'nand2:1' 400 nm");
+               "netlist device 'MN1' (*f.sp:4) has W 410 nm, but the gate "
+               "'nand2:1' has 400 nm");
   refused_line(7, "MP2 Y B VDD VDD pmos w=450e-9 l=70e-9",
-               "netlist device 'MP2' (*f.sp:7) has L 70 nm, its gate "
-               "'nand2:4' 65 nm");
+               "netlist device 'MP2' (*f.sp:7) has L 70 nm, but the gate "
+               "'nand2:4' has 65 nm");
   /* Two devices where the layout has one gate. */
   refused_line(7,
                "MP2 Y B VDD VDD pmos w=450n l=65n\n"
@@ -286,8 +286,8 @@ static void test_syntax(void) {
   } cases[] = {
       {"M1 a b c d nmos", "*f.sp:3:1: 'M1' has no w"},
       {"M1 a b c d nmos w=1u", "*f.sp:3:1: 'M1' has no l"},
-      {"M1 a b c nmos w=1u l=1u", "*:3:1: 'M1' should have four nodes, *"},
-      {"M1", "*:3:1: 'M1' should have four nodes, *"},
+      {"M1 a b c nmos w=1u l=1u", "*:3:1: 'M1' must have four nodes, *"},
+      {"M1", "*:3:1: 'M1' must have four nodes, *"},
       {"M1 a b c d nmos w= l=1u", "*:3:21: no name before '='"},
       {"M1 a b c d nmos w=1u l", "*:3:22: 'l' is not followed by '='"},
       {"M1 a b c d nmos w=x l=1u", "*:3:19: unknown parameter 'x'"},
@@ -295,32 +295,36 @@ static void test_syntax(void) {
        "*:3:19: a bracket is not closed in '1u?(2'"},
       {"M1 a b c d nmos w='1u*' l=1u", "*:3:19: a number is missing in *"},
       {"M1 a b c d nmos w=-1u l=1u", "*:3:19: w of 'M1' is not above 0: '-1u'"},
-      {"M1 a b c d nmos w=1/0 l=1u",
-       "*:3:19: a number without bounds in '1/0'"},
+      {"M1 a b c d nmos w=1/0 l=1u", "*:3:19: a number is not finite in '1/0'"},
       {"M1 a b c d nmos w=1u l=1u m=1.5",
-       "*:3:1: m of 'M1' is no whole number: 1.5"},
+       "*:3:1: m of 'M1' is not a whole number: 1.5"},
       {"M1 a b c d what w=1u l=1u",
-       "*:3:12: is model 'what' of n or of p type? *"},
+       "*:3:12: the type of model 'what' is unknown*"},
       {"M1 a b c d nmos w='1u l=1u", "*:3:19: ''' is not closed"},
       {"M1 a b c d nmos w=1u l=1u\nm1 a b c d nmos w=1u l=1u",
-       "*:4:1: there is a 'm1' already, in line 3"},
+       "*:4:1: 'm1' is already defined in line 3"},
       {"X1 a b c", "*:3:8: no subcircuit 'c'"},
-      {"X1 a nand2", "*:3:6: subcircuit 'nand2' leads to itself"},
+      {"X1 a nand2", "*:3:6: subcircuit 'nand2' contains itself"},
       {"Xi a b sub\n.ends\n.subckt sub a",
-       "*:3:1: 'Xi' has 2 nodes, 'sub' 1 ports"},
+       "*:3:1: 'Xi' has 2 nodes, but 'sub' has 1 ports"},
       {"R1 a b 5", "*:3:1: 'R1' is neither a transistor nor *"},
       {".subckt b a", "*:3:1: .subckt inside of 'nand2'"},
       {".what", "*:3:1: unknown card '.what'"},
       {".include nowhere.sp", "*:3:10: '*nowhere.sp': *"},
       {".include f.sp", "*f.sp:2:1: .subckt inside of 'nand2'"},
       {".param a=b b=a\nM1 a b c d nmos w=a l=1u",
-       "*parameters go too deep or in a circle in *"},
+       "*parameters are nested too deep or depend on each other in a cycle in "
+       "*"},
       {".ends\n.ends", "*:4:1: .ends without .subckt"},
-      {".ends\n.subckt NAND2 a",
-       "*:4:9: there is a 'NAND2' already, in line 2"},
-      {"X1 a b\n.ends\n.subckt b c C", "*:3:1: 'X1' has 1 nodes, 'b' 2 ports"},
-      {"X1 a a b\n.ends\n.subckt b c C",
-       "*:5:9: port 'C' of 'b' is there twice"},
+      {".ends\n.subckt NAND2 a", "*:4:9: 'NAND2' is already defined in line 2"},
+      {"X1 a b\n"
+       ".ends\n"
+       ".subckt b c C",
+       "*:3:1: 'X1' has 1 nodes, but 'b' has 2 ports"},
+      {"X1 a a b\n"
+       ".ends\n"
+       ".subckt b c C",
+       "*:5:9: port 'C' of 'b' is declared twice"},
       {"M\x01 a b c d nmos w=1u l=1u", "*:3:1: byte 0x01 in a word"},
   };
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {

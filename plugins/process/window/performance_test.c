@@ -290,7 +290,7 @@ static void test_refused(void) {
   assert_refused("{ " LITHO ", " RESIST ", mask_error: [-1 nm, 0.7 nm] }",
                  "0.7 nm is no multiple of the mask grid of 0.5 nm");
   assert_refused("{ " LITHO ", " RESIST ", mask_error: [1 nm] }",
-                 "needs two values at least");
+                 "requires at least two values");
   assert_refused("{ " LITHO ", " RESIST ", mask_error: [1 nm, 0 nm] }",
                  "must increase");
 }

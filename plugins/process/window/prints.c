@@ -89,7 +89,7 @@ static int image_layer(exposure *e, size_t layer, double defocus,
     return litho->image(model, (int)layer, &e->mask[layer], out, error);
   if (!litho->image_at)
     return opc_fail(error, OPC_INVALID, "defocus",
-                    "'%s' has one focus only: say defocus: [0 nm]",
+                    "'%s' has one focus only: set 'defocus: [0 nm]'",
                     e->w->litho->id);
   return litho->image_at(model, (int)layer, &e->mask[layer], defocus, out,
                          error);

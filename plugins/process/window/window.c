@@ -42,12 +42,11 @@ static int window_run(void *self, void **outputs, opc_error *error) {
   window *w = self;
   (void)outputs;
   if (!w->mask == !w->as_drawn)
-    return opc_fail(error, OPC_INVALID, "mask",
-                    "one of 'mask' and 'gates' is needed, and not both");
+    return opc_fail(error, OPC_INVALID, "mask", "set either 'mask' or 'gates'");
   w->gates = w->mask ? w->mask->gates : w->as_drawn;
   if (!w->gates->count)
     return opc_fail(error, OPC_INVALID, w->mask ? "mask" : "gates",
-                    "there are no transistors to measure");
+                    "the layout has no transistors to measure");
   w->nominal_dose = nearest_to_0(w->dose);
   w->nominal_focus = nearest_to_0(w->focus);
   if (check_mask_errors(w, error)) return error->code;
@@ -75,7 +74,7 @@ static int window_forecast(void *self, opc_forecast *out, opc_error *error) {
   out->memory = one.bytes + (double)prints * (double)gates->count *
                                 (sizeof(eda_section) + 2 * sizeof(double));
   (void)snprintf(out->work, sizeof out->work,
-                 "%zu images of about %.0f x %.0f points, %zu prints",
+                 "%zu images of about %.0f x %.0f points, %zu simulations",
                  layers * images, one.columns, one.rows, layers * prints);
   (void)snprintf(out->help, sizeof out->help,
                  "a smaller 'margin', fewer values of 'dose' and 'defocus', or "
@@ -137,31 +136,32 @@ static const opc_metric metrics[] = {
     {"depth_of_focus", "nm", OPC_HIGHER, 0.5,
      "range of focus within tolerance, at the dose nearest to 0 %"},
     {"nils_min", NULL, OPC_HIGHER, 0.001,
-     "least normalised image log slope of all gates and prints"},
+     "smallest normalised image log slope of all gates and points"},
     {"failed_max", NULL, OPC_LOWER, 0,
-     "gates that are open or merged, in the worst print"},
+     "gates that are open or merged, at the worst point"},
     {"ion_window", "%nm", OPC_HIGHER, 0.5,
-     "area of dose and focus where all transistors keep ion_limit"},
+     "area of dose and focus where all transistors meet ion_limit"},
     {"ioff_window", "%nm", OPC_HIGHER, 0.5,
-     "area of dose and focus where all transistors keep ioff_limit"},
+     "area of dose and focus where all transistors meet ioff_limit"},
     {"both_window", "%nm", OPC_HIGHER, 0.5,
-     "area of dose and focus where all transistors keep both limits"},
+     "area of dose and focus where all transistors meet both limits"},
     {"ion_sd_max", "%", OPC_LOWER, 0.01,
-     "standard deviation of Ion of the n- or the p-transistors, in the "
-     "worst print"},
+     "standard deviation of Ion of the n- or the p-transistors, at the worst "
+     "point"},
     {"ion_worst", "%", OPC_LOWER, 0.01,
-     "largest |Ion deviation| of all prints"},
+     "largest |Ion deviation| of all points"},
     {"leakage_max", NULL, OPC_LOWER, 0.01,
-     "total Ioff over that as drawn, in the worst print"},
+     "ratio of total Ioff to drawn total Ioff, at the worst point"},
     {"transistors_failed_max", NULL, OPC_LOWER, 0,
-     "transistors that do not print as one of their own, in the worst print"},
+     "transistors that do not print as one separate transistor, at the worst "
+     "point"},
     {"outside_max", NULL, OPC_LOWER, 0,
-     "transistors with figures from beyond the device table, in the worst "
-     "print"},
+     "transistors with results extrapolated beyond the device table, at the "
+     "worst point"},
     {"meef_mean", NULL, OPC_LOWER, 0.01,
-     "mean of nm of printed length per nm of mask length"},
+     "mean mask error factor: printed length per mask length"},
     {"meef_max", NULL, OPC_LOWER, 0.01,
-     "largest nm of printed length per nm of mask length"},
+     "largest mask error factor: printed length per mask length"},
     {"ion_per_nm_mean", "%", OPC_LOWER, 0.01,
      "mean of |change of Ion| when all edges of the mask move by 1 nm"},
     {"ion_per_nm_max", "%", OPC_LOWER, 0.01,
@@ -173,7 +173,7 @@ static int check_list(const char *name, opc_reals list, size_t least,
   const double *v = list.values;
   if (list.count < least || list.count > MAX_PLACES)
     return opc_fail(error, OPC_INVALID, name,
-                    "'%s' needs %zu to %d values, not %zu", name, least,
+                    "'%s' must have %zu to %d values, found %zu", name, least,
                     MAX_PLACES, list.count);
   for (size_t i = 0; i < list.count; i++)
     if (!isfinite(v[i]) || v[i] <= above)

@@ -176,7 +176,7 @@ static void test_refused(void) {
   assert_refused("{ " LITHO ", " RESIST " }", &l,
                  "'litho.one' has one focus only");
   assert_refused("{ " LITHO ", " RESIST ", defocus: [0 nm] }", NULL,
-                 "one of 'mask' and 'gates' is needed");
+                 "set either 'mask' or 'gates'");
   assert_refused("{ " LITHO ", " RESIST ", dose: [1 %, 1 %] }", &l,
                  "must increase");
   assert_refused("{ " LITHO ", " RESIST ", dose: [-100 %, 1 %] }", &l,
@@ -184,7 +184,7 @@ static void test_refused(void) {
   GString *many = g_string_new("{ " LITHO ", " RESIST ", dose: [0 %");
   for (int i = 1; i <= 100; i++) g_string_append_printf(many, ", %d %%", i);
   g_string_append(many, "] }");
-  assert_refused(many->str, &l, "needs 1 to 100 values, not 101");
+  assert_refused(many->str, &l, "must have 1 to 100 values, found 101");
   g_string_free(many, TRUE);
   assert_refused("{ " LITHO ", " RESIST ", file: a.jpg }", &l,
                  ".png, .svg or .pdf");

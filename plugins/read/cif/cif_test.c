@@ -300,7 +300,7 @@ static void test_refusals(void) {
       {"L A;\n  B 2 2 0;E", "", "made.cif:2:10: a number is missing (byte 14)"},
       {"B 2 2 0 0;E", "", ":1:1: a shape without a layer"},
       {"L A;B 2 2 0 0;", "", "ends before its E command (byte 14)"},
-      {"DS 1;DS 2;E", "", ":1:6: a symbol inside"},
+      {"DS 1;DS 2;E", "", ":1:6: symbol definition inside"},
       {"DF;E", "", "DF without DS"},
       {"DS 1;DF;\nDS 1;DF;E", "", ":2:1: a symbol defined twice"},
       {"DS 1;E", "", "E inside"},
@@ -308,17 +308,17 @@ static void test_refusals(void) {
       {"C 7;E", "", ":1:1: calls a symbol that is not defined"},
       {"C 1 Q 1;E", "", "not a transformation"},
       {"C 1 R 0 0;E", "", "no direction"},
-      {"(a (b);E", "", ":1:1: a comment that does not end"},
+      {"(a (b);E", "", ":1:1: unterminated comment"},
       {"X;E", "", "unknown command"},
       {"L A;P 0 0 1 1;E", "", "fewer than 3"},
       {"L A;B 2 2 0 3000000000;E", "", "beyond 32 bits"},
       {"DS 1 100 1;L A;B 2 2 0 2000000000;DF;C 1;E", "", "beyond 32 bits"},
       {"DS 1 1 2147483647;DF;DS 2 1 2147483646;DF;E", "", "no common unit"},
       {"L A;B 2 2 0 0;L B;B 2 2 0 0;E", ", layers: { poly: CP }",
-       "there is no layer CP for 'poly'; there are A, B"},
+       "no layer CP for 'poly'; the file has A, B"},
       {"L A;B 2 2 0 0;E", ", layers: { A: B }", "name that 'layers' assigns"},
       {"L A;B 2 2 0 0;E", ", layers: { a: A, b: A }", "is 'a' already"},
-      {"L A;B 2 2 0 0;E", ", top: x", "there is no cell 'x'"},
+      {"L A;B 2 2 0 0;E", ", top: x", "cell 'x' does not exist"},
   };
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     opc_error e = {0};
@@ -350,8 +350,9 @@ static void test_formats(void) {
       g_autoptr(opc_module) m = opc_test_module(readers[k], mapping, &e);
       g_assert_cmpint(opc_test_run(m, &output, &e), ==, OPC_IO);
       g_autofree char *what =
-          g_strdup_printf("is a file of %s, not of ", formats[i].name);
-      g_autofree char *use = g_strdup_printf("'use: %s'", formats[i].reader);
+          g_strdup_printf("is a file of %s, expected ", formats[i].name);
+      g_autofree char *use =
+          g_strdup_printf("use the reader '%s'", formats[i].reader);
       int own = !strcmp(readers[k], formats[i].reader);
       g_assert_cmpint(!strstr(e.message, what), ==, own);
       g_assert_cmpint(!strstr(e.message, use), ==, own);

@@ -30,7 +30,7 @@ static void skip_comment(cif *c) {
     c->at++;
     return;
   }
-  cif_refuse_at(c, open, "a comment that does not end");
+  cif_refuse_at(c, open, "unterminated comment");
 }
 
 /* Skip blanks and comments; return the place. */
@@ -217,7 +217,7 @@ static void take_call(cif *c) {
 static void begin_symbol(cif *c) {
   int64_t a = 1, b = 1;
   if (c->current != cif_symbol_at(c, 0))
-    cif_refuse(c, "a symbol inside of another");
+    cif_refuse(c, "symbol definition inside of another");
   int64_t number = take_size(c);
   if (number_follows(c)) {
     a = take_count(c);

@@ -49,7 +49,7 @@ static void test_refusals(void) {
   g_byte_array_set_size(file, 62);
   put_empty(file, EDA_GDS_ENDEL);
   g_free(file_save(file));
-  assert_refused(path, "", OPC_IO, "record out of place at byte 62");
+  assert_refused(path, "", OPC_IO, "unexpected record at byte 62");
   g_byte_array_free(file, TRUE);
   g_assert_true(g_file_set_contents(path, "hello, world", -1, NULL));
   assert_refused(path, "", OPC_IO, "not a GDSII file: no HEADER at byte 0");
@@ -164,20 +164,19 @@ static void test_packed(void) {
   g_assert_true(g_file_get_contents(path, &packed, &n, NULL));
   g_free(path);
   path = save_packed(packed, n, G_MAXSIZE);
-  assert_refused(path, "", OPC_IO,
-                 "packed by gzip, and what it holds is so again");
+  assert_refused(path, "", OPC_IO, "gzip: the content is compressed again");
   packed[n - 8] ^= 1; /* part of the check sum */
   g_assert_true(g_file_set_contents(path, packed, (gssize)n, NULL));
-  assert_refused(path, "", OPC_IO, "packed by gzip, incorrect data check");
+  assert_refused(path, "", OPC_IO, "gzip: incorrect data check");
   g_free(path);
   path = save_packed(file->data, file->len, n / 2);
-  assert_refused(path, "", OPC_IO, "packed by gzip, it ends too early");
+  assert_refused(path, "", OPC_IO, "gzip: the data end too early");
   g_free(path);
   const size_t many = 120 << 20;
   g_autofree char *nothing = g_malloc0(many);
   path = save_packed(nothing, many, G_MAXSIZE);
   assert_refused(path, "", OPC_IO,
-                 "packed by gzip, it holds far more than a layout");
+                 "gzip: the content is larger than any layout");
   g_free(path);
   g_byte_array_free(file, TRUE);
 }

@@ -173,7 +173,7 @@ static void take_record(gds *g) {
     case EDA_GDS_ELKEY:
       break;
     default:
-      gds_refuse(g, "record out of place");
+      gds_refuse(g, "unexpected record");
   }
 }
 
@@ -244,7 +244,9 @@ static void add_apart(gds *g, int32_t child, eda_placement p,
   size_t name = g->e.instance ? strlen(g->e.instance) : 0;
   g->apart += (size_t)columns * rows * (1 + name / 64);
   if (g->apart > MAX_APART) {
-    gds_refuse(g, "too many arrays with steps off the unit, the last");
+    gds_refuse(g,
+               "too many arrays with steps that are no multiple of the unit, "
+               "the last");
     return;
   }
   if (!whole[0]) p.columns = 1;
@@ -355,7 +357,7 @@ static void gds_read_cell(gds *g) {
         gds_read_element(g);
         break;
       default:
-        gds_refuse(g, "record out of place");
+        gds_refuse(g, "unexpected record");
     }
 }
 
@@ -402,14 +404,14 @@ static void gds_read_library(void *self) {
       case EDA_GDS_LIBSECUR:
         break;
       default:
-        gds_refuse(g, "record out of place");
+        gds_refuse(g, "unexpected record");
     }
   if (!g->b.layout) gds_refuse(g, "ENDLIB before UNITS");
   if (g->absolute)
-    g->b.r->host->log(g->b.r->host, OPC_LOG_WARNING,
-                      "'%s': absolute angles or magnifications are taken as "
-                      "relative",
-                      g->b.r->file);
+    g->b.r->host->log(
+        g->b.r->host, OPC_LOG_WARNING,
+        "'%s': absolute angles or magnifications are read as relative",
+        g->b.r->file);
 }
 
 static int gds_run(void *self, void **outputs, opc_error *error) {

@@ -133,16 +133,17 @@ static void test_parameters(void) {
   put_box(file, 1, 0);
   g_autofree char *path = file_finish(file);
   assert_refused(path, ", layers: { poly: 9/0, active: 2/0 }", OPC_INVALID,
-                 "there is no layer 2/0 for 'active'; there are 1/0, 9/0");
+                 "no layer 2/0 for 'active'; the file has 1/0, 9/0");
   assert_refused(path, ", layers: { poly: nine }", OPC_INVALID,
                  "'nine': expected");
   assert_refused(path, ", layers: { poly: 9/0, gate: 9/0 }", OPC_INVALID,
                  "layer 9/0 is 'poly' already");
   assert_refused(path, ", layers: { '3/0': 9/0 }", OPC_INVALID,
                  "not allowed as a name");
-  assert_refused(path, ", top: NONE", OPC_INVALID, "there is no cell 'NONE'");
+  assert_refused(path, ", top: NONE", OPC_INVALID,
+                 "cell 'NONE' does not exist");
   assert_refused(path, ", top: OTHR", OPC_INVALID,
-                 "there is no cell 'OTHR', did you mean 'OTHER'?");
+                 "cell 'OTHR' does not exist, did you mean 'OTHER'?");
   opc_error e;
   eda_layout *layout = read_good(path, "");
   g_assert_cmpint(eda_layout_top(layout, &e), ==, -1);

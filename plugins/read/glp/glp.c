@@ -87,7 +87,8 @@ static int32_t need_number(clip *c) {
   word w = next_word(c);
   if (!word_number(w, &value))
     glp_refuse_at(
-        c, w.s, w.n ? "not a whole number within 2^31" : "a number is missing");
+        c, w.s,
+        w.n ? "expected a whole number within 2^31" : "a number is missing");
   return value;
 }
 
@@ -163,7 +164,7 @@ static void take_polygon(clip *c) {
   for (word w = next_word(c); w.n; w = next_word(c), n++) {
     eda_grow(&c->points, &c->room, n + 1, sizeof *c->points);
     if (!word_number(w, &c->points[n].x))
-      glp_refuse_at(c, w.s, "not a whole number within 2^31");
+      glp_refuse_at(c, w.s, "expected a whole number within 2^31");
     c->points[n].y = need_number(c);
   }
   if (n < 3) glp_refuse(c, "PGON of less than 3 points");
@@ -193,7 +194,7 @@ static int take_record(clip *c) {
     else
       take_polygon(c);
     word more = next_word(c);
-    if (more.n) glp_refuse_at(c, more.s, "one number too many");
+    if (more.n) glp_refuse_at(c, more.s, "unexpected number at the end");
   }
   return 1;
 }

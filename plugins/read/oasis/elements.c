@@ -30,9 +30,9 @@ int oasis_need(oasis *o, const char *what, uint32_t has) {
       "points",
       "a name",
       "values",
-      "a trapezoid of no kind",
-      "a placement of no cell",
-      "a repetition like one before, but there is none,"};
+      "a trapezoid without a kind",
+      "a placement without a cell",
+      "a reference to the preceding repetition without one,"};
   uint32_t missing = has & ~o->m.has;
   if (missing && !o->b.failed) {
     const char *name = names[__builtin_ctz(missing)];
@@ -75,7 +75,7 @@ int oasis_spend(oasis *o, uint64_t count, uint64_t points) {
   uint64_t most = oasis_consumed(o) * POINTS_A_BYTE + POINTS_MORE, total;
   if (__builtin_mul_overflow(count, points, &total) || total > most ||
       o->spent + total > most) {
-    oasis_refuse(o, "too many shapes for so short a file, those");
+    oasis_refuse(o, "too many shapes for the length of the file, those");
     return 0;
   }
   o->spent += total;

@@ -46,7 +46,7 @@ static double little_endian_real(oasis *o, int bytes) {
     memcpy(&v, &bits, sizeof v);
   }
   if (isfinite(v)) return v;
-  oasis_refuse(o, "a real that is no number");
+  oasis_refuse(o, "a real that is not a number");
   return 0;
 }
 

@@ -62,10 +62,10 @@ static void read_end(oasis *o) {
   uint32_t wanted = scheme ? read_signature(o) : 0;
   if (oasis_place(o) != o->record + EDA_OASIS_END_BYTES ||
       oasis_place(o) != o->b.n)
-    oasis_refuse(o, "END is not the file's last 256 bytes,");
+    oasis_refuse(o, "END is not in the last 256 bytes of the file,");
   if (!o->naming && scheme && wanted != sum) {
     g_autofree char *what =
-        g_strdup_printf("the %s is %08x and not %08x as said", names[scheme],
+        g_strdup_printf("the %s is %08x, expected %08x", names[scheme],
                         (unsigned)sum, (unsigned)wanted);
     oasis_refuse(o, what);
   }
@@ -125,7 +125,7 @@ static void read_cell(oasis *o, uint64_t record) {
 
 static void read_element(oasis *o, uint64_t record) {
   if (!o->in_cell) {
-    oasis_refuse(o, "a record out of place: not in a cell,");
+    oasis_refuse(o, "an unexpected record: not in a cell,");
     return;
   }
   switch (record) {

@@ -150,7 +150,8 @@ static void test_repetitions(void) {
   }
   GByteArray *f = new_cell();
   values_put(f, "bbtuub", EDA_OASIS_TEXT, 0x47, "T", 1ul, 2ul, 0);
-  assert_refused(file_finish(f), OPC_IO, "like one before, but there is none");
+  assert_refused(file_finish(f), OPC_IO,
+                 "a reference to the preceding repetition without one");
 }
 
 static void test_points(void) {
@@ -370,10 +371,10 @@ static void test_blocks(void) {
     long more;
     const char *why;
   } cases[] = {{0, NULL},
-               {1, "a compressed block holds less than it says"},
-               {-1, "of what the block at byte 27 holds"},
-               {-4, "a compressed block holds more than it says"},
-               {1l << 40, "compressed blocks hold too much"}};
+               {1, "a compressed block is shorter than declared"},
+               {-1, "of the content of the compressed block at byte 27"},
+               {-4, "a compressed block is longer than declared"},
+               {1l << 40, "compressed blocks are too large"}};
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     g_autoptr(GByteArray) content = g_byte_array_new();
     GByteArray *f = new_cell();
@@ -423,9 +424,9 @@ static void test_parameters(void) {
   g_assert_cmpuint(eda_layout_cells(layout), ==, 1);
   eda_layout_free(layout);
   g_assert_null(read_more(path, ", layers: { poly: 8/0 }", &e));
-  g_assert_nonnull(strstr(e.message, "there is no layer 8/0 for 'poly'"));
+  g_assert_nonnull(strstr(e.message, "no layer 8/0 for 'poly'"));
   g_assert_null(read_more(path, ", top: NONE", &e));
-  g_assert_nonnull(strstr(e.message, "there is no cell 'NONE'"));
+  g_assert_nonnull(strstr(e.message, "cell 'NONE' does not exist"));
 }
 
 /* ---- hostile files ---- */
@@ -494,7 +495,7 @@ static void test_circles(void) {
   opc_error e = {0};
   eda_flat flat;
   g_assert_cmpint(eda_layout_top(layout, &e), ==, -1);
-  g_assert_nonnull(strstr(e.message, "circle"));
+  g_assert_nonnull(strstr(e.message, "cycle"));
   g_assert_cmpint(eda_layout_flatten(layout, 0, 0, 1, &flat, &e), !=, 0);
   eda_layout_free(layout);
   f = g_byte_array_new(); /* tables at the place of START */
@@ -528,15 +529,18 @@ static void test_arrays(void) {
   f = new_cell();
   values_put(f, "bbuuuuuuuuu", EDA_OASIS_RECTANGLE, 0x67, 1ul, 2ul, 3ul, 4ul,
              1ul, million, million, 20ul, 20ul);
-  assert_refused(file_finish(f), OPC_IO, "too many shapes for so short a file");
+  assert_refused(file_finish(f), OPC_IO,
+                 "too many shapes for the length of the file");
   f = new_cell(); /* bounded memory and time */
   values_put(f, "bbuuuuuuuuu", EDA_OASIS_RECTANGLE, 0x67, 1ul, 2ul, 3ul, 4ul,
              1ul, 1030ul, 1030ul, 20ul, 20ul);
-  assert_refused(file_finish(f), OPC_IO, "too many shapes for so short a file");
+  assert_refused(file_finish(f), OPC_IO,
+                 "too many shapes for the length of the file");
   f = new_cell();
   values_put(f, "bbtuuuuuuu", EDA_OASIS_TEXT, 0x47, "T", 1ul, 2ul, 1ul, million,
              million, 0ul, 0ul);
-  assert_refused(file_finish(f), OPC_IO, "too many shapes for so short a file");
+  assert_refused(file_finish(f), OPC_IO,
+                 "too many shapes for the length of the file");
   f = new_cell(); /* a long name, repeatedly */
   g_autofree char *name = g_strnfill(100000, 'n');
   values_put(f, "bbt", EDA_OASIS_PLACEMENT, 0x80, "A");
@@ -544,13 +548,15 @@ static void test_arrays(void) {
              61ul, 10ul, name);
   for (int i = 0; i < 1000; i++)
     values_put(f, "bbb", EDA_OASIS_PLACEMENT, 0, EDA_OASIS_PROPERTY_AGAIN);
-  assert_refused(file_finish(f), OPC_IO, "too many shapes for so short a file");
+  assert_refused(file_finish(f), OPC_IO,
+                 "too many shapes for the length of the file");
   f = new_cell(); /* a long polygon, repeatedly */
   values_put(f, "bbuuuu", EDA_OASIS_POLYGON, 0x23, 1ul, 2ul, 4ul, 100000ul);
   for (int i = 0; i < 100000; i++)
     values_put(f, "u", 1ul << 4 | (i % 2 ? 2 : 0));
   for (int i = 0; i < 5000; i++) values_put(f, "bb", EDA_OASIS_POLYGON, 0);
-  assert_refused(file_finish(f), OPC_IO, "too many shapes for so short a file");
+  assert_refused(file_finish(f), OPC_IO,
+                 "too many shapes for the length of the file");
   f = new_cell();
   values_put(f, "bbuuuuuu", EDA_OASIS_RECTANGLE, 0x67, 1ul, 2ul, 3ul, 4ul, 10ul,
              ~0ul);

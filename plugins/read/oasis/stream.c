@@ -73,8 +73,9 @@ void oasis_refuse(void *self, const char *what) {
   if (o->b.failed) return;
   g_autofree char *block =
       o->inside
-          ? g_strdup_printf(" of what the block at byte %" PRIu64 " holds",
-                            o->block_at)
+          ? g_strdup_printf(
+                " of the content of the compressed block at byte %" PRIu64 "",
+                o->block_at)
           : NULL;
   o->b.failed =
       opc_fail(o->b.error, OPC_IO, NULL, "'%s': %s at byte %" PRIu64 "%s",
@@ -125,7 +126,7 @@ int oasis_refill(oasis *o) {
   o->p = o->end = o->inflated;
   size_t n = block_unpack(o, o->inflated, MIN(o->left_out, (uint64_t)BUFFER));
   if (!n)
-    oasis_refuse(o, "a compressed block holds less than it says, the record");
+    oasis_refuse(o, "a compressed block is shorter than declared, the record");
   o->left_out -= n;
   if (!o->b.failed) o->end = o->inflated + n;
   return !o->b.failed;
@@ -154,7 +155,7 @@ void oasis_enter_block(oasis *o) {
   else if (in > o->b.n)
     oasis_refuse(o, "a compressed block longer than the file");
   else if (out > most || o->unpacked + out > most)
-    oasis_refuse(o, "compressed blocks hold too much, the one");
+    oasis_refuse(o, "compressed blocks are too large, the one");
   if (o->b.failed) return;
   o->z = (z_stream){0};
   if (inflateInit2(&o->z, -MAX_WBITS) != Z_OK) {
@@ -177,9 +178,10 @@ static void block_end(oasis *o) {
   uint8_t more;
   o->record = o->done + (uint64_t)(o->p - o->inflated);
   if (block_unpack(o, &more, 1))
-    oasis_refuse(o, "a compressed block holds more than it says, the rest");
+    oasis_refuse(o,
+                 "a compressed block is longer than declared, the remainder");
   else if (o->left_in || o->z.avail_in)
-    oasis_refuse(o, "a compressed block ends before it should,");
+    oasis_refuse(o, "a compressed block ends too early,");
   if (o->b.failed) return;
   block_leave(o);
   o->p = o->file_p;

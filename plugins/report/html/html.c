@@ -27,8 +27,8 @@ static int has_manifest(const writer *w, const char *folder) {
   g_autofree char *manifest = g_build_filename(folder, "manifest.json", NULL);
   if (g_file_test(manifest, G_FILE_TEST_EXISTS)) return 1;
   w->host->log(w->host, OPC_LOG_WARNING,
-               "no page of a run inside of another one; '%s' is kept for a "
-               "page of all",
+               "no page of an inner run is written; '%s' is kept for the page "
+               "of the outer run",
                w->view);
   return 0;
 }
@@ -57,8 +57,7 @@ static int html_run(void *self, void **outputs, opc_error *error) {
   page p;
   (void)outputs;
   if (!w->mask == !w->experiment)
-    return opc_fail(error, OPC_INVALID, "mask",
-                    "one of 'mask' and 'experiment' is to be given");
+    return opc_fail(error, OPC_INVALID, "mask", "set 'mask' or 'experiment'");
   const char *path = w->host->output_path(w->host, w->file, error);
   int code = !path ? error->code : w->mask ? keep_view(w, error) : OPC_OK;
   if (code) return code;

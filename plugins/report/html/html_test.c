@@ -108,7 +108,7 @@ static void test_mask(void) {
   if (write_page(mapping, "mask", m, &error)) g_error("%s", error.message);
   g_assert_false(g_file_test(path, G_FILE_TEST_EXISTS));
   g_assert_true(g_file_test(view, G_FILE_TEST_EXISTS));
-  g_assert_nonnull(strstr(opc_test_log(), "'v.json' is kept for a page"));
+  g_assert_nonnull(strstr(opc_test_log(), "'v.json' is kept for the page"));
   make_run(&(made_run){.folder = opc_test_folder(),
                        .variant = "plain",
                        .metrics = RUN_ION("4.5")});

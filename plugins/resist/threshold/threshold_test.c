@@ -198,7 +198,7 @@ static void test_open(void) {
        "'anchor': 67 nm are 0.19 of wavelength / NA", 1},
       {"{ anchor: { line: 190 nm, pitch: 430 nm } }",
        "{ anchor: { line: 190 nm, pitch: 430 nm } }",
-       "the layout's shortest gate has 150 nm: check that", 1},
+       "the shortest gate of the layout has 150 nm: check that", 1},
       {"{ anchor: { line: 120 nm, pitch: 430 nm } }",
        "{ anchor: { line: 120 nm, pitch: 430 nm } }", NULL, 1}};
   g_autoptr(opc_module) litho =
@@ -255,8 +255,8 @@ static void test_bad_gates(void) {
     g_assert_cmpint(resist->prepare(m->self, litho, &error), ==, OPC_INVALID);
     g_assert_cmpstr(
         error.message, ==,
-        k ? "'anchor', lines of 150 nm at 150 nm: there is no "
-            "space between its lines"
+        k ? "'anchor', lines of 150 nm at 150 nm: no space remains between the "
+            "lines"
           : "no transistor defines the anchor; set 'anchor' in numbers");
     eda_gates_free(gates);
   }
@@ -276,7 +276,7 @@ static void test_refused(void) {
   g_assert_null(opc_test_module("resist.threshold",
                                 "{ anchor: { line: 250 nm, pitch: 250 nm } }",
                                 &error));
-  g_assert_nonnull(strstr(error.message, "no space between its lines"));
+  g_assert_nonnull(strstr(error.message, "no space between the lines"));
 }
 
 /* Test that diffusion damps a wave by the transform of the Gaussian. */
@@ -380,15 +380,19 @@ static void test_bad_tables(void) {
       {"pitch,cd\n", "' has no rows"},
       {"pitch,width\n", ":1:7: unknown column 'width'"},
       {"pitch,cd,cd\n", ":1:10: a column twice: 'cd'"},
-      {"cd\n1\n", ":1:1: there is no column 'pitch'"},
+      {"cd\n1\n", ":1:1: missing column 'pitch'"},
       {"pitch,cd\n250,65\n\n250;65\n", ":4:1: not a number: '250;65'"},
-      {"pitch,cd\n250,65,3\n", ":2:8: a field too many: '3'"},
+      {"pitch,cd\n"
+       "250,65,3\n",
+       ":2:8: unexpected field: '3'"},
       {"pitch,cd\n250\n", ":2:4: not a number: ''"},
       {"pitch,cd\n250,nan\n", ":2:5: not a number: 'nan'"},
       {"pitch,cd\n250,0\n", ":2:1: widths must be above 0"},
       {"pitch,cd\n-250,65\n", ":2:1: a pitch must be"},
-      {"pitch,cd\n60,65\n", ":2:1: there is no space between"},
-      {"pitch,cd\n813718,65\n", ":2:1: lines and pitches go up to 100 um"},
+      {"pitch,cd\n60,65\n", ":2:1: no space remains between"},
+      {"pitch,cd\n"
+       "813718,65\n",
+       ":2:1: lines and pitches must be at most 100 um"},
       {"line,pitch,cd\n65,250,65\n,250,65\n", ":3:1: not a number: ''"}};
   g_autoptr(opc_module) litho = lines_litho("{}");
   g_autofree char *path = g_build_filename(opc_test_folder(), "bad.csv", NULL);
@@ -398,11 +402,12 @@ static void test_bad_tables(void) {
     lines_refused("resist.threshold", mapping, litho, files[i].why);
   }
   g_assert_true(g_file_set_contents(path, "pitch,cd\0\n", 10, NULL));
-  lines_refused("resist.threshold", mapping, litho, "is no text: byte 8 is 0");
+  lines_refused("resist.threshold", mapping, litho,
+                "is not a text file: byte 8 is 0");
   lines_refused("resist.threshold", "{ table: [250 nm] }", litho,
                 "pairs of a pitch");
   lines_refused("resist.threshold", "{ table: [60 nm, 65 nm] }", litho,
-                "no space between");
+                "no space remains between");
   lines_refused("resist.threshold",
                 "{ threshold: 0.3, table: [250 nm, 65 nm] }", litho,
                 "no effect");

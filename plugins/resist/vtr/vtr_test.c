@@ -294,7 +294,7 @@ static void test_refused(void) {
                 litho, "has 2 lines, too few for 3 coefficients");
   lines_refused("resist.vtr",
                 "{ table: [250 nm, 65 nm, 250 nm, 65 nm, 250 nm, 65 nm] }",
-                litho, "do not determine them");
+                litho, "do not determine the coefficients");
   lines_refused("resist.vtr", "{ fit: maximum }", litho, "'fit' needs a table");
   lines_refused("resist.vtr",
                 "{ table: [250 nm, 65 nm], constant: 0.3, fit: constant }",

@@ -65,8 +65,9 @@ static void test_nangate(void) {
     void *out;
     int code = opc_test_run(m, &out, &error);
     if (code) {
-      g_assert_cmpstr(error.message, ==,
-                      "no transistor: layers 'poly' and 'active' do not cross");
+      g_assert_cmpstr(
+          error.message, ==,
+          "no transistors: layers 'poly' and 'active' do not overlap");
       without++;
       continue;
     }

@@ -83,18 +83,18 @@ static void test_markers(void) {
   expect_flavours("{ flavours: { nvt: LVTN HVI, lvt: LVTN, hv: HVI } }",
                   "- lvt nvt hv");
   expect_refused("{ flavours: { lvt: LVTN, hv: HVI } }",
-                 "transistor from (4300, 0) to (4450, 600) nm, cell 'TOP': it "
-                 "is marked as 'lvt' and as 'hv'*");
+                 "transistor from (4300, 0) to (4450, 600) nm, cell 'TOP': the "
+                 "transistor is marked as 'lvt' and as 'hv'*");
   expect_refused("{ flavours: { lvt: NONE } }",
                  "the layout has no layer 'NONE'");
   box("PART", 310, 0, 900, 600);
   expect_refused("{ flavours: { x: PART } }",
-                 "*(300, 0)*: a marker of 'x' covers it in part");
+                 "*(300, 0)*: a marker of 'x' covers the transistor in part");
   opc_error error;
   g_autoptr(opc_module) none = opc_test_module(
       "segment.transistors", "{ flavours: { x: ' ' } }", &error);
   g_assert_null(none);
-  if (!strstr(error.message, "'x' needs the layer that marks"))
+  if (!strstr(error.message, "'x' must name the marker layer"))
     g_error("%s", error.message);
   eda_layout_free(layout);
 }

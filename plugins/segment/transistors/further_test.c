@@ -47,13 +47,13 @@ static void test_also_refused(void) {
   static const struct {
     const char *map, *message;
   } bad[] = {
-      {"poly: M1", "'poly': there is a layer of that name already"},
-      {"contact: M1", "'contact': there is a layer of that name already"},
+      {"poly: M1", "'poly': a layer of this name exists already"},
+      {"contact: M1", "'contact': a layer of this name exists already"},
       {"gates: poly", "'gates': layer poly is 'poly' already"},
       {"a: M1, b: M1", "'b': layer M1 is 'a' already"},
-      {"poly_drawn: M1", "'poly_drawn' is no name of a layer"},
-      {"'a b': M1", "'a b' is no name of a layer"},
-      {"'': M1", "'' is no name of a layer"},
+      {"poly_drawn: M1", "'poly_drawn' cannot be the name of a layer"},
+      {"'a b': M1", "'a b' cannot be the name of a layer"},
+      {"'': M1", "'' cannot be the name of a layer"},
   };
   opc_error error;
   for (size_t i = 0; i < G_N_ELEMENTS(bad); i++) {

@@ -51,15 +51,15 @@ static void test_type(void) {
   type_is("nN", 0, "n");
   type_is("(n)P", 0, "p");
   type_is("n(NP)", 0, "p");
-  type_is("NP", OPC_INVALID, "both implants cover it");
-  type_is("np", OPC_INVALID, "both wells cover it");
-  type_is("<n", OPC_INVALID, "'nwell' covers it in part");
-  type_is("<p", OPC_INVALID, "'pwell' covers it in part");
-  type_is("n<N", OPC_INVALID, "'nimplant' covers it in part");
-  type_is("<P", OPC_INVALID, "'pimplant' covers it in part");
+  type_is("NP", OPC_INVALID, "both implants cover the transistor");
+  type_is("np", OPC_INVALID, "both wells cover the transistor");
+  type_is("<n", OPC_INVALID, "'nwell' covers the transistor in part");
+  type_is("<p", OPC_INVALID, "'pwell' covers the transistor in part");
+  type_is("n<N", OPC_INVALID, "'nimplant' covers the transistor in part");
+  type_is("<P", OPC_INVALID, "'pimplant' covers the transistor in part");
   const char *unknown =
-      "its type is unknown: there is no layer 'nwell' or 'pwell', and no "
-      "implant covers it";
+      "the type is unknown: no layer 'nwell' or 'pwell' exists, and no implant "
+      "covers the transistor";
   type_is("", OPC_INVALID, unknown);
   type_is("(N)", OPC_INVALID, unknown);
 }
@@ -94,15 +94,14 @@ static void test_no_well(void) {
 static void test_refused(void) {
   drawing d = drawing_new();
   drawing_box(&d, "active", 0, 0, 400, 200);
-  assert_refused(
-      &d, "{}", OPC_INVALID,
-      "no transistor: the layout has no layer 'poly', but active; its "
-      "reader's 'layers' says which of them it is");
+  assert_refused(&d, "{}", OPC_INVALID,
+                 "no transistors: the layout has no layer 'poly', but active; "
+                 "name the layer in 'layers' of the reader");
   d = drawing_new();
   drawing_box(&d, "active", 0, 0, 400, 200);
   drawing_box(&d, "poly", 400, 0, 465, 200);
   assert_refused(&d, "{}", OPC_INVALID,
-                 "no transistor: layers 'poly' and 'active' do not cross");
+                 "no transistors: layers 'poly' and 'active' do not overlap");
   d = drawing_new();
   draw_single(&d);
   assert_refused(&d, "{ top: NAND }", OPC_INVALID,
@@ -122,7 +121,7 @@ static void test_refused(void) {
        "(350, 0) to (400, 150)"
        " nm, cell 'TOP': poly ends on active"},
       {{{150, -100, 215, 150}, {150, 100, 500, 150}},
-       "(150, 0) to (400, 150) nm, cell 'TOP': it is not a rectangle"},
+       "(150, 0) to (400, 150) nm, cell 'TOP': the gate is not a rectangle"},
       {{{-50, -50, 450, 250}},
        "(0, 0) to (400, 200) nm, cell 'TOP': "
        "no two opposite sides are edges of poly"},
@@ -130,11 +129,11 @@ static void test_refused(void) {
        "(350, 0) to (400, 200) nm, cell 'TOP': "
        "no two opposite sides are edges of poly"},
       {{{350, -50, 400, 250}},
-       "(350, 0) to (400, 200) nm, cell 'TOP': "
-       "an edge of poly lies on an edge of active"},
+       "(350, 0) to (400, 200) nm, cell 'TOP': an edge of poly coincides with "
+       "an edge of active"},
       {{{150, 0, 215, 250}},
-       "(150, 0) to (215, 200) nm, cell 'TOP': "
-       "an edge of poly lies on an edge of active"},
+       "(150, 0) to (215, 200) nm, cell 'TOP': an edge of poly coincides with "
+       "an edge of active"},
   };
   for (size_t i = 0; i < G_N_ELEMENTS(bad); i++) {
     g_autofree char *message =

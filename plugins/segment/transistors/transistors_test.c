@@ -233,10 +233,9 @@ static void test_instances(void) {
   g_assert_cmpint(g->extent.x1, ==, 1500);
   result_free(&r);
   drawing_box(&inverter, "poly", 200, -50, 240, 50);
-  assert_refused(
-      &d, "{}", OPC_INVALID,
-      "transistor from (1200, 0) to (1270, 100) nm, cell 'INV', instance "
-      "'X1': it is not a rectangle");
+  assert_refused(&d, "{}", OPC_INVALID,
+                 "transistor from (1200, 0) to (1270, 100) nm, cell 'INV', "
+                 "instance 'X1': the gate is not a rectangle");
 }
 
 static void test_cancel(void) {

@@ -52,12 +52,14 @@ static void test_goals(void) {
   static const struct {
     const char *text, *message;
   } wrong[] = {
-      {"weight\n1\n", ":1:1: there is no column 'transistor'"},
+      {"weight\n1\n", ":1:1: missing column 'transistor'"},
       {"transistor,slack\n", ":1:12: unknown column 'slack'"},
       {"ion,transistor,ion\n", ":1:16: a column twice: 'ion'"},
       {"transistor,weight\ncell:1,1\ncell:9,1\n",
-       ":3:1: there is no transistor 'cell:9'"},
-      {"transistor,weight\ncell:1,1,2\n", ":2:10: a field too many: '2'"},
+       ":3:1: unknown transistor 'cell:9'"},
+      {"transistor,weight\n"
+       "cell:1,1,2\n",
+       ":2:10: unexpected field: '2'"},
       {"transistor,weight\ncell:1,-1\n", ":2:8: no weight: '-1'"},
       {"transistor,ion\ncell:1,2 %\n",
        ":2:8: no multiple of a current from 0.1 to 10: '2 %'"},
@@ -68,7 +70,7 @@ static void test_goals(void) {
   }
   static const char cut[] = "transistor,weight\ncell:1,1\0\ncell:1,2\n";
   g_autoptr(opc_module) with_nul = with_bytes(cut, sizeof cut - 1, &path);
-  refused_goals(with_nul, "is no text: byte 26 is 0");
+  refused_goals(with_nul, "is not a text file: byte 26 is 0");
   gssize size = (64 << 20) + 1;
   g_autofree char *blanks = g_strnfill((gsize)size, '\n');
   g_autoptr(opc_module) large = with_bytes(blanks, size, &path);

@@ -69,9 +69,9 @@ static const char *take_pins(study *s, const eda_flat_netlist *flat,
       else
         c->inputs++;
     }
-  if (!has[0] || !has[2]) return "it has no supply or no ground";
-  if (!c->inputs || !c->outputs) return "it has no input or no output";
-  if (c->inputs > EDA_TIMING_INPUTS) return "it has too many inputs";
+  if (!has[0] || !has[2]) return "the cell has no supply or no ground";
+  if (!c->inputs || !c->outputs) return "the cell has no input or no output";
+  if (c->inputs > EDA_TIMING_INPUTS) return "the cell has too many inputs";
   return NULL;
 }
 
@@ -165,7 +165,7 @@ static const char *find_levels(study *s, eda_timing_cell *c) {
     levels_at(c, p, fixed, value);
     for (size_t o = 0; o < c->outputs; o++) {
       uint8_t v = value[c->port[c->inputs + o]];
-      if (v == UNKNOWN) trouble = "it keeps a state, or an output floats";
+      if (v == UNKNOWN) trouble = "the cell is sequential, or an output floats";
       c->level[o * patterns + p] = v;
     }
   }

@@ -55,7 +55,7 @@ static int build_cells(study *s, eda_netlist *n, opc_error *error) {
     if (!s->timing->cell[i].trouble) return OPC_OK;
   return opc_fail(error, OPC_INVALID, "file",
                   "'%.300s' has no cell that can be characterised%s", s->file,
-                  s->top || s->cells ? " among those that are wanted" : "");
+                  s->top || s->cells ? " among those selected by 'cells'" : "");
 }
 
 static int read_cells(study *s, opc_error *error) {
@@ -267,14 +267,17 @@ static const opc_parameter parameters[] = {
 static const opc_metric metrics[] = {
     FIGURE("cells", NULL, "cells with arcs"),
     FIGURE("arcs", NULL, "transitions of an input that an output follows"),
-    FIGURE("kept", NULL, "cells that were simulated before"),
-    FIGURE("simulated", NULL, "transitions that were simulated"),
-    COST("delay_error", "%", "delays by the tables, rms at random points"),
+    FIGURE("kept", NULL, "cells reused from earlier simulations"),
+    FIGURE("simulated", NULL, "number of simulated transitions"),
+    COST("delay_error", "%",
+         "root mean square error of delays from the tables at random points"),
     COST("delay_error_max", "%", "the largest of them"),
-    COST("slew_error", "%", "slews by the tables, rms at random points"),
+    COST("slew_error", "%",
+         "root mean square error of slews from the tables at random points"),
     COST("slew_error_max", "%", "the largest of them"),
     COST("change_error", "%",
-         "changes of delays by printed sizes, rms in points"),
+         "root mean square error of the changes of delays by printed sizes, in "
+         "points"),
 };
 
 static int check_grid(const opc_reals *r, const char *name, double least,
@@ -284,7 +287,7 @@ static int check_grid(const opc_reals *r, const char *name, double least,
     good = r->values[i] > (i ? r->values[i - 1] : least) && r->values[i] < 1e-3;
   if (good) return OPC_OK;
   return opc_fail(error, OPC_INVALID, name,
-                  "'%s' are 3 to %d values above %g that grow", name,
+                  "'%s' must be 3 to %d increasing values above %g", name,
                   EDA_TIMING_GRID, least);
 }
 
@@ -299,8 +302,8 @@ static int characterize_check(void *self, opc_error *error) {
   if (s->edges.count != 2 || !(edge[0] > 0) || !(edge[0] < 50) ||
       !(edge[1] > 50) || !(edge[1] < 95))
     return opc_fail(error, OPC_INVALID, "edges",
-                    "'edges' are one place above 0 and one below 95 %%, with "
-                    "the middle between them");
+                    "'edges' must be two thresholds between 0 and 95 %%, one "
+                    "below and one above 50 %%");
   if (check_grid(&s->slews, "slews", 1e-14, error)) return error->code;
   return check_grid(&s->loads, "loads", 0, error);
 }

@@ -326,8 +326,8 @@ void deck_run(deck *d) {
   }
   free(text);
   if (missing && !d->code)
-    d->code = opc_fail(&d->error, OPC_FAILED, NULL,
-                       "cell '%.100s': an output does not follow its input "
-                       "within %.3g ns",
-                       d->copy[0].cell->name, of.window * 1e9);
+    d->code = opc_fail(
+        &d->error, OPC_FAILED, NULL,
+        "cell '%.100s': an output does not follow the input within %.3g ns",
+        d->copy[0].cell->name, of.window * 1e9);
 }

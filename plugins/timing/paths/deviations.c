@@ -77,7 +77,8 @@ int delays_find(paths *p, delays *out, opc_error *error) {
   if (opc_cancelled(p->host->context))
     return opc_fail(error, OPC_CANCELLED, NULL, "cancelled");
   if (n) return OPC_OK;
-  return opc_fail(error, OPC_FAILED, NULL, "no output follows any transition");
+  return opc_fail(error, OPC_FAILED, NULL,
+                  "no output changes at any transition of the inputs");
 }
 
 void delays_clear(delays *d, size_t states) {

@@ -48,8 +48,8 @@ static int paths_run(void *self, void **outputs, opc_error *error) {
   int code = p->top ? graph_read(&p->graph, &p->pool, p->timing, p->file,
                                  p->top, error)
                     : opc_fail(error, OPC_INVALID, "top",
-                               "missing: without 'circuit' the netlist's "
-                               "subcircuit has to be named");
+                               "'top' is missing: without 'circuit', name the "
+                               "subcircuit of the netlist");
   if (!code) code = states_find(p, error);
   for (size_t s = 0; s < p->states && !code; s++)
     state_tables(&p->graph, p->at, &p->state[s]);
@@ -119,28 +119,30 @@ static const opc_parameter parameters[] = {
 };
 
 static const opc_metric metrics[] = {
-    FIGURE("cells", NULL, "instances of cells"),
-    FIGURE("transitions", NULL, "transitions of the inputs"),
-    FIGURE("delays", NULL, "outputs that follow them"),
+    FIGURE("cells", NULL, "number of cell instances"),
+    FIGURE("transitions", NULL, "number of input transitions"),
+    FIGURE("delays", NULL, "number of output transitions"),
     FIGURE("delay", "ps", "mean delay as drawn"),
     FIGURE("delay_max", "ps", "largest delay as drawn"),
     FIGURE("delay_min", "ps", "smallest delay as drawn"),
     FIGURE("static", "ps", "latest arrival of static analysis as drawn"),
     FIGURE("others", NULL,
-           "delays that are not compared: as printed, the last change comes "
-           "through other nets"),
+           "delays not compared, because the last change as printed is through "
+           "other nets"),
     COST("mean", "%",
          "mean of the absolute deviations of delays (thesis eq. 3.15)"),
-    COST("stdv", "%", "their standard deviation"),
+    COST("stdv", "%", "standard deviation of the deviations of delays"),
     FIGURE("lowest", "%", "lowest deviation"),
     FIGURE("highest", "%", "highest deviation"),
     FIGURE("longest", "%", "deviation of the largest delay"),
     FIGURE("shortest", "%", "deviation of the smallest delay"),
     FIGURE("static_deviation", "%", "deviation of the static latest arrival"),
-    FIGURE("spice_delays", NULL, "delays that ngspice was asked for"),
-    COST("spice_error", "%", "delays as drawn against ngspice, rms"),
+    FIGURE("spice_delays", NULL, "number of delays simulated by ngspice"),
+    COST("spice_error", "%",
+         "root mean square error of delays as drawn against ngspice"),
     COST("spice_error_max", "%", "the largest of them"),
-    COST("spice_deviation", "%", "deviations against ngspice, mean in points"),
+    COST("spice_deviation", "%",
+         "mean error of the deviations against ngspice, in points"),
     COST("spice_deviation_max", "%", "the largest of them"),
 };
 
@@ -148,7 +150,7 @@ static int paths_check(void *self, opc_error *error) {
   const paths *p = self;
   if (p->spice && !p->models[0])
     return opc_fail(error, OPC_INVALID, "models",
-                    "missing: 'spice' needs them");
+                    "'models' is missing, required by 'spice'");
   return eda_paper_check(p->picture, "picture", error);
 }
 

@@ -31,7 +31,7 @@ static int change_of(const paths *p, const eda_device *d, const printed *q,
     double mean = q->area[f] / q->weq[f];
     if (!(q->leq[f] > 0 && q->weq[f] > 0 && mean > 0))
       return opc_fail(error, OPC_FAILED, NULL,
-                      "netlist device '%.100s' has no size: its gate "
+                      "netlist device '%.100s' has no size: the gate "
                       "'%.200s:%u' does not print",
                       d->name, gate_where(g, f), g->number[f]);
     drawn += g->width[f];
@@ -80,7 +80,7 @@ static int from_mask(paths *p, state *s, opc_error *error) {
   const printed q = {after->leq_ion, after->weq, after->area};
   if (p->mask->gates != p->circuit->gates)
     return opc_fail(error, OPC_INVALID, "mask",
-                    "the mask is of other gates than the circuit");
+                    "the mask and the circuit belong to different gates");
   return sizes_apply(p, s, &q, error);
 }
 
@@ -97,7 +97,7 @@ static int find_columns(eda_table *t, const char *path, size_t at[COLUMNS],
     int found = eda_table_find(t, names[k]);
     if (found < 0)
       return opc_fail(error, OPC_INVALID, "prints",
-                      "'%.300s' has no column '%s': it is no table of gates",
+                      "'%.300s' has no column '%s', expected a table of gates",
                       path, names[k]);
     at[k] = (size_t)found;
     value[k] = k == GATE ? NULL : eda_table_numbers(t, at[k]);
@@ -119,7 +119,7 @@ static int take_rows(const paths *p, eda_table *t, const char *path,
     gpointer gate = g_hash_table_lookup(gates, eda_table_text(t, r, at[GATE]));
     if (!gate)
       return eda_table_fail(t, r, at[GATE],
-                            "no transistor of this circuit:", error);
+                            "not a transistor of this circuit:", error);
     size_t i = GPOINTER_TO_SIZE(gate) - 1;
     q->leq[i] = value[LEQ][r];
     q->weq[i] = value[WEQ][r];
@@ -160,13 +160,14 @@ static char *table_of(const char *folder) {
 static int from_experiment(paths *p, opc_error *error) {
   const eda_experiment *e = p->experiment;
   if (e->n_cases != 1)
-    return opc_fail(error, OPC_INVALID, "experiment",
-                    "it has %zu cases: one is wanted, the layout of 'circuit'",
-                    e->n_cases);
+    return opc_fail(
+        error, OPC_INVALID, "experiment",
+        "the experiment has %zu cases, expected one, the layout of 'circuit'",
+        e->n_cases);
   for (size_t m = 0; m < e->n_methods; m++) {
     if (!e->folders[m]) {
-      p->host->log(p->host, OPC_LOG_WARNING, "'%s' is left out: its run failed",
-                   e->methods[m]);
+      p->host->log(p->host, OPC_LOG_WARNING,
+                   "'%s' is omitted, because the run failed", e->methods[m]);
       continue;
     }
     g_autofree char *path = table_of(e->folders[m]);
@@ -187,10 +188,10 @@ int states_find(paths *p, opc_error *error) {
   p->states = 1;
   if ((p->mask || p->prints.count || p->experiment) && !p->circuit)
     return opc_fail(error, OPC_INVALID, "circuit",
-                    "missing: printed sizes are of a circuit's transistors");
+                    "'circuit' is missing, required for printed sizes");
   if (p->spice && !p->circuit)
     return opc_fail(error, OPC_INVALID, "circuit",
-                    "missing: 'spice' simulates its transistors");
+                    "'circuit' is missing, required by 'spice'");
   if (p->mask) {
     state *s = &p->state[p->states++];
     s->name = p->label;

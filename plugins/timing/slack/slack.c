@@ -280,7 +280,7 @@ static int slack_spend(slack_task *j, opc_error *error) {
   if (!budget_spend(b))
     return opc_fail(error, OPC_INVALID, s->clock > 0 ? "clock" : "delay_limit",
                     "the latest path of '%.100s' takes %.3f ps as drawn, "
-                    "%.3f ps are allowed",
+                    "expected at most %.3f ps",
                     j->graph.name, j->worst, b->limit);
   double *after = budget_slack(b);
   int code = slack_report(j, error);
@@ -361,13 +361,14 @@ static const opc_parameter parameters[] = {
 static const opc_metric metrics[] = {
     FIGURE("drawn", "ps", "latest arrival of static analysis as drawn"),
     FIGURE("allowed", "ps", "the limit"),
-    FIGURE("latest", "ps", "latest arrival with the lengths that are wanted"),
-    FIGURE("longer", NULL, "transistors that are to be longer"),
-    FIGURE("longer_most", "nm", "by how much, the most of all"),
-    FIGURE("leakage_drawn", "nA",
-           "what leaks at rest as drawn, mean over input patterns"),
-    COST("leakage", "nA", "the same with the lengths that are wanted"),
-    COST("leakage_change", "%", "the same against as drawn"),
+    FIGURE("latest", "ps", "latest arrival with the wanted lengths"),
+    FIGURE("longer", NULL, "number of transistors to lengthen"),
+    FIGURE("longer_most", "nm", "largest increase of a length"),
+    FIGURE("leakage_drawn", "nA", "leakage as drawn, mean over input patterns"),
+    COST("leakage", "nA",
+         "leakage with the wanted lengths, mean over input patterns"),
+    COST("leakage_change", "%",
+         "change of the leakage from drawn to wanted lengths"),
 };
 
 /* ---- entry ---- */

@@ -105,7 +105,8 @@ static void begin_cell(void *self, int32_t cell, const char *name) {
   cif *w = self;
   size_t n = strlen(name);
   if (!n || name[0] == ' ' || name[n - 1] == ' ' || strchr(name, ';'))
-    writer_fail(&w->w, "'%.200s': CIF has no cells of such a name", name);
+    writer_fail(&w->w, "'%.200s' is not allowed as the name of a cell in CIF",
+                name);
   fprintf(w->w.file, "DS %d %" PRId64 " %" PRId64 ";\n9 %s;\n", cell + 1, w->a,
           w->b, name);
   w->written[0] = '\0';
@@ -181,7 +182,8 @@ static void put_placement(void *self, int32_t child, const char *child_name,
                "CIF output supports rotations by right angles only");
   else if (w->calls > MAX_CALLS || (uint64_t)p->columns * p->rows > MAX_CALLS)
     cif_refuse(w, child_name,
-               "CIF knows no arrays, and their members are too many");
+               "CIF has no arrays, and the array has too many elements to "
+               "write individually");
   for (uint32_t r = 0; r < p->rows && !w->w.failed; r++)
     for (uint32_t c = 0; c < p->columns && !w->w.failed; c++) {
       eda_point row, at;
@@ -221,7 +223,7 @@ static void cif_end(void *self) {
   if (w->changed)
     w->w.host->log(w->w.host, OPC_LOG_WARNING,
                    "'%s': characters of %zu texts are replaced by '_', because "
-                   "CIF lacks them",
+                   "CIF does not allow them",
                    w->w.path, w->changed);
 }
 

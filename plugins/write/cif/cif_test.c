@@ -87,7 +87,8 @@ static void assert_refused(const eda_placement *p, const char *name,
 
 static void test_refusals(void) {
   eda_placement p = {{0, 0}, 1, 0, 0, 1, 1, {0, 0}, {0, 0}};
-  assert_refused(&p, "A;B", "'A;B': CIF has no cells of such a name");
+  assert_refused(&p, "A;B",
+                 "'A;B' is not allowed as the name of a cell in CIF");
   p.magnification = 2;
   assert_refused(&p, "LEAF", "'LEAF' in 'TOP': CIF cannot magnify a cell");
   p.magnification = 1;
@@ -95,7 +96,7 @@ static void test_refusals(void) {
   assert_refused(&p, "LEAF", "'LEAF' in 'TOP': CIF output supports");
   p.angle = 0;
   p.columns = p.rows = 1u << 31;
-  assert_refused(&p, "LEAF", "'LEAF' in 'TOP': CIF knows no arrays");
+  assert_refused(&p, "LEAF", "'LEAF' in 'TOP': CIF has no arrays");
   opc_error e = {0};
   eda_layout *layout = new_layout(1e-10);
   eda_layout_cell(layout, "TOP", &e);

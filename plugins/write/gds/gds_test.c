@@ -415,7 +415,7 @@ static void test_layers(void) {
   g_assert_null(write_more("layout", layout, ", layers: { poly: 9 }", &e));
   g_assert_nonnull(strstr(e.message, "'9': a layer is written 9/0"));
   g_assert_null(write_more("layout", NULL, "", &e));
-  g_assert_nonnull(strstr(e.message, "either a layout or a mask"));
+  g_assert_nonnull(strstr(e.message, "either 'layout' or 'mask'"));
   g_autofree char *path =
       write_good("layout", layout, ", layers: { poly: 9/1 }");
   eda_layout *back = read_good(path, "");

@@ -203,11 +203,11 @@ static void put_rules(GString *out, const eda_mask *m) {
 
 static void put_categories(GString *out, const eda_mask *m) {
   g_string_append(out, "<categories>\n");
-  put_category(out, "violations", "rules that the print does not keep");
+  put_category(out, "violations", "rules violated by the simulated contours");
   put_rules(out, m);
   g_string_append(out, "</category>\n");
   put_category(out, "does not print",
-               "transistors that do not print as one of their own");
+               "transistors that do not print as one separate transistor");
   g_string_append(out, "</category>\n");
   for (int k = 0; k < FIGURES; k++) {
     put_category(out, figures[k].category,

@@ -188,7 +188,7 @@ int correct_cut_cell(const eda_gates *sheet, const eda_layout *layout,
   if (!name || p.mirror || p.angle != 0 || fabs(x - round(x)) > 1e-3 ||
       fabs(y - round(y)) > 1e-3)
     return opc_fail(error, OPC_INVALID, "sheet",
-                    "cell '%s' does not stand on the mask grid: 'sheet' wants "
+                    "cell '%s' is not placed on the mask grid: 'sheet' must be "
                     "the layout of library.sheet",
                     eda_layout_cell_name(layout, out->cell));
   cutter c = {.sheet = sheet,

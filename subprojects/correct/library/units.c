@@ -67,12 +67,11 @@ static int turn_of(const traversal *w, int32_t child, const eda_placement *p,
   double quarters = nearbyint(p->angle / 90), flip = p->mirror ? -1 : 1;
   if (fabs(p->angle - 90 * quarters) > 1e-9 ||
       fabs(p->magnification - 1) > 1e-12)
-    return opc_fail(w->error, OPC_INVALID, NULL,
-                    "cell '%s' is placed turned by %g degrees and %g times as "
-                    "large: a library's cells are turned by right angles and "
-                    "mirrored only",
-                    eda_layout_cell_name(w->layout, child), p->angle,
-                    p->magnification);
+    return opc_fail(
+        w->error, OPC_INVALID, NULL,
+        "cell '%s' is placed with an angle of %g degrees and a magnification "
+        "of %g, expected multiples of 90 degrees without magnification",
+        eda_layout_cell_name(w->layout, child), p->angle, p->magnification);
   int quarter = (int)(((int64_t)quarters % 4 + 4) % 4);
   int c = cosine[quarter], s = cosine[(quarter + 3) % 4];
   *out = (turn){c,           (int32_t)(-s * flip), s, (int32_t)(c * flip),

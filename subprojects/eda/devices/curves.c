@@ -176,7 +176,7 @@ static int make_curves(eda_curves *c, const char *path, opc_error *error) {
   unsigned least = gsl_interp_type_min_size(gsl_interp_steffen);
   if (d->count < least)
     return opc_fail(error, OPC_INVALID, "devices",
-                    "'%s' has %zu lengths, at least %u are needed", path,
+                    "'%s' has %zu lengths, expected at least %u", path,
                     d->count, least);
   double range = d->length[d->count - 1] - d->length[0];
   c->steps = (size_t)fmin(MOST_STEPS, ceil(range / finest));

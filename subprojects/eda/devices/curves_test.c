@@ -197,7 +197,7 @@ static void test_refused(void) {
   g_assert_cmpint(read_table(2, 1, 1, &c, &error), ==, OPC_INVALID);
   g_assert_cmpstr(error.parameter, ==, "devices");
   g_assert_cmpstr(error.message, ==,
-                  "'table.yaml' has 2 lengths, at least 3 are needed");
+                  "'table.yaml' has 2 lengths, expected at least 3");
   g_assert_cmpint(read_table(5, 1, 2, &c, &error), ==, OPC_INVALID);
   g_assert_cmpstr(error.message, ==,
                   "'table.yaml': a current does not fall from 46 to 48 nm, so "

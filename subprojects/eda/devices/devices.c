@@ -38,8 +38,8 @@ static const opc_node *get_map(reader *r, const opc_node *parent,
 static gboolean is_text(reader *r, const opc_node *node, const char *key,
                         const char *wanted, const char *rest) {
   if (node->type != OPC_NODE_TEXT)
-    return opc_wrong(r->problems, node, "'%s' needs %s%s, not %s", key, wanted,
-                     rest, opc_node_noun(node));
+    return opc_wrong(r->problems, node, "'%s' requires %s%s, found %s", key,
+                     wanted, rest, opc_node_noun(node));
   return !opc_node_is_empty(node) ||
          opc_wrong(r->problems, node, "'%s' has no value", key);
 }
@@ -52,11 +52,11 @@ static gboolean read_number(reader *r, const opc_node *node, const char *key,
                             const char *given, const char *in,
                             gboolean positive, double *out) {
   if (!is_text(r, node, key, opc_unit_noun(opc_unit_find(in)),
-               " with its unit") ||
+               " with a unit") ||
       !opc_quantity_read(node, given, in, key, out, r->problems))
     return FALSE;
   return !positive || *out > 0 ||
-         opc_wrong(r->problems, node, "'%s' must be above 0 %s, not '%s%s%s'",
+         opc_wrong(r->problems, node, "'%s' must be above 0 %s, found '%s%s%s'",
                    key, in, node->text, given ? " " : "", given ? given : "");
 }
 
@@ -87,7 +87,7 @@ static const opc_node *get_list(reader *r, const opc_node *parent,
     *given = of->text;
     return list;
   }
-  opc_wrong(r->problems, map, "'%s' needs '{ unit: %s, values: [...] }'", key,
+  opc_wrong(r->problems, map, "'%s' must be '{ unit: %s, values: [...] }'", key,
             in);
   return NULL;
 }
@@ -114,7 +114,8 @@ static double *get_rows(reader *r, const opc_node *parent, const char *key,
   const opc_node *list = get_list(r, parent, key, in, &given);
   if (!list) return NULL;
   if (list->items->len != rows) {
-    opc_wrong(r->problems, list, "'%s' has %u lists, 'width' has %zu", key,
+    opc_wrong(r->problems, list,
+              "'%s' has %u lists, expected %zu as in 'width'", key,
               list->items->len, rows);
     return NULL;
   }
@@ -124,7 +125,7 @@ static double *get_rows(reader *r, const opc_node *parent, const char *key,
     const opc_node *row = list->items->pdata[i];
     if (!is_list(row) || row->items->len != columns)
       good = opc_wrong(r->problems, row,
-                       "'%s' needs a list of %zu values for each width", key,
+                       "'%s' must be a list of %zu values for each width", key,
                        columns);
     else
       good = read_items(r, row, key, given, in, &to);
@@ -153,7 +154,7 @@ static void read_lengths(reader *r, const opc_node *root) {
   if (!lengths) return;
   const opc_node *list = opc_node_get(opc_node_get(root, "length"), "values");
   if (d->count < 2)
-    opc_wrong(r->problems, list, "'length' needs two values or more");
+    opc_wrong(r->problems, list, "'length' must have at least two values");
   check_rise(r, root, "length", "lengths", lengths, d->count);
   d->length = lengths;
 }
@@ -172,7 +173,8 @@ static void read_widths(reader *r, const opc_node *root) {
   double *widths = get_column(r, root, "width", "nm", &count);
   if (!widths) return;
   if (count < 2)
-    opc_wrong(r->problems, node, "a list of widths needs two values or more");
+    opc_wrong(r->problems, node,
+              "a list of widths must have at least two values");
   check_rise(r, root, "width", "widths", widths, count);
   if (count) d->width = widths[count - 1];
   d->narrow = count > 1 ? count - 1 : 0;
@@ -187,7 +189,8 @@ static double *read_row(reader *r, const opc_node *map, const char *key,
   double *row = get_column(r, map, key, in, &count);
   if (row && d->length && count != d->count)
     opc_wrong(r->problems, opc_node_get(map, key),
-              "'%s' has %zu values, 'length' has %zu", key, count, d->count);
+              "'%s' has %zu values, expected %zu as in 'length'", key, count,
+              d->count);
   for (size_t j = 0; row && d->width > 0 && j < count; j++) row[j] /= d->width;
   return row;
 }
@@ -245,10 +248,10 @@ static void read_version(reader *r, const opc_node *node, const char *key) {
   if (!is_text(r, node, key, "a whole number", "")) return;
   const char *text = node->text, *digits = text + (*text == '-');
   if (!*digits || strspn(digits, "0123456789") != strlen(digits))
-    opc_wrong(r->problems, node, "'%s' needs a whole number, not '%s'", key,
+    opc_wrong(r->problems, node, "'%s' must be a whole number, found '%s'", key,
               text);
   else if (strtoll(text, NULL, 10) != 1)
-    opc_wrong(r->problems, node, "'%s' must be at %s 1, not '%s'", key,
+    opc_wrong(r->problems, node, "'%s' must be at %s 1, found '%s'", key,
               strtoll(text, NULL, 10) < 1 ? "least" : "most", text);
 }
 
@@ -257,11 +260,11 @@ static void check_flavour(reader *r, const opc_node *root) {
   const eda_devices *d = r->devices, *other = r->first;
   const opc_node *node = opc_node_get(root, "flavour");
   if (!node && d != other)
-    opc_wrong(r->problems, root, "a further table needs 'flavour'");
+    opc_wrong(r->problems, root,
+              "'flavour' is missing, required for all tables after the first");
   if (!node || !d->flavour) return;
   if (d == other)
-    opc_wrong(r->problems, node,
-              "the first table is of the transistors without a flavour");
+    opc_wrong(r->problems, node, "the first table must not have a 'flavour'");
   for (; other != d; other = other->next)
     if (other->flavour && !strcmp(other->flavour, d->flavour))
       opc_wrong(r->problems, node, "a second table of flavour '%s'",
@@ -305,7 +308,7 @@ static void read_head(reader *r, const opc_node *root) {
 static void read_table(reader *r, const opc_node *root) {
   static const char version_key[] = "opcflow-devices";
   if (root->type != OPC_NODE_MAP) {
-    opc_wrong(r->problems, root, "a device table is a map, not %s",
+    opc_wrong(r->problems, root, "a device table must be a map, found %s",
               opc_node_noun(root));
     return;
   }

@@ -87,52 +87,55 @@ static void test_width_faults(void) {
   check_fault_of(wide, "[0.5, 1, 10]", "[1, 1, 10]",
                  "table.yaml:4:32: widths must increase: '1'");
   check_fault_of(wide, "[0.5, 1, 10]", "[10]",
-                 "table.yaml:4:8: a list of widths needs two values or more "
-                 "(and 12 more)");
-  check_fault_of(wide, "[[5, 4], [11, 9], [120, 100]]", "[[5, 4], [11, 9]]",
-                 "table.yaml:7:28: 'ion' has 2 lists, 'width' has 3");
-  check_fault_of(wide, "[[5, 4], [11", "[[5, 4, 3], [11",
-                 "table.yaml:7:29: 'ion' needs a list of 2 values for each "
-                 "width");
-  check_fault_of(wide, "[[5, 4], [11", "[4, [11",
-                 "table.yaml:7:29: 'ion' needs a list of 2 values for each "
-                 "width");
-  check_fault_of(wide, "{ unit: um, values: [0.5, 1, 10] }", "1 um",
-                 "table.yaml:7:29: 'ion' needs a current with its unit, not a "
-                 "list (and 11 more)");
+                 "table.yaml:4:8: a list of widths must have at least two "
+                 "values (and 12 more)");
+  check_fault_of(
+      wide, "[[5, 4], [11, 9], [120, 100]]", "[[5, 4], [11, 9]]",
+      "table.yaml:7:28: 'ion' has 2 lists, expected 3 as in 'width'");
+  check_fault_of(
+      wide, "[[5, 4], [11", "[[5, 4, 3], [11",
+      "table.yaml:7:29: 'ion' must be a list of 2 values for each width");
+  check_fault_of(
+      wide, "[[5, 4], [11", "[4, [11",
+      "table.yaml:7:29: 'ion' must be a list of 2 values for each width");
+  check_fault_of(
+      wide, "{ unit: um, values: [0.5, 1, 10] }", "1 um",
+      "table.yaml:7:29: 'ion' requires a current with a unit, found a "
+      "list (and 11 more)");
 }
 
 static void test_faults(void) {
   check_fault("supply: 1100", "suply: 1100",
               "table.yaml:1:1: missing 'supply' (and 1 more)");
-  check_fault("devices: 1", "devices: 2",
-              "table.yaml:1:18: 'opcflow-devices' must be at most 1, not '2'");
+  check_fault(
+      "devices: 1", "devices: 2",
+      "table.yaml:1:18: 'opcflow-devices' must be at most 1, found '2'");
   check_fault("[0.044, 0.065, 1]", "[0.044, 0.044, 1]",
               "table.yaml:9:37: lengths must increase: '0.044'");
-  check_fault("[0.044, 0.065, 1]", "[0.044]",
-              "table.yaml:9:29: 'length' needs two values or more (and 4 "
-              "more)");
+  check_fault(
+      "[0.044, 0.065, 1]", "[0.044]",
+      "table.yaml:9:29: 'length' must have at least two values (and 4 more)");
   check_fault("[12, 11, 1]", "[12, 11]",
-              "table.yaml:11:8: 'ion' has 2 values, 'length' has 3");
+              "table.yaml:11:8: 'ion' has 2 values, expected 3 as in 'length'");
   check_fault("[12, 11, 1]", "[12, 0, 1]",
-              "table.yaml:11:33: 'ion' must be above 0 A, not '0 mA'");
-  check_fault("[12, 11, 1]", "[12, nan, 1]",
-              "table.yaml:11:33: 'ion' needs a current with its unit, not "
-              "'nan mA'");
+              "table.yaml:11:33: 'ion' must be above 0 A, found '0 mA'");
+  check_fault(
+      "[12, 11, 1]", "[12, nan, 1]",
+      "table.yaml:11:33: 'ion' requires a current with a unit, found 'nan mA'");
   check_fault("[12, 11, 1]", "[12, 1e999, 1]",
               "table.yaml:11:33: 'ion' is too large: '1e999 mA'");
-  check_fault("unit: mA", "unit: mV",
-              "table.yaml:11:29: 'ion' needs a current, not '12 mV' (and 2 "
-              "more)");
+  check_fault(
+      "unit: mA", "unit: mV",
+      "table.yaml:11:29: 'ion' requires a current, found '12 mV' (and 2 "
+      "more)");
   check_fault("{ unit: mA, values: [12, 11, 1] }", "[1, 2, 3]",
               "table.yaml:11:8: 'ion' needs a map");
   check_fault("[30, 20, 1e-3]", "[3e7, 2e7, 1e6]",
               "table.yaml:12:40: 'ioff' at 1000 nm is not below 'ion'");
   check_fault("width: 10 um", "width: 0 um",
-              "table.yaml:6:8: 'width' must be above 0 nm, not '0 um'");
+              "table.yaml:6:8: 'width' must be above 0 nm, found '0 um'");
   check_fault(good, "[]",
-              "table.yaml:1:1: a device table is a map, not a "
-              "list");
+              "table.yaml:1:1: a device table must be a map, found a list");
 }
 
 /* ---- capacitance of the gate ---- */
@@ -261,15 +264,15 @@ static void test_cgate_faults(void) {
   check_fault_of(p, "unit", "unit",
                  "table.yaml:1:1: only one type has 'cgate'");
   check_fault_of(less, "unit", "unit",
-                 "table.yaml:13:10: 'cgate' has 2 values, 'length' has 3 (and "
-                 "1 more)");
+                 "table.yaml:13:10: 'cgate' has 2 values, expected 3 as in "
+                 "'length' (and 1 more)");
   check_fault_of(rows, "unit", "unit",
-                 "table.yaml:9:30: 'cgate' has 2 lists, 'width' has 3 (and 1 "
-                 "more)");
+                 "table.yaml:9:30: 'cgate' has 2 lists, expected 3 as in "
+                 "'width' (and 1 more)");
   check_fault_of(both, "unit: fF", "unit: A",
-                 "table.yaml:13:30: 'cgate' needs a capacitance, not '*");
+                 "table.yaml:13:30: 'cgate' requires a capacitance, found '*");
   check_fault_of(both, "fF, values: [", "fF, values: [-",
-                 "table.yaml:13:31: 'cgate' must be above 0 F, not '-*");
+                 "table.yaml:13:31: 'cgate' must be above 0 F, found '-*");
 }
 
 /* A file of several tables, each after the first with its flavour. */
@@ -290,7 +293,9 @@ static void test_flavours(void) {
   static const struct {
     const char *head, *want;
   } bad[] = {
-      {"", "table.yaml:17:1: a further table needs 'flavour'"},
+      {"",
+       "table.yaml:17:1: 'flavour' is missing, required for all tables after "
+       "the first"},
       {"flavour: hv\n---\nflavour: hv\n",
        "table.yaml:17:1: missing 'opcflow-devices' (and *"},
   };
@@ -307,8 +312,7 @@ static void test_flavours(void) {
   g_autofree char *first = g_strconcat("flavour: hv\n", good, NULL);
   g_assert_null(table_load(first, &error));
   g_assert_cmpstr(error.message, ==,
-                  "table.yaml:1:10: the first table is of the transistors "
-                  "without a flavour");
+                  "table.yaml:1:10: the first table must not have a 'flavour'");
 }
 
 static void test_missing(void) {

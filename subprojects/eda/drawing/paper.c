@@ -123,7 +123,8 @@ static int format_of(const char *file) {
 int eda_paper_check(const char *file, const char *parameter, opc_error *error) {
   if (format_of(file) >= 0) return OPC_OK;
   return opc_fail(error, OPC_INVALID, parameter,
-                  "'%s': a picture is a .png, .svg or .pdf file", file);
+                  "'%s': the name of a picture must end in .png, .svg or .pdf",
+                  file);
 }
 
 eda_paper *eda_paper_open(const char *path, double width, double height,

@@ -102,7 +102,7 @@ static void test_holes(void) {
   /* A hole outside of all outlines. */
   eda_shapes lost = {1, start, p + 4, hole + 1};
   g_assert_cmpint(eda_polygons_without_holes(&lost, &take, &e), ==, OPC_FAILED);
-  g_assert_nonnull(strstr(e.message, "lies in no polygon"));
+  g_assert_nonnull(strstr(e.message, "is not inside of a polygon"));
 }
 
 /* Equal boxes become one record with a repetition. */

@@ -68,8 +68,8 @@ static int sort_holes(sorting *o, opc_error *error) {
     int64_t owner = outline_of(o, h);
     if (owner < 0)
       return opc_fail(error, OPC_FAILED, NULL,
-                      "a hole at (%d, %d) lies in no polygon", o->box[h].x0,
-                      o->box[h].y0);
+                      "a hole at (%d, %d) is not inside of a polygon",
+                      o->box[h].x0, o->box[h].y0);
     o->next[h] = o->first[owner];
     o->first[owner] = (uint32_t)h + 1;
   }

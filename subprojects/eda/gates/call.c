@@ -20,10 +20,10 @@ static const char *keep_text(const char *text, const char *what,
   size_t n = strnlen(text, LONGEST_TEXT + 1);
   const char *bad = NULL;
   if (n > LONGEST_TEXT)
-    opc_fail(error, OPC_FAILED, NULL, "%s is no text of at most %d bytes", what,
-             LONGEST_TEXT);
+    opc_fail(error, OPC_FAILED, NULL, "%s is not a text of at most %d bytes",
+             what, LONGEST_TEXT);
   else if (!g_utf8_validate(text, (gssize)n, &bad))
-    opc_fail(error, OPC_FAILED, NULL, "%s is no UTF-8: byte %zu is 0x%02x",
+    opc_fail(error, OPC_FAILED, NULL, "%s is not UTF-8: byte %zu is 0x%02x",
              what, (size_t)(bad - text) + 1, (unsigned)(unsigned char)*bad);
   else
     return g_intern_string(text);

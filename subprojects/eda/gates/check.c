@@ -37,7 +37,7 @@ int eda_blame(opc_error *error, int code, const char *slot) {
   memcpy(message, error->message, sizeof message);
   if (code < OPC_INVALID || code > OPC_CANCELLED) code = OPC_FAILED;
   return opc_fail(error, code, parameter, "%s",
-                  *message ? message : "gave no reason");
+                  *message ? message : "no error message");
 }
 
 typedef struct tasks {
@@ -97,8 +97,8 @@ int eda_check_field(const eda_field *f, const eda_frame *frame,
   if (g->x0 != frame->x0 || g->y0 != frame->y0 || g->width != frame->width ||
       g->height != frame->height)
     return unsound(error,
-                   "%s has the frame (%g, %g) %g x %g nm, its mask (%g, %g) "
-                   "%g x %g nm",
+                   "%s has the frame (%g, %g) %g x %g nm, but the mask has "
+                   "(%g, %g) %g x %g nm",
                    what, g->x0, g->y0, g->width, g->height, frame->x0,
                    frame->y0, frame->width, frame->height);
   if (!has_wild(f->coefficients, (size_t)f->nx * (size_t)f->ny)) return OPC_OK;
@@ -123,8 +123,10 @@ int eda_check_slicing(size_t n, const double *place, const double *width,
     sum += width[i];
   }
   if (fabs(sum - 1) < 1e-9) return OPC_OK;
-  return unsound(
-      error, "the slices have %.9g of the width of a gate, not all of it", sum);
+  return unsound(error,
+                 "the widths of the slices sum to %.9g of the width of the "
+                 "gate, expected 1",
+                 sum);
 }
 
 static int wrong_figure(const eda_gates *gates, size_t i, const char *name,
@@ -161,15 +163,16 @@ static int check_boxes(const char *what, const char *layer,
                        const eda_boxes *boxes, opc_error *error) {
   size_t n = boxes->count;
   if (n > MOST_BOXES || (n && !boxes->box))
-    return unsound(error, "gives %zu %s of %s%s", n, what, layer,
-                   n > MOST_BOXES ? "" : " without their boxes");
+    return unsound(error, "returns %zu %s of %s%s", n, what, layer,
+                   n > MOST_BOXES ? "" : " without an array of boxes");
   for (size_t i = 0; i < n; i++) {
     eda_box b = boxes->box[i];
     if (b.x0 < b.x1 && b.y0 < b.y1 && b.x0 >= -OUTERMOST &&
         b.y0 >= -OUTERMOST && b.x1 <= OUTERMOST && b.y1 <= OUTERMOST)
       continue;
     return unsound(
-        error, "number %zu of the %s of %s is no box: (%d, %d) to (%d, %d)",
+        error,
+        "number %zu of the %s of %s is not a valid box: (%d, %d) to (%d, %d)",
         i + 1, what, layer, (int)b.x0, (int)b.y0, (int)b.x1, (int)b.y1);
   }
   return OPC_OK;
@@ -189,10 +192,9 @@ static int check_all_boxes(const eda_gates *gates, const char *what,
 
 static int far_move(const char *what, size_t gate, int32_t steps,
                     opc_error *error) {
-  return unsound(error,
-                 "moves the %s of transistor %zu by %d steps, at most %d are "
-                 "possible",
-                 what, gate + 1, (int)steps, FURTHEST);
+  return unsound(
+      error, "moves the %s of transistor %zu by %d steps, expected at most %d",
+      what, gate + 1, (int)steps, FURTHEST);
 }
 
 static int is_far(int32_t steps) {
@@ -205,8 +207,8 @@ static int check_parts(const eda_part *s, size_t gate, opc_error *error) {
     if (is_far(s[k].by)) return far_move("part", gate, s[k].by, error);
     if (k && s[k].from < s[k - 1].to)
       return unsound(error,
-                     "part %d of transistor %zu begins at %d, before the one "
-                     "before it ends (%d)",
+                     "part %d of transistor %zu begins at %d, before the end "
+                     "of the preceding part (%d)",
                      k + 1, gate + 1, (int)s[k].from, (int)s[k - 1].to);
   }
   return OPC_OK;
@@ -227,11 +229,9 @@ int eda_check_moves(const eda_gates *gates, const eda_moves *moves,
   for (size_t k = 0; k < gates->layers; k++)
     for (size_t i = 0; i < fragments[k]; i++)
       if (is_far(moves->shift[k][i]))
-        return unsound(error,
-                       "moves fragment %zu of %s by %d steps, at most %d are "
-                       "possible",
-                       i + 1, gates->layer[k], (int)moves->shift[k][i],
-                       FURTHEST);
+        return unsound(
+            error, "moves fragment %zu of %s by %d steps, expected at most %d",
+            i + 1, gates->layer[k], (int)moves->shift[k][i], FURTHEST);
   return check_all_boxes(gates, "assists", moves->assists, error);
 }
 
@@ -254,8 +254,9 @@ int eda_check_violations(const eda_violation *v, size_t n, size_t gates,
   for (size_t i = 0; i < n; i++) {
     if (!v[i].rule) return unsound(error, "violation %zu has no rule", i + 1);
     if (v[i].gate < -1 || (v[i].gate >= 0 && (size_t)v[i].gate >= gates))
-      return unsound(error, "violation %zu is of transistor %d, there are %zu",
-                     i + 1, (int)v[i].gate + 1, gates);
+      return unsound(
+          error, "violation %zu names transistor %d, but the layout has %zu",
+          i + 1, (int)v[i].gate + 1, gates);
   }
   return OPC_OK;
 }
@@ -273,11 +274,12 @@ typedef struct cut_place {
 
 static int cut_misplaced(const cut_place *c, const char *what, double x,
                          double y, opc_error *error) {
-  return unsound(error,
-                 "cuts %s: %s of fragment %u, (%g, %g) nm, is not on the edge "
-                 "from (%g, %g) to (%g, %g) nm, or not in its order",
-                 c->layer, what, c->fragment + 1, x, y, c->a.x * c->grid,
-                 c->a.y * c->grid, c->b.x * c->grid, c->b.y * c->grid);
+  return unsound(
+      error,
+      "fragments of %s: %s of fragment %u, (%g, %g) nm, is not on the edge "
+      "from (%g, %g) to (%g, %g) nm, or not in order along the edge",
+      c->layer, what, c->fragment + 1, x, y, c->a.x * c->grid, c->a.y * c->grid,
+      c->b.x * c->grid, c->b.y * c->grid);
 }
 
 /* Return the position along the edge from a to b, 0 to its length; NAN for a
@@ -324,9 +326,10 @@ static int check_cut_polygon(cut_place c, const eda_shapes *drawn, size_t p,
     double at = 0;
     do {
       if (used == n || first == n)
-        return unsound(error,
-                       "cuts %s: no fragment begins at the corner (%g, %g) nm",
-                       c.layer, c.a.x * c.grid, c.a.y * c.grid);
+        return unsound(
+            error,
+            "fragments of %s: no fragment begins at the corner (%g, %g) nm",
+            c.layer, c.a.x * c.grid, c.a.y * c.grid);
       c.fragment = start + (first + used) % n;
       next = from[(first + ++used) % n];
       int code = check_cut(&c, at, next, &at, error);
@@ -335,7 +338,8 @@ static int check_cut_polygon(cut_place c, const eda_shapes *drawn, size_t p,
   }
   if (used == n) return OPC_OK;
   return unsound(error,
-                 "cuts %s: polygon %zu has %u fragments, %u go around it",
+                 "fragments of %s: polygon %zu has %u fragments, but a full "
+                 "traversal has %u",
                  c.layer, p + 1, n, used);
 }
 
@@ -347,17 +351,17 @@ int eda_check_cuts(const eda_gates *gates, int layer, const eda_cuts *cuts,
   if (code) return code;
   if (!cuts->polygons) return OPC_OK;
   if (cuts->polygons != drawn->count)
-    return unsound(error, "cuts %zu polygons of %s, there are %zu",
+    return unsound(error, "fragments %zu polygons of %s, expected %zu",
                    cuts->polygons, name, drawn->count);
   if (!cuts->start || !cuts->from || !cuts->site || cuts->start[0])
-    return unsound(error, "cuts %s: fragments are missing", name);
+    return unsound(error, "fragments of %s: array is missing", name);
   cut_place place = {.cuts = cuts, .layer = name, .grid = gates->grid};
   for (size_t p = 0; p < cuts->polygons && !code; p++)
     if (cuts->start[p + 1] < cuts->start[p])
-      code = unsound(error,
-                     "cuts %s: the fragments of polygon %zu end before they "
-                     "begin",
-                     name, p + 1);
+      code = unsound(
+          error,
+          "fragments of %s: the fragments of polygon %zu end before they begin",
+          name, p + 1);
     else
       code = check_cut_polygon(place, drawn, p, error);
   return code;
@@ -372,7 +376,7 @@ static int check_shapes(const eda_shapes *s, const char *what,
   for (size_t i = 0; sound && i < s->count; i++)
     sound = s->start[i + 1] >= s->start[i];
   if (sound) return OPC_OK;
-  return unsound(error, "%s are not sound", what);
+  return unsound(error, "%s are not valid", what);
 }
 
 static int check_edges(const eda_gates *g, size_t layer, opc_error *error) {
@@ -389,8 +393,8 @@ static int check_edges(const eda_gates *g, size_t layer, opc_error *error) {
     int owned = f->gate >= 0 && (size_t)f->gate < g->count;
     if (f->role > EDA_END_HIGH || (f->role != EDA_FIXED && !owned))
       return unsound(error,
-                     "edge fragment %u of role %u is of transistor %d, there "
-                     "are %zu",
+                     "edge fragment %u of role %u names transistor %d, but the "
+                     "layout has %zu",
                      i + 1, f->role, (int)f->gate + 1, g->count);
   }
   return OPC_OK;
@@ -408,7 +412,7 @@ static int check_gate(const eda_gates *g, size_t i, opc_error *error) {
     if (!fault) return OPC_OK;
     return unsound(error, "the goal of transistor %zu has no %s", i + 1, fault);
   }
-  return unsound(error, "transistor %zu is not sound", i + 1);
+  return unsound(error, "transistor %zu is not valid", i + 1);
 }
 
 /* Check the layers: all that transistors need, each with a unique name. */
@@ -421,7 +425,7 @@ static int check_layers(const eda_gates *g, opc_error *error) {
     if (!g->layer[k])
       return unsound(error, "layer %zu has no name", k + 1);
     else if (eda_gates_layer(g, g->layer[k]) != (int)k)
-      return unsound(error, "two layers are called '%s'", g->layer[k]);
+      return unsound(error, "two layers have the name '%s'", g->layer[k]);
   int code = OPC_OK;
   for (size_t k = 0; k < g->layers && !code; k++)
     code = check_shapes(&g->drawn[k], "drawn shapes", error);
@@ -433,7 +437,10 @@ static int check_layers(const eda_gates *g, opc_error *error) {
 int eda_gates_check(const void *gates, opc_error *error) {
   const eda_gates *g = gates;
   if (!(g->grid > 0) || !isfinite(g->grid))
-    return unsound(error, "gates have a grid of %g nm", g->grid);
+    return unsound(
+        error,
+        "the grid of the gates is %g nm, expected a positive finite number",
+        g->grid);
   if (g->count &&
       !(g->box && g->type && g->axis && g->length && g->width && g->space &&
         g->extension && g->instance && g->cell && g->number))
@@ -445,18 +452,19 @@ int eda_gates_check(const void *gates, opc_error *error) {
 
 int eda_mask_check(const void *mask, opc_error *error) {
   const eda_mask *m = mask;
-  if (!m->gates) return unsound(error, "a mask has no gates");
+  if (!m->gates) return unsound(error, "the mask has no gates");
   const eda_performance *const all[] = {&m->design, &m->before, &m->after};
   for (size_t i = 0; i < 3; i++)
     if (all[i]->count != m->gates->count ||
         (all[i]->count &&
          !(all[i]->ion && all[i]->ioff && all[i]->leq_ion && all[i]->leq_ioff &&
            all[i]->weq && all[i]->area && m->flags)))
-      return unsound(error,
-                     "a mask has not the performance of its transistors");
+      return unsound(
+          error, "the mask does not have the performance of all transistors");
   if (m->moved && (m->moved->gates != m->gates->count ||
                    m->moved->layers != m->gates->layers))
-    return unsound(error, "a mask's moves are of other gates");
+    return unsound(error,
+                   "the edge displacements of the mask belong to other gates");
   int code = OPC_OK;
   for (size_t k = 0; k < m->gates->layers && !code; k++) {
     const eda_field *print = &m->print[k];

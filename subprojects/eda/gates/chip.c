@@ -47,20 +47,20 @@ static int check_masks(const eda_chip *c, opc_error *error) {
     const eda_chip_mask *m = &c->mask[i];
     if (m->parts > EDA_PARTS || (size_t)m->part + m->parts > c->parts ||
         (size_t)m->box + m->boxes > c->boxes)
-      return unsound(error, "mask %zu has parts or boxes that are not there",
-                     i);
+      return unsound(error,
+                     "mask %zu refers to parts or boxes that do not exist", i);
   }
   for (size_t i = 0; i < c->boxes; i++)
     if (c->box[i].layer >= c->layers)
-      return unsound(error, "box %zu is of no layer", i);
+      return unsound(error, "box %zu has no valid layer", i);
   return OPC_OK;
 }
 
 int eda_chip_check(const void *object, opc_error *error) {
   const eda_chip *c = object;
-  if (!c) return unsound(error, "there is no chip");
+  if (!c) return unsound(error, "the chip is missing");
   if (!c->layout || c->top < 0 || !(c->grid > 0))
-    return unsound(error, "there is no layout or no grid");
+    return unsound(error, "the layout or the grid is missing");
   if (c->layers <= EDA_ACTIVE || !c->layer || !c->corrected || !c->gate ||
       !c->mask || !c->print)
     return unsound(error, "an array is missing");

@@ -173,9 +173,9 @@ static void test_check(void) {
   whole_make(&t);
   if (eda_chip_check(&t.chip, &error)) g_error("%s", error.message);
   g_assert_cmpint(eda_chip_check(NULL, &error), ==, OPC_FAILED);
-  t.chip.layout = NULL, assert_refused(&t, "no layout");
-  t.chip.top = -1, assert_refused(&t, "no layout");
-  t.chip.grid = 0, assert_refused(&t, "no grid");
+  t.chip.layout = NULL, assert_refused(&t, "the layout");
+  t.chip.top = -1, assert_refused(&t, "the layout");
+  t.chip.grid = 0, assert_refused(&t, "the grid is missing");
   t.chip.layers = 1, assert_refused(&t, "missing");
   t.chip.layer = NULL, assert_refused(&t, "missing");
   t.chip.corrected = NULL, assert_refused(&t, "missing");
@@ -196,12 +196,12 @@ static void test_check(void) {
   t.gate[6].flip = 1 + (EDA_FLIP_L | EDA_FLIP_W),
   assert_refused(&t, "6 has no type");
   t.mask[1].parts = EDA_PARTS + 1, t.chip.parts = EDA_PARTS + 1;
-  assert_refused(&t, "mask 1 has parts");
+  assert_refused(&t, "mask 1 refers to parts");
   t.mask[1].part = 1, t.mask[1].parts = 2,
-  assert_refused(&t, "mask 1 has parts");
+  assert_refused(&t, "mask 1 refers to parts");
   t.mask[1].box = 2, t.mask[1].boxes = 1,
-  assert_refused(&t, "mask 1 has parts");
-  t.box[1].layer = 2, assert_refused(&t, "box 1 is of no layer");
+  assert_refused(&t, "mask 1 refers to parts");
+  t.box[1].layer = 2, assert_refused(&t, "box 1 has no valid layer");
   /* The largest allowed numbers. */
   t.mask[1] = (eda_chip_mask){.part = 1, .parts = 1, .box = 1, .boxes = 1};
   g_assert_cmpint(eda_chip_check(&t.chip, &error), ==, OPC_OK);

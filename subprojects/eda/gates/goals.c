@@ -70,7 +70,7 @@ static int read_row(const eda_csv *csv, size_t row, GHashTable *number,
   const char *name = eda_csv_text(csv, row, TRANSISTOR);
   size_t i = GPOINTER_TO_SIZE(g_hash_table_lookup(number, name));
   if (!i)
-    return eda_csv_fail(csv, row, TRANSISTOR, "there is no transistor", error);
+    return eda_csv_fail(csv, row, TRANSISTOR, "unknown transistor", error);
   for (int c = WEIGHT; c < COLUMNS; c++) {
     const char *text = eda_csv_text(csv, row, c);
     const char *fault = *text ? goal_set(&out[i - 1], c, text) : NULL;
@@ -113,12 +113,12 @@ static char *goal_take_word(eda_goal *w, char *word, int *seen) {
                            columns[nearest].name);
   if (c == COLUMNS)
     return g_strdup_printf(
-        "unknown word '%.100s'; there are weight=..., ion=..., ioff=..., "
+        "unknown word '%.100s'; expected weight=..., ion=..., ioff=... or "
         "area=...",
         word);
   if (!value)
-    return g_strdup_printf("'%s' lacks its value: %s=...", word, word);
-  if ((*seen >> c) & 1) return g_strdup_printf("'%s' is there twice", word);
+    return g_strdup_printf("'%s' has no value, expected %s=...", word, word);
+  if ((*seen >> c) & 1) return g_strdup_printf("'%s' is set twice", word);
   *seen |= 1 << c;
   const char *fault = goal_set(w, c, value);
   return fault ? g_strdup_printf("'%.100s' is no %s", value, fault) : NULL;

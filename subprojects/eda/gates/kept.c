@@ -177,7 +177,8 @@ static int close_stream(stream *s, const char *path, opc_error *error) {
     code = opc_fail(error, OPC_IO, NULL, "'%s': cannot be %s", path,
                     s->writing ? "written" : "read");
   else if (s->failed || s->left)
-    code = opc_fail(error, OPC_FAILED, NULL, "'%s': is not that mask", path);
+    code = opc_fail(error, OPC_FAILED, NULL,
+                    "'%s': the file does not belong to this mask", path);
   return code;
 }
 

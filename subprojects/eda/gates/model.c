@@ -27,7 +27,7 @@ static int model_prepare(void *self, opc_error *error) {
   double band = code ? 1 : inner_model(m)->band(m->litho->self);
   opc_leave(m->context, before);
   if (!(band > 0) || !isfinite(band))
-    code = opc_fail(error, OPC_FAILED, NULL, "its band is %g 1/nm", band);
+    code = opc_fail(error, OPC_FAILED, NULL, "the band is %g 1/nm", band);
   return model_keep_failure(m, code, error);
 }
 

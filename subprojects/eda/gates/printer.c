@@ -102,7 +102,7 @@ static int fields_match(const eda_field *a, const eda_field *b,
                         opc_error *error) {
   if (a->nx == b->nx && a->ny == b->ny) return OPC_OK;
   opc_fail(error, OPC_FAILED, NULL,
-           "its images of one frame have %d x %d and %d x %d nodes", (int)a->nx,
+           "two images of one frame have %d x %d and %d x %d nodes", (int)a->nx,
            (int)a->ny, (int)b->nx, (int)b->ny);
   return eda_blame(error, error->code, "litho");
 }

@@ -181,7 +181,7 @@ static void test_refused(void) {
   b = builder_new();
   builder_box(&b, 0, 0, 1, 1);
   builder_box(&b, 0, 0, (1 << 30) + 1, 1);
-  assert_refused(&b, "point (1073741825, 0) lies beyond 2^30");
+  assert_refused(&b, "point (1073741825, 0) is beyond 2^30");
   b = builder_new();
   eda_shapes s = builder_shapes(&b), out;
   opc_error error;

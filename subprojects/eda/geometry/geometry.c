@@ -20,8 +20,8 @@ int eda_shapes_check(const eda_shapes *shapes, opc_error *error) {
       if (a.x < -EDA_COORDINATE_LIMIT || a.x > EDA_COORDINATE_LIMIT ||
           a.y < -EDA_COORDINATE_LIMIT || a.y > EDA_COORDINATE_LIMIT)
         return opc_fail(error, OPC_INVALID, NULL,
-                        "point (%" PRId32 ", %" PRId32 ") lies beyond 2^30",
-                        a.x, a.y);
+                        "point (%" PRId32 ", %" PRId32 ") is beyond 2^30", a.x,
+                        a.y);
       if (a.x != b.x && a.y != b.y)
         return opc_fail(error, OPC_INVALID, NULL,
                         "slanted edge from (%" PRId32 ", %" PRId32

@@ -24,8 +24,7 @@
    counts as a half; a value this near a whole number counts as unmoved. */
 #define EPSILON 1e-6
 
-#define BEYOND \
-  "'%s': a coordinate of layer '%s' lies beyond 2^30 units of %g nm"
+#define BEYOND "'%s': a coordinate of layer '%s' is beyond 2^30 units of %g nm"
 
 /* ---- output ---- */
 
@@ -460,16 +459,16 @@ static int flattener_run(flattener *f, int32_t top, opc_error *error) {
 static int flatten_check(const eda_layout *layout, int32_t top, int32_t layer,
                          double grid, opc_error *error) {
   if (top < 0 || (size_t)top >= layout->n_cells)
-    return opc_fail(error, OPC_INVALID, NULL, "there is no cell %d", top);
+    return opc_fail(error, OPC_INVALID, NULL, "cell %d does not exist", top);
   if (layer < 0 || (size_t)layer >= layout->n_layers)
-    return opc_fail(error, OPC_INVALID, NULL, "there is no layer %d", layer);
+    return opc_fail(error, OPC_INVALID, NULL, "layer %d does not exist", layer);
   if (!(grid > 0) || !isfinite(grid))
     return opc_fail(error, OPC_INVALID, NULL, "a grid of %g nm is not possible",
                     grid);
   eda_layout_order(layout);
   if (layout->cells[top].circular)
     return opc_fail(error, OPC_INVALID, NULL,
-                    "'%s': leads to cells that place each other in a circle",
+                    "'%s': cells place each other in a cycle",
                     layout->cells[top].name);
   return OPC_OK;
 }

@@ -454,8 +454,8 @@ static void test_hostile(void) {
   eda_flat_clear(&out);
   cell_place(&f, "19999", "self", (eda_placement){0}, NULL);
   cell_place(&f, "self", "self", (eda_placement){0}, NULL);
-  g_assert_cmpint(assert_refused(&f, "self", "circle"), ==, OPC_INVALID);
-  g_assert_cmpint(assert_refused(&f, "19999", "circle"), ==, OPC_INVALID);
+  g_assert_cmpint(assert_refused(&f, "self", "cycle"), ==, OPC_INVALID);
+  g_assert_cmpint(assert_refused(&f, "19999", "cycle"), ==, OPC_INVALID);
   out = flat(&f, "19998", 1);
   g_assert_cmpuint(out.shapes.count, ==, 1);
   eda_flat_clear(&out);

@@ -141,9 +141,9 @@ static bool is_cell(const eda_layout *layout, int32_t number) {
 static int layout_check(const eda_layout *layout, int32_t number, int32_t layer,
                         opc_error *error) {
   if (!is_cell(layout, number))
-    return opc_fail(error, OPC_INVALID, NULL, "there is no cell %d", number);
+    return opc_fail(error, OPC_INVALID, NULL, "cell %d does not exist", number);
   if (layer < 0 || (size_t)layer >= layout->n_layers)
-    return opc_fail(error, OPC_INVALID, NULL, "there is no layer %d", layer);
+    return opc_fail(error, OPC_INVALID, NULL, "layer %d does not exist", layer);
   return OPC_OK;
 }
 
@@ -272,7 +272,7 @@ int eda_layout_add_instance(eda_layout *layout, int32_t number, int32_t child,
                             const eda_placement *placement, const char *name,
                             opc_error *error) {
   if (!is_cell(layout, number) || !is_cell(layout, child))
-    return opc_fail(error, OPC_INVALID, NULL, "there is no cell %d",
+    return opc_fail(error, OPC_INVALID, NULL, "cell %d does not exist",
                     is_cell(layout, number) ? child : number);
   const eda_placement *p = placement;
   if (!(p->magnification > 0) || !isfinite(p->magnification) ||
@@ -408,7 +408,7 @@ static void mark_below(const eda_layout *layout, int32_t top, uint8_t *marked) {
 
 int eda_layout_keep(eda_layout *layout, int32_t top, opc_error *error) {
   if (!is_cell(layout, top))
-    return opc_fail(error, OPC_INVALID, NULL, "there is no cell %d", top);
+    return opc_fail(error, OPC_INVALID, NULL, "cell %d does not exist", top);
   uint8_t *marked = eda_alloc(layout->n_cells, 1);
   int32_t *number = eda_alloc(layout->n_cells, sizeof *number);
   mark_below(layout, top, marked);
@@ -438,5 +438,5 @@ int eda_layout_keep(eda_layout *layout, int32_t top, opc_error *error) {
 
 int eda_layout_check(const void *layout, opc_error *error) {
   if (layout) return OPC_OK;
-  return opc_fail(error, OPC_FAILED, NULL, "there is no layout");
+  return opc_fail(error, OPC_FAILED, NULL, "the layout is missing");
 }

@@ -137,11 +137,11 @@ int32_t eda_layout_top(const eda_layout *layout, opc_error *error) {
     g_autoptr(GString) names = g_string_new(NULL);
     list_cells(layout, mark, names);
     if (circular)
-      opc_fail(error, OPC_INVALID, NULL, "cells lead to a circle: %s",
-               names->str);
+      opc_fail(error, OPC_INVALID, NULL,
+               "cells place each other in a cycle: %s", names->str);
     else if (tops)
       opc_fail(error, OPC_INVALID, NULL,
-               "there are %zu top cells, of which 'top' takes one: %s", tops,
+               "the layout has %zu top cells: select one by 'top': %s", tops,
                names->str);
     else
       opc_fail(error, OPC_INVALID, NULL, "the layout has no cells");

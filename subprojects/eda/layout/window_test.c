@@ -247,7 +247,7 @@ static void test_large(void) {
   g_assert_cmpint(
       eda_layout_flatten_window(layout, top, layer, 1, &w, &part, &e), ==,
       OPC_INVALID);
-  g_assert_nonnull(strstr(e.message, "circle"));
+  g_assert_nonnull(strstr(e.message, "cycle"));
   eda_layout_free(layout);
 }
 

@@ -44,7 +44,7 @@ static int device_refuse(const eda_annotation *a, const eda_device *d,
   const eda_gates *g = a->circuit->gates;
   return opc_fail(
       error, OPC_FAILED, NULL,
-      "netlist device '%.100s' has no size: its gate '%.200s:%u' %s", d->name,
+      "netlist device '%.100s' has no size: the gate '%.200s:%u' %s", d->name,
       *g->instance[gate] ? g->instance[gate] : g->cell[gate], g->number[gate],
       what);
 }

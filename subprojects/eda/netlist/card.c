@@ -39,9 +39,10 @@ static int card_take_parameter(card_reader *r, const word *key,
   }
   /* Only BSIM3 and BSIM4 have DLC. */
   if (is_level && number != 8 && number != 49 && number != 14 && number != 54)
-    return lines_refuse(&r->lines, value->at,
-                        "a model of level %g has no DLC: 8, 49, 14 and 54 do",
-                        number);
+    return lines_refuse(
+        &r->lines, value->at,
+        "a model of level %g has no DLC, expected level 8, 49, 14 or 54",
+        number);
   has[0] |= is_level;
   if (is_dlc || (is_lint && !has[1])) m->dlc = number * 1e9;
   has[1] |= is_dlc;
@@ -97,8 +98,8 @@ static int keep_overlaps(card_reader *r, const line *l, int has_dlc) {
     if (!(cox > 0) || !number_of(m, "xj", 1.5e-7, &xj) ||
         !number_of(m, names[k][1], 0, &less))
       return lines_refuse(&r->lines, l->word[0].at,
-                          "model '%.100s' has no %s: with a DLC it would be "
-                          "another",
+                          "model '%.100s' has no %s, without which a DLC would "
+                          "change other properties",
                           m->name, names[k][0]);
     double overlap =
         has_dlc && m->dlc > 0 ? m->dlc * 1e-9 * cox - less : 0.6 * xj * cox;
@@ -118,11 +119,12 @@ static int read_model(card_reader *r, const line *l) {
   eda_card *m = r->out;
   int has[2] = {0, 0};
   if (m->name)
-    return lines_refuse(&r->lines, l->word[1].at, "there is a '%.100s' already",
+    return lines_refuse(&r->lines, l->word[1].at, "'%.100s' is already defined",
                         m->name);
   if (!eda_same_name(l->word[2].text, r->kind))
-    return lines_refuse(&r->lines, l->word[2].at, "model '%.100s' is no %s",
-                        l->word[1].text, r->kind);
+    return lines_refuse(&r->lines, l->word[2].at,
+                        "model '%.100s' is not of the type %s", l->word[1].text,
+                        r->kind);
   *m = (eda_card){.name = l->word[1].text, .kind = l->word[2].text};
   /* Two more may be added. */
   m->key = eda_pool_alloc(r->lines.pool, l->words + 2, sizeof *m->key);
@@ -131,8 +133,8 @@ static int read_model(card_reader *r, const line *l) {
     const word *key = &l->word[i];
     if (equals_at(l, i) || !equals_at(l, i + 1) || i + 2 >= l->words ||
         equals_at(l, i + 2))
-      return lines_refuse(&r->lines, key->at, "'%.100s' is no NAME=VALUE",
-                          key->text);
+      return lines_refuse(&r->lines, key->at,
+                          "'%.100s' is not of the form NAME=VALUE", key->text);
     if (card_take_parameter(r, key, &key[2], has)) return r->lines.error->code;
   }
   if (has[0]) return keep_overlaps(r, l, has[1]);
@@ -180,7 +182,8 @@ int eda_cards_read(eda_pool *pool, const char *const files[2],
     free(path);
     if (strpbrk(paths[i], "\"\n"))
       return opc_fail(error, OPC_INVALID, parameter,
-                      "'%s': the simulator takes no such name of a file",
+                      "'%s': the simulator cannot open a file name with a "
+                      "quote or line break",
                       files[i]);
   }
   for (int type = 0; type < 2 && read; type++)

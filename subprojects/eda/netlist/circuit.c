@@ -38,14 +38,15 @@ static const char *fault_of(const eda_circuit *c, const eda_device *d,
                             uint8_t *taken) {
   if (d->drain >= c->nets || d->gate >= c->nets || d->source >= c->nets ||
       d->bulk >= c->nets)
-    return "is at a net that is not there";
-  if (d->type > EDA_PMOS) return "is of no type";
+    return "is connected to a net that does not exist";
+  if (d->type > EDA_PMOS) return "has no valid type";
   if (!(d->length > 0 && d->width > 0) || isinf(d->length) || isinf(d->width))
     return "has no size";
   if (!d->fingers || !d->finger) return "has no gate";
   for (uint32_t i = 0; i < d->fingers; i++) {
-    if (d->finger[i] >= c->gates->count) return "has a gate that is not there";
-    if (taken[d->finger[i]]++) return "has the gate of another one";
+    if (d->finger[i] >= c->gates->count)
+      return "has a gate that does not exist";
+    if (taken[d->finger[i]]++) return "has the gate of another device";
   }
   return NULL;
 }
@@ -68,13 +69,13 @@ int eda_circuit_check(const void *circuit, opc_error *error) {
   const eda_circuit *c = circuit;
   if (!c || !c->name || !c->gates || (c->nets && !c->net) ||
       (c->ports && (!c->port || !c->role)) || (c->count && !c->device))
-    return opc_fail(error, OPC_FAILED, NULL, "the circuit is not whole");
+    return opc_fail(error, OPC_FAILED, NULL, "the circuit is incomplete");
   for (size_t i = 0; i < c->nets; i++)
     if (!c->net[i])
       return opc_fail(error, OPC_FAILED, NULL, "net %zu has no name", i);
   for (size_t i = 0; i < c->ports; i++)
     if (c->port[i] >= c->nets || c->role[i] > EDA_PIN_GROUND)
       return opc_fail(error, OPC_FAILED, NULL,
-                      "port %zu is of no net or no role", i);
+                      "port %zu has no valid net or role", i);
   return check_devices(c, error);
 }

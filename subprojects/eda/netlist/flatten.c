@@ -48,7 +48,7 @@ static int number_nodes(eda_netlist *n, eda_subcircuit *s) {
   for (size_t i = 0; i < s->ports; i++)
     if (node_of(n, s, &known, s->port[i]) != i)
       return lines_refuse(n->lines, s->at,
-                          "port '%.100s' of '%.100s' is there twice",
+                          "port '%.100s' of '%.100s' is declared twice",
                           s->port[i], s->name);
   for (size_t i = 0; i < s->elements; i++) {
     eda_element *e = &s->element[i];
@@ -87,7 +87,7 @@ static int subcircuit_prepare(eda_netlist *n, uint32_t number, int depth) {
     uint32_t *before = eda_names_add(&seen, e->name);
     if (*before != UINT32_MAX)
       return lines_refuse(n->lines, e->at,
-                          "there is a '%.100s' already, in line %u", e->name,
+                          "'%.100s' is already defined in line %u", e->name,
                           s->element[*before].at.line);
     *before = (uint32_t)i;
     if (!e->is_transistor && prepare_call(n, e, depth)) return n->error->code;
@@ -114,13 +114,14 @@ static int prepare_call(eda_netlist *n, eda_element *e, int depth) {
   eda_subcircuit *s = &n->subcircuit[*child];
   if (s->state == 1 || depth == MAX_DEPTH)
     return lines_refuse(n->lines, e->model_at,
-                        s->state == 1 ? "subcircuit '%.100s' leads to itself"
-                                      : "calls go too deep at '%.100s'",
+                        s->state == 1
+                            ? "subcircuit '%.100s' contains itself"
+                            : "subcircuits are nested too deep at '%.100s'",
                         e->model);
   if (s->ports != e->nodes)
     return lines_refuse(n->lines, e->at,
-                        "'%.100s' has %zu nodes, '%.100s' %zu ports", e->name,
-                        e->nodes, s->name, s->ports);
+                        "'%.100s' has %zu nodes, but '%.100s' has %zu ports",
+                        e->name, e->nodes, s->name, s->ports);
   return subcircuit_prepare(n, *child, depth + 1);
 }
 
@@ -162,8 +163,8 @@ static int look_up_count(eda_netlist *n, const eda_scope *in,
   *value = isnan(said) ? 1 : said;
   if (*value != floor(*value) || *value > 1e6)
     return lines_refuse(n->lines, e->at,
-                        "%s of '%.100s' is no whole number: %g", name, e->name,
-                        *value);
+                        "%s of '%.100s' is not a whole number: %g", name,
+                        e->name, *value);
   return OPC_OK;
 }
 
@@ -266,8 +267,8 @@ static int list_ports(flattener *w, const eda_subcircuit *s) {
     uint32_t *at = eda_names_add(&first, out->net[i]);
     if (*at != UINT32_MAX)
       return lines_refuse(n->lines, s->at,
-                          "two nets of '%.100s' are called '%.100s'", s->name,
-                          out->net[i]);
+                          "two nets of '%.100s' have the name '%.100s'",
+                          s->name, out->net[i]);
     *at = (uint32_t)i;
   }
   for (size_t i = 0; i < s->ports; i++)

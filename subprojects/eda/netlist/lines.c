@@ -218,7 +218,7 @@ int lines_is_include(const line *l) {
 
 int lines_include(lines *r, const line *l) {
   if (l->words != 2)
-    return lines_refuse(r, l->word[0].at, "%.20s takes one file",
+    return lines_refuse(r, l->word[0].at, "%.20s requires one file name",
                         l->word[0].text);
   const char *name = l->word[1].text, *from = r->file[l->word[0].at.file];
   const char *slash = strrchr(from, '/');
@@ -230,13 +230,12 @@ int lines_include(lines *r, const line *l) {
     return lines_refuse(r, l->word[1].at, "the path is too long");
   g_autofree char *real = r->root ? realpath(path, NULL) : NULL;
   if (real && strncmp(real, r->root, strlen(r->root)) != 0)
-    return lines_refuse(r, l->word[1].at,
-                        "'%.200s' lies outside of '%.300s', the folder of the "
-                        "file that was given",
-                        name, r->root);
+    return lines_refuse(
+        r, l->word[1].at,
+        "'%.200s' is outside of '%.300s', the folder of the netlist", name,
+        r->root);
   if (r->depth == MAX_INCLUDES)
-    return lines_refuse(r, l->word[0].at,
-                        "files that include each other go too deep");
+    return lines_refuse(r, l->word[0].at, "included files are nested too deep");
   r->depth++;
   int code = lines_read(r, real ? real : path);
   r->depth--;

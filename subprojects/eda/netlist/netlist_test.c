@@ -265,7 +265,7 @@ static void test_check(void) {
   g_assert_cmpint(eda_circuit_role(c, 1), ==, -1);
   eda_circuit_free(c);
   eda_circuit_free(NULL);
-  assert_refused(NULL, "not whole");
+  assert_refused(NULL, "incomplete");
 #define SPOILED(change, words) \
   c = sound();                 \
   change;                      \
@@ -274,14 +274,14 @@ static void test_check(void) {
   SPOILED(c->port[0] = 3, "port 0");
   SPOILED(c->role[0] = 4, "port 0");
   SPOILED(c->device[1].name = NULL, "device 1, '', has no name");
-  SPOILED(c->device[1].bulk = 3, "device 1, 'M', is at a net");
-  SPOILED(c->device[0].type = 2, "is of no type");
+  SPOILED(c->device[1].bulk = 3, "device 1, 'M', is connected to a net");
+  SPOILED(c->device[0].type = 2, "has no valid type");
   SPOILED(c->device[0].width = NAN, "has no size");
   SPOILED(c->device[0].length = 0, "has no size");
   SPOILED(c->device[0].fingers = 0, "has no gate");
-  SPOILED(c->device[0].finger = &far, "has a gate that is not there");
+  SPOILED(c->device[0].finger = &far, "has a gate that does not exist");
   SPOILED((c->device[0].fingers = 2, c->device[0].finger = both),
-          "device 1, 'M', has the gate of another one");
+          "device 1, 'M', has the gate of another device");
 }
 
 int main(int argc, char **argv) {

@@ -27,7 +27,7 @@ static int read_settings(eda_netlist *n, const line *l, size_t from,
       return lines_refuse(n->lines, w->at, "'%.100s' is not followed by '='",
                           w->text);
     if (i + 2 >= l->words || is_equals(&w[2]))
-      return lines_refuse(n->lines, w[1].at, "no value behind '='");
+      return lines_refuse(n->lines, w[1].at, "no value after '='");
     eda_pool_grow(&n->pool, out, &room, *count + 1, sizeof **out);
     (*out)[(*count)++] = (eda_assignment){w->text, w[2].text, w[2].at};
   }
@@ -64,8 +64,8 @@ static int fill_transistor(eda_netlist *n, eda_element *e) {
   int type = netlist_type(n, e->model);
   if (type < 0)
     return lines_refuse(n->lines, e->model_at,
-                        "is model '%.100s' of n or of p type? say so with "
-                        "'nmos' or 'pmos'",
+                        "the type of model '%.100s' is unknown: name the model "
+                        "in 'nmos' or 'pmos'",
                         e->model);
   e->type = (uint8_t)type;
   e->is_transistor = 1;
@@ -81,7 +81,7 @@ static int read_element(eda_netlist *n, eda_subcircuit *s, const line *l) {
   eda_element *e = &s->element[s->elements++];
   if (plain < 2 || (is_transistor && plain != 6))
     return lines_refuse(
-        n->lines, l->word[0].at, "'%.100s' should have %s, and then a name",
+        n->lines, l->word[0].at, "'%.100s' must have %s, followed by a name",
         l->word[0].text, is_transistor ? "four nodes" : "its nodes");
   /* CDL: X1 a b / NAME */
   const word *last = &l->word[plain - 1];
@@ -115,7 +115,7 @@ static int begin_subcircuit(eda_netlist *n, const line *l) {
   if (*number != UINT32_MAX) {
     eda_place before = n->subcircuit[*number].at;
     return lines_refuse(n->lines, name->at,
-                        "there is a '%.100s' already, in line %u", name->text,
+                        "'%.100s' is already defined in line %u", name->text,
                         before.line);
   }
   *number = (uint32_t)n->subcircuits++;

@@ -66,8 +66,8 @@ static double value_refuse(reader *r, const char *what) {
 
 static double value_evaluate(reader *r) {
   double value = parse_sum(r);
-  if (*r->s) value_refuse(r, "something that is no expression");
-  if (!isfinite(value)) value_refuse(r, "a number without bounds");
+  if (*r->s) value_refuse(r, "not an expression");
+  if (!isfinite(value)) value_refuse(r, "a number is not finite");
   return value;
 }
 
@@ -125,7 +125,8 @@ static double parse_primary(reader *r) {
   double value;
   if (r->code) return 0;
   if (++*r->steps > MAX_STEPS || r->depth > MAX_DEPTH)
-    return value_refuse(r, "parameters go too deep or in a circle");
+    return value_refuse(
+        r, "parameters are nested too deep or depend on each other in a cycle");
   skip_blanks(r);
   if (*r->s == '-' || *r->s == '+') {
     int minus = *r->s++ == '-';

@@ -43,12 +43,12 @@ static int read_row(eda_run_cases *c, const char *folder, const int at[COLUMNS],
       return eda_table_fail(t, row, (size_t)at[i], "is empty:", error);
   if (!is_inside(cell[FOLDER]))
     return eda_table_fail(t, row, (size_t)at[FOLDER],
-                          "leaves the folder:", error);
+                          "path outside of the folder:", error);
   /* The separator occurs in no field. */
   if (!g_hash_table_add(seen,
                         g_strdup_printf("%s\n\r%s", cell[CASE], cell[METHOD])))
     return eda_table_fail(t, row, (size_t)at[METHOD],
-                          "this case has that method twice:", error);
+                          "duplicate method of this case:", error);
   const double *seconds = eda_table_numbers(t, (size_t)at[SECONDS]);
   eda_run_case one = {.name = cell[CASE],
                       .method = cell[METHOD],
@@ -73,7 +73,7 @@ static int read_rows(eda_run_cases *c, const char *folder, const char *path,
     at[i] = eda_table_find(c->table, names[i]);
     if (at[i] < 0)
       return opc_fail(error, OPC_INVALID, NULL,
-                      "%s:1:1: there is no column '%s'", path, names[i]);
+                      "%s:1:1: column '%s' is missing", path, names[i]);
   }
   for (size_t row = 0; row < eda_table_rows(c->table) && !code; row++)
     code = read_row(c, folder, at, row, seen, error);

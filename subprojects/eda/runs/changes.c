@@ -42,11 +42,11 @@ static void transistors_match_rows(transistors *t, size_t a, size_t b) {
     if (!found)
       t->fault = g_strdup_printf("only the base has a transistor '%s'", name);
     else if (!is_drawn_alike(t, i))
-      t->fault = g_strdup_printf("transistor '%s' was drawn otherwise", name);
+      t->fault = g_strdup_printf("transistor '%s' is drawn differently", name);
   }
   if (!t->fault && others != t->n)
     t->fault =
-        g_strdup_printf("there are %zu and %zu transistors", t->n, others);
+        g_strdup_printf("the runs have %zu and %zu transistors", t->n, others);
 }
 
 /* Return whether both runs have the table of a step `verify`; *name is its

@@ -36,7 +36,7 @@ static void *read_list(reading *r, const char *key, size_t size, size_t *n,
   *n = 0;
   if (!list) return NULL;
   if (list->type != OPC_NODE_LIST) {
-    runs_fail(list, r->error, "'%s' is no list", key);
+    runs_fail(list, r->error, "'%s' is not a list", key);
     return NULL;
   }
   size_t count = list->items->len;
@@ -51,8 +51,7 @@ static void *read_list(reading *r, const char *key, size_t size, size_t *n,
 static int text_required(reading *r, const opc_node *map, const char *key,
                          const char **text) {
   *text = runs_word(opc_node_get(map, key));
-  return *text ? OPC_OK
-               : runs_fail(map, r->error, "there is no text '%s'", key);
+  return *text ? OPC_OK : runs_fail(map, r->error, "text '%s' is missing", key);
 }
 
 static int read_file(reading *r, const opc_node *node, void *to) {
@@ -102,7 +101,7 @@ static int read_metric(reading *r, const char *step, const char *name,
   static const char *const words[] = {"neutral", "lower", "higher", NULL};
   const char *better;
   if (node->type != OPC_NODE_MAP)
-    return runs_fail(node, r->error, "is no metric");
+    return runs_fail(node, r->error, "is not a metric");
   if (text_required(r, node, "better", &better)) return r->error->code;
   eda_run_metric m = {
       .name = g_strdup_printf("%s.%s", step, name),
@@ -113,10 +112,10 @@ static int read_metric(reading *r, const char *step, const char *name,
   while (words[m.better] && strcmp(words[m.better], better) != 0) m.better++;
   if (!words[m.better])
     return runs_fail(node, r->error,
-                     "'better' is neutral, lower or higher, not '%.40s'",
+                     "'better' must be neutral, lower or higher, found '%.40s'",
                      better);
   if (!(m.tolerance >= 0)) /* also for NAN */
-    return runs_fail(node, r->error, "'tolerance' is no number");
+    return runs_fail(node, r->error, "'tolerance' is not a number");
   g_array_append_val(out, m);
   return OPC_OK;
 }
@@ -197,7 +196,7 @@ static int read_flow(reading *r) {
   const opc_node *format = opc_node_get(root, "opcflow");
   if (!format || g_strcmp0(runs_word(format), "1") != 0)
     return runs_fail(format ? format : root, r->error,
-                     "is a flow of the format '%.20s', and '1' is known here",
+                     "is a flow of the format '%.20s', expected '1'",
                      format && runs_word(format) ? runs_word(format) : "");
   if (text_required(r, root, "name", &f->name)) return r->error->code;
   GArray *all = g_array_new(FALSE, FALSE, sizeof(eda_run_parameter));
@@ -224,7 +223,7 @@ static int open_all(eda_run *run, opc_error *error) {
     reading r = {run, parts[i].tree, error};
     if (!g_file_test(path, G_FILE_TEST_EXISTS))
       return opc_fail(error, OPC_IO, NULL,
-                      "'%s' is no run folder: it has no %s", folder,
+                      "'%s' is not a run folder: %s is missing", folder,
                       parts[i].file);
     code = runs_tree_open(r.tree, path, error);
     if (!code) code = parts[i].read(&r);

@@ -148,22 +148,25 @@ static void test_bad_runs(void) {
     const char *text, *why;
   } cases[] = {
       {0, OPC_INVALID, "", "manifest.json:1:1: damaged"},
-      {0, OPC_INVALID, "[1]", "manifest.json:1:1: damaged: is no map"},
+      {0, OPC_INVALID, "[1]", "manifest.json:1:1: damaged: expected a map"},
       {0, OPC_INVALID, "{\n \"opcflow\" : ", "manifest.json:3:1: damaged"},
-      {0, OPC_INVALID, "{}", "manifest.json:1:1: there is no text 'opcflow'"},
+      {0, OPC_INVALID, "{}", "manifest.json:1:1: text 'opcflow' is missing"},
       {0, OPC_INVALID, "{ \"opcflow\": \"1\\0\" }", "a text with a NUL byte"},
       {0, OPC_INVALID,
        "{\"opcflow\":\"1\",\"result\":\"complete\",\n \"inputs\":3}",
-       ":2:11: 'inputs' is no list"},
+       ":2:11: 'inputs' is not a list"},
       {0, OPC_INVALID,
        "{\"opcflow\":\"1\",\"result\":\"complete\",\"files\":[\n{}]}",
-       ":2:1: there is no text 'path'"},
-      {0, OPC_INVALID, "{\xff}", "manifest.json': byte 1 is no UTF-8 text"},
-      {1, OPC_INVALID, "{ \"a\": {\n \"b\": 3 } }", ":2:7: is no metric"},
+       ":2:1: text 'path' is missing"},
+      {0, OPC_INVALID, "{\xff}", "manifest.json': byte 1 is not UTF-8 text"},
+      {1, OPC_INVALID,
+       "{ \"a\": {\n"
+       " \"b\": 3 } }",
+       ":2:7: is not a metric"},
       {1, OPC_INVALID, "{ \"a\": { \"b\": { \"better\": \"more\" } } }",
-       "not 'more'"},
+       "found 'more'"},
       {1, OPC_INVALID, "{ \"a\": { \"b\": { \"better\": \"lower\" } } }",
-       "'tolerance' is no number"},
+       "'tolerance' is not a number"},
       {2, OPC_INVALID, "name: x\n",
        "flow.yaml:1:1: is a flow of the format ''"},
       {2, OPC_INVALID, "opcflow: 2\n",
@@ -188,7 +191,7 @@ static void test_bad_runs(void) {
   opc_error error = {0};
   g_assert_null(eda_run_open("/nowhere", &error));
   g_assert_cmpstr(error.message, ==,
-                  "'/nowhere' is no run folder: it has no manifest.json");
+                  "'/nowhere' is not a run folder: manifest.json is missing");
   g_assert_cmpint(error.code, ==, OPC_IO);
 }
 
@@ -256,10 +259,12 @@ static void test_bad_tables(void) {
   } cases[] = {
       {"", ":1:1: a column without a name"},
       {"a,,b\n", ":1:3: a column without a name"},
-      {"a,b\n1\n", ":2:1: 1 fields in place of 2"},
+      {"a,b\n1\n", ":2:1: found 1 fields, expected 2"},
       {"a,b\n1,2\n1,2,3\n", ":3:5: more than 2 fields"},
       {"a,b\n1,\"2\n3", ":2:3: a quote is not closed"},
-      {"a,b\n\u00b5,\"2\"3\n", ":2:6: text behind a closed quote"},
+      {"a,b\n"
+       "\u00b5,\"2\"3\n",
+       ":2:6: text after a closing quote"},
       {"a,b\n1,2\"\n", ":2:4: a quote within a field"},
       {"a,b\n1,2\r3\n", ":2:4: a carriage return within a line"},
   };
@@ -308,12 +313,13 @@ static void test_bad_experiments(void) {
   static const struct {
     const char *text, *why;
   } cases[] = {
-      {"case,method,folder,result\n", "there is no column 'seconds'"},
+      {"case,method,folder,result\n", "column 'seconds' is missing"},
       {HEAD "a,,b,complete,1,\n", ":2: column 'method': is empty: ''"},
-      {HEAD "a,m,../b,complete,1,\n", "leaves the folder: '../b'"},
-      {HEAD "a,m,b/../../c,complete,1,\n", "leaves the folder"},
-      {HEAD "a,m,/b,complete,1,\n", "leaves the folder"},
-      {HEAD "a,m,b,complete,1,\na,m,c,complete,1,\n", "method twice: 'm'"},
+      {HEAD "a,m,../b,complete,1,\n", "path outside of the folder: '../b'"},
+      {HEAD "a,m,b/../../c,complete,1,\n", "path outside of the folder"},
+      {HEAD "a,m,/b,complete,1,\n", "path outside of the folder"},
+      {HEAD "a,m,b,complete,1,\na,m,c,complete,1,\n",
+       "duplicate method of this case: 'm'"},
   };
   char *folder = g_dir_make_tmp("runs-XXXXXX", NULL);
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {

@@ -54,7 +54,7 @@ static int cut_quoted(cursor *c, char **field, opc_error *error) {
   if (!*in) return fail_here(&start, "a quote is not closed", error);
   c->at = in + 1;
   if (*c->at && !strchr(",\r\n", *c->at))
-    return fail_here(c, "text behind a closed quote", error);
+    return fail_here(c, "text after a closing quote", error);
   *out = '\0';
   return OPC_OK;
 }
@@ -119,7 +119,7 @@ static int read_row(cursor *c, opc_error *error) {
     g_ptr_array_add(c->table->fields, field);
   }
   g_autofree char *what =
-      i < n       ? g_strdup_printf("%u fields in place of %u", i, n)
+      i < n       ? g_strdup_printf("found %u fields, expected %u", i, n)
       : !c->ended ? g_strdup_printf("more than %u fields", n)
                   : NULL;
   if (what) return fail_here(i < n ? &start : c, what, error);

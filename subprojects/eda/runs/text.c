@@ -23,12 +23,13 @@ char *runs_text(const char *path, size_t most, opc_error *error) {
   else if (!S_ISREG(about.st_mode))
     opc_fail(error, OPC_IO, NULL, "'%s': is not a regular file", path);
   else if ((uint64_t)about.st_size > most)
-    opc_fail(error, OPC_INVALID, NULL, "'%s' has %jd bytes, more than %zu",
-             path, (intmax_t)about.st_size, most);
+    opc_fail(error, OPC_INVALID, NULL,
+             "'%s' has %jd bytes, expected at most %zu", path,
+             (intmax_t)about.st_size, most);
   else if (!g_file_get_contents(path, &text, &size, &trouble))
     opc_fail(error, OPC_IO, NULL, "%s", trouble->message);
   else if (!g_utf8_validate(text, (gssize)size, &end))
-    opc_fail(error, OPC_INVALID, NULL, "'%s': byte %zu is no UTF-8 text", path,
+    opc_fail(error, OPC_INVALID, NULL, "'%s': byte %zu is not UTF-8 text", path,
              (size_t)(end - text));
   else
     return g_steal_pointer(&text);
@@ -47,7 +48,7 @@ int runs_tree_open(runs_tree *tree, const char *path, opc_error *error) {
   const opc_node *root = runs_root(tree);
   const opc_place start = {path, 1, 1};
   if (root && root->type != OPC_NODE_MAP)
-    opc_problem_add(problems, OPC_INVALID, &start, "is no map");
+    opc_problem_add(problems, OPC_INVALID, &start, "expected a map");
   if (!problems->list->len) return OPC_OK;
   const opc_problem *first = problems->list->pdata[0];
   return opc_fail(error, OPC_INVALID, NULL, "%s:%u:%u: damaged: %s", path,

@@ -103,8 +103,8 @@ int segment_drawn(segment *s) {
     others += !gate_measure(g, i, grid, &regions, which[i]);
   if (others)
     segment_log(s, 1,
-                "%zu gate%s not drawn as a rectangle, "
-                "but on the grid of %g nm: L and W are those on the grid",
+                "%zu gate%s not drawn as a rectangle, but as one on the grid "
+                "of %g nm: L and W are measured on the grid",
                 others, others == 1 ? " is" : "s are", s->grid);
   free(which);
   eda_shapes_clear(&regions);

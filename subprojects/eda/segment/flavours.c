@@ -34,14 +34,15 @@ static int error_set_flavour(opc_error *error, const char *flavour) {
 
 int segment_check_flavours(const eda_segment_settings *s, opc_error *error) {
   if (s->flavour_count > MOST_FLAVOURS)
-    return opc_fail(error, OPC_INVALID, "flavours", "%zu are more than %d",
-                    s->flavour_count, MOST_FLAVOURS);
+    return opc_fail(error, OPC_INVALID, "flavours",
+                    "%zu flavours, expected at most %d", s->flavour_count,
+                    MOST_FLAVOURS);
   for (size_t i = 0; i < s->flavour_count; i++) {
     size_t n;
     if (next_word(markers_of(s, i), &n) && *name_of(s, i)) continue;
     (void)opc_fail(error, OPC_INVALID, NULL,
-                   "'%.50s' needs the layer that marks its transistors, or "
-                   "several with blanks between, all of which do",
+                   "'%.50s' must name the marker layer of the transistors, or "
+                   "several marker layers separated by blanks",
                    name_of(s, i));
     return error_set_flavour(error, name_of(s, i));
   }
@@ -101,8 +102,8 @@ static int region_refuse(segment *s, size_t region, const char *a,
                    "markers, 'NAME: A B', would define",
                    a, b);
   else
-    (void)snprintf(text, sizeof text, "a marker of '%.50s' covers it in part",
-                   a);
+    (void)snprintf(text, sizeof text,
+                   "a marker of '%.50s' covers the transistor in part", a);
   return segment_refuse(s, region, text);
 }
 

@@ -29,7 +29,7 @@ static const char *find_axis(const segment *s, const eda_box *b,
       both += p && a;
     }
   }
-  if (both) return "an edge of poly lies on an edge of active";
+  if (both) return "an edge of poly coincides with an edge of active";
   for (int d = 0; d < 2; d++)
     if (poly[d] == 2 && active[!d] == 2) {
       *axis = (uint8_t)d;
@@ -42,8 +42,8 @@ static const char *find_axis(const segment *s, const eda_box *b,
 static const char *recognise_region(segment *s, size_t i) {
   const eda_shapes *r = &s->regions;
   const eda_point *p = r->points + r->start[i];
-  if (r->hole[i]) return "there is a hole in it";
-  if (r->start[i + 1] - r->start[i] != 4) return "it is not a rectangle";
+  if (r->hole[i]) return "the gate has a hole";
+  if (r->start[i + 1] - r->start[i] != 4) return "the gate is not a rectangle";
   eda_box *b = &s->gates->box[i];
   *b = (eda_box){p[0].x, p[0].y, p[2].x, p[2].y};
   const char *fault = find_axis(s, b, &s->gates->axis[i]);
@@ -121,20 +121,24 @@ int segment_cover(segment *s, const eda_shapes *layer, uint8_t *state) {
 /* Return NULL and the type, or a description of the fault. Implants decide
    first, then wells. */
 static const char *find_type(const int *has, const uint8_t *at, uint8_t *type) {
-  if (at[NIMPLANT] == SEGMENT_PARTLY) return "'nimplant' covers it in part";
-  if (at[PIMPLANT] == SEGMENT_PARTLY) return "'pimplant' covers it in part";
-  if (at[NIMPLANT] && at[PIMPLANT]) return "both implants cover it";
+  if (at[NIMPLANT] == SEGMENT_PARTLY)
+    return "'nimplant' covers the transistor in part";
+  if (at[PIMPLANT] == SEGMENT_PARTLY)
+    return "'pimplant' covers the transistor in part";
+  if (at[NIMPLANT] && at[PIMPLANT]) return "both implants cover the transistor";
   if (at[NIMPLANT] || at[PIMPLANT]) {
     *type = at[PIMPLANT] ? EDA_PMOS : EDA_NMOS;
     return NULL;
   }
   int well = has[NWELL] ? NWELL : PWELL;
   if (!has[well])
-    return "its type is unknown: there is no layer 'nwell' or 'pwell', and "
-           "no implant covers it";
-  if (at[NWELL] == SEGMENT_PARTLY) return "'nwell' covers it in part";
-  if (at[PWELL] == SEGMENT_PARTLY) return "'pwell' covers it in part";
-  if (at[NWELL] && at[PWELL]) return "both wells cover it";
+    return "the type is unknown: no layer 'nwell' or 'pwell' exists, and no "
+           "implant covers the transistor";
+  if (at[NWELL] == SEGMENT_PARTLY)
+    return "'nwell' covers the transistor in part";
+  if (at[PWELL] == SEGMENT_PARTLY)
+    return "'pwell' covers the transistor in part";
+  if (at[NWELL] && at[PWELL]) return "both wells cover the transistor";
   *type = (well == NWELL) == (at[well] == SEGMENT_INSIDE) ? EDA_PMOS : EDA_NMOS;
   return NULL;
 }
@@ -148,7 +152,7 @@ static void warn_of_well(const segment *s) {
     return;
   segment_log(s, 1,
               "layer '%s' has no shape, so that all transistors are "
-              "%c-transistors: is it the right one?",
+              "%c-transistors: check the name of the layer",
               well == NWELL ? "nwell" : "pwell", well == NWELL ? 'n' : 'p');
 }
 

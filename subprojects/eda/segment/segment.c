@@ -61,7 +61,7 @@ static int is_layer_name(const char *name) {
 static int check_pair(const source *a, const source *b, opc_error *error) {
   if (!strcmp(a->name, b->name))
     return opc_fail(error, OPC_INVALID, NULL,
-                    "'%.200s': there is a layer of that name already", a->name);
+                    "'%.200s': a layer of this name exists already", a->name);
   if (!strcmp(a->from, b->from))
     return opc_fail(error, OPC_INVALID, NULL,
                     "'%.200s': layer %.200s is '%.200s' already", a->name,
@@ -76,8 +76,8 @@ int eda_segment_check(const eda_segment_settings *settings, opc_error *error) {
   for (size_t i = KNOWN; !code && i < s.sources; i++) {
     if (!is_layer_name(s.source[i].name))
       code = opc_fail(error, OPC_INVALID, NULL,
-                      "'%.200s' is no name of a layer: letters, digits and "
-                      "'_', not ending in '_drawn'",
+                      "'%.200s' cannot be the name of a layer: expected "
+                      "letters, digits and '_', not ending in '_drawn'",
                       s.source[i].name);
     for (size_t j = 0; !code && j < i; j++)
       code = check_pair(&s.source[i], &s.source[j], error);
@@ -98,8 +98,8 @@ static int no_layer(segment *s, const char *name) {
                              used ? ", " : "",
                              eda_layout_layer_name(s->layout, (int32_t)k));
   return opc_fail(s->error, OPC_INVALID, NULL,
-                  "no transistor: the layout has no layer '%s', but %s; its "
-                  "reader's 'layers' says which of them it is",
+                  "no transistors: the layout has no layer '%s', but %s; name "
+                  "the layer in 'layers' of the reader",
                   name, all);
 }
 
@@ -218,7 +218,7 @@ int segment_regions(segment *s) {
 static int want_regions(segment *s) {
   if (s->window || s->regions.count) return OPC_OK;
   return opc_fail(s->error, OPC_INVALID, NULL,
-                  "no transistor: layers 'poly' and 'active' do not cross");
+                  "no transistors: layers 'poly' and 'active' do not overlap");
 }
 
 /* Create the gates with all their layers, except contacts if none are drawn. */

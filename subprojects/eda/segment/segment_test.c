@@ -260,7 +260,7 @@ static void test_cut(void) {
   g_assert_cmpint(
       eda_segment_window(layout, 0, &settings, &cases[0].window, &g, &error),
       ==, OPC_INVALID);
-  g_assert_nonnull(strstr(error.message, "it is not a rectangle"));
+  g_assert_nonnull(strstr(error.message, "the gate is not a rectangle"));
   g_assert_null(g);
   g_assert_cmpint(
       eda_segment_window(layout, 0, &settings, &cases[5].window, &g, &error),

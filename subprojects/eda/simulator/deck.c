@@ -74,7 +74,8 @@ static int deck_copy_statement(deck *d, const line *l) {
   for (size_t i = 0; i < l->words; i++)
     if (names_file(l->word[i].text))
       return lines_refuse(&d->lines, l->word[i].at,
-                          "'%.100s': a deck opens no file", l->word[i].text);
+                          "'%.100s': a deck must not open a file",
+                          l->word[i].text);
   for (const char *c = l->text; *c; c++) {
     /* The simulator would join the next statement to this one. */
     if (*c == '\\' && (!c[1] || c[1] == '\n'))
@@ -136,8 +137,8 @@ static int take_model(deck *d, const line *l) {
     return deck_copy_statement(d, l);
   if (kind->quoted || !d->osdi)
     return lines_refuse(&d->lines, kind->at,
-                        "models of kind '%.100s' are not taken; known: %s, and "
-                        "what an OSDI file has",
+                        "models of kind '%.100s' are not supported; supported: "
+                        "%s, and the models of an OSDI file",
                         kind->text, model_kinds);
   /* Libraries contain models that a circuit does not use and that are not
      compiled; the simulator rejects devices of such models. */
@@ -176,14 +177,14 @@ static int take_options(deck *d, const line *l) {
                (is_own(l) && eda_same_name(w->text, "temp"));
     if (w->quoted || !good)
       return lines_refuse(&d->lines, w->at,
-                          "option '%.100s' is not taken; known: %s", w->text,
-                          options);
+                          "option '%.100s' is not supported; supported: %s",
+                          w->text, options);
     if (i + 1 == l->words || !is_equals(&w[1])) continue;
     const char *end = i + 2 < l->words && !w[2].quoted
                           ? netlist_number(w[2].text, &number)
                           : NULL;
     if (!end || *end)
-      return lines_refuse(&d->lines, w->at, "option '%s' needs a number",
+      return lines_refuse(&d->lines, w->at, "option '%s' requires a number",
                           w->text);
     i += 2;
   }
@@ -217,7 +218,7 @@ static int read_file(deck *d, const line *l, const char *section) {
 
 static int take_include(deck *d, const line *l) {
   if (l->words != 2)
-    return lines_refuse(&d->lines, l->word[0].at, "%s takes one file",
+    return lines_refuse(&d->lines, l->word[0].at, "%s requires one file",
                         l->word[0].text);
   return read_file(d, l, NULL);
 }
@@ -227,7 +228,7 @@ static int take_library(deck *d, const line *l) {
   if (l->words == 3) return read_file(d, l, l->word[2].text);
   if (l->words != 2 || d->section || is_own(l))
     return lines_refuse(&d->lines, l->word[0].at,
-                        ".lib takes a file and a section");
+                        ".lib requires a file and a section");
   d->section = l->word[1].text;
   d->section_at = l->word[0].at;
   if (d->wanted && eda_same_name(d->section, d->wanted)) d->found = 1;
@@ -237,7 +238,7 @@ static int take_library(deck *d, const line *l) {
 static int take_osdi(deck *d, const line *l) {
   g_autoptr(GError) why = NULL;
   if (l->words != 2 || d->osdi)
-    return lines_refuse(&d->lines, l->word[0].at, ".osdi takes one file");
+    return lines_refuse(&d->lines, l->word[0].at, ".osdi requires one file");
   d->osdi = l->word[1].text;
   d->objects = g_mapped_file_new(d->osdi, FALSE, &why);
   return d->objects
@@ -288,8 +289,8 @@ static int is_meant(const deck *d) {
 static int word_refuse(deck *d, const word *w) {
   return lines_refuse(
       &d->lines, w->at,
-      "'%.100s' is refused: only models, parameters, subcircuits, devices "
-      "(%s), options, includes and libraries may reach the simulator",
+      "'%.100s' is refused: the simulator receives only models, parameters, "
+      "subcircuits, devices (%s), options, includes and libraries",
       w->text, devices);
 }
 

@@ -132,10 +132,10 @@ static void test_hidden(void) {
   assert_refused(".options reltol=1e-3\n+ spicepath=/tmp\n", -1, "2:3",
                  "'spicepath'");
   assert_refused(".option temp=125\n", -1, "1:9", "option 'temp'");
-  assert_refused(".option reltol=`touch x`\n", -1, "1:9", "needs a number");
-  assert_refused(".option reltol='1'\n", -1, "1:9", "needs a number");
-  assert_refused(".option reltol=1\"x\"\n", -1, "1:9", "needs a number");
-  assert_refused(".option reltol=\n", -1, "1:9", "needs a number");
+  assert_refused(".option reltol=`touch x`\n", -1, "1:9", "requires a number");
+  assert_refused(".option reltol='1'\n", -1, "1:9", "requires a number");
+  assert_refused(".option reltol=1\"x\"\n", -1, "1:9", "requires a number");
+  assert_refused(".option reltol=\n", -1, "1:9", "requires a number");
   assert_refused(".model m filesource(file=\"x\")\n", -1, "1:10",
                  "'filesource'");
   assert_refused(".model m d_source (input_file=x)\n", -1, "1:10",
@@ -143,18 +143,20 @@ static void test_hidden(void) {
   assert_refused(".model m numos\n+ output file=x\n", -1, "1:10", "'numos'");
   assert_refused(".model m 'nmos'\n", -1, "1:10", "models of kind");
   assert_refused(".model m\n", -1, "1:1", "without a name and a kind");
-  assert_refused(".model m r(r=1 file=\"x\")\n", -1, "1:16", "opens no file");
-  assert_refused("v1 a 0 dc 0 FILE=\"x\"\n", -1, "1:13", "opens no file");
+  assert_refused(".model m r(r=1 file=\"x\")\n", -1, "1:16",
+                 "must not open a file");
+  assert_refused("v1 a 0 dc 0 FILE=\"x\"\n", -1, "1:13",
+                 "must not open a file");
   assert_refused("v1 a 0 pwl {'} ' file=\"x\" '\n", -1, "1:16",
-                 "opens no file");
-  assert_refused(".param f='file'\n", -1, "1:10", "opens no file");
+                 "must not open a file");
+  assert_refused(".param f='file'\n", -1, "1:10", "must not open a file");
   assert_refused("r1 a b `touch x`\n", -1, "1:1", "'`'");
   assert_refused(".param a=1 \\\\\n.control\n", -1, "1:1", "ends in");
   assert_refused(".param a=1 \\\\\t\r\n+ b=1\n", -1, "1:1", "ends in");
   assert_refused("+ .control\n", -1, "1:1", "continues nothing");
   assert_refused(".param a={1\n.control\n", -1, "2:1", "'.control' is refused");
   assert_refused(".options reltol={1\n+ } editor=x\n", -1, "1:10",
-                 "needs a number");
+                 "requires a number");
 }
 
 /* A second model of a name is refused, but not in another subcircuit, in
@@ -206,7 +208,7 @@ static void test_folder(void) {
   for (size_t i = 0; i < G_N_ELEMENTS(outside); i++) {
     g_autofree char *text = g_strdup_printf("\n.include '%s'\n", outside[i]);
     file_put("inner/a.pm", text, -1);
-    refused_file("inner/a.pm", "inner/a.pm:2:10: ", "lies outside of");
+    refused_file("inner/a.pm", "inner/a.pm:2:10: ", "is outside of");
   }
   static const char *const absent[] = {"nowhere", "~/x", "$HOME/x", "fifo",
                                        "."};
@@ -298,7 +300,7 @@ static void test_osdi(void) {
   g_assert_null(deck_write("t\n.osdi /none/at.all\n.end", &osdi, &error));
   g_assert_nonnull(strstr(error.message, "deck:2:7: "));
   g_assert_null(deck_write("t\n.osdi\n.end", &osdi, &error));
-  g_assert_nonnull(strstr(error.message, "deck:2:1: .osdi takes one file"));
+  g_assert_nonnull(strstr(error.message, "deck:2:1: .osdi requires one file"));
 }
 
 static void clear_folder(const char *path) {

@@ -234,7 +234,8 @@ static void lock_in(int osdi) {
   clearenv();
   const char *open = sandbox_enter(osdi);
   if (!open) return;
-  char *text = text_of("it cannot be locked in: %s: %s", open, strerror(errno));
+  char *text =
+      text_of("the sandbox cannot be set up: %s: %s", open, strerror(errno));
   end_with(TROUBLE, text);
 }
 
@@ -361,7 +362,7 @@ static size_t send_plots(const library *l, size_t before) {
   size_t n = length_of(plots);
   for (size_t i = n > before ? n - before : 0; i-- > 0;)
     if (!send_plot(l, plots[i]) && !*trouble)
-      snprintf(trouble, sizeof trouble, "it gave no values");
+      snprintf(trouble, sizeof trouble, "the simulation returned no values");
   return n;
 }
 

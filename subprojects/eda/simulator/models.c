@@ -167,8 +167,10 @@ static char *whole_path(const char *file, const char *parameter,
     opc_fail(error, OPC_IO, parameter, "cannot read '%s': %s", file,
              g_strerror(errno));
   if (!path || !strpbrk(path, "\"\n")) return path;
-  opc_fail(error, OPC_INVALID, parameter,
-           "'%s': the simulator takes no such name of a file", file);
+  opc_fail(
+      error, OPC_INVALID, parameter,
+      "'%s': the simulator cannot open a file name with a quote or line break",
+      file);
   free(path);
   return NULL;
 }

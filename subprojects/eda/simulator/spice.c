@@ -116,7 +116,7 @@ static int read_some(reading *r, int in, opc_error *error) {
   r->taken += (uint64_t)n;
   if (r->taken > most_bytes) {
     opc_fail(error, OPC_FAILED, NULL,
-             "'ngspice' gave more than %llu MB of values",
+             "'ngspice' returned more than %llu MB of values",
              (unsigned long long)(most_bytes >> 20));
     return -1;
   }
@@ -133,7 +133,7 @@ static int listen_to(reading *r, int in, double limit, opc_error *error) {
       return opc_fail(error, OPC_CANCELLED, NULL, "stopped");
     if ((double)(g_get_monotonic_time() - start) > limit * G_USEC_PER_SEC)
       return opc_fail(error, OPC_FAILED, NULL,
-                      "'ngspice' was not done after %g s: %s%.80s%s %.150s",
+                      "'ngspice' did not finish within %g s: %s%.80s%s %.150s",
                       limit, r->command ? "'" : "",
                       r->command ? r->command : "it reads the deck",
                       r->command ? "' is" : "",
@@ -157,13 +157,12 @@ static char *last_words(const GString *words) {
 
 static int osdi_refuse(const reading *r, opc_error *error) {
   const char *version = strstr(r->words->str, "ngspice-");
-  return opc_fail(
-      error, OPC_NO_PLUGIN, NULL,
-      "the library of '%.*s' cannot load compiled models (OSDI): "
-      "Debian 12's 39 cannot, that of its backports (46) and Debian "
-      "13's (44) can; OPCFLOW_NGSPICE names another one",
-      version ? (int)strcspn(version, " \n") : 7,
-      version ? version : "ngspice");
+  return opc_fail(error, OPC_NO_PLUGIN, NULL,
+                  "the library of '%.*s' cannot load compiled models (OSDI): "
+                  "install version 44 or later (Debian 13, or Debian 12 "
+                  "backports), or name another library in OPCFLOW_NGSPICE",
+                  version ? (int)strcspn(version, " \n") : 7,
+                  version ? version : "ngspice");
 }
 
 static int child_judge(const reading *r, GSubprocess *child, opc_error *error) {
@@ -181,16 +180,15 @@ static int child_judge(const reading *r, GSubprocess *child, opc_error *error) {
   if (g_subprocess_get_if_signaled(child) &&
       g_subprocess_get_term_sig(child) == SIGSYS)
     return opc_fail(error, OPC_FAILED, NULL,
-                    "'ngspice' was ended: it went to start a program or to "
-                    "write a file, which no simulation may; it last said: %s",
+                    "'ngspice' was stopped, because the simulation tried to "
+                    "start a program or to write a file; last message: %s",
                     said);
   if (g_subprocess_get_if_signaled(child))
     return opc_fail(error, OPC_FAILED, NULL,
-                    "'ngspice' crashed (%s); it last said: %s",
+                    "'ngspice' crashed (%s); last message: %s",
                     strsignal(g_subprocess_get_term_sig(child)), said);
   return opc_fail(error, OPC_FAILED, NULL,
-                  "'ngspice' ended by itself with status %d; it last said: "
-                  "%s",
+                  "'ngspice' ended with status %d; last message: %s",
                   g_subprocess_get_exit_status(child), said);
 }
 
@@ -224,7 +222,7 @@ static int open_request(const char *deck, const char *commands,
              fputs(commands, out) >= 0;
   if (out && fclose(out)) good = 0;
   if (good && !lseek(file, 0, SEEK_SET)) return file;
-  opc_fail(error, OPC_FAILED, NULL, "cannot hand over the deck: %s",
+  opc_fail(error, OPC_FAILED, NULL, "cannot send the deck: %s",
            g_strerror(errno));
   if (file >= 0) close(file);
   return -1;

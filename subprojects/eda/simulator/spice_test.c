@@ -142,7 +142,7 @@ static void test_death(void) {
   if (!have_ngspice()) return;
   assert_fails(rc, "op\nquit 3", LIMIT, OPC_FAILED, "made it quit", 1);
   gint64 start = g_get_monotonic_time();
-  assert_fails(rc, endless, 0.5, OPC_FAILED, "not done after 0.5 s", 0);
+  assert_fails(rc, endless, 0.5, OPC_FAILED, "did not finish within 0.5 s", 0);
   assert_fails(rc, "tran 1n 1000 0 1n", 0.5, OPC_FAILED,
                "'tran 1n 1000 0 1n' is at ", 0);
   assert_fails(rc, "tran 1n 1000 0 1n", 0.5, OPC_FAILED, ", in steps of 1e-09",
@@ -210,7 +210,8 @@ static void test_sandbox(void) {
   signal(SIGSEGV, SIG_IGN);
   assert_cannot("crash", "", "crashed (Segmentation fault)");
   signal(SIGSEGV, SIG_DFL);
-  assert_fails("t\n.end", "hang", 0.3, OPC_FAILED, "not done after 0.3 s", 0);
+  assert_fails("t\n.end", "hang", 0.3, OPC_FAILED, "not finish within 0.3 s",
+               0);
   library_use(NULL);
   g_autofree char *text = NULL;
   g_assert_true(g_file_get_contents(old, &text, NULL, NULL));

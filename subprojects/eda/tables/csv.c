@@ -105,7 +105,7 @@ static int read_header(eda_csv *c, const line *l, char *text,
   }
   for (size_t i = 0; i < c->n; i++)
     if (c->field[i] < 0 && !c->columns[i].optional)
-      return fail_at(c, l, l->text, "there is no column", c->columns[i].name,
+      return fail_at(c, l, l->text, "missing column", c->columns[i].name,
                      error);
   return OPC_OK;
 }
@@ -119,7 +119,7 @@ static int read_row(eda_csv *c, line *l, char *text, opc_error *error) {
   g_array_append_val(c->rows, *l);
   while (rest) {
     const char *more = cut_field(&rest);
-    if (*more) return fail_at(c, l, more, "a field too many:", more, error);
+    if (*more) return fail_at(c, l, more, "unexpected field:", more, error);
   }
   return OPC_OK;
 }
@@ -142,7 +142,7 @@ static int read_text(eda_csv *c, opc_error *error) {
   const char *nul = memchr(c->text, 0, size);
   if (nul)
     return opc_fail(error, OPC_INVALID, c->parameter,
-                    "'%s' is no text: byte %zu is 0", c->path,
+                    "'%s' is not a text file: byte %zu is 0", c->path,
                     (size_t)(nul - c->text));
   return OPC_OK;
 }

@@ -80,8 +80,11 @@ static void test_bad_files(void) {
       {"type,w (um)\n", ":1:6: a wrong unit: 'w (um)'"},
       {"type (nm),w\n", ":1:1: a wrong unit: 'type (nm)'"},
       {"type,w, w\n", ":1:9: a column twice: 'w'"},
-      {"w\n1", ":1:1: there is no column 'type'"},
-      {"type,w\nn,1\nn,2,\nn,1, 3\n", ":4:6: a field too many: '3'"},
+      {"w\n1", ":1:1: missing column 'type'"},
+      {"type,w\n"
+       "n,1\n"
+       "n,2,\nn,1, 3\n",
+       ":4:6: unexpected field: '3'"},
   };
   opc_error error;
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
@@ -92,7 +95,7 @@ static void test_bad_files(void) {
     g_assert_cmpstr(error.parameter, ==, "table");
   }
   g_assert_null(read_bytes("type,w\n\0", 8, 0, &error));
-  g_assert_nonnull(strstr(error.message, "is no text: byte 7 is 0"));
+  g_assert_nonnull(strstr(error.message, "is not a text file: byte 7 is 0"));
   g_assert_null(
       eda_csv_read("/nowhere/at/all", "table", columns, COLUMNS, 0, &error));
   g_assert_cmpint(error.code, ==, OPC_IO);

@@ -40,8 +40,9 @@ int eda_experiment_check(const void *object, opc_error *error) {
   size_t named = 0;
   if (!e->n_cases || !e->n_methods || !e->cases || !e->methods || !e->folders)
     return opc_fail(error, OPC_FAILED, NULL,
-                    "an experiment of %zu cases and %zu methods", e->n_cases,
-                    e->n_methods);
+                    "an experiment has %zu cases and %zu methods, expected at "
+                    "least one of each",
+                    e->n_cases, e->n_methods);
   for (size_t i = 0; i < e->n_cases; i++) named += e->cases[i] && *e->cases[i];
   for (size_t i = 0; i < e->n_methods; i++)
     named += e->methods[i] && *e->methods[i];

@@ -64,6 +64,6 @@ int eda_settings_check(const void *object, opc_error *error) {
   if (s->figure && s->name && s->count == count && s->best < count)
     return OPC_OK;
   return opc_fail(error, OPC_FAILED, NULL,
-                  "%zu figures for %zu settings, of which number %zu is best",
+                  "%zu values for %zu settings, of which number %zu is best",
                   s->count, count, s->best + 1);
 }

@@ -86,7 +86,7 @@ static int check_cell(const eda_timing_cell *c, opc_error *error) {
 int eda_timing_check(const void *timing, opc_error *error) {
   const eda_timing *t = timing;
   if (t->count && !t->cell)
-    return opc_fail(error, OPC_FAILED, NULL, "there are no cells");
+    return opc_fail(error, OPC_FAILED, NULL, "the library has no cells");
   for (size_t i = 0; i < t->count; i++)
     if (check_cell(&t->cell[i], error)) return error->code;
   return OPC_OK;
