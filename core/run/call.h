@@ -20,9 +20,10 @@ int opc_call_check(const opc_run *run, const opc_flow_step *step,
 int opc_call_forecast(const opc_run *run, const opc_flow_step *step,
                       opc_forecast *out, opc_error *error);
 
-/* Run a step and check the outputs, which `run` then owns. Returns OPC_OK or a
-   code and *error. */
-int opc_call_run(opc_run *run, const opc_flow_step *step, opc_error *error);
+/* Run a step, or make its stand-ins (`sketch`), and check the outputs, which
+   `run` then owns. Returns OPC_OK or a code and *error. */
+int opc_call_run(opc_run *run, const opc_flow_step *step, gboolean sketch,
+                 opc_error *error);
 
 /* Call forecast and run of a step. Returns FALSE and adds a problem on
    failure. */
