@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Files and names: checks before files are opened, folders, programs. [any] */
+/* Checks of files and names; paths of folders. [any]: see opcflow/base.h. */
 #pragma once
 
 #include <glib.h>
 
-/* Return why the file at `path` cannot be read as a regular file: "no such
-   file", "is a pipe, not a regular file"; NULL if readable. The file is not
-   opened, because opening may block. Write the file's size to *size unless
-   NULL. */
+/* Return a reason why the file at `path` cannot be read as a regular file, such
+   as "no such file" or "is a pipe, not a regular file"; NULL if readable. The
+   file is not opened, because opening may block. *size receives the size in
+   bytes; `size` may be NULL. */
 const char *opc_file_fault(const char *path, size_t *size);
 
 /* Return whether a relative file name stays inside its folder. */
@@ -17,21 +17,20 @@ gboolean opc_name_is_inside(const char *name);
    the folder cannot be read. */
 GPtrArray *opc_folder_names(const char *folder);
 
-/* Return whether a name has letters, digits, '_', '-' and, if `dots`, dots, and
-   begins with neither a dot nor '-'. */
+/* Return whether a name has only letters, digits, '_', '-' and, if `dots` is
+   TRUE, dots, and does not begin with a dot or '-'. */
 gboolean opc_is_name(const char *text, gboolean dots);
 
-/* Return whether a name has lower_case words with dots between: "model.wide".
+/* Return whether a name has lower_case words separated by dots: "model.wide".
  */
 gboolean opc_is_id(const char *name);
 
-/* Return the folder of the executable (g_free); NULL if there is none. */
+/* Return the folder of the running executable (g_free); NULL if unknown. */
 char *opc_executable_folder(void);
 
-/* Return the path of a file or folder in opcflow/ of the folder `in` of an
-   installation (g_free); NULL if the executable is not installed. The path is
-   relative to the folder of the executable, so that an installation can be
-   moved. `places` are the possible ends of that folder, "/bin",
-   NULL-terminated. */
+/* Return the path PREFIX/`in`/opcflow/`name` of an installed file or folder
+   (g_free); NULL if the executable is not installed. PREFIX is the folder of
+   the executable without its end, which must be one of `places` ("/bin",
+   NULL-terminated), so that an installation can be moved. */
 char *opc_installed(const char *const *places, const char *in,
                     const char *name);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Important findings of the steps of a run. */
+/* Findings of a run: faults of results that the user must not miss. */
 #pragma once
 
 #include <glib.h>
@@ -11,7 +11,7 @@ typedef struct opc_finding {
   char *text;
 } opc_finding;
 
-/* Findings, each once. At most 100 are kept, the others are counted. */
+/* Distinct findings. At most 100 are kept; further ones are counted. */
 typedef struct opc_findings {
   GPtrArray *list; /* opc_finding * */
   size_t more;     /* number of findings not kept */
@@ -20,10 +20,10 @@ typedef struct opc_findings {
 void opc_findings_init(opc_findings *findings);
 void opc_findings_clear(opc_findings *findings);
 
-/* Add a finding unless already present. */
+/* Add a finding unless an equal one is present. */
 void opc_findings_add(opc_findings *findings, size_t point, const char *path,
                       const char *text);
 
-/* Return all findings (char *, freed with the array): "step: text", "point 3:
-   step: text", and finally the number of those not kept. */
+/* Return one line for each finding, "step: text" or "point 3: step: text", and
+   the number of findings not kept (char *, freed with the array). */
 GPtrArray *opc_findings_lines(const opc_findings *findings);

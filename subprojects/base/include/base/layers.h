@@ -1,36 +1,36 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Layers: one tree applied over another. A flow that extends another, a
-   variant, --set, a point of a sweep, and the parameters of the default plugin
-   of a slot are all layers. */
+/* Layers: trees of changes that are applied to another tree. Layers are a flow
+   that extends another flow, a variant, --set, a point of a sweep, and the
+   parameters of the default plugin of a slot. */
 #pragma once
 
 #include <base/node.h>
 
-/* Apply a map over the map `under`. Maps merge key by key. A map that names
-   another plugin with `use`, a list or a text replaces the existing value; `~`
-   removes it. Nodes are copied; their source must outlive `under`. */
+/* Apply the map `over` to the map `under`. Maps merge key by key. A list, a
+   text, or a map that selects another plugin with `use` replaces a value; `~`
+   removes the value. Nodes are copied; sources must outlive `under`. */
 void opc_lay(opc_node *under, const opc_node *over, opc_problems *problems);
 
-/* Apply a map of steps; a new step needs `use`. */
+/* Apply a map of steps to `steps`. A step not in `steps` needs `use`. */
 void opc_lay_steps(opc_node *steps, const opc_node *over,
                    opc_problems *problems);
 
-/* Apply one value at `path`: "step", "step.parameter" or deeper. `key` is the
-   place of the path in its source. */
+/* Set the value at `path`: "step", "step.parameter" or deeper. `key` is the
+   place where the source states the path, for problems. */
 void opc_lay_at(opc_node *steps, const char *path, const opc_place *key,
                 const opc_node *value, opc_problems *problems);
 
-/* Apply a requirement, "require" or "require.step.metric", to the map that
-   holds all of them under "require", without dots. */
+/* Set a requirement in a map of the form { require: { step: { metric: ... } }
+   }. `path` is "require" or "require.step.metric". */
 void opc_lay_demands(opc_node *demands, const char *path, const opc_place *key,
                      const opc_node *value, opc_problems *problems);
 
-/* Return a copy of a map in which keys with dots are nested maps; `deep`: also
-   in nested maps. A value given in both forms is a problem. */
+/* Return a copy of a map with nested maps in place of keys with dots; `deep`:
+   also in nested maps. A value that is set in both forms is a problem. */
 opc_node *opc_undot(const opc_node *map, gboolean deep, opc_problems *problems);
 
-/* Return the value of "path=value" on a command line, owned by the new *source,
-   and its path (g_free). NULL and a problem if the text is invalid; *source,
-   named "OPTION PATH", is set in any case. */
+/* Parse "path=value" on a command line: return the value, and the path in *path
+   (g_free). NULL and a problem if the text is invalid. *source receives a new
+   source named "OPTION PATH", even on failure, which must outlive the value. */
 opc_node *opc_argument_parse(const char *option, const char *text, char **path,
                              opc_source **source, opc_problems *problems);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* YAML as a tree of nodes with their places. Only the subset of flow files: one
-   document of maps, lists and texts. Duplicate keys, anchors, aliases, tags,
-   and documents nested too deeply or too large are rejected. */
+/* YAML as a tree of nodes with their places. Flow files use a subset of YAML:
+   one document of maps, lists and texts. Duplicate keys, anchors, aliases,
+   tags, deep nesting and large documents are rejected. */
 #pragma once
 
 #include <base/problem.h>
@@ -9,8 +9,8 @@
 /* Origin of nodes. */
 typedef struct opc_source {
   char *name;   /* for messages: "flow.yaml", "--set first.width" */
-  char *folder; /* folder of relative file names; NULL: an argument, whose nodes
-                   have no lines */
+  char *folder; /* folder of relative file names; NULL: an argument, without
+                   line numbers */
   char *layer;  /* "variant epe", "sweep"; NULL for the file itself */
 } opc_source;
 
@@ -31,20 +31,19 @@ opc_source *opc_source_new(const char *name, const char *folder);
 opc_source *opc_source_layer(const opc_source *file, const char *layer);
 void opc_source_free(opc_source *source);
 
-/* Return the tree of a text whose first line is number `line`; NULL and
-   problems if the text is invalid. ${name} needs no quotes in { } and [ ]. */
+/* Return the tree of a text; NULL and problems if the text is invalid. Unlike
+   in YAML, ${name} needs no quotes in { } and [ ]. */
 opc_node *opc_node_parse(const opc_source *source, const char *text,
                          size_t length, opc_problems *problems);
 
 /* Return the tree of a file; NULL and problems on failure. Problems name
-   `source`; those of the file as a whole carry the place `at`, which may be
-   NULL. */
+   `source`; problems of the whole file have the place `at` (or NULL). */
 opc_node *opc_node_read(const opc_source *source, const char *path,
                         const opc_place *at, opc_problems *problems);
 
-/* Return the trees of all documents of a data file or its text (opc_node *,
-   freed with the array), which may have any number of nodes; an empty list and
-   problems on failure. */
+/* Return the trees of all documents in a text or a data file (opc_node *, freed
+   with the array). The number of nodes is not limited. On failure, add problems
+   and return an empty list. */
 GPtrArray *opc_node_parse_all(const opc_source *source, const char *text,
                               size_t length, opc_problems *problems);
 GPtrArray *opc_node_read_all(const opc_source *source, const char *path,
@@ -52,32 +51,33 @@ GPtrArray *opc_node_read_all(const opc_source *source, const char *path,
 
 opc_node *opc_node_text_new(const opc_source *source, const char *text);
 opc_node *opc_node_map_new(const opc_source *source, const opc_place *at);
-/* Return a deep copy whose nodes refer to `source`; NULL: that of `node`. */
+/* Return a deep copy with nodes of `source`; NULL: of the source of `node`. */
 opc_node *opc_node_copy(const opc_node *node, const opc_source *source);
 void opc_node_free(opc_node *node);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_node, opc_node_free)
 
-/* Return the number of a key, -1 if missing; or its value, NULL if missing or
-   if `map` is no map. */
+/* opc_node_find: return the index of a key, -1 if missing. opc_node_get: return
+   the value of a key, NULL if missing or if `map` is not a map. */
 int opc_node_find(const opc_node *map, const char *key);
 opc_node *opc_node_get(const opc_node *map, const char *key);
 
-/* Return the text of the key with number i. */
+/* Return the text of the key with index i. */
 const char *opc_node_key(const opc_node *map, guint i);
 
 /* Append a key that does not exist yet. Takes ownership of both nodes. */
 void opc_node_add(opc_node *map, opc_node *key, opc_node *value);
 
-/* Put copies of a key and its value in the place of that key, or at the end. */
+/* Replace the equal key and its value by copies of `key` and `value`; append
+   the copies if the key is missing. */
 void opc_node_put(opc_node *map, const opc_node *key, const opc_node *value);
 
 /* Return whether all keys are among `words`, "a|b|c"; add a problem for each
-   other key: "unknown key 'x'", `where`, and a suggestion. */
+   other key: "unknown key 'x'", the text `where`, and a suggestion. */
 gboolean opc_node_check_keys(const opc_node *map, const char *words,
                              const char *where, opc_problems *problems);
 
-/* Add a problem for a key missing in a map: `before` 'key' `after`, and a
-   suggestion. Return FALSE. */
+/* Add a problem for a key that is missing in a map: the text `before`, 'key',
+   the text `after`, and a suggestion. Return FALSE. */
 gboolean opc_node_missing(const opc_node *map, const char *key,
                           const opc_place *at, const char *before,
                           const char *after, opc_problems *problems);
@@ -89,13 +89,13 @@ char *opc_node_path(const opc_node *node);
 /* Return "a map", "a list" or "a text". */
 const char *opc_node_noun(const opc_node *node);
 
-/* Return a text, list or map on one line in the syntax of flows (g_free); or
-   append that line. */
+/* Return a node or a text as one line in the syntax of flows (g_free), or
+   append the line to `out`. */
 char *opc_node_line(const opc_node *node);
 void opc_node_append(GString *out, const opc_node *node);
 void opc_text_append(GString *out, const char *text);
 
-/* Return whether a node is `key:` without a value. */
+/* Return whether a node is the missing value of `key:`. */
 gboolean opc_node_is_empty(const opc_node *node);
 
 /* Return whether a node is `~` or `null` without quotes. */

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Problems found in files and arguments, each with its place; collected, so
-   that all can be reported at once. */
+/* Problems in files and arguments, each with its place. Functions collect
+   problems in a list, so that the command reports all at once. */
 #pragma once
 
 #include <glib.h>
 #include <opcflow/base.h>
 
-/* A place in a file; lines and columns (characters) count from 1. Line 0: a
-   place without lines ("--set first.width"). `file` may be NULL. */
+/* A place in a file; lines, and columns in characters, count from 1. Line 0:
+   `file` has no lines ("--set first.width"). `file` may be NULL. */
 typedef struct opc_place {
   const char *file;
   unsigned line, column;
@@ -27,16 +27,16 @@ opc_problems *opc_problems_new(void);
 void opc_problems_free(opc_problems *problems);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_problems, opc_problems_free)
 
-/* Add a copy of a problem and return FALSE. A NULL place has no file. Long
-   messages are cut; only the first problems are kept if there are very many. */
+/* Add a copy of a problem and return FALSE. `place` NULL: no file. Long
+   messages are truncated. Only the first 1000 problems are kept. */
 gboolean opc_problem_add(opc_problems *problems, int code,
                          const opc_place *place, const char *format, ...)
     OPC_PRINTF(4, 5);
 
-/* Return whether no more problems are kept, so that checks may stop. */
+/* Return whether the list is full, so that checks may stop. */
 gboolean opc_problems_full(const opc_problems *problems);
 
-/* Add the problems of `from` that are missing, with `note` (may be NULL)
+/* Add the problems of `from` that `problems` lacks, with `note` (may be NULL)
    appended to their messages. */
 void opc_problems_merge(opc_problems *problems, const opc_problems *from,
                         const char *note);
@@ -44,7 +44,7 @@ void opc_problems_merge(opc_problems *problems, const opc_problems *from,
 /* Return "file:line:column", "file" for line 0, "" without a file (g_free). */
 char *opc_place_text(const opc_place *place);
 
-/* Sort by place; files keep the order of their first problem. */
+/* Sort by place. Files are in the order of their first problems. */
 void opc_problems_sort(opc_problems *problems);
 
 /* Return "file:line:column: message" (g_free). */
@@ -54,10 +54,10 @@ char *opc_problem_text(const opc_problem *problem);
    (g_free). */
 char *opc_problems_text(opc_problems *problems);
 
-/* Return the common code of all problems, OPC_INVALID if they differ, OPC_OK
-   for none. */
+/* Return the code of all problems if equal, OPC_INVALID if the codes differ,
+   OPC_OK without problems. */
 int opc_problems_code(const opc_problems *problems);
 
-/* Fill *error with the first of the sorted problems and the number of others;
-   return its code. */
+/* Sort the problems, fill *error with the first one and the number of others,
+   and return the code of *error. */
 int opc_problems_error(opc_problems *problems, opc_error *error);

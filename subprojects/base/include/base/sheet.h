@@ -6,8 +6,8 @@
 
 typedef struct opc_sheet {
   size_t n;             /* columns */
-  gboolean *left;       /* for each column: left-aligned text, not numbers */
-  GPtrArray *cells;     /* char *, row by row, the head first */
+  gboolean *left;       /* [n], TRUE: left-aligned text, FALSE: numbers */
+  GPtrArray *cells;     /* char *, row by row; the first row is the head */
   size_t rows, *widths; /* set by the functions below */
 } opc_sheet;
 
@@ -16,11 +16,12 @@ opc_sheet *opc_sheet_new(size_t columns);
 void opc_sheet_free(opc_sheet *sheet);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_sheet, opc_sheet_free)
 
-/* Return aligned columns, numbers to the right (g_free). For a table wider than
-   `width`, columns with equal cells are listed once, in a last line. If that
-   does not suffice, a table of few rows is transposed. Any other table is split
-   into blocks below each other, each with the columns that identify a row.
-   Width 0: one line a row. Line breaks and tabs in cells become blanks. */
+/* Return a text with aligned columns, numbers to the right (g_free). If the
+   table is wider than `width` characters, columns with equal cells are moved to
+   a last line. If the remainder is too wide, a table of few rows is transposed;
+   other tables are split into blocks of columns, each with the columns that
+   identify a row. Width 0: one line a row. Line breaks and tabs become
+   blanks. */
 char *opc_sheet_text(opc_sheet *sheet, size_t width);
 
 /* Return a table in Markdown (g_free); line breaks in cells become blanks. */

@@ -9,15 +9,15 @@ typedef struct opc_unit opc_unit;
 /* Return a unit by name, NULL if unknown. */
 const opc_unit *opc_unit_find(const char *name);
 
-/* Return the quantity of a unit: "a length" ... ; units of the same dimension
-   return the same pointer. */
+/* Return the name of a unit's quantity, such as "a length"; the same pointer
+   for all units of a dimension. */
 const char *opc_unit_noun(const opc_unit *unit);
 
-/* Return whether 0 is equal in all units of the dimension; false for
+/* Return whether 0 is the same in all units of the dimension; not so for
    temperatures. */
 int opc_unit_shares_zero(const opc_unit *unit);
 
-/* Return all names, const char *, for suggestions. */
+/* Return the names of all units (const char *), for suggestions. */
 GPtrArray *opc_unit_names(void);
 
 /* Return the length of the number at the start of `text` ("12", "-.5", "1e-9"),
@@ -25,9 +25,9 @@ GPtrArray *opc_unit_names(void);
 size_t opc_number_length(const char *text);
 
 /* Return the number written in `length` bytes at `text` in the unit `from`,
-   converted to the unit `to` of the same dimension (both NULL: unchanged).
-   Rounded once: units that differ by powers of ten change the exponent of the
-   text. Return +-HUGE_VAL on overflow. */
+   converted to the unit `to` of the same dimension (both NULL: unchanged). The
+   result is rounded once: for a factor that is a power of ten, the exponent of
+   the text is changed before the conversion. Return +-HUGE_VAL on overflow. */
 double opc_number_in(const char *text, size_t length, const opc_unit *from,
                      const opc_unit *to);
 
@@ -42,5 +42,5 @@ char *opc_number_fixed(double number, int decimals);
    (g_free). */
 char *opc_number_short(double number);
 
-/* Return "12 MB" or "1.5 GB"; "less than 1 MB" (g_free). */
+/* Return a size as "12 MB", "1.5 GB" or "less than 1 MB" (g_free). */
 char *opc_bytes_text(double bytes);

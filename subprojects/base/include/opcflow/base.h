@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Result codes, errors, threads, and modules: objects with their functions.
-   Shared by the headers of the core and of the library eda, which do not depend
-   on each other, so that both use the same error type. */
+/* Result codes, errors, threads, and modules (objects with their functions).
+   The core and the library eda, which do not depend on each other, share these
+   types. [any]: may be called from several threads at once. */
 #pragma once
 
 #include <stdarg.h>
@@ -30,8 +30,8 @@ OPC_C_BEGIN
 #define OPC_UNUSED
 #endif
 
-/* Padding at the end of each struct that may receive more fields there without
-   breaking older binaries. */
+/* Padding at the end of each struct to which later versions may add fields
+   without breaking older binaries. */
 #ifndef OPC_MAY_GROW
 #define OPC_MAY_GROW
 #endif
@@ -48,8 +48,8 @@ enum {
 };
 
 /* Description of a failure. A function that can fail returns one of the codes
-   above and fills the `opc_error *` that is its last argument, which is never
-   NULL. `parameter` names the parameter at fault, or is empty. */
+   above and, on failure, fills its last argument, an `opc_error *` other than
+   NULL. `parameter` is the name of the parameter at fault, or empty. */
 typedef struct opc_error {
   int32_t code;
   char parameter[64];
@@ -57,7 +57,7 @@ typedef struct opc_error {
 } opc_error;
 
 /* Fill *error and return `code`: `return opc_fail(error, OPC_FAILED, NULL,
-   "...")`. `parameter` may be NULL. Long texts are cut. [any] */
+   "...")`. `parameter` may be NULL. Long texts are truncated. [any] */
 OPC_UNUSED OPC_PRINTF(4, 5) static int opc_fail(opc_error *error, int code,
                                                 const char *parameter,
                                                 const char *format, ...) {
@@ -72,20 +72,21 @@ OPC_UNUSED OPC_PRINTF(4, 5) static int opc_fail(opc_error *error, int code,
 }
 
 /* Services of the program for a library: threads and cancellation. A NULL
-   context means one thread, never cancelled. All functions are [any]. */
+   context means one thread and no cancellation. All functions are [any]. */
 typedef struct opc_context opc_context;
 struct opc_context {
   /* Call task(data, i) for each i below n, from several threads at once; return
-     when all calls are done. Divide the work by content, never by the number of
-     threads, so that no result depends on that number. Calls may be nested. */
+     when all calls are done. Do not choose n by the number of threads, on which
+     results must not depend. Calls may be nested. */
   void (*parallel)(const opc_context *context, size_t n,
                    void (*task)(void *data, size_t i), void *data);
 
-  /* Return non-zero after a request to stop: clean up, return OPC_CANCELLED. */
+  /* Return non-zero after a request to stop. The caller then frees its data and
+     returns OPC_CANCELLED. */
   int (*cancelled)(const opc_context *context);
 
-  /* Enclose each call of a function of another module, so that a crash is
-     attributed to that module: `before = enter(context, id); ...;
+  /* Enclose each call of a function of another module, so that the host
+     attributes a crash to that module: `before = enter(context, id); ...;
      leave(context, before)`. `id` outlives the call. */
   const char *(*enter)(const opc_context *context, const char *id);
   void (*leave)(const opc_context *context, const char *before);
@@ -116,8 +117,8 @@ OPC_UNUSED static inline void opc_leave(const opc_context *context,
   if (context) context->leave(context, before);
 }
 
-/* An object of a kind: functions and data. The functions of a kind are a struct
-   declared in the header of the kind; each takes `self` first. */
+/* An object with its functions: a struct of function pointers, declared by the
+   header of a plugin kind. Each function receives `self` first. */
 typedef struct opc_module {
   const void *functions;
   void *self;

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Rule-based sub-resolution assist features (SRAF): scatter bars along the
-   sides of each gate, placed in the poly mask wherever the spacing rules
-   permit. */
+/* Rule-based sub-resolution assist features (SRAF): scatter bars in the poly
+   mask along the sides of each gate, wherever the spacing rules permit. */
 #pragma once
 
 #include <eda/srafs.h>
@@ -13,26 +12,27 @@ typedef struct gate_srafs {
   int64_t rows;                  /* number of rows; 0: no scatter bars */
   double width, distance, space; /* nm */
   double min_length, overhang;   /* nm */
-  double margin;                 /* distance to the printing threshold, clear
+  double margin;                 /* smallest intensity margin to printing, clear
                                     field 1 */
   eda_box_list srafs;
   size_t dropped;
 } gate_srafs;
 
-/* Place the scatter bars into the next trial mask. Call after the synthesizers
-   have begun. Returns OPC_OK, or OPC_INVALID if the synthesizer also places
-   scatter bars or a width is below the mask grid. */
+/* Place the scatter bars into the loop's next mask. Call after `begin` of the
+   synthesizers. Returns OPC_OK, or OPC_INVALID if the synthesizer displaces all
+   poly edges or a scatter bar is narrower than the mask grid. */
 OPC_EXPORT int correct_assists_begin(struct loop *loop, opc_error *error);
 OPC_EXPORT void correct_assists_clear(struct loop *loop);
 
-/* Return OPC_INVALID if a bar of the next trial mask, placed by any plugin,
-   reaches beyond the simulation frame. */
+/* Return OPC_INVALID if a scatter bar of the loop's next mask, placed by any
+   plugin, extends beyond the simulation frame. */
 OPC_EXPORT int correct_assists_check(const struct loop *loop, opc_error *error);
 
-/* Remove scatter bars that print from the next trial mask. */
+/* Remove those scatter bars from the next mask whose last simulated image is
+   closer to the printing threshold than `margin`. */
 OPC_EXPORT void correct_assists_watch(struct loop *loop);
 
-/* Report the metrics "assists" and "assists_dropped". */
+/* Publish the metrics "assists" and "assists_dropped". */
 OPC_EXPORT int correct_assists_report(const struct loop *loop,
                                       opc_error *error);
 

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Mask design algorithm of thesis figure 3.3, for one transistor. Steps of its
-   length (coarse phase) are followed by steps of its width (fine phase); a step
-   that increases the error is reverted. The error is a current deviation in %,
-   positive where the current is too high; it falls with L and rises with W. */
+/* Mask design algorithm of thesis figure 3.3, for one transistor: steps of the
+   gate length L (coarse phase), then of the gate width W (fine phase). A step
+   that increases |error| is reverted. The error is the deviation of the
+   current, %; the current falls with L and rises with W. */
 #pragma once
 
 #include <eda/synthesizer.h>
 
 enum { CONTROL_COARSE, CONTROL_FINE, CONTROL_SETTLED };
 
-/* Reasons for a transistor to stay as it is. */
+/* State of a transistor, or the reason why it is not displaced further. */
 enum {
   CONTROL_WITHIN,
   CONTROL_GRID,
@@ -21,24 +21,24 @@ enum {
 
 typedef struct control {
   double error; /* error of the last measurement, % */
-  double rest;  /* error at the minimum, % */
+  double rest;  /* first error after the coarse phase or a restart, % */
   double by_l;  /* change of the error by the last step of L; 0: none */
   uint8_t phase;
   uint8_t verdict;
-  uint8_t barred;    /* steps of L that the regulator reverted, EDA_VETO_* */
+  uint8_t barred;    /* vetoed directions of L, EDA_VETO_* */
   uint8_t reopened;  /* number of restarts after neighbours changed the error */
   uint8_t rested;    /* 1: `rest` is set */
-  uint8_t exchanged; /* 1: L was moved because W had reached its bound */
+  uint8_t exchanged; /* 1: L was displaced because W had reached its bound */
   int32_t l, w;      /* last step, in grid steps */
-  int32_t ceiling;   /* largest step of W after an overshoot; 0: no bound */
+  int32_t ceiling;   /* largest step of W after an overshoot; 0: unlimited */
 } control;
 
-/* Rules that are common to all transistors. */
+/* Limits that apply to all transistors. Displacements are in grid steps. */
 typedef struct control_rules {
   double limit;     /* largest accepted |error|, % */
-  int32_t most;     /* bound of L, and of W unless half of the width is less */
-  int32_t widest;   /* largest proportional step that widens */
-  int proportional; /* 1: steps of W are proportional to the error; 0: single */
+  int32_t most;     /* bound of L; bound of W: this or half the width */
+  int32_t widest;   /* largest proportional increase of W */
+  int proportional; /* 1: steps of W proportional to the error; 0: one grid */
 } control_rules;
 
 /* Return the rules for an error limit in %, a largest bias in nm and a mask
@@ -54,20 +54,20 @@ typedef struct control_input {
   uint32_t veto; /* EDA_VETO_* */
 } control_input;
 
-/* Apply the first correction to *l: `steps` of L, or for 0 a single step in the
-   direction that reduces the error. Returns 1 if L moved, 0 if the error is
-   within the limit. */
+/* Add the first correction to *l, a displacement in grid steps: `steps` or, for
+   0, one step that reduces the error. Returns 1 if *l changed, 0 if the error
+   is within the limit. */
 OPC_EXPORT int correct_control_first(const control_rules *r, control *c,
                                      const control_input *in, int32_t steps,
                                      int32_t *l);
 
-/* Apply the next step to *l. Returns 1 if L moved, else 0. */
+/* Apply the next step to *l. Returns 1 if *l changed, else 0. */
 OPC_EXPORT int correct_control_length(const control_rules *r, control *c,
                                       const control_input *in, int32_t *l,
                                       int32_t w);
 
-/* Apply the next step to *w, for a transistor whose L is at its minimum. Call
-   after correct_control_length returned 0. Returns 1 if W moved, else 0. */
+/* Apply the next step to *w if |error| is minimal with respect to L. Call after
+   correct_control_length returned 0. Returns 1 if *w changed, else 0. */
 OPC_EXPORT int correct_control_width(const control_rules *r, control *c,
                                      const control_input *in, int32_t *w);
 

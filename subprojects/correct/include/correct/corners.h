@@ -1,16 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Correction for several doses, foci and mask errors. Every combination of one
-   value of each is a corner.
+/* Correction for several doses, foci and mask errors. Each combination of a
+   dose, a focus and a mask error is a corner.
 
-   The loop and the synthesizers then receive, for each transistor, the weighted
-   geometric mean of its currents and of its area over the corners. If the
-   logarithm of a current responds equally to a displacement at all corners, a
-   mean equal to the drawn value minimises the sum of squares of the logarithmic
-   deviations.
+   The loop and the synthesizers receive, for each transistor, the weighted
+   geometric means of the currents and of the area over the corners. If a
+   displacement changes log(current) equally at all corners, a mean equal to the
+   drawn current minimises the sum of squared logarithmic deviations.
 
-   Unless `free` is set, the deviations that all transistors of a type have in
-   common are excluded, and nominal Ion stays within `ion_cost`. Flags, printed
-   images, line ends and the reported figures are nominal. */
+   Unless `free` is set, the mean deviations of all n- and of all p-transistors
+   are not corrected, and nominal Ion stays within `ion_cost`. Flags, images,
+   line ends and reported figures are nominal. */
 #pragma once
 
 #include <eda/print.h>
@@ -29,14 +28,14 @@ typedef struct corners_request {
 
 typedef struct corner {
   double dose, focus, mask_error;
-  double weight; /* weight; the sum over all corners is 1 */
+  double weight; /* the sum over all corners is 1 */
   size_t exposure;
   eda_measurement measured;
 } corner;
 
-/* A focus and a mask error, which need images of their own. */
+/* A combination of focus and mask error, for which images are simulated. */
 typedef struct exposure {
-  eda_printer *printer; /* printer of the loop, or `own` */
+  eda_printer *printer; /* simulates them: printer of the loop, or `own` */
   eda_printer own;
   int32_t by;       /* outward displacement of all edges, in grid steps */
   eda_shapes *mask; /* [layers], displaced mask; NULL: mask of the loop */
@@ -50,22 +49,22 @@ typedef struct corners {
   eda_performance nominal; /* nominal performance of the last simulation */
 } corners;
 
-/* Return OPC_INVALID with the parameter's name if values, weights or the number
-   of corners are not valid. */
+/* Return OPC_OK, or OPC_INVALID with the name of the parameter if values,
+   weights or the number of corners are not valid. */
 OPC_EXPORT int correct_corners_check(const corners_request *request,
                                      opc_error *error);
 
 /* Return the number of images per layer and simulation; 1 without corners. */
 OPC_EXPORT size_t correct_corners_images(const corners_request *request);
 
-/* Allocate the corners and their printers. The printer of the loop must have
-   been prepared. Returns OPC_INVALID if the model of the optics has one focus
-   only or a mask error is not a multiple of the grid. */
+/* Allocate the corners and their printers. Prepare the printer of the loop
+   first. Returns OPC_INVALID if the optical model has a fixed focus or a mask
+   error is not a multiple of the grid. */
 OPC_EXPORT int correct_corners_begin(struct loop *loop, opc_error *error);
 OPC_EXPORT void correct_corners_clear(struct loop *loop);
 
-/* Simulate the marked layers of the loop's mask at all exposures: with the fast
-   model, and with the accurate model after the loop's own printer. */
+/* Simulate the layers k of the loop's mask with layers[k] = 1 at all exposures:
+   by the fast model, or by the accurate model (refine). */
 OPC_EXPORT int correct_corners_print(struct loop *loop, const uint8_t *layers,
                                      opc_error *error);
 OPC_EXPORT int correct_corners_refine(struct loop *loop, const uint8_t *layers,
@@ -75,7 +74,7 @@ OPC_EXPORT int correct_corners_refine(struct loop *loop, const uint8_t *layers,
    loop's measurement is replaced by the mean over the corners. */
 OPC_EXPORT int correct_corners_measure(struct loop *loop, opc_error *error);
 
-/* Report the tables "corners" and "all_corners" and their metrics. */
+/* Publish the tables "corners" and "all_corners" and CORNERS_METRICS. */
 OPC_EXPORT int correct_corners_report(const struct loop *loop,
                                       opc_error *error);
 

@@ -7,20 +7,19 @@
 
 /* Edge displacements of each gate, in grid steps (synthesizer.h): width,
    lateral shift of the width, length, jog, line ends [2 * i + side], and
-   partial lengths [EDA_PARTS * i + k]. They are stored contiguously: first
-   those of active, then those of poly. */
+   partial lengths [EDA_PARTS * i + k]. The arrays are contiguous: first those
+   of active, then those of poly. */
 typedef struct biases {
   int32_t *w, *aside, *l, *jog, *end;
   eda_part *part;
-  /* Displacements of a previous correction to which these are added; NULL:
-     none. */
+  /* Displacements by an earlier correction, added to these; NULL: none. */
   const eda_moved *base;
 } biases;
 
-/* Edges of a layer, dissected into fragments. Polygon p owns the fragments
-   start[p] .. start[p+1]-1. Fragment i extends from from[i] to the `from` of
-   the next fragment of its polygon, parallel to an axis, and is displaced
-   outwards by by[i] grid steps. */
+/* Edges of a layer, dissected into fragments. Polygon p has the fragments
+   start[p] .. start[p+1]-1. Fragment i, parallel to an axis, extends from
+   from[i] to the start of the next fragment of the polygon. Its outward
+   displacement is by[i] grid steps. */
 typedef struct pieces {
   size_t polygons, room;
   uint32_t *start;
@@ -28,25 +27,25 @@ typedef struct pieces {
   int32_t *by;
 } pieces;
 
-/* Allocate fragments: enough for every displacement of a layer's edges, with a
-   base if `base` is set; or those dissected by a synthesizer, not displaced. */
+/* Allocate fragments. ..._of_edges: enough for all displacements of a layer's
+   edges, including a base if `base` is 1. ..._of_cuts: the fragments made by a
+   synthesizer, with displacement 0. */
 OPC_EXPORT void correct_pieces_of_edges(const eda_edges *edges, int base,
                                         pieces *out);
 OPC_EXPORT void correct_pieces_of_cuts(const eda_cuts *cuts, pieces *out);
 OPC_EXPORT void correct_pieces_clear(pieces *pieces);
 
-/* Set the fragments of a layer's edges, displaced by the biases of their
+/* Set the fragments of a layer's edges and displace them by the biases of their
    gates. */
 OPC_EXPORT void correct_pieces_follow(const eda_gates *gates, size_t layer,
                                       const biases *biases, pieces *out);
 
-/* Allocate the polygons for these fragments. */
+/* Allocate the polygons that correct_pieces_build writes. */
 OPC_EXPORT void correct_pieces_alloc(const pieces *pieces, eda_shapes *out);
 
-/* Build the polygons of displaced fragments, in their order, without repeated
-   or collinear corners. A polygon that vanishes has no points. Polygons may
-   overlap if displacements close a gap. Writes the points and starts of
-   `out`. */
+/* Write the polygons of displaced fragments to the points and starts of `out`,
+   in the same order, without repeated or collinear corners. A polygon that
+   vanishes has no points. Polygons overlap if displacements close a gap. */
 OPC_EXPORT void correct_pieces_build(const pieces *pieces, eda_shapes *out);
 
 typedef struct boxes_lists {
@@ -54,12 +53,11 @@ typedef struct boxes_lists {
   size_t count;
 } boxes_lists;
 
-/* Write all boxes as polygons; `out` belongs to the caller. */
+/* Write all boxes as polygons. The caller frees `out`. */
 OPC_EXPORT void correct_shapes_of_boxes(boxes_lists boxes, eda_shapes *out);
 
-/* Compute the mask of a layer: polygons and added boxes, minus the cut-outs,
-   merged so that overlaps do not count twice. Returns the codes of
-   eda_boolean. */
+/* Compute the mask of a layer: polygons and added boxes, minus the cut-outs, as
+   merged polygons without overlaps. Returns the codes of eda_boolean. */
 OPC_EXPORT int correct_mask_merge(const eda_shapes *polygons, boxes_lists added,
                                   boxes_lists cutouts, eda_shapes *out,
                                   opc_error *error);

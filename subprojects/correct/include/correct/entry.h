@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A corrected cell: transistors, displacements of the mask edges, and figures.
-   Coordinates are grid steps of the cell. */
+/* A corrected cell: transistors, displacements of the mask edges, and
+   electrical figures. Coordinates are in grid steps, relative to the cell. */
 #pragma once
 
 #include <eda/gates.h>
@@ -19,21 +19,21 @@ typedef struct entry {
   char **flavour;         /* NULL-terminated */
   double *length, *width; /* drawn sizes, nm */
   double *design;         /* Ion of the drawn gate, A */
-  eda_performance after;  /* figures of the cell alone */
+  eda_performance after;  /* figures of the corrected cell without neighbours */
   uint32_t *flags;
   eda_moved *moved;
 } entry;
 
-/* Return the cell's own transistors and the added shapes within its box as a
-   floating GVariant of ENTRY_TYPE. */
+/* Return the transistors of the cell, without those of neighbours, and the
+   added shapes within the cell's box as a floating GVariant of ENTRY_TYPE. */
 OPC_EXPORT GVariant *correct_entry_pack(const cut_out *cell,
                                         const eda_performance *design,
                                         const eda_performance *after,
                                         const uint32_t *flags,
                                         const eda_moved *moved);
 
-/* Return the entry, or NULL if the data are not valid. Free with
-   correct_entry_free(). */
+/* Return the entry packed in `data`, or NULL if the data are not valid. Free
+   with correct_entry_free(). */
 OPC_EXPORT entry *correct_entry_unpack(GVariant *data);
 OPC_EXPORT void correct_entry_free(entry *entry);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(entry, correct_entry_free)

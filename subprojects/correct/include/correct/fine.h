@@ -1,45 +1,44 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Accuracy of simulations: error of the image and the clear field around the
-   layout. */
+/* Accuracy of simulations: largest image error, and width of the clear field
+   around the layout. */
 #pragma once
 
 #include <eda/print.h>
 #include <opcflow/plugin.h>
 
-/* Set *fine to the error of accurate simulations, clear field 1, from the
-   parameter `text`: a number, "off" (0), or NULL for the error that `limit` (%
-   of Ion) requires. Returns OPC_INVALID if the text is not one of these. */
+/* Set *fine to the image error of accurate simulations, clear field 1. `text`
+   is a number, "off" (error 0), or NULL: the error permitted by `limit` (% of
+   Ion). Returns OPC_INVALID if the text is not one of these. */
 OPC_EXPORT int correct_fine_error(const char *text, double limit, double *fine,
                                   opc_error *error);
 
-/* Return the standard deviation of Ion, %, that accurate simulations may cause
-   (see correct_fine_by_layer); 0 if `text` is given, so that one error holds
-   for all layers. */
+/* Return the standard deviation of Ion, %, that accurate simulations may cause,
+   for correct_fine_by_layer; 0 if `text` sets one error for all layers. */
 OPC_EXPORT double correct_fine_change(const char *text, double limit);
 
-/* Set the error of accurate simulations of poly and active so that each causes
-   a standard deviation of Ion of about `change` %.
+/* Set the image errors of accurate simulations of poly and active so that each
+   error causes a standard deviation of Ion of about `change` %.
 
-   The sensitivity of Ion to an error is computed from the fast simulation of
-   the drawn mask, whose images the printer still holds. The same images at a
-   slightly higher intensity determine the derivative. All simulations of these
-   gates by these models therefore use equal errors. Sets nothing if `change` is
-   0 or no transistor prints. */
+   The printer must hold the images of a fast simulation of the drawn mask. The
+   sensitivity of Ion to an image error is computed from these images and the
+   same images at a slightly higher intensity. Sets nothing if `change` is 0 or
+   no transistor prints. */
 OPC_EXPORT int correct_fine_by_layer(eda_printer *printer, const opc_host *host,
                                      const eda_gates *gates,
                                      const opc_module *extractor, double change,
                                      opc_error *error);
 
-/* Compute the same with a printer that has not simulated anything yet; its
-   state is restored. */
+/* Simulate the drawn mask by a printer without images, call
+   correct_fine_by_layer, and clear the images. */
 OPC_EXPORT int correct_fine_by_drawn(eda_printer *printer, const opc_host *host,
                                      const eda_gates *gates,
                                      const opc_module *extractor, double change,
                                      opc_error *error);
 
-/* Return the clear field around a layout in nm: `margin` unless NAN, else the
-   distance that simulations with the error `fine` require. That distance is
-   computed for the scanner of the model (NULL: see eda_natural) and logged. */
+/* Return the width of the clear field around a layout in nm: `margin` or, if
+   NAN, the width that simulations with the error `fine` require. That width
+   scales with lambda/NA of the model (`litho` NULL: see eda_natural) and is
+   logged. */
 OPC_EXPORT double correct_fine_margin(const opc_host *host,
                                       const opc_module *litho, double margin,
                                       double fine);

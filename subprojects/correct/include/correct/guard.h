@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Guarantee that no transistor of the final mask is worse than that of the
-   drawn mask, for any synthesizer. A transistor that prints as drawn still
-   prints. Its own edges cause no violation of a regulator's rule that the drawn
-   mask satisfies. Its |Ion deviation| is at most the larger of the drawn mask's
-   and the loop's limit.
+/* The guard reverts displacements until no transistor is worse in the final
+   mask than in the drawn mask. A transistor that prints as drawn still prints.
+   Its own edges violate no rule of the regulator that the drawn mask satisfies.
+   |Ion deviation| is at most the larger of the value as drawn and the limit of
+   the loop.
 
-   Otherwise the transistor is reverted stepwise: to the best mask it has had
-   with its present line ends, to half of that, to the drawn edges. If it still
-   does not print, everything around it is reverted within a growing distance.
-   If it does print, the best of these steps is kept. If that is still worse
-   than drawn, trial simulations find the cause: a rule or a neighbour without
-   which the transistor would be as good as drawn. */
+   A worse transistor is reverted in steps: to its best displacements in the
+   loop with the present line ends, to half of these, to the drawn edges. If the
+   transistor still does not print, all edges within a growing distance are
+   reverted. Otherwise the best of these steps is kept. If that step is worse
+   than the drawn mask, trial simulations find the cause: a rule or a neighbour
+   without which the transistor would not be worse. */
 #pragma once
 
 #include <eda/regulator.h>
@@ -35,7 +35,7 @@ typedef struct gate_moves {
 } gate_moves;
 
 typedef struct guarded {
-  gate_moves best;   /* best mask with the line ends `end` */
+  gate_moves best;   /* best displacements with the line ends `end` */
   int32_t end[2];    /* grid steps */
   double off;        /* |Ion deviation| of `best`, %; INFINITY: none */
   double least;      /* smallest |Ion deviation| at a tried level, % */
@@ -51,27 +51,27 @@ typedef struct guard {
   guarded *state;       /* [gates] */
   uint32_t *flags;      /* [gates], EDA_PRINT_* of the mask as drawn */
   eda_violation *drawn; /* [rules], violations of the mask as drawn */
-  size_t rules, prints; /* violations; simulations by the guard */
+  size_t rules, prints; /* length of `drawn`; simulations by the guard */
   size_t back, worse, lost;
 } guard;
 
 OPC_EXPORT void correct_guard_init(guard *guard, size_t gates);
 OPC_EXPORT void correct_guard_clear(guard *guard);
 
-/* Record the simulation of the drawn mask (correct_guard_begin; its figures are
-   in loop.before; a second, more accurate one replaces the first) and of any
-   mask of the loop (correct_guard_watch). */
+/* correct_guard_begin: record the simulation of the drawn mask, whose figures
+   are in loop.before; a second call, after an accurate simulation, replaces the
+   record. correct_guard_watch: record the simulation of another mask. */
 OPC_EXPORT int correct_guard_begin(struct loop *loop, const eda_printed *drawn,
                                    opc_error *error);
 OPC_EXPORT void correct_guard_watch(struct loop *loop);
 
-/* Return the |Ion deviation| of a gate from its target in the last simulation,
-   %; NAN: the gate does not print or has no target. */
+/* Return the |deviation| of a gate's Ion from the target in the last
+   simulation, %; NAN: the gate does not print or has no target. */
 OPC_EXPORT double correct_guard_off(const struct loop *loop, size_t gate);
 
-/* Revert transistors that are worse than drawn until none is, simulating after
-   each step, and count the reverted and the remaining ones. Returns
-   OPC_CANCELLED if the run was stopped. */
+/* Revert worse transistors, simulating after each step, until none is worse or
+   no step remains. Count reverted and worse transistors. Returns OPC_CANCELLED
+   if the run was stopped. */
 OPC_EXPORT int correct_guard_hold(struct loop *loop, opc_error *error);
 /* Count reverted and worse transistors; change nothing. */
 OPC_EXPORT void correct_guard_count(struct loop *loop);

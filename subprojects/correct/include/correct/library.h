@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Data kind "library": the corrected cells of a sheet. */
+/* Data kind "library": corrected cells, made from a sheet (cut.h). */
 #pragma once
 
 #include <glib.h>
@@ -10,7 +10,7 @@
 
 enum { LIBRARY_LITHO, LIBRARY_RESIST, LIBRARY_EXTRACTOR, LIBRARY_MODELS };
 
-/* Names of the slots whose models define a process. */
+/* Names of the slots with the models of a process. */
 OPC_EXPORT extern const char *const correct_library_models[LIBRARY_MODELS];
 
 typedef struct library_cell {
@@ -28,7 +28,7 @@ OPC_EXPORT library *correct_library_new(double grid);
 OPC_EXPORT void correct_library_free(void *library);
 OPC_EXPORT int correct_library_check(const void *library, opc_error *error);
 
-/* Set the identities of a step's models. Returns OPC_OK or an error code. */
+/* Set `model` to the identities of a step's models. Returns 0 or a code. */
 OPC_EXPORT int correct_library_take_models(const opc_host *host,
                                            char *model[LIBRARY_MODELS],
                                            opc_error *error);

@@ -15,12 +15,12 @@
 #include <correct/trial.h>
 #include <correct/verification.h>
 
-/* Drivers of a layer: MAIN is the synthesizer of transistors, EDGES that of
-   layers without transistors. */
+/* Synthesizers of a loop: MAIN corrects the layers of transistors, EDGES the
+   other layers. */
 enum { MAIN, EDGES, DRIVERS };
 
-/* A synthesizer in the loop. The arrays are by layer, with NULL and 0 for
-   layers that it did not dissect. */
+/* A synthesizer in the loop. The arrays are by layer; NULL and 0 for layers
+   that the synthesizer did not dissect into fragments. */
 typedef struct driver {
   const opc_module *module; /* NULL: none */
   const double **epe;
@@ -30,27 +30,26 @@ typedef struct driver {
 } driver;
 
 /* State of a correction. Arrays are by layer, gate or fragment. The caller sets
-   the fields up to `ion_limit`, the drivers' modules and `printer`; all others
-   start as 0. */
+   the fields up to `ion_limit`, the drivers' modules and `printer`; all other
+   fields start as 0. */
 typedef struct loop {
   const opc_host *host;
   const eda_gates *gates;
   const opc_module *extractor, *regulator;
   int64_t max_iterations;
-  loop_start start;      /* start in addition to the drawn edges */
+  loop_start start;      /* earlier mask from which the loop starts */
   const eda_moved *base; /* displacements of the start; NULL: none */
-  eda_boxes *begun;      /* [2 * layers], added shapes of the start that remain,
-                            then its cut-outs */
-  uint8_t *still;        /* [gates], 1: keeps its mask; NULL: none does, or not
+  eda_boxes *begun;      /* [2 * layers], shapes added by the start, then its
+                            cut-outs */
+  uint8_t *still;        /* [gates], 1: keeps its mask; NULL: all move, or not
                             known yet */
   int prepared;          /* 1: the extractor is prepared */
   int traced;            /* 1: record each simulation in `trace` */
   int hold;              /* 1: the guard reverts transistors worse than drawn */
-  double ion_limit;    /* largest allowed |Ion deviation|, %, of the guard, the
-                          verification and synthesizers without a limit of their
-                          own */
-  const double *rules; /* [EDA_RULES], mask rules, nm; NULL: unknown */
-  double fine_change;  /* parameter of correct_fine_by_layer */
+  double ion_limit;      /* largest |Ion deviation|, %, for the guard, the
+                            verification and synthesizers without a limit */
+  const double *rules;   /* [EDA_RULES], mask rules, nm; NULL: unknown */
+  double fine_change;    /* `change` of correct_fine_by_layer */
   driver drivers[DRIVERS];
   eda_printer printer;
   uint8_t *driver_of;   /* [layers], MAIN or EDGES */
@@ -58,11 +57,12 @@ typedef struct loop {
   eda_shapes *polygons; /* [layers], polygons of the fragments */
   eda_shapes *mask;     /* [layers], polygons, added shapes and SRAFs, merged */
   sites *sites;         /* [layers], sites of dissected layers */
-  trial now, next;      /* simulated and measured mask; next mask */
+  trial now, next;      /* the mask last simulated and measured; the next
+                           mask */
   int32_t *unused;      /* scratch biases for EDGES */
   eda_measurement measured;
-  eda_performance design, before; /* figures of the drawn gates; of the drawn
-                                     mask */
+  eda_performance design, before; /* figures of the drawn shapes; of the
+                                     simulated drawn mask */
   eda_measurement shown; /* measurement passed to synthesizers if `still` is
                             set */
   corners corners;
@@ -78,20 +78,20 @@ typedef struct loop {
   eda_field *drawn_print; /* [layers], simulated image of the drawn mask */
 } loop;
 
-/* Set up a loop for these gates and settings. The caller may change fields
-   before correct_loop_run and frees the loop with correct_loop_clear. Call on
-   the main thread. */
+/* Set up a loop for gates and settings. The caller may change fields before
+   correct_loop_run and frees the arrays with correct_loop_clear. Call on the
+   main thread. */
 OPC_EXPORT void correct_loop_init(loop *loop, const opc_host *host,
                                   const eda_gates *gates,
                                   const correct_settings *with);
 OPC_EXPORT int correct_loop_run(loop *loop, opc_error *error);
 
-/* Simulate and measure the mask `next`, which becomes `now`. Simulates changed
-   layers only, unless `all` is set. */
+/* Simulate and measure the mask `next` and copy it to `now`. Layers without a
+   change are not simulated again unless `all` is 1. */
 OPC_EXPORT int correct_loop_print(loop *loop, int all, opc_error *error);
 
-/* Simulate `now` with the accurate model and measure it. Layers that have an
-   accurate simulation are not repeated. */
+/* Simulate `now` with the accurate model and measure the result. Layers that
+   already have an accurate image are not simulated again. */
 OPC_EXPORT int correct_loop_refine(loop *loop, opc_error *error);
 
 /* Return the added shapes or, for `cutouts`, the cut-outs of the loop's start.

@@ -15,15 +15,16 @@ typedef struct summary {
                                          3.5 */
   double ion_rms, ioff_rms; /* %; eq. 2.5 is q1 ion_rms^2 + q2 ioff_rms^2 */
   double area_mean, area_max, ioff_mean, ioff_max;
-  double ioff_total[3]; /* deviation of the sum of Ioff from the drawn sum, %:
-                           n, p, all; NAN without such gates */
+  double ioff_total[3]; /* deviation of the sum of Ioff from the drawn sum, %,
+                           of n-, p- and all transistors; NAN if there are
+                           none */
   size_t gates, failed, outside; /* statistics exclude failed transistors */
   double epe_mean, epe_max;      /* |edge placement error|, nm */
   size_t sites, lost;            /* `lost`: sites without an edge within
                                     reach */
 } summary;
 
-/* Metrics of the same statistics. clang-format off */
+/* Metrics with the values of a summary. clang-format off */
 #define REPORT_METRICS                                                      \
   {"ion_mean", "%", OPC_LOWER, 0.01, "mean of |Ion deviation|"},            \
       {"ion_max", "%", OPC_LOWER, 0.01, "largest |Ion deviation|"},         \
@@ -59,7 +60,7 @@ typedef struct summary {
     "ion_max_drawn", "%", OPC_NEUTRAL, 0,              \
         "largest |Ion deviation| of the mask as drawn" \
   }
-/* Metrics against the mask as drawn and the regulator's rules. */
+/* Metrics compared with the drawn mask and the regulator's rules. */
 #define REPORT_JUDGED_METRICS                                                \
   {"worse", NULL, OPC_LOWER, 0,                                              \
    "transistors whose |Ion deviation| exceeds that as drawn and the limit"}, \
@@ -77,8 +78,7 @@ typedef struct statistics {
   double n, sum, absolute, square, max;
 } statistics;
 
-/* Deviations of n-, p- and all transistors. Do not add transistors that
-   failed. */
+/* Deviations of n-, p- and all transistors, except those that do not print. */
 typedef struct groups {
   statistics ion[3], area[3], ioff[3];
   double leakage[3], leakage_drawn[3]; /* sums of Ioff, A */
@@ -87,11 +87,11 @@ typedef struct groups {
 OPC_EXPORT void correct_groups_add(groups *to, int type,
                                    const eda_figures *drawn,
                                    const eda_figures *printed);
-/* Return the statistics of these deviations; fields of sites and counts are
-   0. */
+/* Return the statistics of these deviations; edge placement errors and counts
+   are 0. */
 OPC_EXPORT summary correct_groups_sum(const groups *groups);
-/* Write the table "summary". `drawn`, the deviations of the mask as drawn, may
-   be NULL. */
+/* Publish the table "summary". `drawn`, the deviations of the mask as drawn,
+   may be NULL. */
 OPC_EXPORT int correct_groups_table(const opc_host *host, const groups *drawn,
                                     const groups *printed, opc_error *error);
 
@@ -102,18 +102,17 @@ OPC_EXPORT summary correct_summarize(const eda_gates *gates,
                                      const eda_performance *printed,
                                      const uint32_t *flags, const sites *sites);
 
-/* Return the name of a gate, "XU1:3" or at the top level "NAND2:3"; the caller
-   frees it with g_free(). Return the most severe finding of `flags`, "" without
-   one. */
+/* Return the name of a gate, "XU1:3" or at the top level "NAND2:3" (g_free); or
+   the most severe fault in `flags`, "" for none. */
 OPC_EXPORT char *correct_report_gate_name(const eda_gates *gates, size_t gate);
 OPC_EXPORT const char *correct_report_trouble(uint32_t flags);
 
-/* A simulated mask of the loop; an accurate simulation replaces the fast one of
-   the same mask. */
+/* A simulated mask of the loop. An accurate simulation replaces the line of a
+   fast simulation of the same mask. */
 typedef struct history_line {
   summary print;
   int64_t iteration, simulations, fine_simulations;
-  const char *model; /* model of this simulation: "fine" or "cheap" */
+  const char *model; /* "fine": accurate model; "cheap": fast model */
 } history_line;
 
 typedef struct history {
@@ -137,10 +136,11 @@ typedef struct report {
   const opc_module *synthesizer;
   char *const *held;            /* [gates], verdict of the guard; NULL: none */
   const uint32_t *flags_before; /* [gates], EDA_PRINT_* of the mask as drawn */
-  const eda_mask *corrected;    /* the same mask as simulated in its loop */
+  const eda_mask *corrected;    /* the same mask with the figures of its
+                                   correction loop */
 } report;
 
-/* Write the tables and metrics of a mask. */
+/* Publish the tables and metrics of a mask. */
 OPC_EXPORT int correct_report_mask(const opc_host *host, const report *report,
                                    opc_error *error);
 OPC_EXPORT int correct_report_violations(const opc_host *host,

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Mask rules, which apply to the mask of any method. */
+/* Mask rules: smallest allowed spaces, widths, edges and jogs of a mask. */
 #pragma once
 
 #include <eda/gates.h>
 #include <eda/rules.h>
 #include <opcflow/follow.h>
 
-/* A rule in a layer: numbers of violations in the drawn layer and in the mask,
-   the smallest value and its position, nm; NAN without violations. */
+/* A rule in a layer: number of violations in the drawn layer and in the mask,
+   smallest value in the mask and its position, nm; NAN without violations. */
 typedef struct rules_row {
   const char *layer, *rule;
   double limit;
@@ -15,7 +15,7 @@ typedef struct rules_row {
   double least, x, y;
 } rules_row;
 
-/* Write the table "mask_rules" and the metrics mask_violations and mask_RULE.
+/* Publish the table "mask_rules" and the metrics mask_violations and mask_RULE.
    `rows` has EDA_RULES rows for each layer, in the order of the rules. */
 OPC_EXPORT int correct_rules_table(const opc_host *host, const rules_row *rows,
                                    size_t n, opc_error *error);

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Model-based sub-resolution assist features (SRAF): scatter bars in the clear
-   field that narrow the process variability band, the band between the
-   outermost and innermost contours.
+   field that narrow the process variability band, the area between the
+   outermost and the innermost contour.
 
-   The derivative of the band's area by the mask transmission is the gradient of
-   the images at the two borders (compare R. Socha and others, "Contact hole
-   reticle optimization by using interference mapping lithography", SPIE 5377,
-   2004, for the intensity). Scatter bars are placed where the derivative is
-   most negative, after compensation by the edges of the features, which hold
-   the nominal contour in place. */
+   The derivative of the band's area with respect to the mask transmission
+   follows from the images at the two contours (compare R. Socha and others,
+   "Contact hole reticle optimization by using interference mapping
+   lithography", SPIE 5377, 2004, for the intensity). Scatter bars are placed
+   where the derivative is most negative. The derivative includes the
+   displacement of feature edges that keeps the nominal contour in place. */
 #pragma once
 
 #include <eda/srafs.h>
@@ -19,13 +19,13 @@ struct loop;
 typedef struct sraf_search_state {
   /* Parameters; `most` = 0 disables the search. */
   int64_t most, rounds, every;
-  double min_gain;                            /* smallest reduction of the band
-                                              by a bar, nm^2 */
+  double min_gain;                            /* smallest reduction of the
+                                                 band's area by a bar, nm^2 */
   double dose, defocus;                       /* %, nm */
   double least_width, width, distance, space; /* nm */
   double min_length, length;                  /* nm */
-  double margin;                              /* distance to the printing
-                                                 threshold, clear field 1 */
+  double margin;                              /* smallest intensity margin to
+                                                 printing, clear field 1 */
   /* Scatter bars of the present mask. */
   eda_box_list srafs;
   size_t dropped;
@@ -36,8 +36,8 @@ typedef struct sraf_search_state {
 OPC_EXPORT int correct_search_begin(struct loop *loop, opc_error *error);
 OPC_EXPORT void correct_search_clear(struct loop *loop);
 
-/* Narrow scatter bars that print. Search for more when a round is due or all
-   synthesizers are `done`. Call after each simulation. */
+/* Narrow scatter bars within the margin to printing. Search for more if a round
+   is due or all synthesizers are `done`. Call after each simulation. */
 OPC_EXPORT int correct_search_watch(struct loop *loop, int done,
                                     opc_error *error);
 

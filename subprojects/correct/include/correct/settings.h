@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The models, accuracies and limits that a step prints, measures and corrects
-   with: a field `with` of its state, and the parameters that fill it in. */
+/* Models, accuracies and limits of a step that simulates, measures or corrects
+   masks. The state of the step has them in the field `with`, set by the
+   parameters below. */
 #pragma once
 
 #include <eda/print.h>
 #include <eda/rules.h>
 #include <opcflow/step.h>
 
-/* AUTO: on, unless the synthesizer dissects edges (`cut`). The fragments around
-   a transistor are corrected for each other, so that reverting some of them
-   makes the transistor and its neighbours worse. */
+/* AUTO: on, unless the synthesizer dissects edges (`cut`). The displacements of
+   fragments around a transistor depend on each other; reverting only some of
+   them makes the transistor and its neighbours worse. */
 enum { CORRECT_GUARD_AUTO, CORRECT_GUARD_ON, CORRECT_GUARD_OFF };
 
 /* Default of ion_limit for steps without that parameter, %. */
@@ -28,30 +29,29 @@ typedef struct correct_settings {
   int guard;
 } correct_settings;
 
-/* Derive `fine` and `margin` from the parameters. Returns OPC_INVALID with the
-   parameter `fine` if its text is not an error. Call on the main thread. */
+/* Compute `fine` and `margin` from the parameters. Returns OPC_INVALID with the
+   parameter name `fine` if its text is not valid. Call on the main thread. */
 OPC_EXPORT int correct_settings_check(correct_settings *with,
                                       const opc_host *host, opc_error *error);
 
-/* Forecast memory and work of simulating all corrected layers in parallel.
-   `prints` states the number of simulations ("at most 101 prints"),
-   `fine_prints` the same for models with accurate simulations. */
+/* Estimate memory and work of simulating all corrected layers in parallel.
+   `prints` is a text with the number of simulations ("at most 101 prints"),
+   `fine_prints` the text for models with accurate simulations. */
 OPC_EXPORT void correct_forecast(const correct_settings *with,
                                  const opc_host *host, const eda_gates *gates,
                                  const char *prints, const char *fine_prints,
                                  opc_forecast *out);
 
 /* Simulate and measure the shapes of a mask, with the accurate model if it
-   exists. Sets the mask's print, after, flags and counts of simulations, and
-   its design unless that is set (in which case the extractor must have been
-   prepared).
+   exists. Sets print, after, flags and the numbers of simulations of the mask,
+   and design if not yet set; prepare the extractor first if design is set.
 
-   `sized`: 1 if the resist may calibrate itself by these transistors; 0 if they
-   are a part of a larger layout. `flags_before` (may be NULL) receives
-   EDA_PRINT_* of the drawn layers, which are then simulated first into the
-   mask's drawn_print and before. `extension`, [2 * gates], receives the printed
-   line-end extensions. The caller frees both arrays with free(). Call on the
-   main thread. */
+   `sized`: 1: the resist may calibrate itself by these transistors; 0: the
+   gates are a part of a larger layout. `flags_before` (may be NULL) receives
+   EDA_PRINT_* of the drawn layers; the drawn layers are then simulated first,
+   and the mask's fields drawn_print and before are set. `extension`, [2 *
+   gates], receives the printed line-end extensions. The caller frees both
+   arrays with free(). Call on the main thread. */
 OPC_EXPORT int correct_print(const correct_settings *with, const opc_host *host,
                              int sized, eda_mask *mask, uint32_t **flags_before,
                              double **extension, opc_error *error);
@@ -64,7 +64,7 @@ OPC_EXPORT int correct_violations(const opc_context *context,
                                   eda_violation **violations, size_t *count,
                                   opc_error *error);
 
-/* Save a mask; opc_step.save of a step with one output. */
+/* Save a mask: opc_step.save of a step whose output is a mask. */
 OPC_EXPORT int correct_save_mask(void *self, void *const *outputs,
                                  const char *folder, opc_error *error);
 

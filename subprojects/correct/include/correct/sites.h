@@ -7,13 +7,13 @@
 
 typedef struct sites {
   size_t count;
-  double *place; /* x, y of each, nm */
+  double *place; /* x and y of each site, nm */
   uint8_t *axis; /* axis of the normal: EDA_X, EDA_Y */
-  int8_t *out;   /* outward direction along the axis, +-1 */
+  int8_t *out;   /* outward direction along the axis, +1 or -1 */
   double *epe;   /* nm; NAN: no edge within reach */
 } sites;
 
-/* Set up the sites of checked cuts. */
+/* Set up the sites of fragments; `cuts` have been checked. */
 OPC_EXPORT void correct_sites_init(sites *sites, const eda_cuts *cuts);
 OPC_EXPORT void correct_sites_clear(sites *sites);
 OPC_EXPORT void correct_sites_measure(const opc_context *context,

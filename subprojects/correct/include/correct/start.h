@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Start of a correction from an earlier mask, and its inverse. */
+/* Start of a correction from an earlier mask, and conversion of a corrected
+   mask to such a start. */
 #pragma once
 
 #include <eda/gates.h>
@@ -9,9 +10,9 @@ struct loop;
 
 typedef struct loop_start {
   const eda_mask *mask; /* NULL: start from the drawn edges */
-  /* Largest increase of |Ion deviation| (thesis eq. 4.1), %, from `before` of
-     the mask to the first simulation, up to which a transistor keeps its mask.
-     Transistors that do not print always move; NAN: all do. */
+  /* Largest increase of |Ion deviation| (thesis eq. 4.1), %, from mask->before
+     to the first simulation for which a transistor keeps its mask. All other
+     transistors are corrected; NAN: all are. */
   double max_diff;
 } loop_start;
 
@@ -24,14 +25,14 @@ OPC_EXPORT int correct_start_check(const loop_start *start,
    simulation. */
 OPC_EXPORT int correct_start_hold(struct loop *loop, opc_error *error);
 
-/* Remove shapes that the start's regulator added or cut out near violations of
-   the first simulation: they were made for other neighbours. All other shapes
-   are kept, since a regulator cannot detect a fault that they already
-   repair. */
+/* Remove the shapes that the regulator of the earlier mask added or cut out
+   near violations of the first simulation, as they were made for other
+   neighbours. Keep all other shapes, because the regulator cannot detect a
+   fault that a shape already repairs. */
 OPC_EXPORT void correct_start_prune(struct loop *loop);
 
-/* Correct Ion of a fast simulation towards that of an accurate one, by the
-   ratios stored in `moved`. */
+/* Multiply Ion of a fast simulation by the ratios exp(-moved->seen), to
+   approximate Ion of an accurate simulation. */
 OPC_EXPORT void correct_start_correct(const eda_moved *moved,
                                       eda_performance *printed);
 
@@ -41,12 +42,12 @@ OPC_EXPORT int correct_start_mask(const eda_gates *gates,
                                   const eda_moved *moved, size_t layer,
                                   eda_shapes *out, opc_error *error);
 
-/* Return the displacements of the loop's mask, or NULL if they cannot be the
-   start of a correction. Free with eda_moved_free(). */
+/* Return the displacements of the loop's mask, or NULL if eda_moved cannot
+   represent them. Free with eda_moved_free(). */
 OPC_EXPORT eda_moved *correct_moved_of(const struct loop *loop);
 
-/* Return the disturbance of transistor i by thesis eq. 4.1, %; NAN: it does not
-   print. */
+/* Return the increase of |Ion deviation| of transistor i over mask->before,
+   thesis eq. 4.1, %; NAN if the transistor does not print. */
 OPC_EXPORT double correct_start_disturbance(const eda_mask *mask,
                                             const eda_performance *printed,
                                             const uint32_t *flags, size_t i);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Record of each transistor in each simulation, for authors of synthesizers. */
+/* Displacements and deviations of each transistor in each simulation. */
 #pragma once
 
 #include <opcflow/plugin.h>
@@ -9,11 +9,11 @@ struct loop;
 
 typedef struct trace_row {
   int64_t iteration;
-  const char *name; /* name of the transistor; set while reporting */
+  const char *name; /* name of the transistor; set by correct_trace_report */
   double l, w, jog, end_low, end_high; /* displacements of the mask, nm */
   double ion, ioff, area;              /* deviations, %; NAN: does not print */
   const char *print;
-  int64_t vetoes; /* EDA_VETO_* after the simulation before */
+  int64_t vetoes; /* EDA_VETO_* after the preceding simulation */
 } trace_row;
 
 /* Rows of all transistors, simulation by simulation. */
@@ -22,7 +22,7 @@ typedef struct trace {
   size_t count, room;
 } trace;
 
-/* Append the last simulation. */
+/* Append the rows of the last simulation. */
 OPC_EXPORT void correct_trace_add(trace *trace, const struct loop *loop);
 OPC_EXPORT void correct_trace_clear(trace *trace);
 OPC_EXPORT int correct_trace_report(trace *trace, const struct loop *loop,

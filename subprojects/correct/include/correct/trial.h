@@ -4,8 +4,8 @@
 
 #include <correct/edges.h>
 
-/* Numbers per gate in `biases`: w and aside of active; l, jog, line ends and
-   parts of poly. */
+/* Number of displacements per gate in `biases`: w and aside of active; l, jog,
+   two line ends and the parts of poly. */
 enum {
   TRIAL_ACTIVE_BIASES = 2,
   TRIAL_POLY_BIASES = 4 + 3 * EDA_PARTS,
@@ -27,7 +27,7 @@ typedef struct trial {
    gate. */
 OPC_EXPORT biases correct_biases_in(int32_t *all, size_t n);
 
-/* Set up the mask as drawn. */
+/* Set up a trial without displacements and shapes. */
 OPC_EXPORT void correct_trial_init(trial *trial, size_t layers, size_t gates);
 OPC_EXPORT void correct_trial_clear(trial *trial);
 
@@ -38,18 +38,18 @@ OPC_EXPORT void correct_trial_cut(trial *trial, size_t layer, size_t fragments);
 /* Copy a trial; both must have equal layers and gates. */
 OPC_EXPORT void correct_trial_copy(trial *to, const trial *from);
 
-/* Replace the boxes of a trial by a copy of `from`, which may be a part of
-   them. */
+/* Replace *to by a copy of `from`, which may be a part of *to. */
 OPC_EXPORT void correct_trial_set_boxes(eda_boxes *to, eda_boxes from);
 
-/* Replace the boxes of a trial by a copy of two lists. */
+/* Replace *to by a copy of two lists. */
 OPC_EXPORT void correct_trial_set_both(eda_boxes *to, eda_boxes first,
                                        eda_boxes second);
 
 /* Remove the boxes that touch a window. */
 OPC_EXPORT void correct_trial_drop_boxes(eda_boxes *boxes, eda_box window);
 
-/* Replace the boxes that touch a window by those of `begun` that touch it. */
+/* Replace the boxes that touch a window by the boxes of `begun` that touch
+   it. */
 OPC_EXPORT void correct_trial_reset_boxes(eda_boxes *boxes, eda_box window,
                                           eda_boxes begun);
 

@@ -7,14 +7,14 @@
 /* Origin of the result of a step. */
 typedef struct opc_history {
   size_t point; /* point of a sweep, from 1; 0: all points */
-  char *path;   /* path of the step; "a.step" in a flow run by step 'a' */
+  char *path;   /* path of the step; "a.step": in the inner flow of step 'a' */
   gboolean reused;
   char *key;      /* NULL: the result is not kept */
-  char *reason;   /* reason of execution; NULL: the result was reused */
-  double seconds; /* time of the run that computed the result */
+  char *reason;   /* reason why the step ran; NULL: the result was reused */
+  double seconds; /* time for which the step ran to compute the result */
 } opc_history;
 
-/* The first 1000 histories of a run, and the number of all. */
+/* The first 1000 histories of a run, and the numbers of all steps. */
 typedef struct opc_histories {
   GPtrArray *list;     /* opc_history * */
   size_t done, reused; /* steps */
@@ -23,12 +23,12 @@ typedef struct opc_histories {
 void opc_histories_init(opc_histories *histories);
 void opc_histories_clear(opc_histories *histories);
 
-/* Count a step, and keep a copy of its history up to a limit. */
+/* Count a step, and keep a copy of its history unless 1000 are kept. */
 void opc_histories_add(opc_histories *histories, const opc_history *history);
 
-/* Add the histories of another run before the present ones. */
+/* Insert the histories of another run before the present ones. */
 void opc_histories_take(opc_histories *histories, const opc_histories *from);
 
-/* Change a reused step to an executed one. */
+/* Mark a reused step as executed. */
 void opc_histories_rerun(opc_histories *histories, const char *path,
                          const char *reason, double seconds);

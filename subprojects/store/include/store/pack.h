@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Files packed into a value of the store, a(ayay) of names and contents. */
+/* Files packed into one value of the store: an array of names and contents. */
 #pragma once
 
 #include <glib.h>
@@ -12,8 +12,8 @@
 gboolean opc_files_add(GVariantBuilder *files, const char *path,
                        const char *name);
 
-/* Return all files of a folder as one value (floating); NULL if a file cannot
-   be read, or if they exceed `most` bytes. */
+/* Return all files of a folder as one floating value; NULL if a file cannot be
+   read or all files exceed `most` bytes. */
 GVariant *opc_files_pack(const char *folder, guint64 most);
 
 /* Write the contents of a packed file to `path`. Return OPC_IO and *error on

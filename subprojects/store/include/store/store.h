@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A folder that keeps values under keys, for all processes of a user at once.
+/* A folder that keeps values under keys, shared by all processes of a user.
 
-   Each value is a file with its sum and is renamed into place as a whole: a
-   killed writer leaves nothing that readers accept, and readers need no lock.
-   The values unused for the longest time are removed first when the limit is
-   exceeded. All functions are [main]. */
+   Each value is a file with a checksum, written under another name and then
+   renamed. A reader therefore needs no lock and rejects incomplete files. If
+   the limit is exceeded, the least recently used values are removed first. All
+   functions are [main] (opcflow/plugin.h). */
 #pragma once
 
 #include <glib.h>
@@ -18,8 +18,8 @@ typedef struct opc_store opc_store;
 
 /* Return the store in OPCFLOW_STORE or, if unset, in opcflow in the cache
    folder of the user ($XDG_CACHE_HOME, ~/.cache). Return NULL if OPCFLOW_STORE
-   is empty, or with *error if the folder cannot be created. A read-only store
-   is valid. */
+   is the empty text. Return NULL and fill *error if the folder cannot be
+   created. A read-only folder is accepted. */
 opc_store *opc_store_open(opc_error *error);
 /* Remove values beyond the limit and free the store (NULL: nothing). */
 void opc_store_close(opc_store *store);
@@ -27,22 +27,22 @@ G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_store, opc_store_close)
 
 const char *opc_store_folder(const opc_store *store);
 
-/* Return the problem since the last call (g_free), NULL for none: a damaged
-   value, a full disk. Each problem is returned once. */
+/* Return the last problem since the previous call (g_free), such as a damaged
+   value or a full disk; NULL for none. */
 char *opc_store_complaint(opc_store *store);
 
 /* Return the value under `key` (g_variant_unref), which must have the type
-   `type`; NULL if none exists. A damaged value is removed. `key` is hexadecimal
-   with at least two digits, and may have a suffix. */
+   `type`; NULL if none exists. A damaged value is removed. `key` has at least
+   two hexadecimal digits and may have a suffix. */
 GVariant *opc_store_get(opc_store *store, const char *key,
                         const GVariantType *type);
 
-/* Store a value, replacing an earlier one; consumes a floating reference.
-   Return FALSE if the value is not stored: the disk is full or not writable, or
-   the value is too large. */
+/* Store a value under `key` and replace an earlier value. Takes ownership of a
+   floating reference. Return FALSE if the value is too large or not
+   writable. */
 gboolean opc_store_put(opc_store *store, const char *key, GVariant *value);
 
-/* Return whether a value exists, even if damaged. */
+/* Return whether a value exists; a damaged value exists. */
 gboolean opc_store_has(const opc_store *store, const char *key);
 
 /* Remove a value. */
@@ -69,18 +69,18 @@ gboolean opc_store_clear(opc_store *store, opc_error *error);
 gboolean opc_store_read_size(const char *text, guint64 *bytes);
 gboolean opc_store_set_limit(opc_store *store, guint64 bytes, opc_error *error);
 
-/* ---- sums.c: of files, which are read once as long as they stay as they are
-   ---- */
+/* ---- sums.c: checksums of files; an unchanged file is read once ---- */
 
 /* Return the SHA-256 of a file (g_free); NULL and *error as in opc_file_sha256.
-   `store` may be NULL: then the file is always read. */
+   If `store` is NULL, the file is always read. */
 char *opc_store_sum(opc_store *store, const char *path,
                     const opc_context *context, opc_error *error);
 
-/* Return whether a file still has a sum. */
+/* Return whether a file has the checksum `sum`. */
 gboolean opc_store_same(opc_store *store, const char *path, const char *sum);
 
-/* Return the sum of the shared object that contains `address` and of all needed
-   objects; of the program for NULL. The text lives as long as the process; NULL
-   if an object cannot be read. `store` may be NULL. */
+/* Return the checksum of the shared object that contains `address`, or of the
+   program for NULL, together with all needed shared objects. The text is valid
+   until the process ends; NULL if an object cannot be read. `store` may be
+   NULL. */
 const char *opc_store_build(opc_store *store, const void *address);
