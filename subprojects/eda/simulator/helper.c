@@ -154,7 +154,7 @@ static int on_exit_wish(int status, NG_BOOL at_once, NG_BOOL quit, int id,
   (void)at_once, (void)id, (void)user;
   char text[MOST_TROUBLE + 64];
   snprintf(text, sizeof text, "%s with status %d%s%s",
-           quit ? "a command made it quit," : "it ended", status,
+           quit ? "ngspice ended by a quit command" : "ngspice ended", status,
            *trouble ? ": " : "", trouble);
   end_with(TROUBLE, text);
 }
