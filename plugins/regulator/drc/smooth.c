@@ -21,8 +21,8 @@ static int is_between(int32_t v, int32_t a, int32_t b) {
   return a < b ? v >= a && v <= b : v >= b && v <= a;
 }
 
-/* Return whether an end of the straight edge is valid: within an edge of the
-   mask, or at a corner b that turns left for a bump, right for a notch.
+/* Return whether an end of the straight edge is valid. An end is within an edge
+   of the mask, or at a corner b that turns left for a bump, right for a notch.
    Elsewhere the smoothing protrudes. */
 static int is_valid_corner(const smoothing *m, eda_point end, eda_point a,
                            eda_point b, eda_point c) {
