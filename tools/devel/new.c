@@ -270,6 +270,12 @@ static int extend_process(const char *input, const char *file) {
   g_autoptr(GArray) open = path ? find_open(path, &code) : NULL;
   if (!open) return code;
   g_autofree char *its = from_folder(input);
+  g_autofree char *made = g_build_filename(folder, file, NULL);
+  if (g_file_test(made, G_FILE_TEST_EXISTS))
+    return cli_error(CLI_IO,
+                     "'%s' exists; another file: 'opcflow new flow --process "
+                     "%s %s NAME.yaml'",
+                     made, process, input);
   const cli_open_file *left = (const cli_open_file *)(void *)open->data;
   const char *first = left->path, *dot = strchr(first, '.');
   g_autoptr(GString) text = g_string_new("opcflow: 1\nname: @NAME@\nextends: ");

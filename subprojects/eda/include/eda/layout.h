@@ -94,6 +94,14 @@ OPC_EXPORT const char *eda_layout_cell_name(const eda_layout *layout,
                                             int32_t cell);
 OPC_EXPORT const char *eda_layout_layer_name(const eda_layout *layout,
                                              int32_t layer);
+/* Set the name of a layer in the file that the layout was read from, such as
+   "66/20", which is copied; return that name, or the name of the layer if none
+   was set. Writers use the names where a format does not allow the layer's own
+   name. */
+OPC_EXPORT void eda_layout_set_file_layer(eda_layout *layout, int32_t layer,
+                                          const char *name);
+OPC_EXPORT const char *eda_layout_file_layer(const eda_layout *layout,
+                                             int32_t layer);
 /* Return the number of the cell or layer, -1 if there is none. */
 OPC_EXPORT int32_t eda_layout_find_cell(const eda_layout *layout,
                                         const char *name);

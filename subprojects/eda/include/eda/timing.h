@@ -41,7 +41,7 @@ typedef struct eda_timing_device {
 /* An arc: a change of one input, the others constant, switches an output. */
 typedef struct eda_timing_arc {
   uint8_t input, output;
-  uint8_t rises; /* the output */
+  uint8_t rises; /* 1: the output rises */
   uint32_t from; /* inputs before the change: bit i is input i */
   /* Tables, [slew * loads + load]. */
   double *delay, *slew;

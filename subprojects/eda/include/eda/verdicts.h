@@ -41,7 +41,7 @@ typedef struct eda_change {
   double change;      /* from base to value */
   eda_median median;  /* of the changes of median.n cells or cases */
   int64_t n;          /* transistors or cases; 0: no run has the figure */
-  int64_t better, worse, same; /* of these */
+  int64_t better, worse, same; /* numbers of these n */
   int verdict;                 /* EDA_VERDICT_SAME ... */
   const char *word;            /* "same", "better", "worse", "too few" */
 } eda_change;
