@@ -8,7 +8,7 @@
 #include <eda/gates.h>
 #include <opcflow/step.h>
 
-/* Second member of an instance, named `view`, after its host. */
+/* Second member of each instance, named `view`; the first is the host. */
 typedef struct view {
   struct {
     const char *file;
@@ -44,9 +44,8 @@ typedef struct view {
 /* Return OPC_INVALID if a parameter is not valid. */
 int view_check(const view *v, opc_error *error);
 
-/* Select the window of the gates' layout: the parameter's, or everything with a
-   margin. Returns OPC_INVALID, with the parameter `source`, for an empty
-   layout. */
+/* Set the window: the parameter `window`, or the whole layout with a margin.
+   Return OPC_INVALID, with the parameter `source`, for an empty layout. */
 int view_init(view *v, const opc_host *host, const eda_gates *gates,
               const char *source, opc_error *error);
 
@@ -75,7 +74,7 @@ double view_y(const view *v, double y);
 /* Return 1 if a position is within the window. */
 int view_contains(const view *v, double x, double y);
 
-/* Return the part of a frame within the window, grown by `around` nm. */
+/* Return the intersection of a frame and the window grown by `around` nm. */
 eda_frame view_part(const view *v, eda_frame frame, double around);
 
 /* Return the line width of outlines, smaller for small scales. */
@@ -100,8 +99,8 @@ typedef struct view_contours {
   size_t count;
 } view_contours;
 
-/* Find the contours within the window, with an error of at most a tenth of a
-   pixel; none if the print has no coefficients. The caller frees *out with
+/* Find the contours within the window with an error of at most a tenth of a
+   pixel; no contours if `print` has no coefficients. The caller frees *out with
    view_clear_contours, also after an error. Callable from any thread. */
 int view_find_contours(const view *v, const eda_field *print,
                        view_contours *out, opc_error *error);

@@ -40,8 +40,8 @@ typedef struct reader {
    to `most`. For a reader's `check`. Return OPC_OK or an error. */
 int reader_check(const reader *r, uint32_t most, opc_error *error);
 
-/* Implement `choices` of a reader: list the cells of the file, which `run`
-   reads. */
+/* Implement `choices` of a reader: read the file with `run` and pass the name
+   of each cell to `take`. */
 int reader_choices(void *self,
                    int (*run)(void *self, void **outputs, opc_error *error),
                    void (*take)(void *data, const char *value), void *data,
@@ -104,7 +104,7 @@ typedef struct reading {
   size_t n, next_progress; /* size; place of the next progress update */
 
   eda_layout *layout;
-  opc_error said; /* error of calls of the layout */
+  opc_error said; /* error set by functions of the layout */
   int32_t cell;   /* cell that receives elements; -1: none */
   int32_t top;    /* default top cell; -1: keep all */
   GArray *there;  /* per cell: 1 if defined; NULL: all are */
@@ -119,13 +119,13 @@ typedef struct reading {
 int reading_run(void *state, void *self, void **outputs, opc_error *error,
                 void (*read)(void *state));
 
-/* Report that byte `at` is reached, as progress if `show`. Return 0 after a
-   failure or cancellation. */
+/* Report progress up to byte `at` if `show`. Return 0 after a failure or
+   cancellation. */
 int reading_goes_on(reading *b, size_t at, int show);
 
-/* Convert an error of the layout, in b->said, to a failure at the place in the
-   file. reading_check returns 1 if no failure occurred; reading_number returns
-   the number of a cell or layer. */
+/* Convert the layout's error b->said to a failure at the place in the file.
+   reading_check returns 1 without a failure; reading_number returns
+   `number`. */
 int reading_check(reading *b, int code);
 int32_t reading_number(reading *b, int32_t number);
 

@@ -48,8 +48,8 @@ typedef struct conditions {
 
 /* ---- graph.c ---- */
 
-/* Read the subcircuit `top` of the netlist `file` into `g`. Returns OPC_OK or
-   an error code. All memory belongs to `pool`. */
+/* Read the subcircuit `top` of the netlist `file` into `g`. Return OPC_OK or an
+   error code. `pool` owns all memory of `g`. */
 int graph_read(graph *g, eda_pool *pool, const eda_timing *timing,
                const char *file, const char *top, opc_error *error);
 

@@ -23,8 +23,8 @@ typedef struct write_format {
      not valid in the format. */
   int (*set_layer)(void *self, const char *layer);
 
-  /* Write the parts of the file, in this order; `unit` in nm. `layout` is NULL
-     for a mask. */
+  /* Write the parts of the file in the order of these members. `unit`: nm.
+     `layout`: NULL for a mask. */
   void (*begin)(void *self, const eda_layout *layout, double unit);
   void (*begin_cell)(void *self, int32_t cell, const char *name);
   void (*polygon)(void *self, const eda_point *points, size_t n);

@@ -11,7 +11,7 @@
 enum {
   CHUNK = 4,     /* transitions per process */
   POINTS = 1000, /* least number of points of a transient */
-  COARSE = 50,   /* points of a transient that only finds the duration */
+  COARSE = 50,   /* points of a transient that only determines the duration */
   LONGER = 4,    /* factor on the duration of a retry */
   TRIES_DRAWN = 10,
   TRIES_PRINTED = 3
@@ -138,8 +138,8 @@ static outcome delays_simulate(bench_task *j, const char *deck, transient how) {
   return all;
 }
 
-/* Find the duration in which all outputs settle, as drawn, as far as they
-   do. */
+/* Find the duration after which all outputs that settle at drawn sizes have
+   settled. */
 static void find_window(bench_task *j, const char *deck) {
   const bench *b = j->b;
   const delays *d = ((const study *)j->of)->d;
@@ -155,8 +155,8 @@ static void find_window(bench_task *j, const char *deck) {
     d->window[k] = start + room_after * (last - start);
 }
 
-/* Simulate printed sizes with the duration, and so the steps, of the drawn
-   ones; longer if an output has not settled. */
+/* Simulate printed sizes with the duration and time steps of drawn sizes;
+   extend the duration if an output has not settled. */
 static void run_job(bench_task *j) {
   const delays *d = ((const study *)j->of)->d;
   int drawn = j->state == EDA_DRAWN;

@@ -225,7 +225,7 @@ static void put_down(map *a, const trip *seen) {
   }
   if (seen->target == STATE_UNKNOWN) return;
   uint32_t *next = &m->next[seen->target * inputs + seen->input];
-  /* The path to the target no longer leads there. */
+  /* The recorded path no longer leads to the target state. */
   if (*next == STATE_UNKNOWN) *next = STATE_LOST;
 }
 
@@ -296,8 +296,8 @@ static int map_explore(map *a, opc_error *error) {
 
 /* ---- resulting machine ---- */
 
-/* Remove all states but `kept`. The changes that lead to one of them become the
-   lead of each traversal. */
+/* Remove all states but `kept`. The changes that lead from power-up to a kept
+   state become m->lead. */
 static void leave_out(bench *b, machine *m, const uint8_t *kept) {
   g_autofree uint32_t *number = g_new(uint32_t, m->states);
   traversal w = traversal_new(m);

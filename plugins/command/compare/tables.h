@@ -34,7 +34,7 @@ typedef struct metric_row {
   size_t order;
 } metric_row;
 
-/* A figure over all transistors of the pairs of a method. */
+/* Statistic over all transistors in the pairs of a method. */
 typedef struct transistor_row {
   const char *method;
   eda_change c;

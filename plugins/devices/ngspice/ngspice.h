@@ -7,16 +7,16 @@
 #include <eda/models.h>
 #include <opcflow/step.h>
 
-/* Measured quantities: the currents of eda, and optionally the gate
+/* Measured quantities: the currents of eda/curves.h and the gate
    capacitance. */
 enum { TYPES = 2, CGATE = EDA_CURRENTS, QUANTITIES };
 
-/* Treatment of lengths outside of the models, or at which a current that must
-   increase with decreasing length does not. */
+/* Treatment of lengths outside of the models, or where a current does not
+   increase with decreasing length. */
 enum {
-  CUT,    /* the table begins there */
+  CUT,    /* the table begins at the first valid length */
   REFUSE, /* an error */
-  EXTEND, /* extrapolate the outermost bins; then as CUT */
+  EXTEND, /* extrapolate the outermost model bins, then apply CUT */
   SLOPE   /* extrapolate the currents with their slope at the end */
 };
 
@@ -36,7 +36,7 @@ typedef struct plan {
   double supply, temperature, width; /* V, C, nm */
   double from, to, step;
   opc_reals list;
-  bias bias[QUANTITIES]; /* CGATE: end of the gate's swing */
+  bias bias[QUANTITIES]; /* CGATE: final gate voltage of the swing */
   int with_cgate;
   double reference_length, reference_width;    /* NAN: none */
   const char *name, *file, *picture, *flavour; /* NULL: not given */
@@ -57,8 +57,8 @@ typedef struct currents {
   size_t first;       /* first length of the table, index in plan.length */
   /* First length simulated at all widths; shorter lengths are extrapolated. */
   size_t simulated[TYPES];
-  size_t cut[TYPES][QUANTITIES]; /* first valid length reported so far; 0:
-                                    all */
+  size_t cut[TYPES][QUANTITIES]; /* first valid length logged so far; 0: all
+                                    valid */
   double narrowest[TYPES]; /* nm; narrower widths are extrapolated; 0: none */
 } currents;
 

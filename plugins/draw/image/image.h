@@ -8,8 +8,8 @@
 
 enum { IMAGE_MODELS = 4 };
 
-/* Distance of a model's contours from those of the first model; NAN if one of
-   the two has none in the window. */
+/* Distance of a model's contours from the contours of the first model; NAN if
+   either model has no contour in the window. */
 typedef struct image_distance {
   double mean; /* signed mean, positive where this model prints more, nm */
   double rms;  /* nm */
@@ -17,12 +17,12 @@ typedef struct image_distance {
   double x, y; /* position of the largest distance, nm */
 } image_distance;
 
-/* Mean figures of the gates in the window, in their middles; NAN if none
+/* Means over the gates in the window, measured at their centres; NAN if no gate
    prints. */
 typedef struct image_gates {
   double cd;   /* mean printed length (of active: width), nm */
   double ils;  /* image log slope: mean of |dI/dl| / I at both edges, 1/nm */
-  double nils; /* normalised: smallest drawn length times its log slope */
+  double nils; /* smallest drawn length times log slope (normalised) */
   int64_t failed;
 } image_gates;
 
@@ -32,7 +32,7 @@ typedef struct image_model {
   char *label;
   const opc_module *litho, *resist;
   eda_field image, print; /* intensity, level set */
-  double low, high;       /* intensity along its contours; NAN: none */
+  double low, high;       /* intensity range along the contours; NAN: none */
   image_distance distance;
   image_gates gates;
 } image_model;

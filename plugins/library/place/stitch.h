@@ -20,7 +20,7 @@ typedef struct stitch {
 void stitch_init(stitch *stitch, const eda_gates *gates, double unit);
 void stitch_clear(stitch *stitch);
 
-/* Place a cell: transistors of the circuit that match one of the cell in
-   position, type, flavour and size receive its displacements. Returns the
-   number of the cell's transistors without a match. */
+/* Place a cell. Each transistor of the circuit that matches a transistor of the
+   cell in position, type, flavour and size receives its displacements. Returns
+   the number of the cell's transistors without a match. */
 size_t stitch_place(stitch *stitch, const entry *cell, const turn *at);

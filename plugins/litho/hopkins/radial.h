@@ -64,9 +64,9 @@ typedef struct radial {
   double at_node[NODES], diagonal[TABLE + 2]; /* T(f, f) */
   double *pairs;        /* T of every other node: [pair][angle]; NULL: use the
                            orders */
-  double bound[ORDERS]; /* upper bound of the eigenvalues of the order */
+  double bound[ORDERS]; /* upper bound of each order's eigenvalues */
   int solved;           /* number of orders with known R */
-  eigen *sorted;        /* eigenfunctions of these orders, strongest first */
+  eigen *sorted;        /* eigenfunctions of solved orders, strongest first */
   size_t n_sorted;
   coherent *kernels;
   double *weights;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Locates mismatches between netlist and layout. Bundles with equal
-   neighbourhoods are counterparts, from wide to narrow neighbourhoods; the
-   remaining bundles are reported. */
+/* Locates mismatches between netlist and layout. Bundles of equal colour, which
+   describes the neighbourhood, are counterparts. The comparison starts with
+   wide neighbourhoods. The remaining bundles are reported. */
 #include <glib.h>
 #include <stdio.h>
 #include <stdlib.h>

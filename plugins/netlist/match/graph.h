@@ -64,14 +64,14 @@ static inline uint64_t graph_mix(uint64_t a, uint64_t b) {
   return h ^ h >> 31;
 }
 
-/* Return the place of a device's gate according to the netlist, nm; NAN: not
-   given. Only devices of the top circuit have a place. */
+/* Return the position of a device's gate in the netlist, nm; NAN: none. Only
+   devices of the top circuit have a position. */
 nm_point graph_place(const graph *g, const eda_transistor *d);
 
 /* Return the centre of a gate, nm. */
 nm_point graph_middle(const match_task *j, uint32_t gate);
 
-/* Return the distance of two places, nm; 0 if one is unknown. */
+/* Return the distance of two positions, nm; 0 if one is unknown. */
 double graph_distance(nm_point a, nm_point b);
 
 /* Return the hash of a name, ignoring case; 0 for NULL. */
@@ -108,12 +108,12 @@ typedef struct partition {
 } partition;
 
 void partition_make(const graph *g, partition *out);
-/* Split classes until connected nodes agree in each class. Returns 0 if the
-   sides differ. */
+/* Split classes until all nodes of a class have neighbours of equal classes.
+   Returns 0 if the sides differ. */
 int partition_refine(partition *p);
 /* Split a class by the marks of its nodes. */
 void partition_split(partition *p, uint32_t class);
 /* Make two nodes, one of each side, counterparts. */
 void partition_pick(partition *p, uint32_t a, uint32_t b);
-/* Revert all splits beyond that number of classes. */
+/* Revert splits until `classes` classes remain. */
 void partition_undo(partition *p, uint32_t classes);

@@ -11,7 +11,7 @@
    Layer 2 + 2 k is the cut below metal k + 1: contact, metal1, via1 ... */
 enum { POLY, ACTIVE, CONTACT, METAL1, METALS = 10, LAYERS = 2 + 2 * METALS };
 
-/* Text on a net. During extraction, `net` is a rectangle. */
+/* Text on a net. During extraction, `net` is the number of a rectangle. */
 typedef struct label {
   uint32_t net, group;
   size_t number; /* in the order of reading */
@@ -24,9 +24,9 @@ typedef struct region {
   int32_t cell;
   const char *path;      /* instance in the layout; "" at the top */
   uint64_t first_device; /* in the flat netlist */
-  const uint32_t *gate;  /* gates inside, in order */
+  const uint32_t *gate;  /* numbers of the gates inside, increasing */
   size_t gates;
-  const label *label; /* labels of its nets, in order */
+  const label *label; /* labels of the nets of the region */
   size_t labels;
 } region;
 
@@ -57,11 +57,11 @@ typedef struct match_task {
   uint32_t *known; /* number of each net in its group; UINT32_MAX: none */
   size_t labels, room_labels;
   label *label;
-  size_t loose; /* number of labels without a shape below */
+  size_t loose; /* number of labels not on any shape */
 
   eda_flat_netlist flat; /* the whole netlist */
   uint32_t *owner;       /* device of each gate; UINT32_MAX: none */
-  size_t by_order;       /* number of choices decided by the order alone */
+  size_t by_order;       /* number of assignments by order alone */
 } match_task;
 
 /* Return an array of `n` numbers, all UINT32_MAX, owned by the pool. */
@@ -82,8 +82,8 @@ int match_extract(match_task *j);
 /* solve.c: assign the devices of all groups to gates. Sets j->owner. */
 int match_solve(match_task *j);
 
-/* output.c: return the circuit, from the flat netlist and the owners of the
-   gates. `supply` and `ground` are lists of net names separated by blanks.
+/* output.c: return the circuit of the flat netlist with the assigned gates.
+   `supply` and `ground` are lists of net names separated by blanks.
    match_publish writes the table of devices and the metrics. */
 eda_circuit *match_circuit(const match_task *j, const char *name,
                            const char *supply, const char *ground);

@@ -6,7 +6,7 @@
 
 #include "graph.h"
 
-/* ---- hints, each of which may be wrong and then is dropped ---- */
+/* ---- hints; contradictory hints are dropped ---- */
 
 typedef struct sized {
   double value;

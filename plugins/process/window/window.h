@@ -25,7 +25,7 @@ typedef struct window {
   double tolerance;             /* % of the drawn length */
   double ion_limit, ioff_limit; /* % */
   double margin;                /* nm */
-  double foci[5];               /* default foci, nm */
+  double foci[5];               /* default values of `focus`, nm */
   int cut_lines;
   const char *file;
   const eda_gates *gates;             /* measured gates */
@@ -34,8 +34,8 @@ typedef struct window {
   window_print *print;                /* [focus][dose] */
   window_print *wrong;                /* [mask_error], at nominal dose and
                                          focus */
-  double *low, *high; /* range of doses within tolerance, %, for each focus;
-                         NAN: none of the list */
+  double *low, *high; /* range of doses within tolerance, %, per focus; NAN: no
+                         dose is */
   double depth_low, depth_high; /* range of foci within tolerance at the nominal
                                    dose, nm; NAN: none */
 } window;
@@ -62,11 +62,11 @@ void window_limits(window *w);
 /* Limits that all transistors must meet. */
 enum { WINDOW_ION = 1, WINDOW_IOFF = 2, WINDOW_BOTH = 3 };
 
-/* Compute the doses between number `dose` and the next at which all transistors
-   meet the limits, at a focus between number `focus` (at = 0) and the next (at
-   = 1). Returns 0 if there are none. Logarithms of currents are interpolated
-   linearly in focus and dose; a gate that fails at any of the four conditions
-   meets no limit. */
+/* Compute the range of doses, %, between indices `dose` and `dose` + 1 in which
+   all transistors meet the limits. The focus is between indices `focus` (at =
+   0) and `focus` + 1 (at = 1). Return 0 if the range is empty. Logarithms of
+   currents are interpolated linearly in focus and dose; a gate that fails at
+   any of the four conditions meets no limit. */
 int window_keeps(const window *w, int limits, size_t focus, double at,
                  size_t dose, double *low, double *high);
 
@@ -90,7 +90,7 @@ window_response window_respond(const window *w);
 /* Lengths of all gates at one dose and focus. */
 typedef struct window_summary {
   double mean, min, max; /* deviation from the drawn length, nm */
-  double nils;           /* least value: drawn length times log slope */
+  double nils;           /* smallest drawn length times image log slope */
   double failed;
 } window_summary;
 

@@ -21,7 +21,7 @@ typedef struct cif_symbol {
   int32_t cell;
 } cif_symbol;
 
-/* Numbers from `from` on, deleted at a place of the file (DD). */
+/* Deletion of the symbols from number `from` on, at a place (DD). */
 typedef struct cif_forgotten {
   int64_t from;
   size_t at;
@@ -38,7 +38,7 @@ typedef struct cif {
   size_t at, command; /* place in the text; place of the current command */
   int building;
   GPtrArray *symbols;  /* cif_symbol, in order of first mention */
-  size_t mentioned;    /* number of them mentioned in this pass */
+  size_t mentioned;    /* symbols mentioned in this pass */
   GHashTable *numbers; /* number to latest mention; symbols.c */
   GArray *forgotten;   /* cif_forgotten; both members increase */
 
@@ -66,13 +66,13 @@ static inline cif_symbol *cif_symbol_at(const cif *c, size_t i) {
 
 void cif_open(cif *c);
 void cif_clear(cif *c);
-/* Return the symbol of a number at the present place; make a new one if
+/* Return the symbol with a number at the current place, a new one if
    necessary. */
 cif_symbol *cif_symbol_of(cif *c, int64_t number);
 void cif_forget(cif *c, int64_t from);
 /* Start a pass. */
 void cif_begin(cif *c);
-/* Choose the unit and make the layout and its cells, after the survey. */
+/* Select the unit and create the layout and its cells, after the survey. */
 void cif_make_cells(cif *c);
 
 /* ---- parse.c ---- */

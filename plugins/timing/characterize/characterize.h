@@ -8,8 +8,8 @@
 #include <eda/timing.h>
 #include <opcflow/step.h>
 
-/* Equivalent transistors of a cell, merged. Joined nets have the number of the
-   first of them. The number of a part is that of the cell's bundle. */
+/* Merged equivalent transistors of a cell. A merged net has the number of the
+   first of its nets. Part i corresponds to bundle i of the cell. */
 typedef struct part {
   uint8_t type;
   uint32_t drain, gate, source, bulk;
@@ -20,7 +20,7 @@ typedef struct part {
                       netlist's order */
 } part;
 
-/* Simulated part of a cell; the cell equals `times` of them in parallel. */
+/* Simulated circuit; the cell equals `times` such circuits in parallel. */
 typedef struct circuit {
   size_t parts;
   part *part;
@@ -33,7 +33,7 @@ typedef struct study {
   /* Parameters. */
   const char *file, *top, *cells;
   double scale;
-  const char *models[2], *model[2]; /* files ([1] NULL: the same), names */
+  const char *models[2], *model[2]; /* files ([1] NULL: as [0]), names */
   const char *n_models, *p_models;  /* model names in the netlist that do not
                                        show the type */
   const char *supplies, *grounds;
@@ -48,7 +48,7 @@ typedef struct study {
   eda_timing *timing;
   circuit *circuit; /* of each cell */
   eda_pool pool;
-  const char *cards[2]; /* absolute paths; [1] NULL: the same */
+  const char *cards[2]; /* absolute paths; [1] NULL: as [0] */
   eda_card card[2];
   size_t simulated; /* number of simulated transitions */
 } study;
@@ -84,21 +84,21 @@ typedef struct copy {
   int of_pin; /* 1: measure the capacitance of the pin, not a delay */
   double load;
   const double *change; /* ln of size ratio, [bundle * EDA_SIZES + size]; NULL:
-                           as drawn */
+                           drawn sizes */
   double delay, slew;   /* expected, then measured; 0: unknown */
   double capacitance[EDA_CAPS];
-  /* If `two`, a second input changes: its slew, and its delay after the first
-     input. */
+  /* If `two`, a second input changes; its number, its slew, s, and the time by
+     which it follows the first input, s. */
   int two;
   uint8_t other;
   double other_slew, other_after;
-  /* For the function that planned the copy: */
+  /* Destination of the results. */
   eda_timing_arc *arc;
   size_t point, size;
 } copy;
 
-/* Accuracy of a deck's time steps: outputs unknown; delays and slews
-   approximately known; known; most accurate, for verification. */
+/* Accuracy of time steps. PILOT: delays unknown; GRID: delays estimated;
+   CHANGES: delays known; JUDGE: most accurate, for verification. */
 typedef enum care { PILOT, GRID, CHANGES, JUDGE } care;
 
 /* Copies that share a slew, a direction of the input and a simulation. */
@@ -107,7 +107,7 @@ typedef struct deck {
   double slew;
   int rises;
   care care;
-  double early; /* s; how long before the input other inputs change */
+  double early; /* time by which other inputs change earlier, s */
   size_t count, room;
   copy *copy;
   int code;
@@ -132,7 +132,7 @@ int cells_check(study *s, verdict *out, opc_error *error);
 
 /* ---- pairs.c: inputs that change together ---- */
 
-/* List the pairs of a cell with known arcs. */
+/* List the input pairs of a cell whose arcs are known. */
 void pairs_list(study *s, eda_timing_cell *c);
 /* Simulate the pairs and the pin capacitances for each pattern of the other
    inputs, or load the values stored with `key`. Requires the arcs. */
@@ -143,7 +143,7 @@ int pairs_find(study *s, eda_timing_cell *c, const char *key, opc_error *error);
 /* Return the key of a cell (caller frees): a hash of all data that determine
    its values. Returns NULL and sets `error` on failure. */
 char *keep_key(const study *s, const eda_timing_cell *c, opc_error *error);
-/* Return 1 if the figures were in the store. */
+/* Read the values stored with a key. Return 1 if they were in the store. */
 int keep_load(const study *s, const char *key, double *figure, size_t figures);
 void keep_save(const study *s, const char *key, const double *figure,
                size_t figures);

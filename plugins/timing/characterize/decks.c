@@ -10,8 +10,8 @@
 
 #include "characterize.h"
 
-/* Largest number of runs of a deck, each twice as long as the last: up to 64
-   times the expected time. */
+/* Largest number of runs of a deck. Each run is twice as long as the previous
+   run; the last takes 64 times the expected time. */
 enum { TRIES = 7 };
 
 static const double start = 2e-12; /* s, start of the input ramps */
@@ -32,17 +32,17 @@ static const double pin_rest = 1.05;
 /* Step reduction for a retry after the simulator finds no valid time step. */
 static const double shorter = 0.7;
 
-/* Least number of steps in the slew of the fastest output. AOI21 at 22 ps, 18
-   changes, against a run of 1,400 steps: with 4 steps per slew, the largest
-   errors are 0.05 % of delays, 0.13 % of slews and 0.004 % of the delay for
-   delay changes of 1 %; with 2 steps 0.11, 0.23 and 0.005 %; with 8 steps 0.01,
-   0.04 and 0.001 %. */
+/* Least number of steps in the slew of the fastest output. Errors of AOI21 at
+   22 ps with 18 changes, against a run of 1,400 steps. With 4 steps per slew,
+   the largest errors are 0.05 % of delays, 0.13 % of slews and 0.004 % of the
+   delay for delay changes of 1 %; with 2 steps 0.11, 0.23 and 0.005 %; with 8
+   steps 0.01, 0.04 and 0.001 %. */
 static const double steps[] = {
     [PILOT] = 0, [GRID] = 5, [CHANGES] = 4, [JUDGE] = 25};
 
-/* End of a run after the middle of the output, in slews: until an output 1.5
-   times as slow as expected has settled; if the slew is known, two steps after
-   its end. */
+/* End of a run after the middle of the output, in slews: an output 1.5 times as
+   slow as expected has settled; CHANGES: two steps after the end of the known
+   slew. */
 static const double settled[] = {
     [PILOT] = 0, [GRID] = 5, [CHANGES] = 1.5, [JUDGE] = 5};
 

@@ -9,16 +9,16 @@
 #include "characterize.h"
 
 enum {
-  SOME = 48,  /* approximate copies per run: more share the steps, but the run
-                 takes longer */
+  SOME = 48,  /* approximate copies per run; more share time steps but take
+                 longer */
   FEW = 12,   /* runs with fewer copies join those of the next load: a run costs
                  20 ms */
   POINTS = 3, /* points of the grid with size changes */
   SIDES = 4   /* patterns of the other inputs for size changes of a pin */
 };
 
-/* Relative size change. A derivative from a 1 % secant has an error of about 1
-   %; discretization noise is far less. */
+/* Relative size change. Derivatives from a 1 % secant have errors of about 1 %;
+   discretization noise is far less. */
 static const double nudge = 0.01;
 
 static const size_t none = SIZE_MAX;
@@ -111,10 +111,10 @@ static void plan_pilot(plan *p) {
   }
 }
 
-/* Estimate delays and slews: linear between the ends of the loads. Per second
-   of input slew, the delay grows by `later` (the largest value for inverters of
-   PTM 65 nm) and the slew by `slower` (the least value). The accuracy suffices:
-   decks have a margin, and continue if an output has not settled. */
+/* Interpolate delays and slews linearly between the end loads. Per second of
+   input slew, the delay grows by `later` (the largest value for inverters of
+   PTM 65 nm) and the slew by `slower` (the least value). Decks have a margin
+   and continue if an output has not settled. */
 static void cell_estimate(const eda_timing_cell *c) {
   const double later = 0.4, slower = 0.1;
   const size_t end = c->loads - 1;

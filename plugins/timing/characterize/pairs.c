@@ -30,7 +30,7 @@ static int is_pair(const uint8_t *level, uint32_t from, size_t first,
   return level[a] == level[b] && level[both] != level[from];
 }
 
-/* Return the earlier pair that differs from `p` only in constant inputs; -1:
+/* Return the index of a pair that differs from `p` only in constant inputs; -1:
    none. */
 static int32_t find_like(const eda_timing_cell *c, const eda_timing_pair *p) {
   uint32_t mask = 1u << p->first | 1u << p->second;
@@ -135,7 +135,7 @@ typedef struct point {
   size_t slew[2], place, gap, deck, copy;
 } point;
 
-/* Add a point. The slew of its deck is that of the cause. */
+/* Add a point. Its deck has the slew of the causing input. */
 static void plan_point(work *w, point *at) {
   const eda_timing_cell *c = w->cell;
   const eda_timing_pair *p = at->pair;
@@ -169,8 +169,8 @@ static void plan_point(work *w, point *at) {
   EDA_PUSH(d->copy, d->count, d->room, one);
 }
 
-/* Return the factor on the blend. With slow inputs the output may switch before
-   them; the factor is then 1. */
+/* Return the factor on the blend. If the output switches before slow inputs do,
+   the factor is 1. */
 static double blend_factor(double found, double gap, double cause,
                            double other) {
   return cause > 0 && other > 0 ? found / eda_timing_blend(gap, cause, other)
@@ -241,8 +241,8 @@ static int measure_pairs(study *s, eda_timing_cell *c, opc_error *error) {
 
 /* ---- pin capacitances by pattern of the other inputs ---- */
 
-/* Uses the middle slew of the grid, as of inputs from gates: the circuit behind
-   the pin responds while the input changes. */
+/* Uses the middle slew of the grid, typical of driven inputs: the cell responds
+   while the input changes. */
 static int measure_pins(study *s, eda_timing_cell *c, opc_error *error) {
   const double slew = c->at_slew[c->slews / 2];
   work w = {.s = s, .cell = c};

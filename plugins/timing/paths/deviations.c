@@ -167,7 +167,7 @@ static row row_of(const paths *p, const delays *d, size_t s, double drawn) {
 
 static int metrics_report(paths *p, const delays *d, const row *r, size_t n,
                           opc_error *error) {
-  /* The mask if given, else the first of the printed sets. */
+  /* The mask if set, else the first other set of printed sizes. */
   const row *first = n > 1 && r[1].by.compared ? &r[1] : NULL;
 #define PRINTED(name) (first ? (name) : NULL)
   const opc_metric_value values[] = {
@@ -253,9 +253,9 @@ typedef struct histogram {
   double from, to, share;
 } histogram;
 
-/* Range of the histogram. One value in OUTLIERS at either end may be outside
-   of the bins. Margins at both sides: a share of the range, and a minimum in
-   percentage points. */
+/* Range of the histogram. At most one value in OUTLIERS at either end is
+   outside of the bins. Margin at both ends: a fraction of the range, and a
+   minimum in percentage points. */
 enum { OUTLIERS = 100 };
 static const double beside = 0.02, least_beside = 1e-3;
 

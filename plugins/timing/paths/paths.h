@@ -58,8 +58,8 @@ void patterns_count(paths *p);
 
 /* ---- waves.c: events ---- */
 
-/* Change of a function's value with one delay per arc: time of the change and
-   time at which the output is set. */
+/* Change of a node's logic value with one delay per arc. `at`: time of the
+   change; `fires`: time at which the output takes the value. */
 typedef struct flip {
   double at, fires;
   uint8_t value;
@@ -108,7 +108,7 @@ void waves_by_slews(waves *w, const node *n, const state *s);
 typedef struct arrival {
   double time;   /* ps, last transition; NAN: the final level equals the initial
                     level */
-  uint64_t path; /* path hash of that event; 0 with one delay per arc */
+  uint64_t path; /* path hash of that transition; 0 with one delay per arc */
 } arrival;
 arrival waves_arrival(const waves *w, size_t output);
 
@@ -124,14 +124,14 @@ int delays_find(paths *p, delays *out, opc_error *error);
 void delays_clear(delays *d, size_t states);
 
 /* Deviations of the delays of state s from drawn, % (thesis eq. 3.15). Delays
-   whose last event takes another path than as drawn are different transitions
-   and are not compared. Causes: a pulse passes in only one state, or another of
-   two inputs arrives later. */
+   whose last event takes another path than at drawn sizes are not compared.
+   Causes: a pulse passes in only one state, or a different input arrives
+   last. */
 typedef struct spread {
   size_t compared;
   double mean, stdv, lowest, highest; /* mean and stdv of absolute values */
-  double longest, shortest;           /* deviation of the longest and shortest
-                                         of all delays */
+  double longest, shortest;           /* deviation of the longest and of the
+                                         shortest delay */
 } spread;
 spread spread_of(const delays *d, size_t s);
 int delays_report(paths *p, const delays *d, opc_error *error);

@@ -12,7 +12,7 @@
 
 #include "paths.h"
 
-enum { SIZES = 2, TRIES = 3 }; /* as drawn, as printed by the mask */
+enum { SIZES = 2, TRIES = 3 }; /* drawn sizes, sizes printed by the mask */
 
 static const double step = 0.5e-12; /* s, largest time step: delays within 0.1
                                        % */
@@ -46,7 +46,7 @@ static const double settled = 0.025;
    output does not settle is repeated with twice the duration. */
 static const double start = 2e-12, late = 1.2, rest = 60e-12;
 
-/* Duration of the input ramps, in full linear ramps. */
+/* Duration of the input ramps, in units of the full linear ramp. */
 static const double ramps = 3;
 
 /* Return the time at which inputs cross the middle, s. The ramp begins at most
@@ -225,7 +225,7 @@ static void run_one(void *data, size_t index) {
     eda_spice_clear(&result);
   }
   if (code) {
-    r->code = code; /* any of several errors */
+    r->code = code; /* keeps one of several errors */
     r->error = error;
   }
   free(text);

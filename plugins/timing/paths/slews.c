@@ -9,7 +9,7 @@
 
 /* ---- a node ---- */
 
-/* Delay and output slew. */
+/* Delay and output slew of a node. */
 typedef struct both {
   double delay, slew;
 } both;
@@ -52,8 +52,8 @@ static both arc_alone(const gate *g, size_t input, uint32_t from, double slew) {
 
 /* ---- the load ---- */
 
-/* Return the level of a net at a time; of nets without events yet, the level
-   before the change. */
+/* Return the level of a net at a time; before its first event, the initial
+   level. */
 static uint32_t level_at(const waves *w, uint32_t net, double time) {
   uint32_t changes = 0;
   for (uint32_t k = w->first[net]; k < w->last[net]; k++)
@@ -62,7 +62,7 @@ static uint32_t level_at(const waves *w, uint32_t net, double time) {
 }
 
 /* Compute the load from the levels of the connected instances' inputs at a
-   time; the inputs on the net itself are before their change. */
+   time; inputs on the net itself have the level before their change. */
 static void find_load(gate *g, int rises, double time) {
   const graph *all = &g->w->p->graph;
   uint32_t net = g->n->net, first = all->first_pin[net];
@@ -101,7 +101,7 @@ static const eda_timing_pair *find_pair(const gate *g, size_t first,
 }
 
 /* Without a pair, an earlier input affects the cause for 1 / `fades` of a
-   delay. Own choice. */
+   delay; tuned. */
 static const double fades = 3;
 
 /* Add the effect of an input that changed before the cause. */

@@ -71,10 +71,10 @@ int merge_next(const merge *m, double *time) {
 
 /* ---- one delay an arc ---- */
 
-/* Compute events like module paths of vvp (delay.cc, vvp_fun_modpath). The
-   least delay of simultaneous inputs counts. Each change of the function's
-   value sets a time at which the output takes the value of the function at that
-   time. */
+/* Compute events like module paths of vvp (delay.cc, vvp_fun_modpath).
+   Simultaneous inputs have the least of their delays. Each change of the
+   function's value sets a time at which the output takes the value of the
+   function at that time. */
 static void by_arcs(waves *w, const node *n, const state *s) {
   const eda_timing_cell *c = n->cell;
   const uint8_t *level = c->level + ((size_t)n->output << c->inputs);

@@ -297,8 +297,8 @@ static int speed_up(budget *b, double *gain) {
 }
 
 /* Lower all choices by one level. Used if no choice on the path has a gain
-   because the slew of another input determines the delay. Returns 0 if all are
-   as drawn. */
+   because the slew of another input determines the delay. Returns 0 if all
+   lengths are the drawn ones. */
 static int all_down(budget *b) {
   int any = 0;
   for (size_t i = 0; i < b->count; i++) {

@@ -37,8 +37,8 @@ typedef struct slack_task {
   graph graph;
   budget budget;
   size_t *of;             /* choice of each gate; NO_CHOICE: none */
-  double *drawn;          /* slack of each net as drawn, ps */
-  double worst, at_first; /* latest arrival, ps, and leakage, A, as drawn */
+  double *drawn;          /* slack of each net at drawn sizes, ps */
+  double worst, at_first; /* at drawn sizes: latest arrival, ps; leakage, A */
 } slack_task;
 
 /* ---- work: effect of a length ---- */
@@ -75,7 +75,7 @@ static void number_choices(slack_task *j) {
   b->choice = eda_pool_alloc(&j->pool, most, sizeof *b->choice);
   for (size_t i = 0; i < g->nodes; i++) {
     const node *n = &g->node[i];
-    if (n->output) continue; /* once for each instance */
+    if (n->output) continue; /* only the first node of each instance */
     b->first[n->instance] = b->count;
     for (uint32_t k = 0; k < n->cell->bundles; k++)
       b->choice[b->count++] = (choice){.instance = n->instance, .bundle = k};
@@ -84,7 +84,7 @@ static void number_choices(slack_task *j) {
 }
 
 /* Fill in lengths and leakage of the choices. The largest length is the
-   smallest of the choice's gates; levels are equidistant in ln L. */
+   smallest limit of the choice's gates; levels are equidistant in ln L. */
 static int fill_choices(slack_task *j, opc_error *error) {
   const slack *s = j->s;
   const eda_circuit *c = s->circuit;
@@ -122,7 +122,7 @@ static int fill_choices(slack_task *j, opc_error *error) {
   return OPC_OK;
 }
 
-/* ---- work: the gates with their wishes ---- */
+/* ---- work: gates with new targets ---- */
 
 static void free_gates(void *object) {
   eda_gates *g = object;

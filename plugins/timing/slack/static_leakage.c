@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Determines the transistors that leak in a static circuit: transistors that
    are off between a high and a low net. Two series transistors that are off
-   leak about a tenth of one (Narendra et al., ISLPED 2001) and are
-   neglected. */
+   leak about a tenth of a single one (Narendra et al., ISLPED 2001); their
+   leakage is neglected. */
 #include <eda/random.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,9 +18,9 @@ enum { MOST_INPUTS = 12, DRAWN = 1 << MOST_INPUTS };
 
 enum { LOW, HIGH, FLOATS };
 
-/* Relative leakage of a transistor behind a degraded level: n-transistors pass
-   a high level, and p-transistors a low level, with the loss of a threshold.
-   Value for a NAND2 with data/devices/opcflow65.pm in ngspice 0.38. Halving or
+/* Relative leakage of a transistor at a degraded level: n-transistors pass a
+   high level, and p-transistors a low level, less a threshold voltage. Value
+   for a NAND2 with data/devices/opcflow65.pm in ngspice 0.38. Halving or
    doubling the value changes the leakage of c17 by -4 and +7 %, and the saving
    by less than 1.5 percentage points. */
 static const double weakly = 0.4;
