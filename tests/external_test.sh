@@ -43,7 +43,17 @@ unset OPCFLOW_NO_SYSTEM_PLUGINS
   fail "$opcflow does not find its own plugins"
 [ -z "$("$opcflow" plugins --failed)" ] || fail "$("$opcflow" plugins --failed)"
 
-cp -r "$OPCFLOW_SOURCE/subprojects/examples" "$work/project"
+# The installed documents and examples. A line of the README builds one plugin
+# without meson.
+documents=$(find "$work/moved" -type d -path '*/doc/opcflow')
+[ -f "$documents/guides/plugin.md" ] || fail "the plugin guide is not installed"
+cp -r "$documents/examples" "$work/project"
+cp -r "$documents/examples" "$work/alone"
+sed -n '/^    cc /,/-lm$/p' "$work/alone/README.md" >"$work/line"
+(cd "$work/alone" && try sh -e "$work/line")
+try "$opcflow" lint --strict "$work/alone/synthesizer.bisect.so"
+try "$opcflow" inspect synthesizer.bisect --plugin-path "$work/alone"
+
 try "$meson" setup "$work/build" "$work/project" --prefix "$work/private" \
   -Dplugins="$work/private/plugins" -Db_sanitize="$sanitize" -Db_lundef=false
 try ninja -C "$work/build"

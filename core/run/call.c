@@ -116,7 +116,7 @@ gboolean opc_call_step(opc_run *run, const opc_flow_step *step,
   if (!code) code = opc_call_run(run, step, FALSE, &error);
   if (!code) return TRUE;
   if (code == OPC_IO) remove_given(run);
-  /* Only the user cancels a run. */
+  /* A plugin may return OPC_CANCELLED only if the user stopped the run. */
   if (code == OPC_CANCELLED && !opc_cancelled(b->host->context))
     code = OPC_FAILED;
   opc_binding_fail(b, TRUE, code, &error, problems);

@@ -37,6 +37,17 @@ OPC_EXPORT int opc_test_run(opc_module *module, void **outputs,
                             opc_error *error);
 OPC_EXPORT void opc_test_release(opc_module *module, void **outputs);
 
+/* Correct a NAND gate of 65 nm rules with a plugin of the correction loop, as
+   an acceptance test. `plugin`, "{ use: synthesizer.mine }", is in the slot
+   "litho", "resist", "extractor", "synthesizer" or "regulator"; shipped plugins
+   are in the other slots, and the guard of the loop is off. The test passes if
+   the loop converges, every transistor prints, and none is worse than drawn.
+   The largest |Ion deviation| must be below that of the drawn mask, or 0.5 %.
+   Returns OPC_OK, or an error code and the reason in *error. Metrics of the
+   correction, such as "ion_max", can be read afterwards. Since 0.8. */
+OPC_EXPORT int opc_test_corrects(const char *slot, const char *plugin,
+                                 opc_error *error);
+
 /* Return the last value of a metric since the last opc_test_forget; NAN if
    there is none. */
 OPC_EXPORT double opc_test_metric(const char *name);

@@ -26,7 +26,8 @@ gint64 child_waited(int pid) {
   return (gint64)(waits / 1000);
 }
 
-/* The time at which a child was last seen at work, us. */
+/* Times of a child, us: granted; last output; waiting for a processor till
+   then. */
 typedef struct sign_of_life {
   int pid;
   gint64 granted, seen, waited;
@@ -37,14 +38,14 @@ static void child_seen(sign_of_life *s) {
   s->waited = child_waited(s->pid);
 }
 
-/* Return the time that is left, us. */
+/* Return the remaining time, us. */
 static gint64 child_time(const sign_of_life *s) {
   gint64 left = s->granted - (g_get_monotonic_time() - s->seen);
   if (left > 0) return left;
   return left + MIN(child_waited(s->pid) - s->waited, 2 * s->granted);
 }
 
-/* All that comes before the end; FALSE if the child is too late. */
+/* Read the output of the child. Return FALSE if the child is too late. */
 static gboolean read_report(int in, sign_of_life *child, GString *report) {
   child_seen(child);
   for (;;) {
@@ -61,17 +62,17 @@ static gboolean read_report(int in, sign_of_life *child, GString *report) {
   }
 }
 
-/* In the child: end with the parent, however the parent ends. A limit of
-   processor time, which children of the child inherit, ends work that nobody
-   waits for. It is longer than granted, so that the parent is the one to
-   report, also on work of many parts that each take their time. */
+/* End this child when the parent ends for any reason. Its own children inherit
+   only the limit of processor time, which ends work that nobody waits for. The
+   limit exceeds the granted time, even for work with several outputs, so that
+   the parent reports first. */
 static void bind_to_parent(pid_t parent, double seconds) {
   enum { SPARE = 1 /* s */, PARTS = 16 };
   rlim_t most = (rlim_t)(seconds * PARTS * g_get_num_processors()) + SPARE;
   struct rlimit limit = {most, most};
   setrlimit(RLIMIT_CPU, &limit);
   prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (getppid() != parent) _exit(1); /* it ended in between */
+  if (getppid() != parent) _exit(1); /* the parent has already ended */
 }
 
 GString *child_run(void (*work)(int out, void *data), void *data,

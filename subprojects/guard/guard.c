@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Finds the plugin that crashed, ended or changed the process. The handler of
-   crashes only writes texts that were made before, renames the run folder and
-   ends the process. */
+/* Finds plugins that crash, end or change the process. The signal handler only
+   writes existing texts, renames the run folder and ends the process. */
 #include <guard/guard.h>
 
 #include <errno.h>
@@ -20,12 +19,12 @@
 
 enum { STACK = 32768, MOST_RUNS = 10000 };
 
-static pid_t guarded; /* the process that is; 0: none */
-static int forked;    /* this one is a copy of it */
+static pid_t guarded; /* guarded process; 0: none */
+static int forked;    /* 1: this process is a fork of the guarded one */
 
 /* ---- the message and the folder ---- */
 
-/* Written where nothing runs that could crash; a handler only reads them. */
+/* Texts for the signal handler, set while no plugin runs. */
 static char where[2 * PATH_MAX], work[PATH_MAX], failed[PATH_MAX];
 static char lock[PATH_MAX], slot[PATH_MAX];
 static char wipe[16];
@@ -49,9 +48,9 @@ void guard_folder(const char *folder, const char *name, const char *file) {
   if (end) *end = 0;
 }
 
-/* ---- the end: functions that are safe in a handler ---- */
+/* ---- end of the process: functions that are safe in a signal handler ---- */
 
-/* "-N" in decimal. */
+/* Write "-N" with the decimal number n. */
 static void put_number(char *to, int n) {
   int digits = 1;
   for (int rest = n; rest >= 10; rest /= 10) digits++;
@@ -60,15 +59,15 @@ static void put_number(char *to, int n) {
   for (; digits-- > 0; n /= 10) to[digits] = (char)('0' + n % 10);
 }
 
-/* Not onto something, but for the empty folder that is made where names cannot
-   be kept from being taken. */
+/* Rename `work` to `failed` unless `failed` exists. If the file system does not
+   support RENAME_NOREPLACE, reserve the name by an empty folder. */
 static int rename_folder(int here) {
   if (!renameat2(here, work, here, failed, RENAME_NOREPLACE)) return 1;
   if (errno != EINVAL && errno != ENOSYS) return 0;
   return !mkdirat(here, failed, 0777) && !renameat(here, work, here, failed);
 }
 
-/* The folder under its new name; 0 if there is nothing to keep. */
+/* Rename the run folder and set `failed` to its name; 0: nothing to keep. */
 static int keep_folder(void) {
   int here = process_folder();
   size_t length = strlen(failed);
@@ -80,12 +79,12 @@ static int keep_folder(void) {
     if (rename_folder(here)) return 1;
     if (errno != EEXIST) break;
   }
-  if (errno == ENOENT) return 0; /* the run has just ended by itself */
+  if (errno == ENOENT) return 0; /* the run has just ended normally */
   strcpy(failed, work);
   return 1;
 }
 
-/* Nothing hidden stays. */
+/* Remove the hidden folder of the run. */
 static void remove_slot(void) {
   int here = process_folder();
   if (!*slot) return;
@@ -93,7 +92,7 @@ static void remove_slot(void) {
   unlinkat(here, slot, AT_REMOVEDIR);
 }
 
-/* In one piece, as another process, or thread, may speak at the same time. */
+/* The message, written by one call because other processes write, too. */
 static char said[4 * PATH_MAX];
 
 static void add_text(const char *text) {
@@ -101,26 +100,26 @@ static void add_text(const char *text) {
   memcpy(said + n, text, more < room ? more : room);
 }
 
-/* Says where, and the words, which end with NULL. */
+/* Write `where` and the words (to NULL), keep the run folder, and exit. */
 _Noreturn static void process_end(const char *const *words, int code) {
   static int taken;
-  /* The first thread speaks; others wait for the end. */
+  /* Only the first thread writes; other threads wait for the exit. */
   while (__atomic_exchange_n(&taken, 1, __ATOMIC_SEQ_CST)) pause();
   add_text(wipe);
   add_text(*where ? where : "error");
   while (*words) add_text(*words++);
   process_say(said);
-  /* A copy that a plugin made of the process keeps nothing. */
+  /* A process that a plugin forked keeps no folder. */
   if (getpid() == guarded && keep_folder()) {
     process_say("note: files written so far are in '");
     process_say(failed);
     process_say("'\n");
   }
   if (getpid() == guarded) remove_slot();
-  for (;;) syscall(SYS_exit_group, code); /* _exit() is a plugin's, below */
+  for (;;) syscall(SYS_exit_group, code); /* not interpose.c */
 }
 
-/* NULL, except in a child that reports by itself. */
+/* Receives reports in a child after guard_listen; else NULL. */
 static const guard_listener *listener;
 
 _Noreturn static void listener_tell(const char *id, const char *what,
@@ -141,18 +140,18 @@ _Noreturn static void plugin_blame(const char *id, const char *what,
   process_end(words, exit_code);
 }
 
-/* ---- which plugin ---- */
+/* ---- present plugins ---- */
 
-/* The work of a thread, which others read. */
+/* State of a thread, read by other threads. */
 typedef struct worker {
-  const char *inside;  /* the plugin */
-  const char *suspect; /* the one that was in it after the last look */
-  int waits;           /* others work for it */
+  const char *inside;  /* present plugin */
+  const char *suspect; /* plugin since the last check */
+  int waits;           /* 1: waits for tasks of other threads */
   struct worker *next;
 } worker;
 
 static _Thread_local worker me;
-static _Thread_local int calls; /* enter without its leave */
+static _Thread_local int calls; /* calls of guard_enter without guard_leave */
 static worker *main_worker = &(worker){NULL, NULL, 0, NULL}, *workers;
 static pthread_mutex_t workers_lock = PTHREAD_MUTEX_INITIALIZER;
 static pthread_key_t ending;
@@ -161,7 +160,7 @@ static void field_set(const char **field, const char *id) {
   __atomic_store_n(field, id, __ATOMIC_RELAXED);
 }
 
-/* "'A', 'B'": each name once; the number of names. */
+/* Add a plugin to a list of distinct names, "'A', 'B'". Return their number. */
 static int add_name(char *list, size_t room, int n, const char *id) {
   char name[256];
   size_t length = strlen(list);
@@ -172,8 +171,8 @@ static int add_name(char *list, size_t room, int n, const char *id) {
   return n + 1;
 }
 
-/* Adds the plugins that other threads are in, or were since they were looked
-   at, where `suspects` count as well. */
+/* Add the present plugins of other threads; `suspects`: also those since the
+   last check. */
 static int add_others(char *list, size_t room, int n, int suspects) {
   for (worker *w = workers; w; w = w->next) {
     if (w == &me) continue;
@@ -187,8 +186,7 @@ static int add_others(char *list, size_t room, int n, int suspects) {
   return n;
 }
 
-/* Report a change that belongs to no thread: any plugin at work may have made
-   it. */
+/* Report a change of the process by the plugins of any threads. */
 static void blame_all(const char *id, const char *what, const char *detail) {
   char list[1024] = "";
   if (listener) listener_tell(id, what, detail);
@@ -205,7 +203,7 @@ static void blame_all(const char *id, const char *what, const char *detail) {
   process_end(words, exit_code);
 }
 
-/* A handler needs a stack of its own, as that of the thread may be used up. */
+/* Stack of the signal handler; the stack of the thread may have overflowed. */
 static _Thread_local char stack[STACK];
 static _Thread_local int has_stack;
 
@@ -217,8 +215,8 @@ static void give_stack(void) {
   sigaltstack(&own, NULL);
 }
 
-/* A thread that ends in the middle of a call, which nobody would notice: others
-   wait for it, or the command ends well. */
+/* Report a thread that ends inside a plugin; otherwise other threads would
+   wait, or the command would end with success. */
 static void thread_ended(void *unused) {
   (void)unused;
   if (guarded && calls > 0) plugin_blame(me.inside, "ended the thread", "");
@@ -242,15 +240,15 @@ static void begin_thread(void) {
 
 /* ---- changes of the process ---- */
 
-/* Between two looks at the same plugin, s: one takes 4 us, where system calls
-   are slow 25, and some plugins are called a thousand times a second. */
+/* Time between two checks of a plugin, s. A check takes 4 us, or 25 us if
+   system calls are slow; some plugins are called 1000 times a second. */
 static const double pause_of_looks = 5e-3;
 
-/* Tasks of a plugin, beside which others may do harm: it is looked at by itself
-   when they are done. */
+/* Number of open guard_join calls. A change during tasks may be caused by
+   another plugin, so that the check is done after the tasks. */
 static _Thread_local int in_batch;
 
-static _Thread_local double looked; /* when, s */
+static _Thread_local double looked; /* time of the last check, s */
 
 static double time_now(void) {
   struct timespec t;
@@ -258,7 +256,7 @@ static double time_now(void) {
   return (double)t.tv_sec + (double)t.tv_nsec * 1e-9;
 }
 
-/* The checks that cost nothing, after each call. */
+/* Do the checks without system calls, after each call. */
 static void guard_check_thread(void) {
   const char *what = process_thread_change();
   if (forked) plugin_blame(me.inside, "forked and continued", "");
@@ -272,7 +270,7 @@ static void listener_wake(void) {
   listener->alive();
 }
 
-/* Whatever is not as it was, that plugin did, or one beside it. */
+/* Report a change of the process by the plugin `id` or in another thread. */
 static void guard_check_process(const char *id) {
   const char *detail;
   if (process_signals_change()) plugin_blame(id, "changed the signal mask", "");
@@ -288,7 +286,7 @@ const char *guard_enter(const char *id) {
   const char *who = me.suspect || in_batch ? me.suspect : before;
   begin_thread();
   if (guarded && before) guard_check_thread();
-  /* Before another one can be taken for it. */
+  /* Check before a change could be attributed to the next plugin. */
   if (guarded && id && who && id != who) guard_check_process(who);
   calls++;
   field_set(&me.inside, id);
@@ -339,8 +337,8 @@ const char *guard_inside(void) { return me.inside; }
 
 /* ---- reasons to end ---- */
 
-/* A handler cannot wait for the lock. If another thread holds it, that thread
-   may be ending, so only the first thread's plugin is named. */
+/* A signal handler cannot wait for the lock. If another thread holds it, name
+   only the plugins of this thread and of the first thread. */
 void guard_end(int code) {
   static char list[1024];
   int alone = pthread_mutex_trylock(&workers_lock);
@@ -367,7 +365,7 @@ void guard_done(int code) { done = code; }
 
 int guard_code(int code) { return done < 0 ? code : done; }
 
-/* Sent by another process, which no plugin can help. */
+/* Return whether another process sent the signal; not the fault of a plugin. */
 static int is_foreign(const siginfo_t *info) {
   int sent = info->si_code == SI_USER || info->si_code == SI_QUEUE ||
              info->si_code == SI_TKILL;
@@ -382,7 +380,7 @@ static void guard_crash(int number, siginfo_t *info, void *unused) {
                               "\n", NULL};
   if (!me.inside && done >= 0 && !is_foreign(info))
     process_end(late, exit_code);
-  if (!me.inside || is_foreign(info)) { /* as if there were no handler */
+  if (!me.inside || is_foreign(info)) { /* default action of the signal */
     signal(number, SIG_DFL);
     raise(number);
     return;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Replaces functions of the C library that end the process or start a thread.
    The dynamic linker searches the command before the C library, so that calls
-   by plugins reach these functions. Only the command contains them; other
-   programs that use the kernel call the C library. */
+   by plugins reach these functions. Only the command contains these functions;
+   other programs that link opcflow's libraries do not. */
 #include <dlfcn.h>
 #include <errno.h>
 #include <guard/guard.h>
@@ -23,10 +23,9 @@ static void find_next(const char *name, void *to) {
 
 /* ---- end of the process ---- */
 
-/* End the process with a function of the C library. The guard's own exit
-   handlers (atexit) run later, within exit() and quick_exit(), when another
-   thread could already have ended the process. Therefore guard_exit reports the
-   plugin first. */
+/* End the process by a function of the C library. guard_exit reports the plugin
+   first: the guard's exit handlers (atexit) run later, when another thread may
+   already have ended the process. */
 _Noreturn static void process_leave(const char *name, int code) {
   void (*next)(int);
   guard_exit();
@@ -48,8 +47,8 @@ EXPORT _Noreturn void _Exit(int code) { process_leave("_Exit", code); }
 /* ---- another program in this process ---- */
 
 /* A plugin that calls a function of the exec family would end the run with the
-   exit code of another program. Children may call them, so the next functions
-   are found early: dlsym() can wait for a lock in a child. */
+   exit code of another program. Forked children may call them; the C library's
+   functions are found at start, because dlsym() can block in a child. */
 typedef int exec_path(const char *, char *const[]);
 typedef int exec_environment(const char *, char *const[], char *const[]);
 
@@ -102,8 +101,8 @@ EXPORT int execveat(int folder, const char *path, char *const words[],
   return next_exec.execveat(folder, path, words, environment, flags);
 }
 
-/* Collect the words of execl() and its variants; more than the array can hold
-   are an error, as too many words are for the system. */
+/* Collect the words of execl() and its variants. Return E2BIG, as the system
+   does, if there are more than MAX_WORDS. */
 enum { MAX_WORDS = 1024 };
 static int words_collect(const char *first, va_list more, char **words) {
   int n = 0;
@@ -131,8 +130,8 @@ EXEC_LIST(execle, next_exec.execve(path, words, va_arg(more, char **)))
 
 /* ---- threads ---- */
 
-/* Arguments of a new thread, and the plugin that starts the thread. The guard
-   attributes all work of the thread to that plugin. */
+/* Function and argument of a new thread, and the plugin that starts the thread,
+   to which the guard attributes all work of the thread. */
 typedef struct beginning {
   void *(*work)(void *);
   void *data;

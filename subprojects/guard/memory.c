@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The least memory left by the machine, the control groups and the limits of
-   the process; proc(5), getrlimit(2) and the kernel's cgroup-v2. */
+/* Reads the available memory of machine, control groups and address space:
+   proc(5), getrlimit(2), cgroup-v2 in the documentation of Linux. */
 #include <glib.h>
 #include <guard/memory.h>
 #include <malloc.h>
@@ -8,8 +8,8 @@
 #include <string.h>
 #include <sys/resource.h>
 
-/* The number behind `name` in a file of lines "NAME: 12 kB" or "NAME 12", or
-   the file's only one for ""; NAN if it is not there or "max". */
+/* Return the number after `name` in a file with lines "NAME: 12 kB" or "NAME
+   12"; for "", the first number of the file. NAN if missing or "max". */
 static double number_in(const char *path, const char *name) {
   g_autofree char *text = NULL;
   if (!g_file_get_contents(path, &text, NULL, NULL)) return NAN;
@@ -30,8 +30,8 @@ static double machine_free(void) {
   return number_in("/proc/meminfo", "MemAvailable:") + fmax(swap, 0);
 }
 
-/* Return the limit of the control group in that folder, less its use; cached
-   files do not count as used. */
+/* Return the limit of the control group in `folder` minus its used memory,
+   bytes; inactive cached files do not count as used. */
 static double group_free(const char *folder) {
   g_autofree char *most = g_build_filename(folder, "memory.max", NULL);
   g_autofree char *now = g_build_filename(folder, "memory.current", NULL);
@@ -40,7 +40,7 @@ static double group_free(const char *folder) {
          fmax(number_in(kinds, "inactive_file "), 0);
 }
 
-/* Return the least of this process's group and of all groups around it. */
+/* Return the least value of this process's group and its parent groups. */
 static double groups_free(void) {
   g_autofree char *text = NULL;
   double least = NAN;
@@ -79,6 +79,6 @@ double memory_free(const char **source) {
     least = all[i].bytes;
     *source = all[i].source;
   }
-  /* Freed memory that malloc keeps counts as used above. */
+  /* Add freed memory that malloc keeps, which counts as used above. */
   return fmax(least, 0) + (double)mallinfo2().fordblks;
 }

@@ -1,23 +1,22 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Threads that work on the tasks of a plugin, in that plugin's name. */
+/* Thread pool. The guard attributes tasks to the caller of pool_run. */
 #include <glib.h>
 #include <guard/guard.h>
 #include <guard/pool.h>
 
-enum { TURNS = 64 }; /* of each thread at least, so that all end together */
+enum { TURNS = 64 }; /* least number of parts per thread, for load balance */
 
-/* One call of pool_run(): whoever is free takes the next indices, several if
-   there are many, as taking costs time too. The caller
-   works too and waits for tasks, never for threads, so that nested calls
-   cannot wait for each other; a helper that comes too late finds nothing to
-   do and drops its reference. */
+/* One call of pool_run(). Each free thread takes the next `step` indices. The
+   caller works, too, and waits for tasks but never for threads, so that nested
+   calls cannot block each other. A thread that starts when all indices are
+   taken only releases its reference. */
 typedef struct batch {
   void (*task)(void *, size_t);
   void *data;
-  const char *inside; /* the plugin that called */
-  size_t n, step;     /* indices in all, and taken at a time */
+  const char *inside; /* calling plugin */
+  size_t n, step;     /* number of indices; indices taken at a time */
   size_t next;        /* atomic: the next index to take */
-  size_t done;        /* under lock */
+  size_t done;        /* completed indices; under the lock */
   gatomicrefcount references;
   GMutex lock;
   GCond finished;
@@ -80,7 +79,7 @@ void pool_run(unsigned threads, size_t n, void (*task)(void *data, size_t i),
   g_atomic_ref_count_init(&b->references);
   g_mutex_init(&b->lock);
   g_cond_init(&b->finished);
-  /* Threads that the pool starts here are nobody's. */
+  /* Threads that the pool starts here belong to no plugin. */
   const char *before = guard_enter(NULL);
   for (size_t i = 1; i < workers; i++) {
     g_atomic_ref_count_inc(&b->references);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Records the state of the process, and compares. */
+/* Records the state of the process, and finds changes. */
 #include <guard/process.h>
 
 #include <errno.h>
@@ -18,8 +18,8 @@
 enum {
   STREAMS = 3,
   SIGNALS = 20,         /* at least as many as process_signals has */
-  LONGEST_LOCALE = 512, /* all categories, each with its name */
-  FIRST_OWN = 100 /* descriptors of our own: above those that others count on */
+  LONGEST_LOCALE = 512, /* "LC_CTYPE=...;LC_NUMERIC=...", all categories */
+  FIRST_OWN = 100       /* first own file descriptor, above those of plugins */
 };
 
 const process_signal process_signals[] = {
@@ -53,15 +53,15 @@ typedef struct state {
   place folder, stream[STREAMS];
   void (*handler[SIGNALS])(int);
   char locale[LONGEST_LOCALE];
-  mode_t modes;     /* that new files do not get */
+  mode_t modes;     /* umask */
   uint64_t blocked; /* signals 1 to 31 */
-  uint32_t numbers; /* how they are rounded, flushed and trapped */
+  uint32_t numbers; /* floating-point control */
 } state;
 
 static state settled;
 static int folder = -1, voice = -1;
 
-/* Zeros where there is none. */
+/* Return the device and inode of a file; zeros if `code` reports a failure. */
 static place place_of(const struct stat *s, int code) {
   return code ? (place){0, 0} : (place){s->st_dev, s->st_ino};
 }
@@ -85,7 +85,7 @@ static place stream_now(int i) {
 static void (*handler_now(int number))(int) {
   struct sigaction action;
   sigaction(number, NULL, &action);
-  return action.sa_handler; /* of a union with sa_sigaction */
+  return action.sa_handler; /* union with sa_sigaction */
 }
 
 static uint64_t blocked_now(void) {
@@ -97,7 +97,7 @@ static uint64_t blocked_now(void) {
   return bits;
 }
 
-/* Without the flags of exceptions, which calculations leave there. */
+/* Return the floating-point control without the flags of exceptions. */
 static uint32_t numbers_now(void) {
 #if defined(__x86_64__)
   uint16_t x87;
@@ -148,7 +148,7 @@ const char *process_thread_change(void) {
 
 int process_signals_change(void) { return blocked_now() != settled.blocked; }
 
-/* An alarm that rings when another plugin's turn has come. */
+/* Return whether a timer is set, whose signal another plugin would receive. */
 static int has_alarm(void) {
   struct itimerval left;
   getitimer(ITIMER_REAL, &left);
@@ -166,7 +166,7 @@ const char *process_change(const char **detail) {
     }
   if (places_differ(folder_now(), settled.folder))
     return "changed the working folder";
-  /* Setting the recorded modes again hurts no other thread. */
+  /* umask() sets the recorded value, so that no other thread is affected. */
   if (umask(settled.modes) != settled.modes)
     return "changed the modes of new files";
   if (has_alarm()) return "left an alarm set";

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Signals that ask to stop, and the end of work that does not heed them. */
+/* Handles requests to stop, and ends the process if a plugin continues. */
 #include <guard/guard.h>
 #include <guard/process.h>
 #include <guard/stop.h>
@@ -9,12 +9,12 @@
 #include <stddef.h>
 #include <time.h>
 
-/* Work that does not stop by itself within this time is ended, s. Stopping is
-   to take at most 1 s; a busy machine adds up to 0.4 s. */
+/* Time from the request to the forced end. The total must not exceed 1 s; a
+   busy machine adds up to 0.4 s. */
 static const struct timespec patience = {0, 500000000};
 
 static volatile sig_atomic_t asked;
-static sem_t request; /* posted by a handler */
+static sem_t request; /* posted by the signal handler */
 static int exit_code;
 
 static void take_signal(int number) {
@@ -25,7 +25,7 @@ static void take_signal(int number) {
 }
 
 static void *end_the_stubborn(void *unused) {
-  while (sem_wait(&request)) continue; /* a signal came in between */
+  while (sem_wait(&request)) continue; /* interrupted by a signal */
   struct timespec left = patience;
   while (clock_nanosleep(CLOCK_MONOTONIC, 0, &left, &left)) continue;
   guard_end(exit_code);
@@ -42,7 +42,7 @@ void stop_on_signals(int code) {
     pthread_detach(watcher);
   sigaction(SIGINT, &action, NULL);
   sigaction(SIGTERM, &action, NULL);
-  /* The terminal is gone; under nohup that does not matter. */
+  /* SIGHUP: the terminal was closed. nohup ignores this signal. */
   if (!sigaction(SIGHUP, NULL, &before) && before.sa_handler != SIG_IGN)
     sigaction(SIGHUP, &action, NULL);
   process_settle();

@@ -1,24 +1,24 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The calls of MPI. Calls of mpi_least and mpi_spread come in the same order in
-   every process. [main] */
+/* Calls of MPI. All processes call mpi_least and mpi_spread in the same order.
+   All functions are [main]: see opcflow/plugin.h. */
 #pragma once
 
 #include <opcflow/base.h>
 
-/* Start, once; non-zero if MPI cannot be used with two threads. */
+/* Start MPI, once. Returns non-zero if MPI does not support two threads. */
 int mpi_start(int (*stopped)(void), int *rank, int *size);
 void mpi_end(void);
 
-/* From now on no rank is waited for. Returns OPC_CANCELLED. */
+/* End all waiting for other ranks, now and later. Returns OPC_CANCELLED. */
 int mpi_stop(opc_error *error);
 
-/* As of ranks_group. */
+/* Implement ranks_group.least and ranks_group.spread. */
 int mpi_least(int64_t *values, size_t n, opc_error *error);
 int mpi_spread(void *bytes, size_t n, int from, opc_error *error);
 
-/* Add to a number that all processes share; returns the number before, or -1:
-   stopped. The first process serves it, beside its work. */
+/* Add to a counter that all processes share, kept by a thread of rank 0.
+   Returns the previous value, or -1 if stopped. */
 int64_t mpi_turn(int64_t by);
 
-/* Set the number to 0, in the first process, while nobody takes turns. */
+/* Set the counter to 0, in rank 0, while no rank calls mpi_turn. */
 void mpi_restart(void);

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The part that every process has: finds out whether there are others, and
-   loads the object that knows MPI. */
+/* Detects runs of several processes; loads the shared object linked to MPI. */
 #include <dlfcn.h>
 #include <ranks/ranks.h>
 #include <string.h>
@@ -15,7 +14,7 @@ static gboolean read_number(const char *name, int *value) {
   return TRUE;
 }
 
-/* By mpirun of Open MPI, and by Slurm's srun with PMIx or PMI. */
+/* Read the variables of Open MPI, and of Slurm's srun with PMIx or PMI. */
 gboolean ranks_launched(int *rank, int *size) {
   static const char *const names[][2] = {
       {"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"},

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The calls of MPI. The waiting functions of MPI spin. Polling with naps in
-   between leaves the processor of an idle rank to others, and notices the wish
-   to stop. */
+/* Calls of MPI. The blocking functions of MPI use a processor while waiting.
+   Polling with pauses instead leaves the processor to other processes, and
+   detects requests to stop. */
 #include "calls.h"
 
 #include <mpi.h>
@@ -13,21 +13,21 @@
 
 static int own; /* rank */
 static int (*is_stopped)(void);
-static int over;        /* no rank is waited for any more */
-static MPI_Comm asking; /* of turns; all else is in MPI_COMM_WORLD */
+static int over;        /* 1: do not wait for other ranks */
+static MPI_Comm asking; /* communicator of the counter */
 static pthread_mutex_t lock =
-    PTHREAD_MUTEX_INITIALIZER; /* one call at a time */
+    PTHREAD_MUTEX_INITIALIZER; /* one MPI call at a time */
 static pthread_t server;
-static int64_t turns; /* atomic; of the first process */
+static int64_t turns; /* the shared counter, atomic; of rank 0 */
 static int ended;     /* under the lock */
 
 /* ---- waiting ---- */
 
 enum {
-  AT_ONCE = 50,   /* polls without a nap, for messages that come at once */
-  SHORTEST = 20,  /* us: a message of a neighbour */
-  LONGEST = 1000, /* us: nothing is noticed of it beside pieces of seconds */
-  SERVING = 200   /* us between looks at who asks for a turn */
+  AT_ONCE = 50,   /* polls without a pause */
+  SHORTEST = 20,  /* first pause, us; a message on the same machine */
+  LONGEST = 1000, /* longest pause, us; work units take seconds */
+  SERVING = 200   /* pause between checks for requests, us */
 };
 
 static void sleep_briefly(long us) {
@@ -50,7 +50,7 @@ static int wait_for(MPI_Request *request) {
   }
 }
 
-/* ---- all together ---- */
+/* ---- collective calls ---- */
 
 int mpi_stop(opc_error *error) {
   over = 1;
@@ -86,7 +86,7 @@ static int64_t turns_add(int64_t by) {
 
 void mpi_restart(void) { __atomic_store_n(&turns, 0, __ATOMIC_RELAXED); }
 
-/* All who ask now; with the lock. */
+/* Answer all present requests. The caller holds the lock. */
 static void turns_answer(void) {
   int asked = 1;
   while (asked) {
@@ -126,7 +126,7 @@ int64_t mpi_turn(int64_t by) {
 
 /* ---- start and end ---- */
 
-/* By then nobody asks any more. */
+/* After mpi_least, no rank requests the counter. */
 void mpi_end(void) {
   int64_t none = 0;
   opc_error stopped;
@@ -140,7 +140,7 @@ void mpi_end(void) {
 
 int mpi_start(int (*stopped)(void), int *rank, int *size) {
   int level;
-  /* The command reports crashes itself. */
+  /* The guard reports crashes, not Open MPI. */
   (void)setenv("OMPI_MCA_opal_signal", "", 0);
   if (MPI_Init_thread(NULL, NULL, MPI_THREAD_SERIALIZED, &level) ||
       level < MPI_THREAD_SERIALIZED)

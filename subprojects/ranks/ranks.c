@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Agreement of ranks, and sharing of units of work. */
+/* Agreement of ranks, and distribution of work units. */
 #include <ranks/ranks.h>
 #include <string.h>
 
@@ -7,9 +7,9 @@
 
 static ranks_group group;
 
-/* ---- agreeing ---- */
+/* ---- agreement ---- */
 
-/* Whether this rank is where the first one is: else *error. */
+/* Return OPC_OK if `what` is equal to that of rank 0; otherwise fill *error. */
 static int compare_place(const char *what, opc_error *error) {
   g_autofree char *sum =
       g_compute_checksum_for_string(G_CHECKSUM_SHA256, what, -1);
@@ -21,7 +21,7 @@ static int compare_place(const char *what, opc_error *error) {
                             : OPC_OK;
 }
 
-/* Put the rank before the message, before it is spread. */
+/* Add rank and machine to the message, except for rank 0. */
 static void fault_sign(opc_error *error) {
   const opc_error own = *error;
   if (group.rank)
@@ -44,16 +44,16 @@ static int ranks_agree(const char *what, int code, opc_error *error) {
   return own.code;
 }
 
-/* ---- sharing ---- */
+/* ---- distribution ---- */
 
-/* A holder is the rank that has a unit's result, as all ranks know it; the last
-   element is the lowest unit with a fault. */
+/* holders[i] is the rank that has the result of unit i, equal in all ranks;
+   holders[count] is the lowest unit with a fault, or NOBODY. */
 enum { NOBODY = G_MAXINT32 };
 
 typedef struct sharing {
   const ranks_units *units;
   int64_t *holders;
-  GBytes **own; /* results of this rank, not yet given to the others */
+  GBytes **own; /* results of this rank, not yet sent */
   opc_error fault;
 } sharing;
 
@@ -68,7 +68,7 @@ static gint by_cost(gconstpointer a, gconstpointer b) {
   return (s->i > t->i) - (s->i < t->i);
 }
 
-/* List the units that no rank has, the dearest first. */
+/* List the units that no rank has, by decreasing cost. */
 static GArray *list_turns(const sharing *s) {
   const ranks_units *u = s->units;
   GArray *list = g_array_new(FALSE, FALSE, sizeof(turn));
@@ -88,7 +88,8 @@ static int find_holders(sharing *s, opc_error *error) {
   return mpi_least(s->holders, u->count, error);
 }
 
-/* A free rank does the next unit; after a fault there is none. */
+/* Compute the next unit until none remains. After a fault, advance the counter
+   beyond the last unit. */
 static int do_turns(sharing *s, opc_error *error) {
   const ranks_units *u = s->units;
   g_autoptr(GArray) list = list_turns(s);
@@ -111,7 +112,8 @@ static int do_turns(sharing *s, opc_error *error) {
   return mpi_least(s->holders, u->count + 1, error);
 }
 
-/* Give the result of unit i to all ranks, or its fault. NULL and *error. */
+/* Send the result of unit i from its holder to all ranks. Return the result, or
+   NULL and the fault of the unit in *error. */
 static GBytes *result_exchange(sharing *s, size_t i, opc_error *error) {
   const ranks_units *u = s->units;
   int from = (int)s->holders[i];
@@ -133,7 +135,8 @@ static GBytes *result_exchange(sharing *s, size_t i, opc_error *error) {
   return code ? NULL : g_steal_pointer(&own);
 }
 
-/* A rank that cannot take a result still sends its own to the others. */
+/* Call take() for all results. After a failure of take(), continue to send the
+   results of this rank to the others. */
 static int take_all(sharing *s, opc_error *error) {
   const ranks_units *u = s->units;
   int code = OPC_OK;

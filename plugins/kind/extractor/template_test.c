@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A rectangle has its own length; twice the length carries half the current. */
+/* A rectangle has its own length; twice the length carries half the current;
+   then the plugin is part of a correction that succeeds. */
 #include <eda/extractor.h>
 #include <math.h>
 #include <opcflow/testing.h>
@@ -23,5 +24,7 @@ int main(void) {
   printf("%g nm, %g A %s\n", p.leq_ion[0], p.ion[0], error.message);
   eda_performance_clear(&p);
   opc_test_module_free(m);
-  return !good;
+  int code = opc_test_corrects("extractor", "{ use: @ID@ }", &error);
+  printf("%g %% %s\n", opc_test_metric("ion_max"), code ? error.message : "");
+  return code || !good;
 }

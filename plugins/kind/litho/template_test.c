@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The intensity of a clear mask is 1. */
+/* The intensity of a clear mask is 1; then the plugin is part of a correction
+   that succeeds. */
 #include <eda/litho.h>
 #include <math.h>
 #include <opcflow/testing.h>
@@ -20,5 +21,7 @@ int main(void) {
   eda_spectrum_clear(&mask);
   eda_field_clear(&field);
   opc_test_module_free(m);
-  return !(fabs(value - 1) < 1e-5);
+  int code = opc_test_corrects("litho", "{ use: @ID@ }", &error);
+  printf("%g %% %s\n", opc_test_metric("ion_max"), code ? error.message : "");
+  return code || !(fabs(value - 1) < 1e-5);
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A dark field prints; the level set is the threshold minus the intensity. */
+/* A dark field prints; the level set is the threshold minus the intensity; then
+   the plugin is part of a correction that succeeds. */
 #include <eda/resist.h>
 #include <math.h>
 #include <opcflow/testing.h>
@@ -15,5 +16,7 @@ int main(void) {
     eda_field_sample(&field, &x, &y, 1, &value);
   printf("%g %s\n", value, error.message);
   opc_test_module_free(m);
-  return !(fabs(value - 0.3) < 1e-6);
+  int code = opc_test_corrects("resist", "{ use: @ID@ }", &error);
+  printf("%g %% %s\n", opc_test_metric("ion_max"), code ? error.message : "");
+  return code || !(fabs(value - 0.3) < 1e-6);
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Calls of modules of the kinds litho, resist, extractor, synthesizer and
-   regulator, and checks of their results. Each check returns OPC_OK, or
-   OPC_FAILED with the fault in *error; eda_blame then names the module at
-   fault:
+/* Calls of modules (opc_module, base.h) of the kinds litho, resist, extractor,
+   synthesizer and regulator, and checks of the results. Each check returns
+   OPC_OK, or OPC_FAILED and a description in *error. eda_blame then adds the
+   slot, which is the parameter of a step that selects the module:
 
      const char *before = eda_enter(context, module, error);
      int code = functions->extract(module->self, &slices, &out, error);
@@ -10,7 +10,7 @@
      if (!code) code = eda_check_performance(gates, 0, flags, &out, error);
      return eda_blame(error, code, "extractor");
 
-   All functions are [any]. */
+   All functions are [any] (opcflow/plugin.h). */
 #pragma once
 
 #include <eda/extractor.h>
@@ -19,41 +19,42 @@
 
 OPC_C_BEGIN
 
-/* Clear *error and call opc_enter for a call of the module. Return the value
-   for opc_leave. */
+/* Clear *error and call opc_enter, which attributes a crash to the module.
+   Return the value that the caller passes to opc_leave. */
 OPC_EXPORT const char *eda_enter(const opc_context *context,
                                  const opc_module *module, opc_error *error);
 
-/* Attribute an error to the module in a slot: put the name of the slot before
-   that of the parameter. Replace an unknown code by OPC_FAILED and an empty
-   message by a default one. Return the code. OPC_OK is returned unchanged. */
+/* Attribute an error to the module in a slot: change error->parameter from
+   PARAMETER to SLOT.PARAMETER, an unknown code to OPC_FAILED, and an empty
+   message to a default message. Return the code. For OPC_OK do nothing. */
 OPC_EXPORT int eda_blame(opc_error *error, int code, const char *slot);
 
-/* Run tasks that may fail through opc_parallel. Return the error of the failed
-   task with the lowest number. */
+/* Run task(data, i) for all i < n by opc_parallel. Return OPC_OK, or the code
+   and *error of the failed task with the smallest i. */
 OPC_EXPORT int eda_try_all(const opc_context *context, size_t n,
                            int (*task)(void *data, size_t i, opc_error *error),
                            void *data, opc_error *error);
 
-/* Check that a field has values, all finite, on exactly this frame. `what`
-   names the field in the message. */
+/* Check that a field has nodes, finite values and exactly the frame `frame`.
+   `what` names the field in the message ("level set"). */
 OPC_EXPORT int eda_check_field(const eda_field *field, const eda_frame *frame,
                                const char *what, opc_error *error);
 
-/* Check the result of eda_extractor.slicing. */
+/* Check n slices, as returned by eda_extractor.slicing. */
 OPC_EXPORT int eda_check_slicing(size_t n, const double *place,
                                  const double *width, opc_error *error);
 
-/* Check the performance of the gates from `first` on: each figure is above 0,
-   or 0 where `flags` (NULL: none) mark the printed gate as invalid; `outside`
-   is 0, 1 or NULL. */
+/* Check the performance of performance->count gates; element 0 is gate number
+   `first`. Each figure must be above 0; 0 is allowed for gates whose flags[]
+   report a failure (eda_print_failed; NULL: no failures). Elements of `outside`
+   must be 0 or 1. */
 OPC_EXPORT int eda_check_performance(const eda_gates *gates, size_t first,
                                      const uint32_t *flags,
                                      const eda_performance *performance,
                                      opc_error *error);
 
-/* Check the fragments into which a synthesizer dissects a layer, and its moves
-   of the layers it dissected ([gates->layers] fragment counts; 0: none). */
+/* Check the fragments that a synthesizer defines for a layer. Check its moves;
+   fragments[gates->layers] is the number of these fragments of each layer. */
 OPC_EXPORT int eda_check_cuts(const eda_gates *gates, int layer,
                               const eda_cuts *cuts, opc_error *error);
 OPC_EXPORT int eda_check_moves(const eda_gates *gates, const eda_moves *moves,
@@ -64,11 +65,11 @@ OPC_EXPORT int eda_check_ruling(const eda_gates *gates,
 OPC_EXPORT int eda_check_violations(const eda_violation *violations, size_t n,
                                     size_t gates, opc_error *error);
 
-/* Call a module and check everything it returns. The module writes into copies
-   between guard words, so that writes beyond an array are detected. Texts are
-   copied permanently while the module is accountable for them, and must be
-   UTF-8 of at most 200 bytes. Return OPC_OK and the results, or a code and
-   *error for eda_blame; on failure only *done changes. */
+/* The functions below call a module and check all results. The module writes to
+   copies of the arrays between guard words, which detect writes beyond an
+   array. Texts must be UTF-8 of at most 200 bytes; they are copied and never
+   freed. Return OPC_OK and the results, or a code and *error for eda_blame. On
+   failure *done, *verdict and *field are undefined, other results unchanged. */
 
 /* Call eda_synthesizer.update; `fragments` as in eda_check_moves. */
 OPC_EXPORT int eda_call_update(const opc_context *context,
@@ -77,15 +78,15 @@ OPC_EXPORT int eda_call_update(const opc_context *context,
                                const size_t *fragments, eda_moves *moves,
                                int *done, opc_error *error);
 
-/* Call eda_synthesizer.verdict; *verdict is "" where the synthesizer has
-   none. */
+/* Call eda_synthesizer.verdict; *verdict is "" if the synthesizer has no
+   verdict for the gate. */
 OPC_EXPORT int eda_call_verdict(const opc_context *context,
                                 const opc_module *synthesizer, size_t gate,
                                 const char **verdict, opc_error *error);
 
-/* Call eda_extractor.extract, where out->outside may be NULL, and
-   eda_extractor.slice, for [n] places followed by [n] widths. Figures are not
-   checked (eda_check_performance), slices are. */
+/* Call eda_extractor.extract; out->outside may be NULL, and the caller checks
+   the figures by eda_check_performance. Call eda_extractor.slice; slicing[2 *
+   n] receives n places, then n widths, which are checked. */
 OPC_EXPORT int eda_call_extract(const opc_context *context,
                                 const opc_module *extractor,
                                 const eda_slices *slices, eda_performance *out,
@@ -95,13 +96,13 @@ OPC_EXPORT int eda_call_slice(const opc_context *context,
                               const eda_printed_gate *gate, size_t n,
                               double *slicing, opc_error *error);
 
-/* Call eda_resist.print, which replaces the intensity in *field. */
+/* Call eda_resist.print: *field is the intensity, then the level set. */
 OPC_EXPORT int eda_call_print(const opc_context *context,
                               const opc_module *resist, int layer,
                               eda_field *field, opc_error *error);
 
-/* Call eda_regulator.rule and read at most `most` of its violations; *count is
-   the number of all. */
+/* Call eda_regulator.rule. Call eda_regulator.violations, which writes at most
+   `most` violations; *count is the number of all violations. */
 OPC_EXPORT int eda_call_rule(const opc_context *context,
                              const opc_module *regulator,
                              const eda_printed *printed, eda_ruling *ruling,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Data kind "circuit": a flat transistor netlist whose devices are matched to
-   gates of the layout. */
+   gates of the layout. Data kinds: opcflow/step.h. */
 #pragma once
 
 #include <eda/gates.h>
@@ -11,13 +11,13 @@ OPC_C_BEGIN
 /* Role of a port of the circuit. */
 enum {
   EDA_PIN_INPUT = 0,
-  EDA_PIN_OUTPUT = 1, /* includes inner nets that are brought out */
+  EDA_PIN_OUTPUT = 1, /* or an internal net that has a port */
   EDA_PIN_SUPPLY = 2,
   EDA_PIN_GROUND = 3
 };
 
-/* A transistor: net numbers, drawn size in nm from the netlist, and the gates
-   of the layout that form the transistor (fingers share their nets). */
+/* A transistor: its nets (indices in eda_circuit.net), its size in the netlist,
+   nm, and the gates of the layout that form it (several if it has fingers). */
 typedef struct eda_device {
   const char *name; /* full path: "XU1/MN2" */
   uint32_t drain, gate, source, bulk;
@@ -28,33 +28,33 @@ typedef struct eda_device {
   const char *model;      /* name of the model in the netlist. Since 0.6. */
 } eda_device;
 
-/* A matched circuit. The gates outlive the circuit. */
+/* A matched circuit. The gates must outlive the circuit. */
 typedef struct eda_circuit {
   const char *name; /* name of the subcircuit */
   const eda_gates *gates;
   size_t nets;
   const char **net; /* names */
   size_t ports;
-  uint32_t *port; /* net numbers, in the order of the netlist */
+  uint32_t *port; /* net of each port, in the order of the netlist */
   uint8_t *role;  /* EDA_PIN_* of each port */
   size_t count;
   eda_device *device;
-  eda_pool memory; /* owns everything above except the gates */
+  eda_pool memory; /* owns all arrays and texts, but not `gates` */
 } eda_circuit;
 
-/* Return a circuit with zeroed arrays of the given sizes. The caller allocates
-   texts and fingers in the circuit's memory. An object of the data kind
-   "circuit". */
+/* Return a circuit with zeroed arrays for `nets`, `ports` and `count` devices.
+   The caller allocates texts and fingers from circuit->memory. Free a circuit
+   with all its memory (NULL: do nothing). */
 OPC_EXPORT eda_circuit *eda_circuit_new(const eda_gates *gates,
                                         const char *name, size_t nets,
                                         size_t ports, size_t count);
 OPC_EXPORT void eda_circuit_free(void *circuit);
 
-/* Check a circuit: names, net numbers, sizes, and that no gate belongs to two
-   devices. Return the code and fill *error. */
+/* Check names, net numbers and sizes, and that no gate belongs to two devices.
+   Return OPC_OK, or OPC_FAILED and *error. */
 OPC_EXPORT int eda_circuit_check(const void *circuit, opc_error *error);
 
-/* Return the role of a net as a port, EDA_PIN_*; -1 for an inner net. */
+/* Return the role (EDA_PIN_*) of the port of a net; -1: the net has no port. */
 OPC_EXPORT int eda_circuit_role(const eda_circuit *circuit, uint32_t net);
 
 /* Initialise an opc_port (opcflow/step.h). */

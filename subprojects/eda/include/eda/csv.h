@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* CSV files written by users: a line of column names in any order, each with an
-   optional unit in brackets, then rows. Empty lines and lines that begin with #
-   are skipped; blanks around a field are ignored. Errors carry
-   file:line:column. */
+   optional unit in brackets, then one row per line. Empty lines and lines that
+   begin with # are skipped; blanks around a field are ignored. Errors name the
+   place as file:line:column. */
 #pragma once
 
 #include <eda/devices.h>
@@ -12,7 +12,7 @@ OPC_C_BEGIN
 /* A column of a table. */
 typedef struct eda_csv_column {
   const char *name;
-  const char *unit; /* only accepted unit; NULL: none */
+  const char *unit; /* the only unit accepted in brackets; NULL: none */
   int optional;     /* non-zero: the column may be missing */
 } eda_csv_column;
 
@@ -23,9 +23,9 @@ enum {
 
 typedef struct eda_csv eda_csv;
 
-/* Return a table of up to 64 MB; NULL and *error, which names `parameter`, on
-   failure. The table refers to `columns`, which the caller keeps. Below,
-   `column` is an index into `columns`. */
+/* Read a file of up to 64 MB. Return the table, or NULL and *error, which names
+   `parameter`. columns[n] must outlive the table. In the functions below,
+   `column` is an index into this array. */
 OPC_EXPORT eda_csv *eda_csv_read(const char *path, const char *parameter,
                                  const eda_csv_column *columns, size_t n,
                                  uint32_t flags, opc_error *error);
@@ -33,24 +33,24 @@ OPC_EXPORT void eda_csv_free(eda_csv *csv);
 
 OPC_EXPORT size_t eda_csv_rows(const eda_csv *csv);
 
-/* Return whether the table has a column. */
+/* Return 1 if the file has the column, otherwise 0. */
 OPC_EXPORT int eda_csv_has(const eda_csv *csv, int column);
 
-/* Return the text of a field; "" if the column is missing. The table owns the
-   text. */
+/* Return the text of a field, owned by the table; "" if the column is
+   missing. */
 OPC_EXPORT const char *eda_csv_text(const eda_csv *csv, size_t row, int column);
 
-/* Fill *error with "path:line:column: what 'field'" and return its code. */
+/* Fill *error with "path:line:column: what 'field'" and return OPC_INVALID. */
 OPC_EXPORT int eda_csv_fail(const eda_csv *csv, size_t row, int column,
                             const char *what, opc_error *error);
 
-/* Read a finite number above `above`. Return OPC_INVALID and *error for other
-   texts. */
+/* Read a field as a finite number greater than `above`. Return OPC_INVALID and
+ *error for other texts. */
 OPC_EXPORT int eda_csv_number(const eda_csv *csv, size_t row, int column,
                               double above, double *value, opc_error *error);
 
-/* Read a transistor type: "n" or "nmos", "p" or "pmos" set *type to EDA_NMOS or
-   EDA_PMOS. Return OPC_INVALID and *error for other texts. */
+/* Read a transistor type: "n" or "nmos" sets *type to EDA_NMOS, "p" or "pmos"
+   to EDA_PMOS. Return OPC_INVALID and *error for other texts. */
 OPC_EXPORT int eda_csv_type(const eda_csv *csv, size_t row, int column,
                             int *type, opc_error *error);
 

@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The currents of wide transistors as functions of length. The logarithm of a
-   current is interpolated by Steffen's cubic, which is monotone where the table
-   is. Beyond the table the logarithm continues as a straight line with the
-   slope at the end. The slope is limited to between half and twice the mean
-   slope of the outermost tenth of the table, so that a flat or rough end still
-   distinguishes lengths. The extrapolation ends at a quarter of the shortest
-   length, at four times the longest, and at a factor of e^20; lengths further
-   out return the value there. Extrapolated values serve to steer a correction;
-   the table does not support them (docs/reference/devices.md states errors).
+/* The currents of wide transistors as functions of the channel length. The
+   logarithm of a current is interpolated by Steffen's monotone cubic (Astron.
+   Astrophys. 239, 443, 1990). Beyond the table the logarithm continues as a
+   straight line with the slope at the end of the table. The slope is limited to
+   0.5 to 2 times the mean slope of the outermost tenth of the table. The
+   current then changes with length even if the table has a flat or noisy end.
+   It is constant below a quarter of the shortest length, above four times the
+   longest length, and after a change by a factor of e^20. Use extrapolated
+   values only to steer a correction (errors: docs/reference/devices.md).
 
-   A table of several widths has such curves for each width. For a rectangular
-   transistor between two widths, the logarithm of the current per width is
-   interpolated linearly in 1 / W. This separates the contribution of the edges
-   from that of the width. Transistors narrower than the narrowest width have
-   its current per width. */
+   A table of several widths has such curves for each width. Between two widths,
+   the logarithm of the current per width is interpolated linearly in 1 / W,
+   because the share of the edges of the active is proportional to 1 / W.
+   Transistors narrower than the narrowest width have the current per width of
+   the narrowest width. [any], [main]: see opcflow/plugin.h. */
 #pragma once
 
 #include <eda/devices.h>
@@ -38,28 +38,29 @@ typedef struct eda_curves {
 /* A width and its position among those of the table. */
 typedef struct eda_curves_width {
   double width; /* nm */
-  size_t low;   /* index of the table's width below */
-  double part;  /* fraction of the way to the next width, 0 to 1 */
-  int is_wide;  /* at least the widest width, or the table has one width only */
+  size_t low;   /* index of the next smaller width in the table */
+  double part;  /* position between widths `low` and `low` + 1: 0 to 1, linear
+                   in 1 / W */
+  int is_wide;  /* 1: `width` >= widest width, or the table has one width */
 } eda_curves_width;
 
-/* Read a device table into *curves. *curves is zeroed, or was read before, in
-   which case nothing happens. The table needs at least three lengths and
+/* Read a device table into *curves, which must be zeroed; return OPC_OK at once
+   if *curves was read before. The table needs at least three lengths and
    currents that decrease with length; in a table of several widths only Ion of
-   the widest must decrease. Faults are reported as errors of the parameter
-   "devices"; on failure *curves is zeroed. [main] */
+   the widest must decrease. Errors name the parameter "devices"; on failure
+   *curves is zeroed. [main] */
 OPC_EXPORT int eda_curves_read(eda_curves *curves, const char *path,
                                opc_error *error);
 OPC_EXPORT void eda_curves_clear(eda_curves *curves);
 
 /* All functions below are [any]. */
-/* Return the curves of a flavour of transistors; NULL or "": transistors
-   without flavour. Return NULL if the file has no such table. */
+/* Return the curves of a transistor flavour (eda/gates.h; NULL or "": no
+   flavour). Return NULL if the file has no table for the flavour. */
 OPC_EXPORT const eda_curves *eda_curves_of(const eda_curves *curves,
                                            const char *flavour);
 
-/* Return the logarithm of the current per width, A/nm, at a length (nm). Values
-   within the table do not depend on the extrapolation. */
+/* Return the natural logarithm of the current per width, A/nm, at a length, nm.
+   `current` is EDA_ION or EDA_IOFF. */
 OPC_EXPORT double eda_curves_at(const eda_curves *curves, int type, int current,
                                 double length);
 /* Return the length whose current per width has this logarithm. */
@@ -68,10 +69,9 @@ OPC_EXPORT double eda_curves_length(const eda_curves *curves, int type,
 
 OPC_EXPORT eda_curves_width eda_curves_among(const eda_curves *curves,
                                              double width);
-/* Evaluate the current and its inverse for a rectangular transistor of a width.
-   If a current is not monotone, several lengths have the same current: the
-   result is the one nearest to `near`, nm. If no length nearby has the current,
-   return `near`. */
+/* As eda_curves_at and eda_curves_length, for a rectangular transistor of a
+   width. If several lengths have the same current, return the length nearest to
+   `near`, nm. If no length near `near` has the current, return `near`. */
 OPC_EXPORT double eda_curves_narrow_at(const eda_curves *curves, int type,
                                        int current, double length,
                                        const eda_curves_width *width);
@@ -79,9 +79,8 @@ OPC_EXPORT double eda_curves_narrow_length(const eda_curves *curves, int type,
                                            int current, double logarithm,
                                            const eda_curves_width *width,
                                            double near);
-/* Return the smallest ratio, over all lengths of the table, of the current per
-   width of a transistor of this width to that of a wide one; 1 if its edges add
-   current. */
+/* Return the minimum over all lengths of the ratio of currents per width: a
+   transistor of this width relative to a wide transistor; at most 1. */
 OPC_EXPORT double eda_curves_least_share(const eda_curves *curves, int type,
                                          int current,
                                          const eda_curves_width *width);
@@ -91,8 +90,8 @@ OPC_EXPORT double eda_curves_longest(const eda_curves *curves);
 /* Return the narrowest width of a table of several widths, nm; otherwise 0. */
 OPC_EXPORT double eda_curves_narrowest(const eda_curves *curves);
 
-/* Compute exp of eda_curves_at for both currents, within 1e-5, in a fraction of
-   the time; beyond the table exact and slower. */
+/* Compute exp(eda_curves_at) of both currents faster, with a relative error of
+   1e-5; beyond the table without error, but slower. */
 static inline void eda_curves_quick(const eda_curves *curves, int type,
                                     double length,
                                     double current[EDA_CURRENTS]) {
@@ -109,8 +108,8 @@ static inline void eda_curves_quick(const eda_curves *curves, int type,
     current[k] = y[k] + part * (y[EDA_CURRENTS + k] - y[k]);
 }
 
-/* Compute exp of eda_curves_narrow_at in the same way; not for wide
-   transistors. */
+/* Compute exp(eda_curves_narrow_at) of both currents in the same way;
+   width->is_wide must be 0. */
 OPC_EXPORT void eda_curves_narrow_quick(const eda_curves *curves, int type,
                                         double length,
                                         const eda_curves_width *width,

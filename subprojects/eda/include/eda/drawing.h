@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Pictures: drawing surface, text, legends, charts and their colours. Not part
-   of <eda/eda.h>, because these functions need cairo. Coordinates are pixels
-   (points in a vector format), y downwards. All functions are [any]; use each
-   surface from one thread at a time. */
+/* Pictures: drawing surfaces, text, legends, charts and colours. Not part of
+   <eda/eda.h>, because these functions need cairo. Coordinates are pixels
+   (points in .svg and .pdf), y downwards. All functions are [any]
+   (opcflow/plugin.h); use each surface from one thread at a time. */
 #pragma once
 
 #include <cairo.h>
@@ -26,65 +26,66 @@ typedef struct eda_colour {
 OPC_EXPORT extern const eda_colour eda_ink, eda_faint, eda_unknown,
     eda_ring_colour;
 
-/* Colours of a layer, by its number: drawn shape (fill), mask (outline),
-   simulated contour. */
+/* Colours of contacts and of a layer (number as in eda_gates): fill of drawn
+   shapes, outline of the mask, simulated contour. */
 OPC_EXPORT extern const eda_colour eda_contact_fill;
 OPC_EXPORT eda_colour eda_layer_fill(size_t layer);
 OPC_EXPORT eda_colour eda_layer_outline(size_t layer);
 OPC_EXPORT eda_colour eda_layer_contour(size_t layer);
 
-/* Return the colour of a deviation, from blue through white to red; t from 0 to
-   1, clamped. */
+/* Return the colour of a deviation: blue at t = 0, white at 0.5, red at 1; t is
+   clamped to this range. */
 OPC_EXPORT eda_colour eda_diverging(double t);
 
-/* Return the colour of an intensity, from dark to light with monotone
-   lightness, readable in grey; t from 0 to 1, clamped. */
+/* Return the colour of an intensity: dark at t = 0 to light at t = 1, with
+   monotone lightness, also when printed in grey; t is clamped. */
 OPC_EXPORT eda_colour eda_sequential(double t);
 
 OPC_EXPORT void eda_use(cairo_t *cairo, eda_colour colour);
 
 /* ---- paper ------------------------------------------------------------ */
 
-/* A file that is drawn on. All functions below except eda_use leave the ink
-   colour, no dashes and the normal font in place. */
+/* A drawing surface with its file. After each function below except eda_use,
+   the current colour is eda_ink, lines are solid and the font is normal. */
 typedef struct eda_paper {
   cairo_t *cairo; /* drawing context */
   double width, height;
   double font;   /* text height */
-  double margin; /* margin of titles and legends; may be changed */
+  double margin; /* left and right of titles and legends; may be changed */
   int pixels;    /* 1 for a .png: align lines to pixels */
 } eda_paper;
 
-/* Check the name of a picture: .png, .svg or .pdf. Otherwise return OPC_INVALID
-   with an error of `parameter`. */
+/* Check that a file name ends in .png, .svg or .pdf. Otherwise return
+   OPC_INVALID and an error of the parameter `parameter`. */
 OPC_EXPORT int eda_paper_check(const char *file, const char *parameter,
                                opc_error *error);
 
-/* Open a white surface; return NULL and *error if the file cannot be written.
-   `path` must live until the surface is closed. Equal pictures produce equal
-   files. */
+/* Create a file with a white surface; return NULL and *error if the file cannot
+   be created. `path` must outlive the surface. Equal drawing commands produce
+   equal files. `font`: height of text. */
 OPC_EXPORT eda_paper *eda_paper_open(const char *path, double width,
                                      double height, double font,
                                      opc_error *error);
 
-/* Set the height of a surface that was opened with height 0 for measuring
-   (drawing on such a surface has no effect) and start drawing anew. */
+/* Set the height and clear the surface. A surface opened with height 0 only
+   measures texts and legends; drawing on such a surface has no effect. */
 OPC_EXPORT void eda_paper_cut(eda_paper *paper, double height);
 
-/* Write and close the file, unless `code` reports that drawing has failed.
-   Return `code` or the error of writing. On failure no file remains. */
+/* Write and close the file and free the surface. Return `code`, the result of
+   drawing, or the code of a write error. On an error remove the file. */
 OPC_EXPORT int eda_paper_close(eda_paper *paper, int code, opc_error *error);
 
 /* ---- text and signs --------------------------------------------------- */
 
 enum { EDA_LEFT, EDA_MIDDLE, EDA_RIGHT };
 
-/* Draw a line of text whose left end, middle or right end is at x, in the
-   current colour, truncated to the width `width`, which may be INFINITY. */
+/* Draw a line of text in the current colour. `place` is EDA_LEFT, EDA_MIDDLE or
+   EDA_RIGHT: the part of the text at x. Longer texts are truncated to `width`,
+   which may be INFINITY. */
 OPC_EXPORT void eda_text(const eda_paper *paper, double x, double baseline,
                          int place, double width, const char *text);
 
-/* Draw a line of large text below `top`; return its height. */
+/* Draw a title below `top`; return the height of the title. */
 OPC_EXPORT double eda_heading(const eda_paper *paper, double top,
                               const char *text);
 
@@ -92,7 +93,7 @@ OPC_EXPORT double eda_heading(const eda_paper *paper, double top,
 OPC_EXPORT void eda_cross(const eda_paper *paper, double x, double y,
                           double width, double height);
 
-/* Draw a ring around a place, visible on any background. */
+/* Draw a ring around a point, visible on any background. */
 OPC_EXPORT void eda_ring(const eda_paper *paper, double x, double y);
 
 /* ---- legends ---------------------------------------------------------- */
@@ -108,18 +109,18 @@ typedef struct eda_sign {
     EDA_SIGN_RAMP
   } kind;
   eda_colour colour;
-  double line, dash;  /* width and dash length of a LINE; 0: none */
-  eda_colour behind;  /* colour of the line behind a LINE */
-  double behind_line; /* its width; 0: none */
-  double size;        /* size of a BAR */
+  double line, dash;  /* LINE: width; length of dashes, 0: solid */
+  eda_colour behind;  /* LINE: colour of a second line behind it */
+  double behind_line; /* width of that line; 0: no such line */
+  double size;        /* BAR: size */
   eda_colour (*ramp)(double t);
-  const char *low, *high; /* labels of the ends of a RAMP */
+  const char *low, *high; /* RAMP: labels of both ends */
 } eda_sign;
 
-/* A legend. Entries flow from left to right, then down, to fit any width. */
+/* A legend. Entries are placed from left to right, in lines as needed. */
 typedef struct eda_legend {
   const eda_paper *paper;
-  double top, height; /* position, and current height */
+  double top, height; /* upper end; height of all lines so far */
   double x;
 } eda_legend;
 
@@ -133,34 +134,33 @@ OPC_EXPORT void eda_legend_add(eda_legend *legend, const eda_sign *sign,
 
 /* An axis, or a colour scale. */
 typedef struct eda_axis {
-  double low, high; /* values at the ends */
+  double low, high; /* values at both ends */
   int log;
-  const char *unit;         /* unit after each number, with a prefix as in "20
-                               mA"; NULL: plain numbers */
+  const char *unit;         /* unit of the numbers, written with a prefix ("20
+                               mA"); NULL: no unit */
   const char *title;        /* may be NULL */
-  const char *const *label; /* labels at 0, 1, ... in place of numbers; may be
-                               NULL */
+  const char *const *label; /* texts at the values 0, 1, ... in place of
+                               numbers; may be NULL */
   size_t labels;
 } eda_axis;
 
-/* Set the range to the smallest and largest value that is a number; low > high
-   if none is. */
+/* Set the range to the smallest and the largest of n values, NAN ignored; low >
+   high if all are NAN. */
 OPC_EXPORT void eda_axis_fit(eda_axis *axis, const double *value, size_t n);
 
-/* Extend the range at both ends by a fraction `share`, at least by `least`
-   (decades of a logarithmic axis). An empty range is extended around 0. */
+/* Extend the range at both ends by the fraction `share` of the range, at least
+   by `least` (in decades for a logarithmic axis). An empty range becomes a
+   range around 0 (logarithmic axis: 1). */
 OPC_EXPORT void eda_axis_widen(eda_axis *axis, double share, double least);
 
-/* Set labels; each gets an equal part of the axis. */
+/* Set the texts of an axis and its range, with an equal part for each text. */
 OPC_EXPORT void eda_axis_label(eda_axis *axis, const char *const *label,
                                size_t labels);
 
-/* Return the position of a value, from 0 at the low end to 1 at the high
-   end. */
+/* Return the relative position of a value: 0 at the low, 1 at the high end. */
 OPC_EXPORT double eda_axis_place(const eda_axis *axis, double value);
 
-/* Return the width of labels and title at the left of a chart with this y
-   axis. */
+/* Return the width of the numbers, or texts, and the title of a y axis. */
 OPC_EXPORT double eda_axis_width(const eda_paper *paper, const eda_axis *axis);
 
 typedef struct eda_chart {
@@ -170,28 +170,28 @@ typedef struct eda_chart {
   eda_axis x, y;
 } eda_chart;
 
-/* Return a position on the surface. */
+/* Return the position of a value on the surface. */
 OPC_EXPORT double eda_chart_x(const eda_chart *chart, double x);
 OPC_EXPORT double eda_chart_y(const eda_chart *chart, double y);
 
-/* Draw the frame, the grid, labels and titles. */
+/* Draw the frame, the grid lines, the numbers or texts, and the titles. */
 OPC_EXPORT void eda_chart_axes(const eda_chart *chart);
 
-/* Draw a line, clipped at the frame of the chart. A NAN value leaves a gap. */
+/* Draw a line through n points, clipped at the frame. NAN leaves a gap. */
 OPC_EXPORT void eda_chart_line(const eda_chart *chart, eda_colour colour,
                                double width, double dash, const double *x,
                                const double *y, size_t n);
 OPC_EXPORT void eda_chart_dots(const eda_chart *chart, eda_colour colour,
                                double radius, const double *x, const double *y,
                                size_t n);
-/* Fill the band between `low` and `high`, half transparent. */
+/* Fill the band between `low` and `high`, 60 % opaque. */
 OPC_EXPORT void eda_chart_band(const eda_chart *chart, eda_colour colour,
                                const double *x, const double *low,
                                const double *high, size_t n);
 
-/* Draw a rectangle for each pair of labels of the axes, x first, in the colour
-   of its figure on the scale `of`, crossed out if NAN. Draw the colour scale at
-   the right. Call before eda_chart_axes. */
+/* Draw a rectangle for each pair of axis texts in the colour of its figure,
+   figure[x * y.labels + y], on the colour scale `of`; NAN is grey with a cross.
+   Draw the scale at the right. Call before eda_chart_axes. */
 OPC_EXPORT void eda_chart_field(const eda_chart *chart, const eda_axis *of,
                                 const double *figure);
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* All headers of the library except <eda/drawing.h>, which needs cairo. */
+/* Most headers of the library. Include <eda/drawing.h>, which needs cairo,
+   <eda/median.h>, <eda/models.h> and <eda/verdicts.h> separately. */
 #pragma once
 
 #include <eda/check.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Data of the kind "experiment": the run folders of several methods on several
-   cases, produced by the step `experiment`. */
+/* Data kind (opcflow/step.h) "experiment": the run folders of several methods
+   on several cases, produced by the step `experiment`. */
 #pragma once
 
 #include <opcflow/base.h>
@@ -9,23 +9,22 @@ OPC_C_BEGIN
 
 typedef struct eda_experiment {
   size_t n_cases, n_methods;
-  const char *const *cases, *const *methods; /* their names */
-  /* Run folder of case c by method m at [c * n_methods + m]: complete, with
-     flow.yaml, metrics.json and manifest.json; valid while the flow that made
-     the folder runs. NULL for a failed run. */
+  const char *const *cases, *const *methods; /* names */
+  /* Path of the run folder of case c and method m at [c * n_methods + m]; NULL
+     for a failed run. The folder has flow.yaml, metrics.json and manifest.json,
+     and exists while the flow that created it runs. */
   const char *const *folders;
 } eda_experiment;
 
-/* Return a copy of everything; the last array has n_cases * n_methods elements.
-   [any] */
+/* Return an experiment with copies of these arrays and texts; `folders` has
+   n_cases * n_methods elements. [any] (opcflow/plugin.h) */
 OPC_EXPORT eda_experiment *eda_experiment_new(size_t n_cases,
                                               const char *const *cases,
                                               size_t n_methods,
                                               const char *const *methods,
                                               const char *const *folders);
 
-/* Free an experiment with all texts. An object of the data kind
-   "experiment". */
+/* Release and check functions of an output of the data kind "experiment". */
 OPC_EXPORT void eda_experiment_free(void *experiment);
 OPC_EXPORT int eda_experiment_check(const void *experiment, opc_error *error);
 

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Kind "extractor": computes the performance of a transistor from its printed
-   slices. */
+   slices. Kind, instance, [any], [main]: see opcflow/plugin.h. */
 #pragma once
 
 #include <eda/gates.h>
 
 OPC_C_BEGIN
 
-/* The slices of `count` gates, `slices` each: slice s of gate i is at [i *
-   slices + s]. Lengths in nm. Slices of a gate that did not print have length
-   0. */
+/* The slices of `count` gates: strips of the channel along L, side by side
+   along W. Slice s of gate i is at [i * slices + s]. Lengths and widths in nm.
+   The slices of a gate that does not print have length 0. */
 typedef struct eda_slices {
   size_t count, slices;
   const uint8_t *type; /* of each gate: EDA_NMOS, EDA_PMOS */
@@ -17,9 +17,9 @@ typedef struct eda_slices {
   const double *length;
   const double *edge; /* distance from the middle of the slice to the nearer
                          active edge */
-  /* The flavour of each gate (eda/gates.h), NULL for a gate without flavour;
-     NULL: no gate has one. An extractor without devices of a flavour fails.
-     Since 0.6. */
+  /* Flavour of each gate (eda/gates.h), NULL for a gate without flavour. The
+     array is NULL if no gate has a flavour. `extract` fails for a flavour
+     without device table. Since 0.6. */
   const char *const *flavour;
 } eda_slices;
 
@@ -32,10 +32,10 @@ struct eda_printed_gate {
   /* Extension of the printed poly past the printed active, nm, at the LOW and
      HIGH end along W; INFINITY where the poly continues. */
   double extension[2];
-  /* Return the printed length (nm) at a fraction of the width, 0 where nothing
-     prints. The result is reused if a slice is placed there. */
+  /* Return the printed length, nm, at the fraction `place` of the width; 0 if
+     the poly does not print there. The caller reuses results for slices. */
   double (*length)(const eda_printed_gate *gate, double place);
-  /* Return the lengths at n places, faster than one by one. */
+  /* Write the printed lengths at n places; faster than n calls of `length`. */
   void (*lengths)(const eda_printed_gate *gate, size_t n, const double *place,
                   double *length);
   const void *data;    /* private to the caller */
@@ -43,30 +43,30 @@ struct eda_printed_gate {
 };
 
 typedef struct eda_extractor {
-  /* Prepare once, for example read the devices. [main] */
+  /* Prepare the instance once, for example read the device tables. [main] */
   int (*prepare)(void *self, opc_error *error);
 
-  /* Return the number of slices, their places as increasing fractions of the
-     width, and their widths as fractions with the sum 1. The arrays belong to
-     the instance. */
+  /* Return the number of slices per gate. Set *place to the positions where
+     lengths are measured, increasing fractions of the gate width, and *width to
+     widths of slices, fractions with the sum 1. The instance owns the
+     arrays. */
   size_t (*slicing)(const void *self, const double **place,
                     const double **width);
 
   /* Compute the performance of all gates of `in` into the arrays of `out`,
-     which have in->count elements. `outside` is zeroed before the call, or NULL
-     if not wanted. [any] */
+     which have in->count elements. `outside` is zeroed or NULL. [any] */
   int (*extract)(const void *self, const eda_slices *in, eda_performance *out,
                  opc_error *error);
 
-  /* Optional; NULL: every gate is sliced as `slicing` returns. Compute the
-     slices of one gate: as many places and widths as `slicing` returns, by the
-     same rules. A slice may have width 0. Drawn gates are sliced in the same
-     way, with a constant length. [any] */
+  /* Optional; NULL: all gates have the slices of `slicing`. Compute the slices
+     of one gate: arrays of the same size and with the same rules as those of
+     `slicing`. A slice may have width 0. Also called for drawn gates, whose
+     `length` is constant. [any] */
   void (*slice)(const void *self, const eda_printed_gate *gate, double *place,
                 double *width);
 
-  /* Optional; NULL: no limits known. Compute the shortest and longest length
-     (nm) of a transistor type for which the figures are valid, after `prepare`.
+  /* Optional; NULL: unknown. Compute the shortest and longest length, nm, for
+     which the figures of a transistor type are valid. Called after `prepare`.
      Return 1, or 0 if there are no limits. [any] */
   int (*range)(const void *self, int type, double *shortest, double *longest);
   OPC_MAY_GROW

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Common parts of several layout formats: layer numbers, and polygons without
-   holes and with a limited number of points. */
+/* Functions for several layout formats: layer numbers, and conversion to
+   polygons without holes and with a limited number of points. [any]: see
+   opcflow/plugin.h. */
 #pragma once
 
 #include <eda/gates.h>
@@ -12,19 +13,21 @@ typedef struct eda_layer_number {
   uint32_t layer, datatype;
 } eda_layer_number;
 
-/* Parse "9/0" or, if `any` is not NULL, "9" for every datatype (*any = 1);
-   numbers up to `most`. Return 0 for any other text. [any] */
+/* Parse LAYER/DATATYPE ("9/0"), numbers up to `most`. If `any` is not NULL,
+   also parse LAYER, which selects every datatype (*any = 1). Return 1; 0 for
+   other texts. [any] */
 OPC_EXPORT int eda_layer_number_read(const char *text, uint32_t most,
                                      eda_layer_number *out, int *any);
 
-/* Return the default layer number (datatype 0) of a layer of these gates: the
-   first (poly) 9, the second (active) 1, contact 10, others from 11 on, in
-   order. Drawn shapes of a corrected layer get this number plus
-   EDA_DRAWN_NUMBER. [any] */
+/* Return the default number (datatype 0) of a layer in output files: 9 for
+   poly, 1 for active, 10 for contact; 11, 12, ... for other layers, in order.
+   Drawn shapes of a corrected layer have this number + EDA_DRAWN_NUMBER.
+   [any] */
 OPC_EXPORT uint32_t eda_gates_number(const eda_gates *gates, size_t layer);
 enum { EDA_DRAWN_NUMBER = 100 };
 
-/* Receiver of simple polygons; a code other than OPC_OK ends the work. */
+/* Callback for polygons without holes. A code other than OPC_OK ends the
+   conversion, which returns the code. */
 typedef struct eda_polygon_taker {
   int (*polygon)(void *data, const eda_point *points, size_t n,
                  opc_error *error);
@@ -33,12 +36,12 @@ typedef struct eda_polygon_taker {
 } eda_polygon_taker;
 
 /* Pass a polygon of any size to `take`, dissected if it has more than
-   take->most points. Points made on slanted edges are rounded. [any] */
+   take->most points. New points on slanted edges are rounded. [any] */
 OPC_EXPORT int eda_polygon_cut(const eda_point *points, size_t n,
                                const eda_polygon_taker *take, opc_error *error);
 
 /* Pass merged shapes to `take`: polygons without holes unchanged, polygons with
-   holes as rectangles. [any] */
+   holes dissected into rectangles. [any] */
 OPC_EXPORT int eda_polygons_without_holes(const eda_shapes *shapes,
                                           const eda_polygon_taker *take,
                                           opc_error *error);

@@ -76,7 +76,7 @@ enum {
   EDA_GDS_ASCII = 6
 };
 
-/* Number of the property that holds the name of an instance. */
+/* PROPATTR number of the property that holds the name of an instance. */
 enum { EDA_GDS_INSTANCE_NAME = 61 };
 
 static inline uint32_t eda_gds_u16(const uint8_t *p) {

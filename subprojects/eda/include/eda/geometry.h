@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Flat geometry: points, boxes, polygons and their operations. */
+/* Flat geometry: points, boxes, polygons and operations on them. [any]: see
+   opcflow/plugin.h. */
 #pragma once
 
 #include <opcflow/base.h>
@@ -30,7 +31,7 @@ typedef struct eda_box_list {
 
 OPC_EXPORT void eda_box_list_add(eda_box_list *list, eda_box box);
 
-/* The box of nothing, as an initialiser: eda_box_join extends it. */
+/* Initialiser of an empty box, for extension by eda_box_join. */
 #define EDA_BOX_EMPTY \
   { INT32_MAX, INT32_MAX, INT32_MIN, INT32_MIN }
 
@@ -42,7 +43,7 @@ OPC_UNUSED static inline void eda_box_join(eda_box *all, eda_box b) {
   if (b.y1 > all->y1) all->y1 = b.y1;
 }
 
-/* Return the distance between the middles of two boxes. [any] */
+/* Return the Euclidean distance between the centres of two boxes. [any] */
 OPC_EXPORT double eda_box_distance(eda_box a, eda_box b);
 
 /* Return the bounding box of n points; empty for n = 0. [any] */
@@ -77,35 +78,35 @@ enum { EDA_OR = 0, EDA_AND = 1, EDA_NOT = 2, EDA_XOR = 3 };
    Input shapes may overlap, have any orientation and repeated or collinear
    points; the inside of a polygon is where its winding number is not zero. If
    `hole` is not NULL, the polygons must not intersect themselves, and holes are
-   subtracted from the outlines. Coordinates stay within +-2^30, and edges are
-   parallel to an axis; otherwise functions return OPC_INVALID and the
-   coordinates of the fault. */
+   subtracted from the outlines. Coordinates must be within +-2^30 and edges
+   parallel to an axis; otherwise functions return OPC_INVALID and an error with
+   the coordinates. */
 
 /* Compute *out = a OP b, merged. Polygons that touch along an edge are joined;
    polygons that touch in a corner stay separate. b may be NULL (EDA_OR: merge
    a). The order of the result depends on the geometry only: by lowest, then
-   leftmost point. *out is overwritten; the caller clears *out, which is empty
-   on failure. Return OPC_FAILED for a result of more than 2^31 edges. */
+   leftmost point. *out is overwritten and empty on failure; the caller frees it
+   by eda_shapes_clear. Return OPC_FAILED for more than 2^31 result edges. */
 OPC_EXPORT int eda_boolean(int op, const eda_shapes *a, const eda_shapes *b,
                            eda_shapes *out, opc_error *error);
 
 /* Move all edges of merged shapes outwards by `by`, inwards if `by` is
-   negative; *out as in eda_boolean. Corners stay square. Spaces or shapes of at
-   most twice |by| disappear. */
+   negative; *out as in eda_boolean. Corners stay square. Growing closes spaces
+   of at most 2 |by|; shrinking removes shapes of at most 2 |by|. */
 OPC_EXPORT int eda_shapes_grow(const eda_shapes *shapes, int32_t by,
                                eda_shapes *out, opc_error *error);
 
 /* Move points in place so that edges that deviate from an axis by at most
-   `most` become parallel to the axis. A chain of such edges gets the middle
-   between its smallest and largest coordinate. Chains that deviate by more in
-   total are slanted and stay unchanged. Return the number of straightened
-   edges. */
+   `most` become parallel to the axis. A chain of such edges moves to the middle
+   between its smallest and largest coordinate. A chain with a larger total
+   deviation counts as slanted and stays unchanged. Return the number of
+   straightened edges. */
 OPC_EXPORT size_t eda_shapes_straighten(const eda_shapes *shapes, int32_t most);
 
 /* Dissect merged shapes into non-overlapping rectangles, by horizontal or
-   vertical cuts, whichever yields fewer for a polygon and its holes. Boxes are
-   ordered by lowest, then leftmost corner. Free *boxes with free(); NULL on
-   failure. */
+   vertical cuts, whichever yields fewer rectangles for a polygon and its holes.
+   Boxes are ordered by lowest, then leftmost corner. Free *boxes with free();
+   NULL on failure. */
 OPC_EXPORT int eda_fracture(const eda_shapes *shapes, eda_box **boxes,
                             size_t *count, opc_error *error);
 
@@ -114,7 +115,7 @@ OPC_EXPORT int eda_fracture(const eda_shapes *shapes, eda_box **boxes,
    polygons. */
 OPC_EXPORT int64_t eda_area2(const eda_shapes *shapes);
 
-/* Free the arrays, which come from eda_alloc, and clear the struct. */
+/* Free the arrays (allocated by eda_alloc) and clear the struct. */
 OPC_EXPORT void eda_shapes_clear(eda_shapes *shapes);
 
 OPC_C_END

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Spatial index of boxes: find the boxes near a place. The boxes are
-   distributed over a grid of square cells; a search visits the cells that its
-   window overlaps.
+/* Spatial index of boxes: find the boxes that touch a window. The boxes are
+   sorted into a grid of square cells; a search visits the cells under its
+   window.
 
      eda_index *index = eda_index_new(boxes, n, reach);
      eda_finder f = eda_index_find(index, window);
@@ -9,8 +9,9 @@
        use(boxes[i]);
      eda_index_free(index);
 
-   A point is a box without extent, an edge a box without width. Other shapes
-   are indexed by their bounding boxes, and the caller tests the candidates. */
+   Boxes may have zero width and height, for edges and points. For other shapes
+   index the bounding boxes and test the found shapes. [any]:
+   opcflow/plugin.h. */
 #pragma once
 
 #include <eda/geometry.h>
@@ -19,18 +20,16 @@ OPC_C_BEGIN
 
 typedef struct eda_index eda_index;
 
-/* Return an index of n boxes, which are copied; n below 2^32. `cell` is the
-   side of a cell in the unit of the boxes, ideally about the size of a window.
-   The side is enlarged where it would produce more than a few cells for each
-   box or more than a few boxes for each cell. 0: as many cells as boxes. Empty
-   boxes (x0 > x1) are never found. [any] */
+/* Return an index of n < 2^32 boxes, which are copied. `cell` is the side of a
+   cell in the unit of the boxes, ideally the size of a window; 0: as many cells
+   as boxes. The side is enlarged if there would be too many cells, or too many
+   cells per box. Empty boxes (x0 > x1) are never found. [any] */
 OPC_EXPORT eda_index *eda_index_new(const eda_box *boxes, size_t n,
                                     int32_t cell);
-/* Free an index (NULL: nothing). */
+/* Free an index (NULL: do nothing). */
 OPC_EXPORT void eda_index_free(eda_index *index);
 
-/* A search; fields are private to eda. Needs no clearing and may be abandoned
-   at any time. */
+/* A search; fields are private to eda. A search needs no release. */
 typedef struct eda_finder {
   const eda_index *index;
   eda_box window, cells; /* cells: columns x0 .. x1, rows y0 .. y1 */
@@ -39,14 +38,14 @@ typedef struct eda_finder {
   uint32_t at, end;
 } eda_finder;
 
-/* Start a search for the boxes that touch a window, edges and corners included.
+/* Start a search for boxes that touch a window, also in edges or corners.
    [any] */
 OPC_EXPORT eda_finder eda_index_find(const eda_index *index, eda_box window);
 
-/* Write the number of the next box; return 0 if there are no more. Each box is
-   returned once, by the first cell in which it meets the window, row by row
-   from below, within a cell by number. The order depends only on the boxes, the
-   cell size and the window. [any] */
+/* Write the number of the next box and return 1; return 0 after the last box.
+   Each box is found once, in the first visited cell that contains a part of the
+   box within the window. Cells are visited row by row from below, boxes of a
+   cell by number, which makes the order reproducible. [any] */
 OPC_EXPORT int eda_index_next(eda_finder *finder, uint32_t *number);
 
 OPC_C_END

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Kind "litho": computes the intensity of a mask. */
+/* Kind "litho": computes the intensity of a mask. Kind, instance, [any],
+   [main]: see opcflow/plugin.h. */
 #pragma once
 
 #include <eda/imaging.h>
@@ -8,11 +9,12 @@
 OPC_C_BEGIN
 
 typedef struct eda_litho {
-  /* Prepare once, before any image, for example compute kernels. [main] */
+  /* Prepare the instance before any image, for example compute kernels.
+     [main] */
   int (*prepare)(void *self, opc_error *error);
 
-  /* Return the highest mask frequency (1/nm) that the model uses. For forecasts
-     also called before `prepare`; 0: not yet known. [any] */
+  /* Return the highest spatial frequency of masks, 1/nm, that the model uses.
+     Also called before `prepare`; 0: not yet known. [any] */
   double (*band)(const void *self);
 
   /* Compute the intensity of the mask of a layer; `layer` is its number
@@ -25,21 +27,18 @@ typedef struct eda_litho {
   int (*image_at)(const void *self, int layer, const eda_spectrum *mask,
                   double defocus, eda_field *out, opc_error *error);
 
-  /* The struct grows at its end only.
-
-     Optional. Compute the image with an error of at most `wanted` (clear field
-     1) relative to the most accurate image the model can compute, `defocus` nm
-     from the focus given by the parameters, on the grid of `image`. The kernels
-     for this are computed at the first call. If the model cannot reach the
-     error, it logs the fact. NULL: `image` and `image_at` are the most
+  /* Optional. As `image_at`, with a difference of at most `wanted` (clear
+     field: 1) from the most accurate image of the model, on the grid of
+     `image`. The first call computes further kernels. A model that cannot reach
+     `wanted` logs a warning. NULL: `image` and `image_at` are the most
      accurate. [any] */
   int (*image_fine)(const void *self, int layer, const eda_spectrum *mask,
                     double defocus, double wanted, eda_field *out,
                     opc_error *error);
 
   /* Optional. Compute the spectrum of a mask (merged, in units of `grid` nm) up
-     to the model's band by the model's own method. NULL: eda_mask_spectrum is
-     used. The caller clears *out. [any] */
+     to the model's band. NULL: the caller uses eda_mask_spectrum. The caller
+     clears *out. [any] */
   int (*transform)(const void *self, const eda_shapes *mask, double grid,
                    eda_frame frame, eda_spectrum *out, opc_error *error);
 
@@ -51,8 +50,9 @@ typedef struct eda_litho {
                   double defocus, const eda_field *weight, eda_field *out,
                   opc_error *error);
 
-  /* Optional. Return the scanner, which determines lengths that a flow does not
-     give; also called before `prepare`. NULL: unknown. Since 0.7. [any] */
+  /* Optional. Return the scanner, from which defaults of lengths are derived
+     (natural.h); also called before `prepare`. NULL: unknown. Since 0.7.
+     [any] */
   eda_scanner (*scanner)(const void *self);
   OPC_MAY_GROW
 } eda_litho;

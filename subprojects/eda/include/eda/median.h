@@ -6,21 +6,22 @@
 
 OPC_C_BEGIN
 
-/* Smallest number of values with an interval. The range of five values contains
-   the median of their distribution with a probability of 1 - 2 / 2^5 = 93.75 %,
-   the range of four with 87.5 %. */
+/* Smallest number of values for which an interval is computed. The range of
+   five values contains the median of their distribution with a probability of 1
+   - 2 / 2^5 = 93.75 %, the range of four with 87.5 %. */
 enum { EDA_MEDIAN_FEWEST = 5 };
 
 typedef struct eda_median {
-  double value, low, high; /* NAN: no value; low, high: too few values */
+  double value, low, high; /* median, interval; NAN if n = 0, low and high if n
+                              is too small */
   int64_t n;               /* number of values */
 } eda_median;
 
 /* Return the median of n finite values, and a 95 % confidence interval of the
-   median of their continuous distribution. No other assumption on the
-   distribution is necessary: the interval is between two order statistics
-   (binomial), interpolated after Hettmansperger and Sheather, Statist. Probab.
-   Lett. 4 (1986) 75. [any] */
+   median of their distribution, which must be continuous. The interval is
+   between two order statistics (binomial distribution), interpolated after
+   Hettmansperger and Sheather, Statist. Probab. Lett. 4 (1986) 75. [any]
+   (opcflow/plugin.h) */
 OPC_EXPORT eda_median eda_median_of(const double *values, size_t n);
 
 OPC_C_END

@@ -1,18 +1,17 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Memory allocation of the library. */
+/* Memory allocation of the library. [any]: see opcflow/plugin.h. */
 #pragma once
 
 #include <opcflow/base.h>
 
 OPC_C_BEGIN
 
-/* Return zeroed memory of count * size bytes, never NULL, also for none; free
-   with free(). Running out of memory aborts the program, as in GLib, because a
-   correction cannot recover half way. [any] */
+/* Return zeroed memory of count * size bytes, never NULL, even for 0 bytes;
+   free with free(). If memory is exhausted, the program aborts. [any] */
 OPC_EXPORT void *eda_alloc(size_t count, size_t size);
 
 /* Enlarge *array (the address of a pointer) to at least `need` elements of
-   `size` bytes, by half or more, and write the new capacity to `room`. New
+   `size` bytes, at least by half, and set `room` to the new capacity. New
    elements are not zeroed. Free with free(). [any] */
 OPC_EXPORT void eda_grow_to(void *array, size_t *room, size_t need,
                             size_t size);
@@ -23,8 +22,8 @@ OPC_UNUSED static inline void eda_grow(void *array, size_t *room, size_t need,
   if (need > *room) eda_grow_to(array, room, need, size);
 }
 
-/* Append an element to an array with `count` elements and the capacity `room`.
-   The element is the last argument. */
+/* Append the element in the last argument to an array with `count` elements and
+   the capacity `room`. */
 #define EDA_PUSH(array, count, room, ...)                     \
   (eda_grow(&(array), &(room), (count) + 1, sizeof *(array)), \
    (void)((array)[(count)++] = __VA_ARGS__))

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* SPICE and CDL netlists: reading, flattening, and writing a netlist with the
-   printed sizes of its transistors. Faults of a file are OPC_INVALID and carry
-   file:line:column. */
+/* SPICE and CDL netlists: readers, flattening, and a writer of netlists with
+   the printed sizes of transistors. Errors of a file have the code OPC_INVALID
+   and name file:line:column. Thesis: see docs/background/physics.md. [any],
+   [main]: see opcflow/plugin.h. */
 #pragma once
 
 #include <eda/circuit.h>
@@ -9,33 +10,33 @@
 
 OPC_C_BEGIN
 
-/* ---- as it is written: subcircuits of elements ------------------------- */
+/* ---- hierarchical netlist: subcircuits of elements --------------------- */
 
 /* A position in a file. */
 typedef struct eda_place {
   uint32_t file, line, column;
 } eda_place;
 
-/* NAME=VALUE; the value is a number or an expression, not yet evaluated. */
+/* NAME=VALUE; the value is the text of a number or of an expression. */
 typedef struct eda_assignment {
   const char *name, *value;
   eda_place at;
 } eda_assignment;
 
 typedef struct eda_element {
-  int is_transistor; /* 0: instance of a subcircuit */
-  const char *name;  /* as written, with its letter */
+  int is_transistor; /* 0: instance of a subcircuit; 1: MOS transistor */
+  const char *name;  /* as in the file, with the letter of the element */
   eda_place at;
   size_t nodes;
   const char **node;
-  uint32_t *local;   /* number of each node in the subcircuit */
-  const char *model; /* model, or name of the subcircuit */
+  uint32_t *local;   /* index of each node in eda_subcircuit.node */
+  const char *model; /* name of the model or of the subcircuit */
   eda_place model_at;
-  uint32_t child; /* number of the subcircuit */
+  uint32_t child; /* number of the instantiated subcircuit */
   uint8_t type;   /* EDA_NMOS, EDA_PMOS */
   size_t settings;
   eda_assignment *setting;
-  double x, y; /* centre of its gate, nm, if a comment has it; otherwise NAN */
+  double x, y; /* centre of the gate, nm, from a comment; NAN: unknown */
 } eda_element;
 
 typedef struct eda_subcircuit {
@@ -43,29 +44,31 @@ typedef struct eda_subcircuit {
   eda_place at;
   size_t ports;
   const char **port;
-  size_t settings; /* defaults of its parameters */
+  size_t settings; /* parameters with default values */
   eda_assignment *setting;
   size_t elements, room;
   eda_element *element;
 
-  /* Set by eda_netlist_prepare. Ports are the first nodes. */
+  /* Set by eda_netlist_prepare. The first nodes are the ports. */
   int state; /* 0 not prepared, 1 in progress, 2 prepared */
   size_t nodes, room_nodes;
   const char **node;
-  uint64_t devices; /* devices, including those of subcircuits */
+  uint64_t devices; /* transistors, with those of all subcircuits below */
 } eda_subcircuit;
 
 typedef struct eda_netlist {
-  /* Set by the caller, the rest zero. *error receives all faults. */
+  /* Set by the caller, who sets all other fields to zero. *error receives the
+     errors of all functions. */
   opc_error *error;
-  double scale;                    /* factor on sizes */
-  const char *n_models, *p_models; /* names separated by blanks, or NULL */
+  double scale;                    /* factor that multiplies all sizes */
+  const char *n_models, *p_models; /* model names with blanks between, or
+                                      NULL */
 
   eda_pool pool;
-  struct eda_lines *lines; /* the reader, which knows positions */
-  uint32_t current;        /* while reading: the current subcircuit, UINT32_MAX
-                              outside */
-  int control;             /* between .control and .endc */
+  struct eda_lines *lines; /* state of the reader */
+  uint32_t current;        /* reader: number of the current subcircuit,
+                              UINT32_MAX outside of subcircuits */
+  int control;             /* reader: 1 between .control and .endc */
   size_t subcircuits, room_subcircuits;
   eda_subcircuit *subcircuit;
   eda_names subcircuit_of;
@@ -80,24 +83,24 @@ typedef struct eda_netlist {
   size_t left_out; /* omitted capacitors and diodes of subcircuits */
 } eda_netlist;
 
-/* Scope of an expression: its subcircuit and the caller. */
+/* Scope of an expression: its subcircuit, as instance `call` in `caller`. */
 typedef struct eda_scope {
   const struct eda_scope *caller; /* NULL: the top */
   const eda_subcircuit *of;
   const eda_element *call;
 } eda_scope;
 
-/* Read a file and its includes. The netlist must not move in memory and is
-   cleared by the caller, also after a failure. [main] */
+/* Read a file and its included files. The netlist must not move in memory. The
+   caller clears the netlist, also after a failure. [main] */
 OPC_EXPORT int eda_netlist_read(eda_netlist *n, const char *path);
 OPC_EXPORT void eda_netlist_clear(eda_netlist *n);
 
 /* Return the number of a subcircuit; -1 and an error of the parameter "top"
-   that lists the existing ones. */
+   that lists the existing subcircuits. */
 OPC_EXPORT int64_t eda_netlist_find(eda_netlist *n, const char *name);
 
-/* Number the nodes of a subcircuit and of all below, resolve calls, and count
-   devices. Call before flattening. */
+/* Number the nodes, find the subcircuits of instances and count the transistors
+   of subcircuit `top` and all below. Call this before eda_netlist_flatten. */
 OPC_EXPORT int eda_netlist_prepare(eda_netlist *n, uint32_t top);
 
 /* Write "FILE:LINE" of an element to the buffer and return the buffer. */
@@ -105,7 +108,7 @@ OPC_EXPORT const char *eda_netlist_where(const eda_netlist *n,
                                          const eda_element *e, char *buffer,
                                          size_t room);
 
-/* ---- flat -------------------------------------------------------------- */
+/* ---- flat netlist ------------------------------------------------------ */
 
 typedef struct eda_transistor {
   const char *name; /* full path */
@@ -116,7 +119,7 @@ typedef struct eda_transistor {
 } eda_transistor;
 
 typedef struct eda_flat_netlist {
-  eda_pool *pool; /* the caller's; owns all arrays */
+  eda_pool *pool; /* from the caller; owns all arrays */
   size_t devices, room_devices;
   eda_transistor *device;
   size_t nets, room_nets;
@@ -125,67 +128,66 @@ typedef struct eda_flat_netlist {
   uint32_t *port;
 } eda_flat_netlist;
 
-/* Flatten a prepared subcircuit. Names are relative to the subcircuit. Global
-   nets in use become further ports. */
+/* Flatten a prepared subcircuit. Names are paths below the subcircuit. Global
+   nets that are used become further ports. */
 OPC_EXPORT int eda_netlist_flatten(eda_netlist *n, const eda_scope *top,
                                    eda_flat_netlist *out);
 
-/* ---- with printed sizes (thesis 3.3.3) --------------------------------- */
+/* ---- netlist with printed sizes (thesis 3.3.3) ------------------------- */
 
-/* A .model card, to be written again with another DLC. Text belongs to the pool
-   it was read with. */
+/* A .model card, for copies with other DLC (BSIM channel length offset of
+   capacitances). The pool passed to eda_card_read owns the texts. */
 typedef struct eda_card {
   const char *name, *kind; /* "nmos", "pmos" */
   size_t count;
   const char **key, **value; /* all parameters except dlc */
-  double dlc;                /* nm: the card's dlc, or else its lint */
+  double dlc;                /* dlc of the card, or else its lint, nm */
 } eda_card;
 
-/* Read the model of this name, EDA_NMOS or EDA_PMOS, from a file and its
-   includes, which must be in its folder. */
+/* Read the model `name` of type EDA_NMOS or EDA_PMOS from a file and its
+   included files, which must be in the same folder. */
 OPC_EXPORT int eda_card_read(eda_pool *pool, const char *path, const char *name,
                              int type, eda_card *out, opc_error *error);
 
-/* Set paths[2] to the whole paths of `files` and, if `read`, *card to the
-   models `names` in them. [EDA_PMOS] of `files` may be NULL: both models are in
-   the first file, and paths[EDA_PMOS] is NULL. Errors name the parameters
-   "models" and "pmos_models". */
+/* Set paths[2] to the absolute paths of files[2]. If `read`, read the models
+   names[2] from these files into card[2]. If files[EDA_PMOS] is NULL, both
+   models are in files[EDA_NMOS] and paths[EDA_PMOS] is NULL. Errors name the
+   parameters "models" and "pmos_models". */
 OPC_EXPORT int eda_cards_read(eda_pool *pool, const char *const files[2],
                               const char *const names[2], int read,
                               const char *paths[2], eda_card card[2],
                               opc_error *error);
 
-/* Write a .model card of this name, with another DLC (nm). [any] */
+/* Write a copy of a .model card with another name and DLC (nm). [any] */
 OPC_EXPORT void eda_card_write(FILE *out, const eda_card *card,
                                const char *name, double dlc);
 
-/* Sizes of transistors: as drawn, as printed before and after correction. */
+/* Sizes of transistors: drawn, printed before, printed after correction. */
 enum { EDA_DRAWN = 0, EDA_BEFORE = 1, EDA_AFTER = 2, EDA_STATES = 3 };
 
 typedef struct eda_annotation {
   const eda_circuit *circuit;
   const eda_mask *mask; /* may be NULL for EDA_DRAWN */
   int state;
-  const char *model[2];    /* names: [EDA_NMOS], [EDA_PMOS]; NULL: the model of
-                              each device in the netlist, if it has no card */
-  const eda_card *card[2]; /* for DLC; NULL: DLC is not corrected */
-  /* Style of a kit whose models are subcircuits: instances X, not M; and the
-     size in nm of the number 1, "l=0.15"; 0: "l=150e-9". */
+  const char *model[2];    /* names, [EDA_NMOS] and [EDA_PMOS]; NULL, only
+                              without card: the model of each device */
+  const eda_card *card[2]; /* cards whose DLC is corrected; NULL: none */
+  /* 1: models are subcircuits, so transistors are instances X, not M. `unit`:
+     length of the number 1, nm (1000: "l=0.15"); 0: sizes in m ("l=150e-9"). */
   int subcircuits;
   double unit;
 } eda_annotation;
 
-/* Number of transistors written, and of changes. */
+/* Numbers of written lines. */
 typedef struct eda_annotated {
-  size_t transistors; /* lines: one for each finger */
-  size_t models;      /* cards with their own DLC */
+  size_t transistors; /* one for each finger */
+  size_t models;      /* cards with changed DLC */
 } eda_annotated;
 
-/* Return the text of one .subckt with the circuit's name and ports, after a
-   .model card for each DLC that differs from that of the card. Names of nets
-   and devices have '.' for '/'; fingers after the first end in _f2, _f3 ...
-   Free the text with free(). Return NULL and *error (OPC_FAILED) if a gate has
-   no size. `counts` may be NULL. [any] */
+/* Return the text of a .model card for each changed DLC and of one .subckt with
+   the circuit's name and ports. In names, '.' replaces '/'; names of fingers
+   after the first end in _f2, _f3 ... Free the text with free(). Return NULL
+   and *error (OPC_FAILED) if a gate has no size. `counts` may be NULL. [any] */
 OPC_EXPORT char *eda_annotate(const eda_annotation *a, eda_annotated *counts,
                               opc_error *error);
 

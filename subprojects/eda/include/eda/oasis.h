@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* OASIS (SEMI P39): record numbers, and a writer. */
+/* OASIS (SEMI P39): record numbers, and a writer. [main]: opcflow/plugin.h. */
 #pragma once
 
 #include <eda/formats.h>
@@ -49,10 +49,10 @@ enum {
 /* Validation schemes. */
 enum { EDA_OASIS_NO_CHECK = 0, EDA_OASIS_CRC32 = 1, EDA_OASIS_SUM32 = 2 };
 
-/* Length of the END record. */
+/* Length of the END record, bytes. */
 enum { EDA_OASIS_END_BYTES = 256 };
 
-/* Order of the name tables in START or END. */
+/* Order of the name tables in the START or END record. */
 enum {
   EDA_OASIS_CELLNAMES = 0,
   EDA_OASIS_TEXTSTRINGS = 1,
@@ -63,26 +63,25 @@ enum {
   EDA_OASIS_TABLES = 6
 };
 
-/* The standard property that holds GDSII properties, and the number of the
-   property that names an instance. */
+/* Standard property that holds GDSII properties, and the number of the GDSII
+   property that holds the name of an instance. */
 #define EDA_OASIS_GDS_PROPERTY "S_GDS_PROPERTY"
 enum { EDA_OASIS_INSTANCE_NAME = 61 };
 
 /* ---- writing ---------------------------------------------------------- */
 
-/* Output of an OASIS file: numbers and strings, collected into compressed
-   blocks, and shapes, of which equal ones are combined into repetitions. Write
-   errors of the file are detected when it is closed. All functions are [main]
-   for one object. */
+/* A writer of an OASIS file. Numbers and strings are collected into compressed
+   blocks; equal shapes are combined into repetitions. The caller detects write
+   errors when closing the file. All functions are [main] for one writer. */
 typedef struct eda_oasis eda_oasis;
 
-/* Return a new output. `file` may be NULL: bytes are counted only. */
+/* Return a new writer. If `file` is NULL, bytes are only counted. */
 OPC_EXPORT eda_oasis *eda_oasis_new(FILE *file);
-/* Free an output, but not the file (NULL: nothing). */
+/* Free a writer (NULL: do nothing); the file stays open. */
 OPC_EXPORT void eda_oasis_free(eda_oasis *out);
 
-/* Return the bytes written to the file, the CRC32 of them all, and the bytes
-   collected for the next block. */
+/* Return the number of bytes written to the file; the CRC32 of these bytes; the
+   number of bytes collected for the next block. */
 OPC_EXPORT uint64_t eda_oasis_place(const eda_oasis *out);
 OPC_EXPORT uint32_t eda_oasis_crc(const eda_oasis *out);
 OPC_EXPORT size_t eda_oasis_collected(const eda_oasis *out);
@@ -91,21 +90,21 @@ OPC_EXPORT void eda_oasis_byte(eda_oasis *out, uint32_t b);
 OPC_EXPORT void eda_oasis_uint(eda_oasis *out, uint64_t v);
 OPC_EXPORT void eda_oasis_sint(eda_oasis *out, int64_t v);
 OPC_EXPORT void eda_oasis_real(eda_oasis *out, double v);
-/* Write a displacement of any direction and length (a g-delta). */
+/* Write a displacement in any direction (OASIS g-delta). */
 OPC_EXPORT void eda_oasis_delta(eda_oasis *out, int64_t x, int64_t y);
 OPC_EXPORT void eda_oasis_string(eda_oasis *out, const char *text);
 
 /* End a record and start a new block if the current one is long enough. */
 OPC_EXPORT void eda_oasis_end_record(eda_oasis *out);
-/* Write the collected bytes to the file, compressed if that is shorter; or
-   uncompressed. */
+/* Write the collected bytes to the file, compressed if that is shorter; write
+   them uncompressed. */
 OPC_EXPORT void eda_oasis_end_block(eda_oasis *out);
 OPC_EXPORT void eda_oasis_end_plain(eda_oasis *out);
 
-/* Collect a shape of a cell; shapes of one layer must follow one another. */
+/* Collect a polygon of a cell. The shapes of a layer must be consecutive. */
 OPC_EXPORT void eda_oasis_polygon(eda_oasis *out, eda_layer_number layer,
                                   const eda_point *points, size_t n);
-/* Write the collected shapes. Call before any other record of the cell. */
+/* Write the collected shapes. Call this before any other record of the cell. */
 OPC_EXPORT void eda_oasis_end_shapes(eda_oasis *out);
 
 OPC_C_END

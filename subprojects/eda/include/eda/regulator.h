@@ -1,59 +1,59 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Kind "regulator": keeps the correction loop within design rules. */
+/* Kind "regulator": enforces design rules in the correction loop. Kind, [main]:
+   see opcflow/plugin.h. */
 #pragma once
 
 #include <eda/synthesizer.h>
 
 OPC_C_BEGIN
 
-/* Input of a regulator. */
+/* Input of a regulator: the simulation of one iteration. Arrays of gates. */
 typedef struct eda_printed {
   uint32_t iteration;
   const eda_gates *gates;
   const uint32_t *flags; /* EDA_PRINT_* */
-  const int32_t *l, *w;  /* biases of the simulated mask */
-  /* Extension of the printed poly past the printed active, nm, [2 * i + side];
-     negative where the poly ends first; INFINITY where the poly continues. */
+  const int32_t *l, *w;  /* biases of the simulated mask (eda_moves) */
+  /* Extension of the printed poly beyond the printed active, nm, [2 * i +
+     side]; negative if the poly ends within the active; INFINITY: no end. */
   const double *extension;
-  const eda_shapes *shapes; /* [layers]: the simulated mask, merged, on the
-                               gates' grid */
-  const eda_field *print;   /* [layers]: positive where the resist prints */
+  const eda_shapes *shapes; /* [layers]: the simulated mask, merged, in grid
+                               units of the gates */
+  const eda_field *print;   /* [layers]: level sets, positive where the resist
+                               prints */
 
   /* Requests of the synthesizer, nm, [2 * i + side]: extension of the printed
-     line end past the active, and additional width of its head on each flank.
-     The regulator grants requests within its rules, and at least its own
-     parameters. NULL: no request. Since 0.2. */
+     line end beyond the active; additional width of a hammerhead on each side.
+     The regulator applies the larger of a request and its own parameter, within
+     its rules. NULL: no request. Since 0.2. */
   const double *want_extension, *want_head;
 
-  /* Like `w`: displacement of both sides of each gate's active towards HIGH
-     (eda_moves.aside). NULL: none. Since 0.5. */
+  /* eda_moves.aside of the simulated mask. NULL: all 0. Since 0.5. */
   const int32_t *aside;
 
-  /* Scanner, for lengths that are not given. Since 0.7. */
+  /* Scanner, for default lengths (natural.h). Since 0.7. */
   eda_scanner scanner;
 } eda_printed;
 
-/* Result of a regulator. On entry `vetoes` is zeroed and `end` holds the
-   present biases of the line ends, in grid steps, outwards positive, [2 * i +
-   side]. */
+/* Result of a regulator. vetoes[i]: EDA_VETO_* of gate i, zeroed on entry.
+   end[2 * i + side]: biases of the line ends, grid steps, outwards positive; on
+   entry those of the simulated mask. */
 typedef struct eda_ruling {
   uint32_t *vetoes;
   int32_t *end;
-  size_t transistors; /* number of transistors that print as one */
-  /* For each layer: rectangles added to its mask, on the grid of the gates, for
-     example a larger enclosure of a contact; and rectangles cut out of the mask
-     afterwards. Complete at each call. Owned by the regulator until its next
-     call; empty on entry. */
+  size_t transistors; /* number of transistors that print without a failure */
+  /* [layers]: all rectangles added to the next mask, in grid units, for example
+     to enlarge the enclosure of a contact; all rectangles cut out afterwards.
+     Empty on entry; the regulator owns them until its next call. */
   eda_boxes *added, *cutouts;
 } eda_ruling;
 
 typedef struct eda_regulator {
-  /* Judge a print; set vetoes and repairs. [main] */
+  /* Check a simulation against the rules; write vetoes and repairs. [main] */
   int (*rule)(void *self, const eda_printed *printed, eda_ruling *ruling,
               opc_error *error);
 
-  /* Write the violations of a print, at most `most`; *count is the number of
-     all. [main] */
+  /* Write the violations of a simulation, at most `most`; set *count to the
+     number of all violations. [main] */
   int (*violations)(void *self, const eda_printed *printed,
                     eda_violation *violations, size_t most, size_t *count,
                     opc_error *error);

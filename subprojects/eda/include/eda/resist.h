@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Kind "resist": converts an intensity to printed shapes. */
+/* Kind "resist": converts an intensity to printed shapes. Kind, instance,
+   [any], [main]: see opcflow/plugin.h. */
 #pragma once
 
 #include <eda/gates.h>
@@ -8,17 +9,17 @@
 OPC_C_BEGIN
 
 typedef struct eda_resist {
-  /* Prepare once, before any print: calibrate each layer against the litho
-     model in use, whose functions are an eda_litho. [main] */
+  /* Prepare the instance once, before `print`: calibrate each layer for the
+     litho model in use (functions: eda_litho). [main] */
   int (*prepare)(void *self, const opc_module *litho, opc_error *error);
 
   /* Convert the intensity of a layer, in place, to its level set: positive
      where the resist remains. The grid of the field may change. [any] */
   int (*print)(const void *self, int layer, eda_field *field, opc_error *error);
 
-  /* Optional. Receive, before `prepare`, the transistors to be simulated, for
-     parameters that follow from them. The gates live until `prepare` returns.
-     NULL: nothing follows. Since 0.7. [main] */
+  /* Optional. Receive the transistors to be simulated, to derive defaults of
+     parameters. Called before `prepare`; the gates are valid until `prepare`
+     returns. Since 0.7. [main] */
   void (*drawn)(void *self, const eda_gates *gates);
   OPC_MAY_GROW
 } eda_resist;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Mask rules (MRC): limits of mask writing and inspection. */
+/* Mask rule check (MRC): limits of mask writing and inspection. */
 #pragma once
 
 #include <eda/geometry.h>
@@ -7,35 +7,36 @@
 OPC_C_BEGIN
 
 enum {
-  /* Space between edges that face each other, also within a polygon (notches),
-     and between convex corners diagonally across. */
+  /* Space between facing edges, also of one polygon (notches), and diagonal
+     space between convex corners. */
   EDA_RULE_SPACE,
-  /* Width between edges across a shape, and between concave corners. */
+  /* Width of a shape between opposite edges, and between concave corners. */
   EDA_RULE_WIDTH,
-  /* Length of an edge next to one of at most the same length, as in staircases,
-     small bumps and notches. The step of a single jog is not such an edge,
-     because its neighbours are long. */
+  /* Length of an edge that is not shorter than one of its neighbours, as in
+     staircases, small bumps and notches. The edge of a single jog is excepted,
+     because both neighbours are longer. */
   EDA_RULE_EDGE,
-  /* Height of a jog: an edge with one convex and one concave corner, both
-     neighbours of which are longer. */
+  /* Height of a jog: of an edge between a convex and a concave corner that is
+     shorter than both neighbours. */
   EDA_RULE_JOG,
   EDA_RULES
 };
 
-/* Place of a violated rule, nm. */
+/* Violation of a rule (EDA_RULE_*): position and measured value, nm. */
 typedef struct eda_rule_fault {
   int rule;
   double x, y, value;
 } eda_rule_fault;
 
-/* Find all places of merged rectilinear shapes that violate a rule: *faults,
-   freed with free(). `limit` is the smallest allowed value of each rule, nm, 0
-   for none. Return the number of places. [any] */
+/* Find all violations of merged rectilinear shapes (units of `grid` nm).
+   limit[rule] is the smallest allowed value, nm, 0: no rule. Return the number
+   of violations and an array *faults, freed with free(). [any]:
+   opcflow/plugin.h. */
 OPC_EXPORT size_t eda_rules_check(const eda_shapes *shapes, double grid,
                                   const double limit[EDA_RULES],
                                   eda_rule_fault **faults);
 
-/* "space", "width", "edge", "jog". [any] */
+/* Return the name of a rule: "space", "width", "edge", "jog". [any] */
 OPC_EXPORT const char *eda_rule_name(int rule);
 
 OPC_C_END

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Reader of run folders written by `opcflow run`: components, metrics and
-   tables. The contents are not trusted: sizes are bounded, and errors name the
-   place of damaged data. */
+/* Reader of run folders written by `opcflow run`: parameters, metrics and
+   tables. Files are not trusted: their size is limited, and errors name the
+   position of damaged data. [any], [main]: see opcflow/plugin.h. */
 #pragma once
 
 #include <opcflow/base.h>
@@ -10,25 +10,25 @@ OPC_C_BEGIN
 
 /* ---- tables ----------------------------------------------------------- */
 
-/* A table of a run (RFC 4180, the first line holds "name (unit)"), by columns.
-   All functions are [main] for one table: numbers are converted on first
-   request. */
+/* A table of a run (CSV of RFC 4180; first line: "name (unit)" of each column).
+   All functions are [main] for one table, because numbers are converted on
+   first request. */
 typedef struct eda_table eda_table;
 
-/* Return a table read from a file of up to 1 GB. NULL and *error on failure:
+/* Read a table from a file of up to 1 GB. Return NULL and *error on failure:
    OPC_IO if the file cannot be read; OPC_INVALID with file:line:column if it is
-   malformed. Each row needs as many fields as the first line. */
+   malformed. Each row must have as many fields as the first line. */
 OPC_EXPORT eda_table *eda_table_read(const char *path, opc_error *error);
 OPC_EXPORT void eda_table_free(eda_table *table);
 
 OPC_EXPORT size_t eda_table_rows(const eda_table *table);
 OPC_EXPORT size_t eda_table_columns(const eda_table *table);
 
-/* Return the name of a column, or its unit ("" without a unit). */
+/* Return the name of a column; return its unit ("": no unit). */
 OPC_EXPORT const char *eda_table_name(const eda_table *table, size_t column);
 OPC_EXPORT const char *eda_table_unit(const eda_table *table, size_t column);
 
-/* Return the first column of a name, -1 if none exists. */
+/* Return the index of the first column with a name, -1 if none exists. */
 OPC_EXPORT int eda_table_find(const eda_table *table, const char *name);
 
 /* Return the text of a field of any column. */
@@ -36,8 +36,8 @@ OPC_EXPORT const char *eda_table_text(const eda_table *table, size_t row,
                                       size_t column);
 
 /* Return the numbers of a column, one for each row, owned by the table; NAN for
-   an empty field, infinity for "inf" or "-inf". Return NULL if a field is no
-   number or all are empty. */
+   an empty field, infinity for "inf" or "-inf". Return NULL if a field is not a
+   number or all fields are empty. */
 OPC_EXPORT const double *eda_table_numbers(eda_table *table, size_t column);
 
 /* Fill *error with "path:line: column 'name': what 'field'" and return
@@ -57,8 +57,8 @@ typedef struct eda_run_metric {
   double tolerance; /* largest insignificant difference; same unit */
 } eda_run_metric;
 
-/* A parameter of a step or of a plugin in a slot; "mask.litho.use" names the
-   plugin. */
+/* A parameter of a step, or of the plugin in a slot of the step. The value of
+   "mask.litho.use" is the name of the plugin in slot "litho" of step "mask". */
 typedef struct eda_run_parameter {
   const char *name;  /* "mask.litho.na" */
   const char *value; /* text as in a flow file: "193 nm", "[1, 2]" */
@@ -66,14 +66,14 @@ typedef struct eda_run_parameter {
 } eda_run_parameter;
 
 typedef struct eda_run_file {
-  const char *path; /* of an input: path as recorded by the run; of an output:
-                       path inside the run folder */
+  const char *path; /* input: path as recorded by the run; output: path inside
+                       the run folder */
   const char *sha256;
-  int64_t bytes; /* -1: not recorded, as for inputs */
+  int64_t bytes; /* -1: not recorded (inputs) */
 } eda_run_file;
 
 typedef struct eda_run_plugin {
-  const char *id, *version, *sha256; /* plugin, its version, and the sum of its
+  const char *id, *version, *sha256; /* plugin, its version, checksum of the
                                         shared object */
 } eda_run_plugin;
 
@@ -82,19 +82,19 @@ typedef struct eda_run_step {
   double seconds;
 } eda_run_step;
 
-/* An important finding reported by a step. */
+/* A finding reported by a step. */
 typedef struct eda_run_finding {
   const char *step, *text;
 } eda_run_finding;
 
-/* A requirement of the flow for a metric, and whether it is met. */
+/* A requirement of the flow for a metric; `kept` is 1 if it is met. */
 typedef struct eda_run_requirement {
   const char *metric, *required, *unit; /* unit may be NULL */
   double value;                         /* NAN: no value */
   int kept;
 } eda_run_requirement;
 
-/* All facts of a run except its tables. Arrays keep the order of the files. */
+/* Contents of a run folder without tables. Arrays are in file order. */
 typedef struct eda_run_facts {
   const char *folder;  /* path as passed to eda_run_open */
   const char *name;    /* name of the flow */
@@ -104,7 +104,7 @@ typedef struct eda_run_facts {
   const char *failure; /* NULL: the run is complete */
   double seconds;
   int64_t threads;
-  int64_t points; /* number of points of a sweep; 0: no sweep */
+  int64_t points; /* points (parameter combinations) of a sweep; 0: no sweep */
   size_t n_metrics;
   const eda_run_metric *metrics;
   size_t n_parameters;
@@ -125,25 +125,25 @@ typedef struct eda_run_facts {
 
 typedef struct eda_run eda_run;
 
-/* Return a run folder: its manifest.json, metrics.json and flow.yaml, of up to
-   16 MB each. A failed run is opened, too. NULL and *error on failure: OPC_IO
-   if the folder is no run folder or a file cannot be read; OPC_INVALID with
+/* Read manifest.json, metrics.json and flow.yaml (up to 16 MB each) of a run
+   folder, also of a failed run. Return NULL and *error on failure: OPC_IO if
+   the folder is not a run folder or a file cannot be read; OPC_INVALID with
    file:line:column if a file is damaged or of an unknown format. [any] */
 OPC_EXPORT eda_run *eda_run_open(const char *folder, opc_error *error);
 OPC_EXPORT void eda_run_free(eda_run *run);
 
-/* Return the facts of a run, owned by the run. [any] */
+/* Return the contents of a run, owned by the run. [any] */
 OPC_EXPORT const eda_run_facts *eda_run_info(const eda_run *run);
 
-/* Return a metric by name, NULL if none exists. [any] */
+/* Return a metric, or a parameter, by name; NULL if none exists. [any] */
 OPC_EXPORT const eda_run_metric *eda_run_metric_of(const eda_run *run,
                                                    const char *name);
 OPC_EXPORT const eda_run_parameter *eda_run_parameter_of(const eda_run *run,
                                                          const char *name);
 
-/* Return whether the folder has a table of a name ("gates"), or return the
-   table. The run owns the table, which is read on first request; NULL and
-   *error as in eda_table_read. [main] */
+/* Return 1 if the folder has the table `name` ("gates"), otherwise 0. Return
+   the table, which the run owns and reads on first request; NULL and *error as
+   in eda_table_read. [main] */
 OPC_EXPORT int eda_run_has_table(const eda_run *run, const char *name);
 OPC_EXPORT eda_table *eda_run_table(eda_run *run, const char *name,
                                     opc_error *error);
@@ -153,27 +153,27 @@ OPC_EXPORT eda_table *eda_run_table(eda_run *run, const char *name,
 /* Result of one method on one case. */
 typedef struct eda_run_case {
   const char *name, *method;
-  const char *folder; /* run folder, inside that of the experiment; NULL:
+  const char *folder; /* run folder, inside the folder of the experiment; NULL:
                          none */
   const char *result; /* "good", or the failure */
   double seconds;
 } eda_run_case;
 
-/* An experiment: a folder with a table experiment.csv that has the columns
-   case, method, folder, result, seconds, followed by metrics. */
+/* An experiment: a folder with a table experiment.csv (columns case, method,
+   folder, result, seconds, and one for each metric). */
 typedef struct eda_run_cases eda_run_cases;
 
-/* Return whether a folder holds an experiment. [any] */
+/* Return 1 if a folder contains an experiment, otherwise 0. [any] */
 OPC_EXPORT int eda_run_is_experiment(const char *folder);
 
-/* Return the cases of an experiment. NULL and *error as in eda_table_read, also
-   if a run folder is outside the experiment or a case has a method twice.
+/* Read the table of an experiment. Return NULL and *error as in eda_table_read,
+   also if a run folder is outside the experiment or a case has a method twice.
    [any] */
 OPC_EXPORT eda_run_cases *eda_run_cases_open(const char *folder,
                                              opc_error *error);
 OPC_EXPORT void eda_run_cases_free(eda_run_cases *cases);
 
-/* Return all cases in the order of the table, and their number *n. [any] */
+/* Return all *n results in the order of the table. [any] */
 OPC_EXPORT const eda_run_case *eda_run_cases_all(const eda_run_cases *cases,
                                                  size_t *n);
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Segmentation: find the transistors of a layout and the mask edges that move
-   with them (thesis 2.2.5 and 3.2.2), for the whole layout or a window. */
+/* Segmentation: find the transistors of a layout, or of a window, and the mask
+   edges that control them (thesis 2.2.5 and 3.2.2; thesis: see
+   docs/background/physics.md). [any]: see opcflow/plugin.h. */
 #pragma once
 
 #include <eda/gates.h>
@@ -8,103 +9,102 @@
 
 OPC_C_BEGIN
 
-/* nm. Shapes further than this from a transistor do not influence it: its free
-   space and its edges of active end there. The value was chosen for 193 nm,
-   where light from half this distance has no influence. With half the value
-   isolated transistors get other masks; with twice the value windows must be
-   twice as wide. */
+/* Distance, nm, beyond which shapes do not influence the segmentation of a
+   transistor: limit of eda_gates.space and of fragments of the active. Chosen
+   for 193 nm, where the optical influence ends at half this distance. Half the
+   value changes the masks of isolated transistors; twice the value needs
+   windows of twice the width. */
 #define EDA_SEGMENT_REACH 2000.0
 
-/* Settings of a segmentation. Texts belong to the caller. Zeroed: no further
-   layers. */
+/* Settings of a segmentation. The caller owns all texts. Fields may be 0,
+   except `grid`. */
 typedef struct eda_segment_settings {
   double grid; /* nm, > 0: the mask grid */
-  /* nm, >= 0; NAN: for each gate the default of EDA_SEGMENT_PARAMETERS. */
+  /* As the parameters of EDA_SEGMENT_PARAMETERS, nm, >= 0; NAN: their defaults,
+     which depend on the length of each gate. */
   double overhang, line_end;
-  /* Further layers, without transistors: two texts for each, its name among the
-     gates and in the layout. */
+  /* Further layers, without transistors: two texts for each, name in eda_gates
+     and name in the layout. */
   const char *const *also;
   size_t also_count;
-  /* For a window: 1: gates have instances and cells, and faults of notes name
-     them; 0: "", which takes less memory. Gates of a window have no numbers
-     (0), because the window does not show all of an instance. */
+  /* For windows. 1: set instance and cell of gates, which errors of notes then
+     name; 0: set "" to save memory. Numbers of gates in windows are 0, because
+     a window may contain a part of an instance. */
   int paths;
-  /* Optional. Receives messages for the user about a whole layout, on the
-     calling thread. */
+  /* Optional. Callback for messages to the user; not called for windows. Runs
+     on the calling thread. */
   void (*log)(void *data, int warning, const char *message);
   void *data;
-  /* Flavours of transistors (eda/gates.h): two texts for each, its name and the
-     marker layers of the layout, separated by blanks if all of several must be
-     present. Since 0.6. */
+  /* Flavours of transistors (eda/gates.h): two texts for each, name and marker
+     layers in the layout; of several layers, separated by blanks, all must
+     cover the gate. Since 0.6. */
   const char *const *flavours;
   size_t flavour_count;
 } eda_segment_settings;
 
-/* Rounding of the layers of a whole layout to the grid. */
+/* Rounding of all layers to the grid. */
 typedef struct eda_segment_report {
-  size_t moved; /* moved vertices */
+  size_t moved; /* number of moved vertices */
   double worst; /* largest displacement, nm */
 } eda_segment_report;
 
-/* Return the cell of this name; NULL: the only cell that no other places.
-   Return -1 and *error if there is none. [any] */
+/* Return the number of the cell `name`; for NULL that of the top cell
+   (eda_layout_top). Return -1 and *error if there is none. [any] */
 OPC_EXPORT int32_t eda_segment_top(const eda_layout *layout, const char *name,
                                    opc_error *error);
 
-/* Check the settings. Return OPC_INVALID, about the parameter "also.NAME", if a
-   name of a further layer is not a word or a name or layer occurs twice; about
-   "flavours.NAME" if a flavour has no marker. [any] */
+/* Check the settings. Return OPC_INVALID with an error of the parameter
+   "also.NAME" if the name of a further layer is not a word, or a name or layer
+   occurs twice; of "flavours.NAME" if a flavour has no marker layer. [any] */
 OPC_EXPORT int eda_segment_check(const eda_segment_settings *settings,
                                  opc_error *error);
 
-/* Find the transistors below a cell, from the layers poly, active, contact,
-   nwell, pwell, nimplant, pimplant, notes and the marker layers of flavours.
-   *gates belongs to the caller; NULL on failure: OPC_INVALID for missing layers
-   and, with its position, for a shape that is not a transistor. Uses all
-   threads of the context. [any] */
+/* Segment the layout of a cell. Used layers: poly, active, contact, nwell,
+   pwell, nimplant, pimplant, notes, further layers and markers of flavours. The
+   caller frees *gates, NULL on failure. Return OPC_INVALID for missing layers
+   and for a crossing of poly and active that is not a transistor (error with
+   its position). [any] */
 OPC_EXPORT int eda_segment(const opc_context *context, const eda_layout *layout,
                            int32_t top, const eda_segment_settings *settings,
                            eda_gates **gates, eda_segment_report *report,
                            opc_error *error);
 
-/* Segment the content of a window, in units of the grid; shapes are clipped at
-   the window's edge. Clipped edges are fixed, and clipped gates are not
-   transistors. Figures and fragments of the others equal those of the whole
-   layout, except near the edge: see eda_segment_halo. The layers are those of
-   the whole layout. The window may be without transistors or shapes (`extent`
-   is then the window). [any] */
+/* Segment a window, in grid units. Shapes are clipped at its border; clipped
+   edges are fixed, and clipped gates are no transistors. The other gates and
+   fragments equal those of the whole layout, except near the border
+   (eda_segment_halo). The layers are those of the whole layout. The window may
+   contain no shapes; then gates->extent is the window. [any] */
 OPC_EXPORT int eda_segment_window(const eda_layout *layout, int32_t top,
                                   const eda_segment_settings *settings,
                                   const eda_box *window, eda_gates **gates,
                                   opc_error *error);
 
-/* Return the margin of a window around a place, in grid units, at which results
-   equal those of the whole layout. Transistors that the window clips are
-   excepted. [any] */
+/* Return the width, grid units, of the margin of a window inside which results
+   equal those of the whole layout, except for clipped transistors. [any] */
 OPC_EXPORT int32_t eda_segment_halo(const eda_segment_settings *settings);
 
-/* Segment a window of a core and `halo` units around it, at least
-   eda_segment_halo, and more if relevant transistors are clipped. Transistors
-   in or reaching into the core have bit-identical figures to those of the whole
-   layout, and the edges in the core belong to the same transistors. [any] */
+/* Segment a window of `core` and a margin of max(`halo`, eda_segment_halo) grid
+   units, which grows if relevant transistors are clipped. For transistors that
+   touch the core, all data are bit-identical to those of the whole layout; the
+   edges in the core belong to the same transistors. [any] */
 OPC_EXPORT int eda_segment_core(const eda_layout *layout, int32_t top,
                                 const eda_segment_settings *settings,
                                 eda_box core, int32_t halo, eda_gates **gates,
                                 opc_error *error);
 
 /* Segment a single layer without transistors, one fragment for each edge.
-   Return OPC_INVALID if the layer is empty. `moved`: vertices moved by the
-   grid. [any] */
+   Return OPC_INVALID if the layer is empty. *moved: number of vertices moved by
+   rounding to the grid. [any] */
 OPC_EXPORT int eda_segment_edges(const eda_layout *layout, int32_t top,
                                  int32_t layer, double grid, eda_gates **gates,
                                  size_t *moved, opc_error *error);
 
-/* Return an upper bound of the bytes that eda_segment needs. [any] */
+/* Return an upper bound of the memory of eda_segment, bytes. [any] */
 OPC_EXPORT double eda_segment_bytes(const eda_layout *layout, int32_t top,
                                     const eda_segment_settings *settings);
 
-/* Parameters of a step (opcflow/plugin.h) that segments: fields `also` and
-   `flavours` (opc_map), `grid`, `overhang` and `line_end` of its struct. */
+/* Parameters (opcflow/plugin.h) of a step that calls eda_segment. The step has
+   the fields `also`, `flavours` (opc_map), `grid`, `overhang`, `line_end`. */
 #define EDA_SEGMENT_PARAMETERS(self)                                         \
   OPC_PARAMETER(                                                             \
       self, also, .type = OPC_MAP,                                           \
@@ -132,8 +132,7 @@ OPC_EXPORT double eda_segment_bytes(const eda_layout *layout, int32_t top,
                         "active is the transistor's own line end; at most "  \
                         "1 um, if not given")
 
-/* Initialise settings from these fields; the pairs of texts of a map are
-   contiguous. */
+/* Initialise eda_segment_settings from these fields of a step. */
 #define EDA_SEGMENT_SETTINGS(self)                                         \
   {                                                                        \
     .grid = (self)->grid, .overhang = (self)->overhang,                    \

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Data of the kind "settings": a figure for each combination of the values of
-   some parameters, produced by the step `search`. */
+/* Data kind (opcflow/step.h) "settings", produced by the step `search`: a
+   figure of merit for each combination of values of some parameters. */
 #pragma once
 
 #include <opcflow/base.h>
@@ -10,37 +10,37 @@ OPC_C_BEGIN
 /* A varied parameter. */
 typedef struct eda_setting {
   const char *name; /* "mask.synthesizer.fragment" */
-  const char *unit; /* NULL: plain numbers, or texts */
+  const char *unit; /* NULL: no unit */
   size_t count;
-  const double *values;     /* in that unit; NULL: not numbers */
-  const char *const *texts; /* as written */
+  const double *values;     /* in this unit; NULL: the values are not numbers */
+  const char *const *texts; /* values as in the flow */
 } eda_setting;
 
 typedef struct eda_settings {
   size_t n_parameters;
   const eda_setting *parameters;
-  size_t count;            /* number of combinations; the last parameter changes
-                              first */
-  const double *figure;    /* figure of each combination; NAN: none */
+  size_t count;            /* number of combinations; the last parameter varies
+                              fastest */
+  const double *figure;    /* figure of each combination; NAN: no result */
   const char *name, *unit; /* name and unit of the figure; unit may be NULL */
-  size_t best;             /* number of the best combination */
+  size_t best;             /* index of the best combination */
 } eda_settings;
 
-/* Return settings of so many parameters. */
+/* Return settings with n_parameters parameters, to be set below. */
 OPC_EXPORT eda_settings *eda_settings_new(size_t n_parameters);
 
-/* Set parameter i; everything is copied. `values` may be NULL. */
+/* Set parameter i to copies of these data. `values` may be NULL. */
 OPC_EXPORT void eda_settings_parameter(eda_settings *settings, size_t i,
                                        const char *name, const char *unit,
                                        size_t count, const double *values,
                                        const char *const *texts);
 
-/* Set the figure, after all parameters; copied. */
+/* Set the figure to copies of these data. Call this after all parameters. */
 OPC_EXPORT void eda_settings_figure(eda_settings *settings, const char *name,
                                     const char *unit, const double *figure,
                                     size_t best);
 
-/* Free settings with all arrays. An object of the data kind "settings". */
+/* Release and check functions of an output of the data kind "settings". */
 OPC_EXPORT void eda_settings_free(void *settings);
 OPC_EXPORT int eda_settings_check(const void *settings, opc_error *error);
 

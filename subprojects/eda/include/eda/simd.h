@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* EDA_WIDE before a function with a simple inner loop compiles it for the wide
-   vectors of newer processors as well (x86-64-v4: AVX-512; x86-64-v3: AVX2 and
-   FMA); the best version is selected at run time. Not used under sanitizers,
-   which are not ready when the selection runs.
+/* EDA_WIDE before a function compiles further versions of the function for
+   x86-64-v3 (AVX2 and FMA) and x86-64-v4 (AVX-512). The program selects the
+   best version at start. EDA_WIDE is empty under sanitizers, which are not
+   initialised when the selection runs.
 
-   Both versions fuse multiplication and addition wherever possible and nothing
-   else does, so that they return the same bits. Older processors have no fused
-   instruction and return other bits. */
+   Both versions, and no other code, contract multiplications and additions to
+   FMA wherever possible, so that they return the same bits. Processors without
+   FMA return other bits. */
 #pragma once
 
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \

@@ -13,7 +13,7 @@ typedef struct eda_spice_vector {
   double *value; /* real values, or the real part of complex ones */
 } eda_spice_vector;
 
-/* Result of an analysis. */
+/* Result of an analysis; "plot" as in ngspice. */
 typedef struct eda_spice_plot {
   char *name; /* name by ngspice: "tran1", "dc2" */
   size_t count, room;
@@ -22,42 +22,42 @@ typedef struct eda_spice_plot {
 
 typedef struct eda_spice_result {
   size_t count, room;
-  eda_spice_plot *plot; /* in order of creation; without "const" */
+  eda_spice_plot *plot; /* in order of creation; without the plot "const" */
   char *words;          /* complete output of the simulator, or NULL */
 } eda_spice_result;
 
-/* Run a deck (the text of a netlist file; the first line is its title, the last
-   is .end) and then commands, one per line ("dc v1 0 1.1 0.01"). A failed
-   command ends the run. Return OPC_INVALID and FILE:LINE:COLUMN, the deck
-   itself being "deck", if the deck or an included file contains anything but
-   statements of circuits (simulator/README.md); OPC_FAILED and the simulator's
-   first message if it fails, crashes or takes longer than `limit` seconds;
-   OPC_NO_PLUGIN if the library of ngspice or the program that loads it is not
-   installed. Several runs may be active at once. [any]
+/* Run a deck (text of a netlist; first line: title; last line: .end), then
+   commands, one per line ("dc v1 0 1.1 0.01"). A failed command ends the run.
+   Return OPC_INVALID and FILE:LINE:COLUMN, FILE being "deck" for the deck, if
+   the deck or an included file contains a statement that does not describe a
+   circuit (simulator/README.md); OPC_FAILED and the simulator's first message
+   if it fails, crashes or takes longer than `limit` seconds; OPC_NO_PLUGIN if
+   the library of ngspice or the program that loads it is not installed. Several
+   runs may be active at once. [any]: see opcflow/plugin.h.
 
    `.osdi FILE` in the deck itself, before the devices that need it, loads a
-   file of compiled models. The file is a shared object of the Open Source
-   Device Interface and runs in the sandbox of the program. Return OPC_NO_PLUGIN
-   if the library of ngspice does not support them.
+   file of compiled models. The file is a shared object (Open Source Device
+   Interface) and runs in the sandbox of the simulator process. Return
+   OPC_NO_PLUGIN if the library of ngspice does not support OSDI.
 
-   Commands are not checked: they may contain only numbers and names from files.
-   The simulator cannot open, write or start anything. File names in a deck are
-   absolute; included files are in the folder of the including file. No start-up
-   file of ngspice is read. The caller clears `out`, also after a failure, when
-   it holds the plots of the commands before and the output. The environment
-   variable OPCFLOW_NGSPICE names another library than libngspice.so.0,
-   OPCFLOW_SIMULATOR another program to load it. */
+   Commands are not checked: the caller must insert only numbers and checked
+   names into commands. The simulator process cannot open or write files or
+   start programs. File names in a deck are absolute; included files are in the
+   folder of the including file. Start-up files of ngspice are not read. The
+   caller clears `out`, also after a failure, when `out` contains the plots of
+   earlier commands and the output. The environment variable OPCFLOW_NGSPICE
+   replaces libngspice.so.0, OPCFLOW_SIMULATOR the program that loads it. */
 OPC_EXPORT int eda_spice_run(const opc_context *context, const char *deck,
                              const char *commands, double limit,
                              eda_spice_result *out, opc_error *error);
 OPC_EXPORT void eda_spice_clear(eda_spice_result *result);
 
-/* Return the vector of a plot by name, NULL if there is none. */
+/* Return the vector with this name, NULL if there is none. */
 OPC_EXPORT const eda_spice_vector *eda_spice_vector_find(
     const eda_spice_plot *plot, const char *name);
 
-/* Return whether a text can be a name in a deck: letters, digits, '_', '.' and
-   '-'. [any] */
+/* Return 1 if a text is a valid name in a deck (letters, digits, '_', '.',
+   '-'), otherwise 0. [any] */
 OPC_EXPORT int eda_spice_is_name(const char *text);
 
 OPC_C_END

@@ -1,22 +1,21 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Work with a plugin in a process of its own: a crash or an endless loop is a
-   result to report, not the end of the command. */
+/* Run a plugin in a child process, so that a crash or an endless loop of the
+   plugin does not end the command. */
 #pragma once
 
 #include <glib.h>
 
-/* How a child ended, if not of itself; else the number of a signal. */
+/* End of a child: by itself, too late, not started; else number of a signal. */
 enum { CHILD_ENDED = 0, CHILD_LATE = -1, CHILD_NONE = -2 };
 
-/* Call work(out, data) in a child of this process, where the guard is off. The
-   child is killed (CHILD_LATE) when it has written nothing for that many
-   seconds; seconds without a free processor do not count, up to twice as many.
-   The child ends with this process. Returns the bytes that it wrote to `out`,
-   and in *end how it ended. CHILD_NONE: no child
-   could be started (errno). */
+/* Call work(out, data) in a child of this process, without the guard. The child
+   is killed (CHILD_LATE) after `seconds` without output. Time without a free
+   processor does not count, up to 2 * `seconds`. The child ends when this
+   process ends. Return the bytes written to `out`. *end receives CHILD_* or the
+   number of a signal; errno has the cause of CHILD_NONE. */
 GString *child_run(void (*work)(int out, void *data), void *data,
                    double seconds, int *end);
 
-/* Return the time for which the first thread of a process (0: this one) wanted
-   a processor and had none, us; 0 where the kernel does not report it. */
+/* Return the time for which the first thread of a process (0: this process) was
+   ready but had no processor, us; 0 if Linux does not report the time. */
 gint64 child_waited(int pid);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* How much memory is left for this process. */
+/* Memory available to this process. */
 #pragma once
 
-/* Return the number of bytes, and in *source (static) the one that grants no
-   more: the machine (its swap counts), a control group, or a limit on the
-   address space. INFINITY where none of them is known. */
+/* Return the available memory in bytes: the least of memory and swap of the
+   machine, control groups, and address space; INFINITY if all are unknown.
+   *source receives the name of the least one (static text). */
 double memory_free(const char **source);

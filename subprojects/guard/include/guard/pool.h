@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tasks that several threads share; guard.h blames the plugin that called. */
+/* Distribution of tasks over threads. The guard (guard.h) attributes all tasks
+   to the calling plugin. */
 #pragma once
 
 #include <stddef.h>
 
-/* Call task(data, i) for each i below n, from at most `threads` threads; all
-   are done when the function returns. May be nested. The first call of the
-   process decides how many threads there are. [any] */
+/* Call task(data, i) for each i below n in at most `threads` threads, and
+   return when all calls are done. Calls may be nested. The first call sets the
+   number of threads for the process. [any]: see opcflow/plugin.h. */
 void pool_run(unsigned threads, size_t n, void (*task)(void *data, size_t i),
               void *data);

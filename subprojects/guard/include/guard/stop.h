@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Stopping when the user asks for it. */
+/* Requests of the user to stop the command. */
 #pragma once
 
-/* From now on the first SIGINT, SIGTERM or SIGHUP asks to stop. A second one of
-   any kind, or half a second, ends the process with that exit code. [main] */
+/* Take the first SIGINT, SIGTERM or SIGHUP as a request to stop. A second
+   signal, or 0.5 s, ends the process with the exit code `code`. [main] */
 void stop_on_signals(int code);
 
-/* Return whether one came. [any] */
+/* Return whether a stop is requested. [any] ([main]: opcflow/plugin.h) */
 int stop_is_asked(void);

@@ -1,75 +1,73 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Processes that work together, as mpirun starts them: the ranks, from 0. All
-   of them make the same calls in the same order. A process that is alone needs
-   ranks_launched() only: the group comes from an object that is loaded. All
-   functions are [main]. */
+/* Processes of one run, started by mpirun: the ranks, from 0. All ranks make
+   the same calls in the same order. Only a run of several processes loads the
+   object linked to MPI. All functions are [main] (opcflow/plugin.h). */
 #pragma once
 
 #include <glib.h>
 #include <opcflow/base.h>
 
-/* Units of work, none of which needs the result of another one. */
+/* Independent work units. Each function receives `data`. */
 typedef struct ranks_units {
   void *data;
-  const char *name; /* of one unit, for messages */
+  const char *name; /* name of a unit, for messages */
   size_t count;
 
-  /* The cost of unit i in any unit, equal in every rank: the dearest units
-     begin first. */
+  /* Return the relative cost of unit i, equal in every rank. High costs start
+     first. */
   double (*cost)(void *data, size_t i);
 
-  /* Whether this rank can return the result of unit i without the work. */
+  /* Return whether this rank has the result of unit i already. */
   int (*has)(void *data, size_t i);
 
   /* Return the result of unit i, at most 2^30 bytes; NULL and *error. */
   GBytes *(*get)(void *data, size_t i, opc_error *error);
 
-  /* Take the result of unit i. The bytes are aligned as by malloc. */
+  /* Receive the result of unit i. The bytes are aligned as by malloc. */
   int (*take)(void *data, size_t i, const void *bytes, size_t size,
               opc_error *error);
 
-  /* Hear that n units are done, in this rank or in others. */
+  /* Receive the number of finished units of all ranks. */
   void (*done)(void *data, size_t n);
 } ranks_units;
 
-/* All functions return OPC_CANCELLED once the user stopped the work; from then
-   on, no rank waits for another one. */
+/* After the user stops the run, all functions return OPC_CANCELLED and do not
+   wait for other ranks. */
 typedef struct ranks_group {
   int rank, size;
 
-  /* Wait until every rank calls this with the same `what`. Returns OPC_OK if
-     no rank has a fault, else the fault of the lowest rank that has one, in
-     every rank, with the rank's number and machine. `code` and *error are this
-     rank's own fault. */
+  /* Wait until every rank calls this function with the same `what`. `code` and
+     *error are the fault of this rank, or OPC_OK. Returns OPC_OK if no rank has
+     a fault, else in every rank the fault of the lowest faulty rank. */
   int (*meet)(const char *what, int code, opc_error *error);
 
-  /* Replace each of the n values by the least of all ranks' values. */
+  /* Replace each of the n values by the least value of all ranks. */
   int (*least)(int64_t *values, size_t n, opc_error *error);
 
   /* Copy n bytes, less than 2^31, of rank `from` to all ranks. */
   int (*spread)(void *bytes, size_t n, int from, opc_error *error);
 
-  /* Share units out among the ranks: get() runs once for each unit, in the
-     rank that is free first; take() runs in every rank, in order. The first
-     fault ends it in every rank. */
+  /* Distribute units over the ranks: call get() once for each unit, in the next
+     free rank, and take() in every rank, in order of i. The first fault is
+     returned in every rank. */
   int (*share)(const ranks_units *units, opc_error *error);
 
-  /* Wait for all ranks, unless the work was stopped, and end. */
+  /* Wait for all ranks unless the run was stopped, and finalise MPI. */
   void (*end)(void);
 } ranks_group;
 
-/* Return whether mpirun or srun started several processes, and this one's
-   number among them. Starts nothing. */
+/* Return whether mpirun or srun started several processes; *rank and *size
+   receive the rank and the number of processes. Does not start MPI. */
 gboolean ranks_launched(int *rank, int *size);
 
-/* Load the object at `path` (NULL: there is none) and join the group, once.
-   `stopped` returns whether the user wants to stop. NULL and OPC_NO_PLUGIN if
-   that is not possible. */
+/* Load the shared object at `path` (NULL: built without MPI) and join the
+   group. Call once. `stopped` returns whether a stop is requested. NULL and
+   OPC_NO_PLUGIN on failure. */
 const ranks_group *ranks_load(const char *path, int (*stopped)(void),
                               opc_error *error);
 
-/* The object's file, and the one function it exports. NULL: MPI does not start
-   with two threads. */
+/* File name and exported function of the shared object. The function returns
+   NULL if MPI does not support two threads. */
 #define RANKS_OBJECT "opcflow-ranks.so"
 #define RANKS_ENTRY "ranks_join"
 typedef const ranks_group *(*ranks_entry)(int (*stopped)(void));
