@@ -138,7 +138,7 @@ static int check_run(const cli_verb *verb, const GPtrArray *arguments) {
 const cli_verb cli_check = {
     .name = "check",
     .arguments = "[FLOW]",
-    .summary = "Check a flow and its variants without running them",
+    .summary = "Check a flow with all variants, without a run",
     .options = options,
     .least = 0,
     .most = 1,

@@ -34,7 +34,8 @@ typedef struct reader {
                     .summary = "Factor on the unit of the file"),        \
       OPC_PARAMETER(                                                     \
           reader, top, .type = OPC_TEXT, .flags = OPC_LISTED,            \
-          .summary = "Top cell; cells not reachable from it are dropped")
+          .summary =                                                     \
+              "Top cell; cells not reachable from the top cell are dropped")
 
 /* Check the map of layers: names in the file or, if `most` is not 0, numbers up
    to `most`. For a reader's `check`. Return OPC_OK or an error. */

@@ -274,11 +274,10 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(search, flow, .type = OPC_FILE,
                   .flags = OPC_REQUIRED | OPC_INNER_FLOW,
                   .summary = "the flow whose parameters are searched"),
-    OPC_PARAMETER(
-        search, gates, .type = OPC_INPUT, .flags = OPC_INNER_STEP,
-        .choices = "gates",
-        .summary = "gates that the flow corrects; if not given, those of its "
-                   "own step 'gates'"),
+    OPC_PARAMETER(search, gates, .type = OPC_INPUT, .flags = OPC_INNER_STEP,
+                  .choices = "gates",
+                  .summary = "gates that the flow corrects (default: those of "
+                             "the step 'gates' of the flow)"),
     OPC_PARAMETER(search, variant, .type = OPC_TEXT,
                   .summary = "a variant of that flow"),
     OPC_PARAMETER(
@@ -339,7 +338,7 @@ static const opc_step functions = {OPC_OUTPUTS(outputs), .run = search_run};
 OPC_PLUGIN(
     search, .id = "search", .kind = "step", .version = OPC_VERSION,
     .licence = "BSD-3-Clause",
-    .summary = "run a flow at many settings of its parameters, keep the best",
+    .summary = "run a flow at many settings of parameters, keep the best",
     .flags = OPC_DETERMINISTIC | OPC_REENTRANT, OPC_PARAMETERS(parameters),
     OPC_METRICS(metrics), .check = search_check, .clear = search_clear,
     OPC_FUNCTIONS(functions));

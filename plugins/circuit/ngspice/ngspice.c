@@ -259,9 +259,10 @@ static void circuit_clear(void *self) {
 
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(bench, circuit, .type = OPC_INPUT, .flags = OPC_REQUIRED,
-                  .choices = "circuit", .summary = "the netlist and its gates"),
+                  .choices = "circuit",
+                  .summary = "netlist matched with gates"),
     OPC_PARAMETER(bench, mask, .type = OPC_INPUT, .choices = "mask",
-                  .summary = "the corrected mask and its printed image"),
+                  .summary = "corrected mask with printed image"),
     OPC_PARAMETER_NAMED(
         "models", bench, models[0], .type = OPC_FILE,
         .summary = "file with the model cards; required without `library`"),
@@ -285,10 +286,10 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER_NAMED("pmos", bench, model[EDA_PMOS], .type = OPC_TEXT,
                         .summary = "name of the p-transistor's model; if not "
                                    "given, as of n"),
-    OPC_PARAMETER(bench, stand_ins, .type = OPC_TEXT,
-                  .summary = "names of the netlist's models in pairs, with "
-                             "blanks between: one that `library` may lack, and "
-                             "its replacement"),
+    OPC_PARAMETER(
+        bench, stand_ins, .type = OPC_TEXT,
+        .summary = "pairs of model names of the netlist, separated by blanks: "
+                   "a model that `library` may lack, and the replacement"),
     OPC_PARAMETER(bench, dlc, .type = OPC_BOOL, .preset = "true",
                   .summary = "gate capacitances are those of the printed area"),
     OPC_PARAMETER(

@@ -36,7 +36,7 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(reporter, output, .type = OPC_TEXT, .preset = "report.html",
                   .summary = "The page"),
     OPC_PARAMETER(reporter, title, .type = OPC_TEXT,
-                  .summary = "Its title (default: the names of the runs)"),
+                  .summary = "Title of the page (default: names of the runs)"),
     PAGE_LIMIT(reporter, limit),
 };
 

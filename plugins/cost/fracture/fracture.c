@@ -279,9 +279,9 @@ static const opc_parameter parameters[] = {
 
 static const opc_metric metrics[] = {
     {"rectangles", NULL, OPC_LOWER, 0,
-     "Rectangles of the corrected mask, of all its layers"},
+     "Rectangles of the corrected mask, all layers"},
     {"rectangles_drawn", NULL, OPC_NEUTRAL, 0,
-     "Rectangles of the mask as drawn, of all its layers"},
+     "Rectangles of the mask as drawn, all layers"},
     {"shots", NULL, OPC_LOWER, 0,
      "Shots of a variable shaped beam for the corrected mask"},
     {"shots_drawn", NULL, OPC_NEUTRAL, 0,
@@ -289,7 +289,7 @@ static const opc_metric metrics[] = {
     {"slivers", NULL, OPC_LOWER, 0,
      "Shots of the corrected mask narrower than the limit"},
     {"vertices", NULL, OPC_LOWER, 0,
-     "Vertices of the corrected mask, of all its layers"},
+     "Vertices of the corrected mask, all layers"},
     {"gdsii_bytes", NULL, OPC_LOWER, 0,
      "Bytes of the corrected shapes in GDSII, without the array"},
     {"oasis_bytes", NULL, OPC_LOWER, 0,

@@ -211,12 +211,11 @@ static const opc_parameter parameters[] = {
                   .choices = "chip", .summary = "Corrected chip"),
     OPC_PARAMETER(drawer, file, .type = OPC_OUTPUT, .preset = "chip.png",
                   .summary = "Picture, .png, .svg or .pdf"),
-    OPC_PARAMETER(
-        drawer, show, .type = OPC_CHOICE, .preset = "after",
-        .choices = "after|before|change|classes",
-        .summary =
-            "Figure to show: deviation of Ion after or before correction, its "
-            "growth, or the number of transistors with the same mask"),
+    OPC_PARAMETER(drawer, show, .type = OPC_CHOICE, .preset = "after",
+                  .choices = "after|before|change|classes",
+                  .summary = "Quantity to show: deviation of Ion after or "
+                             "before correction, growth of the deviation, or "
+                             "number of transistors with the same mask"),
     OPC_PARAMETER(drawer, width, .type = OPC_INT, .preset = "1000", .min = 200,
                   .max = 8000, .summary = "Width of the picture, pixels"),
     OPC_PARAMETER(

@@ -147,7 +147,8 @@ static int image_forecast(void *self, opc_forecast *out, opc_error *error) {
       OPC_PARAMETER_NAMED(                                                     \
           group ".resist", image_run, asked.model[i].resist, .type = OPC_SLOT, \
           .flags = required, .choices = "resist",                              \
-          .summary = "Resist of this model, calibrated with its optics")
+          .summary =                                                           \
+              "Resist of this model, calibrated with the optics of the model")
 
 static const opc_parameter parameters[] = {
     OPC_PARAMETER_NAMED("mask", image_run, asked.mask, .type = OPC_INPUT,
@@ -204,6 +205,6 @@ static const opc_step functions = {.run = image_run_step,
 OPC_PLUGIN(
     image_run, .id = "draw.image", .kind = "step", .version = "0.2.0",
     .licence = "BSD-3-Clause",
-    .summary = "Draw the image of a mask and its contours by several models",
+    .summary = "Draw the image of a mask and the contours by several models",
     .flags = OPC_DETERMINISTIC | OPC_REENTRANT, OPC_PARAMETERS(parameters),
     OPC_METRICS(metrics), .check = image_check, OPC_FUNCTIONS(functions));

@@ -291,9 +291,10 @@ static int mask_check(void *self, opc_error *error) {
 
 static const opc_step functions = {.run = mask_run};
 
-OPC_PLUGIN(drawer, .id = "draw.mask", .kind = "step", .version = "0.2.0",
-           .licence = "BSD-3-Clause",
-           .summary = "Draw a corrected mask, its print and its transistors",
-           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), .check = mask_check,
-           OPC_FUNCTIONS(functions));
+OPC_PLUGIN(
+    drawer, .id = "draw.mask", .kind = "step", .version = "0.2.0",
+    .licence = "BSD-3-Clause",
+    .summary =
+        "Draw a corrected mask, the simulated contours and the transistors",
+    .flags = OPC_DETERMINISTIC | OPC_REENTRANT, OPC_PARAMETERS(parameters),
+    .check = mask_check, OPC_FUNCTIONS(functions));

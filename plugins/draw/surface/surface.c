@@ -189,7 +189,7 @@ static const opc_step functions = {.run = surface_run};
 
 OPC_PLUGIN(drawer, .id = "draw.surface", .kind = "step", .version = "0.2.0",
            .licence = "BSD-3-Clause",
-           .summary = "draw the figure of a search over its settings",
+           .summary = "draw the metric of a search over the settings",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
            OPC_PARAMETERS(parameters), .check = surface_check,
            OPC_FUNCTIONS(functions));

@@ -330,8 +330,8 @@ static const opc_parameter parameters[] = {
     CORRECT_FINE(place),
     OPC_PARAMETER(
         place, print, .type = OPC_BOOL, .preset = "true",
-        .summary = "Simulate the entire mask and report the disturbance of its "
-                   "transistors; otherwise the figures are those of the cells"),
+        .summary = "Simulate the entire mask and report the disturbance of the "
+                   "transistors; otherwise the results are those of the cells"),
     OPC_PARAMETER(place, picture, .type = OPC_OUTPUT,
                   .summary = "Picture of the disturbance of each transistor, "
                              ".png, .svg or .pdf"),
@@ -379,7 +379,7 @@ static const opc_step functions = {OPC_OUTPUTS(outputs), .run = place_run,
 
 OPC_PLUGIN(place, .id = "library.place", .kind = "step", .version = OPC_VERSION,
            .licence = "BSD-3-Clause",
-           .summary = "compose a circuit's mask from the masks of its cells",
+           .summary = "compose the mask of a circuit from the masks of cells",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
            OPC_PARAMETERS(parameters), OPC_METRICS(metrics),
            .check = place_check, OPC_FUNCTIONS(functions));

@@ -213,7 +213,7 @@ static const opc_parameter parameters[] = {
         .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "60", .min = 2,
         .max = 1000,
         .summary = "number of points on the diameter of the source; each point "
-                   "of its area costs one Fourier transform",
+                   "of the area costs one Fourier transform",
         .given = offsetof(abbe, points_across_given)),
 };
 

@@ -94,9 +94,10 @@ static int annotate_run(void *self, void **outputs, opc_error *error) {
 
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(annotator, circuit, .type = OPC_INPUT, .flags = OPC_REQUIRED,
-                  .choices = "circuit", .summary = "the netlist and its gates"),
+                  .choices = "circuit",
+                  .summary = "netlist matched with gates"),
     OPC_PARAMETER(annotator, mask, .type = OPC_INPUT, .choices = "mask",
-                  .summary = "the corrected mask and its printed image"),
+                  .summary = "corrected mask with printed image"),
     OPC_PARAMETER(annotator, state, .type = OPC_CHOICE,
                   .choices = "drawn|before|after",
                   .summary = "whose sizes to write; if not given, after where "
@@ -108,9 +109,9 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER_NAMED("pmos", annotator, p_model, .type = OPC_TEXT,
                         .summary = "the name of the p model; if not given, "
                                    "as of n"),
-    OPC_PARAMETER_NAMED("models", annotator, cards, .type = OPC_FILE,
-                        .summary = "the file with both model cards; DLC is "
-                                   "corrected only where it is given"),
+    OPC_PARAMETER_NAMED(
+        "models", annotator, cards, .type = OPC_FILE,
+        .summary = "file with both model cards; only a given DLC is corrected"),
     OPC_PARAMETER(annotator, subcircuits, .type = OPC_BOOL, .preset = "false",
                   .summary = "the models are subcircuits, X in place of M"),
     OPC_PARAMETER(annotator, unit, .type = OPC_REAL, .unit = "nm",

@@ -199,10 +199,12 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(matcher, ground, .type = OPC_TEXT,
                   .preset = "VSS VSS! GND GND! 0",
                   .summary = "names of ground ports, with blanks between"),
-    OPC_PARAMETER_NAMED("nmos", matcher, n_models, .type = OPC_TEXT,
-                        .summary = "names of n models, where it does not show"),
-    OPC_PARAMETER_NAMED("pmos", matcher, p_models, .type = OPC_TEXT,
-                        .summary = "names of p models, where it does not show"),
+    OPC_PARAMETER_NAMED(
+        "nmos", matcher, n_models, .type = OPC_TEXT,
+        .summary = "names of n models, if the name does not show the type"),
+    OPC_PARAMETER_NAMED(
+        "pmos", matcher, p_models, .type = OPC_TEXT,
+        .summary = "names of p models, if the name does not show the type"),
 };
 
 static const opc_metric metrics[] = {

@@ -87,16 +87,16 @@ static int window_forecast(void *self, opc_forecast *out, opc_error *error) {
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(window, mask, .type = OPC_INPUT, .choices = "mask",
                   .summary = "a corrected mask whose gates are measured"),
-    OPC_PARAMETER_NAMED("gates", window, as_drawn, .type = OPC_INPUT,
-                        .choices = "gates",
-                        .summary = "in its place: gates on the mask as drawn"),
+    OPC_PARAMETER_NAMED(
+        "gates", window, as_drawn, .type = OPC_INPUT, .choices = "gates",
+        .summary = "gates on the mask as drawn, in place of `mask`"),
     OPC_PARAMETER(window, litho, .type = OPC_SLOT, .flags = OPC_REQUIRED,
                   .choices = "litho", .summary = "model of the optics"),
     OPC_PARAMETER(window, resist, .type = OPC_SLOT, .flags = OPC_REQUIRED,
                   .choices = "resist",
                   .summary = "model of the resist, calibrated at 0 % and 0 nm"),
     OPC_PARAMETER(window, extractor, .type = OPC_SLOT, .choices = "extractor",
-                  .summary = "performance of a printed transistor: with it, "
+                  .summary = "performance of a printed transistor; if set, "
                              "currents are reported as well as lengths"),
     OPC_PARAMETER(window, dose, .type = OPC_REALS, .unit = "%",
                   .preset = "[-8 %, -4 %, 0 %, 4 %, 8 %]",

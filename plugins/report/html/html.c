@@ -75,17 +75,17 @@ static int html_run(void *self, void **outputs, opc_error *error) {
 
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(writer, mask, .type = OPC_INPUT, .choices = "mask",
-                  .summary = "The mask of this run, to make a page of it"),
+                  .summary = "Mask of this run, for a page of the run"),
     OPC_PARAMETER(writer, experiment, .type = OPC_INPUT,
                   .choices = "experiment",
-                  .summary = "An experiment, to make a page of all its runs"),
+                  .summary = "Experiment, for a page of all runs"),
     OPC_PARAMETER(writer, file, .type = OPC_OUTPUT, .preset = "report.html",
                   .summary = "The page"),
     OPC_PARAMETER(
         writer, view, .type = OPC_OUTPUT, .preset = "view.json",
         .summary = "File of the mask's picture data for 'opcflow report'"),
     OPC_PARAMETER(writer, title, .type = OPC_TEXT,
-                  .summary = "Its title (default: the names of the runs)"),
+                  .summary = "Title of the page (default: names of the runs)"),
     PAGE_LIMIT(writer, limit),
     DRAWING_PARAMETERS(writer, limits),
 };

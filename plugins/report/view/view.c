@@ -38,8 +38,9 @@ static const opc_parameter parameters[] = {
 
 static const opc_step functions = {.run = view_run};
 
-OPC_PLUGIN(viewer, .id = "report.view", .kind = "step", .version = "0.1.0",
-           .licence = "BSD-3-Clause",
-           .summary = "Write a mask and its print as data for a report",
-           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), OPC_FUNCTIONS(functions));
+OPC_PLUGIN(
+    viewer, .id = "report.view", .kind = "step", .version = "0.1.0",
+    .licence = "BSD-3-Clause",
+    .summary = "Write a mask with simulated contours as data for a report",
+    .flags = OPC_DETERMINISTIC | OPC_REENTRANT, OPC_PARAMETERS(parameters),
+    OPC_FUNCTIONS(functions));

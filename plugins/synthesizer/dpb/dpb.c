@@ -80,7 +80,7 @@ static const opc_parameter parameters[] = {
                   .unit = "%", .follows = "ion_limit of the step",
                   .former = "max_pde|limit",
                   .summary = "largest allowed |Ion deviation|; a transistor "
-                             "within it keeps its mask"),
+                             "within the limit keeps the mask"),
     OPC_PARAMETER(dpb, init_adjust, .type = OPC_REAL,
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .unit = "nm",
                   .preset = "0 nm", .min = -100, .max = 100,

@@ -256,18 +256,18 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(ic, area_limit, .type = OPC_REAL, .flags = OPC_ABOVE,
                   .unit = "%", .preset = "0.5 %", .former = "max_da",
                   .summary = "largest allowed |gate area deviation|; a "
-                             "transistor within both limits keeps its mask"),
+                             "transistor within both limits keeps the mask"),
     OPC_PARAMETER(
         ic, stall, .type = OPC_CHOICE, .preset = "freeze",
         .choices = "freeze|continue",
         .summary = "action if the effective deviation does not fall: restore "
-                   "the transistor and end its correction (as in the thesis), "
-                   "or try other corrections from its best state"),
+                   "the transistor and end the correction (as in the thesis), "
+                   "or try other corrections from the best state"),
     OPC_PARAMETER(
         ic, retries, .type = OPC_INT, .preset = "8",
         .flags = OPC_AT_LEAST | OPC_AT_MOST, .min = 0, .max = 100000,
         .summary = "number of failed corrections after which a transistor ends "
-                   "at its best state (stall: continue)"),
+                   "at the best state (stall: continue)"),
     OPC_PARAMETER(
         ic, max_bias, .type = OPC_REAL, .flags = OPC_ABOVE | OPC_AT_MOST,
         .unit = "nm", .follows = "0.311 lambda/NA", .max = 10000,

@@ -519,12 +519,12 @@ static const opc_parameter parameters[] = {
         newton, tolerance, .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "%",
         .preset = "0.05 %",
         .summary =
-            "largest weighted deviation at which a transistor keeps its mask"),
+            "largest weighted deviation at which a transistor keeps the mask"),
     OPC_PARAMETER(newton, ion_limit, .type = OPC_REAL, .flags = OPC_AT_LEAST,
                   .unit = "%", .follows = "ion_limit of the step",
                   .former = "limit",
                   .summary = "largest allowed |Ion deviation|; the synthesizer "
-                             "stops when every transistor is within it"),
+                             "stops when every transistor is within the limit"),
     OPC_PARAMETER(newton, fine, .type = OPC_CHOICE, .preset = "jog",
                   .choices = "jog|width|none",
                   .summary = "correction of the rounding error of L: a jog in "
@@ -532,7 +532,7 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(
         newton, min_jog, .type = OPC_REAL, .flags = OPC_AT_LEAST, .unit = "nm",
         .follows = "0.155 lambda/NA",
-        .summary = "least distance of a jog from both ends of its edge"),
+        .summary = "least distance of a jog from both ends of the edge"),
     OPC_PARAMETER(newton, iterations, .type = OPC_INT,
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "16", .min = 1,
                   .max = 1000, .summary = "largest number of moves"),

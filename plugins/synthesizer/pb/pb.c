@@ -120,11 +120,11 @@ static const opc_parameter parameters[] = {
                   .choices = "ion|ioff|ioffion",
                   .summary = "corrected current (thesis table 2.1); ioffion: "
                              "Ioff by L, then Ion by W"),
-    OPC_PARAMETER(pb, current_limit, .type = OPC_REAL, .flags = OPC_ABOVE,
-                  .unit = "%", .follows = "ion_limit of the step",
-                  .former = "max_tpe|limit",
-                  .summary = "largest allowed |deviation| of the corrected "
-                             "current; a transistor within it keeps its mask"),
+    OPC_PARAMETER(
+        pb, current_limit, .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "%",
+        .follows = "ion_limit of the step", .former = "max_tpe|limit",
+        .summary = "largest allowed |deviation| of the corrected current; a "
+                   "transistor within the limit keeps the mask"),
     OPC_PARAMETER(
         pb, max_bias, .type = OPC_REAL, .flags = OPC_ABOVE | OPC_AT_MOST,
         .unit = "nm", .follows = "0.311 lambda/NA", .max = 10000,

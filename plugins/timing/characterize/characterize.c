@@ -232,9 +232,10 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER_NAMED("grounds", study, grounds, .type = OPC_TEXT,
                         .preset = "VSS VSS! GND GND! 0 VGND VNB",
                         .summary = "names of grounds"),
-    OPC_PARAMETER(study, dlc, .type = OPC_BOOL, .preset = "true",
-                  .summary = "the gate capacitance has a length of its own "
-                             "(thesis eq. 3.11)"),
+    OPC_PARAMETER(
+        study, dlc, .type = OPC_BOOL, .preset = "true",
+        .summary =
+            "use a separate length for the gate capacitance (thesis eq. 3.11)"),
     OPC_PARAMETER(study, supply, .type = OPC_REAL, .unit = "V",
                   .flags = OPC_REQUIRED | OPC_ABOVE | OPC_AT_MOST, .min = 0,
                   .max = 20, .summary = "supply voltage"),
@@ -245,10 +246,11 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(study, slews, .type = OPC_REALS, .unit = "s",
                   .preset = "[2 ps, 5 ps, 10 ps, 22 ps, 70 ps]",
                   .summary = "times of the inputs between the edges"),
-    OPC_PARAMETER(study, loads, .type = OPC_REALS, .unit = "F",
-                  .preset = "[0.3 fF, 1.2 fF, 3 fF, 7 fF, 16 fF]",
-                  .summary = "capacitances at the output, for each um of "
-                             "channels on it"),
+    OPC_PARAMETER(
+        study, loads, .type = OPC_REALS, .unit = "F",
+        .preset = "[0.3 fF, 1.2 fF, 3 fF, 7 fF, 16 fF]",
+        .summary =
+            "capacitances at the output, for each um of connected channels"),
     OPC_PARAMETER(study, edges, .type = OPC_REALS, .unit = "%",
                   .preset = "[30 %, 70 %]",
                   .summary = "where slews begin and end"),

@@ -71,11 +71,11 @@ static const opc_parameter parameters[] = {
                   .summary = "SPICE or CDL netlist: instances of cells"),
     OPC_PARAMETER(paths, top, .type = OPC_TEXT,
                   .summary = "the subcircuit (default: the circuit's)"),
-    OPC_PARAMETER(paths, circuit, .type = OPC_INPUT, .choices = "circuit",
-                  .summary = "which gates its transistors are, for printed "
-                             "sizes"),
+    OPC_PARAMETER(
+        paths, circuit, .type = OPC_INPUT, .choices = "circuit",
+        .summary = "matched gates of the transistors, for printed sizes"),
     OPC_PARAMETER(paths, mask, .type = OPC_INPUT, .choices = "mask",
-                  .summary = "the corrected mask and its printed image"),
+                  .summary = "corrected mask with printed image"),
     OPC_PARAMETER(paths, label, .type = OPC_TEXT, .preset = "printed",
                   .summary = "name of the mask in tables"),
     OPC_PARAMETER(paths, prints, .type = OPC_MAP,

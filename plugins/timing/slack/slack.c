@@ -329,7 +329,7 @@ static const opc_parameter parameters[] = {
                   .choices = "timing", .summary = "the circuit's cells"),
     OPC_PARAMETER(slack, circuit, .type = OPC_INPUT, .flags = OPC_REQUIRED,
                   .choices = "circuit",
-                  .summary = "which gates its transistors are"),
+                  .summary = "matched gates of the transistors"),
     OPC_PARAMETER(slack, file, .type = OPC_FILE, .flags = OPC_REQUIRED,
                   .summary = "SPICE or CDL netlist: instances of cells"),
     OPC_PARAMETER(slack, top, .type = OPC_TEXT,
@@ -347,9 +347,10 @@ static const opc_parameter parameters[] = {
                         .min = -50, .max = 1000,
                         .summary = "Largest allowed increase of the latest "
                                    "path's delay over the drawn one"),
-    OPC_PARAMETER(slack, clock, .type = OPC_REAL, .unit = "s",
-                  .flags = OPC_ABOVE | OPC_AT_MOST, .min = 0, .max = 1,
-                  .summary = "how long it may take, in place of 'delay_limit'"),
+    OPC_PARAMETER(
+        slack, clock, .type = OPC_REAL, .unit = "s",
+        .flags = OPC_ABOVE | OPC_AT_MOST, .min = 0, .max = 1,
+        .summary = "allowed latest arrival, in place of 'delay_limit'"),
     OPC_PARAMETER(slack, weight, .type = OPC_REAL,
                   .flags = OPC_ABOVE | OPC_AT_MOST, .preset = "1", .min = 0,
                   .max = 1,

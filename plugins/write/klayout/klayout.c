@@ -291,6 +291,6 @@ static const opc_step functions = {.run = klayout_run};
 OPC_PLUGIN(
     klayout, .id = "write.klayout", .kind = "step", .version = "0.2.0",
     .licence = "BSD-3-Clause",
-    .summary = "Write a mask, its printed contours and its faults for KLayout",
+    .summary = "Write a mask with simulated contours and faults for KLayout",
     .flags = OPC_DETERMINISTIC | OPC_REENTRANT, OPC_PARAMETERS(parameters),
     .check = klayout_check, OPC_FUNCTIONS(functions));
