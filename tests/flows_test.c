@@ -101,6 +101,37 @@ static void test_orientation(void) {
   g_assert_cmpfloat(metric("turned", "mask", "ion_max"), <=, 0.5);
 }
 
+/* The mask of a chip as a layout has the numbers of the drawn layers. A check
+   knows before the correction if a layer has none. */
+static void test_chip_numbers(void) {
+  g_autofree char *chip = source_path("flows/chip.yaml");
+  g_autofree char *cif = source_path("data/cells65/sram4.cif");
+  static const char steps[] =
+      "  masks: { use: correct.layout, chip: '${mask}' }\n"
+      "  file: { use: write.oasis, layout: '${masks}', file: chip.oas }\n";
+  g_autofree char *good = g_strdup_printf(
+      "opcflow: 1\nname: numbers\nextends: %s\nsteps:\n%s", chip, steps);
+  g_autofree char *bad = g_strdup_printf(
+      "%s  layout: { use: read.cif, file: %s, layers: { poly: CP, active: CA, "
+      "contact: CC, nwell: CW } }\n",
+      good, cif);
+  g_autofree char *errors = NULL;
+  write_file("numbers.yaml", good);
+  write_file("none.yaml", bad);
+  g_assert_cmpint(opcflow(NULL, "check", "numbers.yaml", NULL), ==, 0);
+  g_assert_cmpint(opcflow(NULL, "run", "numbers.yaml", "--set", "mask.fine=off",
+                          "--set", "require=~", "--output", "numbers", NULL),
+                  ==, 0);
+  write_file("back.yaml",
+             "opcflow: 1\nname: back\nsteps:\n  layout: { use: read.oasis, "
+             "file: numbers/chip.oas, layers: { poly: 9/0, active: 1/0, "
+             "contact: 10/0 } }\n");
+  g_assert_cmpint(opcflow(NULL, "run", "back.yaml", NULL), ==, 0);
+  g_assert_cmpint(
+      opcflow(&errors, "check", "--variant", "base", "none.yaml", NULL), ==, 2);
+  g_assert_nonnull(strstr(errors, "'poly': the layer has no number"));
+}
+
 /* NAND2_X1 of the NanGate library, scaled to L = 65 nm. */
 static void test_nangate(void) {
   g_autofree char *file = find_data("nangate45/NangateOpenCellLibrary.gds");
@@ -407,6 +438,7 @@ int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   begin_flows();
   g_test_add_func("/flows/demo", test_demo);
+  g_test_add_func("/flows/chip-numbers", test_chip_numbers);
   g_test_add_func("/flows/resolved", test_resolved);
   g_test_add_func("/flows/threads", test_threads);
   g_test_add_func("/flows/processors", test_processors);

@@ -48,7 +48,7 @@ report() { # RESULT NAME
 for method in pb dpb ic epe newton; do
   result=0
   for layout in "$sram" "$chain"; do
-    correct $method "$layout" || { result=1; continue; }
+    correct $method "$layout" --set mask.guard=on || { result=1; continue; }
     read -r worse unnamed all < <(count)
     echo "# $method: $worse of $all worse than drawn, $unnamed of them without a reason"
     [ "$all" -ge 100 ] && [ "$unnamed" = 0 ] || result=1

@@ -224,6 +224,10 @@ static void test_process(void) {
       0);
   g_assert_cmpstr(out, ==, "./sram.yaml\n");
   if (CALL(command, "check", "sram.yaml")) g_error("%s%s", out, err);
+  g_assert_cmpint(
+      CALL(command, "new", "flow", "--process", "own65", cell, "sram.yaml"), ==,
+      5);
+  g_assert_nonnull(strstr(err, "'./sram.yaml' exists; another file: "));
   g_autofree char *base = g_build_filename(folder, "base.yaml", NULL);
   g_assert_true(g_file_set_contents(
       base,

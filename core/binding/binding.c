@@ -12,11 +12,11 @@
 #include "core/plugin/pieces.h"
 #include "core/plugin/value.h"
 
-/* Limit of nested slots; a plugin whose default is itself would recurse without
-   end. */
+/* Limit of nested slots; stops the recursion if a plugin is the default of its
+   own slot. */
 enum { DEEPEST_SLOT = 16 };
 
-/* State of one opc_bind(). */
+/* State of a call of opc_bind. */
 typedef struct binder {
   opc_registry *registry;
   opc_binding *binding;
@@ -36,8 +36,8 @@ static opc_node *parse_preset(const binder *b, const opc_parameter *p) {
   return node;
 }
 
-/* Return the map of a slot: without `use`, the given parameters override the
-   default plugin's. */
+/* Return the map of a slot. A map without `use` is applied to the preset of the
+   slot, the default plugin with its parameters. */
 static const opc_node *over_default(const binder *b, const opc_parameter *p,
                                     const opc_node *node) {
   if (!p->preset || opc_node_get(node, "use")) return node;
@@ -123,8 +123,7 @@ static void unknown_parameter(const binder *b, const opc_node *key,
             b->binding->plugin->id, suggestion);
 }
 
-/* Return the index of the parameter with that former name; -1 if there is
-   none. */
+/* Return the index of the parameter with a former name; -1 if missing. */
 static int find_former(const binder *b, const opc_node *key, const char *name) {
   const opc_plugin *plugin = b->binding->plugin;
   for (size_t i = 0; i < plugin->n_parameters; i++) {
@@ -184,8 +183,8 @@ static void bind_map(const binder *b, const opc_node *map, const char *prefix) {
   bind_group(b, undotted, prefix);
 }
 
-/* Treat a given value that equals the default as not given, as resolved flows
-   write all values. */
+/* Treat values equal to the default as not given, because resolved flows
+   contain all values. */
 static void forget_defaults(const binder *b) {
   opc_binding *binding = b->binding;
   for (size_t i = 0; i < binding->plugin->n_parameters; i++) {
@@ -382,7 +381,7 @@ static const opc_place *find_parameter(const opc_binding *b, const char *name,
         *rest == '.' ? find_parameter(b->slots[s], rest + 1, trail) : NULL;
     if (!place) place = find_parameter(b->slots[s], name, trail);
     if (place) return place;
-    /* The name addresses that slot's plugin, which has no such parameter. */
+    /* The slot's plugin has no parameter of this name. */
     if (*rest == '.') return opc_binding_origin(b, s);
     g_string_truncate(trail, length);
   }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A plugin with its parameters: from a map in a flow to checked values and to
-   an instance with the plugins in its slots. */
+/* Bindings: a binding is a plugin with the checked values of its parameters,
+   read from a map in a flow, its instance, and the bindings of its slots. */
 #pragma once
 
 #include <opcflow/inner.h>
@@ -11,7 +11,7 @@
 
 typedef struct opc_inner opc_inner; /* inner.h */
 
-/* Functions that a binding calls on the flow that its step runs. */
+/* Functions that a binding calls on the inner flow of its step. */
 typedef struct opc_nested {
   const opc_inner_service *service; /* for hosts outside runs */
   int (*check)(const opc_inner *inner, opc_error *error);
@@ -29,9 +29,9 @@ struct opc_binding {
   GPtrArray *owned;         /* memory that values point to */
   GPtrArray *presets;       /* opc_node *: parsed defaults, maps without dots */
   GPtrArray *renamed;       /* char *: notes about former parameter names */
-  opc_host *host;           /* set by opc_binding_create; `data` is the
+  opc_host *host;           /* set by opc_binding_create; host->data: the
                                binding */
-  void *run;                /* `data` of the `like` host */
+  void *run;                /* like->data of opc_binding_create */
   opc_module module;        /* self is NULL before create */
   opc_inner *inner;         /* inner flow of the step; NULL: none */
   const opc_nested *nested; /* functions of `inner` */
@@ -41,11 +41,11 @@ struct opc_binding {
 enum {
   OPC_BIND_NO_INPUTS = 1 << 0, /* a required OPC_INPUT may be missing */
   OPC_BIND_NO_FILES = 1 << 1,  /* a required OPC_FILE may be missing */
-  OPC_BIND_INNER = 1 << 2      /* for a flow that a step runs; twice this value
-                                  for a flow inside such a flow */
+  OPC_BIND_INNER = 1 << 2      /* for an inner flow; 2 * OPC_BIND_INNER for an
+                                  inner flow of a step of an inner flow */
 };
 
-/* Find the step plugin that `map` names with `use` and check all parameters.
+/* Find the step plugin named by `use` in `map`, and check all parameters.
    `path` is the name of the step, `at` its place. Returns a binding
    (opc_binding_free), valid if no problem was added; NULL if the plugin is not
    found. `map` outlives the binding. */
@@ -60,29 +60,29 @@ opc_binding *opc_bind_plugin(opc_registry *registry, const opc_plugin *plugin,
                              opc_problems *problems);
 
 /* Create the instances, those in slots first, and call their checks. `watch`
-   and `like` go to opc_host_new. Returns FALSE and adds a problem if an
-   instance refuses. */
+   and `like` are passed to opc_host_new. Returns FALSE and adds a problem if a
+   check fails. */
 gboolean opc_binding_create(opc_binding *binding, const opc_watch *watch,
                             const opc_host *like, opc_problems *problems);
 
-/* Return a service of a host whose `data` is a binding, by default: the inner
-   flow, or pieces one after another. Implements opc_host.service. */
+/* Return a service of a host whose `data` is a binding: the queries of the
+   inner flow, or pieces without other ranks. Implements opc_host.service
+   outside runs. */
 const void *opc_binding_service(const opc_host *host, const char *name);
 
 /* Return the label of a binding for messages (g_free): "step 'first' (sum)",
-   "'first.model' (model.wide)", of a command "command 'hello'
-   (command.hello)". */
+   "'first.model' (model.wide)", or "command 'hello' (command.hello)". */
 char *opc_binding_label(const opc_binding *binding);
 
-/* Mark the begin of a call into the plugin, for crash reports. Returns the
-   value for opc_binding_leave. */
+/* Enclose a call of a function of the plugin, for crash reports. Returns the
+   argument of opc_binding_leave. */
 const char *opc_binding_enter(const opc_binding *binding);
 void opc_binding_leave(const char *before);
 
 /* Add the problem that a function of the plugin reported in *error, and
-   terminate the texts of *error. With `run`, the plugins in the slots that the
-   error's parameter leads to follow the label, such as "step 'first' (sum),
-   model (model.wide)" for "model" or "model.width". Returns FALSE. */
+   terminate the texts of *error. With `run`, the label includes the plugins in
+   the slots on the path of the error's parameter: "step 'first' (sum), model
+   (model.wide)" for "model" or "model.width". Returns FALSE. */
 gboolean opc_binding_fail(const opc_binding *binding, gboolean run, int code,
                           opc_error *error, opc_problems *problems);
 
@@ -90,18 +90,17 @@ gboolean opc_binding_fail(const opc_binding *binding, gboolean run, int code,
 void opc_binding_free(opc_binding *binding);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_binding, opc_binding_free)
 
-/* Return the place where parameter i was given, else the place of the
+/* Return the place where parameter i is set, or else the place of the
    binding. */
 const opc_place *opc_binding_origin(const opc_binding *binding, size_t i);
 
-/* Return the place in the flow of an error of this instance: the place of
-   `parameter`, else of the binding. The parameter may belong to a slot (NAME or
-   "slot.NAME"). */
+/* Return the place in the flow for an error of this instance: the place of
+   `parameter` or, if unknown, of the binding. `parameter` may be the name of a
+   parameter of a slot ("NAME" or "slot.NAME"). */
 const opc_place *opc_binding_place(const opc_binding *binding,
                                    const char *parameter);
 
-/* Store the object of an OPC_INPUT (in tests, of an OPC_SLOT) in the
-   instance. */
+/* Set the field of an OPC_INPUT (in tests, of an OPC_SLOT) to an object. */
 void opc_binding_set(opc_binding *binding, size_t parameter,
                      const void *object);
 

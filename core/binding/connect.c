@@ -28,8 +28,8 @@ static gboolean unknown_step(const connector *c, const opc_node *node,
                    node->text, suggestion);
 }
 
-/* Find the output port of that name, the first port for NULL. Returns FALSE and
-   adds a problem if there is none. */
+/* Find an output by name; NULL: the first. Returns FALSE and a problem if
+   missing. */
 static gboolean find_port(const connector *c, const opc_node *node,
                           const opc_flow_step *from, const char *name,
                           size_t *port) {
@@ -116,7 +116,8 @@ static void report_circle(const opc_flow *flow, const gboolean *placed,
             text->str, step->name);
 }
 
-/* Order the steps: always the first step of the file that can run. */
+/* Order the steps: the next step is the first one in the file whose
+   dependencies are already in the order. */
 static void find_order(opc_flow *flow, opc_problems *problems) {
   guint n = flow->steps->len;
   g_autofree gboolean *placed = g_new0(gboolean, MAX(n, 1));

@@ -12,9 +12,9 @@
 #include "core/plugin/declaration.h"
 
 enum {
-  MOST = 100000, /* layers of an axis, the limit of points */
+  MOST = 100000, /* layers of an axis; also the limit of points */
   DEEPEST = 4,   /* nested lists */
-  LONGEST = 100  /* bytes of a name, which becomes a folder name */
+  LONGEST = 100  /* bytes of a layer's name, which is a folder name */
 };
 
 /* ---- state ---- */
@@ -30,17 +30,17 @@ typedef struct expander {
   GHashTable *known; /* name -> its layer */
 } expander;
 
-/* One element as written, which may expand into several layers. */
+/* An element of the description, which may expand into several layers. */
 typedef struct item {
   const opc_node *node;
-  const char *name;    /* given; NULL: from its values */
+  const char *name;    /* NULL: name made from the values */
   const char *variant; /* "": none */
   gboolean several;    /* some key has several values */
 } item;
 
 /* A layer under construction. */
 typedef struct part {
-  opc_node *map;  /* of paths and values */
+  opc_node *map;  /* paths and values */
   GString *label; /* values of the keys with several values */
   char *star;     /* text matched by `*` in a file name; NULL: none yet */
 } part;
@@ -62,8 +62,8 @@ static part *part_copy(const part *from) {
 
 /* ---- paths ---- */
 
-/* The binding of a path's step with a layer applied, and the parameter at the
-   path. */
+/* Parameter at a path and binding of its step, in a flow with a layer
+   applied. */
 typedef struct probe {
   opc_sweep *sweep;
   opc_flow *flow;
@@ -105,15 +105,15 @@ static void close_probe(probe *p) {
   opc_sweep_free(p->sweep);
 }
 
-/* Return whether the node may be a pattern or the exclusion of values. */
+/* Return whether a text may be a pattern or exclude values. */
 static gboolean is_pattern(const opc_node *node) {
   return node->type == OPC_NODE_TEXT &&
          (*node->text == '!' || strpbrk(node->text, "*?["));
 }
 
-/* Return the parameter of a path if its values may be patterns: a file, or a
-   parameter whose values the plugin lists. NULL: a value that looks like a
-   pattern is plain text. */
+/* Return the parameter at a path if its values may be patterns: an OPC_FILE, or
+   a parameter with OPC_LISTED. Otherwise return NULL; values are plain
+   texts. */
 static const opc_parameter *pattern_parameter(const expander *e, const item *it,
                                               const opc_node *map,
                                               const char *path) {
@@ -132,8 +132,9 @@ static void take_choice(void *data, const char *value) {
   g_ptr_array_add(data, g_strdup(value));
 }
 
-/* Return the values that the plugin lists for the parameter of `path` with the
-   layer `map` applied (char *, freed with the array); NULL and problems. */
+/* Return the values that the plugin lists for the parameter at `path`, with the
+   layer `map` applied (char *, freed with the array). NULL and problems on
+   failure. */
 static GPtrArray *list_choices(const expander *e, const item *it,
                                const opc_node *map, const char *path) {
   static const opc_watch nowhere = {.data = NULL};
@@ -174,8 +175,9 @@ static gboolean has_pattern(const opc_node *value) {
   return FALSE;
 }
 
-/* Add to `out` all values of a key for the partial layer `under`. `parameter`:
-   of patterns; NULL: none are expanded. Returns FALSE and adds problems. */
+/* Add all values of a key to `out`. Patterns are expanded for `parameter`
+   (NULL: no patterns) with the partial layer `under` applied. Returns FALSE and
+   adds problems on failure. */
 static gboolean find_values(const expander *e, const item *it,
                             const part *under, const char *path,
                             const opc_node *value,
@@ -264,8 +266,8 @@ static void add_layer(expander *e, const item *it, const part *p) {
   g_ptr_array_add(e->names, g_steal_pointer(&name));
 }
 
-/* Return each partial layer combined with each value of a key; NULL and
-   problems. */
+/* Combine each partial layer with each value of a key; NULL and problems on
+   failure. */
 static GPtrArray *parts_multiply(const expander *e, const item *it,
                                  GPtrArray *parts, const opc_node *key,
                                  const opc_node *value,
@@ -295,8 +297,8 @@ static GPtrArray *parts_multiply(const expander *e, const item *it,
   return good ? g_steal_pointer(&out) : NULL;
 }
 
-/* Return the first value of each key that is not a pattern: the context in
-   which patterns of other keys are expanded. */
+/* Return the layer of the first value of each key that is not a pattern.
+   Patterns of other keys are expanded with this layer applied. */
 static opc_node *plain_layer(const opc_node *map) {
   opc_node *plain = opc_node_map_new(map->source, &map->at);
   for (guint i = 0; i < map->items->len; i++) {
@@ -308,9 +310,9 @@ static opc_node *plain_layer(const opc_node *map) {
   return plain;
 }
 
-/* Add all combinations of the values of a map of paths. The values that a
-   plugin lists depend on other parameters, so patterns of listed values come
-   last. */
+/* Add all combinations of the values of a map of paths. Patterns of OPC_LISTED
+   parameters are expanded last, because the values listed by a plugin depend on
+   other parameters. */
 static void expand_map(expander *e, item *it, const opc_node *map) {
   g_autoptr(opc_node) plain = plain_layer(map);
   g_autoptr(GPtrArray) parts = g_ptr_array_new_with_free_func(part_free);
@@ -352,7 +354,7 @@ static const char *take_variant(const expander *e, const opc_node *node) {
              : NULL;
 }
 
-/* Put a value under a key whose place is that of `like`. */
+/* Set a value in a map; the key gets the place of `like`. */
 static void node_put_like(opc_node *map, const char *key, const opc_node *like,
                           const opc_node *value) {
   g_autoptr(opc_node) name = opc_node_text_new(like->source, key);
@@ -360,7 +362,7 @@ static void node_put_like(opc_node *map, const char *key, const opc_node *like,
   opc_node_put(map, name, value);
 }
 
-/* Expand an element of a list with the keys beside `list` as defaults. */
+/* Expand an element of `list`; other keys of the map are defaults. */
 static void expand_element(expander *e, const char *name, const opc_node *map,
                            const opc_node *key, const opc_node *element) {
   g_autoptr(opc_node) whole = opc_node_map_new(element->source, &element->at);

@@ -31,8 +31,9 @@ typedef struct opc_requirement {
   const opc_node *value; /* as written */
   const opc_binding *binding;
   const opc_metric *metric;
-  double least, most; /* bounds in the unit of the metric; infinite: no bound */
-  gboolean open;      /* the bounds themselves are excluded */
+  double least, most; /* bounds in the unit of the metric; +-infinity: no
+                         bound */
+  gboolean open;      /* the bounds are excluded */
   char *text;         /* "at most 1 %" */
 } opc_requirement;
 
@@ -61,28 +62,27 @@ typedef struct opc_choice {
   unsigned bind;           /* OPC_BIND_* of its steps */
 } opc_choice;
 
-/* Build the flow and check everything that needs no instance. `choice` may be
-   NULL. Returns a flow (opc_flow_free), valid if no problem was added; never
-   NULL. Recipe and sweep outlive the flow. */
+/* Build the flow and do all checks that need no instance. `choice` may be NULL.
+   Returns a flow (opc_flow_free), valid if no problem was added; never NULL.
+   Recipe and sweep outlive the flow. */
 opc_flow *opc_flow_make(const opc_recipe *recipe, const opc_choice *choice,
                         opc_registry *registry, opc_problems *problems);
 
-/* Read a flow file and build the flow without a variant and a sweep. Returns
-   NULL if the file cannot be read. */
+/* Read a flow file and build the flow, without variant and sweep. Returns NULL
+   if the file cannot be read. */
 opc_flow *opc_flow_load(const char *path, const char *const *sets,
                         opc_registry *registry, opc_problems *problems);
 void opc_flow_free(opc_flow *flow);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_flow, opc_flow_free)
 
-/* Add the problems of a flow at each value of each axis of `choice`, each
-   problem once. `watch`: also create the instances; may be NULL. */
+/* Check a flow at each value of each axis of `choice`, and add each problem
+   once. Unless `watch` is NULL, also create the instances. */
 void opc_flow_check(const opc_recipe *recipe, const opc_choice *choice,
                     opc_registry *registry, const opc_watch *watch,
                     opc_problems *problems);
 
-/* Create the instances of all steps but those with left_out[number] set
-   (`left_out` NULL: of all), as opc_binding_create does. Returns FALSE and adds
-   all problems if one refuses. */
+/* Call opc_binding_create for all steps except those with left_out[number] set;
+   `left_out` may be NULL. Returns FALSE and adds all problems on failure. */
 gboolean opc_flow_create(const opc_flow *flow, const gboolean *left_out,
                          const opc_watch *watch, const opc_host *like,
                          opc_problems *problems);

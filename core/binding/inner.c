@@ -10,13 +10,13 @@
 #include "core/binding/lookup.h"
 #include "core/plugin/declaration.h"
 
-/* Limit of nested inner flows: an experiment whose steps run searches. */
+/* Limit of nested inner flows, such as an experiment whose steps run
+   searches. */
 enum { DEEPEST = 2 };
 
 /* ---- reading: variant and parameters ---- */
 
-/* Return the index of the parameter of that name and type, -1 if there is
-   none. */
+/* Return the index of a parameter by name and type, -1 if missing. */
 static int find_parameter(const opc_plugin *plugin, const char *name,
                           uint32_t type) {
   int i = opc_parameter_find(plugin, name);
@@ -39,8 +39,8 @@ static void choose_variant(opc_inner *inner, const opc_binding *b,
 
 /* ---- reading: files ---- */
 
-/* Make the file names in a value, a list or a map absolute. Recursion is as
-   deep as files may nest. */
+/* Make the file names in a text, list or map absolute. The depth of the
+   recursion is limited by that of flow files. */
 static void make_files_absolute(const opc_flow *flow, const char *path,
                                 opc_node *node) {
   if (node->type == OPC_NODE_TEXT) {
@@ -110,7 +110,7 @@ static void open_recipe(opc_inner *inner, const opc_binding *b,
                         opc_problems *problems) {
   guint before = problems->list->len;
   const opc_node *set = find_map(b, "set"), *sweep = find_map(b, "sweep");
-  /* `set` fixes a parameter that the flow itself sweeps. */
+  /* A parameter in `set` is not swept, even if the inner flow sweeps it. */
   inner->sweep = opc_sweep_new(inner->recipe, NULL, set, NULL, problems);
   if (sweep) opc_sweep_lay_over(inner->sweep, sweep, problems);
   inner->choice.over = set;
@@ -144,7 +144,7 @@ static void inner_free(opc_inner *inner) {
   g_free(inner);
 }
 
-/* Report the problems that only instances of the inner flow find. */
+/* Report the problems that the checks of instances in the inner flow find. */
 static int inner_check(const opc_inner *inner, opc_error *error) {
   static const opc_watch nowhere = {.data = NULL};
   g_autoptr(opc_problems) problems = opc_problems_new();

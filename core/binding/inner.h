@@ -17,7 +17,7 @@ struct opc_inner {
   opc_flow *flow;    /* flow at the first point */
   opc_registry *registry;
   opc_inner_axis **axes;
-  GHashTable *wanted;   /* names of the steps asked for; empty: all */
+  GHashTable *wanted;   /* names of the requested steps; empty: all */
   GHashTable *given;    /* name of a step -> its output, void *[1] */
   opc_inner_runs *runs; /* NULL: none started */
   void (*runs_end)(opc_inner_runs *runs);  /* called when the step has run */
@@ -25,15 +25,15 @@ struct opc_inner {
                                               freed */
 };
 
-/* Build the inner flows of a valid binding and of its slots if their plugins
-   declare one, and check them at each swept value. File names in the bindings
-   become absolute, so that resolved flows can be moved. `flags` are those of
-   the binding. */
+/* Build the inner flows that the plugins of a valid binding and its slots
+   declare, and check the inner flows at each swept value. File names in the
+   bindings become absolute, so that resolved flows can be moved. `flags` as in
+   opc_bind. */
 void opc_inner_open(opc_binding *binding, opc_registry *registry,
                     unsigned flags, opc_problems *problems);
 
-/* Return, by step number of `flow`, whether the step must run for the steps
-   asked for (g_free). */
+/* Return, by step number of `flow`, whether the step must run to provide the
+   requested steps (g_free). */
 gboolean *opc_inner_needed(const opc_inner *inner, const opc_flow *flow);
 
 /* End the runs of an inner flow after the step has run. `inner` may be NULL. */
@@ -51,8 +51,7 @@ void opc_inner_visit(const opc_inner *inner,
 /* Return the inner flow of a host's instance. */
 opc_inner *opc_inner_of(const opc_host *host);
 
-/* Return the axes of the inner flow; *count is set. Implements
-   opc_inner_service.axes; needs no run. */
+/* Implement the functions of opc_inner_service that need no run. */
 const opc_inner_axis *const *opc_inner_axes(const opc_host *host,
                                             size_t *count);
 int opc_inner_find_axis(const opc_host *host, const char *path,
@@ -62,5 +61,5 @@ const opc_metric *opc_inner_find_metric(const opc_host *host, const char *path,
 const char *opc_inner_find_output(const opc_host *host, const char *name,
                                   const char *kind, opc_error *error);
 
-/* Return the index of the output port of that kind, -1 if there is none. */
+/* Return the index of the first output of a data kind, -1 if missing. */
 int opc_inner_port(const opc_plugin *plugin, const char *kind);

@@ -5,17 +5,16 @@
 
 #include "core/binding/flow.h"
 
-/* Return the parameter of the path "step.parameter" or deeper; NULL if there is
-   none. */
+/* Return the parameter at "step.parameter" or deeper; NULL if missing. */
 const opc_parameter *opc_flow_parameter(const opc_flow *flow, const char *path);
 
-/* Return the parameter of that path among `bindings`, with its binding in
- *owner; NULL if there is none. */
+/* Return the parameter at a path in one of `bindings`, and this binding in
+ *owner; NULL if missing. */
 const opc_parameter *opc_parameter_at(const GPtrArray *bindings,
                                       const char *path, opc_binding **owner);
 
-/* Return the step that a path ("step", "step.slot.parameter") begins with, or
-   NULL. */
+/* Return the step at the beginning of a path ("step", "step.slot.parameter"),
+   or NULL. */
 opc_flow_step *opc_flow_find(const opc_flow *flow, const char *path);
 
 /* Return the bindings of all steps of a valid flow (opc_binding *) in order of

@@ -9,7 +9,7 @@
 #include <string.h>
 
 enum {
-  MOST_FILES = 16,   /* in one chain of `extends` */
+  MOST_FILES = 16,   /* files in a chain of `extends` */
   MOST_STEPS = 1000, /* also keys of a variant or a sweep */
   MOST_VARIANTS = 100
 };
@@ -28,7 +28,7 @@ static void check_version(const opc_node *root, opc_problems *problems) {
               "'opcflow' must be 1, the version of the format");
 }
 
-/* Return the name given in the file, else the name of the file (g_free). */
+/* Return the `name` in the file, or else the name of the file (g_free). */
 static char *flow_name(const opc_node *root, const char *path,
                        opc_problems *problems) {
   const opc_node *name = opc_node_get(root, "name");
@@ -145,7 +145,7 @@ static void take_steps(opc_recipe *recipe, const opc_node *root,
   opc_lay_steps(recipe->steps, steps, problems);
 }
 
-/* Remove a key; returns FALSE if the map has none of that name. */
+/* Remove a key; return FALSE if missing. */
 static gboolean remove_key(opc_node *map, const char *key) {
   int i = opc_node_find(map, key);
   if (i < 0) return FALSE;
@@ -154,8 +154,8 @@ static gboolean remove_key(opc_node *map, const char *key) {
   return TRUE;
 }
 
-/* Check that one file does not give a parameter in both forms (dotted and
-   nested), then append the entries to the variant of that name. */
+/* Check that a file does not set a parameter in both forms (dotted and nested),
+   then append the entries to the variant of the same name. */
 static void add_variant(opc_recipe *recipe, const opc_node *key,
                         const opc_node *value, opc_problems *problems) {
   opc_node_free(opc_undot(value, FALSE, problems));
@@ -207,7 +207,7 @@ static void take_demands(opc_recipe *recipe, const opc_node *root,
                   problems);
 }
 
-/* Merge a sweep: an axis given again keeps the position and gets new values. */
+/* Merge a sweep: an axis that exists keeps its position and gets new values. */
 static void take_sweep(opc_recipe *recipe, const opc_node *root,
                        opc_problems *problems) {
   opc_node *sweep = recipe->sweep;

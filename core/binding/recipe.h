@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A flow file merged with the files listed by `extends`: the steps as text, the
-   variants and the sweep, before plugins are bound. */
+/* A flow file merged with the files listed by `extends`: unchecked steps,
+   variants and sweep. */
 #pragma once
 
 #include <base/node.h>
@@ -17,8 +17,8 @@ typedef struct opc_recipe {
   opc_node *demands;  /* merged "require"; empty: none */
 } opc_recipe;
 
-/* Read a flow file and the extended files. Returns NULL if one cannot be read;
-   otherwise a recipe (opc_recipe_free), valid if no problem was added. */
+/* Read a flow file and the extended files. Returns NULL if a file cannot be
+   read; otherwise a recipe (opc_recipe_free), valid if no problem was added. */
 opc_recipe *opc_recipe_read(const char *path, opc_problems *problems);
 void opc_recipe_free(opc_recipe *recipe);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_recipe, opc_recipe_free)

@@ -84,8 +84,8 @@ static const struct {
                  {">", "more than ", FALSE, TRUE, TRUE},
                  {"=", "", TRUE, TRUE, FALSE}};
 
-/* Index into `relations` for a number without a sign, by the better direction
-   of the metric: a bound on the worse side, or equality. */
+/* Index in `relations` for a number without a sign, by opc_metric.better: a
+   bound in the worse direction, or equality. */
 static const guint by_direction[] = {
     [OPC_NEUTRAL] = 4, [OPC_LOWER] = 0, [OPC_HIGHER] = 1};
 
@@ -103,7 +103,7 @@ static gboolean read_text(const reader *in, opc_requirement *r,
     text += strlen(relations[i].sign);
   text += strspn(text, " ");
   if (!read_bound(in, r, node, text, &bound)) return FALSE;
-  /* Equality allows the metric's tolerance. */
+  /* "Equal" means within the tolerance of the metric. */
   double slack =
       relations[i].upper && relations[i].lower ? r->metric->tolerance : 0;
   if (relations[i].upper) r->most = bound + slack;

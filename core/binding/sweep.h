@@ -13,9 +13,9 @@ typedef struct opc_axis {
   opc_source *source; /* source of the values */
   GPtrArray *values;  /* opc_node *; of an axis of layers: maps of paths and
                          values */
-  char **variants;    /* of an axis of layers: variant below each layer, "" for
-                         none; the texts in `info` are then layer names. NULL:
-                         of a parameter */
+  char **variants;    /* of an axis of layers: variant to which each layer is
+                         applied, or ""; texts in `info` are names of layers.
+                         NULL: axis of a parameter */
 } opc_axis;
 
 typedef struct opc_sweep {
@@ -23,10 +23,10 @@ typedef struct opc_sweep {
   size_t points;   /* 1 without axes */
 } opc_sweep;
 
-/* Return the sweep of a recipe (opc_sweep_free; never NULL) without the
-   parameters of `sets` ("a.b=value") and `over` (a map of paths), which are
-   fixed. `sweeps` ("a.b=[...]") replace the axis of the same parameter or are
-   appended. Lists are NULL-terminated; all three may be NULL. */
+/* Return the sweep of a recipe (opc_sweep_free; never NULL), without axes of
+   the parameters that `sets` ("a.b=value") and `over` (a map of paths) fix. An
+   element of `sweeps` ("a.b=[...]") replaces the axis of the same parameter or
+   is appended. Lists are NULL-terminated; all three may be NULL. */
 opc_sweep *opc_sweep_new(const opc_recipe *recipe, const char *const *sets,
                          const opc_node *over, const char *const *sweeps,
                          opc_problems *problems);
@@ -47,7 +47,7 @@ void opc_sweep_add_layers(opc_sweep *sweep, const char *path,
                           GPtrArray *layers, char **names, char **variants,
                           opc_problems *problems);
 
-/* Return whether an axis changes the step of that name in a flow of
+/* Return whether an axis changes the step named `step` in a flow of
    `recipe`. */
 gboolean opc_axis_touches(const opc_axis *axis, const opc_recipe *recipe,
                           const char *step);
@@ -56,9 +56,9 @@ gboolean opc_axis_touches(const opc_axis *axis, const opc_recipe *recipe,
    all parameters together. */
 unsigned opc_sweep_depth(const opc_sweep *sweep);
 
-/* Return the level of each step at a point of the sweep, by step number
-   (g_free). The level is 0 if no axis changes the step, directly or through a
-   dependency; else, from 1, that of the last such axis. */
+/* Return the level of each step, by step number (g_free). The level is 0 if no
+   axis changes the step, directly or through a dependency; else the level of
+   the last such axis, counted from 1. */
 struct opc_flow;
 unsigned *opc_sweep_levels(const opc_sweep *sweep, const struct opc_flow *flow);
 

@@ -33,7 +33,7 @@ static void take_log(void *data, const char *path, int level,
 
 /* ---- forecasts of a run ---- */
 
-/* bytes below which a forecast of memory alone gets no line */
+/* a forecast of only memory below this number of bytes is not printed */
 static const double little = 1e6;
 
 static void variant_forecast(const opc_recipe *recipe, const opc_choice *choice,
@@ -68,9 +68,9 @@ static GArray *open_files(const opc_recipe *recipe, const opc_choice *choice) {
   return cli_open_files(flow);
 }
 
-/* Return whether the flow or a variant leaves required files open, and report
-   them; for a variant, without those of the flow. They are no problem, because
-   processes are such flows; the rest of the flow is still checked. */
+/* Report the required files that the flow or a variant does not name, for a
+   variant without those of the flow, and return whether there are any. A flow
+   of a process leaves such files open, so that they are no problem. */
 static gboolean needs_files(const opc_recipe *recipe, const opc_choice *choice,
                             GHashTable *reported, JsonArray *missing) {
   g_autoptr(GArray) its = open_files(recipe, choice);

@@ -44,7 +44,7 @@ struct cli_verb {
 
 extern const cli_verb cli_run, cli_check, cli_version, cli_help;
 
-/* Verbs of the program opcflow-devel (tools/devel), as shown in the help. */
+/* Texts for the verbs of the program opcflow-devel (tools/devel). */
 #define CLI_DEVEL "opcflow-devel"
 #define CLI_CACHE                                       \
   .name = "cache", .arguments = "[clear | limit SIZE]", \
@@ -78,24 +78,23 @@ extern const cli_verb *const cli_verbs[];
 /* Run the verb named on a command line and return the exit code. */
 int cli_main(int argc, char **argv);
 
-/* Replace this process by opcflow-devel with the same words. Returns an exit
-   code if the program is not installed. */
+/* Replace this process by opcflow-devel with the same arguments. Returns an
+   exit code if the program is not installed. */
 int cli_run_devel(const cli_verb *verb);
 
-/* Replace this process by a program with the same words. Returns only on
+/* Replace this process by a program with the same arguments. Returns only on
    failure. */
 void cli_become(const char *program);
 
-/* Return a verb, built in or of a plugin, which is loaded; NULL and *error if
-   there is none. */
+/* Return a verb, built in or of a plugin, which is then loaded; NULL and *error
+   if unknown. */
 const cli_verb *cli_find_verb(const char *name, opc_error *error);
 
 /* Return the names of all verbs that are not hidden (char *, freed with the
    array). */
 GPtrArray *cli_verb_names(void);
 
-/* Return the verb of the plugin "command.NAME"; NULL and *error if there is
-   none. */
+/* Return the verb of the plugin "command.NAME"; NULL and *error if missing. */
 const cli_verb *cli_plugin_verb(const char *name, opc_error *error);
 
 /* Return the whole command line, beginning with "opcflow" and the verb;
@@ -128,10 +127,9 @@ typedef struct cli_open_file {
    freed with the array). */
 GArray *cli_open_files(const opc_flow *flow);
 
-/* Return the variants that --variant names (char *, NULL: the flow itself;
-   owned by the recipe or `given`). Without --variant: the flow, and all
-   variants if `every`. Adds a problem for an unknown name. `recipe` may be
-   NULL. */
+/* Return the variants chosen by --variant (char *, NULL: the flow itself; owned
+   by the recipe or `given`). Without --variant: the flow, and all variants if
+   `every`. Adds a problem for an unknown name. `recipe` may be NULL. */
 GPtrArray *cli_choose_variants(const opc_recipe *recipe, GPtrArray *given,
                                gboolean every, opc_problems *problems);
 
@@ -144,7 +142,7 @@ int cli_set_threads(const char *text);
 /* Read the folders of all --plugin-path options, at any position. */
 void cli_take_plugin_path(guint n, char **words);
 
-/* Search a folder before all others. Call before the first cli_registry. */
+/* Make `folder` the first folder of the search. Call before cli_registry. */
 void cli_look_first(const char *folder);
 
 /* Return the registry of the folders of --plugin-path and the standard ones. */

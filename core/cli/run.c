@@ -196,7 +196,7 @@ static int run_print_results(const series *s, const opc_run *run,
   return run->out.points_code ? cli_exit_code(run->out.points_code) : code;
 }
 
-/* Return whether this is a rank other than the first. */
+/* Return whether this process is a rank other than the first. */
 static gboolean is_second(void) { return wanted.ranks && wanted.ranks->rank; }
 
 static int run_one(const series *s, const char *variant) {

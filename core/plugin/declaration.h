@@ -6,17 +6,16 @@
 #include <opcflow/choices.h>
 #include <opcflow/opcflow.h>
 
-/* Kinds built into the kernel; kind.h finds the others. */
+/* Kinds built into the host; kind.h finds all kinds. */
 #define OPC_KIND_STEP "step"
 #define OPC_KIND_COMMAND "command"
 #define OPC_KIND_KIND "kind"
 
-/* Return the number of output ports of a plugin of the kind step; 0 for other
-   kinds. */
+/* Return the number of outputs of a step plugin; 0 for other kinds. */
 size_t opc_port_count(const opc_plugin *plugin);
 const opc_port *opc_port_at(const opc_plugin *plugin, size_t i);
 
-/* Return the index of the parameter of that name, -1 if there is none. */
+/* Return the index of a parameter by name, -1 if missing. */
 int opc_parameter_find(const opc_plugin *plugin, const char *name);
 const opc_metric *opc_metric_find(const opc_plugin *plugin, const char *name);
 /* Return the metric `name` that the plugin declares. NULL and *error if the
@@ -24,17 +23,18 @@ const opc_metric *opc_metric_find(const opc_plugin *plugin, const char *name);
 const opc_metric *opc_metric_check(const opc_plugin *plugin, const char *name,
                                    double value, opc_error *error);
 
-/* Return the plugin's OPC_CHOICES extension, NULL if there is none. */
+/* Return the plugin's OPC_CHOICES extension; NULL if missing. */
 const opc_choices *opc_choices_of(const opc_plugin *plugin);
 
-/* Copy n structs of `theirs` bytes, as a plugin declares them, into structs of
-   `ours` bytes, truncated or padded with zeros, so that the kernel can read its
-   own structs. Returns NULL if the array is missing or its structs have fewer
-   than `oldest` bytes. Copies are never freed. [main] */
+/* Copy n structs of a plugin, `theirs` bytes each, into structs of the host,
+   `ours` bytes each, truncated or padded with zeros. Returns NULL if the array
+   is missing or `theirs` is less than `oldest`. Copies are never freed. [main]:
+   see opcflow/plugin.h. */
 gconstpointer opc_declared_copy(gconstpointer from, size_t n, size_t theirs,
                                 size_t oldest, size_t ours);
 
-/* Copy an array of `type`, whose last field in interface 0.8 is `last`. */
+/* Copy an array of `type`; `last` is the last field of `type` in interface
+   0.8. */
 #define OPC_DECLARED_COPY(type, last, from, n, theirs)                   \
   ((const type *)opc_declared_copy(                                      \
       from, n, theirs, offsetof(type, last) + sizeof(((type *)0)->last), \
@@ -44,7 +44,7 @@ gconstpointer opc_declared_copy(gconstpointer from, size_t n, size_t theirs,
    interface version. Returns NULL and the reason in *fault (g_free). */
 opc_plugin *opc_plugin_copy(const opc_plugin *theirs, char **fault);
 
-/* Return why the host cannot use a descriptor (g_free), NULL if the descriptor
-   is valid. `id` is the id expected from the file name. Functions are checked
-   by opc_functions_adopt. */
+/* Return the reason why a descriptor is not valid (g_free), NULL if valid. `id`
+   is the id expected from the file name. Functions are checked by
+   opc_functions_adopt. */
 char *opc_plugin_fault(const opc_plugin *plugin, const char *id);

@@ -44,8 +44,8 @@ static void host_log(const opc_host *host, int level, const char *format, ...) {
 static void host_progress(const opc_host *host, const opc_progress *progress) {
   const instance_host *own = (const instance_host *)host;
   if (!own->watch->progress) return;
-  opc_progress copy = *progress; /* read before guard_enter, so that a crash
-                                    by a bad pointer names the plugin */
+  opc_progress copy = *progress; /* read before guard_enter, so that a crash by
+                                    an invalid pointer names the plugin */
   char unit[16];
   g_snprintf(unit, sizeof unit, "%s", copy.worst_unit ? copy.worst_unit : "");
   g_autofree char *shown = opc_shown(unit, "");

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The host table that plugins call back. */
+/* Hosts: the functions that plugins call (opc_host). */
 #pragma once
 
 #include <opcflow/opcflow.h>
 
-/* Receiver of the messages and progress of instances. log, progress and
-   cancelled may be called from any thread; `path` is that of the instance
-   ("first.model"). Functions may be NULL. */
+/* Functions that receive messages and progress of instances; each may be NULL.
+   log, progress and cancelled may be called from any thread. `path` is the path
+   of the instance, "first.model". */
 typedef struct opc_watch {
   void *data;
   void (*log)(void *data, const char *path, int level, const char *message);
@@ -17,14 +17,14 @@ typedef struct opc_watch {
   void (*point)(void *data, size_t number, size_t count);
 } opc_watch;
 
-/* Return a host for the instance of that path (opc_host_free). *watch (NULL:
-   none) receives messages and progress. Published tables, metrics, output paths
-   and services go to the functions of *like. Where *like has none, tables and
-   metrics are ignored, output_path fails, and the pieces service runs pieces
-   one after another. `path`, `watch` and `like` outlive the host. */
+/* Return a host for the instance at `path` (opc_host_free). *watch (NULL: none)
+   receives messages and progress. The functions table, metric, output_path and
+   service call those of *like. If *like lacks a function, tables and metrics
+   are ignored, output_path fails, and pieces run one after another. `path`,
+   `watch` and `like` outlive the host. */
 opc_host *opc_host_new(const char *path, const opc_watch *watch,
                        const opc_host *like);
-/* Detach the host from the watch: no messages or progress from now on. */
+/* Detach the host from the watch, which receives nothing more. */
 void opc_host_ignore(opc_host *host);
 void opc_host_free(opc_host *host);
 

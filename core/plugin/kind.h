@@ -1,22 +1,22 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Kinds of plugins: three are built into the kernel, the others are plugins
-   "kind.NAME". */
+/* Kinds of plugins: step, command and kind are built in, the others are
+   declared by plugins "kind.NAME" (opcflow/kind.h). */
 #pragma once
 
 #include "core/plugin/registry.h"
 
-/* Return the kind of that name; NULL and *error if there is none. */
+/* Return a kind by name; NULL and *error if unknown. */
 const opc_kind *opc_kind_of(opc_registry *registry, const char *name,
                             opc_error *error);
 
-/* Return the declaration used to test plugins of that kind: that of the plugin
-   "kind.NAME", else of the kernel's kind of that name. NULL if there is
-   neither. */
+/* Return the declaration by which plugins of a kind are tested: that of the
+   plugin "kind.NAME", else the built-in one. NULL if both are missing. */
 const opc_kind *opc_kind_trials(opc_registry *registry, const char *name);
 
 /* Replace the functions in the copy of a descriptor (opc_plugin_copy) by a copy
    of at least the size of the kind's struct; missing functions are NULL.
-   Returns why the functions do not fit the kind (g_free), NULL if they do. */
+   Returns the reason if the functions do not fit the kind (g_free), else
+   NULL. */
 char *opc_functions_adopt(opc_registry *registry, opc_plugin *plugin);
 
 /* Return the names of all kinds, sorted (char *, freed with the array). */

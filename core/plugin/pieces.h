@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Pieces (work units) of a step's work, done in this process. */
+/* Pieces (work units of a step, opcflow/pieces.h) computed in this process. */
 #pragma once
 
 #include <glib.h>
@@ -8,16 +8,16 @@
 /* Largest result of a piece in bytes: the limit of one MPI message. */
 enum { OPC_PIECE_MOST = 1 << 30 };
 
-/* Do piece i and return its result (g_bytes_unref); NULL and *error, whose
-   message begins with the name of the piece if pieces have a name. [main] */
+/* Compute piece i and return the result (g_bytes_unref). NULL and *error, with
+   the name of the piece, if set. [main]: see opcflow/plugin.h. */
 GBytes *opc_piece_work(const opc_pieces *pieces, size_t i, opc_error *error);
 
-/* Pass the result of piece i back to the step. [main] */
+/* Pass the result of piece i to the step. [main] */
 int opc_piece_take(const opc_pieces *pieces, size_t i, const void *bytes,
                    size_t size, opc_error *error);
 
-/* Return a copy of the plugin's struct of `size` bytes, truncated or padded
-   with zeros to the kernel's size. */
+/* Return a copy of a plugin's struct of `size` bytes, truncated or padded with
+   zeros to the size of the host's struct. */
 opc_pieces opc_pieces_copy(const opc_pieces *theirs, size_t size);
 
 /* The service without a store and without other processes. */

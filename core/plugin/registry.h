@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Search and loading of plugins. The plugin ID is the file ID.so in one of the
-   folders; the first folder that has the file wins. */
+/* Search and loading of plugins. The plugin ID is the file ID.so in the first
+   folder of the search order that has this file. */
 #pragma once
 
 #include <glib.h>
@@ -11,7 +11,8 @@ typedef struct opc_candidate {
   char *id; /* id from the file name */
   char *path;
   char *reason;          /* reason why not usable; NULL: usable */
-  const char *hidden_by; /* path of an earlier file of the same id, or NULL */
+  const char *hidden_by; /* path of a file of the same id in an earlier folder,
+                            or NULL */
   char *kind, *version, *licence, *summary; /* of usable plugins only */
 } opc_candidate;
 
@@ -20,7 +21,7 @@ typedef struct opc_registry opc_registry;
 /* Return a registry (opc_registry_free). The search order is: `folders` (of
    --plugin-path, NULL-terminated, or NULL), OPCFLOW_PLUGIN_PATH, `plugins`
    beside the executable, the user's data folder, the installed folder. The last
-   two are skipped if OPCFLOW_NO_SYSTEM_PLUGINS is set. Reads no folder yet. */
+   two are skipped if OPCFLOW_NO_SYSTEM_PLUGINS is set. Reads no folder. */
 opc_registry *opc_registry_new(const char *const *folders);
 
 /* Free the registry. Loaded plugins stay loaded: their threads and tables may
@@ -32,12 +33,12 @@ G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_registry, opc_registry_free)
 const GPtrArray *opc_registry_folders(const opc_registry *registry);
 
 /* Return the path of a file of the command (g_free): beside the executable or,
-   installed, in opcflow/ of `in`, which is OPC_LIBDIR or OPC_LIBEXECDIR. NULL
-   if neither exists. */
+   if installed, in opcflow/ of the folder `in` (OPC_LIBDIR, OPC_LIBEXECDIR).
+   NULL if missing. */
 char *opc_find_installed(const char *in, const char *name);
 
-/* Return the plugin, loaded at the first use; NULL and *error (OPC_NO_PLUGIN)
-   with the reason. */
+/* Return a plugin by id, loaded at the first call. NULL and *error
+   (OPC_NO_PLUGIN) with the reason on failure. */
 const opc_plugin *opc_registry_find(opc_registry *registry, const char *id,
                                     opc_error *error);
 
@@ -47,7 +48,7 @@ const char *opc_registry_path(const opc_registry *registry,
 
 /* Return all plugin files whose id begins with `prefix` (opc_candidate *), by
    id, then in search order. Each is loaded in a child process, so that a crash
-   or a hang (over `seconds`) is only reported. */
+   or a time above `seconds` is only reported. */
 GPtrArray *opc_registry_scan(opc_registry *registry, const char *prefix,
                              double seconds);
 
@@ -56,7 +57,7 @@ GPtrArray *opc_registry_usable(opc_registry *registry, const char *prefix,
                                double seconds);
 
 /* Return the distinct ids of all plugin files that begin with `prefix`, sorted
-   (char *, freed with the array). Loads none. */
+   (char *, freed with the array). No plugin is loaded. */
 GPtrArray *opc_registry_ids(const opc_registry *registry, const char *prefix);
 
 /* Load a shared object and check the descriptor. Returns NULL and *reason
@@ -64,7 +65,6 @@ GPtrArray *opc_registry_ids(const opc_registry *registry, const char *prefix);
 const opc_plugin *opc_plugin_load(opc_registry *registry, const char *path,
                                   const char *id, char **reason);
 
-/* Call opc_plugin_load in a child process and store the outcome in the last
-   fields of the candidate. */
+/* Call opc_plugin_load in a child process and complete the candidate. */
 void opc_candidate_try(opc_registry *registry, opc_candidate *candidate,
                        double seconds);

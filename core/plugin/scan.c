@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tries a plugin in a child process: a crash or an endless loop during loading
-   becomes a reason. */
+/* Loads a plugin in a child process. A crash or an endless loop during loading
+   is the reason why the plugin is not usable. */
 #include <errno.h>
 #include <guard/child.h>
 #include <guard/process.h>

@@ -38,8 +38,7 @@ static converter read_bool, read_int, read_real, read_text, read_choice,
 /* ---- types ---- */
 
 /* For each type: its name in declarations, the noun for its values in messages,
-   the width of its field in bytes, and the value that stands for "not
-   given". */
+   the width of its field in bytes, and the value of a missing parameter. */
 static const struct {
   const char *name, *noun;
   size_t width;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Conversion of texts in a flow into parameter values, and their storage in
-   fields of instances. */
+/* Conversion of texts in a flow to parameter values, and storage of the values
+   in fields of instances. */
 #pragma once
 
 #include <base/node.h>
@@ -20,8 +20,8 @@ typedef union opc_field {
 /* Checked value of a parameter. */
 typedef struct opc_setting {
   gboolean present; /* given or by default */
-  gboolean given;   /* by the flow or the command line; FALSE where the given
-                       value equals the default */
+  gboolean given;   /* by the flow or the command line; FALSE if equal to the
+                       default */
   opc_field field;
   const char *reference; /* of an OPC_INPUT: "step.port" */
 } opc_setting;
@@ -31,14 +31,14 @@ opc_setting opc_setting_absent(const opc_parameter *parameter);
 
 /* Convert `node` into *value as `parameter` declares. Memory that the value
    points to is added to `owned` (freed with g_free). Returns FALSE and adds
-   problems if the node does not fit. Not for OPC_SLOT. `check_files`: an
+   problems if the node is not valid. Not for OPC_SLOT. `check_files`: an
    OPC_FILE must exist. */
 gboolean opc_setting_convert(const opc_parameter *parameter,
                              const opc_node *node, gboolean check_files,
                              GPtrArray *owned, opc_problems *problems,
                              opc_setting *value);
 
-/* Store a value in the fields of an instance that `parameter` names. */
+/* Store a value in the fields `offset` and `given` of an instance. */
 void opc_setting_store(const opc_parameter *parameter, const opc_setting *value,
                        void *instance);
 

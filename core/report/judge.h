@@ -19,14 +19,13 @@ typedef struct opc_verdict {
 /* Return an empty list of verdicts. */
 GPtrArray *opc_verdicts_new(void);
 
-/* Add a verdict for each requirement of the steps that are not left out (NULL:
-   none is left out); `metrics` has opc_inner_metric. */
+/* Add a verdict for each requirement of the steps that are not left out
+   (`left_out` NULL: all steps); `metrics` has opc_inner_metric. */
 void opc_verdicts_judge(GPtrArray *verdicts, const opc_flow *flow,
                         const GArray *metrics, const gboolean *left_out);
 
-/* Copy the failed verdicts of another run; the list grows to 1000 at most.
-   `point`: point of the other run, 0 for none; `prefix`: prepended to the
-   paths. */
+/* Copy the failed verdicts of another run, up to 1000 in the list. `point`:
+   point of the other run, 0 for none; `prefix`: prepended to the paths. */
 void opc_verdicts_take(GPtrArray *verdicts, const GPtrArray *from, size_t point,
                        const char *prefix);
 

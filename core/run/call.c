@@ -76,7 +76,8 @@ int opc_call_forecast(const opc_run *run, const opc_flow_step *step,
 
 /* ---- running ---- */
 
-int opc_call_run(opc_run *run, const opc_flow_step *step, opc_error *error) {
+int opc_call_run(opc_run *run, const opc_flow_step *step, gboolean sketch,
+                 opc_error *error) {
   const opc_binding *b = step->binding;
   const opc_step *functions = b->plugin->functions;
   void **objects = g_new0(void *, functions->n_outputs + 1);
@@ -85,7 +86,8 @@ int opc_call_run(opc_run *run, const opc_flow_step *step, opc_error *error) {
   opc_call_set_inputs(run, step, TRUE);
   gint64 start = g_get_monotonic_time();
   const char *before = opc_binding_enter(b);
-  int code = functions->run(b->module.self, objects, error);
+  int code = (sketch ? functions->sketch : functions->run)(b->module.self,
+                                                           objects, error);
   opc_binding_leave(before);
   opc_inner_end(b->inner);
   run->out.seconds[step->number] =
@@ -111,10 +113,10 @@ gboolean opc_call_step(opc_run *run, const opc_flow_step *step,
   opc_forecast wanted;
   g_ptr_array_set_size(run->written.given, 0);
   int code = opc_call_forecast(run, step, &wanted, &error);
-  if (!code) code = opc_call_run(run, step, &error);
+  if (!code) code = opc_call_run(run, step, FALSE, &error);
   if (!code) return TRUE;
   if (code == OPC_IO) remove_given(run);
-  /* Only the user cancels a run. */
+  /* A plugin may return OPC_CANCELLED only if the user stopped the run. */
   if (code == OPC_CANCELLED && !opc_cancelled(b->host->context))
     code = OPC_FAILED;
   opc_binding_fail(b, TRUE, code, &error, problems);

@@ -4,8 +4,8 @@
 
 #include "core/run/run.h"
 
-/* Store the outputs that a step depends on in its instances, or clear them
-   (`present` FALSE). */
+/* Set the inputs in the instances of a step to the outputs that the step
+   depends on, or to NULL (`present` FALSE). */
 void opc_call_set_inputs(const opc_run *run, const opc_flow_step *step,
                          gboolean present);
 
@@ -14,15 +14,16 @@ void opc_call_set_inputs(const opc_run *run, const opc_flow_step *step,
 int opc_call_check(const opc_run *run, const opc_flow_step *step,
                    opc_error *error);
 
-/* Ask a step whose inputs are present for the forecast. All fields are 0 if the
+/* Return the forecast of a step whose inputs are present in *out; zeros if the
    step has none. Returns OPC_OK, or a code and *error, also if the step needs
    more memory than the machine has. */
 int opc_call_forecast(const opc_run *run, const opc_flow_step *step,
                       opc_forecast *out, opc_error *error);
 
-/* Run a step and check the outputs, which `run` then owns. Returns OPC_OK or a
-   code and *error. */
-int opc_call_run(opc_run *run, const opc_flow_step *step, opc_error *error);
+/* Run a step, or make its stand-ins (`sketch`), and check the outputs, which
+   `run` then owns. Returns OPC_OK or a code and *error. */
+int opc_call_run(opc_run *run, const opc_flow_step *step, gboolean sketch,
+                 opc_error *error);
 
 /* Call forecast and run of a step. Returns FALSE and adds a problem on
    failure. */

@@ -32,8 +32,9 @@ static gboolean forecast_step(opc_run *run, const opc_flow_step *step,
     outlook.step = g_strdup(step->name);
     g_array_append_val(outlooks, outlook);
   }
-  if (!code && functions->flags & OPC_STEP_LIGHT)
-    code = opc_call_run(run, step, &error);
+  gboolean light = functions->flags & OPC_STEP_LIGHT;
+  if (!code && (light || functions->sketch))
+    code = opc_call_run(run, step, !light, &error);
   return !code || opc_binding_fail(step->binding, TRUE, code, &error, problems);
 }
 

@@ -116,9 +116,8 @@ static void free_runs(opc_inner_runs *runs) {
   g_free(runs);
 }
 
-/* Start the inner runs and run the trunk. Steps that no axis changes write to a
-   folder of their own, as those of the other levels do; their files are copied
-   to each run that is kept. */
+/* Start the inner runs and run the trunk. Each level, like the trunk, has a
+   separate folder, whose files are copied to each run that is kept. */
 static int inner_runs_begin(const opc_host *host, opc_error *error) {
   const opc_binding *b = host->data;
   g_autofree char *name = g_build_filename(b->path, "flow.yaml", NULL);
@@ -216,8 +215,8 @@ static void take_shared(const opc_levels *levels, opc_run *run,
     if (!isnan(run->out.seconds[i])) run->out.total += run->out.seconds[i];
 }
 
-/* Complete a run, judge the requirements and write the reports. Only kept runs
-   are judged: other points may miss the requirements. */
+/* Complete a run, judge the requirements and write the reports. Requirements
+   apply only to runs that are kept. */
 static void keep_run(opc_inner_runs *runs, const char *prefix,
                      opc_problems *problems) {
   opc_run *run = runs->levels.last;

@@ -4,10 +4,11 @@
 
 #include "core/run/run.h"
 
-/* Add the checksums of all files that `flow` reads; call before any step, as a
-   step may change a file. Returns FALSE and adds problems. */
+/* Compute the checksums of all files that `flow` reads. Call before any step
+   runs, because a step may change a file. Returns FALSE and adds problems on
+   failure. */
 gboolean opc_inputs_sum(opc_run *run, const opc_flow *flow,
                         opc_problems *problems);
 
-/* List the files read by the run's flow, with the checksums of `from`. */
+/* List the files read by the run's flow, with checksums known to `from`. */
 void opc_inputs_take(opc_run *run, const opc_run *from, opc_problems *problems);

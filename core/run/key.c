@@ -33,8 +33,8 @@ static void keyer_add(keyer *k, char about, const char *path, const char *shown,
   opc_facts_add(&k->facts, about, path, shown, sum);
 }
 
-/* Mark the result as not to be stored, as a fact cannot be determined; takes
-   ownership of the reason. */
+/* Exclude the result from the store because a fact is unknown; takes ownership
+   of the reason. */
 static void keyer_exclude(keyer *k, char *why) {
   if (k->key->why)
     g_free(why);
@@ -70,7 +70,7 @@ static void add_file(keyer *k, const char *path, const char *file) {
 
 /* Add all files of the folder of `file`. */
 static void add_beside(keyer *k, const char *path, const char *file) {
-  enum { MOST = 1000 }; /* a set of kernels has tens of files */
+  enum { MOST = 1000 }; /* largest number of files; kernel sets have tens */
   g_autofree char *folder = g_path_get_dirname(file);
   g_autoptr(GPtrArray) names = opc_folder_names(folder);
   for (guint i = names ? names->len : 0; i-- > 0;) {

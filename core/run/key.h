@@ -28,8 +28,8 @@ void opc_key_clear(opc_key *key);
    change while the step runs. */
 gboolean opc_key_is_unchanged(const opc_key *key, opc_store *store);
 
-/* Compute the keys of all steps of a flow, by step number. Keys that already
-   have a sum, or a reason to have none, are kept. */
+/* Compute the keys of all steps of a flow, by step number. Keys with a `sum` or
+   a `why` are kept. */
 void opc_flow_keys(const opc_flow *flow, opc_store *store, opc_key *keys);
 
 /* Return the key of an instance with its slots, without its inputs and the
@@ -37,7 +37,7 @@ void opc_flow_keys(const opc_flow *flow, opc_store *store, opc_key *keys);
 char *opc_binding_key(const opc_binding *binding, opc_store *store,
                       opc_error *error);
 
-/* Return the change of a fact of the step of that name, as opc_fact_text:
+/* Return the change of a fact of the step named `step` (an opc_fact_text):
    "step.size changed from 1 nm to 2 nm" (g_free). */
 char *opc_key_difference(const void *step, char about, const char *path,
                          const char *before, const char *now);

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Runs of a flow at the points of a sweep, on levels. Steps that no axis
-   changes run once (level 0, the trunk); steps whose last axis is axis i run
-   once for each of its values (level i + 1); steps changed by parameters run at
-   each point. */
+/* Runs of a flow at the points of a sweep. A level is the set of steps whose
+   last changing axis is the same. Level 0, the trunk: no axis changes the step,
+   which runs once. Level i + 1: axis i of layers changes the step last; it runs
+   again if an axis 0 .. i changes its value. Last level: swept parameters
+   change the step, which runs at each point. */
 #pragma once
 
 #include "core/run/run.h"
@@ -16,10 +17,9 @@ typedef struct opc_levels {
   /* Return the steps to run, by step number (g_free); NULL: all. */
   gboolean *(*needed)(const void *data, const opc_flow *flow);
   const void *data;
-  gboolean one_folder; /* file names are checked as if all levels shared a
-                          folder */
+  gboolean one_folder; /* 1: file names must be unique over all levels */
   const char *folder;  /* contains the folder .1 of level 1, and so on */
-  /* ---- the levels' own ---- */
+  /* ---- set by the functions below ---- */
   unsigned depth;          /* number of the last level */
   opc_run **runs;          /* one per level; NULL: the level has no steps */
   opc_problems **failures; /* one per level; NULL: the level did not run */
@@ -28,7 +28,7 @@ typedef struct opc_levels {
 } opc_levels;
 
 /* Set up the levels above `trunk` and exclude the steps of other levels from
-   the trunk. All fields before "own" are set by the caller. */
+   the trunk. The caller sets the fields above "set by the functions below". */
 void opc_levels_begin(opc_levels *levels, opc_run *trunk);
 
 /* Free all runs but the trunk and remove their folders. */
@@ -39,7 +39,7 @@ void opc_levels_clear(opc_levels *levels);
 void opc_levels_run(opc_levels *levels, size_t point, const char *folder,
                     opc_problems *problems);
 
-/* Discard levels that the user stopped, so that they run again. */
+/* Discard levels in which the user stopped the run, so that they run again. */
 void opc_levels_forget_stopped(opc_levels *levels);
 
 /* Return the folder of a level (g_free). */

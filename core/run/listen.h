@@ -4,7 +4,7 @@
 
 #include "core/run/run.h"
 
-/* Keep the findings of the run's instances from now on and pass all messages to
+/* Start to keep the findings of the run's instances and to pass all messages to
    `to` (NULL: none). */
 void opc_listen(opc_run *run, const opc_watch *to);
 
@@ -14,8 +14,8 @@ void opc_listen_end(opc_run *run);
 /* Begin a step: warnings are kept for the stored result. */
 void opc_listen_step(opc_run *run);
 
-/* Begin a piece of work: warnings and findings are kept apart until the end of
-   the piece. The second function ends the piece and returns both (opc_said *,
+/* opc_listen_piece: start to keep warnings and findings of a piece separately.
+   opc_listen_piece_end: end the piece and return the messages (opc_said *,
    freed with the array). */
 void opc_listen_piece(opc_run *run);
 GPtrArray *opc_listen_piece_end(opc_run *run);

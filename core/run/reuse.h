@@ -7,13 +7,12 @@
 /* Compute the keys of the steps that are not left out. */
 void opc_reuse_begin(opc_run *run);
 
-/* Return whether the step need not run: the stored result was published.
-   Returns TRUE and adds a problem if publishing failed. */
+/* Publish the stored result of a step. Returns FALSE if no result is stored, so
+   that the step must run; TRUE with a problem if publishing failed. */
 gboolean opc_reuse_take(opc_run *run, const opc_flow_step *step,
                         opc_problems *problems);
 
-/* Log which steps of a run were reused and did not run again for their
-   outputs. */
+/* Log the steps of a run that were reused and did not run for their outputs. */
 void opc_reuse_report(const opc_run *run);
 
 /* Store the result of a step that ran, with the tables from index `tables`. */

@@ -59,13 +59,13 @@ typedef struct opc_kept {
   opc_key *keys;     /* one per step; empty without a store. Keys set before the
                         run are kept */
   GPtrArray *pieces; /* names in the store of the running step's pieces */
-  struct opc_run *base; /* run with the steps that are left out here, found by
-                           name; NULL: none */
+  struct opc_run *base; /* run with the steps left out here, matched by name;
+                           NULL: none */
 } opc_kept;
 
 typedef struct opc_run opc_run;
 struct opc_run {
-  opc_flow *flow, *own; /* `own`: the same if the run owns it */
+  opc_flow *flow, *own; /* `own`: `flow` if the run owns it, else NULL */
   opc_registry *registry;
   const opc_run_options *options;
   opc_host like;           /* host functions for the instances */
@@ -91,8 +91,7 @@ opc_run *opc_run_new(opc_flow *flow, opc_registry *registry,
 void opc_run_free(opc_run *run);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_run, opc_run_free)
 
-/* Free the outputs of a step; the second function frees those of all steps that
-   are not left out. */
+/* Free the outputs of a step, or of all steps that are not left out. */
 void opc_run_release(opc_run *run, const opc_flow_step *step);
 void opc_run_release_all(opc_run *run);
 

@@ -80,6 +80,13 @@ typedef struct opc_step {
               opc_error *error);
   int (*restore)(void *self, const char *folder, void **outputs,
                  opc_error *error);
+
+  /* Make stand-ins of the outputs in less than a second, valid for their kinds:
+     for example a layout with all layers and few shapes. `opcflow check` then
+     asks later steps for their forecasts. May fail for the reasons `run`
+     would. For steps that are not light. NULL: later steps are not asked.
+     [main] */
+  int (*sketch)(void *self, void **outputs, opc_error *error);
   OPC_MAY_GROW
 } opc_step;
 

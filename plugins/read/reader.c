@@ -184,6 +184,9 @@ int32_t reading_numbered_layer(reading *b, uint32_t layer, uint32_t datatype) {
   int32_t number =
       reading_number(b, eda_layout_layer(b->layout, name, &b->said));
   if (number < 0) return -1;
+  /* A name for every datatype gets the first datatype of the file. */
+  if (name != buffer && !strcmp(eda_layout_file_layer(b->layout, number), name))
+    eda_layout_set_file_layer(b->layout, number, buffer);
   layer_node *node = eda_alloc(1, sizeof *node);
   *node = (layer_node){code, number};
   g_hash_table_add(b->layers, node);
@@ -212,6 +215,17 @@ static int is_optional(const reading *b, size_t i) {
   const char *name = b->r->layers.pairs[i].key;
   return b->r->optional && eda_in_list(b->r->optional, name) &&
          eda_layout_layer(b->layout, name, &ignored) >= 0;
+}
+
+/* Keep the names in the file of the layers of the map, which writers use. */
+static void reading_keep_names(const reading *b) {
+  const opc_map *map = &b->r->layers;
+  for (size_t i = 0; i < map->count; i++) {
+    const char *name = map->pairs[i].key;
+    int32_t layer = eda_layout_find_layer(b->layout, name);
+    if (layer >= 0 && !strcmp(eda_layout_file_layer(b->layout, layer), name))
+      eda_layout_set_file_layer(b->layout, layer, map->pairs[i].value);
+  }
 }
 
 /* Fail if the file lacks a layer of the map. The message lists the layers of
@@ -338,6 +352,7 @@ int reading_run(void *state, void *self, void **outputs, opc_error *error,
   if (!b->failed) read(b);
   if (!b->failed) b->failed = check_layers(b);
   if (!b->failed) {
+    reading_keep_names(b);
     reading_warn_undefined(b);
     b->failed = reading_keep_top(b);
   }

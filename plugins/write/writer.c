@@ -50,12 +50,44 @@ static int take_polygon(void *data, const eda_point *points, size_t n,
 
 /* ---- a layout ---- */
 
-/* Find the name in the file of each layer: by the map, or as in the layout. */
-static int name_layers(const writer *w, const eda_layout *layout,
-                       const char **names, opc_error *error) {
+/* Return 1 if two names are the same layer of the file. */
+static int names_collide(const char *a, const char *b) {
+  eda_layer_number x, y;
+  if (!eda_layer_number_read(a, UINT32_MAX, &x, NULL) ||
+      !eda_layer_number_read(b, UINT32_MAX, &y, NULL))
+    return !strcmp(a, b);
+  return x.layer == y.layer && x.datatype == y.datatype;
+}
+
+/* Fail if the map writes a layer on the place of one that it leaves where the
+   layout's file had it. */
+static int check_places(const writer *w, const eda_layout *layout,
+                        const char *const *names, opc_error *error) {
   const opc_map *map = &w->layers;
-  for (size_t i = 0; i < eda_layout_layers(layout); i++)
+  for (size_t i = 0; i < map->count; i++)
+    for (size_t k = 0; k < eda_layout_layers(layout); k++)
+      if (names[k] == eda_layout_file_layer(layout, (int32_t)k) &&
+          names_collide(names[k], map->pairs[i].value))
+        return opc_fail(
+            error, OPC_INVALID, "layers",
+            "'%.100s' and '%.100s' would both be layer %s; set another one, as "
+            "in { %.100s: %s }",
+            eda_layout_layer_name(layout, (int32_t)k), map->pairs[i].key,
+            names[k], eda_layout_layer_name(layout, (int32_t)k),
+            w->format->layer);
+  return OPC_OK;
+}
+
+/* Find the name in the file of each layer: by the map, as in the layout, or as
+   in the file of the layout. */
+static int name_layers(writer *w, const eda_layout *layout, const char **names,
+                       opc_error *error) {
+  const opc_map *map = &w->layers;
+  for (size_t i = 0; i < eda_layout_layers(layout); i++) {
     names[i] = eda_layout_layer_name(layout, (int32_t)i);
+    if (!w->format->set_layer(w, names[i]))
+      names[i] = eda_layout_file_layer(layout, (int32_t)i);
+  }
   for (size_t i = 0; i < map->count; i++) {
     int32_t layer = eda_layout_find_layer(layout, map->pairs[i].key);
     if (layer < 0)
@@ -63,7 +95,30 @@ static int name_layers(const writer *w, const eda_layout *layout,
                       "'%s': the layout has no such layer", map->pairs[i].key);
     names[layer] = map->pairs[i].value;
   }
-  return OPC_OK;
+  return check_places(w, layout, names, error);
+}
+
+/* Fail for a layer with shapes or texts that has no name in the file. */
+static int check_names(writer *w, const eda_layout *layout,
+                       const char *const *names, opc_error *error) {
+  size_t n, layers = eda_layout_layers(layout);
+  int32_t layer, bad = -1;
+  eda_point at;
+  uint8_t *refused = eda_alloc(layers, 1);
+  int any = 0;
+  for (size_t k = 0; k < layers; k++)
+    any |= refused[k] = !w->format->set_layer(w, names[k]);
+  for (int32_t c = 0; any && (size_t)c < eda_layout_cells(layout); c++) {
+    for (size_t i = 0; i < eda_layout_polygons(layout, c) && bad < 0; i++)
+      if (eda_layout_polygon(layout, c, i, &n, &layer) && refused[layer])
+        bad = layer;
+    for (size_t i = 0; i < eda_layout_texts(layout, c) && bad < 0; i++)
+      if (eda_layout_text(layout, c, i, &at, &layer) && refused[layer])
+        bad = layer;
+  }
+  free(refused);
+  return bad < 0 ? OPC_OK
+                 : no_layer(w, eda_layout_layer_name(layout, bad), error);
 }
 
 static int put_polygons(writer *w, const eda_layout *layout, int32_t cell,
@@ -174,15 +229,6 @@ static int refuse_name(const char *name, const mask_layer *layers, size_t n,
                   "'%s': a mask has the layers %s", name, all->str);
 }
 
-/* Return 1 if two names are the same layer of the file. */
-static int names_collide(const char *a, const char *b) {
-  eda_layer_number x, y;
-  if (!eda_layer_number_read(a, UINT32_MAX, &x, NULL) ||
-      !eda_layer_number_read(b, UINT32_MAX, &y, NULL))
-    return !strcmp(a, b);
-  return x.layer == y.layer && x.datatype == y.datatype;
-}
-
 /* Set the names in the file of the layers of the mask. */
 static int name_mask(const writer *w, mask_layer *layers, size_t n,
                      opc_error *error) {
@@ -261,6 +307,23 @@ int writer_run(void *self, void **outputs, opc_error *error) {
                     "set either 'layout' or 'mask'");
   w->path = w->host->output_path(w->host, w->name, error);
   return w->path ? put_file(w, error) : error->code;
+}
+
+int writer_forecast(void *self, opc_forecast *out, opc_error *error) {
+  writer *w = self;
+  int code = OPC_OK;
+  (void)out;
+  if (w->layout) {
+    const char **names = eda_alloc(eda_layout_layers(w->layout), sizeof *names);
+    code = name_layers(w, w->layout, names, error);
+    if (!code) code = check_names(w, w->layout, names, error);
+    free(names);
+  } else if (w->mask) {
+    mask_layer *layers = eda_alloc(2 * w->mask->gates->layers, sizeof *layers);
+    code = name_mask(w, layers, list_mask(w, layers), error);
+    free(layers);
+  }
+  return code;
 }
 
 int writer_check(writer *w, const write_format *format, opc_error *error) {

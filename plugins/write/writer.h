@@ -76,6 +76,9 @@ typedef struct writer {
 int writer_check(writer *w, const write_format *format, opc_error *error);
 int writer_run(void *self, void **outputs, opc_error *error);
 
+/* Implement `forecast`: check the names of the layers, without an estimate. */
+int writer_forecast(void *self, opc_forecast *out, opc_error *error);
+
 /* Fail with OPC_FAILED: the format cannot represent the layout. The first
    failure is kept; the file is deleted. */
 OPC_PRINTF(2, 3) void writer_fail(writer *w, const char *format, ...);

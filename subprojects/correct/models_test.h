@@ -20,7 +20,7 @@ static int warnings;
 static void hear_warnings(const opc_host *h, int level, const char *format,
                           ...) {
   (void)h, (void)format;
-  warnings += level == OPC_LOG_WARNING;
+  warnings += level == OPC_LOG_WARNING || level == OPC_LOG_FINDING;
 }
 
 static void see_nothing(const opc_host *h, const opc_progress *progress) {

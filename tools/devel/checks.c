@@ -17,29 +17,29 @@
 #include "tools/devel/instance.h"
 #include "tools/devel/published.h"
 
-/* Part of the time without a sign of life after which work is asked to stop. */
+/* Fraction of opc_lint.seconds after which a call is cancelled. */
 static const double part = 2.0 / 3;
 
 enum {
   THREADS = 4,
-  TOGETHER = 2, /* instances at the same time */
+  TOGETHER = 2, /* number of concurrent instances */
   CYCLES = 64,
   SEGMENT = 2,        /* s */
-  SMALLEST_LEAK = 256 /* bytes in that many cycles */
+  SMALLEST_LEAK = 256 /* bytes in CYCLES cycles */
 };
 
-/* ---- saying ---- */
+/* ---- reports ---- */
 
-/* The state of a check; the exerciser of the kind gets `hears`. */
+/* State of a check. The kind's `exercise` receives `hears`. */
 struct opc_inspection {
   opc_inspector hears;
   const opc_lint *lint;
   const opc_plugin *plugin;
-  const opc_kind *kind; /* how it is tried */
+  const opc_kind *kind; /* samples and `exercise` */
   size_t check;
-  size_t sample;     /* the file that it gets */
-  int out;           /* -1: nobody listens */
-  guint notes;       /* said so far */
+  size_t sample;     /* number of the sample file for the plugin */
+  int out;           /* report; -1: none */
+  guint notes;       /* number of notes so far */
   GChecksum *digest; /* of all results */
 };
 typedef struct opc_inspection inspector;
@@ -78,11 +78,11 @@ static void report_note(opc_inspector *hears, const char *format, ...) {
 
 /* ---- the guard ---- */
 
-/* The inspector of this process, for the guard: an ended thread has no stack.
- */
+/* Inspector of this process. Static: the guard also calls after a thread
+   ended. */
 static inspector listening;
 
-/* The parent reports the end of a process by itself. */
+/* The parent process reports that the plugin ended the process. */
 static void hear_change(const char *id, const char *what) {
   const opc_lint *lint = listening.lint;
   gboolean own = !g_strcmp0(id, lint->id);
@@ -100,11 +100,10 @@ static const guard_listener ears = {hear_change, hear_life};
 
 /* ---- instances ---- */
 
-/* Work that would go on for longer than that, us, is asked to stop. */
+/* Start and time limit of the current check, us. */
 static gint64 begun, granted;
 
-/* Time without a free processor, which is not the plugin's fault, counts only
-   after three times as much. */
+/* Time waiting for a processor counts only after three times the limit. */
 static int is_late(void *unused) {
   (void)unused;
   gint64 since = g_get_monotonic_time() - begun;
@@ -126,7 +125,7 @@ static gboolean instance_make(const inspector *in, const opc_parameter *changed,
                               opc_problems *problems, opc_instance *made) {
   g_autofree char *file = sample_path(in, in->sample);
   hear_life();
-  /* A check looks at no content: the plugin itself is a file, too. */
+  /* Without samples, pass the plugin's own file: `check` reads no content. */
   const opc_making making = {in->lint->registry,
                              in->plugin,
                              file ? file : in->lint->path,
@@ -155,7 +154,7 @@ static void check_declaration(inspector *in) {
     check_stop(in, plugin->metrics[i].name, plugin->metrics[i].summary);
 }
 
-/* A refusal must have a message, which is noted for the defaults. */
+/* An error must have a message. For default values, the message is a note. */
 static void check_with(inspector *in, const opc_parameter *p, double number) {
   g_autoptr(opc_problems) problems = opc_problems_new();
   opc_instance made;
@@ -170,7 +169,7 @@ static void check_with(inspector *in, const opc_parameter *p, double number) {
   opc_instance_clear(&made);
 }
 
-/* The nearest number to a bound that fits. */
+/* Return the valid number nearest to a bound. */
 static double bound_inside(const opc_parameter *p, double bound, gboolean open,
                            int sign) {
   if (!open) return bound;
@@ -194,7 +193,7 @@ static void check_instances(inspector *in) {
 
 /* ---- steps ---- */
 
-/* An example for an input; its data kinds are words with | between them. */
+/* Return an example for an input; `choices` lists data kinds separated by |. */
 static const opc_example *find_example(const inspector *in,
                                        const opc_parameter *p) {
   g_auto(GStrv) kinds = opc_choice_list(p->choices);
@@ -204,8 +203,8 @@ static const opc_example *find_example(const inspector *in,
   return NULL;
 }
 
-/* Which inputs are given: those that must be, or else the first one, as a step
-   of which no input must be given wants some one. */
+/* Return TRUE for inputs that the check sets: the required ones, or else the
+   first one. */
 static gboolean is_given(const inspector *in, size_t i) {
   const opc_parameter *p = in->plugin->parameters;
   if (p[i].type != OPC_INPUT) return FALSE;
@@ -216,7 +215,7 @@ static gboolean is_given(const inspector *in, size_t i) {
   return TRUE;
 }
 
-/* FALSE and a note if there is nothing to give to one of its inputs. */
+/* Set the inputs to example data. Return FALSE, with a note, if none exist. */
 static gboolean give_inputs(inspector *in, opc_binding *b) {
   for (size_t i = 0; i < in->plugin->n_parameters; i++) {
     const opc_parameter *p = &in->plugin->parameters[i];
@@ -242,7 +241,7 @@ static int output_check(const inspector *in, const opc_port *port,
   return code;
 }
 
-/* FALSE if the step refuses its inputs. */
+/* Return FALSE if the step's forecast reports an error for these inputs. */
 static gboolean forecast_step(inspector *in, const opc_module *m) {
   const opc_step *step = m->functions;
   opc_forecast forecast = {0};
@@ -298,7 +297,7 @@ static gboolean can_try(const inspector *in) {
   return (in->kind->exercise || is_step(in)) && in->sample != OPC_NO_SAMPLE;
 }
 
-/* An instance that is ready to be tried, and where its results go. */
+/* Instance to test, and its results. */
 typedef struct trial {
   inspector in;
   opc_instance made;
@@ -317,8 +316,8 @@ static void trial_begin(const inspector *in, trial *t) {
   if (t->ready) t->in.hears.context = t->made.binding->host->context;
 }
 
-/* Kinds may call the plugin without opc_enter. The last call of the guard finds
-   changes that such calls left. */
+/* `exercise` may call the plugin without guard_enter; the last line detects
+   changes of the process by such calls. */
 static gpointer trial_work(gpointer data) {
   trial *t = data;
   const opc_module *m = &t->made.binding->module;
@@ -331,7 +330,7 @@ static gpointer trial_work(gpointer data) {
   return NULL;
 }
 
-/* Return the digest of its results; NULL if it was not ready, or refused. */
+/* Return the digest; NULL if the instance was not ready or notes were added. */
 static char *trial_end(trial *t) {
   opc_instance_clear(&t->made);
   g_autofree char *published = opc_published_digest(&t->published);
@@ -343,8 +342,8 @@ static char *trial_end(trial *t) {
   return digest;
 }
 
-/* Return the digest of an instance's results. NULL if the instance is not to be
-   tried, or cannot be made, which check_instances reports. */
+/* Run a new instance and return the digest of its results. Return NULL if the
+   kind has no test or the instance cannot run. */
 static char *instance_work(inspector *in) {
   trial t;
   if (!can_try(in)) return NULL;
@@ -358,8 +357,8 @@ static void say_digest(inspector *in) {
   if (digest) report_text(in, 'D', digest);
 }
 
-/* Which of the sample files it works with, or went on with until it was late; a
-   note if none. */
+/* Select the first sample file that the plugin accepts or reads until the time
+   limit. Add a note if there is none. */
 static void choose_sample(inspector *in, const char *parameter) {
   inspector nowhere = *in;
   nowhere.out = -1;
@@ -380,8 +379,8 @@ static void choose_sample(inspector *in, const char *parameter) {
                 parameter);
 }
 
-/* The first parameter that must be a file and that nobody has given; NULL if
-   there is none, or no instance. */
+/* Return the first required file parameter that the user did not set; NULL if
+   there is none or no instance can be made. */
 static char *wanted_file(const inspector *in) {
   g_autoptr(opc_problems) problems = opc_problems_new();
   opc_instance made;
@@ -400,7 +399,7 @@ static void check_work(inspector *in) {
   say_digest(in);
 }
 
-/* By a second instance, in a process where another one has worked. */
+/* Report the digest of a second instance in the same process. */
 static void check_again(inspector *in) {
   g_free(instance_work(in));
   say_digest(in);
@@ -411,8 +410,8 @@ static void check_threads(inspector *in) {
   say_digest(in);
 }
 
-/* Two instances by a thread each; the first check has reported their
-   messages. */
+/* Run two instances on one thread each. Their findings are not reported, as
+   check_work has reported them. */
 static void check_together(inspector *in) {
   trial t[TOGETHER];
   GThread *thread[TOGETHER] = {NULL};
@@ -437,8 +436,8 @@ static void check_together(inspector *in) {
 
 /* ---- memory ---- */
 
-/* By how many bytes each life of an instance makes the memory in use grow, of
-   up to `most` lives in SEGMENT seconds; 0 where it is little. */
+/* Return the growth of memory, bytes per instance, over up to `most` instances
+   in SEGMENT seconds; 0 below SMALLEST_LEAK. `working`: instances also run. */
 static double memory_growth(const inspector *in, gboolean working, int most) {
   inspector nowhere = *in;
   nowhere.out = -1;
@@ -461,7 +460,8 @@ static double memory_growth(const inspector *in, gboolean working, int most) {
   return more < SMALLEST_LEAK ? 0 : more / n;
 }
 
-/* Memory that grows twice after the first use goes on growing. */
+/* Report a leak if memory grows in two successive series after the first
+   use. */
 static void check_leaks(inspector *in) {
   for (int working = 0; working < 2; working++) {
     memory_growth(in, working, 1);
@@ -493,7 +493,7 @@ const opc_check opc_checks[] = {
     {NULL, FALSE, NULL, NULL},
 };
 
-/* Lay the sample files into the folder, again where they are already. */
+/* Write the sample files into the folder, replacing existing ones. */
 static gboolean write_samples(inspector *in) {
   for (size_t i = 0; i < in->kind->n_samples; i++) {
     const opc_sample *sample = &in->kind->samples[i];
@@ -507,7 +507,7 @@ static gboolean write_samples(inspector *in) {
   return TRUE;
 }
 
-/* On one thread, unless the check says otherwise. */
+/* All checks except check_threads and check_together use one thread. */
 void opc_check_do(const opc_lint *lint, size_t i, int out) {
   opc_error error = {0};
   inspector in = {

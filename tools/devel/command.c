@@ -188,7 +188,7 @@ static int command_print_results(opc_problems *problems) {
   return code && cli_is_stopped(NULL) ? CLI_STOPPED : code;
 }
 
-/* ---- the work ---- */
+/* ---- run ---- */
 
 /* Put the value of a parameter into { VERB: { ... } }. Texts and files are
    taken literally; all other values are parsed as in a flow. */

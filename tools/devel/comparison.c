@@ -12,7 +12,7 @@
 /* ---- plugins of the process ---- */
 
 /* Append a plugin with its parameters of the flow, on one line. Names of files
-   become absolute. Slots in slots are as deep as the flow. */
+   become absolute. Nested slots are included. */
 static void append_plugin(GString *out, const opc_binding *b) {
   g_string_append_printf(out, "{ use: %s", b->plugin->id);
   for (size_t i = 0; i < b->plugin->n_parameters; i++) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* For shells: prints the candidates for the last word of a command line, one in
-   a line; after a '=', only the part behind it. Prints nothing where any file
-   name will do: the shell knows those. */
+/* Shell completion: prints the candidates for the last word of a command line,
+   one in a line; after a '=', only the part behind it. Prints nothing where any
+   file name will do: the shell knows those. */
 #include <base/file.h>
 #include <string.h>
 
@@ -11,14 +11,14 @@
 #include "core/plugin/value.h"
 #include "tools/devel/verbs.h"
 
-/* Where the cursor is. */
+/* Parsed command line up to the cursor. */
 typedef struct line {
-  const char *current;  /* the last word, which is unfinished */
-  const cli_verb *verb; /* NULL: not yet there */
+  const char *current;  /* last word, to be completed */
+  const cli_verb *verb; /* NULL: not yet typed */
   const char *flow;     /* the flow file among the words, NULL for none */
-  guint arguments;      /* of the verb, before the current one */
-  const char *awaited;  /* the current word is the value of an option, which the
-                           help calls so; NULL: it is not */
+  guint arguments;      /* number of arguments of the verb before `current` */
+  const char *awaited;  /* placeholder, as in the help, of the option whose
+                           value `current` is; NULL: none */
 } line;
 
 static void offer_word(const line *l, const char *word) {
@@ -31,9 +31,8 @@ static void offer_all(const line *l, const GPtrArray *words) {
 
 /* ---- options ---- */
 
-/* Offer the options of the verb and of all verbs. Return the name of the value
-   that `word` takes from the next word, if it is an option. Either may be NULL.
- */
+/* Print the options for `to`. Return the placeholder of the value that the
+   option `word` takes from the next word; NULL: none. Either may be NULL. */
 static const char *go_through_options(const line *l, const line *to,
                                       const char *word) {
   const cli_option *const both[] = {l->verb ? l->verb->options : NULL,
@@ -82,7 +81,7 @@ static void offer_plugins(const line *l) {
   }
 }
 
-/* YAML files, and folders on the way to some. */
+/* Print YAML files and folders. */
 static void offer_flows(const line *l) {
   const char *slash = strrchr(l->current, '/');
   g_autofree char *prefix =
@@ -124,7 +123,7 @@ static void offer_settings(const line *l, const opc_binding *binding) {
   }
 }
 
-/* STEP.PARAMETER= of the flow that the line names. */
+/* Print STEP.PARAMETER= for the flow on the command line. */
 static void offer_sets(line *l) {
   if (!l->flow) return;
   g_autoptr(opc_problems) problems = opc_problems_new();
@@ -168,7 +167,7 @@ static void line_complete(line *l) {
   }
 }
 
-/* The words behind the command, without their quotes. */
+/* `arguments`: words after the command, without quotes. */
 static int complete_run(const cli_verb *verb, const GPtrArray *arguments) {
   (void)verb;
   g_autoptr(GPtrArray) words = g_ptr_array_new();

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* opcflow inspect: all that a plugin declares. */
+/* opcflow inspect: prints the declaration of a plugin. */
 #include <string.h>
 
 #include "core/cli/cli.h"
@@ -11,7 +11,7 @@ static const char *const better[] = {"neutral", "lower", "higher"};
 
 /* ---- as text ---- */
 
-/* Add a row of `n` texts; NULL is shown as nothing. */
+/* Add a row of `n` texts; NULL is printed as an empty cell. */
 static void add_row(GPtrArray *cells, const char *const *texts, size_t n) {
   for (size_t i = 0; i < n; i++)
     g_ptr_array_add(cells, g_strdup(texts[i] ? texts[i] : ""));
@@ -85,7 +85,7 @@ static char *example_text(const opc_parameter *p) {
   }
 }
 
-/* Whether a parameter whose name begins with `prefix` must be given. */
+/* Return TRUE if a parameter whose name begins with `prefix` is required. */
 static gboolean is_needed(const opc_plugin *plugin, const char *prefix) {
   for (size_t i = 0; i < plugin->n_parameters; i++) {
     const opc_parameter *p = &plugin->parameters[i];
@@ -95,8 +95,8 @@ static gboolean is_needed(const opc_plugin *plugin, const char *prefix) {
   return FALSE;
 }
 
-/* The parameters whose names begin with `prefix`, and their groups: required
-   ones, and the others as comments. */
+/* Print the parameters and groups whose names begin with `prefix`. Optional
+   ones are comments. */
 static void print_level(const opc_plugin *plugin, const char *prefix,
                         int depth) {
   const char *last = NULL; /* group */
@@ -117,7 +117,7 @@ static void print_level(const opc_plugin *plugin, const char *prefix,
   }
 }
 
-/* A text to paste into a flow. */
+/* Print a step to paste into a flow. */
 static void print_stanza(const opc_plugin *plugin) {
   const char *dot = strrchr(plugin->id, '.');
   cli_print("\n%s:\n  use: %s\n", dot ? dot + 1 : plugin->id, plugin->id);

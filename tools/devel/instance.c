@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Makes up the required parameters of a plugin, and an instance with them. */
+/* Generates required parameters of a plugin and creates an instance. */
 #include "tools/devel/instance.h"
 
 #include <base/layers.h>
@@ -8,7 +8,7 @@
 #include "core/binding/inner.h"
 #include "core/plugin/value.h"
 
-/* ---- values where there is no default ---- */
+/* ---- generated values ---- */
 
 static double sample_number(const opc_parameter *p) {
   gboolean low = p->flags & (OPC_AT_LEAST | OPC_ABOVE);
@@ -18,7 +18,7 @@ static double sample_number(const opc_parameter *p) {
   return high ? p->max - 1 : 1;
 }
 
-/* NULL for types that cannot be made up. */
+/* Return a value (g_free); NULL for types without a generated value. */
 static char *sample_text(const char *file, const opc_parameter *p) {
   g_autofree char *number = opc_quantity_text(p, sample_number(p));
   g_auto(GStrv) words = opc_choice_list(p->choices);
@@ -46,7 +46,7 @@ static char *sample_text(const char *file, const opc_parameter *p) {
 
 /* ---- an instance ---- */
 
-/* Lay the value of a parameter, written as in a flow, over a map. */
+/* Set a parameter of a map to a value in flow syntax. */
 static void map_put(opc_node *map, const opc_source *source, const char *name,
                     const char *text, opc_problems *problems) {
   g_autofree char *flow = g_strdup_printf("{ %s: %s }", name, text);
@@ -56,10 +56,10 @@ static void map_put(opc_node *map, const opc_source *source, const char *name,
   if (deep) opc_lay(map, deep, problems);
 }
 
-/* Slots in plugins of slots, as deep as we follow. */
+/* Largest depth of nested slots. */
 enum { DEEPEST = 3 };
 
-/* The first plugin of that kind that can be loaded; NULL if none. */
+/* Return the first loadable plugin of a kind; NULL if none. */
 static const opc_plugin *first_of(opc_registry *registry, const char *kind) {
   g_autofree char *prefix = g_strconcat(kind, ".", NULL);
   g_autoptr(GPtrArray) ids = opc_registry_ids(registry, prefix);
@@ -75,8 +75,8 @@ static gboolean is_given(const opc_instance *made, const char *name) {
   return made->given && opc_node_get(made->given, word);
 }
 
-/* Make up the required parameters of `plugin`, in the slots that `inside`
-   names. */
+/* Generate the missing required parameters of `plugin`. `inside`: prefix of
+   their names, "slot." or "". */
 static void make_up(const opc_making *making, const opc_plugin *plugin,
                     const char *inside, int depth, opc_instance *made,
                     opc_problems *problems) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* An instance of a plugin for `opcflow lint`. Required parameters are made up
-   where the user leaves them out; a slot has the first plugin of its kind. */
+/* Instance of a plugin for `opcflow lint`. Missing required parameters receive
+   generated values; a missing slot receives the first plugin of its kind. */
 #pragma once
 
 #include "core/binding/binding.h"
@@ -8,22 +8,23 @@
 typedef struct opc_making {
   opc_registry *registry; /* for the plugins in slots */
   const opc_plugin *plugin;
-  const char *file;             /* for parameters that must be one */
-  const char *parameters;       /* a map in flow syntax, over the made-up one */
-  const opc_parameter *changed; /* one with another number; NULL: none */
+  const char *file;             /* value of required file parameters */
+  const char *parameters;       /* in flow syntax; override generated ones */
+  const opc_parameter *changed; /* set to `number`; NULL: none */
   double number;
-  const opc_watch *watch; /* who may stop it; NULL: nobody */
+  const opc_watch *watch; /* cancels work; NULL: never */
 } opc_making;
 
 typedef struct opc_instance {
   opc_source *source;
   opc_node *map, *given;
   opc_binding *binding;
-  char *file; /* the first parameter that got making.file, "slot.name"; NULL */
+  char *file; /* first parameter set to making.file; NULL: none */
 } opc_instance;
 
-/* Make it, with hosts like `like` (NULL: that do nothing). FALSE and problems
-   if it is refused. *instance is cleared in any case. */
+/* Create an instance. Its hosts copy `like` (NULL: hosts without effect).
+   Return FALSE and add problems on failure. The caller clears *instance
+   always. */
 gboolean opc_instance_make(const opc_making *making, const opc_host *like,
                            opc_problems *problems, opc_instance *instance);
 void opc_instance_clear(opc_instance *instance);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* opcflow lint: looks at the exports of a plugin from outside, runs each check
-   in a child process, and prints their findings. */
+/* opcflow lint: checks the symbols that a plugin exports, runs each check in a
+   child process, and prints the findings. */
 #include "tools/devel/lint.h"
 
 #include <errno.h>
@@ -18,8 +18,8 @@
 
 /* ---- one check ---- */
 
-/* Take a line of a report; a text is kept once. A digest that
-   differs from `first` counts before others. */
+/* Store a line of a report once. A digest unlike `first` replaces another
+   one. */
 static void take_line(opc_lint *lint, const char *line, const char *first,
                       char **digest) {
   if (*line == 'S') lint->sample = strtoul(line + 1, NULL, 10);
@@ -44,7 +44,7 @@ static void do_in_child(int out, void *data) {
   opc_check_do(j->lint, j->check, out);
 }
 
-/* FALSE if the plugin did not survive the check. */
+/* Return FALSE if the process of the check crashed, ended early or hung. */
 static gboolean run_check(opc_lint *lint, size_t i, const char *first,
                           char **digest) {
   const char *name = opc_checks[i].name;
@@ -72,9 +72,9 @@ static gboolean run_check(opc_lint *lint, size_t i, const char *first,
 
 /* ---- exports ---- */
 
-/* The names that a shared object exports, as `nm` says: looking at them must
-   not run it. By g_spawn_sync, which leaves no thread behind in a process that
-   forks. FALSE if it is no object. */
+/* Check the exported symbols with `nm`, which does not execute the object.
+   g_spawn_sync leaves no thread behind; this process forks later. Return FALSE
+   if the file is not a shared object. */
 static gboolean check_exports(opc_lint *lint) {
   const char *const argv[] = {
       "nm", "-D", "--defined-only", "--format=posix", lint->path, NULL};
@@ -95,7 +95,7 @@ static gboolean check_exports(opc_lint *lint) {
   g_auto(GStrv) lines = g_strsplit(text, "\n", -1);
   for (guint i = 0; lines[i]; i++) {
     g_autofree char *name = g_strndup(lines[i], strcspn(lines[i], " @"));
-    /* Linkers and compilers add such names by themselves. */
+    /* Linkers and compilers add names that begin with '_'. */
     if (!*name || !strcmp(name, OPC_ENTRY_NAME) || *name == '_') continue;
     g_ptr_array_add(
         lint->findings,
@@ -106,17 +106,17 @@ static gboolean check_exports(opc_lint *lint) {
   return TRUE;
 }
 
-/* ---- the whole ---- */
+/* ---- all checks ---- */
 
-/* However this process ends, another one then removes the folder. 0 if there is
-   none. */
+/* Start a process that removes the folder when this process ends for any
+   reason. Return 0 on failure. */
 static int hire_janitor(opc_lint *lint) {
   int ends[2];
   char none;
   if (pipe2(ends, O_CLOEXEC)) return 0;
   lint->janitor = fork();
   if (!lint->janitor) {
-    setsid(); /* Ctrl-C is not for it */
+    setsid(); /* not ended by Ctrl-C */
     guard_remove();
     close(ends[1]);
     while (read(ends[0], &none, 1) < 0) continue;
@@ -128,7 +128,7 @@ static int hire_janitor(opc_lint *lint) {
   return lint->janitor > 0;
 }
 
-/* It has no folder if none can be made. */
+/* Initialise a lint. `folder` is NULL if no folder can be created. */
 static opc_lint lint_begin(const char *path, opc_registry *registry,
                            const char *parameters, double seconds) {
   g_autofree char *base = g_path_get_basename(path);
@@ -148,14 +148,14 @@ static opc_lint lint_begin(const char *path, opc_registry *registry,
   return lint;
 }
 
-/* That the checks from i on were not done. */
+/* Add notes that check i and all later checks were skipped. */
 static void give_up(opc_lint *lint, size_t i, const char *why) {
   for (; opc_checks[i].name; i++)
     g_ptr_array_add(lint->notes,
                     g_strdup_printf("%s: %s", opc_checks[i].name, why));
 }
 
-/* Work that is not tried has no digest. */
+/* Run all checks. Checks that compare digests require a first digest. */
 static void lint_run(opc_lint *lint) {
   g_autofree char *first = NULL;
   if (!lint->folder)
@@ -168,7 +168,7 @@ static void lint_run(opc_lint *lint) {
     guint findings = lint->findings->len, notes = lint->notes->len;
     g_autofree char *digest = NULL;
     const opc_check *check = &opc_checks[i];
-    if (check->differs && !first) continue; /* from what? */
+    if (check->differs && !first) continue; /* nothing to compare with */
     gboolean survived = run_check(lint, i, first, &digest);
     if (!survived || (i == 0 && lint->findings->len > findings &&
                       strstr(lint->findings->pdata[findings], "cannot use"))) {
@@ -198,11 +198,11 @@ static void lint_end(opc_lint *lint) {
 
 /* ---- the verb ---- */
 
-/* Time that a call of the plugin may take, s. */
+/* Value of opc_lint.seconds. */
 static const double patience = 15;
 
-/* Begin anew without malloc's cache of each thread: free memory in the cache
-   counts as used, and would look like a leak. */
+/* Restart the command without malloc's per-thread cache: free memory in that
+   cache counts as used and would be reported as a leak. */
 static void begin_anew(void) {
   if (g_getenv("GLIBC_TUNABLES")) return;
   g_setenv("GLIBC_TUNABLES", "glibc.malloc.tcache_count=0", TRUE);
@@ -224,7 +224,7 @@ static void append_all(GString *line, const GPtrArray *texts, const char *gap) {
     g_string_append_printf(line, "%s%s", i ? gap : "", (char *)texts->pdata[i]);
 }
 
-/* The last line lists the checks that were made and those that were not. */
+/* Print the findings, then a line of completed and skipped checks. */
 static void print_text(const opc_lint *lint) {
   for (guint i = 0; i < lint->findings->len; i++)
     cli_print("%s: %s\n", lint->path, (char *)lint->findings->pdata[i]);

@@ -1,41 +1,41 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Does a plugin keep the contract? Each check runs in a process of its own, so
-   that a crash or an endless loop is a finding like any other. */
+/* Checks of a plugin against the contract of its kind. Each check runs in a
+   separate process, so that a crash becomes a finding. */
 #pragma once
 
 #include "core/binding/binding.h"
 
-/* No sample file is of the form that a plugin wants. */
+/* Value of opc_lint.sample: the plugin accepts no sample file. */
 #define OPC_NO_SAMPLE G_MAXSIZE
 
 typedef struct opc_lint {
-  const char *path; /* of the shared object, ID.so */
+  const char *path; /* shared object, ID.so */
   char *id;
-  opc_registry *registry; /* for its kind and the plugins in its slots */
-  const char *parameters; /* a map in flow syntax, over the made-up one */
-  double seconds;         /* that a call may take */
+  opc_registry *registry; /* of kinds, and of plugins for slots */
+  const char *parameters; /* in flow syntax; override generated ones */
+  double seconds;         /* limit without output of a check */
   char *folder;           /* for sample files and output of plugins */
-  int alive, janitor;  /* a pipe's end; who removes the folder when it ends */
-  size_t sample;       /* the file that the plugin works with */
-  GPtrArray *findings; /* char *: faults */
-  GPtrArray *checked;  /* char *: names of checks */
-  GPtrArray *notes;    /* char *: checks that were not made, and why */
+  int alive, janitor;     /* pipe; process that removes `folder` */
+  size_t sample;          /* number of the sample file in use */
+  GPtrArray *findings;    /* char *: faults */
+  GPtrArray *checked;     /* char *: names of checks */
+  GPtrArray *notes;       /* char *: skipped checks with reasons */
 } opc_lint;
 
 typedef struct opc_inspection opc_inspection;
 
 typedef struct opc_check {
   const char *name;
-  gboolean works;      /* has a digest, if the kind says how to try it */
-  const char *differs; /* the meaning of a digest that differs from the first */
+  gboolean works;      /* reports a digest if `kind` has a test */
+  const char *differs; /* finding if the digest differs from the first */
   void (*work)(opc_inspection *in);
 } opc_check;
 
-/* All of them, the first about loading; the last has no name. */
+/* All checks. The first one loads the plugin; the last one has no name. */
 extern const opc_check opc_checks[];
 
-/* Run check i and write its report: lines of a letter and a text. F: a fault;
-   N: a check that was not made, and why; D: the digest of the results; S: the
-   number of the sample file; T: a sign of life; B: the plugin changed the
-   process, which ends; E: the end. */
+/* Run check i and write its report to `out`. Each line is a letter and a text.
+   F: fault; N: reason for skipping a check; D: digest of the results; S: number
+   of the sample file; T: the check is still running; B: the plugin changed the
+   process, which then ends; E: end of the report. */
 void opc_check_do(const opc_lint *lint, size_t i, int out);

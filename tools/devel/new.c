@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* opcflow new: files to begin with, of a plugin that works or of a flow that
-   runs. The texts are the templates of the plugin's kind; those of steps,
-   commands and flows are in data/templates. With --process a flow extends one
-   that is complete except for the file that it works on. */
+/* opcflow new: creates a working plugin, a flow or a comparison from templates.
+   The plugin's kind defines the templates; those of steps, commands and flows
+   are in data/templates. With --process, the flow extends a process, a flow
+   without its input files. */
 #include <base/file.h>
 #include <base/suggest.h>
 #include <errno.h>
@@ -29,8 +29,8 @@ static const cli_option options[] = {
     {"json", "print the files as JSON", .flag = &json},
     {0}};
 
-/* The new thing: its name "mine"; of a plugin also its id "step.mine" and its
-   kind; the folder where everything goes; the files that were written. */
+/* Name of the new plugin or flow ("mine"); id ("step.mine") and kind of a
+   plugin, else NULL; folder of the new files. */
 static char *name, *id, *kind, *folder;
 static GPtrArray *files; /* char * */
 
@@ -44,8 +44,8 @@ static char *fill_in(const char *text) {
   return g_string_free(out, FALSE);
 }
 
-/* Write a template into the folder; -1 or the exit code. A file that is there
-   stays if `keep`. */
+/* Write a template into the folder. Return -1 or the exit code. An existing
+   file is an error unless `keep`. */
 static int template_write(const char *file, const char *template,
                           gboolean keep) {
   g_autofree char *filled = fill_in(file);
@@ -59,7 +59,7 @@ static int template_write(const char *file, const char *template,
   return -1;
 }
 
-/* One of the command's own templates. */
+/* Write a built-in template. Return -1 or the exit code. */
 static int put_own(const char *group, const char *resource, const char *file,
                    gboolean keep) {
   g_autofree char *path = g_build_path("/", "/opcflow", group, resource, NULL);
@@ -70,7 +70,7 @@ static int put_own(const char *group, const char *resource, const char *file,
   return template_write(file, text, keep);
 }
 
-/* The names of those; NULL if there are none. */
+/* Return the names of built-in templates; NULL if there are none. */
 static char **own_names(const char *group) {
   g_autofree char *path = g_build_path("/", "/opcflow", group, NULL);
   return g_resources_enumerate_children(path, G_RESOURCE_LOOKUP_FLAGS_NONE,
@@ -85,7 +85,7 @@ static gboolean is_own_verb(const char *word) {
   return FALSE;
 }
 
-/* "; kinds: command, extractor, ..." (g_free). */
+/* Return "; kinds: command, extractor, ..." (g_free). */
 static char *kind_list(const GPtrArray *kinds) {
   GString *all = g_string_new(NULL);
   for (guint i = 0; i < kinds->len; i++)
@@ -107,7 +107,7 @@ static int lacks_name(const char *given, GPtrArray *kinds) {
                    given, given, all);
 }
 
-/* Find name, id and kind from the given ones; -1 or the exit code. */
+/* Set name, id and kind from the arguments. Return -1 or the exit code. */
 static int settle_names(const char *given) {
   if (!opc_is_id(given))
     return cli_error(CLI_USAGE,
@@ -142,8 +142,8 @@ static int make_folder(void) {
   return cli_error(CLI_IO, "'%s': %s", folder, g_strerror(errno));
 }
 
-/* All templates of its kind; those of the kernel's kinds are the command's own.
- */
+/* Write the built-in templates and those of the kind. Return -1 or the exit
+   code. */
 static int new_plugin(const GPtrArray *arguments) {
   if (arguments->len < 2)
     return cli_error(CLI_USAGE,
@@ -168,10 +168,10 @@ static int new_plugin(const GPtrArray *arguments) {
 
 /* ---- a flow that extends a process ---- */
 
-/* Base flows are in these folders beside one of plugins, as NAME.yaml. */
+/* Folders of base flows, below `flows` beside each plugin folder. */
 static const char *const bases[] = {"processes", "scanners"};
 
-/* Which folder of plugins there need not be: a user's has base flows alone. */
+/* Return a folder of base flows (g_free). The plugin folder may be missing. */
 static char *base_folder(const char *plugins, const char *base) {
   g_autofree char *path = g_build_filename(plugins, "..", "flows", base, NULL);
   return g_canonicalize_filename(path, NULL);
@@ -181,8 +181,8 @@ static int by_name(gconstpointer a, gconstpointer b) {
   return strcmp(*(char *const *)a, *(char *const *)b);
 }
 
-/* The paths of all base flows (char *, freed with the array), in the order of
-   search. */
+/* Return the paths of all base flows (char *, freed with the array), in search
+   order. */
 static GPtrArray *base_flows(void) {
   const GPtrArray *folders = opc_registry_folders(cli_registry());
   GPtrArray *paths = g_ptr_array_new_with_free_func(g_free);
@@ -197,7 +197,7 @@ static GPtrArray *base_flows(void) {
   return paths;
 }
 
-/* Their names (char *, freed with the array). */
+/* Return the names of flows (char *, freed with the array). */
 static GPtrArray *base_names(const GPtrArray *flows) {
   GPtrArray *names = g_ptr_array_new_with_free_func(g_free);
   for (guint i = 0; i < flows->len; i++) {
@@ -208,7 +208,7 @@ static GPtrArray *base_names(const GPtrArray *flows) {
   return names;
 }
 
-/* "; known: arf, own65" (g_free). */
+/* Return "; known: arf, own65" (g_free). */
 static char *known_names(GPtrArray *names) {
   GString *all = g_string_new(NULL);
   g_ptr_array_sort(names, by_name);
@@ -218,8 +218,8 @@ static char *known_names(GPtrArray *names) {
   return g_string_free(all, FALSE);
 }
 
-/* Return the path of a process, which may be given itself (g_free). NULL, after
-   a list of all processes. */
+/* Return the path of --process, a path or a name (g_free). Return NULL after a
+   message that lists all processes. */
 static char *find_process(void) {
   if (g_file_test(process, G_FILE_TEST_IS_REGULAR))
     return g_canonicalize_filename(process, NULL);
@@ -234,8 +234,8 @@ static char *find_process(void) {
   return NULL;
 }
 
-/* The files that a flow leaves open, at least one; NULL and the
-   exit code in *code. */
+/* Return the required files that a flow does not set, at least one. Return NULL
+   and set *code, the exit code, on failure. */
 static GArray *find_open(const char *path, int *code) {
   g_autoptr(opc_problems) problems = opc_problems_new();
   g_autoptr(opc_flow) flow =
@@ -250,15 +250,15 @@ static GArray *find_open(const char *path, int *code) {
   return NULL;
 }
 
-/* A file name as it is good in the flow's folder (g_free). */
+/* Return a path that is valid in the flow's folder (g_free). */
 static char *from_folder(const char *input) {
   return strcmp(folder, ".") && !g_path_is_absolute(input)
              ? g_canonicalize_filename(input, NULL)
              : g_strdup(input);
 }
 
-/* INPUT is the first file that is open; the others only its user knows, and a
-   run asks for them. */
+/* Write a flow that extends --process. `input` sets the first required file;
+   comments list the other required files. Return -1 or the exit code. */
 static int extend_process(const char *input, const char *file) {
   int code = CLI_USAGE;
   if (!g_file_test(input, G_FILE_TEST_IS_REGULAR))
@@ -270,6 +270,12 @@ static int extend_process(const char *input, const char *file) {
   g_autoptr(GArray) open = path ? find_open(path, &code) : NULL;
   if (!open) return code;
   g_autofree char *its = from_folder(input);
+  g_autofree char *made = g_build_filename(folder, file, NULL);
+  if (g_file_test(made, G_FILE_TEST_EXISTS))
+    return cli_error(CLI_IO,
+                     "'%s' exists; another file: 'opcflow new flow --process "
+                     "%s %s NAME.yaml'",
+                     made, process, input);
   const cli_open_file *left = (const cli_open_file *)(void *)open->data;
   const char *first = left->path, *dot = strchr(first, '.');
   g_autoptr(GString) text = g_string_new("opcflow: 1\nname: @NAME@\nextends: ");
@@ -287,7 +293,7 @@ static int extend_process(const char *input, const char *file) {
 
 /* ---- a flow ---- */
 
-/* "mine" of "mine.yaml"; -1 or the exit code. */
+/* Set `name`: "mine" for "mine.yaml". Return -1 or the exit code. */
 static int name_after(const char *file) {
   name = g_strndup(file, strcspn(file, "."));
   for (char *c = name; *c; c++)
@@ -296,9 +302,9 @@ static int name_after(const char *file) {
   return cli_error(CLI_USAGE, "'%s' cannot be the name of a flow", file);
 }
 
-/* The files that the flow reads may exist already. */
+/* Write a flow and the files it reads, keeping existing ones. */
 static int new_flow(const GPtrArray *arguments) {
-  guint at = process ? 2 : 1; /* of the flow's own name */
+  guint at = process ? 2 : 1; /* index of the flow's path */
   const char *path = arguments->len > at ? arguments->pdata[at] : "flow.yaml";
   if (process && arguments->len < 2)
     return cli_error(CLI_USAGE,

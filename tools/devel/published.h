@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* All that plugins publish without a flow: tables, metrics and files. */
+/* Collector of the tables, metrics and files that plugins publish outside of a
+   flow. */
 #pragma once
 
 #include <opcflow/plugin.h>
@@ -9,29 +10,29 @@
 typedef struct opc_published_metric {
   const char *name;
   double value;
-  const opc_metric *declared; /* NULL: the host of no plugin took the metric */
+  const opc_metric *declared; /* NULL: host without a plugin */
 } opc_published_metric;
 
 typedef struct opc_published {
-  opc_host host;      /* for instances to be like */
-  const char *inside; /* where its folder is made */
-  char *folder;       /* for files, made when it is asked for; NULL: not yet */
-  GPtrArray *tables;  /* opc_table *, the last one of a name counts */
-  GPtrArray *paths;   /* of files, char * */
-  GArray *metrics;    /* opc_published_metric, the last one of a name counts */
+  opc_host host;      /* template for the hosts of instances */
+  const char *inside; /* parent of `folder` */
+  char *folder;       /* for files; NULL: not yet created */
+  GPtrArray *tables;  /* opc_table *; the last of a name is valid */
+  GPtrArray *paths;   /* char *: paths of the files */
+  GArray *metrics;    /* opc_published_metric; likewise */
 } opc_published;
 
-/* Begin, with nothing published; `inside` outlives it. [main] */
+/* Initialise an empty collector. `inside` must outlive the collector. [main] */
 void opc_published_init(opc_published *p, const char *inside);
 
-/* Return its folder, which is removed with it. */
+/* Return the folder, created if necessary; removed by opc_published_clear. */
 const char *opc_published_folder(opc_published *p);
 
 /* Forget tables and metrics. */
 void opc_published_forget(opc_published *p);
 
-/* Return a check sum of all tables, metrics and files (g_free). */
+/* Return a checksum of all tables, metrics and files; free it with g_free. */
 char *opc_published_digest(const opc_published *p);
 
-/* Free all of it, and remove the folder. */
+/* Free the collector and remove the folder. */
 void opc_published_clear(opc_published *p);

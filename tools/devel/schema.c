@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* opcflow schema: turns the declarations of plugins into a JSON Schema. The
+/* opcflow schema: converts the declarations of plugins to a JSON Schema. The
    part that does not depend on them is data/flow.schema.json. */
 #include "tools/devel/schema.h"
 
@@ -51,7 +51,7 @@ JsonNode *opc_node_json(const opc_node *node) {
 
 /* ---- small pieces ---- */
 
-/* A fixed part, as YAML, of which JSON is a part. */
+/* Return an object from YAML or JSON text. */
 static JsonObject *piece(const char *text) {
   static const opc_source source = {.name = (char *)"schema"};
   g_autoptr(opc_problems) problems = opc_problems_new();
@@ -65,14 +65,14 @@ static void set_text(JsonObject *o, const char *key, const char *text) {
   json_object_set_string_member(o, key, text);
 }
 
-/* The member `key` of `o`, an object, made if it is not there. */
+/* Return the object `key` of `o`, created if missing. */
 static JsonObject *object_member(JsonObject *o, const char *key) {
   if (!json_object_has_member(o, key))
     json_object_set_object_member(o, key, json_object_new());
   return json_object_get_object_member(o, key);
 }
 
-/* The list `key` of `o`, made if it is not there. */
+/* Return the list `key` of `o`, created if missing. */
 static JsonArray *object_list(JsonObject *o, const char *key) {
   if (!json_object_has_member(o, key))
     json_object_set_array_member(o, key, json_array_new());
@@ -88,7 +88,7 @@ static JsonObject *new_reference(const char *prefix, const char *name) {
 
 /* ---- values ---- */
 
-/* Any number with a unit of the same dimension as `unit`, or 0. */
+/* Return the schema of 0 or a number with a unit of the dimension of `unit`. */
 static JsonObject *number_with_unit(const char *unit) {
   int zero = opc_unit_shares_zero(opc_unit_find(unit));
   const char *noun = opc_unit_noun(opc_unit_find(unit));
@@ -127,13 +127,13 @@ static JsonObject *number(const opc_parameter *p) {
   return o;
 }
 
-/* A value that flows take as a text, whatever YAML takes it for. */
+/* Return the schema of a text, including numbers and truth values of YAML. */
 static JsonObject *any_text(void) {
   return piece("{ type: [string, number, boolean] }");
 }
 
-/* One of the words; one that YAML takes for a number or a truth value may be
-   written without quotes, too. */
+/* Return the schema of a choice. Words that YAML reads as numbers or truth
+   values are also valid without quotes. */
 static JsonObject *one_of_words(const char *choices) {
   JsonObject *o = json_object_new();
   g_auto(GStrv) words = opc_choice_list(choices);
@@ -175,7 +175,7 @@ static JsonObject *value_schema(const opc_parameter *p) {
       return o;
     case OPC_INPUT:
       return piece("{ type: string, pattern: '^\\$\\{" REFERENCE "\\}$' }");
-    case OPC_SLOT: /* beside a $ref nothing counts in draft-07 */
+    case OPC_SLOT: /* draft-07 ignores members beside $ref */
       o = json_object_new();
       json_array_add_object_element(object_list(o, "allOf"),
                                     new_reference("any.", p->choices));
@@ -262,9 +262,9 @@ static JsonObject *required_keys(const opc_plugin *plugin) {
   return o;
 }
 
-/* ---- the whole ---- */
+/* ---- schema ---- */
 
-/* One of the plugins of a kind; oneOf must not be empty. */
+/* Return the schema of any plugin of a kind; oneOf must not be empty. */
 static JsonObject *kind_schema(const GPtrArray *plugins, const char *kind) {
   JsonObject *o = json_object_new();
   for (guint i = 0; i < plugins->len; i++) {
@@ -317,7 +317,7 @@ JsonNode *opc_flow_schema(const GPtrArray *plugins) {
 
 /* ---- the verb ---- */
 
-/* All plugins that can be used, by id: const opc_plugin *. */
+/* Return all plugins that can be loaded, by id: const opc_plugin *. */
 static GPtrArray *usable_plugins(void) {
   GPtrArray *plugins = g_ptr_array_new();
   g_autoptr(GPtrArray) list =

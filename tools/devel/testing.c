@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Makes single plugins and keeps their results, for tests. */
+/* Creates single plugin instances for tests and stores their results. */
 #include "tools/devel/testing.h"
 
 #include <base/file.h>
@@ -22,15 +22,15 @@ static struct {
   opc_source *source;
   opc_published published;
   GString *log;
-  char *cell; /* the last text given out */
+  char *cell; /* text returned by the last call */
   int cancel;
 } state;
 
-/* ---- where it all goes ---- */
+/* ---- state ---- */
 
 static void remove_all(void) { opc_published_clear(&state.published); }
 
-/* Before main. The folders of plugins may still change. */
+/* Runs before main. Tests may change the plugin folders later. */
 __attribute__((constructor)) static void state_start(void) {
   state.source = opc_source_new("test", "");
   opc_published_init(&state.published, g_get_tmp_dir());
@@ -72,8 +72,8 @@ static opc_binding *binding_of(opc_module *module) {
   return (opc_binding *)((char *)module - offsetof(opc_binding, module));
 }
 
-/* Results that the plugin keeps go to OPCFLOW_STORE, where that names a folder.
- */
+/* Return a store in the folder OPCFLOW_STORE; NULL if the variable is not
+   set. */
 static opc_store *open_store(void) {
   const char *folder = g_getenv("OPCFLOW_STORE");
   opc_error none;
@@ -93,7 +93,7 @@ opc_module *opc_test_module(const char *id, const char *mapping,
   if (!problems->list->len)
     b = opc_bind_plugin(state.registry, plugin, map, id, &map->at,
                         OPC_BIND_NO_INPUTS, problems);
-  if (b) g_ptr_array_add(b->presets, g_steal_pointer(&map)); /* lives as long */
+  if (b) g_ptr_array_add(b->presets, g_steal_pointer(&map)); /* freed with b */
   if (!problems->list->len)
     opc_inner_open(b, state.registry, OPC_BIND_NO_INPUTS, problems);
   if (!problems->list->len)

@@ -18,9 +18,9 @@ typedef struct bench {
   const opc_host *host;
 
   /* Parameters. */
-  const eda_circuit *circuit; /* as received */
-  const eda_mask *mask;       /* NULL: as drawn only */
-  const char *models[2];      /* files; [1] NULL: the same */
+  const eda_circuit *circuit; /* parameter `circuit` */
+  const eda_mask *mask;       /* NULL: drawn sizes only */
+  const char *models[2];      /* n, p; [1] NULL: as [0] */
   const char *model[2];
   const char *library, *corner, *osdi; /* in place of `models` */
   const char *stand_ins;
@@ -44,8 +44,8 @@ typedef struct bench {
   eda_circuit plain;       /* with the nets n0, n1 ... */
   const eda_mask *printed; /* the mask, or `sized` */
   eda_mask sized;          /* sizes.c: the mask, with other sizes */
-  int has[EDA_STATES];     /* 1 for each set of sizes present */
-  const char *cards[2];    /* absolute paths; [1] NULL: the same */
+  int has[EDA_STATES];     /* 1 if this set of sizes is available */
+  const char *cards[2];    /* absolute paths; [1] NULL: same as [0] */
   char *statements;        /* model statements of the library; NULL: use
                               cards */
   int subcircuits;         /* 1: the models of the library are subcircuits */
@@ -59,7 +59,7 @@ typedef struct bench {
 
 /* ---- sizes.c ---- */
 
-/* Express the printed currents by L alone, using the device table. */
+/* Replace printed sizes by drawn widths and the lengths with equal currents. */
 int sizes_by_length(bench *b, opc_error *error);
 
 /* ---- bench.c ---- */
@@ -67,7 +67,8 @@ int sizes_by_length(bench *b, opc_error *error);
 /* Find the inputs and outputs among the ports. */
 int bench_ports(bench *b, opc_error *error);
 
-/* Return an error if the circuit has no inputs or no outputs. */
+/* Return OPC_OK, or an error code if the circuit has no inputs or no
+   outputs. */
 int bench_drives(const bench *b, opc_error *error);
 
 /* Sizes to simulate: with the printed on current, with the printed off current,
@@ -79,11 +80,11 @@ enum { SIZE_ON, SIZE_OFF, SIZE_TIMED };
 char *bench_netlist(const bench *b, const eda_circuit *c, int state, int sizes,
                     opc_error *error);
 
-/* Drop the sizes before correction, with a warning, if they cannot be
-   simulated. Returns other errors unchanged. */
+/* Handle the result `code` of a simulation at sizes `state`. If sizes before
+   correction failed, warn, drop them and return OPC_OK; else return `code`. */
 int bench_forgive(bench *b, int state, int code, const opc_error *error);
 
-/* Name of a net at the top level: "n12", "0" for ground. */
+/* Return the name of a net at the top level: "n12", "0" for ground. */
 typedef char node_name[16];
 const char *bench_node(const bench *b, uint32_t net, node_name out);
 
@@ -105,30 +106,29 @@ typedef struct bench_task {
   opc_error error;
 } bench_task;
 
-/* Process `count` items at one set of sizes, `some` per job, with jobs in
-   parallel. */
+/* Process `count` items at one set of sizes in parallel jobs of `some`
+   items. */
 int jobs_run_at(bench *b, int state, size_t count, size_t some,
                 void (*work)(bench_task *j), const void *of, opc_error *error);
 
-/* Process `count` items at each set of sizes present. Jobs at the sizes before
-   correction may fail. */
+/* Process `count` items at each available set of sizes. Jobs at the sizes
+   before correction may fail. */
 int jobs_run(bench *b, size_t count, size_t some, void (*work)(bench_task *j),
              const void *of, opc_error *error);
 
-/* Return the text written by `write` (caller frees); NULL if the job has
-   failed. */
+/* Return the text written by `write` (caller frees); NULL after a failure. */
 char *job_text(bench_task *j,
                void (*write)(bench_task *j, FILE *out, const void *how),
                const void *how);
 
-/* Run the simulator. Sets the code of the job on failure. If the job has
-   already failed, the texts may be NULL. The caller clears the result. */
+/* Run the simulator. Set j->code on failure. `deck` and `commands` may be NULL
+   if the job has already failed. The caller clears the result. */
 void job_simulate(bench_task *j, const char *deck, const char *commands,
                   eda_spice_result *out);
 
-/* Current tolerance of transients, A: 1e-5 of the switching currents. In the
+/* Current tolerance of transients, A: 1e-5 of the switching currents. At the
    shortest steps, rounding of voltages limits the accuracy of capacitive
-   currents to this value: with 1e-15 A, ngspice failed in 7 of 52 cells of
+   currents to this value. With 1e-15 A, ngspice failed in 7 of 52 cells of
    sky130. */
 #define SWITCHING_CURRENT 1e-9
 
@@ -153,16 +153,17 @@ typedef struct patterns {
   int sampled; /* 1: a random sample of all transitions */
 } patterns;
 
-/* List all transitions, or a random sample of `most`. */
+/* List all transitions, or a random sample of b->most transitions. */
 int patterns_make(bench *b, patterns *out, opc_error *error);
 
-/* Return a text such as "A 0>1, B 1". For a single pattern, from equals to. */
+/* Return a text such as "A 0>1, B 1". For a single pattern, t.from equals
+   t.to. */
 const char *patterns_say(bench *b, const patterns *p, transition t);
 
 /* ---- logic.c: operating points ---- */
 
 typedef struct logic {
-  int *level; /* level as drawn, [pattern * outputs + output]: 0, 1; -1:
+  int *level; /* level with drawn sizes, [pattern * outputs + output]: 0, 1; -1:
                  neither */
   double *current[EDA_STATES], *power[EDA_STATES]; /* per pattern */
 } logic;
@@ -175,10 +176,10 @@ int logic_find(bench *b, const patterns *p, logic *out, opc_error *error);
 #define STATE_UNKNOWN UINT32_MAX
 #define STATE_LOST (UINT32_MAX - 1)
 
-/* Finite-state machine of a circuit: in each state one input may change, which
-   leads to another settled state. */
+/* Finite-state machine of a circuit. One input changes per transition. */
 typedef struct machine {
-  size_t watched; /* number of observed nets: gates and outputs */
+  size_t watched; /* number of observed nets: nets of transistor gates, and
+                     outputs */
   uint32_t *net;
   size_t states;
   uint8_t *bit;   /* input levels, [state * inputs + input] */
@@ -191,9 +192,9 @@ typedef struct machine {
   uint32_t first;
 } machine;
 
-/* Find the recurrent states of a circuit, which can be reached again from all
-   their successors, independent of the power-up state. Returns them as patterns
-   with all transitions of single inputs, and the levels of the outputs. */
+/* Find the recurrent states of a circuit. A recurrent state can be reached
+   again from each of its successors. Return these states as patterns with all
+   transitions of single inputs, and the levels of the outputs. */
 int states_find(bench *b, machine *m, patterns *p, logic *l, opc_error *error);
 
 /* Write the .save statements of the observed nets. */
@@ -219,15 +220,14 @@ void traversal_step(const bench *b, const machine *m, traversal *w,
    known. */
 int traversal_to(const bench *b, const machine *m, traversal *w,
                  uint32_t state);
-/* Write the sources of the inputs and of the supplies, which rise from 0 V
-   first. */
+/* Write the voltage sources. The supplies rise from 0 V before any input
+   changes. */
 void traversal_sources(const bench *b, const machine *m, const traversal *w,
                        FILE *out);
 /* Write the command of the transient analysis. */
 void traversal_command(const machine *m, const traversal *w, FILE *out);
 
-/* Mark a set of recurrent states: states that lead to each other and to no
-   others. Takes the first such set on the way from the power-up state. */
+/* Mark the first recurrent states (states_find) reached from power-up. */
 void states_leading_to(const bench *b, const machine *m, uint8_t *mark);
 
 /* Extend an empty traversal by changes that lead to the same state from all
@@ -236,7 +236,7 @@ int traversal_synchronise(const bench *b, const machine *m, traversal *w);
 
 /* ---- delays.c: transients ---- */
 
-/* Output that follows a transition. NAN: the output did not settle. */
+/* Response of an output to a transition; NAN if the output did not settle. */
 typedef struct arrival {
   uint32_t flip, output; /* indices in delays.flip and bench.output */
   int rises;
@@ -244,7 +244,7 @@ typedef struct arrival {
 } arrival;
 
 typedef struct delays {
-  size_t flips;    /* number of transitions followed by an output */
+  size_t flips;    /* number of transitions that change an output */
   uint32_t *flip;  /* indices in patterns.transition */
   uint32_t *first; /* first arrival of each flip, [flips + 1] */
   size_t count;
@@ -256,9 +256,8 @@ typedef struct delays {
 int delays_find(bench *b, const machine *m, const patterns *p, const logic *l,
                 delays *out, opc_error *error);
 
-/* Measure delay and slope in a transient whose input changes at `begin` and
-   which is evaluated up to `end`. Returns the time at which the output has
-   settled; NAN: not settled. */
+/* Measure delay and slope in a transient from the input change at `begin` to
+   `end`. Return the time at which the output has settled; NAN: not settled. */
 double arrival_measure(const bench *b, arrival *a, int state,
                        const eda_spice_plot *plot, double begin, double end);
 
@@ -271,8 +270,8 @@ typedef struct wave {
 int delays_wave(bench *b, const patterns *p, const delays *d, size_t arrival,
                 int state, wave *out, opc_error *error);
 
-/* Store the waveform of an arrival, shifted so that its input changes at
-   bench_start. */
+/* Store the output waveform of an arrival, with time shifted so that the input
+   changes at bench_start. */
 void wave_keep(bench *b, const arrival *a, const eda_spice_plot *plot,
                double begin, double end, wave *out);
 
@@ -291,7 +290,7 @@ typedef struct cell {
   uint32_t q, qb;   /* storage nodes; q has the smaller number */
   uint32_t devices; /* number of devices with a channel on either node */
   uint32_t device[CELL_DEVICES];
-  uint32_t accesses; /* number of access transistors, last in `device` */
+  uint32_t accesses; /* access transistors, last in `device` */
   int on_ports;      /* 1: the bit lines are ports */
 } cell;
 
@@ -305,8 +304,8 @@ int64_t feedback_find(bench *b);
 
 enum { SWEEP = 241 };
 
-/* Butterfly curves: Q over QB and QB over Q, at equal steps from 0 to the
-   supply, and the largest squares between them. */
+/* Butterfly curves of a memory cell, at equal voltage steps from 0 to the
+   supply, and the largest square in each of the two eyes. */
 typedef struct butterfly {
   double right[SWEEP], up[SWEEP]; /* QB(Q), Q(QB) */
   double margin[2];               /* left, right; 0 if not bistable */
@@ -330,8 +329,8 @@ int leakage_report(bench *b, const patterns *p, const logic *l,
 int margins_report(bench *b, const cell *cells, size_t count, const margins *m,
                    opc_error *error);
 
-/* Return the arrival with the largest delay deviation among rising or falling
-   ones; -1: none. */
+/* Return the index of the largest delay deviation, rising or falling; -1:
+   none. */
 int64_t worst_arrival(const delays *d, const bench *b, int rises);
 /* Return the cell with the largest deviation, or, with drawn sizes only, the
    smallest margin. */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Divides simulations into jobs, one process each. */
 #include <stdlib.h>
+#include <string.h>
 
 #include "bench.h"
 
@@ -70,6 +71,13 @@ void job_simulate(bench_task *j, const char *deck, const char *commands,
   if (!j->code)
     j->code = eda_spice_run(j->b->host->context, deck, commands, j->b->limit,
                             out, &j->error);
+  if (j->code && strstr(j->error.message, "' did not finish within ")) {
+    g_autofree char *why = g_strdup(j->error.message);
+    opc_fail(&j->error, j->code, "time_limit",
+             "%.400s; tiny steps mean that the models do not converge there, "
+             "otherwise raise 'time_limit'",
+             why);
+  }
 }
 
 /* ---- all jobs ---- */

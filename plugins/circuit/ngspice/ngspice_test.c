@@ -454,7 +454,7 @@ static void test_refused(void) {
   g_autofree char *osdi = g_strdup_printf("osdi: '%s'", card);
   assert_refused(m, 0, card, osdi, "*requires 'library'");
   assert_refused(m, 0, card, "time_limit: 1 ns",
-                 "'ngspice' did not finish within*");
+                 "*'ngspice' did not finish within*raise 'time_limit'*");
   assert_refused(m, 0, card, "inputs: A VSS", "'VSS' is no port of 'made'*");
   assert_refused(m, 0, card, "edges: [60 %, 90 %]",
                  "*'edges' must be two thresholds*");

@@ -127,7 +127,7 @@ static int read_mask(mask *m, const char *path, opc_error *error) {
     if (take_record(m, &e, type, r + 4, n, error)) return error->code;
     m->at += n + 4;
   }
-  if (!(m->unit > 0)) return mask_fail(m, "contains no unit", error);
+  if (!(m->unit > 0)) return mask_fail(m, "no UNITS record", error);
   return OPC_OK;
 }
 

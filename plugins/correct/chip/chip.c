@@ -242,8 +242,10 @@ static int chip_prepare(const chip *c, const eda_gates *g, opc_error *error) {
                                       error);
 }
 
-/* Read the layers from an empty window; all windows have the same. */
-static int chip_begin(const chip *c, eda_chip *out, opc_error *error) {
+/* Read the layers from an empty window; all windows have the same. Prepare the
+   models, if `prepare`. */
+static int chip_begin(const chip *c, eda_chip *out, int prepare,
+                      opc_error *error) {
   static const eda_box nowhere = {0, 0, 1, 1};
   eda_gates *g;
   out->layout = c->layout;
@@ -255,7 +257,7 @@ static int chip_begin(const chip *c, eda_chip *out, opc_error *error) {
                                 &g, error);
   if (code) return code;
   take_layers(g, out);
-  code = chip_prepare(c, g, error);
+  if (prepare) code = chip_prepare(c, g, error);
   eda_gates_free(g);
   return code;
 }
@@ -277,13 +279,23 @@ static int chip_run(void *self, void **outputs, opc_error *error) {
   work w;
   eda_chip *out = eda_alloc(1, sizeof *out);
   outputs[0] = out; /* released by the host on failure */
-  int code = chip_begin(c, out, error);
+  int code = chip_begin(c, out, 1, error);
   if (code) return code;
   work_init(c, out, &w);
   code = find_symmetry(&w, error);
   if (!code) code = work_all(&w, error);
   work_clear(&w);
   return code;
+}
+
+/* Make a chip with its layers and without transistors. */
+static int chip_sketch(void *self, void **outputs, opc_error *error) {
+  eda_chip *out = eda_alloc(1, sizeof *out);
+  outputs[0] = out;
+  out->gate = eda_alloc(1, sizeof *out->gate);
+  out->mask = eda_alloc(1, sizeof *out->mask);
+  out->print = eda_alloc(1, sizeof *out->print);
+  return chip_begin(self, out, 0, error);
 }
 
 /* ---- parameters ---- */
@@ -375,6 +387,7 @@ static int chip_check(void *self, opc_error *error) {
 
 static const opc_port outputs_of[] = {EDA_PORT_CHIP("chip")};
 static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = chip_run,
+                                   .sketch = chip_sketch,
                                    .flags = OPC_STEP_PIECES};
 
 OPC_PLUGIN(

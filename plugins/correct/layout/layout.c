@@ -177,20 +177,38 @@ static int cut_all(const opc_host *host, work *w, opc_error *error) {
 
 /* ---- beginning and end ---- */
 
-static int layout_begin(work *w, const eda_chip *chip, opc_error *error) {
-  int32_t *from = eda_alloc(chip->layers, sizeof *from);
-  size_t n = 0;
+/* Return the layer of the chip's layout that layer k was drawn on, -1 if there
+   is none. */
+static int32_t drawn_layer(const eda_chip *chip, size_t k) {
+  const char *name = chip->layer[k];
+  for (size_t i = 0; i < chip->segment.also_count; i++)
+    if (!strcmp(chip->segment.also[2 * i], name))
+      name = chip->segment.also[2 * i + 1];
+  return eda_layout_find_layer(chip->layout, name);
+}
+
+/* Create the layout with its top cell and its layers, which keep their names in
+   the file. */
+static void layout_open(work *w, const eda_chip *chip, opc_error *error) {
   w->layer = eda_alloc(chip->layers, sizeof *w->layer);
   w->out = eda_layout_new(chip->grid, error);
   w->top = eda_layout_cell(
       w->out, eda_layout_cell_name(chip->layout, chip->top), error);
   for (size_t k = 0; k < chip->layers; k++) {
-    const char *name = chip->layer[k];
-    w->layer[k] = eda_layout_layer(w->out, name, error);
-    for (size_t i = 0; i < chip->segment.also_count; i++)
-      if (!strcmp(chip->segment.also[2 * i], name))
-        name = chip->segment.also[2 * i + 1];
-    from[n] = eda_layout_find_layer(chip->layout, name);
+    int32_t drawn = drawn_layer(chip, k);
+    w->layer[k] = eda_layout_layer(w->out, chip->layer[k], error);
+    if (drawn >= 0)
+      eda_layout_set_file_layer(w->out, w->layer[k],
+                                eda_layout_file_layer(chip->layout, drawn));
+  }
+}
+
+static int layout_begin(work *w, const eda_chip *chip, opc_error *error) {
+  int32_t *from = eda_alloc(chip->layers, sizeof *from);
+  size_t n = 0;
+  layout_open(w, chip, error);
+  for (size_t k = 0; k < chip->layers; k++) {
+    from[n] = drawn_layer(chip, k);
     n += from[n] >= 0;
   }
   int32_t before, m = find_moves(chip), far = find_boxes(chip, &before);
@@ -247,6 +265,28 @@ static int layout_run(void *self, void **outputs, opc_error *error) {
   return code;
 }
 
+/* Make a layout of one box on each layer that the layout draws, so that the
+   forecast of a writer can check the layers. */
+static int layout_sketch(void *self, void **outputs, opc_error *error) {
+  const eda_chip *chip = ((const layout *)self)->chip;
+  work w = {.cutter.chip = chip};
+  int code = OPC_OK;
+  layout_open(&w, chip, error);
+  outputs[0] = w.out;
+  for (size_t k = 0; k < chip->layers && !code; k++) {
+    eda_box b = {0, 0, 0, 0};
+    int32_t drawn = drawn_layer(chip, k);
+    if (drawn < 0) continue;
+    code = eda_layout_bounds(chip->layout, chip->top, drawn, chip->grid, &b,
+                             error);
+    if (!code && b.x0 < b.x1 && b.y0 < b.y1)
+      code = eda_layout_add_box(w.out, w.top, w.layer[k], (eda_box){0, 0, 1, 1},
+                                error);
+  }
+  free(w.layer);
+  return code;
+}
+
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
@@ -264,7 +304,8 @@ static const opc_metric metrics[] = {
 /* ---- entry ---- */
 
 static const opc_port outputs_of[] = {EDA_PORT_LAYOUT("layout")};
-static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = layout_run};
+static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = layout_run,
+                                   .sketch = layout_sketch};
 
 OPC_PLUGIN(layout, .id = "correct.layout", .kind = "step", .version = "0.1.0",
            .licence = "BSD-3-Clause",

@@ -160,8 +160,8 @@ int fit_table(const sample *s, const double *edge, size_t edges, fitted *out,
   gsl_multifit_linear_tsvd(a, y, 1e-6, x, covariance, &squares, &rank, work);
   if (rank < edges)
     code = opc_fail(error, OPC_INVALID, "edges",
-                    "%s of the %c-transistors determine gamma at %zu of %zu "
-                    "distances only",
+                    "%s of the %c-transistors determines gamma at only %zu of "
+                    "%zu distances",
                     currents[s->current], "np"[s->type], rank, edges);
   for (size_t j = 0; j < edges && !code; j++) {
     out->edge[j] = edge[j];

@@ -52,6 +52,8 @@ static int copy_layer(const maker *m, int32_t from, int32_t to, int32_t layer,
   const char *name = eda_layout_layer_name(in, layer);
   double fine = eda_layout_unit(in);
   int32_t into = eda_layout_layer(m->out, name, m->error);
+  if (into >= 0)
+    eda_layout_set_file_layer(m->out, into, eda_layout_file_layer(in, layer));
   eda_flat flat;
   if (into < 0) return m->error->code;
   int code = eda_layout_flatten(in, from, layer, fine, &flat, m->error);

@@ -213,8 +213,7 @@ static int window_check(void *self, opc_error *error) {
     return error->code;
   if (w->mask_error.count == 1)
     return opc_fail(error, OPC_INVALID, "mask_error",
-                    "'mask_error' needs two values at least: the result is "
-                    "the change between them");
+                    "'mask_error' requires at least two values, found 1");
   return eda_paper_check(w->file, "file", error);
 }
 

@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Common header of the files of read.oasis.
 
-   Records are read in one pass. If a record refers to a name by a number that
-   is defined later, the table of such names is read first at the place given by
-   START or END. If the name is not in the table, another pass reads all names
-   of the file.
+   Records are read in one pass. If a record refers to a name number that is not
+   yet defined, the reader loads the name table at the place stored in START or
+   END. If the table lacks the name, a second pass reads all names of the file.
 
-   After a failure all values read are 0. Loops over counts of the file check
-   b.failed. */
+   After a failure, all read functions return 0. Loops over counts from the file
+   must check b.failed. */
 #pragma once
 
 #include <eda/oasis.h>
@@ -20,7 +19,7 @@
 typedef struct oasis_name {
   uint64_t number; /* the key */
   char *text;
-  int defined; /* defined in the pass that builds */
+  int defined; /* 1: defined in the pass that builds the layout */
 } oasis_name;
 
 /* Number of tables that hold strings: cells, texts, property names, property
@@ -31,8 +30,8 @@ GHashTable *oasis_names_new(void);
 
 /* ---- modal variables ---- */
 
-/* Modal variables that are undefined at the start of a cell. If a record lacks
-   several, the first one is reported. */
+/* Modal variables that are undefined at the start of a cell. If several
+   required variables are undefined, the error names the first one. */
 enum {
   HAS_LAYER = 1 << 0,
   HAS_DATATYPE = 1 << 1,
@@ -63,19 +62,20 @@ typedef struct oasis_points {
   size_t n, room;
 } oasis_points;
 
-/* columns x rows on a lattice, or as many columns as offsets; the first offset
-   is (0, 0). */
+/* columns x rows on a lattice, or `columns` listed offsets, the first (0,
+   0). */
 typedef struct oasis_repetition {
   int lattice;
   uint64_t columns, rows;
   oasis_vector column, row;
   oasis_points offsets;
-  oasis_vector low, high; /* bounds of all offsets; BEYOND if out of range */
+  oasis_vector low, high; /* bounds of all offsets; BEYOND (lists.c) if out of
+                             range */
 } oasis_repetition;
 
 /* A string, or the reference number of a string. */
 typedef struct oasis_reference {
-  char *text; /* NULL: by number */
+  char *text; /* NULL: use `number` */
   uint64_t number;
 } oasis_reference;
 
@@ -86,12 +86,12 @@ typedef struct oasis_modal {
   uint32_t layer, datatype, textlayer, texttype;
   int64_t width, height, halfwidth, radius, begin, end;
   uint32_t ctrapezoid;
-  int32_t placed; /* cell of the layout */
+  int32_t placed; /* last placed cell, in the layout */
   oasis_reference text;
   oasis_points polygon, path; /* relative to the first point, which is (0, 0) */
   oasis_repetition repetition;
   oasis_reference property;
-  int64_t attribute;     /* first value of a property; -1 if not a number */
+  int64_t attribute;     /* first value of the property; -1 if not a number */
   oasis_reference value; /* second value */
   int has_value;
 } oasis_modal;
@@ -109,11 +109,11 @@ typedef struct oasis {
   int inside; /* 1: inside a compressed block */
   const uint8_t *file_p;
   uint64_t block_at; /* place of the block in the file */
-  uint64_t done;     /* bytes of the block before `inflated` */
+  uint64_t done;     /* bytes of the block that precede `inflated` */
   uint64_t left_in, left_out;
   uint8_t *inflated;
   z_stream z;
-  uint64_t unpacked; /* total of all blocks so far */
+  uint64_t unpacked; /* decompressed bytes of all blocks so far */
 
   GHashTable *names[OASIS_NAMES]; /* oasis_name */
   uint64_t next[OASIS_NAMES];     /* next implicit number */
@@ -124,7 +124,7 @@ typedef struct oasis {
 
   int in_cell;
   oasis_modal m;
-  uint64_t spent; /* points used by shapes */
+  uint64_t spent; /* points of all shapes so far */
   eda_point *points;
   size_t room_points;
 
@@ -132,29 +132,30 @@ typedef struct oasis {
   eda_placement placement;
   int32_t child;
   int repeated;
-  int ranked; /* 0: no name, 1: by a GDSII property, 2: by number 61 */
+  int ranked; /* name: 0: none, 1: GDSII property, 2: property 61 */
   char *instance;
 } oasis;
 
 /* ---- stream.c: the file as bytes, compressed blocks opened on the way ---- */
 
-/* Return a second reader of the same file, for names only; clear it with
-   oasis_clear. Data that both share at the start stay with `from`. */
+/* Return a second reader of the same file that reads names only. Free it with
+   oasis_clear; data shared with `from` remain owned by `from`. */
 oasis oasis_again(const oasis *from, opc_error *error);
 void oasis_clear(oasis *o);
 /* Continue at another place of the file. */
 void oasis_seek(oasis *o, uint64_t at);
 /* Fail with "'path': FAULT at byte N", with N the place of the record. */
 void oasis_refuse(void *o, const char *what);
-/* Start a record: leave blocks that end here. Return 0 after a failure. */
+/* Start a record: leave compressed blocks that end at this place. Return 0
+   after a failure. */
 int oasis_begin_record(oasis *o);
-/* Return the place in the file; and the number of bytes read so far, including
-   those of blocks up to 64 per byte of the file. */
+/* Return the place in the file; the number of bytes read so far (decompressed
+   bytes: at most 64 per byte of the file). */
 uint64_t oasis_place(const oasis *o);
 uint64_t oasis_consumed(const oasis *o);
 /* Continue with the contents of a CBLOCK record. */
 void oasis_enter_block(oasis *o);
-/* Provide more bytes. Return 0 at the end of the data, which is a failure. */
+/* Provide more bytes. Fail and return 0 at the end of the data. */
 int oasis_refill(oasis *o);
 
 /* ---- numbers.c ---- */
@@ -177,14 +178,14 @@ static inline int64_t oasis_sint(oasis *o) {
   return v & 1 ? -(int64_t)(v >> 1) : (int64_t)(v >> 1);
 }
 
-/* Read an unsigned integer of 32 bits; fail with `what` if too large.
-   oasis_real reads a real. */
+/* Read an unsigned integer; fail with `what` if it exceeds 32 bits. oasis_real
+   reads the type and the value of a real. */
 uint32_t oasis_uint32(oasis *o, const char *what);
 double oasis_real(oasis *o);
-/* Read a real of a type that has been read. */
+/* Read the value of a real whose type has been read. */
 double oasis_real_of(oasis *o, uint64_t type);
 
-/* Return a length or a sum of lengths; fail beyond the range of coordinates. */
+/* Return `v` as a length; fail if `v` exceeds the range of coordinates. */
 int64_t oasis_length(oasis *o, int64_t v);
 int64_t oasis_size(oasis *o, uint64_t v);
 oasis_vector oasis_delta1(oasis *o, int horizontal);
@@ -197,8 +198,7 @@ oasis_vector oasis_deltag(oasis *o);
 char *oasis_string(oasis *o);
 void oasis_skip_string(oasis *o);
 
-/* ---- lookup.c: read a name record; the string of a reference, NULL after a
-   failure ---- */
+/* ---- lookup.c: names; oasis_referred returns NULL after a failure ---- */
 
 void oasis_read_name(oasis *o, uint64_t record);
 void oasis_read_reference(oasis *o, int by_number, oasis_reference *to);
@@ -215,7 +215,7 @@ void oasis_read_repetition(oasis *o);
 uint64_t oasis_members(const oasis *o, int repeated);
 oasis_vector oasis_member(const oasis *o, int repeated, uint64_t i);
 
-/* ---- shapes.c, elements.c: a record of that kind, after its number ---- */
+/* ---- shapes.c, elements.c: read a record after its record number ---- */
 
 void oasis_read_rectangle(oasis *o);
 void oasis_read_polygon(oasis *o);
@@ -229,14 +229,13 @@ void oasis_read_placement(oasis *o, uint64_t record);
 void oasis_read_property(oasis *o, uint64_t record);
 void oasis_end_placement(oasis *o);
 
-/* Common parts of elements. Fail with `what` if one of the modal variables is
-   undefined. */
+/* Fail with `what` if one of the modal variables `has` is undefined. */
 int oasis_need(oasis *o, const char *what, uint32_t has);
-/* Read a layer and a datatype by the bits of the record. */
+/* Read the layer and the datatype that the record's bits `info` announce. */
 void oasis_read_layer(oasis *o, uint32_t info, uint32_t has, uint32_t *layer,
                       uint32_t *datatype);
-/* Read x and y by the bits of the record and update the modal variables. */
+/* Read x and y if announced by the bits `info`; update the modal variables. */
 void oasis_read_place(oasis *o, uint32_t info, int64_t *x, int64_t *y);
-/* Count `count` times `points` points against the limit of the file. Return 0
+/* Count `count` * `points` points towards the limit for this file. Return 0
    beyond the limit. */
 int oasis_spend(oasis *o, uint64_t count, uint64_t points);

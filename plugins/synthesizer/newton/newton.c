@@ -575,7 +575,7 @@ static int newton_check(void *self, opc_error *error) {
   for (int k = 0; k < ERRORS; k++) {
     if (t->target != PLAIN && !isnan(t->weight[k]))
       return opc_fail(error, OPC_INVALID, "target",
-                      "weights require 'target: plain'");
+                      "weights require 'target: plain', or { weight: ~ }");
     if (isnan(t->weight[k])) t->weight[k] = weights[k];
     t->steer[k] = t->weight[k];
     sum += t->weight[k];

@@ -252,7 +252,8 @@ static int cif_check(void *self, opc_error *error) {
 
 /* ---- entry ---- */
 
-static const opc_step functions = {.run = writer_run};
+static const opc_step functions = {.run = writer_run,
+                                   .forecast = writer_forecast};
 
 OPC_PLUGIN(cif, .id = "write.cif", .kind = "step", .version = "0.2.0",
            .licence = "BSD-3-Clause",

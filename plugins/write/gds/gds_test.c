@@ -428,6 +428,34 @@ static void test_layers(void) {
   eda_layout_free(layout);
 }
 
+/* Named layers keep the numbers of the file that they were read from. */
+static void test_numbers(void) {
+  static const char map[] =
+      ", layers: { poly: 9/0, active: 1, contact: 10/0, nwell: 3/0 }";
+  opc_error e = {0};
+  g_autofree char *file = g_build_filename(g_getenv("OPCFLOW_SOURCE"), "data",
+                                           "cells65", "sram4.gds", NULL);
+  eda_layout *named = read_good(file, map), *plain = read_good(file, "");
+  g_assert_cmpstr(
+      eda_layout_file_layer(named, eda_layout_find_layer(named, "active")), ==,
+      "1/0");
+  g_autofree char *path = write_good("layout", named, "");
+  eda_layout *back = read_good(path, "");
+  g_autofree char *before = layout_dump(plain), *after = layout_dump(back);
+  g_assert_cmpstr(before, ==, after);
+  g_assert_null(write_more("layout", named, ", layers: { poly: 1/0 }", &e));
+  g_assert_nonnull(strstr(e.message, "'active' and 'poly' would both be"));
+  g_autofree char *moved =
+      write_good("layout", named, ", layers: { poly: 7/3 }");
+  eda_layout *other = read_good(moved, "");
+  g_assert_cmpint(eda_layout_find_layer(other, "7/3"), >=, 0);
+  g_assert_cmpint(eda_layout_find_layer(other, "9/0"), ==, -1);
+  eda_layout_free(named);
+  eda_layout_free(plain);
+  eda_layout_free(back);
+  eda_layout_free(other);
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/write-gds/everything", test_everything);
@@ -437,5 +465,6 @@ int main(int argc, char **argv) {
   g_test_add_func("/write-gds/mask", test_mask);
   g_test_add_func("/write-gds/more-layers", test_more_layers);
   g_test_add_func("/write-gds/layers", test_layers);
+  g_test_add_func("/write-gds/numbers", test_numbers);
   return g_test_run();
 }

@@ -125,7 +125,7 @@ static int set_curve(const eda_curves *c, struct eda_curve *curve,
     if (!falls && must)
       return opc_fail(error, OPC_INVALID, "devices",
                       "'%s': a current%s does not fall from %g to %g nm, so "
-                      "that it states no length",
+                      "that a length cannot be computed",
                       path, of_width_text(d, width).text, d->length[i - 1],
                       d->length[i]);
     curve->logarithm[i] = log(current[i]);

@@ -201,7 +201,7 @@ static void test_refused(void) {
   g_assert_cmpint(read_table(5, 1, 2, &c, &error), ==, OPC_INVALID);
   g_assert_cmpstr(error.message, ==,
                   "'table.yaml': a current does not fall from 46 to 48 nm, so "
-                  "that it states no length");
+                  "that a length cannot be computed");
   g_assert_null(c.devices);
   g_assert_cmpint(eda_curves_read(&c, "none.yaml", &error), ==, OPC_IO);
   eda_curves_clear(&c);

@@ -43,7 +43,7 @@ void eda_natural_text(eda_scanner s, char *out, size_t size) {
                    eda_natural_unit(s));
   else
     (void)snprintf(out, size,
-                   "as at %g nm and NA %g, since the model of the optics does "
-                   "not state its own",
+                   "assuming %g nm and NA %g, because the model of the optics "
+                   "does not report wavelength and NA",
                    usual.wavelength, usual.na);
 }

@@ -34,7 +34,7 @@ static void test_unknown(void) {
   g_assert_cmpfloat(eda_natural(&none, "0.155 lambda/NA"), ==, 40);
   g_assert_cmpfloat(eda_natural(&none, "1 lambda/NA^2"), ==, 343);
   eda_natural_text(none, text, sizeof text);
-  g_assert_nonnull(strstr(text, "does not state"));
+  g_assert_nonnull(strstr(text, "does not report"));
   eda_natural_text(krf, text, sizeof text);
   g_assert_cmpstr(text, ==, "from wavelength / NA = 354.3 nm");
   static const char *const wrong[] = {"", "0.155", "40 nm",

@@ -24,6 +24,7 @@ eda_layout *eda_layout_new(double unit, opc_error *error) {
   layout->unit = unit;
   layout->cell_of = g_hash_table_new(g_str_hash, g_str_equal);
   layout->layer_of = g_hash_table_new(g_str_hash, g_str_equal);
+  layout->file_layer = g_hash_table_new_full(NULL, NULL, NULL, g_free);
   g_mutex_init(&layout->lock);
   return layout;
 }
@@ -60,6 +61,7 @@ void eda_layout_free(void *object) {
   free(layout->layers);
   g_hash_table_destroy(layout->cell_of);
   g_hash_table_destroy(layout->layer_of);
+  g_hash_table_destroy(layout->file_layer);
   free(layout->strings);
   free(layout->order);
   drop_reach(layout);
@@ -118,6 +120,18 @@ int32_t eda_layout_find_cell(const eda_layout *layout, const char *name) {
 
 int32_t eda_layout_find_layer(const eda_layout *layout, const char *name) {
   return number_find(layout->layer_of, name);
+}
+
+void eda_layout_set_file_layer(eda_layout *layout, int32_t layer,
+                               const char *name) {
+  g_hash_table_insert(layout->file_layer, GINT_TO_POINTER(layer),
+                      g_strdup(name));
+}
+
+const char *eda_layout_file_layer(const eda_layout *layout, int32_t layer) {
+  const char *name =
+      g_hash_table_lookup(layout->file_layer, GINT_TO_POINTER(layer));
+  return name ? name : eda_layout_layer_name(layout, layer);
 }
 
 static bool is_cell(const eda_layout *layout, int32_t number) {

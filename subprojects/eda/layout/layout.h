@@ -72,6 +72,7 @@ struct eda_layout {
   char **layers;
   size_t n_layers, room_layers;
   GHashTable *cell_of, *layer_of; /* name to number + 1 */
+  GHashTable *file_layer;         /* layer to its name in the file */
   char *strings;
   size_t n_strings, room_strings;
 

@@ -98,8 +98,8 @@ static int region_refuse(segment *s, size_t region, const char *a,
   char text[200];
   if (b)
     (void)snprintf(text, sizeof text,
-                   "it is marked as '%.50s' and as '%.50s': a flavour of both "
-                   "markers, 'NAME: A B', would define",
+                   "the transistor is marked as '%.50s' and as '%.50s': define "
+                   "a flavour of both markers, 'NAME: A B'",
                    a, b);
   else
     (void)snprintf(text, sizeof text,

@@ -15,6 +15,7 @@
 #include <fcntl.h>
 #include <gnu/lib-names.h>
 #include <locale.h>
+#include <math.h>
 #include <ngspice/sharedspice.h>
 #include <pwd.h>
 #include <signal.h>
@@ -25,6 +26,7 @@
 #include <strings.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <time.h>
 #include <unistd.h>
 
 enum { MOST_TROUBLE = 600 };
@@ -92,12 +94,67 @@ static int on_words(char *text, int id, void *user) {
   return 0;
 }
 
+/* Return a new text "at 1e-09 s, in steps of 1e-12 s; 'y' changes most" about a
+   point and the values of the one before; `old` receives the new values. */
+static char *state_of(const vecvaluesall *v, double *old) {
+  double at = 0, step = 0, most = 0;
+  const char *name = NULL;
+  for (int i = 0; i < v->veccount; i++) {
+    const vecvalues *one = v->vecsa[i];
+    double change = fabs(one->creal - old[i]);
+    old[i] = one->creal;
+    if (one->is_scale) {
+      at = one->creal;
+      step = change;
+    } else if (change > most) {
+      most = change;
+      name = one->name;
+    }
+  }
+  return text_of("at %.6g, in steps of %.3g%s%.60s%s", at, step,
+                 name ? "; '" : "", name ? name : "",
+                 name ? "' changes most" : "");
+}
+
+/* Without this function, ngspice reports no points. */
+static int on_vectors(pvecinfoall v, int id, void *user) {
+  (void)v, (void)id, (void)user;
+  return 0;
+}
+
+/* Report the point that an analysis has reached, ten times a second. */
+static int on_values(pvecvaluesall v, int count, int id, void *user) {
+  static double *old;
+  static int room;
+  static struct timespec last;
+  struct timespec now;
+  (void)count, (void)id, (void)user;
+  if (v->veccount > room) {
+    old = realloc(old, (size_t)v->veccount * sizeof *old);
+    if (!old) end_with(TROUBLE, "out of memory");
+    memset(old + room, 0, (size_t)(v->veccount - room) * sizeof *old);
+    room = v->veccount;
+  }
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  double seconds = (double)(now.tv_sec - last.tv_sec) +
+                   1e-9 * (double)(now.tv_nsec - last.tv_nsec);
+  if (seconds > 0.1) {
+    char *text = state_of(v, old);
+    send_text(STATE, text);
+    free(text);
+    last = now;
+  } else {
+    for (int i = 0; i < v->veccount; i++) old[i] = v->vecsa[i]->creal;
+  }
+  return 0;
+}
+
 static int on_exit_wish(int status, NG_BOOL at_once, NG_BOOL quit, int id,
                         void *user) {
   (void)at_once, (void)id, (void)user;
   char text[MOST_TROUBLE + 64];
   snprintf(text, sizeof text, "%s with status %d%s%s",
-           quit ? "a command made it quit," : "it ended", status,
+           quit ? "ngspice ended by a quit command" : "ngspice ended", status,
            *trouble ? ": " : "", trouble);
   end_with(TROUBLE, text);
 }
@@ -327,7 +384,7 @@ static void load_osdi(const library *l, const char *name, int file) {
 
 static void deck_run(const library *l, const char *osdi, int file, char *deck,
                      char *commands) {
-  l->init(on_words, NULL, on_exit_wish, NULL, NULL, on_thread, NULL);
+  l->init(on_words, NULL, on_exit_wish, on_values, on_vectors, on_thread, NULL);
   *trouble = 0;
   reset_signals(); /* handlers of ngspice would turn a crash into an exit */
   library_command(l, "set num_threads=1");
@@ -341,6 +398,7 @@ static void deck_run(const library *l, const char *osdi, int file, char *deck,
   plots = send_plots(l, plots);
   for (char **c = lines_of(commands); *c; c++) {
     if (!(*c)[strspn(*c, " \t")]) continue;
+    send_text(COMMAND, *c);
     library_command(l, *c);
     if (!*trouble) plots = send_plots(l, plots);
     trouble_check(*c);

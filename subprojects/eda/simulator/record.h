@@ -12,6 +12,8 @@ enum {
   MISSING = 'm', /* the library cannot be loaded, and why; ends the run */
   NO_OSDI = 'o', /* the library does not support compiled models; ends the
                     run */
+  COMMAND = 'c', /* command that begins */
+  STATE = 's',   /* its latest point, as text */
   PLOT = 'p',    /* name of a plot */
   NAME = 'n',    /* name of a vector of that plot */
   VALUES = 'v',  /* values of that vector: doubles */

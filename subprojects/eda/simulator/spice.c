@@ -33,7 +33,7 @@ typedef struct reading {
   size_t used, room;
   uint64_t taken;
   GString *words;
-  char *trouble;
+  char *trouble, *command, *state; /* `state`: of the running command */
   int missing, no_osdi, done;
 } reading;
 
@@ -73,6 +73,13 @@ static void take_record(reading *r, record head, const char *data) {
   } else if (head.kind == VALUES) {
     if (plot && plot->count)
       take_values(&plot->vector[plot->count - 1], data, bytes);
+  } else if (head.kind == COMMAND) {
+    g_free(r->command);
+    r->command = text_of(data, bytes);
+    g_clear_pointer(&r->state, g_free);
+  } else if (head.kind == STATE) {
+    g_free(r->state);
+    r->state = text_of(data, bytes);
   } else if (head.kind == DONE) {
     r->done = 1;
   } else {
@@ -126,7 +133,13 @@ static int listen_to(reading *r, int in, double limit, opc_error *error) {
       return opc_fail(error, OPC_CANCELLED, NULL, "stopped");
     if ((double)(g_get_monotonic_time() - start) > limit * G_USEC_PER_SEC)
       return opc_fail(error, OPC_FAILED, NULL,
-                      "'ngspice' did not finish within %g s", limit);
+                      "'ngspice' did not finish within %g s: %s%.80s%s %.150s",
+                      limit, r->command ? "'" : "",
+                      r->command ? r->command : "it reads the deck",
+                      r->command ? "' is" : "",
+                      r->state     ? r->state
+                      : r->command ? "at its beginning"
+                                   : "");
     if (poll(&wait, 1, (int)(1000 * patience)) <= 0) continue;
     int more = read_some(r, in, error);
     if (more < 0) return error->code;
@@ -267,6 +280,8 @@ static int helper_run(const opc_context *context, const char *deck,
   out->words = g_string_free(r.words, FALSE);
   free(r.data);
   g_free(r.trouble);
+  g_free(r.command);
+  g_free(r.state);
   return code;
 }
 

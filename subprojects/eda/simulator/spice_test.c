@@ -140,9 +140,13 @@ static void test_words(void) {
 static void test_death(void) {
   static const char endless[] = "tran 1f 1000";
   if (!have_ngspice()) return;
-  assert_fails(rc, "op\nquit 3", LIMIT, OPC_FAILED, "made it quit", 1);
+  assert_fails(rc, "op\nquit 3", LIMIT, OPC_FAILED, "a quit command", 1);
   gint64 start = g_get_monotonic_time();
-  assert_fails(rc, endless, 0.3, OPC_FAILED, "not finish within 0.3 s", 0);
+  assert_fails(rc, endless, 0.5, OPC_FAILED, "did not finish within 0.5 s", 0);
+  assert_fails(rc, "tran 1n 1000 0 1n", 0.5, OPC_FAILED,
+               "'tran 1n 1000 0 1n' is at ", 0);
+  assert_fails(rc, "tran 1n 1000 0 1n", 0.5, OPC_FAILED, ", in steps of 1e-09",
+               0);
   g_assert_cmpint(g_get_monotonic_time() - start, <, 5 * G_USEC_PER_SEC);
   stop = 1;
   assert_fails(rc, endless, LIMIT, OPC_CANCELLED, "stopped", 0);

@@ -69,8 +69,7 @@ OPC_EXPORT int eda_check_violations(const eda_violation *violations, size_t n,
    copies of the arrays between guard words, which detect writes beyond an
    array. Texts must be UTF-8 of at most 200 bytes; they are copied and never
    freed. Return OPC_OK and the results, or a code and *error for eda_blame. On
-   failure *done, *verdict and *field are undefined; other results are
-   unchanged. */
+   failure *done, *verdict and *field are undefined, other results unchanged. */
 
 /* Call eda_synthesizer.update; `fragments` as in eda_check_moves. */
 OPC_EXPORT int eda_call_update(const opc_context *context,

@@ -13,8 +13,7 @@ OPC_C_BEGIN
 
 /* A transistor. The coordinates of its mask are l along L and w along W,
    counted from the low end of `box`, or from the high end where `flip` is set.
-   In these own coordinates, cells in all eight orientations have the same
-   mask. */
+   In these own coordinates, a cell has one mask for all eight orientations. */
 typedef struct eda_chip_gate {
   eda_box box;          /* drawn gate in the layout, grid units */
   uint32_t mask, print; /* indices in eda_chip.mask, .print */
@@ -38,9 +37,8 @@ typedef struct eda_chip_box {
   uint16_t cutout;
 } eda_chip_box;
 
-/* Result of the simulation of one transistor and its neighbours. All
-   transistors with the same mask shapes in their optical environment share the
-   result. */
+/* Result of the simulation of a transistor, shared by all transistors with the
+   same mask shapes in their optical environment. */
 typedef struct eda_chip_print {
   eda_figures design, before, after; /* of the drawn shapes; of the contours of
                                         the drawn and of the corrected mask */
@@ -79,8 +77,8 @@ OPC_EXPORT size_t eda_chip_find(const eda_chip *chip, eda_box box);
 
 /* Return the displacements of the gates of a window of the chip's layout, which
    has the chip's grid and layers; free with eda_moved_free. Displacements are 0
-   for a gate that the chip lacks, for example because the window cuts its
-   active. [any] */
+   for a gate that the chip lacks, for example one that the window cuts.
+   [any] */
 OPC_EXPORT eda_moved *eda_chip_moved(const eda_chip *chip,
                                      const eda_gates *window);
 

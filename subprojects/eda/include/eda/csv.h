@@ -36,8 +36,8 @@ OPC_EXPORT size_t eda_csv_rows(const eda_csv *csv);
 /* Return 1 if the file has the column, otherwise 0. */
 OPC_EXPORT int eda_csv_has(const eda_csv *csv, int column);
 
-/* Return the text of a field; "" if the column is missing. The table owns the
-   text. */
+/* Return the text of a field, owned by the table; "" if the column is
+   missing. */
 OPC_EXPORT const char *eda_csv_text(const eda_csv *csv, size_t row, int column);
 
 /* Fill *error with "path:line:column: what 'field'" and return OPC_INVALID. */

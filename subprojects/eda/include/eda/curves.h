@@ -79,9 +79,8 @@ OPC_EXPORT double eda_curves_narrow_length(const eda_curves *curves, int type,
                                            int current, double logarithm,
                                            const eda_curves_width *width,
                                            double near);
-/* Return the minimum over all lengths of the table of the ratio of currents per
-   width: a transistor of this width relative to a wide transistor; at most
-   1. */
+/* Return the minimum over all lengths of the ratio of currents per width: a
+   transistor of this width relative to a wide transistor; at most 1. */
 OPC_EXPORT double eda_curves_least_share(const eda_curves *curves, int type,
                                          int current,
                                          const eda_curves_width *width);

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Device tables: currents and gate capacitances of transistors as functions of
-   channel length and width (thesis 2.2.1; docs/background/physics.md names the
-   thesis). */
+   channel length and width (thesis 2.2.1, see docs/background/physics.md). */
 #pragma once
 
 #include <opcflow/base.h>
@@ -20,8 +19,8 @@ typedef struct eda_devices {
   double supply; /* V */
   double width;  /* width of the simulated transistors, nm */
   char *name;
-  /* Number of further widths, all below `width`; these widths, nm, increasing;
-     and their currents per width: width k, length i at [type][k * count +
+  /* Number of further widths, below `width`; these widths, nm, increasing;
+     their currents per width, at width k and length i: [type][k * count +
      i]. */
   size_t narrow;
   double *narrow_width;
@@ -31,8 +30,7 @@ typedef struct eda_devices {
   char *flavour;
   struct eda_devices *next;
   /* Gate capacitance per width, F/nm: of the widest transistors, indices as for
-     `ion`; of the others, indices as for `narrow_ion`. NULL: not in the
-     file. */
+     `ion`; of the others, indices as for `narrow_ion`. NULL: none in file. */
   double *cgate[2], *narrow_cgate[2];
 } eda_devices;
 

@@ -72,8 +72,7 @@ OPC_EXPORT eda_paper *eda_paper_open(const char *path, double width,
 OPC_EXPORT void eda_paper_cut(eda_paper *paper, double height);
 
 /* Write and close the file and free the surface. Return `code`, the result of
-   the drawing functions, or the code of a write error. On any error the file is
-   removed. */
+   drawing, or the code of a write error. On an error remove the file. */
 OPC_EXPORT int eda_paper_close(eda_paper *paper, int code, opc_error *error);
 
 /* ---- text and signs --------------------------------------------------- */
@@ -118,8 +117,7 @@ typedef struct eda_sign {
   const char *low, *high; /* RAMP: labels of both ends */
 } eda_sign;
 
-/* A legend. Entries are placed from left to right, in as many lines as
-   needed. */
+/* A legend. Entries are placed from left to right, in lines as needed. */
 typedef struct eda_legend {
   const eda_paper *paper;
   double top, height; /* upper end; height of all lines so far */

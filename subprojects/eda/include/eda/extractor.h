@@ -33,8 +33,7 @@ struct eda_printed_gate {
      HIGH end along W; INFINITY where the poly continues. */
   double extension[2];
   /* Return the printed length, nm, at the fraction `place` of the width; 0 if
-     the poly does not print there. The caller reuses the result for a slice at
-     this place. */
+     the poly does not print there. The caller reuses results for slices. */
   double (*length)(const eda_printed_gate *gate, double place);
   /* Write the printed lengths at n places; faster than n calls of `length`. */
   void (*lengths)(const eda_printed_gate *gate, size_t n, const double *place,
@@ -49,14 +48,13 @@ typedef struct eda_extractor {
 
   /* Return the number of slices per gate. Set *place to the positions where
      lengths are measured, increasing fractions of the gate width, and *width to
-     the widths of the slices, fractions with the sum 1. The arrays belong to
-     the instance. */
+     widths of slices, fractions with the sum 1. The instance owns the
+     arrays. */
   size_t (*slicing)(const void *self, const double **place,
                     const double **width);
 
   /* Compute the performance of all gates of `in` into the arrays of `out`,
-     which have in->count elements. `outside` is zeroed before the call, or
-     NULL. [any] */
+     which have in->count elements. `outside` is zeroed or NULL. [any] */
   int (*extract)(const void *self, const eda_slices *in, eda_performance *out,
                  opc_error *error);
 

@@ -21,7 +21,7 @@ OPC_EXPORT int eda_layer_number_read(const char *text, uint32_t most,
 
 /* Return the default number (datatype 0) of a layer in output files: 9 for
    poly, 1 for active, 10 for contact; 11, 12, ... for other layers, in order.
-   The drawn shapes of a corrected layer have this number plus EDA_DRAWN_NUMBER.
+   Drawn shapes of a corrected layer have this number + EDA_DRAWN_NUMBER.
    [any] */
 OPC_EXPORT uint32_t eda_gates_number(const eda_gates *gates, size_t layer);
 enum { EDA_DRAWN_NUMBER = 100 };

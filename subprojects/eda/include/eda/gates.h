@@ -105,8 +105,7 @@ typedef struct eda_gates {
   void *texts; /* storage of the texts above; private to eda */
 
   /* Serial number of the object in this process. Caches compare it to detect
-     other gates at the same address. 0: not created by eda_gates_new. Since
-     0.6. */
+     other gates at the same address. 0: not from eda_gates_new. Since 0.6. */
   uint64_t serial;
 
   /* Flavour of each transistor: a device variant such as "lvt", identified by
@@ -123,7 +122,7 @@ OPC_EXPORT eda_gates *eda_gates_new(size_t layers, size_t count);
    an output of the data kind "gates". [any] */
 OPC_EXPORT void eda_gates_free(void *gates);
 
-/* Return a copy of a text, freed with the gates; equal texts share a copy.
+/* Return a copy of a text, freed with the gates; equal texts share it.
    [main] */
 OPC_EXPORT char *eda_gates_text(eda_gates *gates, const char *text);
 
@@ -142,8 +141,7 @@ OPC_UNUSED static inline eda_goal eda_gates_goal(const eda_gates *gates,
 
 /* Return the flavour of transistor i; "" if it has none. [any] */
 OPC_EXPORT const char *eda_gates_flavour(const eda_gates *gates, size_t i);
-/* Copy gate j of `from` to gate i of `to`, except box, names and number.
-   [main] */
+/* Copy gate j of `from` to gate i of `to` without box, names, number. [main] */
 OPC_EXPORT void eda_gates_copy(eda_gates *to, size_t i, const eda_gates *from,
                                size_t j);
 
@@ -177,8 +175,7 @@ enum {
   EDA_PRINT_NOTES = 15 << 5   /* mask of the warning flags */
 };
 
-/* Return 1 if flags report that a printed transistor has failed, else 0.
-   [any] */
+/* Return 1 if flags contain a failure of a transistor, otherwise 0. [any] */
 OPC_UNUSED static inline int eda_print_failed(uint32_t flags) {
   return (flags & ~(uint32_t)EDA_PRINT_NOTES) != 0;
 }
@@ -264,7 +261,7 @@ OPC_EXPORT void eda_moved_free(eda_moved *moved);
 typedef struct eda_violation {
   /* RULE or "RULE; REASON". RULE is a name such as "bridging". REASON is
      present if drawn shapes or a parameter prevent any mask from satisfying the
-     rule; otherwise the correction is at fault. Constant text, if from a
+     rule; otherwise the correction is at fault. Constant if from a
      regulator. */
   const char *rule;
   int32_t gate;        /* transistor; -1: none */
@@ -311,8 +308,7 @@ OPC_EXPORT void eda_mask_set_violations(eda_mask *mask,
 
 /* Write a mask without its gates to FOLDER/mask; read the mask for equal gates,
    bit-identical on the same machine. For `save` and `restore` of steps
-   (opcflow/step.h). Errors: OPC_IO, or OPC_FAILED for another file format.
-   [any] */
+   (opcflow/step.h). Errors: OPC_IO; OPC_FAILED for another format. [any] */
 OPC_EXPORT int eda_mask_save(const eda_mask *mask, const char *folder,
                              opc_error *error);
 OPC_EXPORT int eda_mask_restore(const eda_gates *gates, const char *folder,

@@ -86,8 +86,7 @@ enum { EDA_OR = 0, EDA_AND = 1, EDA_NOT = 2, EDA_XOR = 3 };
    polygons that touch in a corner stay separate. b may be NULL (EDA_OR: merge
    a). The order of the result depends on the geometry only: by lowest, then
    leftmost point. *out is overwritten and empty on failure; the caller frees it
-   by eda_shapes_clear. Return OPC_FAILED for a result of more than 2^31
-   edges. */
+   by eda_shapes_clear. Return OPC_FAILED for more than 2^31 result edges. */
 OPC_EXPORT int eda_boolean(int op, const eda_shapes *a, const eda_shapes *b,
                            eda_shapes *out, opc_error *error);
 

@@ -77,8 +77,8 @@ typedef struct eda_kernels {
   double offset[2], scale[2];
   /* Number of residual terms of the truncated kernels (at most EDA_RESIDUALS).
      Term k is the intensity of kernel count + k, filtered: the spectrum of
-     |E|^2 at (fx[i], fy) is multiplied by out[i], with equal factors at -fx and
-     at -fy. [any] */
+     |E|^2 at (fx[i], fy), (-fx[i], fy), (fx[i], -fy) is multiplied by out[i].
+     [any] */
   size_t residuals;
   void (*residual)(const void *self, size_t k, const double *fx, double fy,
                    size_t n, float *out);
@@ -116,8 +116,7 @@ OPC_EXPORT int eda_coherent_sum(const opc_context *context,
    (nm^2) added to the shapes. `weight` and *out have the same grid and contain
    values at nodes, not coefficients. The numbers of nodes along x and y are
    even and exceed the numbers of frequencies of the mask's spectrum. Residual
-   terms are omitted. Return OPC_INVALID for kernels with `mirror` and for other
-   grids. [any] */
+   terms are omitted. OPC_INVALID: kernels with `mirror`, other grids. [any] */
 OPC_EXPORT int eda_coherent_gradient(const opc_context *context,
                                      const eda_spectrum *mask,
                                      const eda_kernels *kernels,
@@ -183,8 +182,7 @@ OPC_EXPORT int eda_field_resample(const opc_context *context, eda_field *field,
                                   double step, opc_error *error);
 
 /* Replace the coefficients by the values at the nodes (x0 + i dx, y0 + j dy);
-   replace values at the nodes by the coefficients of the interpolating
-   spline. */
+   replace such values by the coefficients of the interpolating spline. */
 OPC_EXPORT void eda_field_samples(const opc_context *context, eda_field *field);
 OPC_EXPORT void eda_field_from_samples(const opc_context *context,
                                        eda_field *field);

@@ -38,15 +38,14 @@ typedef struct eda_finder {
   uint32_t at, end;
 } eda_finder;
 
-/* Start a search for the boxes that touch a window, edges and corners included.
+/* Start a search for boxes that touch a window, also in edges or corners.
    [any] */
 OPC_EXPORT eda_finder eda_index_find(const eda_index *index, eda_box window);
 
 /* Write the number of the next box and return 1; return 0 after the last box.
    Each box is found once, in the first visited cell that contains a part of the
    box within the window. Cells are visited row by row from below, boxes of a
-   cell by number, so the order depends only on boxes, cell size and window.
-   [any] */
+   cell by number, which makes the order reproducible. [any] */
 OPC_EXPORT int eda_index_next(eda_finder *finder, uint32_t *number);
 
 OPC_C_END

@@ -47,8 +47,7 @@ typedef struct eda_flat_texts {
    OPC_INVALID. */
 
 /* Return an empty layout with `unit` > 0 nm per database unit; NULL and *error
-   on failure. A reader scales a layout by `unit`, so that no coordinate is
-   rounded. */
+   on failure. Readers scale a layout by `unit`, without rounding. */
 OPC_EXPORT eda_layout *eda_layout_new(double unit, opc_error *error);
 OPC_EXPORT void eda_layout_free(void *layout);
 
@@ -95,6 +94,14 @@ OPC_EXPORT const char *eda_layout_cell_name(const eda_layout *layout,
                                             int32_t cell);
 OPC_EXPORT const char *eda_layout_layer_name(const eda_layout *layout,
                                              int32_t layer);
+/* Set the name of a layer in the file that the layout was read from, such as
+   "66/20", which is copied; return that name, or the name of the layer if none
+   was set. Writers use the names where a format does not allow the layer's own
+   name. */
+OPC_EXPORT void eda_layout_set_file_layer(eda_layout *layout, int32_t layer,
+                                          const char *name);
+OPC_EXPORT const char *eda_layout_file_layer(const eda_layout *layout,
+                                             int32_t layer);
 /* Return the number of the cell or layer, -1 if there is none. */
 OPC_EXPORT int32_t eda_layout_find_cell(const eda_layout *layout,
                                         const char *name);
@@ -111,8 +118,7 @@ OPC_EXPORT size_t eda_layout_polygons(const eda_layout *layout, int32_t cell);
 OPC_EXPORT const eda_point *eda_layout_polygon(const eda_layout *layout,
                                                int32_t cell, size_t i,
                                                size_t *n, int32_t *layer);
-/* Return the number of texts of a cell; return text i, its position and
-   layer. */
+/* Return the number of texts of a cell; return text i, position and layer. */
 OPC_EXPORT size_t eda_layout_texts(const eda_layout *layout, int32_t cell);
 OPC_EXPORT const char *eda_layout_text(const eda_layout *layout, int32_t cell,
                                        size_t i, eda_point *at, int32_t *layer);
@@ -135,8 +141,7 @@ OPC_EXPORT int eda_layout_flatten(const eda_layout *layout, int32_t cell,
 /* As eda_layout_flatten, only for shapes whose bounding box touches `window`,
    in grid units (NULL: all shapes), in the same order. The time is proportional
    to the content of the window; the first call for a layer traverses all cells.
-   Shapes outside the window may exceed the limits of eda_layout_flatten.
-   [any] */
+   Shapes outside the window may exceed limits of flattening. [any] */
 OPC_EXPORT int eda_layout_flatten_window(const eda_layout *layout, int32_t cell,
                                          int32_t layer, double grid,
                                          const eda_box *window, eda_flat *out,

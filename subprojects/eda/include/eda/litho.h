@@ -9,13 +9,12 @@
 OPC_C_BEGIN
 
 typedef struct eda_litho {
-  /* Prepare the instance once, before any image, for example compute kernels.
+  /* Prepare the instance before any image, for example compute kernels.
      [main] */
   int (*prepare)(void *self, opc_error *error);
 
   /* Return the highest spatial frequency of masks, 1/nm, that the model uses.
-     Also called before `prepare`, to estimate memory; 0: not yet known.
-     [any] */
+     Also called before `prepare`; 0: not yet known. [any] */
   double (*band)(const void *self);
 
   /* Compute the intensity of the mask of a layer; `layer` is its number

@@ -7,8 +7,7 @@
 OPC_C_BEGIN
 
 /* Return zeroed memory of count * size bytes, never NULL, even for 0 bytes;
-   free with free(). As in GLib, the program aborts if memory is exhausted.
-   [any] */
+   free with free(). If memory is exhausted, the program aborts. [any] */
 OPC_EXPORT void *eda_alloc(size_t count, size_t size);
 
 /* Enlarge *array (the address of a pointer) to at least `need` elements of

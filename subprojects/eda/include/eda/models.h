@@ -28,8 +28,7 @@ OPC_EXPORT eda_models *eda_models_read(const char *path, const char *section,
                                        const char *osdi, opc_error *error);
 OPC_EXPORT void eda_models_free(eda_models *models);
 
-/* Return EDA_MODEL_CARD or EDA_MODEL_SUBCIRCUIT for a name, 0 if unknown.
-   [any] */
+/* Return EDA_MODEL_CARD, EDA_MODEL_SUBCIRCUIT, or 0 for unknown names. [any] */
 OPC_EXPORT int eda_models_kind(const eda_models *models, const char *name);
 
 /* Return the unit of device sizes, nm, as set by `.option scale`; 1e9 (1 m)

@@ -23,9 +23,8 @@ OPC_EXPORT eda_scanner eda_scanner_of(const opc_module *litho);
 OPC_EXPORT double eda_natural_unit(eda_scanner scanner);
 
 /* Evaluate an expression such as "0.155 lambda/NA" or "0.29 lambda/NA^2" in nm,
-   or "0.0038 (lambda/NA)^2" in nm^2, rounded to an integer >= 1. Return NAN for
-   other texts. `scanner` points to an eda_scanner (an opc_follow_value).
-   [any] */
+   or "0.0038 (lambda/NA)^2" in nm^2, rounded to an integer >= 1; NAN for other
+   texts. `scanner` points to an eda_scanner (opc_follow_value). [any] */
 OPC_EXPORT double eda_natural(const void *scanner, const char *text);
 
 /* Write the source of derived defaults for messages, such as "from wavelength /

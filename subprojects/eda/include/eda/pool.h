@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Pools of memory, which are freed as a whole, and maps from names to numbers.
-   Names are compared without case, as in netlists. Use a pool from one
-   thread. */
+   Names are compared without case, as in netlists. A pool is for one thread. */
 #pragma once
 
 #include <eda/memory.h>
@@ -27,7 +26,7 @@ OPC_EXPORT void eda_pool_grow(eda_pool *pool, void *array, size_t *room,
                               size_t need, size_t size);
 OPC_EXPORT void eda_pool_clear(eda_pool *pool);
 
-/* A map from names to numbers. Initialise `table` to NULL. Keys are not
+/* A map from names to numbers. Set `table` to NULL first. Keys are not
    copied. */
 typedef struct eda_names {
   eda_pool *pool;

@@ -74,8 +74,7 @@ OPC_EXPORT void eda_printer_init(eda_printer *printer,
                                  const opc_module *resist, double margin);
 OPC_EXPORT void eda_printer_clear(eda_printer *printer);
 
-/* Prepare both models. Errors name the parameters "litho" and "resist".
-   [main] */
+/* Prepare both models. Errors name the parameter "litho" or "resist". [main] */
 OPC_EXPORT int eda_printer_prepare(eda_printer *printer, opc_error *error);
 
 /* Return a lower bound of the memory to simulate `layers` layers at once,

@@ -16,8 +16,7 @@ OPC_UNUSED static inline uint64_t eda_random_mix(uint64_t z) {
   return z ^ (z >> 31);
 }
 
-/* Return the next 64 random bits and advance *state, initially the seed.
-   [any] */
+/* Return 64 random bits and advance *state, at first the seed. [any] */
 OPC_UNUSED static inline uint64_t eda_random_draw(uint64_t *state) {
   return eda_random_mix(*state += EDA_RANDOM_STEP);
 }

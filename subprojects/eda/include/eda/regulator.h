@@ -14,8 +14,7 @@ typedef struct eda_printed {
   const uint32_t *flags; /* EDA_PRINT_* */
   const int32_t *l, *w;  /* biases of the simulated mask (eda_moves) */
   /* Extension of the printed poly beyond the printed active, nm, [2 * i +
-     side]; negative if the poly ends within the active; INFINITY where it
-     continues. */
+     side]; negative if the poly ends within the active; INFINITY: no end. */
   const double *extension;
   const eda_shapes *shapes; /* [layers]: the simulated mask, merged, in grid
                                units of the gates */
@@ -41,7 +40,7 @@ typedef struct eda_printed {
 typedef struct eda_ruling {
   uint32_t *vetoes;
   int32_t *end;
-  size_t transistors; /* number of transistors that print merged */
+  size_t transistors; /* number of transistors that print without a failure */
   /* [layers]: all rectangles added to the next mask, in grid units, for example
      to enlarge the enclosure of a contact; all rectangles cut out afterwards.
      Empty on entry; the regulator owns them until its next call. */

@@ -87,16 +87,14 @@ typedef struct eda_run_finding {
   const char *step, *text;
 } eda_run_finding;
 
-/* A requirement of the flow for a metric; `kept` is 1 if the metric meets
-   it. */
+/* A requirement of the flow for a metric; `kept` is 1 if it is met. */
 typedef struct eda_run_requirement {
   const char *metric, *required, *unit; /* unit may be NULL */
   double value;                         /* NAN: no value */
   int kept;
 } eda_run_requirement;
 
-/* Contents of a run folder except tables. Arrays have the order of the
-   files. */
+/* Contents of a run folder without tables. Arrays are in file order. */
 typedef struct eda_run_facts {
   const char *folder;  /* path as passed to eda_run_open */
   const char *name;    /* name of the flow */
@@ -169,8 +167,8 @@ typedef struct eda_run_cases eda_run_cases;
 OPC_EXPORT int eda_run_is_experiment(const char *folder);
 
 /* Read the table of an experiment. Return NULL and *error as in eda_table_read,
-   also if a run folder is outside the experiment or a method occurs twice for a
-   case. [any] */
+   also if a run folder is outside the experiment or a case has a method twice.
+   [any] */
 OPC_EXPORT eda_run_cases *eda_run_cases_open(const char *folder,
                                              opc_error *error);
 OPC_EXPORT void eda_run_cases_free(eda_run_cases *cases);

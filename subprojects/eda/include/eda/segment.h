@@ -103,9 +103,8 @@ OPC_EXPORT int eda_segment_edges(const eda_layout *layout, int32_t top,
 OPC_EXPORT double eda_segment_bytes(const eda_layout *layout, int32_t top,
                                     const eda_segment_settings *settings);
 
-/* Parameters (opcflow/plugin.h) of a step that calls eda_segment. The struct of
-   the step has the fields `also`, `flavours` (opc_map), `grid`, `overhang` and
-   `line_end`. */
+/* Parameters (opcflow/plugin.h) of a step that calls eda_segment. The step has
+   the fields `also`, `flavours` (opc_map), `grid`, `overhang`, `line_end`. */
 #define EDA_SEGMENT_PARAMETERS(self)                                         \
   OPC_PARAMETER(                                                             \
       self, also, .type = OPC_MAP,                                           \

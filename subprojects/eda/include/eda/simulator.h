@@ -46,8 +46,7 @@ typedef struct eda_spice_result {
    folder of the including file. Start-up files of ngspice are not read. The
    caller clears `out`, also after a failure, when `out` contains the plots of
    earlier commands and the output. The environment variable OPCFLOW_NGSPICE
-   replaces libngspice.so.0, OPCFLOW_SIMULATOR the program that loads this
-   library. */
+   replaces libngspice.so.0, OPCFLOW_SIMULATOR the program that loads it. */
 OPC_EXPORT int eda_spice_run(const opc_context *context, const char *deck,
                              const char *commands, double limit,
                              eda_spice_result *out, opc_error *error);

@@ -58,7 +58,7 @@ typedef struct eda_sraf_limits {
 /* Add to *srafs the rectangles with the largest gain that keep the spacing of
    `rule`. `map` contains values at nodes: the cost per nm^2 of bar
    (eda_coherent_gradient); the gain of a bar is minus its total cost. Bar edges
-   are midway between nodes, rounded to `grid` nm. Errors: as eda_fracture.
+   are midway between nodes, rounded to `grid` nm. Errors: see eda_fracture.
    [any] */
 OPC_EXPORT int eda_srafs_search(const eda_field *map,
                                 const eda_sraf_limits *rule,
@@ -71,8 +71,7 @@ OPC_EXPORT double eda_srafs_gain(const eda_field *map, eda_box sraf,
 
 /* Move both long sides of the scatter bars that eda_srafs_drop would remove
    inwards by `by` grid steps. Remove those narrower than `least` then, and add
-   their number to *dropped. Return the number of changed scatter bars.
-   [main] */
+   their number to *dropped. Return the number changed. [main] */
 OPC_EXPORT size_t eda_srafs_narrow(const opc_context *context,
                                    eda_box_list *srafs, const eda_field *print,
                                    double grid, double margin, int32_t by,

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Kind "synthesizer": drives the correction loop. From the measurements of the
-   last mask a synthesizer computes the next displacements of edges. */
+/* Kind "synthesizer": drives the correction loop. It computes the next edge
+   displacements from the simulation of the last mask. Kind, [main]: see
+   opcflow/plugin.h. */
 #pragma once
 
 #include <eda/gates.h>
@@ -8,16 +9,16 @@
 
 OPC_C_BEGIN
 
-/* Moves that the regulator forbids to a gate, as flags. */
+/* Moves of a gate that the regulator forbids, as flags. */
 enum {
-  EDA_VETO_LONGER = 1 << 0, /* larger L: go back and continue with W */
+  EDA_VETO_LONGER = 1 << 0, /* larger L: revert L and continue with W */
   EDA_VETO_SHORTER = 1 << 1,
   EDA_VETO_WIDER = 1 << 2,
   EDA_VETO_NARROWER = 1 << 3
 };
 
-/* Measurements of one iteration. Arrays of gates->count or of gates->layers;
-   valid during the call. */
+/* Measurements of one iteration. Arrays of gates->count or, marked [layers], of
+   gates->layers elements; valid during the call. */
 typedef struct eda_feedback {
   uint32_t iteration; /* 0: the drawn mask */
   const eda_gates *gates;
@@ -27,129 +28,126 @@ typedef struct eda_feedback {
 
   /* [layers]: edge placement errors of the fragments returned by `cut`, nm
      along the outward normal, positive where the printed shape is too large;
-     NAN without an edge within 0.389 wavelength / NA (100 nm at 193 nm, NA
-     0.75) of the site. NULL for a layer without such fragments. */
+     NAN if no contour is within 0.389 wavelength / NA of the site (100 nm at
+     193 nm, NA 0.75). NULL for a layer without such fragments. */
   const double *const *epe;
 
-  /* Line ends of the simulated mask and of the next one, set by the regulator:
-     grid steps, as eda_ruling.end. */
+  /* Biases of the line ends of the simulated mask and of the next mask, set by
+     the regulator (eda_ruling.end), grid steps. */
   const int32_t *end, *next_end;
 
-  /* Level sets of the print, [layers], positive where the resist prints. NULL
-     without a print. */
+  /* [layers]: level sets of the simulated contours, positive where the resist
+     prints. NULL without simulation. */
   const eda_field *print;
 
-  /* Scanner, for lengths that are not given. Since 0.7. */
+  /* Scanner, for default lengths (natural.h). Since 0.7. */
   eda_scanner scanner;
 
-  /* Largest |Ion deviation| that the step allows, %; NULL: unknown. The default
-     of a synthesizer's own limit. */
+  /* Largest |Ion deviation| that the step allows, %; NULL: unknown. Default of
+     the limit of a synthesizer. */
   const double *ion_limit;
 
-  /* [EDA_RULES]: mask rules of the step, nm, 0 for none; NULL: unknown. The
-     defaults of a synthesizer's own rules. Since 0.8. */
+  /* [EDA_RULES]: limits of mask rules of the step (rules.h), nm, 0: no rule;
+     NULL: unknown. Defaults of the rules of a synthesizer. Since 0.8. */
   const double *rules;
 } eda_feedback;
 
-/* Set the limit of a synthesizer that the flow does not give (NAN) to that of
-   the step, or to 0.5 % if the step has none. [main] */
+/* If *limit, a parameter of a synthesizer, has no value (NAN), set it to the
+   limit of the step, or to 0.5 % if the step has none. [main] */
 OPC_UNUSED static inline void eda_follow_ion_limit(const eda_feedback *feedback,
                                                    double *limit) {
   if (*limit == *limit) return;
   *limit = feedback->ion_limit ? *feedback->ion_limit : 0.5;
 }
 
-/* Biases of each gate's mask, in grid steps from the drawn one. On entry those
-   of the measured mask; the synthesizer writes the next ones. */
+/* Biases of the mask of each gate relative to the drawn shapes, grid steps. On
+   entry those of the simulated mask; the synthesizer writes the next ones. */
 typedef struct eda_moves {
   /* `l`: bias of the length (both sides of the poly together); `w`: bias of the
-     width (both sides of the active together). An odd bias moves the HIGH side
-     by one more. */
+     width (both sides of the active together). For an odd bias the HIGH side
+     moves one step more than the LOW side. */
   int32_t *l, *w;
 
-  /* Jog: the length is one step longer over a part of the width. The poly edge
-     that l + 1 would move (HIGH if `l` is even, otherwise LOW) is one step
-     further out over this many grid steps. They start at the LOW end of its
-     fragment (gates->edges) along W. 0: none; the length of the fragment or
-     more: same as l + 1. */
+  /* Length of a jog, grid steps along W from the LOW end of the fragment
+     (gates->edges). Over this length, the poly edge that l + 1 would move is
+     one step further out: HIGH if `l` is even, otherwise LOW. 0: no jog; the
+     length of the fragment or more: as l + 1. */
   int32_t *jog;
 
   /* [layers]: outward displacement of each fragment of `cut` from its drawn
-     position, in grid steps; NULL for a layer without such fragments, whose
-     edges follow `l`, `w` and `jog`. */
+     position, grid steps. NULL for a layer without such fragments; `l`, `w` and
+     `jog` then move the edges. */
   int32_t *const *shift;
 
-  /* [layers]: assist features (eda_cuts) of the measured mask. The synthesizer
-     may replace them by those of the next mask, which it owns until its next
+  /* [layers]: assist features (eda_cuts) of the simulated mask. The synthesizer
+     may replace the arrays by its own for the next mask, valid until its next
      update. */
   eda_boxes *assists;
 
-  /* Parts of each gate, [EDA_PARTS * i + k], ordered, without overlap; the
-     first empty part (from >= to) ends them. Parts may reach past the gate and
-     are clipped where its fragments end. `by` is added to `l` and distributed
-     over both sides like `l`; `jog` is applied on top, on the side determined
-     by `l` alone. Since 0.2; NULL in a loop without parts. */
+  /* Parts of gate i at [EDA_PARTS * i + k], ordered, without overlap, ended by
+     an empty part (from >= to). Parts are clipped where the fragments of the
+     gate end. l + by is distributed over both sides as `l`; `jog` is added, on
+     the side that `l` determines. Since 0.2; NULL in a loop without parts. */
   eda_part *part;
 
-  /* Displacement of both sides of each gate's active towards HIGH, in grid
-     steps: widens a gate on one side only, if a line end is short on the other.
-     Since 0.5; NULL in a loop without it. */
+  /* Displacement of both active edges of each gate towards HIGH, grid steps, to
+     widen a gate on one side only if the line end at the other side is short.
+     Since 0.5; NULL in a loop without these displacements. */
   int32_t *aside;
 } eda_moves;
 
 /* Edge fragments defined by a synthesizer. Polygon p of the layer's drawn
-   shapes has the fragments start[p] .. start[p+1]-1. Fragment f runs from
-   from[f] to the `from` of the next one of its polygon; all corners of the
-   polygon are among these points, in order. `site` is the point where the edge
-   placement error is measured, on the fragment or elsewhere on the same drawn
-   edge. The arrays belong to the synthesizer and stay unchanged until its next
-   `begin` or its end. */
+   shapes has the fragments start[p] .. start[p+1]-1. Fragment f is between
+   from[f] and the `from` of the next fragment of the polygon. These points
+   include all corners, in order. `site` is the point of the same drawn edge
+   where the edge placement error is measured. The arrays belong to the
+   synthesizer and are valid until the next `begin`. */
 typedef struct eda_cuts {
-  size_t polygons; /* 0: none, the gates' biases move this layer */
+  size_t polygons; /* 0: the biases of gates move this layer */
   const uint32_t *start;
   const eda_point *from;
   const double *site; /* x, y of each fragment, nm */
 
-  /* Assist features: rectangles of the layer's mask besides its shapes, on the
-     grid of the gates, clear of the shapes, which must not print. Used until
-     eda_moves replaces them. */
+  /* Assist features, which must not print: rectangles in grid units that do not
+     touch shapes of the layer's mask. Used until eda_moves replaces them. */
   eda_boxes assists;
 } eda_cuts;
 
 /* Properties of a synthesizer, as flags. */
 enum {
-  /* Line ends and additions of the regulator may change together with the first
-     moves. Otherwise they are settled before the first moves, because the
-     synthesizer would attribute their effect to its own moves. */
+  /* The regulator may change line ends and added shapes together with the first
+     moves. Otherwise the regulator finishes before the first moves, because the
+     synthesizer would attribute its effect to the moves. */
   EDA_SYNTHESIZER_ENDS_ANYTIME = 1 << 0
 };
 
 typedef struct eda_synthesizer {
-  /* Start a loop, with feedback->printed NULL; allocate state. A later call
-     starts anew. [main] */
+  /* Start a loop; feedback->printed is NULL. A later call starts anew.
+     [main] */
   int (*begin)(void *self, const eda_feedback *feedback, opc_error *error);
 
-  /* Compute the next moves. *done = 1 ends the loop: `moves` is the result,
-     which the loop simulates once more if it differs from the measured mask.
-     Unchanged gates keep their biases. [main] */
+  /* Compute the next moves; on entry they are those of the simulated mask.
+     *done = 1 ends the loop with `moves` as the result, which the loop
+     simulates if it differs from the simulated mask. [main] */
   int (*update)(void *self, const eda_feedback *feedback, eda_moves *moves,
                 int *done, opc_error *error);
 
-  /* Optional. Return the reason why a gate keeps its deviation, for the table:
-     a few words ("within limit", "grid", "bridging"); NULL: none. [main] */
+  /* Optional. Return the reason for the remaining deviation of a gate in a few
+     words ("within limit", "grid", "bridging"), for a table; NULL: none.
+     [main] */
   const char *(*verdict)(const void *self, size_t gate);
 
-  /* Optional; NULL: only gates move. Define the fragments of a layer that the
-     synthesizer moves individually; called after `begin` for each corrected
+  /* Optional; NULL: only biases of gates. Define the fragments of a layer that
+     the synthesizer moves individually. Called after `begin` for each corrected
      layer. [main] */
   int (*cut)(void *self, const eda_gates *gates, int layer, eda_cuts *cuts,
              opc_error *error);
 
   uint32_t flags; /* EDA_SYNTHESIZER_* */
 
-  /* Optional; NULL: 1 for all. Return the target Ion of a gate as a factor of
-     the drawn one; NAN: the gate is not corrected. The loop uses the target to
-     select the better of two masks of a gate. [main] */
+  /* Optional; NULL: 1 for all gates. Return the target of Ion relative to the
+     drawn gate; NAN: the gate is not corrected. The loop selects the better of
+     two masks of a gate by this target. [main] */
   double (*target)(const void *self, size_t gate);
   OPC_MAY_GROW
 } eda_synthesizer;

@@ -1,40 +1,41 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Waves of simulated outputs, points (t[i], h[i]) with t rising: when they pass
-   a level. A height is 0 where the output begins and 1 where it ends, for
-   rising and for falling outputs. */
+/* Times at which simulated output waveforms cross a level. A waveform has the
+   points (t[i], h[i]) with increasing times t; the height h is 0 before and 1
+   after the transition, for rising and falling outputs. [any]:
+   opcflow/plugin.h. */
 #pragma once
 
 #include <opcflow/base.h>
 
 OPC_C_BEGIN
 
-/* Turn n voltages into heights. [any] */
+/* Convert n voltages to heights. [any] */
 OPC_EXPORT void eda_wave_heights(const double *v, size_t n, double supply,
                                  int rises, double *height);
 
-/* Return the last point before `before` from which the height rises past a
-   level to the next point; `none` if there is none. [any] */
+/* Return the largest i < `before` with h[i] < level <= h[i + 1]; `none` if
+   there is none. [any] */
 OPC_EXPORT size_t eda_wave_last_rise(const double *h, size_t before,
                                      double level, size_t none);
 
-/* The points from which an edge passes its levels for the next point. */
+/* Index i of each crossing, which is between points i and i + 1. */
 typedef struct eda_wave_edge {
   size_t low, half, high;
 } eda_wave_edge;
 
-/* Find the last edge of n points: where the height passes 0.5 for the last
-   time, `low` for the last time before that, and `high` for the first time
-   after that. Return 0 if it does not pass all three. [any] */
+/* Find the last transition of n points: the last crossing of 0.5, the last
+   crossing of `low` before it, and the first crossing of `high` after it.
+   Return 1, or 0 if a crossing is missing. [any] */
 OPC_EXPORT int eda_wave_find(const double *h, size_t n, double low, double high,
                              eda_wave_edge *out);
 
-/* Return when the wave passes a level between points i and i + 1, on a straight
-   line. [any] */
+/* Return the time at which the waveform crosses a level between points i and i
+   + 1, by linear interpolation. [any] */
 OPC_EXPORT double eda_wave_time(const double *t, const double *h, size_t i,
                                 double level);
 
-/* The same on the cubic through four of the n >= 4 points. On straight lines
-   slews would deviate by 0.5 % at five points to a slew. [any] */
+/* As eda_wave_time, by the cubic through the four nearest of n >= 4 points.
+   Linear interpolation of five points per slew has an error of 0.5 %. [any] */
 OPC_EXPORT double eda_wave_smooth_time(const double *t, const double *h,
                                        size_t n, size_t i, double level);
 

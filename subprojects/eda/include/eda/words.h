@@ -6,9 +6,10 @@
 
 OPC_C_BEGIN
 
-/* Return the first nearest of `known`, which ends with NULL; NULL if none is
-   near. Near: at most a third of the letters of the word, but at least one, are
-   added, dropped or changed. Known words are cut at 64 bytes. [any] */
+/* Return the first word of the NULL-terminated array `known` with the smallest
+   edit distance (letters added, removed, changed or swapped); NULL if the
+   distance exceeds max(1, n / 3) for a word of n <= 64 letters. [any]:
+   opcflow/plugin.h. */
 OPC_EXPORT const char *eda_nearest(const char *word, const char *const *known);
 
 OPC_C_END
