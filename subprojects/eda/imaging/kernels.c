@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Compute images as sums of coherent kernels (SOCS: sum of coherent systems).
+/* Compute images as sums of coherent kernels (SOCS).
 
    The spectrum of a field (mask spectrum * transfer function of a kernel) is
    transformed back along y, one strip of columns k and -k at a time. The field

@@ -108,8 +108,8 @@ static int shares_end(const cutter *c, size_t sides, size_t i, int side) {
   return k + 1 < sides && c->spans[k + 1].point == e->point;
 }
 
-/* Return a default length, `nm` for a gate length of 65 nm, scaled by the
-   length of gate i. Gate lengths are rounded to whole nm. */
+/* Return a default length in grid units: `nm` for 65 nm gates, scaled by the
+   length of gate i and rounded to whole nm; at most half the reach. */
 static int32_t in_lengths(const segment *s, size_t i, double nm) {
   double all = round(s->gates->length[i] * nm / 65) / s->grid;
   int32_t most = s->reach / 2;

@@ -74,7 +74,7 @@ static inline int32_t box_side(const eda_box *b, int d, int side) {
 int32_t segment_overhang(const segment *s, size_t i);
 int32_t segment_line_end(const segment *s, size_t i);
 
-/* layers.c: compute the drawn and the merged shapes of a layer in a cell and
+/* layers.c: compute the drawn and merged shapes of a layer in cell `top` and
    all cells below; both are empty on failure. For a window, return the drawn
    shapes that touch the window, and the merged shapes clipped to it. */
 int segment_flatten(const eda_layout *layout, int32_t top, int32_t layer,
@@ -121,8 +121,8 @@ int segment_recognise(segment *s);
 enum { SEGMENT_OUTSIDE = 0, SEGMENT_INSIDE = 1, SEGMENT_PARTLY = 2 };
 int segment_cover(segment *s, const eda_shapes *layer, uint8_t *state);
 
-/* flavours.c: check the transistor flavours (variants such as low-threshold) of
-   the process and select one for each gate. */
+/* flavours.c: check the flavours of transistors (eda/gates.h) in the settings,
+   and select the flavour of each gate. */
 int segment_check_flavours(const eda_segment_settings *settings,
                            opc_error *error);
 int segment_flavours(segment *s);
@@ -148,6 +148,6 @@ int segment_notes(segment *s);
 /* Return OPC_INVALID with the position of region i and the fault. */
 int segment_refuse(segment *s, size_t i, const char *fault);
 
-/* Return the instance path of a placement (free()); *cell = -1 if it has none.
+/* Return the path of a placement (free()) and its cell in *cell, -1 for none.
  */
 char *segment_path(const segment *s, uint32_t placement, int32_t *cell);
