@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Contours by marching squares (Lorensen, Cline, "Marching cubes", 1987, in two
-   dimensions), strip by strip. Each crossing is then refined on the field
-   itself, which is a spline of one variable along a grid line. */
+/* Compute contours by marching squares (Lorensen, Cline, "Marching cubes",
+   1987, in two dimensions), strip by strip. A crossing is a zero of the field
+   on a grid line, where the field is a spline of one variable. */
 #include "imaging/spline.h"
 
 #include <eda/imaging.h>
@@ -13,11 +13,11 @@
 
 /* ---- state ---- */
 
-/* Rows of squares in a strip (one row of each strip is evaluated twice), and
-   grid lines in a block. */
+/* STRIP: rows of squares in a strip; both adjacent strips evaluate a common row
+   of nodes. */
 enum { MAX_NODES = 1 << 26, STRIP = 64, BLOCK = 256 };
 
-/* Nodes of the grid, with a ring of negative nodes around the window that
+/* Grid of squares on the window. A ring of negative nodes around the window
    closes all contours at the border. */
 typedef struct squares {
   const opc_context *context;
@@ -25,17 +25,17 @@ typedef struct squares {
   eda_frame window;
   double dx, dy, field_dx, field_dy;
   int nx, ny;     /* number of nodes with the ring */
-  int from, span; /* range of columns of the field that the nodes need */
+  int from, span; /* columns from .. from + span - 1 of the field are used */
   int *first;     /* first spline of each column of nodes, minus from */
   double *weight; /* values of these splines, [EDA_SPLINE_TAPS][nx] */
   struct strip *strip;
   size_t strips;
 } squares;
 
-/* Crossings of the squares of rows j0 .. j1 - 1: those on horizontal lines of
-   rows j0 .. j1 - 1 and on the vertical lines above them, row by row; then, not
-   counted and without positions, those on row j1, which are the first of the
-   next strip. */
+/* Crossings of the squares of rows j0 .. j1 - 1, row by row: first the
+   crossings on the horizontal line of a row, then those on the vertical lines
+   above. Numbers count .. all - 1 are the crossings on row j1, without
+   positions: they belong to the next strip. */
 typedef struct strip {
   double *point; /* x, y, alternating */
   int32_t *next; /* next crossing of the contour; -1: in another strip */
@@ -44,11 +44,10 @@ typedef struct strip {
 
 /* A row of nodes. */
 typedef struct row {
-  double *spline;    /* columns of the field at this row */
+  double *spline;    /* coefficients of the splines along x at this row */
   double *value;     /* values at nodes */
   uint8_t *positive; /* value is positive; padded with zeros */
-  int32_t *crossing; /* crossing to the right of the node; undefined without
-                        one */
+  int32_t *crossing; /* number of the crossing right of the node, if any */
 } row;
 
 /* ---- work: values ---- */
@@ -61,7 +60,7 @@ static double node_y(const squares *s, int j) {
   return s->window.y0 + (fmin(fmax(j, 1), s->ny - 2) - 1) * s->dy;
 }
 
-/* Return x in steps of the grid of the field. */
+/* Return x of node column i, in steps of the field grid. */
 static double field_x(const squares *s, int i) {
   return (node_x(s, i) - s->field->frame.x0) / s->field_dx;
 }
@@ -105,8 +104,8 @@ EDA_WIDE static void weigh_columns(const double *spline, const int *first,
   for (int i = 0; i < n; i++) positive[i] = value[i] > 0;
 }
 
-/* Evaluate a row of nodes. Nodes of a row share their splines along y, those of
-   a column along x. */
+/* Evaluate a row of nodes. All nodes of a row have the same spline weights
+   along y; all nodes of a column have the same weights along x. */
 static void row_evaluate(const squares *s, int j, row *r) {
   int n = s->nx;
   if (j == 0 || j == s->ny - 1) {
@@ -120,14 +119,14 @@ static void row_evaluate(const squares *s, int j, row *r) {
 
 /* ---- work: crossings ---- */
 
-/* Return the zero of the polynomial of a cell between the fractions t0 and t1,
-   whose values have the signs of a and b. Uses Newton's method, with bisection
-   where it leaves the bracket. */
+/* Return the zero of the spline with coefficients c in a cell, between the
+   fractions t0 and t1, where the values are a and b, of opposite signs. Use
+   Newton's method, with bisection where a step leaves the bracket. */
 static double zero_in_cell(const double *c, double t0, double t1, double a,
                            double b) {
   enum { STEPS = 20 };
-  static const double near = 1e-3; /* relative to 32 nm; the final error is its
-                                      square */
+  static const double near =
+      1e-3; /* field steps; the error is about its square */
   double q[EDA_SPLINE_TAPS] = {0}, t = t0 + (t1 - t0) * (a / (a - b));
   for (int d = 0; d < EDA_SPLINE_TAPS; d++)
     for (int k = 0; k < EDA_SPLINE_TAPS; k++)
@@ -147,7 +146,7 @@ static double zero_in_cell(const double *c, double t0, double t1, double a,
 }
 
 /* Return the zero between u0 and u1 of a spline whose first coefficient belongs
-   to node `first`; a and b are its values there, of opposite signs. */
+   to node `first`; a and b are the values at u0 and u1, of opposite signs. */
 static double spline_zero(const double *spline, int first, double u0, double u1,
                           double a, double b) {
   int cell = (int)floor(u0);
@@ -167,8 +166,8 @@ static void add_point(strip *p, double x, double y) {
   p->point[2 * p->count++ + 1] = y;
 }
 
-/* Add the crossing right of a node of row j. On the ring, crossings are located
-   on the border. */
+/* Add the crossing right of node i of row j. Next to the ring, the crossing is
+   on the border of the window. */
 static void cross_row(const squares *s, strip *p, int j, int i, const row *r) {
   double x = node_x(s, i);
   if (i > 0 && i < s->nx - 2)
@@ -179,8 +178,8 @@ static void cross_row(const squares *s, strip *p, int j, int i, const row *r) {
   add_point(p, x, node_y(s, j));
 }
 
-/* Add the crossing above a node of row j; `column` is scratch space for the
-   field there. */
+/* Add the crossing above node i of row j; `column` is scratch space for the
+   spline coefficients along y. */
 static void cross_column(const squares *s, strip *p, int j, int i,
                          const row *low, const row *high, double *column) {
   const eda_field *f = s->field;
@@ -207,9 +206,10 @@ static void cross_column(const squares *s, strip *p, int j, int i,
 
 /* ---- work: strips ---- */
 
-/* Connect the crossings of a square. With the positive side on the left, a
-   contour runs from an edge that leaves the positive region (counter-clockwise)
-   to an edge that enters it. Edges are below, right, above, left. */
+/* Connect the crossings of a square, with the positive region on the left of
+   the contour. Counter-clockwise around the square, a contour starts on an edge
+   from positive to negative and ends on an edge from negative to positive.
+   Edges are below, right, above, left; corner k is the first of edge k. */
 static void strip_join(strip *p, const int32_t edge[4], const double v[4],
                        int set) {
   int centre = v[0] + v[1] + v[2] + v[3] > 0;
@@ -222,7 +222,7 @@ static void strip_join(strip *p, const int32_t edge[4], const double v[4],
   }
 }
 
-/* Working memory of a strip: two rows and the crossings between them. */
+/* Scratch memory of a strip: two rows and the crossings between them. */
 typedef struct bench {
   row low, high;
   int *mixed;     /* columns of squares with both signs */
@@ -245,8 +245,8 @@ static void free_row(row *r) {
   free(r->crossing);
 }
 
-/* Find the squares with both signs, testing eight at a time because most
-   squares have one sign. Return their number. */
+/* Find the squares whose nodes have both signs, and return their number. Test
+   eight squares at a time, because most squares have one sign. */
 static int find_mixed(const squares *s, bench *b) {
   const uint8_t *low = b->low.positive, *high = b->high.positive;
   int n = 0;
@@ -265,8 +265,8 @@ static int find_mixed(const squares *s, bench *b) {
   return n;
 }
 
-/* Number the crossings above row j, on the left sides of squares, and those on
-   row j + 1. Only crossings below row `end` belong to the strip. */
+/* Number the crossings between rows j and j + 1, then those on row j + 1. The
+   crossings on row `end` belong to the next strip. */
 static void row_cross(const squares *s, strip *p, bench *b, int j, int n,
                       int end) {
   for (int m = 0; m < n; m++) {
@@ -342,7 +342,7 @@ static void make_strip(void *data, size_t k) {
 
 /* ---- work: lines ---- */
 
-/* All crossings with their successors, then the contours. */
+/* All crossings with their successors. */
 typedef struct lines {
   double *point;
   int32_t *next;

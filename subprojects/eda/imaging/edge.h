@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Searches along lines through a field, from a point outwards to sign changes
-   of the field. Only the cells passed by a search are evaluated. */
+/* Search for sign changes of a field from a point in both directions along a
+   line. A search evaluates only the cells that it passes. */
 #pragma once
 
 #include "imaging/spline.h"
 
-/* A line parallel to an axis, as a spline of one variable. */
+/* The field along a line parallel to an axis, a spline of one variable. */
 typedef struct eda_line {
   double origin, step;
   int n; /* period, in steps */
@@ -29,8 +29,8 @@ static inline double eda_node(const double *c) {
   return (c[0] + c[4] + 26 * (c[1] + c[3]) + 66 * c[2]) * (1 / 120.0);
 }
 
-/* Compute the Bernstein coefficients of a cell. Those at the ends are
-   bit-identical in both adjacent cells. */
+/* Compute the Bernstein coefficients of a cell. Two adjacent cells have
+   bit-identical coefficients at their common end. */
 static inline void eda_bernstein(const double c[EDA_SPLINE_TAPS],
                                  double b[EDA_SPLINE_TAPS]) {
   b[0] = eda_node(c);
@@ -41,7 +41,7 @@ static inline void eda_bernstein(const double c[EDA_SPLINE_TAPS],
   b[5] = eda_node(c + 1);
 }
 
-/* Compute the coefficients by powers of t from Bernstein coefficients. */
+/* Convert Bernstein coefficients to coefficients of powers of t. */
 static inline void eda_powers(const double b[EDA_SPLINE_TAPS],
                               double a[EDA_SPLINE_TAPS]) {
   double d1 = b[1] - b[0], d2 = b[2] - b[1], d3 = b[3] - b[2], d4 = b[4] - b[3],
@@ -65,7 +65,7 @@ static inline double eda_polynomial(const double a[EDA_SPLINE_TAPS], double t,
   return a[0] + t * (a[1] + t * (a[2] + t * (a[3] + t * (a[4] + t * a[5]))));
 }
 
-/* Set a line along an axis, EDA_X (0): along x at y = at. */
+/* Initialise a line along an axis; for EDA_X (0), along x at y = at. */
 void eda_line_make(const eda_field *field, int axis, double at, eda_line *line);
 
 /* Start two searches at `place`, towards smaller and larger coordinates. Return

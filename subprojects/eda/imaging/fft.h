@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Fourier transforms of many lines by FFTW in single precision. Two-dimensional
-   transforms use them line by line in the cache, so that lines of zeros are
-   skipped and no whole planes are written. Plans are estimated, so that they
-   are equal in every run, and cached. */
+   transforms process some lines at a time in the cache, so that lines of zeros
+   are skipped. Plans are estimated (FFTW_ESTIMATE), so that every run uses the
+   same plans, and cached. */
 #pragma once
 
 #include <complex.h>
@@ -17,7 +17,7 @@ enum {
 
 /* Return a plan for `lines` transforms of n (even) numbers, one after another:
    n apart on the real and complex side, n / 2 + 1 apart on the half-complex
-   one. Not normalised. Any thread; the plan lives as long as the program. */
+   one. Not normalised. Any thread; the plan is valid until the program ends. */
 typedef struct eda_fft eda_fft;
 const eda_fft *eda_fft_plan(int what, int n, int lines);
 
@@ -29,8 +29,8 @@ void eda_fft_run(const eda_fft *plan, void *in, void *out);
    above 7. */
 int eda_fft_size(double minimum);
 
-/* Return n bytes, aligned for the transforms. Ends the program without memory,
-   as eda_alloc does. */
+/* Return n bytes, aligned for the transforms. End the program if memory is
+   exhausted, as eda_alloc does. */
 void *eda_fft_alloc(size_t n);
 
 /* Free memory. Large arrays are kept for later requests of similar size; the

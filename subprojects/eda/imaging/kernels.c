@@ -1,17 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Images as sums of coherent kernels (SOCS).
+/* Compute images as sums of coherent kernels (SOCS).
 
-   The spectrum of a field is transformed back along y, one strip of frequencies
-   k and -k within the band at a time. It is then transformed along x, EDA_LANES
-   rows at a time in the cache, where its square is added at once: no field is
-   written to memory. The grid of the sum is fine enough that nothing aliases
-   into the band of the intensity. Finally the sum is transformed forward and,
-   as coefficients of a B-spline, back on the grid of the result, again only
-   along lines within the band.
+   The spectrum of a field (mask spectrum * transfer function of a kernel) is
+   transformed back along y, one strip of columns k and -k at a time. The field
+   is then transformed along x, EDA_LANES rows at a time, and its square is
+   added to the sum in the cache. Finally the sum is transformed forward,
+   converted to B-spline coefficients and transformed back on the grid of the
+   result. Lines outside the band are skipped.
 
-   Several kernels are added together, so that the sum passes through memory
-   once for all of them. Each is divided into strips and rows: the terms of a
-   sum and their order do not depend on the threads. */
+   Kernels are added in groups, so that the sum is read and written once for
+   each group. The work units are strips and blocks of rows: the terms of a sum
+   and their order do not depend on the threads. */
 #include <eda/simd.h>
 #include "imaging/fft.h"
 #include "imaging/lanes.h"
@@ -27,18 +26,17 @@
 #include <string.h>
 
 enum {
-  STRIP = 32, /* columns of a field spectrum at a time, on each side */
+  STRIP = 32, /* columns k >= 0 of a strip */
   BLOCKS = STRIP / EDA_LANES,
-  TOGETHER = 4, /* largest number of kernels at a time, fewer if their fields
-                   exceed */
-  FIELDS_ROOM = 64 << 20, /* this number of bytes */
+  TOGETHER = 4,           /* kernels of a group, at most */
+  FIELDS_ROOM = 64 << 20, /* bytes for the fields of a group */
   SUMS = 1 + EDA_RESIDUALS
 };
 
 static const double default_step = 32; /* nm */
 
-/* A plane of numbers, transformed along one direction: [block][i]; a block is
-   EDA_LANES lines side by side. */
+/* A two-dimensional array that is transformed along one direction. A block
+   holds EDA_LANES adjacent lines; at[b * n + i] is point i of block b. */
 typedef struct lines {
   size_t n;
   eda_lanes *at;
@@ -50,34 +48,32 @@ typedef struct sum_task {
   eda_kernels kernels;
   float complex offset, scale; /* mask transmission */
   int nx, ny;                  /* grid of the fields */
-  int half, reach; /* rows |l| <= half, columns |k| <= reach are non-zero */
+  int half, reach; /* fields have rows |l| <= half, columns |k| <= reach */
   size_t kernel, together; /* first kernel of the current group; size of the
                               group */
   size_t group_most;       /* largest group */
-  lines field[TOGETHER]; /* rows y side by side; column k at k or, if negative,
-                            at left - k */
+  lines field[TOGETHER];   /* blocks of rows y; k < 0 is point left - k */
   size_t left;
-  size_t rows, columns;  /* blocks of rows y, of columns k >= 0 of the sums */
-  eda_vector *sum[SUMS]; /* [row block][x]; that of residual k at 1 + k */
+  size_t rows, columns;  /* numbers of blocks: of rows y; of columns k >= 0 of
+                            `spectrum` */
+  eda_vector *sum[SUMS]; /* [row block][x]; sum[1 + k] belongs to residual k */
 
   int top_x, top_y;     /* frequencies of the intensity, k <= top_x, |l| <=
                            top_y */
-  lines spectrum[SUMS]; /* spectra of the sums, columns k side by side, along
-                           y */
+  lines spectrum[SUMS]; /* spectra of the sums: blocks of columns k */
   int fine_x, fine_y;   /* grid of the result */
-  float *by_x, *by_y;   /* factors from samples to coefficients: [k], [l] */
-  lines fine;           /* result before the transform along x, rows side by
-                           side */
+  float *by_x, *by_y;   /* ratios of spline coefficients to samples: [k], [l] */
+  lines fine;           /* blocks of rows, before the transform along x */
   float *out;
 
-  size_t room; /* points of a scratch array */
+  size_t room; /* size of a scratch array, points */
   GMutex lock;
   GPtrArray *scratch; /* idle scratch arrays */
 } sum_task;
 
 static size_t blocks(int n) { return (size_t)(n + EDA_LANES - 1) / EDA_LANES; }
 
-/* Return a scratch array; as many exist as tasks run at a time. */
+/* Return an idle scratch array, or a new one if none is idle.  */
 static eda_lanes *lanes_borrow(sum_task *j) {
   g_mutex_lock(&j->lock);
   eda_lanes *a = j->scratch->len ? g_ptr_array_steal_index_fast(
@@ -95,7 +91,7 @@ static void give_back(sum_task *j, eda_lanes *a) {
 
 /* ---- a field ---- */
 
-/* A strip: columns k = first .. first + n - 1, and -k. */
+/* A strip of a field spectrum: columns k = first .. first + n - 1 and -k. */
 typedef struct strip {
   size_t kernel;
   int first, n;
@@ -106,14 +102,16 @@ static size_t strips(const sum_task *j) {
   return (size_t)(j->reach + STRIP) / STRIP;
 }
 
-/* Map (k, l), both >= 0, to (-k, l), (k, -l) and (-k, -l). */
+/* Bits of the number of a quadrant, for k, l >= 0: LEFT contains the columns
+   -k, BELOW the rows -l. */
 enum { LEFT = 1, BELOW = 2, QUADRANTS = 4 };
 
-/* A transfer function along a row: at[2 * i] * re, at[2 * i + 1] * im. */
+/* Transfer function along a row. At point i, the real part is re * at[2 * i]
+   and the imaginary part is im * at[2 * i + 1]. */
 typedef struct factor {
   float re, im; /* 1 or -1 */
   float value[2 * STRIP];
-  const float *at; /* own values, or those of another quadrant */
+  const float *at; /* `value` of this or of another quadrant */
 } factor;
 
 static void strip_transfer(const sum_task *j, size_t kernel, const strip *p,
@@ -128,7 +126,8 @@ static void strip_transfer(const sum_task *j, size_t kernel, const strip *p,
   out->at = out->value;
 }
 
-/* Derive the factors of all quadrants from one. */
+/* Derive the factors of all quadrants from quadrant 0 of two mirrored kernels.
+ */
 static void factors_mirror(const sum_task *j, const strip *p, int l,
                            factor t[QUADRANTS]) {
   eda_mirrored m = j->kernels.mirror(j->kernels.self, p->kernel);
@@ -164,15 +163,14 @@ static void find_factors(const sum_task *j, const strip *p, int l,
   else
     for (int q = 0; q < QUADRANTS; q++)
       strip_transfer(j, p->kernel, p, q, l, &t[q]);
-  /* Quadrants that others refer to are the last ones. */
+  /* Overwrite a value after the quadrants that use it. */
   static const int order[QUADRANTS] = {LEFT | BELOW, LEFT, BELOW, 0};
   for (int i = 0; i < QUADRANTS && j->scale != 1; i++)
     factors_scale(j->scale, n, &t[order[i]]);
 }
 
-/* Compute transfer * mask, the mask conjugated if sign is -1, for whole blocks.
-   Signs are changed before and after, so that all quadrants have equal
-   products. */
+/* Compute transfer * mask for n blocks; the mask is conjugated if sign is -1.
+   All quadrants have equal products. */
 EDA_WIDE static void lanes_multiply(const float *restrict t, float by_re,
                                     float by_im, const float *restrict a,
                                     float sign, int n, eda_lanes *restrict to,
@@ -188,8 +186,8 @@ EDA_WIDE static void lanes_multiply(const float *restrict t, float by_re,
   }
 }
 
-/* Write row l or -l of one side of a strip of the field spectrum to the points
-   to[block * apart]. */
+/* Write row l or -l of one side of a strip of the field spectrum; block b of
+   columns is written to to[b * apart]. */
 static void fill_row(const sum_task *j, const strip *p, int quadrant, int l,
                      const factor *f, eda_lanes *to, size_t apart) {
   const eda_spectrum *m = j->mask;
@@ -220,7 +218,8 @@ static void fill_row(const sum_task *j, const strip *p, int quadrant, int l,
   to->im[0] += cimagf(c);
 }
 
-/* Write rows l and -l of a strip; the columns -k follow the others. */
+/* Write rows l and -l of a strip; the blocks of columns -k follow those of
+   columns k. */
 static void fill_rows(const sum_task *j, strip *p, int l, eda_lanes *to,
                       size_t apart) {
   const eda_spectrum *m = j->mask;
@@ -238,15 +237,14 @@ static void fill_rows(const sum_task *j, strip *p, int l, eda_lanes *to,
   }
 }
 
-/* Transpose n points of EDA_LANES columns to `column` of blocks of rows. Rows
-   that fill the last block are 0, because they share a transform with
-   others. */
+/* Transpose a block of EDA_LANES columns of n rows to blocks of rows, from
+   point `column` on. The rows that pad the last block are set to 0. */
 static void turn_lines(eda_lanes *from, int n, lines *to, size_t column) {
   memset(from + n, 0, sizeof *from * (blocks(n) * EDA_LANES - (size_t)n));
   for (size_t b = 0; b < blocks(n); b++) {
     const eda_lanes *tile = from + b * EDA_LANES;
     eda_lanes *out = to->at + b * to->n + column;
-    /* The next block is far away in memory. */
+    /* Prefetch the next block. */
     for (size_t i = 0; i < EDA_LANES && b + 1 < blocks(n); i++) {
       __builtin_prefetch(&out[to->n + i].re, 1);
       __builtin_prefetch(&out[to->n + i].im, 1);
@@ -285,8 +283,8 @@ EDA_WIDE static void add_square(const eda_lanes *restrict field, float weight,
     sum[i] += weight * (field[i].re * field[i].re + field[i].im * field[i].im);
 }
 
-/* Square the fields of the current group of kernels, one after another; the
-   first one of each sum initialises the sum. */
+/* Transform a block of rows of the current group of fields along x and add the
+   squares to the sums. The first field of a sum initialises the sum. */
 static void square_along_x(void *data, size_t block) {
   sum_task *j = data;
   if (opc_cancelled(j->context)) return;
@@ -309,7 +307,7 @@ static void square_along_x(void *data, size_t block) {
   give_back(j, a);
 }
 
-/* Allocate the fields of some kernels and the sums. */
+/* Allocate the sums and the fields of one group of kernels. */
 static void make_fields(sum_task *j, size_t count) {
   size_t n = j->rows * (size_t)j->nx;
   j->left = strips(j) * STRIP;
@@ -339,9 +337,10 @@ static void add_kernels(sum_task *j) {
 
 /* ---- from the sums to the result ---- */
 
-/* Separate number k of two blocks of real rows that are the parts of a complex
-   one. Exchanging the parts before and after a transform reverses its
-   direction; here the parts are exchanged on both sides. */
+/* Compute coefficient k of two blocks of real rows from the transform of the
+   complex block that has them as real and imaginary parts. Exchanging the parts
+   before and after a transform reverses the direction of the transform; the
+   parts of `a`, *first and *second are exchanged. */
 EDA_WIDE static void lanes_split(const eda_lanes *a, int n, int k,
                                  eda_lanes *first, eda_lanes *second) {
   const eda_lanes *p = a + k, *q = a + (k ? n - k : 0);
@@ -351,7 +350,7 @@ EDA_WIDE static void lanes_split(const eda_lanes *a, int n, int k,
   second->im = 0.5f * (p->re + q->re);
 }
 
-/* Transform two blocks of rows of a sum along x; keep columns 0 .. top_x. */
+/* Transform two blocks of rows of each sum along x; keep columns 0 .. top_x. */
 static void forth_along_x(void *data, size_t pair) {
   sum_task *j = data;
   if (opc_cancelled(j->context)) return;
@@ -380,9 +379,9 @@ static void forth_along_x(void *data, size_t pair) {
   give_back(j, a);
 }
 
-/* Compute number l of columns k of the result from the sum and the filtered
-   residuals, as coefficients of the spline. The parts of sums[k][at] are
-   exchanged. */
+/* Compute row l of a block of columns of the spectrum of the spline
+   coefficients, from the sum and the filtered residuals. The real and imaginary
+   parts of sums[k][at] are exchanged. */
 static void spline_coefficients(const sum_task *j, int first, int l,
                                 const eda_lanes *const *sums, size_t at,
                                 eda_lanes *to) {
@@ -438,8 +437,8 @@ static void columns_to_fine(void *data, size_t block) {
   give_back(j, fine);
 }
 
-/* Combine the numbers k and -k of two blocks of real rows in one complex
-   one. */
+/* Combine the spectra of two blocks of real rows, k = 0 .. top, into the
+   spectrum of the complex block that has them as real and imaginary parts. */
 EDA_WIDE static void lanes_join(const eda_lanes *first, const eda_lanes *second,
                                 int top, int n, eda_lanes *a) {
   memset(a + top + 1, 0, sizeof *a * (size_t)(n - 2 * top - 1));
@@ -450,7 +449,7 @@ EDA_WIDE static void lanes_join(const eda_lanes *first, const eda_lanes *second,
   }
 }
 
-/* Write EDA_LANES rows of the result from points [x] of rows. */
+/* Write a block of rows of the result; points[2 * x] is column x. */
 static void write_rows(const sum_task *j, const eda_vector *points,
                        size_t block) {
   size_t n = (size_t)j->fine_x, first = block * EDA_LANES;
@@ -478,8 +477,8 @@ static void back_along_x(void *data, size_t pair) {
   give_back(j, a);
 }
 
-/* Return the ratio of spline coefficients to samples, at frequencies up to
-   `top`. */
+/* Return `scale` times the ratio of spline coefficients to samples, [0 .. top].
+ */
 static float *over_samples(int top, int n, double scale) {
   float *a = eda_alloc((size_t)top + 1, sizeof *a);
   for (int k = 0; k <= top; k++)
@@ -487,7 +486,7 @@ static float *over_samples(int top, int n, double scale) {
   return a;
 }
 
-/* Compute the coefficients of the spline through the band-limited samples. */
+/* Compute the spline coefficients of the intensity from the sums. */
 static void to_spline(sum_task *j) {
   size_t fine = blocks(j->fine_y);
   j->by_x = over_samples(j->top_x, j->fine_x, 1.0 / j->nx);
@@ -510,8 +509,8 @@ static void to_spline(sum_task *j) {
 
 /* ---- grids ---- */
 
-/* Estimate the memory of make_fields and to_spline for the smallest case: an
-   intensity within the band of the mask, all kernels through one field. */
+/* Estimate the memory of make_fields and to_spline for the smallest case: the
+   intensity has the band of the mask, and each group has one kernel. */
 eda_image_size eda_image_forecast(eda_frame f, double band) {
   double x = f.width * band, y = f.height * band; /* frequencies on one side */
   double nx = fmax(0.85 * 3, 2) * x, ny = fmax(0.85 * 3, 2) * y;
@@ -525,14 +524,14 @@ eda_image_size eda_image_forecast(eda_frame f, double band) {
   return (eda_image_size){nx, ny, spectrum + sums + along_y + fine + out, out};
 }
 
-/* Return the samples along a side for fields, or the nodes of the result. */
+/* Return the number of samples of a field along a side, nm. */
 static int field_size(const eda_kernels *s, double side) {
-  /* The part of a square beyond the band of the intensity must not alias into
-     that band. The outermost part of the square is so weak that aliasing it
-     costs about 1e-5 of the clear field, and saves a quarter of the time. */
+  /* The square of a field has twice the band. Frequencies beyond the intensity
+     band must not alias into that band, except the outermost ones: they change
+     the intensity by only 1e-5 of the clear field; the smaller grid saves a
+     quarter of the time. */
   double samples = 0.85 * (2 * s->band + s->intensity_band);
-  double whole = 2 * fmax(s->intensity_band, s->band); /* sufficient for
-                                                          everything */
+  double whole = 2 * fmax(s->intensity_band, s->band); /* Nyquist rate */
   return eda_lanes_size(fmax(side * samples, side * whole + 2));
 }
 

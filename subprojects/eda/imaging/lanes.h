@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Fourier transforms of EDA_LANES lines side by side: number i of all lines is
-   one point, a vector of real parts and one of imaginary parts. Each operation
-   acts on whole vectors, for any length. Used for sums of coherent kernels,
-   which take nearly all the time; other transforms use FFTW (fft.h). */
+/* Fourier transforms of EDA_LANES lines at a time. Element i of all lines is
+   one point: a vector of real parts and a vector of imaginary parts. Each
+   operation acts on whole vectors, for any length of lines. Used for sums of
+   coherent kernels; other transforms use FFTW (fft.h). */
 #pragma once
 
 #include <stddef.h>
@@ -15,8 +15,8 @@ typedef struct eda_lanes {
   eda_vector re, im;
 } eda_lanes;
 
-/* A plan for lines of n numbers, n from eda_lanes_size. Any thread; lives as
-   long as the program. */
+/* Return a plan for lines of n numbers, n from eda_lanes_size. Any thread; the
+   plan is valid until the program ends. */
 typedef struct eda_lanes_plan eda_lanes_plan;
 const eda_lanes_plan *eda_lanes_plan_for(int n);
 

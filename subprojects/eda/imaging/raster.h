@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Raster of a mask: its coverage, smoothed by a B-spline of EDA_RASTER_DEGREE
-   and sampled exactly. Stored as differences in both directions until
-   eda_raster_sum adds them. */
+/* Raster of a mask: the coverage, smoothed by a B-spline of EDA_RASTER_DEGREE
+   and sampled exactly. Stores differences in both directions; eda_raster_sum
+   adds them. */
 #pragma once
 
 #include <eda/imaging.h>
@@ -28,10 +28,10 @@ void eda_raster_lay(const opc_context *context, const eda_shapes *shapes,
 void eda_raster_slanted(const eda_raster *raster, double ax, double ay,
                         double bx, double by, int low, int high);
 
-/* Write the samples of rows [y][x] of the period, in single precision. */
+/* Write the samples [y][x] of one period, in single precision. */
 void eda_raster_sum(const opc_context *context, eda_raster *raster, float *out);
 
 void eda_raster_clear(eda_raster *raster);
 
-/* Return the Fourier transform of the smoothing at f cycles per sample. */
+/* Return the transform of the smoothing B-spline at f cycles per sample. */
 double eda_raster_transform(double f);

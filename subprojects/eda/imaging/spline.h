@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Centred uniform B-splines, the local basis of masks and fields (Unser,
+/* Centred uniform B-splines, the basis functions of masks and fields (Unser,
    Aldroubi, Eden, "B-spline signal processing", IEEE Trans. SP 41, 1993). */
 #pragma once
 
 #include <eda/imaging.h>
 enum {
   EDA_SPLINE_TAPS = 6,   /* fields: quintic */
-  EDA_RASTER_DEGREE = 9, /* masks; their steps have the next higher degree */
+  EDA_RASTER_DEGREE = 9, /* masks; a smoothed step has the next higher degree */
   EDA_STEP_TAPS = EDA_RASTER_DEGREE + 2
 };
 
-/* Quintic B-splines in a cell as polynomials of the fraction of the cell: by
-   power, then by spline. */
+/* Quintic B-splines in a cell as polynomials of the fraction of the cell:
+   [power][spline]. */
 static const double eda_spline_power[EDA_SPLINE_TAPS][EDA_SPLINE_TAPS] = {
     {1 / 120.0, 26 / 120.0, 66 / 120.0, 26 / 120.0, 1 / 120.0, 0},
     {-5 / 120.0, -50 / 120.0, 0, 50 / 120.0, 5 / 120.0, 0},
@@ -20,7 +20,7 @@ static const double eda_spline_power[EDA_SPLINE_TAPS][EDA_SPLINE_TAPS] = {
     {5 / 120.0, -20 / 120.0, 30 / 120.0, -20 / 120.0, 5 / 120.0, 0},
     {-1 / 120.0, 5 / 120.0, -10 / 120.0, 10 / 120.0, -5 / 120.0, 1 / 120.0}};
 
-/* Compute their values at the fraction t. */
+/* Compute the values of these B-splines at the fraction t. */
 static inline void eda_spline_cell(double t, double weight[EDA_SPLINE_TAPS]) {
   const double(*p)[EDA_SPLINE_TAPS] = eda_spline_power;
   for (int k = 0; k < EDA_SPLINE_TAPS; k++) weight[k] = p[5][k];
@@ -38,12 +38,12 @@ static inline int eda_spline_weights(double x, double weight[EDA_SPLINE_TAPS]) {
   return cell - 2;
 }
 
-/* Compute their derivatives at x. The derivatives sum to 0. */
+/* Compute the derivatives of these B-splines at x; they sum to 0. */
 void eda_spline_slopes(double x, double slope[EDA_SPLINE_TAPS]);
 
 /* Compute the differences, at samples first .. first + EDA_STEP_TAPS - 1, of a
    unit step at x smoothed by a B-spline of EDA_RASTER_DEGREE, and return first.
-   Their running sum is the value at the samples, 0 before and 1 after. */
+   The running sum of the differences is the smoothed step at the samples. */
 int eda_spline_step(double x, double weight[EDA_STEP_TAPS]);
 
 /* Compute the values at x of the B-splines of EDA_RASTER_DEGREE centred on

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Flattening: the shapes or texts of a layer with the transforms of all
-   placements above them, either all of them or those that touch a window. For a
-   window, only cells and array members that may touch it are traversed
+/* Flatten a layer: compute the shapes or texts of the layer in the coordinates
+   of the top cell, either all of them or those that touch a window. For a
+   window, only cells and array members that may touch the window are traversed
    (reach.c). */
 #include <math.h>
 #include <stdlib.h>
@@ -10,27 +10,27 @@
 #include "layout/reach.h"
 
 #define MAX_SHAPES ((uint64_t)1 << 28)
-/* Placements traversed for each shape, and additional ones. Cells that only
-   place one other cell are nested a few levels deep in real layouts and a
-   thousand in a hostile file; twice this limit takes 0.7 s more for such a file
-   under a sanitizer. */
+/* Limit of traversed placements: STEPS_A_SHAPE for each shape plus STEPS_MORE.
+   A hostile file may nest a thousand cells that only place one other cell each;
+   real layouts nest a few. */
 #define STEPS_A_SHAPE 8
 #define STEPS_MORE ((uint64_t)1 << 19)
 #define MAX_POINTS ((uint64_t)1 << 30)
 #define MAX_COORDINATE 1073741824.0 /* 2^30 */
 
 /* Tolerance in grid units. x * unit / grid has a relative error of a few 2^-53,
-   at most 1e-6 for the allowed coordinates. A value less than this below a half
-   counts as a half; a value this near a whole number counts as unmoved. */
+   at most 1e-6 for the allowed coordinates. A value less than EPSILON below a
+   half is rounded up; a value within EPSILON of an integer counts as unmoved.
+ */
 #define EPSILON 1e-6
 
 #define BEYOND "'%s': a coordinate of layer '%s' is beyond 2^30 units of %g nm"
 
 /* ---- output ---- */
 
-/* A placement on the current path. The instances that contain wanted shapes are
-   useful[first] up to UINT32_MAX; next is the current one. The members in
-   `columns` of each row are wanted. */
+/* A placement on the current path. The instances that contain shapes of the
+   layer are useful[first] up to an UINT32_MAX; useful[next] is the current one.
+   In each row of an array, only the members in `columns` are traversed. */
 typedef struct frame {
   transform at;
   transform child; /* the matrix of the current instance */
@@ -48,8 +48,8 @@ typedef struct flattener {
   double ratio, grid;
   const eda_box *window; /* NULL: everything */
   const reach *reach;    /* extents, for a window */
-  /* Totals of each cell and all cells below; steps are traversed placements.
-     Unknown for a window. */
+  /* Numbers of shapes, points and traversed placements of each cell with all
+     cells below; not computed for a window. */
   uint64_t *shapes, *points, *steps;
   uint32_t *useful; /* instances that draw on the layer */
   size_t n_useful, useful_room;

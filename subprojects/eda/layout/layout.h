@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Representation of a layout; for the files of this folder only.
 
-   The shapes of a cell are stored in sheets, one for each layer. Small boxes
-   are a corner and a size (12 bytes each), other boxes two corners (16 bytes),
-   other polygons consecutive points. No shape is allocated on its own. */
+   The shapes of a cell are stored in sheets, one for each layer. A small box is
+   stored as a corner and a size (12 bytes), another box as two corners (16
+   bytes), another polygon as points. No shape has an allocation of its own. */
 #pragma once
 
 #include <eda/layout.h>
@@ -11,7 +11,7 @@
 #include <glib.h>
 #include <stdbool.h>
 
-/* A box of at most UINT16_MAX in each direction, as nearly all boxes are. */
+/* A box of at most UINT16_MAX in each direction. */
 typedef struct small_box {
   int32_t x, y;
   uint16_t width, height;
@@ -54,9 +54,9 @@ typedef struct cell {
   size_t n_instances, room_instances;
   size_t polygons; /* valid if numbered */
 
-  /* Valid if ordered. Number of placements of the cell and all cells below, 0
-     if nothing is drawn there, at most EDA_MANY. before[i] is the number of the
-     first placement of instance i. */
+  /* Valid if ordered. placements: of the cell and all cells below, at most
+     EDA_MANY; 0 if none has shapes. before[i]: number of the first placement of
+     instance i. */
   uint64_t placements;
   uint32_t *before;
   bool circular; /* contains itself */
@@ -80,8 +80,7 @@ struct eda_layout {
   GMutex lock;
   int numbered, ordered; /* atomic */
   int32_t *order;        /* children before parents; valid if ordered */
-  /* Extents for windows by layer (reach.h), of shapes and of texts. NULL: none
-     yet. */
+  /* Extents by layer (reach.h): [0] of shapes, [1] of texts; NULL: none yet. */
   GHashTable *reach[2];
 };
 

@@ -8,8 +8,8 @@
 #include "layout/layout.h"
 #include "layout/transform.h"
 
-/* A box in the coordinates of a cell; empty if x0 > x1. Infinite where it
-   exceeds the range of numbers. */
+/* A box in the coordinates of a cell; empty if x0 > x1. A coordinate beyond the
+   range of numbers is infinite. */
 typedef struct extent {
   double x0, y0, x1, y1;
 } extent;
@@ -34,11 +34,11 @@ static inline bool extents_touch(extent a, extent b) {
   return a.x0 <= b.x1 && b.x0 <= a.x1 && a.y0 <= b.y1 && b.y0 <= a.y1;
 }
 
-/* Return an extent as a box, limited to the range of coordinates. */
+/* Convert an extent to a box, limited to the range of coordinates. */
 eda_box extent_box(extent e);
 
-/* Return the extent of a transformed extent; or the extent whose transform
-   covers the window e. */
+/* extent_through returns the bounds of the transformed extent e; extent_back
+   returns an extent whose transform covers the window. */
 extent extent_through(const transform *t, extent e);
 extent extent_back(const transform *t, extent window);
 
@@ -47,7 +47,7 @@ extent extent_back(const transform *t, extent window);
 extent extent_of_first(const reach *r, const instance *in);
 extent extent_of_all(const reach *r, const instance *in);
 
-/* Return the extent of item i of a cell: its corners. */
+/* Return the extent of item i of a cell. */
 extent extent_of_shape(const sheet *s, size_t i);
 
 /* from .. to - 1 */
@@ -55,8 +55,8 @@ typedef struct span {
   uint32_t from, to;
 } span;
 
-/* Return the rows of an array whose members may touch a window, or the columns
-   of a row; `first` is the extent of the first member. */
+/* Return the rows of an array, or the columns of one row, whose members may
+   touch a window; `first` is the extent of the first member. */
 span extent_rows(const eda_placement *p, extent first, extent window);
 span extent_columns(const eda_placement *p, extent first, extent window,
                     uint32_t row);

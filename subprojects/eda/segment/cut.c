@@ -7,8 +7,8 @@
 
 #include "segment/segment.h"
 
-/* A span of an edge: first the part covered by the gate, then extended to the
-   part it owns. */
+/* A span of an edge: the part that the gate covers, later extended to the part
+   that the gate owns. */
 typedef struct span {
   uint32_t point; /* first point of the edge */
   uint32_t gate;
@@ -77,7 +77,7 @@ static uint32_t next_point(const eda_shapes *shapes, const edge *e) {
                                               : shapes->start[e->polygon];
 }
 
-/* Return whether the poly continues beyond the window. */
+/* Return whether edge e is where the window cuts the poly. */
 static int is_cut(const segment *s, const edge *e) {
   return s->window && e->at == box_side(s->window, e->across, e->side);
 }
@@ -108,9 +108,8 @@ static int shares_end(const cutter *c, size_t sides, size_t i, int side) {
   return k + 1 < sides && c->spans[k + 1].point == e->point;
 }
 
-/* Return a length scaled by the gate length if none is given: 84 and 200 nm
-   apply to 65 nm gates, for which they were determined. Rounded to whole nm, so
-   that 1.3 * 50 equals 65. */
+/* Return a default length in grid units: `nm` for 65 nm gates, scaled by the
+   length of gate i and rounded to whole nm; at most half the reach. */
 static int32_t in_lengths(const segment *s, size_t i, double nm) {
   double all = round(s->gates->length[i] * nm / 65) / s->grid;
   int32_t most = s->reach / 2;
@@ -125,8 +124,8 @@ int32_t segment_line_end(const segment *s, size_t i) {
   return s->line_end != NOT_GIVEN ? s->line_end : in_lengths(s, i, 200);
 }
 
-/* Add the line ends and their distances. A line end is no side of another gate,
-   which would share the active of this gate. */
+/* Add the line ends and their distances. An edge that is a side of another gate
+   is no line end. */
 static void add_ends(cutter *c) {
   const segment *s = c->s;
   size_t sides = c->count;
@@ -162,7 +161,7 @@ static int32_t span_extension(const cutter *c, const span *a,
   return reach;
 }
 
-/* Divide the interval between two neighbours equally. */
+/* Divide the interval between two adjacent spans equally. */
 static void spans_divide(const cutter *c, span *a, span *b) {
   int64_t gap = (int64_t)b->low - a->high, of_a = reach_of(c, a),
           of_b = reach_of(c, b);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Common declarations of this folder. Coordinates are in units of the mask
-   grid. Directions: something "across d" has a constant coordinate along d and
-   extends along the other direction. */
+   grid. An edge or line "across d" has a constant coordinate d (EDA_X or EDA_Y)
+   and extends in the other direction. */
 #pragma once
 
 #include <eda/memory.h>
@@ -10,7 +10,7 @@
 enum { NWELL, PWELL, NIMPLANT, PIMPLANT, DOPINGS };
 enum { LOW = 0, HIGH = 1 }; /* sides */
 
-/* An edge of merged shapes, across `across`, on the `side` of the interior. */
+/* An edge of merged shapes; `side` is its side of the interior. */
 typedef struct edge {
   uint8_t across, side;
   int32_t at, low, high;   /* constant coordinate; ends */
@@ -18,8 +18,8 @@ typedef struct edge {
                               polygon */
 } edge;
 
-/* All edges of a layer, sorted by across, side, at, low; those of
-   [across][side] start at edges[first[2 * across + side]]. */
+/* All edges of a layer, sorted by across, side, at, low. The edges of one
+   `across` and `side` start at edges[first[2 * across + side]]. */
 typedef struct edge_index {
   edge *edges;
   size_t count;
@@ -31,7 +31,7 @@ typedef struct source {
   const char *name;
   const char *from; /* layer in the layout */
   eda_shapes drawn;
-  int drawn_at_all; /* the layout has shapes on it */
+  int drawn_at_all; /* whether the layout has shapes on `from` */
 } source;
 
 typedef struct segment {
@@ -45,7 +45,7 @@ typedef struct segment {
   double grid;
   int32_t overhang, line_end; /* NOT_GIVEN: scaled by each gate */
   int32_t reach;
-  source *source; /* poly, active, contact, followed by those of `also` */
+  source *source; /* poly, active, contact, then settings->also */
   size_t sources;
   eda_flat active;            /* unmerged, with placements */
   eda_shapes doping[DOPINGS]; /* merged */
@@ -53,16 +53,16 @@ typedef struct segment {
   eda_shapes regions;         /* intersection of poly and active */
   edge_index index[2];        /* edges of poly and active */
   uint32_t *placement;        /* placement of each region */
-  size_t moved;               /* vertices of poly and active displaced by the
-                                 grid */
+  size_t moved; /* number of vertices of poly and active that snapping to the
+                   grid moves */
   eda_segment_report report;
   eda_gates *gates;
 } segment;
 
-/* Value of a length that is not given. A line end is about as long as the
-   smallest gate of the process (72 nm at 65, 130 at 150, 220 at 280, 600 at 600
-   by design rules). The relevant overhang of poly scales with the optical
-   resolution, of which the gate is half or less. */
+/* Value of overhang and line_end if the settings have none. A line end is about
+   as long as the smallest gate of the process (72 nm at 65, 130 at 150, 220 at
+   280, 600 at 600 by design rules). The relevant overhang of poly scales with
+   the optical resolution, of which the gate is half or less. */
 enum { NOT_GIVEN = -1 };
 
 static inline int32_t box_side(const eda_box *b, int d, int side) {
@@ -74,15 +74,15 @@ static inline int32_t box_side(const eda_box *b, int d, int side) {
 int32_t segment_overhang(const segment *s, size_t i);
 int32_t segment_line_end(const segment *s, size_t i);
 
-/* layers.c: compute a layer below a cell, as drawn and merged, both empty on
-   failure. For a window: the drawn shapes that touch it, and the merged shapes
-   clipped to it. */
+/* layers.c: compute the drawn and merged shapes of a layer in cell `top` and
+   all cells below; both are empty on failure. For a window, return the drawn
+   shapes that touch the window, and the merged shapes clipped to it. */
 int segment_flatten(const eda_layout *layout, int32_t top, int32_t layer,
                     double grid, const eda_box *window, eda_flat *flat,
                     eda_shapes *merged, opc_error *error);
 
-/* Set a layer of the gates, which takes ownership of the shapes; one fragment
-   for each edge, owned by no transistor. */
+/* segment_set_layer sets a layer of `gates` and moves the shapes into it.
+   segment_cut_plain adds one fragment for each edge, without a transistor. */
 void segment_set_layer(eda_gates *gates, size_t layer, const char *name,
                        int corrected, eda_shapes *drawn);
 void segment_cut_plain(eda_gates *gates, size_t layer);
@@ -94,17 +94,17 @@ void segment_log(const segment *s, int warning, const char *format, ...);
 
 /* Functions that return int return an OPC_* code with *s->error filled. */
 
-/* edges.c: build the index of poly and active; return the edge that covers
-   [low, high] across d at `at` on a side, NULL if no single edge does. */
+/* edges.c: segment_index builds s->index. segment_edge returns the edge across
+   d at `at` on a side that covers [low, high], or NULL if none does. */
 void segment_index(segment *s);
 const edge *segment_edge(const edge_index *index, int d, int side, int32_t at,
                          int32_t low, int32_t high);
 
-/* place.c: find the placement of the active layer that contains each region;
-   and return the number of the first of `shapes` that contains each point,
-   UINT32_MAX for none. Coordinates of points are doubled, so that middles are
-   integers. If two shapes abut, the right or upper one contains the common
-   edge. */
+/* place.c: segment_locate finds the placement of active that contains each
+   region. segment_find writes the number of the first of `shapes` that contains
+   each point to which[n], UINT32_MAX for none. Coordinates of points are
+   doubled, so that midpoints are integers. If two shapes abut, the right or
+   upper shape contains the common edge. */
 typedef struct doubled {
   int64_t x, y;
 } doubled;
@@ -121,8 +121,8 @@ int segment_recognise(segment *s);
 enum { SEGMENT_OUTSIDE = 0, SEGMENT_INSIDE = 1, SEGMENT_PARTLY = 2 };
 int segment_cover(segment *s, const eda_shapes *layer, uint8_t *state);
 
-/* flavours.c: check the flavours of the process and select that of each
-   gate. */
+/* flavours.c: check the flavours of transistors (eda/gates.h) in the settings,
+   and select the flavour of each gate. */
 int segment_check_flavours(const eda_segment_settings *settings,
                            opc_error *error);
 int segment_flavours(segment *s);
@@ -145,8 +145,9 @@ void segment_name(segment *s);
 /* notes.c: parse the notes of each gate. */
 int segment_notes(segment *s);
 
-/* Reject region i: return OPC_INVALID with its place and the fault. */
+/* Return OPC_INVALID with the position of region i and the fault. */
 int segment_refuse(segment *s, size_t i, const char *fault);
 
-/* Return the path of a placement (free()) and its cell, -1 for none. */
+/* Return the path of a placement (free()) and its cell in *cell, -1 for none.
+ */
 char *segment_path(const segment *s, uint32_t placement, int32_t *cell);

@@ -26,7 +26,7 @@ typedef struct deck {
   int found;
   const char *section; /* current section; NULL: none */
   eda_place section_at;
-  /* Names of models, with their scopes, to the places of their statements. */
+  /* Key: name of a model with its scope; value: place of its statement. */
   GHashTable *models;
   unsigned scope; /* 0: outside of subcircuits; others are unique */
   unsigned scopes, depth, branches; /* branches: open .if */
@@ -34,16 +34,16 @@ typedef struct deck {
 
 /* ---- known statements ---- */
 
-/* Sources, controlled sources with expressions, passive devices, transistors,
-   subcircuits. Not A and U, which are code; N only with compiled models. */
+/* First letters of allowed devices. A and U (code models) are forbidden; N
+   requires compiled models. */
 static const char devices[] = "bcdefghijklmqrvx";
 
-/* Without those of CIDER and of code models, which access files. */
+/* Allowed kinds of models; not CIDER and code models, which access files. */
 static const char model_kinds[] =
     "nmos pmos npn pnp njf pjf nmf pmf d r res c l";
 
-/* Others set variables of the simulator, such as programs and paths. "parser"
-   belongs to another simulator and has no effect here. */
+/* Allowed options. Other options set variables of the simulator, such as paths.
+   "parser" is an option of another simulator and has no effect in ngspice. */
 static const char options[] =
     "abstol chgtol defad defas defl defw gmin itl1 itl2 itl4 parser pivrel "
     "pivtol reltol scale tnom trtol vntol";
@@ -58,7 +58,8 @@ static int is_own(const line *l) { return l->word[0].at.file == 0; }
 
 /* ---- statements ---- */
 
-/* The simulator may pair quotes and braces differently. */
+/* Search in quotes, too: the simulator may pair quotes and braces differently.
+ */
 static int names_file(const char *text) {
   while (*text) {
     size_t n = strspn(text, letters);
@@ -101,9 +102,9 @@ static int is_compiled(const deck *d, const char *kind) {
   return 0;
 }
 
-/* Refuse a second model of a name in a scope, because the simulator would use
-   one of them silently. A file that is included twice has its models once;
-   branches of .if are alternatives. */
+/* Reject a second model of the same name in a scope, because the simulator
+   would use one of both without a message. The same statement read again (a
+   file included twice) and models in branches of .if are accepted. */
 static int check_unique(deck *d, const line *l) {
   const word *name = &l->word[1];
   if (d->branches) return OPC_OK;
@@ -151,8 +152,8 @@ static int take_subcircuit(deck *d, const line *l) {
   return deck_copy_statement(d, l);
 }
 
-/* After the end of a nested subcircuit the outer one is a new scope, so that no
-   valid model is refused. */
+/* After a nested subcircuit, the rest of the outer subcircuit is a new scope,
+   so that no valid model is rejected. */
 static int take_ends(deck *d, const line *l) {
   if (d->depth) d->depth--;
   d->scope = d->depth ? ++d->scopes : 0;
@@ -172,7 +173,7 @@ static int take_options(deck *d, const line *l) {
   double number;
   for (size_t i = 1; i < l->words; i++) {
     const word *w = &l->word[i];
-    /* The temperature of a card would override that of the step. */
+    /* A temperature in the deck would override the temperature of the step. */
     int good = eda_in_list(options, w->text) ||
                (is_own(l) && eda_same_name(w->text, "temp"));
     if (w->quoted || !good)
@@ -257,7 +258,7 @@ static int take_end(deck *d, const line *l) {
 static const struct {
   const char *name;
   int (*take)(deck *d, const line *l);
-  int own; /* in the deck itself only */
+  int own; /* allowed only in the deck itself, not in included files */
 } statements[] = {
     {".model", take_model, 0},
     {".param", deck_copy_statement, 0},
@@ -280,7 +281,7 @@ static const struct {
     {".osdi", take_osdi, 1},
 };
 
-/* Return whether statements of the current section are wanted. */
+/* Return whether statements of the current section are copied. */
 static int is_meant(const deck *d) {
   if (!d->wanted) return !d->section;
   return d->section && eda_same_name(d->section, d->wanted);

@@ -43,7 +43,7 @@ static void send_head(int kind, size_t bytes) {
   fwrite(&r, sizeof r, 1, answer);
 }
 
-/* Unbuffered, so that the reason of a crash is not lost. */
+/* Write a record and flush it, so that a crash loses no record. */
 static void send_record(int kind, const void *data, size_t bytes) {
   send_head(kind, bytes);
   fwrite(data, 1, bytes, answer);
@@ -207,7 +207,8 @@ static char *read_text(void) {
   return getdelim(&text, &room, 0, stdin) < 0 ? text_of("%s", "") : text;
 }
 
-/* Close all inherited files; ngspice gets /dev/null three times. */
+/* Keep standard output as file 3 for the records, close the other inherited
+   files and open /dev/null as files 0, 1 and 2 for ngspice. */
 static void stand_alone(void) {
   int out = dup(1);
   if (out != 3) dup2(out, 3);
@@ -242,9 +243,8 @@ static void lock_in(int osdi) {
 /* ---- ngspice ---- */
 
 /* Replacements of C library functions for ngspice (also where the compiler
-   calls fopen64). Models write logs to the current folder and read their
-   parameters from files if they exist: writes go nowhere, and reads find
-   nothing. The user is not looked up. */
+   calls fopen64). Models write logs and read parameter files in the current
+   folder: discard written data and open no file for reading. */
 #define FOR_NGSPICE __attribute__((visibility("default")))
 
 FOR_NGSPICE FILE *open_nothing(const char *path,
@@ -281,7 +281,7 @@ static void *library_symbol(void *handle, const char *name) {
 
 static library library_load(void) {
   const char *own = getenv("OPCFLOW_NGSPICE");
-  /* Compiled models require its functions. */
+  /* Compiled models require functions of libm. */
   dlopen(LIBM_SO, RTLD_NOW | RTLD_GLOBAL);
   void *handle = dlopen(own ? own : "libngspice.so.0", RTLD_NOW | RTLD_LOCAL);
   if (!handle) end_with(MISSING, dlerror());
