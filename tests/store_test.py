@@ -111,7 +111,8 @@ def test_parameter():
                            "d": "input d.add changed"}, ran(folder)
     same(folder, run("--set", "c.number=8", "--no-cache")[0])
     shown = call("run", "chain.yaml", "--set", "c.number=9", "--log", "info",
- "--output", "runs/printed").stderr assert "b: reused\n" in shown and "a: ran again: step 'b' requires the output\n" in shown, shown 
+                 "--output", "runs/printed").stderr
+    assert "b: reused\n" in shown and "a: ran again: step 'b' requires the output\n" in shown, shown
     assert "a: reused" not in shown, shown
     text = call("explain", folder).stdout
     assert "c.number changed from 7 to 8" in text and "2 of 5 steps reused" in text, text
