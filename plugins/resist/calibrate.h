@@ -24,8 +24,8 @@ typedef struct resist_line {
 
 typedef struct resist_layer {
   resist_line anchor; /* NAN: not given */
-  /* Gates that define missing anchor values: given by the flow, or present
-     during a step; and the printed ones. NULL: none. */
+  /* Gates that define missing anchor values: from the flow (gates) or from the
+     present step (drawn). NULL: none. */
   const eda_gates *gates, *drawn;
   int gates_given;
   int logged; /* 1: the anchor, or a warning about it, was logged */
@@ -48,7 +48,7 @@ typedef struct resist_base {
   resist_layer layer[RESIST_SETS];
 } resist_base;
 
-/* clang-format off */ /* it takes the elements for nested ones */
+/* clang-format off */
 /* Parameters of a set of layers. `prefix` is "" for poly; `what` names the
    layers; RESIST_LINE and RESIST_PITCH, or RESIST_WIDE and RESIST_ALONE are the
    default anchor. */

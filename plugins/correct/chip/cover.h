@@ -16,10 +16,10 @@ typedef struct cover {
   uint32_t *place; /* numbers of the places, clip by clip */
 } cover;
 
-/* Cover n places and `reach` around each by clips, each place once. Returns the
-   recursive bisection of least total area whose sides are at most `most`,
-   unless a single place is larger. The result depends on these arguments only.
-   Callable from any thread. */
+/* Cover n places, each extended by `reach`, by clips; each place is in one
+   clip. The clips are found by recursive bisection for a small total area.
+   Sides are at most `most`, unless a single place is larger. The result depends
+   on the arguments only. Callable from any thread. */
 void cover_make(const eda_box *places, size_t n, int32_t reach, int32_t most,
                 cover *out);
 void cover_clear(cover *cover);

@@ -18,7 +18,7 @@ typedef struct environment {
 /* Compute the environments of all gates of a window that start in its core:
    shapes of all layers within `radius` grid steps of the gate's box, sizes,
    type and target. The window must contain these shapes. Other elements of
-   `out` are unchanged. `ways` is the number of equivalent orientations: 8, 4
+   `out` are unchanged. `orientations`: number of equivalent orientations: 8, 4
    (no exchange of x and y) or 1. Returns OPC_INVALID for a transistor that is
    too large. Uses all threads; callable from any thread. */
 int environments_find(const opc_context *context, const eda_gates *window,

@@ -4,7 +4,7 @@
 
 #include <eda/layout.h>
 
-/* Placement of a cell; `way` as in territory. */
+/* Placement of a cell; `orientation`: see territory. */
 typedef struct put {
   uint32_t cell;
   eda_point at;

@@ -5,9 +5,9 @@
 
 #include <eda/layout.h>
 
-/* A placed cell on the grid. `way`: number of quarter turns counter-clockwise,
-   after a mirror about x if 4 is added. `at`: position of the cell's lower left
-   corner. */
+/* A placed cell on the grid. `orientation`: number of quarter turns
+   counter-clockwise; 4 is added if the cell is mirrored about x first. `at`:
+   position of the cell's lower left corner. */
 typedef struct territory {
   eda_box box;
   eda_point at;

@@ -48,7 +48,7 @@ static int gamma_prepare(void *self, opc_error *error) {
 /* ---- parameters ---- */
 
 /* Parameters of the edge term of a type and a current. */
-/* clang-format off */ /* it takes the elements for nested ones */
+/* clang-format off */
 #define TERM(group, what, t, c, text)                                         \
   {.name = group "." what "_edge", .type = OPC_REAL, .flags = OPC_ABOVE,      \
    .preset = "0", .min = -1,                                                  \

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the coupling between fragments. Fragments are shorter than the
-   optical resolution: a move of one changes the printed edges of all fragments
-   in the environment, of any direction. The effect is modelled as a Gaussian of
-   the distance. */
+   optical resolution, so a move of a fragment changes the printed edges at all
+   sites nearby. The effect is modelled as a Gaussian of the distance. */
 #include "epe.h"
 
 #include <eda/memory.h>
@@ -26,7 +25,7 @@ static double coupling_weight(const epe_layer *l, double x, double y,
 
 typedef struct coupler {
   epe_layer *layer;
-  eda_index *index; /* of the middles of the fragments */
+  eda_index *index; /* index of the fragments' middles */
   double grid, longest;
 } coupler;
 
@@ -44,8 +43,7 @@ static int fragment_is_near(const epe_fragment *p, double x, double y,
   return dx * dx + dy * dy < reach * reach;
 }
 
-/* Make the row of site i: count the fragments within reach or, if weight is not
-   NULL, store them. */
+/* Count the elements of row i or, if m->weight is allocated, compute them. */
 static void coupling_add_site(void *data, size_t i) {
   const coupler *c = data;
   epe_layer *l = c->layer;
@@ -68,7 +66,7 @@ static void coupling_add_site(void *data, size_t i) {
   if (!m->weight) m->start[i + 1] = n;
 }
 
-/* Allocate the rows; start[1] and on hold their lengths. */
+/* Allocate n rows. start[i + 1] is the length of row i, replaced by its end. */
 static void coupling_make_rows(epe_coupling *m, size_t n) {
   for (size_t i = 0; i < n; i++) m->start[i + 1] += m->start[i];
   m->index = eda_alloc(m->start[n], sizeof *m->index);

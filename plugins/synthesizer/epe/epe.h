@@ -8,16 +8,17 @@
 #include <eda/synthesizer.h>
 #include <stdlib.h>
 
-/* Fragmentation, measurement sites and mask rules, in grid steps. */
+/* Parameters of synthesizer.epe for fragmentation, measurement sites and mask
+   rules, in grid steps. */
 typedef struct epe_rules {
   int32_t fragment, concave_corner, corner_edge, line_end, ripple;
   int32_t ripple_reach, min_edge, tangency;
   int32_t min_width, min_space, min_jog, max_shift;
-  double blur; /* standard deviation of the coupling between fragments */
+  double blur; /* standard deviation of the Gaussian coupling of fragments */
 } epe_rules;
 
-/* A fragment of a drawn edge. It moves outwards along `axis`, towards larger
-   coordinates if `sign` is 1, smaller ones if -1. */
+/* A fragment of a drawn edge. Outwards is along `axis`, towards larger (`sign`
+   1) or smaller (-1) coordinates. Shifts are positive outwards. */
 typedef struct epe_fragment {
   eda_point from, to;
   uint32_t polygon, edge;  /* indices in the layer, in order */
@@ -25,15 +26,16 @@ typedef struct epe_fragment {
   int32_t gate;            /* transistor that owns the fragment; -1: none */
   uint8_t axis;            /* EDA_X, EDA_Y */
   int8_t sign;
-  uint8_t corner; /* ends that are corners: EPE_FROM, EPE_TO */
+  uint8_t corner; /* set of ends that are corners: EPE_FROM, EPE_TO */
   uint8_t still;  /* 1: too short to be moved */
   uint8_t hole;   /* 1: the polygon is a hole */
 } epe_fragment;
 
 enum { EPE_FROM = 1, EPE_TO = 2 };
 
-/* States of an edge: bounds of fragments were narrowed, or a run is too short
-   (both: settle the edge again); all fragments move together. */
+/* States of an edge, a set. NARROWED: bounds of fragments were narrowed; SHORT:
+   a run is too short. Both require to settle the edge again. WHOLE: all
+   fragments move together. */
 enum { EPE_NARROWED = 1, EPE_SHORT = 2, EPE_WHOLE = 4 };
 
 static inline double epe_length(const epe_fragment *p) {
@@ -48,17 +50,17 @@ typedef struct epe_run {
   int32_t before, after; /* neighbouring runs; -1: none */
 } epe_run;
 
-/* Two fragments and their least distance. They face each other through the
-   inside of the mask or across a space, or are neighbours around a corner whose
-   jogs may come too near. */
+/* Two fragments and their least distance. The fragments face each other through
+   the inside of the mask or across a space, or are on both sides of a corner.
+   */
 typedef struct epe_pair {
   uint32_t a, b;
   uint16_t inside, corner;
   float limit;
 } epe_pair;
 
-/* A sparse matrix by rows, or the transposed matrix: the effects of moves on
-   the printed edge at each site, for a gain of 1. */
+/* A sparse matrix by rows: move of the printed edge at each site (row) per move
+   of each fragment (column) for a gain of 1; or the transposed matrix. */
 typedef struct epe_coupling {
   uint32_t *start, *index;
   float *weight;
@@ -77,11 +79,11 @@ typedef struct epe_layer {
   size_t count; /* number of fragments; 0: the layer does not move */
   epe_fragment *fragments;
   size_t polygons;
-  uint32_t *start; /* first fragment of each polygon, and the end */
+  uint32_t *start; /* [polygons + 1]: first fragment of each polygon */
   eda_point *from;
   double *site; /* nm */
   size_t edges;
-  uint32_t *edge; /* first fragment of each edge, and the end */
+  uint32_t *edge; /* [edges + 1]: first fragment of each edge */
   uint8_t *state; /* EPE_NARROWED ... of each edge */
   epe_pair *pairs;
   size_t pair_count;
@@ -94,20 +96,20 @@ typedef struct epe_layer {
   epe_coupling coupling, transposed;
   double *work[5];        /* work arrays of steer.c */
   double *step;           /* largest move per iteration */
-  double *side;           /* sign of the last defined error, or of the level set
-                             at a site without an edge nearby */
-  double *error, *before; /* errors of the last and of the previous simulated
-                             contour, grid steps; NAN: no edge near the site */
+  double *side;           /* error to correct; at a site without an edge nearby,
+                             the sign of the last error or of the level set */
+  double *error, *before; /* errors of the last and the previous simulation,
+                             grid steps; NAN: no edge near the site */
   double *cost;           /* measured |EPE|, nm */
-  int32_t *shift, *last;  /* last and previous measured shifts */
+  int32_t *shift, *last;  /* shifts of the last and the previous simulation */
   int32_t *best;
   int32_t *low, *high; /* bounds of the shift by the mask rules */
   int32_t *most;       /* largest outward shift */
   eda_box_list srafs;  /* assist features */
   epe_run *runs;       /* runs of each edge, at the index of its first
                           fragment */
-  int32_t *settled;    /* shifts under construction in rules.c */
-  uint8_t *broken;     /* 1 for each pair that is too near */
+  int32_t *settled;    /* next shifts, computed in rules.c */
+  uint8_t *broken;     /* [pair_count]: 1: the pair is too near */
 } epe_layer;
 
 /* Cut the drawn shapes of a layer into fragments with sites and owners
@@ -124,39 +126,36 @@ int epe_place_srafs(epe_layer *layer, const eda_sraf_rule *rule,
    (assist.c). */
 int epe_replace_srafs(epe_layer *layer, eda_boxes srafs);
 
-/* Find the pairs of fragments that may come too near to each other
-   (pairs.c). */
+/* Find the pairs of fragments whose distance may violate a rule (pairs.c). */
 void epe_find_pairs(epe_layer *layer);
-/* Narrow low and high of fragments that, in the mask of `shift`, are too near
-   to each other or make an edge too short. Return the number of such pairs and
-   edges. `hard`: their edges stay as drawn (pairs.c). */
+/* Narrow the bounds low and high of fragments that, in the mask of `shift`, are
+   too near to each other or make an edge too short. `hard`: their edges stay as
+   drawn. Return the number of such pairs and edges (pairs.c). */
 size_t epe_separate(epe_layer *layer, const int32_t *shift, int hard);
 
 /* Return in `shift` the shifts nearest to layer->wanted that the mask rules
    allow (rules.c). */
 void epe_settle(epe_layer *layer, int32_t *shift);
 
-/* Combine the measured errors and costs with those of other doses, whose
-   contours are the levels +-`level` of the level set. `weight` is the weight of
-   other doses; 0: they are not measured (window.c). */
+/* Average the errors and costs with those at two other doses, whose contours
+   are at the levels +-`level` of the level set `print`. `weight`: weight of the
+   other doses, 0 to 1; 0: not measured (window.c). */
 void epe_weigh(epe_layer *layer, const eda_field *print, double weight,
                double level, double grid);
 
-/* Compute the coupling: effects of moves on the printed edge at each site
-   (couple.c). */
+/* Compute `coupling` and `transposed` (couple.c). */
 void epe_couple(epe_layer *layer, double grid);
 
-/* Parameters of epe_steer, which moves layer->wanted against the errors
-   (steer.c). */
+/* Parameters of epe_steer, which corrects layer->wanted (steer.c). */
 typedef struct epe_steering {
   double step;      /* largest move */
-  double damping;   /* part of an error to be corrected at once */
-  double stiffness; /* weight of moves against errors in the least squares */
+  double damping;   /* part of the computed moves that is made */
+  double stiffness; /* weight of squared moves relative to squared errors */
 } epe_steering;
 void epe_steer(epe_layer *layer, const epe_steering *by);
 
-/* Return the position of a fragment along its axis, or its extent along the
-   edge, after the moves of `shift` (NULL: as drawn). */
+/* With the shifts `shift` (NULL: as drawn), return the position of a fragment
+   along the axis (epe_line), or the begin or end along the edge. */
 static inline int32_t epe_line(const epe_fragment *p, const int32_t *shift,
                                uint32_t i) {
   int32_t at = p[i].axis == EDA_X ? p[i].from.x : p[i].from.y;

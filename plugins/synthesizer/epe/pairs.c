@@ -1,18 +1,19 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the mask rules for width, space and edge length: pairs of
-   fragments that face each other are found once and kept apart at every move.
-   Distances are Euclidean, as in a mask rule check. A pair drawn too near may
-   not come nearer. */
+/* Implements the mask rules for width, space and edge length. Pairs of
+   fragments that may violate a rule are found once and checked after every
+   move. Distances are Euclidean, as in a mask rule check. The limit of a pair
+   drawn nearer than the rule is the drawn distance. */
 #include "epe.h"
 
 #include <eda/memory.h>
 #include <math.h>
 #include <stdlib.h>
 
-/* The gap from fragment a to fragment b on the side of larger coordinates. */
+/* The distance from fragment a to fragment b at larger coordinates. */
 typedef struct gap {
-  double across; /* along the axis of both */
-  double along;  /* between the ends; 0 or less if the fragments overlap */
+  double across; /* along the axis of both fragments */
+  double along;  /* between the nearest ends; 0 or less: the fragments overlap
+                  */
 } gap;
 
 static gap gap_of(const epe_fragment *p, const int32_t *shift, uint32_t a,
@@ -44,9 +45,9 @@ static double end_reach(const epe_layer *l, uint32_t i) {
   return l->fragments[i].corner ? l->rules->max_shift : 0;
 }
 
-/* Add the pair if it may come too near. The outside of fragment i is towards
-   larger coordinates, that of j towards smaller ones: across a space if j is
-   beyond i, else through the inside. */
+/* Add the pair if the distance may fall below the limit. Fragment i faces
+   larger coordinates, fragment j smaller ones. If j is at larger coordinates
+   than i, a space is between them, else the inside of the mask. */
 static void pair_consider(finder *f, uint32_t i, uint32_t j) {
   epe_layer *l = f->layer;
   const epe_fragment *p = l->fragments;
@@ -59,8 +60,7 @@ static void pair_consider(finder *f, uint32_t i, uint32_t j) {
   if (g.across > limit + 2 * l->rules->max_shift ||
       g.along > limit + end_reach(l, a) + end_reach(l, b))
     return;
-  /* There is no inside between corners of two polygons that are past each
-     other. */
+  /* No inside of the mask is between diagonal corners of two polygons. */
   if (inside && g.along >= 0 && p[i].polygon != p[j].polygon && !p[i].hole &&
       !p[j].hole)
     return;
@@ -92,9 +92,9 @@ static int32_t corner_distance(const epe_layer *l, uint32_t i, int side) {
                     epe_along(&p[i], p[i].from));
 }
 
-/* Add pairs of fragments before and after the corner at the end of fragment i,
-   without the two that meet in the corner. Nubs of both come near to each other
-   at a concave corner, notches at a convex one. */
+/* Add pairs of fragments on both sides of the corner at the end of fragment i,
+   except the two that meet at the corner. Outward jogs of a pair come near to
+   each other at a concave corner, inward jogs at a convex one. */
 static void pairs_find_at_corner(finder *f, uint32_t i) {
   epe_layer *l = f->layer;
   const epe_fragment *p = l->fragments;
@@ -137,7 +137,7 @@ void epe_find_pairs(epe_layer *l) {
 
 /* ---- separation ---- */
 
-/* Move fragment i towards the drawn edge, by so many steps. */
+/* Move fragment i towards the drawn edge by `by` steps. */
 static void fragment_move_back(epe_layer *l, const int32_t *shift, uint32_t i,
                                int32_t by) {
   int32_t out = shift[i] > 0, left = abs(shift[i]) - by;
@@ -165,7 +165,7 @@ static void fragment_keep_drawn(epe_layer *l, uint32_t i) {
   }
 }
 
-/* Move both fragments back, each by its part of the missing distance. */
+/* Move both fragments back in proportion to their shifts, `missing` in sum. */
 static void pair_separate(epe_layer *l, const int32_t *shift,
                           const epe_pair *pair, double missing) {
   int sign = pair->inside ? -1 : 1; /* sign of moves that close the gap */
@@ -181,11 +181,11 @@ static void pair_separate(epe_layer *l, const int32_t *shift,
   for (int k = 0; k < 2; k++) neighbours_move_back(l, shift, who[k]);
 }
 
-/* Grid steps: corners are on whole steps, but limits are rounded floats. */
+/* Grid steps: tolerance for the rounding of limits, which are floats. */
 static const double slack = 1e-3;
 
-/* Return the distance between the jogs of two fragments around a corner; a
-   large one unless both protrude. */
+/* Return the distance between the jogs of two fragments on both sides of a
+   corner; INFINITY unless both protrude. */
 static double corner_gap(const epe_layer *l, const int32_t *shift,
                          const epe_pair *pair) {
   uint32_t a = pair->a, b = pair->b;
@@ -206,8 +206,7 @@ static int too_near(const epe_layer *l, const int32_t *shift,
   if (epe_line(p, shift, pair->b) - epe_line(p, shift, pair->a) >= limit)
     return 0;
   gap g = gap_of(p, shift, pair->a, pair->b);
-  /* If they are past each other, the wall of one faces a jog or the wall of the
-     other. */
+  /* Overlapping fragments that are nearer than the limit violate the rule. */
   return g.along <= 0 || hypot(epe_max(g.across, 0), g.along) < limit;
 }
 
@@ -222,9 +221,9 @@ static void pair_check(void *data, size_t k) {
   l->broken[k] = (uint8_t)too_near(l, s->shift, &l->pairs[k]);
 }
 
-/* Move the edges around edge e back if its corners are too near to each other
-   or have changed places. No edge gets shorter than min_edge, or than drawn if
-   that is less. Return whether the edge was too short. */
+/* Move the edges before and after edge e back if edge e is shorter than
+   min_edge (or than drawn, if that is less) or reversed. Return whether edge e
+   was too short. */
 static int edge_lengthen(epe_layer *l, const int32_t *shift, size_t e,
                          int hard) {
   const epe_fragment *p = l->fragments;
@@ -243,7 +242,7 @@ static int edge_lengthen(epe_layer *l, const int32_t *shift, size_t e,
   }
   double from = epe_max(0, way * (begin - drawn_begin));
   double to = epe_max(0, way * (drawn_end - end));
-  /* Each moves back by its part of the missing length. */
+  /* Move back in proportion to the shifts. */
   double part = missing / (from + to);
   fragment_move_back(l, shift, p[first].previous, (int32_t)ceil(from * part));
   fragment_move_back(l, shift, p[last].next, (int32_t)ceil(to * part));

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the step from the shifts requested by the feedback to a mask that
-   can be manufactured. Shifts are on the grid; small jogs, short edges, and
-   violations of width and space are removed. */
+/* Implements the rounding of the shifts requested by the feedback to shifts on
+   the grid that satisfy the mask rules for jogs, edge length, width and space.
+   */
 #include "epe.h"
 
 #include <math.h>
@@ -20,9 +20,9 @@ static void run_set_shift(epe_run *r) {
   r->shift = run_clamp(r->weighted / r->length, r->low, r->high);
 }
 
-/* Begin the runs of an edge, a list whose first element is always runs[0]. The
-   rounding error of the grid is carried along the edge until it amounts to a
-   jog: the optics average over the environment. */
+/* Make one run of each fragment of an edge, a list that begins at runs[0]. The
+   rounding error of the grid is carried along the edge until the sum justifies
+   a jog, as the optics average shifts along the edge. */
 static void runs_begin(const epe_layer *l, size_t e, epe_run *runs) {
   int32_t n = (int32_t)(l->edge[e + 1] - l->edge[e]);
   double missing = 0, worth = l->rules->blur / tuned.jog_part;
@@ -47,7 +47,7 @@ static void runs_begin(const epe_layer *l, size_t e, epe_run *runs) {
   }
 }
 
-/* Merge run k with the next one. Bounds always include 0. */
+/* Merge run k with the next one. The bounds of both runs include 0. */
 static void run_merge(epe_run *runs, int32_t k) {
   epe_run *a = &runs[k];
   const epe_run *b = &runs[a->after];
@@ -85,8 +85,9 @@ static int run_is_convex(const epe_fragment *p, const epe_fragment *next) {
   return (p->sign * next->sign > 0) == (p->axis == EDA_X);
 }
 
-/* Return whether the mask ends at that side of run k, so that its width is
-   bounded there, or continues, so that the space before the run is. */
+/* Return whether a run is the outer one at that end (side 0: begin, 1: end). A
+   run that is the outer one at both ends has the length of a mask width. A run
+   that is the inner one at both ends has the length of a space. */
 static int run_is_bounded_inside(const epe_layer *l, const epe_run *runs,
                                  const epe_run *r, int side) {
   const epe_fragment *p = l->fragments;
@@ -140,7 +141,7 @@ static void edge_settle(epe_layer *l, size_t e, const int32_t *shift) {
       continue;
     }
     k = run_absorb(runs, run_join(runs, k), jog);
-    /* The run before may now be a nub or a notch. */
+    /* The run before may be too short now. */
     if (runs[k].before >= 0) k = runs[k].before;
   }
   for (int32_t k = 0; k >= 0; k = runs[k].after)
@@ -201,8 +202,8 @@ static void edge_check(void *data, size_t e) {
   if (edge_has_short(r->layer, e, r->shift)) *state |= EPE_SHORT;
 }
 
-/* Settle the edges marked for it. Return the number of edges with a run that is
-   too short. `whole`: these edges move as one run from now on. */
+/* Settle the marked edges. `whole`: edges with a run that is too short move as
+   one run from now on. Return the number of these edges. */
 static size_t edges_settle(epe_layer *l, int32_t *shift, int whole) {
   round_state r = {l, shift};
   size_t found = 0;

@@ -119,7 +119,7 @@ static void moves_solve(epe_layer *l, double stiffness, const double *errors) {
   }
 }
 
-/* Return the next bound of a move: smaller after a change of sign of the error
+/* Return the next bound of a fragment's move: smaller if the error changed sign
    (overshoot), else larger. */
 static double fragment_next_step(const epe_layer *l, uint32_t i, double most) {
   double e = l->error[i], before = l->before[i];
@@ -135,8 +135,8 @@ void epe_steer(epe_layer *l, const epe_steering *by) {
   for (uint32_t i = 0; i < l->count; i++) {
     double e = l->error[i];
     l->step[i] = fragment_next_step(l, i, by->step);
-    /* No edge nearby: the feature does not print and has to grow, or it was too
-       large before, has merged with another one, and has to shrink. */
+    /* No edge nearby: a feature that did not print must grow, and a feature
+       that merged with another one must shrink. The last error has the sign. */
     if (isnan(e)) e = by->step * (l->side[i] > 0 ? tuned.lost : -tuned.lost);
     l->side[i] = e;
   }
@@ -144,8 +144,8 @@ void epe_steer(epe_layer *l, const epe_steering *by) {
   for (uint32_t i = 0; i < l->count; i++) {
     double move =
         epe_within(by->damping * l->work[PUSH][i], -l->step[i], l->step[i]);
-    /* Discard requests that the rules did not allow, so that they do not
-       accumulate. */
+    /* Start near the present shift, so that moves that the mask rules did not
+       allow do not accumulate. */
     double from =
         epe_within(l->wanted[i], l->shift[i] - slack, l->shift[i] + slack);
     l->wanted[i] = from + move;

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the process window in the feedback: another dose prints another
-   level of the same level set. Where such a contour is far from the edge,
-   because features are about to merge or vanish, the edge moves even if the
-   nominal contour is right. */
+/* Implements the process window in the feedback: the contour at another dose is
+   another level of the same level set. Where features merge or vanish at
+   another dose, that contour is far from the edge, and the edge moves even if
+   the nominal contour is on the edge. */
 #include "epe.h"
 
 #include <math.h>
 
 #include "tuning.h"
 
-/* Return the edge placement error of the contour at the level `level`, nm; at
-   most tuned.window_reach. */
+/* Return the edge placement error at site i of the contour at `level`, nm,
+   limited to +-tuned.window_reach. */
 static double error_at(const epe_layer *l, uint32_t i, const eda_field *print,
                        double level) {
   const epe_fragment *p = &l->fragments[i];
