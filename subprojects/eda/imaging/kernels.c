@@ -126,7 +126,7 @@ static void strip_transfer(const sum_task *j, size_t kernel, const strip *p,
   out->at = out->value;
 }
 
-/* Derive the factors of all quadrants from quadrant 0 of two mirrored kernels.
+/* Derive all factors from quadrant 0 of the kernel and of its mirrored kernel.
  */
 static void factors_mirror(const sum_task *j, const strip *p, int l,
                            factor t[QUADRANTS]) {
@@ -477,8 +477,7 @@ static void back_along_x(void *data, size_t pair) {
   give_back(j, a);
 }
 
-/* Return `scale` times the ratio of spline coefficients to samples, [0 .. top].
- */
+/* Return `scale` times the ratio of coefficients to samples, [0 .. top]. */
 static float *over_samples(int top, int n, double scale) {
   float *a = eda_alloc((size_t)top + 1, sizeof *a);
   for (int k = 0; k <= top; k++)

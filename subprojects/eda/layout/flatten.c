@@ -20,8 +20,7 @@
 
 /* Tolerance in grid units. x * unit / grid has a relative error of a few 2^-53,
    at most 1e-6 for the allowed coordinates. A value less than EPSILON below a
-   half is rounded up; a value within EPSILON of an integer counts as unmoved.
- */
+   half is rounded up; a value within EPSILON of an integer is not moved. */
 #define EPSILON 1e-6
 
 #define BEYOND "'%s': a coordinate of layer '%s' is beyond 2^30 units of %g nm"

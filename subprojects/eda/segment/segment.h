@@ -148,6 +148,5 @@ int segment_notes(segment *s);
 /* Return OPC_INVALID with the position of region i and the fault. */
 int segment_refuse(segment *s, size_t i, const char *fault);
 
-/* Return the path of a placement (free()) and its cell in *cell, -1 for none.
- */
+/* Return the path of a placement (free()); *cell is its cell, -1 for none. */
 char *segment_path(const segment *s, uint32_t placement, int32_t *cell);

@@ -58,8 +58,7 @@ static int is_own(const line *l) { return l->word[0].at.file == 0; }
 
 /* ---- statements ---- */
 
-/* Search in quotes, too: the simulator may pair quotes and braces differently.
- */
+/* Search in quotes, too; the simulator may pair quotes differently. */
 static int names_file(const char *text) {
   while (*text) {
     size_t n = strspn(text, letters);
