@@ -6,9 +6,9 @@
 
 #include "view.h"
 
-/* Contours are exact where they cross the lines of their sampling grid and
-   chords in between, with an error of step^2 / (8 r) for an arc of radius r.
-   The step makes this a tenth of a pixel, with at most MAX_NODES grid nodes. */
+/* Contours are exact where they cross the lines of their sampling grid. Chords
+   in between have an error of step^2 / (8 r) for an arc of radius r. The step
+   makes this a tenth of a pixel, with at most MAX_NODES grid nodes. */
 enum { MAX_NODES = 4000000 };
 static const double least_radius = 40; /* radius of a printed corner, nm */
 static const double max_step = 20;     /* nm; finer than any line */

@@ -59,8 +59,8 @@ static int names_collide(const char *a, const char *b) {
   return x.layer == y.layer && x.datatype == y.datatype;
 }
 
-/* Fail if the map writes a layer on the place of one that it leaves where the
-   layout's file had it. */
+/* Fail if the map assigns to a layer the file name of a layer that is not in
+   the map. */
 static int check_places(const writer *w, const eda_layout *layout,
                         const char *const *names, opc_error *error) {
   const opc_map *map = &w->layers;

@@ -308,8 +308,8 @@ static void length_describe(const simulation_task *j, double length,
              current_names[j->current], type_names[j->type], width, length);
 }
 
-/* Find the first length from which all currents are valid. Returns an error if
-   too few remain. *why: fault of the length before; NULL: none. */
+/* Find the shortest length from which all currents are valid. Return an error
+   if too few remain. *why: fault of the next shorter one; NULL: none. */
 static int find_end(const simulation_task *j, size_t *first, const char **why,
                     opc_error *error) {
   enum { LEAST = 3 }; /* needed by the interpolation of extractors */

@@ -24,7 +24,7 @@ typedef struct drawer {
   double range; /* % */
 } drawer;
 
-/* Pixels; NAN: no transistor, INFINITY: does not print. */
+/* Pixel values; NAN: no transistor, INFINITY: one does not print. */
 typedef struct raster {
   int width, height;
   double scale; /* pixels per grid step */

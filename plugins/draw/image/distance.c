@@ -103,8 +103,8 @@ static int make_line(const view *v, const eda_field *print, line *l,
 
 /* ---- the nearest place ---- */
 
-/* Return the distance to the nearest point, and its number in *best. The line
-   must have points. */
+/* Return the distance to the nearest point, and the index of that point in
+ *best. The line must have points. */
 static double nearest_point(const line *l, const double *p, uint32_t *best) {
   double least = INFINITY;
   for (double reach = near; least > reach; reach *= 2) {

@@ -15,7 +15,7 @@ typedef struct drawer {
   int state;
   const char *scale; /* parameter `scale` */
   double asked;      /* parameter as %; 0: from the data */
-  int64_t insets;    /* largest number */
+  int64_t insets;    /* largest number of insets */
   double range;      /* deviation at the ends of the scale, % */
   size_t beyond;     /* number of transistors beyond the range */
   size_t *worst;     /* [n_worst], transistors in the insets */
@@ -26,8 +26,8 @@ typedef struct drawer {
 
 int drawer_check_scale(drawer *d, opc_error *error);
 
-/* Return 1 if a transistor does not print as one of its own. Notes on its print
-   are not failures. For the drawn mask, only currents are known. */
+/* Return 1 if a transistor does not print as a separate transistor. Notes of
+   the print are no failures. For the drawn mask, only currents are known. */
 int drawer_fails(const drawer *d, size_t gate);
 
 /* Return the deviation of a transistor's drive current, %, or the figure that

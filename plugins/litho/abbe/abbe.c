@@ -30,7 +30,7 @@ typedef struct abbe {
 
 static const double coarsest = 32; /* largest grid spacing of an image, nm */
 
-/* The model at one focus and for one part of the light. */
+/* The model at one defocus and for one part of polarised light. */
 typedef struct view {
   const abbe *model;
   double defocus;

@@ -24,7 +24,7 @@
 
 enum { CHUNK = 512 }; /* edges per chunk: their table fits the cache */
 
-/* An edge, in periods of the frame from the corner of the frame. */
+/* An edge, relative to the frame's corner, in units of the frame's period. */
 typedef struct edge {
   double x, y;   /* midpoint */
   double dx, dy; /* from begin to end */

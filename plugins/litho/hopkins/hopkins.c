@@ -16,7 +16,7 @@
 
 enum {
   CUTS = 256,
-  ALL = 600, /* kernels of a sum taken as complete: more change images by
+  ALL = 600, /* kernels of a complete sum: further kernels change images by
                 1e-5 */
   /* Limit of listed source points. Computing kernels takes 10 s for 300 points
      and grows with the square of the number; other sources are sampled by 400
@@ -24,7 +24,7 @@ enum {
   MOST_LISTED = 800
 };
 
-/* Kernels for one defocus, truncated for one error. */
+/* Kernels for one defocus and one requested error. */
 typedef struct cut {
   double defocus; /* nm */
   double wanted;  /* requested error, clear field 1 */
@@ -60,8 +60,7 @@ static double hopkins_band(const void *self) {
 
 /* Return the grid spacing for four samples per shortest period of the
    intensity, nm: 32 at 193 nm, NA 0.75, where contours deviate by 0.0015 nm.
-   Longer waves need fewer samples: 41 nm at 248 nm, NA 0.7, 0.6 of the
-   numbers. */
+   Longer wavelengths need fewer samples: 41 nm at 248 nm, NA 0.7. */
 static double step_of(const hopkins *h) {
   return 32 * (0.75 / 193) / h->optics.cutoff;
 }
@@ -141,7 +140,7 @@ static int kernels_are_all(const kernels *k) {
   return k->all || k->count + 1 >= ALL;
 }
 
-/* Measure the largest error of the present kernels on the patterns. */
+/* Measure the largest error of the kernels in use on the patterns. */
 static int cut_try(const hopkins *h, cut *c, trial *t, opc_error *error) {
   const kernels *k = c->kernels;
   int code = OPC_OK;
@@ -240,7 +239,7 @@ static int cut_get_kernels(const hopkins *h, cut *c, opc_error *error) {
 }
 
 /* Largest ratio of error to request without a warning, unless the flow itself
-   sets the error: requests of steps contain a reserve. Our choice. */
+   sets the error: requests of steps contain a reserve. Tuned. */
 static const double nearly = 2;
 
 static void cut_log(const hopkins *h, const cut *c) {
@@ -371,7 +370,7 @@ static int hopkins_image_fine(const void *self, int layer,
   const kernels *k = h->cuts[0].kernels;
   if (defocus == 0 && k->cross && pattern_is_lines(k, mask))
     return hopkins_image_lines(h, layer, mask, out, error);
-  /* The image must be no less accurate than the model's own. */
+  /* The error must not exceed the error of the model's kernels. */
   double own = h->fixed > 0 ? h->cuts[0].error : h->wanted;
   const cut *c = &h->cuts[0];
   if (defocus != 0 || c->error > wanted)

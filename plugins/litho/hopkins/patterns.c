@@ -74,7 +74,7 @@ typedef struct order {
 } order;
 
 /* Find the frequencies within the band, sorted such that entry n - 1 - i is the
-   opposite of entry i. Return their number. */
+   negative of entry i. Return their number. */
 static size_t orders_find(const kernels *k, const eda_spectrum *mask,
                           order *out) {
   size_t n = 0;

@@ -28,7 +28,7 @@ static const double coarsest = 32; /* largest grid spacing of an image, nm */
 
 /* ---- work: between the frequencies ---- */
 
-/* Weights of the values first .. last for interpolation at a place. */
+/* Weights of the values first .. last for interpolation at a position. */
 typedef struct reach {
   int first, last;
   double weight[KERNEL_MOST];

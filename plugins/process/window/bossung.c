@@ -26,7 +26,7 @@ static eda_colour colour_of(const window *w, size_t dose) {
   return eda_diverging(t < 0.5 ? fmin(t, 0.25) : fmax(t, 0.75));
 }
 
-/* Draw the key: doses and their colours. */
+/* Draw the legend: doses and their colours. */
 static void draw_key(const eda_chart *c, const window *w) {
   double x = c->left + c->width + 0.6 * font, y = c->top + font;
   size_t skip = 1 + w->dose.count / 25;

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Settings, our choice. */
+/* Tuned settings. */
 static const struct {
   double unit, step, nodes, coarsest, most;
 } tuned = {
