@@ -71,11 +71,12 @@ says() {
 exchanged="{ use: read.gds, file: $cells/sram4.gds, layers: { poly: 1/0, active: 9/0, contact: 10/0, nwell: 3/0 } }"
 small="{ use: read.gds, file: $cells/sram4.gds, scale: 0.66, layers: { poly: 9/0, active: 1/0, contact: 10/0, nwell: 3/0 } }"
 correct newton "$exchanged"
-says 'transistors are drawn longer than wide: check that the layers poly and active are not exchanged' \ 'exchanged layers are reported' 
+says 'transistors are drawn longer than wide: check that the layers poly and active are not exchanged' \
+  'exchanged layers are reported'
 correct newton "$small"
-says 'are drawn with lengths (42.9 to 42.9 nm) beyond the device table.s 44 to 120 nm: is the layout.s .scale. right' \
+says 'are drawn with lengths (42.9 to 42.9 nm) beyond the device table (44 to 120 nm): check the .scale. of the layout' \
   'a missing scale is reported'
-says '^finding: mask: no transistor prints as drawn: is the layout.s .scale. right' \
+says '^finding: mask: no transistor of the drawn mask prints: check the .scale. of the layout' \
   'so it is when nothing prints as drawn'
-says "^finding: mask: figures of [0-9]* of 192 transistors are from beyond the device table" \
+says "^finding: mask: results of [0-9]* of 192 transistors are extrapolated beyond the device table" \
   'and figures that are none'

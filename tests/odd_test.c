@@ -215,7 +215,7 @@ static void test_memory(void) {
   g_autofree char *said = NULL;
   int code = verb_run("run", "light.yaml", "window.margin=1 m", &said);
   g_assert_cmpint(code, ==, 4);
-  g_assert_nonnull(strstr(said, "step 'window' (process.window): wants "));
+  g_assert_nonnull(strstr(said, "step 'window' (process.window): requires "));
   g_assert_nonnull(strstr(said,
                           "the limit on address space (ulimit -v) has "
                           "only "));

@@ -123,7 +123,7 @@ cp "$work/two.yaml" "$work/flow.yaml"
 run
 code=$?
 check "a cell that is not as in the library: exit 2" exits 2
-check "and says which" says "cell 'nand2' is drawn or cut otherwise"
+check "and says which" says "cell 'nand2' is drawn or fragmented differently"
 sed 's/^9 nand2/9 other/' "$work/wider.cif" >"$work/other.cif"
 sed -i "s#$work/wider.cif#$work/other.cif#" "$work/flow.yaml"
 run
@@ -136,7 +136,7 @@ cp "$work/one.yaml" "$work/flow.yaml"
 run --set placed.litho.na=0.74
 code=$?
 check "another process: exit 2" exits 2
-check "and says what differs" says "made with another litho"
+check "and says what differs" says "the library was built with another litho"
 
 # ---- illumination that is not equivalent in all orientations ----
 
