@@ -102,7 +102,7 @@ def names(done):
 def test_same(place):
     alone = place.run(0, options=["--no-cache"])[0]
     for n in (1, 2, 4):
-        folder, said, done = place.run(n, "b.wait=50", options=["--no-cache"])  # long enough that none comes too late
+        folder, said, done = place.run(n, "b.wait=50", options=["--no-cache", "--log", "info"])  # long enough that none comes too late
         check(folder)
         assert names(done) == ALL and len({pid for _, _, pid in done}) == n, done
         assert said.out.count("runs/") == 1 and said.err.count("c: ran") == 1, (said.out, said.err)
@@ -143,7 +143,7 @@ def test_said(place):
     for n in (1, 3):
         _, said, _ = place.run(n, "b.fault=warn", "b.at=1", options=["--no-cache", "--log", "debug"])
         assert said.err.count("warning: b: piece 1 is odd") == said.err.count("finding: b: piece 1 is odd") == 1, said.err
-        assert "24 bytes each" in said.err, said.err
+        assert "24 bytes per result" in said.err, said.err
 
 
 def test_again(place):
@@ -161,7 +161,7 @@ def test_again(place):
         os.unlink(path)
     folder, said, done = place.run(2, "d.count=7")
     assert names(done) == ALL
-    folder, said, done = place.run(2, "c.number=5")  # which the first rank does
+    folder, said, done = place.run(2, "c.number=5", options=["--log", "info"])  # which the first rank does
     assert folder and "c: ran" in said.err
 
 
@@ -201,7 +201,7 @@ def test_others(place):
     place.write("other.yaml", FLOW.replace("JOURNAL", place.path("journal")).replace("number: 3", "number: 4"))
     done = subprocess.run([MPIRUN, "--oversubscribe", "-n", "1", OPCFLOW, "run", "shared.yaml", ":", "-n", "1", OPCFLOW,
                            "run", "other.yaml"], cwd=place.folder, env=place.env, stderr=subprocess.PIPE, text=True)
-    assert done.returncode == 4 and "rank 1 on" in done.stderr and "does not do the same as rank 0" in done.stderr, done
+    assert done.returncode == 4 and "rank 1 on" in done.stderr and "does not run the same as rank 0" in done.stderr, done
     os.makedirs(place.path("bin"))
     shutil.copy(OPCFLOW, place.path("bin/opcflow"))
     done = subprocess.run([MPIRUN, "--oversubscribe", "-n", "2", place.path("bin/opcflow"), "run", "shared.yaml"],
