@@ -42,7 +42,7 @@ static void test_demo(void) {
   /* A line for each long step, and nothing else. */
   g_auto(GStrv) lines = g_strsplit(errors, "\n", -1);
   g_assert_cmpuint(g_strv_length(lines), <=, 4 + 1);
-  for (int i = 0; *lines[i]; i++)
+  for (int i = 0; lines[i] && *lines[i]; i++)
     g_assert_true(g_str_has_prefix(lines[i], "["));
   g_assert_cmpfloat(metric("demo", "mask", "transistors"), ==, 4);
   g_assert_cmpfloat(metric("demo", "mask", "ion_max_drawn"), >, 5);
