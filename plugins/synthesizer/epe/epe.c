@@ -9,6 +9,7 @@
 #include <eda/rules.h>
 #include <math.h>
 #include <opcflow/follow.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -287,14 +288,18 @@ static int has_converged(const epe *d, int64_t iteration) {
 }
 
 static void epe_log_unconverged(epe *d) {
+  int ion = best_is_by_ion(d);
+  char state[80] = "the fragments still move";
+  if (isfinite(d->best))
+    (void)snprintf(state, sizeof state,
+                   "the mean |%s| still decreases, %.3g %s",
+                   ion ? "Ion deviation" : "EPE", ion ? 100 * d->best : d->best,
+                   ion ? "%" : "nm");
   if (!d->reported && d->iterations > 0)
     d->host->log(d->host, OPC_LOG_FINDING,
                  "synthesizer.epe: not converged after %d iterations "
-                 "('iterations'): the mean |%s| still decreases, %.3g %s",
-                 (int)d->iterations,
-                 best_is_by_ion(d) ? "Ion deviation" : "EPE",
-                 best_is_by_ion(d) ? 100 * d->best : d->best,
-                 best_is_by_ion(d) ? "%" : "nm");
+                 "('iterations'): %s",
+                 (int)d->iterations, state);
   d->reported = 1;
 }
 
