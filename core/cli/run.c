@@ -314,10 +314,10 @@ static int check_and_run(const char *path) {
   g_autoptr(GPtrArray) chosen =
       cli_choose_variants(recipe, variants, FALSE, problems);
   g_autoptr(JsonArray) list = json_array_new();
-  series s = {recipe, NULL, chosen, list};
   if (recipe)
-    s.sweep = sweep =
+    sweep =
         opc_sweep_new(recipe, cli_list(sets), NULL, cli_list(sweeps), problems);
+  const series s = {recipe, sweep, chosen, list};
   for (guint i = 0; i < chosen->len; i++) {
     const opc_choice choice = choice_of(&s, chosen->pdata[i]);
     opc_flow_check(recipe, &choice, cli_registry(), NULL, problems);

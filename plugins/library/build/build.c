@@ -111,8 +111,8 @@ static entry *correct_cell(builder *r, const cut_out *cell, const char *key,
   correct_loop_init(&l, b->host, cell->gates, &b->with);
   l.printer.drawn = NULL; /* all cells share one resist calibration */
   if (!correct_loop_run(&l, r->error)) data = cell_pack(r, cell, &l);
-  result->simulations =
-      (int64_t)(l.printer.simulations + l.printer.fine_simulations);
+  result->simulations = (int64_t)l.printer.simulations;
+  result->simulations += (int64_t)l.printer.fine_simulations;
   result->state = "corrected";
   r->corrected++;
   r->simulations += (size_t)result->simulations;
