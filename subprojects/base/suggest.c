@@ -61,8 +61,8 @@ static char *suggestion_of_word(const char *word, const GPtrArray *ids) {
   g_autoptr(GPtrArray) lasts = g_ptr_array_new();
   const char *nearest = opc_nearest(word, ids);
   for (guint i = 0; i < ids->len && !nearest; i++) {
-    const char *dot = strrchr(ids->pdata[i], '.');
-    g_ptr_array_add(lasts, dot ? (char *)dot + 1 : ids->pdata[i]);
+    const char *id = ids->pdata[i], *dot = id ? strrchr(id, '.') : NULL;
+    g_ptr_array_add(lasts, (char *)(dot ? dot + 1 : id));
   }
   const char *last = nearest ? NULL : opc_nearest(word, lasts);
   guint i;
