@@ -157,11 +157,10 @@ static void test_kind(void) {
   if (CALL(command, "lint", "writers/writer.plain.so")) g_error("%s", out);
   if (CALL(command, "new", "plugin", "writer.mine", "--plugin-path", "writers"))
     g_error("%s", err);
-  if (CALL("sh", "-c",
-           "CFLAGS=-I$PWD/kind.writer meson setup writer writer.mine $0 "
-           "-Db_lundef=false && ninja -C writer",
-           MESON_SANITIZE))
-    g_error("%s%s", out, err);
+  static const char script[] =
+      "CFLAGS=-I$PWD/kind.writer meson setup writer writer.mine $0 "
+      "-Db_lundef=false && ninja -C writer";
+  if (CALL("sh", "-c", script, MESON_SANITIZE)) g_error("%s%s", out, err);
   g_unsetenv("PKG_CONFIG_PATH");
   if (CALL(command, "lint", "writer/writer.mine.so", "--plugin-path",
            "writers"))
