@@ -78,9 +78,9 @@ static double transforms(eda_frame f, const opc_module *m, size_t kernels,
   double band = l->band(m->self), cutoff = 0.75 / 193;
   int raster = eda_fft_size(f.width * band * 3.1);
   int n = eda_fft_size(f.width * 0.85 * (2 * band + 2 * cutoff));
-  size_t room =
+  size_t capacity =
       (size_t)fine * (size_t)(fine + 2) + (size_t)raster * (size_t)(raster + 2);
-  float *a = fftwf_malloc(2 * room * sizeof(float));
+  float *a = fftwf_malloc(2 * capacity * sizeof(float));
   fftwf_complex *c = (fftwf_complex *)a;
   unsigned flags = FFTW_ESTIMATE;
   fftwf_plan plans[4] = {fftwf_plan_dft_r2c_2d(raster, raster, a, c, flags),
@@ -88,7 +88,7 @@ static double transforms(eda_frame f, const opc_module *m, size_t kernels,
                          fftwf_plan_dft_r2c_2d(n, n, a, c, flags),
                          fftwf_plan_dft_c2r_2d(fine, fine, c, a, flags)};
   size_t repeats[4] = {1, kernels, 1, 1};
-  for (size_t i = 0; i < 2 * room; i++) a[i] = (float)(i % 17);
+  for (size_t i = 0; i < 2 * capacity; i++) a[i] = (float)(i % 17);
   double start = processor_time();
   for (int p = 0; p < 4; p++)
     for (size_t k = 0; k < repeats[p]; k++) {

@@ -43,9 +43,9 @@ static inline GSubprocess *start_loop(const char *flow) {
   GSubprocess *process =
       g_subprocess_newv(argv, G_SUBPROCESS_FLAGS_STDERR_PIPE, &fault);
   g_assert_no_error(fault);
-  GInputStream *said = g_subprocess_get_stderr_pipe(process);
+  GInputStream *errors = g_subprocess_get_stderr_pipe(process);
   for (char c = 0; c != '\n';)
-    g_assert_cmpint(g_input_stream_read(said, &c, 1, NULL, NULL), ==, 1);
+    g_assert_cmpint(g_input_stream_read(errors, &c, 1, NULL, NULL), ==, 1);
   return process;
 }
 

@@ -33,7 +33,7 @@ static void test_usage(void) {
   g_assert_cmpstr(out, ==, "opcflow " OPC_VERSION " (plugin interface 0.8)\n");
 }
 
-static void test_tell(void) {
+static void test_echo(void) {
   g_assert_cmpint(opcflow_call("version --json"), ==, 0);
   g_autoptr(JsonNode) version = json_from_string(out, NULL);
   g_assert_cmpstr(
@@ -135,17 +135,17 @@ static JsonObject *member(JsonNode *node, const char *name) {
 /* Options correspond to the parameters, and published data is printed. */
 static void test_verb(void) {
   g_assert_cmpint(
-      opcflow_call("tell a b~c --max-cases 3 --sizes [1~nm,0.002~um]"), ==, 0);
+      opcflow_call("echo a b~c --max-cases 3 --sizes [1~nm,0.002~um]"), ==, 0);
   g_assert_cmpstr(out, ==,
                   "words\nword  length\na          1\nb c        3\n\n"
                   "metric  value  unit\nsum     3      nm\n");
-  g_assert_cmpstr(err, ==, "tell: 2 words, second, 3 cases\n");
-  g_assert_cmpint(opcflow_call("tell --mode=first --quiet"), ==, 0);
+  g_assert_cmpstr(err, ==, "echo: 2 words, second, 3 cases\n");
+  g_assert_cmpint(opcflow_call("echo --mode=first --quiet"), ==, 0);
   g_assert_cmpstr(err, ==, "");
-  g_assert_cmpint(opcflow_call("tell --no-quiet --title it's:~here -- --x"), ==,
+  g_assert_cmpint(opcflow_call("echo --no-quiet --title it's:~here -- --x"), ==,
                   0);
-  g_assert_cmpstr(err, ==, "tell: it's: here: 1 words, second, 2 cases\n");
-  g_assert_cmpint(opcflow_call("tell --json a"), ==, 0);
+  g_assert_cmpstr(err, ==, "echo: it's: here: 1 words, second, 2 cases\n");
+  g_assert_cmpint(opcflow_call("echo --json a"), ==, 0);
   g_autoptr(JsonNode) json = json_from_string(out, NULL);
   JsonObject *sum =
       json_object_get_object_member(member(json, "metrics"), "sum");
@@ -162,11 +162,11 @@ static void test_verb(void) {
 
 static void test_verb_help(void) {
   g_assert_cmpint(opcflow_call("help"), ==, 0);
-  g_assert_nonnull(strstr(strstr(out, "\nVerbs of plugins:\n"), "\n  tell "));
-  g_assert_cmpint(opcflow_call("help tell"), ==, 0);
+  g_assert_nonnull(strstr(strstr(out, "\nVerbs of plugins:\n"), "\n  echo "));
+  g_assert_cmpint(opcflow_call("help echo"), ==, 0);
   g_autofree char *help = g_strdup(out);
   g_assert_true(
-      g_str_has_prefix(help, "Usage: opcflow tell WORD ... [OPTIONS]\n"));
+      g_str_has_prefix(help, "Usage: opcflow echo WORD ... [OPTIONS]\n"));
   static const char *const lines[] = {
       "  --max-cases NUMBER            how many at most; default: 2; >= 1\n",
       "  --mode first|second           a word; default: second\n",
@@ -175,54 +175,56 @@ static void test_verb_help(void) {
       "  --json                        print the result as JSON\n"};
   for (size_t i = 0; i < G_N_ELEMENTS(lines); i++)
     if (!strstr(help, lines[i])) g_assert_cmpstr(help, ==, lines[i]);
-  g_assert_cmpint(opcflow_call("tell --help"), ==, 0);
+  g_assert_cmpint(opcflow_call("echo --help"), ==, 0);
   g_assert_cmpstr(out, ==, help);
-  g_assert_cmpint(opcflow_call("tell --version"), ==, 0);
-  g_assert_cmpstr(out, ==, "opcflow-tell (opcflow) " OPC_VERSION "\n");
+  g_assert_cmpint(opcflow_call("echo --version"), ==, 0);
+  g_assert_cmpstr(out, ==, "opcflow-echo (opcflow) " OPC_VERSION "\n");
 }
 
 static void test_verb_faults(void) {
-  g_assert_cmpint(opcflow_call("tlel"), ==, 2);
+  g_assert_cmpint(opcflow_call("ehco"), ==, 2);
   g_assert_cmpstr(err, ==,
-                  "error: unknown verb 'tlel', did you mean 'tell'?\n");
-  g_assert_cmpint(opcflow_call("tell --max-case 3"), ==, 2);
+                  "error: unknown verb 'ehco', did you mean 'echo'?\n");
+  g_assert_cmpint(opcflow_call("echo --max-case 3"), ==, 2);
   g_assert_cmpstr(err, ==,
-                  "error: unknown option '--max-case' of 'tell', did you mean "
+                  "error: unknown option '--max-case' of 'echo', did you mean "
                   "'--max-cases'?\n");
-  g_assert_cmpint(opcflow_call("tell --max-cases 0 --mode third"), ==, 2);
+  g_assert_cmpint(opcflow_call("echo --max-cases 0 --mode third"), ==, 2);
   g_assert_cmpstr(
       err, ==,
       "--max-cases: 'max_cases' must be at least 1, found '0'\n--mode: 'mode' "
       "must be one of 'first', 'second', found 'third'\n");
-  g_assert_cmpint(opcflow_call("tell --max-cases 13"), ==, 2);
+  g_assert_cmpint(opcflow_call("echo --max-cases 13"), ==, 2);
   g_assert_cmpstr(err, ==,
-                  "--max-cases: command 'tell' (command.tell): 13 is not "
+                  "--max-cases: command 'echo' (command.echo): 13 is not "
                   "welcome\n");
-  g_assert_cmpint(opcflow_call("tell limit --max-cases 3"), ==, 1);
+  g_assert_cmpint(opcflow_call("echo limit --max-cases 3"), ==, 1);
   g_assert_cmpstr(err, ==,
-                  "tell: 1 words, second, 3 cases\n"
+                  "echo: 1 words, second, 3 cases\n"
                   "--max-cases: too much\n");
-  g_assert_cmpint(opcflow_call("tell --json limit"), ==, 1);
+  g_assert_cmpint(opcflow_call("echo --json limit"), ==, 1);
   g_autoptr(JsonNode) json = json_from_string(out, NULL);
   JsonArray *problems =
       json_object_get_array_member(json_node_get_object(json), "problems");
   g_assert_cmpint(json_object_get_int_member(
                       json_array_get_object_element(problems, 0), "exit"),
                   ==, 1);
-  g_assert_cmpint(opcflow_call("tell crash"), ==, 4);
+  g_assert_cmpint(opcflow_call("echo crash"), ==, 4);
   g_assert_nonnull(strstr(err,
-                          "command 'tell' (command.tell): crashed in plugin "
-                          "'command.tell': aborted\n"));
+                          "command 'echo' (command.echo): crashed in plugin "
+                          "'command.echo': aborted\n"));
 }
 
 /* Output files are written to the current folder and never overwrite a file. */
 static void test_verb_files(void) {
-  g_assert_cmpint(opcflow_call("tell --output deep/told.txt one two"), ==, 0);
-  g_autofree char *text = read_text("deep/told.txt");
+  g_assert_cmpint(opcflow_call("echo --output deep/written.txt one two"), ==,
+                  0);
+  g_autofree char *text = read_text("deep/written.txt");
   g_assert_cmpstr(text, ==, "one\ntwo\n");
-  g_assert_cmpint(opcflow_call("tell --output deep/told.txt one two"), ==, 5);
-  g_assert_nonnull(strstr(err, "'deep/told.txt' exists\n"));
-  g_assert_cmpint(opcflow_call("tell --output ../told.txt"), ==, 2);
+  g_assert_cmpint(opcflow_call("echo --output deep/written.txt one two"), ==,
+                  5);
+  g_assert_nonnull(strstr(err, "'deep/written.txt' exists\n"));
+  g_assert_cmpint(opcflow_call("echo --output ../written.txt"), ==, 2);
 }
 
 /* ---- runs ---- */
@@ -247,8 +249,8 @@ static void test_run(void) {
 
 /* The manifest has the hash of the input file, and all other entries. */
 static void test_manifest(void) {
-  g_assert_cmpint(opcflow_call("run two.yaml --output told"), ==, 0);
-  g_autofree char *text = read_text("told/manifest.json");
+  g_assert_cmpint(opcflow_call("run two.yaml --output written"), ==, 0);
+  g_autofree char *text = read_text("written/manifest.json");
   g_autoptr(JsonNode) node = json_from_string(text, NULL);
   JsonObject *manifest = json_node_get_object(node);
   JsonArray *inputs = json_object_get_array_member(manifest, "inputs");
@@ -262,7 +264,7 @@ static void test_manifest(void) {
   g_assert_cmpuint(json_array_get_length(plugins), ==, 1);
   JsonArray *words = json_object_get_array_member(manifest, "command");
   g_assert_cmpstr(json_array_get_string_element(words, 2), ==, "two.yaml");
-  g_autofree char *metrics = read_text("told/metrics.json");
+  g_autofree char *metrics = read_text("written/metrics.json");
   g_autoptr(JsonNode) root = json_from_string(metrics, NULL);
   JsonObject *sum_of_b = json_object_get_object_member(
       json_object_get_object_member(json_node_get_object(root), "b"), "sum");
@@ -446,16 +448,16 @@ static char *say_on_terminal(const char *words, const char *no_colour,
     execve(command, argv, environment);
     _exit(1);
   }
-  GString *said = g_string_new(NULL);
+  GString *output = g_string_new(NULL);
   char bytes[256];
   ssize_t n;
   while ((n = read(terminal, bytes, sizeof bytes)) > 0)
-    g_string_append_len(said, bytes, n);
+    g_string_append_len(output, bytes, n);
   close(terminal);
   int status;
   g_assert_cmpint(waitpid(pid, &status, 0), ==, pid);
   g_assert_cmpint(WEXITSTATUS(status), ==, code);
-  return g_string_free(said, FALSE);
+  return g_string_free(output, FALSE);
 }
 
 static void test_colour(void) {
@@ -470,22 +472,22 @@ static void test_colour(void) {
 /* The progress of each step and point is shown in one line, updated in place;
    the first step is shared by all points. */
 static void test_progress(void) {
-  g_autofree char *said = say_on_terminal(
-      "run two.yaml --set b.behave=tell --sweep b.size=[3nm,4nm]", "1", 0);
-  if (!said) return;
+  g_autofree char *output = say_on_terminal(
+      "run two.yaml --set b.behave=echo --sweep b.size=[3nm,4nm]", "1", 0);
+  if (!output) return;
 #define AGAIN "\r\033[K"
-  const char *a = strstr(said, AGAIN "[1/2] a" AGAIN);
+  const char *a = strstr(output, AGAIN "[1/2] a" AGAIN);
   const char *b = a ? strstr(a, AGAIN "point 1/2 [2/2] b" AGAIN) : NULL;
-  if (!b || !strstr(b, AGAIN "point 2/2 [2/2] b" AGAIN)) g_error("%s", said);
+  if (!b || !strstr(b, AGAIN "point 2/2 [2/2] b" AGAIN)) g_error("%s", output);
   /* After 0.2 s or slightly more, 1,200 times as long remains. */
   const char *first = strstr(b, "b  1/1201  worst 0.5 nm  ");
   int minutes, seconds;
   if (!first || sscanf(first + 25, "%d:%d left", &minutes, &seconds) != 2)
-    g_error("%s", said);
+    g_error("%s", output);
   g_assert_cmpint(60 * minutes + seconds, >=, 240);
   g_assert_cmpint(60 * minutes + seconds, <, 10 * 240);
   g_assert_cmpint(seconds, <, 60);
-  g_assert_null(strstr(said, "2/1201"));
+  g_assert_null(strstr(output, "2/1201"));
   g_assert_nonnull(strstr(first, "b  3  worst 0.25" AGAIN));
   g_autofree char *one = say_on_terminal("run two.yaml", "1", 0);
   g_assert_nonnull(strstr(one, AGAIN "[1/2] a" AGAIN "[2/2] b" AGAIN));
@@ -522,7 +524,7 @@ int main(int argc, char **argv) {
   set_up(FALSE);
   write_two();
   g_test_add_func("/command/usage", test_usage);
-  g_test_add_func("/command/tell", test_tell);
+  g_test_add_func("/command/echo", test_echo);
   g_test_add_func("/command/stanza", test_stanza);
   g_test_add_func("/command/check", test_check);
   g_test_add_func("/command/forecast", test_forecast);

@@ -178,7 +178,7 @@ static void test_exit(void) {
   static const struct {
     const char *line;
     int code;
-    const char *said;
+    const char *message;
   } cases[] = {
       {"compare a b --fail-on worse", 1,
        "error: worse: b: mask.low; b: mask.gone is missing\n"},
@@ -203,7 +203,7 @@ static void test_exit(void) {
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     g_test_message("%s", cases[i].line);
     g_assert_cmpint(opcflow_call(cases[i].line), ==, cases[i].code);
-    if (!strstr(err, cases[i].said)) g_error("%s", err);
+    if (!strstr(err, cases[i].message)) g_error("%s", err);
   }
 }
 
@@ -246,7 +246,7 @@ static void test_masks(void) {
 static void test_refusals(void) {
   static const struct {
     made_run other;
-    const char *said;
+    const char *message;
   } cases[] = {
       {{.layout = "bb"}, "layout.file differs in content (aa, bb)"},
       {{.na = "0.85"}, "mask.litho.na is 0.75 and 0.85"},
@@ -269,13 +269,13 @@ static void test_refusals(void) {
     m.folder = "other";
     m.gates = its;
     make_run(&m);
-    g_test_message("%s", cases[i].said);
+    g_test_message("%s", cases[i].message);
     g_assert_cmpint(opcflow_call("compare base other"), ==, 2);
     g_assert_nonnull(strstr(err, "not comparable: other: "));
-    if (!strstr(err, cases[i].said)) g_error("%s", err);
+    if (!strstr(err, cases[i].message)) g_error("%s", err);
     g_assert_cmpstr(out, ==, "");
     g_assert_cmpint(opcflow_call("compare base other --anyway"), ==, 0);
-    if (!strstr(err, cases[i].said)) g_error("%s", err);
+    if (!strstr(err, cases[i].message)) g_error("%s", err);
   }
   make_run(&(made_run){.folder = "other", .more = "\"points\" : 3,"});
   g_assert_cmpint(opcflow_call("compare base other --anyway"), ==, 2);

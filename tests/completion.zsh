@@ -19,9 +19,9 @@ compadd() {
   (( \$#offers )) && print -rl -- \$offers >> ${(q)here}/offers
   builtin compadd \"\$@\"
 }
-tell() { print -r -- \"\$BUFFER\" > ${(q)here}/line; BUFFER= }
-zle -N tell
-bindkey '^X' tell
+show_line() { print -r -- \"\$BUFFER\" > ${(q)here}/line; BUFFER= }
+zle -N show_line
+bindkey '^X' show_line
 bindkey '^I' complete-word
 LISTMAX=100000
 print ready > ${(q)here}/line

@@ -221,7 +221,7 @@ static void test_corpus(void) {
     if (!g_str_has_suffix(name, ".gds") && !g_str_has_suffix(name, ".oas"))
       continue;
     if (!json_object_has_member(all, name))
-      g_error("nothing is said of %s", name);
+      g_error("no message about %s", name);
     test_file(name, json_object_get_object_member(all, name));
     files++;
   }

@@ -58,12 +58,12 @@ static const char ended[] = "plugin '%s' ended the process\n",
                       "plugin '%s' changed how numbers are rounded, flushed "
                       "or trapped\n";
 
-/* A fault with the expected message, '%s' for the name of the plugin. */
-typedef struct way {
+/* A misuse with the expected message, '%s' for the name of the plugin. */
+typedef struct misuse {
   const char *how, *say;
-} way;
+} misuse;
 
-static const way ways[] = {
+static const misuse misuses[] = {
     {"exit", ended},
     {"quick_exit", ended},
     {"_exit", ended},
@@ -72,14 +72,14 @@ static const way ways[] = {
     {"pthread_exit", "plugin '%s' ended the thread\n"},
     {"abort", "crashed in plugin '%s': aborted\n"},
     {"trap", "crashed in plugin '%s': trap\n"},
-    {"segv", "crashed in plugin '%s': segmentation fault\n"},
+    {"segv", "crashed in plugin '%s': segmentation misuse\n"},
     {"usr1", "crashed in plugin '%s': user signal 1\n"},
     {"pipe", "crashed in plugin '%s': broken pipe\n"},
     {"alarm", "crashed in plugin '%s': alarm\n"},
     {"profile", "crashed in plugin '%s': alarm\n"},
     {"timer", "plugin '%s' left an alarm set\n"},
-    {"thread", "crashed in plugin '%s': segmentation fault\n"},
-    {"overflow", "crashed in plugin '%s': segmentation fault\n"},
+    {"thread", "crashed in plugin '%s': segmentation misuse\n"},
+    {"overflow", "crashed in plugin '%s': segmentation misuse\n"},
     {"handler", "plugin '%s' changed the handler of SIGSEGV\n"},
     {"deaf", "plugin '%s' changed the handler of SIGTERM\n"},
     {"block", "plugin '%s' changed the signal mask\n"},
@@ -133,8 +133,8 @@ static void try_correction(const char *kind, const char *when, const char *how,
 
 /* Test all faults in the main function of a kind. */
 static void try_ways(const char *kind, const char *when) {
-  for (size_t i = 0; i < G_N_ELEMENTS(ways); i++)
-    try_correction(kind, when, ways[i].how, ways[i].say);
+  for (size_t i = 0; i < G_N_ELEMENTS(misuses); i++)
+    try_correction(kind, when, misuses[i].how, misuses[i].say);
 }
 
 static void test_litho(void) { try_ways("litho", "image"); }
@@ -248,8 +248,8 @@ static void try_step(const char *verb, const char *when, const char *how,
 }
 
 static void test_step(void) {
-  for (size_t i = 0; i < G_N_ELEMENTS(ways); i++)
-    try_step("run step.yaml", "run", ways[i].how, 4, ways[i].say);
+  for (size_t i = 0; i < G_N_ELEMENTS(misuses); i++)
+    try_step("run step.yaml", "run", misuses[i].how, 4, misuses[i].say);
   static const char *const places[] = {"check", "output", "release"};
   for (size_t i = 0; i < G_N_ELEMENTS(places); i++) {
     try_step("run step.yaml", places[i], "exit", 4, ended);
@@ -279,18 +279,18 @@ static void test_step(void) {
 }
 
 static void test_verb(void) {
-  for (size_t i = 0; i < G_N_ELEMENTS(ways); i++)
-    assert_exit(call_while("bad", "run", ways[i].how), 4, "command.bad",
-                ways[i].say);
+  for (size_t i = 0; i < G_N_ELEMENTS(misuses); i++)
+    assert_exit(call_while("bad", "run", misuses[i].how), 4, "command.bad",
+                misuses[i].say);
 }
 
 /* Faults while a plugin of any kind is loaded. */
 static void test_loading(void) {
-  for (size_t i = 0; i < G_N_ELEMENTS(ways); i++) {
-    assert_exit(call_while("inspect kind.bad", "construct", ways[i].how), 3,
-                "kind.bad", ways[i].say);
-    assert_exit(call_while("inspect bad.none", "load", ways[i].how), 3,
-                "bad.none", ways[i].say);
+  for (size_t i = 0; i < G_N_ELEMENTS(misuses); i++) {
+    assert_exit(call_while("inspect kind.bad", "construct", misuses[i].how), 3,
+                "kind.bad", misuses[i].say);
+    assert_exit(call_while("inspect bad.none", "load", misuses[i].how), 3,
+                "bad.none", misuses[i].say);
   }
 }
 
@@ -350,18 +350,18 @@ static void test_names(void) {
 /* Check that one signal ends a hanging run within a second. */
 static void try_hang(const char *flow, int number, const char *want) {
   g_autoptr(GSubprocess) process = start_loop(flow);
-  g_autofree char *said = NULL;
+  g_autofree char *message = NULL;
   GError *fault = NULL;
   gint64 asked = g_get_monotonic_time();
   g_subprocess_send_signal(process, number);
-  g_subprocess_communicate_utf8(process, NULL, NULL, NULL, &said, &fault);
+  g_subprocess_communicate_utf8(process, NULL, NULL, NULL, &message, &fault);
   g_assert_no_error(fault);
   double seconds = (double)(g_get_monotonic_time() - asked) * 1e-6;
-  g_test_message("%.2f s: %s", seconds, said);
+  g_test_message("%.2f s: %s", seconds, message);
   g_assert_cmpfloat(seconds, <, 1);
   g_assert_true(g_subprocess_get_if_exited(process));
   g_assert_cmpint(g_subprocess_get_exit_status(process), ==, 130);
-  g_assert_nonnull(strstr(said, want));
+  g_assert_nonnull(strstr(message, want));
 }
 
 static void test_hangs(void) {
@@ -398,11 +398,11 @@ static void test_foreign(void) {
   g_setenv("BAD_HOW", "hang", TRUE);
   g_setenv("BAD_WHEN", "run", TRUE);
   g_autoptr(GSubprocess) process = start_loop("step.yaml");
-  g_autofree char *said = NULL;
+  g_autofree char *message = NULL;
   g_subprocess_send_signal(process, SIGSEGV);
-  g_subprocess_communicate_utf8(process, NULL, NULL, NULL, &said, NULL);
+  g_subprocess_communicate_utf8(process, NULL, NULL, NULL, &message, NULL);
   g_assert_true(g_subprocess_get_if_signaled(process));
-  g_assert_cmpstr(said, ==, "");
+  g_assert_cmpstr(message, ==, "");
 }
 
 int main(int argc, char **argv) {

@@ -203,11 +203,11 @@ static void test_full(void) {
   g_assert_nonnull(strstr(err, "/flow.yaml': File too large\n"));
   g_assert_cmpint(sh("grep -q 'whole: 7' w/x/flow.yaml"), ==, 0);
   expect_names("w", "x x.failed");
-  g_assert_cmpint(sh("ulimit -f 0; $O tell --output told.txt one"), ==, 5);
+  g_assert_cmpint(sh("ulimit -f 0; $O echo --output written.txt one"), ==, 5);
   g_assert_cmpstr(
       err, ==,
-      "tell: 1 words, second, 2 cases\n--output: 'told.txt': not written\n");
-  g_assert_false(is_there("told.txt"));
+      "echo: 1 words, second, 2 cases\n--output: 'written.txt': not written\n");
+  g_assert_false(is_there("written.txt"));
 }
 
 /* ---- names of files ---- */

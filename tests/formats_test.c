@@ -66,9 +66,9 @@ static eda_point at(const eda_point *p, size_t n, size_t from, gboolean back,
 static char *polygon_text(const eda_point *p, size_t n) {
   size_t best = 0;
   gboolean best_back = FALSE;
-  for (size_t way = 1; way < 2 * n; way++) {
-    size_t from = way / 2, k = 0;
-    gboolean back = way % 2;
+  for (size_t start_and_order = 1; start_and_order < 2 * n; start_and_order++) {
+    size_t from = start_and_order / 2, k = 0;
+    gboolean back = start_and_order % 2;
     eda_point a, b;
     do {
       a = at(p, n, from, back, k);

@@ -200,7 +200,7 @@ static const char untried[] =
     "checked: work: the kind '*' has no test of plugins\n";
 
 static const struct {
-  const char *folder, *id, *said;
+  const char *folder, *id, *message;
   int code;
 } good[] = {
     {"plugins", "synthesizer.dpb", tried, 0},
@@ -221,7 +221,7 @@ static const struct {
     {"plugins", "process.window", tried, 0},
     {"tests", "bad.litho_none", alone, 1},
     {"plugins", "kind.litho", untried, 1},
-    {"tests", "command.tell", untried, 1},
+    {"tests", "command.echo", untried, 1},
 };
 
 static void test_good(void) {
@@ -229,8 +229,8 @@ static void test_good(void) {
     int code = plugin_lint(good[i].folder, good[i].id, NULL);
     g_test_message("%s", good[i].id);
     g_assert_cmpstr(out, ==, "");
-    if (!g_pattern_match_simple(good[i].said, err))
-      g_assert_cmpstr(err, ==, good[i].said);
+    if (!g_pattern_match_simple(good[i].message, err))
+      g_assert_cmpstr(err, ==, good[i].message);
     g_assert_cmpint(code, ==, good[i].code);
   }
 }
@@ -314,13 +314,13 @@ static void start_endless(void) {
 
 static void test_endless(void) {
   for (size_t i = 0; i < G_N_ELEMENTS(endless); i++) {
-    g_autofree char *found = NULL, *said = NULL;
+    g_autofree char *found = NULL, *message = NULL;
     GSubprocess *process = endless[i].process;
-    g_subprocess_communicate_utf8(process, NULL, NULL, &found, &said, NULL);
+    g_subprocess_communicate_utf8(process, NULL, NULL, &found, &message, NULL);
     g_assert_cmpint(g_subprocess_get_exit_status(process), ==, endless[i].code);
     if (!g_str_has_suffix(found, endless[i].out))
       g_assert_cmpstr(found, ==, endless[i].out);
-    if (*endless[i].err) g_assert_cmpstr(said, ==, endless[i].err);
+    if (*endless[i].err) g_assert_cmpstr(message, ==, endless[i].err);
     g_object_unref(process);
   }
 }

@@ -21,9 +21,9 @@ enum { A_WHILE = 2, STOP = 3, MOST = 100 };
 /* Limit of the address space; a run that needs more must report that.
    AddressSanitizer needs terabytes. */
 #ifdef __SANITIZE_ADDRESS__
-static const rlim_t room = RLIM_INFINITY;
+static const rlim_t memory_limit = RLIM_INFINITY;
 #else
-static const rlim_t room = (rlim_t)6 << 30;
+static const rlim_t memory_limit = (rlim_t)6 << 30;
 #endif
 
 static char *folder, *command;
@@ -32,7 +32,7 @@ static char *folder, *command;
 
 static void limit_memory(gpointer unused) {
   (void)unused;
-  const struct rlimit most = {room, room};
+  const struct rlimit most = {memory_limit, memory_limit};
   setrlimit(RLIMIT_AS, &most);
 }
 
@@ -56,9 +56,9 @@ static gboolean is_long(const char *set) {
   return FALSE;
 }
 
-/* Run a verb; return the exit code, and the messages in *said. */
+/* Run a verb; return the exit code, and the messages in *message. */
 static int verb_run(const char *verb, const char *flow, const char *set,
-                    char **said) {
+                    char **message) {
   const gint64 patience = is_long(set) ? A_WHILE : MOST;
   const char *argv[] = {command, verb, flow, "--set", set, NULL};
   if (!set) argv[3] = NULL;
@@ -85,7 +85,7 @@ static int verb_run(const char *verb, const char *flow, const char *set,
   ssize_t n = read(err, text, sizeof text - 1);
   text[MAX(n, 0)] = 0;
   close(err);
-  *said = g_strdup(text);
+  *message = g_strdup(text);
   g_assert_true(WIFEXITED(status));
   return WEXITSTATUS(status);
 }
@@ -97,11 +97,11 @@ static const char *const settings[] = {
 };
 
 /* Check that a run ends with a result or a message. */
-static void expect_end(const char *set, int code, const char *said) {
+static void expect_end(const char *set, int code, const char *message) {
   g_assert_true(code == 0 || code == 1 || code == 2 || code == 4 || code == 5 ||
                 (code == 130 && is_long(set)));
-  if (code) g_assert_cmpstr(said, !=, "");
-  g_assert_null(strstr(said, "crashed"));
+  if (code) g_assert_cmpstr(message, !=, "");
+  g_assert_null(strstr(message, "crashed"));
   opc_remove_tree("runs");
 }
 
@@ -116,12 +116,12 @@ static const char *flow_for(const char *set) {
 
 static void test_settings(void) {
   for (size_t i = 0; i < G_N_ELEMENTS(settings); i++) {
-    g_autofree char *said = NULL;
+    g_autofree char *message = NULL;
     g_test_timer_start();
-    int code = verb_run("run", flow_for(settings[i]), settings[i], &said);
+    int code = verb_run("run", flow_for(settings[i]), settings[i], &message);
     g_test_message("%s: exit %d, %.1f s, %s", settings[i], code,
-                   g_test_timer_elapsed(), said);
-    expect_end(settings[i], code, said);
+                   g_test_timer_elapsed(), message);
+    expect_end(settings[i], code, message);
   }
 }
 
@@ -174,16 +174,16 @@ static const struct {
 static void test_others(void) {
   const char *source = g_getenv("OPCFLOW_SOURCE");
   for (size_t i = 0; i < G_N_ELEMENTS(others); i++) {
-    g_autofree char *said = NULL;
+    g_autofree char *message = NULL;
     g_autofree char *flow =
         g_strdup_printf("%s/flows/%s.yaml", source, others[i].flow);
     g_auto(GStrv) parts = g_strsplit(others[i].set, "SOURCE", -1);
     g_autofree char *set = g_strjoinv(source, parts);
     g_test_timer_start();
-    int code = verb_run("run", flow, set, &said);
+    int code = verb_run("run", flow, set, &message);
     g_test_message("%s %s: exit %d, %.1f s, %s", others[i].flow, set, code,
-                   g_test_timer_elapsed(), said);
-    expect_end(set, code, said);
+                   g_test_timer_elapsed(), message);
+    expect_end(set, code, message);
   }
 }
 
@@ -200,23 +200,24 @@ static void test_optics(void) {
       {"mask.litho.zernike=[0,~1e9]", "term 2 is 1e+09 waves, more than 10"}};
   for (size_t i = 0; i < G_N_ELEMENTS(odd); i++) {
     g_autofree char *set = g_strdelimit(g_strdup(odd[i].set), "~", ' ');
-    g_autofree char *said = NULL;
-    g_assert_cmpint(verb_run("check", "odd.yaml", set, &said), ==, 2);
-    g_assert_nonnull(strstr(said, odd[i].why));
+    g_autofree char *message = NULL;
+    g_assert_cmpint(verb_run("check", "odd.yaml", set, &message), ==, 2);
+    g_assert_nonnull(strstr(message, odd[i].why));
   }
 }
 
 /* A step is refused before it begins if the memory does not suffice. */
 static void test_memory(void) {
-  if (room == RLIM_INFINITY) {
+  if (memory_limit == RLIM_INFINITY) {
     g_test_skip("nothing limits what a sanitizer takes");
     return;
   }
-  g_autofree char *said = NULL;
-  int code = verb_run("run", "light.yaml", "window.margin=1 m", &said);
+  g_autofree char *message = NULL;
+  int code = verb_run("run", "light.yaml", "window.margin=1 m", &message);
   g_assert_cmpint(code, ==, 4);
-  g_assert_nonnull(strstr(said, "step 'window' (process.window): requires "));
-  g_assert_nonnull(strstr(said,
+  g_assert_nonnull(
+      strstr(message, "step 'window' (process.window): requires "));
+  g_assert_nonnull(strstr(message,
                           "the limit on address space (ulimit -v) has "
                           "only "));
   opc_remove_tree("runs");
@@ -240,9 +241,9 @@ static void test_files(void) {
   g_assert_cmpint(bind(s, (struct sockaddr *)&address, sizeof address), ==, 0);
   g_assert_cmpint(mkfifo("pipe", 0600), ==, 0);
   for (size_t i = 0; i < G_N_ELEMENTS(odd); i++) {
-    g_autofree char *said = NULL;
-    g_assert_cmpint(verb_run("check", odd[i].path, NULL, &said), ==, 5);
-    g_assert_nonnull(strstr(said, odd[i].why));
+    g_autofree char *message = NULL;
+    g_assert_cmpint(verb_run("check", odd[i].path, NULL, &message), ==, 5);
+    g_assert_nonnull(strstr(message, odd[i].why));
     for (size_t k = 0; k < G_N_ELEMENTS(parameters); k++) {
       g_autofree char *set =
           g_strdup_printf("%s=%s", parameters[k], odd[i].path);

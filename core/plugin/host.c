@@ -33,9 +33,9 @@ static void host_log(const opc_host *host, int level, const char *format, ...) {
   if (!own->watch->log) return;
   va_list args;
   va_start(args, format);
-  g_autofree char *said = g_strdup_vprintf(format, args);
+  g_autofree char *text = g_strdup_vprintf(format, args);
   va_end(args);
-  g_autofree char *message = opc_shown(said, "");
+  g_autofree char *message = opc_shown(text, "");
   const char *before = guard_enter(NULL);
   own->watch->log(own->watch->data, own->path, level, message);
   guard_leave(before);

@@ -61,7 +61,7 @@ static void put_given(const opc_inner *in, opc_run *run) {
 static void take_log(void *data, const char *path, int level,
                      const char *message) {
   const opc_inner_runs *runs = data;
-  const opc_watch *watch = &runs->outer->heard.watch;
+  const opc_watch *watch = &runs->outer->listener.watch;
   if (!runs->verbose && level >= OPC_LOG_INFO) return;
   g_autofree char *whole =
       g_strdup_printf("%s.%s", runs->in->binding->path, path);
@@ -205,7 +205,7 @@ static void take_shared(const opc_levels *levels, opc_run *run,
       if (its && !from->left_out[i])
         run->out.seconds[its->number] = from->out.seconds[i];
     }
-    if (opc_walk(from->written.work, copy_file, run->written.work, &error))
+    if (opc_traverse(from->written.work, copy_file, run->written.work, &error))
       opc_problem_add(problems, error.code, NULL, "%s", error.message);
   }
   g_array_append_vals(run->out.metrics, own->data, own->len);

@@ -74,10 +74,10 @@ static GVariant *piece_do(const keeper *k, size_t i, opc_error *error) {
   GVariantBuilder warned;
   opc_listen_piece(k->run);
   GBytes *bytes = opc_piece_work(k->pieces, i, error);
-  g_autoptr(GPtrArray) said = opc_listen_piece_end(k->run);
-  (void)opc_said_pack(&warned, said, k->step);
+  g_autoptr(GPtrArray) messages = opc_listen_piece_end(k->run);
+  (void)opc_messages_pack(&warned, messages, k->step);
   g_autoptr(GVariant) list = g_variant_ref_sink(g_variant_builder_end(&warned));
-  if (!bytes) opc_said_again(k->run, k->step, list);
+  if (!bytes) opc_messages_replay(k->run, k->step, list);
   if (!bytes) return NULL;
   GVariant *piece = g_variant_new(
       "(@ay@a(uss))",
@@ -109,11 +109,11 @@ static int kept_take(void *data, size_t i, const void *bytes, size_t size,
   g_autoptr(GVariant) piece = g_variant_ref_sink(
       g_variant_new_from_data(PIECE_TYPE, bytes, size, FALSE, NULL, NULL));
   g_autoptr(GVariant) result = g_variant_get_child_value(piece, 0);
-  g_autoptr(GVariant) said = g_variant_get_child_value(piece, 1);
+  g_autoptr(GVariant) messages = g_variant_get_child_value(piece, 1);
   gsize n;
   const void *own = g_variant_get_fixed_array(result, &n, 1);
   k->bytes += n;
-  opc_said_again(k->run, k->step, said);
+  opc_messages_replay(k->run, k->step, messages);
   return opc_piece_take(k->pieces, i, own, n, error);
 }
 
@@ -172,7 +172,7 @@ static int run_pieces(const opc_host *host, const opc_pieces *theirs,
   const opc_pieces own = opc_pieces_copy(theirs, own_size), *pieces = &own;
   const opc_binding *b = host->data;
   opc_run *run = b->run;
-  if (!run->at || run->heard.piece)
+  if (!run->at || run->listener.piece)
     return opc_pieces_alone.run(host, theirs, own_size, error);
   keeper k = {.kept = {.count = pieces->count,
                        .work = kept_work,

@@ -64,8 +64,8 @@ static void finish_table(const opc_points *s, opc_table *table) {
 /* Run a point; returns FALSE if the user stopped the run. */
 static gboolean do_point(opc_points *s, size_t point) {
   opc_run *trunk = s->trunk;
-  trunk->heard.point = point + 1;
-  trunk->heard.watch.point(trunk, point + 1, s->trunk->out.sweep->points);
+  trunk->listener.point = point + 1;
+  trunk->listener.watch.point(trunk, point + 1, s->trunk->out.sweep->points);
   g_autoptr(opc_problems) problems = opc_problems_new();
   g_autoptr(opc_problems) broken = opc_problems_new();
   g_autofree char *name = g_strdup_printf("%04zu", point + 1);
@@ -98,7 +98,7 @@ void opc_points_begin(opc_points *s, opc_run *trunk, const opc_choice *choice) {
                     .levels = {.recipe = trunk->flow->recipe,
                                .choice = *choice,
                                .registry = trunk->registry,
-                               .watch = &trunk->heard.watch,
+                               .watch = &trunk->listener.watch,
                                .outer = trunk}};
   opc_levels_begin(&s->levels, trunk);
 }

@@ -21,12 +21,12 @@ static int publication_refuse(opc_run *run, const opc_error *error) {
 /* Fail inside a piece of work: pieces run in only one of several processes. */
 static gboolean in_piece(const opc_run *run, const char *name,
                          opc_error *error) {
-  if (run->heard.piece)
+  if (run->listener.piece)
     opc_fail(error, OPC_FAILED, NULL,
              "'%s' is published by a work unit, but work units may run in "
              "another process: publish results in the step",
              name);
-  return run->heard.piece != NULL;
+  return run->listener.piece != NULL;
 }
 
 /* Return the path of the instance that writes a file of the run folder now or
@@ -94,7 +94,7 @@ static int take_table(const opc_host *host, const char *name, uint32_t flags,
   const opc_binding *b = host->data;
   opc_run *run = b->run;
   if (in_piece(run, name, error)) return publication_refuse(run, error);
-  if (run->heard.silent) return OPC_OK;
+  if (run->listener.silent) return OPC_OK;
   opc_table *table =
       opc_table_new(name, flags, rows, columns, n_columns, column_size, error);
   if (!table) return publication_refuse(run, error);
@@ -123,7 +123,7 @@ static int take_metric(const opc_host *host, const char *name, double value,
       b->path, opc_metric_check(b->plugin, name, value, error), value};
   if (!entry.metric || in_piece(run, name, error))
     return publication_refuse(run, error);
-  if (run->heard.silent) return OPC_OK;
+  if (run->listener.silent) return OPC_OK;
   for (guint i = 0; i < run->out.metrics->len; i++) {
     opc_inner_metric *old =
         &g_array_index(run->out.metrics, opc_inner_metric, i);

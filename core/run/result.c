@@ -57,12 +57,12 @@ static void pack_table(GVariantBuilder *all, const opc_table *t) {
                         (guint64)t->rows, &columns);
 }
 
-gboolean opc_said_pack(GVariantBuilder *all, const GPtrArray *said,
-                       const opc_flow_step *step) {
+gboolean opc_messages_pack(GVariantBuilder *all, const GPtrArray *messages,
+                           const opc_flow_step *step) {
   gboolean good = TRUE;
   g_variant_builder_init(all, G_VARIANT_TYPE("a(uss)"));
-  for (guint i = 0; said && i < said->len; i++) {
-    const opc_said *s = said->pdata[i];
+  for (guint i = 0; messages && i < messages->len; i++) {
+    const opc_message *s = messages->pdata[i];
     gboolean own = is_of(s->path, step);
     g_variant_builder_add(all, "(uss)", s->level,
                           own ? path_below_step(s->path, step) : "", s->text);
@@ -73,9 +73,9 @@ gboolean opc_said_pack(GVariantBuilder *all, const GPtrArray *said,
 
 GVariant *opc_result_new(const opc_run *run, const opc_flow_step *step,
                          guint tables) {
-  GVariantBuilder metrics, said, kept, files;
-  gboolean good =
-      opc_said_pack(&said, run->heard.said, step) && run->heard.said;
+  GVariantBuilder metrics, messages, kept, files;
+  gboolean good = opc_messages_pack(&messages, run->listener.messages, step) &&
+                  run->listener.messages;
   g_variant_builder_init(&metrics, G_VARIANT_TYPE("a(ssd)"));
   g_variant_builder_init(&kept, G_VARIANT_TYPE("a(suta(smsuiv))"));
   g_variant_builder_init(&files, OPC_FILES_TYPE);
@@ -94,7 +94,7 @@ GVariant *opc_result_new(const opc_run *run, const opc_flow_step *step,
     good = opc_files_add(&files, path, path + strlen(run->written.work) + 1);
   }
   GVariant *all = g_variant_new(opc_result_type, run->out.seconds[step->number],
-                                &metrics, &said, &kept, &files);
+                                &metrics, &messages, &kept, &files);
   if (good) return all;
   g_variant_unref(g_variant_ref_sink(all));
   return NULL;
@@ -193,26 +193,27 @@ static int publish_files(const opc_flow_step *step, GVariant *files,
   return code;
 }
 
-void opc_said_again(opc_run *run, const opc_flow_step *step, GVariant *said) {
+void opc_messages_replay(opc_run *run, const opc_flow_step *step,
+                         GVariant *messages) {
   GVariantIter all;
   guint level;
   const char *rest, *text;
-  g_variant_iter_init(&all, said);
+  g_variant_iter_init(&all, messages);
   while (g_variant_iter_next(&all, "(u&s&s)", &level, &rest, &text)) {
     g_autofree char *path =
         g_strdup_printf("%s%s%s", step->name, *rest ? "." : "", rest);
-    run->heard.watch.log(run, path, (int)level, text);
+    run->listener.watch.log(run, path, (int)level, text);
   }
 }
 
 int opc_result_publish(opc_run *run, const opc_flow_step *step,
                        GVariant *result, opc_error *error) {
   g_autoptr(GVariant) metrics = g_variant_get_child_value(result, 1);
-  g_autoptr(GVariant) said = g_variant_get_child_value(result, 2);
+  g_autoptr(GVariant) messages = g_variant_get_child_value(result, 2);
   g_autoptr(GVariant) tables = g_variant_get_child_value(result, 3);
   g_autoptr(GVariant) files = g_variant_get_child_value(result, 4);
   g_variant_get_child(result, 0, "d", &run->out.seconds[step->number]);
-  opc_said_again(run, step, said);
+  opc_messages_replay(run, step, messages);
   int code = publish_files(step, files, error);
   if (!code) code = publish_tables(step, tables, error);
   return code ? code : publish_metrics(step, metrics, error);

@@ -16,8 +16,9 @@ GVariant *opc_result_new(const opc_run *run, const opc_flow_step *step,
 int opc_result_publish(opc_run *run, const opc_flow_step *step,
                        GVariant *result, opc_error *error);
 
-/* opc_said_pack: pack messages (NULL: none) as a(uss); FALSE if a message is of
-   another step. opc_said_again: log packed messages again. */
-gboolean opc_said_pack(GVariantBuilder *all, const GPtrArray *said,
-                       const opc_flow_step *step);
-void opc_said_again(opc_run *run, const opc_flow_step *step, GVariant *said);
+/* opc_messages_pack: pack messages (NULL: none) as a(uss); FALSE if a message
+   is of another step. opc_messages_replay: log packed messages again. */
+gboolean opc_messages_pack(GVariantBuilder *all, const GPtrArray *messages,
+                           const opc_flow_step *step);
+void opc_messages_replay(opc_run *run, const opc_flow_step *step,
+                         GVariant *messages);

@@ -19,7 +19,7 @@
 static void store_warn(opc_run *run) {
   opc_store *store = run->options->store;
   g_autofree char *text = store ? opc_store_complaint(store) : NULL;
-  if (text) run->heard.watch.log(run, "store", OPC_LOG_WARNING, text);
+  if (text) run->listener.watch.log(run, "store", OPC_LOG_WARNING, text);
 }
 
 /* Go to the containing run, and prefix the path with the step of the inner flow
@@ -38,9 +38,12 @@ static void reuse_record(opc_run *run, const opc_flow_step *step,
                          gboolean reused, const char *reason) {
   char *path = g_strdup(step->name);
   for (opc_run *to = run; to; run_go_up(&to, &path)) {
-    const opc_history h = {to->heard.point, path,
-                           reused,          run->kept.keys[step->number].sum,
-                           (char *)reason,  run->out.seconds[step->number]};
+    const opc_history h = {to->listener.point,
+                           path,
+                           reused,
+                           run->kept.keys[step->number].sum,
+                           (char *)reason,
+                           run->out.seconds[step->number]};
     opc_histories_add(&to->out.histories, &h);
   }
   g_free(path);
@@ -51,7 +54,7 @@ void opc_reuse_report(const opc_run *run) {
   for (guint i = 0; i < list->len && !run->main; i++) {
     const opc_history *h = list->pdata[i];
     if (h->reused)
-      run->heard.watch.log((void *)run, h->path, OPC_LOG_INFO, "reused");
+      run->listener.watch.log((void *)run, h->path, OPC_LOG_INFO, "reused");
   }
 }
 
@@ -62,7 +65,7 @@ static void rerun_record(opc_run *run, const opc_flow_step *step,
   g_autofree char *why = g_strdup_printf("step '%s' requires the output", whom);
   if (!run->main) {
     g_autofree char *text = g_strconcat("ran again: ", why, NULL);
-    run->heard.watch.log(run, step->name, OPC_LOG_INFO, text);
+    run->listener.watch.log(run, step->name, OPC_LOG_INFO, text);
   }
   for (opc_run *to = run; to; run_go_up(&to, &path))
     opc_histories_rerun(&to->out.histories, path, why,
@@ -263,11 +266,11 @@ static gboolean run_again(opc_run *run, const opc_flow_step *step,
   run->written.work = open_scratch(run);
   run->written.claims =
       g_hash_table_new_full(g_str_hash, g_str_equal, g_free, g_free);
-  run->heard.silent = TRUE;
+  run->listener.silent = TRUE;
   run->at = step;
   gboolean good = opc_call_step(run, step, problems);
   run->at = NULL;
-  run->heard.silent = FALSE;
+  run->listener.silent = FALSE;
   close_scratch(run->written.work);
   g_hash_table_destroy(run->written.claims);
   run->written.work = work;

@@ -21,22 +21,22 @@ typedef struct opc_run_options {
 } opc_run_options;
 
 /* Message of a step, replayed when its result is reused. */
-typedef struct opc_said {
+typedef struct opc_message {
   int level;
   char *path, *text;
-} opc_said;
+} opc_message;
 
 /* listen.c: messages of instances. */
-typedef struct opc_heard {
+typedef struct opc_listener {
   opc_watch watch;     /* watch of the instances: keeps findings, calls
                           `to` */
   const opc_watch *to; /* receiver of the messages */
-  GMutex lock;         /* guards findings, `said` and `piece` */
+  GMutex lock;         /* guards findings, `messages` and `piece` */
   size_t point;        /* running point of a sweep; 0: none */
   gboolean silent;     /* a step runs again for its outputs only */
-  GPtrArray *said;     /* opc_said * of the running step; NULL: too many */
-  GPtrArray *piece;    /* opc_said * of the running piece; NULL: none */
-} opc_heard;
+  GPtrArray *messages; /* opc_message * of the running step; NULL: too many */
+  GPtrArray *piece;    /* opc_message * of the running piece; NULL: none */
+} opc_listener;
 
 /* publish.c: files that instances write. */
 typedef struct opc_written {
@@ -75,7 +75,7 @@ struct opc_run {
   const opc_flow_step *at; /* running step */
   gboolean apart;          /* the step runs in this rank only */
   opc_outcome out;
-  opc_heard heard;
+  opc_listener listener;
   opc_written written;
   opc_sums sums;
   opc_kept kept;

@@ -30,7 +30,7 @@ static gboolean *find_shared(const opc_run *run) {
 
 /* Return whether all ranks have the same files, builds and processors. If these
    differ, results are not bit-identical. */
-static gboolean are_alike(opc_run *run, opc_problems *problems) {
+static gboolean are_equal(opc_run *run, opc_problems *problems) {
   const ranks_group *ranks = opc_run_ranks(run);
   guint n = run->flow->steps->len;
   if (!ranks) return !problems->list->len;
@@ -89,7 +89,7 @@ static gboolean do_step_together(opc_run *run, const opc_flow_step *step,
 
 gboolean opc_steps_run(opc_run *run, opc_problems *problems) {
   g_autofree gboolean *shared = find_shared(run);
-  if (!are_alike(run, problems)) return FALSE;
+  if (!are_equal(run, problems)) return FALSE;
   opc_reuse_begin(run);
   const GPtrArray *order = run->flow->order;
   for (guint i = 0; i < order->len; i++) {
@@ -100,7 +100,7 @@ gboolean opc_steps_run(opc_run *run, opc_problems *problems) {
       return opc_problem_add(problems, OPC_CANCELLED, &step->binding->at,
                              "stopped");
     }
-    run->heard.watch.step(run, step->name, i + 1, order->len);
+    run->listener.watch.step(run, step->name, i + 1, order->len);
     if (!do_step_together(run, step, shared[step->number], problems))
       return FALSE;
   }
@@ -110,8 +110,8 @@ gboolean opc_steps_run(opc_run *run, opc_problems *problems) {
 
 void opc_steps_run_in(opc_run *run, opc_run *main_run, const char *path,
                       opc_problems *problems) {
-  gboolean good = opc_flow_create(run->flow, run->left_out, &run->heard.watch,
-                                  &run->like, problems) &&
+  gboolean good = opc_flow_create(run->flow, run->left_out,
+                                  &run->listener.watch, &run->like, problems) &&
                   opc_inputs_sum(main_run, run->flow, problems) &&
                   (!g_mkdir_with_parents(path, 0777) ||
                    opc_problem_add(problems, OPC_IO, NULL, "'%s': %s", path,

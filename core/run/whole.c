@@ -95,7 +95,7 @@ opc_run *opc_run_flow(opc_flow *flow, const opc_choice *choice,
   if (choice->sweep->axes->len) run->out.sweep = choice->sweep;
   opc_points points;
   if (run->out.sweep) opc_points_begin(&points, run, choice);
-  if (opc_flow_create(flow, run->left_out, &run->heard.watch, &run->like,
+  if (opc_flow_create(flow, run->left_out, &run->listener.watch, &run->like,
                       problems) &&
       opc_inputs_sum(run, flow, problems))
     slot = open_folder(run, target, problems);

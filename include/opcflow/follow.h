@@ -22,20 +22,21 @@ OPC_UNUSED static void opc_follow(const opc_host *host, const char *id,
                                   void *self, const opc_parameter *parameters,
                                   size_t n, opc_follow_value *value,
                                   const void *data, const char *whence) {
-  char said[2048];
+  char used_fields[2048];
   size_t i, used = 0;
-  said[0] = 0;
+  used_fields[0] = 0;
   for (i = 0; i < n; i++) {
     const opc_parameter *p = &parameters[i];
     double *field = (double *)(void *)((char *)self + p->offset);
     if (!p->follows || p->type != OPC_REAL || *field == *field) continue;
     *field = value(data, p->follows);
-    if (*field != *field || used + 1 >= sizeof said) continue;
-    used += (size_t)snprintf(said + used, sizeof said - used, "%s%s %g %s",
-                             used ? ", " : "", p->name, *field,
+    if (*field != *field || used + 1 >= sizeof used_fields) continue;
+    used += (size_t)snprintf(used_fields + used, sizeof used_fields - used,
+                             "%s%s %g %s", used ? ", " : "", p->name, *field,
                              p->unit ? p->unit : "");
   }
-  if (used) host->log(host, OPC_LOG_INFO, "%s: %s: %s", id, whence, said);
+  if (used)
+    host->log(host, OPC_LOG_INFO, "%s: %s: %s", id, whence, used_fields);
 }
 
 /* Publish the table `settings` of a step: one row for each parameter with a

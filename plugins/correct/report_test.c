@@ -343,7 +343,7 @@ static void assert_prints(void) {
              {EDA_PRINT_SHORT, "short line end", 1},
              {EDA_PRINT_NECK, "neck", 2},
              {EDA_PRINT_WIDE, "wide", 2},
-             {EDA_PRINT_NOTCH, "bite", 1},
+             {EDA_PRINT_NOTCH, "notch", 1},
              {EDA_PRINT_OUTSIDE, "outside the table", 2}};
   for (size_t k = 0; k < G_N_ELEMENTS(all); k++) {
     uint32_t graver = 0;
@@ -432,9 +432,9 @@ static void test_violations(void) {
   static made d;
   opc_error error = {0};
   make_sample(&d);
-  const eda_violation v[] = {{"space; no room", 3, 10, 20, 30, 40},
+  const eda_violation v[] = {{"space; no space", 3, 10, 20, 30, 40},
                              {"width", -1, 1, 2, 3, 4},
-                             {"space; no room", 5, 11, 21, 31, 41},
+                             {"space; no space", 5, 11, 21, 31, 41},
                              {"space; drawn so", 2, 12, 22, 32, 42}};
   opc_test_forget();
   g_assert_cmpint(
@@ -443,7 +443,7 @@ static void test_violations(void) {
   assert_metric("violations", 4);
   assert_metric("violations_unexplained", 1);
   assert_said(
-      "2 locations cannot meet a rule: space; no room; the first is at (10, "
+      "2 locations cannot meet a rule: space; no space; the first is at (10, "
       "20) nm",
       1);
   assert_said(

@@ -120,7 +120,7 @@ static void test_unit(void) {
 static void test_follows(void) {
   g_autofree char *devices = source("data/devices/ptm65.yaml");
   static const struct {
-    const char *given, *said[3], *silent;
+    const char *given, *expected[3], *silent;
   } cases[] = {
       {"",
        {"margin 4130 nm", "min_space 55 nm", "min_edge 28 nm"},
@@ -141,8 +141,8 @@ static void test_follows(void) {
     opc_test_forget();
     opc_module *m = make_sample("correct", mapping);
     for (int k = 0; k < 3; k++)
-      if (!strstr(opc_test_log(), cases[i].said[k]))
-        g_error("'%s' is not in: %s", cases[i].said[k], opc_test_log());
+      if (!strstr(opc_test_log(), cases[i].expected[k]))
+        g_error("'%s' is not in: %s", cases[i].expected[k], opc_test_log());
     g_assert_null(strstr(opc_test_log(), cases[i].silent));
     opc_test_module_free(m);
   }

@@ -71,9 +71,9 @@ int view_init(view *v, const opc_host *host, const eda_gates *gates,
 
 /* Compute the positions on paper of the requested width. Returns the height. */
 static double lay_out(view *v, const view_parts *parts, const void *picture) {
-  double margin = v->paper->margin, room = v->paper->width - 2 * margin;
+  double margin = v->paper->margin, space = v->paper->width - 2 * margin;
   double aspect = (v->y1 - v->y0) / (v->x1 - v->x0);
-  double fit = fmin(room, 1.5 * room / aspect);
+  double fit = fmin(space, 1.5 * space / aspect);
   v->scale = fit / (v->x1 - v->x0);
   v->width = fmax(1, round(fit));
   v->height = fmax(1, round(fit * aspect));
@@ -118,10 +118,10 @@ int view_write(view *v, const view_parts *parts, const void *picture,
 }
 
 void view_add_scale_bar(const view *v, eda_legend *legend) {
-  double room = (v->x1 - v->x0) / 6;
-  double unit = pow(10, floor(log10(room))), nm = unit;
-  if (room >= 2 * unit) nm = 2 * unit;
-  if (room >= 5 * unit) nm = 5 * unit;
+  double space = (v->x1 - v->x0) / 6;
+  double unit = pow(10, floor(log10(space))), nm = unit;
+  if (space >= 2 * unit) nm = 2 * unit;
+  if (space >= 5 * unit) nm = 5 * unit;
   eda_legend_add(legend,
                  &(eda_sign){.kind = EDA_SIGN_BAR, .size = nm * v->scale},
                  "%g %s", nm < 1000 ? nm : nm / 1000, nm < 1000 ? "nm" : "um");

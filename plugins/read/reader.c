@@ -41,7 +41,7 @@ char *reader_string(const void *bytes, size_t n) {
    endless (/dev/zero). */
 static void load_file(reading *b) {
   struct stat about = {0};
-  size_t room = 0, got = 1;
+  size_t capacity = 0, got = 1;
   if (!stat(b->r->file, &about) &&
       (!S_ISREG(about.st_mode) || (size_t)about.st_size >= MOST_BYTES)) {
     b->failed = opc_fail(b->error, OPC_IO, NULL, "'%s': %s", b->r->file,
@@ -50,14 +50,14 @@ static void load_file(reading *b) {
     return;
   }
   FILE *file = fopen(b->r->file, "rb");
-  if (file) eda_grow(&b->bytes, &room, (size_t)about.st_size + 1, 1);
+  if (file) eda_grow(&b->bytes, &capacity, (size_t)about.st_size + 1, 1);
   while (file && got && b->n < MOST_BYTES) {
     if (opc_cancelled(b->r->host->context)) {
       b->failed = opc_fail(b->error, OPC_CANCELLED, NULL, "cancelled");
       break;
     }
-    eda_grow(&b->bytes, &room, b->n + 1, 1);
-    got = fread(b->bytes + b->n, 1, MIN(room - b->n, STRETCH), file);
+    eda_grow(&b->bytes, &capacity, b->n + 1, 1);
+    got = fread(b->bytes + b->n, 1, MIN(capacity - b->n, STRETCH), file);
     b->n += got;
   }
   if (!file || ferror(file))
@@ -103,14 +103,14 @@ int reading_goes_on(reading *b, size_t at, int show) {
 
 int reading_check(reading *b, int code) {
   if (code && !b->failed) {
-    b->refuse(b, b->said.message);
+    b->refuse(b, b->layout_error.message);
     b->error->code = b->failed = code;
   }
   return !b->failed;
 }
 
 int32_t reading_number(reading *b, int32_t number) {
-  reading_check(b, number < 0 ? b->said.code : OPC_OK);
+  reading_check(b, number < 0 ? b->layout_error.code : OPC_OK);
   return number;
 }
 
@@ -156,7 +156,7 @@ int32_t reading_named_layer(reading *b, const char *name) {
     name = map->pairs[i].key;
     break;
   }
-  return reading_number(b, eda_layout_layer(b->layout, name, &b->said));
+  return reading_number(b, eda_layout_layer(b->layout, name, &b->layout_error));
 }
 
 /* Find the name of a layer: that of the pair with both numbers, else of the
@@ -182,7 +182,7 @@ int32_t reading_numbered_layer(reading *b, uint32_t layer, uint32_t datatype) {
       name = map->pairs[i].key;
     }
   int32_t number =
-      reading_number(b, eda_layout_layer(b->layout, name, &b->said));
+      reading_number(b, eda_layout_layer(b->layout, name, &b->layout_error));
   if (number < 0) return -1;
   /* A name for every datatype gets the first datatype of the file. */
   if (name != buffer && !strcmp(eda_layout_file_layer(b->layout, number), name))
@@ -265,7 +265,8 @@ static int cell_is_defined(const reading *b, int32_t cell) {
 void reading_begin_cell(reading *b, const char *name) {
   b->cell = -1;
   if (b->failed || !strcmp(name, CONTEXT_CELL)) return;
-  b->cell = reading_number(b, eda_layout_cell(b->layout, name, &b->said));
+  b->cell =
+      reading_number(b, eda_layout_cell(b->layout, name, &b->layout_error));
   if (b->failed) return;
   if (!b->there) b->there = g_array_new(FALSE, TRUE, 1);
   if (cell_is_defined(b, b->cell)) {

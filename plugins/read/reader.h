@@ -105,10 +105,10 @@ typedef struct reading {
   size_t n, next_progress; /* size; place of the next progress update */
 
   eda_layout *layout;
-  opc_error said; /* error set by functions of the layout */
-  int32_t cell;   /* cell that receives elements; -1: none */
-  int32_t top;    /* default top cell; -1: keep all */
-  GArray *there;  /* per cell: 1 if defined; NULL: all are */
+  opc_error layout_error; /* error set by functions of the layout */
+  int32_t cell;           /* cell that receives elements; -1: none */
+  int32_t top;            /* default top cell; -1: keep all */
+  GArray *there;          /* per cell: 1 if defined; NULL: all are */
 
   uint8_t *seen;      /* per pair of the map of layers: 1 if in the file */
   GHashTable *layers; /* layer_node, for numbered formats */
@@ -124,8 +124,8 @@ int reading_run(void *state, void *self, void **outputs, opc_error *error,
    cancellation. */
 int reading_goes_on(reading *b, size_t at, int show);
 
-/* Convert the layout's error b->said to a failure at the place in the file.
-   reading_check returns 1 without a failure; reading_number returns
+/* Convert the layout's error b->layout_error to a failure at the place in the
+   file. reading_check returns 1 without a failure; reading_number returns
    `number`. */
 int reading_check(reading *b, int code);
 int32_t reading_number(reading *b, int32_t number);

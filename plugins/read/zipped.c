@@ -54,7 +54,7 @@ static int gzip_unpack(reading *b, z_stream *z, size_t *at) {
 void reading_unzip(reading *b) {
   const size_t most = b->n * MOST_RATIO + MOST_MORE;
   char *out = NULL;
-  size_t n = 0, room = 0, at = 0;
+  size_t n = 0, capacity = 0, at = 0;
   z_stream z = {0};
   int more = 1;
   if (b->failed || b->n < 2 || !gzip_is_packed(b->bytes)) return;
@@ -64,7 +64,7 @@ void reading_unzip(reading *b) {
     if (opc_cancelled(b->r->host->context))
       b->failed = opc_fail(b->error, OPC_CANCELLED, NULL, "cancelled");
     if (n >= most) gzip_refuse(b, "the content is larger than any layout");
-    eda_grow(&out, &room, n + PIECE, 1);
+    eda_grow(&out, &capacity, n + PIECE, 1);
     z.next_out = (Bytef *)out + n;
     z.avail_out = PIECE;
     more = !b->failed && gzip_unpack(b, &z, &at);

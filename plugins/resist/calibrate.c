@@ -138,7 +138,7 @@ static void drawn_log(const resist_base *r, const char *id, resist_line a,
   r->host->log(r->host, OPC_LOG_INFO,
                "%s: anchor: %g nm lines at %g nm, from the layout's gates (%zu "
                "of the shortest; %zu of %zu pitches between them)",
-               id, a.line, a.pitch, d->gates, d->alike, d->pitches);
+               id, a.line, a.pitch, d->gates, d->equal, d->pitches);
   if (guessed)
     r->host->log(r->host, OPC_LOG_WARNING,
                  "%s: no gate of %g nm has a neighbour: the anchor's pitch is "

@@ -81,7 +81,7 @@ int resist_drawn_of(const eda_gates *g, resist_drawn *out) {
     if (twice) pitch[out->pitches++] = twice;
   }
   out->pitch = out->pitches
-                   ? (double)most_frequent(pitch, out->pitches, &out->alike) *
+                   ? (double)most_frequent(pitch, out->pitches, &out->equal) *
                          g->grid / 2
                    : lines_in_pitch * out->line;
   eda_index_free(index);

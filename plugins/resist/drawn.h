@@ -9,7 +9,7 @@ typedef struct resist_drawn {
   size_t gates;       /* number of gates of that length */
   size_t pitches;     /* number of pitches between such gates; 0: pitch is an
                          estimate */
-  size_t alike;       /* number of these equal to `pitch` */
+  size_t equal;       /* number of these equal to `pitch` */
 } resist_drawn;
 
 /* Find the length of the shortest gate and the most frequent centre-to-centre

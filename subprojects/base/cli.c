@@ -29,9 +29,9 @@ static gboolean has_colour(void) {
 void cli_message(const char *kind, const char *format, ...) {
   va_list args;
   va_start(args, format);
-  g_autofree char *said = g_strdup_vprintf(format, args);
+  g_autofree char *message = g_strdup_vprintf(format, args);
   va_end(args);
-  g_autofree char *text = opc_shown(said, "");
+  g_autofree char *text = opc_shown(message, "");
   const char *colour = g_strcmp0(kind, "error") ? "\033[33m" : "\033[31m";
   gboolean coloured = kind && has_colour();
   if (silent) return;
@@ -76,9 +76,9 @@ void cli_return_output(void) {
 void cli_print(const char *format, ...) {
   va_list args;
   va_start(args, format);
-  g_autofree char *said = g_strdup_vprintf(format, args);
+  g_autofree char *message = g_strdup_vprintf(format, args);
   va_end(args);
-  g_autofree char *text = opc_shown(said, "\n\t");
+  g_autofree char *text = opc_shown(message, "\n\t");
   if (!silent) fputs(text, out);
 }
 

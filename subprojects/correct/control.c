@@ -10,7 +10,7 @@
    moves and largest |Ion deviation| in % of flows/dpb.yaml. Present values:
    SRAM 12, 1.43; NAND2_X1 8, 0.47; c432 19, 0.50. */
 static const struct {
-  double widest_step, worth, rest;
+  double widest_step, min_part, rest;
   uint8_t reopenings;
 } tuned = {
     /* Widest proportional step of W, nm; twice the line-end step of
@@ -22,7 +22,7 @@ static const struct {
        justifies the step; above one half to avoid oscillation. Half: equal
        results with 36 moves for SRAM and 45 for c432. Twice: last digits of
        c432. */
-    .worth = 0.55,
+    .min_part = 0.55,
 
     /* A settled transistor is reconsidered if its error changes by more than
        `limit` divided by this. Half: no difference. Twice: SRAM 12, 0.61. */
@@ -133,10 +133,10 @@ static void control_reconsider(const control_rules *r, control *c,
   if (!c->rested) c->rest = in->error;
   c->rested = 1;
   if (fabs(in->error - c->rest) <= r->limit / tuned.rest) return;
-  if (c->by_l > 0 && error > tuned.worth * c->by_l &&
+  if (c->by_l > 0 && error > tuned.min_part * c->by_l &&
       !((in->veto | c->barred) & veto_of_l(length_step_sign(in->error))))
     phase = CONTROL_COARSE;
-  else if (phase == CONTROL_SETTLED && error > tuned.worth * by_w)
+  else if (phase == CONTROL_SETTLED && error > tuned.min_part * by_w)
     phase = CONTROL_FINE;
   if (phase == c->phase) return;
   c->phase = (uint8_t)phase;
@@ -175,13 +175,13 @@ int correct_control_length(const control_rules *r, control *c,
    the bound, which guarantees termination. */
 static int32_t width_step(const control_rules *r, control *c,
                           const control_input *in, int32_t w) {
-  int way = -length_step_sign(in->error);
-  if (!r->proportional) return way;
+  int sign = -length_step_sign(in->error);
+  if (!r->proportional) return sign;
   if (c->w && control_passed(c, in->error)) c->ceiling = abs(c->w) / 2;
   double size = floor(fabs(in->error) / 100 * (in->width + w));
   if (c->ceiling) size = fmin(size, c->ceiling);
-  if (way > 0) size = fmin(size, r->widest);
-  return way * (int32_t)fmax(size, 1);
+  if (sign > 0) size = fmin(size, r->widest);
+  return sign * (int32_t)fmax(size, 1);
 }
 
 int correct_control_width(const control_rules *r, control *c,

@@ -13,9 +13,9 @@ enum { CUTS = 2 * EDA_PARTS + 2 };
 
 /* ---- allocation ---- */
 
-static void make_room(size_t polygons, size_t count, pieces *out) {
+static void pieces_allocate(size_t polygons, size_t count, pieces *out) {
   out->polygons = polygons;
-  out->room = count;
+  out->capacity = count;
   out->start = eda_alloc(polygons + 1, sizeof *out->start);
   out->from = eda_alloc(count, sizeof *out->from);
   out->by = eda_alloc(count, sizeof *out->by);
@@ -26,12 +26,12 @@ void correct_pieces_of_edges(const eda_edges *edges, int base, pieces *out) {
   for (size_t i = 0; i < n; i++)
     sides += edges->fragments[i].role == EDA_L_LOW ||
              edges->fragments[i].role == EDA_L_HIGH;
-  make_room(edges->polygons, n + (base ? 2 : 1) * CUTS * sides, out);
+  pieces_allocate(edges->polygons, n + (base ? 2 : 1) * CUTS * sides, out);
 }
 
 void correct_pieces_of_cuts(const eda_cuts *cuts, pieces *out) {
   size_t n = cuts->start[cuts->polygons];
-  make_room(cuts->polygons, n, out);
+  pieces_allocate(cuts->polygons, n, out);
   memcpy(out->start, cuts->start, (cuts->polygons + 1) * sizeof *out->start);
   memcpy(out->from, cuts->from, n * sizeof *out->from);
 }
@@ -46,7 +46,7 @@ void correct_pieces_clear(pieces *p) {
 void correct_pieces_alloc(const pieces *p, eda_shapes *out) {
   *out = (eda_shapes){.count = p->polygons};
   out->start = eda_alloc(p->polygons + 1, sizeof *out->start);
-  out->points = eda_alloc(2 * p->room, sizeof *out->points);
+  out->points = eda_alloc(2 * p->capacity, sizeof *out->points);
 }
 
 /* ---- from the biases of gates to fragments ---- */

@@ -14,7 +14,7 @@
 
 /* Tuned constants. Lengths in nm. */
 static const struct {
-  double worse, part, alike, near, reach, around;
+  double worse, part, equal_part, near, reach, around;
   int rounds, trials;
 } tuned = {
     /* Tolerance of |Ion deviation|, %; below the resolution of tables. */
@@ -26,7 +26,7 @@ static const struct {
 
     /* Difference of two simulations of a gate without changes within 4 um, %,
        caused by distant edges (c432: 0.02 for a drawn deviation of 41 %). */
-    .alike = 0.05,
+    .equal_part = 0.05,
 
     /* Violations of a rule within this distance are the same one; below the
        width of a gate, so that its two ends are distinguished. */
@@ -420,7 +420,7 @@ static void name_rule(hold *h, size_t gate) {
   eda_box b = g->box[gate];
   int high = abs(end[1]) > abs(end[0]);
   centre_of(g, gate, &s->x, &s->y);
-  s->cause = end[high] ? "rule: line end" : "rule: patch beside";
+  s->cause = end[high] ? "rule: line end" : "rule: added shape beside";
   if (!end[high]) return;
   if (g->axis[gate] == EDA_X)
     s->y = (high ? b.y1 : b.y0) * g->grid;
@@ -467,7 +467,7 @@ static int try_cause(hold *h, int t, uint8_t *open, opc_error *error) {
   }
   int code = guard_print(l, error);
   for (size_t i = 0; i < l->gates->count && !code; i++) {
-    if (!open[i] || fault_of(l, i, tuned.alike) != GOOD) continue;
+    if (!open[i] || fault_of(l, i, tuned.equal_part) != GOOD) continue;
     open[i] = 0;
     if (t)
       name_neighbour(h, i, nm);
@@ -539,8 +539,8 @@ int correct_guard_hold(loop *l, opc_error *error) {
 
 char *correct_guard_verdict(const guard *g, size_t gate) {
   static const char *const words[] = {
-      NULL, "went back: its best mask", "went back: half of its best mask",
-      "went back: as drawn", "went back: as drawn, with all around"};
+      NULL, "reverted: its best mask", "reverted: half of its best mask",
+      "reverted: as drawn", "reverted: as drawn, with all neighbours"};
   const guarded *s = &g->state[gate];
   if (s->cause)
     return g_strdup_printf("%s at (%.0f, %.0f) nm", s->cause, s->x, s->y);

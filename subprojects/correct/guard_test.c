@@ -144,7 +144,7 @@ static void test_open(void) {
     g_assert_cmpuint(l.guard.lost, ==, !hold);
     g_assert_cmpuint(l.guard.back, ==, hold);
     expect_result(&l, 0, hold ? -12 : -62,
-                  hold ? "went back: its best mask" : NULL);
+                  hold ? "reverted: its best mask" : NULL);
     expect_result(&l, 1, -14, NULL);
     correct_loop_clear(&l);
   }
@@ -159,7 +159,7 @@ static void test_worse(void) {
   expect_result(&l, 0, 40, NULL);
   correct_loop_clear(&l);
   run_step(&l, SCRIPTED(s), &extractor, NULL, 1);
-  expect_result(&l, 0, 0, "went back: its best mask");
+  expect_result(&l, 0, 0, "reverted: its best mask");
   expect_result(&l, 1, -14, NULL);
   g_assert_cmpuint(l.guard.worse, ==, 0);
   g_assert_cmpuint(l.guard.prints, ==, 1);
@@ -174,7 +174,7 @@ static void test_limit(void) {
     limit_of_guard = good ? 5 : 0.5;
     run_step(&l, SCRIPTED(s), &extractor, NULL, 1);
     expect_result(&l, 0, good ? -1 : 0,
-                  good ? NULL : "went back: its best mask");
+                  good ? NULL : "reverted: its best mask");
     correct_loop_clear(&l);
   }
   limit_of_guard = 0.5;
@@ -199,7 +199,7 @@ static void test_ends(void) {
   loop l;
   drawn = moved = 0;
   run_step(&l, MODULE(&hasty, &s), &extractor, MODULE(&mover, NULL), 1);
-  expect_result(&l, 0, -15, "went back: half of its best mask");
+  expect_result(&l, 0, -15, "reverted: half of its best mask");
   expect_result(&l, 1, -14, NULL);
   correct_loop_clear(&l);
 }
@@ -209,7 +209,7 @@ static void test_target(void) {
   script s = {.l = {{-14, 40}}, .moves = 1, .target = {0.82, NAN}};
   loop l;
   run_step(&l, SCRIPTED(s), &extractor, NULL, 1);
-  expect_result(&l, 0, 0, "went back: its best mask");
+  expect_result(&l, 0, 0, "reverted: its best mask");
   expect_result(&l, 1, 40, NULL);
   correct_loop_clear(&l);
 }
@@ -239,7 +239,7 @@ static void test_rules(void) {
   aside[0] = aside[1] = 0;
   drawn = 0;
   run_step(&l, SCRIPTED(s), &extractor, MODULE(&finder, NULL), 1);
-  expect_result(&l, 0, 0, "went back: as drawn");
+  expect_result(&l, 0, 0, "reverted: as drawn");
   expect_result(&l, 1, -14, NULL);
   g_assert_cmpuint(l.guard.back, ==, 1);
   correct_loop_clear(&l);
@@ -281,7 +281,7 @@ static void test_surrounded(void) {
   loop l;
   drawn = moved = 0;
   run_step(&l, MODULE(&hasty, &s), &extractor, MODULE(&cuts, NULL), 1);
-  expect_result(&l, 0, 0, "went back: as drawn, with all around");
+  expect_result(&l, 0, 0, "reverted: as drawn, with all neighbours");
   expect_result(&l, 1, -14, NULL);
   g_assert_cmpuint(l.now.cutouts[EDA_POLY].count, ==, 0);
   g_assert_cmpuint(l.guard.back, ==, 1);
@@ -321,7 +321,7 @@ static void test_rule_beside(void) {
   loop l;
   drawn = moved = 0;
   run_step(&l, MODULE(&hasty, &s), &coupled, MODULE(&biter, NULL), 1);
-  expect_result(&l, 0, -14, "rule: patch beside at (30, 200) nm");
+  expect_result(&l, 0, -14, "rule: added shape beside at (30, 200) nm");
   g_assert_cmpuint(l.now.cutouts[EDA_POLY].count, ==, 2);
   g_assert_cmpuint(l.guard.worse, ==, 1);
   correct_loop_clear(&l);

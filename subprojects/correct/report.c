@@ -120,7 +120,7 @@ void correct_history_add(history *h, const summary *print, uint32_t iteration,
     iteration = (uint32_t)last->iteration;
     h->count--;
   }
-  eda_grow(&h->line, &h->room, h->count + 1, sizeof *h->line);
+  eda_grow(&h->line, &h->capacity, h->count + 1, sizeof *h->line);
   h->line[h->count++] =
       (history_line){*print, iteration, printer->simulations,
                      printer->fine_simulations, fine ? "fine" : "cheap"};
@@ -169,7 +169,7 @@ static const struct {
                 {EDA_PRINT_SHORT, "short line end"},
                 {EDA_PRINT_NECK, "neck"},
                 {EDA_PRINT_WIDE, "wide"},
-                {EDA_PRINT_NOTCH, "bite"},
+                {EDA_PRINT_NOTCH, "notch"},
                 {EDA_PRINT_OUTSIDE, "outside the table"}};
 
 /* Return the first finding. */

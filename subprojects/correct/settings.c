@@ -121,16 +121,16 @@ enum { ROOM = 10000, ROOM_OF_GATE = 16 };
 int correct_violations(const opc_context *context, const opc_module *regulator,
                        const eda_printed *printed, eda_violation **out,
                        size_t *count, opc_error *error) {
-  size_t room = 0;
+  size_t capacity = 0;
   int code = OPC_OK;
   *out = NULL;
   *count = ROOM + ROOM_OF_GATE * printed->gates->count;
-  while (!code && *count > room) {
+  while (!code && *count > capacity) {
     free(*out);
-    room = *count;
-    *out = eda_alloc(room, sizeof **out);
-    code = eda_call_violations(context, regulator, printed, *out, room, count,
-                               error);
+    capacity = *count;
+    *out = eda_alloc(capacity, sizeof **out);
+    code = eda_call_violations(context, regulator, printed, *out, capacity,
+                               count, error);
   }
   return eda_blame(error, code, "regulator");
 }

@@ -11,7 +11,7 @@
 
 /* Tolerance of intensity, clear field 1; below the error of models and above
    rounding. */
-static const double alike = 1e-4;
+static const double same_part = 1e-4;
 
 /* A shape without symmetry, nm, in a frame that all rotations preserve; its
    size is the period of periodic kernels. */
@@ -92,7 +92,9 @@ static int orientations_of_layer(const opc_context *context,
     for (int k = 0; k < N && !code; k++)
       *most = fmax(*most, fabs(other[k] - first[k]));
   }
-  *orientations = worst[0] > alike ? 1 : worst[1] > alike ? SWAPPED : ALL;
+  *orientations = worst[0] > same_part   ? 1
+                  : worst[1] > same_part ? SWAPPED
+                                         : ALL;
   return code;
 }
 

@@ -14,7 +14,7 @@ void correct_trace_add(trace *t, const loop *l) {
   const eda_gates *g = l->gates;
   const eda_performance *now = &l->measured.performance, *drawn = &l->design;
   const biases *b = &l->now.biases;
-  eda_grow(&t->row, &t->room, t->count + g->count, sizeof *t->row);
+  eda_grow(&t->row, &t->capacity, t->count + g->count, sizeof *t->row);
   for (size_t i = 0; i < g->count; i++) {
     int good = !eda_print_failed(l->measured.flags[i]);
     t->row[t->count++] = (trace_row){

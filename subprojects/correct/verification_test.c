@@ -286,9 +286,9 @@ static int repair_rule(void *self, const eda_printed *p, eda_ruling *r,
 }
 
 static int violations(void *self, const eda_printed *p, eda_violation *v,
-                      size_t room, size_t *count, opc_error *error) {
+                      size_t capacity, size_t *count, opc_error *error) {
   (void)self, (void)p, (void)error;
-  g_assert_cmpuint(room, >, 1);
+  g_assert_cmpuint(capacity, >, 1);
   v[0] = (eda_violation){.rule = broken.rule, .gate = -1};
   *count = fine_prints[EDA_POLY] >= broken.from && !broken.sent;
   return OPC_OK;
@@ -304,7 +304,7 @@ static void test_rules(void) {
     const char *rule;
     int from, does, prints, end;
   } cases[] = {{"gap: could still move", 2, MENDS, 3, 16},
-               {"gap; no room", 2, MENDS, 2, 0},
+               {"gap; no space", 2, MENDS, 2, 0},
                {"gap: could still move", 0, TRIES, 2, 8},
                {"gap: could still move", 2, STAYS, 2, 0}};
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
@@ -356,7 +356,7 @@ static void test_margin(void) {
   ADD(0.03, 0.027);
   run_step(&l, &with_fine, fine_is, 45, 3);
   g_autofree char *verdict = correct_guard_verdict(&l.guard, 1);
-  g_assert_cmpstr(verdict, ==, "went back: its best mask");
+  g_assert_cmpstr(verdict, ==, "reverted: its best mask");
   g_assert_cmpint(l.now.biases.l[1], ==, 0);
   double more = deviation_of(&l, l.measured.performance.ion, 1) -
                 deviation_of(&l, l.before.ion, 1);

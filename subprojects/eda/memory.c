@@ -8,10 +8,10 @@ void *eda_alloc(size_t count, size_t size) {
   return g_malloc0_n(MAX(count, 1), MAX(size, 1));
 }
 
-void eda_grow_to(void *array, size_t *room, size_t need, size_t size) {
+void eda_grow_to(void *array, size_t *capacity, size_t need, size_t size) {
   void **at = array;
-  *room = MAX(*room + *room / 2 + 4, need);
-  *at = g_realloc_n(*at, *room, size);
+  *capacity = MAX(*capacity + *capacity / 2 + 4, need);
+  *at = g_realloc_n(*at, *capacity, size);
 }
 
 int eda_doubles_rise(const void *a, const void *b) {

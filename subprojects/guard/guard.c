@@ -30,8 +30,8 @@ static char lock[PATH_MAX], slot[PATH_MAX];
 static char wipe[16];
 static int exit_code = GUARD_CRASH_RUNNING;
 
-static void text_copy(char *to, size_t room, const char *from) {
-  snprintf(to, room, "%s", from ? from : "");
+static void text_copy(char *to, size_t capacity, const char *from) {
+  snprintf(to, capacity, "%s", from ? from : "");
 }
 
 void guard_where(const char *text, int code) {
@@ -93,11 +93,12 @@ static void remove_slot(void) {
 }
 
 /* The message, written by one call because other processes write, too. */
-static char said[4 * PATH_MAX];
+static char message[4 * PATH_MAX];
 
 static void add_text(const char *text) {
-  size_t n = strlen(said), more = strlen(text), room = sizeof said - 1 - n;
-  memcpy(said + n, text, more < room ? more : room);
+  size_t n = strlen(message), more = strlen(text),
+         capacity = sizeof message - 1 - n;
+  memcpy(message + n, text, more < capacity ? more : capacity);
 }
 
 /* Write `where` and the words (to NULL), keep the run folder, and exit. */
@@ -108,7 +109,7 @@ _Noreturn static void process_end(const char *const *words, int code) {
   add_text(wipe);
   add_text(*where ? where : "error");
   while (*words) add_text(*words++);
-  process_say(said);
+  process_say(message);
   /* A process that a plugin forked keeps no folder. */
   if (getpid() == guarded && keep_folder()) {
     process_say("note: files written so far are in '");
@@ -128,7 +129,7 @@ _Noreturn static void listener_tell(const char *id, const char *what,
   while (__atomic_exchange_n(&taken, 1, __ATOMIC_SEQ_CST)) pause();
   add_text(what);
   add_text(detail);
-  listener->change(id, said);
+  listener->change(id, message);
   for (;;) syscall(SYS_exit_group, 0);
 }
 
@@ -161,26 +162,26 @@ static void field_set(const char **field, const char *id) {
 }
 
 /* Add a plugin to a list of distinct names, "'A', 'B'". Return their number. */
-static int add_name(char *list, size_t room, int n, const char *id) {
+static int add_name(char *list, size_t capacity, int n, const char *id) {
   char name[256];
   size_t length = strlen(list);
   if (!id) return n;
   snprintf(name, sizeof name, "'%s'", id);
   if (strstr(list, name)) return n;
-  snprintf(list + length, room - length, "%s%s", n ? ", " : "", name);
+  snprintf(list + length, capacity - length, "%s%s", n ? ", " : "", name);
   return n + 1;
 }
 
 /* Add the present plugins of other threads; `suspects`: also those since the
    last check. */
-static int add_others(char *list, size_t room, int n, int suspects) {
+static int add_others(char *list, size_t capacity, int n, int suspects) {
   for (worker *w = workers; w; w = w->next) {
     if (w == &me) continue;
     if (!__atomic_load_n(&w->waits, __ATOMIC_RELAXED))
-      n = add_name(list, room, n,
+      n = add_name(list, capacity, n,
                    __atomic_load_n(&w->inside, __ATOMIC_RELAXED));
     if (suspects)
-      n = add_name(list, room, n,
+      n = add_name(list, capacity, n,
                    __atomic_load_n(&w->suspect, __ATOMIC_RELAXED));
   }
   return n;

@@ -20,8 +20,8 @@
 #include <unistd.h>
 
 /* Run a plugin 'bad' in a guarded process: its exit code (minus the signal that
-   ended it), and its standard error in *said (g_free). */
-static int guarded_run(void (*plugin)(void), char **said) {
+   ended it), and its standard error in *message (g_free). */
+static int guarded_run(void (*plugin)(void), char **message) {
   GString *text = g_string_new(NULL);
   int ends[2], status;
   char buffer[256];
@@ -44,7 +44,7 @@ static int guarded_run(void (*plugin)(void), char **said) {
     g_string_append_len(text, buffer, n);
   close(ends[0]);
   g_assert_cmpint(waitpid(pid, &status, 0), ==, pid);
-  *said = g_string_free(text, FALSE);
+  *message = g_string_free(text, FALSE);
   return WIFSIGNALED(status) ? -WTERMSIG(status) : WEXITSTATUS(status);
 }
 
@@ -88,7 +88,7 @@ static void leave_by_thread(void) {
 static const struct {
   void (*plugin)(void);
   int code;
-  const char *said;
+  const char *message;
 } cases[] = {
     {do_nothing, 7, ""},
     {plugin_crash, 4, "here: crashed in plugin 'bad': segmentation fault\n"},
@@ -106,9 +106,9 @@ static const struct {
 
 static void test_plugins(void) {
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
-    g_autofree char *said = NULL;
-    int code = guarded_run(cases[i].plugin, &said);
-    g_assert_cmpstr(said, ==, cases[i].said);
+    g_autofree char *message = NULL;
+    int code = guarded_run(cases[i].plugin, &message);
+    g_assert_cmpstr(message, ==, cases[i].message);
     g_assert_cmpint(code, ==, cases[i].code);
   }
 }
@@ -121,11 +121,11 @@ static void crash_in_run(void) {
 
 static void test_folder(void) {
   g_autofree char *folder = g_dir_make_tmp("guard-XXXXXX", NULL);
-  g_autofree char *said = NULL, *again = NULL;
+  g_autofree char *message = NULL, *again = NULL;
   g_assert_cmpint(chdir(folder), ==, 0);
   g_assert_cmpint(g_mkdir("work", 0777) + g_mkdir("work/kept", 0777), ==, 0);
-  g_assert_cmpint(guarded_run(crash_in_run, &said), ==, 4);
-  g_assert_nonnull(strstr(said, "are in 'run.failed'\n"));
+  g_assert_cmpint(guarded_run(crash_in_run, &message), ==, 4);
+  g_assert_nonnull(strstr(message, "are in 'run.failed'\n"));
   g_assert_cmpint(rmdir("run.failed/kept") + rmdir("run.failed"), ==, 0);
   g_assert_cmpint(g_mkdir("work", 0777), ==, 0);
   g_assert_cmpint(guarded_run(crash_in_run, &again), ==, 4);

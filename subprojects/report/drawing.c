@@ -31,7 +31,7 @@ static const double finest_pixel = 16, coarsest_pixel = 48, pixels = 6e5;
 /* Growing array of numbers. */
 typedef struct numbers {
   int32_t *number;
-  size_t count, room;
+  size_t count, capacity;
 } numbers;
 
 /* Polygons or lines: point counts, and coordinates x, y. */
@@ -57,7 +57,7 @@ typedef struct drawing {
 } drawing;
 
 static void numbers_add(numbers *n, double x) {
-  EDA_PUSH(n->number, n->count, n->room, (int32_t)lround(x));
+  EDA_PUSH(n->number, n->count, n->capacity, (int32_t)lround(x));
 }
 
 static void outlines_clear(outlines *o) {
@@ -210,11 +210,11 @@ static int on_border(eda_frame w, const double *a, const double *b) {
 /* Points of a line, x and y. */
 typedef struct line {
   double *place;
-  size_t count, room;
+  size_t count, capacity;
 } line;
 
 static void line_to(line *l, const double *p) {
-  eda_grow(&l->place, &l->room, 2 * l->count + 2, sizeof *l->place);
+  eda_grow(&l->place, &l->capacity, 2 * l->count + 2, sizeof *l->place);
   memcpy(l->place + 2 * l->count++, p, 2 * sizeof *p);
 }
 
@@ -284,7 +284,8 @@ static void find_contours(void *data, size_t i) {
 }
 
 static void numbers_append(numbers *to, const numbers *from) {
-  eda_grow(&to->number, &to->room, to->count + from->count, sizeof *to->number);
+  eda_grow(&to->number, &to->capacity, to->count + from->count,
+           sizeof *to->number);
   if (from->count)
     memcpy(to->number + to->count, from->number,
            from->count * sizeof *from->number);

@@ -194,7 +194,7 @@ static int add_view(page *p, GString *out, const char *folder,
   }
   if (!g_file_get_contents(path, &text, &size, &fault))
     return opc_fail(error, OPC_IO, NULL, "%s", fault->message);
-  if ((double)size > p->room) {
+  if ((double)size > p->capacity) {
     page_lacks(
         p,
         "%s: pictures of %.1f MB omitted, because the page would be too large",
@@ -209,7 +209,7 @@ static int add_view(page *p, GString *out, const char *folder,
   if (!o || json_object_get_int_member_with_default(o, "view", 0) != 1)
     return opc_fail(error, OPC_INVALID, NULL,
                     "'%s' is not a view of a mask of format 1", path);
-  p->room -= (double)size;
+  p->capacity -= (double)size;
   append_member(out, "view");
   for (gsize i = 0; i < size; i++)
     if (text[i] == '<')

@@ -33,7 +33,7 @@ static int list_entry(void *data, const char *path, const char *name,
 
 JsonArray *opc_contents_json(const char *folder, opc_error *error) {
   JsonArray *list = json_array_new();
-  if (!opc_walk(folder, list_entry, list, error)) return list;
+  if (!opc_traverse(folder, list_entry, list, error)) return list;
   json_array_unref(list);
   return NULL;
 }
@@ -137,7 +137,7 @@ int opc_contents_check(const char *folder, opc_error *error) {
   g_autoptr(JsonNode) manifest = opc_contents_parse(text);
   g_autoptr(GHashTable) known = read_list(manifest);
   comparison c = {folder, known};
-  if (known) return opc_walk(folder, compare_entry, &c, error);
+  if (known) return opc_traverse(folder, compare_entry, &c, error);
   return opc_fail(error, OPC_IO, NULL,
                   "'%s' is not replaced, because manifest.json does not list "
                   "the files of a run",

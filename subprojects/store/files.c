@@ -12,10 +12,10 @@
 #include <unistd.h>
 
 static int remove_entry(const char *path, const struct stat *about, int type,
-                        struct FTW *walk) {
+                        struct FTW *level) {
   (void)about;
   (void)type;
-  (void)walk;
+  (void)level;
   return remove(path);
 }
 
@@ -127,8 +127,8 @@ static int folder_visit(const char *folder, size_t start, opc_visit *visit,
   return code;
 }
 
-int opc_walk(const char *folder, opc_visit *visit, void *data,
-             opc_error *error) {
+int opc_traverse(const char *folder, opc_visit *visit, void *data,
+                 opc_error *error) {
   g_autofree char *whole = g_build_filename(folder, "x", NULL);
   return folder_visit(folder, strlen(whole) - 1, visit, data, error);
 }
@@ -171,9 +171,9 @@ enum { FEW = 50 };
 
 int opc_sync_tree(const char *folder, opc_error *error) {
   guint count = 0;
-  int code = opc_walk(folder, count_entry, &count, error);
+  int code = opc_traverse(folder, count_entry, &count, error);
   if (code) return code;
   if (count > FEW) return sync_by(syncfs, folder, error);
-  code = opc_walk(folder, sync_entry, NULL, error);
+  code = opc_traverse(folder, sync_entry, NULL, error);
   return code ? code : opc_sync(folder, error);
 }

@@ -42,9 +42,9 @@ static int pack_entry(void *data, const char *path, const char *name,
 GVariant *opc_files_pack(const char *folder, guint64 most) {
   packer p = {.bytes = 0};
   opc_error none;
-  if (opc_walk(folder, pack_size, &p, &none) || p.bytes > most) return NULL;
+  if (opc_traverse(folder, pack_size, &p, &none) || p.bytes > most) return NULL;
   g_variant_builder_init(&p.files, OPC_FILES_TYPE);
-  int code = opc_walk(folder, pack_entry, &p, &none);
+  int code = opc_traverse(folder, pack_entry, &p, &none);
   GVariant *all = g_variant_builder_end(&p.files);
   if (!code) return all;
   g_variant_unref(g_variant_ref_sink(all));

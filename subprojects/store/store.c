@@ -250,7 +250,7 @@ static GArray *list_entries(const opc_store *store) {
   GArray *list = g_array_new(FALSE, FALSE, sizeof(entry));
   opc_error none;
   g_array_set_clear_func(list, entry_clear);
-  (void)opc_walk(folder, take_entry, list, &none);
+  (void)opc_traverse(folder, take_entry, list, &none);
   return list;
 }
 

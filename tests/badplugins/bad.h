@@ -32,9 +32,9 @@ static inline int fault_is(const char *fault) {
 #endif
 
 static inline int stack_descend(volatile int *depth) {
-  volatile char room[4096] = {0};
-  if (*depth < 0) return room[0];
-  return stack_descend(depth) + room[1];
+  volatile char capacity[4096] = {0};
+  if (*depth < 0) return capacity[0];
+  return stack_descend(depth) + capacity[1];
 }
 
 static inline void write_wildly(void *data, size_t i) {

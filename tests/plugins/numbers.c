@@ -170,7 +170,7 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(numbers, behave, .type = OPC_CHOICE, .flags = OPC_NO_EFFECT,
                   .preset = "well",
                   .choices = "well|fail|nan|limit|wait|leave|"
-                             "find|many|quiet|tell",
+                             "find|many|quiet|echo",
                   .summary = "behaviour of the step"),
 };
 

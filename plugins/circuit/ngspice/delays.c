@@ -19,7 +19,7 @@ enum {
 
 static const double first_window = 1e-9;
 /* Duration of a transient relative to the end of the last slope. */
-static const double room_after = 1.3;
+static const double capacity_after = 1.3;
 
 /* Data shared by all jobs. Items are flips. */
 typedef struct study {
@@ -152,7 +152,7 @@ static void find_window(bench_task *j, const char *deck) {
   }
   double start = bench_start(b), last = fmax(best.last, start + b->slew);
   for (size_t k = j->from; k < j->to; k++)
-    d->window[k] = start + room_after * (last - start);
+    d->window[k] = start + capacity_after * (last - start);
 }
 
 /* Simulate printed sizes with the duration and time steps of drawn sizes;

@@ -38,7 +38,8 @@ static void assert_rows(const char *const *rows, size_t count) {
       g_autoptr(GString) row =
           g_string_new(opc_test_text("delays", "inputs", i));
       g_string_append_printf(row, " %s", opc_test_text("delays", "output", i));
-      g_string_append_printf(row, " %s", opc_test_text("delays", "way", i));
+      g_string_append_printf(row, " %s",
+                             opc_test_text("delays", "direction", i));
       n += !strcmp(row->str, rows[k]);
     }
     if (n != 1) g_error("%zu times '%s'", n, rows[k]);

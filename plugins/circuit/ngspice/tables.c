@@ -173,7 +173,7 @@ static int arrivals_report(bench *b, const patterns *p, const delays *d,
   table t = {.b = b, .rows = d->count};
   const char **inputs = add_texts(&t, "inputs");
   const char **output = add_texts(&t, "output"),
-             **direction = add_texts(&t, "way");
+             **direction = add_texts(&t, "direction");
   double *x[2][EDA_STATES], *change[2][EDA_STATES] = {{NULL}};
   for (int s = 0; s < states_of(b); s++)
     for (int k = 0; k < 2; k++) {

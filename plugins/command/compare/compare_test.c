@@ -203,7 +203,7 @@ static void test_fail_on(void) {
   static const struct {
     const char *map;
     int code;
-    const char *said;
+    const char *expected;
   } cases[] = {
       {"{ fail_on: worse }", OPC_LIMIT, "worse: d: mask.ion"},
       {"{ fail_on: 'worse:mask.ion' }", OPC_LIMIT, "worse: d: mask.ion"},
@@ -218,7 +218,7 @@ static void test_fail_on(void) {
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     g_assert_cmpint(folders_compare(cases[i].map, "c", "d", &error), ==,
                     cases[i].code);
-    if (!strstr(error.message, cases[i].said)) g_error("%s", error.message);
+    if (!strstr(error.message, cases[i].expected)) g_error("%s", error.message);
   }
   g_assert_cmpint(folders_compare("{ fail_on: worse }", "d", "c", &error), ==,
                   OPC_OK);
@@ -227,17 +227,18 @@ static void test_fail_on(void) {
 /* Comparison is refused for different layouts or optics. */
 static void test_refused(void) {
   static const made_run others[] = {{.layout = "bb"}, {.na = "0.85"}};
-  static const char *const said[] = {"layout.file differs in content (aa, bb)",
-                                     "mask.litho.na is 0.75 and 0.85"};
+  static const char *const expected[] = {
+      "layout.file differs in content (aa, bb)",
+      "mask.litho.na is 0.75 and 0.85"};
   opc_error error;
   folder_make("c", (made_run){.na = NULL});
   for (int i = 0; i < 2; i++) {
     folder_make("d", others[i]);
     g_assert_cmpint(folders_compare("{}", "c", "d", &error), ==, OPC_INVALID);
     g_assert_nonnull(strstr(error.message, "not comparable: d: "));
-    if (!strstr(error.message, said[i])) g_error("%s", error.message);
+    if (!strstr(error.message, expected[i])) g_error("%s", error.message);
     compare_good("{ anyway: true }", "c", "d");
-    g_assert_nonnull(strstr(opc_test_log(), said[i]));
+    g_assert_nonnull(strstr(opc_test_log(), expected[i]));
   }
   g_assert_cmpint(folders_compare("{}", "c", NULL, &error), ==, OPC_INVALID);
 }

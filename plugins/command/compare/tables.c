@@ -66,7 +66,7 @@ typedef struct parameter_row {
 
 /* Return whether to list a parameter that one run lacks: a step or plugin, or a
    value given by the user. */
-static int is_worth(const eda_run *without, const eda_run_parameter *p) {
+static int is_shown(const eda_run *without, const eda_run_parameter *p) {
   g_autofree char *step =
       g_strdup_printf("%.*s.use", (int)strcspn(p->name, "."), p->name);
   if (!eda_run_parameter_of(without, step)) return !strcmp(p->name, step);
@@ -84,14 +84,14 @@ static void add_parameters(GArray *out, const pair *p) {
   for (size_t i = 0; i < a->n_parameters; i++) {
     const eda_run_parameter *x = &a->parameters[i];
     const eda_run_parameter *y = eda_run_parameter_of(p->other, x->name);
-    if (y ? !parameters_differ(p, x, y) : !is_worth(p->other, x)) continue;
+    if (y ? !parameters_differ(p, x, y) : !is_shown(p->other, x)) continue;
     const parameter_row row = {p->method, x->name, x->value,
                                y ? y->value : NULL};
     g_array_append_val(out, row);
   }
   for (size_t i = 0; i < b->n_parameters; i++) {
     const eda_run_parameter *y = &b->parameters[i];
-    if (eda_run_parameter_of(p->base, y->name) || !is_worth(p->base, y))
+    if (eda_run_parameter_of(p->base, y->name) || !is_shown(p->base, y))
       continue;
     const parameter_row row = {p->method, y->name, NULL, y->value};
     g_array_append_val(out, row);

@@ -11,10 +11,10 @@
 #include "work.h"
 
 typedef struct correction {
-  sheets on;      /* transistors to correct */
-  int stand;      /* 1: all others keep the masks of the chip */
-  uint32_t *mask; /* [count], new masks */
-  double *better; /* [count], |Ion deviation| to improve on; NULL: none */
+  sheets on;        /* transistors to correct */
+  int fixed_others; /* 1: all others keep the masks of the chip */
+  uint32_t *mask;   /* [count], new masks */
+  double *better;   /* [count], |Ion deviation| to improve on; NULL: none */
 } correction;
 
 /* Record of a corrected transistor, followed by its parts and boxes. */
@@ -202,7 +202,7 @@ static int correct_gates(const correction *m, const sheet *s, opc_bytes *out,
   correct_loop_init(&l, &in.host, s->gates, &with);
   l.prepared = 1;
   l.printer.drawn = NULL; /* all sheets share one resist calibration */
-  eda_mask *begun = m->stand ? fixed_masks(m, s, &l.still) : NULL;
+  eda_mask *begun = m->fixed_others ? fixed_masks(m, s, &l.still) : NULL;
   l.start.mask = begun;
   int code = correct_loop_run(&l, error);
   if (!code) code = put_all(m, &l, s, out, error);
@@ -216,8 +216,9 @@ static int correct_sheet(void *data, size_t i, opc_bytes *out,
   correction *m = data;
   work *w = m->on.work;
   sheet s;
-  int code = sheet_make(w->host->context, w->chip, &m->on.cover, m->on.number,
-                        &m->on.pages, i, m->stand ? 0 : w->margin, &s, error);
+  int code =
+      sheet_make(w->host->context, w->chip, &m->on.cover, m->on.number,
+                 &m->on.pages, i, m->fixed_others ? 0 : w->margin, &s, error);
   if (!code) code = correct_gates(m, &s, out, error);
   sheet_clear(&s);
   return code;
@@ -228,13 +229,13 @@ static int correct_sheet(void *data, size_t i, opc_bytes *out,
 /* Allocate a mask. Returns its number. */
 static uint32_t add_mask(work *w) {
   eda_chip *c = w->chip;
-  size_t room = w->mask_room;
-  eda_grow(&c->mask, &room, c->masks + 1, sizeof *c->mask);
-  room = w->mask_room;
-  eda_grow(&w->before, &room, c->masks + 1, sizeof *w->before);
-  room = w->mask_room;
-  eda_grow(&w->flags_before, &room, c->masks + 1, sizeof *w->flags_before);
-  w->mask_room = room;
+  size_t capacity = w->mask_capacity;
+  eda_grow(&c->mask, &capacity, c->masks + 1, sizeof *c->mask);
+  capacity = w->mask_capacity;
+  eda_grow(&w->before, &capacity, c->masks + 1, sizeof *w->before);
+  capacity = w->mask_capacity;
+  eda_grow(&w->flags_before, &capacity, c->masks + 1, sizeof *w->flags_before);
+  w->mask_capacity = capacity;
   return (uint32_t)c->masks++;
 }
 
@@ -247,8 +248,8 @@ static void take_mask(correction *m, const corrected *one, const char *bytes) {
   size_t parts = mask.parts * sizeof *c->part;
   mask.part = (uint32_t)c->parts;
   mask.box = (uint32_t)c->boxes;
-  eda_grow(&c->part, &w->part_room, c->parts + mask.parts, sizeof *c->part);
-  eda_grow(&c->box, &w->box_room, c->boxes + mask.boxes, sizeof *c->box);
+  eda_grow(&c->part, &w->part_capacity, c->parts + mask.parts, sizeof *c->part);
+  eda_grow(&c->box, &w->box_capacity, c->boxes + mask.boxes, sizeof *c->box);
   if (mask.parts) memcpy(c->part + c->parts, bytes, parts);
   if (mask.boxes)
     memcpy(c->box + c->boxes, bytes + parts, mask.boxes * sizeof *c->box);
@@ -257,8 +258,9 @@ static void take_mask(correction *m, const corrected *one, const char *bytes) {
   uint32_t k = m->mask[one->place] = add_mask(w);
   uint32_t was = c->gate[m->on.number[one->place]].mask;
   c->mask[k] = mask;
-  w->before[k] = m->stand ? w->before[was] : one->before;
-  w->flags_before[k] = m->stand ? w->flags_before[was] : one->flags_before;
+  w->before[k] = m->fixed_others ? w->before[was] : one->before;
+  w->flags_before[k] =
+      m->fixed_others ? w->flags_before[was] : one->flags_before;
 }
 
 static int take_sheet(void *data, size_t i, const void *bytes, size_t size,
@@ -288,11 +290,12 @@ static int correct_selected(correction *m, opc_error *error) {
   const work *w = m->on.work;
   m->mask = eda_alloc(m->on.count, sizeof *m->mask);
   for (size_t i = 0; i < m->on.count; i++) m->mask[i] = UINT32_MAX;
-  return work_sheets(&m->on, w->margin + (m->stand ? 0 : w->along),
-                     (opc_pieces){.name = m->stand ? "refine" : "correct",
-                                  .work = correct_sheet,
-                                  .take = take_sheet},
-                     error);
+  return work_sheets(
+      &m->on, w->margin + (m->fixed_others ? 0 : w->along),
+      (opc_pieces){.name = m->fixed_others ? "refine" : "correct",
+                   .work = correct_sheet,
+                   .take = take_sheet},
+      error);
 }
 
 int correct_classes(work *w, opc_error *error) {
@@ -318,7 +321,7 @@ int correct_prints(work *w, const uint32_t *prints, size_t n,
     place[prints[k]] = (uint32_t)(k + 1);
   }
   correction m = {.on = {.work = w, .number = number, .count = n},
-                  .stand = 1,
+                  .fixed_others = 1,
                   .better = better};
   int code = correct_selected(&m, error);
   for (size_t i = 0; i < c->count && !code; i++) {

@@ -65,7 +65,7 @@ static double places_divide(maker *m, size_t first, size_t count) {
   }
   if (parts < whole) return parts;
   c->count = before;
-  EDA_PUSH(c->clip, c->count, c->room, (clip){box, first, count});
+  EDA_PUSH(c->clip, c->count, c->capacity, (clip){box, first, count});
   return area_of(box);
 }
 

@@ -12,7 +12,7 @@ typedef struct clip {
 
 typedef struct cover {
   clip *clip;
-  size_t count, room;
+  size_t count, capacity;
   uint32_t *place; /* numbers of the places, clip by clip */
 } cover;
 

@@ -92,7 +92,7 @@ static int take_some(void *data, size_t part, const void *bytes, size_t size,
   (void)part;
   if (w->chip->count + n >= UINT32_MAX)
     return opc_fail(error, OPC_INVALID, "layout", "more than 2^32 transistors");
-  eda_grow(&w->found, &w->room, w->chip->count + n, sizeof *w->found);
+  eda_grow(&w->found, &w->capacity, w->chip->count + n, sizeof *w->found);
   if (n) memcpy(w->found + w->chip->count, bytes, n * sizeof(found));
   w->chip->count += n;
   return OPC_OK;
@@ -136,14 +136,14 @@ GHashTable *work_sums(void) { return g_hash_table_new(hash_sum, same_sum); }
 static void find_classes(work *w) {
   eda_chip *c = w->chip;
   GHashTable *class_of = work_sums();
-  size_t room = 0;
+  size_t capacity = 0;
   c->gate = eda_alloc(c->count, sizeof *c->gate);
   for (size_t i = 0; i < c->count; i++) {
     const found *f = &w->found[i];
     guint class =
         GPOINTER_TO_UINT(g_hash_table_lookup(class_of, f->around.sum));
     if (!class) {
-      EDA_PUSH(w->first, w->classes, room, (uint32_t)i);
+      EDA_PUSH(w->first, w->classes, capacity, (uint32_t)i);
       class = (guint)w->classes;
       g_hash_table_insert(class_of, (gpointer)f->around.sum,
                           GUINT_TO_POINTER(class));

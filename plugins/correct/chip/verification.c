@@ -78,13 +78,13 @@ static void sum_some(void *data, size_t part) {
 
 static void add_print(work *w, const uint8_t *sum, uint32_t first) {
   eda_chip *c = w->chip;
-  size_t room = w->print_room;
-  eda_grow(&c->print, &room, c->prints + 1, sizeof *c->print);
-  room = w->print_room;
-  eda_grow(&w->print_first, &room, c->prints + 1, sizeof *w->print_first);
-  room = w->print_room;
-  eda_grow(&w->tried, &room, c->prints + 1, 1);
-  w->print_room = room;
+  size_t capacity = w->print_capacity;
+  eda_grow(&c->print, &capacity, c->prints + 1, sizeof *c->print);
+  capacity = w->print_capacity;
+  eda_grow(&w->print_first, &capacity, c->prints + 1, sizeof *w->print_first);
+  capacity = w->print_capacity;
+  eda_grow(&w->tried, &capacity, c->prints + 1, 1);
+  w->print_capacity = capacity;
   c->print[c->prints] = (eda_chip_print){0};
   w->print_first[c->prints] = first;
   w->tried[c->prints] = 0;

@@ -38,13 +38,13 @@ typedef struct work {
 
   /* All transistors found by the scan, in the order of the chip. */
   found *found;
-  size_t room;
+  size_t capacity;
 
   /* Classes of drawn environments. chip->mask has one mask for each class,
      followed by refined ones. `first` is the transistor for which a mask was
      made. */
   uint32_t *first;
-  size_t classes, mask_room, part_room, box_room;
+  size_t classes, mask_capacity, part_capacity, box_capacity;
   eda_figures *before; /* of each mask, with all edges as drawn */
   uint32_t *flags_before;
 
@@ -53,9 +53,9 @@ typedef struct work {
   GHashTable *prints; /* from checksum to print number + 1 */
   GPtrArray *sums;    /* owner of these checksums */
   uint32_t *print_first;
-  size_t print_room;
+  size_t print_capacity;
   uint8_t *tried; /* [prints], 1: refined already */
-  size_t tried_room;
+  size_t tried_capacity;
 
   faults *faults; /* violations of all prints */
 

@@ -35,9 +35,9 @@ typedef struct work {
   int32_t top, *layer; /* [layers of the chip], layer of the output */
   GHashTable *known;   /* from shapes to cell number + 1 */
   int32_t *cell;       /* [n_cells], cell of the layout */
-  size_t n_cells, cell_room;
+  size_t n_cells, cell_capacity;
   put *put;
-  size_t n_put, put_room;
+  size_t n_put, put_capacity;
   size_t first; /* first window of the batch */
   clips clips[AT_ONCE];
 } work;
@@ -139,7 +139,7 @@ static int add_cell(work *w, const clip *c, uint32_t *number,
       code = add_polygon(&t, (const eda_point *)at, (size_t)n, error);
   }
   *number = (uint32_t)w->n_cells;
-  EDA_PUSH(w->cell, w->n_cells, w->cell_room, t.cell);
+  EDA_PUSH(w->cell, w->n_cells, w->cell_capacity, t.cell);
   g_hash_table_insert(w->known, g_bytes_ref(c->shapes),
                       GSIZE_TO_POINTER(w->n_cells));
   return code;
@@ -153,7 +153,7 @@ static int add_clips(work *w, const clips *c, opc_error *error) {
     uint32_t number = (uint32_t)found - 1;
     if (!found) code = add_cell(w, one, &number, error);
     if (!code)
-      EDA_PUSH(w->put, w->n_put, w->put_room,
+      EDA_PUSH(w->put, w->n_put, w->put_capacity,
                (put){number, one->at, one->orientation});
   }
   return code;

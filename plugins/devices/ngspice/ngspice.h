@@ -83,7 +83,8 @@ int simulate(const plan *p, currents *out, opc_error *error);
 
 /* Describe the extrapolated part of the table in `text`. Returns FALSE if
    nothing is extrapolated. */
-int table_extended(const plan *p, const currents *c, char *text, size_t room);
+int table_extended(const plan *p, const currents *c, char *text,
+                   size_t capacity);
 
 int table_write(const plan *p, const currents *c, const char *name,
                 opc_error *error);

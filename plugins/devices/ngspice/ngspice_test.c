@@ -177,7 +177,7 @@ static void test_clamped(void) {
   g_test_message("%s", opc_test_log());
   if (!strstr(opc_test_log(), "channel length") &&
       !strstr(opc_test_log(), "does not rise"))
-    g_error("nothing was said of why: '%s'", opc_test_log());
+    g_error("no reason was logged: '%s'", opc_test_log());
   double shortest = opc_test_metric("shortest");
   g_assert_cmpfloat(shortest, >, 60);
   g_assert_cmpfloat(shortest, <=, 80);

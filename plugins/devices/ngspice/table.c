@@ -59,30 +59,31 @@ static void put_source(FILE *out, const plan *p, const currents *c) {
 }
 
 /* Add an extrapolated item to the text. */
-static void extrapolation_add(char *text, size_t room, const char *type,
+static void extrapolation_add(char *text, size_t capacity, const char *type,
                               const char *what, double bound, const char *how) {
   size_t n = strlen(text);
-  (void)snprintf(text + n, room - n, "%s%s %s than %.10g nm by %s",
+  (void)snprintf(text + n, capacity - n, "%s%s %s than %.10g nm by %s",
                  n ? "; " : "", type, what, bound, how);
 }
 
-int table_extended(const plan *p, const currents *c, char *text, size_t room) {
+int table_extended(const plan *p, const currents *c, char *text,
+                   size_t capacity) {
   static const char *const names[TYPES] = {"n", "p"};
   *text = 0;
   for (int t = 0; t < TYPES; t++) {
     eda_sizes bins = {{0}, {0}};
     if (p->ends == EXTEND) (void)eda_models_bins(p->models, p->model[t], &bins);
     if (c->simulated[t])
-      extrapolation_add(text, room, names[t], "shorter",
+      extrapolation_add(text, capacity, names[t], "shorter",
                         p->length[c->simulated[t]], "the slope there");
     if (c->narrowest[t] > 0)
-      extrapolation_add(text, room, names[t], "narrower", c->narrowest[t],
+      extrapolation_add(text, capacity, names[t], "narrower", c->narrowest[t],
                         "the slope over 1/W there");
     if (p->length[c->first] < bins.length[0] - 1)
-      extrapolation_add(text, room, names[t], "shorter", bins.length[0],
+      extrapolation_add(text, capacity, names[t], "shorter", bins.length[0],
                         "the last bin");
     if (p->each_width[0] < bins.width[0] - 1)
-      extrapolation_add(text, room, names[t], "narrower", bins.width[0],
+      extrapolation_add(text, capacity, names[t], "narrower", bins.width[0],
                         "the last bin");
   }
   return *text != 0;

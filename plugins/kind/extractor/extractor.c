@@ -61,7 +61,7 @@ static void fill_slices(cases *all, size_t c, size_t n, const double *place,
 }
 
 /* Return a performance whose arrays are in `figure`. */
-static eda_performance room_in(double *figure) {
+static eda_performance capacity_in(double *figure) {
   memset(figure, 0, FIGURES * sizeof *figure);
   return (eda_performance){.count = 2,
                            .ion = figure,
@@ -92,7 +92,7 @@ static int case_extract(opc_inspector *in, const cases *all, size_t c,
   const try_shim shim = {all->m, &own};
   const opc_module shown = {&forwards, (void *)&shim, all->m->id};
   opc_error error = {0};
-  *out = room_in(figure);
+  *out = capacity_in(figure);
   out->outside = outside;
   int code =
       eda_call_extract(in->context, &shown, &all->slices[c], out, &error);
@@ -137,7 +137,7 @@ static void try_currents(opc_inspector *in, const cases *all) {
 static int same_figures(void *data, size_t c) {
   const cases *all = data;
   double figure[FIGURES];
-  eda_performance out = room_in(figure); /* no `outside`: not wanted */
+  eda_performance out = capacity_in(figure); /* no `outside`: not wanted */
   const eda_extractor *o = all->m->functions;
   opc_error error = {0};
   if (o->extract(all->m->self, &all->slices[c], &out, &error)) return 0;

@@ -21,14 +21,14 @@ static int regulator_rule(void *self, const eda_printed *p, eda_ruling *ruling,
 
 /* Count all violations and list as many as there is capacity for. */
 static int regulator_violations(void *self, const eda_printed *p,
-                                eda_violation *list, size_t room, size_t *count,
-                                opc_error *error) {
+                                eda_violation *list, size_t capacity,
+                                size_t *count, opc_error *error) {
   const state *s = self;
   (void)error;
   *count = 0;
   for (size_t i = 0; i < 2 * p->gates->count; i++) {
     double value = p->extension[i];
-    if (value >= s->extension || (*count)++ >= room) continue;
+    if (value >= s->extension || (*count)++ >= capacity) continue;
     list[*count - 1] = (eda_violation){"extension", (int32_t)(i / 2), 0, 0,
                                        value,       s->extension};
   }

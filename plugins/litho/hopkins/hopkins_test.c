@@ -377,8 +377,9 @@ static void test_general(void) {
       sides = fmax(sides, fabs(v[2] - v[3]));
       blur = fmax(blur, fabs(v[2] - v[0]));
     }
-    g_test_message("general way: %.2g off; the two sides differ by %.2g",
-                   general, sides);
+    g_test_message(
+        "general path: deviation %.2g; difference of the two sides %.2g",
+        general, sides);
     g_assert_cmpfloat(general, <, 2e-3);
     g_assert_cmpfloat(sides, <, 1e-4);
     g_assert_cmpfloat(blur, >, 0.02);

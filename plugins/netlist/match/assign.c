@@ -69,7 +69,7 @@ static uint32_t best_gate(const choice *c, double width) {
   const match_task *j = c->g->j;
   const eda_gates *o = j->gates;
   const eda_transistor *d = c->device;
-  nm_point said = graph_place(c->g, d);
+  nm_point stated = graph_place(c->g, d);
   uint32_t best = UINT32_MAX;
   double least = INFINITY;
   for (uint32_t i = c->first_free; i < c->gates && least > 0; i++) {
@@ -78,7 +78,7 @@ static uint32_t best_gate(const choice *c, double width) {
     int misfit =
         fabs(o->length[gate] - d->length) > length_slack(j, d->length) ||
         (width > 0 && fabs(o->width[gate] - width) > length_slack(j, width));
-    double cost = graph_distance(said, graph_middle(j, gate));
+    double cost = graph_distance(stated, graph_middle(j, gate));
     if (misfit) cost += 1e30;
     if (cost < least) {
       least = cost;
@@ -101,11 +101,11 @@ static int take_gates(choice *c, uint32_t owner, int alone, int one_each) {
   const eda_transistor *d = c->device;
   const eda_gates *o = g->j->gates;
   uint32_t *mine = eda_pool_alloc(&g->j->pool, c->left, sizeof *mine), n = 0;
-  uint32_t said = one_each ? 1 : d->fingers,
-           most = one_each || !alone ? said : 0;
-  double width = said ? d->width / said : 0, sum = 0;
+  uint32_t stated = one_each ? 1 : d->fingers,
+           most = one_each || !alone ? stated : 0;
+  double width = stated ? d->width / stated : 0, sum = 0;
   double enough =
-      said || alone ? INFINITY : d->width - length_slack(g->j, d->width);
+      stated || alone ? INFINITY : d->width - length_slack(g->j, d->width);
   while (c->left && (!most || n < most) && sum < enough) {
     uint32_t at = best_gate(c, width);
     choice_take(c, at);

@@ -12,9 +12,9 @@ enum { UNKNOWN = UINT32_MAX - 1 };
 
 /* Rectangles of a layer. */
 typedef struct conductor {
-  size_t count, room;
+  size_t count, capacity;
   eda_box *box;
-  size_t room_groups;
+  size_t capacity_groups;
   uint32_t *group;
   eda_index *index;
 } conductor;
@@ -50,25 +50,25 @@ static void groups_join(extractor *x, uint32_t a, uint32_t b) {
 /* Polygons of a group to be divided into rectangles. */
 typedef struct pieces {
   eda_shapes shapes;
-  size_t room_start, room_points;
+  size_t capacity_start, capacity_points;
 } pieces;
 
 static void add_polygon(pieces *p, const eda_point *points, size_t n) {
   eda_shapes *s = &p->shapes;
-  eda_grow(&s->start, &p->room_start, s->count + 2, sizeof *s->start);
+  eda_grow(&s->start, &p->capacity_start, s->count + 2, sizeof *s->start);
   if (!s->count) s->start[0] = 0;
   size_t at = s->start[s->count];
-  eda_grow(&s->points, &p->room_points, at + n, sizeof *s->points);
+  eda_grow(&s->points, &p->capacity_points, at + n, sizeof *s->points);
   memcpy(s->points + at, points, n * sizeof *points);
   s->start[++s->count] = (uint32_t)(at + n);
 }
 
 static uint32_t group_of_placement(extractor *x, uint32_t p) {
   match_task *j = x->j;
-  size_t room = x->placements;
-  eda_pool_grow(&j->pool, &x->group_of, &room, (size_t)p + 1,
+  size_t capacity = x->placements;
+  eda_pool_grow(&j->pool, &x->group_of, &capacity, (size_t)p + 1,
                 sizeof *x->group_of);
-  for (; x->placements < room; x->placements++)
+  for (; x->placements < capacity; x->placements++)
     x->group_of[x->placements] = UNKNOWN;
   if (x->group_of[p] == UNKNOWN) {
     char path[4096];
@@ -112,8 +112,8 @@ static int is_box(const eda_point *p, size_t n) {
 
 static void add_box(extractor *x, conductor *c, eda_box box, uint32_t group) {
   eda_pool *pool = &x->j->pool;
-  eda_pool_grow(pool, &c->box, &c->room, c->count + 1, sizeof *c->box);
-  eda_pool_grow(pool, &c->group, &c->room_groups, c->count + 1,
+  eda_pool_grow(pool, &c->box, &c->capacity, c->count + 1, sizeof *c->box);
+  eda_pool_grow(pool, &c->group, &c->capacity_groups, c->count + 1,
                 sizeof *c->group);
   c->box[c->count] = box;
   c->group[c->count++] = group;
@@ -317,7 +317,7 @@ static int load_texts(extractor *x, int32_t layer) {
       j->loose++;
       continue;
     }
-    eda_pool_grow(&j->pool, &j->label, &j->room_labels, j->labels + 1,
+    eda_pool_grow(&j->pool, &j->label, &j->capacity_labels, j->labels + 1,
                   sizeof *j->label);
     j->label[j->labels] = (label){on, *group, j->labels, texts.text[i]};
     j->labels++;

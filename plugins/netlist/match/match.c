@@ -29,9 +29,9 @@ uint32_t *match_unknown(match_task *j, size_t n) {
 }
 
 const char *match_gate_name(const match_task *j, size_t gate, char *buffer,
-                            size_t room) {
+                            size_t capacity) {
   const eda_gates *g = j->gates;
-  snprintf(buffer, room, "%.200s:%u",
+  snprintf(buffer, capacity, "%.200s:%u",
            *g->instance[gate] ? g->instance[gate] : g->cell[gate],
            g->number[gate]);
   return buffer;

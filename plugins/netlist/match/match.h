@@ -47,7 +47,7 @@ typedef struct match_task {
   double tolerance;                          /* of sizes, relative */
   int32_t layer[LAYERS], text_layer[LAYERS]; /* -1: none */
 
-  size_t groups, room_groups;
+  size_t groups, capacity_groups;
   region *group;
   eda_names group_of; /* from paths to groups */
   uint32_t *of_group; /* group of each gate; UINT32_MAX: none */
@@ -55,7 +55,7 @@ typedef struct match_task {
   terminals *terminals; /* nets of each gate; groups do not share nets */
   size_t nets;
   uint32_t *known; /* number of each net in its group; UINT32_MAX: none */
-  size_t labels, room_labels;
+  size_t labels, capacity_labels;
   label *label;
   size_t loose; /* number of labels not on any shape */
 
@@ -69,7 +69,7 @@ uint32_t *match_unknown(match_task *j, size_t n);
 
 /* Return "NAME:NUMBER" of a gate, for messages, in `buffer`. */
 const char *match_gate_name(const match_task *j, size_t gate, char *buffer,
-                            size_t room);
+                            size_t capacity);
 
 /* pairing.c: assign subcircuits to parts of the layout. */
 int match_pair(match_task *j, const eda_scope *top);

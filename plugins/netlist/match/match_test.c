@@ -153,7 +153,7 @@ static void test_fingers(void) {
       if ((end += 250.0 * fingers[stage] + 500) > x + 250) break;
     (g->type[i] ? wp : wn)[stage] += g->width[i];
   }
-  for (int said = 0; said < 2; said++) {
+  for (int stated = 0; stated < 2; stated++) {
     GString *s = g_string_new(
         "* folded\n.include 'inv.sp'\n.param one=1\n"
         ".subckt inverter_chain IN OUT VDD VSS\n");
@@ -162,10 +162,10 @@ static void test_fingers(void) {
       g_autofree char *out =
           k < 5 ? g_strdup_printf("m%d", k + 1) : g_strdup("out");
       g_autofree char *nf =
-          said ? g_strdup_printf("f=%u", fingers[k]) : g_strdup("");
+          stated ? g_strdup_printf("f=%u", fingers[k]) : g_strdup("");
       g_string_append_printf(
           s, "x%d %s %s vdd\n+ vss / %s wn=%gn wp='%g*1n*one' %s\n", k, in, out,
-          said ? "inv_f" : "inv", wn[k], wp[k], nf);
+          stated ? "inv_f" : "inv", wn[k], wp[k], nf);
     }
     g_string_append(s, ".ends\n");
     g_autofree char *inv =

@@ -12,7 +12,7 @@
 enum { AMBIGUOUS = UINT32_MAX - 1 };
 
 static void add_group(match_task *j, const region *g) {
-  eda_pool_grow(&j->pool, &j->group, &j->room_groups, j->groups + 1,
+  eda_pool_grow(&j->pool, &j->group, &j->capacity_groups, j->groups + 1,
                 sizeof *j->group);
   *eda_names_add(&j->group_of, g->path) = (uint32_t)j->groups;
   j->group[j->groups++] = *g;

@@ -70,9 +70,9 @@ double cif_angle(int64_t dx, int64_t dy) {
 
 static void add_polygon(cif *c, const eda_point *points, size_t n) {
   if (!c->b.failed)
-    reading_check(
-        &c->b, eda_layout_add_polygon(c->b.layout, c->current->cell,
-                                      c->layer_number, points, n, &c->b.said));
+    reading_check(&c->b, eda_layout_add_polygon(c->b.layout, c->current->cell,
+                                                c->layer_number, points, n,
+                                                &c->b.layout_error));
 }
 
 void cif_box(cif *c, int64_t length, int64_t width, int64_t x, int64_t y,
@@ -112,7 +112,7 @@ void cif_wire(cif *c, int64_t width) {
     reading_check(&c->b, eda_layout_add_path(
                              c->b.layout, c->current->cell, c->layer_number,
                              (const eda_point *)c->points->data, c->points->len,
-                             units, 2, 0, 0, &c->b.said));
+                             units, 2, 0, 0, &c->b.layout_error));
 }
 
 void cif_flash(cif *c, int64_t diameter, int64_t x, int64_t y) {
@@ -131,9 +131,9 @@ void cif_label(cif *c, const char *label, int64_t x, int64_t y) {
   if (!cif_draw(c)) return;
   eda_point at = {cif_units(c, x), cif_units(c, y)};
   if (!c->b.failed)
-    reading_check(&c->b,
-                  eda_layout_add_text(c->b.layout, c->current->cell,
-                                      c->layer_number, at, label, &c->b.said));
+    reading_check(&c->b, eda_layout_add_text(c->b.layout, c->current->cell,
+                                             c->layer_number, at, label,
+                                             &c->b.layout_error));
 }
 
 /* ---- calls ---- */
@@ -155,7 +155,7 @@ void cif_call(cif *c, cif_symbol *called, const cif_transform *t) {
                      .columns = 1,
                      .rows = 1};
   if (!c->b.failed)
-    reading_check(&c->b,
-                  eda_layout_add_instance(c->b.layout, c->current->cell,
-                                          called->cell, &p, NULL, &c->b.said));
+    reading_check(&c->b, eda_layout_add_instance(c->b.layout, c->current->cell,
+                                                 called->cell, &p, NULL,
+                                                 &c->b.layout_error));
 }

@@ -140,8 +140,8 @@ static void make_cell(cif *c, size_t i, const char *name, GHashTable *tried) {
   }
   if (strcmp(unique, name) != 0)
     g_hash_table_insert(tried, g_strdup(name), GSIZE_TO_POINTER(k));
-  cif_symbol_at(c, i)->cell =
-      reading_number(&c->b, eda_layout_cell(c->b.layout, unique, &c->b.said));
+  cif_symbol_at(c, i)->cell = reading_number(
+      &c->b, eda_layout_cell(c->b.layout, unique, &c->b.layout_error));
 }
 
 /* "inverter" from "cells/inverter.cif" */
@@ -156,8 +156,8 @@ static void make_top(cif *c, GHashTable *tried) {
 void cif_make_cells(cif *c) {
   double unit = choose_unit(c);
   if (c->b.failed) return;
-  c->b.layout = eda_layout_new(unit, &c->b.said);
-  reading_check(&c->b, c->b.layout ? OPC_OK : c->b.said.code);
+  c->b.layout = eda_layout_new(unit, &c->b.layout_error);
+  reading_check(&c->b, c->b.layout ? OPC_OK : c->b.layout_error.code);
   g_autoptr(GHashTable) tried =
       g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
   for (size_t i = 1; i < c->symbols->len && !c->b.failed; i++) {

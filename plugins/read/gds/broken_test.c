@@ -9,12 +9,12 @@
 /* Return the path of a file with the first `most` bytes of the gzip stream of n
    bytes. */
 static char *save_packed(const void *bytes, size_t n, size_t most) {
-  uLong room = compressBound((uLong)n) + 64;
-  g_autofree uint8_t *out = g_malloc(room);
+  uLong capacity = compressBound((uLong)n) + 64;
+  g_autofree uint8_t *out = g_malloc(capacity);
   z_stream z = {.next_in = (Bytef *)bytes,
                 .avail_in = (uInt)n,
                 .next_out = out,
-                .avail_out = (uInt)room};
+                .avail_out = (uInt)capacity};
   g_assert_cmpint(
       deflateInit2(&z, 9, Z_DEFLATED, MAX_WBITS + 16, 8, Z_DEFAULT_STRATEGY),
       ==, Z_OK);

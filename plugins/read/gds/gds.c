@@ -26,7 +26,7 @@ typedef struct element {
                        none */
   int named;        /* 0: no name, 1: by the first property, 2: by number 61 */
   eda_point *points;
-  size_t n, room;
+  size_t n, capacity;
   char *name, *string, *instance; /* NULL for none */
 } element;
 
@@ -94,7 +94,7 @@ static void gds_take_string(gds *g, char **out) {
 static void take_points(gds *g) {
   element *e = &g->e;
   if (g->n % 8) gds_refuse(g, "incomplete point");
-  eda_grow(&e->points, &e->room, e->n + g->n / 8, sizeof *e->points);
+  eda_grow(&e->points, &e->capacity, e->n + g->n / 8, sizeof *e->points);
   for (size_t i = 0; i < g->n / 8; i++)
     e->points[e->n++] = (eda_point){eda_gds_i32(g->data + 8 * i),
                                     eda_gds_i32(g->data + 8 * i + 4)};
@@ -195,20 +195,22 @@ static void add_shape(gds *g) {
     if (!n)
       gds_refuse(g, "PATH without points");
     else
-      code = eda_layout_add_path(b->layout, b->cell, layer, p, n, width,
-                                 (int)e->ends, e->begin, e->end, &b->said);
+      code =
+          eda_layout_add_path(b->layout, b->cell, layer, p, n, width,
+                              (int)e->ends, e->begin, e->end, &b->layout_error);
   } else if (e->type == EDA_GDS_TEXT) {
     if (!n || !e->string)
       gds_refuse(g, "incomplete TEXT");
     else
       code = eda_layout_add_text(b->layout, b->cell, layer, p[0], e->string,
-                                 &b->said);
+                                 &b->layout_error);
   } else if (!n) {
     gds_refuse(g, "polygon without points");
   } else {
     if (n > 1 && p[0].x == p[n - 1].x && p[0].y == p[n - 1].y) n--;
     if (n >= 3) /* fewer points have no area */
-      code = eda_layout_add_polygon(b->layout, b->cell, layer, p, n, &b->said);
+      code = eda_layout_add_polygon(b->layout, b->cell, layer, p, n,
+                                    &b->layout_error);
   }
   reading_check(b, code);
 }
@@ -216,9 +218,9 @@ static void add_shape(gds *g) {
 /* ---- work: placements ---- */
 
 static int put_instance(gds *g, int32_t child, const eda_placement *p) {
-  return reading_check(&g->b,
-                       eda_layout_add_instance(g->b.layout, g->b.cell, child, p,
-                                               g->e.instance, &g->b.said));
+  return reading_check(
+      &g->b, eda_layout_add_instance(g->b.layout, g->b.cell, child, p,
+                                     g->e.instance, &g->b.layout_error));
 }
 
 /* Divide (x, y) into `count` steps of an array. Return 1 if the step is an
@@ -289,8 +291,8 @@ static void add_placement(gds *g) {
   else if (!(e->magnification > 0))
     gds_refuse(g, "placement with an impossible MAG");
   if (g->b.failed) return;
-  int32_t child =
-      reading_number(&g->b, eda_layout_cell(g->b.layout, e->name, &g->b.said));
+  int32_t child = reading_number(
+      &g->b, eda_layout_cell(g->b.layout, e->name, &g->b.layout_error));
   if (child < 0) return;
   if (e->transform & 6) g->absolute = 1;
   eda_placement p = {.origin = e->points[0],
@@ -317,7 +319,7 @@ static void element_clear(element *e) {
                  .magnification = 1,
                  .property = -1,
                  .points = e->points,
-                 .room = e->room};
+                 .capacity = e->capacity};
 }
 
 /* Read an element after its first record, up to ENDEL. */
@@ -373,8 +375,8 @@ static void take_units(gds *g) {
   else if (!(unit > 0))
     gds_refuse(g, "impossible UNITS");
   if (g->b.failed) return;
-  g->b.layout = eda_layout_new(unit * g->b.r->scale, &g->b.said);
-  reading_check(&g->b, g->b.layout ? OPC_OK : g->b.said.code);
+  g->b.layout = eda_layout_new(unit * g->b.r->scale, &g->b.layout_error);
+  reading_check(&g->b, g->b.layout ? OPC_OK : g->b.layout_error.code);
 }
 
 static void gds_read_library(void *self) {

@@ -23,7 +23,7 @@ typedef struct clip {
   const char *record; /* first word of the current record */
   double unit;        /* nm; 0 before EQUIV */
   eda_point *points;
-  size_t room;
+  size_t capacity;
 } clip;
 
 /* ---- work: words ---- */
@@ -127,13 +127,14 @@ static void begin_cell(clip *c) {
   c->record = take_name(c, name).s;
   if (!b->layout && !b->failed) {
     double unit = c->unit > 0 ? c->unit : 1;
-    b->layout = eda_layout_new(unit * b->r->scale, &b->said);
-    reading_check(b, b->layout ? OPC_OK : b->said.code);
+    b->layout = eda_layout_new(unit * b->r->scale, &b->layout_error);
+    reading_check(b, b->layout ? OPC_OK : b->layout_error.code);
   }
   if (b->failed) return;
   if (eda_layout_find_cell(b->layout, name) >= 0)
     glp_refuse(c, "a cell of this name exists already");
-  b->cell = reading_number(b, eda_layout_cell(b->layout, name, &b->said));
+  b->cell =
+      reading_number(b, eda_layout_cell(b->layout, name, &b->layout_error));
 }
 
 /* Return the layer of a shape, by its new name if any. */
@@ -153,8 +154,8 @@ static void take_box(clip *c) {
   if (x > INT32_MAX || y > INT32_MAX) glp_refuse(c, "RECT beyond 2^31");
   eda_box box = {v[0], v[1], (int32_t)x, (int32_t)y};
   if (!b->failed)
-    reading_check(b,
-                  eda_layout_add_box(b->layout, b->cell, layer, box, &b->said));
+    reading_check(b, eda_layout_add_box(b->layout, b->cell, layer, box,
+                                        &b->layout_error));
 }
 
 static void take_polygon(clip *c) {
@@ -162,7 +163,7 @@ static void take_polygon(clip *c) {
   int32_t layer = take_layer(c);
   size_t n = 0;
   for (word w = next_word(c); w.n; w = next_word(c), n++) {
-    eda_grow(&c->points, &c->room, n + 1, sizeof *c->points);
+    eda_grow(&c->points, &c->capacity, n + 1, sizeof *c->points);
     if (!word_number(w, &c->points[n].x))
       glp_refuse_at(c, w.s, "expected a whole number within 2^31");
     c->points[n].y = need_number(c);
@@ -170,7 +171,7 @@ static void take_polygon(clip *c) {
   if (n < 3) glp_refuse(c, "PGON of less than 3 points");
   if (!b->failed)
     reading_check(b, eda_layout_add_polygon(b->layout, b->cell, layer,
-                                            c->points, n, &b->said));
+                                            c->points, n, &b->layout_error));
 }
 
 /* Read one line. Return 0 at ENDMSG. */

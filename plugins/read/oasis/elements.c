@@ -106,7 +106,7 @@ static void add_texts(oasis *o, int repeated, int32_t layer,
     if (find_member(o, repeated, i, o->m.text_x, o->m.text_y,
                     "a coordinate beyond 32 bits", &at))
       reading_check(b, eda_layout_add_text(b->layout, b->cell, layer, at,
-                                           string, &b->said));
+                                           string, &b->layout_error));
 }
 
 void oasis_read_text(oasis *o) {
@@ -135,8 +135,8 @@ static void read_child(oasis *o, int by_number) {
   const char *name =
       o->naming ? NULL : oasis_referred(o, EDA_OASIS_CELLNAMES, &to);
   if (name)
-    o->m.placed =
-        reading_number(&o->b, eda_layout_cell(o->b.layout, name, &o->b.said));
+    o->m.placed = reading_number(
+        &o->b, eda_layout_cell(o->b.layout, name, &o->b.layout_error));
   o->m.has |= HAS_PLACED;
   g_free(to.text);
 }
@@ -196,7 +196,7 @@ void oasis_end_placement(oasis *o) {
     if (find_member(o, !single, i, first.x, first.y,
                     "an array leaves the range of coordinates", &p.origin))
       reading_check(b, eda_layout_add_instance(b->layout, b->cell, o->child, &p,
-                                               name, &b->said));
+                                               name, &b->layout_error));
 }
 
 /* ---- properties ---- */

@@ -5,7 +5,7 @@
 #include "oasis.h"
 
 static void add_point(oasis_points *points, oasis_vector p) {
-  eda_grow(&points->p, &points->room, points->n + 1, sizeof p);
+  eda_grow(&points->p, &points->capacity, points->n + 1, sizeof p);
   points->p[points->n++] = p;
 }
 

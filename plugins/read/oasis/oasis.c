@@ -82,8 +82,8 @@ static void make_layout(oasis *o, double steps) {
   char digits[40];
   snprintf(digits, sizeof digits, "%.14g", 1000 / steps);
   o->b.layout =
-      eda_layout_new(strtod(digits, NULL) * o->b.r->scale, &o->b.said);
-  reading_check(&o->b, o->b.layout ? OPC_OK : o->b.said.code);
+      eda_layout_new(strtod(digits, NULL) * o->b.r->scale, &o->b.layout_error);
+  reading_check(&o->b, o->b.layout ? OPC_OK : o->b.layout_error.code);
 }
 
 static void read_start(oasis *o) {

@@ -59,7 +59,7 @@ typedef struct oasis_vector {
 
 typedef struct oasis_points {
   oasis_vector *p;
-  size_t n, room;
+  size_t n, capacity;
 } oasis_points;
 
 /* columns x rows on a lattice, or `columns` listed offsets, the first (0,
@@ -126,7 +126,7 @@ typedef struct oasis {
   oasis_modal m;
   uint64_t spent; /* points of all shapes so far */
   eda_point *points;
-  size_t room_points;
+  size_t capacity_points;
 
   int pending; /* 1: a placement whose properties may follow */
   eda_placement placement;
@@ -136,7 +136,8 @@ typedef struct oasis {
   char *instance;
 } oasis;
 
-/* ---- stream.c: the file as bytes, compressed blocks opened on the way ---- */
+/* ---- stream.c: the file as bytes, compressed blocks opened while reading ----
+ */
 
 /* Return a second reader of the same file that reads names only. Free it with
    oasis_clear; data shared with `from` remain owned by `from`. */

@@ -68,7 +68,7 @@ static void add_points(oasis *o, int repeated, const oasis_vector *p, size_t n,
   if (layer < 0 || !oasis_spend(o, members, path ? 4 * n : n) ||
       !shape_fits(o, repeated, low, high))
     return;
-  eda_grow(&o->points, &o->room_points, n, sizeof *o->points);
+  eda_grow(&o->points, &o->capacity_points, n, sizeof *o->points);
   for (uint64_t i = 0; i < members && !b->failed; i++) {
     oasis_vector at = oasis_member(o, repeated, i);
     for (size_t k = 0; k < n; k++)
@@ -77,9 +77,9 @@ static void add_points(oasis *o, int repeated, const oasis_vector *p, size_t n,
     int code = path ? eda_layout_add_path(b->layout, b->cell, layer, o->points,
                                           n, (int32_t)(2 * o->m.halfwidth), 4,
                                           (int32_t)o->m.begin,
-                                          (int32_t)o->m.end, &b->said)
+                                          (int32_t)o->m.end, &b->layout_error)
                     : eda_layout_add_polygon(b->layout, b->cell, layer,
-                                             o->points, n, &b->said);
+                                             o->points, n, &b->layout_error);
     reading_check(b, code);
   }
 }

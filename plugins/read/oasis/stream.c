@@ -98,12 +98,13 @@ static void block_feed(oasis *o) {
   o->left_in -= n;
 }
 
-/* Inflate at most `room` bytes to `out`. Return their number, 0 at the end. */
-static size_t block_unpack(oasis *o, uint8_t *out, size_t room) {
+/* Inflate at most `capacity` bytes to `out`. Return their number, 0 at the end.
+ */
+static size_t block_unpack(oasis *o, uint8_t *out, size_t capacity) {
   o->z.next_out = out;
-  o->z.avail_out = (uInt)room;
+  o->z.avail_out = (uInt)capacity;
   int code = Z_OK;
-  while (code == Z_OK && o->z.avail_out == room && !o->b.failed) {
+  while (code == Z_OK && o->z.avail_out == capacity && !o->b.failed) {
     block_feed(o);
     int dry = !o->z.avail_in;
     code = inflate(&o->z, Z_NO_FLUSH);
@@ -112,7 +113,7 @@ static size_t block_unpack(oasis *o, uint8_t *out, size_t room) {
   if (o->b.failed) return 0;
   if (code != Z_OK && code != Z_STREAM_END && code != Z_BUF_ERROR)
     oasis_refuse(o, "the compressed data is damaged");
-  return room - o->z.avail_out;
+  return capacity - o->z.avail_out;
 }
 
 int oasis_refill(oasis *o) {

@@ -222,7 +222,7 @@ static void test_violations(void) {
   for (int i = 0; i < 5; i++) fixture_rule(m, &f); /* 5 nm of spacing */
   drc_violations(m, &p, v, 3);
   g_assert_cmpint(f.end[1], ==, 5);
-  g_assert_cmpstr(v[0].rule, ==, "extension; no room before the line end");
+  g_assert_cmpstr(v[0].rule, ==, "extension; no space before the line end");
 }
 
 /* Line ends that moved until their printed ends merged move back, and stay. */

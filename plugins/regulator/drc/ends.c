@@ -204,6 +204,6 @@ const char *ends_reason(const drc *r, size_t end) {
   if (one->by < one->limit || one->wider < one->widest)
     return "extension: could still move";
   return one->by < grid_steps(r->max_growth, r->max_growth, r->grid)
-             ? "extension; no room before the line end"
+             ? "extension; no space before the line end"
              : "extension; max_growth reached";
 }

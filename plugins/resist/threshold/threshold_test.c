@@ -118,7 +118,7 @@ static eda_gates *rows_of(const int (*row)[3], size_t rows, uint8_t axis) {
    bit-identical results. */
 static void check_gates(const int (*row)[3], size_t rows, uint8_t axis,
                         const char *left, const char *numbers,
-                        const char *said) {
+                        const char *expected) {
   g_autoptr(opc_module) litho =
       lines_litho("{ wavelength: 248 nm, na: 0.7, sigma: 0.6 }");
   g_autoptr(opc_module) same = prepared(numbers, litho);
@@ -131,8 +131,8 @@ static void check_gates(const int (*row)[3], size_t rows, uint8_t axis,
   const eda_resist *resist = m->functions;
   for (int again = 0; again < 2; again++)
     g_assert_cmpint(resist->prepare(m->self, litho, &error), ==, OPC_OK);
-  if (!strstr(opc_test_log(), said))
-    g_error("'%s' is not in: %s", said, opc_test_log());
+  if (!strstr(opc_test_log(), expected))
+    g_error("'%s' is not in: %s", expected, opc_test_log());
   eda_field a = lines_print(litho, m, EDA_POLY, 150, 430);
   eda_field b = lines_print(litho, same, EDA_POLY, 150, 430);
   size_t n = (size_t)a.nx * (size_t)a.ny * sizeof *a.coefficients;
@@ -184,7 +184,7 @@ static void test_gates(void) {
 static void test_open(void) {
   static const int rows[][3] = {{5, 150, 430}, {4, 150, 430}};
   static const struct {
-    const char *left, *numbers, *said;
+    const char *left, *numbers, *expected;
     int drawn;
   } cases[] = {
       {"{}", "{ anchor: { line: 150 nm, pitch: 430 nm } }",
@@ -214,8 +214,8 @@ static void test_open(void) {
     opc_test_forget();
     g_assert_cmpint(resist->prepare(m->self, litho, &error), ==, OPC_OK);
     g_test_message("%s", opc_test_log());
-    if (cases[i].said)
-      g_assert_nonnull(strstr(opc_test_log(), cases[i].said));
+    if (cases[i].expected)
+      g_assert_nonnull(strstr(opc_test_log(), cases[i].expected));
     else
       g_assert_null(strstr(opc_test_log(), "anchor"));
     for (int layer = 0; layer < 2; layer++)

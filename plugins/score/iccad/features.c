@@ -59,13 +59,14 @@ static int in_order(const void *a, const void *b) {
    once. */
 static size_t features_meet(const iccad_tile *t, const int32_t *feature,
                             const int32_t *piece, meeting **out) {
-  size_t n = (size_t)t->side * (size_t)t->side, count = 0, room = 0, kept = 0;
+  size_t n = (size_t)t->side * (size_t)t->side, count = 0, capacity = 0,
+         kept = 0;
   meeting *m = NULL;
   for (size_t i = 0; i < n; i++) {
     if (feature[i] < 0 || piece[i] < 0) continue;
     meeting one = {feature[i], piece[i]};
     if (count && !in_order(&m[count - 1], &one)) continue;
-    eda_grow(&m, &room, count + 1, sizeof *m);
+    eda_grow(&m, &capacity, count + 1, sizeof *m);
     m[count++] = one;
   }
   if (count) qsort(m, count, sizeof *m, in_order);

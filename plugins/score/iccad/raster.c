@@ -79,11 +79,11 @@ int iccad_expose(const iccad_print *p, const eda_spectrum *mask, double dose,
 typedef struct collector {
   int32_t spacing;
   iccad_site *sites;
-  size_t count, room;
+  size_t count, capacity;
 } collector;
 
 static void site_add(collector *c, iccad_site s) {
-  eda_grow(&c->sites, &c->room, c->count + 1, sizeof s);
+  eda_grow(&c->sites, &c->capacity, c->count + 1, sizeof s);
   c->sites[c->count++] = s;
 }
 

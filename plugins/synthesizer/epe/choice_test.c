@@ -278,15 +278,15 @@ static double until_20(uint32_t iteration) {
 /* The loop ends 20 iterations after the last decrease by 5 %. A loop that ends
    before, by `iterations`, reports so once. */
 static void test_convergence(void) {
-  const char *told = "not converged after 30 iterations";
+  const char *expected = "not converged after 30 iterations";
   opc_test_forget();
   g_assert_cmpuint(run_with("{ best: epe }", until_20), ==, 40);
   g_assert_cmpuint(run_with("{ best: epe }", slowly), ==, 20);
   g_assert_null(strstr(opc_test_log(), "not converged"));
   g_assert_cmpuint(run_with("{ best: epe, iterations: 30 }", falling), ==, 30);
-  const char *first = strstr(opc_test_log(), told);
+  const char *first = strstr(opc_test_log(), expected);
   g_assert_nonnull(first);
-  g_assert_null(strstr(first + 1, told));
+  g_assert_null(strstr(first + 1, expected));
 }
 
 /* A constant error: all fragments move to their limits, and the loop ends after

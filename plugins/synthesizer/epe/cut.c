@@ -15,7 +15,7 @@ typedef struct cutter {
   eda_index *corners; /* of all polygons */
   size_t capacity;    /* capacity of pieces */
   int32_t *marks;     /* cuts of one edge */
-  size_t n_marks, marks_room;
+  size_t n_marks, marks_capacity;
   uint8_t *convex; /* 1 for each convex point of `drawn` */
 } cutter;
 
@@ -52,7 +52,7 @@ static eda_point point_at(const drawn_edge *e, int32_t t) {
 /* ---- marks ---- */
 
 static void cut_at(cutter *c, int32_t t) {
-  eda_grow(&c->marks, &c->marks_room, c->n_marks + 1, sizeof t);
+  eda_grow(&c->marks, &c->marks_capacity, c->n_marks + 1, sizeof t);
   c->marks[c->n_marks++] = t;
 }
 

@@ -228,20 +228,20 @@ static int edge_lengthen(epe_layer *l, const int32_t *shift, size_t e,
                          int hard) {
   const epe_fragment *p = l->fragments;
   uint32_t first = l->edge[e], last = l->edge[e + 1] - 1;
-  int way = (p[first].axis == EDA_X) == (p[first].sign > 0) ? 1 : -1;
+  int sign = (p[first].axis == EDA_X) == (p[first].sign > 0) ? 1 : -1;
   double begin = epe_begin(p, shift, first), end = epe_end(p, shift, last);
   double drawn_begin = epe_begin(p, NULL, first);
   double drawn_end = epe_end(p, NULL, last);
-  double least = epe_min(way * (drawn_end - drawn_begin), l->rules->min_edge);
-  double missing = least - way * (end - begin);
+  double least = epe_min(sign * (drawn_end - drawn_begin), l->rules->min_edge);
+  double missing = least - sign * (end - begin);
   if (missing <= 0) return 0;
   if (hard) {
     fragment_keep_drawn(l, first);
     fragment_keep_drawn(l, last);
     return 1;
   }
-  double from = epe_max(0, way * (begin - drawn_begin));
-  double to = epe_max(0, way * (drawn_end - end));
+  double from = epe_max(0, sign * (begin - drawn_begin));
+  double to = epe_max(0, sign * (drawn_end - end));
   /* Move back in proportion to the shifts. */
   double part = missing / (from + to);
   fragment_move_back(l, shift, p[first].previous, (int32_t)ceil(from * part));

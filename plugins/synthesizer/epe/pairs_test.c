@@ -137,7 +137,7 @@ static uint32_t middle_of(const epe_layer *l, uint32_t polygon, int axis,
 
 /* Each fragment moves back by its part of the missing distance, rounded up: two
    lines 60 apart with a space of 52, and one 50 wide with a width of 46. */
-static void test_way(void) {
+static void test_direction(void) {
   static const struct {
     int32_t by[2], left[2];
   } cases[] = {{{12, 6}, {5, 2}},    {{6, 12}, {2, 5}}, {{15, -3}, {11, -3}},
@@ -179,6 +179,6 @@ static void test_way(void) {
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/pairs/all", test_all);
-  g_test_add_func("/pairs/way", test_way);
+  g_test_add_func("/pairs/direction", test_direction);
   return g_test_run();
 }

@@ -25,7 +25,7 @@ static void run_set_shift(epe_run *r) {
    a jog, as the optics average shifts along the edge. */
 static void runs_begin(const epe_layer *l, size_t e, epe_run *runs) {
   int32_t n = (int32_t)(l->edge[e + 1] - l->edge[e]);
-  double missing = 0, worth = l->rules->blur / tuned.jog_part;
+  double missing = 0, tolerance = l->rules->blur / tuned.jog_part;
   for (int32_t k = 0; k < n; k++) {
     uint32_t i = l->edge[e] + (uint32_t)k;
     double length = epe_length(&l->fragments[i]);
@@ -37,7 +37,7 @@ static void runs_begin(const epe_layer *l, size_t e, epe_run *runs) {
     if (k) {
       int32_t same = runs[k - 1].shift;
       double left = missing + (l->wanted[i] - same) * length;
-      if (fabs(left) <= worth && same >= r->low && same <= r->high)
+      if (fabs(left) <= tolerance && same >= r->low && same <= r->high)
         r->shift = same;
       else
         r->shift = run_clamp(l->wanted[i] + missing / length, r->low, r->high);

@@ -18,17 +18,17 @@ static double error_at(const epe_layer *l, uint32_t i, const eda_field *print,
   double x = l->site[2 * i], y = l->site[2 * i + 1], before;
   eda_field_sample(print, &x, &y, 1, &before);
   before -= level;
-  int way = before > 0 ? 1 : -1;
+  int sign = before > 0 ? 1 : -1;
   for (double at = look; at <= tuned.window_reach; at += look) {
     double value;
-    *(p->axis == EDA_X ? &x : &y) += way * p->sign * look;
+    *(p->axis == EDA_X ? &x : &y) += sign * p->sign * look;
     eda_field_sample(print, &x, &y, 1, &value);
     value -= level;
-    if ((value > 0) != (way > 0))
-      return way * (at - look * value / (value - before));
+    if ((value > 0) != (sign > 0))
+      return sign * (at - look * value / (value - before));
     before = value;
   }
-  return way * tuned.window_reach;
+  return sign * tuned.window_reach;
 }
 
 typedef struct weighing {

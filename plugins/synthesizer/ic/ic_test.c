@@ -315,13 +315,14 @@ static int matrix_quarter(double i, double a) {
   return i > 0 && a < 0 ? 0 : i < 0 && a > 0 ? 1 : i < 0 && a < 0 ? 2 : 3;
 }
 
-static uint32_t vetoes_way(uint32_t veto, int way) {
+static uint32_t vetoes_direction(uint32_t veto, int direction) {
   return veto & (uint32_t[]){EDA_VETO_LONGER, EDA_VETO_SHORTER, EDA_VETO_WIDER,
-                             EDA_VETO_NARROWER}[way];
+                             EDA_VETO_NARROWER}[direction];
 }
 
-static int is_too_far(const model *t, int way) {
-  return abs(t->l + step[way][0]) > BIAS || abs(t->w + step[way][1]) > BIAS;
+static int is_too_far(const model *t, int direction) {
+  return abs(t->l + step[direction][0]) > BIAS ||
+         abs(t->w + step[direction][1]) > BIAS;
 }
 
 /* Compute figure 5.2 as one loop: step while the effective deviation falls,
@@ -330,12 +331,12 @@ static const char *run_freeze(model *t) {
   for (;;) {
     model before = *t;
     if (is_within(t)) return "within limit";
-    int way = matrix_quarter(model_di(t), model_da(t));
-    if (vetoes_way(veto_of(t), way)) return "bridging";
-    if (is_too_far(t, way)) return "bias limit";
-    t->l += step[way][0];
-    t->w += step[way][1];
-    int vetoed = vetoes_way(veto_of(t), way) != 0;
+    int direction = matrix_quarter(model_di(t), model_da(t));
+    if (vetoes_direction(veto_of(t), direction)) return "bridging";
+    if (is_too_far(t, direction)) return "bias limit";
+    t->l += step[direction][0];
+    t->w += step[direction][1];
+    int vetoed = vetoes_direction(veto_of(t), direction) != 0;
     if (!vetoed && model_eff(t) < model_eff(&before)) continue;
     *t = before;
     return is_within(t) ? "within limit" : vetoed ? "bridging" : "stalled";
@@ -343,8 +344,9 @@ static const char *run_freeze(model *t) {
 }
 
 /* Return the deviation expected after a correction of the best mask. */
-static double deviation_after(const model *t, int way) {
-  double l = 100.0 * step[way][0] / 65, w = 100.0 * step[way][1] / 200;
+static double deviation_after(const model *t, int direction) {
+  double l = 100.0 * step[direction][0] / 65,
+         w = 100.0 * step[direction][1] / 200;
   return alpha[0] * fabs(model_di(t) - l + w) +
          alpha[1] * fabs(model_da(t) + l + w);
 }
@@ -357,29 +359,31 @@ static const char *run_continue(model *t, int retries) {
   int tried = 0, vetoed = 0;
   uint32_t veto = veto_of(t);
   for (;;) {
-    int way = -1, first = matrix_quarter(model_di(&best), model_da(&best));
+    int direction = -1,
+        first = matrix_quarter(model_di(&best), model_da(&best));
     if (is_within(&best) && t->l == best.l && t->w == best.w) break;
     for (int k = 0; k < 4; k++) {
-      if (tried & 1 << k || vetoes_way(veto, k) || is_too_far(&best, k))
+      if (tried & 1 << k || vetoes_direction(veto, k) || is_too_far(&best, k))
         continue;
       if (k == first) {
-        way = k;
+        direction = k;
         break;
       }
-      if (way < 0 || deviation_after(&best, k) < deviation_after(&best, way))
-        way = k;
+      if (direction < 0 ||
+          deviation_after(&best, k) < deviation_after(&best, direction))
+        direction = k;
     }
-    if (way < 0 || retries < 0) break;
+    if (direction < 0 || retries < 0) break;
     *t = best;
-    t->l += step[way][0];
-    t->w += step[way][1];
+    t->l += step[direction][0];
+    t->w += step[direction][1];
     veto = veto_of(t);
-    vetoed = vetoes_way(veto, way) != 0;
+    vetoed = vetoes_direction(veto, direction) != 0;
     if (!vetoed && model_eff(t) < model_eff(&best)) {
       best = *t;
       tried = 0;
     } else {
-      tried |= 1 << way;
+      tried |= 1 << direction;
       retries--;
     }
   }

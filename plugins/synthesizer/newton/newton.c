@@ -319,9 +319,9 @@ static biases mask_propose(newton *t, const eda_feedback *f, size_t i) {
              trust_holds(&s->trust, s->x[BY_L]);
   if (held && !biases_equal(next, s->now)) return next;
   if (s->best_size <= hope && !biases_equal(s->best, s->now)) return s->best;
-  double worth =
+  double least_gain =
       corrects_ioff(t) || s->size > newton_ion_limit(t) ? 1 : tuned.worthwhile;
-  if (!biases_equal(next, s->now) && hope <= worth * s->size) return next;
+  if (!biases_equal(next, s->now) && hope <= least_gain * s->size) return next;
   s->verdict = why == MOVING ? GRID : why;
   return s->now;
 }

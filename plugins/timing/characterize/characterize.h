@@ -108,7 +108,7 @@ typedef struct deck {
   int rises;
   care care;
   double early; /* time by which other inputs change earlier, s */
-  size_t count, room;
+  size_t count, capacity;
   copy *copy;
   int code;
   opc_error error;

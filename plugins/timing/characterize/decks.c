@@ -65,19 +65,19 @@ static void put_source(const deck *d, FILE *out, const char *name, int rises,
 
 /* Distinct values of DLC, as offsets from the value of the model card. */
 typedef struct offsets {
-  size_t count, room;
+  size_t count, capacity;
   double *value;
   uint8_t *type;
-  size_t types_room;
+  size_t types_capacity;
 } offsets;
 
 static size_t offset_of(offsets *o, int type, double value) {
   size_t i = 0;
   while (i < o->count && (o->type[i] != type || o->value[i] != value)) i++;
   if (i < o->count) return i;
-  eda_grow(&o->type, &o->types_room, o->count + 1, 1);
+  eda_grow(&o->type, &o->types_capacity, o->count + 1, 1);
   o->type[o->count] = (uint8_t)type;
-  EDA_PUSH(o->value, o->count, o->room, value);
+  EDA_PUSH(o->value, o->count, o->capacity, value);
   return i;
 }
 

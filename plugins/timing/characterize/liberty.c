@@ -120,12 +120,12 @@ static void put_library(FILE *out, const study *s) {
           "  nom_process : 1;\n  nom_voltage : %g;\n  nom_temperature : %g;\n",
           t->supply, t->temperature);
   for (int rises = 0; rises < 2; rises++) {
-    const char *way = rises ? "rise" : "fall";
+    const char *edge = rises ? "rise" : "fall";
     fprintf(out,
             "  slew_lower_threshold_pct_%s : %g;\n"
             "  slew_upper_threshold_pct_%s : %g;\n"
             "  input_threshold_pct_%s : 50;\n  output_threshold_pct_%s : 50;\n",
-            way, 100 * t->low, way, 100 * t->high, way, way);
+            edge, 100 * t->low, edge, 100 * t->high, edge, edge);
   }
   fputs(
       "  slew_derate_from_library : 1;\n  lu_table_template (grid) {\n"

@@ -29,7 +29,7 @@ typedef struct plan {
   study *s;
   eda_timing_cell *cell;
   const circuit *circuit;
-  size_t count, room;
+  size_t count, capacity;
   deck *deck;
   double *unit; /* single-size changes: [k * n + k] is the nudge */
 } plan;
@@ -48,13 +48,13 @@ static deck *deck_for(plan *p, double slew, care with, const copy *c,
       d->copy[0].of_pin == c->of_pin && d->count + need <= SOME &&
       (c->load == last_copy(p)->load || d->count < FEW))
     return d;
-  EDA_PUSH(p->deck, p->count, p->room,
+  EDA_PUSH(p->deck, p->count, p->capacity,
            (deck){.s = p->s, .slew = slew, .rises = rises, .care = with});
   return &p->deck[p->count - 1];
 }
 
 static void deck_add(deck *d, const copy *c) {
-  EDA_PUSH(d->copy, d->count, d->room, *c);
+  EDA_PUSH(d->copy, d->count, d->capacity, *c);
 }
 
 static size_t changes_of(const plan *p) {

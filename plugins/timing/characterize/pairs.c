@@ -47,7 +47,7 @@ static int32_t find_like(const eda_timing_cell *c, const eda_timing_pair *p) {
 void pairs_list(study *s, eda_timing_cell *c) {
   const size_t n = c->inputs, patterns = (size_t)1 << n,
                most = c->outputs * n * n * patterns;
-  size_t room = 0;
+  size_t capacity = 0;
   eda_timing_pair *found = NULL;
   c->pair_of = eda_pool_alloc(&s->timing->memory, most, sizeof *c->pair_of);
   for (size_t k = 0; k < most; k++) {
@@ -68,7 +68,7 @@ void pairs_list(study *s, eda_timing_cell *c) {
     c->pair_of[k] = find_like(c, &p);
     if (c->pair_of[k] >= 0) continue;
     c->pair_of[k] = (int32_t)c->pairs;
-    EDA_PUSH(found, c->pairs, room, p);
+    EDA_PUSH(found, c->pairs, capacity, p);
   }
   c->pair = eda_pool_alloc(&s->timing->memory, c->pairs, sizeof *c->pair);
   for (size_t i = 0; i < c->pairs; i++) c->pair[i] = found[i];
@@ -113,7 +113,7 @@ static size_t grid_of(const eda_timing_cell *c, size_t slew) {
 typedef struct work {
   study *s;
   eda_timing_cell *cell;
-  size_t count, room; /* decks */
+  size_t count, capacity; /* decks */
   deck *deck;
 } work;
 
@@ -124,7 +124,7 @@ static deck *deck_for(work *w, double slew, int rises) {
           w->deck[k].count == SOME))
     k++;
   if (k == w->count)
-    EDA_PUSH(w->deck, w->count, w->room,
+    EDA_PUSH(w->deck, w->count, w->capacity,
              (deck){.s = w->s, .slew = slew, .rises = rises, .care = GRID});
   return &w->deck[k];
 }
@@ -166,7 +166,7 @@ static void plan_point(work *w, point *at) {
   if (early > d->early) d->early = early;
   at->deck = (size_t)(d - w->deck);
   at->copy = d->count;
-  EDA_PUSH(d->copy, d->count, d->room, one);
+  EDA_PUSH(d->copy, d->count, d->capacity, one);
 }
 
 /* Return the factor on the blend. If the output switches before slow inputs do,
@@ -256,7 +256,7 @@ static int measure_pins(study *s, eda_timing_cell *c, opc_error *error) {
                       .load = c->at_load[load_of(c)],
                       .point = k};
     deck *d = deck_for(&w, slew, rises);
-    EDA_PUSH(d->copy, d->count, d->room, one);
+    EDA_PUSH(d->copy, d->count, d->capacity, one);
   }
   int code = run_all(&w, error);
   for (size_t i = 0; i < w.count && !code; i++)

@@ -62,23 +62,23 @@ static void first_colours(const eda_timing_cell *c, uint64_t *net) {
 static void colours_refine(const eda_timing_cell *c, const part *p, size_t n,
                            const uint32_t *same, uint64_t *net) {
   const size_t nets = c->nets;
-  uint64_t *said = eda_alloc(nets, sizeof *said);
+  uint64_t *sum = eda_alloc(nets, sizeof *sum);
   first_colours(c, net);
   for (size_t before = 0, now = count_distinct(net, nets); now > before;) {
-    memset(said, 0, nets * sizeof *said);
+    memset(sum, 0, nets * sizeof *sum);
     for (size_t i = 0; i < n; i++) {
       uint64_t colour = colour_of(&p[i], net);
-      said[p[i].gate] += p[i].count * hash_join(colour, AT_GATE);
-      said[p[i].drain] += p[i].count * hash_join(colour, AT_CHANNEL);
-      said[p[i].source] += p[i].count * hash_join(colour, AT_CHANNEL);
-      said[p[i].bulk] += p[i].count * hash_join(colour, AT_BULK);
+      sum[p[i].gate] += p[i].count * hash_join(colour, AT_GATE);
+      sum[p[i].drain] += p[i].count * hash_join(colour, AT_CHANNEL);
+      sum[p[i].source] += p[i].count * hash_join(colour, AT_CHANNEL);
+      sum[p[i].bulk] += p[i].count * hash_join(colour, AT_BULK);
     }
     for (size_t i = 0; i < nets; i++)
-      net[i] = same[i] == i ? hash_join(net[i], said[i]) : net[same[i]];
+      net[i] = same[i] == i ? hash_join(net[i], sum[i]) : net[same[i]];
     before = now;
     now = count_distinct(net, nets);
   }
-  free(said);
+  free(sum);
 }
 
 /* ---- parts ---- */

@@ -255,7 +255,7 @@ typedef struct line {
 
 int events_report(const paths *p, opc_error *error) {
   const graph *g = &p->graph;
-  size_t count = 0, room = 0;
+  size_t count = 0, capacity = 0;
   line *all = NULL;
   waves w;
   waves_init(&w, p);
@@ -268,7 +268,7 @@ int events_report(const paths *p, opc_error *error) {
       for (uint32_t k = w.first[net]; k < w.last[net]; k++) {
         level = !level;
         double time = w.event[k].time;
-        EDA_PUSH(all, count, room,
+        EDA_PUSH(all, count, capacity,
                  (line){(int64_t)i, level, g->net[net],
                         p->delays == ONE_AN_ARC ? time / 1000 : time});
       }

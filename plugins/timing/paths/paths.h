@@ -67,12 +67,12 @@ typedef struct flip {
 
 typedef struct waves {
   const paths *p;
-  size_t count, room;
+  size_t count, capacity;
   event *event;
   uint32_t *first, *last; /* events of each net */
   uint8_t *level;         /* level of each net before the pattern */
   uint8_t *before, *after;
-  size_t room_changes;
+  size_t capacity_changes;
   flip *change;
   uint32_t *pins; /* input patterns of the instances that load a net */
 } waves;

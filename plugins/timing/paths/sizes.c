@@ -45,7 +45,7 @@ static int change_of(const paths *p, const eda_device *d, const printed *q,
   return OPC_OK;
 }
 
-static void make_room(paths *p, state *s) {
+static void state_allocate(paths *p, state *s) {
   const graph *g = &p->graph;
   s->change = eda_pool_alloc(&p->pool, g->instances, sizeof *s->change);
   for (size_t i = 0; i < g->nodes; i++) {
@@ -59,7 +59,7 @@ static void make_room(paths *p, state *s) {
 static int sizes_apply(paths *p, state *s, const printed *q, opc_error *error) {
   place *places = graph_places(&p->graph, p->circuit, error);
   if (!places) return error->code;
-  make_room(p, s);
+  state_allocate(p, s);
   int code = OPC_OK;
   for (size_t i = 0; i < p->circuit->count && !code; i++) {
     const eda_timing_device *t = places[i].device;

@@ -35,7 +35,7 @@ uint64_t path_on(uint64_t path, uint32_t net) {
 }
 
 void waves_push(waves *w, double time, double slew, uint64_t path) {
-  EDA_PUSH(w->event, w->count, w->room, (event){time, slew, path});
+  EDA_PUSH(w->event, w->count, w->capacity, (event){time, slew, path});
 }
 
 /* ---- the inputs of a node, in the order of time ---- */
@@ -97,7 +97,7 @@ static void by_arcs(waves *w, const node *n, const state *s) {
       double d = one_delay(n, s, k, level[m.now])[MEAN];
       if (inputs >> k & 1 && d < least) least = d;
     }
-    EDA_PUSH(w->change, changes, w->room_changes,
+    EDA_PUSH(w->change, changes, w->capacity_changes,
              (flip){time, time + least, level[m.now]});
   }
   flip *change = w->change;

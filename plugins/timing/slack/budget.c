@@ -267,9 +267,10 @@ static choice *best_down(const budget *b, const double *gain) {
   for (size_t i = 0; i < b->count; i++) {
     choice *c = &b->choice[i];
     if (!c->level || !(gain[i] > 0)) continue;
-    double worth = step_down(c, gain[i]) /
-                   fmax(c->leak[c->level - 1] - c->leak[c->level], 1e-30);
-    if (worth > most) most = worth, best = c;
+    double gain_per_step =
+        step_down(c, gain[i]) /
+        fmax(c->leak[c->level - 1] - c->leak[c->level], 1e-30);
+    if (gain_per_step > most) most = gain_per_step, best = c;
   }
   return best;
 }

@@ -141,20 +141,20 @@ static double gate_increase(const slack_task *j, size_t gate) {
 
 /* Round a factor to the digits of wishes.csv, so that the mask does not depend
    on whether a synthesizer reads the gates or the file. */
-static double wish_round(double factor) { return round(factor * 1e6) / 1e6; }
+static double factor_round(double factor) { return round(factor * 1e6) / 1e6; }
 
-static eda_goal wish_of(const slack_task *j, size_t gate) {
+static eda_goal goal_of(const slack_task *j, size_t gate) {
   const slack *s = j->s;
   double by = gate_increase(j, gate);
   return (eda_goal){
       .weight = s->weight,
       .target = {[EDA_GOAL_ION] =
-                     wish_round(gate_current(s, gate, EDA_ION, by) /
-                                gate_current(s, gate, EDA_ION, 0)),
+                     factor_round(gate_current(s, gate, EDA_ION, by) /
+                                  gate_current(s, gate, EDA_ION, 0)),
                  [EDA_GOAL_IOFF] =
-                     wish_round(gate_current(s, gate, EDA_IOFF, by) /
-                                gate_current(s, gate, EDA_IOFF, 0)),
-                 [EDA_GOAL_AREA] = wish_round(exp(by))},
+                     factor_round(gate_current(s, gate, EDA_IOFF, by) /
+                                  gate_current(s, gate, EDA_IOFF, 0)),
+                 [EDA_GOAL_AREA] = factor_round(exp(by))},
       .given = 1};
 }
 
@@ -167,7 +167,7 @@ static eda_gates *with_wishes(const slack_task *j) {
   g->goal = eda_alloc(g->count, sizeof *g->goal);
   for (size_t i = 0; i < g->count; i++)
     g->goal[i] =
-        gate_increase(j, i) > 0 ? wish_of(j, i) : eda_gates_goal(from, i);
+        gate_increase(j, i) > 0 ? goal_of(j, i) : eda_gates_goal(from, i);
   return g;
 }
 
@@ -184,7 +184,7 @@ static int requests_report(const slack_task *j, opc_error *error) {
   size_t n = 0;
   for (size_t i = 0; i < g->count; i++) {
     if (!(gate_increase(j, i) > 0)) continue;
-    eda_goal w = wish_of(j, i);
+    eda_goal w = goal_of(j, i);
     row[n++] = (wished){
         .name = g_strdup_printf("%s:%u", eda_gates_owner(g, i), g->number[i]),
         .weight = w.weight,

@@ -524,7 +524,7 @@ static void test_rest(void) {
 static const char chain[] =
     "XU1 a m VDD VSS INV\nXU2 m n VDD VSS INV\nXU3 n z VDD VSS INV\n";
 
-static void check_wish(const eda_goal *w, eda_goal want) {
+static void check_goal(const eda_goal *w, eda_goal want) {
   g_assert_cmpint(w->given, ==, want.given);
   g_assert_cmpfloat(w->weight, ==, want.weight);
   for (int k = 0; k < EDA_GOAL_TARGETS; k++) /* six decimals */
@@ -542,11 +542,11 @@ static void test_designer(void) {
                      {most_ion, exp(-drop[1] * longest()), 1 + longest() / 60},
                      1};
   p->goal[2] = designer;
-  eda_goal wish[6];
+  eda_goal goal[6];
   assert_good(slack_run(t, p, "a z", chain, ", delay_limit: 50 %, weight: 0.5",
-                        wish, &error),
+                        goal, &error),
               &error);
-  for (int i = 0; i < 6; i++) check_wish(&wish[i], i == 2 ? designer : longer);
+  for (int i = 0; i < 6; i++) check_goal(&goal[i], i == 2 ? designer : longer);
   close_to(opc_test_metric("longer"), 5, 0);
   close_to(opc_test_metric("longer_most"), longest(), 1e-6);
   /* No choice has a gain: all lengths as drawn. */

@@ -92,13 +92,13 @@ typedef struct target {
   int32_t times; /* units of the file per step of the mask's grid */
   double unit;   /* nm */
   eda_point *points;
-  size_t room;
+  size_t capacity;
 } target;
 
 static int put_polygon(void *data, const eda_point *points, size_t n,
                        opc_error *error) {
   target *t = data;
-  eda_grow(&t->points, &t->room, n, sizeof *t->points);
+  eda_grow(&t->points, &t->capacity, n, sizeof *t->points);
   for (size_t i = 0; i < n; i++)
     t->points[i] = (eda_point){t->times * points[i].x, t->times * points[i].y};
   return eda_layout_add_polygon(t->layout, t->cell, t->layer, t->points, n,
@@ -137,7 +137,7 @@ static int put_contours(target *t, const contours *c, int holes,
     const double *p = c->points + 2 * (size_t)c->start[i];
     size_t n = c->start[i + 1] - c->start[i], used = 0;
     double area = 0;
-    eda_grow(&t->points, &t->room, n, sizeof *t->points);
+    eda_grow(&t->points, &t->capacity, n, sizeof *t->points);
     for (size_t k = 0; k < n; k++) {
       const double *q = p + 2 * ((k + 1) % n);
       eda_point at = {(int32_t)lround(p[2 * k] / t->unit),

@@ -87,9 +87,9 @@ static turn turn_compose(turn a, turn b) {
 }
 
 static void units_add(units *out, placed_unit u) {
-  if (out->count == out->room) {
-    out->room = 2 * out->room + 64;
-    out->unit = g_realloc_n(out->unit, out->room, sizeof u);
+  if (out->count == out->capacity) {
+    out->capacity = 2 * out->capacity + 64;
+    out->unit = g_realloc_n(out->unit, out->capacity, sizeof u);
   }
   out->unit[out->count++] = u;
 }

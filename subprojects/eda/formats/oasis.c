@@ -37,7 +37,7 @@ uint32_t eda_oasis_crc(const eda_oasis *out) { return out->crc; }
 size_t eda_oasis_collected(const eda_oasis *out) { return out->n; }
 
 static void oasis_put(eda_oasis *out, const void *bytes, size_t n) {
-  eda_grow(&out->bytes, &out->room, out->n + n, 1);
+  eda_grow(&out->bytes, &out->capacity, out->n + n, 1);
   memcpy(out->bytes + out->n, bytes, n);
   out->n += n;
 }
@@ -117,7 +117,7 @@ void eda_oasis_end_block(eda_oasis *out) {
     return;
   }
   size_t bound = deflateBound(&out->z, (uLong)n);
-  eda_grow(&out->packed, &out->packed_room, bound, 1);
+  eda_grow(&out->packed, &out->packed_capacity, bound, 1);
   deflateReset(&out->z);
   out->z.next_in = out->bytes;
   out->z.avail_in = (uInt)n;

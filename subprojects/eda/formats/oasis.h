@@ -21,14 +21,14 @@ struct eda_oasis {
   uint64_t place; /* offset in the file */
   uint32_t crc;   /* of all bytes of the file so far */
   uint8_t *bytes; /* bytes of the current block */
-  size_t n, room;
+  size_t n, capacity;
   uint8_t *packed;
-  size_t packed_room;
+  size_t packed_capacity;
   z_stream z;
 
   eda_layer_number layer; /* layer of the collected shapes */
   oasis_shape *shapes;
-  size_t n_shapes, room_shapes;
+  size_t n_shapes, capacity_shapes;
   oasis_step *steps;
-  size_t n_steps, room_steps;
+  size_t n_steps, capacity_steps;
 };

@@ -16,8 +16,8 @@ struct piece {
   eda_point points[];
 };
 
-static piece *piece_new(size_t room) {
-  return eda_alloc(1, sizeof(piece) + room * sizeof(eda_point));
+static piece *piece_new(size_t capacity) {
+  return eda_alloc(1, sizeof(piece) + capacity * sizeof(eda_point));
 }
 
 static int32_t coordinate(eda_point p, int axis) { return axis ? p.y : p.x; }

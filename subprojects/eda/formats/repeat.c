@@ -18,9 +18,10 @@ static int is_box(const eda_point *p, size_t n) {
 }
 
 static void shape_add(eda_oasis *out, const eda_point *points, size_t n) {
-  eda_grow(&out->shapes, &out->room_shapes, out->n_shapes + 1,
+  eda_grow(&out->shapes, &out->capacity_shapes, out->n_shapes + 1,
            sizeof *out->shapes);
-  eda_grow(&out->steps, &out->room_steps, out->n_steps + n, sizeof *out->steps);
+  eda_grow(&out->steps, &out->capacity_steps, out->n_steps + n,
+           sizeof *out->steps);
   oasis_shape *s = &out->shapes[out->n_shapes++];
   *s = (oasis_shape){points[0], (uint32_t)n, out->n_steps};
   if (is_box(points, n)) {

@@ -57,9 +57,9 @@ int fence_check(const void *array, const char *what, opc_error *error) {
 
 void fence_field(eda_field *field) {
   size_t bytes = (size_t)field->nx * (size_t)field->ny * sizeof(float);
-  size_t room = 0;
+  size_t capacity = 0;
   char *values = (char *)field->coefficients;
-  eda_grow_to(&values, &room, bytes + FENCE, 1);
+  eda_grow_to(&values, &capacity, bytes + FENCE, 1);
   memset(values + bytes, WORD, FENCE);
   field->coefficients = (float *)values;
 }

@@ -177,7 +177,7 @@ static void test_width(void) {
 static void test_flags(void) {
   static const struct {
     level *poly, *active;
-    double room;
+    double capacity;
     uint32_t must, may;
   } cases[] = {
       {nothing, stripe, 400, EDA_PRINT_OPEN, EDA_PRINT_SHORT | EDA_PRINT_NECK},
@@ -201,8 +201,8 @@ static void test_flags(void) {
   };
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++)
     for (int across = 0; across < 2; across++) {
-      result r =
-          gate_measure(cases[i].poly, cases[i].active, cases[i].room, across);
+      result r = gate_measure(cases[i].poly, cases[i].active, cases[i].capacity,
+                              across);
       if ((r.flags & cases[i].must) != cases[i].must ||
           r.flags & ~(cases[i].must | cases[i].may))
         g_error("case %zu, %d: flags %#x, not %#x", i, across, r.flags,

@@ -119,7 +119,7 @@ static void move_list(stream *s, eda_box_list *list) {
   move_count(s, &list->count);
   move_array(s, &list->box, list->count, sizeof *list->box);
   if (!list->box) list->count = 0;
-  list->room = list->count;
+  list->capacity = list->count;
 }
 
 /* Transfer the arrays that eda_moved_new allocates before reading. */

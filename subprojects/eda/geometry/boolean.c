@@ -12,12 +12,12 @@
 typedef struct sweep {
   int op;
   eda_event *events; /* ends of vertical edges: x; y or its rank; change */
-  size_t n, room;
+  size_t n, capacity;
   uint32_t *y;        /* y of each rank, biased */
   eda_rankset breaks; /* ranks at which an interval of the line starts */
   int32_t (*wind)[2]; /* winding numbers of the interval above each break */
   eda_wall *walls;
-  size_t n_walls, walls_room;
+  size_t n_walls, walls_capacity;
 } sweep;
 
 /* Payload of an event: the end belongs to operand b, not a; the winding number
@@ -63,7 +63,7 @@ static int add_wall(sweep *s, uint32_t x, uint32_t r0, uint32_t r1, int left,
   if (s->n_walls == MOST_WALLS)
     return opc_fail(error, OPC_FAILED, NULL,
                     "the result has more than 2^31 edges");
-  EDA_PUSH(s->walls, s->n_walls, s->walls_room, wall);
+  EDA_PUSH(s->walls, s->n_walls, s->walls_capacity, wall);
   return OPC_OK;
 }
 
@@ -143,9 +143,9 @@ static int sweep_run(sweep *s, opc_error *error) {
 static void add_edge(sweep *s, int32_t x, int32_t y0, int32_t y1,
                      uint32_t operand) {
   if (y0 == y1) return;
-  EDA_PUSH(s->events, s->n, s->room,
+  EDA_PUSH(s->events, s->n, s->capacity,
            (eda_event){eda_bias(x), eda_bias(y0), operand | MINUS});
-  EDA_PUSH(s->events, s->n, s->room,
+  EDA_PUSH(s->events, s->n, s->capacity,
            (eda_event){eda_bias(x), eda_bias(y1), operand});
 }
 

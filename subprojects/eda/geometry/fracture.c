@@ -47,7 +47,7 @@ typedef struct fracture {
   size_t n_closed, n_ends;
   uint32_t *parent; /* union-find forest of the contours of a polygon */
   piece *pieces[2]; /* pieces of both directions */
-  size_t n_pieces[2], room[2];
+  size_t n_pieces[2], capacity[2];
 } fracture;
 
 /* ---- polygons and their holes ---- */
@@ -142,11 +142,12 @@ static void prepare_sweep(fracture *f) {
 /* ---- the line ---- */
 
 static void add_piece(fracture *f, const span *s, int32_t x0, int32_t x1) {
-  int way = f->transpose;
+  int orientation = f->transpose;
   int32_t y0 = f->y[s->r0], y1 = f->y[s->r1];
-  eda_box box = way ? (eda_box){y0, x0, y1, x1} : (eda_box){x0, y0, x1, y1};
-  EDA_PUSH(f->pieces[way], f->n_pieces[way], f->room[way],
-           (piece){box, s->contour});
+  eda_box box =
+      orientation ? (eda_box){y0, x0, y1, x1} : (eda_box){x0, y0, x1, y1};
+  EDA_PUSH(f->pieces[orientation], f->n_pieces[orientation],
+           f->capacity[orientation], (piece){box, s->contour});
 }
 
 /* Close the open slabs that [r0, r1] touches. */
@@ -232,7 +233,7 @@ static void sweep_chords(fracture *f, int transpose) {
   forget_sweep(f);
 }
 
-/* ---- the better way ---- */
+/* ---- the better orientation ---- */
 
 static int by_corner(const void *a, const void *b) {
   const eda_box *p = a, *q = b;
@@ -242,19 +243,20 @@ static int by_corner(const void *a, const void *b) {
 
 static void fracture_choose(fracture *f, eda_box **boxes, size_t *count) {
   uint32_t *pieces = g_malloc0_n(f->shapes->count, 2 * sizeof *pieces);
-  for (int way = 0; way < 2; way++)
-    for (size_t i = 0; i < f->n_pieces[way]; i++)
-      pieces[2 * (size_t)chord_root(f, f->pieces[way][i].contour) +
-             (size_t)way]++;
+  for (int orientation = 0; orientation < 2; orientation++)
+    for (size_t i = 0; i < f->n_pieces[orientation]; i++)
+      pieces[2 * (size_t)chord_root(f, f->pieces[orientation][i].contour) +
+             (size_t)orientation]++;
   size_t total = 0;
   for (size_t c = 0; c < f->shapes->count; c++)
     total += MIN(pieces[2 * c], pieces[2 * c + 1]);
   *boxes = eda_alloc(total, sizeof **boxes);
-  for (int way = 0; way < 2; way++)
-    for (size_t i = 0; i < f->n_pieces[way]; i++) {
+  for (int orientation = 0; orientation < 2; orientation++)
+    for (size_t i = 0; i < f->n_pieces[orientation]; i++) {
       const uint32_t *n =
-          &pieces[2 * (size_t)chord_root(f, f->pieces[way][i].contour)];
-      if ((n[1] <= n[0]) == way) (*boxes)[(*count)++] = f->pieces[way][i].box;
+          &pieces[2 * (size_t)chord_root(f, f->pieces[orientation][i].contour)];
+      if ((n[1] <= n[0]) == orientation)
+        (*boxes)[(*count)++] = f->pieces[orientation][i].box;
     }
   g_free(pieces);
   qsort(*boxes, *count, sizeof **boxes, by_corner);

@@ -4,11 +4,11 @@
 
 /* Return the number of slabs of part `label` if dissected along x (0) or y (1):
    the runs of pixels that do not also occur in the previous row. */
-static size_t count_slabs(const labels *l, int label, int way) {
+static size_t count_slabs(const labels *l, int label, int orientation) {
   size_t n = 0;
   for (int j = 1; j <= SIZE; j++)
     for (int i = 1; i <= SIZE; i++) {
-#define AT(u, v) (way ? l->at[u][v] == label : l->at[v][u] == label)
+#define AT(u, v) (orientation ? l->at[u][v] == label : l->at[v][u] == label)
       if (!AT(i, j) || AT(i - 1, j)) continue;
       int end = i;
       while (AT(end, j)) end++;

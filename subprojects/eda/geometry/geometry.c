@@ -56,7 +56,7 @@ void eda_shapes_clear(eda_shapes *shapes) {
 }
 
 void eda_box_list_add(eda_box_list *list, eda_box box) {
-  EDA_PUSH(list->box, list->count, list->room, box);
+  EDA_PUSH(list->box, list->count, list->capacity, box);
 }
 
 double eda_box_distance(eda_box a, eda_box b) {

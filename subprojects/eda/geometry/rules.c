@@ -29,17 +29,17 @@ typedef struct mask {
   double grid;
   const double *limit;
   eda_rule_fault *fault;
-  size_t faults, faults_room;
+  size_t faults, faults_capacity;
 
   /* Edge from which the search starts. */
   eda_box from;
   int side, shape; /* whether the search passes through the shape */
   facing *found;
-  size_t n, room;
+  size_t n, capacity;
 } mask;
 
 static void mask_report(mask *m, int rule, double x, double y, double value) {
-  eda_grow(&m->fault, &m->faults_room, m->faults + 1, sizeof *m->fault);
+  eda_grow(&m->fault, &m->faults_capacity, m->faults + 1, sizeof *m->fault);
   m->fault[m->faults++] =
       (eda_rule_fault){rule, x * m->grid, y * m->grid, value * m->grid};
 }
@@ -58,7 +58,7 @@ static void edge_record(mask *m, uint32_t i) {
   int32_t high =
       flat ? (e.y1 < f.y1 ? e.y1 : f.y1) : (e.x1 < f.x1 ? e.x1 : f.x1);
   if (distance <= 0 || low >= high) return;
-  eda_grow(&m->found, &m->room, m->n + 1, sizeof *m->found);
+  eda_grow(&m->found, &m->capacity, m->n + 1, sizeof *m->found);
   m->found[m->n++] = (facing){distance, low, high};
 }
 

@@ -39,7 +39,7 @@ typedef struct squares {
 typedef struct strip {
   double *point; /* x, y, alternating */
   int32_t *next; /* next crossing of the contour; -1: in another strip */
-  size_t count, all, points_room, next_room;
+  size_t count, all, points_capacity, next_capacity;
 } strip;
 
 /* A row of nodes. */
@@ -161,7 +161,7 @@ static double spline_zero(const double *spline, int first, double u0, double u1,
 }
 
 static void add_point(strip *p, double x, double y) {
-  eda_grow(&p->point, &p->points_room, 2 * p->count + 2, sizeof *p->point);
+  eda_grow(&p->point, &p->points_capacity, 2 * p->count + 2, sizeof *p->point);
   p->point[2 * p->count] = x;
   p->point[2 * p->count++ + 1] = y;
 }
@@ -282,10 +282,10 @@ static void row_cross(const squares *s, strip *p, bench *b, int j, int n,
     b->high.crossing[i] = (int32_t)p->all++;
     if (j + 1 < end) cross_row(s, p, j + 1, i, &b->high);
   }
-  size_t had = p->next_room;
-  eda_grow(&p->next, &p->next_room, p->all, sizeof *p->next);
-  if (p->next_room > had)
-    memset(p->next + had, 0xff, (p->next_room - had) * sizeof *p->next);
+  size_t had = p->next_capacity;
+  eda_grow(&p->next, &p->next_capacity, p->all, sizeof *p->next);
+  if (p->next_capacity > had)
+    memset(p->next + had, 0xff, (p->next_capacity - had) * sizeof *p->next);
 }
 
 static void join_row(strip *p, bench *b, int n) {
@@ -377,11 +377,11 @@ static lines strips_merge(squares *s) {
 /* Trace all contours. A visited crossing has no successor. */
 static void lines_trace(lines *all, double *points, uint32_t **start,
                         size_t *count) {
-  size_t room = 0, length = 0;
+  size_t capacity = 0, length = 0;
   *count = 0;
   for (size_t i = 0; i < all->count; i++) {
     if (all->next[i] < 0) continue;
-    EDA_PUSH(*start, *count, room, (uint32_t)length);
+    EDA_PUSH(*start, *count, capacity, (uint32_t)length);
     for (int32_t k = (int32_t)i; all->next[k] >= 0;) {
       memcpy(points + 2 * length++, all->point + 2 * (size_t)k,
              2 * sizeof *points);
@@ -390,7 +390,7 @@ static void lines_trace(lines *all, double *points, uint32_t **start,
       all->next[from] = -1;
     }
   }
-  eda_grow(start, &room, *count + 1, sizeof **start);
+  eda_grow(start, &capacity, *count + 1, sizeof **start);
   (*start)[*count] = (uint32_t)length;
 }
 

@@ -74,7 +74,7 @@ static void test_searches(void) {
     eda_field_clear(&f);
   }
   g_test_message(
-      "%d found, within %.2g nm; %d left to a walk, %d that are not "
+      "%d found, within %.2g nm; %d left to a traversal, %d that are not "
       "simple",
       found, worst, left, none);
   g_assert_cmpfloat(worst, <, 1e-3);

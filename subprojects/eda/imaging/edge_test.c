@@ -226,7 +226,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/edge/wave", test_wave);
   g_test_add_func("/edge/noise", test_noise);
   g_test_add_func("/edge/close", test_close);
-  g_test_add_func("/edge/walk", test_search);
+  g_test_add_func("/edge/search", test_search);
   g_test_add_func("/edge/nothing", test_nothing);
   g_test_add_func("/edge/no-numbers", test_no_numbers);
   g_test_add_func("/edge/time", test_time);

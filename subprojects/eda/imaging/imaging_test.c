@@ -536,14 +536,14 @@ static void test_forecast(void) {
     image_of(box, f, &field);
     getrusage(RUSAGE_SELF, &after);
     double grown = 1024.0 * (double)(after.ru_maxrss - before.ru_maxrss);
-    double said = eda_image_forecast(f, 0.0065).bytes;
-    g_test_message("%g um: %g MB, said %g MB", side * 1e-3, grown * 1e-6,
-                   said * 1e-6);
-    g_assert_cmpfloat(said, <=, grown);
+    double forecast = eda_image_forecast(f, 0.0065).bytes;
+    g_test_message("%g um: %g MB, forecast %g MB", side * 1e-3, grown * 1e-6,
+                   forecast * 1e-6);
+    g_assert_cmpfloat(forecast, <=, grown);
     /* Arrays of threads are half of the smallest image; more of them exist
        where other programs use the same processors. Spare memory may add half
        of the amount in use. */
-    g_assert_cmpfloat(grown, <=, 2.5 * said);
+    g_assert_cmpfloat(grown, <=, 2.5 * forecast);
     eda_field_clear(&field);
   }
 }

@@ -66,7 +66,7 @@ typedef struct sum_task {
   lines fine;           /* blocks of rows, before the transform along x */
   float *out;
 
-  size_t room; /* size of a scratch array, points */
+  size_t capacity; /* size of a scratch array, points */
   GMutex lock;
   GPtrArray *scratch; /* idle scratch arrays */
 } sum_task;
@@ -80,7 +80,7 @@ static eda_lanes *lanes_borrow(sum_task *j) {
                                        j->scratch, j->scratch->len - 1)
                                  : NULL;
   g_mutex_unlock(&j->lock);
-  return a ? a : eda_fft_alloc(j->room * sizeof *a);
+  return a ? a : eda_fft_alloc(j->capacity * sizeof *a);
 }
 
 static void give_back(sum_task *j, eda_lanes *a) {
@@ -557,8 +557,8 @@ static void choose_grids(sum_task *j, double step) {
   for (int i = 0; i < 4; i++)
     work =
         MAX(work, MAX(n[i], eda_lanes_capacity(eda_lanes_plan_for((int)n[i]))));
-  j->room = work + 2 * BLOCKS * EDA_LANES * j->rows +
-            MAX(n[0], MAX(n[2], n[3]) + EDA_LANES) + 2 * EDA_LANES;
+  j->capacity = work + 2 * BLOCKS * EDA_LANES * j->rows +
+                MAX(n[0], MAX(n[2], n[3]) + EDA_LANES) + 2 * EDA_LANES;
 }
 
 static float complex complex_of(const double a[2]) {

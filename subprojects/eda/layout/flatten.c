@@ -51,12 +51,13 @@ typedef struct flattener {
      cells below; not computed for a window. */
   uint64_t *shapes, *points, *steps;
   uint32_t *useful; /* instances that draw on the layer */
-  size_t n_useful, useful_room;
+  size_t n_useful, useful_capacity;
   size_t *first; /* position of each cell in useful */
   eda_flat *out;
   eda_flat_texts *texts; /* NULL: shapes */
   uint32_t n_shapes, n_points;
-  size_t start_room, placement_room, point_room, text_room, depth_room;
+  size_t start_capacity, placement_capacity, point_capacity, text_capacity,
+      depth_capacity;
   uint64_t taken; /* traversed placements */
   double worst2;  /* largest squared displacement, in grid units */
   bool outside, too_many;
@@ -140,7 +141,7 @@ static int by_number(const void *a, const void *b) {
 }
 
 static void frame_push(flattener *f, uint32_t i) {
-  EDA_PUSH(f->useful, f->n_useful, f->useful_room, i);
+  EDA_PUSH(f->useful, f->n_useful, f->useful_capacity, i);
 }
 
 /* Push the items of an index that touch the window, in their order. */
@@ -167,20 +168,22 @@ static void list_instances(flattener *f, frame *at) {
 
 /* Reserve memory for another shape of n points. Return false if there are too
    many. */
-static bool make_room(flattener *f, size_t n) {
+static bool flattener_reserve(flattener *f, size_t n) {
   eda_flat *out = f->out;
   size_t points = f->n_points + n, shapes = (size_t)f->n_shapes + 1;
   f->too_many = f->too_many || shapes > MAX_SHAPES || points > MAX_POINTS;
   if (f->too_many) return false;
-  eda_grow(&out->shapes.points, &f->point_room, points,
+  eda_grow(&out->shapes.points, &f->point_capacity, points,
            sizeof *out->shapes.points);
-  eda_grow(&out->shapes.start, &f->start_room, shapes + 1,
+  eda_grow(&out->shapes.start, &f->start_capacity, shapes + 1,
            sizeof *out->shapes.start);
-  eda_grow(&out->placement, &f->placement_room, shapes, sizeof *out->placement);
+  eda_grow(&out->placement, &f->placement_capacity, shapes,
+           sizeof *out->placement);
   out->shapes.start[0] = 0;
   if (!f->texts) return true;
-  eda_grow(&f->texts->text, &f->text_room, shapes, sizeof *f->texts->text);
-  eda_grow(&f->texts->depth, &f->depth_room, shapes, sizeof *f->texts->depth);
+  eda_grow(&f->texts->text, &f->text_capacity, shapes, sizeof *f->texts->text);
+  eda_grow(&f->texts->depth, &f->depth_capacity, shapes,
+           sizeof *f->texts->depth);
   return true;
 }
 
@@ -209,7 +212,7 @@ static void put_touching(flattener *f, const frame *at, const sheet *s,
   size_t boxes = s ? sheet_boxes(s) : 0, n = s ? 4 : 1;
   if (s && i >= boxes)
     n = s->end[i - boxes] - (i > boxes ? s->end[i - boxes - 1] : 0);
-  if (!make_room(f, n)) return;
+  if (!flattener_reserve(f, n)) return;
   flattener before = *f;
   size_t moved = f->out->moved;
   if (s)
@@ -385,11 +388,11 @@ static bool next_child(flattener *f, frame *up, frame *down) {
 
 static void flattener_traverse(flattener *f, int32_t top) {
   static const transform none = {1, 0, 0, 1, 0, 0};
-  size_t depth = 0, room = 0;
+  size_t depth = 0, capacity = 0;
   frame *stack = NULL;
   frame down = frame_enter(f, top, 0, &none);
   for (;;) {
-    eda_grow(&stack, &room, depth + 1, sizeof *stack);
+    eda_grow(&stack, &capacity, depth + 1, sizeof *stack);
     if (f->window)
       put_window(f, &down, (uint32_t)depth);
     else

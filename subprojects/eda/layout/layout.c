@@ -96,7 +96,7 @@ int32_t eda_layout_cell(eda_layout *layout, const char *name,
     return -1;
   }
   cell new = {.name = g_strdup(name)};
-  EDA_PUSH(layout->cells, layout->n_cells, layout->room_cells, new);
+  EDA_PUSH(layout->cells, layout->n_cells, layout->capacity_cells, new);
   layout_changed(layout);
   return keep_number(layout->cell_of, new.name, layout->n_cells);
 }
@@ -110,7 +110,7 @@ int32_t eda_layout_layer(eda_layout *layout, const char *name,
     return -1;
   }
   char *copy = g_strdup(name);
-  EDA_PUSH(layout->layers, layout->n_layers, layout->room_layers, copy);
+  EDA_PUSH(layout->layers, layout->n_layers, layout->capacity_layers, copy);
   return keep_number(layout->layer_of, copy, layout->n_layers);
 }
 
@@ -152,7 +152,7 @@ static int layout_check(const eda_layout *layout, int32_t number, int32_t layer,
 static uint32_t keep_string(eda_layout *layout, const char *text) {
   size_t n = strlen(text) + 1, start = MAX(layout->n_strings, 1);
   if (start + n > UINT32_MAX) return 0;
-  eda_grow(&layout->strings, &layout->room_strings, start + n, 1);
+  eda_grow(&layout->strings, &layout->capacity_strings, start + n, 1);
   memcpy(layout->strings + start, text, n);
   layout->n_strings = start + n;
   return (uint32_t)start;
@@ -176,7 +176,8 @@ static sheet *sheet_for(cell *c, int32_t layer) {
     return &c->sheets[c->last_sheet];
   sheet *s = eda_layout_sheet(c, layer);
   if (!s) {
-    EDA_PUSH(c->sheets, c->n_sheets, c->room_sheets, (sheet){.layer = layer});
+    EDA_PUSH(c->sheets, c->n_sheets, c->capacity_sheets,
+             (sheet){.layer = layer});
     s = &c->sheets[c->n_sheets - 1];
     if (c->n_sheets > FEW_SHEETS && !c->sheet_of) {
       c->sheet_of = g_hash_table_new(NULL, NULL);
@@ -196,9 +197,9 @@ static void put_box(sheet *s, eda_box box) {
   int64_t width = (int64_t)box.x1 - box.x0, height = (int64_t)box.y1 - box.y0;
   if (width <= UINT16_MAX && height <= UINT16_MAX) {
     small_box small = {box.x0, box.y0, (uint16_t)width, (uint16_t)height};
-    EDA_PUSH(s->small, s->n_small, s->room_small, small);
+    EDA_PUSH(s->small, s->n_small, s->capacity_small, small);
   } else {
-    EDA_PUSH(s->boxes, s->n_boxes, s->room_boxes, box);
+    EDA_PUSH(s->boxes, s->n_boxes, s->capacity_boxes, box);
   }
 }
 
@@ -233,10 +234,10 @@ int eda_layout_add_polygon(eda_layout *layout, int32_t number, int32_t layer,
     return opc_fail(error, OPC_INVALID, NULL, "a polygon has %zu points", n);
   sheet *s = sheet_for(&layout->cells[number], layer);
   if (n > UINT32_MAX - s->n_points) return too_many("points", error);
-  eda_grow(&s->points, &s->room_points, s->n_points + n, sizeof *points);
+  eda_grow(&s->points, &s->capacity_points, s->n_points + n, sizeof *points);
   memcpy(s->points + s->n_points, points, n * sizeof *points);
   s->n_points += n;
-  EDA_PUSH(s->end, s->n_polygons, s->room_polygons, (uint32_t)s->n_points);
+  EDA_PUSH(s->end, s->n_polygons, s->capacity_polygons, (uint32_t)s->n_points);
   layout_changed(layout);
   return OPC_OK;
 }
@@ -263,7 +264,8 @@ int eda_layout_add_text(eda_layout *layout, int32_t number, int32_t layer,
   cell *c = &layout->cells[number];
   uint32_t kept = keep_string(layout, text);
   if (!kept) return too_many("texts", error);
-  EDA_PUSH(c->labels, c->n_labels, c->room_labels, (label){at, layer, kept});
+  EDA_PUSH(c->labels, c->n_labels, c->capacity_labels,
+           (label){at, layer, kept});
   layout_changed(layout);
   return OPC_OK;
 }
@@ -285,7 +287,7 @@ int eda_layout_add_instance(eda_layout *layout, int32_t number, int32_t child,
   cell *c = &layout->cells[number];
   uint32_t kept = name ? keep_string(layout, name) : 0;
   if (name && !kept) return too_many("names", error);
-  EDA_PUSH(c->instances, c->n_instances, c->room_instances,
+  EDA_PUSH(c->instances, c->n_instances, c->capacity_instances,
            (instance){*placement, child, kept});
   layout_changed(layout);
   return OPC_OK;

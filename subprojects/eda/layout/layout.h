@@ -21,13 +21,13 @@ typedef struct small_box {
 typedef struct sheet {
   int32_t layer;
   small_box *small;
-  size_t n_small, room_small;
+  size_t n_small, capacity_small;
   eda_box *boxes;
-  size_t n_boxes, room_boxes;
+  size_t n_boxes, capacity_boxes;
   uint32_t *end; /* polygon i ends before points[end[i]] */
-  size_t n_polygons, room_polygons;
+  size_t n_polygons, capacity_polygons;
   eda_point *points;
-  size_t n_points, room_points;
+  size_t n_points, capacity_points;
   size_t first; /* number of its first polygon in the cell; see `numbered` */
 } sheet;
 
@@ -46,12 +46,12 @@ typedef struct instance {
 typedef struct cell {
   char *name;
   sheet *sheets;
-  size_t n_sheets, room_sheets, last_sheet;
+  size_t n_sheets, capacity_sheets, last_sheet;
   GHashTable *sheet_of; /* layer to index + 1; NULL for few sheets */
   label *labels;
-  size_t n_labels, room_labels;
+  size_t n_labels, capacity_labels;
   instance *instances;
-  size_t n_instances, room_instances;
+  size_t n_instances, capacity_instances;
   size_t polygons; /* valid if numbered */
 
   /* Valid if ordered. placements: of the cell and all cells below, at most
@@ -68,13 +68,13 @@ typedef struct cell {
 struct eda_layout {
   double unit;
   cell *cells;
-  size_t n_cells, room_cells;
+  size_t n_cells, capacity_cells;
   char **layers;
-  size_t n_layers, room_layers;
+  size_t n_layers, capacity_layers;
   GHashTable *cell_of, *layer_of; /* name to number + 1 */
   GHashTable *file_layer;         /* layer to its name in the file */
   char *strings;
-  size_t n_strings, room_strings;
+  size_t n_strings, capacity_strings;
 
   /* Computed on first request after a change, under the lock. */
   GMutex lock;

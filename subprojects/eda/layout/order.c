@@ -168,8 +168,8 @@ static size_t instance_with(const cell *c, uint32_t p) {
 }
 
 int32_t eda_layout_path(const eda_layout *layout, int32_t top, uint32_t p,
-                        char *buffer, size_t room) {
-  if (room) buffer[0] = '\0';
+                        char *buffer, size_t capacity) {
+  if (capacity) buffer[0] = '\0';
   if (top < 0 || (size_t)top >= layout->n_cells) return -1;
   eda_layout_order(layout);
   const cell *c = &layout->cells[top];
@@ -189,9 +189,9 @@ int32_t eda_layout_path(const eda_layout *layout, int32_t top, uint32_t p,
       g_snprintf(at, sizeof at, "[%u,%u]",
                  (unsigned)(member % in->placement.columns),
                  (unsigned)(member / in->placement.columns));
-    if (used < room)
+    if (used < capacity)
       used += (size_t)g_snprintf(
-          buffer + used, room - used, "%s%s%s%s", used ? "/" : "",
+          buffer + used, capacity - used, "%s%s%s%s", used ? "/" : "",
           in->name ? layout->strings + in->name : child->name, name, at);
     number = in->child;
     c = child;

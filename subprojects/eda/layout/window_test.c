@@ -39,12 +39,12 @@ static eda_placement random_placement(GRand *rand, bool right) {
       .columns = (uint32_t)whole(rand, 1, 4),
       .rows = (uint32_t)whole(rand, 1, 4)};
   /* square, slanted, all in a line, all in one place */
-  int way = whole(rand, 0, 4);
-  p.column_step = (eda_point){way == 3 ? 0 : whole(rand, -90, 90),
-                              way == 1 ? whole(rand, -90, 90) : 0};
-  p.row_step = (eda_point){way == 1 ? whole(rand, -90, 90) : 0,
-                           way == 3 ? 0 : whole(rand, -90, 90)};
-  if (way == 2) p.row_step = (eda_point){p.column_step.x / 2, 0};
+  int kind = whole(rand, 0, 4);
+  p.column_step = (eda_point){kind == 3 ? 0 : whole(rand, -90, 90),
+                              kind == 1 ? whole(rand, -90, 90) : 0};
+  p.row_step = (eda_point){kind == 1 ? whole(rand, -90, 90) : 0,
+                           kind == 3 ? 0 : whole(rand, -90, 90)};
+  if (kind == 2) p.row_step = (eda_point){p.column_step.x / 2, 0};
   return p;
 }
 

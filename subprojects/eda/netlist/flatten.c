@@ -10,8 +10,9 @@
 enum { MAX_DEPTH = 64 };
 
 const char *eda_netlist_where(const eda_netlist *n, const eda_element *e,
-                              char *buffer, size_t room) {
-  snprintf(buffer, room, "%.200s:%u", n->lines->file[e->at.file], e->at.line);
+                              char *buffer, size_t capacity) {
+  snprintf(buffer, capacity, "%.200s:%u", n->lines->file[e->at.file],
+           e->at.line);
   return buffer;
 }
 
@@ -37,7 +38,7 @@ static uint32_t node_of(eda_netlist *n, eda_subcircuit *s, eda_names *known,
                         const char *name) {
   uint32_t *at = eda_names_add(known, name);
   if (*at != UINT32_MAX) return *at;
-  eda_pool_grow(&n->pool, &s->node, &s->room_nodes, s->nodes + 1,
+  eda_pool_grow(&n->pool, &s->node, &s->capacity_nodes, s->nodes + 1,
                 sizeof *s->node);
   s->node[s->nodes] = name;
   return *at = (uint32_t)s->nodes++;
@@ -157,10 +158,10 @@ static int look_up(eda_netlist *n, const eda_scope *in, const eda_element *e,
 static int look_up_count(eda_netlist *n, const eda_scope *in,
                          const eda_element *e, const char *name, double *value,
                          int *given) {
-  double said = NAN;
-  if (look_up(n, in, e, name, &said)) return n->error->code;
-  *given |= !isnan(said);
-  *value = isnan(said) ? 1 : said;
+  double found = NAN;
+  if (look_up(n, in, e, name, &found)) return n->error->code;
+  *given |= !isnan(found);
+  *value = isnan(found) ? 1 : found;
   if (*value != floor(*value) || *value > 1e6)
     return lines_refuse(n->lines, e->at,
                         "%s of '%.100s' is not a whole number: %g", name,
@@ -189,7 +190,8 @@ static int size_device(eda_netlist *n, const eda_scope *in,
 
 static uint32_t new_net(flattener *w, const char *path, const char *name) {
   eda_flat_netlist *f = w->out;
-  eda_pool_grow(f->pool, &f->net, &f->room_nets, f->nets + 1, sizeof *f->net);
+  eda_pool_grow(f->pool, &f->net, &f->capacity_nets, f->nets + 1,
+                sizeof *f->net);
   f->net[f->nets] = eda_pool_path(f->pool, path, name);
   return (uint32_t)f->nets++;
 }
@@ -213,7 +215,7 @@ static uint32_t inner_net(flattener *w, const eda_subcircuit *s, size_t k,
 static int add_device(flattener *w, const eda_scope *in, const eda_element *e,
                       const char *path, double multiple, const uint32_t *net) {
   eda_flat_netlist *f = w->out;
-  eda_pool_grow(f->pool, &f->device, &f->room_devices, f->devices + 1,
+  eda_pool_grow(f->pool, &f->device, &f->capacity_devices, f->devices + 1,
                 sizeof *f->device);
   eda_transistor *d = &f->device[f->devices++];
   *d = (eda_transistor){.from = e,

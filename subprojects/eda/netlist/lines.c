@@ -65,7 +65,7 @@ static void read_position(const char *s, const char *end, line *l) {
 
 static int add_word(lines *r, line *l, const char *text, size_t length,
                     eda_place at, int quoted) {
-  eda_pool_grow(r->pool, &l->word, &l->room, l->words + 1, sizeof *l->word);
+  eda_pool_grow(r->pool, &l->word, &l->capacity, l->words + 1, sizeof *l->word);
   for (size_t i = 0; i < length; i++) {
     unsigned char c = (unsigned char)text[i];
     /* File names may contain any letters. */
@@ -84,8 +84,8 @@ static void keep_text(lines *r, line *l, const char *from, const char *end) {
   while (end > from && is_blank(end[-1])) end--;
   const char *joint = l->length ? "\n+ " : "";
   size_t n = (size_t)(end - from), joined = strlen(joint);
-  eda_pool_grow(r->pool, &l->text, &l->text_room, l->length + joined + n + 1,
-                1);
+  eda_pool_grow(r->pool, &l->text, &l->text_capacity,
+                l->length + joined + n + 1, 1);
   char *at = l->text + l->length;
   memcpy(at, joint, joined);
   for (size_t i = 0; i < n; i++)
@@ -193,7 +193,7 @@ static int read_lines(lines *r, const char *text, size_t length,
 
 int lines_read_text(lines *r, const char *name, const char *text,
                     size_t length) {
-  eda_pool_grow(r->pool, &r->file, &r->room, r->files + 1, sizeof *r->file);
+  eda_pool_grow(r->pool, &r->file, &r->capacity, r->files + 1, sizeof *r->file);
   r->file[r->files++] = eda_pool_text(r->pool, name, strlen(name));
   r->bytes += length;
   return read_lines(r, text, length, (uint32_t)r->files - 1);

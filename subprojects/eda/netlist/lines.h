@@ -11,9 +11,9 @@ typedef struct word {
 } word;
 
 typedef struct line {
-  size_t words, room;
+  size_t words, capacity;
   word *word;
-  size_t length, text_room;
+  size_t length, text_capacity;
   char *text;  /* original text without comments; "\n+ " between continued
                   parts */
   double x, y; /* position in a comment, nm; or NAN */
@@ -26,7 +26,7 @@ typedef struct eda_lines {
   int (*take)(void *data, const line *l);
   void *data;
 
-  size_t files, room;
+  size_t files, capacity;
   const char **file;
   int ended; /* set by `take` after .end */
   int depth; /* depth of .include */

@@ -36,10 +36,10 @@ static void test_names(void) {
 
 static void test_grow(void) {
   eda_pool pool = {0};
-  size_t room = 0;
+  size_t capacity = 0;
   double *list = NULL;
   for (size_t i = 0; i < 40000; i++) {
-    eda_pool_grow(&pool, &list, &room, i + 1, sizeof *list);
+    eda_pool_grow(&pool, &list, &capacity, i + 1, sizeof *list);
     g_assert_cmpfloat(list[i], ==, 0);
     list[i] = (double)i;
   }

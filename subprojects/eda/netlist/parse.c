@@ -18,7 +18,7 @@ static size_t plain_words(const line *l) {
 /* Read NAME = VALUE NAME = VALUE ... from word `from` on. */
 static int read_settings(eda_netlist *n, const line *l, size_t from,
                          eda_assignment **out, size_t *count) {
-  size_t room = 0;
+  size_t capacity = 0;
   for (size_t i = from; i < l->words; i += 3) {
     const word *w = &l->word[i];
     if (is_equals(w))
@@ -28,7 +28,7 @@ static int read_settings(eda_netlist *n, const line *l, size_t from,
                           w->text);
     if (i + 2 >= l->words || is_equals(&w[2]))
       return lines_refuse(n->lines, w[1].at, "no value after '='");
-    eda_pool_grow(&n->pool, out, &room, *count + 1, sizeof **out);
+    eda_pool_grow(&n->pool, out, &capacity, *count + 1, sizeof **out);
     (*out)[(*count)++] = (eda_assignment){w->text, w[2].text, w[2].at};
   }
   return OPC_OK;
@@ -52,8 +52,8 @@ int netlist_type(const eda_netlist *n, const char *model) {
                {"pfet", EDA_PMOS}, {"nch", EDA_NMOS},  {"pch", EDA_PMOS}};
   if (eda_in_list(n->n_models, model)) return EDA_NMOS;
   if (eda_in_list(n->p_models, model)) return EDA_PMOS;
-  uint32_t *said = eda_names_find(&n->type_of, model);
-  if (said) return (int)*said;
+  uint32_t *known = eda_names_find(&n->type_of, model);
+  if (known) return (int)*known;
   for (size_t i = 0; i < sizeof usual / sizeof *usual; i++)
     if (strcasestr(model, usual[i].part)) return usual[i].type;
   int first = tolower((unsigned char)model[0]);
@@ -76,7 +76,7 @@ static int fill_transistor(eda_netlist *n, eda_element *e) {
 static int read_element(eda_netlist *n, eda_subcircuit *s, const line *l) {
   int is_transistor = tolower((unsigned char)l->word[0].text[0]) == 'm';
   size_t plain = plain_words(l), nodes = plain - 2;
-  eda_pool_grow(&n->pool, &s->element, &s->room, s->elements + 1,
+  eda_pool_grow(&n->pool, &s->element, &s->capacity, s->elements + 1,
                 sizeof *s->element);
   eda_element *e = &s->element[s->elements++];
   if (plain < 2 || (is_transistor && plain != 6))
@@ -110,7 +110,7 @@ static int begin_subcircuit(eda_netlist *n, const line *l) {
     return lines_refuse(n->lines, l->word[0].at, ".subckt without a name");
   const word *name = &l->word[1];
   uint32_t *number = eda_names_add(&n->subcircuit_of, name->text);
-  eda_pool_grow(&n->pool, &n->subcircuit, &n->room_subcircuits,
+  eda_pool_grow(&n->pool, &n->subcircuit, &n->capacity_subcircuits,
                 n->subcircuits + 1, sizeof *n->subcircuit);
   if (*number != UINT32_MAX) {
     eda_place before = n->subcircuit[*number].at;
@@ -145,7 +145,7 @@ static int read_parameters(eda_netlist *n, const line *l) {
   for (size_t i = 0; i < count; i++) {
     /* The last setting applies. */
     *eda_names_add(&n->setting_of, list[i].name) = (uint32_t)n->settings;
-    eda_pool_grow(&n->pool, &n->setting, &n->room_settings, n->settings + 1,
+    eda_pool_grow(&n->pool, &n->setting, &n->capacity_settings, n->settings + 1,
                   sizeof *n->setting);
     n->setting[n->settings++] = list[i];
   }
@@ -178,7 +178,7 @@ static void read_globals(eda_netlist *n, const line *l) {
   for (size_t i = 1; i < l->words; i++) {
     uint32_t *at = eda_names_add(&n->global_of, l->word[i].text);
     if (*at != UINT32_MAX) continue;
-    eda_pool_grow(&n->pool, &n->global, &n->room_globals, n->globals + 1,
+    eda_pool_grow(&n->pool, &n->global, &n->capacity_globals, n->globals + 1,
                   sizeof *n->global);
     *at = (uint32_t)n->globals;
     n->global[n->globals++] = l->word[i].text;

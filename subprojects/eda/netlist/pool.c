@@ -11,7 +11,7 @@
 typedef struct eda_pool_block eda_pool_block;
 struct eda_pool_block {
   eda_pool_block *before;
-  size_t used, room;
+  size_t used, capacity;
 };
 
 enum { BLOCK = 1 << 16, ALIGN = 16 };
@@ -24,10 +24,10 @@ void *eda_pool_alloc(eda_pool *pool, size_t count, size_t size) {
   if (__builtin_mul_overflow(count, size, &bytes) || bytes > SIZE_MAX / 4)
     bytes = SIZE_MAX / 4;
   bytes = size_aligned(bytes + !bytes);
-  if (!pool->last || pool->last->room - pool->last->used < bytes) {
-    size_t room = bytes > BLOCK / 4 ? bytes : BLOCK;
-    eda_pool_block *block = eda_alloc(1, head + room);
-    block->room = room;
+  if (!pool->last || pool->last->capacity - pool->last->used < bytes) {
+    size_t capacity = bytes > BLOCK / 4 ? bytes : BLOCK;
+    eda_pool_block *block = eda_alloc(1, head + capacity);
+    block->capacity = capacity;
     block->before = pool->last;
     pool->last = block;
   }
@@ -61,14 +61,14 @@ void eda_pool_clear(eda_pool *pool) {
   }
 }
 
-void eda_pool_grow(eda_pool *pool, void *array, size_t *room, size_t need,
+void eda_pool_grow(eda_pool *pool, void *array, size_t *capacity, size_t need,
                    size_t size) {
-  if (need <= *room) return;
+  if (need <= *capacity) return;
   size_t wanted = need + need / 2 + 8;
   void *more = eda_pool_alloc(pool, wanted, size);
-  if (*room) memcpy(more, *(void **)array, *room * size);
+  if (*capacity) memcpy(more, *(void **)array, *capacity * size);
   *(void **)array = more;
-  *room = wanted;
+  *capacity = wanted;
 }
 
 /* ---- names ---- */

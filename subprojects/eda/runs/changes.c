@@ -17,7 +17,7 @@ static double number_of(eda_table *table, const char *column, size_t row) {
 
 /* Return whether drawn length and width are equal, where both tables have
    them. */
-static int is_drawn_alike(const transistors *t, size_t i) {
+static int is_drawn_equal(const transistors *t, size_t i) {
   static const char *const sizes[] = {"l", "w"};
   for (int k = 0; k < 2; k++) {
     double a = number_of(t->base, sizes[k], i);
@@ -41,7 +41,7 @@ static void transistors_match_rows(transistors *t, size_t a, size_t b) {
     t->row[i] = found - 1;
     if (!found)
       t->fault = g_strdup_printf("only the base has a transistor '%s'", name);
-    else if (!is_drawn_alike(t, i))
+    else if (!is_drawn_equal(t, i))
       t->fault = g_strdup_printf("transistor '%s' is drawn differently", name);
   }
   if (!t->fault && others != t->n)

@@ -81,8 +81,8 @@ double runs_number(const opc_node *node) {
 int runs_fail(const opc_node *node, opc_error *error, const char *format, ...) {
   va_list arguments;
   va_start(arguments, format);
-  g_autofree char *said = g_strdup_vprintf(format, arguments);
+  g_autofree char *message = g_strdup_vprintf(format, arguments);
   va_end(arguments);
   return opc_fail(error, OPC_INVALID, NULL, "%s:%u:%u: %s", node->at.file,
-                  node->at.line, node->at.column, said);
+                  node->at.line, node->at.column, message);
 }

@@ -222,13 +222,13 @@ int eda_verdict_init(eda_verdict *out, const char *method, const char *against,
     c->unit = figures[i].unit;
     c->median = eda_median_of(NULL, 0);
   }
-  g_autofree eda_run_pair *alike = g_new(eda_run_pair, n);
-  size_t n_alike = 0;
+  g_autofree eda_run_pair *used = g_new(eda_run_pair, n);
+  size_t n_used = 0;
   for (int k = 0; k < FIGURES; k++) of[k] = changes_new();
   for (size_t i = 0; i < n && !code; i++) {
     transistors t;
     code = transistors_join(pairs[i].base, pairs[i].other, &t, error);
-    if (!code && !t.fault) alike[n_alike++] = pairs[i];
+    if (!code && !t.fault) used[n_used++] = pairs[i];
     for (int k = 0; k < FIGURES && !code; k++) changes_add(&of[k], &t, k);
     transistors_clear(&t);
   }
@@ -239,7 +239,7 @@ int eda_verdict_init(eda_verdict *out, const char *method, const char *against,
     changes_clear(&of[k]);
   }
   for (int i = EDA_CHANGE_SHOTS; i < EDA_CHANGES; i++)
-    take_cases(&c[i], i, n_alike, alike);
+    take_cases(&c[i], i, n_used, used);
   for (int i = 0; i < EDA_CHANGES; i++) c[i].word = words[c[i].verdict];
   out->text = sentence_of(out);
   return code;

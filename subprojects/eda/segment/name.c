@@ -9,10 +9,10 @@
 enum { LONGEST_PATH = 1 << 16 };
 
 char *segment_path(const segment *s, uint32_t placement, int32_t *cell) {
-  for (size_t room = 256;; room *= 4) {
-    char *path = eda_alloc(room, 1);
-    *cell = eda_layout_path(s->layout, s->top, placement, path, room);
-    if (strlen(path) + 1 < room || room >= LONGEST_PATH) return path;
+  for (size_t capacity = 256;; capacity *= 4) {
+    char *path = eda_alloc(capacity, 1);
+    *cell = eda_layout_path(s->layout, s->top, placement, path, capacity);
+    if (strlen(path) + 1 < capacity || capacity >= LONGEST_PATH) return path;
     free(path);
   }
 }

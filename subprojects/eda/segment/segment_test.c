@@ -89,12 +89,12 @@ static bool starts_in(eda_box core, eda_box b) {
 /* Return all fields of a gate as text, exact to the bit. */
 static char *gate_text(const eda_gates *g, size_t i) {
   eda_box b = g->box[i];
-  eda_goal wish = eda_gates_goal(g, i);
+  eda_goal goal = eda_gates_goal(g, i);
   return g_strdup_printf(
       "%d,%d %d,%d %d%d %a %a space %a %a ends %a %a wish %d %a", b.x0, b.y0,
       b.x1, b.y1, g->type[i], g->axis[i], g->length[i], g->width[i],
       g->space[2 * i], g->space[2 * i + 1], g->extension[2 * i],
-      g->extension[2 * i + 1], wish.given, wish.target[EDA_GOAL_ION]);
+      g->extension[2 * i + 1], goal.given, goal.target[EDA_GOAL_ION]);
 }
 
 static GPtrArray *gates_in(const eda_gates *g, eda_box core) {

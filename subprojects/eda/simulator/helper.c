@@ -125,15 +125,15 @@ static int on_vectors(pvecinfoall v, int id, void *user) {
 /* Report the point that an analysis has reached, ten times a second. */
 static int on_values(pvecvaluesall v, int count, int id, void *user) {
   static double *old;
-  static int room;
+  static int capacity;
   static struct timespec last;
   struct timespec now;
   (void)count, (void)id, (void)user;
-  if (v->veccount > room) {
+  if (v->veccount > capacity) {
     old = realloc(old, (size_t)v->veccount * sizeof *old);
     if (!old) end_with(TROUBLE, "out of memory");
-    memset(old + room, 0, (size_t)(v->veccount - room) * sizeof *old);
-    room = v->veccount;
+    memset(old + capacity, 0, (size_t)(v->veccount - capacity) * sizeof *old);
+    capacity = v->veccount;
   }
   clock_gettime(CLOCK_MONOTONIC, &now);
   double seconds = (double)(now.tv_sec - last.tv_sec) +
@@ -149,8 +149,8 @@ static int on_values(pvecvaluesall v, int count, int id, void *user) {
   return 0;
 }
 
-static int on_exit_wish(int status, NG_BOOL at_once, NG_BOOL quit, int id,
-                        void *user) {
+static int on_exit_request(int status, NG_BOOL at_once, NG_BOOL quit, int id,
+                           void *user) {
   (void)at_once, (void)id, (void)user;
   char text[MOST_TROUBLE + 64];
   snprintf(text, sizeof text, "%s with status %d%s%s",
@@ -203,8 +203,8 @@ static void process_limit(const char *seconds, const char *parent) {
 /* Return standard input up to the next zero byte or the end. */
 static char *read_text(void) {
   char *text = NULL;
-  size_t room = 0;
-  return getdelim(&text, &room, 0, stdin) < 0 ? text_of("%s", "") : text;
+  size_t capacity = 0;
+  return getdelim(&text, &capacity, 0, stdin) < 0 ? text_of("%s", "") : text;
 }
 
 /* Keep standard output as file 3 for the records, close the other inherited
@@ -384,7 +384,8 @@ static void load_osdi(const library *l, const char *name, int file) {
 
 static void deck_run(const library *l, const char *osdi, int file, char *deck,
                      char *commands) {
-  l->init(on_words, NULL, on_exit_wish, on_values, on_vectors, on_thread, NULL);
+  l->init(on_words, NULL, on_exit_request, on_values, on_vectors, on_thread,
+          NULL);
   *trouble = 0;
   reset_signals(); /* handlers of ngspice would turn a crash into an exit */
   library_command(l, "set num_threads=1");

@@ -30,7 +30,7 @@ typedef struct reading {
   const opc_context *context;
   eda_spice_result *out;
   char *data; /* records, complete ones first */
-  size_t used, room;
+  size_t used, capacity;
   uint64_t taken;
   GString *words;
   char *trouble, *command, *state; /* `state`: of the running command */
@@ -42,12 +42,13 @@ static char *text_of(const char *data, size_t bytes) {
 }
 
 static void take_plot(eda_spice_result *out, const char *name, size_t bytes) {
-  eda_grow(&out->plot, &out->room, out->count + 1, sizeof *out->plot);
+  eda_grow(&out->plot, &out->capacity, out->count + 1, sizeof *out->plot);
   out->plot[out->count++] = (eda_spice_plot){.name = text_of(name, bytes)};
 }
 
 static void take_name(eda_spice_plot *plot, const char *name, size_t bytes) {
-  eda_grow(&plot->vector, &plot->room, plot->count + 1, sizeof *plot->vector);
+  eda_grow(&plot->vector, &plot->capacity, plot->count + 1,
+           sizeof *plot->vector);
   plot->vector[plot->count++] =
       (eda_spice_vector){.name = text_of(name, bytes)};
 }
@@ -108,8 +109,8 @@ static void take_records(reading *r) {
    exceeded. */
 static int read_some(reading *r, int in, opc_error *error) {
   enum { PIECE = 1 << 16 };
-  eda_grow(&r->data, &r->room, r->used + PIECE, 1);
-  ssize_t n = read(in, r->data + r->used, r->room - r->used);
+  eda_grow(&r->data, &r->capacity, r->used + PIECE, 1);
+  ssize_t n = read(in, r->data + r->used, r->capacity - r->used);
   if (n < 0 && errno == EINTR) return 1;
   if (n <= 0) return 0;
   r->used += (size_t)n;
@@ -176,20 +177,20 @@ static int child_judge(const reading *r, GSubprocess *child, opc_error *error) {
     return opc_fail(error, OPC_FAILED, NULL, "'ngspice' failed: %s",
                     r->trouble);
   if (r->done) return OPC_OK;
-  g_autofree char *said = last_words(r->words);
+  g_autofree char *output = last_words(r->words);
   if (g_subprocess_get_if_signaled(child) &&
       g_subprocess_get_term_sig(child) == SIGSYS)
     return opc_fail(error, OPC_FAILED, NULL,
                     "'ngspice' was stopped, because the simulation tried to "
                     "start a program or to write a file; last message: %s",
-                    said);
+                    output);
   if (g_subprocess_get_if_signaled(child))
     return opc_fail(error, OPC_FAILED, NULL,
                     "'ngspice' crashed (%s); last message: %s",
-                    strsignal(g_subprocess_get_term_sig(child)), said);
+                    strsignal(g_subprocess_get_term_sig(child)), output);
   return opc_fail(error, OPC_FAILED, NULL,
                   "'ngspice' ended with status %d; last message: %s",
-                  g_subprocess_get_exit_status(child), said);
+                  g_subprocess_get_exit_status(child), output);
 }
 
 /* ---- the program's life ---- */

@@ -21,7 +21,7 @@ typedef struct biases {
    from[i] to the start of the next fragment of the polygon. Its outward
    displacement is by[i] grid steps. */
 typedef struct pieces {
-  size_t polygons, room;
+  size_t polygons, capacity;
   uint32_t *start;
   eda_point *from;
   int32_t *by;

@@ -117,7 +117,7 @@ typedef struct history_line {
 
 typedef struct history {
   history_line *line;
-  size_t count, room;
+  size_t count, capacity;
 } history;
 
 OPC_EXPORT void correct_history_add(history *history, const summary *print,

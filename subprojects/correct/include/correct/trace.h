@@ -19,7 +19,7 @@ typedef struct trace_row {
 /* Rows of all transistors, simulation by simulation. */
 typedef struct trace {
   trace_row *row;
-  size_t count, room;
+  size_t count, capacity;
 } trace;
 
 /* Append the rows of the last simulation. */

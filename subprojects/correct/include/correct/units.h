@@ -18,7 +18,7 @@ typedef struct placed_unit {
 
 typedef struct units {
   placed_unit *unit; /* freed with g_free() */
-  size_t count, room;
+  size_t count, capacity;
 } units;
 
 /* Find the outermost cells below the cell `top` (-1: below all top cells) that

@@ -26,7 +26,7 @@ typedef struct eda_boxes {
 /* A growing list of boxes; free `box` with free(). */
 typedef struct eda_box_list {
   eda_box *box;
-  size_t count, room;
+  size_t count, capacity;
 } eda_box_list;
 
 OPC_EXPORT void eda_box_list_add(eda_box_list *list, eda_box box);

@@ -160,12 +160,12 @@ OPC_EXPORT double eda_layout_flat_bytes(const eda_layout *layout, int32_t cell,
 OPC_EXPORT void eda_flat_clear(eda_flat *flat);
 
 /* Write the path of placement p (eda_flat.placement) below `cell`, such as
-   "XU1/XI2" ("" for `cell`), to a buffer of `room` bytes, truncated if longer.
-   Unnamed instance i of a parent cell is written as CELL#i ("NAND2_X1#3"), a
-   member of an array with [column,row]. Return the number of the placed cell,
-   or -1 if placement p does not exist. */
+   "XU1/XI2" ("" for `cell`), to a buffer of `capacity` bytes, truncated if
+   longer. Unnamed instance i of a parent cell is written as CELL#i
+   ("NAND2_X1#3"), a member of an array with [column,row]. Return the number of
+   the placed cell, or -1 if placement p does not exist. */
 OPC_EXPORT int32_t eda_layout_path(const eda_layout *layout, int32_t cell,
-                                   uint32_t p, char *buffer, size_t room);
+                                   uint32_t p, char *buffer, size_t capacity);
 
 /* Remove the cells that are not in the hierarchy of `cell`. The other cells
    keep their order and get new numbers; layers keep their numbers. */

@@ -11,21 +11,21 @@ OPC_C_BEGIN
 OPC_EXPORT void *eda_alloc(size_t count, size_t size);
 
 /* Enlarge *array (the address of a pointer) to at least `need` elements of
-   `size` bytes, at least by half, and set `room` to the new capacity. New
+   `size` bytes, at least by half, and set `capacity` to the new capacity. New
    elements are not zeroed. Free with free(). [any] */
-OPC_EXPORT void eda_grow_to(void *array, size_t *room, size_t need,
+OPC_EXPORT void eda_grow_to(void *array, size_t *capacity, size_t need,
                             size_t size);
 
 /* Call eda_grow_to if the capacity is below `need`. */
-OPC_UNUSED static inline void eda_grow(void *array, size_t *room, size_t need,
-                                       size_t size) {
-  if (need > *room) eda_grow_to(array, room, need, size);
+OPC_UNUSED static inline void eda_grow(void *array, size_t *capacity,
+                                       size_t need, size_t size) {
+  if (need > *capacity) eda_grow_to(array, capacity, need, size);
 }
 
 /* Append the element in the last argument to an array with `count` elements and
-   the capacity `room`. */
-#define EDA_PUSH(array, count, room, ...)                     \
-  (eda_grow(&(array), &(room), (count) + 1, sizeof *(array)), \
+   the capacity `capacity`. */
+#define EDA_PUSH(array, count, capacity, ...)                     \
+  (eda_grow(&(array), &(capacity), (count) + 1, sizeof *(array)), \
    (void)((array)[(count)++] = __VA_ARGS__))
 
 /* Compare two doubles for qsort, the smaller one first. [any] */

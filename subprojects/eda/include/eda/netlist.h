@@ -46,12 +46,12 @@ typedef struct eda_subcircuit {
   const char **port;
   size_t settings; /* parameters with default values */
   eda_assignment *setting;
-  size_t elements, room;
+  size_t elements, capacity;
   eda_element *element;
 
   /* Set by eda_netlist_prepare. The first nodes are the ports. */
   int state; /* 0 not prepared, 1 in progress, 2 prepared */
-  size_t nodes, room_nodes;
+  size_t nodes, capacity_nodes;
   const char **node;
   uint64_t devices; /* transistors, with those of all subcircuits below */
 } eda_subcircuit;
@@ -69,14 +69,14 @@ typedef struct eda_netlist {
   uint32_t current;        /* reader: number of the current subcircuit,
                               UINT32_MAX outside of subcircuits */
   int control;             /* reader: 1 between .control and .endc */
-  size_t subcircuits, room_subcircuits;
+  size_t subcircuits, capacity_subcircuits;
   eda_subcircuit *subcircuit;
   eda_names subcircuit_of;
   eda_names type_of;   /* models named by .model cards */
   eda_names global_of; /* .global nets */
-  size_t globals, room_globals;
+  size_t globals, capacity_globals;
   const char **global;
-  size_t settings, room_settings; /* .param */
+  size_t settings, capacity_settings; /* .param */
   eda_assignment *setting;
   eda_names setting_of;
   double unit;     /* .option scale */
@@ -106,7 +106,7 @@ OPC_EXPORT int eda_netlist_prepare(eda_netlist *n, uint32_t top);
 /* Write "FILE:LINE" of an element to the buffer and return the buffer. */
 OPC_EXPORT const char *eda_netlist_where(const eda_netlist *n,
                                          const eda_element *e, char *buffer,
-                                         size_t room);
+                                         size_t capacity);
 
 /* ---- flat netlist ------------------------------------------------------ */
 
@@ -120,9 +120,9 @@ typedef struct eda_transistor {
 
 typedef struct eda_flat_netlist {
   eda_pool *pool; /* from the caller; owns all arrays */
-  size_t devices, room_devices;
+  size_t devices, capacity_devices;
   eda_transistor *device;
-  size_t nets, room_nets;
+  size_t nets, capacity_nets;
   const char **net;
   size_t ports;
   uint32_t *port;

@@ -21,8 +21,9 @@ OPC_EXPORT char *eda_pool_text(eda_pool *pool, const char *text, size_t n);
 /* Return "A/B"; if `a` is empty, "B". */
 OPC_EXPORT char *eda_pool_path(eda_pool *pool, const char *a, const char *b);
 /* Enlarge *array, allocated from the pool, to at least `need` elements of
-   `size` bytes and set `room` to the new capacity. New elements are zeroed. */
-OPC_EXPORT void eda_pool_grow(eda_pool *pool, void *array, size_t *room,
+   `size` bytes and set `capacity` to the new capacity. New elements are zeroed.
+ */
+OPC_EXPORT void eda_pool_grow(eda_pool *pool, void *array, size_t *capacity,
                               size_t need, size_t size);
 OPC_EXPORT void eda_pool_clear(eda_pool *pool);
 

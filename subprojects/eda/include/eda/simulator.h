@@ -16,12 +16,12 @@ typedef struct eda_spice_vector {
 /* Result of an analysis; "plot" as in ngspice. */
 typedef struct eda_spice_plot {
   char *name; /* name by ngspice: "tran1", "dc2" */
-  size_t count, room;
+  size_t count, capacity;
   eda_spice_vector *vector;
 } eda_spice_plot;
 
 typedef struct eda_spice_result {
-  size_t count, room;
+  size_t count, capacity;
   eda_spice_plot *plot; /* in order of creation; without the plot "const" */
   char *words;          /* complete output of the simulator, or NULL */
 } eda_spice_result;

@@ -11,7 +11,7 @@ typedef struct page {
   GString *missing;   /* JSON texts: missing parts of the page */
   GHashTable *labels; /* set of char * */
   GPtrArray *places;  /* char *: case, method and folder of each complete run */
-  double room;        /* bytes left for pictures */
+  double capacity;    /* bytes left for pictures */
 } page;
 
 /* Set up a page of at most about `megabytes`, limited by omitting pictures. */

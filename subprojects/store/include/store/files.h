@@ -28,8 +28,8 @@ typedef int opc_visit(void *data, const char *path, const char *name,
 /* Visit all entries of a folder and its subfolders, sorted by name, each folder
    after its contents. Links are not followed. Return the last code of `visit`,
    or OPC_IO and *error. */
-int opc_walk(const char *folder, opc_visit *visit, void *data,
-             opc_error *error);
+int opc_traverse(const char *folder, opc_visit *visit, void *data,
+                 opc_error *error);
 
 /* Flush a file, or the directory entries of a folder, to the disk. Return
    OPC_IO and *error on failure. */

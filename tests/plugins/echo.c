@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the verb `opcflow tell WORD ...`, which publishes the arguments
+/* Implements the verb `opcflow echo WORD ...`, which publishes the arguments
    and options, for tests of the framework. */
 #include <opcflow/command.h>
 #include <opcflow/table.h>
@@ -7,19 +7,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-typedef struct tell {
+typedef struct echo {
   const opc_host *host;
   int64_t max_cases;
   int mode, quiet;
   opc_reals sizes;
   const char *title, *output;
-} tell;
+} echo;
 
 static const char *const modes[] = {"first", "second"};
 
 /* ---- work ---- */
 
-static int write_words(const tell *t, size_t n, const char *const *words,
+static int write_words(const echo *t, size_t n, const char *const *words,
                        opc_error *error) {
   const char *path = t->host->output_path(t->host, t->output, error);
   if (!path) return error->code;
@@ -31,7 +31,7 @@ static int write_words(const tell *t, size_t n, const char *const *words,
   return OPC_OK;
 }
 
-static int words_publish(const tell *t, size_t n, const char *const *words,
+static int words_publish(const echo *t, size_t n, const char *const *words,
                          opc_error *error) {
   int64_t *lengths = malloc((n + 1) * sizeof *lengths);
   double sum = 0;
@@ -45,9 +45,9 @@ static int words_publish(const tell *t, size_t n, const char *const *words,
   return code ? code : t->host->metric(t->host, "sum", sum, error);
 }
 
-static int tell_run(void *self, size_t n, const char *const *words,
+static int echo_run(void *self, size_t n, const char *const *words,
                     opc_error *error) {
-  const tell *t = self;
+  const echo *t = self;
   if (!t->quiet)
     t->host->log(t->host, OPC_LOG_INFO, "%s%s%zu words, %s, %d cases",
                  t->title ? t->title : "", t->title ? ": " : "", n,
@@ -62,16 +62,16 @@ static int tell_run(void *self, size_t n, const char *const *words,
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
-    OPC_PARAMETER(tell, max_cases, .type = OPC_INT, .flags = OPC_AT_LEAST,
+    OPC_PARAMETER(echo, max_cases, .type = OPC_INT, .flags = OPC_AT_LEAST,
                   .preset = "2", .min = 1, .summary = "how many at most"),
-    OPC_PARAMETER(tell, mode, .type = OPC_CHOICE, .preset = "second",
+    OPC_PARAMETER(echo, mode, .type = OPC_CHOICE, .preset = "second",
                   .choices = "first|second", .summary = "a word"),
-    OPC_PARAMETER(tell, quiet, .type = OPC_BOOL, .preset = "false",
+    OPC_PARAMETER(echo, quiet, .type = OPC_BOOL, .preset = "false",
                   .summary = "say nothing"),
-    OPC_PARAMETER(tell, sizes, .type = OPC_REALS, .unit = "nm",
+    OPC_PARAMETER(echo, sizes, .type = OPC_REALS, .unit = "nm",
                   .summary = "lengths"),
-    OPC_PARAMETER(tell, title, .type = OPC_TEXT, .summary = "first line"),
-    OPC_PARAMETER(tell, output, .type = OPC_OUTPUT,
+    OPC_PARAMETER(echo, title, .type = OPC_TEXT, .summary = "first line"),
+    OPC_PARAMETER(echo, output, .type = OPC_OUTPUT,
                   .summary = "file for the words"),
 };
 
@@ -79,18 +79,18 @@ static const opc_metric metrics[] = {
     {"sum", "nm", OPC_LOWER, 0, "sum of all sizes"},
 };
 
-static int tell_check(void *self, opc_error *error) {
-  const tell *t = self;
+static int echo_check(void *self, opc_error *error) {
+  const echo *t = self;
   if (t->max_cases != 13) return OPC_OK;
   return opc_fail(error, OPC_INVALID, "max_cases", "13 is not welcome");
 }
 
 /* ---- entry ---- */
 
-static const opc_command functions = {.arguments = "WORD ...", .run = tell_run};
+static const opc_command functions = {.arguments = "WORD ...", .run = echo_run};
 
-OPC_PLUGIN(tell, .id = "command.tell", .kind = "command", .version = "1.0.0",
+OPC_PLUGIN(echo, .id = "command.echo", .kind = "command", .version = "1.0.0",
            .licence = "BSD-3-Clause", .summary = "Print the given words",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
            OPC_PARAMETERS(parameters), OPC_METRICS(metrics),
-           .check = tell_check, OPC_FUNCTIONS(functions));
+           .check = echo_check, OPC_FUNCTIONS(functions));
