@@ -164,6 +164,9 @@ static void trust_update(const newton *t, transistor *s, const change *c,
     trust_judge(&s->trust, c->dx[BY_L], fabs(before), fabs(foreseen),
                 fabs(s->pull));
   trust_see(&s->trust, s->x[BY_L], s->pull);
+  /* W has moved because L had no effect: try L again. */
+  if (!corrects_ioff(t) && c->dx[BY_W] != 0)
+    s->trust.radius = fmax(s->trust.radius, 1);
 }
 
 int32_t width_aside(const transistor *s, int32_t w) {
@@ -244,8 +247,7 @@ static void transistor_update(const newton *t, transistor *s,
                 f->gates->grid);
   if (!first) trust_update(t, s, &c, f->iteration > 1 ? foreseen : NAN);
   keep_best(s, f->flags[i], first);
-  if (t->target == BALANCED && corrects_ioff(t) &&
-      f->iteration >= tuned.shapes[BALANCED])
+  if (corrects_ioff(t) && f->iteration >= tuned.shapes[BALANCED])
     bound_ends(t, s, f, i);
 }
 
