@@ -234,7 +234,8 @@ static void transistor_update(const newton *t, transistor *s,
     s->response = s->first;
   else if (printed && moved)
     response_learn(&s->response, &s->first, c.dx, c.de, s->uncertainty);
-  s->disturbed |= (uint8_t)foreign;
+  /* A move may have an effect that the response does not predict. */
+  s->disturbed |= (uint8_t)(foreign && !moved);
   s->failed = 0;
   s->valid = now;
   memcpy(s->x, x, sizeof x);
