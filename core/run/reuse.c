@@ -2,9 +2,7 @@
 /* Reuses steps whose results are in the store. Their files and messages are
    replayed; their outputs are made only when a step that runs needs them:
    loaded from the store, or computed by running the step again. */
-#include <errno.h>
 #include <glib/gstdio.h>
-#include <string.h>
 
 #include <store/files.h>
 #include <store/pack.h>

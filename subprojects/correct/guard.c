@@ -6,7 +6,6 @@
 #include <eda/memory.h>
 #include <glib.h>
 #include <math.h>
-#include <opcflow/plugin.h>
 #include <stdlib.h>
 #include <string.h>
 

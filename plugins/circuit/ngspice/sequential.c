@@ -2,7 +2,6 @@
 /* Measures delays of sequential circuits in traversals through their states, in
    which outputs follow one change after another. */
 #include <glib.h>
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 

@@ -4,7 +4,6 @@
 #include "cover.h"
 
 #include <eda/memory.h>
-#include <glib.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

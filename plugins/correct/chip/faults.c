@@ -3,7 +3,6 @@
    violation belongs to the nearest transistor and is recorded by the print that
    verifies that transistor, so that all transistors of the class share the
    violation. */
-#include <eda/check.h>
 #include <eda/index.h>
 #include <eda/memory.h>
 #include <math.h>

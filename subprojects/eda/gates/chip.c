@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The transistors of a chip, and the moves of those in a window. */
 #include <eda/chip.h>
-#include <eda/memory.h>
 #include <stdlib.h>
 
 void eda_chip_free(void *object) {

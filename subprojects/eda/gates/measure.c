@@ -3,7 +3,6 @@
    the slices that the extractor requests. */
 #include <eda/memory.h>
 #include <eda/print.h>
-#include <math.h>
 #include <stdlib.h>
 
 #include "gates/gate.h"

@@ -2,7 +2,6 @@
 /* Reader of a run folder: manifest, metrics and resolved flow as plain
    arrays. */
 #include <glib.h>
-#include <math.h>
 #include <string.h>
 
 #include "runs/parameters.h"
