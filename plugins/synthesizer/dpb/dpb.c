@@ -7,6 +7,7 @@
    steps of one transistor, descent.c those of all, table.c the table of jumps.
  */
 #include <math.h>
+#include <opcflow/follow.h>
 
 #include "../descent.h"
 #include "table.h"
