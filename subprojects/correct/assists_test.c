@@ -137,7 +137,7 @@ static void test_refused(void) {
   correct_loop_clear(&l);
   g_assert_cmpint(run_step(&l, &mover, set_rules(1, 551, 0.02), &error), ==,
                   OPC_INVALID);
-  g_assert_nonnull(strstr(error.message, "into the next copy of the layout"));
+  g_assert_nonnull(strstr(error.message, "increase 'margin'"));
   correct_loop_clear(&l);
 }
 
