@@ -95,8 +95,7 @@ static void keep_still(loop *l) {
   }
 }
 
-/* Measure a simulation of the layers k with printed[k] = 1 and record the
-   results. `fine`: 1 for an accurate simulation. */
+/* Measure and record a simulation of the layers k with printed[k] = 1. */
 static int take_in(loop *l, const uint8_t *printed, int fine,
                    opc_error *error) {
   int code = loop_measure(l, printed, error);
@@ -357,8 +356,7 @@ static int driver_update(loop *l, int which, opc_error *error) {
 
 /* ---- the loop ---- */
 
-/* Return the largest |Ion deviation|, % or, without transistors, the largest
-   |edge placement error|, nm. */
+/* Return the largest |Ion deviation| or, without transistors, |EPE|. */
 static double loop_worst(const loop *l) {
   return l->summary.gates ? l->summary.ion_max : l->summary.epe_max;
 }
