@@ -323,8 +323,7 @@ static int driver_move(loop *l, int which, eda_moves *moves, opc_error *error) {
   return OPC_OK;
 }
 
-/* Let a synthesizer compute its next displacements. Biases of gates set by
-   EDGES are discarded. */
+/* Let a synthesizer compute displacements; discard gate biases by EDGES. */
 static int driver_update(loop *l, int which, opc_error *error) {
   size_t n = l->gates->count, layers = l->gates->layers;
   const biases *b = &l->next.biases;
