@@ -55,8 +55,8 @@ static void write_correction(const char *kind) {
 
 static const char ended[] = "plugin '%s' ended the process\n",
                   numbers[] =
-                      "plugin '%s' changed how numbers are rounded, flushed "
-                      "or trapped\n";
+                      "plugin '%s' changed the floating-point rounding, "
+                      "flush-to-zero or trap mode\n";
 
 /* A misuse with the expected message, '%s' for the name of the plugin. */
 typedef struct misuse {

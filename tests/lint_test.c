@@ -142,7 +142,8 @@ static void test_evil(void) {
       {"bad.resist", "prepare", "deaf",
        "changed the handler of SIGTERM: work\n"},
       {"bad.litho", "band", "rounding",
-       "changed how numbers are rounded, flushed or trapped: work\n"},
+       "changed the floating-point rounding, flush-to-zero or trap mode: "
+       "work\n"},
       {"bad.regulator", "rule", "stdout",
        "closed or redirected standard output: work\n"},
       {"bad.regulator", "violations", "exit", "ends the process: work\n"},
