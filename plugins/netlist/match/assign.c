@@ -94,9 +94,8 @@ static void choice_take(choice *c, uint32_t at) {
   while (c->first_free < c->gates && c->taken[c->first_free]) c->first_free++;
 }
 
-/* Assign gates to one device: a single gate, all gates if the device is the
-   only one, the given number of fingers, or gates up to the width of the
-   device. */
+/* Assign gates to one device: a single gate, all gates if there is only one
+   device, the given number of fingers, or gates up to the device's width. */
 static int take_gates(choice *c, uint32_t owner, int alone, int one_each) {
   graph *g = c->g;
   const eda_transistor *d = c->device;
