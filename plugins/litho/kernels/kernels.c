@@ -97,7 +97,7 @@ static int model_prepare(void *self, opc_error *error) {
     size_t most = m->wanted > 0 ? (size_t)m->wanted : 0;
     int code = kernel_set_read(m->path[i], most, set, error);
     if (code) return code;
-    /* Normalise the clear field; all weights have one common factor. */
+    /* Scale the weights by the dose; compute the clear field for the log. */
     double clear = 0;
     size_t size = (size_t)set->size, middle = size * size / 2;
     for (size_t s = 0; s < set->count; s++) {
