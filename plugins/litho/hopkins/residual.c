@@ -10,7 +10,6 @@
    the residual is caused by distant points across the borders of the pupils and
    extends further along f than across f. If D depended on |h| only, an error of
    1e-4 for long gratings would require five times the kernels. */
-#include <eda/memory.h>
 #include <gsl/gsl_linalg.h>
 #include <math.h>
 #include <string.h>
