@@ -28,8 +28,8 @@
 enum {
   STRIP = 32, /* number of columns k >= 0 in a strip */
   BLOCKS = STRIP / EDA_LANES,
-  TOGETHER = 4,           /* largest number of kernels in a group */
-  FIELDS_ROOM = 64 << 20, /* memory for the fields of a group, bytes */
+  TOGETHER = 4,            /* largest number of kernels in a group */
+  FIELDS_BYTES = 64 << 20, /* memory for the fields of a group, bytes */
   SUMS = 1 + EDA_RESIDUALS
 };
 
@@ -318,7 +318,7 @@ static void make_fields(sum_task *j, size_t count) {
   size_t n = j->rows * (size_t)j->nx;
   j->left = strips(j) * STRIP;
   size_t each = j->rows * 2 * j->left * sizeof *j->field->at;
-  size_t most = MIN(count, MAX(1, FIELDS_ROOM / each));
+  size_t most = MIN(count, MAX(1, FIELDS_BYTES / each));
   for (j->group_most = 0; j->group_most < MIN(most, TOGETHER);
        j->group_most++) {
     lines *field = &j->field[j->group_most];
