@@ -9,8 +9,8 @@
 
 #include "core/plugin/value.h"
 
-/* Limit of the number of elements and of the bytes of an element; rejects
-   corrupt numbers before the array is read. */
+/* Limit of the number of elements and of the size of an element, bytes. Corrupt
+   numbers are rejected before the array is read. */
 enum { MOST = 4096 };
 
 size_t opc_port_count(const opc_plugin *plugin) {
@@ -97,7 +97,7 @@ gconstpointer opc_declared_copy(gconstpointer from, size_t n, size_t theirs,
 
 /* ---- soundness ---- */
 
-/* Return the first fault of a parameter whose message has no numbers, as text
+/* Return the first fault of a parameter that a constant text describes, as text
    to append to the parameter's name; NULL if none. */
 static const char *parameter_flaw(const opc_plugin *plugin,
                                   const opc_parameter *p) {
@@ -145,7 +145,8 @@ static char *preset_fault(const opc_parameter *p) {
                          first->message);
 }
 
-/* Return whether one name is a group with the other one as a member. */
+/* Return whether one name is a group that contains the other name: "a" and
+   "a.b". */
 static gboolean are_nested(const char *a, const char *b) {
   return (g_str_has_prefix(a, b) && a[strlen(b)] == '.') ||
          (g_str_has_prefix(b, a) && b[strlen(a)] == '.');

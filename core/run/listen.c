@@ -37,7 +37,7 @@ void opc_listen_step(opc_run *run) {
   g_mutex_unlock(&run->listener.lock);
 }
 
-/* Warnings of a step; a result with more is not stored. */
+/* Largest number of warnings of a step whose result is stored. */
 enum { MOST_MESSAGES = 1000 };
 
 static void messages_add(GPtrArray *list, const char *path, int level,

@@ -9,8 +9,8 @@
 
 #include <correct/report.h>
 
-/* A drawn length within this fraction of itself from an end of the device table
-   is reported; about the deviation of lengths before correction. */
+/* Warn of a drawn length within this fraction of itself from an end of the
+   device table; about the deviation of printed lengths before correction. */
 static const double near_end = 0.1;
 
 static const char *plural_of(size_t n) { return n == 1 ? "" : "s"; }
@@ -58,8 +58,8 @@ static size_t count_different(const double *size, size_t n) {
   return count;
 }
 
-/* Layouts have few lengths and many widths. Devices for 5 V may be longer than
-   wide, so that the order alone is no evidence. */
+/* Exchanged layers make most gates longer than wide, and lengths more diverse
+   than widths. Both are required: devices for 5 V may be longer than wide. */
 void correct_findings_of_drawing(const opc_host *host, const eda_gates *g,
                                  const opc_module *extractor) {
   const eda_extractor *model = extractor->functions;

@@ -12,9 +12,9 @@
 
 typedef struct correction {
   sheets on;        /* transistors to correct */
-  int fixed_others; /* 1: all others keep the masks of the chip */
+  int fixed_others; /* 1: all neighbours keep the masks of the chip */
   uint32_t *mask;   /* [count], new masks */
-  double *better;   /* [count], |Ion deviation| to improve on; NULL: none */
+  double *better;   /* [count], |Ion deviation| to improve on, %; NULL: none */
 } correction;
 
 /* Record of a corrected transistor, followed by its parts and boxes. */
@@ -22,7 +22,7 @@ typedef struct corrected {
   uint32_t place, flags_before;
   eda_chip_mask mask;
   eda_figures before;
-  double off; /* |Ion deviation| with that mask, %; INFINITY: none */
+  double off; /* |Ion deviation| with `mask`, %; INFINITY: does not print */
 } corrected;
 
 /* Header of a sheet's records. */
@@ -32,8 +32,8 @@ typedef struct head {
 
 /* ---- start of the loop ---- */
 
-/* Return the masks of the fixed transistors of a sheet; those to correct are as
-   drawn. The loop frees *still. */
+/* Return a start of the loop with the masks of the fixed transistors of a
+   sheet; the selected transistors are as drawn. The loop frees *still. */
 static eda_mask *fixed_masks(const correction *m, const sheet *s,
                              uint8_t **still) {
   const eda_gates *g = s->gates;
@@ -56,8 +56,8 @@ static double gate_deviation(const loop *l, size_t i) {
 }
 
 /* Return the transistor that owns an added shape or cut-out: the nearest within
-   the radius, since only these have an equal environment throughout the class.
-   UINT32_MAX: none. */
+   the radius, because the environment is equal throughout the class only within
+   the radius. UINT32_MAX: none. */
 static uint32_t owner_of(const correction *m, const eda_gates *g,
                          const eda_index *index, eda_box b) {
   int32_t r = m->on.work->radius;
@@ -74,7 +74,7 @@ static uint32_t owner_of(const correction *m, const eda_gates *g,
   return owner;
 }
 
-/* Added shapes and cut-outs by transistor, in its coordinates. */
+/* Added shapes and cut-outs by transistor, in the transistor's coordinates. */
 typedef struct owned {
   eda_chip_box *box;
   uint32_t *gate, *next; /* [count]; next box of that gate + 1 */
@@ -147,8 +147,8 @@ static int put_all(const correction *m, const loop *l, const sheet *s,
   for (size_t k = 0; k < l->gates->layers; k++)
     if (l->now.shift[k] || l->now.assists[k].count)
       return opc_fail(error, OPC_INVALID, "synthesizer",
-                      "%s moves fragments of edges or adds scatter bars, but a "
-                      "chip requires a synthesizer that only changes lengths "
+                      "'%s' displaces fragments of edges or adds scatter "
+                      "bars, expected a synthesizer that only changes lengths "
                       "and widths of transistors",
                       m->on.work->with->synthesizer->id);
   owned o;
@@ -163,8 +163,8 @@ static int put_all(const correction *m, const loop *l, const sheet *s,
 
 /* ---- a sheet ---- */
 
-/* Host of a loop on a sheet. Progress is scaled to the phase, and messages
-   about sheets, which users do not know, become debug messages. */
+/* Host of a loop on a sheet. Progress is scaled to the phase. Messages about
+   sheets become debug messages, because sheets are internal. */
 typedef struct inner {
   opc_host host;
   const correction *correction;
@@ -239,8 +239,8 @@ static uint32_t add_mask(work *w) {
   return (uint32_t)c->masks++;
 }
 
-/* Store the mask of a record. A refined mask keeps the earlier figures of the
-   drawn mask, because its loop has not simulated drawn neighbours. */
+/* Store the mask of a record. A refined mask keeps the drawn figures of the
+   replaced mask, because its loop did not simulate drawn neighbours. */
 static void take_mask(correction *m, const corrected *one, const char *bytes) {
   work *w = m->on.work;
   eda_chip *c = w->chip;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the covering by recursive bisection, as long as the halves have a
-   smaller area than the whole. */
+/* Implements the covering by recursive bisection. A box is divided if its
+   halves have a smaller total area. */
 #include "cover.h"
 
 #include <eda/memory.h>
@@ -28,8 +28,8 @@ static double area_of(eda_box b) {
   return ((double)b.x1 - b.x0) * ((double)b.y1 - b.y0);
 }
 
-/* Move the places below the middle of the box to the front, preserving order.
-   Returns their number. */
+/* Move the places below the middle of the box to the front, with their order
+   preserved. Returns their number. */
 static size_t places_halve(const maker *m, size_t first, size_t count,
                            eda_box box) {
   uint32_t *place = m->out->place + first;
@@ -52,7 +52,8 @@ static int box_fits(const maker *m, eda_box b) {
   return b.x1 - b.x0 <= m->most && b.y1 - b.y0 <= m->most;
 }
 
-/* Append the clips of some places. Returns their area. */
+/* Append the clips of places first to first + count - 1. Returns the area of
+   the clips. */
 static double places_divide(maker *m, size_t first, size_t count) {
   cover *c = m->out;
   eda_box box = places_box(m, first, count);

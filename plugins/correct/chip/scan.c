@@ -10,7 +10,7 @@
 #include "work.h"
 
 /* Number of windows per work unit, enough for two to eight cores and
-   independent of the number of threads; and initial view of a window beyond the
+   independent of the number of threads; extension of a window beyond the
    radius, nm, larger than most transistors. */
 enum { AT_ONCE = 8, BEYOND = 2000 };
 
@@ -98,7 +98,8 @@ static int take_some(void *data, size_t part, const void *bytes, size_t size,
   return OPC_OK;
 }
 
-/* All other dependencies are inputs of the step. */
+/* Return the key of a stored result; all dependencies are inputs of the step.
+ */
 static const char *key_of(void *data, size_t part) {
   scan *s = data;
   (void)snprintf(s->key, sizeof s->key, "%zu", part);
@@ -131,8 +132,9 @@ static gboolean same_sum(gconstpointer a, gconstpointer b) {
 
 GHashTable *work_sums(void) { return g_hash_table_new(hash_sum, same_sum); }
 
-/* Group transistors into classes. The mask of a class is made for its lowest,
-   then leftmost, transistor; the others are oriented by `flip`. */
+/* Group transistors into classes. The first transistor of a class is the
+   lowest, then the leftmost; `flip` orients its mask for all other transistors.
+ */
 static void find_classes(work *w) {
   eda_chip *c = w->chip;
   GHashTable *class_of = work_sums();

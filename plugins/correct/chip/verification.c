@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the verification of a chip: one transistor of each class of equal
-   masked environments is simulated, and the others receive its figures.
-   Environments are equal if the same transistors, each with its mask and hence
-   its drawn environment, are located within the range of optical
-   interaction. */
+   masked environments is simulated, and all transistors of the class receive
+   its figures. Two environments are equal if they contain equal masks at equal
+   relative positions within the range of optical interaction. Transistors with
+   equal masks have equal drawn environments. */
 #include <eda/index.h>
 #include <eda/memory.h>
 #include <eda/print.h>
@@ -24,7 +24,7 @@ typedef struct seen {
   uint8_t (*sum)[SUM_SIZE];
 } seen;
 
-/* A neighbour in the coordinates of another transistor. */
+/* A neighbour, with a box in the coordinates of another transistor. */
 typedef struct neighbour {
   eda_box box;
   uint32_t mask, orientation; /* axis and flip relative to that transistor */
@@ -36,8 +36,8 @@ static int by_place(const void *a, const void *b) {
   return (p->box.x0 > q->box.x0) - (p->box.x0 < q->box.x0);
 }
 
-/* Return the orientation of a gate relative to another one; L and W are
-   exchanged if their axes differ. */
+/* Return the orientation (flip and axis) of gate g relative to gate `to`. L and
+   W are exchanged if the axes differ. */
 static uint32_t orientation_of(const eda_chip_gate *g,
                                const eda_chip_gate *to) {
   uint32_t flip = to->flip;
@@ -93,7 +93,7 @@ static void add_print(work *w, const uint8_t *sum, uint32_t first) {
   g_hash_table_insert(w->prints, copy, GUINT_TO_POINTER(++c->prints));
 }
 
-/* Find the print of each transistor; new prints have no figures yet. */
+/* Find the print of each transistor; new prints have no figures. */
 static void find_prints(work *w) {
   eda_chip *c = w->chip;
   eda_box *box = eda_alloc(c->count, sizeof *box);
@@ -129,7 +129,7 @@ typedef struct head {
   uint64_t transistors;
 } head;
 
-/* Build the masks of a sheet without simulating them. */
+/* Build the masks of a sheet, and measure the drawn transistors. */
 static int make_mask(const work *w, const sheet *s, eda_mask *m,
                      opc_error *error) {
   const eda_gates *g = s->gates;

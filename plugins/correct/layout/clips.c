@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the dissection of a window's mask. The mask is fractured into
-   rectangles once, and each territory takes those within it. The overlap of two
-   territories belongs to the one placed first. */
+   rectangles once, and each territory takes the rectangles within its box. An
+   overlap of two territories belongs to the territory placed first. */
 #include "clips.h"
 
 #include <eda/formats.h>
@@ -15,7 +15,7 @@
 /* Mask of a layer. */
 typedef struct masked {
   eda_shapes shapes;
-  eda_box *box; /* the same as rectangles */
+  eda_box *box; /* rectangles of `shapes` */
   size_t boxes;
   eda_index *index;
 } masked;
@@ -78,8 +78,8 @@ static int territory_begins(const window *w, const territory *t) {
   return b.x0 >= c.x0 && b.x0 < c.x1 && b.y0 >= c.y0 && b.y0 < c.y1;
 }
 
-/* Find the territories that touch the core; *see receives the core, extended to
-   the territories that begin in it. */
+/* Find the territories that touch the core; *see receives the core, extended by
+   the boxes of territories that begin in the core. */
 static int find_territories(window *w, eda_box *see) {
   const cutter *c = w->cutter;
   *see = w->core;
@@ -126,7 +126,7 @@ static int make_mask(window *w, eda_box see) {
 
 /* ---- territories ---- */
 
-/* Compute the box of a territory minus the earlier ones. */
+/* Compute the box of a territory minus the boxes of earlier territories. */
 static int find_own(const window *w, const territory *t, eda_box_list *out) {
   eda_box_list taken = {0};
   eda_finder f = eda_index_find(w->index, t->box);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements searches of boxes and edges near a place, by an index. */
+/* Implements the search for boxes and edges near a position. */
 #include <eda/memory.h>
 #include <math.h>
 #include <stdlib.h>

@@ -33,7 +33,8 @@ int eda_shapes_check(const eda_shapes *shapes, opc_error *error) {
 }
 
 int64_t eda_area2(const eda_shapes *shapes) {
-  /* One polygon can reach 2^63, so the sum needs more bits. */
+  /* The doubled area of one polygon can reach 2^63, so the sum needs more
+     bits. */
   __extension__ __int128 sum = 0;
   for (size_t p = 0; p < shapes->count; p++) {
     uint32_t first = shapes->start[p], end = shapes->start[p + 1];

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Growing and shrinking of shapes: dilation and erosion with a square (J.
-   Serra, "Image Analysis and Mathematical Morphology", 1982). */
+/* Growing and shrinking of shapes by a square: dilation and erosion (J. Serra,
+   "Image Analysis and Mathematical Morphology", 1982). */
 #include <eda/geometry.h>
 #include <eda/memory.h>
 #include <stdlib.h>
 
-/* Return a box around each edge, larger by `by` in all directions. */
+/* Return a box for each edge: the bounding box of the edge, enlarged by `by` on
+   each side. */
 static eda_shapes boxes_of_edges(const eda_shapes *s, int32_t by) {
   size_t n = s->count ? s->start[s->count] : 0;
   eda_shapes out = {.count = n};

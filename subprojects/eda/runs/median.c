@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the median and its confidence interval. */
+/* Median and its confidence interval. */
 #include <eda/median.h>
 
 #include <glib.h>
@@ -15,14 +15,14 @@ static int by_size(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-/* Return the probability that the median is between the order statistics
-   `depth` and n + 1 - depth. */
+/* Return the probability that the interval between the order statistics `depth`
+   and n + 1 - depth contains the median. */
 static double coverage(size_t depth, size_t n) {
   return 1 - 2 * gsl_cdf_binomial_P((unsigned)(depth - 1), 0.5, (unsigned)n);
 }
 
-/* Return the largest depth whose coverage is at least the confidence, at least
-   1. The search begins below the normal approximation. */
+/* Return the largest depth (at least 1) whose coverage is at least the
+   confidence. The search starts below the value of the normal approximation. */
 static size_t depth_of(size_t n) {
   double start = (double)n / 2 - sqrt((double)n) - 2;
   size_t depth = start > 1 ? (size_t)start : 1;

@@ -6,8 +6,8 @@
 #include <eda/rules.h>
 #include <opcflow/follow.h>
 
-/* A rule in a layer: number of violations in the drawn layer and in the mask,
-   smallest value in the mask and its position, nm; NAN without violations. */
+/* A rule in a layer: numbers of violations in the drawn layer and in the mask;
+   smallest violating value in the mask and its position, nm; NAN: none. */
 typedef struct rules_row {
   const char *layer, *rule;
   double limit;
