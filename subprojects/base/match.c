@@ -24,7 +24,7 @@ static int find_text(const opc_values *v, const char *text) {
   return -1;
 }
 
-/* Add a text unless an earlier pattern matched that text. */
+/* Add a text unless the list contains an equal text. */
 static void add_text(opc_values *v, const opc_node *like, const char *text,
                      char *star) {
   if (find_text(v, text) >= 0) {
@@ -49,8 +49,8 @@ void opc_values_remove(opc_values *v, const char *pattern, gboolean files) {
   }
 }
 
-/* Return the part of a path matched by the star, the only wildcard of a pattern
-   (g_free); "" if there are others. */
+/* Return the part of a path that the star of a pattern matched (g_free); "" if
+   the pattern has other wildcards. */
 static char *star_of(const char *pattern, const char *path) {
   const char *star = strchr(pattern, '*');
   if (!star || strpbrk(star + 1, "*?[") ||
@@ -73,7 +73,6 @@ gboolean opc_match_files(const opc_node *node, opc_values *out,
   return !code || opc_wrong(problems, node, "no file matches '%s'", pattern);
 }
 
-/* Find the file that belongs to the one whose star matched `star`. */
 gboolean opc_pair_file(const opc_node *node, const char *star, opc_values *out,
                        opc_problems *problems) {
   g_autofree char *pattern = opc_node_path(node);

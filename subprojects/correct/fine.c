@@ -11,7 +11,7 @@
 /* Tuned constants. */
 static const struct {
   double limit, error, least, most, part, peak, light, larger;
-  const char *margin, *near; /* natural lengths */
+  const char *near, *nearest; /* natural lengths */
 } tuned = {
     /* `limit` in % of Ion, `error` for clear field 1; the error is proportional
        to the limit. Test: c432 corrected by litho.hopkins, Ion compared with
@@ -41,11 +41,11 @@ static const struct {
        twice the step change the slope of a device table by less than 1 %. */
     .larger = 0.01,
 
-    /* Range of optical interaction for accurate and for fast simulations: 3 and
-       1 um at 193 nm, NA 0.75. A range of 4 um instead of 3 changes Ion of c432
-       by 0.015 % in the mean. */
-    .margin = FINE_MARGIN,
+    /* Default for fast simulations, and smallest allowed margin: 1000 and 300
+       nm at 193 nm, NA 0.75. The error by repetition falls with the square of
+       the margin; measured in plugins/correct/README.md. */
     .near = "3.886 lambda/NA",
+    .nearest = "1.166 lambda/NA",
 };
 
 int correct_fine_error(const char *text, double limit, double *fine,
@@ -193,13 +193,38 @@ int correct_fine_by_drawn(eda_printer *p, const opc_host *host,
   return code;
 }
 
-double correct_fine_margin(const opc_host *host, const opc_module *litho,
-                           double margin, double fine) {
+/* Log a finding if a given margin causes a larger error than `needed`. */
+static int margin_check(const opc_host *host, eda_scanner scanner,
+                        double margin, double needed, opc_error *error) {
+  double least = eda_natural(&scanner, tuned.nearest);
+  double ratio = eda_natural(&scanner, FINE_MARGIN) / margin;
+  double by = fmin(tuned.least * ratio * ratio, 1);
+  if (margin < least)
+    return opc_fail(error, OPC_INVALID, "margin",
+                    "%g nm changes the intensity by up to %.1g of the clear "
+                    "field; expected at least %g nm, and %g nm for the error "
+                    "of these simulations",
+                    margin, by, least, needed);
+  if (margin < needed && scanner.wavelength > 0)
+    host->log(host, OPC_LOG_FINDING,
+              "margin %g nm changes the intensity by up to %.1g of the clear "
+              "field; the error of these simulations requires %g nm",
+              margin, by, needed);
+  return OPC_OK;
+}
+
+int correct_fine_margin(const opc_host *host, const opc_module *litho,
+                        double fine, double *margin, opc_error *error) {
   char whence[128];
-  if (!isnan(margin)) return margin;
   eda_scanner scanner = eda_scanner_of(litho);
+  double needed = eda_natural(&scanner, tuned.near);
+  if (fine > 0)
+    needed = fmax(needed, round(eda_natural(&scanner, FINE_MARGIN) *
+                                sqrt(tuned.least / fmax(fine, tuned.least))));
+  if (!isnan(*margin))
+    return margin_check(host, scanner, *margin, needed, error);
+  *margin = needed;
   eda_natural_text(scanner, whence, sizeof whence);
-  margin = eda_natural(&scanner, fine > 0 ? tuned.margin : tuned.near);
-  host->log(host, OPC_LOG_INFO, "margin %g nm, %s", margin, whence);
-  return margin;
+  host->log(host, OPC_LOG_INFO, "margin %g nm, %s", needed, whence);
+  return OPC_OK;
 }

@@ -15,9 +15,9 @@ int correct_settings_check(correct_settings *with, const opc_host *host,
                            opc_error *error) {
   int code =
       correct_fine_error(with->fine_text, with->ion_limit, &with->fine, error);
-  with->margin =
-      correct_fine_margin(host, with->litho, with->margin, with->fine);
-  return code;
+  return code ? code
+              : correct_fine_margin(host, with->litho, with->fine,
+                                    &with->margin, error);
 }
 
 void correct_forecast(const correct_settings *with, const opc_host *host,

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* opcflow new: creates a working plugin, a flow or a comparison from templates.
-   The plugin's kind defines the templates; those of steps, commands and flows
-   are in data/templates. With --process, the flow extends a process, a flow
-   without its input files. */
+   The kind of a plugin defines templates; data/templates has those of steps,
+   commands and flows. With --process, the new flow extends a process: a flow
+   without input files. */
 #include <base/file.h>
 #include <base/suggest.h>
 #include <errno.h>
@@ -30,7 +30,7 @@ static const cli_option options[] = {
     {0}};
 
 /* Name of the new plugin or flow ("mine"); id ("step.mine") and kind of a
-   plugin, else NULL; folder of the new files. */
+   plugin, NULL for other files; folder of the new files. */
 static char *name, *id, *kind, *folder;
 static GPtrArray *files; /* char * */
 
@@ -45,7 +45,7 @@ static char *fill_in(const char *text) {
 }
 
 /* Write a template into the folder. Return -1 or the exit code. An existing
-   file is an error unless `keep`. */
+   file is an error, or is left unchanged if `keep` is set. */
 static int template_write(const char *file, const char *template,
                           gboolean keep) {
   g_autofree char *filled = fill_in(file);
@@ -94,7 +94,7 @@ static char *kind_list(const GPtrArray *kinds) {
   return g_string_free(all, FALSE);
 }
 
-/* Report that a plugin cannot be named without its kind or its own name. */
+/* Report that the kind or the name of the new plugin is missing. */
 static int lacks_name(const char *given, GPtrArray *kinds) {
   g_autofree char *all = kind_list(kinds);
   if (g_ptr_array_find_with_equal_func(kinds, given, g_str_equal, NULL))
@@ -168,7 +168,7 @@ static int new_plugin(const GPtrArray *arguments) {
 
 /* ---- a flow that extends a process ---- */
 
-/* Folders of base flows, below `flows` beside each plugin folder. */
+/* Folders of base flows, inside `flows` beside each plugin folder. */
 static const char *const bases[] = {"processes", "scanners"};
 
 /* Return a folder of base flows (g_free). The plugin folder may be missing. */
@@ -234,8 +234,8 @@ static char *find_process(void) {
   return NULL;
 }
 
-/* Return the required files that a flow does not set, at least one. Return NULL
-   and set *code, the exit code, on failure. */
+/* Return the required files that a flow does not set, at least one. On failure,
+   return NULL and the exit code in *code. */
 static GArray *find_open(const char *path, int *code) {
   g_autoptr(opc_problems) problems = opc_problems_new();
   g_autoptr(opc_flow) flow =
@@ -250,7 +250,7 @@ static GArray *find_open(const char *path, int *code) {
   return NULL;
 }
 
-/* Return a path that is valid in the flow's folder (g_free). */
+/* Return the path of an input for use in the flow's folder (g_free). */
 static char *from_folder(const char *input) {
   return strcmp(folder, ".") && !g_path_is_absolute(input)
              ? g_canonicalize_filename(input, NULL)
@@ -429,7 +429,8 @@ static int lacks_process(const char *path) {
                    path, path, all);
 }
 
-/* Write a flow and the files it reads, keeping existing ones. */
+/* Write a flow and the files that the flow reads. Existing files are left
+   unchanged. */
 static int new_flow(const GPtrArray *arguments) {
   if (process)
     return arguments->len > 1

@@ -371,8 +371,9 @@ static int chip_check(void *self, opc_error *error) {
                                 &c->with.fine, error);
   if (isnan(c->with.margin) && !(c->with.fine > 0))
     c->with.margin = eda_natural(&scanner, tuned.margin);
-  c->with.margin =
-      correct_fine_margin(c->host, c->with.litho, c->with.margin, c->with.fine);
+  if (!code)
+    code = correct_fine_margin(c->host, c->with.litho, c->with.fine,
+                               &c->with.margin, error);
   EDA_FOLLOW(c->host, "correct.chip", c, parameters, scanner);
   if (!code && c->also.count)
     return opc_fail(

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* @ID@: the performance of a printed gate from a power law: a slice of width w
+/* @ID@: the performance of a printed gate by a power law: a slice of width w
    and length l carries a current proportional to w / l^alpha. */
 #include <eda/extractor.h>
 #include <math.h>
@@ -27,8 +27,9 @@ static size_t extractor_slicing(const void *self, const double **place,
 }
 
 /* Compute currents and equivalent lengths. A slice of 65 nm length carries 1
-   uA/nm and leaks 0.1 nA/nm, less by a factor of e for every further 8 nm. The
-   lengths leq are those of rectangles with the same currents. */
+   uA/nm and leaks 0.1 nA/nm; the leakage decreases by a factor of e for each
+   additional 8 nm. leq_ion and leq_ioff are the lengths of rectangular gates
+   with the same currents. */
 static int extractor_extract(const void *self, const eda_slices *in,
                              eda_performance *out, opc_error *error) {
   double alpha = ((const state *)self)->alpha;
@@ -54,7 +55,8 @@ static int extractor_extract(const void *self, const eda_slices *in,
 
 static const opc_parameter parameters[] = {OPC_PARAMETER(
     state, alpha, .type = OPC_REAL, .flags = OPC_ABOVE | OPC_AT_MOST,
-    .preset = "1", .max = 4, .summary = "drive current goes with 1 / L^alpha")};
+    .preset = "1", .max = 4,
+    .summary = "exponent of the length: Ion is proportional to 1 / L^alpha")};
 static const eda_extractor functions = {.prepare = extractor_prepare,
                                         .slicing = extractor_slicing,
                                         .extract = extractor_extract};

@@ -15,7 +15,7 @@ static int litho_prepare(void *self, opc_error *error) {
   return OPC_OK;
 }
 
-/* Return the band limit: beyond this frequency (1/nm) the Gaussian is below
+/* Return the band limit, 1/nm: at higher frequencies, the Gaussian is below
    1e-3. */
 static double litho_band(const void *self) {
   return 0.6 / ((const state *)self)->blur;
@@ -45,13 +45,13 @@ static int litho_image(const void *self, int layer, const eda_spectrum *mask,
   return eda_coherent_sum(s->host->context, mask, &kernels, 0, out, error);
 }
 
-static const opc_parameter parameters[] = {
-    OPC_PARAMETER(state, blur, .type = OPC_REAL, .flags = OPC_AT_LEAST,
-                  .unit = "nm", .preset = "40 nm", .min = 1,
-                  .summary = "standard deviation of the spread of a point")};
+static const opc_parameter parameters[] = {OPC_PARAMETER(
+    state, blur, .type = OPC_REAL, .flags = OPC_AT_LEAST, .unit = "nm",
+    .preset = "40 nm", .min = 1,
+    .summary = "standard deviation of the point spread function")};
 static const eda_litho functions = {
     .prepare = litho_prepare, .band = litho_band, .image = litho_image};
 OPC_PLUGIN(state, .id = "@ID@", .kind = "litho", .version = "0.1.0",
-           .licence = "BSD-3-Clause", .summary = "Gaussian blur of the light",
+           .licence = "BSD-3-Clause", .summary = "Gaussian blur of the mask",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
            OPC_PARAMETERS(parameters), OPC_FUNCTIONS(functions));

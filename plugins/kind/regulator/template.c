@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* @ID@: a regulator that lengthens line ends whose printed extension past the
+/* @ID@: a regulator that lengthens line ends whose printed extension beyond the
    active is too short, by one grid step per iteration. */
 #include <eda/regulator.h>
 #include <opcflow/plugin.h>
@@ -19,7 +19,7 @@ static int regulator_rule(void *self, const eda_printed *p, eda_ruling *ruling,
   return OPC_OK;
 }
 
-/* Count all violations and list as many as there is capacity for. */
+/* Count all violations, and list at most `capacity` of them. */
 static int regulator_violations(void *self, const eda_printed *p,
                                 eda_violation *list, size_t capacity,
                                 size_t *count, opc_error *error) {
@@ -37,7 +37,8 @@ static int regulator_violations(void *self, const eda_printed *p,
 
 static const opc_parameter parameters[] = {OPC_PARAMETER(
     state, extension, .type = OPC_REAL, .flags = OPC_AT_LEAST, .unit = "nm",
-    .preset = "20 nm", .summary = "printed poly past the printed active")};
+    .preset = "20 nm",
+    .summary = "required extension of printed poly beyond printed active")};
 static const eda_regulator functions = {.rule = regulator_rule,
                                         .violations = regulator_violations};
 OPC_PLUGIN(state, .id = "@ID@", .kind = "regulator", .version = "0.1.0",

@@ -11,13 +11,13 @@ typedef struct state {
 
 static int resist_prepare(void *self, const opc_module *litho,
                           opc_error *error) {
-  (void)self, (void)litho, (void)error; /* called once: calibrate against litho
-                                           here */
+  (void)self, (void)litho, (void)error; /* called once: calibrate the model by
+                                           `litho` here */
   return OPC_OK;
 }
 
-/* Convert the intensity to a level set, positive where the feature prints. A
-   constant added to all coefficients is added to the field. */
+/* Convert the intensity to a level set, positive where the feature prints.
+   Adding a constant to all coefficients adds the constant to the field. */
 static int resist_print(const void *self, int layer, eda_field *field,
                         opc_error *error) {
   const state *s = self;

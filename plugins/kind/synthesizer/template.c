@@ -17,8 +17,8 @@ static int state_begin(void *self, const eda_feedback *f, opc_error *error) {
   return OPC_OK;
 }
 
-/* Lengthen gates with too much current, shorten gates with too little; the gain
-   decreases with the iteration. */
+/* Lengthen gates with too much current and shorten gates with too little
+   current. The gain decreases with the number of the iteration. */
 static int state_update(void *self, const eda_feedback *f, eda_moves *moves,
                         int *done, opc_error *error) {
   double gain = ((const state *)self)->gain / (1 + 0.25 * f->iteration);
@@ -38,10 +38,12 @@ static int state_update(void *self, const eda_feedback *f, eda_moves *moves,
 
 static const opc_parameter parameters[] = {OPC_PARAMETER(
     state, gain, .type = OPC_REAL, .flags = OPC_ABOVE, .preset = "0.25",
-    .summary = "part of the deviation that a move takes from the length")};
+    .summary = "relative change of the length per relative deviation of Ion")};
 static const eda_synthesizer functions = {.begin = state_begin,
                                           .update = state_update};
-OPC_PLUGIN(state, .id = "@ID@", .kind = "synthesizer", .version = "0.1.0",
-           .licence = "BSD-3-Clause", .summary = "lengths in proportion",
-           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), OPC_FUNCTIONS(functions));
+OPC_PLUGIN(
+    state, .id = "@ID@", .kind = "synthesizer", .version = "0.1.0",
+    .licence = "BSD-3-Clause",
+    .summary = "change of the length in proportion to the deviation of Ion",
+    .flags = OPC_DETERMINISTIC | OPC_REENTRANT, OPC_PARAMETERS(parameters),
+    OPC_FUNCTIONS(functions));

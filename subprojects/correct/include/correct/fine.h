@@ -36,13 +36,14 @@ OPC_EXPORT int correct_fine_by_drawn(eda_printer *printer, const opc_host *host,
                                      const opc_module *extractor, double change,
                                      opc_error *error);
 
-/* Return the width of the clear field around a layout, nm: `margin` or, if
-   `margin` is NAN, the width that simulations with the image error `fine`
-   require. The required width is a multiple of the model's lambda/NA (`litho`
-   NULL: see eda_natural) and is logged. */
-OPC_EXPORT double correct_fine_margin(const opc_host *host,
-                                      const opc_module *litho, double margin,
-                                      double fine);
+/* Set *margin, nm, the width of the clear field around a layout, if NAN, to the
+   width that simulations with the error `fine` require, and log the width. It
+   scales with lambda/NA of the model (`litho` NULL: see eda_natural), and with
+   1 / sqrt(fine). Otherwise check the given width: log a finding if its error
+   exceeds `fine`; return OPC_INVALID if it is below 1.166 lambda/NA. */
+OPC_EXPORT int correct_fine_margin(const opc_host *host,
+                                   const opc_module *litho, double fine,
+                                   double *margin, opc_error *error);
 
-/* Default of `margin` with accurate simulations. */
+/* Default of `margin` for accurate simulations within 5e-5. */
 #define FINE_MARGIN "11.658 lambda/NA"

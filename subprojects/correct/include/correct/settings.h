@@ -30,7 +30,8 @@ typedef struct correct_settings {
 } correct_settings;
 
 /* Compute `fine` and `margin` from the parameters. Returns OPC_INVALID with the
-   parameter name "fine" if fine_text is not valid. Call on the main thread. */
+   parameter name `fine` or `margin` of a value that is not valid. Call on the
+   main thread. */
 OPC_EXPORT int correct_settings_check(correct_settings *with,
                                       const opc_host *host, opc_error *error);
 
