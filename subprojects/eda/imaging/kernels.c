@@ -33,8 +33,7 @@ enum {
   SUMS = 1 + EDA_RESIDUALS
 };
 
-static const double default_step =
-    32; /* largest grid step of the result by default, nm */
+static const double default_step = 32; /* grid step of the result, nm */
 
 /* A two-dimensional array that is transformed along one direction. Blocks of
    EDA_LANES adjacent lines are stored together: at[b * n + i] is point i of
@@ -48,27 +47,22 @@ typedef struct sum_task {
   const opc_context *context;
   const eda_spectrum *mask;
   eda_kernels kernels;
-  float complex offset,
-      scale;       /* mask transmission: offset + scale * spectrum */
-  int nx, ny;      /* numbers of nodes of the fields */
+  float complex offset, scale; /* transmission: offset + scale * spectrum */
+  int nx, ny;                  /* numbers of nodes of the fields */
   int half, reach; /* fields have frequencies |l| <= half, |k| <= reach */
   size_t kernel, together; /* first kernel and size of the current group */
   size_t group_most;       /* largest group */
-  lines field[TOGETHER]; /* blocks of rows y; frequency k < 0 is at point left -
-                            k */
+  lines field[TOGETHER];   /* blocks of rows y; k < 0 is at point left - k */
   size_t left;
   size_t rows, columns; /* numbers of blocks of rows y, and of blocks of columns
                            k >= 0 of `spectrum` */
-  eda_vector *sum[SUMS]; /* [row block][x]; sum[0]: of all kernels; sum[1 + i]:
-                            of residual i */
+  eda_vector *sum[SUMS]; /* [row block][x]; sum[1 + i] is of residual i */
 
-  int top_x, top_y; /* highest frequencies of the intensity: k <= top_x, |l| <=
-                       top_y */
+  int top_x, top_y;     /* highest frequencies k and |l| of the intensity */
   lines spectrum[SUMS]; /* spectra of the sums: blocks of columns k */
   int fine_x, fine_y;   /* numbers of nodes of the result */
-  float *by_x, *by_y; /* ratios of spline coefficients to samples at frequencies
-                         k and l */
-  lines fine;         /* blocks of rows before the transform along x */
+  float *by_x, *by_y;   /* ratios of spline coefficients to samples: [k], [l] */
+  lines fine;           /* blocks of rows before the transform along x */
   float *out;
 
   size_t capacity; /* size of a scratch array, points */
@@ -130,8 +124,7 @@ static void strip_transfer(const sum_task *j, size_t kernel, const strip *p,
   out->at = out->value;
 }
 
-/* Derive the factors of all quadrants from quadrant 0 of the kernel and of the
-   mirrored kernel. */
+/* Derive all factors from quadrant 0 of the kernel and the mirrored kernel. */
 static void factors_mirror(const sum_task *j, const strip *p, int l,
                            factor t[QUADRANTS]) {
   eda_mirrored m = j->kernels.mirror(j->kernels.self, p->kernel);
