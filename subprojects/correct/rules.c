@@ -4,7 +4,6 @@
 
 #include <eda/memory.h>
 #include <math.h>
-#include <opcflow/step.h>
 #include <opcflow/table.h>
 #include <stdlib.h>
 

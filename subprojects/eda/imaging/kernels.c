@@ -33,7 +33,8 @@ enum {
   SUMS = 1 + EDA_RESIDUALS
 };
 
-static const double default_step = 32; /* grid step of the result, nm */
+static const double default_step =
+    32; /* largest grid step of the result by default, nm */
 
 /* A two-dimensional array that is transformed along one direction. Blocks of
    EDA_LANES adjacent lines are stored together: at[b * n + i] is point i of
@@ -52,16 +53,19 @@ typedef struct sum_task {
   int half, reach; /* fields have frequencies |l| <= half, |k| <= reach */
   size_t kernel, together; /* first kernel and size of the current group */
   size_t group_most;       /* largest group */
-  lines field[TOGETHER];   /* blocks of rows y; k < 0 is at point left - k */
+  lines field[TOGETHER]; /* blocks of rows y; frequency k < 0 is at point left -
+                            k */
   size_t left;
   size_t rows, columns; /* numbers of blocks of rows y, and of blocks of columns
                            k >= 0 of `spectrum` */
-  eda_vector *sum[SUMS]; /* [row block][x]; sum[1 + i] is of residual i */
+  eda_vector *sum[SUMS]; /* [row block][x]; sum[0]: of all kernels; sum[1 + i]:
+                            of residual i */
 
-  int top_x, top_y;     /* highest frequencies k and |l| of the intensity */
+  int top_x, top_y; /* highest frequencies of the intensity: k <= top_x, |l| <=
+                       top_y */
   lines spectrum[SUMS]; /* spectra of the sums: blocks of columns k */
   int fine_x, fine_y;   /* numbers of nodes of the result */
-  float *by_x, *by_y;   /* ratios of spline coefficients to samples: [k], [l] */
+  float *by_x, *by_y;   /* ratios of spline coefficients to samples, at k, l */
   lines fine;           /* blocks of rows before the transform along x */
   float *out;
 
@@ -124,7 +128,8 @@ static void strip_transfer(const sum_task *j, size_t kernel, const strip *p,
   out->at = out->value;
 }
 
-/* Derive all factors from quadrant 0 of the kernel and the mirrored kernel. */
+/* Derive the factors of all quadrants from quadrant 0 of the kernel and of the
+   mirrored kernel. */
 static void factors_mirror(const sum_task *j, const strip *p, int l,
                            factor t[QUADRANTS]) {
   eda_mirrored m = j->kernels.mirror(j->kernels.self, p->kernel);
@@ -567,10 +572,6 @@ static void choose_grids(sum_task *j, double step) {
                 MAX(n[0], MAX(n[2], n[3]) + EDA_LANES) + 2 * EDA_LANES;
 }
 
-static float complex complex_of(const double a[2]) {
-  return (float)a[0] + (float)a[1] * I;
-}
-
 int eda_coherent_sum(const opc_context *context, const eda_spectrum *mask,
                      const eda_kernels *kernels, double step, eda_field *out,
                      opc_error *error) {
@@ -581,9 +582,8 @@ int eda_coherent_sum(const opc_context *context, const eda_spectrum *mask,
     return opc_fail(error, OPC_INVALID, NULL,
                     "an image needs a kernel, and at most %d residuals",
                     EDA_RESIDUALS);
-  j.offset = complex_of(j.kernels.offset);
-  j.scale = complex_of(j.kernels.scale);
-  if (j.scale == 0) j.scale = 1;
+  j.offset = eda_complex_of(j.kernels.offset);
+  j.scale = eda_scale_of(&j.kernels);
   choose_grids(&j, step > 0 ? step : default_step);
   j.scratch = g_ptr_array_new_with_free_func(eda_fft_free);
   g_mutex_init(&j.lock);
