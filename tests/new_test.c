@@ -301,7 +301,7 @@ static void test_several(void) {
   g_assert_nonnull(strstr(err, "base.yaml several ... NAME.yaml'"));
   g_assert_cmpint(
       CALL(command, "new", "flow", "--process", "base.yaml", "empty"), ==, 5);
-  g_assert_nonnull(strstr(err, "the folder 'empty' has no layout, expected"));
+  g_assert_nonnull(strstr(err, "the folder 'empty' has no input, expected"));
   g_assert_cmpint(CALL(command, "new", "flow", "--process", "base.yaml",
                        "several", "none.cif", "x.yaml"),
                   ==, 5);

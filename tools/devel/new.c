@@ -280,9 +280,9 @@ static int extend_process(const char *path, const char *input,
   return template_write(file, text->str, FALSE);
 }
 
-/* ---- layouts ---- */
+/* ---- input files ---- */
 
-static gboolean is_layout(const char *file) {
+static gboolean is_input(const char *file) {
   static const char *const endings[] = {".gds", ".gds.gz", ".oas", ".cif"};
   g_autofree char *low = g_ascii_strdown(file, -1);
   for (size_t i = 0; i < G_N_ELEMENTS(endings); i++)
@@ -290,20 +290,20 @@ static gboolean is_layout(const char *file) {
   return FALSE;
 }
 
-/* Add the layouts in a folder, by name. Return -1 or the exit code. */
-static int add_layouts(GPtrArray *inputs, const char *path) {
+/* Add the input files in a folder, by name. Return -1 or the exit code. */
+static int add_folder(GPtrArray *inputs, const char *path) {
   g_autoptr(GPtrArray) names = opc_folder_names(path);
   guint before = inputs->len;
   if (!names) return cli_error(CLI_IO, "'%s': %s", path, g_strerror(errno));
   g_ptr_array_sort(names, by_name);
   for (guint i = 0; i < names->len; i++) {
     g_autofree char *file = g_build_filename(path, names->pdata[i], NULL);
-    if (is_layout(names->pdata[i]) && g_file_test(file, G_FILE_TEST_IS_REGULAR))
+    if (is_input(names->pdata[i]) && g_file_test(file, G_FILE_TEST_IS_REGULAR))
       g_ptr_array_add(inputs, g_steal_pointer(&file));
   }
   if (inputs->len > before) return -1;
   return cli_error(CLI_IO,
-                   "the folder '%s' has no layout, expected a file that ends "
+                   "the folder '%s' has no input, expected a file that ends "
                    "with .gds, .gds.gz, .oas or .cif",
                    path);
 }
@@ -316,7 +316,7 @@ static int take_inputs(const GPtrArray *arguments, guint end,
   for (guint i = 1; i < end && code < 0; i++) {
     const char *path = arguments->pdata[i];
     if (g_file_test(path, G_FILE_TEST_IS_DIR))
-      code = add_layouts(inputs, path);
+      code = add_folder(inputs, path);
     else if (g_file_test(path, G_FILE_TEST_IS_REGULAR))
       g_ptr_array_add(inputs, g_strdup(path));
     else
