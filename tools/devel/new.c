@@ -328,10 +328,10 @@ static int take_inputs(const GPtrArray *arguments, guint end,
   return code;
 }
 
-/* ---- a comparison, and a flow of several layouts ---- */
+/* ---- a comparison, and a flow of several files ---- */
 
-/* Return the text of a template of an experiment on layouts (g_free); NULL and
-   the exit code in *code. */
+/* Return the text of a template of an experiment on input files (g_free); NULL
+   and the exit code in *code. */
 static char *experiment_text(const char *group, const char *resource,
                              const char *path, const GPtrArray *inputs,
                              int *code) {
@@ -343,7 +343,7 @@ static char *experiment_text(const char *group, const char *resource,
   return comparison_text(template, path, inputs, code);
 }
 
-/* Write the templates of an experiment on layouts of the process `path`, into
+/* Write the templates of an experiment on files of the process `path`, into
    `file` if it is not NULL. Return -1 or the exit code. */
 static int write_experiment(const char *group, const char *path,
                             const char *file, const GPtrArray *inputs) {
@@ -388,9 +388,9 @@ static char *set_folder(const char *path) {
   return g_path_get_basename(path);
 }
 
-/* Write a flow for the layouts of a process: of one file, a flow that extends
-   the process, of several files or a folder an experiment. The last of several
-   arguments is the flow's path if it ends with ".yaml". */
+/* Write a flow for the input files of a process: of one file, a flow that
+   extends the process, of several files or a folder an experiment. The last of
+   several arguments is the flow's path if it ends with ".yaml". */
 static int new_flow_of(const GPtrArray *arguments) {
   guint end = arguments->len;
   const char *last = arguments->pdata[end - 1];
@@ -418,7 +418,7 @@ static int new_flow_of(const GPtrArray *arguments) {
   return write_experiment("several", path, file, inputs);
 }
 
-/* Report that a layout needs --process. */
+/* Report that an input file needs --process. */
 static int lacks_process(const char *path) {
   g_autoptr(GPtrArray) flows = base_flows();
   g_autoptr(GPtrArray) names = base_names(flows);
@@ -436,8 +436,8 @@ static int new_flow(const GPtrArray *arguments) {
     return arguments->len > 1
                ? new_flow_of(arguments)
                : cli_error(CLI_USAGE,
-                           "'--process' requires INPUT, the layout of the "
-                           "flow, several layouts or a folder");
+                           "'--process' requires INPUT, the input file of the "
+                           "flow, several files or a folder");
   const char *path = arguments->len > 1 ? arguments->pdata[1] : "flow.yaml";
   if (!g_str_has_suffix(path, ".yaml") && g_file_test(path, G_FILE_TEST_EXISTS))
     return lacks_process(path);
