@@ -75,9 +75,9 @@ static int put_stand_ins(bench *b, const eda_models *l, opc_error *error) {
   return OPC_OK;
 }
 
-/* Read the part of a foundry's library that the sizes of the circuit need.
-   Printed sizes are close to the drawn ones, and may be shorter than the
-   shortest bin. */
+/* Read the models that the sizes of the circuit need from a foundry's library.
+   Printed sizes differ from drawn sizes by less than `around` and may be
+   shorter than the shortest bin. */
 static int read_library(bench *b, opc_error *error) {
   const double around = 0.3;
   const eda_gates *g = b->circuit->gates;

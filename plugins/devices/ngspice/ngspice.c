@@ -120,7 +120,8 @@ static int write_all(const plan *p, const currents *c, opc_error *error) {
    folder. */
 static int find_files(plan *p, opc_error *error) {
   const char *parameter = p->library ? "library" : "card";
-  /* Checked here, as flows may leave these parameters to the caller. */
+  /* Checked at run time, because flows may leave these parameters to the
+     caller. */
   if (!p->library && !p->card[EDA_NMOS])
     return opc_fail(error, OPC_INVALID, NULL,
                     "set 'card' or 'library', a file of models");

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements timing.characterize: characterizes the cells of a netlist with
-   ngspice, with delays and slews of all arcs and their sensitivities to the
-   printed sizes of each transistor. */
+/* Implements timing.characterize: simulates the cells of a netlist with
+   ngspice. The results are delays and slews of all arcs, and derivatives with
+   respect to the printed sizes of each transistor. */
 #include "characterize.h"
 #include "../parameters.h"
 
@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- work: which cells ---- */
+/* ---- work: selection of cells ---- */
 
 /* Return 1 for a subcircuit of transistors only; one with instances is a
    circuit. */
@@ -79,7 +79,8 @@ static int find_figures(study *s, eda_timing_cell *c, int *kept,
   int code = *kept ? OPC_OK : cell_measure(s, c, error);
   if (!code && !*kept) keep_save(s, key, c->figure, c->figures);
   if (!code) code = pairs_find(s, c, key, error);
-  /* All values are for one of r->times equal circuits in parallel. */
+  /* The simulated values belong to one of r->times identical circuits in
+     parallel. */
   const size_t pins = c->inputs * 2 * EDA_CAPS,
                all = pins * (1 + c->bundles * (size_t)EDA_SIZES),
                by_pattern = (c->inputs << c->inputs) * EDA_CAPS;

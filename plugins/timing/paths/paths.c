@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements timing.paths: delays from inputs to outputs of a circuit, as drawn
-   and as printed (thesis 3.3.3, 5.3.1), by event simulation with the cells of
-   timing.characterize. */
+/* Implements timing.paths: delays from inputs to outputs of a circuit with
+   drawn and printed transistors (thesis 3.3.3, 5.3.1), by event simulation with
+   cells from timing.characterize. */
 #include "paths.h"
 #include "../parameters.h"
 

@@ -83,8 +83,8 @@ static void number_choices(slack_task *j) {
   j->of = eda_pool_alloc(&j->pool, j->s->circuit->gates->count, sizeof *j->of);
 }
 
-/* Fill in lengths and leakage of the choices. The largest length is the
-   smallest limit of the choice's gates; levels are equidistant in ln L. */
+/* Set lengths and leakage of the choices. The largest length of a choice is the
+   smallest limit of its gates. Levels are equidistant in ln L. */
 static int fill_choices(slack_task *j, opc_error *error) {
   const slack *s = j->s;
   const eda_circuit *c = s->circuit;

@@ -4,10 +4,10 @@
 
 #include <stddef.h>
 
-/* Spare bytes behind the values of fields made by the library: guard words
-   (gates/fence.h) are written there without copying the field. */
+/* Spare bytes behind the values of fields allocated by the library. Guard words
+   (gates/fence.h) use this memory, so that the field need not be copied. */
 enum { EDA_VALUES_SPARE = 512 };
 
-/* Return n values, not initialised, freed by eda_field_clear. Ends the program
-   without memory. [any] */
+/* Return n uninitialised values, freed by eda_field_clear. Ends the program if
+   memory is exhausted. [any] */
 float *eda_values_new(size_t n);
