@@ -8,7 +8,6 @@
 #include <eda/memory.h>
 #include <eda/simulator.h>
 #include <errno.h>
-#include <limits.h>
 #include <math.h>
 #include <opcflow/table.h>
 #include <stdlib.h>

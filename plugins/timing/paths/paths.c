@@ -9,7 +9,6 @@
 #include <glib.h>
 #include <math.h>
 #include <opcflow/table.h>
-#include <string.h>
 
 /* ---- work ---- */
 

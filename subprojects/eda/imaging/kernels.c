@@ -48,9 +48,8 @@ typedef struct sum_task {
   const opc_context *context;
   const eda_spectrum *mask;
   eda_kernels kernels;
-  float complex offset,
-      scale;       /* mask transmission: offset + scale * spectrum */
-  int nx, ny;      /* numbers of nodes of the fields */
+  float complex offset, scale; /* transmission: offset + scale * spectrum */
+  int nx, ny;                  /* numbers of nodes of the fields */
   int half, reach; /* fields have frequencies |l| <= half, |k| <= reach */
   size_t kernel, together; /* first kernel and size of the current group */
   size_t group_most;       /* largest group */
@@ -66,9 +65,8 @@ typedef struct sum_task {
                        top_y */
   lines spectrum[SUMS]; /* spectra of the sums: blocks of columns k */
   int fine_x, fine_y;   /* numbers of nodes of the result */
-  float *by_x, *by_y; /* ratios of spline coefficients to samples at frequencies
-                         k and l */
-  lines fine;         /* blocks of rows before the transform along x */
+  float *by_x, *by_y;   /* ratios of spline coefficients to samples, at k, l */
+  lines fine;           /* blocks of rows before the transform along x */
   float *out;
 
   size_t capacity; /* size of a scratch array, points */
@@ -574,10 +572,6 @@ static void choose_grids(sum_task *j, double step) {
                 MAX(n[0], MAX(n[2], n[3]) + EDA_LANES) + 2 * EDA_LANES;
 }
 
-static float complex complex_of(const double a[2]) {
-  return (float)a[0] + (float)a[1] * I;
-}
-
 int eda_coherent_sum(const opc_context *context, const eda_spectrum *mask,
                      const eda_kernels *kernels, double step, eda_field *out,
                      opc_error *error) {
@@ -588,9 +582,8 @@ int eda_coherent_sum(const opc_context *context, const eda_spectrum *mask,
     return opc_fail(error, OPC_INVALID, NULL,
                     "an image needs a kernel, and at most %d residuals",
                     EDA_RESIDUALS);
-  j.offset = complex_of(j.kernels.offset);
-  j.scale = complex_of(j.kernels.scale);
-  if (j.scale == 0) j.scale = 1;
+  j.offset = eda_complex_of(j.kernels.offset);
+  j.scale = eda_scale_of(&j.kernels);
   choose_grids(&j, step > 0 ? step : default_step);
   j.scratch = g_ptr_array_new_with_free_func(eda_fft_free);
   g_mutex_init(&j.lock);
