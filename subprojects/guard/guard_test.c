@@ -73,6 +73,26 @@ static void go_on(void) {
   while (stop_is_asked()) pause();
 }
 
+/* The limit of the outer call is the earlier one. */
+static void exceed_limit(void) {
+  stop_limit outer, inner;
+  stop_on_signals(9);
+  stop_limit_begin(&outer, 0.05, "outer");
+  stop_limit_begin(&inner, 60, "inner");
+  for (;;) pause();
+}
+
+/* Limits that have ended do not act. */
+static void keep_limits(void) {
+  stop_limit outer, inner;
+  stop_on_signals(9);
+  stop_limit_begin(&outer, 60, "outer");
+  stop_limit_begin(&inner, 0.05, "inner");
+  stop_limit_end(&inner);
+  g_usleep(100000);
+  stop_limit_end(&outer);
+}
+
 static void *end_process(void *unused) {
   (void)unused;
   exit(0);
@@ -101,6 +121,8 @@ static const struct {
     {take_handler, 4, "here: plugin 'bad' changed the handler of SIGINT\n"},
     {mask_files, 4, "here: plugin 'bad' changed the modes of new files\n"},
     {go_on, 9, "here: stopped in plugin 'bad'\n"},
+    {exceed_limit, 4, "outer: stopped in plugin 'bad'\n"},
+    {keep_limits, 7, ""},
     {set_alarm, 4, "here: plugin 'bad' left an alarm set\n"},
 };
 
