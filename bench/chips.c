@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Layouts of growing size through correct.chip, from file to file: square
-   arrays of the memory cell, and macros of IHP if OPCFLOW_TEST_DATA has them.
-   CPU seconds, peak memory, masks, and the size of the mask file. */
+/* Measures correct.chip from file to file for layouts of increasing size:
+   square arrays of the memory cell and, if OPCFLOW_TEST_DATA has them, macros
+   of IHP. Reports processor time, peak memory, number of masks, and size of the
+   mask file. */
 #include <fcntl.h>
 #include <glib.h>
 #include <glib/gstdio.h>
@@ -17,8 +18,8 @@
 #include <store/files.h>
 #include "bench/bench.h"
 
-/* Pitch of the memory array, um: the cell's box and a margin; number of
-   transistors in the array cell. */
+/* Pitch of the memory array, um, and number of transistors in the array cell.
+   The pitch is the box of the cell with a margin. */
 enum { PITCH_X = 4, PITCH_Y = 13, TRANSISTORS = 192 };
 
 static const char *setting(const char *name, const char *preset) {
@@ -47,7 +48,7 @@ static gboolean program_run(char **argv, cost *c) {
   c->seconds = (double)(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
                1e-6 * (double)(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
   c->megabytes = (double)usage.ru_maxrss / 1024;
-  /* 1: a requirement of the flow is missed, but all files are written */
+  /* exit code 1: the run violates a requirement, but all files are written */
   return WIFEXITED(status) && WEXITSTATUS(status) <= 1;
 }
 
@@ -111,8 +112,7 @@ static gboolean chip_measure(const char *folder, const char *name, char **more,
 
 /* ---- our memory ---- */
 
-/* Write an array of columns and rows as CIF, by replication of the last
-   call. */
+/* Write an array of columns and rows as CIF, by repetition of the last call. */
 static gboolean make_square(const char *path, int columns, int rows) {
   g_autofree char *source = g_build_filename(
       setting("OPCFLOW_SOURCE", "."), "data", "cells65", "sram4.cif", NULL);

@@ -43,7 +43,7 @@ static void test_echo(void) {
   g_autoptr(JsonNode) about = json_from_string(out, NULL);
   g_assert_cmpuint(json_array_get_length(json_object_get_array_member(
                        json_node_get_object(about), "parameters")),
-                   ==, 16);
+                   ==, 17); /* with `timeout` */
   g_assert_cmpint(opcflow_call("inspect test.number"), ==, 3);
   g_assert_cmpstr(err, ==,
                   "error: unknown plugin 'test.number', did you mean "
@@ -52,7 +52,7 @@ static void test_echo(void) {
   g_assert_nonnull(strstr(err, "built for plugin interface 9.8, this is 0.8"));
 }
 
-/* The text printed by inspect is a valid flow except for the missing values. */
+/* The text printed by inspect is a valid flow if the missing values are set. */
 static void test_stanza(void) {
   g_assert_cmpint(opcflow_call("inspect test.numbers"), ==, 0);
   const char *stanza = strstr(out, "\nnumbers:\n");
@@ -83,7 +83,8 @@ static void test_check(void) {
   g_assert_cmpstr(err, ==, "error: 'none.yaml': no such file\n");
 }
 
-/* Light steps run during a check, so that later steps can make a forecast. */
+/* Light steps run during a check, so that later steps have inputs for
+   forecasts. */
 static void test_forecast(void) {
   write_text("wants.yaml",
              "opcflow: 1\nsteps:\n"
@@ -411,7 +412,7 @@ static void run_interrupt(const char *option, const char *value) {
       G_SUBPROCESS_FLAGS_STDOUT_SILENCE | G_SUBPROCESS_FLAGS_STDERR_SILENCE,
       &fault);
   g_assert_no_error(fault);
-  /* The second step waits after the first has written its table. */
+  /* The second step waits after the first step has written its table. */
   for (int i = 0; i < 500 && !entries("i"); i++) g_usleep(10000);
   g_assert_cmpuint(entries("i"), ==, 1);
   g_usleep(100000);
@@ -427,8 +428,8 @@ static void test_interrupt(void) {
   run_interrupt("--sweep", "b.behave=[well,wait,well]");
 }
 
-/* Return the output of opcflow WORDS on a terminal and check the exit code;
-   NULL, with the test skipped, if there is no pseudo-terminal. */
+/* Return the output of opcflow WORDS on a terminal, after a check of the exit
+   code. NULL, with the test skipped, if the system has no pseudo-terminal. */
 static char *say_on_terminal(const char *words, const char *no_colour,
                              int code) {
   int terminal = posix_openpt(O_RDWR | O_NOCTTY);
@@ -469,8 +470,8 @@ static void test_colour(void) {
   g_assert_null(strchr(plain, '\033'));
 }
 
-/* The progress of each step and point is shown in one line, updated in place;
-   the first step is shared by all points. */
+/* One line, updated in place, shows the progress of each step and point. All
+   points share the first step. */
 static void test_progress(void) {
   g_autofree char *output = say_on_terminal(
       "run two.yaml --set b.behave=echo --sweep b.size=[3nm,4nm]", "1", 0);
@@ -479,7 +480,8 @@ static void test_progress(void) {
   const char *a = strstr(output, AGAIN "[1/2] a" AGAIN);
   const char *b = a ? strstr(a, AGAIN "point 1/2 [2/2] b" AGAIN) : NULL;
   if (!b || !strstr(b, AGAIN "point 2/2 [2/2] b" AGAIN)) g_error("%s", output);
-  /* After 0.2 s or slightly more, 1,200 times as long remains. */
+  /* After 0.2 s or slightly more, the estimated remaining time is 1,200 times
+     as long. */
   const char *first = strstr(b, "b  1/1201  worst 0.5 nm  ");
   int minutes, seconds;
   if (!first || sscanf(first + 25, "%d:%d left", &minutes, &seconds) != 2)
@@ -508,7 +510,7 @@ static void test_full(void) {
     g_test_skip("does not exist /dev/full");
 }
 
-/* Closed standard streams are not attributed to a plugin, and no file takes
+/* A plugin is not blamed for closed standard streams, and no file receives
    their descriptors. */
 static void test_closed(void) {
   g_assert_cmpint(shell("run two.yaml --output closed >&-"), ==, 5);

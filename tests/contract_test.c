@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Messages and kept files when a plugin fails while a flow runs: one plugin of
-   tests/badplugins for each fault. */
+/* Messages and kept files if a plugin fails during a run of a flow.
+   tests/badplugins has one plugin for each fault. */
 #include <gio/gio.h>
 #include <glib/gstdio.h>
 #include <opcflow/plugin.h>
@@ -61,7 +61,7 @@ static void write_correction(const char *bad) {
   for (size_t i = 0; i < G_N_ELEMENTS(slots); i++) g_free(used[i]);
 }
 
-/* The place of a slot. */
+/* Places of the slots in the flow. */
 static const struct {
   const char *kind, *place;
 } places[] = {{"litho", "11:12"},
@@ -108,7 +108,7 @@ static const struct {
      "violation 1 names transistor 100, but the layout has 4"},
 };
 
-/* Check that the files of finished steps are kept, and that the reports have
+/* Check that the files of finished steps are kept, and that the reports contain
    the reason of the failure. */
 static void expect_kept(const char *reason) {
   g_assert_true(is_there("x.failed/numbers.csv"));
@@ -189,7 +189,7 @@ static void test_crashes(void) {
   }
 }
 
-/* The folder of an earlier failed run is not changed. */
+/* The folder of an earlier failed run stays unchanged. */
 static void test_numbered(void) {
   g_assert_cmpint(g_mkdir("x.failed", 0777), ==, 0);
   g_assert_cmpint(g_mkdir("x.failed-2", 0777), ==, 0);
@@ -205,7 +205,8 @@ static void test_numbered(void) {
 /* ---- endless loops ---- */
 
 /* Check that the process ignores the first signal and ends at the second. The
-   signals differ in kind, as two equal pending signals would merge. */
+   signals are different, because two equal pending signals would be delivered
+   only once. */
 static void expect_end(GSubprocess *process, int first, int second,
                        const char *want) {
   g_autofree char *rest = NULL;
@@ -239,8 +240,8 @@ static void test_loops(void) {
 
 /* ---- steps ---- */
 
-/* Call a verb on a flow of one step, which writes no file and leaves no
-   folder. */
+/* Call a verb on a flow of one step. The step writes no file, so no folder must
+   remain. */
 static int call_step(const char *verb, const char *fault) {
   g_autofree char *text =
       g_strdup_printf("opcflow: 1\nsteps:\n  a: { use: bad.step_%s }\n", fault);

@@ -39,8 +39,8 @@ static void choose_variant(opc_inner *inner, const opc_binding *b,
 
 /* ---- reading: files ---- */
 
-/* Make the file names in a text, list or map absolute. The depth of the
-   recursion is limited by that of flow files. */
+/* Make the file names in a text, list or map absolute. The depth limit of flow
+   files also limits the recursion. */
 static void make_files_absolute(const opc_flow *flow, const char *path,
                                 opc_node *node) {
   if (node->type == OPC_NODE_TEXT) {
@@ -153,7 +153,7 @@ static int inner_check(const opc_inner *inner, opc_error *error) {
   return opc_problems_error(problems, error);
 }
 
-/* Fail: outside runs an inner flow cannot be started. */
+/* Fail: an inner flow cannot be started outside a run. */
 static int refuse_to_begin(const opc_host *host, opc_error *error) {
   return opc_fail(error, OPC_FAILED, NULL, "%s runs in flows only",
                   ((const opc_binding *)host->data)->plugin->id);

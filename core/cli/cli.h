@@ -127,9 +127,10 @@ typedef struct cli_open_file {
    freed with the array). */
 GArray *cli_open_files(const opc_flow *flow);
 
-/* Return the variants chosen by --variant (char *, NULL: the flow itself; owned
-   by the recipe or `given`). Without --variant: the flow, and all variants if
-   `every`. Adds a problem for an unknown name. `recipe` may be NULL. */
+/* Return the variants chosen by --variant (char *, owned by the recipe or
+   `given`; NULL: the flow itself). Without --variant: the flow and, if `every`
+   is set, all variants. Adds a problem for an unknown name. `recipe` may be
+   NULL. */
 GPtrArray *cli_choose_variants(const opc_recipe *recipe, GPtrArray *given,
                                gboolean every, opc_problems *problems);
 

@@ -244,9 +244,9 @@ static int run_all(const series *s) {
   return code;
 }
 
-/* Keep freed memory in the process: fields of tens of megabytes are allocated
-   and freed at the same sizes. Mapping and clearing them again costs a tenth of
-   a correction's time. */
+/* Keep freed memory in the process, because fields of tens of megabytes are
+   allocated and freed at the same sizes. Repeated mapping and clearing would
+   cost a tenth of a correction's run time. */
 static void keep_memory(void) {
   mallopt(M_MMAP_THRESHOLD, 1 << 30);
   mallopt(M_TRIM_THRESHOLD, INT_MAX);

@@ -11,7 +11,6 @@
 
 #include "core/binding/inner.h"
 #include "core/binding/lookup.h"
-#include "core/plugin/declaration.h"
 #include "core/run/inputs.h"
 #include "core/run/levels.h"
 #include "core/run/listen.h"
@@ -56,8 +55,8 @@ static void put_given(const opc_inner *in, opc_run *run) {
 
 /* ---- running: messages and progress ---- */
 
-/* Pass on a message. All points log the same informational messages, so only
-   those of the kept run are passed on. */
+/* Pass on a message. Messages of the level info or above are passed on only for
+   a run that is kept, because all points log similar messages. */
 static void take_log(void *data, const char *path, int level,
                      const char *message) {
   const opc_inner_runs *runs = data;
@@ -98,7 +97,8 @@ static gboolean *find_needed(const void *in, const opc_flow *flow) {
   return opc_inner_needed(in, flow);
 }
 
-/* Remove the folders of levels, which only runs of the inner flow use. */
+/* Remove the folders of the levels, which only the runs of the inner flow
+   use. */
 static void end_runs(opc_inner_runs *runs) {
   for (unsigned level = 0; level < runs->levels.depth; level++) {
     g_autofree char *folder = opc_levels_folder(&runs->levels, level);

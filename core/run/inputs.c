@@ -31,8 +31,6 @@ static void add_input(opc_run *run, const char *file, const opc_place *at,
   g_ptr_array_add(run->out.inputs, sum);
 }
 
-/* Add the checksums of all files that `flow` reads, before a step may change
-   one. */
 gboolean opc_inputs_sum(opc_run *run, const opc_flow *flow,
                         opc_problems *problems) {
   guint before = problems->list->len;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Opens the folder of a run, runs its steps and points, and closes the folder.
- */
+/* Opens the folder of a run, runs its steps and points, and closes the
+   folder. */
 #include "core/run/whole.h"
 
 #include <guard/guard.h>
@@ -50,9 +50,9 @@ static opc_folder *open_folder(opc_run *run, const char *target,
   return slot;
 }
 
-/* Close the folder. The files of a failed run are kept as TARGET.failed, unless
-   only reserved names are claimed. A folder that cannot be renamed keeps its
-   temporary name. */
+/* Close the folder. A stopped run is discarded. The files of a failed run are
+   kept as TARGET.failed, unless the folder has only reports. A folder that
+   cannot be renamed keeps the temporary name. */
 static void close_folder(opc_run *run, opc_folder *slot, const char *target,
                          opc_problems *problems) {
   guard_folder(NULL, NULL, NULL);

@@ -61,8 +61,8 @@ static int experiment_check(void *self, opc_error *error) {
 
 /* ---- the runs ---- */
 
-/* Run a method on a case. Returns OPC_CANCELLED, or OPC_OK even if the run
-   fails. */
+/* Run a method on a case. Returns OPC_OK, also if the run fails, or
+   OPC_CANCELLED. */
 static int run_one(experiment *e, size_t i, opc_error *error) {
   opc_error why = {0};
   const opc_inner_run *out;

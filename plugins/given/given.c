@@ -24,8 +24,8 @@ import import;
 
 /* ---- work ---- */
 
-/* Report the numbers of worse and lost transistors, as the guard of `correct`
-   defines them. */
+/* Report the numbers of worse and lost transistors, with the definitions of the
+   guard of `correct`. */
 static int given_report_worse(const given *s, const eda_mask *m,
                               const uint32_t *before, opc_error *error) {
   size_t worse = 0, lost = 0;

@@ -11,7 +11,7 @@
 
 /* ---- the figure to minimise ---- */
 
-/* Attribute an error to the parameter, or to a key of it, and return the
+/* Set the parameter of an error, or a key of the parameter, and return the
    code. */
 static int error_set_parameter(opc_error *error, const char *parameter,
                                const char *key) {
@@ -35,7 +35,7 @@ static int plan_figure(search *s, opc_error *error) {
   return OPC_OK;
 }
 
-/* Set up the shared axis: settings that differ in this axis only share a
+/* Set up the shared axis. Settings that differ only in this axis share a
    run. */
 static int plan_axis(search *s, const char *key, opc_error *error) {
   plan *p = &s->plan;
@@ -78,7 +78,8 @@ static int plan_along(search *s, opc_error *error) {
                              s->along.pairs[s->along.count - 1].key);
 }
 
-/* Select the step of the mask: the named step, or the step of the figure. */
+/* Select the step that provides the mask: the named step, or the step of the
+   figure. */
 static int plan_mask(search *s, opc_error *error) {
   const opc_inner_service *inner = opc_get_inner(s->host);
   opc_error none = {0};
@@ -159,8 +160,8 @@ static double real_at(const opc_column *c, size_t row) {
 }
 
 /* Take the figures of a shared run from the rows of a table: for each value of
-   the axis, the last row not beyond the value. A run that ends early has
-   converged. */
+   the axis, the last row whose axis value does not exceed that value. A run
+   that ends early has converged. */
 static int take_column(search *s, size_t setting, opc_error *error) {
   const opc_inner_service *inner = opc_get_inner(s->host);
   const plan *p = &s->plan;
@@ -182,7 +183,7 @@ static int take_column(search *s, size_t setting, opc_error *error) {
 
 /* ---- all runs ---- */
 
-/* Update the best setting; the first of equal settings wins. */
+/* Update the best setting. If settings are equal, the first is the best. */
 static void search_compare(search *s, size_t setting) {
   double figure = s->figure[setting];
   if (isnan(figure)) return;
@@ -193,8 +194,8 @@ static void search_compare(search *s, size_t setting) {
 }
 
 /* Run the settings that share a run with `first`, the setting with the first
-   value of the shared axis. The table records a failed run. Returns an error
-   only for cancellation or an invalid column. */
+   value of the shared axis. The table of settings records a failed run. Returns
+   an error only for cancellation or an invalid column. */
 static int run_settings(search *s, size_t first, opc_error *error) {
   const plan *p = &s->plan;
   opc_error failure = {0};
@@ -236,7 +237,7 @@ static int run_all(search *s, opc_error *error) {
                   s->results[0]);
 }
 
-/* Run the best setting again, for its objects and files. */
+/* Run the best setting again, to obtain its objects and files. */
 static int run_best(search *s, opc_error *error) {
   int code = opc_get_inner(s->host)->run(s->host, s->best, 1, 0, error);
   if (code) return code;
@@ -324,8 +325,8 @@ static void search_clear(void *self) {
 
 /* ---- entry ---- */
 
-/* Release nothing: the mask belongs to the run of the best setting, which lives
-   as long as the step. */
+/* Do not release the mask: the mask belongs to the run of the best setting,
+   which exists as long as the step. */
 static void keep_mask(void *mask) { (void)mask; }
 
 static const opc_port outputs[] = {{.name = "mask",

@@ -5,7 +5,7 @@
 #include <base/file.h>
 #include <string.h>
 
-/* Equal to the limits of a flow file. */
+/* The limits of a flow file. */
 enum { MOST_BYTES = 16 << 20, MOST_CELLS = 200000 };
 
 /* ---- CSV ---- */

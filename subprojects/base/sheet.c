@@ -101,7 +101,7 @@ static void drop_constants(const opc_sheet *s, GArray *list, size_t width,
   if (note->len) g_string_append_c(note, '\n');
 }
 
-/* Return whether the first k columns of a list identify all rows. */
+/* Return whether the first k columns of a list differ in each pair of rows. */
 static gboolean rows_differ(const opc_sheet *s, const GArray *list, guint k) {
   g_autoptr(GHashTable) seen =
       g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
@@ -115,8 +115,8 @@ static gboolean rows_differ(const opc_sheet *s, const GArray *list, guint k) {
   return TRUE;
 }
 
-/* Return the number of columns that identify a row: the first one, and the
-   following text columns while rows are equal, up to half of the width. */
+/* Return the number of columns that identify a row: the first column, and the
+   next text columns while some rows are equal, up to half of the width. */
 static guint count_keys(const opc_sheet *s, const GArray *list, size_t width) {
   size_t total = s->widths[g_array_index(list, size_t, 0)];
   guint k = 1;

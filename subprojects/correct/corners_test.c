@@ -348,9 +348,10 @@ static void test_refused(void) {
                  "has one focus only");
   assert_refused((corners_request){.mask_error = {some, 2}}, &with_focus,
                  "1.5 nm is no multiple of the mask grid of 1 nm");
-  assert_refused((corners_request){.dose = {some, 3}}, NULL, "has 1.5 twice");
+  assert_refused((corners_request){.dose = {some, 3}}, NULL,
+                 "contains 1.5 twice");
   assert_refused((corners_request){.dose = {low, 1}}, NULL,
-                 "of -100 is out of range");
+                 "is -100, expected a value above -100");
   assert_refused((corners_request){.dose = {some, 2}, .weight = {some, 3}},
                  NULL, "3 weights for 2 corners");
   assert_refused((corners_request){.dose = {some, 2}, .weight = {minus, 2}},

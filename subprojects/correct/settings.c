@@ -15,9 +15,9 @@ int correct_settings_check(correct_settings *with, const opc_host *host,
                            opc_error *error) {
   int code =
       correct_fine_error(with->fine_text, with->ion_limit, &with->fine, error);
-  with->margin =
-      correct_fine_margin(host, with->litho, with->margin, with->fine);
-  return code;
+  return code ? code
+              : correct_fine_margin(host, with->litho, with->fine,
+                                    &with->margin, error);
 }
 
 void correct_forecast(const correct_settings *with, const opc_host *host,
@@ -43,8 +43,8 @@ void correct_forecast(const correct_settings *with, const opc_host *host,
 
 /* ---- printing ---- */
 
-/* Simulate and measure shapes and move the level sets to *print. Cached images
-   of the printer are discarded first. */
+/* Simulate and measure shapes and move the level sets to *print. Discard cached
+   images of the printer first. */
 static int print_shapes(const correct_settings *with, eda_printer *p,
                         const eda_gates *g, const eda_shapes *shapes,
                         eda_measurement *measured, eda_field *print,
@@ -116,7 +116,7 @@ int correct_print(const correct_settings *with, const opc_host *host, int sized,
 /* ---- rules of the print ---- */
 
 /* Initial capacity for violations, rarely exceeded. */
-enum { ROOM = 10000, ROOM_OF_GATE = 16 };
+enum { CAPACITY = 10000, CAPACITY_OF_GATE = 16 };
 
 int correct_violations(const opc_context *context, const opc_module *regulator,
                        const eda_printed *printed, eda_violation **out,
@@ -124,7 +124,7 @@ int correct_violations(const opc_context *context, const opc_module *regulator,
   size_t capacity = 0;
   int code = OPC_OK;
   *out = NULL;
-  *count = ROOM + ROOM_OF_GATE * printed->gates->count;
+  *count = CAPACITY + CAPACITY_OF_GATE * printed->gates->count;
   while (!code && *count > capacity) {
     free(*out);
     capacity = *count;

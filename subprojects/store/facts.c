@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Lists of facts: sums, differences, and the latest lists of each name. */
+/* Lists of facts: checksums, differences, and the latest lists of each name. */
 #include <store/facts.h>
 #include <string.h>
 #include <sys/utsname.h>
@@ -22,7 +22,8 @@ char *opc_facts_sum(GVariant *facts) {
   return g_compute_checksum_for_string(G_CHECKSUM_SHA256, text, -1);
 }
 
-/* Processors with these instructions compute equal bits. */
+/* Processors of one class execute the same instructions and compute equal
+   bits. */
 const char *opc_facts_machine(void) {
   static struct utsname about;
   if (!*about.machine && uname(&about)) return "?";
@@ -68,8 +69,8 @@ typedef struct comparison {
   GString *out;
 } comparison;
 
-/* Describe the facts of `a` that are missing in `b` or, if `forward`, differ
-   there. Return their number. */
+/* Describe the facts of `a` that are missing in `b` and, if `forward` is set,
+   the facts that differ in `b`. Return the number of these facts. */
 static guint facts_compare(const comparison *c, const fact *a, gsize n_a,
                            GHashTable *b, gboolean forward) {
   enum { MOST = 3 }; /* described differences; others are counted */

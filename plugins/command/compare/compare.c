@@ -11,7 +11,7 @@
 
 /* ---- work: whether it may be compared ---- */
 
-/* Number of reasons in the message; further ones are counted. */
+/* Number of reasons in the message; the message counts further reasons. */
 enum { LISTED = 5 };
 
 static int compare_refuse(const GPtrArray *why, opc_error *error) {
@@ -59,8 +59,8 @@ static const char *fault_of(const metric_row *r) {
   return !isnan(r->base) && isnan(r->value) ? " is missing" : NULL;
 }
 
-/* Add the worse metrics selected by a word; return whether the word selects any
-   metric. */
+/* Add the worse metrics that a word selects. Return whether the word selects
+   any metric. */
 static int add_worse(const comparison *c, const char *word, GHashTable *seen,
                      GPtrArray *worse) {
   const char *metric = strchr(word, ':');

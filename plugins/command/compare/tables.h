@@ -23,7 +23,8 @@ typedef struct comparison {
   GPtrArray *sentences; /* char *, a verdict for each method */
 } comparison;
 
-/* Allocate an array of rows of a type; `data` is not NULL even when empty. */
+/* Allocate an array of rows of a type; `data` is not NULL even if the array is
+   empty. */
 #define ROWS(type) g_array_sized_new(FALSE, FALSE, sizeof(type), 1)
 
 /* A metric of a pair. */
@@ -60,7 +61,7 @@ int transistors_publish(comparison *c, opc_error *error);
 int verdicts_publish(comparison *c, opc_error *error);
 int masks_publish(comparison *c, opc_error *error);
 
-/* Publish a table without the leading columns (case, method) that are equal in
+/* Publish a table; the leading columns (case, method) are omitted if equal in
    all rows. Returns the status. */
 int put_table(comparison *c, const char *name, size_t rows, size_t size,
               const opc_column *columns, size_t n, opc_error *error);

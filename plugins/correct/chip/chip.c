@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the step `correct.chip`, the correction of a layout of any size by
-   equivalence classes. Transistors are found window by window. One of each
-   class of equal drawn environments is corrected in place, and the others
-   receive its mask. One of each class of equal masked environments is simulated
-   for verification. Transistors beyond the limit are then corrected
-   individually. */
+   equivalence classes. Transistors are found window by window. One transistor
+   of each class of equal drawn environments is corrected, and all transistors
+   of the class receive its mask. One transistor of each class of equal masked
+   environments is simulated. If its |Ion deviation| exceeds the limit, it is
+   corrected individually. */
 #include <eda/memory.h>
 #include <eda/print.h>
 #include <math.h>
@@ -24,16 +24,16 @@ static const struct {
   const char *margin;
 } tuned = {
     /* Clear field 1, and nm for models of unknown bandwidth. Shapes beyond this
-       distance change an image by less (eda_margin), about as much as a small
-       number of kernels does: 1.04 um at 193 nm, NA 0.75, sigma 0.75. The
-       verification measures the remaining error. */
+       distance change an image by less than the error (eda_margin): 1.04 um at
+       193 nm, NA 0.75, sigma 0.75. The verification measures the remaining
+       error. */
     .radius_error = 1e-3,
     .radius = 1000,
 
-    /* Margin without accurate simulations. Beyond the margin there is omitted
-       layout, not clear field. At 193 nm, NA 0.75, the largest error of Ion in
-       an SRAM of 44 transistors is 1.5 % for 1 um, 0.25 % for 2 um (this value)
-       and 0.11 % for 4 um. */
+    /* Margin without accurate simulations. Beyond the margin, shapes are
+       omitted, although the field is not clear. At 193 nm, NA 0.75, the largest
+       error of Ion in an SRAM of 44 transistors is 1.5 % for 1 um, 0.25 % for
+       2 um (this value) and 0.11 % for 4 um. */
     .margin = "7.772 lambda/NA",
 
     /* Distance of two clips on a sheet, nm; larger than any mask rule. */
@@ -63,7 +63,8 @@ void work_progress(const work *w, double part) {
   w->host->progress(w->host, &at);
 }
 
-/* Earlier rounds recorded all other dependencies. */
+/* Return the key of a stored result within a step. Earlier rounds include all
+   other dependencies. */
 static const char *sheets_key(void *data, size_t i) {
   sheets *s = data;
   g_free(s->key);
@@ -107,7 +108,7 @@ int work_sheets(sheets *s, int32_t reach, opc_pieces jobs, opc_error *error) {
   return code;
 }
 
-/* Start a phase with an estimated share of the run time. */
+/* Start a phase. `share`: estimated part of the run time, 0 to 1. */
 static int work_phase(work *w, double share, opc_error *error) {
   w->done += w->share;
   w->share = share;
@@ -220,14 +221,14 @@ static void take_layers(const eda_gates *g, eda_chip *out) {
   }
 }
 
-/* Prepare the models before any sheet, as their messages belong to no work
+/* Prepare the models before any sheet, because their messages belong to no work
    unit. */
 static int chip_prepare(const chip *c, const eda_gates *g, opc_error *error) {
   eda_printer printer;
   eda_printer_init(&printer, c->host->context, g, c->with.litho, c->with.resist,
                    c->with.margin);
   printer.fine = c->with.fine;
-  printer.drawn = NULL; /* not the transistors for calibration */
+  printer.drawn = NULL; /* no calibration with these transistors */
   int code = eda_printer_prepare(&printer, error);
   eda_printer_clear(&printer);
   return code ? code
@@ -235,8 +236,8 @@ static int chip_prepare(const chip *c, const eda_gates *g, opc_error *error) {
                                       error);
 }
 
-/* Read the layers from an empty window; all windows have the same. Prepare the
-   models, if `prepare`. */
+/* Read the layers from an empty window; the layers of all windows are equal. If
+   `prepare` is 1, prepare the models. */
 static int chip_begin(const chip *c, eda_chip *out, int prepare,
                       opc_error *error) {
   static const eda_box nowhere = {0, 0, 1, 1};
@@ -307,9 +308,10 @@ static const opc_parameter parameters[] = {
     CORRECT_MAX_ITERATIONS(chip, "Largest number of iterations for a sheet"),
     OPC_PARAMETER(chip, radius, .type = OPC_REAL, .flags = OPC_ABOVE,
                   .unit = "nm", .min = 0,
-                  .summary = "Distance within which equal shapes give equal "
-                             "masks (default: range of an optical effect of "
-                             "1e-3 of the clear field, 7.1 / bandwidth)"),
+                  .summary =
+                      "Distance within which equal shapes result in "
+                      "equal masks (default: range of an optical effect of "
+                      "1e-3 of the clear field, 7.1 / bandwidth)"),
     OPC_PARAMETER_NAMED(
         "margin", chip, with.margin, .type = OPC_REAL, .flags = OPC_ABOVE,
         .unit = "nm", .min = 0,
@@ -362,8 +364,9 @@ static int chip_check(void *self, opc_error *error) {
                                 &c->with.fine, error);
   if (isnan(c->with.margin) && !(c->with.fine > 0))
     c->with.margin = eda_natural(&scanner, tuned.margin);
-  c->with.margin =
-      correct_fine_margin(c->host, c->with.litho, c->with.margin, c->with.fine);
+  if (!code)
+    code = correct_fine_margin(c->host, c->with.litho, c->with.fine,
+                               &c->with.margin, error);
   EDA_FOLLOW(c->host, "correct.chip", c, parameters, scanner);
   if (!code && c->also.count)
     return opc_fail(
@@ -371,8 +374,8 @@ static int chip_check(void *self, opc_error *error) {
         "correct.chip corrects poly and active only: remove 'also'");
   if (!code && c->radius > c->window)
     return opc_fail(error, OPC_INVALID, "radius",
-                    "%.4g nm: more than 'window', %.4g nm", c->radius,
-                    c->window);
+                    "'radius' is %.4g nm, expected at most 'window', %.4g nm",
+                    c->radius, c->window);
   return code;
 }
 

@@ -397,7 +397,7 @@ static const char *const counts[] = {
     "violations",      "violations_unexplained",
     "mask_violations", "mask_space",
     "mask_width",      "mask_edge",
-    "mask_jog"};
+    "mask_jog",        "mask_violations_added"};
 
 /* Narrow gaps and lines in each copy: all are reported in any orientation, as
    many as in a flat layout, in one row for each rule. */
@@ -503,12 +503,12 @@ static void expect_refused(const drawing *d, const char *more,
 static void test_refused(void) {
   drawing d = eight_orientations();
   expect_refused(&d, NEWTON ", radius: 0 nm", "", "above 0 nm");
-  expect_refused(&d, NEWTON ", radius: 70 um", "", "more than 'window'");
+  expect_refused(&d, NEWTON ", radius: 70 um", "", "expected at most 'window'");
   expect_refused(&d, NEWTON ", window: 100 nm", "", "100 nm");
   expect_refused(&d, NEWTON ", top: NONE", "top", "NONE");
   expect_refused(&d, NEWTON ", also: { metal1: M1 }", "", "poly and active");
   expect_refused(&d, ", synthesizer: { use: synthesizer.epe }, fine: off",
-                 "synthesizer", "moves fragments");
+                 "synthesizer", "displaces fragments");
   drawing none = drawing_new();
   box(&none, none.top, "active", 0, 0, 700, 400);
   box(&none, none.top, "poly", 0, 1000, 700, 1065);

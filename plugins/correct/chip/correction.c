@@ -46,7 +46,7 @@ static eda_mask *fixed_masks(const correction *m, const sheet *s,
   eda_index *index = eda_index_new(g->box, g->count, 0);
   for (size_t i = 0; i < g->count; i++) {
     if (s->place[i] == UINT32_MAX) continue;
-    eda_finder f = eda_index_find(index, work_around(g->box[i], w->radius));
+    eda_finder f = eda_index_find(index, eda_box_grown(g->box[i], w->radius));
     for (uint32_t k; eda_index_next(&f, &k);)
       (*still)[k] &= !m->wide[w->chip->gate[s->of[k]].print];
   }
@@ -86,7 +86,7 @@ static void owned_add(owned *to, uint32_t gate, eda_chip_box box) {
 static void own_part(const correction *m, const eda_gates *g,
                      const eda_index *index, eda_chip_box part, owned *to) {
   int32_t r = m->on.work->radius;
-  eda_box near = work_around(part.box, r);
+  eda_box near = eda_box_grown(part.box, r);
   double least = INFINITY;
   eda_finder f = eda_index_find(index, near);
   for (uint32_t i; eda_index_next(&f, &i);)
@@ -94,7 +94,7 @@ static void own_part(const correction *m, const eda_gates *g,
   f = eda_index_find(index, near);
   for (uint32_t i; eda_index_next(&f, &i);) {
     if (eda_box_distance(part.box, g->box[i]) > least) continue;
-    eda_box b = work_around(g->box[i], r);
+    eda_box b = eda_box_grown(g->box[i], r);
     b = (eda_box){MAX(b.x0, part.box.x0), MAX(b.y0, part.box.y0),
                   MIN(b.x1, part.box.x1), MIN(b.y1, part.box.y1)};
     if (b.x0 >= b.x1 || b.y0 >= b.y1) continue;
@@ -169,8 +169,8 @@ static int put_all(const correction *m, const loop *l, const sheet *s,
   for (size_t k = 0; k < l->gates->layers; k++)
     if (l->now.shift[k] || l->now.assists[k].count)
       return opc_fail(error, OPC_INVALID, "synthesizer",
-                      "%s moves fragments of edges or adds scatter bars, but a "
-                      "chip requires a synthesizer that only changes lengths "
+                      "'%s' displaces fragments of edges or adds scatter "
+                      "bars, expected a synthesizer that only changes lengths "
                       "and widths of transistors",
                       m->on.work->with->synthesizer->id);
   owned o;
@@ -185,8 +185,8 @@ static int put_all(const correction *m, const loop *l, const sheet *s,
 
 /* ---- a sheet ---- */
 
-/* Host of a loop on a sheet. Progress is scaled to the phase, and messages
-   about sheets, which users do not know, become debug messages. */
+/* Host of a loop on a sheet. Progress is scaled to the phase. Messages about
+   sheets become debug messages, because sheets are internal. */
 typedef struct inner {
   opc_host host;
   const correction *correction;
@@ -258,8 +258,8 @@ static uint32_t add_mask(work *w) {
   return (uint32_t)c->masks++;
 }
 
-/* Store the mask of a record. A refined mask keeps the earlier figures of the
-   drawn mask, because its loop has not simulated drawn neighbours. */
+/* Store the mask of a record. A refined mask keeps the drawn figures of the
+   replaced mask, because its loop did not simulate drawn neighbours. */
 static void take_mask(correction *m, const corrected *one, const char *bytes) {
   work *w = m->on.work;
   eda_chip *c = w->chip;

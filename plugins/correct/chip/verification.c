@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the verification of a chip: one transistor of each class of equal
-   masked environments is simulated, and the others receive its figures.
-   Environments are equal if the same transistors, each with its mask and hence
-   its drawn environment, are located within the range of optical
-   interaction. */
+   masked environments is simulated, and all transistors of the class receive
+   its figures. Two environments are equal if they contain equal masks at equal
+   relative positions within the range of optical interaction. Transistors with
+   equal masks have equal drawn environments. */
 #include <eda/index.h>
 #include <eda/memory.h>
 #include <eda/print.h>
@@ -62,7 +62,8 @@ static void sum_neighbour(const eda_chip_gate *g, const eda_chip_gate *o,
 static void sum_up(const seen *s, size_t i) {
   const eda_chip *c = s->work->chip;
   const eda_chip_gate *g = &c->gate[i];
-  eda_finder f = eda_index_find(s->index, work_around(g->box, s->work->margin));
+  eda_finder f =
+      eda_index_find(s->index, eda_box_grown(g->box, s->work->margin));
   uint64_t sum[2] = {0};
   for (uint32_t k; eda_index_next(&f, &k);) sum_neighbour(g, &c->gate[k], sum);
   memcpy(s->sum[i], sum, SUM_SIZE);

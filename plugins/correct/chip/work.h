@@ -16,10 +16,10 @@
 #include "environment.h"
 #include "sheet.h"
 
-/* A transistor found by the scan. */
+/* A transistor found by the scan. The record is stored as bytes. */
 typedef struct found {
   eda_box box;
-  uint8_t type, axis, unused; /* fills the record, which is stored as bytes */
+  uint8_t type, axis, unused; /* unused: explicit padding */
   environment around;
 } found;
 
@@ -35,13 +35,15 @@ typedef struct work {
   const opc_host *host;
   const correct_settings *with;
   int32_t margin; /* range of optical interaction */
+  /* Radius of a drawn environment, within which neighbours are corrected, too;
+     side of a window; distance of clips on a sheet. */
   int32_t radius, window, gap;
   int orientations; /* number of equivalent orientations: 1, 4 or 8 */
   int64_t rounds;
   size_t round;   /* round of verification */
   eda_chip *chip; /* the result */
 
-  /* All transistors found by the scan, in the order of the chip. */
+  /* [chip->count], all transistors found by the scan. */
   found *found;
   size_t capacity;
 
@@ -52,13 +54,12 @@ typedef struct work {
   size_t classes, mask_capacity, part_capacity, box_capacity;
   drawn_print *before; /* of each mask, with all edges as drawn */
 
-  /* Classes of masked environments: `print_first` is the simulated
-     transistor. */
-  GHashTable *prints; /* from checksum to print number + 1 */
-  GPtrArray *sums;    /* owner of these checksums */
-  uint32_t *print_first;
+  /* Classes of equal masked environments, called prints. */
+  GHashTable *prints;    /* from checksum to print number + 1 */
+  GPtrArray *sums;       /* owner of the checksums */
+  uint32_t *print_first; /* [prints], the simulated transistor */
   size_t print_capacity;
-  uint8_t *tried; /* [prints], 1: refined already */
+  uint8_t *tried; /* [prints], 1: was corrected individually */
   size_t tried_capacity;
 
   faults *faults; /* violations of all prints */
@@ -70,11 +71,6 @@ typedef struct work {
 } work;
 
 void work_clear(work *work);
-
-/* Return a box extended by `reach` on all sides. */
-OPC_UNUSED static inline eda_box work_around(eda_box b, int32_t reach) {
-  return (eda_box){b.x0 - reach, b.y0 - reach, b.x1 + reach, b.y1 + reach};
-}
 
 /* Find all transistors window by window and group them into classes. Fills
    chip->gate and `first`. (scan.c) */
@@ -97,7 +93,8 @@ void prints_find(work *work);
 /* Simulate one transistor of each new masked environment. Fills chip->print and
    the `print` of each transistor. */
 int verify_all(work *work, opc_error *error);
-/* Return the |Ion deviation| of a print, %; INFINITY if it failed. */
+/* Return the |Ion deviation| of a print, %; INFINITY if the transistor does not
+   print. */
 double print_deviation(const eda_chip_print *print);
 /* Return the |Ion deviation|, %, below which a new mask replaces that of a
    print with a violation or a deviation beyond a part of `ion_limit`; else NAN.
@@ -108,25 +105,25 @@ double print_beyond(const work *work, const eda_chip_print *print);
    numbers. */
 GHashTable *work_sums(void);
 
-/* Create a collection of rule violations, by the nearest transistor.
-   (faults.c) */
+/* Create a collection of rule violations. Each violation belongs to the nearest
+   transistor. (faults.c) */
 faults *faults_new(void);
 void faults_free(faults *faults);
-/* Append the violations of a sheet's mask and its printed image as bytes. Call
-   on the main thread. */
+/* Append the violations of a sheet's mask and printed image to `out`. Call on
+   the main thread. */
 int faults_find(const work *work, const sheet *sheet,
                 const eda_printed *printed, opc_bytes *out, opc_error *error);
-/* Store these bytes; places are counted from print `first`. */
+/* Store the bytes of faults_find; `first` is the print of place 0. */
 void faults_take(work *work, size_t first, const char *bytes, const char *end);
-/* Write tables, findings and metrics of the remaining violations, one row for
-   each rule. */
+/* Write tables, findings and metrics of the violations of all present masks,
+   one row for each rule. */
 int faults_report(const work *work, opc_error *error);
 
 /* Write all tables, findings and metrics. (report.c) */
 int report_all(const work *work, opc_error *error);
 
-/* Sheets of clips around selected transistors; the first field of the data of
-   their work units. */
+/* Sheets of clips around selected transistors. The data of their work units
+   begin with this structure. */
 typedef struct sheets {
   work *work;
   const uint32_t *number; /* [count], numbers in the chip */
@@ -136,8 +133,8 @@ typedef struct sheets {
   char *key;
 } sheets;
 
-/* Make sheets with `reach` around the transistors and run a work unit for each
-   (jobs.name, work and take). Call on the main thread. */
+/* Make sheets that extend by `reach` beyond the transistors, and run a work
+   unit for each sheet (jobs.name, work and take). Call on the main thread. */
 int work_sheets(sheets *sheets, int32_t reach, opc_pieces jobs,
                 opc_error *error);
 

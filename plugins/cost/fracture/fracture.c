@@ -26,7 +26,7 @@ typedef struct counter {
 
 enum { RECTANGLES, SHOTS, SLIVERS, VERTICES, GDSII, OASIS, MEBES, FIGURES };
 
-/* Cost of a corrected layer, as drawn or corrected. */
+/* Cost of a layer, of the drawn shapes or of the mask. */
 typedef struct cost {
   int64_t figure[FIGURES];
   double area; /* um^2 */
@@ -69,8 +69,8 @@ static int make_ruler(const counter *c, const eda_gates *g, ruler *r,
   return OPC_OK;
 }
 
-/* Return OPC_INVALID if copies of the array touch, as they would not cost the
-   same as separate ones. */
+/* Return OPC_INVALID if copies of the array touch, because touching copies do
+   not have the cost of separate ones. */
 static int check_copies(const ruler *r, const eda_box *boxes, size_t n,
                         opc_error *error) {
   eda_box all = n ? boxes[0] : (eda_box){0};
@@ -98,7 +98,7 @@ static int count_shots(const counter *c, const ruler *r, const eda_box *boxes,
   for (size_t i = 0; i < n; i++) {
     double w = ((double)boxes[i].x1 - boxes[i].x0) * plate;
     double h = ((double)boxes[i].y1 - boxes[i].y0) * plate;
-    /* Tolerate rounding for shapes as large as a shot. */
+    /* A shape may exceed the size of a shot by the rounding error. */
     double columns = ceil(w / c->max_shot - 1e-9);
     double rows = ceil(h / c->max_shot - 1e-9);
     all += columns * rows;
@@ -113,8 +113,8 @@ static int count_shots(const counter *c, const ruler *r, const eda_box *boxes,
   return OPC_OK;
 }
 
-/* Count the shots, cut without slivers, and the rectangles of files, as few as
-   possible. */
+/* Count the shots, cut without slivers, and the smallest number of rectangles
+   for files. */
 static int count_figures(const counter *c, const ruler *r,
                          const eda_shapes *shapes, int64_t f[FIGURES],
                          opc_error *error) {
@@ -207,7 +207,8 @@ static int publish_metrics(const opc_host *host, const row *rows, size_t n,
 
 /* ---- work: run ---- */
 
-/* Drawn shapes and masks, computed in parallel: two for each row. */
+/* Costs of the rows, computed in parallel: two for each row, of the drawn
+   shapes and of the mask. */
 typedef struct counting {
   const counter *counter;
   ruler ruler;
@@ -263,7 +264,7 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(
         counter, sliver, .type = OPC_REAL, .flags = OPC_AT_LEAST, .unit = "nm",
         .preset = "80 nm", .min = 0,
-        .summary = "Shots narrower than this on the plate are slivers"),
+        .summary = "Width on the plate below which a shot is a sliver"),
     OPC_PARAMETER(counter, magnification, .type = OPC_REAL,
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "4", .min = 1,
                   .max = 100,

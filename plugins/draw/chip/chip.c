@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the step `draw.chip`: a map of a figure of a chip's transistors.
-   The raster has the picture's size; a pixel shows the worst of its
+   The raster has the size of the picture; a pixel shows the worst of its
    transistors. */
 #include <eda/chip.h>
 #include <eda/drawing.h>
@@ -24,7 +24,7 @@ typedef struct drawer {
   double range; /* % */
 } drawer;
 
-/* Pixel values; NAN: no transistor, INFINITY: one does not print. */
+/* Pixel values. NAN: no transistor; INFINITY: a transistor does not print. */
 typedef struct raster {
   int width, height;
   double scale; /* pixels per grid step */
@@ -33,7 +33,7 @@ typedef struct raster {
 
 /* ---- work: figures ---- */
 
-/* Count the transistors of each mask; the caller frees the array. */
+/* Count the transistors of each mask. The caller frees the array. */
 static uint32_t *count_classes(const eda_chip *c) {
   uint32_t *size = eda_alloc(c->masks, sizeof *size);
   for (size_t i = 0; i < c->count; i++) size[c->gate[i].mask]++;
@@ -89,7 +89,7 @@ static void raster_fill(const drawer *d, raster *r) {
 
 /* ---- work: colours ---- */
 
-/* Return the value at the ends of the colour scale, a round number. */
+/* Return the deviation at the ends of the colour scale, a round number. */
 static double find_range(const drawer *d, const raster *r) {
   double most = 0;
   if (!isnan(d->range)) return d->range;
@@ -193,7 +193,8 @@ static int chip_run(void *self, void **outputs, opc_error *error) {
   if (!path) return error->code;
   raster r = {.width =
                   (int)(d->width - 2 * ceil(fmax(9, (double)d->width / 70)))};
-  /* A tall chip is limited to a square. */
+  /* The scale of a tall chip is limited, so that the picture is at most
+     square. */
   r.scale = r.width / fmax(fmax(wide, high), 1);
   r.height = (int)fmax(1, ceil(high * r.scale));
   r.width = (int)fmax(1, ceil(wide * r.scale));

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the step `draw.image`: a part of a layout simulated by several
-   models of optics and resist. The picture has the aerial image of the first,
-   the contours of each, and their distances. */
+   models of optics and resist. The picture shows the aerial image of the first
+   model, the contours of all models, and the distances between contours. */
 #include "image.h"
 
 #include <eda/print.h>
@@ -107,14 +107,15 @@ static int image_run_step(void *self, void **outputs, opc_error *error) {
   return code;
 }
 
-/* Forecast the largest memory of any model; models run one after another. */
+/* Forecast the largest memory of any model, because models run one after
+   another. */
 static int image_forecast(void *self, opc_forecast *out, opc_error *error) {
   image_run *r = self;
   eda_image_size most = {0};
   const eda_gates *gates =
       r->asked.mask ? r->asked.mask->gates : r->asked.gates;
   (void)error;
-  if (!gates) return OPC_OK; /* reported by run */
+  if (!gates) return OPC_OK; /* `run` reports the missing input */
   choose_models(r);
   for (size_t k = 0; k < r->n; k++) {
     eda_printer printer;

@@ -154,10 +154,11 @@ static void test_neighbours(void) {
 static void test_refused(void) {
   static const struct {
     const char *map, *parameter, *message;
-  } cases[] = {{"{ top: none }", "top", "cell 'none' does not exist"},
-               {"{ cells: x* }", "cells", "no cell of such a name draws"},
-               {"{ neighbours: itself, boundary: none }", "boundary",
-                "has no shape on layer 'none'"}};
+  } cases[] = {
+      {"{ top: none }", "top", "cell 'none' does not exist"},
+      {"{ cells: x* }", "cells", "no cell with a name of 'cells' draws"},
+      {"{ neighbours: itself, boundary: none }", "boundary",
+       "has no shape on layer 'none'"}};
   eda_layout *l = library_circuit();
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     opc_error error;

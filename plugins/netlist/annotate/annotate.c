@@ -131,7 +131,8 @@ static const opc_metric metrics[] = {
 
 /* ---- entry ---- */
 
-/* Model cards may be in files included by `models`. */
+/* The step is not reused, because included files may contain the model
+   cards. */
 static const opc_step functions = {.run = annotate_run,
                                    .flags = OPC_STEP_OUTSIDE};
 OPC_PLUGIN(annotator, .id = "netlist.annotate", .kind = "step",

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Extracts the connectivity of the layout. Each layer is divided into
-   rectangles; touching rectangles form a net, on active without the gates.
-   Groups are separate. */
+   rectangles; touching rectangles form a net. Gates are removed from active.
+   Groups are not connected to each other. */
 #include <eda/index.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,7 +22,8 @@ typedef struct conductor {
 typedef struct extractor {
   match_task *j;
   conductor layer[LAYERS];
-  uint32_t first[LAYERS + 1]; /* first rectangle of each layer */
+  uint32_t first[LAYERS + 1]; /* first rectangle of each layer, in numbers over
+                                 all layers */
   uint32_t *parent;           /* union-find forest of all rectangles */
   uint32_t *group_of;         /* cached groups of placements */
   size_t placements;
@@ -119,7 +120,7 @@ static void add_box(extractor *x, conductor *c, eda_box box, uint32_t group) {
   c->group[c->count++] = group;
 }
 
-/* Add the rectangles of a group on a layer; on active without gates. */
+/* Add the rectangles of a group on a layer. Gates are removed from active. */
 static int load_group(extractor *x, int layer, uint32_t group,
                       const eda_shapes *own) {
   match_task *j = x->j;
@@ -223,8 +224,8 @@ static int search_next(search *s, uint32_t *number) {
   return 0;
 }
 
-/* Connect rectangles. Within a layer, shapes that touch only in a corner are
-   not connected; shapes of two layers must share area. */
+/* Connect rectangles. Within a layer, shapes that touch only at a corner are
+   not connected. Shapes of two layers are connected if they overlap. */
 static void connect_layers(extractor *x, int from, int to) {
   const conductor *c = &x->layer[from];
   for (size_t i = 0; i < c->count; i++) {
@@ -299,7 +300,7 @@ static uint32_t rectangle_below(const extractor *x, uint32_t group, eda_point p,
   return UINT32_MAX;
 }
 
-/* Read the texts of a layer at the top level of groups, which label
+/* Read the texts of a layer at the top level of each group: labels of
    rectangles. */
 static int load_texts(extractor *x, int32_t layer) {
   match_task *j = x->j;
@@ -326,13 +327,9 @@ static int load_texts(extractor *x, int32_t layer) {
   return code;
 }
 
-static int by_group_of_label(const void *a, const void *b) {
-  const label *p = a, *q = b;
-  if (p->group != q->group) return p->group < q->group ? -1 : 1;
-  return (p->number > q->number) - (p->number < q->number);
-}
+EDA_COMPARE_RISING(by_group_of_label, label, group, number);
 
-/* Sort the labels by group and join nets of a group with equal labels. */
+/* Sort the labels by group, and join nets of a group that have equal labels. */
 static int load_labels(extractor *x) {
   match_task *j = x->j;
   for (int k = 0; k < LAYERS; k++) {

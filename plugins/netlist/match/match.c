@@ -37,8 +37,8 @@ const char *match_gate_name(const match_task *j, size_t gate, char *buffer,
   return buffer;
 }
 
-/* Set the names of a layer: the key in the map of the flow, and the usual names
-   in data/cells65 and FreePDK45. */
+/* Set the possible names of a layer: the key in the map of the flow, and the
+   names in data/cells65 and FreePDK45. */
 static void layer_names(int k, char name[3][16]) {
   static const char *const first[] = {"poly", "active", "contact"};
   static const char *const cif[] = {"CP", "CA", "CC"};
@@ -70,9 +70,9 @@ static int find_layer(match_task *j, const opc_map *map, const char *parameter,
                   "the layout has no layer '%.200s' for '%s'", name, key);
 }
 
-/* Return 1 if the flow or layout names a wire or via layer. Unnamed layer
-   numbers then do not follow FreePDK45; another process may use them for an
-   implant. */
+/* Return 1 if the flow or the layout names a wire or via layer. The numbers of
+   unnamed layers then do not follow FreePDK45, because another process may use
+   these numbers for implants. */
 static int wires_are_named(const match_task *j, const matcher *m) {
   for (int k = METAL1; k < LAYERS; k++) {
     char name[3][16];
@@ -218,7 +218,7 @@ static const opc_metric metrics[] = {
 /* ---- entry ---- */
 
 static const opc_port outputs_of[] = {EDA_PORT_CIRCUIT("circuit")};
-/* The netlist may include other files. */
+/* The step is not reused, because the netlist may include other files. */
 static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = match_run,
                                    .flags = OPC_STEP_OUTSIDE};
 OPC_PLUGIN(matcher, .id = "netlist.match", .kind = "step", .version = "0.2.0",

@@ -25,7 +25,7 @@ static size_t nearest_to_0(opc_reals list) {
   return out;
 }
 
-/* Check the mask errors: edges must stay on the mask grid. */
+/* Check the mask errors: the moved edges must be on the mask grid. */
 static int check_mask_errors(const window *w, opc_error *error) {
   double grid = w->gates->grid;
   for (size_t k = 0; k < w->mask_error.count; k++) {
@@ -63,7 +63,7 @@ static int window_forecast(void *self, opc_forecast *out, opc_error *error) {
   const eda_gates *gates = w->mask ? w->mask->gates : w->as_drawn;
   eda_printer printer;
   (void)error;
-  if (!gates) return OPC_OK; /* reported by run */
+  if (!gates) return OPC_OK; /* `run` reports the missing input */
   eda_printer_init(&printer, w->host->context, gates, w->litho, w->resist,
                    w->margin);
   size_t layers = w->extractor ? 2 : 1;
@@ -187,8 +187,8 @@ static int check_list(const char *name, opc_reals list, size_t least,
   return OPC_OK;
 }
 
-/* Set the default foci and margin; 50 and 100 nm of defocus at 193 nm, NA
-   0.75. */
+/* Set the default foci and margin: 0, 50 and 100 nm of defocus at 193 nm and NA
+   0.75, other values in proportion. */
 static void window_set_defaults(window *w) {
   eda_scanner scanner = eda_scanner_of(w->litho);
   EDA_FOLLOW(w->host, "process.window", w, parameters, scanner);

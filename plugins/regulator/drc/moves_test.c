@@ -26,9 +26,9 @@ static void test_trims(void) {
   } cases[] = {
       {"{}", NULL, 0},
       {"{ overlay: 5 nm, min_mask_width: 60 nm }",
-       "bridging: poly; drawn too near for its edges to go back", 1},
+       "bridging: poly; drawn too close to trim its edges", 1},
       {"{ min_mask_width: 90 nm }",
-       "bridging: poly; drawn too near for its edges to go back", 0},
+       "bridging: poly; drawn too close to trim its edges", 0},
   };
   for (size_t k = 0; k < G_N_ELEMENTS(cases); k++) {
     g_autoptr(opc_module) m = drc_make(cases[k].parameters);

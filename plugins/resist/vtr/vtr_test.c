@@ -295,7 +295,8 @@ static void test_refused(void) {
   lines_refused("resist.vtr",
                 "{ table: [250 nm, 65 nm, 250 nm, 65 nm, 250 nm, 65 nm] }",
                 litho, "do not determine the coefficients");
-  lines_refused("resist.vtr", "{ fit: maximum }", litho, "'fit' needs a table");
+  lines_refused("resist.vtr", "{ fit: maximum }", litho,
+                "'fit' requires a table");
   lines_refused("resist.vtr",
                 "{ table: [250 nm, 65 nm], constant: 0.3, fit: constant }",
                 litho, "nothing to fit");

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements segment.transistors: the transistors of a layout and the mask
-   edges that move them (thesis 2.2.5 and 3.2.2), and further layers whose edges
-   belong to no transistor. The algorithm is in eda/segment.h. */
+/* Implements segment.transistors: finds the transistors of a layout and the
+   mask edges that determine their printed size (thesis 2.2.5 and 3.2.2), and
+   the edges of further layers. The algorithm is in eda/segment.h. */
 #include <eda/segment.h>
 #include <opcflow/step.h>
 #include <stdio.h>
@@ -12,8 +12,8 @@ typedef struct transistors {
   const opc_host *host;
   const eda_layout *layout;
   const char *top;
-  opc_map also;     /* name: layer of the layout */
-  opc_map flavours; /* name: marker layers */
+  opc_map also;     /* name -> layer of the layout */
+  opc_map flavours; /* name -> marker layers */
   double grid, overhang, line_end;
 } transistors;
 

@@ -240,7 +240,8 @@ static void test_refused(void) {
   opc_error error;
   g_assert_null(opc_test_module(
       "synthesizer.epe", "{ fragment: 20 nm, min_edge: 30 nm }", &error));
-  g_assert_nonnull(strstr(error.message, "30 nm exceeds the fragment"));
+  g_assert_nonnull(strstr(error.message,
+                          "'min_edge' is 30 nm, expected at most 'fragment'"));
   const eda_box line = {0, 0, 60, 1000};
   g_autoptr(shapes) s = make_shapes(&line, 1);
   g_autoptr(opc_module) m =

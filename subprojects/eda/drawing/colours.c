@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Colours of all pictures: lines from the palette of Okabe and Ito and darker
-   ones of equal hue, fills as their tints, deviations from RdBu of Brewer,
-   intensities from YlGnBu. All can be distinguished with any common colour
-   blindness. */
+/* Colours of all pictures. Lines: the palette of Okabe and Ito and darker
+   colours of the same hue. Fills: tints of the line colours. Deviations: RdBu
+   of Brewer. Intensities: YlGnBu of Brewer. The colours are distinguishable
+   with all common forms of colour blindness. */
 #include <eda/drawing.h>
 
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))
@@ -13,8 +13,8 @@ const eda_colour eda_ink = EDA_COLOUR(0x202020),
                  eda_ring_colour = EDA_COLOUR(0xd94019),
                  eda_contact_fill = EDA_COLOUR(0xbcbcbc);
 
-/* Poly, active, then further layers of a flow; the colours repeat after the
-   last one. */
+/* Colours of poly, active, and the further layers in order, repeated
+   cyclically. */
 static const struct {
   eda_colour fill, outline, contour;
 } layers[] = {
@@ -51,7 +51,7 @@ eda_colour eda_layer_contour(size_t layer) {
   return layers[layer % COUNT(layers)].contour;
 }
 
-/* Return a colour interpolated linearly between the stops. */
+/* Interpolate linearly between n colour stops, t from 0 to 1. */
 static eda_colour colour_between(const eda_colour *stops, size_t n, double t) {
   if (!(t > 0)) return stops[0];
   if (t >= 1) return stops[n - 1];

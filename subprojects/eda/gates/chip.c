@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The transistors of a chip, and the moves of those in a window. */
+/* Transistors of a chip; assignment of their edge displacements to the
+   transistors of a window. */
 #include <eda/chip.h>
-#include <eda/memory.h>
 #include <stdlib.h>
 
 void eda_chip_free(void *object) {
@@ -86,8 +86,8 @@ size_t eda_chip_find(const eda_chip *c, eda_box box) {
              : SIZE_MAX;
 }
 
-/* Convert a span between `low` and `high` to own coordinates, reversed if
-   `flip` is set. The conversion is its own inverse except for the origin. */
+/* Convert a span from coordinates relative to [low, high] to absolute
+   coordinates; mirror the span if `flip` is set. To convert back, pass -low. */
 static void span_convert(int32_t low, int32_t high, int flip, int32_t *from,
                          int32_t *to) {
   int32_t a = *from, b = *to;
@@ -114,7 +114,8 @@ eda_box eda_chip_own(eda_box gate, uint8_t axis, uint8_t flip, eda_box placed) {
   return b;
 }
 
-/* Add the parts of a mask, counted from the LOW end and ordered from there. */
+/* Copy the parts of a mask to `to`. If `backwards` is set, mirror the parts
+   within the gate width, so that they stay ordered from the LOW end. */
 static void put_parts(const eda_chip *c, const eda_chip_mask *m, int32_t width,
                       int backwards, eda_part *to) {
   const eda_part *from = c->part + m->part;

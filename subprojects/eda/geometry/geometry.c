@@ -33,7 +33,8 @@ int eda_shapes_check(const eda_shapes *shapes, opc_error *error) {
 }
 
 int64_t eda_area2(const eda_shapes *shapes) {
-  /* One polygon can reach 2^63, so the sum needs more bits. */
+  /* The doubled area of one polygon can reach 2^63, so the sum needs more
+     bits. */
   __extension__ __int128 sum = 0;
   for (size_t p = 0; p < shapes->count; p++) {
     uint32_t first = shapes->start[p], end = shapes->start[p + 1];
@@ -46,6 +47,25 @@ int64_t eda_area2(const eda_shapes *shapes) {
   return sum > INT64_MAX   ? INT64_MAX
          : sum < INT64_MIN ? INT64_MIN
                            : (int64_t)sum;
+}
+
+eda_box eda_shape_box(const eda_shapes *s, size_t i) {
+  return eda_bounds(s->points + s->start[i], s->start[i + 1] - s->start[i]);
+}
+
+eda_shapes eda_shapes_of_boxes(size_t n) {
+  return (eda_shapes){.count = n,
+                      .start = eda_alloc(n + 1, sizeof(uint32_t)),
+                      .points = eda_alloc(n, 4 * sizeof(eda_point))};
+}
+
+void eda_shapes_set_box(eda_shapes *shapes, size_t i, eda_box b) {
+  eda_point *p = shapes->points + 4 * i;
+  p[0] = (eda_point){b.x0, b.y0};
+  p[1] = (eda_point){b.x1, b.y0};
+  p[2] = (eda_point){b.x1, b.y1};
+  p[3] = (eda_point){b.x0, b.y1};
+  shapes->start[i + 1] = (uint32_t)(4 * (i + 1));
 }
 
 void eda_shapes_clear(eda_shapes *shapes) {

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Extents of cells and of their instances, children first, with an index for
-   cells that have many items. */
+/* Extents of a layer in cells and instances, computed from children to parents.
+   Cells with many items have a spatial index. */
 #include "layout/reach.h"
 
 #include <stdlib.h>
 
-/* Up to this number of items, a linear search is faster than an index. */
+/* Up to this number of items, a linear search replaces the index. */
 enum { FEW = 32 };
 
 static const extent nothing = {INFINITY, INFINITY, -INFINITY, -INFINITY};
@@ -85,8 +85,8 @@ extent extent_of_shape(const sheet *s, size_t i) {
 
 /* ---- arrays ---- */
 
-/* Return those k of `in` for which k * step is within [low, high]. Values that
-   are not finite count as within. */
+/* Return the numbers k in `in` with low <= k * step <= high, to within
+   rounding. Infinite limits restrict nothing. */
 static span steps_within(span in, double step, double low, double high) {
   if (step == 0) return low <= 0 && high >= 0 ? in : (span){0, 0};
   double a = low / step, b = high / step;
@@ -106,8 +106,8 @@ span extent_columns(const eda_placement *p, extent first, extent window,
                       window.y1 - first.y0 - y);
 }
 
-/* Restrict the rows by each direction alone, and for slanted arrays by the
-   lines along the columns that meet the window. */
+/* Restrict the rows by x and by y separately. For slanted arrays, also require
+   that the line through the members of a row meets the window. */
 span extent_rows(const eda_placement *p, extent first, extent window) {
   double last = p->columns - 1.0;
   double ux = last > 0 ? p->column_step.x : 0;
@@ -169,7 +169,7 @@ static void reach_instances(reach *r, const cell *c, size_t k) {
   free(boxes);
 }
 
-/* ---- life ---- */
+/* ---- computation and release ---- */
 
 typedef struct kept {
   reach of;
