@@ -274,31 +274,31 @@ static int search_run(void *self, void **outputs, opc_error *error) {
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(search, flow, .type = OPC_FILE,
                   .flags = OPC_REQUIRED | OPC_INNER_FLOW,
-                  .summary = "the flow whose parameters are searched"),
+                  .summary = "flow whose parameters are searched"),
     OPC_PARAMETER(search, gates, .type = OPC_INPUT, .flags = OPC_INNER_STEP,
                   .choices = "gates",
                   .summary = "gates that the flow corrects (default: those of "
                              "the step 'gates' of the flow)"),
     OPC_PARAMETER(search, variant, .type = OPC_TEXT,
-                  .summary = "a variant of that flow"),
+                  .summary = "variant of the flow"),
     OPC_PARAMETER(
         search, set, .type = OPC_MAP, .flags = OPC_MAP_OF_ANY,
-        .summary = "step.parameter: value, in place of the values of the flow"),
+        .summary = "step.parameter: value, overrides the values of the flow"),
     OPC_PARAMETER(search, sweep, .type = OPC_MAP, .flags = OPC_MAP_OF_ANY,
                   .summary = "step.parameter: [...] or { from: A, to: B, step: "
-                             "C }; over that flow's own sweep"),
+                             "C }; merged over the sweep of the flow"),
     OPC_PARAMETER(
         search, along, .type = OPC_MAP,
-        .summary = "step.parameter: step.table.column, one run has the figure "
-                   "at all values of a swept parameter, row by row"),
-    OPC_PARAMETER(
-        search, minimise, .type = OPC_TEXT,
-        .summary = "step.metric, the figure whose least value is best"),
+        .summary = "step.parameter: step.table.column; one run covers all "
+                   "values of this parameter, with a table row for each value"),
+    OPC_PARAMETER(search, minimise, .type = OPC_TEXT,
+                  .summary = "step.metric to minimise"),
     OPC_PARAMETER(search, maximise, .type = OPC_TEXT,
-                  .summary = "or that whose greatest value is"),
+                  .summary = "step.metric to maximise"),
     OPC_PARAMETER(
         search, mask, .type = OPC_TEXT,
-        .summary = "the step whose mask is handed on; that of the figure"),
+        .summary =
+            "step that provides the mask; default: the step of the metric"),
 };
 
 static const opc_metric metrics[] = {
@@ -339,7 +339,8 @@ static const opc_step functions = {OPC_OUTPUTS(outputs), .run = search_run};
 OPC_PLUGIN(
     search, .id = "search", .kind = "step", .version = OPC_VERSION,
     .licence = "BSD-3-Clause",
-    .summary = "run a flow at many settings of parameters, keep the best",
+    .summary =
+        "run a flow at many settings of parameters and keep the best setting",
     .flags = OPC_DETERMINISTIC | OPC_REENTRANT, OPC_PARAMETERS(parameters),
     OPC_METRICS(metrics), .check = search_check, .clear = search_clear,
     OPC_FUNCTIONS(functions));

@@ -212,7 +212,7 @@ static size_t classes_with(int32_t x, const char *layer) {
 }
 
 /* A marker over one of the copies: its transistors have another flavour than
-   those of equal environments, and no device table. */
+   the transistors of equal environments, and no device table. */
 static void test_flavours(void) {
   drawing d = eight_orientations();
   box(&d, d.top, "LVTN", -100, 8900, 1000, 9500);
@@ -238,8 +238,9 @@ static void test_flavours(void) {
   eda_layout_free(d.layout);
 }
 
-/* A shape beside one of the copies: within the radius of its first transistor
-   (at x 150), of none, and in an unused layer. */
+/* A shape beside one of the copies: within the radius of the copy's first
+   transistor (at x 150), beyond the radius of all transistors, and in an unused
+   layer. */
 static void test_radius(void) {
   g_assert_cmpuint(classes_with(0, NULL), ==, 2);
   g_assert_cmpuint(classes_with(-651 - 100, "poly"), ==, 2);

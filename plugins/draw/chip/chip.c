@@ -215,7 +215,7 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(drawer, show, .type = OPC_CHOICE, .preset = "after",
                   .choices = "after|before|change|classes",
                   .summary = "Quantity to show: deviation of Ion after or "
-                             "before correction, growth of the deviation, or "
+                             "before correction, change of |deviation|, or "
                              "number of transistors with the same mask"),
     OPC_PARAMETER(drawer, width, .type = OPC_INT, .preset = "1000", .min = 200,
                   .max = 8000, .summary = "Width of the picture, pixels"),
@@ -236,7 +236,7 @@ static const opc_step functions = {.run = chip_run};
 
 OPC_PLUGIN(drawer, .id = "draw.chip", .kind = "step", .version = "0.1.0",
            .licence = "BSD-3-Clause",
-           .summary = "a map of the transistors of a chip",
+           .summary = "draw a map of the transistors of a chip",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
            OPC_PARAMETERS(parameters), .check = chip_check,
            OPC_FUNCTIONS(functions));
