@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Transistors of a chip in all eight orientations: own coordinates unit by
-   unit, moves of each gate, and faults of a chip. */
+   unit, displacements of each gate, and invalid chips. */
 #include <eda/chip.h>
 #include <eda/memory.h>
 #include <glib.h>
@@ -128,7 +128,7 @@ static void test_moved(void) {
   whole_make(&t);
   eda_box box[GATES + 1];
   for (int k = 0; k < GATES; k++) box[GATES - k] = t.gate[k].box;
-  box[0] = (eda_box){0, 0, 3, 5}; /* not of the chip */
+  box[0] = (eda_box){0, 0, 3, 5}; /* not in the chip */
   const eda_gates window = {.layers = 2, .count = GATES + 1, .box = box};
   eda_moved *to = eda_chip_moved(&t.chip, &window);
   g_assert_cmpint(to->w[0] | to->l[0] | to->end[0] | to->part[0].by, ==, 0);
