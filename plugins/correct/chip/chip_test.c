@@ -335,7 +335,7 @@ static const char *const counts[] = {
     "violations",      "violations_unexplained",
     "mask_violations", "mask_space",
     "mask_width",      "mask_edge",
-    "mask_jog"};
+    "mask_jog",        "mask_violations_added"};
 
 /* Narrow gaps and lines in each copy: all are reported in any orientation, as
    many as in a flat layout, in one row for each rule. */
