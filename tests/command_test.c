@@ -43,7 +43,7 @@ static void test_echo(void) {
   g_autoptr(JsonNode) about = json_from_string(out, NULL);
   g_assert_cmpuint(json_array_get_length(json_object_get_array_member(
                        json_node_get_object(about), "parameters")),
-                   ==, 16);
+                   ==, 17); /* with `timeout` */
   g_assert_cmpint(opcflow_call("inspect test.number"), ==, 3);
   g_assert_cmpstr(err, ==,
                   "error: unknown plugin 'test.number', did you mean "

@@ -255,8 +255,8 @@ static void test_process(void) {
   g_assert_cmpint(CALL(command, "new", "flow", "--process", "own65", "none"),
                   ==, 5);
   g_assert_cmpstr(err, ==, "error: 'none': no such file\n");
-  g_assert_cmpint(CALL(command, "new", "flow", "--process", "own65", folder),
-                  ==, 5);
+  g_assert_cmpint(
+      CALL(command, "new", "flow", "--process", "own65", "/dev/null"), ==, 5);
   g_assert_nonnull(strstr(err, "not a regular file"));
   /* The folder of the user has no plugins. */
   g_autofree char *mine =
@@ -270,6 +270,43 @@ static void test_process(void) {
       "unset OPCFLOW_NO_SYSTEM_PLUGINS; XDG_DATA_HOME=$PWD/home \"$0\" "
       "new flow --process homely \"$1\" homely.yaml";
   if (CALL("sh", "-c", script, command, cif)) g_error("%s", err);
+}
+
+/* A flow for several layouts, named one by one or by their folder, runs the
+   process for each. */
+static void test_several(void) {
+  g_autofree char *cells =
+      g_build_filename(g_getenv("OPCFLOW_SOURCE"), "data", "cells65", NULL);
+  static const char script[] =
+      "mkdir -p several empty && cp \"$0/nand2.cif\" \"$0/nor2.cif\" several "
+      "&& mv several/nor2.cif several/NOR2.CIF && echo > several/README";
+  if (CALL("sh", "-c", script, cells)) g_error("%s", err);
+  if (CALL(command, "new", "flow", "--process", "base.yaml", "several",
+           "all.yaml"))
+    g_error("%s", err);
+  g_assert_cmpstr(out, ==, "./all.yaml\n");
+  if (CALL(command, "check", "all.yaml")) g_error("%s%s", out, err);
+  if (CALL(command, "run", "all.yaml", "--output", "all"))
+    g_error("%s%s", out, err);
+  if (CALL("test", "-s", "all/each/nand2/base/manifest.json") ||
+      CALL("test", "-s", "all/each/NOR2/base/manifest.json"))
+    g_error("a run is missing");
+  if (CALL(command, "new", "flow", "--process", "base.yaml",
+           "several/nand2.cif", "several/NOR2.CIF", "several/two.yaml"))
+    g_error("%s", err);
+  if (CALL(command, "check", "several/two.yaml")) g_error("%s%s", out, err);
+  g_assert_cmpint(CALL(command, "new", "flow", "--process", "base.yaml",
+                       "several", "all.yaml"),
+                  ==, 5);
+  g_assert_nonnull(strstr(err, "base.yaml several ... NAME.yaml'"));
+  g_assert_cmpint(
+      CALL(command, "new", "flow", "--process", "base.yaml", "empty"), ==, 5);
+  g_assert_nonnull(strstr(err, "the folder 'empty' has no input, expected"));
+  g_assert_cmpint(CALL(command, "new", "flow", "--process", "base.yaml",
+                       "several", "none.cif", "x.yaml"),
+                  ==, 5);
+  g_assert_cmpstr(err, ==, "error: 'none.cif': no such file\n");
+  g_assert_cmpint(CALL("test", "-e", "x.yaml"), ==, 1);
 }
 
 /* For each shipped process, a comparison of layouts passes the check with all
@@ -301,7 +338,7 @@ static void test_comparison(void) {
   g_assert_nonnull(strstr(err, "needs --process NAME and files"));
   g_assert_cmpint(
       CALL(command, "new", "comparison", "--process", "own65", "none"), ==, 5);
-  g_assert_nonnull(strstr(err, "'none' is not a regular file"));
+  g_assert_nonnull(strstr(err, "'none': no such file"));
   /* A flow without a correction. */
   if (CALL("rm", "comparison.yaml", "comparison-methods.yaml"))
     g_error("%s", err);
@@ -498,6 +535,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/new/project", test_project);
   g_test_add_func("/new/flow", test_flow);
   g_test_add_func("/new/process", test_process);
+  g_test_add_func("/new/several", test_several);
   g_test_add_func("/new/comparison", test_comparison);
   g_test_add_func("/new/relative-data", test_relative_data);
   g_test_add_func("/new/shipped", test_shipped);

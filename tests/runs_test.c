@@ -378,6 +378,30 @@ static void test_failing_points(void) {
       g_str_has_prefix(err, "--sweep b.size: a sweep must be a list"));
 }
 
+/* A step that exceeds its time limit fails, also as a point of a sweep; a step
+   that does not is unchanged. */
+static void test_timeout(void) {
+  g_assert_cmpint(opcflow_call("run two.yaml --output late --set b.behave=wait "
+                               "--set b.timeout=200~ms"),
+                  ==, 4);
+  g_assert_cmpstr(err, ==,
+                  "--set b.timeout: step 'b' (test.numbers): exceeded the time "
+                  "limit of 0.2 s\nnote: files written so far are in "
+                  "'late.failed'\n");
+  g_assert_cmpint(
+      opcflow_call("run two.yaml --output early --set b.timeout=2~min"), ==, 0);
+  g_autofree char *flow = read_text("early/flow.yaml");
+  g_assert_nonnull(strstr(flow, "timeout: 2 min "));
+  g_assert_cmpint(
+      opcflow_call("run two.yaml --output late-points --set b.timeout=0.2~s "
+                   "--sweep b.behave=[well,wait,well]"),
+      ==, 4);
+  g_assert_cmpstr(err, ==, "error: 1 of 3 points failed\n");
+  g_assert_cmpint(opcflow_call("check two.yaml --set b.timeout=0"), ==, 2);
+  g_assert_cmpstr(err, ==,
+                  "--set b.timeout: 'timeout' must be above 0 s, found '0'\n");
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   set_up(FALSE);
@@ -394,5 +418,6 @@ int main(int argc, char **argv) {
   g_test_add_func("/runs/variants", test_variants);
   g_test_add_func("/runs/sweep", test_sweep);
   g_test_add_func("/runs/failing-points", test_failing_points);
+  g_test_add_func("/runs/timeout", test_timeout);
   return run_all();
 }

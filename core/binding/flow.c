@@ -4,14 +4,12 @@
 
 #include <base/file.h>
 #include <base/layers.h>
-#include <base/suggest.h>
 #include <string.h>
 
 #include "core/binding/connect.h"
 #include "core/binding/inner.h"
 #include "core/binding/outputs.h"
 #include "core/binding/require.h"
-#include "core/plugin/declaration.h"
 
 /* ---- steps ---- */
 

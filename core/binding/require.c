@@ -6,7 +6,6 @@
 
 #include "core/binding/lookup.h"
 #include "core/binding/require.h"
-#include "core/plugin/declaration.h"
 #include "core/plugin/value.h"
 
 /* ---- state ---- */

@@ -4,7 +4,6 @@
 
 #include "core/binding/lookup.h"
 #include "core/binding/resolve.h"
-#include "core/plugin/declaration.h"
 #include "core/plugin/value.h"
 
 enum { COMMENT_COLUMN = 44 };

@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "core/binding/flow.h"
-#include "core/plugin/value.h"
 
 static const double most_points = OPC_RANGE_MOST;
 

@@ -48,6 +48,34 @@ const opc_metric *opc_metric_check(const opc_plugin *plugin, const char *name,
   return NULL;
 }
 
+static const char timeout_name[] = "timeout";
+
+const opc_plugin *opc_timeout_add(opc_plugin *plugin) {
+  if (strcmp(plugin->kind, OPC_KIND_STEP) != 0 ||
+      opc_parameter_find(plugin, timeout_name) >= 0)
+    return plugin;
+  size_t width = sizeof(double),
+         offset = (plugin->instance_size + width - 1) / width * width;
+  /* opc_declared_copy leaves space for one element. */
+  ((opc_parameter *)plugin->parameters)[plugin->n_parameters++] =
+      (opc_parameter){timeout_name,
+                      OPC_REAL,
+                      OPC_ABOVE | OPC_NO_EFFECT,
+                      "s",
+                      .summary = "Time limit; the step fails beyond it",
+                      .offset = offset,
+                      .width = width};
+  plugin->instance_size = offset + width;
+  return plugin;
+}
+
+int opc_timeout_find(const opc_plugin *plugin) {
+  size_t last = plugin->n_parameters;
+  return last && plugin->parameters[last - 1].name == timeout_name
+             ? (int)last - 1
+             : -1;
+}
+
 const opc_choices *opc_choices_of(const opc_plugin *plugin) {
   return plugin->extension ? plugin->extension(OPC_CHOICES) : NULL;
 }

@@ -156,7 +156,7 @@ const opc_plugin *opc_plugin_load(opc_registry *registry, const char *path,
   if (!*reason) *reason = opc_plugin_fault(plugin, id);
   end_loading(before);
   if (!*reason) *reason = opc_functions_adopt(registry, plugin);
-  if (!*reason) return plugin;
+  if (!*reason) return opc_timeout_add(plugin);
   explain_version(plugin, reason);
   dlclose(object);
   return NULL;

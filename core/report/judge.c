@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "core/binding/lookup.h"
-#include "core/plugin/value.h"
 #include "core/report/judge.h"
 
 /* ---- state ---- */

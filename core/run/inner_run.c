@@ -11,7 +11,6 @@
 
 #include "core/binding/inner.h"
 #include "core/binding/lookup.h"
-#include "core/plugin/declaration.h"
 #include "core/run/inputs.h"
 #include "core/run/levels.h"
 #include "core/run/listen.h"

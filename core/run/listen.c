@@ -109,7 +109,9 @@ static void pass_progress(void *data, const char *path,
 }
 
 static int pass_cancelled(void *data) {
-  const opc_watch *to = ((const opc_run *)data)->listener.to;
+  const opc_run *run = data;
+  const opc_watch *to = run->listener.to;
+  if (run->deadline && g_get_monotonic_time() >= run->deadline) return TRUE;
   return to->cancelled && to->cancelled(to->data);
 }
 

@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "core/plugin/declaration.h"
-#include "core/plugin/value.h"
 #include "core/run/publish.h"
 #include "core/run/services.h"
 

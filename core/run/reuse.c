@@ -2,9 +2,7 @@
 /* Reuses steps whose results are in the store. Files and messages of a reused
    step are replayed. The outputs are provided only if a step that runs needs
    them: loaded from the store, or computed by running the reused step again. */
-#include <errno.h>
 #include <glib/gstdio.h>
-#include <string.h>
 
 #include <store/files.h>
 #include <store/pack.h>

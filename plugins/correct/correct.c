@@ -144,12 +144,12 @@ static int correct_run(void *self, void **outputs, opc_error *error) {
 static int correct_step_forecast(void *self, opc_forecast *out,
                                  opc_error *error) {
   correct *c = self;
-  char prints[48], fine_prints[80];
-  (void)snprintf(prints, sizeof prints, "at most %" PRId64 " simulations",
+  char fast[48], both[80];
+  (void)snprintf(fast, sizeof fast, "at most %" PRId64 " simulations",
                  c->with.max_iterations + 1);
-  (void)snprintf(fine_prints, sizeof fine_prints, "%s and %d accurate ones",
-                 prints, VERIFICATIONS + 1);
-  correct_forecast(&c->with, c->host, c->gates, prints, fine_prints, out);
+  (void)snprintf(both, sizeof both, "%s and %d accurate simulations", fast,
+                 VERIFICATIONS + 1);
+  correct_forecast(&c->with, c->host, c->gates, fast, both, out);
   out->memory *= (double)correct_corners_images(&c->corners);
   int code = eda_extractor_prepare(c->host->context, c->with.extractor, error);
   if (code) return code;

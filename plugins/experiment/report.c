@@ -256,8 +256,9 @@ static int write_pairs(const experiment *e, const eda_verdict *v, size_t n,
                       G_N_ELEMENTS(columns), error);
 }
 
-/* Publish the verdicts on all pairs of methods. Logs a warning for a run folder
-   that cannot be read. */
+/* Publish the figures of all pairs of methods, and the verdicts on each method
+   against the first one. Logs a warning for a run folder that cannot be read.
+ */
 static int print_verdicts(const experiment *e, opc_error *error) {
   opc_error why = {0};
   size_t n;
@@ -272,8 +273,8 @@ static int print_verdicts(const experiment *e, opc_error *error) {
   const opc_column column = {"verdict", NULL, OPC_TEXT, 0, texts};
   int code = n ? write_pairs(e, v, n, error) : OPC_OK;
   if (n && !code)
-    code = opc_put_table(e->host, "verdicts", OPC_TABLE_PRINT, n, &column, 1,
-                         error);
+    code = opc_put_table(e->host, "verdicts", OPC_TABLE_PRINT, e->n_methods - 1,
+                         &column, 1, error);
   eda_verdicts_free(v, n);
   return code;
 }

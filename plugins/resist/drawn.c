@@ -45,17 +45,12 @@ static int64_t pitch_of(const eda_gates *g, const eda_index *index, size_t i,
   return g->length[next] <= most ? best : 0;
 }
 
-static int by_size(const void *a, const void *b) {
-  int64_t x = *(const int64_t *)a, y = *(const int64_t *)b;
-  return (x > y) - (x < y);
-}
-
 /* Sort n > 0 numbers and return the most frequent number, the smallest of
    equally frequent numbers. *times receives its frequency. */
 static int64_t most_frequent(int64_t *all, size_t n, size_t *times) {
   int64_t best = 0;
   *times = 0;
-  qsort(all, n, sizeof *all, by_size);
+  qsort(all, n, sizeof *all, eda_int64s_rise);
   for (size_t from = 0, to; from < n; from = to) {
     for (to = from; to < n && all[to] == all[from];) to++;
     if (to - from <= *times) continue;

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the step `verify`: simulates and measures a corrected mask by
    models other than the models of the correction loop. */
-#include <eda/print.h>
 #include <opcflow/step.h>
 #include <stdlib.h>
 

@@ -100,15 +100,41 @@ gboolean opc_match_choices(const opc_node *node, const GPtrArray *list,
 
 /* ---- names ---- */
 
+/* Return the extension in a name, from the dot on; NULL if there is none. */
+static char *find_extension(char *name) {
+  char *dot = strrchr(name, '.');
+  return dot && dot > name && *name != '$' && g_ascii_isalpha(dot[1]) ? dot
+                                                                      : NULL;
+}
+
+/* Return the labels of the words of a map with `use`; "" unless one of the
+   words names a file. */
+static char *label_of_file(const opc_node *map) {
+  g_autoptr(GString) all = g_string_new(NULL);
+  gboolean any = FALSE;
+  for (guint i = 0; i < map->items->len; i++) {
+    const opc_node *value = map->items->pdata[i];
+    if (value->type != OPC_NODE_TEXT || !strcmp(opc_node_key(map, i), "use") ||
+        (!g_ascii_isalpha(*value->text) && !find_extension(value->text)))
+      continue;
+    any |= find_extension(value->text) != NULL;
+    g_autofree char *label = opc_label(value);
+    opc_label_add(all, label);
+  }
+  return g_strdup(any ? all->str : "");
+}
+
 char *opc_label(const opc_node *value) {
   const opc_node *use = opc_node_get(value, "use");
   const char *text = use                            ? use->text
                      : value->type == OPC_NODE_TEXT ? value->text
                                                     : NULL;
   if (!text || opc_node_is_null(value)) return g_strdup("");
+  g_autofree char *file = use ? label_of_file(value) : g_strdup("");
+  if (*file) return g_steal_pointer(&file);
   g_autofree char *base = g_path_get_basename(text);
-  char *dot = strrchr(base, '.');
-  if (dot && dot > base && g_ascii_isalpha(dot[1])) {
+  char *dot = find_extension(base);
+  if (dot) {
     if (use)
       memmove(base, dot + 1, strlen(dot));
     else

@@ -30,10 +30,10 @@ unsigned opc_edit_distance(const char *a, const char *b) {
 const char *opc_nearest(const char *word, const GPtrArray *words) {
   unsigned limit = MAX(1, (unsigned)strnlen(word, LONGEST) / 3);
   const char *nearest = NULL;
-  for (guint i = 0; i < words->len; i++)
-    if (!g_ascii_strcasecmp(word, words->pdata[i])) return words->pdata[i];
+  g_autofree char *low = g_ascii_strdown(word, -1);
   for (guint i = 0; i < words->len; i++) {
-    unsigned distance = opc_edit_distance(word, words->pdata[i]);
+    g_autofree char *its = g_ascii_strdown(words->pdata[i], -1);
+    unsigned distance = opc_edit_distance(low, its);
     /* If the distance is the length of the word, the words have no common
        letter. */
     if (distance > limit || distance >= strnlen(words->pdata[i], LONGEST))

@@ -39,6 +39,7 @@ static const opc_unit units[] = {
     {"rad", angle, 0, 180 / G_PI, 0},  {"s", duration, 0, 0, 0},
     {"ms", duration, -3, 0, 0},        {"us", duration, -6, 0, 0},
     {"ns", duration, -9, 0, 0},        {"ps", duration, -12, 0, 0},
+    {"min", duration, 0, 60, 0},       {"h", duration, 0, 3600, 0},
 };
 
 const opc_unit *opc_unit_find(const char *name) {

@@ -286,19 +286,10 @@ void correct_pieces_build(const pieces *in, eda_shapes *out) {
 void correct_shapes_of_boxes(boxes_lists from, eda_shapes *out) {
   size_t n = 0, i = 0;
   for (size_t k = 0; k < from.count; k++) n += from.list[k].count;
-  *out = (eda_shapes){.count = n};
-  out->start = eda_alloc(n + 1, sizeof *out->start);
-  out->points = eda_alloc(4 * n, sizeof *out->points);
+  *out = eda_shapes_of_boxes(n);
   for (size_t k = 0; k < from.count; k++)
-    for (size_t b = 0; b < from.list[k].count; b++, i++) {
-      eda_box box = from.list[k].box[b];
-      const eda_point corners[] = {{box.x0, box.y0},
-                                   {box.x1, box.y0},
-                                   {box.x1, box.y1},
-                                   {box.x0, box.y1}};
-      memcpy(out->points + 4 * i, corners, sizeof corners);
-      out->start[i + 1] = (uint32_t)(4 * i + 4);
-    }
+    for (size_t b = 0; b < from.list[k].count; b++)
+      eda_shapes_set_box(out, i++, from.list[k].box[b]);
 }
 
 int correct_mask_merge(const eda_shapes *polygons, boxes_lists added,

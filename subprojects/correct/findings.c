@@ -139,13 +139,13 @@ void correct_findings_of_print(const opc_host *host, const eda_gates *g,
 
 void correct_findings_of_guard(const opc_host *host, const guard *g, int held) {
   const char *are = g->worse == 1 ? " is" : "s are";
-  if (!held)
+  if (!held && (g->worse || g->lost))
     host->log(
         host, OPC_LOG_FINDING,
         "guard: off: %zu transistor%s worse than drawn and worse than the "
         "limit, %zu that printed with the drawn mask %s not print any more",
         g->worse, are, g->lost, verb_of(g->lost));
-  else if (g->worse)
+  if (held && g->worse)
     host->log(host, OPC_LOG_FINDING,
               "%zu transistor%s worse than drawn because of neighbours or "
               "rules: see 'verdict' in gates.csv",

@@ -6,7 +6,6 @@
 #include <eda/memory.h>
 #include <glib.h>
 #include <math.h>
-#include <opcflow/plugin.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -159,7 +158,7 @@ static int was_broken(const guard *g, const eda_violation *v) {
 
 static eda_box box_grown(eda_box b, double by) {
   int32_t d = (int32_t)fmin(by, INT32_MAX / 4);
-  return (eda_box){b.x0 - d, b.y0 - d, b.x1 + d, b.y1 + d};
+  return eda_box_grown(b, d);
 }
 
 /* Return a position in nm as an empty box. */

@@ -6,7 +6,6 @@
 #include <glib.h>
 #include <inttypes.h>
 #include <math.h>
-#include <opcflow/step.h>
 #include <opcflow/table.h>
 #include <stdlib.h>
 

@@ -2,7 +2,6 @@
 /* Implements the model-based placement of assist features. */
 #include <correct/search.h>
 
-#include <eda/memory.h>
 #include <math.h>
 #include <stdlib.h>
 

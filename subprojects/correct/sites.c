@@ -5,7 +5,6 @@
 #include <correct/sites.h>
 
 #include <eda/memory.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -5,7 +5,6 @@
 
 #include <eda/check.h>
 #include <eda/gates.h>
-#include <eda/memory.h>
 #include <math.h>
 #include <stdlib.h>
 

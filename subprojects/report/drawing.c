@@ -100,7 +100,7 @@ static part worst_part(const eda_mask *m, size_t n) {
   for (size_t k = 0; k < n; k++) {
     eda_box b = g->box[all[k].gate];
     p.window[k] = frame_of(g, b, around);
-    boxes[k] = (eda_box){b.x0 - more, b.y0 - more, b.x1 + more, b.y1 + more};
+    boxes[k] = eda_box_grown(b, more);
   }
   p.index = eda_index_new(boxes, n, 0);
   free(boxes);

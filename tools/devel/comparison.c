@@ -90,6 +90,17 @@ static gboolean append_cases(GString *out, const opc_flow *flow,
   return TRUE;
 }
 
+/* Append the other open files as comments. */
+static void append_open(GString *out, const opc_flow *flow) {
+  g_autoptr(GArray) open = cli_open_files(flow);
+  for (guint i = 1; i < open->len; i++) {
+    const cli_open_file *file = &g_array_index(open, cli_open_file, i);
+    g_string_append_printf(out, "%s#   --set each.set.%s=FILE    %s\n",
+                           i == 1 ? "# Parameters to set:\n" : "", file->path,
+                           file->summary);
+  }
+}
+
 /* ---- templates ---- */
 
 /* Append the text that replaces a word of the template; return FALSE if the
@@ -100,6 +111,8 @@ static gboolean append_word(GString *out, const char *word,
   if (!strcmp(word, "CASES")) return append_cases(out, flow, inputs);
   if (!strcmp(word, "PROCESS"))
     opc_text_append(out, process);
+  else if (!strcmp(word, "OPEN"))
+    append_open(out, flow);
   else if (!strcmp(word, "REMOVED"))
     append_removed(out, flow);
   else if (!strcmp(word, "DEMANDS"))

@@ -44,12 +44,8 @@ static eda_box box_of(const row *r, int layer, size_t i) {
 }
 
 static void fill_mask(const row *r, int layer, eda_shapes *mask) {
-  for (size_t i = 0; i < r->count; i++) {
-    eda_box b = box_of(r, layer, i);
-    eda_point p[] = {{b.x0, b.y0}, {b.x1, b.y0}, {b.x1, b.y1}, {b.x0, b.y1}};
-    memcpy(mask->points + 4 * i, p, sizeof p);
-    mask->start[i + 1] = 4 * (uint32_t)(i + 1);
-  }
+  for (size_t i = 0; i < r->count; i++)
+    eda_shapes_set_box(mask, i, box_of(r, layer, i));
 }
 
 static int print_layer(row *r, int layer, opc_error *error) {

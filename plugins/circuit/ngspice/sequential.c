@@ -2,7 +2,6 @@
 /* Measures delays of sequential circuits in traversals through their states. A
    traversal measures several transitions in sequence. */
 #include <glib.h>
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 

@@ -178,11 +178,7 @@ static int compare_layer(const drawn *a, const drawn *b, double um,
   return code;
 }
 
-static int by_number(const void *a, const void *b) {
-  const mask_difference *x = a, *y = b;
-  if (x->layer != y->layer) return x->layer < y->layer ? -1 : 1;
-  return (x->datatype > y->datatype) - (x->datatype < y->datatype);
-}
+EDA_COMPARE_RISING(by_number, mask_difference, layer, datatype);
 
 static int compare_all(mask *a, mask *b, mask_difference **out, size_t *n,
                        opc_error *error) {

@@ -63,8 +63,7 @@ static uint32_t owner_of(const correction *m, const eda_gates *g,
   int32_t r = m->on.work->radius;
   uint32_t owner = UINT32_MAX;
   double least = INFINITY;
-  eda_finder f =
-      eda_index_find(index, (eda_box){b.x0 - r, b.y0 - r, b.x1 + r, b.y1 + r});
+  eda_finder f = eda_index_find(index, eda_box_grown(b, r));
   for (uint32_t i; eda_index_next(&f, &i);) {
     double d = eda_box_distance(b, g->box[i]);
     if (d > least || (d == least && i > owner)) continue;

@@ -4,7 +4,6 @@
 #include "cover.h"
 
 #include <eda/memory.h>
-#include <glib.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,8 +19,7 @@ static eda_box places_box(const maker *m, size_t first, size_t count) {
   eda_box all = m->places[m->out->place[first]];
   for (size_t k = first + 1; k < first + count; k++)
     eda_box_join(&all, m->places[m->out->place[k]]);
-  return (eda_box){all.x0 - m->reach, all.y0 - m->reach, all.x1 + m->reach,
-                   all.y1 + m->reach};
+  return eda_box_grown(all, m->reach);
 }
 
 static double area_of(eda_box b) {

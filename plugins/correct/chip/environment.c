@@ -171,8 +171,7 @@ static int too_large(const seen *s, size_t i, opc_error *error) {
 /* Add the edges within the radius, clipped. */
 static void heap_collect(const seen *s, size_t i, heap *h) {
   frame f = {s->gates->box[i], s->gates->axis[i]};
-  eda_box w = {f.box.x0 - s->radius, f.box.y0 - s->radius, f.box.x1 + s->radius,
-               f.box.y1 + s->radius};
+  eda_box w = eda_box_grown(f.box, s->radius);
   eda_finder finder = eda_index_find(s->index, w);
   for (uint32_t k; eda_index_next(&finder, &k);) {
     edge e = s->edges[k];

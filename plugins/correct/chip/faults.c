@@ -3,7 +3,6 @@
    violation belongs to the nearest transistor. The violation is stored with the
    print of that transistor, so that all transistors of the print share the
    violation. */
-#include <eda/check.h>
 #include <eda/index.h>
 #include <eda/memory.h>
 #include <math.h>

@@ -114,11 +114,7 @@ static void scan_done(void *data, size_t done) {
 
 /* ---- classes ---- */
 
-static int by_corner(const void *a, const void *b) {
-  const found *p = a, *q = b;
-  if (p->box.y0 != q->box.y0) return p->box.y0 < q->box.y0 ? -1 : 1;
-  return (p->box.x0 > q->box.x0) - (p->box.x0 < q->box.x0);
-}
+EDA_COMPARE_RISING(by_corner, found, box.y0, box.x0);
 
 static guint hash_sum(gconstpointer sum) {
   guint hash;

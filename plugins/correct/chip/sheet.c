@@ -16,11 +16,7 @@ typedef struct item {
   int32_t wide, high;
 } item;
 
-static int by_height(const void *a, const void *b) {
-  const item *p = a, *q = b;
-  if (p->high != q->high) return p->high > q->high ? -1 : 1;
-  return (p->number > q->number) - (p->number < q->number);
-}
+EDA_COMPARE_FALLING(by_height, item, high, number);
 
 void pages_make(const cover *c, int32_t most, int32_t gap, pages *out) {
   item *all = eda_alloc(c->count, sizeof *all);

@@ -30,11 +30,7 @@ typedef struct neighbour {
   uint32_t mask, orientation; /* axis and flip relative to that transistor */
 } neighbour;
 
-static int by_place(const void *a, const void *b) {
-  const neighbour *p = a, *q = b;
-  if (p->box.y0 != q->box.y0) return p->box.y0 < q->box.y0 ? -1 : 1;
-  return (p->box.x0 > q->box.x0) - (p->box.x0 < q->box.x0);
-}
+EDA_COMPARE_RISING(by_place, neighbour, box.y0, box.x0);
 
 /* Return the orientation (flip and axis) of gate g relative to gate `to`. L and
    W are exchanged if the axes differ. */
@@ -49,7 +45,7 @@ static void sum_up(const seen *s, size_t i, GArray *list) {
   const eda_chip *c = s->work->chip;
   const eda_chip_gate *g = &c->gate[i];
   int32_t r = s->work->margin;
-  eda_box w = {g->box.x0 - r, g->box.y0 - r, g->box.x1 + r, g->box.y1 + r};
+  eda_box w = eda_box_grown(g->box, r);
   eda_finder f = eda_index_find(s->index, w);
   g_array_set_size(list, 0);
   for (uint32_t k; eda_index_next(&f, &k);) {

@@ -220,7 +220,7 @@ static int layout_begin(work *w, const eda_chip *chip, opc_error *error) {
   m = MAX(m, far) + 1;
   eda_box e = chip->extent;
   w->cutter.margin = m;
-  w->extent = (eda_box){e.x0 - m, e.y0 - m, e.x1 + m, e.y1 + m};
+  w->extent = eda_box_grown(e, m);
   w->window = (int32_t)MIN(side / chip->grid, (double)(1 << 28));
   w->columns = (size_t)(((int64_t)e.x1 - e.x0 + 2 * m) / w->window + 1);
   w->rows = (size_t)(((int64_t)e.y1 - e.y0 + 2 * m) / w->window + 1);

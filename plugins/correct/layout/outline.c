@@ -72,9 +72,7 @@ eda_layout *outline_new(const eda_layout *layout, int32_t top,
         find_box(layout, c, layers, n, &b) &&
         ((double)b.x1 - b.x0) * unit <= most &&
         ((double)b.y1 - b.y0) * unit <= most)
-      code = eda_layout_add_box(
-          out, c, 0, (eda_box){b.x0 - by, b.y0 - by, b.x1 + by, b.y1 + by},
-          error);
+      code = eda_layout_add_box(out, c, 0, eda_box_grown(b, by), error);
     else
       code = copy_instances(layout, c, out, error);
   }

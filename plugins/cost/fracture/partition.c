@@ -245,11 +245,6 @@ static void cut_corners(work *w, int32_t sliver) {
 
 /* ---- from cuts to rectangles ---- */
 
-static int by_value(const void *a, const void *b) {
-  int32_t p = *(const int32_t *)a, q = *(const int32_t *)b;
-  return (p > q) - (p < q);
-}
-
 static void find_lines(work *w) {
   for (int axis = 0; axis < 2; axis++) {
     int32_t *line = w->line[axis];
@@ -258,7 +253,7 @@ static void find_lines(work *w) {
       if (coordinate_along(corner_at(w, i), axis) ==
           coordinate_along(corner_at(w, i + 1), axis))
         line[n++] = coordinate_along(corner_at(w, i), axis);
-    qsort(line, (size_t)n, sizeof *line, by_value);
+    qsort(line, (size_t)n, sizeof *line, eda_int32s_rise);
     for (int i = 0; i < n; i++)
       if (!i || line[i] != line[i - 1]) line[kept++] = line[i];
     w->lines[axis] = kept;
@@ -268,7 +263,7 @@ static void find_lines(work *w) {
 static int number_of(const work *w, int axis, int32_t value) {
   const int32_t *line = w->line[axis];
   return (int)((const int32_t *)bsearch(&value, line, (size_t)w->lines[axis],
-                                        sizeof *line, by_value) -
+                                        sizeof *line, eda_int32s_rise) -
                line);
 }
 
@@ -345,10 +340,6 @@ static void cut_polygon(work *w, const eda_point *p, int n, int32_t sliver,
 
 /* ---- all polygons ---- */
 
-static eda_box polygon_bounds(const eda_shapes *s, size_t i) {
-  return eda_bounds(s->points + s->start[i], s->start[i + 1] - s->start[i]);
-}
-
 /* Return 1 for a rectilinear polygon without holes that does not exceed the
    limits. */
 static int is_plain(const eda_shapes *s, size_t i, const eda_box *holes,
@@ -360,7 +351,7 @@ static int is_plain(const eda_shapes *s, size_t i, const eda_box *holes,
     eda_point a = s->points[k], b = s->points[k + 1 < end ? k + 1 : first];
     if (a.x != b.x && a.y != b.y) return 0; /* rejected by eda_fracture */
   }
-  eda_box b = n_holes ? polygon_bounds(s, i) : (eda_box){0};
+  eda_box b = n_holes ? eda_shape_box(s, i) : (eda_box){0};
   for (size_t h = 0; h < n_holes; h++)
     if (holes[h].x0 >= b.x0 && holes[h].x1 <= b.x1 && holes[h].y0 >= b.y0 &&
         holes[h].y1 <= b.y1)
@@ -375,7 +366,7 @@ static void cut_plain(const eda_shapes *s, int32_t sliver, eda_shapes *rest,
   eda_box *holes = eda_alloc(s->count, sizeof *holes);
   size_t n_holes = 0;
   for (size_t i = 0; s->hole && i < s->count; i++)
-    if (s->hole[i]) holes[n_holes++] = polygon_bounds(s, i);
+    if (s->hole[i]) holes[n_holes++] = eda_shape_box(s, i);
   for (size_t i = 0; i < s->count; i++) {
     uint32_t n = s->start[i + 1] - s->start[i];
     const eda_point *p = s->points + s->start[i];

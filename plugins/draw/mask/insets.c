@@ -27,11 +27,7 @@ typedef struct ranked {
 } ranked;
 
 /* Order by rank, then by number. */
-static int by_rank(const void *a, const void *b) {
-  const ranked *p = a, *q = b;
-  if (p->rank != q->rank) return p->rank < q->rank ? 1 : -1;
-  return (p->gate > q->gate) - (p->gate < q->gate);
-}
+EDA_COMPARE_FALLING(by_rank, ranked, rank, gate);
 
 static double middle_x(const drawer *d, size_t i) {
   const eda_gates *g = d->mask->gates;

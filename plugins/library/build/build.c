@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the step `library.build`: corrects each cell of a sheet alone
    (thesis 4.2.1) and stores the results for later runs. */
-#include <eda/memory.h>
 #include <math.h>
 #include <opcflow/table.h>
 #include <string.h>

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the step `library.sheet`: a layout that contains each cell of
    another layout once, as drawn and isolated. */
-#include <eda/memory.h>
 #include <glib.h>
 #include <math.h>
 #include <opcflow/step.h>

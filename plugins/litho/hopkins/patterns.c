@@ -52,13 +52,8 @@ int pattern_spectrum(const kernels *k, int which, eda_spectrum *out,
   uint32_t n = (uint32_t)boxes_of(which, boxes, &f);
   eda_point points[4 * MOST];
   uint32_t start[MOST + 1] = {0};
-  for (uint32_t i = 0; i < n; i++) {
-    eda_box b = boxes[i];
-    eda_point p[4] = {{b.x0, b.y0}, {b.x1, b.y0}, {b.x1, b.y1}, {b.x0, b.y1}};
-    memcpy(points + (size_t)4 * i, p, sizeof p);
-    start[i + 1] = 4 * (i + 1);
-  }
   eda_shapes shapes = {n, start, points, NULL};
+  for (uint32_t i = 0; i < n; i++) eda_shapes_set_box(&shapes, i, boxes[i]);
   double unit = 1 / k->cutoff / 16;
   eda_frame frame = {0, 0, f.width * unit, f.height * unit};
   return eda_mask_spectrum(k->context, &shapes, unit, frame,

@@ -10,7 +10,6 @@
    residual comes from distant points across the rims of the pupils and extends
    further along f than across f. With D a function of |h| alone, an error of
    1e-4 for long gratings needs five times the kernels. */
-#include <eda/memory.h>
 #include <gsl/gsl_linalg.h>
 #include <math.h>
 #include <string.h>

@@ -327,11 +327,7 @@ static int load_texts(extractor *x, int32_t layer) {
   return code;
 }
 
-static int by_group_of_label(const void *a, const void *b) {
-  const label *p = a, *q = b;
-  if (p->group != q->group) return p->group < q->group ? -1 : 1;
-  return (p->number > q->number) - (p->number < q->number);
-}
+EDA_COMPARE_RISING(by_group_of_label, label, group, number);
 
 /* Sort the labels by group, and join nets of a group that have equal labels. */
 static int load_labels(extractor *x) {

@@ -65,11 +65,6 @@ static void faults_find(finder *f, int last) {
 
 /* ---- words ---- */
 
-static int by_number(const void *a, const void *b) {
-  uint32_t p = *(const uint32_t *)a, q = *(const uint32_t *)b;
-  return (p > q) - (p < q);
-}
-
 /* Return the transistors of all bundles of a side without a counterpart, in
    order. */
 static uint32_t *side_members(finder *f, int s, uint32_t *n) {
@@ -83,7 +78,7 @@ static uint32_t *side_members(finder *f, int s, uint32_t *n) {
     for (uint32_t k = 0; k < b->count; k++)
       list[(*n)++] = g->side[s].member[b->first + k];
   }
-  qsort(list, *n, sizeof *list, by_number);
+  qsort(list, *n, sizeof *list, eda_uint32s_rise);
   return list;
 }
 

@@ -13,11 +13,7 @@ typedef struct sized {
   uint32_t node;
 } sized;
 
-static int by_value(const void *a, const void *b) {
-  const sized *p = a, *q = b;
-  if (p->value != q->value) return p->value < q->value ? -1 : 1;
-  return (p->node > q->node) - (p->node < q->node);
-}
+EDA_COMPARE_RISING(by_value, sized, value, node);
 
 /* Mark the nodes of a class by length or width; sizes within the tolerance are
    equal. */

@@ -11,10 +11,6 @@
 
 enum { BLOCK = 256, POINTS = 3 * SIDES };
 
-static eda_box box_widened(eda_box b, int32_t by) {
-  return (eda_box){b.x0 - by, b.y0 - by, b.x1 + by, b.y1 + by};
-}
-
 /* ---- points ---- */
 
 /* Return 1 if the layer must print at the site. */
@@ -396,11 +392,6 @@ static void repair_grow(const drc *r, const site *s, repair *one) {
   }
 }
 
-/* Return 1 if the boxes touch or overlap. */
-static int boxes_meet(eda_box a, eda_box b) {
-  return a.x0 <= b.x1 && b.x0 <= a.x1 && a.y0 <= b.y1 && b.y0 <= a.y1;
-}
-
 /* Reduce by `step` the repair shapes that bridge the gap or touch the contact
    of site `wrong`, and limit their growth. `facing`: 1: only shapes that face
    the site; 0: all shapes within `near`. Return 1 if a shape was found. */
@@ -412,14 +403,14 @@ static int shapes_reduce(drc *r, const eda_printed *p, const site *wrong,
     repair *one = &r->repairs[i];
     const site *of = &r->sites[one->site];
     if (of->layer != wrong->layer ||
-        !boxes_meet(box_widened(of->box, 3 * near), wrong->box))
+        !eda_boxes_touch(eda_box_grown(of->box, 3 * near), wrong->box))
       continue;
     for (int k = 0; k < SIDES; k++) {
       if (!one->grow[k]) continue;
       eda_box added = repair_shape(r, p, one, k);
-      if (!boxes_meet(facing ? box_window(added, k, 0, near, flank)
-                             : box_widened(added, near),
-                      wrong->box))
+      if (!eda_boxes_touch(facing ? box_window(added, k, 0, near, flank)
+                                  : eda_box_grown(added, near),
+                           wrong->box))
         continue;
       found = 1;
       if (one->back[k] == r->round) continue; /* once per iteration */
@@ -462,7 +453,7 @@ static void mask_repair(drc *r, const eda_printed *p, size_t layer) {
     int32_t step = (int32_t)ceil((r->min_space - value) / 2 / r->grid);
     if (r->round < tuned.smooth_until)
       smooth_drop(r, layer,
-                  box_widened(place.box, (int32_t)ceil(value / r->grid)));
+                  eda_box_grown(place.box, (int32_t)ceil(value / r->grid)));
     if (fault[i].rule == EDA_RULE_SPACE)
       shapes_reduce(r, p, &place, near, step, 1);
   }

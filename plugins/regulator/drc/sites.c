@@ -30,9 +30,7 @@ static double interval_distance(int32_t a0, int32_t a1, int32_t b0,
 static int32_t nearest_gate(const drc *r, eda_box b) {
   int32_t reach = (int32_t)(tuned.near_gate / r->grid), found = INT32_MAX;
   double least = reach;
-  eda_finder f = eda_index_find(
-      r->boxes.index,
-      (eda_box){b.x0 - reach, b.y0 - reach, b.x1 + reach, b.y1 + reach});
+  eda_finder f = eda_index_find(r->boxes.index, eda_box_grown(b, reach));
   for (uint32_t i; eda_index_next(&f, &i);) {
     eda_box g = r->boxes.box[i];
     double d = hypot(interval_distance(g.x0, g.x1, b.x0, b.x1),
@@ -56,8 +54,7 @@ static uint8_t contact_position(const places *common, eda_box box) {
     eda_box c = common->box[i];
     if (!memcmp(&c, &box, sizeof c))
       how = WITHIN;
-    else if (how == OUTSIDE && c.x0 < box.x1 && c.x1 > box.x0 &&
-             c.y0 < box.y1 && c.y1 > box.y0)
+    else if (how == OUTSIDE && eda_boxes_overlap(c, box))
       how = PARTLY;
   }
   return how;
@@ -65,16 +62,7 @@ static uint8_t contact_position(const places *common, eda_box box) {
 
 static eda_box *shape_boxes(const eda_shapes *s) {
   eda_box *out = eda_alloc(s->count, sizeof *out);
-  for (size_t i = 0; i < s->count; i++) {
-    eda_point p = s->points[s->start[i]];
-    eda_box b = {p.x, p.y, p.x, p.y};
-    for (uint32_t k = s->start[i] + 1; k < s->start[i + 1]; k++) {
-      p = s->points[k];
-      b = (eda_box){p.x < b.x0 ? p.x : b.x0, p.y < b.y0 ? p.y : b.y0,
-                    p.x > b.x1 ? p.x : b.x1, p.y > b.y1 ? p.y : b.y1};
-    }
-    out[i] = b;
-  }
+  for (size_t i = 0; i < s->count; i++) out[i] = eda_shape_box(s, i);
   return out;
 }
 

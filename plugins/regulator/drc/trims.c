@@ -159,10 +159,7 @@ int trims_revert(drc *r, const site *line) {
   for (size_t i = 0; i < r->n_trims; i++) {
     trim *t = &r->trims[i];
     eda_box on = box_window(t->wall, side_opposite(t->side), 0, far, 0);
-    eda_box b = line->box;
-    if (!t->depth || b.x0 > on.x1 || b.x1 < on.x0 || b.y0 > on.y1 ||
-        b.y1 < on.y0)
-      continue;
+    if (!t->depth || !eda_boxes_touch(line->box, on)) continue;
     moved = 1;
     if (t->round == r->round) continue;
     t->depth -= t->depth < step ? t->depth : step;

@@ -7,10 +7,6 @@
 
 #include "epe.h"
 
-static int boxes_meet(eda_box a, eda_box b) {
-  return a.x0 < b.x1 && b.x0 < a.x1 && a.y0 < b.y1 && b.y0 < a.y1;
-}
-
 /* ---- limits of fragments ---- */
 
 /* Limit the outward moves of fragment i so that it keeps min_space to the
@@ -29,7 +25,7 @@ static void limit_fragment(epe_layer *l, const eda_index *srafs, uint32_t i) {
   eda_finder f = eda_index_find(srafs, box);
   for (uint32_t k; eda_index_next(&f, &k);) {
     eda_box sraf = l->srafs.box[k];
-    if (!boxes_meet(sraf, box)) continue;
+    if (!eda_boxes_overlap(sraf, box)) continue;
     int32_t off = p->axis == EDA_X
                       ? (p->sign > 0 ? sraf.x0 - line : line - sraf.x1)
                       : (p->sign > 0 ? sraf.y0 - line : line - sraf.y1);

@@ -56,11 +56,6 @@ static void cut_at(cutter *c, int32_t t) {
   c->marks[c->n_marks++] = t;
 }
 
-static int compare_ascending(const void *a, const void *b) {
-  int32_t p = *(const int32_t *)a, q = *(const int32_t *)b;
-  return (p > q) - (p < q);
-}
-
 /* Mark the projection of a visible corner of another edge, and one ripple
    length on both sides. */
 static void cut_at_corner(cutter *c, const drawn_edge *e, eda_point p) {
@@ -94,7 +89,7 @@ static void cut_thin_out(cutter *c, int32_t first, int32_t last) {
   int32_t least = c->layer->rules->min_edge, at = first;
   size_t n = 0;
   if (!c->n_marks) return;
-  qsort(c->marks, c->n_marks, sizeof *c->marks, compare_ascending);
+  qsort(c->marks, c->n_marks, sizeof *c->marks, eda_int32s_rise);
   for (size_t k = 0; k < c->n_marks; k++) {
     int32_t t = c->marks[k];
     if (t - at < least || last - t < least) continue;
@@ -137,7 +132,7 @@ static void cut_edge(cutter *c, const drawn_edge *e) {
   cut_evenly(c, at, last);
   cut_at(c, first);
   cut_at(c, last);
-  qsort(c->marks, c->n_marks, sizeof *c->marks, compare_ascending);
+  qsort(c->marks, c->n_marks, sizeof *c->marks, eda_int32s_rise);
 }
 
 /* ---- fragments ---- */

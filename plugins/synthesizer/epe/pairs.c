@@ -72,7 +72,7 @@ static void pair_consider(finder *f, uint32_t i, uint32_t j) {
 static eda_box box_of(const epe_fragment *p, int32_t grown) {
   const eda_point ends[] = {p->from, p->to};
   eda_box b = eda_bounds(ends, 2);
-  return (eda_box){b.x0 - grown, b.y0 - grown, b.x1 + grown, b.y1 + grown};
+  return eda_box_grown(b, grown);
 }
 
 static void pairs_find_around(finder *f, uint32_t i, int32_t reach) {

@@ -317,11 +317,7 @@ typedef struct turn {
   size_t of;
 } turn;
 
-static int by_saving(const void *a, const void *b) {
-  const turn *x = a, *y = b;
-  if (x->saves != y->saves) return x->saves < y->saves ? 1 : -1;
-  return (x->of > y->of) - (x->of < y->of);
-}
+EDA_COMPARE_FALLING(by_saving, turn, saves, of);
 
 static int has_slack(const budget *b, const choice *c, const double *slack) {
   for (uint32_t i = b->node_of[c->instance]; i < b->node_of[c->instance + 1];

@@ -119,11 +119,7 @@ typedef struct ranked {
 } ranked;
 
 /* Sort by descending deviation, then by index. */
-static int by_rank(const void *a, const void *b) {
-  const ranked *p = a, *q = b;
-  if (p->off != q->off) return p->off < q->off ? 1 : -1;
-  return (p->gate > q->gate) - (p->gate < q->gate);
-}
+EDA_COMPARE_FALLING(by_rank, ranked, off, gate);
 
 static void put_worst(GString *out, const klayout *k, int figure) {
   const eda_mask *m = k->mask;

@@ -6,7 +6,6 @@
 #include <eda/devices.h>
 #include <eda/memory.h>
 #include <glib.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -62,9 +62,7 @@ static int64_t outline_of(const sorting *o, size_t h) {
 
 static int sort_holes(sorting *o, opc_error *error) {
   const eda_shapes *s = o->shapes;
-  for (size_t i = 0; i < s->count; i++)
-    o->box[i] =
-        eda_bounds(s->points + s->start[i], s->start[i + 1] - s->start[i]);
+  for (size_t i = 0; i < s->count; i++) o->box[i] = eda_shape_box(s, i);
   for (size_t h = s->count; h-- > 0;) {
     if (!s->hole[h]) continue;
     int64_t owner = outline_of(o, h);

@@ -23,16 +23,11 @@ static piece *piece_new(size_t capacity) {
 
 static int32_t coordinate(eda_point p, int axis) { return axis ? p.y : p.x; }
 
-static int by_value(const void *a, const void *b) {
-  int32_t x = *(const int32_t *)a, y = *(const int32_t *)b;
-  return (x > y) - (x < y);
-}
-
 /* Find a coordinate strictly between the smallest and largest coordinate, near
    the median. Return 0 if there is none. */
 static int median(const piece *p, int axis, int32_t *values, int32_t *at) {
   for (size_t i = 0; i < p->n; i++) values[i] = coordinate(p->points[i], axis);
-  qsort(values, p->n, sizeof *values, by_value);
+  qsort(values, p->n, sizeof *values, eda_int32s_rise);
   int64_t low = values[0], high = values[p->n - 1];
   if (high - low < 2) return 0;
   *at = values[p->n / 2];

@@ -2,7 +2,6 @@
 /* Transistors of a chip; assignment of their edge displacements to the
    transistors of a window. */
 #include <eda/chip.h>
-#include <eda/memory.h>
 #include <stdlib.h>
 
 void eda_chip_free(void *object) {

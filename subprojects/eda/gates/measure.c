@@ -3,7 +3,6 @@
    of each gate. */
 #include <eda/memory.h>
 #include <eda/print.h>
-#include <math.h>
 #include <stdlib.h>
 
 #include "gates/gate.h"

@@ -10,14 +10,6 @@
 
 /* ---- boxes ---- */
 
-static eda_box box_grow(eda_box b, int32_t by) {
-  return (eda_box){b.x0 - by, b.y0 - by, b.x1 + by, b.y1 + by};
-}
-
-static int boxes_meet(eda_box a, eda_box b) {
-  return a.x0 < b.x1 && b.x0 < a.x1 && a.y0 < b.y1 && b.y0 < a.y1;
-}
-
 static int32_t length_of(eda_box b) {
   int32_t w = b.x1 - b.x0, h = b.y1 - b.y0;
   return w > h ? w : h;
@@ -67,7 +59,7 @@ static void cut_parts(planner *p, eda_box keep_out, int upright) {
   p->next.count = 0;
   for (size_t i = 0; i < p->parts.count; i++) {
     eda_box b = p->parts.box[i], low = b, high = b;
-    if (!boxes_meet(b, keep_out)) {
+    if (!eda_boxes_overlap(b, keep_out)) {
       eda_box_list_add(&p->next, b);
       continue;
     }
@@ -88,19 +80,19 @@ static void cut_parts(planner *p, eda_box keep_out, int upright) {
    from the parts. */
 static void cut_by_drawn(planner *p, const proposal *w) {
   int32_t off = p->rule->distance;
-  eda_finder f = eda_index_find(p->of_drawn, box_grow(w->box, off));
+  eda_finder f = eda_index_find(p->of_drawn, eda_box_grown(w->box, off));
   for (uint32_t i; eda_index_next(&f, &i);)
-    cut_parts(p, box_grow(p->drawn[i], off), w->upright);
+    cut_parts(p, eda_box_grown(p->drawn[i], off), w->upright);
 }
 
 /* Subtract the placed scatter bars near a proposal, enlarged by the allowed
    space, from the parts. */
 static void cut_by_srafs(planner *p, const proposal *w) {
   int32_t off = p->rule->space;
-  eda_finder f = eda_index_find(p->of_proposals, box_grow(w->box, off));
+  eda_finder f = eda_index_find(p->of_proposals, eda_box_grown(w->box, off));
   for (uint32_t i; eda_index_next(&f, &i);)
     for (size_t n = p->proposals[i].first; n < p->proposals[i].end; n++)
-      cut_parts(p, box_grow(p->srafs.box[n], off), w->upright);
+      cut_parts(p, eda_box_grown(p->srafs.box[n], off), w->upright);
 }
 
 /* Place the parts of a proposal that have the minimum length after

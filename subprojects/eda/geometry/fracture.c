@@ -171,11 +171,6 @@ static void close_slabs(fracture *f, uint32_t r0, uint32_t r1, int32_t x) {
   }
 }
 
-static int by_rank(const void *a, const void *b) {
-  uint32_t p = *(const uint32_t *)a, q = *(const uint32_t *)b;
-  return (p > q) - (p < q);
-}
-
 /* Unite the contour of each edge with the contour of the slab that the edge
    closes. This joins each hole to its outline: the leftmost edge of a hole
    closes a slab of the outline. */
@@ -215,7 +210,7 @@ static void fracture_step(fracture *f, const side *sides, size_t n) {
     f->ends[f->n_ends++] = sides[i].r1;
   }
   unite_edges(f, sides, n);
-  qsort(f->ends, f->n_ends, sizeof *f->ends, by_rank);
+  qsort(f->ends, f->n_ends, sizeof *f->ends, eda_uint32s_rise);
   size_t kept = 0, edge = 0, old = 0;
   for (size_t i = 0; i < f->n_ends; i++) {
     if (kept && f->ends[kept - 1] == f->ends[i])
@@ -240,11 +235,7 @@ static void sweep_chords(fracture *f, int transpose) {
 
 /* ---- choice of the sweep for each polygon ---- */
 
-static int by_corner(const void *a, const void *b) {
-  const eda_box *p = a, *q = b;
-  if (p->y0 != q->y0) return p->y0 < q->y0 ? -1 : 1;
-  return (p->x0 > q->x0) - (p->x0 < q->x0);
-}
+EDA_COMPARE_RISING(by_corner, eda_box, y0, x0);
 
 static void fracture_choose(fracture *f, eda_box **boxes, size_t *count) {
   uint32_t *pieces = g_malloc0_n(f->shapes->count, 2 * sizeof *pieces);

@@ -49,6 +49,25 @@ int64_t eda_area2(const eda_shapes *shapes) {
                            : (int64_t)sum;
 }
 
+eda_box eda_shape_box(const eda_shapes *s, size_t i) {
+  return eda_bounds(s->points + s->start[i], s->start[i + 1] - s->start[i]);
+}
+
+eda_shapes eda_shapes_of_boxes(size_t n) {
+  return (eda_shapes){.count = n,
+                      .start = eda_alloc(n + 1, sizeof(uint32_t)),
+                      .points = eda_alloc(n, 4 * sizeof(eda_point))};
+}
+
+void eda_shapes_set_box(eda_shapes *shapes, size_t i, eda_box b) {
+  eda_point *p = shapes->points + 4 * i;
+  p[0] = (eda_point){b.x0, b.y0};
+  p[1] = (eda_point){b.x1, b.y0};
+  p[2] = (eda_point){b.x1, b.y1};
+  p[3] = (eda_point){b.x0, b.y1};
+  shapes->start[i + 1] = (uint32_t)(4 * (i + 1));
+}
+
 void eda_shapes_clear(eda_shapes *shapes) {
   g_free(shapes->start);
   g_free(shapes->points);

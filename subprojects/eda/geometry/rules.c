@@ -65,11 +65,7 @@ static void edge_record(mask *m, uint32_t i) {
   m->found[m->n++] = (facing){distance, low, high};
 }
 
-static int by_distance(const void *a, const void *b) {
-  const facing *p = a, *q = b;
-  if (p->distance != q->distance) return p->distance < q->distance ? -1 : 1;
-  return (p->low > q->low) - (p->low < q->low);
-}
+EDA_COMPARE_RISING(by_distance, facing, distance, low);
 
 static void facing_report(mask *m, const facing *f) {
   double along = ((double)f->low + f->high) / 2;

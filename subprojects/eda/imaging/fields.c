@@ -51,14 +51,14 @@ static void filter_lines(void *data, size_t block) {
 
 /* An operation and its parameter. */
 enum { DIFFUSE, TO_SAMPLES, FROM_SAMPLES, RESAMPLE };
-typedef struct deed {
+typedef struct operation {
   int what;
   double sigma; /* sigma of DIFFUSE, nm */
-} deed;
+} operation;
 
 /* Return the gain at frequency k for resampling n to m numbers on a length of
    `length` nm. */
-static double gain_of(const deed *d, int k, int n, int m, double length) {
+static double gain_of(const operation *d, int k, int n, int m, double length) {
   double w = 2 * M_PI * k / length * d->sigma;
   if (d->what == DIFFUSE) return exp(-w * w / 2);
   double sampled = eda_spline_sampled((double)k / n);
@@ -67,7 +67,7 @@ static double gain_of(const deed *d, int k, int n, int m, double length) {
   return sampled / eda_spline_sampled((double)k / m);
 }
 
-static float *filter_gains(const deed *d, int n, int m, double length) {
+static float *filter_gains(const operation *d, int n, int m, double length) {
   int kept = (n < m ? n : m) / 2;
   float *gain = eda_alloc((size_t)kept + 1, sizeof *gain);
   for (int k = 0; k <= kept; k++) {
@@ -83,7 +83,7 @@ static float *filter_gains(const deed *d, int n, int m, double length) {
 
 /* Filter a field in place, and set the number of nodes to nx x ny. */
 static void filter_apply(const opc_context *context, eda_field *field, int nx,
-                         int ny, deed d) {
+                         int ny, operation d) {
   float *gx = filter_gains(&d, field->nx, nx, field->frame.width);
   float *gy = filter_gains(&d, field->ny, ny, field->frame.height);
   float *wide = eda_fft_alloc(sizeof *wide * (size_t)nx * (size_t)field->ny);
@@ -130,7 +130,8 @@ int eda_field_diffuse(const opc_context *context, eda_field *field,
   if (!(sigma >= 0) || isinf(sigma))
     return opc_fail(error, OPC_INVALID, NULL, "no diffusion of %g nm", sigma);
   if (sigma == 0) return OPC_OK;
-  filter_apply(context, field, field->nx, field->ny, (deed){DIFFUSE, sigma});
+  filter_apply(context, field, field->nx, field->ny,
+               (operation){DIFFUSE, sigma});
   return OPC_OK;
 }
 
@@ -143,16 +144,18 @@ int eda_field_resample(const opc_context *context, eda_field *field,
                     f->width / 1e3, f->height / 1e3, step);
   int nx = eda_fft_size(f->width / step), ny = eda_fft_size(f->height / step);
   if (nx == field->nx && ny == field->ny) return OPC_OK;
-  filter_apply(context, field, nx, ny, (deed){RESAMPLE, 0});
+  filter_apply(context, field, nx, ny, (operation){RESAMPLE, 0});
   return OPC_OK;
 }
 
 void eda_field_samples(const opc_context *context, eda_field *field) {
-  filter_apply(context, field, field->nx, field->ny, (deed){TO_SAMPLES, 0});
+  filter_apply(context, field, field->nx, field->ny,
+               (operation){TO_SAMPLES, 0});
 }
 
 void eda_field_from_samples(const opc_context *context, eda_field *field) {
-  filter_apply(context, field, field->nx, field->ny, (deed){FROM_SAMPLES, 0});
+  filter_apply(context, field, field->nx, field->ny,
+               (operation){FROM_SAMPLES, 0});
 }
 
 void eda_field_gradient(const eda_field *field, const double *x,

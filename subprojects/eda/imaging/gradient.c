@@ -5,6 +5,7 @@
    of frequencies. Contributions are stored separately and added in order, so
    that results do not depend on the number of threads. */
 #include "imaging/fft.h"
+#include "imaging/values.h"
 
 #include <complex.h>
 #include <eda/imaging.h>
@@ -72,15 +73,6 @@ static void to_square(const gradient_task *j, number *values, number *square) {
 
 /* ---- one kernel ---- */
 
-static number complex_of(const double a[2]) {
-  return (float)a[0] + (float)a[1] * I;
-}
-
-static number scale_of(const eda_kernels *s) {
-  number scale = complex_of(s->scale);
-  return scale == 0 ? 1 : scale;
-}
-
 /* Return coefficient (k, l) of the mask spectrum, which stores only k >= 0. */
 static number mask_at(const eda_spectrum *m, int k, int l) {
   int flip = k < 0;
@@ -105,7 +97,7 @@ static void gradient_transfer(const gradient_task *j, size_t kernel,
 static void add_kernel(void *data, size_t i) {
   const gradient_task *j = data;
   size_t n = j->rows * j->columns, nodes = (size_t)j->nx * (size_t)j->ny;
-  number *sum = j->sums + i * n, scale = scale_of(j->kernels);
+  number *sum = j->sums + i * n, scale = eda_scale_of(j->kernels);
   number *through = eda_alloc(n, sizeof *through);
   number *field = eda_fft_alloc(nodes * sizeof *field);
   gradient_transfer(j, i, through);
@@ -113,7 +105,7 @@ static void add_kernel(void *data, size_t i) {
     int l = (int)(a / j->columns) - j->half;
     int k = (int)(a % j->columns) - j->reach;
     number light = scale * mask_at(j->mask, k, l);
-    if (!k && !l) light += complex_of(j->kernels->offset);
+    if (!k && !l) light += eda_complex_of(j->kernels->offset);
     sum[a] = through[a] * light;
   }
   to_nodes(j, sum, field);
@@ -158,7 +150,7 @@ int eda_coherent_gradient(const opc_context *context, const eda_spectrum *mask,
                      eda_alloc(nodes, sizeof *out->coefficients)};
   /* Shapes are opaque, so the amplitude decreases with coverage: factor
      -scale. */
-  number scale = -2 * conjf(scale_of(kernels));
+  number scale = -2 * conjf(eda_scale_of(kernels));
   for (size_t a = 0; a < nodes; a++)
     out->coefficients[a] = crealf(scale * values[a]);
   eda_fft_free(values);

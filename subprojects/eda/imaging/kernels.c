@@ -3,10 +3,9 @@
 
    The spectrum of a field is mask spectrum * transfer function of a kernel. The
    spectrum is transformed back along y, one strip of columns k and -k at a
-   time. The field is then transformed along x, EDA_LANES rows at a time, and
-   the squared field is added to the sum in the cache. Finally the sum is
-   transformed forward, converted to B-spline coefficients, and transformed back
-   to the grid of the result. Lines outside the band are skipped.
+   time, then along x, EDA_LANES rows at a time. The squared field is added to
+   the sum in the cache. Finally the sum is transformed forward, converted to
+   B-spline coefficients, and transformed back to the grid of the result.
 
    Kernels are processed in groups, so that the sum is read and written once for
    each group. Work units are strips and blocks of rows. The terms of a sum and
@@ -28,13 +27,12 @@
 enum {
   STRIP = 32, /* number of columns k >= 0 in a strip */
   BLOCKS = STRIP / EDA_LANES,
-  TOGETHER = 4,           /* largest number of kernels in a group */
-  FIELDS_ROOM = 64 << 20, /* memory for the fields of a group, bytes */
+  TOGETHER = 4,            /* largest number of kernels in a group */
+  FIELDS_BYTES = 64 << 20, /* memory for the fields of a group, bytes */
   SUMS = 1 + EDA_RESIDUALS
 };
 
-static const double default_step =
-    32; /* largest grid step of the result by default, nm */
+static const double default_step = 32; /* largest grid step, nm */
 
 /* A two-dimensional array that is transformed along one direction. Blocks of
    EDA_LANES adjacent lines are stored together: at[b * n + i] is point i of
@@ -48,27 +46,23 @@ typedef struct sum_task {
   const opc_context *context;
   const eda_spectrum *mask;
   eda_kernels kernels;
-  float complex offset,
-      scale;       /* mask transmission: offset + scale * spectrum */
-  int nx, ny;      /* numbers of nodes of the fields */
+  float complex offset, scale; /* transmission: offset + scale * spectrum */
+  int nx, ny;                  /* numbers of nodes of the fields */
   int half, reach; /* fields have frequencies |l| <= half, |k| <= reach */
   size_t kernel, together; /* first kernel and size of the current group */
   size_t group_most;       /* largest group */
-  lines field[TOGETHER]; /* blocks of rows y; frequency k < 0 is at point left -
-                            k */
+  lines field[TOGETHER];   /* blocks of rows y; k < 0 is at point left - k */
   size_t left;
   size_t rows, columns; /* numbers of blocks of rows y, and of blocks of columns
                            k >= 0 of `spectrum` */
   eda_vector *sum[SUMS]; /* [row block][x]; sum[0]: of all kernels; sum[1 + i]:
                             of residual i */
 
-  int top_x, top_y; /* highest frequencies of the intensity: k <= top_x, |l| <=
-                       top_y */
+  int top_x, top_y;     /* highest frequencies k and |l| of the intensity */
   lines spectrum[SUMS]; /* spectra of the sums: blocks of columns k */
   int fine_x, fine_y;   /* numbers of nodes of the result */
-  float *by_x, *by_y; /* ratios of spline coefficients to samples at frequencies
-                         k and l */
-  lines fine;         /* blocks of rows before the transform along x */
+  float *by_x, *by_y;   /* ratios of spline coefficients to samples, at k, l */
+  lines fine;           /* blocks of rows before the transform along x */
   float *out;
 
   size_t capacity; /* size of a scratch array, points */
@@ -173,10 +167,9 @@ static void find_factors(const sum_task *j, const strip *p, int l,
     factors_scale(j->scale, n, &t[order[i]]);
 }
 
-/* Compute transfer function * mask spectrum for n blocks of columns; conjugate
-   the mask spectrum if sign is -1. t: transfer function; by_re, by_im: signs of
-   its parts. The signs multiply whole sums, so that rounding is equal in all
-   quadrants. */
+/* Compute transfer function `t` * mask spectrum `a` for n blocks of columns.
+   sign -1: conjugate `a`; by_re, by_im: signs of the parts of `t`. The signs
+   multiply whole sums, so that rounding is equal in all quadrants. */
 EDA_WIDE static void lanes_multiply(const float *restrict t, float by_re,
                                     float by_im, const float *restrict a,
                                     float sign, int n, eda_lanes *restrict to,
@@ -318,7 +311,7 @@ static void make_fields(sum_task *j, size_t count) {
   size_t n = j->rows * (size_t)j->nx;
   j->left = strips(j) * STRIP;
   size_t each = j->rows * 2 * j->left * sizeof *j->field->at;
-  size_t most = MIN(count, MAX(1, FIELDS_ROOM / each));
+  size_t most = MIN(count, MAX(1, FIELDS_BYTES / each));
   for (j->group_most = 0; j->group_most < MIN(most, TOGETHER);
        j->group_most++) {
     lines *field = &j->field[j->group_most];
@@ -343,11 +336,10 @@ static void add_kernels(sum_task *j) {
 
 /* ---- result from the sums ---- */
 
-/* Compute coefficient k of two blocks of real rows. `a` is the transform of the
-   complex block whose real and imaginary parts are the two blocks. The
-   transform is a backward transform of exchanged parts, which equals a forward
-   transform. Therefore the real and imaginary parts of a, *first and *second
-   are exchanged. */
+/* Compute coefficient k of two blocks of real rows from the transform `a` of
+   the complex block whose real and imaginary parts are the two blocks. In a,
+   *first and *second, real and imaginary parts are exchanged: this turns the
+   backward transform into a forward transform. */
 EDA_WIDE static void lanes_split(const eda_lanes *a, int n, int k,
                                  eda_lanes *first, eda_lanes *second) {
   const eda_lanes *p = a + k, *q = a + (k ? n - k : 0);
@@ -517,9 +509,8 @@ static void to_spline(sum_task *j) {
 
 /* ---- grids ---- */
 
-/* Estimate the memory of make_fields and to_spline. The estimate assumes the
-   smallest case: the intensity has the band of the mask, and each group has one
-   kernel. */
+/* Estimate the memory of make_fields and to_spline in the smallest case: the
+   intensity has the band of the mask, and each group has one kernel. */
 eda_image_size eda_image_forecast(eda_frame f, double band) {
   double x = f.width * band,
          y = f.height * band; /* numbers of frequencies k >= 0 and l >= 0 */
@@ -536,10 +527,10 @@ eda_image_size eda_image_forecast(eda_frame f, double band) {
 
 /* Return the number of field nodes along a side of `side` nm. */
 static int field_size(const eda_kernels *s, double side) {
-  /* The squared field has twice the band of the field. Frequencies beyond the
-     intensity band must not alias into that band. The outermost frequencies are
-     an exception (factor 0.85): they change the intensity by only 1e-5 of the
-     clear field, and a smaller grid saves a quarter of the time. */
+  /* The squared field has twice the band. Frequencies beyond the intensity
+     band must not alias into that band, except the outermost (factor 0.85):
+     they change the intensity by 1e-5 of the clear field, and a smaller grid
+     saves a quarter of the time. */
   double samples = 0.85 * (2 * s->band + s->intensity_band);
   double whole =
       2 * fmax(s->intensity_band,
@@ -574,10 +565,6 @@ static void choose_grids(sum_task *j, double step) {
                 MAX(n[0], MAX(n[2], n[3]) + EDA_LANES) + 2 * EDA_LANES;
 }
 
-static float complex complex_of(const double a[2]) {
-  return (float)a[0] + (float)a[1] * I;
-}
-
 int eda_coherent_sum(const opc_context *context, const eda_spectrum *mask,
                      const eda_kernels *kernels, double step, eda_field *out,
                      opc_error *error) {
@@ -588,9 +575,8 @@ int eda_coherent_sum(const opc_context *context, const eda_spectrum *mask,
     return opc_fail(error, OPC_INVALID, NULL,
                     "an image needs a kernel, and at most %d residuals",
                     EDA_RESIDUALS);
-  j.offset = complex_of(j.kernels.offset);
-  j.scale = complex_of(j.kernels.scale);
-  if (j.scale == 0) j.scale = 1;
+  j.offset = eda_complex_of(j.kernels.offset);
+  j.scale = eda_scale_of(&j.kernels);
   choose_grids(&j, step > 0 ? step : default_step);
   j.scratch = g_ptr_array_new_with_free_func(eda_fft_free);
   g_mutex_init(&j.lock);

@@ -6,7 +6,6 @@
 #include "imaging/lanes.h"
 
 #include <eda/simd.h>
-#include "imaging/fft.h"
 
 #include <glib.h>
 #include <math.h>

@@ -130,8 +130,7 @@ static void place_polygons(laying *l) {
   eda_frame f = l->frame;
   double w = f.width, h = f.height;
   for (size_t p = 0; p < s->count; p++) {
-    eda_box b =
-        eda_bounds(s->points + s->start[p], s->start[p + 1] - s->start[p]);
+    eda_box b = eda_shape_box(s, p);
     place *o = &l->places[p];
     o->x = f.x0 + f.width * floor((b.x0 * l->grid - f.x0) / f.width);
     o->y = f.y0 + f.height * floor((b.y0 * l->grid - f.y0) / f.height);

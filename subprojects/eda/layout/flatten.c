@@ -135,11 +135,6 @@ static void put_all(flattener *f, const frame *at, uint32_t depth) {
 
 /* ---- windows ---- */
 
-static int by_number(const void *a, const void *b) {
-  uint32_t p = *(const uint32_t *)a, q = *(const uint32_t *)b;
-  return (p > q) - (p < q);
-}
-
 static void frame_push(flattener *f, uint32_t i) {
   EDA_PUSH(f->useful, f->n_useful, f->useful_capacity, i);
 }
@@ -151,7 +146,8 @@ static void push_found(flattener *f, const eda_index *index, extent window) {
   eda_finder finder = eda_index_find(index, extent_box(window));
   for (uint32_t i; eda_index_next(&finder, &i);) frame_push(f, i);
   if (f->n_useful > from)
-    qsort(f->useful + from, f->n_useful - from, sizeof *f->useful, by_number);
+    qsort(f->useful + from, f->n_useful - from, sizeof *f->useful,
+          eda_uint32s_rise);
 }
 
 /* List the instances that may touch the window in `useful`. */
@@ -194,8 +190,7 @@ static void keep_touching(flattener *f, const flattener *before, size_t moved) {
   if (f->outside) return; /* flattener_run reports the error */
   const eda_point *p = f->out->shapes.points + before->n_points;
   eda_box b = eda_bounds(p, f->n_points - before->n_points);
-  const eda_box *w = f->window;
-  if (b.x0 <= w->x1 && w->x0 <= b.x1 && b.y0 <= w->y1 && w->y0 <= b.y1) return;
+  if (eda_boxes_touch(b, *f->window)) return;
   f->n_shapes = before->n_shapes;
   f->n_points = before->n_points;
   f->worst2 = before->worst2;

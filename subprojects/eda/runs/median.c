@@ -2,6 +2,7 @@
 /* Median and its confidence interval. */
 #include <eda/median.h>
 
+#include <eda/memory.h>
 #include <glib.h>
 #include <gsl/gsl_cdf.h>
 #include <math.h>
@@ -9,11 +10,6 @@
 #include <string.h>
 
 static const double confidence = 0.95;
-
-static int by_size(const void *a, const void *b) {
-  double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
 
 /* Return the probability that the interval between the order statistics `depth`
    and n + 1 - depth contains the median. */
@@ -35,7 +31,7 @@ eda_median eda_median_of(const double *values, size_t n) {
   if (!n) return out;
   g_autofree double *x = g_new(double, n);
   memcpy(x, values, n * sizeof *x);
-  qsort(x, n, sizeof *x, by_size);
+  qsort(x, n, sizeof *x, eda_doubles_rise);
   out.value = (x[(n - 1) / 2] + x[n / 2]) / 2;
   if (n < EDA_MEDIAN_FEWEST) return out;
   size_t d = depth_of(n);

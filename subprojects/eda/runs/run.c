@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reader of a run folder: manifest, metrics and resolved flow. */
 #include <glib.h>
-#include <math.h>
 #include <string.h>
 
 #include "runs/parameters.h"

@@ -24,11 +24,7 @@ typedef struct cutter {
   size_t count;
 } cutter;
 
-static int by_edge(const void *a, const void *b) {
-  const span *p = a, *q = b;
-  if (p->point != q->point) return p->point < q->point ? -1 : 1;
-  return (p->low > q->low) - (p->low < q->low);
-}
+EDA_COMPARE_RISING(by_edge, span, point, low);
 
 /* ---- owners of spans ---- */
 

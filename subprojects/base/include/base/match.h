@@ -28,7 +28,9 @@ gboolean opc_match_choices(const opc_node *node, const GPtrArray *list,
                            opc_values *out, opc_problems *problems);
 
 /* opc_label: return a label for a value: the name of a file without folder and
-   extension, the plugin of a map with `use`, or the text; "" for other values.
+   extension, or the text; "" for other values. The label of a map with `use`
+   consists of the file and the other words of the map. The label of a map
+   without a file is the plugin.
    opc_label_of_map: return the label of the first text in a map, otherwise of
    the first value that has a label. The caller frees both with g_free().
    opc_label_add: append a label unless it equals the last label of `to`. */
