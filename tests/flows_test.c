@@ -133,6 +133,28 @@ static void test_chip_numbers(void) {
   g_assert_nonnull(strstr(errors, "'poly': the layer has no number"));
 }
 
+/* The check finds wrong layers of a mask's writers
+   before the correction. */
+static void test_mask_layers(void) {
+  g_autofree char *demo = source_path("flows/demo.yaml");
+  g_autofree char *errors = NULL, *more = NULL;
+  g_autofree char *flow = g_strdup_printf(
+      "opcflow: 1\nname: layers\nextends: %s\nsteps:\n"
+      "  good: { use: write.gds, mask: '${mask}', layers: { poly: 7/0 }, file: "
+      "a.gds }\n"
+      "  bad: { use: write.oasis, mask: '${mask}', layers: { layout: 1/0 }, "
+      "file: b.oas }\n",
+      demo);
+  write_file("layers.yaml", flow);
+  g_assert_cmpint(opcflow(&errors, "check", "layers.yaml", NULL), ==, 2);
+  g_assert_cmpstr(errors, ==,
+                  "layers.yaml:6:53: step 'bad' (write.oasis): 'layout': a "
+                  "mask has the layers poly, active, contact, poly_drawn and "
+                  "active_drawn\n");
+  g_assert_cmpint(
+      opcflow(&more, "check", "layers.yaml", "--set", "bad=~", NULL), ==, 0);
+}
+
 /* NAND2_X1 of the NanGate library, scaled to L = 65 nm. */
 static void test_nangate(void) {
   g_autofree char *file = find_data("nangate45/NangateOpenCellLibrary.gds");
@@ -442,6 +464,7 @@ int main(int argc, char **argv) {
   begin_flows();
   g_test_add_func("/flows/demo", test_demo);
   g_test_add_func("/flows/chip-numbers", test_chip_numbers);
+  g_test_add_func("/flows/mask-layers", test_mask_layers);
   g_test_add_func("/flows/resolved", test_resolved);
   g_test_add_func("/flows/threads", test_threads);
   g_test_add_func("/flows/processors", test_processors);

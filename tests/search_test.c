@@ -210,7 +210,8 @@ static void test_failing(void) {
   g_assert_true(isnan(figure[3]));
   g_assert_true(metric("failing", "best", "failed") == 1);
   g_autofree char *text = read_file("failing", "settings.csv");
-  g_assert_nonnull(strstr(text, "20 nm exceeds the fragment length of 10 nm"));
+  g_assert_nonnull(
+      strstr(text, "'min_edge' is 20 nm, expected at most 'fragment', 10 nm"));
 }
 
 /* The resolved flow runs from another folder. File names are relative to the
@@ -334,7 +335,8 @@ static void test_inner_faults(void) {
   assert_refused(
       HEAD "    set: { mask.synthesizer.min_edge: 50 nm }\n" AXES LEAST,
       "bad.yaml:4:3: step 'best' (search): bad.yaml:7:39: 'mask.synthesizer' "
-      "(synthesizer.epe): 50 nm exceeds the fragment length of 14 nm (and 1 "
+      "(synthesizer.epe): 'min_edge' is 50 nm, expected at most 'fragment', 14 "
+      "nm (and 1 "
       "more)\n");
 }
 

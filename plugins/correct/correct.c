@@ -158,6 +158,11 @@ static int correct_step_forecast(void *self, opc_forecast *out,
   return OPC_OK;
 }
 
+static int correct_step_sketch(void *self, void **outputs, opc_error *error) {
+  (void)error;
+  return correct_sketch_mask(((const correct *)self)->gates, outputs);
+}
+
 /* ---- restoring ---- */
 
 static int correct_restore(void *self, const char *folder, void **outputs,
@@ -272,9 +277,12 @@ static int correct_check(void *self, opc_error *error) {
 /* ---- entry ---- */
 
 static const opc_port outputs[] = {EDA_PORT_MASK("mask")};
-static const opc_step functions = {
-    OPC_OUTPUTS(outputs), .run = correct_run, .forecast = correct_step_forecast,
-    .save = correct_save_mask, .restore = correct_restore};
+static const opc_step functions = {OPC_OUTPUTS(outputs),
+                                   .run = correct_run,
+                                   .forecast = correct_step_forecast,
+                                   .sketch = correct_step_sketch,
+                                   .save = correct_save_mask,
+                                   .restore = correct_restore};
 
 OPC_PLUGIN(
     correct, .id = "correct", .kind = "step", .version = OPC_VERSION,

@@ -330,7 +330,7 @@ static void assert_metrics(const made *d, int corrects) {
   }
 }
 
-/* The most severe finding is named, all are counted. */
+/* The most severe finding is named; all findings are counted. */
 static void assert_prints(void) {
   static const struct {
     uint32_t flag;

@@ -117,7 +117,7 @@ static void test_unit(void) {
 }
 
 /* Defaults at 248 nm, NA 0.7, where wavelength / NA is 354.3 nm: 11.658, 0.155
-   and 0.078 of that. Given values stay, also those in units of another
+   and 0.078 times this value. Given values stay, also those in units of another
    wavelength; lengths of unused features are unset. */
 static void test_follows(void) {
   g_autofree char *devices = source("data/devices/ptm65.yaml");

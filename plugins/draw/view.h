@@ -38,7 +38,7 @@ typedef struct view {
           "width", state, view.asked.width, .type = OPC_INT,                   \
           .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "1600", .min = 200,   \
           .max = 8000,                                                         \
-          .summary = "The width of the picture in pixels (.pdf: points)")
+          .summary = "Width of the picture in pixels (.pdf: points)")
 
 /* ---- view.c: the window and the paper ---- */
 

@@ -11,8 +11,7 @@
 
 /* ---- the figure to minimise ---- */
 
-/* Set the parameter of an error, or a key of the parameter, and return the
-   code. */
+/* Set the parameter of an error, or a key of it, and return the code. */
 static int error_set_parameter(opc_error *error, const char *parameter,
                                const char *key) {
   g_snprintf(error->parameter, sizeof error->parameter, "%s%s%s", parameter,
@@ -35,8 +34,7 @@ static int plan_figure(search *s, opc_error *error) {
   return OPC_OK;
 }
 
-/* Set up the shared axis. Settings that differ only in this axis share a
-   run. */
+/* Set up the shared axis: settings that differ only there share a run. */
 static int plan_axis(search *s, const char *key, opc_error *error) {
   plan *p = &s->plan;
   p->along = opc_get_inner(s->host)->axis(s->host, key, error);
@@ -78,8 +76,7 @@ static int plan_along(search *s, opc_error *error) {
                              s->along.pairs[s->along.count - 1].key);
 }
 
-/* Select the step that provides the mask: the named step, or the step of the
-   figure. */
+/* Select the step that provides the mask: the named one or the figure's. */
 static int plan_mask(search *s, opc_error *error) {
   const opc_inner_service *inner = opc_get_inner(s->host);
   opc_error none = {0};
@@ -274,31 +271,31 @@ static int search_run(void *self, void **outputs, opc_error *error) {
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(search, flow, .type = OPC_FILE,
                   .flags = OPC_REQUIRED | OPC_INNER_FLOW,
-                  .summary = "the flow whose parameters are searched"),
+                  .summary = "flow whose parameters are searched"),
     OPC_PARAMETER(search, gates, .type = OPC_INPUT, .flags = OPC_INNER_STEP,
                   .choices = "gates",
                   .summary = "gates that the flow corrects (default: those of "
                              "the step 'gates' of the flow)"),
     OPC_PARAMETER(search, variant, .type = OPC_TEXT,
-                  .summary = "a variant of that flow"),
+                  .summary = "variant of the flow"),
     OPC_PARAMETER(
         search, set, .type = OPC_MAP, .flags = OPC_MAP_OF_ANY,
-        .summary = "step.parameter: value, in place of the values of the flow"),
+        .summary = "step.parameter: value, overrides the values of the flow"),
     OPC_PARAMETER(search, sweep, .type = OPC_MAP, .flags = OPC_MAP_OF_ANY,
                   .summary = "step.parameter: [...] or { from: A, to: B, step: "
-                             "C }; over that flow's own sweep"),
+                             "C }; merged over the sweep of the flow"),
     OPC_PARAMETER(
         search, along, .type = OPC_MAP,
-        .summary = "step.parameter: step.table.column, one run has the figure "
-                   "at all values of a swept parameter, row by row"),
-    OPC_PARAMETER(
-        search, minimise, .type = OPC_TEXT,
-        .summary = "step.metric, the figure whose least value is best"),
+        .summary = "step.parameter: step.table.column; one run covers all "
+                   "values of this parameter, with a table row for each value"),
+    OPC_PARAMETER(search, minimise, .type = OPC_TEXT,
+                  .summary = "step.metric to minimise"),
     OPC_PARAMETER(search, maximise, .type = OPC_TEXT,
-                  .summary = "or that whose greatest value is"),
+                  .summary = "step.metric to maximise"),
     OPC_PARAMETER(
         search, mask, .type = OPC_TEXT,
-        .summary = "the step whose mask is handed on; that of the figure"),
+        .summary =
+            "step that provides the mask; default: the step of the metric"),
 };
 
 static const opc_metric metrics[] = {
@@ -339,7 +336,8 @@ static const opc_step functions = {OPC_OUTPUTS(outputs), .run = search_run};
 OPC_PLUGIN(
     search, .id = "search", .kind = "step", .version = OPC_VERSION,
     .licence = "BSD-3-Clause",
-    .summary = "run a flow at many settings of parameters, keep the best",
+    .summary =
+        "run a flow at many settings of parameters and keep the best setting",
     .flags = OPC_DETERMINISTIC | OPC_REENTRANT, OPC_PARAMETERS(parameters),
     OPC_METRICS(metrics), .check = search_check, .clear = search_clear,
     OPC_FUNCTIONS(functions));

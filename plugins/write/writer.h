@@ -66,7 +66,8 @@ typedef struct writer {
                             .summary = "Mask to write, in place of a layout", \
                             .given = offsetof(state, w.mask_given)),          \
         OPC_PARAMETER_NAMED("file", state, w.name, .type = OPC_OUTPUT,        \
-                            .preset = (preset_name), .summary = "The file"),  \
+                            .preset = (preset_name),                          \
+                            .summary = "File to write"),                      \
         OPC_PARAMETER_NAMED("layers", state, w.layers, .type = OPC_MAP,       \
                             .summary = (layers_summary)),                     \
   }

@@ -62,8 +62,8 @@ static gate_srafs set_rules(int rows, double width, double margin) {
 }
 
 /* Compare with rectangles computed by hand: gates at y 100..300 and 600..900 of
-   a line at x 0..60. The scatter bars of the longer gate are placed first, the
-   others end 90 nm before them. */
+   a line at x 0..60. The scatter bars of the longer gate are placed first;
+   those of the shorter gate end 90 nm before them. */
 static void test_places(void) {
   static const eda_box want[] = {{-156, 480, -150, 1020},
                                  {210, 480, 216, 1020},

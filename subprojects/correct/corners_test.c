@@ -232,7 +232,8 @@ static void test_weights(void) {
 }
 
 /* With a bound, the deviation that two transistors of a type have in common is
-   excluded and the remainder is bounded. These two differ by 0.6 %. */
+   excluded and the remainder is bounded. The deviations of these
+     transistors differ by 0.6 %. */
 static void test_limit(void) {
   static const double limits[] = {0, 0.2, 50};
   uint8_t same[] = {EDA_NMOS, EDA_NMOS};
@@ -300,8 +301,8 @@ static void test_fine(void) {
     for (size_t k = 0; k < ALL; k++)
       check_near(l.corners.corner[k].measured.performance.ion[i],
                  ion_of(i, k, -6), close_to);
-  /* Two layers, each mask at each focus, at the first displacements; the final
-     images are accurate already. */
+  /* Accurate simulations: two layers, each mask at each focus, after the first
+     displacements. The final images are accurate already. */
   g_assert_cmpint(fine_images, ==, 2 * FOCI * MASKS);
   g_assert_cmpuint(l.printer.fine_simulations, ==, fine_images);
   g_assert_cmpuint(l.printer.simulations, ==, cheap_images);

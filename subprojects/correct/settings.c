@@ -149,6 +149,15 @@ int correct_violations(const opc_context *context, const opc_module *regulator,
   return eda_blame(error, code, "regulator");
 }
 
+int correct_sketch_mask(const eda_gates *gates, void **outputs) {
+  eda_mask *m = outputs[0] = eda_mask_new(gates);
+  eda_performance_init(&m->design, gates->count);
+  eda_performance_init(&m->before, gates->count);
+  eda_performance_init(&m->after, gates->count);
+  m->flags = eda_alloc(gates->count, sizeof *m->flags);
+  return OPC_OK;
+}
+
 int correct_save_mask(void *self, void *const *outputs, const char *folder,
                       opc_error *error) {
   (void)self;

@@ -3,8 +3,8 @@
    equivalence classes. Transistors are found window by window. One transistor
    of each class of equal drawn environments is corrected, and all transistors
    of the class receive its mask. One transistor of each class of equal masked
-   environments is simulated. If its |Ion deviation| exceeds the limit, it is
-   corrected individually. */
+   environments is simulated. If the |Ion deviation| exceeds the limit, that
+   transistor is corrected individually. */
 #include <eda/memory.h>
 #include <eda/print.h>
 #include <math.h>
@@ -20,7 +20,7 @@
 
 /* Tuned constants. */
 static const struct {
-  double radius_error, radius, along, gap;
+  double radius_error, radius, gap;
   const char *margin;
 } tuned = {
     /* Clear field 1, and nm for models of unknown bandwidth. Shapes beyond this
@@ -29,11 +29,6 @@ static const struct {
        error. */
     .radius_error = 1e-3,
     .radius = 1000,
-
-    /* Fraction of the radius within which neighbours are corrected together
-       with a transistor; neighbours farther away stay as drawn. A correction
-       displaces their edges by a few nm, with a negligible effect at 1 um. */
-    .along = 1,
 
     /* Margin without accurate simulations. Beyond the margin, shapes are
        omitted, although the field is not clear. At 193 nm, NA 0.75, the largest
@@ -122,16 +117,15 @@ static int work_phase(work *w, double share, opc_error *error) {
   return OPC_OK;
 }
 
-/* Find the prints that exceed the limit and were not corrected individually.
-   Returns their number. */
+/* Find the prints to correct individually that are not refined yet. Returns
+   their number. */
 static size_t find_failing(work *w, uint32_t *prints) {
   const eda_chip *c = w->chip;
   uint8_t *used = eda_alloc(c->prints, 1);
   size_t n = 0;
   for (size_t i = 0; i < c->count; i++) used[c->gate[i].print] = 1;
   for (size_t k = 0; k < c->prints; k++) {
-    if (!used[k] || w->tried[k] ||
-        !(print_deviation(&c->print[k]) > w->with->ion_limit))
+    if (!used[k] || w->tried[k] || isnan(print_beyond(w, &c->print[k])))
       continue;
     w->tried[k] = 1;
     prints[n++] = (uint32_t)k;
@@ -146,8 +140,8 @@ static int work_refine(work *w, int *done, opc_error *error) {
   *done = !n;
   if (n)
     w->host->log(w->host, OPC_LOG_INFO,
-                 "%zu of %zu verified transistors exceed the limit and are "
-                 "corrected individually",
+                 "%zu of %zu verified transistors deviate and are corrected "
+                 "individually",
                  n, w->chip->prints);
   int code = n ? correct_prints(w, prints, n, error) : OPC_OK;
   free(prints);
@@ -164,6 +158,7 @@ static int work_all(work *w, opc_error *error) {
                "within %.4g nm",
                w->chip->count, w->windows, w->classes,
                w->radius * w->chip->grid);
+  representatives_choose(w);
   code = work_phase(w, 0.6, error);
   if (!code) code = correct_classes(w, error);
   if (!code) code = work_phase(w, 0.2, error);
@@ -195,7 +190,6 @@ static void work_init(const chip *c, eda_chip *out, work *w) {
               .faults = faults_new(),
               .margin = in_steps(c->with.margin, c->grid),
               .radius = in_steps(radius, c->grid),
-              .along = in_steps(tuned.along * radius, c->grid),
               .window = in_steps(c->window, c->grid),
               .gap = in_steps(tuned.gap, c->grid),
               .rounds = c->rounds,
@@ -209,7 +203,6 @@ void work_clear(work *w) {
   free(w->found);
   free(w->first);
   free(w->before);
-  free(w->flags_before);
   g_hash_table_destroy(w->prints);
   g_ptr_array_free(w->sums, TRUE);
   free(w->print_first);

@@ -141,19 +141,21 @@ static uint64_t hash_mix(uint64_t x, uint64_t start) {
   return x ^ (x >> 31);
 }
 
-/* Edges of a transistor in one mirror image, as order-independent sums of two
-   hashes. Equal sums of 128 bits mean equal edges. */
+void environment_add(uint64_t sum[2], uint64_t number) {
+  sum[0] += hash_mix(number, 0x9E3779B97F4A7C15u);
+  sum[1] += hash_mix(~number, 0xD1B54A32D192ED03u);
+}
+
+/* Edges of a transistor in one of the four mirror images. */
 typedef struct heap {
-  uint64_t sum, other, count;
+  uint64_t sum[2], count;
 } heap;
 
 static void heap_add(heap *h, const frame *f, const edge *e) {
   for (int k = 0; k < FLIPS; k++) {
     int l = k & EDA_FLIP_L, w = (k & EDA_FLIP_W) / EDA_FLIP_W;
     const int back[2] = {f->axis == EDA_X ? l : w, f->axis == EDA_X ? w : l};
-    uint64_t x = number_of(f, e, back);
-    h[k].sum += hash_mix(x, 0x9E3779B97F4A7C15u);
-    h[k].other += hash_mix(~x, 0xD1B54A32D192ED03u);
+    environment_add(h[k].sum, number_of(f, e, back));
     h[k].count++;
   }
 }
@@ -207,14 +209,14 @@ static void environment_digest(const seen *s, size_t i, const heap *h,
 }
 
 static int find_one(const seen *s, size_t i, opc_error *error) {
-  heap h[FLIPS] = {{0}};
+  heap h[FLIPS] = {{{0}, 0}};
   eda_box b = s->gates->box[i];
   int32_t most = FURTHEST - 2 * s->radius;
   if (b.x1 - b.x0 > most || b.y1 - b.y0 > most) return too_large(s, i, error);
   heap_collect(s, i, h);
   int least = 0;
   for (int k = 1; k < FLIPS && s->orientations > 1; k++)
-    if (h[k].sum < h[least].sum) least = k;
+    if (h[k].sum[0] < h[least].sum[0]) least = k;
   s->out[i].flip = (uint8_t)least;
   environment_digest(s, i, &h[least], s->out[i].sum);
   return OPC_OK;

@@ -26,6 +26,11 @@ int environments_find(const opc_context *context, const eda_gates *window,
                       eda_box core, int32_t radius, int orientations,
                       environment *out, opc_error *error);
 
+/* Add a number to two sums of hashes that do not depend on the order of the
+   numbers; equal sums of 128 bits mean equal numbers. Callable from any
+   thread. */
+void environment_add(uint64_t sum[2], uint64_t number);
+
 /* Return 1 if the lower left corner of a box is in the core. Callable from any
    thread. */
 int environment_starts(eda_box core, eda_box b);

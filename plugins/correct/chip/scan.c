@@ -128,9 +128,8 @@ static gboolean same_sum(gconstpointer a, gconstpointer b) {
 
 GHashTable *work_sums(void) { return g_hash_table_new(hash_sum, same_sum); }
 
-/* Group transistors into classes. The first transistor of a class is the
-   lowest, then the leftmost; `flip` orients its mask for all other transistors.
- */
+/* Group transistors into classes. `first` is the lowest, then leftmost
+   transistor; the others are oriented by `flip`. */
 static void find_classes(work *w) {
   eda_chip *c = w->chip;
   GHashTable *class_of = work_sums();

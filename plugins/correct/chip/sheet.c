@@ -147,7 +147,6 @@ static int put_gate(maker *m, const ref *r, size_t k, opc_error *error) {
                     "did not find this transistor",
                     (int)from->box[i].x0, (int)from->box[i].y0);
   m->out->of[k] = (uint32_t)number;
-  m->out->by[k] = p->by;
   m->out->place[k] = UINT32_MAX;
   to->box[k] = put_box(p, from->box[i]);
   eda_gates_copy(to, k, from, i);
@@ -257,7 +256,6 @@ static int sheet_join(maker *m, opc_error *error) {
   g->grid = c->grid;
   out->of = eda_alloc(n, sizeof *out->of);
   out->place = eda_alloc(n, sizeof *out->place);
-  out->by = eda_alloc(n, sizeof *out->by);
   for (size_t i = 0; i < n && !code; i++)
     code = put_gate(m, &refs[i], i, error);
   free(refs);
@@ -308,6 +306,5 @@ void sheet_clear(sheet *s) {
   eda_gates_free(s->gates);
   free(s->of);
   free(s->place);
-  free(s->by);
   *s = (sheet){0};
 }

@@ -24,8 +24,6 @@ typedef struct sheet {
   eda_gates *gates;
   uint32_t *of;    /* [gates], number in the chip */
   uint32_t *place; /* [gates], index in cover.place; UINT32_MAX: not selected */
-  eda_point *by;   /* [gates], position on the sheet minus position in the
-                      chip */
 } sheet;
 
 /* Make sheet `page` with all shapes of its clips. A transistor becomes a gate

@@ -23,6 +23,11 @@ typedef struct found {
   environment around;
 } found;
 
+typedef struct drawn_print {
+  eda_figures figures;
+  uint32_t flags, unused; /* EDA_PRINT_*; fills the record */
+} drawn_print;
+
 /* Rule violations (faults.c). */
 typedef struct faults faults;
 
@@ -30,9 +35,9 @@ typedef struct work {
   const opc_host *host;
   const correct_settings *with;
   int32_t margin; /* range of optical interaction */
-  /* Radius of a drawn environment; distance within which neighbours are
-     corrected, too; side of a window; distance of clips on a sheet. */
-  int32_t radius, along, window, gap;
+  /* Radius of a drawn environment, within which neighbours are corrected, too;
+     side of a window; distance of clips on a sheet. */
+  int32_t radius, window, gap;
   int orientations; /* number of equivalent orientations: 1, 4 or 8 */
   int64_t rounds;
   size_t round;   /* round of verification */
@@ -42,13 +47,12 @@ typedef struct work {
   found *found;
   size_t capacity;
 
-  /* [classes], for each class of equal drawn environments, the transistor that
-     is corrected. chip->mask contains one mask for each class, followed by the
-     masks of individually corrected transistors. */
+  /* Classes of drawn environments. chip->mask has one mask for each class,
+     followed by refined ones. `first` is the representative, for which a mask
+     is made. */
   uint32_t *first;
   size_t classes, mask_capacity, part_capacity, box_capacity;
-  eda_figures *before;    /* [masks], figures with all edges as drawn */
-  uint32_t *flags_before; /* [masks], EDA_PRINT_* with all edges as drawn */
+  drawn_print *before; /* of each mask, with all edges as drawn */
 
   /* Classes of equal masked environments, called prints. */
   GHashTable *prints;    /* from checksum to print number + 1 */
@@ -62,7 +66,6 @@ typedef struct work {
 
   /* Counts for the report. */
   size_t windows, sheets, refined, simulations, fine_simulations;
-  eda_gates *last;    /* gates of the previous sheet */
   double worst;       /* largest |Ion deviation| so far, % */
   double share, done; /* progress: share of this phase; done before it */
 } work;
@@ -73,20 +76,30 @@ void work_clear(work *work);
    chip->gate and `first`. (scan.c) */
 int scan_all(work *work, opc_error *error);
 
-/* Correct the first transistor of each class. (correction.c) */
+/* Make the member with the most frequent wider environment the representative
+   of each class; the lowest, then leftmost of several. (representatives.c) */
+void representatives_choose(work *work);
+
+/* Correct the representative of each class in place. (correction.c) */
 int correct_classes(work *work, opc_error *error);
-/* Correct the first transistor of each of n prints, with fixed masks of all
-   neighbours. If the new mask is better, all transistors of the print receive
-   the mask. */
+/* Split the classes of n prints: correct these with all others fixed. Better
+   masks replace those of all transistors of the print. */
 int correct_prints(work *work, const uint32_t *prints, size_t n,
                    opc_error *error);
 
-/* Simulate one transistor of each new print. Sets chip->print and the `print`
-   of each transistor. (verification.c) */
+/* Set the print of each transistor, by its masked environment within `margin`;
+   new prints have no figures yet. (verification.c) */
+void prints_find(work *work);
+/* Simulate one transistor of each new masked environment. Fills chip->print and
+   the `print` of each transistor. */
 int verify_all(work *work, opc_error *error);
 /* Return the |Ion deviation| of a print, %; INFINITY if the transistor does not
    print. */
 double print_deviation(const eda_chip_print *print);
+/* Return the |Ion deviation|, %, below which a new mask replaces that of a
+   print with a violation or a deviation beyond a part of `ion_limit`; else NAN.
+ */
+double print_beyond(const work *work, const eda_chip_print *print);
 
 /* Return a new hash table from checksums (SUM_SIZE bytes, not owned) to
    numbers. */

@@ -257,7 +257,7 @@ static int fracture_run(void *self, void **outputs, opc_error *error) {
 
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(counter, mask, .type = OPC_INPUT, .flags = OPC_REQUIRED,
-                  .choices = "mask", .summary = "The mask to count"),
+                  .choices = "mask", .summary = "Mask whose cost is computed"),
     OPC_PARAMETER(counter, max_shot, .type = OPC_REAL, .flags = OPC_AT_LEAST,
                   .unit = "nm", .preset = "1 um", .min = 10,
                   .summary = "Largest side of a shot, on the plate"),
@@ -270,7 +270,7 @@ static const opc_parameter parameters[] = {
                   .max = 100,
                   .summary = "Scale of the plate relative to the wafer"),
     OPC_PARAMETER(counter, array, .type = OPC_REALS, .preset = "[1, 1]",
-                  .summary = "Columns and rows of copies of the mask to count"),
+                  .summary = "Columns and rows of copies of the mask"),
     OPC_PARAMETER_NAMED(
         "array_space", counter, space, .type = OPC_REAL,
         .flags = OPC_AT_LEAST | OPC_AT_MOST, .unit = "nm", .preset = "200 nm",
@@ -318,11 +318,9 @@ static int fracture_check(void *self, opc_error *error) {
 
 static const opc_step functions = {.run = fracture_run};
 
-OPC_PLUGIN(counter, .id = "cost.fracture", .kind = "step", .version = "0.2.0",
-           .licence = "BSD-3-Clause",
-           .summary =
-               "Count the rectangles, shots, vertices and bytes of a "
-               "mask",
-           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), OPC_METRICS(metrics),
-           .check = fracture_check, OPC_FUNCTIONS(functions));
+OPC_PLUGIN(
+    counter, .id = "cost.fracture", .kind = "step", .version = "0.2.0",
+    .licence = "BSD-3-Clause",
+    .summary = "Compute the rectangles, shots, vertices and bytes of a mask",
+    .flags = OPC_DETERMINISTIC | OPC_REENTRANT, OPC_PARAMETERS(parameters),
+    OPC_METRICS(metrics), .check = fracture_check, OPC_FUNCTIONS(functions));

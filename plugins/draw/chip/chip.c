@@ -53,8 +53,7 @@ static double gate_figure(const drawer *d, const uint32_t *size, size_t i) {
                             : fabs(after) - fabs(before);
 }
 
-/* Return the value that a pixel shows: the larger deviation or the smaller
-   class. */
+/* Return the value that a pixel shows: larger deviation or smaller class. */
 static double worse_of(int show, double a, double b) {
   if (isnan(a)) return b;
   if (show == CLASSES) return fmin(a, b);
@@ -193,8 +192,7 @@ static int chip_run(void *self, void **outputs, opc_error *error) {
   if (!path) return error->code;
   raster r = {.width =
                   (int)(d->width - 2 * ceil(fmax(9, (double)d->width / 70)))};
-  /* The scale of a tall chip is limited, so that the picture is at most
-     square. */
+  /* The scale of a tall chip is limited: the picture is at most square. */
   r.scale = r.width / fmax(fmax(wide, high), 1);
   r.height = (int)fmax(1, ceil(high * r.scale));
   r.width = (int)fmax(1, ceil(wide * r.scale));
@@ -215,7 +213,7 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(drawer, show, .type = OPC_CHOICE, .preset = "after",
                   .choices = "after|before|change|classes",
                   .summary = "Quantity to show: deviation of Ion after or "
-                             "before correction, growth of the deviation, or "
+                             "before correction, change of |deviation|, or "
                              "number of transistors with the same mask"),
     OPC_PARAMETER(drawer, width, .type = OPC_INT, .preset = "1000", .min = 200,
                   .max = 8000, .summary = "Width of the picture, pixels"),
@@ -236,7 +234,7 @@ static const opc_step functions = {.run = chip_run};
 
 OPC_PLUGIN(drawer, .id = "draw.chip", .kind = "step", .version = "0.1.0",
            .licence = "BSD-3-Clause",
-           .summary = "a map of the transistors of a chip",
+           .summary = "draw a map of the transistors of a chip",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
            OPC_PARAMETERS(parameters), .check = chip_check,
            OPC_FUNCTIONS(functions));

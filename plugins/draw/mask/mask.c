@@ -265,20 +265,22 @@ static int mask_run(void *self, void **outputs, opc_error *error) {
 
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(drawer, mask, .type = OPC_INPUT, .flags = OPC_REQUIRED,
-                  .choices = "mask", .summary = "The mask to draw"),
+                  .choices = "mask", .summary = "Mask to draw"),
     VIEW_PARAMETERS(drawer, "mask.png"),
-    OPC_PARAMETER(drawer, state, .type = OPC_CHOICE, .preset = "after",
-                  .choices = "before|after|difference",
-                  .summary = "The drawn mask, the corrected one, or their "
-                             "difference"),
+    OPC_PARAMETER(
+        drawer, state, .type = OPC_CHOICE, .preset = "after",
+        .choices = "before|after|difference",
+        .summary =
+            "Show the drawn mask, the corrected mask, or the difference"),
     OPC_PARAMETER(drawer, scale, .type = OPC_TEXT, .preset = "auto",
-                  .summary = "The deviation at the ends of the colours, as in "
-                             "2 %; auto: the range of 98 % of the transistors"),
+                  .summary =
+                      "Deviation at the ends of the colour scale, such as 2 %; "
+                      "auto: the range of 98 % of the transistors"),
     OPC_PARAMETER(drawer, insets, .type = OPC_INT,
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "4", .min = 0,
                   .max = 8,
-                  .summary = "How many of the worst transistors are shown "
-                             "close up, where the layout is shown small"),
+                  .summary = "Number of close-ups of the worst transistors, "
+                             "drawn if the scale of the layout is small"),
 };
 
 static int mask_check(void *self, opc_error *error) {

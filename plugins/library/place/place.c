@@ -297,7 +297,7 @@ static int place_forecast(void *self, opc_forecast *out, opc_error *error) {
   const place *p = self;
   (void)error;
   if (!p->print) return OPC_OK;
-  correct_forecast(&p->with, p->host, p->gates, "one print",
+  correct_forecast(&p->with, p->host, p->gates, "one simulation",
                    "one accurate simulation", out);
   return OPC_OK;
 }

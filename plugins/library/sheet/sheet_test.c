@@ -52,7 +52,7 @@ static eda_layout *many_cells(void) {
   }
   add_box(l, eda_layout_cell(l, "empty", &error), "outline",
           (eda_box){0, 0, 50, 50});
-  /* Less than 4 um would remain beside this cell, and below the other one. */
+  /* Less than 4 um would remain beside one cell, and below the other cell. */
   add_box(l, eda_layout_find_cell(l, "wide"), "outline",
           (eda_box){0, 0, 9500, 300});
   add_box(l, eda_layout_find_cell(l, "long"), "outline",

@@ -169,42 +169,40 @@ static int match_run(void *self, void **outputs, opc_error *error) {
 
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(matcher, gates, .type = OPC_INPUT, .flags = OPC_REQUIRED,
-                  .choices = "gates", .summary = "the gates to find"),
+                  .choices = "gates", .summary = "gates of the layout"),
     OPC_PARAMETER(matcher, layout, .type = OPC_INPUT, .flags = OPC_REQUIRED,
-                  .choices = "layout",
-                  .summary = "the layout that the gates are of"),
+                  .choices = "layout", .summary = "layout with these gates"),
     OPC_PARAMETER(matcher, file, .type = OPC_FILE, .flags = OPC_REQUIRED,
-                  .summary = "the netlist: SPICE or CDL"),
-    OPC_PARAMETER(matcher, top, .type = OPC_TEXT,
-                  .summary = "the subcircuit; if not given, that with the name "
-                             "of the gates' cell"),
+                  .summary = "netlist file, SPICE or CDL"),
+    OPC_PARAMETER(
+        matcher, top, .type = OPC_TEXT,
+        .summary = "subcircuit to match; default: the name of the gates' cell"),
     OPC_PARAMETER(matcher, layers, .type = OPC_MAP, .choices = LAYER_KEYS,
-                  .summary = "names of the layout for layers that conduct"),
+                  .summary = "conducting layers: layer names in the layout"),
     OPC_PARAMETER(matcher, labels, .type = OPC_MAP, .choices = LAYER_KEYS,
-                  .summary = "layers with the texts that name nets, where they "
-                             "are layers of their own"),
+                  .summary = "separate layers with the texts that name nets"),
     OPC_PARAMETER(matcher, scale, .type = OPC_REAL, .flags = OPC_ABOVE,
                   .preset = "1",
-                  .summary = "a factor on the sizes of the netlist"),
+                  .summary = "factor on the sizes of the netlist"),
     OPC_PARAMETER(matcher, flat, .type = OPC_BOOL, .preset = "false",
-                  .summary = "match all at once, even where the layout has the "
-                             "netlist's instances"),
+                  .summary = "match the flattened netlist, even if the layout "
+                             "has the netlist's instances"),
     OPC_PARAMETER(matcher, tolerance, .type = OPC_REAL,
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .unit = "%",
                   .preset = "1 %", .max = 50,
-                  .summary = "how far L and W may be from the netlist's; one "
-                             "step of the grid at least"),
+                  .summary = "largest deviation of L and W from the netlist; "
+                             "at least a grid step is allowed"),
     OPC_PARAMETER(matcher, supply, .type = OPC_TEXT, .preset = "VDD VDD! VCC",
-                  .summary = "names of supply ports, with blanks between"),
+                  .summary = "names of supply ports, separated by blanks"),
     OPC_PARAMETER(matcher, ground, .type = OPC_TEXT,
                   .preset = "VSS VSS! GND GND! 0",
-                  .summary = "names of ground ports, with blanks between"),
+                  .summary = "names of ground ports, separated by blanks"),
     OPC_PARAMETER_NAMED(
         "nmos", matcher, n_models, .type = OPC_TEXT,
-        .summary = "names of n models, if the name does not show the type"),
+        .summary = "names of n models whose type is not evident"),
     OPC_PARAMETER_NAMED(
         "pmos", matcher, p_models, .type = OPC_TEXT,
-        .summary = "names of p models, if the name does not show the type"),
+        .summary = "names of p models whose type is not evident"),
 };
 
 static const opc_metric metrics[] = {

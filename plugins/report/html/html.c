@@ -80,7 +80,7 @@ static const opc_parameter parameters[] = {
                   .choices = "experiment",
                   .summary = "Experiment, for a page of all runs"),
     OPC_PARAMETER(writer, file, .type = OPC_OUTPUT, .preset = "report.html",
-                  .summary = "The page"),
+                  .summary = "HTML file to write"),
     OPC_PARAMETER(
         writer, view, .type = OPC_OUTPUT, .preset = "view.json",
         .summary = "File of the mask's picture data for 'opcflow report'"),

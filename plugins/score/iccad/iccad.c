@@ -231,6 +231,7 @@ static const opc_step functions = {.run = score_run};
 OPC_PLUGIN(
     score, .id = "score.iccad", .kind = "step", .version = "0.2.0",
     .licence = "BSD-3-Clause",
-    .summary = "figures of the ICCAD 2013 contest: EPE, L2, PV band, shots",
+    .summary =
+        "compute the scores of the ICCAD 2013 contest: EPE, L2, PV band, shots",
     .flags = OPC_DETERMINISTIC | OPC_REENTRANT, OPC_PARAMETERS(parameters),
     OPC_METRICS(metrics), OPC_FUNCTIONS(functions));

@@ -65,7 +65,9 @@ OPC_EXPORT int correct_violations(const opc_context *context,
                                   eda_violation **violations, size_t *count,
                                   opc_error *error);
 
-/* Save a mask: opc_step.save of a step whose output is a mask. */
+/* Save a mask: opc_step.save of a step whose output is a mask.
+   correct_sketch_mask: make a mask without shapes, for opc_step.sketch. */
+OPC_EXPORT int correct_sketch_mask(const eda_gates *gates, void **outputs);
 OPC_EXPORT int correct_save_mask(void *self, void *const *outputs,
                                  const char *folder, opc_error *error);
 
