@@ -88,7 +88,7 @@ static const struct {
     {"extractor_silent", "no error message"},
     {"extractor_nan", "ioff of transistor 'nand2:2' is nan"},
     {"extractor_negative", "ion of transistor 'nand2:1' is -1"},
-    {"extractor_slices", "cuts a gate into 0 slices"},
+    {"extractor_slices", "divides a gate into 0 slices, expected 1 to 65536"},
     {"extractor_order",
      "slice 2 is at 0.25 of the width, not within 0.75 to 1"},
     {"extractor_sum",

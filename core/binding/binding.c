@@ -12,8 +12,8 @@
 #include "core/plugin/pieces.h"
 #include "core/plugin/value.h"
 
-/* Limit of nested slots; stops the recursion if a plugin is the default of its
-   own slot. */
+/* Limit of nested slots; stops recursion if a plugin is the default of its
+   slot. */
 enum { DEEPEST_SLOT = 16 };
 
 /* State of a call of opc_bind. */
@@ -123,7 +123,7 @@ static void unknown_parameter(const binder *b, const opc_node *key,
             b->binding->plugin->id, suggestion);
 }
 
-/* Return the index of the parameter whose former name is `name`; -1 if
+/* Return the index of the parameter with a former name `name`; -1 if
    missing. */
 static int find_former(const binder *b, const opc_node *key, const char *name) {
   const opc_plugin *plugin = b->binding->plugin;

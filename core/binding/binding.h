@@ -90,8 +90,7 @@ gboolean opc_binding_fail(const opc_binding *binding, gboolean run, int code,
 void opc_binding_free(opc_binding *binding);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_binding, opc_binding_free)
 
-/* Return the place where parameter i is set, or else the place of the
-   binding. */
+/* Return the place where parameter i is set, or else that of the binding. */
 const opc_place *opc_binding_origin(const opc_binding *binding, size_t i);
 
 /* Return the place in the flow for an error of this instance: the place of

@@ -28,8 +28,7 @@ static gboolean unknown_step(const connector *c, const opc_node *node,
                    node->text, suggestion);
 }
 
-/* Find an output by name; NULL: the first. Returns FALSE and a problem if
-   missing. */
+/* Find an output by name; NULL: the first. FALSE and a problem if missing. */
 static gboolean find_port(const connector *c, const opc_node *node,
                           const opc_flow_step *from, const char *name,
                           size_t *port) {

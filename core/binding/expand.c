@@ -38,8 +38,7 @@ typedef struct item {
   gboolean several;    /* some key has several values */
 } item;
 
-/* A layer under construction: one combination of the values of the first
-   keys. */
+/* A layer under construction: a combination of the values of the first keys. */
 typedef struct part {
   opc_node *map;  /* paths and values */
   GString *label; /* values of the keys with several values */
@@ -267,8 +266,8 @@ static void add_layer(expander *e, const item *it, const part *p) {
   g_ptr_array_add(e->names, g_steal_pointer(&name));
 }
 
-/* Combine each partial layer with each value of a key; NULL and problems on
-   failure. */
+/* Combine each partial layer with each value of a key; NULL and problems if
+   that fails. */
 static GPtrArray *parts_multiply(const expander *e, const item *it,
                                  GPtrArray *parts, const opc_node *key,
                                  const opc_node *value,

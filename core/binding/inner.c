@@ -10,8 +10,7 @@
 #include "core/binding/lookup.h"
 #include "core/plugin/declaration.h"
 
-/* Limit of nested inner flows, such as an experiment whose steps run
-   searches. */
+/* Limit of nested inner flows, such as an experiment that runs searches. */
 enum { DEEPEST = 2 };
 
 /* ---- reading: variant and parameters ---- */

@@ -73,8 +73,7 @@ static gboolean read_range(const reader *in, opc_requirement *r,
   return TRUE;
 }
 
-/* Signs before a number. Longer signs precede, because "<" is a prefix of
-   "<=". */
+/* Signs before a number. Longer signs precede: "<" is a prefix of "<=". */
 static const struct {
   const char *sign, *text;
   gboolean upper, lower, open;

@@ -19,8 +19,7 @@ static const cli_option options[] = {
     {"json", "list of problems also as JSON", .flag = &json},
     {0}};
 
-/* Print each message of the instances only once, even if several variants log
-   the message. */
+/* Print each message of the instances once, also if several variants log it. */
 static void take_log(void *data, const char *path, int level,
                      const char *message) {
   static GMutex lock;
@@ -33,8 +32,7 @@ static void take_log(void *data, const char *path, int level,
 
 /* ---- forecasts of a run ---- */
 
-/* Memory, bytes, below which a forecast without a text about the work is not
-   printed. */
+/* Memory, bytes, below which a forecast without a work text is not printed. */
 static const double little = 1e6;
 
 static void variant_forecast(const opc_recipe *recipe, const opc_choice *choice,

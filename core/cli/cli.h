@@ -84,16 +84,14 @@ int cli_main(int argc, char **argv);
    exit code if the program is not installed. */
 int cli_run_devel(const cli_verb *verb);
 
-/* Replace this process by a program with the same arguments. Returns only on
-   failure. */
+/* Replace this process by a program with the same arguments, or return. */
 void cli_become(const char *program);
 
 /* Return a verb, built in or of a plugin, which is then loaded; NULL and *error
    if unknown. */
 const cli_verb *cli_find_verb(const char *name, opc_error *error);
 
-/* Return the names of all verbs that are not hidden (char *, freed with the
-   array). */
+/* Return the names of all visible verbs (char *, freed with the array). */
 GPtrArray *cli_verb_names(void);
 
 /* Return the verb of the plugin "command.NAME"; NULL and *error if missing. */
@@ -191,6 +189,5 @@ void cli_add_problems(JsonObject *object, opc_problems *problems);
 void cli_add_texts(JsonObject *object, const char *name,
                    const GPtrArray *texts);
 
-/* Return `code`, or CLI_IO after a message if standard output could not be
-   written. */
+/* Return `code`, or CLI_IO and a message if output could not be written. */
 int cli_finish(int code);

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Parses the words of a command line by the options of a verb, and prints their
-   help. */
+/* Parses a command line by the options of a verb, and prints their help. */
 #include <stdlib.h>
 #include <string.h>
 

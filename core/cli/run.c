@@ -166,8 +166,7 @@ static void findings_print(const opc_run *run, const char *note) {
     cli_message("finding", "%s%s", (char *)lines->pdata[i], note);
 }
 
-/* Print the results of a run. `note`: the variant if there are several, or
-   "". */
+/* Print the results of a run. `note`: the variant if there are several. */
 static int run_print_results(const series *s, const opc_run *run,
                              const char *note, const opc_problems *found) {
   g_autoptr(opc_problems) problems = opc_problems_new();

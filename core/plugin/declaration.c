@@ -145,8 +145,7 @@ static char *preset_fault(const opc_parameter *p) {
                          first->message);
 }
 
-/* Return whether one name is a group that contains the other name: "a" and
-   "a.b". */
+/* Return whether one name is a group with the other name: "a" and "a.b". */
 static gboolean are_nested(const char *a, const char *b) {
   return (g_str_has_prefix(a, b) && a[strlen(b)] == '.') ||
          (g_str_has_prefix(b, a) && b[strlen(a)] == '.');

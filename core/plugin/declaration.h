@@ -39,8 +39,7 @@ const opc_choices *opc_choices_of(const opc_plugin *plugin);
 gconstpointer opc_declared_copy(gconstpointer from, size_t n, size_t theirs,
                                 size_t oldest, size_t ours);
 
-/* Copy an array of `type`; `last` is the last field of `type` in interface
-   0.8. */
+/* Copy an array; `last` is the last field of `type` in interface 0.8. */
 #define OPC_DECLARED_COPY(type, last, from, n, theirs)                   \
   ((const type *)opc_declared_copy(                                      \
       from, n, theirs, offsetof(type, last) + sizeof(((type *)0)->last), \

@@ -97,8 +97,7 @@ static gboolean *find_needed(const void *in, const opc_flow *flow) {
   return opc_inner_needed(in, flow);
 }
 
-/* Remove the folders of the levels, which only the runs of the inner flow
-   use. */
+/* Remove the folders of the levels, which only the inner flow uses. */
 static void end_runs(opc_inner_runs *runs) {
   for (unsigned level = 0; level < runs->levels.depth; level++) {
     g_autofree char *folder = opc_levels_folder(&runs->levels, level);

@@ -20,7 +20,7 @@ typedef struct keyer {
 
 /* ---- facts ---- */
 
-/* Return the path of a parameter relative to the root, such as "slot.name"
+/* Return the path of a parameter below the root, such as "slot.name"
    (g_free). */
 static char *place_of(const keyer *k, const opc_binding *b, const char *name) {
   const char *rest = b->path + strlen(k->root);

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Keys of step results. A key is a checksum over all facts that a result
-   depends on. */
+/* Keys of step results: checksums over all facts that a result depends on. */
 #pragma once
 
 #include <store/facts.h>

@@ -10,8 +10,7 @@
 #include "core/run/publish.h"
 #include "core/run/services.h"
 
-/* Record a refused publication: the step fails even if the plugin ignores the
-   error. */
+/* Record a refused publication: the step fails even if the plugin continues. */
 static int publication_refuse(opc_run *run, const opc_error *error) {
   if (!run->written.refusal.code) run->written.refusal = *error;
   return error->code;

@@ -30,8 +30,7 @@ static void run_go_up(opc_run **run, char **path) {
   *path = longer;
 }
 
-/* Record in the run, and in all runs that contain it, whether a step was
-   reused. */
+/* Record in the run, and in all containing runs, whether a step was reused. */
 static void reuse_record(opc_run *run, const opc_flow_step *step,
                          gboolean reused, const char *reason) {
   char *path = g_strdup(step->name);

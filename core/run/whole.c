@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Opens the folder of a run, runs its steps and points, and closes the
-   folder. */
+/* Opens the folder of a run, runs steps and points, and closes the folder. */
 #include "core/run/whole.h"
 
 #include <guard/guard.h>
@@ -14,8 +13,7 @@
 #include "core/run/reports.h"
 #include "core/run/steps.h"
 
-/* Open a temporary folder for ranks other than the first, removed at the
-   end. */
+/* Open a temporary folder for a rank other than the first; removed later. */
 static void open_scratch(opc_run *run, opc_problems *problems) {
   g_autoptr(GError) fault = NULL;
   run->written.work = g_dir_make_tmp("opcflow-XXXXXX", &fault);

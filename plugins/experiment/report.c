@@ -11,8 +11,7 @@
 /* Largest width of the summary, in terminal columns. */
 enum { WIDEST = 100 };
 
-/* Metrics that methods optimise. The summary begins with these metrics of any
-   step. */
+/* Metrics that methods optimise, of any step: the summary begins with these. */
 static const char *const aims[] = {"ion_mean",  "ion_max", "ioff_mean",
                                    "area_mean", "shots",   "violations"};
 
@@ -72,8 +71,7 @@ static int write_runs(const experiment *e, opc_error *error) {
   const char *step = NULL;
   g_auto(GStrv) folders = g_new0(char *, e->count + 1);
   for (size_t i = 0; i < e->count; i++) {
-    /* The column `folder` has paths relative to the outer run folder:
-       step/run. */
+    /* The column `folder` has paths inside the outer run folder: step/run. */
     if (!step && e->folders[i]) {
       size_t whole = strlen(e->folders[i]), inside = strlen(e->places[i]);
       g_autofree char *own = g_strndup(e->folders[i], whole - inside - 1);
@@ -257,8 +255,8 @@ static int write_pairs(const experiment *e, const eda_verdict *v, size_t n,
 }
 
 /* Publish the figures of all pairs of methods, and the verdicts on each method
-   against the first one. Logs a warning for a run folder that cannot be read.
- */
+   against the first one. Logs a warning for a run folder that cannot be
+   read. */
 static int print_verdicts(const experiment *e, opc_error *error) {
   opc_error why = {0};
   size_t n;

@@ -208,7 +208,7 @@ run --set "library.extractor.devices=$work/two.yaml" --set "placed.extractor.dev
   --set "layout.file=$work/marked.cif" --set 'layout.layers.lvt=LV' --set 'gates.flavours={ lvt: lvt }'
 code=$?
 check "a marker over a cell: exit 2" exits 2
-check "and says so" says "4 of 4 transistors are not in the library.*another flavour"
+check "and says so" says "4 of 4 transistors are not in the library.*flavour"
 
 # A correction that depends on more than the settings and the cell is not kept.
 rm -rf "$work/store"

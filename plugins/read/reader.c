@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the common part of the readers of layouts; compiled into each of
-   them. */
+/* Implements the common part of the layout readers; compiled into each. */
 #include "reader.h"
 
 #include <eda/formats.h>
@@ -208,8 +207,7 @@ static const char *name_in_file(const reading *b, size_t layer) {
   return name;
 }
 
-/* Return 1 if pair i is optional; a missing optional layer becomes an empty
-   layer. */
+/* Return 1 if pair i is optional; a missing optional layer becomes empty. */
 static int is_optional(const reading *b, size_t i) {
   opc_error ignored;
   const char *name = b->r->layers.pairs[i].key;

@@ -18,8 +18,7 @@ typedef struct reader {
   const char *optional; /* names of `layers`, separated by blanks, or NULL */
 } reader;
 
-/* Parameters of a reader, with the summaries of the file and of the map of
-   layers. */
+/* Parameters of a reader, with the summaries of the file and the layer map. */
 #define READ_PARAMETERS(file_summary, layers_summary)                    \
   OPC_PARAMETER(reader, file, .type = OPC_FILE, .flags = OPC_REQUIRED,   \
                 .summary = (file_summary)),                              \
@@ -97,8 +96,7 @@ typedef struct reading {
   opc_error *error;
   int failed;         /* code of the first failure */
   const char *format; /* format of the reader */
-  /* Fail with OPC_IO and the place in the file, unless an earlier failure
-     exists. */
+  /* Fail with OPC_IO and the place in the file, unless a failure exists. */
   void (*refuse)(void *reading, const char *what);
 
   char *bytes;             /* of the file */

@@ -18,7 +18,7 @@ eda_settings *search_settings(const search *s) {
   return out;
 }
 
-/* Publish the table with the columns setting, parameters, figure, run, and
+/* Publish the table with the columns setting, parameters, figure, run,
    result. */
 static int settings_table(const search *s, const eda_settings *all,
                           opc_error *error) {

@@ -11,8 +11,7 @@
 
 /* ---- the figure to minimise ---- */
 
-/* Set the parameter of an error, or a key of the parameter, and return the
-   code. */
+/* Set the parameter of an error, or a key of it, and return the code. */
 static int error_set_parameter(opc_error *error, const char *parameter,
                                const char *key) {
   g_snprintf(error->parameter, sizeof error->parameter, "%s%s%s", parameter,
@@ -35,8 +34,7 @@ static int plan_figure(search *s, opc_error *error) {
   return OPC_OK;
 }
 
-/* Set up the shared axis. Settings that differ only in this axis share a
-   run. */
+/* Set up the shared axis: settings that differ only there share a run. */
 static int plan_axis(search *s, const char *key, opc_error *error) {
   plan *p = &s->plan;
   p->along = opc_get_inner(s->host)->axis(s->host, key, error);
@@ -78,8 +76,7 @@ static int plan_along(search *s, opc_error *error) {
                              s->along.pairs[s->along.count - 1].key);
 }
 
-/* Select the step that provides the mask: the named step, or the step of the
-   figure. */
+/* Select the step that provides the mask: the named one or the figure's. */
 static int plan_mask(search *s, opc_error *error) {
   const opc_inner_service *inner = opc_get_inner(s->host);
   opc_error none = {0};

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the common part of the writers of layouts; compiled into each of
-   them. */
+/* Implements the common part of the layout writers; compiled into each. */
 #include "writer.h"
 
 #include <eda/memory.h>
@@ -59,7 +58,7 @@ static int names_collide(const char *a, const char *b) {
   return x.layer == y.layer && x.datatype == y.datatype;
 }
 
-/* Fail if the map assigns to a layer the file name of a layer outside of the
+/* Fail if the map sets for a layer the file name of a layer outside of the
    map. */
 static int check_places(const writer *w, const eda_layout *layout,
                         const char *const *names, opc_error *error) {

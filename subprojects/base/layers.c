@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Application of trees to other trees, and parsing of layers from a command
-   line. */
+/* Application of trees to other trees, and layers from a command line. */
 #include <base/layers.h>
 
 #include <string.h>
@@ -69,8 +68,7 @@ static void map_put(opc_node *map, const opc_node *key, const char *path,
                     const opc_node *value, gboolean deep,
                     opc_problems *problems);
 
-/* Copy all keys of a map into another map; `deep`: also expand keys with
-   dots. */
+/* Copy all keys of a map into another; `deep`: also expand keys with dots. */
 static void put_all(opc_node *map, const opc_node *from, gboolean deep,
                     opc_problems *problems) {
   for (guint i = 0; i < from->keys->len; i++)

@@ -59,8 +59,7 @@ gboolean opc_problem_add(opc_problems *problems, int code,
   return FALSE;
 }
 
-/* Return whether one of the first `n` problems equals `p`, with or without the
-   note. */
+/* Return whether one of the first `n` problems equals `p`, or `p` with note. */
 static gboolean is_known(const opc_problems *problems, guint n,
                          const opc_problem *p, const char *noted) {
   for (guint i = 0; i < n; i++) {

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tables of texts: as aligned columns of limited width, as Markdown and as
-   CSV. */
+/* Tables of texts: as columns of limited width, as Markdown and as CSV. */
 #include <base/sheet.h>
 #include <string.h>
 

@@ -7,8 +7,7 @@ enum { LONGEST = 64 };
 
 unsigned opc_edit_distance(const char *a, const char *b) {
   size_t m = strnlen(a, LONGEST), n = strnlen(b, LONGEST);
-  /* Three rows of the table, because a swap refers to the row before the
-     last. */
+  /* Three rows of the table: a swap refers to the row before the last. */
   unsigned rows[3][LONGEST + 1];
   for (size_t j = 0; j <= n; j++) rows[0][j] = (unsigned)j;
   for (size_t i = 1; i <= m; i++) {
@@ -34,8 +33,7 @@ const char *opc_nearest(const char *word, const GPtrArray *words) {
   for (guint i = 0; i < words->len; i++) {
     g_autofree char *its = g_ascii_strdown(words->pdata[i], -1);
     unsigned distance = opc_edit_distance(low, its);
-    /* If the distance is the length of the word, the words have no common
-       letter. */
+    /* If the distance is the word's length, no letter is common. */
     if (distance > limit || distance >= strnlen(words->pdata[i], LONGEST))
       continue;
     limit = distance ? distance - 1 : 0;

@@ -123,8 +123,8 @@ static int control_exchange(const control_rules *r, control *c,
 }
 
 /* Restart a transistor whose error was changed by its neighbours, in the phase
-   whose step still reduces |error|. A step of W changes Ion by one part of the
-   width; the effect of a step of L equals that of its last step. */
+   whose step still reduces |error|. A grid step of W changes Ion by 1 / width.
+   A step of L is assumed to have the effect of the last step of L. */
 static void control_reconsider(const control_rules *r, control *c,
                                const control_input *in) {
   double error = fabs(in->error), by_w = 100 / in->width;

@@ -9,8 +9,9 @@
 
 #include <correct/report.h>
 
-/* Warn of a drawn length within this fraction of itself from an end of the
-   device table; about the deviation of printed lengths before correction. */
+/* Largest relative distance of a drawn length from an end of the device table
+   that causes a warning; about the deviation of printed lengths before
+   correction. */
 static const double near_end = 0.1;
 
 static const char *plural_of(size_t n) { return n == 1 ? "" : "s"; }

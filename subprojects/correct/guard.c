@@ -367,7 +367,7 @@ static void hold_apply(hold *h) {
 }
 
 /* Advance each transistor with a fault to the next level. After GUARD_DRAWN, a
-   transistor that prints gets its best tried level. Returns the number of
+   transistor that prints receives its best tried level. Returns the number of
    advanced transistors. */
 static size_t hold_advance(hold *h) {
   size_t count = 0;
@@ -453,7 +453,8 @@ static void name_neighbour(hold *h, size_t gate, double nm) {
 
 /* Run trial t. Trial 0 reverts each open transistor and the regulator's shapes
    near the transistor; later trials revert all edges within a distance.
-   Transistors that are then as good as drawn get their cause. */
+   Record
+   the cause for transistors that are as good as drawn in the trial. */
 static int try_cause(hold *h, int t, uint8_t *open, opc_error *error) {
   loop *l = h->l;
   double nm = t ? level_radius(GUARD_SURROUNDED + 2 + t) : tuned.around;

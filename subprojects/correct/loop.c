@@ -63,7 +63,7 @@ static int loop_measure(loop *l, const uint8_t *printed, opc_error *error) {
   int code = eda_measure(l->host->context, l->gates, l->printer.print,
                          l->extractor, &l->measured, error);
   if (code) return code;
-  /* Accurate simulations, and fast ones after them, include this ratio. */
+  /* Images after an accurate simulation include the difference already. */
   if (l->base && !l->printer.fine_simulations)
     correct_start_correct(l->base, &l->measured.performance);
   return correct_corners_measure(l, error);
@@ -365,7 +365,7 @@ static const char *worst_unit(const loop *l) {
 }
 
 /* Report a loop that ends before its synthesizers have finished. If all
-   transistors are within the limit, this is no finding. */
+   transistors are within the limit, log no finding. */
 static void loop_log_unconverged(const loop *l) {
   int within = l->summary.gates && loop_worst(l) <= l->ion_limit;
   l->host->log(l->host, within ? OPC_LOG_INFO : OPC_LOG_FINDING,

@@ -376,7 +376,7 @@ static void test_faults(void) {
        "edge from (0, 0) to (400, 0) nm, or not in order along the edge"},
       {"end",
        "fragments of poly: the fragments of polygon 2 end before they begin"},
-      {"none", "fragments of poly: array is missing"},
+      {"none", "fragments of poly: an array is missing"},
       {"far",
        "moves fragment 8 of poly by 2097152 steps, expected at most 1048576"},
   };

@@ -42,7 +42,7 @@ static double rms_of(const statistics *s) {
   return s->n ? sqrt(s->square / s->n) : NAN;
 }
 
-/* Return 1 if a transistor does not print, so that it has no figures. */
+/* Return 1 if a transistor does not print and has no figures. */
 static int gate_failed(const uint32_t *flags, size_t i) {
   return flags && eda_print_failed(flags[i]);
 }
@@ -216,8 +216,8 @@ typedef struct gate_row {
   double mask_l, mask_w, mask_jog, end[2], extension[2];
 } gate_row;
 
-/* Return the difference of a gate's Ion deviation from its deviation in the
-   correction loop, %. */
+/* Return the Ion deviation of a gate minus its Ion deviation in the correction
+   loop, %. */
 static double gate_change(const report *r, size_t i) {
   const eda_mask *m = r->mask, *c = r->corrected;
   if (gate_failed(m->flags, i) || gate_failed(c->flags, i)) return NAN;

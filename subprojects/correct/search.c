@@ -119,8 +119,8 @@ static int find_border(const loop *l, const eda_spectrum *mask, double defocus,
 
 /* Compute the derivative of the band's area, the difference of the areas within
    two contours. The area grows with intensity for bright features and shrinks
-   for dark features. The larger contour then is the other one, and the
-   difference is the same. */
+   for dark features. For dark features, the lower dose has the larger contour,
+   and the difference is the same. */
 static int find_band(const loop *l, const eda_spectrum *mask, eda_field *out,
                      opc_error *error) {
   double dose = l->search.dose / 100;

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Forks, and reads the output of the child until the child ends or exceeds the
-   time. */
+/* Forks, and reads the child's output until it ends or exceeds the time. */
 #include <guard/child.h>
 
 #include <errno.h>

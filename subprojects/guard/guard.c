@@ -101,8 +101,7 @@ static void add_text(const char *text) {
   memcpy(message + n, text, more < capacity ? more : capacity);
 }
 
-/* Write `where` and the words (NULL-terminated), keep the run folder, and
-   exit. */
+/* Write `where` and the words (until NULL), keep the run folder, and exit. */
 _Noreturn static void process_end(const char *const *words, int code) {
   static int taken;
   /* Only the first thread writes; other threads pause until the exit. */
@@ -370,8 +369,7 @@ void guard_done(int code) { done = code; }
 
 int guard_code(int code) { return done < 0 ? code : done; }
 
-/* Return whether another process sent the signal, which is not a fault of a
-   plugin. */
+/* Return whether another process sent the signal: not a plugin's fault. */
 static int is_foreign(const siginfo_t *info) {
   int sent = info->si_code == SI_USER || info->si_code == SI_QUEUE ||
              info->si_code == SI_TKILL;

@@ -80,7 +80,6 @@ double memory_free(const char **source) {
     least = all[i].bytes;
     *source = all[i].source;
   }
-  /* Add the freed memory that malloc keeps: the kernel counts this memory as
-     used. */
+  /* Add freed memory that malloc keeps: the kernel counts it as used. */
   return fmax(least, 0) + (double)mallinfo2().fordblks;
 }

@@ -79,8 +79,7 @@ void pool_run(unsigned threads, size_t n, void (*task)(void *data, size_t i),
   g_atomic_ref_count_init(&b->references);
   g_mutex_init(&b->lock);
   g_cond_init(&b->finished);
-  /* Threads that GLib's pool starts here must not belong to the calling
-     plugin. */
+  /* Threads that GLib's pool starts here belong to the command. */
   const char *before = guard_enter(NULL);
   for (size_t i = 1; i < workers; i++) {
     g_atomic_ref_count_inc(&b->references);

@@ -98,8 +98,7 @@ static uint64_t blocked_now(void) {
   return bits;
 }
 
-/* Return the control word of the floating-point unit, without exception
-   flags. */
+/* Return the floating-point control word, without exception flags. */
 static uint32_t numbers_now(void) {
 #if defined(__x86_64__)
   uint16_t x87;

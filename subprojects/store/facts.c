@@ -22,8 +22,7 @@ char *opc_facts_sum(GVariant *facts) {
   return g_compute_checksum_for_string(G_CHECKSUM_SHA256, text, -1);
 }
 
-/* Processors of one class execute the same instructions and compute equal
-   bits. */
+/* Processors of one class compute equal bits. */
 const char *opc_facts_machine(void) {
   static struct utsname about;
   if (!*about.machine && uname(&about)) return "?";

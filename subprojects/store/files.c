@@ -43,8 +43,7 @@ char *opc_file_sha256(const char *path, const opc_context *context,
   g_autoptr(GChecksum) sum = g_checksum_new(G_CHECKSUM_SHA256);
   guchar buffer[65536];
   int code = OPC_OK;
-  /* Only the size at the start is read: another program might append without
-     end. */
+  /* Only the size at the start is read: a writer might append without end. */
   for (off_t left = about.st_size; left > 0 && !code;) {
     ssize_t n = read(file, buffer, (size_t)MIN(left, (off_t)sizeof buffer));
     if (n < 0 && errno == EINTR) continue;

@@ -245,8 +245,7 @@ static int replace_run(const opc_folder *f, const char *target,
                   g_strerror(errno));
 }
 
-/* Rename to the first free name; a run that cannot be renamed stays in
-   `work`. */
+/* Rename to the first free name; otherwise the run stays in `work`. */
 static int find_name(opc_folder *f, const char *target, gboolean number,
                      char **got, opc_error *error) {
   int code = OPC_OK;

@@ -51,8 +51,7 @@ GVariant *opc_files_pack(const char *folder, guint64 most) {
   return NULL;
 }
 
-/* The file is a copy, so that later changes of the file do not affect the
-   store. */
+/* The file is a copy: later changes of the file do not affect the store. */
 int opc_file_unpack(const char *path, GVariant *bytes, opc_error *error) {
   gsize n;
   const char *text = g_variant_get_fixed_array(bytes, &n, 1);

@@ -171,8 +171,7 @@ static struct link_map *object_of(const void *address) {
   return map;
 }
 
-/* A loaded object does not change, so the checksum is valid for the whole
-   process. */
+/* A loaded object does not change: the checksum is valid for the process. */
 static const char *sum_object(opc_store *store, const struct link_map *object) {
   static GHashTable *known; /* path -> checksum */
   const char *path = *object->l_name ? object->l_name : "/proc/self/exe";

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Pairs of runs to compare: a run and its base run, for each case and
-   method. */
+/* Pairs of runs to compare: a run and its base, for each case and method. */
 #pragma once
 
 #include <eda/runs.h>

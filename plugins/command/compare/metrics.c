@@ -84,8 +84,7 @@ static void add_row(comparison *c, const pair *p, const eda_run_metric *m) {
   g_array_append_val(c->rows, row);
 }
 
-/* Add the metrics of the base run, then the metrics that only the other run
-   has. */
+/* Add the metrics of the base run, then those that only the other run has. */
 static void add_pair(comparison *c, const pair *p) {
   const eda_run_facts *a = eda_run_info(p->base), *b = eda_run_info(p->other);
   for (size_t i = 0; i < a->n_metrics; i++) add_row(c, p, &a->metrics[i]);

@@ -23,8 +23,7 @@ typedef struct comparison {
   GPtrArray *sentences; /* char *, a verdict for each method */
 } comparison;
 
-/* Allocate an array of rows of a type; `data` is not NULL even if the array is
-   empty. */
+/* Allocate an array of rows of a type; `data` is never NULL. */
 #define ROWS(type) g_array_sized_new(FALSE, FALSE, sizeof(type), 1)
 
 /* A metric of a pair. */

@@ -3,8 +3,8 @@
    equivalence classes. Transistors are found window by window. One transistor
    of each class of equal drawn environments is corrected, and all transistors
    of the class receive its mask. One transistor of each class of equal masked
-   environments is simulated. If its |Ion deviation| exceeds the limit, it is
-   corrected individually. */
+   environments is simulated. If the |Ion deviation| exceeds the limit, that
+   transistor is corrected individually. */
 #include <eda/memory.h>
 #include <eda/print.h>
 #include <math.h>

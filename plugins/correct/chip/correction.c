@@ -33,7 +33,7 @@ typedef struct head {
 
 /* ---- start of the loop ---- */
 
-/* Return the masks of a sheet; those of transistors to correct are as drawn.
+/* Return the masks of a sheet; transistors to correct are as drawn.
    Neighbours of split prints are corrected together. The loop frees *still. */
 static eda_mask *fixed_masks(const correction *m, const sheet *s,
                              uint8_t **still) {
@@ -63,7 +63,7 @@ static double gate_deviation(const loop *l, size_t i) {
   return fabs(eda_deviation(l->measured.performance.ion[i], l->design.ion[i]));
 }
 
-/* Added shapes and cut-outs by transistor, in its coordinates. */
+/* Added shapes and cut-outs by transistor, in the transistor's coordinates. */
 typedef struct owned {
   eda_chip_box *box;
   uint32_t *next;  /* [count], next box of that gate + 1 */
@@ -79,9 +79,10 @@ static void owned_add(owned *to, uint32_t gate, eda_chip_box box) {
 }
 
 /* Add a part of an added shape or cut-out to its owner: the nearest transistor
-   within the radius, since only these have an equal environment throughout the
-   class. All of several at the same distance are owners, because any of them
-   may be the representative; equal shapes merge. */
+   within the radius, because
+   the environment is equal throughout the class only within the radius. Several
+   transistors at the same distance are all owners, because any of them may be
+   the representative; equal shapes merge. */
 static void own_part(const correction *m, const eda_gates *g,
                      const eda_index *index, eda_chip_box part, owned *to) {
   int32_t r = m->on.work->radius;

@@ -5,8 +5,7 @@
 
 #include <eda/geometry.h>
 
-/* Array of copies, steps in grid units. A single mask has 1 column and 1
-   row. */
+/* Array of copies, steps in grid units. A single mask has one copy. */
 typedef struct mebes_array {
   int64_t columns, rows, step_x, step_y;
 } mebes_array;

@@ -158,8 +158,7 @@ static int match_augment(work *w, int h) {
   return 0;
 }
 
-/* Mark the chords that alternating paths from an unmatched horizontal chord
-   reach. */
+/* Mark the chords reachable by alternating paths from an unmatched chord h. */
 static void match_visit(work *w, int h) {
   if (w->seen[0][h]) return;
   w->seen[0][h] = 1;
@@ -340,8 +339,7 @@ static void cut_polygon(work *w, const eda_point *p, int n, int32_t sliver,
 
 /* ---- all polygons ---- */
 
-/* Return 1 for a rectilinear polygon without holes that does not exceed the
-   limits. */
+/* Return 1 for a rectilinear polygon without holes, within the limits. */
 static int is_plain(const eda_shapes *s, size_t i, const eda_box *holes,
                     size_t n_holes) {
   uint32_t first = s->start[i], end = s->start[i + 1];

@@ -53,8 +53,7 @@ static double gate_figure(const drawer *d, const uint32_t *size, size_t i) {
                             : fabs(after) - fabs(before);
 }
 
-/* Return the value that a pixel shows: the larger deviation or the smaller
-   class. */
+/* Return the value that a pixel shows: larger deviation or smaller class. */
 static double worse_of(int show, double a, double b) {
   if (isnan(a)) return b;
   if (show == CLASSES) return fmin(a, b);
@@ -193,8 +192,7 @@ static int chip_run(void *self, void **outputs, opc_error *error) {
   if (!path) return error->code;
   raster r = {.width =
                   (int)(d->width - 2 * ceil(fmax(9, (double)d->width / 70)))};
-  /* The scale of a tall chip is limited, so that the picture is at most
-     square. */
+  /* The scale of a tall chip is limited: the picture is at most square. */
   r.scale = r.width / fmax(fmax(wide, high), 1);
   r.height = (int)fmax(1, ceil(high * r.scale));
   r.width = (int)fmax(1, ceil(wide * r.scale));

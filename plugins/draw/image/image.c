@@ -107,8 +107,7 @@ static int image_run_step(void *self, void **outputs, opc_error *error) {
   return code;
 }
 
-/* Forecast the largest memory of any model, because models run one after
-   another. */
+/* Forecast the largest memory of any model: models run one after another. */
 static int image_forecast(void *self, opc_forecast *out, opc_error *error) {
   image_run *r = self;
   eda_image_size most = {0};

@@ -17,8 +17,7 @@ static const eda_colour drawn_colour = EDA_COLOUR(0xa9b8d6),
                         mask_colour = EDA_COLOUR(0x101010),
                         other_colour = EDA_COLOUR(0x0b6b3a);
 
-/* Return the transistor layer other than the printed one; poly if there is
-   none. */
+/* Return the transistor layer other than the printed one, or poly. */
 static size_t other_layer(const image_run *r) {
   return r->layer == EDA_POLY && r->gates->layers > EDA_ACTIVE ? EDA_ACTIVE
                                                                : EDA_POLY;

@@ -40,8 +40,7 @@ double drawer_figure(const drawer *d, size_t gate);
 /* Set `range` and `beyond` of *d. */
 void drawer_set_range(drawer *d);
 
-/* Compute mean and largest deviation of the transistors that have a
-   deviation. */
+/* Compute mean and largest deviation, without transistors that have none. */
 void drawer_statistics(const drawer *d, const eda_performance *of, double *mean,
                        double *max);
 

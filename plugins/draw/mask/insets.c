@@ -120,8 +120,7 @@ static void draw_frame(const view *v, double x, double y, double width,
 
 /* ---- content ---- */
 
-/* Draw a frame around the region of an inset, and the letter of the inset
-   above. */
+/* Draw a frame around the region of an inset, and the letter above. */
 static void put_letter(const drawer *d, size_t place) {
   const view *v = &d->view;
   double font = v->paper->font, side = floor(1.3 * font);

@@ -161,8 +161,7 @@ static void try_fine(opc_inspector *in, const opc_module *m, int layer,
   eda_field_clear(&away);
 }
 
-/* Check that `image` accepts a mask spectrum computed by the transform of the
-   model. */
+/* Check that `image` accepts a mask spectrum by the model's transform. */
 static void try_transform(opc_inspector *in, const opc_module *m) {
   const eda_litho *o = m->functions;
   const eda_gates *g = eda_gates_sample();

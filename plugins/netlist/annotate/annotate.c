@@ -131,8 +131,7 @@ static const opc_metric metrics[] = {
 
 /* ---- entry ---- */
 
-/* The step is not reused, because included files may contain the model
-   cards. */
+/* The step is not reused: included files may contain the model cards. */
 static const opc_step functions = {.run = annotate_run,
                                    .flags = OPC_STEP_OUTSIDE};
 OPC_PLUGIN(

@@ -209,8 +209,7 @@ static search search_begin(const extractor *x, int layer, eda_box box,
   return s;
 }
 
-/* Find the next rectangle of the group that touches the box. Returns 0 at the
-   end. */
+/* Find the next rectangle of the group that touches the box; 0 at the end. */
 static int search_next(search *s, uint32_t *number) {
   while (s->in->index && eda_index_next(&s->finder, number)) {
     const eda_box *a = &s->box, *b = &s->in->box[*number];

@@ -37,8 +37,7 @@ static void colour_nodes(finder *f) {
     }
 }
 
-/* Remove counterparts, one bundle of each side with equal colour, from
-   `left`. */
+/* Remove counterparts, bundles of both sides with equal colour, from `left`. */
 static void pair_up(finder *f, int round) {
   const uint64_t *colour = f->colour[round];
   uint32_t *left = f->left, kept = 0;
@@ -65,7 +64,7 @@ static void faults_find(finder *f, int last) {
 
 /* ---- words ---- */
 
-/* Return the transistors of all bundles of a side without a counterpart, in
+/* Return the transistors of a side's bundles without a counterpart, in
    order. */
 static uint32_t *side_members(finder *f, int s, uint32_t *n) {
   const graph *g = f->g;

@@ -217,8 +217,7 @@ int graph_make(match_task *j, const region *group, graph *g) {
   g->flat.pool = &j->pool;
   if (eda_netlist_flatten(&j->netlist, g->group->scope, &g->flat))
     return j->error->code;
-  /* Nets of the layout are numbered over all groups, in the order of the
-     gates. */
+  /* Layout nets are numbered over all groups, in the order of the gates. */
   uint32_t *known[SIDES] = {match_unknown(j, g->flat.nets), j->known};
   netlist_side(g, known[NETLIST]);
   layout_side(g, known[LAYOUT]);

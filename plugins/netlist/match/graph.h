@@ -83,8 +83,7 @@ void graph_sort(uint32_t *nodes, size_t n, const uint64_t *mark);
 /* graph.c: build the graph of a group. */
 int graph_make(match_task *j, const region *group, graph *out);
 
-/* faults.c: report the bundles without a counterpart. Returns the error
-   code. */
+/* faults.c: report the bundles without a counterpart. Returns the code. */
 int graph_report(graph *g);
 
 /* assign.c: assign the devices of a bundle to the gates of its counterpart and

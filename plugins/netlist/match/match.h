@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Internal interface of netlist.match. Coordinates are in units of the gates'
+/* Internal interface of netlist.match. Coordinates: units of the gates'
    grid. */
 #pragma once
 

@@ -334,7 +334,8 @@ static void test_syntax(void) {
   }
   assert_refused("nand2", "* no end\n.subckt nand2 a", "",
                  "*:2:9: 'nand2' has no .ends");
-  assert_refused("nand2", "* plus\n+ a", "", "*:2:1: '+' continues nothing");
+  assert_refused("nand2", "* plus\n+ a", "",
+                 "*:2:1: '+' has no statement to continue");
 }
 
 /* Test that truncated or garbled files are refused or matched, without other

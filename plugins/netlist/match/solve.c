@@ -15,8 +15,7 @@ typedef struct sized {
 
 EDA_COMPARE_RISING(by_value, sized, value, node);
 
-/* Mark the nodes of a class by length or width; sizes within the tolerance are
-   equal. */
+/* Mark the nodes of a class by length or width, equal within the tolerance. */
 static void mark_sizes(partition *p, uint32_t class, int by_width,
                        sized *list) {
   const match_task *j = p->g->j;
@@ -100,8 +99,7 @@ static int choose_counterpart(partition *p, uint32_t node, sized *list) {
   return 0;
 }
 
-/* Refine the partition until every bundle has one counterpart. Return 1 on
-   success. */
+/* Refine until every bundle has one counterpart. Return 1 on success. */
 static int partition_solve(partition *p) {
   const graph *g = p->g;
   if (p->odd || !partition_refine(p)) return 0;
@@ -124,8 +122,7 @@ static uint32_t node_counterpart(const partition *p, uint32_t node) {
   return a == node ? b : a;
 }
 
-/* Return 1 if each net of a device corresponds to the net of its gate. Final
-   check. */
+/* Return 1 if each net of a device corresponds to that of its gate. */
 static int bundle_corresponds(const partition *p, const bundle *a,
                               const bundle *b) {
   const graph *g = p->g;

@@ -18,8 +18,7 @@ static const double font = 15;
    smallest on a logarithmic axis (decades). */
 static const double share = 0.06, least = 1, least_decades = 0.1;
 
-/* Number of lines, per interval of foci, that fill the area within the
-   limits. */
+/* Lines per interval of foci that fill the area within the limits. */
 enum { LINES = 8 };
 
 static eda_colour colour_of(const window *w, size_t dose) {
@@ -56,8 +55,7 @@ static double ion_of(const window *w, const window_print *p) {
   return 1 + p->spread.ion_mean[2] / 100;
 }
 
-/* Return the standard deviation of Ion of the transistor type with the larger
-   one. */
+/* Return the larger standard deviation of Ion of the two types. */
 static double ion_sd_of(const window *w, const window_print *p) {
   (void)w;
   double sd = fmax(p->spread.ion_sd[EDA_NMOS], p->spread.ion_sd[EDA_PMOS]);

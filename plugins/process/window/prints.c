@@ -108,8 +108,7 @@ static int image_at(exposure *e, double defocus, opc_error *error) {
   return code;
 }
 
-/* Set the mask to the shapes of a layer with all edges moved outward by `by`
-   nm. */
+/* Set the mask to the shapes of a layer, all edges moved outward by `by` nm. */
 static int take_mask(exposure *e, size_t layer, double by, opc_error *error) {
   const window *w = e->w;
   const eda_shapes *all =

@@ -20,8 +20,7 @@ typedef struct cif_symbol {
   int32_t cell;
 } cif_symbol;
 
-/* Deletion (DD) of the symbols from number `from` on, at a place in the
-   text. */
+/* Deletion (DD) of the symbols from number `from` on; place in the text. */
 typedef struct cif_forgotten {
   int64_t from;
   size_t at;

@@ -96,7 +96,7 @@ static void take_direction(cif *c, int64_t *dx, int64_t *dy) {
 
 /* ---- words ---- */
 
-/* Return the next word before the ';', delimited by spaces; *n is 0 if there is
+/* Return the next word before the ';', delimited by spaces; *n is 0 for
    none. */
 static const char *next_word(cif *c, size_t *n) {
   while (is_space(cif_peek(c))) c->at++;

@@ -224,8 +224,7 @@ static int put_instance(gds *g, int32_t child, const eda_placement *p) {
                                      g->e.instance, &g->b.layout_error));
 }
 
-/* Divide (x, y) into `count` steps of an array. Return 1 if each step is an
-   integer. */
+/* Divide (x, y) into `count` steps of an array; 1 if both are integers. */
 static int step_divide(int64_t x, int64_t y, uint32_t count, eda_point *step) {
   *step = (eda_point){(int32_t)(x / count), (int32_t)(y / count)};
   return x % count == 0 && y % count == 0;

@@ -43,8 +43,7 @@ static void glp_refuse(void *self, const char *what) {
 
 static int is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
-/* Return the next word of this line, empty at its end. A comment ends the
-   line. */
+/* Return the next word of this line, empty at the end or at a comment. */
 static word next_word(clip *c) {
   const char *end = c->b.text + c->b.n;
   while (c->at < end && is_blank(*c->at)) c->at++;

@@ -49,8 +49,7 @@ void oasis_read_layer(oasis *o, uint32_t info, uint32_t has, uint32_t *layer,
   o->m.has |= has * (info & 3);
 }
 
-/* Read a coordinate. A coordinate that overflows is reported as out of
-   range. */
+/* Read a coordinate. A coordinate that overflows counts as out of range. */
 static int64_t read_place(oasis *o, int64_t from) {
   int64_t by = oasis_sint(o), to;
   if (!o->m.relative) return by;

@@ -91,8 +91,7 @@ static void read_table(oasis *o, int table, uint64_t at) {
   }
 }
 
-/* Read names by a second reader: a table at `at`, or the whole file if `at` is
-   0. */
+/* Read names by a second reader: a table at `at`, or all names if `at` is 0. */
 static void look_for_names(oasis *o, int table, uint64_t at) {
   oasis other = oasis_again(o, o->b.error);
   if (at)

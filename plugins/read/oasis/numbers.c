@@ -113,8 +113,7 @@ oasis_vector oasis_deltag(oasis *o) {
 
 /* ---- strings ---- */
 
-/* Append the bytes of a string. The end of a block's buffer may split a
-   string. */
+/* Append the bytes of a string, which the end of a buffer may split. */
 static void take_bytes(oasis *o, GString *out) {
   uint64_t left = oasis_uint(o);
   do {

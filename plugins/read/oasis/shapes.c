@@ -283,8 +283,7 @@ void oasis_read_circle(oasis *o) {
   add_points(o, info & REPEATED, corner, SIDES, 0);
 }
 
-/* Skip a record with contents unknown to this reader; modal variables are
-   updated. */
+/* Skip a record with unknown contents; modal variables are updated. */
 void oasis_read_xgeometry(oasis *o) {
   uint32_t info = oasis_byte(o);
   oasis_uint(o);

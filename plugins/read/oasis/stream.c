@@ -98,8 +98,8 @@ static void block_feed(oasis *o) {
   o->left_in -= n;
 }
 
-/* Inflate at most `capacity` bytes to `out`. Return the number of bytes, 0 at
-   the end. */
+/* Inflate at most `capacity` bytes to `out`. Return their number, 0 at the
+   end. */
 static size_t block_unpack(oasis *o, uint8_t *out, size_t capacity) {
   o->z.next_out = out;
   o->z.avail_out = (uInt)capacity;

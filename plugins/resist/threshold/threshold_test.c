@@ -380,7 +380,7 @@ static void test_bad_tables(void) {
       {"# only this\n", "' has no rows"},
       {"pitch,cd\n", "' has no rows"},
       {"pitch,width\n", ":1:7: unknown column 'width'"},
-      {"pitch,cd,cd\n", ":1:10: a column twice: 'cd'"},
+      {"pitch,cd,cd\n", ":1:10: duplicate column: 'cd'"},
       {"cd\n1\n", ":1:1: missing column 'pitch'"},
       {"pitch,cd\n250,65\n\n250;65\n", ":4:1: not a number: '250;65'"},
       {"pitch,cd\n"

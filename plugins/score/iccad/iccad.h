@@ -18,8 +18,7 @@ typedef struct iccad_site {
   int8_t dx, dy;
 } iccad_site;
 
-/* Set the pixels whose centre is inside the shapes to 1. Return OPC_OK or an
-   error. */
+/* Set the pixels with centres inside the shapes to 1. OPC_OK or an error. */
 int iccad_fill(const eda_shapes *shapes, double grid, const iccad_tile *tile,
                uint8_t *pixels, opc_error *error);
 

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements targets and printed images as pixels, and the sites of the
-   target. */
+/* Implements targets and printed images as pixels, and the target's sites. */
 #include "iccad.h"
 
 #include <eda/memory.h>

@@ -15,8 +15,7 @@ typedef struct edges {
 
 /* ---- work ---- */
 
-/* Find the layer with the given name or, without a name, the only layer of the
-   layout. */
+/* Find the layer with the given name; without a name, the only layer. */
 static int find_layer(const edges *e, int32_t *layer, opc_error *error) {
   size_t n = eda_layout_layers(e->layout);
   *layer = e->layer ? eda_layout_find_layer(e->layout, e->layer)

@@ -484,8 +484,8 @@ static void test_table_refused(void) {
     const char *text, *want;
   } cases[] = {
       {"l,w\n", "table.csv:1:1: missing column 'init_adjust'"},
-      {"l,w (um),init_adjust\n", "table.csv:1:3: a wrong unit: 'w (um)'"},
-      {"l,w,init_adjust,l\n", "table.csv:1:17: a column twice: 'l'"},
+      {"l,w (um),init_adjust\n", "table.csv:1:3: wrong unit: 'w (um)'"},
+      {"l,w,init_adjust,l\n", "table.csv:1:17: duplicate column: 'l'"},
       {"l,w,init_adjust\n65,100,x\n", "table.csv:2:8: not a number: 'x'"},
       {"l,w,init_adjust\n65,100,nan\n", "table.csv:2:8: not a number: 'nan'"},
       {"l,w,init_adjust\n65,0,1\n", "table.csv:2:4: not above 0: '0'"},

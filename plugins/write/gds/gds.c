@@ -19,8 +19,7 @@ enum { MAX_POINTS = 8190 };
 
 enum { MAX_STRING = 65530, MAX_ARRAY = 32767, MAX_PARTS = 1 << 16 };
 
-/* Date in every file. The date is constant, so that equal layouts produce equal
-   files. */
+/* Date in every file: constant, so that equal layouts produce equal files. */
 static const uint16_t date[12] = {1970, 1, 1, 0, 0, 0, 1970, 1, 1, 0, 0, 0};
 
 /* ---- work: records ---- */

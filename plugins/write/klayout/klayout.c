@@ -48,8 +48,7 @@ static int has_sheet(const eda_mask *m, int group, size_t layer) {
   return print_of(m, group, layer) != NULL;
 }
 
-/* Make the name of a layer. OASIS names consist of printable characters without
-   blanks. */
+/* Make the name of a layer: printable characters without blanks (OASIS). */
 static void name_sheet(const eda_gates *g, sheet *s) {
   snprintf(s->name, sizeof s->name, "%.40s.%s%s", g->layer[s->layer],
            suffix[s->group], s->holes ? ".holes" : "");

@@ -158,8 +158,7 @@ static void put_failing(GString *out, const klayout *k) {
 
 /* ---- violations ---- */
 
-/* Return the rule of a violation, without the details of the place or the
-   reason. */
+/* Return the rule of a violation, without the details of place or reason. */
 static char *rule_of(const eda_violation *v) {
   return g_strndup(v->rule, strcspn(v->rule, ":;"));
 }

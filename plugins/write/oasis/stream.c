@@ -157,8 +157,7 @@ static void end_cell(void *self) {
 
 /* ---- work: names ---- */
 
-/* Write a cell name. Blanks and characters that are not printable become
-   "\x20". */
+/* Write a cell name. Blanks and unprintable characters become "\x20". */
 static void put_cell_name(oasis *w, const char *name) {
   g_autoptr(GString) plain = g_string_new(NULL);
   for (; *name; name++)
@@ -208,8 +207,7 @@ static void put_layer_names(oasis *w) {
   }
 }
 
-/* Return the place of the table that began at `from`; 0 if the table is
-   empty. */
+/* Return the place of the table that began at `from`; 0 if it is empty. */
 static uint64_t end_table(oasis *w, uint64_t from) {
   eda_oasis_end_block(w->out);
   return eda_oasis_place(w->out) > from ? from : 0;

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* OASIS files as a format of ../writer.h; compiled into each plugin that writes
-   OASIS. */
+/* OASIS files as a format of ../writer.h; compiled into each OASIS writer. */
 #pragma once
 
 #include <eda/oasis.h>

@@ -110,8 +110,8 @@ int eda_polygon_cut(const eda_point *points, size_t n,
       if (p->n > 2) code = take->polygon(take->data, p->points, p->n, error);
     } else if (!code && !piece_halve(p, half)) {
       code = opc_fail(error, OPC_FAILED, NULL,
-                      "a polygon of %zu points at (%d, %d) cannot be cut into "
-                      "ones of %zu",
+                      "a polygon of %zu points at (%d, %d) cannot be divided "
+                      "into polygons of at most %zu points",
                       n, points[0].x, points[0].y, take->most);
     }
     for (int i = 0; i < 2 && half[i]; i++) {

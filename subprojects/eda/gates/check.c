@@ -110,7 +110,8 @@ int eda_check_field(const eda_field *f, const eda_frame *frame,
 int eda_check_slicing(size_t n, const double *place, const double *width,
                       opc_error *error) {
   if (n < 1 || n > MOST_SLICES || !place || !width)
-    return unsound(error, "cuts a gate into %zu slices", n);
+    return unsound(error, "divides a gate into %zu slices, expected 1 to %d", n,
+                   MOST_SLICES);
   double sum = 0;
   for (size_t i = 0; i < n; i++) {
     double least = i ? place[i - 1] : 0;
@@ -119,7 +120,8 @@ int eda_check_slicing(size_t n, const double *place, const double *width,
                      "slice %zu is at %g of the width, not within %g to 1",
                      i + 1, place[i], least);
     if (!(width[i] >= 0))
-      return unsound(error, "slice %zu is %g wide", i + 1, width[i]);
+      return unsound(error, "slice %zu has the width %g, expected at least 0",
+                     i + 1, width[i]);
     sum += width[i];
   }
   if (fabs(sum - 1) < 1e-9) return OPC_OK;
@@ -357,7 +359,7 @@ int eda_check_cuts(const eda_gates *gates, int layer, const eda_cuts *cuts,
     return unsound(error, "fragments %zu polygons of %s, expected %zu",
                    cuts->polygons, name, drawn->count);
   if (!cuts->start || !cuts->from || !cuts->site || cuts->start[0])
-    return unsound(error, "fragments of %s: array is missing", name);
+    return unsound(error, "fragments of %s: an array is missing", name);
   cut_place place = {.cuts = cuts, .layer = name, .grid = gates->grid};
   for (size_t p = 0; p < cuts->polygons && !code; p++)
     if (cuts->start[p + 1] < cuts->start[p])
@@ -379,7 +381,8 @@ static int check_shapes(const eda_shapes *s, const char *what,
   for (size_t i = 0; sound && i < s->count; i++)
     sound = s->start[i + 1] >= s->start[i];
   if (sound) return OPC_OK;
-  return unsound(error, "%s are not valid", what);
+  return unsound(error, "%s: the point ranges of the polygons are not valid",
+                 what);
 }
 
 static int check_edges(const eda_gates *g, size_t layer, opc_error *error) {

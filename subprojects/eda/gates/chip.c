@@ -37,7 +37,8 @@ static int check_gates(const eda_chip *c, opc_error *error) {
       return unsound(error, "transistor %zu has no mask or no print", i);
     if (g->type > EDA_PMOS || g->axis > EDA_Y ||
         g->flip > (EDA_FLIP_L | EDA_FLIP_W))
-      return unsound(error, "transistor %zu has no type or no direction", i);
+      return unsound(error, "transistor %zu has no valid type, axis or flip",
+                     i);
   }
   return OPC_OK;
 }

@@ -190,11 +190,11 @@ static void test_check(void) {
   t.gate[2].box.y0 -= 1, assert_refused(&t, "2 is out of order");
   t.gate[5].mask = 2, assert_refused(&t, "5 has no mask");
   t.gate[5].print = 1, assert_refused(&t, "5 has no mask or no print");
-  t.gate[6].type = EDA_PMOS + 1, assert_refused(&t, "6 has no type");
+  t.gate[6].type = EDA_PMOS + 1, assert_refused(&t, "6 has no valid type");
   t.gate[6].axis = EDA_Y + 1,
-  assert_refused(&t, "6 has no type or no direction");
+  assert_refused(&t, "6 has no valid type, axis or flip");
   t.gate[6].flip = 1 + (EDA_FLIP_L | EDA_FLIP_W),
-  assert_refused(&t, "6 has no type");
+  assert_refused(&t, "6 has no valid type");
   t.mask[1].parts = EDA_PARTS + 1, t.chip.parts = EDA_PARTS + 1;
   assert_refused(&t, "mask 1 refers to parts");
   t.mask[1].part = 1, t.mask[1].parts = 2,

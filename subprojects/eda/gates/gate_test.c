@@ -156,7 +156,7 @@ static void test_good(void) {
 }
 
 /* For a sloping edge, the mean over the channel equals the edge in the middle;
-   the slope sets no flag. For a disk, the mean equals that of a circle. */
+   the slope sets no flag. For a disk, the mean equals the mean of a circle. */
 static void test_width(void) {
   for (int across = 0; across < 2; across++) {
     result r = gate_measure(line, sloped, 400, across);

@@ -209,7 +209,8 @@ int eda_boolean(int op, const eda_shapes *a, const eda_shapes *b,
                 eda_shapes *out, opc_error *error) {
   *out = (eda_shapes){0};
   if (op < EDA_OR || op > EDA_XOR)
-    return opc_fail(error, OPC_INVALID, NULL, "unknown boolean %d", op);
+    return opc_fail(error, OPC_INVALID, NULL, "unknown boolean operation %d",
+                    op);
   sweep s = {.op = op};
   int code = add_operand(&s, a, 0, error);
   if (!code) code = add_operand(&s, b, OPERAND, error);

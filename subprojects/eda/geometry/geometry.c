@@ -13,7 +13,7 @@ int eda_shapes_check(const eda_shapes *shapes, opc_error *error) {
     uint32_t first = shapes->start[p], end = shapes->start[p + 1];
     if (end < first || end > INT32_MAX)
       return opc_fail(error, OPC_INVALID, NULL,
-                      "polygon %zu: bad range of points", p);
+                      "polygon %zu: the range of points is not valid", p);
     for (uint32_t i = first; i < end; i++) {
       eda_point a = shapes->points[i];
       eda_point b = shapes->points[i + 1 < end ? i + 1 : first];

@@ -128,7 +128,8 @@ static void filter_apply(const opc_context *context, eda_field *field, int nx,
 int eda_field_diffuse(const opc_context *context, eda_field *field,
                       double sigma, opc_error *error) {
   if (!(sigma >= 0) || isinf(sigma))
-    return opc_fail(error, OPC_INVALID, NULL, "no diffusion of %g nm", sigma);
+    return opc_fail(error, OPC_INVALID, NULL,
+                    "diffusion length is %g nm, expected 0 or more", sigma);
   if (sigma == 0) return OPC_OK;
   filter_apply(context, field, field->nx, field->ny,
                (operation){DIFFUSE, sigma});

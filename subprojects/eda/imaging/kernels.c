@@ -217,8 +217,8 @@ static void fill_row(const sum_task *j, const strip *p, int quadrant, int l,
   to->im[0] += cimagf(c);
 }
 
-/* Write rows l and -l of a strip: first the blocks of columns k, then those of
-   columns -k. */
+/* Write rows l and -l of a strip: first the blocks of columns k, then the
+   blocks of columns -k. */
 static void fill_rows(const sum_task *j, strip *p, int l, eda_lanes *to,
                       size_t apart) {
   const eda_spectrum *m = j->mask;

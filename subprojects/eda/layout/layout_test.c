@@ -172,7 +172,7 @@ static void test_top(void) {
   eda_layout_free(layout);
 }
 
-/* A message lists as many top cells as fit and counts the others. */
+/* A message lists the top cells that fit, and the number of further cells. */
 static void test_many_tops(void) {
   enum { MANY = 200 };
   opc_error e;

@@ -146,8 +146,8 @@ static char *read_whole(lines *r, const char *path, size_t *length) {
     opc_fail(r->error, OPC_IO, NULL, "'%.300s': is not a regular file", path);
   else if (r->bytes + (size_t)about.st_size > MAX_BYTES)
     opc_fail(r->error, OPC_IO, NULL,
-             "'%.300s': larger than %zu MB, alone or with those before it",
-             path, MAX_BYTES >> 20);
+             "'%.300s': this file and the files before it exceed %zu MB", path,
+             MAX_BYTES >> 20);
   else if (r->files == MAX_FILES)
     opc_fail(r->error, OPC_IO, NULL, "'%.300s': more than %d files", path,
              MAX_FILES);
@@ -181,7 +181,7 @@ static int read_lines(lines *r, const char *text, size_t length,
       if (*s == '+') {
         eda_place at = {file, number, (uint32_t)(s - begin) + 1};
         if (!l.words)
-          code = lines_refuse(r, at, "'+' continues nothing");
+          code = lines_refuse(r, at, "'+' has no statement to continue");
         else
           code = line_split(r, &l, s + 1, stop, file, number, begin);
       } else {

@@ -199,8 +199,8 @@ static int take_options(deck *d, const line *l) {
   return deck_copy_statement(d, l);
 }
 
-/* Read the statements of another file; if `section` is not NULL, only those of
-   this section. */
+/* Read the statements of another file. If `section` is not NULL, read only
+   statements of this section. */
 static int read_file(deck *d, const line *l, const char *section) {
   const deck outer = *d;
   line file = *l;

@@ -152,7 +152,7 @@ static void test_hidden(void) {
   assert_refused("r1 a b `touch x`\n", -1, "1:1", "'`'");
   assert_refused(".param a=1 \\\\\n.control\n", -1, "1:1", "ends in");
   assert_refused(".param a=1 \\\\\t\r\n+ b=1\n", -1, "1:1", "ends in");
-  assert_refused("+ .control\n", -1, "1:1", "continues nothing");
+  assert_refused("+ .control\n", -1, "1:1", "has no statement to continue");
   assert_refused(".param a={1\n.control\n", -1, "2:1", "'.control' is refused");
   assert_refused(".options reltol={1\n+ } editor=x\n", -1, "1:10",
                  "requires a number");

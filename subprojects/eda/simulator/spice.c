@@ -247,7 +247,8 @@ static GSubprocess *helper_start(const char *deck, const char *osdi,
   int ends[2], request = open_request(deck, commands, error);
   if (request < 0) return NULL;
   if (pipe2(ends, O_CLOEXEC)) {
-    opc_fail(error, OPC_FAILED, NULL, "no pipe: %s", g_strerror(errno));
+    opc_fail(error, OPC_FAILED, NULL, "cannot create a pipe: %s",
+             g_strerror(errno));
     close(request);
     return NULL;
   }
@@ -264,7 +265,7 @@ static GSubprocess *helper_start(const char *deck, const char *osdi,
     return child;
   }
   close(ends[0]);
-  opc_fail(error, OPC_FAILED, NULL, "no process: %s", why->message);
+  opc_fail(error, OPC_FAILED, NULL, "cannot start a process: %s", why->message);
   return NULL;
 }
 

@@ -89,9 +89,9 @@ static int read_name(eda_csv *c, const line *l, const char *field,
     const char *known = c->columns[i].unit;
     g_autofree char *want = g_strdup_printf("%s)", known ? known : "");
     if (unit && strcmp(unit, want))
-      return fail_at(c, l, field, "a wrong unit:", field, error);
+      return fail_at(c, l, field, "wrong unit:", field, error);
     if (c->field[i] >= 0)
-      return fail_at(c, l, field, "a column twice:", name, error);
+      return fail_at(c, l, field, "duplicate column:", name, error);
     c->field[i] = c->width;
     return OPC_OK;
   }

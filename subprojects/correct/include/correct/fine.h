@@ -36,11 +36,12 @@ OPC_EXPORT int correct_fine_by_drawn(eda_printer *printer, const opc_host *host,
                                      const opc_module *extractor, double change,
                                      opc_error *error);
 
-/* Set *margin, nm, the width of the clear field around a layout, if NAN, to the
-   width that simulations with the error `fine` require, and log the width. It
-   scales with lambda/NA of the model (`litho` NULL: see eda_natural), and with
-   1 / sqrt(fine). Otherwise check the given width: log a finding if its error
-   exceeds `fine`; return OPC_INVALID if it is below 1.166 lambda/NA. */
+/* If *margin, the width of the clear field around a layout, nm, is NAN, set it
+   to the width that simulations with the error `fine` require, and log the
+   width. The required width is proportional to lambda/NA of the model (`litho`
+   NULL: see eda_natural) and to 1 / sqrt(fine). Otherwise check the given
+   width: log a finding if its error exceeds `fine`; return OPC_INVALID if it is
+   below 1.166 lambda/NA. */
 OPC_EXPORT int correct_fine_margin(const opc_host *host,
                                    const opc_module *litho, double fine,
                                    double *margin, opc_error *error);

@@ -40,8 +40,8 @@ typedef struct loop {
   const eda_moved *base; /* displacements of the start; NULL: none */
   eda_boxes *begun;      /* [2 * layers], shapes added by the start, then its
                             cut-outs */
-  uint8_t *still;        /* [gates], 1: keeps its mask; NULL: none does, or not
-                            known yet */
+  uint8_t *still;        /* [gates], 1: keeps its mask; NULL: no transistor
+                            does, or not known yet */
   int prepared;          /* 1: the extractor is prepared */
   int traced;            /* 1: record each simulation in `trace` */
   int hold;              /* 1: the guard reverts transistors worse than drawn */
@@ -84,8 +84,8 @@ OPC_EXPORT void correct_loop_init(loop *loop, const opc_host *host,
                                   const correct_settings *with);
 OPC_EXPORT int correct_loop_run(loop *loop, opc_error *error);
 
-/* Copy the mask `next` to `now`, simulate and measure it. Layers without a
-   change are not simulated again unless `all` is 1. */
+/* Copy the mask `next` to `now`, then simulate and measure `now`. Layers
+   without a change are not simulated again unless `all` is 1. */
 OPC_EXPORT int correct_loop_print(loop *loop, int all, opc_error *error);
 
 /* Simulate `now` with the accurate model and measure the result. Layers that

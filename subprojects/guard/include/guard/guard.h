@@ -19,8 +19,7 @@ void guard_gather(void);
 const char *guard_join(const char *id);
 void guard_part(const char *before);
 
-/* Record whether this thread waits for tasks of other threads (1) or works
-   (0). */
+/* Record whether this thread waits for tasks of others (1) or works (0). */
 void guard_wait(int waits);
 
 /* Set the running plugin of a thread that the plugin `id` has started. */
@@ -69,8 +68,7 @@ void guard_folder(const char *work, const char *failed, const char *lock);
    threads. Safe in a signal handler. */
 _Noreturn void guard_end(int code);
 
-/* If this thread is in a plugin, report that the plugin ends the process, and
-   exit. */
+/* If this thread is in a plugin, report that the plugin exits, and exit. */
 void guard_exit(void);
 
 /* Set the final exit code, before exit handlers of plugins may run. [main] */

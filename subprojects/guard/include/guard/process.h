@@ -15,15 +15,14 @@ typedef struct process_signal {
 } process_signal;
 extern const process_signal process_signals[];
 
-/* Record the present state. Call again after each change by the command.
-   [main] */
+/* Record the present state; again after each change by the command. [main] */
 void process_settle(void);
 
 /* Return a change of this thread's state, except the signal mask, as a
    predicate: "changed the locale"; NULL: none. Makes no system call. [any] */
 const char *process_thread_change(void);
 
-/* Return whether the signal mask of this thread differs from the recorded one.
+/* Return whether this thread's signal mask differs from the recorded one.
    [any] */
 int process_signals_change(void);
 
