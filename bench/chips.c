@@ -73,16 +73,17 @@ static void figure_report(const char *name, const char *what, double value,
   bench_report(full, value, unit, reach, BENCH_LOWER);
 }
 
-/* Measure a correction with fast simulations; `more` are further arguments. */
-static gboolean chip_measure(const char *folder, const char *name, char **more,
-                             double transistors, double area,
-                             const char *layout) {
+/* Measure a correction with fast simulations by a flow that extends `base`;
+   `more` are further arguments. */
+static gboolean chip_measure(const char *folder, const char *name,
+                             const char *base, char **more, double transistors,
+                             double area, const char *layout) {
   g_autofree char *flow = g_build_filename(folder, "bench.yaml", NULL);
   g_autofree char *result = g_build_filename(folder, "run", NULL);
   g_autofree char *mask = g_build_filename(result, "mask.oas", NULL);
   g_autofree char *text =
-      g_strdup_printf("opcflow: 1\nextends: %s/flows/chip.yaml\n%s",
-                      setting("OPCFLOW_SOURCE", "."), rest);
+      g_strdup_printf("opcflow: 1\nextends: %s/flows/%s\n%s",
+                      setting("OPCFLOW_SOURCE", "."), base, rest);
   if (!g_file_set_contents(flow, text, -1, NULL)) return FALSE;
   g_autoptr(GPtrArray) argv = g_ptr_array_new();
   char *const fixed[] = {(char *)setting("OPCFLOW_COMMAND", "opcflow"),
@@ -146,7 +147,8 @@ static gboolean measure_square(const char *folder, int side) {
                           "nwell: CW }",
                   NULL};
   return make_square(path, columns, rows) &&
-         chip_measure(folder, name, more, (double)TRANSISTORS * columns * rows,
+         chip_measure(folder, name, "chip.yaml", more,
+                      (double)TRANSISTORS * columns * rows,
                       (double)PITCH_X * columns * PITCH_Y * rows, path);
 }
 
@@ -158,9 +160,10 @@ static gboolean measure_macro(const char *folder, const char *data,
   g_autofree char *file =
       g_strdup_printf("%s/RM_IHPSG13_1P_%s.gds", data, macro);
   g_autofree char *set = g_strconcat("layout.file=", file, NULL);
-  char *more[] = {(char *)"--variant", (char *)"ihp130", (char *)"--set", set,
+  char *more[] = {(char *)"--variant", (char *)"chip", (char *)"--set", set,
                   NULL};
-  return chip_measure(folder, macro, more, transistors, area, file);
+  return chip_measure(folder, macro, "processes/ihp130.yaml", more, transistors,
+                      area, file);
 }
 
 int main(void) {

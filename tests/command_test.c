@@ -102,8 +102,9 @@ static void test_forecast(void) {
                                  "wants.yaml:4:3: step 'b' (test.heavy): "
                                  "requires 1000000000.0 GB of memory "
                                  "for 2 sums, but "));
+  g_assert_nonnull(strstr(err, " left, enough for "));
   g_assert_nonnull(strstr(err,
-                          " left; less with a smaller 'memory' (variant 'big')"
+                          " %; less with a smaller 'memory' (variant 'big')"
                           "\nwants.yaml:8:20: step 'b' (test.heavy): less than "
                           "nothing (variant 'bad')\n"));
   g_assert_null(strstr(err, "ran with 2"));

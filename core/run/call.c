@@ -53,9 +53,11 @@ static int check_memory(const opc_forecast *wanted, opc_error *error) {
   g_autofree char *most = opc_bytes_text(wanted->memory);
   g_autofree char *left = opc_bytes_text(bytes);
   return opc_fail(error, OPC_FAILED, NULL,
-                  "requires %s of memory%s%s, but %s has only %s left%s%s",
+                  "requires %s of memory%s%s, but %s has only %s left, enough "
+                  "for %.2g %%%s%s",
                   most, *wanted->work ? " for " : "", wanted->work, source,
-                  left, *wanted->help ? "; less with " : "", wanted->help);
+                  left, 100 * bytes / wanted->memory,
+                  *wanted->help ? "; less with " : "", wanted->help);
 }
 
 int opc_call_forecast(const opc_run *run, const opc_flow_step *step,

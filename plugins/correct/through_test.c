@@ -6,7 +6,9 @@
 #include <glib.h>
 #include <math.h>
 #include <string.h>
+#include <sys/resource.h>
 
+#include "tests/data.h"
 #include "tools/devel/testing.h"
 
 enum { DOSES = 3, FOCI = 2, ALL = DOSES * FOCI };
@@ -183,11 +185,60 @@ static void test_margin(void) {
   }
 }
 
+/* The forecast of memory is .8 to 1.3 of the peak of a process that corrects a
+   circuit of 1,796 transistors. */
+static void test_memory(void) {
+#ifdef __SANITIZE_ADDRESS__
+  g_test_skip("the sanitizer takes memory of its own");
+  return;
+#endif
+  g_autofree char *path = find_data("iscas85/c1908/c1908.gds");
+  if (!path) return;
+  if (!g_test_subprocess()) {
+    g_test_trap_subprocess(NULL, 0, G_TEST_SUBPROCESS_INHERIT_STDERR);
+    g_test_trap_assert_passed();
+    return;
+  }
+  g_autofree char *devices = source("data/devices/ptm65.yaml");
+  g_autofree char *read = g_strdup_printf(
+      "{ file: '%s', scale: 1.3, layers: { poly: 9/0, active: 1/0, contact: "
+      "10/0, nwell: 3/0 } }",
+      path);
+  g_autofree char *correct = g_strdup_printf(
+      "{ litho: { use: litho.hopkins }, resist: { use: resist.threshold, "
+      "anchor: { line: 65 nm, pitch: 250 nm } }, extractor: { use: "
+      "extractor.plain, devices: '%s' }, synthesizer: { use: "
+      "synthesizer.newton }, regulator: { use: regulator.drc }, "
+      "max_iterations: 2 }",
+      devices);
+  opc_module *reader = make_sample("read.gds", read);
+  void *layout = run_step(reader, NULL, NULL);
+  opc_module *segments = make_sample("segment.transistors", "{ grid: 1 nm }");
+  void *gates = run_step(segments, "layout", layout);
+  opc_module *loop = make_sample("correct", correct);
+  opc_test_input(loop, "gates", gates);
+  opc_forecast forecast = {0};
+  opc_error error = {0};
+  const opc_step *step = loop->functions;
+  g_assert_false(step->forecast(loop->self, &forecast, &error));
+  object_drop(loop, run_step(loop, NULL, NULL));
+  object_drop(segments, gates);
+  object_drop(reader, layout);
+  struct rusage used;
+  getrusage(RUSAGE_SELF, &used);
+  double peak = 1024.0 * (double)used.ru_maxrss;
+  g_test_message("forecast %g MB, peak %g MB", forecast.memory * 1e-6,
+                 peak * 1e-6);
+  g_assert_cmpfloat(forecast.memory, >, 0.8 * peak);
+  g_assert_cmpfloat(forecast.memory, <, 1.3 * peak);
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/through/one", test_one);
   g_test_add_func("/through/unit", test_unit);
   g_test_add_func("/through/follows", test_follows);
   g_test_add_func("/through/margin", test_margin);
+  g_test_add_func("/through/memory", test_memory);
   return g_test_run();
 }

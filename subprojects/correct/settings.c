@@ -20,6 +20,14 @@ int correct_settings_check(correct_settings *with, const opc_host *host,
                                     &with->margin, error);
 }
 
+/* Measured constants of the forecast of memory (plugins/correct/README.md),
+   bytes. */
+static const struct {
+  double start, start_fine; /* libraries and kernels */
+  double gate, fragments;   /* a transistor, and its fragments of edges */
+  double prints;            /* level sets kept beside the last one */
+} memory = {16e6, 30e6, 12e3, 17e3, 2};
+
 void correct_forecast(const correct_settings *with, const opc_host *host,
                       const eda_gates *g, const char *prints,
                       const char *fine_prints, opc_forecast *out) {
@@ -32,13 +40,19 @@ void correct_forecast(const correct_settings *with, const opc_host *host,
   int finely = with->fine > 0 && printer.litho.functions.image_fine;
   eda_image_size size = eda_printer_forecast(&printer, layers);
   eda_printer_clear(&printer);
-  out->memory = size.bytes;
+  const eda_synthesizer *s =
+      with->synthesizer ? with->synthesizer->functions : NULL;
+  out->memory =
+      (finely ? memory.start_fine : memory.start) + size.bytes +
+      memory.prints * size.field +
+      (double)g->count * (memory.gate + (s && s->cut ? memory.fragments : 0));
   (void)snprintf(out->work, sizeof out->work,
                  "%s of %zu layer%s, about %.0f x %.0f points each",
                  finely ? fine_prints : prints, layers, layers == 1 ? "" : "s",
                  size.columns, size.rows);
   (void)snprintf(out->help, sizeof out->help,
-                 "a smaller 'margin' or part of the layout");
+                 "part of the layout, a smaller 'margin', or correct.chip, "
+                 "which simulates one window at a time");
 }
 
 /* ---- printing ---- */

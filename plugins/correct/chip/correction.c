@@ -16,7 +16,6 @@ typedef struct correction {
                            transistors keep the masks of the chip; NULL: none
                            does */
   uint32_t *mask;       /* [count], new masks */
-  double *better;       /* [count], |Ion deviation| to improve on; NULL: none */
 } correction;
 
 /* Record of a corrected transistor, followed by its parts and boxes. */
@@ -284,6 +283,7 @@ static void take_mask(correction *m, const corrected *one, const char *bytes) {
 static int take_sheet(void *data, size_t i, const void *bytes, size_t size,
                       opc_error *error) {
   correction *m = data;
+  const eda_chip *c = m->on.work->chip;
   const char *at = bytes, *end = at + size;
   head h;
   corrected one;
@@ -294,7 +294,9 @@ static int take_sheet(void *data, size_t i, const void *bytes, size_t size,
   for (at += sizeof h; at < end;) {
     memcpy(&one, at, sizeof one);
     at += sizeof one;
-    if (!m->better || one.off < m->better[one.place]) take_mask(m, &one, at);
+    const eda_chip_gate *g = &c->gate[m->on.number[one.place]];
+    if (!m->wide || one.off < print_beyond(m->on.work, &c->print[g->print]))
+      take_mask(m, &one, at);
     at += one.mask.parts * sizeof(eda_part) +
           one.mask.boxes * sizeof(eda_chip_box);
   }
@@ -330,16 +332,13 @@ int correct_prints(work *w, const uint32_t *prints, size_t n,
   uint32_t *number = eda_alloc(n, sizeof *number),
            *place = eda_alloc(c->prints, sizeof *place);
   uint8_t *flip = eda_alloc(n, 1);
-  double *better = eda_alloc(n, sizeof *better);
   for (size_t k = 0; k < n; k++) {
     number[k] = w->print_first[prints[k]];
     flip[k] = c->gate[number[k]].flip;
-    better[k] = print_beyond(w, &c->print[prints[k]]);
     place[prints[k]] = (uint32_t)(k + 1);
   }
   correction m = {.on = {.work = w, .number = number, .count = n},
-                  .wide = place,
-                  .better = better};
+                  .wide = place};
   int code = correct_selected(&m, error);
   for (size_t i = 0; i < c->count && !code; i++) {
     eda_chip_gate *g = &c->gate[i];
@@ -353,6 +352,5 @@ int correct_prints(work *w, const uint32_t *prints, size_t n,
   free(number);
   free(place);
   free(flip);
-  free(better);
   return code;
 }

@@ -78,9 +78,8 @@ static uint32_t place_of(const finder *f, double x, double y) {
   uint32_t nearest = UINT32_MAX;
   int32_t reach = f->work->margin / 2;
   x = round(x / g->grid), y = round(y / g->grid);
-  const eda_box around = {(int32_t)x - reach, (int32_t)y - reach,
-                          (int32_t)x + reach, (int32_t)y + reach};
-  eda_finder find = eda_index_find(f->index, around);
+  const eda_box at = {(int32_t)x, (int32_t)y, (int32_t)x, (int32_t)y};
+  eda_finder find = eda_index_find(f->index, eda_box_grown(at, reach));
   for (uint32_t i; eda_index_next(&find, &i);) {
     eda_box b = g->box[i];
     double d =

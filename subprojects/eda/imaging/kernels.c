@@ -509,20 +509,22 @@ static void to_spline(sum_task *j) {
 
 /* ---- grids ---- */
 
-/* Estimate the memory of make_fields and to_spline in the smallest case: the
-   intensity has the band of the mask, and each group has one kernel. */
+/* Estimate the memory of eda_mask_spectrum, add_kernels and to_spline, with
+   groups of TOGETHER kernels and an intensity band of 2 / 1.75 of that of the
+   mask, as for a sigma of 0.75. */
 eda_image_size eda_image_forecast(eda_frame f, double band) {
-  double x = f.width * band,
-         y = f.height * band; /* numbers of frequencies k >= 0 and l >= 0 */
-  double nx = fmax(0.85 * 3, 2) * x, ny = fmax(0.85 * 3, 2) * y;
-  double fine_x = fmin(4 * x, fmax(2 * x, f.width / default_step));
-  double fine_y = fmin(4 * y, fmax(2 * y, f.height / default_step));
+  double x = f.width * band, y = f.height * band; /* frequencies k, l >= 0 */
+  double nx = 2.67 * x, ny = 2.67 * y;            /* field_size */
+  double fine_x = fmax(2.29 * x, f.width / default_step);
+  double fine_y = fmax(2.29 * y, f.height / default_step);
+  double raster = 3.15 * x * 3.15 * y * sizeof(double); /* kept by malloc */
   double spectrum = x * 2 * y * sizeof(float complex);
-  double sums = 2 * nx * ny * sizeof(float);
-  double along_y = 2 * x * ny * sizeof(float complex);
-  double fine = x * fine_y * sizeof(float complex);
+  double sum = nx * ny * sizeof(float);
+  double field = 2 * (x + STRIP) * ny * sizeof(float complex);
+  double group = fmin(TOGETHER * field, fmax(field, FIELDS_BYTES));
   double out = fine_x * fine_y * sizeof(float);
-  return (eda_image_size){nx, ny, spectrum + sums + along_y + fine + out, out};
+  double bytes = raster + spectrum + sum + group + out;
+  return (eda_image_size){nx, ny, bytes, out};
 }
 
 /* Return the number of field nodes along a side of `side` nm. */
