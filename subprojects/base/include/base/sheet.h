@@ -29,7 +29,7 @@ char *opc_sheet_markdown(opc_sheet *sheet);
 
 /* Return CSV by RFC 4180, with lines that end with CR LF (g_free).
 
-   A cell is marked by an apostrophe in front if a spreadsheet would execute it
+   A cell is marked by an apostrophe if a spreadsheet would execute it
    (first character = + - @, except quantities), if it begins with an
    apostrophe, or if it contains control characters. In a marked cell, a
    backslash is written twice, and a control character as a backslash and xHH.
