@@ -4,21 +4,17 @@
 
 #include <stddef.h>
 
-enum {
-  BENCH_LOWER,
-  BENCH_HIGHER
-}; /* whether lower or higher values are
-      better */
+enum { BENCH_LOWER, BENCH_HIGHER }; /* values of `better` */
 
-/* Keep a figure for bench_write. Names are "circuit.figure". `reach` is
-   INFINITY where there is nothing to reach (null in the file). */
+/* Store a figure for bench_write. Names are "circuit.figure". `reach` is the
+   goal; INFINITY: no goal (null in the file). */
 void bench_report(const char *name, double value, const char *unit,
                   double reach, int better);
 
-/* Show all figures as a table and write them to NAME.json in the folder that
-   OPCFLOW_BENCH names (default: the current one), as a list of
-   { name, value, unit, reach, better }. Returns the exit code of the program:
-   figures that fall short of their reach are shown, but are no failure. */
+/* Print all figures as a table, and write them to NAME.json in the folder named
+   by OPCFLOW_BENCH (default: the current folder). The file is a list of { name,
+   value, unit, reach, better }. Returns the exit code of the program. A figure
+   that misses its goal is no failure. */
 int bench_write(const char *name);
 
 /* Return the median; sorts the values. */

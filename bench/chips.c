@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Layouts of growing size through correct.chip, from file to file: square
-   arrays of the memory cell, and macros of IHP if OPCFLOW_TEST_DATA has them.
-   CPU seconds, peak memory, masks, and the size of the mask file. */
+/* Measures correct.chip from file to file for layouts of increasing size:
+   square arrays of the memory cell and, if OPCFLOW_TEST_DATA has them, macros
+   of IHP. Reports processor time, peak memory, number of masks, and size of the
+   mask file. */
 #include <fcntl.h>
 #include <glib.h>
 #include <glib/gstdio.h>
@@ -17,8 +18,8 @@
 #include <store/files.h>
 #include "bench/bench.h"
 
-/* Pitch of the memory array, um: the cell's box and a margin; number of
-   transistors in the array cell. */
+/* Pitch of the memory array, um, and number of transistors in the array cell.
+   The pitch is the box of the cell with a margin. */
 enum { PITCH_X = 4, PITCH_Y = 13, TRANSISTORS = 192 };
 
 static const char *setting(const char *name, const char *preset) {
@@ -47,7 +48,7 @@ static gboolean program_run(char **argv, cost *c) {
   c->seconds = (double)(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
                1e-6 * (double)(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
   c->megabytes = (double)usage.ru_maxrss / 1024;
-  /* 1: a requirement of the flow is missed, but all files are written */
+  /* exit code 1: the run violates a requirement, but all files are written */
   return WIFEXITED(status) && WEXITSTATUS(status) <= 1;
 }
 
@@ -72,16 +73,17 @@ static void figure_report(const char *name, const char *what, double value,
   bench_report(full, value, unit, reach, BENCH_LOWER);
 }
 
-/* Measure a correction with fast simulations; `more` are further arguments. */
-static gboolean chip_measure(const char *folder, const char *name, char **more,
-                             double transistors, double area,
-                             const char *layout) {
+/* Measure a correction with fast simulations by a flow that extends `base`;
+   `more` are further arguments. */
+static gboolean chip_measure(const char *folder, const char *name,
+                             const char *base, char **more, double transistors,
+                             double area, const char *layout) {
   g_autofree char *flow = g_build_filename(folder, "bench.yaml", NULL);
   g_autofree char *result = g_build_filename(folder, "run", NULL);
   g_autofree char *mask = g_build_filename(result, "mask.oas", NULL);
   g_autofree char *text =
-      g_strdup_printf("opcflow: 1\nextends: %s/flows/chip.yaml\n%s",
-                      setting("OPCFLOW_SOURCE", "."), rest);
+      g_strdup_printf("opcflow: 1\nextends: %s/flows/%s\n%s",
+                      setting("OPCFLOW_SOURCE", "."), base, rest);
   if (!g_file_set_contents(flow, text, -1, NULL)) return FALSE;
   g_autoptr(GPtrArray) argv = g_ptr_array_new();
   char *const fixed[] = {(char *)setting("OPCFLOW_COMMAND", "opcflow"),
@@ -111,8 +113,7 @@ static gboolean chip_measure(const char *folder, const char *name, char **more,
 
 /* ---- our memory ---- */
 
-/* Write an array of columns and rows as CIF, by replication of the last
-   call. */
+/* Write an array of columns and rows as CIF, by repetition of the last call. */
 static gboolean make_square(const char *path, int columns, int rows) {
   g_autofree char *source = g_build_filename(
       setting("OPCFLOW_SOURCE", "."), "data", "cells65", "sram4.cif", NULL);
@@ -146,7 +147,8 @@ static gboolean measure_square(const char *folder, int side) {
                           "nwell: CW }",
                   NULL};
   return make_square(path, columns, rows) &&
-         chip_measure(folder, name, more, (double)TRANSISTORS * columns * rows,
+         chip_measure(folder, name, "chip.yaml", more,
+                      (double)TRANSISTORS * columns * rows,
                       (double)PITCH_X * columns * PITCH_Y * rows, path);
 }
 
@@ -158,9 +160,10 @@ static gboolean measure_macro(const char *folder, const char *data,
   g_autofree char *file =
       g_strdup_printf("%s/RM_IHPSG13_1P_%s.gds", data, macro);
   g_autofree char *set = g_strconcat("layout.file=", file, NULL);
-  char *more[] = {(char *)"--variant", (char *)"ihp130", (char *)"--set", set,
+  char *more[] = {(char *)"--variant", (char *)"chip", (char *)"--set", set,
                   NULL};
-  return chip_measure(folder, macro, more, transistors, area, file);
+  return chip_measure(folder, macro, "processes/ihp130.yaml", more, transistors,
+                      area, file);
 }
 
 int main(void) {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Measures flows/compare.yaml: seven methods on seven cells, with the report
-   page; the same run repeated; with one changed parameter of a method; on a
-   circuit, if available; and killed at random times. Wall-clock time and
-   processor time, which does not depend on other load. */
+   page. Further runs: the same run repeated, with one changed parameter of a
+   method, on a circuit if available, and killed at random times. Reports
+   wall-clock time and processor time, which does not depend on other load. */
 #include <glib.h>
 #include <glib/gstdio.h>
 #include <math.h>
@@ -59,7 +59,7 @@ static double processor(void) {
          (double)(used.ru_utime.tv_usec + used.ru_stime.tv_usec) * 1e-6;
 }
 
-/* Run to the end; return the wall-clock seconds. */
+/* Run the experiment to the end; return the wall-clock time, s. */
 static double opcflow_run(const char *store, const char *output,
                           const char *set) {
   gint64 before = g_get_monotonic_time();
@@ -84,7 +84,7 @@ static double run_measure(const char *name, double reach, const char *store,
 
 /* ---- one parameter of one method ---- */
 
-/* Return whether `opcflow explain` reports a new mask of a run. */
+/* Return whether `opcflow explain` reports that a run computed a new mask. */
 static int is_made(const char *path) {
   g_autofree char *text = NULL;
   const char *command = g_getenv("OPCFLOW_COMMAND");
@@ -97,7 +97,7 @@ static int is_made(const char *path) {
   return line && g_regex_match_simple("^\\nmask +ran ", line, 0, 0);
 }
 
-/* Count the newly computed masks, of dpb and of all other methods. */
+/* Count the newly computed masks of dpb, and those of all other methods. */
 static void count_made(const char *output, double *dpb, double *others) {
   g_autofree char *all = g_build_filename(folder, output, "compare", NULL);
   g_autoptr(GDir) dir = g_dir_open(all, 0, NULL);
@@ -139,7 +139,7 @@ static char *contents(const char *output, const char *a, const char *b,
   return text;
 }
 
-/* Return experiment.csv without the fifth column, the seconds. */
+/* Return experiment.csv without the fifth column, the run times. */
 static char *figures(const char *output) {
   g_autofree char *text = contents(output, "experiment.csv", NULL, NULL);
   g_auto(GStrv) lines = g_strsplit(text, "\r\n", -1);
@@ -168,8 +168,8 @@ static int is_same(const char *one, const char *other) {
   return same;
 }
 
-/* Kill a run twenty times, at times that add up to about one run; then let it
-   finish. */
+/* Kill a run twenty times. The total time of the killed runs is about that of
+   one run. Then let the run finish. */
 static void kill_often(const char *source) {
   g_autofree char *set = g_strdup_printf(
       "compare.cases=[{ layout: { use: read.cif, layers: { poly: CP, active: "

@@ -1,15 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Runs of the command from file to file: the NAND2, and circuits if test data
-   exist. The figures are the time relative to that of fast simulations alone,
-   the deviations of the currents, and the deviations by a model of another
-   kind.
-
-   bench_correction [NAME ...]: run only these jobs; "library" are circuits
+/* Measures runs of the command from file to file: the NAND2, and circuits if
+   test data exist. Figures are the time relative to fast simulations alone, the
+   deviations of the currents, and the deviations by a different model.
+   bench_correction [NAME ...]: run only these cases; "library" are circuits
    assembled from the masks of their cells.
-
-   OPCFLOW_BEFORE=FOLDER, the source of another version with a build in
-   FOLDER/build: that version runs the same flows alternately, where its results
-   are comparable. */
+   OPCFLOW_BEFORE=FOLDER is the source of another version with a build in
+   FOLDER/build. If the results are comparable, that version runs the same flows
+   alternately. */
 #include <glib.h>
 #include <json-glib/json-glib.h>
 #include <math.h>
@@ -29,7 +26,7 @@ typedef struct figure {
   const char *unit;          /* NULL: a number */
 } figure;
 
-/* The measured version, or another one. */
+/* The measured version, or the other version (OPCFLOW_BEFORE). */
 typedef struct version {
   const char *command, *source;
   char **environment;
@@ -39,13 +36,15 @@ typedef struct correction_case {
   const char *name;           /* prefix of the figures */
   const char *flow;           /* in flows/ */
   const char *variant;        /* variant of the flow; NULL: none */
-  const char *circuit;        /* of ISCAS'85; NULL: that of the flow */
+  const char *circuit;        /* circuit of ISCAS'85; NULL: the layout named by
+                                 the flow */
   size_t repeats;             /* number of runs; the median is reported */
   double seconds;             /* goal of the run time; 0: not reported */
   const char *sets[MAX_SETS]; /* STEP.PARAMETER=VALUE */
   figure figures[MAX_FIGURES];
-  /* Settings of the reference, run alternately: fast simulations alone, or the
-     other version; and the allowed ratio of the times. */
+  /* Settings of the reference run (fast simulations alone; if none: the other
+     version), and the allowed ratio of the times. Runs alternate with reference
+     runs. */
   const char *cheap[MAX_SETS];
   double times;
 } correction_case;
@@ -72,7 +71,7 @@ static const correction_case jobs[] = {
                  {"mask", "ion_max", 0.4, "%"},
                  {"mask", "ioff_mean", 3, "%"},
                  {"mask", "ioff_total", 2, "%"}}},
-    /* The same mask verified by a model of another kind. */
+    /* Verification of the same mask by a different model. */
     {.name = "c432.verified",
      .flow = "newton.yaml",
      .variant = "verified",
@@ -81,8 +80,8 @@ static const correction_case jobs[] = {
      .figures = {{"verify", "ion_mean", 0.04, "%"},
                  {"verify", "ion_max", 0.4, "%"},
                  {"verify", "ion_change_max", 0.1, "%"}}},
-    /* Accurate simulations and the verification alone: twice the seconds of
-       the same displacements with fast simulations alone. */
+    /* Accurate simulations and the verification alone may take twice the time
+       of the same displacements with fast simulations alone. */
     {.name = "c7552.newton_plain",
      .flow = "newton.yaml",
      .circuit = "c7552",
@@ -94,7 +93,8 @@ static const correction_case jobs[] = {
                  {"mask", "fine_simulations", 4, NULL}},
      .cheap = {"mask.fine=off", "mask.margin=1 um"},
      .times = 2},
-    /* The default target, against fast simulations and Ion alone. */
+    /* The default target, compared with fast simulations and Ion as the only
+       target. */
     {.name = "c7552.newton",
      .flow = "newton.yaml",
      .circuit = "c7552",
@@ -168,8 +168,7 @@ static void add_sets(GPtrArray *argv, const char *const *sets) {
 }
 
 /* Run a flow into `folder` with the settings of the case and `more`. Return the
-   seconds, or -1. A run that misses a requirement of its flow counts as well.
- */
+   time, s, or -1. A run that violates a requirement is valid. */
 static double run_once(const correction_case *j, const version *v,
                        const char *const *more, const char *layout,
                        const char *folder) {
@@ -198,7 +197,8 @@ static double run_once(const correction_case *j, const version *v,
   return g_error_matches(error, G_SPAWN_EXIT_ERROR, 1) ? seconds : -1;
 }
 
-/* Read a metric of a run from metrics.json; seconds from the manifest. */
+/* Read a metric of a run from metrics.json, or the run time of a step from the
+   manifest. */
 static gboolean read_metric(const char *folder, const figure *f,
                             double *value) {
   gboolean time = !strcmp(f->metric, "seconds");
@@ -222,7 +222,7 @@ static gboolean read_metric(const char *folder, const figure *f,
   return FALSE;
 }
 
-/* Report a figure; without a reference it is not compared. */
+/* Report a figure. A figure without a goal has the goal INFINITY. */
 static void figure_report(const correction_case *j, const char *what,
                           double value, const char *unit, double reach) {
   g_autofree char *name = g_strdup_printf("%s.%s", j->name, what);
@@ -277,19 +277,19 @@ static gboolean correction_measure(const correction_case *j,
 
 /* ---- by a library of cells (thesis table 4.2) ---- */
 
-/* Expected speed relative to DPB-OPC of the flat circuit, and the deviation of
-   the currents by the same verification model. */
+/* Variants by cells: expected speed relative to DPB-OPC of the flat circuit,
+   and the deviation of the currents by the same verification model. */
 static const struct by_cells {
   const char *variant, *mask; /* variant of flows/library-methods.yaml; its last
                                  step */
   double times;
-  gboolean judged; /* "no worse than flat" */
+  gboolean judged; /* compare the deviation with that of the flat circuit */
 } by_cells[] = {{"dpb_placed", NULL, 40, FALSE},
                 {"newton_2", "mask", 10, FALSE},
                 {"newton_0", "mask", 5, TRUE}};
 
-/* Run a variant; return the seconds of the steps that compute the mask, without
-   those of library.build, or -1. */
+/* Run a variant. Return the time of the steps that compute the mask, s, without
+   the steps of library.build; -1 on failure. */
 static double run_by_cells(const char *circuit, const char *variant,
                            const char *step, const char *folder, double *ion) {
   g_autofree char *run = g_build_filename(folder, variant, NULL);

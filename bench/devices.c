@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Transistors from contours: the time for 14,000 of them, relative to that of a
-   fixed number of samples of the same fields. If test data exist, also the
-   error of 12 slices against many, on drawn masks. */
+/* Measures transistors from contours: the time for 14,000 transistors, relative
+   to that of a fixed number of samples of the same fields. If test data exist,
+   also measures the error of 12 slices relative to many slices, on drawn
+   masks. */
 #include <eda/eda.h>
 #include <glib.h>
 #include <math.h>
@@ -84,7 +85,7 @@ static void print_layer(const models *m, const eda_gates *g, int layer,
   require_good(resist->print(m->resist->self, layer, out, &error), &error);
 }
 
-/* Returns 0 if the cell has no transistor. */
+/* Prepare the chip of a layout. Returns 0 if the cell has no transistor. */
 static int chip_make(const models *m, eda_layout *layout, const char *top,
                      chip *c) {
   g_autofree char *map = g_strdup_printf("{ top: '%s' }", top);
@@ -144,7 +145,8 @@ static double *layout_measure(const chip *c, const opc_module *extract,
 
 /* ---- time ---- */
 
-/* Return rows of lines across two actives each, 14,000 transistors. */
+/* Return a layout of 14,000 transistors: rows of lines that each cross two
+   actives. */
 static eda_layout *rows_of_gates(void) {
   enum { COLUMNS = 250, ROWS = 28 };
   opc_error error;
@@ -219,7 +221,8 @@ static void bench_time(const models *m) {
 enum { RULES = 3, CURRENTS = 2 };
 static const char *const rule_names[RULES] = {"contour", "gauss", "equal"};
 
-/* For each rule with 12 slices: |error| of Ion and Ioff, %, of all gates. */
+/* Errors of each rule with 12 slices: |error| of Ion and Ioff of all gates,
+   %. */
 typedef struct errors {
   opc_module *extract[RULES], *many;
   GArray *error[RULES][CURRENTS];

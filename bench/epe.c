@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* EPE-OPC of a synthetic metal layer of 30 x 30 um: 8 iterations with fragments
-   of 32 nm, on two cores. The share of synthesizer.epe is measured
-   separately. */
+/* Measures EPE-OPC of a synthetic metal layer of 30 x 30 um: 8 iterations with
+   fragments of 32 nm, on two processors. The time of synthesizer.epe is also
+   measured separately. */
 #include <eda/eda.h>
 #include <glib.h>
 #include <math.h>
@@ -27,8 +27,8 @@ static uint32_t random_draw(uint32_t *state, uint32_t below) {
   return (*state >> 8) % below;
 }
 
-/* Return tracks of wires of 0.3 to 3 um; one in five continues in the next
-   track. */
+/* Return tracks of wires of 0.3 to 3 um length. One wire in five continues in
+   the next track. */
 static eda_layout *metal(void) {
   opc_error error;
   uint32_t state = 1;
@@ -57,7 +57,7 @@ static opc_module *module(const char *id, const char *parameters) {
   return m;
 }
 
-/* Measure the complete step with further parameters. */
+/* Measure the complete step with the further parameters `more`. */
 static double correct_measure(eda_gates *gates, const char *more) {
   g_autofree char *parameters = g_strdup_printf(
       "{ litho: { use: litho.hopkins }, resist: { use: resist.threshold, "
@@ -122,7 +122,7 @@ int main(void) {
     all[i] = correct_measure(gates[0], "assist: 0");
   bench_report("epe.metal_30um.two_cores", bench_median(all, RUNS), "s", 2,
                BENCH_LOWER);
-  /* Scatter bars where space permits, and other doses. */
+  /* A second case has scatter bars where space permits, and other doses. */
   for (int i = 0; i < RUNS; i++)
     all[i] = correct_measure(gates[0],
                              "assist: 1, assist_distance: 40 nm, "

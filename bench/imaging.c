@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Imaging: the error against finer settings, and the time relative to that of
-   the Fourier transforms alone, in one run. The layout is rows of 65 nm lines
-   at 250 nm pitch. */
+/* Measures imaging: the error relative to finer settings, and the time relative
+   to the Fourier transforms alone, in one run. The layout consists of rows of
+   65 nm lines at 250 nm pitch. */
 #include "bench/bench.h"
 #include "core/plugin/host.h"
 #include "imaging/fft.h"
@@ -23,7 +23,8 @@ static const opc_host *host;
 
 static double time_now(void) { return (double)g_get_monotonic_time() / 1e6; }
 
-/* Processor time of all threads: independent of other load. */
+/* Return the processor time of all threads, which does not depend on other
+   load. */
 static double processor_time(void) {
   struct timespec t;
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
@@ -71,7 +72,8 @@ typedef struct times {
   double layer, fft;
 } times;
 
-/* Measure the Fourier transforms of a layer of that size, as full planes. */
+/* Measure the Fourier transforms for a layer of that size, as full planes
+   without other work. */
 static double transforms(eda_frame f, const opc_module *m, size_t kernels,
                          int fine) {
   const eda_litho *l = m->functions;
@@ -119,7 +121,8 @@ static double layer(const eda_shapes *s, eda_frame f, const opc_module *m,
   return time;
 }
 
-/* Measure layer and transforms alternately; return the best of RUNS. */
+/* Measure the layer and the transforms alternately. Return the shortest times
+   of RUNS runs. */
 static times layer_measure(double um, const opc_module *m, size_t kernels) {
   eda_shapes s = rows_of_lines(1000 * um);
   eda_frame f = frame_of(1000 * um);
@@ -134,8 +137,9 @@ static times layer_measure(double um, const opc_module *m, size_t kernels) {
   return best;
 }
 
-/* Return the time per area of a large layer over that of a small one. It is the
-   median of ratios of alternate runs, the small one repeated for equal time. */
+/* Return the time per area of a large layer divided by that of a small layer:
+   the median over alternate runs. The small layer is repeated for an equal
+   time. */
 static double growth(double small, double large, const opc_module *m) {
   enum { TURNS = 7 };
   double ratio[TURNS], area[2] = {pow(small + 2, 2), pow(large + 2, 2)};
@@ -172,8 +176,9 @@ static double two_processes(const eda_shapes *s, eda_frame f,
 }
 
 /* Measure the speed-up of two threads, and the limit of this machine: two
-   concurrent processes against one. Medians of alternate runs. The processes
-   come first, before any other thread exists. */
+   concurrent processes relative to one process. Results are medians of
+   alternate runs. The processes run first, while this process has a single
+   thread. */
 static void bench_threads(const opc_module *m) {
   enum { TURNS = 9 };
   eda_shapes s = rows_of_lines(80000);
@@ -282,7 +287,7 @@ static void shifted_pupil(const void *self, size_t s, const double *fx,
   }
 }
 
-/* Return zeros, to measure the time of everything else. */
+/* Return zeros: measures the time without the transfer function. */
 static void no_transfer(const void *self, size_t s, const double *fx, double fy,
                         size_t n, float *out) {
   (void)self;
@@ -319,7 +324,8 @@ static double plain_sum(const eda_spectrum *mask, size_t count) {
   return time;
 }
 
-/* Measure the parts of a layer of 60 um on one core; medians. */
+/* Measure the parts of a layer of 60 um on one processor. Results are
+   medians. */
 static void bench_parts(void) {
   enum { PARTS = 5, TURNS = 9, SYSTEMS = 13 };
   static const char *const names[PARTS] = {"spectrum", "transfer", "fields",
@@ -368,9 +374,10 @@ static void bench_parts(void) {
 
 /* ---- error ---- */
 
-/* Compute an image through some source points, as the band of a scanner
-   requires. Raster, grid of the fields and grid of the result can each be
-   finer; the last is never coarser than the second requires. */
+/* Compute an image by some source points within the band of a scanner.
+   `raster`, `grid` and `nodes` are the refinements of the mask raster, of the
+   grid of the fields, and of the grid of the result. The result is at least as
+   fine as the fields require. */
 static eda_field image_sampled(const eda_shapes *s, eda_frame f, int raster,
                                int grid, int nodes) {
   size_t count = 16;
@@ -391,7 +398,8 @@ static eda_field image_sampled(const eda_shapes *s, eda_frame f, int raster,
   return field;
 }
 
-/* Report the distance of the edges of a field from those of a finer one. */
+/* Report the distance of the edges of a field from the edges of a finer
+   field. */
 static void compare_edges(const char *name, const eda_field *field,
                           const eda_field *fine, double reach) {
   eda_frame window = {0, 0, 6000, 6000};
@@ -550,7 +558,7 @@ static eda_shapes read_clip(const char *path) {
   return merged;
 }
 
-/* Measure a clip in focus and defocused, with the 24 kernels of the contest
+/* Measure a clip in focus and defocused, with the 24 kernels of the contest for
    each. */
 static void bench_clip(void) {
   g_autofree char *focus = contest("kernels/focus", "scales.txt");

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Reading of large layouts: one flat cell of rectangles, as GDSII and OASIS, by
-   the command, and by KLayout if its Python module is available; and the time
-   of `opcflow check`. Wall-clock seconds and peak memory. */
+/* Measures reading of large layouts: one flat cell of rectangles, as GDSII and
+   OASIS, by the command and, if available, by KLayout's Python module. Also
+   measures `opcflow check`. Results are wall-clock times and peak memory. */
 #include <errno.h>
 #include <fcntl.h>
 #include <glib.h>
@@ -36,14 +36,14 @@ typedef struct rectangle {
 } rectangle;
 
 /* Return a random number by the generator of Numerical Recipes, so that the
-   files are the same everywhere. */
+   files are equal on all machines. */
 static uint32_t next_random(uint32_t *state) {
   *state = *state * 1664525u + 1013904223u;
   return *state >> 8;
 }
 
-/* Return rectangle i: on a coarse grid, of random size; long runs on one layer,
-   as layout tools write them. */
+/* Return rectangle i: random size, on a coarse grid. Long sequences are on the
+   same layer, as in files of layout tools. */
 static rectangle rectangle_at(uint32_t i, uint32_t *state) {
   rectangle r = {.layer = i / (RECTANGLES / LAYERS) + 1};
   r.x = (int32_t)(i % 3163) * 400 + (int32_t)(next_random(state) % 200);
@@ -80,7 +80,7 @@ static uint8_t *gds_rectangle(uint8_t *p, rectangle r) {
 }
 
 static void write_gds(FILE *file) {
-  /* 1e-3 user units and 1e-9 m a database unit, in base 16 */
+  /* a database unit is 1e-3 user units and 1e-9 m, as base-16 numbers */
   static const uint8_t units[16] = {0x3e, 0x41, 0x89, 0x37, 0x4b, 0xc6,
                                     0xa7, 0xf0, 0x39, 0x44, 0xb8, 0x2f,
                                     0xa0, 0x9b, 0x5a, 0x54};
@@ -116,7 +116,8 @@ static uint8_t *oasis_text(uint8_t *p, const char *text) {
   return (uint8_t *)memcpy(p, text, n) + n;
 }
 
-/* Append a rectangle: layer and datatype only where they change. */
+/* Append a rectangle. Layer and datatype are written only if they differ from
+   those of the previous rectangle. */
 static uint8_t *oasis_rectangle(uint8_t *p, rectangle r, uint32_t layer) {
   uint8_t more = r.layer != layer ? 0x03 : 0;
   *p++ = 20;
@@ -150,7 +151,7 @@ static void write_oasis(FILE *file) {
     layer = r.layer;
     fwrite(one, 1, (size_t)(p - one), file);
   }
-  /* END fills 256 bytes: no tables, a padding string, no validation. */
+  /* END has 256 bytes: no tables, a padding string, no validation. */
   memset(head, 0, sizeof head);
   p = head;
   *p++ = 2;
@@ -175,7 +176,8 @@ static gboolean file_make(const char *path, void (*write_file)(FILE *file)) {
 
 /* ---- processes ---- */
 
-/* Run a program to the end, without output if `quiet`; FALSE on failure. */
+/* Run a program to the end, without output if `quiet` is set. Return FALSE on
+   failure. */
 static gboolean program_run(char **argv, gboolean quiet, cost *c) {
   gint64 before = g_get_monotonic_time();
   pid_t child = fork();
@@ -252,7 +254,7 @@ static gboolean read_by_klayout(const char *path, cost *c) {
   return program_repeat(argv, REPEATS, NULL, c);
 }
 
-/* KLayout is the reference: its time, and half its memory. */
+/* Goals: the time of KLayout, and half of its memory. */
 static gboolean reader_measure(const char *folder, const char *name,
                                const char *plugin,
                                void (*write_file)(FILE *file),
@@ -276,7 +278,7 @@ static gboolean reader_measure(const char *folder, const char *name,
 
 /* ---- checking ---- */
 
-/* Make the kernel drop its cache of a folder's files. */
+/* Remove the files of a folder from the kernel's cache. */
 static void cache_forget(const char *folder) {
   g_autoptr(GDir) dir = g_dir_open(folder, 0, NULL);
   for (const char *name; dir && (name = g_dir_read_name(dir));) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Model cards. */
+/* Fuzzes model cards. */
 #include <eda/netlist.h>
 
 #include "fuzz/fuzz.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Sanitising of a deck, and of a file that it names: each resulting line is a
-   title, a continuation or a known statement. */
+/* Fuzzes the check of a deck and of a file that the deck names. Each resulting
+   line must be a title, a continuation or a known statement. */
 #include <glib.h>
 #include <stdlib.h>
 #include <string.h>

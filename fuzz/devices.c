@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Device tables. */
+/* Fuzzes device tables. */
 #include <eda/devices.h>
 
 #include "fuzz/fuzz.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Flow files, checked against the declarations of the real plugins; no
-   instance is made, so that no file but plugins is opened. */
+/* Fuzzes flow files, checked against the declarations of the real plugins. No
+   instance is created, so that only plugin files are opened. */
 #include "core/binding/flow.h"
 #include "core/binding/resolve.h"
 #include "fuzz/fuzz.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Fuzzers: one program a parser. Each defines LLVMFuzzerTestOneInput, and is
-   linked with libFuzzer (meson -Dfuzz=true, clang) or with replay.c. */
+/* Fuzzers: one program per parser. Each program defines LLVMFuzzerTestOneInput,
+   and is linked with libFuzzer (meson -Dfuzz=true, clang) or with replay.c. */
 #pragma once
 
 #include <stddef.h>
@@ -8,6 +8,7 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/* The path of a file in memory with this content; the same one each time. */
+/* Return the path of a file in memory with this content. The path is the same
+   in each call. fuzz_second_file: another file. */
 const char *fuzz_file(const uint8_t *data, size_t size);
 const char *fuzz_second_file(const uint8_t *data, size_t size);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Kernel sets: the text of weights, a byte of 0, and the data of each
-   kernel. */
+/* Fuzzes kernel sets. An input is the text of weights, a zero byte, and the
+   data of each kernel. */
 #include <glib/gstdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -28,7 +28,7 @@ static void link_to(const char *path, const char *name) {
   if (symlink(path, name)) g_error("no link '%s'", name);
 }
 
-/* Link the files in memory into one folder. */
+/* Create a folder with links to the files in memory. */
 static void set_up(const char *weights, const char *kernel) {
   folder = g_dir_make_tmp("opcflow-fuzz-XXXXXX", NULL);
   if (!folder) g_error("no folder");

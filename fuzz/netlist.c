@@ -1,14 +1,17 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* SPICE and CDL netlists: read, and made flat from each subcircuit. */
+/* Fuzzes SPICE and CDL netlists: reading, and flattening from each
+   subcircuit. */
 #include <eda/netlist.h>
 #include <glib.h>
 
 #include "fuzz/fuzz.h"
 
-/* Size of one file here; more is allowed, and takes time. */
+/* Largest number of devices of a netlist that is flattened. Larger netlists are
+   valid, but take too long. */
 static const uint64_t most_devices = 10000;
 
-/* Names of transistors and nets are read to detect invalid ones. */
+/* Read the names of transistors and nets, so that sanitizers detect invalid
+   pointers. */
 static void look_at(const eda_flat_netlist *flat) {
   for (size_t i = 0; i < flat->devices; i++)
     if (!*flat->device[i].name) g_error("a transistor without a name");

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A layout reader, linked into this program: a new instance for each input. */
+/* Fuzzes a layout reader, which is linked into this program. Each input gets a
+   new instance. */
 #include <eda/layout.h>
 #include <string.h>
 
@@ -26,8 +27,8 @@ static opc_binding *reader_bind(const char *path) {
   return binding;
 }
 
-/* Limit for the flattened layers, and their bytes: more is allowed, and takes
-   its time. */
+/* Largest number of layers and bytes that are flattened. Larger layouts are
+   valid, but take too long. */
 enum { MOST_LAYERS = 4, MOST_FLAT = 1 << 22 };
 
 static void layout_flatten(const eda_layout *layout, int32_t top) {
@@ -42,7 +43,7 @@ static void layout_flatten(const eda_layout *layout, int32_t top) {
   }
 }
 
-/* Queries of a layout. */
+/* Call all query functions of a layout. */
 static void look_at(const eda_layout *layout) {
   opc_error error;
   int32_t top = eda_layout_top(layout, &error);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Runs a fixed, reproducible number of mutations of seeds: PROGRAM RUNS SUFFIX
-   FILE-OR-FOLDER ..., and of the test data if there are any. A slow input is a
-   failure. After a crash the input is in the file named by OPCFLOW_FUZZ_INPUT,
-   if set. */
+/* Runs a fixed, reproducible sequence of mutations of seeds: PROGRAM RUNS
+   SUFFIX FILE-OR-FOLDER ... Test data, if available, are further seeds. A slow
+   input is a failure. After a crash, the file named by OPCFLOW_FUZZ_INPUT, if
+   set, has the input. */
 #include <glib.h>
 #include <stdio.h>
 #include <stdlib.h>

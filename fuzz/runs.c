@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A run folder with one arbitrary file: manifest, metrics, resolved flow, or a
-   table; and the table of an experiment. */
+/* Fuzzes run folders in which one file has arbitrary content: manifest,
+   metrics, resolved flow, a table, or the table of an experiment. */
 #include <eda/runs.h>
 #include <glib.h>
 #include <glib/gstdio.h>

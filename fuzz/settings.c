@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Texts of --set and --sweep for a flow, one per line; those of --sweep begin
-   with a sign. */
+/* Fuzzes texts of --set and --sweep for a flow, one per line. Texts of --sweep
+   begin with a sign. */
 #include <string.h>
 
 #include "core/binding/flow.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tables in CSV files: first corrections, weights of slices, widths that print,
-   goals for single transistors. */
+/* Fuzzes CSV tables: first corrections, weights of slices, widths that print,
+   and goals of single transistors. */
 #include <eda/goals.h>
 #include <math.h>
 
@@ -22,7 +22,7 @@ static void read_goals_of_two(const char *path) {
   eda_goals_read(path, &gates, goals, &error);
 }
 
-/* A litho model required to read a table; no image is computed. */
+/* A litho model, which reading a table requires. No image is computed. */
 static double unused_band(const void *self) {
   (void)self;
   return 1e-3;

@@ -35,7 +35,7 @@ static inline int opcflow_call(const char *line) {
   return program_spawn((const char *const *)argv->pdata);
 }
 
-/* Start a run and return once a plugin reports that it begins an endless
+/* Start a run. Return after a plugin has reported the start of an endless
    loop. */
 static inline GSubprocess *start_loop(const char *flow) {
   const char *argv[] = {command, "run", flow, "--output", "x", NULL};
@@ -72,8 +72,8 @@ static inline guint entries(const char *name) {
   return n;
 }
 
-/* Set up the temporary folder with the test plugins, and with the plugins of
-   opcflow if `with_own`. */
+/* Create the temporary folder with the test plugins and, if `with_own` is set,
+   with the plugins of opcflow. */
 static inline void set_up(gboolean with_own) {
   folder = g_dir_make_tmp("opcflow-XXXXXX", NULL);
   g_assert_cmpint(g_chdir(folder), ==, 0);
@@ -85,7 +85,7 @@ static inline void set_up(gboolean with_own) {
   g_setenv("OPCFLOW_PLUGIN_PATH", path, TRUE);
 }
 
-/* Write a flow of two steps, of which the second listed runs first. */
+/* Write a flow of two steps. The second step in the file runs first. */
 static inline void write_two(void) {
   write_text("in.txt", "some input\n");
   write_text("two.yaml",

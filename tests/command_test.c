@@ -6,6 +6,7 @@
 #include <pty.h>
 #include <signal.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "tests/command.h"
@@ -43,7 +44,7 @@ static void test_echo(void) {
   g_autoptr(JsonNode) about = json_from_string(out, NULL);
   g_assert_cmpuint(json_array_get_length(json_object_get_array_member(
                        json_node_get_object(about), "parameters")),
-                   ==, 16);
+                   ==, 17); /* with `timeout` */
   g_assert_cmpint(opcflow_call("inspect test.number"), ==, 3);
   g_assert_cmpstr(err, ==,
                   "error: unknown plugin 'test.number', did you mean "
@@ -52,7 +53,7 @@ static void test_echo(void) {
   g_assert_nonnull(strstr(err, "built for plugin interface 9.8, this is 0.8"));
 }
 
-/* The text printed by inspect is a valid flow except for the missing values. */
+/* The text printed by inspect is a valid flow if the missing values are set. */
 static void test_stanza(void) {
   g_assert_cmpint(opcflow_call("inspect test.numbers"), ==, 0);
   const char *stanza = strstr(out, "\nnumbers:\n");
@@ -83,7 +84,8 @@ static void test_check(void) {
   g_assert_cmpstr(err, ==, "error: 'none.yaml': no such file\n");
 }
 
-/* Light steps run during a check, so that later steps can make a forecast. */
+/* Light steps run during a check, so that later steps have inputs for
+   forecasts. */
 static void test_forecast(void) {
   write_text("wants.yaml",
              "opcflow: 1\nsteps:\n"
@@ -101,8 +103,9 @@ static void test_forecast(void) {
                                  "wants.yaml:4:3: step 'b' (test.heavy): "
                                  "requires 1000000000.0 GB of memory "
                                  "for 2 sums, but "));
+  g_assert_nonnull(strstr(err, " left, enough for "));
   g_assert_nonnull(strstr(err,
-                          " left; less with a smaller 'memory' (variant 'big')"
+                          " %; less with a smaller 'memory' (variant 'big')"
                           "\nwants.yaml:8:20: step 'b' (test.heavy): less than "
                           "nothing (variant 'bad')\n"));
   g_assert_null(strstr(err, "ran with 2"));
@@ -124,6 +127,20 @@ static void test_forecast(void) {
   g_assert_cmpint(opcflow_call("run wants.yaml --variant big"), ==, 4);
   g_assert_nonnull(strstr(err, "requires 1000000000.0 GB of memory"));
   g_assert_null(strstr(err, "ran with 2"));
+}
+
+/* A plugin folder in which every user can write is reported. */
+static void test_open_folder(void) {
+  for (int open = 0; open < 2; open++) {
+    g_assert_cmpint(g_mkdir_with_parents("shared", 0755), ==, 0);
+    g_assert_cmpint(chmod("shared", open ? 0757 : 0755), ==, 0);
+    g_assert_cmpint(opcflow_call("check little.yaml --plugin-path shared"), ==,
+                    0);
+    g_assert_cmpint(strstr(err,
+                           "warning: every user can write to the plugin "
+                           "folder 'shared' (mode 757)") != NULL,
+                    ==, open);
+  }
 }
 
 /* ---- verbs of plugins ---- */
@@ -411,7 +428,7 @@ static void run_interrupt(const char *option, const char *value) {
       G_SUBPROCESS_FLAGS_STDOUT_SILENCE | G_SUBPROCESS_FLAGS_STDERR_SILENCE,
       &fault);
   g_assert_no_error(fault);
-  /* The second step waits after the first has written its table. */
+  /* The second step waits after the first step has written its table. */
   for (int i = 0; i < 500 && !entries("i"); i++) g_usleep(10000);
   g_assert_cmpuint(entries("i"), ==, 1);
   g_usleep(100000);
@@ -427,8 +444,8 @@ static void test_interrupt(void) {
   run_interrupt("--sweep", "b.behave=[well,wait,well]");
 }
 
-/* Return the output of opcflow WORDS on a terminal and check the exit code;
-   NULL, with the test skipped, if there is no pseudo-terminal. */
+/* Return the output of opcflow WORDS on a terminal, after a check of the exit
+   code. NULL, with the test skipped, if the system has no pseudo-terminal. */
 static char *say_on_terminal(const char *words, const char *no_colour,
                              int code) {
   int terminal = posix_openpt(O_RDWR | O_NOCTTY);
@@ -469,8 +486,8 @@ static void test_colour(void) {
   g_assert_null(strchr(plain, '\033'));
 }
 
-/* The progress of each step and point is shown in one line, updated in place;
-   the first step is shared by all points. */
+/* One line, updated in place, shows the progress of each step and point. All
+   points share the first step. */
 static void test_progress(void) {
   g_autofree char *output = say_on_terminal(
       "run two.yaml --set b.behave=echo --sweep b.size=[3nm,4nm]", "1", 0);
@@ -479,7 +496,8 @@ static void test_progress(void) {
   const char *a = strstr(output, AGAIN "[1/2] a" AGAIN);
   const char *b = a ? strstr(a, AGAIN "point 1/2 [2/2] b" AGAIN) : NULL;
   if (!b || !strstr(b, AGAIN "point 2/2 [2/2] b" AGAIN)) g_error("%s", output);
-  /* After 0.2 s or slightly more, 1,200 times as long remains. */
+  /* After 0.2 s or slightly more, the estimated remaining time is 1,200 times
+     as long. */
   const char *first = strstr(b, "b  1/1201  worst 0.5 nm  ");
   int minutes, seconds;
   if (!first || sscanf(first + 25, "%d:%d left", &minutes, &seconds) != 2)
@@ -508,7 +526,7 @@ static void test_full(void) {
     g_test_skip("does not exist /dev/full");
 }
 
-/* Closed standard streams are not attributed to a plugin, and no file takes
+/* A plugin is not blamed for closed standard streams, and no file receives
    their descriptors. */
 static void test_closed(void) {
   g_assert_cmpint(shell("run two.yaml --output closed >&-"), ==, 5);
@@ -528,6 +546,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/command/stanza", test_stanza);
   g_test_add_func("/command/check", test_check);
   g_test_add_func("/command/forecast", test_forecast);
+  g_test_add_func("/command/open_folder", test_open_folder);
   g_test_add_func("/command/verb", test_verb);
   g_test_add_func("/command/verb-help", test_verb_help);
   g_test_add_func("/command/verb-faults", test_verb_faults);

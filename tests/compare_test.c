@@ -9,8 +9,8 @@
 
 /* ---- run folders ---- */
 
-/* Make a run whose step 'out' wrote a mask of CIF boxes, with the given number
-   of shots in the table of costs. */
+/* Create a run whose step 'out' wrote a mask of CIF boxes. The table of costs
+   has the given number of shots. */
 static void make_mask(const char *run, const char *boxes, int shots) {
   g_autofree char *cif =
       g_strdup_printf("DS 1 1 10;%sDF;C 1;E\n", boxes); /* in nm */
@@ -155,7 +155,7 @@ static void test_verdicts(void) {
   g_assert_cmpfloat(number("metrics", low, "base"), ==, 1);
   g_assert_cmpfloat(number("metrics", low, "value"), ==, 1.25);
   g_assert_cmpfloat(number("metrics", low, "change"), ==, 0.25);
-  /* Only differences are listed by default. */
+  /* By default, only differences are listed. */
   g_assert_cmpuint(rows_of("metrics"), ==, 7);
   runs_compare("a b");
   g_assert_cmpuint(rows_of("metrics"), ==, 6);
@@ -222,8 +222,8 @@ static void test_forms(void) {
 
 /* Incomparable runs are refused with the reasons, and compared with
    --anyway. */
-/* Two boxes of poly, one moved and one removed; active is equal in both masks
-   and not listed. */
+/* Poly has two boxes, of which one moves and one is removed. Active is equal in
+   both masks and not listed. */
 static void test_masks(void) {
 #define SAME "L A;B 1000 200 0 0;L B;B 400 400 0 1000;"
   make_mask("mask1", SAME "L A;B 200 100 0 -400;B 60 50 0 -900;", 7);
@@ -285,8 +285,8 @@ static void test_refusals(void) {
   g_assert_cmpint(opcflow_call("compare base other"), ==, 0);
 }
 
-/* Transistors are joined by name in any order and compared by absolute
-   deviation; those that do not print in one run are excluded. */
+/* Transistors are paired by name, in any order, and compared by absolute
+   deviation. Transistors that do not print in one of the runs are excluded. */
 static void test_transistors(void) {
   g_autofree char *a =
       g_strconcat(gates_head,
@@ -343,15 +343,15 @@ static void test_variants(void) {
 
 /* ---- experiments ---- */
 
-/* Return metrics with that value of Ion. */
+/* Return metrics with this value of Ion. */
 static char *ion_metrics(const char *value) {
   g_autoptr(GString) text = g_string_new(RUN_ION("@"));
   g_string_replace(text, "@", value, 0);
   return g_strdup(text->str);
 }
 
-/* Make an experiment of two methods on three cases, of which the third fails
-   with the second method; metrics are 1 unless given. */
+/* Create an experiment of two methods on three cases. The third case fails with
+   the second method. Metrics are 1 unless given. */
 static void make_experiment(const char *name, const char *nand,
                             const char *nor) {
   static const char *const cases[] = {"nand", "nor", "inv"};

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Binary compatibility. Plugins kept as binaries (tests/compat) run in this
-   opcflow, and in a build with an extended interface. There, each extensible
-   struct has one more member: a function of each kind, a field of each
-   declaration, a function of each service. A plugin built against the extended
-   interface runs in this opcflow. */
+   opcflow, and in a build with an extended interface. In the extended
+   interface, each extensible struct has one more member: a function of each
+   kind, a field of each declaration, a function of each service; and the host
+   has one more service. A plugin built with the extended interface uses the
+   service there, and also runs in this opcflow, which lacks the service. */
 #include <glib.h>
 #include <store/files.h>
 #include <string.h>
@@ -12,8 +13,9 @@
 
 static char *kept, *folder; /* folder of the binaries; folder of the runs */
 
-/* Run this opcflow or the grown one with words (no blanks in them) and the
-   store in OPCFLOW_STORE. Return its output. */
+/* Run this opcflow, or the build with the extended interface (`grown`), with
+   words that have no blanks, and with the store in OPCFLOW_STORE. Return the
+   output. */
 static char *opcflow_call(gboolean grown, const char *words) {
   const char *build = g_getenv("OPCFLOW_BUILD");
   g_autofree char *line = g_strdup_printf(
@@ -89,12 +91,16 @@ static void test_command(void) {
   }
 }
 
-/* A plugin of a later minor version; the step is the one of the flow `step`. */
+/* A plugin of a later minor version with the step of the flow `step`. The added
+   service doubles the metric `sum` of 30. */
 static void test_newer(void) {
   g_autofree char *got = run_flow(FALSE, "newer", "", "metrics.json");
   g_autofree char *wanted = read_file(kept, "step.json");
   g_auto(GStrv) steps = g_strsplit(wanted, "\n  },\n  \"inner\"", 2);
   g_assert_true(g_str_has_prefix(got, steps[0]));
+  g_autofree char *there = run_flow(TRUE, "newer", "", "metrics.json");
+  g_assert_nonnull(strstr(got, "\"value\" : 30.0"));
+  g_assert_nonnull(strstr(there, "\"value\" : 60.0"));
 }
 
 int main(int argc, char **argv) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Each layout file of the corpus, compared with the data of KLayout: cells,
-   placements and shapes by layer. For each top cell and layer also the box and,
-   for rectilinear shapes, the merged area. */
+/* Compares each layout file of the corpus with data from KLayout: cells,
+   placements and shapes by layer. For each top cell and layer, also compares
+   the bounding box and, for rectilinear shapes, the merged area. */
 #include <glib.h>
 #include <json-glib/json-glib.h>
 #include <math.h>
@@ -52,8 +52,8 @@ static void check_cells(const eda_layout *layout, JsonObject *cells) {
 
 /* ---- shapes ---- */
 
-/* Paths of zero width have no area and are not kept; count those of each layer
-   as missing. */
+/* Paths of zero width have no area and are dropped. Count the dropped paths of
+   each layer as missing shapes. */
 static GHashTable *check_layers(const eda_layout *layout, JsonObject *layers) {
   GHashTable *missing =
       g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
@@ -112,7 +112,7 @@ static void check_area(const eda_shapes *flat, double unit, JsonObject *want) {
   g_assert_cmpfloat_with_epsilon(area, expected, 1e-8 * expected + 1e-9);
 }
 
-/* For disjoint shapes, also slanted ones, compare the sum of areas. */
+/* Disjoint shapes, which may be slanted: compare the sum of the areas. */
 static void check_sum(const eda_shapes *flat, double unit, JsonObject *want) {
   double twice = 0;
   if (object_count(want, "polygons") != (int64_t)flat->count) return;
@@ -131,7 +131,7 @@ static void check_sum(const eda_shapes *flat, double unit, JsonObject *want) {
                                  1e-8 * expected + 0.51 * unit * unit);
 }
 
-/* Corners of slanted paths, rotated cells and round ends differ by at most one
+/* For slanted paths, rotated cells and round ends, corners may differ by one
    unit. */
 static void check_box(const eda_shapes *flat, double unit, JsonObject *want) {
   JsonArray *box = json_object_get_array_member(want, "bbox_um");
@@ -172,7 +172,7 @@ static int check_top(const eda_layout *layout, const char *top,
       check_area(&flat.shapes, unit, want);
       checked++;
     } else {
-      g_assert_false(lost); /* their loss must be reported */
+      g_assert_false(lost); /* the loss must be reported */
       if (!flat.moved &&
           !object_count(json_object_get_object_member(layers, k->data), "path"))
         check_sum(&flat.shapes, unit, want);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Paths of the source tree and of the test data, which are not part of it. */
+/* Paths of files in the source tree and in the test data, which are outside of
+   the source tree. */
 #pragma once
 
 #include <glib.h>
@@ -10,16 +11,16 @@ static inline char *source_path(const char *name) {
   return g_build_filename(root ? root : ".", name, NULL);
 }
 
-/* Return the path of a file of the test data (g_free): below the folder
-   OPCFLOW_TEST_DATA, by default shared/data beside the source tree. */
+/* Return the path of a file of the test data (g_free), in the folder
+   OPCFLOW_TEST_DATA; by default, in shared/data beside the source tree. */
 static inline char *data_path(const char *name) {
   const char *folder = g_getenv("OPCFLOW_TEST_DATA");
   g_autofree char *beside = source_path("../shared/data");
   return g_build_filename(folder ? folder : beside, name, NULL);
 }
 
-/* Return data_path(name), or skip the running test and return NULL if there is
-   no such file or folder. */
+/* Return data_path(name). If the file or folder is missing, skip the running
+   test and return NULL. */
 static inline char *find_data(const char *name) {
   char *path = data_path(name);
   if (g_file_test(path, G_FILE_TEST_EXISTS)) return path;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Plugins that damage the process in which they run. For each fault and each
-   function, the command names the plugin, keeps the written files and ends with
-   its own exit code; no faulty run succeeds or hangs. */
+   function, the command must name the plugin, keep the written files, and end
+   with its documented exit code. No run with a fault may succeed or hang. */
 #include <gio/gio.h>
 #include <glib/gstdio.h>
 #include <json-glib/json-glib.h>
@@ -55,10 +55,10 @@ static void write_correction(const char *kind) {
 
 static const char ended[] = "plugin '%s' ended the process\n",
                   numbers[] =
-                      "plugin '%s' changed how numbers are rounded, flushed "
-                      "or trapped\n";
+                      "plugin '%s' changed the floating-point rounding, "
+                      "flush-to-zero or trap mode\n";
 
-/* A misuse with the expected message, '%s' for the name of the plugin. */
+/* A fault with the expected message; '%s' is the name of the plugin. */
 typedef struct misuse {
   const char *how, *say;
 } misuse;
@@ -72,14 +72,14 @@ static const misuse misuses[] = {
     {"pthread_exit", "plugin '%s' ended the thread\n"},
     {"abort", "crashed in plugin '%s': aborted\n"},
     {"trap", "crashed in plugin '%s': trap\n"},
-    {"segv", "crashed in plugin '%s': segmentation misuse\n"},
+    {"segv", "crashed in plugin '%s': segmentation fault\n"},
     {"usr1", "crashed in plugin '%s': user signal 1\n"},
     {"pipe", "crashed in plugin '%s': broken pipe\n"},
     {"alarm", "crashed in plugin '%s': alarm\n"},
     {"profile", "crashed in plugin '%s': alarm\n"},
     {"timer", "plugin '%s' left an alarm set\n"},
-    {"thread", "crashed in plugin '%s': segmentation misuse\n"},
-    {"overflow", "crashed in plugin '%s': segmentation misuse\n"},
+    {"thread", "crashed in plugin '%s': segmentation fault\n"},
+    {"overflow", "crashed in plugin '%s': segmentation fault\n"},
     {"handler", "plugin '%s' changed the handler of SIGSEGV\n"},
     {"deaf", "plugin '%s' changed the handler of SIGTERM\n"},
     {"block", "plugin '%s' changed the signal mask\n"},
@@ -125,7 +125,8 @@ static void try_correction(const char *kind, const char *when, const char *how,
                            const char *say) {
   g_autofree char *id = g_strconcat("bad.", kind, NULL);
   write_correction(kind);
-  /* One thread: with several, another faulty plugin may be named first. */
+  /* One thread is used: with several threads, the message may name another
+     faulty plugin. */
   assert_exit(call_while("run bad.yaml --output x --threads 1", when, how), 4,
               id, say);
   expect_kept();
@@ -211,8 +212,8 @@ static void test_static(void) {
 
 /* ---- side by side ---- */
 
-/* A change of process state may come from any plugin that runs at the time: the
-   message names several, among them the faulty one. */
+/* A change of the process state may be caused by any running plugin. The
+   message names several plugins, among them the faulty one. */
 static void test_beside(void) {
   static const char *const kinds[][2] = {
       {"litho", "image"}, {"resist", "print"}, {"extractor", "extract"}};
@@ -266,7 +267,7 @@ static void test_step(void) {
   try_step("check step.yaml --json", "", "bytes", 0, "");
   g_autoptr(JsonNode) check = json_parse(out);
   try_step("run step.yaml", "run", "err", 4, ended);
-  /* The exit code is always that of the command. */
+  /* A plugin does not change the exit code of the command. */
   try_step("run step.yaml", "run", "atexit", 4, "(bad.step): no error message");
   assert_exit(call_while("run step.yaml --output z", "run", "atexit crash"), 4,
               "", "crashed while the command ended: segmentation fault\n");
@@ -378,7 +379,7 @@ static void test_hangs(void) {
     try_hang("bad.yaml", i % 2 ? SIGINT : SIGTERM, want);
     expect_kept();
   }
-  /* A thread that waits for the hanging one is not blamed. */
+  /* The message does not name a thread that waits for the hanging thread. */
   g_setenv("BAD_HOW", "hang aside", TRUE);
   g_setenv("BAD_WHEN", "image", TRUE);
   write_correction("litho");
@@ -392,7 +393,7 @@ static void test_hangs(void) {
   try_hang("step.yaml", SIGTERM, "stopped in plugin 'bad.step'\n");
 }
 
-/* A signal from outside is attributed to no plugin. */
+/* The message about a signal from another process names no plugin. */
 static void test_foreign(void) {
   write_text("step.yaml", "opcflow: 1\nsteps:\n  a: { use: bad.step }\n");
   g_setenv("BAD_HOW", "hang", TRUE);

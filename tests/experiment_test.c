@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The step `experiment` through the command: each run against a separate run,
-   the expansion of lists, patterns and files, and refused flows. */
+/* Tests the step `experiment` by the command: comparison of each run with a
+   separate run, expansion of lists, patterns and files, and rejected flows. */
 #include <string.h>
 
 #include "tests/flow.h"
@@ -32,7 +32,8 @@ static const char inner[] =
 #define CASES \
   "    cases: [{ layout.file: [cells/nand2.cif, cells/nor2.cif] }]\n"
 
-/* Check a flow: its exit code, and that the messages contain all of `words`. */
+/* Check a flow: the exit code must be an error, and the messages must contain
+   all of `words`. */
 static void assert_flow(const char *flow, const char *words) {
   g_autofree char *errors = NULL;
   write_file("bad.yaml", flow);
@@ -78,7 +79,8 @@ static void run_outer(void) {
   done = TRUE;
 }
 
-/* Each run is byte-identical to a separate run of its own resolved flow. */
+/* Each run is byte-identical to a separate run of the resolved flow of that
+   run. */
 static void test_alone(void) {
   static const char *const runs[] = {"nand2/fine", "nand2/coarse", "nor2/fine",
                                      "nor2/coarse"};
@@ -116,8 +118,8 @@ static void test_table(void) {
   g_assert_cmpuint(g_strv_length(lines), ==, 6);
 }
 
-/* Steps that depend only on the case run once for all methods: their times are
-   equal. */
+/* Steps that depend only on the case run once for all methods, so that the run
+   times are equal. */
 static void test_sharing(void) {
   static const char *const cases[] = {"nand2", "nor2"};
   run_outer();
@@ -137,8 +139,9 @@ static void test_sharing(void) {
   }
 }
 
-/* A failed run is reported once with the reason and counted in the summary; the
-   other runs continue; the exit code is that of a sweep. */
+/* A failed run is reported once with the reason, and counted in the summary.
+   The other runs continue. The exit code is that of a sweep with a failed
+   point. */
 static void test_failing(void) {
   g_autofree char *errors = NULL;
   write_file(
@@ -185,12 +188,12 @@ static void test_files(void) {
       "    cases: [{ layout.file: cells/nand2.cif, layout.scale: [1, 2] }, { "
       "name: other, layout.file: cells/nor2.cif }]\n",
       "1 2 other ");
-  /* All combinations, the last list varies fastest. */
+  /* Cases are all combinations of the lists; the last list varies fastest. */
   expect_cases(
       "    cases: [{ layout.file: 'cells/n*2.cif', layout.scale: [1, 2] }]\n",
       "nand2-1 nand2-2 nor2-1 nor2-2 ");
-  /* The first text of a case names the case; without a text, the plugin does.
-   */
+  /* The first text among the values is the name of the case; without a text,
+     the plugin is the name. */
 #define OTHER "gates: { use: segment.transistors, grid: 2 nm }"
   expect_cases("    cases: [{ " OTHER " }, { " OTHER
                ", layout.file: cells/nor2.cif }]\n",
@@ -199,7 +202,8 @@ static void test_files(void) {
               "bad.yaml:8:28: no file matches 'cells/x*.cif'");
 }
 
-/* Two files of a case, matched by the star of the pattern. */
+/* Two files per case: the text that matches the star is equal in both file
+   names. */
 static void test_pairs(void) {
   write_file("plain.yaml", inner);
   write_file("inner.yaml",
@@ -287,8 +291,8 @@ static void test_refusals(void) {
   assert_flow(HEAD CASES, "required parameter 'methods'");
 }
 
-/* A former name of a parameter is accepted and reported; both names together
-   are refused. */
+/* A former name of a parameter is accepted with a warning. Both names together
+   are an error. */
 static void test_former(void) {
   g_autofree char *flow =
       g_build_filename(g_getenv("OPCFLOW_SOURCE"), "flows/newton.yaml", NULL);

@@ -12,8 +12,9 @@
 
 static char *folder; /* parent of all run folders; removed at the end */
 
-/* Run opcflow ARGS..., NULL in `folder`; return the exit code, and in *errors,
-   unless NULL, the standard error (g_free). */
+/* Run opcflow with the arguments `first`, ..., NULL in `folder`. Return the
+   exit code. *errors receives the standard error (g_free) unless `errors` is
+   NULL. */
 static inline int opcflow(char **errors, const char *first, ...) {
   g_autoptr(GPtrArray) argv = g_ptr_array_new_with_free_func(g_free);
   g_ptr_array_add(argv,
@@ -89,8 +90,8 @@ static inline double metric(const char *run, const char *step,
                                        "value");
 }
 
-/* Return whether a plugin is available; some are not built without their
-   libraries. */
+/* Return whether a plugin is available. Some plugins are not built if their
+   libraries are missing. */
 static inline int plugin_available(const char *id) {
   g_autofree char *errors = NULL;
   if (opcflow(&errors, "inspect", id, NULL) == 0) return TRUE;

@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Ready-made flows run through the command: reached figures, and independence
-   of the number of threads and of the orientation of a cell. */
+/* Runs shipped flows by the command. Figures must be reached, and results must
+   not depend on the number of threads and the orientation of a cell. */
 #include <eda/runs.h>
 #include <math.h>
 #include <string.h>
 
 #include "tests/flow.h"
 
-/* PV band of a clip of ICCAD 2013 by score.iccad, which is independent of the
-   SRAF: model-based SRAF reduce the band by at least 15 %, and none prints. */
+/* PV band of a clip of ICCAD 2013 by score.iccad, which does not use the SRAF
+   model. Model-based SRAF must reduce the band by at least 15 %, and no SRAF
+   may print. */
 static void test_assists_of_the_model(void) {
   g_autofree char *clips = find_data("clips");
   if (!clips) return;
@@ -39,7 +40,7 @@ static void test_demo(void) {
   g_autofree char *flow = source_path("flows/demo.yaml"), *out = place("demo");
   g_autofree char *errors = NULL;
   g_assert_cmpint(opcflow(&errors, "run", flow, "--output", out, NULL), ==, 0);
-  /* A line for each long step, and nothing else. */
+  /* Only one line for each long step is printed. */
   g_auto(GStrv) lines = g_strsplit(errors, "\n", -1);
   g_assert_cmpuint(g_strv_length(lines), <=, 4 + 1);
   for (int i = 0; lines[i] && *lines[i]; i++)
@@ -57,7 +58,7 @@ static void test_demo(void) {
   }
 }
 
-/* The resolved flow of a run reproduces masks and figures. */
+/* The resolved flow of a run reproduces the masks and figures. */
 static void test_resolved(void) {
   g_autofree char *flow = place("demo/flow.yaml"), *out = place("again");
   g_assert_cmpint(opcflow(NULL, "run", flow, "--output", out, NULL), ==, 0);
@@ -65,7 +66,7 @@ static void test_resolved(void) {
   expect_equal("demo", "again", "mask.gds");
 }
 
-/* Less accurate settings of the accurate model, which take the same code path
+/* Settings of the accurate model with less accuracy. The code path is the same,
    in a third of the time. */
 #define LIGHT "--set", "mask.fine=1e-3", "--set", "mask.margin=1 um"
 
@@ -84,8 +85,8 @@ static void test_threads(void) {
   }
 }
 
-/* A NAND2 with horizontal gates equals the rotated cell: the uncorrected
-   transistors deviate by the same amounts. */
+/* A NAND2 with horizontal gates equals the rotated cell: deviations of the
+   uncorrected transistors are equal. */
 static void test_orientation(void) {
   g_autofree char *flow = source_path("flows/demo.yaml"),
                   *out = place("turned");
@@ -101,8 +102,8 @@ static void test_orientation(void) {
   g_assert_cmpfloat(metric("turned", "mask", "ion_max"), <=, 0.5);
 }
 
-/* The mask of a chip as a layout has the numbers of the drawn layers. A check
-   knows before the correction if a layer has none. */
+/* In the mask of a chip as a layout, layers have the numbers of the drawn
+   layers. If a layer has no number, the check fails before the correction. */
 static void test_chip_numbers(void) {
   g_autofree char *chip = source_path("flows/chip.yaml");
   g_autofree char *cif = source_path("data/cells65/sram4.cif");
@@ -132,6 +133,28 @@ static void test_chip_numbers(void) {
   g_assert_nonnull(strstr(errors, "'poly': the layer has no number"));
 }
 
+/* The check finds wrong layers of a mask's writers
+   before the correction. */
+static void test_mask_layers(void) {
+  g_autofree char *demo = source_path("flows/demo.yaml");
+  g_autofree char *errors = NULL, *more = NULL;
+  g_autofree char *flow = g_strdup_printf(
+      "opcflow: 1\nname: layers\nextends: %s\nsteps:\n"
+      "  good: { use: write.gds, mask: '${mask}', layers: { poly: 7/0 }, file: "
+      "a.gds }\n"
+      "  bad: { use: write.oasis, mask: '${mask}', layers: { layout: 1/0 }, "
+      "file: b.oas }\n",
+      demo);
+  write_file("layers.yaml", flow);
+  g_assert_cmpint(opcflow(&errors, "check", "layers.yaml", NULL), ==, 2);
+  g_assert_cmpstr(errors, ==,
+                  "layers.yaml:6:53: step 'bad' (write.oasis): 'layout': a "
+                  "mask has the layers poly, active, contact, poly_drawn and "
+                  "active_drawn\n");
+  g_assert_cmpint(
+      opcflow(&more, "check", "layers.yaml", "--set", "bad=~", NULL), ==, 0);
+}
+
 /* NAND2_X1 of the NanGate library, scaled to L = 65 nm. */
 static void test_nangate(void) {
   g_autofree char *file = find_data("nangate45/NangateOpenCellLibrary.gds");
@@ -147,9 +170,9 @@ static void test_nangate(void) {
   g_assert_cmpfloat(metric("nangate", "mask", "ion_max"), <=, 0.5);
 }
 
-/* A flip-flop with little space at line ends: gates are widened where the poly
-   continues, but not where a thin line end would reach the channel. With W
-   shared by both sides the worst gate leaks three times its drawn Ioff. */
+/* A flip-flop with little space at line ends. Gates are widened where the poly
+   continues, but not where a thin line end would reach the channel. If both
+   sides shared W, the worst gate would leak three times its drawn Ioff. */
 static void test_flip_flop(void) {
   g_autofree char *file = find_data("nangate45/NangateOpenCellLibrary.gds");
   if (!file) return;
@@ -164,7 +187,7 @@ static void test_flip_flop(void) {
   g_assert_cmpfloat(metric("flipflop", "mask", "ioff_max"), <=, 30);
 }
 
-/* Verification of a mask by the models of the correction and by others. */
+/* Verifies a mask by the models of the correction, and by other models. */
 static void test_verify(void) {
   g_autofree char *flow = place("verify.yaml"), *out = place("verify");
   g_autofree char *demo = source_path("flows/demo.yaml");
@@ -220,15 +243,15 @@ static void test_circuit(void) {
   g_assert_cmpfloat(metric("circuit", "circuit", "transitions"), ==, 4);
   g_assert_cmpfloat(metric("circuit", "circuit", "unmeasured"), ==, 0);
   g_assert_cmpfloat(metric("circuit", "circuit", "tp_worst_before"), >, 10);
-  /* Ion is within 0.5 %; the gate areas to be charged are larger by 1.6 and 2.8
-     %. */
+  /* Ion is within 0.5 %. The gate areas, which determine the gate charge, are
+     larger by 1.6 and 2.8 %. */
   g_assert_cmpfloat(metric("circuit", "circuit", "tp_worst"), <, 2);
   expect_file("circuit", "circuit.png", 1000);
   expect_file("circuit", "delays.csv", 100);
 }
 
-/* Margins of the memory cell: with matched Ion, with matched areas as well, and
-   with corrected L only, as simulated in the thesis. */
+/* Margins of the memory cell: with matched Ion, with additionally matched
+   areas, and with corrected L only, as simulated in the thesis. */
 static void test_margins(void) {
   if (!plugin_available("circuit.ngspice")) return;
   g_autofree char *flow = source_path("flows/circuit.yaml"),
@@ -246,8 +269,8 @@ static void test_margins(void) {
   g_assert_cmpfloat(metric("margins/sram", "circuit", "cells"), ==, 32);
 }
 
-/* Three layers in one correction: transistors and metal within their limits,
-   all in one file. */
+/* One correction of three layers: transistors and metal are within their
+   limits, and one file has all layers. */
 static void test_metal(void) {
   run_ready("metal", NULL, NULL);
   g_assert_cmpfloat(metric("metal", "mask", "ion_max"), <, 0.1);
@@ -257,9 +280,9 @@ static void test_metal(void) {
   g_assert_nonnull(strstr(g_bytes_get_data(cost, NULL), "metal1,"));
 }
 
-/* Start the demo under processor emulation; 0 if no emulator is available, as
-   under a sanitizer. Emulated kernels take a minute, so the processors are
-   emulated concurrently. */
+/* Start the demo under processor emulation. Return 0 if no emulator is
+   available, or under a sanitizer. Emulated kernels take a minute, so that the
+   processors are emulated concurrently. */
 static GPid start_emulated(const char *processor, const char *run) {
   g_autofree char *qemu = g_find_program_in_path("qemu-x86_64");
   g_autofree char *out = place(run), *flow = source_path("flows/demo.yaml");
@@ -287,10 +310,10 @@ static void expect_success(GPid pid) {
   g_assert_cmpint(status, ==, 0);
 }
 
-/* Bit-identical results with AVX-512 (if available) and with AVX2 and FMA.
-   Without FMA, FFTW and the C library use other algorithms: currents and areas
-   differ by less than 1e-5 (the figures are deviations in %), the mask is
-   equal. */
+/* Results with AVX-512 (if available) are bit-identical to those with AVX2 and
+   FMA. Without FMA, FFTW and the C library use other algorithms: currents and
+   areas differ by less than 1e-5 (the figures are deviations in %), and the
+   mask is equal. */
 static void test_processors(void) {
   GPid haswell = start_emulated("Haswell", "haswell");
   if (!haswell) {
@@ -344,7 +367,8 @@ static void test_window(void) {
   expect_file("window", "process_window.csv", 100);
 }
 
-/* A table of two widths, reused by the flow of the full table. */
+/* A table of two widths is computed; the flow of the full table reuses the
+   results. */
 static void test_characterize(void) {
   run_ready("characterize", "table.lengths=[65 nm]",
             "table.widths=[300 nm, 450 nm]");
@@ -359,9 +383,20 @@ static void test_characterize(void) {
   g_assert_cmpfloat(metric("adjusted", "mask", "ion_max"), <=, 0.5);
 }
 
-/* Path delays of a NAND2, for one switching input and for both, with each cell
-   simulated, agree with ngspice on the whole circuit, as drawn and as printed.
-   Tables of a single input would be wrong by 23 and 80 % for two inputs. */
+/* A flow that simulates by a card corrects with the table of this card. */
+static void expect_one_card(const char *run) {
+  g_autofree char *out = place(run), *text = NULL;
+  g_autofree char *path = g_build_filename(out, "flow.yaml", NULL);
+  g_assert_true(g_file_get_contents(path, &text, NULL, NULL));
+  g_assert_nonnull(strstr(text, "opcflow65.pm"));
+  g_assert_nonnull(strstr(text, "opcflow65.yaml"));
+  g_assert_null(strstr(text, "ptm65.yaml"));
+}
+
+/* Path delays of a NAND2 for one switching input and for both inputs. Delays
+   from separately simulated cells agree with ngspice on the whole circuit, as
+   drawn and as printed. For two inputs, tables of a single input would be wrong
+   by 23 and 80 %. */
 static void test_timing(void) {
   if (!plugin_available("timing.characterize")) return;
   g_autofree char *flow = source_path("flows/timing.yaml"),
@@ -379,15 +414,16 @@ static void test_timing(void) {
                          "static_path.csv"};
   for (size_t i = 0; i < G_N_ELEMENTS(files); i++)
     expect_equal(runs[0], runs[1], files[i]);
+  expect_one_card(runs[0]);
   g_assert_cmpfloat(metric(runs[0], "paths", "spice_delays"), ==, 6);
   g_assert_cmpfloat(metric(runs[0], "paths", "spice_error_max"), <, 0.5);
   g_assert_cmpfloat(metric(runs[0], "paths", "spice_deviation_max"), <, 0.4);
   g_assert_cmpfloat(metric(runs[0], "paths", "lowest"), >, 0.5);
 }
 
-/* A NAND2 with some transistors lengthened. The simulation matches the
-   prediction of static timing and no path exceeds the limit. The leakage falls
-   by about the predicted amount, both by ngspice and by the device table. */
+/* A NAND2 with some transistors lengthened. The simulated delays agree with
+   static timing, and no path exceeds the limit. ngspice and the device table
+   agree with the predicted reduction of leakage. */
 static void test_slack(void) {
   if (!plugin_available("timing.characterize")) return;
   g_autofree char *flow = source_path("flows/slack.yaml");
@@ -402,6 +438,7 @@ static void test_slack(void) {
              100 * ((1 + metric(with, "rest", "leakage_mean") / 100) /
                         (1 + metric(without, "rest", "leakage_mean") / 100) -
                     1);
+  expect_one_card(with);
   g_assert_cmpfloat(foreseen, <, -25);
   g_assert_cmpfloat(fabs(printed - foreseen), <, 2);
   g_assert_cmpfloat_with_epsilon(metric(with, "slack", "leakage_drawn"),
@@ -413,8 +450,8 @@ static void test_slack(void) {
                     metric(without, "paths", "static_deviation") + 0.3);
 }
 
-/* The table of methods: of two methods, the one with the smaller Ion deviation
-   and unchanged area has the smaller delay deviation. */
+/* The table of methods: the method with the smaller Ion deviation, at equal
+   area, has the smaller delay deviation. */
 static void test_timing_compare(void) {
   if (!plugin_available("timing.characterize")) return;
   g_autofree char *flow = source_path("flows/timing-compare.yaml"),
@@ -439,6 +476,7 @@ int main(int argc, char **argv) {
   begin_flows();
   g_test_add_func("/flows/demo", test_demo);
   g_test_add_func("/flows/chip-numbers", test_chip_numbers);
+  g_test_add_func("/flows/mask-layers", test_mask_layers);
   g_test_add_func("/flows/resolved", test_resolved);
   g_test_add_func("/flows/threads", test_threads);
   g_test_add_func("/flows/processors", test_processors);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Run folders: replacement by --force, and remains of runs that were killed,
-   are active, or could not write. */
+/* Run folders: replacement by --force, and the remains of runs that were
+   killed, that are active, or that could not write. */
 #include <gio/gio.h>
 #include <glib/gstdio.h>
 #include <signal.h>
@@ -113,7 +113,7 @@ static void test_places(void) {
 
 /* ---- runs that are at work ---- */
 
-/* Start a run whose second step waits for ever. */
+/* Start a run whose second step waits without end. */
 static GSubprocess *run_start(const char *target) {
   const char *argv[] = {command,         "run",     "two.yaml",
                         "--output",      target,    "--set",
@@ -157,7 +157,8 @@ static void test_busy(void) {
   expect_names("b", "x");
 }
 
-/* With numbered names, several runs of a flow may be active. */
+/* Without --output, several runs of a flow may be active, because names are
+   numbered. */
 static void test_together(void) {
   g_assert_cmpint(sh("mkdir t; cd t; cp ../two.yaml .; "
                      "for i in 1 2 3 4; do $O run two.yaml --quiet & done; "
@@ -184,7 +185,7 @@ static void test_hangup(void) {
 
 /* ---- files that cannot be written ---- */
 
-/* A file that could not be written completely there is no under its name. */
+/* A file that was not written completely does not appear under its name. */
 static void test_full(void) {
   g_assert_cmpint(sh("ulimit -f 0; $O run two.yaml --output w/x"), ==, 5);
   g_assert_nonnull(strstr(err, "/deep/er/out.txt': "));
@@ -195,7 +196,8 @@ static void test_full(void) {
                   ==, 5);
   g_assert_nonnull(strstr(err, "/numbers.csv': File too large\n"));
   g_assert_cmpint(sh("find w -type f | grep ."), ==, 1);
-  /* The earlier run is kept if only the reports do not fit. */
+  /* The earlier run is kept if the disk is full when the reports are
+     written. */
   g_assert_cmpint(sh("rm -r w; $O run two.yaml --output w/x --set b.whole=7"),
                   ==, 0);
   g_assert_cmpint(sh("ulimit -f 1; $O run two.yaml --output w/x --force"), ==,

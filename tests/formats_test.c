@@ -61,8 +61,8 @@ static eda_point at(const eda_point *p, size_t n, size_t from, gboolean back,
   return p[back ? (from + n - k) % n : (from + k) % n];
 }
 
-/* Return a polygon as text, independent of start point and direction: the least
-   of all representations. */
+/* Return a polygon as text that does not depend on start point and direction:
+   the least of all representations. */
 static char *polygon_text(const eda_point *p, size_t n) {
   size_t best = 0;
   gboolean best_back = FALSE;
@@ -90,7 +90,7 @@ static int by_text(const void *a, const void *b) {
   return strcmp(*(char *const *)a, *(char *const *)b);
 }
 
-/* Return all flattened polygons of a layer below a cell, on a grid, sorted. */
+/* Return all polygons of a layer of a flattened cell, on a grid, sorted. */
 static GPtrArray *flat(const eda_layout *layout, int32_t cell, int32_t layer,
                        double grid) {
   opc_error e;
@@ -126,8 +126,8 @@ static char *renamed(const char *layer, gboolean cif) {
   return g_strdup(layer);
 }
 
-/* Check that `got` has all cells of `want` with the same flattened shapes;
-   return their number. */
+/* Check that `got` has all cells of `want`, with the same flattened shapes.
+   Return the number of cells. */
 static size_t assert_same(const eda_layout *got, const eda_layout *want,
                           gboolean cif) {
   size_t shapes = 0;
@@ -209,8 +209,8 @@ static void round_trip(const char *path) {
   eda_layout_free(first);
 }
 
-/* Convert by CIF; return FALSE, after a check of the message, for a layout that
-   CIF cannot express. */
+/* Convert a layout to CIF and back. For a layout that CIF cannot represent,
+   check the message and return FALSE. */
 static gboolean trip_cif(const char *path) {
   opc_error e = {0};
   eda_layout *first = read_good(path);

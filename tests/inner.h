@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Unit tests of steps with an inner flow (opcflow/inner.h): functions of the
-   test compute the metrics and tables of the inner flow. The step is linked
-   into the test. */
+/* Helpers for unit tests of steps with an inner flow (opcflow/inner.h). The
+   test defines functions that compute the metrics and tables of the inner flow.
+   The step is linked into the test. */
 #pragma once
 
 #include <opcflow/inner.h>
@@ -19,9 +19,9 @@ typedef struct inner_flow {
   const opc_metric *metric; /* the only metric, at `path` */
   const char *path;         /* "mask.ion" */
   const char *mask;         /* the step with a mask; NULL: none */
-  void *object;             /* the mask */
-  int (*point)(size_t point, opc_error *error); /* a run: sets the members
-                                                   below */
+  void *object;             /* object that represents the mask */
+  int (*point)(size_t point, opc_error *error); /* compute a run: set the
+                                                   members below */
 
   /* Set by `point`. */
   opc_inner_metric metrics[8], shared[8];

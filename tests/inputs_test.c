@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Faulty inputs of whole flows: message, exit code, and no output; and notes on
-   transistors in all layout formats. */
+/* Faulty inputs of whole flows: message, exit code, and no output file. Also
+   tests notes on transistors in all layout formats. */
 #include <string.h>
 
 #include "tests/flow.h"
@@ -9,8 +9,8 @@
 
 /* ---- notes on transistors ---- */
 
-/* A transistor with a goal of 5 % more Ion, placed in four orientations, one of
-   which has another goal at the top level. */
+/* A transistor with a note (goal: 5 % more Ion), placed in four orientations.
+   One of the placements has another note at the top level. */
 static const char noted[] =
     "DS 1 1 10; 9 device; L CA; B 460 300 230 150;\n"
     "L CP; P 200 -200 265 -200 265 500 200 500;\n"
@@ -77,7 +77,8 @@ static void test_notes(void) {
     g_assert_cmpfloat_with_epsilon(ion[i], i == 3 ? -3 : 5, 0.6);
 }
 
-/* A note with an invalid word; a table takes precedence over a note. */
+/* A note with an invalid word is an error. A table of goals overrides a
+   note. */
 static void test_bad_note(void) {
   g_autofree char *cif = place("noted.cif"), *bad = place("bad-note.cif");
   g_autofree char *wishes = place("wishes.csv"),
@@ -142,8 +143,9 @@ static void simulate_evil(const char *name, const char *parameter,
   g_assert_false(g_file_test(out, G_FILE_TEST_EXISTS));
 }
 
-/* Model files with commands or includes, in all flows that simulate, are
-   refused with their place; no command runs and no file is written. */
+/* In all flows that simulate, model files with commands or includes are
+   rejected with the place of the fault. No command runs and no file is
+   written. */
 static void test_model_files(void) {
   static const struct {
     const char *text, *say;
@@ -206,8 +208,8 @@ static void test_truncated(void) {
   g_assert_nonnull(strstr(errors, "byte"));
 }
 
-/* A wrong scale is the only fault: the layout prints and is corrected as far as
-   possible. */
+/* If the scale is wrong, but everything else is correct, the layout prints and
+   is corrected as far as possible. */
 static void test_wrong_scale(void) {
   g_autofree char *flow = source_path("flows/demo.yaml"), *errors = NULL;
   g_autofree char *run = place("scale");

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Helpers for unit tests of library.*: two cells of one
-   transistor each, and the steps that build a library of them. */
+/* Helpers for unit tests of library.*: two cells of one transistor each, and
+   the steps that build a library from these cells. */
 #pragma once
 
 #include <eda/gates.h>
@@ -28,7 +28,8 @@ static inline void ran_clear(ran *r) {
   opc_test_module_free(r->module);
 }
 
-/* Run a step with up to three inputs (names, NULL at the end, and objects). */
+/* Run a step with up to three inputs: `names`, NULL-terminated, and
+   `objects`. */
 static inline int run_step(ran *r, const char *id, const char *mapping,
                            const char *const *names, void *const *objects,
                            opc_error *error) {
@@ -72,8 +73,8 @@ static inline void add_cell(eda_layout *l, int32_t top, int32_t cell,
                   OPC_OK);
 }
 
-/* Return a circuit of the cells "long" twice, once mirrored, and "wide", too
-   far apart to interact. */
+/* Return a circuit with two placements of the cell "long", one of them
+   mirrored, and one of "wide". The cells are too far apart to interact. */
 static inline eda_layout *library_circuit(void) {
   opc_error error;
   eda_layout *l = eda_layout_new(1, &error);
@@ -112,7 +113,7 @@ static inline char *library_map(const char *models, const char *more) {
   return g_strjoinv(devices, parts);
 }
 
-/* Correct the cells of a sheet. */
+/* Correct the cells of `sheet`. */
 static inline int build_library(ran *r, eda_layout *sheet, void *gates,
                                 const char *more, opc_error *error) {
   g_autofree char *rest = g_strdup_printf(

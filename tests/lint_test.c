@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* `opcflow lint`: detects the faults of test plugins, and none in the shipped
-   plugins. */
+/* Tests `opcflow lint`, which must detect the faults of test plugins and must
+   find no fault in the shipped plugins. */
 #include <gio/gio.h>
 #include <glib/gstdio.h>
 #include <poll.h>
@@ -79,8 +79,8 @@ static void test_bad(void) {
   }
 }
 
-/* Plugins without a fault, plugins that are only slow, and endless loops, which
-   another test has. */
+/* Return FALSE for plugins without a fault, for plugins that are only slow, and
+   for endless loops, which another test runs. */
 static gboolean is_bad(const char *file) {
   static const char *const others[] = {"*_none.so", "*_loop.so", "*_slow.so"};
   for (size_t i = 0; i < G_N_ELEMENTS(others); i++)
@@ -95,7 +95,7 @@ static gboolean is_bad(const char *file) {
               file));
 }
 
-/* No faulty plugin passes. */
+/* Lint finds a fault in every faulty plugin. */
 static void test_all(void) {
   g_autofree char *folder =
       g_build_filename(g_getenv("OPCFLOW_BUILD"), "tests", NULL);
@@ -111,8 +111,8 @@ static void test_all(void) {
   g_assert_cmpint(count, >, 60);
 }
 
-/* Lint finds the faults that end a run: writes beyond arrays, texts and changes
-   of the process (evil.h), in the function where they happen. */
+/* Lint finds faults that end a run: writes beyond arrays and texts, and changes
+   of the process (evil.h). The finding names the function with the fault. */
 static void test_evil(void) {
   static const struct {
     const char *id, *when, *how, *finding;
@@ -142,7 +142,8 @@ static void test_evil(void) {
       {"bad.resist", "prepare", "deaf",
        "changed the handler of SIGTERM: work\n"},
       {"bad.litho", "band", "rounding",
-       "changed how numbers are rounded, flushed or trapped: work\n"},
+       "changed the floating-point rounding, flush-to-zero or trap mode: "
+       "work\n"},
       {"bad.regulator", "rule", "stdout",
        "closed or redirected standard output: work\n"},
       {"bad.regulator", "violations", "exit", "ends the process: work\n"},
@@ -176,7 +177,7 @@ static void test_untidy(void) {
   };
   for (size_t i = 0; i < G_N_ELEMENTS(findings); i++)
     if (!strstr(out, findings[i])) g_assert_cmpstr(out, ==, findings[i]);
-#ifndef __SANITIZE_ADDRESS__ /* it does not measure memory */
+#ifndef __SANITIZE_ADDRESS__ /* AddressSanitizer does not measure memory */
   const char *leak = strstr(out, "leaks 10");
   g_assert_nonnull(leak);
   g_assert_nonnull(
@@ -184,9 +185,9 @@ static void test_untidy(void) {
 #endif
 }
 
-/* The last line for a plugin without a fault, and the exit code with --strict:
-   for a tested plugin, for one that is not reentrant, and for one whose kind
-   has no tests. */
+/* The last line for a plugin without a fault, and the exit code with --strict.
+   Tested are a plugin with tests, a plugin that is not reentrant, and a plugin
+   whose kind has no tests. */
 #define WORK                                                                 \
   "note: checked: exports, loading, check, work, the same work again, work " \
   "on several threads, "
@@ -235,8 +236,8 @@ static void test_good(void) {
   }
 }
 
-/* Required inputs can be given; tests that could not be done are reported and
-   fail with --strict. */
+/* Required inputs can be given. Skipped tests are reported, and are a failure
+   with --strict. */
 static void test_with(void) {
   g_assert_cmpint(
       plugin_lint("plugins", "extractor.plain", "{ devices: /proc/self/exe }"),
@@ -273,7 +274,7 @@ static void test_killed(void) {
   g_usleep(G_USEC_PER_SEC);
   g_assert_cmpint(kill(pid, SIGKILL), ==, 0);
   g_assert_cmpint(waitpid(pid, NULL, 0), ==, pid);
-  /* The child holds the other end of the pipe, which closes when the child
+  /* The child holds one end of the pipe; the pipe closes when the child
      ends. */
   struct pollfd end = {output, POLLIN, 0};
   char byte;
@@ -284,8 +285,8 @@ static void test_killed(void) {
   g_assert_cmpint(g_rmdir(folder), ==, 0);
 }
 
-/* Endless loops, and a plugin that is slow but can be cancelled, which is no
-   fault. The other tests run meanwhile. */
+/* Endless loops, and a slow plugin that can be cancelled, which is no fault.
+   Other tests run at the same time. */
 static struct {
   const char *id, *out, *err;
   int code;

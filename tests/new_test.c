@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* `opcflow new`: each new plugin compiles without warnings, passes its own
-   test, loads, and runs in its flow; one is built by its project files. */
+/* Tests `opcflow new`: each new plugin compiles without warnings, passes its
+   test, loads, and runs in its flow. One plugin is built by its project
+   files. */
 #include <glib/gstdio.h>
 #include <json-glib/json-glib.h>
 #include <stdlib.h>
@@ -51,7 +52,8 @@ static void file_compile(const char *source, const char *object,
   if (CALL("sh", "-c", script)) g_error("%s", err);
 }
 
-/* Run the plugin's own test, which loads the plugin and those of this build. */
+/* Run the test of the plugin. The test loads the plugin and the plugins of this
+   build. */
 static void run_test(const char *kind, const char *name) {
   g_autofree char *source = g_strdup_printf("%s/%s_test.c", kind, name);
   g_autofree char *program = g_strdup_printf("%s/%s_test", kind, name);
@@ -63,7 +65,7 @@ static void run_test(const char *kind, const char *name) {
   if (CALL("env", path, whole)) g_error("%s%s", out, err);
 }
 
-/* Run the flow; its manifest must list the plugin. */
+/* Run the flow of the plugin. The manifest of the run must list the plugin. */
 static void run_flow(const char *kind, const char *object) {
   g_autofree char *flow = g_strdup_printf("%s/flow.yaml", kind);
   g_autofree char *output = g_strdup_printf("%s/run", kind);
@@ -109,8 +111,8 @@ static void test_lines(void) {
   g_assert_cmpint(atoi(out), <=, 80);
 }
 
-/* Return whether the new synthesizer passes its test if it does `work` in the
-   acceptance test, whose layout has four transistors. */
+/* Return whether the new synthesizer passes its test with `work` as its
+   function. The layout of the acceptance test has four transistors. */
 static gboolean passes_with(const char *work) {
   g_autofree char *script = g_strdup_printf(
       "rm -rf poor && cp -r synthesizer poor && sed -i 's/[*]done = 1;/*done = "
@@ -128,8 +130,8 @@ static gboolean passes_with(const char *work) {
   return !CALL("env", path, program);
 }
 
-/* The acceptance test refuses a method that does nothing, a method that makes
-   transistors worse than drawn, and a method that never ends. */
+/* The acceptance test rejects a method without effect, a method that makes
+   transistors worse than drawn, and a method without end. */
 static void test_acceptance(void) {
   g_assert_true(
       passes_with("moves->l[0] = moves->l[1] = moves->l[2] = "
@@ -144,7 +146,7 @@ static void test_acceptance(void) {
   g_assert_nonnull(strstr(out, "not converged after 80 iterations"));
 }
 
-/* A new kind builds, tests its first plugin, and makes further plugins. */
+/* A new kind builds, tests its first plugin, and creates further plugins. */
 static void test_kind(void) {
   g_autofree char *path =
       g_strdup_printf("%s/meson-uninstalled", g_getenv("OPCFLOW_BUILD"));
@@ -167,7 +169,7 @@ static void test_kind(void) {
     g_error("%s%s", out, err);
 }
 
-/* Build by the commands of the README, with this build as the installation. */
+/* Build by the commands in the README; this build is the installation. */
 static void test_project(void) {
   g_autofree char *path =
       g_strdup_printf("%s/meson-uninstalled", g_getenv("OPCFLOW_BUILD"));
@@ -191,7 +193,8 @@ static double worst(const char *run) {
   return json_array_get_double_element(json_node_get_array(found), 0);
 }
 
-/* The synthesizer corrects: the worst uncorrected deviation is 18 %. */
+/* The synthesizer corrects: the largest deviation is below 2.5 %, uncorrected
+   18 %. */
 static void test_synthesizer(void) {
   g_assert_cmpfloat(worst("synthesizer/run"), <, 2.5);
 }
@@ -211,7 +214,7 @@ static void test_flow(void) {
   g_assert_cmpstr(out, ==, "./second.yaml\n");
 }
 
-/* A user's process is found by path, shipped processes by name. */
+/* A user's process is found by its path, a shipped process by its name. */
 static void test_process(void) {
   const char *source = g_getenv("OPCFLOW_SOURCE");
   g_autofree char *cell =
@@ -252,10 +255,10 @@ static void test_process(void) {
   g_assert_cmpint(CALL(command, "new", "flow", "--process", "own65", "none"),
                   ==, 5);
   g_assert_cmpstr(err, ==, "error: 'none': no such file\n");
-  g_assert_cmpint(CALL(command, "new", "flow", "--process", "own65", folder),
-                  ==, 5);
+  g_assert_cmpint(
+      CALL(command, "new", "flow", "--process", "own65", "/dev/null"), ==, 5);
   g_assert_nonnull(strstr(err, "not a regular file"));
-  /* In the user's folder, which has no plugins. */
+  /* The folder of the user has no plugins. */
   g_autofree char *mine =
       g_build_filename(folder, "home", "opcflow", "flows", "processes", NULL);
   g_autofree char *copy = g_build_filename(mine, "homely.yaml", NULL);
@@ -269,8 +272,45 @@ static void test_process(void) {
   if (CALL("sh", "-c", script, command, cif)) g_error("%s", err);
 }
 
-/* A comparison of layouts of a process passes the check with all its cases and
-   methods, for each shipped process, and runs. */
+/* A flow for several layouts, named one by one or by their folder, runs the
+   process for each. */
+static void test_several(void) {
+  g_autofree char *cells =
+      g_build_filename(g_getenv("OPCFLOW_SOURCE"), "data", "cells65", NULL);
+  static const char script[] =
+      "mkdir -p several empty && cp \"$0/nand2.cif\" \"$0/nor2.cif\" several "
+      "&& mv several/nor2.cif several/NOR2.CIF && echo > several/README";
+  if (CALL("sh", "-c", script, cells)) g_error("%s", err);
+  if (CALL(command, "new", "flow", "--process", "base.yaml", "several",
+           "all.yaml"))
+    g_error("%s", err);
+  g_assert_cmpstr(out, ==, "./all.yaml\n");
+  if (CALL(command, "check", "all.yaml")) g_error("%s%s", out, err);
+  if (CALL(command, "run", "all.yaml", "--output", "all"))
+    g_error("%s%s", out, err);
+  if (CALL("test", "-s", "all/each/nand2/base/manifest.json") ||
+      CALL("test", "-s", "all/each/NOR2/base/manifest.json"))
+    g_error("a run is missing");
+  if (CALL(command, "new", "flow", "--process", "base.yaml",
+           "several/nand2.cif", "several/NOR2.CIF", "several/two.yaml"))
+    g_error("%s", err);
+  if (CALL(command, "check", "several/two.yaml")) g_error("%s%s", out, err);
+  g_assert_cmpint(CALL(command, "new", "flow", "--process", "base.yaml",
+                       "several", "all.yaml"),
+                  ==, 5);
+  g_assert_nonnull(strstr(err, "base.yaml several ... NAME.yaml'"));
+  g_assert_cmpint(
+      CALL(command, "new", "flow", "--process", "base.yaml", "empty"), ==, 5);
+  g_assert_nonnull(strstr(err, "the folder 'empty' has no input, expected"));
+  g_assert_cmpint(CALL(command, "new", "flow", "--process", "base.yaml",
+                       "several", "none.cif", "x.yaml"),
+                  ==, 5);
+  g_assert_cmpstr(err, ==, "error: 'none.cif': no such file\n");
+  g_assert_cmpint(CALL("test", "-e", "x.yaml"), ==, 1);
+}
+
+/* For each shipped process, a comparison of layouts passes the check with all
+   cases and methods; one comparison runs. */
 static void test_comparison(void) {
   static const char *const all[] = {"ihp130", "nangate45", "nangate45-at-65",
                                     "sky130", "own65"};
@@ -298,7 +338,7 @@ static void test_comparison(void) {
   g_assert_nonnull(strstr(err, "needs --process NAME and files"));
   g_assert_cmpint(
       CALL(command, "new", "comparison", "--process", "own65", "none"), ==, 5);
-  g_assert_nonnull(strstr(err, "'none' is not a regular file"));
+  g_assert_nonnull(strstr(err, "'none': no such file"));
   /* A flow without a correction. */
   if (CALL("rm", "comparison.yaml", "comparison-methods.yaml"))
     g_error("%s", err);
@@ -309,8 +349,8 @@ static void test_comparison(void) {
   g_assert_cmpint(CALL("test", "-e", "comparison.yaml"), ==, 1);
 }
 
-/* A relative data folder of the user is ignored, so that no plugin of the
-   working folder is loaded. */
+/* A relative data folder of the user is ignored. No plugin in the working
+   folder is loaded. */
 static void test_relative_data(void) {
   static const char script[] =
       "mkdir -p home/opcflow/plugins && echo none >home/opcflow/plugins/"
@@ -323,7 +363,7 @@ static void test_relative_data(void) {
   g_assert_nonnull(strstr(err, "unknown plugin 'litho.mine'"));
 }
 
-/* All shipped flows can be extended: no file that they name is missing. */
+/* All shipped flows can be extended: all files that the flows name exist. */
 static void test_shipped(void) {
   static const char *const all[] = {"ihp130", "nangate45", "nangate45-at-65",
                                     "own65", "sky130"};
@@ -337,8 +377,9 @@ static void test_shipped(void) {
   }
 }
 
-/* Check all flows of a folder of the tree with all their variants. A flow that
-   needs no file runs from the tree alone; `needs`: the flows that do. */
+/* Check all flows in a folder of the tree, with all variants. `needs` lists the
+   flows that require a file of the user; the other flows run without further
+   files. */
 static void check_folder(const char *place, const char *needs) {
   g_autofree char *path =
       g_build_filename(g_getenv("OPCFLOW_SOURCE"), place, NULL);
@@ -361,8 +402,8 @@ static void test_shipped_checks(void) {
   check_folder("flows/scanners", "*");
 }
 
-/* A flow or a variant that requires a file is reported; the others of
-   --variant are not checked. */
+/* The check reports a flow or a variant that requires a file. With --variant,
+   other variants are not checked. */
 static void test_needs(void) {
   g_autofree char *file = g_build_filename(folder, "needs.yaml", NULL);
   g_assert_true(g_file_set_contents(
@@ -387,8 +428,8 @@ static void test_needs(void) {
   g_assert_nonnull(strstr(err, "did you mean 'more'?"));
 }
 
-/* A variant that requires a file is no fault of the flow; other faults of the
-   variant are reported. */
+/* A variant that requires a file is not a fault of the flow. Other faults of
+   the variant are reported. */
 static void test_variant_asks(void) {
   g_autofree char *file = g_build_filename(folder, "asks.yaml", NULL);
   const char *text =
@@ -410,8 +451,8 @@ static void test_variant_asks(void) {
                   2);
 }
 
-/* A scanner leaves further parameters open, which the flow lists. A layout in
-   place of a flow name causes a hint. */
+/* A scanner leaves further parameters open; the new flow lists these
+   parameters. A layout in place of the name of the flow causes a hint. */
 static void test_scanner(void) {
   const char *source = g_getenv("OPCFLOW_SOURCE");
   g_autofree char *cell =
@@ -494,6 +535,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/new/project", test_project);
   g_test_add_func("/new/flow", test_flow);
   g_test_add_func("/new/process", test_process);
+  g_test_add_func("/new/several", test_several);
   g_test_add_func("/new/comparison", test_comparison);
   g_test_add_func("/new/relative-data", test_relative_data);
   g_test_add_func("/new/shipped", test_shipped);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Extreme settings and files, one at a time: with limited memory and after
-   SIGTERM each run ends in time, with a result or a message. */
+/* Extreme settings and files, one at a time. With limited memory and after
+   SIGTERM, each run ends in time, with a result or a message. */
 #include <gio/gio.h>
 #include <glib/gstdio.h>
 #include <signal.h>
@@ -14,12 +14,12 @@
 
 #include <store/files.h>
 
-/* s: running time before SIGTERM of long runs; largest time to stop, three
-   times the nominal value to allow for loaded machines; limit of all other
+/* Times, s: time before SIGTERM of long runs; largest time to stop, three times
+   the nominal value because the machine may be loaded; limit of all other
    runs. */
 enum { A_WHILE = 2, STOP = 3, MOST = 100 };
-/* Limit of the address space; a run that needs more must report that.
-   AddressSanitizer needs terabytes. */
+/* Limit of the address space. A run that needs more must report the limit. With
+   AddressSanitizer there is no limit, because it needs terabytes. */
 #ifdef __SANITIZE_ADDRESS__
 static const rlim_t memory_limit = RLIM_INFINITY;
 #else
@@ -105,8 +105,8 @@ static void expect_end(const char *set, int code, const char *message) {
   opc_remove_tree("runs");
 }
 
-/* Return the flow for a setting: optics and resists need the flow that
-   calibrates thresholds. */
+/* Return the flow for a setting. Settings of optics and resist require the flow
+   that calibrates thresholds. */
 static const char *flow_for(const char *set) {
   return g_str_has_prefix(set, "mask.litho") ||
                  g_str_has_prefix(set, "mask.resist")
@@ -125,7 +125,7 @@ static void test_settings(void) {
   }
 }
 
-/* Settings of other flows, for steps that the flow above lacks. */
+/* Settings of other flows, for steps that are missing in the flow above. */
 static const struct {
   const char *flow, *set;
 } others[] = {
@@ -187,7 +187,8 @@ static void test_others(void) {
   }
 }
 
-/* Optics that need more memory than any machine has are refused in advance. */
+/* Optics that need more memory than any machine has are rejected before the
+   run. */
 static void test_optics(void) {
   static const struct {
     const char *set, *why;
@@ -255,7 +256,7 @@ static void test_files(void) {
   close(s);
 }
 
-/* Hashes are made of the file at the time it is opened. */
+/* A hash covers the size that the file had when opened. */
 static void test_sum(void) {
   opc_error error = {0};
   g_assert_null(opc_file_sha256("pipe", NULL, &error));
@@ -275,9 +276,9 @@ static void test_sum(void) {
   "{ use: resist.threshold, anchor: ~, threshold: 0.404, " \
   "active_threshold: 0.271 }"
 
-/* Two flows of one drawing: odd.yaml finds its thresholds, light.yaml has more
-   steps. The accurate simulations are coarse: they run the same code as those
-   of the shipped flows in a fifth of the time. */
+/* Two flows of one layout: odd.yaml calibrates thresholds, light.yaml has more
+   steps. Accurate simulations are coarse: the code path is that of the shipped
+   flows, in a fifth of the time. */
 static void set_up(void) {
   folder = g_dir_make_tmp("opcflow-XXXXXX", NULL);
   g_assert_cmpint(g_chdir(folder), ==, 0);

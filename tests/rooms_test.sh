@@ -148,7 +148,7 @@ store_alone() {
 
 # The id of each plugin, and the folder of the file that declares the id.
 ids() {
-  grep -rlE '^ *OPC_PLUGIN\(' plugins --include='*.c' | grep -v '/template\.c$' | sort |
+  grep -rlE '^ *OPC_PLUGIN\(' plugins --include='*.c' | sort |
     while read -r file; do
       id=$(sed -n 's/.*\.id = "\([a-z0-9_.]*\)".*/\1/p' "$file")
       [ "plugins/$(echo "$id" | tr . /)" = "${file%/*}" ] || echo "$file: $id"
@@ -163,17 +163,17 @@ long_files() {
 }
 
 # Each plugin has a test beside its code that makes the plugin by its id or
-# links its code, and each test beside a plugin is built. Templates are tested
+# links its code, and each test beside a plugin is built. The templates are tested
 # by tests/new_test.c.
 own_tests() {
-  grep -rlE '^ *OPC_PLUGIN\(' plugins --include='*.c' | grep -v '/template\.c$' | sort |
+  grep -rlE '^ *OPC_PLUGIN\(' plugins --include='*.c' | sort |
     while read -r file; do
       folder=${file%/*}
       id=$(sed -n 's/.*\.id = "\([a-z0-9_.]*\)".*/\1/p' "$file")
       grep -qsE "[\"/]$id[\"/]|opcflow_plugin|tests/inner\.h" "$folder"/*_test.[ch] ||
         echo "$folder: no *_test.c makes '$id'"
     done
-  find plugins subprojects core -name '*_test.c' ! -name template_test.c ! -path '*/examples/*' | sort |
+  find plugins subprojects core -name '*_test.c' ! -path '*/examples/*' | sort |
     while read -r file; do
       grep -q "/$file\"" "${OPCFLOW_BUILD:-build}/compile_commands.json" || echo "$file: not built"
     done

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Synthetic run folders with known content, and the data of report pages. */
+/* Synthetic run folders with known content, and access to the data of report
+   pages. */
 #pragma once
 
 #include <glib.h>
@@ -68,7 +69,7 @@ static inline void make_run(const made_run *m) {
   if (m->view) put_file(m->folder, "view.json", m->view);
 }
 
-/* Return the page (g_free), and in *root the content of the element `data`,
+/* Return the page (g_free). *root receives the content of the element `data`,
    parsed by json-glib (json_node_unref). */
 static inline char *read_page(const char *path, JsonNode **root) {
   static const char start[] = "id=\"data\">";

@@ -21,8 +21,8 @@ static void expect_finding(JsonArray *list, guint i, const char *step,
   g_assert_cmpstr(json_object_get_string_member(o, "text"), ==, text);
 }
 
-/* A finding is shown at once and again at the end, once each time, however
-   often the step logs it. */
+/* A finding is printed at once and again at the end, once each time, even if
+   the step logs the finding repeatedly. */
 static void test_findings(void) {
   g_autoptr(JsonNode) file = NULL, json = NULL, none = NULL;
   g_assert_cmpint(
@@ -45,8 +45,8 @@ static void test_findings(void) {
   g_assert_null(strstr(err, "finding"));
 }
 
-/* Findings and violated requirements are the last lines, also with both streams
-   joined. */
+/* Findings and violated requirements are the last lines, also if both streams
+   are joined. */
 static void test_last_lines(void) {
   g_autofree char *line = g_strdup_printf(
       "'%s' run two.yaml --output last --set b.behave=find "
@@ -100,7 +100,7 @@ static void test_findings_of_points(void) {
 
 /* ---- required bounds ---- */
 
-/* a.sum is 69 nm, b.sum is 75 nm; test bounds on both. */
+/* a.sum is 69 nm and b.sum is 75 nm. Tests bounds on both metrics. */
 static void test_bounds(void) {
   static const struct {
     const char *bound, *text; /* text of a violated bound; NULL: satisfied */
@@ -134,7 +134,7 @@ static void test_bounds(void) {
   }
 }
 
-/* All files are written under their names, and the last line reports the
+/* All files are written under their names. The last line reports the
    violation. */
 static void test_require(void) {
   write_text("must.yaml",
@@ -167,7 +167,8 @@ static void test_require(void) {
   g_assert_cmpint(json_object_get_int_member(
                       json_array_get_object_element(problems, 0), "exit"),
                   ==, 1);
-  /* A layer changes the requirement, and another one removes it. */
+  /* One variant changes the requirement, another variant removes the
+     requirement. */
   g_assert_cmpint(
       opcflow_call("run must.yaml --variant less --output must-less"), ==, 0);
   g_assert_cmpint(
@@ -264,7 +265,7 @@ static void test_variants(void) {
   g_assert_cmpint(opcflow_call("run var.yaml --variant big"), ==, 0);
   g_autofree char *big = read_text("runs/var-big/b.numbers.csv");
   g_assert_nonnull(strstr(big, "plain,93.00,1\r\n"));
-  /* A failed variant does not stop the others. */
+  /* If a variant fails, the other variants still run. */
   g_assert_cmpint(opcflow_call("run var.yaml --variant all --output v"), ==, 4);
   g_assert_true(is_there("v/big/flow.yaml"));
   g_assert_true(is_there("v/bad.failed/flow.yaml"));
@@ -287,7 +288,8 @@ static void test_variants(void) {
       err, ==,
       "wrong.yaml:3:26: 'size' requires a length, found '1 V' (variant 'x')\n");
   g_assert_cmpint(opcflow_call("run wrong.yaml"), ==, 0);
-  /* Both forms: an error in one file, merged across two files. */
+  /* A parameter in both forms (dotted and nested) is an error in one file.
+     Across two files, the forms are merged. */
   write_text("wrong.yaml",
              "opcflow: 1\nextends: two.yaml\nvariants:\n"
              "  x: { b.size: 1 nm, b: { size: 2 nm } }\n");
@@ -300,7 +302,7 @@ static void test_variants(void) {
   g_assert_cmpint(opcflow_call("check over.yaml"), ==, 0);
 }
 
-/* b depends on a, which is not swept: a runs once. */
+/* b depends on a. The axis does not change a, so a runs once. */
 static void test_sweep(void) {
   write_text("sweep.yaml",
              "opcflow: 1\nextends: two.yaml\nsweep:\n"
@@ -319,9 +321,9 @@ static void test_sweep(void) {
   g_assert_true(g_str_has_prefix(lines[3], "3,1,30,69,103,"));
   g_assert_true(g_str_has_prefix(lines[6], "6,2,30,69,104,"));
   g_assert_true(g_str_has_suffix(lines[6], ",good"));
-  /* a.sum is constant and not shown. */
+  /* a.sum is constant, so the table does not show a.sum. */
   g_assert_nonnull(strstr(out, "point  b.size (nm)  b.whole  b.sum (nm)\n"));
-  /* Files of the shared step a exist once; points have only their tables. */
+  /* Files of the shared step a exist once. Points have only tables. */
   g_assert_true(is_there("s/deep/er/out.txt"));
   g_assert_true(is_there("s/numbers.csv"));
   g_assert_cmpuint(entries("s"), ==, 6);
@@ -341,7 +343,7 @@ static void test_sweep(void) {
   g_assert_cmpuint(entries("s3"), ==, 6);
 }
 
-/* A failed point is reported, and the other points run. */
+/* A failed point is reported; the other points run. */
 static void test_failing_points(void) {
   g_assert_cmpint(opcflow_call("run two.yaml --output p --sweep "
                                "b.behave=[well,fail,well]"),
@@ -376,6 +378,30 @@ static void test_failing_points(void) {
       g_str_has_prefix(err, "--sweep b.size: a sweep must be a list"));
 }
 
+/* A step that exceeds its time limit fails, also as a point of a sweep; a step
+   that does not is unchanged. */
+static void test_timeout(void) {
+  g_assert_cmpint(opcflow_call("run two.yaml --output late --set b.behave=wait "
+                               "--set b.timeout=200~ms"),
+                  ==, 4);
+  g_assert_cmpstr(err, ==,
+                  "--set b.timeout: step 'b' (test.numbers): exceeded the time "
+                  "limit of 0.2 s\nnote: files written so far are in "
+                  "'late.failed'\n");
+  g_assert_cmpint(
+      opcflow_call("run two.yaml --output early --set b.timeout=2~min"), ==, 0);
+  g_autofree char *flow = read_text("early/flow.yaml");
+  g_assert_nonnull(strstr(flow, "timeout: 2 min "));
+  g_assert_cmpint(
+      opcflow_call("run two.yaml --output late-points --set b.timeout=0.2~s "
+                   "--sweep b.behave=[well,wait,well]"),
+      ==, 4);
+  g_assert_cmpstr(err, ==, "error: 1 of 3 points failed\n");
+  g_assert_cmpint(opcflow_call("check two.yaml --set b.timeout=0"), ==, 2);
+  g_assert_cmpstr(err, ==,
+                  "--set b.timeout: 'timeout' must be above 0 s, found '0'\n");
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   set_up(FALSE);
@@ -392,5 +418,6 @@ int main(int argc, char **argv) {
   g_test_add_func("/runs/variants", test_variants);
   g_test_add_func("/runs/sweep", test_sweep);
   g_test_add_func("/runs/failing-points", test_failing_points);
+  g_test_add_func("/runs/timeout", test_timeout);
   return run_all();
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The JSON Schema of flow files: its content, and by Python's jsonschema the
-   documents that it accepts. */
+/* The JSON Schema of flow files: its content, and the documents that Python's
+   jsonschema accepts with the schema. */
 #include "tools/devel/schema.h"
 
 #include <glib/gstdio.h>
@@ -51,7 +51,7 @@ static void test_content(void) {
        ".pitch.default",
        "\"0 nm\""},
       {"$.definitions['regulator.drc'].properties.overlay.description",
-       "\"largest misplacement between layers (nm); >= 0 nm, <= 1000 nm; "
+       "\"largest overlay error between layers (nm); >= 0 nm, <= 1000 nm; "
        "default: 0.039 lambda/NA\""},
       {"$.definitions['read.gds'].additionalProperties", "false"},
       {"$.definitions.correct.properties.litho.allOf[0]['$ref']",
@@ -84,8 +84,8 @@ static void save_flow(const char *name, const char *text) {
   opc_source_free(source);
 }
 
-/* Return a line for each document; NULL, with the test skipped, if there is no
-   validator. */
+/* Return a line for each document. NULL, with the test skipped, if no validator
+   is installed. */
 static char **documents_validate(const GPtrArray *names) {
   g_autoptr(GPtrArray) argv = g_ptr_array_new();
   g_autofree char *script = g_build_filename(g_getenv("OPCFLOW_SOURCE"),
@@ -118,7 +118,7 @@ static void test_good(void) {
   for (const char *name; (name = g_dir_read_name(dir));) {
     g_autofree char *path = g_build_filename(flows, name, NULL);
     g_autofree char *text = NULL;
-    /* It leaves files open, which an editor reports. */
+    /* The flow leaves files open; an editor reports these files. */
     if (!g_str_has_suffix(name, ".yaml") || !strcmp(name, "iccad.yaml"))
       continue;
     g_assert_true(g_file_get_contents(path, &text, NULL, NULL));

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The step `search` through the command, compared with separate runs of the
-   same flow at each setting. */
+/* Tests the step `search` by the command. The results are compared with
+   separate runs of the same flow at each setting. */
 #include <math.h>
 #include <string.h>
 
@@ -42,7 +42,7 @@ static char *inner_text(void) {
       "  layout:\n    use: read.cif\n    file: %s\n"
       "    layers: { poly: CP, active: CA, contact: CC, nwell: CW }\n"
       "  gates: { use: segment.transistors, layout: ${layout}, grid: 1 nm }\n"
-      /* The accurate model would change the figures of a shared run. */
+      /* An accurate model would change the figures of a shared run. */
       "  mask:\n    use: correct\n    gates: ${gates}\n    fine: off\n"
       "    litho: { use: litho.hopkins, wavelength: 193 nm, na: 0.75, sigma: "
       "0.75 }\n"
@@ -70,7 +70,8 @@ static char *inner_text(void) {
 enum { LENGTHS = 2, MOVES = 3, ALL = LENGTHS * MOVES };
 static const char *const lengths[LENGTHS] = {"14 nm", "40 nm"};
 
-/* Return the figures of separate runs, alone-L-M, made once. */
+/* Return the figures of separate runs in the folders alone-L-M; the runs are
+   made once. */
 static const double *alone(void) {
   static double figure[ALL];
   if (figure[0] > 0) return figure;
@@ -109,8 +110,8 @@ static void read_figures(const char *run, int n, double *figure) {
 
 /* ---- tests ---- */
 
-/* Searches with and without shared runs equal the separate runs: bit-identical
-   figures and the same mask. */
+/* Searches with and without shared runs equal the separate runs: figures are
+   bit-identical, and the mask is the same. */
 static void test_truth(void) {
   const double *truth = alone();
   int best = least_of(truth, ALL);
@@ -149,7 +150,7 @@ static void test_simulations(void) {
   g_assert_cmpfloat(shared, <, single);
 }
 
-/* Identical files with one and four threads. */
+/* Files with one and four threads are identical. */
 static void test_threads(void) {
   run_good("shared.yaml", "one", "--threads", "1");
   run_good("shared.yaml", "four", "--threads", "4");
@@ -160,8 +161,8 @@ static void test_threads(void) {
     expect_same("one", files[i], "four", files[i]);
 }
 
-/* Parameters of other plugins, another figure, maximisation, a variant, and a
-   replaced plugin. */
+/* Parameters of other plugins, another figure, maximisation, a variant, and
+   another plugin in a slot. */
 static void test_others(void) {
   write_file(
       "others.yaml", HEAD
@@ -197,7 +198,7 @@ static void test_others(void) {
   expect_same("others", "mask.gds", run, "mask.gds");
 }
 
-/* Failed settings are reported and excluded. */
+/* Failed settings are reported and cannot be the best. */
 static void test_failing(void) {
   write_file("failing.yaml", HEAD
              "    set: { mask.max_iterations: 1 }\n    sweep:\n"
@@ -209,11 +210,13 @@ static void test_failing(void) {
   g_assert_true(isnan(figure[3]));
   g_assert_true(metric("failing", "best", "failed") == 1);
   g_autofree char *text = read_file("failing", "settings.csv");
-  g_assert_nonnull(strstr(text, "20 nm exceeds the fragment length of 10 nm"));
+  g_assert_nonnull(
+      strstr(text, "'min_edge' is 20 nm, expected at most 'fragment', 10 nm"));
 }
 
-/* The resolved flow runs from another folder; files are relative to the flow
-   that names them; the manifest lists files and plugins of the inner flow. */
+/* The resolved flow runs from another folder. File names are relative to the
+   flow that contains the names. The manifest lists files and plugins of the
+   inner flow. */
 static void test_resolved(void) {
   g_autofree char *cif = source_path("data/cells65/nand2.cif"), *text = NULL;
   g_assert_true(g_file_get_contents(cif, &text, NULL, NULL));
@@ -247,7 +250,7 @@ static void test_resolved(void) {
 
 /* ---- refused flows ---- */
 
-/* Check that a flow is refused by `check` and by `run`. */
+/* Check that `check` and `run` reject a flow. */
 static void assert_refused(const char *text, const char *want) {
   write_file("bad.yaml", text);
   g_autofree char *errors = NULL, *again = NULL;
@@ -310,8 +313,9 @@ static void test_refused(void) {
                  "effect: step 'gds' runs after the step of the metric\n");
 }
 
-/* Faults of the inner flow are reported with their place there; a search of
-   itself is refused; faults that only instances detect. */
+/* Faults of the inner flow are reported with the place in the inner flow. A
+   search of the search flow itself is rejected. Some faults are found only by
+   instances. */
 static void test_inner_faults(void) {
   write_file("wrong.yaml",
              "opcflow: 1\nextends: inner.yaml\nsteps:\n  mask:\n"
@@ -331,7 +335,8 @@ static void test_inner_faults(void) {
   assert_refused(
       HEAD "    set: { mask.synthesizer.min_edge: 50 nm }\n" AXES LEAST,
       "bad.yaml:4:3: step 'best' (search): bad.yaml:7:39: 'mask.synthesizer' "
-      "(synthesizer.epe): 50 nm exceeds the fragment length of 14 nm (and 1 "
+      "(synthesizer.epe): 'min_edge' is 50 nm, expected at most 'fragment', 14 "
+      "nm (and 1 "
       "more)\n");
 }
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Shell completion in bash and zsh, and manual pages through groff. */
+/* Shell completion in bash and zsh, and manual pages formatted by groff. */
 #include <glib/gstdio.h>
 #include <string.h>
 #include <sys/wait.h>
@@ -35,7 +35,7 @@ static char *offered(const char *line) {
   return bash(script);
 }
 
-/* Make a flow, a folder with another one, and a folder with plugins. */
+/* Create a flow, a folder with another flow, and a folder with plugins. */
 static void make_flows(void) {
   g_autofree char *second = g_build_filename(folder, "flows", NULL);
   if (g_mkdir(second, 0777)) return;
@@ -77,7 +77,7 @@ static void test_completion(void) {
   }
 }
 
-/* Each entry: a line, the line after Tab, and the completions. */
+/* Each entry has a line, the line after Tab, and the completions. */
 static void test_zsh(void) {
   static const char *const cases[][2] = {
       {"opcflow ru", "opcflow run |run"},
@@ -122,8 +122,9 @@ static void test_zsh(void) {
     g_assert_cmpstr(lines[i], ==, cases[i][1]);
 }
 
-/* Each verb has a manual page, made by the build, with all its options, that
-   groff accepts without a warning; the page of the command lists all verbs. */
+/* The build creates a manual page for each verb. The page has all options, and
+   groff formats it without a warning. The page of the command lists all
+   verbs. */
 static void test_pages(void) {
   g_autofree char *groff = g_find_program_in_path("groff");
   g_autofree char *first =

@@ -140,7 +140,7 @@ steps:
 
 def test_no_effect():
     run()
-    folder, _ = run("--set", "b.wait=1", "--set", "e.behave=find", "--threads", "1")
+    folder, _ = run("--set", "b.wait=1", "--set", "e.behave=find", "--set", "c.timeout=1 min", "--threads", "1")
     assert ran(folder) == {}, ran(folder)
 
 

@@ -12,8 +12,8 @@
 #include "core/plugin/pieces.h"
 #include "core/plugin/value.h"
 
-/* Limit of nested slots; stops the recursion if a plugin is the default of its
-   own slot. */
+/* Limit of nested slots; stops recursion if a plugin is the default of its
+   slot. */
 enum { DEEPEST_SLOT = 16 };
 
 /* State of a call of opc_bind. */
@@ -36,8 +36,8 @@ static opc_node *parse_preset(const binder *b, const opc_parameter *p) {
   return node;
 }
 
-/* Return the map of a slot. A map without `use` is applied to the preset of the
-   slot, the default plugin with its parameters. */
+/* Return the map of a slot. If the map has no `use`, the map is applied to the
+   preset of the slot: the default plugin with its parameters. */
 static const opc_node *over_default(const binder *b, const opc_parameter *p,
                                     const opc_node *node) {
   if (!p->preset || opc_node_get(node, "use")) return node;
@@ -97,8 +97,8 @@ static void bind_default(const binder *b, size_t i) {
 
 /* ---- the map ---- */
 
-/* Return the valid names at this level: the next words of all parameters whose
-   name, or former name, begins with `prefix`. */
+/* Return the valid names at this level of dots: the next word of each parameter
+   whose name, or former name, begins with `prefix`. */
 static GPtrArray *level_names(const opc_plugin *plugin, const char *prefix) {
   GPtrArray *names = g_ptr_array_new_with_free_func(g_free);
   for (size_t i = 0; i < plugin->n_parameters; i++) {
@@ -123,7 +123,8 @@ static void unknown_parameter(const binder *b, const opc_node *key,
             b->binding->plugin->id, suggestion);
 }
 
-/* Return the index of the parameter with a former name; -1 if missing. */
+/* Return the index of the parameter with a former name `name`; -1 if
+   missing. */
 static int find_former(const binder *b, const opc_node *key, const char *name) {
   const opc_plugin *plugin = b->binding->plugin;
   for (size_t i = 0; i < plugin->n_parameters; i++) {
@@ -141,7 +142,8 @@ static int find_former(const binder *b, const opc_node *key, const char *name) {
 
 static void bind_map(const binder *b, const opc_node *map, const char *prefix);
 
-/* Bind the keys of a map; recursion is as deep as parameter names have dots. */
+/* Bind the keys of a map. The depth of recursion is the number of dots in
+   parameter names. */
 static void bind_group(const binder *b, const opc_node *map,
                        const char *prefix) {
   opc_binding *binding = b->binding;

@@ -26,7 +26,7 @@ struct opc_binding {
   opc_setting *values;      /* one per parameter; value.h */
   const opc_node **origin;  /* one per parameter: given node; NULL: default */
   opc_binding **slots;      /* one per parameter: plugin in the slot, or NULL */
-  GPtrArray *owned;         /* memory that values point to */
+  GPtrArray *owned;         /* memory that `values` point to */
   GPtrArray *presets;       /* opc_node *: parsed defaults, maps without dots */
   GPtrArray *renamed;       /* char *: notes about former parameter names */
   opc_host *host;           /* set by opc_binding_create; host->data: the
@@ -74,8 +74,8 @@ const void *opc_binding_service(const opc_host *host, const char *name);
    "'first.model' (model.wide)", or "command 'hello' (command.hello)". */
 char *opc_binding_label(const opc_binding *binding);
 
-/* Enclose a call of a function of the plugin, for crash reports. Returns the
-   argument of opc_binding_leave. */
+/* Enclose a call of a function of the plugin: a crash report names the binding.
+   opc_binding_enter returns the argument of opc_binding_leave. */
 const char *opc_binding_enter(const opc_binding *binding);
 void opc_binding_leave(const char *before);
 
@@ -90,8 +90,7 @@ gboolean opc_binding_fail(const opc_binding *binding, gboolean run, int code,
 void opc_binding_free(opc_binding *binding);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_binding, opc_binding_free)
 
-/* Return the place where parameter i is set, or else the place of the
-   binding. */
+/* Return the place where parameter i is set, or else that of the binding. */
 const opc_place *opc_binding_origin(const opc_binding *binding, size_t i);
 
 /* Return the place in the flow for an error of this instance: the place of

@@ -28,8 +28,7 @@ static gboolean unknown_step(const connector *c, const opc_node *node,
                    node->text, suggestion);
 }
 
-/* Find an output by name; NULL: the first. Returns FALSE and a problem if
-   missing. */
+/* Find an output by name; NULL: the first. FALSE and a problem if missing. */
 static gboolean find_port(const connector *c, const opc_node *node,
                           const opc_flow_step *from, const char *name,
                           size_t *port) {
@@ -84,8 +83,8 @@ static void connect_step(const connector *c) {
 
 /* ---- order ---- */
 
-/* Return the first unplaced step that this step depends on; NULL: the step can
-   run. */
+/* Return the first step that `step` depends on and that is not `placed` in the
+   order; NULL: `step` can run next. */
 static opc_flow_step *step_awaited(const opc_flow_step *step,
                                    const gboolean *placed) {
   for (guint i = 0; i < step->inputs->len; i++) {
@@ -96,8 +95,8 @@ static opc_flow_step *step_awaited(const opc_flow_step *step,
   return NULL;
 }
 
-/* Report a cycle among the unplaced steps: follow dependencies until a step
-   repeats. */
+/* Report a cycle among the steps that are not `placed` in the order: follow
+   dependencies until a step repeats. */
 static void report_circle(const opc_flow *flow, const gboolean *placed,
                           opc_problems *problems) {
   guint first = 0;

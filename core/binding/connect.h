@@ -9,6 +9,6 @@
 void opc_flow_connect(opc_flow *flow, opc_problems *problems);
 
 /* Return, by step number, whether a step must run (g_free). A step must run if
-   it is not `given`, and the step or a dependent step is `wanted`. */
+   the step is not `given`, and the step or a dependent step is `wanted`. */
 gboolean *opc_flow_needed(const opc_flow *flow, const gboolean *wanted,
                           const gboolean *given);

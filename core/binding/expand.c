@@ -38,7 +38,7 @@ typedef struct item {
   gboolean several;    /* some key has several values */
 } item;
 
-/* A layer under construction. */
+/* A layer under construction: a combination of the values of the first keys. */
 typedef struct part {
   opc_node *map;  /* paths and values */
   GString *label; /* values of the keys with several values */
@@ -62,8 +62,8 @@ static part *part_copy(const part *from) {
 
 /* ---- paths ---- */
 
-/* Parameter at a path and binding of its step, in a flow with a layer
-   applied. */
+/* Result of open_probe: the parameter at a path, and the binding of the step,
+   in a flow with a layer applied. */
 typedef struct probe {
   opc_sweep *sweep;
   opc_flow *flow;
@@ -111,8 +111,8 @@ static gboolean is_pattern(const opc_node *node) {
          (*node->text == '!' || strpbrk(node->text, "*?["));
 }
 
-/* Return the parameter at a path if its values may be patterns: an OPC_FILE, or
-   a parameter with OPC_LISTED. Otherwise return NULL; values are plain
+/* Return the parameter at a path if values may be patterns: an OPC_FILE, or a
+   parameter with OPC_LISTED. Otherwise return NULL: all values are plain
    texts. */
 static const opc_parameter *pattern_parameter(const expander *e, const item *it,
                                               const opc_node *map,
@@ -223,8 +223,8 @@ static char *name_of(const item *it, const part *p) {
 
 /* ---- layers ---- */
 
-/* Report keys that `set` fixes: `set` is applied last and would override
-   them. */
+/* Report keys that `set` also changes: `set` is applied after the layers and
+   would override the keys. */
 static void check_fixed(const expander *e, const opc_node *map) {
   const opc_node *set = e->choice->over;
   for (guint i = 0; set && i < map->keys->len; i++)
@@ -266,8 +266,8 @@ static void add_layer(expander *e, const item *it, const part *p) {
   g_ptr_array_add(e->names, g_steal_pointer(&name));
 }
 
-/* Combine each partial layer with each value of a key; NULL and problems on
-   failure. */
+/* Combine each partial layer with each value of a key; NULL and problems if
+   that fails. */
 static GPtrArray *parts_multiply(const expander *e, const item *it,
                                  GPtrArray *parts, const opc_node *key,
                                  const opc_node *value,
@@ -362,7 +362,8 @@ static void node_put_like(opc_node *map, const char *key, const opc_node *like,
   opc_node_put(map, name, value);
 }
 
-/* Expand an element of `list`; other keys of the map are defaults. */
+/* Expand an element of `list`. The other keys of the map apply to all elements
+   that do not set these keys. */
 static void expand_element(expander *e, const char *name, const opc_node *map,
                            const opc_node *key, const opc_node *element) {
   g_autoptr(opc_node) whole = opc_node_map_new(element->source, &element->at);

@@ -4,14 +4,12 @@
 
 #include <base/file.h>
 #include <base/layers.h>
-#include <base/suggest.h>
 #include <string.h>
 
 #include "core/binding/connect.h"
 #include "core/binding/inner.h"
 #include "core/binding/outputs.h"
 #include "core/binding/require.h"
-#include "core/plugin/declaration.h"
 
 /* ---- steps ---- */
 
@@ -174,8 +172,8 @@ gboolean opc_flow_create(const opc_flow *flow, const gboolean *left_out,
 
 /* ---- checking ---- */
 
-/* Largest number of values checked per axis; in a longer axis, only the first
-   ones and the last one are checked. */
+/* Largest number of values checked per axis: in a longer axis, the first 999
+   values and the last one are checked. */
 enum { MOST_VALUES = 1000 };
 
 static void check_one(const opc_recipe *recipe, const opc_choice *choice,
@@ -192,8 +190,8 @@ static void check_one(const opc_recipe *recipe, const opc_choice *choice,
   opc_problems_merge(problems, found, note);
 }
 
-/* Each value of each axis is checked, but not each combination of values. A
-   problem of a combination is found when the point runs. */
+/* Each value of each axis is checked, but not each combination of values.
+   Problems of other combinations are found when the point runs. */
 void opc_flow_check(const opc_recipe *recipe, const opc_choice *choice,
                     opc_registry *registry, const opc_watch *watch,
                     opc_problems *problems) {

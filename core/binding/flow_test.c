@@ -404,8 +404,8 @@ static void test_resolved(void) {
       text, "    size: 0.065 um                          # flow.yaml:8:11\n"));
   g_assert_nonnull(
       strstr(text, "    whole: 1                                # default\n"));
-  /* The resolved flow reads back from another folder with the same values and,
-     except for places, the same text. */
+  /* The resolved flow is read from another folder: the values are equal, and so
+     is the text except for places. */
   g_assert_cmpint(g_mkdir("other", 0777), ==, 0);
   g_assert_true(g_file_set_contents("other/flow.yaml", text, -1, NULL));
   g_autoptr(opc_problems) problems = opc_problems_new();

@@ -10,8 +10,7 @@
 #include "core/binding/lookup.h"
 #include "core/plugin/declaration.h"
 
-/* Limit of nested inner flows, such as an experiment whose steps run
-   searches. */
+/* Limit of nested inner flows, such as an experiment that runs searches. */
 enum { DEEPEST = 2 };
 
 /* ---- reading: variant and parameters ---- */
@@ -39,8 +38,8 @@ static void choose_variant(opc_inner *inner, const opc_binding *b,
 
 /* ---- reading: files ---- */
 
-/* Make the file names in a text, list or map absolute. The depth of the
-   recursion is limited by that of flow files. */
+/* Make the file names in a text, list or map absolute. The depth limit of flow
+   files also limits the recursion. */
 static void make_files_absolute(const opc_flow *flow, const char *path,
                                 opc_node *node) {
   if (node->type == OPC_NODE_TEXT) {
@@ -153,7 +152,7 @@ static int inner_check(const opc_inner *inner, opc_error *error) {
   return opc_problems_error(problems, error);
 }
 
-/* Fail: outside runs an inner flow cannot be started. */
+/* Fail: an inner flow cannot be started outside a run. */
 static int refuse_to_begin(const opc_host *host, opc_error *error) {
   return opc_fail(error, OPC_FAILED, NULL, "%s runs in flows only",
                   ((const opc_binding *)host->data)->plugin->id);

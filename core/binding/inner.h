@@ -42,8 +42,7 @@ void opc_inner_end(opc_inner *inner);
 /* Return the flow at the first point of the sweep. */
 const opc_flow *opc_inner_flow(const opc_inner *inner);
 
-/* Call `visit` with the flow at the first point and at each value of each
-   axis. */
+/* Call `visit` with the flow at the first point and each value of each axis. */
 void opc_inner_visit(const opc_inner *inner,
                      void (*visit)(void *data, const opc_flow *flow),
                      void *data);

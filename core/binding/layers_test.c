@@ -29,7 +29,7 @@ static void write_file(const char *name, const char *text) {
   g_assert_true(g_file_set_contents(name, text, -1, NULL));
 }
 
-/* A valid flow at a variant ("": none) and a point of the sweep. */
+/* A valid flow with a variant ("": none) at a point of the sweep. */
 typedef struct made {
   opc_recipe *recipe;
   opc_sweep *sweep;
@@ -202,7 +202,7 @@ static void test_variants(void) {
   made_free(&m);
   const char *const sets[] = {"a.size=8 nm", NULL};
   m = layers_make("flow.yaml", "nested", 0, sets);
-  g_assert_true(real_of(&m, "a", "size") == 8); /* the command line wins */
+  g_assert_true(real_of(&m, "a", "size") == 8); /* --set overrides */
   g_assert_true(real_of(&m, "a", "anchor.pitch") == 300);
   g_assert_null(step_of(m.flow, "b"));
   made_free(&m);
@@ -212,7 +212,7 @@ static void test_variants(void) {
   made_free(&m);
 }
 
-/* A variant of the base flow and a variant of the same name in the extending
+/* A variant of the base flow, and a variant with the same name in the extending
    flow. */
 static void test_inherited(void) {
   write_file("base.yaml", variants);
@@ -279,7 +279,7 @@ static void test_grid(void) {
     g_assert_true(real_of(&m, "a", "share") == expected[i][1]);
     made_free(&m);
   }
-  /* A parameter fixed by --set is not swept. */
+  /* A parameter that --set fixes is not swept. */
   const char *const sets[] = {"a.size=4 nm", NULL};
   made m = layers_make("flow.yaml", "", 2, sets);
   g_assert_cmpuint(m.sweep->points, ==, 3);
@@ -340,7 +340,8 @@ static void test_ranges(void) {
 
 /* ---- keys with dots ---- */
 
-/* Dotted paths for groups and slots, in every layer, above and below maps. */
+/* Dotted paths to groups and slots, in every layer, applied before and after
+   nested maps. */
 static void test_dots(void) {
   write_file("base.yaml",
              "opcflow: 1\nsteps:\n"
@@ -464,7 +465,7 @@ static void test_again(void) {
   g_assert_cmpstr(bare, ==, bare_second);
   g_assert_nonnull(strstr(bare, "share: 2 %\n"));
   g_assert_nonnull(strstr(text, "# --set b.note\n"));
-  /* A default written out counts as not given. */
+  /* A given value that equals the default counts as not given. */
   g_assert_cmpuint(value_of(step_of(n.flow, "a"), "plain")->given, ==, 0);
   g_assert_cmpuint(value_of(step_of(n.flow, "a"), "list")->given, ==, 0);
   g_assert_cmpuint(value_of(step_of(n.flow, "a"), "share")->given, ==, 1);

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the search for steps, plugins, parameters and metrics by their
-   paths. */
+/* Search for steps, plugins, parameters and metrics by their paths. */
 #include "core/binding/lookup.h"
 
 #include <base/suggest.h>

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Search for steps, plugins, parameters and metrics of a flow by their
-   paths. */
+/* Search for steps, plugins, parameters and metrics by their paths. */
 #pragma once
 
 #include "core/binding/flow.h"
@@ -13,8 +12,7 @@ const opc_parameter *opc_flow_parameter(const opc_flow *flow, const char *path);
 const opc_parameter *opc_parameter_at(const GPtrArray *bindings,
                                       const char *path, opc_binding **owner);
 
-/* Return the step at the beginning of a path ("step", "step.slot.parameter"),
-   or NULL. */
+/* Return the step at the beginning of a path ("step", "step.slot"), or NULL. */
 opc_flow_step *opc_flow_find(const opc_flow *flow, const char *path);
 
 /* Return the bindings of all steps of a valid flow (opc_binding *) in order of

@@ -9,7 +9,7 @@
 const char *const opc_reserved[OPC_RESERVED] = {"flow.yaml", "manifest.json",
                                                 "metrics.json", "sweep.csv"};
 
-/* Return whether the names are equal or one is inside the other as a folder. */
+/* Return whether the names are equal, or one is a folder with the other. */
 static gboolean names_overlap(const char *a, const char *b) {
   size_t n = MIN(strlen(a), strlen(b));
   return !strncmp(a, b, n) && strchr("/", a[n]) && strchr("/", b[n]);

@@ -5,9 +5,9 @@
 #include "core/binding/flow.h"
 
 /* Return the output files named by parameters: name -> path of the instance
-   that writes the file (freed with the table). Adds a problem, unless
-   `problems` is NULL, for each file that two instances write, that is inside
-   another file, or that is reserved for the run. */
+   that writes the file (freed with the table). Unless `problems` is NULL, adds
+   a problem for each file that two instances write, that is inside another
+   output file, or that is reserved for the run. */
 GHashTable *opc_flow_outputs(const opc_flow *flow, opc_problems *problems);
 
 /* Number of files that a run itself writes. */

@@ -11,8 +11,8 @@ typedef struct opc_recipe {
   GPtrArray *sources;       /* opc_source *: flow files, variants, list files */
   GPtrArray *roots;         /* opc_node *: one per file */
   opc_node *steps;          /* merged steps; NULL: none given */
-  opc_node *variants; /* name -> (path -> value): entries of the extended flow
-                         first; a path may occur twice */
+  opc_node *variants; /* name -> (path -> value). Entries of the extended flow
+                         precede; a path may occur twice */
   opc_node *sweep;    /* path -> values */
   opc_node *demands;  /* merged "require"; empty: none */
 } opc_recipe;

@@ -6,7 +6,6 @@
 
 #include "core/binding/lookup.h"
 #include "core/binding/require.h"
-#include "core/plugin/declaration.h"
 #include "core/plugin/value.h"
 
 /* ---- state ---- */
@@ -74,7 +73,7 @@ static gboolean read_range(const reader *in, opc_requirement *r,
   return TRUE;
 }
 
-/* Signs before a number; longer signs first, as they share prefixes. */
+/* Signs before a number. Longer signs precede: "<" is a prefix of "<=". */
 static const struct {
   const char *sign, *text;
   gboolean upper, lower, open;
@@ -85,7 +84,7 @@ static const struct {
                  {"=", "", TRUE, TRUE, FALSE}};
 
 /* Index in `relations` for a number without a sign, by opc_metric.better: a
-   bound in the worse direction, or equality. */
+   bound in the direction in which the metric worsens, or equality. */
 static const guint by_direction[] = {
     [OPC_NEUTRAL] = 4, [OPC_LOWER] = 0, [OPC_HIGHER] = 1};
 
@@ -103,7 +102,7 @@ static gboolean read_text(const reader *in, opc_requirement *r,
     text += strlen(relations[i].sign);
   text += strspn(text, " ");
   if (!read_bound(in, r, node, text, &bound)) return FALSE;
-  /* "Equal" means within the tolerance of the metric. */
+  /* Equality means a difference within the tolerance of the metric. */
   double slack =
       relations[i].upper && relations[i].lower ? r->metric->tolerance : 0;
   if (relations[i].upper) r->most = bound + slack;

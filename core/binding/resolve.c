@@ -4,12 +4,11 @@
 
 #include "core/binding/lookup.h"
 #include "core/binding/resolve.h"
-#include "core/plugin/declaration.h"
 #include "core/plugin/value.h"
 
 enum { COMMENT_COLUMN = 44 };
 
-/* Append the origin of the value at the end of the line. */
+/* Append the origin of the value as a comment at the end of the line. */
 static void end_line(GString *out, size_t line_start, const char *origin) {
   size_t length = out->len - line_start;
   int pad = length < COMMENT_COLUMN ? (int)(COMMENT_COLUMN - length) : 1;
@@ -61,7 +60,7 @@ static void append_value(GString *out, const opc_binding *b, size_t i,
 }
 
 /* Append all parameters whose names begin with `prefix`; a group is written at
-   its first member. Recursion is as deep as names have dots. */
+   the first member. The depth of recursion is the number of dots in names. */
 static void append_level(GString *out, const opc_binding *b, const char *prefix,
                          int indent) {
   g_autoptr(GHashTable) groups =

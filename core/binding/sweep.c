@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "core/binding/flow.h"
-#include "core/plugin/value.h"
 
 static const double most_points = OPC_RANGE_MOST;
 
@@ -73,8 +72,8 @@ static gboolean is_fixed(const char *path, const char *const *sets,
   return over && opc_node_find(over, path) >= 0;
 }
 
-/* Replace the axis of the same path or append the axis; takes ownership. An
-   axis without values, already reported, is dropped. */
+/* Replace the axis of the same path, or append the axis; takes ownership. An
+   axis without values is dropped, because that problem was reported before. */
 static void put_axis(opc_sweep *sweep, opc_axis *axis) {
   if (!axis->values->len) {
     axis_free(axis);
@@ -143,8 +142,7 @@ opc_sweep *opc_sweep_new(const opc_recipe *recipe, const char *const *sets,
   return sweep;
 }
 
-/* Add the axes of a map; a nested map that is no range continues the dotted
-   path. */
+/* Add the axes of a map. A nested map that is no range continues the path. */
 static void add_axes(opc_sweep *sweep, const char *prefix, const opc_node *map,
                      opc_problems *problems) {
   for (guint i = 0; i < map->items->len; i++) {

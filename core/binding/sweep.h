@@ -47,8 +47,7 @@ void opc_sweep_add_layers(opc_sweep *sweep, const char *path,
                           GPtrArray *layers, char **names, char **variants,
                           opc_problems *problems);
 
-/* Return whether an axis changes the step named `step` in a flow of
-   `recipe`. */
+/* Return whether an axis changes the step `step` in a flow of `recipe`. */
 gboolean opc_axis_touches(const opc_axis *axis, const opc_recipe *recipe,
                           const char *step);
 
@@ -62,7 +61,7 @@ unsigned opc_sweep_depth(const opc_sweep *sweep);
 struct opc_flow;
 unsigned *opc_sweep_levels(const opc_sweep *sweep, const struct opc_flow *flow);
 
-/* Return the index of the value of axis `a` at a point; the last axis varies
+/* Return the index of the value of axis `a` at a point; the last varies
    fastest. */
 guint opc_sweep_index(const opc_sweep *sweep, guint a, size_t point);
 

@@ -19,8 +19,7 @@ static const cli_option options[] = {
     {"json", "list of problems also as JSON", .flag = &json},
     {0}};
 
-/* Print each message of instances once, even if several variants log the
-   message. */
+/* Print each message of the instances once, also if several variants log it. */
 static void take_log(void *data, const char *path, int level,
                      const char *message) {
   static GMutex lock;
@@ -33,7 +32,7 @@ static void take_log(void *data, const char *path, int level,
 
 /* ---- forecasts of a run ---- */
 
-/* a forecast of only memory below this number of bytes is not printed */
+/* Memory, bytes, below which a forecast without a work text is not printed. */
 static const double little = 1e6;
 
 static void variant_forecast(const opc_recipe *recipe, const opc_choice *choice,
@@ -68,9 +67,10 @@ static GArray *open_files(const opc_recipe *recipe, const opc_choice *choice) {
   return cli_open_files(flow);
 }
 
-/* Report the required files that the flow or a variant does not name, for a
-   variant without those of the flow, and return whether there are any. A flow
-   of a process leaves such files open, so that they are no problem. */
+/* Report the required files that the flow or a variant does not name, and
+   return whether any file is missing. Variants do not repeat files that are
+   missing in the flow. A missing file is no problem: the user adds the layout
+   to a process flow. */
 static gboolean needs_files(const opc_recipe *recipe, const opc_choice *choice,
                             GHashTable *reported, JsonArray *missing) {
   g_autoptr(GArray) its = open_files(recipe, choice);

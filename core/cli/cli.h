@@ -46,11 +46,13 @@ extern const cli_verb cli_run, cli_check, cli_version, cli_help;
 
 /* Texts for the verbs of the program opcflow-devel (tools/devel). */
 #define CLI_DEVEL "opcflow-devel"
-#define CLI_CACHE                                       \
-  .name = "cache", .arguments = "[clear | limit SIZE]", \
-  .summary = "Show or limit the results that are kept", .words = "clear|limit"
-#define CLI_EXPLAIN \
-  .name = "explain", .arguments = "RUN", .summary = "Why each step of a run ran"
+#define CLI_CACHE                                         \
+  .name = "cache", .arguments = "[clear | limit SIZE]",   \
+  .summary = "Show, clear or limit the store of results", \
+  .words = "clear|limit"
+#define CLI_EXPLAIN                      \
+  .name = "explain", .arguments = "RUN", \
+  .summary = "Show why each step of a run ran"
 #define CLI_PLUGINS \
   .name = "plugins", .arguments = "", .summary = "List the plugins"
 #define CLI_INSPECT                     \
@@ -58,7 +60,7 @@ extern const cli_verb cli_run, cli_check, cli_version, cli_help;
   .summary = "Show the declaration of a plugin"
 #define CLI_LINT                            \
   .name = "lint", .arguments = "PLUGIN.so", \
-  .summary = "Check that a plugin keeps the contract"
+  .summary = "Check a plugin against the contract of its kind"
 #define CLI_SCHEMA                   \
   .name = "schema", .arguments = "", \
   .summary = "Write a JSON Schema of flow files, for editors"
@@ -66,10 +68,10 @@ extern const cli_verb cli_run, cli_check, cli_version, cli_help;
   .name = "new",                                                       \
   .arguments =                                                         \
       "plugin NAME [DIR] | flow [INPUT] [FILE] | comparison INPUT...", \
-  .summary = "Write a plugin, a flow or a comparison to begin with"
+  .summary = "Write a new plugin, flow or comparison from a template"
 #define CLI_COMPLETE                       \
   .name = "complete", .arguments = "LINE", \
-  .summary = "Completions of a command line", .hidden = TRUE
+  .summary = "Print completions of a command line", .hidden = TRUE
 
 /* Verbs of the program, NULL-terminated, hidden ones last. Each program defines
    this array. */
@@ -82,16 +84,14 @@ int cli_main(int argc, char **argv);
    exit code if the program is not installed. */
 int cli_run_devel(const cli_verb *verb);
 
-/* Replace this process by a program with the same arguments. Returns only on
-   failure. */
+/* Replace this process by a program with the same arguments, or return. */
 void cli_become(const char *program);
 
 /* Return a verb, built in or of a plugin, which is then loaded; NULL and *error
    if unknown. */
 const cli_verb *cli_find_verb(const char *name, opc_error *error);
 
-/* Return the names of all verbs that are not hidden (char *, freed with the
-   array). */
+/* Return the names of all visible verbs (char *, freed with the array). */
 GPtrArray *cli_verb_names(void);
 
 /* Return the verb of the plugin "command.NAME"; NULL and *error if missing. */
@@ -127,9 +127,10 @@ typedef struct cli_open_file {
    freed with the array). */
 GArray *cli_open_files(const opc_flow *flow);
 
-/* Return the variants chosen by --variant (char *, NULL: the flow itself; owned
-   by the recipe or `given`). Without --variant: the flow, and all variants if
-   `every`. Adds a problem for an unknown name. `recipe` may be NULL. */
+/* Return the variants chosen by --variant (char *, owned by the recipe or
+   `given`; NULL: the flow itself). Without --variant: the flow and, if `every`
+   is set, all variants. Adds a problem for an unknown name. `recipe` may be
+   NULL. */
 GPtrArray *cli_choose_variants(const opc_recipe *recipe, GPtrArray *given,
                                gboolean every, opc_problems *problems);
 
@@ -188,6 +189,5 @@ void cli_add_problems(JsonObject *object, opc_problems *problems);
 void cli_add_texts(JsonObject *object, const char *name,
                    const GPtrArray *texts);
 
-/* Return `code`, or CLI_IO after a message if standard output could not be
-   written. */
+/* Return `code`, or CLI_IO and a message if output could not be written. */
 int cli_finish(int code);

@@ -12,7 +12,7 @@ const cli_verb *const cli_verbs[] = {
     &cli_run, &cli_check, &explain,     &cache,    &plugins,  &inspect, &lint,
     &schema,  &new,       &cli_version, &cli_help, &complete, NULL};
 
-/* Commands of plugins are verbs of opcflow-devel. */
+/* Commands of plugins are verbs of opcflow-devel, which finds the plugin. */
 const cli_verb *cli_plugin_verb(const char *name, opc_error *error) {
   static cli_verb verb;
   (void)error;

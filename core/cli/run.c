@@ -166,8 +166,7 @@ static void findings_print(const opc_run *run, const char *note) {
     cli_message("finding", "%s%s", (char *)lines->pdata[i], note);
 }
 
-/* Print the results of a run. `note`: the variant if there are several, or
-   "". */
+/* Print the results of a run. `note`: the variant if there are several. */
 static int run_print_results(const series *s, const opc_run *run,
                              const char *note, const opc_problems *found) {
   g_autoptr(opc_problems) problems = opc_problems_new();
@@ -244,9 +243,9 @@ static int run_all(const series *s) {
   return code;
 }
 
-/* Keep freed memory in the process: fields of tens of megabytes are allocated
-   and freed at the same sizes. Mapping and clearing them again costs a tenth of
-   a correction's time. */
+/* Keep freed memory in the process, because fields of tens of megabytes are
+   allocated and freed at the same sizes. Repeated mapping and clearing would
+   cost a tenth of a correction's run time. */
 static void keep_memory(void) {
   mallopt(M_MMAP_THRESHOLD, 1 << 30);
   mallopt(M_TRIM_THRESHOLD, INT_MAX);

@@ -49,8 +49,8 @@ int cli_run_devel(const cli_verb *verb) {
                    program ? "cannot start" : "the program does not exist");
 }
 
-/* Run the verb: the first word that is no option. Options before the verb are
-   read like options after the verb. */
+/* Run the verb: the first word that is not an option. Options are also accepted
+   before the verb. */
 static int verbs_run(int argc, char **argv) {
   int at = 1;
   while (at < argc && *argv[at] == '-') {

@@ -9,8 +9,8 @@
 
 #include "core/plugin/value.h"
 
-/* Limit of the number of elements and of the bytes of an element; rejects
-   corrupt numbers before the array is read. */
+/* Limit of the number of elements and of the size of an element, bytes. Corrupt
+   numbers are rejected before the array is read. */
 enum { MOST = 4096 };
 
 size_t opc_port_count(const opc_plugin *plugin) {
@@ -48,6 +48,34 @@ const opc_metric *opc_metric_check(const opc_plugin *plugin, const char *name,
   return NULL;
 }
 
+static const char timeout_name[] = "timeout";
+
+const opc_plugin *opc_timeout_add(opc_plugin *plugin) {
+  if (strcmp(plugin->kind, OPC_KIND_STEP) != 0 ||
+      opc_parameter_find(plugin, timeout_name) >= 0)
+    return plugin;
+  size_t width = sizeof(double),
+         offset = (plugin->instance_size + width - 1) / width * width;
+  /* opc_declared_copy leaves space for one element. */
+  ((opc_parameter *)plugin->parameters)[plugin->n_parameters++] =
+      (opc_parameter){timeout_name,
+                      OPC_REAL,
+                      OPC_ABOVE | OPC_NO_EFFECT,
+                      "s",
+                      .summary = "Time limit; the step fails beyond it",
+                      .offset = offset,
+                      .width = width};
+  plugin->instance_size = offset + width;
+  return plugin;
+}
+
+int opc_timeout_find(const opc_plugin *plugin) {
+  size_t last = plugin->n_parameters;
+  return last && plugin->parameters[last - 1].name == timeout_name
+             ? (int)last - 1
+             : -1;
+}
+
 const opc_choices *opc_choices_of(const opc_plugin *plugin) {
   return plugin->extension ? plugin->extension(OPC_CHOICES) : NULL;
 }
@@ -69,7 +97,7 @@ gconstpointer opc_declared_copy(gconstpointer from, size_t n, size_t theirs,
 
 /* ---- soundness ---- */
 
-/* Return the first fault of a parameter whose message has no numbers, as text
+/* Return the first fault of a parameter that a constant text describes, as text
    to append to the parameter's name; NULL if none. */
 static const char *parameter_flaw(const opc_plugin *plugin,
                                   const opc_parameter *p) {
@@ -117,7 +145,7 @@ static char *preset_fault(const opc_parameter *p) {
                          first->message);
 }
 
-/* Return whether one name is a group with the other one as a member. */
+/* Return whether one name is a group with the other name: "a" and "a.b". */
 static gboolean are_nested(const char *a, const char *b) {
   return (g_str_has_prefix(a, b) && a[strlen(b)] == '.') ||
          (g_str_has_prefix(b, a) && b[strlen(a)] == '.');

@@ -23,18 +23,23 @@ const opc_metric *opc_metric_find(const opc_plugin *plugin, const char *name);
 const opc_metric *opc_metric_check(const opc_plugin *plugin, const char *name,
                                    double value, opc_error *error);
 
+/* Append the time limit `timeout` to the parameters of a step, stored behind
+   the plugin's part of the instance, unless the plugin has a parameter of this
+   name. opc_timeout_find returns the index of the limit; -1 if missing. */
+const opc_plugin *opc_timeout_add(opc_plugin *plugin);
+int opc_timeout_find(const opc_plugin *plugin);
+
 /* Return the plugin's OPC_CHOICES extension; NULL if missing. */
 const opc_choices *opc_choices_of(const opc_plugin *plugin);
 
 /* Copy n structs of a plugin, `theirs` bytes each, into structs of the host,
-   `ours` bytes each, truncated or padded with zeros. Returns NULL if the array
-   is missing or `theirs` is less than `oldest`. Copies are never freed. [main]:
-   see opcflow/plugin.h. */
+   `ours` bytes each, truncated or padded with zeros; a struct of zeros follows.
+   Returns NULL if the array is missing or `theirs` is less than `oldest`.
+   Copies are never freed. [main]: see opcflow/plugin.h. */
 gconstpointer opc_declared_copy(gconstpointer from, size_t n, size_t theirs,
                                 size_t oldest, size_t ours);
 
-/* Copy an array of `type`; `last` is the last field of `type` in interface
-   0.8. */
+/* Copy an array; `last` is the last field of `type` in interface 0.8. */
 #define OPC_DECLARED_COPY(type, last, from, n, theirs)                   \
   ((const type *)opc_declared_copy(                                      \
       from, n, theirs, offsetof(type, last) + sizeof(((type *)0)->last), \

@@ -102,8 +102,8 @@ static char *kind_fault(opc_kind *kind) {
   return NULL;
 }
 
-/* Zeros after each struct of functions. A caller built for a later version of
-   the kind reads missing optional functions as NULL. */
+/* Zeros after each struct of functions. A caller that was built for a later
+   version of the kind thus reads missing optional functions as NULL. */
 enum { SPARE = 64 * sizeof(void (*)(void)) };
 
 char *opc_functions_adopt(opc_registry *registry, opc_plugin *plugin) {

@@ -9,14 +9,14 @@
 const opc_kind *opc_kind_of(opc_registry *registry, const char *name,
                             opc_error *error);
 
-/* Return the declaration by which plugins of a kind are tested: that of the
-   plugin "kind.NAME", else the built-in one. NULL if both are missing. */
+/* Return the declaration of a kind that has the tests of plugins: that of the
+   plugin "kind.NAME", or else the built-in one. NULL if both are missing. */
 const opc_kind *opc_kind_trials(opc_registry *registry, const char *name);
 
 /* Replace the functions in the copy of a descriptor (opc_plugin_copy) by a copy
    of at least the size of the kind's struct; missing functions are NULL.
-   Returns the reason if the functions do not fit the kind (g_free), else
-   NULL. */
+   Returns NULL, or the reason why the functions do not fit the kind
+   (g_free). */
 char *opc_functions_adopt(opc_registry *registry, opc_plugin *plugin);
 
 /* Return the names of all kinds, sorted (char *, freed with the array). */

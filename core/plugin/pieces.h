@@ -5,11 +5,12 @@
 #include <glib.h>
 #include <opcflow/pieces.h>
 
-/* Largest result of a piece in bytes: the limit of one MPI message. */
+/* Largest result of a piece, bytes; an MPI message has less than 2^31 bytes. */
 enum { OPC_PIECE_MOST = 1 << 30 };
 
-/* Compute piece i and return the result (g_bytes_unref). NULL and *error, with
-   the name of the piece, if set. [main]: see opcflow/plugin.h. */
+/* Compute piece i and return the result (g_bytes_unref). NULL and *error on
+   failure; the message contains the name of the piece, if set. [main]: see
+   opcflow/plugin.h. */
 GBytes *opc_piece_work(const opc_pieces *pieces, size_t i, opc_error *error);
 
 /* Pass the result of piece i to the step. [main] */

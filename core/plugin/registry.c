@@ -62,8 +62,8 @@ static void add_standard_folders(opc_registry *registry) {
   g_autofree char *folder = opc_executable_folder();
   if (folder) add_folder(registry, g_build_filename(folder, "plugins", NULL));
   if (!system) return;
-  /* The XDG specification requires to ignore a relative folder, so that plugins
-     in the working folder are not loaded without a request. */
+  /* The XDG specification requires programs to ignore a relative folder, as
+     plugins in the working folder must not be loaded without a request. */
   const char *data = g_get_user_data_dir();
   if (g_path_is_absolute(data))
     add_folder(registry, g_build_filename(data, "opcflow", "plugins", NULL));
@@ -155,7 +155,7 @@ const opc_plugin *opc_plugin_load(opc_registry *registry, const char *path,
   if (!*reason) *reason = opc_plugin_fault(plugin, id);
   end_loading(before);
   if (!*reason) *reason = opc_functions_adopt(registry, plugin);
-  if (!*reason) return plugin;
+  if (!*reason) return opc_timeout_add(plugin);
   explain_version(plugin, reason);
   dlclose(object);
   return NULL;

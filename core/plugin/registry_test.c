@@ -116,7 +116,8 @@ static void test_refused(void) {
   g_assert_cmpstr(error.message, ==, "unknown plugin '../evil'");
 }
 
-/* The first of two files of an id wins; the second is reported as hidden. */
+/* If two files have the same id, the first one is used; the second is reported
+   as hidden. */
 static void test_duplicate(void) {
   g_autofree char *folder = plugin_folder();
   g_autofree char *copy = g_dir_make_tmp("opcflow-XXXXXX", NULL);
@@ -151,11 +152,11 @@ static void test_folders(void) {
   g_assert_cmpstr(folders->pdata[0], ==, "/nowhere/a");
   g_assert_cmpstr(folders->pdata[1], ==, "/nowhere/b");
   g_assert_cmpstr(folders->pdata[2], ==, "/nowhere/c");
-  /* No system folders: the tests run with OPCFLOW_NO_SYSTEM_PLUGINS. */
+  /* no system folders, because the tests set OPCFLOW_NO_SYSTEM_PLUGINS */
   g_assert_cmpuint(folders->len, ==, 4);
 }
 
-/* Edit distances known from the definition. */
+/* Distances computed by hand from the definition. */
 static void test_distance(void) {
   g_assert_cmpuint(opc_edit_distance("", ""), ==, 0);
   g_assert_cmpuint(opc_edit_distance("", "abc"), ==, 3);

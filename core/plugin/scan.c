@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Loads a plugin in a child process. A crash or an endless loop during loading
-   is the reason why the plugin is not usable. */
+/* Loads a plugin in a child process. If loading crashes or does not end, the
+   plugin is not usable, for that reason. */
 #include <errno.h>
 #include <guard/child.h>
 #include <guard/process.h>

@@ -52,7 +52,7 @@ const char *opc_type_name(uint32_t type);
 opc_node *opc_preset_parse(const opc_parameter *parameter,
                            opc_problems *problems);
 
-/* Return a noun for values of the parameter, such as "a length with its unit"
+/* Return a noun for values of a parameter: "a length with its unit"
    (g_free). */
 char *opc_setting_noun(const opc_parameter *parameter);
 

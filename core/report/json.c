@@ -3,7 +3,6 @@
 #include "core/report/json.h"
 
 #include <math.h>
-#include <string.h>
 
 JsonNode *opc_metric_json(const opc_metric *metric, double value) {
   static const char *const better[] = {"neutral", "lower", "higher"};

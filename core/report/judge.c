@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "core/binding/lookup.h"
-#include "core/plugin/value.h"
 #include "core/report/judge.h"
 
 /* ---- state ---- */
@@ -86,8 +85,8 @@ void opc_verdicts_take(GPtrArray *verdicts, const GPtrArray *from, size_t point,
   }
 }
 
-/* Return the value with six digits, or with all digits if the rounded value
-   would meet the requirement (g_free). */
+/* Return the value with six digits (g_free), or with all digits if the rounded
+   value would falsely meet the requirement. */
 static char *value_text(const opc_verdict *v) {
   char digits[40];
   g_ascii_formatd(digits, sizeof digits, "%.6g", v->value);

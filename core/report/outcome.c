@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Sets up and clears outcomes; returns metrics, findings and requirements as
-   JSON. */
+/* Sets up and clears outcomes; returns metrics and findings as JSON. */
 #include "core/report/outcome.h"
 
 #include <math.h>

@@ -26,8 +26,8 @@ static opc_table *sample_table(void) {
   return table;
 }
 
-/* Return the fields of all records, each record followed by NULL. An RFC 4180
-   reader independent of the writer. */
+/* Return the fields of all records, each record followed by NULL. This reader
+   of RFC 4180 does not depend on the writer. */
 static GPtrArray *read_csv(const char *text) {
   GPtrArray *fields = g_ptr_array_new_with_free_func(g_free);
   while (*text) {
@@ -104,8 +104,8 @@ static void test_text(void) {
   opc_table_free(table);
 }
 
-/* Numbers have six digits; whole numbers have all, and columns with decimals
-   have those. */
+/* Numbers have six digits, whole numbers all digits, and columns with
+   `decimals` that number of decimals. */
 static void test_digits(void) {
   static const double some[] = {1.0 / 3, 123456789, 1.23456789e-12, INFINITY};
   const opc_column columns[] = {{"a", NULL, OPC_REAL, -1, some},
@@ -123,8 +123,8 @@ static void test_digits(void) {
   opc_table_free(table);
 }
 
-/* A table too wide: constant columns once, the others in blocks; no cell is
-   lost. */
+/* In a table that is too wide, constant columns are printed once and the other
+   columns in blocks; no cell is lost. */
 static void test_narrow(void) {
   static const char *const who[] = {"nand2", "nor2"}, *const none[] = {"", ""},
                            *const kind[] = {"n", "n"};
@@ -192,7 +192,8 @@ static void test_narrow(void) {
   opc_table_free(table);
 }
 
-/* Blocks repeat as many first columns as distinguish the rows. */
+/* Blocks repeat as many of the first columns as are needed to distinguish the
+   rows. */
 static void test_keys(void) {
   static const char *const run[] = {"x", "x", "y", "y"},
                            *const metric[] = {"ion", "off", "ion", "off"},

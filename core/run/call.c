@@ -5,6 +5,7 @@
 #include <base/shown.h>
 #include <base/unit.h>
 #include <guard/memory.h>
+#include <guard/stop.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -52,9 +53,11 @@ static int check_memory(const opc_forecast *wanted, opc_error *error) {
   g_autofree char *most = opc_bytes_text(wanted->memory);
   g_autofree char *left = opc_bytes_text(bytes);
   return opc_fail(error, OPC_FAILED, NULL,
-                  "requires %s of memory%s%s, but %s has only %s left%s%s",
+                  "requires %s of memory%s%s, but %s has only %s left, enough "
+                  "for %.2g %%%s%s",
                   most, *wanted->work ? " for " : "", wanted->work, source,
-                  left, *wanted->help ? "; less with " : "", wanted->help);
+                  left, 100 * bytes / wanted->memory,
+                  *wanted->help ? "; less with " : "", wanted->help);
 }
 
 int opc_call_forecast(const opc_run *run, const opc_flow_step *step,
@@ -76,6 +79,39 @@ int opc_call_forecast(const opc_run *run, const opc_flow_step *step,
 
 /* ---- running ---- */
 
+/* Start the time limit of a step. A step that continues for `patience` s beyond
+   the limit ends the process. */
+static void limit_begin(opc_run *run, const opc_flow_step *step,
+                        stop_limit *hard) {
+  static const double patience = 5, most = 1e9;
+  const opc_binding *b = step->binding;
+  int i = opc_timeout_find(b->plugin);
+  if (i < 0 || !b->values[i].present) return;
+  double limit = MIN(b->values[i].field.real, most);
+  run->deadline = g_get_monotonic_time() + (gint64)(limit * 1e6);
+  g_autofree char *place = opc_place_text(opc_binding_origin(b, (size_t)i));
+  g_autofree char *where =
+      g_strdup_printf("%s: step '%s': exceeded the time limit of %g s", place,
+                      step->name, limit);
+  stop_limit_begin(hard, limit + patience, where);
+}
+
+/* End the time limit of a step that returned `code`; return `code`, or
+   OPC_FAILED if the step exceeded the limit. */
+static int limit_end(opc_run *run, const opc_flow_step *step, stop_limit *hard,
+                     int code, opc_error *error) {
+  const opc_binding *b = step->binding;
+  gboolean late = run->deadline && g_get_monotonic_time() >= run->deadline;
+  if (run->deadline) stop_limit_end(hard);
+  run->deadline = 0;
+  if (!late || (code && code != OPC_CANCELLED) ||
+      opc_cancelled(b->host->context))
+    return code;
+  int i = opc_timeout_find(b->plugin);
+  return opc_fail(error, OPC_FAILED, "timeout",
+                  "exceeded the time limit of %g s", b->values[i].field.real);
+}
+
 int opc_call_run(opc_run *run, const opc_flow_step *step, gboolean sketch,
                  opc_error *error) {
   const opc_binding *b = step->binding;
@@ -85,11 +121,14 @@ int opc_call_run(opc_run *run, const opc_flow_step *step, gboolean sketch,
   g_ptr_array_set_size(run->kept.pieces, 0);
   opc_call_set_inputs(run, step, TRUE);
   gint64 start = g_get_monotonic_time();
+  stop_limit hard;
+  limit_begin(run, step, &hard);
   const char *before = opc_binding_enter(b);
   int code = (sketch ? functions->sketch : functions->run)(b->module.self,
                                                            objects, error);
   opc_binding_leave(before);
   opc_inner_end(b->inner);
+  code = limit_end(run, step, &hard, code, error);
   run->out.seconds[step->number] =
       (double)(g_get_monotonic_time() - start) * 1e-6;
   opc_call_set_inputs(run, step, FALSE);
@@ -100,7 +139,7 @@ int opc_call_run(opc_run *run, const opc_flow_step *step, gboolean sketch,
   return code ? code : opc_call_check(run, step, error);
 }
 
-/* Remove the files of a failed step, which may be incomplete. */
+/* Remove the files that a failed step was writing: they may be incomplete. */
 static void remove_given(const opc_run *run) {
   for (guint i = 0; i < run->written.given->len; i++)
     (void)remove(run->written.given->pdata[i]);

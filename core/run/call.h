@@ -25,7 +25,6 @@ int opc_call_forecast(const opc_run *run, const opc_flow_step *step,
 int opc_call_run(opc_run *run, const opc_flow_step *step, gboolean sketch,
                  opc_error *error);
 
-/* Call forecast and run of a step. Returns FALSE and adds a problem on
-   failure. */
+/* Call forecast and run of a step. FALSE and a problem on failure. */
 gboolean opc_call_step(opc_run *run, const opc_flow_step *step,
                        opc_problems *problems);

@@ -38,8 +38,8 @@ static gboolean forecast_step(opc_run *run, const opc_flow_step *step,
   return !code || opc_binding_fail(step->binding, TRUE, code, &error, problems);
 }
 
-/* Collect the forecasts in order. The outputs of a failed step are released, so
-   that all dependent steps are skipped. */
+/* Append the forecasts in the order of execution. The outputs of a failed step
+   are released, so that all dependent steps are skipped. */
 static void forecast_steps(opc_run *run, GArray *outlooks,
                            opc_problems *problems) {
   const GPtrArray *order = run->flow->order;

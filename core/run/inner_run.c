@@ -11,7 +11,6 @@
 
 #include "core/binding/inner.h"
 #include "core/binding/lookup.h"
-#include "core/plugin/declaration.h"
 #include "core/run/inputs.h"
 #include "core/run/levels.h"
 #include "core/run/listen.h"
@@ -56,13 +55,13 @@ static void put_given(const opc_inner *in, opc_run *run) {
 
 /* ---- running: messages and progress ---- */
 
-/* Pass on a message. All points log the same informational messages, so only
-   those of the kept run are passed on. */
+/* Pass on a message of a run that is kept. The other points log similar
+   messages, which are dropped. */
 static void take_log(void *data, const char *path, int level,
                      const char *message) {
   const opc_inner_runs *runs = data;
   const opc_watch *watch = &runs->outer->listener.watch;
-  if (!runs->verbose && level >= OPC_LOG_INFO) return;
+  if (!runs->verbose) return;
   g_autofree char *whole =
       g_strdup_printf("%s.%s", runs->in->binding->path, path);
   watch->log(watch->data, whole, level, message);
@@ -98,7 +97,7 @@ static gboolean *find_needed(const void *in, const opc_flow *flow) {
   return opc_inner_needed(in, flow);
 }
 
-/* Remove the folders of levels, which only runs of the inner flow use. */
+/* Remove the folders of the levels, which only the inner flow uses. */
 static void end_runs(opc_inner_runs *runs) {
   for (unsigned level = 0; level < runs->levels.depth; level++) {
     g_autofree char *folder = opc_levels_folder(&runs->levels, level);

@@ -5,8 +5,7 @@
 #include "core/binding/inner.h"
 #include "core/binding/lookup.h"
 
-/* Return the context of an instance; all contexts of a run share one signal
-   state. */
+/* Return the context of an instance; all contexts share one signal state. */
 static const opc_context *run_context(const opc_run *run) {
   const opc_flow_step *first = run->flow->order->pdata[0];
   return first->binding->host ? first->binding->host->context : NULL;
@@ -31,8 +30,6 @@ static void add_input(opc_run *run, const char *file, const opc_place *at,
   g_ptr_array_add(run->out.inputs, sum);
 }
 
-/* Add the checksums of all files that `flow` reads, before a step may change
-   one. */
 gboolean opc_inputs_sum(opc_run *run, const opc_flow *flow,
                         opc_problems *problems) {
   guint before = problems->list->len;

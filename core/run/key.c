@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Collects the facts that a step's result depends on: builds of plugins and of
-   all linked objects, values, contents of files, and the keys of the inputs.
-   Neither thread counts nor places in files are part of a key. */
+   all linked objects, values, contents of files, and the keys of the inputs. A
+   key contains neither numbers of threads nor places in files. */
 #include "core/run/key.h"
 
 #include <base/file.h>
@@ -20,7 +20,7 @@ typedef struct keyer {
 
 /* ---- facts ---- */
 
-/* Return the path of a parameter relative to the root, such as "slot.name"
+/* Return the path of a parameter below the root, such as "slot.name"
    (g_free). */
 static char *place_of(const keyer *k, const opc_binding *b, const char *name) {
   const char *rest = b->path + strlen(k->root);
@@ -68,7 +68,7 @@ static void add_file(keyer *k, const char *path, const char *file) {
   g_ptr_array_add(k->key->files, sum);
 }
 
-/* Add all files of the folder of `file`. */
+/* Add all files in the folder of `file`. */
 static void add_beside(keyer *k, const char *path, const char *file) {
   enum { MOST = 1000 }; /* largest number of files; kernel sets have tens */
   g_autofree char *folder = g_path_get_dirname(file);
@@ -90,7 +90,7 @@ static void add_beside(keyer *k, const char *path, const char *file) {
   }
 }
 
-/* Append a text of a list or map, quoted so that the boundaries are
+/* Append a text of a list or map in quotes, so that the ends of texts are
    unambiguous. */
 static void text_append_quoted(GString *out, const char *text) {
   g_autofree char *quoted = g_strescape(text, NULL);

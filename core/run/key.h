@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Keys of step results: a checksum over all facts that a result depends on. */
+/* Keys of step results: checksums over all facts that a result depends on. */
 #pragma once
 
 #include <store/facts.h>
@@ -24,12 +24,12 @@ typedef struct opc_key {
 
 void opc_key_clear(opc_key *key);
 
-/* Return whether all files of the key still have their checksums: a file may
+/* Return whether all files of the key still have the same checksums. A file may
    change while the step runs. */
 gboolean opc_key_is_unchanged(const opc_key *key, opc_store *store);
 
 /* Compute the keys of all steps of a flow, by step number. Keys with a `sum` or
-   a `why` are kept. */
+   a `why` are not changed. */
 void opc_flow_keys(const opc_flow *flow, opc_store *store, opc_key *keys);
 
 /* Return the key of an instance with its slots, without its inputs and the
@@ -37,7 +37,7 @@ void opc_flow_keys(const opc_flow *flow, opc_store *store, opc_key *keys);
 char *opc_binding_key(const opc_binding *binding, opc_store *store,
                       opc_error *error);
 
-/* Return the change of a fact of the step named `step` (an opc_fact_text):
-   "step.size changed from 1 nm to 2 nm" (g_free). */
+/* Return a text about the change of one fact: "step.size changed from 1 nm to 2
+   nm" (g_free). `step` is the name of the step. An opc_fact_text. */
 char *opc_key_difference(const void *step, char about, const char *path,
                          const char *before, const char *now);

@@ -12,8 +12,9 @@
 
 /* ---- one run ---- */
 
-/* Borrow the outputs of `from`, including those that `from` borrowed. Steps are
-   matched by name: a layer may add or remove steps. */
+/* Use the outputs of `from`, including outputs that `from` uses of lower
+   levels. Steps are matched by name, because a layer may add or remove
+   steps. */
 static void run_borrow(opc_run *run, opc_run *from) {
   run->kept.base = from;
   for (guint i = 0; i < run->flow->steps->len; i++) {
@@ -82,9 +83,8 @@ static void level_drop(opc_levels *l, unsigned level) {
   opc_remove_tree(folder);
 }
 
-/* Run an intermediate level, neither the trunk nor the last level, at a point
-   of the sweep. The problems of the level are kept and apply to all points that
-   share the level. */
+/* Run a level between the trunk and the last level at a point of the sweep. The
+   problems of the level apply to all points that share the level. */
 static void level_open(opc_levels *l, unsigned level, size_t point) {
   opc_problems *problems = l->failures[level] = opc_problems_new();
   g_autofree char *folder = opc_levels_folder(l, level);

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Runs of a flow at the points of a sweep. A level is the set of steps whose
-   last changing axis is the same. Level 0, the trunk: no axis changes the step,
-   which runs once. Level i + 1: axis i of layers changes the step last; it runs
-   again if an axis 0 .. i changes its value. Last level: swept parameters
-   change the step, which runs at each point. */
+/* Runs of a flow at the points of a sweep. A level is the set of steps with the
+   same last axis that changes them. Level 0, the trunk: no axis changes the
+   steps, which run once. Level i + 1: axis i of layers is the last axis that
+   changes the steps, which run again if one of the axes 0 to i changes its
+   value. Last level: swept parameters change the steps, which run at each
+   point. */
 #pragma once
 
 #include "core/run/run.h"

@@ -37,7 +37,7 @@ void opc_listen_step(opc_run *run) {
   g_mutex_unlock(&run->listener.lock);
 }
 
-/* Warnings of a step; a result with more is not stored. */
+/* Largest number of warnings of a step whose result is stored. */
 enum { MOST_MESSAGES = 1000 };
 
 static void messages_add(GPtrArray *list, const char *path, int level,
@@ -109,7 +109,9 @@ static void pass_progress(void *data, const char *path,
 }
 
 static int pass_cancelled(void *data) {
-  const opc_watch *to = ((const opc_run *)data)->listener.to;
+  const opc_run *run = data;
+  const opc_watch *to = run->listener.to;
+  if (run->deadline && g_get_monotonic_time() >= run->deadline) return TRUE;
   return to->cancelled && to->cancelled(to->data);
 }
 

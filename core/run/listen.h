@@ -14,9 +14,9 @@ void opc_listen_end(opc_run *run);
 /* Begin a step: warnings are kept for the stored result. */
 void opc_listen_step(opc_run *run);
 
-/* opc_listen_piece: start to keep warnings and findings of a piece separately.
-   opc_listen_piece_end: end the piece and return the messages (opc_message *,
-   freed with the array). */
+/* opc_listen_piece: from now on, keep warnings and findings of a piece
+   separately. opc_listen_piece_end: end the piece and return the messages
+   (opc_message *, freed with the array). */
 void opc_listen_piece(opc_run *run);
 GPtrArray *opc_listen_piece_end(opc_run *run);
 

@@ -11,14 +11,15 @@
 #include "core/run/pieces.h"
 #include "core/run/result.h"
 
-/* Result of a piece, and the messages logged meanwhile. */
+/* Result of a piece, and the messages that the piece logged. */
 #define PIECE_TYPE G_VARIANT_TYPE("(aya(uss))")
 
 /* Pieces of a step with their results in the store. The functions of `kept`
-   call those of the plugin's `pieces`, look results up in the store, and add
-   the logged messages to each result. */
+   call the functions of the plugin's `pieces`, look results up in the store,
+   and add the logged messages to each result. */
 typedef struct keeper {
-  opc_pieces kept; /* `name` is NULL: errors of `pieces` contain its name */
+  opc_pieces kept; /* `name` is NULL, because errors of `pieces` already contain
+                      the name */
   const opc_pieces *pieces;
   opc_run *run;
   const opc_flow_step *step;
@@ -68,8 +69,8 @@ void opc_pieces_drop(opc_run *run) {
 
 /* ---- one ---- */
 
-/* Do a piece. Messages are packed and replayed when the result is taken, or at
-   once if the piece fails. */
+/* Compute a piece. Messages are packed and replayed when the result is taken,
+   or at once if the piece fails. */
 static GVariant *piece_do(const keeper *k, size_t i, opc_error *error) {
   GVariantBuilder warned;
   opc_listen_piece(k->run);
@@ -122,8 +123,8 @@ static void kept_done(void *data, size_t n) {
   if (p->done) p->done(p->data, n);
 }
 
-/* Log time and memory of the pieces, from which a user can estimate those of a
-   larger layout. */
+/* Log time and memory of the pieces: the user can estimate the cost of a larger
+   layout. */
 static void cost_report(const opc_host *host, const keeper *k) {
   const opc_pieces *p = k->pieces;
   double end = (double)(g_get_monotonic_time() - k->last) * 1e-6;

@@ -49,8 +49,8 @@ static void take_metrics(const opc_points *s, const opc_run *run,
   }
 }
 
-/* Complete the table with the finished points; takes ownership of the
-   results. */
+/* Complete the table: move the results of the finished points into the
+   table. */
 static void finish_table(const opc_points *s, opc_table *table) {
   double *seconds = opc_table_add(table, "seconds", NULL, OPC_REAL, 3);
   char **results = opc_table_add(table, "result", NULL, OPC_TEXT, 0);

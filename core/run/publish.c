@@ -7,18 +7,17 @@
 #include <string.h>
 
 #include "core/plugin/declaration.h"
-#include "core/plugin/value.h"
 #include "core/run/publish.h"
 #include "core/run/services.h"
 
-/* Record a refused publication: the step fails even if the plugin ignores the
-   error. */
+/* Record a refused publication: the step fails even if the plugin continues. */
 static int publication_refuse(opc_run *run, const opc_error *error) {
   if (!run->written.refusal.code) run->written.refusal = *error;
   return error->code;
 }
 
-/* Fail inside a piece of work: pieces run in only one of several processes. */
+/* Fail inside a piece of work: each piece runs in only one of several
+   processes, so that the other processes would lack the publication. */
 static gboolean in_piece(const opc_run *run, const char *name,
                          opc_error *error) {
   if (run->listener.piece)
@@ -29,8 +28,8 @@ static gboolean in_piece(const opc_run *run, const char *name,
   return run->listener.piece != NULL;
 }
 
-/* Return the path of the instance that writes a file of the run folder now or
-   later; NULL: none. */
+/* Return the path of the instance that has written, or will write, a file of
+   the run folder; NULL: none. */
 static const char *owner_of(const opc_run *run, const char *name) {
   const char *owner = g_hash_table_lookup(run->written.claims, name);
   return owner ? owner : g_hash_table_lookup(run->written.outputs, name);

@@ -7,9 +7,9 @@
 #include <store/pack.h>
 #include "core/run/result.h"
 
-/* Seconds; metrics: path, name, value; warnings: level, path, text; tables:
-   name, flags, rows, columns of name, unit, type, decimals, data; files. Paths
-   are relative to the step. */
+/* Format of the effects: seconds; metrics: path, name, value; warnings: level,
+   path, text; tables: name, flags, rows, columns of name, unit, type, decimals,
+   data; files. Paths are relative to the step. */
 const char opc_result_type[] = "(da(ssd)a(uss)a(suta(smsuiv))a(ayay))";
 
 /* ---- from a run ---- */
@@ -127,7 +127,8 @@ static int publish_metrics(const opc_flow_step *step, GVariant *metrics,
   return code;
 }
 
-/* Return the data of a column; `owned` frees the memory that it points to. */
+/* Return the data of a column, owned by `data`; an array of texts is added to
+   `owned`. */
 static const void *unpack_data(GVariant *data, uint32_t type, guint64 rows,
                                GPtrArray *owned) {
   gsize n = 0;

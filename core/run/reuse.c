@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Reuses steps whose results are in the store. Their files and messages are
-   replayed; their outputs are made only when a step that runs needs them:
-   loaded from the store, or computed by running the step again. */
-#include <errno.h>
+/* Reuses steps whose results are in the store. Files and messages of a reused
+   step are replayed. The outputs are provided only if a step that runs needs
+   them: loaded from the store, or computed by running the reused step again. */
 #include <glib/gstdio.h>
-#include <string.h>
 
 #include <store/files.h>
 #include <store/pack.h>
@@ -22,8 +20,8 @@ static void store_warn(opc_run *run) {
   if (text) run->listener.watch.log(run, "store", OPC_LOG_WARNING, text);
 }
 
-/* Go to the containing run, and prefix the path with the step of the inner flow
-   just left. */
+/* Go to the containing run, and prefix the path with the step whose inner flow
+   was left. */
 static void run_go_up(opc_run **run, char **path) {
   *run = (*run)->main;
   if (!*run || !(*run)->at) return;
@@ -32,8 +30,7 @@ static void run_go_up(opc_run **run, char **path) {
   *path = longer;
 }
 
-/* Record in the run, and in all runs that contain it, whether a step was
-   reused. */
+/* Record in the run, and in all containing runs, whether a step was reused. */
 static void reuse_record(opc_run *run, const opc_flow_step *step,
                          gboolean reused, const char *reason) {
   char *path = g_strdup(step->name);
@@ -75,7 +72,7 @@ static void rerun_record(opc_run *run, const opc_flow_step *step,
 
 /* ---- why ---- */
 
-/* Return the name of the facts of a step in the store, by step name and plugin
+/* Return the key in the store for the facts of a step, by step name and plugin
    (g_free). */
 static char *facts_name(const opc_flow_step *step) {
   return g_strdup_printf("%s %s", step->name, step->binding->plugin->id);
@@ -100,15 +97,17 @@ static void keep_facts(opc_store *store, const opc_flow_step *step,
 
 /* ---- keys ---- */
 
-/* Return the same step of the run that this one borrows from; NULL: none. */
+/* Return the step of the same name in the run whose outputs this run uses
+   (`kept.base`); NULL: none. */
 static const opc_flow_step *step_of_base(const opc_run *run,
                                          const opc_flow_step *step) {
   return run->kept.base ? opc_flow_find(run->kept.base->flow, step->name)
                         : NULL;
 }
 
-/* Set the keys of given steps in an inner flow, whose outputs are inputs of the
-   outer step: they depend on the steps of the outer flow. */
+/* Set the keys of the given steps in an inner flow. Inputs of the outer step
+   replace the outputs of given steps, so the keys are those of the outer flow's
+   steps. */
 static void take_given(opc_run *run) {
   const opc_flow_step *outer = run->main ? run->main->at : NULL;
   for (guint i = 0; outer && i < outer->inputs->len; i++) {
@@ -279,7 +278,8 @@ static gboolean run_again(opc_run *run, const opc_flow_step *step,
   return good;
 }
 
-/* Return whether `yes` is set in all ranks; *any: in at least one. */
+/* Return whether `yes` is TRUE in all ranks. *any receives whether `yes` is
+   TRUE in at least one rank. */
 static gboolean do_all(const ranks_group *ranks, gboolean yes, gboolean *any) {
   gint64 least[2] = {yes, -yes};
   opc_error stopped;
@@ -289,8 +289,8 @@ static gboolean do_all(const ranks_group *ranks, gboolean yes, gboolean *any) {
   return least[0] > 0;
 }
 
-/* Load outputs from the store if all ranks have them; otherwise all ranks run
-   the step together. */
+/* Load the outputs from the store. Returns FALSE unless all ranks succeed; all
+   ranks must then run the step together. */
 static gboolean restore_all(opc_run *run, const opc_flow_step *step) {
   gboolean any, here = step_restore(run, step);
   gboolean all = do_all(opc_run_ranks(run), here, &any);

@@ -44,8 +44,8 @@ void opc_run_release(opc_run *run, const opc_flow_step *step) {
   run->objects[step->number] = NULL;
 }
 
-/* Reverse order: outputs of later steps may point into those of earlier
-   ones. */
+/* The order is reversed, because outputs of later steps may point into outputs
+   of earlier steps. */
 void opc_run_release_all(opc_run *run) {
   for (guint i = run->flow->order->len; i-- > 0;) {
     const opc_flow_step *step = run->flow->order->pdata[i];
@@ -75,8 +75,7 @@ void opc_run_free(opc_run *run) {
 
 /* ---- ranks ---- */
 
-/* Steps of inner flows are not distributed: each rank runs its inner flows by
-   itself. */
+/* Steps of inner flows are not distributed: each rank runs them alone. */
 const ranks_group *opc_run_ranks(const opc_run *run) {
   for (const opc_run *r = run; r; r = r->main)
     if (r->apart || (r->main && r->main->at)) return NULL;

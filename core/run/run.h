@@ -73,6 +73,7 @@ struct opc_run {
   gboolean *left_out;      /* one per step: not run here */
   opc_run *main;           /* run that contains this one; NULL: none */
   const opc_flow_step *at; /* running step */
+  gint64 deadline;         /* of the running step, monotonic us; 0: none */
   gboolean apart;          /* the step runs in this rank only */
   opc_outcome out;
   opc_listener listener;
@@ -95,8 +96,7 @@ G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_run, opc_run_free)
 void opc_run_release(opc_run *run, const opc_flow_step *step);
 void opc_run_release_all(opc_run *run);
 
-/* Return the ranks that take part in the running step; NULL: this rank
-   alone. */
+/* Return the ranks that take part in the running step; NULL: this rank. */
 const ranks_group *opc_run_ranks(const opc_run *run);
 
 /* Return whether this rank reads, publishes and stores results. */

@@ -28,8 +28,8 @@ static gboolean *find_shared(const opc_run *run) {
   return shared;
 }
 
-/* Return whether all ranks have the same files, builds and processors. If these
-   differ, results are not bit-identical. */
+/* Return whether all ranks have the same files, builds and processors;
+   otherwise results would not be bit-identical. */
 static gboolean are_equal(opc_run *run, opc_problems *problems) {
   const ranks_group *ranks = opc_run_ranks(run);
   guint n = run->flow->steps->len;
@@ -44,8 +44,9 @@ static gboolean are_equal(opc_run *run, opc_problems *problems) {
   return opc_ranks_agree(ranks, text->str, problems);
 }
 
-/* Write the reports that remain if the step crashes. Write none to a folder
-   without other files, because the guard keeps only folders with files. */
+/* Write the reports that remain if the step crashes. No report is written into
+   a folder without other files, because the guard keeps only folders with
+   files. */
 static void prepare_for_crash(opc_run *run, const opc_flow_step *step) {
   if (!run->written.guarded || !opc_reports_has_others(run)) return;
   g_autoptr(opc_problems) problems = opc_problems_new();
@@ -75,8 +76,8 @@ static gboolean do_step(opc_run *run, const opc_flow_step *step,
   return good;
 }
 
-/* Run a step where several ranks run the flow: a step that is not shared runs
-   in the first rank only. */
+/* Run a step of a flow that several ranks run. A step that is not shared runs
+   only in the first rank. */
 static gboolean do_step_together(opc_run *run, const opc_flow_step *step,
                                  gboolean shared, opc_problems *problems) {
   const ranks_group *ranks = opc_run_ranks(run);

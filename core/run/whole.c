@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Opens the folder of a run, runs its steps and points, and closes the folder.
- */
+/* Opens the folder of a run, runs steps and points, and closes the folder. */
 #include "core/run/whole.h"
 
 #include <guard/guard.h>
@@ -14,8 +13,7 @@
 #include "core/run/reports.h"
 #include "core/run/steps.h"
 
-/* Open a temporary folder for ranks other than the first, removed at the
-   end. */
+/* Open a temporary folder for a rank other than the first; removed later. */
 static void open_scratch(opc_run *run, opc_problems *problems) {
   g_autoptr(GError) fault = NULL;
   run->written.work = g_dir_make_tmp("opcflow-XXXXXX", &fault);
@@ -50,9 +48,9 @@ static opc_folder *open_folder(opc_run *run, const char *target,
   return slot;
 }
 
-/* Close the folder. The files of a failed run are kept as TARGET.failed, unless
-   only reserved names are claimed. A folder that cannot be renamed keeps its
-   temporary name. */
+/* Close the folder. A stopped run is discarded. The files of a failed run are
+   kept as TARGET.failed, unless the folder has only reports. A folder that
+   cannot be renamed keeps the temporary name. */
 static void close_folder(opc_run *run, opc_folder *slot, const char *target,
                          opc_problems *problems) {
   guard_folder(NULL, NULL, NULL);

@@ -2,7 +2,7 @@
 /* Kind "command": a verb of the command line. The plugin "command.NAME" is
    called as `opcflow NAME [OPTION ...] [ARGUMENT ...]`. Each parameter of the
    plugin is an option: `max_cases` is `--max-cases VALUE`, with VALUE in the
-   notation of a flow; an OPC_BOOL is a switch, `--quiet`. The host generates
+   notation of a flow. An OPC_BOOL is a switch: `--quiet`. The host generates
    help, completion and manual page from the descriptor, and prints tables,
    metrics and messages as text or, with `--json`, as one JSON object. */
 #ifndef OPCFLOW_COMMAND_H

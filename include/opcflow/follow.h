@@ -17,7 +17,8 @@ typedef double opc_follow_value(const void *data, const char *follows);
 
 /* Set each field of the instance `self` that is NAN to the derived default of
    its parameter. `data` is passed to `value`. Logs one line of all derived
-   values: "ID: WHENCE: NAME VALUE UNIT, ...". [main] */
+   values: "ID: WHENCE: NAME VALUE UNIT, ..."; `whence` names the origin of
+   `data`. [main] */
 OPC_UNUSED static void opc_follow(const opc_host *host, const char *id,
                                   void *self, const opc_parameter *parameters,
                                   size_t n, opc_follow_value *value,

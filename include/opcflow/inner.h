@@ -91,11 +91,11 @@ typedef struct opc_inner_service {
      `run`. Returns 0, or an error code with *error filled. */
   int (*begin)(const opc_host *host, opc_error *error);
 
-  /* Run the remaining steps at a point. `keep`, 1: keep the written files, in a
-     folder with the name of the calling step; otherwise the files are kept only
-     if the user keeps all points. The call counts as `share` points of
-     progress. Returns OPC_CANCELLED if the user stops the run. After any other
-     failure, further points may be run. */
+  /* Run the remaining steps at a point. `keep` 1: keep the written files, in a
+     folder with the name of the calling step; `keep` 0: keep the files only if
+     the user keeps all points. The call counts as `share` points of progress.
+     Returns OPC_CANCELLED if the user stops the run. After any other failure,
+     further points may be run. */
   int (*run)(const opc_host *host, size_t point, int keep, size_t share,
              opc_error *error);
 
@@ -109,8 +109,9 @@ typedef struct opc_inner_service {
                               const char *table, const char *column,
                               size_t *rows, opc_error *error);
 
-  /* Return the object of the last run that was requested by `output`. If no
-     other run follows, the object is valid until the instance is cleared. */
+  /* Return the object that was requested by `output`, as the last run produced
+     it. The object is valid until the next run or until the instance is
+     cleared. */
   void *(*object)(const opc_host *host, const char *step, const char *kind);
 
   /* Run a point as `run` does, and write the complete run folder STEP/`folder`,

@@ -26,8 +26,7 @@ struct opc_inspector {
   /* Record the bytes of a result. The same input must produce the same bytes in
      every instance and for any number of threads. */
   void (*add)(opc_inspector *inspector, const void *data, size_t size);
-  /* `find`: report a fault. `note`: report a test that could not be done, with
-     the reason. */
+  /* `find`: report a fault. `note`: report why a test was skipped. */
   void (*find)(opc_inspector *inspector, const char *format, ...)
       OPC_PRINTF(2, 3);
   void (*note)(opc_inspector *inspector, const char *format, ...)
@@ -56,8 +55,8 @@ typedef struct opc_sample {
 /* Example object of a data kind, for inputs of steps. */
 typedef struct opc_example {
   const char *kind;
-  /* Return the object, created at the first call and constant from then on;
-     NULL and *error on failure. [main] */
+  /* Return the object, created by the first call and constant afterwards; NULL
+     and *error on failure. [main] */
   const void *(*give)(opc_error *error);
   OPC_MAY_GROW
 } opc_example;

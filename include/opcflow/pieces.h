@@ -8,8 +8,8 @@
 
 OPC_C_BEGIN
 
-/* Byte string for the result of a work unit; `add` appends `size` bytes.
-   [main]: see plugin.h. */
+/* Byte string that receives the result of a work unit; `add` appends `size`
+   bytes. [main]: see plugin.h. */
 typedef struct opc_bytes opc_bytes;
 struct opc_bytes {
   void (*add)(opc_bytes *bytes, const void *from, size_t size);
@@ -39,7 +39,7 @@ typedef struct opc_pieces {
   const char *(*key)(void *data, size_t i);
 
   /* Return the relative cost of unit i, equal in every process; units of high
-     cost start first. NULL: equal costs. */
+     cost start first. NULL: all costs are equal. */
   double (*cost)(void *data, size_t i);
 
   /* Compute unit i and append the result to `out`, at most 2^30 bytes, in the
@@ -52,8 +52,8 @@ typedef struct opc_pieces {
   int (*take)(void *data, size_t i, const void *bytes, size_t size,
               opc_error *error);
 
-  /* Receive the number of finished units of all processes, to report it by
-     host->progress. NULL: not needed. */
+  /* Receive the number of units that all processes have finished, to report the
+     progress by host->progress. NULL: not needed. */
   void (*done)(void *data, size_t done);
   OPC_MAY_GROW
 } opc_pieces;

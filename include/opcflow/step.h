@@ -71,21 +71,21 @@ typedef struct opc_step {
   uint32_t flags; /* OPC_STEP_* */
 
   /* `save` writes the outputs into an empty folder. `restore`, called in place
-     of `run`, reads them from that folder on the same machine, bit-identical
-     for all later steps. Inputs are available and equal in both calls. If
-     `restore` fails, the host releases the objects in `outputs` and runs the
-     step. Both NULL: the step runs whenever a later step that runs needs the
-     outputs. [main] */
+     of `run` on the same machine, reads the outputs from that folder; later
+     steps must produce bit-identical results. Inputs are available and equal in
+     both calls. If `restore` fails, the host releases the objects in `outputs`
+     and runs the step. Both NULL: the step runs whenever a later step that runs
+     needs the outputs. [main] */
   int (*save)(void *self, void *const *outputs, const char *folder,
               opc_error *error);
   int (*restore)(void *self, const char *folder, void **outputs,
                  opc_error *error);
 
-  /* Make stand-ins of the outputs in less than a second, valid for their kinds:
-     for example a layout with all layers and few shapes. `opcflow check` then
-     asks later steps for their forecasts. May fail for the reasons `run`
-     would. For steps that are not light. NULL: later steps are not asked.
-     [main] */
+  /* Make stand-ins of the outputs in less than a second: objects that are valid
+     for their kinds, such as a layout with all layers and few shapes. `opcflow
+     check` then asks later steps for their forecasts. May fail for the same
+     reasons as `run`. For steps that are not light. NULL: later steps are not
+     asked. [main] */
   int (*sketch)(void *self, void **outputs, opc_error *error);
   OPC_MAY_GROW
 } opc_step;

@@ -39,7 +39,7 @@ static void correct_log_overlaps(const loop *l) {
         !l->now.assists[k].count &&
         eda_area2(&l->polygons[k]) != eda_area2(&l->mask[k])) {
       l->host->log(l->host, OPC_LOG_WARNING,
-                   "mask edges touched: the polygons were merged");
+                   "displaced mask edges touch: their polygons are merged");
       return;
     }
 }
@@ -53,8 +53,7 @@ static void hand_over(loop *l, eda_mask *out) {
     l->mask[k] = (eda_shapes){0};
     l->printer.print[k] = l->drawn_print[k] = (eda_field){0};
   }
-  corners *c = &l->corners; /* the result has the figures of the nominal
-                               corner */
+  corners *c = &l->corners; /* the result contains the nominal figures */
   eda_performance *after = c->count ? &c->nominal : &l->measured.performance;
   out->design = l->design;
   out->before = l->before;
@@ -84,8 +83,7 @@ static int correct_report_guard(const loop *l, opc_error *error) {
   return opc_put_metrics(l->host, OPC_ARRAY(values), error);
 }
 
-/* Write all tables, metrics and findings. The loop's measurements have been
-   moved to the mask already. */
+/* Write all tables, metrics and findings. Call after hand_over. */
 static int correct_report(const correct *c, loop *l, eda_mask *mask,
                           opc_error *error) {
   size_t n = c->gates->count;
@@ -146,18 +144,23 @@ static int correct_run(void *self, void **outputs, opc_error *error) {
 static int correct_step_forecast(void *self, opc_forecast *out,
                                  opc_error *error) {
   correct *c = self;
-  char prints[48], fine_prints[80];
-  (void)snprintf(prints, sizeof prints, "at most %" PRId64 " simulations",
+  char fast[48], both[80];
+  (void)snprintf(fast, sizeof fast, "at most %" PRId64 " simulations",
                  c->with.max_iterations + 1);
-  (void)snprintf(fine_prints, sizeof fine_prints, "%s and %d accurate ones",
-                 prints, VERIFICATIONS + 1);
-  correct_forecast(&c->with, c->host, c->gates, prints, fine_prints, out);
+  (void)snprintf(both, sizeof both, "%s and %d accurate simulations", fast,
+                 VERIFICATIONS + 1);
+  correct_forecast(&c->with, c->host, c->gates, fast, both, out);
   out->memory *= (double)correct_corners_images(&c->corners);
   int code = eda_extractor_prepare(c->host->context, c->with.extractor, error);
   if (code) return code;
   c->prepared = 1;
   correct_findings_of_drawing(c->host, c->gates, c->with.extractor);
   return OPC_OK;
+}
+
+static int correct_step_sketch(void *self, void **outputs, opc_error *error) {
+  (void)error;
+  return correct_sketch_mask(((const correct *)self)->gates, outputs);
 }
 
 /* ---- restoring ---- */
@@ -180,20 +183,20 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER_NAMED(
         "max_diff", correct, start.max_diff, .type = OPC_REAL,
         .flags = OPC_AT_LEAST, .unit = "%", .min = 0,
-        .summary = "Largest growth of |Ion deviation| with which a transistor "
+        .summary = "Largest increase of |Ion deviation| for which a transistor "
                    "keeps its mask from 'start'"),
     CORRECT_PRINT_SLOTS(correct),
     CORRECT_MOVE_SLOTS(correct),
     OPC_PARAMETER(
         correct, edges, .type = OPC_SLOT, .choices = "synthesizer",
         .summary =
-            "Algorithm that moves the edges of layers without transistors"),
+            "Algorithm that displaces edges of layers without transistors"),
     CORRECT_MAX_ITERATIONS(correct, "Largest number of iterations"),
     OPC_PARAMETER_NAMED(
         "margin", correct, with.margin, .type = OPC_REAL, .flags = OPC_AT_LEAST,
         .unit = "nm", .follows = FINE_MARGIN, .min = 0,
-        .summary = "Clear field around the layout, which repeats beyond; a "
-                   "third of that without accurate simulations"),
+        .summary = "Clear field around the layout, which repeats beyond; the "
+                   "default is a third without accurate simulations"),
     CORRECT_FINE(correct),
     CORNERS_PARAMETERS(correct),
     ASSISTS_PARAMETERS(correct),
@@ -222,7 +225,7 @@ static const opc_metric metrics[] = {
     {"epe_lost", NULL, OPC_LOWER, 0,
      "fragments without a printed edge within 0.389 lambda/NA"},
     {"refined", NULL, OPC_NEUTRAL, 0,
-     "transistors corrected in spite of 'max_diff'"},
+     "transistors whose |Ion deviation| increased by more than 'max_diff'"},
     {"iterations", NULL, OPC_LOWER, 0, "number of iterations"},
     {"simulations", NULL, OPC_LOWER, 0, "litho simulations of one layer each"},
     {"fine_simulations", NULL, OPC_LOWER, 0,
@@ -238,7 +241,8 @@ static const opc_metric metrics[] = {
     RULES_METRICS,
 };
 
-/* Set the lengths of features that are switched off, which have no defaults. */
+/* Set the lengths of features that are switched off, so that they are neither
+   derived from the optics (0) nor published (NAN). */
 static void set_unused(correct *c, double value) {
   gate_srafs *a = &c->assists;
   sraf_search_state *s = &c->search;
@@ -273,13 +277,16 @@ static int correct_check(void *self, opc_error *error) {
 /* ---- entry ---- */
 
 static const opc_port outputs[] = {EDA_PORT_MASK("mask")};
-static const opc_step functions = {
-    OPC_OUTPUTS(outputs), .run = correct_run, .forecast = correct_step_forecast,
-    .save = correct_save_mask, .restore = correct_restore};
+static const opc_step functions = {OPC_OUTPUTS(outputs),
+                                   .run = correct_run,
+                                   .forecast = correct_step_forecast,
+                                   .sketch = correct_step_sketch,
+                                   .save = correct_save_mask,
+                                   .restore = correct_restore};
 
 OPC_PLUGIN(
     correct, .id = "correct", .kind = "step", .version = OPC_VERSION,
     .licence = "BSD-3-Clause",
-    .summary = "move mask edges until every transistor performs as drawn",
+    .summary = "displace mask edges until every transistor performs as drawn",
     .flags = OPC_DETERMINISTIC | OPC_REENTRANT, OPC_PARAMETERS(parameters),
     OPC_METRICS(metrics), .check = correct_check, OPC_FUNCTIONS(functions));

@@ -161,8 +161,8 @@ static void test_newton(void) {
   cell_clear(&c);
 }
 
-/* A synthesizer that moves all edges needs no second one, which then has no
-   layer. */
+/* If the synthesizer dissects all layers, the second synthesizer has no layer.
+ */
 static void test_epe(void) {
   cell c;
   correction one, two;
@@ -225,7 +225,7 @@ static void test_four(void) {
   g_autofree char *map = g_strdup_printf("{ file: '%s' }", file);
   opc_module *reader = make_sample("read.gds", map);
   const eda_layout *layout = run_step(reader, NULL, NULL);
-  /* All layers including contacts, and the drawn ones of corrected layers. */
+  /* All layers including contacts, and the drawn shapes of corrected layers. */
   g_assert_cmpuint(eda_layout_layers(layout), ==,
                    c.gates->layers + G_N_ELEMENTS(names));
   release_sample(reader, (void *)layout);

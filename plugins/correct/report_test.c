@@ -330,7 +330,7 @@ static void assert_metrics(const made *d, int corrects) {
   }
 }
 
-/* The most severe finding is named, all are counted. */
+/* The most severe finding is named; all findings are counted. */
 static void assert_prints(void) {
   static const struct {
     uint32_t flag;
@@ -574,6 +574,7 @@ static void test_guard(void) {
   assert_said("because of neighbours", 0);
   opc_test_forget();
   correct_findings_of_guard(host, &none, 1);
+  correct_findings_of_guard(host, &none, 0);
   g_assert_cmpstr(opc_test_log(), ==, "");
 }
 

@@ -22,8 +22,8 @@ static inline uint32_t pixel(const picture *p, int x, int y) {
   return value & 0xffffff;
 }
 
-/* Read a picture from the test's folder. The window must have a border of one
-   colour and blank paper beside it at this fraction of the height. */
+/* Read a picture from the folder of the test. At this fraction of the height,
+   the window must have a border of one colour and blank paper beside it. */
 static inline picture load_picture(const char *name, double part) {
   g_autofree char *path = g_build_filename(opc_test_folder(), name, NULL);
   picture p = {.surface = cairo_image_surface_create_from_png(path)};

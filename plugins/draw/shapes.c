@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements drawing the shapes and printed contours within a window of a
-   layout. */
+/* Draws shapes and printed contours within a window of a layout. */
 #include <math.h>
 #include <stdlib.h>
 
 #include "view.h"
 
-/* Contours are exact where they cross the lines of their sampling grid. Chords
-   in between have an error of step^2 / (8 r) for an arc of radius r. The step
-   makes this a tenth of a pixel, with at most MAX_NODES grid nodes. */
+/* Contours are exact where they cross the lines of their sampling grid. A chord
+   between two crossings has an error of step^2 / (8 r) for an arc of radius r.
+   The step is chosen for an error of a tenth of a pixel, with at most MAX_NODES
+   grid nodes. */
 enum { MAX_NODES = 4000000 };
 static const double least_radius = 40; /* radius of a printed corner, nm */
 static const double max_step = 20;     /* nm; finer than any line */
@@ -64,7 +64,7 @@ eda_box view_clip(const view *v) {
                    clamp_to_int(ceil((v->y1 + y) / grid) + 1)};
 }
 
-/* Clip shapes to the visible part. *out is a copy, or `shapes` themselves. */
+/* Clip shapes to the visible part. *out is a copy, or `shapes` itself. */
 static int shapes_cut(const view *v, const eda_shapes *shapes, eda_shapes *out,
                       opc_error *error) {
   eda_box b = view_clip(v);
@@ -114,7 +114,8 @@ int view_outline(const view *v, const eda_shapes *shapes, eda_colour colour,
   for (size_t i = 0; i < s.count; i++) {
     polygon_path(v, &s, i, line);
     cairo_stroke(
-        v->paper->cairo); /* one by one: cairo is slow for long paths */
+        v->paper
+            ->cairo); /* one at a time, because cairo is slow for long paths */
   }
   if (s.points != shapes->points) eda_shapes_clear(&s);
   return OPC_OK;
@@ -126,7 +127,7 @@ int view_find_contours(const view *v, const eda_field *print,
                        view_contours *out, opc_error *error) {
   *out = (view_contours){0};
   if (!print->coefficients) return OPC_OK;
-  double around = 4 / v->scale; /* hide the lines along the border */
+  double around = 4 / v->scale; /* hides the lines along the border */
   eda_frame w = view_part(v, print->frame, around);
   if (!(w.width > 0 && w.height > 0)) return OPC_OK;
   double step = fmin(sqrt(0.8 * least_radius / v->scale), max_step);

@@ -31,7 +31,7 @@ int view_check(const view *v, opc_error *error) {
   return OPC_OK;
 }
 
-/* Show the entire layout, with extra space beside a tall or flat one. */
+/* Show the whole layout, with extra space beside a tall or flat layout. */
 static void show_all(view *v, const double all[4]) {
   double width = all[2] - all[0] + 2 * around;
   double height = all[3] - all[1] + 2 * around;

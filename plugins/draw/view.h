@@ -8,7 +8,8 @@
 #include <eda/gates.h>
 #include <opcflow/step.h>
 
-/* Second member of each instance, named `view`; the first is the host. */
+/* View of a picture. A view is the second member of each instance, named
+   `view`; the first member is the host. */
 typedef struct view {
   struct {
     const char *file;
@@ -37,7 +38,7 @@ typedef struct view {
           "width", state, view.asked.width, .type = OPC_INT,                   \
           .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "1600", .min = 200,   \
           .max = 8000,                                                         \
-          .summary = "The width of the picture in pixels (.pdf: points)")
+          .summary = "Width of the picture in pixels (.pdf: points)")
 
 /* ---- view.c: the window and the paper ---- */
 
@@ -49,13 +50,14 @@ int view_check(const view *v, opc_error *error);
 int view_init(view *v, const opc_host *host, const eda_gates *gates,
               const char *source, opc_error *error);
 
-/* Parts of a picture; `picture` is passed through by view_write. Title and
-   legend are drawn below `top` and return their height. They are called twice,
-   first to measure. */
+/* Parts of a picture. view_write passes `picture` to the functions. Title and
+   legend are drawn below `top` and return their height; the functions are
+   called twice, first to measure the height. */
 typedef struct view_parts {
   double (*title)(const void *picture, double top);
   double (*legend)(const void *picture, double top);
-  int (*content)(const void *picture, opc_error *error); /* clipped */
+  int (*content)(const void *picture, opc_error *error); /* drawn inside the
+                                                            window */
 } view_parts;
 
 /* Draw all parts and write the file; `v` is the view in which the picture
@@ -74,7 +76,8 @@ double view_y(const view *v, double y);
 /* Return 1 if a position is within the window. */
 int view_contains(const view *v, double x, double y);
 
-/* Return the intersection of a frame and the window grown by `around` nm. */
+/* Return the intersection of a frame and the window, enlarged by `around` nm on
+   each side. */
 eda_frame view_part(const view *v, eda_frame frame, double around);
 
 /* Return the line width of outlines, smaller for small scales. */
@@ -82,8 +85,8 @@ double view_outline_width(const view *v);
 /* Return the line width of contours. */
 double view_contour_width(const view *v);
 
-/* Return the window with a margin, in grid units. Shapes clipped to this box
-   look unclipped, and their coordinates stay within cairo's range. */
+/* Return the window with a margin, in grid units. In the window, shapes clipped
+   to this box look unclipped; coordinates stay within cairo's range. */
 eda_box view_clip(const view *v);
 
 /* Draw merged shapes in a colour. */
@@ -92,7 +95,7 @@ int view_fill(const view *v, const eda_shapes *shapes, eda_colour colour,
 int view_outline(const view *v, const eda_shapes *shapes, eda_colour colour,
                  opc_error *error);
 
-/* Zero lines of a printed image, as from eda_contours. */
+/* Zero lines of a level set, as from eda_contours. */
 typedef struct view_contours {
   double *points;
   uint32_t *start;
@@ -101,7 +104,7 @@ typedef struct view_contours {
 
 /* Find the contours within the window with an error of at most a tenth of a
    pixel; no contours if `print` has no coefficients. The caller frees *out with
-   view_clear_contours, also after an error. Callable from any thread. */
+   view_clear_contours, also after an error. [any] */
 int view_find_contours(const view *v, const eda_field *print,
                        view_contours *out, opc_error *error);
 void view_draw_contours(const view *v, const view_contours *contours,

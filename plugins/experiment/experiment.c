@@ -61,8 +61,8 @@ static int experiment_check(void *self, opc_error *error) {
 
 /* ---- the runs ---- */
 
-/* Run a method on a case. Returns OPC_CANCELLED, or OPC_OK even if the run
-   fails. */
+/* Run a method on a case. Returns OPC_OK, also if the run fails, or
+   OPC_CANCELLED. */
 static int run_one(experiment *e, size_t i, opc_error *error) {
   opc_error why = {0};
   const opc_inner_run *out;
@@ -116,9 +116,10 @@ static int experiment_run(void *self, void **outputs, opc_error *error) {
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(experiment, flow, .type = OPC_FILE,
                   .flags = OPC_REQUIRED | OPC_INNER_FLOW,
-                  .summary = "the flow that is run"),
-    OPC_PARAMETER(experiment, variant, .type = OPC_TEXT,
-                  .summary = "a variant of that flow, below all methods"),
+                  .summary = "flow of the methods"),
+    OPC_PARAMETER(
+        experiment, variant, .type = OPC_TEXT,
+        .summary = "variant of the flow that applies before each method"),
     OPC_PARAMETER(experiment, cases, .type = OPC_MAP,
                   .flags = OPC_REQUIRED | OPC_MAP_OF_ANY | OPC_INNER_AXIS,
                   .summary = "layouts: [{ step.parameter: value }], "
@@ -127,12 +128,14 @@ static const opc_parameter parameters[] = {
                   .flags = OPC_REQUIRED | OPC_MAP_OF_ANY | OPC_INNER_AXIS,
                   .summary = "methods to compare: [variant], or { name: { "
                              "step.parameter: value } }"),
-    OPC_PARAMETER(experiment, set, .type = OPC_MAP, .flags = OPC_MAP_OF_ANY,
-                  .summary = "step.parameter: value, over all of them"),
-    OPC_PARAMETER(experiment, columns, .type = OPC_MAP,
-                  .summary =
-                      "step.metric: heading, columns of the summary; if not "
-                      "given, the metrics that differ between methods"),
+    OPC_PARAMETER(
+        experiment, set, .type = OPC_MAP, .flags = OPC_MAP_OF_ANY,
+        .summary =
+            "step.parameter: value, for all runs; overrides cases and methods"),
+    OPC_PARAMETER(
+        experiment, columns, .type = OPC_MAP,
+        .summary = "step.metric: heading, columns of the summary; default: the "
+                   "metrics that differ between methods"),
 };
 
 static const opc_metric metrics[] = {

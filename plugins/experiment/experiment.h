@@ -17,8 +17,8 @@ typedef struct experiment {
   const opc_host *host;
   const char *flow, *variant; /* parameters */
   opc_map set, cases, methods, columns;
-  size_t n_cases, n_methods, count; /* count: number of runs, sorted by case,
-                                       then method */
+  size_t n_cases, n_methods, count; /* number of runs: sorted by case, then
+                                       method */
   const char *const *case_names, *const *method_names;
   char **folders;     /* for each run: path of the folder; NULL: failed */
   char **places;      /* for each run: path relative to the step's folder; "":

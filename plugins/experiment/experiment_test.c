@@ -74,7 +74,8 @@ static double mean(size_t method, double (*value_of)(size_t)) {
 
 static double seconds(size_t point) { return 2 + (double)point; }
 
-/* Each run once, sorted by case and method, in folders with their names. */
+/* Each run is listed once, sorted by case and method, in a folder with these
+   names. */
 static void test_table(void) {
   opc_error error;
   eda_experiment *out;
@@ -106,8 +107,8 @@ static void test_table(void) {
   eda_experiment_free(out);
 }
 
-/* Means over the cases: first the figures that methods aim at and the seconds,
-   then figures that have a direction and differ between methods; or the
+/* Means over the cases: first the metrics that methods optimise and the run
+   time, then figures that have a direction and differ between methods; or the
    requested figures. */
 static void test_summary(void) {
   opc_error error;
@@ -166,8 +167,8 @@ static void test_failing(void) {
   failing = limited = -1;
 }
 
-/* Methods may use different plugins, whose metrics of one name differ in
-   unit. */
+/* Methods may use different plugins that publish metrics of the same name in
+   different units. */
 static int run_units(size_t point, opc_error *error) {
   int code = run_point(point, error);
   if (point % METHODS) inner.metrics[0].metric = &dose;

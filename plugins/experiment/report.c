@@ -11,7 +11,7 @@
 /* Largest width of the summary, in terminal columns. */
 enum { WIDEST = 100 };
 
-/* Figures that methods aim at: metrics of any step, first in the summary. */
+/* Metrics that methods optimise, of any step: the summary begins with these. */
 static const char *const aims[] = {"ion_mean",  "ion_max", "ioff_mean",
                                    "area_mean", "shots",   "violations"};
 
@@ -32,8 +32,8 @@ static figure *find_figure(const experiment *e, const char *name) {
   return NULL;
 }
 
-/* Return the figure of a metric, created if new. Metrics of equal name and
-   different unit, from different plugins, are separate figures. */
+/* Return the figure of a metric, created if new. Metrics of different plugins
+   with equal name but different unit are separate figures. */
 static figure *get_figure(experiment *e, const opc_inner_metric *m) {
   g_autofree char *name = g_strdup_printf("%s.%s", m->path, m->metric->name);
   for (guint i = 0; i < e->figures->len; i++) {
@@ -71,7 +71,7 @@ static int write_runs(const experiment *e, opc_error *error) {
   const char *step = NULL;
   g_auto(GStrv) folders = g_new0(char *, e->count + 1);
   for (size_t i = 0; i < e->count; i++) {
-    /* The folder column is relative to the outer run folder: step/run. */
+    /* The column `folder` has paths inside the outer run folder: step/run. */
     if (!step && e->folders[i]) {
       size_t whole = strlen(e->folders[i]), inside = strlen(e->places[i]);
       g_autofree char *own = g_strndup(e->folders[i], whole - inside - 1);
@@ -129,8 +129,8 @@ typedef struct summary {
   size_t width;
 } summary;
 
-/* Add a column of means. Returns FALSE if the table would be too wide, unless
-   `must`. */
+/* Add a column of means. Returns FALSE, without adding the column, if the table
+   would be too wide and `must` is FALSE. */
 static gboolean add_means(summary *s, const char *head, const char *unit,
                           const double *values, gboolean must) {
   const experiment *e = s->e;
@@ -148,8 +148,8 @@ static gboolean add_means(summary *s, const char *head, const char *unit,
   return TRUE;
 }
 
-/* Return the last figure with an aim as metric, since later steps verify
-   earlier ones; NULL if there is none. */
+/* Return the figure of the last step with the metric `aim`, because later steps
+   verify earlier ones; NULL if there is none. */
 static const figure *find_aim(const experiment *e, const char *aim) {
   for (guint i = e->figures->len; i-- > 0;) {
     const figure *f = e->figures->pdata[i];
@@ -158,8 +158,9 @@ static const figure *find_aim(const experiment *e, const char *aim) {
   return NULL;
 }
 
-/* Add the figures that methods aim at and the seconds, then all figures that
-   have a direction and differ between methods, as far as the width permits. */
+/* Add the metrics that methods optimise and the run time. Then add, as far as
+   the width permits, all other figures that have a direction and differ between
+   methods. */
 static void add_preset_figures(summary *s) {
   const experiment *e = s->e;
   g_autoptr(GHashTable) added = g_hash_table_new(NULL, NULL);
@@ -177,7 +178,7 @@ static void add_preset_figures(summary *s) {
   }
 }
 
-/* Add the requested figures and the seconds. */
+/* Add the requested figures and the run time. */
 static void add_figures(summary *s) {
   const experiment *e = s->e;
   for (size_t i = 0; i < e->columns.count; i++) {
@@ -253,8 +254,9 @@ static int write_pairs(const experiment *e, const eda_verdict *v, size_t n,
                       G_N_ELEMENTS(columns), error);
 }
 
-/* Publish the verdicts on all pairs of methods; a run folder that cannot be
-   read is a warning. */
+/* Publish the figures of all pairs of methods, and the verdicts on each method
+   against the first one. Logs a warning for a run folder that cannot be
+   read. */
 static int print_verdicts(const experiment *e, opc_error *error) {
   opc_error why = {0};
   size_t n;
@@ -269,8 +271,8 @@ static int print_verdicts(const experiment *e, opc_error *error) {
   const opc_column column = {"verdict", NULL, OPC_TEXT, 0, texts};
   int code = n ? write_pairs(e, v, n, error) : OPC_OK;
   if (n && !code)
-    code = opc_put_table(e->host, "verdicts", OPC_TABLE_PRINT, n, &column, 1,
-                         error);
+    code = opc_put_table(e->host, "verdicts", OPC_TABLE_PRINT, e->n_methods - 1,
+                         &column, 1, error);
   eda_verdicts_free(v, n);
   return code;
 }

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the slicing of a printed gate into few slices that preserve the
    width, the area and both currents of its contour. The length is measured at
-   the Chebyshev nodes along the width, and a Chebyshev series interpolates the
-   squared length. The square is smooth even at a rounded line end, where the
-   length falls to 0 like a square root. Slices are located at some of the
-   nodes. The initial width of a slice is the width of the part of the gate
-   nearest to the slice. The widths are then scaled by factors as near to 1 as
-   possible, so that the sums over slices equal the integrals of the series. */
+   Chebyshev nodes along the width, and a Chebyshev series interpolates the
+   squared length. The squared length is smooth even at a rounded line end,
+   where the length decreases to 0 like a square root. Slices are located at
+   some of the nodes. The initial width of a slice is the width of the part of
+   the gate nearest to the slice. The widths are then scaled by factors as close
+   to 1 as possible, so that the sums over slices equal the integrals of the
+   series. */
 #include "contour.h"
 
 #include <eda/memory.h>
@@ -24,37 +25,38 @@ enum {
   NODES = 32, /* nodes of a subinterval of the integrals */
   PIECES = 3,
   LANES = 8, /* nodes per vector */
-  /* Sums to preserve: width, area, both currents; with edge currents (edges.h)
-     also the share of each edge current, which extraction scales to 1. */
+  /* Sums to preserve: width, area, Ion, Ioff; with edge currents (edges.h) also
+     the sum of the shares of each edge current. */
   MOMENTS = 6,
   WIDE_MOMENTS = 4,
-  PLACES = LARGEST + 2, /* nodes, and a slice for each missing end */
+  PLACES = LARGEST + 2, /* nodes, and one slice for each unprinted end */
   MORE = 2              /* number of larger sizes tried if no widths fit */
 };
 static const int sizes[SIZES] = {12, 16, 20, 24, 32, 48, 64, 96, LARGEST};
 
 /* Largest contribution of the last two terms of a series to a length, nm; the
-   mean is far smaller. Ion changes by 2 to 5 % per nm. */
+   mean is far smaller. 1 nm changes Ion by 2 to 5 %. */
 static const double enough = 0.02;
-/* Width of the regions at both ends of the gate's width that are integrated
-   more finely, as the length may change fast there, nm. */
+/* Width of the regions at both ends of the gate's width that have subintervals
+   of their own in the integrals, because the length may change fast there, nm.
+ */
 static const double rounding = 45;
 
 struct contour {
-  double *series[SIZES]; /* [value * size + coefficient] */
-  double *place[SIZES];  /* nodes, -1 to 1 */
-  double node[NODES], share[NODES];
+  double *series[SIZES];            /* [node * size + coefficient], transform */
+  double *place[SIZES];             /* [size], nodes, -1 to 1 */
+  double node[NODES], share[NODES]; /* Gauss-Legendre rule on [0, 1] */
 };
 
 /* A gate during slicing. x from -1 to 1 corresponds to positions `from` to `to`
-   along W, fractions of the gate's width; outside, no line prints. */
+   along W, fractions of the gate's width. Outside, the line does not print. */
 typedef struct shape {
   const eda_curves *table;
   contour_weight *weight;
   const void *self;
   const eda_printed_gate *gate;
   edges edges;
-  int by_place; /* 1: currents depend on the position, too */
+  int by_place; /* 1: currents also depend on the position */
   int moments;  /* number of sums to preserve */
   double from, to;
   int size;
@@ -135,9 +137,9 @@ EDA_WIDE static void shape_lengths(const shape *h, size_t n, const double *x,
   for (size_t i = 0; i < n; i++) out[i] = sqrt(out[i] > 0 ? out[i] : 0);
 }
 
-/* Measure the lengths at the nodes of a size. Return an upper bound of the
+/* Measure the lengths at the nodes of size s. Return an upper bound of the
    contribution of the last two terms to the longest length, nm; NAN if a length
-   is not finite or all are 0. */
+   is not finite or all lengths are 0. */
 static double shape_measure(const contour *c, int s, shape *h) {
   double longest = 0;
   h->size = sizes[s];
@@ -177,7 +179,7 @@ static inline void shape_functions(const shape *h, double place, double length,
     f[2 + k] *= h->weight(h->self, h->gate->type, k, edge, h->gate->width);
 }
 
-/* Add the functions at n positions, weighted by `share`, to the sums. */
+/* Add the functions at n positions, times `share`, to the sums. */
 static void shape_add_places(const shape *h, size_t n, const double *x,
                              const double *length, const double *share,
                              double sum[MOMENTS]) {
@@ -190,8 +192,8 @@ static void shape_add_places(const shape *h, size_t n, const double *x,
   for (int k = 0; k < MOMENTS; k++) sum[k] += part[k];
 }
 
-/* Compute the integrals of the functions over the width. Extrapolation of the
-   device table is smooth, so no interval ends there. */
+/* Compute the integrals of the functions over the width. The ends of the device
+   table need no subinterval, because the extrapolation is smooth. */
 static void shape_integrate(const contour *c, const shape *h,
                             double sum[MOMENTS]) {
   double part =
@@ -209,7 +211,7 @@ static void shape_integrate(const contour *c, const shape *h,
   shape_lengths(h, n, x, length);
   for (int k = 0; k < MOMENTS; k++) sum[k] = 0;
   shape_add_places(h, n, x, length, share, sum);
-  /* Parts of the width where no line prints. */
+  /* Parts of the width where the line does not print. */
   const double gone[2] = {h->from, 1 - h->to};
   for (int side = 0; side < 2; side++) {
     double f[MOMENTS] = {0}, place = side ? (1 + h->to) / 2 : h->from / 2;
@@ -220,8 +222,9 @@ static void shape_integrate(const contour *c, const shape *h,
 
 /* ---- the slices ---- */
 
-/* Return the index, among m nodes, of slice i of n: the k outermost nodes on
-   each side, where the length changes fast, and nodes evenly between them. */
+/* Return the index, among m nodes, of slice i of n. On each side, the first k
+   slices are at the k outermost nodes, where the length changes fast. All other
+   slices are spread evenly over the nodes between. */
 static size_t slice_pick(size_t i, size_t n, size_t m, size_t k) {
   if (i < k) return i;
   if (i >= n - k) return m - (n - i);
@@ -229,7 +232,7 @@ static size_t slice_pick(size_t i, size_t n, size_t m, size_t k) {
   return k - 1 + ((i - k + 1) * (m - 2 * k + 1) + gaps / 2) / gaps;
 }
 
-/* Choose the positions of n slices: one in each missing end, the others at
+/* Choose the positions of n slices: one in each unprinted end, all others at
    nodes. Assign to each slice the part of the width nearest to the slice. */
 static void slices_choose(const contour *c, int s, const shape *h, size_t n,
                           size_t outer, double *place, double *width,
@@ -252,8 +255,8 @@ static void slices_choose(const contour *c, int s, const shape *h, size_t n,
   }
 }
 
-/* Solve a symmetric positive definite system in place (Cholesky). Return 0 if
-   it is not positive definite. */
+/* Solve a symmetric positive definite system of equations in place (Cholesky).
+   Return 0 if the matrix is not positive definite. */
 static int cholesky_solve(double a[MOMENTS][MOMENTS], double x[MOMENTS],
                           int n) {
   for (int i = 0; i < n; i++) {
@@ -277,15 +280,15 @@ static int cholesky_solve(double a[MOMENTS][MOMENTS], double x[MOMENTS],
   return 1;
 }
 
-/* The functions of n slices, each divided by the sum to preserve. */
+/* Functions of n slices, each divided by the sum to preserve. */
 typedef struct slices {
   size_t n;
   double f[PLACES][MOMENTS];
 } slices;
 
-/* Scale the widths by factors nearest to 1 (least squares) such that the first
-   `moments` sums are 1. If a factor is negative, set the width with the lowest
-   factor to 0 and return 0; the caller tries again. */
+/* Scale the widths by factors nearest to 1 (least squares) so that the first
+   `moments` sums are 1. Return 1. If a factor is negative, set the width with
+   the lowest factor to 0 and return 0: the caller tries again. */
 static int slices_fit(const slices *s, int moments, double *width) {
   double a[MOMENTS][MOMENTS] = {{0}}, r[MOMENTS] = {1, 1, 1, 1, 1, 1};
   for (size_t i = 0; i < s->n; i++)
@@ -294,7 +297,8 @@ static int slices_fit(const slices *s, int moments, double *width) {
       for (int m = 0; m <= k; m++)
         a[k][m] += width[i] * s->f[i][k] * s->f[i][m];
     }
-  /* In a rectangle all slices have equal functions: the matrix is singular. */
+  /* Slices of a rectangle have equal functions: the matrix would be singular.
+   */
   for (int k = 0; k < moments; k++) a[k][k] *= 1 + 1e-12;
   if (!cholesky_solve(a, r, moments)) return 1;
   double factor[PLACES] = {0}, least = 0;
@@ -322,7 +326,7 @@ static int slices_add_up(const slices *s, int moments, const double *width) {
   return 1;
 }
 
-/* Scale the widths such that the first `moments` sums and the total are 1.
+/* Scale the widths so that the first `moments` sums and the total width are 1.
    Return 0 if no widths satisfy the sums. */
 static int slices_settle(const slices *s, int moments, double *width) {
   for (size_t left = s->n; left > (size_t)moments; left--)
@@ -357,8 +361,8 @@ static void swap_numbers(double *a, double *b) {
   *b = x;
 }
 
-/* Find a change of the widths of n + 1 slices that changes none of n sums: a
-   vector of the null space, by elimination with complete pivoting. */
+/* Find a change of the widths of n + 1 slices that preserves n sums: a vector
+   of the null space, by elimination with complete pivoting. */
 static void slices_null_vector(const slices *s, size_t n, const size_t *slice,
                                double idle[MOMENTS + 1]) {
   double a[MOMENTS][MOMENTS + 1];
@@ -372,7 +376,7 @@ static void slices_null_vector(const slices *s, size_t n, const size_t *slice,
     for (size_t k = rank; k < n; k++)
       for (size_t j = rank; j <= n; j++)
         if (fabs(a[k][j]) > fabs(a[row][at])) row = k, at = j;
-    /* For slices of equal length the functions differ only by rounding. */
+    /* The functions of slices of equal length differ only by rounding. */
     if (fabs(a[row][at]) < 1e-13) break;
     for (size_t j = 0; j <= n; j++) swap_numbers(&a[row][j], &a[rank][j]);
     for (size_t k = 0; k < n; k++) swap_numbers(&a[k][at], &a[k][rank]);
@@ -392,8 +396,8 @@ static void slices_null_vector(const slices *s, size_t n, const size_t *slice,
   }
 }
 
-/* Change the widths of the narrowest of `left` slices and of `moments` slices
-   beside it, with all sums constant, until one width is 0. Return the index in
+/* Change the widths of the narrowest of `left` slices and of `moments` adjacent
+   slices, with all sums constant, until one width is 0. Return the index in
    `slice` of the slice of width 0. */
 static size_t slices_drop_one(const slices *s, size_t moments,
                               const size_t *slice, size_t left, double *width) {
@@ -415,9 +419,9 @@ static size_t slices_drop_one(const slices *s, size_t moments,
 }
 
 /* Find n slices that preserve all sums: fit the widths of slices at all nodes,
-   then remove slices one by one without changing the sums. At most one slice
-   more than there are sums is needed (Caratheodory's theorem). Return 0 if
-   slices at all nodes do not satisfy the sums. */
+   then remove slices one by one with the sums preserved. The number of sums is
+   a sufficient number of slices (Caratheodory's theorem). Return 0 if slices at
+   all nodes do not satisfy the sums. */
 static int slices_reduce(const contour *c, int s, const shape *h,
                          const double sum[MOMENTS], size_t n, double *place,
                          double *width) {
@@ -458,8 +462,8 @@ int contour_slice(const contour *c, const eda_curves *table, double reach,
   h.from = fmax(0, -gate->extension[0] / gate->width);
   h.to = 1 - fmax(0, -gate->extension[1] / gate->width);
   if (!(h.to - h.from > 0.1)) return 0;
-  /* Sufficient for a resolution of 129 nm (NA 0.75, 193 nm). Finer images, and
-     gates for which no widths fit, use the next size. */
+  /* Initial size, sufficient for a resolution of 129 nm (193 nm, NA 0.75).
+     Finer images, and gates for which no widths fit, use the next sizes. */
   double want = fmax(10 + gate->width / 60, (double)n);
   int s = 0, more = MORE;
   while (s + 1 < SIZES && sizes[s] < want) s++;
@@ -472,7 +476,7 @@ int contour_slice(const contour *c, const eda_curves *table, double reach,
     if (s + 1 == SIZES || !more--) break;
   }
   if (slices_reduce(c, s, &h, sum, n, place, width)) return 1;
-  /* Preserve fewer sums: drop the edge currents first, then Ioff. */
+  /* Preserve fewer sums: omit first the edge currents, then Ioff, Ion, area. */
   for (int moments = h.moments - 1; moments > 0; moments--)
     if (slices_try(c, s, &h, sum, moments, n, place, width)) return 1;
   return 0;

@@ -9,8 +9,8 @@
 enum { CONTOUR_LEAST = 8, CONTOUR_MOST = 96 }; /* number of slices */
 
 /* Return the weight of a slice at `edge` nm from the nearer active edge of a
-   transistor of `width` nm. The weight is the current relative to that of a
-   wide slice of equal length (thesis eq. 3.2). */
+   transistor of `width` nm. The weight is the current divided by the current of
+   a wide slice of equal length (thesis eq. 3.2). */
 typedef double contour_weight(const void *self, int type, int current,
                               double edge, double width);
 
@@ -19,8 +19,8 @@ typedef struct contour contour;
 contour *contour_new(void);
 void contour_free(contour *c);
 
-/* Find n slices of a gate. [n]: centres (place) and widths, fractions of the
-   gate's width. weight NULL: all weights are 1. `reach`: decay length of the
+/* Find n slices of a gate: centres (place) and widths, [n], as fractions of the
+   gate's width. `weight` NULL: all weights are 1. `reach`: decay length of the
    edge current, nm. Return 0 if no slices preserve the sums. */
 int contour_slice(const contour *c, const eda_curves *table, double reach,
                   contour_weight *weight, const void *self,

@@ -1,28 +1,30 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Contribution of the active edges to the current of a slice (thesis 3.2.1),
    for a device table of several widths. The current of a rectangle of width W
-   and length L is W j(L), with j of a wide transistor, plus an edge current.
-   The edge current is the difference to the table's current. It decays
-   exponentially from both edges and depends on the local length. */
+   and length L is W j(L) plus an edge current, with j(L) the current per width
+   of a wide transistor. The edge current makes the sum equal to the table's
+   current. It decays exponentially from both edges and depends on the local
+   length. */
 #pragma once
 
 #include <eda/curves.h>
 
+/* Edge current of a transistor, by current. */
 typedef struct edges {
   eda_curves_width width;
-  double decay[EDA_CURRENTS]; /* nm */
+  double decay[EDA_CURRENTS]; /* decay length, nm */
   double most[EDA_CURRENTS];  /* share at the edge; the mean over W is 1 */
 } edges;
 
-/* Return the edge currents of a transistor. `width`, nm. The decay length is
-   `reach`, nm, or longer if a slice would have a negative current otherwise. */
+/* Return the edge currents of a transistor `width` nm wide. The decay length is
+   `reach` nm, or longer if a slice would otherwise have a negative current. */
 static inline edges edges_of(const eda_curves *c, int type, double width,
                              double reach) {
   edges e = {.width = eda_curves_among(c, width)};
   if (!(width > 0)) e.width.is_wide = 1;
   for (int k = 0; k < EDA_CURRENTS && !e.width.is_wide; k++) {
     double least = eda_curves_least_share(c, type, k, &e.width);
-    /* Implies 1 - (1 - least) most > 0. */
+    /* With this bound, 1 - (1 - least) * most is above 0. */
     e.decay[k] = fmax(reach, 2 * (1 - least) * width / least);
     double u = width / (2 * e.decay[k]);
     e.most[k] = u / -expm1(-u);
@@ -30,8 +32,8 @@ static inline edges edges_of(const eda_curves *c, int type, double width,
   return e;
 }
 
-/* Return the edge current per width at `edge` nm from the nearer edge, relative
-   to the mean over the width. */
+/* Return the share: the edge current per width at a distance of `edge` nm from
+   the nearer edge, divided by the mean over the width. */
 static inline double edges_share(const edges *e, int k, double edge) {
   return e->most[k] * exp(-edge / e->decay[k]);
 }

@@ -12,10 +12,10 @@
 
 enum { CONTOUR, GAUSS, EQUAL };
 
-/* Extrapolated part of a current, relative to the current, above which a gate
-   is marked: the effect of 1/3 nm of length. Within a few nm the error of the
-   extrapolated part of Ion is a tenth of the part (docs/reference/devices.md),
-   so an unmarked gate has an error below 0.1 % of Ion. */
+/* Extrapolated part of a current, divided by the current, above which a gate is
+   marked: the effect of 1/3 nm of length. Within a few nm, the error of Ion is
+   a tenth of the extrapolated part (docs/reference/devices.md), so an unmarked
+   gate has an error below 0.1 % of Ion. */
 static const double notable[EDA_CURRENTS] = {
     [EDA_ION] = 0.01, [EDA_IOFF] = 0.1};
 
@@ -61,8 +61,8 @@ static int length_within(const eda_curves *table, double length) {
          length <= eda_curves_longest(table);
 }
 
-/* Return the extrapolated part of a current per width: |difference| to the
-   current at the end of the table; 0 within the table. */
+/* Return the extrapolated part of a current per width: |difference| from the
+   current at the end of the table; 0 for lengths within the table. */
 static double current_extrapolated(const eda_curves *table, int type, int c,
                                    double length, double current) {
   if (length_within(table, length)) return 0;
@@ -82,7 +82,7 @@ typedef struct strips {
   edges edges;
 } strips;
 
-/* Return the factor that scales the sum of edge shares to 1. */
+/* Return the factor that scales the mean of the edge shares to 1. */
 static double edges_scale(const strips *g, int c) {
   double sum = 0;
   for (size_t k = 0; k < g->count; k++)
@@ -91,7 +91,7 @@ static double edges_scale(const strips *g, int c) {
 }
 
 /* Return the current of slice k per width. `part`: result of edges_scale;
-   `wide`: current per width of a wide transistor of that length. */
+   `wide`: current per width of a wide transistor of equal length. */
 static double current_at(const strips *g, int c, size_t k, double part,
                          double wide) {
   if (g->edges.width.is_wide) return wide;
@@ -100,9 +100,9 @@ static double current_at(const strips *g, int c, size_t k, double part,
   return wide + (narrow - wide) * part * edges_share(&g->edges, c, g->edge[k]);
 }
 
-/* Compute one current of a gate and the equivalent length: that of a rectangle
-   of equal width, current and weights (eq. 2.2 and 3.2). Return 1 if more than
-   the limit `notable` is extrapolated. */
+/* Compute one current of a gate, and its equivalent length: the length of a
+   rectangle of equal width, current and weights (eq. 2.2 and 3.2). Return 1 if
+   the extrapolated part exceeds `notable`. */
 static int extract_current(const strips *g, int c, double *current,
                            double *leq) {
   const slicer *s = g->slicer;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Common part of the extractors that slice gates (thesis eq. 2.1 to 2.4 and
-   3.2). A plugin may add parameters and weights of slices. */
+/* Common part of extractors that slice gates (thesis eq. 2.1 to 2.4 and 3.2). A
+   plugin may add parameters and weights of slices. */
 #pragma once
 
 #include <opcflow/plugin.h>
@@ -13,10 +13,9 @@ typedef struct slicer {
   const char *path; /* path of the device table */
   int64_t slices;
   int rule;
-  double *place, *width; /* [slices]: centres and widths of the slices, as
-                            fractions of the width of the gate. The rule
-                            `contour` uses them only where contour_slice fails
-                            */
+  double *place, *width; /* [slices]: centres and widths of slices, fractions
+                            of the gate's width. For the rule `contour`: used
+                            if contour_slice fails */
   contour *contour;      /* NULL: the rule is not `contour` */
   eda_curves curves;
   contour_weight *weight; /* weight of a slice; NULL: all weights are 1 */

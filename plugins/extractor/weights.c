@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements tables of gamma: reading and interpolation. */
+/* Implements reading and interpolation of tables of gamma. */
 #include "weights.h"
 
 #include <eda/csv.h>
@@ -21,7 +21,7 @@ typedef struct point {
   size_t row;
 } point;
 
-/* Points of equal type and current are adjacent. */
+/* Compare points by type, current, width and edge. */
 static int by_place(const void *a, const void *b) {
   const point *x = a, *y = b;
   if (x->type != y->type) return x->type - y->type;
@@ -44,7 +44,7 @@ static int point_read(const eda_csv *c, size_t row, point *p,
   return code;
 }
 
-/* Make a grid from points; fail unless each point occurs exactly once. */
+/* Make a grid from sorted points; fail if a point is missing or repeated. */
 static int grid_init(const eda_csv *c, const point *p, size_t n, grid *g,
                      opc_error *error) {
   g->edges = 1;
@@ -105,8 +105,8 @@ void weights_clear(weights *w) {
   *w = (weights){0};
 }
 
-/* Return the index, 1 .. n - 1, of the end of the interval of n increasing
-   positions that contains x, and the fraction of the interval; x is clamped. */
+/* Return the index of the start of the interval of n increasing positions that
+   contains x, and the fraction of the interval below x. x is clamped. */
 static size_t grid_between(const double *place, size_t n, double x,
                            double *fraction) {
   *fraction = 0;

@@ -6,8 +6,8 @@
 
 #include <eda/curves.h>
 
-/* value[i * edges + j] is gamma at width[i] and edge[j], nm, both increasing.
-   With widths = 0, gamma is 1 everywhere. */
+/* value[i * edges + j] is gamma at width[i] and edge[j], nm; width and edge
+   increase. widths = 0: gamma is 1 everywhere. */
 typedef struct grid {
   size_t widths, edges;
   double *width, *edge, *value;
@@ -24,4 +24,6 @@ int weights_read(const char *path, const char *parameter, weights *out,
                  opc_error *error);
 void weights_clear(weights *w);
 
+/* Return gamma at a distance of `edge` nm from the edge of a transistor `width`
+   nm wide. */
 double grid_at(const grid *g, double edge, double width);

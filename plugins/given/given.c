@@ -24,8 +24,8 @@ import import;
 
 /* ---- work ---- */
 
-/* Report the numbers of worse and lost transistors, as the guard of `correct`
-   defines them. */
+/* Report the numbers of worse and lost transistors, with the definitions of the
+   guard of `correct`. */
 static int given_report_worse(const given *s, const eda_mask *m,
                               const uint32_t *before, opc_error *error) {
   size_t worse = 0, lost = 0;
@@ -100,9 +100,14 @@ static int given_restore(void *self, const char *folder, void **outputs,
 static int given_forecast(void *self, opc_forecast *out, opc_error *error) {
   const given *s = self;
   (void)error;
-  correct_forecast(&s->with, s->host, s->import.gates, "two prints",
+  correct_forecast(&s->with, s->host, s->import.gates, "two simulations",
                    "two accurate simulations", out);
   return OPC_OK;
+}
+
+static int given_sketch(void *self, void **outputs, opc_error *error) {
+  (void)error;
+  return correct_sketch_mask(((const given *)self)->import.gates, outputs);
 }
 
 /* ---- parameters ---- */
@@ -158,8 +163,9 @@ static int given_check(void *self, opc_error *error) {
 
 static const opc_port outputs[] = {EDA_PORT_MASK("mask")};
 static const opc_step functions = {
-    OPC_OUTPUTS(outputs), .run = given_run, .forecast = given_forecast,
-    .save = correct_save_mask, .restore = given_restore};
+    OPC_OUTPUTS(outputs),       .run = given_run,
+    .forecast = given_forecast, .sketch = given_sketch,
+    .save = correct_save_mask,  .restore = given_restore};
 
 OPC_PLUGIN(given, .id = "given", .kind = "step", .version = OPC_VERSION,
            .licence = "BSD-3-Clause",

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tests that a mask that is written and read back has bit-identical figures: as
-   a layout in memory, by the ready flows through GDSII, and in a contest's text
-   file. Also tests masks that must be rejected. */
+/* Tests that a mask that is written and read again has bit-identical figures:
+   as a layout in memory, by the shipped flows through GDSII, and in the text
+   format of a contest. Also tests masks that must be rejected. */
 #include <eda/eda.h>
 #include <glib.h>
 #include <math.h>
@@ -114,8 +114,8 @@ static void check_same(const char *fine, int before_too) {
   expect_same("area", mask->after.area, out->after.area);
   expect_same("drawn Ion", mask->design.ion, out->design.ion);
   if (before_too) expect_same("Ion before", mask->before.ion, out->before.ion);
-  for (size_t i = 0; i < g->count; i++) /* by another model difference:
-                                           verification.h */
+  for (size_t i = 0; i < g->count;
+       i++) /* by a different model: verification.h */
     g_assert_cmpfloat(fabs(mask->before.ion[i] / out->before.ion[i] - 1), <,
                       2e-3);
   g_assert_true(opc_test_metric("ion_mean") == mean);
@@ -133,8 +133,8 @@ static void test_same(void) {
   check_same(", fine: off", 1);
 }
 
-/* The drawn layout given as a mask has the drawn figures; transistors of a
-   worse mask are counted. */
+/* The drawn layout as a mask has the drawn figures. Transistors of a worse mask
+   are counted. */
 static void test_worse(void) {
   const eda_gates *g = eda_gates_sample();
   eda_layout *layout = layout_of(g, g->drawn, 1, 1, 0);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the import of masks made by other tools, whose files may have
    another cell, scale, origin or grid. Masks that cannot belong to the gates
-   are rejected; suspicious ones are reported with the likely cause. */
+   are rejected. For doubtful masks, a warning states the likely cause. */
 #include "import.h"
 
 #include <glib.h>
@@ -11,17 +11,17 @@
 static const struct {
   double covers, scale, place;
 } tuned = {
-    /* Smallest covered fraction of the drawing without a warning. Corrections
+    /* Fraction of the drawing below which a mask causes a warning. Corrections
        move edges by tenths of a line width and cover more; unrelated shapes
        cover 0.2. */
     .covers = 0.6,
 
-    /* Ratio of the sizes of mask and drawing that indicates another scale;
-       larger than the effect of assist bars around a small cell. */
+    /* Ratio of the sizes of mask and drawing that indicates another scale.
+       Assist features around a small cell change the ratio by less. */
     .scale = 1.2,
 
-    /* Distance of the centres that indicates a shift, nm; larger than the
-       effect of bars on one side. */
+    /* Distance of the centres of mask and drawing, nm, that indicates a shift.
+       Assist features on one side move the centre by less. */
     .place = 20,
 };
 
@@ -59,7 +59,7 @@ static char *guess_cause(const eda_gates *g, eda_box mask, eda_box drawn) {
 
 /* ---- one layer ---- */
 
-/* Attribute the error to a key of `layers`. */
+/* Set the parameter of the error to a key of `layers`. */
 static int blame_layer(opc_error *error, const char *name) {
   (void)snprintf(error->parameter, sizeof error->parameter, "layers.%.56s",
                  name);
@@ -77,8 +77,8 @@ static int mask_coverage(const eda_shapes *mask, const eda_shapes *drawn,
   return OPC_OK;
 }
 
-/* Return OPC_INVALID for a mask beyond the simulated frame, which would wrap
-   around to the other side. */
+/* Return OPC_INVALID if the mask extends beyond the simulated frame, because
+   the image is periodic. */
 static int stays_inside(const import *t, size_t layer, eda_box mask,
                         const char *why, opc_error *error) {
   const eda_gates *g = t->gates;
@@ -114,10 +114,10 @@ static int import_check_cover(const import *t, size_t layer,
   return OPC_OK;
 }
 
-/* Vertices moved by the grid. */
+/* Vertices that rounding to the grid has moved. */
 typedef struct moved {
   size_t vertices;
-  double worst; /* nm */
+  double worst; /* largest distance, nm */
 } moved;
 
 static void import_log_grid(const import *t, const char *from,

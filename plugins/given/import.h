@@ -17,9 +17,8 @@ typedef struct import {
   double margin;   /* simulated margin around the drawing, nm */
 } import;
 
-/* Read the shapes of all corrected layers, merged on the grid of the gates,
-   into mask->shapes, which must be empty. Layers missing in the map are as
-   drawn. Publishes the number of vertices that are not on the grid as the
-   metric snapped, and the largest distance to the grid, nm, as snapped_worst.
- */
+/* Read the shapes of all corrected layers into mask->shapes, which must be
+   empty; shapes are merged on the grid of the gates. Layers missing in the map
+   are as drawn. Publishes the number of vertices off the grid as the metric
+   snapped, and the largest distance to the grid, nm, as snapped_worst. */
 int import_shapes(const import *import, eda_mask *mask, opc_error *error);

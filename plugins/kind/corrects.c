@@ -55,7 +55,8 @@ typedef struct stage {
   void *output;
 } stage;
 
-/* Run a step on the output of another (NULL: none) as its input `input`. */
+/* Run a step. If `from` is not NULL, the output of `from` is the input named
+   `input`. */
 static int stage_run(stage *s, const char *id, const char *mapping,
                      const char *input, const stage *from, opc_error *error) {
   s->module = opc_test_module(id, mapping, error);
@@ -71,7 +72,8 @@ static void stage_clear(stage *s) {
 
 /* ---- the correction ---- */
 
-/* "{ litho: {...}, ... }" with the plugin in its slot (g_free). */
+/* Return the parameters of the loop, "{ litho: {...}, ... }", with the plugin
+   in its slot (g_free). */
 static char *correction_text(const char *slot, const char *plugin) {
   GString *text = g_string_new(NULL);
   g_string_append_printf(text,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Sample masks and images for the tests of all plugin kinds, and reports of
-   faults in the results of a plugin. */
+   faults in the results of plugins. */
 #include "try.h"
 
 #include <math.h>
@@ -14,7 +14,7 @@ const eda_frame try_other_frame = {-1237, -1111, 2900, 3300};
 /* ---- reports ---- */
 
 /* Return whether the call was cancelled because the time limit of lint expired.
-   A loaded machine may cause that, so add a note, not a fault. */
+   A high load of the machine may be the cause, so add a note, not a fault. */
 static int was_stopped(opc_inspector *in, const char *what, int code) {
   if (code != OPC_CANCELLED || !opc_cancelled(in->context)) return 0;
   in->note(in, "%s: stopped after the time limit of lint", what);
@@ -81,8 +81,8 @@ int try_mask(opc_inspector *in, int layer, const eda_frame *frame, double band,
   return !code;
 }
 
-/* The transfer function at the frequency f is 1 / (1 + (cut f)^2)^2, cut in nm;
-   at the limit (1/nm) it is 1/289 of its largest value. */
+/* The transfer function at the frequency f is 1 / (1 + (cut f)^2)^2, with `cut`
+   in nm. At the band limit, 1/nm, its value is 1/289 of the maximum. */
 static const double cut = 120, limit = 4 / 120.0;
 
 static int mask_prepare(void *self, opc_error *error) {
@@ -153,9 +153,9 @@ void try_performance(const eda_gates *g, eda_performance *out) {
 
 /* ---- several callers at once ---- */
 
-/* Duration of the concurrent calls, s. Allows thousands of fast calls and some
-   dozen thread switches on a shared processor. Half the time misses rare races
-   on a busy machine. */
+/* Duration of the concurrent calls, s: allows thousands of fast calls, and some
+   dozen thread switches on a shared processor. Half of the duration misses rare
+   races on a busy machine. */
 static const double moment = 0.2;
 
 typedef struct crowd {

@@ -123,7 +123,7 @@ cp "$work/two.yaml" "$work/flow.yaml"
 run
 code=$?
 check "a cell that is not as in the library: exit 2" exits 2
-check "and says which" says "cell 'nand2' is drawn or fragmented differently"
+check "and says which" says "cell 'nand2' differs in the library"
 sed 's/^9 nand2/9 other/' "$work/wider.cif" >"$work/other.cif"
 sed -i "s#$work/wider.cif#$work/other.cif#" "$work/flow.yaml"
 run
@@ -152,7 +152,7 @@ check "a mirrored cell by a dipole" is placed unknown 0.0
 dipole "R 0 1"
 code=$?
 check "a turned one: exit 2" exits 2
-check "and says why" says "cell 'nand2' is placed turned by a right angle, and the optics are not symmetric"
+check "and says why" says "cell 'nand2' is rotated by 90 degrees, and the optics are not symmetric"
 
 # ---- without prints, and by cheap ones ----
 
@@ -208,7 +208,7 @@ run --set "library.extractor.devices=$work/two.yaml" --set "placed.extractor.dev
   --set "layout.file=$work/marked.cif" --set 'layout.layers.lvt=LV' --set 'gates.flavours={ lvt: lvt }'
 code=$?
 check "a marker over a cell: exit 2" exits 2
-check "and says so" says "4 of 4 transistors are not in the library.*another flavour"
+check "and says so" says "4 of 4 transistors are not in the library.*flavour"
 
 # A correction that depends on more than the settings and the cell is not kept.
 rm -rf "$work/store"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Test helpers of litho models: images of a few shapes and values of them. */
+/* Test helpers of litho models: images of shapes, and values of images. */
 #pragma once
 
 #include <eda/gates.h>

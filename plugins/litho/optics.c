@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the scanner of the imaging models. Frequencies and places in the
-   source are in units of the cutoff, so the pupil has the radius 1. */
+/* Implements the scanner of the imaging models. Frequencies and positions in
+   the source are in units of the cutoff, so that the pupil has the radius 1. */
 #include "optics.h"
 
 #include <eda/gates.h>
@@ -14,10 +14,10 @@
 static const char *const sources[] = {"circular",   "annular", "dipole",
                                       "quadrupole", "quasar",  "points"};
 
-/* The sources that use each parameter. */
+/* For each parameter, the sources that use it. */
 static const struct {
   const char *name;
-  unsigned sources; /* bits 1 << OPTICS_CIRCULAR ... */
+  unsigned sources; /* set of bits 1 << OPTICS_CIRCULAR ... */
   int needed;
 } uses[OPTICS_USES] = {
     [OPTICS_SIGMA] = {"sigma", ~(1u << OPTICS_LIST), 0},
@@ -76,30 +76,30 @@ static int check_points(const opc_reals *v, opc_error *error) {
       sum);
 }
 
-/* Compute the amplitude for a transmission in percent and a phase in
-   degrees. */
+/* Compute the amplitude, real and imaginary, for an intensity transmission in
+   percent and a phase in degrees. */
 static void mask_amplitude(double transmission, double phase, double out[2]) {
   double a = sqrt(transmission / 100);
-  /* Half turns are exact, so that such a mask is real. */
+  /* Phases of 0 and 180 degrees are exact, so that the masks are real. */
   double turn = remainder(phase, 360);
   out[0] = a * (fabs(turn) == 180 ? -1 : cos(turn * M_PI / 180));
   out[1] = fabs(turn) == 180 || turn == 0 ? 0 : a * sin(turn * M_PI / 180);
 }
 
-/* Limits of wavelength / NA in nm, the unit of all lengths in an image. The
-   range includes extreme ultraviolet (6.7 nm at an NA of 0.56) and the g line
-   (436 nm at an NA of 0.11). At both limits, choosing kernels or calibrating a
-   resist on lines takes about ten seconds; half or double of them takes four
-   times as long. */
+/* Limits of wavelength / NA, nm. All lengths of an image scale with wavelength
+   / NA. The range includes extreme ultraviolet (6.7 nm, NA 0.56) and the g line
+   (436 nm, NA 0.11). At both limits, the choice of kernels or the calibration
+   of a resist takes about ten seconds; a factor of 2 beyond, four times as
+   long. */
 static const double least_unit = 12, most_unit = 4000;
 
-/* Limit in waves. Good lenses are below 0.05; beyond the limit the phase varies
-   too fast for the nodes that kernels are computed from. */
+/* Largest |Zernike coefficient|, waves. Good lenses are below 0.05. Beyond the
+   limit, the phase varies too fast for the nodes of the kernels. */
 static const double most_waves = 10;
 
-/* Check wavelength / NA. The patterns for kernels are 30 units long on a grid
-   of 32 nm; the lines for the calibration of a resist are 4 um long, with six
-   samples of the mask per unit. */
+/* Check wavelength / NA, called unit. The message states the sizes of images.
+   The largest pattern for kernels is 4 x 8 units on a grid of 32 nm. A line for
+   the calibration of a resist is 4 um x 4 um with six samples per unit. */
 static int check_unit(const optics *o, opc_error *error) {
   double unit = o->wavelength / o->na;
   if (unit >= least_unit && unit <= most_unit) return OPC_OK;
@@ -127,8 +127,8 @@ static int check_zernike(const optics *o, opc_error *error) {
   return OPC_OK;
 }
 
-/* Check NA and indices for polarised light: the field of a ray along a surface
-   is not finite. */
+/* Check NA and indices for polarised light, because a ray along a surface has
+   no finite field. */
 static int check_polarisation(const optics *o, opc_error *error) {
   if (o->polarisation == OPTICS_SCALAR)
     return o->resist_index_given ? opc_fail(error, OPC_INVALID, "resist_index",
@@ -173,10 +173,10 @@ int optics_check(optics *o, opc_error *error) {
   return check_zernike(o, error);
 }
 
-/* Largest NA for a scalar image without a warning. At this NA two orders of the
-   densest line cross at 2 asin(0.45 / 1.7) in a resist of index 1.7. The
+/* Largest NA for a scalar image without a warning. At this NA, two orders of
+   the densest line cross at 2 asin(0.45 / 1.7) in a resist of index 1.7. The
    contrast is 0.86 for light polarised in the plane of the orders and 0.93 for
-   unpolarised light. At NA 0.6 the latter is 0.97. */
+   unpolarised light. At NA 0.6, the contrast for unpolarised light is 0.97. */
 static const double most_scalar = 0.9;
 
 void optics_warn(const optics *o, const opc_host *host) {
@@ -191,7 +191,7 @@ void optics_warn(const optics *o, const opc_host *host) {
 /* ---- the source ---- */
 
 /* Return the signed distance of (x, y) from the border of the source, positive
-   inside, or a value of the same sign nearer to zero. */
+   inside, or a value of equal sign and smaller magnitude. */
 static double source_depth(const optics *o, double x, double y) {
   double r = hypot(x, y);
   if (o->source == OPTICS_CIRCULAR) return o->sigma - r;
@@ -215,7 +215,8 @@ static double source_depth(const optics *o, double x, double y) {
   return radius - hypot(u - (o->sigma + o->sigma_in) / 2, v);
 }
 
-/* Return the area of the part of a cell inside the source, and its centroid. */
+/* Return the area of the part of a cell inside the source; (*cx, *cy) receives
+   the centroid of that part. */
 static double source_covered(const optics *o, double x, double y, double side,
                              double *cx, double *cy) {
   enum { PARTS = 16 };
@@ -250,7 +251,7 @@ static double *listed_points(const optics *o, size_t *n) {
 }
 
 double *optics_source_points(const optics *o, double spacing, size_t *n) {
-  static const double most = 2048; /* cells from the centre to the rim */
+  static const double most = 2048; /* cells from the centre to the border */
   *n = 0;
   if (o->source == OPTICS_LIST) return listed_points(o, n);
   double radius = optics_source_radius(o);
@@ -262,7 +263,7 @@ double *optics_source_points(const optics *o, double spacing, size_t *n) {
       double *to = p + 3 * *n;
       to[2] = source_covered(o, (i + 0.5) * spacing, (j + 0.5) * spacing,
                              spacing, &to[0], &to[1]);
-      /* Rounding can move a centroid slightly outside. */
+      /* Rounding can place a centroid slightly outside. */
       double over = hypot(to[0], to[1]) / radius;
       if (over > 1) {
         to[0] /= over;
@@ -287,9 +288,9 @@ double optics_source_radius(const optics *o) {
 
 /* ---- the pupil ---- */
 
-/* Find group, angular order and parity of a term in fringe order: group g has
-   the angular orders m = g .. 0, cosine before sine, of degree 2 g - m. Z37 is
-   the only term of group 6. */
+/* Find group, angular order and parity of a Zernike term in fringe order. Group
+   g has the angular orders m = g .. 0 of degree 2 g - m, cosine before sine.
+   Z37 is the only term of group 6. */
 static void find_term(size_t index, int *group, int *m, int *sine) {
   if (index == OPTICS_TERMS - 1) {
     *group = 6;
@@ -304,7 +305,7 @@ static void find_term(size_t index, int *group, int *m, int *sine) {
   *sine = i % 2;
 }
 
-/* Return the radial polynomial divided by r^m, for r^2. */
+/* Return the radial polynomial divided by r^m, as a function of r^2. */
 static double zernike_radial(int group, int m, double r2) {
   static const double factorial[] = {1,       1,        2,        6,     24,
                                      120,     720,      5040,     40320, 362880,

@@ -13,20 +13,20 @@ enum {
   OPTICS_ANNULAR,    /* sigma_in to sigma */
   OPTICS_DIPOLE,     /* two disks of radius (sigma - sigma_in) / 2 */
   OPTICS_QUADRUPOLE, /* four such disks, on the axes at rotation 0 */
-  OPTICS_QUASAR,     /* four sectors of an annulus, `opening` wide */
+  OPTICS_QUASAR,     /* four sectors of an annulus, of angle `opening` */
   OPTICS_LIST        /* parameter points: x1, y1, weight1, x2, ... */
 };
 
-/* Polarisation: scalar wave, or a field polarised in a direction in the pupil
-   (vector.h). */
+/* Polarisation: scalar wave, or polarised field (vector.h). Directions are
+   those in the pupil. */
 enum {
   OPTICS_SCALAR,
   OPTICS_UNPOLARISED, /* half along x, half along y, incoherent */
   OPTICS_POLARISED_X,
   OPTICS_POLARISED_Y,
-  OPTICS_TANGENTIAL, /* across the direction from the centre to the source
-                        point: azimuthal, TE */
-  OPTICS_RADIAL      /* along that direction: TM */
+  OPTICS_TANGENTIAL, /* perpendicular to the direction from the centre to the
+                        source point: azimuthal, TE */
+  OPTICS_RADIAL      /* along the direction from the centre: TM */
 };
 
 /* Parameters that only some sources use. */
@@ -47,7 +47,7 @@ enum { OPTICS_TERMS = 37 };
 typedef struct optics {
   double wavelength, na, index; /* nm, 1, 1 */
   int polarisation;
-  double resist_index; /* for polarised light */
+  double resist_index; /* refractive index of the resist, for polarised light */
   int resist_index_given;
   int source;
   double sigma, sigma_in;   /* in units of the pupil's radius */
@@ -65,16 +65,16 @@ typedef struct optics {
 
   /* Set by optics_check. */
   double cutoff; /* 1/nm */
-  /* Amplitude of the clear and the drawn parts of a mask, real and imaginary: 1
-     and 0 for a binary clear-field mask. */
+  /* Amplitude of the background and of the drawn features of a mask, real and
+     imaginary: 1 and 0 for a binary clear-field mask. [poly, active] */
   double background[2][2], feature[2][2];
 } optics;
 
-/* The parameters of a plugin whose instance has the type `state` and a member
-   `optics`, for its array:
+/* Parameters of a plugin whose instance has the type `state` and a member
+   `optics`. Use in the array of parameters:
      static const opc_parameter parameters[] = {OPTICS_PARAMETERS(state), ...};
  */
-/* clang-format off */ /* it takes the elements for nested ones */
+/* clang-format off */ /* clang-format would nest the elements */
 #define OPTICS_PARAMETERS(state)                                              \
   {.name = "wavelength", .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "nm",  \
    .preset = "193 nm", .summary = "wavelength of the light in vacuum",        \
@@ -154,50 +154,50 @@ typedef struct optics {
 
 /* ---- the optics ---- */
 
-/* Check the values and set the derived members. Return OPC_INVALID in these
-   cases: the NA exceeds the index; the source is empty or outside the pupil;
-   its inner radius exceeds the outer one; a parameter is given that the source
-   does not use. For the `check` function of plugins. */
+/* Check the values and set the derived members. Call from opc_plugin.check.
+   Return OPC_OK, or OPC_INVALID if a value is out of range, values contradict
+   each other, or the source does not use a given parameter. */
 int optics_check(optics *o, opc_error *error);
 
-/* Return the scanner as the contract of the kind requires (eda/litho.h). */
+/* Return the scanner for eda_litho.scanner. */
 static inline eda_scanner optics_scanner(const optics *o) {
   return (eda_scanner){o->wavelength, o->na};
 }
 
-/* Log a warning if the image is scalar at an NA too large for it. */
+/* Log a warning if the light is scalar and the NA too large for scalar light.
+ */
 void optics_warn(const optics *o, const opc_host *host);
 
-/* Return 1 if the optics are rotationally symmetric: circular or annular
-   source, no polarisation along x or y, no Zernike terms except rotationally
-   symmetric ones. The second function returns 1 if the pupil is real (in focus,
-   no terms). */
+/* optics_is_radial: return 1 if the optics are rotationally symmetric: circular
+   or annular source, no polarisation along x or y, and only rotationally
+   symmetric Zernike terms. optics_is_real: return 1 if the pupil is real: in
+   focus, without Zernike terms. */
 int optics_is_radial(const optics *o);
 int optics_is_real(const optics *o);
 
 /* Return the largest radius of the source. */
 double optics_source_radius(const optics *o);
 
-/* Return the source as points (x, y, weight interleaved). There is one point
-   for each cell of a square grid of `spacing` (in units of the cutoff, the
-   origin a corner of four cells). A point is the centroid of the part of its
-   cell inside the source, weighted by the area of that part; weights sum to 1.
-   Points of an OPTICS_LIST are returned as listed, with normalised weights.
-   NULL if the source is too thin for such cells. Free the result with
-   free(). */
+/* Return the source as n points: x, y, weight of each. There is one point for
+   each cell of a square grid of `spacing`, in units of the cutoff, with a
+   corner of cells at the origin. The point is the centroid of the part of the
+   cell inside the source, and its weight is proportional to the area of that
+   part. For OPTICS_LIST, the listed points are returned. The sum of weights
+   is 1. NULL if the source is too thin for the spacing. The caller frees the
+   array with free(). */
 double *optics_source_points(const optics *o, double spacing, size_t *n);
 
 /* Compute the pupil at (fx, fy): 0 beyond radius 1, else exp(i phase). The
-   phase is the exact (not paraxial) defocus in the medium minus its value on
-   the axis, plus the Zernike terms. `defocus` nm is added to that of the
-   optics. */
+   phase is the exact (not paraxial) defocus in the medium minus the defocus on
+   the axis, plus the Zernike terms. `defocus`, nm, is added to optics.defocus.
+ */
 void optics_pupil(const optics *o, double defocus, double fx, double fy,
                   double *re, double *im);
 
-/* Return 1 if all masks are real: binary, or with a phase of 0 or 180
-   degrees. */
+/* Return 1 if all masks are real: binary, or with a phase of 0 or 180 degrees.
+ */
 int optics_real_masks(const optics *o);
 
-/* Compute the complex coefficients of the transmission a + b * (mask as given);
-   a applies at zero frequency only. */
+/* Compute the complex coefficients of the transmission a + b * mask, where the
+   mask has the values 0 and 1; a applies at zero frequency only. */
 void optics_amplitudes(const optics *o, int layer, double a[2], double b[2]);

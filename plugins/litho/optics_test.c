@@ -87,8 +87,8 @@ static void test_moments(void) {
   free(p);
 }
 
-/* Test that the points of a disk are as many as the cells it touches, with
-   weights by area; inner weights are equal. */
+/* Test that a disk has one point for each cell that it touches, with weights by
+ * area; inner weights are equal. */
 static void test_points(void) {
   optics o = air;
   o.source = OPTICS_CIRCULAR;

@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-/* Reduction of all scanners from 1990 on. */
+/* Reduction of the lens; equal in all scanners since 1990. */
 static const double reduction = 4;
 
 enum { X, Y, Z, AXES };
@@ -20,8 +20,8 @@ size_t vector_parts(const optics *o) {
   }
 }
 
-/* Find the polarisations of a source point and return their number. The centre
-   of the source has no direction and is treated as a point on the x axis. */
+/* Find the polarisations of a source point, and return their number. The centre
+   of the source has no direction and counts as a point on the x axis. */
 static size_t find_states(const optics *o, const double from[2],
                           double j[2][2]) {
   double r = hypot(from[0], from[1]);

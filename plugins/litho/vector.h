@@ -2,7 +2,7 @@
 /* Vector imaging: the field of polarised light in a lens.
 
    A thin mask (Kirchhoff) preserves polarisation, so an order enters the pupil
-   with the polarisation of its source point, j = (jx, jy). Light from the place
+   with the polarisation of its source point, j = (jx, jy). Light from position
    p of the pupil, in direction (c, s), has the angle a over the wafer and b in
    the resist: sin(a) = NA |p| / index; sin(b) = NA |p| / resist_index. The lens
    rotates the component along (c, s) with the ray and preserves the component
@@ -46,7 +46,7 @@ int vector_is_odd(const optics *o, size_t part);
    normalisation: the sum of the squared factors of undiffracted light. [any] */
 double vector_clear(const optics *o, const double from[2]);
 
-/* Scale the weights of source points (x, y, weight) such that the clear field,
+/* Scale the weights of source points (x, y, weight) so that the clear field,
    averaged over the weighted source, is 1. Weights for scalar light are
    unchanged. [any] */
 void vector_normalise(const optics *o, double *points, size_t n);

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the common part of the readers of layouts; compiled into each of
-   them. */
+/* Implements the common part of the layout readers; compiled into each. */
 #include "reader.h"
 
 #include <eda/formats.h>
@@ -36,9 +35,9 @@ char *reader_string(const void *bytes, size_t n) {
 
 /* ---- the file ---- */
 
-/* Read the whole file into memory, so that a change of the file during reading
-   cannot end the process. Reject files that are not regular, which may be
-   endless (/dev/zero). */
+/* Read the whole file into memory, because a change of a mapped file could end
+   the process. Reject files that are not regular, because they may be endless
+   (/dev/zero). */
 static void load_file(reading *b) {
   struct stat about = {0};
   size_t capacity = 0, got = 1;
@@ -70,8 +69,8 @@ static void load_file(reading *b) {
   b->text = b->n ? b->bytes : "";
 }
 
-/* Fail for a file of another known format, with the name of the reader for
-   it. */
+/* Fail if the file has another known format; the message names the reader for
+   that format. */
 static void check_format(reading *b) {
   static const struct {
     const char *start;
@@ -159,8 +158,8 @@ int32_t reading_named_layer(reading *b, const char *name) {
   return reading_number(b, eda_layout_layer(b->layout, name, &b->layout_error));
 }
 
-/* Find the name of a layer: that of the pair with both numbers, else of the
-   pair for every datatype, else "L/D". */
+/* Return the layer of a layer number and datatype. The name is that of the pair
+   with both numbers, else of the pair for every datatype, else "L/D". */
 int32_t reading_numbered_layer(reading *b, uint32_t layer, uint32_t datatype) {
   const opc_map *map = &b->r->layers;
   uint64_t code = (uint64_t)layer << 32 | datatype;
@@ -184,7 +183,7 @@ int32_t reading_numbered_layer(reading *b, uint32_t layer, uint32_t datatype) {
   int32_t number =
       reading_number(b, eda_layout_layer(b->layout, name, &b->layout_error));
   if (number < 0) return -1;
-  /* A name for every datatype gets the first datatype of the file. */
+  /* A name for every datatype refers to the first datatype in the file. */
   if (name != buffer && !strcmp(eda_layout_file_layer(b->layout, number), name))
     eda_layout_set_file_layer(b->layout, number, buffer);
   layer_node *node = eda_alloc(1, sizeof *node);
@@ -199,7 +198,7 @@ static int by_code(const void *a, const void *b) {
   return (x->code > y->code) - (x->code < y->code);
 }
 
-/* Return the name in the file of a layer of the layout. */
+/* Return the name of a layer of the layout in the file. */
 static const char *name_in_file(const reading *b, size_t layer) {
   const opc_map *map = &b->r->layers;
   const char *name = eda_layout_layer_name(b->layout, (int32_t)layer);
@@ -208,8 +207,7 @@ static const char *name_in_file(const reading *b, size_t layer) {
   return name;
 }
 
-/* Return 1 if pair i is optional; a missing optional layer becomes an empty
-   layer. */
+/* Return 1 if pair i is optional; a missing optional layer becomes empty. */
 static int is_optional(const reading *b, size_t i) {
   opc_error ignored;
   const char *name = b->r->layers.pairs[i].key;
@@ -217,7 +215,8 @@ static int is_optional(const reading *b, size_t i) {
          eda_layout_layer(b->layout, name, &ignored) >= 0;
 }
 
-/* Keep the names in the file of the layers of the map, which writers use. */
+/* Store the layer names of the file for the layers of the map. Writers use
+   these names. */
 static void reading_keep_names(const reading *b) {
   const opc_map *map = &b->r->layers;
   for (size_t i = 0; i < map->count; i++) {
@@ -229,8 +228,7 @@ static void reading_keep_names(const reading *b) {
 }
 
 /* Fail if the file lacks a layer of the map. The message lists the layers of
-   the file in the order of numbers, or of names in the file, up to a maximal
-   length. */
+   the file, sorted by number or name, up to a maximum length. */
 static int check_layers(const reading *b) {
   const opc_map *map = &b->r->layers;
   size_t missing = 0;
@@ -279,8 +277,8 @@ void reading_begin_cell(reading *b, const char *name) {
   g_array_index(b->there, uint8_t, b->cell) = 1;
 }
 
-/* Log a warning about placed cells without definition; they are empty, as in
-   other readers. */
+/* Log a warning about placed cells without definition. Such cells are empty, as
+   in other readers. */
 static void reading_warn_undefined(const reading *b) {
   size_t missing = 0;
   int32_t first = -1;
@@ -297,7 +295,7 @@ static void reading_warn_undefined(const reading *b) {
                     eda_layout_cell_name(b->layout, first));
 }
 
-/* Fail for a missing top cell, with the most similar name. */
+/* Fail because the top cell is missing; suggest the most similar name. */
 static int reading_miss_top(const reading *b) {
   g_autoptr(GPtrArray) names = g_ptr_array_new();
   for (size_t i = 0; i < eda_layout_cells(b->layout); i++)

@@ -8,18 +8,17 @@
 #include <opcflow/choices.h>
 #include <opcflow/step.h>
 
-/* The instance of a reader. */
+/* The instance of a reading plugin. */
 typedef struct reader {
   const opc_host *host;
   const char *file;
-  opc_map layers; /* name: name in the file */
+  opc_map layers; /* name of the layer -> layer in the file */
   double scale;
   const char *top;
   const char *optional; /* names of `layers`, separated by blanks, or NULL */
 } reader;
 
-/* Parameters of a reader, with the summaries of the file and of the map of
-   layers. */
+/* Parameters of a reader, with the summaries of the file and the layer map. */
 #define READ_PARAMETERS(file_summary, layers_summary)                    \
   OPC_PARAMETER(reader, file, .type = OPC_FILE, .flags = OPC_REQUIRED,   \
                 .summary = (file_summary)),                              \
@@ -37,8 +36,9 @@ typedef struct reader {
           .summary =                                                     \
               "Top cell; cells not reachable from the top cell are dropped")
 
-/* Check the map of layers: names in the file or, if `most` is not 0, numbers up
-   to `most`. For a reader's `check`. Return OPC_OK or an error. */
+/* Implement `check` of a reader: check the map of layers. A layer in the file
+   is a name or, if `most` is not 0, has numbers up to `most`. Return OPC_OK or
+   an error. */
 int reader_check(const reader *r, uint32_t most, opc_error *error);
 
 /* Implement `choices` of a reader: read the file with `run` and pass the name
@@ -78,8 +78,8 @@ int reader_choices(void *self,
   .check = format_check, OPC_FUNCTIONS(functions),                        \
   .extension = format_extension
 
-/* Return n bytes as a string; bytes that are not printable ASCII become "\xE4",
-   so that names stay different. Free with g_free. */
+/* Return n bytes as a string. Bytes that are not printable ASCII become "\xE4",
+   so that different names stay different. Free with g_free. */
 char *reader_string(const void *bytes, size_t n);
 
 /* A layer of a numbered format. */
@@ -88,16 +88,15 @@ typedef struct layer_node {
   int32_t number; /* layer of the layout */
 } layer_node;
 
-/* State of a file being read, the first member of the state of each reader. The
+/* State of a file being read: the first member of the state of each reader. The
    first failure is kept; later calls change neither the error nor the result.
-   Only loops over counts of the file must check `failed`. */
+   Only loops over counts from the file must check `failed`. */
 typedef struct reading {
   const reader *r;
   opc_error *error;
   int failed;         /* code of the first failure */
   const char *format; /* format of the reader */
-  /* Fail with OPC_IO and the place in the file, unless an earlier failure
-     exists. */
+  /* Fail with OPC_IO and the place in the file, unless a failure exists. */
   void (*refuse)(void *reading, const char *what);
 
   char *bytes;             /* of the file */
@@ -108,9 +107,10 @@ typedef struct reading {
   opc_error layout_error; /* error set by functions of the layout */
   int32_t cell;           /* cell that receives elements; -1: none */
   int32_t top;            /* default top cell; -1: keep all */
-  GArray *there;          /* per cell: 1 if defined; NULL: all are */
+  GArray *there; /* per cell: 1 if defined; NULL: all cells are defined */
 
-  uint8_t *seen;      /* per pair of the map of layers: 1 if in the file */
+  uint8_t *seen;      /* per pair of the map of layers: 1 if the file has the
+                         layer */
   GHashTable *layers; /* layer_node, for numbered formats */
   const layer_node *last;
 } reading;
@@ -120,8 +120,8 @@ typedef struct reading {
 int reading_run(void *state, void *self, void **outputs, opc_error *error,
                 void (*read)(void *state));
 
-/* Report progress up to byte `at` if `show`. Return 0 after a failure or
-   cancellation. */
+/* Check for cancellation and, if `show` is set, report progress up to byte
+   `at`. Return 0 after a failure or cancellation. */
 int reading_goes_on(reading *b, size_t at, int show);
 
 /* Convert the layout's error b->layout_error to a failure at the place in the
@@ -130,7 +130,7 @@ int reading_goes_on(reading *b, size_t at, int show);
 int reading_check(reading *b, int code);
 int32_t reading_number(reading *b, int32_t number);
 
-/* Return the layout's layer for a layer of the file, a new one if necessary; -1
+/* Return the layout's layer for a layer of the file, created if necessary; -1
    after a failure. */
 int32_t reading_named_layer(reading *b, const char *name);
 int32_t reading_numbered_layer(reading *b, uint32_t layer, uint32_t datatype);

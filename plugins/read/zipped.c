@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements gzip files (RFC 1952). They begin with 1f 8b, as no layout does.
-   Compiled into each reader. */
+/* Implements gzip files (RFC 1952), which begin with the bytes 1f 8b; no layout
+   begins with these bytes. Compiled into each reader. */
 #include <eda/memory.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,12 +10,13 @@
 
 /* Limit of the decompressed size: per byte of the file, plus a constant.
    Layouts compress to a tenth, decompression bombs to a thousandth. Half of the
-   limit would suffice; with twice the limit, 16 KB of rectangles of two bytes
+   limit would suffice. With twice the limit, 16 KB of rectangles of two bytes
    each take 4 s under a sanitizer. */
 #define MOST_RATIO 64
 #define MOST_MORE ((size_t)1 << 18)
 
-/* zlib counts in 32 bits; also the bytes between two checks for cancellation */
+/* Bytes passed to zlib at once, which counts in 32 bits, and between two checks
+   for cancellation. */
 enum { PIECE = 1 << 22 };
 
 static int gzip_is_packed(const char *bytes) {

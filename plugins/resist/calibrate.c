@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the calibration of a resist threshold: lines print to their
-   widths, either one anchor or a table of lines by least squares. */
+/* Implements the calibration of a resist threshold: the threshold at which one
+   anchor line prints to size, or the least-squares fit to a table of lines. */
 #include "calibrate.h"
 
 #include <eda/csv.h>
@@ -20,9 +20,9 @@ static const char *const sources[RESIST_SETS][3] = {
     {"anchor", "table", "table_file"},
     {"active_anchor", "active_table", "active_table_file"}};
 
-/* Upper limit of lines and pitches, nm: a hundred times the range of optical
-   interaction. Larger values slow down calibration; 2 mm overflow its
-   coordinates. */
+/* Upper limit of line widths and pitches, nm: a hundred times the range of
+   optical interaction. Larger values make the calibration slow; at 2 mm the
+   coordinates of lines overflow. */
 static const double most = 1e5;
 
 static const char too_far[] = "lines and pitches must be at most 100 um";
@@ -31,7 +31,7 @@ static int is_far(const resist_line *l) {
   return fmax(l->pitch, fmax(l->line, l->cd)) > most;
 }
 
-/* Return the reason that makes a line unusable; NULL if it is usable. */
+/* Return the fault of a line as a text; NULL: none. */
 static const char *line_fault(const resist_line *l) {
   if (is_far(l)) return too_far;
   if (!(l->line > 0 && l->cd > 0)) return "widths must be above 0";
@@ -41,7 +41,7 @@ static const char *line_fault(const resist_line *l) {
   return NULL;
 }
 
-/* Return 1 if a value of the anchor is not given. */
+/* Return 1 if the line or the pitch of the anchor is not given. */
 static int anchor_is_open(const resist_layer *r) {
   return isnan(r->anchor.line) || isnan(r->anchor.pitch);
 }
@@ -109,15 +109,15 @@ int resist_layer_has_table(const resist_layer *layer) {
   return layer->source != sources[layer->set][0];
 }
 
-/* ---- values of the layout or the optics ---- */
+/* ---- default anchor, from the layout or the optics ---- */
 
 void resist_take_gates(void *self, const eda_gates *gates) {
   resist_base *r = self;
   r->layer[0].drawn = gates;
 }
 
-/* k1 of a line for which the optics are well suited: 65 nm at a pitch of 250 nm
-   at 193 nm, NA 0.75 (thesis 3.3). */
+/* Default anchor without a layout: 65 nm at a pitch of 250 nm for 193 nm, NA
+   0.75 (thesis 3.3). */
 static const char least_line[] = "0.2526 lambda/NA",
                   least_pitch[] = "0.9715 lambda/NA";
 
@@ -127,10 +127,10 @@ static const char wide_line[] = "3.886 lambda/NA";
 /* Smallest k1 of printable dense lines (B. J. Lin; also in eda/natural.h). */
 static const double least_k1 = 0.25;
 
-/* Limits of the ratio of gate length to anchor line beyond which the anchor is
-   taken to belong to another process. Thick-oxide gates are up to 2.2 times as
-   long as the anchor of their process (GF180MCU: 600 and 280 nm). Our
-   choice. */
+/* Limits of the ratio of gate length to anchor line. Beyond the limits, the
+   anchor is assumed to belong to another process. Thick-oxide gates are up to
+   2.2 times as long as the anchor of their process (GF180MCU: 600 and 280 nm).
+   Chosen for opcflow. */
 static const double longer = 2.25, shorter = 0.8;
 
 static void drawn_log(const resist_base *r, const char *id, resist_line a,
@@ -146,8 +146,8 @@ static void drawn_log(const resist_base *r, const char *id, resist_line a,
                  id, d->line);
 }
 
-/* Return the default anchor for a layout that is unknown or has no transistors;
-   depends on the optics only. */
+/* Return the default anchor, which depends on the optics only, if the layout is
+   unknown or has no transistors. */
 static resist_drawn drawn_default(const resist_base *r, const char *id,
                                   eda_scanner scanner) {
   resist_drawn d = {.line = eda_natural(&scanner, least_line),
@@ -162,7 +162,7 @@ static resist_drawn drawn_default(const resist_base *r, const char *id,
   return d;
 }
 
-/* Set the line of all lines of a layer, once known. */
+/* Set the drawn width of all lines of a layer, and check the lines. */
 static int set_line(resist_layer *r, double line, opc_error *error) {
   for (size_t i = 0; i < r->count && !r->file; i++) {
     r->lines[i].line = line;
@@ -175,8 +175,8 @@ static int set_line(resist_layer *r, double line, opc_error *error) {
   return OPC_OK;
 }
 
-/* Fill in the missing values of the anchor of poly from the gates of the
-   layout. */
+/* Set the values of the anchor of poly that are not given, from the gates of
+   the layout. */
 static int anchor_take_drawn(const resist_base *resist, resist_layer *r,
                              const char *id, eda_scanner scanner,
                              opc_error *error) {
@@ -201,7 +201,7 @@ static int anchor_take_drawn(const resist_base *resist, resist_layer *r,
   return code;
 }
 
-/* Set the anchor of active: the edge of a wide line. */
+/* Set the default anchor of active: an isolated wide line. */
 static int anchor_take_wide(resist_layer *r, eda_scanner scanner,
                             opc_error *error) {
   resist_line *a = &r->anchor;
@@ -276,8 +276,7 @@ static int read_table(resist_layer *l, opc_error *error) {
 
 /* ---- images of lines ---- */
 
-/* The image of a line and its terms from 1 on, and the line's drawn and printed
-   widths. */
+/* A line: image of the line, and fields of terms 1, 2, ... of the image. */
 typedef struct specimen {
   const resist_line *want;
   eda_field image, term[RESIST_TERMS - 1];
@@ -296,20 +295,19 @@ typedef struct fitting {
   double sign; /* -1: bright features print */
 } fitting;
 
-/* Unit of the coordinates of a line, nm; fine enough for any line. */
+/* Unit of a line's coordinates, nm. */
 static const double unit = 1e-3;
 
-/* Distance to the neighbours of an isolated line, nm. */
+/* Space between copies of an isolated line, nm. */
 static const double isolation = 4000;
 
-/* Error of the images of lines, clear field 1, equal to that of accurate
-   simulations (eda_model.fine), so that kernels are computed once. Half of the
-   error moves thresholds by 4e-6 of the clear field, 0.05 pm of a line's
-   width. */
+/* Error of the images of lines, clear field 1; one of the errors of accurate
+   simulations (correct/fine.c), so that kernels are reused. Half of the error
+   changes thresholds by 4e-6 of the clear field, 0.05 pm of a line's width. */
 static const double image_error = 1e-4;
 
-/* Compute the image of a vertical line of full height in the middle of the
-   frame, x = 0 at its centre. */
+/* Compute the image of a vertical line. The line has the height of the frame,
+   and its centre is at x = 0, the centre of the frame. */
 static int image_line(const fitting *f, const resist_line *l, eda_field *field,
                       opc_error *error) {
   const opc_module *litho = f->litho;
@@ -326,7 +324,7 @@ static int image_line(const fitting *f, const resist_line *l, eda_field *field,
   int code =
       eda_litho_spectrum(context, litho, &line, unit, frame, &mask, error);
   if (code) return code;
-  /* Use the accurate image where the model has one. */
+  /* Use the accurate image if the model has one. */
   code = model->image_fine
              ? model->image_fine(litho->self, f->layer->set, &mask, 0,
                                  image_error, field, error)
@@ -336,7 +334,7 @@ static int image_line(const fitting *f, const resist_line *l, eda_field *field,
   return eda_field_diffuse(context, field, f->resist->diffusion, error);
 }
 
-/* Return the level set at x, its slope, and the terms at x. */
+/* Return the level set of the resist at x, its slope, and the terms at x. */
 static double specimen_level(const fitting *f, const specimen *s,
                              const double *a, double x, double *slope,
                              double term[RESIST_TERMS]) {
@@ -353,8 +351,8 @@ static double specimen_level(const fitting *f, const specimen *s,
   return f->sign * (sum - image);
 }
 
-/* Find the edge of the line, outwards from its centre. Return 0 if the line
-   does not print or has merged with its neighbours. */
+/* Find the printed edge of the line, outwards from its centre. Return 0 if the
+   line does not print or merges with its neighbours. */
 static int find_edge(const fitting *f, specimen *s, const double *a) {
   double term[RESIST_TERMS], slope, step = 2, low = 0;
   double limit = s->image.frame.width / 2;
@@ -405,9 +403,9 @@ static int specimen_init(const fitting *f, specimen *s, opc_error *error) {
 
 /* ---- least squares ---- */
 
-/* Compute the x with the least |J x - r|, J of rows x m, by modified
-   Gram-Schmidt. Return 0 if the columns of J are linearly dependent. J and r
-   are overwritten. */
+/* Compute the x with the smallest |J x - r| by modified Gram-Schmidt. J has
+   `rows` rows and m columns. Return 0 if the columns are linearly dependent. J
+   and r are overwritten. */
 static int least_squares(double *j, double *r, size_t rows, size_t m,
                          double x[RESIST_TERMS]) {
   double upper[RESIST_TERMS][RESIST_TERMS] = {{0}};
@@ -437,9 +435,9 @@ static int least_squares(double *j, double *r, size_t rows, size_t m,
   return 1;
 }
 
-/* Compute one step: the changes of the fitted coefficients that move the
-   printed widths to the wanted ones to first order. Errors are taken at the
-   wanted edges if `wanted`, otherwise at the printed edges. Return 0 on
+/* Compute one Gauss-Newton step: the change of the fitted coefficients that
+   corrects the printed widths to first order. Errors are evaluated at the
+   wanted edges if `wanted` is 1, else at the printed edges. Return 0 on
    failure. */
 static int fit_step(const fitting *f, const double *a, int wanted, double *j,
                     double *r, double change[RESIST_TERMS]) {
@@ -472,9 +470,9 @@ static double sum_of_squares(const fitting *f) {
   return sum;
 }
 
-/* Iterate Gauss-Newton steps, halved while a line does not print or the error
-   grows. Return 0 if no coefficients print all lines or the columns are
-   linearly dependent. */
+/* Iterate Gauss-Newton steps. Halve a step as long as a line does not print or
+   the error increases. Return 0 if no coefficients print all lines, or if the
+   columns are linearly dependent. */
 static int fit_iterate(const fitting *f, double *a) {
   size_t rows = f->layer->count;
   double *j = eda_alloc(rows * (RESIST_TERMS + 1), sizeof *j);
@@ -499,7 +497,7 @@ static int fit_iterate(const fitting *f, double *a) {
     ok = fit_step(f, a, 0, j, r, change);
   }
   free(j);
-  /* Rejected trial steps have moved the edges; restore them. */
+  /* Rejected trial steps have changed the edges; compute them again. */
   return ok && isfinite(best) && find_edges(f, a);
 }
 

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Common part of resist models: parameters of a layer, and coefficients fitted
-   such that lines print to their widths.
+   so that lines print to their widths.
 
-   A resist is a threshold field, sum of coefficient[k] * term[k]. Term 0 is the
-   constant 1; the others are fields computed from the image. A feature prints
-   where the image is below the threshold, or above it for bright features. */
+   A resist has a threshold field, the sum of coefficient[k] * term[k]. Term 0
+   is the constant 1; the other terms are fields computed from the image. A dark
+   feature prints where the image is below the threshold, a bright feature where
+   the image is above the threshold. */
 #pragma once
 
 #include <eda/gates.h>
@@ -13,45 +14,46 @@
 
 /* ---- a layer ---- */
 
-/* Number of sets of parameters: poly, which all layers but active follow, and
-   active. */
+/* Number of sets of parameters: set 0 for poly and all layers after active, set
+   1 for active. */
 enum { RESIST_SETS = 2 };
 static inline int resist_set(int layer) { return layer == EDA_ACTIVE; }
 
+/* Drawn width, pitch (0: isolated) and printed width of a line, nm. */
 typedef struct resist_line {
-  double line, pitch, cd; /* nm; pitch 0: isolated */
+  double line, pitch, cd;
 } resist_line;
 
 typedef struct resist_layer {
   resist_line anchor; /* NAN: not given */
-  /* Gates that define missing anchor values: from the flow (gates) or from the
-     present step (drawn). NULL: none. */
+  /* Gates that define values of the anchor that are not given: parameter
+     anchor.gates (gates), or gates of the present step (drawn). NULL: none. */
   const eda_gates *gates, *drawn;
   int gates_given;
   int logged; /* 1: the anchor, or a warning about it, was logged */
   opc_reals table;
   int table_given;
   const char *file; /* NULL: none */
-  int bright;
+  int bright;       /* 1: bright features print */
 
   /* Set by resist_layer_check. */
   int set;
   const char *source; /* name of the parameter that defines the lines */
-  resist_line *lines; /* the anchor, or the rows of the table */
+  resist_line *lines; /* [count], the anchor, or the rows of the table */
   size_t count;
 } resist_layer;
 
 /* First member of the instance of every resist. */
 typedef struct resist_base {
   const opc_host *host;
-  double diffusion; /* nm, applied to the image first */
+  double diffusion; /* standard deviation of the blur of the image, nm */
   resist_layer layer[RESIST_SETS];
 } resist_base;
 
 /* clang-format off */
-/* Parameters of a set of layers. `prefix` is "" for poly; `what` names the
-   layers; RESIST_LINE and RESIST_PITCH, or RESIST_WIDE and RESIST_ALONE are the
-   default anchor. */
+/* Parameters of a set of layers. `prefix`: "" for poly, "active_" for active.
+   `what`: names of the layers. line_default and pitch_default: RESIST_LINE and
+   RESIST_PITCH, or RESIST_WIDE and RESIST_ALONE. */
 #define RESIST_LINE .follows = "the shortest gate drawn"
 #define RESIST_PITCH .follows = "the pitch of the shortest gates"
 #define RESIST_WIDE .follows = "3.886 lambda/NA, a wide line"
@@ -70,7 +72,7 @@ typedef struct resist_base {
    .summary = "wanted printed width; default: the drawn width",               \
    OPC_FIELD(resist_base, layer[set].anchor.cd)},                             \
   {.name = prefix "table", .type = OPC_REALS, .unit = "nm",                   \
-   .summary = "place of the anchor: [pitch, cd, ...]",                        \
+   .summary = "lines that replace the anchor: [pitch, cd, ...]",              \
    OPC_FIELD(resist_base, layer[set].table),                                  \
    .given = offsetof(resist_base, layer[set].table_given)},                   \
   {.name = prefix "table_file", .type = OPC_FILE,                             \
@@ -83,7 +85,7 @@ typedef struct resist_base {
    OPC_FIELD(resist_base, layer[set].bright)}
 /* clang-format on */
 
-/* Parameter for poly, whose lines are those of gates. */
+/* Parameter of the gates that define the anchor of poly. */
 #define RESIST_GATES                                                        \
   OPC_PARAMETER_NAMED("anchor.gates", resist_base, layer[0].gates,          \
                       .type = OPC_INPUT, .choices = "gates",                \
@@ -108,14 +110,14 @@ typedef struct resist_base {
         "pitch of the line used for calibration; 0: isolated" \
   }
 
-/* Check the values of a layer, for the `check` function of a plugin. Return
-   OPC_OK or an error. */
+/* Check the values of a layer; call from opc_plugin.check. Return OPC_OK or an
+   error. */
 int resist_layer_check(resist_layer *layer, int set, opc_error *error);
 
-/* Implement `drawn` of the kind. */
+/* Implement eda_resist.drawn. */
 void resist_take_gates(void *self, const eda_gates *gates);
 
-/* Implement `clear` for plugins without data of their own. */
+/* Implement opc_plugin.clear for plugins without data of their own. */
 void resist_clear(void *self);
 
 /* Return 1 if a table is given. */
@@ -130,19 +132,20 @@ enum { RESIST_TERMS = 4 };
 typedef int resist_terms(const resist_base *resist, const eda_field *image,
                          size_t n, eda_field *out, opc_error *error);
 
-/* Fit the coefficients k < n with fit[k] of a set of layers, with the other
-   coefficients fixed: least squares of the errors of printed widths
-   (Gauss-Newton). `terms` may be NULL if n is 1. Reads the file of the layers.
-   Logs each line of a table in the name of plugin `id`. Return OPC_OK or an
-   error. [main] */
+/* Fit the coefficients k < n with fit[k] = 1 of a set of layers, with all other
+   coefficients fixed, by least squares of the errors of printed widths
+   (Gauss-Newton). `terms` may be NULL if n is 1. Reads the table file. Logs
+   each line of a table in the name of plugin `id`. Return OPC_OK or an error.
+   [main]
+ */
 int resist_fit(resist_base *resist, int set, const opc_module *litho,
                const char *id, resist_terms *terms, size_t n, const int *fit,
                double *coefficient, opc_error *error);
 
-/* ---- prints ---- */
+/* ---- printed image ---- */
 
-/* Convert the blurred image of a layer to its level set in place: positive
-   below the threshold, or above it for bright features. The threshold is the
-   constant plus, if not NULL, a field on the same grid. */
+/* Convert the blurred image of a layer in place to its level set: positive
+   where a feature prints. The threshold is `constant` plus, if `variable` is
+   not NULL, that field on the same grid. */
 void resist_print(const resist_base *resist, int layer, double constant,
                   const eda_field *variable, eda_field *field);

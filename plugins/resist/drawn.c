@@ -7,15 +7,15 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Largest distance of neighbours, nm; equal to the isolation distance of
-   calibrate.c. */
+/* Largest space between neighbours, nm; equal to `isolation` of calibrate.c. */
 static const double reach = 4000;
 
-/* Pitch over line of a layout whose gates are all isolated. Processes have 2.4
-   (130 nm at 310), 2.9 (150 at 430), 3.8 (65 at 250, 90 at 342). */
+/* Assumed ratio of pitch to line if all gates are isolated. Processes have
+   ratios of 2.4 (130 nm at 310), 2.9 (150 at 430), 3.8 (65 at 250, 90 at 342).
+ */
 static const double lines_in_pitch = 3;
 
-/* Return the box of a gate, transposed such that its length is along x. */
+/* Return the box of a gate, transposed so that its length is along x. */
 static eda_box gate_turned(const eda_gates *g, size_t i) {
   eda_box b = g->box[i];
   return g->axis[i] == EDA_X ? b : (eda_box){b.y0, b.x0, b.y1, b.x1};
@@ -23,7 +23,7 @@ static eda_box gate_turned(const eda_gates *g, size_t i) {
 
 /* Return twice the distance between the centres of gate i and of the next gate
    along its length, in grid steps. Return 0 if there is no next gate within
-   reach, or if it is longer than `most` nm. */
+   `reach`, or if the next gate is longer than `most` nm. */
 static int64_t pitch_of(const eda_gates *g, const eda_index *index, size_t i,
                         double most) {
   eda_box own = gate_turned(g, i), window = own;
@@ -45,17 +45,12 @@ static int64_t pitch_of(const eda_gates *g, const eda_index *index, size_t i,
   return g->length[next] <= most ? best : 0;
 }
 
-static int by_size(const void *a, const void *b) {
-  int64_t x = *(const int64_t *)a, y = *(const int64_t *)b;
-  return (x > y) - (x < y);
-}
-
-/* Sort n > 0 numbers and return the most frequent one, the least of equally
-   frequent ones; *times is its frequency. */
+/* Sort n > 0 numbers and return the most frequent number, the smallest of
+   equally frequent numbers. *times receives its frequency. */
 static int64_t most_frequent(int64_t *all, size_t n, size_t *times) {
   int64_t best = 0;
   *times = 0;
-  qsort(all, n, sizeof *all, by_size);
+  qsort(all, n, sizeof *all, eda_int64s_rise);
   for (size_t from = 0, to; from < n; from = to) {
     for (to = from; to < n && all[to] == all[from];) to++;
     if (to - from <= *times) continue;
@@ -70,7 +65,7 @@ int resist_drawn_of(const eda_gates *g, resist_drawn *out) {
   if (!g->count) return 0;
   for (size_t i = 0; i < g->count; i++)
     out->line = fmin(out->line, g->length[i]);
-  double most = out->line + g->grid / 2; /* equal on the mask's grid */
+  double most = out->line + g->grid / 2; /* equal within half a grid step */
   int64_t *pitch = eda_alloc(g->count, sizeof *pitch);
   eda_index *index = eda_index_new(g->box, g->count,
                                    (int32_t)fmin(reach / g->grid, INT32_MAX));

@@ -6,15 +6,15 @@
 
 typedef struct resist_drawn {
   double line, pitch; /* nm */
-  size_t gates;       /* number of gates of that length */
-  size_t pitches;     /* number of pitches between such gates; 0: pitch is an
-                         estimate */
-  size_t equal;       /* number of these equal to `pitch` */
+  size_t gates;       /* number of gates of length `line` */
+  size_t pitches;     /* number of pitches between such gates; 0: `pitch` is
+                         assumed */
+  size_t equal;       /* number of pitches equal to `pitch` */
 } resist_drawn;
 
 /* Find the length of the shortest gate and the most frequent centre-to-centre
    distance of two such gates side by side. The shortest length is the nominal
-   length of a process and occurs in nearly every cell; the most frequent length
-   varies between cells. The smallest pitch would be that of gates in series
-   without a contact, however rare. Return 0 if there are no gates. */
+   length of a process and occurs in nearly every cell, while the most frequent
+   length varies between cells. The smallest pitch is not used: gates in series
+   without a contact, however rare, would define it. Return 0 without gates. */
 int resist_drawn_of(const eda_gates *gates, resist_drawn *out);

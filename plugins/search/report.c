@@ -18,7 +18,8 @@ eda_settings *search_settings(const search *s) {
   return out;
 }
 
-/* columns: setting, parameters, figure, run, result */
+/* Publish the table with the columns setting, parameters, figure, run,
+   result. */
 static int settings_table(const search *s, const eda_settings *all,
                           opc_error *error) {
   size_t n = 0, stride = s->count;
@@ -66,7 +67,8 @@ static void add_number(sheet *t, char *what, double value, const char *unit) {
                                             unit ? unit : ""));
 }
 
-/* Publish the best setting with all metrics of its run, and the effort. */
+/* Publish the best setting with all metrics of its run, and the numbers of runs
+   and simulations. */
 static int best_table(const search *s, const eda_settings *all,
                       opc_error *error) {
   sheet t = {g_ptr_array_new_with_free_func(g_free),

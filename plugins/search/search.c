@@ -11,8 +11,7 @@
 
 /* ---- the figure to minimise ---- */
 
-/* Attribute an error to the parameter, or to a key of it, and return the
-   code. */
+/* Set the parameter of an error, or a key of it, and return the code. */
 static int error_set_parameter(opc_error *error, const char *parameter,
                                const char *key) {
   g_snprintf(error->parameter, sizeof error->parameter, "%s%s%s", parameter,
@@ -35,8 +34,7 @@ static int plan_figure(search *s, opc_error *error) {
   return OPC_OK;
 }
 
-/* Set up the shared axis: settings that differ in this axis only share a
-   run. */
+/* Set up the shared axis: settings that differ only there share a run. */
 static int plan_axis(search *s, const char *key, opc_error *error) {
   plan *p = &s->plan;
   p->along = opc_get_inner(s->host)->axis(s->host, key, error);
@@ -78,7 +76,7 @@ static int plan_along(search *s, opc_error *error) {
                              s->along.pairs[s->along.count - 1].key);
 }
 
-/* Select the step of the mask: the named step, or the step of the figure. */
+/* Select the step that provides the mask: the named one or the figure's. */
 static int plan_mask(search *s, opc_error *error) {
   const opc_inner_service *inner = opc_get_inner(s->host);
   opc_error none = {0};
@@ -159,8 +157,8 @@ static double real_at(const opc_column *c, size_t row) {
 }
 
 /* Take the figures of a shared run from the rows of a table: for each value of
-   the axis, the last row not beyond the value. A run that ends early has
-   converged. */
+   the axis, the last row whose axis value does not exceed that value. A run
+   that ends early has converged. */
 static int take_column(search *s, size_t setting, opc_error *error) {
   const opc_inner_service *inner = opc_get_inner(s->host);
   const plan *p = &s->plan;
@@ -182,7 +180,7 @@ static int take_column(search *s, size_t setting, opc_error *error) {
 
 /* ---- all runs ---- */
 
-/* Update the best setting; the first of equal settings wins. */
+/* Update the best setting. If settings are equal, the first is the best. */
 static void search_compare(search *s, size_t setting) {
   double figure = s->figure[setting];
   if (isnan(figure)) return;
@@ -193,8 +191,8 @@ static void search_compare(search *s, size_t setting) {
 }
 
 /* Run the settings that share a run with `first`, the setting with the first
-   value of the shared axis. The table records a failed run. Returns an error
-   only for cancellation or an invalid column. */
+   value of the shared axis. The table of settings records a failed run. Returns
+   an error only for cancellation or an invalid column. */
 static int run_settings(search *s, size_t first, opc_error *error) {
   const plan *p = &s->plan;
   opc_error failure = {0};
@@ -236,7 +234,7 @@ static int run_all(search *s, opc_error *error) {
                   s->results[0]);
 }
 
-/* Run the best setting again, for its objects and files. */
+/* Run the best setting again, to obtain its objects and files. */
 static int run_best(search *s, opc_error *error) {
   int code = opc_get_inner(s->host)->run(s->host, s->best, 1, 0, error);
   if (code) return code;
@@ -273,31 +271,31 @@ static int search_run(void *self, void **outputs, opc_error *error) {
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(search, flow, .type = OPC_FILE,
                   .flags = OPC_REQUIRED | OPC_INNER_FLOW,
-                  .summary = "the flow whose parameters are searched"),
+                  .summary = "flow whose parameters are searched"),
     OPC_PARAMETER(search, gates, .type = OPC_INPUT, .flags = OPC_INNER_STEP,
                   .choices = "gates",
                   .summary = "gates that the flow corrects (default: those of "
                              "the step 'gates' of the flow)"),
     OPC_PARAMETER(search, variant, .type = OPC_TEXT,
-                  .summary = "a variant of that flow"),
+                  .summary = "variant of the flow"),
     OPC_PARAMETER(
         search, set, .type = OPC_MAP, .flags = OPC_MAP_OF_ANY,
-        .summary = "step.parameter: value, in place of the values of the flow"),
+        .summary = "step.parameter: value, overrides the values of the flow"),
     OPC_PARAMETER(search, sweep, .type = OPC_MAP, .flags = OPC_MAP_OF_ANY,
                   .summary = "step.parameter: [...] or { from: A, to: B, step: "
-                             "C }; over that flow's own sweep"),
+                             "C }; merged over the sweep of the flow"),
     OPC_PARAMETER(
         search, along, .type = OPC_MAP,
-        .summary = "step.parameter: step.table.column, one run has the figure "
-                   "at all values of a swept parameter, row by row"),
-    OPC_PARAMETER(
-        search, minimise, .type = OPC_TEXT,
-        .summary = "step.metric, the figure whose least value is best"),
+        .summary = "step.parameter: step.table.column; one run covers all "
+                   "values of this parameter, with a table row for each value"),
+    OPC_PARAMETER(search, minimise, .type = OPC_TEXT,
+                  .summary = "step.metric to minimise"),
     OPC_PARAMETER(search, maximise, .type = OPC_TEXT,
-                  .summary = "or that whose greatest value is"),
+                  .summary = "step.metric to maximise"),
     OPC_PARAMETER(
         search, mask, .type = OPC_TEXT,
-        .summary = "the step whose mask is handed on; that of the figure"),
+        .summary =
+            "step that provides the mask; default: the step of the metric"),
 };
 
 static const opc_metric metrics[] = {
@@ -324,8 +322,8 @@ static void search_clear(void *self) {
 
 /* ---- entry ---- */
 
-/* Release nothing: the mask belongs to the run of the best setting, which lives
-   as long as the step. */
+/* Do not release the mask: the mask belongs to the run of the best setting,
+   which exists as long as the step. */
 static void keep_mask(void *mask) { (void)mask; }
 
 static const opc_port outputs[] = {{.name = "mask",
@@ -338,7 +336,8 @@ static const opc_step functions = {OPC_OUTPUTS(outputs), .run = search_run};
 OPC_PLUGIN(
     search, .id = "search", .kind = "step", .version = OPC_VERSION,
     .licence = "BSD-3-Clause",
-    .summary = "run a flow at many settings of parameters, keep the best",
+    .summary =
+        "run a flow at many settings of parameters and keep the best setting",
     .flags = OPC_DETERMINISTIC | OPC_REENTRANT, OPC_PARAMETERS(parameters),
     OPC_METRICS(metrics), .check = search_check, .clear = search_clear,
     OPC_FUNCTIONS(functions));

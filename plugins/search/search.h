@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Internal interface of the step `search`: the best of all settings of a flow's
-   parameters, and the mask of that setting (thesis 3.3.1). */
+/* Internal interface of the step `search`, which finds the best of all settings
+   of a flow's parameters and returns the mask of that setting (thesis
+   3.3.1). */
 #pragma once
 
 #include <eda/settings.h>
@@ -9,15 +10,15 @@
 /* Objective of the search. */
 typedef struct plan {
   const char *figure;       /* "step.metric" */
-  char *of;                 /* path of the figure's step, or of a plugin in
-                               it */
+  char *of;                 /* path of the step with the figure, or of a plugin
+                               in the step */
   const opc_metric *metric; /* declaration of the figure */
-  int greatest;             /* maximise the figure */
+  int greatest;             /* 1: maximise the figure; 0: minimise */
   const char *mask;         /* step whose mask is the output */
 
-  /* Index of the shared axis: one run at the last value of that axis covers all
-     `count` values; a table of the run has the figure row by row. Without a
-     shared axis: -1 and count 1. */
+  /* Index of the shared axis; -1 (with count 1): none. One run at the last
+     value of the shared axis covers all `count` values: a table of the run has
+     a row with the figure for each value. */
   int along;
   size_t count, stride; /* stride: distance of settings that share a run */
   char **column;        /* column of the axis values: step, table, column */
@@ -26,7 +27,7 @@ typedef struct plan {
 typedef struct search {
   const opc_host *host;
   const char *flow, *variant, *minimise, *maximise, *mask;
-  const void *gates; /* used by the host only */
+  const void *gates; /* only the host uses this field */
   opc_map set, sweep, along;
   const opc_inner_axis *const *axes;
   size_t n_axes;

@@ -21,8 +21,8 @@ static const opc_inner_axis axes[] = {
     {"mask.length", "nm", LENGTHS, lengths, length_texts, 1},
     {"mask.moves", NULL, MOVES, moves, move_texts, 1}};
 
-/* Return the figure: least at 20 nm, equal for 1 and 2 moves; greatest at 30 nm
-   and 4 moves. */
+/* Return the figure. The minimum is at 20 nm, and equal for 1 and 2 moves; the
+   maximum is at 30 nm and 4 moves. */
 static double formula(double length, double move) {
   return (length - 20) * (length - 19) / 4 + (move - 1.5) * (move - 1.5);
 }
@@ -88,8 +88,8 @@ static size_t best_of(int greatest) {
   return best;
 }
 
-/* Each setting runs once, in order; then the best one runs again, with its
-   files kept. The first of equal settings is best. */
+/* Each setting runs once, in order. Then the best setting runs again, and its
+   files are kept. If settings are equal, the first is the best. */
 static void test_all(void) {
   for (int greatest = 0; greatest < 2; greatest++) {
     opc_error error;
@@ -182,9 +182,9 @@ static void test_shared(void) {
   }
 }
 
-/* The shared parameter changes last, so the settings of a run are not adjacent.
-   The figure has its minimum 0 at settings 1 and 3; the run of setting 3 comes
-   first; one of the runs fails. */
+/* The shared parameter is the first axis, so that the settings of a run are not
+   adjacent. The figure has the minimum 0 at settings 1 and 3. The run of
+   setting 3 comes first, and one of the runs fails. */
 static const opc_inner_axis turned[] = {
     {"mask.moves", NULL, MOVES, moves, move_texts, 1},
     {"mask.length", "nm", LENGTHS, lengths, length_texts, 1}};
@@ -228,7 +228,7 @@ static void test_turned(void) {
 
 /* ---- errors ---- */
 
-/* If the run of the best setting fails, the next best one wins. */
+/* If the run of the best setting fails, the next best setting is the best. */
 static void test_failing(void) {
   opc_error error;
   search s = {.host = inner_host(flow), .minimise = "mask.ion"};
@@ -269,8 +269,8 @@ static void test_ends(void) {
   g_assert_cmpstr(error.message, ==, "no setting has a value: dark 0");
 }
 
-/* A differing figure in the repeated run of the best setting causes a warning
-   with both values. */
+/* If the figure differs in the repeated run of the best setting, a warning has
+   both values. */
 static void test_differs(void) {
   opc_error error;
   search s = {.host = inner_host(flow), .minimise = "mask.ion"};

@@ -6,9 +6,9 @@
 #include <eda/memory.h>
 #include <stdlib.h>
 
-/* Deviation, %, assumed for a line that does not print across the whole width.
-   Such a line has no current to compare; it is too thin, so its current counts
-   as far too high. */
+/* Deviation, %, of a transistor that is open: its line does not print across
+   the entire width. An open line is too thin, so the deviation has the sign of
+   too much current. */
 static const double open = 100;
 
 void descent_clear(descent *d) {

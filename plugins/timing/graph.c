@@ -204,7 +204,7 @@ int graph_read(graph *g, eda_pool *pool, const eda_timing *timing,
   return code;
 }
 
-/* ---- from a circuit's devices to the cells' ---- */
+/* ---- from devices of the circuit to devices of cells ---- */
 
 /* Return a hash table from instance name to first node + 1. */
 static GHashTable *index_instances(const graph *g) {

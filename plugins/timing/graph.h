@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Shared by the steps of timing: circuits of cells in topological order, delay
-   tables at given loads and sizes, and static timing analysis. Times in s and
-   capacitances in F unless a comment says ps. */
+/* Shared by the timing steps: circuits of cells in topological order, delay
+   tables at given loads and sizes, and static timing analysis. Times in s
+   unless a comment states ps or fs; capacitances in F. */
 #pragma once
 
 #include <eda/netlist.h>
@@ -68,16 +68,17 @@ place *graph_places(const graph *g, const eda_circuit *circuit,
 /* Set of transistor sizes, drawn or printed, with the resulting tables. */
 typedef struct state {
   const char *name;
-  double **change; /* ln of size ratio, [instance][bundle * EDA_SIZES + size];
-                      NULL: as drawn */
-  double *table;   /* cubic coefficients of the arcs of all nodes, ps; see
-                      tables.c */
-  double *one;     /* one delay per arc, fs; see one_delay */
+  double *
+      *change; /* ln of the ratio of printed to drawn size, [instance][bundle *
+                  EDA_SIZES + size]; NULL: drawn sizes */
+  double *table; /* cubic coefficients of the arcs of all nodes, ps; see
+                    tables.c */
+  double *one;   /* one delay per arc, fs; see one_delay */
   const node *nodes;
   /* Loads of each net, F, [(net * 2 + rises) * EDA_CAPS + cap]. `load`: mean
-     over the input patterns of the instances on the net; `fixed`: share
-     independent of these patterns (wires, output loads); `least` and `largest`:
-     bounds; `mean`: position of the mean between the bounds, 0 to 1. */
+     over the input patterns of the instances on the net. `fixed`: part of wires
+     and output loads. `least` and `largest`: bounds over the input patterns.
+     `mean`: position of `load` between the bounds, 0 to 1. */
   double *load, *fixed, *least, *largest, *mean;
   /* Ratio of printed to drawn pin capacitance, [(pin * 2 + rises) * EDA_CAPS +
      cap], pins as in graph.pin. */

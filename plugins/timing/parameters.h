@@ -43,7 +43,8 @@
           "slew", self_type, at.slew, .type = OPC_REAL, .unit = "s",           \
           .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "10 ps",              \
           .min = 1e-14, .max = 1e-3,                                           \
-          .summary = "time of an input between the edges of the cells' slews")
+          .summary =                                                           \
+              "input slew, between the voltage levels of the cells' slews")
 
 #define FIGURE(id, of, text) \
   { .name = (id), .unit = (of), .better = OPC_NEUTRAL, .summary = (text) }

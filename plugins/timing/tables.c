@@ -152,8 +152,8 @@ void arc_at(const node *n, const state *s, size_t arc, double slew,
 
 /* ---- static analysis ---- */
 
-/* Each net takes the latest arrival of all arcs and, separately, the largest
-   slew. */
+/* Each net takes the latest arrival of all arcs. The slew is the largest slew
+   of all arcs, also of arcs that are not the latest. */
 arrivals static_arrivals(const graph *g, const state *s, double slew,
                          eda_pool *pool) {
   arrivals a = {eda_pool_alloc(pool, 2 * g->nets, sizeof(double)),

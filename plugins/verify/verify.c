@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the step `verify`: simulates and measures a corrected mask with
-   models other than those of its loop. */
-#include <eda/print.h>
+/* Implements the step `verify`: simulates and measures a corrected mask by
+   models other than the models of the correction loop. */
 #include <opcflow/step.h>
 #include <stdlib.h>
 
@@ -45,9 +44,14 @@ static int verify_run(void *self, void **outputs, opc_error *error) {
 static int verify_forecast(void *self, opc_forecast *out, opc_error *error) {
   const verify *v = self;
   (void)error;
-  correct_forecast(&v->with, v->host, v->mask->gates, "one print",
+  correct_forecast(&v->with, v->host, v->mask->gates, "one simulation",
                    "one accurate simulation", out);
   return OPC_OK;
+}
+
+static int verify_sketch(void *self, void **outputs, opc_error *error) {
+  (void)error;
+  return correct_sketch_mask(((const verify *)self)->mask->gates, outputs);
 }
 
 /* ---- restoring ---- */
@@ -88,8 +92,9 @@ static int verify_check(void *self, opc_error *error) {
 
 static const opc_port outputs[] = {EDA_PORT_MASK("mask")};
 static const opc_step functions = {
-    OPC_OUTPUTS(outputs), .run = verify_run, .forecast = verify_forecast,
-    .save = correct_save_mask, .restore = verify_restore};
+    OPC_OUTPUTS(outputs),        .run = verify_run,
+    .forecast = verify_forecast, .sketch = verify_sketch,
+    .save = correct_save_mask,   .restore = verify_restore};
 
 OPC_PLUGIN(verify, .id = "verify", .kind = "step", .version = OPC_VERSION,
            .licence = "BSD-3-Clause",

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tests the repeated simulation of a mask: by the same models, where nothing
-   may change, and by others, where the change equals that of the figures. */
+/* Tests the repeated simulation of a mask: by the same models, where no figure
+   may change, and by other models, where the change equals that of the
+   figures. */
 #include <eda/gates.h>
 #include <eda/print.h>
 #include <math.h>
@@ -102,8 +103,8 @@ static void test_leakage(void) {
   release_sample(loop, mask);
 }
 
-/* The accurate model changes the figures by as much as its errors allow;
-   without an accurate model, the figures of the fast one are reported. */
+/* The accurate model changes the figures by at most its error; without an
+   accurate model, the figures are those of the fast model. */
 static void test_fine(void) {
   static const char *const fines[] = {"", ", fine: 3e-4", ", fine: off"};
   double ion[3][2];

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the common part of the writers of layouts; compiled into each of
-   them. */
+/* Implements the common part of the layout writers; compiled into each. */
 #include "writer.h"
 
 #include <eda/memory.h>
@@ -59,8 +58,8 @@ static int names_collide(const char *a, const char *b) {
   return x.layer == y.layer && x.datatype == y.datatype;
 }
 
-/* Fail if the map assigns to a layer the file name of a layer that is not in
-   the map. */
+/* Fail if the map sets for a layer the file name of a layer outside of the
+   map. */
 static int check_places(const writer *w, const eda_layout *layout,
                         const char *const *names, opc_error *error) {
   const opc_map *map = &w->layers;
@@ -78,8 +77,8 @@ static int check_places(const writer *w, const eda_layout *layout,
   return OPC_OK;
 }
 
-/* Find the name in the file of each layer: by the map, as in the layout, or as
-   in the file of the layout. */
+/* Find the name of each layer in the file: from the map, the layout, or the
+   file from which the layout was read. */
 static int name_layers(writer *w, const eda_layout *layout, const char **names,
                        opc_error *error) {
   const opc_map *map = &w->layers;
@@ -185,12 +184,12 @@ static int put_layout(writer *w, const eda_layout *layout, opc_error *error) {
 
 /* ---- a mask ---- */
 
-/* A layer of the mask, or its drawn shapes. */
+/* A layer of the mask, or the drawn shapes of a layer. */
 typedef struct mask_layer {
   const eda_shapes *shapes;
   char name[256]; /* name in the flow */
   const char *file_name;
-  char preset[64]; /* default of the name in the file */
+  char preset[64]; /* default of `file_name` */
 } mask_layer;
 
 void writer_number_layer(const eda_gates *gates, size_t k, int drawn,
@@ -200,8 +199,8 @@ void writer_number_layer(const eda_gates *gates, size_t k, int drawn,
            (unsigned)(number + (drawn ? EDA_DRAWN_NUMBER : 0)));
 }
 
-/* List all layers, then the drawn shapes of the corrected ones. Return their
-   number. */
+/* List all layers, then the drawn shapes of the corrected layers. Return the
+   number of elements. */
 static size_t list_mask(const writer *w, mask_layer *layers) {
   const eda_gates *g = w->mask->gates;
   size_t n = 0;

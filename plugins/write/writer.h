@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Common part of the writers of layouts: selection and order of cells, shapes
-   and layers, and opening and closing of the file. A format defines their
+   and layers, and opening and closing of the file. A format defines the
    representation in the file. */
 #pragma once
 
@@ -15,8 +15,8 @@ typedef struct write_format {
   const char *layer;  /* example of a layer, for messages: "9/0" */
   size_t most_points; /* largest number of points of a polygon */
 
-  /* Write the default name of layer k of a mask to a buffer of 64 bytes;
-     `drawn`: name of its drawn shapes. */
+  /* Write the default name of layer k of a mask into `name`, 64 bytes; `drawn`:
+     of the layer of drawn shapes. */
   void (*name_layer)(const eda_gates *gates, size_t k, int drawn, char *name);
 
   /* Set the layer of the following polygons and texts. Return 0 if `layer` is
@@ -44,7 +44,7 @@ typedef struct writer {
   const eda_mask *mask;
   int layout_given, mask_given;
   const char *name; /* of the file */
-  opc_map layers;   /* name: name in the file */
+  opc_map layers;   /* name of the layer -> layer in the file */
 
   const write_format *format; /* set by writer_check */
   const char *path;
@@ -66,21 +66,22 @@ typedef struct writer {
                             .summary = "Mask to write, in place of a layout", \
                             .given = offsetof(state, w.mask_given)),          \
         OPC_PARAMETER_NAMED("file", state, w.name, .type = OPC_OUTPUT,        \
-                            .preset = (preset_name), .summary = "The file"),  \
+                            .preset = (preset_name),                          \
+                            .summary = "File to write"),                      \
         OPC_PARAMETER_NAMED("layers", state, w.layers, .type = OPC_MAP,       \
                             .summary = (layers_summary)),                     \
   }
 
-/* Implement `check` of a plugin and `run` of its step. Return OPC_OK or an
-   error. */
+/* writer_check: implement `check` of a plugin. writer_run: implement `run` of
+   its step. Return OPC_OK or an error. */
 int writer_check(writer *w, const write_format *format, opc_error *error);
 int writer_run(void *self, void **outputs, opc_error *error);
 
 /* Implement `forecast`: check the names of the layers, without an estimate. */
 int writer_forecast(void *self, opc_forecast *out, opc_error *error);
 
-/* Fail with OPC_FAILED: the format cannot represent the layout. The first
-   failure is kept; the file is deleted. */
+/* Fail with OPC_FAILED, because the format cannot represent the layout. The
+   first failure is kept; the file is deleted. */
 OPC_PRINTF(2, 3) void writer_fail(writer *w, const char *format, ...);
 
 /* Implement name_layer for formats with numbered layers. */
@@ -90,6 +91,6 @@ void writer_number_layer(const eda_gates *gates, size_t k, int drawn,
 /* Compute from + n * step. Return 0 beyond the range of coordinates. */
 int writer_along(eda_point from, uint64_t n, eda_point step, eda_point *to);
 
-/* Return the decimal number of 14 digits nearest to v, a product of two such
-   numbers. */
+/* Return the decimal number of 14 digits that is nearest to v, a product of
+   decimal numbers. */
 double writer_decimal(double v);

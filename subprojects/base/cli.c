@@ -45,13 +45,12 @@ void cli_message(const char *kind, const char *format, ...) {
 
 enum {
   FIRST_OWN = 100
-}; /* first descriptor used here, above those that others
-      rely on */
+}; /* first descriptor used here; lower ones are left to other code */
 
 static FILE *out;
 
-/* Open closed standard streams as unreadable and unwritable ones, because the
-   next opened file would take their place. */
+/* Open a closed standard stream as an unusable descriptor of /dev/null.
+   Otherwise the next opened file would become the standard stream. */
 static void hold_places(void) {
   for (int i = STDIN_FILENO; i <= STDERR_FILENO; i++)
     if (fcntl(i, F_GETFD) < 0)
@@ -62,7 +61,7 @@ void cli_keep_output(void) {
   hold_places();
   int kept = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, FIRST_OWN);
   out = kept < 0 ? NULL : fdopen(kept, "w");
-  if (!out) out = stdout; /* too few files may be open */
+  if (!out) out = stdout; /* the limit of open files is reached */
   if (out == stdout) return;
   dup2(STDERR_FILENO, STDOUT_FILENO);
   setvbuf(stdout, NULL, _IOLBF, 0);
@@ -86,7 +85,6 @@ void cli_write(const char *text) {
   if (!silent) fputs(text, out);
 }
 
-/* COLUMNS, or the width of the terminal; unlimited for other outputs. */
 size_t cli_width(void) {
   const char *columns = g_getenv("COLUMNS");
   struct winsize size;

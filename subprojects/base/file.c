@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Checks of files, folders and names, most of them without opening them. */
+/* Checks of files, folders and names. Most checks do not open the file. */
 #include <base/file.h>
 #include <errno.h>
 #include <string.h>
@@ -58,7 +58,7 @@ gboolean opc_is_name(const char *text, gboolean dots) {
 }
 
 gboolean opc_is_id(const char *name) {
-  gboolean start = TRUE; /* of a word */
+  gboolean start = TRUE; /* TRUE at the start of a word */
   for (const char *c = name; *c; c++) {
     if (*c == '.' ? start
                   : !(g_ascii_islower(*c) ||

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Application of trees over each other, and parsing of layers from a command
-   line. */
+/* Application of trees to other trees, and layers from a command line. */
 #include <base/layers.h>
 
 #include <string.h>
@@ -18,8 +17,8 @@ static void lay_map(const layer *l, opc_node *under, const opc_node *over);
 
 /* ---- one key ---- */
 
-/* Copy a node. A map is applied over an empty one, so its keys to remove do not
-   exist. */
+/* Copy a node. A map is applied to an empty map, which removes the keys with
+   the value `~`. */
 static opc_node *node_copy(const layer *l, const opc_node *node) {
   if (node->type != OPC_NODE_MAP) return opc_node_copy(node, NULL);
   opc_node *map = opc_node_map_new(node->source, &node->at);
@@ -27,7 +26,7 @@ static opc_node *node_copy(const layer *l, const opc_node *node) {
   return map;
 }
 
-/* Return whether a map names another plugin than the map below. */
+/* Return whether the map `over` selects another plugin than the map `under`. */
 static gboolean is_other(const opc_node *under, const opc_node *over) {
   const opc_node *new = opc_node_get(over, "use");
   const opc_node *old = opc_node_get(under, "use");
@@ -46,8 +45,8 @@ static void add_key(const layer *l, opc_node *under, const opc_node *key,
     opc_node_add(under, opc_node_copy(key, NULL), node_copy(l, value));
 }
 
-/* Apply a key that exists with the value `*old`: both become NULL if the key is
-   removed. */
+/* Apply `value` to a key that exists with the value *old. If the key is
+   removed, *old_key and *old become NULL. */
 static void lay_key(const layer *l, gpointer *old_key, gpointer *old,
                     const opc_node *key, const opc_node *value) {
   gboolean maps =
@@ -69,7 +68,7 @@ static void map_put(opc_node *map, const opc_node *key, const char *path,
                     const opc_node *value, gboolean deep,
                     opc_problems *problems);
 
-/* Copy all keys of a map in a map; `deep`: also expand keys with dots. */
+/* Copy all keys of a map into another; `deep`: also expand keys with dots. */
 static void put_all(opc_node *map, const opc_node *from, gboolean deep,
                     opc_problems *problems) {
   for (guint i = 0; i < from->keys->len; i++)
@@ -77,8 +76,8 @@ static void put_all(opc_node *map, const opc_node *from, gboolean deep,
             from->items->pdata[i], deep, problems);
 }
 
-/* Insert a value; recursion is as deep as the dots of the path and as the
-   value. */
+/* Insert a value. The depth of recursion is the sum of the dots in the path and
+   the depth of the value. */
 static void map_put(opc_node *map, const opc_node *key, const char *path,
                     const opc_node *value, gboolean deep,
                     opc_problems *problems) {
@@ -130,7 +129,7 @@ static gboolean map_continues_key(const opc_node *map, const opc_node *other) {
   return FALSE;
 }
 
-/* Convert both forms of a key in two layers to one. */
+/* Replace dotted keys by nested maps in two layers. */
 static opc_node *undot_both(opc_node *under, const opc_node *over,
                             opc_problems *problems) {
   opc_node *flat = opc_undot(under, FALSE, problems);
@@ -145,15 +144,15 @@ static opc_node *undot_both(opc_node *under, const opc_node *over,
 
 /* ---- maps ---- */
 
-/* Apply a map. Recursion is as deep as the trees; time is proportional to their
-   size. */
+/* Apply a map. The depth of recursion is the depth of the trees; the time is
+   proportional to the size of the trees. */
 static void lay_map(const layer *l, opc_node *under, const opc_node *over) {
   g_autoptr(opc_node) undotted = NULL;
   if (under != l->steps &&
       (map_continues_key(over, under) || map_continues_key(under, over)))
     undotted = undot_both(under, over, l->problems);
   if (undotted) over = undotted;
-  /* Unmatched keys of the upper map. */
+  /* Key of the upper map -> index + 1, for keys that are not yet applied. */
   g_autoptr(GHashTable) left = g_hash_table_new(g_str_hash, g_str_equal);
   gpointer *keys = under->keys->pdata, *items = under->items->pdata;
   guint n = 0, before = under->keys->len;
@@ -184,7 +183,7 @@ void opc_lay(opc_node *under, const opc_node *over, opc_problems *problems) {
   lay_map(&l, under, over);
 }
 
-/* Without existing steps, all are new. */
+/* If no steps exist, all steps are new and need no `use`. */
 void opc_lay_steps(opc_node *steps, const opc_node *over,
                    opc_problems *problems) {
   const layer l = {problems, steps->keys->len ? steps : NULL};
@@ -241,14 +240,14 @@ void opc_lay_demands(opc_node *demands, const char *path, const opc_place *key,
 
 /* ---- the command line ---- */
 
-/* Return whether the shell has expanded an unquoted ~ to the home folder, which
-   no value can be. */
+/* Return whether the shell has replaced an unquoted ~ by the path of the home
+   folder. No value can be that path. */
 static gboolean is_expanded(const char *text) {
   const char *home = g_getenv("HOME");
   return home && *home == '/' && home[1] && !strcmp(text, home);
 }
 
-/* Parse a value; its problems have no line. */
+/* Parse a value; the problems have no line number. */
 static opc_node *parse_value(const char *text, const opc_source *source,
                              opc_problems *problems) {
   g_autoptr(opc_problems) found = opc_problems_new();
@@ -281,7 +280,8 @@ opc_node *opc_argument_parse(const char *option, const char *text, char **path,
     return NULL;
   }
   opc_node *value = equals ? parse_value(equals + 1, *source, problems) : NULL;
-  /* A whole step can be removed or changed, but has no value. */
+  /* A path without a dot is a step, which can be removed (~) or changed by a
+     map, but has no value. */
   gboolean good = equals && **path;
   if (good && value && !strchr(*path, '.'))
     good = value->type == OPC_NODE_MAP || opc_node_is_null(value);

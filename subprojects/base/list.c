@@ -3,9 +3,10 @@
 #include <base/list.h>
 
 #include <base/file.h>
+#include <base/sheet.h>
 #include <string.h>
 
-/* Equal to the limits of a flow file. */
+/* The limits of a flow file. */
 enum { MOST_BYTES = 16 << 20, MOST_CELLS = 200000 };
 
 /* ---- CSV ---- */
@@ -59,6 +60,7 @@ static opc_node *read_cell(csv *c) {
                     MOST_CELLS);
     return NULL;
   }
+  opc_cell_unmark(text->str);
   opc_node *node =
       opc_node_text_new(c->source, quoted ? text->str : g_strstrip(text->str));
   node->plain = !quoted;

@@ -24,7 +24,7 @@ static int find_text(const opc_values *v, const char *text) {
   return -1;
 }
 
-/* Add a text unless an earlier pattern matched that text. */
+/* Add a text unless the list contains an equal text. */
 static void add_text(opc_values *v, const opc_node *like, const char *text,
                      char *star) {
   if (find_text(v, text) >= 0) {
@@ -49,8 +49,8 @@ void opc_values_remove(opc_values *v, const char *pattern, gboolean files) {
   }
 }
 
-/* Return the part of a path matched by the star, the only wildcard of a pattern
-   (g_free); "" if there are others. */
+/* Return the part of a path that the star of a pattern matched (g_free); "" if
+   the pattern has other wildcards. */
 static char *star_of(const char *pattern, const char *path) {
   const char *star = strchr(pattern, '*');
   if (!star || strpbrk(star + 1, "*?[") ||
@@ -73,7 +73,6 @@ gboolean opc_match_files(const opc_node *node, opc_values *out,
   return !code || opc_wrong(problems, node, "no file matches '%s'", pattern);
 }
 
-/* Find the file that belongs to the one whose star matched `star`. */
 gboolean opc_pair_file(const opc_node *node, const char *star, opc_values *out,
                        opc_problems *problems) {
   g_autofree char *pattern = opc_node_path(node);
@@ -101,15 +100,41 @@ gboolean opc_match_choices(const opc_node *node, const GPtrArray *list,
 
 /* ---- names ---- */
 
+/* Return the extension in a name, from the dot on; NULL if there is none. */
+static char *find_extension(char *name) {
+  char *dot = strrchr(name, '.');
+  return dot && dot > name && *name != '$' && g_ascii_isalpha(dot[1]) ? dot
+                                                                      : NULL;
+}
+
+/* Return the labels of the words of a map with `use`; "" unless one of the
+   words names a file. */
+static char *label_of_file(const opc_node *map) {
+  g_autoptr(GString) all = g_string_new(NULL);
+  gboolean any = FALSE;
+  for (guint i = 0; i < map->items->len; i++) {
+    const opc_node *value = map->items->pdata[i];
+    if (value->type != OPC_NODE_TEXT || !strcmp(opc_node_key(map, i), "use") ||
+        (!g_ascii_isalpha(*value->text) && !find_extension(value->text)))
+      continue;
+    any |= find_extension(value->text) != NULL;
+    g_autofree char *label = opc_label(value);
+    opc_label_add(all, label);
+  }
+  return g_strdup(any ? all->str : "");
+}
+
 char *opc_label(const opc_node *value) {
   const opc_node *use = opc_node_get(value, "use");
   const char *text = use                            ? use->text
                      : value->type == OPC_NODE_TEXT ? value->text
                                                     : NULL;
   if (!text || opc_node_is_null(value)) return g_strdup("");
+  g_autofree char *file = use ? label_of_file(value) : g_strdup("");
+  if (*file) return g_steal_pointer(&file);
   g_autofree char *base = g_path_get_basename(text);
-  char *dot = strrchr(base, '.');
-  if (dot && dot > base && g_ascii_isalpha(dot[1])) {
+  char *dot = find_extension(base);
+  if (dot) {
     if (use)
       memmove(base, dot + 1, strlen(dot));
     else

@@ -14,7 +14,8 @@ enum {
 };
 
 /* Placeholders for the braces of ${name} during parsing, because a brace would
-   end the text in { }. Private characters, one column wide like the braces. */
+   end the text in { }. The characters are in the private area of Unicode and
+   one column wide, like the braces. */
 #define OPEN "\xEE\x80\x80"  /* U+E000 */
 #define CLOSE "\xEE\x80\x81" /* U+E001 */
 
@@ -64,7 +65,7 @@ opc_node *opc_node_map_new(const opc_source *source, const opc_place *at) {
   return node_new(OPC_NODE_MAP, source, at);
 }
 
-/* Recursion is as deep as the tree with its layers. */
+/* The depth of recursion is the depth of the tree. */
 opc_node *opc_node_copy(const opc_node *node, const opc_source *source) {
   opc_place at = node->at;
   if (source) at.file = source->name;
@@ -199,9 +200,9 @@ static const char *line_start(const char *text, size_t line) {
   return text;
 }
 
-/* Return the length of "KEY:" where a value follows without a space, as in
-   "use:write.gds", at the beginning of a line; 0 if the line is no such text.
-   "x:/y" and "x::y" may be meant as values. */
+/* Return the length of "KEY:" at the beginning of a line if a value follows
+   without a space, as in "use:write.gds"; else 0. Texts like "x:/y" and "x::y"
+   may be meant as values and return 0. */
 static size_t joined_key(const char *line) {
   size_t n = 0;
   while (g_ascii_isalnum(line[n]) || line[n] == '_' || line[n] == '.') n++;
@@ -212,8 +213,8 @@ static size_t joined_key(const char *line) {
              : 0;
 }
 
-/* Find a likely cause before the place where libyaml notices the fault: a key
-   without a space after the colon, in the last lines up to there. */
+/* Report a key without a space after the colon in the line in which libyaml
+   found the fault, or in the line before. Return FALSE if there is none. */
 static gboolean find_joined_key(const builder *b) {
   enum { LINES = 2 };
   size_t last = b->parser.problem_mark.line;
@@ -232,7 +233,8 @@ static gboolean find_joined_key(const builder *b) {
   return FALSE;
 }
 
-/* Report a fault of libyaml, at the open bracket if one is not closed. */
+/* Report a fault that libyaml found. The place is the open bracket if a bracket
+   is not closed. Return FALSE. */
 static gboolean event_fails(const builder *b) {
   const yaml_parser_t *parser = &b->parser;
   opc_place at = place_of(b, parser->problem_mark);
@@ -287,7 +289,7 @@ static char *event_fault(const builder *b, const yaml_event_t *event,
 static gboolean read_items(builder *b, opc_node *node, unsigned depth);
 
 /* Read the node that an event starts, NULL if none. Return FALSE to stop
-   parsing. Recursion is as deep as the tree. */
+   parsing. The depth of recursion is the depth of the tree. */
 static gboolean read_node(builder *b, const yaml_event_t *event, unsigned depth,
                           gboolean is_key, opc_node **out) {
   opc_place at = place_of(b, event->start_mark);
@@ -350,14 +352,15 @@ static gboolean read_items(builder *b, opc_node *node, unsigned depth) {
   return good;
 }
 
-/* Return whether YAML allows a character, other than the two placeholders. */
+/* Return whether YAML allows a character. The two placeholders are not
+   allowed. */
 static gboolean is_yaml(gunichar c) {
   if (c < 0x20) return c == '\t' || c == '\n' || c == '\r';
   if (c < 0xA0) return c < 0x7F || c == 0x85;
   return c != 0xE000 && c != 0xE001 && c != 0xFFFE && c != 0xFFFF;
 }
 
-/* Report invalid bytes here, because libyaml reports them without a place. */
+/* Report invalid bytes with their place, because libyaml reports no place. */
 static gboolean check_bytes(const opc_source *source, const char *text,
                             size_t length, opc_problems *problems) {
   const char *end = text;
@@ -400,7 +403,7 @@ static void read_documents(builder *b, gboolean one, GPtrArray *roots) {
   }
 }
 
-/* Written by some editors at the start of UTF-8. */
+/* Byte order mark, which some editors write at the start of UTF-8 files. */
 static const char byte_order_mark[] = "\xEF\xBB\xBF";
 
 /* Return the documents of a text of at most `most` nodes; an empty list after

@@ -33,7 +33,7 @@ gboolean opc_problems_full(const opc_problems *problems) {
   return problems->list->len >= MOST_PROBLEMS;
 }
 
-/* Cut a message between two characters. */
+/* Truncate a message before the limit, at the end of a character. */
 static void message_truncate(char *message) {
   if (strlen(message) <= LONGEST_MESSAGE) return;
   char *end = g_utf8_find_prev_char(message, message + LONGEST_MESSAGE - 3);
@@ -59,8 +59,7 @@ gboolean opc_problem_add(opc_problems *problems, int code,
   return FALSE;
 }
 
-/* Return whether one of the first `n` problems equals `p`, with or without the
-   note. */
+/* Return whether one of the first `n` problems equals `p`, or `p` with note. */
 static gboolean is_known(const opc_problems *problems, guint n,
                          const opc_problem *p, const char *noted) {
   for (guint i = 0; i < n; i++) {
@@ -97,8 +96,8 @@ static gboolean same_file(gconstpointer a, gconstpointer b) {
   return !g_strcmp0(a, b); /* either may be NULL */
 }
 
-/* Return the number of the file of a problem in a list, or the length of the
-   list for a new file. */
+/* Return the index of the file of a problem in a list of files; the length of
+   the list if the file is not in the list. */
 static guint file_rank(const GPtrArray *files, const opc_problem *problem) {
   guint rank = files->len;
   g_ptr_array_find_with_equal_func((GPtrArray *)files, problem->at.file,

@@ -66,7 +66,8 @@ static gboolean check_range_keys(const opc_node *range,
          good;
 }
 
-/* Read a quantity in the unit of `from`; NULL for the first quantity itself. */
+/* Read a quantity and convert the number to the unit of `from`. `from` is NULL
+   for the first quantity. */
 static gboolean read_quantity(const opc_node *range, const char *key,
                               const quantity *from, opc_problems *problems,
                               quantity *out) {
@@ -96,13 +97,13 @@ static guint range_count(const opc_node *range, const quantity *from,
                          const quantity *to, const quantity *step,
                          opc_problems *problems) {
   double steps = (to->number - from->number) / step->number;
-  /* A step that divides the range within rounding reaches the end. */
+  /* The step may miss the end by the rounding error. */
   double count = floor(steps * (1 + 1e-12) + 1e-9) + 1;
   double short_of = steps - (count - 1);
   if (count >= 1 && count <= most_values && short_of <= steps * 1e-12 + 1e-9)
     return (guint)count;
-  /* The nearest possible end, because the end may be mistyped as well as the
-     step. */
+  /* The last value before the end, for the message: `to` may be wrong as well
+     as `step`. */
   double end = from->number + (count - 1) * step->number;
   g_autofree char *last =
       count > 1 && isfinite(end)

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tables of texts: as aligned columns of limited width, as Markdown and as
-   CSV. */
+/* Tables of texts: as columns of limited width, as Markdown and as CSV. */
 #include <base/sheet.h>
 #include <string.h>
 
@@ -101,7 +100,7 @@ static void drop_constants(const opc_sheet *s, GArray *list, size_t width,
   if (note->len) g_string_append_c(note, '\n');
 }
 
-/* Return whether the first k columns of a list identify all rows. */
+/* Return whether the first k columns of a list differ in each pair of rows. */
 static gboolean rows_differ(const opc_sheet *s, const GArray *list, guint k) {
   g_autoptr(GHashTable) seen =
       g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
@@ -115,8 +114,8 @@ static gboolean rows_differ(const opc_sheet *s, const GArray *list, guint k) {
   return TRUE;
 }
 
-/* Return the number of columns that identify a row: the first one, and the
-   following text columns while rows are equal, up to half of the width. */
+/* Return the number of columns that identify a row: the first column, and the
+   next text columns while some rows are equal, up to half of the width. */
 static guint count_keys(const opc_sheet *s, const GArray *list, size_t width) {
   size_t total = s->widths[g_array_index(list, size_t, 0)];
   guint k = 1;
@@ -232,13 +231,58 @@ char *opc_sheet_markdown(opc_sheet *s) {
 
 /* ---- CSV ---- */
 
-static void append_field(GString *out, const char *text) {
-  g_autoptr(GString) quoted = g_string_new(text);
-  g_string_replace(quoted, "\"", "\"\"", 0);
-  if (strpbrk(text, ",\"\r\n"))
-    g_string_append_printf(out, "\"%s\"", quoted->str);
+/* Return whether a text is a number with or without a unit, or a sign. */
+static gboolean is_quantity(const char *text) {
+  char *end;
+  (void)g_ascii_strtod(text, &end);
+  if (end == text)
+    end += *end == '-' || *end == '+';
   else
-    g_string_append(out, text);
+    end += strspn(end, " %abcdefghijklmnopqrstuvwxyzACFHVW");
+  return !*end;
+}
+
+static gboolean is_control(char c) {
+  return (guchar)c < ' ' ? c != '\r' && c != '\n' : c == 0x7f;
+}
+
+static gboolean needs_mark(const char *text) {
+  if (*text && strchr("=@'", *text)) return TRUE;
+  if ((*text == '+' || *text == '-') && !is_quantity(text)) return TRUE;
+  while (*text && !is_control(*text)) text++;
+  return *text != 0;
+}
+
+static void append_field(GString *out, const char *text) {
+  g_autoptr(GString) cell = g_string_new(needs_mark(text) ? "'" : NULL);
+  gboolean marked = cell->len > 0;
+  for (; *text; text++)
+    if (marked && is_control(*text))
+      g_string_append_printf(cell, "\\x%02x", *text);
+    else
+      g_string_append_printf(cell, marked && *text == '\\' ? "\\%c" : "%c",
+                             *text);
+  gboolean quoted = strpbrk(cell->str, ",\"\r\n") != NULL;
+  g_string_replace(cell, "\"", "\"\"", 0);
+  g_string_append_printf(out, quoted ? "\"%s\"" : "%s", cell->str);
+}
+
+void opc_cell_unmark(char *text) {
+  char *to = text;
+  if (*text != '\'') return;
+  for (const char *at = text + 1; *at; at++) {
+    if (*at == '\\' && at[1] == '\\') {
+      at++;
+    } else if (*at == '\\' && at[1] == 'x' && g_ascii_isxdigit(at[2]) &&
+               g_ascii_isxdigit(at[3])) {
+      *to++ = (char)(16 * g_ascii_xdigit_value(at[2]) +
+                     g_ascii_xdigit_value(at[3]));
+      at += 3;
+      continue;
+    }
+    *to++ = *at;
+  }
+  *to = 0;
 }
 
 char *opc_sheet_csv(const opc_sheet *s) {

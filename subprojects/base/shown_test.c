@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Printable forms; those of JSON are compared with the parser of JSON-GLib. */
+/* Printable forms of texts. The JSON forms are compared with the parser of
+   JSON-GLib. */
 #include <base/shown.h>
 #include <json-glib/json-glib.h>
 

@@ -7,8 +7,7 @@ enum { LONGEST = 64 };
 
 unsigned opc_edit_distance(const char *a, const char *b) {
   size_t m = strnlen(a, LONGEST), n = strnlen(b, LONGEST);
-  /* Three rows of the table, because a swap refers to the row before the
-     last. */
+  /* Three rows of the table: a swap refers to the row before the last. */
   unsigned rows[3][LONGEST + 1];
   for (size_t j = 0; j <= n; j++) rows[0][j] = (unsigned)j;
   for (size_t i = 1; i <= m; i++) {
@@ -30,11 +29,11 @@ unsigned opc_edit_distance(const char *a, const char *b) {
 const char *opc_nearest(const char *word, const GPtrArray *words) {
   unsigned limit = MAX(1, (unsigned)strnlen(word, LONGEST) / 3);
   const char *nearest = NULL;
-  for (guint i = 0; i < words->len; i++)
-    if (!g_ascii_strcasecmp(word, words->pdata[i])) return words->pdata[i];
+  g_autofree char *low = g_ascii_strdown(word, -1);
   for (guint i = 0; i < words->len; i++) {
-    unsigned distance = opc_edit_distance(word, words->pdata[i]);
-    /* A word without a common letter is no suggestion, however short. */
+    g_autofree char *its = g_ascii_strdown(words->pdata[i], -1);
+    unsigned distance = opc_edit_distance(low, its);
+    /* If the distance is the word's length, no letter is common. */
     if (distance > limit || distance >= strnlen(words->pdata[i], LONGEST))
       continue;
     limit = distance ? distance - 1 : 0;
@@ -56,7 +55,7 @@ char *opc_suggestion_of(const char *word, char *const *words) {
   return opc_suggestion(word, list);
 }
 
-/* A single word: an id that is near, else one with a last word that is near. */
+/* Suggest an id that is near the word, else an id whose last word is near. */
 static char *suggestion_of_word(const char *word, const GPtrArray *ids) {
   g_autoptr(GPtrArray) lasts = g_ptr_array_new();
   const char *nearest = opc_nearest(word, ids);

@@ -92,6 +92,10 @@ static void test_list(void) {
 static void test_labels(void) {
   static const char *const cases[][2] = {{"lists/one.txt", "one"},
                                          {"{ use: kind.name }", "name"},
+                                         {"{ use: a.b, word: c, n: 1.5 }", "b"},
+                                         {"{ use: a.b, f: ../x.y, n: 1.5, "
+                                          "top: C, of: '${d.e}' }",
+                                          "x-C"},
                                          {"65 nm", "65nm"},
                                          {"[1]", ""},
                                          {"~", ""}};

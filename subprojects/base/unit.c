@@ -9,8 +9,8 @@ struct opc_unit {
   const char *name;
   const char *noun;
   int exponent;  /* value of the unit: factor * 10^exponent of the base unit */
-  double factor; /* 0 means 1: powers of ten only */
-  double offset; /* zero of the unit, in the base unit */
+  double factor; /* 0: the unit is a power of ten of the base unit */
+  double offset; /* value of zero in the base unit */
 };
 
 static const char length[] = "a length", area[] = "an area",
@@ -39,6 +39,7 @@ static const opc_unit units[] = {
     {"rad", angle, 0, 180 / G_PI, 0},  {"s", duration, 0, 0, 0},
     {"ms", duration, -3, 0, 0},        {"us", duration, -6, 0, 0},
     {"ns", duration, -9, 0, 0},        {"ps", duration, -12, 0, 0},
+    {"min", duration, 0, 60, 0},       {"h", duration, 0, 3600, 0},
 };
 
 const opc_unit *opc_unit_find(const char *name) {
@@ -91,8 +92,8 @@ static double number_shifted(const char *text, size_t n, int shift) {
   char *e = strpbrk(number, "eE");
   long exponent = shift;
   if (e) {
-    /* An exponent may have any size: strtol saturates, and 10^6 exceeds all
-       ranges. */
+    /* An exponent of any size is accepted: strtol returns a limit, and 10^6
+       exceeds the range of every number. */
     exponent += CLAMP(strtol(e + 1, NULL, 10), -1000000, 1000000);
     *e = 0;
   }
@@ -132,7 +133,7 @@ char *opc_number_fixed(double number, int decimals) {
   char format[16], buffer[400];
   g_snprintf(format, sizeof format, "%%.%df", MIN(decimals, MOST_DECIMALS));
   g_ascii_formatd(buffer, sizeof buffer, format, number);
-  /* Zero is written without a sign. */
+  /* Zero has no sign. */
   gboolean zero = *buffer == '-' && strspn(buffer, "-0.") == strlen(buffer);
   return g_strdup(buffer + zero);
 }

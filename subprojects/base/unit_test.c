@@ -16,8 +16,7 @@ static double unit_convert(const char *text, const char *to) {
   return opc_number_in(text, n, from, unit);
 }
 
-/* Powers of ten are exact: a value in another unit yields the same number to
-   the last bit. */
+/* Powers of ten are exact: a value written in another unit is bit-identical. */
 static void test_exact(void) {
   g_assert_true(unit_convert("0.065 um", "nm") == 65);
   g_assert_true(unit_convert("193nm", "nm") == 193);

@@ -20,8 +20,8 @@ static eda_sraf_edge edge_of(const eda_gates *g, size_t i, int high) {
   return e;
 }
 
-static int32_t grid_steps(const loop *l, double nm) {
-  return (int32_t)lround(fmin(nm / l->gates->grid, 1e6));
+int32_t correct_steps(const eda_gates *gates, double nm) {
+  return (int32_t)lround(fmin(nm / gates->grid, 1e6));
 }
 
 static void assists_show(loop *l) {
@@ -30,8 +30,8 @@ static void assists_show(loop *l) {
       (eda_boxes){l->assists.srafs.box, l->assists.srafs.count});
 }
 
-/* The layout repeats beyond the clear field. A bar outside the frame would
-   overlap the next copy and be counted twice. */
+/* The layout repeats beyond the clear field. A scatter bar outside the frame
+   would overlap the next copy of the layout and be counted twice. */
 int correct_assists_check(const loop *l, opc_error *error) {
   const eda_frame *f = &l->printer.frame;
   double g = l->gates->grid;
@@ -45,7 +45,7 @@ int correct_assists_check(const loop *l, opc_error *error) {
       return opc_fail(
           error, OPC_INVALID, "margin",
           "a scatter bar of layer '%s', from (%g, %g) to (%g, %g) nm, extends "
-          "beyond the clear field into the next copy of the layout",
+          "beyond the clear field: increase 'margin'",
           l->gates->layer[k], b.x0 * g, b.y0 * g, b.x1 * g, b.y1 * g);
     }
   }
@@ -58,18 +58,21 @@ int correct_assists_begin(loop *l, opc_error *error) {
   if (!a->rows || !n) return OPC_OK;
   if (l->next.shift[EDA_POLY])
     return opc_fail(error, OPC_INVALID, "assist",
-                    "'%s' moves all edges of the poly and places scatter bars",
+                    "'assist' does not apply to '%s', which dissects the poly "
+                    "layer: remove 'assist'",
                     l->drivers[MAIN].module->id);
-  const eda_sraf_rule rule = {.rows = (int32_t)a->rows,
-                              .width = grid_steps(l, a->width),
-                              .distance = grid_steps(l, a->distance),
-                              .space = grid_steps(l, a->space),
-                              .min_length = grid_steps(l, a->min_length),
-                              .overhang = grid_steps(l, a->overhang)};
+  const eda_sraf_rule rule = {
+      .rows = (int32_t)a->rows,
+      .width = correct_steps(l->gates, a->width),
+      .distance = correct_steps(l->gates, a->distance),
+      .space = correct_steps(l->gates, a->space),
+      .min_length = correct_steps(l->gates, a->min_length),
+      .overhang = correct_steps(l->gates, a->overhang)};
   if (rule.width < 1)
-    return opc_fail(error, OPC_INVALID, "assist_width",
-                    "%g nm is less than the mask grid of %g nm", a->width,
-                    l->gates->grid);
+    return opc_fail(
+        error, OPC_INVALID, "assist_width",
+        "'assist_width' is %g nm, expected at least the mask grid of %g nm",
+        a->width, l->gates->grid);
   eda_sraf_edge *edges = eda_alloc(n, 2 * sizeof *edges);
   for (size_t i = 0; i < 2 * n; i++) edges[i] = edge_of(l->gates, i / 2, i % 2);
   int code = eda_srafs_place(edges, 2 * n, &rule, &l->gates->drawn[EDA_POLY],

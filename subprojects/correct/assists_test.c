@@ -62,8 +62,8 @@ static gate_srafs set_rules(int rows, double width, double margin) {
 }
 
 /* Compare with rectangles computed by hand: gates at y 100..300 and 600..900 of
-   a line at x 0..60. The scatter bars of the longer gate are placed first, the
-   others end 90 nm before them. */
+   a line at x 0..60. The scatter bars of the longer gate are placed first;
+   those of the shorter gate end 90 nm before them. */
 static void test_places(void) {
   static const eda_box want[] = {{-156, 480, -150, 1020},
                                  {210, 480, 216, 1020},
@@ -125,11 +125,11 @@ static void test_refused(void) {
   opc_error error = {0};
   g_assert_cmpint(run_step(&l, &cutter, set_rules(1, 6, 0.02), &error), ==,
                   OPC_INVALID);
-  g_assert_nonnull(strstr(error.message, "places scatter bars"));
+  g_assert_nonnull(strstr(error.message, "dissects the poly layer"));
   correct_loop_clear(&l);
   g_assert_cmpint(run_step(&l, &mover, set_rules(1, 0.3, 0.02), &error), ==,
                   OPC_INVALID);
-  g_assert_nonnull(strstr(error.message, "less than the mask grid"));
+  g_assert_nonnull(strstr(error.message, "at least the mask grid"));
   correct_loop_clear(&l);
   /* From 150 nm beside the line to 500 nm beside the active. */
   g_assert_cmpint(run_step(&l, &mover, set_rules(1, 550, 0.02), &error), ==,
@@ -137,7 +137,7 @@ static void test_refused(void) {
   correct_loop_clear(&l);
   g_assert_cmpint(run_step(&l, &mover, set_rules(1, 551, 0.02), &error), ==,
                   OPC_INVALID);
-  g_assert_nonnull(strstr(error.message, "into the next copy of the layout"));
+  g_assert_nonnull(strstr(error.message, "increase 'margin'"));
   correct_loop_clear(&l);
 }
 

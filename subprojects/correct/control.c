@@ -6,26 +6,26 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Tuned constants, with results for half and twice their values: number of
-   moves and largest |Ion deviation| in % of flows/dpb.yaml. Present values:
-   SRAM 12, 1.43; NAND2_X1 8, 0.47; c432 19, 0.50. */
+/* Tuned constants. Comments state results with half and with twice the value:
+   number of iterations and largest |Ion deviation| in % of flows/dpb.yaml.
+   Present values: SRAM 12, 1.43; NAND2_X1 8, 0.47; c432 19, 0.50. */
 static const struct {
   double widest_step, min_part, rest;
   uint8_t reopenings;
 } tuned = {
-    /* Widest proportional step of W, nm; twice the line-end step of
-       regulator.drc. Half: NAND2_X1 9, 0.23; c432 23, 0.50. Twice: c432 18,
+    /* Largest proportional step that widens a gate, nm; twice the line-end step
+       of regulator.drc. Half: NAND2_X1 9, 0.23; c432 23, 0.50. Twice: c432 18,
        0.50. */
     .widest_step = 20,
 
-    /* Smallest error, as a fraction of the effect of a step of L or W, that
-       justifies the step; above one half to avoid oscillation. Half: equal
-       results with 36 moves for SRAM and 45 for c432. Twice: last digits of
-       c432. */
+    /* Smallest |error| that justifies a step of L or W, as a fraction of the
+       step's effect; above one half to avoid oscillation. Half: equal results
+       with 36 iterations for SRAM and 45 for c432. Twice: c432 differs in the
+       last digits. */
     .min_part = 0.55,
 
-    /* A settled transistor is reconsidered if its error changes by more than
-       `limit` divided by this. Half: no difference. Twice: SRAM 12, 0.61. */
+    /* A transistor past its coarse phase restarts if its error changes by more
+       than `limit` / `rest`. Half: no difference. Twice: SRAM 12, 0.61. */
     .rest = 10,
 
     /* Largest number of restarts of a transistor, to guarantee termination.
@@ -41,8 +41,8 @@ control_rules correct_control_rules_for(double limit, double max_bias,
                          .proportional = proportional};
 }
 
-/* Return the sign of the step of L that reduces the error, 1 for too much
-   current. */
+/* Return the sign of the step of L that reduces |error|: 1 if Ion is too
+   large. */
 static int length_step_sign(double error) { return error > 0 ? 1 : -1; }
 
 static uint32_t veto_of_l(int step) {
@@ -65,8 +65,8 @@ static void control_settle(control *c, int verdict) {
   c->l = c->w = c->rested = 0;
 }
 
-/* Return 1 if the last step overshot the minimum. Each step reduces the error,
-   so an increase of equal sign is caused by the neighbours. */
+/* Return 1 if the last step overshot the minimum: the error changed its sign.
+   An increase of equal sign is caused by the neighbours. */
 static int control_passed(const control *c, double error) {
   return (error > 0) != (c->error > 0);
 }
@@ -94,7 +94,7 @@ static int judge_length(control *c, const control_input *in, int32_t *l) {
   if (in->veto & veto_of_l(last)) {
     c->barred |= (uint8_t)veto_of_l(last);
   } else {
-    /* A first correction overshot the minimum: continue with single steps. */
+    /* A first correction of several steps overshoots: single steps follow. */
     if (abs(last) > 1 || !control_passed(c, in->error)) return 0;
     c->phase = CONTROL_FINE;
     if (fabs(in->error) <= fabs(c->error)) return 0;
@@ -104,8 +104,8 @@ static int judge_length(control *c, const control_input *in, int32_t *l) {
   return 1;
 }
 
-/* Move L by one irreversible step if W has reached its bound, so that W can
-   return from it. Applies to proportional steps of W only. */
+/* Move L by one step, once per transistor, if W has reached its bound, so that
+   W can leave the bound. Applies to proportional steps of W only. */
 static int control_exchange(const control_rules *r, control *c,
                             const control_input *in, int32_t *l, int32_t w) {
   int step = length_step_sign(in->error);
@@ -123,8 +123,8 @@ static int control_exchange(const control_rules *r, control *c,
 }
 
 /* Restart a transistor whose error was changed by its neighbours, in the phase
-   in which a step still reduces the error. A step of W changes the current in
-   proportion to W; the effect of a step of L is that of its last one. */
+   whose step still reduces |error|. A grid step of W changes Ion by 1 / width.
+   A step of L is assumed to have the effect of the last step of L. */
 static void control_reconsider(const control_rules *r, control *c,
                                const control_input *in) {
   double error = fabs(in->error), by_w = 100 / in->width;
@@ -169,10 +169,10 @@ int correct_control_length(const control_rules *r, control *c,
   return 1;
 }
 
-/* Return the step of W that reduces the error, proportional to W as the current
-   is. Widening is limited, because the line ends follow by a limited step and
-   the wider gate would reach their rounded corners. Each change of sign halves
-   the bound, which guarantees termination. */
+/* Return the step of W that reduces |error|. Ion is proportional to W.
+   Widening is limited: line ends follow by a limited step, and the wider gate
+   would reach their rounded corners. Each change of sign halves the bound, so
+   that the steps terminate. */
 static int32_t width_step(const control_rules *r, control *c,
                           const control_input *in, int32_t w) {
   int sign = -length_step_sign(in->error);
@@ -187,8 +187,8 @@ static int32_t width_step(const control_rules *r, control *c,
 int correct_control_width(const control_rules *r, control *c,
                           const control_input *in, int32_t *w) {
   if (c->phase != CONTROL_FINE || c->verdict != CONTROL_MOVING) return 0;
-  if (abs(c->w) == 1 && control_passed(c, in->error)) { /* keep this step or
-                                                   revert it */
+  if (abs(c->w) == 1 &&
+      control_passed(c, in->error)) { /* keep this step or revert it */
     int back = fabs(in->error) > fabs(c->error);
     if (back) *w -= c->w;
     control_settle(c, CONTROL_GRID);

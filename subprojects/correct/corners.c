@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements simulations at corners of dose, focus and mask error and their
-   mean for each transistor. A dose scales an existing image; a focus or mask
-   error needs images of its own. */
+   means for each transistor. A dose scales an existing image; a focus or mask
+   error requires its own image. */
 #include <correct/corners.h>
 
 #include <eda/memory.h>
@@ -14,9 +14,9 @@
 
 enum { MAX_CORNERS = 100 };
 
-/* Return the density of a normal distribution with sqrt(3) sigma = 1. For [-1,
-   0, 1] the weights are 0.15, 0.69, 0.15, close to the 1/6, 2/3, 1/6 of
-   Gauss-Hermite quadrature with these three nodes. */
+/* Return the normal density, without its constant factor, for a sigma of
+   1 / sqrt(3). The weights of [-1, 0, 1] are 0.15, 0.69, 0.15, close to 1/6,
+   2/3, 1/6 of Gauss-Hermite quadrature with three nodes. */
 static double normal_density(double x) { return exp(-1.5 * x * x); }
 
 /* ---- the list of corners ---- */
@@ -49,11 +49,13 @@ static int check_list(const char *name, opc_reals values, double above,
   for (size_t i = 0; i < values.count; i++) {
     double v = values.values[i];
     if (!isfinite(v) || v <= above || v > 1e6)
-      return opc_fail(error, OPC_INVALID, name, "'%s' of %g is out of range",
-                      name, v);
+      return opc_fail(error, OPC_INVALID, name,
+                      "'%s' is %g, expected a value above %g, at most 1e6",
+                      name, v, above);
     for (size_t k = 0; k < i; k++)
       if (values.values[k] == v)
-        return opc_fail(error, OPC_INVALID, name, "'%s' has %g twice", name, v);
+        return opc_fail(error, OPC_INVALID, name, "'%s' contains %g twice",
+                        name, v);
   }
   return OPC_OK;
 }
@@ -71,7 +73,8 @@ int correct_corners_check(const corners_request *w, opc_error *error) {
   if (!w->weight.count) return OPC_OK;
   if (w->weight.count != n)
     return opc_fail(error, OPC_INVALID, "corners.weight",
-                    "%zu weights for %zu corners", w->weight.count, n);
+                    "%zu weights for %zu corners, expected equal numbers",
+                    w->weight.count, n);
   for (size_t i = 0; i < n; i++) {
     double v = w->weight.values[i];
     if (!(v >= 0) || v > 1e6)
@@ -116,7 +119,8 @@ static int begin_exposure(loop *l, exposure *e, const corner *first,
                     first->mask_error, grid);
   if (first->focus != 0 && !l->printer.litho.functions.image_at)
     return opc_fail(error, OPC_INVALID, "corners.focus",
-                    "'%s' has one focus only", l->printer.litho.litho->id);
+                    "'%s' has one focus only: remove 'corners.focus'",
+                    l->printer.litho.litho->id);
   e->by = (int32_t)lround(steps);
   e->printer = &l->printer;
   if (first->focus == 0 && e->by == 0) return OPC_OK;
@@ -241,9 +245,9 @@ static double figure_of(const eda_performance *p, size_t k, size_t i) {
   return is_ratio(k) ? log(v) : v;
 }
 
-/* Return the difference of a figure's weighted mean, over the corners at which
-   the transistor prints, from the nominal figure; 0 if the transistor prints at
-   none. */
+/* Return the difference of a figure's weighted mean from the nominal figure, 0
+   if the transistor prints at no corner. The mean covers the corners at which
+   the transistor prints. */
 static double pull_of(const corners *c, const eda_performance *nominal,
                       size_t k, size_t i) {
   double sum = 0, weight = 0;
@@ -258,9 +262,9 @@ static double pull_of(const corners *c, const eda_performance *nominal,
   return isfinite(pull) ? pull : 0;
 }
 
-/* Remove the mean over all transistors of a type, which is the effect of a
-   different dose, and scale the remainder so that nominal Ion stays within the
-   limit. */
+/* Subtract the mean difference of all transistors of a type, which equals the
+   effect of a different dose. Scale the remainder so that nominal Ion deviates
+   by at most `ion_cost`. */
 static void bound_pulls(const loop *l, double (*pull)[FIGURES]) {
   double sum[2][FIGURES] = {{0}}, count[2] = {0};
   double most = log1p(l->corners.request.ion_cost / 100);
@@ -279,8 +283,8 @@ static void bound_pulls(const loop *l, double (*pull)[FIGURES]) {
   }
 }
 
-/* Replace the measurement by the mean over the corners. A transistor that fails
-   nominally keeps its figures, which show the direction of its correction. */
+/* Replace the measurement by the mean over the corners. A transistor that does
+   not print at the nominal corner keeps its figures. */
 static void corners_combine(loop *l) {
   const corners *c = &l->corners;
   eda_performance *out = &l->measured.performance;
@@ -381,8 +385,8 @@ static int put_all(const loop *l, const row *r, opc_error *error) {
   return code ? code : opc_put_metrics(l->host, OPC_ARRAY(values), error);
 }
 
-/* Warn of transistors that do not print at some corner and are excluded
-   there. */
+/* Warn of transistors that do not print at a corner; the means exclude them at
+   that corner. */
 static void corners_log_failed(const loop *l, const row *r) {
   size_t n = l->gates->count, at = 0;
   int64_t most = 0;

@@ -232,7 +232,8 @@ static void test_weights(void) {
 }
 
 /* With a bound, the deviation that two transistors of a type have in common is
-   excluded and the remainder is bounded. These two differ by 0.6 %. */
+   excluded and the remainder is bounded. The deviations of these
+     transistors differ by 0.6 %. */
 static void test_limit(void) {
   static const double limits[] = {0, 0.2, 50};
   uint8_t same[] = {EDA_NMOS, EDA_NMOS};
@@ -300,8 +301,8 @@ static void test_fine(void) {
     for (size_t k = 0; k < ALL; k++)
       check_near(l.corners.corner[k].measured.performance.ion[i],
                  ion_of(i, k, -6), close_to);
-  /* Two layers, each mask at each focus, at the first displacements; the final
-     images are accurate already. */
+  /* Accurate simulations: two layers, each mask at each focus, after the first
+     displacements. The final images are accurate already. */
   g_assert_cmpint(fine_images, ==, 2 * FOCI * MASKS);
   g_assert_cmpuint(l.printer.fine_simulations, ==, fine_images);
   g_assert_cmpuint(l.printer.simulations, ==, cheap_images);
@@ -348,9 +349,10 @@ static void test_refused(void) {
                  "has one focus only");
   assert_refused((corners_request){.mask_error = {some, 2}}, &with_focus,
                  "1.5 nm is no multiple of the mask grid of 1 nm");
-  assert_refused((corners_request){.dose = {some, 3}}, NULL, "has 1.5 twice");
+  assert_refused((corners_request){.dose = {some, 3}}, NULL,
+                 "contains 1.5 twice");
   assert_refused((corners_request){.dose = {low, 1}}, NULL,
-                 "of -100 is out of range");
+                 "is -100, expected a value above -100");
   assert_refused((corners_request){.dose = {some, 2}, .weight = {some, 3}},
                  NULL, "3 weights for 2 corners");
   assert_refused((corners_request){.dose = {some, 2}, .weight = {minus, 2}},

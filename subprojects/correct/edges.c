@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Largest number of positions where the length of a side changes: ends of parts
-   and of the jog. */
+/* Largest number of positions at which the displacement of a side changes: ends
+   of parts and of the jog. */
 enum { CUTS = 2 * EDA_PARTS + 2 };
 
 /* ---- allocation ---- */
@@ -56,13 +56,14 @@ static int32_t along_w(const eda_gates *g, int32_t gate, eda_point p) {
   return g->axis[gate] == EDA_X ? p.y : p.x;
 }
 
-/* Return a side's half of a bias. The HIGH side receives the odd step. */
+/* Return the half of a bias that a side receives; HIGH has the odd step. */
 static int32_t half_of(int32_t all, int high) {
   int32_t low = all >> 1;
   return high ? all - low : low;
 }
 
-/* Return the outward displacement of a fragment that is not a side along L. */
+/* Return the outward displacement of a fragment at a gate's width or line end;
+   0 for a fixed fragment. */
 static int32_t move_of(const eda_fragment *f, const biases *b) {
   const eda_moved *base = b->base;
   int32_t i = f->gate, by = 0;
@@ -82,11 +83,11 @@ static void piece_add(pieces *out, uint32_t *n, eda_point from, int32_t by) {
   out->by[(*n)++] = by;
 }
 
-/* A side along L, from `low` to `high` along W, and its displacements. */
+/* A side along L, from `low` to `high` along W, with its displacements. */
 typedef struct side {
-  int32_t low, high, box; /* LOW end of the gate's box */
+  int32_t low, high, box; /* box: LOW end of the gate's box along W */
   int32_t l;
-  int32_t jog_from, jog_to; /* equal: the jog is in the other side */
+  int32_t jog_from, jog_to; /* equal: the jog is in the opposite side */
   int upper;                /* 1: receives the odd step */
   const eda_part *part;
 } side;
@@ -118,8 +119,9 @@ static int is_part(const side *s, int k) {
   return k < EDA_PARTS && s->part[k].from < s->part[k].to;
 }
 
-/* Return the displacement at position `at`: half of the length bias and of its
-   parts there, and the jog. The jog stays in one side for all parts. */
+/* Return the displacement at position `at`: half of the length bias and of the
+   bias of the part there, plus the jog. The jog is in the same side for all
+   parts. */
 static int32_t move_at(const side *s, int32_t at) {
   int32_t l = s->l;
   for (int k = 0; is_part(s, k); k++)
@@ -128,8 +130,8 @@ static int32_t move_at(const side *s, int32_t at) {
   return half_of(l, s->upper) + (s->jog_from <= at && at < s->jog_to);
 }
 
-/* Insert a position of changing length into the sorted list. Returns the new
-   count. */
+/* Insert into the sorted list `cut` a position at which the displacement
+   changes. Returns the new count. */
 static int cut_at(const side *s, int32_t at, int32_t *cut, int n) {
   int k = n;
   if (at <= s->low || at >= s->high) return n;
@@ -138,7 +140,8 @@ static int cut_at(const side *s, int32_t at, int32_t *cut, int n) {
   return n + 1;
 }
 
-/* Insert all such positions of a side. Returns the new count. */
+/* Insert all positions at which a side's displacement changes. Returns the new
+   count. */
 static int cut_side(const side *s, int32_t *cut, int n) {
   for (int k = 0; is_part(s, k); k++) {
     n = cut_at(s, s->box + s->part[k].from, cut, n);
@@ -148,7 +151,7 @@ static int cut_side(const side *s, int32_t *cut, int n) {
   return cut_at(s, s->jog_to, cut, n);
 }
 
-/* Append a side along L, dissected where its length changes. */
+/* Append a side along L, dissected where its displacement changes. */
 static void put_side(const eda_gates *g, const eda_fragment *f, eda_point next,
                      const biases *b, pieces *out, uint32_t *n) {
   const eda_moved *base = b->base;
@@ -205,7 +208,7 @@ typedef struct moved {
 } moved;
 
 static moved line_moved(eda_point from, eda_point next, int32_t by) {
-  if (from.y == next.y) /* outwards is down for an edge to the right */
+  if (from.y == next.y) /* outward is down if the edge runs to the right */
     return (moved){1, from.y + (next.x > from.x ? -by : by)};
   return (moved){0, from.x + (next.y > from.y ? by : -by)};
 }
@@ -283,19 +286,10 @@ void correct_pieces_build(const pieces *in, eda_shapes *out) {
 void correct_shapes_of_boxes(boxes_lists from, eda_shapes *out) {
   size_t n = 0, i = 0;
   for (size_t k = 0; k < from.count; k++) n += from.list[k].count;
-  *out = (eda_shapes){.count = n};
-  out->start = eda_alloc(n + 1, sizeof *out->start);
-  out->points = eda_alloc(4 * n, sizeof *out->points);
+  *out = eda_shapes_of_boxes(n);
   for (size_t k = 0; k < from.count; k++)
-    for (size_t b = 0; b < from.list[k].count; b++, i++) {
-      eda_box box = from.list[k].box[b];
-      const eda_point corners[] = {{box.x0, box.y0},
-                                   {box.x1, box.y0},
-                                   {box.x1, box.y1},
-                                   {box.x0, box.y1}};
-      memcpy(out->points + 4 * i, corners, sizeof corners);
-      out->start[i + 1] = (uint32_t)(4 * i + 4);
-    }
+    for (size_t b = 0; b < from.list[k].count; b++)
+      eda_shapes_set_box(out, i++, from.list[k].box[b]);
 }
 
 int correct_mask_merge(const eda_shapes *polygons, boxes_lists added,

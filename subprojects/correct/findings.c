@@ -9,8 +9,9 @@
 
 #include <correct/report.h>
 
-/* A drawn length within this fraction of itself from an end of the device table
-   is reported; about the deviation of lengths before correction. */
+/* Largest relative distance of a drawn length from an end of the device table
+   that causes a warning; about the deviation of printed lengths before
+   correction. */
 static const double near_end = 0.1;
 
 static const char *plural_of(size_t n) { return n == 1 ? "" : "s"; }
@@ -58,8 +59,8 @@ static size_t count_different(const double *size, size_t n) {
   return count;
 }
 
-/* Layouts have few lengths and many widths. Devices for 5 V may be longer than
-   wide, so that the order alone is no evidence. */
+/* Exchanged layers make most gates longer than wide, and lengths more diverse
+   than widths. Both are required: devices for 5 V may be longer than wide. */
 void correct_findings_of_drawing(const opc_host *host, const eda_gates *g,
                                  const opc_module *extractor) {
   const eda_extractor *model = extractor->functions;
@@ -139,13 +140,13 @@ void correct_findings_of_print(const opc_host *host, const eda_gates *g,
 
 void correct_findings_of_guard(const opc_host *host, const guard *g, int held) {
   const char *are = g->worse == 1 ? " is" : "s are";
-  if (!held)
+  if (!held && (g->worse || g->lost))
     host->log(
         host, OPC_LOG_FINDING,
         "guard: off: %zu transistor%s worse than drawn and worse than the "
         "limit, %zu that printed with the drawn mask %s not print any more",
         g->worse, are, g->lost, verb_of(g->lost));
-  else if (g->worse)
+  if (held && g->worse)
     host->log(host, OPC_LOG_FINDING,
               "%zu transistor%s worse than drawn because of neighbours or "
               "rules: see 'verdict' in gates.csv",

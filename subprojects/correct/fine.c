@@ -11,41 +11,41 @@
 /* Tuned constants. */
 static const struct {
   double limit, error, least, most, part, peak, light, larger;
-  const char *margin, *near; /* natural lengths */
+  const char *near, *nearest; /* natural lengths */
 } tuned = {
-    /* % of Ion, and clear field 1; the error is proportional to the limit. For
-       c432 corrected by litho.hopkins, errors of 1e-4 and 5e-5 (83 and 156
-       kernels at that time, 105 and 221 now) changed Ion by 0.05 % and 0.03 %
-       in the mean and 0.27 % and 0.15 % at most, compared with all 1402
-       kernels. The mean for 5e-5 is within a tenth of 0.5 %. */
+    /* `limit` in % of Ion, `error` for clear field 1; the error is proportional
+       to the limit. Test: c432 corrected by litho.hopkins, Ion compared with
+       all 1402 kernels. An error of 1e-4 (105 kernels) changes Ion by 0.05 % in
+       the mean and 0.27 % at most, 5e-5 (221 kernels) by 0.03 % and 0.15 %. The
+       mean for 5e-5 is within a tenth of 0.5 %. */
     .limit = 0.5,
     .error = 5e-5,
 
-    /* Smallest error that all kernels reach, and largest useful error, reached
-       by few of them. */
+    /* Bounds of the image error. A few kernels reach `most`, so that a larger
+       error saves no time. */
     .least = 5e-5,
     .most = 5e-4,
 
-    /* Standard deviation of Ion by the error of one layer, as a fraction of
-       `limit`: 0.02 % of Ion at 0.5 %, the effect of 5e-5 for poly at 65 nm.
-       `peak` is the ratio of the largest image error, which models specify, to
-       the standard deviation over a layout (litho.hopkins, README: 4 to 5). */
+    /* Standard deviation of Ion caused by the error of one layer, as a fraction
+       of `limit`: 0.02 % of Ion at 0.5 %, the effect of 5e-5 for poly at 65 nm.
+       `peak`: ratio of the largest image error, which models specify, to the
+       standard deviation over a layout (litho.hopkins, README: 4 to 5). */
     .part = 0.04,
     .peak = 4,
 
-    /* Intensity step, clear field 1; moves edges by 0.2 nm. Rounding errors are
-       1e-4 of that, and a step of 1e-2 is no longer linear. */
+    /* Intensity step, clear field 1; displaces edges by 0.2 nm. Rounding errors
+       are 1e-4 of the displacement; a step of 1e-2 is not linear. */
     .light = 1e-3,
 
     /* Relative step of a length or width, at least half a nanometre. Half and
-       double the step change the slope of a table by less than 1 %. */
+       twice the step change the slope of a device table by less than 1 %. */
     .larger = 0.01,
 
-    /* Range of optical interaction for accurate and for fast simulations: 3 and
-       1 um at 193 nm, NA 0.75. A range of 4 um instead of 3 changes Ion of c432
-       by 0.015 % in the mean. */
-    .margin = FINE_MARGIN,
+    /* Default for fast simulations, and smallest allowed margin: 1000 and 300
+       nm at 193 nm, NA 0.75. The error by repetition falls with the square of
+       the margin; measured in plugins/correct/README.md. */
     .near = "3.886 lambda/NA",
+    .nearest = "1.166 lambda/NA",
 };
 
 int correct_fine_error(const char *text, double limit, double *fine,
@@ -69,8 +69,8 @@ double correct_fine_change(const char *text, double limit) {
 
 /* ---- sensitivity to errors ---- */
 
-/* Drawn transistors with their Ion as drawn and with a slightly larger length
-   or width. */
+/* Ion of the drawn transistors, and of the drawn transistors with a slightly
+   larger length or width. */
 typedef struct drawn {
   const eda_gates *gates;
   const opc_module *extractor;
@@ -100,9 +100,9 @@ static int print_lit(const eda_printer *p, int layer, eda_field *out,
 }
 
 /* Sensitivities of Ion to intensity, % per clear field: displacement of the
-   edges in the middle of a gate times the sensitivity of the drawn gate. Ion of
-   the entire print is not used, because drawn line ends are about to open and
-   corrected ones are not. */
+   edges in the middle of a gate times the sensitivity of the drawn gate. The
+   simulated Ion is not used, because drawn line ends nearly open the channel
+   and corrected line ends do not. */
 typedef struct sensitivities {
   const eda_printer *printer;
   const drawn *drawn;
@@ -138,7 +138,8 @@ static double sensitivity(const eda_printer *p, const drawn *d, int layer,
   return found;
 }
 
-/* Round to one of few errors, so that kernels are computed for few. */
+/* Round an error down to one of four values, to limit the number of kernel
+   sets. */
 static double error_rounded(double error) {
   static const double steps[] = {5e-4, 2e-4, 1e-4, 5e-5};
   size_t i = 0;
@@ -192,13 +193,38 @@ int correct_fine_by_drawn(eda_printer *p, const opc_host *host,
   return code;
 }
 
-double correct_fine_margin(const opc_host *host, const opc_module *litho,
-                           double margin, double fine) {
+/* Log a finding if a given margin causes a larger error than `needed`. */
+static int margin_check(const opc_host *host, eda_scanner scanner,
+                        double margin, double needed, opc_error *error) {
+  double least = eda_natural(&scanner, tuned.nearest);
+  double ratio = eda_natural(&scanner, FINE_MARGIN) / margin;
+  double by = fmin(tuned.least * ratio * ratio, 1);
+  if (margin < least)
+    return opc_fail(error, OPC_INVALID, "margin",
+                    "%g nm changes the intensity by up to %.1g of the clear "
+                    "field; expected at least %g nm, and %g nm for the error "
+                    "of these simulations",
+                    margin, by, least, needed);
+  if (margin < needed && scanner.wavelength > 0)
+    host->log(host, OPC_LOG_FINDING,
+              "margin %g nm changes the intensity by up to %.1g of the clear "
+              "field; the error of these simulations requires %g nm",
+              margin, by, needed);
+  return OPC_OK;
+}
+
+int correct_fine_margin(const opc_host *host, const opc_module *litho,
+                        double fine, double *margin, opc_error *error) {
   char whence[128];
-  if (!isnan(margin)) return margin;
   eda_scanner scanner = eda_scanner_of(litho);
+  double needed = eda_natural(&scanner, tuned.near);
+  if (fine > 0)
+    needed = fmax(needed, round(eda_natural(&scanner, FINE_MARGIN) *
+                                sqrt(tuned.least / fmax(fine, tuned.least))));
+  if (!isnan(*margin))
+    return margin_check(host, scanner, *margin, needed, error);
+  *margin = needed;
   eda_natural_text(scanner, whence, sizeof whence);
-  margin = eda_natural(&scanner, fine > 0 ? tuned.margin : tuned.near);
-  host->log(host, OPC_LOG_INFO, "margin %g nm, %s", margin, whence);
-  return margin;
+  host->log(host, OPC_LOG_INFO, "margin %g nm, %s", needed, whence);
+  return OPC_OK;
 }

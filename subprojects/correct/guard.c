@@ -6,7 +6,6 @@
 #include <eda/memory.h>
 #include <glib.h>
 #include <math.h>
-#include <opcflow/plugin.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -17,36 +16,37 @@ static const struct {
   double worse, part, equal_part, near, reach, around;
   int rounds, trials;
 } tuned = {
-    /* Tolerance of |Ion deviation|, %; below the resolution of tables. */
+    /* Tolerance of |Ion deviation|, %; below the resolution of device tables.
+     */
     .worse = 0.001,
 
-    /* Fraction of `ion_limit` for model_margin; a tenth is the error for which
+    /* model_margin as a fraction of `ion_limit`; equal to the error for which
        the accurate model is set up. */
     .part = 0.1,
 
-    /* Difference of two simulations of a gate without changes within 4 um, %,
-       caused by distant edges (c432: 0.02 for a drawn deviation of 41 %). */
+    /* Difference of two simulations of a gate, %, if only edges farther than
+       4 um differ (c432: 0.02 for a drawn deviation of 41 %). */
     .equal_part = 0.05,
 
-    /* Violations of a rule within this distance are the same one; below the
+    /* Two violations of one rule within this distance are the same; below the
        width of a gate, so that its two ends are distinguished. */
     .near = 100,
 
-    /* Fragments within this distance belong to a gate, including its line ends.
-       About the resolution at 193 nm, NA 0.75. */
+    /* Fragments within this distance of a gate's box belong to the gate, also
+       at its line ends. About the resolution at 193 nm, NA 0.75. */
     .reach = 150,
 
-    /* First distance within which everything is reverted; doubled at each
-       level. About the distance of neighbouring poly. */
+    /* Distance within which all edges are reverted at GUARD_SURROUNDED; doubled
+       at each higher level. About the distance of neighbouring poly. */
     .around = 250,
 
-    /* Simulations after which the entire mask is reverted to drawn. A gate
-       needs three; a cluster of a hundred lines needed less than ten. */
+    /* Simulations after which the entire mask is reverted to drawn. A single
+       gate needed three, a cluster of a hundred lines less than ten. */
     .rounds = 30,
 
-    /* Trials of possible causes: the regulator's work, then everything within
-       eight times `around`, then within sixteen times. Beyond 2 um the optical
-       influence is negligible. */
+    /* Trials of possible causes: reversion of the regulator's shapes, of all
+       edges within eight times `around`, within sixteen times. The optical
+       influence beyond 2 um is small. */
     .trials = 3,
 };
 
@@ -86,8 +86,8 @@ int correct_guard_begin(loop *l, const eda_printed *drawn, opc_error *error) {
   return code;
 }
 
-/* Return the synthesizer's target of a gate's Ion as a factor; NAN: no
-   target. */
+/* Return the factor on a gate's drawn Ion that is the synthesizer's target;
+   NAN: no target. */
 static double target_of(const loop *l, size_t gate) {
   const opc_module *m = l->drivers[MAIN].module;
   const eda_synthesizer *s = m->functions;
@@ -109,8 +109,9 @@ double correct_guard_off(const loop *l, size_t i) {
   return guard_deviation(l, &l->measured.performance, i, target_of(l, i));
 }
 
-/* A mask with other line ends is no reference for the present ones. The guard's
-   own simulations are not part of the loop. */
+/* Record the best displacements of each gate. If the line ends of a gate
+   changed, discard its record, because its Ion depends on the line ends. The
+   guard's own simulations are not recorded. */
 void correct_guard_watch(loop *l) {
   const biases *b = &l->now.biases;
   if (l->guard.prints) return;
@@ -129,13 +130,13 @@ void correct_guard_watch(loop *l) {
 
 /* ---- faults ---- */
 
-/* Compare the names of two rules without the details of the place. */
+/* Compare the names of two rules, which end at ':' or ';'. */
 static int same_rule(const char *a, const char *b) {
   size_t n = strcspn(a, ":;");
   return n == strcspn(b, ":;") && !strncmp(a, b, n);
 }
 
-/* Return 1 if the drawn mask violates the same rule at that place. */
+/* Return 1 if the drawn mask violates the same rule at the same position. */
 static int was_broken(const guard *g, const eda_violation *v) {
   size_t low = 0, high = g->rules;
   const eda_violation first = {.gate = v->gate, .x = v->x - tuned.near};
@@ -157,7 +158,7 @@ static int was_broken(const guard *g, const eda_violation *v) {
 
 static eda_box box_grown(eda_box b, double by) {
   int32_t d = (int32_t)fmin(by, INT32_MAX / 4);
-  return (eda_box){b.x0 - d, b.y0 - d, b.x1 + d, b.y1 + d};
+  return eda_box_grown(b, d);
 }
 
 /* Return a position in nm as an empty box. */
@@ -167,9 +168,9 @@ static eda_box place_of(const loop *l, double x, double y) {
   return (eda_box){a, b, a, b};
 }
 
-/* Return the uncertainty of a comparison with the drawn mask, %: the difference
+/* Return the uncertainty of a comparison with the drawn mask, %. The difference
    of the models is computed for the first displaced mask and applied to the
-   drawn one. The error for c432 is 0.02 in the mean and 0.1 at most. */
+   drawn mask. The error for c432 is 0.02 in the mean and 0.1 at most. */
 static double model_margin(const loop *l) {
   return l->printer.fine > 0 ? tuned.part * l->ion_limit : 0;
 }
@@ -180,7 +181,7 @@ static int fault_of(const loop *l, size_t i, double margin) {
     return eda_print_failed(g->flags[i]) ? GOOD : LOST;
   double target = target_of(l, i);
   if (isnan(target) || eda_print_failed(g->flags[i])) return GOOD;
-  if (l->still && l->still[i]) return GOOD; /* neighbours may affect it */
+  if (l->still && l->still[i]) return GOOD; /* may be worse by its neighbours */
   double drawn = guard_deviation(l, &l->before, i, target) + model_margin(l);
   double most = fmax(drawn, l->ion_limit) + margin;
   return guard_deviation(l, &l->measured.performance, i, target) <= most
@@ -188,8 +189,8 @@ static int fault_of(const loop *l, size_t i, double margin) {
              : WORSE;
 }
 
-/* Mark new violations as faults of their transistors, as long as those have
-   edges of their own to revert: a drawn environment would violate more rules.
+/* Mark new violations as faults of their transistors, unless all edges of the
+   transistor are reverted: reverting its environment causes more violations.
    Violations without a transistor, for example of mask edges, are ignored. */
 static int find_broken(loop *l, opc_error *error) {
   guarded *state = l->guard.state;
@@ -208,7 +209,7 @@ static int find_broken(loop *l, opc_error *error) {
   return code;
 }
 
-/* Record the best level of a transistor. */
+/* Record the level with the smallest |Ion deviation| of a transistor. */
 static void keep_least(loop *l, size_t i) {
   guarded *s = &l->guard.state[i];
   double now = guard_deviation(l, &l->measured.performance, i, target_of(l, i));
@@ -296,8 +297,8 @@ static void set_gate(hold *h, size_t i, const gate_moves *to) {
   memcpy(b->part + EDA_PARTS * i, to->part, sizeof to->part);
 }
 
-/* Revert the regulator's work on a gate and within a distance, except in layers
-   of `edges`. */
+/* Revert the line ends of a gate, and the regulator's shapes within a distance,
+   to the start of the loop. */
 static void drop_rules(hold *h, size_t gate, double nm) {
   loop *l = h->l;
   eda_box window = window_of(h, gate, nm);
@@ -311,7 +312,7 @@ static void drop_rules(hold *h, size_t gate, double nm) {
   }
 }
 
-/* Revert everything within a distance of a gate to drawn. */
+/* Revert all edges and added shapes within a distance of a gate to drawn. */
 static void set_around(hold *h, size_t gate, double nm) {
   loop *l = h->l;
   eda_box window = window_of(h, gate, nm);
@@ -327,7 +328,7 @@ static void set_around(hold *h, size_t gate, double nm) {
       correct_trial_drop_boxes(&l->next.assists[k], window);
 }
 
-/* Return the distance within which everything is reverted at a level. */
+/* Return the distance, nm, within which all edges are reverted at a level. */
 static double level_radius(int level) {
   return tuned.around * pow(2, level - GUARD_SURROUNDED);
 }
@@ -355,7 +356,7 @@ static void set_level(hold *h, size_t i) {
 }
 
 /* Build the next mask from the synthesizer's result and the levels of all
-   transistors, those with a reverted environment last. */
+   transistors. Apply the levels with a reverted environment last. */
 static void hold_apply(hold *h) {
   const guarded *state = h->l->guard.state;
   correct_trial_copy(&h->l->next, &h->ended);
@@ -365,8 +366,9 @@ static void hold_apply(hold *h) {
         set_level(h, i);
 }
 
-/* Advance each transistor with a fault to the next level, or after the last to
-   the best of those tried. Returns the number of advanced transistors. */
+/* Advance each transistor with a fault to the next level. After GUARD_DRAWN, a
+   transistor that prints receives its best tried level. Returns the number of
+   advanced transistors. */
 static size_t hold_advance(hold *h) {
   size_t count = 0;
   for (size_t i = 0; i < h->l->gates->count; i++) {
@@ -411,8 +413,8 @@ static void centre_of(const eda_gates *g, size_t i, double *x, double *y) {
   *y = ((double)g->box[i].y0 + g->box[i].y1) / 2 * g->grid;
 }
 
-/* Set the cause to the regulator: the line end with the larger displacement, or
-   else a shape beside the gate. */
+/* Set the cause to the regulator: to the line end with the larger displacement,
+   or to a shape beside the gate if no line end is displaced. */
 static void name_rule(hold *h, size_t gate) {
   const eda_gates *g = h->l->gates;
   const int32_t *end = h->ended.biases.end + 2 * gate;
@@ -428,8 +430,8 @@ static void name_rule(hold *h, size_t gate) {
     s->x = (high ? b.x1 : b.x0) * g->grid;
 }
 
-/* Set the cause to the nearest transistor with a displaced mask, or without one
-   to the regulator. */
+/* Set the cause to the nearest transistor with a displaced mask; if there is
+   none, to the regulator. */
 static void name_neighbour(hold *h, size_t gate, double nm) {
   const eda_gates *g = h->l->gates;
   const biases *b = &h->ended.biases;
@@ -449,9 +451,10 @@ static void name_neighbour(hold *h, size_t gate, double nm) {
   }
 }
 
-/* Run a trial: revert each open transistor and the regulator's work on it
-   (first trial), or everything within a distance. Transistors that are then as
-   good as drawn get their cause. */
+/* Run trial t. Trial 0 reverts each open transistor and the regulator's shapes
+   near the transistor; later trials revert all edges within a distance.
+   Record
+   the cause for transistors that are as good as drawn in the trial. */
 static int try_cause(hold *h, int t, uint8_t *open, opc_error *error) {
   loop *l = h->l;
   double nm = t ? level_radius(GUARD_SURROUNDED + 2 + t) : tuned.around;
@@ -477,8 +480,8 @@ static int try_cause(hold *h, int t, uint8_t *open, opc_error *error) {
   return code;
 }
 
-/* Find the causes of worse transistors by trials, which are reverted
-   afterwards. A transistor without a cause requires a drawn environment. */
+/* Find the causes of worse transistors by trials, and undo the trials. Revert
+   the environment of a transistor for which no trial finds a cause. */
 static int find_causes(hold *h, opc_error *error) {
   loop *l = h->l;
   guarded *state = l->guard.state;

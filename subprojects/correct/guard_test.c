@@ -40,8 +40,8 @@ static const eda_synthesizer scripted = {
 
 /* ---- a regulator with prescribed violations ---- */
 
-/* A rule violated by transistor 0, or by no transistor: if `drawn`, or if one
-   of `moved` (bit mask) has a displaced mask. */
+/* A rule that transistor 0, or no transistor, violates if `drawn` is 1 or if a
+   transistor of the bit mask `moved` has a displaced mask. */
 enum { OWN = 1, OTHERS = 2 };
 static int drawn, moved, nobodys;
 static double aside[2]; /* distance from there, once masks are displaced, nm */
@@ -133,7 +133,8 @@ static void test_good(void) {
   correct_loop_clear(&l);
 }
 
-/* A gate that opens is reverted to its best mask; the other one is kept. */
+/* A gate that opens is reverted to its best mask; the other gate keeps its
+ * mask. */
 static void test_open(void) {
   script s = {.l = {{-12, -14}, {-62, -14}}, .moves = 2, .target = {1, 1}};
   loop l;
@@ -180,7 +181,7 @@ static void test_limit(void) {
   limit_of_guard = 0.5;
 }
 
-/* A mask that was good with other line ends is not restored. */
+/* A mask that was the best with other line ends is not restored. */
 static int move_end(void *self, const eda_printed *p, eda_ruling *r,
                     opc_error *error) {
   (void)self, (void)p, (void)error;
@@ -215,7 +216,8 @@ static void test_target(void) {
 }
 
 /* A rule that the drawn mask satisfies is restored if the transistor's own
-   edges suffice; a rule that it violates may stay violated. */
+   edges suffice; a rule that the drawn mask violates may remain
+   violated. */
 static void test_rules(void) {
   script s = {.l = {{-14, -14}}, .moves = 1, .target = {1, 1}};
   loop l;
@@ -265,7 +267,7 @@ static void test_rule_of_two(void) {
 }
 
 /* A cut-out that opens a gate in spite of its own mask is removed with
-   everything around it, but not shapes further away. */
+   all shapes nearby, but not with distant shapes. */
 static int cutout_through(void *self, const eda_printed *p, eda_ruling *r,
                           opc_error *error) {
   static const eda_box all = {0, 150, 60, 250};
@@ -289,8 +291,8 @@ static void test_surrounded(void) {
   correct_loop_clear(&l);
 }
 
-/* No edge of the transistor's own helps: the verdict names the neighbour, and
-   both keep their best masks. */
+/* Reverting the transistor's own edges has no effect: the verdict names the
+   neighbour, and both transistors keep their best masks. */
 static void test_neighbour(void) {
   script s = {.l = {{-14, -14}, {-8, -14}}, .moves = 2, .target = {1, 1}};
   loop l;
@@ -304,8 +306,8 @@ static void test_neighbour(void) {
   correct_loop_clear(&l);
 }
 
-/* The cause is not a displaced transistor but the regulator's work beside
-   one. */
+/* The cause is not a displaced transistor but the regulator's shape beside a
+   transistor. */
 static int cutout_neighbour(void *self, const eda_printed *p, eda_ruling *r,
                             opc_error *error) {
   static const eda_box sides[] = {{0, 600, 7, 900}, {53, 600, 60, 900}};

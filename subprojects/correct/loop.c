@@ -63,14 +63,14 @@ static int loop_measure(loop *l, const uint8_t *printed, opc_error *error) {
   int code = eda_measure(l->host->context, l->gates, l->printer.print,
                          l->extractor, &l->measured, error);
   if (code) return code;
-  /* An accurate simulation and the later fast ones include this. */
+  /* Images after an accurate simulation include the difference already. */
   if (l->base && !l->printer.fine_simulations)
     correct_start_correct(l->base, &l->measured.performance);
   return correct_corners_measure(l, error);
 }
 
-/* Copy the measurement for synthesizers, with drawn figures for transistors
-   that keep their masks. */
+/* Copy the measurement for synthesizers. Transistors that keep their masks get
+   their drawn figures. */
 static void loop_show(loop *l) {
   const eda_performance *drawn = &l->design;
   eda_measurement *to = &l->shown;
@@ -84,7 +84,7 @@ static void loop_show(loop *l) {
     }
 }
 
-/* Clear displacements of transistors that keep their masks. */
+/* Clear the displacements of transistors that keep their masks. */
 static void keep_still(loop *l) {
   biases *b = &l->next.biases;
   for (size_t i = 0; l->still && i < l->gates->count; i++) {
@@ -95,7 +95,7 @@ static void keep_still(loop *l) {
   }
 }
 
-/* Measure a simulation of the marked layers and record the results. */
+/* Measure and record a simulation of the layers k with printed[k] = 1. */
 static int take_in(loop *l, const uint8_t *printed, int fine,
                    opc_error *error) {
   int code = loop_measure(l, printed, error);
@@ -161,8 +161,8 @@ static int loop_rule(loop *l, eda_ruling *ruling, opc_error *error) {
   int code = eda_call_rule(l->host->context, l->regulator, &p, ruling, error);
   if (code) return eda_blame(error, code, "regulator");
   for (size_t k = 0; k < l->gates->layers; k++) {
-    /* Added shapes repair the drawn edges of transistors. Layers that a
-       synthesizer dissects are checked only. */
+    /* Added shapes repair drawn edges of transistors. In poly and active layers
+       that a synthesizer dissects, violations are only counted. */
     if (l->gates->count && k <= EDA_ACTIVE && l->next.shift[k]) continue;
     correct_trial_set_both(&l->next.added[k], correct_loop_begun(l, k, 0),
                            ruling->added[k]);
@@ -172,8 +172,8 @@ static int loop_rule(loop *l, eda_ruling *ruling, opc_error *error) {
   return OPC_OK;
 }
 
-/* Let the regulator set the vetoes and the line ends, added shapes and cut-outs
-   of `next`. */
+/* Let the regulator set the vetoes, and the line ends, added shapes and
+   cut-outs of `next`. */
 static int loop_judge(loop *l, opc_error *error) {
   size_t layers = l->gates->layers;
   memset(l->vetoes, 0, l->gates->count * sizeof *l->vetoes);
@@ -208,7 +208,7 @@ static eda_feedback feedback_of(const loop *l, const driver *d) {
                         .scanner = eda_scanner_of(&l->printer.litho.module)};
 }
 
-/* Return 1 if biases of gates displace edges of that layer. */
+/* Return 1 if a layer has edges that belong to gates. */
 static int has_gates(const eda_gates *gates, size_t layer) {
   const eda_edges *e = &gates->edges[layer];
   size_t n = e->polygons ? e->start[e->polygons] : 0;
@@ -230,7 +230,7 @@ static void take_cuts(loop *l, size_t layer, int which, const eda_cuts *cuts) {
   d->epe[layer] = l->sites[layer].epe;
 }
 
-/* Ask a synthesizer for its dissection of a layer; synthesizers may decline. */
+/* Ask a synthesizer for its dissection of a layer, which may be empty. */
 static int ask_for_cuts(loop *l, size_t layer, int which, opc_error *error) {
   const opc_module *module = l->drivers[which].module;
   const eda_synthesizer *s = module ? module->functions : NULL;
@@ -246,7 +246,7 @@ static int ask_for_cuts(loop *l, size_t layer, int which, opc_error *error) {
   return OPC_OK;
 }
 
-/* Dissect a layer, by a synthesizer or along its gates. */
+/* Dissect a layer: by a synthesizer, or else at the edges of its gates. */
 static int cut_layer(loop *l, size_t layer, opc_error *error) {
   const eda_gates *g = l->gates;
   if (!g->corrected[layer]) return OPC_OK;
@@ -309,8 +309,8 @@ static int loop_begin(loop *l, opc_error *error) {
   return code;
 }
 
-/* Store the displacements of a synthesizer in `next`, for its own layers
-   only. */
+/* Let a synthesizer set displacements in `next`. Store its scatter bars for its
+   own layers only. */
 static int driver_move(loop *l, int which, eda_moves *moves, opc_error *error) {
   driver *d = &l->drivers[which];
   eda_feedback f = feedback_of(l, d);
@@ -323,7 +323,7 @@ static int driver_move(loop *l, int which, eda_moves *moves, opc_error *error) {
   return OPC_OK;
 }
 
-/* Let a synthesizer compute its next displacements. */
+/* Let a synthesizer compute displacements; discard gate biases by EDGES. */
 static int driver_update(loop *l, int which, opc_error *error) {
   size_t n = l->gates->count, layers = l->gates->layers;
   const biases *b = &l->next.biases;
@@ -355,7 +355,7 @@ static int driver_update(loop *l, int which, opc_error *error) {
 
 /* ---- the loop ---- */
 
-/* Return the figure that the loop minimises. */
+/* Return the largest |Ion deviation| or, without transistors, |EPE|. */
 static double loop_worst(const loop *l) {
   return l->summary.gates ? l->summary.ion_max : l->summary.epe_max;
 }
@@ -364,8 +364,8 @@ static const char *worst_unit(const loop *l) {
   return l->summary.gates ? "%" : "nm";
 }
 
-/* Report a loop that ends before its synthesizers do. Transistors that are all
-   within the limit need no further moves. */
+/* Report a loop that ends before its synthesizers have finished. If all
+   transistors are within the limit, log no finding. */
 static void loop_log_unconverged(const loop *l) {
   int within = l->summary.gates && loop_worst(l) <= l->ion_limit;
   l->host->log(l->host, within ? OPC_LOG_INFO : OPC_LOG_FINDING,
@@ -389,8 +389,8 @@ static int ends_anytime(const driver *d) {
   return s->flags & EDA_SYNTHESIZER_ENDS_ANYTIME;
 }
 
-/* Let the synthesizers that are not done continue, and those whose layers the
-   regulator changed. */
+/* Call the synthesizers that have not finished, and synthesizers whose layers
+   the regulator changed (`ruled`). */
 static int move_all(loop *l, const int *ruled, opc_error *error) {
   int code = OPC_OK;
   for (int which = 0; which < DRIVERS && !code; which++) {
@@ -398,7 +398,7 @@ static int move_all(loop *l, const int *ruled, opc_error *error) {
     if (!d->module || (d->done && !ruled[which])) continue;
     d->done = 0;
     code = driver_update(l, which, error);
-    /* The synthesizer has not seen this change yet. */
+    /* The change by the regulator has not been simulated yet. */
     if (ruled[which] && ends_anytime(d)) d->done = 0;
   }
   return code;
@@ -423,8 +423,8 @@ static int loop_iterate(loop *l, opc_error *error) {
       wait |= ruled[which] && !ends_anytime(&l->drivers[which]);
     }
     if (all_done(l) && !ruled[MAIN] && !ruled[EDGES]) return OPC_OK;
-    /* Line ends first, so that their effect is not attributed to the first
-       displacements. */
+    /* Simulate new line ends before the first displacements, so that the
+       synthesizer does not attribute their effect to its displacements. */
     if (l->iterations == 0 && !l->base && wait && prints++ < l->max_iterations)
       continue;
     if (l->iterations == l->max_iterations) {
@@ -439,7 +439,7 @@ static int loop_iterate(loop *l, opc_error *error) {
   return code;
 }
 
-/* Count violations without a reason: the regulator may still repair them. */
+/* Count violations without a stated cause: the regulator may repair them. */
 static int count_open(loop *l, size_t *count, opc_error *error) {
   eda_violation *v = NULL;
   size_t n = 0;
@@ -453,7 +453,7 @@ static int count_open(loop *l, size_t *count, opc_error *error) {
   return code;
 }
 
-/* Iterate until an accurate simulation confirms the result. */
+/* Iterate until an accurate simulation verifies the result. */
 static int loop_iterate_verified(loop *l, opc_error *error) {
   int code = OPC_OK, holds = 0;
   for (int k = 0; k < VERIFICATIONS && !holds && !code; k++) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tests the loop with models and plugins of a few lines: a synthesizer that
+/* Tests the loop with minimal models and plugins: a synthesizer that
    dissects a layer, added shapes, and layers without transistors. */
 #include "models_test.h"
 
@@ -166,7 +166,8 @@ static const eda_regulator regulator = {.rule = set_rules,
 
 static const eda_litho *optics = &litho;
 
-/* Run a loop with all that a correction requires; `edges` may be NULL. */
+/* Run a loop with all models that a correction requires; `edges` may be NULL.
+ */
 static int run_loop(loop *l, const eda_gates *gates, const opc_module *main_one,
                     const opc_module *edges, const opc_module *drc,
                     opc_error *error) {
@@ -210,7 +211,8 @@ static void test_fragments(void) {
   correct_loop_clear(&l);
 }
 
-/* Edges that the final accurate simulation finds elsewhere are moved again. */
+/* Edges that the final accurate simulation finds at other positions are
+   corrected again. */
 static void test_proof(void) {
   const eda_litho finer = {.prepare = prepare_nothing,
                            .band = model_band,
@@ -374,7 +376,7 @@ static void test_faults(void) {
        "edge from (0, 0) to (400, 0) nm, or not in order along the edge"},
       {"end",
        "fragments of poly: the fragments of polygon 2 end before they begin"},
-      {"none", "fragments of poly: array is missing"},
+      {"none", "fragments of poly: an array is missing"},
       {"far",
        "moves fragment 8 of poly by 2097152 steps, expected at most 1048576"},
   };
@@ -507,7 +509,7 @@ static void test_edges(void) {
 }
 
 /* A shape added to such a layer waits for the layer's synthesizer, as in poly,
-   and does not affect the other one. */
+   and does not affect the other synthesizer. */
 static const eda_box metal_added = {-20, 180, 30, 220};
 
 static int rule_metal(void *self, const eda_printed *p, eda_ruling *r,

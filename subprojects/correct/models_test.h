@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Models of a few lines and a host that records messages, for tests of the
-   loop. */
+/* Minimal models, and a host that records messages, for tests of the loop. */
 #pragma once
 
 #include <eda/memory.h>
@@ -93,7 +92,7 @@ static int model_image(const void *self, int layer, const eda_spectrum *mask,
 
 /* The accurate model adds a wave across the frame, of height fine_adds[n] for
    accurate simulation n of poly, fine_adds[0] for any of active, and half of
-   that everywhere. */
+   the height everywhere. */
 enum { FINE_PRINTS = 8 };
 static double fine_adds[FINE_PRINTS];
 static int fine_prints[2];                   /* poly and active */

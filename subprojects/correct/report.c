@@ -25,7 +25,7 @@ static void statistics_add(statistics *s, double x) {
   s->max = fmax(s->max, fabs(x));
 }
 
-/* Without samples there is no figure. */
+/* Return the mean of absolute values; NAN without values. */
 static double mean_of(const statistics *s) {
   return s->n ? s->absolute / s->n : NAN;
 }
@@ -42,7 +42,7 @@ static double rms_of(const statistics *s) {
   return s->n ? sqrt(s->square / s->n) : NAN;
 }
 
-/* Return 1 for a transistor that does not print and has no figures. */
+/* Return 1 if a transistor does not print and has no figures. */
 static int gate_failed(const uint32_t *flags, size_t i) {
   return flags && eda_print_failed(flags[i]);
 }
@@ -158,7 +158,8 @@ int correct_history_report(const history *h, const opc_host *host,
 
 /* ---- tables ---- */
 
-/* Findings on a printed transistor: failures by severity, then notes. */
+/* Findings on a printed transistor: first failures by severity, then remarks.
+ */
 static const struct {
   uint32_t flag;
   const char *name;
@@ -172,15 +173,14 @@ static const struct {
                 {EDA_PRINT_NOTCH, "notch"},
                 {EDA_PRINT_OUTSIDE, "outside the table"}};
 
-/* Return the first finding. */
 const char *correct_report_trouble(uint32_t flags) {
   for (size_t k = 0; k < G_N_ELEMENTS(findings); k++)
     if (flags & findings[k].flag) return findings[k].name;
   return "";
 }
 
-/* Write the number of transistors with each finding; a transistor may have
-   several. */
+/* Write the number of transistors with each finding. A transistor may have
+   several findings. */
 static int finding_table(const opc_host *host, const eda_mask *m,
                          opc_error *error) {
   struct {
@@ -216,7 +216,8 @@ typedef struct gate_row {
   double mask_l, mask_w, mask_jog, end[2], extension[2];
 } gate_row;
 
-/* Return the difference of a gate's Ion deviation from that in the loop, %. */
+/* Return the Ion deviation of a gate minus its Ion deviation in the correction
+   loop, %. */
 static double gate_change(const report *r, size_t i) {
   const eda_mask *m = r->mask, *c = r->corrected;
   if (gate_failed(m->flags, i) || gate_failed(c->flags, i)) return NAN;
@@ -224,8 +225,8 @@ static double gate_change(const report *r, size_t i) {
          eda_deviation(c->after.ion[i], c->design.ion[i]);
 }
 
-/* Return in *verdict a failure or a note on the figures, or else the
-   synthesizer's verdict. */
+/* Set *verdict to a failure, to the guard's verdict, to a remark on the
+   figures, or else to the synthesizer's verdict. */
 static int verdict_of(const opc_context *context, const report *r, size_t gate,
                       const char **verdict, opc_error *error) {
   *verdict = gate_failed(r->mask->flags, gate)          ? "does not print"
@@ -237,7 +238,7 @@ static int verdict_of(const opc_context *context, const report *r, size_t gate,
   return eda_blame(error, code, "synthesizer");
 }
 
-/* Return the deviation of a figure, %; NAN without a figure. */
+/* Return the deviation of a figure, %; NAN if the transistor does not print. */
 static double gate_deviation(const uint32_t *flags, size_t i,
                              const double *printed, const double *design) {
   return gate_failed(flags, i) ? NAN : eda_deviation(printed[i], design[i]);
@@ -281,8 +282,8 @@ static gate_row row_of(const report *r, size_t i) {
   return row;
 }
 
-/* Write the table of transistors with all existing columns, and print selected
-   columns of a short table. */
+/* Write all columns of the table of transistors to a file, and print selected
+   columns if the table is short. */
 static int put_gates(const opc_host *host, const report *r, const gate_row *row,
                      opc_error *error) {
   int corrects = !r->corrected, moved = r->biases != NULL;
@@ -475,8 +476,8 @@ int correct_report_mask(const opc_host *host, const report *r,
   return code;
 }
 
-/* Log each reason of violations once. Returns the number of violations without
-   a reason. */
+/* Log each stated cause of violations once. Returns the number of violations
+   without a stated cause. */
 static size_t violations_log_reasons(const opc_host *host,
                                      const eda_violation *v, size_t n) {
   size_t without = 0;

@@ -4,6 +4,8 @@
 #include <math.h>
 
 #include <correct/report.h>
+#include <correct/rules.h>
+#include <string.h>
 
 /* Statistics of the deviations +1, +3 and one transistor that does not print,
    by hand. */
@@ -26,8 +28,61 @@ static void test_statistics(void) {
     g_assert_cmpfloat(fabs(want[i][0] - want[i][1]), <, 1e-9);
 }
 
+/* ---- mask rules ---- */
+
+static char *finding;
+static double added;
+
+static void keep_finding(const opc_host *h, int level, const char *format,
+                         ...) {
+  va_list arguments;
+  (void)h;
+  if (level != OPC_LOG_FINDING) return;
+  va_start(arguments, format);
+  finding = g_strdup_vprintf(format, arguments);
+  va_end(arguments);
+}
+
+static int keep_added(const opc_host *h, const char *name, double value,
+                      opc_error *error) {
+  (void)h, (void)error;
+  if (!strcmp(name, "mask_violations_added")) added = value;
+  return OPC_OK;
+}
+
+static int skip_table(const opc_host *h, const char *name, uint32_t flags,
+                      size_t rows, const opc_column *columns, size_t n,
+                      size_t size, opc_error *error) {
+  (void)h, (void)name, (void)flags, (void)rows, (void)columns, (void)n;
+  (void)size, (void)error;
+  return OPC_OK;
+}
+
+/* Rules with more violations than in the drawn layout are added up and named; a
+   rule with fewer does not compensate for them. */
+static void test_rules(void) {
+  const opc_host host = {
+      .log = keep_finding, .table = skip_table, .metric = keep_added};
+  rules_row rows[EDA_RULES] = {{"poly", "space", 40, 5, 5, 31, 10, 20},
+                               {"poly", "width", 40, 9, 0, NAN, NAN, NAN},
+                               {"poly", "edge", 20, 0, 0, NAN, NAN, NAN},
+                               {"poly", "jog", 1, 0, 0, NAN, NAN, NAN}};
+  opc_error error;
+  g_assert_false(correct_rules_table(&host, rows, EDA_RULES, &error));
+  g_assert_null(finding);
+  g_assert_true(added == 0);
+  rows[EDA_RULE_SPACE].count = 7;
+  g_assert_false(correct_rules_table(&host, rows, EDA_RULES, &error));
+  g_assert_cmpstr(finding, ==,
+                  "the mask violates mask rules: space of 'poly' below 40 nm "
+                  "in 7 places (5 as drawn), smallest 31 nm at (10, 20) nm");
+  g_assert_true(added == 2);
+  g_free(finding);
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/report/statistics", test_statistics);
+  g_test_add_func("/report/rules", test_rules);
   return g_test_run();
 }

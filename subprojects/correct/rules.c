@@ -3,8 +3,9 @@
 #include <correct/rules.h>
 
 #include <eda/memory.h>
+#include <glib.h>
+#include <inttypes.h>
 #include <math.h>
-#include <opcflow/step.h>
 #include <opcflow/table.h>
 #include <stdlib.h>
 
@@ -33,12 +34,33 @@ static void count_layer(const eda_gates *g, size_t layer,
   free(fault);
 }
 
+/* Log the rules that the mask violates, with the places of the worst
+   violations; a finding if the drawn layout violates a rule less often. */
+static void table_findings(const opc_host *host, const rules_row *rows,
+                           size_t n, double added) {
+  g_autoptr(GString) text = g_string_new(NULL);
+  for (size_t i = 0; i < n; i++) {
+    const rules_row *r = &rows[i];
+    if (!r->count) continue;
+    g_string_append_printf(text,
+                           "%s %s of '%s' below %g nm in %" PRId64
+                           " places (%" PRId64
+                           " as drawn), smallest %.3g nm at (%g, %g) nm",
+                           text->len ? ";" : "", r->rule, r->layer, r->limit,
+                           r->count, r->drawn, r->least, r->x, r->y);
+  }
+  if (text->len)
+    host->log(host, added > 0 ? OPC_LOG_FINDING : OPC_LOG_INFO,
+              "the mask violates mask rules:%s", text->str);
+}
+
 int correct_rules_table(const opc_host *host, const rules_row *rows, size_t n,
                         opc_error *error) {
-  double all = 0, sum[EDA_RULES] = {0};
+  double all = 0, added = 0, sum[EDA_RULES] = {0};
   for (size_t i = 0; i < n; i++) {
     sum[i % EDA_RULES] += (double)rows[i].count;
     all += (double)rows[i].count;
+    added += (double)MAX(rows[i].count - rows[i].drawn, 0);
   }
   const opc_column columns[] = {
       {"layer", NULL, OPC_TEXT, 0, &rows->layer},
@@ -53,7 +75,9 @@ int correct_rules_table(const opc_host *host, const rules_row *rows, size_t n,
   int code = opc_put_rows(host, "mask_rules", 0, n, sizeof *rows,
                           OPC_ARRAY(columns), error);
   if (code) return code;
+  table_findings(host, rows, n, added);
   const opc_metric_value values[] = {{"mask_violations", all},
+                                     {"mask_violations_added", added},
                                      {"mask_space", sum[EDA_RULE_SPACE]},
                                      {"mask_width", sum[EDA_RULE_WIDTH]},
                                      {"mask_edge", sum[EDA_RULE_EDGE]},

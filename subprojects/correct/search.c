@@ -2,30 +2,26 @@
 /* Implements the model-based placement of assist features. */
 #include <correct/search.h>
 
-#include <eda/memory.h>
 #include <math.h>
 #include <stdlib.h>
 
 #include <correct/loop.h>
 
-/* Grid of the map and of bar positions, nm; a ring of the map is about 70 nm
-   wide. */
+/* Grid of the map and of scatter bar positions, nm. The ridge along a contour
+   spans several grid steps. */
 static const double map_step = 8;
 
-/* Assumed steepness of a contour, 1 / intensity. Contours have a slope of 0.002
-   / nm, so the transition spans several steps of the map. */
+/* Steepness of the printed area's transition at a contour, 1 / intensity.
+   Contours have a slope of 0.002 / nm, so the transition spans several steps of
+   the map. */
 static const double steepness = 150;
 
-/* Reduction of the width of a printing bar per iteration, nm at each side. */
+/* Reduction of a printing bar's width per iteration, nm at each side. */
 static const double thinner = 2;
 
 /* Iterations of hold_contour. Over ten clips, the band is 1.4 % wider with 2
-   iterations and 4 % wider with none. */
+   iterations and 4 % wider without an iteration. */
 static const int settles = 4;
-
-static int32_t grid_steps(const loop *l, double nm) {
-  return (int32_t)lround(fmin(nm / l->gates->grid, 1e6));
-}
 
 static void search_show(loop *l) {
   correct_trial_set_boxes(
@@ -40,11 +36,13 @@ int correct_search_begin(loop *l, opc_error *error) {
   if (!s->most) return OPC_OK;
   if (!litho->gradient || (s->defocus != 0 && !litho->image_at))
     return opc_fail(error, OPC_INVALID, "search.most",
-                    "'%s' provides no gradient of the image by the mask",
+                    "'%s' provides no gradient of the image by the mask, or no "
+                    "image at a defocus",
                     l->printer.litho.litho->id);
   if (l->next.assists[EDA_POLY].count || l->assists.rows)
     return opc_fail(error, OPC_INVALID, "search.most",
-                    "the synthesizer or 'assist' places scatter bars already");
+                    "'search' and the synthesizer or 'assist' place scatter "
+                    "bars: keep one");
   return OPC_OK;
 }
 
@@ -56,8 +54,8 @@ static size_t field_nodes(const eda_field *f) {
   return (size_t)f->nx * (size_t)f->ny;
 }
 
-/* Set the weights near scatter bars to 0: their printing is checked separately.
- */
+/* Set the weights near scatter bars to 0; eda_srafs_narrow checks whether they
+   print. */
 static void leave_out_srafs(const loop *l, eda_field *f) {
   const eda_frame *r = &f->frame;
   double dx = r->width / f->nx, dy = r->height / f->ny, g = l->gates->grid;
@@ -73,9 +71,9 @@ static void leave_out_srafs(const loop *l, eda_field *f) {
   }
 }
 
-/* Convert a level set in place, at the nodes of the map, to the derivative of
-   the printed area by the level. The derivative is a ridge along the contour;
-   the integral of the ridge is the length of the contour over the slope. */
+/* Convert a level set to the derivative of the printed area by the level, at
+   the nodes of the map. The derivative is a ridge along the contour; the
+   integral of the ridge is the integral of 1 / slope along the contour. */
 static int find_edge(const loop *l, eda_field *f, opc_error *error) {
   int code = eda_field_resample(l->host->context, f, map_step, error);
   if (code) return code;
@@ -95,8 +93,8 @@ static int mask_gradient(const loop *l, const eda_spectrum *mask,
   return m->functions.gradient(m, EDA_POLY, mask, defocus, weight, out, error);
 }
 
-/* Compute the derivative of the area within one border of the band by the
-   mask. */
+/* Compute the derivative, by the mask transmission, of the area within one
+   contour of the band, at a defocus (nm) and a dose factor. */
 static int find_border(const loop *l, const eda_spectrum *mask, double defocus,
                        double dose, eda_field *out, opc_error *error) {
   const eda_model *m = &l->printer.litho;
@@ -115,9 +113,10 @@ static int find_border(const loop *l, const eda_spectrum *mask, double defocus,
   return code;
 }
 
-/* Compute the derivative of the band's area. The printed area grows with
-   intensity for bright features and shrinks for dark ones; the borders exchange
-   roles and the difference is unchanged. */
+/* Compute the derivative of the band's area, the difference of the areas within
+   two contours. The area grows with intensity for bright features and shrinks
+   for dark features. For dark features, the lower dose has the larger contour,
+   and the difference is the same. */
 static int find_band(const loop *l, const eda_spectrum *mask, eda_field *out,
                      opc_error *error) {
   double dose = l->search.dose / 100;
@@ -131,9 +130,9 @@ static int find_band(const loop *l, const eda_spectrum *mask, eda_field *out,
   return code;
 }
 
-/* Constrain the map to a fixed nominal contour. Edges of features compensate
-   the effect of a bar on the contour, so the map must be 0 for each
-   displacement of an edge. `push`, the cost of a displacement, is computed by
+/* Constrain the map to a fixed nominal contour. Feature edges compensate the
+   effect of a bar on the contour, so the map must be 0 for displacements of
+   feature edges. `push`, the weight of the displacements, is computed by
    Richardson's iteration. */
 static int hold_contour(const loop *l, const eda_spectrum *mask, eda_field *map,
                         opc_error *error) {
@@ -177,7 +176,7 @@ static int make_map(const loop *l, eda_field *map, opc_error *error) {
 
 /* ---- scatter bars ---- */
 
-/* Remove scatter bars that no longer reduce the band. */
+/* Remove scatter bars that do not reduce the band. */
 static void drop_idle(loop *l, const eda_field *map) {
   sraf_search_state *s = &l->search;
   size_t kept = 0;
@@ -192,12 +191,12 @@ static int search_round(loop *l, opc_error *error) {
   const eda_sraf_limits rule = {
       .most = (size_t)(s->most * (s->round + 1) / s->rounds),
       .min_gain = s->min_gain,
-      .least_width = grid_steps(l, s->least_width),
-      .most_width = grid_steps(l, s->width),
-      .least_length = grid_steps(l, s->min_length),
-      .most_length = grid_steps(l, s->length),
-      .distance = grid_steps(l, s->distance),
-      .space = grid_steps(l, s->space)};
+      .least_width = correct_steps(l->gates, s->least_width),
+      .most_width = correct_steps(l->gates, s->width),
+      .least_length = correct_steps(l->gates, s->min_length),
+      .most_length = correct_steps(l->gates, s->length),
+      .distance = correct_steps(l->gates, s->distance),
+      .space = correct_steps(l->gates, s->space)};
   eda_field map;
   int code = make_map(l, &map, error);
   if (code) return code;
@@ -220,10 +219,10 @@ static int search_round(loop *l, opc_error *error) {
 int correct_search_watch(loop *l, int done, opc_error *error) {
   sraf_search_state *s = &l->search;
   if (!s->most) return OPC_OK;
-  size_t changed =
-      eda_srafs_narrow(l->host->context, &s->srafs, &l->printer.print[EDA_POLY],
-                       l->gates->grid, s->margin, grid_steps(l, thinner),
-                       grid_steps(l, s->least_width), &s->dropped);
+  size_t changed = eda_srafs_narrow(
+      l->host->context, &s->srafs, &l->printer.print[EDA_POLY], l->gates->grid,
+      s->margin, correct_steps(l->gates, thinner),
+      correct_steps(l->gates, s->least_width), &s->dropped);
   int code = OPC_OK;
   if (s->round < s->rounds && (done || l->iterations >= s->next)) {
     code = search_round(l, error);

@@ -15,10 +15,18 @@ int correct_settings_check(correct_settings *with, const opc_host *host,
                            opc_error *error) {
   int code =
       correct_fine_error(with->fine_text, with->ion_limit, &with->fine, error);
-  with->margin =
-      correct_fine_margin(host, with->litho, with->margin, with->fine);
-  return code;
+  return code ? code
+              : correct_fine_margin(host, with->litho, with->fine,
+                                    &with->margin, error);
 }
+
+/* Measured constants of the forecast of memory (plugins/correct/README.md),
+   bytes. */
+static const struct {
+  double start, start_fine; /* libraries and kernels */
+  double gate, fragments;   /* a transistor, and its fragments of edges */
+  double prints;            /* level sets kept beside the last one */
+} memory = {16e6, 30e6, 12e3, 17e3, 2};
 
 void correct_forecast(const correct_settings *with, const opc_host *host,
                       const eda_gates *g, const char *prints,
@@ -32,19 +40,25 @@ void correct_forecast(const correct_settings *with, const opc_host *host,
   int finely = with->fine > 0 && printer.litho.functions.image_fine;
   eda_image_size size = eda_printer_forecast(&printer, layers);
   eda_printer_clear(&printer);
-  out->memory = size.bytes;
+  const eda_synthesizer *s =
+      with->synthesizer ? with->synthesizer->functions : NULL;
+  out->memory =
+      (finely ? memory.start_fine : memory.start) + size.bytes +
+      memory.prints * size.field +
+      (double)g->count * (memory.gate + (s && s->cut ? memory.fragments : 0));
   (void)snprintf(out->work, sizeof out->work,
                  "%s of %zu layer%s, about %.0f x %.0f points each",
                  finely ? fine_prints : prints, layers, layers == 1 ? "" : "s",
                  size.columns, size.rows);
   (void)snprintf(out->help, sizeof out->help,
-                 "a smaller 'margin' or part of the layout");
+                 "part of the layout, a smaller 'margin', or correct.chip, "
+                 "which simulates one window at a time");
 }
 
 /* ---- printing ---- */
 
-/* Simulate and measure shapes and move the level sets to *print. Cached images
-   of the printer are discarded first. */
+/* Simulate and measure shapes and move the level sets to *print. Discard cached
+   images of the printer first. */
 static int print_shapes(const correct_settings *with, eda_printer *p,
                         const eda_gates *g, const eda_shapes *shapes,
                         eda_measurement *measured, eda_field *print,
@@ -116,7 +130,7 @@ int correct_print(const correct_settings *with, const opc_host *host, int sized,
 /* ---- rules of the print ---- */
 
 /* Initial capacity for violations, rarely exceeded. */
-enum { ROOM = 10000, ROOM_OF_GATE = 16 };
+enum { CAPACITY = 10000, CAPACITY_OF_GATE = 16 };
 
 int correct_violations(const opc_context *context, const opc_module *regulator,
                        const eda_printed *printed, eda_violation **out,
@@ -124,7 +138,7 @@ int correct_violations(const opc_context *context, const opc_module *regulator,
   size_t capacity = 0;
   int code = OPC_OK;
   *out = NULL;
-  *count = ROOM + ROOM_OF_GATE * printed->gates->count;
+  *count = CAPACITY + CAPACITY_OF_GATE * printed->gates->count;
   while (!code && *count > capacity) {
     free(*out);
     capacity = *count;
@@ -133,6 +147,15 @@ int correct_violations(const opc_context *context, const opc_module *regulator,
                                count, error);
   }
   return eda_blame(error, code, "regulator");
+}
+
+int correct_sketch_mask(const eda_gates *gates, void **outputs) {
+  eda_mask *m = outputs[0] = eda_mask_new(gates);
+  eda_performance_init(&m->design, gates->count);
+  eda_performance_init(&m->before, gates->count);
+  eda_performance_init(&m->after, gates->count);
+  m->flags = eda_alloc(gates->count, sizeof *m->flags);
+  return OPC_OK;
 }
 
 int correct_save_mask(void *self, void *const *outputs, const char *folder,

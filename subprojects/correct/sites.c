@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements edge placement errors: distance from each fragment's site along
-   its normal to the printed edge. The edge is searched outwards if the site is
-   printed, else inwards, so that edges of neighbours are not found. */
+/* Implements edge placement errors: distances from each fragment's site along
+   its normal to the printed edge. The search runs outwards if the site prints,
+   else inwards, so that edges of neighbouring shapes are not found. */
 #include <correct/sites.h>
 
 #include <eda/memory.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

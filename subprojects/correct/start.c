@@ -51,7 +51,8 @@ int correct_start_hold(loop *l, opc_error *error) {
   return l->host->metric(l->host, "refined", (double)refined, error);
 }
 
-/* nm; the distance of a regulator.drc repair from its fault. */
+/* Half size of the window around a violation, nm; repairs of regulator.drc are
+   nearer to the violation. */
 static const double beside = 150;
 
 void correct_start_prune(loop *l) {
@@ -105,8 +106,8 @@ static eda_box_list copy_of(eda_boxes from) {
   return to;
 }
 
-/* A displacement on top of a base, or of fragments, cannot be represented by
-   eda_moved. */
+/* eda_moved represents neither displacements added to a base, nor displacements
+   of fragments, nor scatter bars. */
 eda_moved *correct_moved_of(const loop *l) {
   size_t n = l->gates->count, layers = l->gates->layers;
   const trial *t = &l->now;

@@ -5,16 +5,15 @@
 
 #include <eda/check.h>
 #include <eda/gates.h>
-#include <eda/memory.h>
 #include <math.h>
 #include <stdlib.h>
 
-/* Tolerance of intensity, clear field 1; below the error of models and above
-   rounding. */
+/* Tolerance of intensity, clear field 1; below the error of optical models and
+   above rounding errors. */
 static const double same_part = 1e-4;
 
-/* A shape without symmetry, nm, in a frame that all rotations preserve; its
-   size is the period of periodic kernels. */
+/* A shape without symmetry, nm, in a square frame; the size of the frame is the
+   period of periodic kernels. */
 static const eda_box shape[] = {
     {-200, -100, -120, 300}, {-120, 220, 150, 300}, {100, -250, 180, 0}};
 static const eda_frame frame = {-1024, -1024, 2048, 2048};
@@ -30,7 +29,7 @@ static void point_turn(int orientation, double *x, double *y) {
   if (orientation & 2) *y = -*y;
 }
 
-/* Draw the shape in an orientation. Its touching boxes are merged. */
+/* Draw the shape in an orientation, with touching boxes merged. */
 static int shape_draw(int orientation, eda_shapes *out, opc_error *error) {
   eda_point points[4 * BOXES];
   uint32_t start[BOXES + 1] = {0};
@@ -50,7 +49,8 @@ static int shape_draw(int orientation, eda_shapes *out, opc_error *error) {
   return eda_boolean(EDA_OR, &boxes, NULL, out, error);
 }
 
-/* Sample the image of the rotated shape at equally rotated positions. */
+/* Sample the image of the shape in an orientation, at positions in the same
+   orientation. */
 static int image_sample(const opc_context *context, const opc_module *litho,
                         int layer, int orientation, double *out,
                         opc_error *error) {
@@ -98,7 +98,7 @@ static int orientations_of_layer(const opc_context *context,
   return code;
 }
 
-/* Return the smaller number of poly and active. */
+/* The smaller number of poly and active applies. */
 int correct_symmetry_find(const opc_context *context, const opc_module *litho,
                           int *orientations, opc_error *error) {
   int poly, active;

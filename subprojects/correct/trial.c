@@ -67,15 +67,11 @@ void correct_trial_set_both(eda_boxes *to, eda_boxes first, eda_boxes second) {
   free(all.box);
 }
 
-static int boxes_touch(eda_box a, eda_box b) {
-  return a.x0 <= b.x1 && b.x0 <= a.x1 && a.y0 <= b.y1 && b.y0 <= a.y1;
-}
-
 void correct_trial_drop_boxes(eda_boxes *boxes, eda_box window) {
   eda_box *box = (eda_box *)boxes->box;
   size_t n = 0;
   for (size_t i = 0; i < boxes->count; i++)
-    if (!boxes_touch(box[i], window)) box[n++] = box[i];
+    if (!eda_boxes_touch(box[i], window)) box[n++] = box[i];
   boxes->count = n;
 }
 
@@ -86,7 +82,8 @@ void correct_trial_reset_boxes(eda_boxes *boxes, eda_box window,
   for (size_t i = 0; i < boxes->count; i++)
     eda_box_list_add(&all, boxes->box[i]);
   for (size_t i = 0; i < begun.count; i++)
-    if (boxes_touch(begun.box[i], window)) eda_box_list_add(&all, begun.box[i]);
+    if (eda_boxes_touch(begun.box[i], window))
+      eda_box_list_add(&all, begun.box[i]);
   free((eda_box *)boxes->box);
   *boxes = (eda_boxes){all.box, all.count};
 }

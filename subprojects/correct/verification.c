@@ -14,13 +14,13 @@
 static const struct {
   double part, edge;
 } tuned = {
-    /* Largest mean change of Ion by an accurate simulation, as a fraction of
-       the loop's `ion_limit`; equal to the error of the accurate model. Beyond
-       that, the loop has optimised other figures than those it reports. */
+    /* Largest mean |change of Ion| by an accurate simulation, as a fraction of
+       `ion_limit`; equal to the error of the accurate model. A larger change
+       means that the loop corrected figures that differ from the result. */
     .part = 0.1,
 
-    /* Largest deviation of a printed edge, in grid steps, that would not have
-       changed its displacement. */
+    /* Largest difference of a printed edge position, in grid steps, that does
+       not change the displacement of a fragment. */
     .edge = 0.5,
 };
 
@@ -63,7 +63,7 @@ static int measure_drawn(loop *l, eda_measurement *m, opc_error *error) {
   return code;
 }
 
-/* Store the simulation to which the figures of the drawn mask belong. */
+/* Keep the image of the drawn mask as the loop's drawn_print. */
 static void keep_print(loop *l) {
   for (size_t k = 0; k < l->gates->layers; k++) {
     if (!l->verification.image[k].coefficients) continue;
@@ -116,7 +116,8 @@ int correct_verification_is_due(const loop *l) {
 
 /* ---- the end ---- */
 
-/* Results of the loop's fast simulation. */
+/* Figures of one simulation. `off`: |Ion deviation| from the target; `ion`: Ion
+   deviation from the drawn Ion. */
 typedef struct seen {
   double *off, *ion; /* [gates], % */
   double **epe;      /* [layers][sites], nm */
@@ -145,8 +146,8 @@ static void seen_clear(const loop *l, seen *s) {
   free(s->off);
 }
 
-/* Return 0 if a transistor within the limit leaves it or no longer prints, or
-   if the mean change is too large. */
+/* Return 0 if a transistor exceeds the limit only in the accurate simulation,
+   if a transistor no longer prints, or if the mean change is too large. */
 static int transistors_hold(const loop *l, const seen *before,
                             const seen *now) {
   double sum = 0, most = 0, count = 0;
@@ -165,8 +166,8 @@ static int transistors_hold(const loop *l, const seen *before,
   int holds = !crossed && mean <= tuned.part * l->ion_limit;
   l->host->log(
       l->host, holds ? OPC_LOG_DEBUG : OPC_LOG_INFO,
-      "accurate simulation: Ion differs from that of the loop by %.3f %% in "
-      "the mean and %.3f %% at most; %zu more transistor%s beyond the limit",
+      "accurate simulation: Ion differs from the fast one by %.3f %% in "
+      "the mean and %.3f %% at most; %zu more transistor%s above 'ion_limit'",
       mean, most, crossed, crossed == 1 ? "" : "s");
   return holds;
 }

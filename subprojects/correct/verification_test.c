@@ -17,8 +17,8 @@ static int begin_moves(void *self, const eda_feedback *f, opc_error *error) {
   return OPC_OK;
 }
 
-/* Apply half of the missing printed length, as a step of the mask has a larger
-   effect in the print. */
+/* Apply half of the missing printed length, because a step of the mask has a
+   larger effect on the printed length. */
 static int update_moves(void *self, const eda_feedback *f, eda_moves *m,
                         int *done, opc_error *error) {
   const mover *s = self;
@@ -46,8 +46,8 @@ static const eda_litho with_fine = {.prepare = prepare_nothing,
                                     .image_fine = image_fine};
 static const double fine_is = 1e-4;
 
-/* Set fine_adds[n] for accurate simulation n; the last one holds for all later
-   ones. */
+/* Set fine_adds[n] for accurate simulation n; the last value applies to
+   all later simulations. */
 static void let_add(size_t n, const double *heights) {
   for (size_t i = 0; i < FINE_PRINTS; i++)
     fine_adds[i] = heights[MIN(i, n - 1)];
@@ -137,9 +137,9 @@ static void expect_result(const loop *l, double height, double other) {
 
 /* ---- the tests ---- */
 
-/* One accurate simulation after the first displacements and one at the end. An
-   unmoved layer needs only the first. The drawn mask's figures are accurate,
-   too. */
+/* One accurate simulation after the first displacements and one at the end. A
+   layer without displacements requires the first one only. The figures of the
+   drawn mask are accurate, too. */
 static void test_end(void) {
   loop l;
   double before[2];
@@ -234,7 +234,7 @@ static void test_by_layer(void) {
 }
 
 /* The accurate model changes at the end: the loop continues until it agrees.
-   Without the verification it would end earlier. */
+   Without the verification, the loop would end earlier. */
 static void test_goes_on(void) {
   loop l, without;
   ADD(0.02);
@@ -257,7 +257,7 @@ static void test_goes_on(void) {
   correct_loop_clear(&without);
 }
 
-/* A model that never agrees is not called for ever. */
+/* If the accurate model never agrees, the loop ends. */
 static void test_bound(void) {
   loop l;
   ADD(0.02, 0.25, 0.02, 0.25, 0.02, 0.25);
@@ -267,9 +267,9 @@ static void test_bound(void) {
   correct_loop_clear(&l);
 }
 
-/* A regulator that reports a violation from a given accurate simulation on,
-   until it has moved a line end; or that moves the line end after each one in
-   vain. */
+/* A regulator that reports a violation from a given accurate simulation
+   onwards, until it has displaced a line end; or that displaces the line end
+   after each simulation without effect. */
 enum { STAYS, MENDS, TRIES };
 static struct {
   const char *rule;
@@ -294,9 +294,9 @@ static int violations(void *self, const eda_printed *p, eda_violation *v,
   return OPC_OK;
 }
 
-/* The loop continues after a violation that only the final accurate simulation
-   shows, if it can be repaired; not after one with a reason or an earlier
-   one. */
+/* The loop continues if only the final accurate simulation shows a violation
+   that can be repaired. It ends if the violation has a stated cause or is
+   older. */
 static void test_rules(void) {
   static const eda_regulator mender = {.rule = repair_rule,
                                        .violations = violations};
@@ -423,8 +423,8 @@ static void test_none(void) {
   }
 }
 
-/* The resist is calibrated with the error of accurate simulations, which serves
-   both, or with a smaller one if it requires that. */
+/* The resist is calibrated with the error of accurate simulations, or with a
+   smaller error if the resist requires it. */
 static double asked, given;
 
 static int image_given(const void *self, int layer, const eda_spectrum *mask,

@@ -14,7 +14,13 @@ void eda_grow_to(void *array, size_t *capacity, size_t need, size_t size) {
   *at = g_realloc_n(*at, *capacity, size);
 }
 
-int eda_doubles_rise(const void *a, const void *b) {
-  double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
+#define NUMBERS_RISE(name, type)                     \
+  int name(const void *a, const void *b) {           \
+    type x = *(const type *)a, y = *(const type *)b; \
+    return (x > y) - (x < y);                        \
+  }
+
+NUMBERS_RISE(eda_doubles_rise, double)
+NUMBERS_RISE(eda_int32s_rise, int32_t)
+NUMBERS_RISE(eda_int64s_rise, int64_t)
+NUMBERS_RISE(eda_uint32s_rise, uint32_t)

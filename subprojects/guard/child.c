@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Forks, and reads the output of the child until it ends or is too late. */
+/* Forks, and reads the child's output until it ends or exceeds the time. */
 #include <guard/child.h>
 
 #include <errno.h>
@@ -26,8 +26,9 @@ gint64 child_waited(int pid) {
   return (gint64)(waits / 1000);
 }
 
-/* Times of a child, us: granted; last output; waiting for a processor till
-   then. */
+/* Times of a child, us: `granted`, the longest time without output; `seen`,
+   when the last output was read; `waited`, the waiting time for a processor up
+   to `seen`. */
 typedef struct sign_of_life {
   int pid;
   gint64 granted, seen, waited;
@@ -45,7 +46,7 @@ static gint64 child_time(const sign_of_life *s) {
   return left + MIN(child_waited(s->pid) - s->waited, 2 * s->granted);
 }
 
-/* Read the output of the child. Return FALSE if the child is too late. */
+/* Read the output of the child. Return FALSE if the time is exceeded. */
 static gboolean read_report(int in, sign_of_life *child, GString *report) {
   child_seen(child);
   for (;;) {
@@ -62,10 +63,10 @@ static gboolean read_report(int in, sign_of_life *child, GString *report) {
   }
 }
 
-/* End this child when the parent ends for any reason. Its own children inherit
-   only the limit of processor time, which ends work that nobody waits for. The
-   limit exceeds the granted time, even for work with several outputs, so that
-   the parent reports first. */
+/* End this child when the parent ends for any reason. Processes started by the
+   child inherit only the limit of processor time, so that a forgotten process
+   ends. The limit exceeds the granted time, even for work with several outputs,
+   so that the parent reports first. */
 static void bind_to_parent(pid_t parent, double seconds) {
   enum { SPARE = 1 /* s */, PARTS = 16 };
   rlim_t most = (rlim_t)(seconds * PARTS * g_get_num_processors()) + SPARE;

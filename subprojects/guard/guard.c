@@ -50,7 +50,7 @@ void guard_folder(const char *folder, const char *name, const char *file) {
 
 /* ---- end of the process: functions that are safe in a signal handler ---- */
 
-/* Write "-N" with the decimal number n. */
+/* Write "-N" to `to`, with the decimal number n. */
 static void put_number(char *to, int n) {
   int digits = 1;
   for (int rest = n; rest >= 10; rest /= 10) digits++;
@@ -92,7 +92,7 @@ static void remove_slot(void) {
   unlinkat(here, slot, AT_REMOVEDIR);
 }
 
-/* The message, written by one call because other processes write, too. */
+/* The message. A single call writes it, because other processes write, too. */
 static char message[4 * PATH_MAX];
 
 static void add_text(const char *text) {
@@ -101,26 +101,26 @@ static void add_text(const char *text) {
   memcpy(message + n, text, more < capacity ? more : capacity);
 }
 
-/* Write `where` and the words (to NULL), keep the run folder, and exit. */
+/* Write `where` and the words (until NULL), keep the run folder, and exit. */
 _Noreturn static void process_end(const char *const *words, int code) {
   static int taken;
-  /* Only the first thread writes; other threads wait for the exit. */
+  /* Only the first thread writes; other threads pause until the exit. */
   while (__atomic_exchange_n(&taken, 1, __ATOMIC_SEQ_CST)) pause();
   add_text(wipe);
   add_text(*where ? where : "error");
   while (*words) add_text(*words++);
   process_say(message);
-  /* A process that a plugin forked keeps no folder. */
+  /* A process forked by a plugin keeps no folder. */
   if (getpid() == guarded && keep_folder()) {
     process_say("note: files written so far are in '");
     process_say(failed);
     process_say("'\n");
   }
   if (getpid() == guarded) remove_slot();
-  for (;;) syscall(SYS_exit_group, code); /* not interpose.c */
+  for (;;) syscall(SYS_exit_group, code); /* bypasses interpose.c */
 }
 
-/* Receives reports in a child after guard_listen; else NULL. */
+/* Receiver of reports in a child after guard_listen; else NULL. */
 static const guard_listener *listener;
 
 _Noreturn static void listener_tell(const char *id, const char *what,
@@ -145,8 +145,8 @@ _Noreturn static void plugin_blame(const char *id, const char *what,
 
 /* State of a thread, read by other threads. */
 typedef struct worker {
-  const char *inside;  /* present plugin */
-  const char *suspect; /* plugin since the last check */
+  const char *inside;  /* plugin that runs in the thread; NULL: the command */
+  const char *suspect; /* plugin that ran since the last check; NULL: none */
   int waits;           /* 1: waits for tasks of other threads */
   struct worker *next;
 } worker;
@@ -161,7 +161,8 @@ static void field_set(const char **field, const char *id) {
   __atomic_store_n(field, id, __ATOMIC_RELAXED);
 }
 
-/* Add a plugin to a list of distinct names, "'A', 'B'". Return their number. */
+/* Add a plugin to a list of distinct names, "'A', 'B'", of n names. Return the
+   new number. */
 static int add_name(char *list, size_t capacity, int n, const char *id) {
   char name[256];
   size_t length = strlen(list);
@@ -172,8 +173,8 @@ static int add_name(char *list, size_t capacity, int n, const char *id) {
   return n + 1;
 }
 
-/* Add the present plugins of other threads; `suspects`: also those since the
-   last check. */
+/* Add the plugins that run in other threads, except in threads that wait.
+   `suspects`: also add the plugins that ran since the last check. */
 static int add_others(char *list, size_t capacity, int n, int suspects) {
   for (worker *w = workers; w; w = w->next) {
     if (w == &me) continue;
@@ -187,7 +188,8 @@ static int add_others(char *list, size_t capacity, int n, int suspects) {
   return n;
 }
 
-/* Report a change of the process by the plugins of any threads. */
+/* Report a change of the process, which the plugin `id` or a plugin of another
+   thread has made. */
 static void blame_all(const char *id, const char *what, const char *detail) {
   char list[1024] = "";
   if (listener) listener_tell(id, what, detail);
@@ -204,7 +206,8 @@ static void blame_all(const char *id, const char *what, const char *detail) {
   process_end(words, exit_code);
 }
 
-/* Stack of the signal handler; the stack of the thread may have overflowed. */
+/* Stack of the signal handler, because the stack of the thread may have
+   overflowed. */
 static _Thread_local char stack[STACK];
 static _Thread_local int has_stack;
 
@@ -216,8 +219,8 @@ static void give_stack(void) {
   sigaltstack(&own, NULL);
 }
 
-/* Report a thread that ends inside a plugin; otherwise other threads would
-   wait, or the command would end with success. */
+/* Report a thread that ends inside a plugin. Otherwise other threads would wait
+   for the thread, or the command would end with success. */
 static void thread_ended(void *unused) {
   (void)unused;
   if (guarded && calls > 0) plugin_blame(me.inside, "ended the thread", "");
@@ -245,8 +248,8 @@ static void begin_thread(void) {
    system calls are slow; some plugins are called 1000 times a second. */
 static const double pause_of_looks = 5e-3;
 
-/* Number of open guard_join calls. A change during tasks may be caused by
-   another plugin, so that the check is done after the tasks. */
+/* Number of open guard_join calls. During tasks, another plugin may have made a
+   change; the check is therefore done after the tasks. */
 static _Thread_local int in_batch;
 
 static _Thread_local double looked; /* time of the last check, s */
@@ -257,7 +260,7 @@ static double time_now(void) {
   return (double)t.tv_sec + (double)t.tv_nsec * 1e-9;
 }
 
-/* Do the checks without system calls, after each call. */
+/* Check, without system calls, after each call of a plugin. */
 static void guard_check_thread(void) {
   const char *what = process_thread_change();
   if (forked) plugin_blame(me.inside, "forked and continued", "");
@@ -287,7 +290,7 @@ const char *guard_enter(const char *id) {
   const char *who = me.suspect || in_batch ? me.suspect : before;
   begin_thread();
   if (guarded && before) guard_check_thread();
-  /* Check before a change could be attributed to the next plugin. */
+  /* Check first, so that the change is not attributed to the next plugin. */
   if (guarded && id && who && id != who) guard_check_process(who);
   calls++;
   field_set(&me.inside, id);
@@ -338,8 +341,8 @@ const char *guard_inside(void) { return me.inside; }
 
 /* ---- reasons to end ---- */
 
-/* A signal handler cannot wait for the lock. If another thread holds it, name
-   only the plugins of this thread and of the first thread. */
+/* A signal handler cannot wait for the lock. If another thread holds the lock,
+   the message names only the plugins of this thread and of the first thread. */
 void guard_end(int code) {
   static char list[1024];
   int alone = pthread_mutex_trylock(&workers_lock);
@@ -366,7 +369,7 @@ void guard_done(int code) { done = code; }
 
 int guard_code(int code) { return done < 0 ? code : done; }
 
-/* Return whether another process sent the signal; not the fault of a plugin. */
+/* Return whether another process sent the signal: not a plugin's fault. */
 static int is_foreign(const siginfo_t *info) {
   int sent = info->si_code == SI_USER || info->si_code == SI_QUEUE ||
              info->si_code == SI_TKILL;
@@ -402,7 +405,7 @@ void guard_remove(void) {
 void guard_listen(const guard_listener *to) {
   listener = to;
   process_settle();
-  workers = NULL; /* threads of the parent */
+  workers = NULL; /* the list has threads of the parent */
   me = (worker){NULL, NULL, 0, NULL};
   main_worker = &me;
   calls = forked = has_stack = 0;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Plugins that crash, end or change a process: its exit code and its message,
-   as the parent process reads them. */
+/* Plugins that crash, end or change a process. The parent process reads the
+   exit code and the message. */
 #include <fcntl.h>
 #include <glib.h>
 #include <glib/gstdio.h>
@@ -19,8 +19,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-/* Run a plugin 'bad' in a guarded process: its exit code (minus the signal that
-   ended it), and its standard error in *message (g_free). */
+/* Run a plugin 'bad' in a guarded process. Return the exit code, or minus the
+   signal that ended the process. *message receives the standard error
+   (g_free). */
 static int guarded_run(void (*plugin)(void), char **message) {
   GString *text = g_string_new(NULL);
   int ends[2], status;
@@ -66,11 +67,31 @@ static void mask_files(void) { umask(0123); }
 
 static void set_alarm(void) { alarm(60); }
 
-/* It goes on after it was asked to stop. */
+/* The plugin continues after a request to stop. */
 static void go_on(void) {
   stop_on_signals(9);
   raise(SIGINT);
   while (stop_is_asked()) pause();
+}
+
+/* The limit of the outer call is the earlier one. */
+static void exceed_limit(void) {
+  stop_limit outer, inner;
+  stop_on_signals(9);
+  stop_limit_begin(&outer, 0.05, "outer");
+  stop_limit_begin(&inner, 60, "inner");
+  for (;;) pause();
+}
+
+/* Limits that have ended do not act. */
+static void keep_limits(void) {
+  stop_limit outer, inner;
+  stop_on_signals(9);
+  stop_limit_begin(&outer, 60, "outer");
+  stop_limit_begin(&inner, 0.05, "inner");
+  stop_limit_end(&inner);
+  g_usleep(100000);
+  stop_limit_end(&outer);
 }
 
 static void *end_process(void *unused) {
@@ -101,6 +122,8 @@ static const struct {
     {take_handler, 4, "here: plugin 'bad' changed the handler of SIGINT\n"},
     {mask_files, 4, "here: plugin 'bad' changed the modes of new files\n"},
     {go_on, 9, "here: stopped in plugin 'bad'\n"},
+    {exceed_limit, 4, "outer: stopped in plugin 'bad'\n"},
+    {keep_limits, 7, ""},
     {set_alarm, 4, "here: plugin 'bad' left an alarm set\n"},
 };
 
@@ -113,7 +136,7 @@ static void test_plugins(void) {
   }
 }
 
-/* The folder of a run that crashed gets its other name; an empty one goes. */
+/* The folder of a crashed run is renamed; an empty folder is removed. */
 static void crash_in_run(void) {
   guard_folder("work", "run.failed", "slot/lock");
   plugin_crash();
@@ -160,7 +183,7 @@ static void test_child(void) {
   g_assert_cmpint(end, ==, SIGABRT);
 }
 
-/* A limit on the address space is named, and counts. */
+/* A limit on the address space applies, and is named as the source. */
 static void limit_memory(int out, void *data) {
   const rlim_t most = 3000000000;
   struct rlimit limit = {most, most};
@@ -179,7 +202,7 @@ static void test_memory(void) {
   double before = memory_free(&source);
   g_assert_cmpfloat(before, >, 0);
 #ifdef __SANITIZE_ADDRESS__
-  before = 0; /* its address space is larger than any limit */
+  before = 0; /* its address space exceeds any limit */
 #endif
   if (before < 4e9) {
     g_test_skip("less memory than the limit");

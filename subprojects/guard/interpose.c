@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Replaces functions of the C library that end the process or start a thread.
-   The dynamic linker searches the command before the C library, so that calls
-   by plugins reach these functions. Only the command contains these functions;
-   other programs that link opcflow's libraries do not. */
+   The dynamic linker searches the command before the C library, so that plugins
+   call these functions. Only the command contains these functions; other
+   programs that link opcflow's libraries do not. */
 #include <dlfcn.h>
 #include <errno.h>
 #include <guard/guard.h>
@@ -47,8 +47,9 @@ EXPORT _Noreturn void _Exit(int code) { process_leave("_Exit", code); }
 /* ---- another program in this process ---- */
 
 /* A plugin that calls a function of the exec family would end the run with the
-   exit code of another program. Forked children may call them; the C library's
-   functions are found at start, because dlsym() can block in a child. */
+   exit code of another program. A forked child may call the exec functions. The
+   C library's functions are looked up at start, because dlsym() can block in a
+   child. */
 typedef int exec_path(const char *, char *const[]);
 typedef int exec_environment(const char *, char *const[], char *const[]);
 
@@ -130,8 +131,8 @@ EXEC_LIST(execle, next_exec.execve(path, words, va_arg(more, char **)))
 
 /* ---- threads ---- */
 
-/* Function and argument of a new thread, and the plugin that starts the thread,
-   to which the guard attributes all work of the thread. */
+/* Arguments of a new thread, and the plugin that starts the thread. The guard
+   attributes all work of the thread to that plugin. */
 typedef struct beginning {
   void *(*work)(void *);
   void *data;
@@ -145,10 +146,10 @@ static void *thread_begin(void *data) {
   return b.work(b.data);
 }
 
-/* Size of the inaccessible area below the stack of each thread, bytes; equal to
-   the gap that Linux keeps below the stack of the first thread. A function with
-   large local variables would skip the default area, one page, and write to
-   memory of another thread. */
+/* Size of the inaccessible area below the stack of each thread, bytes, as Linux
+   keeps below the stack of the first thread. With the default area of one page,
+   a function with large local variables would write to memory of another
+   thread. */
 enum { GUARD = 1 << 20 };
 
 /* Return a copy of `how` (NULL: default attributes) with an inaccessible area

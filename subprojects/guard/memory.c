@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Reads the available memory of machine, control groups and address space:
-   proc(5), getrlimit(2), cgroup-v2 in the documentation of Linux. */
+/* Reads the available memory of machine, control groups and address space.
+   Sources: proc(5), getrlimit(2), and cgroup-v2 in the documentation of
+   Linux. */
 #include <glib.h>
 #include <guard/memory.h>
 #include <malloc.h>
@@ -79,6 +80,6 @@ double memory_free(const char **source) {
     least = all[i].bytes;
     *source = all[i].source;
   }
-  /* Add freed memory that malloc keeps, which counts as used above. */
+  /* Add freed memory that malloc keeps: the kernel counts it as used. */
   return fmax(least, 0) + (double)mallinfo2().fordblks;
 }

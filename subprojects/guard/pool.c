@@ -7,16 +7,16 @@
 enum { TURNS = 64 }; /* least number of parts per thread, for load balance */
 
 /* One call of pool_run(). Each free thread takes the next `step` indices. The
-   caller works, too, and waits for tasks but never for threads, so that nested
-   calls cannot block each other. A thread that starts when all indices are
-   taken only releases its reference. */
+   caller works, too, and waits only for tasks, so that nested calls cannot
+   block each other. A thread that starts after all indices were taken only
+   releases its reference. */
 typedef struct batch {
   void (*task)(void *, size_t);
   void *data;
   const char *inside; /* calling plugin */
-  size_t n, step;     /* number of indices; indices taken at a time */
+  size_t n, step;     /* number of indices; number taken at a time */
   size_t next;        /* atomic: the next index to take */
-  size_t done;        /* completed indices; under the lock */
+  size_t done;        /* completed indices; protected by the lock */
   gatomicrefcount references;
   GMutex lock;
   GCond finished;
@@ -79,7 +79,7 @@ void pool_run(unsigned threads, size_t n, void (*task)(void *data, size_t i),
   g_atomic_ref_count_init(&b->references);
   g_mutex_init(&b->lock);
   g_cond_init(&b->finished);
-  /* Threads that the pool starts here belong to no plugin. */
+  /* Threads that GLib's pool starts here belong to the command. */
   const char *before = guard_enter(NULL);
   for (size_t i = 1; i < workers; i++) {
     g_atomic_ref_count_inc(&b->references);

@@ -19,7 +19,8 @@ enum {
   STREAMS = 3,
   SIGNALS = 20,         /* at least as many as process_signals has */
   LONGEST_LOCALE = 512, /* "LC_CTYPE=...;LC_NUMERIC=...", all categories */
-  FIRST_OWN = 100       /* first own file descriptor, above those of plugins */
+  FIRST_OWN = 100       /* first descriptor of the guard; lower ones are left to
+                           plugins */
 };
 
 const process_signal process_signals[] = {
@@ -97,7 +98,7 @@ static uint64_t blocked_now(void) {
   return bits;
 }
 
-/* Return the floating-point control without the flags of exceptions. */
+/* Return the floating-point control word, without exception flags. */
 static uint32_t numbers_now(void) {
 #if defined(__x86_64__)
   uint16_t x87;
@@ -141,14 +142,14 @@ static const char *stream_change(void) {
 
 const char *process_thread_change(void) {
   if (numbers_now() != settled.numbers)
-    return "changed how numbers are rounded, flushed or trapped";
+    return "changed the floating-point rounding, flush-to-zero or trap mode";
   return uselocale((locale_t)0) == LC_GLOBAL_LOCALE ? NULL
                                                     : "changed the locale";
 }
 
 int process_signals_change(void) { return blocked_now() != settled.blocked; }
 
-/* Return whether a timer is set, whose signal another plugin would receive. */
+/* Return whether a timer is set. Its signal would interrupt another plugin. */
 static int has_alarm(void) {
   struct itimerval left;
   getitimer(ITIMER_REAL, &left);
@@ -166,7 +167,8 @@ const char *process_change(const char **detail) {
     }
   if (places_differ(folder_now(), settled.folder))
     return "changed the working folder";
-  /* umask() sets the recorded value, so that no other thread is affected. */
+  /* umask() can only be read by setting it. Setting the recorded value does not
+     affect other threads. */
   if (umask(settled.modes) != settled.modes)
     return "changed the modes of new files";
   if (has_alarm()) return "left an alarm set";

@@ -9,15 +9,15 @@
 int mpi_start(int (*stopped)(void), int *rank, int *size);
 void mpi_end(void);
 
-/* End all waiting for other ranks, now and later. Returns OPC_CANCELLED. */
+/* End all present and later waiting for other ranks. Returns OPC_CANCELLED. */
 int mpi_stop(opc_error *error);
 
 /* Implement ranks_group.least and ranks_group.spread. */
 int mpi_least(int64_t *values, size_t n, opc_error *error);
 int mpi_spread(void *bytes, size_t n, int from, opc_error *error);
 
-/* Add to a counter that all processes share, kept by a thread of rank 0.
-   Returns the previous value, or -1 if stopped. */
+/* Add `by` to a counter that all ranks share; a thread of rank 0 holds the
+   counter. Returns the previous value, or -1 if stopped. */
 int64_t mpi_turn(int64_t by);
 
 /* Set the counter to 0, in rank 0, while no rank calls mpi_turn. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Calls of MPI. The blocking functions of MPI use a processor while waiting.
+/* Calls of MPI. MPI's blocking functions occupy a processor while waiting.
    Polling with pauses instead leaves the processor to other processes, and
    detects requests to stop. */
 #include "calls.h"
@@ -14,7 +14,7 @@
 static int own; /* rank */
 static int (*is_stopped)(void);
 static int over;        /* 1: do not wait for other ranks */
-static MPI_Comm asking; /* communicator of the counter */
+static MPI_Comm asking; /* communicator of the requests for the counter */
 static pthread_mutex_t lock =
     PTHREAD_MUTEX_INITIALIZER; /* one MPI call at a time */
 static pthread_t server;
@@ -86,7 +86,7 @@ static int64_t turns_add(int64_t by) {
 
 void mpi_restart(void) { __atomic_store_n(&turns, 0, __ATOMIC_RELAXED); }
 
-/* Answer all present requests. The caller holds the lock. */
+/* Answer all requests that have arrived. The caller holds the lock. */
 static void turns_answer(void) {
   int asked = 1;
   while (asked) {
@@ -126,7 +126,7 @@ int64_t mpi_turn(int64_t by) {
 
 /* ---- start and end ---- */
 
-/* After mpi_least, no rank requests the counter. */
+/* mpi_least returns when no rank can request the counter again. */
 void mpi_end(void) {
   int64_t none = 0;
   opc_error stopped;
@@ -140,7 +140,7 @@ void mpi_end(void) {
 
 int mpi_start(int (*stopped)(void), int *rank, int *size) {
   int level;
-  /* The guard reports crashes, not Open MPI. */
+  /* The guard, not Open MPI, reports crashes. */
   (void)setenv("OMPI_MCA_opal_signal", "", 0);
   if (MPI_Init_thread(NULL, NULL, MPI_THREAD_SERIALIZED, &level) ||
       level < MPI_THREAD_SERIALIZED)

@@ -47,7 +47,7 @@ static int ranks_agree(const char *what, int code, opc_error *error) {
 /* ---- distribution ---- */
 
 /* holders[i] is the rank that has the result of unit i, equal in all ranks;
-   holders[count] is the lowest unit with a fault, or NOBODY. */
+   NOBODY: none. holders[count] is the lowest unit with a fault, or NOBODY. */
 enum { NOBODY = G_MAXINT32 };
 
 typedef struct sharing {
@@ -88,8 +88,8 @@ static int find_holders(sharing *s, opc_error *error) {
   return mpi_least(s->holders, u->count, error);
 }
 
-/* Compute the next unit until none remains. After a fault, advance the counter
-   beyond the last unit. */
+/* Compute units by decreasing cost until none remains. After a fault, advance
+   the counter beyond the last unit, so that all ranks stop. */
 static int do_turns(sharing *s, opc_error *error) {
   const ranks_units *u = s->units;
   g_autoptr(GArray) list = list_turns(s);
@@ -135,8 +135,8 @@ static GBytes *result_exchange(sharing *s, size_t i, opc_error *error) {
   return code ? NULL : g_steal_pointer(&own);
 }
 
-/* Call take() for all results. After a failure of take(), continue to send the
-   results of this rank to the others. */
+/* Call take() for all results. If take() fails, continue to send the results of
+   this rank to the other ranks. */
 static int take_all(sharing *s, opc_error *error) {
   const ranks_units *u = s->units;
   int code = OPC_OK;

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Three processes by mpirun: every unit is done once, taken by all in order,
-   and a fault of one rank is the fault of all. The first rank prints. */
+/* Three processes started by mpirun. Every unit is done once, all ranks take
+   all results in order, and a fault of one rank is the fault of all. The first
+   rank prints. */
 #include <ranks/ranks.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { UNITS = 40, KEPT = 7 /* each such unit is kept by rank 1 */ };
+enum { UNITS = 40, KEPT = 7 /* rank 1 already has each KEPT-th unit */ };
 
 const ranks_group *ranks_join(int (*stopped)(void));
 static const ranks_group *group;
@@ -23,8 +24,8 @@ static void assert_true(int good, const char *text) {
 
 typedef struct table {
   char done[UNITS];     /* by this rank */
-  size_t next, largest; /* the unit to be taken; the largest of done() */
-  size_t faulty;        /* UNITS: none */
+  size_t next, largest; /* next unit to take; largest argument of done() */
+  size_t faulty;        /* index of the faulty unit; UNITS: none */
   int wrong;
 } table;
 

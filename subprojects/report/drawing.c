@@ -100,7 +100,7 @@ static part worst_part(const eda_mask *m, size_t n) {
   for (size_t k = 0; k < n; k++) {
     eda_box b = g->box[all[k].gate];
     p.window[k] = frame_of(g, b, around);
-    boxes[k] = (eda_box){b.x0 - more, b.y0 - more, b.x1 + more, b.y1 + more};
+    boxes[k] = eda_box_grown(b, more);
   }
   p.index = eda_index_new(boxes, n, 0);
   free(boxes);
@@ -451,9 +451,9 @@ static void write_head(const drawing *d) {
   g_string_append_c(d->out, ']');
 }
 
-int drawing_write(const opc_context *context, const eda_mask *mask,
-                  const drawing_limits *limits, GString *out,
-                  opc_error *error) {
+static int drawing_write(const opc_context *context, const eda_mask *mask,
+                         const drawing_limits *limits, GString *out,
+                         opc_error *error) {
   const eda_gates *g = mask->gates;
   drawing d = {.context = context, .mask = mask, .out = out};
   if (g->extent.x0 >= g->extent.x1 || g->extent.y0 >= g->extent.y1)

@@ -60,8 +60,8 @@ JsonNode *opc_contents_parse(const char *text) {
   return json_from_string(text, NULL);
 }
 
-/* Return the files of a manifest with their sums, and their folders with NULL;
-   NULL if the manifest is invalid. */
+/* Return a table of the paths in a manifest: files with their checksums,
+   folders with NULL. NULL if the manifest is invalid. */
 static GHashTable *read_list(JsonNode *manifest) {
   JsonNode *files = node_member(manifest, "files", JSON_TYPE_ARRAY);
   if (!text_member(manifest, "opcflow") || !files) return NULL;

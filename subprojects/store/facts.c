@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Lists of facts: sums, differences, and the latest lists of each name. */
+/* Lists of facts: checksums, differences, and the latest lists of each name. */
 #include <store/facts.h>
 #include <string.h>
 #include <sys/utsname.h>
@@ -22,7 +22,7 @@ char *opc_facts_sum(GVariant *facts) {
   return g_compute_checksum_for_string(G_CHECKSUM_SHA256, text, -1);
 }
 
-/* Processors with these instructions compute equal bits. */
+/* Processors of one class compute equal bits. */
 const char *opc_facts_machine(void) {
   static struct utsname about;
   if (!*about.machine && uname(&about)) return "?";
@@ -68,8 +68,8 @@ typedef struct comparison {
   GString *out;
 } comparison;
 
-/* Describe the facts of `a` that are missing in `b` or, if `forward`, differ
-   there. Return their number. */
+/* Describe the facts of `a` that are missing in `b` and, if `forward` is set,
+   the facts that differ in `b`. Return the number of these facts. */
 static guint facts_compare(const comparison *c, const fact *a, gsize n_a,
                            GHashTable *b, gboolean forward) {
   enum { MOST = 3 }; /* described differences; others are counted */
@@ -90,8 +90,12 @@ static guint facts_compare(const comparison *c, const fact *a, gsize n_a,
   return n;
 }
 
-char *opc_facts_difference(GVariant *before, GVariant *now, opc_fact_text *text,
-                           const void *data, guint *count) {
+/* Return a description of the differences between two lists (g_free): at most
+   three changed or new facts, at most three missing facts, and the number of
+   others. *count receives the number of differences. */
+static char *facts_difference(GVariant *before, GVariant *now,
+                              opc_fact_text *text, const void *data,
+                              guint *count) {
   const comparison c = {text, data, g_string_new(NULL)};
   g_autoptr(GHashTable) old = g_hash_table_new(fact_hash, fact_equal);
   g_autoptr(GHashTable) new = g_hash_table_new(fact_hash, fact_equal);
@@ -123,7 +127,7 @@ char *opc_facts_reason(opc_store *store, const char *name, GVariant *now,
   for (gsize i = 0; all && i < g_variant_n_children(all); i++) {
     g_autoptr(GVariant) before = g_variant_get_child_value(all, i);
     guint count;
-    char *why = opc_facts_difference(before, now, text, data, &count);
+    char *why = facts_difference(before, now, text, data, &count);
     if (!count) {
       g_free(why);
       why = g_strdup("the stored result was removed");

@@ -43,7 +43,7 @@ char *opc_file_sha256(const char *path, const opc_context *context,
   g_autoptr(GChecksum) sum = g_checksum_new(G_CHECKSUM_SHA256);
   guchar buffer[65536];
   int code = OPC_OK;
-  /* Bytes appended meanwhile are ignored, because appending may never end. */
+  /* Only the size at the start is read: a writer might append without end. */
   for (off_t left = about.st_size; left > 0 && !code;) {
     ssize_t n = read(file, buffer, (size_t)MIN(left, (off_t)sizeof buffer));
     if (n < 0 && errno == EINTR) continue;
@@ -76,8 +76,8 @@ static int put_text(int file, const char *text) {
   return why;
 }
 
-/* A file is written under a temporary name and renamed, so that readers never
-   see a part of a file. Other than regular files (/dev/stdout) are written
+/* A file is written under a temporary name and then renamed, so that readers
+   never see a part of a file. Devices and pipes (/dev/stdout) are written
    directly. */
 int opc_write_file(const char *path, const char *text, opc_error *error) {
   struct stat about;
@@ -137,7 +137,7 @@ static int sync_by(int sync(int file), const char *path, opc_error *error) {
   int file = open(path, O_RDONLY | O_CLOEXEC);
   int why = file < 0 || sync(file) ? errno : 0;
   if (file >= 0) close(file);
-  /* Objects that do not support syncing are as safe as possible. */
+  /* Some file systems and special files do not support syncing. */
   if (!why || why == EINVAL || why == EROFS) return OPC_OK;
   return opc_fail(error, OPC_IO, NULL, "'%s': %s", path, g_strerror(why));
 }
@@ -164,9 +164,9 @@ static int count_entry(void *count, const char *path, const char *name,
   return OPC_OK;
 }
 
-/* Number of files synced one by one: 800 take 2 to 3 s on ext4, but 0.05 s by
-   syncing the whole file system, which must also write the data of other
-   programs. */
+/* Largest number of files that are synced one by one. On ext4, syncing 800
+   files takes 2 to 3 s, but syncing the whole file system 0.05 s. The latter
+   also writes the data of other programs. */
 enum { FEW = 50 };
 
 int opc_sync_tree(const char *folder, opc_error *error) {

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Slots of runs and their locks, and the change from a slot to the final
-   name. */
+/* Slots of runs, their locks, and the renaming of a finished run. */
 #include <store/folder.h>
 
 #include <errno.h>
@@ -19,7 +18,7 @@
 enum {
   MOST_RUNS = 100000,
   MOST_SLOTS = 1000, /* simultaneous runs of one name */
-  MOST_TRIES = 100   /* attempts at a slot that others are removing */
+  MOST_TRIES = 100   /* attempts to lock a slot that another process removes */
 };
 
 static gboolean is_there(const char *path) {
@@ -70,15 +69,15 @@ int opc_folder_allowed(const char *target, gboolean force, opc_error *error) {
 
 /* ---- slots ---- */
 
-/* Return whether the file of a descriptor still has a name. */
+/* Return whether `path` is still the name of the open file. */
 static gboolean is_same(int file, const char *path) {
   struct stat its, named;
   return !fstat(file, &its) && !lstat(path, &named) &&
          its.st_ino == named.st_ino && its.st_dev == named.st_dev;
 }
 
-/* Return whether the file system lacks locks. Creation then locks a slot
-   permanently. */
+/* Return whether the file system has no locks. The lock file of a slot then has
+   the effect of a lock until the slot is removed. */
 static gboolean cannot_lock(int why) {
   return why == ENOLCK || why == EOPNOTSUPP || why == ENOSYS;
 }
@@ -110,15 +109,15 @@ static gboolean lock_slot(opc_folder *f) {
   return FALSE;
 }
 
-/* Remove the remains of a killed run, but restore an earlier run that was about
-   to be replaced. */
+/* Remove the remains of a killed run. An earlier run that the killed run was
+   replacing is restored. */
 static void clear_slot(const opc_folder *f, const char *target) {
   if (is_there(f->old) && !is_there(target)) (void)rename(f->old, target);
   opc_remove_tree(f->work);
   opc_remove_tree(f->old);
 }
 
-/* Unlock last: until then no other process uses the slot. */
+/* The lock is released last, because other processes may then use the slot. */
 void opc_folder_free(opc_folder *f) {
   if (!f) return;
   if (!f->kept) {
@@ -130,7 +129,7 @@ void opc_folder_free(opc_folder *f) {
   free_names(f);
 }
 
-/* Clear all unused slots of a name except the own one. */
+/* Clear all unused slots with the target, except the slot of this process. */
 static void clear_others(const opc_folder *own, const char *parent,
                          const char *start, const char *target) {
   GDir *dir = g_dir_open(parent, 0, NULL);
@@ -152,7 +151,8 @@ static void clear_others(const opc_folder *own, const char *parent,
   if (dir) g_dir_close(dir);
 }
 
-/* Return the first free slot. */
+/* Return the first slot that no other process uses. NULL and *error on
+   failure. */
 static opc_folder *find_slot(const char *target, const char *parent,
                              const char *start, gboolean sole,
                              opc_error *error) {
@@ -208,8 +208,8 @@ opc_folder *opc_folder_open(const char *target, gboolean sole,
 
 /* ---- names ---- */
 
-/* Rename a folder without replacing anything, except an empty folder created by
-   this process. */
+/* Rename a folder without replacing another folder. Without RENAME_NOREPLACE,
+   reserve the name by an empty folder, which rename() may replace. */
 static int folder_move(const char *from, const char *to) {
   if (!renameat2(AT_FDCWD, from, AT_FDCWD, to, RENAME_NOREPLACE)) return 0;
   if (errno != EINVAL && errno != ENOSYS) return -1;
@@ -221,9 +221,9 @@ static int folder_move(const char *from, const char *to) {
   return -1;
 }
 
-/* Exchange the run and the earlier one. Without an atomic exchange, the earlier
-   run is moved aside first; clear_slot restores the earlier run if this process
-   is killed in between. */
+/* Exchange the run and the earlier run. Without an atomic exchange, the earlier
+   run is first renamed; clear_slot restores that run if this process is killed
+   before the second renaming. */
 static int folder_exchange(const opc_folder *f, const char *target) {
   if (!renameat2(AT_FDCWD, f->work, AT_FDCWD, target, RENAME_EXCHANGE))
     return 0;
@@ -245,7 +245,7 @@ static int replace_run(const opc_folder *f, const char *target,
                   g_strerror(errno));
 }
 
-/* Rename to the first free name; the run receives a name in any case. */
+/* Rename to the first free name; otherwise the run stays in `work`. */
 static int find_name(opc_folder *f, const char *target, gboolean number,
                      char **got, opc_error *error) {
   int code = OPC_OK;
@@ -277,8 +277,8 @@ int opc_folder_close(opc_folder *f, const char *target, gboolean replace,
     code = replace_run(f, target, error);
     if (!code) *got = g_strdup(target);
   }
-  /* A run that may not replace the earlier one receives a number; the reported
-     error is that of the replacement. */
+  /* If the earlier run cannot be replaced, the run receives a number. The
+     reported error is that of the replacement. */
   if (code)
     (void)find_name(f, target, TRUE, got, &second);
   else if (!*got)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Run folders on all kinds of file systems, and runs that are killed at any
-   moment: calls that file systems may reject are replaced by failing ones. */
+/* Run folders on file systems with missing features, and runs that are killed
+   at any moment. Calls that file systems may reject are replaced by failing
+   functions. */
 #include <store/folder.h>
 
 #include <errno.h>
@@ -119,8 +120,8 @@ static void assert_word(const char *folder, const char *word) {
 
 /* ---- replacing ---- */
 
-/* Kill a run before each rename in turn. The folder then holds the old or the
-   new run, except while the next run restores the old one. */
+/* Kill a run before each rename in turn. The folder then contains the old or
+   the new run, except until the next run restores the old one. */
 static void kill_at_each_rename(const char *target) {
   int at = 0, status = -1;
   g_assert_cmpint(make_run(target, "first"), ==, OPC_OK);
@@ -175,7 +176,8 @@ static void test_numbers(void) {
   plain_renames = FALSE;
 }
 
-/* A folder created meanwhile is not replaced, and the new run is kept. */
+/* A folder that was created during the run is not replaced, and the new run is
+   kept. */
 static void test_meanwhile(void) {
   opc_error error;
   g_autofree char *got = NULL;
@@ -195,7 +197,7 @@ static void test_meanwhile(void) {
 
 /* ---- slots ---- */
 
-/* Start runs in other processes, to be killed with their slots left over. */
+/* Start runs in other processes, which are killed and leave their slots. */
 static void leave_slots(int n, pid_t *child) {
   int ready[2];
   char byte;
@@ -251,7 +253,8 @@ static void test_link(void) {
   opc_remove_tree("l");
 }
 
-/* Without locks, a slot belongs to its creator, whether alive or not. */
+/* Without locks, a slot belongs to the process that created it, even after the
+   process ends. */
 static void test_no_locks(void) {
   pid_t child;
   opc_error error;

@@ -5,8 +5,9 @@
 #include <store/json.h>
 #include <string.h>
 
-/* Write the numbers of a JSON text in their shortest exact form. This also
-   repairs those that json-glib 1.6 writes as "1e-07.0", which is no JSON. */
+/* Write the numbers of a JSON text in their shortest exact form. The function
+   also repairs numbers that json-glib 1.6 writes as "1e-07.0", which is not
+   JSON. */
 static char *shorten_numbers(const char *text) {
   GString *out = g_string_sized_new(strlen(text));
   gboolean quoted = FALSE;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Files packed into values, and written again. */
+/* Packs files into values, and writes packed files. */
 #include <errno.h>
 #include <glib/gstdio.h>
 #include <store/files.h>
@@ -51,7 +51,7 @@ GVariant *opc_files_pack(const char *folder, guint64 most) {
   return NULL;
 }
 
-/* Written as a copy, so that changes of the file do not affect the store. */
+/* The file is a copy: later changes of the file do not affect the store. */
 int opc_file_unpack(const char *path, GVariant *bytes, opc_error *error) {
   gsize n;
   const char *text = g_variant_get_fixed_array(bytes, &n, 1);

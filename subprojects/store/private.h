@@ -10,11 +10,11 @@ struct opc_store {
   guint64 written;    /* bytes since the last check of the limit */
   char *complaint;    /* problem not yet reported */
   gboolean reported;  /* a write failure was reported, once */
-  GHashTable *sums;   /* path to opc_sum */
-  gboolean sums_read; /* stored sums were loaded */
-  gboolean sums_new;  /* sums were added since */
+  GHashTable *sums;   /* path -> opc_sum */
+  gboolean sums_read; /* stored checksums were loaded */
+  gboolean sums_new;  /* checksums were added since the last write */
 };
 
 void opc_sums_init(opc_store *store);
-/* Store the sums and free them. */
+/* Store the checksums and free them. */
 void opc_sums_clear(opc_store *store);

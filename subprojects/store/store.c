@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Files of the store: FOLDER/entries/ab/cdef..., each a line of 16 bytes, 64
-   digits of the SHA-256 of the remainder, and a GVariant; FOLDER/new/, files
-   being written, locked by their writers; FOLDER/limit; FOLDER/opcflow-store,
-   an empty file that marks the folder as a store. */
+/* Files of the store: FOLDER/entries/ab/cdef... has a line of 16 bytes, 64
+   digits of the SHA-256 of the remainder, and a GVariant. FOLDER/new/ has files
+   being written, locked by their writers. FOLDER/limit has the limit.
+   FOLDER/opcflow-store is an empty file that marks the folder as a store. */
 #include <store/store.h>
 
 #include <errno.h>
@@ -50,9 +50,10 @@ static guint64 find_limit(const char *folder) {
   return bytes;
 }
 
-/* Return whether the store may write to a folder and remove files from it: the
-   folder has the marker, or is empty and gets the marker. The folder of the
-   user's cache gets the marker in any case. */
+/* Return whether the store may write to a folder and remove files from the
+   folder: the folder has the marker, or is empty and receives the marker. With
+   `any`, the folder receives the marker in any case (cache folder of the
+   user). */
 static gboolean folder_claim(const char *folder, gboolean any) {
   g_autofree char *marker = g_build_filename(folder, "opcflow-store", NULL);
   GDir *dir = g_dir_open(folder, 0, NULL);
@@ -203,8 +204,7 @@ gboolean opc_store_put(opc_store *store, const char *key, GVariant *given) {
                  ? -1
                  : g_mkstemp_full(fresh, O_WRONLY | O_CLOEXEC, 0600);
   gboolean good = file >= 0 && write_value(fresh, file, path, value);
-  /* Another process that clears the store at this moment may have removed the
-     file. */
+  /* The file may be missing, because another process has cleared the store. */
   if (!good && errno != ENOENT && !store->reported) {
     store->reported = TRUE;
     store_complain(store, store->folder, g_strerror(errno));
@@ -273,9 +273,9 @@ static void remove_remains(const opc_store *store) {
   if (dir) g_dir_close(dir);
 }
 
-/* Remove the least recently used values until at most `most` bytes remain, and
-   a tenth more, so that trimming is rarely needed. One process at a time
-   trims. */
+/* If the values have more than `most` bytes, remove the least recently used
+   values until 90 % of `most` remain, so that trimming is rarely needed. One
+   process at a time trims. */
 static void store_trim(opc_store *store, guint64 most) {
   g_autofree char *path = g_build_filename(store->folder, "lock", NULL);
   int lock = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0600);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The store: values are returned unchanged, damage of any byte is detected,
-   recently used values stay, and sums of files are correct. */
+   recently used values stay, and checksums of files are correct. */
 #include <store/store.h>
 
 #include <fcntl.h>
@@ -148,8 +148,8 @@ static void test_remains(void) {
   opc_store_close(store);
 }
 
-/* Neither a folder with other files nor linked folders are a store: all
-   files stay. */
+/* A folder with other files, or a linked folder, is not accepted as a store:
+   all files stay. */
 static void test_foreign(void) {
   g_autofree char *other = g_build_filename(folder, "other", NULL);
   g_autofree char *fresh = g_build_filename(other, "new", NULL);
@@ -181,7 +181,7 @@ static void write_at(const char *path, const char *text, time_t when) {
   g_assert_cmpint(utimensat(AT_FDCWD, path, times, 0), ==, 0);
 }
 
-/* A change of equal size and time in the same file changes the sum. */
+/* A change of a file is detected even if size and time stay equal. */
 static void test_sums(void) {
   opc_store *store = open_store();
   opc_error error;

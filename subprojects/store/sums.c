@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Sums of files, cached with the attributes that indicate a change, and sums of
-   shared objects with their dependencies. */
+/* Checksums of files, cached with the attributes that indicate a change, and
+   checksums of shared objects with the objects that they need. */
 #include <dlfcn.h>
 #include <link.h>
 #include <string.h>
@@ -9,13 +9,13 @@
 #include <store/files.h>
 #include "private.h"
 
-/* Age, ns, below which a file is not cached, because another change might leave
-   the times equal. Clocks of file systems have steps of up to 2 s (FAT), 4 ms
-   in most cases. */
+/* Age, ns, below which the checksum of a file is not cached: a second change
+   might leave the times equal. File systems have clock steps of 4 ms in most
+   cases and up to 2 s (FAT). */
 static const gint64 step = G_GINT64_CONSTANT(2000000000);
 
-/* The cache is cleared above this number, because a swept file has many
-   names. */
+/* Number of checksums above which the cache is cleared. A sweep may write a
+   file under many names. */
 enum { MOST_SUMS = 10000 };
 
 static const char kept_under[] = "00sums";
@@ -131,19 +131,14 @@ gboolean opc_store_same(opc_store *store, const char *path, const char *sum) {
 
 /* ---- shared objects ---- */
 
-static const char *base_of(const char *path) {
-  const char *slash = strrchr(path, '/');
-  return slash ? slash + 1 : path;
-}
-
 static struct link_map *find_object(struct link_map *any, const char *name) {
   while (any->l_prev) any = any->l_prev;
-  while (any && strcmp(base_of(any->l_name), name)) any = any->l_next;
+  while (any && strcmp(basename(any->l_name), name)) any = any->l_next;
   return any;
 }
 
-/* Add an object and all needed objects, in the order of their names. Return
-   FALSE if one is not found. */
+/* Add an object and all objects that it needs, in the order in which the
+   objects name them. Return FALSE if an object is not found. */
 static gboolean add_object(GPtrArray *all, struct link_map *object) {
   const char *names = NULL;
   gboolean good = TRUE;
@@ -171,10 +166,9 @@ static struct link_map *object_of(const void *address) {
   return map;
 }
 
-/* A loaded object does not change, so the sum is valid for the whole
-   process. */
+/* A loaded object does not change: the checksum is valid for the process. */
 static const char *sum_object(opc_store *store, const struct link_map *object) {
-  static GHashTable *known; /* path to sum */
+  static GHashTable *known; /* path -> checksum */
   const char *path = *object->l_name ? object->l_name : "/proc/self/exe";
   if (!known) known = g_hash_table_new(g_str_hash, g_str_equal);
   char *sum = g_hash_table_lookup(known, path);
@@ -198,7 +192,7 @@ static char *sum_objects(opc_store *store, const void *address) {
 }
 
 const char *opc_store_build(opc_store *store, const void *address) {
-  static GHashTable *known; /* address to sum */
+  static GHashTable *known; /* address -> checksum */
   gpointer sum;
   if (!known) known = g_hash_table_new(NULL, NULL);
   if (!g_hash_table_lookup_extended(known, address, NULL, &sum)) {

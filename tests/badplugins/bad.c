@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A plugin with one fault in the declaration, selected by BAD_...; without a
-   selection, a valid one. BAD_ID is the id. */
+/* A plugin with one fault in its declaration, selected by BAD_...; without a
+   selection, the plugin is valid. BAD_ID is the id. */
 #include <eda/regulator.h>
 #include <opcflow/plugin.h>
 #include <stdlib.h>

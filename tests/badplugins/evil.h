@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Faults that affect the whole process: the environment variable BAD_HOW names
-   the fault, BAD_WHEN the function in which it occurs. */
+/* Faults that affect the whole process. The environment variable BAD_HOW has
+   the name of the fault, and BAD_WHEN the function in which the fault
+   occurs. */
 #ifndef EVIL_H
 #define EVIL_H
 
@@ -46,8 +47,8 @@ static inline void in_thread(void *(*work)(void *)) {
   if (!pthread_create(&thread, NULL, work, NULL)) pthread_join(thread, NULL);
 }
 
-/* Simulate a stack overflow by a function with a large frame: the access skips
-   the guard page and hits the memory below. */
+/* Simulate a stack overflow by a function with a large frame: the access is
+   beyond the guard page, in the memory below. */
 static inline void *step_over(void *unused) {
   enum { PAGE = 4096 };
   pthread_attr_t how;
@@ -72,19 +73,19 @@ static inline void *crash_later(void *data) {
 static inline void leave_thread(void) {
   pthread_t thread;
   if (!pthread_create(&thread, NULL, crash_later, NULL)) pthread_detach(thread);
-  /* The caller continues while the thread runs. */
+  /* Return while the thread runs. */
 }
 
-/* Use 60 s of processor time; a process that is not killed by then fails the
-   test. */
+/* Use 60 s of processor time. A process that is not killed within this time
+   fails the test. */
 static inline void be_for_ever(void) {
   fputs("for ever\n", stderr);
   for (clock_t most = clock() + 60 * CLOCKS_PER_SEC; clock() < most;) continue;
   abort();
 }
 
-/* Change the folder in the first thread that calls; meanwhile other threads may
-   call other plugins. */
+/* Change the folder in the first thread that calls. Other threads may call
+   other plugins during that time. */
 static inline void chdir_slowly(void) {
   static int taken;
   if (__atomic_exchange_n(&taken, 1, __ATOMIC_SEQ_CST)) return;
@@ -160,7 +161,7 @@ static inline void be_evil(void) {
 }
 
 /* Apply the selected fault at the beginning of the function `when`. A plugin
-   with BAD_FAULT has that fault only. */
+   with BAD_FAULT has only that fault. */
 static inline void evil(const char *when) {
 #ifdef BAD_FAULT
   (void)when;

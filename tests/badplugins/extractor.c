@@ -21,8 +21,8 @@ static size_t bad_slicing(const void *self, const double **place,
   return fault_is("slices") ? 0 : 2;
 }
 
-/* Return the length of a gate; with "scratch" by way of static memory shared by
-   all callers, for up to 64 gates. */
+/* Return the length of a gate. The fault "scratch" uses static memory that all
+   callers share, for up to 64 gates. */
 static double length_of(const eda_slices *in, size_t gate) {
   static volatile double scratch[64];
   const double *l = in->length;

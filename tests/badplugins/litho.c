@@ -4,7 +4,7 @@
 
 static const double blur = 25, band_limit = 0.02; /* nm, 1/nm */
 
-/* Static memory, which cannot be freed. */
+/* Static memory: free() of this memory is invalid. */
 static float fixed[1 << 20];
 
 static int bad_prepare(void *self, opc_error *error) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the step test.numbers, with a parameter of each type, for tests of
-   the framework. Adds the numbers to that of the input, publishes them, and
-   misbehaves as `behave` selects. */
+   the framework. The step adds the numbers to the number of the input,
+   publishes the results, and has the fault selected by `behave`. */
 #include <math.h>
 #include <opcflow/step.h>
 #include <opcflow/table.h>
@@ -70,7 +70,8 @@ static void find_one(void *data, size_t i) {
   host->log(host, OPC_LOG_FINDING, "odd: %zu", i);
 }
 
-/* The second report follows the first too soon to be shown. */
+/* The second report follows the first so soon that the command does not print
+   it. */
 static void numbers_report(const numbers *n) {
   const opc_progress all[] = {
       {1, 1201, 0.5, "nm"}, {2, 1201, 0.5, "nm"}, {3, NAN, 0.25, NULL}};

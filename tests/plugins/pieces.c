@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the steps test.pieces and test.alone (which needs no input, for
-   lint): steps with two lists of work units, the second of which needs the
-   results of the first. Each unit waits and appends a line to a journal. The
-   outputs can be saved. */
+/* Implements the steps test.pieces and test.alone (without inputs, for lint)
+   with two lists of work units. The second list needs the results of the first.
+   Each unit waits and appends a line to a journal. The outputs can be saved. */
 #include <fcntl.h>
 #include <opcflow/pieces.h>
 #include <opcflow/step.h>
@@ -151,8 +150,8 @@ static const char *key(void *data, size_t i) {
   return i % 10 == 9 ? NULL : p->text; /* some units have no key */
 }
 
-/* The first units are cheap, so that the order by cost differs from that by
-   index. */
+/* The first units are cheap, so that the order by cost differs from the order
+   by index. */
 static double cost(void *data, size_t i) { return (void)data, (double)(i % 3); }
 
 static void pieces_done(void *data, size_t n) { ((pieces *)data)->done = n; }

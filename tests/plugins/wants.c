@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the steps test.light and test.heavy (FLAGS 0), which have a
-   forecast. They double the input number; the forecast refuses numbers <= 0. */
+   forecast. The steps double the input number. The forecast fails for numbers
+   <= 0. */
 #include <math.h>
 #include <opcflow/step.h>
 #include <stdio.h>

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* opcflow cache: how much is kept of the results of steps, and less of it. */
+/* opcflow cache: prints the size of the store of results, clears the store, or
+   sets the limit of the size. */
 #include <inttypes.h>
 #include <string.h>
 
@@ -11,7 +12,7 @@ static gboolean json;
 static const cli_option options[] = {
     {"json", "print the result as JSON", .flag = &json}, {0}};
 
-/* "1.2 GB" (g_free) */
+/* Return a size as text, such as "1.2 GB" (g_free). */
 static char *size_text(guint64 bytes) {
   static const char *const units[] = {"kB", "MB", "GB", "TB"};
   double size = (double)bytes / 1e3;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A plugin at work: its declaration, instances at the bounds of its parameters,
-   its results, alone and among threads, and its memory. The kind of the plugin
-   runs its work, and judges the results. */
+/* Checks of a plugin: the declaration, instances at the bounds of the
+   parameters, equal results of repeated, concurrent and multi-threaded runs,
+   and memory. The kind of the plugin runs the plugin and judges the results. */
 #include "tools/devel/lint.h"
 
 #include <guard/child.h>
@@ -30,15 +30,15 @@ enum {
 
 /* ---- reports ---- */
 
-/* State of a check. The kind's `exercise` receives `hears`. */
+/* State of a check. The kind's `exercise` receives `hears`, the inspector. */
 struct opc_inspection {
   opc_inspector hears;
   const opc_lint *lint;
   const opc_plugin *plugin;
-  const opc_kind *kind; /* samples and `exercise` */
+  const opc_kind *kind; /* kind with the samples and `exercise` */
   size_t check;
   size_t sample;     /* number of the sample file for the plugin */
-  int out;           /* report; -1: none */
+  int out;           /* file descriptor of the report; -1: none */
   guint notes;       /* number of notes so far */
   GChecksum *digest; /* of all results */
 };
@@ -78,11 +78,12 @@ static void report_note(opc_inspector *hears, const char *format, ...) {
 
 /* ---- the guard ---- */
 
-/* Inspector of this process. Static: the guard also calls after a thread
-   ended. */
+/* State of the check that this process runs. Static, because the guard also
+   reports after the thread has ended. */
 static inspector listening;
 
-/* The parent process reports that the plugin ended the process. */
+/* Report a change of the process. The parent process reports that the plugin
+   ended the process. */
 static void hear_change(const char *id, const char *what) {
   const opc_lint *lint = listening.lint;
   gboolean own = !g_strcmp0(id, lint->id);
@@ -103,7 +104,8 @@ static const guard_listener ears = {hear_change, hear_life};
 /* Start and time limit of the current check, us. */
 static gint64 begun, granted;
 
-/* Time waiting for a processor counts only after three times the limit. */
+/* Return whether the check exceeds the limit. The time waiting for a processor
+   counts only after three times the limit. */
 static int is_late(void *unused) {
   (void)unused;
   gint64 since = g_get_monotonic_time() - begun;
@@ -125,7 +127,8 @@ static gboolean instance_make(const inspector *in, const opc_parameter *changed,
                               opc_problems *problems, opc_instance *made) {
   g_autofree char *file = sample_path(in, in->sample);
   hear_life();
-  /* Without samples, pass the plugin's own file: `check` reads no content. */
+  /* Without sample files, pass the path of the plugin itself: `check` does not
+     read the content. */
   const opc_making making = {in->lint->registry,
                              in->plugin,
                              file ? file : in->lint->path,
@@ -154,7 +157,8 @@ static void check_declaration(inspector *in) {
     check_stop(in, plugin->metrics[i].name, plugin->metrics[i].summary);
 }
 
-/* An error must have a message. For default values, the message is a note. */
+/* Check an instance with a changed parameter. An error must have a message. For
+   default values, the message is a note. */
 static void check_with(inspector *in, const opc_parameter *p, double number) {
   g_autoptr(opc_problems) problems = opc_problems_new();
   opc_instance made;
@@ -203,8 +207,8 @@ static const opc_example *find_example(const inspector *in,
   return NULL;
 }
 
-/* Return TRUE for inputs that the check sets: the required ones, or else the
-   first one. */
+/* Return TRUE for the inputs that receive example data: the required ones or,
+   if none is required, the first one. */
 static gboolean is_given(const inspector *in, size_t i) {
   const opc_parameter *p = in->plugin->parameters;
   if (p[i].type != OPC_INPUT) return FALSE;
@@ -215,7 +219,8 @@ static gboolean is_given(const inspector *in, size_t i) {
   return TRUE;
 }
 
-/* Set the inputs to example data. Return FALSE, with a note, if none exist. */
+/* Set the inputs to example data. Return FALSE and add a note if an example is
+   missing. */
 static gboolean give_inputs(inspector *in, opc_binding *b) {
   for (size_t i = 0; i < in->plugin->n_parameters; i++) {
     const opc_parameter *p = &in->plugin->parameters[i];
@@ -297,7 +302,7 @@ static gboolean can_try(const inspector *in) {
   return (in->kind->exercise || is_step(in)) && in->sample != OPC_NO_SAMPLE;
 }
 
-/* Instance to test, and its results. */
+/* An instance under test, and the results. */
 typedef struct trial {
   inspector in;
   opc_instance made;
@@ -316,8 +321,8 @@ static void trial_begin(const inspector *in, trial *t) {
   if (t->ready) t->in.hears.context = t->made.binding->host->context;
 }
 
-/* `exercise` may call the plugin without guard_enter; the last line detects
-   changes of the process by such calls. */
+/* Run the instance. `exercise` may call the plugin without guard_enter; the
+   last guard_leave detects changes of the process by such calls. */
 static gpointer trial_work(gpointer data) {
   trial *t = data;
   const opc_module *m = &t->made.binding->module;
@@ -410,8 +415,8 @@ static void check_threads(inspector *in) {
   say_digest(in);
 }
 
-/* Run two instances on one thread each. Their findings are not reported, as
-   check_work has reported them. */
+/* Run two instances at once, each in a thread. Findings are not reported again
+   after check_work. */
 static void check_together(inspector *in) {
   trial t[TOGETHER];
   GThread *thread[TOGETHER] = {NULL};
@@ -436,8 +441,9 @@ static void check_together(inspector *in) {
 
 /* ---- memory ---- */
 
-/* Return the growth of memory, bytes per instance, over up to `most` instances
-   in SEGMENT seconds; 0 below SMALLEST_LEAK. `working`: instances also run. */
+/* Return the growth of memory, bytes per instance, in a series of up to `most`
+   instances or SEGMENT seconds; 0 below SMALLEST_LEAK. `working`: the instances
+   also run. */
 static double memory_growth(const inspector *in, gboolean working, int most) {
   inspector nowhere = *in;
   nowhere.out = -1;
@@ -460,8 +466,8 @@ static double memory_growth(const inspector *in, gboolean working, int most) {
   return more < SMALLEST_LEAK ? 0 : more / n;
 }
 
-/* Report a leak if memory grows in two successive series after the first
-   use. */
+/* Report a leak if memory grows in two successive series. One instance before
+   the series fills caches. */
 static void check_leaks(inspector *in) {
   for (int working = 0; working < 2; working++) {
     memory_growth(in, working, 1);
@@ -493,7 +499,7 @@ const opc_check opc_checks[] = {
     {NULL, FALSE, NULL, NULL},
 };
 
-/* Write the sample files into the folder, replacing existing ones. */
+/* Write the sample files into the folder of the lint. */
 static gboolean write_samples(inspector *in) {
   for (size_t i = 0; i < in->kind->n_samples; i++) {
     const opc_sample *sample = &in->kind->samples[i];
@@ -507,7 +513,7 @@ static gboolean write_samples(inspector *in) {
   return TRUE;
 }
 
-/* All checks except check_threads and check_together use one thread. */
+/* Only check_threads and check_together use several threads. */
 void opc_check_do(const opc_lint *lint, size_t i, int out) {
   opc_error error = {0};
   inspector in = {

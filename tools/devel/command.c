@@ -16,7 +16,7 @@
 #include "core/report/json.h"
 #include "tools/devel/published.h"
 
-/* Options given: one text per parameter; for an OPC_BOOL whether --NAME or
+/* Given options: one text per parameter; for an OPC_BOOL, whether --NAME or
    --no-NAME was given. */
 static GPtrArray **texts;
 static const char *threads, *wanted;
@@ -83,8 +83,8 @@ static void take_log(void *data, const char *path, int level,
 
 static GPtrArray *given; /* paths of files that the command writes */
 
-/* Return the path of a new file in the current folder, as a command has no run
-   folder. */
+/* Return the path of a new file in the current folder, because a command has no
+   run folder. */
 static const char *give_path(const opc_host *host, const char *name,
                              opc_error *error) {
   char *path = g_strdup(name);
@@ -190,8 +190,8 @@ static int command_print_results(opc_problems *problems) {
 
 /* ---- run ---- */
 
-/* Put the value of a parameter into { VERB: { ... } }. Texts and files are
-   taken literally; all other values are parsed as in a flow. */
+/* Put the value of a parameter into { VERB: { ... } }. Texts and names of files
+   are taken literally; other values are parsed as in a flow. */
 static void take_value(const cli_verb *verb, const opc_parameter *p,
                        const char *text, opc_node *steps, GPtrArray *sources,
                        opc_problems *problems) {
@@ -276,7 +276,7 @@ static void add_options(GArray *list, const opc_plugin *plugin, size_t i) {
   g_array_append_val(list, option);
 }
 
-/* Nothing is freed: the process runs one verb. */
+/* Nothing is freed, because the process runs only one verb. */
 const cli_verb *cli_plugin_verb(const char *name, opc_error *error) {
   static const cli_option common[] = {
       {"threads", "number of threads (default: number of processors)", "N",

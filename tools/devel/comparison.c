@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the texts of a comparison: models of a process for the step that
-   judges all results, and the files as cases. */
+/* Implements the template words of a comparison: plugins of a process for the
+   step that judges all results, and input files as cases. */
 #include "tools/devel/comparison.h"
 
 #include <string.h>
@@ -74,7 +74,8 @@ static void append_demands(GString *out, const opc_flow *flow) {
   }
 }
 
-/* Append the cases; return FALSE if the process leaves no file open. */
+/* Append the cases; return FALSE if the process has no missing required
+   file. */
 static gboolean append_cases(GString *out, const opc_flow *flow,
                              const GPtrArray *inputs) {
   g_autoptr(GArray) open = cli_open_files(flow);
@@ -89,15 +90,29 @@ static gboolean append_cases(GString *out, const opc_flow *flow,
   return TRUE;
 }
 
+/* Append the other open files as comments. */
+static void append_open(GString *out, const opc_flow *flow) {
+  g_autoptr(GArray) open = cli_open_files(flow);
+  for (guint i = 1; i < open->len; i++) {
+    const cli_open_file *file = &g_array_index(open, cli_open_file, i);
+    g_string_append_printf(out, "%s#   --set each.set.%s=FILE    %s\n",
+                           i == 1 ? "# Parameters to set:\n" : "", file->path,
+                           file->summary);
+  }
+}
+
 /* ---- templates ---- */
 
-/* Append the text of a word; return FALSE if the process does not have it. */
+/* Append the text that replaces a word of the template; return FALSE if the
+   process lacks the named part. */
 static gboolean append_word(GString *out, const char *word,
                             const opc_flow *flow, const char *process,
                             const GPtrArray *inputs) {
   if (!strcmp(word, "CASES")) return append_cases(out, flow, inputs);
   if (!strcmp(word, "PROCESS"))
     opc_text_append(out, process);
+  else if (!strcmp(word, "OPEN"))
+    append_open(out, flow);
   else if (!strcmp(word, "REMOVED"))
     append_removed(out, flow);
   else if (!strcmp(word, "DEMANDS"))

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Shell completion: prints the candidates for the last word of a command line,
-   one in a line; after a '=', only the part behind it. Prints nothing where any
-   file name will do: the shell knows those. */
+   one a line; after a '=', only the part after the '='. Where any file name is
+   valid, nothing is printed, and the shell completes file names. */
 #include <base/file.h>
 #include <string.h>
 
@@ -17,8 +17,9 @@ typedef struct line {
   const cli_verb *verb; /* NULL: not yet typed */
   const char *flow;     /* the flow file among the words, NULL for none */
   guint arguments;      /* number of arguments of the verb before `current` */
-  const char *awaited;  /* placeholder, as in the help, of the option whose
-                           value `current` is; NULL: none */
+  const char *awaited;  /* name of the value in the help ("N"), if `current` is
+                           the value of an option; NULL: no option awaits a
+                           value */
 } line;
 
 static void offer_word(const line *l, const char *word) {
@@ -31,8 +32,9 @@ static void offer_all(const line *l, const GPtrArray *words) {
 
 /* ---- options ---- */
 
-/* Print the options for `to`. Return the placeholder of the value that the
-   option `word` takes from the next word; NULL: none. Either may be NULL. */
+/* If `to` is not NULL, print the options that begin with to->current. Return
+   the name of the value in the help ("N") if `word` is an option with a value;
+   otherwise, or if `word` is NULL, return NULL. */
 static const char *go_through_options(const line *l, const line *to,
                                       const char *word) {
   const cli_option *const both[] = {l->verb ? l->verb->options : NULL,
@@ -81,7 +83,7 @@ static void offer_plugins(const line *l) {
   }
 }
 
-/* Print YAML files and folders. */
+/* Print the YAML files and folders that begin with the current word. */
 static void offer_flows(const line *l) {
   const char *slash = strrchr(l->current, '/');
   g_autofree char *prefix =
@@ -123,7 +125,7 @@ static void offer_settings(const line *l, const opc_binding *binding) {
   }
 }
 
-/* Print STEP.PARAMETER= for the flow on the command line. */
+/* Print STEP.PARAMETER= for each parameter of the flow on the command line. */
 static void offer_sets(line *l) {
   if (!l->flow) return;
   g_autoptr(opc_problems) problems = opc_problems_new();
@@ -167,7 +169,7 @@ static void line_complete(line *l) {
   }
 }
 
-/* `arguments`: words after the command, without quotes. */
+/* `arguments`: the words after the command `complete`, without quotes. */
 static int complete_run(const cli_verb *verb, const GPtrArray *arguments) {
   (void)verb;
   g_autoptr(GPtrArray) words = g_ptr_array_new();

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* opcflow explain: why each step of a run ran, or that it was reused; from the
-   run's manifest. */
+/* opcflow explain: reads the manifest of a run and prints, for each step, why
+   the step ran, or that the result was reused. */
 #include <base/file.h>
 #include <base/suggest.h>
 #include <string.h>
@@ -40,7 +40,7 @@ static JsonArray *results_of(JsonNode *manifest, JsonObject **store) {
 typedef struct line {
   const char *step, *result, *reason;
   guint count;
-  double point, seconds; /* the first one's; of all */
+  double point, seconds; /* point of the first entry; sum of all entries */
 } line;
 
 static void add_line(GArray *lines, JsonObject *o) {
@@ -93,8 +93,8 @@ static void print_lines(JsonArray *results, JsonObject *store) {
 
 /* ---- the verb ---- */
 
-/* Return a suggestion for the name of a run folder (g_free): the nearest run
-   beside it, or in 'runs'. */
+/* Return a suggestion for the name of a run folder (g_free): the nearest run in
+   the same folder, or in 'runs'. */
 static char *run_suggestion(const char *folder) {
   g_autofree char *parent = g_path_get_dirname(folder);
   g_autofree char *base = g_path_get_basename(folder);

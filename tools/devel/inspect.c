@@ -99,7 +99,7 @@ static gboolean is_needed(const opc_plugin *plugin, const char *prefix) {
    ones are comments. */
 static void print_level(const opc_plugin *plugin, const char *prefix,
                         int depth) {
-  const char *last = NULL; /* group */
+  const char *last = NULL; /* group printed last */
   for (size_t i = 0; i < plugin->n_parameters; i++) {
     const opc_parameter *p = &plugin->parameters[i];
     if (!g_str_has_prefix(p->name, prefix)) continue;
@@ -117,7 +117,7 @@ static void print_level(const opc_plugin *plugin, const char *prefix,
   }
 }
 
-/* Print a step to paste into a flow. */
+/* Print a step with all parameters, in the syntax of a flow. */
 static void print_stanza(const opc_plugin *plugin) {
   const char *dot = strrchr(plugin->id, '.');
   cli_print("\n%s:\n  use: %s\n", dot ? dot + 1 : plugin->id, plugin->id);

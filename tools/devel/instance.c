@@ -75,8 +75,8 @@ static gboolean is_given(const opc_instance *made, const char *name) {
   return made->given && opc_node_get(made->given, word);
 }
 
-/* Generate the missing required parameters of `plugin`. `inside`: prefix of
-   their names, "slot." or "". */
+/* Generate the missing required parameters of `plugin`. `inside` is the prefix
+   of the parameter names: "slot." or "". */
 static void make_up(const opc_making *making, const opc_plugin *plugin,
                     const char *inside, int depth, opc_instance *made,
                     opc_problems *problems) {

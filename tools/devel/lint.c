@@ -18,8 +18,8 @@
 
 /* ---- one check ---- */
 
-/* Store a line of a report once. A digest unlike `first` replaces another
-   one. */
+/* Store a line of a report, once. A digest replaces *digest if the new digest
+   differs from `first`. */
 static void take_line(opc_lint *lint, const char *line, const char *first,
                       char **digest) {
   if (*line == 'S') lint->sample = strtoul(line + 1, NULL, 10);
@@ -44,7 +44,8 @@ static void do_in_child(int out, void *data) {
   opc_check_do(j->lint, j->check, out);
 }
 
-/* Return FALSE if the process of the check crashed, ended early or hung. */
+/* Return FALSE if the process of the check crashed, ended early or exceeded the
+   time. */
 static gboolean run_check(opc_lint *lint, size_t i, const char *first,
                           char **digest) {
   const char *name = opc_checks[i].name;
@@ -73,8 +74,8 @@ static gboolean run_check(opc_lint *lint, size_t i, const char *first,
 /* ---- exports ---- */
 
 /* Check the exported symbols with `nm`, which does not execute the object.
-   g_spawn_sync leaves no thread behind; this process forks later. Return FALSE
-   if the file is not a shared object. */
+   g_spawn_sync leaves no thread running, so that this process can fork later.
+   Return FALSE if the file is not a shared object. */
 static gboolean check_exports(opc_lint *lint) {
   const char *const argv[] = {
       "nm", "-D", "--defined-only", "--format=posix", lint->path, NULL};
@@ -201,7 +202,7 @@ static void lint_end(opc_lint *lint) {
 /* Value of opc_lint.seconds. */
 static const double patience = 15;
 
-/* Restart the command without malloc's per-thread cache: free memory in that
+/* Restart the command without malloc's per-thread cache. Free memory in that
    cache counts as used and would be reported as a leak. */
 static void begin_anew(void) {
   if (g_getenv("GLIBC_TUNABLES")) return;

@@ -15,7 +15,8 @@ typedef struct opc_lint {
   const char *parameters; /* in flow syntax; override generated ones */
   double seconds;         /* limit without output of a check */
   char *folder;           /* for sample files and output of plugins */
-  int alive, janitor;     /* pipe; process that removes `folder` */
+  int alive, janitor;     /* pipe that ends with this process; process that then
+                             removes `folder` */
   size_t sample;          /* number of the sample file in use */
   GPtrArray *findings;    /* char *: faults */
   GPtrArray *checked;     /* char *: names of checks */
@@ -26,16 +27,18 @@ typedef struct opc_inspection opc_inspection;
 
 typedef struct opc_check {
   const char *name;
-  gboolean works;      /* reports a digest if `kind` has a test */
-  const char *differs; /* finding if the digest differs from the first */
+  gboolean works;      /* reports a digest, if `kind` has a test */
+  const char *differs; /* finding if the digest differs from that of the first
+                          check; NULL: the digests are not compared */
   void (*work)(opc_inspection *in);
 } opc_check;
 
-/* All checks. The first one loads the plugin; the last one has no name. */
+/* All checks. The first check loads the plugin. The list ends with an element
+   without a name. */
 extern const opc_check opc_checks[];
 
-/* Run check i and write its report to `out`. Each line is a letter and a text.
-   F: fault; N: reason for skipping a check; D: digest of the results; S: number
-   of the sample file; T: the check is still running; B: the plugin changed the
-   process, which then ends; E: end of the report. */
+/* Run check i and write the report to `out`. Each line is a letter and a text.
+   F: fault; N: reason why a check was skipped; D: digest of the results; S:
+   number of the sample file; T: the check is still running; B: the plugin
+   changed the process, which then ends; E: end of the report. */
 void opc_check_do(const opc_lint *lint, size_t i, int out);

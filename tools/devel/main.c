@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* opcflow-devel: the verbs that no run needs. The command `opcflow` replaces
-   itself by this program. It has all verbs, for the completion of command lines
-   and for `help`. */
+/* opcflow-devel: the verbs that are not needed to run flows. The command
+   `opcflow` replaces itself by this program for these verbs. This program also
+   has the other verbs, for the completion of command lines and for `help`. */
 #include "tools/devel/verbs.h"
 
 const cli_verb *const cli_verbs[] = {

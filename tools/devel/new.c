@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* opcflow new: creates a working plugin, a flow or a comparison from templates.
-   The plugin's kind defines the templates; those of steps, commands and flows
-   are in data/templates. With --process, the flow extends a process, a flow
-   without its input files. */
+   The kind of a plugin defines templates; data/templates has those of steps,
+   commands and flows. With --process, the new flow extends a process: a flow
+   without input files. */
 #include <base/file.h>
 #include <base/suggest.h>
 #include <errno.h>
@@ -30,7 +30,7 @@ static const cli_option options[] = {
     {0}};
 
 /* Name of the new plugin or flow ("mine"); id ("step.mine") and kind of a
-   plugin, else NULL; folder of the new files. */
+   plugin, NULL for other files; folder of the new files. */
 static char *name, *id, *kind, *folder;
 static GPtrArray *files; /* char * */
 
@@ -45,7 +45,7 @@ static char *fill_in(const char *text) {
 }
 
 /* Write a template into the folder. Return -1 or the exit code. An existing
-   file is an error unless `keep`. */
+   file is an error, or is left unchanged if `keep` is set. */
 static int template_write(const char *file, const char *template,
                           gboolean keep) {
   g_autofree char *filled = fill_in(file);
@@ -94,7 +94,7 @@ static char *kind_list(const GPtrArray *kinds) {
   return g_string_free(all, FALSE);
 }
 
-/* Report that a plugin cannot be named without its kind or its own name. */
+/* Report that the kind or the name of the new plugin is missing. */
 static int lacks_name(const char *given, GPtrArray *kinds) {
   g_autofree char *all = kind_list(kinds);
   if (g_ptr_array_find_with_equal_func(kinds, given, g_str_equal, NULL))
@@ -168,7 +168,7 @@ static int new_plugin(const GPtrArray *arguments) {
 
 /* ---- a flow that extends a process ---- */
 
-/* Folders of base flows, below `flows` beside each plugin folder. */
+/* Folders of base flows, inside `flows` beside each plugin folder. */
 static const char *const bases[] = {"processes", "scanners"};
 
 /* Return a folder of base flows (g_free). The plugin folder may be missing. */
@@ -234,8 +234,8 @@ static char *find_process(void) {
   return NULL;
 }
 
-/* Return the required files that a flow does not set, at least one. Return NULL
-   and set *code, the exit code, on failure. */
+/* Return the required files that a flow does not set, at least one. On failure,
+   return NULL and the exit code in *code. */
 static GArray *find_open(const char *path, int *code) {
   g_autoptr(opc_problems) problems = opc_problems_new();
   g_autoptr(opc_flow) flow =
@@ -250,7 +250,7 @@ static GArray *find_open(const char *path, int *code) {
   return NULL;
 }
 
-/* Return a path that is valid in the flow's folder (g_free). */
+/* Return the path of an input for use in the flow's folder (g_free). */
 static char *from_folder(const char *input) {
   return strcmp(folder, ".") && !g_path_is_absolute(input)
              ? g_canonicalize_filename(input, NULL)
@@ -259,23 +259,12 @@ static char *from_folder(const char *input) {
 
 /* Write a flow that extends --process. `input` sets the first required file;
    comments list the other required files. Return -1 or the exit code. */
-static int extend_process(const char *input, const char *file) {
+static int extend_process(const char *path, const char *input,
+                          const char *file) {
   int code = CLI_USAGE;
-  if (!g_file_test(input, G_FILE_TEST_IS_REGULAR))
-    return cli_error(CLI_IO, "'%s': %s", input,
-                     g_file_test(input, G_FILE_TEST_EXISTS)
-                         ? "not a regular file"
-                         : "no such file");
-  g_autofree char *path = find_process();
-  g_autoptr(GArray) open = path ? find_open(path, &code) : NULL;
+  g_autoptr(GArray) open = find_open(path, &code);
   if (!open) return code;
   g_autofree char *its = from_folder(input);
-  g_autofree char *made = g_build_filename(folder, file, NULL);
-  if (g_file_test(made, G_FILE_TEST_EXISTS))
-    return cli_error(CLI_IO,
-                     "'%s' exists; another file: 'opcflow new flow --process "
-                     "%s %s NAME.yaml'",
-                     made, process, input);
   const cli_open_file *left = (const cli_open_file *)(void *)open->data;
   const char *first = left->path, *dot = strchr(first, '.');
   g_autoptr(GString) text = g_string_new("opcflow: 1\nname: @NAME@\nextends: ");
@@ -291,6 +280,97 @@ static int extend_process(const char *input, const char *file) {
   return template_write(file, text->str, FALSE);
 }
 
+/* ---- input files ---- */
+
+static gboolean is_input(const char *file) {
+  static const char *const endings[] = {".gds", ".gds.gz", ".oas", ".cif"};
+  g_autofree char *low = g_ascii_strdown(file, -1);
+  for (size_t i = 0; i < G_N_ELEMENTS(endings); i++)
+    if (g_str_has_suffix(low, endings[i])) return TRUE;
+  return FALSE;
+}
+
+/* Add the input files in a folder, by name. Return -1 or the exit code. */
+static int add_folder(GPtrArray *inputs, const char *path) {
+  g_autoptr(GPtrArray) names = opc_folder_names(path);
+  guint before = inputs->len;
+  if (!names) return cli_error(CLI_IO, "'%s': %s", path, g_strerror(errno));
+  g_ptr_array_sort(names, by_name);
+  for (guint i = 0; i < names->len; i++) {
+    g_autofree char *file = g_build_filename(path, names->pdata[i], NULL);
+    if (is_input(names->pdata[i]) && g_file_test(file, G_FILE_TEST_IS_REGULAR))
+      g_ptr_array_add(inputs, g_steal_pointer(&file));
+  }
+  if (inputs->len > before) return -1;
+  return cli_error(CLI_IO,
+                   "the folder '%s' has no input, expected a file that ends "
+                   "with .gds, .gds.gz, .oas or .cif",
+                   path);
+}
+
+/* Add the files that arguments from the second to before `end` name. Return -1
+   or the exit code. */
+static int take_inputs(const GPtrArray *arguments, guint end,
+                       GPtrArray *inputs) {
+  int code = -1;
+  for (guint i = 1; i < end && code < 0; i++) {
+    const char *path = arguments->pdata[i];
+    if (g_file_test(path, G_FILE_TEST_IS_DIR))
+      code = add_folder(inputs, path);
+    else if (g_file_test(path, G_FILE_TEST_IS_REGULAR))
+      g_ptr_array_add(inputs, g_strdup(path));
+    else
+      code =
+          cli_error(CLI_IO, "'%s': %s", path,
+                    g_file_test(path, G_FILE_TEST_EXISTS) ? "not a regular file"
+                                                          : "no such file");
+  }
+  return code;
+}
+
+/* ---- a comparison, and a flow of several files ---- */
+
+/* Return the text of a template of an experiment on input files (g_free); NULL
+   and the exit code in *code. */
+static char *experiment_text(const char *group, const char *resource,
+                             const char *path, const GPtrArray *inputs,
+                             int *code) {
+  g_autofree char *from = g_build_path("/", "/opcflow", group, resource, NULL);
+  g_autoptr(GBytes) bytes =
+      g_resources_lookup_data(from, G_RESOURCE_LOOKUP_FLAGS_NONE, NULL);
+  g_autofree char *template =
+      g_strndup(g_bytes_get_data(bytes, NULL), g_bytes_get_size(bytes));
+  return comparison_text(template, path, inputs, code);
+}
+
+/* Write the templates of an experiment on files of the process `path`, into
+   `file` if it is not NULL. Return -1 or the exit code. */
+static int write_experiment(const char *group, const char *path,
+                            const char *file, const GPtrArray *inputs) {
+  g_auto(GStrv) own = own_names(group);
+  int code = -1;
+  g_autoptr(GPtrArray) texts = g_ptr_array_new_with_free_func(g_free);
+  for (guint i = 0; own[i] && code < 0; i++)
+    g_ptr_array_add(texts, experiment_text(group, own[i], path, inputs, &code));
+  for (guint i = 0; own[i] && code < 0; i++)
+    code = template_write(file ? file : own[i], texts->pdata[i], FALSE);
+  return code;
+}
+
+static int new_comparison(const GPtrArray *arguments) {
+  if (!process || arguments->len < 2)
+    return cli_error(CLI_USAGE,
+                     "'new comparison' needs --process NAME and files, see "
+                     "'opcflow help new'");
+  g_autoptr(GPtrArray) inputs = g_ptr_array_new_with_free_func(g_free);
+  int code = take_inputs(arguments, arguments->len, inputs);
+  name = g_strdup("comparison");
+  folder = g_strdup(".");
+  g_autofree char *path = code < 0 ? find_process() : NULL;
+  if (!path) return code < 0 ? CLI_USAGE : code;
+  return write_experiment("comparison", path, NULL, inputs);
+}
+
 /* ---- a flow ---- */
 
 /* Set `name`: "mine" for "mine.yaml". Return -1 or the exit code. */
@@ -302,80 +382,74 @@ static int name_after(const char *file) {
   return cli_error(CLI_USAGE, "'%s' cannot be the name of a flow", file);
 }
 
-/* Write a flow and the files it reads, keeping existing ones. */
-static int new_flow(const GPtrArray *arguments) {
-  guint at = process ? 2 : 1; /* index of the flow's path */
-  const char *path = arguments->len > at ? arguments->pdata[at] : "flow.yaml";
-  if (process && arguments->len < 2)
-    return cli_error(CLI_USAGE,
-                     "'--process' requires INPUT, the input file of the flow");
-  if (arguments->len > at + 1)
-    return cli_error(CLI_USAGE, "'new flow' does not take '%s'",
-                     (char *)arguments->pdata[at + 1]);
-  g_autofree char *file = g_path_get_basename(path);
+/* Set `folder`; return the name of the flow's file (g_free). */
+static char *set_folder(const char *path) {
   folder = g_path_get_dirname(path);
-  if (process) {
-    g_autofree char *input = g_path_get_basename(arguments->pdata[1]);
-    int code = name_after(input);
-    return code < 0 ? extend_process(arguments->pdata[1], file) : code;
+  return g_path_get_basename(path);
+}
+
+/* Write a flow for the input files of a process: of one file, a flow that
+   extends the process, of several files or a folder an experiment. The last of
+   several arguments is the flow's path if it ends with ".yaml". */
+static int new_flow_of(const GPtrArray *arguments) {
+  guint end = arguments->len;
+  const char *last = arguments->pdata[end - 1];
+  gboolean named = end > 2 && g_str_has_suffix(last, ".yaml");
+  g_autofree char *file = set_folder(named ? last : "flow.yaml");
+  g_autofree char *made = g_build_filename(folder, file, NULL);
+  g_autoptr(GPtrArray) inputs = g_ptr_array_new_with_free_func(g_free);
+  int code = take_inputs(arguments, named ? end - 1 : end, inputs);
+  g_autofree char *path = code < 0 ? find_process() : NULL;
+  if (!path) return code < 0 ? CLI_USAGE : code;
+  if (g_file_test(made, G_FILE_TEST_EXISTS))
+    return cli_error(CLI_IO,
+                     "'%s' exists; another file: 'opcflow new flow --process "
+                     "%s %s%s NAME.yaml'",
+                     made, process, (char *)arguments->pdata[1],
+                     inputs->len > 1 ? " ..." : "");
+  g_autofree char *input = g_path_get_basename(inputs->pdata[0]);
+  code = name_after(inputs->len > 1 ? file : input);
+  if (code >= 0) return code;
+  if (inputs->len == 1) return extend_process(path, inputs->pdata[0], file);
+  for (guint i = 0; i < inputs->len; i++) {
+    g_autofree char *given = inputs->pdata[i];
+    inputs->pdata[i] = from_folder(given);
   }
-  if (!g_str_has_suffix(file, ".yaml") &&
-      g_file_test(path, G_FILE_TEST_IS_REGULAR)) {
-    g_autoptr(GPtrArray) flows = base_flows();
-    g_autoptr(GPtrArray) names = base_names(flows);
-    g_autofree char *all = known_names(names);
-    return cli_error(CLI_USAGE,
-                     "'%s' exists: create a flow for this file by 'opcflow new "
-                     "flow --process NAME %s'%s",
-                     path, path, all);
-  }
+  return write_experiment("several", path, file, inputs);
+}
+
+/* Report that an input file needs --process. */
+static int lacks_process(const char *path) {
+  g_autoptr(GPtrArray) flows = base_flows();
+  g_autoptr(GPtrArray) names = base_names(flows);
+  g_autofree char *all = known_names(names);
+  return cli_error(CLI_USAGE,
+                   "'%s' exists: create a flow for this file by 'opcflow new "
+                   "flow --process NAME %s'%s",
+                   path, path, all);
+}
+
+/* Write a flow and the files that the flow reads. Existing files are left
+   unchanged. */
+static int new_flow(const GPtrArray *arguments) {
+  if (process)
+    return arguments->len > 1
+               ? new_flow_of(arguments)
+               : cli_error(CLI_USAGE,
+                           "'--process' requires INPUT, the input file of the "
+                           "flow, several files or a folder");
+  const char *path = arguments->len > 1 ? arguments->pdata[1] : "flow.yaml";
+  if (!g_str_has_suffix(path, ".yaml") && g_file_test(path, G_FILE_TEST_EXISTS))
+    return lacks_process(path);
+  if (arguments->len > 2)
+    return cli_error(CLI_USAGE, "'new flow' does not take '%s'",
+                     (char *)arguments->pdata[2]);
+  g_autofree char *file = set_folder(path);
   int code = name_after(file);
   g_auto(GStrv) read = own_names("flow/read");
   if (code < 0) code = put_own("flow", "flow.yaml", file, FALSE);
   for (guint i = 0; read[i] && code < 0; i++)
     code = put_own("flow/read", read[i], read[i], TRUE);
-  return code;
-}
-
-/* ---- a comparison ---- */
-
-/* Return the text of one file of a comparison (g_free); NULL and the exit code
-   in *code. */
-static char *comparison_file(const char *resource, const char *path,
-                             const GPtrArray *inputs, int *code) {
-  g_autofree char *from =
-      g_build_path("/", "/opcflow/comparison", resource, NULL);
-  g_autoptr(GBytes) bytes =
-      g_resources_lookup_data(from, G_RESOURCE_LOOKUP_FLAGS_NONE, NULL);
-  g_autofree char *template =
-      g_strndup(g_bytes_get_data(bytes, NULL), g_bytes_get_size(bytes));
-  return comparison_text(template, path, inputs, code);
-}
-
-/* Write comparison.yaml, an experiment on files of a process, and the flow of
-   its methods. */
-static int new_comparison(const GPtrArray *arguments) {
-  if (!process || arguments->len < 2)
-    return cli_error(CLI_USAGE,
-                     "'new comparison' needs --process NAME and files, see "
-                     "'opcflow help new'");
-  g_autoptr(GPtrArray) inputs = g_ptr_array_new();
-  for (guint i = 1; i < arguments->len; i++) {
-    if (!g_file_test(arguments->pdata[i], G_FILE_TEST_IS_REGULAR))
-      return cli_error(CLI_IO, "'%s' is not a regular file",
-                       (char *)arguments->pdata[i]);
-    g_ptr_array_add(inputs, arguments->pdata[i]);
-  }
-  name = g_strdup("comparison");
-  folder = g_strdup(".");
-  g_autofree char *path = find_process();
-  g_auto(GStrv) own = own_names("comparison");
-  int code = path ? -1 : CLI_USAGE;
-  g_autoptr(GPtrArray) texts = g_ptr_array_new_with_free_func(g_free);
-  for (guint i = 0; own[i] && code < 0; i++)
-    g_ptr_array_add(texts, comparison_file(own[i], path, inputs, &code));
-  for (guint i = 0; own[i] && code < 0; i++)
-    code = template_write(own[i], texts->pdata[i], FALSE);
   return code;
 }
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* opcflow plugins: those that can be used, or those that cannot and why. */
+/* opcflow plugins: prints the usable plugins, or the unusable ones with the
+   reasons. */
 #include "tools/devel/verbs.h"
 
 static gboolean is_usable(const opc_candidate *c) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Keeps all that plugins publish. */
+/* Keeps the tables, metrics and files that plugins publish. */
 #include "tools/devel/published.h"
 
 #include <base/file.h>
@@ -25,7 +25,7 @@ static int take_table(const opc_host *host, const char *name, uint32_t flags,
   return OPC_OK;
 }
 
-/* The host of no plugin takes any metric. */
+/* A host without a plugin accepts any metric. */
 static int take_metric(const opc_host *host, const char *name, double value,
                        opc_error *error) {
   const opc_plugin *plugin = ((const opc_binding *)host->data)->plugin;

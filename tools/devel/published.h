@@ -10,25 +10,29 @@
 typedef struct opc_published_metric {
   const char *name;
   double value;
-  const opc_metric *declared; /* NULL: host without a plugin */
+  const opc_metric *declared; /* declaration; NULL: published by a host without
+                                 a plugin */
 } opc_published_metric;
 
 typedef struct opc_published {
   opc_host host;      /* template for the hosts of instances */
-  const char *inside; /* parent of `folder` */
+  const char *inside; /* folder that contains `folder` */
   char *folder;       /* for files; NULL: not yet created */
-  GPtrArray *tables;  /* opc_table *; the last of a name is valid */
-  GPtrArray *paths;   /* char *: paths of the files */
-  GArray *metrics;    /* opc_published_metric; likewise */
+  GPtrArray
+      *tables;      /* opc_table *; if names are equal, the last one is valid */
+  GPtrArray *paths; /* char *: paths of the files */
+  GArray *metrics;  /* opc_published_metric; if names are equal, the last is
+                       valid */
 } opc_published;
 
 /* Initialise an empty collector. `inside` must outlive the collector. [main] */
 void opc_published_init(opc_published *p, const char *inside);
 
-/* Return the folder, created if necessary; removed by opc_published_clear. */
+/* Return the folder, created if necessary; opc_published_clear removes the
+   folder. */
 const char *opc_published_folder(opc_published *p);
 
-/* Forget tables and metrics. */
+/* Discard tables and metrics. */
 void opc_published_forget(opc_published *p);
 
 /* Return a checksum of all tables, metrics and files; free it with g_free. */

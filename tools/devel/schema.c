@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* opcflow schema: converts the declarations of plugins to a JSON Schema. The
-   part that does not depend on them is data/flow.schema.json. */
+   file data/flow.schema.json has the part that does not depend on plugins. */
 #include "tools/devel/schema.h"
 
 #include <base/unit.h>
@@ -88,7 +88,8 @@ static JsonObject *new_reference(const char *prefix, const char *name) {
 
 /* ---- values ---- */
 
-/* Return the schema of 0 or a number with a unit of the dimension of `unit`. */
+/* Return the schema of a number with a unit of the dimension of `unit`, or of 0
+   without a unit (not for temperatures). */
 static JsonObject *number_with_unit(const char *unit) {
   int zero = opc_unit_shares_zero(opc_unit_find(unit));
   const char *noun = opc_unit_noun(opc_unit_find(unit));
@@ -175,7 +176,7 @@ static JsonObject *value_schema(const opc_parameter *p) {
       return o;
     case OPC_INPUT:
       return piece("{ type: string, pattern: '^\\$\\{" REFERENCE "\\}$' }");
-    case OPC_SLOT: /* draft-07 ignores members beside $ref */
+    case OPC_SLOT: /* draft-07 ignores other members beside $ref */
       o = json_object_new();
       json_array_add_object_element(object_list(o, "allOf"),
                                     new_reference("any.", p->choices));
@@ -215,8 +216,8 @@ static JsonObject *parameter_schema(const opc_parameter *p) {
   return o;
 }
 
-/* Return the schema of the map that holds a parameter: that of the plugin, or
-   of its group. */
+/* Return the schema of the map that contains a parameter: the schema of the
+   plugin, or of the parameter's group. */
 static JsonObject *parameter_home(JsonObject *plugin, const char *name,
                                   const char **last) {
   JsonObject *at = plugin;
@@ -250,8 +251,8 @@ static JsonObject *plugin_schema(const opc_plugin *plugin) {
   return o;
 }
 
-/* Return the required keys: `use` and the required parameters, except those in
-   groups, which may be written with dots. */
+/* Return the required keys: `use` and the required parameters. Parameters in
+   groups are excluded, because their names may be written with dots. */
 static JsonObject *required_keys(const opc_plugin *plugin) {
   JsonObject *o = piece("{ required: [use] }");
   for (size_t i = 0; i < plugin->n_parameters; i++) {
@@ -264,7 +265,7 @@ static JsonObject *required_keys(const opc_plugin *plugin) {
 
 /* ---- schema ---- */
 
-/* Return the schema of any plugin of a kind; oneOf must not be empty. */
+/* Return the schema of any plugin of a kind; an empty oneOf is not valid. */
 static JsonObject *kind_schema(const GPtrArray *plugins, const char *kind) {
   JsonObject *o = json_object_new();
   for (guint i = 0; i < plugins->len; i++) {

@@ -5,7 +5,8 @@
 #include <base/node.h>
 #include <json-glib/json-glib.h>
 
-/* `plugins`: const opc_plugin *, those that a flow may use. */
+/* Return the schema. `plugins` has the const opc_plugin * that a flow may
+   use. */
 JsonNode *opc_flow_schema(const GPtrArray *plugins);
 
 /* Return a tree as JSON. Texts without quotes have the type that YAML 1.2

@@ -30,7 +30,7 @@ static struct {
 
 static void remove_all(void) { opc_published_clear(&state.published); }
 
-/* Runs before main. Tests may change the plugin folders later. */
+/* Runs before main(), because tests may change the plugin folders later. */
 __attribute__((constructor)) static void state_start(void) {
   state.source = opc_source_new("test", "");
   opc_published_init(&state.published, g_get_tmp_dir());
@@ -93,7 +93,8 @@ opc_module *opc_test_module(const char *id, const char *mapping,
   if (!problems->list->len)
     b = opc_bind_plugin(state.registry, plugin, map, id, &map->at,
                         OPC_BIND_NO_INPUTS, problems);
-  if (b) g_ptr_array_add(b->presets, g_steal_pointer(&map)); /* freed with b */
+  if (b)
+    g_ptr_array_add(b->presets, g_steal_pointer(&map)); /* freed with `b` */
   if (!problems->list->len)
     opc_inner_open(b, state.registry, OPC_BIND_NO_INPUTS, problems);
   if (!problems->list->len)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* <opcflow/testing.h>, and more for our own tests. */
+/* <opcflow/testing.h> with additions for the tests of this project. */
 #pragma once
 
 #include <glib.h>
@@ -9,5 +9,5 @@
 
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_module, opc_test_module_free)
 
-/* The last table of that name, NULL if there is none. */
+/* Return the last table of that name; NULL if there is none. */
 const opc_table *opc_test_table(const char *name);

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements characterize.init_adjust: the table of first corrections of
-   synthesizer.dpb (thesis 3.2.2 (2), figure 3.5). An evaluation transistor of
-   each length and width is corrected by DPB from a range of first corrections;
-   the first correction whose result is nearest to the drawn current is
-   chosen. */
+/* Implements characterize.init_adjust: writes the table of first corrections of
+   synthesizer.dpb (thesis 3.2.2 (2), figure 3.5). For each length and width,
+   DPB corrects an evaluation transistor from a range of first corrections. The
+   table contains the first correction whose final current is nearest to the
+   drawn current. */
 #include <eda/memory.h>
 #include <math.h>
 #include <opcflow/step.h>
@@ -32,8 +32,8 @@ typedef struct characterize {
 } characterize;
 
 /* State of a run. Sizes are ordered by length, then width. Each size has
-   `starts` trials, with first corrections of first, first + 1 ... grid steps,
-   and one more that begins with a step towards the smaller error. */
+   `starts` trials with first corrections of first, first + 1, ... grid steps.
+   One more trial begins with one grid step towards the smaller error. */
 typedef struct work {
   const characterize *by;
   row_rules row;
@@ -55,7 +55,7 @@ static double width_of(const work *k, size_t size) {
 }
 
 /* Perform the next step of each transistor of a row. Set the flags of layers
-   that changed. */
+   whose mask changes. */
 static void row_step(const work *k, row *r, control *state, trial *trials,
                      int64_t iteration, int changed[ROW_LAYERS]) {
   changed[EDA_POLY] = changed[EDA_ACTIVE] = 0;
@@ -273,11 +273,11 @@ static const opc_parameter parameters[] = {
         .unit = "%", .preset = "0.5 %", .former = "limit",
         .summary = "largest allowed |Ion deviation|, as in synthesizer.dpb"),
     NUMBER(max_bias, OPC_REAL, "nm", OPC_ABOVE | OPC_AT_MOST, 0, 1000, "80 nm",
-           "as of synthesizer.dpb"),
-    OPC_PARAMETER_NAMED("w_step", characterize, proportional,
-                        .type = OPC_CHOICE, .preset = "unit",
-                        .choices = "unit|proportional",
-                        .summary = "as of synthesizer.dpb"),
+           "largest correction of L or W, as in synthesizer.dpb"),
+    OPC_PARAMETER_NAMED(
+        "w_step", characterize, proportional, .type = OPC_CHOICE,
+        .preset = "unit", .choices = "unit|proportional",
+        .summary = "steps of W: one grid unit, or proportional to the error"),
     NUMBER(max_iterations, OPC_INT, NULL, BETWEEN, 0, 100000, "100",
            "largest number of moves of a correction"),
     NUMBER(grid, OPC_REAL, "nm", BETWEEN, 0.1, 10, "1 nm",

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tests the chosen first corrections against all others by the correction loop,
-   on a layout with the evaluation transistor of thesis figure 3.5. */
+/* Compares the chosen first correction with all other first corrections in the
+   correction loop, on a layout with the evaluation transistor of thesis figure
+   3.5. */
 #include <eda/eda.h>
 
 #include "tools/devel/testing.h"
@@ -131,9 +132,9 @@ static double by_loop(int32_t length, int32_t width, int32_t grid, int adjust,
   return pde;
 }
 
-/* All starts of L 70, W 150, by the step and by the loop: equal results. The
-   loop counts two more iterations, which move nothing. The chosen start is the
-   best. */
+/* All first corrections for L 70, W 150: the step and the loop have equal
+   results. The loop counts two more iterations, which move nothing. The chosen
+   first correction is the best. */
 static void test_brute_force(void) {
   step_characterize(
       "lengths: [70 nm], widths: [150 nm], w_step: proportional, "
@@ -146,8 +147,7 @@ static void test_brute_force(void) {
     int adjust = (int)k - 9;
     double listed = opc_test_number("init_adjust_trials", "pde", k), iterations;
     double steps = opc_test_number("init_adjust_trials", "iterations", k);
-    if (adjust == 0)
-      continue; /* synthesizer.dpb interprets 0 differently, see there */
+    if (adjust == 0) continue; /* synthesizer.dpb treats 0 differently */
     double pde = by_loop(70, 150, 1, adjust, &iterations);
     g_test_message("%d: %.4f in %g, %.4f in %g", adjust, listed, steps, pde,
                    iterations);
@@ -168,10 +168,9 @@ static void test_brute_force(void) {
                     opc_test_number("init_adjust_trials", "iterations", 0) + 2);
 }
 
-/* The printed length of isolated lines, relative to the drawn one, increases
-   with the drawn length beyond the 65 nm of the anchor: the first correction
-   falls with L. It agrees with the printed length: at W 200 the line has about
-   twice the deviation. */
+/* Relative to the drawn length, the printed length of isolated lines increases
+   with the drawn length beyond the 65 nm of the anchor. Therefore the first
+   correction falls with L. At W 200, the line has about twice the deviation. */
 static void test_falls_with_length(void) {
   step_characterize(
       "lengths: [65 nm, 70 nm, 80 nm], widths: [200 nm, 300 nm], "
@@ -188,8 +187,8 @@ static void test_falls_with_length(void) {
                     opc_test_metric("iterations_mean_by_one"));
 }
 
-/* Without a tie the nearest result is chosen, with a tie the one of fewest
-   moves within the tie. */
+/* Without a tie, the result nearest to the drawn current is chosen. With a tie,
+   the result with the fewest moves within the tie is chosen. */
 static void test_tie(void) {
   double pde[2], iterations[2];
   for (int k = 0; k < 2; k++) {

@@ -14,8 +14,8 @@ static int32_t bias_steps(const row *r, double nm) {
   return (int32_t)lround(nm / r->rules->grid);
 }
 
-/* Return the distance from one transistor to the next: drawn shapes and
-   margins. */
+/* Return the distance from one transistor to the next, grid steps: drawn shape
+   and margin on both sides. */
 static int32_t row_pitch(const row *r) {
   return bias_steps(r, r->length) + 2 * bias_steps(r, r->rules->enclosure) +
          2 * bias_steps(r, r->rules->margin);
@@ -44,12 +44,8 @@ static eda_box box_of(const row *r, int layer, size_t i) {
 }
 
 static void fill_mask(const row *r, int layer, eda_shapes *mask) {
-  for (size_t i = 0; i < r->count; i++) {
-    eda_box b = box_of(r, layer, i);
-    eda_point p[] = {{b.x0, b.y0}, {b.x1, b.y0}, {b.x1, b.y1}, {b.x0, b.y1}};
-    memcpy(mask->points + 4 * i, p, sizeof p);
-    mask->start[i + 1] = 4 * (uint32_t)(i + 1);
-  }
+  for (size_t i = 0; i < r->count; i++)
+    eda_shapes_set_box(mask, i, box_of(r, layer, i));
 }
 
 static int print_layer(row *r, int layer, opc_error *error) {
@@ -116,7 +112,7 @@ static void lengths_of_gate(const eda_printed_gate *gate, size_t n,
 }
 
 /* Compute the printed edges of the active: means over the channel, as in the
-   loop. */
+   correction loop. */
 static void measure_width(printed *p) {
   static const double place[3] = {-0.7745966692414834, 0, 0.7745966692414834};
   static const double share[3] = {5 / 18.0, 8 / 18.0, 5 / 18.0};
@@ -207,7 +203,7 @@ static int row_extract(row *r, opc_error *error) {
                          .weq = r->other + 3 * n,
                          .area = r->other + 4 * n};
   int code = model->extract(extractor->self, &in, &out, error);
-  /* A gate that is open in places has no current, regardless of other
+  /* A gate with an open slice has no current, regardless of the other
      slices. */
   for (size_t i = 0; i < n && !code; i++) {
     for (size_t k = 0; k < r->slices; k++)
@@ -235,7 +231,8 @@ int row_print(row *r, const int layers[ROW_LAYERS], opc_error *error) {
 
 /* ---- construction ---- */
 
-/* Compute Ion as drawn, of the first transistor. Return OPC_OK or an error. */
+/* Compute the drawn Ion from the first transistor. Return OPC_OK or an
+   error. */
 static int measure_drawn(row *r, const double *place, const double *share,
                          opc_error *error) {
   size_t n = r->slices, all = r->count * n;

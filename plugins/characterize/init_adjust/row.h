@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A row of isolated evaluation transistors (thesis figure 3.5) of one size,
-   imaged and measured together. */
+/* A row of isolated evaluation transistors of one size (thesis figure 3.5),
+   simulated and measured together. */
 #pragma once
 
 #include <eda/extractor.h>
@@ -9,7 +9,7 @@
 /* Layers of a transistor: EDA_POLY and EDA_ACTIVE. */
 enum { ROW_LAYERS = 2 };
 
-/* Properties common to all rows. Lengths in nm; `grid` is that of the mask. */
+/* Properties common to all rows. Lengths in nm; `grid` is the mask grid. */
 typedef struct row_rules {
   const opc_context *context;
   const opc_module *litho, *resist, *extractor; /* prepared modules */
@@ -26,7 +26,8 @@ typedef struct row {
   double *ion;    /* Ion as printed; 0 where nothing prints */
   eda_field print[ROW_LAYERS];
   size_t slices;
-  double *slice; /* widths, lengths, edge distances */
+  double *slice; /* widths, lengths and edge distances of all slices, in one
+                    array */
   double *own;   /* positions and widths of the slices of one transistor */
   uint8_t *type;
   double *other; /* extracted figures other than Ion */

@@ -13,14 +13,15 @@
 /* Values of the parameter 'sizes'. */
 enum { SIZES_BOTH, SIZES_LENGTH };
 
-/* Instance of the step: a circuit and the conditions of its simulation. */
+/* Instance of the step: parameters and state of a run. */
 typedef struct bench {
   const opc_host *host;
 
   /* Parameters. */
   const eda_circuit *circuit; /* parameter `circuit` */
-  const eda_mask *mask;       /* NULL: drawn sizes only */
-  const char *models[2];      /* n, p; [1] NULL: as [0] */
+  const eda_mask *mask;       /* NULL: simulate only drawn sizes */
+  const char
+      *models[2]; /* files of the n and p models; [1] NULL: same file as [0] */
   const char *model[2];
   const char *library, *corner, *osdi; /* in place of `models` */
   const char *stand_ins;
@@ -40,16 +41,16 @@ typedef struct bench {
 
   /* State of a run. */
   eda_pool pool;           /* owner of most of the following */
-  eda_circuit own;         /* with renamed models */
-  eda_circuit plain;       /* with the nets n0, n1 ... */
-  const eda_mask *printed; /* the mask, or `sized` */
-  eda_mask sized;          /* sizes.c: the mask, with other sizes */
-  int has[EDA_STATES];     /* 1 if this set of sizes is available */
-  const char *cards[2];    /* absolute paths; [1] NULL: same as [0] */
-  char *statements;        /* model statements of the library; NULL: use
-                              cards */
-  int subcircuits;         /* 1: the models of the library are subcircuits */
-  double unit;             /* unit of sizes in the library, nm */
+  eda_circuit own;         /* copy of `circuit` with substituted models */
+  eda_circuit plain;       /* copy of `circuit` with net names n0, n1 ... */
+  const eda_mask *printed; /* `mask` or `sized` */
+  eda_mask sized;       /* copy of the mask with sizes from sizes_by_length */
+  int has[EDA_STATES];  /* 1 if this set of sizes is available */
+  const char *cards[2]; /* absolute paths; [1] NULL: same as [0] */
+  char *statements;     /* model statements of the library; NULL: use
+                           cards */
+  int subcircuits;      /* 1: the models of the library are subcircuits */
+  double unit;          /* unit of sizes in the library, nm */
   eda_card card[2];
   double low, high; /* start and end levels of a slope, relative to the
                        supply */
@@ -59,7 +60,8 @@ typedef struct bench {
 
 /* ---- sizes.c ---- */
 
-/* Replace printed sizes by drawn widths and the lengths with equal currents. */
+/* Replace the printed sizes: drawn widths, and lengths that yield the printed
+   currents. */
 int sizes_by_length(bench *b, opc_error *error);
 
 /* ---- bench.c ---- */
@@ -111,8 +113,8 @@ typedef struct bench_task {
 int jobs_run_at(bench *b, int state, size_t count, size_t some,
                 void (*work)(bench_task *j), const void *of, opc_error *error);
 
-/* Process `count` items at each available set of sizes. Jobs at the sizes
-   before correction may fail. */
+/* Process `count` items at each available set of sizes. A failure at the sizes
+   before correction is only a warning. */
 int jobs_run(bench *b, size_t count, size_t some, void (*work)(bench_task *j),
              const void *of, opc_error *error);
 

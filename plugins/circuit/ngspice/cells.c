@@ -103,8 +103,9 @@ int cells_find(bench *b, cell **out, size_t *count, opc_error *error) {
 
 /* ---- loops ---- */
 
-/* Return the part of a net. Nets connected by channels form one part; a part
-   follows another if the other drives its gates. */
+/* Return the representative of the part that contains a net. Nets connected by
+   channels form one part. A part depends on the parts that drive the gates of
+   its transistors. */
 static uint32_t part_of(uint32_t *part, uint32_t net) {
   while (part[net] != net) net = part[net] = part[part[net]];
   return net;
@@ -132,7 +133,8 @@ int64_t feedback_find(bench *b) {
     if (!driven[d->drain] && !driven[d->source])
       part[part_of(part, d->drain)] = part_of(part, d->source);
   }
-  /* Remove parts without predecessors until only loops remain. */
+  /* Repeatedly remove parts that depend only on removed parts. The remaining
+     parts are on loops or depend on loops. */
   for (int more = 1; more;) {
     more = 0;
     memset(waits, 0, c->nets);

@@ -125,7 +125,8 @@ G_DEFINE_AUTOPTR_CLEANUP_FUNC(made, made_free)
 #define NAND                                         \
   "MN1 VSS A X VSS n 65 400,MN2 Y B X VSS n 65 400," \
   "MP1 Y A VDD VDD p 65 450,MP2 Y B VDD VDD p 65 450"
-/* The halves have different sizes, so left and right margins differ. */
+/* Both halves of the cell have different sizes, so that the left and right
+   margins differ. */
 #define MEMORY                                            \
   "MA1 Q WL BL VSS n 65 140,MD1 Q QB VSS VSS n 65 300,"   \
   "ML1 Q QB VDD VDD p 65 105,MA2 QB WL BLB VSS n 65 140," \
@@ -134,8 +135,8 @@ G_DEFINE_AUTOPTR_CLEANUP_FUNC(made, made_free)
 
 /* ---- running ---- */
 
-/* Return 1 if ngspice is available. The shared library may be missing even
-   though the program that loads it belongs to this project. */
+/* Return 1 if ngspice is available. The ngspice library may be missing,
+   although the program that loads the library is always built. */
 static inline int have_ngspice(void) {
   static int missing = -1;
   static opc_error error;
@@ -199,10 +200,10 @@ static inline void assert_refused(made *m, int with_mask, const char *card,
 
 #define NANGATE_CARDS "models/freepdk45/nom/"
 
-/* Run a cell of the NanGate library, from its layout and CDL, as drawn, with
-   the cards of FreePDK. Returns its netlist as the subcircuit `cell` with the
-   card of the p-transistor; without the data, skips the test and returns
-   NULL. */
+/* Run the step on a cell of the NanGate library with drawn sizes, from layout
+   and CDL, with the FreePDK cards. Returns the netlist of the cell as the
+   subcircuit `cell`, with the card of the p-transistor. Without the data, skips
+   the test and returns NULL. */
 static inline char *run_nangate(const char *name) {
   g_autofree char *gds = test_data("nangate45/NangateOpenCellLibrary.gds");
   g_autofree char *cdl = test_data("nangate45/NangateOpenCellLibrary.cdl");

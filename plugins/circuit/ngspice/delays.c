@@ -18,7 +18,7 @@ enum {
 };
 
 static const double first_window = 1e-9;
-/* Duration of a transient relative to the end of the last slope. */
+/* Duration of a transient relative to the end of the last output slope. */
 static const double capacity_after = 1.3;
 
 /* Data shared by all jobs. Items are flips. */
@@ -155,8 +155,9 @@ static void find_window(bench_task *j, const char *deck) {
     d->window[k] = start + capacity_after * (last - start);
 }
 
-/* Simulate printed sizes with the duration and time steps of drawn sizes;
-   extend the duration if an output has not settled. */
+/* Simulate drawn sizes with the duration that find_window determines. Simulate
+   printed sizes with the same duration and time steps; extend the duration if
+   an output has not settled. */
 static void run_job(bench_task *j) {
   const delays *d = ((const study *)j->of)->d;
   int drawn = j->state == EDA_DRAWN;
@@ -170,7 +171,7 @@ static void run_job(bench_task *j) {
   }
 }
 
-/* ---- which transitions ---- */
+/* ---- transitions to measure ---- */
 
 /* Return 1 if output o follows transition t; then also set `rises`. */
 static int output_follows(const bench *b, const patterns *p, const logic *l,
@@ -235,7 +236,7 @@ int delays_find(bench *b, const machine *m, const patterns *p, const logic *l,
   return jobs_run(b, out->flips, CHUNK, run_job, &s, error);
 }
 
-/* ---- for the picture ---- */
+/* ---- waveforms for the picture ---- */
 
 void wave_keep(bench *b, const arrival *a, const eda_spice_plot *plot,
                double begin, double end, wave *out) {

@@ -7,8 +7,8 @@
 
 /* ---- decks ---- */
 
-/* Charges are of the order of fF times mV; the default tolerances of the
-   simulator are 1 uV and 1e-14 C, and the second would ignore these charges. */
+/* Charges are of the order of fF times mV. The default charge tolerance of the
+   simulator, 1e-14 C, would ignore them. */
 void job_begin(const bench_task *j, FILE *out, double reltol, double abstol) {
   const bench *b = j->b;
   fputs("circuit.ngspice\n", out);

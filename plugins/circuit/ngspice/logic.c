@@ -9,9 +9,9 @@
 
 enum { CHUNK = 64 }; /* patterns per process */
 
-/* Test current in A per um of channel width at an output, directed to the
-   middle of the supply. Far above leakage (0.2 uA) and far below the drive
-   current (0.2 mA): a driven output keeps its level, a floating one does
+/* Test current in A per um of channel width at an output, directed to half the
+   supply. The current is far above leakage (0.2 uA) and far below drive
+   currents (0.2 mA). A driven output keeps its level, a floating output does
    not. */
 static const double test_current = 5e-6;
 static const double least_height = 0.75;
@@ -24,8 +24,8 @@ typedef struct study {
 
 /* ---- one process ---- */
 
-/* Return the number of operating points per pattern: without and, as drawn,
-   with the test current. */
+/* Return the number of operating points per pattern. Drawn sizes have two,
+   without and with the test current; printed sizes have one. */
 static size_t points_of(const bench_task *j) {
   return j->state == EDA_DRAWN ? 2 : 1;
 }

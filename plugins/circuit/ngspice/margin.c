@@ -14,7 +14,7 @@ enum { CHUNK = 8 }; /* cells per process */
 
 /* ---- squares ---- */
 
-/* Curve in the rotated axes: along and across the diagonal y = -x. */
+/* Curve in rotated axes: along and across the diagonal y = -x. */
 typedef struct turned {
   double along[SWEEP], across[SWEEP];
 } turned;
@@ -33,8 +33,8 @@ static double across_at(const turned *c, double along) {
   return c->across[low] + f * (c->across[high] - c->across[low]);
 }
 
-/* Distance of two curves at all points of both: positions along the diagonal,
-   in order, and height of the first curve above the second. */
+/* Distance between two curves at a point of either curve: position along the
+   diagonal, and height of the first curve above the second. */
 typedef struct gap {
   double along, above;
 } gap;

@@ -3,11 +3,11 @@
    sources raised until the cell flips. */
 #include "circuit_test.h"
 
-/* ---- noise margins by hand ---- */
+/* ---- reference: noise margins by squares ---- */
 
-/* Finds the largest square of one side: for each point of one curve, bisection
-   for the square whose opposite corner is on the other curve. `f` decreases
-   with x, `g` with y; both have n equidistant points. */
+/* For each point of one curve, the square whose opposite corner is on the other
+   curve is found by bisection. `f` decreases with x, `g` with y. Both curves
+   have n equidistant points. */
 static double at(const double *curve, size_t n, double step, double x) {
   double place = x / step;
   size_t i = place < 0 ? 0 : (size_t)place;
@@ -51,9 +51,9 @@ static double *read_curve(const char *name, size_t column, size_t *count) {
   return out;
 }
 
-/* Return a deck with both transfer curves, and with the loop with a noise
-   source before either inverter, raised until the state flips, which defines
-   the margin. */
+/* Return a deck with both transfer curves. The deck also has the cell with a
+   noise source before one of the inverters. The noise at which the state flips
+   is the margin. */
 static char *memory_deck(const char *card, const char *word, const char *data,
                          const double margin[2]) {
   /* Steps of 0.25 mV, starting far below the margin: a sweep that starts above
@@ -66,17 +66,17 @@ static char *memory_deck(const char *card, const char *word, const char *data,
       ".subckt right in out s\nma out %s s 0 nmos w=140n l=65n\n"
       "md out in 0 0 nmos w=330n l=65n\nml out in s s pmos w=160n "
       "l=65n\n.ends\n"
-      /* Q of QB, QB of Q. */
+      /* Q as a function of QB, QB as a function of Q */
       "x1 in q0 s left\nx2 in qb0 s right\n"
-      /* Q high, noise against it; Q low, noise against it. */
+      /* Q high and Q low, with noise of the opposite sign. */
       "x3 g1 q1 s left\nx4 g2 qb1 s right\n"
       "e1 g1 qb1 n 0 1\ne2 q1 g2 n 0 1\n.nodeset v(q1)=1.1 v(qb1)=0\n"
       "x5 g3 q2 s left\nx6 g4 qb2 s right\n"
       "e3 qb2 g3 m 0 1\ne4 g4 q2 m 0 1\n.nodeset v(q2)=0 v(qb2)=1.1\n"
       ".options gmin=1e-15 reltol=1e-5 abstol=1e-15\n"
       ".control\nset numdgt=12\ndc vin 0 1.101 0.002\nwrdata %s v(qb0) v(q0)\n"
-      /* Separate sweeps: where one cell flips, the solver restarts, and all
-         cells may flip. */
+      /* Separate sweeps: after a cell flips, the solver restarts, and all cells
+         may flip. */
       "dc vn %g %g 0.00025\n"
       "meas dc right find v(n) when v(q1)=v(qb1)\ndc vm %g %g 0.00025\n"
       "meas dc left find v(m) when v(q2)=v(qb2)\n.endc\n.end\n",
@@ -122,8 +122,8 @@ static void test_margins(void) {
   compare_margins(card, "read", "s");
 }
 
-/* Test that a mirrored cell has mirrored margins, and that a cell that is not
-   bistable has none. */
+/* A mirrored cell has mirrored margins. A cell that is not bistable has margin
+   0. */
 static void test_cells(void) {
   if (!have_ngspice()) return;
   g_autofree char *card = of_project("data/devices/opcflow65.pm");

@@ -75,9 +75,9 @@ static int put_stand_ins(bench *b, const eda_models *l, opc_error *error) {
   return OPC_OK;
 }
 
-/* Read the part of a foundry's library that the sizes of the circuit need.
-   Printed sizes are close to the drawn ones, and may be shorter than the
-   shortest bin. */
+/* Read the models that the sizes of the circuit need from a foundry's library.
+   Printed sizes differ from drawn sizes by less than `around` and may be
+   shorter than the shortest bin. */
 static int read_library(bench *b, opc_error *error) {
   const double around = 0.3;
   const eda_gates *g = b->circuit->gates;
@@ -270,43 +270,42 @@ static const opc_parameter parameters[] = {
         "pmos_models", bench, models[1], .type = OPC_FILE,
         .summary =
             "file with the model card of the p-transistor, if different"),
-    OPC_PARAMETER(bench, library, .type = OPC_FILE,
-                  .summary = "a foundry's models: subcircuits or cards, in "
-                             "sections and bins, of which the outermost go on"),
-    OPC_PARAMETER(bench, corner, .type = OPC_TEXT,
-                  .summary = "section of the library; if not given, the part "
-                             "outside of all sections"),
+    OPC_PARAMETER(
+        bench, library, .type = OPC_FILE,
+        .summary =
+            "model library of a foundry: subcircuits or cards, in sections and "
+            "bins; the outermost bins are extended to the printed sizes"),
+    OPC_PARAMETER(
+        bench, corner, .type = OPC_TEXT,
+        .summary =
+            "section of the library (default: the models outside of sections)"),
     OPC_PARAMETER(bench, osdi, .type = OPC_FILE,
                   .summary = "shared object of the compiled models that the "
                              "library uses (OSDI)"),
     OPC_PARAMETER_NAMED("nmos", bench, model[EDA_NMOS], .type = OPC_TEXT,
-                        .summary = "name of the n-transistor's model; if not "
-                                   "given, nmos, or with `library` the "
-                                   "netlist's of each device"),
+                        .summary =
+                            "model name of n-transistors (default: nmos; with "
+                            "`library`: the name in the netlist)"),
     OPC_PARAMETER_NAMED("pmos", bench, model[EDA_PMOS], .type = OPC_TEXT,
-                        .summary = "name of the p-transistor's model; if not "
-                                   "given, as of n"),
+                        .summary =
+                            "model name of p-transistors (default: pmos; with "
+                            "`library`: the name in the netlist)"),
     OPC_PARAMETER(
         bench, stand_ins, .type = OPC_TEXT,
-        .summary = "pairs of model names of the netlist, separated by blanks: "
-                   "a model that `library` may lack, and the replacement"),
+        .summary =
+            "pairs of model names, separated by blanks: a name in the netlist "
+            "that `library` may lack, and the name of the replacement"),
     OPC_PARAMETER(bench, dlc, .type = OPC_BOOL, .preset = "true",
-                  .summary = "gate capacitances are those of the printed area"),
-    OPC_PARAMETER(
-        bench, sizes, .type = OPC_CHOICE, .choices = "both|length",
-        .preset = "both",
-        .summary = "L and W as they print; or W as drawn and L alone, so that "
-                   "Ion is the printed one (thesis 2.3.3)"),
+                  .summary = "use the gate capacitance of the printed area, by "
+                             "DLC (thesis eq. 3.11)"),
+    OPC_PARAMETER(bench, sizes, .type = OPC_CHOICE, .choices = "both|length",
+                  .preset = "both",
+                  .summary = "printed L and W; or drawn W, and the L at which "
+                             "this W has the printed Ion (thesis 2.3.3)"),
     OPC_PARAMETER(bench, devices, .type = OPC_FILE,
-                  .summary = "the table of devices that the mask was made "
-                             "with, for 'sizes: length'"),
-    OPC_PARAMETER(bench, supply, .type = OPC_REAL, .unit = "V",
-                  .flags = OPC_REQUIRED | OPC_ABOVE | OPC_AT_MOST, .min = 0,
-                  .max = 20, .summary = "supply voltage"),
-    OPC_PARAMETER(bench, temperature, .type = OPC_REAL, .unit = "C",
-                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "27 C",
-                  .min = -200, .max = 300,
-                  .summary = "temperature of the transistors"),
+                  .summary = "device table used by the correction; required "
+                             "for 'sizes: length'"),
+    EDA_CONDITIONS(bench),
     OPC_PARAMETER(bench, load, .type = OPC_REAL, .unit = "F",
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "4 fF",
                   .min = 0, .max = 1e-6,
@@ -314,37 +313,39 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(bench, slew, .type = OPC_REAL, .unit = "s",
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "20 ps",
                   .min = 1e-14, .max = 1e-3,
-                  .summary = "time of an input from 0 to 100 %"),
-    OPC_PARAMETER(bench, edges, .type = OPC_REALS, .unit = "%",
-                  .preset = "[10 %, 90 %]",
-                  .summary = "where rise and fall times begin and end"),
+                  .summary = "duration of an input ramp from 0 to 100 %"),
     OPC_PARAMETER(
-        bench, measure, .type = OPC_CHOICE,
-        .choices = "auto|delays|leakage|snm", .preset = "auto",
-        .summary = "auto: noise margins of memories, else delays and leakage"),
+        bench, edges, .type = OPC_REALS, .unit = "%", .preset = "[10 %, 90 %]",
+        .summary =
+            "voltage levels between which rise and fall times are measured"),
+    OPC_PARAMETER(bench, measure, .type = OPC_CHOICE,
+                  .choices = "auto|delays|leakage|snm", .preset = "auto",
+                  .summary = "quantities to measure; auto: noise margins of "
+                             "memories, delays and leakage of other circuits"),
     OPC_PARAMETER_NAMED(
         "inputs", bench, inputs_list, .type = OPC_TEXT,
-        .summary = "names of the input ports, with blanks between (default: "
-                   "those that are on gates alone)"),
-    OPC_PARAMETER_NAMED(
-        "transitions", bench, several, .type = OPC_CHOICE,
-        .choices = "single|several", .preset = "single",
-        .summary =
-            "transitions of one input at a time, or also of several at once"),
-    OPC_PARAMETER(
-        bench, most, .type = OPC_INT, .flags = OPC_AT_LEAST | OPC_AT_MOST,
-        .preset = "1024", .min = 1, .max = 100000,
-        .summary = "largest number of transitions; a random sample of more"),
+        .summary = "names of the input ports, separated by blanks (default: "
+                   "ports connected only to gates)"),
+    OPC_PARAMETER_NAMED("transitions", bench, several, .type = OPC_CHOICE,
+                        .choices = "single|several", .preset = "single",
+                        .summary = "single: one input changes at a time; "
+                                   "several: also several inputs at once"),
+    OPC_PARAMETER(bench, most, .type = OPC_INT,
+                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "1024",
+                  .min = 1, .max = 100000,
+                  .summary = "largest number of transitions; if there are "
+                             "more, a random sample"),
     OPC_PARAMETER(bench, seed, .type = OPC_INT, .flags = OPC_AT_LEAST,
                   .preset = "1", .min = 0, .summary = "seed of random samples"),
     OPC_PARAMETER(
         bench, cell, .type = OPC_TEXT,
-        .summary = "a storage node of the memory cell (default: all cells)"),
+        .summary =
+            "storage node of the memory cell to simulate (default: all cells)"),
     OPC_PARAMETER_NAMED(
         "access", bench, reads, .type = OPC_CHOICE, .choices = "hold|read",
         .preset = "hold",
-        .summary = "access transistors of memory cells are off, or conduct; "
-                   "bit lines are at the supply"),
+        .summary = "state of the access transistors of memory cells: off "
+                   "(hold) or conducting (read); bit lines are at the supply"),
     OPC_PARAMETER(bench, picture, .type = OPC_OUTPUT, .preset = "circuit.png",
                   .summary = "waveforms or butterfly, .png, .svg or .pdf"),
     OPC_PARAMETER_NAMED(
@@ -363,11 +364,11 @@ static const opc_parameter parameters[] = {
    .summary = ("largest deviation of " text)},                        \
   {                                                                   \
     .name = (id "_worst_before"), .unit = "%", .better = OPC_NEUTRAL, \
-    .summary = ("before correction, the same of " text)               \
+    .summary = ("before correction, largest deviation of " text)      \
   }
 
 static const opc_metric metrics[] = {
-    FIGURE("transitions", NULL, "input transitions that an output follows"),
+    FIGURE("transitions", NULL, "input transitions that change an output"),
     {"unmeasured", NULL, OPC_LOWER, 0,
      "outputs that did not reach the final level, as drawn or corrected"},
     FIGURE("tr", "ps", "mean rise time as drawn"),
@@ -430,8 +431,8 @@ static const opc_step functions = {.run = circuit_run,
 OPC_PLUGIN(bench, .id = "circuit.ngspice", .kind = "step", .version = "0.2.0",
            .licence = "BSD-3-Clause",
            .summary =
-               "delays, leakage and noise margins of a circuit as "
-               "printed",
+               "delays, leakage and noise margins of a circuit with printed "
+               "transistors",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
            OPC_PARAMETERS(parameters), OPC_METRICS(metrics),
            .check = circuit_check, .clear = circuit_clear,

@@ -5,9 +5,9 @@
 
 /* ---- closed forms ---- */
 
-/* Return the discharge time of a square-law inverter with a step input:
-   saturation ends at V - VT, then the output falls to `level` (J. P. Uyemura,
-   CMOS Logic Circuit Design). */
+/* Return the time in which a square-law inverter with a step input discharges
+   its load to `level`. The transistor is saturated down to V - VT (J. P.
+   Uyemura, CMOS Logic Circuit Design). */
 static double discharge(double c, double k, double v, double vt, double level) {
   double over = v - vt;
   double first = c * fmin(vt, v - level) / (k / 2 * over * over);
@@ -54,8 +54,8 @@ static void test_closed_form(void) {
                     <, 0.02);
 }
 
-/* Test the same with a compiled model; without OSDI support in ngspice, test
-   the error message. */
+/* Same test with a compiled model. If ngspice has no OSDI support, test the
+   error message. */
 static void test_osdi(void) {
   if (!have_ngspice()) return;
   opc_error error;
@@ -205,7 +205,7 @@ static void test_nangate(void) {
   if (hand) compare_four(hand, "drawn");
 }
 
-/* Test that of the area only its capacitance changes the delay. */
+/* Only the capacitance of the printed area changes the delay. */
 static void test_capacitance(void) {
   if (!have_ngspice()) return;
   g_autofree char *card = of_project("data/devices/opcflow65.pm");
@@ -220,8 +220,8 @@ static void test_capacitance(void) {
   g_assert_cmpfloat(opc_test_metric("tp_worst"), <, 1e-6);
 }
 
-/* Test that a card with another DLC has the same overlap capacitance. The model
-   derives this capacitance from DLC, as our cards do not give it. */
+/* A card with another DLC has the same overlap capacitance, although the model
+   derives this capacitance from DLC if the card does not contain it. */
 static void test_overlap(void) {
   if (!have_ngspice()) return;
   g_autofree char *card = of_project("data/devices/opcflow65.pm");
@@ -237,9 +237,8 @@ static void test_overlap(void) {
 
 /* ---- sizes ---- */
 
-/* Test transistors that print 64 nm long and 10 % narrower, with the current of
-   64 nm and the drawn width: equal to transistors with L = 64 nm and drawn
-   W. */
+/* Transistors that print 64 nm long and 10 % narrower, with the current of 64
+   nm and the drawn width, equal transistors with L = 64 nm and drawn W. */
 static void test_length(void) {
   if (!have_ngspice()) return;
   opc_error error;
@@ -370,8 +369,8 @@ static void test_still(void) {
   g_assert_cmpuint(opc_test_rows("delays"), ==, 2);
 }
 
-/* Test that an inverter switched off floats: leakage determines its voltage,
-   which is no logic level. */
+/* The output of an inverter that is switched off floats: leakage determines the
+   voltage, which is not a logic level. */
 static void test_floating(void) {
   if (!have_ngspice()) return;
   g_autofree char *card = of_project("data/devices/opcflow65.pm");
@@ -388,8 +387,8 @@ static void test_floating(void) {
 
 /* ---- errors ---- */
 
-/* Test that a library with the card in subcircuits, sizes in um and two bins
-   has the same results as the card. */
+/* A library that contains the card in subcircuits, with sizes in um and two
+   bins, has the same results as the card. */
 static void test_library(void) {
   g_autofree char *card = of_project("data/devices/opcflow65.pm");
   g_autofree char *path = g_build_filename(opc_test_folder(), "own.lib", NULL);
@@ -481,7 +480,7 @@ static void test_refused(void) {
                  "'WL' is not a storage node of 'made'");
 }
 
-/* Test that a mask that does not print before correction is no error. */
+/* A mask that does not print before correction is not an error. */
 static void test_before(void) {
   if (!have_ngspice()) return;
   g_autofree char *card = of_project("data/devices/opcflow65.pm");

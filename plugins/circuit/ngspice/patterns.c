@@ -12,7 +12,7 @@ static uint64_t draw_below(uint64_t *state, uint64_t n) {
   return n ? eda_random_draw(state) % n : 0;
 }
 
-/* ---- all of them ---- */
+/* ---- all transitions ---- */
 
 /* Set the input levels from a number; the first input is the most significant
    bit. */
@@ -20,8 +20,8 @@ static void set_bits(uint8_t *bit, size_t inputs, uint64_t pattern) {
   for (size_t i = 0; i < inputs; i++) bit[i] = pattern >> (inputs - 1 - i) & 1;
 }
 
-/* List the transitions. Selection sampling keeps `most` of them with equal
-   probability (Knuth 3.4.2, algorithm S). */
+/* List the transitions. If there are more than `most`, selection sampling keeps
+   `most` of them with equal probability (Knuth 3.4.2, algorithm S). */
 static void list_pairs(const bench *b, patterns *p) {
   uint64_t seed = (uint64_t)b->seed;
   size_t others = b->several ? p->count - 1 : b->inputs;
@@ -37,7 +37,7 @@ static void list_pairs(const bench *b, patterns *p) {
     }
 }
 
-/* ---- some of too many ---- */
+/* ---- random transitions ---- */
 
 static void draw_pairs(const bench *b, patterns *p) {
   uint64_t seed = (uint64_t)b->seed;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Draws the waveforms of the outputs and the butterfly of the cell with the
-   largest deviations. */
+/* Draws the output waveforms with the largest delay deviations, and the
+   butterfly curves of the memory cell with the largest deviation. */
 #include <eda/drawing.h>
 #include <math.h>
 #include <stdio.h>
@@ -21,8 +21,8 @@ static eda_colour colour_of(int state) {
                                : eda_layer_outline(EDA_ACTIVE);
 }
 
-/* Open the paper with title and key, and initialize a chart without its
-   position. */
+/* Open the paper with title and legend. Initialise a chart, except its
+   horizontal position. */
 static eda_paper *open_paper(const bench *b, const char *path, eda_chart *c,
                              const char *title, const char *also,
                              opc_error *error) {
@@ -167,8 +167,9 @@ int draw_margins(bench *b, const cell *cells, size_t count, const margins *m,
   c.width = c.height;
   c.x = (eda_axis){.high = b->supply, .title = of_x};
   c.y = (eda_axis){.high = b->supply, .title = of_y};
-  /* Each printed curve over the drawn one; the drawn one alone if none is
-     printed. */
+  /* Draw one chart for each set of printed sizes, with the drawn curve behind
+     the printed curve. If there is no printed curve, draw only the drawn
+     curve. */
   int printed = b->has[EDA_BEFORE] || b->has[EDA_AFTER];
   for (int s = printed; s < (printed ? EDA_STATES : 1); s++) {
     if (!b->has[s]) continue;

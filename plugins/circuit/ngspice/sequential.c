@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Measures delays of sequential circuits in traversals through their states, in
-   which outputs follow one change after another. */
+/* Measures delays of sequential circuits in traversals through their states. A
+   traversal measures several transitions in sequence. */
 #include <glib.h>
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -10,11 +9,11 @@
 
 enum { FLIPS = 8 }; /* transitions measured per traversal */
 
-/* Relative tolerance and `trtol` (default 7) of the simulator. The tolerances
-   of charges and currents alone bound the steps. The delays of a flip-flop
-   agree with those of 0.2 ps steps within 0.003 %, the slopes within 0.04 %;
-   with 10 times the tolerance within 0.01 and 0.4 %, in two thirds of the
-   time. */
+/* Relative tolerance, and option `trtol` (default 7) of the simulator.
+   Tolerances of charges and currents alone limit the time steps. Compared with
+   steps of 0.2 ps, delays of a flip-flop agree within 0.003 % and slopes within
+   0.04 %. With 10 times the tolerance, they agree within 0.01 % and 0.4 %, in
+   two thirds of the time. */
 static const double share = 1e-5, steps = 1;
 
 /* Data shared by all jobs. */
@@ -25,7 +24,7 @@ typedef struct study {
 
 /* ---- one traversal ---- */
 
-/* Traversal, and the phase of each of its measured transitions. */
+/* A traversal, and the phase of each transition to be measured. */
 typedef struct tour {
   traversal path;
   size_t step[FLIPS];

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Expresses sizes by one number. Each transistor keeps its drawn width and gets
-   the length at which that width drives the printed current (thesis 2.2.4 and
-   2.3.3, where Leq_Ion replaces L in the netlist). */
+/* Expresses printed sizes by the length alone. Each transistor keeps the drawn
+   width and gets the length at which this width drives the printed current
+   (thesis 2.2.4 and 2.3.3, where Leq_Ion replaces L in the netlist). */
 #include <eda/curves.h>
 #include <math.h>
 

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Explores the states of a sequential circuit and their transitions for changes
-   of single inputs. No clock is assumed: transients start at power-up and
-   change one input at a time along the shortest paths to changes not yet tried,
-   until all are known (C. E. Shannon's maze-solving mouse). A state consists of
-   the inputs and the levels of all nets with gates or outputs. */
+/* Explores the states of a sequential circuit and the transitions for changes
+   of single inputs. A state consists of the input levels and the levels of all
+   nets connected to gates or outputs. No clock is assumed. Transients start at
+   power-up and change one input at a time. Each follows the shortest known path
+   to an untried change, until all changes are known (C. E. Shannon's
+   maze-solving mouse). */
 #include <glib.h>
 #include <math.h>
 #include <stdio.h>
@@ -72,8 +73,8 @@ void states_levels(const bench *b, const machine *m, const eda_spice_plot *plot,
 
 /* ---- one round ---- */
 
-/* Result of a traversal: levels, and whether all nets were constant in the
-   second half of each phase. */
+/* A traversal and its result: the levels, and whether all nets were constant in
+   the second half of each phase. */
 typedef struct trip {
   traversal path;
   uint32_t target, input; /* state and input of the first change that the
@@ -229,8 +230,9 @@ static void put_down(map *a, const trip *seen) {
   if (*next == STATE_UNKNOWN) *next = STATE_LOST;
 }
 
-/* Plan traversals to states with untried inputs; each of these inputs changes
-   and returns. `tried` counts the changes, up to `most`. */
+/* Plan traversals to states with untried input changes. Each traversal makes
+   all untried changes of its state, and reverses each change. `tried` counts
+   the changes, up to b->most. */
 static size_t trips_plan(const map *a, trip *trips, size_t *tried) {
   const bench *b = a->b;
   const machine *m = a->m;
@@ -270,7 +272,8 @@ static int trips_run(map *a, trip *trips, size_t n, opc_error *error) {
   return code ? -1 : rests;
 }
 
-/* Run all rounds with phases of one length. */
+/* Run rounds with a given phase until no change is untried. Returns 1 if all
+   nets settled, 0 if a net did not settle, -1 on failure. */
 static int map_explore(map *a, opc_error *error) {
   trip trips[WALKS];
   size_t tried = 0, n = 1;

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tests sequential circuits: transitions follow from the function of latches
-   and flip-flops; delays are compared with hand-written sequences run by plain
-   ngspice. */
+/* Sequential circuits: transitions are compared with the functions of latches
+   and flip-flops, delays with hand-written sequences run by plain ngspice. */
 #include "circuit_test.h"
 
-/* Clocked inverter that holds Y while EN is 0 and its complement is 1. */
+/* Clocked inverter: Y is held while EN is 0 and its complement ENB is 1. */
 #define CLOCKED(id, a, y, en, enb)                                       \
   "MN" id "1 " id "N " a " VSS VSS n 65 300,MN" id "2 " y " " en " " id  \
   "N VSS n 65 300,MP" id "1 " id "P " a " VDD VDD p 65 450,MP" id "2 " y \
@@ -51,7 +50,8 @@ static void assert_rows(const char *const *rows, size_t count) {
 static const char *const of_latch[] = {
     "D 0>1, G 1 Q rises", "D 1>0, G 1 Q falls", "D 1, G 0>1 Q rises",
     "D 0, G 0>1 Q falls"};
-/* With both inputs at 0, both outputs are 1; the last input to rise decides. */
+/* If both inputs are 0, both outputs are 1. The input that rises last
+   determines the state. */
 static const char *const of_crossed[] = {
     "SN 1>0, RN 1 Q rises",  "SN 1>0, RN 1 QN falls", "SN 1, RN 1>0 Q falls",
     "SN 1, RN 1>0 QN rises", "SN 0, RN 1>0 QN rises", "SN 1>0, RN 0 Q rises",
@@ -71,8 +71,8 @@ static void test_crossed(void) {
                           "output 'QN' does not change for the tried inputs"));
 }
 
-/* Test that a node that can be set but not reset remains set, and that states
-   before are not recurrent. */
+/* A node that can be set but not reset stays set; the states before are not
+   recurrent. */
 static void test_once(void) {
   if (!have_ngspice()) return;
   g_autofree char *card = of_project("data/devices/opcflow65.pm");
@@ -98,8 +98,8 @@ static void test_halving(void) {
       strstr(opc_test_log(), "no sequence of input changes is known"));
 }
 
-/* Test a ring oscillator with various periods: with some of these loads, its
-   levels are equal at the middle and the end of a phase. */
+/* A ring oscillator with various periods. With some of these loads, the levels
+   are equal in the middle and at the end of a phase. */
 static void test_ringing(void) {
   static const char *const loads[] = {"0", "0.4", "1.5", "2.9", "3.1", "3.5"};
   if (!have_ngspice()) return;
@@ -118,7 +118,7 @@ static void test_ringing(void) {
   }
 }
 
-/* ---- how long it takes ---- */
+/* ---- delays ---- */
 
 enum { CHANGES = 12 };
 
@@ -129,8 +129,8 @@ typedef struct event {
   int rises;
 } event;
 
-/* Simulate a sequence with plain ngspice: input levels in each phase of 2 ns,
-   changes of 20 ps at its beginning. */
+/* Simulate a sequence with plain ngspice. Phases take 2 ns; input changes take
+   20 ps at the beginning of a phase. */
 static char *sequence_by_hand(const char *card, const char *cell,
                               const char *ports, const char *const *inputs,
                               const char *const *levels, const event *events,
@@ -268,7 +268,7 @@ static void test_flip_flop(void) {
   g_assert_nonnull(strstr(opc_test_log(), "is sequential: 8 "));
 }
 
-/* Test that a keeper on a net that is always driven keeps no state. */
+/* A keeper on a net that is always driven holds no state. */
 static void test_keeper(void) {
   static const char *const inputs[] = {"A", NULL};
   static const char *const levels[] = {"010"};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Writes the result tables: all values, and their means and extremes, also as
-   metrics. */
+/* Writes the result tables and metrics: all values, means and extreme
+   values. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -233,7 +233,7 @@ int64_t worst_arrival(const delays *d, const bench *b, int rises) {
   double most = -1;
   for (size_t i = 0; i < d->count; i++) {
     const arrival *a = &d->arrival[i];
-    /* With drawn sizes only, the slowest arrival. */
+    /* With drawn sizes only, find the slowest arrival. */
     double x = state == EDA_AFTER
                    ? fabs(percent_deviation(a->delay[state], a->delay[0]))
                    : a->delay[0] + 1;

@@ -22,7 +22,7 @@ void traversal_step(const bench *b, const machine *m, traversal *w,
   if (w->at < STATE_LOST) w->at = m->next[w->at * b->inputs + input];
 }
 
-/* Breadth-first search; the path follows from the predecessors. */
+/* Uses breadth-first search. */
 int traversal_to(const bench *b, const machine *m, traversal *w,
                  uint32_t state) {
   g_autofree uint32_t *from = g_new(uint32_t, m->states);
@@ -53,8 +53,8 @@ static double end_of(const machine *m, const traversal *w) {
   return m->phase * (w->input->len + 1);
 }
 
-/* Without supply the operating point is unique. Each change is a separate line,
-   as traversals may be long. */
+/* The supplies start at 0 V, at which the operating point is unique. Each
+   change is written on its own line, because traversals may be long. */
 void traversal_sources(const bench *b, const machine *m, const traversal *w,
                        FILE *out) {
   const eda_circuit *c = b->circuit;
@@ -83,26 +83,16 @@ void traversal_command(const machine *m, const traversal *w, FILE *out) {
 
 /* ---- recurrent states ---- */
 
-/* Mark all states that lead to marked states. */
-static void mark_before(const machine *m, size_t inputs, uint8_t *mark) {
+/* Mark all states that are reached from marked states, or lead to them. */
+static void mark_all(const machine *m, size_t inputs, int reached,
+                     uint8_t *mark) {
   for (int more = 1; more;) {
     more = 0;
     for (size_t s = 0; s < m->states; s++)
-      for (size_t i = 0; i < inputs && !mark[s]; i++) {
+      for (size_t i = 0; i < inputs; i++) {
         uint32_t t = m->next[s * inputs + i];
-        if (t < STATE_LOST && mark[t]) mark[s] = more = 1;
-      }
-  }
-}
-
-/* Mark all states reached from marked states. */
-static void mark_after(const machine *m, size_t inputs, uint8_t *mark) {
-  for (int more = 1; more;) {
-    more = 0;
-    for (size_t s = 0; s < m->states; s++)
-      for (size_t i = 0; i < inputs && mark[s]; i++) {
-        uint32_t t = m->next[s * inputs + i];
-        if (t < STATE_LOST && !mark[t]) mark[t] = more = 1;
+        if (t >= STATE_LOST || mark[s] == mark[t]) continue;
+        if (mark[reached ? s : t]) mark[reached ? t : s] = more = 1;
       }
   }
 }
@@ -114,7 +104,8 @@ static int is_end(const machine *m, size_t inputs, size_t s) {
   return 1;
 }
 
-/* Descends from one strongly connected set of states to the next. */
+/* Moves from one strongly connected set of states to a set that follows, until
+   no other set follows. */
 void states_leading_to(const bench *b, const machine *m, uint8_t *kept) {
   const size_t inputs = b->inputs;
   g_autofree uint8_t *before = g_new(uint8_t, m->states);
@@ -123,8 +114,8 @@ void states_leading_to(const bench *b, const machine *m, uint8_t *kept) {
     memset(kept, 0, m->states);
     memset(before, 0, m->states);
     kept[c] = before[c] = 1;
-    mark_after(m, inputs, kept);
-    mark_before(m, inputs, before);
+    mark_all(m, inputs, 1, kept);
+    mark_all(m, inputs, 0, before);
     for (c = 0; c < m->states; c++)
       if (kept[c] && !before[c] && !is_end(m, inputs, c)) break;
   }
@@ -164,8 +155,8 @@ static int states_merge(const machine *m, size_t inputs, uint32_t s, uint32_t t,
   return 0;
 }
 
-/* Advance a set of states by changes; returns 0 where a transition is
-   unknown. */
+/* Apply a sequence of changes to each state of a set. Returns 0 if a transition
+   is unknown. */
 static int go_on(const machine *m, size_t inputs, const GArray *sequence,
                  GArray *set) {
   for (size_t k = 0; k < set->len; k++) {

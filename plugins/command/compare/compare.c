@@ -11,7 +11,7 @@
 
 /* ---- work: whether it may be compared ---- */
 
-/* Number of reasons in the message; further ones are counted. */
+/* Number of reasons in the message; the message counts further reasons. */
 enum { LISTED = 5 };
 
 static int compare_refuse(const GPtrArray *why, opc_error *error) {
@@ -59,8 +59,8 @@ static const char *fault_of(const metric_row *r) {
   return !isnan(r->base) && isnan(r->value) ? " is missing" : NULL;
 }
 
-/* Add the worse metrics selected by a word; return whether the word selects any
-   metric. */
+/* Add the worse metrics that a word selects. Return whether the word selects
+   any metric. */
 static int add_worse(const comparison *c, const char *word, GHashTable *seen,
                      GPtrArray *worse) {
   const char *metric = strchr(word, ':');
@@ -157,25 +157,28 @@ static int compare_run(void *self, size_t n, const char *const *arguments,
 
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(comparison, variant, .type = OPC_TEXT,
-                  .summary = "runs of this variant of a flow, 'base' for that "
-                             "without one; several times, the first is the "
-                             "base"),
+                  .summary =
+                      "latest run of a variant of a flow ('base': without "
+                      "variant); may be repeated, the first run is the base"),
     OPC_PARAMETER_NAMED("metrics", comparison, chosen, .type = OPC_TEXT,
-                        .summary = "these metrics alone: names, their last "
-                                   "parts, or patterns, with commas between"),
+                        .summary = "only these metrics: names, last parts of "
+                                   "names, or patterns, separated by commas"),
     OPC_PARAMETER(comparison, sort, .type = OPC_CHOICE, .preset = "file",
                   .choices = "file|name|change|verdict",
-                  .summary = "the order of metrics"),
+                  .summary = "order of the metrics"),
     OPC_PARAMETER(comparison, all, .type = OPC_BOOL, .preset = "false",
-                  .summary = "also equal values"),
-    OPC_PARAMETER(comparison, cases, .type = OPC_BOOL, .preset = "false",
-                  .summary = "also the metrics of each case of an experiment"),
-    OPC_PARAMETER(comparison, anyway, .type = OPC_BOOL, .preset = "false",
-                  .summary = "compare runs with other inputs, models or "
-                             "transistors"),
-    OPC_PARAMETER(comparison, fail_on, .type = OPC_TEXT,
-                  .summary = "'worse' or 'worse:METRIC': exit code 1 if there "
-                             "is such; may be repeated"),
+                  .summary = "also print equal values"),
+    OPC_PARAMETER(
+        comparison, cases, .type = OPC_BOOL, .preset = "false",
+        .summary = "also print the metrics of each case of an experiment"),
+    OPC_PARAMETER(
+        comparison, anyway, .type = OPC_BOOL, .preset = "false",
+        .summary =
+            "also compare runs with different inputs, models or transistors"),
+    OPC_PARAMETER(
+        comparison, fail_on, .type = OPC_TEXT,
+        .summary = "'worse' or 'worse:METRIC': exit code 1 if any metric, or "
+                   "this metric, is worse; may be repeated"),
 };
 
 static const opc_metric metrics[] = {

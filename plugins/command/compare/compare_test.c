@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Comparisons of synthetic run folders: verdicts by definition, paired
-   differences of transistors with intervals that are known, and means over
-   cases. */
+   differences of transistors with known intervals, and means over cases. */
 #include <math.h>
 #include <opcflow/command.h>
 
@@ -45,8 +44,8 @@ static size_t row_of(const char *table, const char *column, const char *text) {
 
 /* ---- tests ---- */
 
-/* Each direction, with changes of either sign within, at and beyond the
-   tolerance. */
+/* For each direction of a metric: changes with both signs within, at and beyond
+   the tolerance. */
 static void test_verdicts(void) {
   static const char *const ways[] = {"lower", "higher", "neutral"};
   static const double changes[] = {-1, -0.5, -0.25, 0, 0.25, 0.5, 1};

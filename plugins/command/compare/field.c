@@ -34,8 +34,8 @@ static void add_pair(field *f, const char *name, const char *method,
 
 /* ---- runs ---- */
 
-/* Return the label of a folder: its last part, or the whole path if several
-   folders have the same last part. */
+/* Return the label of a folder: the last part of the path, or the whole path if
+   several folders have the same last part. */
 static char *label_of(size_t n, const char *const *folders, size_t i) {
   g_autofree char *mine = g_path_get_basename(folders[i]);
   for (size_t k = 0; k < n; k++) {
@@ -68,8 +68,8 @@ static int open_runs(field *f, size_t n, const char *const *folders,
 
 /* ---- variants ---- */
 
-/* Return the name of a flow: the entry `name` of its file, or the file name
-   without ending. */
+/* Return the name of a flow: the entry `name` of the file, or the file name
+   without extension. */
 static char *flow_name(const char *path, opc_error *error) {
   g_autofree char *text = NULL;
   g_autoptr(GError) trouble = NULL;
@@ -87,7 +87,7 @@ static char *flow_name(const char *path, opc_error *error) {
   return name;
 }
 
-/* Return whether a folder is named NAME or NAME-N. */
+/* Return whether the name of a folder is NAME or NAME-N. */
 static gboolean is_of(const char *folder, const char *name) {
   size_t n = strlen(name);
   if (strncmp(folder, name, n) != 0) return FALSE;
@@ -159,8 +159,8 @@ static const eda_run_case *find_case(const eda_run_cases *in, const char *name,
   return NULL;
 }
 
-/* Find the run of a case. *run is NULL, with one warning, if there is none or
-   the run failed. `runs` caches the results by case. */
+/* Find the run of a case. If there is none, or if the run failed, *run is NULL,
+   and one warning is logged. `runs` caches the results by case. */
 static int case_run(field *f, const opc_host *host, GHashTable *runs,
                     const eda_run_case *c, eda_run **run, opc_error *error) {
   if (g_hash_table_lookup_extended(runs, c, NULL, (void **)run)) return OPC_OK;
@@ -181,8 +181,8 @@ static int case_run(field *f, const opc_host *host, GHashTable *runs,
   return OPC_OK;
 }
 
-/* Pair each case of `others` with the run of the same case in `base`, by
-   `method`, or by the case's own method for NULL. */
+/* Pair each case of `others` with the run of the same case in `base`, by the
+   method `method` or, for NULL, by the same method. */
 static int pair_cases(field *f, const opc_host *host, const eda_run_cases *base,
                       const eda_run_cases *others, const char *method,
                       opc_error *error) {

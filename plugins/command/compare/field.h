@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Pairs of runs to compare: a run and its base run, for each case and method.
- */
+/* Pairs of runs to compare: a run and its base, for each case and method. */
 #pragma once
 
 #include <eda/runs.h>
@@ -14,8 +13,8 @@ typedef struct pair {
 } pair;
 
 typedef struct field {
-  const char *base;  /* label of the base of all pairs; "" if each method has
-                        its own base */
+  const char *base;  /* label of the common base run; "" if each method has a
+                        separate base run */
   GArray *pairs;     /* pair, sorted by case, then method */
   GPtrArray *runs;   /* eda_run *, all runs */
   GPtrArray *labels; /* char *, labels of the runs */

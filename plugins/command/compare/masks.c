@@ -11,7 +11,7 @@
 
 /* ---- state ---- */
 
-/* Polygons of a layer, in sequence. */
+/* Polygons of a layer: points of all polygons in sequence. */
 typedef struct drawn {
   uint32_t layer, datatype;
   GArray *points; /* eda_point */
@@ -46,7 +46,8 @@ static drawn *find_layer(mask *m, uint32_t layer, uint32_t datatype) {
   return &g_array_index(m->layers, drawn, m->layers->len - 1);
 }
 
-/* Add a polygon; the last point of a GDSII boundary repeats the first. */
+/* Add a polygon without the last point, which repeats the first point in a
+   GDSII boundary. */
 static void add_polygon(drawn *to, const uint8_t *data, size_t n) {
   for (size_t i = 0; i + 1 < n; i++) {
     eda_point p = {eda_gds_i32(data + 8 * i), eda_gds_i32(data + 8 * i + 4)};
@@ -177,11 +178,7 @@ static int compare_layer(const drawn *a, const drawn *b, double um,
   return code;
 }
 
-static int by_number(const void *a, const void *b) {
-  const mask_difference *x = a, *y = b;
-  if (x->layer != y->layer) return x->layer < y->layer ? -1 : 1;
-  return (x->datatype > y->datatype) - (x->datatype < y->datatype);
-}
+EDA_COMPARE_RISING(by_number, mask_difference, layer, datatype);
 
 static int compare_all(mask *a, mask *b, mask_difference **out, size_t *n,
                        opc_error *error) {
@@ -189,7 +186,7 @@ static int compare_all(mask *a, mask *b, mask_difference **out, size_t *n,
     return opc_fail(error, OPC_INVALID, NULL,
                     "the masks have grids of %g nm and %g nm", a->unit,
                     b->unit);
-  /* Add to each mask the layers of the other. */
+  /* Add to each mask the layers that only the other mask has. */
   for (guint i = 0; i < a->layers->len; i++) {
     const drawn d = g_array_index(a->layers, drawn, i);
     find_layer(b, d.layer, d.datatype);

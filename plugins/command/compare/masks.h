@@ -5,7 +5,7 @@
 #include <eda/geometry.h>
 #include <stdint.h>
 
-/* Difference of a layer that is in either mask. Areas in um^2. */
+/* Difference of a layer that exists in at least one mask. Areas in um^2. */
 typedef struct mask_difference {
   uint32_t layer, datatype;
   double base, other; /* areas */

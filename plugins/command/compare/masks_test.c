@@ -78,7 +78,7 @@ static void test_areas(void) {
   put_box(a, 9, 0, 0, 1000, 2000);
   put_box(b, 9, -100, 0, 1100, 1000);
   put_box(b, 9, -100, 1000, 1100, 2000);
-  /* Layer 1: equal areas, cut into different polygons. */
+  /* Layer 1: equal areas, divided into different polygons. */
   put_box(a, 1, 0, 0, 500, 500);
   put_box(b, 1, 0, 0, 250, 500);
   put_box(b, 1, 250, 0, 500, 500);

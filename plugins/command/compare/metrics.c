@@ -8,8 +8,8 @@
 
 #include "tables.h"
 
-const char *const verdict_words[VERDICTS] = {"better", "worse", "same",
-                                             "differs", "missing"};
+static const char *const verdict_words[VERDICTS] = {"better", "worse", "same",
+                                                    "differs", "missing"};
 
 /* ---- choosing ---- */
 
@@ -84,7 +84,7 @@ static void add_row(comparison *c, const pair *p, const eda_run_metric *m) {
   g_array_append_val(c->rows, row);
 }
 
-/* Add the metrics of the base run, then those only in the other run. */
+/* Add the metrics of the base run, then those that only the other run has. */
 static void add_pair(comparison *c, const pair *p) {
   const eda_run_facts *a = eda_run_info(p->base), *b = eda_run_info(p->other);
   for (size_t i = 0; i < a->n_metrics; i++) add_row(c, p, &a->metrics[i]);
@@ -104,7 +104,7 @@ static double row_relative(const metric_row *r) {
 static int by_choice(const void *a, const void *b, void *data) {
   const metric_row *x = a, *y = b;
   const comparison *c = data;
-  /* worse, better, differs, missing, same */
+  /* Order of verdicts: worse, better, differs, missing, same. */
   static const int rank[VERDICTS] = {1, 0, 4, 2, 3};
   int order = 0;
   if (c->sort == SORT_NAME) order = strcmp(x->metric, y->metric);
@@ -112,7 +112,7 @@ static int by_choice(const void *a, const void *b, void *data) {
   if (c->sort == SORT_CHANGE)
     order = (row_relative(x) < row_relative(y)) -
             (row_relative(x) > row_relative(y));
-  /* With several runs, group the rows by metric. */
+  /* For several runs, rows of the same metric are adjacent. */
   if (!order && c->sort == SORT_FILE && !c->field.experiment)
     order = strcmp(x->name, y->name);
   return order ? order : (x->order > y->order) - (x->order < y->order);
@@ -213,7 +213,8 @@ static void finish_case(case_row *row) {
   row->high = m.high;
 }
 
-/* Return whether any case differs or lacks the metric. */
+/* Return whether the metric differs in any case, or no case has finite values
+   of both runs. */
 static int is_changed(const case_row *row) {
   for (guint i = 0; i < row->changes->len; i++)
     if (g_array_index(row->changes, double, i) != 0) return 1;

@@ -57,8 +57,7 @@ static void check_parameter(const pair *p, const eda_run_parameter *a,
         why, g_strdup_printf("%s is %s and %s", a->name, a->value, b->value));
 }
 
-/* Check the parameters of common steps; a step that one run lacks is
-   ignored. */
+/* Check the parameters of the steps that both runs have. */
 static void check_parameters(const pair *p, GPtrArray *why) {
   const eda_run_facts *a = eda_run_info(p->base), *b = eda_run_info(p->other);
   for (size_t i = 0; i < a->n_parameters; i++) {

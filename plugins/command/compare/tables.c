@@ -21,7 +21,7 @@ int put_table(comparison *c, const char *name, size_t rows, size_t size,
               : OPC_OK;
 }
 
-/* Publish a table whose first column is the method, and return the status. */
+/* Publish a table whose first column is the method; return the status. */
 static int put_of_methods(comparison *c, const char *name, size_t rows,
                           size_t size, const opc_column *columns, size_t n,
                           opc_error *error) {
@@ -64,8 +64,8 @@ typedef struct parameter_row {
   const char *method, *name, *base, *value;
 } parameter_row;
 
-/* Return whether to list a parameter that one run lacks: a step or plugin, or a
-   value given by the user. */
+/* Return whether to list a parameter that one run lacks. Listed are steps,
+   plugins, and values given by the user. */
 static int is_shown(const eda_run *without, const eda_run_parameter *p) {
   g_autofree char *step =
       g_strdup_printf("%.*s.use", (int)strcspn(p->name, "."), p->name);
@@ -106,8 +106,9 @@ static int is_repeated(const field *f, guint i) {
   return 0;
 }
 
-/* For an experiment, compare the first case of each method. With more than two
-   methods the table is long, and only written to a file. */
+/* In an experiment, the first case of each method is compared. With more than
+   two methods, the table is written to a file but not printed, because it is
+   long. */
 int parameters_publish(comparison *c, opc_error *error) {
   const field *f = &c->field;
   g_autoptr(GArray) all = ROWS(parameter_row);
@@ -129,7 +130,7 @@ int parameters_publish(comparison *c, opc_error *error) {
 
 /* ---- transistors ---- */
 
-/* Add the verdict on a method over all its cases, and the rows of its
+/* Add the verdict on a method over all cases, and the statistics of its
    transistors. */
 static int add_verdict(comparison *c, const char *method, opc_error *error) {
   const field *f = &c->field;
@@ -199,8 +200,8 @@ static eda_table *open_cost(eda_run *run) {
                                         : NULL;
 }
 
-/* Return the name that parameters with the prefix `start` give the layer
-   number; NULL if there is none. */
+/* Return the name of the layer number in parameters with the prefix `start`;
+   NULL if there is none. */
 static const char *named_by(const eda_run *run, const char *start,
                             const mask_difference *d) {
   const eda_run_facts *f = eda_run_info(run);
@@ -215,10 +216,9 @@ static const char *named_by(const eda_run *run, const char *start,
   return NULL;
 }
 
-/* Return the name of a layer: from the parameters of the step that wrote the
-   mask; else, for the default numbers of the first two layers
-   (eda_gates_number), from the table of costs; else from any other step. NULL:
-   unknown. */
+/* Return the name of a layer. Sources: the parameters of the step that wrote
+   the mask; for the default numbers of the first two layers (eda_gates_number),
+   the table of costs; the parameters of any other step. NULL: unknown. */
 static const char *layer_name(eda_run *run, const char *step,
                               const mask_difference *d) {
   static const uint32_t numbers[] = {9, 1};
@@ -321,7 +321,8 @@ int masks_publish(comparison *c, opc_error *error) {
   for (guint i = 0; i < f->pairs->len && !code; i++)
     code = compare_masks(all, &g_array_index(f->pairs, pair, i), error);
   if (code) return code;
-  /* Remove layers without a difference: drawn layers and uncorrected ones. */
+  /* Remove layers without a difference, such as drawn and uncorrected
+     layers. */
   for (guint i = all->len; i-- > 0;)
     if (!c->all && g_array_index(all, mask_row, i).d.area == 0)
       g_array_remove_index(all, i);

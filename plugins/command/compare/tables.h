@@ -9,7 +9,6 @@
 enum { SORT_FILE, SORT_NAME, SORT_CHANGE, SORT_VERDICT };
 
 enum { BETTER, WORSE, SAME, DIFFERS, MISSING, VERDICTS };
-extern const char *const verdict_words[VERDICTS];
 
 typedef struct comparison {
   const opc_host *host;
@@ -23,7 +22,7 @@ typedef struct comparison {
   GPtrArray *sentences; /* char *, a verdict for each method */
 } comparison;
 
-/* Allocate an array of rows of a type; `data` is not NULL even when empty. */
+/* Allocate an array of rows of a type; `data` is never NULL. */
 #define ROWS(type) g_array_sized_new(FALSE, FALSE, sizeof(type), 1)
 
 /* A metric of a pair. */
@@ -60,7 +59,7 @@ int transistors_publish(comparison *c, opc_error *error);
 int verdicts_publish(comparison *c, opc_error *error);
 int masks_publish(comparison *c, opc_error *error);
 
-/* Publish a table without the leading columns (case, method) that are equal in
+/* Publish a table; the leading columns (case, method) are omitted if equal in
    all rows. Returns the status. */
 int put_table(comparison *c, const char *name, size_t rows, size_t size,
               const opc_column *columns, size_t n, opc_error *error);

@@ -34,7 +34,7 @@ static int report_run(void *self, size_t n, const char *const *arguments,
 
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(reporter, output, .type = OPC_TEXT, .preset = "report.html",
-                  .summary = "The page"),
+                  .summary = "HTML file to write"),
     OPC_PARAMETER(reporter, title, .type = OPC_TEXT,
                   .summary = "Title of the page (default: names of the runs)"),
     PAGE_LIMIT(reporter, limit),
@@ -47,6 +47,6 @@ static const opc_command functions = {.arguments = "RUN ...",
 
 OPC_PLUGIN(reporter, .id = "command.report", .kind = "command",
            .version = "0.1.0", .licence = "BSD-3-Clause",
-           .summary = "Make one HTML page of runs and experiments",
+           .summary = "Write one HTML page of runs and experiments",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
            OPC_PARAMETERS(parameters), OPC_FUNCTIONS(functions));

@@ -9,8 +9,8 @@
 
 static const char evil[] = "</script><b a='1'>";
 
-/* Make a page of folders below the test folder; return the code, the page and
-   the embedded data. */
+/* Make a page of folders in the test folder; return the code, the page and the
+   embedded data. */
 static int page_make(const char *mapping, const char *const *folders,
                      char **page, JsonNode **root, opc_error *error) {
   g_autoptr(GPtrArray) paths = g_ptr_array_new_with_free_func(g_free);

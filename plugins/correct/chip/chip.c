@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the step `correct.chip`, the correction of a layout of any size by
-   equivalence classes. Transistors are found window by window. One of each
-   class of equal drawn environments is corrected in place, and the others
-   receive its mask. One of each class of equal masked environments is simulated
-   for verification. Transistors beyond the limit are then corrected
-   individually. */
+   equivalence classes. Transistors are found window by window. One transistor
+   of each class of equal drawn environments is corrected, and all transistors
+   of the class receive its mask. One transistor of each class of equal masked
+   environments is simulated. If the |Ion deviation| exceeds the limit, that
+   transistor is corrected individually. */
 #include <eda/memory.h>
 #include <eda/print.h>
 #include <math.h>
@@ -20,25 +20,20 @@
 
 /* Tuned constants. */
 static const struct {
-  double radius_error, radius, along, gap;
+  double radius_error, radius, gap;
   const char *margin;
 } tuned = {
     /* Clear field 1, and nm for models of unknown bandwidth. Shapes beyond this
-       distance change an image by less (eda_margin), about as much as a small
-       number of kernels does: 1.04 um at 193 nm, NA 0.75, sigma 0.75. The
-       verification measures the remaining error. */
+       distance change an image by less than the error (eda_margin): 1.04 um at
+       193 nm, NA 0.75, sigma 0.75. The verification measures the remaining
+       error. */
     .radius_error = 1e-3,
     .radius = 1000,
 
-    /* Fraction of the radius within which neighbours are corrected together
-       with a transistor; others stay as drawn. A correction moves a neighbour's
-       edges by a few nm, with a negligible effect at 1 um. */
-    .along = 1,
-
-    /* Margin without accurate simulations. Beyond the margin there is omitted
-       layout, not clear field. At 193 nm, NA 0.75, the largest error of Ion in
-       an SRAM of 44 transistors is 1.5 % for 1 um, 0.25 % for 2 um (this value)
-       and 0.11 % for 4 um. */
+    /* Margin without accurate simulations. Beyond the margin, shapes are
+       omitted, although the field is not clear. At 193 nm, NA 0.75, the largest
+       error of Ion in an SRAM of 44 transistors is 1.5 % for 1 um, 0.25 % for
+       2 um (this value) and 0.11 % for 4 um. */
     .margin = "7.772 lambda/NA",
 
     /* Distance of two clips on a sheet, nm; larger than any mask rule. */
@@ -68,7 +63,8 @@ void work_progress(const work *w, double part) {
   w->host->progress(w->host, &at);
 }
 
-/* Earlier rounds recorded all other dependencies. */
+/* Return the key of a stored result within a step. Earlier rounds include all
+   other dependencies. */
 static const char *sheets_key(void *data, size_t i) {
   sheets *s = data;
   g_free(s->key);
@@ -112,7 +108,7 @@ int work_sheets(sheets *s, int32_t reach, opc_pieces jobs, opc_error *error) {
   return code;
 }
 
-/* Start a phase with an estimated share of the run time. */
+/* Start a phase. `share`: estimated part of the run time, 0 to 1. */
 static int work_phase(work *w, double share, opc_error *error) {
   w->done += w->share;
   w->share = share;
@@ -121,16 +117,15 @@ static int work_phase(work *w, double share, opc_error *error) {
   return OPC_OK;
 }
 
-/* Find the prints that are beyond the limit and not refined yet. Returns their
-   number. */
+/* Find the prints to correct individually that are not refined yet. Returns
+   their number. */
 static size_t find_failing(work *w, uint32_t *prints) {
   const eda_chip *c = w->chip;
   uint8_t *used = eda_alloc(c->prints, 1);
   size_t n = 0;
   for (size_t i = 0; i < c->count; i++) used[c->gate[i].print] = 1;
   for (size_t k = 0; k < c->prints; k++) {
-    if (!used[k] || w->tried[k] ||
-        !(print_deviation(&c->print[k]) > w->with->ion_limit))
+    if (!used[k] || w->tried[k] || isnan(print_beyond(w, &c->print[k])))
       continue;
     w->tried[k] = 1;
     prints[n++] = (uint32_t)k;
@@ -145,8 +140,8 @@ static int work_refine(work *w, int *done, opc_error *error) {
   *done = !n;
   if (n)
     w->host->log(w->host, OPC_LOG_INFO,
-                 "%zu of %zu verified transistors exceed the limit and are "
-                 "corrected individually",
+                 "%zu of %zu verified transistors deviate and are corrected "
+                 "individually",
                  n, w->chip->prints);
   int code = n ? correct_prints(w, prints, n, error) : OPC_OK;
   free(prints);
@@ -163,6 +158,7 @@ static int work_all(work *w, opc_error *error) {
                "within %.4g nm",
                w->chip->count, w->windows, w->classes,
                w->radius * w->chip->grid);
+  representatives_choose(w);
   code = work_phase(w, 0.6, error);
   if (!code) code = correct_classes(w, error);
   if (!code) code = work_phase(w, 0.2, error);
@@ -194,7 +190,6 @@ static void work_init(const chip *c, eda_chip *out, work *w) {
               .faults = faults_new(),
               .margin = in_steps(c->with.margin, c->grid),
               .radius = in_steps(radius, c->grid),
-              .along = in_steps(tuned.along * radius, c->grid),
               .window = in_steps(c->window, c->grid),
               .gap = in_steps(tuned.gap, c->grid),
               .rounds = c->rounds,
@@ -204,11 +199,10 @@ static void work_init(const chip *c, eda_chip *out, work *w) {
               .worst = NAN};
 }
 
-void work_clear(work *w) {
+static void work_clear(work *w) {
   free(w->found);
   free(w->first);
   free(w->before);
-  free(w->flags_before);
   g_hash_table_destroy(w->prints);
   g_ptr_array_free(w->sums, TRUE);
   free(w->print_first);
@@ -227,14 +221,14 @@ static void take_layers(const eda_gates *g, eda_chip *out) {
   }
 }
 
-/* Prepare the models before any sheet, as their messages belong to no work
+/* Prepare the models before any sheet, because their messages belong to no work
    unit. */
 static int chip_prepare(const chip *c, const eda_gates *g, opc_error *error) {
   eda_printer printer;
   eda_printer_init(&printer, c->host->context, g, c->with.litho, c->with.resist,
                    c->with.margin);
   printer.fine = c->with.fine;
-  printer.drawn = NULL; /* not the transistors for calibration */
+  printer.drawn = NULL; /* no calibration with these transistors */
   int code = eda_printer_prepare(&printer, error);
   eda_printer_clear(&printer);
   return code ? code
@@ -242,8 +236,8 @@ static int chip_prepare(const chip *c, const eda_gates *g, opc_error *error) {
                                       error);
 }
 
-/* Read the layers from an empty window; all windows have the same. Prepare the
-   models, if `prepare`. */
+/* Read the layers from an empty window; the layers of all windows are equal. If
+   `prepare` is 1, prepare the models. */
 static int chip_begin(const chip *c, eda_chip *out, int prepare,
                       opc_error *error) {
   static const eda_box nowhere = {0, 0, 1, 1};
@@ -314,9 +308,10 @@ static const opc_parameter parameters[] = {
     CORRECT_MAX_ITERATIONS(chip, "Largest number of iterations for a sheet"),
     OPC_PARAMETER(chip, radius, .type = OPC_REAL, .flags = OPC_ABOVE,
                   .unit = "nm", .min = 0,
-                  .summary = "Distance within which equal shapes give equal "
-                             "masks (default: range of an optical effect of "
-                             "1e-3 of the clear field, 7.1 / bandwidth)"),
+                  .summary =
+                      "Distance within which equal shapes result in "
+                      "equal masks (default: range of an optical effect of "
+                      "1e-3 of the clear field, 7.1 / bandwidth)"),
     OPC_PARAMETER_NAMED(
         "margin", chip, with.margin, .type = OPC_REAL, .flags = OPC_ABOVE,
         .unit = "nm", .min = 0,
@@ -369,8 +364,9 @@ static int chip_check(void *self, opc_error *error) {
                                 &c->with.fine, error);
   if (isnan(c->with.margin) && !(c->with.fine > 0))
     c->with.margin = eda_natural(&scanner, tuned.margin);
-  c->with.margin =
-      correct_fine_margin(c->host, c->with.litho, c->with.margin, c->with.fine);
+  if (!code)
+    code = correct_fine_margin(c->host, c->with.litho, c->with.fine,
+                               &c->with.margin, error);
   EDA_FOLLOW(c->host, "correct.chip", c, parameters, scanner);
   if (!code && c->also.count)
     return opc_fail(
@@ -378,8 +374,8 @@ static int chip_check(void *self, opc_error *error) {
         "correct.chip corrects poly and active only: remove 'also'");
   if (!code && c->radius > c->window)
     return opc_fail(error, OPC_INVALID, "radius",
-                    "%.4g nm: more than 'window', %.4g nm", c->radius,
-                    c->window);
+                    "'radius' is %.4g nm, expected at most 'window', %.4g nm",
+                    c->radius, c->window);
   return code;
 }
 

@@ -212,7 +212,7 @@ static size_t classes_with(int32_t x, const char *layer) {
 }
 
 /* A marker over one of the copies: its transistors have another flavour than
-   those of equal environments, and no device table. */
+   the transistors of equal environments, and no device table. */
 static void test_flavours(void) {
   drawing d = eight_orientations();
   box(&d, d.top, "LVTN", -100, 8900, 1000, 9500);
@@ -238,14 +238,77 @@ static void test_flavours(void) {
   eda_layout_free(d.layout);
 }
 
-/* A shape beside one of the copies: within the radius of its first transistor
-   (at x 150), of none, and in an unused layer. */
+/* A shape beside one of the copies: within the radius of the copy's first
+   transistor (at x 150), beyond the radius of all transistors, and in an unused
+   layer. */
 static void test_radius(void) {
   g_assert_cmpuint(classes_with(0, NULL), ==, 2);
   g_assert_cmpuint(classes_with(-651 - 100, "poly"), ==, 2);
   g_assert_cmpuint(classes_with(-649 - 100, "poly"), ==, 3);
   g_assert_cmpuint(classes_with(-300, "contact"), ==, 4);
   g_assert_cmpuint(classes_with(-300, "metal1"), ==, 2);
+}
+
+/* Return the displacements of the row of copies, and *odd: the largest |Ion
+   deviation| of the others, %. */
+static eda_moved *row_moved(const drawing *d, const drawing *row, int rounds,
+                            double *odd) {
+  g_autofree char *more =
+      g_strdup_printf(CHEAP ", radius: 300 nm, rounds: %d", rounds);
+  opc_module *m = chip_of(d, more);
+  eda_chip *chip = run_step(m);
+  eda_gates *g = flat(row);
+  eda_moved *moved = eda_chip_moved(chip, g);
+  *odd = 0;
+  for (size_t i = 0; i < chip->count; i++) {
+    const eda_chip_print *p = &chip->print[chip->gate[i].print];
+    if (chip->gate[i].box.y0 < -5000)
+      *odd = fmax(*odd, fabs(eda_deviation(p->after.ion, p->design.ion)));
+  }
+  g_assert_cmpfloat(off_flat(d, chip, ", fine: off, margin: 4000 nm"), <, 0.1);
+  eda_gates_free(g);
+  release_sample(m, chip);
+  return moved;
+}
+
+/* A jog of 1 nm has a length of up to 400 nm here; one that differs by 20 nm
+   changes the mean length by 0.05 nm. */
+static void expect_same(const eda_moved *a, const eda_moved *b) {
+  size_t size = a->gates * sizeof *a->l;
+  g_assert_cmpmem(a->l, size, b->l, size);
+  g_assert_cmpmem(a->w, size, b->w, size);
+  for (size_t i = 0; i < a->gates; i++) {
+    g_test_message("jog %d %d", a->jog[i], b->jog[i]);
+    g_assert_cmpint(abs(a->jog[i] - b->jog[i]), <, 20);
+  }
+}
+
+/* A copy with a neighbour beyond the radius is the lowest member of its class.
+   The others have the mask that they have without this copy, which receives a
+   mask of its own only when its deviation has been found. */
+static void test_representatives(void) {
+  double none, before, after;
+  drawing row = drawing_new(), odd = drawing_new();
+  place_sample(&row, 0, 0, 0, 0, 5);
+  place_sample(&odd, 0, 0, 0, 0, 5);
+  place_sample(&odd, 0, -9000, 0, 0, 1);
+  box(&odd, odd.top, "active", 800, -9000, 1400, -8600);
+  box(&odd, odd.top, "poly", 850, -9084, 915, -8516);
+  eda_moved *truth = row_moved(&row, &row, 2, &none);
+  eda_moved *first = row_moved(&odd, &row, 0, &before);
+  eda_moved *last = row_moved(&odd, &row, 2, &after);
+  g_assert_cmpuint(truth->gates, ==, 10);
+  expect_same(truth, first);
+  expect_same(truth, last);
+  g_test_message("others by %.3f %%, %.3f %% with masks of their own", before,
+                 after);
+  g_assert_cmpfloat(before, >, 0.5);
+  g_assert_cmpfloat(after, <, 0.25);
+  eda_moved_free(truth);
+  eda_moved_free(first);
+  eda_moved_free(last);
+  eda_layout_free(row.layout);
+  eda_layout_free(odd.layout);
 }
 
 /* Results are bit-identical for any number of threads. */
@@ -335,7 +398,7 @@ static const char *const counts[] = {
     "violations",      "violations_unexplained",
     "mask_violations", "mask_space",
     "mask_width",      "mask_edge",
-    "mask_jog"};
+    "mask_jog",        "mask_violations_added"};
 
 /* Narrow gaps and lines in each copy: all are reported in any orientation, as
    many as in a flat layout, in one row for each rule. */
@@ -369,6 +432,59 @@ static void test_faults(void) {
   eda_layout_free(d.layout);
 }
 
+/* Added shapes stay where the environments of a class are equal. */
+static void expect_boxes_within(const eda_chip *c, int32_t radius) {
+  g_assert_cmpuint(c->boxes, >, 0);
+  for (size_t i = 0; i < c->count; i++) {
+    const eda_chip_gate *g = &c->gate[i];
+    const eda_chip_mask *m = &c->mask[g->mask];
+    eda_box own = eda_chip_own(g->box, g->axis, g->flip, g->box);
+    for (uint32_t k = m->box; k < m->box + m->boxes; k++) {
+      eda_box b = c->box[k].box;
+      g_assert_true(b.x0 >= -radius && b.x1 <= own.x1 + radius &&
+                    b.y0 >= -radius && b.y1 <= own.y1 + radius);
+    }
+  }
+}
+
+/* A contact between two equal transistors at the same distance from both, and a
+   strip below with contacts. The left neighbours of the two differ, so that the
+   right one is the representative. The masks repair all contacts, as in a flat
+   layout. */
+static void test_ties(void) {
+  drawing d = drawing_new();
+  box(&d, d.top, "active", -4500, -400, 22500, -310);
+  for (int32_t x = -4000; x <= 22000; x += 1000)
+    box(&d, d.top, "contact", x - 30, -385, x + 30, -325);
+  for (int k = 0; k < 3; k++) {
+    int32_t x = 9000 * k, side = 100 * k;
+    box(&d, d.top, "active", x - 400, 0, x + 400, 200);
+    box(&d, d.top, "poly", x - 185, -84, x - 120, 284);
+    box(&d, d.top, "poly", x + 120, -84, x + 185, 284);
+    box(&d, d.top, "contact", x - 30, 130, x + 30, 190);
+    box(&d, d.top, "active", x - 2500, side, x - 1900, side + 400);
+    box(&d, d.top, "poly", x - 2180, side - 84, x - 2115, side + 484);
+  }
+  const char *more = NEWTON
+      ", fine: off, margin: 2000 nm, regulator: { use: "
+      "regulator.drc, overlay: 20 nm }";
+  g_autofree char *top = g_strconcat(more, ", top: TOP, radius: 1100 nm", NULL);
+  opc_module *m = chip_of(&d, top);
+  eda_chip *chip = run_step(m);
+  g_test_message("%g classes", opc_test_metric("classes"));
+  expect_boxes_within(chip, 1100);
+  g_assert_true(opc_test_metric("violations") == 0);
+  release_sample(m, chip);
+  eda_gates *g = flat(&d);
+  m = make_sample("correct", more);
+  opc_test_input(m, "gates", g);
+  void *mask = run_step(m);
+  g_assert_true(opc_test_metric("violations") == 0);
+  release_sample(m, mask);
+  eda_gates_free(g);
+  eda_layout_free(d.layout);
+}
+
 /* ---- rejected input ---- */
 
 static void expect_refused(const drawing *d, const char *more,
@@ -388,12 +504,12 @@ static void expect_refused(const drawing *d, const char *more,
 static void test_refused(void) {
   drawing d = eight_orientations();
   expect_refused(&d, NEWTON ", radius: 0 nm", "", "above 0 nm");
-  expect_refused(&d, NEWTON ", radius: 70 um", "", "more than 'window'");
+  expect_refused(&d, NEWTON ", radius: 70 um", "", "expected at most 'window'");
   expect_refused(&d, NEWTON ", window: 100 nm", "", "100 nm");
   expect_refused(&d, NEWTON ", top: NONE", "top", "NONE");
   expect_refused(&d, NEWTON ", also: { metal1: M1 }", "", "poly and active");
   expect_refused(&d, ", synthesizer: { use: synthesizer.epe }, fine: off",
-                 "synthesizer", "moves fragments");
+                 "synthesizer", "displaces fragments");
   drawing none = drawing_new();
   box(&none, none.top, "active", 0, 0, 700, 400);
   box(&none, none.top, "poly", 0, 1000, 700, 1065);
@@ -407,6 +523,8 @@ int main(int argc, char **argv) {
   g_test_add_func("/chip/ways", test_orientations);
   g_test_add_func("/chip/radius", test_radius);
   g_test_add_func("/chip/flavours", test_flavours);
+  g_test_add_func("/chip/representatives", test_representatives);
+  g_test_add_func("/chip/ties", test_ties);
   g_test_add_func("/chip/threads", test_threads);
   g_test_add_func("/chip/sram", test_sram);
   g_test_add_func("/chip/faults", test_faults);

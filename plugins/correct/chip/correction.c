@@ -11,17 +11,18 @@
 #include "work.h"
 
 typedef struct correction {
-  sheets on;        /* transistors to correct */
-  int fixed_others; /* 1: all others keep the masks of the chip */
-  uint32_t *mask;   /* [count], new masks */
-  double *better;   /* [count], |Ion deviation| to improve on; NULL: none */
+  sheets on;            /* transistors to correct */
+  const uint32_t *wide; /* [prints], 1 + place of the print's representative; 0:
+                           transistors keep the masks of the chip; NULL: none
+                           does */
+  uint32_t *mask;       /* [count], new masks */
 } correction;
 
 /* Record of a corrected transistor, followed by its parts and boxes. */
 typedef struct corrected {
-  uint32_t place, flags_before;
+  uint32_t place, unused; /* fills the record */
   eda_chip_mask mask;
-  eda_figures before;
+  drawn_print before;
   double off; /* |Ion deviation| with that mask, %; INFINITY: none */
 } corrected;
 
@@ -32,19 +33,26 @@ typedef struct head {
 
 /* ---- start of the loop ---- */
 
-/* Return the masks of the fixed transistors of a sheet; those to correct are as
-   drawn. The loop frees *still. */
+/* Return the masks of a sheet; transistors to correct are as drawn.
+   Neighbours of split prints are corrected together. The loop frees *still. */
 static eda_mask *fixed_masks(const correction *m, const sheet *s,
                              uint8_t **still) {
+  const work *w = m->on.work;
   const eda_gates *g = s->gates;
   eda_mask *mask = eda_mask_new(g);
   mask->moved = eda_moved_new(g->layers, g->count);
-  *still = eda_alloc(g->count, 1);
+  memset(*still = eda_alloc(g->count, 1), 1, g->count);
+  eda_index *index = eda_index_new(g->box, g->count, 0);
   for (size_t i = 0; i < g->count; i++) {
-    (*still)[i] = s->place[i] == UINT32_MAX;
-    if ((*still)[i])
-      eda_chip_move(m->on.work->chip, s->of[i], g->box[i], mask->moved, i);
+    if (s->place[i] == UINT32_MAX) continue;
+    eda_finder f = eda_index_find(index, eda_box_grown(g->box[i], w->radius));
+    for (uint32_t k; eda_index_next(&f, &k);)
+      (*still)[k] &= !m->wide[w->chip->gate[s->of[k]].print];
   }
+  for (size_t i = 0; i < g->count; i++)
+    if ((*still)[i])
+      eda_chip_move(w->chip, s->of[i], g->box[i], mask->moved, i);
+  eda_index_free(index);
   return mask;
 }
 
@@ -55,61 +63,75 @@ static double gate_deviation(const loop *l, size_t i) {
   return fabs(eda_deviation(l->measured.performance.ion[i], l->design.ion[i]));
 }
 
-/* Return the transistor that owns an added shape or cut-out: the nearest within
-   the radius, since only these have an equal environment throughout the class.
-   UINT32_MAX: none. */
-static uint32_t owner_of(const correction *m, const eda_gates *g,
-                         const eda_index *index, eda_box b) {
-  int32_t r = m->on.work->radius;
-  uint32_t owner = UINT32_MAX;
-  double least = INFINITY;
-  eda_finder f =
-      eda_index_find(index, (eda_box){b.x0 - r, b.y0 - r, b.x1 + r, b.y1 + r});
-  for (uint32_t i; eda_index_next(&f, &i);) {
-    double d = eda_box_distance(b, g->box[i]);
-    if (d > least || (d == least && i > owner)) continue;
-    least = d;
-    owner = i;
-  }
-  return owner;
-}
-
-/* Added shapes and cut-outs by transistor, in its coordinates. */
+/* Added shapes and cut-outs by transistor, in the transistor's coordinates. */
 typedef struct owned {
   eda_chip_box *box;
-  uint32_t *gate, *next; /* [count]; next box of that gate + 1 */
-  uint32_t *first;       /* [gates], first box + 1 */
-  size_t count;
+  uint32_t *next;  /* [count], next box of that gate + 1 */
+  uint32_t *first; /* [gates], first box + 1 */
+  size_t count, capacity, next_capacity;
 } owned;
 
-static void own_layer(const correction *m, const loop *l,
-                      const eda_index *index, size_t layer, int cutout,
-                      owned *to) {
-  const eda_gates *g = l->gates;
-  eda_boxes b = cutout ? l->now.cutouts[layer] : l->now.added[layer];
-  for (size_t i = b.count; i-- > 0;) {
-    uint32_t gate = owner_of(m, g, index, b.box[i]);
-    if (gate == UINT32_MAX) continue;
-    to->box[to->count] =
-        (eda_chip_box){eda_chip_own(g->box[gate], g->axis[gate], 0, b.box[i]),
-                       (uint16_t)layer, (uint16_t)cutout};
-    to->next[to->count] = to->first[gate];
-    to->first[gate] = (uint32_t)++to->count;
+static void owned_add(owned *to, uint32_t gate, eda_chip_box box) {
+  size_t count = to->count;
+  EDA_PUSH(to->next, count, to->next_capacity, to->first[gate]);
+  EDA_PUSH(to->box, to->count, to->capacity, box);
+  to->first[gate] = (uint32_t)to->count;
+}
+
+/* Add a part of an added shape or cut-out to its owner: the nearest transistor
+   within the radius, because
+   the environment is equal throughout the class only within the radius. Several
+   transistors at the same distance are all owners, because any of them may be
+   the representative; equal shapes merge. */
+static void own_part(const correction *m, const eda_gates *g,
+                     const eda_index *index, eda_chip_box part, owned *to) {
+  int32_t r = m->on.work->radius;
+  eda_box near = eda_box_grown(part.box, r);
+  double least = INFINITY;
+  eda_finder f = eda_index_find(index, near);
+  for (uint32_t i; eda_index_next(&f, &i);)
+    least = fmin(least, eda_box_distance(part.box, g->box[i]));
+  f = eda_index_find(index, near);
+  for (uint32_t i; eda_index_next(&f, &i);) {
+    if (eda_box_distance(part.box, g->box[i]) > least) continue;
+    eda_box b = eda_box_grown(g->box[i], r);
+    b = (eda_box){MAX(b.x0, part.box.x0), MAX(b.y0, part.box.y0),
+                  MIN(b.x1, part.box.x1), MIN(b.y1, part.box.y1)};
+    if (b.x0 >= b.x1 || b.y0 >= b.y1) continue;
+    b = eda_chip_own(g->box[i], g->axis[i], 0, b);
+    owned_add(to, i, (eda_chip_box){b, part.layer, part.cutout});
   }
+}
+
+/* Divide a long shape, which may be near several transistors. */
+static void own_box(const correction *m, const eda_gates *g,
+                    const eda_index *index, eda_chip_box all, owned *to) {
+  eda_chip_box low = all, high = all;
+  int32_t most = MAX(m->on.work->radius / 2, 1), wide = all.box.x1 - all.box.x0,
+          tall = all.box.y1 - all.box.y0;
+  if (wide <= most && tall <= most) {
+    own_part(m, g, index, all, to);
+    return;
+  }
+  if (wide >= tall)
+    low.box.x1 = high.box.x0 = all.box.x0 + wide / 2;
+  else
+    low.box.y1 = high.box.y0 = all.box.y0 + tall / 2;
+  own_box(m, g, index, low, to);
+  own_box(m, g, index, high, to);
 }
 
 static void own_all(const correction *m, const loop *l, owned *out) {
   const eda_gates *g = l->gates;
-  size_t all = 0;
-  for (size_t k = 0; k < g->layers; k++)
-    all += l->now.added[k].count + l->now.cutouts[k].count;
-  *out = (owned){.box = eda_alloc(all, sizeof *out->box),
-                 .next = eda_alloc(all, sizeof *out->next),
-                 .first = eda_alloc(g->count, sizeof *out->first)};
+  *out = (owned){.first = eda_alloc(g->count, sizeof *out->first)};
   eda_index *index = eda_index_new(g->box, g->count, 0);
   for (size_t k = g->layers; k-- > 0;)
-    for (int cutout = 1; cutout >= 0; cutout--)
-      own_layer(m, l, index, k, cutout, out);
+    for (int cutout = 1; cutout >= 0; cutout--) {
+      eda_boxes b = cutout ? l->now.cutouts[k] : l->now.added[k];
+      for (size_t i = b.count; i-- > 0;)
+        own_box(m, g, index,
+                (eda_chip_box){b.box[i], (uint16_t)k, (uint16_t)cutout}, out);
+    }
   eda_index_free(index);
 }
 
@@ -123,15 +145,15 @@ static void put_one(const loop *l, const owned *o, uint32_t place, size_t i,
                     opc_bytes *out) {
   const biases *b = &l->now.biases;
   const eda_part *part = b->part + EDA_PARTS * i;
-  corrected one = {.place = place,
-                   .flags_before = l->guard.flags[i],
-                   .mask = {.w = b->w[i],
-                            .aside = b->aside[i],
-                            .l = b->l[i],
-                            .jog = b->jog[i],
-                            .end = {b->end[2 * i], b->end[2 * i + 1]}},
-                   .before = eda_figures_of(&l->before, i),
-                   .off = gate_deviation(l, i)};
+  corrected one = {
+      .place = place,
+      .mask = {.w = b->w[i],
+               .aside = b->aside[i],
+               .l = b->l[i],
+               .jog = b->jog[i],
+               .end = {b->end[2 * i], b->end[2 * i + 1]}},
+      .before = {eda_figures_of(&l->before, i), l->guard.flags[i], 0},
+      .off = gate_deviation(l, i)};
   while (one.mask.parts < EDA_PARTS &&
          part[one.mask.parts].from < part[one.mask.parts].to)
     one.mask.parts++;
@@ -147,8 +169,8 @@ static int put_all(const correction *m, const loop *l, const sheet *s,
   for (size_t k = 0; k < l->gates->layers; k++)
     if (l->now.shift[k] || l->now.assists[k].count)
       return opc_fail(error, OPC_INVALID, "synthesizer",
-                      "%s moves fragments of edges or adds scatter bars, but a "
-                      "chip requires a synthesizer that only changes lengths "
+                      "'%s' displaces fragments of edges or adds scatter "
+                      "bars, expected a synthesizer that only changes lengths "
                       "and widths of transistors",
                       m->on.work->with->synthesizer->id);
   owned o;
@@ -163,8 +185,8 @@ static int put_all(const correction *m, const loop *l, const sheet *s,
 
 /* ---- a sheet ---- */
 
-/* Host of a loop on a sheet. Progress is scaled to the phase, and messages
-   about sheets, which users do not know, become debug messages. */
+/* Host of a loop on a sheet. Progress is scaled to the phase. Messages about
+   sheets become debug messages, because sheets are internal. */
 typedef struct inner {
   opc_host host;
   const correction *correction;
@@ -202,7 +224,7 @@ static int correct_gates(const correction *m, const sheet *s, opc_bytes *out,
   correct_loop_init(&l, &in.host, s->gates, &with);
   l.prepared = 1;
   l.printer.drawn = NULL; /* all sheets share one resist calibration */
-  eda_mask *begun = m->fixed_others ? fixed_masks(m, s, &l.still) : NULL;
+  eda_mask *begun = m->wide ? fixed_masks(m, s, &l.still) : NULL;
   l.start.mask = begun;
   int code = correct_loop_run(&l, error);
   if (!code) code = put_all(m, &l, s, out, error);
@@ -216,9 +238,8 @@ static int correct_sheet(void *data, size_t i, opc_bytes *out,
   correction *m = data;
   work *w = m->on.work;
   sheet s;
-  int code =
-      sheet_make(w->host->context, w->chip, &m->on.cover, m->on.number,
-                 &m->on.pages, i, m->fixed_others ? 0 : w->margin, &s, error);
+  int code = sheet_make(w->host->context, w->chip, &m->on.cover, m->on.number,
+                        &m->on.pages, i, m->wide ? 0 : w->margin, &s, error);
   if (!code) code = correct_gates(m, &s, out, error);
   sheet_clear(&s);
   return code;
@@ -233,14 +254,12 @@ static uint32_t add_mask(work *w) {
   eda_grow(&c->mask, &capacity, c->masks + 1, sizeof *c->mask);
   capacity = w->mask_capacity;
   eda_grow(&w->before, &capacity, c->masks + 1, sizeof *w->before);
-  capacity = w->mask_capacity;
-  eda_grow(&w->flags_before, &capacity, c->masks + 1, sizeof *w->flags_before);
   w->mask_capacity = capacity;
   return (uint32_t)c->masks++;
 }
 
-/* Store the mask of a record. A refined mask keeps the earlier figures of the
-   drawn mask, because its loop has not simulated drawn neighbours. */
+/* Store the mask of a record. A refined mask keeps the drawn figures of the
+   replaced mask, because its loop did not simulate drawn neighbours. */
 static void take_mask(correction *m, const corrected *one, const char *bytes) {
   work *w = m->on.work;
   eda_chip *c = w->chip;
@@ -258,14 +277,13 @@ static void take_mask(correction *m, const corrected *one, const char *bytes) {
   uint32_t k = m->mask[one->place] = add_mask(w);
   uint32_t was = c->gate[m->on.number[one->place]].mask;
   c->mask[k] = mask;
-  w->before[k] = m->fixed_others ? w->before[was] : one->before;
-  w->flags_before[k] =
-      m->fixed_others ? w->flags_before[was] : one->flags_before;
+  w->before[k] = m->wide ? w->before[was] : one->before;
 }
 
 static int take_sheet(void *data, size_t i, const void *bytes, size_t size,
                       opc_error *error) {
   correction *m = data;
+  const eda_chip *c = m->on.work->chip;
   const char *at = bytes, *end = at + size;
   head h;
   corrected one;
@@ -276,7 +294,9 @@ static int take_sheet(void *data, size_t i, const void *bytes, size_t size,
   for (at += sizeof h; at < end;) {
     memcpy(&one, at, sizeof one);
     at += sizeof one;
-    if (!m->better || one.off < m->better[one.place]) take_mask(m, &one, at);
+    const eda_chip_gate *g = &c->gate[m->on.number[one.place]];
+    if (!m->wide || one.off < print_beyond(m->on.work, &c->print[g->print]))
+      take_mask(m, &one, at);
     at += one.mask.parts * sizeof(eda_part) +
           one.mask.boxes * sizeof(eda_chip_box);
   }
@@ -290,12 +310,11 @@ static int correct_selected(correction *m, opc_error *error) {
   const work *w = m->on.work;
   m->mask = eda_alloc(m->on.count, sizeof *m->mask);
   for (size_t i = 0; i < m->on.count; i++) m->mask[i] = UINT32_MAX;
-  return work_sheets(
-      &m->on, w->margin + (m->fixed_others ? 0 : w->along),
-      (opc_pieces){.name = m->fixed_others ? "refine" : "correct",
-                   .work = correct_sheet,
-                   .take = take_sheet},
-      error);
+  return work_sheets(&m->on, w->margin + (m->wide ? 0 : w->radius),
+                     (opc_pieces){.name = m->wide ? "refine" : "correct",
+                                  .work = correct_sheet,
+                                  .take = take_sheet},
+                     error);
 }
 
 int correct_classes(work *w, opc_error *error) {
@@ -313,16 +332,13 @@ int correct_prints(work *w, const uint32_t *prints, size_t n,
   uint32_t *number = eda_alloc(n, sizeof *number),
            *place = eda_alloc(c->prints, sizeof *place);
   uint8_t *flip = eda_alloc(n, 1);
-  double *better = eda_alloc(n, sizeof *better);
   for (size_t k = 0; k < n; k++) {
     number[k] = w->print_first[prints[k]];
     flip[k] = c->gate[number[k]].flip;
-    better[k] = print_deviation(&c->print[prints[k]]);
     place[prints[k]] = (uint32_t)(k + 1);
   }
   correction m = {.on = {.work = w, .number = number, .count = n},
-                  .fixed_others = 1,
-                  .better = better};
+                  .wide = place};
   int code = correct_selected(&m, error);
   for (size_t i = 0; i < c->count && !code; i++) {
     eda_chip_gate *g = &c->gate[i];
@@ -336,6 +352,5 @@ int correct_prints(work *w, const uint32_t *prints, size_t n,
   free(number);
   free(place);
   free(flip);
-  free(better);
   return code;
 }

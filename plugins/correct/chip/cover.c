@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the covering by recursive bisection, as long as the halves have a
-   smaller area than the whole. */
+/* Implements the covering by recursive bisection. A box is divided if its
+   halves have a smaller total area. */
 #include "cover.h"
 
 #include <eda/memory.h>
-#include <glib.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,16 +19,15 @@ static eda_box places_box(const maker *m, size_t first, size_t count) {
   eda_box all = m->places[m->out->place[first]];
   for (size_t k = first + 1; k < first + count; k++)
     eda_box_join(&all, m->places[m->out->place[k]]);
-  return (eda_box){all.x0 - m->reach, all.y0 - m->reach, all.x1 + m->reach,
-                   all.y1 + m->reach};
+  return eda_box_grown(all, m->reach);
 }
 
 static double area_of(eda_box b) {
   return ((double)b.x1 - b.x0) * ((double)b.y1 - b.y0);
 }
 
-/* Move the places below the middle of the box to the front, preserving order.
-   Returns their number. */
+/* Move the places below the middle of the box to the front, with their order
+   preserved. Returns their number. */
 static size_t places_halve(const maker *m, size_t first, size_t count,
                            eda_box box) {
   uint32_t *place = m->out->place + first;
@@ -52,7 +50,8 @@ static int box_fits(const maker *m, eda_box b) {
   return b.x1 - b.x0 <= m->most && b.y1 - b.y0 <= m->most;
 }
 
-/* Append the clips of some places. Returns their area. */
+/* Append the clips of places first to first + count - 1. Returns the area of
+   the clips. */
 static double places_divide(maker *m, size_t first, size_t count) {
   cover *c = m->out;
   eda_box box = places_box(m, first, count);

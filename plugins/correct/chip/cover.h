@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Covering of selected places of a layout by few clips. */
+/* Covering of selected boxes of a layout, called places, by few clips. */
 #pragma once
 
 #include <eda/geometry.h>
 
-/* Rectangle around some of the places. */
+/* Rectangle around some places. */
 typedef struct clip {
   eda_box box;
   size_t first, count; /* range in cover.place */
@@ -17,9 +17,9 @@ typedef struct cover {
 } cover;
 
 /* Cover n places, each extended by `reach`, by clips; each place is in one
-   clip. The clips are found by recursive bisection for a small total area.
-   Sides are at most `most`, unless a single place is larger. The result depends
-   on the arguments only. Callable from any thread. */
+   clip. Recursive bisection makes the total area small. The sides of a clip are
+   at most `most`, unless a single place is larger. The result depends on the
+   arguments only. Callable from any thread. */
 void cover_make(const eda_box *places, size_t n, int32_t reach, int32_t most,
                 cover *out);
 void cover_clear(cover *cover);

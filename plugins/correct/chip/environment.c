@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements checksums of environments. Each edge within the radius, in the
-   transistor's own coordinates, becomes a 64-bit number. Among the four mirror
-   images along L and W, the one with the smallest hash sum is selected; equal
-   sums indicate a symmetry. Sums do not depend on the order of edges, which
-   avoids sorting (as long as the remaining scan). */
+/* Implements checksums of environments. Each edge within the radius becomes a
+   64-bit number in the transistor's coordinates. The mirror image along L and W
+   with the smallest of four hash sums is selected; equal sums indicate a
+   symmetry. The sums do not depend on the order of edges, because
+   sorting would double the time of the scan. */
 #include "environment.h"
 
 #include <eda/check.h>
@@ -15,11 +15,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Cell size of the spatial index, nm, about a tenth of a search window; and
-   number of transistors per task. */
+/* Cell size of the spatial index, nm, about a tenth of a search window; number
+   of transistors per task. */
 enum { CELL = 500, AT_ONCE = 256 };
 
-/* Layout of an edge's number: three coordinates and the edge's kind. */
+/* Bits of an edge's number: three coordinates of BITS each, and the kind. */
 enum {
   BITS = 19,
   FURTHEST = (1 << (BITS - 1)) - 1,
@@ -29,7 +29,8 @@ enum {
 
 enum { FLIPS = 4 };
 
-/* Edge of merged shapes, at a constant coordinate along `across`. */
+/* Edge of merged shapes: position `at` along the axis `across`, extent along
+   the other axis. */
 typedef struct edge {
   int32_t at, low, high;
   uint8_t layer, across, high_side;
@@ -95,8 +96,8 @@ static void find_edges(seen *s) {
 
 /* ---- one transistor ---- */
 
-/* Own coordinates of a transistor, counted from the LOW or from the HIGH ends
-   of its box. */
+/* Coordinate system of a transistor, with the origin at the LOW corner of its
+   box; mirrored coordinates start at the HIGH ends. */
 typedef struct frame {
   eda_box box;
   uint8_t axis;
@@ -110,7 +111,7 @@ static int32_t size_of(const frame *f, int d) {
   return d == EDA_X ? f->box.x1 - f->box.x0 : f->box.y1 - f->box.y0;
 }
 
-/* Return the number of an edge; back[2] selects mirroring along x and y. */
+/* Return the number of an edge; back[x or y] = 1 mirrors the axis. */
 static uint64_t number_of(const frame *f, const edge *e, const int *back) {
   static const uint64_t mask = ((uint64_t)1 << BITS) - 1;
   int d = e->across, other = !d;
@@ -140,38 +141,39 @@ static uint64_t hash_mix(uint64_t x, uint64_t start) {
   return x ^ (x >> 31);
 }
 
-/* Edges of a transistor in one of the four mirror images: order-independent
-   sums of two hashes. Equal sums of 128 bits mean equal edges. */
+void environment_add(uint64_t sum[2], uint64_t number) {
+  sum[0] += hash_mix(number, 0x9E3779B97F4A7C15u);
+  sum[1] += hash_mix(~number, 0xD1B54A32D192ED03u);
+}
+
+/* Edges of a transistor in one of the four mirror images. */
 typedef struct heap {
-  uint64_t sum, other, count;
+  uint64_t sum[2], count;
 } heap;
 
 static void heap_add(heap *h, const frame *f, const edge *e) {
   for (int k = 0; k < FLIPS; k++) {
     int l = k & EDA_FLIP_L, w = (k & EDA_FLIP_W) / EDA_FLIP_W;
     const int back[2] = {f->axis == EDA_X ? l : w, f->axis == EDA_X ? w : l};
-    uint64_t x = number_of(f, e, back);
-    h[k].sum += hash_mix(x, 0x9E3779B97F4A7C15u);
-    h[k].other += hash_mix(~x, 0xD1B54A32D192ED03u);
+    environment_add(h[k].sum, number_of(f, e, back));
     h[k].count++;
   }
 }
 
 static int too_large(const seen *s, size_t i, opc_error *error) {
   eda_box b = s->gates->box[i];
-  return opc_fail(error, OPC_INVALID, NULL,
-                  "transistor from (%.10g, %.10g) to (%.10g, %.10g) nm: larger "
-                  "than %.10g nm less twice the radius, the limit on this grid",
-                  b.x0 * s->gates->grid, b.y0 * s->gates->grid,
-                  b.x1 * s->gates->grid, b.y1 * s->gates->grid,
-                  FURTHEST * s->gates->grid);
+  return opc_fail(
+      error, OPC_INVALID, NULL,
+      "transistor from (%.10g, %.10g) to (%.10g, %.10g) nm: expected "
+      "sides of at most %.10g nm minus twice 'radius'",
+      b.x0 * s->gates->grid, b.y0 * s->gates->grid, b.x1 * s->gates->grid,
+      b.y1 * s->gates->grid, FURTHEST * s->gates->grid);
 }
 
 /* Add the edges within the radius, clipped. */
 static void heap_collect(const seen *s, size_t i, heap *h) {
   frame f = {s->gates->box[i], s->gates->axis[i]};
-  eda_box w = {f.box.x0 - s->radius, f.box.y0 - s->radius, f.box.x1 + s->radius,
-               f.box.y1 + s->radius};
+  eda_box w = eda_box_grown(f.box, s->radius);
   eda_finder finder = eda_index_find(s->index, w);
   for (uint32_t k; eda_index_next(&finder, &k);) {
     edge e = s->edges[k];
@@ -207,14 +209,14 @@ static void environment_digest(const seen *s, size_t i, const heap *h,
 }
 
 static int find_one(const seen *s, size_t i, opc_error *error) {
-  heap h[FLIPS] = {{0}};
+  heap h[FLIPS] = {{{0}, 0}};
   eda_box b = s->gates->box[i];
   int32_t most = FURTHEST - 2 * s->radius;
   if (b.x1 - b.x0 > most || b.y1 - b.y0 > most) return too_large(s, i, error);
   heap_collect(s, i, h);
   int least = 0;
   for (int k = 1; k < FLIPS && s->orientations > 1; k++)
-    if (h[k].sum < h[least].sum) least = k;
+    if (h[k].sum[0] < h[least].sum[0]) least = k;
   s->out[i].flip = (uint8_t)least;
   environment_digest(s, i, &h[least], s->out[i].sum);
   return OPC_OK;
@@ -246,10 +248,11 @@ int environments_find(const opc_context *context, const eda_gates *window,
             .orientations = orientations,
             .out = out};
   if (window->layers > MOST_LAYERS)
-    return opc_fail(error, OPC_INVALID, NULL, "more than %d layers",
-                    MOST_LAYERS);
+    return opc_fail(error, OPC_INVALID, NULL, "%zu layers, expected at most %d",
+                    window->layers, MOST_LAYERS);
   if (radius < 0 || radius > WIDEST)
-    return opc_fail(error, OPC_INVALID, "radius", "beyond %.10g nm",
+    return opc_fail(error, OPC_INVALID, "radius",
+                    "'radius' exceeds %.10g nm, the limit on this grid",
                     WIDEST * window->grid);
   find_edges(&s);
   int code = eda_try_all(context, (window->count + AT_ONCE - 1) / AT_ONCE,

@@ -6,24 +6,30 @@
 
 enum { SUM_SIZE = 16 };
 
-/* Checksum of an environment seen with `flip` (EDA_FLIP_*) along the
-   transistor's own L and W. SHA-256 truncated to 16 bytes, of two 64-bit hash
-   sums: the probability of a collision among 10^9 environments is below
-   10^-20. */
+/* Checksum of an environment, mirrored by `flip` (EDA_FLIP_*) along the
+   transistor's L and W. The checksum is a SHA-256 of two 64-bit hash sums,
+   truncated to 16 bytes. The probability of a collision among 10^9 environments
+   is below 10^-20. */
 typedef struct environment {
   uint8_t sum[SUM_SIZE];
   uint8_t flip;
 } environment;
 
 /* Compute the environments of all gates of a window that start in its core:
-   shapes of all layers within `radius` grid steps of the gate's box, sizes,
-   type and target. The window must contain these shapes. Other elements of
-   `out` are unchanged. `orientations`: number of equivalent orientations: 8, 4
-   (no exchange of x and y) or 1. Returns OPC_INVALID for a transistor that is
-   too large. Uses all threads; callable from any thread. */
+   shapes of all layers within `radius` grid steps of the gate's box, and sizes,
+   type and target of the gate. The window must contain these shapes. The
+   elements of `out` for all other gates are unchanged. `orientations`: number
+   of equivalent orientations: 8, 4 (no exchange of x and y) or 1. Returns
+   OPC_INVALID if a transistor is too large. Uses all threads; callable from any
+   thread. */
 int environments_find(const opc_context *context, const eda_gates *window,
                       eda_box core, int32_t radius, int orientations,
                       environment *out, opc_error *error);
+
+/* Add a number to two sums of hashes that do not depend on the order of the
+   numbers; equal sums of 128 bits mean equal numbers. Callable from any
+   thread. */
+void environment_add(uint64_t sum[2], uint64_t number);
 
 /* Return 1 if the lower left corner of a box is in the core. Callable from any
    thread. */

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the collection of rule violations of printed images and masks. A
-   violation belongs to the nearest transistor and is recorded by the print that
-   verifies that transistor, so that all transistors of the class share the
+   violation belongs to the nearest transistor. The violation is stored with the
+   print of that transistor, so that all transistors of the print share the
    violation. */
-#include <eda/check.h>
 #include <eda/index.h>
 #include <eda/memory.h>
 #include <math.h>
@@ -14,16 +13,16 @@
 #include <correct/rules.h>
 #include "work.h"
 
-/* kind of a violation that is not a mask rule: text follows */
+/* Kind of a violation of the regulator's rules; the rule's text follows. */
 enum { TEXT = UINT32_MAX };
 
-/* Record of a violation in a work unit. */
+/* Record of a violation in a work unit; `size`: length of the text. */
 typedef struct kept {
-  uint32_t place, kind, size, unused; /* size of the text */
+  uint32_t place, kind, size, unused;
   double value, limit;
 } kept;
 
-/* Violation of a print of the chip. */
+/* Violation by a print of the chip. */
 typedef struct fault {
   uint32_t print, kind;
   double value, limit;
@@ -47,8 +46,8 @@ void faults_free(faults *f) {
   free(f);
 }
 
-/* Return the kind of a mask rule violation, by layer, in the drawn layer or the
-   mask. */
+/* Return the kind of a mask rule violation in a layer. `drawn`: 1 for the drawn
+   layer, 0 for the mask. */
 static uint32_t kind_of(size_t layer, int rule, int drawn) {
   return (uint32_t)((layer * EDA_RULES + (size_t)rule) * 2 + (size_t)!drawn);
 }
@@ -57,7 +56,7 @@ static uint32_t first_text(const work *w) {
   return kind_of(w->chip->layers, 0, 1);
 }
 
-/* ---- finding them on a sheet ---- */
+/* ---- violations on a sheet ---- */
 
 typedef struct finder {
   const work *work;
@@ -70,18 +69,17 @@ static double distance_beyond(int32_t low, int32_t high, double at) {
   return fmax(fmax(low - at, at - high), 0);
 }
 
-/* Return the place of the nearest transistor within half the margin, beyond
-   which an omitted transistor may be nearer; UINT32_MAX if there is none or it
-   is not verified here. */
+/* Return the place of the nearest transistor within half the margin, because a
+   transistor omitted from the sheet may be nearer to a more distant position.
+   UINT32_MAX: none, or a transistor that this sheet does not verify. */
 static uint32_t place_of(const finder *f, double x, double y) {
   const eda_gates *g = f->sheet->gates;
   double least = INFINITY;
   uint32_t nearest = UINT32_MAX;
   int32_t reach = f->work->margin / 2;
   x = round(x / g->grid), y = round(y / g->grid);
-  const eda_box around = {(int32_t)x - reach, (int32_t)y - reach,
-                          (int32_t)x + reach, (int32_t)y + reach};
-  eda_finder find = eda_index_find(f->index, around);
+  const eda_box at = {(int32_t)x, (int32_t)y, (int32_t)x, (int32_t)y};
+  eda_finder find = eda_index_find(f->index, eda_box_grown(at, reach));
   for (uint32_t i; eda_index_next(&find, &i);) {
     eda_box b = g->box[i];
     double d =
@@ -174,8 +172,8 @@ void faults_take(work *w, size_t first, const char *at, const char *end) {
 
 /* ---- report ---- */
 
-/* Sum of the violations of a kind, with the first transistor and the worst
-   value. */
+/* Number of violations of a kind, with the first transistor, and the value with
+   the largest distance from its limit. */
 typedef struct tally {
   size_t count, first;
   double value, limit;
@@ -194,7 +192,7 @@ static tally *count_all(const work *w) {
   for (guint k = 0; k < all->len; k++) {
     const fault *f = &g_array_index(all, fault, k);
     tally *t = &out[f->kind];
-    if (!size[f->print]) continue; /* refined since */
+    if (!size[f->print]) continue; /* masks replaced by refinement */
     if (!t->count || first[f->print] < t->first) t->first = first[f->print];
     if (!t->count || fabs(f->value - f->limit) > fabs(t->value - t->limit)) {
       t->value = f->value;
@@ -240,7 +238,7 @@ typedef struct text_row {
   double x, y, value, limit;
 } text_row;
 
-/* Write the violations as a loop does, with one row for each rule. */
+/* Write the violations of the regulator's rules, one row for each rule. */
 static int report_texts(const work *w, const tally *all, opc_error *error) {
   const GPtrArray *rule = w->faults->rule;
   text_row *row = eda_alloc(rule->len, sizeof *row);

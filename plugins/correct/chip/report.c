@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the report of a chip: figures of all transistors, in tables of
-   bounded size. */
+/* Implements the report of a chip: figures of all transistors, in tables whose
+   size does not grow with the chip. */
 #include <eda/memory.h>
 #include <eda/print.h>
 #include <math.h>
@@ -17,7 +17,7 @@ static const double worse_than = 0.001;
 
 enum { SHORT_TABLE = 24 };
 
-/* Number of transistors with a fault, and the first of them. */
+/* Number of transistors with a fault, and index of the first. */
 typedef struct fault {
   size_t count, first;
 } fault;
@@ -61,7 +61,8 @@ static void fault_log(const work *w, const fault *f, const char *what) {
 
 /* ---- tables ---- */
 
-/* Write a histogram of class sizes: 1, 2, 3 to 4, 5 to 8 and so on. */
+/* Write a histogram of the number of transistors per class, in bins of 1, 2, 3
+   to 4, 5 to 8 and so on. `prints`: 1 for classes by print, 0 by mask. */
 static int class_table(const work *w, const char *name, size_t n, int prints,
                        opc_error *error) {
   enum { SIZES = 34 };
@@ -127,7 +128,7 @@ static print_row row_of(const eda_chip *c, size_t i) {
       .off = print_deviation(p)};
 }
 
-/* largest number of rows */
+/* Largest number of rows of the table of largest deviations. */
 enum { MOST_ROWS = 1000 };
 
 static int worst_table(const work *w, opc_error *error) {
@@ -193,7 +194,8 @@ static int put_metrics(const work *w, const sums *s, opc_error *error) {
   return opc_put_metrics(w->host, OPC_ARRAY(values), error);
 }
 
-/* Check the drawn lengths and widths, given by the gates' boxes. */
+/* Check the drawn lengths and widths, which are the sides of the gates' boxes.
+ */
 static void find_in_drawing(const work *w) {
   const eda_chip *c = w->chip;
   eda_gates g = {.count = c->count,

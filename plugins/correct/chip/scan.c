@@ -10,7 +10,7 @@
 #include "work.h"
 
 /* Number of windows per work unit, enough for two to eight cores and
-   independent of the number of threads; and initial view of a window beyond the
+   independent of the number of threads; extension of a window beyond the
    radius, nm, larger than most transistors. */
 enum { AT_ONCE = 8, BEYOND = 2000 };
 
@@ -98,7 +98,8 @@ static int take_some(void *data, size_t part, const void *bytes, size_t size,
   return OPC_OK;
 }
 
-/* All other dependencies are inputs of the step. */
+/* Return the key of a stored result; all dependencies are inputs of the step.
+ */
 static const char *key_of(void *data, size_t part) {
   scan *s = data;
   (void)snprintf(s->key, sizeof s->key, "%zu", part);
@@ -113,11 +114,7 @@ static void scan_done(void *data, size_t done) {
 
 /* ---- classes ---- */
 
-static int by_corner(const void *a, const void *b) {
-  const found *p = a, *q = b;
-  if (p->box.y0 != q->box.y0) return p->box.y0 < q->box.y0 ? -1 : 1;
-  return (p->box.x0 > q->box.x0) - (p->box.x0 < q->box.x0);
-}
+EDA_COMPARE_RISING(by_corner, found, box.y0, box.x0);
 
 static guint hash_sum(gconstpointer sum) {
   guint hash;
@@ -131,8 +128,8 @@ static gboolean same_sum(gconstpointer a, gconstpointer b) {
 
 GHashTable *work_sums(void) { return g_hash_table_new(hash_sum, same_sum); }
 
-/* Group transistors into classes. The mask of a class is made for its lowest,
-   then leftmost, transistor; the others are oriented by `flip`. */
+/* Group transistors into classes. `first` is the lowest, then leftmost
+   transistor; the others are oriented by `flip`. */
 static void find_classes(work *w) {
   eda_chip *c = w->chip;
   GHashTable *class_of = work_sums();

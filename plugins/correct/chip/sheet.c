@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements cutting clips out of a layout and placing them side by side. */
+/* Implements the extraction of clips from a layout and their placement. */
 #include "sheet.h"
 
 #include <eda/check.h>
@@ -16,11 +16,7 @@ typedef struct item {
   int32_t wide, high;
 } item;
 
-static int by_height(const void *a, const void *b) {
-  const item *p = a, *q = b;
-  if (p->high != q->high) return p->high > q->high ? -1 : 1;
-  return (p->number > q->number) - (p->number < q->number);
-}
+EDA_COMPARE_FALLING(by_height, item, high, number);
 
 void pages_make(const cover *c, int32_t most, int32_t gap, pages *out) {
   item *all = eda_alloc(c->count, sizeof *all);
@@ -88,7 +84,7 @@ static int cut_one(void *data, size_t i, opc_error *error) {
 
 /* ---- joining ---- */
 
-/* Element of a clip with its position on the sheet. */
+/* Gate or polygon i of a clip, with its position on the sheet. */
 typedef struct ref {
   uint32_t piece, i;
   eda_point at;
@@ -116,7 +112,7 @@ static int is_within(eda_box b, eda_box w, int32_t rim) {
          b.y1 <= w.y1 - rim;
 }
 
-/* Find and sort the gates of the sheet, and set their numbers in the clips. */
+/* Find the gates of the sheet, sorted by position, and set piece.number. */
 static ref *find_gates(maker *m, size_t *count) {
   size_t all = 0, n = 0;
   for (size_t k = 0; k < m->count; k++) all += m->piece[k].gates->count;
@@ -147,11 +143,10 @@ static int put_gate(maker *m, const ref *r, size_t k, opc_error *error) {
   size_t i = r->i, number = eda_chip_find(m->chip, from->box[i]);
   if (number == SIZE_MAX)
     return opc_fail(error, OPC_FAILED, NULL,
-                    "a window has a transistor at (%d, %d) that was not found "
-                    "in the layout",
+                    "transistor at (%d, %d) grid steps: the scan of the layout "
+                    "did not find this transistor",
                     (int)from->box[i].x0, (int)from->box[i].y0);
   m->out->of[k] = (uint32_t)number;
-  m->out->by[k] = p->by;
   m->out->place[k] = UINT32_MAX;
   to->box[k] = put_box(p, from->box[i]);
   eda_gates_copy(to, k, from, i);
@@ -229,7 +224,7 @@ static void put_layer(maker *m, size_t layer) {
   free(refs);
 }
 
-/* Find the gates of the places. */
+/* Set sheet.place of all gates. */
 static void mark_places(maker *m) {
   for (size_t k = 0; k < m->count; k++) {
     const piece *p = &m->piece[k];
@@ -261,7 +256,6 @@ static int sheet_join(maker *m, opc_error *error) {
   g->grid = c->grid;
   out->of = eda_alloc(n, sizeof *out->of);
   out->place = eda_alloc(n, sizeof *out->place);
-  out->by = eda_alloc(n, sizeof *out->by);
   for (size_t i = 0; i < n && !code; i++)
     code = put_gate(m, &refs[i], i, error);
   free(refs);
@@ -312,6 +306,5 @@ void sheet_clear(sheet *s) {
   eda_gates_free(s->gates);
   free(s->of);
   free(s->place);
-  free(s->by);
   *s = (sheet){0};
 }

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Sheets: clips of a layout placed side by side, as gates that are corrected
-   and simulated together. */
+/* Sheets: clips of a layout placed side by side, to correct and simulate their
+   transistors together. */
 #pragma once
 
 #include <eda/chip.h>
 
 #include "cover.h"
 
-/* Placement of the clips of a cover on sheets. */
+/* Positions of the clips of a cover on sheets. */
 typedef struct pages {
   size_t count;      /* number of sheets */
   uint32_t *page;    /* [clips], sheet number */
@@ -15,8 +15,8 @@ typedef struct pages {
   double *area;      /* [sheets], area of the clips, square grid steps */
 } pages;
 
-/* Place clips in rows, the highest first, on sheets of about `most` by `most`,
-   `gap` apart. Callable from any thread. */
+/* Place clips in rows, in the order of decreasing height, on sheets of about
+   `most` by `most`, `gap` apart. Callable from any thread. */
 void pages_make(const cover *cover, int32_t most, int32_t gap, pages *out);
 void pages_clear(pages *pages);
 
@@ -24,14 +24,12 @@ typedef struct sheet {
   eda_gates *gates;
   uint32_t *of;    /* [gates], number in the chip */
   uint32_t *place; /* [gates], index in cover.place; UINT32_MAX: not selected */
-  eda_point *by;   /* [gates], position on the sheet minus position in the
-                      chip */
 } sheet;
 
-/* Make sheet `page` with everything in its clips. Transistors within a clip by
-   at least `rim` grid steps become gates. `number` maps each place to a
-   transistor of the chip. Returns OPC_FAILED if the layout and the chip differ.
-   Uses all threads; call on the main thread. */
+/* Make sheet `page` with all shapes of its clips. A transistor becomes a gate
+   if its box is at least `rim` grid steps inside the clip. `number` maps each
+   place to a transistor of the chip. Returns OPC_FAILED if a transistor of the
+   layout is not in the chip. Uses all threads; call on the main thread. */
 int sheet_make(const opc_context *context, const eda_chip *chip,
                const cover *from, const uint32_t *number, const pages *to,
                size_t page, int32_t rim, sheet *out, opc_error *error);

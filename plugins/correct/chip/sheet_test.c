@@ -21,7 +21,7 @@ static int32_t by_lot(int32_t low, int32_t high) {
 
 /* ---- cover ---- */
 
-/* Return the box of some places with `reach` around them. */
+/* Return the box of places, extended by `reach`. */
 static eda_box box_of(const eda_box *places, unsigned set, int32_t reach) {
   eda_box b = {INT32_MAX, INT32_MAX, INT32_MIN, INT32_MIN};
   for (unsigned k = 0; k < PLACES; k++) {
@@ -34,8 +34,8 @@ static eda_box box_of(const eda_box *places, unsigned set, int32_t reach) {
   return b;
 }
 
-/* Return the smallest area of a set that is bisected across its longer side, or
-   not. */
+/* Return the smaller of two areas: of a set of places in one clip, and of the
+   set bisected across its longer side. */
 static double least_area(const eda_box *places, unsigned set, int32_t reach,
                          int32_t most) {
   eda_box b = box_of(places, set, reach);

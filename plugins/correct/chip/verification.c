@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the verification of a chip: one transistor of each class of equal
-   masked environments is simulated, and the others receive its figures.
-   Environments are equal if the same transistors, each with its mask and hence
-   its drawn environment, are located within the range of optical
-   interaction. */
+   masked environments is simulated, and all transistors of the class receive
+   its figures. Two environments are equal if they contain equal masks at equal
+   relative positions within the range of optical interaction. Transistors with
+   equal masks have equal drawn environments. */
 #include <eda/index.h>
 #include <eda/memory.h>
 #include <eda/print.h>
@@ -16,6 +16,16 @@
 
 enum { SUMS_AT_ONCE = 1024 };
 
+/* Tuned constants. */
+static const struct {
+  double split;
+} tuned = {
+    /* Fraction of `ion_limit`. In an SRAM macro, 33 of 2,807 verified
+       transistors exceed half of 0.5 %; splitting their groups reduces the
+       largest deviation from 0.49 to 0.26 %. */
+    .split = 0.5,
+};
+
 /* ---- classes of masked environments ---- */
 
 typedef struct seen {
@@ -23,18 +33,6 @@ typedef struct seen {
   eda_index *index;
   uint8_t (*sum)[SUM_SIZE];
 } seen;
-
-/* A neighbour in the coordinates of another transistor. */
-typedef struct neighbour {
-  eda_box box;
-  uint32_t mask, orientation; /* axis and flip relative to that transistor */
-} neighbour;
-
-static int by_place(const void *a, const void *b) {
-  const neighbour *p = a, *q = b;
-  if (p->box.y0 != q->box.y0) return p->box.y0 < q->box.y0 ? -1 : 1;
-  return (p->box.x0 > q->box.x0) - (p->box.x0 < q->box.x0);
-}
 
 /* Return the orientation of a gate relative to another one; L and W are
    exchanged if their axes differ. */
@@ -45,35 +43,36 @@ static uint32_t orientation_of(const eda_chip_gate *g,
   return (g->flip ^ flip) << 1 | (g->axis ^ to->axis);
 }
 
-static void sum_up(const seen *s, size_t i, GArray *list) {
+/* Add a neighbour in the coordinates of transistor g to the sums. Each word is
+   hashed with its predecessors. */
+static void sum_neighbour(const eda_chip_gate *g, const eda_chip_gate *o,
+                          uint64_t sum[2]) {
+  eda_box b = eda_chip_own(g->box, g->axis, g->flip, o->box);
+  const uint32_t word[] = {(uint32_t)b.x0, (uint32_t)b.y0,
+                           (uint32_t)b.x1, (uint32_t)b.y1,
+                           o->mask,        orientation_of(o, g)};
+  uint64_t one[2] = {0};
+  for (size_t k = 0; k < G_N_ELEMENTS(word); k += 2)
+    environment_add(one, one[0] ^ ((uint64_t)word[k] << 32 | word[k + 1]));
+  sum[0] += one[0];
+  sum[1] += one[1];
+}
+
+/* The sums include the transistor itself. */
+static void sum_up(const seen *s, size_t i) {
   const eda_chip *c = s->work->chip;
   const eda_chip_gate *g = &c->gate[i];
-  int32_t r = s->work->margin;
-  eda_box w = {g->box.x0 - r, g->box.y0 - r, g->box.x1 + r, g->box.y1 + r};
-  eda_finder f = eda_index_find(s->index, w);
-  g_array_set_size(list, 0);
-  for (uint32_t k; eda_index_next(&f, &k);) {
-    const eda_chip_gate *o = &c->gate[k];
-    const neighbour n = {eda_chip_own(g->box, g->axis, g->flip, o->box),
-                         o->mask, orientation_of(o, g)};
-    g_array_append_val(list, n);
-  }
-  g_array_sort(list, by_place);
-  uint8_t all[32];
-  gsize size = sizeof all;
-  g_autoptr(GChecksum) sum = g_checksum_new(G_CHECKSUM_SHA256);
-  g_checksum_update(sum, (const guchar *)&g->mask, sizeof g->mask);
-  g_checksum_update(sum, (const guchar *)list->data,
-                    (gssize)(list->len * sizeof(neighbour)));
-  g_checksum_get_digest(sum, all, &size);
-  memcpy(s->sum[i], all, SUM_SIZE);
+  eda_finder f =
+      eda_index_find(s->index, eda_box_grown(g->box, s->work->margin));
+  uint64_t sum[2] = {0};
+  for (uint32_t k; eda_index_next(&f, &k);) sum_neighbour(g, &c->gate[k], sum);
+  memcpy(s->sum[i], sum, SUM_SIZE);
 }
 
 static void sum_some(void *data, size_t part) {
   const seen *s = data;
   size_t end = MIN((part + 1) * SUMS_AT_ONCE, s->work->chip->count);
-  g_autoptr(GArray) list = g_array_new(FALSE, FALSE, sizeof(neighbour));
-  for (size_t i = part * SUMS_AT_ONCE; i < end; i++) sum_up(s, i, list);
+  for (size_t i = part * SUMS_AT_ONCE; i < end; i++) sum_up(s, i);
 }
 
 static void add_print(work *w, const uint8_t *sum, uint32_t first) {
@@ -93,8 +92,7 @@ static void add_print(work *w, const uint8_t *sum, uint32_t first) {
   g_hash_table_insert(w->prints, copy, GUINT_TO_POINTER(++c->prints));
 }
 
-/* Find the print of each transistor; new prints have no figures yet. */
-static void find_prints(work *w) {
+void prints_find(work *w) {
   eda_chip *c = w->chip;
   eda_box *box = eda_alloc(c->count, sizeof *box);
   for (size_t i = 0; i < c->count; i++) box[i] = c->gate[i].box;
@@ -124,11 +122,6 @@ typedef struct verified {
   eda_figures design, after;
 } verified;
 
-/* Header of a sheet's records: transistors, then violations. */
-typedef struct head {
-  uint64_t transistors;
-} head;
-
 /* Build the masks of a sheet without simulating them. */
 static int make_mask(const work *w, const sheet *s, eda_mask *m,
                      opc_error *error) {
@@ -153,10 +146,9 @@ static int print_mask(const work *w, eda_mask *m, double **extension,
 }
 
 static void put_all(const eda_mask *m, const sheet *s, opc_bytes *out) {
-  head h = {0};
-  for (size_t k = 0; k < s->gates->count; k++)
-    h.transistors += s->place[k] != UINT32_MAX;
-  out->add(out, &h, sizeof h);
+  uint64_t n = 0; /* records before the violations */
+  for (size_t k = 0; k < s->gates->count; k++) n += s->place[k] != UINT32_MAX;
+  out->add(out, &n, sizeof n);
   for (size_t k = 0; k < s->gates->count; k++) {
     const verified one = {.place = s->place[k],
                           .flags = m->flags[k],
@@ -204,25 +196,30 @@ double print_deviation(const eda_chip_print *p) {
   return fabs(eda_deviation(p->after.ion, p->design.ion));
 }
 
+double print_beyond(const work *w, const eda_chip_print *p) {
+  double limit = tuned.split * w->with->ion_limit, off = print_deviation(p);
+  return off > limit ? off : p->violations ? limit : NAN;
+}
+
 static int take_sheet(void *data, size_t i, const void *bytes, size_t size,
                       opc_error *error) {
   verify_run *p = data;
   work *w = p->on.work;
   eda_chip *c = w->chip;
   const char *at = bytes;
-  head h;
+  uint64_t n;
   (void)i, (void)error;
-  memcpy(&h, at, sizeof h);
-  at += sizeof h;
-  for (; h.transistors; h.transistors--, at += sizeof(verified)) {
+  memcpy(&n, at, sizeof n);
+  at += sizeof n;
+  for (; n; n--, at += sizeof(verified)) {
     verified one;
     memcpy(&one, at, sizeof one);
     eda_chip_print *to = &c->print[p->first + one.place];
     uint32_t mask = c->gate[p->on.number[one.place]].mask;
     *to = (eda_chip_print){.design = one.design,
-                           .before = w->before[mask],
+                           .before = w->before[mask].figures,
                            .after = one.after,
-                           .flags_before = w->flags_before[mask],
+                           .flags_before = w->before[mask].flags,
                            .flags = one.flags};
     if (isfinite(print_deviation(to)))
       w->worst = fmax(w->worst, print_deviation(to));
@@ -234,7 +231,7 @@ static int take_sheet(void *data, size_t i, const void *bytes, size_t size,
 int verify_all(work *w, opc_error *error) {
   eda_chip *c = w->chip;
   verify_run p = {.on.work = w, .first = c->prints};
-  find_prints(w);
+  prints_find(w);
   p.on.count = c->prints - p.first;
   p.on.number = w->print_first + p.first;
   w->worst = 0;

@@ -16,12 +16,17 @@
 #include "environment.h"
 #include "sheet.h"
 
-/* A transistor found by the scan. */
+/* A transistor found by the scan. The record is stored as bytes. */
 typedef struct found {
   eda_box box;
-  uint8_t type, axis, unused; /* fills the record, which is stored as bytes */
+  uint8_t type, axis, unused; /* unused: explicit padding */
   environment around;
 } found;
+
+typedef struct drawn_print {
+  eda_figures figures;
+  uint32_t flags, unused; /* EDA_PRINT_*; fills the record */
+} drawn_print;
 
 /* Rule violations (faults.c). */
 typedef struct faults faults;
@@ -30,84 +35,92 @@ typedef struct work {
   const opc_host *host;
   const correct_settings *with;
   int32_t margin; /* range of optical interaction */
-  int32_t radius, along, window, gap;
+  /* Radius of a drawn environment, within which neighbours are corrected, too;
+     side of a window; distance of clips on a sheet. */
+  int32_t radius, window, gap;
   int orientations; /* number of equivalent orientations: 1, 4 or 8 */
   int64_t rounds;
   size_t round;   /* round of verification */
   eda_chip *chip; /* the result */
 
-  /* All transistors found by the scan, in the order of the chip. */
+  /* [chip->count], all transistors found by the scan. */
   found *found;
   size_t capacity;
 
   /* Classes of drawn environments. chip->mask has one mask for each class,
-     followed by refined ones. `first` is the transistor for which a mask was
-     made. */
+     followed by refined ones. `first` is the representative, for which a mask
+     is made. */
   uint32_t *first;
   size_t classes, mask_capacity, part_capacity, box_capacity;
-  eda_figures *before; /* of each mask, with all edges as drawn */
-  uint32_t *flags_before;
+  drawn_print *before; /* of each mask, with all edges as drawn */
 
-  /* Classes of masked environments: `print_first` is the simulated
-     transistor. */
-  GHashTable *prints; /* from checksum to print number + 1 */
-  GPtrArray *sums;    /* owner of these checksums */
-  uint32_t *print_first;
+  /* Classes of equal masked environments, called prints. */
+  GHashTable *prints;    /* from checksum to print number + 1 */
+  GPtrArray *sums;       /* owner of the checksums */
+  uint32_t *print_first; /* [prints], the simulated transistor */
   size_t print_capacity;
-  uint8_t *tried; /* [prints], 1: refined already */
-  size_t tried_capacity;
+  uint8_t *tried; /* [prints], 1: was corrected individually */
 
   faults *faults; /* violations of all prints */
 
   /* Counts for the report. */
   size_t windows, sheets, refined, simulations, fine_simulations;
-  eda_gates *last;    /* gates of the previous sheet */
   double worst;       /* largest |Ion deviation| so far, % */
   double share, done; /* progress: share of this phase; done before it */
 } work;
-
-void work_clear(work *work);
 
 /* Find all transistors window by window and group them into classes. Fills
    chip->gate and `first`. (scan.c) */
 int scan_all(work *work, opc_error *error);
 
-/* Correct the first transistor of each class in place. (correction.c) */
+/* Make the member with the most frequent wider environment the representative
+   of each class; the lowest, then leftmost of several. (representatives.c) */
+void representatives_choose(work *work);
+
+/* Correct the representative of each class in place. (correction.c) */
 int correct_classes(work *work, opc_error *error);
-/* Correct the transistors of n prints with all others fixed. Better masks
-   replace those of all transistors of the print. */
+/* Split the classes of n prints: correct these with all others fixed. Better
+   masks replace those of all transistors of the print. */
 int correct_prints(work *work, const uint32_t *prints, size_t n,
                    opc_error *error);
 
+/* Set the print of each transistor, by its masked environment within `margin`;
+   new prints have no figures yet. (verification.c) */
+void prints_find(work *work);
 /* Simulate one transistor of each new masked environment. Fills chip->print and
-   the `print` of each transistor. (verification.c) */
+   the `print` of each transistor. */
 int verify_all(work *work, opc_error *error);
-/* Return the |Ion deviation| of a print, %; INFINITY if it failed. */
+/* Return the |Ion deviation| of a print, %; INFINITY if the transistor does not
+   print. */
 double print_deviation(const eda_chip_print *print);
+/* Return the |Ion deviation|, %, below which a new mask replaces that of a
+   print with a violation or a deviation beyond a part of `ion_limit`; else NAN.
+ */
+double print_beyond(const work *work, const eda_chip_print *print);
 
 /* Return a new hash table from checksums (SUM_SIZE bytes, not owned) to
    numbers. */
 GHashTable *work_sums(void);
 
-/* Create a collection of rule violations, by the nearest transistor.
-   (faults.c) */
+/* Create a collection of rule violations. Each violation belongs to the nearest
+   transistor. (faults.c) */
 faults *faults_new(void);
 void faults_free(faults *faults);
-/* Append the violations of a sheet's mask and its printed image as bytes. Call
-   on the main thread. */
+/* Append the violations of a sheet's mask and printed image to `out`. Call on
+   the main thread. */
 int faults_find(const work *work, const sheet *sheet,
                 const eda_printed *printed, opc_bytes *out, opc_error *error);
-/* Store these bytes; places are counted from print `first`. */
+/* Store the bytes of faults_find; `first` is the print of place 0. */
 void faults_take(work *work, size_t first, const char *bytes, const char *end);
-/* Write tables, findings and metrics of the remaining violations, one row for
-   each rule. */
+/* Write tables, findings and metrics of the violations of all present masks,
+   one row for each rule. */
 int faults_report(const work *work, opc_error *error);
 
 /* Write all tables, findings and metrics. (report.c) */
 int report_all(const work *work, opc_error *error);
 
-/* Sheets of clips around selected transistors; the first field of the data of
-   their work units. */
+/* Sheets of clips around selected transistors. The data of their work units
+   begin with this structure. */
 typedef struct sheets {
   work *work;
   const uint32_t *number; /* [count], numbers in the chip */
@@ -117,8 +130,8 @@ typedef struct sheets {
   char *key;
 } sheets;
 
-/* Make sheets with `reach` around the transistors and run a work unit for each
-   (jobs.name, work and take). Call on the main thread. */
+/* Make sheets that extend by `reach` beyond the transistors, and run a work
+   unit for each sheet (jobs.name, work and take). Call on the main thread. */
 int work_sheets(sheets *sheets, int32_t reach, opc_pieces jobs,
                 opc_error *error);
 

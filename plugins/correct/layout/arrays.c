@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements arrays: first rows in x, then equal rows in y. Each run extends as
-   far as the distance of its first two elements continues. This restores the
-   original arrays, except where two of them meet. */
+/* Implements arrays: first rows along x, then equal rows along y. A row or
+   column continues while the distance equals that of its first two elements.
+   The original arrays result, except if two arrays touch. */
 #include "arrays.h"
 
 #include <eda/memory.h>

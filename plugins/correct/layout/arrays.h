@@ -4,16 +4,16 @@
 
 #include <eda/layout.h>
 
-/* Placement of a cell; `orientation`: see territory. */
+/* Placement of a cell; `orientation` as in territory. */
 typedef struct put {
   uint32_t cell;
   eda_point at;
   uint8_t orientation;
 } put;
 
-/* Place n cells with the numbers cell[put.cell] in `top`. Equidistant
-   placements in rows, and equal rows in columns, become arrays. `puts` is
-   reordered. *arrays receives the number of instances. Call on the main
-   thread. */
+/* Place n cells in `top`; put.cell is an index of `cell`. Equidistant
+   placements in a row, and equal rows above each other, become arrays. `puts`
+   is sorted. *arrays receives the number of instances. Call on the main thread.
+ */
 int arrays_place(eda_layout *layout, int32_t top, const int32_t *cell,
                  put *puts, size_t n, size_t *arrays, opc_error *error);

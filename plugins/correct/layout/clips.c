@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the dissection of a window's mask. The mask is fractured into
-   rectangles once, and each territory takes those within it. The overlap of two
-   territories belongs to the one placed first. */
+   rectangles once, and each territory takes the rectangles within its box. An
+   overlap of two territories belongs to the territory placed first. */
 #include "clips.h"
 
 #include <eda/formats.h>
@@ -15,7 +15,7 @@
 /* Mask of a layer. */
 typedef struct masked {
   eda_shapes shapes;
-  eda_box *box; /* the same as rectangles */
+  eda_box *box; /* rectangles of `shapes` */
   size_t boxes;
   eda_index *index;
 } masked;
@@ -33,10 +33,6 @@ typedef struct window {
 
 /* ---- boxes ---- */
 
-static eda_box box_grown(eda_box b, int32_t by) {
-  return (eda_box){b.x0 - by, b.y0 - by, b.x1 + by, b.y1 + by};
-}
-
 static eda_box box_common(eda_box a, eda_box b) {
   return (eda_box){a.x0 > b.x0 ? a.x0 : b.x0, a.y0 > b.y0 ? a.y0 : b.y0,
                    a.x1 < b.x1 ? a.x1 : b.x1, a.y1 < b.y1 ? a.y1 : b.y1};
@@ -45,19 +41,8 @@ static eda_box box_common(eda_box a, eda_box b) {
 static int has_area(eda_box b) { return b.x0 < b.x1 && b.y0 < b.y1; }
 
 static eda_shapes shapes_of(const eda_box *box, size_t n) {
-  eda_shapes s = {.count = n};
-  if (!n) return s;
-  s.start = eda_alloc(n + 1, sizeof *s.start);
-  s.points = eda_alloc(n, 4 * sizeof *s.points);
-  for (size_t i = 0; i < n; i++) {
-    eda_box b = box[i];
-    eda_point *p = s.points + 4 * i;
-    p[0] = (eda_point){b.x0, b.y0};
-    p[1] = (eda_point){b.x1, b.y0};
-    p[2] = (eda_point){b.x1, b.y1};
-    p[3] = (eda_point){b.x0, b.y1};
-    s.start[i + 1] = (uint32_t)(4 * (i + 1));
-  }
+  eda_shapes s = eda_shapes_of_boxes(n);
+  for (size_t i = 0; i < n; i++) eda_shapes_set_box(&s, i, box[i]);
   return s;
 }
 
@@ -78,8 +63,8 @@ static int territory_begins(const window *w, const territory *t) {
   return b.x0 >= c.x0 && b.x0 < c.x1 && b.y0 >= c.y0 && b.y0 < c.y1;
 }
 
-/* Find the territories that touch the core; *see receives the core, extended to
-   the territories that begin in it. */
+/* Find the territories that touch the core; *see receives the core, extended by
+   the boxes of territories that begin in the core. */
 static int find_territories(window *w, eda_box *see) {
   const cutter *c = w->cutter;
   *see = w->core;
@@ -108,7 +93,7 @@ static int make_mask(window *w, eda_box see) {
   const eda_chip *chip = c->chip;
   eda_gates *g;
   int code = eda_segment_core(chip->layout, chip->top, &chip->segment,
-                              box_grown(see, c->margin), 0, &g, w->error);
+                              eda_box_grown(see, c->margin), 0, &g, w->error);
   if (code) return code;
   eda_moved *moved = eda_chip_moved(chip, g);
   for (size_t k = 0; k < g->layers && !code; k++) {
@@ -126,7 +111,7 @@ static int make_mask(window *w, eda_box see) {
 
 /* ---- territories ---- */
 
-/* Compute the box of a territory minus the earlier ones. */
+/* Compute the box of a territory minus the boxes of earlier territories. */
 static int find_own(const window *w, const territory *t, eda_box_list *out) {
   eda_box_list taken = {0};
   eda_finder f = eda_index_find(w->index, t->box);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Dissection of a window's mask into the masks of territories, in the
-   coordinates of their cells, and the remainder between them. */
+   coordinates of their cells, and the mask outside of territories. */
 #pragma once
 
 #include <eda/chip.h>
@@ -16,8 +16,8 @@ typedef struct cutter {
 } cutter;
 
 /* Mask of a territory. `shapes`: for each layer, polygons as point count and
-   points, terminated by 0; all int32_t in cell coordinates. Equal bytes are
-   equal masks. */
+   points, terminated by a 0; all int32_t in cell coordinates. Equal masks have
+   equal bytes. */
 typedef struct clip {
   GBytes *shapes;
   eda_point at;
@@ -31,7 +31,7 @@ typedef struct clips {
   eda_shapes *rest; /* [layers], mask in the core outside of territories */
 } clips;
 
-/* Dissect the window of a core. Callable from any thread; clips_clear frees
- *out. */
+/* Dissect the window of a core. Callable from any thread. The caller frees *out
+   with clips_clear(). */
 int clips_cut(const cutter *by, eda_box core, clips *out, opc_error *error);
 void clips_clear(clips *clips, size_t layers);

@@ -12,11 +12,11 @@
 #include "arrays.h"
 #include "clips.h"
 
-/* windows per batch, independent of the number of threads */
+/* Number of windows per batch, independent of the number of threads. */
 enum { AT_ONCE = 8 };
-/* Side of a window and largest size of a preserved cell, nm. Windows are
-   extended by 3 um on each side, which doubles the area at 15 um. At 60 um, a
-   window of a dense layout takes 50 MB. */
+/* Side of a window and largest size of a preserved cell, nm. A window is
+   extended by 3 um on each side; at 15 um the extension doubles the area. A
+   window of 60 um of a dense layout requires 50 MB. */
 static const double side = 30000, most = 20000;
 
 /* ---- state ---- */
@@ -49,7 +49,7 @@ static int32_t larger_magnitude(int32_t a, int32_t b) {
   return a > b ? a : b;
 }
 
-/* Return the largest displacement of an edge, with all of a bias on one
+/* Return an upper bound of edge displacements, with an entire bias on one
    side. */
 static int32_t find_moves(const eda_chip *c) {
   int32_t far = 0;
@@ -67,7 +67,7 @@ static int32_t find_moves(const eda_chip *c) {
 }
 
 /* Return the largest distance of added shapes and cut-outs from a corner of
-   their gate. *before receives the distance towards lower coordinates. */
+   their gate; *before receives the distance towards lower coordinates. */
 static int32_t find_boxes(const eda_chip *c, int32_t *before) {
   int32_t far = 0;
   *before = 0;
@@ -80,7 +80,7 @@ static int32_t find_boxes(const eda_chip *c, int32_t *before) {
   return far;
 }
 
-/* ---- collecting ---- */
+/* ---- cells and polygons ---- */
 
 static int cut_window(void *data, size_t i, opc_error *error) {
   work *w = data;
@@ -113,7 +113,7 @@ static int add_rest(work *w, const clips *c, opc_error *error) {
   return code;
 }
 
-/* Create a cell named after a cell that it masks. */
+/* Create a cell with the name of the clip's drawn cell and a number. */
 static int32_t name_cell(work *w, const clip *c, opc_error *error) {
   const eda_chip *chip = w->cutter.chip;
   int32_t of =
@@ -126,7 +126,8 @@ static int32_t name_cell(work *w, const clip *c, opc_error *error) {
   }
 }
 
-/* Create a cell with these shapes; *number receives its index in `cell`. */
+/* Create a cell with the shapes of a clip; *number receives its index in
+   `cell`. */
 static int add_cell(work *w, const clip *c, uint32_t *number,
                     opc_error *error) {
   target t = {w, name_cell(w, c, error), 0};
@@ -177,8 +178,8 @@ static int cut_all(const opc_host *host, work *w, opc_error *error) {
 
 /* ---- beginning and end ---- */
 
-/* Return the layer of the chip's layout that layer k was drawn on, -1 if there
-   is none. */
+/* Return the layer of the chip's layout on which layer k was drawn; -1: none.
+ */
 static int32_t drawn_layer(const eda_chip *chip, size_t k) {
   const char *name = chip->layer[k];
   for (size_t i = 0; i < chip->segment.also_count; i++)
@@ -187,8 +188,8 @@ static int32_t drawn_layer(const eda_chip *chip, size_t k) {
   return eda_layout_find_layer(chip->layout, name);
 }
 
-/* Create the layout with its top cell and its layers, which keep their names in
-   the file. */
+/* Create the layout with its top cell and its layers, which keep their file
+   layers. */
 static void layout_open(work *w, const eda_chip *chip, opc_error *error) {
   w->layer = eda_alloc(chip->layers, sizeof *w->layer);
   w->out = eda_layout_new(chip->grid, error);
@@ -219,7 +220,7 @@ static int layout_begin(work *w, const eda_chip *chip, opc_error *error) {
   m = MAX(m, far) + 1;
   eda_box e = chip->extent;
   w->cutter.margin = m;
-  w->extent = (eda_box){e.x0 - m, e.y0 - m, e.x1 + m, e.y1 + m};
+  w->extent = eda_box_grown(e, m);
   w->window = (int32_t)MIN(side / chip->grid, (double)(1 << 28));
   w->columns = (size_t)(((int64_t)e.x1 - e.x0 + 2 * m) / w->window + 1);
   w->rows = (size_t)(((int64_t)e.y1 - e.y0 + 2 * m) / w->window + 1);
@@ -265,8 +266,8 @@ static int layout_run(void *self, void **outputs, opc_error *error) {
   return code;
 }
 
-/* Make a layout of one box on each layer that the layout draws, so that the
-   forecast of a writer can check the layers. */
+/* Make a layout with one box on each layer on which the chip has shapes, so
+   that the forecast of a writer can check the layers. */
 static int layout_sketch(void *self, void **outputs, opc_error *error) {
   const eda_chip *chip = ((const layout *)self)->chip;
   work w = {.cutter.chip = chip};

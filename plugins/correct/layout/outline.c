@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements territories by flattening boxes of cells; the order of the corners
-   shows the orientation. */
+/* Implements territories by flattening boxes of cells. The order of a box's
+   corners shows the orientation of the cell. */
 #include "outline.h"
 
 #include <eda/memory.h>
@@ -72,9 +72,7 @@ eda_layout *outline_new(const eda_layout *layout, int32_t top,
         find_box(layout, c, layers, n, &b) &&
         ((double)b.x1 - b.x0) * unit <= most &&
         ((double)b.y1 - b.y0) * unit <= most)
-      code = eda_layout_add_box(
-          out, c, 0, (eda_box){b.x0 - by, b.y0 - by, b.x1 + by, b.y1 + by},
-          error);
+      code = eda_layout_add_box(out, c, 0, eda_box_grown(b, by), error);
     else
       code = copy_instances(layout, c, out, error);
   }
@@ -85,15 +83,16 @@ eda_layout *outline_new(const eda_layout *layout, int32_t top,
 
 /* ---- territories ---- */
 
-/* Return the number of quarter turns from (1, 0) to (x, y), or -1 for other
-   angles. */
+/* Return the number of quarter turns from (1, 0) to (x, y); -1 for an angle
+   that is not a multiple of 90 degrees. */
 static int quarter_turns(int64_t x, int64_t y) {
   if ((x != 0) == (y != 0)) return -1;
   return x > 0 ? 0 : y > 0 ? 1 : x < 0 ? 2 : 3;
 }
 
-/* Set the territory of a box; p: its corners after placement, counter-clockwise
-   from the original lower left one. Returns 0 for other angles. */
+/* Set the territory of a box. p: corners after placement, counter-clockwise
+   from the original lower left corner. Returns 0 if the angle is not a multiple
+   of 90 degrees. */
 static int territory_of(const eda_point *p, uint32_t number, territory *out) {
   int along = quarter_turns((int64_t)p[1].x - p[0].x, (int64_t)p[1].y - p[0].y);
   int up = quarter_turns((int64_t)p[3].x - p[0].x, (int64_t)p[3].y - p[0].y);

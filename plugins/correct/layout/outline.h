@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Territories of a layout: boxes of placed cells, each with its part of the
-   mask. */
+/* Territories of a layout: boxes of placed cells that divide the mask. */
 #pragma once
 
 #include <eda/layout.h>
 
 /* A placed cell on the grid. `orientation`: number of quarter turns
-   counter-clockwise; 4 is added if the cell is mirrored about x first. `at`:
+   counter-clockwise, plus 4 if the cell is first mirrored about x. `at`:
    position of the cell's lower left corner. */
 typedef struct territory {
   eda_box box;
@@ -15,17 +14,17 @@ typedef struct territory {
   uint8_t orientation;
 } territory;
 
-/* Return a layout with cells of equal numbers that contain only their bounding
-   boxes on the given layers, grown by `beyond` nm, in layer 0. A cell has a box
-   if it draws shapes itself, is not larger than `most` nm and is not below
-   another such cell; `top` has none. Returns NULL on failure. The caller frees
-   the layout with eda_layout_free(). Callable from any thread. */
+/* Return a layout with equal cell numbers. Each cell contains at most one box,
+   in layer 0: the bounding box of its shapes on n layers, grown by `beyond` nm.
+   A cell has a box if it draws shapes itself, is not larger than `most` nm and
+   is not below another such cell; `top` has none. Returns NULL on failure. The
+   caller frees the layout with eda_layout_free(). Callable from any thread. */
 eda_layout *outline_new(const eda_layout *layout, int32_t top,
                         const int32_t *layers, size_t n, double most,
                         double beyond, opc_error *error);
 
 /* Find the territories that touch a window, in grid units, in the order of
-   their placements. Cells at angles other than multiples of 90 degrees are
+   their placements. Placements at angles other than multiples of 90 degrees are
    skipped. The caller frees *out with free(). Callable from any thread. */
 int outline_find(const eda_layout *outline, int32_t top, double grid,
                  const eda_box *window, territory **out, size_t *count,

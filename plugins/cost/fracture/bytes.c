@@ -5,7 +5,7 @@
 
 #include <eda/oasis.h>
 
-/* Largest numbers of points of a polygon, as in the writers. */
+/* Largest numbers of points of a polygon, equal to those of the writers. */
 enum { GDSII_POINTS = 8190, OASIS_POINTS = 1 << 20 };
 
 /* Add the size of BOUNDARY, LAYER, DATATYPE, XY with the first point repeated,

@@ -26,7 +26,7 @@ typedef struct counter {
 
 enum { RECTANGLES, SHOTS, SLIVERS, VERTICES, GDSII, OASIS, MEBES, FIGURES };
 
-/* Cost of a corrected layer, as drawn or corrected. */
+/* Cost of a layer, of the drawn shapes or of the mask. */
 typedef struct cost {
   int64_t figure[FIGURES];
   double area; /* um^2 */
@@ -69,8 +69,8 @@ static int make_ruler(const counter *c, const eda_gates *g, ruler *r,
   return OPC_OK;
 }
 
-/* Return OPC_INVALID if copies of the array touch, as they would not cost the
-   same as separate ones. */
+/* Return OPC_INVALID if copies of the array touch, because touching copies do
+   not have the cost of separate ones. */
 static int check_copies(const ruler *r, const eda_box *boxes, size_t n,
                         opc_error *error) {
   eda_box all = n ? boxes[0] : (eda_box){0};
@@ -98,7 +98,7 @@ static int count_shots(const counter *c, const ruler *r, const eda_box *boxes,
   for (size_t i = 0; i < n; i++) {
     double w = ((double)boxes[i].x1 - boxes[i].x0) * plate;
     double h = ((double)boxes[i].y1 - boxes[i].y0) * plate;
-    /* Tolerate rounding for shapes as large as a shot. */
+    /* A shape may exceed the size of a shot by the rounding error. */
     double columns = ceil(w / c->max_shot - 1e-9);
     double rows = ceil(h / c->max_shot - 1e-9);
     all += columns * rows;
@@ -113,8 +113,8 @@ static int count_shots(const counter *c, const ruler *r, const eda_box *boxes,
   return OPC_OK;
 }
 
-/* Count the shots, cut without slivers, and the rectangles of files, as few as
-   possible. */
+/* Count the shots, cut without slivers, and the smallest number of rectangles
+   for files. */
 static int count_figures(const counter *c, const ruler *r,
                          const eda_shapes *shapes, int64_t f[FIGURES],
                          opc_error *error) {
@@ -207,7 +207,8 @@ static int publish_metrics(const opc_host *host, const row *rows, size_t n,
 
 /* ---- work: run ---- */
 
-/* Drawn shapes and masks, computed in parallel: two for each row. */
+/* Costs of the rows, computed in parallel: two for each row, of the drawn
+   shapes and of the mask. */
 typedef struct counting {
   const counter *counter;
   ruler ruler;
@@ -256,20 +257,20 @@ static int fracture_run(void *self, void **outputs, opc_error *error) {
 
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(counter, mask, .type = OPC_INPUT, .flags = OPC_REQUIRED,
-                  .choices = "mask", .summary = "The mask to count"),
+                  .choices = "mask", .summary = "Mask whose cost is computed"),
     OPC_PARAMETER(counter, max_shot, .type = OPC_REAL, .flags = OPC_AT_LEAST,
                   .unit = "nm", .preset = "1 um", .min = 10,
                   .summary = "Largest side of a shot, on the plate"),
     OPC_PARAMETER(
         counter, sliver, .type = OPC_REAL, .flags = OPC_AT_LEAST, .unit = "nm",
         .preset = "80 nm", .min = 0,
-        .summary = "Shots narrower than this on the plate are slivers"),
+        .summary = "Width on the plate below which a shot is a sliver"),
     OPC_PARAMETER(counter, magnification, .type = OPC_REAL,
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "4", .min = 1,
                   .max = 100,
                   .summary = "Scale of the plate relative to the wafer"),
     OPC_PARAMETER(counter, array, .type = OPC_REALS, .preset = "[1, 1]",
-                  .summary = "Columns and rows of copies of the mask to count"),
+                  .summary = "Columns and rows of copies of the mask"),
     OPC_PARAMETER_NAMED(
         "array_space", counter, space, .type = OPC_REAL,
         .flags = OPC_AT_LEAST | OPC_AT_MOST, .unit = "nm", .preset = "200 nm",
@@ -317,11 +318,9 @@ static int fracture_check(void *self, opc_error *error) {
 
 static const opc_step functions = {.run = fracture_run};
 
-OPC_PLUGIN(counter, .id = "cost.fracture", .kind = "step", .version = "0.2.0",
-           .licence = "BSD-3-Clause",
-           .summary =
-               "Count the rectangles, shots, vertices and bytes of a "
-               "mask",
-           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), OPC_METRICS(metrics),
-           .check = fracture_check, OPC_FUNCTIONS(functions));
+OPC_PLUGIN(
+    counter, .id = "cost.fracture", .kind = "step", .version = "0.2.0",
+    .licence = "BSD-3-Clause",
+    .summary = "Compute the rectangles, shots, vertices and bytes of a mask",
+    .flags = OPC_DETERMINISTIC | OPC_REENTRANT, OPC_PARAMETERS(parameters),
+    OPC_METRICS(metrics), .check = fracture_check, OPC_FUNCTIONS(functions));

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tests masks that are counted by hand, files of the writers, and the
+/* Tests masks with costs counted by hand, files of the writers, and the
    trapezoids of KLayout. */
 #include <math.h>
 #include <string.h>
@@ -158,8 +158,8 @@ static void test_shapes(void) {
     }
 }
 
-/* Results of drawn and corrected, poly and active are in their own rows and
-   columns. */
+/* The results of drawn and corrected shapes, and of poly and active, are in
+   separate rows and columns. */
 static void test_places(void) {
   drawing drawn[LAYERS] = {0}, corrected[LAYERS] = {0};
   square(&drawn[EDA_POLY]);
@@ -187,7 +187,7 @@ static void test_places(void) {
   g_assert_cmpfloat(opc_test_metric("vertices"), ==, 44);
 }
 
-/* A third layer has its own row and is included in the sums. */
+/* A third layer has a separate row and is included in the sums. */
 static void test_third_layer(void) {
   drawing drawn[LAYERS] = {0}, corrected[LAYERS] = {0};
   square(&corrected[EDA_POLY]);
@@ -238,8 +238,8 @@ static void test_slanted(void) {
 
 /* ---- shots ---- */
 
-/* The ell is two rectangles, 100 x 40 and 40 x 60 (the cut of the fracture);
-   the square is one. */
+/* The ell is divided into two rectangles, 100 x 40 and 40 x 60; the square is
+   one rectangle. */
 static void test_shots(void) {
   drawing none[LAYERS] = {0}, mask[LAYERS] = {0};
   square(&mask[EDA_POLY]);
@@ -340,9 +340,9 @@ static void test_mebes(void) {
   g_assert_cmpint(integer_of("cost_bytes", "mebes", EDA_POLY), ==, 4096);
 }
 
-/* Case from a corrected mask: the chord below the bump serves two concave
-   corners and crosses no better one. Vertical or horizontal cuts alone give
-   6. */
+/* A case from a corrected mask: one chord serves two concave corners, and no
+   better chord crosses it. Vertical or horizontal cuts alone result in 6
+   rectangles. */
 static void test_chord(void) {
   drawing none[LAYERS] = {0}, mask[LAYERS] = {0};
   ADD(&mask[EDA_POLY], 0, {256, 0}, {321, 0}, {321, 809}, {74, 809}, {74, 1774},
@@ -356,9 +356,9 @@ static void test_chord(void) {
                   65 * 712 + 247 * 97 + 85 * 8 + 65 * 1062 + 9 * 85);
 }
 
-/* A line of 65 nm with a strip of 1 nm along a part, as left by a jog, and a
-   step of 1 nm. Shots are cut across, so that none is narrow; files have the
-   fewest rectangles, of which two are slivers. */
+/* A line of 65 nm with a strip of 1 nm along a part (from a jog), and a step of
+   1 nm. Shots are cut across the line, so that no shot is narrow. Files have
+   the fewest rectangles, two of which are slivers. */
 static void test_slivers(void) {
   drawing none[LAYERS] = {0}, mask[LAYERS] = {0};
   ADD(&mask[EDA_POLY], 0, {0, 0}, {65, 0}, {65, 400}, {66, 400}, {66, 1000},

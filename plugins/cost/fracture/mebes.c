@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the MEBES model. Rectangles are cut at the borders of stripes and
    segments. Positions along x do not depend on the row of the array. The size
-   therefore is that of one row in one stripe, times the number of parts into
-   which stripes cut all rows. */
+   is therefore the size of one row in one stripe, times the number of parts
+   into which the borders of stripes cut the rows. */
 #include "mebes.h"
 
 /* Sizes of records in bytes. */
@@ -18,8 +18,8 @@ static int64_t floor_div(int64_t a, int64_t b) {
   return a >= 0 ? a / b : -((b - 1 - a) / b);
 }
 
-/* Return the number of intervals of `size`, aligned to 0, that meet [from,
-   to). */
+/* Return the number of intervals of `size` that overlap [from, to); interval
+   borders are multiples of `size`. */
 static int64_t count_intervals(int64_t from, int64_t to, int64_t size) {
   return floor_div(to - 1, size) - floor_div(from, size) + 1;
 }
@@ -35,8 +35,8 @@ static int64_t mebes_stripes(eda_box e, const mebes_array *a) {
 }
 
 /* Return the size of all copies of [x0, x1) in a row. Copies within a segment
-   are one record, preceded by an array record if there are several; each part
-   of a copy cut by a border is a record. */
+   are one record, preceded by an array record if there are several. A copy that
+   borders cut has one record per part. */
 static int64_t row_bytes(int64_t x0, int64_t x1, const mebes_array *a) {
   int64_t bytes = 0;
   for (int64_t c = 0; c < a->columns;) {

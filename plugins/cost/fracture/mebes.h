@@ -5,7 +5,7 @@
 
 #include <eda/geometry.h>
 
-/* Array of copies; 1, 1 for a single one. Steps in grid units. */
+/* Array of copies, steps in grid units. A single mask has one copy. */
 typedef struct mebes_array {
   int64_t columns, rows, step_x, step_y;
 } mebes_array;

@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the minimum partition into rectangles (T. Ohtsuki, "Minimum
    dissection of rectilinear regions", ISCAS 1982). Each concave corner requires
-   a cut, but a chord between two of them serves both. A largest set of disjoint
-   chords is selected: a maximum independent set of a bipartite graph, computed
-   from a maximum matching.
-
-   Each remaining corner is cut in one of two directions, both of which give the
-   same count: the direction without slivers, or else the shorter one. Chords
-   that cut off slivers are excluded, since an additional rectangle costs
+   a cut, but a chord between two concave corners serves both. The largest set
+   of disjoint chords is selected: a maximum independent set of a bipartite
+   graph, computed from a maximum matching.
+   Each remaining corner is cut along x or y, which results in the same number
+   of rectangles. A direction without slivers is preferred, then the shorter
+   cut. Chords that cut off slivers are not used; an additional rectangle costs
    less. */
 #include "partition.h"
 
@@ -15,12 +14,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Largest polygon, because the algorithm is cubic, and largest number of holes
-   that are searched for each polygon. */
+/* Largest number of points of a polygon, because the time is cubic, and largest
+   number of holes that are searched for each polygon. */
 enum { MOST = 512, MOST_HOLES = 1000 };
 
-/* A cut: `at` is its y if horizontal, and from .. to its extent along x;
-   exchanged if vertical. */
+/* A cut. If horizontal, `at` is the y, and the cut extends from x = `from` to x
+   = `to`. If vertical, x and y are exchanged. */
 typedef struct chord {
   int32_t at, from, to;
 } chord;
@@ -35,10 +34,9 @@ typedef struct work {
   int chords[2];
   int match[2][MOST]; /* partner of each chord; -1: none */
   uint8_t seen[2][MOST];
-  int32_t line[2][MOST]; /* sorted x of the vertical edges, y of the horizontal
-                            ones */
+  int32_t line[2][MOST]; /* sorted x of vertical edges, y of horizontal edges */
   int lines[2];
-  /* Cells between these lines, with their left and lower borders. */
+  /* Cells between these lines: kinds of the left and lower borders. */
   uint8_t left[MOST / 2][MOST / 2], below[MOST / 2][MOST / 2];
   uint8_t done[MOST / 2][MOST / 2];
 } work;
@@ -56,8 +54,8 @@ static eda_point corner_at(const work *w, int i) {
   return w->p[(i + w->n) % w->n];
 }
 
-/* Return the sign of the direction in which the line through a corner enters
-   the polygon, opposite to its edge along that direction. */
+/* Return the sign of the direction in which a line along `axis` through a
+   corner enters the polygon: opposite to the edge along that axis. */
 static int inward_sign(const work *w, int i, int axis) {
   eda_point p = corner_at(w, i), a = corner_at(w, i - 1),
             b = corner_at(w, i + 1);
@@ -107,8 +105,8 @@ static int32_t distance_beside(chord c, int32_t at, int32_t from, int32_t to,
   return d > 0 && d < least && low < c.to && high > c.from ? d : least;
 }
 
-/* Return the distance of a cut from the nearest parallel edge or one of the
-   first `cuts` cuts, at most `sliver`. */
+/* Return the distance of a cut from the nearest parallel edge or earlier cut
+   (the first `cuts` cuts), limited to `sliver`. */
 static int32_t cut_thickness(const work *w, chord c, int axis, int cuts,
                              int32_t sliver) {
   for (int k = 0; k < w->n; k++) {
@@ -160,15 +158,15 @@ static int match_augment(work *w, int h) {
   return 0;
 }
 
-/* Mark the chords reachable by alternating paths from an unmatched horizontal
-   one. */
+/* Mark the chords reachable by alternating paths from an unmatched chord h. */
 static void match_visit(work *w, int h) {
   if (w->seen[0][h]) return;
   w->seen[0][h] = 1;
   for (int v = 0; v < w->chords[1]; v++) {
     if (w->seen[1][v] || !chords_touch(w, h, v)) continue;
     w->seen[1][v] = 1;
-    match_visit(w, w->match[1][v]); /* matched, since the matching is maximal */
+    match_visit(w, w->match[1][v]); /* the chord is matched, because the
+                                       matching is maximum */
   }
 }
 
@@ -246,11 +244,6 @@ static void cut_corners(work *w, int32_t sliver) {
 
 /* ---- from cuts to rectangles ---- */
 
-static int by_value(const void *a, const void *b) {
-  int32_t p = *(const int32_t *)a, q = *(const int32_t *)b;
-  return (p > q) - (p < q);
-}
-
 static void find_lines(work *w) {
   for (int axis = 0; axis < 2; axis++) {
     int32_t *line = w->line[axis];
@@ -259,7 +252,7 @@ static void find_lines(work *w) {
       if (coordinate_along(corner_at(w, i), axis) ==
           coordinate_along(corner_at(w, i + 1), axis))
         line[n++] = coordinate_along(corner_at(w, i), axis);
-    qsort(line, (size_t)n, sizeof *line, by_value);
+    qsort(line, (size_t)n, sizeof *line, eda_int32s_rise);
     for (int i = 0; i < n; i++)
       if (!i || line[i] != line[i - 1]) line[kept++] = line[i];
     w->lines[axis] = kept;
@@ -269,11 +262,11 @@ static void find_lines(work *w) {
 static int number_of(const work *w, int axis, int32_t value) {
   const int32_t *line = w->line[axis];
   return (int)((const int32_t *)bsearch(&value, line, (size_t)w->lines[axis],
-                                        sizeof *line, by_value) -
+                                        sizeof *line, eda_int32s_rise) -
                line);
 }
 
-/* Mark an edge or cut as border of the cells along it. */
+/* Mark an edge or a cut as the border of the adjacent cells. */
 static void put_wall(work *w, int axis, chord c, uint8_t what) {
   int at = number_of(w, !axis, c.at);
   int from = number_of(w, axis, c.from), to = number_of(w, axis, c.to);
@@ -304,7 +297,7 @@ static void put_walls(work *w) {
       put_wall(w, axis, w->chord[axis][i], CUT);
 }
 
-/* Append the rectangle whose lower left corner is in a cell. */
+/* Append the rectangle whose lower left cell is (i, j). */
 static void take_rectangle(work *w, int i, int j, eda_box_list *out) {
   int right = i + 1, top = j + 1;
   while (!w->left[j][right]) right++;
@@ -346,11 +339,7 @@ static void cut_polygon(work *w, const eda_point *p, int n, int32_t sliver,
 
 /* ---- all polygons ---- */
 
-static eda_box polygon_bounds(const eda_shapes *s, size_t i) {
-  return eda_bounds(s->points + s->start[i], s->start[i + 1] - s->start[i]);
-}
-
-/* Return 1 for a rectilinear polygon without holes that is small enough. */
+/* Return 1 for a rectilinear polygon without holes, within the limits. */
 static int is_plain(const eda_shapes *s, size_t i, const eda_box *holes,
                     size_t n_holes) {
   uint32_t first = s->start[i], end = s->start[i + 1];
@@ -360,7 +349,7 @@ static int is_plain(const eda_shapes *s, size_t i, const eda_box *holes,
     eda_point a = s->points[k], b = s->points[k + 1 < end ? k + 1 : first];
     if (a.x != b.x && a.y != b.y) return 0; /* rejected by eda_fracture */
   }
-  eda_box b = n_holes ? polygon_bounds(s, i) : (eda_box){0};
+  eda_box b = n_holes ? eda_shape_box(s, i) : (eda_box){0};
   for (size_t h = 0; h < n_holes; h++)
     if (holes[h].x0 >= b.x0 && holes[h].x1 <= b.x1 && holes[h].y0 >= b.y0 &&
         holes[h].y1 <= b.y1)
@@ -368,14 +357,14 @@ static int is_plain(const eda_shapes *s, size_t i, const eda_box *holes,
   return 1;
 }
 
-/* Partition the plain polygons and collect the others in `rest`. */
+/* Partition the plain polygons, and collect the other polygons in `rest`. */
 static void cut_plain(const eda_shapes *s, int32_t sliver, eda_shapes *rest,
                       eda_box_list *out) {
   work *w = eda_alloc(1, sizeof *w);
   eda_box *holes = eda_alloc(s->count, sizeof *holes);
   size_t n_holes = 0;
   for (size_t i = 0; s->hole && i < s->count; i++)
-    if (s->hole[i]) holes[n_holes++] = polygon_bounds(s, i);
+    if (s->hole[i]) holes[n_holes++] = eda_shape_box(s, i);
   for (size_t i = 0; i < s->count; i++) {
     uint32_t n = s->start[i + 1] - s->start[i];
     const eda_point *p = s->points + s->start[i];

@@ -5,9 +5,9 @@
 #include <eda/geometry.h>
 
 /* Partition merged shapes into rectangles without overlap. Polygons of at most
-   512 points without holes get the smallest number of rectangles that are not
-   narrower than `sliver` where possible (0: the smallest number); others are
-   cut by eda_fracture. The caller frees *boxes with free(). Returns the codes
-   of eda_fracture. */
+   512 points without holes get the smallest number of rectangles, and no
+   rectangle narrower than `sliver` where possible (0: no limit). Other polygons
+   are cut by eda_fracture. The caller frees *boxes with free(). Returns the
+   codes of eda_fracture. */
 int partition(const eda_shapes *shapes, int32_t sliver, eda_box **boxes,
               size_t *count, opc_error *error);

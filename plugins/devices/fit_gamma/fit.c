@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the least-squares fits: an edge term, with a search for the decay
-   length, or a table, which is a linear problem. */
+/* Implements the least-squares fits. The form `edge` needs a search for the
+   decay length; the form `table` is a linear problem. */
 #include "fit.h"
 
 #include <eda/memory.h>
@@ -46,15 +46,15 @@ static void fitted_init(fitted *f, size_t points) {
   f->gamma = eda_alloc(points, sizeof *f->gamma);
 }
 
-/* ---- an edge term: for each decay the best amplitude is known ---- */
+/* ---- form `edge`: search for the decay length ---- */
 
 typedef struct search {
   const sample *sample;
-  double *x, *y;    /* of each transistor */
-  double amplitude; /* optimum for the last decay length */
+  double *x, *y;    /* regressor and target of each transistor */
+  double amplitude; /* optimum amplitude at the last decay length */
 } search;
 
-/* Return the sum of squares at the optimal amplitude. */
+/* Return the sum of squares with the optimum amplitude. */
 static double fit_cost(double log_decay, void *data) {
   search *f = data;
   double decay = exp(log_decay), covariance, squares;
@@ -74,8 +74,8 @@ static double fit_cost(double log_decay, void *data) {
   return squares;
 }
 
-/* Return the decay length of least cost: the best of many trials, refined by
-   Brent's method. */
+/* Return the decay length with the smallest sum of squares: the best of TRIALS
+   + 1 values, refined by Brent's method. */
 static double best_decay(search *f) {
   double step = log(most / least) / TRIALS, best = INFINITY, at = 0;
   for (int i = 0; i <= TRIALS; i++) {
@@ -116,7 +116,7 @@ int fit_edge(const sample *s, fitted *out, opc_error *error) {
   return OPC_OK;
 }
 
-/* ---- a table: linear ---- */
+/* ---- form `table`: linear ---- */
 
 /* Return the weight of point j in gamma at a distance x from the edge. */
 static double hat_weight(const double *edge, size_t n, size_t j, double x) {

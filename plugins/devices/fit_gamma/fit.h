@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Internal interface of devices.fit_gamma: transistors with known currents, and
-   fits of gamma by least squares of the relative errors of a current. */
+   least-squares fits of gamma to the relative errors of a current. */
 #pragma once
 
 #include <eda/curves.h>
@@ -15,8 +15,8 @@ typedef struct transistor {
   double *length; /* from one active edge to the other, nm */
   size_t lengths;
   double current[EDA_CURRENTS]; /* A; NAN: not given */
-  /* Slices: distance from the nearer edge, nm, and current of plain slicing,
-     A. */
+  /* Slices: distance from the nearer active edge, nm, and current without
+     gamma, A. */
   double edge[REFERENCE_NODES], part[EDA_CURRENTS][REFERENCE_NODES];
 } transistor;
 
@@ -56,6 +56,6 @@ int fit_table(const sample *s, const double *edge, size_t edges, fitted *out,
               opc_error *error);
 void fitted_clear(fitted *f);
 
-/* Return the deviation of a transistor's sliced current from the given one, %;
-   f NULL: plain slicing. */
+/* Return the deviation of a transistor's sliced current from the known current,
+   %. f NULL: without gamma. */
 double fit_residual(const sample *s, size_t i, const fitted *f);

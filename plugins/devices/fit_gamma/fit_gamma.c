@@ -162,16 +162,16 @@ static const opc_parameter parameters[] = {
         .summary = "transistors with their currents: a CSV file"),
     OPC_PARAMETER(fitter, devices, .type = OPC_FILE, .flags = OPC_REQUIRED,
                   .summary = "device table that extractor.gamma will use"),
-    OPC_PARAMETER(
-        fitter, form, .type = OPC_CHOICE, .preset = "edge",
-        .choices = "edge|table",
-        .summary = "gamma = 1 + a exp(-d / decay), or free at `edges`"),
+    OPC_PARAMETER(fitter, form, .type = OPC_CHOICE, .preset = "edge",
+                  .choices = "edge|table",
+                  .summary = "edge: gamma = 1 + a exp(-d / decay); table: "
+                             "gamma at the distances `edges`"),
     OPC_PARAMETER(
         fitter, edges, .type = OPC_REALS, .unit = "nm",
         .preset = "[0 nm, 10 nm, 20 nm, 40 nm, 80 nm]",
-        .summary = "distances from the active edge of the form 'table'"),
+        .summary = "distances from the active edge, for the form 'table'"),
     OPC_PARAMETER(fitter, table, .type = OPC_OUTPUT, .preset = "gamma.csv",
-                  .summary = "the weights, for extractor.gamma"),
+                  .summary = "table of weights for extractor.gamma"),
 };
 
 static const opc_metric metrics[] = {

@@ -57,8 +57,9 @@ static opc_module *extractor(const char *more) {
 
 static const double widths[] = {90, 120, 180, 270, 400, 800};
 
-/* Write a file of references computed by an extractor: straight and tapered
-   transistors of both types. `worst`: largest deviation of plain slicing, %. */
+/* Write a file of reference transistors computed by an extractor: straight and
+   tapered transistors of both types. `worst`: largest deviation of slicing
+   without gamma, %. */
 static char *write_reference(const char *name, const char *terms,
                              double worst[2]) {
   g_autoptr(opc_module) truth = extractor(terms);

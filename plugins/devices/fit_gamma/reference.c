@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Reads transistors with known currents and computes their currents by plain
-   slicing. */
+/* Reads transistors with known currents, and computes their currents by slicing
+   without gamma. */
 #include <eda/csv.h>
 #include <eda/memory.h>
 #include <glib.h>
@@ -57,7 +57,7 @@ static double length_at(const transistor *t, double place) {
   return t->length[i] + (x - (double)i) * (t->length[i + 1] - t->length[i]);
 }
 
-/* Divide a transistor into slices that get thinner towards both edges. */
+/* Divide a transistor into slices, which become thinner towards both edges. */
 static void transistor_slice(transistor *t, const eda_curves *table) {
   for (int i = 0; i < REFERENCE_NODES; i++) {
     double s = (i + 0.5) / REFERENCE_NODES, place = s * s * (3 - 2 * s);

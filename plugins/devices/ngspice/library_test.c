@@ -67,8 +67,8 @@ static void test_ends(void) {
   g_assert_cmpfloat(cut->length[0], ==, 100);
   g_assert_nonnull(
       strstr(opc_test_log(), "the library has no bin for the size"));
-  /* For three widths that end there, each current of each type is reported
-     once. */
+  /* For three widths with equal valid lengths, each current of each type is
+     reported once. */
   opc_test_forget();
   if (table_make(SHORT ", widths: [2 um, 3 um, 4 um]", "wide.yaml", &error))
     g_error("%s", error.message);
@@ -100,7 +100,7 @@ static void test_ends(void) {
     g_assert_cmpfloat(fabs(slope->ion[t][1] / slope->ion[t][2] / step - 1), <,
                       1e-5);
     g_assert_cmpfloat(more->ion[t][0], >, more->ion[t][1]);
-    /* The model is not a straight line. */
+    /* The logarithm of the model is not linear. */
     g_assert_cmpfloat(fabs(more->ion[t][0] / slope->ion[t][0] - 1), >, 1e-3);
   }
   eda_devices_free(cut);
@@ -108,8 +108,8 @@ static void test_ends(void) {
   eda_devices_free(slope);
 }
 
-/* Test widths: wint takes 5 nm from each side of W and has no other effect, so
-   the current is proportional to W - 10 nm, also for widths without a bin. */
+/* wint subtracts 5 nm on each side of W and has no other effect. Therefore the
+   current is proportional to W - 10 nm, also for widths without a bin. */
 static void test_widths(void) {
   static const double widths[] = {500, 1000, 1500, 3000};
   opc_error error;
@@ -143,8 +143,8 @@ static void test_widths(void) {
   " d g s b w=1u l=1u\nn1 d g s b m w=w l=l\n.model m squarelaw type=" type \
   " k=1m vt=0.4 leak=1n\n.ends\n"
 
-/* Test a square-law model with the interface of compiled models against its
-   equations; without OSDI support in ngspice, test the error message. */
+/* A square-law model with the OSDI interface, compared with the equations of
+   the model. If ngspice has no OSDI support, test the error message. */
 static void test_osdi(void) {
   opc_error error;
   void *no_outputs[1];
@@ -183,10 +183,10 @@ static void test_osdi(void) {
 
 /* ---- capacitance of the gate ---- */
 
-/* Return the charge into the gate of a transistor driven from 0 to `supply`
-   within 1 ns, divided by `supply`. A transient of the command `ngspice`
-   integrates the gate current on a capacitor of 1 fF, with the accuracy of
-   charges; leakage is negligible. NAN: no such command. */
+/* Return the gate charge of a transistor driven from 0 to `supply` within 1 ns,
+   divided by `supply`. In a transient, the `ngspice` command integrates the
+   gate current on a capacitor of 1 fF, with the accuracy of charges. Leakage is
+   negligible. NAN: the command is missing. */
 static double charge(const char *models, const char *name, int type,
                      double length, double width, double supply) {
   double v = type ? -supply : supply;
@@ -241,7 +241,7 @@ static void test_capacitance(void) {
                  "reference: { length: 120 nm, width: 1.5 um }",
                  "c.yaml", &error))
     g_error("%s", error.message);
-  /* Plain ngspice would draw random values. */
+  /* Plain ngspice would use random values. */
   g_auto(GStrv) parts = g_strsplit(library, "{agauss(0.4,0.5,1)}", 2);
   g_autofree char *nominal = g_strjoinv("0.4", parts);
   g_autofree char *path = g_build_filename(opc_test_folder(), "nom.lib", NULL);
@@ -291,8 +291,8 @@ typedef struct process {
   double abstol[EDA_CURRENTS]; /* A: accuracy of the models */
 } process;
 
-/* Lengths and widths of the cells and 10 % around; for SkyWater, those covered
-   by the models. */
+/* Lengths and widths of the cells, and 10 % beyond; for SkyWater, only sizes
+   within the bins. */
 static const process sky130 = {
     "sky130",
     "sky130/models/sky130.lib.spice",
@@ -330,8 +330,9 @@ static void make_gates(const process *p, gate gates[GATES]) {
                       g_rand_double_range(lot, p->width[0], p->width[1])};
 }
 
-/* Simulate one current of all gates with the command `ngspice` and the whole
-   library. If anything is missing, skips the test and returns 0. */
+/* Simulate one current of all gates with the `ngspice` command and the whole
+   library. If the command or the library is missing, skips the test and returns
+   0. */
 static int gates_simulate(const process *p, const gate gates[GATES],
                           int current, double out[GATES]) {
   g_autofree char *lib = find_data(p->library);

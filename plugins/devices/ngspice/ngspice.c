@@ -8,7 +8,6 @@
 #include <eda/memory.h>
 #include <eda/simulator.h>
 #include <errno.h>
-#include <limits.h>
 #include <math.h>
 #include <opcflow/table.h>
 #include <stdlib.h>
@@ -120,7 +119,8 @@ static int write_all(const plan *p, const currents *c, opc_error *error) {
    folder. */
 static int find_files(plan *p, opc_error *error) {
   const char *parameter = p->library ? "library" : "card";
-  /* Checked here, as flows may leave these parameters to the caller. */
+  /* Checked at run time, because flows may leave these parameters to the
+     caller. */
   if (!p->library && !p->card[EDA_NMOS])
     return opc_fail(error, OPC_INVALID, NULL,
                     "set 'card' or 'library', a file of models");
@@ -208,24 +208,18 @@ static const opc_parameter parameters[] = {
      .preset = "pmos"},
     {TEXT("overrides", OPC_MAP, overrides,
           "model parameters to change in both cards, { igbmod: 0 }")},
-    OPC_PARAMETER(plan, supply, .type = OPC_REAL, .unit = "V",
-                  .flags = OPC_REQUIRED | OPC_ABOVE | OPC_AT_MOST, .min = 0,
-                  .max = 20, .summary = "supply voltage"),
-    OPC_PARAMETER(plan, temperature, .type = OPC_REAL, .unit = "C",
-                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "27 C",
-                  .min = -200, .max = 300,
-                  .summary = "temperature of the transistors"),
+    EDA_CONDITIONS(plan),
     {LENGTH("width", width, "drawn width of the transistors of the table"),
      .preset = "10 um"},
     {TEXT("widths", OPC_REALS, width_list,
-          "for a table of length and width, in place of `width`: increasing "
-          "widths; slices use the current of the last one"),
+          "increasing widths, for a table of length and width; replaces "
+          "`width`; slices use the current of the largest width"),
      .unit = "nm"},
     {LENGTH("length.from", from, "shortest drawn length")},
     {LENGTH("length.to", to, "longest drawn length")},
     {LENGTH("length.step", step, "step between two lengths"), .preset = "1 nm"},
     {TEXT("length.list", OPC_REALS, list,
-          "increasing lengths, in place of a range"),
+          "increasing lengths; replaces the range `from` to `to`"),
      .unit = "nm"},
     {VOLTAGE("ion.vgs", bias[EDA_ION].gate,
              "gate voltage of Ion (default: the supply)")},
@@ -242,14 +236,15 @@ static const opc_parameter parameters[] = {
      .preset = "false"},
     {LENGTH("reference.length", reference_length,
             "length of the transistors whose currents are metrics")},
-    {LENGTH("reference.width", reference_width, "their width"),
+    {LENGTH("reference.width", reference_width,
+            "width of the transistors whose currents are metrics"),
      .preset = "1 um"},
     {TEXT("name", OPC_TEXT, name,
           "name of the table (default: name of the card)")},
     {TEXT("flavour", OPC_TEXT, flavour,
-          "flavour of the transistors, for a table behind others in a file: "
-          "lvt, hv")},
-    {TEXT("file", OPC_OUTPUT, file, "the table"), .preset = "devices.yaml"},
+          "flavour of the transistors, such as lvt; required for all tables of "
+          "a file except the first")},
+    {TEXT("file", OPC_OUTPUT, file, "device table"), .preset = "devices.yaml"},
     {TEXT("picture", OPC_OUTPUT, picture,
           "picture of the curves, .png, .svg or .pdf"),
      .preset = "devices.png"},

@@ -24,7 +24,7 @@ typedef struct bias {
   double gate, drain; /* V, of the n-transistor; negated for the p-transistor */
 } bias;
 
-/* Parameters and derived data of a simulation. */
+/* Parameters and data derived from parameters. */
 typedef struct plan {
   const opc_host *host;
   const char *card[TYPES];  /* parameters: files */
@@ -50,7 +50,7 @@ typedef struct plan {
 } plan;
 
 typedef struct currents {
-  /* [width * count + length] */
+  /* values by [width * count + length] */
   double *at[TYPES][QUANTITIES];
   double reference[TYPES][QUANTITIES];
   char simulator[32]; /* "ngspice-39" */
@@ -75,8 +75,8 @@ static inline const double *currents_widest(const plan *p, const currents *c,
 
 /* ---- simulate.c ---- */
 
-/* Simulate all transistors and find the first length of the table. The arrays
-   of `out` are allocated and zero. */
+/* Simulate all transistors and find the first length of the table. The caller
+   allocates the arrays of `out`, set to zero. */
 int simulate(const plan *p, currents *out, opc_error *error);
 
 /* ---- table.c ---- */

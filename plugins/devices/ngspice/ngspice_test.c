@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tests cards with known results, hand-written decks run by plain ngspice, and
-   the results of extractor.plain with the table. */
+/* Cards with known results, hand-written decks run by plain ngspice, and
+   results of extractor.plain with the computed table. */
 #include <eda/devices.h>
 #include <eda/extractor.h>
 #include <math.h>
@@ -46,7 +46,7 @@ static eda_devices *table_load(const char *table) {
   return d;
 }
 
-/* ---- against the plain simulator ---- */
+/* ---- comparison with plain ngspice ---- */
 
 /* Return the drain current of a deck run by the command `ngspice`; NAN if the
    command is missing. */
@@ -96,10 +96,10 @@ static void test_by_hand(void) {
   eda_devices_free(d);
 }
 
-/* ---- tables that are known ---- */
+/* ---- known tables ---- */
 
-/* Test thesis 2.2.1: an n-transistor with L 65, W 1000 has 1.152 mA. The
-   shipped table must equal the computed one. */
+/* Thesis 2.2.1: Ion of an n-transistor with L 65, W 1000 is 1.152 mA. The
+   shipped table must equal the computed table. */
 static void test_thesis(void) {
   opc_error error;
   if (!have_ngspice()) return;
@@ -162,7 +162,7 @@ static void test_own_card(void) {
   eda_devices_free(want);
 }
 
-/* ---- where a card ends ---- */
+/* ---- range of a card ---- */
 
 /* Test a card whose effective channel length is 0 at 60 nm. */
 static void test_clamped(void) {
@@ -185,7 +185,7 @@ static void test_clamped(void) {
   g_assert_cmpfloat(d->length[0], ==, shortest);
   g_assert_cmpfloat(d->length[d->count - 1], ==, 120);
   eda_devices_free(d);
-  /* The same, where the simulator fails at the next length. */
+  /* The same range, but the simulator fails at the next length. */
   if (run_step(card,
                "nmos: n, pmos: p, supply: 1 V, "
                "length: { list: [60 nm, 90 nm, 100 nm, 120 nm] }",
@@ -252,8 +252,8 @@ static void sum_slices(const char *table, double current[2]) {
 }
 
 /* Compare transistors in parallel, simulated together, with the sum of slices
-   from the table. The remaining difference is the width correction of the card
-   for each W: none for our card, 10 nm for PTM. */
+   from the table. The remaining difference is the width that the card subtracts
+   from each W: 0 for opcflow65.pm, 10 nm for PTM. */
 static void check_slices(const char *card, const char *table,
                          const char *overrides, double within) {
   opc_error error;

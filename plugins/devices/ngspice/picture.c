@@ -109,7 +109,8 @@ int picture_draw(const plan *p, const currents *all, const char *name,
                  .height = 410,
                  .x.title = "drawn length, nm",
                  .y.log = 1};
-  /* Short lengths need resolution, too. */
+  /* If the lengths span a large range, a logarithmic axis resolves the short
+     lengths. */
   c.x.log = p->length[p->count - 1] > 10 * p->length[all->first];
   eda_axis_fit(&c.x, p->length + all->first, p->count - all->first);
   for (int k = 0; k < plan_quantities(p); k++) {

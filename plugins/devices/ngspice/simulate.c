@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Simulates the transistors. Card: one transistor per circuit, altered from the
-   longest length down, which keeps the results obtained before the card fails.
-   Library, whose bins and expressions depend on L and W: one transistor for
-   each length, all in one circuit. */
+/* Simulates the transistors. Model card: one transistor in a circuit, whose
+   length is changed from the longest to the shortest. Results before a failure
+   of the card are kept. Library, whose bins and expressions depend on L and W:
+   one circuit with a transistor for each length. */
 #include <eda/memory.h>
 #include <eda/simulator.h>
 #include <glib.h>
@@ -12,7 +12,7 @@
 
 #include "ngspice.h"
 
-/* Type, quantity and width: one process. */
+/* Work unit of one process: transistor type, quantity and width. */
 typedef struct simulation_task {
   const plan *p;
   currents *out;
@@ -28,22 +28,21 @@ static const char *const type_names[TYPES] = {
 static const char *const current_names[QUANTITIES] = {
     [EDA_ION] = "Ion", [EDA_IOFF] = "Ioff", [CGATE] = "Cgate"};
 
-/* Parts of the gate's swing. The gate is excited slowly enough that its
-   resistance has no effect; the capacitance is taken in the middle of each
-   part. Twice as many parts change the result by less than 1e-4. */
+/* Number of parts of the gate's swing. The capacitance is measured in the
+   middle of each part, at a frequency at which the gate resistance has no
+   effect. Twice as many parts change the result by less than 1e-4. */
 enum { SWING = 32 };
 static const double frequency = 1e6; /* Hz */
 
-/* Current tolerances of a library's circuit, A. Ioff may be 1e-13 A, so
-   junctions have a gmin of 1e-20 S. Rounding of the currents of conducting
-   transistors limits the tolerance of Ion. For a capacitance, the simulator's
-   default suffices. */
+/* Current tolerances for circuits of a library, A. Ioff may be 1e-13 A, so gmin
+   is 1e-20 S. The tolerance of Ion is limited by rounding of the currents. For
+   capacitances, the simulator's default is sufficient. */
 static const double least_current[QUANTITIES] = {
     [EDA_ION] = 1e-15, [EDA_IOFF] = 1e-19, [CGATE] = 1e-12};
 
-/* If no other method finds the operating point, ngspice takes the final state
-   of a transient of 10 us, which need not be settled: 2 % error for a long PSP
-   transistor. Without the transient, ngspice reports a failure. */
+/* Disable the last method of finding an operating point. This method uses the
+   state after a transient of 10 us, which may not have settled: the error is 2
+   % for a long PSP transistor. Instead, ngspice reports a failure. */
 static const char no_transient[] = "optran 1 1 1 0 0 0\n";
 
 static double width_of(const simulation_task *j) {
@@ -128,9 +127,9 @@ static double table_round(double x) {
   return g_ascii_strtod(text, NULL);
 }
 
-/* Return the value of a transistor from its analyses: the current of the source
-   at the drain or the gate. The gate source has a phase of 90 degrees, so the
-   capacitive current is the real part. */
+/* Return the value of a transistor from its analyses: the current of the
+   voltage source at the drain or the gate. The gate source has a phase of 90
+   degrees, so the real part is the capacitive current. */
 static double value_of(const simulation_task *j, const eda_spice_plot *plot,
                        const char *name) {
   double sum = 0;
@@ -272,11 +271,11 @@ static void run_job(void *data, size_t index) {
     run_card(j);
 }
 
-/* ---- where a card ends ---- */
+/* ---- range of valid lengths ---- */
 
-/* Return 1 if this current must increase with decreasing length, so that the
-   current determines the length. With several widths, only Ion of the widest
-   must. */
+/* Return 1 if this current must increase with decreasing length. With one
+   width, this holds for Ion and Ioff; with several widths, only for Ion of the
+   widest transistor. */
 static int must_rise(const simulation_task *j) {
   return (j->p->widths == 1 && j->current != CGATE) ||
          (j->current == EDA_ION && j->width + 1 == j->p->widths);
@@ -308,8 +307,9 @@ static void length_describe(const simulation_task *j, double length,
              current_names[j->current], type_names[j->type], width, length);
 }
 
-/* Find the shortest length from which all currents are valid. Return an error
-   if too few remain. *why: fault of the next shorter one; NULL: none. */
+/* Find the shortest length from which all longer lengths are valid. Return an
+   error if too few lengths are valid. *why: fault of the next shorter length;
+   NULL: none. */
 static int find_end(const simulation_task *j, size_t *first, const char **why,
                     opc_error *error) {
   enum { LEAST = 3 }; /* needed by the interpolation of extractors */
@@ -324,8 +324,9 @@ static int find_end(const simulation_task *j, size_t *first, const char **why,
                   current_names[j->current], p->length[i - 1], *why);
 }
 
-/* Extrapolate lengths before `first` linearly in the logarithm, with the slope
-   from there to a length 5 % larger: the step of a table is too coarse. */
+/* Extrapolate to lengths below `first`, linearly in the logarithm. The slope is
+   measured up to a length 5 % larger, because the step of a table may be too
+   small. */
 static int go_on(const simulation_task *j, size_t first, opc_error *error) {
   const double part = 1.05;
   const double *x = j->p->length;
@@ -357,7 +358,7 @@ static int settle_end(const simulation_task *j, opc_error *error) {
     if (first > out->simulated[j->type]) out->simulated[j->type] = first;
     return go_on(j, first, error);
   }
-  /* Report once, not for each width. */
+  /* Log each fault once, not for each width. */
   size_t *logged = &out->cut[j->type][j->current];
   if (first <= *logged) return OPC_OK;
   *logged = first;
@@ -381,9 +382,9 @@ static int check_reference(const simulation_task *j, opc_error *error) {
 }
 
 /* Extrapolate to narrower widths: the logarithm of current per width is linear
-   in 1 / W. The slope is that between the two narrowest simulated widths, of
-   which the second is at least 10 % wider. This continues the contribution of
-   the edges. */
+   in 1 / W, which continues the contribution of the edges. The slope is
+   measured between the narrowest simulated width and a width at least 10 %
+   wider. */
 static int go_narrower(const simulation_task *j, opc_error *error) {
   const double part = 1.1;
   const plan *p = j->p;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the step `draw.chip`: a map of a figure of a chip's transistors.
-   The raster has the picture's size; a pixel shows the worst of its
+   The raster has the size of the picture; a pixel shows the worst of its
    transistors. */
 #include <eda/chip.h>
 #include <eda/drawing.h>
@@ -24,7 +24,7 @@ typedef struct drawer {
   double range; /* % */
 } drawer;
 
-/* Pixel values; NAN: no transistor, INFINITY: one does not print. */
+/* Pixel values. NAN: no transistor; INFINITY: a transistor does not print. */
 typedef struct raster {
   int width, height;
   double scale; /* pixels per grid step */
@@ -33,7 +33,7 @@ typedef struct raster {
 
 /* ---- work: figures ---- */
 
-/* Count the transistors of each mask; the caller frees the array. */
+/* Count the transistors of each mask. The caller frees the array. */
 static uint32_t *count_classes(const eda_chip *c) {
   uint32_t *size = eda_alloc(c->masks, sizeof *size);
   for (size_t i = 0; i < c->count; i++) size[c->gate[i].mask]++;
@@ -53,8 +53,7 @@ static double gate_figure(const drawer *d, const uint32_t *size, size_t i) {
                             : fabs(after) - fabs(before);
 }
 
-/* Return the value that a pixel shows: the larger deviation or the smaller
-   class. */
+/* Return the value that a pixel shows: larger deviation or smaller class. */
 static double worse_of(int show, double a, double b) {
   if (isnan(a)) return b;
   if (show == CLASSES) return fmin(a, b);
@@ -89,7 +88,7 @@ static void raster_fill(const drawer *d, raster *r) {
 
 /* ---- work: colours ---- */
 
-/* Return the value at the ends of the colour scale, a round number. */
+/* Return the deviation at the ends of the colour scale, a round number. */
 static double find_range(const drawer *d, const raster *r) {
   double most = 0;
   if (!isnan(d->range)) return d->range;
@@ -106,11 +105,6 @@ static eda_colour colour_of(const drawer *d, double v, double range) {
                             : eda_diverging((v / range + 1) / 2);
 }
 
-static uint32_t rgb_of(eda_colour c) {
-  return (uint32_t)lround(255 * c.r) << 16 | (uint32_t)lround(255 * c.g) << 8 |
-         (uint32_t)lround(255 * c.b);
-}
-
 static int raster_paint(const drawer *d, const eda_paper *paper,
                         const raster *r, double left, double top, double range,
                         opc_error *error) {
@@ -121,13 +115,13 @@ static int raster_paint(const drawer *d, const eda_paper *paper,
     return opc_fail(error, OPC_FAILED, NULL, "no picture of %d x %d pixels",
                     r->width, r->height);
   }
-  uint32_t faint = rgb_of(eda_faint);
+  uint32_t faint = eda_colour_packed(eda_faint);
   unsigned char *data = cairo_image_surface_get_data(s);
   size_t stride = (size_t)cairo_image_surface_get_stride(s);
   for (int y = 0; y < r->height; y++)
     for (int x = 0; x < r->width; x++) {
       double v = r->value[(size_t)y * (size_t)r->width + (size_t)x];
-      uint32_t c = isnan(v) ? faint : rgb_of(colour_of(d, v, range));
+      uint32_t c = isnan(v) ? faint : eda_colour_packed(colour_of(d, v, range));
       memcpy(data + (size_t)y * stride + 4 * (size_t)x, &c, 4);
     }
   cairo_surface_mark_dirty(s);
@@ -193,7 +187,7 @@ static int chip_run(void *self, void **outputs, opc_error *error) {
   if (!path) return error->code;
   raster r = {.width =
                   (int)(d->width - 2 * ceil(fmax(9, (double)d->width / 70)))};
-  /* A tall chip is limited to a square. */
+  /* The scale of a tall chip is limited: the picture is at most square. */
   r.scale = r.width / fmax(fmax(wide, high), 1);
   r.height = (int)fmax(1, ceil(high * r.scale));
   r.width = (int)fmax(1, ceil(wide * r.scale));
@@ -214,7 +208,7 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(drawer, show, .type = OPC_CHOICE, .preset = "after",
                   .choices = "after|before|change|classes",
                   .summary = "Quantity to show: deviation of Ion after or "
-                             "before correction, growth of the deviation, or "
+                             "before correction, change of |deviation|, or "
                              "number of transistors with the same mask"),
     OPC_PARAMETER(drawer, width, .type = OPC_INT, .preset = "1000", .min = 200,
                   .max = 8000, .summary = "Width of the picture, pixels"),
@@ -235,7 +229,7 @@ static const opc_step functions = {.run = chip_run};
 
 OPC_PLUGIN(drawer, .id = "draw.chip", .kind = "step", .version = "0.1.0",
            .licence = "BSD-3-Clause",
-           .summary = "a map of the transistors of a chip",
+           .summary = "draw a map of the transistors of a chip",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
            OPC_PARAMETERS(parameters), .check = chip_check,
            OPC_FUNCTIONS(functions));

@@ -11,9 +11,9 @@
 
 #include "tools/devel/testing.h"
 
-/* Return a chip with n transistors in each direction, 1 um apart. All print as
-   drawn except the second, whose current is 10 % too high, and the last, which
-   does not print. */
+/* Return a chip with n transistors in each direction, 1 um apart. All
+   transistors print as drawn, except the second (current 10 % too high) and the
+   last (does not print). */
 static eda_chip *chip_new(size_t n) {
   eda_chip *c = eda_alloc(1, sizeof *c);
   int32_t far = (int32_t)n * 1000;
@@ -81,7 +81,7 @@ static void assert_near(int a, double b) {
 
 static void test_colours(void) {
   eda_chip *c = chip_new(4);
-  /* 400 pixels minus a font of 9 on each side for 4 um */
+  /* 400 pixels less a margin of 9 on each side show 4 um */
   double gate = 0.8 * 382 / 4 * 0.8 * 382 / 4;
   cairo_surface_t *s = draw_sample(c, "{ width: 400 }");
   assert_near(count_pixels(s, rgb(eda_diverging(1))), gate);
@@ -99,8 +99,8 @@ static void test_colours(void) {
   eda_chip_free(c);
 }
 
-/* A quarter of a million transistors: equal size, and the worst one is
-   visible. */
+/* For a quarter of a million transistors, the size of the picture is equal, and
+   the worst transistor is visible. */
 static void test_many(void) {
   eda_chip *few = chip_new(4), *many = chip_new(500);
   cairo_surface_t *a = draw_sample(few, "{ width: 300 }");

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the distance between the contours of two models. For each point of
-   one contour, the nearest point of the other is found, and from there the foot
-   of the perpendicular on the exact level set. Both directions count, so that
-   features printed by one model only are included. */
+   one contour, the nearest point of the other contour is found, and from there
+   the foot of the perpendicular on the exact level set. Distances in both
+   directions count, so that features that only one model prints are
+   included. */
 #include <eda/index.h>
 #include <eda/memory.h>
 #include <math.h>
@@ -117,9 +118,9 @@ static double nearest_point(const line *l, const double *p, uint32_t *best) {
   return least;
 }
 
-/* Return the distance of p from the foot of its perpendicular, found from a
-   start point by alternating steps along the gradient and along the level
-   set. */
+/* Return the distance of p from the foot of the perpendicular. The foot is
+   found from a start point by alternating steps along the gradient and along
+   the level set. */
 static double foot_distance(const line *l, const double *p,
                             const double *from) {
   double x = from[0], y = from[1];
@@ -151,7 +152,8 @@ static void approach_point(void *data, size_t i) {
   const double *p = w->from->place + 2 * i;
   uint32_t best = 0;
   double d = nearest_point(w->to, p, &best), value;
-  /* Beyond the centre of curvature the iteration may find another foot. */
+  /* For points beyond the centre of curvature, the iteration may find another
+     foot; the shorter distance is used. */
   if (d > 0)
     d = fmin(d, foot_distance(w->to, p, w->to->place + 2 * (size_t)best));
   eda_field_sample(w->to->print, p, p + 1, 1, &value);
@@ -163,8 +165,8 @@ typedef struct sums {
                                    distance^2 */
 } sums;
 
-/* Add the distances from one line to the other; `sign` is the sign for points
-   of `from` outside of `to`. */
+/* Add the distances of the points of `from` from the line `to`; `sign` is the
+   sign for points of `from` outside of `to`. */
 static void sums_add(const opc_context *context, const line *from,
                      const line *to, double sign, sums *s,
                      image_distance *out) {

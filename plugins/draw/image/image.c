@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the step `draw.image`: a part of a layout simulated by several
-   models of optics and resist. The picture has the aerial image of the first,
-   the contours of each, and their distances. */
+   models of optics and resist. The picture shows the aerial image of the first
+   model, the contours of all models, and the distances between contours. */
 #include "image.h"
 
 #include <eda/print.h>
@@ -107,14 +107,14 @@ static int image_run_step(void *self, void **outputs, opc_error *error) {
   return code;
 }
 
-/* Forecast the largest memory of any model; models run one after another. */
+/* Forecast the largest memory of any model: models run one after another. */
 static int image_forecast(void *self, opc_forecast *out, opc_error *error) {
   image_run *r = self;
   eda_image_size most = {0};
   const eda_gates *gates =
       r->asked.mask ? r->asked.mask->gates : r->asked.gates;
   (void)error;
-  if (!gates) return OPC_OK; /* reported by run */
+  if (!gates) return OPC_OK; /* `run` reports the missing input */
   choose_models(r);
   for (size_t k = 0; k < r->n; k++) {
     eda_printer printer;
@@ -167,14 +167,14 @@ static const opc_parameter parameters[] = {
         "margin", image_run, asked.margin, .type = OPC_REAL,
         .flags = OPC_AT_LEAST, .unit = "nm", .follows = "3.886 lambda/NA",
         .min = 0,
-        .summary = "clear field around the layout, which repeats beyond"),
+        .summary = "clear field around the layout; the image is periodic"),
     VIEW_PARAMETERS(image_run, "image.png"),
 };
 
 static const opc_metric metrics[] = {
     {"rms", "nm", OPC_LOWER, 0.001,
-     "root mean square distance of contours from those of the first model, of "
-     "the model with the largest"},
+     "largest rms distance of a model's contours from those of the first "
+     "model"},
     {"max", "nm", OPC_LOWER, 0.001,
      "largest distance of a contour from that of the first model"},
 };

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tests images with closed forms and the distances of their contours, the same
-   with real optics, and colours at known positions of the picture. */
+/* Tests images with closed forms and the distances of their contours, the
+   distances with real optics, and colours at known positions of the picture. */
 #include <eda/gates.h>
 #include <eda/litho.h>
 #include <eda/memory.h>
@@ -57,7 +57,7 @@ static void make_sample(lines *l) {
 /* ---- images in closed form ---- */
 
 /* Image 0.5 - deep cos(2 pi (x - 125) / pitch) + uneven cos(pi (x - 125) /
-   pitch): with `uneven`, every other line is less dark. `slope` rotates the
+   pitch). With `uneven`, every second line is less dark. `slope` rotates the
    image, with whole periods along y in a field of SIDE. */
 typedef struct waves {
   double deep, uneven;
@@ -107,7 +107,8 @@ static const eda_litho waves_functions = {
       ": { litho: { use: litho.hopkins }, resist: { use: " \
       "resist.threshold, threshold: " #threshold ", active_threshold: 0.3 } }"
 
-/* Run draw.image with the waves, if any, as the optics of all n models. */
+/* Run draw.image. If `w` is not NULL, the waves are the optics of all n
+   models. */
 static int draw_sample(const char *mapping, const waves *w, int n, lines *l,
                        opc_error *error) {
   static const char *const names[] = {"first.litho", "second.litho"};
@@ -183,7 +184,7 @@ static void test_shift(void) {
   close_to(column_value("intensity_low", 1), 0.41, 1e-4);
   close_to(column_value("intensity_high", 1), 0.41, 1e-4);
   close_to(opc_test_metric("rms"), away, 1e-3);
-  /* In the opposite order, less is printed. */
+  /* With the models in the opposite order, less is printed. */
   must_draw("{ " FRAME
             ", width: 300, " PAIR("first", 0.41) ", " PAIR("second", 0.4) " }",
             &w, 2, &l);
@@ -221,8 +222,9 @@ static double crossing(const waves *w, double level, double from, double to) {
   return from;
 }
 
-/* Lines that one model alone prints have the distance of the other's nearest
-   contours, in either order; models without contours have no distance. */
+/* For lines that only one model prints, the distance is that to the nearest
+   contour of the other model, in either order of the models. Models without
+   contours have no distance. */
 static void test_missing(void) {
   static const char *const both_ways[] = {
       "{ " FRAME
@@ -232,8 +234,8 @@ static void test_missing(void) {
   lines l;
   make_sample(&l);
   waves w = {.deep = 0.3, .uneven = 0.08}; /* lines of 0.28 and 0.12 */
-  /* The line at 375 prints in both, that at 125 at 0.3 only: the nearest
-     contour to its left edge is that of the first line. */
+  /* The line at 375 prints in both images, the line at 125 only at 0.3. The
+     contour nearest to its left edge is that of the first line. */
   double left = crossing(&w, 0.3, 125, 20);
   double other = crossing(&w, 0.15, 375, 250);
   for (int k = 0; k < 2; k++) {
@@ -369,8 +371,8 @@ static int rows_with(const picture *p, uint32_t colour) {
   return n;
 }
 
-/* Each model has a lens in its colour below the window, unless its contours
-   equal the first model's. */
+/* Each model has a lens in its colour below the window, except a model with the
+   contours of the first one. */
 static void test_lens(void) {
   lines l;
   make_sample(&l);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the picture: the first model's image, with shapes and contours on
-   top. */
+/* Implements the picture: the aerial image of the first model, under the shapes
+   and the contours. */
 #include <glib.h>
 #include <math.h>
 #include <stdio.h>
@@ -9,7 +9,7 @@
 
 /* ---- colours ---- */
 
-/* Colours of contours, visible on the blue half of the scale. */
+/* Colours of contours, visible on the blue part of the colour scale. */
 static const eda_colour contour[IMAGE_MODELS] = {
     EDA_COLOUR(0xffffff), EDA_COLOUR(0xff9a1f), EDA_COLOUR(0xff6fcf),
     EDA_COLOUR(0xffee33)};
@@ -17,8 +17,7 @@ static const eda_colour drawn_colour = EDA_COLOUR(0xa9b8d6),
                         mask_colour = EDA_COLOUR(0x101010),
                         other_colour = EDA_COLOUR(0x0b6b3a);
 
-/* Return the second transistor layer, or the printed layer itself if there is
-   none. */
+/* Return the transistor layer other than the printed one, or poly. */
 static size_t other_layer(const image_run *r) {
   return r->layer == EDA_POLY && r->gates->layers > EDA_ACTIVE ? EDA_ACTIVE
                                                                : EDA_POLY;
@@ -51,12 +50,8 @@ typedef struct pixels {
   unsigned char *data;
 } pixels;
 
-static uint32_t colour_packed(eda_colour c) {
-  return (uint32_t)lround(255 * c.r) << 16 | (uint32_t)lround(255 * c.g) << 8 |
-         (uint32_t)lround(255 * c.b);
-}
-
-/* Return 1 within the frame; the periodic image is not shown beyond. */
+/* Return 1 for a position within the frame. The periodic image outside of the
+   frame is not shown. */
 static int frame_contains(eda_frame f, double x, double y) {
   return x >= f.x0 && x <= f.x0 + f.width && y >= f.y0 && y <= f.y0 + f.height;
 }
@@ -78,7 +73,7 @@ static void paint_row(void *data, size_t row) {
     for (int i = 0; i < n; i++)
       out[first + i] =
           frame_contains(image->frame, x[i], y[i])
-              ? colour_packed(eda_sequential(value[i] / p->run->brightest))
+              ? eda_colour_packed(eda_sequential(value[i] / p->run->brightest))
               : BEYOND;
   }
 }
@@ -121,8 +116,8 @@ static int draw_contours(const image_run *r, size_t k, opc_error *error) {
   return code;
 }
 
-/* Draw the first contour solid and the others in alternating dashes, so that
-   coincident contours are all visible. */
+/* Draw the contour of the first model as a solid line and those of other models
+   in alternating dashes, so that coincident contours are all visible. */
 static int dashed_contours(const image_run *r, opc_error *error) {
   const view *v = &r->view;
   double period = 2.2 * v->paper->font, dash = period / (double)r->n;
@@ -161,8 +156,8 @@ static double lens_width(const view *v) {
 
 static double lens_height(const view *v) { return floor(0.6 * lens_width(v)); }
 
-/* Return the width of the region in a lens, nm: round, at least ten
-   distances. */
+/* Return the width of the region in a lens, nm: a round number of at least ten
+   times the largest distance. */
 static double lens_nm(const image_model *m) {
   double wanted = 10 * m->distance.max, unit = pow(10, floor(log10(wanted)));
   if (wanted <= unit) return unit;
@@ -171,7 +166,7 @@ static double lens_nm(const image_model *m) {
                               : 10 * unit;
 }
 
-/* Return the view of lens number `place`. */
+/* Return the view of model k in lens number `place`. */
 static view lens_view(const image_run *r, size_t k, size_t place) {
   view v = r->view;
   const image_model *m = &r->model[k];
@@ -290,7 +285,8 @@ static eda_sign sign_of(const view *v, eda_colour colour, double line,
                     .behind_line = light ? 0.8 * v->paper->font : 0};
 }
 
-/* Add a model to the legend: "label: I = 0.404; 0.03, 0.12 nm". */
+/* Add a model to the legend: "label: I = 0.404; 0.03, 0.12 nm" (intensity; rms
+   and largest distance). */
 static void add_model(const image_run *r, size_t k, eda_legend *l) {
   const view *v = &r->view;
   const image_model *m = &r->model[k];

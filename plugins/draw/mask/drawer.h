@@ -4,8 +4,8 @@
 
 #include "../view.h"
 
-/* State to show: the drawn mask and its print, the corrected ones, or the
-   improvement by the correction. */
+/* State to show: the drawn mask and its printed image, the corrected mask and
+   its printed image, or the improvement by the correction. */
 enum { BEFORE, AFTER, DIFFERENCE };
 
 typedef struct drawer {
@@ -26,36 +26,33 @@ typedef struct drawer {
 
 int drawer_check_scale(drawer *d, opc_error *error);
 
-/* Return 1 if a transistor does not print as a separate transistor. Notes of
-   the print are no failures. For the drawn mask, only currents are known. */
+/* Return 1 if a transistor does not print as a separate transistor. Notes about
+   the printed image are not failures. For the drawn mask, only currents are
+   known. */
 int drawer_fails(const drawer *d, size_t gate);
 
-/* Return the deviation of a transistor's drive current, %, or the figure that
-   the colour shows; NAN if there is none. */
+/* drawer_deviation: return the deviation of a transistor's drive current, %.
+   drawer_figure: return the figure that the colour shows. NAN if there is
+   none. */
 double drawer_deviation(const drawer *d, const eda_performance *p, size_t gate);
 double drawer_figure(const drawer *d, size_t gate);
 
-/* Set `range` and `beyond`. */
+/* Set `range` and `beyond` of *d. */
 void drawer_set_range(drawer *d);
 
-/* Compute mean and largest deviation over the transistors that have one. */
+/* Compute mean and largest deviation, without transistors that have none. */
 void drawer_statistics(const drawer *d, const eda_performance *of, double *mean,
                        double *max);
 
 /* ---- insets.c: close-ups of the worst transistors below the window ---- */
 
-/* Select the transistors of the insets (the caller frees d->worst); none if the
-   layout is shown at a large scale. */
+/* Select the transistors of the insets, none if the layout is shown at a large
+   scale. The caller frees d->worst. */
 void drawer_choose_insets(drawer *d);
 
-/* Return the height of the insets with their captions. */
+/* drawer_insets_height: return the height of the insets with captions. */
 double drawer_insets_height(const drawer *d);
 int drawer_put_insets(const drawer *d, opc_error *error);
 
-/* ---- mask.c ---- */
-
-/* Return 1 if the scale is too small for lines. */
-int drawer_is_coarse(const view *v);
-
-/* Draw everything in the window of d->view. */
+/* Draw the layout in the window of d->view. */
 int drawer_paint(const drawer *d, opc_error *error);

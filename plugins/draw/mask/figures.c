@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements deviations of drive currents and their colour scale. */
+/* Implements deviations of drive currents and the colour scale of the
+   deviations. */
 #include <eda/memory.h>
 #include <eda/print.h>
 #include <math.h>
@@ -8,7 +9,7 @@
 
 #include "drawer.h"
 
-/* Fraction of the transistors within the scale. The insets show those
+/* Fraction of the transistors within the colour scale. Insets show transistors
    beyond. */
 static const double holds = 0.98;
 

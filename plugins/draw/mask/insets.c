@@ -15,7 +15,8 @@ static const struct {
 } tuned = {
     /* Pixels per nm above which a gate of 65 nm is recognisable. */
     .scale = 0.2,
-    /* Smallest width of an inset, nm; and its width in sizes of the gate. */
+    /* Smallest width of the region in an inset, nm; width of the region in
+       sizes of the gate. */
     .least = 1000,
     .sizes = 1.6,
 };
@@ -26,11 +27,7 @@ typedef struct ranked {
 } ranked;
 
 /* Order by rank, then by number. */
-static int by_rank(const void *a, const void *b) {
-  const ranked *p = a, *q = b;
-  if (p->rank != q->rank) return p->rank < q->rank ? 1 : -1;
-  return (p->gate > q->gate) - (p->gate < q->gate);
-}
+EDA_COMPARE_FALLING(by_rank, ranked, rank, gate);
 
 static double middle_x(const drawer *d, size_t i) {
   const eda_gates *g = d->mask->gates;
@@ -123,7 +120,7 @@ static void draw_frame(const view *v, double x, double y, double width,
 
 /* ---- content ---- */
 
-/* Frame the region of an inset, with its letter above. */
+/* Draw a frame around the region of an inset, and the letter above. */
 static void put_letter(const drawer *d, size_t place) {
   const view *v = &d->view;
   double font = v->paper->font, side = floor(1.3 * font);

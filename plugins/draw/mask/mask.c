@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the step `draw.mask`: a picture of the drawn layout, the corrected
-   mask, the printed contours and the drive current deviation of each
-   transistor. */
+   mask, the printed contours and the deviation of each transistor's drive
+   current. */
 #include <eda/memory.h>
 #include <math.h>
 #include <stdlib.h>
@@ -10,13 +10,14 @@
 
 /* ---- state ---- */
 
-/* Pixels per nm below which no lines are drawn: 65 nm are three pixels, which
-   lines would cover. */
+/* Pixels per nm below which no lines are drawn. At this scale, 65 nm are three
+   pixels, which lines would cover. */
 static const double coarse = 0.05;
 
 /* ---- work: content ---- */
 
-int drawer_is_coarse(const view *v) { return v->scale < coarse; }
+/* Return 1 if the scale is too small for lines. */
+static int drawer_is_coarse(const view *v) { return v->scale < coarse; }
 
 /* Return 1 if the window or an inset shows lines. */
 static int shows_lines(const drawer *d) {
@@ -88,7 +89,7 @@ static void find_contours(void *data, size_t i) {
   if (print) view_find_contours(&d->view, print, &c->of[i], &c->error[i]);
 }
 
-/* Draw the contours; those of the drawn mask are dashed in a difference. */
+/* Draw the contours. In a difference, contours of the drawn mask are dashed. */
 static int draw_prints(const drawer *d, opc_error *error) {
   const double dash = 0.5 * d->view.paper->font;
   cairo_t *cairo = d->view.paper->cairo;
@@ -96,7 +97,7 @@ static int draw_prints(const drawer *d, opc_error *error) {
   contours c = {d, eda_alloc(n, sizeof *c.of), eda_alloc(n, sizeof *c.error)};
   opc_parallel(d->view.context, n, find_contours, &c);
   int code = OPC_OK;
-  for (size_t k = n; k-- > 0;) { /* poly on top */
+  for (size_t k = n; k-- > 0;) { /* poly is drawn last */
     if (!code && (code = c.error[k].code)) *error = c.error[k];
     cairo_set_dash(cairo, &dash, d->state == DIFFERENCE && k % 2 == 0, 0);
     if (!code) view_draw_contours(&d->view, &c.of[k], eda_layer_contour(k / 2));
@@ -108,13 +109,13 @@ static int draw_prints(const drawer *d, opc_error *error) {
   return code;
 }
 
-/* Return the number of violations, which belong to the corrected print. */
+/* Return the number of violations. Violations belong to the corrected mask. */
 static size_t count_violations(const drawer *d) {
   return d->state == BEFORE ? 0 : d->mask->n_violations;
 }
 
-/* Mark violations by rings, or by dots that cover a tenth of the window if
-   there are too many for rings. */
+/* Mark violations by rings, or by dots that together cover a tenth of the
+   window if there are too many violations for rings. */
 static void mark_violations(const drawer *d) {
   const view *v = &d->view;
   cairo_t *cairo = v->paper->cairo;
@@ -142,7 +143,7 @@ int drawer_paint(const drawer *d, opc_error *error) {
   eda_box clip = view_clip(&d->view);
   int code = OPC_OK, contact = eda_gates_layer(g, "contact");
   int lines = !drawer_is_coarse(&d->view);
-  for (size_t k = g->layers; k-- > 0 && !code;) /* poly above active */
+  for (size_t k = g->layers; k-- > 0 && !code;) /* poly is drawn over active */
     if (is_shown(g, k) && !is_contact(g, k)) code = fill_layer(d, k, error);
   for (size_t i = 0; i < g->count && !code; i++) draw_gate(d, i, clip);
   if (!code && contact >= 0) code = fill_layer(d, (size_t)contact, error);
@@ -182,7 +183,7 @@ static double mask_title(const void *self, double top) {
     if (mask->iterations)
       eda_legend_add(&l, NULL, "after %u iteration%s: mean %.2f, max %.2f %%",
                      mask->iterations, plural_of(mask->iterations), mean, max);
-    else /* an imported mask without displacements */
+    else /* an imported mask has no displacements */
       eda_legend_add(&l, NULL, "by this mask: mean %.2f, max %.2f %%", mean,
                      max);
   }
@@ -265,20 +266,22 @@ static int mask_run(void *self, void **outputs, opc_error *error) {
 
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(drawer, mask, .type = OPC_INPUT, .flags = OPC_REQUIRED,
-                  .choices = "mask", .summary = "The mask to draw"),
+                  .choices = "mask", .summary = "Mask to draw"),
     VIEW_PARAMETERS(drawer, "mask.png"),
-    OPC_PARAMETER(drawer, state, .type = OPC_CHOICE, .preset = "after",
-                  .choices = "before|after|difference",
-                  .summary = "The drawn mask, the corrected one, or their "
-                             "difference"),
+    OPC_PARAMETER(
+        drawer, state, .type = OPC_CHOICE, .preset = "after",
+        .choices = "before|after|difference",
+        .summary =
+            "Show the drawn mask, the corrected mask, or the difference"),
     OPC_PARAMETER(drawer, scale, .type = OPC_TEXT, .preset = "auto",
-                  .summary = "The deviation at the ends of the colours, as in "
-                             "2 %; auto: the range of 98 % of the transistors"),
+                  .summary =
+                      "Deviation at the ends of the colour scale, such as 2 %; "
+                      "auto: the range of 98 % of the transistors"),
     OPC_PARAMETER(drawer, insets, .type = OPC_INT,
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "4", .min = 0,
                   .max = 8,
-                  .summary = "How many of the worst transistors are shown "
-                             "close up, where the layout is shown small"),
+                  .summary = "Number of close-ups of the worst transistors, "
+                             "drawn if the scale of the layout is small"),
 };
 
 static int mask_check(void *self, opc_error *error) {

@@ -39,7 +39,7 @@ static void rectangle(rectangles *r, int32_t x0, int32_t y0, int32_t x1,
 }
 
 /* Return level - cos - cos over one period in each direction: positive around
-   the middle, along the axes up to cos = level - 1. */
+   the middle; along the axes, up to the point where cos = level - 1. */
 static eda_field island(double level) {
   eda_field f = {.frame = {0, 0, SIDE, SIDE}, .nx = NODES, .ny = NODES};
   f.coefficients = g_new(float, NODES *NODES);
@@ -52,8 +52,8 @@ static eda_field island(double level) {
   return f;
 }
 
-/* Make a cross of two lines with two transistors in the middle. The print of
-   the poly passes (333 1/3, 500), where the cosine is -1/2. */
+/* Draw a cross of two lines with two transistors in the middle. The contour of
+   the poly contains (333 1/3, 500), where the cosine is -1/2. */
 static void make_sample(drawing *d) {
   memset(d, 0, sizeof *d);
   rectangle(&d->drawn[EDA_POLY], 450, 100, 550, 900);
@@ -137,8 +137,8 @@ static void check_fills(const picture *m) {
   g_assert_cmpfloat(brightness(active), >, 200);
   g_assert_cmphex(pixel_at(m, SIDE, 500, 800), ==, poly);
   g_assert_cmphex(pixel_at(m, SIDE, 800, 400), ==, active);
-  /* Transistors at the end and in the middle of the lower half of a scale of 2
-     %: Brewer's colours. */
+  /* The first transistor is at the end of a scale of 2 %, the second in the
+     middle of its lower half. Brewer's colours. */
   g_assert_cmphex(pixel_at(m, SIDE, 480, 400), ==, 0xb2182b);
   g_assert_cmphex(pixel_at(m, SIDE, 520, 600), ==, 0x92c5de);
 }
@@ -169,7 +169,7 @@ static void check_print(const picture *m) {
 
 static void check_lines(const picture *m) {
   int where;
-  /* The left edges of the poly and active masks: thin, of two hues. */
+  /* The left edges of the poly and active masks are thin and of two hues. */
   g_assert_cmpfloat(darkest_near(m, 430, 870, 3, &where), <, 160);
   g_assert_cmpint(ABS(where), <=, 1);
   g_assert_cmpfloat(darkest_near(m, 120, 650, 3, &where), <, 160);
@@ -215,7 +215,7 @@ static void test_png(void) {
   }
 }
 
-/* A window fills the picture. */
+/* The window fills the picture. */
 static void test_window(void) {
   drawing d;
   opc_error error;
@@ -233,7 +233,7 @@ static void test_window(void) {
   g_assert_cmphex(pixel_at(&m, 500, 480, 90), ==, 0xffffff);
   check_bar(&m, 500, 50);
   cairo_surface_destroy(m.surface);
-  /* A millionth of the window, inside a bar: one colour. */
+  /* A millionth of the window, inside a bar, has one colour. */
   g_assert_cmpint(draw_sample(&d,
                               "{ window: [200 nm, 600 nm, 201 nm, 601 nm], "
                               "width: 1000, file: deep.png }",
@@ -248,7 +248,7 @@ static void test_window(void) {
   drawing_clear(&d);
 }
 
-/* Without a window: everything with a margin. */
+/* Without a window, the picture shows the whole layout with a margin. */
 static void test_all(void) {
   drawing d;
   opc_error error;
@@ -312,7 +312,8 @@ static void check_gates(drawing *d, const char *more, uint32_t first,
   cairo_surface_destroy(m.surface);
 }
 
-/* +2 and -1 %, -20 % as drawn, on scales with these values at stops. */
+/* +2 and -1 % after correction, -20 % as drawn, on scales with these values at
+   stops. */
 static void test_states(void) {
   drawing d;
   make_sample(&d);

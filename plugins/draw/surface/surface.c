@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the step `draw.surface`: a figure over the values of parameters,
-   as in thesis figures 2.6 and 3.8, with the best setting marked. Two or more
-   parameters give a heat map over the first and the last, one parameter a
-   curve. */
+   as in thesis figures 2.6 and 3.8, with the best setting marked. One parameter
+   results in a curve; more parameters result in a heat map over the first and
+   the last one. */
 #include <eda/drawing.h>
 #include <eda/memory.h>
 #include <eda/settings.h>
@@ -81,7 +81,7 @@ static char *name_best(const eda_settings *s) {
 
 /* ---- work: the picture ---- */
 
-/* Draw the title and the best setting below. */
+/* Draw the title, and the best setting below the title. */
 static void draw_title(const eda_paper *paper, const eda_settings *s) {
   g_autofree char *name = with_unit(s->name, s->unit);
   g_autofree char *best = name_best(s);
@@ -97,8 +97,8 @@ static void place_chart(eda_chart *c, double right) {
   c->width = floor(c->paper->width - c->left - right);
 }
 
-/* Draw the map; parameters between the first and the last have their best
-   values. */
+/* Draw the heat map. Parameters between the first and the last one have their
+   best values. */
 static void draw_map(eda_chart *c, const eda_settings *s,
                      const eda_axis *scale) {
   size_t columns = s->parameters[0].count, block = s->count / columns;

@@ -52,7 +52,7 @@ static unsigned pixel(cairo_surface_t *s, double x, double y) {
   return (unsigned)(data[at] + data[at + 1] + data[at + 2]);
 }
 
-/* Positions of cells, found from the edges of the plot, the first and last dark
+/* Positions of cells, found from the edges of the plot: the first and last dark
    columns of a row. */
 typedef struct cells {
   double left, top, width, height;
@@ -62,7 +62,7 @@ static gboolean is_paper(cairo_surface_t *s, int x, int y) {
   return pixel(s, x, y) == 3 * 255;
 }
 
-/* Find the largest block without paper, from its middle. */
+/* Find the largest block without paper around its middle. */
 static cells find_cells(cairo_surface_t *s) {
   int x = cairo_image_surface_get_width(s) / 2;
   int y = cairo_image_surface_get_height(s) / 2;
@@ -74,7 +74,8 @@ static cells find_cells(cairo_surface_t *s) {
   return (cells){x0 + 1, y0 + 1, x1 - x0 - 1, y1 - y0 - 1};
 }
 
-/* Return the shade a quarter into the cell, beside the ring in its middle. */
+/* Return the shade at a quarter of the cell, outside of the ring in the
+   middle. */
 static unsigned shade(cairo_surface_t *s, const cells *c, int i, int k) {
   return pixel(s, c->left + c->width * (i + 0.25) / 3,
                c->top + c->height * (1 - (k + 0.25) / 2));

@@ -8,7 +8,7 @@
 
 /* ---- state ---- */
 
-/* 1 + amplitude exp(-edge / decay) */
+/* gamma = 1 + amplitude exp(-edge / decay); edge and decay in nm. */
 typedef struct edge_term {
   double amplitude, decay;
   int amplitude_given, decay_given;
@@ -67,7 +67,7 @@ static const opc_parameter parameters[] = {
     SLICER_PARAMETERS,
     OPC_PARAMETER_NAMED("table", state, table_path, .type = OPC_FILE,
                         .summary = "table of gamma against width and distance "
-                                   "from the edge, in place of the edge terms"),
+                                   "from the edge; replaces the edge terms"),
     TERM("nmos", "ion", EDA_NMOS, EDA_ION, "Ion of n-transistors"),
     TERM("nmos", "ioff", EDA_NMOS, EDA_IOFF, "Ioff of n-transistors"),
     TERM("pmos", "ion", EDA_PMOS, EDA_ION, "Ion of p-transistors"),

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements extractor.plain: a printed gate as slices in parallel, each with
-   the current of a wide transistor of equal length (thesis eq. 2.1 to 2.4,
-   after Poppe et al., "From poly line to transistor", SPIE 6156, 2006). */
+   the current of a transistor of equal length (thesis eq. 2.1 to 2.4, after
+   Poppe et al., "From poly line to transistor", SPIE 6156, 2006). */
 #include "../slicer.h"
 
 static const opc_parameter parameters[] = {SLICER_PARAMETERS};

@@ -110,7 +110,7 @@ static void test_rectangle(void) {
 }
 
 /* Test that slices without corrections have the widths nearest to their
-   places. */
+   positions. */
 static void test_nearest(void) {
   enum { SLICES = 12 };
   g_autofree char *file = write_table("nearest.yaml", 1);
@@ -235,7 +235,7 @@ static void test_outside(void) {
       g_assert_cmpuint(f.outside, ==, middle < 40 || middle > 120);
     }
   }
-  /* A difference this small still counts as another length. */
+  /* The smallest difference that counts as another length. */
   g_autoptr(opc_module) m = module_make(file, "", OPC_OK);
   middle = 120.05;
   g_assert_cmpuint(of_gate(m, EDA_NMOS, 100, any, 100).outside, ==, 1);
@@ -395,8 +395,8 @@ static void test_widths(void) {
   /* The midpoint represents each missing end. */
   assert_near(got.ion, want.ion, 3e-3);
   assert_near(got.ioff, want.ioff, 3e-3);
-  /* The edge current depends on the local length: nearly all of it on 60 nm,
-     except for the part further from the edges than a quarter of the width. */
+  /* The edge current depends on the local length: nearly all of it belongs to
+   60 nm, except the part farther from the edges than a quarter of the width. */
   g_autoptr(opc_module) m =
       module_make(file, ", edge: 30 nm, rule: equal, slices: 2000", OPC_OK);
   double decay = 2 * 2 * DEPTH / (1 - 2 * DEPTH / 1000); /* edges.h */

@@ -12,8 +12,8 @@
 
 enum { SLICES_MOST = 4096 };
 
-/* Printed shapes of the sample: lengths and widths times these factors. 0: the
-   gate did not print. */
+/* Printed shapes of the sample: the drawn lengths and widths times these
+   factors. Length 0: the gate did not print. */
 enum { CASES = 5, AS_DRAWN = 0, OPEN = 3, TWICE_AS_WIDE = 4, FIGURES = 12 };
 static const double length_factor[CASES] = {1, 0.8, 1.3, 0, 1};
 static const double width_factor[CASES] = {1, 1, 1, 1, 2};
@@ -24,8 +24,8 @@ static const double width_factor[CASES] = {1, 1, 1, 1, 2};
    the range. */
 static const double least_ion = 1e-8, most_ion = 1e-2;
 
-/* Plausible ratio of the Ion of gates whose widths have the ratio two; edge
-   effects change it. */
+/* Plausible ratio of the currents of two gates, of which one is twice as wide.
+   Edge effects change the ratio. */
 static const double least_gain = 1.4, most_gain = 3;
 
 /* ---- work ---- */
@@ -137,7 +137,8 @@ static void try_currents(opc_inspector *in, const cases *all) {
 static int same_figures(void *data, size_t c) {
   const cases *all = data;
   double figure[FIGURES];
-  eda_performance out = capacity_in(figure); /* no `outside`: not wanted */
+  eda_performance out = capacity_in(figure); /* `outside` stays NULL: not
+                                                requested */
   const eda_extractor *o = all->m->functions;
   opc_error error = {0};
   if (o->extract(all->m->self, &all->slices[c], &out, &error)) return 0;

@@ -8,22 +8,22 @@
 #include "../try.h"
 #include "templates.h"
 
-/* Number of tested layers; more than poly and active, as flows may have
-   more. */
+/* Number of tested layers. Flows may have more layers than poly and active. */
 enum { LAYERS = 3 };
 
 /* Allowed deviation from the clear-field intensity 1. Models with truncated
    kernels deviate by about 1e-3. */
 static const double clear_tolerance = 0.02;
-/* Plausible intensities, clear field 1: slightly negative by truncation, and
-   raised by interference of partially coherent light (at most 2 at an edge). */
+/* Plausible intensities, clear field 1. Truncated kernels cause slightly
+   negative intensities; interference of partially coherent light raises the
+   intensity, to at most 2 at an edge. */
 static const double darkest = -0.05, brightest = 3;
-/* Allowed change of the intensity with the frame; the periodic neighbours are
-   1.5 um away. */
+/* Allowed change of the intensity by a change of the frame. The periodic copies
+   of the shapes are 1.5 um away. */
 static const double frame_tolerance = 0.05;
 
-/* Errors requested from image_fine, clear field 1, and the allowance for single
-   precision in the difference of two images. */
+/* Errors requested from image_fine, relative to the clear field, and the
+   additional difference of two images allowed for single precision. */
 static const double coarse_error = 2e-3, fine_error = 5e-4, rounding = 2e-5;
 
 /* ---- calls ---- */
@@ -89,7 +89,7 @@ static int spectrum_sample(opc_inspector *in, const opc_module *m, int layer,
 static void try_clear_field(opc_inspector *in, const opc_module *m) {
   double value[PLACES];
   if (!spectrum_sample(in, m, TRY_EMPTY, &try_frame, value)) return;
-  /* On a dark-field mask the shapes are clear. */
+  /* If the layer has a dark-field mask, the shapes are clear. */
   if (fabs(value[0]) <= clear_tolerance &&
       !spectrum_sample(in, m, TRY_FULL, &try_frame, value))
     return;
@@ -122,8 +122,8 @@ static void try_range(opc_inspector *in, const opc_module *m) {
     }
 }
 
-/* Check that two images of a mask by image_fine differ by no more than the
-   requested errors, and that a defocused image is valid. */
+/* Check that two images of a mask by image_fine differ by at most the requested
+   errors, and that a defocused image is valid. */
 static void try_fine(opc_inspector *in, const opc_module *m, int layer,
                      const eda_spectrum *mask) {
   const eda_litho *o = m->functions;
@@ -161,7 +161,7 @@ static void try_fine(opc_inspector *in, const opc_module *m, int layer,
   eda_field_clear(&away);
 }
 
-/* Check that `image` accepts a mask computed by the model's own transform. */
+/* Check that `image` accepts a mask spectrum by the model's transform. */
 static void try_transform(opc_inspector *in, const opc_module *m) {
   const eda_litho *o = m->functions;
   const eda_gates *g = eda_gates_sample();
@@ -185,8 +185,8 @@ static void try_transform(opc_inspector *in, const opc_module *m) {
 
 /* ---- several callers ---- */
 
-/* The image of each layer, then the images by image_fine if the model has
-   it. */
+/* The image of each layer by `image`, followed by the images by image_fine if
+   the model has this function. */
 typedef struct images {
   const opc_module *m;
   eda_spectrum mask[LAYERS];

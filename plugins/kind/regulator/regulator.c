@@ -13,7 +13,7 @@ enum { GATES = 2, ROOM = 64 };
 
 /* ---- work ---- */
 
-/* Simulate the printed image of the drawn shapes as a mask. */
+/* Simulate the printed image of the mask as drawn. */
 static int print_drawn(opc_inspector *in, const eda_gates *g,
                        eda_field *print) {
   for (size_t k = 0; k < g->layers; k++)
@@ -66,7 +66,7 @@ static int try_rule(opc_inspector *in, const opc_module *m,
   return good;
 }
 
-/* Check that each violation is at most a micrometre away from the layout. */
+/* Check that each violation is at most 1 um outside the layout. */
 static void try_places(opc_inspector *in, const eda_gates *g,
                        const eda_violation *list, size_t n) {
   const double beyond = 1000;
@@ -82,7 +82,7 @@ static void try_places(opc_inspector *in, const eda_gates *g,
   }
 }
 
-/* Return the number of violations, of which at most `most` are in the list; -1
+/* Return the number of violations; the list receives at most `most` of them. -1
    on failure. */
 static int64_t violations_call(opc_inspector *in, const opc_module *m,
                                const eda_printed *printed, eda_violation *list,

@@ -8,8 +8,8 @@
 #include "../try.h"
 #include "templates.h"
 
-/* Number of tested layers; more than poly and active, as flows may have
-   more. */
+/* Number of tested layers, and nodes of a field along each side. Flows may have
+   more layers than poly and active. */
 enum { LAYERS = 3, NODES = 16 };
 
 /* ---- work ---- */
@@ -33,7 +33,7 @@ static int print_call(opc_inspector *in, const opc_module *m, int layer,
   return try_call(in, "print", own, code, &error);
 }
 
-/* Return the level set of a constant field; NAN, with a note, on failure. */
+/* Return the level set of a constant field; NAN and a note on failure. */
 static double level_of(opc_inspector *in, const opc_module *m, double value) {
   eda_field field = {try_frame, NODES, NODES,
                      eda_alloc(NODES * NODES, sizeof(float))};

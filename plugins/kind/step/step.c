@@ -101,6 +101,6 @@ typedef struct kind_state {
 
 OPC_PLUGIN(kind_state, .id = "kind.step", .kind = "kind", .version = "0.2.0",
            .licence = "BSD-3-Clause",
-           .summary = "steps: data and files of their trials",
+           .summary = "sample files and input data for tests of steps",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
            OPC_FUNCTIONS(functions));

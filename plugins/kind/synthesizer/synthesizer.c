@@ -8,7 +8,7 @@
 #include "../try.h"
 #include "templates.h"
 
-/* Larger than the number of iterations of any plausible loop. */
+/* Number of iterations that no plausible loop exceeds, and number of gates. */
 enum { MOST_ROUNDS = 500, GATES = 2 };
 
 /* The fragments of each layer that the synthesizer defines. */
@@ -21,8 +21,8 @@ typedef struct fragments {
 
 /* ---- work ---- */
 
-/* Compute the performance of two transistors, currents proportional to W / L,
-   printed 5 nm too long and too short. */
+/* Compute the performance of two transistors, printed 5 nm too long and 5 nm
+   too short. Currents are proportional to W / L. */
 static void print_gates(const eda_gates *g, const int32_t *l, const int32_t *w,
                         eda_performance *p) {
   for (size_t i = 0; i < g->count; i++) {
@@ -36,8 +36,8 @@ static void print_gates(const eda_gates *g, const int32_t *l, const int32_t *w,
   }
 }
 
-/* Compute edge placement errors of -6 or 6 nm plus the shift; NAN, not printed,
-   for some edges of one iteration. */
+/* Compute edge placement errors, -6 or 6 nm plus the shift. In one iteration,
+   some edges do not print (NAN). */
 static void print_fragments(const eda_gates *g, const fragments *f,
                             uint32_t iteration) {
   for (size_t k = 0; k < g->layers; k++)
@@ -85,8 +85,8 @@ static int forward_update(void *self, const eda_feedback *f, eda_moves *moves,
 
 static const eda_synthesizer forwards = {.update = forward_update};
 
-/* Run iterations, with a veto in the third and an open gate in the fourth,
-   until the synthesizer reports that it is done. */
+/* Run iterations until the synthesizer reports that it is done. The third
+   iteration has a veto, the fourth an open gate. */
 static int try_moves(opc_inspector *in, const opc_module *m, eda_feedback f,
                      eda_performance *printed, fragments *own) {
   const eda_gates *g = f.gates;

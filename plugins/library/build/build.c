@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the step `library.build`: corrects each cell of a sheet alone
-   (thesis 4.2.1) and keeps the results for later runs. */
-#include <eda/memory.h>
+   (thesis 4.2.1) and stores the results for later runs. */
 #include <math.h>
 #include <opcflow/table.h>
 #include <string.h>
@@ -23,6 +22,7 @@ typedef struct build {
   correct_settings with;
 } build;
 
+/* Row of the table of cells. */
 typedef struct line {
   char *cell;
   const char *state; /* "kept", "corrected" */
@@ -49,10 +49,10 @@ static char *key_of(const builder *r, const char *geometry,
   return g_compute_checksum_for_string(G_CHECKSUM_SHA256, all, -1);
 }
 
-/* Simulate the mask with the fast model, without the difference to the accurate
-   model. Set seen[i] to the logarithm of Ion of this simulation over `ion`, Ion
-   of the accurate model. With these ratios, later steps can replace accurate
-   simulations by fast ones. */
+/* Simulate the mask with the fast model, without the difference of the models.
+   Set seen[i] to ln(Ion of this simulation / ion[i]); `ion`: Ion of the
+   accurate model. With seen[i], later steps can replace accurate simulations by
+   fast ones. */
 static int look_cheaply(loop *l, const double *ion, double *seen,
                         opc_error *error) {
   for (size_t k = 0; k < l->gates->layers; k++)
@@ -73,8 +73,8 @@ static GVariant *cell_pack(const builder *r, const cut_out *cell, loop *l) {
   eda_moved *moved = correct_moved_of(l);
   if (!moved) {
     opc_fail(r->error, OPC_INVALID, "synthesizer",
-             "%s moves fragments of edges or adds scatter bars, but a library "
-             "requires a synthesizer that only changes lengths and widths of "
+             "'%s' displaces fragments of edges or adds scatter bars, expected "
+             "a synthesizer that only changes lengths and widths of "
              "transistors",
              r->b->with.synthesizer->id);
     return NULL;
@@ -91,8 +91,7 @@ static GVariant *cell_pack(const builder *r, const cut_out *cell, loop *l) {
   return data;
 }
 
-/* Set mean and largest |Ion deviation| of the transistors of a cell, without
-   those of its neighbours. */
+/* Set mean and largest |Ion deviation| of the cell's own transistors. */
 static void sum_up(const entry *e, line *result) {
   for (size_t i = 0; i < e->gates; i++) {
     double off = fabs(eda_deviation(e->after.ion[i], e->design[i]));
@@ -101,8 +100,8 @@ static void sum_up(const entry *e, line *result) {
   }
 }
 
-/* Correct a cell as the step `correct` does, and keep the result. Returns NULL
-   and fills *r->error on failure. */
+/* Correct a cell as the step `correct` does, and store the result. Returns NULL
+   and *r->error on failure. */
 static entry *correct_cell(builder *r, const cut_out *cell, const char *key,
                            line *result) {
   const build *b = r->b;
@@ -123,7 +122,7 @@ static entry *correct_cell(builder *r, const cut_out *cell, const char *key,
   return correct_entry_unpack(data);
 }
 
-/* Return a kept cell, or NULL. */
+/* Return a stored cell; NULL: none. */
 static entry *find_kept(const builder *r, const char *key) {
   size_t size = 0;
   void *bytes = r->results->find(r->b->host, key, &size);
@@ -244,7 +243,7 @@ static const opc_parameter parameters[] = {
 static const opc_metric metrics[] = {
     {"cells", NULL, OPC_NEUTRAL, 0, "cells with transistors"},
     {"corrected", NULL, OPC_NEUTRAL, 0, "cells corrected in this run"},
-    {"kept", NULL, OPC_NEUTRAL, 0, "cells taken from earlier runs"},
+    {"kept", NULL, OPC_NEUTRAL, 0, "cells stored by earlier runs"},
     {"ion_mean", "%", OPC_LOWER, 0.01,
      "mean |Ion deviation| of all transistors, in simulations of single cells"},
     {"ion_max", "%", OPC_LOWER, 0.01, "largest |Ion deviation|"},
@@ -263,7 +262,7 @@ static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = build_run};
 
 OPC_PLUGIN(build, .id = "library.build", .kind = "step", .version = OPC_VERSION,
            .licence = "BSD-3-Clause",
-           .summary = "correct each cell alone and keep the results",
+           .summary = "correct each cell alone and store the results",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
            OPC_PARAMETERS(parameters), OPC_METRICS(metrics),
            .check = build_check, OPC_FUNCTIONS(functions));

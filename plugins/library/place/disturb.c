@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the disturbance: deterioration of transistors in the circuit
-   compared with their cells. */
+/* Implements the disturbance: increase of |Ion deviation| of transistors from
+   the cell alone to the circuit. */
 #include "disturb.h"
 
 #include <eda/drawing.h>
@@ -14,13 +14,13 @@
 #include <correct/report.h>
 #include <correct/start.h>
 
-/* Smallest counted disturbance, %; resolution of thesis figure 4.5. */
+/* Smallest disturbance that counts, %; resolution of thesis figure 4.5. */
 static const double least = 0.05;
 
 /* ---- figures ---- */
 
-/* Return the disturbance of each transistor, %; NAN: none. The caller frees the
-   array with free(). */
+/* Return the disturbance of each transistor, %; NAN for unknown transistors.
+   The caller frees the array with free(). */
 static double *disturbances(const eda_mask *m, const uint8_t *known) {
   double *d = eda_alloc(m->gates->count, sizeof *d);
   for (size_t i = 0; i < m->gates->count; i++)
@@ -99,8 +99,8 @@ static int by_size(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-/* Return the value at the ends of the colour scale, %, which 98 of 100
-   transistors do not exceed, so that a few outliers do not dominate. */
+/* Return the value at the ends of the colour scale, %: the 98th percentile of
+   |disturbance|, so that a few outliers do not dominate. */
 static double range_of(const double *d, size_t n) {
   double *all = eda_alloc(n, sizeof *all);
   size_t count = 0;
@@ -131,7 +131,7 @@ static void draw_gate(const eda_chart *c, const eda_gates *g, size_t i,
   cairo_fill(cairo);
 }
 
-/* Draw the chip, in um, in the full width of the paper. */
+/* Draw the chip over the full width of the paper; coordinates in um. */
 static void draw_chip(const eda_paper *paper, const eda_mask *m,
                       const double *d, double top, double height,
                       double range) {
@@ -168,14 +168,16 @@ int disturb_draw(const opc_host *host, const eda_mask *m, const uint8_t *known,
   chip = floor(fmin(fmax(chip, width / 5), 1.5 * width));
   eda_paper *paper = eda_paper_open(path, width, chip + 12 * font, font, error);
   if (paper) {
-    g_autofree char *low = g_strdup_printf("%.3g %% nearer", range);
-    g_autofree char *high = g_strdup_printf("%.3g %% further off", range);
+    g_autofree char *low =
+        g_strdup_printf("-%.3g %%, better in the circuit", range);
+    g_autofree char *high =
+        g_strdup_printf("+%.3g %%, worse in the circuit", range);
     const eda_sign ramp = {
         .kind = EDA_SIGN_RAMP, .ramp = eda_diverging, .low = low, .high = high};
     eda_legend l;
     double top = paper->margin +
                  eda_heading(paper, paper->margin,
-                             "|Ion deviation| in the circuit less that in the "
+                             "|Ion deviation| in the circuit minus that in the "
                              "cell alone");
     eda_legend_init(&l, paper, top);
     eda_legend_add(&l, &ramp, " ");

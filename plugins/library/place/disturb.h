@@ -7,9 +7,9 @@
 #include <eda/gates.h>
 #include <opcflow/plugin.h>
 
-/* Write the table "disturbance" and its metrics. Transistors not marked by
-   `known` have no cell in the library and no disturbance. Returns OPC_OK or an
-   error code. */
+/* Write the table "disturbance" and its metrics. Transistors with known[i] = 0
+   have no cell in the library and no disturbance. Returns OPC_OK or an error
+   code. */
 int disturb_report(const opc_host *host, const eda_mask *mask,
                    const uint8_t *known, opc_error *error);
 

@@ -135,7 +135,8 @@ static void test_picture(void) {
     double t = 0.5 + wanted_disturbance(i) / range / 2;
     eda_colour c = known[i] ? eda_diverging(t) : eda_unknown;
     for (int k = 0; k < 8; k++) {
-      /* Its middle and inside its corners; outside of them the chip. */
+      /* The colour in the middle and inside the corners of a gate; the chip
+     outside of the corners. */
       int corner = k & 3, out = k > 3;
       double in = out ? -40 : 30;
       double x = corner & 1 ? b.x0 + in : b.x1 - in;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the step `library.place`: composes a circuit's mask from the masks
-   of its cells (thesis 4.2.2, step 1), simulates the whole and compares the
-   figures with those of the cells alone. */
+   of its cells (thesis 4.2.2, step 1), simulates the mask, and compares the
+   figures with those in the cells alone. */
 #include <eda/drawing.h>
 #include <eda/memory.h>
 #include <glib.h>
@@ -36,8 +36,8 @@ typedef struct place {
 typedef struct placer {
   const place *p;
   stitch stitch;
-  const entry **entry; /* of the library; NULL: not in the library */
-  uint8_t *looked;     /* 1: the library was searched */
+  const entry **entry; /* corrected cell; NULL: not in the library */
+  uint8_t *looked;     /* 1: the library was searched for the cell */
   size_t placed, cells, unknown;
   opc_error *error;
 } placer;
@@ -62,8 +62,7 @@ static int check_process(const place *p, opc_error *error) {
   return code;
 }
 
-/* Find a cell by its name, or by the checksum of its shapes. Returns NULL if
-   there is none. */
+/* Find a cell by its name, or by the checksum of its shapes; NULL: none. */
 static const library_cell *find_cell(const library *l, gboolean by_name,
                                      const char *what) {
   for (guint i = 0; i < l->cells->len; i++) {
@@ -106,8 +105,8 @@ static int find_symmetry(const place *p, int *orientations, opc_error *error) {
   return code;
 }
 
-/* Return OPC_INVALID if a cell has an orientation that the optics image
-   differently. */
+/* Return OPC_INVALID if a cell is placed in an orientation in which the optics
+   image the cell differently. */
 static int check_orientations(const placer *r, const units *found) {
   const place *p = r->p;
   size_t worst = 0;
@@ -126,8 +125,9 @@ static int check_orientations(const placer *r, const units *found) {
                   "orientation (source, polarisation or aberrations): the mask "
                   "of the library is not valid",
                   eda_layout_cell_name(p->layout, found->unit[worst].cell),
-                  found->unit[worst].at.xy ? "placed turned by a right angle"
-                                           : "placed mirrored or upside down");
+                  found->unit[worst].at.xy
+                      ? "rotated by 90 degrees"
+                      : "mirrored or rotated by 180 degrees");
 }
 
 /* ---- the mask ---- */
@@ -161,8 +161,7 @@ static int place_report_unknown(placer *r) {
       "'%s' %s",
       r->unknown, g->count, name, cell,
       find_cell(p->library, TRUE, cell)
-          ? "is drawn or fragmented differently in the library, or has another "
-            "flavour there"
+          ? "differs in the library by its shapes, fragments or flavour"
           : "is missing");
   if (p->missing == REFUSE)
     return opc_fail(r->error, OPC_INVALID, "library", "%s", text);
@@ -190,10 +189,10 @@ static int stitch_all(placer *r) {
   return code ? code : place_report_unknown(r);
 }
 
-/* ---- the print ---- */
+/* ---- simulation ---- */
 
-/* Set the figures before to those of the cells, or to the drawn ones without a
-   cell. */
+/* Set mask.before to the figures in the cells or, for unknown transistors, to
+   the drawn figures. */
 static void set_before(const placer *r, eda_mask *m) {
   size_t n = m->gates->count;
   eda_performance_init(&m->before, n);
@@ -253,15 +252,15 @@ static int place_print_report(placer *r, eda_mask *m) {
   double *extension = NULL;
   /* The resist is calibrated as in the library, not by this circuit. */
   int code = correct_print(&p->with, p->host, 0, m, NULL, &extension, r->error);
-  if (!code && !m->fine_simulations) /* the cells store the ratios to accurate
-                                        simulations */
+  if (!code && !m->fine_simulations) /* apply the stored Ion ratios */
     correct_start_correct(m->moved, &m->after);
   if (!code) code = place_report(r, m, extension);
   free(extension);
   return code;
 }
 
-/* Set the figures of a mask that is not simulated to those of the cells. */
+/* Use the figures in the cells as the figures of a mask that is not simulated.
+ */
 static void place_cell_figures(eda_mask *m) {
   size_t n = m->gates->count;
   eda_performance_init(&m->after, n);
@@ -298,7 +297,7 @@ static int place_forecast(void *self, opc_forecast *out, opc_error *error) {
   const place *p = self;
   (void)error;
   if (!p->print) return OPC_OK;
-  correct_forecast(&p->with, p->host, p->gates, "one print",
+  correct_forecast(&p->with, p->host, p->gates, "one simulation",
                    "one accurate simulation", out);
   return OPC_OK;
 }
@@ -331,7 +330,7 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(
         place, print, .type = OPC_BOOL, .preset = "true",
         .summary = "Simulate the entire mask and report the disturbance of the "
-                   "transistors; otherwise the results are those of the cells"),
+                   "transistors; false: report the figures of the cells"),
     OPC_PARAMETER(place, picture, .type = OPC_OUTPUT,
                   .summary = "Picture of the disturbance of each transistor, "
                              ".png, .svg or .pdf"),

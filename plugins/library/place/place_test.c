@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tests circuits of isolated cells: the placed mask is that of the cell, moved
-   and mirrored, and the figures are those of the cells. */
+/* Tests circuits of isolated cells: the placed mask equals the mask of the
+   cell, moved and mirrored, and the figures equal the figures of the cells. */
 #include <eda/print.h>
 #include <math.h>
 

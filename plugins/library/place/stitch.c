@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the placement of a cell's displacements. Transistors are matched
-   individually, because rounding to the grid and the dissection next to a
-   neighbour may differ from those in the cell. */
+/* Implements the placement of a cell's displacements. Each transistor is
+   matched separately, because rounding to the grid and the dissection next to a
+   neighbour may differ between cell and circuit. */
 #include "stitch.h"
 
 #include <eda/index.h>
@@ -10,8 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Tolerance of twice the centre, grid steps: each edge may be rounded by half a
-   step in the cell and in the circuit. */
+/* Tolerance of twice the centre of a box, grid steps. In the cell and in the
+   circuit, each edge may be rounded by half a step. */
 enum { NEAR = 4 };
 
 void stitch_init(stitch *s, const eda_gates *gates, double unit) {
@@ -41,8 +41,8 @@ static eda_box box_turned(const turn *t, eda_box b) {
 
 static int same_size(double a, double b) { return fabs(a - b) < 1e-6 * b; }
 
-/* Return the transistor of the circuit that matches number j of the cell, or
-   -1. */
+/* Return the transistor of the circuit that matches transistor j of the cell;
+   -1: none. */
 static int64_t find_gate(const stitch *s, const entry *e, const turn *t,
                          size_t j) {
   const eda_gates *g = s->gates;
@@ -67,9 +67,10 @@ static int64_t find_gate(const stitch *s, const entry *e, const turn *t,
   return -1;
 }
 
-/* ---- moves ---- */
+/* ---- displacements ---- */
 
-/* Copy parts; they are counted and ordered from the LOW end. */
+/* Copy the parts of a gate in ascending order from the LOW end. `backwards`: 1
+   if the placement exchanges the ends of the width. */
 static void turn_parts(const eda_part *from, int32_t width, int backwards,
                        eda_part *to) {
   int n = 0;
@@ -106,16 +107,17 @@ static void take_gate(stitch *s, const entry *e, const turn *t, size_t j,
 
 /* ---- added shapes ---- */
 
-/* Return the offset of the transistor's edge next to an added shape from its
-   position in the rotated cell, so that both stay in contact. */
+/* Return the offset along an axis, from the rotated cell to the circuit, of the
+   transistor's edge next to an added shape, so that edge and shape stay in
+   contact. */
 static int32_t edge_offset(int32_t middle, int32_t low, int32_t high,
                            int32_t to_low, int32_t to_high) {
   return 2 * (int64_t)middle > (int64_t)low + high ? to_high - high
                                                    : to_low - low;
 }
 
-/* Move an added shape with the nearest transistor of the cell, which was
-   rounded to the grid. */
+/* Copy an added shape of the cell to the circuit. The shape moves with the
+   nearest matched transistor, whose edges were rounded to the grid. */
 static void take_box(const stitch *s, const entry *e, const turn *t,
                      const int64_t *match, eda_box box, eda_box_list *to) {
   size_t nearest = e->gates;

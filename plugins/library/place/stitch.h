@@ -13,7 +13,7 @@ typedef struct stitch {
   double unit; /* database unit of the layout, nm */
   eda_moved *moved;
   uint8_t *known;       /* [gates], 1: has the mask of a cell */
-  eda_performance cell; /* figures of the cell alone, for known transistors */
+  eda_performance cell; /* figures in the cell alone, of known transistors */
   eda_index *index;     /* index of the transistors' boxes */
 } stitch;
 
@@ -21,6 +21,6 @@ void stitch_init(stitch *stitch, const eda_gates *gates, double unit);
 void stitch_clear(stitch *stitch);
 
 /* Place a cell. Each transistor of the circuit that matches a transistor of the
-   cell in position, type, flavour and size receives its displacements. Returns
-   the number of the cell's transistors without a match. */
+   cell in position, type, flavour and size receives the displacements of that
+   transistor. Returns the number of the cell's transistors without a match. */
 size_t stitch_place(stitch *stitch, const entry *cell, const turn *at);

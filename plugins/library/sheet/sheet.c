@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the step `library.sheet`: a layout with each cell of another one
-   once, as drawn and isolated. */
-#include <eda/memory.h>
+/* Implements the step `library.sheet`: a layout that contains each cell of
+   another layout once, as drawn and isolated. */
 #include <glib.h>
 #include <math.h>
 #include <opcflow/step.h>
@@ -20,13 +19,13 @@ typedef struct sheet {
 
 enum { NONE, ITSELF }; /* values of `neighbours` */
 
-/* Space between two cells, nm; larger than the neighbour search of
-   segment.transistors. Cells do not interact optically, since each is cut out
-   of the sheet before simulation. */
+/* Space between two cells, nm; larger than the search range of
+   segment.transistors. Cells do not interact optically, because library.build
+   extracts each cell from the sheet before simulation. */
 static const double gap = 4000;
 
-/* Step of positions, database units: a multiple of any mask grid, so that
-   rounding to the grid is the same as at the cell's origin. */
+/* Step of positions, database units: a multiple of any mask grid, so that a
+   cell is rounded to the grid as at its own origin. */
 enum { STEP = 10000 };
 
 /* ---- work ---- */
@@ -35,8 +34,8 @@ typedef struct maker {
   const sheet *sheet;
   eda_layout *out;
   int32_t top;
-  int64_t x, y, row, width; /* next position, height and largest width of the
-                               row */
+  int64_t x, y, row, width; /* next position, height of the row, largest width
+                               of a row */
   size_t count;
   opc_error *error;
 } maker;
@@ -79,8 +78,8 @@ static int copy_layer(const maker *m, int32_t from, int32_t to, int32_t layer,
 
 static int64_t step_up(double x) { return (int64_t)ceil(x / STEP) * STEP; }
 
-/* Find the position of the origin for shapes in a box, on a step, in rows from
-   left to right. */
+/* Find a position, a multiple of STEP, for a cell with shapes in box b. Rows
+   are filled from left to right. */
 static int find_place(maker *m, eda_box b, eda_point *out) {
   double clear = gap / eda_layout_unit(m->sheet->layout);
   int64_t wide = step_up((double)b.x1 - b.x0 + clear),
@@ -111,9 +110,9 @@ static int sheet_put(const maker *m, int32_t cell, const char *name,
   return eda_layout_add_instance(m->out, m->top, cell, &p, name, m->error);
 }
 
-/* Place neighbours as in rows of cells: unchanged beside the cell, mirrored
-   above and below, so that supply lines meet. The names are NAME~1 to
-   NAME~8. */
+/* Place eight copies of a cell as in rows of cells: unchanged to the left and
+   right, mirrored above and below, so that supply lines coincide. The names are
+   NAME~1 to NAME~8. */
 static int put_neighbours(const maker *m, int32_t cell, const char *name,
                           eda_point at, eda_box b) {
   int code = OPC_OK;
@@ -189,7 +188,7 @@ static int add_all(maker *m, const units *found) {
   if (!code && !m->count)
     code = opc_fail(m->error, OPC_INVALID, m->sheet->cells ? "cells" : NULL,
                     "no cell %s poly or active",
-                    m->sheet->cells ? "of such a name draws" : "draws");
+                    m->sheet->cells ? "with a name of 'cells' draws" : "draws");
   return code;
 }
 
@@ -234,7 +233,7 @@ static const opc_parameter parameters[] = {
                              "none, or copies of the cell as in rows"),
     OPC_PARAMETER(
         sheet, boundary, .type = OPC_TEXT, .preset = "outline",
-        .summary = "Layer whose shapes give the abutment boxes of cells"),
+        .summary = "Layer whose shapes are the abutment boxes of cells"),
 };
 
 static const opc_metric metrics[] = {
@@ -249,7 +248,7 @@ static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = sheet_run,
 
 OPC_PLUGIN(sheet, .id = "library.sheet", .kind = "step", .version = OPC_VERSION,
            .licence = "BSD-3-Clause",
-           .summary = "lay out each cell of a layout alone",
+           .summary = "place each cell of a layout alone on a sheet",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
            OPC_PARAMETERS(parameters), OPC_METRICS(metrics),
            OPC_FUNCTIONS(functions));

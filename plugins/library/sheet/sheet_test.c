@@ -52,7 +52,7 @@ static eda_layout *many_cells(void) {
   }
   add_box(l, eda_layout_cell(l, "empty", &error), "outline",
           (eda_box){0, 0, 50, 50});
-  /* Less than 4 um would remain beside this cell, and below the other one. */
+  /* Less than 4 um would remain beside one cell, and below the other cell. */
   add_box(l, eda_layout_find_cell(l, "wide"), "outline",
           (eda_box){0, 0, 9500, 300});
   add_box(l, eda_layout_find_cell(l, "long"), "outline",
@@ -154,10 +154,11 @@ static void test_neighbours(void) {
 static void test_refused(void) {
   static const struct {
     const char *map, *parameter, *message;
-  } cases[] = {{"{ top: none }", "top", "cell 'none' does not exist"},
-               {"{ cells: x* }", "cells", "no cell of such a name draws"},
-               {"{ neighbours: itself, boundary: none }", "boundary",
-                "has no shape on layer 'none'"}};
+  } cases[] = {
+      {"{ top: none }", "top", "cell 'none' does not exist"},
+      {"{ cells: x* }", "cells", "no cell with a name of 'cells' draws"},
+      {"{ neighbours: itself, boundary: none }", "boundary",
+       "has no shape on layer 'none'"}};
   eda_layout *l = library_circuit();
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     opc_error error;

@@ -21,26 +21,26 @@ typedef struct abbe {
   optics optics;
   int64_t points_across;
   int points_across_given;
-  double *point; /* x, y, weight: [point][3] */
-  size_t count, parts;
-  double *weight; /* [point][part] */
-  int paired;     /* 1: point n - 1 - i is the opposite of point i */
-  double *twice;
+  double *point;       /* x, y, weight: [point][3] */
+  size_t count, parts; /* points; parts of polarised light per point */
+  double *weight;      /* [point][part] */
+  int paired;          /* 1: point n - 1 - i is opposite to point i */
+  double *twice;       /* twice `weight` */
 } abbe;
 
 static const double coarsest = 32; /* largest grid spacing of an image, nm */
 
-/* The model at one defocus and for one part of polarised light. */
+/* The model at one defocus, from one part of polarised light onwards. */
 typedef struct view {
   const abbe *model;
   double defocus;
-  size_t first; /* part of polarised light */
-  int real;     /* the pupil has no phases */
+  size_t first; /* index of the first part */
+  int real;     /* 1: the pupil has no phases */
 } view;
 
-/* Number of points whose images are added in single precision; sums of batches
-   are in double. Single precision throughout loses 3e-5 of the clear field for
-   thousands of points. */
+/* Number of images that are added in single precision. Sums of batches are in
+   double precision. Single precision throughout would cause an error of 3e-5 of
+   the clear field for thousands of points. */
 enum { BATCH = 128 };
 
 /* ---- work ---- */
@@ -53,7 +53,7 @@ static void abbe_clear(void *self) {
   a->point = a->weight = a->twice = NULL;
 }
 
-/* Return 1 if point n - 1 - i is the opposite of point i for all i. */
+/* Return 1 if point n - 1 - i is opposite to point i for all i. */
 static int points_are_paired(const double *p, size_t n) {
   for (size_t i = 0; i < n; i++) {
     const double *a = p + 3 * i, *b = p + 3 * (n - 1 - i);
@@ -154,7 +154,7 @@ static void view_transfer(const void *self, size_t s, const double *fx,
   }
 }
 
-/* Add a coherent sum to *sum; allocate *sum for the first one. */
+/* Add a coherent sum to *sum; allocate *sum if NULL. */
 static int view_add_images(const view *v, const eda_spectrum *mask,
                            const eda_kernels *kernels, double **sum,
                            eda_field *out, opc_error *error) {

@@ -39,9 +39,10 @@ typedef struct transformation {
   size_t columns;
   double complex *across; /* exp(-2 pi i k x): [edge of the chunk][k] */
   /* Sums over vertical edges of the real and the imaginary part of their
-     factors along y: [l >= 0][k]. Both sums determine row -l too. */
+     factors along y: [l >= 0][k]. Rows l and -l follow from both sums. */
   double complex *even, *odd;
-  /* Sums over slanted edges, rows as in the result; NULL: no slanted edges. */
+  /* Sums over slanted edges, with the rows of the result; NULL: no slanted
+     edges. */
   double complex *rest;
 } transformation;
 
@@ -69,13 +70,14 @@ static void take_edges(transformation *j, const eda_shapes *s, double grid,
     }
 }
 
-/* Return sin(pi u) / (pi u); the next function returns its derivative. Series
-   are used near 0, where the closed forms cancel. */
+/* Return sin(pi u) / (pi u). A series is used near 0, where the closed form
+   cancels. */
 static double sinc(double u) {
   double p = M_PI * u;
   return fabs(u) < 1e-4 ? 1 - p * p / 6 : sin(p) / p;
 }
 
+/* Return the derivative of sinc. */
 static double sinc_slope(double u) {
   return fabs(u) < 1e-3 ? -M_PI * M_PI * u / 3 : (cos(M_PI * u) - sinc(u)) / u;
 }
@@ -138,8 +140,8 @@ static void add_upright(transformation *j, size_t rows) {
 
 /* ---- work: slanted edges ---- */
 
-/* Compute row number `row` of the slanted sum: sinc(f d) from the phases of
-   both ends, each a power of one number along the row. */
+/* Compute row `row` of the slanted sum. sinc(f d) follows from the phases of
+   both ends, each of which is a power of one number along the row. */
 static void add_slanted_row(void *data, size_t row) {
   transformation *j = data;
   const eda_spectrum *s = j->out;

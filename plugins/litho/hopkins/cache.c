@@ -7,8 +7,9 @@
 #include <pthread.h>
 #include <string.h>
 
-/* Number of unused kernels kept, at most 5 MB each. A correction uses two, for
-   its fast and its accurate simulations; process corners use more. */
+/* Number of unused kernel sets that are kept, at most 5 MB each. A correction
+   uses two sets, for fast and for accurate simulations; process corners use
+   more. */
 enum { MOST_IDLE = 16 };
 
 struct cache_entry {
@@ -22,7 +23,7 @@ struct cache_entry {
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static cache_entry *all;
 
-/* Return whether two keys are equal to the bit. */
+/* Return 1 if two keys are bit-identical. */
 static int key_is_same(const cache_key *a, const cache_key *b) {
   uint64_t x[sizeof *a / sizeof(uint64_t)], y[sizeof *a / sizeof(uint64_t)];
   memcpy(x, a, sizeof x);
@@ -30,8 +31,8 @@ static int key_is_same(const cache_key *a, const cache_key *b) {
   return !memcmp(x, y, sizeof x);
 }
 
-/* Return the entry of a key and move the entry to the front of the list. The
-   caller holds the lock. */
+/* Return the entry of a key with a user added, and move the entry to the front
+   of the list. The caller holds the lock. */
 static cache_entry *entries_find(const cache_key *key) {
   for (cache_entry **at = &all; *at; at = &(*at)->next) {
     cache_entry *k = *at;

@@ -10,7 +10,7 @@
 
 enum { CHUNK = 32 }; /* frequencies at a time */
 
-/* ---- work: the kept kernels ---- */
+/* ---- work: kernels in use ---- */
 
 static void table_fill(const radial *r, const double *f, double scale,
                        float *table) {
@@ -77,7 +77,7 @@ void radial_keep(kernels *base, size_t n) {
 
 /* ---- work: transfer functions ---- */
 
-/* Interpolate a table linearly at CHUNK places. */
+/* Interpolate a table linearly at CHUNK positions. */
 EDA_WIDE static void table_look_up(const float *restrict table,
                                    const float *restrict place,
                                    float *restrict out) {
@@ -140,7 +140,7 @@ void radial_transfer(const void *self, size_t s, const double *fx, double fy,
 }
 
 /* The mirror image of R exp(i m angle) is R exp(-i m angle), times -1 if m is
-   odd; likewise for S cos(angle) and i S sin(angle). */
+   odd. The mirror images of S cos(angle) and i S sin(angle) follow equally. */
 eda_mirrored radial_mirror(const void *self, size_t s) {
   const radial *r = self;
   if (s >= r->base.count)

@@ -11,9 +11,10 @@ typedef struct disk {
 
 enum { APART = -1, CUT = 0, WHOLE = 1, NOWHERE = 2 };
 
-/* Find the arc of the circle of a inside b: centre *middle, half angle *half.
-   For two equal circles only the first has a border. Return 0 if there is no
-   arc. */
+/* Find the part of the circle of a inside b. Return CUT for an arc with centre
+   *middle and half angle *half, WHOLE for the entire circle, NOWHERE for no
+   part, APART if the disks do not overlap. Only the `first` of two equal
+   circles is WHOLE. */
 static int disk_cut(disk a, disk b, int first, double *middle, double *half) {
   double dx = b.x - a.x, dy = b.y - a.y, d = sqrt(dx * dx + dy * dy);
   if (d >= a.r + b.r) return APART;
@@ -21,7 +22,7 @@ static int disk_cut(disk a, disk b, int first, double *middle, double *half) {
   if (d <= b.r - a.r) return WHOLE;
   if (d <= a.r - b.r) return NOWHERE;
   *middle = atan2(dy, dx);
-  /* Rounding can leave -1 .. 1 where circles touch. */
+  /* Rounding can exceed -1 .. 1 where circles touch. */
   double c = (d * d + a.r * a.r - b.r * b.r) / (2 * d * a.r);
   *half = acos(fmin(fmax(c, -1), 1));
   return CUT;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements litho.hopkins: partially coherent imaging by Hopkins' transmission
    cross coefficient T(f1, f2) (H. H. Hopkins, Proc. R. Soc. A 217, 1953), as a
-   sum of coherent kernels (SOCS). The number of kernels for the requested error
-   is found by measuring the error on small patterns. */
+   sum of coherent kernels (SOCS). The error on small patterns determines the
+   number of kernels. */
 #include <eda/litho.h>
 #include <eda/memory.h>
 #include <math.h>
@@ -16,11 +16,10 @@
 
 enum {
   CUTS = 256,
-  ALL = 600, /* kernels of a complete sum: further kernels change images by
-                1e-5 */
-  /* Limit of listed source points. Computing kernels takes 10 s for 300 points
-     and grows with the square of the number; other sources are sampled by 400
-     points. */
+  ALL = 600, /* largest number of kernels; more change images by 1e-5 */
+  /* Largest number of listed source points. Kernels of 300 points take 10 s;
+     the time grows with the square of the number. All other sources are sampled
+     by 400 points. */
   MOST_LISTED = 800
 };
 
@@ -40,8 +39,8 @@ typedef struct hopkins {
   double wanted;
   int wanted_given;
   int64_t fixed;
-  /* Each element of `cuts` is made at the first request, the first one by
-     `prepare`. Elements never change or move; the lock guards additions. */
+  /* Elements of `cuts` are added at the first request, the first element by
+     `prepare`. They never change or move; the lock protects additions. */
   pthread_mutex_t lock;
   cut cuts[CUTS];
   size_t n_cuts;
@@ -58,17 +57,17 @@ static double hopkins_band(const void *self) {
   return (1 + optics_source_radius(&h->optics)) * h->optics.cutoff;
 }
 
-/* Return the grid spacing for four samples per shortest period of the
-   intensity, nm: 32 at 193 nm, NA 0.75, where contours deviate by 0.0015 nm.
-   Longer wavelengths need fewer samples: 41 nm at 248 nm, NA 0.7. */
+/* Return the grid spacing, nm, for four samples per shortest period of the
+   intensity: 32 nm at 193 nm, NA 0.75, where contours deviate by 0.0015 nm; 41
+   nm at 248 nm, NA 0.7. */
 static double step_of(const hopkins *h) {
   return 32 * (0.75 / 193) / h->optics.cutoff;
 }
 
-/* Relative reduction of the intensity's band. The intensity vanishes at the end
-   of the band, twice the cutoff, but truncated kernels do not. Without the
-   reduction, rounding would decide if a frequency at the end counts, a large
-   error for a grating of pitch wavelength / NA. */
+/* Relative reduction of the intensity's band. At the end of the band, twice the
+   cutoff, the intensity is 0, but the sum of truncated kernels is not. Without
+   the reduction, rounding would decide whether a frequency at the end counts, a
+   large error for a grating of pitch wavelength / NA. */
 static const double rim = 1e-9;
 
 /* Compute the image of the mask of a layer, or of a binary mask. */
@@ -103,11 +102,11 @@ static double field_difference(const eda_field *a, const eda_field *b) {
   return worst;
 }
 
-/* Largest ratio of the error of layouts to that of the patterns (README.md). */
+/* Largest ratio of the error in layouts to the error in patterns (README.md).
+ */
 static const double margin = 1.35;
 
-/* Spectra and reference images of the patterns; images not yet computed are
-   NULL. */
+/* Spectra and reference images of the patterns; NULL: not yet computed. */
 typedef struct trial {
   eda_spectrum mask[PATTERNS];
   eda_field whole[PATTERNS];
@@ -135,7 +134,7 @@ static int trial_init(const hopkins *h, kernels *k, trial *t,
   return code;
 }
 
-/* Return 1 if no further kernels exist (some are added in pairs). */
+/* Return 1 if no further kernels exist; some kernels are added in pairs. */
 static int kernels_are_all(const kernels *k) {
   return k->all || k->count + 1 >= ALL;
 }
@@ -158,17 +157,17 @@ static int cut_try(const hopkins *h, cut *c, trial *t, opc_error *error) {
   return code;
 }
 
-/* Return the next number of kernels to try. The error falls as one over their
-   number, or faster for small sources, so approach the estimate from below. */
+/* Return the next number of kernels to try. The error decreases as 1 / number,
+   or faster for small sources, so the estimate is approached from below. */
 static size_t cut_more_kernels(const cut *c, size_t n) {
   double one = 2 + (double)n + (double)n / 6;
   double guess = 0.6 * (double)n * c->error / c->wanted;
   return (size_t)fmin(ALL, fmax(one, fmin(guess, 3 * (double)n)));
 }
 
-/* Choose the smallest number of kernels (approximately) whose images of all
+/* Choose approximately the smallest number of kernels whose images of all
    patterns deviate from the reference by at most the requested error. The
-   reference is T or, if unknown, the sum of all kernels. */
+   reference is the image by T or, if T has no closed form, by all kernels. */
 static int cut_choose(const hopkins *h, cut *c, opc_error *error) {
   kernels *k = c->kernels;
   trial t;
@@ -192,7 +191,7 @@ static int cut_make_kernels(const hopkins *h, cut *c, opc_error *error) {
   const opc_context *context = h->host->context;
   if (optics_is_radial(o)) {
     int real = c->defocus == 0 && optics_is_real(o) && optics_real_masks(o);
-    /* Approximate error of that number of kernels. */
+    /* Approximate error of a fixed number of kernels. */
     double wanted = c->fixed > 0 ? 0.01 / (double)c->fixed : c->wanted;
     c->kernels = radial_new(context, o, c->defocus, real, wanted);
   } else {
@@ -207,7 +206,7 @@ static int cut_make_kernels(const hopkins *h, cut *c, opc_error *error) {
   return code;
 }
 
-/* Get kernels from the cache, or compute them. */
+/* Set c->kernels to kernels of the cache, or compute them. */
 static int cut_get_kernels(const hopkins *h, cut *c, opc_error *error) {
   const optics *o = &h->optics;
   if (!optics_is_radial(o) || o->zernike.count)
@@ -238,8 +237,8 @@ static int cut_get_kernels(const hopkins *h, cut *c, opc_error *error) {
   return OPC_OK;
 }
 
-/* Largest ratio of error to request without a warning, unless the flow itself
-   sets the error: requests of steps contain a reserve. Tuned. */
+/* Largest ratio of the error to the requested error without a warning, unless
+   the flow sets the error: requests of steps contain a reserve. Tuned. */
 static const double nearly = 2;
 
 static void cut_log(const hopkins *h, const cut *c) {
@@ -292,8 +291,8 @@ static const cut *cut_add(hopkins *h, double defocus, double wanted,
 }
 
 /* Return the kernels for exactly this request. Kernels with a smaller error are
-   not used, because their presence depends on the order of requests, and
-   results would too. */
+   not used: their presence depends on the order of requests, so results would
+   depend on the order, too. */
 static const cut *cut_find(hopkins *h, double defocus, double wanted,
                            int64_t fixed, opc_error *error) {
   const cut *found = NULL;
@@ -341,8 +340,8 @@ static int hopkins_image_at(const void *self, int layer,
            : error->code;
 }
 
-/* Compute the image of a mask of lines directly from T; the mask's spectrum
-   holds the amplitudes. */
+/* Compute the image of a mask of lines directly from T. `mask` is the spectrum
+   of the binary mask. */
 static int hopkins_image_lines(const hopkins *h, int layer,
                                const eda_spectrum *mask, eda_field *out,
                                opc_error *error) {
@@ -370,7 +369,7 @@ static int hopkins_image_fine(const void *self, int layer,
   const kernels *k = h->cuts[0].kernels;
   if (defocus == 0 && k->cross && pattern_is_lines(k, mask))
     return hopkins_image_lines(h, layer, mask, out, error);
-  /* The error must not exceed the error of the model's kernels. */
+  /* The error must not exceed the error of the fast kernels. */
   double own = h->fixed > 0 ? h->cuts[0].error : h->wanted;
   const cut *c = &h->cuts[0];
   if (defocus != 0 || c->error > wanted)

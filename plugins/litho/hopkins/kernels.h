@@ -13,39 +13,38 @@ typedef struct kernels kernels;
 struct kernels {
   const opc_context *context;
   double cutoff;        /* 1/nm */
-  double radius;        /* T is zero beyond this radius, in units of the
-                           cutoff */
+  double radius;        /* T is 0 beyond this radius, in units of the cutoff */
   size_t count;         /* number of kernels in use, set by `keep` */
-  int all;              /* no further kernels exist */
+  int all;              /* 1: no further kernels exist */
   const double *weight; /* weight of each kernel in use */
   size_t residuals;     /* number of residual terms (eda_kernels) */
 
-  /* Use the n strongest kernels, or all if there are fewer. [main] */
+  /* Use the n strongest kernels, or all if fewer exist. [main] */
   void (*keep)(kernels *self, size_t n);
-  /* Free the data that only `keep` needs. No `keep` may follow; optics and
-     context may be freed. NULL: not supported. [main] */
+  /* Free the data that only `keep` uses. Do not call `keep` afterwards; optics
+     and context may be freed. NULL: not supported. [main] */
   void (*settle)(kernels *self);
-  /* As the members of eda_kernels, with the kernels as `self`. [any] */
+  /* Members of eda_kernels, with the kernels as `self`. [any] */
   void (*transfer)(const void *self, size_t s, const double *fx, double fy,
                    size_t n, float *out);
   void (*filter)(const void *self, size_t residual, const double *fx, double fy,
                  size_t n, float *out);
   eda_mirrored (*mirror)(const void *self, size_t s); /* may be NULL */
-  /* Return the exact T for frequencies in units of the cutoff. NULL if T is
-     known only by its kernels. [any] */
+  /* Return the exact T for frequencies in units of the cutoff. NULL: T is known
+     only by its kernels. [any] */
   double (*cross)(const kernels *self, double x1, double y1, double x2,
                   double y2);
   void (*free)(kernels *self);
 };
 
 /* Return kernels of a circular or annular source and a pupil that depends on
-   the radius alone; `defocus` nm is added to that of the optics. `real`: pupil
-   and all masks are real. `error`: requested error, clear field 1; small values
-   take longer. Free with `free`. */
+   the radius only. `defocus`, nm, is added to optics.defocus. `real`: 1: the
+   pupil and all masks are real. `error`: requested error, clear field 1;
+   smaller errors take longer. Free with kernels.free. */
 kernels *radial_new(const opc_context *context, const optics *o, double defocus,
                     int real, double error);
 
-/* Return kernels of any source and pupil; `defocus` nm is added to that of the
-   optics. NULL and *error on failure. Free with `free`. */
+/* Return kernels of any source and pupil. `defocus`, nm, is added to
+   optics.defocus. NULL and *error on failure. Free with kernels.free. */
 kernels *plane_new(const opc_context *context, const optics *o, double defocus,
                    opc_error *error);

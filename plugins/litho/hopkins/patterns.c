@@ -17,16 +17,17 @@ static const eda_box lines_and_block[] = {
     {2, 4, 6, 55},     {18, 9, 22, 58},   {34, 2, 38, 52}, {2, 66, 6, 122},
     {18, 70, 22, 118}, {34, 64, 38, 125}, {50, 6, 54, 90}, {46, 104, 60, 124}};
 
-/* Long rows of long lines with a wide space on both sides. Their spectrum is as
-   sharp as that of a large layout, the worst case for kernels. */
+/* Patterns 1 to 4: long rows of long lines with a wide space on both sides.
+   Their spectrum is as sharp as that of a large layout, the worst case for
+   kernels. */
 enum { ROW = 480, HIGH = 4, SPACE = 48 };
 static const int pitches[PATTERNS - 1] = {13, 16, 20, 27};
 
 enum {
-  MOST = ROW / 13,    /* boxes */
-  TOP = 2 * ROW / 16, /* frequencies k below twice the cutoff */
-  TOP_X = 2 * ACROSS / 16,
-  TOP_Y = 2 * ALONG / 16, /* of the first pattern */
+  MOST = ROW / 13,         /* boxes of a row */
+  TOP = 2 * ROW / 16,      /* frequencies of a row below twice the cutoff */
+  TOP_X = 2 * ACROSS / 16, /* of the first pattern along x */
+  TOP_Y = 2 * ALONG / 16,  /* of the first pattern along y */
   ORDERS = (2 * TOP_X + 1) * (2 * TOP_Y + 1)
 };
 _Static_assert(ORDERS >= 2 * TOP + 1, "rows have fewer frequencies");
@@ -52,13 +53,8 @@ int pattern_spectrum(const kernels *k, int which, eda_spectrum *out,
   uint32_t n = (uint32_t)boxes_of(which, boxes, &f);
   eda_point points[4 * MOST];
   uint32_t start[MOST + 1] = {0};
-  for (uint32_t i = 0; i < n; i++) {
-    eda_box b = boxes[i];
-    eda_point p[4] = {{b.x0, b.y0}, {b.x1, b.y0}, {b.x1, b.y1}, {b.x0, b.y1}};
-    memcpy(points + (size_t)4 * i, p, sizeof p);
-    start[i + 1] = 4 * (i + 1);
-  }
   eda_shapes shapes = {n, start, points, NULL};
+  for (uint32_t i = 0; i < n; i++) eda_shapes_set_box(&shapes, i, boxes[i]);
   double unit = 1 / k->cutoff / 16;
   eda_frame frame = {0, 0, f.width * unit, f.height * unit};
   return eda_mask_spectrum(k->context, &shapes, unit, frame,
@@ -73,7 +69,7 @@ typedef struct order {
   double complex a;
 } order;
 
-/* Find the frequencies within the band, sorted such that entry n - 1 - i is the
+/* Find the frequencies within the band, sorted so that entry n - 1 - i is the
    negative of entry i. Return their number. */
 static size_t orders_find(const kernels *k, const eda_spectrum *mask,
                           order *out) {
@@ -103,8 +99,8 @@ static double complex *spectrum_coefficient(coefficients *c, int u, int v) {
   return &c->at[(v + c->top_y) * c->columns + u + c->top_x];
 }
 
-/* Compute the sum of T(f1, f2) a(f1) a(f2)* over all pairs. T is real, so the
-   sum over two pairs of opposite frequencies is real. */
+/* Compute the sum of T(f1, f2) a(f1) a(f2)* over all pairs of frequencies. T is
+   real, so a pair and the pair of opposite frequencies have conjugate terms. */
 static void coefficients_sum_pairs(const kernels *k, const eda_spectrum *mask,
                                    coefficients *out) {
   order o[ORDERS];
@@ -139,7 +135,7 @@ static void row_roots(double complex *root, int n) {
   for (int x = 0; x < n; x++) root[x] = cexp(2 * M_PI * I * x / n);
 }
 
-/* Compute the values of an intensity from its coefficients; `memory` holds
+/* Compute the values of an intensity from its coefficients. `memory` receives
    intermediate rows. */
 static void coefficients_image(coefficients *c, double complex *memory,
                                eda_field *out) {
@@ -181,8 +177,8 @@ void pattern_image(const opc_context *context, const kernels *k,
 
 /* ---- lines ---- */
 
-/* Smallest coefficient that counts, clear field 1: smaller ones are rounding
-   errors of the spectrum. */
+/* Smallest sum of coefficients that counts, clear field 1; smaller sums are
+   rounding errors of the spectrum. */
 static const double nothing = 2e-6;
 
 int pattern_is_lines(const kernels *k, const eda_spectrum *mask) {

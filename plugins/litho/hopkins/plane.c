@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements kernels of any T from the source: T(f1, f2) = sum over source
    points s of w P(f1 + s) conj P(f2 + s). Every orthonormal mixture of the
-   points yields the same T; the eigenvectors of their Gram matrix need the
-   fewest kernels. Each kernel, a mixture of shifted pupils, is a function of
-   the frequency and stored as a table over the plane. Each part of polarised
-   light (vector.h) counts as a separate point.
+   points has the same T; mixtures by the eigenvectors of the points' Gram
+   matrix require the fewest kernels. Each kernel, a mixture of shifted pupils,
+   is a function of the frequency and stored as a table over the plane. Each
+   part of polarised light (vector.h) counts as a separate point.
 
    The edge of a pupil is spread over a cell of the source grid, because a
-   source point represents its whole cell; sharp edges would make kernels
-   discontinuous. One residual term, S(f1) S(f2) D(|f1 - f2|), restores the
+   source point represents its entire cell; sharp edges would make kernels
+   discontinuous. One residual term, S(f1) S(f2) D(|f1 - f2|), approximates the
    truncated kernels and the loss by spread edges; it is exact for f1 = f2. */
 #include <complex.h>
 #include <eda/memory.h>
@@ -246,7 +246,8 @@ static size_t nodes_of(const plane *p) {
   return (size_t)p->side * (size_t)p->side;
 }
 
-/* Fit D to pairs of nodes: the mean of the truncated kernels over S S. */
+/* Fit D at each shift by least squares over pairs of nodes: truncated kernels =
+   S S D. */
 static void plane_fit_shifts(plane *p) {
   double above[SHIFTS + 1] = {0}, below[SHIFTS + 1] = {0};
   size_t nodes = nodes_of(p), side = (size_t)p->side;

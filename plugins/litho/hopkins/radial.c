@@ -5,11 +5,11 @@
    apply to frames of every size.
 
    The pupil shifted by f, as a function on a circle of radius q in the source,
-   depends on the angle between f and the source point. With its Fourier
-   coefficients g_m(r, q), T_m(r1, r2) = integral of g_m(r1, q) g_m(r2, q)* q dq
-   over the source. In focus g_m has a closed form, because the pupil is an arc.
-   Polarised light has one such sum per part (vector.h); each part is an even or
-   odd function of the angle. */
+   depends on the angle between f and the source point. With the Fourier
+   coefficients g_m(r, q) of this function, T_m(r1, r2) is the integral of
+   g_m(r1, q) g_m(r2, q)* q dq over the source. In focus g_m has a closed form,
+   because the pupil is an arc. Polarised light has one such integral per part
+   (vector.h); each part is an even or odd function of the angle. */
 #include "radial.h"
 
 #include <eda/memory.h>
@@ -42,10 +42,10 @@ static double spectrum_falling(double r) {
   return pow(1 + r * r / (corner * corner), -0.5 * steepness);
 }
 
-/* Return the parameter t of radius r in a panel. Panels are bounded by the
-   radii where disks begin to touch. R behaves there like roots of the distance;
-   as a function of t, r = from + (to - from) (3 t^2 - 2 t^3), R is nearly a
-   polynomial. */
+/* Return the parameter t of radius r in a panel, with r = from + (to - from) (3
+   t^2 - 2 t^3). Panels are bounded by the radii where disks begin to touch.
+   There R behaves like a root of the distance; as a function of t, R is nearly
+   a polynomial. */
 static double panel_place(const panel *p, double r) {
   double y = (r - p->from) / (p->to - p->from);
   return 0.5 - sin(asin(fmin(fmax(1 - 2 * y, -1), 1)) / 3);
@@ -72,9 +72,9 @@ static void place_nodes(radial *r) {
     r->root[i] = sqrt(r->weight[i] * r->node[i]) * spectrum_falling(r->node[i]);
 }
 
-/* Place the nodes of the source's radius. Breaks are the radii where the rim of
-   a shifted pupil enters the source. g_m behaves there like a square root,
-   which nodes in the square of a variable integrate accurately. */
+/* Compute the nodes of the source's radius. Breaks are the radii where the
+   border of a shifted pupil enters the source. There g_m behaves like a square
+   root, which nodes in the square of a variable integrate accurately. */
 static void place_rings(radial *r) {
   double breaks[NODES + 2], unit[RINGS], weight[RINGS];
   int n = 0;
@@ -181,7 +181,7 @@ static void expand_node(void *data, size_t i) {
   }
 }
 
-/* Compute T_m at all pairs of nodes, adding one part after the other. */
+/* Add the contribution of one part to T_m at all pairs of nodes. */
 static void radial_multiply(void *data, size_t m) {
   radial *r = data;
   size_t n = (size_t)r->n, rings = (size_t)r->rings;
@@ -300,8 +300,8 @@ static void solver_store_vector(radial *r, size_t m, size_t k,
   }
 }
 
-/* Compute the eigenvectors of root_i T_m(r_i, r_j) root_j, which are root R,
-   for one order m. */
+/* Compute the eigenvectors of root_i T_m(r_i, r_j) root_j for one order m. They
+   are the products root R. */
 static void radial_solve_order(void *data, size_t task) {
   radial *r = data;
   size_t n = (size_t)r->n, m = task + (size_t)r->solved;
@@ -326,8 +326,8 @@ static int by_value(const void *a, const void *b) {
   return x->order != y->order ? x->order - y->order : x->index - y->index;
 }
 
-/* Return the number of eigenfunctions in the first n kernels. *count is the
-   number of kernels, less than n if there are no more. */
+/* Return the number of eigenfunctions in the first n kernels. *count receives
+   the number of kernels, less than n if no more exist. */
 static size_t count_eigenfunctions(const radial *r, size_t n, size_t *count) {
   int open = 0; /* 1: a kernel of order 0 can take a second function */
   size_t kept = 0;
@@ -378,7 +378,7 @@ static void array_drop(double **array) {
   *array = NULL;
 }
 
-/* Free the data that only `keep` needs. */
+/* Implement kernels.settle. */
 static void radial_settle(kernels *base) {
   radial *r = (radial *)base;
   for (int part = 0; part < 2; part++) {
@@ -433,8 +433,8 @@ static void radial_find_diagonal(radial *r) {
   }
 }
 
-/* Return T(0, 0) before normalisation: the area of the source, or for polarised
-   light the sum of the contributions of rings to the clear field. */
+/* Return T(0, 0) before normalisation: the area of the source or, for polarised
+   light, the sum of the contributions of rings to the clear field. */
 static double radial_find_whole(const radial *r) {
   double whole = r->sigma * r->sigma - r->sigma_in * r->sigma_in, sum = 0;
   for (int k = 0; k < r->rings; k++)
@@ -474,8 +474,8 @@ kernels *radial_new(const opc_context *context, const optics *o, double defocus,
   r->defocus = defocus;
   r->real = real;
   r->scalar = o->polarisation == OPTICS_SCALAR;
-  /* Measured: fewer nodes leave larger errors with any number of kernels. 40
-     nodes suffice for 1e-4, but leave 2e-4 where 6e-5 is requested. */
+  /* Measured: with fewer nodes, errors are larger with any number of kernels.
+     40 nodes suffice for 1e-4, but the error is 2e-4 if 6e-5 is requested. */
   r->other = error < 1e-4 && real ? OTHER : error < 1e-3 ? 40 : 24;
   r->sigma = o->sigma;
   r->sigma_in = o->source == OPTICS_ANNULAR ? o->sigma_in : 0;

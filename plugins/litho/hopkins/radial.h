@@ -7,13 +7,14 @@
 
 enum {
   PANELS = 4,
-  FIRST = 8,  /* nodes of the panel where the whole source passes the pupil */
-  OTHER = 56, /* nodes of each other panel, at most */
+  FIRST = 8,  /* nodes of the panel where the entire source passes the pupil */
+  OTHER = 56, /* largest number of nodes of each other panel */
   NODES = FIRST + (PANELS - 1) * OTHER,
   RINGS = 4, /* nodes of the source's radius between two breaks */
   SOURCE = (NODES + 1) * RINGS,
-  ARC = 48,    /* nodes of an arc of a complex pupil */
-  ANGLES = 48, /* angles of the pairs that D is fitted to, over half a turn */
+  ARC = 48, /* nodes of an arc of a complex pupil */
+  ANGLES =
+      48, /* angles of the pairs of nodes for the fit of D, over 180 degrees */
   SHIFTS = 32, /* intervals of the table of D along |h| */
   TURNS = 5,   /* directions of the table of D */
   ORDERS = 32, /* angular orders */
@@ -30,7 +31,7 @@ typedef struct eigen {
   int order, index;
 } eigen;
 
-/* A coherent kernel. For a real mask and pupil: the orders m and -m of one
+/* A coherent kernel. If mask and pupil are real: the orders m and -m of one
    radial function, whose squares are equal, or two radial functions of order 0
    as real and imaginary part. Otherwise: one function of one order. */
 typedef struct coherent {
@@ -43,27 +44,28 @@ typedef struct radial {
   const optics *o;
   double defocus;
   double sigma, sigma_in;
-  int real;     /* mask and pupil are real: kernels are combined in pairs */
-  int scalar;   /* scalar light: T(f, f) has a closed form, and T too if
-                   `real` */
+  int real;     /* 1: mask and pupil are real, kernels are combined in pairs */
+  int scalar;   /* 1: scalar light. T(f, f) has a closed form; if `real`, also
+                   T */
   size_t part;  /* part of polarised light that is expanded (vector.h) */
   double whole; /* T(0, 0) before normalisation */
   panel panels[PANELS];
-  int other;                         /* nodes of each panel except the first */
+  int other;                         /* nodes of each panel after the first */
   int n, rings;                      /* total numbers of nodes */
   double node[NODES], weight[NODES]; /* radius, in units of the cutoff */
-  double place[NODES], bary[NODES];  /* t of panel_place; see place_table */
-  double root[NODES];                /* eigenvectors are R times these */
+  double place[NODES],
+      bary[NODES];    /* t of panel_place; weight in place_table */
+  double root[NODES]; /* eigenvector divided by R */
   double ring[SOURCE], ring_weight[SOURCE]; /* nodes of the source's radius */
   double arc[ARC], arc_weight[ARC];         /* on 0 .. 1 */
-  double *g[2], *t[2];  /* re and, unless real, im of g_m: [order][node][ring];
-                           and of T_m: [order][node][node] */
+  double *g[2], *t[2];  /* real and, unless `real`, imaginary part of g_m:
+                           [order][node][ring]; of T_m: [order][node][node] */
   double *functions[2]; /* R: [order][index][node] */
   double *blend;        /* weights from nodes to table: [TABLE + 2][OTHER] */
-  int begin[TABLE + 2]; /* first of these nodes */
+  int begin[TABLE + 2]; /* first node of each row of `blend` */
   double at_node[NODES], diagonal[TABLE + 2]; /* T(f, f) */
-  double *pairs;        /* T of every other node: [pair][angle]; NULL: use the
-                           orders */
+  double *pairs;        /* T of pairs of every other node: [pair][angle]; NULL:
+                           use the orders */
   double bound[ORDERS]; /* upper bound of each order's eigenvalues */
   int solved;           /* number of orders with known R */
   eigen *sorted;        /* eigenfunctions of solved orders, strongest first */
@@ -76,12 +78,12 @@ typedef struct radial {
 
 /* ---- radial.c ---- */
 
-/* Solve orders until no other order can belong to the first n kernels. Return
-   the number of eigenfunctions in these kernels. */
+/* Solve orders until no other order can contribute to the first n kernels.
+   Return the number of eigenfunctions in these kernels. */
 size_t radial_solve(radial *r, size_t n);
 
-/* Return R of an eigenfunction at the nodes, real (part 0) or imaginary part
-   (1). */
+/* Return R of an eigenfunction at the nodes: real (part 0) or imaginary part
+   (part 1). */
 static inline const double *radial_function(const radial *r, const eigen *e,
                                             int part) {
   return r->functions[part] +
@@ -90,7 +92,8 @@ static inline const double *radial_function(const radial *r, const eigen *e,
 
 /* ---- coherent.c ---- */
 
-/* Return T of scalar light in focus, in closed form. */
+/* Return T of scalar light in focus, in closed form, for frequencies of radius
+   a and b, in units of the cutoff, and the angle between them. */
 double radial_cross(const radial *r, double a, double b, double angle);
 
 /* Members of `kernels` (kernels.h). */
@@ -104,17 +107,17 @@ void radial_drop(radial *r);
 
 /* ---- residual.c ---- */
 
-/* Compute T of node 2 i with every other node up to 2 i. */
+/* Compute T of node 2 i with nodes 0, 2, ... 2 i. */
 void radial_evaluate_pairs(void *self, size_t i);
 
 /* Compute S and D of the residual without the first `kept` eigenfunctions. */
 void radial_find_residual(radial *r, size_t kept);
 
 /* Compute the transfer function of residual term `residual`; other parameters
-   as for `transfer`. */
+   as for kernels.transfer. */
 void radial_residual(const radial *r, size_t residual, const double *fx,
                      double fy, size_t n, float *out);
 
-/* Compute the filter of residual term `residual` (kernels.h). */
+/* Implement kernels.filter. */
 void radial_filter(const void *self, size_t residual, const double *fx,
                    double fy, size_t n, float *out);

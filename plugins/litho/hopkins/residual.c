@@ -6,30 +6,29 @@
 
      S(f1) S(f2) [cos a1 cos a2 D(h) + sin a1 sin a2 D(h turned by 90 degrees)].
 
-   It is exact for h = 0. D depends on the length and direction of h: the
-   residual comes from distant points across the rims of the pupils and extends
-   further along f than across f. With D a function of |h| alone, an error of
-   1e-4 for long gratings needs five times the kernels. */
-#include <eda/memory.h>
+   The approximation is exact for h = 0. D depends on length and direction of h:
+   the residual is caused by distant points across the borders of the pupils and
+   extends further along f than across f. If D depended on |h| only, an error of
+   1e-4 for long gratings would require five times the kernels. */
 #include <gsl/gsl_linalg.h>
 #include <math.h>
 #include <string.h>
 
 #include "radial.h"
 
-/* Weight of smoothness in the fit of D: values without samples follow from
-   their neighbours. A tenfold weight changes errors by 3 %. */
+/* Weight of smoothness in the fit of D, which determines values without samples
+   from their neighbours. A tenfold weight changes errors by 3 %. */
 static const double stiffness = 1e-4;
 
-/* Pairs have the weight 1 / |h|, with |h| at least this: long lines have pairs
-   along one direction only, where small |h| count as much as large ones. */
+/* Smallest |h| in the weight 1 / |h| of pairs. Long lines have pairs along one
+   direction only, where small and large |h| count equally. */
 static const double least_shift = 0.02;
 
 /* ---- work: pairs ---- */
 
-/* Return the fraction of half a turn for angle a of a pair of nodes (every
-   other node, counted from 0). Angles differ from pair to pair, so that all
-   pairs together sample shifts evenly, more densely where shifts are small. */
+/* Return the fraction of 180 degrees for angle a of a pair (i, j) of every
+   other node. Angles differ between pairs, so that all pairs together sample
+   shifts evenly, and more densely where shifts are small. */
 static double pair_part(int i, int j, int a) {
   double turn = 0.6180339887 * i + 0.7548776662 * j;
   return (a + turn - floor(turn)) / ANGLES;
@@ -45,7 +44,7 @@ static double pair_first_angle(int i, int j, int a) {
   return M_PI * (turn - floor(turn));
 }
 
-/* Sum the orders at all angles of a pair. */
+/* Compute the sum over angular orders at all angles of a pair. */
 static void pair_sum_orders(const double term[ORDERS], int i, int j,
                             double out[ANGLES]) {
   for (int a = 0; a < ANGLES; a++) {
@@ -226,8 +225,8 @@ void radial_find_residual(radial *r, size_t kept) {
 
 /* ---- work: transfer functions and filters ---- */
 
-/* S cos(angle), or i S sin(angle); the factor i makes the second term its own
-   mirror image. */
+/* Compute S cos(angle), or i S sin(angle) for residual term 1. The factor i
+   makes the term equal to its mirror image. */
 void radial_residual(const radial *r, size_t residual, const double *fx,
                      double fy, size_t n, float *out) {
   double scale = TABLE / (r->base.radius * r->base.cutoff);

@@ -7,9 +7,9 @@
 
 enum { KERNEL_MOST = 255 }; /* largest number of frequencies across a kernel */
 
-/* `count` kernels in the frequency domain, size x size each. The values re, im
-   of the frequency (k - half, l - half) of kernel s are data[2 * ((s * size +
-   l) * size + k)] and the next element. */
+/* `count` kernels in the frequency domain, size x size values each. Real and
+   imaginary part of the value of kernel s at frequency (k - half, l - half) are
+   data[2 * ((s * size + l) * size + k)] and the next element. */
 typedef struct kernel_set {
   size_t count;
   int size, half; /* size = 2 * half + 1 */
@@ -18,11 +18,11 @@ typedef struct kernel_set {
   float *data;
 } kernel_set;
 
-/* Read the text `path` (number of kernels, then weights) and fh0.bin, fh1.bin
-   ... in its folder. A kernel file has a header of 24 bytes: rows and columns
-   as big-endian 32-bit integers, and four unused integers. Pairs of big-endian
-   32-bit floats follow, row by row. Read the first `most` kernels, 0 for all.
-   Return OPC_OK or an error. */
+/* Read the text `path` (number of kernels, then weights) and the files fh0.bin,
+   fh1.bin ... in its folder. A kernel file has a header of 24 bytes: rows and
+   columns as big-endian 32-bit integers, and four unused integers. Pairs of
+   big-endian 32-bit floats follow, row by row. Read only the first `most`
+   kernels; 0: all. Return OPC_OK or an error. */
 int kernel_set_read(const char *path, size_t most, kernel_set *out,
                     opc_error *error);
 void kernel_set_clear(kernel_set *set);

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements litho.kernels: imaging by given kernels such as those of the ICCAD
+/* Implements litho.kernels: imaging by given kernels, for example of the ICCAD
    2013 contest (S. Banerjee, Z. Li, S. R. Nassif, ICCAD 2013, 271). The
-   intensity is the sum of weight |mask * kernel|^2. A kernel is known at the
-   multiples of 1 / period, which define the kernel as a function within a
-   square of one period around the origin; values at other frequencies are the
-   Fourier transform of that function. */
+   intensity is the sum of weight |mask * kernel|^2. The values of a kernel at
+   the multiples of 1 / period define the kernel as a function within a square
+   of one period around the origin. Values at other frequencies are the Fourier
+   transform of that function. */
 #include <eda/litho.h>
 #include <math.h>
 #include <opcflow/plugin.h>
@@ -34,9 +34,9 @@ typedef struct reach {
   double weight[KERNEL_MOST];
 } reach;
 
-/* Compute the weights that interpolate the transform of a function that is zero
-   outside of a period, at `place` (in units of 1 / period), from the values at
-   k = -half .. half. The weights are sin(pi (place - k)) / (pi (place - k)). */
+/* Compute the weights sin(pi (place - k)) / (pi (place - k)), k = -half ..
+   half. They interpolate the transform of a function that is zero outside of a
+   period at `place`, in units of 1 / period. */
 static void reach_spread(double place, int half, reach *r) {
   static const double same = 1e-6;
   double nearest = round(place);
@@ -97,7 +97,7 @@ static int model_prepare(void *self, opc_error *error) {
     size_t most = m->wanted > 0 ? (size_t)m->wanted : 0;
     int code = kernel_set_read(m->path[i], most, set, error);
     if (code) return code;
-    /* Normalise the clear field; all weights have one common factor. */
+    /* Scale the weights by the dose; compute the clear field for the log. */
     double clear = 0;
     size_t size = (size_t)set->size, middle = size * size / 2;
     for (size_t s = 0; s < set->count; s++) {

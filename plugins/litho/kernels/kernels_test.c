@@ -144,7 +144,7 @@ static double complex slit(int k, double a, double b) {
   return k ? (cexp(-w * a) - cexp(-w * b)) / (w * 1000) : (b - a) / 1000;
 }
 
-/* Test a clear box at a general place against the sum over all 25 orders. */
+/* Test a clear box at a general position against the sum over all 25 orders. */
 static void test_all_orders(void) {
   write_set("2 1.5 0.7", 2, 5, by_lot);
   g_autofree char *path = set_path();
@@ -349,7 +349,7 @@ static float float_at(const uint8_t *p) {
   return value;
 }
 
-/* Compute the intensities at n places from the definition. */
+/* Compute the intensities at n positions from the definition. */
 static void image_direct(const char *scales, const eda_shapes *clip,
                          const double *x, const double *y, int n, double *out) {
   g_autofree char *text = NULL;

@@ -100,26 +100,26 @@ static const opc_parameter parameters[] = {
                   .summary = "corrected mask with printed image"),
     OPC_PARAMETER(annotator, state, .type = OPC_CHOICE,
                   .choices = "drawn|before|after",
-                  .summary = "whose sizes to write; if not given, after where "
-                             "there is a mask, else drawn"),
+                  .summary = "state whose sizes are written; default: after "
+                             "with a mask, else drawn"),
     OPC_PARAMETER_NAMED("nmos", annotator, n_model, .type = OPC_TEXT,
-                        .summary = "the name of the n model; if not given, "
-                                   "each device's in the netlist, or nmos "
-                                   "with `models`"),
+                        .summary = "name of the n model; default: the models "
+                                   "in the netlist, or nmos with `models`"),
     OPC_PARAMETER_NAMED("pmos", annotator, p_model, .type = OPC_TEXT,
-                        .summary = "the name of the p model; if not given, "
-                                   "as of n"),
+                        .summary = "name of the p model; default: the models "
+                                   "in the netlist, or pmos with `models`"),
     OPC_PARAMETER_NAMED(
         "models", annotator, cards, .type = OPC_FILE,
-        .summary = "file with both model cards; only a given DLC is corrected"),
-    OPC_PARAMETER(annotator, subcircuits, .type = OPC_BOOL, .preset = "false",
-                  .summary = "the models are subcircuits, X in place of M"),
-    OPC_PARAMETER(annotator, unit, .type = OPC_REAL, .unit = "nm",
-                  .flags = OPC_ABOVE | OPC_AT_MOST, .min = 0, .max = 1e9,
-                  .summary = "length of the number 1 as a size; if not given, "
-                             "sizes are in m: 65e-9"),
+        .summary = "file with both model cards; required to correct DLC"),
+    OPC_PARAMETER(
+        annotator, subcircuits, .type = OPC_BOOL, .preset = "false",
+        .summary = "the models are subcircuits: write X instead of M"),
+    OPC_PARAMETER(
+        annotator, unit, .type = OPC_REAL, .unit = "nm",
+        .flags = OPC_ABOVE | OPC_AT_MOST, .min = 0, .max = 1e9,
+        .summary = "length of the size 1; default: sizes are in m (65e-9)"),
     OPC_PARAMETER(annotator, file, .type = OPC_OUTPUT, .preset = "netlist.sp",
-                  .summary = "the netlist to write"),
+                  .summary = "netlist file to write"),
 };
 
 static const opc_metric metrics[] = {
@@ -131,14 +131,12 @@ static const opc_metric metrics[] = {
 
 /* ---- entry ---- */
 
-/* Model cards may be in files included by `models`. */
+/* The step is not reused: included files may contain the model cards. */
 static const opc_step functions = {.run = annotate_run,
                                    .flags = OPC_STEP_OUTSIDE};
-OPC_PLUGIN(annotator, .id = "netlist.annotate", .kind = "step",
-           .version = "0.2.0", .licence = "BSD-3-Clause",
-           .summary =
-               "write a netlist with the sizes that transistors print "
-               "with",
-           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), OPC_METRICS(metrics),
-           OPC_FUNCTIONS(functions));
+OPC_PLUGIN(
+    annotator, .id = "netlist.annotate", .kind = "step", .version = "0.2.0",
+    .licence = "BSD-3-Clause",
+    .summary = "write a netlist with the printed sizes of the transistors",
+    .flags = OPC_DETERMINISTIC | OPC_REENTRANT, OPC_PARAMETERS(parameters),
+    OPC_METRICS(metrics), OPC_FUNCTIONS(functions));

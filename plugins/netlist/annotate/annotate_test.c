@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tests the written text and its results in ngspice, for an inverter of the two
-   gates available in every test. */
+/* Tests the written text and its results in ngspice, for an inverter with the
+   two gates of eda_gates_sample. */
 #include <eda/circuit.h>
 #include <glib/gstdio.h>
 #include <math.h>
@@ -64,7 +64,7 @@ static const char card[] =
 static char *in_folder(const char *name, const char *text) {
   char *path = g_build_filename(opc_test_folder(), name, NULL);
   if (!text) return path;
-  g_unlink(path); /* a new file does not have to be flushed to the disk */
+  g_unlink(path); /* a new file, which need not be flushed to the disk */
   g_assert_true(g_file_set_contents(path, text, -1, NULL));
   return path;
 }
@@ -132,7 +132,8 @@ static void test_kit(void) {
                   ".ends\n");
 }
 
-/* Test that without given models each device keeps its model of the netlist. */
+/* Test that each device keeps its model of the netlist if no models are
+   given. */
 static void test_own_models(void) {
   gates_prepare();
   devices[0].model = "nfet_lvt";
@@ -156,7 +157,7 @@ static void test_dlc(void) {
   g_assert_nonnull(strstr(text, " pmos w=300e-9 l=60e-9\n"));
   g_assert_cmpfloat(opc_test_metric("models"), ==, 1);
   g_assert_cmpfloat(opc_test_metric("transistors"), ==, 2);
-  /* The correction adds to a dlc given in the card. */
+  /* The correction is added to a DLC in the card. */
   area[1] = 61 * 300;
   g_autofree char *both = netlist_annotate(map, 1, 0);
   g_assert_nonnull(strstr(both, ".model pmos_dlcm50 pmos dlc=6.5e-9\n"));
@@ -164,9 +165,9 @@ static void test_dlc(void) {
   area[1] = 60 * 300;
 }
 
-/* Test that values which the models derive from XJ or DLC are written
-   explicitly, as the changed DLC would alter them: 0.6 XJ Cox, and DLC Cox -
-   CGSL. */
+/* Test that values which the model derives from XJ or DLC are written
+   explicitly, because the changed DLC would change them: 0.6 XJ Cox, and DLC
+   Cox - CGSL. */
 static void test_overlap(void) {
   gates_prepare();
   g_autofree char *cards =
@@ -299,8 +300,8 @@ static GArray *current_and_capacitance(const char *cards, const char *models,
 
 #define AT(array, i) g_array_index(array, double, i)
 
-/* Test equation 3.13: the current is that of Leq, the capacitance that of a
-   transistor of length area / Weq. */
+/* Test equation 3.13: the current is that of Leq, and the capacitance is that
+   of a transistor of length area / Weq. */
 static void test_capacitance(void) {
   gates_prepare();
   g_autofree char *cards = in_folder("cards.sp", card);

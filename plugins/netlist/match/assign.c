@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Assigns the devices of a bundle to gates of its counterpart. All have the
-   same nets, so sizes, then places, then the order decide. */
+/* Assigns the devices of a bundle to gates of its counterpart. All devices have
+   the same nets, so the choice is by size, then by place, then by order. */
 #include <math.h>
 #include <stdio.h>
 
@@ -62,9 +62,9 @@ typedef struct choice {
   uint32_t gates, first_free, left;
 } choice;
 
-/* Return the free gate of matching size that is nearest to the device's place,
-   or the first of matching size if the place is unknown. If no size matches,
-   return the first free gate. */
+/* Return the free gate of matching size that is nearest to the device; without
+   a place of the device, the first free gate of matching size. If no size
+   matches, return the first free gate. */
 static uint32_t best_gate(const choice *c, double width) {
   const match_task *j = c->g->j;
   const eda_gates *o = j->gates;
@@ -94,8 +94,8 @@ static void choice_take(choice *c, uint32_t at) {
   while (c->first_free < c->gates && c->taken[c->first_free]) c->first_free++;
 }
 
-/* Take the gates of one device: a single gate; all gates if the device is
-   alone; the given number of fingers; or gates up to the device's width. */
+/* Assign gates to one device: a single gate, all gates if there is only one
+   device, the given number of fingers, or gates up to the device's width. */
 static int take_gates(choice *c, uint32_t owner, int alone, int one_each) {
   graph *g = c->g;
   const eda_transistor *d = c->device;

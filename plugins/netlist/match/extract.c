@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Extracts the connectivity of the layout. Each layer is divided into
-   rectangles; touching rectangles form a net, on active without the gates.
-   Groups are separate. */
+   rectangles; touching rectangles form a net. Gates are removed from active.
+   Groups are not connected to each other. */
 #include <eda/index.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,28 +22,14 @@ typedef struct conductor {
 typedef struct extractor {
   match_task *j;
   conductor layer[LAYERS];
-  uint32_t first[LAYERS + 1]; /* first rectangle of each layer */
+  uint32_t first[LAYERS + 1]; /* first rectangle of each layer, in numbers over
+                                 all layers */
   uint32_t *parent;           /* union-find forest of all rectangles */
   uint32_t *group_of;         /* cached groups of placements */
   size_t placements;
 } extractor;
 
 /* ---- nets ---- */
-
-static uint32_t group_root(const extractor *x, uint32_t i) {
-  uint32_t *parent = x->parent;
-  while (parent[i] != i) i = parent[i] = parent[parent[i]];
-  return i;
-}
-
-static void groups_join(extractor *x, uint32_t a, uint32_t b) {
-  a = group_root(x, a);
-  b = group_root(x, b);
-  if (a < b)
-    x->parent[b] = a;
-  else
-    x->parent[a] = b;
-}
 
 /* ---- loading ---- */
 
@@ -119,7 +105,7 @@ static void add_box(extractor *x, conductor *c, eda_box box, uint32_t group) {
   c->group[c->count++] = group;
 }
 
-/* Add the rectangles of a group on a layer; on active without gates. */
+/* Add the rectangles of a group on a layer. Gates are removed from active. */
 static int load_group(extractor *x, int layer, uint32_t group,
                       const eda_shapes *own) {
   match_task *j = x->j;
@@ -208,8 +194,7 @@ static search search_begin(const extractor *x, int layer, eda_box box,
   return s;
 }
 
-/* Find the next rectangle of the group that touches the box. Returns 0 at the
-   end. */
+/* Find the next rectangle of the group that touches the box; 0 at the end. */
 static int search_next(search *s, uint32_t *number) {
   while (s->in->index && eda_index_next(&s->finder, number)) {
     const eda_box *a = &s->box, *b = &s->in->box[*number];
@@ -223,15 +208,16 @@ static int search_next(search *s, uint32_t *number) {
   return 0;
 }
 
-/* Connect rectangles. Within a layer, shapes that touch only in a corner are
-   not connected; shapes of two layers must share area. */
+/* Connect rectangles. Within a layer, shapes that touch only at a corner are
+   not connected. Shapes of two layers are connected if they overlap. */
 static void connect_layers(extractor *x, int from, int to) {
   const conductor *c = &x->layer[from];
   for (size_t i = 0; i < c->count; i++) {
     search s = search_begin(x, to, c->box[i], c->group[i]);
     for (uint32_t k; search_next(&s, &k);)
       if (from == to ? s.dx > 0 || s.dy > 0 : s.dx > 0 && s.dy > 0)
-        groups_join(x, x->first[from] + (uint32_t)i, x->first[to] + k);
+        eda_sets_join(x->parent, x->first[from] + (uint32_t)i,
+                      x->first[to] + k);
   }
 }
 
@@ -299,7 +285,7 @@ static uint32_t rectangle_below(const extractor *x, uint32_t group, eda_point p,
   return UINT32_MAX;
 }
 
-/* Read the texts of a layer at the top level of groups, which label
+/* Read the texts of a layer at the top level of each group: labels of
    rectangles. */
 static int load_texts(extractor *x, int32_t layer) {
   match_task *j = x->j;
@@ -326,13 +312,9 @@ static int load_texts(extractor *x, int32_t layer) {
   return code;
 }
 
-static int by_group_of_label(const void *a, const void *b) {
-  const label *p = a, *q = b;
-  if (p->group != q->group) return p->group < q->group ? -1 : 1;
-  return (p->number > q->number) - (p->number < q->number);
-}
+EDA_COMPARE_RISING(by_group_of_label, label, group, number);
 
-/* Sort the labels by group and join nets of a group with equal labels. */
+/* Sort the labels by group, and join nets of a group that have equal labels. */
 static int load_labels(extractor *x) {
   match_task *j = x->j;
   for (int k = 0; k < LAYERS; k++) {
@@ -354,7 +336,7 @@ static int load_labels(extractor *x) {
     if (*before == UINT32_MAX)
       *before = l->net;
     else
-      groups_join(x, l->net, *before);
+      eda_sets_join(x->parent, l->net, *before);
   }
   return OPC_OK;
 }
@@ -370,13 +352,13 @@ static void number_nets(extractor *x) {
     if (t->gate == UINT32_MAX) continue;
     uint32_t *each[3] = {&t->gate, &t->low, &t->high};
     for (int k = 0; k < 3; k++) {
-      uint32_t at = group_root(x, *each[k]);
+      uint32_t at = eda_set_root(x->parent, *each[k]);
       if (net[at] == UINT32_MAX) net[at] = (uint32_t)j->nets++;
       *each[k] = net[at];
     }
   }
   for (size_t i = 0; i < j->labels; i++)
-    j->label[i].net = net[group_root(x, j->label[i].net)];
+    j->label[i].net = net[eda_set_root(x->parent, j->label[i].net)];
 }
 
 int match_extract(match_task *j) {

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Locates mismatches between netlist and layout. Bundles of equal colour, which
-   describes the neighbourhood, are counterparts. The comparison starts with
-   wide neighbourhoods. The remaining bundles are reported. */
+/* Locates mismatches between netlist and layout. The colour of a bundle
+   describes its neighbourhood; bundles of equal colour are counterparts. The
+   comparison starts with wide neighbourhoods. Bundles without a counterpart are
+   reported. */
 #include <glib.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -36,7 +37,7 @@ static void colour_nodes(finder *f) {
     }
 }
 
-/* Remove pairs of equal colour. */
+/* Remove counterparts, bundles of both sides with equal colour, from `left`. */
 static void pair_up(finder *f, int round) {
   const uint64_t *colour = f->colour[round];
   uint32_t *left = f->left, kept = 0;
@@ -52,7 +53,8 @@ static void pair_up(finder *f, int round) {
   f->n = kept;
 }
 
-/* Find the bundles without a counterpart after the rounds down to `last`. */
+/* Find the bundles without a counterpart after the rounds from the last one
+   down to `last`. */
 static void faults_find(finder *f, int last) {
   uint32_t first = f->g->bundle0[NETLIST];
   f->n = f->g->nodes - first;
@@ -62,12 +64,8 @@ static void faults_find(finder *f, int last) {
 
 /* ---- words ---- */
 
-static int by_number(const void *a, const void *b) {
-  uint32_t p = *(const uint32_t *)a, q = *(const uint32_t *)b;
-  return (p > q) - (p < q);
-}
-
-/* Return the transistors of all remaining bundles of a side, in order. */
+/* Return the transistors of a side's bundles without a counterpart, in
+   order. */
 static uint32_t *side_members(finder *f, int s, uint32_t *n) {
   const graph *g = f->g;
   size_t most = g->flat.devices + g->j->gates->count;
@@ -79,7 +77,7 @@ static uint32_t *side_members(finder *f, int s, uint32_t *n) {
     for (uint32_t k = 0; k < b->count; k++)
       list[(*n)++] = g->side[s].member[b->first + k];
   }
-  qsort(list, *n, sizeof *list, by_number);
+  qsort(list, *n, sizeof *list, eda_uint32s_rise);
   return list;
 }
 

@@ -56,8 +56,8 @@ static gboolean same_nets(const void *a, const void *b) {
          p->b == q->b;
 }
 
-/* Merge a side's transistors, each given as a bundle of its own, into bundles
-   in the order of their first members. */
+/* Merge a side's transistors, each given as a bundle, into bundles in the order
+   of their first members. */
 static void make_bundles(match_task *j, const bundle *parts,
                          const uint32_t *member, size_t n, side *s) {
   g_autoptr(GHashTable) known = g_hash_table_new(hash_nets, same_nets);
@@ -139,8 +139,8 @@ static void layout_side(graph *g, uint32_t *known) {
 
 /* ---- names ---- */
 
-/* Set the names of nets. Ports on both sides are counterparts; other common
-   labels are hints. `known`: numbers of the nets of each side. */
+/* Set the names of nets. Ports that both sides have are counterparts; other
+   common labels are hints. `known` has the numbers of the nets of each side. */
 static int name_nets(graph *g, uint32_t *const known[SIDES]) {
   match_task *j = g->j;
   eda_names net_of_name = {.pool = &j->pool};
@@ -217,7 +217,7 @@ int graph_make(match_task *j, const region *group, graph *g) {
   g->flat.pool = &j->pool;
   if (eda_netlist_flatten(&j->netlist, g->group->scope, &g->flat))
     return j->error->code;
-  /* Layout nets are numbered over all groups, in the order of gates. */
+  /* Layout nets are numbered over all groups, in the order of the gates. */
   uint32_t *known[SIDES] = {match_unknown(j, g->flat.nets), j->known};
   netlist_side(g, known[NETLIST]);
   layout_side(g, known[LAYOUT]);

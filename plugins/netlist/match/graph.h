@@ -14,11 +14,11 @@ typedef struct nm_point {
 } nm_point;
 
 typedef struct bundle {
-  uint32_t gate, a, b; /* nets of the bundle's side; a <= b */
+  uint32_t gate, a, b; /* nets; a <= b, both at source or drain */
   uint8_t type;
   uint32_t first, count; /* range in side.member */
-  double length, width;  /* length of the first, total width, nm */
-  nm_point middle;       /* mean centre, nm; NAN: unknown */
+  double length, width;  /* length of the first transistor; total width, nm */
+  nm_point middle;       /* mean of the centres, nm; NAN: unknown */
 } bundle;
 
 typedef struct side {
@@ -74,7 +74,7 @@ nm_point graph_middle(const match_task *j, uint32_t gate);
 /* Return the distance of two positions, nm; 0 if one is unknown. */
 double graph_distance(nm_point a, nm_point b);
 
-/* Return the hash of a name, ignoring case; 0 for NULL. */
+/* Return a hash of a name that ignores case; 0 for NULL. */
 uint64_t graph_hash(const char *name);
 
 /* Sort nodes by mark, then by number. */
@@ -83,8 +83,7 @@ void graph_sort(uint32_t *nodes, size_t n, const uint64_t *mark);
 /* graph.c: build the graph of a group. */
 int graph_make(match_task *j, const region *group, graph *out);
 
-/* faults.c: report the bundles without a counterpart. Returns the error
-   code. */
+/* faults.c: report the bundles without a counterpart. Returns the code. */
 int graph_report(graph *g);
 
 /* assign.c: assign the devices of a bundle to the gates of its counterpart and
@@ -104,16 +103,16 @@ typedef struct partition {
   uint64_t *mark; /* key of each node for the next split */
   uint32_t *list, *changed, *spare;
   uint32_t n_changed;
-  int odd; /* 1: a class has different numbers of nodes of the two sides */
+  int odd; /* 1: in some class, the numbers of nodes of both sides differ */
 } partition;
 
 void partition_make(const graph *g, partition *out);
-/* Split classes until all nodes of a class have neighbours of equal classes.
-   Returns 0 if the sides differ. */
+/* Split classes until all nodes of a class have neighbours of the same classes.
+   Returns 0 if the two sides differ. */
 int partition_refine(partition *p);
 /* Split a class by the marks of its nodes. */
 void partition_split(partition *p, uint32_t class);
-/* Make two nodes, one of each side, counterparts. */
+/* Make two nodes, one of each side, a class, as counterparts. */
 void partition_pick(partition *p, uint32_t a, uint32_t b);
 /* Revert splits until `classes` classes remain. */
 void partition_undo(partition *p, uint32_t classes);

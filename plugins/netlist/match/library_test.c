@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tests the NanGate library, with transistors as extracted by KLayout, and
-   circuits of its cells. */
+/* Tests the cells of the NanGate library, compared with transistors extracted
+   by KLayout, and circuits of these cells. */
 #include <math.h>
 
 #include "match_test.h"
@@ -43,9 +43,9 @@ static void same_net(GHashTable *there, GHashTable *back, const char *a,
   g_hash_table_insert(back, (void *)b, (void *)a);
 }
 
-/* Check that the nets of each device equal those found by KLayout at its gate.
-   Symmetric inner nets may be exchanged. Returns the number of gates with
-   exactly the device chosen by KLayout. */
+/* Check that the nets of each device equal the nets that KLayout found at its
+   gate. Symmetric inner nets may be exchanged. Returns the number of gates that
+   have exactly the device chosen by KLayout. */
 static size_t check_cell(const eda_circuit *c, const known_gate *k, size_t n) {
   g_autoptr(GHashTable) there = g_hash_table_new(g_str_hash, g_str_equal);
   g_autoptr(GHashTable) back = g_hash_table_new(g_str_hash, g_str_equal);
@@ -53,7 +53,7 @@ static size_t check_cell(const eda_circuit *c, const known_gate *k, size_t n) {
   g_assert_cmpuint(c->gates->count, ==, n);
   for (size_t i = 0; i < c->ports; i++)
     same_net(there, back, net(c, c->port[i]), net(c, c->port[i]));
-  /* Devices with one known net first, then the others. */
+  /* Devices with a known net are handled first. */
   for (int pass = 0; pass < 8; pass++)
     for (uint32_t i = 0; i < c->count; i++) {
       const eda_device *d = &c->device[i];

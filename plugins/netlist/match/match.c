@@ -37,8 +37,8 @@ const char *match_gate_name(const match_task *j, size_t gate, char *buffer,
   return buffer;
 }
 
-/* Set the names of a layer: the key in the map of the flow, and the usual names
-   in data/cells65 and FreePDK45. */
+/* Set the possible names of a layer: the key in the map of the flow, and the
+   names in data/cells65 and FreePDK45. */
 static void layer_names(int k, char name[3][16]) {
   static const char *const first[] = {"poly", "active", "contact"};
   static const char *const cif[] = {"CP", "CA", "CC"};
@@ -70,9 +70,9 @@ static int find_layer(match_task *j, const opc_map *map, const char *parameter,
                   "the layout has no layer '%.200s' for '%s'", name, key);
 }
 
-/* Return 1 if the flow or layout names a wire or via layer. Unnamed layer
-   numbers then do not follow FreePDK45; another process may use them for an
-   implant. */
+/* Return 1 if the flow or the layout names a wire or via layer. The numbers of
+   unnamed layers then do not follow FreePDK45, because another process may use
+   these numbers for implants. */
 static int wires_are_named(const match_task *j, const matcher *m) {
   for (int k = METAL1; k < LAYERS; k++) {
     char name[3][16];
@@ -169,42 +169,40 @@ static int match_run(void *self, void **outputs, opc_error *error) {
 
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(matcher, gates, .type = OPC_INPUT, .flags = OPC_REQUIRED,
-                  .choices = "gates", .summary = "the gates to find"),
+                  .choices = "gates", .summary = "gates of the layout"),
     OPC_PARAMETER(matcher, layout, .type = OPC_INPUT, .flags = OPC_REQUIRED,
-                  .choices = "layout",
-                  .summary = "the layout that the gates are of"),
+                  .choices = "layout", .summary = "layout with these gates"),
     OPC_PARAMETER(matcher, file, .type = OPC_FILE, .flags = OPC_REQUIRED,
-                  .summary = "the netlist: SPICE or CDL"),
-    OPC_PARAMETER(matcher, top, .type = OPC_TEXT,
-                  .summary = "the subcircuit; if not given, that with the name "
-                             "of the gates' cell"),
+                  .summary = "netlist file, SPICE or CDL"),
+    OPC_PARAMETER(
+        matcher, top, .type = OPC_TEXT,
+        .summary = "subcircuit to match; default: the name of the gates' cell"),
     OPC_PARAMETER(matcher, layers, .type = OPC_MAP, .choices = LAYER_KEYS,
-                  .summary = "names of the layout for layers that conduct"),
+                  .summary = "conducting layers: layer names in the layout"),
     OPC_PARAMETER(matcher, labels, .type = OPC_MAP, .choices = LAYER_KEYS,
-                  .summary = "layers with the texts that name nets, where they "
-                             "are layers of their own"),
+                  .summary = "separate layers with the texts that name nets"),
     OPC_PARAMETER(matcher, scale, .type = OPC_REAL, .flags = OPC_ABOVE,
                   .preset = "1",
-                  .summary = "a factor on the sizes of the netlist"),
+                  .summary = "factor on the sizes of the netlist"),
     OPC_PARAMETER(matcher, flat, .type = OPC_BOOL, .preset = "false",
-                  .summary = "match all at once, even where the layout has the "
-                             "netlist's instances"),
+                  .summary = "match the flattened netlist, even if the layout "
+                             "has the netlist's instances"),
     OPC_PARAMETER(matcher, tolerance, .type = OPC_REAL,
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .unit = "%",
                   .preset = "1 %", .max = 50,
-                  .summary = "how far L and W may be from the netlist's; one "
-                             "step of the grid at least"),
+                  .summary = "largest deviation of L and W from the netlist; "
+                             "at least a grid step is allowed"),
     OPC_PARAMETER(matcher, supply, .type = OPC_TEXT, .preset = "VDD VDD! VCC",
-                  .summary = "names of supply ports, with blanks between"),
+                  .summary = "names of supply ports, separated by blanks"),
     OPC_PARAMETER(matcher, ground, .type = OPC_TEXT,
                   .preset = "VSS VSS! GND GND! 0",
-                  .summary = "names of ground ports, with blanks between"),
+                  .summary = "names of ground ports, separated by blanks"),
     OPC_PARAMETER_NAMED(
         "nmos", matcher, n_models, .type = OPC_TEXT,
-        .summary = "names of n models, if the name does not show the type"),
+        .summary = "names of n models whose type is not evident"),
     OPC_PARAMETER_NAMED(
         "pmos", matcher, p_models, .type = OPC_TEXT,
-        .summary = "names of p models, if the name does not show the type"),
+        .summary = "names of p models whose type is not evident"),
 };
 
 static const opc_metric metrics[] = {
@@ -218,7 +216,7 @@ static const opc_metric metrics[] = {
 /* ---- entry ---- */
 
 static const opc_port outputs_of[] = {EDA_PORT_CIRCUIT("circuit")};
-/* The netlist may include other files. */
+/* The step is not reused, because the netlist may include other files. */
 static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = match_run,
                                    .flags = OPC_STEP_OUTSIDE};
 OPC_PLUGIN(matcher, .id = "netlist.match", .kind = "step", .version = "0.2.0",

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Internal interface of netlist.match. Coordinates are in units of the gates'
+/* Internal interface of netlist.match. Coordinates: units of the gates'
    grid. */
 #pragma once
 
@@ -7,14 +7,15 @@
 #include <eda/netlist.h>
 #include <opcflow/step.h>
 
-/* Conducting layers: poly, active, then metals; cut layers join two of them.
-   Layer 2 + 2 k is the cut below metal k + 1: contact, metal1, via1 ... */
+/* Conducting layers: poly, active, then metals. A cut layer joins two
+   conducting layers: layer 2 + 2 k (contact, metal1, via1 ...) is the cut below
+   metal k + 1. */
 enum { POLY, ACTIVE, CONTACT, METAL1, METALS = 10, LAYERS = 2 + 2 * METALS };
 
 /* Text on a net. During extraction, `net` is the number of a rectangle. */
 typedef struct label {
   uint32_t net, group;
-  size_t number; /* in the order of reading */
+  size_t number; /* position in the order of reading */
   const char *text;
 } label;
 
@@ -24,13 +25,13 @@ typedef struct region {
   int32_t cell;
   const char *path;      /* instance in the layout; "" at the top */
   uint64_t first_device; /* in the flat netlist */
-  const uint32_t *gate;  /* numbers of the gates inside, increasing */
+  const uint32_t *gate;  /* gates inside the region, in increasing order */
   size_t gates;
   const label *label; /* labels of the nets of the region */
   size_t labels;
 } region;
 
-/* Nets of a gate: one on the gate and at most two at its sides. */
+/* Nets of a gate: one at the gate, and one at each side (low, high). */
 typedef struct terminals {
   uint32_t gate, low, high;
 } terminals;
@@ -57,11 +58,11 @@ typedef struct match_task {
   uint32_t *known; /* number of each net in its group; UINT32_MAX: none */
   size_t labels, capacity_labels;
   label *label;
-  size_t loose; /* number of labels not on any shape */
+  size_t loose; /* labels that are not on a shape */
 
   eda_flat_netlist flat; /* the whole netlist */
   uint32_t *owner;       /* device of each gate; UINT32_MAX: none */
-  size_t by_order;       /* number of assignments by order alone */
+  size_t by_order;       /* assignments that only the order decided */
 } match_task;
 
 /* Return an array of `n` numbers, all UINT32_MAX, owned by the pool. */
@@ -82,9 +83,9 @@ int match_extract(match_task *j);
 /* solve.c: assign the devices of all groups to gates. Sets j->owner. */
 int match_solve(match_task *j);
 
-/* output.c: return the circuit of the flat netlist with the assigned gates.
-   `supply` and `ground` are lists of net names separated by blanks.
-   match_publish writes the table of devices and the metrics. */
+/* match_circuit: return the circuit of the flat netlist with the assigned
+   gates; `supply` and `ground` are lists of net names separated by blanks.
+   match_publish: write the table of devices and the metrics. */
 eda_circuit *match_circuit(const match_task *j, const char *name,
                            const char *supply, const char *ground);
 int match_publish(match_task *j, const eda_circuit *circuit);

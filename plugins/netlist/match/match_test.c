@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tests own cells, whose netlists contain the place of each gate, hand-made
-   layouts, and faulty netlists. */
+/* Tests the cells of this project, whose netlists contain the place of each
+   gate, hand-made layouts, and faulty netlists. */
 #include "match_test.h"
 
 #include <eda/layout.h>
@@ -31,8 +31,8 @@ static const char *const cells[] = {"nmos",  "pmos",          "inverter",
                                     "nand2", "nor2",          "nand2h",
                                     "sram4", "inverter_chain"};
 
-/* Check the gates against their places in the netlist. `by_name`: require that
-   device; else any device with the same nets. */
+/* Check the gates against their places in the netlist. `by_name`: the device
+   must be equal; otherwise any device with the same nets is accepted. */
 static void check_places(const eda_circuit *c, const char *text, int by_name) {
   g_auto(GStrv) lines = g_strsplit(text, "\n", -1);
   g_autofree uint32_t *owner = g_new0(uint32_t, c->gates->count);
@@ -70,7 +70,7 @@ static void check_places(const eda_circuit *c, const char *text, int by_name) {
   g_assert_cmpuint(checked, ==, c->gates->count);
 }
 
-/* Return the netlist without places, so that connectivity alone decides. */
+/* Return the netlist without places, so that only connectivity decides. */
 static char *without_places(const char *text) {
   GString *out = g_string_new("");
   for (const char *s = text; *s; s++) {
@@ -254,7 +254,7 @@ static void test_mismatch(void) {
   refused_line(7, "*", "transistor 'nand2:4' is not in the netlist");
   refused_line(8, "M9 Y A VSS VSS nmos w=1u l=1u\n.ends",
                "netlist device 'M9' (*f.sp:8) has no gate in the layout");
-  /* A is next to the ground in the layout. */
+  /* A is adjacent to the ground in the layout. */
   refused_line(4, "MN1 VSS B X VSS nmos w=400e-9 l=65e-9",
                "netlist device 'MN1' (*f.sp:4) has no gate in the layout; "
                "transistor 'nand2:1' is not in the netlist");
@@ -267,7 +267,7 @@ static void test_mismatch(void) {
   refused_line(7, "MP2 Y B VDD VDD pmos w=450e-9 l=70e-9",
                "netlist device 'MP2' (*f.sp:7) has L 70 nm, but the gate "
                "'nand2:4' has 65 nm");
-  /* Two devices where the layout has one gate. */
+  /* Two devices, but one gate in the layout. */
   refused_line(7,
                "MP2 Y B VDD VDD pmos w=450n l=65n\n"
                "MP3 Y B VDD VDD pmos w=450n l=65n",
@@ -334,7 +334,8 @@ static void test_syntax(void) {
   }
   assert_refused("nand2", "* no end\n.subckt nand2 a", "",
                  "*:2:9: 'nand2' has no .ends");
-  assert_refused("nand2", "* plus\n+ a", "", "*:2:1: '+' continues nothing");
+  assert_refused("nand2", "* plus\n+ a", "",
+                 "*:2:1: '+' has no statement to continue");
 }
 
 /* Test that truncated or garbled files are refused or matched, without other
@@ -443,7 +444,7 @@ static void test_same_label(void) {
   }
 }
 
-/* Test that sizes, or labels of inner nets, decide between nets with equal
+/* Test that sizes, or labels of inner nets, decide between nets of equal
    connectivity. */
 static void test_hints(void) {
   opc_error error;
@@ -521,9 +522,10 @@ static void test_orientations(void) {
   }
 }
 
-/* Test the second via by its FreePDK45 number: used if no wire layer is named,
-   so that a slanted edge on this layer is an error; otherwise ignored as
-   another process's implant. */
+/* Test the second via by its number in FreePDK45. If no wire layer is named,
+   the number is used, so that a slanted edge on this layer is an error.
+   Otherwise the layer is ignored, because it may be an implant of another
+   process. */
 static void test_numbers(void) {
   opc_error error;
   for (int named = 0; named < 2; named++) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Assigns subcircuits to parts of the layout. Instances found by name and cell
-   in the layout are matched separately, without wires between them; otherwise a
-   subcircuit is matched flat. */
+/* Assigns subcircuits to parts of the layout. An instance that the layout has
+   with the same name and cell is matched separately, without the wires between
+   instances; other subcircuits are matched flat. */
 #include <glib.h>
 #include <string.h>
 
@@ -18,7 +18,7 @@ static void add_group(match_task *j, const region *g) {
   j->group[j->groups++] = *g;
 }
 
-/* List the names of the single instances of a cell. */
+/* List the names of the instances of a cell, except arrays. */
 static void list_instances(match_task *j, int32_t cell, eda_names *names) {
   for (size_t i = 0; i < eda_layout_instances(j->layout, cell); i++) {
     eda_placement p;
@@ -50,8 +50,8 @@ static int is_cell(const match_task *j, int32_t cell, const char *name) {
   return eda_same_name(eda_layout_cell_name(j->layout, cell), name);
 }
 
-/* Return the number of elements with an instance of their name and cell in the
-   layout. */
+/* Return the number of elements for which the layout has an instance of the
+   same name and cell. */
 static size_t count_pairs(const match_task *j, const region *g,
                           const eda_names *names) {
   const eda_subcircuit *s = g->scope->of;
@@ -115,7 +115,7 @@ static int pair_region(match_task *j, const region *g) {
   return OPC_OK;
 }
 
-/* Returns the deepest group that contains the path. */
+/* Return the deepest group that contains the path. */
 uint32_t match_group_of(const match_task *j, const char *path) {
   g_autofree char *part = g_strdup(path);
   for (;;) {
@@ -126,7 +126,7 @@ uint32_t match_group_of(const match_task *j, const char *path) {
   }
 }
 
-/* List the gates of each group, in order. */
+/* List the gates of each group, in increasing order. */
 static void list_gates(match_task *j) {
   const eda_gates *g = j->gates;
   uint32_t *list = eda_pool_alloc(&j->pool, g->count, sizeof *list);

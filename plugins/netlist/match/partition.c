@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements partition refinement: splits classes whose nodes have different
-   neighbours until none remain. Both sides are refined together, so a class
-   holds possible counterparts. */
+   neighbours until no such class remains. Both sides are refined together, so
+   that a class contains possible counterparts. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -31,7 +31,7 @@ void partition_make(const graph *g, partition *p) {
         p->mark[g->net0[s] + i] = graph_hash(g->side[s].seed[i]);
   p->end[0] = (uint32_t)n;
   partition_split(p, 0);
-  /* Initially all nodes are changed. */
+  /* At the start, all nodes count as changed. */
   for (uint32_t i = 0; i < n; i++) p->changed[i] = i;
   p->n_changed = (uint32_t)n;
 }
@@ -51,7 +51,7 @@ static int nodes_balanced(const partition *p, const uint32_t *nodes,
   return 2 * layout == n;
 }
 
-/* Make the last nodes of a class a class of their own. */
+/* Make the last nodes of a class a new class. */
 static void split_off(partition *p, uint32_t class, uint32_t from,
                       uint32_t to) {
   uint32_t made = p->classes++;
@@ -79,8 +79,8 @@ void partition_split(partition *p, uint32_t class) {
   }
   uint32_t kept = big_end - big;
   if (kept < n) {
-    /* The largest part keeps the class and comes first: its neighbours do not
-       change. */
+    /* The largest part keeps the class and moves to the front, so that its
+       neighbours do not count as changed. */
     memcpy(p->spare, nodes + big, kept * sizeof *nodes);
     memmove(nodes + kept, nodes, big * sizeof *nodes);
     memcpy(nodes, p->spare, kept * sizeof *nodes);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Matches the devices and gates of a group by connectivity, then size, labels
-   of inner nets, place, and finally order. */
+/* Matches the devices and gates of a group by connectivity, then by size,
+   labels of inner nets, and place, and finally by order. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -13,13 +13,9 @@ typedef struct sized {
   uint32_t node;
 } sized;
 
-static int by_value(const void *a, const void *b) {
-  const sized *p = a, *q = b;
-  if (p->value != q->value) return p->value < q->value ? -1 : 1;
-  return (p->node > q->node) - (p->node < q->node);
-}
+EDA_COMPARE_RISING(by_value, sized, value, node);
 
-/* Mark the nodes of a class by length or width; equal within tolerance. */
+/* Mark the nodes of a class by length or width, equal within the tolerance. */
 static void mark_sizes(partition *p, uint32_t class, int by_width,
                        sized *list) {
   const match_task *j = p->g->j;
@@ -71,7 +67,8 @@ static void take_hints(partition *p) {
 
 /* ---- choices ---- */
 
-/* Return the number of candidate gates of a bundle, listed by distance. */
+/* List the candidate gates of a bundle by distance. Return the number of
+   candidates. */
 static uint32_t gate_candidates(const partition *p, uint32_t node,
                                 sized *list) {
   const graph *g = p->g;
@@ -88,7 +85,7 @@ static uint32_t gate_candidates(const partition *p, uint32_t node,
 }
 
 /* Choose a counterpart, with backtracking. Nodes of a class have equal
-   connectivity, so the first choice is almost always valid. */
+   connectivity, so the first candidate is almost always valid. */
 static int choose_counterpart(partition *p, uint32_t node, sized *list) {
   uint32_t n = gate_candidates(p, node, list);
   match_task *j = p->g->j;
@@ -102,7 +99,7 @@ static int choose_counterpart(partition *p, uint32_t node, sized *list) {
   return 0;
 }
 
-/* Return 1 if every bundle has one counterpart. */
+/* Refine until every bundle has one counterpart. Return 1 on success. */
 static int partition_solve(partition *p) {
   const graph *g = p->g;
   if (p->odd || !partition_refine(p)) return 0;
@@ -125,8 +122,7 @@ static uint32_t node_counterpart(const partition *p, uint32_t node) {
   return a == node ? b : a;
 }
 
-/* Return 1 if each net of a device corresponds to that of its gate (final
-   check). */
+/* Return 1 if each net of a device corresponds to that of its gate. */
 static int bundle_corresponds(const partition *p, const bundle *a,
                               const bundle *b) {
   const graph *g = p->g;

@@ -9,15 +9,16 @@
 
 #include "window.h"
 
-/* Pixels: a row with two charts, and the charts in the row. */
+/* Width of the picture, height of a row of two charts, and positions of the
+   charts in the row, pixels. */
 enum { WIDTH = 1200, ROW = 560, TOP = 50, LEFT = 80, RIGHT = 690, SIDE = 430 };
 static const double font = 15;
 
-/* Margins of a range: relative, least, and least on a logarithmic axis
-   (decades). */
+/* Margins of the range of an axis: relative to the range, smallest, and
+   smallest on a logarithmic axis (decades). */
 static const double share = 0.06, least = 1, least_decades = 0.1;
 
-/* Lines that fill the area within the limits, per step of foci. */
+/* Lines per interval of foci that fill the area within the limits. */
 enum { LINES = 8 };
 
 static eda_colour colour_of(const window *w, size_t dose) {
@@ -54,7 +55,7 @@ static double ion_of(const window *w, const window_print *p) {
   return 1 + p->spread.ion_mean[2] / 100;
 }
 
-/* Return the larger standard deviation of the two types. */
+/* Return the larger standard deviation of Ion of the two types. */
 static double ion_sd_of(const window *w, const window_print *p) {
   (void)w;
   double sd = fmax(p->spread.ion_sd[EDA_NMOS], p->spread.ion_sd[EDA_PMOS]);

@@ -5,7 +5,7 @@
 
 #include "window.h"
 
-/* Sequence of foci at the nominal dose, or of doses at one focus. */
+/* Conditions on a line: foci at the nominal dose, or doses at one focus. */
 typedef struct line_scan {
   const window *w;
   opc_reals place;
@@ -29,8 +29,9 @@ static int place_valid(const line_scan *k, size_t i) {
   return 1;
 }
 
-/* Return the place between the valid place i and its neighbour `to` where the
-   first gate leaves the tolerance; place i if a gate does not print at `to`. */
+/* Return the position between the valid position i and the adjacent position
+   `to` where the first gate leaves the tolerance. Return position i if a gate
+   does not print at `to`. */
 static double place_leaves(const line_scan *k, size_t i, size_t to) {
   const double *place = k->place.values;
   double t = k->w->tolerance, least = 1;

@@ -5,14 +5,16 @@
 
 #include "window.h"
 
-/* Lines per step of foci in the integration of dose ranges (midpoint rule). In
-   a step of 140 nm in which a limit becomes active and inactive again, 32 lines
-   have an error of 0.005 % of the area, 16 lines 0.012 %. */
+/* Number of lines per interval of foci for the integration of dose ranges
+   (midpoint rule). In an interval of 140 nm in which a limit becomes active and
+   inactive again, 32 lines have an error of 0.005 % of the area, 16 lines 0.012
+   %. */
 enum { LINES = 32 };
 
 /* ---- where limits are kept ---- */
 
-/* Reduce [low, high] to the t where a + (b - a) t is within [least, most]. */
+/* Reduce the interval [low, high] of t to the part in which a + (b - a) t is in
+   [least, most]. */
 static void interval_clip(double a, double b, double least, double most,
                           double *low, double *high) {
   if (a > b) {
@@ -30,7 +32,7 @@ static void interval_clip(double a, double b, double least, double most,
 /* Interpolation of a current between four simulated conditions. */
 typedef struct grid_cell {
   const window_print *corner[2][2]; /* [focus][dose] */
-  double at;                        /* focus, 0 to 1 */
+  double at;                        /* focus between the corners, 0 to 1 */
 } grid_cell;
 
 static void clip_gate(const grid_cell *p, int ioff, size_t i, double least,

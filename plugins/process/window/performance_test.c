@@ -79,7 +79,7 @@ static void assert_near(double got, double want, double error) {
   if (!(fabs(got - want) <= error)) g_error("%.10g, not %.10g", got, want);
 }
 
-/* Test two lengths of each type: mean, spread, extremes and sums. */
+/* Test mean, spread, extremes and sums for two lengths of each type. */
 static void test_places(void) {
   lines l;
   lines_make(&l);
@@ -255,8 +255,8 @@ static void test_meef(void) {
   g_assert_cmpfloat(opc_test_metric("meef_max"), <, 2.6);
 }
 
-/* Test that a failing gate has no current, and that no adjacent range meets the
-   limits. */
+/* Test that a failing gate has no current, and that no adjacent condition meets
+   the limits. */
 static void test_failing(void) {
   lines l;
   lines_make(&l);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Simulates the contours at each focus and dose, and of masks with moved edges.
-   A dose scales an existing image; a focus or another mask needs a new
-   image. */
+/* Simulates the contours at each focus and dose, and for masks with moved
+   edges. A change of the dose scales an image; another focus or mask requires a
+   new image. */
 #include <eda/memory.h>
 #include <math.h>
 #include <stdlib.h>
@@ -10,7 +10,8 @@
 
 enum { LAYERS = 2 }; /* EDA_POLY, EDA_ACTIVE */
 
-/* Data needed for each mask. Without an extractor, active is not needed. */
+/* State of the simulations of a mask. Without an extractor, active is not
+   simulated. */
 typedef struct exposure {
   window *w;
   eda_printer printer;
@@ -107,8 +108,7 @@ static int image_at(exposure *e, double defocus, opc_error *error) {
   return code;
 }
 
-/* Set the mask to the shapes of a layer with all edges moved outward by `by`
-   nm. */
+/* Set the mask to the shapes of a layer, all edges moved outward by `by` nm. */
 static int take_mask(exposure *e, size_t layer, double by, opc_error *error) {
   const window *w = e->w;
   const eda_shapes *all =

@@ -21,7 +21,7 @@ typedef struct lines {
   eda_box box[GATES];
   uint8_t axis[GATES], type[GATES], corrected[2];
   double length[GATES], width[GATES], space[2 * GATES], extension[2 * GATES];
-  eda_shapes drawn[2]; /* identical: the images need no active */
+  eda_shapes drawn[2]; /* identical layers, because active is not simulated */
   eda_gates gates;
 } lines;
 
@@ -64,9 +64,9 @@ static inline void lines_make(lines *l) {
 /* ---- an image with closed forms ---- */
 
 /* Image of poly: 0.5 - m cos(2 pi (x - 125) / pitch) - s (dark - drawn). The
-   contrast m decreases with the square of the defocus; `dark` is the covered
-   share of the mask. Image of active: 0.5 - 0.35 cos(2 pi (y - 1000) / 4000),
-   where 4000 nm is the height of the frame. */
+   contrast m decreases with the square of the defocus, s is `shadow`, and
+   `dark` is the covered share of the mask. Image of active: 0.5 - 0.35 cos(2 pi
+   (y - 1000) / 4000), where 4000 nm is the height of the frame. */
 static const double shadow = 2, active_pitch = 4000;
 
 static inline double contrast(double defocus) {
@@ -131,8 +131,8 @@ static const eda_litho one_focus = {
   "resist: { use: resist.threshold, threshold: 0.4, active_threshold: 0.2 }"
 #define LITHO "litho: { use: litho.hopkins }"
 
-/* Return the printed length, and the log slope at its edges, of a mask with all
-   edges moved outward. */
+/* Return the printed length of a mask with all edges moved outward by `by`, and
+   the log slope at the edges. */
 static inline double length_of(double defocus, double dose, double by,
                                double *ils) {
   double level = 0.4 / (1 + dose / 100), m = contrast(defocus);

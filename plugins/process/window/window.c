@@ -25,7 +25,7 @@ static size_t nearest_to_0(opc_reals list) {
   return out;
 }
 
-/* Check the mask errors: edges must stay on the mask grid. */
+/* Check the mask errors: the moved edges must be on the mask grid. */
 static int check_mask_errors(const window *w, opc_error *error) {
   double grid = w->gates->grid;
   for (size_t k = 0; k < w->mask_error.count; k++) {
@@ -63,7 +63,7 @@ static int window_forecast(void *self, opc_forecast *out, opc_error *error) {
   const eda_gates *gates = w->mask ? w->mask->gates : w->as_drawn;
   eda_printer printer;
   (void)error;
-  if (!gates) return OPC_OK; /* reported by run */
+  if (!gates) return OPC_OK; /* `run` reports the missing input */
   eda_printer_init(&printer, w->host->context, gates, w->litho, w->resist,
                    w->margin);
   size_t layers = w->extractor ? 2 : 1;
@@ -86,55 +86,58 @@ static int window_forecast(void *self, opc_forecast *out, opc_error *error) {
 
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(window, mask, .type = OPC_INPUT, .choices = "mask",
-                  .summary = "a corrected mask whose gates are measured"),
+                  .summary = "corrected mask whose gates are measured"),
     OPC_PARAMETER_NAMED(
         "gates", window, as_drawn, .type = OPC_INPUT, .choices = "gates",
-        .summary = "gates on the mask as drawn, in place of `mask`"),
+        .summary = "gates of the mask as drawn, instead of `mask`"),
     OPC_PARAMETER(window, litho, .type = OPC_SLOT, .flags = OPC_REQUIRED,
                   .choices = "litho", .summary = "model of the optics"),
     OPC_PARAMETER(window, resist, .type = OPC_SLOT, .flags = OPC_REQUIRED,
                   .choices = "resist",
                   .summary = "model of the resist, calibrated at 0 % and 0 nm"),
-    OPC_PARAMETER(window, extractor, .type = OPC_SLOT, .choices = "extractor",
-                  .summary = "performance of a printed transistor; if set, "
-                             "currents are reported as well as lengths"),
+    OPC_PARAMETER(
+        window, extractor, .type = OPC_SLOT, .choices = "extractor",
+        .summary =
+            "model of transistor currents; if set, currents are reported, too"),
     OPC_PARAMETER(window, dose, .type = OPC_REALS, .unit = "%",
                   .preset = "[-8 %, -4 %, 0 %, 4 %, 8 %]",
-                  .summary = "more or less light, increasing"),
-    OPC_PARAMETER_NAMED(
-        "defocus", window, focus, .type = OPC_REALS, .unit = "nm",
-        .summary = "distances from the focus of litho, increasing; default: 0, "
-                   "+-0.1457 and +-0.2915 lambda/NA^2"),
+                  .summary = "relative changes of the dose, increasing"),
+    OPC_PARAMETER_NAMED("defocus", window, focus, .type = OPC_REALS,
+                        .unit = "nm",
+                        .summary = "defocus values, increasing; default: 0, "
+                                   "+-0.1457 and +-0.2915 lambda/NA^2"),
     OPC_PARAMETER(window, tolerance, .type = OPC_REAL, .flags = OPC_ABOVE,
                   .unit = "%", .preset = "10 %", .min = 0,
                   .summary = "largest deviation of the printed length, "
                              "relative to the drawn one"),
     OPC_PARAMETER(window, mask_error, .type = OPC_REALS, .unit = "nm",
                   .preset = "[]",
-                  .summary = "by how much all edges of the mask are moved out, "
-                             "increasing; printed at the nominal place"),
-    OPC_PARAMETER(window, ion_limit, .type = OPC_REAL, .flags = OPC_ABOVE,
-                  .unit = "%", .preset = "10 %", .min = 0,
-                  .summary = "|Ion deviation| that each transistor is to keep"),
+                  .summary = "outward displacements of all mask edges, "
+                             "increasing; simulated at nominal dose and focus"),
+    OPC_PARAMETER(
+        window, ion_limit, .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "%",
+        .preset = "10 %", .min = 0,
+        .summary = "largest |Ion deviation| of a transistor inside the window"),
     OPC_PARAMETER(window, ioff_limit, .type = OPC_REAL, .flags = OPC_ABOVE,
                   .unit = "%", .preset = "200 %", .min = 0,
-                  .summary = "Ioff above drawn that each is to keep below"),
+                  .summary = "largest excess of Ioff over drawn of a "
+                             "transistor inside the window"),
     OPC_PARAMETER(
         window, margin, .type = OPC_REAL, .flags = OPC_AT_LEAST, .unit = "nm",
         .follows = "3.886 lambda/NA", .min = 0,
-        .summary = "clear field around the layout, which repeats beyond"),
+        .summary = "clear field around the layout; the image is periodic"),
     OPC_PARAMETER(window, cut_lines, .type = OPC_BOOL, .preset = "false",
-                  .summary = "whether to write a table of every gate's cuts"),
+                  .summary = "write a table of the lengths of every gate"),
     OPC_PARAMETER(window, file, .type = OPC_OUTPUT,
                   .preset = "process_window.png",
-                  .summary = "the picture, .png, .svg or .pdf"),
+                  .summary = "picture, .png, .svg or .pdf"),
 };
 
 static const opc_metric metrics[] = {
     {"exposure_latitude", "%", OPC_HIGHER, 0.05,
-     "range of dose within tolerance, at the focus with most"},
+     "range of doses within tolerance, at the focus with the largest range"},
     {"depth_of_focus", "nm", OPC_HIGHER, 0.5,
-     "range of focus within tolerance, at the dose nearest to 0 %"},
+     "range of foci within tolerance, at the dose nearest to 0 %"},
     {"nils_min", NULL, OPC_HIGHER, 0.001,
      "smallest normalised image log slope of all gates and points"},
     {"failed_max", NULL, OPC_LOWER, 0,
@@ -187,8 +190,8 @@ static int check_list(const char *name, opc_reals list, size_t least,
   return OPC_OK;
 }
 
-/* Set the default foci and margin; 50 and 100 nm of defocus at 193 nm, NA
-   0.75. */
+/* Set the default foci and margin: 0, 50 and 100 nm of defocus at 193 nm and NA
+   0.75, other values in proportion. */
 static void window_set_defaults(window *w) {
   eda_scanner scanner = eda_scanner_of(w->litho);
   EDA_FOLLOW(w->host, "process.window", w, parameters, scanner);
@@ -243,8 +246,8 @@ static const opc_step functions = {.run = window_run,
 OPC_PLUGIN(window, .id = "process.window", .kind = "step", .version = "0.3.0",
            .licence = "BSD-3-Clause",
            .summary =
-               "gate lengths, image slopes and currents through dose, "
-               "focus and mask errors",
+               "gate lengths, image slopes and currents over dose, focus and "
+               "mask errors",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
            OPC_PARAMETERS(parameters), OPC_METRICS(metrics),
            .check = window_check, .clear = window_clear,

@@ -9,7 +9,7 @@
 /* Simulated result at one condition; arrays by gate. */
 typedef struct window_print {
   eda_section *cuts;
-  double *ion, *ioff; /* ln of printed over drawn; NAN: failed; NULL: no
+  double *ion, *ioff; /* ln of printed over drawn current; NAN: failed; NULL: no
                          extractor */
   eda_spread spread;  /* of the currents */
 } window_print;
@@ -34,8 +34,8 @@ typedef struct window {
   window_print *print;                /* [focus][dose] */
   window_print *wrong;                /* [mask_error], at nominal dose and
                                          focus */
-  double *low, *high; /* range of doses within tolerance, %, per focus; NAN: no
-                         dose is */
+  double *low, *high; /* range of doses within tolerance, %, per focus; NAN:
+                         none */
   double depth_low, depth_high; /* range of foci within tolerance at the nominal
                                    dose, nm; NAN: none */
 } window;
@@ -52,9 +52,9 @@ int window_expose(window *w, opc_error *error);
 
 /* ---- limits.c ---- */
 
-/* Fill low, high, depth_low and depth_high: the widest range of the list in
-   which all gates are within tolerance. The range extends on both sides to the
-   point where the first gate leaves the tolerance, by linear interpolation. */
+/* Set low, high, depth_low and depth_high: the widest range of conditions in
+   which all gates are within tolerance. Each end of the range is the point
+   where the first gate leaves the tolerance, by linear interpolation. */
 void window_limits(window *w);
 
 /* ---- performance.c ---- */
@@ -63,20 +63,21 @@ void window_limits(window *w);
 enum { WINDOW_ION = 1, WINDOW_IOFF = 2, WINDOW_BOTH = 3 };
 
 /* Compute the range of doses, %, between indices `dose` and `dose` + 1 in which
-   all transistors meet the limits. The focus is between indices `focus` (at =
-   0) and `focus` + 1 (at = 1). Return 0 if the range is empty. Logarithms of
+   all transistors meet the limits. The focus is between index `focus` (`at` =
+   0) and `focus` + 1 (`at` = 1). Return 0 if the range is empty. Logarithms of
    currents are interpolated linearly in focus and dose; a gate that fails at
    any of the four conditions meets no limit. */
 int window_keeps(const window *w, int limits, size_t focus, double at,
                  size_t dose, double *low, double *high);
 
-/* Return the range of doses that meet the limits at a focus of the list, %.
-   window_kept_area: the area of dose and focus that meets the limits, % nm. */
+/* window_kept_doses: return the width of the range of doses, %, that meet the
+   limits at a focus of the list. window_kept_area: return the area of dose and
+   focus that meets the limits, % nm. */
 double window_kept_doses(const window *w, int limits, size_t focus);
 double window_kept_area(const window *w, int limits);
 
-/* Response of printed quantities to the mask, by least squares over
-   mask_error. */
+/* Response of printed quantities to mask errors, fitted by least squares over
+   `mask_error`. */
 typedef struct window_response {
   double meef_mean, meef_max; /* nm of printed length per nm of mask length (two
                                  edges) */
@@ -87,7 +88,7 @@ window_response window_respond(const window *w);
 
 /* ---- tables.c ---- */
 
-/* Lengths of all gates at one dose and focus. */
+/* Statistics of the lengths of all gates at one dose and focus. */
 typedef struct window_summary {
   double mean, min, max; /* deviation from the drawn length, nm */
   double nils;           /* smallest drawn length times image log slope */

@@ -87,7 +87,7 @@ static void test_limits(void) {
   g_assert_cmpfloat(fabs(opc_test_metric("exposure_latitude") - (high - low)),
                     <, 0.3);
   g_assert_cmpfloat(fabs(opc_test_metric("depth_of_focus") - 2 * depth), <, 3);
-  /* A gate drawn longer needs less dose. */
+  /* A gate that is drawn longer requires less dose. */
   l.length[2] = 1.02 * nominal;
   if (run_step(mapping->str, &with_focus, &l, &error))
     g_error("%s", error.message);
@@ -102,8 +102,8 @@ static void test_limits(void) {
   }
   g_assert_cmpfloat(want, <, high - 0.5);
   g_assert_cmpfloat(fabs(table_high[12] - want), <, 0.01);
-  /* A gate that prints within tolerance at no dose of the list: no window at
-     all. */
+  /* A gate that is within tolerance at no dose of the list: there is no
+     window. */
   l.length[2] = 2 * nominal;
   if (run_step(mapping->str, &with_focus, &l, &error))
     g_error("%s", error.message);
@@ -143,7 +143,7 @@ static void test_optics(void) {
   g_assert_true(g_file_test(path, G_FILE_TEST_EXISTS));
 }
 
-/* Test that lines that do not print are counted and end the window. */
+/* Test that lines that do not print are counted, and limit the window. */
 static void test_failing(void) {
   lines l;
   opc_error error;

@@ -12,7 +12,8 @@ enum { SIDES = 32 }; /* corners of the polygon of a round flash */
 
 /* ---- layers ---- */
 
-/* Find or make the layout's layer for the current layer. */
+/* Set the layout's layer for the current layer; create the layer if
+   necessary. */
 static void find_layer(cif *c) {
   const opc_map *map = &c->b.r->layers;
   int renamed = 0, taken = 0;
@@ -26,8 +27,8 @@ static void find_layer(cif *c) {
     c->layer_number = reading_named_layer(&c->b, c->layer);
 }
 
-/* Prepare to draw: fail without a current layer, and count the shape in the
-   survey. Return 1 if the shape is to be built. */
+/* Prepare to draw a shape: fail without a current layer, and count the shape in
+   the survey. Return 1 in the pass that builds the layout. */
 static int cif_draw(cif *c) {
   if (!c->layer[0]) cif_refuse(c, "a shape without a layer");
   if (!c->building && c->current == cif_symbol_at(c, 0)) c->loose++;
@@ -101,8 +102,8 @@ void cif_polygon(cif *c) {
   if (n >= 3) add_polygon(c, p, n);
 }
 
-/* Wire ends are extended by half the width, as is common practice; the round
-   ends of the standard are unsuitable for masks. */
+/* Wire ends are extended by half the width, as is common practice. The standard
+   has round ends, which are unsuitable for masks. */
 void cif_wire(cif *c, int64_t width) {
   if (width & 1) c->current->odd = 1;
   if (!c->points->len) cif_refuse(c, "a wire without points");

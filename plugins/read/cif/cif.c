@@ -28,7 +28,8 @@ static void read_file(void *self) {
   cif_make_cells(c);
   c->building = 1;
   if (!c->b.failed) cif_parse(c);
-  c->b.top = cif_symbol_at(c, 0)->cell; /* or the called symbol */
+  c->b.top =
+      cif_symbol_at(c, 0)->cell; /* a called symbol may replace this cell */
   if (c->b.top < 0 && c->calls) c->b.top = c->called->cell;
 }
 

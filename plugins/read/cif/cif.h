@@ -1,27 +1,26 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Common header of the files of read.cif.
-
-   A file is read twice with the same parser. The survey finds the symbols,
-   their names and scale factors, from which the unit follows; the second pass
-   builds the layout. (Mead and Conway, Introduction to VLSI Systems, section
-   4.5: CIF 2.0.) */
+   A file is read twice by the same parser. The first pass, the survey, finds
+   the symbols with names and scale factors, which determine the unit. The
+   second pass builds the layout. (Mead and Conway, Introduction to VLSI
+   Systems, section 4.5: CIF 2.0.) */
 #pragma once
 
 #include "../reader.h"
 
-/* A symbol. The first one holds everything outside of symbols. */
+/* A symbol. The first symbol contains all commands outside of symbols. */
 typedef struct cif_symbol {
   int64_t number;
-  int64_t a, b;   /* coordinates times a / b are centimicrons */
-  int64_t factor; /* coordinates times this are units */
+  int64_t a, b;   /* a / b is the unit of coordinates, centimicrons */
+  int64_t factor; /* unit of coordinates, in units of the layout */
   char *name;     /* NULL: named by its number */
-  size_t at;      /* place of its first mention */
+  size_t at;      /* place of the first mention in the text */
   int defined;
   int odd; /* 1: has an odd width or length */
   int32_t cell;
 } cif_symbol;
 
-/* Deletion of the symbols from number `from` on, at a place (DD). */
+/* Deletion (DD) of the symbols from number `from` on; place in the text. */
 typedef struct cif_forgotten {
   int64_t from;
   size_t at;
@@ -39,7 +38,7 @@ typedef struct cif {
   int building;
   GPtrArray *symbols;  /* cif_symbol, in order of first mention */
   size_t mentioned;    /* symbols mentioned in this pass */
-  GHashTable *numbers; /* number to latest mention; symbols.c */
+  GHashTable *numbers; /* number -> latest mention; symbols.c */
   GArray *forgotten;   /* cif_forgotten; both members increase */
 
   cif_symbol *current;  /* the first one is outside of all symbols */
@@ -66,7 +65,7 @@ static inline cif_symbol *cif_symbol_at(const cif *c, size_t i) {
 
 void cif_open(cif *c);
 void cif_clear(cif *c);
-/* Return the symbol with a number at the current place, a new one if
+/* Return the symbol with a number at the current place; create the symbol if
    necessary. */
 cif_symbol *cif_symbol_of(cif *c, int64_t number);
 void cif_forget(cif *c, int64_t from);

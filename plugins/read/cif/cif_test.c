@@ -15,7 +15,8 @@ static char *made(void) {
 }
 
 static void write_made(const char *path, const char *text, size_t size) {
-  FILE *f = fopen(path, "wb"); /* g_file_set_contents waits for the disk */
+  FILE *f = fopen(path, "wb"); /* a new file: g_file_set_contents would flush
+                                  the file to the disk */
   g_assert_nonnull(f);
   g_assert_cmpuint(fwrite(text, 1, size, f), ==, size);
   fclose(f);
@@ -58,7 +59,7 @@ static void assert_points(const eda_layout *layout, const char *cell, size_t i,
   g_assert_cmpstr(got, ==, want);
 }
 
-/* Test cells in the style of our own: 1 / 10 makes the unit 1 nm. */
+/* Test cells in the style of data/cells65: DS 1 / 10 makes the unit 1 nm. */
 static void test_cell(void) {
   eda_layout *layout = read_good(
       "(made by hand (or not));\n"
@@ -103,8 +104,8 @@ static void test_syntax(void) {
   eda_layout_free(layout);
 }
 
-/* Test units: 1 / 4 and 1 / 6 of a centimicron need 1 / 12; an odd side needs
-   half of that only if the side is an odd number of units. */
+/* Test units. 1 / 4 and 1 / 6 of a centimicron require 1 / 12. An odd side
+   requires half of that only if the side is an odd number of units. */
 static void test_unit(void) {
   eda_layout *layout = read_good(
       "DS 1 1 4;L A;B 3 2 0 0;DF;DS 2 5 6;L A;B 2 2 1 0;DF;C 1;C 2 T 1 1;E",
@@ -123,8 +124,8 @@ static void test_unit(void) {
   eda_layout_free(layout);
 }
 
-/* Test calls: a symbol's points, transformed step by step by the rules of the
-   standard, against the placement in the layout. */
+/* Test calls: the points of a symbol, transformed step by step by the rules of
+   the standard, are compared with the placement in the layout. */
 static void test_transformations(void) {
   GRand *rand = g_rand_new_with_seed(4);
   for (int round = 0; round < 500; round++) {
@@ -173,7 +174,7 @@ static void test_transformations(void) {
 }
 
 /* Test a call rotated to a direction that is no multiple of 45 degrees: the
-   point is rotated to that direction. */
+   test point is rotated to that direction. */
 static void test_turns(void) {
   GRand *rand = g_rand_new_with_seed(5);
   for (int round = 0; round < 200; round++) {
@@ -200,7 +201,7 @@ static void test_turns(void) {
   g_rand_free(rand);
 }
 
-/* Test a box and a call that end at each limit of the coordinates, and one unit
+/* Test a box and a call that end at each limit of the coordinates, or one unit
    beyond. */
 static void test_edges(void) {
   static const int x[] = {1, -1, 0, 0}, y[] = {0, 0, 1, -1};
@@ -225,7 +226,7 @@ static void test_shapes(void) {
       "L A;B 10 4 100 0 0 1;L B;B 1414 1414 0 0 1 1;L C;W 4 0 0 20 0 20 30;"
       "L D;R 200 50 50;L E;B 5 5 0 0;E",
       "");
-  /* the odd box halves the unit */
+  /* the odd side halves the unit */
   g_assert_cmpfloat(eda_layout_unit(layout), ==, 5);
   assert_points(layout, "made", 0, "196,-10 204,-10 204,10 196,10");
   assert_points(layout, "made", 1, "0,-2000 2000,0 0,2000 -2000,0");
@@ -240,8 +241,8 @@ static void test_shapes(void) {
   eda_layout_free(layout);
 }
 
-/* Test that a number denotes another symbol after DD; equal names are made
-   different. */
+/* Test that a number denotes another symbol after DD, and that equal names are
+   made different. */
 static void test_delete(void) {
   eda_layout *layout = read_good(
       "DS 5;9 a;L A;B 2 2 0 0;DF;DS 6;9 b;C 5;DF;C 6;"
@@ -413,8 +414,8 @@ static void test_names(void) {
   eda_layout_free(layout);
 }
 
-/* Test random changes: each file is a layout or an error with its place.
-   OPCFLOW_FUZZ sets a larger number of rounds. */
+/* Test random changes of a file. Each result is a layout or an error with its
+   place. OPCFLOW_FUZZ sets a larger number of rounds. */
 static void test_flipped(void) {
   static const char text[] =
       "(c (d));DS 1 1 10;9 inv;L CP;P 0 0 9 0 9 9;B 5 4 1 1 0 1;W 3 0 0 7 7;"

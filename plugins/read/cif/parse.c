@@ -11,7 +11,7 @@ static int is_digit(int ch) { return ch >= '0' && ch <= '9'; }
 
 static int is_space(int ch) { return ch == ' ' || (ch >= '\t' && ch <= '\r'); }
 
-/* In CIF every character is a blank except digits, capitals and - ( ) ; */
+/* In CIF, all characters are blanks except digits, capitals and - ( ) ; */
 static int is_blank(int ch) {
   return !(is_digit(ch) || (ch >= 'A' && ch <= 'Z') || ch == '-' || ch == '(' ||
            ch == ')' || ch == ';');
@@ -96,7 +96,7 @@ static void take_direction(cif *c, int64_t *dx, int64_t *dy) {
 
 /* ---- words ---- */
 
-/* Return the next word before the ';', delimited by spaces; *n = 0 if there is
+/* Return the next word before the ';', delimited by spaces; *n is 0 for
    none. */
 static const char *next_word(cif *c, size_t *n) {
   while (is_space(cif_peek(c))) c->at++;
@@ -113,8 +113,8 @@ static void set_layer(cif *c, const char *name, size_t n) {
   c->layer = reader_string(name, n);
 }
 
-/* Read the layer after L: the last word, so that "Layer CP (poly);" is
-   accepted. */
+/* Read the layer after L. The layer is the last word, so that "Layer CP
+   (poly);" is accepted. */
 static void take_layer(cif *c) {
   size_t start = 0, end = 0;
   for (int ch; (ch = cif_peek(c)) >= 0 && ch != ';';) {
@@ -169,8 +169,8 @@ static double placement_turned(double angle) {
   return angle < 0 ? angle + 360 : angle;
 }
 
-/* Append one step to a call's transformation. With M for y -> -y and R(a) for a
-   rotation, x -> -x is R(180) M, and M R(a) = R(-a) M. */
+/* Append one step to a call's transformation. M mirrors y -> -y and R(a)
+   rotates by a. Then x -> -x is R(180) M, and M R(a) = R(-a) M. */
 static void take_step(cif *c, cif_transform *t) {
   int kind = (unsigned char)c->b.text[c->at++];
   int64_t x, y;
@@ -286,7 +286,7 @@ static void take_label(cif *c) {
     cif_label(c, label, x, y);
     return;
   }
-  /* The layer applies to this label only. */
+  /* The layer of a label applies only to this label. */
   char *layer = g_steal_pointer(&c->layer);
   set_layer(c, word, n);
   cif_label(c, label, x, y);

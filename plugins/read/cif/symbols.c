@@ -33,8 +33,8 @@ void cif_clear(cif *c) {
   g_free(c->outer);
 }
 
-/* Return 1 if a number mentioned at `at` has been deleted since by a DD with a
-   number not above it. */
+/* Return 1 if a later DD deleted the number that was mentioned at `at`. DD n
+   deletes the numbers from n on. */
 static int symbol_deleted(const cif *c, int64_t number, size_t at) {
   const cif_forgotten *all = (const cif_forgotten *)c->forgotten->data;
   size_t low = 0, high = c->forgotten->len;
@@ -100,9 +100,9 @@ static int64_t gcd(int64_t a, int64_t b) {
   return a > 0 ? a : 1;
 }
 
-/* Return the unit: a centimicron divided by the least number that makes all
-   scale factors integers, or by twice that number if an odd side requires
-   halves. */
+/* Return the unit. The unit is a centimicron divided by the least number that
+   makes all scale factors integers. If an odd side requires halves, the number
+   is doubled. */
 static double choose_unit(cif *c) {
   static const char none[] = "scale factors that have no common unit";
   int64_t divisor = 1;
@@ -129,8 +129,8 @@ static double choose_unit(cif *c) {
   return c->b.r->scale * 10 / (double)(halves ? 2 * divisor : divisor);
 }
 
-/* Make a cell of that name, with a number appended if the name is taken;
-   numbers below tried[name] are known to be taken. */
+/* Create a cell with that name. If the name is taken, a number is appended;
+   smaller numbers than tried[name] are known to be taken. */
 static void make_cell(cif *c, size_t i, const char *name, GHashTable *tried) {
   g_autofree char *unique = g_strdup(name);
   size_t k = MAX(i, GPOINTER_TO_SIZE(g_hash_table_lookup(tried, name)));

@@ -149,8 +149,9 @@ static void test_hostile(void) {
   assert_refused(path, "", OPC_IO, "too many arrays");
 }
 
-/* Test a compressed file against the plain one. A truncated file, a wrong check
-   sum, and a file that expands a thousandfold are rejected. */
+/* Test a compressed file: the layout equals that of the plain file. A truncated
+   file, a wrong checksum, and a file that expands a thousandfold are
+   rejected. */
 static void test_packed(void) {
   GByteArray *file = new_file();
   put_leaf(file);
@@ -165,7 +166,7 @@ static void test_packed(void) {
   g_free(path);
   path = save_packed(packed, n, G_MAXSIZE);
   assert_refused(path, "", OPC_IO, "gzip: the content is compressed again");
-  packed[n - 8] ^= 1; /* part of the check sum */
+  packed[n - 8] ^= 1; /* part of the checksum */
   g_assert_true(g_file_set_contents(path, packed, (gssize)n, NULL));
   assert_refused(path, "", OPC_IO, "gzip: incorrect data check");
   g_free(path);

@@ -7,8 +7,8 @@
 
 #include "../reader.h"
 
-/* Limit per file of instances from arrays whose steps are not integers; their
-   names may take 64 times as many bytes. */
+/* Largest number of instances from arrays with non-integer steps in a file;
+   their names may take 64 times as many bytes. */
 enum { MAX_APART = 1 << 20 };
 
 /* ---- state ---- */
@@ -22,8 +22,7 @@ typedef struct element {
   uint32_t columns, rows;
   uint32_t transform;
   double magnification, angle;
-  int32_t property; /* number of the property whose value follows; -1 for
-                       none */
+  int32_t property; /* number of the property whose value follows; -1: none */
   int named;        /* 0: no name, 1: by the first property, 2: by number 61 */
   eda_point *points;
   size_t n, capacity;
@@ -33,7 +32,8 @@ typedef struct element {
 /* State of the reader. */
 typedef struct gds {
   reading b;
-  size_t at, next; /* place of the current record, for errors; next record */
+  size_t at, next; /* place of the current record, for errors; place of the next
+                      record */
   uint32_t type;   /* type of the current record, and its n bytes of data,
                       even */
   const uint8_t *data;
@@ -52,7 +52,7 @@ static void gds_refuse(void *self, const char *what) {
                          g->b.r->file, what, g->at);
 }
 
-/* Read the header of the next record. Return 0 after a failure. */
+/* Read the header of the next record. Return 0 on failure. */
 static int gds_next(gds *g) {
   const uint8_t *p = (const uint8_t *)g->b.text + g->next;
   size_t left = g->b.n - g->next, length = left < 4 ? 4 : eda_gds_u16(p);
@@ -73,8 +73,8 @@ static int gds_next(gds *g) {
   return 1;
 }
 
-/* Return the record's data; fail and return zeros unless it has `bytes`
-   bytes. */
+/* Return the record's data. Fail and return zeros if the data have fewer than
+   `bytes` bytes. */
 static const uint8_t *record_data(gds *g, size_t bytes) {
   static const uint8_t zeros[16];
   if (g->n >= bytes) return g->data;
@@ -100,7 +100,8 @@ static void take_points(gds *g) {
                                     eda_gds_i32(g->data + 8 * i + 4)};
 }
 
-/* Take a property: number 61, or else the first one, names an instance. */
+/* Read the value of a property. Property 61, or else the first property, is the
+   name of an instance. */
 static void take_property(gds *g) {
   element *e = &g->e;
   int rank = e->property == EDA_GDS_INSTANCE_NAME ? 2 : 1;
@@ -223,8 +224,7 @@ static int put_instance(gds *g, int32_t child, const eda_placement *p) {
                                      g->e.instance, &g->b.layout_error));
 }
 
-/* Divide (x, y) into `count` steps of an array. Return 1 if the step is an
-   integer. */
+/* Divide (x, y) into `count` steps of an array; 1 if both are integers. */
 static int step_divide(int64_t x, int64_t y, uint32_t count, eda_point *step) {
   *step = (eda_point){(int32_t)(x / count), (int32_t)(y / count)};
   return x % count == 0 && y % count == 0;
@@ -236,7 +236,7 @@ static int64_t step_part(int64_t length, uint32_t i, uint32_t count) {
 }
 
 /* Expand an array whose steps are not all integers: columns, rows or both
-   become single placements at the nearest unit. */
+   become single placements, rounded to the nearest unit. */
 static void add_apart(gds *g, int32_t child, eda_placement p,
                       const int64_t to[4], const int whole[2]) {
   uint32_t full_columns = p.columns, full_rows = p.rows;
@@ -382,7 +382,7 @@ static void take_units(gds *g) {
 static void gds_read_library(void *self) {
   gds *g = self;
   if (gds_next(g) && g->n != 2) gds_refuse(g, "not a GDSII file: no HEADER");
-  /* Bytes after ENDLIB pad the last block of a tape. */
+  /* Bytes after ENDLIB fill the last block of a tape. */
   while (gds_next(g) && g->type != EDA_GDS_ENDLIB) switch (g->type) {
       case EDA_GDS_UNITS:
         take_units(g);

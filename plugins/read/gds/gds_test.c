@@ -7,8 +7,8 @@
 
 /* ---- against KLayout ---- */
 
-/* Twice the area of all cells on a layer, from KLayout 0.30. KLayout rounds
-   corners of slanted paths by up to one unit differently. */
+/* Twice the area of a layer over all cells, from KLayout 0.30. KLayout rounds
+   corners of slanted paths differently, by up to one unit. */
 static const struct {
   const char *file, *layer;
   double twice, tolerance;
@@ -51,7 +51,7 @@ static double drawn_twice(const eda_layout *layout, const char *name) {
   return sum;
 }
 
-/* Other comparisons with KLayout are in tests/corpus_test.c. */
+/* tests/corpus_test.c has further comparisons with KLayout. */
 static void test_drawn(void) {
   g_autofree char *folder = find_data("gds-corpus");
   if (!folder) return;
@@ -155,7 +155,7 @@ static void test_parameters(void) {
   eda_layout_free(layout);
 }
 
-/* Test names of instances from property 61 or the first one, an array with
+/* Test names of instances (property 61 or the first property), an array with
    fractional steps, counts of 0, and names that are not ASCII. */
 static void test_placements(void) {
   GByteArray *file = new_file();
@@ -197,7 +197,7 @@ static void test_placements(void) {
                     want[i]);
     g_assert_true(p.mirror == 1 && p.columns == 1);
   }
-  /* -61 / 3 is -20.33, twice that -40.67 */
+  /* the steps are -61 / 3 = -20.33 and -40.67 */
   static const int32_t x[] = {0, -20, -41};
   for (size_t i = 0; i < 3; i++) {
     eda_layout_instance(layout, top, 4 + i, &child, &p);

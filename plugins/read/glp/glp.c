@@ -43,8 +43,7 @@ static void glp_refuse(void *self, const char *what) {
 
 static int is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
-/* Return the next word of this line, empty at its end. A comment ends the
-   line. */
+/* Return the next word of this line, empty at the end or at a comment. */
 static word next_word(clip *c) {
   const char *end = c->b.text + c->b.n;
   while (c->at < end && is_blank(*c->at)) c->at++;
@@ -108,7 +107,7 @@ static word take_name(clip *c, char out[256]) {
 
 /* ---- work: records ---- */
 
-/* Take the units per micron: EQUIV 1 1000 MICRON +X,+Y. */
+/* Read the units per micrometre: EQUIV 1 1000 MICRON +X,+Y. */
 static void take_unit(clip *c) {
   int32_t microns = need_number(c), units = need_number(c);
   word name = next_word(c), axes = next_word(c);
@@ -137,7 +136,7 @@ static void begin_cell(clip *c) {
       reading_number(b, eda_layout_cell(b->layout, name, &b->layout_error));
 }
 
-/* Return the layer of a shape, by its new name if any. */
+/* Return the layer of a shape; the name in the map of layers applies. */
 static int32_t take_layer(clip *c) {
   char name[256];
   next_word(c); /* type of the shape, N */
@@ -181,7 +180,7 @@ static int take_record(clip *c) {
   c->record = w.s;
   if (word_is(w, "ENDMSG")) return 0;
   if (!w.n || word_is(w, "BEGIN") || word_is(w, "CNAME") || word_is(w, "LEVEL"))
-    return 1; /* repeats names of the records below */
+    return 1; /* the record repeats names of later records */
   if (word_is(w, "EQUIV")) {
     take_unit(c);
   } else if (word_is(w, "CELL")) {

@@ -7,10 +7,10 @@
 
 /* ---- common parts of elements ---- */
 
-/* Limit of points of a file's shapes: per byte of the file, plus a constant (a
-   million rectangles). Repetitions and modal variables expand a file, because
-   layouts cannot hold arrays of shapes. Doubling the limits costs 0.03 s for a
-   hostile file, 1 s under a sanitizer. */
+/* Limit of points of a file's shapes: per byte of the file, plus a constant for
+   a million rectangles. Repetitions and modal variables expand a file, because
+   layouts have no arrays of shapes. Doubled limits would cost 0.03 s for a
+   malicious file, 1 s under a sanitizer. */
 enum { POINTS_A_BYTE = 16, POINTS_MORE = 1 << 22 };
 
 int oasis_need(oasis *o, const char *what, uint32_t has) {
@@ -49,15 +49,15 @@ void oasis_read_layer(oasis *o, uint32_t info, uint32_t has, uint32_t *layer,
   o->m.has |= has * (info & 3);
 }
 
-/* Read a coordinate; a number that overflows is reported as out of range. */
+/* Read a coordinate. A coordinate that overflows counts as out of range. */
 static int64_t read_place(oasis *o, int64_t from) {
   int64_t by = oasis_sint(o), to;
   if (!o->m.relative) return by;
   return __builtin_add_overflow(from, by, &to) ? INT64_MAX : to;
 }
 
-/* Read x and y by the INFO bits of elements other than placements; placements
-   have them one bit higher. */
+/* Read x and y by the INFO bits of elements other than placements. In
+   placements, the bits are one position higher. */
 static void read_xy(oasis *o, int has_x, int has_y, int64_t *x, int64_t *y) {
   if (has_x) *x = read_place(o, *x);
   if (has_y) *y = read_place(o, *y);
@@ -168,8 +168,8 @@ void oasis_read_placement(oasis *o, uint64_t record) {
   o->ranked = 0;
 }
 
-/* Convert a lattice to an array of the layout. Return 0 if it is not a
-   lattice. */
+/* Convert a repetition to an array of the layout. Return 0 if the repetition is
+   not a lattice. */
 static int as_array(const oasis_repetition *r, eda_placement *p) {
   const oasis_vector *c = &r->column, *k = &r->row;
   p->column_step = (eda_point){(int32_t)c->x, (int32_t)c->y};
@@ -201,8 +201,8 @@ void oasis_end_placement(oasis *o) {
 
 /* ---- properties ---- */
 
-/* Read value `index` of a property: the first is its number, the second its
-   text. */
+/* Read value `index` of a property: the first value is the number, the second
+   the text. */
 static void read_value(oasis *o, uint64_t index) {
   uint64_t type = oasis_uint(o);
   if (type <= 7) {
@@ -221,8 +221,8 @@ static void read_value(oasis *o, uint64_t index) {
   }
 }
 
-/* Take a GDSII property: number 61, or else the first one, names an
-   instance. */
+/* Read a GDSII property. Property 61, or else the first property, is the name
+   of an instance. */
 static void take_property(oasis *o) {
   if (!o->pending || o->b.failed || o->m.attribute < 0 || !o->m.has_value)
     return;

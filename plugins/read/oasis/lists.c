@@ -38,7 +38,7 @@ void oasis_read_points(oasis *o, oasis_points *points, int closed) {
     at = offsets_add(o, at, d);
     if (!o->b.failed) add_point(points, at);
   }
-  /* The corner before the first point of a rectilinear polygon is implied. */
+  /* The last corner of a rectilinear polygon is not in the file. */
   if (closed && type <= 1 && !o->b.failed) {
     int horizontal = (int)((n + type) % 2 == 0);
     at = horizontal ? (oasis_vector){0, at.y} : (oasis_vector){at.x, 0};
@@ -64,7 +64,7 @@ static int64_t on_grid(oasis *o, int64_t v, int64_t grid) {
   return oasis_length(o, product);
 }
 
-/* Read the offsets of types 4 to 7, along x or y, and 10 and 11. */
+/* Read the offsets of repetition types 4 to 7 (along x or y), 10 and 11. */
 static void read_offsets(oasis *o, uint64_t type, oasis_points *out) {
   uint64_t n = read_dimension(o);
   int64_t grid = type & 1 ? read_space(o) : 1;
@@ -86,7 +86,7 @@ static void read_offsets(oasis *o, uint64_t type, oasis_points *out) {
   }
 }
 
-/* Beyond all coordinates; sums with it do not overflow. */
+/* A length beyond all coordinates; sums with this length do not overflow. */
 #define BEYOND ((int64_t)1 << 40)
 
 static void bounds_extend(oasis_repetition *r, int64_t x, int64_t y) {

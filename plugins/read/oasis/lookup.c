@@ -73,7 +73,7 @@ void oasis_read_name(oasis *o, uint64_t record) {
 
 /* ---- looking up ---- */
 
-/* Read all records of a table at its place. */
+/* Read all records of a table, which begins at `at`. */
 static void read_table(oasis *o, int table, uint64_t at) {
   oasis_seek(o, at);
   while (oasis_begin_record(o)) {
@@ -91,7 +91,7 @@ static void read_table(oasis *o, int table, uint64_t at) {
   }
 }
 
-/* Read names in another pass: a table, or the whole file if `at` is 0. */
+/* Read names by a second reader: a table at `at`, or all names if `at` is 0. */
 static void look_for_names(oasis *o, int table, uint64_t at) {
   oasis other = oasis_again(o, o->b.error);
   if (at)

@@ -44,7 +44,7 @@ static void values_put(GByteArray *f, const char *format, ...) {
   va_end(list);
 }
 
-/* Return a file without cells whose tables are listed at its end. */
+/* Return a file without cells. The tables are listed in END. */
 static GByteArray *new_file(void) {
   GByteArray *f = g_byte_array_new();
   g_byte_array_append(f, (const uint8_t *)EDA_OASIS_MAGIC, 13);
@@ -68,8 +68,8 @@ static char *file_save(const GByteArray *f) {
   return path;
 }
 
-/* Write END with a validation scheme and add `wrong` to the sum. Return the
-   path. */
+/* Write END with a validation scheme, and add `wrong` to the checksum. Return
+   the path. */
 static char *finish_sum(GByteArray *f, int scheme, uint32_t wrong) {
   guint start = f->len;
   values_put(f, "b", EDA_OASIS_END);

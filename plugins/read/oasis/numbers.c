@@ -5,11 +5,11 @@
 
 #include "oasis.h"
 
-/* Largest coordinate, length or sum of lengths; sums with further coordinates
-   fit 64 bits. */
+/* Largest coordinate, length or sum of lengths. Sums with further coordinates
+   fit into 64 bits. */
 #define MAX_LENGTH ((int64_t)1 << 33)
 
-/* Seven bits per byte, lowest first; any number of zeros may follow. */
+/* Seven bits per byte, lowest bits first; any number of zeros may follow. */
 uint64_t oasis_long_uint(oasis *o, uint32_t first) {
   uint64_t v = first & 0x7f;
   uint32_t b = first;
@@ -80,7 +80,8 @@ int64_t oasis_size(oasis *o, uint64_t v) {
   return oasis_length(o, v > INT64_MAX ? INT64_MAX : (int64_t)v);
 }
 
-/* Directions: east, north, west, south, then north-east and on. */
+/* Directions: east, north, west, south, then north-east, north-west,
+   south-west, south-east. */
 static oasis_vector vector_along(uint64_t direction, int64_t size) {
   static const int8_t x[] = {1, 0, -1, 0, 1, -1, -1, 1};
   static const int8_t y[] = {0, 1, 0, -1, 1, 1, -1, -1};
@@ -112,7 +113,7 @@ oasis_vector oasis_deltag(oasis *o) {
 
 /* ---- strings ---- */
 
-/* Append the bytes of a string; they are split where a block's buffer ends. */
+/* Append the bytes of a string, which the end of a buffer may split. */
 static void take_bytes(oasis *o, GString *out) {
   uint64_t left = oasis_uint(o);
   do {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements read.oasis: an OASIS file as a layout. START, END, cells, and the
-   dispatch of records (SEMI P39, sections 13 to 21). */
+/* Implements read.oasis: an OASIS file as a layout. This file reads START, END
+   and cells, and dispatches records (SEMI P39, sections 13 to 21). */
 #include <stdlib.h>
 #include <string.h>
 
@@ -8,7 +8,7 @@
 
 /* ---- tables and the check sum ---- */
 
-/* Six pairs: strictness and place of each table. */
+/* Read six pairs: strictness and place of each table. */
 static void read_tables(oasis *o) {
   for (int i = 0; i < EDA_OASIS_TABLES; i++) {
     uint64_t complete = oasis_uint(o), at = oasis_uint(o);
@@ -23,8 +23,8 @@ static uint32_t read_signature(oasis *o) {
   return v;
 }
 
-/* Read the table places of END ahead. A missing END is reported at the end of
-   the file. */
+/* Read the places of the tables in END before the other records. A missing END
+   is reported at the end of the file. */
 static void look_ahead(oasis *o) {
   opc_error none;
   oasis end = oasis_again(o, &none);
@@ -37,7 +37,7 @@ static void look_ahead(oasis *o) {
   oasis_clear(&end);
 }
 
-/* Return the check sum of the file up to here. */
+/* Return the checksum of the file up to the current place. */
 static uint32_t sum_up(const oasis *o, uint64_t scheme) {
   const uint8_t *bytes = (const uint8_t *)o->b.text;
   uint64_t n = oasis_place(o);
@@ -78,7 +78,7 @@ static void make_layout(oasis *o, double steps) {
     oasis_refuse(o, "an impossible unit");
     return;
   }
-  /* Steps per micrometre; rounded to a decimal number of 14 digits. */
+  /* Grid steps per micrometre, rounded to a decimal number of 14 digits. */
   char digits[40];
   snprintf(digits, sizeof digits, "%.14g", 1000 / steps);
   o->b.layout =

@@ -62,8 +62,8 @@ typedef struct oasis_points {
   size_t n, capacity;
 } oasis_points;
 
-/* columns x rows on a lattice, or `columns` listed offsets, the first (0,
-   0). */
+/* columns x rows on a lattice, or `columns` listed offsets, of which the first
+   is (0, 0). */
 typedef struct oasis_repetition {
   int lattice;
   uint64_t columns, rows;
@@ -100,16 +100,16 @@ typedef struct oasis_modal {
 
 typedef struct oasis {
   reading b;
-  int naming; /* 1: pass that reads names only */
+  int naming; /* 1: this pass reads only names */
 
-  /* Bytes available now: the file, or the buffer of a block. */
+  /* Bytes to read: of the file, or of the buffer of a block. */
   const uint8_t *p, *end;
   uint64_t record; /* place of the current record, in file or block */
 
   int inside; /* 1: inside a compressed block */
   const uint8_t *file_p;
   uint64_t block_at; /* place of the block in the file */
-  uint64_t done;     /* bytes of the block that precede `inflated` */
+  uint64_t done;     /* number of bytes of the block before `inflated` */
   uint64_t left_in, left_out;
   uint8_t *inflated;
   z_stream z;
@@ -132,31 +132,32 @@ typedef struct oasis {
   eda_placement placement;
   int32_t child;
   int repeated;
-  int ranked; /* name: 0: none, 1: GDSII property, 2: property 61 */
+  int ranked; /* source of the name: 0: none, 1: GDSII property, 2: property
+                 61 */
   char *instance;
 } oasis;
 
-/* ---- stream.c: the file as bytes, compressed blocks opened while reading ----
- */
+/* ---- stream.c: the file as bytes, compressed blocks opened while reading
+   ---- */
 
-/* Return a second reader of the same file that reads names only. Free it with
-   oasis_clear; data shared with `from` remain owned by `from`. */
+/* Return a second reader of the same file that reads only names. Free with
+   oasis_clear; `from` still owns shared data. */
 oasis oasis_again(const oasis *from, opc_error *error);
 void oasis_clear(oasis *o);
 /* Continue at another place of the file. */
 void oasis_seek(oasis *o, uint64_t at);
 /* Fail with "'path': FAULT at byte N", with N the place of the record. */
 void oasis_refuse(void *o, const char *what);
-/* Start a record: leave compressed blocks that end at this place. Return 0
+/* Begin a record. A compressed block that ends at this place is left. Return 0
    after a failure. */
 int oasis_begin_record(oasis *o);
-/* Return the place in the file; the number of bytes read so far (decompressed
-   bytes: at most 64 per byte of the file). */
+/* oasis_place: return the place in the file. oasis_consumed: return the number
+   of bytes read so far, decompressed (at most 64 per byte of the file). */
 uint64_t oasis_place(const oasis *o);
 uint64_t oasis_consumed(const oasis *o);
-/* Continue with the contents of a CBLOCK record. */
+/* Continue in the contents of a CBLOCK record. */
 void oasis_enter_block(oasis *o);
-/* Provide more bytes. Fail and return 0 at the end of the data. */
+/* Make more bytes available. Fail and return 0 at the end of the data. */
 int oasis_refill(oasis *o);
 
 /* ---- numbers.c ---- */
@@ -232,11 +233,11 @@ void oasis_end_placement(oasis *o);
 
 /* Fail with `what` if one of the modal variables `has` is undefined. */
 int oasis_need(oasis *o, const char *what, uint32_t has);
-/* Read the layer and the datatype that the record's bits `info` announce. */
+/* Read the layer and the datatype if the bits `info` of the record are set. */
 void oasis_read_layer(oasis *o, uint32_t info, uint32_t has, uint32_t *layer,
                       uint32_t *datatype);
-/* Read x and y if announced by the bits `info`; update the modal variables. */
+/* Read x and y if the bits `info` are set; update the modal variables. */
 void oasis_read_place(oasis *o, uint32_t info, int64_t *x, int64_t *y);
-/* Count `count` * `points` points towards the limit for this file. Return 0
-   beyond the limit. */
+/* Add `count` * `points` points to those of the file. Fail and return 0 beyond
+   the limit. */
 int oasis_spend(oasis *o, uint64_t count, uint64_t points);

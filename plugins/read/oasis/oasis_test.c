@@ -180,7 +180,7 @@ static void test_points(void) {
 
 static void test_shapes(void) {
   GByteArray *f = new_cell();
-  /* A square; the next one in relative coordinates with the modal layer. */
+  /* A square, and a rectangle in relative coordinates with the modal layer. */
   values_put(f, "bbuuuss", EDA_OASIS_RECTANGLE, 0xdb, 1ul, 2ul, 5ul, 10l, 20l);
   values_put(f, "b", EDA_OASIS_XYRELATIVE);
   values_put(f, "bbuss", EDA_OASIS_RECTANGLE, 0x38, 7ul, 1l, 2l);
@@ -208,7 +208,7 @@ static void test_shapes(void) {
   assert_refused(file_finish(f), OPC_IO, "an unknown kind of trapezoid");
 }
 
-/* Half a width longer at the start, 7 at the end. */
+/* The path is extended by half a width at the start, and by 7 at the end. */
 static void test_path(void) {
   GByteArray *f = new_cell();
   values_put(f, "bbuuuusuuuss", EDA_OASIS_PATH, 0xfb, 1ul, 2ul, 5ul,

@@ -10,7 +10,8 @@
 
 enum { SIDES = 64 }; /* corners of the polygon of a circle */
 
-/* Bits of the information byte of a shape, except layer and datatype. */
+/* Bits of the information byte of a shape, except those for layer and
+   datatype. */
 enum { REPEATED = 4, SECOND = 32, FIRST = 64, TOP = 128 };
 
 static void read_layer(oasis *o, uint32_t info) {
@@ -54,7 +55,8 @@ static int shape_fits(oasis *o, int repeated, oasis_vector low,
   return !o->b.failed;
 }
 
-/* Add a polygon, or a path if `path`, with all its members. */
+/* Add a polygon (`path` 0) or a path (`path` 1) with all members of the
+   repetition. */
 static void add_points(oasis *o, int repeated, const oasis_vector *p, size_t n,
                        int path) {
   reading *b = &o->b;
@@ -115,8 +117,8 @@ void oasis_read_polygon(oasis *o) {
     add_points(o, info & REPEATED, o->m.polygon.p, o->m.polygon.n, 0);
 }
 
-/* Read the extension of a path at its end: 0 as before, 1 none, 2 half a width,
-   3 explicit. */
+/* Read the extension of a path at one end. Scheme 0: unchanged, 1: none, 2:
+   half the width, 3: explicit. */
 static void read_extension(oasis *o, uint64_t scheme, uint32_t has,
                            int64_t *out) {
   if (scheme == 1) *out = 0;
@@ -154,7 +156,7 @@ void oasis_read_path(oasis *o) {
     add_points(o, info & REPEATED, o->m.path.p, o->m.path.n, 1);
 }
 
-/* Add a polygon of the corners that differ from the preceding ones. */
+/* Add a polygon of the corners that differ from the preceding corner. */
 static void add_corners(oasis *o, int repeated, const oasis_vector corner[4]) {
   oasis_vector p[4];
   size_t n = 0;
@@ -186,8 +188,8 @@ void oasis_read_trapezoid(oasis *o, uint64_t record) {
   add_corners(o, info & REPEATED, info & TOP ? upright : flat);
 }
 
-/* Corners of the compact trapezoids, counter-clockwise: {xw, xh, yw, yh}, x and
-   y as multiples of width and height. */
+/* Corners of the compact trapezoids, counter-clockwise: {xw, xh, yw, yh}; x =
+   xw * width + xh * height, y likewise. */
 static const int8_t compact[26][4][4] = {
     {{0, 0, 0, 0}, {1, 0, 0, 0}, {1, -1, 0, 1}, {0, 0, 0, 1}},
     {{0, 0, 0, 0}, {1, -1, 0, 0}, {1, 0, 0, 1}, {0, 0, 0, 1}},
@@ -217,8 +219,8 @@ static const int8_t compact[26][4][4] = {
     {{0, 0, 0, 0}, {1, 0, 0, 0}, {1, 0, 1, 0}, {0, 0, 1, 0}},
 };
 
-/* Derive the size that a type of trapezoid omits from the other one. Return 0
-   on failure. */
+/* Compute the width or height that a type of trapezoid omits, from the other
+   size. Return 0 on failure. */
 static int complete_sizes(oasis *o) {
   uint32_t type = o->m.ctrapezoid;
   if (type == 20 || type == 21) {
@@ -281,7 +283,7 @@ void oasis_read_circle(oasis *o) {
   add_points(o, info & REPEATED, corner, SIDES, 0);
 }
 
-/* Skip a record of unknown meaning; modal variables are updated. */
+/* Skip a record with unknown contents; modal variables are updated. */
 void oasis_read_xgeometry(oasis *o) {
   uint32_t info = oasis_byte(o);
   oasis_uint(o);

@@ -9,9 +9,9 @@
 
 enum { BUFFER = 1 << 18 };
 
-/* Limit of the bytes in blocks: per byte of the file, plus a constant. Layouts
-   compress to a tenth, padding to a thousandth. Records of one byte each, 64 MB
-   in total, took 30 s under a sanitizer. */
+/* Limit of decompressed bytes: per byte of the file, plus a constant. Layouts
+   compress to a tenth, padding to a thousandth. A file of 64 MB of one-byte
+   records takes 30 s under a sanitizer. */
 #define MAX_RATIO 64
 #define MAX_MORE ((uint64_t)1 << 18)
 
@@ -98,8 +98,8 @@ static void block_feed(oasis *o) {
   o->left_in -= n;
 }
 
-/* Inflate at most `capacity` bytes to `out`. Return their number, 0 at the end.
- */
+/* Inflate at most `capacity` bytes to `out`. Return their number, 0 at the
+   end. */
 static size_t block_unpack(oasis *o, uint8_t *out, size_t capacity) {
   o->z.next_out = out;
   o->z.avail_out = (uInt)capacity;
@@ -174,7 +174,7 @@ void oasis_enter_block(oasis *o) {
   o->p = o->end = o->inflated;
 }
 
-/* Leave a block at its end. */
+/* Leave a block at the end of the block. */
 static void block_end(oasis *o) {
   uint8_t more;
   o->record = o->done + (uint64_t)(o->p - o->inflated);

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements regulator.drc: the DRC compliance regulator (thesis 3.2.2 (3),
-   figure 3.7). The regulator vetoes lengths that bridge or open a gate, and
-   lengthens line ends whose printed extension past the active is too short. It
-   enlarges shapes that must cover a contact, and reports remaining violations.
- */
+   figure 3.7). The regulator vetoes changes of gates that bridge, open or
+   violate a mask space, and extends line ends whose printed extension past the
+   active is too short. It enlarges shapes that must cover a contact, and
+   reports the remaining violations. */
 #include "drc.h"
 
 #include <eda/memory.h>
@@ -15,7 +15,7 @@
 
 static void drc_follow(drc *r, eda_scanner scanner);
 
-/* Free all data of the gates; parameters stay. */
+/* Free all data of the gates; keep the parameters. */
 static void drc_clear(void *self) {
   drc *r = self;
   for (size_t k = 0; k < r->layers; k++) {
@@ -77,7 +77,7 @@ static uint32_t gate_vetoes(const drc *r, const eda_printed *p, size_t i) {
   if (p->flags[i] & EDA_PRINT_MERGED) v |= EDA_VETO_LONGER;
   if (p->flags[i] & (EDA_PRINT_OPEN | EDA_PRINT_NO_ACTIVE))
     v |= EDA_VETO_SHORTER | EDA_VETO_NARROWER;
-  /* Spacing on the mask if the neighbour grows by as much. */
+  /* Space on the mask if the neighbour grows equally. */
   double growth = p->l[i] * g->grid;
   if (fmin(g->space[2 * i], g->space[2 * i + 1]) - growth - g->grid <
       r->min_space)
@@ -200,11 +200,11 @@ static int violations_of(void *self, const eda_printed *p, eda_violation *v,
 
 static const opc_parameter parameters[] = {
     LENGTH(overlay, 1000, "0.039 lambda/NA",
-           "largest misplacement between layers"),
+           "largest overlay error between layers"),
     LENGTH(min_extension, 10000, "2 overlay",
-           "least printed extension of poly past the active"),
+           "smallest printed extension of poly past the active"),
     LENGTH(want_extension, 10000, "min_extension",
-           "desired printed extension of poly where spacing allows"),
+           "desired printed extension of poly if the spacing permits"),
     LENGTH(
         max_growth, 10000, "0.233 lambda/NA",
         "largest extension of a line end or repair shape past the drawn edge"),
@@ -212,11 +212,12 @@ static const opc_parameter parameters[] = {
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .unit = "nm",
                   .preset = "0 nm", .max = 1000,
                   .summary = "largest widening, per side, of a line end that "
-                             "cannot be long enough"),
-    LENGTH(min_space, 10000, "0.155 lambda/NA", "least space of the mask"),
+                             "cannot be extended enough"),
+    LENGTH(min_space, 10000, "0.155 lambda/NA", "smallest space of the mask"),
     LENGTH(min_width, 10000, "0.117 lambda/NA",
-           "least printed width of poly outside of gates"),
-    LENGTH(min_mask_width, 10000, "0.155 lambda/NA", "least width of the mask"),
+           "smallest printed width of poly outside of gates"),
+    LENGTH(min_mask_width, 10000, "0.155 lambda/NA",
+           "smallest width of the mask"),
 };
 
 /* Compute the defaults of parameters that are not set. */

@@ -23,86 +23,86 @@ typedef struct places {
   eda_index *index;
 } places;
 
-/* Last measurement of a printed edge, from which rules_advance computes the
-   response of the printed edge to moves of the mask edge. */
+/* Last measurement of a printed edge, for the response of the printed edge to
+   displacements of the mask edge (rules_advance). */
 typedef struct response {
-  int32_t bias; /* move of the mask edge at the last measurement */
-  double value; /* figure of the printed edge at that bias, nm */
-  int seen;
+  int32_t bias; /* displacement of the mask edge at the measurement */
+  double value; /* measured figure of the printed edge, nm */
+  int seen;     /* 1: measured */
 } response;
 
 enum {
   SITE_ENCLOSURE, /* a contact that the layer must cover */
   SITE_CONTACT,   /* a contact that poly must not touch */
-  SITE_LINE,      /* a cross-section of a line, min_width long, around the
-                     middle of the drawn line */
-  SITE_GAP        /* the point in the middle between two edges of a layer */
+  SITE_LINE,      /* a cross-section of a line, of length min_width, around the
+                     centre of the drawn line */
+  SITE_GAP        /* the centre between two facing edges of a layer */
 };
 
 /* A place at which the printed image is checked. */
 typedef struct site {
   eda_box box;
   int32_t gate;   /* nearest gate; -1: none */
-  int32_t repair; /* index in drc.repairs (gap: in drc.pairs); -1: none */
+  int32_t repair; /* index in drc.repairs (SITE_GAP: drc.pairs); -1: none */
   uint16_t layer;
   uint8_t kind;
-  uint8_t sides;   /* set of checked sides, 1 << LEFT and so on; gap: LEFT or
-                      BELOW */
+  uint8_t sides;   /* set of checked sides, 1 << LEFT and so on; SITE_GAP: LEFT
+                      or BELOW, the axis across the gap */
   uint8_t failing; /* set of sides that failed the last check */
 } site;
 
 /* Line end beyond an end of the width of gate i: element 2 * i of drc.ends for
    the LOW end, 2 * i + 1 for the HIGH end. */
 typedef struct line_end {
-  eda_box tip;           /* drawn edge, flat */
+  eda_box tip;           /* drawn edge of the line end, flat */
   int side;              /* outward direction; -1: no line end */
-  int32_t most, by;      /* largest and present outward move */
-  int32_t share;         /* move that leaves an opposite line end half of the
-                            spacing to the line end */
-  int32_t limit;         /* largest move that neighbours allow at present */
+  int32_t most, by;      /* largest and present outward displacement */
+  int32_t share;         /* displacement that uses half of the spacing to a
+                            facing line end */
+  int32_t limit;         /* largest displacement that neighbours permit now */
   int32_t start;         /* length of the head inwards of the tip */
-  int32_t widest, wider; /* largest and present growth of the head on each flank
+  int32_t widest, wider; /* largest and present widening of the head, per flank
                           */
-  double requested; /* requested growth of the head, nm, for which `widest` was
-                       computed; INFINITY: must not grow again */
-  response length, width;
+  double requested; /* requested widening, nm, for which `widest` was computed;
+                       INFINITY: must not widen again */
+  response length, width; /* response to `by` and to `wider` */
 } line_end;
 
-/* Repair of a site that failed at least once. A repair shape moves a segment of
-   the drawn edge on each side outwards. [SIDES]: distance from the site's box
-   to the drawn edge (edge), ends of the segment along that edge (from, to),
-   largest (limit) and present (grow) outward move. */
+/* Repair of a site that failed at least once. A repair shape displaces a
+   segment of the drawn edge on each side outwards. Arrays [SIDES]: distance
+   from the site's box to the drawn edge (edge), ends of the segment along that
+   edge (from, to), largest (limit) and present (grow) outward displacement. */
 typedef struct repair {
   uint32_t site;
   int32_t edge[SIDES], from[SIDES], to[SIDES];
   int32_t limit[SIDES], grow[SIDES];
-  uint8_t whole[SIDES]; /* 1: the segment is the whole edge */
-  /* Edges of active that a change of a gate's width moves, and with them the
-     corners at both ends of the segment; NULL: none. */
+  uint8_t whole[SIDES]; /* 1: the segment is the entire edge */
+  /* Active edges whose displacement by a gate's width displaces the corner at
+     each end of the segment; NULL: none. */
   const eda_fragment *corner[SIDES][2];
   uint32_t back[SIDES]; /* drc.round of the last reduction */
-  double value[SIDES];  /* nm from the side outwards to the contour */
+  double value[SIDES];  /* distance from the side outwards to the contour, nm */
   response response[SIDES];
-  double flanked[SIDES]; /* `value` when the adjacent sides were last moved
-                            outwards for this side; 0: never */
+  double flanked[SIDES]; /* `value` when the adjacent sides were last displaced
+                            for this side; 0: never */
 } repair;
 
-/* A stretch of a drawn poly edge that moves inwards. */
+/* A stretch of a drawn poly edge that is displaced inwards by a cut-out. */
 typedef struct trim {
   eda_box wall;         /* the stretch, flat */
   int side;             /* direction from the stretch to the gap */
-  int32_t limit, depth; /* largest and present inward move */
-  int32_t front;        /* half of the width of the gap; the cut-out also
-                           removes repair shapes there */
-  uint32_t round;       /* drc.round of the last move */
+  int32_t limit, depth; /* largest and present inward displacement */
+  int32_t front;        /* half of the gap's width; the cut-out extends so far
+                           into the gap, to remove repair shapes there */
+  uint32_t round;       /* drc.round of the last displacement */
 } trim;
 
-/* A filled notch or a removed bump. A straight edge replaces the notch or bump;
-   the polygon is on the left of the edge from `from` to `to`. */
+/* A filled notch or a removed bump, replaced by a straight edge. The polygon is
+   on the left of the edge from `from` to `to`. */
 typedef struct smoothing {
   eda_box box;
   eda_point from, to;
-  uint8_t bump, stays;
+  uint8_t bump, stays; /* 1: bump, 0: notch; 1: confirmed on the mask */
 } smoothing;
 
 typedef struct smoothings {
@@ -115,7 +115,7 @@ typedef struct drc {
   double overlay, min_extension, want_extension, max_growth, max_head;
   double min_space, min_width, min_mask_width;
 
-  const eda_gates *gates; /* gates of all data below; NULL: none yet */
+  const eda_gates *gates; /* gates of all members below; NULL: none yet */
   uint64_t serial;
   double grid;
   size_t layers;
@@ -125,10 +125,10 @@ typedef struct drc {
   places boxes;               /* boxes of the gates */
   places contacts;            /* contacts that poly must not touch */
   places pads;                /* contacts that poly must cover */
-  places widths;              /* edges of active at ends of gate widths */
-  const eda_fragment **width; /* [widths.n]: their fragments */
-  places mask;                /* edges of poly on the present mask, on demand */
-  char **bridging; /* [layers]: name of the rule that a bridged gap violates */
+  places widths;              /* active edges at ends of gate widths */
+  const eda_fragment **width; /* [widths.n]: fragments of `widths` */
+  places mask;                /* poly edges of the present mask, on demand */
+  char **bridging; /* [layers]: name of the violation if a gap prints */
   site *sites;
   size_t n_sites, sites_capacity;
 
@@ -137,16 +137,16 @@ typedef struct drc {
   size_t n_repairs, repairs_capacity;
   trim *trims;
   size_t n_trims, trims_capacity;
-  int32_t (*pairs)[2]; /* indices in `trims` of the trims on both sides of a
-                          failed gap; -1: none */
+  int32_t (*pairs)[2]; /* indices in `trims` of the two edges of a failed gap;
+                          -1: none */
   size_t n_pairs, pairs_capacity;
   uint32_t round;         /* number of checked iterations */
   smoothings *smoothings; /* [layers] */
-  int reverted;           /* number of removed bumps that were restored because
-                             of a notch beside them */
+  int reverted;           /* number of bumps restored because their removal
+                             created a notch */
 
-  eda_box_list *added, *cutouts; /* [layers]: boxes added to the mask and boxes
-                                    cut out by the last ruling */
+  eda_box_list *added, *cutouts; /* [layers]: boxes added to the mask and cut
+                                    out of the mask by the last ruling */
 } drc;
 
 /* A list of violations. `count` includes violations beyond the capacity. */
@@ -167,28 +167,28 @@ void places_clear(places *p);
    the array with free(). */
 eda_box *shapes_edges(const eda_shapes *shapes, size_t *n);
 
-/* Return the box that extends from `from` to `to` steps outwards of a side of
-   `box`, and by `beside` steps beyond both ends of that side. */
+/* Return the box from `from` to `to` steps outwards of a side of `box`,
+   extended by `beside` steps beyond both ends of the side. */
 eda_box box_window(eda_box box, int side, int32_t from, int32_t to,
                    int32_t beside);
 
 /* Return the distance, in direction `side`, from the first edge of `window` to
-   the nearest box that overlaps the inside of the window. Write that box to
-   `which` (may be NULL). Return `none` if there is no nearer box. */
+   the nearest box that overlaps the inside of the window; `none` if no box is
+   nearer than `none`. `which` (may be NULL) receives the nearest box. */
 int32_t places_nearest(const places *p, eda_box window, int side, int32_t none,
                        eda_box *which);
 
-/* Return the largest move of the edge `edge` towards `side`, at most `most`,
-   that keeps min_space to the other poly of the present mask. */
+/* Return the largest displacement of an edge towards `side`, at most `most`,
+   that keeps min_space to other poly of the present mask. */
 int32_t mask_spacing(drc *r, const eda_printed *p, eda_box edge, int side,
                      int32_t most);
 
 /* ---- rules.c ---- */
 
 /* Return the bias at which the printed figure is expected to reach `target`
-   plus a margin. `value`: the figure measured at `bias`, nm. The response is
-   the slope between the last two measurements, initially `steep` times
-   tuned.usual. Stores the measurement in `r`. */
+   plus tuned.spare. `value`: the figure measured at `bias`, nm. The response is
+   the slope between the last two measurements; for the first measurement
+   tuned.usual times `steep`. Stores the measurement in `r`. */
 int32_t rules_advance(response *r, int32_t bias, double value, double target,
                       double steep, double grid);
 void violations_add(violations *l, eda_violation v);
@@ -197,55 +197,58 @@ void violations_add(violations *l, eda_violation v);
 
 int sites_find(drc *r, opc_error *error);
 
-/* ---- ends.c: outward moves and heads of line ends ---- */
+/* ---- ends.c: displacements and heads of line ends ---- */
 
 void ends_find(drc *r);
-/* Move a line end outwards if the printed extension is too short, or widen the
-   head if the line end cannot move. `bias`: present, then next move. */
+/* Displace a line end outwards if the printed extension is too short, or widen
+   the head if the line end is at its limit. `bias`: present, then next
+   displacement. */
 void ends_advance(drc *r, const eda_printed *p, size_t end, int32_t *bias);
-/* If a failing site is beyond an end of the nearest gate's width, move the line
-   end there inwards and limit later moves to the new position. `bias`: moves of
-   all line ends. Return whether the line end moved. */
+/* If a failing site is beyond an end of the nearest gate's width, reduce the
+   head or the displacement of the line end there and limit later values.
+   `bias`: displacements of all line ends. Return 1 if the line end was reduced.
+ */
 int ends_revert(drc *r, const site *wrong, int32_t *bias);
 /* Add the shapes of all heads to the ruling. */
 void ends_add_heads(drc *r);
-/* Return the reason for an extension that is too short. */
+/* Return the name of the violation for an extension that is too short, with the
+   cause. */
 const char *ends_reason(const drc *r, size_t end);
 
 /* ---- repairs.c: failing sites and repair shapes ---- */
 
-/* Check the sites on a printed image; create repairs of failing sites. */
+/* Check the sites on a printed image, and create repairs of failing sites. */
 void repairs_check(drc *r, const eda_printed *p);
-/* Enlarge repair shapes of failing sites. Reduce repair shapes, and trim edges
-   of poly, that bridge a gap or touch a contact. */
+/* Enlarge repair shapes of failing sites. Reduce repair shapes that bridge a
+   gap or touch a contact, or trim poly edges there. */
 void repairs_grow(drc *r, const eda_printed *p);
 /* Add the shapes of all repairs to the ruling. */
 void repairs_add_shapes(drc *r, const eda_printed *p);
-/* Report the failing sites, with the reason if they cannot be repaired. */
+/* Report the failing sites, with the cause if they cannot be repaired. */
 void repairs_report(const drc *r, const eda_printed *p, violations *out);
 
-/* ---- trims.c: inward moves of poly edges at bridged gaps, except for edges
-   near gates and contacts ---- */
+/* ---- trims.c: inward displacements of poly edges at bridged gaps, away from
+   gates and contacts ---- */
 
-/* Move the edges on both sides of a failing gap inwards by one step, at most
-   once per iteration. Return whether an edge moved. */
+/* Displace the edges on both sides of a failing gap inwards by one step, at
+   most once per iteration. Return 1 if an edge was displaced. */
 int trims_deepen(drc *r, site *gap);
-/* Reduce the depth of trims that pinch a line, and limit them to the new depth.
-   Return whether there were any. */
+/* Reduce the depth of trims that pinch a line, and limit the trims to the new
+   depth. Return 1 if a trim was found. */
 int trims_revert(drc *r, const site *line);
-/* Return whether an edge of the gap can still move inwards. */
+/* Return 1 if an edge of the gap can be displaced further inwards. */
 int trims_can_deepen(const drc *r, const site *gap);
 /* Add the cut-outs of all trims to the ruling. */
 void trims_add_cutouts(drc *r);
 
 /* ---- smooth.c: notches and bumps that violate the rules of the mask ---- */
 
-/* Find notches narrower than min_space, to be filled, and bumps narrower than
-   min_mask_width, to be removed, in the masks of a printed image. The masks
-   include the smoothings of earlier iterations. */
+/* Find notches narrower than min_space and bumps narrower than min_mask_width
+   in the simulated masks, which include earlier smoothings. Notches will be
+   filled, bumps removed. */
 void smooth_masks(drc *r, const eda_printed *p);
-/* Drop smoothings at a place where the mask violates its rules; the next
-   iteration finds notches and bumps there again. */
+/* Discard smoothings that touch a place where the mask violates its rules. The
+   next iteration finds notches and bumps there again. */
 void smooth_drop(drc *r, size_t layer, eda_box place);
 /* Add filled notches and removed bumps to the ruling. */
 void smooth_add_boxes(drc *r);

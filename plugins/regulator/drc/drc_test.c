@@ -143,8 +143,8 @@ static void test_facing(void) {
   g_assert_cmpint(f.end[2], ==, 15);
 }
 
-/* If only one of them is too short, it may use the share of the other one,
-   except for the rounding of a third. */
+/* If only one line end is too short, it may use the share of the other line
+   end, except for the rounding of a third. */
 static void test_alone(void) {
   g_autoptr(opc_module) m = drc_make("{ min_space: 60 nm }");
   fixture f;
@@ -157,8 +157,8 @@ static void test_alone(void) {
   g_assert_cmpint(f.end[2], ==, 0);
 }
 
-/* In any order and by any amount, the space between them is kept, and used
-   almost entirely if both need space. */
+/* For any order and amount of displacements, the line ends keep min_space, and
+   use almost the entire spacing if both need it. */
 static void test_turns(void) {
   guint32 seed = 1;
   for (int run = 0; run < 200; run++) {

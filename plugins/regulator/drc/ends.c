@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements line ends: outward moves and widths of heads. */
+/* Implements line ends: outward displacements, and widths of heads. */
 #include <eda/memory.h>
 #include <math.h>
 
@@ -12,9 +12,9 @@ static int32_t grid_steps(double limit, double most, double grid) {
   return (int32_t)floor(fmax(0, fmin(most, limit)) / grid + 1e-9);
 }
 
-/* Compute the largest outward move of a line end. The line end may use the
-   whole spacing to contacts, which do not move. The share is half of the drawn
-   spacing to poly, as an opposite line end may move as well. */
+/* Compute the largest outward displacement of a line end. The line end may use
+   the entire spacing to contacts, which do not move. Its share is half of the
+   drawn spacing to poly, because a facing line end may move as far. */
 static void end_find_length(const drc *r, line_end *e) {
   double grid = r->grid;
   int32_t range = (int32_t)ceil((2 * r->max_growth + r->min_space) / grid) + 1;
@@ -31,7 +31,7 @@ static void end_find_length(const drc *r, line_end *e) {
       grid_steps(((own + 1) * grid - r->min_space) / 2, e->most * grid, grid);
 }
 
-/* Return the head: `by` beyond the tip and `wider` beyond each flank. */
+/* Return the head's box: `by` beyond the tip and `wider` beyond each flank. */
 static eda_box head_of(const line_end *e, int32_t by, int32_t wider) {
   eda_box b = box_window(e->tip, e->side, -e->start, by, 0);
   if (side_upright(e->side))
@@ -41,8 +41,8 @@ static eda_box head_of(const line_end *e, int32_t by, int32_t wider) {
   return b;
 }
 
-/* Compute the largest extension of the head beyond the flanks. The head begins
-   2 overlays outside of the active and may use half of the spacing to poly. */
+/* Compute the largest widening of the head. The head begins 2 overlays outside
+   of the active and may use half of the spacing to poly. */
 static void end_find_width(const drc *r, line_end *e, double most,
                            double extension) {
   double grid = r->grid, limit = most;
@@ -94,7 +94,8 @@ void ends_find(drc *r) {
 
 /* ---- moves ---- */
 
-/* Return whether nothing prints near, and before, the printed line end. */
+/* Return 1 if nothing prints in front of the printed line end within
+   tuned.ahead. */
 static int end_is_clear(const eda_printed *p, const line_end *e) {
   double grid = p->gates->grid, value;
   double x = (e->tip.x0 + e->tip.x1) / 2.0 * grid;
@@ -102,7 +103,7 @@ static int end_is_clear(const eda_printed *p, const line_end *e) {
   double *along = side_upright(e->side) ? &x : &y;
   double out = e->side == LEFT || e->side == BELOW ? -1 : 1;
   const eda_field *print = &p->print[EDA_POLY];
-  *along -= out * e->start * grid; /* where the line prints */
+  *along -= out * e->start * grid; /* inside the printed line */
   for (double d = 0; d < tuned.reach; d += grid, *along += out * grid) {
     eda_field_sample(print, &x, &y, 1, &value);
     if (value <= 0) break;
@@ -114,9 +115,10 @@ static int end_is_clear(const eda_printed *p, const line_end *e) {
   return 1;
 }
 
-/* Return the largest move that neighbours allow at present. An opposite line
-   end may move in the same iteration. Therefore a move within the share uses at
-   most two thirds of the spacing, a move beyond the share a third. */
+/* Return the largest displacement that neighbours permit at present. A facing
+   line end may move in the same iteration. Therefore a line end within its
+   share uses at most two thirds of the spacing, and beyond its share one third.
+ */
 static int32_t outward_limit(drc *r, const eda_printed *p, const line_end *e,
                              int32_t bias) {
   int32_t share = e->share < e->most ? e->share : e->most;
@@ -127,10 +129,10 @@ static int32_t outward_limit(drc *r, const eda_printed *p, const line_end *e,
   left -= left / 3;
   return bias + left < share ? bias + left : share;
 }
-
-/* Return the printed extension to aim at: the desired one if nothing prints
-   before the line end, else the required one. A request of the synthesizer is
-   valid in all iterations, as the synthesizer accounts for the effect. */
+/* Return the target of the printed extension: the desired extension if nothing
+   prints in front of the line end, else the required extension. A request of
+   the synthesizer is valid in all iterations, because the synthesizer accounts
+   for the effect. */
 static double wanted_extension(const drc *r, const eda_printed *p, size_t end) {
   const line_end *one = &r->ends[end];
   double extension = p->extension[end], desired = r->min_extension;

@@ -4,8 +4,8 @@
 #include "chip_test.h"
 
 /* A line end that prints 0.7 nm per nm of length and 3 nm per nm of its head:
-   first length, as much of the 40 nm of spacing as steps of a third reach, then
-   the missing amount by width. */
+   first by length, until steps of a third have used the 40 nm of spacing, then
+   by width. */
 static void test_heads(void) {
   static const struct {
     const char *parameters;
@@ -45,8 +45,8 @@ static void test_heads(void) {
   }
 }
 
-/* Requests of the synthesizer hold in all iterations: length, and a head where
-   length is limited; never more than requested. */
+/* Requests of the synthesizer are valid in all iterations: length, and a head
+   if the length is limited; never more than requested. */
 static void test_requested(void) {
   for (int k = 0; k < 3; k++) {
     g_autoptr(opc_module) m = drc_make("{ min_extension: 20 nm }");

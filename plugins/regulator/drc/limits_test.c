@@ -12,9 +12,9 @@ static void rule_alone(opc_module *m, chip *c, double extension) {
   chip_judge(m, c);
 }
 
-/* The first move assumes 0.8 nm of printed image per nm of mask, the second one
-   the measured response, at least 0.3. The goal is 1 nm above 20, and the
-   largest move is 60 nm. */
+/* The first displacement assumes 0.8 nm of printed image per nm of mask, the
+   second uses the measured response, at least 0.3. The target is 1 nm above 20,
+   and the largest displacement is 60 nm. */
 static void test_response(void) {
   static const struct {
     double first, second;
@@ -59,7 +59,7 @@ static void test_follows(void) {
     }
 }
 
-/* A line end keeps the least space of the mask to a contact. */
+/* A line end keeps min_space to a contact. */
 static void test_end_before_contact(void) {
   for (int32_t d = 35; d < 90; d += 9) {
     g_autoptr(opc_module) m =
@@ -78,8 +78,8 @@ static double two_lines(const chip *c, double x, double y) {
   return fmax(line_ends(c, x, y), other);
 }
 
-/* A head keeps the least space to contacts and active, and takes half of the
-   spacing to another line. */
+/* A head keeps min_space to contacts and active, and uses half of the spacing
+   to another line. */
 static void test_head_beside(void) {
   enum { LINE, CONTACTS, ACTIVES, KINDS };
   for (int kind = 0; kind < KINDS; kind++) {
@@ -152,8 +152,8 @@ static double short_pad(const chip *c, double x, double y) {
               fmin(y + 20, 160 - y));
 }
 
-/* A repair shape of poly keeps the least space to contacts that poly must not
-   touch, and to active. */
+/* A repair shape of poly keeps min_space to contacts that poly must not touch,
+   and to active. */
 static void test_added_beside(void) {
   for (int active = 0; active < 2; active++)
     for (int32_t d = 38; d < 60; d += 3) {
@@ -194,7 +194,7 @@ static double close_bars(const chip *c, double x, double y) {
   return high - low < 120 ? fmin(y, 296 - y) : bars;
 }
 
-/* Edges near before a gate, and up to 20 nm beside it, do not move. */
+/* Edges close to a gate, and up to 20 nm beside the gate, do not move. */
 static void test_before_gate(void) {
   for (int32_t top = 10; top < 100; top += 20) {
     g_autoptr(opc_module) m = drc_make("{}");

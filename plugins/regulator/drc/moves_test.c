@@ -17,8 +17,8 @@ static double two_bars(const chip *c, double x, double y) {
 }
 
 /* Edges of bridged lines move inwards until the lines separate, but not past a
-   contact, and not below the least mask width. Shapes added before an edge are
-   cut too: each edge owns half of the gap. */
+   contact, and not below min_mask_width. Shapes added in front of an edge are
+   cut out, too: each edge owns half of the gap. */
 static void test_trims(void) {
   static const struct {
     const char *parameters, *rule;
@@ -26,9 +26,9 @@ static void test_trims(void) {
   } cases[] = {
       {"{}", NULL, 0},
       {"{ overlay: 5 nm, min_mask_width: 60 nm }",
-       "bridging: poly; drawn too near for its edges to go back", 1},
+       "bridging: poly; drawn too close to trim its edges", 1},
       {"{ min_mask_width: 90 nm }",
-       "bridging: poly; drawn too near for its edges to go back", 0},
+       "bridging: poly; drawn too close to trim its edges", 0},
   };
   for (size_t k = 0; k < G_N_ELEMENTS(cases); k++) {
     g_autoptr(opc_module) m = drc_make(cases[k].parameters);
@@ -221,8 +221,8 @@ static double plain_bar(const chip *c, double x, double y) {
   return fmax(bar, fmin(fmin(x - 160, 300 - x), fmin(y - 145, 300 - y)));
 }
 
-/* A repair shape whose corner was too near to another one on the last mask is
-   reduced, up to the need of the contact. */
+/* A repair shape whose corner was too close to another corner of the last mask
+   is reduced, as far as the contact permits. */
 static void test_too_near(void) {
   g_autoptr(opc_module) m = drc_make("{}");
   chip c = {0};
@@ -259,9 +259,9 @@ static double two_pads(const chip *c, double x, double y) {
   return high - low < 120 ? fmin(y + 30, 326 - y) : bars;
 }
 
-/* A repair shape that was reduced and that the contact needs again grows by
-   less each time; then edges that no contact needs move inwards. The remaining
-   violation is that of the contact, with the reason. */
+/* A repair shape that was reduced, but that the contact requires, grows by less
+   each time. Then edges that no contact requires move inwards. The violation of
+   the contact remains, with its cause. */
 static void test_contested(void) {
   g_autoptr(opc_module) m = drc_make("{}");
   chip c = {0};

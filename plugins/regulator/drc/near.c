@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements searches of boxes and edges near a place, by an index. */
+/* Implements the search for boxes and edges near a position. */
 #include <eda/memory.h>
 #include <math.h>
 #include <stdlib.h>
@@ -58,17 +58,23 @@ eda_box box_window(eda_box w, int side, int32_t from, int32_t to,
   return w;
 }
 
+/* Return the distance of an edge from the side of a window that the search
+   begins at. */
+static int32_t edge_distance(eda_box w, eda_box e, int side) {
+  return side == LEFT    ? w.x1 - e.x1
+         : side == RIGHT ? e.x0 - w.x0
+         : side == BELOW ? w.y1 - e.y1
+                         : e.y0 - w.y0;
+}
+
 int32_t places_nearest(const places *p, eda_box w, int side, int32_t none,
                        eda_box *which) {
   int32_t found = none;
   eda_finder f = eda_index_find(p->index, w);
   for (uint32_t i; eda_index_next(&f, &i);) {
     eda_box e = p->box[i];
-    if (e.x0 >= w.x1 || e.x1 <= w.x0 || e.y0 >= w.y1 || e.y1 <= w.y0) continue;
-    int32_t d = side == LEFT    ? w.x1 - e.x1
-                : side == RIGHT ? e.x0 - w.x0
-                : side == BELOW ? w.y1 - e.y1
-                                : e.y0 - w.y0;
+    if (!eda_boxes_overlap(e, w)) continue;
+    int32_t d = edge_distance(w, e, side);
     if (d < 0) d = 0;
     if (d >= found) continue;
     found = d;

@@ -2,8 +2,9 @@
 /* Tests rules of printed images, and repairs, on synthetic images. */
 #include "boxes_test.h"
 
-/* A contact in a pad whose right side prints 4 nm past the contact; 10 are
-   required. A repair shape moves the whole side until the image follows. */
+/* A contact in a pad whose right side prints 4 nm past the contact; 10 nm are
+   required. A repair shape displaces the entire side until the printed side
+   satisfies the rule. */
 static void test_enclosure(void) {
   g_autoptr(opc_module) m = drc_make("{ overlay: 10 nm }");
   chip c = {0};
@@ -178,8 +179,8 @@ static void test_gap(void) {
   chip_end(&c);
 }
 
-/* The same on a further layer. Covering a contact by 4 nm is no violation
-   there. */
+/* The same on a layer after active, where covering a contact by 4 nm is no
+   violation. */
 static void test_metal(void) {
   g_autoptr(opc_module) m = drc_make("{ overlay: 10 nm }");
   chip c = {0};

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements checks of the sites on a printed image, and the repair shapes
-   added to the mask. A check evaluates the sign of the level set at a few
-   points; the contour is located only where a sign is wrong. */
+/* Implements checks of the sites on a printed image, and repair shapes added to
+   the mask. A check evaluates the sign of the level set at a few points. The
+   contour is located only at sites with a wrong sign. */
 #include <eda/memory.h>
 #include <math.h>
 #include <stdlib.h>
@@ -11,13 +11,9 @@
 
 enum { BLOCK = 256, POINTS = 3 * SIDES };
 
-static eda_box box_widened(eda_box b, int32_t by) {
-  return (eda_box){b.x0 - by, b.y0 - by, b.x1 + by, b.y1 + by};
-}
-
 /* ---- points ---- */
 
-/* Return whether the layer must print at the site. */
+/* Return 1 if the layer must print at the site. */
 static int site_wants(const site *s) {
   return s->kind == SITE_ENCLOSURE || s->kind == SITE_LINE;
 }
@@ -32,9 +28,9 @@ static double site_margin(const drc *r, const site *s) {
   return is_contact(s) ? r->overlay : 0;
 }
 
-/* Compute the checked points of a site. Return their number. Checks of a layer
-   that must not touch a contact include the corners. Checks of a layer that
-   must cover a contact do not, as corners print rounded. */
+/* Compute the checked points of a site. Return their number. If a layer must
+   not touch a contact, the points include the corners. If a layer must cover a
+   contact, they do not, because corners print rounded. */
 static int site_points(const drc *r, const site *s, double *x, double *y,
                        uint8_t *side) {
   double m = site_margin(r, s), grid = r->grid;
@@ -99,7 +95,7 @@ static void sites_check_block(void *data, size_t block) {
 }
 
 /* Return the distance from a side of the site's box outwards to the contour,
-   nm: the least value of the checked points on that side. */
+   nm: the smallest value of the checked points on the side. */
 static double site_contour(const drc *r, const eda_printed *p, const site *s,
                            int side) {
   double x[POINTS], y[POINTS], least = INFINITY, m = site_margin(r, s);
@@ -115,7 +111,7 @@ static double site_contour(const drc *r, const eda_printed *p, const site *s,
     int good = (value > 0) == site_wants(s);
     d = out * eda_field_edge(print, axis, x[k], y[k], tuned.reach);
     if (isnan(d)) d = good ? tuned.reach : -tuned.reach;
-    /* With the correct sign the nearest contour may be on either side. */
+    /* If the sign is correct, the nearest contour may be on either side. */
     least = fmin(least, m + (good ? fabs(d) : -fabs(d)));
   }
   return least;
@@ -131,8 +127,8 @@ static void repair_measure(void *data, size_t i) {
 
 /* ---- segments and limits ---- */
 
-/* Return the outward move of a corner that a change of a gate's width causes:
-   half of the change (the larger half at HIGH) and the shift of both ends. */
+/* Return the outward displacement of a corner by a change of a gate's width:
+   half of the change (HIGH has the odd step) and the lateral shift. */
 static int32_t corner_move(const eda_printed *p, const eda_fragment *f) {
   if (!f) return 0;
   int32_t w = p->w[f->gate], low = w >> 1;
@@ -140,7 +136,7 @@ static int32_t corner_move(const eda_printed *p, const eda_fragment *f) {
   return f->role == EDA_W_LOW ? low - aside : w - low + aside;
 }
 
-/* Return whether the segment on `side` ends at the edge on the side `next`. */
+/* Return 1 if the segment on `side` ends at the edge on the side `next`. */
 static int segment_reaches(const drc *r, const repair *one, int side,
                            int next) {
   eda_box b = r->sites[one->site].box;
@@ -156,8 +152,8 @@ static int segment_reaches(const drc *r, const repair *one, int side,
   }
 }
 
-/* Return the extension of the repair shape on `side` over the corner shared
-   with the repair shape on the adjacent side `next`; 0 if they share none. */
+/* Return the extension of the repair shape on `side` over a corner shared with
+   the repair shape on the adjacent side `next`; 0: no shared corner. */
 static int32_t segment_overlap(const drc *r, const repair *one, int side,
                                int next) {
   return segment_reaches(r, one, side, next) &&
@@ -167,7 +163,7 @@ static int32_t segment_overlap(const drc *r, const repair *one, int side,
 }
 
 /* Return the extension of the end of a repair shape into a concave corner,
-   where the adjacent edge may have moved inwards. */
+   whose adjacent edge may have been displaced inwards; 0: no concave corner. */
 static int32_t segment_into_corner(const drc *r, const repair *one, int side,
                                    int32_t at) {
   eda_box c = r->sites[one->site].box;
@@ -189,8 +185,8 @@ static int32_t segment_into_corner(const drc *r, const repair *one, int side,
   return 0;
 }
 
-/* Return the repair shape on a side: a box from min_mask_width inwards of the
-   drawn edge to the present move outwards. The ends move with the corners. */
+/* Return the repair shape on a side: a box from min_mask_width inside of the
+   drawn edge to the present displacement. Its ends follow the corners. */
 static eda_box repair_shape(const drc *r, const eda_printed *printed,
                             const repair *one, int side) {
   int32_t in = (int32_t)ceil(r->min_mask_width / r->grid - 1e-9);
@@ -211,9 +207,9 @@ static eda_box repair_shape(const drc *r, const eda_printed *printed,
   return p;
 }
 
-/* Return the distance to the next edge of the same layer. An edge that only
-   touches the border of the window forms a concave corner, which the mask may
-   fill, and is ignored. */
+/* Return the distance to the next edge of the same layer. Edges that only touch
+   the border of the window are ignored: they form a concave corner, which the
+   mask may fill. */
 static int32_t layer_spacing(const places *edges, eda_box window, int side,
                              int32_t none) {
   eda_finder f = eda_index_find(edges->index, window);
@@ -230,9 +226,9 @@ static int32_t layer_spacing(const places *edges, eda_box window, int side,
   return found;
 }
 
-/* Return the largest outward move on a side. An opposite edge of the same layer
-   may move as far, so half of that spacing is available. Contacts, and active
-   for poly or poly for active, are assumed not to move. */
+/* Return the largest outward displacement on a side. A facing edge of the same
+   layer may move as far, so half of the spacing is available. Contacts, and
+   active for poly or poly for active, are assumed not to move. */
 static int32_t outward_limit(const drc *r, const site *s, const repair *one,
                              int side) {
   double grid = r->grid;
@@ -257,7 +253,8 @@ static int32_t outward_limit(const drc *r, const site *s, const repair *one,
   return (int32_t)floor(fmax(0, fmin(r->max_growth, most)) / grid + 1e-9);
 }
 
-/* Return the edge that moves a corner of the edge on `side`; NULL: none. */
+/* Return the active edge that displaces the corner (x, y) of the edge on
+   `side`; NULL: none. */
 static const eda_fragment *corner_edge(const drc *r, int side, int32_t x,
                                        int32_t y) {
   const eda_fragment *found = NULL;
@@ -270,8 +267,8 @@ static const eda_fragment *corner_edge(const drc *r, int side, int32_t x,
 }
 
 /* Compute the segment of the drawn edge in front of a side of the site,
-   extended to corners within tuned.corner. Return whether a contact has an edge
-   there parallel to the side, in `edge`. */
+   extended to corners within tuned.corner. Return 1 if the site is a contact
+   and the edge (in `edge`) is parallel to the side. */
 static int repair_find_segment(const drc *r, const site *s, repair *one,
                                int side, eda_box *edge) {
   double grid = r->grid;
@@ -296,7 +293,7 @@ static int repair_find_segment(const drc *r, const site *s, repair *one,
   return 1;
 }
 
-/* Find the edges that move the corners at the ends of the segment. */
+/* Find the active edges that displace the corners at the segment's ends. */
 static void repair_find_corners(const drc *r, const site *s, repair *one,
                                 int side, eda_box edge) {
   int32_t low = side_upright(side) ? edge.y0 : edge.x0;
@@ -308,8 +305,8 @@ static void repair_find_corners(const drc *r, const site *s, repair *one,
       one->to[side] == high ? corner_edge(r, side, edge.x1, edge.y1) : NULL;
 }
 
-/* Choose the segment to move on a side: the whole edge, which adds no jog, or
-   only the part in front of the site if that part can move further. */
+/* Choose the segment to displace on a side: the entire edge, which adds no jog,
+   or the part in front of the site if its limit is larger. */
 static void repair_find_edge(const drc *r, const site *s, repair *one,
                              int side) {
   eda_box edge = {0};
@@ -326,7 +323,8 @@ static void repair_find_edge(const drc *r, const site *s, repair *one,
   repair_find_corners(r, s, one, side, edge);
 }
 
-/* Replace a whole edge that caused bridging by the site's segment. */
+/* Replace an entire edge that caused bridging by the part in front of the
+   site. */
 static void repair_keep_segment(const drc *r, const site *s, repair *one,
                                 int side) {
   eda_box edge = {0};
@@ -356,16 +354,16 @@ void repairs_check(drc *r, const eda_printed *p) {
 
 /* ---- repairs ---- */
 
-/* Return the figure of a side that is compared with the limit. For a line the
-   total width counts, so both sides have half of the sum. */
+/* Return the figure of a side that is compared with the limit. The total width
+   of a line counts, so each side has half of the sum. */
 static double repair_figure(const site *s, const repair *one, int side) {
   return s->kind == SITE_LINE
              ? (one->value[side] + one->value[side_opposite(side)]) / 2
              : one->value[side];
 }
 
-/* Move the two adjacent sides, and so the corners, of a side that cannot move
-   further, as long as the contour at that side improves. */
+/* Displace the two sides adjacent to a side at its limit, and with them its
+   corners, as long as the contour at the side improves. */
 static void repair_grow_flanks(repair *one, int side, double grid) {
   int32_t step = (int32_t)ceil(tuned.flank_step / grid);
   double value = one->value[side], before = one->flanked[side];
@@ -394,14 +392,9 @@ static void repair_grow(const drc *r, const site *s, repair *one) {
   }
 }
 
-/* Return whether the boxes touch or overlap. */
-static int boxes_meet(eda_box a, eda_box b) {
-  return a.x0 <= b.x1 && b.x0 <= a.x1 && a.y0 <= b.y1 && b.y0 <= a.y1;
-}
-
 /* Reduce by `step` the repair shapes that bridge the gap or touch the contact
-   of site `wrong`, and limit their growth. `facing`: only shapes that face the
-   site, else all within `near`. Return whether there were any. */
+   of site `wrong`, and limit their growth. `facing`: 1: only shapes that face
+   the site; 0: all shapes within `near`. Return 1 if a shape was found. */
 static int shapes_reduce(drc *r, const eda_printed *p, const site *wrong,
                          int32_t near, int32_t step, int facing) {
   int32_t flank = (int32_t)(tuned.corner / r->grid);
@@ -410,14 +403,14 @@ static int shapes_reduce(drc *r, const eda_printed *p, const site *wrong,
     repair *one = &r->repairs[i];
     const site *of = &r->sites[one->site];
     if (of->layer != wrong->layer ||
-        !boxes_meet(box_widened(of->box, 3 * near), wrong->box))
+        !eda_boxes_touch(eda_box_grown(of->box, 3 * near), wrong->box))
       continue;
     for (int k = 0; k < SIDES; k++) {
       if (!one->grow[k]) continue;
       eda_box added = repair_shape(r, p, one, k);
-      if (!boxes_meet(facing ? box_window(added, k, 0, near, flank)
-                             : box_widened(added, near),
-                      wrong->box))
+      if (!eda_boxes_touch(facing ? box_window(added, k, 0, near, flank)
+                                  : eda_box_grown(added, near),
+                           wrong->box))
         continue;
       found = 1;
       if (one->back[k] == r->round) continue; /* once per iteration */
@@ -435,7 +428,8 @@ static int shapes_reduce(drc *r, const eda_printed *p, const site *wrong,
 }
 
 /* Clear a site where the layer must not print: reduce repair shapes that face
-   the site, else trim edges of poly, else reduce repair shapes nearby. */
+   the site; if there are none, trim poly edges; else reduce repair shapes
+   nearby. */
 static void site_clear(drc *r, const eda_printed *p, site *wrong) {
   int32_t near = (int32_t)(tuned.reach / r->grid);
   int32_t step = (int32_t)ceil(tuned.back / r->grid);
@@ -445,9 +439,8 @@ static void site_clear(drc *r, const eda_printed *p, site *wrong) {
   shapes_reduce(r, p, wrong, near, step, 0);
 }
 
-/* Repair violations of mask rules: drop smoothings there; reduce each of two
-   repair shapes that are too near to each other by half of the missing space.
-   */
+/* Repair violations of mask rules. Discard smoothings there. Reduce two repair
+   shapes that are too close by half of the missing space each. */
 static void mask_repair(drc *r, const eda_printed *p, size_t layer) {
   int32_t near = (int32_t)ceil(r->min_space / r->grid);
   eda_rule_fault *fault;
@@ -460,7 +453,7 @@ static void mask_repair(drc *r, const eda_printed *p, size_t layer) {
     int32_t step = (int32_t)ceil((r->min_space - value) / 2 / r->grid);
     if (r->round < tuned.smooth_until)
       smooth_drop(r, layer,
-                  box_widened(place.box, (int32_t)ceil(value / r->grid)));
+                  eda_box_grown(place.box, (int32_t)ceil(value / r->grid)));
     if (fault[i].rule == EDA_RULE_SPACE)
       shapes_reduce(r, p, &place, near, step, 1);
   }
@@ -489,7 +482,7 @@ void repairs_add_shapes(drc *r, const eda_printed *p) {
     const repair *one = &r->repairs[i];
     for (int k = 0; k < SIDES; k++) {
       eda_box b = repair_shape(r, p, one, k);
-      /* The box is empty if the corners have moved inwards past each other. */
+      /* The box is empty if the corners have passed each other. */
       if (one->grow[k] && b.x0 < b.x1 && b.y0 < b.y1)
         eda_box_list_add(&r->added[r->sites[one->site].layer], b);
     }
@@ -552,7 +545,7 @@ static void report_bridging(const drc *r, const eda_printed *p, const site *s,
            : s->layer != EDA_POLY ? r->bridging[s->layer]
            : trims_can_deepen(r, s)
                ? "bridging: poly: could still move"
-               : "bridging: poly; drawn too near for its edges to go back";
+               : "bridging: poly; drawn too close to trim its edges";
   if (s->kind == SITE_CONTACT) {
     v.value = INFINITY;
     for (int k = 0; k < SIDES; k++)

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements moves of a mask edge until a printed figure meets the limit. */
+/* Implements displacements of a mask edge until a printed figure meets its
+   limit. */
 #include <math.h>
 
 #include "drc.h"

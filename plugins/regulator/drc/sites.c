@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the search for the sites at which each printed image is checked:
+/* Implements the search for sites at which each printed image is checked:
    contacts, lines outside of gates, and gaps between lines. */
 #include <eda/memory.h>
 #include <math.h>
@@ -10,7 +10,7 @@
 #include "drc.h"
 #include "tuning.h"
 
-/* nm: typical search distance */
+/* Typical search distance, nm. */
 static const double around = 300;
 
 static void site_add(drc *r, site one) {
@@ -26,13 +26,11 @@ static double interval_distance(int32_t a0, int32_t a1, int32_t b0,
   return fmax(fmax((double)b0 - a1, (double)a0 - b1), 0);
 }
 
-/* Return the nearest gate (the first of equally near ones); -1: none. */
+/* Return the nearest gate, the first of several at equal distance; -1: none. */
 static int32_t nearest_gate(const drc *r, eda_box b) {
   int32_t reach = (int32_t)(tuned.near_gate / r->grid), found = INT32_MAX;
   double least = reach;
-  eda_finder f = eda_index_find(
-      r->boxes.index,
-      (eda_box){b.x0 - reach, b.y0 - reach, b.x1 + reach, b.y1 + reach});
+  eda_finder f = eda_index_find(r->boxes.index, eda_box_grown(b, reach));
   for (uint32_t i; eda_index_next(&f, &i);) {
     eda_box g = r->boxes.box[i];
     double d = hypot(interval_distance(g.x0, g.x1, b.x0, b.x1),
@@ -46,7 +44,7 @@ static int32_t nearest_gate(const drc *r, eda_box b) {
 
 /* ---- contacts ---- */
 
-/* Position of a contact on a layer. */
+/* Position of a contact relative to the shapes of a layer. */
 enum { OUTSIDE, PARTLY, WITHIN };
 
 static uint8_t contact_position(const places *common, eda_box box) {
@@ -56,8 +54,7 @@ static uint8_t contact_position(const places *common, eda_box box) {
     eda_box c = common->box[i];
     if (!memcmp(&c, &box, sizeof c))
       how = WITHIN;
-    else if (how == OUTSIDE && c.x0 < box.x1 && c.x1 > box.x0 &&
-             c.y0 < box.y1 && c.y1 > box.y0)
+    else if (how == OUTSIDE && eda_boxes_overlap(c, box))
       how = PARTLY;
   }
   return how;
@@ -65,20 +62,11 @@ static uint8_t contact_position(const places *common, eda_box box) {
 
 static eda_box *shape_boxes(const eda_shapes *s) {
   eda_box *out = eda_alloc(s->count, sizeof *out);
-  for (size_t i = 0; i < s->count; i++) {
-    eda_point p = s->points[s->start[i]];
-    eda_box b = {p.x, p.y, p.x, p.y};
-    for (uint32_t k = s->start[i] + 1; k < s->start[i + 1]; k++) {
-      p = s->points[k];
-      b = (eda_box){p.x < b.x0 ? p.x : b.x0, p.y < b.y0 ? p.y : b.y0,
-                    p.x > b.x1 ? p.x : b.x1, p.y > b.y1 ? p.y : b.y1};
-    }
-    out[i] = b;
-  }
+  for (size_t i = 0; i < s->count; i++) out[i] = eda_shape_box(s, i);
   return out;
 }
 
-/* Compute the position of each contact on a layer, in `how`. */
+/* Compute the position of each contact relative to a layer, in `how`. */
 static int sort_contacts(const drc *r, const eda_shapes *contacts,
                          const eda_box *box, size_t layer, uint8_t *how,
                          opc_error *error) {
@@ -95,11 +83,11 @@ static int sort_contacts(const drc *r, const eda_shapes *contacts,
   return OPC_OK;
 }
 
-/* Add the sites of a contact. A layer that is drawn over the whole contact must
-   cover the contact. Poly that does not touch the contact must remain clear of
-   it. A contact that is drawn partly on a layer is not checked there. Layers
-   after active have no enclosure sites, as repair shapes would work against the
-   synthesizer that moves their edges. */
+/* Add the sites of a contact. A layer drawn over the entire contact must cover
+   the contact. Poly that does not touch the contact must not print there. A
+   contact drawn partly on a layer is not checked on that layer. Layers after
+   active have no enclosure sites, because repair shapes would counteract the
+   synthesizer that displaces their edges. */
 static void add_contact(drc *r, eda_box box, const uint8_t *how, size_t n,
                         eda_box_list *apart_from_poly, eda_box_list *on_poly) {
   site one = {.box = box,
@@ -182,7 +170,8 @@ static eda_point point_beyond(eda_point p, int side, int32_t d) {
   return side == ABOVE ? (eda_point){p.x, p.y + d} : (eda_point){p.x + d, p.y};
 }
 
-/* Return whether the point is within a gate; gates are measured separately. */
+/* Return 1 if the point is within a gate, which has no sites because gates are
+   measured. */
 static int in_gate(const drc *r, eda_point p) {
   eda_finder f = eda_index_find(r->boxes.index, (eda_box){p.x, p.y, p.x, p.y});
   for (uint32_t i; eda_index_next(&f, &i);) {
@@ -217,8 +206,8 @@ static void add_gap(drc *r, size_t layer, eda_point middle, int side) {
                      .sides = side == ABOVE ? 1 << BELOW : 1 << LEFT});
 }
 
-/* Add the sites of the line or gap on the right of or above an edge, so that
-   each is found once. Lines of active are wide and not checked. */
+/* Add the sites of the line or gap to the right of or above an edge, so that
+   each line and gap is found once. Active lines are wide and not checked. */
 static void add_wall(drc *r, double step, size_t layer, const wall *w) {
   int line = w->inwards == ABOVE || w->inwards == RIGHT;
   if (line && layer == EDA_ACTIVE) return;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements smoothing: filling of notches and removal of bumps. A filled notch
-   can no longer be detected on the mask, and the filling may protrude once
-   adjacent edges have moved. Therefore a smoothing is kept while the straight
-   edge that replaced the notch or bump is on the mask. */
+/* Implements smoothing: filling of notches and removal of bumps. A repaired
+   notch can no longer be detected on the mask, and its filling may protrude
+   after adjacent edges have moved. Therefore a smoothing is kept as long as its
+   straight edge is on the mask. */
 #include <eda/memory.h>
 #include <math.h>
 #include <stdlib.h>
@@ -21,15 +21,15 @@ static int is_between(int32_t v, int32_t a, int32_t b) {
   return a < b ? v >= a && v <= b : v >= b && v <= a;
 }
 
-/* Return whether an end of the straight edge is valid. An end is within an edge
-   of the mask, or at a corner b that turns left for a bump, right for a notch.
-   Elsewhere the smoothing protrudes. */
+/* Return 1 if an end of the straight edge is valid. A valid end is inside an
+   edge of the mask, or at a corner b that turns left for a bump, right for a
+   notch. Otherwise the smoothing protrudes. */
 static int is_valid_corner(const smoothing *m, eda_point end, eda_point a,
                            eda_point b, eda_point c) {
   return end.x != b.x || end.y != b.y || turns_left(a, b, c) == m->bump;
 }
 
-/* Return whether the edge from q[1] to q[2] contains the straight edge of m. */
+/* Return 1 if the edge from q[1] to q[2] contains the straight edge of m. */
 static int smoothing_confirmed_by(const eda_point *q, const smoothing *m) {
   int same_way = q[1].y == q[2].y
                      ? m->from.y == q[1].y && m->to.y == q[1].y &&
@@ -44,7 +44,7 @@ static int smoothing_confirmed_by(const eda_point *q, const smoothing *m) {
          is_valid_corner(m, m->to, q[1], q[2], q[3]);
 }
 
-/* Copy four corners of a polygon, from point i on. */
+/* Copy four successive corners of a polygon, from corner i. */
 static void polygon_corners(const eda_shapes *mask, size_t p, uint32_t i,
                             eda_point q[4]) {
   const eda_point *at = mask->points + mask->start[p];
@@ -85,9 +85,9 @@ static int smoothings_touch(const smoothing *a, const smoothing *b) {
          a->box.y0 <= b->box.y1 && b->box.y0 <= a->box.y1;
 }
 
-/* Return whether a smoothing must wait for the next iteration. A bump beside a
-   notch may be wide enough once the notch is filled. A notch beside a removed
-   bump results from the removal: the bump is restored. `before`: number of
+/* Return 1 if a smoothing must wait for the next iteration. A bump beside a
+   notch may be wide enough after the notch is filled. A notch beside a removed
+   bump results from the removal, so the bump is restored. `before`: number of
    smoothings before this iteration. */
 static int smoothing_must_wait(drc *r, smoothings *s, const smoothing *m,
                                size_t before) {
@@ -103,8 +103,8 @@ static int smoothing_must_wait(drc *r, smoothings *s, const smoothing *m,
   return wait;
 }
 
-/* Remove smoothings that are not marked, except if they touch a new smoothing
-   of the same kind: both may be parts of one notch or bump. */
+/* Remove smoothings that are not marked. Keep those that touch a new smoothing
+   of the same kind, because both may be parts of one notch or bump. */
 static void smoothings_drop(smoothings *s, size_t before) {
   size_t kept = 0;
   for (size_t i = 0; i < s->n; i++) {
@@ -168,9 +168,9 @@ void smooth_drop(drc *r, size_t layer, eda_box place) {
   s->n = kept;
 }
 
-/* Return the box of a smoothing, extended by min_mask_width into the shape
-   behind a notch, or by min_space outwards of a bump. The extension prevents a
-   slit or a sliver if the edge there moves later. */
+/* Return the box of a smoothing, extended by min_mask_width into the polygon
+   for a notch, or by min_space outwards for a bump. The extension prevents a
+   slit or a sliver if the adjacent edge moves later. */
 static eda_box smoothing_box(const drc *r, const smoothing *m) {
   int32_t by =
       (int32_t)((m->bump ? -r->min_space : r->min_mask_width) / r->grid);

@@ -30,8 +30,9 @@ static eda_shapes ruled_mask(const eda_shapes *base, const eda_ruling *r) {
   return now;
 }
 
-/* Lines with random jogs of 1 to 3 nm: after a few iterations the mask obeys
- * the rules, differs little from the requested one, and stays constant. */
+/* Lines with random jogs of 1 to 3 nm: after a few iterations the mask
+   satisfies the rules, differs little from the requested mask, and stays
+   constant. */
 static void test_jogs(void) {
   for (uint32_t seed = 1; seed <= 30; seed++) {
     g_autoptr(opc_module) m = drc_make("{}");
@@ -97,8 +98,8 @@ static double notched_bar(const chip *c, double x, double y) {
   return 5 + fmin(fmin(x, 400 - x), fmin(y, 200 - y));
 }
 
-/* Make a bar with a notch (or a bump) of 30 nm, `depth` deep, in its upper
-   edge. */
+/* Make a rectangle with a notch (or a bump) of 30 nm, `depth` deep, in its
+   upper edge. */
 static void make_notched(eda_point q[8], int bump, int32_t depth) {
   int32_t bottom = 200 + (bump ? depth : -depth);
   const eda_point all[] = {{0, 0},        {400, 0},      {400, 200}, {230, 200},
@@ -106,9 +107,9 @@ static void make_notched(eda_point q[8], int bump, int32_t depth) {
   memcpy(q, all, sizeof all);
 }
 
-/* A repair stays while the edge in the notch moves on by typical steps of a
-   synthesizer: no slit opens behind it, and no sliver remains. Up to the least
-   width a notch is repaired, a deeper one is intended. */
+/* A repair remains while the edge in the notch moves by typical steps of a
+   synthesizer: no slit opens behind the repair, and no sliver remains. A notch
+   deeper than its required width is not repaired. */
 static void test_moving_jogs(void) {
   for (int bump = 0; bump < 2; bump++)
     for (int32_t depth = 5; depth <= 46; depth++) {

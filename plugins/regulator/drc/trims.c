@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements trims: inward moves of poly edges at bridged gaps. */
+/* Implements trims: inward displacements of poly edges at bridged gaps. */
 #include <eda/memory.h>
 #include <math.h>
 #include <string.h>
@@ -9,18 +9,18 @@
 
 /* ---- limits of trims ---- */
 
-/* The stretch of a drawn edge (wall) that may be trimmed. */
+/* The stretch of a drawn edge (wall) that may be trimmed; lengths in steps. */
 typedef struct stretch {
   eda_box wall;
-  int behind; /* direction from the wall into the poly */
-  int32_t at; /* position of the gap along the wall */
-  int32_t least, beside;
-  int32_t from, to, limit;
+  int behind;              /* direction from the wall into the poly */
+  int32_t at;              /* position of the gap along the wall */
+  int32_t least, beside;   /* smallest depth; distance along the wall */
+  int32_t from, to, limit; /* ends of the stretch; largest depth */
 } stretch;
 
-/* Keep the distance `keep` between the trimmed wall and a box behind it: limit
-   the depth or, if less than `least` remains, end the stretch before the box.
-   */
+/* Keep the distance `keep` between the trimmed wall and a box behind the wall:
+   limit the depth or, if the depth would be less than `least`, end the stretch
+   before the box. */
 static void stretch_shorten(stretch *s, eda_box b, int32_t keep) {
   eda_box w = s->wall;
   int32_t d = s->behind == LEFT    ? w.x0 - b.x1
@@ -52,7 +52,7 @@ static void stretch_keep_away(const drc *r, stretch *s, const places *what,
     stretch_shorten(s, what->box[i], keep);
 }
 
-/* Return the largest trim of an edge before a gap. */
+/* Return the largest trim of an edge at a gap. */
 static trim trim_of(const drc *r, eda_box wall, int side, int32_t at) {
   int behind = side_opposite(side), along_y = side_upright(side);
   int32_t far = (int32_t)(tuned.of_gate / r->grid);
@@ -72,7 +72,7 @@ static trim trim_of(const drc *r, eda_box wall, int side, int32_t at) {
     wall.x0 = s.from, wall.x1 = s.to;
   trim t = {.wall = wall, .side = side};
   if ((s.to - s.from) * r->grid < r->min_space) return t;
-  /* The opposite edge of the line may move inwards as far. */
+  /* The opposite edge of the line may be trimmed as deep. */
   int32_t thick = places_nearest(&r->edges[EDA_POLY],
                                  box_window(wall, behind, 1, 3 * far, 0),
                                  behind, 3 * far, NULL) +
@@ -84,7 +84,7 @@ static trim trim_of(const drc *r, eda_box wall, int side, int32_t at) {
 
 /* ---- gaps ---- */
 
-/* Find the edge of poly on a side of the middle p of a gap; 0: none. */
+/* Find the poly edge on a side of the centre p of a gap. Return 0 if none. */
 static int wall_at(const drc *r, eda_point p, int side, eda_box *wall) {
   int32_t far = (int32_t)(2 * tuned.of_gate / r->grid);
   eda_box dot = {p.x, p.y, p.x, p.y};
@@ -159,10 +159,7 @@ int trims_revert(drc *r, const site *line) {
   for (size_t i = 0; i < r->n_trims; i++) {
     trim *t = &r->trims[i];
     eda_box on = box_window(t->wall, side_opposite(t->side), 0, far, 0);
-    eda_box b = line->box;
-    if (!t->depth || b.x0 > on.x1 || b.x1 < on.x0 || b.y0 > on.y1 ||
-        b.y1 < on.y0)
-      continue;
+    if (!t->depth || !eda_boxes_touch(line->box, on)) continue;
     moved = 1;
     if (t->round == r->round) continue;
     t->depth -= t->depth < step ? t->depth : step;

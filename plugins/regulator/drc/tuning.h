@@ -2,7 +2,7 @@
 /* Tuned constants of regulator.drc, with unit and source. Values without a
    source were chosen on the SRAM cell, cells of the NanGate library and
    ISCAS'85 circuits at scales of 1.15 to 1.3. tuning.md lists the effect of
-   half and twice each value, as measured by tools/tuned-constants. */
+   half and twice each value. */
 #pragma once
 
 #include <stdint.h>
@@ -16,103 +16,107 @@ static const struct {
   uint32_t extend_until, smooth_until;
   int patience;
 } tuned = {
-    /* ---- moves of a mask edge: rules.c ---- */
+    /* ---- displacements of a mask edge: rules.c ---- */
 
-    /* nm per nm: assumed move of a printed edge per move of the mask edge until
-       two measurements determine the response. */
+    /* Displacement of a printed edge per displacement of the mask edge, nm per
+       nm, until two measurements determine the response. */
     .usual = 0.8,
 
-    /* nm per nm: bounds of the measured response, which has no meaning where a
-       printed feature appears or vanishes. */
+    /* Bounds of the measured response, nm per nm. Where a printed feature
+       appears or vanishes, the measured response has no meaning. */
     .least = 0.3,
     .most = 2,
 
-    /* nm: largest move of an edge per iteration. */
+    /* Largest displacement of an edge per iteration, nm. */
     .largest_step = 60,
 
-    /* nm: margin beyond a required value, so that the next moves of the
+    /* Margin beyond a required value, nm, so that the next displacements by the
        synthesizer do not violate the rule again. */
     .spare = 1,
 
-    /* nm: reduction per iteration of a shape that causes a violation. */
+    /* Reduction per iteration of a shape that causes a violation, nm. */
     .back = 5,
 
     /* ---- sites: sites.c, repairs.c ---- */
 
-    /* nm: distance between sites along lines and gaps. A pinched part of a line
+    /* Distance between sites along lines and gaps, nm. A pinched part of a line
        is as long as the optical resolution, about 100 nm. */
     .pitch = 60,
 
-    /* nm: least distance of sites from corners, which print rounded. */
+    /* Smallest distance of sites from corners, nm, because corners print
+       rounded. */
     .rounding = 100,
 
-    /* nm: wider lines do not pinch and wider gaps do not bridge: no sites. */
+    /* Lines and gaps wider than this, nm, have no sites: wide lines do not
+       pinch and wide gaps do not bridge. */
     .wide = 250,
 
-    /* nm: a violation is assigned to the nearest gate within this distance. */
+    /* A violation belongs to the nearest gate within this distance, nm. */
     .near_gate = 200,
 
     /* Largest number of sites along the edges of a layer; limits time, and
-       memory to 17 MB. With more edges the sites are further apart. */
+       memory to 17 MB. Longer edges increase the distance between sites. */
     .most_sites = 1 << 19,
 
-    /* nm: largest distance at which a contour, or a repair shape that causes a
-       violation, is searched. */
+    /* Largest search distance, nm, for a contour, and for a repair shape that
+       causes a violation. */
     .reach = 150,
 
     /* Three points are checked on each side of a contact. Distance of the outer
-       two from the corners, where the image is rounded, relative to the length
-       of the side. At 0.5 all three are in the middle. */
+       points from the corners, where the image is rounded, as a fraction of the
+       side. At 0.5, all three points are in the middle. */
     .inset = 0.25,
 
     /* ---- repair shapes: repairs.c ---- */
 
-    /* nm: half of the length of the repair shape of a line along the line. */
+    /* Half of the length of a line's repair shape along the line, nm. */
     .half_added = 40,
 
-    /* nm: a repair shape extends to a corner within this distance. */
+    /* A repair shape extends to a corner within this distance, nm. */
     .corner = 20,
 
-    /* nm: extension of a repair shape beyond a concave corner into the drawn
-       shape, as the synthesizer may have moved the adjacent edge inwards. About
-       the largest move of a synthesizer. */
+    /* Extension of a repair shape beyond a concave corner into the drawn shape,
+       nm, because the synthesizer may have displaced the adjacent edge inwards.
+       About the largest displacement by a synthesizer. */
     .into = 10,
 
-    /* nm: outward move per iteration of the two sides adjacent to a side of a
-       contact that cannot move further. */
+    /* Outward displacement per iteration, nm, of the two sides adjacent to a
+       side of a contact that is at its limit. */
     .flank_step = 15,
 
     /* ---- line ends: ends.c ---- */
 
-    /* Response of the printed line end to the extension of the head on both
-       flanks, relative to the response to a move of the tip. */
+    /* Response of the printed line end to the widening of the head on both
+       flanks, divided by the response to a displacement of the tip. */
     .steep = 4,
 
-    /* nm: a line end extends beyond the required extension only if nothing
-       prints within this distance before the line end, so that later moves do
-       not merge the line end with another shape. */
+    /* A line end extends beyond the required extension only if nothing prints
+       within this distance in front, nm, so that later displacements do not
+       merge the line end with another shape. */
     .ahead = 30,
 
-    /* Iterations after which no line end extends beyond the required extension:
-       the synthesizer would attribute the effect to its own moves. */
+    /* Iterations after which no line end extends beyond the required extension,
+       because the synthesizer would attribute the effect to its own
+       displacements. */
     .extend_until = 3,
 
     /* ---- trims: trims.c ---- */
 
-    /* nm: least distance of a trimmed edge to a gate; largest depth of a trim.
-     */
+    /* Smallest distance of a trimmed edge from a gate, and largest depth of a
+       trim, nm. */
     .of_gate = 100,
 
-    /* nm: distance along the edge from the end of a trim to contacts, gates. */
+    /* Smallest distance along the edge from a trim to contacts and gates, nm.
+     */
     .beside = 20,
 
     /* ---- jogs: smooth.c ---- */
 
-    /* Largest number of removed bumps that are restored because of a notch
-       beside them, so that smoothing terminates. */
+    /* Largest number of bumps that are restored because their removal created a
+       notch, so that smoothing terminates. */
     .patience = 1000,
 
-    /* Iterations after which smoothings stay even if the mask violates its
+    /* Iterations after which smoothings are kept even if the mask violates its
        rules there, so that smoothing terminates. */
     .smooth_until = 8,
 };

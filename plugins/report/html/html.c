@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the step `report.html`: a page of the run that contains the step,
-   or of an experiment. Not deterministic: the page contains times and the
-   results of all earlier steps. */
+   or of an experiment. The step is not deterministic, because the page contains
+   times and the results of all earlier steps. */
 #include <eda/experiment.h>
 #include <opcflow/step.h>
 
@@ -21,8 +21,8 @@ typedef struct writer {
 
 /* ---- work ---- */
 
-/* Return 1 if the present run has a manifest already. A run inside a step that
-   runs flows has none until its end. */
+/* Return 1 if the present run already has a manifest. A run inside a step that
+   runs flows receives its manifest only at the end. */
 static int has_manifest(const writer *w, const char *folder) {
   g_autofree char *manifest = g_build_filename(folder, "manifest.json", NULL);
   if (g_file_test(manifest, G_FILE_TEST_EXISTS)) return 1;
@@ -80,7 +80,7 @@ static const opc_parameter parameters[] = {
                   .choices = "experiment",
                   .summary = "Experiment, for a page of all runs"),
     OPC_PARAMETER(writer, file, .type = OPC_OUTPUT, .preset = "report.html",
-                  .summary = "The page"),
+                  .summary = "HTML file to write"),
     OPC_PARAMETER(
         writer, view, .type = OPC_OUTPUT, .preset = "view.json",
         .summary = "File of the mask's picture data for 'opcflow report'"),

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tests pages of an experiment and of the present run, with folders made by
-   hand: the page's data must equal their content. */
+/* Tests pages of an experiment and of the present run. Folders are made by
+   hand, and the data in the page must equal their content. */
 #include <eda/experiment.h>
 #include <eda/gates.h>
 #include <eda/memory.h>
@@ -45,8 +45,8 @@ static gboolean page_lacks(JsonNode *root, const char *text) {
   return FALSE;
 }
 
-/* Each run has its case and method, in the experiment's order; a failed run is
-   listed as missing. */
+/* Each run has its case and method, in the order of the experiment. A failed
+   run is listed as missing. */
 static void test_experiment(void) {
   static const char *const cases[] = {"A", "B"}, *const methods[] = {"x", "y"};
   static const char *const metrics[] = {RUN_ION("1.5"), RUN_ION("2.5"),

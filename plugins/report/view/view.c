@@ -28,7 +28,7 @@ static int view_run(void *self, void **outputs, opc_error *error) {
 
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(viewer, mask, .type = OPC_INPUT, .flags = OPC_REQUIRED,
-                  .choices = "mask", .summary = "The mask to show"),
+                  .choices = "mask", .summary = "Mask to show"),
     OPC_PARAMETER(viewer, file, .type = OPC_OUTPUT, .preset = "view.json",
                   .summary = "File of picture data for 'opcflow report'"),
     DRAWING_PARAMETERS(viewer, limits),

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tests view.json with an independent parser: areas equal those of the shapes,
-   contours are located at zeros of the field, and malicious names are
-   harmless. */
+/* Tests view.json by an independent parser: areas equal those of the shapes,
+   contours are at zeros of the field, and malicious names have no effect. */
 #include <eda/gates.h>
 #include <eda/memory.h>
 #include <gio/gio.h>
@@ -174,8 +173,8 @@ static double island_area(double level) {
 
 static void test_contours(void) {
   eda_gates g = *eda_gates_sample();
-  g.extent = (eda_box){-500, -400, 500, 600}; /* all of the island, in one
-                                                 tile */
+  g.extent =
+      (eda_box){-500, -400, 500, 600}; /* the whole island, in one tile */
   eda_mask *m = mask_of(&g);
   g_autoptr(JsonNode) view = view_of(m, "{}");
   JsonObject *s = shape_of(view, 0, "print");
@@ -196,7 +195,8 @@ static void test_contours(void) {
   eda_mask_free(m);
 }
 
-/* The image: 128 is the edge, larger values print, rows from the bottom. */
+/* In the image, 128 is the edge, larger values print, and rows begin at the
+   bottom. */
 static void test_image(void) {
   const eda_gates *g = eda_gates_sample();
   eda_mask *m = mask_of(g);
@@ -235,7 +235,7 @@ static void test_names(void) {
   eda_mask_free(m);
 }
 
-/* The page shows the worse one of two transistors, and the environment. */
+/* The page shows the worse of two transistors, and the environment. */
 static void test_worst(void) {
   eda_gates g = *eda_gates_sample();
   eda_box far = {9000, 9000, 9060, 9200}, boxes[2] = {g.box[0], far};

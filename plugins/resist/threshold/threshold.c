@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements resist.threshold: a feature prints where the intensity, blurred by
-   diffusion, is below a constant (or above it). The constant of each layer
-   prints an anchor, a line of a grating or an isolated line, to size, or fits a
-   table of lines. */
+   diffusion, is below a constant (bright features: above). By default the
+   constant of each layer is calibrated: an anchor line prints to size, or a
+   table of lines is fitted. */
 #include <eda/resist.h>
 #include <math.h>
 
@@ -50,12 +50,12 @@ static int threshold_print(const void *self, int layer, eda_field *field,
 
 /* ---- parameters ---- */
 
-/* clang-format off */ /* it takes the elements for nested ones */
+/* clang-format off */ /* clang-format would nest the elements */
 #define GIVEN(name_, what, set)                                               \
   {.name = name_, .type = OPC_REAL, .flags = OPC_ABOVE | OPC_BELOW,           \
    .min = 0, .max = 1,                                                        \
-   .summary = "threshold of " what ", clear field 1, in place of anchor "     \
-              "or table",                                                     \
+   .summary = "threshold of " what ", clear field 1; replaces "             \
+              "anchor and table",                                             \
    OPC_FIELD(resist, given[set])}
 /* clang-format on */
 

@@ -145,8 +145,9 @@ static void check_gates(const int (*row)[3], size_t rows, uint8_t axis,
 #define GATES "gates: '${gates}'"
 
 static void test_gates(void) {
-  /* Most gates are longer; the smallest pitch of short gates is not the usual
-     one; short gates with a long gate between them are no neighbours. */
+  /* Most gates are longer; the smallest pitch of short gates is not the most
+   frequent pitch; short gates with a long gate between them are no neighbours.
+ */
   static const int rows[][3] = {
       {5, 150, 430}, {2, 150, 360}, {9, 500, 780}, {1, 150, 0}};
   static const int alone[][3] = {{1, 150, 0}, {3, 500, 780}};
@@ -320,8 +321,8 @@ static double squares(opc_module *litho, opc_module *resist) {
   return sum;
 }
 
-/* Test that the threshold of a table has the least squares: thresholds on both
-   sides are equally worse. A file has the same result. */
+/* Test that the threshold of a table minimises the sum of squares: it is
+   equally larger at thresholds on both sides. A file has the same result. */
 static void test_table(void) {
   g_autoptr(opc_module) litho = lines_hopkins();
   opc_test_forget();
@@ -379,7 +380,7 @@ static void test_bad_tables(void) {
       {"# only this\n", "' has no rows"},
       {"pitch,cd\n", "' has no rows"},
       {"pitch,width\n", ":1:7: unknown column 'width'"},
-      {"pitch,cd,cd\n", ":1:10: a column twice: 'cd'"},
+      {"pitch,cd,cd\n", ":1:10: duplicate column: 'cd'"},
       {"cd\n1\n", ":1:1: missing column 'pitch'"},
       {"pitch,cd\n250,65\n\n250;65\n", ":4:1: not a number: '250;65'"},
       {"pitch,cd\n"

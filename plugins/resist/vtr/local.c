@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements means of the intensity and its slope over Gaussian windows,
-   separably along x and y. */
+/* Implements means of the intensity and its slope over Gaussian windows, which
+   are applied along x, then along y. */
 #include "local.h"
 
 #include <eda/memory.h>
@@ -59,7 +59,7 @@ static void evaluate_row(const work *w, int j, double *across, double *along) {
   size_t at = (size_t)j * (size_t)w->nx;
   memset(across, 0, sizeof *across * (size_t)w->nx);
   memset(along, 0, sizeof *along * (size_t)w->nx);
-  /* Coefficient j + k has the B-spline at -k. */
+  /* At node j, the B-spline of coefficient j + k has the argument -k. */
   for (int k = -2; k <= 2; k++) {
     const float *c =
         f->coefficients + (size_t)eda_wrap(j + k, w->ny) * (size_t)w->nx;

@@ -1,25 +1,24 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Maximum intensity and slope of an image in the neighbourhood of each place,
-   as smooth fields. The neighbourhood of radius R is a Gaussian window of
-   standard deviation R / 2, truncated at 2 R; < > is the mean over the window.
+/* Maximum intensity and slope of an image near each position, as smooth fields
+   M and S. The mean < > extends over a Gaussian window of standard deviation
+   R / 2, truncated at 2 R, for the radius R.
 
-     M = <I^8>^(1/8)              a soft maximum: exact for a constant
+     M = <I^8>^(1/8)              smooth approximation of the maximum
      S = <|grad I|^2>^(1/2)       1/nm
 
-   Both scale with the dose, as the true maximum and slope do. */
+   Both fields scale with the dose, as the true maximum and slope do. */
 #pragma once
 
 #include <eda/imaging.h>
 
 typedef struct local_settings {
-  double radius, slope_radius; /* nm; slope_radius 0: slope at the place
-                                  itself */
+  double radius, slope_radius; /* nm; slope_radius 0: slope at the position */
   double step;                 /* grid, nm */
 } local_settings;
 
 /* Compute the field a[1] M + a[2] S + a[3] M S of an image. The image is
-   resampled to the grid of the settings, which *out shares; the caller clears
-   *out. Return OPC_OK or an error. [any] */
+   resampled in place to the grid of the settings, on which *out is computed.
+   The caller clears *out. Return OPC_OK or an error. [any] */
 int local_field(const opc_context *context, const local_settings *settings,
                 const double a[4], eda_field *image, eda_field *out,
                 opc_error *error);

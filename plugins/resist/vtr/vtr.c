@@ -6,7 +6,8 @@
 
      constant + maximum * M + slope * S + product * M * S,
 
-   with M the maximum of the intensity and S its slope in the neighbourhood. */
+   M is the maximum of the intensity and S its slope near the position
+   (local.h). */
 #include <eda/resist.h>
 #include <math.h>
 
@@ -22,9 +23,8 @@ typedef struct resist {
   resist_base base;
   local_settings local;
   double given[RESIST_SETS][RESIST_TERMS]; /* NAN: not given */
-  int last[RESIST_SETS];                   /* last coefficient to fit; -1: not
-                                              given */
-  int fixed[RESIST_SETS];                  /* 1: nothing to calibrate */
+  int last[RESIST_SETS];  /* last coefficient to fit; -1: not given */
+  int fixed[RESIST_SETS]; /* 1: nothing to calibrate */
   int fit[RESIST_SETS][RESIST_TERMS];
   double coefficient[RESIST_SETS][RESIST_TERMS];
 } resist;
@@ -50,7 +50,7 @@ static int make_terms(const resist_base *base, const eda_field *image, size_t n,
 static int vtr_calibrate(resist *r, int set, const opc_module *litho,
                          opc_error *error) {
   double *a = r->coefficient[set];
-  size_t n = 1; /* number of leading terms that are not 0 */
+  size_t n = 1; /* number of terms up to the last one in use */
   for (size_t k = 0; k < RESIST_TERMS; k++) {
     a[k] = isnan(r->given[set][k]) ? 0 : r->given[set][k];
     if (k && (r->fit[set][k] || a[k] != 0)) n = k + 1;
@@ -98,7 +98,7 @@ static int vtr_print(const void *self, int layer, eda_field *field,
 
 /* ---- parameters ---- */
 
-/* clang-format off */ /* it takes the elements for nested ones */
+/* clang-format off */ /* clang-format would nest the elements */
 /* Parameters of the coefficients of a set of layers. */
 #define COEFFICIENTS(prefix, set)                                             \
   {.name = prefix "constant", .type = OPC_REAL,                               \
@@ -146,13 +146,13 @@ static const opc_parameter parameters[] = {
                         .summary = "largest grid spacing of the threshold"),
 };
 
-/* Choose the coefficients to fit: with a table those up to `last` that are not
-   given, with an anchor the constant. */
 /* Log the values in use that the flow does not set, except anchors. */
 static void vtr_log(resist *r, eda_scanner scanner) {
   EDA_FOLLOW(r->base.host, "resist.vtr", r, parameters, scanner);
 }
 
+/* Choose the coefficients to fit: for a table, all up to `last` that are not
+   given; for an anchor, the constant. */
 static int check_set(resist *r, int set, opc_error *error) {
   static const char *const names[RESIST_SETS] = {"fit", "active_fit"};
   resist_layer *layer = &r->base.layer[set];
@@ -170,7 +170,7 @@ static int check_set(resist *r, int set, opc_error *error) {
                     "'%s' has nothing to fit: all coefficients are given",
                     layer->source);
   if (r->last[set] >= 0 && !table)
-    return opc_fail(error, OPC_INVALID, names[set], "'%s' needs a table",
+    return opc_fail(error, OPC_INVALID, names[set], "'%s' requires a table",
                     names[set]);
   return OPC_OK;
 }

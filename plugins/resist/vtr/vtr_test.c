@@ -200,7 +200,7 @@ static double rms(const double *a, const double *b) {
 }
 
 /* Test a table printed by a known variable threshold of two terms: the fit
-   reproduces the widths, and those of a line not in the table. */
+ * reproduces the widths, and the widths of a line that is not in the table. */
 static void test_known(void) {
   g_autoptr(opc_module) litho = lines_hopkins();
   g_autoptr(opc_module) known =
@@ -295,7 +295,8 @@ static void test_refused(void) {
   lines_refused("resist.vtr",
                 "{ table: [250 nm, 65 nm, 250 nm, 65 nm, 250 nm, 65 nm] }",
                 litho, "do not determine the coefficients");
-  lines_refused("resist.vtr", "{ fit: maximum }", litho, "'fit' needs a table");
+  lines_refused("resist.vtr", "{ fit: maximum }", litho,
+                "'fit' requires a table");
   lines_refused("resist.vtr",
                 "{ table: [250 nm, 65 nm], constant: 0.3, fit: constant }",
                 litho, "nothing to fit");

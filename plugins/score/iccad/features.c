@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the count of target features that are printed, bridged or broken.
-   Features are sets of pixels connected by sides. */
+/* Counts the features of the target that are printed, bridged or broken. A
+   feature is a set of pixels that are connected by their sides. */
 #include <eda/memory.h>
 #include <stdlib.h>
 
@@ -19,8 +19,8 @@ static int32_t sets_join(int32_t *parent, int32_t a, int32_t b) {
   return a < b ? (parent[b] = a) : (parent[a] = b);
 }
 
-/* Label the connected sets: number[i] is the set of pixel i from 0 on, -1 for
-   clear pixels. Return the number of sets. */
+/* Label the connected sets. number[i] becomes the number of the set of pixel i,
+   counted from 0; -1 for clear pixels. Return the number of sets. */
 static int32_t features_label(const iccad_tile *t, const uint8_t *pixels,
                               int32_t *number) {
   int32_t side = t->side, n = side * side, count = 0;
@@ -30,7 +30,7 @@ static int32_t features_label(const iccad_tile *t, const uint8_t *pixels,
     if (i % side && pixels[i - 1]) sets_join(number, i, i - 1);
     if (i >= side && pixels[i - side]) sets_join(number, i, i - side);
   }
-  /* Roots precede the other pixels of their sets. */
+  /* The root of a set is the first of its pixels. */
   for (int32_t i = 0; i < n; i++)
     if (pixels[i] && number[i] != i) number[i] = set_root(number, i);
   int32_t *of = eda_alloc((size_t)n, sizeof *of);
@@ -55,8 +55,8 @@ static int in_order(const void *a, const void *b) {
              : (p->piece > q->piece) - (p->piece < q->piece);
 }
 
-/* Find all pairs of a feature and a printed piece that share a pixel, each
-   once. */
+/* Find all pairs of a feature and a printed piece with a common pixel, each
+   pair once. */
 static size_t features_meet(const iccad_tile *t, const int32_t *feature,
                             const int32_t *piece, meeting **out) {
   size_t n = (size_t)t->side * (size_t)t->side, count = 0, capacity = 0,

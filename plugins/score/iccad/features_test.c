@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tests of features of random pixels against a simple relaxation and a
-   comparison of all pairs, and of a drawn case. */
+/* Tests of features of random pixels, compared with a simple relaxation and
+   with a comparison of all pairs, and of a drawn case. */
 #include <glib.h>
 #include <string.h>
 
@@ -35,8 +35,8 @@ static int sets_overlap(const int *a, int in_a, const int *b, int in_b) {
   return 0;
 }
 
-/* Count the sets of `a` without any set of `b`, and the sets beyond one of the
-   others. */
+/* Count the sets of `a` that share no pixel with a set of `b`, and the sets of
+   `b` in excess of one per set of `a`. */
 static void meetings(const int *a, const int *b, int64_t *none, int64_t *more) {
   *none = *more = 0;
   for (int i = 0; i < PIXELS; i++) {

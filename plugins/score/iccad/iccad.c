@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements score.iccad: the figures of the ICCAD 2013 contest on mask
-   optimization (S. Banerjee, Z. Li, S. R. Nassif, ICCAD 2013, 271), counted on
-   pixels of 1 nm like the programs that are compared by them. */
+   optimization (S. Banerjee, Z. Li, S. R. Nassif, ICCAD 2013, 271). Figures are
+   counted on pixels of 1 nm, as in the programs that report these figures. */
 #include "iccad.h"
 
 #include <eda/memory.h>
@@ -22,7 +22,7 @@ typedef struct score {
 enum { TARGET, NOMINAL, OUTER, INNER, RASTERS };
 
 typedef struct figures {
-  int64_t inner, outer; /* sites whose printed edge is too far inside, too far
+  int64_t inner, outer; /* sites with the printed edge too far inside; too far
                            outside */
   int64_t sites, l2, pvb, shots;
   iccad_features features; /* sums over the three images */
@@ -30,7 +30,7 @@ typedef struct figures {
 
 /* ---- work ---- */
 
-/* Set the tile, centred on the target. */
+/* Set the tile; its centre is the centre of the target. */
 static int place_tile(const score *s, const eda_gates *g, iccad_tile *tile,
                       opc_error *error) {
   double side = s->tile;
@@ -49,8 +49,8 @@ static int place_tile(const score *s, const eda_gates *g, iccad_tile *tile,
   return OPC_OK;
 }
 
-/* Compute the pixels printed at nominal dose in focus, and in the outermost and
-   innermost corner. */
+/* Compute the pixels that print at nominal dose in focus, and at the outermost
+   and innermost process corner. */
 static int score_expose(const score *s, const eda_mask *mask,
                         const iccad_tile *tile, uint8_t *const raster[RASTERS],
                         opc_error *error) {
@@ -59,7 +59,7 @@ static int score_expose(const score *s, const eda_mask *mask,
   const eda_litho *litho = p.litho->functions;
   const eda_resist *resist = p.resist->functions;
   double more = 1 + s->dose / 100, less = 1 - s->dose / 100;
-  /* Nodes of fields are the centres of pixels. */
+  /* The nodes of fields are at the centres of pixels. */
   eda_frame frame = {tile->x0 + 0.5, tile->y0 + 0.5, tile->side, tile->side};
   eda_spectrum spectrum;
   int code = litho->prepare(p.litho->self, error);
@@ -231,6 +231,7 @@ static const opc_step functions = {.run = score_run};
 OPC_PLUGIN(
     score, .id = "score.iccad", .kind = "step", .version = "0.2.0",
     .licence = "BSD-3-Clause",
-    .summary = "figures of the ICCAD 2013 contest: EPE, L2, PV band, shots",
+    .summary =
+        "compute the scores of the ICCAD 2013 contest: EPE, L2, PV band, shots",
     .flags = OPC_DETERMINISTIC | OPC_REENTRANT, OPC_PARAMETERS(parameters),
     OPC_METRICS(metrics), OPC_FUNCTIONS(functions));

@@ -11,21 +11,20 @@ typedef struct iccad_tile {
   int32_t side;   /* nm, equal to the number of pixels */
 } iccad_tile;
 
-/* A site of the target's boundary: the pixel inside, and the step of one pixel
-   outwards. */
+/* A site on the boundary of the target: the pixel inside, and the direction to
+   the adjacent pixel outside. */
 typedef struct iccad_site {
   int32_t x, y;
   int8_t dx, dy;
 } iccad_site;
 
-/* Set the pixels whose centre is inside the shapes to 1. Return OPC_OK or an
-   error. */
+/* Set the pixels with centres inside the shapes to 1. OPC_OK or an error. */
 int iccad_fill(const eda_shapes *shapes, double grid, const iccad_tile *tile,
                uint8_t *pixels, opc_error *error);
 
-/* Models and tile of a simulation. iccad_expose sets the pixels that print with
-   the intensity times `dose`, out of focus by `defocus` nm, and returns OPC_OK
-   or an error. */
+/* Models and tile of a simulation. iccad_expose sets the pixels that print if
+   the intensity is multiplied by `dose` and the defocus is `defocus` nm.
+   Returns OPC_OK or an error. */
 typedef struct iccad_print {
   const opc_context *context;
   const opc_module *litho, *resist;
@@ -40,9 +39,9 @@ int iccad_expose(const iccad_print *print, const eda_spectrum *mask,
 size_t iccad_sites(const eda_shapes *target, double grid, int32_t spacing,
                    iccad_site **sites);
 
-/* Features of the target in a printed image: `lost`, features without a printed
-   pixel; `broken`, pieces beyond one per feature; `bridged`, connections
-   between features; `extra`, pieces outside of all features. */
+/* Features of the target in a printed image. `lost`: features without a printed
+   pixel; `broken`: pieces in excess of one per feature; `bridged`: connections
+   between features; `extra`: pieces outside of all features. */
 typedef struct iccad_features {
   int64_t lost, broken, bridged, extra;
 } iccad_features;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tests of the figures of known images (nothing or everything prints), and of
-   the contest's first clip as drawn against another program. */
+/* Tests the figures of known images (nothing prints, or everything prints), and
+   of the contest's first clip as drawn, compared with another program. */
 #include <eda/gates.h>
 
 #include "tests/data.h"
@@ -9,7 +9,8 @@
 #include <math.h>
 #include <string.h>
 
-/* The box 0 0 200 60, drawn and as mask, on a grid of 1 nm. */
+/* The box (0, 0) to (200, 60), as drawn shape and as mask, on a grid of 1
+   nm. */
 static eda_point points[] = {{0, 0}, {200, 0}, {200, 60}, {0, 60}};
 static uint32_t start[] = {0, 4};
 static eda_shapes drawn[] = {{1, start, points, NULL}};

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements targets and printed images as pixels, and the sites of the
-   target. */
+/* Implements targets and printed images as pixels, and the target's sites. */
 #include "iccad.h"
 
 #include <eda/memory.h>
@@ -10,7 +9,7 @@
 
 /* ---- the target ---- */
 
-/* Return the first pixel whose centre is at x nm or to the right. */
+/* Return the first pixel whose centre is at or to the right of x, nm. */
 static int32_t first_pixel(double x) { return (int32_t)ceil(x - 0.5); }
 
 int iccad_fill(const eda_shapes *shapes, double grid, const iccad_tile *t,
@@ -87,9 +86,9 @@ static void site_add(collector *c, iccad_site s) {
   c->sites[c->count++] = s;
 }
 
-/* Add the sites of the pixels first .. last along an edge: the centre of a
-   short edge, otherwise sites from both ends towards the centre. `s` is the
-   pixel at `first`. */
+/* Add the sites of the pixels from `first` to `last` along an edge: the centre
+   of a short edge; otherwise sites from both ends towards the centre. `s` is
+   the pixel `first`. */
 static void sites_add_edge(collector *c, iccad_site s, int32_t first,
                            int32_t last) {
   int32_t middle = first + (last - first) / 2, *at = s.dx ? &s.y : &s.x;
@@ -111,8 +110,8 @@ size_t iccad_sites(const eda_shapes *target, double grid, int32_t spacing,
       uint32_t next = i + 1 < target->start[p + 1] ? i + 1 : target->start[p];
       eda_point a = target->points[i], b = target->points[next];
       int upright = a.x == b.x, rises = upright ? b.y > a.y : b.x > a.x;
-      /* The interior is on the left; a pixel has the coordinates of its lower
-         left corner. */
+      /* The interior is to the left of the edge. The coordinates of a pixel are
+         those of its lower left corner. */
       int out = upright == rises ? 1 : -1;
       int32_t line = first_pixel((upright ? a.x : a.y) * grid) - (out > 0);
       int32_t from = first_pixel((upright ? a.y : a.x) * grid);

@@ -15,7 +15,7 @@ typedef struct edges {
 
 /* ---- work ---- */
 
-/* Find the named layer, or the only layer of the layout. */
+/* Find the layer with the given name; without a name, the only layer. */
 static int find_layer(const edges *e, int32_t *layer, opc_error *error) {
   size_t n = eda_layout_layers(e->layout);
   *layer = e->layer ? eda_layout_find_layer(e->layout, e->layer)
@@ -59,8 +59,7 @@ static const opc_parameter parameters[] = {
                   .summary = "name of the layer; default: the only one"),
     OPC_PARAMETER(
         edges, top, .type = OPC_TEXT,
-        .summary =
-            "top cell; default: the only cell that no other cell places"),
+        .summary = "top cell; default: the only cell without a parent"),
     OPC_PARAMETER(edges, grid, .type = OPC_REAL, .flags = OPC_ABOVE,
                   .unit = "nm", .preset = "1 nm", .summary = "mask grid"),
 };
@@ -79,7 +78,7 @@ static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = edges_run,
 
 OPC_PLUGIN(edges, .id = "segment.edges", .kind = "step", .version = "0.2.0",
            .licence = "BSD-3-Clause",
-           .summary = "edges of one drawn layer, without transistors",
+           .summary = "find the edges of one drawn layer, without transistors",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
            OPC_PARAMETERS(parameters), OPC_METRICS(metrics),
            OPC_FUNCTIONS(functions));

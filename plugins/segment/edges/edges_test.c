@@ -13,7 +13,7 @@ static eda_layout *make_layout(int layers) {
   int32_t cell = eda_layout_cell(l, "TOP", &error);
   int32_t m1 = eda_layout_layer(l, "M1", &error);
   if (layers > 1) eda_layout_layer(l, "M2", &error);
-  /* An L of two overlapping boxes, and a ring; 0.5 nm per unit. */
+  /* An L of two overlapping boxes, and a ring; a unit is 0.5 nm. */
   const eda_box boxes[] = {{0, 0, 400, 100},    {0, 0, 100, 600},
                            {800, 0, 1200, 100}, {800, 300, 1200, 400},
                            {800, 0, 900, 400},  {1100, 0, 1200, 400}};

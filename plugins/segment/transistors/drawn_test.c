@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tests that L and W are as drawn on any mask grid: drawings of known sizes,
-   and a circuit against its netlist. */
+/* Tests that L and W are as drawn on any mask grid: drawings with known sizes,
+   and a circuit compared with its netlist. */
 #include <eda/gates.h>
 #include <eda/layout.h>
 #include <math.h>
@@ -70,7 +70,7 @@ static void test_unit(void) {
   eda_layout_free(d.layout);
 }
 
-/* Test rotated and magnified instances: corners are between units. */
+/* Test rotated and magnified instances, whose corners are between units. */
 static void test_magnified(void) {
   opc_error error;
   drawing d = drawing_new(0.5);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tests of transistors that marker layers distinguish: the flavour of each, and
-   the use of the flavour's own device table. */
+/* Tests of transistors that marker layers distinguish: the flavour of each
+   transistor, and the use of the device table of the flavour. */
 #include <eda/extractor.h>
 #include <eda/layout.h>
 #include <eda/print.h>
@@ -70,8 +70,8 @@ static void expect_refused(const char *map, const char *want) {
     g_error("%s", error.message);
 }
 
-/* Test that of two flavours that cover a gate the one with more markers
-   counts. */
+/* Test that, if two flavours cover a gate, the flavour with more markers is
+   selected. */
 static void test_markers(void) {
   gates_draw();
   expect_flavours("{}", "- - - -");

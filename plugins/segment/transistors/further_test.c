@@ -13,8 +13,8 @@ static void check_layer(const eda_gates *g, size_t layer, const char *name,
   g_assert_cmpstr(got, ==, edges);
 }
 
-/* Test layers in the order of the flow, preceded by drawn contacts; their edges
-   belong to no transistor, and the extent includes them. */
+/* Test that further layers are in the order of the flow, after drawn contacts.
+   The edges belong to no transistor, and the extent includes the layers. */
 static void test_also(void) {
   for (int contacts = 0; contacts < 2; contacts++) {
     drawing d = drawing_new();
@@ -134,7 +134,7 @@ static void test_notes(void) {
   opc_test_release(r.module, &r.gates);
   opc_test_module_free(r.module);
 
-  /* 1 nm beside the gate, in every instance. */
+  /* 1 nm outside of the gate, in every instance. */
   write_note(&inverter, 166, 50, "lost");
   opc_test_forget();
   r = layout_segment(d.layout, "{ top: TOP }");

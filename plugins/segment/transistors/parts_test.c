@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tests of the ownership of the edges of a line with two transistors, unit by
+/* Tests which transistor owns the edges of a line with two transistors, unit by
    unit, for random lengths. */
 #include <eda/gates.h>
 #include <eda/layout.h>
@@ -16,7 +16,8 @@ static int32_t by_lot(int32_t low, int32_t high) {
   return low + (int32_t)((state >> 8) % (uint32_t)(high - low + 1));
 }
 
-/* A line from -before to end; the actives begin at 0, at distance `gap`. */
+/* A line from -before to the end. The actives begin at 0, at a distance of
+   `gap` from each other. */
 typedef struct drawing {
   int32_t before, past, width[2], gap, beside[2]; /* of the line, inside the
                                                      active */

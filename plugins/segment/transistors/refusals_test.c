@@ -5,8 +5,9 @@
 
 /* ---- types ---- */
 
-/* Assert the type of a single transistor. `layers`: n, p wells, N, P implants
-   over it; in brackets beside it; with < partly over it. */
+/* Assert the type of a single transistor. `layers` are n, p for wells and N, P
+   for implants over the transistor; in brackets: beside the transistor; after
+   '<': partly over the transistor. */
 static void type_is(const char *layers, int code, const char *want) {
   static const char letters[] = "npNP";
   static const char *const names[] = {"nwell", "pwell", "nimplant", "pimplant"};
@@ -65,8 +66,8 @@ static void test_type(void) {
 }
 
 /* Test that a well layer without shapes (for example with the number of its
-   text layer) causes a warning, because all transistors get one type. A well
-   elsewhere causes none. */
+   text layer) causes a warning, because all transistors then have one type. A
+   well elsewhere in the layout causes no warning. */
 static void test_no_well(void) {
   static const char *const wells[] = {"nwell", "pwell"};
   for (int k = 0; k < 2; k++)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements segment.transistors: the transistors of a layout and the mask
-   edges that move them (thesis 2.2.5 and 3.2.2), and further layers whose edges
-   belong to no transistor. The algorithm is in eda/segment.h. */
+/* Implements segment.transistors: finds the transistors of a layout and the
+   mask edges that determine their printed size (thesis 2.2.5 and 3.2.2), and
+   the edges of further layers. The algorithm is in eda/segment.h. */
 #include <eda/segment.h>
 #include <opcflow/step.h>
 #include <stdio.h>
@@ -12,8 +12,8 @@ typedef struct transistors {
   const opc_host *host;
   const eda_layout *layout;
   const char *top;
-  opc_map also;     /* name: layer of the layout */
-  opc_map flavours; /* name: marker layers */
+  opc_map also;     /* name -> layer of the layout */
+  opc_map flavours; /* name -> marker layers */
   double grid, overhang, line_end;
 } transistors;
 
@@ -80,8 +80,7 @@ static const opc_parameter parameters[] = {
                              "pwell, nimplant, pimplant, notes"),
     OPC_PARAMETER(
         transistors, top, .type = OPC_TEXT,
-        .summary =
-            "top cell; default: the only cell that no other cell places"),
+        .summary = "top cell; default: the only cell without a parent"),
     EDA_SEGMENT_PARAMETERS(transistors),
 };
 
@@ -108,9 +107,11 @@ static const opc_step functions = {
     OPC_OUTPUTS(outputs_of), .run = transistors_run,
     .forecast = transistors_forecast, .flags = OPC_STEP_LIGHT};
 
-OPC_PLUGIN(
-    transistors, .id = "segment.transistors", .kind = "step",
-    .version = "0.3.0", .licence = "BSD-3-Clause",
-    .summary = "transistors of a layout and the mask edges that move them",
-    .flags = OPC_DETERMINISTIC | OPC_REENTRANT, OPC_PARAMETERS(parameters),
-    OPC_METRICS(metrics), .check = transistors_check, OPC_FUNCTIONS(functions));
+OPC_PLUGIN(transistors, .id = "segment.transistors", .kind = "step",
+           .version = "0.3.0", .licence = "BSD-3-Clause",
+           .summary =
+               "find the transistors of a layout and the mask edges that "
+               "determine their size",
+           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
+           OPC_PARAMETERS(parameters), OPC_METRICS(metrics),
+           .check = transistors_check, OPC_FUNCTIONS(functions));

@@ -10,7 +10,7 @@ static void test_vertical(void) {
   segment_is(&d, "{}", "nx 150,0 65x200 space 300 370 ends 100 100\n",
              "150,-100 E<0; 215,-100 L>0; 215,300 E>0; 150,300 L<0\n",
              "0,0 W<0; 400,0 -; 400,200 W>0; 0,200 -\n");
-  /* Line ends further away than line_end have no owner. */
+  /* A line end further away than `line_end` belongs to no transistor. */
   d = drawing_new();
   draw_single(&d);
   segment_is(&d, "{ line_end: 99 nm }",
@@ -18,7 +18,7 @@ static void test_vertical(void) {
              "150,-100 -; 215,-100 -; 215,-84 L>0; 215,284 -; 215,300 -; "
              "150,300 -; 150,284 L<0; 150,-84 -\n",
              "0,0 W<0; 400,0 -; 400,200 W>0; 0,200 -\n");
-  /* On a grid of 5 nm, and with an overhang larger than the line's. */
+  /* Test a grid of 5 nm, and an overhang that exceeds that of the line. */
   d = drawing_new();
   draw_single(&d);
   segment_is(&d, "{ line_end: 0 nm, overhang: 200 nm, grid: 5 nm }",
@@ -27,8 +27,8 @@ static void test_vertical(void) {
              "0,0 W<0; 80,0 -; 80,40 W>0; 0,40 -\n");
 }
 
-/* Return 1 if line ends `reach` past the active belong to the transistor of
-   length `length`. */
+/* Return 1 if line ends `reach` nm beyond the active belong to the transistor
+   of length `length`. */
 static int owns_end(int length, int reach) {
   drawing d = drawing_new();
   drawing_box(&d, "active", 0, 0, 2000, 1000);
@@ -120,7 +120,8 @@ static void test_shared_poly(void) {
              "-100,51 W<1; 200,51 -; 200,150 W>1; -100,150 -\n");
 }
 
-/* Test that a near line end beyond another gate is not owned. */
+/* Test that a near line end beyond another gate does not belong to the
+   transistor. */
 static void test_near_end(void) {
   drawing d = drawing_new();
   drawing_box(&d, "active", -100, 0, 200, 100);
@@ -139,8 +140,8 @@ static void test_near_end(void) {
              "-100,400 W<2; 200,400 -; 200,500 W>2; -100,500 -\n");
 }
 
-/* Test a poly that turns right 50 nm past the active, with a field poly near
-   it. */
+/* Test a poly that turns right 50 nm beyond the active, with a field poly
+   nearby. */
 static void test_turning_poly(void) {
   drawing d = drawing_new();
   drawing_box(&d, "active", 0, 0, 400, 200);

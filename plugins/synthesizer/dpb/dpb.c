@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements synthesizer.dpb: device performance-based OPC (thesis 3.2.2 (2),
-   figure 3.3). Each transistor is corrected on its own: first a jump of its
-   length, then single grid steps. Steps continue while the performance
-   deviation error falls; a step after which the error rises is reverted.
-   Lengths first (coarse), then widths (fine) move. correct/control.h has the
-   steps of one transistor, descent.c those of all, table.c the table of jumps.
- */
+   figure 3.3). Each transistor is corrected separately: first a jump of its
+   length, then single grid steps of the length, then steps of the width. Steps
+   continue as long as the performance deviation error decreases; a step that
+   increases the error is reverted. correct/control.h implements the steps of
+   one transistor, descent.c the steps of all transistors, table.c the table of
+   jumps. */
 #include <math.h>
 #include <opcflow/follow.h>
 
@@ -17,7 +17,7 @@
 typedef struct dpb {
   const opc_host *host;
   double ion_limit;       /* % */
-  double init_adjust;     /* nm; 0: one step towards the smaller error */
+  double init_adjust;     /* nm; 0: one step that reduces the error */
   const char *table_path; /* NULL: init_adjust for all */
   first_table table;
   double max_bias;  /* nm */
@@ -27,7 +27,7 @@ typedef struct dpb {
 
 /* ---- work ---- */
 
-/* Return the PDE, eq. 3.1, of Ion, %. */
+/* Return the performance deviation error of Ion, thesis eq. 3.1, %. */
 static double dpb_error(const void *self, const eda_feedback *f, size_t i) {
   double design = f->design->ion[i];
   (void)self;
@@ -85,16 +85,12 @@ static const opc_parameter parameters[] = {
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .unit = "nm",
                   .preset = "0 nm", .min = -100, .max = 100,
                   .summary = "first correction of L, longer if positive; 0 nm: "
-                             "one grid step towards the smaller error"),
+                             "one grid step that reduces the error"),
     OPC_PARAMETER_NAMED(
         "init_adjust_table", dpb, table_path, .type = OPC_FILE,
         .summary = "CSV table of first corrections by L and W; the row of the "
                    "nearest L, then of the nearest W applies"),
-    OPC_PARAMETER(
-        dpb, max_bias, .type = OPC_REAL, .flags = OPC_ABOVE | OPC_AT_MOST,
-        .unit = "nm", .follows = "0.311 lambda/NA", .max = 10000,
-        .summary =
-            "largest correction of L or W; W moves by at most half of W"),
+    EDA_MAX_BIAS(dpb),
     OPC_PARAMETER_NAMED("w_step", dpb, proportional, .type = OPC_CHOICE,
                         .preset = "proportional",
                         .choices = "unit|proportional",

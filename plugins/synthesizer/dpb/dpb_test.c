@@ -19,8 +19,8 @@ typedef struct model {
   int32_t veto_from[MOST];
   int32_t prints_from[MOST]; /* smallest l that prints; 0: all print */
   double width[MOST];        /* 0: 200 */
-  /* Effect of neighbours on the first transistor, %, from update `from` on,
-     repeated after `every` updates (0: once). */
+  /* Effect of neighbours on the first transistor, %, from update `from`
+     onwards, repeated after `every` updates (0: once). */
   struct {
     double by;
     int from, every, most;
@@ -144,7 +144,7 @@ static void test_follows(void) {
 }
 
 /* +7 %: within a limit of 8 %, beyond a limit of 6 %. The limit of the
-   synthesizer has priority over that of the step, and 0.5 % is the default. */
+   synthesizer has priority over the limit of the step; the default is 0.5 %. */
 static void test_limit_of_step(void) {
   static const double wide = 8, narrow = 6;
   static const struct {
@@ -170,8 +170,8 @@ static void test_limit_of_step(void) {
   }
 }
 
-/* init_adjust is signed and applied as given: 3 steps shorter at once, and 2
-   steps longer in the wrong direction, which single steps then undo. */
+/* init_adjust is signed and applied as given: 3 steps shorter at once; and 2
+   steps longer, in the wrong direction, which single steps then revert. */
 static void test_init_adjust(void) {
   g_autoptr(opc_module) m =
       model_make("{ w_step: unit, ion_limit: 0.5 %, init_adjust: -3 nm }");
@@ -355,8 +355,8 @@ static void test_bias_limit(void) {
   g_string_free(t.trace, TRUE);
 }
 
-/* An open line has no current; it gets thicker until it prints. Each transistor
-   converges independently, and the loop ends after the last one. */
+/* An open line has no current; its length grows until the line prints. Each
+   transistor converges independently, and the loop ends after the last one. */
 static void test_open(void) {
   g_autoptr(opc_module) m = model_make("{ w_step: unit }");
   model t = {
@@ -484,8 +484,8 @@ static void test_table_refused(void) {
     const char *text, *want;
   } cases[] = {
       {"l,w\n", "table.csv:1:1: missing column 'init_adjust'"},
-      {"l,w (um),init_adjust\n", "table.csv:1:3: a wrong unit: 'w (um)'"},
-      {"l,w,init_adjust,l\n", "table.csv:1:17: a column twice: 'l'"},
+      {"l,w (um),init_adjust\n", "table.csv:1:3: wrong unit: 'w (um)'"},
+      {"l,w,init_adjust,l\n", "table.csv:1:17: duplicate column: 'l'"},
       {"l,w,init_adjust\n65,100,x\n", "table.csv:2:8: not a number: 'x'"},
       {"l,w,init_adjust\n65,100,nan\n", "table.csv:2:8: not a number: 'nan'"},
       {"l,w,init_adjust\n65,0,1\n", "table.csv:2:4: not above 0: '0'"},

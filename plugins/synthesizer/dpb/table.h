@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Table of first corrections over L and W, as written by
-   characterize.init_adjust: a CSV file with the columns l, w and init_adjust in
-   nm; other columns are ignored. */
+/* Table of first corrections by L and W, which characterize.init_adjust writes:
+   a CSV file with the columns l, w and init_adjust, nm. All other columns are
+   ignored. */
 #pragma once
 
 #include <opcflow/base.h>
@@ -15,11 +15,10 @@ typedef struct first_table {
   size_t count;
 } first_table;
 
-/* Read a file into `out`. Return OPC_OK, or an error that names line and
-   column. */
+/* Read a file into `out`. Return OPC_OK, or an error with line and column. */
 int first_table_read(const char *path, first_table *out, opc_error *error);
 void first_table_clear(first_table *table);
 
-/* Return the first correction, nm, of the nearest length of the table and,
-   among rows of that length, of the width nearest to `width` by ratio. */
+/* Return the first correction, nm, of the row with the nearest length and,
+   among rows of that length, with the width nearest to `width` by ratio. */
 double first_table_find(const first_table *table, double length, double width);

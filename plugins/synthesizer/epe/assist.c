@@ -1,20 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements assist features beside all edges (eda/srafs.h) and the limits that
-   they set to fragments beside them. */
+/* Implements assist features beside all edges (eda/srafs.h), and the limits of
+   fragments beside assist features. */
 #include <eda/memory.h>
 #include <eda/srafs.h>
 #include <string.h>
 
 #include "epe.h"
 
-static int boxes_meet(eda_box a, eda_box b) {
-  return a.x0 < b.x1 && b.x0 < a.x1 && a.y0 < b.y1 && b.y0 < a.y1;
-}
-
 /* ---- limits of fragments ---- */
 
-/* Limit the outward moves of fragment i so that it keeps min_space to the
-   assist features, wherever its ends move. */
+/* Limit the outward shift of fragment i, so that the fragment keeps min_space
+   to the assist features for all positions of its ends. */
 static void limit_fragment(epe_layer *l, const eda_index *srafs, uint32_t i) {
   const epe_rules *r = l->rules;
   const epe_fragment *p = &l->fragments[i];
@@ -29,12 +25,12 @@ static void limit_fragment(epe_layer *l, const eda_index *srafs, uint32_t i) {
   eda_finder f = eda_index_find(srafs, box);
   for (uint32_t k; eda_index_next(&f, &k);) {
     eda_box sraf = l->srafs.box[k];
-    if (!boxes_meet(sraf, box)) continue;
+    if (!eda_boxes_overlap(sraf, box)) continue;
     int32_t off = p->axis == EDA_X
                       ? (p->sign > 0 ? sraf.x0 - line : line - sraf.x1)
                       : (p->sign > 0 ? sraf.y0 - line : line - sraf.y1);
-    /* Diagonally off a corner, the spacing along one axis is sufficient: the
-       edge with the larger distance has to keep it. */
+    /* Diagonally beside a corner, min_space along one axis is sufficient. The
+       axis with the larger distance is chosen. */
     int32_t a = p->axis == EDA_X ? sraf.y0 : sraf.x0;
     int32_t b = p->axis == EDA_X ? sraf.y1 : sraf.x1;
     int32_t past = (int32_t)epe_max(a - (m < n ? n : m), (m < n ? m : n) - b);

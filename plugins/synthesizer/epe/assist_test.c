@@ -54,8 +54,9 @@ static int has_sraf(const trial *t, int32_t x0, int32_t y0, int32_t x1,
   "assist_width: 40 nm, assist_distance: 110 nm, assist_space: 60 nm, " \
   "assist_min_length: 60 nm, iterations: 0"
 
-/* A line with assist features beside the sides and the ends, the longer ones
-   first; a second row; none in a space that is too narrow. */
+/* A line with assist features beside the sides and the ends; the longer
+   features are placed first. A second row. No feature in a space that is too
+   narrow. */
 static void test_assists(void) {
   const eda_box boxes[] = {{0, 0, 65, 1000}, {0, 0, 65, 1000}};
   g_autoptr(shapes) s = make_shapes(boxes, 1);
@@ -91,8 +92,9 @@ static void test_assists(void) {
   }
 }
 
-/* Assist features keep their distance to drawn shapes and to each other, and
-   moved edges to assist features, even with random feedback. */
+/* Assist features keep their distance to drawn shapes and to each other.
+   Shifted edges keep min_space to assist features, even with random feedback.
+ */
 static void test_assists_apart(void) {
   int found = 0, pressed = 0;
   for (uint32_t seed = 1; seed < 9; seed++) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tests evenness of fragments, the choice of the best iteration with random
-   errors and currents against sums over the edges, and bounds of the measured
+/* Tests lengths of fragments; the choice of the best iteration, with random
+   errors and currents, against sums over the edges; and bounds of the measured
    gain. */
 #include <eda/eda.h>
 
@@ -66,8 +66,8 @@ static opc_module *drawing_begin(const char *parameters, const drawing *d,
   return m;
 }
 
-/* An edge has, between the fragments beside its corners, the nearest number of
-   even fragments, none of them shorter than the least length. */
+/* Between the fragments beside its corners, an edge has fragments of equal
+   length, closest to `fragment` and not shorter than min_edge. */
 static void test_even(void) {
   for (int n = 0; n < 60; n++) {
     int32_t length = (int32_t)random_in(120, 900);
@@ -160,7 +160,8 @@ static void test_kept(void) {
       seen *e = &seen_at[k];
       g_assert_cmpint(k, <, ROUNDS);
       memcpy(e->shift, now, sizeof now);
-      /* Some fragments have large errors, others small ones; and vice versa. */
+      /* Some fragments have large errors, all others small errors; and vice
+       * versa. */
       double off[2] = {random_in(0.6, 8), random_in(0.6, 8)};
       for (size_t i = 0; i < count; i++)
         e->epe[i] = off[i % 2] * (random_in(-1, 1) > 0 ? 1 : -1);
@@ -195,9 +196,9 @@ static void test_kept(void) {
 }
 
 /* A long line whose edges print `gain` nm further out per nm of mask. The first
-   move assumes a gain of 1, the second the mean of 1 and the measured gain;
-   both solve error + gain * coupling * move = 0. The coupling of even moves,
-   just below 1, follows from the first move. */
+   shift assumes a gain of 1, the second the mean of 1 and the measured gain;
+   both solve error + gain * coupling * shift = 0. The coupling of equal shifts,
+   just below 1, follows from the first shift. */
 static void test_gain(void) {
   static const double gains[] = {0.5, 1.5, 3};
   enum { FINE = 20 }; /* grid steps per nm */
@@ -289,8 +290,8 @@ static void test_convergence(void) {
   g_assert_null(strstr(first + 1, expected));
 }
 
-/* A constant error: all fragments move to their limits, and the loop ends after
-   four iterations without a move. */
+/* A constant error: all fragments are shifted to their limits, and the loop
+   ends after four iterations without a change. */
 static void test_constant_error(void) {
   drawing d;
   eda_cuts cuts = {0};

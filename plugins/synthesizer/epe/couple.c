@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the coupling between fragments. Fragments are shorter than the
-   optical resolution, so a move of a fragment changes the printed edges at all
-   sites nearby. The effect is modelled as a Gaussian of the distance. */
+   optical resolution, so the shift of a fragment displaces the printed edges at
+   all sites nearby. The effect is a Gaussian of the distance. */
 #include "epe.h"
 
 #include <eda/memory.h>
@@ -10,8 +10,9 @@
 
 #include "tuning.h"
 
-/* Return the effect of a unit move of fragment j at a site at (x, y): the
-   integral over j of the Gaussian along an infinite straight edge. */
+/* Return the effect of a unit shift of fragment j at a site at (x, y): the
+   integral of the Gaussian over the fragment. An infinite straight edge through
+   the site has the effect 1. */
 static double coupling_weight(const epe_layer *l, double x, double y,
                               uint32_t j) {
   const epe_fragment *p = &l->fragments[j];
@@ -25,7 +26,7 @@ static double coupling_weight(const epe_layer *l, double x, double y,
 
 typedef struct coupler {
   epe_layer *layer;
-  eda_index *index; /* index of the fragments' middles */
+  eda_index *index; /* centres of the fragments */
   double grid, longest;
 } coupler;
 
@@ -35,7 +36,7 @@ static double distance_outside(double v, int32_t a, int32_t b) {
   return v < low ? low - v : v > high ? v - high : 0;
 }
 
-/* Return whether a fragment is partly within `reach` of (x, y). */
+/* Return 1 if a part of the fragment is within `reach` of (x, y). */
 static int fragment_is_near(const epe_fragment *p, double x, double y,
                             double reach) {
   double dx = distance_outside(x, p->from.x, p->to.x);
@@ -43,7 +44,7 @@ static int fragment_is_near(const epe_fragment *p, double x, double y,
   return dx * dx + dy * dy < reach * reach;
 }
 
-/* Count the elements of row i or, if m->weight is allocated, compute them. */
+/* Count the elements of row i; if m->weight is allocated, compute them, too. */
 static void coupling_add_site(void *data, size_t i) {
   const coupler *c = data;
   epe_layer *l = c->layer;
@@ -66,7 +67,8 @@ static void coupling_add_site(void *data, size_t i) {
   if (!m->weight) m->start[i + 1] = n;
 }
 
-/* Allocate n rows. start[i + 1] is the length of row i, replaced by its end. */
+/* Allocate n rows. start[i + 1], the length of row i, is replaced by its end.
+ */
 static void coupling_make_rows(epe_coupling *m, size_t n) {
   for (size_t i = 0; i < n; i++) m->start[i + 1] += m->start[i];
   m->index = eda_alloc(m->start[n], sizeof *m->index);

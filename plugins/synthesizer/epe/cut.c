@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the fragmentation of the edges of a layer: short fragments beside
-   corners and opposite to corners of other edges, even fragments between them
-   (thesis 3.3.1). */
+/* Implements the fragmentation of the edges of a layer (thesis 3.3.1): short
+   fragments beside corners and opposite to corners of other edges, and
+   fragments of equal length between them. */
 #include "epe.h"
 
 #include <eda/memory.h>
@@ -12,20 +12,20 @@
 typedef struct cutter {
   epe_layer *layer;
   const eda_shapes *drawn;
-  eda_index *corners; /* of all polygons */
-  size_t capacity;    /* capacity of pieces */
-  int32_t *marks;     /* cuts of one edge */
+  eda_index *corners; /* corners of all polygons */
+  size_t capacity;    /* capacity of layer->fragments */
+  int32_t *marks;     /* distances of the cuts from the start of an edge */
   size_t n_marks, marks_capacity;
-  uint8_t *convex; /* 1 for each convex point of `drawn` */
+  uint8_t *convex; /* [points], 1: convex corner */
 } cutter;
 
-/* A drawn edge: from a corner along a direction. */
+/* A drawn edge from a to b. */
 typedef struct drawn_edge {
   eda_point a, b;
   int32_t length;
-  uint8_t axis; /* axis of the normal */
-  int8_t sign;
-  uint8_t convex[2];
+  uint8_t axis;      /* axis of the normal */
+  int8_t sign;       /* direction of the outside along the axis */
+  uint8_t convex[2]; /* 1: the corner a or b is convex */
 } drawn_edge;
 
 static drawn_edge edge_of(const cutter *c, uint32_t i, uint32_t next) {
@@ -56,13 +56,9 @@ static void cut_at(cutter *c, int32_t t) {
   c->marks[c->n_marks++] = t;
 }
 
-static int compare_ascending(const void *a, const void *b) {
-  int32_t p = *(const int32_t *)a, q = *(const int32_t *)b;
-  return (p > q) - (p < q);
-}
-
-/* Mark the projection of a visible corner of another edge, and one ripple
-   length on both sides. */
+/* Mark the projection of a corner of another edge onto the edge, and positions
+   one ripple length before and after. Only corners in front of the edge count.
+ */
 static void cut_at_corner(cutter *c, const drawn_edge *e, eda_point p) {
   const epe_rules *r = c->layer->rules;
   int32_t off = e->axis == EDA_X ? p.x - e->a.x : p.y - e->a.y;
@@ -81,20 +77,20 @@ static void cut_ripples(cutter *c, const drawn_edge *e) {
   const epe_rules *r = c->layer->rules;
   if (r->ripple_reach <= 0) return;
   int32_t out = e->sign * r->ripple_reach;
-  eda_point sight[] = {e->a, e->b}; /* corners of the visible region */
+  eda_point sight[] = {e->a, e->b}; /* corners of the region in front */
   *(e->axis == EDA_X ? &sight[1].x : &sight[1].y) += out;
   eda_finder f = eda_index_find(c->corners, eda_bounds(sight, 2));
   for (uint32_t k; eda_index_next(&f, &k);)
     cut_at_corner(c, e, c->drawn->points[k]);
 }
 
-/* Keep only marks that leave no fragment between `first` and `last` shorter
-   than the least length. */
+/* Remove marks so that all fragments between `first` and `last` have at least
+   the length min_edge. */
 static void cut_thin_out(cutter *c, int32_t first, int32_t last) {
   int32_t least = c->layer->rules->min_edge, at = first;
   size_t n = 0;
   if (!c->n_marks) return;
-  qsort(c->marks, c->n_marks, sizeof *c->marks, compare_ascending);
+  qsort(c->marks, c->n_marks, sizeof *c->marks, eda_int32s_rise);
   for (size_t k = 0; k < c->n_marks; k++) {
     int32_t t = c->marks[k];
     if (t - at < least || last - t < least) continue;
@@ -103,7 +99,7 @@ static void cut_thin_out(cutter *c, int32_t first, int32_t last) {
   c->n_marks = n;
 }
 
-/* Make even fragments from `from` to `to`, both marks or ends. */
+/* Mark fragments of equal length between the positions `from` and `to`. */
 static void cut_evenly(cutter *c, int32_t from, int32_t to) {
   const epe_rules *r = c->layer->rules;
   int32_t parts = (to - from + r->fragment / 2) / r->fragment;
@@ -137,7 +133,7 @@ static void cut_edge(cutter *c, const drawn_edge *e) {
   cut_evenly(c, at, last);
   cut_at(c, first);
   cut_at(c, last);
-  qsort(c->marks, c->n_marks, sizeof *c->marks, compare_ascending);
+  qsort(c->marks, c->n_marks, sizeof *c->marks, eda_int32s_rise);
 }
 
 /* ---- fragments ---- */
@@ -190,8 +186,8 @@ static void cut_polygons(cutter *c) {
 
 /* ---- sites ---- */
 
-/* Set the site to the middle of the fragment, moved away from corners, where
-   the printed image is round, as far as the edge allows. */
+/* Set the site to the centre of the fragment, but at least `tangency` away from
+   corners, where the printed image is round, if the edge is long enough. */
 static void fragment_set_site(epe_layer *l, uint32_t i, double grid) {
   const epe_fragment *p = &l->fragments[i];
   uint32_t first = l->edge[p->edge], last = l->edge[p->edge + 1] - 1;
@@ -212,8 +208,8 @@ static int64_t point_distance(eda_point a, eda_point b) {
   return llabs((int64_t)b.x - a.x) + llabs((int64_t)b.y - a.y);
 }
 
-/* Set the transistor that owns the middle of each fragment, from the fragments
-   of the gates: both traverse the same polygons. */
+/* Set the transistor that owns the centre of each fragment, from the fragments
+   of the gates, which dissect the same polygons. */
 static void layer_set_owners(epe_layer *l, const eda_edges *e) {
   if (e->polygons != l->polygons) return;
   for (size_t p = 0; p < l->polygons; p++) {
@@ -249,7 +245,8 @@ static void find_corners(cutter *c, size_t n) {
       eda_point b = s->points[i];
       eda_point d = s->points[i < last ? i + 1 : s->start[p]];
       boxes[i] = (eda_box){b.x, b.y, b.x, b.y};
-      /* A turn to the left. Signs only: products may overflow. */
+      /* Convex: a turn to the left. Signs only, because products may overflow.
+       */
       int in_x = (b.x > a.x) - (b.x < a.x), in_y = (b.y > a.y) - (b.y < a.y);
       int out_x = (d.x > b.x) - (d.x < b.x), out_y = (d.y > b.y) - (d.y < b.y);
       c->convex[i] = in_x * out_y - in_y * out_x > 0;
@@ -259,7 +256,7 @@ static void find_corners(cutter *c, size_t n) {
   free(boxes);
 }
 
-/* Allocate all arrays of one element per fragment. */
+/* Allocate all arrays with one element per fragment. */
 static void layer_make_arrays(epe_layer *l) {
   double **reals[] = {&l->wanted,  &l->gain,    &l->step,    &l->side,
                       &l->error,   &l->before,  &l->cost,    &l->work[0],

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements synthesizer.epe: OPC by edge placement errors (thesis 1.2 and
    3.3.1; N. Cobb, "Fast Optical and Process Proximity Correction Algorithms for
-   Integrated Circuit Manufacturing", 1998). Edges are cut into fragments; each
-   fragment moves until the simulated contour meets the drawn edge. */
+   Integrated Circuit Manufacturing", 1998). Edges are dissected into fragments;
+   each fragment is shifted until the simulated contour is on the drawn edge. */
 #include "epe.h"
 
 #include <eda/memory.h>
@@ -27,7 +27,7 @@ static const char *const verdicts[VERDICTS] = {
 
 typedef struct epe {
   const opc_host *host;
-  /* Parameters, nm. NAN: equal to fragment. */
+  /* Parameters, nm. Lengths at corners: NAN: equal to `fragment`. */
   double fragment, concave_corner, corner_edge, line_end, ripple, ripple_reach;
   double min_edge, tangency, min_width, min_space, min_jog, max_shift, blur;
   double step, damping, stiffness;
@@ -44,12 +44,12 @@ typedef struct epe {
   double grid;
   size_t count; /* transistors */
   uint8_t *verdict;
-  double best;      /* least cost; INFINITY: none yet */
-  double milestone; /* cost of the last substantial decrease */
-  int64_t reached;  /* iteration of the milestone */
-  int reported;     /* 1: the missing convergence is reported */
-  size_t dropped;   /* printed assist features that were removed */
-  int still;        /* iterations since the last move */
+  double best;      /* smallest cost; INFINITY: none yet */
+  double milestone; /* cost at the last substantial decrease */
+  int64_t reached;  /* iteration of `milestone` */
+  int reported;     /* 1: missing convergence was logged */
+  size_t dropped;   /* number of assist features removed because they printed */
+  int still;        /* number of iterations since the last shift */
 } epe;
 
 /* ---- work: begin and cut ---- */
@@ -70,8 +70,8 @@ static int32_t at_least(int32_t n, int32_t least) {
   return n > least ? n : least;
 }
 
-/* Return the length of a fragment beside a corner, grid steps; by default that
-   of a fragment. */
+/* Return the length of a fragment beside a corner, grid steps. NAN: the length
+   of all fragments. */
 static int32_t corner_length(const epe *d, double nm) {
   return at_least(grid_steps(d, isnan(nm) ? d->fragment : nm),
                   d->rules.min_edge);
@@ -101,7 +101,7 @@ static void rules_set(epe *d) {
       .overhang = grid_steps(d, d->sraf_overhang)};
 }
 
-/* Begin the search for the best mask anew. */
+/* Restart the search for the best mask. */
 static void best_forget(epe *d) { d->best = d->milestone = INFINITY; }
 
 static void epe_follow(epe *d, const eda_feedback *f);
@@ -124,12 +124,11 @@ static int epe_begin_run(void *self, const eda_feedback *f, opc_error *error) {
   rules_set(d);
   if (d->which_best == BEST_ION && !d->count)
     return opc_fail(error, OPC_INVALID, "best",
-                    "'ion' requires transistors, the layout has none");
+                    "'best: ion' requires transistors, the layout has none");
   return OPC_OK;
 }
 
-/* Return whether a layer is corrected. Further layers are corrected with
-   poly. */
+/* Return 1 if a layer is corrected. Layers after active are treated as poly. */
 static int is_corrected(const epe *d, int layer) {
   return d->which_layers == LAYERS_BOTH ||
          d->which_layers == (layer == EDA_ACTIVE ? LAYERS_ACTIVE : LAYERS_POLY);
@@ -172,7 +171,7 @@ static void layer_store(epe_layer *l, const double *nm, const int32_t *shift,
   }
 }
 
-/* Return the mean cost of errors along the edges, nm. */
+/* Return the mean cost along the edges, nm. */
 static double mean_epe(const epe *d) {
   double sum = 0, length = 0;
   for (size_t k = 0; k < d->n_layers; k++) {
@@ -186,7 +185,7 @@ static double mean_epe(const epe *d) {
   return length > 0 ? sum / length : 0;
 }
 
-/* Return whether the error of every edge is at most half a grid step. */
+/* Return 1 if the error of every edge is at most half a grid step. */
 static int is_solved(const epe *d) {
   for (size_t k = 0; k < d->n_layers; k++)
     for (size_t i = 0; i < d->layers[k].count; i++)
@@ -201,8 +200,8 @@ static double mean_ion(const eda_feedback *f) {
   return sum / (double)f->gates->count;
 }
 
-/* Return whether Ion selects the best iteration. Ion does not depend on layers
-   without transistors. */
+/* Return 1 if Ion selects the best iteration. With only layers without
+   transistors corrected, Ion does not change. */
 static int best_is_by_ion(const epe *d) {
   if (d->which_best != BEST_AUTO) return d->which_best == BEST_ION;
   return d->count > 0 && d->n_layers > EDA_ACTIVE &&
@@ -222,7 +221,7 @@ static void verdict_add(epe *d, const epe_layer *l, size_t i) {
     d->verdict[gate] = (uint8_t)why;
 }
 
-/* Keep the present shifts as the best, with the verdicts of the gates. */
+/* Store the present shifts as the best, with the verdicts of the gates. */
 static void best_keep(epe *d) {
   memset(d->verdict, UNMOVED, d->count);
   for (size_t k = 0; k < d->n_layers; k++) {
@@ -232,14 +231,13 @@ static void best_keep(epe *d) {
   }
 }
 
-/* Return the level set of the printed image of a layer; NULL if there is
-   none. */
+/* Return the level set of the printed image of a layer; NULL: none. */
 static const eda_field *print_of(const eda_feedback *f, size_t layer) {
   return f->print ? &f->print[layer] : NULL;
 }
 
-/* Remove printed assist features for good. The best mask contained them, so
-   begin the search for the best anew. */
+/* Remove printed assist features permanently. The best mask contained them, so
+   restart the search for the best mask. */
 static void assists_drop(epe *d, const eda_feedback *f) {
   size_t all = 0;
   for (size_t k = 0; k < d->n_layers && f->print; k++)
@@ -249,8 +247,8 @@ static void assists_drop(epe *d, const eda_feedback *f) {
   d->dropped += all;
 }
 
-/* Take over the assist features that the loop has placed. If they differ from
-   those of the best mask, begin the search for the best anew. */
+/* Store the assist features that the loop placed. If they differ from those of
+   the best mask, restart the search for the best mask. */
 static void assists_take(epe *d, const eda_moves *moves) {
   int other = 0;
   for (size_t k = 0; k < d->n_layers && !d->assist.rows; k++)
@@ -259,8 +257,8 @@ static void assists_take(epe *d, const eda_moves *moves) {
   if (other) best_forget(d);
 }
 
-/* Write the numbers of assist features on the mask and of removed ones as
-   metrics. */
+/* Write the metrics: numbers of assist features on the mask and of removed
+   assist features. */
 static int assists_write_metrics(const epe *d, opc_error *error) {
   if (!d->assist.rows) return OPC_OK;
   size_t n = 0;
@@ -270,7 +268,7 @@ static int assists_write_metrics(const epe *d, opc_error *error) {
   return opc_put_metrics(d->host, OPC_ARRAY(values), error);
 }
 
-/* Keep the measured mask if its cost is the least so far. */
+/* Store the measured mask as the best if its cost is the smallest so far. */
 static void cost_take(epe *d, const eda_feedback *f) {
   double cost = best_is_by_ion(d) ? mean_ion(f) : mean_epe(d);
   if (cost < (1 - tuned.progress) * d->milestone) {
@@ -369,25 +367,26 @@ static const opc_parameter parameters[] = {
     LENGTH("ripple", ripple, OPC_ABOVE, "fragment",
            "length of the fragments beside the projection of a corner of "
            "another edge"),
-    FROM_0(ripple_reach, "largest distance of such a corner; 0: none"),
+    FROM_0(ripple_reach,
+           "largest distance of a corner for 'ripple'; 0: no corners"),
     LENGTH("min_edge", min_edge, OPC_ABOVE, "min_edge of the step",
-           "least length of a segment of an edge"),
+           "smallest length of a part of an edge between two jogs"),
     LENGTH("tangency", tangency, OPC_AT_LEAST, "0.155 lambda/NA",
            "distance of measurement sites from corners, where the contour is "
            "round"),
     LENGTH("min_width", min_width, OPC_AT_LEAST, "min_mask_width of the step",
-           "least width of the mask, including nubs of edges"),
+           "smallest width of the mask, including bumps of edges"),
     LENGTH("min_space", min_space, OPC_AT_LEAST, "min_space of the step",
-           "least space of the mask, including notches of edges"),
+           "smallest space of the mask, including notches of edges"),
     FROM_0(min_jog,
-           "least jog; neighbouring fragments whose shifts differ by less get "
-           "the same shift"),
+           "smallest jog; adjacent fragments whose shifts differ by less "
+           "receive one shift"),
     LENGTH("max_shift", max_shift, OPC_ABOVE, "0.233 lambda/NA",
            "largest shift of a fragment"),
     LENGTH("step", step, OPC_ABOVE, "0.031 lambda/NA",
            "largest move of a fragment per iteration"),
     NUMBER("damping", damping, OPC_ABOVE | OPC_AT_MOST, 1, "0.7",
-           "part of an error corrected by one move"),
+           "fraction of an error that one move corrects"),
     NUMBER("stiffness", stiffness, OPC_ABOVE, 0, "1",
            "weight of moves against errors: larger values converge slower and "
            "more safely; 2 if features hardly print"),
@@ -403,8 +402,8 @@ static const opc_parameter parameters[] = {
                         .summary = "corrected layers"),
     OPC_PARAMETER_NAMED("best", epe, which_best, .type = OPC_CHOICE,
                         .preset = "auto", .choices = "auto|epe|ion",
-                        .summary = "criterion of the best iteration: least "
-                                   "mean |EPE|, or least mean |Ion deviation|; "
+                        .summary = "criterion of the best iteration: smallest "
+                                   "mean |EPE| or mean |Ion deviation|; "
                                    "auto: ion if transistors are corrected"),
     OPC_PARAMETER_NAMED(
         "assist", epe, sraf_rows, .type = OPC_INT,
@@ -417,20 +416,20 @@ static const opc_parameter parameters[] = {
     LENGTH("assist_space", sraf_space, OPC_ABOVE, "0.311 lambda/NA",
            "space between assist features"),
     LENGTH("assist_min_length", sraf_min_length, OPC_ABOVE, "0.311 lambda/NA",
-           "least length of an assist feature"),
+           "smallest length of an assist feature"),
     LENGTH("assist_overhang", sraf_overhang, OPC_AT_LEAST, "0.389 lambda/NA",
            "extension of an assist feature past the ends of its edge"),
     NUMBER("assist_margin", sraf_margin, OPC_AT_LEAST, 0, "0.02",
            "intensity margin to printing below which an assist feature is "
            "removed; clear field 1"),
     NUMBER("window.level", window_level, OPC_ABOVE, 0, "0.01",
-           "intensity offset of other doses at the edge, in both directions; "
-           "clear field 1"),
+           "intensity difference of the higher and the lower dose at the "
+           "edge; clear field 1"),
     NUMBER("window.weight", window_weight, OPC_AT_LEAST | OPC_AT_MOST, 1, "0",
            "weight of the errors at other doses in the feedback"),
 };
 
-/* Set a rule that is not given to that of the step, or to `otherwise`. */
+/* Set a mask rule that is NAN to the rule of the step or to `otherwise`. */
 static void rule_follow(const eda_feedback *f, int rule, const char *otherwise,
                         double *nm) {
   if (!isnan(*nm)) return;
@@ -460,8 +459,8 @@ static int epe_check(void *self, opc_error *error) {
     return OPC_OK; /* false also while one of
                       them is not known */
   return opc_fail(error, OPC_INVALID, "min_edge",
-                  "%g nm exceeds the fragment length of %g nm", d->min_edge,
-                  d->fragment);
+                  "'min_edge' is %g nm, expected at most 'fragment', %g nm",
+                  d->min_edge, d->fragment);
 }
 
 /* ---- entry ---- */
@@ -475,7 +474,7 @@ OPC_PLUGIN(epe, .id = "synthesizer.epe", .kind = "synthesizer",
            .version = "0.2.0", .licence = "BSD-3-Clause",
            .summary =
                "edge placement error OPC: fragments move until the contour "
-               "meets the drawn edge",
+               "is on the drawn edge",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
            OPC_PARAMETERS(parameters), OPC_METRICS(metrics), .check = epe_check,
            .clear = epe_clear_all, OPC_FUNCTIONS(functions));

@@ -17,50 +17,50 @@ typedef struct epe_rules {
   double blur; /* standard deviation of the Gaussian coupling of fragments */
 } epe_rules;
 
-/* A fragment of a drawn edge. Outwards is along `axis`, towards larger (`sign`
-   1) or smaller (-1) coordinates. Shifts are positive outwards. */
+/* A fragment of a drawn edge. The outside is along `axis`, towards larger
+   (`sign` 1) or smaller (-1) coordinates. Shifts are positive outwards. */
 typedef struct epe_fragment {
   eda_point from, to;
   uint32_t polygon, edge;  /* indices in the layer, in order */
-  uint32_t previous, next; /* neighbours around the polygon */
+  uint32_t previous, next; /* adjacent fragments of the polygon */
   int32_t gate;            /* transistor that owns the fragment; -1: none */
   uint8_t axis;            /* EDA_X, EDA_Y */
   int8_t sign;
   uint8_t corner; /* set of ends that are corners: EPE_FROM, EPE_TO */
-  uint8_t still;  /* 1: too short to be moved */
+  uint8_t still;  /* 1: not shifted, because the edge is too short */
   uint8_t hole;   /* 1: the polygon is a hole */
 } epe_fragment;
 
 enum { EPE_FROM = 1, EPE_TO = 2 };
 
-/* States of an edge, a set. NARROWED: bounds of fragments were narrowed; SHORT:
-   a run is too short. Both require to settle the edge again. WHOLE: all
-   fragments move together. */
+/* States of an edge, a set. NARROWED: bounds of fragments were narrowed. SHORT:
+   a run is too short. In both states epe_settle computes the edge again. WHOLE:
+   all fragments have one shift. */
 enum { EPE_NARROWED = 1, EPE_SHORT = 2, EPE_WHOLE = 4 };
 
 static inline double epe_length(const epe_fragment *p) {
   return abs(p->to.x - p->from.x) + abs(p->to.y - p->from.y);
 }
 
-/* Consecutive fragments of an edge with equal shifts. */
+/* Adjacent fragments of an edge with equal shifts: first to end - 1. */
 typedef struct epe_run {
   uint32_t first, end;
-  double weighted, length; /* sums of wanted * length and of length */
-  int32_t low, high, shift;
-  int32_t before, after; /* neighbouring runs; -1: none */
+  double weighted, length;  /* sums of wanted shift * length, and of length */
+  int32_t low, high, shift; /* bounds and value of the shift */
+  int32_t before, after;    /* indices of the adjacent runs; -1: none */
 } epe_run;
 
-/* Two fragments and their least distance. The fragments face each other through
-   the inside of the mask or across a space, or are on both sides of a corner.
-   */
+/* Two fragments and their smallest permitted distance, `limit`. The fragments
+   face each other through the inside of the mask (inside 1) or across a space,
+   or are on different sides of a corner (corner 1). */
 typedef struct epe_pair {
   uint32_t a, b;
   uint16_t inside, corner;
   float limit;
 } epe_pair;
 
-/* A sparse matrix by rows: move of the printed edge at each site (row) per move
-   of each fragment (column) for a gain of 1; or the transposed matrix. */
+/* A sparse matrix by rows, or its transpose: displacement of the printed edge
+   at each site (row) per shift of each fragment (column), for a gain of 1. */
 typedef struct epe_coupling {
   uint32_t *start, *index;
   float *weight;
@@ -76,28 +76,29 @@ static inline double epe_within(double x, double low, double high) {
 typedef struct epe_layer {
   const opc_context *context;
   const epe_rules *rules;
-  size_t count; /* number of fragments; 0: the layer does not move */
+  size_t count; /* number of fragments; 0: the layer is not corrected */
   epe_fragment *fragments;
   size_t polygons;
   uint32_t *start; /* [polygons + 1]: first fragment of each polygon */
-  eda_point *from;
-  double *site; /* nm */
+  eda_point *from; /* start of each fragment */
+  double *site;    /* x and y of each measurement site, nm */
   size_t edges;
   uint32_t *edge; /* [edges + 1]: first fragment of each edge */
   uint8_t *state; /* EPE_NARROWED ... of each edge */
   epe_pair *pairs;
   size_t pair_count;
 
-  /* Arrays with one element per fragment, in two blocks of memory: */
+  /* Arrays with one element per fragment, in two blocks of memory. */
   double *reals;
   int32_t *integers;
-  double *wanted; /* shift requested by the feedback */
-  double *gain;   /* measured gain of the coupling */
+  double *wanted; /* shift that the feedback requests, not rounded */
+  double *gain;   /* measured gain of each site */
   epe_coupling coupling, transposed;
   double *work[5];        /* work arrays of steer.c */
-  double *step;           /* largest move per iteration */
+  double *step;           /* largest change of the shift per iteration */
   double *side;           /* error to correct; at a site without an edge nearby,
-                             the sign of the last error or of the level set */
+                             only the sign counts: of the last error or of the
+                             level set */
   double *error, *before; /* errors of the last and the previous simulation,
                              grid steps; NAN: no edge near the site */
   double *cost;           /* measured |EPE|, nm */
@@ -106,14 +107,14 @@ typedef struct epe_layer {
   int32_t *low, *high; /* bounds of the shift by the mask rules */
   int32_t *most;       /* largest outward shift */
   eda_box_list srafs;  /* assist features */
-  epe_run *runs;       /* runs of each edge, at the index of its first
+  epe_run *runs;       /* runs of each edge, from the index of its first
                           fragment */
   int32_t *settled;    /* next shifts, computed in rules.c */
-  uint8_t *broken;     /* [pair_count]: 1: the pair is too near */
+  uint8_t *broken;     /* [pair_count], 1: the fragments are too close */
 } epe_layer;
 
-/* Cut the drawn shapes of a layer into fragments with sites and owners
-   (cut.c). */
+/* Dissect the drawn shapes of layer `which` into fragments with sites and
+   owners (cut.c). */
 void epe_cut(epe_layer *layer, const eda_gates *gates, int which);
 void epe_clear(epe_layer *layer);
 
@@ -122,40 +123,40 @@ void epe_clear(epe_layer *layer);
 int epe_place_srafs(epe_layer *layer, const eda_sraf_rule *rule,
                     const eda_shapes *drawn, opc_error *error);
 
-/* Replace the assist features by `srafs`. Return whether they differ
-   (assist.c). */
+/* Replace the assist features by `srafs`. Return 1 if they differ (assist.c).
+ */
 int epe_replace_srafs(epe_layer *layer, eda_boxes srafs);
 
 /* Find the pairs of fragments whose distance may violate a rule (pairs.c). */
 void epe_find_pairs(epe_layer *layer);
 /* Narrow the bounds low and high of fragments that, in the mask of `shift`, are
-   too near to each other or make an edge too short. `hard`: their edges stay as
-   drawn. Return the number of such pairs and edges (pairs.c). */
+   too close to each other or make an edge too short. `hard`: 1: their edges
+   stay as drawn. Return the number of such pairs and edges (pairs.c). */
 size_t epe_separate(epe_layer *layer, const int32_t *shift, int hard);
 
-/* Return in `shift` the shifts nearest to layer->wanted that the mask rules
-   allow (rules.c). */
+/* Set `shift` to the shifts nearest to layer->wanted that satisfy the mask
+   rules (rules.c). */
 void epe_settle(epe_layer *layer, int32_t *shift);
 
 /* Average the errors and costs with those at two other doses, whose contours
    are at the levels +-`level` of the level set `print`. `weight`: weight of the
-   other doses, 0 to 1; 0: not measured (window.c). */
+   other doses, 0 to 1. Does nothing if weight is 0 (window.c). */
 void epe_weigh(epe_layer *layer, const eda_field *print, double weight,
                double level, double grid);
 
 /* Compute `coupling` and `transposed` (couple.c). */
 void epe_couple(epe_layer *layer, double grid);
 
-/* Parameters of epe_steer, which corrects layer->wanted (steer.c). */
+/* Parameters of epe_steer, which updates layer->wanted (steer.c). */
 typedef struct epe_steering {
-  double step;      /* largest move */
-  double damping;   /* part of the computed moves that is made */
-  double stiffness; /* weight of squared moves relative to squared errors */
+  double step;      /* largest change of a shift, grid steps */
+  double damping;   /* fraction of the computed changes that is applied */
+  double stiffness; /* weight of squared changes relative to squared errors */
 } epe_steering;
 void epe_steer(epe_layer *layer, const epe_steering *by);
 
-/* With the shifts `shift` (NULL: as drawn), return the position of a fragment
-   along the axis (epe_line), or the begin or end along the edge. */
+/* Return, with the shifts `shift` (NULL: as drawn), the position of fragment i
+   along its axis (epe_line), or its begin or end along the edge. */
 static inline int32_t epe_line(const epe_fragment *p, const int32_t *shift,
                                uint32_t i) {
   int32_t at = p[i].axis == EDA_X ? p[i].from.x : p[i].from.y;

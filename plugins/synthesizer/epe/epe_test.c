@@ -32,8 +32,8 @@ static void test_solved(void) {
   trial_clear(&t);
 }
 
-/* Corners do not print at any shift. Sites away from them converge, and corners
-   stay within the largest shift. */
+/* Corners do not print at any shift. Sites away from corners converge, and
+   shifts at corners stay within max_shift. */
 static double round_corners(const trial *t, size_t i) {
   int corner = t->cuts.from[i].y < 50 || t->cuts.from[i].y > 1950;
   return corner ? -30 : straight(t, i);
@@ -52,7 +52,7 @@ static void test_corners(void) {
   trial_clear(&t);
 }
 
-/* A line that does not print has to grow, a merged one to shrink. */
+/* A line that does not print must grow, a merged line must shrink. */
 static double hidden(const trial *t, size_t i) {
   return t->shift[i] < 10   ? (double)NAN
          : t->shift[i] > 25 ? (double)NAN
@@ -166,7 +166,7 @@ static int count_broken(const trial *t, const eda_gates *gates) {
   return too_near(sides, 0, 40) + too_near(sides, 1, 40);
 }
 
-/* Shapes drawn by the rules still obey them after correction. */
+/* Shapes drawn by the rules satisfy the rules after correction. */
 static void test_rules(void) {
   int without = 0, tried = 0;
   for (uint32_t seed = 1; tried < 12; seed++) {
@@ -240,7 +240,8 @@ static void test_refused(void) {
   opc_error error;
   g_assert_null(opc_test_module(
       "synthesizer.epe", "{ fragment: 20 nm, min_edge: 30 nm }", &error));
-  g_assert_nonnull(strstr(error.message, "30 nm exceeds the fragment"));
+  g_assert_nonnull(strstr(error.message,
+                          "'min_edge' is 30 nm, expected at most 'fragment'"));
   const eda_box line = {0, 0, 60, 1000};
   g_autoptr(shapes) s = make_shapes(&line, 1);
   g_autoptr(opc_module) m =

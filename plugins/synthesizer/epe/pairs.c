@@ -1,19 +1,18 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the mask rules for width, space and edge length. Pairs of
    fragments that may violate a rule are found once and checked after every
-   move. Distances are Euclidean, as in a mask rule check. The limit of a pair
-   drawn nearer than the rule is the drawn distance. */
+   change of shifts. Distances are Euclidean, as in a mask rule check. If a pair
+   is drawn closer than the rule, the limit is the drawn distance. */
 #include "epe.h"
 
 #include <eda/memory.h>
 #include <math.h>
 #include <stdlib.h>
 
-/* The distance from fragment a to fragment b at larger coordinates. */
+/* Distance from fragment a to fragment b, which is at larger coordinates. */
 typedef struct gap {
   double across; /* along the axis of both fragments */
-  double along;  /* between the nearest ends; 0 or less: the fragments overlap
-                  */
+  double along;  /* between the nearest ends; <= 0: the fragments overlap */
 } gap;
 
 static gap gap_of(const epe_fragment *p, const int32_t *shift, uint32_t a,
@@ -40,14 +39,15 @@ static void pair_add(finder *f, epe_pair pair) {
   l->pairs[l->pair_count++] = pair;
 }
 
-/* Return the largest move of the ends of a fragment along the edge. */
+/* Return the largest displacement of a fragment's ends along the edge. */
 static double end_reach(const epe_layer *l, uint32_t i) {
   return l->fragments[i].corner ? l->rules->max_shift : 0;
 }
 
-/* Add the pair if the distance may fall below the limit. Fragment i faces
-   larger coordinates, fragment j smaller ones. If j is at larger coordinates
-   than i, a space is between them, else the inside of the mask. */
+/* Add the pair if its distance may become smaller than the limit. The outside
+   of fragment i is towards larger coordinates, of fragment j towards smaller.
+   If j is at larger coordinates than i, a space is between them, else the
+   inside of the mask. */
 static void pair_consider(finder *f, uint32_t i, uint32_t j) {
   epe_layer *l = f->layer;
   const epe_fragment *p = l->fragments;
@@ -60,7 +60,7 @@ static void pair_consider(finder *f, uint32_t i, uint32_t j) {
   if (g.across > limit + 2 * l->rules->max_shift ||
       g.along > limit + end_reach(l, a) + end_reach(l, b))
     return;
-  /* No inside of the mask is between diagonal corners of two polygons. */
+  /* Between diagonal corners of two polygons there is no inside of the mask. */
   if (inside && g.along >= 0 && p[i].polygon != p[j].polygon && !p[i].hole &&
       !p[j].hole)
     return;
@@ -72,7 +72,7 @@ static void pair_consider(finder *f, uint32_t i, uint32_t j) {
 static eda_box box_of(const epe_fragment *p, int32_t grown) {
   const eda_point ends[] = {p->from, p->to};
   eda_box b = eda_bounds(ends, 2);
-  return (eda_box){b.x0 - grown, b.y0 - grown, b.x1 + grown, b.y1 + grown};
+  return eda_box_grown(b, grown);
 }
 
 static void pairs_find_around(finder *f, uint32_t i, int32_t reach) {
@@ -83,7 +83,7 @@ static void pairs_find_around(finder *f, uint32_t i, int32_t reach) {
 }
 
 /* Return the distance of the begin (side 0) or end (side 1) of fragment i from
-   the corner of the edge at that side. */
+   the corner of its edge at that side. */
 static int32_t corner_distance(const epe_layer *l, uint32_t i, int side) {
   const epe_fragment *p = l->fragments;
   uint32_t first = l->edge[p[i].edge], last = l->edge[p[i].edge + 1] - 1;
@@ -92,9 +92,10 @@ static int32_t corner_distance(const epe_layer *l, uint32_t i, int side) {
                     epe_along(&p[i], p[i].from));
 }
 
-/* Add pairs of fragments on both sides of the corner at the end of fragment i,
-   except the two that meet at the corner. Outward jogs of a pair come near to
-   each other at a concave corner, inward jogs at a convex one. */
+/* Add pairs of fragments on different sides of the corner at the end of
+   fragment i, except the pair that meets at the corner. Jogs of a pair approach
+   each other if shifted outwards at a concave corner, or inwards at a convex
+   corner. */
 static void pairs_find_at_corner(finder *f, uint32_t i) {
   epe_layer *l = f->layer;
   const epe_fragment *p = l->fragments;
@@ -137,7 +138,8 @@ void epe_find_pairs(epe_layer *l) {
 
 /* ---- separation ---- */
 
-/* Move fragment i towards the drawn edge by `by` steps. */
+/* Narrow the bounds of fragment i so that its shift is reduced by `by` steps.
+ */
 static void fragment_move_back(epe_layer *l, const int32_t *shift, uint32_t i,
                                int32_t by) {
   int32_t out = shift[i] > 0, left = abs(shift[i]) - by;
@@ -147,8 +149,8 @@ static void fragment_move_back(epe_layer *l, const int32_t *shift, uint32_t i,
   l->state[l->fragments[i].edge] |= EPE_NARROWED;
 }
 
-/* Move the neighbours around the corners of a fragment back by one step, as
-   they have made it longer. */
+/* Reduce the shifts of the fragments around the corners of a fragment by one
+   step, because they made the fragment longer. */
 static void neighbours_move_back(epe_layer *l, const int32_t *shift,
                                  uint32_t i) {
   const epe_fragment *p = &l->fragments[i];
@@ -165,10 +167,12 @@ static void fragment_keep_drawn(epe_layer *l, uint32_t i) {
   }
 }
 
-/* Move both fragments back in proportion to their shifts, `missing` in sum. */
+/* Reduce the shifts of both fragments by `missing` in sum, in proportion to
+   their shifts. */
 static void pair_separate(epe_layer *l, const int32_t *shift,
                           const epe_pair *pair, double missing) {
-  int sign = pair->inside ? -1 : 1; /* sign of moves that close the gap */
+  int sign =
+      pair->inside ? -1 : 1; /* sign of shifts that reduce the distance */
   uint32_t who[2] = {pair->a, pair->b};
   double part[2], all = 0;
   for (int k = 0; k < 2; k++) all += part[k] = epe_max(0, sign * shift[who[k]]);
@@ -181,11 +185,11 @@ static void pair_separate(epe_layer *l, const int32_t *shift,
   for (int k = 0; k < 2; k++) neighbours_move_back(l, shift, who[k]);
 }
 
-/* Grid steps: tolerance for the rounding of limits, which are floats. */
+/* Tolerance for the rounding of limits, which are floats, grid steps. */
 static const double slack = 1e-3;
 
-/* Return the distance between the jogs of two fragments on both sides of a
-   corner; INFINITY unless both protrude. */
+/* Return the distance between the jogs of two fragments on different sides of a
+   corner; INFINITY unless both fragments protrude. */
 static double corner_gap(const epe_layer *l, const int32_t *shift,
                          const epe_pair *pair) {
   uint32_t a = pair->a, b = pair->b;
@@ -206,7 +210,7 @@ static int too_near(const epe_layer *l, const int32_t *shift,
   if (epe_line(p, shift, pair->b) - epe_line(p, shift, pair->a) >= limit)
     return 0;
   gap g = gap_of(p, shift, pair->a, pair->b);
-  /* Overlapping fragments that are nearer than the limit violate the rule. */
+  /* Overlapping fragments closer than the limit violate the rule. */
   return g.along <= 0 || hypot(epe_max(g.across, 0), g.along) < limit;
 }
 
@@ -221,9 +225,9 @@ static void pair_check(void *data, size_t k) {
   l->broken[k] = (uint8_t)too_near(l, s->shift, &l->pairs[k]);
 }
 
-/* Move the edges before and after edge e back if edge e is shorter than
-   min_edge (or than drawn, if that is less) or reversed. Return whether edge e
-   was too short. */
+/* If edge e is shorter than min_edge (or than drawn, if the drawn length is
+   smaller) or reversed, reduce the shifts of the edges before and after.
+   `hard`: 1: keep all three as drawn. Return 1 if edge e was too short. */
 static int edge_lengthen(epe_layer *l, const int32_t *shift, size_t e,
                          int hard) {
   const epe_fragment *p = l->fragments;
@@ -242,7 +246,7 @@ static int edge_lengthen(epe_layer *l, const int32_t *shift, size_t e,
   }
   double from = epe_max(0, sign * (begin - drawn_begin));
   double to = epe_max(0, sign * (drawn_end - end));
-  /* Move back in proportion to the shifts. */
+  /* Reduce in proportion to the shifts. */
   double part = missing / (from + to);
   fragment_move_back(l, shift, p[first].previous, (int32_t)ceil(from * part));
   fragment_move_back(l, shift, p[last].next, (int32_t)ceil(to * part));

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tests pairs of fragments against an exhaustive search, and the moves that
-   separate them. */
+/* Tests pairs of fragments against an exhaustive search, and the shifts that
+ * separate them. */
 #include "cut.c"
 
 #include "tools/devel/testing.h"
@@ -68,7 +68,7 @@ static int has_pair(const epe_layer *l, uint32_t a, uint32_t b, int inside) {
   return 0;
 }
 
-/* All fragments that may come nearer than the rule and than drawn are found. */
+/* All pairs that may become closer than the rule and than drawn are found. */
 static void test_all(void) {
   int near[2] = {0};
   for (int n = 0; n < 12; n++) {
@@ -99,8 +99,7 @@ static void test_all(void) {
           double was = wall_distance(&l, NULL, i, j),
                  is = wall_distance(&l, shift, i, j);
           if (is >= fmin(limit, was) - 0.01) continue;
-          /* There is no inside between two polygons that are past each
-             other. */
+          /* Between diagonal polygons there is no inside of the mask. */
           if (inside && p->polygon != q->polygon) continue;
           if (!has_pair(&l, inside ? j : i, inside ? i : j, inside))
             g_error("%u and %u: %g, drawn %g", i, j, is, was);
@@ -135,8 +134,9 @@ static uint32_t middle_of(const epe_layer *l, uint32_t polygon, int axis,
   g_assert_not_reached();
 }
 
-/* Each fragment moves back by its part of the missing distance, rounded up: two
-   lines 60 apart with a space of 52, and one 50 wide with a width of 46. */
+/* The shift of each fragment is reduced by its part of the missing distance,
+   rounded up. Two lines 60 apart have a min_space of 52; a line 50 wide has a
+   min_width of 46. */
 static void test_direction(void) {
   static const struct {
     int32_t by[2], left[2];

@@ -131,7 +131,7 @@ static void test_dropped(void) {
   }
 }
 
-/* A further layer is fragmented like poly, and not if only active is
+/* A layer after active is dissected like poly, but not if only active is
    corrected. */
 static void test_further_layer(void) {
   static char *names[] = {"poly", "active", "metal1"};

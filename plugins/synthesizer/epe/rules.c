@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the rounding of the shifts requested by the feedback to shifts on
+/* Implements the rounding of the shifts that the feedback requests to shifts on
    the grid that satisfy the mask rules for jogs, edge length, width and space.
-   */
+ */
 #include "epe.h"
 
 #include <math.h>
@@ -21,8 +21,8 @@ static void run_set_shift(epe_run *r) {
 }
 
 /* Make one run of each fragment of an edge, a list that begins at runs[0]. The
-   rounding error of the grid is carried along the edge until the sum justifies
-   a jog, as the optics average shifts along the edge. */
+   rounding error of the grid is summed along the edge until the sum justifies a
+   jog, because the optics average shifts along the edge. */
 static void runs_begin(const epe_layer *l, size_t e, epe_run *runs) {
   int32_t n = (int32_t)(l->edge[e + 1] - l->edge[e]);
   double missing = 0, tolerance = l->rules->blur / tuned.jog_part;
@@ -47,7 +47,7 @@ static void runs_begin(const epe_layer *l, size_t e, epe_run *runs) {
   }
 }
 
-/* Merge run k with the next one. The bounds of both runs include 0. */
+/* Merge run k with the next run. The bounds of both runs include 0. */
 static void run_merge(epe_run *runs, int32_t k) {
   epe_run *a = &runs[k];
   const epe_run *b = &runs[a->after];
@@ -79,15 +79,16 @@ static int32_t run_absorb(epe_run *runs, int32_t k, int32_t jog) {
   }
 }
 
-/* ---- least lengths ---- */
+/* ---- smallest lengths ---- */
 
 static int run_is_convex(const epe_fragment *p, const epe_fragment *next) {
   return (p->sign * next->sign > 0) == (p->axis == EDA_X);
 }
 
-/* Return whether a run is the outer one at that end (side 0: begin, 1: end). A
-   run that is the outer one at both ends has the length of a mask width. A run
-   that is the inner one at both ends has the length of a space. */
+/* Return 1 if the inside of the mask is on the run's side of its end (side 0:
+   begin, 1: end): the run is shifted further outwards than the adjacent run, or
+   the corner is convex. Such ends on both sides bound a mask width; the
+   opposite on both sides bounds a space. */
 static int run_is_bounded_inside(const epe_layer *l, const epe_run *runs,
                                  const epe_run *r, int side) {
   const epe_fragment *p = l->fragments;
@@ -115,8 +116,8 @@ static int run_too_short(const epe_layer *l, const epe_run *runs, int32_t k,
   return (rises ? length : -length) < least;
 }
 
-/* Merge run k with the neighbour of the nearer shift. Return the index of the
-   merged run. */
+/* Merge run k with the adjacent run whose shift is closer. Return the index of
+   the merged run. */
 static int32_t run_join(epe_run *runs, int32_t k) {
   int32_t before = runs[k].before, after = runs[k].after;
   if (after < 0 || (before >= 0 && run_differs(runs, k, before) <=
@@ -126,8 +127,8 @@ static int32_t run_join(epe_run *runs, int32_t k) {
   return k;
 }
 
-/* Compute the shifts of an edge into l->settled; `shift` determines the
-   corners. */
+/* Compute the shifts of an edge into l->settled. `shift` determines the
+   positions of its corners. */
 static void edge_settle(epe_layer *l, size_t e, const int32_t *shift) {
   int32_t jog = l->rules->min_jog > 1 ? l->rules->min_jog - 1 : 0;
   epe_run *runs = l->runs + l->edge[e];
@@ -141,7 +142,7 @@ static void edge_settle(epe_layer *l, size_t e, const int32_t *shift) {
       continue;
     }
     k = run_absorb(runs, run_join(runs, k), jog);
-    /* The run before may be too short now. */
+    /* The preceding run may now be too short. */
     if (runs[k].before >= 0) k = runs[k].before;
   }
   for (int32_t k = 0; k >= 0; k = runs[k].after)
@@ -149,7 +150,7 @@ static void edge_settle(epe_layer *l, size_t e, const int32_t *shift) {
       l->settled[i] = runs[k].shift;
 }
 
-/* Find the runs of an edge at the present shifts. */
+/* Find the runs of an edge in `shift`. */
 static void runs_find(const epe_layer *l, size_t e, const int32_t *shift,
                       epe_run *runs) {
   int32_t n = 0;
@@ -168,7 +169,7 @@ static void runs_find(const epe_layer *l, size_t e, const int32_t *shift,
   }
 }
 
-/* Return whether a run of an edge is too short because corners moved since the
+/* Return 1 if a run of an edge is too short. Corners may have moved since the
    edge was settled. */
 static int edge_has_short(epe_layer *l, size_t e, const int32_t *shift) {
   epe_run *runs = l->runs + l->edge[e];
@@ -202,8 +203,8 @@ static void edge_check(void *data, size_t e) {
   if (edge_has_short(r->layer, e, r->shift)) *state |= EPE_SHORT;
 }
 
-/* Settle the marked edges. `whole`: edges with a run that is too short move as
-   one run from now on. Return the number of these edges. */
+/* Settle the marked edges. `whole`: 1: from now on, edges with a run that is
+   too short have one shift. Return the number of edges with such a run. */
 static size_t edges_settle(epe_layer *l, int32_t *shift, int whole) {
   round_state r = {l, shift};
   size_t found = 0;

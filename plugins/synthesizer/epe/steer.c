@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the feedback: moves of fragments that correct the errors. Errors
-   are modelled as gain * coupling * moves with a measured gain for each site;
-   the moves are the solution of the damped least squares (Gauss-Newton,
-   Levenberg; N. Cobb, Y. Granik, "Model-based OPC using the MEEF matrix", SPIE
-   4889, 2002). */
+/* Implements the feedback: changes of shifts that correct the errors. The
+   change of errors is modelled as gain * coupling * change of shifts, with a
+   measured gain for each site. The changes are the solution of damped least
+   squares (Gauss-Newton, Levenberg; N. Cobb, Y. Granik, "Model-based OPC using
+   the MEEF matrix", SPIE 4889, 2002). */
 #include "epe.h"
 
 #include <math.h>
@@ -15,7 +15,7 @@ enum { PUSH, RESIDUAL, DIRECTION, IMAGE, SEEN };
 
 /* ---- sums ---- */
 
-/* Independent partial sums, so that no addition waits for the previous one. */
+/* Number of independent partial sums, so that additions run in parallel. */
 enum { SUMS = 4 };
 
 static double vector_dot(const double *a, const double *b, size_t n) {
@@ -64,7 +64,8 @@ static void coupling_multiply(const epe_layer *l, const epe_coupling *m,
 
 /* ---- gains ---- */
 
-/* Return the gain by least squares over a site and its neighbours. */
+/* Return the gain of a site by least squares over the site and its neighbours.
+ */
 static double site_gain(const epe_layer *l, uint32_t i) {
   double along = 0, square = 0;
   uint32_t k = i;
@@ -89,10 +90,10 @@ static void sites_measure_gains(epe_layer *l) {
     l->gain[i] = (l->gain[i] + site_gain(l, i)) / 2;
 }
 
-/* ---- the moves ---- */
+/* ---- changes of shifts ---- */
 
-/* Compute the moves that correct `errors` into work[PUSH], by conjugate
-   gradients on (J'J + stiffness) moves = -J' errors, with J = gain *
+/* Compute the changes x of shifts that correct `errors` into work[PUSH], by
+   conjugate gradients on (J'J + stiffness) x = -J' errors, with J = gain *
    coupling. */
 static void moves_solve(epe_layer *l, double stiffness, const double *errors) {
   double *x = l->work[PUSH], *r = l->work[RESIDUAL], *d = l->work[DIRECTION];
@@ -119,8 +120,8 @@ static void moves_solve(epe_layer *l, double stiffness, const double *errors) {
   }
 }
 
-/* Return the next bound of a fragment's move: smaller if the error changed sign
-   (overshoot), else larger. */
+/* Return the next bound of a fragment's change of shift: smaller if the error
+   changed its sign (overshoot), else larger. */
 static double fragment_next_step(const epe_layer *l, uint32_t i, double most) {
   double e = l->error[i], before = l->before[i];
   double step = epe_min(l->step[i], most);
@@ -136,7 +137,7 @@ void epe_steer(epe_layer *l, const epe_steering *by) {
     double e = l->error[i];
     l->step[i] = fragment_next_step(l, i, by->step);
     /* No edge nearby: a feature that did not print must grow, and a feature
-       that merged with another one must shrink. The last error has the sign. */
+       that merged with another feature must shrink. */
     if (isnan(e)) e = by->step * (l->side[i] > 0 ? tuned.lost : -tuned.lost);
     l->side[i] = e;
   }
@@ -144,8 +145,8 @@ void epe_steer(epe_layer *l, const epe_steering *by) {
   for (uint32_t i = 0; i < l->count; i++) {
     double move =
         epe_within(by->damping * l->work[PUSH][i], -l->step[i], l->step[i]);
-    /* Start near the present shift, so that moves that the mask rules did not
-       allow do not accumulate. */
+    /* Start near the present shift, so that changes that the mask rules did not
+       permit do not accumulate. */
     double from =
         epe_within(l->wanted[i], l->shift[i] - slack, l->shift[i] + slack);
     l->wanted[i] = from + move;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Test helpers of synthesizer.epe: shapes without transistors, and their
-   correction by placement errors that a function of the test returns. */
+ * correction with edge placement errors from a function of the test. */
 #pragma once
 
 #include <eda/eda.h>
@@ -134,7 +134,8 @@ static inline size_t fragment_before(const trial *t, size_t i) {
   return i - 1;
 }
 
-/* Return errors of an image 9 nm too small that follows at 1.5 nm per nm. */
+/* Return errors of an image that is 9 nm too small and changes by 1.5 nm per nm
+   of shift. */
 static inline double straight(const trial *t, size_t i) {
   return -9 + 1.5 * t->shift[i];
 }

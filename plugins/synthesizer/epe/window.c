@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the process window in the feedback: the contour at another dose is
-   another level of the same level set. Where features merge or vanish at
-   another dose, that contour is far from the edge, and the edge moves even if
-   the nominal contour is on the edge. */
+   another level of the same level set. At another dose, features may merge or
+   vanish. The contour is then far from the drawn edge, and the edge is shifted
+   even if the nominal contour is on the drawn edge. */
 #include "epe.h"
 
 #include <math.h>
 
 #include "tuning.h"
 
-/* Return the edge placement error at site i of the contour at `level`, nm,
+/* Return the edge placement error of the contour at `level` at site i, nm,
    limited to +-tuned.window_reach. */
 static double error_at(const epe_layer *l, uint32_t i, const eda_field *print,
                        double level) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tests doses weighed against placement errors, and printed images that vanish
+/* Tests averages of placement errors over doses, and printed images that vanish
    or cover everything. */
 #include "trial_test.h"
 
@@ -76,8 +76,8 @@ static void window_end(seen *s) {
   g_free(s->epe);
 }
 
-/* Return the mean move of the sides around the middle of the line; rounding by
-   the grid is spread along them. */
+/* Return the mean shift of the sides around the middle of the line; rounding to
+   the grid is spread along the sides. */
 static double move_of_middle(const seen *s) {
   double sum = 0, n = 0;
   for (size_t i = 0; i < s->count; i++) {
@@ -113,8 +113,8 @@ static void test_window(void) {
   }
 }
 
-/* A feature that printed too large and then vanished has to grow; one that then
-   covers everything has to shrink. */
+/* A feature that printed too large and then vanished must grow; a feature that
+   then covers everything must shrink. */
 static void test_gone(void) {
   const eda_box line = {0, 0, 200, 2000};
   g_autoptr(shapes) s = make_shapes(&line, 1);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements synthesizer.ic: hybrid Ion and capacitance based OPC (thesis
-   chapter 5, figure 5.2). L or W of each transistor moves by one grid step,
-   chosen by the signs of its current and area deviations (figure 5.3), while
-   their weighted sum falls. */
+   chapter 5, figure 5.2). L or W of each transistor moves by one grid step. The
+   signs of its current and area deviations select the step (figure 5.3). Steps
+   continue as long as the weighted sum of both |deviations| decreases. */
 #include <eda/memory.h>
 #include <eda/synthesizer.h>
 #include <math.h>
@@ -29,14 +29,14 @@ static const struct {
                               [NARROWER] = {0, -1, EDA_VETO_NARROWER}};
 
 typedef struct transistor {
-  double eff; /* effective deviation at the last measurement */
+  double eff; /* effective deviation at the last measurement, % */
   /* CONTINUE: figures of the best state. */
   double best_eff, best_di, best_da;
   int32_t best_l, best_w;
   int8_t moved;  /* last correction; -1: none */
-  uint8_t tried; /* CONTINUE: corrections from the best state that failed */
-  uint8_t ended;
-  uint8_t why; /* verdict once ended outside the limits */
+  uint8_t tried; /* CONTINUE: set of failed corrections of the best state */
+  uint8_t ended; /* 1: no further correction */
+  uint8_t why;   /* verdict if ended outside the limits */
   uint8_t verdict;
   int64_t retries;
 } transistor;
@@ -54,11 +54,11 @@ typedef struct ic {
 
 /* Measured figures of a transistor. */
 typedef struct measured {
-  double di, da;        /* signed, %: lines 7 and 8 */
-  double eff;           /* line 9 */
+  double di, da;        /* Ion and area deviation, %; lines 7 and 8 */
+  double eff;           /* effective deviation, %; line 9 */
   double length, width; /* drawn, in grid steps */
   int32_t most;         /* largest |bias| of L, grid steps */
-  int32_t most_w;
+  int32_t most_w;       /* largest |bias| of W, grid steps */
   uint32_t veto;
 } measured;
 
@@ -101,7 +101,7 @@ static int is_outside(const ic *c, const measured *m) {
   return fabs(m->di) > c->ion_limit || fabs(m->da) > c->area_limit;
 }
 
-/* Return the correction by the decision matrix, lines 12 to 19; -1 where a
+/* Return the correction of the decision matrix, lines 12 to 19; -1 if a
    deviation is exactly 0. */
 static int matrix_decide(const measured *m) {
   if (m->di > 0 && m->da < 0) return LONGER;
@@ -117,8 +117,8 @@ static void transistor_end(transistor *t, int why) {
   t->why = (uint8_t)why;
 }
 
-/* Apply a correction to (l, w). If a veto or the bias limit forbids it, end the
-   transistor. */
+/* Apply a correction to (l, w). If a veto or the bias limit forbids the
+   correction, end the transistor. */
 static void transistor_correct(transistor *t, const measured *m, int correction,
                                int32_t *l, int32_t *w) {
   t->moved = -1;
@@ -135,9 +135,9 @@ static void transistor_correct(transistor *t, const measured *m, int correction,
   }
 }
 
-/* Perform lines 10 to 20 for one transistor. A restored transistor ends: its
-   mask equals that of an earlier iteration, so the figure would repeat the same
-   step for ever. */
+/* Perform lines 10 to 20 for one transistor. A transistor whose step was
+   reverted ends: its mask equals an earlier one, so the algorithm would repeat
+   the same step forever. */
 static void transistor_freeze(const ic *c, transistor *t, const measured *m,
                               int32_t *l, int32_t *w) {
   int vetoed = t->moved >= 0 && m->veto & corrections[t->moved].veto;
@@ -159,8 +159,8 @@ static double deviation_after(const ic *c, const measured *m, int correction) {
          c->alpha_a * fabs(m->da + by_l + by_w);
 }
 
-/* Return the next correction to try from the best state: first that of the
-   matrix, then the others by expected deviation; -1 if none remains. */
+/* Return the next correction to try from the best state: first the correction
+   of the matrix, then the others by expected deviation; -1: none. */
 static int next_correction(const ic *c, const transistor *t, measured m) {
   m.di = t->best_di;
   m.da = t->best_da;
@@ -179,7 +179,7 @@ static int next_correction(const ic *c, const transistor *t, measured m) {
 }
 
 /* Perform the variant CONTINUE: return to the best state and try another
-   correction from there. */
+   correction. */
 static void transistor_retry(const ic *c, transistor *t, const measured *m,
                              int32_t *l, int32_t *w) {
   int vetoed = t->moved >= 0 && m->veto & corrections[t->moved].veto;
@@ -206,8 +206,9 @@ static void transistor_retry(const ic *c, transistor *t, const measured *m,
   t->moved = (int8_t)correction;
 }
 
-/* Correct all transistors. The loop is done when neither a mask (line 21) nor a
-   measured figure changes; line ends of the regulator may change figures. */
+/* Correct all transistors. The correction is finished if neither a mask (line
+   21) nor a measured figure changes; line ends of the regulator may change
+   figures. */
 static int ic_update(void *self, const eda_feedback *f, eda_moves *moves,
                      int *done, opc_error *error) {
   ic *c = self;
@@ -218,7 +219,7 @@ static int ic_update(void *self, const eda_feedback *f, eda_moves *moves,
     measured m = transistor_measure(c, f, i);
     int32_t l = moves->l[i], w = moves->w[i];
     if (t->eff != m.eff && isfinite(t->eff)) *done = 0;
-    /* An open line is too thin: L increases. */
+    /* An open line is too thin: increase L. */
     if (!t->ended && isinf(m.eff) && isinf(t->eff))
       transistor_correct(t, &m, LONGER, &moves->l[i], &moves->w[i]);
     else if (!t->ended)
@@ -268,11 +269,7 @@ static const opc_parameter parameters[] = {
         .flags = OPC_AT_LEAST | OPC_AT_MOST, .min = 0, .max = 100000,
         .summary = "number of failed corrections after which a transistor ends "
                    "at the best state (stall: continue)"),
-    OPC_PARAMETER(
-        ic, max_bias, .type = OPC_REAL, .flags = OPC_ABOVE | OPC_AT_MOST,
-        .unit = "nm", .follows = "0.311 lambda/NA", .max = 10000,
-        .summary =
-            "largest correction of L or W; W moves by at most half of W"),
+    EDA_MAX_BIAS(ic),
 };
 
 /* Compute the defaults of parameters that are not set. */

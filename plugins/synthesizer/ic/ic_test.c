@@ -165,8 +165,8 @@ static void test_continue(void) {
 }
 
 /* A single correction fails where a combination succeeds: I +3, A +3, so W
-   decreases; after two steps the area rises. The variant `freeze` ends there;
-   `continue` goes on with L and ends with a smaller deviation. */
+   decreases; after two steps the area rises. The variant `freeze` then ends;
+   `continue` tries L and ends with a smaller deviation. */
 static void test_continue_is_better(void) {
   const model t = {.i = 3,
                    .i_by_l = -1,
@@ -284,7 +284,7 @@ static void test_bias_limit(void) {
   check_moves("{}", slim, "0,-1 0,-2 0,-3 0,-3 0,-3 ", "bias limit");
 }
 
-/* An open line has no figures; it gets thicker until it prints, in both
+/* An open line has no figures; its length grows until the line prints, in both
    variants. */
 static void test_open(void) {
   model t = {.i = 12, .i_by_l = -3, .a = -12, .a_by_l = 3, .prints_from = 3};
@@ -351,9 +351,9 @@ static double deviation_after(const model *t, int direction) {
          alpha[1] * fabs(model_da(t) + l + w);
 }
 
-/* Compute the variant with `retries`: a failed step is followed by others from
-   the best mask. A correction counts as forbidden where it was vetoed when last
-   tried. Return the verdict. */
+/* Compute the variant with `retries`: a failed step is followed by other steps
+   from the best mask. A correction counts as forbidden where it was vetoed when
+   last tried. Return the verdict. */
 static const char *run_continue(model *t, int retries) {
   model best = *t;
   int tried = 0, vetoed = 0;

@@ -54,7 +54,7 @@ static void test_goals(void) {
   } wrong[] = {
       {"weight\n1\n", ":1:1: missing column 'transistor'"},
       {"transistor,slack\n", ":1:12: unknown column 'slack'"},
-      {"ion,transistor,ion\n", ":1:16: a column twice: 'ion'"},
+      {"ion,transistor,ion\n", ":1:16: duplicate column: 'ion'"},
       {"transistor,weight\ncell:1,1\ncell:9,1\n",
        ":3:1: unknown transistor 'cell:9'"},
       {"transistor,weight\n"

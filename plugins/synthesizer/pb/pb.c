@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements synthesizer.pb: performance-based OPC (thesis 2.2.5, figure 2.5).
-   The first correction of each length is the error of the effective length.
+   The first correction of each length equals the error of the effective length.
    Then L and W move by single grid steps to the local minimum of the
-   deviation. */
+   |deviation|. */
 #include <math.h>
 #include <opcflow/follow.h>
 
@@ -13,7 +13,7 @@
 enum { MODE_ION, MODE_IOFF, MODE_IOFFION };
 enum { ION, IOFF };
 
-/* nm: if |Leq - L| is smaller, Leq determines no slope. Half and double this
+/* Smallest |Leq - L|, nm, from which a slope is computed. Half and twice this
    value change no first step of the test cells. */
 static const double least_slope = 0.1;
 
@@ -22,7 +22,7 @@ typedef struct pb {
   double current_limit; /* % */
   double max_bias;      /* nm */
   int mode;
-  int driven; /* ION or IOFF: the figure that is minimized now */
+  int driven; /* ION or IOFF: the current that is corrected at present */
   descent descent;
 } pb;
 
@@ -32,17 +32,17 @@ static const double *pb_current(const eda_performance *p, int which) {
   return which == ION ? p->ion : p->ioff;
 }
 
-/* Return the TPE, eq. 2.3 and 2.4, %. */
+/* Return the deviation of the corrected current, thesis eq. 2.3 and 2.4, %. */
 static double pb_error(const void *self, const eda_feedback *f, size_t i) {
   int which = ((const pb *)self)->driven;
   double design = pb_current(f->design, which)[i];
   return 100 * (pb_current(f->printed, which)[i] - design) / design;
 }
 
-/* Return the length of the rectangle that has the printed current and the drawn
-   width. Leq refers to the printed width: current per width is taken as
-   exponential in the length between the drawn length and Leq. If Leq equals the
-   drawn length, the slope is unknown and Leq is returned. */
+/* Return the length of a rectangle with the printed current and the drawn
+   width. Leq belongs to the printed width. The current per width is assumed to
+   be exponential in the length between the drawn length and Leq. If Leq is
+   close to the drawn length, the slope is unknown and Leq is returned. */
 static double length_at_drawn_width(double drawn, double leq, double width,
                                     double weq, double current) {
   double slope = log(current * width / weq) / (leq - drawn);
@@ -50,8 +50,8 @@ static double length_at_drawn_width(double drawn, double leq, double width,
   return fabs(leq - drawn) > least_slope && weq > 0 && slope < 0 ? length : leq;
 }
 
-/* Return L_design - Leq in grid steps (thesis 3.2.2 (2), for the algorithm of
-   chapter 2); 0 for a gate that does not print. */
+/* Return the first correction, L_design - Leq in grid steps (thesis 3.2.2 (2),
+   for the algorithm of chapter 2); 0 for a gate that does not print. */
 static int32_t pb_first(const void *self, const eda_feedback *f, size_t i) {
   int which = ((const pb *)self)->driven;
   const eda_gates *g = f->gates;
@@ -81,7 +81,7 @@ static int pb_begin(void *self, const eda_feedback *f, opc_error *error) {
   return OPC_OK;
 }
 
-/* Continue with Ion by widths alone; lengths stay as corrected for Ioff. */
+/* Continue with Ion by widths alone; the lengths remain. */
 static void pb_begin_ion(pb *p) {
   p->driven = ION;
   p->descent.fine = 1;
@@ -107,7 +107,7 @@ static const char *pb_verdict(const void *self, size_t gate) {
   return descent_verdict(&((const pb *)self)->descent, gate);
 }
 
-/* Return the target of Ion; a correction by Ioff has none. */
+/* Return the target of Ion; NAN for a correction of Ioff. */
 static double pb_target(const void *self, size_t gate) {
   (void)gate;
   return ((const pb *)self)->mode == MODE_IOFF ? NAN : 1;
@@ -125,11 +125,7 @@ static const opc_parameter parameters[] = {
         .follows = "ion_limit of the step", .former = "max_tpe|limit",
         .summary = "largest allowed |deviation| of the corrected current; a "
                    "transistor within the limit keeps the mask"),
-    OPC_PARAMETER(
-        pb, max_bias, .type = OPC_REAL, .flags = OPC_ABOVE | OPC_AT_MOST,
-        .unit = "nm", .follows = "0.311 lambda/NA", .max = 10000,
-        .summary =
-            "largest correction of L or W; W moves by at most half of W"),
+    EDA_MAX_BIAS(pb),
 };
 
 /* Compute the defaults of parameters that are not set. */

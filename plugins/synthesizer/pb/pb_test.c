@@ -130,8 +130,8 @@ static void test_ioffion_keeps_length(void) {
   g_string_free(t.trace, TRUE);
 }
 
-/* The first correction is one step if the effective length is right to half a
-   step, or if the gate does not print and has no effective length. */
+/* The first correction is one step if the effective length is correct within
+   half a step, or if the gate does not print and has no effective length. */
 static void test_first_step(void) {
   model t = both;
   t.leq_ion[0] = 65.3;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Converts a subcircuit to a cell: pins, logic function (by switches that are
-   open, closed or unknown), and arcs. */
+/* Converts a subcircuit to a cell: pins, logic function and arcs. The logic
+   function is derived from transistors as switches that are open, closed or
+   unknown. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -79,7 +80,7 @@ static const char *take_pins(study *s, const eda_flat_netlist *flat,
 
 enum { LOW, HIGH, UNKNOWN };
 
-/* Nets held at 0 [0] and 1 [1], certainly [.][0] or possibly [.][1]. */
+/* Nets connected to a level: by[level][0] certainly, by[level][1] possibly. */
 typedef struct reach {
   uint8_t *by[2][2];
 } reach;
@@ -198,8 +199,8 @@ static void list_arcs(study *s, eda_timing_cell *c) {
 
 /* ---- sizes relevant for an arc ---- */
 
-/* Mark the nets that may change with an input, through channels that conduct at
-   some time of the transition. */
+/* Mark the nets whose voltage may change during an arc: nets connected to
+   changing nets by channels that conduct at some time. */
 static void find_moves(const eda_timing_cell *c, const uint8_t *fixed,
                        const uint8_t *value, uint8_t *moves) {
   for (int news = 1; news;) {
@@ -215,8 +216,8 @@ static void find_moves(const eda_timing_cell *c, const uint8_t *fixed,
   }
 }
 
-/* A transistor that is off throughout acts as a capacitor on changing nets. The
-   capacitance depends on its width, not on its length. */
+/* A transistor that is off during the whole arc acts as a capacitance on
+   changing nets. The capacitance depends on the width, not on the length. */
 void arc_sizes(const eda_timing_cell *c, const circuit *r,
                const eda_timing_arc *a, uint8_t *sizes) {
   uint8_t *fixed = eda_alloc(3 * c->nets, 1), *value = fixed + c->nets,
@@ -238,8 +239,8 @@ void arc_sizes(const eda_timing_cell *c, const circuit *r,
 
 /* ---- the grid ---- */
 
-/* Loads are specified per um of channel width at the outputs, so that strong
-   cells get larger loads. */
+/* Loads are given per um of channel width at the outputs, so that stronger
+   cells have larger loads. */
 static void make_grid(study *s, eda_timing_cell *c, const circuit *r) {
   eda_pool *pool = &s->timing->memory;
   double most = 0;
@@ -264,7 +265,7 @@ static void make_grid(study *s, eda_timing_cell *c, const circuit *r) {
   c->near_load[1] = c->loads > 3 ? c->loads - 2 : c->loads - 1;
 }
 
-/* ---- all ---- */
+/* ---- construction of a cell ---- */
 
 int cell_build(study *s, eda_netlist *n, uint32_t number, eda_timing_cell *c,
                circuit *r, opc_error *error) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements timing.characterize: characterizes the cells of a netlist with
-   ngspice, with delays and slews of all arcs and their sensitivities to the
-   printed sizes of each transistor. */
+/* Implements timing.characterize: simulates the cells of a netlist with
+   ngspice. The results are delays and slews of all arcs, and derivatives with
+   respect to the printed sizes of each transistor. */
 #include "characterize.h"
 #include "../parameters.h"
 
@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- work: which cells ---- */
+/* ---- work: selection of cells ---- */
 
 /* Return 1 for a subcircuit of transistors only; one with instances is a
    circuit. */
@@ -79,7 +79,8 @@ static int find_figures(study *s, eda_timing_cell *c, int *kept,
   int code = *kept ? OPC_OK : cell_measure(s, c, error);
   if (!code && !*kept) keep_save(s, key, c->figure, c->figures);
   if (!code) code = pairs_find(s, c, key, error);
-  /* All values are for one of r->times equal circuits in parallel. */
+  /* The simulated values belong to one of r->times identical circuits in
+     parallel. */
   const size_t pins = c->inputs * 2 * EDA_CAPS,
                all = pins * (1 + c->bundles * (size_t)EDA_SIZES),
                by_pattern = (c->inputs << c->inputs) * EDA_CAPS;
@@ -212,20 +213,22 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(study, file, .type = OPC_FILE, .flags = OPC_REQUIRED,
                   .summary = "SPICE or CDL netlist with the cells"),
     OPC_PARAMETER(study, top, .type = OPC_TEXT,
-                  .summary = "the circuit whose cells are wanted (default: all "
+                  .summary = "circuit whose cells are simulated (default: all "
                              "cells of the file)"),
-    OPC_PARAMETER(study, cells, .type = OPC_TEXT,
-                  .summary = "names of cells, with blanks between (default: "
-                             "all)"),
-    OPC_PARAMETER(study, scale, .type = OPC_REAL, .preset = "1",
-                  .flags = OPC_ABOVE | OPC_AT_MOST, .min = 0, .max = 1e6,
-                  .summary = "a factor on the sizes of the netlist"),
+    OPC_PARAMETER(
+        study, cells, .type = OPC_TEXT,
+        .summary = "names of cells, separated by blanks (default: all)"),
+    OPC_PARAMETER(
+        study, scale, .type = OPC_REAL, .preset = "1",
+        .flags = OPC_ABOVE | OPC_AT_MOST, .min = 0, .max = 1e6,
+        .summary = "factor by which the sizes in the netlist are multiplied"),
     TIMING_MODELS(study, OPC_REQUIRED, "file with the model cards"),
     OPC_PARAMETER(study, n_models, .type = OPC_TEXT,
-                  .summary = "names of n-transistors' models in the netlist "
-                             "whose type does not show"),
+                  .summary = "model names of n-transistors in the netlist that "
+                             "do not indicate the type"),
     OPC_PARAMETER(study, p_models, .type = OPC_TEXT,
-                  .summary = "the same of p-transistors"),
+                  .summary = "model names of p-transistors in the netlist that "
+                             "do not indicate the type"),
     OPC_PARAMETER_NAMED("supplies", study, supplies, .type = OPC_TEXT,
                         .preset = "VDD VDD! VCC VPWR VPB",
                         .summary = "names of supplies"),
@@ -236,47 +239,41 @@ static const opc_parameter parameters[] = {
         study, dlc, .type = OPC_BOOL, .preset = "true",
         .summary =
             "use a separate length for the gate capacitance (thesis eq. 3.11)"),
-    OPC_PARAMETER(study, supply, .type = OPC_REAL, .unit = "V",
-                  .flags = OPC_REQUIRED | OPC_ABOVE | OPC_AT_MOST, .min = 0,
-                  .max = 20, .summary = "supply voltage"),
-    OPC_PARAMETER(study, temperature, .type = OPC_REAL, .unit = "C",
-                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "27 C",
-                  .min = -200, .max = 300,
-                  .summary = "temperature of the transistors"),
-    OPC_PARAMETER(study, slews, .type = OPC_REALS, .unit = "s",
-                  .preset = "[2 ps, 5 ps, 10 ps, 22 ps, 70 ps]",
-                  .summary = "times of the inputs between the edges"),
+    EDA_CONDITIONS(study),
+    OPC_PARAMETER(
+        study, slews, .type = OPC_REALS, .unit = "s",
+        .preset = "[2 ps, 5 ps, 10 ps, 22 ps, 70 ps]",
+        .summary = "input slews, measured between the levels `edges`"),
     OPC_PARAMETER(
         study, loads, .type = OPC_REALS, .unit = "F",
         .preset = "[0.3 fF, 1.2 fF, 3 fF, 7 fF, 16 fF]",
-        .summary =
-            "capacitances at the output, for each um of connected channels"),
+        .summary = "output loads for each um of channel width at the output"),
     OPC_PARAMETER(study, edges, .type = OPC_REALS, .unit = "%",
                   .preset = "[30 %, 70 %]",
-                  .summary = "where slews begin and end"),
-    OPC_PARAMETER(study, checks, .type = OPC_INT,
-                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "0", .min = 0,
-                  .max = 10000,
-                  .summary = "random points at which the tables are checked, "
-                             "with all sizes varied"),
+                  .summary = "voltage levels between which slews are measured"),
+    OPC_PARAMETER(
+        study, checks, .type = OPC_INT, .flags = OPC_AT_LEAST | OPC_AT_MOST,
+        .preset = "0", .min = 0, .max = 10000,
+        .summary = "number of random points at which the tables are compared "
+                   "with simulations, with all sizes varied"),
     OPC_PARAMETER(study, seed, .type = OPC_INT, .flags = OPC_AT_LEAST,
                   .preset = "1", .min = 0, .summary = "seed of random samples"),
     OPC_PARAMETER(study, liberty, .type = OPC_OUTPUT, .preset = "cells.lib",
-                  .summary = "the cells as drawn"),
+                  .summary = "Liberty file of the drawn cells"),
     TIMING_TIME_LIMIT(study),
 };
 
 static const opc_metric metrics[] = {
     FIGURE("cells", NULL, "cells with arcs"),
-    FIGURE("arcs", NULL, "transitions of an input that an output follows"),
+    FIGURE("arcs", NULL, "input transitions that change an output"),
     FIGURE("kept", NULL, "cells reused from earlier simulations"),
     FIGURE("simulated", NULL, "number of simulated transitions"),
     COST("delay_error", "%",
          "root mean square error of delays from the tables at random points"),
-    COST("delay_error_max", "%", "the largest of them"),
+    COST("delay_error_max", "%", "largest |error| of delays at random points"),
     COST("slew_error", "%",
          "root mean square error of slews from the tables at random points"),
-    COST("slew_error_max", "%", "the largest of them"),
+    COST("slew_error_max", "%", "largest |error| of slews at random points"),
     COST("change_error", "%",
          "root mean square error of the changes of delays by printed sizes, in "
          "points"),

@@ -56,7 +56,7 @@ static eda_timing *run_well(const char *file, const char *more) {
   return t;
 }
 
-/* A small grid, as each point is simulated. */
+/* A small grid, because each point is simulated. */
 #define GRID "slews: [5 ps, 15 ps, 40 ps], loads: [1 fF, 3 fF, 9 fF]"
 
 /* Set the store to a folder `name` in the test's folder; "": no store. */
@@ -137,8 +137,8 @@ static double last_crossing(const eda_spice_plot *p, const char *node,
 
 static const double supply = 1.1;
 
-/* Simulate a circuit with supply s, input b, which rises in the shape of the
-   library, and output y, which falls. Returns delay and slew. */
+/* Simulate a circuit with supply s, input b (a rising ramp of the library's
+   shape) and output y, which falls. Returns delay and slew. */
 static void by_hand(const char *devices, double slew, double *delay,
                     double *out) {
   g_autofree char *card = data("devices/opcflow65.pm");
@@ -207,8 +207,8 @@ static void test_delays(void) {
   close_to(moved_by(c, a, "MN1", EDA_SIZE_W), (wider - narrower) / 0.04, 0.05);
   g_assert_cmpfloat(opc_test_metric("delay_error"), <, 3);
   g_assert_cmpfloat(opc_test_metric("delay_error"), >, 0);
-  /* Replace the pin by a gate: the capacitance for delays causes the same
-     delay. */
+  /* Replace the pin by the gate itself: the capacitance for delays must cause
+     the same delay. */
   double pin = c->capacitance[(1 * 2 + 0) * EDA_CAPS + EDA_CAP_DELAY];
   g_autofree char *same = g_strdup_printf("cl y 0 %.17g", pin);
   double by_pin;
@@ -238,8 +238,9 @@ static void put_ramp(GString *deck, const char *net, int rises, double slew,
   g_string_append(deck, ")\n");
 }
 
-/* Return the delay from the middle of the cause to the middle of the output.
-   nand2: A changes with a slew of 12 ps, B `gap` later with 20 ps. */
+/* Return the delay from the middle of the causing input to the middle of the
+   output. Circuit: nand2; A changes with a slew of 12 ps, B changes `gap` later
+   with a slew of 20 ps. */
 static double both_by_hand(int rises, double gap) {
   g_autofree char *card = data("devices/opcflow65.pm");
   const double middle = 60e-12;
@@ -274,8 +275,9 @@ static double alone_at(const eda_timing_cell *c, const eda_timing_arc *a,
   return eda_timing_cubic_at(c->at_slew, cubic, c->slews, slew);
 }
 
-/* Test both inputs of a NAND gate at slews and gaps between the simulated ones.
-   With one input alone, the errors would be 20 % (rising) and 80 %. */
+/* Both inputs of a NAND gate at slews and gaps between the simulated values.
+   With tables of one input, the errors would be 20 % (rising) and 80 %
+   (falling). */
 static void test_pairs(void) {
   static const double gap[] = {0, 2e-12, 7e-12, 60e-12};
   g_autofree char *file = data("cells65/nand2.sp");
@@ -285,7 +287,7 @@ static void test_pairs(void) {
   const eda_timing_cell *c = &t->cell[0];
   g_assert_cmpuint(c->pairs, ==, 4);
   for (int rises = 0; rises < 2; rises++) {
-    /* A first, from both 0 or both 1. */
+    /* A is the first input; initially, both inputs are 0 or 1. */
     const eda_timing_pair *p = &c->pair[c->pair_of[1 << 2 | (rises ? 0 : 3)]];
     g_assert_cmpint(p->first, ==, 0);
     g_assert_cmpint(p->parallel, ==, !rises);
@@ -305,8 +307,8 @@ static void test_pairs(void) {
 /* ---- equivalent transistors ---- */
 
 /* A NAND gate with two fingers per transistor and separate nets for the stacks,
-   and one with single fingers in another order, whose values must equal those
-   of the first. */
+   and a NAND gate with single fingers in another order. The values of both must
+   be equal. */
 static const char fingers[] =
     "* cells\n"
     ".subckt two A B Z VDD VSS\n"
@@ -317,14 +319,14 @@ static const char fingers[] =
     ".ends\n.subckt one A B Z VDD VSS\n"
     "M1 Z B x VSS nmos w=300n l=65n\nM2 x A VSS VSS nmos w=300n l=65n\n"
     "M3 Z A VDD VDD pmos w=350n l=65n\nM4 Z B VDD VDD pmos w=350n l=65n\n"
-    /* Another stack: now no two transistors are equivalent. */
+    /* One stack differs: no two transistors are equivalent. */
     ".ends\n.subckt odd A B Z VDD VSS\n"
     "M1 Z B x VSS nmos w=300n l=65n\nM2 x A VSS VSS nmos w=300n l=65n\n"
     "M3 Z B y VSS nmos w=300n l=65n\nM4 y A VSS VSS nmos w=310n l=65n\n"
     "M5 Z A VDD VDD pmos w=350n l=65n\nM6 Z B VDD VDD pmos w=350n l=65n\n"
     ".ends\n";
 
-/* Simulate `two` unreduced, with another width of one transistor of one
+/* Simulate `two` without reduction, with another width of one transistor in one
    stack. */
 static double two_by_hand(double w) {
   double delay, slew;
@@ -383,8 +385,8 @@ static double off_by_hand(double w2, double l2, double w3) {
   return delay;
 }
 
-/* Test that a transistor that is off acts as a capacitor: its width matters,
-   its length does not. Without a changing net, neither matters. */
+/* A transistor that is off acts as a capacitance: its width has an effect, its
+   length has none. If its nets do not change, neither has an effect. */
 static void test_off(void) {
   const eda_timing_cell *c = eda_timing_find(more_characterized(), "aoi21");
   const eda_timing_arc *a = arc(c, 0, 4);
@@ -407,7 +409,7 @@ static void test_off(void) {
   g_assert_cmpfloat(fabs(l), <, 0.002 * a->delay[0]);
   g_assert_cmpfloat(moved_by(c, a, "M3", EDA_SIZE_W), ==, 0);
   g_assert_cmpfloat(fabs(w3), <, 0.002 * a->delay[0]);
-  /* A conducting transistor matters even if its gate does not change. */
+  /* A conducting transistor has an effect even if its gate does not change. */
   g_assert_cmpfloat(fabs(moved_by(c, a, "M5", EDA_SIZE_L)), >, 0);
 }
 
@@ -432,8 +434,7 @@ static void test_kept(void) {
   eda_timing_free(first);
 }
 
-/* Test that an empty OPCFLOW_STORE stores nothing, in particular not in
-   ./timing. */
+/* An empty OPCFLOW_STORE stores nothing, in particular not in ./timing. */
 static void test_unkept(void) {
   g_autofree char *file = data("cells65/inverter.sp");
   g_autofree char *before = g_get_current_dir();

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Simulates many copies of cells in one run, with an input that changes for all
-   at once. Copies share time steps, so differences between two copies are free
-   of discretization noise. */
+/* Simulates many copies of cells in one run with a common input transition.
+   Copies share time steps, so that differences between copies contain no
+   discretization noise. */
 #include <eda/wave.h>
 #include <math.h>
 #include <stdio.h>
@@ -40,9 +40,9 @@ static const double shorter = 0.7;
 static const double steps[] = {
     [PILOT] = 0, [GRID] = 5, [CHANGES] = 4, [JUDGE] = 25};
 
-/* End of a run after the middle of the output, in slews: an output 1.5 times as
-   slow as expected has settled; CHANGES: two steps after the end of the known
-   slew. */
+/* End of a run after the middle of the output transition, in slews. With 5, an
+   output 1.5 times as slow as expected has settled. CHANGES needs only two
+   steps after the end of the known slew. */
 static const double settled[] = {
     [PILOT] = 0, [GRID] = 5, [CHANGES] = 1.5, [JUDGE] = 5};
 
@@ -155,8 +155,7 @@ static void put_copy(const deck *d, FILE *out, size_t k, offsets *o) {
 }
 
 /* Return the deck (caller frees). Charges are of the order of fF times mV; the
-   default tolerances of the simulator are 1 uV and 1e-14 C, and the second
-   would ignore these charges. */
+   default charge tolerance of the simulator, 1e-14 C, would ignore them. */
 static char *deck_text(const deck *d) {
   const study *s = d->s;
   char *text = NULL;
@@ -310,7 +309,8 @@ static size_t run_once(deck *d, const char *text, span of) {
   return missing;
 }
 
-void deck_run(deck *d) {
+static void deck_run(void *decks, size_t which) {
+  deck *d = (deck *)decks + which;
   char *text = deck_text(d);
   span of = span_of(d);
   size_t missing = run_once(d, text, of);
@@ -330,4 +330,20 @@ void deck_run(deck *d) {
         &d->error, OPC_FAILED, NULL,
         "cell '%.100s': an output does not follow the input within %.3g ns",
         d->copy[0].cell->name, of.window * 1e9);
+}
+
+int decks_run(study *s, deck *decks, size_t count, opc_error *error) {
+  opc_parallel(s->host->context, count, deck_run, decks);
+  for (size_t i = 0; i < count; i++) {
+    s->simulated += decks[i].count;
+    if (!decks[i].code) continue;
+    *error = decks[i].error;
+    return error->code;
+  }
+  return OPC_OK;
+}
+
+void decks_clear(deck *decks, size_t *count) {
+  for (size_t i = 0; i < *count; i++) free(decks[i].copy);
+  *count = 0;
 }

@@ -30,8 +30,8 @@ static void put_table(FILE *out, const eda_timing_cell *c, const char *name,
   fputs(");\n      }\n", out);
 }
 
-/* Write a pattern such as "A1 & !A2" of the inputs except `but` (`inputs`: of
-   all). */
+/* Write the levels of all inputs except input `but`, such as "A1 & !A2". If
+   `but` equals c->inputs, write all inputs. */
 static void put_pattern(FILE *out, const eda_timing_cell *c, uint32_t pattern,
                         size_t but) {
   int some = 0;
@@ -60,8 +60,8 @@ static const eda_timing_arc *arc_at(const eda_timing_cell *c, size_t o,
   return k < 0 ? NULL : &c->arc[k];
 }
 
-/* Write the arcs of both directions of an input at one pattern of the
-   others. */
+/* Write the arcs from both directions of input i to output o, for one pattern
+   of the other inputs. */
 static void put_timing(FILE *out, const eda_timing_cell *c, size_t o, size_t i,
                        uint32_t low) {
   const eda_timing_arc *a = arc_at(c, o, i, low);

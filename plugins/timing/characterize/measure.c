@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Plans the simulations of a cell: its arcs over the grid, each relevant size
-   of each transistor changed at three points of the grid, and its pins. */
+/* Plans the simulations of a cell: arcs over the grid, changes of each relevant
+   transistor size at three grid points, and pin capacitances. */
 #include <eda/random.h>
 #include <math.h>
 #include <stdlib.h>
@@ -11,8 +11,8 @@
 enum {
   SOME = 48,  /* approximate copies per run; more share time steps but take
                  longer */
-  FEW = 12,   /* runs with fewer copies join those of the next load: a run costs
-                 20 ms */
+  FEW = 12,   /* a run with fewer copies also includes copies of the next load;
+                 starting a run takes 20 ms */
   POINTS = 3, /* points of the grid with size changes */
   SIDES = 4   /* patterns of the other inputs for size changes of a pin */
 };
@@ -39,7 +39,8 @@ static copy *last_copy(const plan *p) {
   return &d->copy[d->count - 1];
 }
 
-/* Return a deck with capacity for `need` more copies like `c`. */
+/* Return a deck with capacity for `need` copies that have the same slew,
+   direction and accuracy as `c`. */
 static deck *deck_for(plan *p, double slew, care with, const copy *c,
                       size_t need) {
   int rises = !(c->from >> c->input & 1);
@@ -102,8 +103,8 @@ static void plan_point(plan *p, care with, int rises, size_t slew,
 
 /* ---- as drawn ---- */
 
-/* Add runs at the smallest input slew and the ends of the loads, to estimate
-   the durations of the others. */
+/* Add runs at the smallest input slew with the smallest and the largest load.
+   The results determine the durations of later runs. */
 static void plan_pilot(plan *p) {
   for (int rises = 0; rises < 2; rises++) {
     plan_point(p, PILOT, rises, 0, 0);
@@ -111,10 +112,11 @@ static void plan_pilot(plan *p) {
   }
 }
 
-/* Interpolate delays and slews linearly between the end loads. Per second of
-   input slew, the delay grows by `later` (the largest value for inverters of
-   PTM 65 nm) and the slew by `slower` (the least value). Decks have a margin
-   and continue if an output has not settled. */
+/* Estimate delays and slews over the grid. Interpolate linearly between the
+   smallest and the largest load. Per second of input slew, delays grow by
+   `later` (the largest value for inverters of PTM 65 nm) and slews by `slower`
+   (the smallest value). Decks have a margin, and continue if an output has not
+   settled. */
 static void cell_estimate(const eda_timing_cell *c) {
   const double later = 0.4, slower = 0.1;
   const size_t end = c->loads - 1;
@@ -145,7 +147,7 @@ static void take_grid(const copy *c) {
   c->arc->slew[c->point] = c->slew;
 }
 
-/* ---- with each size changed ---- */
+/* ---- changes of single sizes ---- */
 
 /* Add an arc as drawn and with each relevant size changed, in one deck. */
 static void plan_arc(plan *p, eda_timing_arc *a, const uint8_t *sizes,
@@ -249,11 +251,6 @@ static void take_pin(const plan *p, const copy *base, const copy *c) {
 
 /* ---- a cell ---- */
 
-static void run_deck(void *data, size_t i) {
-  plan *p = data;
-  deck_run(&p->deck[i]);
-}
-
 static void take_all(const plan *p) {
   const copy *base = NULL;
   for (size_t i = 0; i < p->count; i++)
@@ -269,27 +266,11 @@ static void take_all(const plan *p) {
     }
 }
 
-static void clear_decks(plan *p) {
-  for (size_t i = 0; i < p->count; i++) free(p->deck[i].copy);
-  p->count = 0;
-}
-
-static int run_all(plan *p, opc_error *error) {
-  opc_parallel(p->s->host->context, p->count, run_deck, p);
-  for (size_t i = 0; i < p->count; i++) {
-    p->s->simulated += p->deck[i].count;
-    if (!p->deck[i].code) continue;
-    *error = p->deck[i].error;
-    return error->code;
-  }
-  return OPC_OK;
-}
-
 /* Run the planned decks and store their results. */
 static int plan_settle(plan *p, opc_error *error) {
-  int code = run_all(p, error);
+  int code = decks_run(p->s, p->deck, p->count, error);
   if (!code) take_all(p);
-  clear_decks(p);
+  decks_clear(p->deck, &p->count);
   return code;
 }
 
@@ -325,8 +306,8 @@ static size_t random_below(uint64_t *state, size_t n) {
   return (size_t)(eda_random_unit(state) * (double)n);
 }
 
-/* Return a random value, log-uniform over the grid except its first and last
-   steps, which serve rare cases. */
+/* Return a random value with uniform logarithm between the second and the last
+   but one grid value. The outermost grid steps serve rare cases. */
 static double draw_between(uint64_t *state, const double *at, size_t n) {
   double low = at[n > 3], high = at[n > 3 ? n - 2 : n - 1];
   return low * pow(high / low, eda_random_unit(state));
@@ -396,10 +377,10 @@ int cells_check(study *s, verdict *out, opc_error *error) {
   uint64_t seed = (uint64_t)s->seed;
   plan p = {.s = s, .count = n, .deck = eda_alloc(n, sizeof(deck))};
   for (size_t i = 0; i < n; i++) plan_check(s, &seed, &p.deck[i]);
-  int code = run_all(&p, error);
+  int code = decks_run(s, p.deck, p.count, error);
   *out = (verdict){0};
   for (size_t i = 0; i < n && !code; i++) deck_judge(&p.deck[i], out);
-  clear_decks(&p);
+  decks_clear(p.deck, &p.count);
   free(p.deck);
   if (!out->points) return code;
   out->delay_rms = sqrt(out->delay_rms / (double)n);

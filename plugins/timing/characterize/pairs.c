@@ -18,7 +18,7 @@ enum {
   POINTS = 5 * EDA_TIMING_GAPS
 };
 
-/* ---- which ---- */
+/* ---- list of pairs ---- */
 
 /* Return 1 if two inputs that change in sequence from the pattern `from` are a
    pair for the output with the truth table `level`. */
@@ -75,7 +75,7 @@ void pairs_list(study *s, eda_timing_cell *c) {
   free(found);
 }
 
-/* ---- the two inputs alone ---- */
+/* ---- arcs of single inputs ---- */
 
 static const eda_timing_arc *arc_of(const eda_timing_cell *c, size_t output,
                                     size_t input, uint32_t from) {
@@ -83,8 +83,8 @@ static const eda_timing_arc *arc_of(const eda_timing_cell *c, size_t output,
   return &c->arc[c->arc_of[at + from]];
 }
 
-/* Return the arc of one input of the pair alone, with the other input at the
-   level that makes this an arc. */
+/* Return the arc of one input of a pair. The other input has the level at which
+   the first input switches the output. */
 static const eda_timing_arc *pair_single_arc(const eda_timing_cell *c,
                                              const eda_timing_pair *p,
                                              int second) {
@@ -94,11 +94,12 @@ static const eda_timing_arc *pair_single_arc(const eda_timing_cell *c,
                 p->parallel ? p->from : p->from ^ 1u << other);
 }
 
-/* Return a middle load: normalized factors hardly depend on the load. */
+/* Return the index of a middle load. Normalized factors hardly depend on the
+   load. */
 static size_t load_of(const eda_timing_cell *c) { return c->loads / 2; }
 
-/* Return the index in the grid of slew number `slew`: the slews of size changes
-   and one in between. */
+/* Return the grid index of slew number `slew` (0 .. 2) of a pair: the two slews
+   with size changes, and a slew between them. */
 static size_t slew_of(const eda_timing_cell *c, size_t slew) {
   return slew < MIDDLE ? c->near_slew[slew]
                        : (c->near_slew[0] + c->near_slew[1]) / 2;
@@ -108,7 +109,7 @@ static size_t grid_of(const eda_timing_cell *c, size_t slew) {
   return slew_of(c, slew) * c->loads + load_of(c);
 }
 
-/* ---- the runs ---- */
+/* ---- simulations ---- */
 
 typedef struct work {
   study *s;
@@ -135,7 +136,8 @@ typedef struct point {
   size_t slew[2], place, gap, deck, copy;
 } point;
 
-/* Add a point. Its deck has the slew of the causing input. */
+/* Add a point. The deck has the slew of the input that causes the output
+   transition. */
 static void plan_point(work *w, point *at) {
   const eda_timing_cell *c = w->cell;
   const eda_timing_pair *p = at->pair;
@@ -153,8 +155,8 @@ static void plan_point(work *w, point *at) {
               .input = (uint8_t)input,
               .output = p->output,
               .load = c->at_load[load_of(c)],
-              /* Two parallel inputs halve the slew at most; two in series
-                 increase the delay. */
+              /* Two parallel inputs reduce the slew to half at least; two
+                 inputs in series increase the delay. */
               .delay = delay + 2 * slew,
               .slew = p->parallel ? slew / 2 : slew,
               .two = 1,
@@ -169,8 +171,9 @@ static void plan_point(work *w, point *at) {
   EDA_PUSH(d->copy, d->count, d->capacity, one);
 }
 
-/* Return the factor on the blend. If the output switches before slow inputs do,
-   the factor is 1. */
+/* Return the ratio of a simulated value to eda_timing_blend. Return 1 if a
+   delay of a single input is not positive, that is, the output switches before
+   a slow input does. */
 static double blend_factor(double found, double gap, double cause,
                            double other) {
   return cause > 0 && other > 0 ? found / eda_timing_blend(gap, cause, other)
@@ -199,24 +202,8 @@ static void take_point(work *w, const point *at) {
   }
 }
 
-static void run_deck(void *data, size_t i) {
-  work *w = data;
-  deck_run(&w->deck[i]);
-}
-
-static int run_all(work *w, opc_error *error) {
-  opc_parallel(w->s->host->context, w->count, run_deck, w);
-  for (size_t k = 0; k < w->count; k++) {
-    w->s->simulated += w->deck[k].count;
-    if (!w->deck[k].code) continue;
-    *error = w->deck[k].error;
-    return error->code;
-  }
-  return OPC_OK;
-}
-
 static void work_clear(work *w) {
-  for (size_t k = 0; k < w->count; k++) free(w->deck[k].copy);
+  decks_clear(w->deck, &w->count);
   free(w->deck);
 }
 
@@ -232,7 +219,7 @@ static int measure_pairs(study *s, eda_timing_cell *c, opc_error *error) {
                     .gap = i % EDA_TIMING_GAPS};
     plan_point(&w, &at[i]);
   }
-  int code = run_all(&w, error);
+  int code = decks_run(s, w.deck, w.count, error);
   for (size_t i = 0; i < n && !code; i++) take_point(&w, &at[i]);
   work_clear(&w);
   free(at);
@@ -241,8 +228,8 @@ static int measure_pairs(study *s, eda_timing_cell *c, opc_error *error) {
 
 /* ---- pin capacitances by pattern of the other inputs ---- */
 
-/* Uses the middle slew of the grid, typical of driven inputs: the cell responds
-   while the input changes. */
+/* Uses the middle slew of the grid, which is typical of driven inputs: the cell
+   switches while the input changes. */
 static int measure_pins(study *s, eda_timing_cell *c, opc_error *error) {
   const double slew = c->at_slew[c->slews / 2];
   work w = {.s = s, .cell = c};
@@ -258,7 +245,7 @@ static int measure_pins(study *s, eda_timing_cell *c, opc_error *error) {
     deck *d = deck_for(&w, slew, rises);
     EDA_PUSH(d->copy, d->count, d->capacity, one);
   }
-  int code = run_all(&w, error);
+  int code = decks_run(s, w.deck, w.count, error);
   for (size_t i = 0; i < w.count && !code; i++)
     for (size_t k = 0; k < w.deck[i].count; k++) {
       const copy *found = &w.deck[i].copy[k];
@@ -270,7 +257,7 @@ static int measure_pins(study *s, eda_timing_cell *c, opc_error *error) {
   return code;
 }
 
-/* ---- all ---- */
+/* ---- public function ---- */
 
 int pairs_find(study *s, eda_timing_cell *c, const char *key,
                opc_error *error) {

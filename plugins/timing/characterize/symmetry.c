@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Merges equivalent transistors and nets of a cell by colour refinement
-   (Weisfeiler and Leman 1968): nets and transistors get colours until no
-   further refinement occurs. Nets of one colour connect to the same number of
-   transistors of each colour, so equal voltages on all of them solve the
-   circuit equations. These nets can therefore be joined, and transistors of one
-   colour merged into one with a multiplicity. The common divisor of the
+   (Weisfeiler and Leman 1968). Nets and transistors get colours, which are
+   refined until they no longer change. Nets of one colour connect to equal
+   numbers of transistors of each colour. Therefore equal voltages on these nets
+   solve the circuit equations, and the nets can be joined. Transistors of one
+   colour are merged into one with a multiplicity. The common divisor of all
    multiplicities is the number of identical circuits in parallel. */
 #include <eda/random.h>
 #include <stdlib.h>
@@ -51,7 +51,7 @@ static size_t count_distinct(const uint64_t *net, size_t n) {
   return some;
 }
 
-/* Set the initial colours: rails and pins are distinct. */
+/* Set the initial colours. Supply, ground and pins have distinct colours. */
 static void first_colours(const eda_timing_cell *c, uint64_t *net) {
   for (size_t i = 0; i < c->nets; i++)
     net[i] = c->rail[i] ? 1 + (c->rail[i] > 0) : 0;
@@ -156,8 +156,8 @@ void cell_join(eda_pool *pool, eda_timing_cell *c, circuit *r) {
     times = common_divisor(times, r->part[i].count);
   for (size_t i = 0; times && i < r->parts; i++) r->part[i].count /= times;
   r->times = times;
-  /* Colours of the reduced circuit; those above also contain the
-     multiplicity. */
+  /* Compute the colours of the reduced circuit; the colours above also depend
+     on the multiplicity. */
   colours_refine(c, r->part, r->parts, same, net);
   for (size_t i = 0; i < r->parts; i++)
     r->part[i].colour = colour_of(&r->part[i], net);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Computes the delays of all input patterns at all sets of sizes, and their
-   deviations from drawn (thesis eq. 3.15, tables 3.5 and 5.1, figures 3.14 and
-   5.6). */
+/* Computes the delays of all input transitions at all sets of sizes, and the
+   deviations from the delays at drawn sizes (thesis eq. 3.15, tables 3.5 and
+   5.1, figures 3.14 and 5.6). */
 #include <eda/drawing.h>
 #include <eda/memory.h>
 #include <math.h>
@@ -12,7 +12,7 @@
 
 #include "paths.h"
 
-/* ---- all patterns, in blocks ---- */
+/* ---- all transitions, in blocks ---- */
 
 enum {
   BLOCK = 128
@@ -39,7 +39,8 @@ static void run_block(void *data, size_t index) {
   waves w;
   if (opc_cancelled(p->host->context)) return;
   waves_init(&w, p);
-  /* State by state, so that the tables of one state stay in the cache. */
+  /* Process one set of sizes after another, so that the tables of a set stay in
+     the cache. */
   for (size_t s = 0; s < p->states; s++) {
     size_t k = 0;
     for (size_t i = from; i < to; i++) {
@@ -109,7 +110,7 @@ static void find_ends(const delays *d, size_t s, double *longest,
   }
 }
 
-spread spread_of(const delays *d, size_t s) {
+static spread spread_of(const delays *d, size_t s) {
   spread r = {.lowest = (double)NAN, .highest = (double)NAN};
   double sum = 0, squares = 0, longest[2], shortest[2];
   for (size_t i = 0; i < d->count; i++) {
@@ -167,7 +168,8 @@ static row row_of(const paths *p, const delays *d, size_t s, double drawn) {
 
 static int metrics_report(paths *p, const delays *d, const row *r, size_t n,
                           opc_error *error) {
-  /* The mask if set, else the first other set of printed sizes. */
+  /* The set of `mask` if present, otherwise the first other set of printed
+     sizes. */
   const row *first = n > 1 && r[1].by.compared ? &r[1] : NULL;
 #define PRINTED(name) (first ? (name) : NULL)
   const opc_metric_value values[] = {
@@ -253,15 +255,15 @@ typedef struct histogram {
   double from, to, share;
 } histogram;
 
-/* Range of the histogram. At most one value in OUTLIERS at either end is
-   outside of the bins. Margin at both ends: a fraction of the range, and a
-   minimum in percentage points. */
+/* Range of the histogram: at each end, at most one value in OUTLIERS is beyond
+   the range. Margin at each end: a fraction of the range, and a minimum in
+   percentage points. */
 enum { OUTLIERS = 100 };
 static const double beside = 0.02, least_beside = 1e-3;
 
-/* Compute the common range of the bins of all sets of sizes, without outliers,
-   so that a few extreme values do not flatten the histogram. The outermost bins
-   count the outliers. */
+/* Compute the common range of the histograms of all sets of sizes, without
+   outliers. Otherwise a few extreme values would flatten the histograms. The
+   first and last bin count the outliers. */
 static void find_range(const delays *d, size_t states, double *low,
                        double *high) {
   double *x = eda_alloc(d->count, sizeof *x);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Compares a random circuit with Icarus Verilog and our SDF: the events at all
-   outputs must be equal to the fs. Skipped if iverilog is missing. */
+/* Compares a random circuit with Icarus Verilog and the SDF file of the step:
+   the events at all outputs must be equal to the fs. Skipped if iverilog is
+   missing. */
 #include "library_test.h"
 
 enum { GATES = 120, INPUTS = 9, OUTPUTS = 12, TRANSITIONS = 1000 };

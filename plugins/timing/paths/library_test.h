@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Test library of cells with delays in closed form, and a circuit of them. */
+/* Test library of cells with closed-form delays, and a circuit of these
+   cells. */
 #pragma once
 
 #include <eda/circuit.h>
@@ -16,7 +17,7 @@ static double at_slew[SLEWS] = {2e-12, 10e-12, 50e-12},
 static const double pin_load = 2e-15;
 
 /* Return delay or slew of an arc, s: linear in slew and load, with coefficients
-   that depend on cell, input, edge and the levels of the other inputs. */
+   that depend on cell, input, direction and the levels of the other inputs. */
 static inline double part(size_t cell, const eda_timing_arc *a) {
   return 1 + 0.1 * (double)cell + 0.037 * a->input + 0.011 * (a->from % 7) +
          0.053 * a->rises;

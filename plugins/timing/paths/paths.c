@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements timing.paths: delays from inputs to outputs of a circuit, as drawn
-   and as printed (thesis 3.3.3, 5.3.1), by event simulation with the cells of
-   timing.characterize. */
+/* Implements timing.paths: delays from inputs to outputs of a circuit with
+   drawn and printed transistors (thesis 3.3.3, 5.3.1), by event simulation with
+   cells from timing.characterize. */
 #include "paths.h"
 #include "../parameters.h"
 
@@ -9,7 +9,6 @@
 #include <glib.h>
 #include <math.h>
 #include <opcflow/table.h>
-#include <string.h>
 
 /* ---- work ---- */
 
@@ -66,11 +65,13 @@ static int paths_run(void *self, void **outputs, opc_error *error) {
 
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(paths, timing, .type = OPC_INPUT, .flags = OPC_REQUIRED,
-                  .choices = "timing", .summary = "the circuit's cells"),
+                  .choices = "timing",
+                  .summary = "timing tables of the circuit's cells"),
     OPC_PARAMETER(paths, file, .type = OPC_FILE, .flags = OPC_REQUIRED,
-                  .summary = "SPICE or CDL netlist: instances of cells"),
-    OPC_PARAMETER(paths, top, .type = OPC_TEXT,
-                  .summary = "the subcircuit (default: the circuit's)"),
+                  .summary = "SPICE or CDL netlist of cell instances"),
+    OPC_PARAMETER(
+        paths, top, .type = OPC_TEXT,
+        .summary = "subcircuit to analyse (default: the name of `circuit`)"),
     OPC_PARAMETER(
         paths, circuit, .type = OPC_INPUT, .choices = "circuit",
         .summary = "matched gates of the transistors, for printed sizes"),
@@ -78,42 +79,43 @@ static const opc_parameter parameters[] = {
                   .summary = "corrected mask with printed image"),
     OPC_PARAMETER(paths, label, .type = OPC_TEXT, .preset = "printed",
                   .summary = "name of the mask in tables"),
-    OPC_PARAMETER(paths, prints, .type = OPC_MAP,
-                  .summary = "further sizes, by tables gates.csv of runs with "
-                             "the same layout: { dpb: runs/dpb/gates.csv }"),
+    OPC_PARAMETER(
+        paths, prints, .type = OPC_MAP,
+        .summary = "further sets of sizes: tables gates.csv of runs with the "
+                   "same layout, { dpb: runs/dpb/gates.csv }"),
     OPC_PARAMETER(paths, experiment, .type = OPC_INPUT, .choices = "experiment",
                   .summary = "runs of the same layout by several methods"),
     OPC_PARAMETER(paths, transitions, .type = OPC_INT,
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "22000",
                   .min = 1, .max = 10000000,
-                  .summary =
-                      "largest number of transitions of the inputs; a random "
-                      "sample of more"),
+                  .summary = "largest number of input transitions; if there "
+                             "are more, a random sample"),
     OPC_PARAMETER(paths, seed, .type = OPC_INT, .flags = OPC_AT_LEAST,
                   .preset = "1", .min = 0, .summary = "seed of random samples"),
     OPC_PARAMETER(paths, changes, .type = OPC_CHOICE,
                   .choices = "single|several", .preset = "several",
-                  .summary = "one input changes, or each may"),
+                  .summary = "single: one input changes at a time; several: "
+                             "all inputs may change"),
     OPC_PARAMETER(paths, delays, .type = OPC_CHOICE, .choices = "slews|arcs",
                   .preset = "slews",
-                  .summary = "delays of events by slews, or one delay an arc, "
-                             "as in the SDF files"),
+                  .summary = "delay model: by slew and load of each event, or "
+                             "one delay per arc, as in the SDF files"),
     TIMING_CONDITIONS(paths),
     OPC_PARAMETER(paths, picture, .type = OPC_OUTPUT, .preset = "histogram.png",
-                  .summary = "deviations, .png, .svg or .pdf"),
+                  .summary = "histogram of the deviations, .png, .svg or .pdf"),
     OPC_PARAMETER(paths, verilog, .type = OPC_OUTPUT,
-                  .summary = "the circuit in Verilog, with a bench if there "
-                             "are 'events'"),
+                  .summary = "Verilog file of the circuit, with a test bench "
+                             "if 'events' is above 0"),
     OPC_PARAMETER(paths, events, .type = OPC_INT,
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "0", .min = 0,
                   .max = 100000,
-                  .summary = "transitions of which all events of the outputs, "
-                             "as drawn, are logged"),
+                  .summary = "number of transitions whose output events at "
+                             "drawn sizes are listed in a table"),
     OPC_PARAMETER(paths, spice, .type = OPC_INT,
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "0", .min = 0,
                   .max = 100000,
-                  .summary = "transitions that the whole circuit is simulated "
-                             "at by ngspice, too"),
+                  .summary = "number of transitions at which ngspice also "
+                             "simulates the whole circuit"),
     TIMING_MODELS(paths, 0, "file with the model cards, for 'spice'"),
     TIMING_TIME_LIMIT(paths),
 };
@@ -127,8 +129,8 @@ static const opc_metric metrics[] = {
     FIGURE("delay_min", "ps", "smallest delay as drawn"),
     FIGURE("static", "ps", "latest arrival of static analysis as drawn"),
     FIGURE("others", NULL,
-           "delays not compared, because the last change as printed is through "
-           "other nets"),
+           "delays that are not compared, because the latest path at printed "
+           "sizes has other nets"),
     COST("mean", "%",
          "mean of the absolute deviations of delays (thesis eq. 3.15)"),
     COST("stdv", "%", "standard deviation of the deviations of delays"),
@@ -140,10 +142,12 @@ static const opc_metric metrics[] = {
     FIGURE("spice_delays", NULL, "number of delays simulated by ngspice"),
     COST("spice_error", "%",
          "root mean square error of delays as drawn against ngspice"),
-    COST("spice_error_max", "%", "the largest of them"),
+    COST("spice_error_max", "%",
+         "largest |error| of delays as drawn against ngspice"),
     COST("spice_deviation", "%",
          "mean error of the deviations against ngspice, in points"),
-    COST("spice_deviation_max", "%", "the largest of them"),
+    COST("spice_deviation_max", "%",
+         "largest |error| of the deviations against ngspice, in points"),
 };
 
 static int paths_check(void *self, opc_error *error) {

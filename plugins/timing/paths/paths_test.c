@@ -58,9 +58,9 @@ static void test_chain(void) {
   eda_timing_free(t);
 }
 
-/* Test the NAND of an input and its inverse, which is 1. After a rise both
-   inputs are 1 for the delay of the inverter; a slower gate suppresses the
-   pulse. */
+/* The NAND of an input and its inverse, which is 1 at rest. After a rising
+   input, both NAND inputs are 1 during the delay of the inverter. A slower gate
+   suppresses the resulting pulse. */
 static void test_pulse(void) {
   opc_error error;
   static const char *const more[] = {
@@ -87,7 +87,7 @@ static void test_pulse(void) {
       close_to(opc_test_number("events", "time", i),
                1e12 * (rises ? down : up)[0], 6e-4);
     }
-    /* The final level of z equals the initial one: only y has a delay. */
+    /* The final level of z equals the initial level, so only y has a delay. */
     close_to(opc_test_metric("delays"), 2, 0);
     eda_timing_free(t);
   }
@@ -157,7 +157,7 @@ static void test_printed(void) {
   close_to(opc_test_metric("highest"), high, 1e-9);
   close_to(opc_test_metric("stdv"), fabs(fabs(x[0]) - fabs(x[1])) / sqrt(2),
            1e-9);
-  /* The doubled length must also be reported. */
+  /* A transistor without width is reported. */
   weq[1] = 0;
   int code =
       run_paths(t, "a z", "XU1 a z VDD VSS INV\n", "", &circuit, mask, &error);
@@ -166,10 +166,10 @@ static void test_printed(void) {
   eda_timing_free(t);
 }
 
-/* Test paths that differ from drawn. z is the NAND of m and n, both inverted a.
-   n has more load, so m changes first; with XU1, which drives m, printed long
-   enough, m changes last. Each change of z then takes the other path: it is
-   reported and not compared. */
+/* Paths that differ from the paths at drawn sizes. z is the NAND of m and n,
+   both inverted a. n has more load, so m changes first. XU1 drives m; if XU1
+   prints long enough, m changes last. Each change of z then has another path,
+   which is reported and not compared. */
 static void test_others(void) {
   opc_error error;
   eda_circuit circuit;
@@ -202,10 +202,11 @@ static void test_others(void) {
   }
 }
 
-/* Test a NAND whose inputs arrive through one and through two inverters.
-   Falling: the first input is the cause, the second accelerates the output.
-   Rising: the first input delays the output beyond the delay of the second
-   alone. The factors of the pair are constant, which leaves the blend. */
+/* A NAND whose inputs arrive through one and through two inverters. Falling
+   output: the first input is the cause, the second input accelerates the
+   output. Rising output: the first input delays the output beyond the delay of
+   the second input alone. The factors of the pair are constant, so that only
+   the blend has an effect. */
 static void test_together(void) {
   opc_error error;
   eda_timing *t = library();

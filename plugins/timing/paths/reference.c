@@ -3,7 +3,6 @@
    ngspice, at the sizes used by the event simulation. */
 #include <eda/simulator.h>
 #include <eda/wave.h>
-#include <errno.h>
 #include <math.h>
 #include <opcflow/table.h>
 #include <stdio.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Computes the events of a node from slews. The delay is that of the input that
-   changes the output, with the load at that time and the effect of other inputs
-   that change nearly simultaneously. Pulses shorter than the delay are
-   suppressed (inertial delay). Times in ps. */
+/* Computes the output events of a node from input events with slews. The delay
+   is that of the input that causes the output transition, at the load of this
+   time. Other inputs that change nearly simultaneously modify the delay. Pulses
+   shorter than the delay are suppressed (inertial delay). Times in ps. */
 #include <math.h>
 
 #include "paths.h"
@@ -14,9 +14,9 @@ typedef struct both {
   double delay, slew;
 } both;
 
-/* Effect of other inputs on the delay and slew of a cause: inputs that must
-   change before the cause add like series resistances, inputs that assist add
-   like conductances. */
+/* Effect of other inputs on the delay and slew of a cause. Inputs that must
+   change before the cause add like series resistances; inputs that assist the
+   cause add like parallel conductances. */
 typedef struct sums {
   both series, parallel;
 } sums;
@@ -29,8 +29,9 @@ typedef struct gate {
   merge m;
   uint32_t seen;                 /* inputs that have changed */
   event last[EDA_TIMING_INPUTS]; /* last change of each input */
-  /* Pending transition of the output: cause (-1: none), input levels before,
-     load, and delay and slew from the cause alone. */
+  /* Pending transition of the output: causing input (-1: none) and its event,
+     input levels before, load, delay and slew without other inputs, effect of
+     other inputs. */
   int cause;
   event by;
   uint32_t from;
@@ -61,8 +62,8 @@ static uint32_t level_at(const waves *w, uint32_t net, double time) {
   return (w->level[net] + changes) & 1;
 }
 
-/* Compute the load from the levels of the connected instances' inputs at a
-   time; inputs on the net itself have the level before their change. */
+/* Compute the load from the input levels of the connected instances at a time.
+   The net itself has the level before its change. */
 static void find_load(gate *g, int rises, double time) {
   const graph *all = &g->w->p->graph;
   uint32_t net = g->n->net, first = all->first_pin[net];
@@ -80,9 +81,10 @@ static void find_load(gate *g, int rises, double time) {
 
 /* ---- two inputs ---- */
 
-/* Return the factors on the delay and slew of a cause due to an input that
-   changes `gap` earlier or later. `other`: values of that input alone. p: the
-   pair; NULL if the other input changes only the path of the current. */
+/* Return the factors by which an input that changes `gap` earlier or later
+   multiplies the delay and slew of the cause. alone: values of the cause;
+   other: values of the other input. p: pair of both inputs; NULL if the other
+   input only changes the current path. */
 static both blend_factors(both alone, both other, const eda_timing_pair *p,
                           double gap, double first, double second) {
   both f = {1, 1};
@@ -100,8 +102,8 @@ static const eda_timing_pair *find_pair(const gate *g, size_t first,
   return k < 0 ? NULL : &c->pair[k];
 }
 
-/* Without a pair, an earlier input affects the cause for 1 / `fades` of a
-   delay; tuned. */
+/* An earlier input without a pair has an effect up to a gap of 1 / fades of the
+   delay. The value was fitted to simulations. */
 static const double fades = 3;
 
 /* Add the effect of an input that changed before the cause. */
@@ -110,8 +112,7 @@ static void add_earlier(gate *g, size_t k) {
   uint32_t from = g->from ^ 1u << k, cause = 1u << g->cause;
   double gap = (g->by.time - e->time) / g->alone.delay;
   if (level_of(g, from) != level_of(g, g->from))
-    return; /* the input alone makes
-               a pulse */
+    return; /* input k alone would have switched the output */
   if (!(g->alone.delay > 0)) return;
   const eda_timing_pair *p = find_pair(g, k, (size_t)g->cause, from);
   both other, f;
@@ -130,8 +131,8 @@ static void add_earlier(gate *g, size_t k) {
   g->with.series.slew += f.slew - 1;
 }
 
-/* Add the effect of an input that changes after the cause and keeps the final
-   level of the output. */
+/* Add the effect of an input that changes after the cause and does not change
+   the level to which the output switches. */
 static void add_later(gate *g, size_t k, const event *e) {
   uint32_t cause = 1u << g->cause;
   double gap = (e->time - g->by.time) / g->alone.delay;
@@ -161,7 +162,7 @@ static both with_others(const gate *g) {
       g->alone.slew * (1 + with->series.slew) / (1 + with->parallel.slew)};
 }
 
-/* ---- the node's events ---- */
+/* ---- events of a node ---- */
 
 /* Start a transition of the output caused by an input; later inputs may modify
    the returned event. */

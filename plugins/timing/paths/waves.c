@@ -69,12 +69,12 @@ int merge_next(const merge *m, double *time) {
   return found;
 }
 
-/* ---- one delay an arc ---- */
+/* ---- one delay per arc ---- */
 
-/* Compute events like module paths of vvp (delay.cc, vvp_fun_modpath).
-   Simultaneous inputs have the least of their delays. Each change of the
-   function's value sets a time at which the output takes the value of the
-   function at that time. */
+/* Compute events as the module paths of vvp (delay.cc, vvp_fun_modpath).
+   Simultaneous input changes have the smallest of their delays. Each change of
+   the logic function schedules an output event. At this event, the output takes
+   the value that the logic function had just before. */
 static void by_arcs(waves *w, const node *n, const state *s) {
   const eda_timing_cell *c = n->cell;
   const uint8_t *level = c->level + ((size_t)n->output << c->inputs);

@@ -162,8 +162,8 @@ static void unit_change(double *change, size_t bundle, double by) {
   change[bundle * EDA_SIZES + EDA_SIZE_C] = by;
 }
 
-/* Add the derivative of a stage's delay by the length of each of its own
-   transistors. Delays are linear in changes (eda_timing_at). */
+/* Add the derivatives of a stage's delay with respect to the lengths of the
+   stage's transistors. Delays are linear in size changes (eda_timing_at). */
 static void gain_of_cell(const budget *b, const node *n, size_t arc,
                          double slew, double *gain) {
   const eda_timing_cell *c = n->cell;
@@ -187,8 +187,8 @@ static void gain_of_cell(const budget *b, const node *n, size_t arc,
    timing.characterize. */
 static const double nudge = 0.01;
 
-/* Add the derivative of a stage's delay by the length of the transistors that
-   load its output. */
+/* Add the derivatives of a stage's delay with respect to the lengths of the
+   transistors that load the output of the stage. */
 static void gain_of_load(const budget *b, const node *n, size_t arc,
                          double slew, double *gain) {
   const eda_timing_cell *c = n->cell;
@@ -237,9 +237,9 @@ static size_t latest_arc(const budget *b, const arrivals *a, const node *n,
   return found;
 }
 
-/* Compute the derivative of the latest path's delay by the length of each
-   choice, ps. The effect of slews on later stages is neglected: it is similar
-   for all choices, and static analysis checks each step. */
+/* Compute the derivative of the latest path's delay with respect to the length
+   of each choice, ps. The effect of slews on later stages is neglected: this
+   effect is similar for all choices, and static analysis checks each step. */
 static void find_gain(const budget *b, const arrivals *a, double *gain) {
   for (size_t i = 0; i < b->count; i++) gain[i] = 0;
   for (uint32_t at = latest_end(b, a); a->from[at] != UINT32_MAX;
@@ -260,7 +260,8 @@ static double step_down(const choice *c, double gain) {
 }
 
 /* Return the choice with the largest delay reduction per added leakage; NULL:
-   none. Each choice is lowered at most once per evaluation of the gains. */
+   none. After a choice is lowered, its gain is set to 0 until the next
+   evaluation of the gains. */
 static choice *best_down(const budget *b, const double *gain) {
   choice *best = NULL;
   double most = 0;
@@ -276,8 +277,8 @@ static choice *best_down(const budget *b, const double *gain) {
 }
 
 /* Lower choices on the latest path until the estimated reduction reaches half
-   of the excess; beyond that, another path may be the latest. Returns 0 if no
-   choice can be lowered. */
+   of the excess; then another path may be the latest. Returns 0 if no choice
+   can be lowered. */
 static int speed_up(budget *b, double *gain) {
   eda_pool pool = {0};
   arrivals a = static_arrivals(b->g, &b->sizes, b->at.slew, &pool);
@@ -297,9 +298,9 @@ static int speed_up(budget *b, double *gain) {
   return any;
 }
 
-/* Lower all choices by one level. Used if no choice on the path has a gain
-   because the slew of another input determines the delay. Returns 0 if all
-   lengths are the drawn ones. */
+/* Lower all choices by one level. Used if no choice on the latest path has a
+   gain, because the slew of another input determines the delay. Returns 0 if
+   all choices have the drawn length. */
 static int all_down(budget *b) {
   int any = 0;
   for (size_t i = 0; i < b->count; i++) {
@@ -310,17 +311,13 @@ static int all_down(budget *b) {
   return any;
 }
 
-/* Order of raising choices: by the leakage saved by the next level. */
+/* A choice to raise, and the leakage that raising by one level saves. */
 typedef struct turn {
   double saves;
   size_t of;
 } turn;
 
-static int by_saving(const void *a, const void *b) {
-  const turn *x = a, *y = b;
-  if (x->saves != y->saves) return x->saves < y->saves ? 1 : -1;
-  return (x->of > y->of) - (x->of < y->of);
-}
+EDA_COMPARE_FALLING(by_saving, turn, saves, of);
 
 static int has_slack(const budget *b, const choice *c, const double *slack) {
   for (uint32_t i = b->node_of[c->instance]; i < b->node_of[c->instance + 1];
@@ -331,8 +328,8 @@ static int has_slack(const budget *b, const choice *c, const double *slack) {
   return 0;
 }
 
-/* Raise each choice by one level, in order of saving, where the limit allows.
-   Returns the number of raised choices. */
+/* Raise each choice by one level if the limit allows, in order of decreasing
+   saving. Returns the number of raised choices. */
 static size_t give_back(budget *b, turn *turns) {
   double *slack = budget_slack(b);
   size_t n = 0, gone = 0;

@@ -83,8 +83,8 @@ static void number_choices(slack_task *j) {
   j->of = eda_pool_alloc(&j->pool, j->s->circuit->gates->count, sizeof *j->of);
 }
 
-/* Fill in lengths and leakage of the choices. The largest length is the
-   smallest limit of the choice's gates; levels are equidistant in ln L. */
+/* Set lengths and leakage of the choices. The largest length of a choice is the
+   smallest limit of its gates. Levels are equidistant in ln L. */
 static int fill_choices(slack_task *j, opc_error *error) {
   const slack *s = j->s;
   const eda_circuit *c = s->circuit;
@@ -326,16 +326,18 @@ static void slack_clear(void *self) {
 
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(slack, timing, .type = OPC_INPUT, .flags = OPC_REQUIRED,
-                  .choices = "timing", .summary = "the circuit's cells"),
+                  .choices = "timing",
+                  .summary = "timing tables of the circuit's cells"),
     OPC_PARAMETER(slack, circuit, .type = OPC_INPUT, .flags = OPC_REQUIRED,
                   .choices = "circuit",
                   .summary = "matched gates of the transistors"),
     OPC_PARAMETER(slack, file, .type = OPC_FILE, .flags = OPC_REQUIRED,
-                  .summary = "SPICE or CDL netlist: instances of cells"),
-    OPC_PARAMETER(slack, top, .type = OPC_TEXT,
-                  .summary = "the subcircuit (default: the circuit's)"),
+                  .summary = "SPICE or CDL netlist of cell instances"),
+    OPC_PARAMETER(
+        slack, top, .type = OPC_TEXT,
+        .summary = "subcircuit to analyse (default: the name of `circuit`)"),
     OPC_PARAMETER(slack, devices, .type = OPC_FILE, .flags = OPC_REQUIRED,
-                  .summary = "device table: Ion and Ioff against L"),
+                  .summary = "device table with Ion and Ioff over L"),
     OPC_PARAMETER(slack, ion, .type = OPC_REAL, .unit = "%",
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "10 %",
                   .min = 0, .max = 50,
@@ -361,15 +363,14 @@ static const opc_parameter parameters[] = {
 
 static const opc_metric metrics[] = {
     FIGURE("drawn", "ps", "latest arrival of static analysis as drawn"),
-    FIGURE("allowed", "ps", "the limit"),
-    FIGURE("latest", "ps", "latest arrival with the wanted lengths"),
+    FIGURE("allowed", "ps", "allowed latest arrival"),
+    FIGURE("latest", "ps", "latest arrival with the longer gates"),
     FIGURE("longer", NULL, "number of transistors to lengthen"),
     FIGURE("longer_most", "nm", "largest increase of a length"),
     FIGURE("leakage_drawn", "nA", "leakage as drawn, mean over input patterns"),
     COST("leakage", "nA",
-         "leakage with the wanted lengths, mean over input patterns"),
-    COST("leakage_change", "%",
-         "change of the leakage from drawn to wanted lengths"),
+         "leakage with the longer gates, mean over input patterns"),
+    COST("leakage_change", "%", "change of the leakage by the longer gates"),
 };
 
 /* ---- entry ---- */
@@ -387,11 +388,10 @@ static const opc_port outputs[] = {{.name = "gates",
 /* The netlist may include other files. */
 static const opc_step functions = {OPC_OUTPUTS(outputs), .run = slack_run,
                                    .flags = OPC_STEP_OUTSIDE};
-OPC_PLUGIN(slack, .id = "timing.slack", .kind = "step", .version = "0.1.0",
-           .licence = "BSD-3-Clause",
-           .summary =
-               "targets of transistors with timing slack, for less "
-               "leakage",
-           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), OPC_METRICS(metrics),
-           .clear = slack_clear, OPC_FUNCTIONS(functions));
+OPC_PLUGIN(
+    slack, .id = "timing.slack", .kind = "step", .version = "0.1.0",
+    .licence = "BSD-3-Clause",
+    .summary =
+        "longer gates for transistors with timing slack, for less leakage",
+    .flags = OPC_DETERMINISTIC | OPC_REENTRANT, OPC_PARAMETERS(parameters),
+    OPC_METRICS(metrics), .clear = slack_clear, OPC_FUNCTIONS(functions));

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tests circuits of inverters with delays, currents and best lengths known in
+/* Circuits of inverters whose delays, currents and best lengths are known in
    closed form or from exhaustive search. */
 #include <eda/gates.h>
 #include <eda/memory.h>
@@ -14,7 +14,7 @@ static void assert_good(int code, const opc_error *error) {
   if (code) g_error("%s", error->message);
 }
 
-/* ---- the devices: currents that fall by so much for each nm ---- */
+/* ---- devices: currents that fall exponentially with length ---- */
 
 static const double drop[2] = {0.02, 0.3}; /* Ion, Ioff */
 static const double most_ion = 0.9;
@@ -52,7 +52,7 @@ static const char *devices(void) {
   return path;
 }
 
-/* ---- the circuit: instances XU1 ... of an inverter each ---- */
+/* ---- circuit: instances XU1 ... of one inverter each ---- */
 
 enum { MOST = 40 };
 
@@ -251,7 +251,7 @@ static double path_through(const shape *s, int i, const int *step) {
   return sum;
 }
 
-/* Return the leakage. Each input level holds half of the time, so each
+/* Return the leakage. Each input level occurs half of the time, so each
    transistor leaks half of the time. */
 static double leak_of(const shape *s, const int *step) {
   double sum = 0;
@@ -293,8 +293,8 @@ static const shape shapes[] = {
      {{1, -1}, {-1, -1}, {3, 4}, {-1, -1}, {-1, -1}}},
 };
 
-/* Test that the leakage exceeds the optimum by 4 % at most, that the delay
-   meets the limit, and that no instance can be raised by another step. */
+/* The leakage exceeds the minimum by at most 4 %, the delay meets the limit,
+   and no instance can be raised by another step. */
 static void test_all_combinations(void) {
   static const double limits[] = {0, 0.3, 0.8, 1.5, 2.5, 20}; /* % */
   opc_error error;
@@ -340,11 +340,11 @@ static void test_all_combinations(void) {
   g_assert_cmpfloat(worst, <, 1.04);
 }
 
-/* ---- judged by timing.paths ---- */
+/* ---- comparison with timing.paths ---- */
 
-/* Test random inverter circuits with random delays, slews and sensitivities:
-   timing.paths with the assigned lengths as printed lengths finds the latest
-   path at the limit or earlier, as predicted. */
+/* Random inverter circuits with random delays, slews and sensitivities.
+   timing.paths with the assigned lengths as printed lengths yields a latest
+   path at or before the limit, as predicted. */
 static void test_paths(void) {
   static double leq[2 * MOST], weq[2 * MOST], area[2 * MOST];
   static uint32_t flags[2 * MOST];
@@ -429,8 +429,8 @@ static eda_timing *with_nand(void) {
   return t;
 }
 
-/* Test a NAND with one inverter at the first input and two at the second: the
-   slack of the single inverter equals that of the later of its edges. */
+/* A NAND with one inverter before the first input and two before the second.
+   The slack of the single inverter equals that of its later transition. */
 static void test_spare(void) {
   opc_error error;
   eda_timing *t = with_nand();
@@ -456,8 +456,8 @@ static void test_spare(void) {
   free(p);
 }
 
-/* Test that the limit is met if lengths change only slews: the search then
-   finds no gain on the path. */
+/* The limit is also met if lengths change only slews; the search then finds no
+   gain on the path. */
 static void test_slews(void) {
   opc_error error;
   eda_timing *t = made_up();
@@ -487,12 +487,12 @@ static void test_slews(void) {
 
 /* ---- static leakage ---- */
 
-/* Test leakage shares. z is the NAND of a and inverted a, always 1; its two
-   series n-transistors leak in turn, the lower one less because the upper one
-   passes a degraded high level. In a NAND of two independent inputs, each
-   n-transistor leaks in a quarter of the patterns, both in series in none, and
-   both p-transistors in a quarter. The transistors of the inverter leak in
-   turn. */
+/* Leakage shares. z is the NAND of a and inverted a, always 1. Its two series
+   n-transistors leak alternately. The lower transistor leaks less, because the
+   upper transistor passes a degraded high level. In a NAND of two independent
+   inputs, each n-transistor leaks alone in a quarter of the patterns; both in
+   series are neglected. Both p-transistors leak in a quarter of the patterns.
+   The two transistors of the inverter leak alternately. */
 static void test_rest(void) {
   static const double n = 200 * 1e-10, p = 300 * 0.5e-10;
   opc_error error;
@@ -531,7 +531,7 @@ static void check_goal(const eda_goal *w, eda_goal want) {
     g_assert_cmpfloat_with_epsilon(w->target[k], want.target[k], 0.5001e-6);
 }
 
-/* Test that a designer's goal is kept and its transistor stays as drawn. */
+/* A goal of the designer is kept, and its transistor has the drawn length. */
 static void test_designer(void) {
   opc_error error;
   placed *p = place_all(3);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Determines the transistors that leak in a static circuit: transistors that
-   are off between a high and a low net. Two series transistors that are off
-   leak about a tenth of a single one (Narendra et al., ISLPED 2001); their
+/* Determines which transistors leak in a static circuit: transistors that are
+   off between a high and a low net. Two transistors in series that are both off
+   leak about a tenth of one transistor (Narendra et al., ISLPED 2001); this
    leakage is neglected. */
 #include <eda/random.h>
 #include <stdlib.h>
@@ -9,20 +9,20 @@
 
 #include "budget.h"
 
-/* Largest number of inputs with all patterns enumerated. Circuits with more
-   inputs use DRAWN random patterns; the standard error of a share is then 0.8 %
-   of all patterns at most. */
+/* Up to MOST_INPUTS inputs, all patterns are enumerated. Circuits with more
+   inputs use DRAWN random patterns. The standard error of a share is then at
+   most 0.8 percentage points. */
 enum { MOST_INPUTS = 12, DRAWN = 1 << MOST_INPUTS };
 
 /* ---- a cell ---- */
 
 enum { LOW, HIGH, FLOATS };
 
-/* Relative leakage of a transistor at a degraded level: n-transistors pass a
-   high level, and p-transistors a low level, less a threshold voltage. Value
-   for a NAND2 with data/devices/opcflow65.pm in ngspice 0.38. Halving or
-   doubling the value changes the leakage of c17 by -4 and +7 %, and the saving
-   by less than 1.5 percentage points. */
+/* Leakage of a transistor at a degraded level, relative to a full level. A high
+   level behind an n-transistor and a low level behind a p-transistor are
+   degraded by the threshold voltage. ngspice yields 0.38 for a NAND2 with
+   data/devices/opcflow65.pm. Half or twice the value changes the leakage of c17
+   by -4 % and +7 %, and the saving by less than 1.5 percentage points. */
 static const double weakly = 0.4;
 
 /* Levels of the nets of a cell; weak: degraded by a threshold. */

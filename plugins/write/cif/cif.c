@@ -15,17 +15,18 @@ typedef struct cif {
   char layer[64];
   char written[64]; /* current layer of the file */
   const eda_layout *layout;
-  int64_t a, b; /* units times a / b are centimicrons */
+  int64_t a, b; /* coordinates in units times a / b are centimicrons */
   uint64_t calls;
   size_t changed; /* number of texts with replaced blanks */
 } cif;
 
-/* Limit per file of calls from arrays. */
+/* Largest number of calls in a file that replace arrays. */
 enum { MAX_CALLS = 1 << 24 };
 
 /* ---- work: names ---- */
 
-/* Return 1 if readers such as read.cif find the end of the word. */
+/* Return 1 if the text is a word without characters that end a word in read.cif
+   and other readers. */
 static int is_word(const char *text) {
   if (!*text) return 0;
   for (; *text; text++)
@@ -33,7 +34,7 @@ static int is_word(const char *text) {
   return 1;
 }
 
-/* Set the layer; a layer of two numbers is named as by KLayout. */
+/* Set the layer. A layer of two numbers gets a name as in KLayout's files. */
 static int set_layer(void *self, const char *layer) {
   cif *w = self;
   eda_layer_number number;
@@ -67,8 +68,8 @@ static void at_layer(cif *w) {
 
 /* ---- work: the scale ---- */
 
-/* Convert v to a fraction of integers by continued fractions: the first one
-   equal to v in double precision. Return 0 if there is none. */
+/* Convert v to the first fraction by continued fractions that equals v in
+   double precision. Return 0 if there is none. */
 static int as_fraction(double v, int64_t *a, int64_t *b) {
   int64_t a0 = 1, b0 = 0, a1 = (int64_t)floor(v), b1 = 1;
   double rest = v - floor(v);
@@ -114,15 +115,11 @@ static void begin_cell(void *self, int32_t cell, const char *name) {
 
 /* Return 1 if p is a rectangle whose centre is on the grid. */
 static int is_box(const eda_point *p, size_t n) {
-  if (n != 4) return 0;
-  int first = p[0].y == p[1].y && p[1].x == p[2].x && p[2].y == p[3].y &&
-              p[3].x == p[0].x;
-  int other = p[0].x == p[1].x && p[1].y == p[2].y && p[2].x == p[3].x &&
-              p[3].y == p[0].y;
+  if (!eda_is_box(p, n)) return 0;
   int64_t x = (int64_t)p[0].x + p[2].x, y = (int64_t)p[0].y + p[2].y;
   int64_t l = (int64_t)p[0].x - p[2].x, h = (int64_t)p[0].y - p[2].y;
-  return (first || other) && x % 2 == 0 && y % 2 == 0 &&
-         llabs(l) <= INT32_MAX && llabs(h) <= INT32_MAX;
+  return x % 2 == 0 && y % 2 == 0 && llabs(l) <= INT32_MAX &&
+         llabs(h) <= INT32_MAX;
 }
 
 static void put_polygon(void *self, const eda_point *p, size_t n) {
@@ -143,7 +140,8 @@ static void put_polygon(void *self, const eda_point *p, size_t n) {
 /* Write a text as one word. */
 static void put_text(void *self, eda_point at, const char *text) {
   cif *w = self;
-  at_layer(w); /* not part of the text command: readers differ in the syntax */
+  at_layer(w); /* the layer is set before, because readers differ in the syntax
+                  of layers in a text command */
   fputs("94 ", w->w.file);
   if (!*text) fputc('_', w->w.file);
   if (!is_word(text)) w->changed++;
@@ -199,7 +197,7 @@ static void end_cell(void *self) { fputs("DF;\n", ((cif *)self)->w.file); }
 
 /* ---- work: the end ---- */
 
-/* Call the cells that no other cell places. */
+/* Add calls of the cells that no other cell places. */
 static void put_tops(cif *w) {
   size_t n = w->layout ? eda_layout_cells(w->layout) : 0;
   if (!w->layout) fputs("C 1;\n", w->w.file);

@@ -13,19 +13,19 @@ typedef struct gds {
   uint8_t record[65536];
 } gds;
 
-/* Largest number of points of a polygon in one record, whose first point is
-   repeated. */
+/* Largest number of points of a polygon in one record. The record repeats the
+   first point. */
 enum { MAX_POINTS = 8190 };
 
 enum { MAX_STRING = 65530, MAX_ARRAY = 32767, MAX_PARTS = 1 << 16 };
 
-/* Date of every file, so that equal layouts are equal files. */
+/* Date in every file: constant, so that equal layouts produce equal files. */
 static const uint16_t date[12] = {1970, 1, 1, 0, 0, 0, 1970, 1, 1, 0, 0, 0};
 
 /* ---- work: records ---- */
 
-/* Write a record with n bytes of data, present in w->record from byte 4 on.
-   Errors are detected when the file is closed. */
+/* Write a record with n bytes of data, which the caller has put into w->record
+   from byte 4 on. Write errors are detected when the file is closed. */
 static void put_record(gds *w, uint32_t type, uint32_t kind, size_t n) {
   eda_gds_put_u16(w->record, (uint32_t)n + 4);
   w->record[2] = (uint8_t)type;
@@ -86,7 +86,7 @@ static void gds_begin(void *self, const eda_layout *layout, double unit) {
   put_date(w, EDA_GDS_BGNLIB);
   memcpy(w->record + 4, "OPCFLOW", 8);
   put_record(w, EDA_GDS_LIBNAME, EDA_GDS_ASCII, 8);
-  /* user's unit in um, and m */
+  /* user unit, um; unit of the file, m */
   eda_gds_put_real(w->record + 4, writer_decimal(unit * 1e-3));
   eda_gds_put_real(w->record + 12, writer_decimal(unit * 1e-9));
   put_record(w, EDA_GDS_UNITS, EDA_GDS_REAL8, 16);
@@ -154,7 +154,7 @@ static void put_array(gds *w, const char *child, const eda_placement *p,
   put_empty(w, EDA_GDS_ENDEL);
 }
 
-/* Write an array, split if it exceeds the counts of a record. */
+/* Write an array. An array that exceeds the counts of a record is split. */
 static void put_placement(void *self, int32_t number, const char *child,
                           const eda_placement *whole, const char *name) {
   gds *w = self;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tests that written layouts are equal when read again; of divided polygons;
-   and of masks and their layer numbers. */
+/* Tests that written layouts are equal after reading. Also tests divided
+   polygons, and masks with their layer numbers. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,8 +13,8 @@
 
 /* ---- there and back ---- */
 
-/* Write `object` as the input `kind`. Return the path of the file, or NULL and
- *error. */
+/* Write `object` as the input named `kind`. Return the path of the file, or
+   NULL and *error. */
 static char *write_more(const char *kind, void *object, const char *parameters,
                         opc_error *error) {
   static int files;
@@ -374,8 +374,8 @@ static void test_mask(void) {
   free_mask(mask);
 }
 
-/* Test numbers of further layers: from 11 on, or those set by the flow, all
-   different. Contacts may be named even if none are drawn. */
+/* Test numbers of further layers: from 11 on, or as set by the flow; all
+   numbers differ. Contacts may be named even if none are drawn. */
 static void test_more_layers(void) {
   static const char *const names[] = {"poly", "active", "metal1", "metal2"};
   eda_mask *mask = mask_of(names, 4);
@@ -428,7 +428,7 @@ static void test_layers(void) {
   eda_layout_free(layout);
 }
 
-/* Named layers keep the numbers of the file that they were read from. */
+/* Named layers keep the numbers of the file from which they were read. */
 static void test_numbers(void) {
   static const char map[] =
       ", layers: { poly: 9/0, active: 1, contact: 10/0, nwell: 3/0 }";

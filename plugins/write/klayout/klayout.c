@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements write.klayout: a corrected mask as three files for KLayout. They
-   are an OASIS file with shapes and printed contours as layers, a layer style
-   file, and a marker database of the places to inspect. */
+/* Implements write.klayout: a corrected mask as three files for KLayout. The
+   files are an OASIS file with shapes and printed contours as layers, a layer
+   style file, and a marker database of the places to inspect. */
 #include "klayout.h"
 
 #include <eda/memory.h>
@@ -13,8 +13,8 @@
 static const struct {
   double unit, step, nodes, coarsest, most;
 } tuned = {
-    /* Unit of contours, nm, unless the mask grid is finer; a tenth of the unit
-       of written masks. */
+    /* Unit of contours, nm: a tenth of the usual mask grid. A finer mask grid
+       replaces this unit. */
     .unit = 0.1,
 
     /* Distance between points of a contour, nm. The chord of an arc of 40 nm
@@ -22,11 +22,11 @@ static const struct {
     .step = 10,
 
     /* Largest number of nodes of the contour grid, which limits the file size.
-       Above 20 x 20 um the grid spacing grows with the layout. */
+       The grid spacing increases for layouts above 20 x 20 um. */
     .nodes = 4e6,
 
-    /* Largest grid spacing, nm; lines of 65 nm break into pieces at twice the
-       spacing. */
+    /* Largest grid spacing, nm. At twice the spacing, contours of 65 nm lines
+       break into parts. */
     .coarsest = 30,
 
     /* Limit of nodes of eda_contours, reached above 240 x 240 um. */
@@ -48,7 +48,7 @@ static int has_sheet(const eda_mask *m, int group, size_t layer) {
   return print_of(m, group, layer) != NULL;
 }
 
-/* Make the name of a layer: OASIS names are printable and have no blanks. */
+/* Make the name of a layer: printable characters without blanks (OASIS). */
 static void name_sheet(const eda_gates *g, sheet *s) {
   snprintf(s->name, sizeof s->name, "%.40s.%s%s", g->layer[s->layer],
            suffix[s->group], s->holes ? ".holes" : "");
@@ -56,8 +56,8 @@ static void name_sheet(const eda_gates *g, sheet *s) {
     if (*c <= ' ' || *c >= 0x7f) *c = '_';
 }
 
-/* Add a layer of the file. Masks and drawn shapes have the numbers of
-   write.oasis; printed contours follow in equal steps. */
+/* Add a layer of the file. Drawn shapes and masks have the numbers of
+   write.oasis; the numbers of printed contours follow in equal steps. */
 static void add_sheet(klayout *k, int group, size_t layer, int holes) {
   static const uint32_t step[GROUPS] = {1, 0, 2, 3};
   const eda_gates *g = k->mask->gates;
@@ -69,7 +69,7 @@ static void add_sheet(klayout *k, int group, size_t layer, int holes) {
   name_sheet(g, s);
 }
 
-/* List the layers of the file, poly above active, and contacts above both. */
+/* List the layers of the file: poly above active, and contacts above poly. */
 static void list_sheets(klayout *k) {
   const eda_mask *m = k->mask;
   k->sheets = eda_alloc(GROUPS * 2 * m->gates->layers, sizeof *k->sheets);
@@ -156,8 +156,8 @@ static int put_contours(target *t, const contours *c, int holes,
   return OPC_OK;
 }
 
-/* Compute the contours of all printed layers in parallel; layers of holes share
-   them. */
+/* Compute the contours of all printed layers in parallel. A layer and the layer
+   of its holes share the contours. */
 static contours *find_all_contours(const klayout *k) {
   contours *all = eda_alloc(k->n_sheets, sizeof *all);
   for (size_t i = 0; i < k->n_sheets; i++) {

@@ -26,12 +26,11 @@ typedef struct klayout {
   size_t n_sheets;
 } klayout;
 
-/* Write the .lyp file: names, colours and groups of the layers. Return OPC_OK
-   or an error. */
+/* Write the .lyp file with names, colours and groups of the layers. Return
+   OPC_OK or an error. */
 int klayout_put_style(const klayout *k, opc_error *error);
 
-/* Write the .lyrdb file: kinds and places of faults. Return OPC_OK or an
-   error. */
+/* Write the .lyrdb file with kinds and places of faults. Return the code. */
 int klayout_put_markers(const klayout *k, opc_error *error);
 
 /* Write a text as a file of the run folder. Return OPC_OK or an error. */

@@ -9,7 +9,7 @@
 
 #include "tools/devel/testing.h"
 
-/* Script for the program (klayout -zz) and for the Python module. */
+/* Script for the program (klayout -zz) and for KLayout's Python module. */
 static const char script[] =
     "try:\n"
     "  import pya as k, pya as lay\n"
@@ -111,8 +111,8 @@ static char *program_spawn(const char *const *argv) {
   return NULL;
 }
 
-/* Return the answer of the Python module, which starts faster, or of the
-   program; NULL without both. */
+/* Return the answer of KLayout's Python module, which starts faster, or of the
+   program; NULL if both are missing. */
 static char *ask_klayout(void) {
   g_autofree char *path = g_build_filename(opc_test_folder(), "ask.py", NULL);
   const char *const by_program[] = {"klayout", "-zz", "-r", path, NULL};
@@ -134,7 +134,7 @@ static double area_of(const eda_gates *g, const eda_shapes *s) {
   return (double)eda_area2(s) / 2 * g->grid * g->grid;
 }
 
-/* Return the area of a printed image by another contour than that of the
+/* Return the area of a printed image, by contours on another grid than in the
    file. */
 static double area_printed(const eda_field *print) {
   double *p, area = 0;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the marker database of KLayout: violations by rule, transistors
-   that do not print, and those with the largest deviations. Places are in
-   um. */
+   that do not print, and the transistors with the largest deviations. Places
+   are in um. */
 #include <eda/memory.h>
 #include <eda/print.h>
 #include <math.h>
@@ -18,7 +18,9 @@ static const double around = 50; /* half size of the box around a violation,
 static void put_escaped(GString *out, const char *text) {
   g_autofree char *valid = g_utf8_make_valid(text, -1);
   for (char *c = valid; *c; c++)
-    if ((unsigned char)*c < ' ') *c = '?'; /* XML has no control characters */
+    if ((unsigned char)*c < ' ')
+      *c = '?'; /* XML does not allow control
+                   characters */
   g_autofree char *escaped = g_markup_escape_text(valid, -1);
   g_string_append(out, escaped);
 }
@@ -89,7 +91,7 @@ static int gate_fails(const eda_mask *m, size_t i) {
   return eda_print_failed(m->flags[i]);
 }
 
-/* Figures with a list of their largest deviations. */
+/* Figures whose largest deviations are listed. */
 static const struct {
   const char *name, *category;
 } figures[] = {
@@ -117,11 +119,7 @@ typedef struct ranked {
 } ranked;
 
 /* Sort by descending deviation, then by index. */
-static int by_rank(const void *a, const void *b) {
-  const ranked *p = a, *q = b;
-  if (p->off != q->off) return p->off < q->off ? 1 : -1;
-  return (p->gate > q->gate) - (p->gate < q->gate);
-}
+EDA_COMPARE_FALLING(by_rank, ranked, off, gate);
 
 static void put_worst(GString *out, const klayout *k, int figure) {
   const eda_mask *m = k->mask;
@@ -160,7 +158,7 @@ static void put_failing(GString *out, const klayout *k) {
 
 /* ---- violations ---- */
 
-/* Return the rule without the details of a place or a reason. */
+/* Return the rule of a violation, without the details of place or reason. */
 static char *rule_of(const eda_violation *v) {
   return g_strndup(v->rule, strcspn(v->rule, ":;"));
 }

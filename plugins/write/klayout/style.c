@@ -63,7 +63,8 @@ static int group_is_shown(const sheet *s, int group) {
   return s->group == group && !s->empty;
 }
 
-/* A style of the group would override the styles of its members. */
+/* The group has no style, because a style of the group would override the
+   styles of its members. */
 static void begin_group(GString *out, int group) {
   g_string_append_printf(out,
                          "<properties>\n<frame-color/>\n<fill-color/>\n"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tests that written layouts are equal when read again; of the check sum and
-   the tables of the file. */
+/* Tests that written layouts are equal after reading. Also tests the checksum
+   and the tables of the file. */
 #include <string.h>
 #include <zlib.h>
 

@@ -9,11 +9,11 @@
 
 /* ---- state ---- */
 
-/* Standard properties of the file, in the order of their table. */
+/* Standard properties of the file: numbers in the table of property names. */
 enum { CELL_OFFSET = 0, GDS_PROPERTY = 1 };
 
-/* Largest number of points of a polygon; larger ones are divided for other
-   readers. */
+/* Largest number of points of a polygon. Larger polygons are divided, because
+   other readers limit the number. */
 enum { MAX_POINTS = 1 << 20 };
 
 /* ---- work: strings ---- */
@@ -57,9 +57,9 @@ static void oasis_begin(void *self, const eda_layout *layout, double unit) {
     eda_oasis_byte(w->out, (uint8_t)*c);
   eda_oasis_uint(w->out, EDA_OASIS_START);
   eda_oasis_string(w->out, "1.0");
-  /* steps per micrometre */
+  /* grid steps per micrometre */
   eda_oasis_real(w->out, writer_decimal(1000 / unit));
-  eda_oasis_uint(w->out, 1); /* places of tables are in END */
+  eda_oasis_uint(w->out, 1); /* the places of the tables are in END */
   eda_oasis_end_plain(w->out);
 }
 
@@ -92,7 +92,7 @@ static void put_text(void *self, eda_point at, const char *text) {
 
 /* ---- work: placements ---- */
 
-/* Return the multiple of a right angle, 0 to 3, or -1. */
+/* Return the angle as a multiple of 90 degrees, 0 to 3; -1 for other angles. */
 static int angle_quarters(double angle) {
   for (int i = 0; i < 4; i++)
     if (angle == 90 * i) return i;
@@ -157,8 +157,7 @@ static void end_cell(void *self) {
 
 /* ---- work: names ---- */
 
-/* Write a cell name, printable and without blanks: other characters become
-   "\x20". */
+/* Write a cell name. Blanks and unprintable characters become "\x20". */
 static void put_cell_name(oasis *w, const char *name) {
   g_autoptr(GString) plain = g_string_new(NULL);
   for (; *name; name++)
@@ -221,7 +220,8 @@ static void put_end(oasis *w, const uint64_t places[EDA_OASIS_TABLES]) {
     eda_oasis_uint(out, 1); /* strict: the table is complete */
     eda_oasis_uint(out, places[i]);
   }
-  /* Zeros up to the length of END, preceded by their number in two bytes. */
+  /* Add zeros up to the fixed length of END. Two bytes before the zeros have
+     the number of zeros. */
   size_t length = EDA_OASIS_END_BYTES - 1 - 4 - 2 - eda_oasis_collected(out);
   eda_oasis_byte(out, 0x80 | (length & 0x7f));
   eda_oasis_byte(out, (uint32_t)length >> 7);

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* OASIS files as a format of ../writer.h; compiled into each plugin that writes
-   them. */
+/* OASIS files as a format of ../writer.h; compiled into each OASIS writer. */
 #pragma once
 
 #include <eda/oasis.h>
@@ -8,9 +7,9 @@
 
 #include "../writer.h"
 
-/* Different strings, numbered from 0 in order of appearance. */
+/* Distinct strings, numbered from 0 in order of appearance. */
 typedef struct strings {
-  GHashTable *numbers; /* text: its number */
+  GHashTable *numbers; /* text -> number */
   GPtrArray *texts;    /* owned by the layout */
 } strings;
 
@@ -22,8 +21,9 @@ typedef struct oasis {
   const eda_layout *layout;
   uint64_t *places; /* places of the cells in the file */
   size_t n_places;
-  /* Names of the layout's layers, in their order, printable and without blanks;
-     an element NULL: layer without name. NULL: the file names no layer. */
+  /* Names of the layout's layers in their order, printable and without blanks;
+     an element is NULL for a layer without name. NULL: the file has no layer
+     names. */
   const char *const *layer_names;
 } oasis;
 

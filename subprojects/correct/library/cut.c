@@ -9,13 +9,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Extraction of a cell: window on the sheet, origin, and new numbers of the
-   gates. */
+/* Extraction of a cell: window on the sheet, origin of the cell, and new
+   indices of the gates. */
 typedef struct cutter {
   const eda_gates *sheet;
   eda_box window;
   eda_point origin;
-  int32_t *number; /* [gates of the sheet], -1: of another cell */
+  int32_t *number; /* [gates of the sheet], index; -1: not extracted */
   eda_gates *out;
 } cutter;
 
@@ -135,8 +135,8 @@ static eda_box bounds_of(const eda_layout *layout, int32_t cell) {
   return all;
 }
 
-/* Return the box of an instance on the sheet, in grid steps rounded
-   outwards. */
+/* Return the box of an instance on the sheet, in grid steps, enlarged by at
+   least one step. */
 static eda_box on_sheet(eda_box b, const eda_placement *p, double steps) {
   double low = p->mirror ? -(double)b.y1 : b.y0,
          high = p->mirror ? -(double)b.y0 : b.y1;
@@ -146,7 +146,7 @@ static eda_box on_sheet(eda_box b, const eda_placement *p, double steps) {
                    (int32_t)ceil((p->origin.y + high) * steps) + 1};
 }
 
-/* Return 1 for the name of a neighbour, NAME~1. */
+/* Return 1 if an instance name belongs to a neighbour: NAME~1. */
 static int is_neighbour(const char *name) { return strchr(name, '~') != NULL; }
 
 static void cut_window(cutter *c, const eda_layout *layout, int32_t top,

@@ -7,16 +7,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* nm; finer than any drawing grid, and large enough for cells of 10 mm */
+/* Unit of checksums, nm: finer than any drawing grid, and large enough for
+   cells of 10 mm. */
 static const double finest = 0.01;
 
-enum { DEEPEST = 500 }; /* deeper is a cycle, reported by flattening */
+enum {
+  DEEPEST = 500
+}; /* deeper: a cycle of placements, which eda_layout_flatten
+      reports */
 
 typedef struct traversal {
   const eda_layout *layout;
   int32_t poly, active;
-  signed char *below; /* [cells], 1: draws or places cells that draw, -1: does
-                         not, 0: not known */
+  signed char *below; /* [cells], 1: the cell or a cell below draws poly or
+                         active; -1: none does; 0: not known */
   units *out;
   opc_error *error;
 } traversal;
@@ -60,7 +64,8 @@ static int places_drawing(traversal *w, int32_t cell) {
 
 /* ---- positions ---- */
 
-/* Return OPC_INVALID for other orientations than the eight. */
+/* Set *out to the orientation and origin of a placement. Returns OPC_INVALID
+   for other orientations than the eight of `turn`. */
 static int turn_of(const traversal *w, int32_t child, const eda_placement *p,
                    turn *out) {
   static const int cosine[] = {1, 0, -1, 0};

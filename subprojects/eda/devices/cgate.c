@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Gate capacitance from a table. Area and edges contribute, so the capacitance
-   is linear in W and, if the model is, in L. */
+/* Gate capacitance from a table, by linear interpolation in L and W. Above the
+   largest width, the capacitance is proportional to W. */
 #include <eda/devices.h>
 #include <math.h>
 
-/* Return the capacitance at a width of the table, F, interpolated between two
-   lengths. */
+/* Return the capacitance (F) at width `row` of the table, interpolated between
+   lengths `low` and low + 1. d->narrow as `row` denotes the largest width. */
 static double of_row(const eda_devices *d, int type, size_t row, size_t low,
                      double part) {
   int wide = row == d->narrow;

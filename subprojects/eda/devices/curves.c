@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Interpolated currents of a device table, their extrapolation, and the inverse
-   from current to length. */
+/* Currents of a device table: interpolation and extrapolation in L and W, and
+   the inverse from current to length. */
 #include <eda/curves.h>
 #include <eda/memory.h>
 #include <gsl/gsl_errno.h>
@@ -11,57 +11,63 @@
 #include <string.h>
 
 enum { MOST_STEPS = 1 << 16, MOST_TRIES = 60 };
-static const double finest = 1.0 / 32; /* nm */
-/* Steps of the logarithm for narrow transistors, which have many widths but
-   smoother curves; only this number from the shortest length on. */
+static const double finest =
+    1.0 / 32; /* smallest step of `quick` for the widest transistors, nm */
+/* Number of steps of `quick` for each narrow width, from the shortest length.
+   Narrow widths are many and their curves are smoother. */
 enum { NARROW_STEPS = 1 << 13 };
-static const double narrow_finest = 1.0 / 8; /* nm */
-/* Smallest slope of an extrapolation whose current does not fall towards the
-   end of the table, so that lengths remain distinguishable: 1/nm. */
+static const double narrow_finest =
+    1.0 / 8; /* step of `quick` for narrow widths, nm */
+/* Smallest |slope| of an extrapolation, 1/nm. Lengths remain distinguishable
+   even if the current does not fall at the end of the table. */
 static const double least_slope = 1e-4;
 
-/* Limits of extrapolation: fractions of the shortest and longest length, beyond
-   which no image is a gate of this table; and the largest change of the
-   logarithm, which prevents overflow of sums for any slope. */
+/* Limits of extrapolation. least_part and most_part: fractions of the shortest
+   and longest length; gates beyond these lengths do not occur. most_change:
+   largest change of the logarithm, which prevents overflow of sums. */
 static const double least_part = 0.25, most_part = 4, most_change = 20;
-/* Slope of an extrapolation: within this factor of the mean slope over the
-   outermost part of the lengths. In tables from PTM and FreePDK45 cards, the
-   last step has 0.65 to 1.4 of the mean; Ioff with a nearly vanished channel
-   has 0.3. */
+/* The slope of an extrapolation is limited to within the factor `freedom` of
+   the mean slope over the outermost tenth of the lengths. In tables from PTM
+   and FreePDK45 cards, the slope of the last step is 0.65 to 1.4 times the
+   mean. For Ioff of a nearly vanished channel, the ratio is 0.3. */
 static const double freedom = 2, outermost = 0.1;
 
 enum { LOW, HIGH };
 
-/* Extrapolation beyond an end of the table. */
+/* Extrapolation beyond one end of the table. */
 typedef struct beyond {
-  double length, logarithm; /* at the end of the table */
-  double slope;             /* of the logarithm, 1/nm, below 0 */
-  double last;              /* last extrapolated length */
+  double length, logarithm; /* length (nm) and logarithm of the current at the
+                               end of the table */
+  double slope;             /* d(logarithm)/d(length), 1/nm, negative */
+  double last;              /* length at which the extrapolation ends, nm */
 } beyond;
 
-/* [type * EDA_CURRENTS + current]: curves of the widest transistors, followed
-   by those of narrower ones. */
+/* Curve of one current of one transistor type at one width. Array index: [width
+   * CURVES + type * EDA_CURRENTS + current]; width 0 is the largest width,
+   followed by the narrow widths. */
 struct eda_curve {
-  double *logarithm; /* of the currents at the lengths of the table */
+  double *
+      logarithm; /* natural logarithm of the current per width at each length */
   gsl_interp *spline;
   beyond beyond[2];
-  int falls;         /* falls with length, so that the inverse is unique */
-  double *quick;     /* narrow width: the logarithm at even steps */
-  double least_part; /* smallest current per width, widest transistors */
+  int falls; /* 1: the current falls with length everywhere, so the inverse is
+                unique */
+  double *quick;     /* narrow widths: logarithm at steps of narrow_finest */
+  double least_part; /* narrow widths: smallest ratio (at most 1) of the current
+                        per width to that of the largest width */
 };
 
-enum { CURVES = 2 * EDA_CURRENTS }; /* curves of each width */
+enum { CURVES = 2 * EDA_CURRENTS }; /* curves of one width */
 
-/* Return the curves of width number i of the table; those of the widest one
-   come first. */
+/* Return a curve of width i; i = devices->narrow denotes the largest width. */
 static const struct eda_curve *of_width(const eda_curves *c, size_t i, int type,
                                         int k) {
   size_t at = i < c->devices->narrow ? i + 1 : 0;
   return &c->exact[at * CURVES + (size_t)(type * EDA_CURRENTS + k)];
 }
 
-/* Return the mean slope between the end and the first length at least a tenth
-   of the range away. */
+/* Return the mean slope from one end to the nearest length that is at least a
+   tenth of the range away. */
 static double mean_slope(const eda_devices *d, const double *y, int side) {
   size_t last = d->count - 1, end = side ? last : 0, i = end;
   double range = d->length[last] - d->length[0];
@@ -99,7 +105,8 @@ double eda_curves_at(const eda_curves *c, int type, int k, double length) {
   return value_at(c, &c->exact[type * EDA_CURRENTS + k], length);
 }
 
-/* " of 420 nm" for a table of several widths. */
+/* Text for messages, such as " of 420 nm wide transistors"; "" for a table of
+   one width. */
 typedef struct width_text {
   char text[48];
 } width_text;
@@ -148,7 +155,7 @@ static int add_curve(eda_curves *c, int type, int k, const char *path,
   return code;
 }
 
-/* Add a curve of narrow width number n. */
+/* Add the curve of narrow width n. */
 static int add_narrow(eda_curves *c, size_t n, int type, int k,
                       const char *path, opc_error *error) {
   const eda_devices *d = c->devices;
@@ -183,7 +190,7 @@ static int make_curves(eda_curves *c, const char *path, opc_error *error) {
   c->per_nm = (double)c->steps / range;
   c->exact = eda_alloc((d->narrow + 1) * CURVES, sizeof *c->exact);
   for (int type = 0; type < 2; type++) {
-    /* One more step, which the last one reads with the factor 0. */
+    /* Interpolation at the last step reads one more step with weight 0. */
     c->quick[type] = eda_alloc(EDA_CURRENTS * (c->steps + 2), sizeof(double));
     for (int k = 0; k < EDA_CURRENTS; k++) {
       int code = add_curve(c, type, k, path, error);
@@ -273,7 +280,7 @@ double eda_curves_length(const eda_curves *c, int type, int k,
   double a = d->length[low], b = d->length[high];
   double fa = y[low] - logarithm, fb = y[high] - logarithm;
   double x = a;
-  /* Regula falsi, Illinois variant. */
+  /* Regula falsi (Illinois variant). */
   for (int i = 0; i < MOST_TRIES; i++) {
     x = (a * fb - b * fa) / (fb - fa);
     double f = eda_curves_at(c, type, k, x) - logarithm;
@@ -288,7 +295,7 @@ double eda_curves_length(const eda_curves *c, int type, int k,
   return x;
 }
 
-/* ---- of several widths ---- */
+/* ---- narrow transistors ---- */
 
 double eda_curves_narrowest(const eda_curves *c) {
   return c->devices->narrow ? c->devices->narrow_width[0] : 0;
@@ -350,8 +357,8 @@ double eda_curves_least_share(const eda_curves *c, int type, int k,
   return low->least_part + w->part * (to - low->least_part);
 }
 
-/* Return the length between two lengths at which a falling curve has a
-   value. */
+/* Return the length between `low` and `high` at which the curve equals
+   `logarithm`, by bisection. */
 static double curve_crossing(const eda_curves *c, int type, int k,
                              double logarithm, const eda_curves_width *w,
                              double low, double high) {
@@ -367,11 +374,12 @@ static double curve_crossing(const eda_curves *c, int type, int k,
   return (low + high) / 2;
 }
 
-/* Search step by step from a length for the nearest length with the current. */
+/* Search in steps of 1 nm in both directions from `near` for a length with the
+   given current. Return `near` if no such length is within 200 nm. */
 static double nearest_length(const eda_curves *c, int type, int k,
                              double logarithm, const eda_curves_width *w,
                              double near) {
-  const double step = 1, most = 200; /* nm; larger distances are meaningless */
+  const double step = 1, most = 200; /* nm */
   int is_more = eda_curves_narrow_at(c, type, k, near, w) > logarithm;
   for (double far = step; far <= most; far += step)
     for (int side = -1; side < 2; side += 2) {

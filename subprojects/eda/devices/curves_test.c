@@ -61,9 +61,9 @@ static void assert_same(double a, double b, double within) {
   if (!(fabs(a - b) <= within)) g_error("%.12g is not %.12g", a, b);
 }
 
-/* Exponentials are extrapolated exactly, and so is the inverse: down to a
-   quarter of the shortest length, up to four times the longest, or over a
-   factor of e^20. */
+/* Exponentials and their inverses are extrapolated exactly: down to a quarter
+   of the shortest length, up to four times the longest length, or over a factor
+   of e^20. */
 static void test_beyond(void) {
   static const double last[EDA_CURRENTS] = {320, 80 + 20 * 5 / M_LN2};
   static const double fall[EDA_CURRENTS] = {50, 5}, unit[] = {1e-3, 1e-6};
@@ -89,8 +89,9 @@ static void test_beyond(void) {
   eda_curves_clear(&c);
 }
 
-/* Return the slope of log Ion beyond an end of a table of 41 lengths whose last
-   step is reduced by `smaller` in logarithms; relative to the other steps. */
+/* Return the ratio of the slope of log Ion beyond an end of a table to the
+   slope within the table. The table has 41 lengths; its last step in the
+   logarithm is reduced by `smaller`. */
 static double slope_beyond(int high, double smaller) {
   eda_curves c = {0};
   opc_error error;
@@ -104,8 +105,8 @@ static double slope_beyond(int high, double smaller) {
   return (at[1] - at[0]) / (out - end) / (-M_LN2 / 50);
 }
 
-/* The last step of the table determines the slope, within half and twice the
-   mean of the outermost tenth, which is four steps. */
+/* The last step of the table determines the slope, limited to half and twice
+   the mean over the outermost tenth (four steps). */
 static void test_rough_end(void) {
   const double step = 2 * M_LN2 / 50;
   for (int high = 0; high < 2; high++) {
@@ -171,7 +172,8 @@ static void test_widths(void) {
           double want = made_up(t, k, l, width);
           assert_same(eda_curves_narrow_at(&c, t, k, l, &w), want, 1e-9);
           assert_same(log(quick[k]), want, 1e-5);
-          /* From a distance of 5 nm, also where the current rises. */
+          /* The search starts 5 nm away; it also works where the current
+             rises. */
           assert_same(eda_curves_narrow_length(&c, t, k, want, &w, l + 5), l,
                       1e-6);
         }

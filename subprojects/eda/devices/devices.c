@@ -1,13 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Reader of device tables, described in docs/reference/devices.md. All faults
-   of a file are collected; the message has the first one and the number of
-   others. */
+/* Reader of device tables (docs/reference/devices.md). Reports the first fault
+   of a file and the number of further faults. */
 #include <base/range.h>
 #include <base/unit.h>
 #include <eda/devices.h>
 #include <eda/memory.h>
 #include <glib.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -17,10 +15,10 @@ typedef struct reader {
   opc_problems *problems;
 } reader;
 
-/* ---- pieces of the file ---- */
+/* ---- nodes of the file ---- */
 
-/* Return the map `key` of `parent` with the keys `known`; NULL and a fault on
-   failure. */
+/* Return the map `key` of `parent`. Report keys that are not in `known`. Report
+   a fault and return NULL if there is no such map. */
 static const opc_node *get_map(reader *r, const opc_node *parent,
                                const char *key, const char *known) {
   const opc_node *node = opc_node_get(parent, key);
@@ -33,8 +31,8 @@ static const opc_node *get_map(reader *r, const opc_node *parent,
   return NULL;
 }
 
-/* Return whether a value exists and is a text; `wanted` and `rest` form the
-   noun for the fault. */
+/* Return whether a node is a text that is not empty. `wanted` followed by
+   `rest` describes the expected text in the message. */
 static gboolean is_text(reader *r, const opc_node *node, const char *key,
                         const char *wanted, const char *rest) {
   if (node->type != OPC_NODE_TEXT)
@@ -46,8 +44,8 @@ static gboolean is_text(reader *r, const opc_node *node, const char *key,
 
 /* ---- numbers ---- */
 
-/* Read a number with its own unit, or with the unit `given` for a column, and
-   convert to the unit named `in`. */
+/* Read a number and convert to the unit `in`. `given` is the unit of the
+   column, or NULL if the text contains the unit. */
 static gboolean read_number(reader *r, const opc_node *node, const char *key,
                             const char *given, const char *in,
                             gboolean positive, double *out) {
@@ -60,7 +58,7 @@ static gboolean read_number(reader *r, const opc_node *node, const char *key,
                    key, in, node->text, given ? " " : "", given ? given : "");
 }
 
-/* Read the items of a list, each above 0, to *out, and advance *out. */
+/* Read the numbers of a list, each above 0, to *out. Advance *out. */
 static gboolean read_items(reader *r, const opc_node *list, const char *key,
                            const char *given, const char *in, double **out) {
   gboolean good = TRUE;
@@ -74,8 +72,8 @@ static gboolean is_list(const opc_node *node) {
   return node && node->type == OPC_NODE_LIST;
 }
 
-/* Return the list of values of `{ unit: nm, values: [...] }` and its unit; NULL
-   and a fault on failure. */
+/* Return the list of values of `{ unit: nm, values: [...] }`, and the unit.
+   Report a fault and return NULL if the form differs. */
 static const opc_node *get_list(reader *r, const opc_node *parent,
                                 const char *key, const char *in,
                                 const char **given) {
@@ -92,9 +90,8 @@ static const opc_node *get_list(reader *r, const opc_node *parent,
   return NULL;
 }
 
-/* Return the values of a column in the unit `in`, each above 0; NULL and a
-   fault on failure. The unit of the column is appended to each number before
-   parsing. */
+/* Return the values of a column in the unit `in`, each above 0 (free()). Report
+   a fault and return NULL if a value is not valid. */
 static double *get_column(reader *r, const opc_node *parent, const char *key,
                           const char *in, size_t *count) {
   const char *given;
@@ -107,7 +104,8 @@ static double *get_column(reader *r, const opc_node *parent, const char *key,
   return NULL;
 }
 
-/* Return the values of a list of rows, each with `columns` numbers. */
+/* Return the values of a list of rows, each with `columns` numbers, in the unit
+   `in` (free()). Report a fault and return NULL if a row is not valid. */
 static double *get_rows(reader *r, const opc_node *parent, const char *key,
                         const char *in, size_t rows, size_t columns) {
   const char *given;
@@ -137,7 +135,8 @@ static double *get_rows(reader *r, const opc_node *parent, const char *key,
 
 /* ---- the table ---- */
 
-/* Check that the values of a column rise; `what` names them in the fault. */
+/* Report each value of a column that is not above the preceding value. `what`
+   names the values in the message. */
 static void check_rise(reader *r, const opc_node *root, const char *key,
                        const char *what, const double *x, size_t n) {
   const opc_node *list = opc_node_get(opc_node_get(root, key), "values");
@@ -159,7 +158,7 @@ static void read_lengths(reader *r, const opc_node *root) {
   d->length = lengths;
 }
 
-/* Read the widths; the last one is the wide one. */
+/* Read one width or a list of widths. The largest width is d->width. */
 static void read_widths(reader *r, const opc_node *root) {
   eda_devices *d = r->devices;
   const opc_node *node = opc_node_get(root, "width");
@@ -181,7 +180,8 @@ static void read_widths(reader *r, const opc_node *root) {
   d->narrow_width = widths;
 }
 
-/* Return a quantity of one type, in the unit `in`, at all lengths. */
+/* Return a quantity per nm of width at all lengths, for a table of one
+   width. */
 static double *read_row(reader *r, const opc_node *map, const char *key,
                         const char *in) {
   const eda_devices *d = r->devices;
@@ -195,12 +195,12 @@ static double *read_row(reader *r, const opc_node *map, const char *key,
   return row;
 }
 
-/* Return a quantity at all lengths for the wide width, and write those of the
-   narrow widths. */
+/* Return a quantity per nm of width at all lengths for the largest width. Write
+   the quantity at the narrow widths to *narrow. */
 static double *read_rows(reader *r, const opc_node *map, const char *key,
                          const char *in, double **narrow) {
   const eda_devices *d = r->devices;
-  if (!d->length) return NULL; /* already reported */
+  if (!d->length) return NULL; /* fault is already reported */
   double *all = get_rows(r, map, key, in, d->narrow + 1, d->count);
   if (!all) return NULL;
   double *wide = eda_alloc(d->count, sizeof *wide);
@@ -212,7 +212,7 @@ static double *read_rows(reader *r, const opc_node *map, const char *key,
   return wide;
 }
 
-/* Read all quantities of one type, per width. */
+/* Read all quantities of one transistor type, and divide by the width. */
 static void read_type(reader *r, const opc_node *root, const char *key,
                       int type) {
   static const char *const known[] = {"ion", "ioff", "cgate"};
@@ -229,8 +229,7 @@ static void read_type(reader *r, const opc_node *root, const char *key,
   }
 }
 
-/* Check for exchanged columns: the off-current is less than the on-current,
-   except for much too short lengths. */
+/* Detect exchanged columns: at the longest length, Ioff must be below Ion. */
 static void check_currents(reader *r, const opc_node *root, const char *key,
                            int type) {
   const eda_devices *d = r->devices;
@@ -255,7 +254,7 @@ static void read_version(reader *r, const opc_node *node, const char *key) {
               strtoll(text, NULL, 10) < 1 ? "least" : "most", text);
 }
 
-/* Check that tables after the first one name their flavour. */
+/* Check that each table except the first has a unique flavour. */
 static void check_flavour(reader *r, const opc_node *root) {
   const eda_devices *d = r->devices, *other = r->first;
   const opc_node *node = opc_node_get(root, "flavour");
@@ -271,15 +270,15 @@ static void check_flavour(reader *r, const opc_node *root) {
                 d->flavour);
 }
 
-/* Read everything except columns. */
+/* Read the members that are single values. */
 static void read_head(reader *r, const opc_node *root) {
   eda_devices *d = r->devices;
   double ignored;
   const struct {
     const char *key;
-    char **text; /* receives a text; NULL: none */
+    char **text; /* receives the text; NULL: ignored */
     const char *unit;
-    double *number; /* or receives a number in this unit */
+    double *number; /* receives the number in this unit */
     gboolean optional;
   } entries[] = {
       {"name", .text = &d->name},

@@ -164,7 +164,8 @@ static void put_made_up(GString *out, int type, size_t widths,
 
 enum { N = 1, P = 2 };
 
-/* Return the table `text` with capacitances of that form, for N, P or both. */
+/* Return the table `text` with capacitances of made_up for N, P or both
+   types. */
 static char *with_cgate(const char *text, int types, size_t widths,
                         const double *width, size_t lengths,
                         const double *length) {
@@ -228,7 +229,7 @@ static void test_cgate_one_width(void) {
   eda_devices_free(d);
 }
 
-/* Nonlinear capacitances: only adjacent nodes matter. fF. */
+/* Nonlinear capacitances, fF: only adjacent nodes have an effect. */
 static void test_cgate_bent(void) {
   static const char lines[] =
       "  cgate: { unit: fF, values: [[1, 2], [3, 5], [40, 60]] }\n";
@@ -275,7 +276,7 @@ static void test_cgate_faults(void) {
                  "table.yaml:13:31: 'cgate' must be above 0 F, found '-*");
 }
 
-/* A file of several tables, each after the first with its flavour. */
+/* A file of several tables: each table after the first has a flavour. */
 static void test_flavours(void) {
   opc_error error;
   g_autofree char *both = g_strconcat(good, "---\nflavour: lvt\n", wide,

@@ -1,24 +1,23 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Charts: axes with round numbers and units, lines, dots, bands and fields of
-   colour.
+/* Charts: axes with round numbers and units, lines, dots, bands and colour
+   maps.
 
-   gnuplot 5.4 would draw lines of equal quality (gnuplot-nox of Debian: 3.5 MB
-   and four more packages; PLplot: 54 packages). Pictures of layouts need cairo,
-   paper, text and legends in any case, on which all charts take only the 300
-   lines below. An external program would need scripts and a process, 0.05 s for
-   each picture (here 0.03 s), and writes the time into .pdf files, so that
-   equal pictures are not equal files. */
+   gnuplot 5.4 would draw lines of equal quality, but needs 3.5 MB in five
+   Debian packages, and a script and a process of 0.05 s for each chart (here
+   0.03 s). It also writes the time into .pdf files, so that equal charts
+   differ. Pictures of layouts need cairo and most of this folder in any case.
+ */
 #include <eda/drawing.h>
 #include <math.h>
 
 enum { TICKS = 24 };
 
-/* ---- places ---- */
+/* ---- positions ---- */
 
 void eda_axis_fit(eda_axis *a, const double *value, size_t n) {
   a->low = INFINITY, a->high = -INFINITY;
   for (size_t i = 0; i < n; i++) {
-    a->low = fmin(a->low, value[i]); /* ignores NAN */
+    a->low = fmin(a->low, value[i]); /* fmin ignores NAN */
     a->high = fmax(a->high, value[i]);
   }
 }
@@ -52,10 +51,10 @@ double eda_chart_y(const eda_chart *c, double y) {
   return c->top + (1 - eda_axis_place(&c->y, y)) * c->height;
 }
 
-/* ---- numbers on axes ---- */
+/* ---- tick marks ---- */
 
-/* Compute ticks in steps of 1, 2 or 5 times a power of ten, about a sixth of
-   the range. Return their number. */
+/* Compute ticks at multiples of 1, 2 or 5 times a power of ten. The step is at
+   least a sixth of the range. Return the number of ticks. */
 static size_t even_ticks(const eda_axis *a, double tick[TICKS]) {
   double range = a->high - a->low, rough = range / 6;
   double step = pow(10, floor(log10(rough)));
@@ -66,13 +65,13 @@ static size_t even_ticks(const eda_axis *a, double tick[TICKS]) {
   size_t n = 0;
   for (double i = ceil(a->low / step - 1e-9); n < TICKS; i++) {
     if (i * step > a->high + 1e-9 * range) break;
-    tick[n++] = i * step + 0.0; /* no -0 */
+    tick[n++] = i * step + 0.0; /* converts -0 to 0 */
   }
   return n;
 }
 
-/* Compute ticks at 1, 2 and 5 of each decade, or at powers of ten for many
-   decades. Return their number. */
+/* Compute ticks at 1, 2 and 5 of each decade, or only at powers of ten if the
+   range exceeds four decades. Return the number of ticks. */
 static size_t decade_ticks(const eda_axis *a, double tick[TICKS]) {
   static const double digits[] = {1, 2, 5};
   double first = floor(log10(a->low)), last = floor(log10(a->high));
@@ -95,7 +94,7 @@ static size_t find_ticks(const eda_axis *a, double tick[TICKS]) {
                                         : even_ticks(a, tick);
 }
 
-/* Write a value with its unit, "2 mA". */
+/* Write a value with prefix and unit, such as "2 mA". */
 static void text_of(const eda_axis *a, double value, char text[48]) {
   static const char *const prefix[] = {"", "m", "u", "n", "p", "f", "a"};
   size_t i = 0;
@@ -109,7 +108,7 @@ static void text_of(const eda_axis *a, double value, char text[48]) {
 
 /* ---- axes ---- */
 
-/* Return the largest width of the texts at an axis; labels take at most a
+/* Return the largest width of the tick texts or labels of an axis, at most a
    quarter of the paper. */
 static double widest_text(const eda_paper *p, const eda_axis *a) {
   double tick[TICKS], out = 0;
@@ -139,7 +138,7 @@ static void grid_line(const eda_chart *c, double x0, double y0, double x1,
   eda_use(cairo, eda_ink);
 }
 
-/* Draw a tick with its text on the x axis or the y axis. */
+/* Draw a tick mark with text on the x axis (mark_x) or y axis (mark_y). */
 static void mark_x(const eda_chart *c, double x, const char *text) {
   double at = eda_chart_x(c, x), bottom = c->top + c->height;
   if (!c->x.label) grid_line(c, at, c->top, at, bottom);
@@ -154,11 +153,11 @@ static void mark_y(const eda_chart *c, double y, const char *text) {
            c->paper->width / 4, text);
 }
 
-/* Return n so that every n-th label is shown, where each label has `part` of
-   the axis and needs `width`. */
+/* Return n if every n-th label is to be drawn. `part` is the distance of two
+   labels, `width` the space that a label needs. */
 static size_t label_step(double part, double width) {
   size_t step = 1;
-  for (int k = 0; (double)step * part < width; k++) /* 1, 2, 5, 10 .. */
+  for (int k = 0; (double)step * part < width; k++) /* step: 1, 2, 5, 10, ... */
     step = k % 3 == 1 ? step / 2 * 5 : step * 2;
   return step;
 }
@@ -268,7 +267,7 @@ void eda_chart_band(const eda_chart *c, eda_colour colour, const double *x,
   cairo_restore(cairo);
 }
 
-/* ---- fields of colour ---- */
+/* ---- colour maps ---- */
 
 static void field_cell(const eda_chart *c, const eda_axis *of, double x,
                        double y, double figure) {
@@ -286,7 +285,7 @@ static void field_cell(const eda_chart *c, const eda_axis *of, double x,
   if (isnan(figure)) eda_cross(c->paper, x0, y0, x1 - x0, y1 - y0);
 }
 
-/* Draw the colour scale at the right. */
+/* Draw the colour scale to the right of the map. */
 static void field_scale(const eda_chart *c, const eda_axis *of) {
   cairo_t *cairo = c->paper->cairo;
   double font = c->paper->font, width = floor(1.3 * font);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Charts and legends, read back from files: colours at known places, equal
-   files. */
+/* Charts and legends, read back from files: colours at known positions, and
+   equal files. */
 #include <eda/drawing.h>
 #include <glib.h>
 #include <glib/gstdio.h>
@@ -67,7 +67,7 @@ static void test_places(void) {
   cairo_surface_destroy(s);
 }
 
-/* Files do not depend on pictures drawn before. */
+/* Files do not depend on earlier pictures of the process. */
 static void test_equal_files(void) {
   static const char *const names[] = {"a.png", "a.svg", "a.pdf", "a.PDF"};
   for (size_t i = 0; i < G_N_ELEMENTS(names); i++) {
@@ -104,8 +104,8 @@ static void test_axes(void) {
   g_assert_cmpfloat(fabs(a.high - 1000), <, 1e-9);
 }
 
-/* Entries continue on the next line at the end of the paper; hostile texts are
-   cut and do no harm. */
+/* Entries that do not fit continue on the next line; hostile texts are
+   truncated. */
 static void test_legend(void) {
   opc_error error;
   g_autofree char *path = path_of("legend.svg");

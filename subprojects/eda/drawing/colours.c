@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Colours of all pictures: lines from the palette of Okabe and Ito and darker
-   ones of equal hue, fills as their tints, deviations from RdBu of Brewer,
-   intensities from YlGnBu. All can be distinguished with any common colour
-   blindness. */
+/* Colours of all pictures. Lines: the palette of Okabe and Ito and darker
+   colours of the same hue. Fills: tints of the line colours. Deviations: RdBu
+   of Brewer. Intensities: YlGnBu of Brewer. The colours are distinguishable
+   with all common forms of colour blindness. */
 #include <eda/drawing.h>
+#include <math.h>
 
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))
 
@@ -13,8 +14,8 @@ const eda_colour eda_ink = EDA_COLOUR(0x202020),
                  eda_ring_colour = EDA_COLOUR(0xd94019),
                  eda_contact_fill = EDA_COLOUR(0xbcbcbc);
 
-/* Poly, active, then further layers of a flow; the colours repeat after the
-   last one. */
+/* Colours of poly, active, and the further layers in order, repeated
+   cyclically. */
 static const struct {
   eda_colour fill, outline, contour;
 } layers[] = {
@@ -51,7 +52,7 @@ eda_colour eda_layer_contour(size_t layer) {
   return layers[layer % COUNT(layers)].contour;
 }
 
-/* Return a colour interpolated linearly between the stops. */
+/* Interpolate linearly between n colour stops, t from 0 to 1. */
 static eda_colour colour_between(const eda_colour *stops, size_t n, double t) {
   if (!(t > 0)) return stops[0];
   if (t >= 1) return stops[n - 1];
@@ -69,4 +70,9 @@ eda_colour eda_diverging(double t) {
 
 eda_colour eda_sequential(double t) {
   return colour_between(sequential, COUNT(sequential), t);
+}
+
+uint32_t eda_colour_packed(eda_colour c) {
+  return (uint32_t)lround(255 * c.r) << 16 | (uint32_t)lround(255 * c.g) << 8 |
+         (uint32_t)lround(255 * c.b);
 }

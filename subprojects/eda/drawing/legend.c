@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Text, titles, symbols and legends. */
+/* Text, headings, symbols and legends. */
 #include <eda/drawing.h>
 #include <glib.h>
 #include <math.h>
 #include <string.h>
 
-/* Largest number of bytes in a line of text; longer texts, from foreign files,
-   are cut. */
+/* Largest number of bytes in a line of text; longer texts are truncated. */
 enum { LINE = 200 };
 
 /* ---- text ---- */
@@ -17,7 +16,7 @@ static double width_of(const eda_paper *p, const char *text) {
   return extents.x_advance;
 }
 
-/* Return the text shortened to the available width (free). */
+/* Return the text, truncated with "..." to the given width (g_free). */
 static char *text_fit(const eda_paper *p, const char *text, double width) {
   g_autofree char *all = g_utf8_make_valid(text, (gssize)strnlen(text, LINE));
   for (char *c = all; *c; c++)
@@ -36,7 +35,7 @@ void eda_text(const eda_paper *p, double x, double baseline, int place,
   g_autofree char *line = text_fit(p, text, width);
   cairo_move_to(p->cairo, x - width_of(p, line) * place / 2, baseline);
   cairo_show_text(p->cairo, line);
-  cairo_new_path(p->cairo); /* the end of the text is no point of a line */
+  cairo_new_path(p->cairo); /* the current point must not begin a line */
 }
 
 double eda_heading(const eda_paper *p, double top, const char *text) {
@@ -51,7 +50,7 @@ double eda_heading(const eda_paper *p, double top, const char *text) {
   return 1.9 * p->font;
 }
 
-/* ---- signs ---- */
+/* ---- symbols ---- */
 
 static void line_stroke(const eda_paper *p, eda_colour colour, double line,
                         double dash) {
@@ -88,7 +87,8 @@ static double sign_width(const eda_paper *p, const eda_sign *s) {
   return width_of(p, s->low) + width_of(p, s->high) + 8 * p->font;
 }
 
-/* Draw a sharp box with a thin outline, filled with the present colour. */
+/* Fill a box with the current colour, and draw a thin outline on whole
+   pixels. */
 static void draw_box(const eda_paper *p, double x, double y, double width,
                      double height) {
   cairo_rectangle(p->cairo, floor(x) + 0.5, floor(y) + 0.5, floor(width),

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* File of a picture. All output of cairo is collected first, so that a failure
-   has a reason and equal pictures are equal files. */
+/* File of a picture. Cairo's output is collected in memory first, so that write
+   errors are reported with a reason and numbers in SVG files can be
+   replaced. */
 #include <cairo-pdf.h>
 #include <cairo-svg.h>
 #include <eda/drawing.h>
@@ -15,7 +16,7 @@ static const char *const extensions[FORMATS] = {
     [PNG] = ".png", [SVG] = ".svg", [PDF] = ".pdf"};
 
 typedef struct sheet {
-  eda_paper paper; /* public part */
+  eda_paper paper; /* public members; must be first */
   cairo_surface_t *surface;
   int format;
   const char *path;
@@ -32,9 +33,10 @@ static cairo_status_t svg_append(void *closure, const unsigned char *data,
   return CAIRO_STATUS_SUCCESS;
 }
 
-/* Replace the numbers of groups and images in an SVG file, which cairo derives
-   from the number of surfaces made so far. Groups are never referenced: their
-   numbers are dropped. Images are counted from the first one of the file. */
+/* Replace the numbers of groups and images in an SVG file. Cairo counts them
+   over all surfaces of the process, so equal pictures would differ. Numbers of
+   groups are removed, because they are never referenced. Images are numbered
+   from 1. */
 static gboolean svg_renumber(const GMatchInfo *match, GString *out,
                              void *data) {
   g_autofree char *name = g_match_info_fetch(match, 1);
@@ -47,7 +49,7 @@ static gboolean svg_renumber(const GMatchInfo *match, GString *out,
   return FALSE;
 }
 
-/* Write the file. Return 0 or an errno. */
+/* Write the content and close the file. Return 0 or an errno value. */
 static int write_content(sheet *s) {
   gint64 first = 0;
   if (s->format == SVG) {
@@ -89,7 +91,8 @@ static cairo_surface_t *new_surface(sheet *s) {
   }
 }
 
-/* Select a font with equal letters on every screen. */
+/* Select a font without hinting, so that text looks the same on every
+   device. */
 static void set_font(const eda_paper *p) {
   cairo_font_options_t *options = cairo_font_options_create();
   cairo_font_options_set_antialias(options, CAIRO_ANTIALIAS_GRAY);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Layer numbers; polygons that are divided or lose their holes; contents of an
-   OASIS file. Tests of the readers and writers cover the rest. */
+/* Layer numbers; polygons that are divided or lose their holes; content of an
+   OASIS file. Further cases are in the tests of the readers and writers. */
 #include <eda/memory.h>
 #include <eda/oasis.h>
 #include <glib.h>

@@ -1,21 +1,22 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Removal of holes, which layout files lack: each hole is assigned to its
-   outline, and outlines with holes are fractured into rectangles. */
+/* Removal of holes, which layout formats do not have. Each hole is assigned to
+   the enclosing outline. Outlines with holes are fractured into rectangles. */
 #include <eda/formats.h>
 #include <eda/memory.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Lists of holes by number, from 1; 0 ends a list. */
+/* Linked lists of holes. A link is the number of the hole plus 1; 0 ends a
+   list. */
 typedef struct sorting {
   const eda_shapes *shapes;
   eda_box *box;    /* bounding box of each polygon */
-  uint32_t *first; /* first hole of each outline */
-  uint32_t *next;  /* next hole of the same outline */
+  uint32_t *first; /* first hole of each outline; 0: none */
+  uint32_t *next;  /* next hole of the same outline; 0: none */
 } sorting;
 
-/* Return the lowest, then leftmost point; the unit square up and right of it is
-   inside the polygon, also for a hole. */
+/* Return the lowest, then leftmost point of a polygon or hole. The unit square
+   to the upper right of this point is inside the polygon or hole. */
 static eda_point lowest_point(const eda_shapes *s, size_t i) {
   eda_point low = s->points[s->start[i]];
   for (uint32_t k = s->start[i] + 1; k < s->start[i + 1]; k++) {
@@ -25,8 +26,8 @@ static eda_point lowest_point(const eda_shapes *s, size_t i) {
   return low;
 }
 
-/* Return whether the middle of the unit square at p is inside outline i, by
-   counting the vertical edges to its left. */
+/* Return whether the unit square to the upper right of p is inside outline i.
+   Counts the vertical edges to the left of the square. */
 static int outline_contains(const eda_shapes *s, size_t i, eda_point p) {
   int in = 0;
   uint32_t start = s->start[i], end = s->start[i + 1];
@@ -43,7 +44,8 @@ static double area(eda_box b) {
   return ((double)b.x1 - b.x0) * ((double)b.y1 - b.y0);
 }
 
-/* Return the outline of hole h: the smallest one around it, -1 for none. */
+/* Return the outline with the smallest bounding box that contains hole h; -1 if
+   none. */
 static int64_t outline_of(const sorting *o, size_t h) {
   const eda_shapes *s = o->shapes;
   eda_point p = lowest_point(s, h);
@@ -60,9 +62,7 @@ static int64_t outline_of(const sorting *o, size_t h) {
 
 static int sort_holes(sorting *o, opc_error *error) {
   const eda_shapes *s = o->shapes;
-  for (size_t i = 0; i < s->count; i++)
-    o->box[i] =
-        eda_bounds(s->points + s->start[i], s->start[i + 1] - s->start[i]);
+  for (size_t i = 0; i < s->count; i++) o->box[i] = eda_shape_box(s, i);
   for (size_t h = s->count; h-- > 0;) {
     if (!s->hole[h]) continue;
     int64_t owner = outline_of(o, h);
@@ -76,7 +76,7 @@ static int sort_holes(sorting *o, opc_error *error) {
   return OPC_OK;
 }
 
-/* Append one polygon to allocated arrays: an outline or a hole. */
+/* Append polygon `from` of `s`, an outline or a hole. */
 static void outline_add(eda_shapes *out, const eda_shapes *s, size_t from) {
   uint32_t n = s->start[from + 1] - s->start[from];
   uint32_t begin = out->start[out->count];
@@ -86,7 +86,7 @@ static void outline_add(eda_shapes *out, const eda_shapes *s, size_t from) {
   out->start[++out->count] = begin + n;
 }
 
-/* Return an outline with its holes as separate shapes. */
+/* Return a copy of outline i with its holes. */
 static eda_shapes outline_gather(const sorting *o, size_t i) {
   const eda_shapes *s = o->shapes;
   size_t points = s->start[i + 1] - s->start[i], n = 1;

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Encoding of OASIS files: numbers and strings, collected into compressed
-   blocks. */
+/* Encoding of OASIS files: numbers, strings and compressed blocks. */
 #include "formats/oasis.h"
 
 #include <eda/memory.h>
@@ -9,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Bytes of a block: enough for zlib, few enough for memory. Blocks shorter than
-   SMALL are not compressed. */
+/* Size of a block before compression, bytes: large enough for good compression.
+   Blocks shorter than SMALL bytes are not compressed. */
 enum { BLOCK = 1 << 20, SMALL = 32 };
 
 eda_oasis *eda_oasis_new(FILE *file) {
@@ -61,8 +60,8 @@ void eda_oasis_sint(eda_oasis *out, int64_t v) {
   eda_oasis_uint(out, v < 0 ? (uint64_t)-v << 1 | 1 : (uint64_t)v << 1);
 }
 
-/* Written as a whole number if possible, otherwise as 8 bytes,
-   little-endian. */
+/* A whole number is written as such, other numbers as 8 bytes (IEEE,
+   little-endian). */
 void eda_oasis_real(eda_oasis *out, double v) {
   if (v == floor(v) && fabs(v) < 1e15) {
     eda_oasis_uint(out, v < 0);
@@ -82,7 +81,8 @@ void eda_oasis_delta(eda_oasis *out, int64_t x, int64_t y) {
     eda_oasis_uint(out, ax << 4 | (x < 0 ? 2 << 1 : 0));
   } else if (x == 0) {
     eda_oasis_uint(out, ay << 4 | (y < 0 ? 3 << 1 : 1 << 1));
-  } else if (ax == ay) { /* north-east, north-west, south-west, south-east */
+  } else if (ax ==
+             ay) { /* north-east 4, north-west 5, south-west 6, south-east 7 */
     uint64_t direction = y > 0 ? (x > 0 ? 4 : 5) : (x > 0 ? 7 : 6);
     eda_oasis_uint(out, ax << 4 | direction << 1);
   } else {

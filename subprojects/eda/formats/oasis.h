@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Common declarations of the OASIS writer. */
+/* Internal state of the OASIS writer. */
 #pragma once
 
 #include <eda/oasis.h>
 #include <zlib.h>
 
-/* A shape; steps are relative to its first point. */
+/* A shape of the current layer. */
 typedef struct oasis_shape {
   eda_point at;
-  uint32_t n;   /* number of points; 2 for the corners of a box */
-  size_t start; /* first entry in `steps`, after the first point */
+  uint32_t n; /* number of points; 2 for a box, given by two opposite corners */
+  size_t start; /* index in `steps` of the second point; steps are relative to
+                   `at` */
 } oasis_shape;
 
 typedef struct oasis_step {
@@ -17,9 +18,9 @@ typedef struct oasis_step {
 } oasis_step;
 
 struct eda_oasis {
-  FILE *file;     /* NULL: none */
-  uint64_t place; /* offset in the file */
-  uint32_t crc;   /* of all bytes of the file so far */
+  FILE *file;     /* NULL: nothing is written */
+  uint64_t place; /* current offset in the file, bytes */
+  uint32_t crc;   /* CRC-32 of all bytes written so far */
   uint8_t *bytes; /* bytes of the current block */
   size_t n, capacity;
   uint8_t *packed;

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Division of polygons with too many points: clip at a vertical or horizontal
-   line through the median of the points, whichever leaves fewer points, and
-   repeat with both parts. Clipping preserves winding numbers on both sides of
-   the line, so any polygon is allowed. */
+/* Division of polygons with too many points. Clip the polygon at a vertical and
+   at a horizontal line near the median of the points. Keep the clip whose
+   larger part has fewer points, and repeat with both parts. Clipping preserves
+   winding numbers on both sides of the line, so self-intersecting polygons are
+   allowed. */
 #include <eda/formats.h>
 #include <eda/memory.h>
 #include <math.h>
@@ -22,16 +23,11 @@ static piece *piece_new(size_t capacity) {
 
 static int32_t coordinate(eda_point p, int axis) { return axis ? p.y : p.x; }
 
-static int by_value(const void *a, const void *b) {
-  int32_t x = *(const int32_t *)a, y = *(const int32_t *)b;
-  return (x > y) - (x < y);
-}
-
-/* Find a value strictly inside the range of the points, near their median.
-   Return 0 if none exists. */
+/* Find a coordinate strictly between the smallest and largest coordinate, near
+   the median. Return 0 if there is none. */
 static int median(const piece *p, int axis, int32_t *values, int32_t *at) {
   for (size_t i = 0; i < p->n; i++) values[i] = coordinate(p->points[i], axis);
-  qsort(values, p->n, sizeof *values, by_value);
+  qsort(values, p->n, sizeof *values, eda_int32s_rise);
   int64_t low = values[0], high = values[p->n - 1];
   if (high - low < 2) return 0;
   *at = values[p->n / 2];
@@ -40,7 +36,8 @@ static int median(const piece *p, int axis, int32_t *values, int32_t *at) {
   return 1;
 }
 
-/* Add a point; of three points on the clip line, remove the middle one. */
+/* Append a point. If the last two points and `p` are on the clip line, remove
+   the last point first. */
 static void piece_add(piece *out, eda_point p, int axis, int32_t at) {
   if (out->n >= 2 && coordinate(p, axis) == at &&
       coordinate(out->points[out->n - 1], axis) == at &&
@@ -56,7 +53,7 @@ static eda_point edge_crossing(eda_point a, eda_point b, int axis, int32_t at) {
   return axis ? (eda_point){other, at} : (eda_point){at, other};
 }
 
-/* Return the part of `p` on one side of the line: side -1 below, 1 above. */
+/* Return the part of `p` below (side -1) or above (side 1) the clip line. */
 static piece *piece_clip(const piece *p, int axis, int32_t at, int side) {
   piece *out = piece_new(2 * p->n + 2);
   eda_point a = p->points[p->n - 1];
@@ -76,8 +73,8 @@ static size_t larger_half(const piece *const half[2]) {
   return half[0]->n > half[1]->n ? half[0]->n : half[1]->n;
 }
 
-/* Divide a polygon in two. Return 0 if no line makes both parts clearly
-   smaller. */
+/* Divide a polygon in two. Return 0 if no line yields two parts of at most 4/5
+   of the points. */
 static int piece_halve(const piece *p, piece *best[2]) {
   int32_t *values = eda_alloc(p->n, sizeof *values);
   for (int axis = 0; axis < 2; axis++) {
@@ -113,8 +110,8 @@ int eda_polygon_cut(const eda_point *points, size_t n,
       if (p->n > 2) code = take->polygon(take->data, p->points, p->n, error);
     } else if (!code && !piece_halve(p, half)) {
       code = opc_fail(error, OPC_FAILED, NULL,
-                      "a polygon of %zu points at (%d, %d) cannot be cut into "
-                      "ones of %zu",
+                      "a polygon of %zu points at (%d, %d) cannot be divided "
+                      "into polygons of at most %zu points",
                       n, points[0].x, points[0].y, take->most);
     }
     for (int i = 0; i < 2 && half[i]; i++) {

@@ -1,21 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Shapes of one layer of a cell for an OASIS file: equal shapes are combined to
-   repetitions. */
+/* Shapes of one layer of a cell in an OASIS file. Equal shapes are written as
+   one shape with a repetition. */
 #include <eda/memory.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "formats/oasis.h"
 
-/* Shapes compared with each other, and members of one repetition. */
+/* Largest number of shapes among which equal shapes are searched, and of shapes
+   of one repetition. */
 enum { MANY = 1 << 19, MEMBERS = 1 << 16 };
-
-static int is_box(const eda_point *p, size_t n) {
-  return n == 4 && ((p[0].x == p[1].x && p[1].y == p[2].y && p[2].x == p[3].x &&
-                     p[3].y == p[0].y) ||
-                    (p[0].y == p[1].y && p[1].x == p[2].x && p[2].y == p[3].y &&
-                     p[3].x == p[0].x));
-}
 
 static void shape_add(eda_oasis *out, const eda_point *points, size_t n) {
   eda_grow(&out->shapes, &out->capacity_shapes, out->n_shapes + 1,
@@ -24,7 +18,7 @@ static void shape_add(eda_oasis *out, const eda_point *points, size_t n) {
            sizeof *out->steps);
   oasis_shape *s = &out->shapes[out->n_shapes++];
   *s = (oasis_shape){points[0], (uint32_t)n, out->n_steps};
-  if (is_box(points, n)) {
+  if (eda_is_box(points, n)) {
     eda_point a = points[0], b = points[2];
     eda_point low = {a.x < b.x ? a.x : b.x, a.y < b.y ? a.y : b.y};
     s->at = low;
@@ -39,7 +33,7 @@ static void shape_add(eda_oasis *out, const eda_point *points, size_t n) {
         (int64_t)points[i].x - points[0].x, (int64_t)points[i].y - points[0].y};
 }
 
-/* ---- equal shapes side by side ---- */
+/* ---- order of shapes ---- */
 
 static int compare_shape(const eda_oasis *out, const oasis_shape *a,
                          const oasis_shape *b) {
@@ -65,16 +59,15 @@ static int64_t dy(const oasis_shape *s) {
   return (int64_t)s[1].at.y - s[0].at.y;
 }
 
-/* Return the number of first shapes that form a regular row or column; the
-   first two define the step. */
+/* Return the number of leading shapes at constant steps; the first two shapes
+   define the step. */
 static size_t regular_shapes(const oasis_shape *s, size_t n) {
   size_t k = 1;
   while (k < n && dx(&s[k - 1]) == dx(s) && dy(&s[k - 1]) == dy(s)) k++;
   return k;
 }
 
-/* Return the number of consecutive rows like the first one of `columns`, with
-   equal steps. */
+/* Return the number of leading rows of `columns` shapes at constant steps. */
 static size_t regular_rows(const oasis_shape *s, size_t n, size_t columns) {
   size_t rows = 1;
   if (columns < 2 || n < 2 * columns) return 1;
@@ -89,8 +82,8 @@ static size_t regular_rows(const oasis_shape *s, size_t n, size_t columns) {
   return rows;
 }
 
-/* Choose the repetition of the first of n equal shapes. Return the number of
-   shapes that it covers; one shape has no repetition. */
+/* Choose a repetition for the first of n equal shapes. Return the number of
+   shapes in the repetition; 1 means no repetition. *rows = 0 denotes a list. */
 static size_t repetition_choose(const oasis_shape *s, size_t n, size_t *columns,
                                 size_t *rows) {
   if (n > MEMBERS) n = MEMBERS;
@@ -101,7 +94,7 @@ static size_t repetition_choose(const oasis_shape *s, size_t n, size_t *columns,
     *rows = regular_rows(s, n, *columns);
     if (*rows > 1 && *rows * *columns * 2 >= n) return *rows * *columns;
   }
-  *rows = 0; /* a list */
+  *rows = 0; /* list of positions */
   return n;
 }
 
@@ -127,8 +120,9 @@ static void put_repetition(eda_oasis *out, const oasis_shape *s, size_t covered,
 
 /* ---- records ---- */
 
-/* Return whether edges alternate between horizontal and vertical, the first one
-   horizontal if `first`: the last point is then implied. */
+/* Return whether horizontal and vertical edges alternate, starting with a
+   horizontal edge if `first` is 1. The last point is then redundant in
+   OASIS. */
 static int by_turns(const oasis_step *d, uint32_t n, int first) {
   oasis_step a = {0, 0};
   if (n % 2) return 0;

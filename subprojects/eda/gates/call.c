@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Calls of extractors, resists, synthesizers and regulators. Plugins write to
-   copies between guard words; the data behind their pointers is read within the
-   call, so that a crash is attributed to the plugin. */
+/* Calls of extractors, resists, synthesizers and regulators. A plugin writes to
+   copies between guard words. The host reads the data behind the plugin's
+   pointers before the call ends, so that a crash is attributed to the
+   plugin. */
 #include <eda/check.h>
 #include <eda/memory.h>
 #include <glib.h>
@@ -10,11 +11,14 @@
 
 #include "gates/fence.h"
 
-enum { LONGEST_TEXT = 200 }; /* bytes, enough for a few words */
+enum {
+  LONGEST_TEXT = 200
+}; /* largest length of a verdict or rule name, bytes */
 
 /* ---- texts ---- */
 
-/* Return a permanent copy of a text; `what` names it in errors. */
+/* Return a permanent copy of `text`; on error return NULL and set *error.
+   `what` names the text in the message. */
 static const char *keep_text(const char *text, const char *what,
                              opc_error *error) {
   size_t n = strnlen(text, LONGEST_TEXT + 1);
@@ -42,9 +46,11 @@ int eda_call_verdict(const opc_context *context, const opc_module *synthesizer,
   return *verdict ? OPC_OK : OPC_FAILED;
 }
 
-/* ---- figures and prints ---- */
+/* ---- performance and level sets ---- */
 
-enum { FIGURES = 6 /* arrays of eda_performance, one after another */ };
+enum {
+  FIGURES = 6 /* consecutive array pointers in eda_performance, from `ion` on */
+};
 
 int eda_call_extract(const opc_context *context, const opc_module *extractor,
                      const eda_slices *slices, eda_performance *out,
@@ -55,8 +61,9 @@ int eda_call_extract(const opc_context *context, const opc_module *extractor,
   if (out->outside) lent.outside = fence_new(n, sizeof *out->outside, NULL);
   for (size_t k = 0; k < FIGURES; k++)
     (&lent.ion)[k] = fence_new(n, sizeof(double), NULL);
-  const eda_performance kept = lent; /* the plugin may change the pointers of
-                                        `lent` */
+  const eda_performance kept =
+      lent; /* The plugin may change the pointers in `lent`; `kept` retains the
+               original pointers. */
   const char *before = eda_enter(context, extractor, error);
   int code = model->extract(extractor->self, slices, &lent, error);
   opc_leave(context, before);
@@ -96,7 +103,7 @@ int eda_call_print(const opc_context *context, const opc_module *resist,
   size_t n = (size_t)field->nx * (size_t)field->ny;
   const char *before = eda_enter(context, resist, error);
   int code = model->print(resist->self, layer, field, error);
-  /* The plugin may have replaced the coefficients. */
+  /* If the plugin replaced the coefficients, there are no guard words. */
   if (!code && field->coefficients == values)
     code = fence_check_field(values, n, "level sets", error);
   if (!code) code = eda_check_field(field, &frame, "level set", error);
@@ -106,8 +113,9 @@ int eda_call_print(const opc_context *context, const opc_module *resist,
 
 /* ---- moves ---- */
 
-/* Return array number i of the moves and its length: arrays of gates first,
-   followed by the shifts of layers. NULL: no such array. */
+/* Return array i of the moves and write the length of the array to *n: first
+   the arrays of gates, then the shifts of each layer. Return NULL if the moves
+   do not have this array. */
 enum { OF_GATES = 4 };
 
 static int32_t *array_of(const eda_moves *m, const eda_gates *gates,
@@ -117,7 +125,7 @@ static int32_t *array_of(const eda_moves *m, const eda_gates *gates,
   return i < OF_GATES ? first[i] : m->shift[i - OF_GATES];
 }
 
-/* Check all arrays that a plugin has written to `lent`. */
+/* Check the guard words and the values of all arrays in `lent`. */
 static int check_moves(const eda_gates *gates, const eda_moves *lent,
                        const size_t *fragments, opc_error *error) {
   static const char *const names[] = {"moves of L", "moves of W", "jogs",
@@ -152,8 +160,8 @@ int eda_call_update(const opc_context *context, const opc_module *synthesizer,
   if (moves->part) lent.part = fence_new(parts, sizeof(eda_part), moves->part);
   if (moves->aside)
     lent.aside = fence_new(count, sizeof(int32_t), moves->aside);
-  const eda_moves kept = lent; /* the plugin may change the pointers of
-                                  `lent` */
+  const eda_moves kept = lent; /* The plugin may change the pointers in `lent`;
+                                  `kept` retains the original pointers. */
   const char *before = eda_enter(context, synthesizer, error);
   int code = s->update(synthesizer->self, feedback, &lent, done, error);
   if (!code) code = check_moves(g, &kept, fragments, error);
@@ -209,7 +217,8 @@ int eda_call_rule(const opc_context *context, const opc_module *regulator,
   return code;
 }
 
-/* Copy the names of rules, so that they outlive the regulator. */
+/* Replace the rule names by permanent copies, valid after the regulator is
+   closed. */
 static int keep_rules(eda_violation *v, size_t n, opc_error *error) {
   for (size_t i = 0; i < n; i++)
     if (v[i].rule && !(v[i].rule = keep_text(v[i].rule, "a rule", error)))

@@ -11,13 +11,13 @@
 
 enum {
   MOST_SLICES = 1 << 16,
-  MOST_BOXES = 1 << 24, /* boxes added to a mask */
+  MOST_BOXES = 1 << 24, /* largest number of boxes added to a mask layer */
   FURTHEST = 1 << 20,   /* largest displacement, grid steps */
-  OUTERMOST = 1 << 30,  /* largest coordinate */
+  OUTERMOST = 1 << 30,  /* largest absolute coordinate, grid steps */
   ALL_VETOES = 15
 };
 
-/* All faults found here return this error. */
+/* Set *error to OPC_FAILED with a message, and return OPC_FAILED. */
 #define unsound(error, ...) opc_fail(error, OPC_FAILED, NULL, __VA_ARGS__)
 
 const char *eda_enter(const opc_context *context, const opc_module *module,
@@ -43,7 +43,7 @@ int eda_blame(opc_error *error, int code, const char *slot) {
 typedef struct tasks {
   int (*task)(void *data, size_t i, opc_error *error);
   void *data;
-  opc_error *error; /* one for each task */
+  opc_error *error; /* [task] */
 } tasks;
 
 static void try_one(void *data, size_t i) {
@@ -65,8 +65,8 @@ int eda_try_all(const opc_context *context, size_t n,
 
 /* ---- fields ---- */
 
-/* Return whether any of n numbers is not finite: all bits of its exponent are
-   set. */
+/* Return whether any of n numbers is infinite or NaN. Such numbers have all
+   bits of the exponent set. */
 static int has_wild(const float *x, size_t n) {
   uint32_t wild = 0;
   for (size_t i = 0; i < n; i++) {
@@ -110,7 +110,8 @@ int eda_check_field(const eda_field *f, const eda_frame *frame,
 int eda_check_slicing(size_t n, const double *place, const double *width,
                       opc_error *error) {
   if (n < 1 || n > MOST_SLICES || !place || !width)
-    return unsound(error, "cuts a gate into %zu slices", n);
+    return unsound(error, "divides a gate into %zu slices, expected 1 to %d", n,
+                   MOST_SLICES);
   double sum = 0;
   for (size_t i = 0; i < n; i++) {
     double least = i ? place[i - 1] : 0;
@@ -119,7 +120,8 @@ int eda_check_slicing(size_t n, const double *place, const double *width,
                      "slice %zu is at %g of the width, not within %g to 1",
                      i + 1, place[i], least);
     if (!(width[i] >= 0))
-      return unsound(error, "slice %zu is %g wide", i + 1, width[i]);
+      return unsound(error, "slice %zu has the width %g, expected at least 0",
+                     i + 1, width[i]);
     sum += width[i];
   }
   if (fabs(sum - 1) < 1e-9) return OPC_OK;
@@ -158,7 +160,7 @@ int eda_check_performance(const eda_gates *gates, size_t first,
 
 /* ---- boxes added to a mask ---- */
 
-/* Check the boxes of a layer; `what` names them. */
+/* Check the boxes of a layer; `what` names the boxes in errors. */
 static int check_boxes(const char *what, const char *layer,
                        const eda_boxes *boxes, opc_error *error) {
   size_t n = boxes->count;
@@ -178,7 +180,8 @@ static int check_boxes(const char *what, const char *layer,
   return OPC_OK;
 }
 
-/* Check [layers] of boxes; only corrected layers may have any. */
+/* Check the boxes ([layers]) of all corrected layers; ignore boxes of other
+   layers. */
 static int check_all_boxes(const eda_gates *gates, const char *what,
                            const eda_boxes *boxes, opc_error *error) {
   int code = OPC_OK;
@@ -201,7 +204,8 @@ static int is_far(int32_t steps) {
   return steps > FURTHEST || steps < -FURTHEST;
 }
 
-/* Check that the parts are in order and do not overlap. */
+/* Check the parts of a transistor up to the first empty part: ordered along W,
+   not overlapping, not displaced too far. */
 static int check_parts(const eda_part *s, size_t gate, opc_error *error) {
   for (int k = 0; k < EDA_PARTS && s[k].from < s[k].to; k++) {
     if (is_far(s[k].by)) return far_move("part", gate, s[k].by, error);
@@ -261,9 +265,9 @@ int eda_check_violations(const eda_violation *v, size_t n, size_t gates,
   return OPC_OK;
 }
 
-/* ---- cuts ---- */
+/* ---- fragments of synthesizers ---- */
 
-/* A fragment and its drawn edge. */
+/* A fragment and the drawn edge from `a` to `b` that contains the fragment. */
 typedef struct cut_place {
   const eda_cuts *cuts;
   const char *layer;
@@ -282,8 +286,8 @@ static int cut_misplaced(const cut_place *c, const char *what, double x,
       c->b.x * c->grid, c->b.y * c->grid);
 }
 
-/* Return the position along the edge from a to b, 0 to its length; NAN for a
-   point off the edge. */
+/* Return the distance of the point (x, y) from `a` along the edge, nm; NAN if
+   the point is not on the edge. */
 static double position_along(const cut_place *c, double x, double y) {
   const double slack = 1e-3; /* rounding tolerance, nm */
   double ax = c->a.x * c->grid, ay = c->a.y * c->grid;
@@ -295,8 +299,9 @@ static double position_along(const cut_place *c, double x, double y) {
   return fabs(aside) <= slack && at >= -slack && at <= to + slack ? at : NAN;
 }
 
-/* Check the fragment at `at` along the edge with its control site. Write its
-   end. */
+/* Check the end `next` and the control site of a fragment that begins at
+   distance `at` along the edge, nm. Write the distance of the fragment's end to
+   *end. */
 static int check_cut(const cut_place *c, double at, eda_point next, double *end,
                      opc_error *error) {
   double x = next.x * c->grid, y = next.y * c->grid;
@@ -307,8 +312,8 @@ static int check_cut(const cut_place *c, double at, eda_point next, double *end,
   return cut_misplaced(c, "the site", site[0], site[1], error);
 }
 
-/* Check all fragments of polygon p along its edges. The first fragment may
-   start at any corner. */
+/* Check all fragments of polygon p along the edges of the polygon. The list of
+   fragments may begin at any corner. */
 static int check_cut_polygon(cut_place c, const eda_shapes *drawn, size_t p,
                              opc_error *error) {
   const eda_point *corner = drawn->points + drawn->start[p];
@@ -354,7 +359,7 @@ int eda_check_cuts(const eda_gates *gates, int layer, const eda_cuts *cuts,
     return unsound(error, "fragments %zu polygons of %s, expected %zu",
                    cuts->polygons, name, drawn->count);
   if (!cuts->start || !cuts->from || !cuts->site || cuts->start[0])
-    return unsound(error, "fragments of %s: array is missing", name);
+    return unsound(error, "fragments of %s: an array is missing", name);
   cut_place place = {.cuts = cuts, .layer = name, .grid = gates->grid};
   for (size_t p = 0; p < cuts->polygons && !code; p++)
     if (cuts->start[p + 1] < cuts->start[p])
@@ -376,7 +381,8 @@ static int check_shapes(const eda_shapes *s, const char *what,
   for (size_t i = 0; sound && i < s->count; i++)
     sound = s->start[i + 1] >= s->start[i];
   if (sound) return OPC_OK;
-  return unsound(error, "%s are not valid", what);
+  return unsound(error, "%s: the point ranges of the polygons are not valid",
+                 what);
 }
 
 static int check_edges(const eda_gates *g, size_t layer, opc_error *error) {
@@ -415,7 +421,8 @@ static int check_gate(const eda_gates *g, size_t i, opc_error *error) {
   return unsound(error, "transistor %zu is not valid", i + 1);
 }
 
-/* Check the layers: all that transistors need, each with a unique name. */
+/* Check the layers: complete arrays, enough layers for transistors, unique
+   names. */
 static int check_layers(const eda_gates *g, opc_error *error) {
   if (g->layers && !(g->layer && g->corrected && g->drawn && g->edges))
     return unsound(error, "an array of the layers is missing");

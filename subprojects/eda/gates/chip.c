@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The transistors of a chip, and the moves of those in a window. */
+/* Transistors of a chip; assignment of their edge displacements to the
+   transistors of a window. */
 #include <eda/chip.h>
-#include <eda/memory.h>
 #include <stdlib.h>
 
 void eda_chip_free(void *object) {
@@ -30,14 +30,15 @@ static int check_gates(const eda_chip *c, opc_error *error) {
   for (size_t i = 0; i < c->count; i++) {
     const eda_chip_gate *g = &c->gate[i];
     if (g->box.x0 >= g->box.x1 || g->box.y0 >= g->box.y1)
-      return unsound(error, "transistor %zu has no size", i);
+      return unsound(error, "transistor %zu has no size", i + 1);
     if (i && !box_before(g[-1].box, g->box))
-      return unsound(error, "transistor %zu is out of order", i);
+      return unsound(error, "transistor %zu is out of order", i + 1);
     if (g->mask >= c->masks || g->print >= c->prints)
-      return unsound(error, "transistor %zu has no mask or no print", i);
+      return unsound(error, "transistor %zu has no mask or no print", i + 1);
     if (g->type > EDA_PMOS || g->axis > EDA_Y ||
         g->flip > (EDA_FLIP_L | EDA_FLIP_W))
-      return unsound(error, "transistor %zu has no type or no direction", i);
+      return unsound(error, "transistor %zu has no valid type, axis or flip",
+                     i + 1);
   }
   return OPC_OK;
 }
@@ -47,12 +48,12 @@ static int check_masks(const eda_chip *c, opc_error *error) {
     const eda_chip_mask *m = &c->mask[i];
     if (m->parts > EDA_PARTS || (size_t)m->part + m->parts > c->parts ||
         (size_t)m->box + m->boxes > c->boxes)
-      return unsound(error,
-                     "mask %zu refers to parts or boxes that do not exist", i);
+      return unsound(
+          error, "mask %zu refers to parts or boxes that do not exist", i + 1);
   }
   for (size_t i = 0; i < c->boxes; i++)
     if (c->box[i].layer >= c->layers)
-      return unsound(error, "box %zu has no valid layer", i);
+      return unsound(error, "box %zu has no valid layer", i + 1);
   return OPC_OK;
 }
 
@@ -86,8 +87,8 @@ size_t eda_chip_find(const eda_chip *c, eda_box box) {
              : SIZE_MAX;
 }
 
-/* Convert a span between `low` and `high` to own coordinates, reversed if
-   `flip` is set. The conversion is its own inverse except for the origin. */
+/* Convert a span from coordinates relative to [low, high] to absolute
+   coordinates; mirror the span if `flip` is set. To convert back, pass -low. */
 static void span_convert(int32_t low, int32_t high, int flip, int32_t *from,
                          int32_t *to) {
   int32_t a = *from, b = *to;
@@ -114,7 +115,8 @@ eda_box eda_chip_own(eda_box gate, uint8_t axis, uint8_t flip, eda_box placed) {
   return b;
 }
 
-/* Add the parts of a mask, counted from the LOW end and ordered from there. */
+/* Copy the parts of a mask to `to`. If `backwards` is set, mirror the parts
+   within the gate width, so that they stay ordered from the LOW end. */
 static void put_parts(const eda_chip *c, const eda_chip_mask *m, int32_t width,
                       int backwards, eda_part *to) {
   const eda_part *from = c->part + m->part;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Transistors of a chip in all eight orientations: own coordinates unit by
-   unit, moves of each gate, and faults of a chip. */
+   unit, displacements of each gate, and invalid chips. */
 #include <eda/chip.h>
 #include <eda/memory.h>
 #include <glib.h>
@@ -128,7 +128,7 @@ static void test_moved(void) {
   whole_make(&t);
   eda_box box[GATES + 1];
   for (int k = 0; k < GATES; k++) box[GATES - k] = t.gate[k].box;
-  box[0] = (eda_box){0, 0, 3, 5}; /* not of the chip */
+  box[0] = (eda_box){0, 0, 3, 5}; /* not in the chip */
   const eda_gates window = {.layers = 2, .count = GATES + 1, .box = box};
   eda_moved *to = eda_chip_moved(&t.chip, &window);
   g_assert_cmpint(to->w[0] | to->l[0] | to->end[0] | to->part[0].by, ==, 0);
@@ -183,18 +183,18 @@ static void test_check(void) {
   t.chip.mask = NULL, assert_refused(&t, "missing");
   t.chip.print = NULL, assert_refused(&t, "missing");
   t.gate[3].box.x1 = t.gate[3].box.x0,
-  assert_refused(&t, "transistor 3 has no size");
+  assert_refused(&t, "transistor 4 has no size");
   t.gate[3].box.y1 = t.gate[3].box.y0,
-  assert_refused(&t, "transistor 3 has no size");
+  assert_refused(&t, "transistor 4 has no size");
   t.gate[4].box = t.gate[3].box, assert_refused(&t, "4 is out of order");
   t.gate[2].box.y0 -= 1, assert_refused(&t, "2 is out of order");
   t.gate[5].mask = 2, assert_refused(&t, "5 has no mask");
   t.gate[5].print = 1, assert_refused(&t, "5 has no mask or no print");
-  t.gate[6].type = EDA_PMOS + 1, assert_refused(&t, "6 has no type");
+  t.gate[6].type = EDA_PMOS + 1, assert_refused(&t, "6 has no valid type");
   t.gate[6].axis = EDA_Y + 1,
-  assert_refused(&t, "6 has no type or no direction");
+  assert_refused(&t, "6 has no valid type, axis or flip");
   t.gate[6].flip = 1 + (EDA_FLIP_L | EDA_FLIP_W),
-  assert_refused(&t, "6 has no type");
+  assert_refused(&t, "6 has no valid type");
   t.mask[1].parts = EDA_PARTS + 1, t.chip.parts = EDA_PARTS + 1;
   assert_refused(&t, "mask 1 refers to parts");
   t.mask[1].part = 1, t.mask[1].parts = 2,

@@ -9,12 +9,15 @@
 #include "imaging/values.h"
 
 enum {
-  /* Bytes: up to 64 numbers out of bounds on either side do no harm. */
+  /* Bytes on each side; out-of-bounds writes within FENCE damage no other
+     data. */
   FENCE = EDA_VALUES_SPARE,
-  WORD = 0xA5 /* a large negative number, and an invalid double */
+  WORD = 0xA5 /* as int32_t a large negative number, as double a tiny negative
+                 number */
 };
 
-/* Guard words before the array; its size is farthest from the array. */
+/* Header before the array. The size precedes the guard words, so that a short
+   write before the array does not change the size. */
 typedef struct fence {
   size_t bytes;
   char words[FENCE - sizeof(size_t)];
@@ -49,7 +52,8 @@ static int fence_overrun(const char *side, const char *what, opc_error *error) {
 int fence_check(const void *array, const char *what, opc_error *error) {
   const fence *f = (const fence *)array - 1;
   const char *after = (const char *)array + f->bytes;
-  /* If the words before the array are damaged, the size may be wrong. */
+  /* Test the words before the array first: if they are damaged, `bytes` may be
+     wrong. */
   if (!is_whole(f->words, sizeof f->words))
     return fence_overrun("before", what, error);
   return is_whole(after, FENCE) ? OPC_OK : fence_overrun("beyond", what, error);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Measurement of a printed gate: cuts through its poly and its active. */
+/* Measurement of a printed gate on cut lines through the level sets of poly and
+   active. */
 #include "gates/gate.h"
 
 #include <math.h>
@@ -10,28 +11,30 @@
 /* Search distance beyond the drawn gate, nm. */
 static const double reach = 300;
 
-/* Ratios of printed to drawn length that set a flag. Leakage doubles every two
-   to three nm, so a much shorter slice carries nearly all of it. */
+/* Ratios of printed to drawn length below and above which a flag is set.
+   Leakage doubles every 2 to 3 nm of length, so a much shorter slice carries
+   nearly all leakage. */
 static const double neck = 0.75, wide = 2;
 
-/* Relative current error that sets a flag. Strips of the channel of different
-   width are in series and carry the current of their harmonic mean. Relative to
-   the mean width, this current is smaller by the variance of the width over its
-   square. */
+/* Relative current error above which a flag is set. Strips of the channel with
+   different widths are in series, so the current follows the harmonic mean of
+   the widths. Relative to the arithmetic mean, the error is variance(width) /
+   mean(width)^2. */
 static const double notch_limit = 1e-3;
 
-/* A cut through the printed image at a point of a line: distances of its edges
-   from the point towards smaller and larger coordinates. */
+/* Printed edges on a cut line, as distances (nm) from a start point: [0]
+   towards smaller, [1] towards larger coordinates. */
 typedef struct section {
   double limit[2];    /* search limits */
-  double drawn[2];    /* drawn edges */
-  double distance[2]; /* limit where no edge is found; 0, 0 where the point does
-                         not print */
-  int open;           /* an edge is missing on a side */
-  int pieces;         /* several pieces print within the drawn edges */
+  double drawn[2];    /* drawn edges of the gate */
+  double distance[2]; /* printed edges; `limit` if no edge is found, 0 if the
+                         start point does not print */
+  int open;           /* 1: no edge within the limit on at least one side */
+  int pieces;         /* 1: separate shapes print within the drawn edges */
 } section;
 
-/* Cut through the field at a point. Return whether the point prints. */
+/* Find the printed edges on the line at `at` along `axis`, from the start point
+   `place`. Return whether the start point prints. */
 static int field_cut(const eda_field *field, int axis, double at, double place,
                      section *s) {
   eda_line line;
@@ -53,8 +56,9 @@ static int field_cut(const eda_field *field, int axis, double at, double place,
   return prints;
 }
 
-/* Cut at n places along the other axis, from `found` on. Regular sections are
-   found together. */
+/* Find the printed edges on n parallel lines at positions `at` along the other
+   axis, all from the start point `place`. Write the distances to found[j]; set
+   found[j][0] to NAN where a single cut (field_cut) is needed. */
 static void cut_all(const eda_field *field, int axis, double place, size_t n,
                     const double *at, double (*found)[2], const section *s) {
   eda_cut_many(field, axis, place, fmax(s->drawn[0], s->drawn[1]), n, at,
@@ -64,8 +68,8 @@ static void cut_all(const eda_field *field, int axis, double place, size_t n,
       found[j][0] = NAN;
 }
 
-/* Set a section from the result of cut_all. Return 0 if cut_all has no result
-   for it, otherwise 1. */
+/* Set the distances of a section from a result of cut_all. Return 0 if cut_all
+   has no result, otherwise 1. */
 static int section_take(const double found[2], section *s) {
   if (isnan(found[0])) return 0;
   s->open = s->pieces = 0;
@@ -73,8 +77,8 @@ static int section_take(const double found[2], section *s) {
   return 1;
 }
 
-/* Measure the printed active: its mean width over the channel, by Gauss
-   quadrature. */
+/* Measure the printed active: mean width and mean edges over the channel
+   length, by Gauss-Legendre quadrature with three points. */
 static void measure_width(eda_gate *g) {
   static const double place[3] = {-0.7745966692414834, 0, 0.7745966692414834};
   static const double share[3] = {5 / 18.0, 8 / 18.0, 5 / 18.0};
@@ -101,8 +105,8 @@ static void measure_width(eda_gate *g) {
   if (square > (1 + notch_limit) * width * width) g->flags |= EDA_PRINT_NOTCH;
 }
 
-/* Return the extension of the printed poly beyond the printed active on
-   `side`. */
+/* Return the extension of the printed poly beyond the printed active on `side`,
+   nm. Negative: the poly ends within the active. */
 static double measure_extension(eda_gate *g, int side) {
   double drawn = g->drawn_extension[side], out = side ? 1 : -1;
   double edge = side ? g->to : g->from;
@@ -121,7 +125,8 @@ static double measure_extension(eda_gate *g, int side) {
   return isnan(distance) ? -(g->high[1] - g->low[1]) / 2 : -distance;
 }
 
-/* Measure lengths at new places. */
+/* Measure lengths (nm) at n fractions `place` of the printed width; set
+   flags. */
 static void measure_lengths(eda_gate *g, size_t n, const double *place,
                             double *length) {
   double half = g->middle[0] - g->low[0];
@@ -143,8 +148,8 @@ static void measure_lengths(eda_gate *g, size_t n, const double *place,
   }
 }
 
-/* Return the index of a known place, searched in order from `from` on; g->known
-   if unknown. */
+/* Return the index of the measured `place`; g->known if `place` is not
+   measured. Start the search at index `from`. */
 static size_t find_known(const eda_gate *g, double place, size_t from) {
   for (size_t k = from; k < g->known; k++)
     if (g->place[k] == place) return k;
@@ -153,7 +158,7 @@ static size_t find_known(const eda_gate *g, double place, size_t from) {
   return g->known;
 }
 
-/* Measure at most EDA_GATE_LENGTHS lengths. */
+/* Return at most EDA_GATE_LENGTHS lengths; measure only places that are new. */
 static void some_lengths(eda_gate *g, size_t n, const double *place,
                          double *length) {
   size_t m = 0, k = 0, which[EDA_GATE_LENGTHS];
@@ -207,7 +212,7 @@ static void drawn_lengths(const eda_printed_gate *shown, size_t n,
   for (size_t j = 0; j < n; j++) length[j] = drawn_length(shown, place[j]);
 }
 
-/* Set all fields that need no measurement. */
+/* Set all members of `g` that need no measurement. */
 static void gate_begin(const eda_gates *gates, size_t i, eda_gate *g) {
   eda_box b = gates->box[i];
   const double x[2] = {b.x0 * gates->grid, b.x1 * gates->grid};

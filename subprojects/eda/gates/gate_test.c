@@ -76,7 +76,7 @@ static result gate_measure(level *poly, level *active, double space,
   return r;
 }
 
-/* ---- shapes: positive inside, of slopes that a grid can follow ---- */
+/* ---- level sets: positive inside, with slopes that the grid resolves ---- */
 
 static double within(double x, double half) {
   return (half * half - x * x) / (half * half + x * x);
@@ -103,30 +103,32 @@ static double rounded(double l, double w, double end) {
 }
 static double ended(double l, double w) { return rounded(l, w, -190); }
 static double ended_early(double l, double w) { return rounded(l, w, -120); }
-/* A gap across the line at w = 60. */
+/* A line with a gap at w = 60. */
 static double gap(double l, double w) {
   return within(l, 30) - 2.2 * bump(0, w - 60, 40);
 }
-/* Waist of about half the length at w = 60; belly of thrice the length at 0. */
+/* A line with about half the length at w = 60 (waist), or three times the
+   length at 0 (belly). */
 static double waist(double l, double w) {
   return within(l, 30 - 14 * bump(0, w - 60, 40));
 }
 static double belly(double l, double w) {
   return within(l, 30 + 60 * bump(0, w, 60));
 }
-/* Hole beside the middle of the line, which splits it into two pieces there. */
+/* A line with a hole beside the middle, which splits the line into two
+   pieces. */
 static double hole(double l, double w) {
   return within(l, 30) - 1.6 * bump(l - 13, w - 60, 9);
 }
-/* Active of two islands, one of them in the middle. */
+/* An active of two islands, one of them in the middle. */
 static double islands(double l, double w) {
   (void)l;
   return fmax(within(w, 60), within(w + 120, 20));
 }
-/* Wider than half of the space of 100 nm. */
+/* Edges beyond half of the space of 100 nm. */
 static double fat(double l, double w) { return (void)w, within(l, 81); }
 
-/* One edge beyond half of that space, the other short of it. */
+/* One edge beyond half of the space of 100 nm, the other edge within. */
 static double high(double l, double w) { return (void)w, within(l - 26, 55); }
 static double low(double l, double w) { return (void)w, within(l + 26, 55); }
 static double high_less(double l, double w) {
@@ -153,8 +155,8 @@ static void test_good(void) {
   }
 }
 
-/* For a sloping edge, the mean over the channel equals the edge at its middle,
-   without a flag at this slope. For a disk it equals the mean of a circle. */
+/* For a sloping edge, the mean over the channel equals the edge in the middle;
+   the slope sets no flag. For a disk, the mean equals the mean of a circle. */
 static void test_width(void) {
   for (int across = 0; across < 2; across++) {
     result r = gate_measure(line, sloped, 400, across);

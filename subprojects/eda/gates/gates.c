@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Creation and release of gates, masks, and the arrays of their performance. */
+/* Allocation and release of gates, masks and their performance arrays. */
 #include <eda/gates.h>
 #include <eda/memory.h>
 #include <glib.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { CHUNK = 4096 }; /* bytes of texts allocated at a time */
+enum { CHUNK = 4096 }; /* size of a block of texts, bytes */
 
 /* ---- gates ---- */
 
 eda_gates *eda_gates_new(size_t layers, size_t count) {
-  static uint64_t made; /* atomic */
+  static uint64_t made; /* number of gates objects created; atomic */
   eda_gates *g = eda_alloc(1, sizeof *g);
   g->serial = __atomic_add_fetch(&made, 1, __ATOMIC_RELAXED);
   g->layers = layers;
@@ -99,7 +99,9 @@ int eda_gates_layer(const eda_gates *gates, const char *name) {
 
 /* ---- performance ---- */
 
-enum { FIGURES = 6 }; /* arrays of eda_performance, one after another */
+enum {
+  FIGURES = 6
+}; /* consecutive array pointers in eda_performance, from `ion` on */
 
 void eda_performance_init(eda_performance *p, size_t n) {
   p->count = n;

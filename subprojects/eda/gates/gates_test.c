@@ -8,8 +8,8 @@
 
 enum { LAYERS = 4, METAL = 3 };
 
-/* Return the sample with two more layers: contacts, which only limit, and
-   metal. */
+/* Return the sample with two more layers: contacts, which are not corrected,
+   and metal. */
 static eda_gates *four_layers(void) {
   static const char *const names[] = {"poly", "active", "contact", "metal1"};
   const eda_gates *from = eda_gates_sample();
@@ -117,7 +117,7 @@ static void test_unsound(void) {
   eda_gates_free(g);
 }
 
-/* A mask need not be printed; if it is, the printed images have values. */
+/* A mask may have no printed images; printed images must have values. */
 static void test_mask(void) {
   eda_gates *g = four_layers();
   eda_mask *m = eda_mask_new(g);
@@ -197,7 +197,7 @@ static void test_third_layer(void) {
   eda_gates_free(g);
 }
 
-/* Errors name the responsible plugin. */
+/* Errors name the plugin that caused them. */
 static void test_blame(void) {
   opc_error error = {0};
   g_assert_cmpint(eda_blame(&error, OPC_OK, "litho"), ==, OPC_OK);

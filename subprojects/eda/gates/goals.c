@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Goals of transistors, parsed from the rows of a table and from the words of
-   notes. Both syntaxes have the same names, bounds and values. */
+/* Goals of transistors, parsed from rows of a table and from words of notes.
+   Both syntaxes use the same names, bounds and values. */
 #include <base/suggest.h>
 #include <eda/csv.h>
 #include <eda/goals.h>
@@ -8,7 +8,8 @@
 #include <math.h>
 #include <string.h>
 
-/* The weight is followed by the targets, in the order of EDA_GOAL_ION ... */
+/* Columns: the transistor, the weight, then one target for each of
+   EDA_GOAL_ION, EDA_GOAL_IOFF and EDA_GOAL_AREA. */
 enum { TRANSISTOR, WEIGHT, TARGET, COLUMNS = TARGET + EDA_GOAL_TARGETS };
 static const eda_csv_column columns[COLUMNS] = {{"transistor", NULL, 0},
                                                 {"weight", NULL, 1},
@@ -18,8 +19,8 @@ static const eda_csv_column columns[COLUMNS] = {{"transistor", NULL, 0},
 
 /* ---- values ---- */
 
-/* Bounds of targets: a factor from 1 / most to most. Ioff doubles every few nm
-   of length. */
+/* Bounds of targets: 1 / most_of to most_of. The bounds
+   of Ioff are wider, because Ioff doubles every 2 to 3 nm of length. */
 static const double most_of[EDA_GOAL_TARGETS] = {
     [EDA_GOAL_ION] = 10, [EDA_GOAL_IOFF] = 1000, [EDA_GOAL_AREA] = 10};
 static const char *const target_words[EDA_GOAL_TARGETS] = {
@@ -30,7 +31,7 @@ static const char *const target_words[EDA_GOAL_TARGETS] = {
 static int weight_is_good(double x) { return isfinite(x) && x >= 0; }
 
 static int target_is_good(int target, double x) {
-  return x > 1 / most_of[target] && x < most_of[target];
+  return x >= 1 / most_of[target] && x <= most_of[target];
 }
 
 const char *eda_goal_fault(const eda_goal *w) {
@@ -40,7 +41,8 @@ const char *eda_goal_fault(const eda_goal *w) {
   return NULL;
 }
 
-/* Set one value. Return the noun of the expected text, or NULL. */
+/* Set the value of one column. Return NULL, or a noun that describes the
+   expected text. */
 static const char *goal_set(eda_goal *w, int column, const char *text) {
   char *end;
   int target = column - TARGET;
@@ -96,8 +98,8 @@ int eda_goals_read(const char *path, const eda_gates *gates, eda_goal *out,
 
 /* ---- notes ---- */
 
-/* Set the value of one word. Return a description of its fault, to be freed, or
-   NULL. */
+/* Set the value of one word; bit c of *seen marks column c as set. Return NULL,
+   or an error message (g_free()). */
 static char *goal_take_word(eda_goal *w, char *word, int *seen) {
   char *value = strchr(word, '=');
   if (value) *value++ = '\0';

@@ -1,20 +1,21 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Masks as files. One traversal of the fields does both reading and writing, so
-   that both handle the same fields. */
+/* Masks as files. The same functions read and write, so that reading and
+   writing handle the same members in the same order. */
 #include <eda/gates.h>
 #include <eda/memory.h>
 #include <glib.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* This file must handle every field of eda_mask. */
+/* Fails after a member is appended to eda_mask: add the member to move_mask,
+   then change this assertion. */
 G_STATIC_ASSERT(sizeof(eda_mask) ==
                 G_STRUCT_OFFSET(eda_mask, moved) + sizeof(eda_moved *));
 
 typedef struct stream {
   FILE *file;
   int writing, failed;
-  uint64_t left; /* remaining bytes to read */
+  uint64_t left; /* bytes not yet read */
 } stream;
 
 /* ---- bytes ---- */
@@ -30,7 +31,8 @@ static void stream_move(stream *s, void *data, size_t size) {
   if (!s->writing) s->left -= MIN(size, s->left);
 }
 
-/* Transfer an array of n elements, or NULL. */
+/* Read or write an array of n elements, preceded by a byte: 0 if the array is
+   NULL. */
 static void move_array(stream *s, void *address, size_t n, size_t size) {
   void **array = address;
   uint8_t is_there = *array != NULL;
@@ -52,7 +54,7 @@ static void move_count(stream *s, size_t *count) {
 
 /* ---- a mask ---- */
 
-/* The first array determines the length of the last one. */
+/* The last element of `start` is the number of points. */
 static void move_shapes(stream *s, eda_shapes *shapes) {
   move_count(s, &shapes->count);
   if (!s->writing && shapes->count > s->left) s->failed = 1;
@@ -122,7 +124,8 @@ static void move_list(stream *s, eda_box_list *list) {
   list->capacity = list->count;
 }
 
-/* Transfer the arrays that eda_moved_new allocates before reading. */
+/* Read or write the arrays of displacements, which eda_moved_new has
+   allocated. */
 static void move_fields(stream *s, eda_moved *m) {
   int32_t *const numbers[] = {m->w, m->aside, m->l, m->jog};
   for (size_t k = 0; k < G_N_ELEMENTS(numbers); k++)
@@ -149,7 +152,7 @@ static void move_mask(stream *s, eda_mask *m) {
   size_t layers = m->layers, count = m->gates->count;
   move_count(s, &layers);
   move_count(s, &count);
-  /* The file belongs to other gates. */
+  /* If a count differs, the file belongs to other gates. */
   if (layers != m->layers || count != m->gates->count) s->failed = 1;
   for (size_t k = 0; k < m->layers && !s->failed; k++) {
     move_shapes(s, &m->shapes[k]);
@@ -169,7 +172,7 @@ static void move_mask(stream *s, eda_mask *m) {
 
 /* ---- files ---- */
 
-/* Close the file and return the result of the transfer. */
+/* Close the file. Return the result of reading or writing. */
 static int close_stream(stream *s, const char *path, opc_error *error) {
   int code = OPC_OK;
   if (s->file && fclose(s->file)) s->failed = 1;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A mask saved and loaded: a second file is byte-identical; truncated files and
-   those of other gates are rejected. */
+/* A mask is saved and loaded: a second file is byte-identical. Truncated files
+   and files of other gates are rejected. */
 #include <eda/gates.h>
 #include <eda/memory.h>
 #include <glib.h>

@@ -1,15 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Performance from printed images or drawn shapes: each gate is divided into
-   the slices that the extractor requests. */
+/* Performance of printed or drawn transistors: the extractor evaluates slices
+   of each gate. */
 #include <eda/memory.h>
 #include <eda/print.h>
-#include <math.h>
 #include <stdlib.h>
 
 #include "gates/gate.h"
 
 enum {
-  BLOCK = 64 /* gates measured by a thread at a time */
+  BLOCK = 64 /* gates that a thread measures together */
 };
 
 static const char slot[] = "extractor";
@@ -19,12 +18,13 @@ static const char slot[] = "extractor";
 typedef struct slices {
   const opc_context *context;
   const opc_module *extractor;
-  const double *place, *share; /* common slices of all gates without own
-                                  slices */
+  const double *place,
+      *share; /* positions and widths of the slices, as fractions of the gate
+                 width, the same for all gates */
   size_t n;
-  double *own;                   /* places and shares of a gate with own slices;
-                                    NULL: none */
-  double *width, *length, *edge; /* [gate * n + slice]; one array */
+  double *own; /* positions and widths of the slices of one gate; NULL if all
+                  gates use the common slices */
+  double *width, *length, *edge; /* nm, [gate * n + slice]; in one allocation */
 } slices;
 
 static int slices_init(slices *s, const opc_context *context,
@@ -50,7 +50,7 @@ static void slices_clear(slices *s) {
   free(s->own);
 }
 
-/* Slice a gate, number k of the block. */
+/* Measure the slices of a gate; k is the index of the gate in the block. */
 static int slices_cut(const slices *s, size_t k, eda_gate *gate,
                       opc_error *error) {
   const double *place = s->place, *share = s->share;
@@ -70,8 +70,8 @@ static int slices_cut(const slices *s, size_t k, eda_gate *gate,
   return OPC_OK;
 }
 
-/* Extract the performance of the gates from `first` on; `flags` of each as in
-   eda_check_performance. */
+/* Extract the performance of out->count gates from gate `first` on. `flags`:
+   flags of these gates as in eda_check_performance. */
 static int slices_extract(const slices *s, const eda_gates *gates, size_t first,
                           const uint32_t *flags, eda_performance *out,
                           opc_error *error) {
@@ -92,13 +92,15 @@ static int slices_extract(const slices *s, const eda_gates *gates, size_t first,
 typedef struct measure_task {
   const opc_context *context;
   const eda_gates *gates;
-  const eda_field *print; /* NULL: as drawn */
+  const eda_field
+      *print; /* level sets [layers]; NULL: measure the drawn gates */
   const opc_module *extractor;
-  eda_measurement *out; /* NULL as drawn: performance only */
+  eda_measurement
+      *out; /* NULL for drawn gates, which have only a performance */
   eda_performance *performance;
 } measure_task;
 
-/* Return the performance of n gates from `first` on. */
+/* Return a view of the performance of n gates from gate `first` on. */
 static eda_performance performance_part(const eda_performance *p, size_t first,
                                         size_t n) {
   return (eda_performance){.count = n,
@@ -111,15 +113,15 @@ static eda_performance performance_part(const eda_performance *p, size_t first,
                            .outside = p->outside + first};
 }
 
-/* Set the figures of gate i to zero. An open line shorts source and drain, and
-   without active no current flows, so the result of its slices is not that of a
-   transistor. */
+/* Set all figures of gate i to zero. A gate whose poly is open or whose active
+   is missing is no transistor, so the figures of the slices are meaningless. */
 static void performance_strike(eda_performance *p, size_t i) {
   p->ion[i] = p->ioff[i] = p->leq_ion[i] = p->leq_ioff[i] = 0;
   p->weq[i] = p->area[i] = p->outside[i] = 0;
 }
 
-/* Combine the figures of a printed image with its flags. */
+/* Set figures from flags, and flags from figures: gates that are no transistors
+   have no performance; gates outside the model's range have a flag. */
 static void performance_settle(eda_performance *p, uint32_t *flags) {
   for (size_t i = 0; i < p->count; i++)
     if (flags[i] & (EDA_PRINT_OPEN | EDA_PRINT_NO_ACTIVE))
@@ -128,7 +130,7 @@ static void performance_settle(eda_performance *p, uint32_t *flags) {
       flags[i] |= EDA_PRINT_OUTSIDE;
 }
 
-/* Measure gate i, number k of a block. */
+/* Measure gate i; k is the index of the gate in the block. */
 static int measure_one(const measure_task *j, size_t i, const slices *s,
                        size_t k, opc_error *error) {
   eda_gate gate;

@@ -95,8 +95,8 @@ static result gate_measure(eda_field poly, eda_field active, uint8_t axis,
   return r;
 }
 
-/* Poly whose length depends on the position along W, active of 290 nm; both
-   orientations yield equal results. */
+/* Poly whose length depends on the position along W, and an active of 290 nm.
+   Both orientations yield equal results. */
 static void test_slices(void) {
   const double a = -0.97, taper = 0.01, half = 145;
   for (int across = 0; across < 2; across++) {
@@ -133,8 +133,8 @@ static void test_extension(void) {
   g_assert_true(r.flags & EDA_PRINT_OPEN); /* its outer slices */
 }
 
-/* Figures beyond the device table are flagged; those of no transistor are 0,
-   regardless of the extractor. */
+/* Figures beyond the device table are flagged. Figures of a gate that is no
+   transistor are 0, whatever the extractor returns. */
 static void test_figures(void) {
   for (beyond_table = 0; beyond_table < 2; beyond_table++) {
     uint32_t mark = beyond_table ? EDA_PRINT_OUTSIDE : 0;
@@ -163,7 +163,8 @@ static void test_trouble(void) {
   g_assert_true(r.flags & EDA_PRINT_OPEN);
   r = gate_measure(level(-wave(30), 1, 0), level(-2, 0, 1), EDA_X, 400, 84);
   g_assert_true(r.flags & EDA_PRINT_NO_ACTIVE);
-  /* Wider than half the space: 30 + 50 is less than 81, more than 79. */
+  /* The length exceeds half the space: 30 + 50 is less than 81 and more than
+     79. */
   r = gate_measure(level(-wave(81), 1, 0), level(-wave(145), 0, 1), EDA_X, 100,
                    84);
   g_assert_true(r.flags & EDA_PRINT_MERGED);

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A litho model as seen by printer and resist: each call is forwarded to the
-   plugin, and its result is checked. The resist calls the model directly during
-   calibration; faults of the model are then separated from those of the
-   resist. */
+/* Litho model with checked results, as used by printer and resist. The resist
+   calls the model during calibration. This file separates faults of the model
+   from faults of the resist. */
 #include <eda/print.h>
 #include <math.h>
 #include <string.h>
 
 #include "gates/fence.h"
 
-/* Record the first failure; models are called from several threads. */
+/* Store the first failure in m->fault; safe when several threads call the
+   model. */
 static int model_keep_failure(eda_model *m, int code, opc_error *error) {
   if (!eda_blame(error, code, "litho")) return OPC_OK;
   if (!__atomic_exchange_n(&m->failed, 1, __ATOMIC_SEQ_CST)) m->fault = *error;
@@ -39,13 +39,14 @@ static double model_band(const void *self) {
   return value;
 }
 
-/* Check the result of a call for an image. */
+/* Check the image or gradient `out` that the plugin returned, and leave the
+   plugin. */
 static int take_image(eda_model *m, int code, const char *before,
                       const eda_spectrum *mask, eda_field *out,
                       opc_error *error) {
   if (!code) code = eda_check_field(out, &mask->frame, "intensity", error);
-  /* Invalid memory of the values causes a crash here, where it is attributed to
-     the plugin. */
+  /* Writing guard words here accesses the values before opc_leave, so that a
+     crash by an invalid pointer is attributed to the plugin. */
   if (!code) fence_field(out);
   opc_leave(m->context, before);
   return model_keep_failure(m, code, error);
@@ -102,7 +103,8 @@ static int model_gradient(const void *self, int layer, const eda_spectrum *mask,
   return take_image(m, code, before, mask, out, error);
 }
 
-/* Check that a transformed spectrum is a valid input for images. */
+/* Check that the spectrum of a mask from the plugin has frame `f`, a size
+   consistent with the band, and finite values. */
 static int check_spectrum(const eda_spectrum *s, const eda_frame *f,
                           opc_error *error) {
   const eda_frame *g = &s->frame;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Conversion of natural units of the scanner to lengths in nm. */
+/* Conversion of lengths in units of the scanner (such as 0.3 lambda/NA) to
+   nm. */
 #include <eda/litho.h>
 #include <eda/natural.h>
 #include <math.h>
@@ -7,7 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Scanner of the thesis (3.3), for which the defaults were determined. */
+/* Scanner of the thesis (section 3.3): wavelength in nm, NA. Default values of
+   parameters were determined for this scanner. */
 static const eda_scanner usual = {193, 0.75};
 
 static int is_known(eda_scanner s) { return s.wavelength > 0 && s.na > 0; }

@@ -9,8 +9,8 @@
 static const eda_scanner arf = {193, 0.75}, krf = {248, 0.7},
                          iline = {365, 0.6};
 
-/* Computed by hand: 193 / 0.75 = 257.3, 248 / 0.7 = 354.3, 365 / 0.6 =
-   608.3. */
+/* Expected lengths computed by hand: 193 / 0.75 = 257.3, 248 / 0.7 = 354.3, 365
+   / 0.6 = 608.3. */
 static void test_lengths(void) {
   static const struct {
     const eda_scanner *scanner;

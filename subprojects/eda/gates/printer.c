@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Simulation of the masks of some layers: spectrum, image, level set. */
+/* Simulation of masks by layer: spectrum, image, level set. */
 #include <eda/memory.h>
 #include <eda/print.h>
 #include <stdlib.h>
@@ -29,8 +29,8 @@ void eda_printer_init(eda_printer *p, const opc_context *context,
   eda_model_init(&p->litho, context, litho);
 }
 
-/* Attribute an error to the resist, unless the litho model returned it to the
-   resist. */
+/* Attribute an error to the resist, or to the litho model if the model failed
+   while the resist called the model. */
 static int blame_resist(const eda_printer *p, int code, opc_error *error) {
   if (!code || !p->litho.failed) return eda_blame(error, code, "resist");
   *error = p->litho.fault;
@@ -47,7 +47,7 @@ int eda_printer_prepare(eda_printer *p, opc_error *error) {
   if (p->drawn && resist->drawn) resist->drawn(p->resist->self, p->drawn);
   code = resist->prepare(p->resist->self, &p->litho.module, error);
   opc_leave(p->context, before);
-  p->litho.fine = 0; /* each simulation sets its own accuracy */
+  p->litho.fine = 0; /* each later simulation passes its own accuracy */
   return blame_resist(p, code, error);
 }
 
@@ -55,7 +55,7 @@ eda_image_size eda_printer_forecast(const eda_printer *p, size_t layers) {
   double band = p->litho.functions.band(&p->litho);
   if (!(band > 0)) return (eda_image_size){0};
   eda_image_size one = eda_image_forecast(p->frame, band);
-  /* Last developed image, and the difference. */
+  /* Memory of the last image (`image`) and of `difference`. */
   if (p->fine > 0 && p->litho.functions.image_fine) one.bytes += 2 * one.field;
   one.bytes *= (double)layers;
   one.field *= (double)layers;
@@ -74,8 +74,8 @@ int eda_printer_develop(const eda_printer *p, int layer, eda_field *field,
   return blame_resist(p, code, error);
 }
 
-/* Compute to = from + sign * by for each coefficient; `to` may be either
-   operand. */
+/* Compute to = from + sign * by for each coefficient; `to` may equal `from` or
+   `by`. */
 static void field_add(eda_field *to, const eda_field *from, float sign,
                       const eda_field *by) {
   size_t n = (size_t)by->nx * (size_t)by->ny;
@@ -83,8 +83,7 @@ static void field_add(eda_field *to, const eda_field *from, float sign,
     to->coefficients[i] = from->coefficients[i] + sign * by->coefficients[i];
 }
 
-/* Store a copy of the image to develop, reusing the memory of the previous
-   one. */
+/* Store a copy of the image before development; reuse allocated memory. */
 static void keep_image(eda_printer *p, int layer, const eda_field *image) {
   eda_field *kept = &p->image[layer];
   size_t n = (size_t)image->nx * (size_t)image->ny;
@@ -97,7 +96,7 @@ static void keep_image(eda_printer *p, int layer, const eda_field *image) {
   }
 }
 
-/* Check that images to be added have equal nodes. */
+/* Return OPC_OK if two images have the same number of nodes. */
 static int fields_match(const eda_field *a, const eda_field *b,
                         opc_error *error) {
   if (a->nx == b->nx && a->ny == b->ny) return OPC_OK;
@@ -107,8 +106,8 @@ static int fields_match(const eda_field *a, const eda_field *b,
   return eda_blame(error, error->code, "litho");
 }
 
-/* Add to the difference the deviation of the last image from the accurate image
-   of the same mask. */
+/* Add (accurate image `fine` - last image) of the same mask to the difference
+   of the layer. add_difference adds the difference to later fast images. */
 static int printer_learn(eda_printer *p, int layer, const eda_field *fine,
                          opc_error *error) {
   eda_field *last = &p->image[layer], *difference = &p->difference[layer];
@@ -145,7 +144,8 @@ int eda_printer_at_dose(const eda_printer *p, int layer, double factor,
   return eda_printer_develop(p, layer, out, error);
 }
 
-/* Convert a new image of a layer to its level set, in place. */
+/* Convert a new image of a layer to the level set, in place. If the image is
+   accurate (`fine`), update the difference; otherwise add the difference. */
 static int printer_settle(eda_printer *p, int layer, int fine, eda_field *print,
                           opc_error *error) {
   int code = fine ? printer_learn(p, layer, print, error)
@@ -179,7 +179,7 @@ static int print_layer(eda_printer *p, int layer, const eda_shapes *mask,
   return code ? code : printer_settle(p, layer, fine, print, error);
 }
 
-/* Layers simulated together: single-threaded parts run for all of them in
+/* Layers simulated together. Single-threaded parts of the simulations run in
    parallel. */
 typedef struct prints {
   eda_printer *printer;
@@ -195,29 +195,29 @@ static int print_one(void *data, size_t i, opc_error *error) {
   return print_layer(all->printer, layer, &all->mask[layer], all->fine, error);
 }
 
-static int print_all(prints *all, opc_error *error) {
-  int code =
-      eda_try_all(all->printer->context, all->count, print_one, all, error);
-  free(all->layer);
+/* Print the given layers; `fine`: only those without a fine simulation.
+ *simulations counts them. */
+static int print_all(eda_printer *p, const uint8_t *layers,
+                     const eda_shapes *mask, int fine, uint32_t *simulations,
+                     opc_error *error) {
+  prints all = {p, mask, fine, 0, eda_alloc(p->layers, sizeof *all.layer)};
+  for (size_t k = 0; k < p->layers; k++)
+    if (layers[k] && !(fine && p->is_fine[k])) all.layer[all.count++] = (int)k;
+  *simulations += (uint32_t)all.count;
+  int code = eda_try_all(p->context, all.count, print_one, &all, error);
+  free(all.layer);
   return code;
 }
 
 int eda_printer_print(eda_printer *p, const uint8_t *layers,
                       const eda_shapes *mask, opc_error *error) {
-  prints all = {p, mask, 0, 0, eda_alloc(p->layers, sizeof *all.layer)};
-  for (size_t k = 0; k < p->layers; k++)
-    if (layers[k]) all.layer[all.count++] = (int)k;
-  p->simulations += (uint32_t)all.count;
-  return print_all(&all, error);
+  return print_all(p, layers, mask, 0, &p->simulations, error);
 }
 
 int eda_printer_refine(eda_printer *p, const uint8_t *layers,
                        const eda_shapes *mask, opc_error *error) {
-  prints all = {p, mask, 1, 0, eda_alloc(p->layers, sizeof *all.layer)};
-  for (size_t k = 0; k < p->layers && p->fine > 0; k++)
-    if (layers[k] && !p->is_fine[k]) all.layer[all.count++] = (int)k;
-  p->fine_simulations += (uint32_t)all.count;
-  return print_all(&all, error);
+  if (!(p->fine > 0)) return OPC_OK;
+  return print_all(p, layers, mask, 1, &p->fine_simulations, error);
 }
 
 void eda_printer_clear(eda_printer *p) {

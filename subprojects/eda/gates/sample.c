@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The transistors of eda_gates_sample, as segmentation returns them for a poly
-   line (x 0..60, y 0..1000) over an n-active (x -200..260, y 100..300) and a
-   p-active (y 600..900). */
+/* Gates returned by eda_gates_sample: the result of segmenting a poly line (x
+   0..60, y 0..1000) over an n-active (x -200..260, y 100..300) and a p-active
+   (y 600..900), nm. */
 #include <eda/gates.h>
 #include <math.h>
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Sections through gates: printed length and image slope at both ends. */
+/* Printed length or width of a gate on its centre line, and image log slope at
+   both edges. */
 #include <eda/print.h>
 #include <math.h>
 

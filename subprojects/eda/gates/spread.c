@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Statistics of the deviations of printed transistors from the design. */
+/* Statistics of the deviations of printed transistors from drawn
+   transistors. */
 #include <eda/print.h>
 #include <math.h>
 
@@ -34,7 +35,7 @@ eda_spread eda_spread_of(const eda_gates *gates, const eda_performance *design,
     sums_add(&of[ALL], off, printed->ioff[i], design->ioff[i]);
   }
   for (int t = 0; t < GROUPS; t++) {
-    double mean = of[t].off / of[t].n; /* NAN without any */
+    double mean = of[t].off / of[t].n; /* NAN if the group is empty */
     out.ion_mean[t] = mean;
     double variance = of[t].square / of[t].n - mean * mean;
     out.ion_sd[t] = isnan(mean) ? NAN : sqrt(fmax(0, variance));

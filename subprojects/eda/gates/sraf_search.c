@@ -1,40 +1,41 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Placement of scatter bars by a gain map: among all rectangles on a lattice
-   the one with the largest gain. Then follows the best of those clear of the
-   first, and so on. The gain of a rectangle is a difference of four cumulative
-   sums. */
+/* Placement of scatter bars by a gain map. Among all candidate rectangles on a
+   lattice, choose the rectangle with the largest gain. Repeat with the
+   rectangles that keep their distance from the chosen ones. Cumulative sums
+   yield the gain of a rectangle from four nodes. */
 #include <eda/memory.h>
 #include <eda/srafs.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Passes. In each pass every place has one candidate; a candidate that
-   conflicts with a better one is reconsidered in the next pass. */
+/* Number of passes. In each pass each node has one candidate. A node whose
+   candidate conflicts with a better candidate has a new candidate in the next
+   pass. */
 enum { PASSES = 4 };
 
-/* Candidates with less than this fraction of the best gain of the pass wait for
-   the next pass, which may have better ones. Half and twice: equal within 0.5
-   %. */
+/* Candidates with less than this fraction of the largest gain of a pass are
+   deferred to the next pass. Half and twice this value change the result by
+   less than 0.5 %. */
 static const double part_of_best = 0.3;
 
 typedef struct searcher {
   const eda_field *map;
   const eda_sraf_limits *rule;
-  double grid, dx, dy; /* nm */
+  double grid, dx, dy; /* lattice steps of the mask grid and of the map, nm */
   int nx, ny;
-  double *gain;      /* cumulative gain left of and below each node, nm^2 */
-  int32_t *taken;    /* cumulative number of forbidden nodes */
-  uint8_t *keep_out; /* forbidden nodes */
+  double *gain;   /* cumulative gain to the left of and below each node, nm^2 */
+  int32_t *taken; /* cumulative number of forbidden nodes, as `gain` */
+  uint8_t *keep_out; /* 1: forbidden node */
 } searcher;
 
-/* A candidate bar on the lattice: the cells x0 .. x1 - 1, y0 .. y1 - 1. */
+/* A candidate scatter bar: the lattice cells x0 .. x1 - 1, y0 .. y1 - 1. */
 typedef struct candidate {
   double gain;
   int x0, y0, x1, y1;
 } candidate;
 
-/* ---- sums ---- */
+/* ---- cumulative sums ---- */
 
 static size_t sample_index(const searcher *s, int x, int y) {
   return (size_t)y * (size_t)(s->nx + 1) + (size_t)x;
@@ -73,7 +74,7 @@ static double gain_of(const searcher *s, const candidate *w) {
 
 /* ---- forbidden nodes ---- */
 
-/* Forbid the nodes of a box (grid steps) and `off` around it. */
+/* Forbid all nodes within a box (grid steps) enlarged by `off` on each side. */
 static void keep_out(searcher *s, eda_box b, int32_t off) {
   const eda_frame *f = &s->map->frame;
   int x0 = (int)floor(((b.x0 - off) * s->grid - f->x0) / s->dx + 0.5);
@@ -91,7 +92,8 @@ static void keep_out(searcher *s, eda_box b, int32_t off) {
 
 /* ---- candidates ---- */
 
-/* Try all sizes on the lattice, in cells, from the smallest allowed size on. */
+/* Find the size with the largest gain for a bar whose corner is cell (x, y).
+   Widths increase by one cell, lengths by one cell plus an eighth. */
 static void try_sizes(const searcher *s, int x, int y, int upright,
                       candidate *best) {
   const eda_sraf_limits *r = s->rule;
@@ -130,14 +132,15 @@ static size_t make_candidates(const searcher *s, candidate *candidates) {
 
 static eda_box box_of(const searcher *s, const candidate *w) {
   const eda_frame *f = &s->map->frame;
-  /* A node is the middle of its cell. */
+  /* A node is the centre of its cell. */
   return (eda_box){(int32_t)lround((f->x0 + (w->x0 - 0.5) * s->dx) / s->grid),
                    (int32_t)lround((f->y0 + (w->y0 - 0.5) * s->dy) / s->grid),
                    (int32_t)lround((f->x0 + (w->x1 - 0.5) * s->dx) / s->grid),
                    (int32_t)lround((f->y0 + (w->y1 - 0.5) * s->dy) / s->grid)};
 }
 
-/* Add candidates while they are clear of earlier ones. Return their number. */
+/* Add candidates in order of decreasing gain. Skip candidates that conflict
+   with added scatter bars. Return the number of added scatter bars. */
 static size_t searcher_add(searcher *s, const candidate *candidates, size_t n,
                            size_t capacity, eda_box_list *srafs) {
   size_t added = 0;
@@ -172,7 +175,7 @@ int eda_srafs_search(const eda_field *map, const eda_sraf_limits *rule,
   for (size_t i = 0; i < n; i++) keep_out(&s, box[i], rule->distance);
   for (size_t i = 0; i < srafs->count; i++)
     keep_out(&s, srafs->box[i], rule->space);
-  /* Scatter bars stay within the frame: the first cells are half outside. */
+  /* Forbid the first row and column: half of each cell is outside the frame. */
   memset(s.keep_out, 1, (size_t)s.nx);
   for (int y = 0; y < s.ny; y++) s.keep_out[(size_t)y * (size_t)s.nx] = 1;
   sum_up(&s);

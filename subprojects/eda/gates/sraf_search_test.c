@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Scatter bars on maps whose best rectangles are known, and on random maps,
-   where an exhaustive search must find the same first bar. */
+/* Scatter bars on maps whose best rectangles are known, and on random maps, for
+   which an exhaustive search must find the same first bar. */
 #include <eda/memory.h>
 #include <eda/srafs.h>
 #include <glib.h>
@@ -42,7 +42,7 @@ static eda_box_list bars_search(const eda_sraf_limits *by,
   return srafs;
 }
 
-/* Scatter bars exactly where the map is negative. */
+/* The scatter bars cover exactly the regions where the map is negative. */
 static void test_known(void) {
   const eda_box want = {200, 80, 250, 220}, line = {300, 300, 340, 480};
   field_fill((eda_box){0, 0, NX * STEP, NY * STEP}, 1);
@@ -53,8 +53,8 @@ static void test_known(void) {
   g_assert_cmpmem(&srafs.box[0], sizeof want, &want, sizeof want);
   g_assert_cmpfloat(eda_srafs_gain(&map, want, 1), ==, 2 * 50 * 140);
   free(srafs.box);
-  /* No scatter bars below the smallest gain, and no more than the largest
-     number. */
+  /* Scatter bars below the smallest gain, or beyond the largest number, are not
+     added. */
   eda_sraf_limits less = rule;
   less.min_gain = 2 * 50 * 140;
   srafs = bars_search(&less, &line);
@@ -123,7 +123,7 @@ static void test_random(void) {
   g_rand_free(r);
 }
 
-/* A level set of -0.1 except at a point in the middle of one bar, where it
+/* A level set of -0.1 except at a point in the middle of one bar, which
    prints. */
 static void test_narrow(void) {
   const eda_box start[] = {{50, 50, 90, 250}, {200, 50, 400, 80}};

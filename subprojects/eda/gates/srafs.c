@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Rows of sub-resolution assist features (scatter bars) beside edges: a
-   proposed bar for each edge and row, reduced by drawn shapes and earlier
-   scatter bars. */
+/* Rows of sub-resolution assist features (scatter bars) parallel to edges. Each
+   edge and row has a proposed bar; regions near drawn shapes and near placed
+   scatter bars are subtracted from the bar. */
 #include <eda/index.h>
 #include <eda/memory.h>
 #include <eda/srafs.h>
@@ -10,27 +10,20 @@
 
 /* ---- boxes ---- */
 
-static eda_box box_grow(eda_box b, int32_t by) {
-  return (eda_box){b.x0 - by, b.y0 - by, b.x1 + by, b.y1 + by};
-}
-
-static int boxes_meet(eda_box a, eda_box b) {
-  return a.x0 < b.x1 && b.x0 < a.x1 && a.y0 < b.y1 && b.y0 < a.y1;
-}
-
 static int32_t length_of(eda_box b) {
   int32_t w = b.x1 - b.x0, h = b.y1 - b.y0;
   return w > h ? w : h;
 }
 
-/* ---- where scatter bars may be ---- */
+/* ---- placement ---- */
 
-/* A bar as proposed by the rule. */
+/* A scatter bar before subtraction. */
 typedef struct proposal {
   eda_box box;
-  uint32_t number; /* number in the order of the edges */
+  uint32_t number; /* position in the list of all proposals */
   uint8_t upright;
-  size_t first, end; /* its remaining parts, in `srafs` */
+  size_t first,
+      end; /* placed parts: indices first .. end - 1 of planner.srafs */
 } proposal;
 
 typedef struct planner {
@@ -42,11 +35,13 @@ typedef struct planner {
   eda_index *of_drawn, *of_proposals;
   eda_box *drawn; /* rectangles of the drawn shapes */
   size_t drawn_count;
-  eda_box_list parts, next; /* remaining parts of the current proposal */
+  eda_box_list parts, next; /* parts of the current proposal; `next` receives
+                               the parts after a subtraction */
   eda_box_list srafs;
 } planner;
 
-/* Return the proposed bar of row `row` beside an edge. */
+/* Return the proposed bar beside edge `e` in row `row`; row 0 is nearest to the
+   edge. */
 static proposal proposal_of(const planner *p, const eda_sraf_edge *e, int row) {
   const eda_sraf_rule *r = p->rule;
   int32_t near = r->distance + row * (r->width + r->space);
@@ -58,12 +53,13 @@ static proposal proposal_of(const planner *p, const eda_sraf_edge *e, int row) {
   return w;
 }
 
-/* Subtract `keep_out` from all parts. */
+/* Subtract `keep_out` and all points beside it across the bar from all
+   parts. */
 static void cut_parts(planner *p, eda_box keep_out, int upright) {
   p->next.count = 0;
   for (size_t i = 0; i < p->parts.count; i++) {
     eda_box b = p->parts.box[i], low = b, high = b;
-    if (!boxes_meet(b, keep_out)) {
+    if (!eda_boxes_overlap(b, keep_out)) {
       eda_box_list_add(&p->next, b);
       continue;
     }
@@ -80,25 +76,27 @@ static void cut_parts(planner *p, eda_box keep_out, int upright) {
   p->next = t;
 }
 
-/* Subtract the drawn shapes near a proposal from its parts. */
+/* Subtract the drawn shapes near a proposal, enlarged by the allowed distance,
+   from the parts. */
 static void cut_by_drawn(planner *p, const proposal *w) {
   int32_t off = p->rule->distance;
-  eda_finder f = eda_index_find(p->of_drawn, box_grow(w->box, off));
+  eda_finder f = eda_index_find(p->of_drawn, eda_box_grown(w->box, off));
   for (uint32_t i; eda_index_next(&f, &i);)
-    cut_parts(p, box_grow(p->drawn[i], off), w->upright);
+    cut_parts(p, eda_box_grown(p->drawn[i], off), w->upright);
 }
 
-/* Subtract the scatter bars of earlier proposals from the parts. */
+/* Subtract the placed scatter bars near a proposal, enlarged by the allowed
+   space, from the parts. */
 static void cut_by_srafs(planner *p, const proposal *w) {
   int32_t off = p->rule->space;
-  eda_finder f = eda_index_find(p->of_proposals, box_grow(w->box, off));
+  eda_finder f = eda_index_find(p->of_proposals, eda_box_grown(w->box, off));
   for (uint32_t i; eda_index_next(&f, &i);)
     for (size_t n = p->proposals[i].first; n < p->proposals[i].end; n++)
-      cut_parts(p, box_grow(p->srafs.box[n], off), w->upright);
+      cut_parts(p, eda_box_grown(p->srafs.box[n], off), w->upright);
 }
 
-/* Add the parts of a proposal that are clear of drawn shapes and of existing
-   scatter bars. */
+/* Place the parts of a proposal that have the minimum length after
+   subtraction. */
 static void planner_place(planner *p, proposal *w) {
   p->parts.count = 0;
   w->first = w->end = p->srafs.count;
@@ -111,7 +109,8 @@ static void planner_place(planner *p, proposal *w) {
   w->end = p->srafs.count;
 }
 
-/* Order: lower rows first, then longer scatter bars. */
+/* Order proposals by row (held in `first` until placement), then by decreasing
+   length. */
 static int by_rank(const void *a, const void *b) {
   const proposal *p = *(const proposal *const *)a,
                  *q = *(const proposal *const *)b;
@@ -139,7 +138,7 @@ static void make_proposals(planner *p) {
     for (size_t e = 0; e < p->edge_count; e++) {
       proposal w = proposal_of(p, &p->edges[e], row);
       w.number = (uint32_t)p->count;
-      w.first = (size_t)row; /* by_rank */
+      w.first = (size_t)row; /* row number, for by_rank */
       all[p->count] = w.box;
       p->proposals[p->count++] = w;
     }
@@ -169,12 +168,12 @@ int eda_srafs_place(const eda_sraf_edge *edges, size_t n,
 
 /* ---- scatter bars that print ---- */
 
-/* Distance of the points at which a bar is tested, nm; the optics resolve no
+/* Spacing of the points at which a bar is tested, nm; the optics resolve no
    less than 100 nm. Half and twice the value reject the same scatter bars. */
 static const double sraf_step = 10;
 
-/* Return the maximum of the level set on a bar: along its middle and its
-   sides. */
+/* Return the maximum of the level set on a bar, from points spaced at most
+   sraf_step. */
 static double bar_maximum(const eda_field *print, eda_box b, double grid) {
   double x0 = b.x0 * grid, y0 = b.y0 * grid, w = b.x1 * grid - x0,
          h = b.y1 * grid - y0, most = -INFINITY;
@@ -200,7 +199,8 @@ static void look_at_bar(void *data, size_t i) {
   j->bad[i] = bar_maximum(j->print, j->srafs->box[i], j->grid) > -j->margin;
 }
 
-/* Return 1 for each bar that would print, 0 for the others (free()). */
+/* Return an array (free()): 1 for each bar whose level set exceeds -margin,
+   otherwise 0. */
 static uint8_t *find_bright(const opc_context *context,
                             const eda_box_list *srafs, const eda_field *print,
                             double grid, double margin) {

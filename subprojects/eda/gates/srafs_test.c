@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Scatter bars beside the edges of random rectangles: positions beside a single
-   rectangle, and distances from each other and from drawn shapes. */
+/* Scatter bars beside random rectangles: positions beside a single rectangle,
+   and distances from each other and from drawn shapes. */
 #include <eda/memory.h>
 #include <eda/srafs.h>
 #include <glib.h>
@@ -45,8 +45,8 @@ static int nearer(eda_box a, eda_box b, int32_t by) {
          b.y0 < a.y1 + by;
 }
 
-/* First rows of a line: beside its long sides and its ends; a second row is one
-   width and one space further out. */
+/* The first row is beside the long sides and the ends of a line; the second row
+   is one width and one space further from the line. */
 static void test_single(void) {
   const eda_box line = {0, 0, 60, 1000};
   const eda_box want[] = {{-190, -60, -150, 1060}, {210, -60, 250, 1060},

@@ -13,8 +13,8 @@ typedef struct bitmap {
   uint8_t at[SIZE][SIZE]; /* [y][x] */
 } bitmap;
 
-/* Draw shapes by winding numbers: count, in each row, the edges to the left of
-   each pixel, for each polygon alone or for outlines and holes together. */
+/* Draw shapes by winding numbers: in each row, count the edges to the left of
+   each pixel. Polygons are counted separately, outlines and holes together. */
 static inline void bitmap_draw(bitmap *b, const eda_shapes *s) {
   int wind[SIZE][SIZE] = {0};
   memset(b, 0, sizeof *b);
@@ -75,7 +75,7 @@ static inline void builder_free(builder *b) {
   g_array_free(b->points, TRUE);
 }
 
-/* Return boxes of both orientations and closed random paths that cross
+/* Return random boxes of both orientations, and random closed paths that cross
    themselves, repeat points and reverse on their own edges. */
 static inline builder random_shapes(GRand *r, int most) {
   builder b = builder_new();
@@ -111,8 +111,8 @@ static inline builder random_shapes(GRand *r, int most) {
   return b;
 }
 
-/* Number the connected parts of all pixels of `value` in label[y][x], from 1; a
-   pixel has 4 or 8 neighbours. Pixels outside the bitmap have the value 0. */
+/* Number the connected regions of pixels equal to `value` in label[y][x], from
+   1. A pixel has 4 or 8 neighbours. Pixels outside the bitmap are 0. */
 typedef struct labels {
   int at[SIZE + 2][SIZE + 2]; /* number of pixel [y - 1][x - 1] */
   int count;

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Boolean operations on rectilinear polygons. A vertical line sweeps over the
-   vertical edges from left to right and stores, for each of its intervals, the
-   winding number of each operand. Where an edge changes whether an interval is
-   inside the result, the result has a wall. Takes O((n + k) log n) for k
-   crossings of edges. */
+/* Boolean operations on rectilinear polygons. A vertical sweep line passes over
+   the vertical edges from left to right. For each interval of the line, the
+   sweep stores the winding number of each operand. Where an edge changes
+   whether an interval is inside the result, the result has a vertical edge
+   ("wall"). Takes O((n + k) log n) for k crossings of edges. */
 #include <eda/memory.h>
 #include <glib.h>
 
@@ -11,20 +11,23 @@
 
 typedef struct sweep {
   int op;
-  eda_event *events; /* ends of vertical edges: x; y or its rank; change */
+  eda_event *events; /* ends of vertical edges: major x, minor y (later the rank
+                        of y) */
   size_t n, capacity;
-  uint32_t *y;        /* y of each rank, biased */
-  eda_rankset breaks; /* ranks at which an interval of the line starts */
-  int32_t (*wind)[2]; /* winding numbers of the interval above each break */
+  uint32_t *y;        /* biased y of each rank */
+  eda_rankset breaks; /* ranks at which an interval of the sweep line starts */
+  int32_t (*wind)[2]; /* winding numbers of a and b in the interval above each
+                         break */
   eda_wall *walls;
   size_t n_walls, walls_capacity;
 } sweep;
 
-/* Payload of an event: the end belongs to operand b, not a; the winding number
-   right of the edge is one less above this end than below, not one more. */
+/* Bits of an event's payload. OPERAND: the edge belongs to b, otherwise to a.
+   MINUS: from this end upwards, the edge subtracts one from the winding number
+   to the right of the edge; otherwise the edge adds one. */
 enum { OPERAND = 1, MINUS = 2 };
 
-/* Each wall stands for two edges, and points are numbered with 31 bits. */
+/* A wall has two points, and points are numbered with 31 bits. */
 enum { MOST_WALLS = 1 << 30 };
 
 static int region_inside(int op, const int32_t *wind) {
@@ -49,7 +52,7 @@ static void sweep_clear(sweep *s) {
   eda_rankset_clear(&s->breaks);
 }
 
-/* ---- the line ---- */
+/* ---- sweep line ---- */
 
 static int add_wall(sweep *s, uint32_t x, uint32_t r0, uint32_t r1, int left,
                     opc_error *error) {
@@ -80,8 +83,8 @@ static void sweep_split(sweep *s, uint32_t r) {
   eda_rankset_add(&s->breaks, r);
 }
 
-/* Remove the break at rank r if the winding numbers on both sides are equal.
-   Set `below` to those above r. */
+/* Remove the break at rank r if the winding numbers above r equal `below`.
+   Otherwise set `below` to the winding numbers above r. */
 static void sweep_join(sweep *s, uint32_t r, int32_t *below) {
   if (s->wind[r][0] == below[0] && s->wind[r][1] == below[1]) {
     eda_rankset_remove(&s->breaks, r);
@@ -91,7 +94,8 @@ static void sweep_join(sweep *s, uint32_t r, int32_t *below) {
   }
 }
 
-/* Add `change` to the winding numbers from rank r0 to r1. */
+/* Add `change` to the winding numbers between ranks r0 and r1. Add a wall where
+   this changes the result. */
 static int change_range(sweep *s, uint32_t x, uint32_t r0, uint32_t r1,
                         const int32_t *change, opc_error *error) {
   int32_t below[2];
@@ -130,7 +134,8 @@ static int sweep_run(sweep *s, opc_error *error) {
     const eda_event *e = &s->events[i];
     change[e->payload & OPERAND] += e->payload & MINUS ? -1 : 1;
     if (!change[0] && !change[1]) continue;
-    /* The edge that is open here ends later at the same x. */
+    /* The next event at this x has the same rank; wait for the sum of their
+       changes. */
     if (e[1].minor == e->minor) continue;
     code = change_range(s, e->major, e->minor, e[1].minor, change, error);
   }
@@ -139,7 +144,7 @@ static int sweep_run(sweep *s, opc_error *error) {
 
 /* ---- operands ---- */
 
-/* Add the edge from y0 to y1; the interior is on the left of the edge. */
+/* Add the edge from y0 to y1; the operand is on the left of the edge. */
 static void add_edge(sweep *s, int32_t x, int32_t y0, int32_t y1,
                      uint32_t operand) {
   if (y0 == y1) return;
@@ -149,7 +154,7 @@ static void add_edge(sweep *s, int32_t x, int32_t y0, int32_t y1,
            (eda_event){eda_bias(x), eda_bias(y1), operand});
 }
 
-/* Add a contour as an outline (interior inside) or as a hole. */
+/* Add a contour in the orientation of an outline (`hole` 0) or of a hole. */
 static void add_contour(sweep *s, const eda_point *points, uint32_t n, int hole,
                         uint32_t operand) {
   eda_shapes one = {1, (uint32_t[]){0, n}, (eda_point *)points, NULL};
@@ -163,9 +168,9 @@ static void add_contour(sweep *s, const eda_point *points, uint32_t n, int hole,
   }
 }
 
-/* Add a polygon that may cross itself and so wind in both directions. It is
-   merged alone first, so that its parts do not cancel those of other
-   polygons. */
+/* Add a polygon that may cross itself, and therefore may have negative winding
+   numbers. Merge the polygon alone first, so that negative winding numbers do
+   not cancel positive ones of other polygons. */
 static int add_polygon(sweep *s, const eda_point *points, uint32_t n,
                        uint32_t operand, opc_error *error) {
   if (n <= 4) {
@@ -204,7 +209,8 @@ int eda_boolean(int op, const eda_shapes *a, const eda_shapes *b,
                 eda_shapes *out, opc_error *error) {
   *out = (eda_shapes){0};
   if (op < EDA_OR || op > EDA_XOR)
-    return opc_fail(error, OPC_INVALID, NULL, "unknown boolean %d", op);
+    return opc_fail(error, OPC_INVALID, NULL, "unknown boolean operation %d",
+                    op);
   sweep s = {.op = op};
   int code = add_operand(&s, a, 0, error);
   if (!code) code = add_operand(&s, b, OPERAND, error);

@@ -13,8 +13,7 @@ static int64_t outline2(const eda_shapes *s, size_t p) {
   return sum;
 }
 
-/* Check all properties of merged shapes that geometry.h promises, except the
-   area. */
+/* Check all properties of merged shapes in geometry.h, except the area. */
 static void check_canonical(const eda_shapes *s) {
   for (size_t p = 0; p < s->count; p++) {
     uint32_t first = s->start[p], n = s->start[p + 1] - first;
@@ -63,8 +62,8 @@ static void check_against_bitmap(int op, const eda_shapes *a,
   g_assert_cmpmem(&got, sizeof got, &want, sizeof want);
   g_assert_cmpint(eda_area2(out), ==, 2 * area);
   check_canonical(out);
-  /* Shapes that touch in a corner stay separate, so holes that touch are
-     one. */
+  /* Shapes that touch only in a corner are separate shapes; holes that touch
+     only in a corner are one hole. */
   labels l;
   size_t holes = 0;
   for (size_t p = 0; p < out->count; p++) holes += out->hole[p];

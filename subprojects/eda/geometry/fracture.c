@@ -1,29 +1,32 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Dissection of merged shapes into rectangles. A vertical line sweeps over the
-   shapes. Its intervals inside the shapes are slabs, which grow to the right
-   until an edge touches them. The sweep runs for the shapes and for their
-   transpose; each polygon with its holes takes the direction with fewer
-   rectangles. Takes O(n log n). */
+/* Dissection of merged shapes into rectangles. A vertical sweep line passes
+   over the shapes. Each interval of the line inside the shapes is a slab, which
+   grows to the right until an edge touches the slab. The sweep runs for the
+   shapes and for the transposed shapes. For each polygon with its holes, the
+   sweep that yields fewer rectangles is used. Takes O(n log n). */
+#include <eda/index.h>
 #include <eda/memory.h>
 #include <glib.h>
 #include <stdlib.h>
 
 #include "geometry/scan.h"
 
-/* A vertical edge of a contour; x and y are swapped in the transpose. */
+/* A vertical edge of a contour. In the transposed sweep, x and y are
+   exchanged. */
 typedef struct side {
   int32_t x;
-  uint32_t r0, r1; /* ranks of both ends */
+  uint32_t r0, r1; /* ranks of the lower and upper end */
   uint32_t contour;
 } side;
 
 typedef struct slab {
-  uint32_t r1; /* rank of the upper end; the lower end is the index */
+  uint32_t r1; /* rank of the upper end; the rank of the lower end is the array
+                  index */
   int32_t x0;
-  uint32_t contour; /* a contour of the polygon that contains the slab */
+  uint32_t contour; /* any contour of the polygon that contains the slab */
 } slab;
 
-/* A slab closed by an edge, or a slab that opens. */
+/* Interval of a slab closed at the current x. */
 typedef struct span {
   uint32_t r0, r1, contour;
 } span;
@@ -40,34 +43,19 @@ typedef struct fracture {
   size_t n_sides;
   int32_t *y; /* y of each rank */
   uint32_t ranks;
-  eda_rankset open; /* ranks at which open slabs start */
+  eda_rankset open; /* ranks of the lower ends of open slabs */
   slab *slabs;
-  span *closed; /* slabs closed at this x, from low to high */
+  span *closed; /* slabs closed at the current x, by increasing y */
   uint32_t *ends;
   size_t n_closed, n_ends;
-  uint32_t *parent; /* union-find forest of the contours of a polygon */
-  piece *pieces[2]; /* pieces of both directions */
+  uint32_t
+      *parent; /* union-find forest: contours of one polygon form one tree */
+  piece *pieces[2]; /* rectangles of the sweep [0] and of the transposed sweep
+                       [1] */
   size_t n_pieces[2], capacity[2];
 } fracture;
 
 /* ---- polygons and their holes ---- */
-
-static uint32_t chord_root(fracture *f, uint32_t c) {
-  while (f->parent[c] != c) {
-    f->parent[c] = f->parent[f->parent[c]];
-    c = f->parent[c];
-  }
-  return c;
-}
-
-static void chords_unite(fracture *f, uint32_t a, uint32_t b) {
-  a = chord_root(f, a);
-  b = chord_root(f, b);
-  if (a < b)
-    f->parent[b] = a;
-  else
-    f->parent[a] = b;
-}
 
 /* ---- edges ---- */
 
@@ -76,8 +64,8 @@ static eda_point corner_point(const fracture *f, uint32_t i) {
   return f->transpose ? (eda_point){p.y, p.x} : p;
 }
 
-/* Write both ends of each vertical edge as events; the payload holds the number
-   of the edge and marks the upper end. Return the number of events. */
+/* Write both ends of each vertical edge as events. The payload is 2 * (number
+   of the edge), plus 1 for the upper end. Return the number of edges. */
 static size_t edges_collect(fracture *f, eda_event *events) {
   size_t n = 0;
   for (size_t c = 0; c < f->shapes->count; c++) {
@@ -97,7 +85,8 @@ static size_t edges_collect(fracture *f, eda_event *events) {
   return n;
 }
 
-/* Rank the ends, then sort the edges by x and lower end. */
+/* Set the ranks of the ends of all edges, then sort the edges by x and lower
+   end. */
 static void rank_sides(fracture *f, eda_event *events) {
   uint32_t *keys = eda_rank_minor(events, 2 * f->n_sides, &f->ranks);
   side *sorted = g_new(side, f->n_sides + 1);
@@ -139,7 +128,7 @@ static void prepare_sweep(fracture *f) {
   eda_rankset_init(&f->open, f->ranks);
 }
 
-/* ---- the line ---- */
+/* ---- sweep line ---- */
 
 static void add_piece(fracture *f, const span *s, int32_t x0, int32_t x1) {
   int orientation = f->transpose;
@@ -150,7 +139,7 @@ static void add_piece(fracture *f, const span *s, int32_t x0, int32_t x1) {
            f->capacity[orientation], (piece){box, s->contour});
 }
 
-/* Close the open slabs that [r0, r1] touches. */
+/* Close all open slabs that overlap or touch [r0, r1]. */
 static void close_slabs(fracture *f, uint32_t r0, uint32_t r1, int32_t x) {
   uint32_t r = eda_rankset_before(&f->open, r0);
   if (r == EDA_NO_RANK || f->slabs[r].r1 < r0)
@@ -166,19 +155,14 @@ static void close_slabs(fracture *f, uint32_t r0, uint32_t r1, int32_t x) {
   }
 }
 
-static int by_rank(const void *a, const void *b) {
-  uint32_t p = *(const uint32_t *)a, q = *(const uint32_t *)b;
-  return (p > q) - (p < q);
-}
-
-/* Unite each edge with the polygon of the slab that the edge closes. This joins
-   each hole to its outline, because the line reaches a hole first at the end of
-   a slab. */
+/* Unite the contour of each edge with the contour of the slab that the edge
+   closes. This joins each hole to its outline: the leftmost edge of a hole
+   closes a slab of the outline. */
 static void unite_edges(fracture *f, const side *sides, size_t n) {
   for (size_t i = 0, j = 0; i < n && j < f->n_closed;) {
     const span *c = &f->closed[j];
     if (sides[i].r0 < c->r1 && c->r0 < sides[i].r1)
-      chords_unite(f, sides[i].contour, c->contour);
+      eda_sets_join(f->parent, sides[i].contour, c->contour);
     if (sides[i].r1 <= c->r1)
       i++;
     else
@@ -186,9 +170,9 @@ static void unite_edges(fracture *f, const side *sides, size_t n) {
   }
 }
 
-/* Open a slab. The slab belongs to the polygon of an edge within it, or of a
-   closed slab that it continues. `edge` and `old` advance to the first
-   candidates of each kind. */
+/* Open a slab from r0 to r1. The slab belongs to the polygon of an edge within
+   the slab, or of a closed slab that continues. `edge` and `old` advance to the
+   first candidate edge and the first candidate slab. */
 static void open_slab(fracture *f, const side *sides, size_t n, uint32_t r0,
                       uint32_t r1, size_t *edge, size_t *old) {
   while (*edge < n && sides[*edge].r1 <= r0) ++*edge;
@@ -200,8 +184,8 @@ static void open_slab(fracture *f, const side *sides, size_t n, uint32_t r0,
   eda_rankset_add(&f->open, r0);
 }
 
-/* Process all edges at one x: the inside right of x equals the inside left of
-   x, changed by the edges. */
+/* Process all edges at one x. The intervals inside the shapes to the right of x
+   are the closed slabs exclusive-or the edges. */
 static void fracture_step(fracture *f, const side *sides, size_t n) {
   f->n_closed = f->n_ends = 0;
   for (size_t i = 0; i < n; i++) {
@@ -210,7 +194,7 @@ static void fracture_step(fracture *f, const side *sides, size_t n) {
     f->ends[f->n_ends++] = sides[i].r1;
   }
   unite_edges(f, sides, n);
-  qsort(f->ends, f->n_ends, sizeof *f->ends, by_rank);
+  qsort(f->ends, f->n_ends, sizeof *f->ends, eda_uint32s_rise);
   size_t kept = 0, edge = 0, old = 0;
   for (size_t i = 0; i < f->n_ends; i++) {
     if (kept && f->ends[kept - 1] == f->ends[i])
@@ -233,19 +217,16 @@ static void sweep_chords(fracture *f, int transpose) {
   forget_sweep(f);
 }
 
-/* ---- the better orientation ---- */
+/* ---- choice of the sweep for each polygon ---- */
 
-static int by_corner(const void *a, const void *b) {
-  const eda_box *p = a, *q = b;
-  if (p->y0 != q->y0) return p->y0 < q->y0 ? -1 : 1;
-  return (p->x0 > q->x0) - (p->x0 < q->x0);
-}
+EDA_COMPARE_RISING(by_corner, eda_box, y0, x0);
 
 static void fracture_choose(fracture *f, eda_box **boxes, size_t *count) {
   uint32_t *pieces = g_malloc0_n(f->shapes->count, 2 * sizeof *pieces);
   for (int orientation = 0; orientation < 2; orientation++)
     for (size_t i = 0; i < f->n_pieces[orientation]; i++)
-      pieces[2 * (size_t)chord_root(f, f->pieces[orientation][i].contour) +
+      pieces[2 * (size_t)eda_set_root(f->parent,
+                                      f->pieces[orientation][i].contour) +
              (size_t)orientation]++;
   size_t total = 0;
   for (size_t c = 0; c < f->shapes->count; c++)
@@ -254,7 +235,8 @@ static void fracture_choose(fracture *f, eda_box **boxes, size_t *count) {
   for (int orientation = 0; orientation < 2; orientation++)
     for (size_t i = 0; i < f->n_pieces[orientation]; i++) {
       const uint32_t *n =
-          &pieces[2 * (size_t)chord_root(f, f->pieces[orientation][i].contour)];
+          &pieces[2 * (size_t)eda_set_root(f->parent,
+                                           f->pieces[orientation][i].contour)];
       if ((n[1] <= n[0]) == orientation)
         (*boxes)[(*count)++] = f->pieces[orientation][i].box;
     }

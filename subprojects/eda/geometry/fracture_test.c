@@ -60,7 +60,7 @@ static void test_random(void) {
   g_rand_free(r);
 }
 
-/* Shapes that are not merged are no valid input, but must do no harm. */
+/* Shapes that are not merged are invalid input, but must not cause a crash. */
 static void test_not_merged(void) {
   GRand *r = g_rand_new_with_seed(3);
   for (int i = 0; i < 2000; i++) {

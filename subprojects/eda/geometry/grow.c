@@ -1,27 +1,19 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Growing and shrinking of shapes: dilation and erosion with a square (J.
-   Serra, "Image Analysis and Mathematical Morphology", 1982). */
+/* Growing and shrinking of shapes by a square: dilation and erosion (J. Serra,
+   "Image Analysis and Mathematical Morphology", 1982). */
 #include <eda/geometry.h>
 #include <eda/memory.h>
 #include <stdlib.h>
 
-/* Return a box around each edge, larger by `by` in all directions. */
+/* Return a box for each edge: the bounding box of the edge, enlarged by `by` on
+   each side. */
 static eda_shapes boxes_of_edges(const eda_shapes *s, int32_t by) {
-  size_t n = s->count ? s->start[s->count] : 0;
-  eda_shapes out = {.count = n};
-  out.start = eda_alloc(n + 1, sizeof *out.start);
-  out.points = eda_alloc(n, 4 * sizeof *out.points);
+  eda_shapes out = eda_shapes_of_boxes(s->count ? s->start[s->count] : 0);
   for (size_t p = 0; p < s->count; p++)
     for (uint32_t i = s->start[p]; i < s->start[p + 1]; i++) {
       uint32_t next = i + 1 < s->start[p + 1] ? i + 1 : s->start[p];
       const eda_point ends[] = {s->points[i], s->points[next]};
-      eda_box b = eda_bounds(ends, 2);
-      const eda_point corners[] = {{b.x0 - by, b.y0 - by},
-                                   {b.x1 + by, b.y0 - by},
-                                   {b.x1 + by, b.y1 + by},
-                                   {b.x0 - by, b.y1 + by}};
-      for (size_t k = 0; k < 4; k++) out.points[4 * i + k] = corners[k];
-      out.start[i + 1] = 4 * (i + 1);
+      eda_shapes_set_box(&out, i, eda_box_grown(eda_bounds(ends, 2), by));
     }
   return out;
 }

@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Spatial index: the numbers of the boxes that touch each cell of a grid, all
-   boxes of the first cell first, then the next cell, row by row. */
+/* Spatial index: for each cell of a grid, row by row, the numbers of all boxes
+   that touch the cell. */
 #include <eda/index.h>
 #include <eda/memory.h>
 #include <glib.h>
 #include <math.h>
 #include <stdlib.h>
 
-/* Limits: the number of cells for each box, for sparse boxes; the average
-   number of cells that contain a box, for large boxes. */
+/* Largest number of cells for each box (reached if boxes are sparse), and
+   largest average number of cells that a box touches (reached if boxes are
+   large). */
 enum { CELLS_OF_BOX = 4, PLACES_OF_BOX = 64 };
 
 struct eda_index {
@@ -17,14 +18,15 @@ struct eda_index {
   eda_box extent; /* bounding box of all boxes */
   int64_t cell;
   int32_t columns, rows;
-  uint32_t *start; /* first item of each cell; [cells + 1] */
-  uint32_t *item;  /* numbers of boxes */
+  uint32_t
+      *start; /* index of the first item of each cell in `item`; [cells + 1] */
+  uint32_t *item; /* numbers of boxes, ordered by cell */
 };
 
 static int is_empty(eda_box b) { return b.x0 > b.x1 || b.y0 > b.y1; }
 
-/* Return the column or row that contains a coordinate; n of them start at
-   `first`. */
+/* Return the column or row that contains a coordinate. The first of n columns
+   or rows begins at `first`. */
 static int32_t cell_of(const eda_index *x, int32_t at, int32_t first,
                        int32_t n) {
   int64_t k = ((int64_t)at - first) / x->cell;
@@ -38,7 +40,7 @@ static eda_box cells_of(const eda_index *x, eda_box b) {
       cell_of(x, b.x1, e.x0, x->columns), cell_of(x, b.y1, e.y0, x->rows)};
 }
 
-/* ---- making ---- */
+/* ---- construction ---- */
 
 static void set_cell(eda_index *x, double size) {
   double width = (double)x->extent.x1 - x->extent.x0 + 1;
@@ -51,7 +53,8 @@ static void set_cell(eda_index *x, double size) {
   x->rows = (int32_t)ceil(height / size);
 }
 
-/* Return the total number of items: for each box, the cells that it touches. */
+/* Return the total number of items: the sum over all boxes of the touched
+   cells. */
 static uint64_t index_items(const eda_index *x) {
   uint64_t sum = 0;
   for (size_t i = 0; i < x->n; i++) {
@@ -62,8 +65,9 @@ static uint64_t index_items(const eda_index *x) {
   return sum;
 }
 
-/* Count the boxes of each cell, or store them: start[k] advances from the first
-   item of cell k to that of the next cell. */
+/* If `item` is NULL, count the boxes of each cell in start[]. Otherwise store
+   the boxes: start[k] advances from the first item of cell k to the first item
+   of cell k + 1. */
 static void index_fill(eda_index *x) {
   for (size_t i = 0; i < x->n; i++) {
     if (is_empty(x->box[i])) continue;
@@ -127,7 +131,7 @@ void eda_index_free(eda_index *x) {
   free(x);
 }
 
-/* ---- finding ---- */
+/* ---- queries ---- */
 
 static void enter_cell(eda_finder *f) {
   const eda_index *x = f->index;
@@ -155,8 +159,8 @@ int eda_index_next(eda_finder *f, uint32_t *number) {
       uint32_t i = x->item[f->at++];
       eda_box b = x->box[i];
       if (b.x0 > w.x1 || b.x1 < w.x0 || b.y0 > w.y1 || b.y1 < w.y0) continue;
-      /* A box that continues from the left or from below was returned
-         before. */
+      /* Skip a box that extends into a cell on the left or below: that cell has
+         already returned the box. */
       if ((b.x0 < f->left && f->column > f->cells.x0) ||
           (b.y0 < f->below && f->row > f->cells.y0))
         continue;

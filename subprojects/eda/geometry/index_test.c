@@ -15,8 +15,8 @@ static eda_box random_box(GRand *r, int span, int most) {
                    y + g_rand_int_range(r, 0, most + 1)};
 }
 
-/* Check that each box that touches the window is returned once, that no other
-   box is, and that a second search returns the same order. */
+/* Check that each box that touches the window is returned exactly once, that no
+   other box is returned, and that a second search returns the same order. */
 static void index_check(const eda_index *index, const eda_box *box, size_t n,
                         eda_box window) {
   g_autofree uint8_t *found = g_new0(uint8_t, n + 1);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Ordered sets of ranks, stored as levels of bits. */
+/* Ordered sets of ranks, stored as a hierarchy of bit arrays. */
 #include <glib.h>
 
 #include "geometry/scan.h"
@@ -41,7 +41,8 @@ void eda_rankset_remove(eda_rankset *set, uint32_t r) {
   }
 }
 
-/* Ascend until a word has a member beyond r, then descend to that member. */
+/* Ascend to the first level with a later member in the same word, then descend
+   to the smallest member. */
 uint32_t eda_rankset_after(const eda_rankset *set, uint32_t r) {
   for (unsigned l = 0; l < set->levels; l++) {
     uint64_t word = set->level[l][r >> 6] & ~UINT64_C(1) << (r & 63);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Mask rules. From each edge a search to the right or upwards finds the edges
-   that face it: through the shape if the shape is on that side, through the
-   space otherwise. Nearer edges cover those behind them. */
+/* Mask rules. From each edge, a search to the right or upwards finds the edges
+   that face the edge. If the shape is on the searched side, the distance is a
+   width; otherwise a space. Nearer edges hide farther edges. */
 #include "eda/rules.h"
 
 #include <math.h>
@@ -10,30 +10,32 @@
 #include "eda/index.h"
 #include "eda/memory.h"
 
-/* The sides of an edge. */
+/* Direction from an edge. */
 enum { LEFT, RIGHT, BELOW, ABOVE };
 
 static int side_upright(int side) { return side == LEFT || side == RIGHT; }
 static int side_opposite(int side) { return side ^ 1; }
 
 typedef struct facing {
-  int32_t distance, low, high; /* interval of overlap */
+  int32_t distance, low, high; /* overlap with the start edge, along the edge */
 } facing;
 
 typedef struct mask {
   const eda_shapes *shapes;
-  eda_box *edge; /* edge from each point to the next, as a flat box */
+  eda_box
+      *edge; /* degenerate box of the edge from each point to the next point */
   eda_index *edges, *points;
   uint8_t *inwards; /* side of each edge on which the shape is located */
-  uint8_t *corner;  /* kind of each point, see corner_of */
+  uint8_t *corner;  /* bits of each point, see corner_of */
   double grid;
   const double *limit;
   eda_rule_fault *fault;
   size_t faults, faults_capacity;
 
-  /* Edge from which the search starts. */
+  /* Start edge of the search. */
   eda_box from;
-  int side, shape; /* whether the search passes through the shape */
+  int side, shape; /* 1: the search passes through the shape (width); 0: through
+                      space */
   facing *found;
   size_t n, capacity;
 } mask;
@@ -46,8 +48,9 @@ static void mask_report(mask *m, int rule, double x, double y, double value) {
 
 /* ---- edges ---- */
 
-/* Record edge i if it ends the searched region: the end of a shape faces back,
-   the end of a space faces away. */
+/* Record edge i if edge i ends the search. A search through the shape ends at
+   an edge with the shape on the near side; a search through space, at an edge
+   with the shape on the far side. */
 static void edge_record(mask *m, uint32_t i) {
   eda_box e = m->edge[i], f = m->from;
   int flat = side_upright(m->side);
@@ -62,11 +65,7 @@ static void edge_record(mask *m, uint32_t i) {
   m->found[m->n++] = (facing){distance, low, high};
 }
 
-static int by_distance(const void *a, const void *b) {
-  const facing *p = a, *q = b;
-  if (p->distance != q->distance) return p->distance < q->distance ? -1 : 1;
-  return (p->low > q->low) - (p->low < q->low);
-}
+EDA_COMPARE_RISING(by_distance, facing, distance, low);
 
 static void facing_report(mask *m, const facing *f) {
   double along = ((double)f->low + f->high) / 2;
@@ -76,7 +75,7 @@ static void facing_report(mask *m, const facing *f) {
               f->distance);
 }
 
-/* Report the parts of found[i] that no nearer edge covers. */
+/* Report the parts of found[i] that no nearer edge hides. */
 static void visible_report(mask *m, size_t i) {
   int32_t at = m->found[i].low, end = m->found[i].high;
   while (at < end) {
@@ -101,7 +100,7 @@ static void look_from(mask *m, size_t i) {
   m->side = m->shape ? inwards : side_opposite(inwards);
   m->from = m->edge[i];
   m->n = 0;
-  /* Search strictly below the limit, in whole steps. */
+  /* Largest distance below the limit, in whole grid steps. */
   int32_t reach = (int32_t)ceil(m->limit[m->shape] / m->grid - 1e-9) - 1;
   if (reach < 1) return;
   eda_box window = m->from;
@@ -119,9 +118,9 @@ static void look_from(mask *m, size_t i) {
 
 enum { CONVEX = 1, QUADRANT_RIGHT = 2, QUADRANT_ABOVE = 4 };
 
-/* Return whether a corner is convex, and the quadrant that contains the smaller
-   part: the shape at a convex corner, the space at a concave one. `in` and
-   `out` are the inward sides of the two edges. */
+/* Return whether a corner is convex, and the quadrant with an interior angle of
+   90 degrees: shape at a convex corner, space at a concave corner. `in` and
+   `out` are the inward sides of both edges. */
 static uint8_t corner_of(eda_point a, eda_point b, eda_point c, int in,
                          int out) {
   int64_t turn = ((int64_t)b.x - a.x) * ((int64_t)c.y - b.y) -
@@ -133,20 +132,20 @@ static uint8_t corner_of(eda_point a, eda_point b, eda_point c, int in,
                    (above ? QUADRANT_ABOVE : 0));
 }
 
-/* Check corners n and i. Two corners of one kind face each other if each has
-   its quadrant away from the other: space separates convex corners, shape
-   separates concave ones. */
+/* Check the diagonal distance of corners n and i, which are both convex (space
+   between them) or both concave (shape between them). The corners face each
+   other if the quadrant of each points away from the other corner. */
 static void try_corner(mask *m, size_t n, uint32_t i) {
   eda_point a = m->shapes->points[n], b = m->shapes->points[i];
   uint8_t p = m->corner[n], q = m->corner[i];
   if ((p & CONVEX) != (q & CONVEX) || i == n) return;
-  /* `a` is the left corner, or the lower of two with equal x. */
+  /* `a` must be the left corner, or the lower corner if x is equal. */
   if (b.x < a.x || (b.x == a.x && b.y <= a.y)) return;
   int up = b.y >= a.y, down = b.y <= a.y;
   int away = !(p & QUADRANT_RIGHT) && (q & QUADRANT_RIGHT);
   int rises = up && !(p & QUADRANT_ABOVE) && (q & QUADRANT_ABOVE);
   int falls = down && (p & QUADRANT_ABOVE) && !(q & QUADRANT_ABOVE);
-  /* For equal x, the corners may face each other on either side. */
+  /* If x is equal, the quadrants must be on different sides. */
   if (b.x == a.x) away = (p ^ q) & QUADRANT_RIGHT ? 1 : 0;
   int shape = !(p & CONVEX);
   double d = hypot((double)b.x - a.x, (double)b.y - a.y);
@@ -164,7 +163,7 @@ static void look_from_corner(mask *m, size_t n) {
   for (uint32_t i; eda_index_next(&f, &i);) try_corner(m, n, i);
 }
 
-/* ---- edges that are short ---- */
+/* ---- short edges ---- */
 
 static double edge_length(const mask *m, size_t i) {
   eda_box e = m->edge[i];
@@ -184,7 +183,7 @@ static void look_at_edge(mask *m, size_t before, size_t i, size_t next) {
     mask_report(m, EDA_RULE_JOG, x, y, own);
 }
 
-/* ---- all ---- */
+/* ---- complete check ---- */
 
 static size_t vertex_around(const eda_shapes *s, size_t p, uint32_t i, int by) {
   uint32_t first = s->start[p], n = s->start[p + 1] - first;

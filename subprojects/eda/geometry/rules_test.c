@@ -58,7 +58,8 @@ static void line(drawing *d) {
       {-3, 292}, {-11, 292}, {-11, 289}, {0, 289});
 }
 
-/* The step of a jog is no short edge; a short edge between two jogs is one. */
+/* The step of a jog is not a violation; a short edge between two jogs is a
+   violation. */
 static void test_edges(void) {
   drawing d = {0};
   eda_rule_fault f;
@@ -77,8 +78,8 @@ static void test_edges(void) {
   g_assert_cmpfloat(f.value, ==, 15);
 }
 
-/* Two jogs: one of 3 nm at the left, one of 2 nm at the stair. The bump has
-   none, because both of its corners are of one kind. */
+/* Two jogs: 3 nm on the left, 2 nm at the stair. The bump is not a jog, because
+   its corners are both convex or both concave. */
 static void test_jogs(void) {
   drawing d = {0};
   eda_rule_fault f;
@@ -95,7 +96,7 @@ static void test_jogs(void) {
   g_assert_cmpuint(count_violations(&box, EDA_RULE_JOG, 10, &f), ==, 0);
 }
 
-/* Random lines side by side: each space and each line is reported once; lines
+/* Random parallel lines: each space and each line is reported once; lines
    behind another line are not reported. */
 static void test_bars(void) {
   guint32 seed = 3;
@@ -120,7 +121,7 @@ static void test_bars(void) {
   }
 }
 
-/* Corners diagonally across: 3 and 4 steps are 2.5 nm. */
+/* Diagonal distance of corners: 3 and 4 steps yield 2.5 nm. */
 static void test_corners(void) {
   drawing d = {0};
   eda_rule_fault f;

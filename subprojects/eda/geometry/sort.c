@@ -11,8 +11,8 @@ static uint32_t key_of(const eda_event *e, int key) {
   return key == EDA_MINOR ? e->minor : e->major;
 }
 
-/* Sort by one digit of the key. Return 0 if the digit is equal in all events,
-   so that nothing was moved. */
+/* Sort by one digit of the key. Return 0 and write nothing if all events have
+   the same digit. */
 static int sort_digit(const eda_event *from, eda_event *to, size_t n, int key,
                       unsigned shift) {
   size_t place[BUCKETS] = {0};
@@ -30,7 +30,7 @@ static int sort_digit(const eda_event *from, eda_event *to, size_t n, int key,
   return 1;
 }
 
-/* Sort few events by insertion; stable like the passes. */
+/* Sort few events by insertion; stable as the radix sort. */
 static void sort_insertion(eda_event *events, size_t n, int key) {
   for (size_t i = 1; i < n; i++) {
     eda_event e = events[i];

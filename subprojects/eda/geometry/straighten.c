@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Straightening of edges that nearly follow an axis. */
+/* Straightening of edges that are nearly parallel to an axis. */
 #include <eda/geometry.h>
 #include <stdlib.h>
 
@@ -15,7 +15,8 @@ static int64_t edge_part(const ring *r, uint32_t i, int axis) {
   return axis == 0 ? llabs((int64_t)b.x - a.x) : llabs((int64_t)b.y - a.y);
 }
 
-/* Return whether edge i has constant x (axis 0) or y (1), or nearly. */
+/* Return whether edge i has constant or nearly constant x (axis 0) or y (axis
+   1). */
 static int edge_along_axis(const ring *r, uint32_t i, int axis) {
   int64_t off = edge_part(r, i, axis), along = edge_part(r, i, !axis);
   return off <= r->most && (axis == 0 ? along > off : along >= off) &&
@@ -27,8 +28,9 @@ static int32_t *coordinate(const ring *r, uint32_t i, int axis) {
   return axis == 0 ? &p->x : &p->y;
 }
 
-/* Move `count` edges from `first` on to the middle of their coordinates, unless
-   they deviate by more than the limit. Return the number of moved edges. */
+/* Set the coordinate `axis` of `count` consecutive edges to the middle of its
+   range, unless the range exceeds the limit. Return the number of changed
+   edges. */
 static size_t ring_level(const ring *r, uint32_t first, uint32_t count,
                          int axis) {
   int32_t low = *coordinate(r, first, axis), high = low;
@@ -45,8 +47,8 @@ static size_t ring_level(const ring *r, uint32_t first, uint32_t count,
   return slanted;
 }
 
-/* Level all runs of edges of one axis, from the start of a run around the
-   polygon. Return the number of moved edges. */
+/* Straighten all runs of consecutive edges along one axis. Return the number of
+   changed edges. */
 static size_t level_runs(const ring *r, int axis) {
   uint32_t begin = 0;
   size_t slanted = 0;

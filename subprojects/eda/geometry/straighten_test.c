@@ -53,7 +53,7 @@ static void test_shaken(void) {
   }
 }
 
-/* Larger deviations, a slope in steps of one unit, and 45 degrees stay
+/* Larger deviations, a slope in steps of one unit, and edges at 45 degrees are
    unchanged. */
 static void test_stays(void) {
   static const eda_point all[][6] = {
@@ -74,8 +74,8 @@ static void test_stays(void) {
   }
 }
 
-/* Two edges of one line, at most one unit apart; the larger limit straightens
-   more. */
+/* Two consecutive edges of one line that differ by at most one unit; a larger
+   limit straightens more edges. */
 static void test_in_a_row(void) {
   eda_point p[] = {{0, 0}, {100, 0}, {101, 30}, {100, 60}, {101, 80}, {0, 80}};
   uint32_t start[2];

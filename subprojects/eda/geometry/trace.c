@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Outlines and holes of merged shapes from their vertical edges. Along each
-   horizontal line, the ends of vertical edges are joined in pairs from left to
-   right; this yields the successor of each edge. Takes O(n). */
+/* Outlines and holes of merged shapes from the vertical edges. On each
+   horizontal line, pair the ends of vertical edges from left to right. The
+   pairs determine the successor of each vertical edge. Takes O(n). */
 #include <glib.h>
 #include <string.h>
 
@@ -10,14 +10,14 @@
 typedef struct trace {
   const eda_wall *walls;
   size_t n;
-  uint32_t *next;      /* wall that follows each wall */
-  eda_event *contours; /* y and x of the first point of each contour; its first
-                          wall */
+  uint32_t *next;      /* number of the wall that follows each wall */
+  eda_event *contours; /* lowest point of each contour (major y, minor x) and
+                          the wall at this point */
   size_t n_contours;
 } trace;
 
-/* Return the y at which a wall starts. The interior is on the left of an edge,
-   so a wall with the interior to its right runs downwards. */
+/* Return the y at which a wall starts. Contours have the interior on their
+   left, so a wall with the interior to the right runs downwards. */
 static int32_t tail_y(const eda_wall *w) { return w->left ? w->y1 : w->y0; }
 static int32_t head_y(const eda_wall *w) { return w->left ? w->y0 : w->y1; }
 
@@ -30,9 +30,9 @@ static void link_pair(trace *t, uint32_t p, uint32_t q) {
     t->next[b] = a;
 }
 
-/* Order the ends where two walls meet head to head in a corner, so that
-   touching shapes stay separate. Each of the two horizontal edges joins the
-   wall on its own side of the interior. */
+/* If two walls meet end to end in a corner, order their ends so that touching
+   shapes stay separate: each horizontal edge joins the wall that bounds the
+   same interior. */
 static void order_corner(const trace *t, eda_event *lower) {
   if (lower[0].major != lower[1].major || lower[0].minor != lower[1].minor)
     return;
@@ -53,16 +53,16 @@ static void link_walls(trace *t) {
     events[2 * i + 1] = (eda_event){eda_bias(w->y1), x, payload | 1};
   }
   eda_sort(events, ends, EDA_MAJOR);
-  /* Only the second end of one pair and the first end of the next can share a
-     corner. */
+  /* Only the second end of a pair and the first end of the next pair can be at
+     the same point. */
   for (size_t i = 1; i + 1 < ends; i += 2) order_corner(t, &events[i]);
   for (size_t i = 0; i + 1 < ends; i += 2)
     link_pair(t, events[i].payload, events[i + 1].payload);
   g_free(events);
 }
 
-/* Find the lowest, then leftmost point of each contour, and sort the contours
-   by it. */
+/* Find the lowest, then leftmost point of each contour. Sort the contours by
+   this point. */
 static void find_contours(trace *t) {
   uint8_t *seen = g_new0(uint8_t, t->n + 1);
   /* A contour has at least two walls. */
@@ -95,7 +95,7 @@ static void write_contour(const trace *t, size_t c, eda_shapes *out) {
     i = t->next[i];
   } while (i != first);
   if (!hole) {
-    /* The lowest point of an outline is the head of its first wall. */
+    /* Start an outline with its lowest point, the end of the first wall. */
     eda_point *p = &out->points[out->start[c]];
     size_t rest = n - out->start[c] - 1;
     eda_point tail = p[0];

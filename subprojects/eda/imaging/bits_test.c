@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Bit-identical results for different vector widths: the program runs itself in
-   qemu-x86_64 with AVX2 and FMA only and compares hashes of each step of
-   imaging. On a machine with AVX-512 this compares both versions of EDA_WIDE
-   functions. Skipped without qemu-user. */
+/* Bit-identical results for different vector widths. The program runs itself in
+   qemu-x86_64 with only AVX2 and FMA, and compares hashes of the results of
+   each imaging step. On a processor with AVX-512 the test compares both
+   versions of EDA_WIDE functions. Skipped without qemu-user. */
 #include <eda/imaging.h>
 #include <glib.h>
 #include <math.h>
@@ -39,8 +39,7 @@ static void field_append(GString *out, const char *what, const eda_field *f) {
               sizeof(float) * (size_t)f->nx * (size_t)f->ny);
 }
 
-/* Return the spectrum of rows of lines whose positions differ by a
-   nanometre. */
+/* Return the spectrum of rows of lines with positions that differ by 1 nm. */
 static eda_spectrum mask_of_lines(eda_frame frame) {
   eda_point points[4 * LINES];
   uint32_t start[LINES + 1];

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Compute contours by marching squares (Lorensen, Cline, "Marching cubes",
-   1987, in two dimensions), strip by strip. A crossing is a zero of the field
-   on a grid line, where the field is a spline of one variable. */
+/* Contours of a field by marching squares, strip by strip (the two-dimensional
+   case of Lorensen, Cline, "Marching cubes", 1987). A crossing is a zero of the
+   field on a grid line, on which the field is a spline of one variable. */
 #include "imaging/spline.h"
 
 #include <eda/imaging.h>
@@ -13,44 +13,48 @@
 
 /* ---- state ---- */
 
-/* STRIP: rows of squares in a strip; both adjacent strips evaluate a common row
-   of nodes. */
+/* STRIP: number of rows of squares in a strip. Adjacent strips both evaluate
+   their common row of nodes. */
 enum { MAX_NODES = 1 << 26, STRIP = 64, BLOCK = 256 };
 
-/* Grid of squares on the window. A ring of negative nodes around the window
-   closes all contours at the border. */
+/* Grid of squares on the window. A border of negative nodes around the window
+   closes all contours at the window. */
 typedef struct squares {
   const opc_context *context;
   const eda_field *field;
   eda_frame window;
   double dx, dy, field_dx, field_dy;
-  int nx, ny;     /* number of nodes with the ring */
-  int from, span; /* columns from .. from + span - 1 of the field are used */
-  int *first;     /* first spline of each column of nodes, minus from */
-  double *weight; /* values of these splines, [EDA_SPLINE_TAPS][nx] */
+  int nx, ny;     /* numbers of nodes, including the border */
+  int from, span; /* columns from .. from + span - 1 of the field are used
+                     (modulo the period) */
+  int *first;     /* first spline of each node column, minus `from` */
+  double *weight; /* weights of the splines at each node column,
+                     [EDA_SPLINE_TAPS][nx] */
   struct strip *strip;
   size_t strips;
 } squares;
 
-/* Crossings of the squares of rows j0 .. j1 - 1, row by row: first the
-   crossings on the horizontal line of a row, then those on the vertical lines
-   above. Numbers count .. all - 1 are the crossings on row j1, without
-   positions: they belong to the next strip. */
+/* Crossings of the squares between node rows j0 and j1, row by row: first the
+   crossings on a row, then those on the vertical lines above the row. Numbers
+   count .. all - 1 denote crossings on row j1, which belong to the next strip
+   and have no position here. */
 typedef struct strip {
-  double *point; /* x, y, alternating */
-  int32_t *next; /* next crossing of the contour; -1: in another strip */
+  double *point; /* x, y of each crossing, nm */
+  int32_t *next; /* number of the next crossing of the contour; -1: in another
+                    strip */
   size_t count, all, points_capacity, next_capacity;
 } strip;
 
 /* A row of nodes. */
 typedef struct row {
-  double *spline;    /* coefficients of the splines along x at this row */
+  double *spline;    /* coefficients of the splines along x on this row */
   double *value;     /* values at nodes */
-  uint8_t *positive; /* value is positive; padded with zeros */
-  int32_t *crossing; /* number of the crossing right of the node, if any */
+  uint8_t *positive; /* 1: the value is positive; padded with zeros */
+  int32_t *crossing; /* number of the crossing between each node and its right
+                        neighbour */
 } row;
 
-/* ---- work: values ---- */
+/* ---- values ---- */
 
 static double node_x(const squares *s, int i) {
   return s->window.x0 + (fmin(fmax(i, 1), s->nx - 2) - 1) * s->dx;
@@ -60,7 +64,7 @@ static double node_y(const squares *s, int j) {
   return s->window.y0 + (fmin(fmax(j, 1), s->ny - 2) - 1) * s->dy;
 }
 
-/* Return x of node column i, in steps of the field grid. */
+/* Return x of node column i, in field grid steps. */
 static double field_x(const squares *s, int i) {
   return (node_x(s, i) - s->field->frame.x0) / s->field_dx;
 }
@@ -77,7 +81,8 @@ EDA_WIDE static void nodes_weigh(const float *const c[EDA_SPLINE_TAPS],
              w[4] * c[4][i] + w[5] * c[5][i];
 }
 
-/* Interpolate the columns of the field at y. */
+/* Compute the coefficients of the splines along x at y (in field grid
+   steps). */
 static void weigh_rows(const squares *s, double y, double *out) {
   const eda_field *f = s->field;
   double w[EDA_SPLINE_TAPS];
@@ -104,8 +109,8 @@ EDA_WIDE static void weigh_columns(const double *spline, const int *first,
   for (int i = 0; i < n; i++) positive[i] = value[i] > 0;
 }
 
-/* Evaluate a row of nodes. All nodes of a row have the same spline weights
-   along y; all nodes of a column have the same weights along x. */
+/* Evaluate a row of nodes. Nodes of a row share the spline weights along y;
+   nodes of a column share the weights along x. */
 static void row_evaluate(const squares *s, int j, row *r) {
   int n = s->nx;
   if (j == 0 || j == s->ny - 1) {
@@ -117,16 +122,16 @@ static void row_evaluate(const squares *s, int j, row *r) {
   r->positive[0] = r->positive[n - 1] = 0;
 }
 
-/* ---- work: crossings ---- */
+/* ---- crossings ---- */
 
-/* Return the zero of the spline with coefficients c in a cell, between the
-   fractions t0 and t1, where the values are a and b, of opposite signs. Use
-   Newton's method, with bisection where a step leaves the bracket. */
+/* Return the zero of a spline within one cell. c: coefficients of the cell; t0,
+   t1: bracket as fractions of the cell; a, b: values of opposite sign at t0 and
+   t1. Uses Newton's method, with bisection if a step leaves the bracket. */
 static double zero_in_cell(const double *c, double t0, double t1, double a,
                            double b) {
   enum { STEPS = 20 };
   static const double near =
-      1e-3; /* field steps; the error is about its square */
+      1e-3; /* last step at termination, in cells; the error is about near^2 */
   double q[EDA_SPLINE_TAPS] = {0}, t = t0 + (t1 - t0) * (a / (a - b));
   for (int d = 0; d < EDA_SPLINE_TAPS; d++)
     for (int k = 0; k < EDA_SPLINE_TAPS; k++)
@@ -145,8 +150,8 @@ static double zero_in_cell(const double *c, double t0, double t1, double a,
   return t;
 }
 
-/* Return the zero between u0 and u1 of a spline whose first coefficient belongs
-   to node `first`; a and b are the values at u0 and u1, of opposite signs. */
+/* Return the zero between u0 and u1 (in cells) of a spline whose coefficients
+   start at node `first`. a, b: values of opposite sign at u0 and u1. */
 static double spline_zero(const double *spline, int first, double u0, double u1,
                           double a, double b) {
   int cell = (int)floor(u0);
@@ -166,8 +171,8 @@ static void add_point(strip *p, double x, double y) {
   p->point[2 * p->count++ + 1] = y;
 }
 
-/* Add the crossing right of node i of row j. Next to the ring, the crossing is
-   on the border of the window. */
+/* Add the crossing to the right of node i of row j. Next to the border, the
+   crossing is on the edge of the window. */
 static void cross_row(const squares *s, strip *p, int j, int i, const row *r) {
   double x = node_x(s, i);
   if (i > 0 && i < s->nx - 2)
@@ -178,7 +183,7 @@ static void cross_row(const squares *s, strip *p, int j, int i, const row *r) {
   add_point(p, x, node_y(s, j));
 }
 
-/* Add the crossing above node i of row j; `column` is scratch space for the
+/* Add the crossing above node i of row j. `column` is scratch memory for the
    spline coefficients along y. */
 static void cross_column(const squares *s, strip *p, int j, int i,
                          const row *low, const row *high, double *column) {
@@ -204,29 +209,31 @@ static void cross_column(const squares *s, strip *p, int j, int i,
   add_point(p, node_x(s, i), y);
 }
 
-/* ---- work: strips ---- */
+/* ---- strips ---- */
 
-/* Connect the crossings of a square, with the positive region on the left of
-   the contour. Counter-clockwise around the square, a contour starts on an edge
-   from positive to negative and ends on an edge from negative to positive.
-   Edges are below, right, above, left; corner k is the first of edge k. */
+/* Connect the crossings of a square; the positive region is on the left of
+   contours. edge[k]: crossings on the lower, right, upper and left edge. v[k]:
+   value at the corner before edge k, counter-clockwise. Bit k of `set`: corner
+   k is positive. A contour begins on an edge from a positive to a negative
+   corner, and ends on an edge from a negative to a positive corner. */
 static void strip_join(strip *p, const int32_t edge[4], const double v[4],
                        int set) {
   int centre = v[0] + v[1] + v[2] + v[3] > 0;
   for (int k = 0; k < 4; k++) {
     if (!(set >> k & 1) || set >> (k + 1) % 4 & 1) continue;
-    /* At a saddle, the sign of the centre selects the connection. */
+    /* At a saddle, the sign of the mean value selects the connection. */
     int turn = centre ? 1 : 3, to = (k + turn) % 4;
     while (set >> to & 1 || !(set >> (to + 1) % 4 & 1)) to = (to + turn) % 4;
     p->next[edge[k]] = edge[to];
   }
 }
 
-/* Scratch memory of a strip: two rows and the crossings between them. */
+/* Scratch memory of a strip: two node rows and the crossings between the
+   rows. */
 typedef struct bench {
   row low, high;
-  int *mixed;     /* columns of squares with both signs */
-  int32_t *above; /* crossing above each node */
+  int *mixed;     /* columns of squares whose corners differ in sign */
+  int32_t *above; /* number of the crossing above each node */
   double *column;
 } bench;
 
@@ -245,8 +252,8 @@ static void free_row(row *r) {
   free(r->crossing);
 }
 
-/* Find the squares whose nodes have both signs, and return their number. Test
-   eight squares at a time, because most squares have one sign. */
+/* Find the squares whose corners differ in sign. Return their number. Tests
+   eight squares at a time, because most squares have corners of one sign. */
 static int find_mixed(const squares *s, bench *b) {
   const uint8_t *low = b->low.positive, *high = b->high.positive;
   int n = 0;
@@ -265,8 +272,8 @@ static int find_mixed(const squares *s, bench *b) {
   return n;
 }
 
-/* Number the crossings between rows j and j + 1, then those on row j + 1. The
-   crossings on row `end` belong to the next strip. */
+/* Number the crossings between rows j and j + 1, then the crossings on row j +
+   1. Crossings on row `end` belong to the next strip. */
 static void row_cross(const squares *s, strip *p, bench *b, int j, int n,
                       int end) {
   for (int m = 0; m < n; m++) {
@@ -302,8 +309,7 @@ static void join_row(strip *p, bench *b, int n) {
   }
 }
 
-/* Number the crossings on the first row of a strip, which has no squares
-   below. */
+/* Number the crossings on the first row of a strip. */
 static void begin_strip(const squares *s, strip *p, bench *b, int j) {
   row_evaluate(s, j, &b->high);
   for (int i = 0; i + 1 < s->nx; i++)
@@ -340,17 +346,17 @@ static void make_strip(void *data, size_t k) {
   free(b.column);
 }
 
-/* ---- work: lines ---- */
+/* ---- tracing ---- */
 
-/* All crossings with their successors. */
+/* All crossings and their successors. */
 typedef struct lines {
   double *point;
   int32_t *next;
   size_t count;
 } lines;
 
-/* Copy the successors of the crossings of a strip and of the first crossings of
-   the next strip. */
+/* Copy the crossings of a strip, their successors, and the successors of the
+   first crossings of the next strip. */
 static void take_strip(lines *all, const strip *p, size_t base) {
   if (p->count)
     memcpy(all->point + 2 * base, p->point, 2 * p->count * sizeof *p->point);
@@ -374,7 +380,7 @@ static lines strips_merge(squares *s) {
   return all;
 }
 
-/* Trace all contours. A visited crossing has no successor. */
+/* Trace all contours. A visited crossing has successor -1. */
 static void lines_trace(lines *all, double *points, uint32_t **start,
                         size_t *count) {
   size_t capacity = 0, length = 0;
@@ -394,7 +400,7 @@ static void lines_trace(lines *all, double *points, uint32_t **start,
   (*start)[*count] = (uint32_t)length;
 }
 
-/* ---- work: all of it ---- */
+/* ---- setup ---- */
 
 static int size_up(squares *s, double step, opc_error *error) {
   eda_frame w = s->window;

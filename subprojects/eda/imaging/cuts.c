@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Simultaneous cuts through a printed line, vectorised (cuts.h). */
+/* Simultaneous, vectorised cuts through a printed line (cuts.h). */
 #include "imaging/cuts.h"
 
 #include <math.h>
@@ -12,20 +12,20 @@ enum {
   TAPS = EDA_SPLINE_TAPS,
   TOGETHER = 16, /* cuts in a batch */
   PITCH = 128,   /* largest number of coefficients of a cut */
-  BLOCK = 8192,  /* largest number of field coefficients around all cuts */
-  LINE = 16,     /* divisor of the number of coefficients of a cut */
+  BLOCK = 8192,  /* largest number of field coefficients near all cuts */
+  LINE = 16,     /* alignment of the number of coefficients of a cut */
   NEWTON = 4
 };
 
-/* Cell k of a cut, 0 to 2 * out, contains the middle for k = out and has the
-   coefficients k .. k + 5. */
+/* Field coefficients near all cuts. A cut has cells k = 0 .. 2 * out; cell
+   `out` contains the middle. Cell k has the coefficients k .. k + 5. */
 typedef struct window {
   int out;
   size_t pitch;
-  double part[2];     /* part of the middle cell on each side */
-  double step, half;  /* step in nm; half in cells */
-  int first;          /* row of the block */
-  float block[BLOCK]; /* rows of length `pitch` */
+  double part[2]; /* from the middle to each end of the middle cell, in cells */
+  double step, half;  /* cell size, nm; half of the drawn line, in cells */
+  int first;          /* field row of the first row of `block` */
+  float block[BLOCK]; /* rows of `pitch` coefficients */
 } window;
 
 /* Intermediate results of TOGETHER cuts. */
@@ -34,17 +34,17 @@ typedef struct batch {
   const float *row[TOGETHER];
   float c[TOGETHER * PITCH + TAPS], node[TOGETHER * PITCH + TAPS];
   int changes[TOGETHER * PITCH];
-  /* Coefficients, outwards, of the cell that contains each edge; position
-     within the cell, and distance from the middle to the start of the cell,
-     both in cells. */
+  /* Arrays of the edges found. e: coefficients, ordered outwards, of the cell
+     that contains the edge. t: position of the edge within this cell. begin:
+     distance from the middle to this cell. Unit of t and begin: cells. */
   size_t edges;
   double e[TAPS][2 * TOGETHER], t[2 * TOGETHER], begin[2 * TOGETHER];
 } batch;
 
-/* ---- the field around ---- */
+/* ---- field near the cuts ---- */
 
-/* Return the position of `at` in steps from node 0 of an axis; NAN if it is too
-   far away. */
+/* Return a position in grid steps from node 0 of an axis; NAN if the distance
+   exceeds 1e8 steps. */
 static double in_steps(const eda_field *field, int axis, double at) {
   const eda_frame *f = &field->frame;
   double v = axis ? (at - f->y0) * field->ny / f->height
@@ -76,8 +76,8 @@ static void copy_block(const eda_field *field, int axis, int column, int rows,
   }
 }
 
-/* Copy the part of the field that all cuts need. Return 0 if that part is too
-   large or a position is invalid, otherwise 1. */
+/* Copy the coefficients near all cuts. Return 0 if too many are needed or a
+   position is not valid, otherwise 1. */
 static int make_window(const eda_field *field, int axis, double middle,
                        double half, size_t n, const double *at, window *w) {
   const eda_frame *f = &field->frame;
@@ -117,7 +117,7 @@ EDA_WIDE static void batch_weigh(size_t n, batch *u) {
   }
 }
 
-/* Compute the coefficients of each cut. */
+/* Compute the coefficients of all cells of each cut. */
 EDA_WIDE static void batch_contract(const window *w, size_t n, batch *u) {
   size_t pitch = w->pitch;
   for (size_t j = 0; j < n; j++) {
@@ -133,9 +133,8 @@ EDA_WIDE static void batch_contract(const window *w, size_t n, batch *u) {
   }
 }
 
-/* Count the sign changes of the Bernstein coefficients of each cell.
-   Coefficients at the ends of a cell are the same numbers in both adjacent
-   cells. */
+/* Count the sign changes of the Bernstein coefficients of each cell. Adjacent
+   cells have identical coefficients at their common end. */
 EDA_WIDE static void count_changes(size_t n, const float *c, float *node,
                                    int *changes) {
   for (size_t i = 0; i <= n; i++)
@@ -151,8 +150,8 @@ EDA_WIDE static void count_changes(size_t n, const float *c, float *node,
   }
 }
 
-/* Return the cell that contains the edge of a cut on a side, counted from the
-   middle cell; 0 if this side is not simple. */
+/* Return the cell of the first edge on a side, counted from the middle cell.
+   Return 0 if there is no edge, or several edges. */
 static int find_cell(const window *w, const int *changes, int side) {
   int sign = side ? 1 : -1, k = 1;
   changes += w->out;
@@ -171,7 +170,7 @@ static void add_edge(const window *w, size_t j, int side, int cell, batch *u) {
   u->begin[i] = w->part[side] + cell - 1;
 }
 
-/* Find the positions of the edges in their cells by Newton's method; NAN if the
+/* Compute the position of each edge in its cell by Newton's method; NAN if the
    method does not converge. */
 EDA_WIDE static void find_places(batch *u) {
   for (size_t i = 0; i < u->edges; i++) {

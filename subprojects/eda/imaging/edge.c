@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Sign changes of a field along a line. A quintic spline is a polynomial in
-   each cell of its grid. The number of sign changes of its Bernstein
-   coefficients bounds that of the polynomial, so no pair of changes is missed,
-   however close. Cells without a change take nearly no time. */
+   each cell of the grid. The number of sign changes of the Bernstein
+   coefficients is an upper bound for the number of sign changes of the
+   polynomial. Therefore no pair of close changes is missed, and cells without a
+   change take nearly no time. */
 #include "imaging/edge.h"
 
 #include <float.h>
@@ -12,7 +13,8 @@ enum { DEGREE = EDA_SPLINE_TAPS - 1, HALVINGS = 24 };
 
 /* ---- one cell ---- */
 
-/* Compute the coefficients of the parts before and after t (de Casteljau). */
+/* Compute the Bernstein coefficients of the parts of a cell before and after t
+   (de Casteljau's algorithm). */
 static void spline_split(const double b[EDA_SPLINE_TAPS], double t,
                          double before[EDA_SPLINE_TAPS],
                          double after[EDA_SPLINE_TAPS]) {
@@ -30,7 +32,8 @@ static int sign_changes(const double b[EDA_SPLINE_TAPS]) {
   return n;
 }
 
-/* Return the only sign change, by Newton's method within brackets. */
+/* Return the position of the only sign change in a cell, by Newton's method
+   within a bracket. */
 static double only_change(const double b[EDA_SPLINE_TAPS]) {
   double a[EDA_SPLINE_TAPS], slope;
   eda_powers(b, a);
@@ -43,14 +46,15 @@ static double only_change(const double b[EDA_SPLINE_TAPS]) {
       high = t;
     double next = t - f / slope;
     if (!(next >= low && next <= high)) next = (low + high) / 2;
-    if (fabs(next - t) < 1e-5) return next; /* the error is its square */
+    if (fabs(next - t) < 1e-5)
+      return next; /* the error is about the square of the last step */
     t = next;
   }
   return t;
 }
 
-/* Return the first sign change in a cell or a part of it, as a fraction; NAN
-   for none. */
+/* Return the position of the first sign change in a cell or part of a cell, 0
+   to 1; NAN if there is none. `halvings` limits the recursion depth. */
 static double first_change(const double b[EDA_SPLINE_TAPS], int halvings) {
   double before[EDA_SPLINE_TAPS], after[EDA_SPLINE_TAPS];
   int n = sign_changes(b);
@@ -77,7 +81,8 @@ void eda_line_make(const eda_field *field, int axis, double at,
   line->stride = axis ? (size_t)field->nx : 1;
   double place = (at - (axis ? f->x0 : f->y0)) / step;
   if (!(place >= 0 && place < across)) place -= across * floor(place / across);
-  if (!(place >= 0 && place <= across)) place = 0; /* too far away to resolve */
+  if (!(place >= 0 && place <= across))
+    place = 0; /* too far away for double precision */
   int row = eda_spline_weights(place, line->weight);
   for (int k = 0; k < EDA_SPLINE_TAPS; k++)
     line->row[k] =
@@ -92,8 +97,9 @@ static double line_coefficient(const eda_line *line, int i) {
   return sum;
 }
 
-/* Compute the coefficients of a cell: equal sums, in the order of memory unless
-   the period wraps. */
+/* Compute the spline coefficients of a cell. The three branches compute equal
+   sums; the first two read memory in order, and apply if the cell does not
+   cross the period. */
 static void cell_coefficients(const eda_line *line, int first,
                               double c[EDA_SPLINE_TAPS]) {
   const float *const *row = line->row;
@@ -122,7 +128,7 @@ double eda_line_start(const eda_line *line, double place, eda_line_search *down,
                       eda_line_search *up) {
   double x = (place - line->origin) / line->step;
   if (!(x >= 0 && x < line->n)) x -= line->n * floor(x / line->n);
-  if (!(x >= 0 && x <= line->n)) x = 0; /* too far away to resolve */
+  if (!(x >= 0 && x <= line->n)) x = 0; /* too far away for double precision */
   int cell = (int)x;
   double t = x - cell, b[EDA_SPLINE_TAPS], reversed[EDA_SPLINE_TAPS];
   *up = (eda_line_search){
@@ -133,7 +139,7 @@ double eda_line_start(const eda_line *line, double place, eda_line_search *down,
   for (int k = 0; k < EDA_SPLINE_TAPS; k++) down->c[DEGREE - k] = up->c[k];
   eda_bernstein(up->c, b);
   if (!sign_changes(b)) {
-    /* The cell has no change: only the sign is needed. */
+    /* The cell has no sign change, so only the sign of the value is needed. */
     double weight[EDA_SPLINE_TAPS], value = 0;
     eda_spline_weights(t, weight);
     for (int k = 0; k < EDA_SPLINE_TAPS; k++) value += weight[k] * up->c[k];
@@ -145,7 +151,7 @@ double eda_line_start(const eda_line *line, double place, eda_line_search *down,
   return up->b[0];
 }
 
-/* Advance from a found sign change to the part beyond. */
+/* Restrict b[] to the part of the cell beyond the sign change found last. */
 static void search_advance(eda_line_search *w) {
   double before[EDA_SPLINE_TAPS], after[EDA_SPLINE_TAPS];
   int was = w->b[0] > 0;
@@ -157,7 +163,10 @@ static void search_advance(eda_line_search *w) {
   w->found = NAN;
 }
 
-double eda_line_search_cell(eda_line_search *w) {
+/* Search the remainder of the current cell. If there is a sign change, return
+   the distance from the start, nm; the next call continues beyond the sign
+   change. Otherwise return NAN; the next call searches the next cell. */
+static double line_search_cell(eda_line_search *w) {
   if (!isnan(w->found)) search_advance(w);
   w->found = first_change(w->b, HALVINGS);
   if (!isnan(w->found)) return (w->done + w->found * w->part) * w->line->step;
@@ -170,8 +179,8 @@ double eda_line_search_cell(eda_line_search *w) {
   return NAN;
 }
 
-/* Return whether the search continues: below `limit` and within a period. False
-   for NAN. */
+/* Return whether the covered distance is at most `limit` and at most one
+   period. False for NAN. */
 static int is_within(const eda_line_search *w, double limit) {
   return w->done * w->line->step <= limit && w->done <= w->line->n;
 }
@@ -179,7 +188,7 @@ static int is_within(const eda_line_search *w, double limit) {
 double eda_line_search_to(eda_line_search *w, double limit) {
   limit = fmin(limit, w->line->n * w->line->step);
   double found = NAN;
-  while (isnan(found) && is_within(w, limit)) found = eda_line_search_cell(w);
+  while (isnan(found) && is_within(w, limit)) found = line_search_cell(w);
   return found <= limit ? found : NAN;
 }
 
@@ -192,11 +201,11 @@ double eda_field_edge(const eda_field *field, int axis, double x, double y,
   eda_line_make(field, axis, at, &line);
   eda_line_start(&line, place, &search[0], &search[1]);
   reach = fmin(reach, line.n * line.step);
-  /* Advance the search that has covered the smaller distance. */
+  /* Advance the search with the smaller covered distance. */
   for (;;) {
     int up = search[1].done <= search[0].done;
     if (!is_within(&search[up], reach)) break;
-    double distance = eda_line_search_cell(&search[up]);
+    double distance = line_search_cell(&search[up]);
     if (isnan(distance)) continue;
     if (distance <= reach) {
       reach = distance;

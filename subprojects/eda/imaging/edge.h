@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Search for sign changes of a field from a point in both directions along a
-   line. A search evaluates only the cells that it passes. */
+/* Searches for sign changes of a field from a point in both directions along a
+   line. A search evaluates only the cells that it traverses. */
 #pragma once
 
 #include "imaging/spline.h"
 
-/* The field along a line parallel to an axis, a spline of one variable. */
+/* The field on a line parallel to an axis: a spline of one variable. */
 typedef struct eda_line {
   double origin, step;
   int n; /* period, in steps */
@@ -14,22 +14,23 @@ typedef struct eda_line {
   double weight[EDA_SPLINE_TAPS];
 } eda_line;
 
-/* A search along a line. */
+/* A search along a line in one direction. */
 typedef struct eda_line_search {
   const eda_line *line;
-  double done;               /* covered distance from the start, in steps */
-  double part;               /* part of a cell ahead */
-  double found;              /* sign change found in the cell; NAN for none */
-  double b[EDA_SPLINE_TAPS]; /* Bernstein coefficients of the part */
-  double c[EDA_SPLINE_TAPS]; /* spline coefficients of the cell */
-  int out, next;             /* direction, +-1; number of the next c */
+  double done; /* distance from the start to the unsearched part, in cells */
+  double part; /* length of the unsearched part of the current cell, in cells */
+  double found; /* position of a sign change in the unsearched part, 0 to 1;
+                   NAN: none */
+  double b[EDA_SPLINE_TAPS]; /* Bernstein coefficients of the unsearched part */
+  double c[EDA_SPLINE_TAPS]; /* spline coefficients of the current cell */
+  int out, next; /* direction, +1 or -1; number of the next coefficient */
 } eda_line_search;
 
 static inline double eda_node(const double *c) {
   return (c[0] + c[4] + 26 * (c[1] + c[3]) + 66 * c[2]) * (1 / 120.0);
 }
 
-/* Compute the Bernstein coefficients of a cell. Two adjacent cells have
+/* Compute the Bernstein coefficients of a cell. Adjacent cells have
    bit-identical coefficients at their common end. */
 static inline void eda_bernstein(const double c[EDA_SPLINE_TAPS],
                                  double b[EDA_SPLINE_TAPS]) {
@@ -41,7 +42,7 @@ static inline void eda_bernstein(const double c[EDA_SPLINE_TAPS],
   b[5] = eda_node(c + 1);
 }
 
-/* Convert Bernstein coefficients to coefficients of powers of t. */
+/* Convert Bernstein coefficients to coefficients of the powers of t. */
 static inline void eda_powers(const double b[EDA_SPLINE_TAPS],
                               double a[EDA_SPLINE_TAPS]) {
   double d1 = b[1] - b[0], d2 = b[2] - b[1], d3 = b[3] - b[2], d4 = b[4] - b[3],
@@ -57,7 +58,7 @@ static inline void eda_powers(const double b[EDA_SPLINE_TAPS],
   a[5] = g2 - g1;
 }
 
-/* Return the value of the polynomial at t, and its slope there. */
+/* Return the value of a polynomial at t, and its slope. */
 static inline double eda_polynomial(const double a[EDA_SPLINE_TAPS], double t,
                                     double *slope) {
   *slope =
@@ -65,19 +66,15 @@ static inline double eda_polynomial(const double a[EDA_SPLINE_TAPS], double t,
   return a[0] + t * (a[1] + t * (a[2] + t * (a[3] + t * (a[4] + t * a[5]))));
 }
 
-/* Initialise a line along an axis; for EDA_X (0), along x at y = at. */
+/* Initialise a line parallel to an axis; for axis 0 (EDA_X), the line y =
+   at. */
 void eda_line_make(const eda_field *field, int axis, double at, eda_line *line);
 
-/* Start two searches at `place`, towards smaller and larger coordinates. Return
-   the value of the field there. */
+/* Start searches from `place` towards smaller (`down`) and larger (`up`)
+   coordinates. Return a number with the sign of the field at `place`. */
 double eda_line_start(const eda_line *line, double place, eda_line_search *down,
                       eda_line_search *up);
 
-/* Search the part of a cell ahead. Return the distance from the start, nm, to
-   the first sign change, beyond which the next call continues; or NAN, after
-   which the next call searches the next cell. */
-double eda_line_search_cell(eda_line_search *search);
-
-/* Search for the next sign change. Return its distance from the start, nm, at
-   most `limit`; NAN for none. */
+/* Search for the next sign change up to the distance `limit`, nm. Return the
+   distance from the start, nm; NAN if there is none. */
 double eda_line_search_to(eda_line_search *search, double limit);

@@ -102,8 +102,9 @@ static void test_noise(void) {
       if (isnan(got))
         g_assert_true(isnan(want));
       else if (fabs(fabs(got) - fabs(want)) > 1e-6) {
-        /* The linear search missed a pair of changes, or two are equally near:
-           the sign must change at the found place. */
+        /* The linear search missed a pair of sign changes, or two sign changes
+           are equally near. In both cases, the sign must change at the returned
+           position. */
         double d = 1e-4, a = axis ? 0 : 1, b = axis ? 1 : 0;
         nearer += fabs(fabs(got) - fabs(want)) > 0.5 || isnan(want);
         g_assert_false(fabs(got) > fabs(want) + 0.5);
@@ -136,7 +137,7 @@ static void test_close(void) {
   eda_field_clear(&f);
 }
 
-/* A search finds one change after another up to its limit. */
+/* A search finds successive sign changes up to its limit. */
 static void test_search(void) {
   double period = frame.width / 4;
   eda_field f = wave(0, 4, cos(2 * M_PI * 0.3));
@@ -175,7 +176,7 @@ static void test_nothing(void) {
   eda_field_clear(&f);
 }
 
-/* NAN values and frames of zero size yield NAN or a place within reach. */
+/* NAN values and frames of zero size yield NAN or a position within reach. */
 static void test_no_numbers(void) {
   static const double bad[] = {NAN, INFINITY, 0, 1e300, 1e-300};
   eda_field f = wave(0, 4, 0.1);

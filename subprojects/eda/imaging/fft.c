@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* FFTW plans, and memory for their arrays. */
+/* FFTW plans, and memory for the arrays of transforms. */
 #include "imaging/fft.h"
 
 #include <fftw3.h>
@@ -17,7 +17,7 @@ struct eda_fft {
   fftwf_plan plan;
 };
 
-static GMutex lock; /* FFTW makes plans in one thread at a time */
+static GMutex lock; /* FFTW can create plans in only one thread at a time */
 static GPtrArray *plans;
 
 int eda_fft_size(double minimum) {
@@ -32,19 +32,19 @@ int eda_fft_size(double minimum) {
 
 /* ---- memory ---- */
 
-/* A large array, in use or idle. Images of one layout need equal sizes again
-   and again, and clearing their pages each time takes a fifth of the simulation
-   of a chip. */
+/* A large array, in use or idle. Images of a layout repeatedly need arrays of
+   equal size. Without reuse, clearing pages takes a fifth of the time of a
+   chip's simulation. */
 typedef struct block {
   void *at;
   size_t size;
   int busy;
 } block;
 
-/* All blocks may exceed the largest amount in use by 1 / SPARE. Sizes differ
-   between the parts of a simulation; without spare memory many blocks of a chip
-   are allocated anew, which takes a twentieth of the time. More saves
-   nothing. */
+/* The total size of all blocks may exceed the largest size in use by 1 / SPARE.
+   Sizes vary during a simulation. Without spare memory, reallocation of blocks
+   takes 5 % of the time of a chip's simulation; more spare memory has no
+   effect. */
 enum { SPARE = 2 };
 
 static GMutex blocks_lock;
@@ -53,7 +53,8 @@ static size_t busy, idle, most_busy; /* bytes */
 
 static block *block_at(guint i) { return &g_array_index(blocks, block, i); }
 
-/* Return the smallest idle block of at least `size` bytes and not much more. */
+/* Return the smallest idle block of `size` to 5/4 `size` bytes; NULL if there
+   is none. */
 static block *find_idle(size_t size) {
   block *best = NULL;
   for (guint i = 0; blocks && i < blocks->len; i++) {
@@ -80,8 +81,8 @@ static void *fft_allocate(size_t unit, size_t size) {
   return memory;
 }
 
-/* Allocate a block on large pages: with small ones, much of the time is spent
-   on the first access of each page and on address translation. */
+/* Allocate a block on large pages. With small pages, the first access of each
+   page and address translation take much time. */
 static block *new_block(size_t size) {
   size_t most = MAX(most_busy, busy + size);
   drop_idle(most + most / SPARE - size);
@@ -133,7 +134,8 @@ void eda_fft_trim(void) {
 /* ---- plans ---- */
 
 static fftwf_plan plan_make(int what, int n, int lines) {
-  /* Estimated plans do not access the arrays, but depend on their alignment. */
+  /* FFTW_ESTIMATE does not access the arrays, but the plan depends on their
+     alignment. */
   unsigned flags = FFTW_ESTIMATE | FFTW_DESTROY_INPUT;
   int half = n / 2 + 1;
   size_t size = (size_t)lines * (size_t)(n + 2) * sizeof(fftwf_complex);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Operations on whole fields: diffusion, resampling, samples. Each multiplies
-   the spectrum of the coefficients by a factor of kx times a factor of ky, so
-   lines are filtered along x and then along y. */
+/* Operations on whole fields: diffusion, resampling, samples. Each operation
+   multiplies the spectrum of the coefficients by a function of kx times a
+   function of ky. Therefore lines are filtered along x, then along y. */
 #include "imaging/fft.h"
 #include "imaging/spline.h"
 #include "imaging/values.h"
@@ -15,14 +15,14 @@
 
 enum { LINES = 16, MAX_NODES = 1 << 28 };
 
-/* Lines of n numbers become lines of m. Number i of line j is in[j * in_line +
-   i * in_step]. */
+/* A filter of lines of n numbers to lines of m numbers. Number i of line j is
+   in[j * in_line + i * in_step]. */
 typedef struct filter {
   int n, m, lines;
   const float *in;
   float *out;
   size_t in_step, in_line, out_step, out_line;
-  const float *gain; /* gain at frequency k, up to min(n, m) / 2 */
+  const float *gain; /* gain at frequency k = 0 .. min(n, m) / 2 */
 } filter;
 
 static void filter_lines(void *data, size_t block) {
@@ -49,16 +49,16 @@ static void filter_lines(void *data, size_t block) {
   eda_fft_free(half);
 }
 
-/* Operation and its parameter. */
+/* An operation and its parameter. */
 enum { DIFFUSE, TO_SAMPLES, FROM_SAMPLES, RESAMPLE };
-typedef struct deed {
+typedef struct operation {
   int what;
   double sigma; /* sigma of DIFFUSE, nm */
-} deed;
+} operation;
 
-/* Return the gain at frequency k of a line of n numbers that becomes m numbers,
-   of length `length`. */
-static double gain_of(const deed *d, int k, int n, int m, double length) {
+/* Return the gain at frequency k for resampling n to m numbers on a length of
+   `length` nm. */
+static double gain_of(const operation *d, int k, int n, int m, double length) {
   double w = 2 * M_PI * k / length * d->sigma;
   if (d->what == DIFFUSE) return exp(-w * w / 2);
   double sampled = eda_spline_sampled((double)k / n);
@@ -67,13 +67,13 @@ static double gain_of(const deed *d, int k, int n, int m, double length) {
   return sampled / eda_spline_sampled((double)k / m);
 }
 
-static float *filter_gains(const deed *d, int n, int m, double length) {
+static float *filter_gains(const operation *d, int n, int m, double length) {
   int kept = (n < m ? n : m) / 2;
   float *gain = eda_alloc((size_t)kept + 1, sizeof *gain);
   for (int k = 0; k <= kept; k++) {
     double g = gain_of(d, k, n, m, length) / n;
-    /* On another grid the highest frequency of an even number of nodes splits
-       into two (k and -k), or vanishes. */
+    /* If n < m, the highest frequency of n numbers becomes two frequencies, k
+       and -k. If m < n, the highest frequency of m numbers is removed. */
     if (m != n && 2 * k == n) g /= 2;
     if (m != n && 2 * k == m) g = 0;
     gain[k] = (float)g;
@@ -81,9 +81,9 @@ static float *filter_gains(const deed *d, int n, int m, double length) {
   return gain;
 }
 
-/* Filter the field, which then has nx x ny nodes. */
+/* Filter a field in place, and set the number of nodes to nx x ny. */
 static void filter_apply(const opc_context *context, eda_field *field, int nx,
-                         int ny, deed d) {
+                         int ny, operation d) {
   float *gx = filter_gains(&d, field->nx, nx, field->frame.width);
   float *gy = filter_gains(&d, field->ny, ny, field->frame.height);
   float *wide = eda_fft_alloc(sizeof *wide * (size_t)nx * (size_t)field->ny);
@@ -128,9 +128,11 @@ static void filter_apply(const opc_context *context, eda_field *field, int nx,
 int eda_field_diffuse(const opc_context *context, eda_field *field,
                       double sigma, opc_error *error) {
   if (!(sigma >= 0) || isinf(sigma))
-    return opc_fail(error, OPC_INVALID, NULL, "no diffusion of %g nm", sigma);
+    return opc_fail(error, OPC_INVALID, NULL,
+                    "diffusion length is %g nm, expected 0 or more", sigma);
   if (sigma == 0) return OPC_OK;
-  filter_apply(context, field, field->nx, field->ny, (deed){DIFFUSE, sigma});
+  filter_apply(context, field, field->nx, field->ny,
+               (operation){DIFFUSE, sigma});
   return OPC_OK;
 }
 
@@ -143,16 +145,18 @@ int eda_field_resample(const opc_context *context, eda_field *field,
                     f->width / 1e3, f->height / 1e3, step);
   int nx = eda_fft_size(f->width / step), ny = eda_fft_size(f->height / step);
   if (nx == field->nx && ny == field->ny) return OPC_OK;
-  filter_apply(context, field, nx, ny, (deed){RESAMPLE, 0});
+  filter_apply(context, field, nx, ny, (operation){RESAMPLE, 0});
   return OPC_OK;
 }
 
 void eda_field_samples(const opc_context *context, eda_field *field) {
-  filter_apply(context, field, field->nx, field->ny, (deed){TO_SAMPLES, 0});
+  filter_apply(context, field, field->nx, field->ny,
+               (operation){TO_SAMPLES, 0});
 }
 
 void eda_field_from_samples(const opc_context *context, eda_field *field) {
-  filter_apply(context, field, field->nx, field->ny, (deed){FROM_SAMPLES, 0});
+  filter_apply(context, field, field->nx, field->ny,
+               (operation){FROM_SAMPLES, 0});
 }
 
 void eda_field_gradient(const eda_field *field, const double *x,

@@ -15,8 +15,8 @@ static const opc_context *context; /* a context with several threads */
 
 enum { WAVES = 5, PLACES = 400 };
 
-/* Periods along x and y; the shortest is that of the intensity of a scanner of
-   NA 0.75 at 193 nm, 129 nm. */
+/* Numbers of periods along x and y. The shortest period is that of the
+   intensity of a scanner with NA 0.75 at 193 nm: 129 nm. */
 static const int wave[WAVES][2] = {{0, 0}, {3, 1}, {0, 5}, {-7, 4}, {8, 8}};
 static const double amplitude[WAVES] = {0.4, 0.3, -0.2, 0.15, 0.1};
 static const double phase[WAVES] = {0, 1, 2, 3, 4};
@@ -123,7 +123,8 @@ static void test_resample(void) {
     g_test_message("to %g nm: largest error %.2g", step[i], worst[0]);
     g_assert_cmpfloat(worst[0], <, step[i]> 20 ? 2e-5 : 5e-6);
   }
-  /* Too coarse for the last two waves; the others are kept. */
+  /* The step is too coarse for the last two waves; the other waves are
+     preserved. */
   g_assert_cmpint(eda_field_resample(context, &f, 110, &error), ==, OPC_OK);
   double mean = 0;
   for (int i = 0; i < f.nx * f.ny; i++) mean += f.coefficients[i];

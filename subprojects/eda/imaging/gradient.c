@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Gradient of an integral over an image with respect to the mask: the adjoint
-   of a sum of coherent kernels. The contribution of one kernel, the spectrum of
-   weight * field times its conjugated transfer function, is a small square of
-   frequencies. The squares are stored separately and added in order, so results
-   do not depend on the number of threads. */
+/* Gradient of a weighted integral over an image with respect to the mask: the
+   adjoint of a sum of coherent kernels. One kernel contributes the spectrum of
+   (weight * field) times the conjugated transfer function, in a small rectangle
+   of frequencies. Contributions are stored separately and added in order, so
+   that results do not depend on the number of threads. */
 #include "imaging/fft.h"
+#include "imaging/values.h"
 
 #include <complex.h>
 #include <eda/imaging.h>
@@ -19,14 +20,15 @@ typedef struct gradient_task {
   const eda_kernels *kernels;
   const eda_field *weight;
   int nx, ny;
-  int half, reach; /* rows |l| <= half, columns |k| <= reach are non-zero */
+  int half,
+      reach; /* frequencies |l| <= half and |k| <= reach may be non-zero */
   size_t columns, rows;
   number *sums; /* [kernel][row l][column k] */
 } gradient_task;
 
 static size_t modulo(int i, int n) { return (size_t)(i < 0 ? i + n : i); }
 
-/* ---- between a square of frequencies and the nodes ---- */
+/* ---- between frequencies and nodes ---- */
 
 /* Copy square[row l][column k] to values[y][x] and transform to nodes. */
 static void to_nodes(const gradient_task *j, const number *square,
@@ -49,7 +51,8 @@ static void to_nodes(const gradient_task *j, const number *square,
   eda_fft_free(lines);
 }
 
-/* Transform back to Fourier coefficients; destroys `values`. */
+/* Transform values[y][x] to the Fourier coefficients square[row l][column k].
+   Destroys `values`. */
 static void to_square(const gradient_task *j, number *values, number *square) {
   size_t nx = (size_t)j->nx, ny = (size_t)j->ny;
   float scale = 1 / ((float)j->nx * (float)j->ny);
@@ -70,16 +73,7 @@ static void to_square(const gradient_task *j, number *values, number *square) {
 
 /* ---- one kernel ---- */
 
-static number complex_of(const double a[2]) {
-  return (float)a[0] + (float)a[1] * I;
-}
-
-static number scale_of(const eda_kernels *s) {
-  number scale = complex_of(s->scale);
-  return scale == 0 ? 1 : scale;
-}
-
-/* Return a coefficient of the mask spectrum, which stores k >= 0 only. */
+/* Return coefficient (k, l) of the mask spectrum, which stores only k >= 0. */
 static number mask_at(const eda_spectrum *m, int k, int l) {
   int flip = k < 0;
   if (flip) k = -k, l = -l;
@@ -103,7 +97,7 @@ static void gradient_transfer(const gradient_task *j, size_t kernel,
 static void add_kernel(void *data, size_t i) {
   const gradient_task *j = data;
   size_t n = j->rows * j->columns, nodes = (size_t)j->nx * (size_t)j->ny;
-  number *sum = j->sums + i * n, scale = scale_of(j->kernels);
+  number *sum = j->sums + i * n, scale = eda_scale_of(j->kernels);
   number *through = eda_alloc(n, sizeof *through);
   number *field = eda_fft_alloc(nodes * sizeof *field);
   gradient_transfer(j, i, through);
@@ -111,7 +105,7 @@ static void add_kernel(void *data, size_t i) {
     int l = (int)(a / j->columns) - j->half;
     int k = (int)(a % j->columns) - j->reach;
     number light = scale * mask_at(j->mask, k, l);
-    if (!k && !l) light += complex_of(j->kernels->offset);
+    if (!k && !l) light += eda_complex_of(j->kernels->offset);
     sum[a] = through[a] * light;
   }
   to_nodes(j, sum, field);
@@ -123,7 +117,7 @@ static void add_kernel(void *data, size_t i) {
   free(through);
 }
 
-/* ---- all of it ---- */
+/* ---- sum of kernels ---- */
 
 int eda_coherent_gradient(const opc_context *context, const eda_spectrum *mask,
                           const eda_kernels *kernels, const eda_field *weight,
@@ -154,8 +148,9 @@ int eda_coherent_gradient(const opc_context *context, const eda_spectrum *mask,
   to_nodes(&j, j.sums, values);
   *out = (eda_field){weight->frame, j.nx, j.ny,
                      eda_alloc(nodes, sizeof *out->coefficients)};
-  /* Shapes are opaque: the spectrum is relative to a clear field. */
-  number scale = -2 * conjf(scale_of(kernels));
+  /* Shapes are opaque, so the amplitude decreases with coverage: factor
+     -scale. */
+  number scale = -2 * conjf(eda_scale_of(kernels));
   for (size_t a = 0; a < nodes; a++)
     out->coefficients[a] = crealf(scale * values[a]);
   eda_fft_free(values);

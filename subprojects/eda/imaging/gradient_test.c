@@ -13,8 +13,8 @@
 static const opc_context *context; /* a context with several threads */
 static const eda_frame frame = {-200, 100, 1600, 1200};
 
-/* Pupils of radius 0.004 / nm about (0.001, 0.0005) * s, with a phase neither
-   even nor odd. */
+/* Pupils of radius 0.004 / nm, centred at s * (0.001, 0.0005) / nm, with a
+   phase that is neither even nor odd. */
 static void pupil(const void *self, size_t s, const double *fx, double fy,
                   size_t n, float *out) {
   (void)self;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Values of fields, and release of fields and spectra. */
+/* Values of fields; release of fields and spectra. */
 #include <eda/imaging.h>
 #include <glib.h>
 #include <math.h>

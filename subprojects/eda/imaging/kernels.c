@@ -1,16 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Compute images as sums of coherent kernels (SOCS).
+/* Images as sums of coherent kernels (SOCS).
 
-   The spectrum of a field (mask spectrum * transfer function of a kernel) is
-   transformed back along y, one strip of columns k and -k at a time. The field
-   is then transformed along x, EDA_LANES rows at a time, and its square is
-   added to the sum in the cache. Finally the sum is transformed forward,
-   converted to B-spline coefficients and transformed back on the grid of the
-   result. Lines outside the band are skipped.
+   The spectrum of a field is mask spectrum * transfer function of a kernel. The
+   spectrum is transformed back along y, one strip of columns k and -k at a
+   time, then along x, EDA_LANES rows at a time. The squared field is added to
+   the sum in the cache. Finally the sum is transformed forward, converted to
+   B-spline coefficients, and transformed back to the grid of the result.
 
-   Kernels are added in groups, so that the sum is read and written once for
-   each group. The work units are strips and blocks of rows: the terms of a sum
-   and their order do not depend on the threads. */
+   Kernels are processed in groups, so that the sum is read and written once for
+   each group. Work units are strips and blocks of rows. The terms of a sum and
+   their order do not depend on the threads. */
 #include <eda/simd.h>
 #include "imaging/fft.h"
 #include "imaging/lanes.h"
@@ -26,17 +25,18 @@
 #include <string.h>
 
 enum {
-  STRIP = 32, /* columns k >= 0 of a strip */
+  STRIP = 32, /* number of columns k >= 0 in a strip */
   BLOCKS = STRIP / EDA_LANES,
-  TOGETHER = 4,           /* kernels of a group, at most */
-  FIELDS_ROOM = 64 << 20, /* bytes for the fields of a group */
+  TOGETHER = 4,            /* largest number of kernels in a group */
+  FIELDS_BYTES = 64 << 20, /* memory for the fields of a group, bytes */
   SUMS = 1 + EDA_RESIDUALS
 };
 
-static const double default_step = 32; /* nm */
+static const double default_step = 32; /* largest grid step, nm */
 
-/* A two-dimensional array that is transformed along one direction. A block
-   holds EDA_LANES adjacent lines; at[b * n + i] is point i of block b. */
+/* A two-dimensional array that is transformed along one direction. Blocks of
+   EDA_LANES adjacent lines are stored together: at[b * n + i] is point i of
+   block b. */
 typedef struct lines {
   size_t n;
   eda_lanes *at;
@@ -46,24 +46,23 @@ typedef struct sum_task {
   const opc_context *context;
   const eda_spectrum *mask;
   eda_kernels kernels;
-  float complex offset, scale; /* mask transmission */
-  int nx, ny;                  /* grid of the fields */
-  int half, reach; /* fields have rows |l| <= half, columns |k| <= reach */
-  size_t kernel, together; /* first kernel of the current group; size of the
-                              group */
+  float complex offset, scale; /* transmission: offset + scale * spectrum */
+  int nx, ny;                  /* numbers of nodes of the fields */
+  int half, reach; /* fields have frequencies |l| <= half, |k| <= reach */
+  size_t kernel, together; /* first kernel and size of the current group */
   size_t group_most;       /* largest group */
-  lines field[TOGETHER];   /* blocks of rows y; k < 0 is point left - k */
+  lines field[TOGETHER];   /* blocks of rows y; k < 0 is at point left - k */
   size_t left;
-  size_t rows, columns;  /* numbers of blocks: of rows y; of columns k >= 0 of
-                            `spectrum` */
-  eda_vector *sum[SUMS]; /* [row block][x]; sum[1 + k] belongs to residual k */
+  size_t rows, columns; /* numbers of blocks of rows y, and of blocks of columns
+                           k >= 0 of `spectrum` */
+  eda_vector *sum[SUMS]; /* [row block][x]; sum[0]: of all kernels; sum[1 + i]:
+                            of residual i */
 
-  int top_x, top_y;     /* frequencies of the intensity, k <= top_x, |l| <=
-                           top_y */
+  int top_x, top_y;     /* highest frequencies k and |l| of the intensity */
   lines spectrum[SUMS]; /* spectra of the sums: blocks of columns k */
-  int fine_x, fine_y;   /* grid of the result */
-  float *by_x, *by_y;   /* ratios of spline coefficients to samples: [k], [l] */
-  lines fine;           /* blocks of rows, before the transform along x */
+  int fine_x, fine_y;   /* numbers of nodes of the result */
+  float *by_x, *by_y;   /* ratios of spline coefficients to samples, at k, l */
+  lines fine;           /* blocks of rows before the transform along x */
   float *out;
 
   size_t capacity; /* size of a scratch array, points */
@@ -73,7 +72,7 @@ typedef struct sum_task {
 
 static size_t blocks(int n) { return (size_t)(n + EDA_LANES - 1) / EDA_LANES; }
 
-/* Return an idle scratch array, or a new one if none is idle.  */
+/* Return an idle scratch array, or a new array if none is idle. */
 static eda_lanes *lanes_borrow(sum_task *j) {
   g_mutex_lock(&j->lock);
   eda_lanes *a = j->scratch->len ? g_ptr_array_steal_index_fast(
@@ -102,16 +101,15 @@ static size_t strips(const sum_task *j) {
   return (size_t)(j->reach + STRIP) / STRIP;
 }
 
-/* Bits of the number of a quadrant, for k, l >= 0: LEFT contains the columns
-   -k, BELOW the rows -l. */
+/* Bits of a quadrant's number. LEFT: columns -k; BELOW: rows -l (k, l >= 0). */
 enum { LEFT = 1, BELOW = 2, QUADRANTS = 4 };
 
-/* Transfer function along a row. At point i, the real part is re * at[2 * i]
-   and the imaginary part is im * at[2 * i + 1]. */
+/* Transfer function in a row of a quadrant. At point i, the real part is re *
+   at[2 * i] and the imaginary part im * at[2 * i + 1]. */
 typedef struct factor {
   float re, im; /* 1 or -1 */
   float value[2 * STRIP];
-  const float *at; /* `value` of this or of another quadrant */
+  const float *at; /* `value` of this or another quadrant */
 } factor;
 
 static void strip_transfer(const sum_task *j, size_t kernel, const strip *p,
@@ -126,8 +124,8 @@ static void strip_transfer(const sum_task *j, size_t kernel, const strip *p,
   out->at = out->value;
 }
 
-/* Derive all factors from quadrant 0 of the kernel and of its mirrored kernel.
- */
+/* Derive the factors of all quadrants from quadrant 0 of the kernel and of the
+   mirrored kernel. */
 static void factors_mirror(const sum_task *j, const strip *p, int l,
                            factor t[QUADRANTS]) {
   eda_mirrored m = j->kernels.mirror(j->kernels.self, p->kernel);
@@ -163,14 +161,15 @@ static void find_factors(const sum_task *j, const strip *p, int l,
   else
     for (int q = 0; q < QUADRANTS; q++)
       strip_transfer(j, p->kernel, p, q, l, &t[q]);
-  /* Overwrite a value after the quadrants that use it. */
+  /* In this order, each value is used before it is overwritten. */
   static const int order[QUADRANTS] = {LEFT | BELOW, LEFT, BELOW, 0};
   for (int i = 0; i < QUADRANTS && j->scale != 1; i++)
     factors_scale(j->scale, n, &t[order[i]]);
 }
 
-/* Compute transfer * mask for n blocks; the mask is conjugated if sign is -1.
-   All quadrants have equal products. */
+/* Compute transfer function `t` * mask spectrum `a` for n blocks of columns.
+   sign -1: conjugate `a`; by_re, by_im: signs of the parts of `t`. The signs
+   multiply whole sums, so that rounding is equal in all quadrants. */
 EDA_WIDE static void lanes_multiply(const float *restrict t, float by_re,
                                     float by_im, const float *restrict a,
                                     float sign, int n, eda_lanes *restrict to,
@@ -186,15 +185,15 @@ EDA_WIDE static void lanes_multiply(const float *restrict t, float by_re,
   }
 }
 
-/* Write row l or -l of one side of a strip of the field spectrum; block b of
-   columns is written to to[b * apart]. */
+/* Write row l (or -l) of the columns k (or -k) of a strip. Block b of columns
+   is written to to[b * apart]. */
 static void fill_row(const sum_task *j, const strip *p, int quadrant, int l,
                      const factor *f, eda_lanes *to, size_t apart) {
   const eda_spectrum *m = j->mask;
   int left = quadrant & LEFT, n = MAX(0, p->last - p->first + 1);
   int whole = n / EDA_LANES, rest = n % EDA_LANES;
   float sign = left ? -1 : 1;
-  /* Only one half is stored: a[-k, l] is the conjugate of a[k, -l]. */
+  /* The spectrum stores only k >= 0: a[-k, l] is the conjugate of a[k, -l]. */
   int down = (quadrant == LEFT || quadrant == BELOW) && l;
   size_t row = (size_t)(down ? m->rows - l : l);
   const float *a = m->data + 2 * (row * (size_t)m->columns + (size_t)p->first);
@@ -218,8 +217,8 @@ static void fill_row(const sum_task *j, const strip *p, int quadrant, int l,
   to->im[0] += cimagf(c);
 }
 
-/* Write rows l and -l of a strip; the blocks of columns -k follow those of
-   columns k. */
+/* Write rows l and -l of a strip: first the blocks of columns k, then the
+   blocks of columns -k. */
 static void fill_rows(const sum_task *j, strip *p, int l, eda_lanes *to,
                       size_t apart) {
   const eda_spectrum *m = j->mask;
@@ -237,8 +236,8 @@ static void fill_rows(const sum_task *j, strip *p, int l, eda_lanes *to,
   }
 }
 
-/* Transpose a block of EDA_LANES columns of n rows to blocks of rows, from
-   point `column` on. The rows that pad the last block are set to 0. */
+/* Transpose a block of EDA_LANES columns of n rows to blocks of rows, at points
+   from `column`. Rows that pad the last block are set to 0. */
 static void turn_lines(eda_lanes *from, int n, lines *to, size_t column) {
   memset(from + n, 0, sizeof *from * (blocks(n) * EDA_LANES - (size_t)n));
   for (size_t b = 0; b < blocks(n); b++) {
@@ -283,8 +282,8 @@ EDA_WIDE static void add_square(const eda_lanes *restrict field, float weight,
     sum[i] += weight * (field[i].re * field[i].re + field[i].im * field[i].im);
 }
 
-/* Transform a block of rows of the current group of fields along x and add the
-   squares to the sums. The first field of a sum initialises the sum. */
+/* Transform a block of rows of all fields of the group along x, and add the
+   squares to the sums. The first field of a sum sets the sum to 0 before. */
 static void square_along_x(void *data, size_t block) {
   sum_task *j = data;
   if (opc_cancelled(j->context)) return;
@@ -312,7 +311,7 @@ static void make_fields(sum_task *j, size_t count) {
   size_t n = j->rows * (size_t)j->nx;
   j->left = strips(j) * STRIP;
   size_t each = j->rows * 2 * j->left * sizeof *j->field->at;
-  size_t most = MIN(count, MAX(1, FIELDS_ROOM / each));
+  size_t most = MIN(count, MAX(1, FIELDS_BYTES / each));
   for (j->group_most = 0; j->group_most < MIN(most, TOGETHER);
        j->group_most++) {
     lines *field = &j->field[j->group_most];
@@ -335,12 +334,12 @@ static void add_kernels(sum_task *j) {
   for (size_t i = 0; i < j->group_most; i++) eda_fft_free(j->field[i].at);
 }
 
-/* ---- from the sums to the result ---- */
+/* ---- result from the sums ---- */
 
-/* Compute coefficient k of two blocks of real rows from the transform of the
-   complex block that has them as real and imaginary parts. Exchanging the parts
-   before and after a transform reverses the direction of the transform; the
-   parts of `a`, *first and *second are exchanged. */
+/* Compute coefficient k of two blocks of real rows from the transform `a` of
+   the complex block whose real and imaginary parts are the two blocks. In a,
+   *first and *second, real and imaginary parts are exchanged: this turns the
+   backward transform into a forward transform. */
 EDA_WIDE static void lanes_split(const eda_lanes *a, int n, int k,
                                  eda_lanes *first, eda_lanes *second) {
   const eda_lanes *p = a + k, *q = a + (k ? n - k : 0);
@@ -350,7 +349,8 @@ EDA_WIDE static void lanes_split(const eda_lanes *a, int n, int k,
   second->im = 0.5f * (p->re + q->re);
 }
 
-/* Transform two blocks of rows of each sum along x; keep columns 0 .. top_x. */
+/* Transform two blocks of rows of each sum along x, and store columns 0 ..
+   top_x. */
 static void forth_along_x(void *data, size_t pair) {
   sum_task *j = data;
   if (opc_cancelled(j->context)) return;
@@ -379,9 +379,9 @@ static void forth_along_x(void *data, size_t pair) {
   give_back(j, a);
 }
 
-/* Compute row l of a block of columns of the spectrum of the spline
-   coefficients, from the sum and the filtered residuals. The real and imaginary
-   parts of sums[k][at] are exchanged. */
+/* Compute row l of a block of columns of the spline coefficients' spectrum,
+   from the sum and the filtered residuals. Real and imaginary parts of
+   sums[k][at] are exchanged. */
 static void spline_coefficients(const sum_task *j, int first, int l,
                                 const eda_lanes *const *sums, size_t at,
                                 eda_lanes *to) {
@@ -411,7 +411,7 @@ static void spline_coefficients(const sum_task *j, int first, int l,
   to->im = b * sum.re;
 }
 
-/* Transform a block of columns forward along y, and back on the grid of the
+/* Transform a block of columns forward along y, and backward on the grid of the
    result. */
 static void columns_to_fine(void *data, size_t block) {
   sum_task *j = data;
@@ -437,8 +437,8 @@ static void columns_to_fine(void *data, size_t block) {
   give_back(j, fine);
 }
 
-/* Combine the spectra of two blocks of real rows, k = 0 .. top, into the
-   spectrum of the complex block that has them as real and imaginary parts. */
+/* Combine the spectra (k = 0 .. top) of two blocks of real rows to the spectrum
+   of the complex block whose real and imaginary parts are the two blocks. */
 EDA_WIDE static void lanes_join(const eda_lanes *first, const eda_lanes *second,
                                 int top, int n, eda_lanes *a) {
   memset(a + top + 1, 0, sizeof *a * (size_t)(n - 2 * top - 1));
@@ -449,7 +449,7 @@ EDA_WIDE static void lanes_join(const eda_lanes *first, const eda_lanes *second,
   }
 }
 
-/* Write a block of rows of the result; points[2 * x] is column x. */
+/* Write a block of rows of the result. points[2 * x] is column x. */
 static void write_rows(const sum_task *j, const eda_vector *points,
                        size_t block) {
   size_t n = (size_t)j->fine_x, first = block * EDA_LANES;
@@ -477,7 +477,8 @@ static void back_along_x(void *data, size_t pair) {
   give_back(j, a);
 }
 
-/* Return `scale` times the ratio of coefficients to samples, [0 .. top]. */
+/* Return `scale` times the ratio of spline coefficients to samples at
+   frequencies 0 .. top (free()). */
 static float *over_samples(int top, int n, double scale) {
   float *a = eda_alloc((size_t)top + 1, sizeof *a);
   for (int k = 0; k <= top; k++)
@@ -508,29 +509,34 @@ static void to_spline(sum_task *j) {
 
 /* ---- grids ---- */
 
-/* Estimate the memory of make_fields and to_spline for the smallest case: the
-   intensity has the band of the mask, and each group has one kernel. */
+/* Estimate the memory of eda_mask_spectrum, add_kernels and to_spline, with
+   groups of TOGETHER kernels and an intensity band of 2 / 1.75 of that of the
+   mask, as for a sigma of 0.75. */
 eda_image_size eda_image_forecast(eda_frame f, double band) {
-  double x = f.width * band, y = f.height * band; /* frequencies on one side */
-  double nx = fmax(0.85 * 3, 2) * x, ny = fmax(0.85 * 3, 2) * y;
-  double fine_x = fmin(4 * x, fmax(2 * x, f.width / default_step));
-  double fine_y = fmin(4 * y, fmax(2 * y, f.height / default_step));
+  double x = f.width * band, y = f.height * band; /* frequencies k, l >= 0 */
+  double nx = 2.67 * x, ny = 2.67 * y;            /* field_size */
+  double fine_x = fmax(2.29 * x, f.width / default_step);
+  double fine_y = fmax(2.29 * y, f.height / default_step);
+  double raster = 3.15 * x * 3.15 * y * sizeof(double); /* kept by malloc */
   double spectrum = x * 2 * y * sizeof(float complex);
-  double sums = 2 * nx * ny * sizeof(float);
-  double along_y = 2 * x * ny * sizeof(float complex);
-  double fine = x * fine_y * sizeof(float complex);
+  double sum = nx * ny * sizeof(float);
+  double field = 2 * (x + STRIP) * ny * sizeof(float complex);
+  double group = fmin(TOGETHER * field, fmax(field, FIELDS_BYTES));
   double out = fine_x * fine_y * sizeof(float);
-  return (eda_image_size){nx, ny, spectrum + sums + along_y + fine + out, out};
+  double bytes = raster + spectrum + sum + group + out;
+  return (eda_image_size){nx, ny, bytes, out};
 }
 
-/* Return the number of samples of a field along a side, nm. */
+/* Return the number of field nodes along a side of `side` nm. */
 static int field_size(const eda_kernels *s, double side) {
-  /* The square of a field has twice the band. Frequencies beyond the intensity
-     band must not alias into that band, except the outermost ones: they change
-     the intensity by only 1e-5 of the clear field; the smaller grid saves a
-     quarter of the time. */
+  /* The squared field has twice the band. Frequencies beyond the intensity
+     band must not alias into that band, except the outermost (factor 0.85):
+     they change the intensity by 1e-5 of the clear field, and a smaller grid
+     saves a quarter of the time. */
   double samples = 0.85 * (2 * s->band + s->intensity_band);
-  double whole = 2 * fmax(s->intensity_band, s->band); /* Nyquist rate */
+  double whole =
+      2 * fmax(s->intensity_band,
+               s->band); /* sampling rate without aliasing of the fields */
   return eda_lanes_size(fmax(side * samples, side * whole + 2));
 }
 
@@ -561,10 +567,6 @@ static void choose_grids(sum_task *j, double step) {
                 MAX(n[0], MAX(n[2], n[3]) + EDA_LANES) + 2 * EDA_LANES;
 }
 
-static float complex complex_of(const double a[2]) {
-  return (float)a[0] + (float)a[1] * I;
-}
-
 int eda_coherent_sum(const opc_context *context, const eda_spectrum *mask,
                      const eda_kernels *kernels, double step, eda_field *out,
                      opc_error *error) {
@@ -575,9 +577,8 @@ int eda_coherent_sum(const opc_context *context, const eda_spectrum *mask,
     return opc_fail(error, OPC_INVALID, NULL,
                     "an image needs a kernel, and at most %d residuals",
                     EDA_RESIDUALS);
-  j.offset = complex_of(j.kernels.offset);
-  j.scale = complex_of(j.kernels.scale);
-  if (j.scale == 0) j.scale = 1;
+  j.offset = eda_complex_of(j.kernels.offset);
+  j.scale = eda_scale_of(&j.kernels);
   choose_grids(&j, step > 0 ? step : default_step);
   j.scratch = g_ptr_array_new_with_free_func(eda_fft_free);
   g_mutex_init(&j.lock);

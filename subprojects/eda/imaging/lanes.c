@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Fourier transforms of lanes. A length n is factored into n1 * n2 of about
-   equal size, so that each part fits the first-level cache (D. H. Bailey, J.
-   Supercomputing 4, 1990). The parts use Stockham's algorithm, which needs no
+/* Fourier transforms of lanes. A length n is factored into n1 * n2 of similar
+   size, so that each part fits the first-level cache (D. H. Bailey, J.
+   Supercomputing 4, 1990). Parts use Stockham's algorithm, which needs no
    reordering (C. Van Loan, Computational Frameworks for the FFT, 1.7). */
 #include "imaging/lanes.h"
 
 #include <eda/simd.h>
-#include "imaging/fft.h"
 
 #include <glib.h>
 #include <math.h>
@@ -18,9 +17,9 @@ typedef struct twiddle {
   float re, im;
 } twiddle;
 
-/* Factors of a part, and for each factor the roots exp(2 pi i p j / length), j
-   = 1 .. radix - 1 for p = 0 .., where length is that of the remaining
-   transform. */
+/* Radices of a part. The roots of a stage are exp(2 pi i p j / length) for p =
+   0 .. length / radix - 1 and j = 1 .. radix - 1; `length` is the length of the
+   transform that remains at this stage. */
 typedef struct part {
   int n, stages;
   int radix[MAX_STAGES];
@@ -98,8 +97,9 @@ size_t eda_lanes_capacity(const eda_lanes_plan *plan) {
 
 /* ---- stages ---- */
 
-/* One stage: `length` numbers, each at `step` positions, a stride apart in
-   memory. Number p + length / radix * i becomes number radix * p + j. */
+/* A stage: `length` numbers at each of `step` positions, with strides in
+   memory. Number p + i * length / radix (input) becomes number radix * p + j
+   (output). */
 typedef struct stage {
   int length, step;
   const twiddle *roots;
@@ -114,8 +114,8 @@ typedef struct stage {
     (to)->im = (x_re) * (w).im + (x_im) * (w).re; \
   } while (0)
 
-/* Start the loops over all butterflies of a stage: x[i] are the inputs, y(j)
-   the outputs, w the roots. */
+/* Begin the loops over all butterflies of a stage. x[i * apart]: inputs; y[j *
+   next]: outputs; w: roots. */
 #define BUTTERFLIES(r)                                                       \
   int m = g->length / (r);                                                   \
   for (int p = 0; p < m; p++) {                                              \
@@ -173,7 +173,8 @@ EDA_WIDE static void radix5(const stage *g) {
   BUTTERFLIES(5)
   eda_lanes a = x[0], b = x[apart], c = x[2 * apart], d = x[3 * apart],
             e = x[4 * apart];
-  eda_vector o_re = b.re + e.re, o_im = b.im + e.im; /* outer and inner pair */
+  eda_vector o_re = b.re + e.re,
+             o_im = b.im + e.im; /* o: sum of b and e; i: sum of c and d */
   eda_vector i_re = c.re + d.re, i_im = c.im + d.im;
   eda_vector p_re = b.re - e.re, p_im = b.im - e.im;
   eda_vector q_re = c.re - d.re, q_im = c.im - d.im;
@@ -192,7 +193,7 @@ EDA_WIDE static void radix5(const stage *g) {
   END_BUTTERFLIES
 }
 
-/* Four sums and four rotated differences, each as in radix4. */
+/* Sums and differences of opposite inputs, each processed as in radix4. */
 EDA_WIDE static void radix8(const stage *g) {
   static const float h = 0.70710678118654752f;
   BUTTERFLIES(8)
@@ -213,7 +214,7 @@ EDA_WIDE static void radix8(const stage *g) {
   TIMES(&y[2 * next], w[1], over_re + turn_re, over_im + turn_im);
   TIMES(&y[4 * next], w[3], even_re - odd_re, even_im - odd_im);
   TIMES(&y[6 * next], w[5], over_re - turn_re, over_im - turn_im);
-  /* Multiply the differences by the roots of order 8. */
+  /* Multiply the differences by exp(2 pi i k / 8). */
   eda_vector a_re = h * (d[1].re - d[1].im), a_im = h * (d[1].re + d[1].im);
   eda_vector b_re = h * (-d[3].re - d[3].im), b_im = h * (d[3].re - d[3].im);
   even_re = d[0].re - d[2].im;
@@ -233,7 +234,7 @@ EDA_WIDE static void radix8(const stage *g) {
 
 /* ---- lines ---- */
 
-/* Transform a part from `in` to `out`; `work` holds twice its points. */
+/* Transform a part from `in` to `out`; `work` has capacity for 2 * n points. */
 static void run_part(const part *p, const eda_lanes *in, size_t in_stride,
                      eda_lanes *out, size_t out_stride, eda_lanes *work) {
   void (*const stages[])(const stage *) = {
@@ -280,8 +281,8 @@ void eda_lanes_backward(const eda_lanes_plan *plan, eda_lanes *a,
 
 /* ---- tiles ---- */
 
-/* Points i and i + d become a transposed pair: lanes with bit d are exchanged
-   with lanes without. */
+/* Exchange blocks of d lanes between points i and i + d: KEEP and TAKE are the
+   lanes of the two results. */
 #define KEEP(l, d) ((l) & (d) ? (l) - (d) + EDA_LANES : (l))
 #define TAKE(l, d) ((l) & (d) ? (l) + EDA_LANES : (l) + (d))
 #define SIXTEEN(f, d)                                                     \

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Fourier transforms of EDA_LANES lines at a time. Element i of all lines is
-   one point: a vector of real parts and a vector of imaginary parts. Each
-   operation acts on whole vectors, for any length of lines. Used for sums of
-   coherent kernels; other transforms use FFTW (fft.h). */
+   stored as one point: a vector of real parts and a vector of imaginary parts.
+   Each operation acts on whole vectors, for any length of lines. Used for sums
+   of coherent kernels; other transforms use FFTW (fft.h). */
 #pragma once
 
 #include <stddef.h>
@@ -15,23 +15,23 @@ typedef struct eda_lanes {
   eda_vector re, im;
 } eda_lanes;
 
-/* Return a plan for lines of n numbers, n from eda_lanes_size. Any thread; the
-   plan is valid until the program ends. */
+/* Return a plan for lines of n numbers, n from eda_lanes_size. The plan is
+   valid until the program ends. [any] */
 typedef struct eda_lanes_plan eda_lanes_plan;
 const eda_lanes_plan *eda_lanes_plan_for(int n);
 
-/* Compute sum a[k] exp(+2 pi i k x / n) in place; `work` has
-   eda_lanes_capacity(plan) points. Not normalised. Both arrays come from
-   eda_fft_alloc. Any thread. */
+/* Compute sum a[k] exp(+2 pi i k x / n) in place, not normalised. `work` has
+   eda_lanes_capacity(plan) points. Both arrays must come from eda_fft_alloc.
+   [any] */
 void eda_lanes_backward(const eda_lanes_plan *plan, eda_lanes *a,
                         eda_lanes *work);
 size_t eda_lanes_capacity(const eda_lanes_plan *plan);
 
-/* Transpose: lane j of from[i * from_stride] becomes lane i of to[j *
-   to_stride], for EDA_LANES vectors. Any thread. */
+/* Transpose EDA_LANES vectors: lane j of from[i * from_stride] becomes lane i
+   of to[j * to_stride]. [any] */
 void eda_lanes_turn(const eda_vector *from, size_t from_stride, eda_vector *to,
                     size_t to_stride);
 
-/* Return the smallest even number >= minimum (and >= 16) without prime factors
+/* Return the smallest even number >= max(minimum, 16) without prime factors
    above 5. */
 int eda_lanes_size(double minimum);

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Rasterisation of masks. Each vertex of a rectilinear polygon is a step in x
-   times a step in y. Steps smoothed by a B-spline are stored as their
-   differences, 11 x 11 numbers for each vertex, and summed once at the end. The
-   frame is divided into bands of rows, each of which adds the parts of all
-   polygons within it. */
+/* Rasterisation of masks. Each corner of a rectilinear polygon is a step in x
+   times a step in y, both smoothed by a B-spline. The raster stores the
+   differences of these steps, 11 x 11 numbers for each corner, which are summed
+   once at the end. Threads process bands of rows, to which they add the parts
+   of all polygons. */
 #include "imaging/raster.h"
 
 #include <eda/simd.h>
@@ -17,8 +17,8 @@
 
 enum { BANDS = 16, COLUMNS = 64 };
 
-/* A polygon shifted by whole periods, so that its lower left corner is inside
-   the frame: its origin and its rows. */
+/* Origin of the period that contains the lower left corner of a polygon, nm,
+   and the rows that the polygon affects. */
 typedef struct place {
   double x, y;
   int low, high;
@@ -39,25 +39,25 @@ double eda_raster_transform(double f) {
   return pow(s, EDA_RASTER_DEGREE + 1);
 }
 
-/* ---- laying down ---- */
+/* ---- deposition ---- */
 
-/* A step in x or y: its position in the array, and its differences from
-   there. */
+/* A smoothed step in x or y: position of the first difference in the array, and
+   the differences. */
 typedef struct step {
-  double at; /* in steps from sample 0; NAN: not computed */
+  double at; /* position in grid steps from sample 0; NAN: not computed */
   int first;
   double weight[EDA_STEP_TAPS];
 } step;
 
-/* Compute the differences of a step; each line of a polygon shares them between
-   two corners. */
+/* Compute the differences of a step, unless *s already has them. Successive
+   corners of a polygon share x or y. */
 static void make_step(double at, step *s) {
   if (s->at == at) return;
   s->at = at;
   s->first = eda_spline_step(at, s->weight) + EDA_RASTER_MARGIN;
 }
 
-/* Add n rows of a corner. */
+/* Add n rows of differences of a corner. */
 EDA_WIDE static void add_corner(double *restrict to, size_t columns,
                                 const double *restrict wx,
                                 const double *restrict wy, double sign, int n) {
@@ -67,8 +67,8 @@ EDA_WIDE static void add_corner(double *restrict to, size_t columns,
   }
 }
 
-/* Add a corner at (x, y), in steps from sample (0, 0), to rows low .. high - 1
-   of the array. */
+/* Add a corner at (x, y), in grid steps from sample (0, 0). Only rows low ..
+   high - 1 of the array are changed. */
 static void corner_deposit(const eda_raster *r, double x, double y, double sign,
                            int low, int high, step *in_x, step *in_y) {
   int j = (int)floor(y) - EDA_RASTER_DEGREE / 2 + EDA_RASTER_MARGIN;
@@ -100,9 +100,9 @@ static void lay_polygon(const laying *l, size_t p, int low, int high) {
                          high);
       continue;
     }
-    /* The inside is on the left: an edge upwards closes it, one downwards opens
-       it, from its end to its start. The next edge starts at the y of the end
-       of this one. */
+    /* The interior is on the left. A downward edge adds 1 to its right between
+       its ends; an upward edge subtracts 1. Successive edges share the step in
+       y of their common corner. */
     int other = in_y[0].at == ay;
     corner_deposit(r, ax, by, 1, low, high, &in_x, &in_y[other]);
     corner_deposit(r, ax, ay, -1, low, high, &in_x, &in_y[!other]);
@@ -122,15 +122,15 @@ static void lay_band(void *data, size_t band) {
       lay_polygon(l, p, low, high);
 }
 
-/* Place all polygons; the array has margins beyond the period. */
+/* Set the origins and rows of all polygons, and the size of the array. The
+   array includes margins, because polygons may extend beyond the period. */
 static void place_polygons(laying *l) {
   eda_raster *r = l->raster;
   const eda_shapes *s = l->shapes;
   eda_frame f = l->frame;
   double w = f.width, h = f.height;
   for (size_t p = 0; p < s->count; p++) {
-    eda_box b =
-        eda_bounds(s->points + s->start[p], s->start[p + 1] - s->start[p]);
+    eda_box b = eda_shape_box(s, p);
     place *o = &l->places[p];
     o->x = f.x0 + f.width * floor((b.x0 * l->grid - f.x0) / f.width);
     o->y = f.y0 + f.height * floor((b.y0 * l->grid - f.y0) / f.height);
@@ -158,7 +158,7 @@ void eda_raster_lay(const opc_context *context, const eda_shapes *shapes,
   free(l.places);
 }
 
-/* ---- summing up ---- */
+/* ---- summation ---- */
 
 typedef struct summing {
   eda_raster *raster;
@@ -175,7 +175,7 @@ EDA_WIDE static void add_to_floats(float *restrict to,
   for (int i = 0; i < n; i++) to[i] += (float)from[i];
 }
 
-/* Sum some columns from the first row to the last. */
+/* Sum a block of columns along y. */
 static void sum_columns(void *data, size_t block) {
   const eda_raster *r = ((summing *)data)->raster;
   int x = (int)block * COLUMNS;
@@ -186,8 +186,8 @@ static void sum_columns(void *data, size_t block) {
   }
 }
 
-/* Sum one row of the period: all rows that fold onto it, along x, with the
-   margins folded back. */
+/* Write row y of the period: for all rows of the array that are equal modulo
+   the period, sum along x, and add to the period modulo its width. */
 static void sum_row(void *data, size_t y) {
   const summing *s = data;
   const eda_raster *r = s->raster;

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Rasterisation of slanted edges. The contribution of a slanted edge to a
-   sample is the integral over y of a B-spline of y times a smoothed step at the
-   x of the edge. Between two grid lines the integrand is a polynomial along the
-   edge, of degree EDA_RASTER_DEGREE and one more; EDA_RASTER_DEGREE + 1
-   Gauss-Legendre nodes integrate it exactly. */
+   sample is an integral over y of a B-spline of y times a smoothed step at the
+   x of the edge. Between two grid lines the integrand is a polynomial of degree
+   EDA_RASTER_DEGREE + (EDA_RASTER_DEGREE + 1). Gauss-Legendre quadrature with
+   EDA_RASTER_DEGREE + 1 nodes integrates such a polynomial exactly. */
 #include "imaging/raster.h"
 #include "imaging/spline.h"
 
@@ -12,7 +12,7 @@
 enum { GAUSS = 10, Y_TAPS = EDA_STEP_TAPS - 1 };
 _Static_assert(GAUSS == EDA_RASTER_DEGREE + 1, "nodes that integrate exactly");
 
-/* Nodes above the middle of [-1, 1], and their weights. */
+/* Positive Gauss-Legendre nodes on [-1, 1], and their weights. */
 static const double node[GAUSS / 2] = {0.14887433898163122, 0.43339539412924719,
                                        0.67940956829902441, 0.86506336668898451,
                                        0.97390652851717172};
@@ -20,8 +20,8 @@ static const double gauss[GAUSS / 2] = {
     0.29552422471475287, 0.26926671930999636, 0.21908636251598204,
     0.14945134915058059, 0.06667134430868814};
 
-/* Add the differences in x and y of a part of the edge of height `dy` at (x,
-   y); dy is signed, because an upward edge has the inside on its left. */
+/* Add the differences in x and y of a part of the edge at (x, y). dy is the
+   weighted height of the part, positive for upward edges. */
 static void edge_deposit(const eda_raster *r, double x, double y, double dy,
                          int low, int high) {
   int j = (int)floor(y) - EDA_RASTER_DEGREE / 2 + EDA_RASTER_MARGIN;
@@ -38,13 +38,13 @@ static void edge_deposit(const eda_raster *r, double x, double y, double dy,
   }
 }
 
-/* Return the fraction of an edge, from 0 to 1, at which it crosses grid line
+/* Return the fraction of an edge, 0 to 1, at which the edge crosses grid line
    n. */
 static double grid_crossing(double from, double length, double n) {
   return (n - from) / length;
 }
 
-/* Return the next grid line along the edge. */
+/* Return the next grid line in the direction of the edge. */
 static double next_line(double from, double length) {
   return length > 0 ? floor(from) + 1 : ceil(from) - 1;
 }

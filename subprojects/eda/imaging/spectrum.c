@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Mask spectra: the mask on its raster, transformed along x and, within the
-   band, along y; then divided by the transform of the smoothing. The
-   tenth-order zeros of the smoothing keep aliases below 1e-6 of the clear
-   field. */
+/* Mask spectra. The raster of the mask is transformed along x and, within the
+   band, along y. The result is divided by the transform of the smoothing
+   B-spline. Aliases stay below 1e-6 of the clear field, because this transform
+   has zeros of tenth order. */
 #include "imaging/fft.h"
 #include "imaging/raster.h"
 
@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Samples for each shortest period of the band. */
+/* Samples for each period of the highest frequency in the band. */
 static const double oversampling = 3.1;
 
 enum { MAX_SAMPLES = 1 << 28, LINES = 16 };
@@ -23,7 +23,8 @@ typedef struct spectrum_task {
   int nx, ny;
   float *samples;           /* [y][x] */
   float complex *by_column; /* [y][k], 0 <= k < columns */
-  float *along;             /* 1 / transform of the smoothing along y: [l] */
+  float *along; /* 1 / transform of the smoothing B-spline at frequency l along
+                   y */
 } spectrum_task;
 
 static void forth_along_x(void *data, size_t block) {
@@ -41,7 +42,8 @@ static void forth_along_x(void *data, size_t block) {
   eda_fft_free(half);
 }
 
-/* Transform some columns along y; keep the band and divide by the smoothing. */
+/* Transform a block of columns along y. Store the frequencies within the band,
+   divided by the transform of the smoothing B-spline. */
 static void forth_along_y(void *data, size_t block) {
   spectrum_task *j = data;
   if (opc_cancelled(j->context)) return;
@@ -54,7 +56,8 @@ static void forth_along_y(void *data, size_t block) {
       column[(size_t)c * j->ny + y] =
           j->by_column[(size_t)y * s->columns + k + c];
   eda_fft_run(eda_fft_plan(EDA_FFT_FORWARD, j->ny, lines), column, NULL);
-  int half[LINES] = {0}; /* number of rows of each column within the band */
+  int half[LINES] = {
+      0}; /* highest frequency l of each column within the band */
   float scale[LINES];
   for (int c = 0; c < lines; c++) {
     double fx = (k + c) / s->frame.width;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* B-splines by recurrence; smoothed steps by a table of their powers. */
+/* B-splines by recurrence, and smoothed steps by polynomials. */
 #include "imaging/spline.h"
 
 #include <eda/simd.h>
@@ -7,9 +7,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Compute the nonzero B-splines of degree n at the fraction t of a cell by the
-   recurrence of Cox and de Boor; weight[0] belongs to the spline that ends
-   first. */
+/* Compute the non-zero B-splines of a degree at the fraction t of a cell by the
+   recurrence of Cox and de Boor. weight[0] belongs to the leftmost B-spline. */
 static void recurrence(int degree, double t, double *weight) {
   double factorial = 1;
   for (int d = 2; d <= degree; d++) factorial *= d;
@@ -22,8 +21,8 @@ static void recurrence(int degree, double t, double *weight) {
   }
 }
 
-/* The derivative of a B-spline is the difference of two of the next lower
-   degree. */
+/* The derivative of a B-spline is the difference of two B-splines of the next
+   lower degree. */
 void eda_spline_slopes(double x, double slope[EDA_SPLINE_TAPS]) {
   double below[EDA_SPLINE_TAPS - 1];
   recurrence(4, x - floor(x), below);
@@ -36,7 +35,8 @@ void eda_spline_slopes(double x, double slope[EDA_SPLINE_TAPS]) {
 enum { LANES = 16 };
 typedef double lanes __attribute__((vector_size(LANES * sizeof(double))));
 
-/* B-splines of the degree of steps in a cell, by powers of t, times 10!. */
+/* Coefficients of t^power of the B-splines of degree EDA_STEP_TAPS - 1 in a
+   cell, times 10!: [power][spline]. */
 static const double step_powers[EDA_STEP_TAPS][LANES] = {
     {1, 1013, 47840, 455192, 1310354, 1310354, 455192, 47840, 1013, 1, 0},
     {-10, -5010, -141060, -736260, -679560, 679560, 736260, 141060, 5010, 10,

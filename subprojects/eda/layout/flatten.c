@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Flatten a layer: compute the shapes or texts of the layer in the coordinates
-   of the top cell, either all of them or those that touch a window. For a
-   window, only cells and array members that may touch the window are traversed
-   (reach.c). */
+/* Flattening of a layer: the shapes or texts of the layer in coordinates of the
+   top cell, either all or those that touch a window. For a window, only cells
+   and array members that may touch the window are traversed (reach.c). */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,8 +10,8 @@
 
 #define MAX_SHAPES ((uint64_t)1 << 28)
 /* Limit of traversed placements: STEPS_A_SHAPE for each shape plus STEPS_MORE.
-   A hostile file may nest a thousand cells that only place one other cell each;
-   real layouts nest a few. */
+   A hostile file may have a thousand nested cells of one placement each; real
+   layouts nest a few. */
 #define STEPS_A_SHAPE 8
 #define STEPS_MORE ((uint64_t)1 << 19)
 #define MAX_POINTS ((uint64_t)1 << 30)
@@ -27,17 +26,18 @@
 
 /* ---- output ---- */
 
-/* A placement on the current path. The instances that contain shapes of the
-   layer are useful[first] up to an UINT32_MAX; useful[next] is the current one.
-   In each row of an array, only the members in `columns` are traversed. */
+/* A placement on the current path of the traversal. The instances to traverse
+   are useful[first], useful[first + 1] and so on, up to UINT32_MAX;
+   useful[next] is the current instance. In each row of an array, only members
+   in `columns` are traversed. */
 typedef struct frame {
   transform at;
-  transform child; /* the matrix of the current instance */
-  extent window;   /* window in the coordinates of the cell */
+  transform child; /* transform of the current instance, without translation */
+  extent window;   /* window in coordinates of the cell */
   int32_t cell;
   uint32_t number;
   size_t first, next;
-  bool begun; /* the current instance is started */
+  bool begun; /* traversal of the current instance has begun */
   span rows, columns;
 } frame;
 
@@ -45,21 +45,21 @@ typedef struct flattener {
   const eda_layout *layout;
   int32_t layer;
   double ratio, grid;
-  const eda_box *window; /* NULL: everything */
-  const reach *reach;    /* extents, for a window */
-  /* Numbers of shapes, points and traversed placements of each cell with all
+  const eda_box *window; /* NULL: flatten the whole layer */
+  const reach *reach;    /* extents of cells, if there is a window */
+  /* Numbers of shapes, points and traversed placements in each cell and all
      cells below; not computed for a window. */
   uint64_t *shapes, *points, *steps;
-  uint32_t *useful; /* instances that draw on the layer */
+  uint32_t *useful; /* instances that contain shapes or texts of the layer */
   size_t n_useful, useful_capacity;
-  size_t *first; /* position of each cell in useful */
+  size_t *first; /* index in `useful` of each cell's first instance */
   eda_flat *out;
-  eda_flat_texts *texts; /* NULL: shapes */
+  eda_flat_texts *texts; /* NULL: flatten shapes */
   uint32_t n_shapes, n_points;
   size_t start_capacity, placement_capacity, point_capacity, text_capacity,
       depth_capacity;
-  uint64_t taken; /* traversed placements */
-  double worst2;  /* largest squared displacement, in grid units */
+  uint64_t taken; /* number of traversed placements */
+  double worst2;  /* largest squared displacement by snapping, grid units */
   bool outside, too_many;
 } flattener;
 
@@ -114,8 +114,8 @@ static void put_shape(flattener *f, const frame *at, const sheet *s, size_t i) {
   put_shape_end(f, at->number);
 }
 
-/* Return the number of items of a cell itself: its shapes of the layer, or its
-   texts of all layers. */
+/* Return the number of shapes of the layer in a cell without cells below, or of
+   all texts if texts are flattened. Write the shapes to *s. */
 static size_t own_items(const flattener *f, const cell *c, const sheet **s) {
   *s = f->texts ? NULL : eda_layout_sheet(c, f->layer);
   if (f->texts) return c->n_labels;
@@ -133,27 +133,24 @@ static void put_all(flattener *f, const frame *at, uint32_t depth) {
       put_text(f, at, &c->labels[i], depth);
 }
 
-/* ---- a window ---- */
-
-static int by_number(const void *a, const void *b) {
-  uint32_t p = *(const uint32_t *)a, q = *(const uint32_t *)b;
-  return (p > q) - (p < q);
-}
+/* ---- windows ---- */
 
 static void frame_push(flattener *f, uint32_t i) {
   EDA_PUSH(f->useful, f->n_useful, f->useful_capacity, i);
 }
 
-/* Push the items of an index that touch the window, in their order. */
+/* Push the numbers of items of an index that touch the window, in increasing
+   order. */
 static void push_found(flattener *f, const eda_index *index, extent window) {
   size_t from = f->n_useful;
   eda_finder finder = eda_index_find(index, extent_box(window));
   for (uint32_t i; eda_index_next(&finder, &i);) frame_push(f, i);
   if (f->n_useful > from)
-    qsort(f->useful + from, f->n_useful - from, sizeof *f->useful, by_number);
+    qsort(f->useful + from, f->n_useful - from, sizeof *f->useful,
+          eda_uint32s_rise);
 }
 
-/* List the instances that may touch the window. */
+/* List the instances that may touch the window in `useful`. */
 static void list_instances(flattener *f, frame *at) {
   const cell *c = &f->layout->cells[at->cell];
   at->first = at->next = f->n_useful;
@@ -166,8 +163,8 @@ static void list_instances(flattener *f, frame *at) {
   frame_push(f, UINT32_MAX);
 }
 
-/* Reserve memory for another shape of n points. Return false if there are too
-   many. */
+/* Reserve memory for a shape of n points. Return false if there are too many
+   shapes or points. */
 static bool flattener_reserve(flattener *f, size_t n) {
   eda_flat *out = f->out;
   size_t points = f->n_points + n, shapes = (size_t)f->n_shapes + 1;
@@ -187,14 +184,13 @@ static bool flattener_reserve(flattener *f, size_t n) {
   return true;
 }
 
-/* Remove the last shape if it does not touch the window after snapping to the
-   grid. */
+/* Remove the last shape if the shape, snapped to the grid, does not touch the
+   window. */
 static void keep_touching(flattener *f, const flattener *before, size_t moved) {
-  if (f->outside) return; /* an error at any place */
+  if (f->outside) return; /* flattener_run reports the error */
   const eda_point *p = f->out->shapes.points + before->n_points;
   eda_box b = eda_bounds(p, f->n_points - before->n_points);
-  const eda_box *w = f->window;
-  if (b.x0 <= w->x1 && w->x0 <= b.x1 && b.y0 <= w->y1 && w->y0 <= b.y1) return;
+  if (eda_boxes_touch(b, *f->window)) return;
   f->n_shapes = before->n_shapes;
   f->n_points = before->n_points;
   f->worst2 = before->worst2;
@@ -238,17 +234,17 @@ static void put_window(flattener *f, const frame *at, uint32_t depth) {
   f->n_useful = from;
 }
 
-/* Return whether fewer placements were traversed than allowed for the shapes
-   found so far. */
+/* Count a traversed placement. Return false if the limit for the shapes found
+   so far is exceeded. */
 static bool flattener_bounded(flattener *f) {
   if (++f->taken > (uint64_t)f->n_shapes * STEPS_A_SHAPE + STEPS_MORE)
     f->too_many = true;
   return !f->too_many;
 }
 
-/* ---- all that there is ---- */
+/* ---- whole layer ---- */
 
-/* Count the shapes and points of a cell itself. */
+/* Count the shapes and points of a cell without cells below. */
 static void count_own(const flattener *f, const cell *c, uint64_t *shapes,
                       uint64_t *points) {
   const sheet *s;
@@ -258,8 +254,8 @@ static void count_own(const flattener *f, const cell *c, uint64_t *shapes,
     *points = *shapes -= c->labels[i].layer != f->layer;
 }
 
-/* Count the shapes and points of every cell with all cells below, and list the
-   instances that contain any. */
+/* Count the shapes and points of each cell with all cells below. List the
+   instances that contain shapes or texts. */
 static void flattener_count(flattener *f) {
   size_t n_useful = 0;
   for (size_t k = 0; k < f->layout->n_cells; k++) {
@@ -312,14 +308,14 @@ static int flattener_allocate(flattener *f, int32_t top, opc_error *error) {
   return OPC_OK;
 }
 
-/* ---- down the hierarchy ---- */
+/* ---- traversal ---- */
 
 static frame frame_enter(flattener *f, int32_t to, uint32_t number,
                          const transform *at) {
   frame down = {.at = *at, .cell = to, .number = number};
   if (f->window) {
-    /* Half a unit for the displacement by the grid, half a unit for rounding
-       errors. */
+    /* Enlarge the window by half a grid unit for snapping and half a unit for
+       rounding errors. */
     const eda_box *w = f->window;
     extent e = {(w->x0 - 1.0) / f->ratio, (w->y0 - 1.0) / f->ratio,
                 (w->x1 + 1.0) / f->ratio, (w->y1 + 1.0) / f->ratio};
@@ -331,7 +327,8 @@ static frame frame_enter(flattener *f, int32_t to, uint32_t number,
   return down;
 }
 
-/* Start the traversal of the wanted members of an instance. */
+/* Begin the traversal of the members of an instance that may touch the
+   window. */
 static void frame_begin(const flattener *f, frame *up, const instance *in) {
   const eda_placement *p = &in->placement;
   up->begun = true;
@@ -342,8 +339,8 @@ static void frame_begin(const flattener *f, frame *up, const instance *in) {
                  : (span){0, p->rows};
 }
 
-/* Advance to the next wanted member, located at columns.from and rows.from - 1.
-   Return false after the last one. */
+/* Advance to the next member, at column columns.from and row rows.from - 1.
+   Return false after the last member. */
 static bool next_member(flattener *f, frame *up, const instance *in) {
   const eda_placement *p = &in->placement;
   while (up->columns.from == up->columns.to) {
@@ -357,8 +354,9 @@ static bool next_member(flattener *f, frame *up, const instance *in) {
   return !f->window || flattener_bounded(f);
 }
 
-/* Advance to the next member of the current or a later instance, and write its
-   frame. Return false at the end of the placement. */
+/* Advance to the next member of the current instance or to the first member of
+   a later instance. Write the member's frame to *down. Return false if no
+   member remains. */
 static bool next_child(flattener *f, frame *up, frame *down) {
   const cell *c = &f->layout->cells[up->cell];
   for (uint32_t i; (i = f->useful[up->next]) != UINT32_MAX; up->next++) {
@@ -423,8 +421,8 @@ static void flattener_clear(flattener *f) {
   free(f->useful);
 }
 
-/* Count and allocate everything; for a window, memory grows during the
-   traversal. */
+/* Whole layer: count shapes and points, and allocate memory. Window: memory
+   grows during the traversal. */
 static int flattener_prepare(flattener *f, int32_t top, opc_error *error) {
   if (!f->window) {
     count_all(f);
@@ -451,7 +449,7 @@ static int flattener_run(flattener *f, int32_t top, opc_error *error) {
   if (f->outside)
     return opc_fail(error, OPC_INVALID, NULL, BEYOND, cell_name, layer_name,
                     f->grid);
-  if (!f->n_shapes) eda_flat_clear(f->out); /* the last shape was removed */
+  if (!f->n_shapes) eda_flat_clear(f->out); /* all found shapes were removed */
   f->out->shapes.count = f->n_shapes;
   f->out->vertices = f->n_points;
   f->out->worst = sqrt(f->worst2) * f->grid;

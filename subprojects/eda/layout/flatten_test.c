@@ -59,8 +59,8 @@ static int assert_refused(fixture *f, const char *top, const char *why) {
   return code;
 }
 
-/* A flag of three points in all eight orientations, computed by hand; two
-   levels must equal one. */
+/* A polygon of three points in all eight orientations, computed by hand.
+   Placement through two levels must equal direct placement. */
 static void test_orientations(void) {
   const eda_point flag[] = {{1, 0}, {4, 0}, {1, 2}};
   const eda_point wanted[8][3] = {
@@ -148,9 +148,9 @@ static void test_any_angle(void) {
   tear_down(&f);
 }
 
-/* 0.13 nm is no binary number: 1450 of them are 188.5 nm, 188.49999999999997 or
-   188.50000000000003, depending on the computation. Halves are rounded up, and
-   lengths are equal at every place. */
+/* 0.13 nm has no exact binary representation. Depending on the computation,
+   1450 units are 188.5 nm, 188.49999999999997 or 188.50000000000003. Halves
+   must be rounded up, and equal lengths must be equal at every position. */
 static void test_halves(void) {
   fixture f;
   set_up(&f, 0.13);
@@ -176,8 +176,8 @@ static void test_halves(void) {
   tear_down(&f);
 }
 
-/* Units of hundredths of nm, compared with integer arithmetic; as doubles some
-   halves are slightly too small and others slightly too large. */
+/* Units of hundredths of nm, compared with integer arithmetic. As doubles, some
+   halves are slightly too small, others slightly too large. */
 static void test_hundredths(void) {
   static const int units[] = {7, 13, 14, 29, 35, 57, 58, 115};
   for (size_t k = 0; k < G_N_ELEMENTS(units); k++) {
@@ -293,8 +293,8 @@ static void random_cells(fixture *f, GRand *rand) {
   }
 }
 
-/* Check that the text at the corner of every shape is flattened to that
-   corner. */
+/* Check that the text at the corner of each shape is flattened to the same
+   point as the corner. */
 static void check_texts(fixture *f, const eda_flat *shapes) {
   opc_error e;
   eda_flat_texts t;
@@ -351,7 +351,7 @@ static void test_against_recursion(void) {
   g_rand_free(rand);
 }
 
-/* Cells with texts only; a scale, a magnification; no texts. */
+/* Cells with texts only; a scale and a magnification; a layer without texts. */
 static void test_texts(void) {
   fixture f;
   opc_error e;

@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Construction of layouts and access to the contents of their cells. */
+/* Construction of layouts, and access to the contents of cells. */
 #include "layout/layout.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Cells with more sheets use a hash table to find them. */
+/* Cells with more sheets have a hash table from layer to sheet. */
 enum { FEW_SHEETS = 16 };
 
 static int too_many(const char *what, opc_error *error) {
   return opc_fail(error, OPC_FAILED, NULL, "the layout has too many %s", what);
 }
 
-/* ---- life ---- */
+/* ---- creation and release ---- */
 
 eda_layout *eda_layout_new(double unit, opc_error *error) {
   if (!(unit > 0) || !isfinite(unit)) {
@@ -81,7 +81,7 @@ static int32_t number_find(GHashTable *numbers, const char *name) {
   return GPOINTER_TO_INT(g_hash_table_lookup(numbers, name)) - 1;
 }
 
-/* Register the last of n names. Return its number. */
+/* Register the n-th name. Return the number n - 1. */
 static int32_t keep_number(GHashTable *numbers, char *name, size_t n) {
   g_hash_table_insert(numbers, name, GSIZE_TO_POINTER(n));
   return (int32_t)n - 1;
@@ -147,8 +147,8 @@ static int layout_check(const eda_layout *layout, int32_t number, int32_t layer,
   return OPC_OK;
 }
 
-/* Return the offset of a string copied into the layout; 0 if the strings are
-   full. */
+/* Copy a string into the layout. Return the offset of the copy; 0 if the
+   strings exceed 4 GB. */
 static uint32_t keep_string(eda_layout *layout, const char *text) {
   size_t n = strlen(text) + 1, start = MAX(layout->n_strings, 1);
   if (start + n > UINT32_MAX) return 0;
@@ -213,17 +213,10 @@ int eda_layout_add_box(eda_layout *layout, int32_t number, int32_t layer,
   return OPC_OK;
 }
 
-static bool is_box(const eda_point *p, size_t n) {
-  return n == 4 && ((p[0].x == p[1].x && p[1].y == p[2].y && p[2].x == p[3].x &&
-                     p[3].y == p[0].y) ||
-                    (p[0].y == p[1].y && p[1].x == p[2].x && p[2].y == p[3].y &&
-                     p[3].x == p[0].x));
-}
-
 int eda_layout_add_polygon(eda_layout *layout, int32_t number, int32_t layer,
                            const eda_point *points, size_t n,
                            opc_error *error) {
-  if (is_box(points, n)) {
+  if (eda_is_box(points, n)) {
     const eda_point *a = &points[0], *b = &points[2];
     eda_box box = {MIN(a->x, b->x), MIN(a->y, b->y), MAX(a->x, b->x),
                    MAX(a->y, b->y)};
@@ -293,7 +286,7 @@ int eda_layout_add_instance(eda_layout *layout, int32_t number, int32_t child,
   return OPC_OK;
 }
 
-/* ---- getters ---- */
+/* ---- queries ---- */
 
 double eda_layout_unit(const eda_layout *layout) { return layout->unit; }
 
@@ -336,7 +329,9 @@ const eda_point *eda_layout_polygon(const eda_layout *layout, int32_t number,
   static __thread eda_point corners[4];
   number_polygons(layout);
   const cell *c = &layout->cells[number];
-  size_t low = 0, high = c->n_sheets; /* find the last sheet with first <= i */
+  size_t low = 0,
+         high =
+             c->n_sheets; /* find the last sheet whose first polygon is <= i */
   while (high - low > 1) {
     size_t middle = low + (high - low) / 2;
     if (c->sheets[middle].first <= i)
@@ -388,9 +383,9 @@ const char *eda_layout_instance(const eda_layout *layout, int32_t number,
   return in->name ? layout->strings + in->name : NULL;
 }
 
-/* ---- dropping cells ---- */
+/* ---- removal of cells ---- */
 
-/* Mark `top` and all cells below. */
+/* Set marked[] of `top` and of all cells below. */
 static void mark_below(const eda_layout *layout, int32_t top, uint8_t *marked) {
   int32_t *todo = eda_alloc(layout->n_cells, sizeof *todo);
   size_t n = 0;

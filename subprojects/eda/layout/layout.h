@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Representation of a layout; for the files of this folder only.
+/* Internal representation of a layout.
 
    The shapes of a cell are stored in sheets, one for each layer. A small box is
-   stored as a corner and a size (12 bytes), another box as two corners (16
-   bytes), another polygon as points. No shape has an allocation of its own. */
+   stored as a corner and a size (12 bytes), a larger box as two corners (16
+   bytes), any other polygon as points. Shapes are not allocated
+   individually. */
 #pragma once
 
 #include <eda/layout.h>
@@ -11,58 +12,61 @@
 #include <glib.h>
 #include <stdbool.h>
 
-/* A box of at most UINT16_MAX in each direction. */
+/* A box of at most UINT16_MAX units in each direction. */
 typedef struct small_box {
   int32_t x, y;
   uint16_t width, height;
 } small_box;
 
-/* Shapes of one cell on one layer, in this order. */
+/* Shapes of one cell on one layer: small boxes, larger boxes, then polygons. */
 typedef struct sheet {
   int32_t layer;
   small_box *small;
   size_t n_small, capacity_small;
   eda_box *boxes;
   size_t n_boxes, capacity_boxes;
-  uint32_t *end; /* polygon i ends before points[end[i]] */
+  uint32_t *end; /* polygon i consists of the points before points[end[i]] */
   size_t n_polygons, capacity_polygons;
   eda_point *points;
   size_t n_points, capacity_points;
-  size_t first; /* number of its first polygon in the cell; see `numbered` */
+  size_t first; /* number of the sheet's first polygon in the cell; valid if
+                   `numbered` */
 } sheet;
 
 typedef struct label {
   eda_point at;
   int32_t layer;
-  uint32_t text; /* offset in the strings of the layout */
+  uint32_t text; /* offset in eda_layout.strings */
 } label;
 
 typedef struct instance {
   eda_placement placement;
   int32_t child;
-  uint32_t name; /* offset in the strings of the layout, 0 for none */
+  uint32_t name; /* offset in eda_layout.strings; 0: no name */
 } instance;
 
 typedef struct cell {
   char *name;
   sheet *sheets;
   size_t n_sheets, capacity_sheets, last_sheet;
-  GHashTable *sheet_of; /* layer to index + 1; NULL for few sheets */
+  GHashTable
+      *sheet_of; /* layer to sheet index + 1; NULL if the cell has few sheets */
   label *labels;
   size_t n_labels, capacity_labels;
   instance *instances;
   size_t n_instances, capacity_instances;
-  size_t polygons; /* valid if numbered */
+  size_t polygons; /* number of polygons; valid if `numbered` */
 
-  /* Valid if ordered. placements: of the cell and all cells below, at most
-     EDA_MANY; 0 if none has shapes. before[i]: number of the first placement of
-     instance i. */
+  /* Valid if `ordered`. placements: number of placements of the cell and all
+     cells below, at most EDA_MANY; 0 if there are no shapes and texts.
+     before[i]: number of the first placement of instance i. */
   uint64_t placements;
   uint32_t *before;
-  bool circular; /* contains itself */
+  bool
+      circular; /* 1: the cell places itself, directly or through other cells */
 } cell;
 
-/* More placements than 32 bits can number. */
+/* Limit of counted placements: one more than 32 bits can represent. */
 #define EDA_MANY ((uint64_t)UINT32_MAX + 1)
 
 struct eda_layout {
@@ -72,19 +76,22 @@ struct eda_layout {
   char **layers;
   size_t n_layers, capacity_layers;
   GHashTable *cell_of, *layer_of; /* name to number + 1 */
-  GHashTable *file_layer;         /* layer to its name in the file */
+  GHashTable *file_layer;         /* layer number to name in the file */
   char *strings;
   size_t n_strings, capacity_strings;
 
-  /* Computed on first request after a change, under the lock. */
+  /* Members below are computed on the first request after a change, under the
+     lock. */
   GMutex lock;
   int numbered, ordered; /* atomic */
-  int32_t *order;        /* children before parents; valid if ordered */
-  /* Extents by layer (reach.h): [0] of shapes, [1] of texts; NULL: none yet. */
+  int32_t
+      *order; /* cell numbers, children before parents; valid if `ordered` */
+  /* extents by layer (reach.h), of shapes [0] and texts [1]; NULL: not
+     computed */
   GHashTable *reach[2];
 };
 
-/* Return the number of boxes of a sheet; small boxes come first. */
+/* Return the number of boxes of a sheet, small boxes first. */
 static inline size_t sheet_boxes(const sheet *s) {
   return s->n_small + s->n_boxes;
 }
@@ -95,7 +102,7 @@ static inline eda_box sheet_box(const sheet *s, size_t i) {
   return (eda_box){b->x, b->y, b->x + b->width, b->y + b->height};
 }
 
-/* Return the number of members of an array. */
+/* Return the number of members of an array instance. */
 static inline uint64_t members(const instance *in) {
   return (uint64_t)in->placement.columns * in->placement.rows;
 }
@@ -108,14 +115,15 @@ static inline uint64_t add_product(uint64_t a, uint64_t b, uint64_t c,
   return MIN(a + product, limit);
 }
 
-/* Compute the fields that `ordered` marks as valid. [any] */
+/* Compute the members that are valid if `ordered`. [any] */
 void eda_layout_order(const eda_layout *layout);
 
-/* Return the sheet of a cell for a layer, NULL if none exists. */
+/* Return the sheet of a layer in a cell; NULL if the cell has no shapes on the
+   layer. */
 sheet *eda_layout_sheet(const cell *c, int32_t layer);
 
-/* Compute the outline of a path (outline.c), one polygon in an array that the
-   caller frees; *n = 0 and *outline = NULL if the path covers no area. */
+/* Compute the outline of a path (outline.c): one polygon (free()). If the path
+   covers no area, *n_outline = 0 and *outline = NULL. */
 int eda_path_outline(const eda_point *points, size_t n, int32_t width, int ends,
                      int32_t begin, int32_t end, eda_point **outline,
                      size_t *n_outline, opc_error *error);

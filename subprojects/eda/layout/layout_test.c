@@ -48,7 +48,7 @@ static void assert_polygon(const eda_layout *layout, int32_t cell, size_t i,
   g_assert_cmpmem(p, count * sizeof *p, points, n * sizeof *p);
 }
 
-/* Boxes precede the other polygons of their layer and have four points. */
+/* Boxes precede the polygons of their layer and have four points. */
 static void test_shapes(void) {
   opc_error e;
   eda_layout *layout = new_layout();
@@ -172,7 +172,7 @@ static void test_top(void) {
   eda_layout_free(layout);
 }
 
-/* A message lists as many top cells as fit and counts the others. */
+/* A message lists the top cells that fit, and the number of further cells. */
 static void test_many_tops(void) {
   enum { MANY = 200 };
   opc_error e;

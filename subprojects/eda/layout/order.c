@@ -1,16 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The order of the cells, the number and the path of each placement, the top
-   cell.
+/* Order of the cells, numbers and paths of placements, and the top cell.
 
-   Placements are numbered depth first: a cell before the cells it places,
-   instances in their order, array members row by row. Cells without any shape
-   below them are not counted, so they take no time. */
+   Placements are numbered depth first: a cell before the cells in it, instances
+   in their order, array members row by row. Cells that contain no shape or
+   text, including all cells below, have no number and take no time. */
 #include <stdlib.h>
 #include <string.h>
 
 #include "layout/layout.h"
 
-/* ---- order of the cells, numbers of the placements ---- */
+/* ---- order of cells, numbers of placements ---- */
 
 static uint64_t cell_drawn(const cell *c) {
   uint64_t n = c->n_labels;
@@ -19,7 +18,7 @@ static uint64_t cell_drawn(const cell *c) {
   return n;
 }
 
-/* Count the placements of a cell after all cells below. */
+/* Number the placements in a cell whose child cells are already numbered. */
 static void number_placements(eda_layout *layout, cell *c) {
   uint64_t next = 1;
   for (size_t i = 0; i < c->n_instances; i++) {
@@ -33,13 +32,13 @@ static void number_placements(eda_layout *layout, cell *c) {
 
 typedef struct visit {
   int32_t cell;
-  size_t next; /* next instance */
+  size_t next; /* index of the next instance */
 } visit;
 
 enum { NEW = 0, OPEN = 1, DONE = 2 };
 
-/* Visit the cells below `root` depth first with an explicit stack. A placement
-   of an open cell is circular. */
+/* Visit the cells below `root` depth first with an explicit stack. A cell is
+   circular if it places an open cell or a circular cell. */
 static void order_below(eda_layout *layout, int32_t root, uint8_t *state,
                         visit *stack, size_t *done) {
   size_t depth = 0;
@@ -94,9 +93,9 @@ void eda_layout_order(const eda_layout *layout) {
   g_mutex_unlock(&writable->lock);
 }
 
-/* ---- the top cell ---- */
+/* ---- top cell ---- */
 
-/* Append the names of the cells that `wanted` marks, as many as fit in a
+/* Append the names of the cells marked in `wanted`, limited to the length of a
    message. */
 static void list_cells(const eda_layout *layout, const uint8_t *wanted,
                        GString *out) {
@@ -153,8 +152,8 @@ int32_t eda_layout_top(const eda_layout *layout, opc_error *error) {
 
 /* ---- paths ---- */
 
-/* Return the instance of a cell that contains its placement p > 0: the last one
-   whose first placement is at most p. */
+/* Return the instance that contains placement p > 0 of a cell: the last
+   instance whose first placement is at most p. */
 static size_t instance_with(const cell *c, uint32_t p) {
   size_t low = 0, high = c->n_instances;
   while (high - low > 1) {

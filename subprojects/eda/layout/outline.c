@@ -1,37 +1,37 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The outline of a path.
+/* Outline of a path.
 
-   The path is traversed forth and back, and each traversal draws its right
-   side. The result is the union of a rectangle for each segment and a wedge at
-   each outer corner. Its winding number is at least 1 inside the path and 0
-   elsewhere, even if the path crosses itself. An inner corner is mitred only
-   where the mitre is inside both segments, and passes through the point of the
-   path otherwise. */
+   The path is traversed forwards and backwards, and each traversal adds the
+   right side of the path. The result is the union of a rectangle for each
+   segment and a wedge at each outer corner. The winding number is at least 1
+   inside the path and 0 elsewhere, even if the path crosses itself. An inner
+   corner is mitred only if the mitre is inside both segments; otherwise the
+   outline passes through the point of the path. */
 #include <math.h>
 #include <stdlib.h>
 
 #include "layout/layout.h"
 
-enum { ARC = 16 }; /* sides of a round end */
+enum { ARC = 16 }; /* edges of a semicircular end */
 
 typedef struct vector {
   double x, y;
 } vector;
 
-/* A traversal of a path. */
+/* One traversal of a path. */
 typedef struct outline_pass {
   const vector *points;
   size_t n;
-  double half;        /* half of the width */
-  double first, last; /* extensions beyond both ends */
-  bool round;         /* last end is round */
-  bool back;          /* backwards */
+  double half;        /* half of the path width */
+  double first, last; /* extension beyond the first and last point */
+  bool round;         /* the last end is round */
+  bool back;          /* backward traversal */
 } outline_pass;
 
 typedef struct outline {
   eda_point *points;
   size_t n;
-  bool outside; /* a coordinate exceeded its range */
+  bool outside; /* 1: a coordinate exceeds 32 bits */
 } outline;
 
 static void outline_put(outline *out, double x, double y) {
@@ -44,7 +44,7 @@ static void outline_put(outline *out, double x, double y) {
   out->points[out->n++] = (eda_point){(int32_t)x, (int32_t)y};
 }
 
-/* Add the point at + along * d + half * (normal of d to the right). */
+/* Add the point at + along * d + half * (unit normal of d to the right). */
 static void put_beside(outline *out, vector at, vector d, double along,
                        double half) {
   outline_put(out, at.x + along * d.x + half * d.y,
@@ -56,12 +56,14 @@ static vector segment_direction(vector a, vector b, double *length) {
   return (vector){(b.x - a.x) / *length, (b.y - a.y) / *length};
 }
 
-/* Add the right side of a corner between segments of the directions d and e. */
+/* Add the right side of a corner at `at` between segments of directions d and
+   e. `shorter` is the length of the shorter segment. */
 static void put_corner(outline *out, const outline_pass *w, vector at, vector d,
                        vector e, double shorter) {
   double h = w->half;
   double cross = d.x * e.y - d.y * e.x, dot = d.x * e.x + d.y * e.y;
-  double mitre = h * fabs(cross) / (1 + dot); /* h tan(turn / 2); may be inf */
+  double mitre =
+      h * fabs(cross) / (1 + dot); /* h tan(turn / 2); may be infinite */
   if (cross > 0 || (cross == 0 && !w->back)) {
     if (dot > -1e-9) {
       put_beside(out, at, d, mitre, h);
@@ -96,7 +98,8 @@ static void put_outline_pass(outline *out, const outline_pass *w) {
                w->half * cos(G_PI * i / ARC));
 }
 
-/* Copy the points without repeated and collinear ones. Return their number. */
+/* Copy the points except repeated points and points within straight lines.
+   Return the number of copied points. */
 static size_t points_clean(const eda_point *points, size_t n, vector *out) {
   size_t m = 0;
   for (size_t i = 0; i < n; i++) {
@@ -120,8 +123,8 @@ static void points_reverse(vector *points, size_t n) {
   }
 }
 
-/* Compute how far both ends extend; an end is shortened by at most its segment.
-   Return false if the path vanishes. */
+/* Compute the extensions of both ends. A negative extension is limited to the
+   length of the segment. Return false if nothing of the path remains. */
 static bool path_reach(const vector *points, size_t n, double half, int ends,
                        double *begin, double *end) {
   if (ends == 0 || ends == 1) *begin = *end = 0;
@@ -134,7 +137,7 @@ static bool path_reach(const vector *points, size_t n, double half, int ends,
   return n > 2 || first + *begin + *end > 0;
 }
 
-/* Add the outline of a path of one point, taken as parallel to x. */
+/* Add the outline of a path of one point, as a path parallel to x. */
 static void put_dot(outline *out, vector at, double half, int ends,
                     double begin, double end) {
   if (ends == 1) {

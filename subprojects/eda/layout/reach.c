@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Extents of cells and of their instances, children first, with an index for
-   cells that have many items. */
+/* Extents of a layer in cells and instances, computed from children to parents.
+   Cells with many items have a spatial index. */
 #include "layout/reach.h"
 
 #include <stdlib.h>
 
-/* Up to this number of items, a linear search is faster than an index. */
+/* Up to this number of items, a linear search replaces the index. */
 enum { FEW = 32 };
 
 static const extent nothing = {INFINITY, INFINITY, -INFINITY, -INFINITY};
@@ -30,7 +30,8 @@ eda_box extent_box(extent e) {
                    coordinate(ceil(e.x1)), coordinate(ceil(e.y1))};
 }
 
-extent extent_through(const transform *t, extent e) {
+/* Return the bounding box of e after the transform. */
+static extent extent_through(const transform *t, extent e) {
   if (extent_empty(e)) return nothing;
   extent out = nothing;
   for (int k = 0; k < 4; k++) {
@@ -85,8 +86,8 @@ extent extent_of_shape(const sheet *s, size_t i) {
 
 /* ---- arrays ---- */
 
-/* Return those k of `in` for which k * step is within [low, high]. Values that
-   are not finite count as within. */
+/* Return the numbers k in `in` with low <= k * step <= high, to within
+   rounding. Infinite limits restrict nothing. */
 static span steps_within(span in, double step, double low, double high) {
   if (step == 0) return low <= 0 && high >= 0 ? in : (span){0, 0};
   double a = low / step, b = high / step;
@@ -106,8 +107,8 @@ span extent_columns(const eda_placement *p, extent first, extent window,
                       window.y1 - first.y0 - y);
 }
 
-/* Restrict the rows by each direction alone, and for slanted arrays by the
-   lines along the columns that meet the window. */
+/* Restrict the rows by x and by y separately. For slanted arrays, also require
+   that the line through the members of a row meets the window. */
 span extent_rows(const eda_placement *p, extent first, extent window) {
   double last = p->columns - 1.0;
   double ux = last > 0 ? p->column_step.x : 0;
@@ -129,6 +130,13 @@ span extent_rows(const eda_placement *p, extent first, extent window) {
 
 /* ---- cells ---- */
 
+/* Index the boxes of n items (NULL: few), and free them. */
+static eda_index *reach_index(eda_box *boxes, size_t n) {
+  eda_index *index = boxes ? eda_index_new(boxes, n, 0) : NULL;
+  free(boxes);
+  return index;
+}
+
 static void reach_shapes(reach *r, const cell *c, int32_t layer, size_t k) {
   const sheet *s = eda_layout_sheet(c, layer);
   if (!s) return;
@@ -139,8 +147,7 @@ static void reach_shapes(reach *r, const cell *c, int32_t layer, size_t k) {
     extent_add(&r->below[k], e);
     if (boxes) boxes[i] = extent_box(e);
   }
-  if (boxes) r->own[k] = eda_index_new(boxes, n, 0);
-  free(boxes);
+  r->own[k] = reach_index(boxes, n);
 }
 
 static void reach_texts(reach *r, const cell *c, int32_t layer, size_t k) {
@@ -153,8 +160,7 @@ static void reach_texts(reach *r, const cell *c, int32_t layer, size_t k) {
     extent_add(&r->below[k], e);
     if (boxes) boxes[i] = extent_box(e);
   }
-  if (boxes) r->own[k] = eda_index_new(boxes, n, 0);
-  free(boxes);
+  r->own[k] = reach_index(boxes, n);
 }
 
 static void reach_instances(reach *r, const cell *c, size_t k) {
@@ -165,11 +171,10 @@ static void reach_instances(reach *r, const cell *c, size_t k) {
     extent_add(&r->below[k], e);
     if (boxes) boxes[i] = extent_box(e);
   }
-  if (boxes) r->instances[k] = eda_index_new(boxes, n, 0);
-  free(boxes);
+  r->instances[k] = reach_index(boxes, n);
 }
 
-/* ---- life ---- */
+/* ---- computation and release ---- */
 
 typedef struct kept {
   reach of;
@@ -196,7 +201,7 @@ static kept *reach_make(const eda_layout *layout, int32_t layer, bool texts) {
   return x;
 }
 
-void eda_reach_free(void *object) {
+static void reach_free(void *object) {
   kept *x = object;
   for (size_t i = 0; i < x->cells; i++) {
     eda_index_free(x->of.own[i]);
@@ -215,7 +220,7 @@ const reach *eda_layout_reach(const eda_layout *layout, int32_t layer,
   GHashTable **all = &writable->reach[texts];
   eda_layout_order(layout);
   g_mutex_lock(&writable->lock);
-  if (!*all) *all = g_hash_table_new_full(NULL, NULL, NULL, eda_reach_free);
+  if (!*all) *all = g_hash_table_new_full(NULL, NULL, NULL, reach_free);
   kept *x = g_hash_table_lookup(*all, key);
   if (!x) {
     x = reach_make(layout, layer, texts);

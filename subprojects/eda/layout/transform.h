@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Transforms of placements. */
+/* Geometric transforms of placements. */
 #pragma once
 
 #include <eda/layout.h>
@@ -7,13 +7,14 @@
 #include <math.h>
 
 /* (x, y) -> (xx x + xy y + dx, yx x + yy y + dy). For rotations by right angles
-   all numbers are integers far below 2^53, and so exact. */
+   and magnification 1, all numbers are integers far below 2^53, so results are
+   exact. */
 typedef struct transform {
   double xx, xy, yx, yy, dx, dy;
 } transform;
 
-/* Compute the cosine and sine of `angle` degrees; exact for right angles, also
-   those with the rounding error of a division. */
+/* Compute cosine and sine of `angle` (degrees). The result is exact within 1e-9
+   degrees of a right angle. */
 static inline void rotation_of(double angle, double *cosine, double *sine) {
   static const double right[4][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
   double quarters = nearbyint(angle / 90);
@@ -37,7 +38,8 @@ static inline transform transform_of(const eda_placement *p) {
   return (transform){c, -s * flip, s, c * flip, 0, 0};
 }
 
-/* Return `in`, translated by (x, y), followed by `out`. */
+/* Return the transform that applies `in`, translates by (x, y), then applies
+   `out`. */
 static inline transform transform_compose(const transform *out,
                                           const transform *in, double x,
                                           double y) {

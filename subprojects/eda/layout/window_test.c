@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Windows of layouts, compared with a selection of all shapes; the number of
-   traversed placements; refusals. */
+/* Windows of layouts, compared with a selection from all shapes; the number of
+   traversed placements; refused windows. */
 #include <eda/layout.h>
 #include <glib.h>
 #include <stdbool.h>
@@ -114,9 +114,9 @@ static bool shape_same(const eda_flat *all, size_t i, const eda_flat *part,
                  points * sizeof(eda_point));
 }
 
-/* Check that the window returns the shapes selected from all shapes, in order.
-   At arbitrary angles, shapes that touch by their bounding box only may be
-   missing. */
+/* Check that the window has the shapes selected from all shapes, in order. At
+   arbitrary angles, shapes whose bounding box touches the window, but not the
+   shape itself, may be missing. */
 static void assert_selection(const eda_flat *all, const eda_flat *part,
                              eda_box w, bool right) {
   size_t n = 0;
@@ -200,8 +200,8 @@ static void test_against_all(void) {
   g_rand_free(rand);
 }
 
-/* Find the few of 10^12 shapes of a square of 10^6 x 10^6 that touch a window;
-   refuse impossible windows. */
+/* A window finds the few of 10^12 shapes (an array of 10^6 x 10^6) that touch
+   the window; impossible windows are refused. */
 static void test_large(void) {
   opc_error e;
   eda_layout *layout = eda_layout_new(1, &e);
@@ -270,8 +270,8 @@ static void test_none_below(void) {
   eda_layout_free(layout);
 }
 
-/* Deep hierarchies, very large arrays in one place, and infinite extents: a
-   result or a refusal in short time. */
+/* Deep hierarchies, very large arrays at one position, and infinite extents
+   yield a result or an error within a short time. */
 static void test_hostile(void) {
   opc_error e;
   eda_layout *layout = eda_layout_new(1, &e);

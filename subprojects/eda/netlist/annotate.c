@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* SPICE netlists with the printed sizes of transistors (thesis 3.3.3). The
-   transistor line has the length effective for the current, the DLC of its
-   model that effective for the capacitance. */
+/* SPICE netlists with the printed sizes of transistors (thesis, section 3.3.3).
+   A transistor line has the effective length for the current. The DLC of the
+   model card corrects the length for the gate capacitance. */
 #include <eda/netlist.h>
 
 #include <math.h>
@@ -9,10 +9,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Step of DLC, 0.01 nm, so that transistors share cards: 0.02 % of the gate
-   capacitance at 65 nm. */
+/* Step to which DLC is rounded, nm, so that transistors share model cards. The
+   step changes the gate capacitance by 0.02 % at a length of 65 nm. */
 #define DLC_STEP 0.01
-#define LONGEST_DLC 1e4 /* nm */
+#define LONGEST_DLC 1e4 /* nm; larger values are rejected */
 
 /* ---- text ---- */
 
@@ -22,7 +22,7 @@ typedef struct writer {
   FILE *out;
 } writer;
 
-/* Write a path with dots, like paths in the simulator. */
+/* Write a path with '.' instead of '/', as in simulators. */
 static void put_name(writer *w, const char *name) {
   for (; *name; name++) fputc(*name == '/' ? '.' : *name, w->out);
 }
@@ -36,7 +36,7 @@ static void put_net(writer *w, uint32_t net) {
 
 typedef struct sizes {
   double length, width; /* nm */
-  long dlc;             /* difference from the DLC of the card, in steps */
+  long dlc;             /* DLC minus the DLC of the model card, in DLC_STEP */
 } sizes;
 
 static int device_refuse(const eda_annotation *a, const eda_device *d,
@@ -49,8 +49,8 @@ static int device_refuse(const eda_annotation *a, const eda_device *d,
       what);
 }
 
-/* Return the drawn size: that of the netlist, with the width divided among
-   fingers as in the layout. */
+/* Return the drawn size of a finger: the length in the netlist, and the share
+   of the netlist's width in proportion to the finger's width in the layout. */
 static sizes drawn_size(const eda_gates *g, const eda_device *d,
                         uint32_t gate) {
   double sum = 0;
@@ -58,8 +58,9 @@ static sizes drawn_size(const eda_gates *g, const eda_device *d,
   return (sizes){d->length, d->width * (g->width[gate] / sum), 0};
 }
 
-/* Compute equation 3.12, the length effective for the capacitance, and 3.11,
-   whose LINT is in the card. */
+/* Set the printed size of a gate. The average length is gate area / width
+   (thesis, equation 3.12). DLC increases by (leq_ion - average length) / 2
+   (equation 3.11; LINT is part of the card's DLC). */
 static int printed_size(const eda_annotation *a, const eda_device *d,
                         uint32_t gate, sizes *s, opc_error *error) {
   const eda_mask *m = a->mask;
@@ -79,7 +80,8 @@ static int printed_size(const eda_annotation *a, const eda_device *d,
   return OPC_OK;
 }
 
-/* Return the sizes of all fingers, device by device; NULL if one is unknown. */
+/* Return the sizes of all fingers of all devices in order (free()). If a size
+   is unknown, set *error and return NULL. */
 static sizes *all_sizes(const eda_annotation *a, opc_error *error) {
   const eda_circuit *c = a->circuit;
   size_t n = 0, at = 0;
@@ -100,8 +102,8 @@ static sizes *all_sizes(const eda_annotation *a, opc_error *error) {
 
 /* ---- models ---- */
 
-/* Write "nmos", "nmos_dlc12" or "nmos_dlcm7": the card with DLC increased by
-   that number of steps. */
+/* Write a model name: "nmos", "nmos_dlc12" (DLC 12 steps larger) or
+   "nmos_dlcm7" (7 steps smaller). */
 static void put_model_name(writer *w, const eda_device *d, long dlc) {
   const char *name = w->a->model[d->type];
   if (!name) name = d->model ? d->model : d->type == EDA_PMOS ? "pmos" : "nmos";
@@ -123,7 +125,7 @@ static int by_number(const void *a, const void *b) {
   return (p > q) - (p < q);
 }
 
-/* Write a card for each DLC that occurs. */
+/* Write a model card for each DLC that occurs. */
 static void put_models(writer *w, int type, const sizes *all) {
   const eda_circuit *c = w->a->circuit;
   size_t n = 0, at = 0;
@@ -139,7 +141,8 @@ static void put_models(writer *w, int type, const sizes *all) {
 
 /* ---- the netlist ---- */
 
-/* Write M1, or XM1 if the model is a subcircuit. */
+/* Write a device name that begins with M, or with X if the model is a
+   subcircuit. */
 static void put_device_name(writer *w, const char *name) {
   int letter = name[0] & ~32;
   if (w->a->subcircuits)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Reader of .model cards. Checks that a change of DLC affects nothing but the
-   gate capacitance. */
+/* Reader of .model cards for netlists with changed DLC. Rejects cards in which
+   DLC would change more than the gate capacitance. */
 #include "netlist/lines.h"
 
 #include <errno.h>
@@ -20,7 +20,9 @@ static int equals_at(const line *l, size_t i) {
   return i < l->words && is_equals(&l->word[i]);
 }
 
-/* Read a parameter; dlc and lint are used, others are kept as text. */
+/* Read a parameter. DLC sets out->dlc (nm); LINT sets out->dlc if the card has
+   no DLC. Store all parameters except DLC as text. has[0]: LEVEL found; has[1]:
+   DLC found. */
 static int card_take_parameter(card_reader *r, const word *key,
                                const word *value, int *has) {
   eda_card *m = r->out;
@@ -37,7 +39,7 @@ static int card_take_parameter(card_reader *r, const word *key,
       return lines_refuse(&r->lines, value->at, "'%.100s' is too large",
                           value->text);
   }
-  /* Only BSIM3 and BSIM4 have DLC. */
+  /* Only BSIM3 (8, 49) and BSIM4 (14, 54) have DLC. */
   if (is_level && number != 8 && number != 49 && number != 14 && number != 54)
     return lines_refuse(
         &r->lines, value->at,
@@ -52,8 +54,8 @@ static int card_take_parameter(card_reader *r, const word *key,
   return OPC_OK;
 }
 
-/* Return whether a parameter is a number; *out is its value or the default of
-   the model. */
+/* Write the value of a parameter, or `preset` if the card does not have the
+   parameter, to *out. Return 0 if the text is not a number. */
 static int number_of(const eda_card *m, const char *key, double preset,
                      double *out) {
   *out = preset;
@@ -71,8 +73,8 @@ static int has_key(const eda_card *m, const char *key) {
   return 0;
 }
 
-/* Return F/m^2 with the constants of the model; 0 if there is no simple
-   formula. */
+/* Return the oxide capacitance of the model, F/m^2; 0 if the card does not
+   determine the capacitance by a simple formula. */
 static double oxide_capacitance(const eda_card *m, double level) {
   double tox, epsrox, mtrlmod;
   if (level == 8 || level == 49)
@@ -85,8 +87,9 @@ static double oxide_capacitance(const eda_card *m, double level) {
   return epsrox * 8.85418e-12 / tox;
 }
 
-/* A model without CGSO and CGDO derives them from XJ, but from DLC if its card
-   has a DLC. Writing both explicitly preserves their values. */
+/* Add CGSO and CGDO to a card that lacks them. The simulator would compute the
+   two overlap capacitances from DLC if the card has a DLC, otherwise from XJ.
+   Explicit values do not change with DLC. */
 static int keep_overlaps(card_reader *r, const line *l, int has_dlc) {
   static const char *const names[2][2] = {{"cgso", "cgsl"}, {"cgdo", "cgdl"}};
   eda_card *m = r->out;
@@ -126,7 +129,7 @@ static int read_model(card_reader *r, const line *l) {
                         "model '%.100s' is not of the type %s", l->word[1].text,
                         r->kind);
   *m = (eda_card){.name = l->word[1].text, .kind = l->word[2].text};
-  /* Two more may be added. */
+  /* Capacity for CGSO and CGDO, which may be added. */
   m->key = eda_pool_alloc(r->lines.pool, l->words + 2, sizeof *m->key);
   m->value = eda_pool_alloc(r->lines.pool, l->words + 2, sizeof *m->value);
   for (size_t i = 3; i < l->words; i += 3) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The data kind "circuit": creation, check, release. */
+/* Creation, check and release of circuits (data kind "circuit"). */
 #include <eda/circuit.h>
 
 #include <math.h>
@@ -33,7 +33,8 @@ int eda_circuit_role(const eda_circuit *circuit, uint32_t net) {
   return -1;
 }
 
-/* Return the fault of a device, NULL for none. `taken` marks the used gates. */
+/* Return a description of the fault of a device, or NULL. Count the use of each
+   gate in `taken`. */
 static const char *fault_of(const eda_circuit *c, const eda_device *d,
                             uint8_t *taken) {
   if (d->drain >= c->nets || d->gate >= c->nets || d->source >= c->nets ||

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Expansion of a subcircuit to all transistors in and below it. */
+/* Expansion of a subcircuit hierarchy to a flat list of transistors. */
 #include "netlist/lines.h"
 
 #include <math.h>
@@ -33,7 +33,7 @@ int64_t eda_netlist_find(eda_netlist *n, const char *name) {
 
 /* ---- nodes ---- */
 
-/* Return the number of a node in a subcircuit. */
+/* Return the number of the node `name` in a subcircuit; add the node if new. */
 static uint32_t node_of(eda_netlist *n, eda_subcircuit *s, eda_names *known,
                         const char *name) {
   uint32_t *at = eda_names_add(known, name);
@@ -60,7 +60,7 @@ static int number_nodes(eda_netlist *n, eda_subcircuit *s) {
   return OPC_OK;
 }
 
-/* ---- calls ---- */
+/* ---- subcircuit instances ---- */
 
 static int has_setting(const eda_element *e, const char *name) {
   for (size_t i = 0; i < e->settings; i++)
@@ -68,9 +68,8 @@ static int has_setting(const eda_element *e, const char *name) {
   return 0;
 }
 
-/* Return whether an element is a transistor that a foundry kit wraps in a
-   subcircuit: X d g s b MODEL w= l=. The file has no subcircuit of that
-   name. */
+/* Return whether an X element without a subcircuit in the file is a transistor
+   of a foundry kit: X d g s b MODEL w= l=. */
 static int is_wrapped(const eda_element *e) {
   return e->nodes == 4 && has_setting(e, "w") && has_setting(e, "l");
 }
@@ -135,12 +134,12 @@ int eda_netlist_prepare(eda_netlist *n, uint32_t top) {
 typedef struct flattener {
   eda_netlist *n;
   eda_flat_netlist *out;
-  uint32_t *global; /* net of each .global, UINT32_MAX: none yet */
-  uint32_t ground;  /* net "0", UINT32_MAX: none yet */
+  uint32_t *global; /* net of each .global node; UINT32_MAX: not yet created */
+  uint32_t ground;  /* net of node "0"; UINT32_MAX: not yet created */
 } flattener;
 
-/* Look up a size or multiple by name; *value stays unchanged if it is not
-   set. */
+/* Read the value of a size or multiplier, which must be above 0. If the element
+   does not set `name`, *value is unchanged. */
 static int look_up(eda_netlist *n, const eda_scope *in, const eda_element *e,
                    const char *name, double *value) {
   for (size_t i = 0; i < e->settings; i++) {
@@ -154,7 +153,8 @@ static int look_up(eda_netlist *n, const eda_scope *in, const eda_element *e,
   return OPC_OK;
 }
 
-/* Look up a whole number of fingers or multiples; 1 if not set. */
+/* Read a whole number of fingers or multiples, 1 by default. Set *given if the
+   element sets `name`. */
 static int look_up_count(eda_netlist *n, const eda_scope *in,
                          const eda_element *e, const char *name, double *value,
                          int *given) {
@@ -196,7 +196,7 @@ static uint32_t new_net(flattener *w, const char *path, const char *name) {
   return (uint32_t)f->nets++;
 }
 
-/* Return the net of node k of a subcircuit, which is no port. */
+/* Return the net of node k, which is not a port, in a subcircuit. */
 static uint32_t inner_net(flattener *w, const eda_subcircuit *s, size_t k,
                           const char *path) {
   const char *name = s->node[k];
@@ -227,9 +227,9 @@ static int add_device(flattener *w, const eda_scope *in, const eda_element *e,
   return size_device(w->n, in, e, multiple, d);
 }
 
-/* Expand the elements of a subcircuit whose ports are the nets `port`.
-   Subcircuits without transistors are skipped, because only the number of
-   devices is limited. */
+/* Expand the elements of a subcircuit; `port` lists the nets of its ports
+   (NULL: top). Skip subcircuits without transistors: only the number of
+   transistors is limited, so empty subcircuits could take unlimited time. */
 static int go_down(flattener *w, const eda_scope *in, const char *path,
                    double multiple, const uint32_t *port) {
   const eda_subcircuit *s = in->of;
@@ -257,8 +257,8 @@ static int go_down(flattener *w, const eda_scope *in, const char *path,
   return OPC_OK;
 }
 
-/* Ports are the first nodes, and therefore the first nets, unless they are
-   global. */
+/* List the ports of the top cell, then the used .global nets that are not
+   ports. Fail if two nets have the same name. */
 static int list_ports(flattener *w, const eda_subcircuit *s) {
   const eda_netlist *n = w->n;
   eda_flat_netlist *out = w->out;

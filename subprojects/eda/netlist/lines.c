@@ -13,9 +13,10 @@
 #include <strings.h>
 #include <sys/stat.h>
 
-/* Largest depth and number of included files; a library has tens. */
+/* Largest nesting depth and number of included files; process libraries have
+   tens. */
 enum { MAX_INCLUDES = 16, MAX_FILES = 10000 };
-/* Largest total size of all files. */
+/* Largest total size of all files, bytes. */
 #define MAX_BYTES ((size_t)1 << 28)
 
 int lines_refuse(const lines *s, eda_place at, const char *format, ...) {
@@ -36,12 +37,13 @@ int is_equals(const word *w) {
   return !w->quoted && w->text[0] == '=' && w->text[1] == '\0';
 }
 
-/* Return whether a character separates words without a meaning of its own. */
+/* Return whether a character only separates words. */
 static int is_gap(char c) {
   return is_blank(c) || c == ',' || c == '(' || c == ')';
 }
 
-/* Parse "x=250.5 y=400 nm" in a comment. Other comments are ignored. */
+/* Parse a position such as "x=250.5 y=400 nm" in a comment. Ignore other
+   comments. */
 static void read_position(const char *s, const char *end, line *l) {
   double at[2] = {NAN, NAN};
   for (; s + 2 < end; s++) {
@@ -68,7 +70,7 @@ static int add_word(lines *r, line *l, const char *text, size_t length,
   eda_pool_grow(r->pool, &l->word, &l->capacity, l->words + 1, sizeof *l->word);
   for (size_t i = 0; i < length; i++) {
     unsigned char c = (unsigned char)text[i];
-    /* File names may contain any letters. */
+    /* Quoted file names may contain any letters. */
     if (quoted && (c == '\t' || c > 127)) continue;
     if (c < 32 || c > 126)
       return lines_refuse(r, at, "byte 0x%02x in a word", c);
@@ -78,8 +80,8 @@ static int add_word(lines *r, line *l, const char *text, size_t length,
   return OPC_OK;
 }
 
-/* Append a text with tabs and carriage returns replaced by blanks, without
-   trailing blanks. */
+/* Append a text without trailing blanks; write tabs and carriage returns as
+   blanks. */
 static void keep_text(lines *r, line *l, const char *from, const char *end) {
   while (end > from && is_blank(end[-1])) end--;
   const char *joint = l->length ? "\n+ " : "";
@@ -94,7 +96,8 @@ static void keep_text(lines *r, line *l, const char *from, const char *end) {
   l->length += joined + n;
 }
 
-/* Split one line of the file, from `from` up to `end`, into words. */
+/* Split a line of the file (`from` to `end`) into words. `begin` is the first
+   byte of the line, for columns in messages. */
 static int line_split(lines *r, line *l, const char *from, const char *end,
                       uint32_t file, uint32_t number, const char *begin) {
   const char *s = from;
@@ -143,8 +146,8 @@ static char *read_whole(lines *r, const char *path, size_t *length) {
     opc_fail(r->error, OPC_IO, NULL, "'%.300s': is not a regular file", path);
   else if (r->bytes + (size_t)about.st_size > MAX_BYTES)
     opc_fail(r->error, OPC_IO, NULL,
-             "'%.300s': larger than %zu MB, alone or with those before it",
-             path, MAX_BYTES >> 20);
+             "'%.300s': this file and the files before it exceed %zu MB", path,
+             MAX_BYTES >> 20);
   else if (r->files == MAX_FILES)
     opc_fail(r->error, OPC_IO, NULL, "'%.300s': more than %d files", path,
              MAX_FILES);
@@ -171,13 +174,14 @@ static int read_lines(lines *r, const char *text, size_t length,
     const char *begin = s, *stop = memchr(s, '\n', (size_t)(end - s));
     if (!stop) stop = end;
     while (s < stop && is_blank(*s)) s++;
-    /* Comments may separate a line and its continuation. */
+    /* Comments may precede a continuation line. The first line of the first
+       file is a title, unless a '.' begins the line. */
     int title = number == 1 && file == 0 && s < stop && *s != '.';
     if (s < stop && *s != '*' && !title) {
       if (*s == '+') {
         eda_place at = {file, number, (uint32_t)(s - begin) + 1};
         if (!l.words)
-          code = lines_refuse(r, at, "'+' continues nothing");
+          code = lines_refuse(r, at, "'+' has no statement to continue");
         else
           code = line_split(r, &l, s + 1, stop, file, number, begin);
       } else {

@@ -7,51 +7,52 @@
 typedef struct word {
   const char *text;
   eda_place at;
-  int quoted; /* quoted: an expression */
+  int quoted; /* 1: an expression or file name within quotes or braces */
 } word;
 
 typedef struct line {
   size_t words, capacity;
   word *word;
   size_t length, text_capacity;
-  char *text;  /* original text without comments; "\n+ " between continued
-                  parts */
-  double x, y; /* position in a comment, nm; or NAN */
+  char *text; /* original text without comments; "\n+ " joins continuation lines
+               */
+  double x, y; /* position from a comment, nm; NAN: none */
 } line;
 
 typedef struct eda_lines {
   opc_error *error;
   eda_pool *pool;
-  /* Callback for each line that is not empty, and its data. */
+  /* Function called for each non-empty line, and its argument. */
   int (*take)(void *data, const line *l);
   void *data;
 
   size_t files, capacity;
   const char **file;
-  int ended; /* set by `take` after .end */
-  int depth; /* depth of .include */
+  int ended; /* set by `take` at .end; stops reading */
+  int depth; /* current nesting depth of .include */
   size_t bytes;
-  int wraps; /* whether a continuation line may close a '{' */
-  /* Real path, ending with '/', of the folder that must contain included files;
-     NULL: no restriction. */
+  int wraps; /* 1: a '{' may be closed in a continuation line */
+  /* Real path of the folder that must contain all included files, ending with
+     '/'. NULL: no restriction. */
   const char *root;
 } lines;
 
-/* Read a file, or a text, and call `take` for each line. Return an OPC_*
-   code. */
+/* Read a file or a text, and call `take` for each line. Return OPC_OK, or an
+   error code and lines.error. */
 int lines_read(lines *s, const char *path);
 int lines_read_text(lines *s, const char *name, const char *text,
                     size_t length);
 
-/* Return the folder of a file as a root; NULL if the folder does not exist. */
+/* Return the real path of the folder of a file, for `root`; NULL if the file
+   does not exist. */
 const char *lines_folder(eda_pool *pool, const char *path);
 
-/* Return whether a line is .include or .inc; or execute it: read another file,
-   relative to that of the line. */
+/* lines_is_include: return whether a line is .include or .inc. lines_include:
+   read the included file, relative to the folder of the including file. */
 int lines_is_include(const line *l);
 int lines_include(lines *s, const line *l);
 
-/* Return OPC_INVALID with "FILE:LINE:COLUMN: MESSAGE" for a place. */
+/* Set "FILE:LINE:COLUMN: MESSAGE" as the error, and return OPC_INVALID. */
 int lines_refuse(const lines *s, eda_place at, const char *format, ...)
     OPC_PRINTF(3, 4);
 
@@ -65,11 +66,12 @@ int is_equals(const word *w);
 int netlist_value(const eda_netlist *n, const eda_scope *in,
                   const eda_assignment *s, double *out);
 
-/* Parse a plain SPICE number ("0.21u", "1meg"). Return the end of the number,
-   NULL without a number. */
+/* Parse a plain SPICE number such as "0.21u" or "1meg". Return the first byte
+   after the number and unit; NULL if the text does not begin with a number. */
 const char *netlist_number(const char *text, double *out);
 
 /* ---- parse.c ---- */
 
-/* Return EDA_NMOS or EDA_PMOS, -1 if unknown. */
+/* Return the transistor type of a model, EDA_NMOS or EDA_PMOS; -1 if
+   unknown. */
 int netlist_type(const eda_netlist *n, const char *model);

@@ -176,7 +176,7 @@ static int deck_flatten(eda_netlist *n, const char *text, eda_flat_netlist *f) {
   return code;
 }
 
-/* Each expression is a width, scaled to some 100 nm. */
+/* Each expression is the width of a transistor, scaled to about 100 nm. */
 static void test_expressions(void) {
   enum { MANY = 400 };
   GRand *rand = g_rand_new_with_seed(8);

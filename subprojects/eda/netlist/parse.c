@@ -1,21 +1,21 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Parser of lines into subcircuits and their elements. */
+/* Parser of netlist lines: subcircuits, elements and control statements. */
 #include "netlist/lines.h"
 
 #include <ctype.h>
 #include <string.h>
 #include <strings.h>
 
-/* ---- pieces of a line ---- */
+/* ---- parts of a line ---- */
 
-/* Return the number of words before the first NAME=VALUE. */
+/* Return the number of words before the first NAME=VALUE pair. */
 static size_t plain_words(const line *l) {
   for (size_t i = 0; i < l->words; i++)
     if (is_equals(&l->word[i])) return i ? i - 1 : 0;
   return l->words;
 }
 
-/* Read NAME = VALUE NAME = VALUE ... from word `from` on. */
+/* Read NAME=VALUE pairs from word `from` to the end of the line. */
 static int read_settings(eda_netlist *n, const line *l, size_t from,
                          eda_assignment **out, size_t *count) {
   size_t capacity = 0;
@@ -43,7 +43,8 @@ static const char **words_names(eda_netlist *n, const word *w, size_t count) {
 
 /* ---- elements ---- */
 
-/* The flow decides, otherwise a .model card, otherwise the name. */
+/* Order of precedence: model lists of the flow, .model cards, known parts of
+   names, first letter of the name. */
 int netlist_type(const eda_netlist *n, const char *model) {
   static const struct {
     const char *part;
@@ -83,7 +84,7 @@ static int read_element(eda_netlist *n, eda_subcircuit *s, const line *l) {
     return lines_refuse(
         n->lines, l->word[0].at, "'%.100s' must have %s, followed by a name",
         l->word[0].text, is_transistor ? "four nodes" : "its nodes");
-  /* CDL: X1 a b / NAME */
+  /* CDL notation: X1 a b / NAME */
   const word *last = &l->word[plain - 1];
   if (!is_transistor && nodes && !strcmp(last[-1].text, "/")) nodes--;
   e->name = l->word[0].text;
@@ -99,7 +100,7 @@ static int read_element(eda_netlist *n, eda_subcircuit *s, const line *l) {
   return is_transistor ? fill_transistor(n, e) : OPC_OK;
 }
 
-/* ---- cards ---- */
+/* ---- control statements ---- */
 
 static int begin_subcircuit(eda_netlist *n, const line *l) {
   size_t plain = plain_words(l);
@@ -143,7 +144,7 @@ static int read_parameters(eda_netlist *n, const line *l) {
   size_t count = 0;
   if (read_settings(n, l, 1, &list, &count)) return n->error->code;
   for (size_t i = 0; i < count; i++) {
-    /* The last setting applies. */
+    /* The last definition of a parameter applies. */
     *eda_names_add(&n->setting_of, list[i].name) = (uint32_t)n->settings;
     eda_pool_grow(&n->pool, &n->setting, &n->capacity_settings, n->settings + 1,
                   sizeof *n->setting);
@@ -152,7 +153,8 @@ static int read_parameters(eda_netlist *n, const line *l) {
   return OPC_OK;
 }
 
-/* Read .option scale=1e-6; other options do not affect connections. */
+/* Read .option scale (m per unit of W and L). Ignore other options, which do
+   not affect connections. */
 static int read_options(eda_netlist *n, const line *l) {
   for (size_t i = 1; i + 2 < l->words; i++) {
     if (strcasecmp(l->word[i].text, "scale") || !is_equals(&l->word[i + 1]))
@@ -229,7 +231,7 @@ static int take_line(void *data, const line *l) {
   if (n->current == UINT32_MAX) return OPC_OK;
   if (letter == 'm' || letter == 'x')
     return read_element(n, &n->subcircuit[n->current], l);
-  /* Capacitors and diodes connect no nets. */
+  /* Ignore capacitors and diodes. */
   if (letter != 'c' && letter != 'd')
     return lines_refuse(n->lines, first->at,
                         "'%.100s' is neither a transistor nor a subcircuit's "

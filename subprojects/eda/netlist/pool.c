@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Memory pools: blocks from which objects are allocated in sequence. Maps of
-   names: hash tables freed with their pool. */
+/* Memory pools: objects are allocated in sequence within blocks. Name maps:
+   hash tables that are freed with their pool. */
 #include <eda/pool.h>
 
 #include <glib.h>
@@ -20,7 +20,7 @@ static size_t size_aligned(size_t n) { return (n + ALIGN - 1) / ALIGN * ALIGN; }
 
 void *eda_pool_alloc(eda_pool *pool, size_t count, size_t size) {
   size_t bytes, head = size_aligned(sizeof(eda_pool_block));
-  /* An allocation of this size fails, and eda_alloc ends the program. */
+  /* eda_alloc ends the program for an allocation of this size. */
   if (__builtin_mul_overflow(count, size, &bytes) || bytes > SIZE_MAX / 4)
     bytes = SIZE_MAX / 4;
   bytes = size_aligned(bytes + !bytes);

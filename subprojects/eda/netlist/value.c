@@ -8,8 +8,8 @@
 #include <string.h>
 #include <strings.h>
 
-/* Largest number of steps and depth of an expression with all its
-   parameters. */
+/* Largest number of evaluation steps, and largest nesting depth, of an
+   expression including the parameters in the expression. */
 enum { MAX_STEPS = 10000, MAX_DEPTH = 64 };
 
 /* ---- numbers ---- */
@@ -35,28 +35,26 @@ const char *netlist_number(const char *text, double *out) {
   if (*s == '0' && (s[1] == 'x' || s[1] == 'X')) return NULL;
   char *end;
   *out = strtod(text, &end) * unit_suffix(end);
-  while (isalpha((unsigned char)*end))
-    end++; /* the remaining letters are the
-              unit */
+  while (isalpha((unsigned char)*end)) end++; /* skip the unit */
   return end;
 }
 
 /* ---- expressions ---- */
 
-/* An expression. A fault is recorded in `code`, and the remaining text is
-   parsed without effect. */
+/* Reader of an expression. After a fault, `code` is set and the remaining text
+   has no effect. */
 typedef struct reader {
   const eda_netlist *n;
   const eda_scope *in;
   const eda_assignment *whole;
   const char *s;
-  int *steps; /* shared with the expressions of its parameters */
+  int *steps; /* shared with readers of the parameters */
   int depth, code;
 } reader;
 
 static double parse_sum(reader *r);
 
-/* Record a fault; the first one is reported. */
+/* Report a fault, unless the reader has already reported one. Return 0. */
 static double value_refuse(reader *r, const char *what) {
   if (!r->code)
     r->code = lines_refuse(r->n->lines, r->whole->at, "%s in '%.200s'", what,
@@ -82,9 +80,9 @@ static const eda_assignment *find_assignment(const eda_assignment *s, size_t n,
   return NULL;
 }
 
-/* Return the value of a name: set by the call, otherwise by the subcircuit,
-   otherwise by .param. Values of a call are evaluated in the scope of the
-   call. */
+/* Return the value of a parameter. The order of precedence is: the instance,
+   the defaults of the subcircuit, .param. Values of an instance are evaluated
+   in the scope that contains the instance. */
 static double parameter_value(reader *r, const char *name) {
   const eda_scope *in = r->in, *meant = in ? in->caller : NULL;
   const eda_assignment *s = NULL;

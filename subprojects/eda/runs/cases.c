@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The runs of an experiment: the rows of its table. */
+/* Runs of an experiment, read from the table experiment.csv. */
 #include <glib.h>
 #include <math.h>
 #include <string.h>
@@ -25,7 +25,7 @@ int eda_run_is_experiment(const char *folder) {
   return g_file_test(path, G_FILE_TEST_IS_REGULAR);
 }
 
-/* Return whether a path stays below its start. */
+/* Return whether a relative path stays within its folder. */
 static gboolean is_inside(const char *path) {
   g_auto(GStrv) parts = g_strsplit(path, "/", -1);
   return !g_path_is_absolute(path) &&
@@ -44,7 +44,8 @@ static int read_row(eda_run_cases *c, const char *folder, const int at[COLUMNS],
   if (!is_inside(cell[FOLDER]))
     return eda_table_fail(t, row, (size_t)at[FOLDER],
                           "path outside of the folder:", error);
-  /* The separator occurs in no field. */
+  /* CSV fields do not contain the separator "
+     \r". */
   if (!g_hash_table_add(seen,
                         g_strdup_printf("%s\n\r%s", cell[CASE], cell[METHOD])))
     return eda_table_fail(t, row, (size_t)at[METHOD],

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Joins the transistor tables of two runs, and sums changes by cell. */
+/* Pairs of equal transistors in the tables of two runs, and changes of their
+   figures, summed by cell. */
 #include "runs/changes.h"
 
 #include <math.h>
@@ -8,15 +9,16 @@
 static const char *const columns[FIGURES] = {"ion_after", "ioff_after",
                                              "area_after"};
 
-/* Return the number in a cell, NAN if the column is missing. */
+/* Return the number in a table cell; NAN if the column is missing or not
+   numeric. */
 static double number_of(eda_table *table, const char *column, size_t row) {
   int i = eda_table_find(table, column);
   const double *numbers = i < 0 ? NULL : eda_table_numbers(table, (size_t)i);
   return numbers ? numbers[row] : NAN;
 }
 
-/* Return whether drawn length and width are equal, where both tables have
-   them. */
+/* Return whether transistor i has equal drawn length and width in both tables;
+   sizes that a table lacks are ignored. */
 static int is_drawn_equal(const transistors *t, size_t i) {
   static const char *const sizes[] = {"l", "w"};
   for (int k = 0; k < 2; k++) {
@@ -49,8 +51,8 @@ static void transistors_match_rows(transistors *t, size_t a, size_t b) {
         g_strdup_printf("the runs have %zu and %zu transistors", t->n, others);
 }
 
-/* Return whether both runs have the table of a step `verify`; *name is its
-   name. */
+/* Find a step that uses `verify` and has a transistor table in both runs.
+   Return 1 and the name of the table (g_free), or 0. */
 static int is_verified(const eda_run *base, const eda_run *other, char **name) {
   const eda_run_facts *f = eda_run_info(base);
   for (size_t i = 0; i < f->n_parameters; i++) {
@@ -77,7 +79,7 @@ int transistors_join(eda_run *base, eda_run *other, transistors *t,
   if (!two) return error->code;
   int a = eda_table_find(one, "transistor");
   int b = eda_table_find(two, "transistor");
-  if (a < 0 || b < 0) return OPC_OK; /* not a transistor table */
+  if (a < 0 || b < 0) return OPC_OK; /* no transistor table */
   t->base = one;
   t->other = two;
   transistors_match_rows(t, (size_t)a, (size_t)b);
@@ -92,12 +94,12 @@ void transistors_clear(transistors *t) {
 
 /* ---- changes ---- */
 
-/* Largest change that counts as none; gates.csv has two or three decimals of a
-   percent. */
+/* Largest |change| that counts as equal, %; gates.csv has two or three
+   decimals. */
 static const double EQUAL = 1e-9;
 
 typedef struct cell {
-  double change; /* sum over its transistors */
+  double change; /* sum of the changes of the cell's transistors */
   double n;
 } cell;
 
@@ -112,7 +114,7 @@ void changes_clear(changes *c) {
   g_array_free(c->cells, TRUE);
 }
 
-/* Return the cell of a name, added if new. */
+/* Return the cell `name`; add the cell if new. */
 static cell *changes_cell(changes *c, char *name) {
   size_t at = GPOINTER_TO_SIZE(g_hash_table_lookup(c->index, name));
   if (!at) {
@@ -124,8 +126,8 @@ static cell *changes_cell(changes *c, char *name) {
   return &g_array_index(c->cells, cell, at - 1);
 }
 
-/* Return the name of the cell of a transistor: the column `cell`, or the path
-   before the last colon of the transistor's name. */
+/* Return the cell of a transistor (g_free): the column `cell`, or the part of
+   the transistor's name before the last colon. */
 static char *cell_name(const transistors *t, size_t row) {
   int column = eda_table_find(t->base, "cell");
   if (column >= 0)

@@ -1,44 +1,50 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Pairs of transistors of two runs, and changes of their figures by cell. */
+/* Pairs of equal transistors of two runs, and changes of their figures by
+   cell. */
 #pragma once
 
 #include <eda/median.h>
 #include <eda/runs.h>
 #include <glib.h>
 
-/* Figures of a transistor after correction. */
+/* Figures of a transistor after correction, in gates.csv. */
 enum { FIGURE_ION, FIGURE_IOFF, FIGURE_AREA, FIGURES };
 
 typedef struct transistors {
-  eda_table *base, *other; /* NULL: the run has no table */
+  eda_table *base,
+      *other; /* owned by the runs; NULL: a run has no transistor table */
   size_t n;
-  size_t *row; /* for each row of `base`, the row in `other` */
-  char *fault; /* why the transistors differ; NULL: they are the same */
+  size_t *row; /* row of `other` for each row of `base` */
+  char *fault; /* description of the first difference between the transistors;
+                  NULL: none */
 } transistors;
 
-/* Join the tables of the verification (of a step `verify` in both runs), or
-   else `gates`, by name; drawn lengths and widths must be equal. Returns 0, or
-   an error code with *error filled. Call transistors_clear in any case. */
+/* Join two transistor tables by transistor name. If both runs have the table of
+   a step that uses `verify`, join those tables, otherwise the tables `gates`.
+   Differing names or drawn sizes set t->fault. Return OPC_OK, or a code and
+   *error. Call transistors_clear in either case. */
 int transistors_join(eda_run *base, eda_run *other, transistors *t,
                      opc_error *error);
 void transistors_clear(transistors *t);
 
-/* Changes of a figure from the base runs to the others, over all pairs of a
-   method: absolute deviations from the drawn value, in %. Transistors without
-   finite values in both runs are left out. */
+/* Changes of a figure from base runs to other runs, summed over all pairs of
+   runs of two methods. The figure is the absolute deviation from the drawn
+   transistor, %. Transistors without a finite value in both runs are
+   excluded. */
 typedef struct changes {
-  double base, value; /* sums over the transistors */
+  double base, value; /* sums of the figure over the transistors */
   int64_t n, better, worse;
-  int64_t lost_base, lost; /* transistors without a finite value */
-  GHashTable *index;       /* cell -> its place in `cells`, plus 1 */
-  GArray *cells;           /* of a type private to changes.c */
+  int64_t lost_base, lost; /* transistors without a finite value in the base
+                              run, and in the other run */
+  GHashTable *index;       /* cell name -> (index in `cells`) + 1 */
+  GArray *cells;           /* elements: a type private to changes.c */
 } changes;
 
 changes changes_new(void);
 void changes_add(changes *c, const transistors *t, int figure);
 void changes_clear(changes *c);
 
-/* Return the median over the cells of the mean change of a cell. Transistors of
-   one cell are similar in all its placements, so cells are the independent
-   values. Cells of equal name in several layouts are one cell. */
+/* Return the median over all cells of the cell's mean change. Instances of a
+   cell have similar changes, so only cells are independent values. Cells with
+   equal names in several layouts count as one cell. */
 eda_median changes_median(const changes *c);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the median and its confidence interval. */
+/* Median and its confidence interval. */
 #include <eda/median.h>
 
+#include <eda/memory.h>
 #include <glib.h>
 #include <gsl/gsl_cdf.h>
 #include <math.h>
@@ -10,19 +11,14 @@
 
 static const double confidence = 0.95;
 
-static int by_size(const void *a, const void *b) {
-  double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-
-/* Return the probability that the median is between the order statistics
-   `depth` and n + 1 - depth. */
+/* Return the probability that the interval between the order statistics `depth`
+   and n + 1 - depth contains the median. */
 static double coverage(size_t depth, size_t n) {
   return 1 - 2 * gsl_cdf_binomial_P((unsigned)(depth - 1), 0.5, (unsigned)n);
 }
 
-/* Return the largest depth whose coverage is at least the confidence, at least
-   1. The search begins below the normal approximation. */
+/* Return the largest depth (at least 1) whose coverage is at least the
+   confidence. The search starts below the value of the normal approximation. */
 static size_t depth_of(size_t n) {
   double start = (double)n / 2 - sqrt((double)n) - 2;
   size_t depth = start > 1 ? (size_t)start : 1;
@@ -35,7 +31,7 @@ eda_median eda_median_of(const double *values, size_t n) {
   if (!n) return out;
   g_autofree double *x = g_new(double, n);
   memcpy(x, values, n * sizeof *x);
-  qsort(x, n, sizeof *x, by_size);
+  qsort(x, n, sizeof *x, eda_doubles_rise);
   out.value = (x[(n - 1) / 2] + x[n / 2]) / 2;
   if (n < EDA_MEDIAN_FEWEST) return out;
   size_t d = depth_of(n);

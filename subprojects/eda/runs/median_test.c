@@ -6,8 +6,8 @@
 #include <gsl/gsl_cdf.h>
 #include <math.h>
 
-/* Distributions with the median 0: normal, log-normal of sigma 1, and the
-   difference of two log-normal values as that of two methods. */
+/* Distributions with median 0: normal, log-normal with sigma 1, and the
+   difference of two log-normal values (such as results of two methods). */
 static double draw(GRand *rand, int kind) {
   double z = gsl_cdf_ugaussian_Pinv(g_rand_double_range(rand, 1e-9, 1 - 1e-9));
   return kind == 0   ? z
@@ -38,9 +38,9 @@ static void test_coverage(void) {
     }
 }
 
-/* The interval of five values is their range. The bounds of ten values are
-   0.6577 of the way from the second to the third value, those of 10,000 are
-   0.98 sqrt(n) from the middle. */
+/* The interval of five values is their range. For ten values, the bounds are
+   0.6577 of the distance from the second to the third value. For 10,000 values,
+   they are 0.98 sqrt(n) from the middle. */
 static void test_bounds(void) {
   static double v[10000];
   for (int i = 0; i < 10000; i++) v[i] = (i * 617) % 10000;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A resolved flow as a list of parameters. Each is on a line of its own, which
-   ends with a comment on the origin of the value. */
+/* Parameters of a resolved flow. In the resolved flow, each parameter has its
+   own line; a comment at the end of the line states the origin of the value. */
 #include "runs/parameters.h"
 
 #include <string.h>
@@ -17,8 +17,8 @@ static char *text_keep(flat_parameters *w, char *text) {
   return text;
 }
 
-/* Append a value on one line in the syntax of flows. Recursion is as deep as
-   the flow. */
+/* Append a value on one line in the syntax of flows. The recursion depth equals
+   the nesting depth of the flow. */
 static void value_append(const opc_node *node, GString *out) {
   if (node->type == OPC_NODE_TEXT) {
     const char *text = runs_word(node);
@@ -49,8 +49,8 @@ static void add_value(flat_parameters *w, const char *name,
   g_array_append_val(w->out, p);
 }
 
-/* Add the entries of a map with longer names. Recursion is as deep as the
-   flow. */
+/* Add the entries of a map; `before` is the prefix of their names. The
+   recursion depth equals the nesting depth of the flow. */
 static void add_map(flat_parameters *w, const char *before,
                     const opc_node *map) {
   for (guint i = 0; i < map->items->len; i++) {

@@ -6,7 +6,7 @@
 
 #include "runs/text.h"
 
-/* Add all parameters to `out` (eda_run_parameter); `texts` (char *) owns their
-   texts. Return an OPC_* code. */
+/* Append all parameters (eda_run_parameter) to `out`. Strings of the parameters
+   are appended to `texts`, which owns them. Return an OPC_* code. */
 int runs_parameters(const runs_tree *flow, GArray *out, GPtrArray *texts,
                     opc_error *error);

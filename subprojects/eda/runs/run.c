@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Reader of a run folder: manifest, metrics and resolved flow as plain
-   arrays. */
+/* Reader of a run folder: manifest, metrics and resolved flow. */
 #include <glib.h>
-#include <math.h>
 #include <string.h>
 
 #include "runs/parameters.h"
@@ -12,11 +10,11 @@
 struct eda_run {
   runs_tree manifest, metrics, flow;
   eda_run_facts facts;
-  GPtrArray *texts;   /* texts not owned by a tree, char * */
+  GPtrArray *texts;   /* strings not owned by a tree, char * */
   GHashTable *tables; /* name to eda_table */
 };
 
-/* Arrays under construction from a tree. */
+/* A tree that is being read. */
 typedef struct reading {
   eda_run *run;
   runs_tree *tree;
@@ -25,9 +23,9 @@ typedef struct reading {
 
 /* ---- lists ---- */
 
-/* Return an array with one element of `size` bytes for each element of the list
-   `key` of a map, set by `read`, and their number *n. NULL: an empty list, or
-   *error is set. */
+/* Return an array with an element of `size` bytes for each node of the list
+   `key` (g_free); `read` sets each element. Write the number of elements to *n.
+   Return NULL if the list is missing or on error. */
 static void *read_list(reading *r, const char *key, size_t size, size_t *n,
                        int (*read)(reading *r, const opc_node *node,
                                    void *to)) {
@@ -47,7 +45,7 @@ static void *read_list(reading *r, const char *key, size_t size, size_t *n,
   return all;
 }
 
-/* Read the text of a required member. */
+/* Write the text of the required member `key` to *text. */
 static int text_required(reading *r, const opc_node *map, const char *key,
                          const char **text) {
   *text = runs_word(opc_node_get(map, key));
@@ -114,13 +112,14 @@ static int read_metric(reading *r, const char *step, const char *name,
     return runs_fail(node, r->error,
                      "'better' must be neutral, lower or higher, found '%.40s'",
                      better);
-  if (!(m.tolerance >= 0)) /* also for NAN */
+  if (!(m.tolerance >= 0)) /* true for NAN */
     return runs_fail(node, r->error, "'tolerance' is not a number");
   g_array_append_val(out, m);
   return OPC_OK;
 }
 
-/* Read the metrics of all steps. Members that are no maps belong to no step. */
+/* Read the metrics of all steps. Members of the root that are not maps are not
+   steps. */
 static int read_metrics(reading *r) {
   GArray *out = g_array_new(FALSE, FALSE, sizeof(eda_run_metric));
   const opc_node *root = runs_root(r->tree);
@@ -206,7 +205,7 @@ static int read_flow(reading *r) {
   return code;
 }
 
-/* ---- opening ---- */
+/* ---- open and close ---- */
 
 static int open_all(eda_run *run, opc_error *error) {
   const struct {
@@ -262,7 +261,7 @@ void eda_run_free(eda_run *run) {
   g_free(run);
 }
 
-/* ---- looking ---- */
+/* ---- queries ---- */
 
 const eda_run_facts *eda_run_info(const eda_run *run) { return &run->facts; }
 

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Reader of tables of runs (RFC 4180): a file is read as one text and split
+/* Reader of CSV tables of runs (RFC 4180). The whole file is read, then split
    into fields in place. */
+#include <base/sheet.h>
 #include <glib.h>
 #include <math.h>
 #include <string.h>
 
 #include "runs/text.h"
 
-/* Bytes; gates.csv has some 200 for each transistor. */
+/* bytes; gates.csv has about 200 bytes for each transistor */
 static const size_t LARGEST_TABLE = (size_t)1 << 30;
 enum { MOST_COLUMNS = 10000 };
 
@@ -16,25 +17,25 @@ enum { MOST_COLUMNS = 10000 };
 typedef struct column {
   char *name, *unit;
   double *numbers;
-  int looked; /* whether conversion to numbers was tried */
+  int looked; /* 1: `numbers` is set or the column is not numeric */
 } column;
 
 struct eda_table {
   char *path, *text;
   GArray *columns;   /* column */
-  GPtrArray *fields; /* char *, row by row, without the header */
-  GArray *lines;     /* line of each row, uint32_t */
+  GPtrArray *fields; /* char *, row by row, without the header row */
+  GArray *lines;     /* uint32_t: line number of each row in the file */
 };
 
-/* Position of the reader. */
+/* Position of the reader in the text. */
 typedef struct cursor {
   eda_table *table;
   char *at, *line_start;
   uint32_t line;
-  int ended; /* the last field ended its line */
+  int ended; /* 1: the last field was the last in its line */
 } cursor;
 
-/* ---- cutting ---- */
+/* ---- fields ---- */
 
 static int fail_here(const cursor *c, const char *what, opc_error *error) {
   return opc_fail(error, OPC_INVALID, NULL, "%s:%u:%ld: %s", c->table->path,
@@ -42,7 +43,7 @@ static int fail_here(const cursor *c, const char *what, opc_error *error) {
                   g_utf8_pointer_to_offset(c->line_start, c->at) + 1, what);
 }
 
-/* Split off a field in quotes, with doubled quotes replaced in place. */
+/* Return the next field, which is quoted; replace doubled quotes in place. */
 static int cut_quoted(cursor *c, char **field, opc_error *error) {
   char *out = *field = c->at, *in = c->at + 1;
   const cursor start = *c;
@@ -59,7 +60,8 @@ static int cut_quoted(cursor *c, char **field, opc_error *error) {
   return OPC_OK;
 }
 
-/* Split off the next field; its end is overwritten. */
+/* Return the next field, and overwrite the separator behind the field with
+   NUL. */
 static int cut_field(cursor *c, char **field, opc_error *error) {
   int code = OPC_OK;
   *field = c->at;
@@ -83,9 +85,9 @@ static void end_line(cursor *c) {
   c->line_start = c->at;
 }
 
-/* ---- reading ---- */
+/* ---- rows ---- */
 
-/* Return name and unit of "name (unit)". */
+/* Split a header "name (unit)" into name and unit. */
 static column head_of(const char *text) {
   size_t n = strlen(text);
   const char *unit = n && text[n - 1] == ')' ? g_strrstr(text, " (") : NULL;
@@ -116,6 +118,7 @@ static int read_row(cursor *c, opc_error *error) {
   for (c->ended = 0; !c->ended && i < n; i++) {
     char *field;
     if (cut_field(c, &field, error)) return error->code;
+    opc_cell_unmark(field);
     g_ptr_array_add(c->table->fields, field);
   }
   g_autofree char *what =
@@ -163,7 +166,7 @@ void eda_table_free(eda_table *t) {
   g_free(t);
 }
 
-/* ---- looking ---- */
+/* ---- queries ---- */
 
 static column *column_of(const eda_table *t, size_t i) {
   return &g_array_index(t->columns, column, i);

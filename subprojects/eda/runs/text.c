@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Files of a run folder as texts, and as trees of nodes with their places. */
+/* Files of a run folder as texts and as node trees with source positions. */
 #include "runs/text.h"
 
 #include <errno.h>
@@ -8,7 +8,9 @@
 #include <string.h>
 #include <sys/stat.h>
 
-enum { LARGEST_TREE = 16 << 20 /* bytes */ };
+enum {
+  LARGEST_TREE = 16 << 20 /* largest size of a YAML or JSON file, bytes */
+};
 
 /* ---- texts ---- */
 

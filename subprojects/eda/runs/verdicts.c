@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the comparison of two methods. */
+/* Comparison of two methods. */
 #include <eda/verdicts.h>
 
 #include <math.h>
@@ -24,12 +24,12 @@ static const struct {
 
 static const char *const words[] = {"same", "better", "worse", "too few"};
 
-/* Smallest change of the sum of seconds that decides without an interval, in
-   %. */
+/* Smallest |change| of the total time that decides without a confidence
+   interval, %. */
 static const double SECONDS = 10;
 
-/* Return the last metric of a name in any step, since later steps verify
-   earlier ones; NAN if there is none. */
+/* Return the metric `name` of the last step that has the metric; NAN if no step
+   has it. Later steps verify earlier steps. */
 static double metric_of(const eda_run *run, const char *name) {
   const eda_run_facts *f = eda_run_info(run);
   for (size_t i = f->n_metrics; i-- > 0;) {
@@ -46,8 +46,8 @@ static double figure_of(const eda_run *run, int figure) {
 
 static int is_relative(int figure) { return *figures[figure].unit == '%'; }
 
-/* Return the change in the unit of the figure. Relative changes are logarithms
-   until the end, so that exchanging the methods changes only the sign. */
+/* Return the change of a figure. For relative figures, return the logarithm of
+   the ratio, so that exchanging the methods changes only the sign. */
 static double change_of(int figure, double base, double value) {
   if (!is_relative(figure)) return value - base;
   return base == value ? 0 : log(value / base);
@@ -57,7 +57,7 @@ static double percent(double logarithm) { return 100 * expm1(logarithm); }
 
 /* ---- verdicts ---- */
 
-/* Set the verdict of a figure with an interval. */
+/* Set the verdict of a figure that has a confidence interval. */
 static void judge_interval(eda_change *c) {
   const eda_median *m = &c->median;
   if (c->same == c->n)
@@ -70,7 +70,8 @@ static void judge_interval(eda_change *c) {
     c->verdict = EDA_VERDICT_WORSE;
 }
 
-/* Set the verdict of a figure whose sum over the cases decides. */
+/* Set the verdict of a figure from the change of the sum over all cases, if
+   |change| exceeds `least`. */
 static void judge_sum(eda_change *c, double least) {
   if (c->change < -least) c->verdict = EDA_VERDICT_BETTER;
   if (c->change > least) c->verdict = EDA_VERDICT_WORSE;
@@ -97,7 +98,7 @@ static void take_lost(eda_change *out, const changes *from) {
   judge_sum(out, 0);
 }
 
-/* Add a figure with one value for each case. */
+/* Set the change of a figure that has one value for each case. */
 static void take_cases(eda_change *out, int figure, size_t n,
                        const eda_run_pair *pairs) {
   g_autofree double *all = g_new(double, n);
@@ -134,12 +135,12 @@ static void append_number(GString *out, double x) {
   g_string_append_printf(out, fabs(x) < 10 ? "%.2g" : "%.0f", x);
 }
 
-/* Return the size of a change; if `swapped`, that from the other method. */
+/* Return |x|; if `swapped` and the unit is %, relative to the other method. */
 static double size_of(const eda_change *c, double x, int swapped) {
   return fabs(swapped && *c->unit == '%' ? 100 / (1 + x / 100) - 100 : x);
 }
 
-/* Append "in Ion by 0.23 points (95 %: 0.2 to 0.26)". */
+/* Append a change, such as "in Ion by 0.23 points (95 %: 0.2 to 0.26)". */
 static void append_change(GString *out, const eda_change *c, int swapped) {
   int has_interval = *c->unit && isfinite(c->median.low);
   double change = has_interval ? c->median.value : c->change;
@@ -159,7 +160,9 @@ static void append_change(GString *out, const eda_change *c, int swapped) {
   g_string_append_c(out, ')');
 }
 
-/* Append the changes of a verdict after a text, if there are any. */
+/* Append `before` and the titles or changes of all figures with the given
+   verdict. `equal` selects figures that are equal in all values, or the other
+   figures. */
 static void append_all(GString *out, const eda_verdict *v, int verdict,
                        int equal, int swapped, const char *before) {
   int found = 0;
@@ -207,7 +210,7 @@ static char *sentence_of(const eda_verdict *v) {
   return g_string_free(out, FALSE);
 }
 
-/* ---- entry ---- */
+/* ---- public functions ---- */
 
 int eda_verdict_init(eda_verdict *out, const char *method, const char *against,
                      size_t n, const eda_run_pair *pairs, opc_error *error) {
@@ -251,7 +254,8 @@ void eda_verdict_clear(eda_verdict *v) {
   g_free(v->text);
 }
 
-/* Compare method m with method `against` on the cases that both have. */
+/* Compare method m with method `against` on the cases that have a run of both
+   methods. */
 static int compare_methods(eda_verdict *out, size_t m, size_t against,
                            size_t n_cases, size_t n_methods,
                            const char *const *methods, eda_run *const *runs,

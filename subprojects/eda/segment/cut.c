@@ -24,11 +24,7 @@ typedef struct cutter {
   size_t count;
 } cutter;
 
-static int by_edge(const void *a, const void *b) {
-  const span *p = a, *q = b;
-  if (p->point != q->point) return p->point < q->point ? -1 : 1;
-  return (p->low > q->low) - (p->low < q->low);
-}
+EDA_COMPARE_RISING(by_edge, span, point, low);
 
 /* ---- owners of spans ---- */
 
@@ -116,11 +112,11 @@ static int32_t in_lengths(const segment *s, size_t i, double nm) {
   return (int32_t)fmin(round(all), most);
 }
 
-int32_t segment_overhang(const segment *s, size_t i) {
+static int32_t segment_overhang(const segment *s, size_t i) {
   return s->overhang != NOT_GIVEN ? s->overhang : in_lengths(s, i, 84);
 }
 
-int32_t segment_line_end(const segment *s, size_t i) {
+static int32_t segment_line_end(const segment *s, size_t i) {
   return s->line_end != NOT_GIVEN ? s->line_end : in_lengths(s, i, 200);
 }
 

@@ -46,14 +46,10 @@ int segment_flatten(const eda_layout *layout, int32_t top, int32_t layer,
 
 void segment_set_layer(eda_gates *gates, size_t layer, const char *name,
                        int corrected, eda_shapes *drawn) {
-  eda_box *all = &gates->extent;
   eda_box b =
       eda_bounds(drawn->points, drawn->count ? drawn->start[drawn->count] : 0);
-  if (layer == 0) *all = b;
-  if (b.x0 < all->x0) all->x0 = b.x0;
-  if (b.y0 < all->y0) all->y0 = b.y0;
-  if (b.x1 > all->x1) all->x1 = b.x1;
-  if (b.y1 > all->y1) all->y1 = b.y1;
+  if (layer == 0) gates->extent = b;
+  eda_box_join(&gates->extent, b);
   gates->layer[layer] = eda_gates_text(gates, name);
   gates->corrected[layer] = corrected != 0;
   gates->drawn[layer] = *drawn;

@@ -21,11 +21,7 @@ typedef struct member {
   uint32_t placement, gate;
 } member;
 
-static int by_placement(const void *a, const void *b) {
-  const member *p = a, *q = b;
-  if (p->placement != q->placement) return p->placement < q->placement ? -1 : 1;
-  return (p->gate > q->gate) - (p->gate < q->gate);
-}
+EDA_COMPARE_RISING(by_placement, member, placement, gate);
 
 void segment_name(segment *s) {
   eda_gates *g = s->gates;

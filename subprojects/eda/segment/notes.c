@@ -12,17 +12,10 @@ static const char layer_name[] = "notes";
 /* Return the gates with their right and upper edges, because points on these
    edges count as inside. */
 static eda_shapes get_boxes(const eda_gates *g) {
-  eda_shapes out = {.count = g->count};
-  out.start = eda_alloc(g->count + 1, sizeof *out.start);
-  out.points = eda_alloc(g->count, 4 * sizeof *out.points);
+  eda_shapes out = eda_shapes_of_boxes(g->count);
   for (size_t i = 0; i < g->count; i++) {
     eda_box b = g->box[i];
-    eda_point *p = out.points + 4 * i;
-    p[0] = (eda_point){b.x0, b.y0};
-    p[1] = (eda_point){b.x1 + 1, b.y0};
-    p[2] = (eda_point){b.x1 + 1, b.y1 + 1};
-    p[3] = (eda_point){b.x0, b.y1 + 1};
-    out.start[i + 1] = (uint32_t)(4 * (i + 1));
+    eda_shapes_set_box(&out, i, (eda_box){b.x0, b.y0, b.x1 + 1, b.y1 + 1});
   }
   return out;
 }

@@ -58,8 +58,7 @@ static const char *recognise_region(segment *s, size_t i) {
 
 int segment_refuse(segment *s, size_t i, const char *fault) {
   const eda_shapes *r = &s->regions;
-  eda_box b =
-      eda_bounds(r->points + r->start[i], r->start[i + 1] - r->start[i]);
+  eda_box b = eda_shape_box(r, i);
   int32_t cell = -1;
   char *path = s->placement[i] == UINT32_MAX
                    ? NULL

@@ -123,15 +123,13 @@ static int find_bounds(segment *s) {
   for (size_t k = 0; k < s->sources; k++) {
     source *from = &s->source[k];
     int32_t layer = eda_layout_find_layer(s->layout, from->from);
-    eda_box b = {0, 0, -1, -1}, *all = &s->bounds;
+    eda_box b = {0, 0, -1, -1};
     if (layer >= 0 &&
         eda_layout_bounds(s->layout, s->top, layer, s->grid, &b, s->error))
       return s->error->code;
     from->drawn_at_all = b.x0 <= b.x1;
     if (from->drawn_at_all)
-      *all = (eda_box){
-          b.x0 < all->x0 ? b.x0 : all->x0, b.y0 < all->y0 ? b.y0 : all->y0,
-          b.x1 > all->x1 ? b.x1 : all->x1, b.y1 > all->y1 ? b.y1 : all->y1};
+      eda_box_join(&s->bounds, b);
     else if (k >= KNOWN) {
       opc_fail(s->error, OPC_INVALID, NULL, "layer '%.200s' is empty",
                from->from);

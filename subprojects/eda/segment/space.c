@@ -18,11 +18,6 @@ typedef struct look {
   uint32_t *latest; /* tree over places: number of the edge, from 1 */
 } look;
 
-static int by_value(const void *a, const void *b) {
-  int64_t p = *(const int64_t *)a, q = *(const int64_t *)b;
-  return (p > q) - (p < q);
-}
-
 /* Return the number of places at or before `at`. */
 static size_t place_rank(const look *l, int64_t at) {
   size_t from = 0, to = l->n_places;
@@ -42,7 +37,7 @@ static void tree_prepare(look *l) {
     l->places[2 * i] = 2 * (int64_t)l->edges[i].low;
     l->places[2 * i + 1] = 2 * (int64_t)l->edges[i].high;
   }
-  qsort(l->places, 2 * l->count, sizeof *l->places, by_value);
+  qsort(l->places, 2 * l->count, sizeof *l->places, eda_int64s_rise);
   for (size_t i = 0; i < 2 * l->count; i++)
     if (i == 0 || l->places[i] != l->places[i - 1])
       l->places[l->n_places++] = l->places[i];
@@ -75,11 +70,7 @@ typedef struct key {
   uint32_t gate;
 } key;
 
-static int by_key(const void *a, const void *b) {
-  const key *p = a, *q = b;
-  if (p->at != q->at) return p->at < q->at ? -1 : 1;
-  return (p->gate > q->gate) - (p->gate < q->gate);
-}
+EDA_COMPARE_RISING(by_key, key, at, gate);
 
 /* Compute the distance from each gate across d to the next edge of the layer on
    a side, nm, in distance[gate]; INFINITY without an edge. An edge on the side

@@ -11,21 +11,9 @@
    other window of 65 nm circuits is repeated. */
 #define BEYOND 1000.0
 
-static eda_box box_grown(eda_box b, int32_t by) {
-  return (eda_box){b.x0 - by, b.y0 - by, b.x1 + by, b.y1 + by};
-}
-
-static int boxes_touch(eda_box a, eda_box b) {
-  return a.x0 <= b.x1 && b.x0 <= a.x1 && a.y0 <= b.y1 && b.y0 <= a.y1;
-}
-
-static eda_box box_of(const eda_shapes *s, size_t i) {
-  return eda_bounds(s->points + s->start[i], s->start[i + 1] - s->start[i]);
-}
-
 /* Clip a window to the bounds of the layout, where nothing is cut. */
 static void window_clip(eda_box *w, eda_box bounds) {
-  bounds = box_grown(bounds, 1);
+  bounds = eda_box_grown(bounds, 1);
   if (w->x0 < bounds.x0) w->x0 = bounds.x0;
   if (w->y0 < bounds.y0) w->y0 = bounds.y0;
   if (w->x1 > bounds.x1) w->x1 = bounds.x1;
@@ -35,10 +23,10 @@ static void window_clip(eda_box *w, eda_box bounds) {
 /* Remove the regions cut by the border of the window. */
 static void drop_cut(segment *s) {
   eda_shapes *r = &s->regions;
-  eda_box inner = box_grown(*s->window, -1);
+  eda_box inner = eda_box_grown(*s->window, -1);
   uint32_t n = 0, points = 0;
   for (size_t i = 0; i < r->count; i++) {
-    eda_box b = box_of(r, i);
+    eda_box b = eda_shape_box(r, i);
     uint32_t from = r->start[i], to = r->start[i + 1];
     if (b.x0 < inner.x0 || b.y0 < inner.y0 || b.x1 > inner.x1 ||
         b.y1 > inner.y1)
@@ -92,10 +80,10 @@ int32_t eda_segment_halo(const eda_segment_settings *settings) {
    within reach. */
 static void window_extend(const segment *s, eda_box core, size_t i,
                           eda_box *wanted) {
-  eda_box b = box_of(&s->regions, i);
+  eda_box b = eda_shape_box(&s->regions, i);
   int32_t reach = reach_of(s);
-  if (!boxes_touch(b, box_grown(core, reach))) return;
-  b = box_grown(b, boxes_touch(b, core) ? reach : 1);
+  if (!eda_boxes_touch(b, eda_box_grown(core, reach))) return;
+  b = eda_box_grown(b, eda_boxes_touch(b, core) ? reach : 1);
   if (b.x0 < wanted->x0) wanted->x0 = b.x0;
   if (b.y0 < wanted->y0) wanted->y0 = b.y0;
   if (b.x1 > wanted->x1) wanted->x1 = b.x1;
@@ -124,7 +112,7 @@ int eda_segment_core(const eda_layout *layout, int32_t top,
                      const eda_segment_settings *settings, eda_box core,
                      int32_t halo, eda_gates **gates, opc_error *error) {
   segment s = segment_new(NULL, layout, top, settings, error);
-  eda_box w = box_grown(core, larger_of(halo, eda_segment_halo(settings)));
+  eda_box w = eda_box_grown(core, larger_of(halo, eda_segment_halo(settings)));
   int code = segment_begin(&s);
   window_clip(&w, s.bounds);
   s.window = &w;

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Filter of decks: the simulator receives only statements that describe a
-   circuit. The language of ngspice has others, which run commands, access files
-   or load code (.control, "*ng_script", "*#", .csparam, code models, tables in
-   files). Each version adds more, so unknown statements are rejected. Files are
-   read here, and only below the folders of the given files. Compiled models
-   (OSDI) are code: the deck itself may name such a file, included files may
-   not. */
+   circuit. The language of ngspice has further statements that run commands,
+   access files or load code (.control, "*ng_script", "*#", .csparam, code
+   models, tables in files). New versions add more, so unknown statements are
+   rejected. This filter reads all included files, which must be in the folder
+   of the file that the deck names, or below. Compiled models (OSDI) are code:
+   the deck itself may name an OSDI file, included files may not. */
 #include "simulator/deck.h"
 
 #include <glib.h>
@@ -19,26 +19,30 @@
 typedef struct deck {
   lines lines;
   FILE *out;
-  const char *osdi;     /* file of compiled models; NULL: none */
-  GMappedFile *objects; /* its contents */
+  const char *osdi; /* path of the OSDI file with compiled models; NULL: none */
+  GMappedFile *objects; /* content of the OSDI file */
   /* State of the current file. */
-  const char *wanted; /* wanted section; NULL: statements outside of sections */
+  const char
+      *wanted; /* section to copy; NULL: copy statements outside of sections */
   int found;
-  const char *section; /* current section; NULL: none */
+  const char *section; /* current section; NULL: outside of sections */
   eda_place section_at;
-  /* Key: name of a model with its scope; value: place of its statement. */
+  /* key: model name with scope number; value: "FILE:LINE" of the statement */
   GHashTable *models;
-  unsigned scope; /* 0: outside of subcircuits; others are unique */
-  unsigned scopes, depth, branches; /* branches: open .if */
+  unsigned
+      scope; /* 0: outside of subcircuits; other scopes have unique numbers */
+  unsigned scopes, depth, branches; /* scopes: number of scopes; depth: open
+                                       .subckt; branches: open .if */
 } deck;
 
 /* ---- known statements ---- */
 
-/* First letters of allowed devices. A and U (code models) are forbidden; N
-   requires compiled models. */
+/* First letters of allowed devices. A and U (code models) are rejected. N is
+   allowed if the deck has an OSDI file. */
 static const char devices[] = "bcdefghijklmqrvx";
 
-/* Allowed kinds of models; not CIDER and code models, which access files. */
+/* Allowed kinds of models. CIDER and code models are rejected, because they
+   access files. */
 static const char model_kinds[] =
     "nmos pmos npn pnp njf pjf nmf pmf d r res c l";
 
@@ -48,8 +52,8 @@ static const char options[] =
     "abstol chgtol defad defas defl defw gmin itl1 itl2 itl4 parser pivrel "
     "pivtol reltol scale tnom trtol vntol";
 
-/* Keywords of sources and models that read a file; rejected in any statement,
-   also in quotes. */
+/* Keywords of sources and models that read a file; rejected in all statements,
+   also within quotes. */
 static const char *const file_words[] = {"file", "sound"};
 static const char letters[] =
     "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_";
@@ -58,7 +62,8 @@ static int is_own(const line *l) { return l->word[0].at.file == 0; }
 
 /* ---- statements ---- */
 
-/* Search in quotes, too; the simulator may pair quotes differently. */
+/* Return whether a text contains a keyword that opens a file. Search within
+   quotes too, because the simulator may pair quotes differently. */
 static int names_file(const char *text) {
   while (*text) {
     size_t n = strspn(text, letters);
@@ -77,7 +82,8 @@ static int deck_copy_statement(deck *d, const line *l) {
                           "'%.100s': a deck must not open a file",
                           l->word[i].text);
   for (const char *c = l->text; *c; c++) {
-    /* The simulator would join the next statement to this one. */
+    /* A backslash at the end of a line joins the next statement to this
+       statement. */
     if (*c == '\\' && (!c[1] || c[1] == '\n'))
       return lines_refuse(&d->lines, l->word[0].at,
                           "a line of this statement ends in '\\'");
@@ -91,8 +97,8 @@ static int deck_copy_statement(deck *d, const line *l) {
   return OPC_OK;
 }
 
-/* Return whether the file of compiled models contains a name, terminated by a
-   zero byte. */
+/* Return whether the OSDI file contains the name `kind`, terminated by a zero
+   byte. */
 static int is_compiled(const deck *d, const char *kind) {
   size_t n = strlen(kind), size = g_mapped_file_get_length(d->objects);
   const char *s = g_mapped_file_get_contents(d->objects);
@@ -101,9 +107,9 @@ static int is_compiled(const deck *d, const char *kind) {
   return 0;
 }
 
-/* Reject a second model of the same name in a scope, because the simulator
-   would use one of both without a message. The same statement read again (a
-   file included twice) and models in branches of .if are accepted. */
+/* Reject a second model of the same name in a scope: the simulator would use
+   one of the two without a message. Accept a statement that is read twice (a
+   file included twice) and models in branches of .if. */
 static int check_unique(deck *d, const line *l) {
   const word *name = &l->word[1];
   if (d->branches) return OPC_OK;
@@ -140,8 +146,8 @@ static int take_model(deck *d, const line *l) {
                         "models of kind '%.100s' are not supported; supported: "
                         "%s, and the models of an OSDI file",
                         kind->text, model_kinds);
-  /* Libraries contain models that a circuit does not use and that are not
-     compiled; the simulator rejects devices of such models. */
+  /* Omit models that are not compiled: libraries contain more models than a
+     circuit uses. The simulator rejects devices of omitted models. */
   return is_compiled(d, kind->text) ? deck_copy_statement(d, l) : OPC_OK;
 }
 
@@ -151,8 +157,9 @@ static int take_subcircuit(deck *d, const line *l) {
   return deck_copy_statement(d, l);
 }
 
-/* After a nested subcircuit, the rest of the outer subcircuit is a new scope,
-   so that no valid model is rejected. */
+/* At the end of a nested subcircuit, begin a new scope for the remainder of the
+   outer subcircuit. This may miss duplicate models, but rejects no valid
+   model. */
 static int take_ends(deck *d, const line *l) {
   if (d->depth) d->depth--;
   d->scope = d->depth ? ++d->scopes : 0;
@@ -167,12 +174,13 @@ static int take_branch(deck *d, const line *l) {
   return deck_copy_statement(d, l);
 }
 
-/* Check NAME=NUMBER or NAME options. */
+/* Check options of the form NAME or NAME=NUMBER. */
 static int take_options(deck *d, const line *l) {
   double number;
   for (size_t i = 1; i < l->words; i++) {
     const word *w = &l->word[i];
-    /* A temperature in the deck would override the temperature of the step. */
+    /* In included files, a temperature would override the temperature of the
+       step. */
     int good = eda_in_list(options, w->text) ||
                (is_own(l) && eda_same_name(w->text, "temp"));
     if (w->quoted || !good)
@@ -191,7 +199,8 @@ static int take_options(deck *d, const line *l) {
   return deck_copy_statement(d, l);
 }
 
-/* Read the statements of another file, or of one of its sections. */
+/* Read the statements of another file. If `section` is not NULL, read only
+   statements of this section. */
 static int read_file(deck *d, const line *l, const char *section) {
   const deck outer = *d;
   line file = *l;
@@ -223,7 +232,8 @@ static int take_include(deck *d, const line *l) {
   return read_file(d, l, NULL);
 }
 
-/* Handle .lib FILE SECTION, and .lib SECTION, which starts a section. */
+/* Process .lib FILE SECTION (read a section) or .lib SECTION (start of a
+   section). */
 static int take_library(deck *d, const line *l) {
   if (l->words == 3) return read_file(d, l, l->word[2].text);
   if (l->words != 2 || d->section || is_own(l))
@@ -252,12 +262,12 @@ static int take_end(deck *d, const line *l) {
   return OPC_OK;
 }
 
-/* ---- any statement ---- */
+/* ---- all statements ---- */
 
 static const struct {
   const char *name;
   int (*take)(deck *d, const line *l);
-  int own; /* allowed only in the deck itself, not in included files */
+  int own; /* 1: allowed only in the deck itself, not in included files */
 } statements[] = {
     {".model", take_model, 0},
     {".param", deck_copy_statement, 0},
@@ -280,7 +290,7 @@ static const struct {
     {".osdi", take_osdi, 1},
 };
 
-/* Return whether statements of the current section are copied. */
+/* Return whether statements at the current place are to be copied. */
 static int is_meant(const deck *d) {
   if (!d->wanted) return !d->section;
   return d->section && eda_same_name(d->section, d->wanted);
@@ -309,7 +319,7 @@ static int take_line(void *data, const line *l) {
   }
   int is_section = l->words == 2 && eda_same_name(first->text, ".lib");
   if (!is_meant(d) && !is_section) return OPC_OK;
-  /* Rejects "(.control". */
+  /* A statement must begin with its first word; rejects "(.control". */
   if (strncmp(l->text, first->text, strlen(first->text)) != 0)
     return word_refuse(d, first);
   if (first->text[0] != '.')
@@ -331,7 +341,7 @@ char *deck_write(const char *text, char **osdi, opc_error *error) {
       .models = g_hash_table_new_full(g_str_hash, g_str_equal, g_free, g_free),
       .out = open_memstream(&out, &size)};
   d.lines.data = &d;
-  /* The simulator takes the first line as a title, even "*ng_script". */
+  /* The simulator interprets the first line as a title, even "*ng_script". */
   fputs("opcflow\n", d.out);
   int code = lines_read_text(&d.lines, "deck", text, strlen(text));
   fclose(d.out);

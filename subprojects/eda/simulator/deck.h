@@ -4,9 +4,11 @@
 
 #include <opcflow/base.h>
 
-/* Return a copy of the deck with all included statements, restricted to
-   harmless ones (free()). NULL and OPC_INVALID in *error with FILE:LINE:COLUMN
-   if any other statement occurs. Messages call the deck "deck". `.osdi FILE` is
-   removed; the deck may have one before the statements that need it. *osdi
-   receives that file (free()) or NULL; `osdi` may be NULL. [any] */
+/* Return a copy of the deck (free()) in which includes are replaced by the
+   included statements and only harmless statements occur. If the deck has
+   another statement, return NULL and OPC_INVALID in *error with
+   FILE:LINE:COLUMN, where FILE is "deck" for the deck itself. A statement
+   `.osdi FILE` (at most one, before the statements that need it) is removed,
+   and FILE is written to *osdi (g_free; NULL if absent). `osdi` may be NULL.
+   [any] */
 char *deck_write(const char *deck, char **osdi, opc_error *error);

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Statements accepted by the simulator, and all known ways to circumvent the
-   filter. */
+/* Accepted statements, and all known ways to circumvent the filter. */
 #include "simulator/deck.h"
 
 #include <glib.h>
@@ -10,7 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static char *folder; /* of all files; removed at the end */
+static char *folder; /* contains all files; removed at the end */
 
 static char *path_of(const char *name) {
   return g_build_filename(folder, name, NULL);
@@ -153,14 +152,14 @@ static void test_hidden(void) {
   assert_refused("r1 a b `touch x`\n", -1, "1:1", "'`'");
   assert_refused(".param a=1 \\\\\n.control\n", -1, "1:1", "ends in");
   assert_refused(".param a=1 \\\\\t\r\n+ b=1\n", -1, "1:1", "ends in");
-  assert_refused("+ .control\n", -1, "1:1", "continues nothing");
+  assert_refused("+ .control\n", -1, "1:1", "has no statement to continue");
   assert_refused(".param a={1\n.control\n", -1, "2:1", "'.control' is refused");
   assert_refused(".options reltol={1\n+ } editor=x\n", -1, "1:10",
                  "requires a number");
 }
 
-/* A second model of a name is refused, but not in another subcircuit, in
-   branches of .if, or by a second inclusion of a file. */
+/* A second model of the same name is refused, except in another subcircuit, in
+   branches of .if, or if the file is included twice. */
 static void test_twice(void) {
   assert_refused(".model m nmos vto=1\n.model M nmos vto=2\n", -1, "2:8",
                  "'M' is defined twice, first at ");
@@ -229,7 +228,7 @@ static void test_folder(void) {
   g_unlink(link), g_unlink(into), g_unlink(fifo);
 }
 
-/* Two includes in each file are 2^16 of them. */
+/* Each file includes the next file twice: 2^16 includes in total. */
 static void test_bomb(void) {
   for (int i = 0; i < 16; i++) {
     g_autofree char *name = g_strdup_printf("b%d.pm", i);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Replacement of ngspice for tests: a library whose commands attempt the
-   actions forbidden to decks, such as "written PATH" and "started PATH", and
-   print the result. */
+   actions that the sandbox forbids, such as "written PATH" and "started PATH",
+   and print the result. */
 #include <stdbool.h> /* needed by sharedspice.h */
 
 #include <dlfcn.h>
@@ -65,8 +65,8 @@ static int do_memory(const char *p) {
                   MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   return at == MAP_FAILED ? -1 : 0;
 }
-/* Act as a library without support for compiled models, unless the file is
-   one. */
+/* Load the file. If the file cannot be loaded, act as a library without support
+   for compiled models. */
 static int do_osdi(const char *p) {
   if (dlopen(p, RTLD_NOW | RTLD_LOCAL)) return 0;
   char text[512];

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* opcflow-simulator SECONDS PARENT [OSDI]: runs one deck in ngspice. The
-   library of ngspice keeps state in globals, calls exit() and prints, so it
-   runs in a separate process without rights (sandbox.h). record.h describes
-   input and output. The program links few libraries, because each deck starts
-   it anew. */
-#include <stdbool.h> /* needed by sharedspice.h */
+   library of ngspice keeps state in globals, calls exit() and prints. Therefore
+   each deck runs in a separate process without rights (sandbox.h). record.h
+   describes input and output. The program links few libraries, so that starting
+   the program is fast. */
+#include <stdbool.h> /* required by sharedspice.h */
 
 #include "simulator/record.h"
 #include "simulator/sandbox.h"
@@ -33,8 +33,8 @@ enum { MOST_TROUBLE = 600 };
 
 /* ---- output records ---- */
 
-/* Output of the only circuit of this process; callbacks of ngspice have no
-   context. */
+/* State of the only circuit of this process; callbacks of ngspice have no
+   context argument. */
 static FILE *answer;
 static char trouble[MOST_TROUBLE];
 
@@ -43,7 +43,7 @@ static void send_head(int kind, size_t bytes) {
   fwrite(&r, sizeof r, 1, answer);
 }
 
-/* Write a record and flush it, so that a crash loses no record. */
+/* Write a record and flush the stream, so that a crash loses no record. */
 static void send_record(int kind, const void *data, size_t bytes) {
   send_head(kind, bytes);
   fwrite(data, 1, bytes, answer);
@@ -71,8 +71,8 @@ __attribute__((format(printf, 1, 2))) static char *text_of(const char *format,
 
 /* ---- output of ngspice ---- */
 
-/* Functions of ngspice return no error codes, so recognise failures by its
-   messages. */
+/* Return whether a line printed by ngspice reports a failure; functions of
+   ngspice return no error codes. */
 static int is_trouble(const char *line) {
   return !strncasecmp(line, "error", 5) || !strncasecmp(line, "fatal", 5) ||
          !strncmp(line, "doAnalyses:", 11) || strstr(line, " aborted") ||
@@ -94,8 +94,9 @@ static int on_words(char *text, int id, void *user) {
   return 0;
 }
 
-/* Return a new text "at 1e-09 s, in steps of 1e-12 s; 'y' changes most" about a
-   point and the values of the one before; `old` receives the new values. */
+/* Return a text (free()) such as "at 1e-09, in steps of 1e-12; 'y' changes
+   most" about the latest point. `old` has the values of the preceding point and
+   receives the new values. */
 static char *state_of(const vecvaluesall *v, double *old) {
   double at = 0, step = 0, most = 0;
   const char *name = NULL;
@@ -116,13 +117,13 @@ static char *state_of(const vecvaluesall *v, double *old) {
                  name ? "' changes most" : "");
 }
 
-/* Without this function, ngspice reports no points. */
+/* ngspice calls on_values only if this callback exists. */
 static int on_vectors(pvecinfoall v, int id, void *user) {
   (void)v, (void)id, (void)user;
   return 0;
 }
 
-/* Report the point that an analysis has reached, ten times a second. */
+/* Send the point that an analysis has reached, at most ten times a second. */
 static int on_values(pvecvaluesall v, int count, int id, void *user) {
   static double *old;
   static int capacity;
@@ -188,9 +189,9 @@ static void limit_to(int resource, rlim_t most) {
   setrlimit(resource, &limit);
 }
 
-/* Limit this process: it ends with the thread that started it, and after some
-   seconds of processor time in any case. It has its own process group, so that
-   Ctrl-C goes to the parent only. */
+/* Limit this process: the kernel ends the process with the thread that started
+   it, and after SECONDS of processor time. The process has its own process
+   group, so that Ctrl-C reaches only the parent. */
 static void process_limit(const char *seconds, const char *parent) {
   setpgid(0, 0);
   prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -207,8 +208,8 @@ static char *read_text(void) {
   return getdelim(&text, &capacity, 0, stdin) < 0 ? text_of("%s", "") : text;
 }
 
-/* Keep standard output as file 3 for the records, close the other inherited
-   files and open /dev/null as files 0, 1 and 2 for ngspice. */
+/* Move standard output to descriptor 3 for the records. Close all other
+   inherited files. Open /dev/null as descriptors 0, 1 and 2 for ngspice. */
 static void stand_alone(void) {
   int out = dup(1);
   if (out != 3) dup2(out, 3);
@@ -229,8 +230,8 @@ static int open_osdi(const char *path) {
   end_with(TROUBLE, text_of("cannot read '%s': %s", path, strerror(errno)));
 }
 
-/* Forbid this process to open any other file, so that start-up files of ngspice
-   are not read, and clear the environment. */
+/* Clear the environment and enter the sandbox, so that ngspice opens no file
+   other than `osdi`, not even its start-up files. */
 static void lock_in(int osdi) {
   clearenv();
   const char *open = sandbox_enter(osdi);
@@ -242,9 +243,9 @@ static void lock_in(int osdi) {
 
 /* ---- ngspice ---- */
 
-/* Replacements of C library functions for ngspice (also where the compiler
-   calls fopen64). Models write logs and read parameter files in the current
-   folder: discard written data and open no file for reading. */
+/* Replacements of C library functions for ngspice (also if the compiler calls
+   fopen64). Models write logs and read parameter files in the current folder.
+   The replacement of fopen discards written data, and fails for reading. */
 #define FOR_NGSPICE __attribute__((visibility("default")))
 
 FOR_NGSPICE FILE *open_nothing(const char *path,
@@ -281,7 +282,7 @@ static void *library_symbol(void *handle, const char *name) {
 
 static library library_load(void) {
   const char *own = getenv("OPCFLOW_NGSPICE");
-  /* Compiled models require functions of libm. */
+  /* Compiled models require libm. */
   dlopen(LIBM_SO, RTLD_NOW | RTLD_GLOBAL);
   void *handle = dlopen(own ? own : "libngspice.so.0", RTLD_NOW | RTLD_LOCAL);
   if (!handle) end_with(MISSING, dlerror());
@@ -314,8 +315,8 @@ static size_t length_of(char **list) {
   return n;
 }
 
-/* Send a name as in the netlist: "v(out)" for "out" in ngspice, "i(vdd)" for
-   "vdd#branch". */
+/* Send a name as in the netlist: "v(out)" for the ngspice vector "out",
+   "i(vdd)" for "vdd#branch". */
 static void send_name(const char *name, int voltage) {
   size_t n = strlen(name);
   int branch = n > 7 && !strcmp(name + n - 7, "#branch");
@@ -338,9 +339,10 @@ static void send_values(const vector_info *v) {
     fwrite(&v->v_compdata[i].cx_real, sizeof(double), 1, answer);
 }
 
-/* Send all vectors of a plot that have values. Return their number. */
+/* Send all vectors of a plot that have values. Return the number of sent
+   vectors. */
 static size_t send_plot(const library *l, char *plot) {
-  enum { VOLTAGE = 3 }; /* SV_VOLTAGE of ngspice */
+  enum { VOLTAGE = 3 }; /* SV_VOLTAGE in ngspice */
   char **names = l->vectors(plot);
   size_t sent = 0;
   for (size_t i = length_of(names); i-- > 0;) {
@@ -355,8 +357,8 @@ static size_t send_plot(const library *l, char *plot) {
   return sent;
 }
 
-/* Send the plots added since there were `before`; ngspice lists the newest
-   first. Return the present number. */
+/* Send the plots created since the number of plots was `before`; ngspice lists
+   the newest plot first. Return the current number of plots. */
 static size_t send_plots(const library *l, size_t before) {
   char **plots = l->plots();
   size_t n = length_of(plots);
@@ -372,8 +374,8 @@ static void library_command(const library *l, const char *text) {
   free(own);
 }
 
-/* Load compiled models, so that decks can use them. The file is passed as a
-   descriptor, because ngspice splits names into words. */
+/* Load compiled models before the deck. The file is passed as a descriptor,
+   because ngspice splits file names at blanks. */
 static void load_osdi(const library *l, const char *name, int file) {
   char *text = text_of("osdi /proc/self/fd/%d", file);
   library_command(l, text);
@@ -387,11 +389,11 @@ static void deck_run(const library *l, const char *osdi, int file, char *deck,
   l->init(on_words, NULL, on_exit_request, on_values, on_vectors, on_thread,
           NULL);
   *trouble = 0;
-  reset_signals(); /* handlers of ngspice would turn a crash into an exit */
+  reset_signals(); /* signal handlers of ngspice would hide a crash */
   library_command(l, "set num_threads=1");
   library_command(l, "set rndseed=1");
-  library_command(
-      l, "set no_mem_check"); /* newer versions would read /proc/meminfo */
+  library_command(l, "set no_mem_check"); /* newer versions of ngspice would
+                                             read /proc/meminfo */
   if (osdi) load_osdi(l, osdi, file);
   size_t plots = length_of(l->plots());
   l->circuit(lines_of(deck));

@@ -1,18 +1,19 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Restriction to one readable file and no network by Landlock of the Linux
-   kernel, for which the C library has no functions. */
+/* Restriction of the process to one readable file and no network by Landlock, a
+   feature of the Linux kernel. The C library has no functions for Landlock. */
 #include <stdint.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
 #include "simulator/sandbox.h"
 
-/* As in linux/landlock.h, which may be older than the kernel. */
+/* As landlock_ruleset_attr in linux/landlock.h, which may be older than the
+   kernel. */
 struct ruleset {
   uint64_t files, network, scoped;
 };
 
-/* As there, packed. */
+/* As landlock_path_beneath_attr in linux/landlock.h. */
 struct beneath {
   uint64_t allowed;
   int32_t file;
@@ -20,9 +21,10 @@ struct beneath {
 
 enum { ALL_NETWORK = 3, ALL_SCOPED = 3, BENEATH = 1, READ_FILE = 1 << 2 };
 
-/* Rights known to each version of the interface, from 1 on. */
+/* Known file rights and size of `ruleset` in each version of Landlock, from
+   1. */
 static const struct {
-  unsigned bits; /* rights on files */
+  unsigned bits; /* number of file rights */
   size_t size;
 } versions[] = {{13, 8}, {14, 8}, {15, 8}, {15, 16}, {16, 16}, {16, 24}};
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Landlock without the other restrictions: no file is read, changed or created,
-   except that the named one is read. */
+/* Landlock without the other restrictions: only the permitted file can be read,
+   and no file can be changed or created. */
 #include "simulator/landlock.c"
 
 #include <arpa/inet.h>

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Statements of a model library as texts. The statements that a device needs
-   are found by name: a subcircuit that no needed statement names is omitted. */
+/* Statements of a model library as texts. A device needs its model or
+   subcircuit and all models and subcircuits that needed statements name. Other
+   models and subcircuits are omitted. */
 #include <eda/memory.h>
 #include <eda/models.h>
 #include <errno.h>
@@ -14,24 +15,24 @@
 
 /* A top-level statement, or a subcircuit from .subckt to .ends. */
 typedef struct piece {
-  char *name;    /* name of the subcircuit, or of the model without its bin; or
-                    NULL */
+  char *name;    /* subcircuit, or model without bin number; NULL: another
+                    statement */
   int kind;      /* EDA_MODEL_CARD, EDA_MODEL_SUBCIRCUIT, 0 */
-  GPtrArray *of; /* its statements, char * */
+  GPtrArray *of; /* statements, char * */
 } piece;
 
 struct eda_models {
   GArray *piece;
   double unit;
   char *osdi;    /* NULL: none */
-  GRegex *bound; /* lmin = 1e-7 */
+  GRegex *bound; /* matches bounds such as "lmin = 1e-7" */
 };
 
 /* ---- words of a statement ---- */
 
 static const char blanks[] = " \t\n+=(){}',\"";
 
-/* Return the first or second word, in lower case. */
+/* Return the first or second word in lower case (g_free). */
 static char *word_of(const char *statement, int second) {
   const char *s = statement;
   for (int i = 0; i < second; i++) {
@@ -41,8 +42,8 @@ static char *word_of(const char *statement, int second) {
   return g_ascii_strdown(s, (gssize)strcspn(s, " \t\n="));
 }
 
-/* Return the name without its bin: "nshort_model.8" is a bin of
-   "nshort_model". */
+/* Return a model name without bin number (g_free): "nshort_model" for
+   "nshort_model.8". */
 static char *without_bin(const char *name) {
   const char *dot = strrchr(name, '.');
   int is_bin =
@@ -50,11 +51,11 @@ static char *without_bin(const char *name) {
   return is_bin ? g_strndup(name, (gsize)(dot - name)) : g_strdup(name);
 }
 
-/* ---- nothing by lot ---- */
+/* ---- removal of statistical variation ---- */
 
-/* Find the commas after the first two arguments of a function, from its bracket
-   on; a missing comma is the end of the arguments. Return 0 if the bracket is
-   not closed. */
+/* Find the commas after the first two arguments of a function; `s` begins after
+   the bracket. For a missing comma, write the end of the arguments. Return 0 if
+   the bracket is not closed. */
 static int find_arguments(const char *s, const char *comma[2]) {
   int depth = 0, n = 0;
   for (; *s; s++) {
@@ -66,9 +67,10 @@ static int find_arguments(const char *s, const char *comma[2]) {
   return *s == ')';
 }
 
-/* Return a statement with agauss(nominal, deviation, sigma) replaced by
-   agauss(nominal,0, sigma). The function stays, because the simulator accepts
-   some expressions only with it. */
+/* Return a statement (g_free) with agauss(nominal, deviation, sigma) replaced
+   by agauss(nominal,0, sigma); likewise for gauss, aunif and unif. The function
+   name stays, because the simulator accepts some expressions only with the
+   function. */
 static char *statement_settle(const char *statement) {
   static const char *const lots[] = {"agauss", "gauss", "aunif", "unif"};
   GString *out = g_string_new(NULL);
@@ -121,7 +123,7 @@ static void take_scale(eda_models *l, const char *statement) {
   if (netlist_number(number, &value) && value > 0) l->unit = value * 1e9;
 }
 
-/* Add a statement; *depth is the number of open subcircuits. */
+/* Store a statement; *depth is the number of open subcircuits. */
 static void models_take_statement(eda_models *l, const char *statement,
                                   int *depth) {
   int opens = begins_with(statement, ".subckt"),
@@ -145,8 +147,8 @@ static void models_take_statement(eda_models *l, const char *statement,
   *depth += opens - (closes && *depth > 0);
 }
 
-/* Add the statements of `text`: the title, then one statement a line, including
-   continuations. */
+/* Store the statements of `text`. The first line is a title. Each further line
+   is a statement, continued by lines that begin with '+'. */
 static void take_all(eda_models *l, char *text) {
   int depth = 0;
   char *s = strchr(text, '\n');
@@ -159,7 +161,8 @@ static void take_all(eda_models *l, char *text) {
   }
 }
 
-/* Return the absolute path, because the simulator runs in another folder. */
+/* Return the absolute path (free()), because the simulator runs in another
+   folder. */
 static char *whole_path(const char *file, const char *parameter,
                         opc_error *error) {
   char *path = realpath(file, NULL);
@@ -229,7 +232,7 @@ int eda_models_kind(const eda_models *l, const char *name) {
   return kind;
 }
 
-/* ---- needed pieces ---- */
+/* ---- needed statements ---- */
 
 /* Add all words of a piece to `words`. */
 static void add_words(GHashTable *words, const piece *p) {
@@ -244,8 +247,9 @@ static void add_words(GHashTable *words, const piece *p) {
   }
 }
 
-/* Mark the pieces that a device needs: those named by other needed pieces, and
-   all that are no model, subcircuit or device. */
+/* Return an array (free()) with 1 for each piece that the models `name` need:
+   models and subcircuits that needed pieces name, and all other statements that
+   begin with '.'. */
 static char *find_needed(const eda_models *l, const char *name) {
   g_autoptr(GHashTable) words =
       g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
@@ -275,8 +279,8 @@ static char *find_needed(const eda_models *l, const char *name) {
 
 /* ---- bins ---- */
 
-/* Read the bounds of a .model statement, nm. Return 1 if all four are
-   numbers. */
+/* Read the bounds of a bin (.model statement), nm. Return 1 if all four bounds
+   are numbers. */
 static int read_bin(const eda_models *l, const char *statement,
                     eda_sizes *out) {
   g_autoptr(GMatchInfo) match = NULL;
@@ -303,15 +307,15 @@ static void bin_join(double into[2], const double more[2]) {
   into[1] = fmax(into[1], more[1]);
 }
 
-/* Return whether two pieces are bins of one model. */
+/* Return whether two pieces belong to the same model. */
 static int are_one(const piece *a, const piece *b) {
   return a == b || (a->kind == EDA_MODEL_CARD && b->kind == a->kind &&
                     !strcmp(a->name, b->name));
 }
 
-/* Compute the outermost bounds of the bins among the kept pieces: of all if
-   `of` is NULL, otherwise of the model of that piece. Return whether any were
-   found. */
+/* Compute the smallest lower and largest upper bounds of all bins in kept
+   pieces. If `of` is not NULL, only bins of the model of this piece count.
+   Return whether there are any bins. */
 static int bins_outermost(const eda_models *l, const char *keep,
                           const piece *of, eda_sizes *out) {
   int found = 0;
@@ -335,11 +339,11 @@ int eda_models_bins(const eda_models *l, const char *name, eda_sizes *out) {
   return found;
 }
 
-/* Rounding of bounds, nm: 1 pm. */
+/* Tolerance for equal bounds, nm. */
 static const double same = 1e-3;
 
-/* Extend an outermost bin to the wanted sizes. Return whether the bin
-   changed. */
+/* Extend a bin that is outermost (its bound equals the bound in `all`) beyond
+   the sizes `to`. Return whether the bin changed. */
 static int bin_stretch(double bin[2], const double all[2], const double to[2]) {
   const double was[2] = {bin[0], bin[1]};
   if (fabs(bin[0] - all[0]) < same) bin[0] = fmin(bin[0], to[0] - 1);
@@ -362,7 +366,8 @@ static gboolean write_bound(const GMatchInfo *match, GString *out, void *data) {
   return FALSE;
 }
 
-/* Write a statement unless it is a bin for other sizes. */
+/* Write a statement, unless the statement is a bin that does not overlap
+   `sizes`. If `extend` is set, extend outermost bins to `sizes`. */
 static void models_put_statement(const eda_models *l, GString *out,
                                  const char *statement, const eda_sizes *all,
                                  const eda_sizes *sizes, int extend) {

@@ -77,7 +77,8 @@ static void test_cut(void) {
   cut_has(l, &(eda_sizes){{120, 200}, {1500, 1500}}, 0, "12", NULL);
   cut_has(l, &(eda_sizes){{120, 250}, {500, 9000}}, 0, "123", NULL);
   cut_has(l, &(eda_sizes){{80, 90}, {1500, 1500}}, 0, "", NULL);
-  /* One nm further, because a bound itself may belong to no bin. */
+  /* The bound is 1 nm beyond the size, because a size equal to a bound may
+     belong to no bin. */
   cut_has(l, &(eda_sizes){{80, 90}, {1500, 1500}}, 1, "1", "lmin=7.9e-08");
   cut_has(l, &(eda_sizes){{150, 160}, {500, 500}}, 1, "1", "wmin=4.99e-07");
   cut_has(l, &(eda_sizes){{900, 1000}, {1500, 1500}}, 1, "2", "lmax=1.001e-06");
@@ -102,8 +103,8 @@ static double current_of(const char *models) {
   return current;
 }
 
-/* An excerpt simulates like a card written by hand with nominal values, not
-   with random ones. */
+/* An excerpt of the library yields the same current as a hand-written card with
+   nominal values. */
 static void test_current(void) {
   eda_models *l = models_load("tt");
   char *cut =

@@ -1,23 +1,24 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Protocol between the library and its helper program. The library writes a
-   deck, a zero byte and commands to standard input. The program answers on
-   standard output by records: a header followed by its bytes. */
+/* Protocol between the library and the helper program. The library writes a
+   deck, a zero byte and commands to standard input of the program. The program
+   answers with records on standard output: a header followed by `bytes`
+   bytes. */
 #pragma once
 
 #include <stdint.h>
 
 enum {
-  WORDS = 'w',   /* a line printed by the simulator */
+  WORDS = 'w',   /* line printed by the simulator */
   TROUBLE = 't', /* error message; ends the run */
-  MISSING = 'm', /* the library cannot be loaded, and why; ends the run */
-  NO_OSDI = 'o', /* the library does not support compiled models; ends the
+  MISSING = 'm', /* reason why the library of ngspice cannot be loaded; ends the
                     run */
-  COMMAND = 'c', /* command that begins */
-  STATE = 's',   /* its latest point, as text */
+  NO_OSDI = 'o', /* the library of ngspice has no OSDI support; ends the run */
+  COMMAND = 'c', /* command that is about to run */
+  STATE = 's',   /* latest point of the running command, as text */
   PLOT = 'p',    /* name of a plot */
-  NAME = 'n',    /* name of a vector of that plot */
-  VALUES = 'v',  /* values of that vector: doubles */
-  DONE = 'd'     /* end of all commands */
+  NAME = 'n',    /* name of a vector of the last plot */
+  VALUES = 'v',  /* values of the last vector: doubles */
+  DONE = 'd'     /* all commands have finished */
 };
 
 typedef struct record {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Three protections: a list of system calls needed for arithmetic (seccomp,
-   required), no file access (Landlock, if the kernel has it), and resource
-   limits. Each of them alone prevents file access. */
+/* Three restrictions: allowed system calls (seccomp, required), no file access
+   (Landlock, if the kernel supports Landlock), and resource limits. Each
+   restriction alone prevents file access. */
 #include "simulator/sandbox.h"
 
 #include <errno.h>
@@ -15,13 +15,13 @@
 
 /* ---- limits ---- */
 
-/* Twice the size of the values that the library accepts (2 GB), far more than
-   one matrix and its netlist need. */
+/* Bytes: twice the largest accepted size of results (2 GB), far more than a
+   circuit's matrix and netlist need. */
 static const rlim_t most_memory = (rlim_t)4 << 30;
 
 static const char *set_limits(int file) {
   const struct rlimit none = {0, 0}, memory = {most_memory, most_memory};
-  /* One descriptor beyond that of the file, to reopen it. */
+  /* Descriptors up to file + 1, so that the file can be opened again. */
   const rlim_t most_files = file < 0 ? 0 : (rlim_t)file + 2;
   const struct rlimit files = {most_files, most_files};
   int bad = setrlimit(RLIMIT_FSIZE, &none) | setrlimit(RLIMIT_NPROC, &none) |
@@ -32,7 +32,7 @@ static const char *set_limits(int file) {
 
 /* ---- system calls ---- */
 
-/* Memory, time, open files, and own signals. */
+/* Calls for memory, time, open files, and signals of the process itself. */
 static const int allowed[] = {
     SCMP_SYS(read),
     SCMP_SYS(write),
@@ -71,8 +71,8 @@ static const int allowed[] = {
     SCMP_SYS(exit_group),
 };
 
-/* Calls that no simulation makes by accident: they end the process with SIGSYS,
-   so that no values are accepted from it. Other calls fail with EACCES. */
+/* Calls that no simulation needs: such a call ends the process with SIGSYS, so
+   that no values of the simulation are used. Other calls fail with EACCES. */
 static const int deadly[] = {
     SCMP_SYS(execve), SCMP_SYS(execveat), SCMP_SYS(fork),
     SCMP_SYS(vfork),  SCMP_SYS(clone),    SCMP_SYS(ptrace),
@@ -81,8 +81,8 @@ static const int deadly[] = {
     SCMP_SYS(mkdir),  SCMP_SYS(mkdirat),  SCMP_SYS(creat),
 };
 
-/* Opening for reading fails, and the simulator reports it; opening for writing
-   ends the process. */
+/* End the process at an attempt to open a file for writing. Opening for reading
+   fails with EACCES, which the simulator reports. */
 static int refuse_writing(scmp_filter_ctx f) {
   int bad = 0;
   for (int at = 0; at < 2; at++) {
@@ -96,8 +96,8 @@ static int refuse_writing(scmp_filter_ctx f) {
   return bad;
 }
 
-/* Allow the calls of dlopen for one file, which Landlock selects. Its pages are
-   executable or writable, never both. */
+/* Allow the calls of dlopen. Landlock restricts dlopen to one file. Mapped
+   pages are executable or writable, never both. */
 static int allow_mapping(scmp_filter_ctx f) {
   int bad = 0;
   const int asks[] = {SCMP_SYS(stat), SCMP_SYS(stat64), SCMP_SYS(newfstatat),
@@ -125,14 +125,16 @@ static int add_rules(scmp_filter_ctx f, int file) {
     bad |= seccomp_rule_add(f, SCMP_ACT_ALLOW, allowed[i], 0);
   for (size_t i = 0; i < sizeof deadly / sizeof *deadly; i++)
     bad |= seccomp_rule_add(f, SCMP_ACT_KILL_PROCESS, deadly[i], 0);
-  /* The C library falls back to calls whose arguments can be checked. */
+  /* With ENOSYS, the C library uses clone, whose arguments seccomp can
+     check. */
   bad |= seccomp_rule_add(f, SCMP_ACT_ERRNO(ENOSYS), SCMP_SYS(clone3), 0);
-  /* No new code. */
+  /* No executable pages. */
   const int maps[] = {SCMP_SYS(mmap), SCMP_SYS(mmap2), SCMP_SYS(mprotect)};
   for (size_t i = 0; i < sizeof maps / sizeof *maps; i++)
     bad |= seccomp_rule_add(f, SCMP_ACT_ALLOW, maps[i], 1,
                             SCMP_A2(SCMP_CMP_MASKED_EQ, PROT_EXEC, 0));
-  /* fstat as called by the C library; not for paths. */
+  /* fstat as called by the C library (AT_EMPTY_PATH); stat of paths is not
+     allowed. */
   bad |= seccomp_rule_add(
       f, SCMP_ACT_ALLOW, SCMP_SYS(newfstatat), 1,
       SCMP_A3(SCMP_CMP_MASKED_EQ, AT_EMPTY_PATH, AT_EMPTY_PATH));

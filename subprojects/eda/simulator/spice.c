@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Runs the helper program for a deck and reads its answer continuously, so that
-   the reason of a crash is not lost. */
+/* Runs the helper program for a deck. Reads the records while the program runs,
+   so that the records before a crash are known. */
 #include <eda/memory.h>
 #include <eda/simulator.h>
 
@@ -21,19 +21,19 @@
 
 enum { MOST_SAID = 200 };
 static const uint64_t most_bytes = UINT64_C(1) << 31;
-static const double patience = 0.05; /* interval of the tests for cancellation,
-                                        s */
+static const double patience =
+    0.05; /* interval of checks for cancellation, s */
 
 /* ---- answer ---- */
 
 typedef struct reading {
   const opc_context *context;
   eda_spice_result *out;
-  char *data; /* records, complete ones first */
+  char *data; /* unprocessed records */
   size_t used, capacity;
   uint64_t taken;
   GString *words;
-  char *trouble, *command, *state; /* `state`: of the running command */
+  char *trouble, *command, *state; /* `state`: latest point of `command` */
   int missing, no_osdi, done;
 } reading;
 
@@ -91,7 +91,7 @@ static void take_record(reading *r, record head, const char *data) {
   }
 }
 
-/* Process the complete records. */
+/* Process all complete records in `data`. */
 static void take_records(reading *r) {
   size_t at = 0;
   record head;
@@ -105,8 +105,8 @@ static void take_records(reading *r) {
   r->used -= at;
 }
 
-/* Read available data. Return 0 at the end, -1 and *error if the limit is
-   exceeded. */
+/* Read available data. Return 1 after data, 0 at the end, or -1 and *error if
+   the answer exceeds most_bytes. */
 static int read_some(reading *r, int in, opc_error *error) {
   enum { PIECE = 1 << 16 };
   eda_grow(&r->data, &r->capacity, r->used + PIECE, 1);
@@ -125,7 +125,8 @@ static int read_some(reading *r, int in, opc_error *error) {
   return 1;
 }
 
-/* Read until the program has closed its output. */
+/* Read until the program closes its output, `limit` seconds have passed, or the
+   run is cancelled. */
 static int listen_to(reading *r, int in, double limit, opc_error *error) {
   gint64 start = g_get_monotonic_time();
   struct pollfd wait = {.fd = in, .events = POLLIN};
@@ -148,7 +149,7 @@ static int listen_to(reading *r, int in, double limit, opc_error *error) {
   }
 }
 
-/* Return the end of the printed text, on one line. */
+/* Return the last printed text on one line (g_free). */
 static char *last_words(const GString *words) {
   if (!words->len) return g_strdup("nothing");
   gsize n = MIN(words->len, MOST_SAID);
@@ -193,10 +194,11 @@ static int child_judge(const reading *r, GSubprocess *child, opc_error *error) {
                   g_subprocess_get_exit_status(child), output);
 }
 
-/* ---- the program's life ---- */
+/* ---- the process ---- */
 
-/* Return the path of the program: relative to the library as installed;
-   otherwise in the build folder or the installation prefix. */
+/* Return the path of the helper program (g_free): OPCFLOW_SIMULATOR if set;
+   relative to an installed library; otherwise in the build folder or the
+   installation prefix. */
 static char *find_program(void) {
   const char *own = g_getenv("OPCFLOW_SIMULATOR");
   Dl_info here;
@@ -213,8 +215,8 @@ static char *find_program(void) {
   return g_strdup(built ? EDA_SIMULATOR_BUILT : EDA_SIMULATOR_INSTALLED);
 }
 
-/* Return the request as an open file, so that a slow or dead reader does not
-   block or kill this process. */
+/* Return a memory file with deck and commands. Unlike a pipe, the file neither
+   blocks nor raises SIGPIPE if the program is slow or ends. */
 static int open_request(const char *deck, const char *commands,
                         opc_error *error) {
   int file = memfd_create("deck", MFD_CLOEXEC);
@@ -229,7 +231,7 @@ static int open_request(const char *deck, const char *commands,
   return -1;
 }
 
-/* Start the program; *answer is its output. */
+/* Start the helper program. Write the descriptor of its output to *answer. */
 static GSubprocess *helper_start(const char *deck, const char *osdi,
                                  const char *commands, double limit,
                                  int *answer, opc_error *error) {
@@ -245,11 +247,13 @@ static GSubprocess *helper_start(const char *deck, const char *osdi,
   int ends[2], request = open_request(deck, commands, error);
   if (request < 0) return NULL;
   if (pipe2(ends, O_CLOEXEC)) {
-    opc_fail(error, OPC_FAILED, NULL, "no pipe: %s", g_strerror(errno));
+    opc_fail(error, OPC_FAILED, NULL, "cannot create a pipe: %s",
+             g_strerror(errno));
     close(request);
     return NULL;
   }
-  /* The program closes inherited descriptors itself, so GLib need not fork. */
+  /* The helper program closes inherited descriptors, so GLib can spawn without
+     fork. */
   g_autoptr(GSubprocessLauncher) launcher = g_subprocess_launcher_new(
       G_SUBPROCESS_FLAGS_INHERIT_FDS | G_SUBPROCESS_FLAGS_STDERR_SILENCE);
   g_subprocess_launcher_take_stdin_fd(launcher, request);
@@ -261,7 +265,7 @@ static GSubprocess *helper_start(const char *deck, const char *osdi,
     return child;
   }
   close(ends[0]);
-  opc_fail(error, OPC_FAILED, NULL, "no process: %s", why->message);
+  opc_fail(error, OPC_FAILED, NULL, "cannot start a process: %s", why->message);
   return NULL;
 }
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Circuits with closed forms, and all failures. */
+/* Circuits with closed-form solutions, and all kinds of failures. */
 #include <eda/simulator.h>
 
 #include <gio/gio.h>
@@ -32,10 +32,10 @@ static const char rc[] =
     ".options reltol=1e-6\n"
     ".end\n";
 
-static char *own; /* ngspice library given by the user; NULL: the installed
-                     one */
+static char *
+    own; /* ngspice library selected by the user; NULL: the installed library */
 
-/* Select the ngspice library; NULL: that of the user. */
+/* Select the ngspice library; NULL: the library of the user. */
 static void library_use(const char *library) {
   if (library || own)
     g_setenv("OPCFLOW_NGSPICE", library ? library : own, TRUE);
@@ -43,7 +43,8 @@ static void library_use(const char *library) {
     g_unsetenv("OPCFLOW_NGSPICE");
 }
 
-/* The ngspice library may be missing; the helper program is built here. */
+/* Return whether ngspice is available. The ngspice library may be missing,
+   although the helper program is always built. */
 static int have_ngspice(void) {
   eda_spice_result r;
   opc_error error;
@@ -136,7 +137,7 @@ static void test_words(void) {
                "'op': Error", 0);
 }
 
-/* A library that exits or hangs does not stop the caller. */
+/* A library that exits or hangs does not stop this process. */
 static void test_death(void) {
   static const char endless[] = "tran 1f 1000";
   if (!have_ngspice()) return;
@@ -220,7 +221,7 @@ static void test_sandbox(void) {
   g_assert_cmpint(g_rmdir(folder), ==, 0);
 }
 
-/* Only the given file is readable, by any of its names. */
+/* Only the given file is readable, by all its names. */
 static void test_osdi_file(void) {
   library_use(EDA_EVIL_BUILT);
   assert_fails(with_osdi, "read " EDA_OSDI_BUILT, LIMIT, OPC_FAILED,
@@ -238,8 +239,8 @@ static void test_osdi_file(void) {
   ".model other unknown x=1\nvd d 0 1\nvg g 0 1\nn1 d g 0 0 m w=2u l=1u\n" \
   ".end\n"
 
-/* A square law whose object tries to escape when loaded, and conducts only if
-   all attempts fail. */
+/* A square-law model whose shared object attempts forbidden actions when
+   loaded. The transistor conducts only if all attempts fail. */
 static void test_osdi(void) {
   eda_spice_result r;
   opc_error error;
@@ -296,7 +297,8 @@ static GBytes *hand_over(const char *deck) {
 }
 
 /* Decks that the filter rejects have no effect in ngspice inside the sandbox.
-   The ngspice command, if installed, shows their effect without a sandbox. */
+   The ngspice command, if installed, shows that the decks have an effect
+   without a sandbox. */
 static void test_evil_decks(void) {
   static const char *const evil[] = {
       "t\nv1 a 0 1\n.control\nshell touch %s\n.endc\n.end",
@@ -343,7 +345,7 @@ static gpointer helper_call(gpointer unused) {
   for (;;) {
     g_autofree char *text = NULL;
     if (g_file_get_contents(path, &text, NULL, NULL) && *text) {
-      g_usleep(100000); /* the sandbox is entered by then */
+      g_usleep(100000); /* the helper has entered the sandbox by then */
       printf("%ld\n", atol(text));
       fflush(stdout);
       return NULL;

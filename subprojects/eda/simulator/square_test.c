@@ -97,7 +97,7 @@ typedef struct card {
   double of[SETTINGS];
 } card;
 
-static int is_free; /* an escape succeeded */
+static int is_free; /* 1: a forbidden action succeeded */
 
 __attribute__((constructor)) static void look_around(void) {
   is_free = open("/etc/passwd", O_RDONLY) >= 0 ||
@@ -150,7 +150,7 @@ static uint32_t model_evaluate(void *handle, void *instance, const void *model,
   return 0;
 }
 
-/* The right side of Newton's step contains only nonlinear terms. */
+/* Newton's method: only nonlinear terms contribute to the right side. */
 static void add_rest(void *instance, void *model, double *to, double *voltage) {
   const transistor *t = instance;
   double rest = -t->current;

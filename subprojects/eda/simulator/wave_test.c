@@ -27,7 +27,7 @@ static void test_exponential(void) {
   }
 }
 
-/* The last crossing of the middle level counts; an incomplete edge is not
+/* The last crossing of the middle level is used; an incomplete edge is not
    accepted. */
 static void test_turns_back(void) {
   const double h[] = {0, 0.6, 1, 0.4, 0.05, 0.3, 0.7, 0.8, 0.95};

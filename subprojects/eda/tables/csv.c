@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Reader of small CSV tables. A file is read as one text and split into fields
-   in place, so the position of a field is that of its text. */
+/* Reader of small CSV tables. The whole file is read, then split into fields in
+   place. The address of a field determines its column in messages. */
+#include <base/sheet.h>
 #include <eda/csv.h>
 #include <glib.h>
 #include <math.h>
 #include <string.h>
 #include <sys/stat.h>
 
-/* Limit for a million transistors with rows of some 60 letters. */
+/* Largest size, bytes: a million transistors with rows of about 60
+   characters. */
 enum { MOST_BYTES = 64 << 20 };
 
 /* ---- state ---- */
@@ -15,7 +17,7 @@ enum { MOST_BYTES = 64 << 20 };
 typedef struct line {
   int number;       /* line number in the file, from 1 */
   const char *text; /* start of the line */
-  size_t first;     /* first field, in eda_csv.fields */
+  size_t first;     /* index of the first field in eda_csv.fields */
 } line;
 
 struct eda_csv {
@@ -24,13 +26,13 @@ struct eda_csv {
   size_t n; /* number of columns */
   uint32_t flags;
   char *path, *text;
-  int *field;        /* position of each column in a row; -1: missing */
-  int width;         /* fields in a row */
+  int *field;        /* position of each column in a row; -1: absent */
+  int width;         /* number of fields in a row */
   GArray *rows;      /* line */
-  GPtrArray *fields; /* const char *: `width` of each row */
+  GPtrArray *fields; /* const char *: `width` fields for each row */
 };
 
-/* ---- faults ---- */
+/* ---- errors ---- */
 
 static int fail_at(const eda_csv *c, const line *l, const char *place,
                    const char *what, const char *text, opc_error *error) {
@@ -46,20 +48,22 @@ int eda_csv_fail(const eda_csv *c, size_t row, int column, const char *what,
                  text, error);
 }
 
-/* ---- cutting ---- */
+/* ---- fields and lines ---- */
 
-/* Split the next field off *rest, which becomes NULL after the last one. */
+/* Return the next field of *rest without surrounding blanks, and advance *rest.
+   After the last field, *rest is NULL. */
 static char *cut_field(char **rest) {
   char *field = *rest, *comma = strchr(field, ',');
   *rest = comma ? comma + 1 : NULL;
   if (comma) *comma = '\0';
   g_strchomp(field);
   while (g_ascii_isspace(*field)) field++;
+  opc_cell_unmark(field);
   return field;
 }
 
-/* Return the next line that is not empty, terminated in place; NULL at the
-   end. */
+/* Return the next line that is neither empty nor a comment, terminated in
+   place; NULL at the end of the file. */
 static char *next_line(char **rest, line *l) {
   while (*rest) {
     char *text = *rest, *end = strchr(text, '\n');
@@ -75,7 +79,7 @@ static char *next_line(char **rest, line *l) {
   return NULL;
 }
 
-/* Read a name in the header, with or without its unit. */
+/* Read a column name in the header, with or without unit. */
 static int read_name(eda_csv *c, const line *l, const char *field,
                      opc_error *error) {
   g_autofree char *name = g_strdup(field);
@@ -87,9 +91,9 @@ static int read_name(eda_csv *c, const line *l, const char *field,
     const char *known = c->columns[i].unit;
     g_autofree char *want = g_strdup_printf("%s)", known ? known : "");
     if (unit && strcmp(unit, want))
-      return fail_at(c, l, field, "a wrong unit:", field, error);
+      return fail_at(c, l, field, "wrong unit:", field, error);
     if (c->field[i] >= 0)
-      return fail_at(c, l, field, "a column twice:", name, error);
+      return fail_at(c, l, field, "duplicate column:", name, error);
     c->field[i] = c->width;
     return OPC_OK;
   }
@@ -110,7 +114,7 @@ static int read_header(eda_csv *c, const line *l, char *text,
   return OPC_OK;
 }
 
-/* Read a row. Missing fields at its end are empty. */
+/* Read a row. Missing fields at the end of the row are empty. */
 static int read_row(eda_csv *c, line *l, char *text, opc_error *error) {
   char *end = text + strlen(text), *rest = text;
   l->first = c->fields->len;
@@ -189,7 +193,7 @@ void eda_csv_free(eda_csv *c) {
   g_free(c);
 }
 
-/* ---- fields ---- */
+/* ---- queries ---- */
 
 size_t eda_csv_rows(const eda_csv *c) { return c->rows->len; }
 

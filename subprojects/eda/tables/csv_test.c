@@ -77,9 +77,9 @@ static void test_bad_files(void) {
       {"# only this\n", "' has no rows"},
       {"type,w\n", "' has no rows"},
       {"\ntype,q\n", ":2:6: unknown column 'q'"},
-      {"type,w (um)\n", ":1:6: a wrong unit: 'w (um)'"},
-      {"type (nm),w\n", ":1:1: a wrong unit: 'type (nm)'"},
-      {"type,w, w\n", ":1:9: a column twice: 'w'"},
+      {"type,w (um)\n", ":1:6: wrong unit: 'w (um)'"},
+      {"type (nm),w\n", ":1:1: wrong unit: 'type (nm)'"},
+      {"type,w, w\n", ":1:9: duplicate column: 'w'"},
       {"w\n1", ":1:1: missing column 'type'"},
       {"type,w\n"
        "n,1\n"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Folders of the runs of an experiment. */
+/* Experiments (data kind): cases, methods, and the folder of each run. */
 #include <eda/experiment.h>
 #include <glib.h>
 

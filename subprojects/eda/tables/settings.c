@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Settings of parameters with a figure of merit for each combination. */
+/* Settings of parameters (data kind) with a figure of merit for each
+   combination. */
 #include <eda/settings.h>
 #include <glib.h>
 

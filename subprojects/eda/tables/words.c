@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements suggestions for mistyped words of NULL-terminated lists. */
+/* Suggestions for mistyped words from NULL-terminated lists. */
 #include <eda/words.h>
 
 #include <base/suggest.h>

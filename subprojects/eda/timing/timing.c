@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Timing tables of cells, and their interpolation. */
+/* Timing tables of cells and interpolation in the tables. */
 #include <eda/timing.h>
 
 #include <math.h>
@@ -29,10 +29,11 @@ const eda_timing_cell *eda_timing_find(const eda_timing *timing,
 }
 
 enum {
-  POINTS = 3,    /* grid points at which size changes are simulated */
+  POINTS = 3,    /* grid points with simulated size changes: (load, slew) at
+                    positions (0, 0), (1, 0) and (0, 1) */
   CORNERS = 5,   /* simulated pairs of slews of two inputs: four corners of a
-                    square and one point inside */
-  PAIR_SLEWS = 6 /* slews of both inputs of a pair, three each */
+                    rectangle and one point inside */
+  PAIR_SLEWS = 6 /* slews of both inputs of a pair: three for each input */
 };
 
 void eda_timing_cell_figures(eda_pool *pool, eda_timing_cell *c) {
@@ -94,7 +95,7 @@ int eda_timing_check(const void *timing, opc_error *error) {
 
 /* ---- interpolation ---- */
 
-/* Return the slope at a point: that of the parabola through the point and its
+/* Return the slope at point i of the parabola through the point and its
    neighbours. */
 static double slope_at(const double *x, const double *y, size_t n, size_t i) {
   if (n == 2) return (y[1] - y[0]) / (x[1] - x[0]);
@@ -142,8 +143,8 @@ static double at_load(const eda_timing_cell *c, const double *row,
   return eda_timing_cubic_at(c->at_load, coefficient, c->loads, load);
 }
 
-/* Return the position of a value relative to the two values at which changes
-   were simulated: 0 at the first, 1 at the second. */
+/* Return the position of a value: 0 at at[near[0]] and 1 at at[near[1]], the
+   two grid points with simulated size changes. */
 static double position_between(const double *at, const size_t near[2],
                                double value) {
   return (value - at[near[0]]) / (at[near[1]] - at[near[0]]);
@@ -190,9 +191,9 @@ double eda_timing_capacitance(const eda_timing_cell *c, size_t input, int rises,
   return sum;
 }
 
-/* ---- two inputs at once ---- */
+/* ---- two switching inputs ---- */
 
-/* The gaps are denser where two inputs interact most. The values were chosen
+/* Simulated gaps, denser where two inputs interact most. The values were chosen
    for this program. */
 const double eda_timing_gap[EDA_TIMING_GAPS] = {0, 0.2, 0.45, 0.8, 1.3, 2.5};
 
@@ -201,9 +202,9 @@ double eda_timing_blend(double gap, double cause, double other) {
   return (1 - part) * cause + part * other;
 }
 
-/* Limit of the extrapolation of factors beyond the two simulated slews, as a
-   fraction of the distance between these slews. Further out, factors are not
-   linear in the slew. Chosen for this program. */
+/* Largest extrapolation of factors beyond the two simulated slews, as a
+   fraction of the distance between these slews. Factors are not linear further
+   away. The value was chosen for this program. */
 static const double beyond = 0.5;
 
 /* Return the position of a value relative to at[0] (position 0) and at[1]
@@ -213,11 +214,11 @@ static double place_of(const double at[2], double value) {
   return fmin(1 + beyond, fmax(-beyond, place));
 }
 
-/* Return a factor at a gap. The interpolation is cubic, but linear between the
-   last two simulated gaps, where cubics would overshoot. Beyond the last gap,
-   two parallel inputs are independent, and the factor is 1. With inputs in
-   series, the first input has changed the charge of the inner nodes for good,
-   so the factor keeps its last value. */
+/* Return a factor at a gap by cubic interpolation. Between the last two
+   simulated gaps the interpolation is linear, because a cubic would overshoot.
+   Beyond the last gap, parallel inputs are independent, so the factor is 1. For
+   inputs in series, the first input has permanently changed the charge of inner
+   nodes, so the factor keeps its last value. */
 static double factor_at(const double *value, int parallel, double gap) {
   enum { LAST = EDA_TIMING_GAPS - 1 };
   const double *x = eda_timing_gap;
@@ -236,8 +237,8 @@ static double blend_linear(const double *v, double a, double b) {
          a * ((1 - b) * v[2 * n] + b * v[3 * n]);
 }
 
-/* Return a weight for the positions a and b of two slews: at most 1/16 inside
-   the square 0 < a, b < 1, and 0 on its border and outside. */
+/* Return a weight for the positions a and b of two slews: a (1 - a) b (1 - b)
+   inside the unit square, otherwise 0. The maximum is 1/16. */
 static double bulge(double a, double b) {
   return fmax(0, a * (1 - a)) * fmax(0, b * (1 - b));
 }
@@ -260,21 +261,22 @@ void eda_timing_pair_at(const eda_timing_pair *p, double gap, double first,
   *slew = factor_at(part[1], p->parallel, gap);
 }
 
-/* ---- the input ---- */
+/* ---- input ramps ---- */
 
 /* Level at which the linear part of a ramp ends and the exponential part
    begins, for falling [0] and rising [1] ramps. Let r be the time from 50 to 90
-   % of a transition, divided by the time from 30 to 70 %. In simulations of 65
+   % of a transition divided by the time from 30 to 70 %. In simulations of 65
    nm inverters and NAND gates with loads of 0 to 8 fF, r was 1.4 to 1.8 for
-   rising and 1.1 to 1.3 for falling outputs; the ramps have 1.7 and 1.3. With
-   the level 0.5 for both, falling outputs of a chain are 5 % too early and
-   rising ones too late. */
+   rising and 1.1 to 1.3 for falling outputs. The ramps have r = 1.7 and 1.3.
+   With a level of 0.5 for both directions, delays of a chain are 5 % too short
+   for falling and too long for rising outputs. */
 static const double bend[] = {0.7, 0.55};
 
-/* End of the ramp: level of the last point on the exponential, and duration of
-   the final step from this level to 1. The unit of time is the duration of a
-   straight line from 0 to 1 with the initial slope. Chosen for this program:
-   the last percent of the input of a gate changes no relevant current. */
+/* End of the ramp: level of the last point of the exponential part, and
+   duration of the final step from this level to 1. The unit of time is the
+   duration of a straight line from 0 to 1 with the initial slope. The values
+   were chosen for this program: the last percent of a gate's input changes no
+   relevant current. */
 static const double ramp_last = 0.99, ramp_step = 0.1;
 
 double eda_timing_ramp(int rises, double level) {
@@ -287,7 +289,7 @@ void eda_timing_ramp_points(int rises, double time[EDA_TIMING_RAMP],
   const double first = bend[!!rises], last = ramp_last;
   level[0] = time[0] = 0;
   for (int i = 1; i < EDA_TIMING_RAMP - 1; i++) {
-    /* The distances of these levels from 1 form a geometric series. */
+    /* The differences between these levels and 1 form a geometric series. */
     double part = (double)(i - 1) / (EDA_TIMING_RAMP - 3);
     level[i] = 1 - (1 - first) * pow((1 - last) / (1 - first), part);
     time[i] = eda_timing_ramp(rises, level[i]);

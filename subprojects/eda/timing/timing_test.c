@@ -12,7 +12,7 @@ static void near(double a, double b, double within) {
 
 static double parabola(double x) { return 3 - 2 * x + 0.25 * x * x; }
 
-/* Cubics reproduce parabolas for any steps, and extrapolate with the slopes at
+/* Cubics reproduce parabolas for any grid, and extrapolate with the slopes at
    the ends. */
 static void test_cubic(void) {
   const double x[] = {1, 2, 2.5, 7, 8};
@@ -133,8 +133,9 @@ static void test_ramp(void) {
   }
 }
 
-/* Factors that are a plane in the slews and a parabola in the gap are
-   reproduced up to half a step outside; in parallel they end there. */
+/* Factors that are linear in each slew and a parabola in the gap are reproduced
+   up to half a step beyond the simulated slews. Beyond the last gap, factors of
+   parallel inputs are 1. */
 static void test_pair(void) {
   double figure[6 + 10 * EDA_TIMING_GAPS] = {1, 3, 1.5, 2, 4, 3.5}, d, s;
   eda_timing_pair p = {.at = {figure, figure + 3},
@@ -162,14 +163,14 @@ static void test_pair(void) {
   eda_timing_pair_at(&p, 9, 2, 3, &d, &s);
   near(d, 1, 0);
   near(s, 1, 0);
-  /* An excess in the middle applies fully at the middle and not at all at an
-     edge. */
+  /* An excess at the inner point has full effect at this point and no effect on
+     the border. */
   p.slew[4 * EDA_TIMING_GAPS] += 0.3;
   eda_timing_pair_at(&p, 0, 1.5, 3.5, &d, &s);
   near(s, 1.5 - 3.5 + 0.3, 1e-12);
   eda_timing_pair_at(&p, 0, 3, 3.5, &d, &s);
   near(s, 3 - 3.5, 1e-12);
-  /* Beyond half a step, values stay constant. */
+  /* More than half a step beyond the simulated slews, values are constant. */
   eda_timing_pair_at(&p, 0, 99, 3, &d, &s);
   near(s, 4 - 3, 1e-12);
   near(eda_timing_blend(0, 2, 4), 3, 0);

@@ -15,7 +15,8 @@ void cli_message(const char *kind, const char *format, ...) OPC_PRINTF(2, 3);
 /* Write an error message and return FALSE. */
 #define cli_refuse(...) (cli_message("error", __VA_ARGS__), FALSE)
 
-/* Suppress all later output, because another process writes the same. */
+/* Suppress all later output of this process, because another rank prints the
+   same output. */
 void cli_be_silent(void);
 
 /* Return whether messages go to a terminal whose cursor can be moved. */
@@ -49,8 +50,8 @@ gboolean cli_is_written(void);
 /* ---- options ---- */
 
 /* An option of a command line. One of `flag`, `text` and `list` is the address
-   of a variable that receives the value. *list, for cli_list, is NULL if the
-   option is not used. */
+   of a variable that receives the value. If the option is not used, *list (read
+   by cli_list) is NULL. */
 typedef struct cli_option {
   const char *name; /* without dashes; NULL ends a table of options */
   const char *help;
@@ -60,14 +61,15 @@ typedef struct cli_option {
   GPtrArray **list;
 } cli_option;
 
-/* Read the option at words[*i] of n words and advance *i to its last word.
-   `tables` is a NULL-terminated list of tables. On failure, write a message
-   that names `verb` and return FALSE. */
+/* Read the option at words[*i] of n words and advance *i to the last word of
+   the option. `tables` is a NULL-terminated list of tables. On failure, write a
+   message that names `verb` and return FALSE. */
 gboolean cli_take_option(const cli_option *const *tables, const char *verb,
                          guint n, char **words, guint *i);
 
-/* Print one line of the help, "name value" and a summary; or one line for each
-   option of a table, which may be NULL. */
+/* cli_print_pair: print one line of the help, "name value" and a summary.
+   cli_print_options: print one line for each option of a table, which may be
+   NULL. */
 void cli_print_pair(const char *name, const char *value, const char *summary);
 void cli_print_options(const cli_option *options);
 

@@ -17,12 +17,12 @@ gboolean opc_name_is_inside(const char *name);
    the folder cannot be read. */
 GPtrArray *opc_folder_names(const char *folder);
 
-/* Return whether a name has only letters, digits, '_', '-' and, if `dots` is
-   TRUE, dots, and does not begin with a dot or '-'. */
+/* Return whether a name has only letters, digits, '_', '-' and (if `dots` is
+   TRUE) dots. The first character must not be a dot or '-'. */
 gboolean opc_is_name(const char *text, gboolean dots);
 
-/* Return whether a name has lower_case words separated by dots: "model.wide".
- */
+/* Return whether a name has lower_case words separated by dots:
+   "model.wide". */
 gboolean opc_is_id(const char *name);
 
 /* Return the folder of the running executable (g_free); NULL if unknown. */
@@ -30,7 +30,7 @@ char *opc_executable_folder(void);
 
 /* Return the path PREFIX/`in`/opcflow/`name` of an installed file or folder
    (g_free); NULL if the executable is not installed. PREFIX is the folder of
-   the executable without its end, which must be one of `places` ("/bin",
-   NULL-terminated), so that an installation can be moved. */
+   the executable without the last part, which must be one of `places` ("/bin",
+   NULL-terminated). Thus an installation can be moved. */
 char *opc_installed(const char *const *places, const char *in,
                     const char *name);

@@ -1,22 +1,23 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Layers: trees of changes that are applied to another tree. Layers are a flow
-   that extends another flow, a variant, --set, a point of a sweep, and the
-   parameters of the default plugin of a slot. */
+   that extends another flow, a variant, --set, a point of a sweep, and the map
+   that changes the default plugin of a slot. */
 #pragma once
 
 #include <base/node.h>
 
-/* Apply the map `over` to the map `under`. Maps merge key by key. A list, a
-   text, or a map that selects another plugin with `use` replaces a value; `~`
-   removes the value. Nodes are copied; sources must outlive `under`. */
+/* Apply the map `over` to the map `under`. Maps merge key by key. Other values
+   of `over`, and maps that select another plugin by `use`, replace the value in
+   `under`; `~` removes the value. Nodes are copied; sources must outlive
+   `under`. */
 void opc_lay(opc_node *under, const opc_node *over, opc_problems *problems);
 
 /* Apply a map of steps to `steps`. A step not in `steps` needs `use`. */
 void opc_lay_steps(opc_node *steps, const opc_node *over,
                    opc_problems *problems);
 
-/* Set the value at `path`: "step", "step.parameter" or deeper. `key` is the
-   place where the source states the path, for problems. */
+/* Set the value at `path`: "step", "step.parameter" or deeper. Problems are
+   reported at `key`, the place of the path in the source. */
 void opc_lay_at(opc_node *steps, const char *path, const opc_place *key,
                 const opc_node *value, opc_problems *problems);
 
@@ -26,7 +27,8 @@ void opc_lay_demands(opc_node *demands, const char *path, const opc_place *key,
                      const opc_node *value, opc_problems *problems);
 
 /* Return a copy of a map with nested maps in place of keys with dots; `deep`:
-   also in nested maps. A value that is set in both forms is a problem. */
+   also inside nested maps. Adds a problem for a value that is set in both
+   forms. */
 opc_node *opc_undot(const opc_node *map, gboolean deep, opc_problems *problems);
 
 /* Parse "path=value" on a command line: return the value, and the path in *path

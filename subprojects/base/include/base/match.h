@@ -4,10 +4,10 @@
 
 #include <base/node.h>
 
-/* Values of a key in one layer. All texts are different. */
+/* Values of a key in one layer. No text occurs twice. */
 typedef struct opc_values {
   GPtrArray *nodes; /* opc_node * */
-  GPtrArray *stars; /* char *, part of a text that matched the star, or "" */
+  GPtrArray *stars; /* char *, part of each text that matched the star, or "" */
 } opc_values;
 
 void opc_values_init(opc_values *v);
@@ -16,9 +16,10 @@ void opc_values_clear(opc_values *v);
 /* Remove values that match a pattern. `files`: match names without folders. */
 void opc_values_remove(opc_values *v, const char *pattern, gboolean files);
 
-/* Add the values that match the pattern of a node: all matching files; the file
-   whose name has `star` in place of the star; or matching entries of `list`
-   (char *). If nothing matches, add a problem and return FALSE. */
+/* Add the values that match the pattern of a node. opc_match_files: all
+   matching files. opc_pair_file: the file with `star` in place of the star of
+   the pattern. opc_match_choices: the matching entries of `list` (char *). If
+   nothing matches, add a problem and return FALSE. */
 gboolean opc_match_files(const opc_node *node, opc_values *out,
                          opc_problems *problems);
 gboolean opc_pair_file(const opc_node *node, const char *star, opc_values *out,
@@ -27,7 +28,9 @@ gboolean opc_match_choices(const opc_node *node, const GPtrArray *list,
                            opc_values *out, opc_problems *problems);
 
 /* opc_label: return a label for a value: the name of a file without folder and
-   extension, the plugin of a map with `use`, or the text; "" for other values.
+   extension, or the text; "" for other values. The label of a map with `use`
+   consists of the file and the other words of the map. The label of a map
+   without a file is the plugin.
    opc_label_of_map: return the label of the first text in a map, otherwise of
    the first value that has a label. The caller frees both with g_free().
    opc_label_add: append a label unless it equals the last label of `to`. */

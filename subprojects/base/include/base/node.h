@@ -71,8 +71,9 @@ void opc_node_add(opc_node *map, opc_node *key, opc_node *value);
    the copies if the key is missing. */
 void opc_node_put(opc_node *map, const opc_node *key, const opc_node *value);
 
-/* Return whether all keys are among `words`, "a|b|c"; add a problem for each
-   other key: "unknown key 'x'", the text `where`, and a suggestion. */
+/* Return whether all keys are among `words`, "a|b|c". Otherwise add a problem
+   for each unknown key: "unknown key 'x'", the text `where`, and a
+   suggestion. */
 gboolean opc_node_check_keys(const opc_node *map, const char *words,
                              const char *where, opc_problems *problems);
 
@@ -82,8 +83,8 @@ gboolean opc_node_missing(const opc_node *map, const char *key,
                           const opc_place *at, const char *before,
                           const char *after, opc_problems *problems);
 
-/* Return the path of the file named by a text, relative to the folder of its
-   source (g_free). */
+/* Return the path of the file that a text names (g_free), relative to the
+   folder of the text's source. */
 char *opc_node_path(const opc_node *node);
 
 /* Return "a map", "a list" or "a text". */
@@ -95,7 +96,7 @@ char *opc_node_line(const opc_node *node);
 void opc_node_append(GString *out, const opc_node *node);
 void opc_text_append(GString *out, const char *text);
 
-/* Return whether a node is the missing value of `key:`. */
+/* Return whether a node is the missing value after `key:`. */
 gboolean opc_node_is_empty(const opc_node *node);
 
 /* Return whether a node is `~` or `null` without quotes. */

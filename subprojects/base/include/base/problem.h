@@ -33,11 +33,11 @@ gboolean opc_problem_add(opc_problems *problems, int code,
                          const opc_place *place, const char *format, ...)
     OPC_PRINTF(4, 5);
 
-/* Return whether the list is full, so that checks may stop. */
+/* Return whether the list is full; checks may then stop. */
 gboolean opc_problems_full(const opc_problems *problems);
 
-/* Add the problems of `from` that `problems` lacks, with `note` (may be NULL)
-   appended to their messages. */
+/* Add the problems of `from` that are not in `problems`, with `note` (may be
+   NULL) appended to the messages. */
 void opc_problems_merge(opc_problems *problems, const opc_problems *from,
                         const char *note);
 
@@ -54,10 +54,10 @@ char *opc_problem_text(const opc_problem *problem);
    (g_free). */
 char *opc_problems_text(opc_problems *problems);
 
-/* Return the code of all problems if equal, OPC_INVALID if the codes differ,
+/* Return the common code of all problems; OPC_INVALID if the codes differ,
    OPC_OK without problems. */
 int opc_problems_code(const opc_problems *problems);
 
-/* Sort the problems, fill *error with the first one and the number of others,
-   and return the code of *error. */
+/* Sort the problems, fill *error with the first problem and the number of
+   further problems, and return the code of *error. */
 int opc_problems_error(opc_problems *problems, opc_error *error);

@@ -7,8 +7,9 @@
 enum { OPC_RANGE_MOST = 100000 }; /* largest number of values in a range */
 
 /* Convert the text of a node to a number in the unit `to`; `to` NULL: a plain
-   number. Unless NULL, `given` is the unit of the text. `name` is the name of
-   the value in problems. Return FALSE and a problem on failure. */
+   number. If `given` is not NULL, the text is a number in the unit `given`.
+   `name` is the name of the value in problems. Return FALSE and a problem on
+   failure. */
 gboolean opc_quantity_read(const opc_node *node, const char *given,
                            const char *to, const char *name, double *number,
                            opc_problems *problems);
@@ -20,6 +21,6 @@ GPtrArray *opc_range_values(const opc_node *range, const opc_source *source,
                             opc_problems *problems);
 
 /* Return the numbers in nodes (g_free) and their unit in *unit, NULL for plain
-   numbers. Return NULL if the nodes have no numbers or different units.
- */
+   numbers. Return NULL if the nodes have no numbers or different
+   units. */
 double *opc_range_numbers(const GPtrArray *nodes, const char **unit);

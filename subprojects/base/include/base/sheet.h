@@ -16,16 +16,25 @@ opc_sheet *opc_sheet_new(size_t columns);
 void opc_sheet_free(opc_sheet *sheet);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_sheet, opc_sheet_free)
 
-/* Return a text with aligned columns, numbers to the right (g_free). If the
-   table is wider than `width` characters, columns with equal cells are moved to
-   a last line. If the remainder is too wide, a table of few rows is transposed;
-   other tables are split into blocks of columns, each with the columns that
-   identify a row. Width 0: one line a row. Line breaks and tabs become
-   blanks. */
+/* Return a text with aligned columns (g_free); numbers are right-aligned. If
+   the table is wider than `width` characters, columns with equal cells are
+   moved to a last line. If the remaining columns are too wide, a table of few
+   rows is transposed; other tables are split into blocks of columns, each with
+   the columns that identify a row. Width 0: one line a row. Line breaks and
+   tabs become blanks. */
 char *opc_sheet_text(opc_sheet *sheet, size_t width);
 
 /* Return a table in Markdown (g_free); line breaks in cells become blanks. */
 char *opc_sheet_markdown(opc_sheet *sheet);
 
-/* Return RFC 4180, lines ended by CR LF (g_free). */
+/* Return CSV by RFC 4180, with lines that end with CR LF (g_free).
+
+   A cell is marked by an apostrophe if a spreadsheet would execute it
+   (first character = + - @, except quantities), if it begins with an
+   apostrophe, or if it contains control characters. In a marked cell, a
+   backslash is written twice, and a control character as a backslash and xHH.
+ */
 char *opc_sheet_csv(const opc_sheet *sheet);
+
+/* Restore the text of a marked cell, in place. [any] */
+void opc_cell_unmark(char *text);

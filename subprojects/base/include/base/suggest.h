@@ -9,17 +9,18 @@
    adjacent bytes. Words are truncated to 64 bytes. */
 unsigned opc_edit_distance(const char *a, const char *b);
 
-/* Return the first of the nearest `words` (const char *) by edit distance,
-   ignoring case. NULL if the distance exceeds a third of the word's length, or
-   1 for short words. */
+/* Return the first of the nearest `words` (const char *) by edit distance;
+   words that differ only in case are equal. NULL if the distance exceeds a
+   third of the word's length, or 1 for words of fewer than six bytes. */
 const char *opc_nearest(const char *word, const GPtrArray *words);
 
-/* Return a suggestion as opc_suggestion for an id of two words and a dot: the
-   id with swapped words, else the nearest id with the same last word. For a
-   word without a dot: a near id, else an id with a near last word. */
+/* Return ", did you mean 'x'?" or "" (g_free) for an id. For an id of two words
+   and a dot, x is the id with swapped words, else the nearest id with the same
+   last word. For a word without a dot, x is a near id, else an id with a near
+   last word. */
 char *opc_suggestion_of_id(const char *id, const GPtrArray *ids);
 
 /* Return ", did you mean 'x'?" or "" (g_free). */
 char *opc_suggestion(const char *word, const GPtrArray *words);
-/* Return the same for a NULL-terminated list. */
+/* The same for a NULL-terminated list. */
 char *opc_suggestion_of(const char *word, char *const *words);

@@ -13,8 +13,8 @@ const opc_unit *opc_unit_find(const char *name);
    for all units of a dimension. */
 const char *opc_unit_noun(const opc_unit *unit);
 
-/* Return whether 0 is the same in all units of the dimension; not so for
-   temperatures. */
+/* Return whether 0 is the same quantity in all units of the dimension. FALSE
+   for temperatures. */
 int opc_unit_shares_zero(const opc_unit *unit);
 
 /* Return the names of all units (const char *), for suggestions. */
@@ -26,8 +26,9 @@ size_t opc_number_length(const char *text);
 
 /* Return the number written in `length` bytes at `text` in the unit `from`,
    converted to the unit `to` of the same dimension (both NULL: unchanged). The
-   result is rounded once: for a factor that is a power of ten, the exponent of
-   the text is changed before the conversion. Return +-HUGE_VAL on overflow. */
+   result is rounded only once: for a factor that is a power of ten, the
+   exponent in the text is changed before the text is converted. Return
+   +-HUGE_VAL on overflow. */
 double opc_number_in(const char *text, size_t length, const opc_unit *from,
                      const opc_unit *to);
 

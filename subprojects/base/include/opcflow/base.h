@@ -76,8 +76,8 @@ OPC_UNUSED OPC_PRINTF(4, 5) static int opc_fail(opc_error *error, int code,
 typedef struct opc_context opc_context;
 struct opc_context {
   /* Call task(data, i) for each i below n, from several threads at once; return
-     when all calls are done. Do not choose n by the number of threads, on which
-     results must not depend. Calls may be nested. */
+     when all calls have returned. Results must not depend on the number of
+     threads, so do not derive n from that number. Calls may be nested. */
   void (*parallel)(const opc_context *context, size_t n,
                    void (*task)(void *data, size_t i), void *data);
 
@@ -87,7 +87,7 @@ struct opc_context {
 
   /* Enclose each call of a function of another module, so that the host
      attributes a crash to that module: `before = enter(context, id); ...;
-     leave(context, before)`. `id` outlives the call. */
+     leave(context, before)`. `id` must outlive the call. */
   const char *(*enter)(const opc_context *context, const char *id);
   void (*leave)(const opc_context *context, const char *before);
   OPC_MAY_GROW

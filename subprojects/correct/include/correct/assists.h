@@ -3,24 +3,29 @@
    mask along the sides of each gate, wherever the spacing rules permit. */
 #pragma once
 
+#include <eda/gates.h>
 #include <eda/srafs.h>
 #include <opcflow/plugin.h>
 
 struct loop;
 
+/* Parameters and scatter bars of a loop; lengths in nm. */
 typedef struct gate_srafs {
-  int64_t rows;                  /* number of rows; 0: no scatter bars */
-  double width, distance, space; /* nm */
-  double min_length, overhang;   /* nm */
-  double margin;                 /* smallest intensity margin to printing, clear
-                                    field 1 */
+  int64_t rows; /* number of rows; 0: no scatter bars */
+  double width, distance, space;
+  double min_length, overhang;
+  double margin; /* smallest distance of the intensity from the printing
+                    threshold, clear field 1 */
   eda_box_list srafs;
-  size_t dropped;
+  size_t dropped; /* number of removed scatter bars */
 } gate_srafs;
 
+/* Return a length in grid steps, at most 1e6. */
+int32_t correct_steps(const eda_gates *gates, double nm);
+
 /* Place the scatter bars into the loop's next mask. Call after `begin` of the
-   synthesizers. Returns OPC_OK, or OPC_INVALID if the synthesizer displaces all
-   poly edges or a scatter bar is narrower than the mask grid. */
+   synthesizers. Returns OPC_OK, or OPC_INVALID if the synthesizer dissects the
+   poly layer or a scatter bar is narrower than the mask grid. */
 OPC_EXPORT int correct_assists_begin(struct loop *loop, opc_error *error);
 OPC_EXPORT void correct_assists_clear(struct loop *loop);
 
@@ -28,8 +33,8 @@ OPC_EXPORT void correct_assists_clear(struct loop *loop);
    plugin, extends beyond the simulation frame. */
 OPC_EXPORT int correct_assists_check(const struct loop *loop, opc_error *error);
 
-/* Remove those scatter bars from the next mask whose last simulated image is
-   closer to the printing threshold than `margin`. */
+/* Remove the scatter bars of correct_assists_begin whose last simulated
+   intensity is within `margin` of the printing threshold. */
 OPC_EXPORT void correct_assists_watch(struct loop *loop);
 
 /* Publish the metrics "assists" and "assists_dropped". */

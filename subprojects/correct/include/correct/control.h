@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Mask design algorithm of thesis figure 3.3, for one transistor: steps of the
    gate length L (coarse phase), then of the gate width W (fine phase). A step
-   that increases |error| is reverted. The error is the deviation of the
-   current, %; the current falls with L and rises with W. */
+   that increases |error| is reverted. The error is the deviation of Ion from
+   the target, %; Ion falls with L and rises with W. */
 #pragma once
 
 #include <eda/synthesizer.h>
 
 enum { CONTROL_COARSE, CONTROL_FINE, CONTROL_SETTLED };
 
-/* State of a transistor, or the reason why it is not displaced further. */
+/* Verdict: state of a transistor, or the reason why its steps ended. */
 enum {
   CONTROL_WITHIN,
   CONTROL_GRID,
@@ -22,22 +22,23 @@ enum {
 typedef struct control {
   double error; /* error of the last measurement, % */
   double rest;  /* first error after the coarse phase or a restart, % */
-  double by_l;  /* change of the error by the last step of L; 0: none */
-  uint8_t phase;
-  uint8_t verdict;
+  double by_l;  /* |change of the error| by the last step of L, % per grid step;
+                   0: none */
+  uint8_t phase;     /* CONTROL_COARSE, CONTROL_FINE, CONTROL_SETTLED */
+  uint8_t verdict;   /* CONTROL_WITHIN .. CONTROL_MOVING */
   uint8_t barred;    /* vetoed directions of L, EDA_VETO_* */
   uint8_t reopened;  /* number of restarts after neighbours changed the error */
   uint8_t rested;    /* 1: `rest` is set */
   uint8_t exchanged; /* 1: L was displaced because W had reached its bound */
-  int32_t l, w;      /* last step, in grid steps */
-  int32_t ceiling;   /* largest step of W after an overshoot; 0: unlimited */
+  int32_t l, w;      /* last step of L and of W, in grid steps; 0: none */
+  int32_t ceiling;   /* largest |step of W| after an overshoot; 0: unlimited */
 } control;
 
-/* Limits that apply to all transistors. Displacements are in grid steps. */
+/* Limits of all transistors. Displacements are in grid steps. */
 typedef struct control_rules {
   double limit;     /* largest accepted |error|, % */
-  int32_t most;     /* bound of L; bound of W: this or half the width */
-  int32_t widest;   /* largest proportional increase of W */
+  int32_t most;     /* largest |bias| of L; of W also at most half the width */
+  int32_t widest;   /* largest proportional step that widens a gate */
   int proportional; /* 1: steps of W proportional to the error; 0: one grid */
 } control_rules;
 
@@ -49,26 +50,28 @@ OPC_EXPORT control_rules correct_control_rules_for(double limit,
 
 /* A measured transistor. */
 typedef struct control_input {
-  double error;
+  double error;  /* deviation of Ion from the target, % */
   double width;  /* drawn width, in grid steps */
   uint32_t veto; /* EDA_VETO_* */
 } control_input;
 
-/* Add the first correction to *l, a displacement in grid steps: `steps` or, for
-   0, one step that reduces the error. Returns 1 if *l changed, 0 if the error
-   is within the limit. */
+/* Add the first correction to *l, a displacement in grid steps: `steps` or, if
+   `steps` is 0, one step that reduces |error|. Returns 1 if *l changed, 0 if
+   |error| is within the limit. */
 OPC_EXPORT int correct_control_first(const control_rules *r, control *c,
                                      const control_input *in, int32_t steps,
                                      int32_t *l);
 
-/* Apply the next step to *l. Returns 1 if *l changed, else 0. */
+/* Apply the next step to *l; `w` is the present displacement of W. Returns 1 if
+ *l changed, else 0. */
 OPC_EXPORT int correct_control_length(const control_rules *r, control *c,
                                       const control_input *in, int32_t *l,
                                       int32_t w);
 
-/* Apply the next step to *w if |error| is minimal with respect to L. Call after
+/* Apply the next step to *w if the transistor is in the fine phase. Call after
    correct_control_length returned 0. Returns 1 if *w changed, else 0. */
 OPC_EXPORT int correct_control_width(const control_rules *r, control *c,
                                      const control_input *in, int32_t *w);
 
+/* Return the verdict as a static text for the table of transistors. */
 OPC_EXPORT const char *correct_control_verdict(const control *c);

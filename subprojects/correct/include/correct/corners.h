@@ -2,14 +2,15 @@
 /* Correction for several doses, foci and mask errors. Each combination of a
    dose, a focus and a mask error is a corner.
 
-   The loop and the synthesizers receive, for each transistor, the weighted
-   geometric means of the currents and of the area over the corners. If a
-   displacement changes log(current) equally at all corners, a mean equal to the
-   drawn current minimises the sum of squared logarithmic deviations.
+   The loop and the synthesizers receive, for each transistor, weighted
+   geometric means of Ion, Ioff and area over the corners. If a displacement
+   changes log(Ion) equally at all corners, the sum of squared deviations of
+   log(Ion) is smallest if the geometric mean equals the drawn Ion.
 
-   Unless `free` is set, the mean deviations of all n- and of all p-transistors
-   are not corrected, and nominal Ion stays within `ion_cost`. Flags, images,
-   line ends and reported figures are nominal. */
+   Unless `free` is set, the mean effect of the corners on all n-transistors and
+   on all p-transistors is not corrected, and nominal Ion stays within
+   `ion_cost`. Flags, images, line ends and the final report are nominal; the
+   history and the trace contain the means. */
 #pragma once
 
 #include <eda/print.h>
@@ -21,24 +22,24 @@ struct loop;
 typedef struct corners_request {
   opc_reals dose, focus, mask_error; /* %, nm, nm */
   opc_reals weight;
-  double ion_cost; /* largest deviation of nominal Ion caused by the corners,
-                      % */
-  int free;        /* 1: no such bound */
+  double ion_cost; /* largest |deviation of nominal Ion| caused by corners, % */
+  int free;        /* 1: no bound by ion_cost */
 } corners_request;
 
+/* A dose (%), a focus (nm) and a mask error (nm), relative to the nominal. */
 typedef struct corner {
   double dose, focus, mask_error;
-  double weight; /* the sum over all corners is 1 */
-  size_t exposure;
+  double weight;   /* the sum over all corners is 1 */
+  size_t exposure; /* index of its images in corners.exposure */
   eda_measurement measured;
 } corner;
 
-/* A combination of focus and mask error, for which images are simulated. */
+/* A combination of a focus and a mask error: all corners that share images. */
 typedef struct exposure {
-  eda_printer *printer; /* simulates them: printer of the loop, or `own` */
+  eda_printer *printer; /* simulates the images: the loop's printer or `own` */
   eda_printer own;
   int32_t by;       /* outward displacement of all edges, in grid steps */
-  eda_shapes *mask; /* [layers], displaced mask; NULL: mask of the loop */
+  eda_shapes *mask; /* [layers], displaced mask; NULL: the loop's mask */
 } exposure;
 
 typedef struct corners {
@@ -49,29 +50,30 @@ typedef struct corners {
   eda_performance nominal; /* nominal performance of the last simulation */
 } corners;
 
-/* Return OPC_OK, or OPC_INVALID with the name of the parameter if values,
-   weights or the number of corners are not valid. */
+/* Return OPC_OK, or OPC_INVALID with the parameter's name if values, weights or
+   the number of corners are not valid. */
 OPC_EXPORT int correct_corners_check(const corners_request *request,
                                      opc_error *error);
 
 /* Return the number of images per layer and simulation; 1 without corners. */
 OPC_EXPORT size_t correct_corners_images(const corners_request *request);
 
-/* Allocate the corners and their printers. Prepare the printer of the loop
-   first. Returns OPC_INVALID if the optical model has a fixed focus or a mask
-   error is not a multiple of the grid. */
+/* Allocate the corners and their printers. Prepare the loop's printer first.
+   Returns OPC_INVALID if a focus is not 0 and the optical model has a fixed
+   focus, or if a mask error is not a multiple of the mask grid. */
 OPC_EXPORT int correct_corners_begin(struct loop *loop, opc_error *error);
 OPC_EXPORT void correct_corners_clear(struct loop *loop);
 
-/* Simulate the layers k of the loop's mask with layers[k] = 1 at all exposures:
-   by the fast model, or by the accurate model (refine). */
+/* Simulate the layers k of the loop's mask with layers[k] = 1 at all exposures
+   except the nominal one. `print` uses the fast, `refine` the accurate model.
+ */
 OPC_EXPORT int correct_corners_print(struct loop *loop, const uint8_t *layers,
                                      opc_error *error);
 OPC_EXPORT int correct_corners_refine(struct loop *loop, const uint8_t *layers,
                                       opc_error *error);
 
-/* Measure all corners. `nominal` receives the nominal measurement, and the
-   loop's measurement is replaced by the mean over the corners. */
+/* Measure all corners. corners.nominal receives the nominal performance, and
+   the loop's performance is replaced by the mean over the corners. */
 OPC_EXPORT int correct_corners_measure(struct loop *loop, opc_error *error);
 
 /* Publish the tables "corners" and "all_corners" and CORNERS_METRICS. */
@@ -119,8 +121,8 @@ OPC_EXPORT int correct_corners_report(const struct loop *loop,
       {"corners_ion_worst", "%", OPC_LOWER, 0.01,                            \
        "largest |Ion deviation| at any corner"},                             \
       {"corners_leakage", NULL, OPC_LOWER, 0.01,                             \
-       "Ratio of total Ioff to drawn total Ioff, at the worst corner"},      \
+       "ratio of total Ioff to drawn total Ioff, at the worst corner"},      \
   {                                                                          \
     "corners_failed", NULL, OPC_LOWER, 0,                                    \
-        "transistors that do not print as one of their own at some corner"   \
+        "transistors that do not print as one transistor at some corner"     \
   }

@@ -5,21 +5,21 @@
 #include <eda/gates.h>
 #include <eda/synthesizer.h>
 
-/* Edge displacements of each gate, in grid steps (synthesizer.h): width,
-   lateral shift of the width, length, jog, line ends [2 * i + side], and
-   partial lengths [EDA_PARTS * i + k]. The arrays are contiguous: first those
-   of active, then those of poly. */
+/* Displacements of each gate, in grid steps (see eda_moves): width, lateral
+   shift of the width, length, jog, line ends [2 * i + side], lengths of
+   parts [EDA_PARTS * i + k]. The arrays are contiguous: first w and
+   aside of active, then the arrays of poly. */
 typedef struct biases {
   int32_t *w, *aside, *l, *jog, *end;
   eda_part *part;
-  /* Displacements by an earlier correction, added to these; NULL: none. */
+  /* Displacements of an earlier correction, which are added; NULL: none. */
   const eda_moved *base;
 } biases;
 
-/* Edges of a layer, dissected into fragments. Polygon p has the fragments
-   start[p] .. start[p+1]-1. Fragment i, parallel to an axis, extends from
-   from[i] to the start of the next fragment of the polygon. Its outward
-   displacement is by[i] grid steps. */
+/* Edges of a layer, dissected into fragments. Polygon p consists of fragments
+   start[p] to start[p+1]-1. Fragment i, parallel to an axis, extends from
+   from[i] to the start of the polygon's next fragment. The outward displacement
+   of fragment i is by[i] grid steps. */
 typedef struct pieces {
   size_t polygons, capacity;
   uint32_t *start;
@@ -27,9 +27,9 @@ typedef struct pieces {
   int32_t *by;
 } pieces;
 
-/* Allocate fragments. ..._of_edges: enough for all displacements of a layer's
-   edges, including a base if `base` is 1. ..._of_cuts: the fragments made by a
-   synthesizer, with displacement 0. */
+/* Allocate fragments. ..._of_edges: as many as displacements of a layer's gates
+   can require, with those of an earlier correction if `base` is 1. ..._of_cuts:
+   the fragments of a synthesizer, with displacement 0. */
 OPC_EXPORT void correct_pieces_of_edges(const eda_edges *edges, int base,
                                         pieces *out);
 OPC_EXPORT void correct_pieces_of_cuts(const eda_cuts *cuts, pieces *out);
@@ -44,8 +44,9 @@ OPC_EXPORT void correct_pieces_follow(const eda_gates *gates, size_t layer,
 OPC_EXPORT void correct_pieces_alloc(const pieces *pieces, eda_shapes *out);
 
 /* Write the polygons of displaced fragments to the points and starts of `out`,
-   in the same order, without repeated or collinear corners. A polygon that
-   vanishes has no points. Polygons overlap if displacements close a gap. */
+   in the order of `pieces`, without repeated or collinear corners. A polygon
+   that vanishes has no points. Polygons overlap if displacements close a gap.
+ */
 OPC_EXPORT void correct_pieces_build(const pieces *pieces, eda_shapes *out);
 
 typedef struct boxes_lists {
@@ -53,11 +54,11 @@ typedef struct boxes_lists {
   size_t count;
 } boxes_lists;
 
-/* Write all boxes as polygons. The caller frees `out`. */
+/* Write all boxes as rectangles. The caller frees `out`. */
 OPC_EXPORT void correct_shapes_of_boxes(boxes_lists boxes, eda_shapes *out);
 
 /* Compute the mask of a layer: polygons and added boxes, minus the cut-outs, as
-   merged polygons without overlaps. Returns the codes of eda_boolean. */
+   merged polygons. Returns the codes of eda_boolean. */
 OPC_EXPORT int correct_mask_merge(const eda_shapes *polygons, boxes_lists added,
                                   boxes_lists cutouts, eda_shapes *out,
                                   opc_error *error);

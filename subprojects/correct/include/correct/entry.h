@@ -19,13 +19,13 @@ typedef struct entry {
   char **flavour;         /* NULL-terminated */
   double *length, *width; /* drawn sizes, nm */
   double *design;         /* Ion of the drawn gate, A */
-  eda_performance after;  /* figures of the corrected cell without neighbours */
+  eda_performance after;  /* figures of the corrected cell in the sheet */
   uint32_t *flags;
   eda_moved *moved;
 } entry;
 
-/* Return the transistors of the cell, without those of neighbours, and the
-   added shapes within the cell's box as a floating GVariant of ENTRY_TYPE. */
+/* Return a floating GVariant of ENTRY_TYPE with the cell's own transistors, and
+   the added shapes and cut-outs whose centres are in the cell's box. */
 OPC_EXPORT GVariant *correct_entry_pack(const cut_out *cell,
                                         const eda_performance *design,
                                         const eda_performance *after,

@@ -7,13 +7,14 @@
 #include <opcflow/plugin.h>
 
 /* Set *fine to the image error of accurate simulations, clear field 1. `text`
-   is a number, "off" (error 0), or NULL: the error permitted by `limit` (% of
-   Ion). Returns OPC_INVALID if the text is not one of these. */
+   is a number, "off" (error 0), or NULL: the error that `limit`, in % of Ion,
+   permits. Returns OPC_INVALID for any other text. */
 OPC_EXPORT int correct_fine_error(const char *text, double limit, double *fine,
                                   opc_error *error);
 
-/* Return the standard deviation of Ion, %, that accurate simulations may cause,
-   for correct_fine_by_layer; 0 if `text` sets one error for all layers. */
+/* Return the standard deviation of Ion, %, that image errors of accurate
+   simulations may cause, for correct_fine_by_layer; 0 if `text` sets one error
+   for all layers. */
 OPC_EXPORT double correct_fine_change(const char *text, double limit);
 
 /* Set the image errors of accurate simulations of poly and active so that each
@@ -35,13 +36,15 @@ OPC_EXPORT int correct_fine_by_drawn(eda_printer *printer, const opc_host *host,
                                      const opc_module *extractor, double change,
                                      opc_error *error);
 
-/* Return the width of the clear field around a layout in nm: `margin` or, if
-   NAN, the width that simulations with the error `fine` require. That width
-   scales with lambda/NA of the model (`litho` NULL: see eda_natural) and is
-   logged. */
-OPC_EXPORT double correct_fine_margin(const opc_host *host,
-                                      const opc_module *litho, double margin,
-                                      double fine);
+/* If *margin, the width of the clear field around a layout, nm, is NAN, set it
+   to the width that simulations with the error `fine` require, and log the
+   width. The required width is proportional to lambda/NA of the model (`litho`
+   NULL: see eda_natural) and to 1 / sqrt(fine). Otherwise check the given
+   width: log a finding if its error exceeds `fine`; return OPC_INVALID if it is
+   below 1.166 lambda/NA. */
+OPC_EXPORT int correct_fine_margin(const opc_host *host,
+                                   const opc_module *litho, double fine,
+                                   double *margin, opc_error *error);
 
-/* Default of `margin` with accurate simulations. */
+/* Default of `margin` for accurate simulations within 5e-5. */
 #define FINE_MARGIN "11.658 lambda/NA"

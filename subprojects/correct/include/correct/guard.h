@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The guard reverts displacements until no transistor is worse in the final
-   mask than in the drawn mask. A transistor that prints as drawn still prints.
-   Its own edges violate no rule of the regulator that the drawn mask satisfies.
-   |Ion deviation| is at most the larger of the value as drawn and the limit of
-   the loop.
+   mask than in the drawn mask. A transistor that prints as drawn then prints in
+   the final mask. Its edges violate no rule of the regulator that the drawn
+   mask satisfies. The |Ion deviation| of the transistor is at most the larger
+   of the value as drawn and the limit of the loop.
 
    A worse transistor is reverted in steps: to its best displacements in the
-   loop with the present line ends, to half of these, to the drawn edges. If the
-   transistor still does not print, all edges within a growing distance are
-   reverted. Otherwise the best of these steps is kept. If that step is worse
-   than the drawn mask, trial simulations find the cause: a rule or a neighbour
-   without which the transistor would not be worse. */
+   loop with the present line ends, to half of the best, to the drawn edges. If
+   the transistor still does not print, all edges within a growing distance are
+   reverted. Otherwise the best of these steps is kept. If the kept step is
+   worse than the drawn mask, trial simulations find the cause: a rule or a
+   neighbour without which the transistor would not be worse. */
 #pragma once
 
 #include <eda/regulator.h>
@@ -24,8 +24,8 @@ enum {
   GUARD_KEPT = 0,  /* result of the synthesizer */
   GUARD_BEST,      /* best mask during the loop */
   GUARD_HALF,      /* half of the best mask */
-  GUARD_DRAWN,     /* its own edges as drawn */
-  GUARD_SURROUNDED /* this and higher levels: its environment, too */
+  GUARD_DRAWN,     /* the transistor's own edges as drawn */
+  GUARD_SURROUNDED /* and above: also the edges within a distance as drawn */
 };
 
 /* Displacements of one gate, as in eda_moves. */
@@ -34,46 +34,48 @@ typedef struct gate_moves {
   eda_part part[EDA_PARTS];
 } gate_moves;
 
+/* State of one transistor. */
 typedef struct guarded {
   gate_moves best;   /* best displacements with the line ends `end` */
-  int32_t end[2];    /* grid steps */
+  int32_t end[2];    /* displacements of the line ends, grid steps */
   double off;        /* |Ion deviation| of `best`, %; INFINITY: none */
   double least;      /* smallest |Ion deviation| at a tried level, % */
   uint8_t pick;      /* level of `least` */
   uint8_t tries;     /* number of tried levels */
-  uint8_t level;     /* GUARD_* or higher */
-  uint8_t fault;     /* fault of the last simulation */
+  uint8_t level;     /* present level: GUARD_* or higher */
+  uint8_t fault;     /* fault in the last simulation */
   const char *cause; /* cause of a remaining fault; NULL: none */
   double x, y;       /* position of the cause, nm */
 } guarded;
 
 typedef struct guard {
-  guarded *state;       /* [gates] */
-  uint32_t *flags;      /* [gates], EDA_PRINT_* of the mask as drawn */
-  eda_violation *drawn; /* [rules], violations of the mask as drawn */
-  size_t rules, prints; /* length of `drawn`; simulations by the guard */
-  size_t back, worse, lost;
+  guarded *state;           /* [gates] */
+  uint32_t *flags;          /* [gates], EDA_PRINT_* of the mask as drawn */
+  eda_violation *drawn;     /* [rules], violations of the mask as drawn */
+  size_t rules, prints;     /* length of `drawn`; simulations by the guard */
+  size_t back, worse, lost; /* numbers of transistors: reverted, worse than
+                               drawn, no longer printed */
 } guard;
 
 OPC_EXPORT void correct_guard_init(guard *guard, size_t gates);
 OPC_EXPORT void correct_guard_clear(guard *guard);
 
-/* correct_guard_begin: record the simulation of the drawn mask, whose figures
-   are in loop.before; a second call, after an accurate simulation, replaces the
-   record. correct_guard_watch: record the simulation of another mask. */
+/* correct_guard_begin: record the simulation of the drawn mask, whose
+   performance is loop.before; a second call, after an accurate simulation,
+   replaces the record. correct_guard_watch: record a mask of the loop. */
 OPC_EXPORT int correct_guard_begin(struct loop *loop, const eda_printed *drawn,
                                    opc_error *error);
 OPC_EXPORT void correct_guard_watch(struct loop *loop);
 
-/* Return the |deviation| of a gate's Ion from the target in the last
-   simulation, %; NAN: the gate does not print or has no target. */
+/* Return the |deviation| of a gate's Ion from the synthesizer's target in the
+   last simulation, %; NAN if the gate does not print or has no target. */
 OPC_EXPORT double correct_guard_off(const struct loop *loop, size_t gate);
 
-/* Revert worse transistors, simulating after each step, until none is worse or
-   no step remains. Count reverted and worse transistors. Returns OPC_CANCELLED
-   if the run was stopped. */
+/* Revert worse transistors, and simulate after each step, until none is worse
+   or no step remains. Then count reverted and worse transistors. Returns
+   OPC_CANCELLED if the run was stopped. */
 OPC_EXPORT int correct_guard_hold(struct loop *loop, opc_error *error);
-/* Count reverted and worse transistors; change nothing. */
+/* Count reverted and worse transistors without a change of the mask. */
 OPC_EXPORT void correct_guard_count(struct loop *loop);
 
 /* Return the verdict on a transistor for its table row, or NULL if it was not

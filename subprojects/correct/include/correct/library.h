@@ -10,7 +10,7 @@
 
 enum { LIBRARY_LITHO, LIBRARY_RESIST, LIBRARY_EXTRACTOR, LIBRARY_MODELS };
 
-/* Names of the slots with the models of a process. */
+/* Names of the slots that hold the models of a process. */
 OPC_EXPORT extern const char *const correct_library_models[LIBRARY_MODELS];
 
 typedef struct library_cell {
@@ -28,7 +28,8 @@ OPC_EXPORT library *correct_library_new(double grid);
 OPC_EXPORT void correct_library_free(void *library);
 OPC_EXPORT int correct_library_check(const void *library, opc_error *error);
 
-/* Set `model` to the identities of a step's models. Returns 0 or a code. */
+/* Set `model` to the identities of a step's models. Returns OPC_OK or the code
+   of opc_results.identity. */
 OPC_EXPORT int correct_library_take_models(const opc_host *host,
                                            char *model[LIBRARY_MODELS],
                                            opc_error *error);

@@ -19,19 +19,18 @@
    other layers. */
 enum { MAIN, EDGES, DRIVERS };
 
-/* A synthesizer in the loop. The arrays are by layer; NULL and 0 for layers
-   that the synthesizer did not dissect into fragments. */
+/* A synthesizer in the loop. The arrays are by layer; the values are NULL and 0
+   if the synthesizer did not dissect the layer into fragments. */
 typedef struct driver {
   const opc_module *module; /* NULL: none */
-  const double **epe;
-  int32_t **shift;
+  const double **epe;       /* edge placement errors of the fragments, nm */
+  int32_t **shift;          /* displacements of the fragments, grid steps */
   size_t *fragments;
-  int done;
+  int done; /* 1: the synthesizer needs no further simulation */
 } driver;
 
-/* State of a correction. Arrays are by layer, gate or fragment. The caller sets
-   the fields up to `ion_limit`, the drivers' modules and `printer`; all other
-   fields start as 0. */
+/* State of a correction. The caller sets the fields up to `fine_change`, the
+   drivers' modules and `printer`; all other fields start as 0. */
 typedef struct loop {
   const opc_host *host;
   const eda_gates *gates;
@@ -41,8 +40,8 @@ typedef struct loop {
   const eda_moved *base; /* displacements of the start; NULL: none */
   eda_boxes *begun;      /* [2 * layers], shapes added by the start, then its
                             cut-outs */
-  uint8_t *still;        /* [gates], 1: keeps its mask; NULL: all move, or not
-                            known yet */
+  uint8_t *still;        /* [gates], 1: keeps its mask; NULL: no transistor
+                            does, or not known yet */
   int prepared;          /* 1: the extractor is prepared */
   int traced;            /* 1: record each simulation in `trace` */
   int hold;              /* 1: the guard reverts transistors worse than drawn */
@@ -57,12 +56,11 @@ typedef struct loop {
   eda_shapes *polygons; /* [layers], polygons of the fragments */
   eda_shapes *mask;     /* [layers], polygons, added shapes and SRAFs, merged */
   sites *sites;         /* [layers], sites of dissected layers */
-  trial now, next;      /* the mask last simulated and measured; the next
-                           mask */
+  trial now, next;      /* mask that was simulated last, and next mask */
   int32_t *unused;      /* scratch biases for EDGES */
-  eda_measurement measured;
-  eda_performance design, before; /* figures of the drawn shapes; of the
-                                     simulated drawn mask */
+  eda_measurement measured;       /* of `now`; mean over corners */
+  eda_performance design, before; /* figures of the drawn shapes; figures of
+                                     the simulated drawn mask */
   eda_measurement shown; /* measurement passed to synthesizers if `still` is
                             set */
   corners corners;
@@ -73,29 +71,29 @@ typedef struct loop {
   guard guard;
   verification verification;
   trace trace;
-  uint32_t *vetoes;
+  uint32_t *vetoes; /* [gates], EDA_VETO_* */
   uint32_t iterations;
   eda_field *drawn_print; /* [layers], simulated image of the drawn mask */
 } loop;
 
 /* Set up a loop for gates and settings. The caller may change fields before
-   correct_loop_run and frees the arrays with correct_loop_clear. Call on the
+   correct_loop_run, and frees the arrays with correct_loop_clear. Call on the
    main thread. */
 OPC_EXPORT void correct_loop_init(loop *loop, const opc_host *host,
                                   const eda_gates *gates,
                                   const correct_settings *with);
 OPC_EXPORT int correct_loop_run(loop *loop, opc_error *error);
 
-/* Simulate and measure the mask `next` and copy it to `now`. Layers without a
-   change are not simulated again unless `all` is 1. */
+/* Copy the mask `next` to `now`, then simulate and measure `now`. Layers
+   without a change are not simulated again unless `all` is 1. */
 OPC_EXPORT int correct_loop_print(loop *loop, int all, opc_error *error);
 
 /* Simulate `now` with the accurate model and measure the result. Layers that
    already have an accurate image are not simulated again. */
 OPC_EXPORT int correct_loop_refine(loop *loop, opc_error *error);
 
-/* Return the added shapes or, for `cutouts`, the cut-outs of the loop's start.
- */
+/* Return the shapes that the loop's start added to a layer or, if `cutouts` is
+   1, its cut-outs. */
 OPC_EXPORT eda_boxes correct_loop_begun(const loop *l, size_t layer,
                                         int cutouts);
 

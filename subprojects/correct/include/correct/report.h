@@ -11,20 +11,19 @@
 
 /* Deviations of a simulated mask from the design. */
 typedef struct summary {
-  double ion_mean, ion_max, ion_stdv; /* |deviation|, %; thesis eq. 3.3 to
-                                         3.5 */
+  double ion_mean, ion_max, ion_stdv; /* %; thesis eq. 3.3 to 3.5; mean and
+                                         maximum of |deviation| */
   double ion_rms, ioff_rms; /* %; eq. 2.5 is q1 ion_rms^2 + q2 ioff_rms^2 */
-  double area_mean, area_max, ioff_mean, ioff_max;
+  double area_mean, area_max, ioff_mean, ioff_max; /* of |deviation|, % */
   double ioff_total[3]; /* deviation of the sum of Ioff from the drawn sum, %,
                            of n-, p- and all transistors; NAN if there are
                            none */
   size_t gates, failed, outside; /* statistics exclude failed transistors */
   double epe_mean, epe_max;      /* |edge placement error|, nm */
-  size_t sites, lost;            /* `lost`: sites without an edge within
-                                    reach */
+  size_t sites, lost; /* measured sites; sites without an edge within reach */
 } summary;
 
-/* Metrics with the values of a summary. clang-format off */
+/* Declared metrics with the values of a summary. clang-format off */
 #define REPORT_METRICS                                                      \
   {"ion_mean", "%", OPC_LOWER, 0.01, "mean of |Ion deviation|"},            \
       {"ion_max", "%", OPC_LOWER, 0.01, "largest |Ion deviation|"},         \
@@ -60,7 +59,7 @@ typedef struct summary {
     "ion_max_drawn", "%", OPC_NEUTRAL, 0,              \
         "largest |Ion deviation| of the mask as drawn" \
   }
-/* Metrics compared with the drawn mask and the regulator's rules. */
+/* Metrics that compare with the drawn mask and with the regulator's rules. */
 #define REPORT_JUDGED_METRICS                                                \
   {"worse", NULL, OPC_LOWER, 0,                                              \
    "transistors whose |Ion deviation| exceeds that as drawn and the limit"}, \
@@ -74,24 +73,26 @@ typedef struct summary {
   }
 /* clang-format on */
 
+/* Sums over n values: values, absolute values, squares; largest absolute value.
+ */
 typedef struct statistics {
   double n, sum, absolute, square, max;
 } statistics;
 
-/* Deviations of n-, p- and all transistors, except those that do not print. */
+/* Deviations, %, of n-, p- and all transistors that print. */
 typedef struct groups {
   statistics ion[3], area[3], ioff[3];
   double leakage[3], leakage_drawn[3]; /* sums of Ioff, A */
 } groups;
 
+/* Add the deviations of a printed transistor of a type (EDA_NMOS, EDA_PMOS). */
 OPC_EXPORT void correct_groups_add(groups *to, int type,
                                    const eda_figures *drawn,
                                    const eda_figures *printed);
-/* Return the statistics of these deviations; edge placement errors and counts
-   are 0. */
+/* Return the statistics of groups; edge placement errors and counts are 0. */
 OPC_EXPORT summary correct_groups_sum(const groups *groups);
-/* Publish the table "summary". `drawn`, the deviations of the mask as drawn,
-   may be NULL. */
+/* Publish the table "summary". `drawn` contains the deviations of the drawn
+   mask; NULL: unknown. */
 OPC_EXPORT int correct_groups_table(const opc_host *host, const groups *drawn,
                                     const groups *printed, opc_error *error);
 
@@ -102,13 +103,14 @@ OPC_EXPORT summary correct_summarize(const eda_gates *gates,
                                      const eda_performance *printed,
                                      const uint32_t *flags, const sites *sites);
 
-/* Return the name of a gate, "XU1:3" or at the top level "NAND2:3" (g_free); or
-   the most severe fault in `flags`, "" for none. */
+/* Return the name of a gate, "XU1:3" or at the top level "NAND2:3"; the caller
+   frees the name with g_free(). */
 OPC_EXPORT char *correct_report_gate_name(const eda_gates *gates, size_t gate);
+/* Return the most severe fault in EDA_PRINT_* as a static text; "": none. */
 OPC_EXPORT const char *correct_report_trouble(uint32_t flags);
 
-/* A simulated mask of the loop. An accurate simulation replaces the line of a
-   fast simulation of the same mask. */
+/* A simulated mask of the loop. The line of an accurate simulation replaces the
+   line of a fast simulation of the same mask. */
 typedef struct history_line {
   summary print;
   int64_t iteration, simulations, fine_simulations;
@@ -127,17 +129,17 @@ OPC_EXPORT void correct_history_clear(history *history);
 OPC_EXPORT int correct_history_report(const history *history,
                                       const opc_host *host, opc_error *error);
 
-/* Content of the report on a simulated mask. Missing parts are NULL. */
+/* Input of correct_report_mask. Unknown members are NULL. */
 typedef struct report {
   const eda_mask *mask;
-  const double *extension;
-  const sites *sites; /* [gates->layers] */
+  const double *extension; /* [2 * gates], printed line-end extensions, nm */
+  const sites *sites;      /* [gates->layers] */
   const biases *biases;
   const opc_module *synthesizer;
   char *const *held;            /* [gates], verdict of the guard; NULL: none */
   const uint32_t *flags_before; /* [gates], EDA_PRINT_* of the mask as drawn */
-  const eda_mask *corrected;    /* the same mask with the figures of its
-                                   correction loop */
+  const eda_mask *corrected;    /* the mask with the figures of the correction
+                                   loop, for a comparison */
 } report;
 
 /* Publish the tables and metrics of a mask. */

@@ -6,8 +6,8 @@
 #include <eda/rules.h>
 #include <opcflow/follow.h>
 
-/* A rule in a layer: number of violations in the drawn layer and in the mask,
-   smallest value in the mask and its position, nm; NAN without violations. */
+/* A rule in a layer: numbers of violations in the drawn layer and in the mask;
+   smallest violating value in the mask and its position, nm; NAN: none. */
 typedef struct rules_row {
   const char *layer, *rule;
   double limit;
@@ -15,7 +15,9 @@ typedef struct rules_row {
   double least, x, y;
 } rules_row;
 
-/* Publish the table "mask_rules" and the metrics mask_violations and mask_RULE.
+/* Publish the table "mask_rules" and the metrics mask_violations,
+   mask_violations_added and mask_RULE. Violations are logged with their places,
+   as a finding if a rule has more of them in the mask than in the drawn layout.
    `rows` has EDA_RULES rows for each layer, in the order of the rules. */
 OPC_EXPORT int correct_rules_table(const opc_host *host, const rules_row *rows,
                                    size_t n, opc_error *error);
@@ -47,12 +49,15 @@ OPC_EXPORT int correct_rules_report(const opc_host *host,
           "min_jog", state, with.rules[EDA_RULE_JOG], .type = OPC_REAL,    \
           .flags = OPC_AT_LEAST, .unit = "nm", .preset = "1 nm", .min = 0, \
           .summary = "Smallest allowed height of a jog of the mask")
-#define RULES_METRICS                                                    \
-  {"mask_violations", NULL, OPC_LOWER, 0,                                \
-   "violations of mask rules: sum of the next four"},                    \
-      {"mask_space", NULL, OPC_LOWER, 0, "spaces below min_space"},      \
-      {"mask_width", NULL, OPC_LOWER, 0, "widths below min_mask_width"}, \
-      {"mask_edge", NULL, OPC_LOWER, 0, "edges below min_edge"}, {       \
-    "mask_jog", NULL, OPC_LOWER, 0, "jogs below min_jog"                 \
+#define RULES_METRICS                                                          \
+  {"mask_violations", NULL, OPC_LOWER, 0,                                      \
+   "violations of mask rules: sum of the next four"},                          \
+      {"mask_violations_added", NULL, OPC_LOWER, 0,                            \
+       "violations of mask rules beyond those of the drawn layout, summed by " \
+       "layer and rule"},                                                      \
+      {"mask_space", NULL, OPC_LOWER, 0, "spaces below min_space"},            \
+      {"mask_width", NULL, OPC_LOWER, 0, "widths below min_mask_width"},       \
+      {"mask_edge", NULL, OPC_LOWER, 0, "edges below min_edge"}, {             \
+    "mask_jog", NULL, OPC_LOWER, 0, "jogs below min_jog"                       \
   }
 /* clang-format on */

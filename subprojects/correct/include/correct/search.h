@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Model-based sub-resolution assist features (SRAF): scatter bars in the clear
-   field that narrow the process variability band, the area between the
-   outermost and the innermost contour.
+   field that narrow the process variability band. The band is the area between
+   the outermost and the innermost contour.
 
    The derivative of the band's area with respect to the mask transmission
    follows from the images at the two contours (compare R. Socha and others,
    "Contact hole reticle optimization by using interference mapping
    lithography", SPIE 5377, 2004, for the intensity). Scatter bars are placed
    where the derivative is most negative. The derivative includes the
-   displacement of feature edges that keeps the nominal contour in place. */
+   displacement of feature edges that preserves the nominal contour. */
 #pragma once
 
 #include <eda/srafs.h>
@@ -18,26 +18,28 @@ struct loop;
 
 typedef struct sraf_search_state {
   /* Parameters; `most` = 0 disables the search. */
-  int64_t most, rounds, every;
-  double min_gain;                            /* smallest reduction of the
-                                                 band's area by a bar, nm^2 */
-  double dose, defocus;                       /* %, nm */
+  int64_t most, rounds, every; /* scatter bars, searches, iterations */
+  double min_gain; /* smallest reduction of the band's area by a bar, nm^2 */
+  double dose, defocus; /* of the band's contours, %, nm */
   double least_width, width, distance, space; /* nm */
   double min_length, length;                  /* nm */
-  double margin;                              /* smallest intensity margin to
-                                                 printing, clear field 1 */
+  double margin; /* smallest distance of the intensity from the printing
+                    threshold, clear field 1 */
   /* Scatter bars of the present mask. */
   eda_box_list srafs;
-  size_t dropped;
-  int64_t round;
-  uint32_t next; /* iteration of the next round */
+  size_t dropped; /* removed scatter bars */
+  int64_t round;  /* number of finished searches */
+  uint32_t next;  /* iteration of the next search */
 } sraf_search_state;
 
+/* Check the parameters. Returns OPC_INVALID if the optical model provides no
+   gradient or other scatter bars exist. Call after correct_assists_begin. */
 OPC_EXPORT int correct_search_begin(struct loop *loop, opc_error *error);
 OPC_EXPORT void correct_search_clear(struct loop *loop);
 
-/* Narrow scatter bars within the margin to printing. Search for more if a round
-   is due or all synthesizers are `done`. Call after each simulation. */
+/* Narrow the scatter bars that are within the margin to printing. Search for
+   more if a search is due or if `done` is 1 (all synthesizers have finished).
+   Call after each simulation. */
 OPC_EXPORT int correct_search_watch(struct loop *loop, int done,
                                     opc_error *error);
 

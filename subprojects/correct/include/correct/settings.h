@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Models, accuracies and limits of a step that simulates, measures or corrects
-   masks. The state of the step has them in the field `with`, set by the
-   parameters below. */
+   masks. The parameters below set the field `with`, of type correct_settings,
+   in the state of the step. */
 #pragma once
 
 #include <eda/print.h>
@@ -30,28 +30,29 @@ typedef struct correct_settings {
 } correct_settings;
 
 /* Compute `fine` and `margin` from the parameters. Returns OPC_INVALID with the
-   parameter name `fine` if its text is not valid. Call on the main thread. */
+   parameter name `fine` or `margin` of a value that is not valid. Call on the
+   main thread. */
 OPC_EXPORT int correct_settings_check(correct_settings *with,
                                       const opc_host *host, opc_error *error);
 
 /* Estimate memory and work of simulating all corrected layers in parallel.
-   `prints` is a text with the number of simulations ("at most 101 prints"),
-   `fine_prints` the text for models with accurate simulations. */
+   `prints` states the number of simulations ("at most 101 prints");
+   `fine_prints` replaces `prints` if the model has accurate simulations. */
 OPC_EXPORT void correct_forecast(const correct_settings *with,
                                  const opc_host *host, const eda_gates *gates,
                                  const char *prints, const char *fine_prints,
                                  opc_forecast *out);
 
-/* Simulate and measure the shapes of a mask, with the accurate model if it
-   exists. Sets print, after, flags and the numbers of simulations of the mask,
-   and design if not yet set; prepare the extractor first if design is set.
+/* Simulate and measure the shapes of a mask, with the accurate model if one
+   exists. Sets print, after, flags and the numbers of simulations of the mask.
+   Sets design if it is NULL; else prepare the extractor before the call.
 
-   `sized`: 1: the resist may calibrate itself by these transistors; 0: the
-   gates are a part of a larger layout. `flags_before` (may be NULL) receives
-   EDA_PRINT_* of the drawn layers; the drawn layers are then simulated first,
-   and the mask's fields drawn_print and before are set. `extension`, [2 *
-   gates], receives the printed line-end extensions. The caller frees both
-   arrays with free(). Call on the main thread. */
+   `sized`: 1: the resist may calibrate itself with these transistors; 0: the
+   gates are a part of a larger layout. If `flags_before` is not NULL, the drawn
+   layers are simulated first: *flags_before receives their EDA_PRINT_*, and the
+   mask's fields drawn_print and before are set. *extension, [2 * gates],
+   receives the printed line-end extensions, nm. The caller frees both arrays
+   with free(). Call on the main thread. */
 OPC_EXPORT int correct_print(const correct_settings *with, const opc_host *host,
                              int sized, eda_mask *mask, uint32_t **flags_before,
                              double **extension, opc_error *error);
@@ -64,7 +65,9 @@ OPC_EXPORT int correct_violations(const opc_context *context,
                                   eda_violation **violations, size_t *count,
                                   opc_error *error);
 
-/* Save a mask: opc_step.save of a step whose output is a mask. */
+/* Save a mask: opc_step.save of a step whose output is a mask.
+   correct_sketch_mask: make a mask without shapes, for opc_step.sketch. */
+OPC_EXPORT int correct_sketch_mask(const eda_gates *gates, void **outputs);
 OPC_EXPORT int correct_save_mask(void *self, void *const *outputs,
                                  const char *folder, opc_error *error);
 
@@ -110,7 +113,7 @@ OPC_EXPORT int correct_save_mask(void *self, void *const *outputs,
       "guard", state, with.guard, .type = OPC_CHOICE, .preset = "auto",     \
       .choices = "auto|on|off",                                             \
       .summary =                                                            \
-          "Revert moves that end worse than the drawn mask; off: keep the " \
+          "Revert transistors worse than in the drawn mask; off: keep the " \
           "synthesizer's result; auto: off for synthesizers of edge "       \
           "fragments, otherwise on")
 

@@ -13,9 +13,10 @@ typedef struct sites {
   double *epe;   /* nm; NAN: no edge within reach */
 } sites;
 
-/* Set up the sites of fragments; `cuts` have been checked. */
+/* Set up the sites of fragments from `cuts`, which eda_check_cuts accepted. */
 OPC_EXPORT void correct_sites_init(sites *sites, const eda_cuts *cuts);
 OPC_EXPORT void correct_sites_clear(sites *sites);
+/* Measure the edge placement errors in parallel from a level set. */
 OPC_EXPORT void correct_sites_measure(const opc_context *context,
                                       const sites *sites,
                                       const eda_field *print,

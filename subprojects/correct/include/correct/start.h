@@ -11,13 +11,13 @@ struct loop;
 typedef struct loop_start {
   const eda_mask *mask; /* NULL: start from the drawn edges */
   /* Largest increase of |Ion deviation| (thesis eq. 4.1), %, from mask->before
-     to the first simulation for which a transistor keeps its mask. All other
-     transistors are corrected; NAN: all are. */
+     to the first simulation, for which a transistor keeps its mask. All other
+     transistors are corrected; NAN: all transistors are corrected. */
   double max_diff;
 } loop_start;
 
-/* Return OPC_INVALID if the start does not belong to the gates or has no
-   displacements. */
+/* Return OPC_INVALID if the mask belongs to other gates or has no
+   displacements, or if max_diff is set without a mask. */
 OPC_EXPORT int correct_start_check(const loop_start *start,
                                    const eda_gates *gates, opc_error *error);
 
@@ -25,14 +25,14 @@ OPC_EXPORT int correct_start_check(const loop_start *start,
    simulation. */
 OPC_EXPORT int correct_start_hold(struct loop *loop, opc_error *error);
 
-/* Remove the shapes that the regulator of the earlier mask added or cut out
-   near violations of the first simulation, as they were made for other
-   neighbours. Keep all other shapes, because the regulator cannot detect a
-   fault that a shape already repairs. */
+/* Remove the shapes that the earlier regulator added or cut out near violations
+   of the first simulation, because they were made for other neighbours. Keep
+   all other shapes, because the regulator cannot detect a fault that a shape
+   already repairs. */
 OPC_EXPORT void correct_start_prune(struct loop *loop);
 
-/* Multiply Ion of a fast simulation by the ratios exp(-moved->seen), to
-   approximate Ion of an accurate simulation. */
+/* Multiply Ion of a fast simulation by exp(-moved->seen), the ratio of accurate
+   to fast Ion in the earlier correction, to approximate accurate Ion. */
 OPC_EXPORT void correct_start_correct(const eda_moved *moved,
                                       eda_performance *printed);
 

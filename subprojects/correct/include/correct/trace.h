@@ -16,7 +16,7 @@ typedef struct trace_row {
   int64_t vetoes; /* EDA_VETO_* after the preceding simulation */
 } trace_row;
 
-/* Rows of all transistors, simulation by simulation. */
+/* Rows of all transistors, in the order of simulations. */
 typedef struct trace {
   trace_row *row;
   size_t count, capacity;
@@ -25,5 +25,6 @@ typedef struct trace {
 /* Append the rows of the last simulation. */
 OPC_EXPORT void correct_trace_add(trace *trace, const struct loop *loop);
 OPC_EXPORT void correct_trace_clear(trace *trace);
+/* Publish the rows as the table "trace". */
 OPC_EXPORT int correct_trace_report(trace *trace, const struct loop *loop,
                                     opc_error *error);

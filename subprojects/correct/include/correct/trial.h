@@ -5,14 +5,14 @@
 #include <correct/edges.h>
 
 /* Number of displacements per gate in `biases`: w and aside of active; l, jog,
-   two line ends and the parts of poly. */
+   two line ends and EDA_PARTS parts of three numbers of poly. */
 enum {
   TRIAL_ACTIVE_BIASES = 2,
   TRIAL_POLY_BIASES = 4 + 3 * EDA_PARTS,
   TRIAL_BIASES = TRIAL_ACTIVE_BIASES + TRIAL_POLY_BIASES
 };
 
-/* Arrays are by layer, except `biases`. */
+/* The arrays have one element per layer. */
 typedef struct trial {
   size_t layers, gates;
   biases biases;
@@ -31,8 +31,8 @@ OPC_EXPORT biases correct_biases_in(int32_t *all, size_t n);
 OPC_EXPORT void correct_trial_init(trial *trial, size_t layers, size_t gates);
 OPC_EXPORT void correct_trial_clear(trial *trial);
 
-/* Allocate the displacements of a layer that is dissected into fragments; all
-   are 0. */
+/* Allocate the displacements, all 0, of a layer that is dissected into
+   fragments. */
 OPC_EXPORT void correct_trial_cut(trial *trial, size_t layer, size_t fragments);
 
 /* Copy a trial; both must have equal layers and gates. */
@@ -48,8 +48,8 @@ OPC_EXPORT void correct_trial_set_both(eda_boxes *to, eda_boxes first,
 /* Remove the boxes that touch a window. */
 OPC_EXPORT void correct_trial_drop_boxes(eda_boxes *boxes, eda_box window);
 
-/* Replace the boxes that touch a window by the boxes of `begun` that touch
-   it. */
+/* Replace the boxes of `boxes` that touch a window by the boxes of `begun` that
+   touch the window. */
 OPC_EXPORT void correct_trial_reset_boxes(eda_boxes *boxes, eda_box window,
                                           eda_boxes begun);
 

@@ -22,14 +22,15 @@ typedef struct units {
 } units;
 
 /* Find the outermost cells below the cell `top` (-1: below all top cells) that
-   have poly or active shapes of their own; a top cell only if none below has.
-   Returns OPC_INVALID if a placement is magnified or not rotated by a multiple
-   of 90 degrees. The caller frees out->unit. */
+   have poly or active shapes of their own. A top cell is included only if it
+   places no cell with poly or active shapes. Returns OPC_INVALID if a placement
+   is magnified or its angle is not a multiple of 90 degrees. The caller frees
+   out->unit with g_free(). */
 OPC_EXPORT int correct_units_find(const eda_layout *layout, int32_t top,
                                   units *out, opc_error *error);
 
-/* Return a checksum of the merged shapes of a cell and all cells below, layer
-   by layer, which does not depend on the file's unit and the order of shapes.
-   The caller frees the text with g_free(). NULL and *error on failure. */
+/* Return a SHA-256 checksum of the merged shapes of a cell and all cells below,
+   layer by layer, independent of the file's unit and the order of shapes. The
+   caller frees the text with g_free(). Returns NULL and *error on failure. */
 OPC_EXPORT char *correct_units_sum(const eda_layout *layout, int32_t cell,
                                    opc_error *error);

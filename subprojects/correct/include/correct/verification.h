@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Verification of a correction with fast simulations by accurate simulations.
 
-   The first accurate simulation is that of the first displaced mask. The
-   difference between accurate and fast image of this mask is added to the
-   images of all later fast simulations, and corrects the figures of the drawn
-   mask. When the synthesizers are done, an accurate simulation either verifies
-   the result, or updates the difference and the loop continues. */
+   The first displaced mask is simulated with both models. The difference of
+   the accurate and the fast image is added to the images of all later fast
+   simulations and to the image of the drawn mask. When the synthesizers have
+   finished, the final mask is simulated with the accurate model. If its figures
+   differ too much, the difference is updated and the loop continues. */
 #pragma once
 
 #include <eda/print.h>
@@ -19,12 +19,12 @@ typedef struct verification {
   eda_field *image; /* both [layers]; NULL: not kept */
 } verification;
 
-/* Largest number of verifications. The difference changes by about a fifth from
-   one verification to the next (see the README). Two failed verifications
-   indicate a loop that does not converge. */
+/* Largest number of verifications. The difference of the images changes by
+   about a fifth between two verifications (see the README). Two failed
+   verifications indicate a loop that does not converge. */
 enum { VERIFICATIONS = 3 };
 
-/* Keep the fast simulation of the drawn mask. */
+/* Store the fast simulation of the drawn mask. */
 OPC_EXPORT int correct_verification_begin(struct loop *loop, opc_error *error);
 OPC_EXPORT void correct_verification_clear(struct loop *loop);
 
@@ -32,15 +32,15 @@ OPC_EXPORT void correct_verification_clear(struct loop *loop);
    accurate simulation must follow. */
 OPC_EXPORT int correct_verification_is_early(const struct loop *loop);
 
-/* Correct the figures of the drawn mask by the accurate simulation. */
+/* Correct the figures of the drawn mask by the difference of the images. */
 OPC_EXPORT int correct_verification_of_drawn(struct loop *loop,
                                              opc_error *error);
 
 /* Return 1 if a layer of the mask has no accurate simulation. */
 OPC_EXPORT int correct_verification_is_due(const struct loop *loop);
 
-/* Simulate the final mask with the accurate model. Sets *holds to 0 if the
-   figures of transistors or the edge positions differ so much from the fast
-   simulation that the loop must continue. */
+/* Simulate the final mask with the accurate model. Sets *holds to 0 if figures
+   of transistors or edge positions differ so much from the fast simulation that
+   the loop must continue. */
 OPC_EXPORT int correct_verification_of_end(struct loop *loop, int *holds,
                                            opc_error *error);

@@ -43,6 +43,20 @@ OPC_UNUSED static inline void eda_box_join(eda_box *all, eda_box b) {
   if (b.y1 > all->y1) all->y1 = b.y1;
 }
 
+/* Return a box with all sides moved outwards by `by`. [any] */
+OPC_UNUSED static inline eda_box eda_box_grown(eda_box b, int32_t by) {
+  eda_box grown = {b.x0 - by, b.y0 - by, b.x1 + by, b.y1 + by};
+  return grown;
+}
+
+/* Return whether two boxes share a point, or an area. [any] */
+OPC_UNUSED static inline int eda_boxes_touch(eda_box a, eda_box b) {
+  return a.x0 <= b.x1 && b.x0 <= a.x1 && a.y0 <= b.y1 && b.y0 <= a.y1;
+}
+OPC_UNUSED static inline int eda_boxes_overlap(eda_box a, eda_box b) {
+  return a.x0 < b.x1 && b.x0 < a.x1 && a.y0 < b.y1 && b.y0 < a.y1;
+}
+
 /* Return the Euclidean distance between the centres of two boxes. [any] */
 OPC_EXPORT double eda_box_distance(eda_box a, eda_box b);
 
@@ -70,6 +84,18 @@ typedef struct eda_shapes {
   eda_point *points;
   uint8_t *hole;
 } eda_shapes;
+
+/* Return whether n points are the corners of a rectangle, in order. [any] */
+OPC_EXPORT int eda_is_box(const eda_point *points, size_t n);
+
+/* Return the bounding box of polygon i. [any] */
+OPC_EXPORT eda_box eda_shape_box(const eda_shapes *shapes, size_t i);
+
+/* Return `n` polygons with four corners each, all zero; eda_shapes_set_box sets
+   polygon i, after those before i, to the corners of a box, counter-clockwise
+   from the lowest left one. */
+OPC_EXPORT eda_shapes eda_shapes_of_boxes(size_t n);
+OPC_EXPORT void eda_shapes_set_box(eda_shapes *shapes, size_t i, eda_box box);
 
 enum { EDA_OR = 0, EDA_AND = 1, EDA_NOT = 2, EDA_XOR = 3 };
 

@@ -123,9 +123,9 @@ OPC_EXPORT int eda_coherent_gradient(const opc_context *context,
                                      const eda_field *weight, eda_field *out,
                                      opc_error *error);
 
-/* Lower bound of the size of an image, for a model of a given band, 1/nm:
-   columns and rows of the Fourier transforms; bytes of the computation, with
-   the image; bytes of the image. */
+/* Estimated size of an image of many kernels, for a model of a given band,
+   1/nm: columns and rows of the Fourier transforms; bytes of the computation,
+   with the image; bytes of the image. */
 typedef struct eda_image_size {
   double columns, rows, bytes, field;
 } eda_image_size;

@@ -28,7 +28,24 @@ OPC_UNUSED static inline void eda_grow(void *array, size_t *capacity,
   (eda_grow(&(array), &(capacity), (count) + 1, sizeof *(array)), \
    (void)((array)[(count)++] = __VA_ARGS__))
 
-/* Compare two doubles for qsort, the smaller one first. [any] */
+/* Compare two numbers for qsort, the smaller one first. [any] */
 OPC_EXPORT int eda_doubles_rise(const void *a, const void *b);
+OPC_EXPORT int eda_int32s_rise(const void *a, const void *b);
+OPC_EXPORT int eda_int64s_rise(const void *a, const void *b);
+OPC_EXPORT int eda_uint32s_rise(const void *a, const void *b);
+
+/* Define a function `name` that compares two structs for qsort by the member
+   `first`, rising or falling, and equal ones by `second`, rising. */
+#define EDA_COMPARE_RISING(name, type, first, second) \
+  EDA_COMPARE(name, type, first, second, <)
+#define EDA_COMPARE_FALLING(name, type, first, second) \
+  EDA_COMPARE(name, type, first, second, >)
+#define EDA_COMPARE(name, type, first, second, before)                  \
+  static int name(const void *a, const void *b) {                       \
+    const type *p = (const type *)a, *q = (const type *)b;              \
+    if (p->first != q->first) return p->first before q->first ? -1 : 1; \
+    return (p->second > q->second) - (p->second < q->second);           \
+  }                                                                     \
+  static int name(const void *a, const void *b)
 
 OPC_C_END

@@ -77,7 +77,7 @@ OPC_EXPORT void eda_printer_clear(eda_printer *printer);
 /* Prepare both models. Errors name the parameter "litho" or "resist". [main] */
 OPC_EXPORT int eda_printer_prepare(eda_printer *printer, opc_error *error);
 
-/* Return a lower bound of the memory to simulate `layers` layers at once,
+/* Estimate the memory to simulate `layers` layers at once,
    without existing level sets: size of each Fourier transform, and bytes. May
    be called before eda_printer_prepare; all 0 if the model's band is unknown.
    [any] */

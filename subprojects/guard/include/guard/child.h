@@ -5,7 +5,8 @@
 
 #include <glib.h>
 
-/* End of a child: by itself, too late, not started; else number of a signal. */
+/* End of a child: ended by itself, time exceeded, not started. Other values are
+   the number of a signal. */
 enum { CHILD_ENDED = 0, CHILD_LATE = -1, CHILD_NONE = -2 };
 
 /* Call work(out, data) in a child of this process, without the guard. The child

@@ -5,26 +5,27 @@
    docs/background/architecture.md explains the use of a signal handler. */
 #pragma once
 
-/* Set the present plugin of this thread around each call: `before =
+/* Set the running plugin of this thread around each call: `before =
    guard_enter(id); ...; guard_leave(before)`. `id` outlives the call; NULL: the
-   command. Both check whether the previous plugin changed the process, at most
-   every 5 ms for one plugin. [any] */
+   command. Both functions check whether the previous plugin changed the
+   process, at most every 5 ms for one plugin. [any] */
 const char *guard_enter(const char *id);
 void guard_leave(const char *before);
 
-/* Enclose each task of a plugin that distributes tasks over threads:
-   guard_join, guard_part. Call guard_gather once before all tasks. [any] */
+/* Enclose each task of a plugin that distributes tasks over threads: guard_join
+   before the task, guard_part after the task. Call guard_gather once before all
+   tasks. [any] */
 void guard_gather(void);
 const char *guard_join(const char *id);
 void guard_part(const char *before);
 
-/* Record that this thread waits for tasks of others (1) or works (0). */
+/* Record whether this thread waits for tasks of others (1) or works (0). */
 void guard_wait(int waits);
 
-/* Set the present plugin of a thread that the plugin `id` has started. */
+/* Set the running plugin of a thread that the plugin `id` has started. */
 void guard_adopt(const char *id);
 
-/* Return the present plugin of this thread; NULL: the command. */
+/* Return the running plugin of this thread; NULL: the command. */
 const char *guard_inside(void);
 
 /* Install handlers for the signals of a crash (process_signals). Call once. A
@@ -46,9 +47,9 @@ typedef struct guard_listener {
   void (*alive)(void);
 } guard_listener;
 
-/* Check in a child of the command (child.h) for changes of the process after
-   each call of a plugin, and report them to `to`. Call after guard_remove.
-   Signals act as without the guard. [main] */
+/* In a child of the command (child.h), check for changes of the process after
+   each call of a plugin, and report changes to `to`. Call after guard_remove.
+   Signals have the same effect as without the guard. [main] */
 void guard_listen(const guard_listener *to);
 
 /* Set WHERE in messages, "WHERE: crashed in plugin 'ID': segmentation fault",
@@ -56,22 +57,22 @@ void guard_listen(const guard_listener *to);
    GUARD_CRASH_RUNNING. [main] */
 void guard_where(const char *where, int code);
 
-/* Set the present run folder, `work`. After a crash, the folder is renamed to
-   `failed` or FAILED-2, -3 ..., or removed if empty; then the file `lock` and
-   its empty folder are removed. The texts are copied; NULL: none. [main] */
+/* Set `work`, the folder of the present run. After a crash, the folder is
+   removed if empty, else renamed to `failed` or FAILED-2, -3 ... The file
+   `lock` is then removed with its folder, if empty. The texts are copied; NULL:
+   none. [main] */
 void guard_folder(const char *work, const char *failed, const char *lock);
 
 /* End the command with the message "WHERE: stopped in plugin 'ID'", and keep
-   the run folder as after a crash. The message names the present plugins of all
+   the run folder as after a crash. The message names the running plugins of all
    threads. Safe in a signal handler. */
 _Noreturn void guard_end(int code);
 
-/* Report the present plugin because it ends the process, and exit; return if
-   this thread is in no plugin. */
+/* If this thread is in a plugin, report that the plugin exits, and exit. */
 void guard_exit(void);
 
 /* Set the final exit code, before exit handlers of plugins may run. [main] */
 void guard_done(int code);
 
-/* Return the final exit code; `code` if not set. */
+/* Return the final exit code; `code` if guard_done was not called. */
 int guard_code(int code);

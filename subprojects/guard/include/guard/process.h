@@ -6,26 +6,28 @@
 
 #include <stddef.h>
 
-/* A signal whose handler plugins must not change; `means` is NULL if the signal
-   is not a crash. The list ends with the number 0. */
+/* A signal whose handler plugins must not change. `means` is the message of a
+   crash by this signal; NULL: the signal is no crash. The list ends with the
+   number 0. */
 typedef struct process_signal {
   int number;
   const char *name, *means;
 } process_signal;
 extern const process_signal process_signals[];
 
-/* Record the present state, again after each change by the command. [main] */
+/* Record the present state; again after each change by the command. [main] */
 void process_settle(void);
 
 /* Return a change of this thread's state, except the signal mask, as a
    predicate: "changed the locale"; NULL: none. Makes no system call. [any] */
 const char *process_thread_change(void);
 
-/* Return whether the signal mask of this thread differs. [any] */
+/* Return whether this thread's signal mask differs from the recorded one.
+   [any] */
 int process_signals_change(void);
 
 /* Return the first change of the process as a predicate; NULL: no change.
- *detail is the end of the sentence, or empty. [any] */
+ *detail receives the end of the sentence, or "". [any] */
 const char *process_change(const char **detail);
 
 /* Return a file descriptor of the recorded working folder, for renameat(). */
@@ -34,6 +36,6 @@ int process_folder(void);
 /* Write n bytes to a file descriptor. Safe in a signal handler. */
 void process_write(int out, const char *bytes, size_t n);
 
-/* Write a text to the recorded stderr. Safe in a signal handler.
- */
+/* Write a text to the recorded stderr. Safe in a signal
+   handler. */
 void process_say(const char *text);

@@ -6,5 +6,18 @@
    signal, or 0.5 s, ends the process with the exit code `code`. [main] */
 void stop_on_signals(int code);
 
+/* Time limits of nested calls of plugins. A call that exceeds its limit ends
+   the process as guard_end does, with the exit code GUARD_CRASH_RUNNING and
+   `where` in the message. Limits act after stop_on_signals. The struct belongs
+   to the caller until stop_limit_end. [main] */
+typedef struct stop_limit stop_limit;
+struct stop_limit {
+  double end; /* time of the monotonic clock, s */
+  char where[1024];
+  stop_limit *outer;
+};
+void stop_limit_begin(stop_limit *limit, double seconds, const char *where);
+void stop_limit_end(const stop_limit *limit);
+
 /* Return whether a stop is requested. [any] ([main]: opcflow/plugin.h) */
 int stop_is_asked(void);

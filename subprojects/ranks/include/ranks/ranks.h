@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Processes of one run, started by mpirun: the ranks, from 0. All ranks make
-   the same calls in the same order. Only a run of several processes loads the
-   object linked to MPI. All functions are [main] (opcflow/plugin.h). */
+/* Processes of one run, started by mpirun: the ranks, counted from 0. All ranks
+   make the same calls in the same order. The object linked to MPI is loaded
+   only for a run of several processes. All functions are [main]
+   (opcflow/plugin.h). */
 #pragma once
 
 #include <glib.h>
@@ -17,10 +18,11 @@ typedef struct ranks_units {
      first. */
   double (*cost)(void *data, size_t i);
 
-  /* Return whether this rank has the result of unit i already. */
+  /* Return whether this rank already has the result of unit i. */
   int (*has)(void *data, size_t i);
 
-  /* Return the result of unit i, at most 2^30 bytes; NULL and *error. */
+  /* Return the result of unit i, at most 2^30 bytes; NULL and *error on
+     failure. */
   GBytes *(*get)(void *data, size_t i, opc_error *error);
 
   /* Receive the result of unit i. The bytes are aligned as by malloc. */
@@ -38,18 +40,18 @@ typedef struct ranks_group {
 
   /* Wait until every rank calls this function with the same `what`. `code` and
      *error are the fault of this rank, or OPC_OK. Returns OPC_OK if no rank has
-     a fault, else in every rank the fault of the lowest faulty rank. */
+     a fault; else every rank returns the fault of the lowest faulty rank. */
   int (*meet)(const char *what, int code, opc_error *error);
 
   /* Replace each of the n values by the least value of all ranks. */
   int (*least)(int64_t *values, size_t n, opc_error *error);
 
-  /* Copy n bytes, less than 2^31, of rank `from` to all ranks. */
+  /* Copy n bytes, fewer than 2^31, from rank `from` to all ranks. */
   int (*spread)(void *bytes, size_t n, int from, opc_error *error);
 
   /* Distribute units over the ranks: call get() once for each unit, in the next
-     free rank, and take() in every rank, in order of i. The first fault is
-     returned in every rank. */
+     free rank, and take() in every rank, in ascending order of i. The fault of
+     the lowest faulty unit is returned in every rank. */
   int (*share)(const ranks_units *units, opc_error *error);
 
   /* Wait for all ranks unless the run was stopped, and finalise MPI. */

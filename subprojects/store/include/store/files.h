@@ -10,9 +10,9 @@
    FALSE if an entry could not be removed. */
 gboolean opc_remove_tree(const char *path);
 
-/* Return the SHA-256 (hexadecimal) of a regular file, up to its size when
-   opened (g_free); NULL and *error on failure, OPC_CANCELLED if the user stops
-   the calculation. `context` may be NULL. */
+/* Return the SHA-256 (hexadecimal) of a regular file (g_free), up to the size
+   that the file had when opened. NULL and *error on failure; OPC_CANCELLED if
+   the user stops the calculation. `context` may be NULL. */
 char *opc_file_sha256(const char *path, const opc_context *context,
                       opc_error *error);
 

@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Run folders. A run is written into its slot, a hidden folder beside the
-   target folder, which a lock protects until the process ends. A finished run
-   is renamed to the target as a whole, or exchanged with an earlier run. */
+/* Run folders. A run is written into a slot: a hidden folder beside the target
+   folder. A lock protects the slot until the process ends. A finished run is
+   renamed to the target as a whole, or exchanged with an earlier run. */
 #pragma once
 
 #include <glib.h>
 #include <opcflow/base.h>
 
 typedef struct opc_folder {
-  char *slot;    /* folder .NAME.opcflow-N with the next three */
+  char *slot;    /* folder .NAME.opcflow-N, which contains `lock`, `work` and
+                    `old` */
   char *lock;    /* a file, locked while the process runs */
   char *work;    /* folder of the run; after an exchange, the earlier run */
   char *old;     /* earlier run, if the file system cannot exchange folders */
@@ -22,14 +23,16 @@ typedef struct opc_folder {
 int opc_folder_allowed(const char *target, gboolean force, opc_error *error);
 
 /* Return a new slot with an empty folder beside `target`. Slots of killed runs
-   with this target are removed, their earlier runs restored. `sole`: fail if
-   another run with this target is active. NULL and *error on failure. */
+   with this target are removed, and earlier runs in these slots restored.
+   `sole`: fail if another run with this target is active. NULL and *error on
+   failure. */
 opc_folder *opc_folder_open(const char *target, gboolean sole,
                             opc_error *error);
 
 /* Rename the run to `target`. `replace`: replace an earlier run. Otherwise, if
-   the target exists, use TARGET-2, -3 ... (`number` set) or fail. *got receives
-   the final path in any case (g_free). Return OPC_IO and *error on failure. */
+   the target exists, use TARGET-2, -3 ... (`number` TRUE) or fail (`number`
+   FALSE). *got receives the final path in any case (g_free). Return OPC_IO and
+   *error on failure. */
 int opc_folder_close(opc_folder *folder, const char *target, gboolean replace,
                      gboolean number, char **got, opc_error *error);
 

@@ -21,7 +21,8 @@ typedef struct opc_store opc_store;
    is the empty text. Return NULL and fill *error if the folder cannot be
    created. A read-only folder is accepted. */
 opc_store *opc_store_open(opc_error *error);
-/* Remove values beyond the limit and free the store (NULL: nothing). */
+/* Remove the least recently used values beyond the limit and free the store
+   (NULL: nothing). */
 void opc_store_close(opc_store *store);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_store, opc_store_close)
 
@@ -31,9 +32,9 @@ const char *opc_store_folder(const opc_store *store);
    value or a full disk; NULL for none. */
 char *opc_store_complaint(opc_store *store);
 
-/* Return the value under `key` (g_variant_unref), which must have the type
-   `type`; NULL if none exists. A damaged value is removed. `key` has at least
-   two hexadecimal digits and may have a suffix. */
+/* Return the value under `key` (g_variant_unref), if the value has the type
+   `type`; else NULL. A damaged value is removed. `key` has at least two
+   hexadecimal digits and may have a suffix. */
 GVariant *opc_store_get(opc_store *store, const char *key,
                         const GVariantType *type);
 
@@ -42,7 +43,7 @@ GVariant *opc_store_get(opc_store *store, const char *key,
    writable. */
 gboolean opc_store_put(opc_store *store, const char *key, GVariant *value);
 
-/* Return whether a value exists; a damaged value exists. */
+/* Return whether a value exists, even if the value is damaged. */
 gboolean opc_store_has(const opc_store *store, const char *key);
 
 /* Remove a value. */
@@ -79,8 +80,8 @@ char *opc_store_sum(opc_store *store, const char *path,
 /* Return whether a file has the checksum `sum`. */
 gboolean opc_store_same(opc_store *store, const char *path, const char *sum);
 
-/* Return the checksum of the shared object that contains `address`, or of the
-   program for NULL, together with all needed shared objects. The text is valid
-   until the process ends; NULL if an object cannot be read. `store` may be
-   NULL. */
+/* Return the checksum of the shared object that contains `address` (NULL: of
+   the program) and of all shared objects that the object needs. NULL if an
+   object cannot be read. The text is valid until the process ends. `store` may
+   be NULL. */
 const char *opc_store_build(opc_store *store, const void *address);

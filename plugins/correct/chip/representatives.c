@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Implements the choice of representatives. The wider environment of a
+   transistor consists of the classes and positions of all transistors within
+   the range of optical interaction. Its checksum is that of the prints, with
+   classes in place of masks. In a memory, the most frequent wider environment
+   is the interior of an array, and the lowest member its corner. */
+#include <eda/memory.h>
+#include <stdlib.h>
+
+#include "work.h"
+
+void representatives_choose(work *w) {
+  eda_chip *c = w->chip;
+  prints_find(w);
+  uint32_t *size = eda_alloc(c->prints, sizeof *size),
+           *best = eda_alloc(w->classes, sizeof *best);
+  uint8_t *flip = eda_alloc(w->classes, 1);
+  for (size_t i = 0; i < c->count; i++) size[c->gate[i].print]++;
+  for (size_t k = 0; k < w->classes; k++) best[k] = c->gate[w->first[k]].print;
+  /* Prints are in the order of their first transistors. */
+  for (size_t k = 0; k < c->prints; k++) {
+    uint32_t of = c->gate[w->print_first[k]].mask;
+    if (size[k] > size[best[of]]) best[of] = (uint32_t)k;
+  }
+  for (size_t k = 0; k < w->classes; k++) {
+    w->first[k] = w->print_first[best[k]];
+    flip[k] = c->gate[w->first[k]].flip;
+  }
+  for (size_t i = 0; i < c->count; i++)
+    c->gate[i].flip ^= flip[c->gate[i].mask];
+  w->host->log(w->host, OPC_LOG_DEBUG,
+               "%zu different wider environments, within %.4g nm", c->prints,
+               w->margin * c->grid);
+  /* These prints are of classes and not of masks. */
+  g_hash_table_remove_all(w->prints);
+  g_ptr_array_set_size(w->sums, 0);
+  c->prints = 0;
+  free(size);
+  free(best);
+  free(flip);
+}
