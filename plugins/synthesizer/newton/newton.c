@@ -41,12 +41,6 @@ enum { JOG, WIDTH, NONE };
 
 static double newton_tolerance(const newton *t) { return t->tolerance / 100; }
 
-/* Return the error below which the method may stop: `ion_limit` less a reserve
-   for moves of neighbours and the accurate simulation. */
-static double newton_stop(const newton *t) {
-  return (1 - tuned.reserve) * newton_ion_limit(t);
-}
-
 static void newton_clear(void *self) {
   newton *t = self;
   free(t->state);
@@ -137,11 +131,6 @@ static biases mask_with_jog(const newton *t, const eda_gates *g, size_t i,
     shaped = mask_length(t, i, b) - length_value(&t->sides[i], x);
   }
   return mask_clear_jog(t, i, l, least, b);
-}
-
-/* Return the largest W whose ends are within their limits. */
-static double width_limit(const transistor *s) {
-  return s->outward_limit[0] + s->outward_limit[1];
 }
 
 /* Return `best`, or a mask with another W (by up to two steps) and jog if its

@@ -14,6 +14,10 @@
 
 double newton_ion_limit(const newton *t) { return t->ion_limit / 100; }
 
+double newton_stop(const newton *t) {
+  return (1 - tuned.reserve) * newton_ion_limit(t);
+}
+
 int biases_equal(biases a, biases b) {
   return a.l == b.l && a.w == b.w && a.jog == b.jog && a.aside == b.aside &&
          !memcmp(&a.shape, &b.shape, sizeof a.shape);
@@ -167,6 +171,10 @@ static void trust_update(const newton *t, transistor *s, const change *c,
   /* W has moved because L had no effect: try L again. */
   if (!corrects_ioff(t) && c->dx[BY_W] != 0)
     s->trust.radius = fmax(s->trust.radius, 1);
+}
+
+double width_limit(const transistor *s) {
+  return s->outward_limit[0] + s->outward_limit[1];
 }
 
 int32_t width_aside(const transistor *s, int32_t w) {
