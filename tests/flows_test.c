@@ -383,6 +383,16 @@ static void test_characterize(void) {
   g_assert_cmpfloat(metric("adjusted", "mask", "ion_max"), <=, 0.5);
 }
 
+/* A flow that simulates by a card corrects with the table of this card. */
+static void expect_one_card(const char *run) {
+  g_autofree char *out = place(run), *text = NULL;
+  g_autofree char *path = g_build_filename(out, "flow.yaml", NULL);
+  g_assert_true(g_file_get_contents(path, &text, NULL, NULL));
+  g_assert_nonnull(strstr(text, "opcflow65.pm"));
+  g_assert_nonnull(strstr(text, "opcflow65.yaml"));
+  g_assert_null(strstr(text, "ptm65.yaml"));
+}
+
 /* Path delays of a NAND2 for one switching input and for both inputs. Delays
    from separately simulated cells agree with ngspice on the whole circuit, as
    drawn and as printed. For two inputs, tables of a single input would be wrong
@@ -404,6 +414,7 @@ static void test_timing(void) {
                          "static_path.csv"};
   for (size_t i = 0; i < G_N_ELEMENTS(files); i++)
     expect_equal(runs[0], runs[1], files[i]);
+  expect_one_card(runs[0]);
   g_assert_cmpfloat(metric(runs[0], "paths", "spice_delays"), ==, 6);
   g_assert_cmpfloat(metric(runs[0], "paths", "spice_error_max"), <, 0.5);
   g_assert_cmpfloat(metric(runs[0], "paths", "spice_deviation_max"), <, 0.4);
@@ -427,6 +438,7 @@ static void test_slack(void) {
              100 * ((1 + metric(with, "rest", "leakage_mean") / 100) /
                         (1 + metric(without, "rest", "leakage_mean") / 100) -
                     1);
+  expect_one_card(with);
   g_assert_cmpfloat(foreseen, <, -25);
   g_assert_cmpfloat(fabs(printed - foreseen), <, 2);
   g_assert_cmpfloat_with_epsilon(metric(with, "slack", "leakage_drawn"),
